@@ -1,0 +1,9 @@
+# xsimd::xsimd, headers only. xsimd's own package file asks for a further library that Sheaf has no use for.
+find_path(xsimd_INCLUDE_DIR xsimd/xsimd.hpp)
+mark_as_advanced(xsimd_INCLUDE_DIR)
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(xsimd REQUIRED_VARS xsimd_INCLUDE_DIR)
+if(xsimd_FOUND AND NOT TARGET xsimd::xsimd)
+  add_library(xsimd::xsimd INTERFACE IMPORTED)
+  set_target_properties(xsimd::xsimd PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${xsimd_INCLUDE_DIR}")
+endif()

@@ -1,0 +1,47 @@
+// One block of memory, handed out from front to back and freed as a whole.
+#pragma once
+
+#include "core/simd.h"
+
+#include <cassert>
+#include <cstdlib>
+#include <memory>
+#include <new>
+
+namespace sheaf {
+
+/// A bump allocator. Everything taken is aligned to kSimdAlignment and lives as long as the arena. The block is zeroed
+/// by the constructing thread, which so becomes the owner of its pages.
+class Arena {
+ public:
+  explicit Arena(std::size_t bytes) : size_(round_up(bytes)), block_(allocate(size_)) {}
+
+  /// `count` values of a trivial type.
+  template <class T> T* take(std::size_t count) {
+    static_assert(std::is_trivially_destructible_v<T>);
+    const std::size_t bytes = round_up(count * sizeof(T));
+    assert(used_ + bytes <= size_);
+    void* p = block_.get() + used_;
+    used_ += bytes;
+    return static_cast<T*>(p);
+  }
+
+  std::size_t size() const { return size_; }
+  std::size_t used() const { return used_; }
+
+ private:
+  struct Free {
+    void operator()(unsigned char* p) const { ::operator delete(p, std::align_val_t{kSimdAlignment}); }
+  };
+  static std::size_t round_up(std::size_t bytes) { return (bytes + kSimdAlignment - 1) / kSimdAlignment * kSimdAlignment; }
+  static unsigned char* allocate(std::size_t bytes) {
+    auto* p = static_cast<unsigned char*>(::operator new(bytes, std::align_val_t{kSimdAlignment}));
+    std::memset(p, 0, bytes);
+    return p;
+  }
+
+  std::size_t size_ = 0, used_ = 0;
+  std::unique_ptr<unsigned char[], Free> block_;
+};
+
+}  // namespace sheaf

@@ -1,0 +1,211 @@
+// EXR reading and writing. The only file that includes OpenEXR and Imath.
+#include "core/exr.h"
+
+#include "core/color.h"
+#include "core/error.h"
+#include "core/output_file.h"
+
+#include <ImathBox.h>
+#include <ImathMatrix.h>
+#include <ImfChannelList.h>
+#include <ImfChromaticitiesAttribute.h>
+#include <ImfFloatAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputPart.h>
+#include <ImfIntAttribute.h>
+#include <ImfMatrixAttribute.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfPartType.h>
+#include <ImfStringAttribute.h>
+#include <ImfTestFile.h>
+#include <ImfThreading.h>
+#include <half.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+
+namespace sheaf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Imath::V2f to_imath(Vec2f v) { return {v.x, v.y}; }
+
+Imf::Header make_header(const Image& image, const ExrMetadata& metadata) {
+  const Imath::Box2i frame({0, 0}, {image.frame_width - 1, image.frame_height - 1});
+  const Imath::Box2i window({image.x0, image.y0}, {image.x0 + image.width - 1, image.y0 + image.height - 1});
+  Imf::Header header(frame, window);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  header.lineOrder() = Imf::INCREASING_Y;
+  const auto& xy = kRec709Chromaticities;
+  const Imf::Chromaticities chromaticities(to_imath(xy[0]), to_imath(xy[1]), to_imath(xy[2]), to_imath(xy[3]));
+  header.insert("chromaticities", Imf::ChromaticitiesAttribute(chromaticities));
+  if (!metadata.software.empty()) header.insert("Software", Imf::StringAttribute(metadata.software));
+  if (metadata.capture_date) header.insert("capDate", Imf::StringAttribute(*metadata.capture_date));
+  if (metadata.world_to_camera) {
+    Imath::M44f matrix;  // points are rows in Imath
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 4; ++column) {
+        const auto r = static_cast<std::size_t>(row), c = static_cast<std::size_t>(column);
+        matrix[column][row] = static_cast<float>(metadata.world_to_camera->m[r][c]);
+      }
+    }
+    header.insert("worldToCamera", Imf::M44fAttribute(matrix));
+  }
+  for (const ExrMetadata::Attribute& attribute : metadata.attributes) {
+    const char* name = attribute.name.c_str();
+    if (const auto* i = std::get_if<int>(&attribute.value)) header.insert(name, Imf::IntAttribute(*i));
+    if (const auto* f = std::get_if<float>(&attribute.value)) header.insert(name, Imf::FloatAttribute(*f));
+    if (const auto* s = std::get_if<std::string>(&attribute.value)) header.insert(name, Imf::StringAttribute(*s));
+  }
+  return header;
+}
+
+/// A slice over interleaved values whose first value belongs to the window's upper left pixel.
+Imf::Slice make_slice(Imf::PixelType type, void* first, std::size_t value_bytes, const Image& image,
+                      std::size_t values_per_pixel) {
+  const std::size_t pixel = value_bytes * values_per_pixel, row = pixel * static_cast<std::size_t>(image.width);
+  const std::intptr_t origin = static_cast<std::intptr_t>(image.x0) * static_cast<std::intptr_t>(pixel) +
+                               static_cast<std::intptr_t>(image.y0) * static_cast<std::intptr_t>(row);
+  const auto base = reinterpret_cast<std::uintptr_t>(first) - static_cast<std::uintptr_t>(origin);
+  return Imf::Slice(type, reinterpret_cast<char*>(base), pixel, row);
+}
+
+void check_image(const Image& image) {
+  const bool sizes_match = image.data.size() == image.pixel_count() * image.channels.size();
+  if (image.pixel_count() == 0 || image.channels.empty() || image.frame_width <= 0 || image.frame_height <= 0 ||
+      !sizes_match) {
+    throw Error(ExitCode::kOutput, "an image without pixels or with missing values cannot be written");
+  }
+}
+
+void write_pixels(const fs::path& path, const Image& image, const ExrMetadata& metadata) {
+  Imf::Header header = make_header(image, metadata);
+  Imf::FrameBuffer buffer;
+  std::vector<std::vector<half>> halves;
+  halves.reserve(image.channels.size());
+  float* const values = const_cast<float*>(image.data.data());  // a frame buffer is for reading and writing alike
+  for (std::size_t c = 0; c < image.channels.size(); ++c) {
+    const std::string& name = image.channels[c];
+    const auto& wanted = metadata.half_channels;
+    if (std::find(wanted.begin(), wanted.end(), name) == wanted.end()) {
+      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+      buffer.insert(name, make_slice(Imf::FLOAT, values + c, sizeof(float), image, image.channels.size()));
+      continue;
+    }
+    std::vector<half>& column = halves.emplace_back(image.pixel_count());
+    for (std::size_t i = 0; i < column.size(); ++i) column[i] = half(values[i * image.channels.size() + c]);
+    header.channels().insert(name, Imf::Channel(Imf::HALF));
+    buffer.insert(name, make_slice(Imf::HALF, column.data(), sizeof(half), image, 1));
+  }
+  Imf::OutputFile file(path.string().c_str(), header, 0);
+  file.setFrameBuffer(buffer);
+  file.writePixels(image.height);
+}
+
+/// Calls `read` with the file's first part and turns the library's exceptions into ours.
+template <class Read> void with_first_part(const fs::path& path, Read read) {
+  const SourceLocation where{path.string(), 0};
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) throw SceneError(where, "there is no such image file");
+  if (!is_exr(path)) throw SceneError(where, "this is not an OpenEXR file");
+  Imf::setGlobalThreadCount(0);
+  try {
+    Imf::MultiPartInputFile file(path.string().c_str(), 0);
+    read(file);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw SceneError(where, "there is not enough memory for this image");
+  } catch (const std::exception& problem) {
+    throw SceneError(where, std::string("cannot read the image: ") + problem.what());
+  }
+}
+
+/// An image of the file's size, in its place in the frame, without values yet. Throws SceneError.
+Image prepare_image(const fs::path& path, const Imf::Header& header) {
+  const SourceLocation where{path.string(), 0};
+  if (header.hasType() && Imf::isDeepData(header.type())) throw SceneError(where, "deep images are not supported");
+  std::vector<std::string> names;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1) {
+      throw SceneError(where, std::string("channel '") + channel.name() + "' is subsampled, which is not supported");
+    }
+    names.emplace_back(channel.name());
+  }
+  const Imath::Box2i window = header.dataWindow(), frame = header.displayWindow();
+  const auto extent = [](int low, int high) { return static_cast<long long>(high) - low + 1; };
+  const auto too_far = [](int v) { return std::abs(static_cast<long long>(v)) > (1 << 24); };
+  const long long width = extent(window.min.x, window.max.x), height = extent(window.min.y, window.max.y);
+  check_image_size(path, width, height, names.size(), fs::file_size(path));
+  for (const int corner : {window.min.x, window.min.y, frame.min.x, frame.min.y, frame.max.x, frame.max.y}) {
+    if (too_far(corner)) throw SceneError(where, "a window of the image lies too far from the origin");
+  }
+  Image image(static_cast<int>(width), static_cast<int>(height), std::move(names));
+  image.x0 = window.min.x - frame.min.x;
+  image.y0 = window.min.y - frame.min.y;
+  image.frame_width = static_cast<int>(extent(frame.min.x, frame.max.x));
+  image.frame_height = static_cast<int>(extent(frame.min.y, frame.max.y));
+  return image;
+}
+
+}  // namespace
+
+bool is_exr(const fs::path& path) { return Imf::isOpenExrFile(path.string().c_str()); }
+
+void write_exr(const fs::path& path, const Image& image, const ExrMetadata& metadata) {
+  check_image(image);
+  Imf::setGlobalThreadCount(0);
+  OutputFile file(path);
+  try {
+    write_pixels(file.temporary(), image, metadata);
+  } catch (const std::exception& problem) {
+    throw Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + problem.what());
+  }
+  file.commit();
+}
+
+Image read_exr(const fs::path& path) {
+  Image image;
+  with_first_part(path, [&](Imf::MultiPartInputFile& file) {
+    const Imf::Header& header = file.header(0);
+    image = prepare_image(path, header);
+    Imf::InputPart part(file, 0);
+    Image placed = image;  // slices are addressed in the file's coordinates, not in the frame's
+    placed.x0 = header.dataWindow().min.x;
+    placed.y0 = header.dataWindow().min.y;
+    Imf::FrameBuffer buffer;
+    for (std::size_t c = 0; c < image.channels.size(); ++c) {
+      buffer.insert(image.channels[c], make_slice(Imf::FLOAT, image.data.data() + c, sizeof(float), placed,
+                                                  image.channels.size()));
+    }
+    part.setFrameBuffer(buffer);
+    part.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
+  });
+  return image;
+}
+
+std::vector<ExrMetadata::Attribute> read_exr_attributes(const fs::path& path) {
+  std::vector<ExrMetadata::Attribute> attributes;
+  with_first_part(path, [&](Imf::MultiPartInputFile& file) {
+    const Imf::Header& header = file.header(0);
+    for (auto item = header.begin(); item != header.end(); ++item) {
+      const Imf::Attribute& attribute = item.attribute();
+      if (const auto* i = dynamic_cast<const Imf::IntAttribute*>(&attribute)) {
+        attributes.push_back({item.name(), i->value()});
+      } else if (const auto* f = dynamic_cast<const Imf::FloatAttribute*>(&attribute)) {
+        attributes.push_back({item.name(), f->value()});
+      } else if (const auto* s = dynamic_cast<const Imf::StringAttribute*>(&attribute)) {
+        attributes.push_back({item.name(), s->value()});
+      }
+    }
+  });
+  return attributes;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,43 @@
+// OpenEXR files: writing rendered layers with their metadata, reading any flat image.
+#pragma once
+
+#include "core/image.h"
+#include "core/transform.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace sheaf {
+
+/// What an EXR file says besides its pixels.
+struct ExrMetadata {
+  struct Attribute {
+    std::string name;  ///< e.g. "sheaf/seed"
+    std::variant<int, float, std::string> value;
+  };
+  std::vector<Attribute> attributes;         ///< written as given; each name once
+  std::string software;                      ///< the Software attribute; left out if empty
+  std::optional<Matrix4> world_to_camera;    ///< points are columns; camera space as in OpenEXR: looks along -z, +y up
+  std::vector<std::string> half_channels;    ///< channels stored with 16 bits; all others are 32-bit float
+  std::optional<std::string> capture_date;   ///< "YYYY:MM:DD hh:mm:ss" local time; left out if not given
+};
+
+/// Whether the file starts as an OpenEXR file does. False if it cannot be read.
+bool is_exr(const std::filesystem::path& path);
+
+/// Writes one part, ZIP-compressed scan lines, with the image as data window and the frame as display window. The same
+/// arguments give the same bytes. Throws Error (exit code 4).
+void write_exr(const std::filesystem::path& path, const Image& image, const ExrMetadata& metadata = {});
+
+/// Reads the first part, scan lines or tiles, all channels as float, with the windows as the image's place in its
+/// frame. Channels come in the file's order, which is alphabetical. Throws SceneError if the file is missing,
+/// malformed, truncated, deep, subsampled or beyond the limits of core/image.h.
+Image read_exr(const std::filesystem::path& path);
+
+/// The string, integer and float attributes of the first part, in the file's order. Throws as read_exr() does.
+std::vector<ExrMetadata::Attribute> read_exr_attributes(const std::filesystem::path& path);
+
+}  // namespace sheaf

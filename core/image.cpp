@@ -1,0 +1,149 @@
+// Reading pictures and writing PNG. The only file that includes OpenImageIO.
+#include "core/image.h"
+
+#include "core/color.h"
+#include "core/error.h"
+#include "core/exr.h"
+#include "core/output_file.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <mutex>
+
+namespace sheaf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void quiet_library() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    OIIO::attribute("threads", 1);
+    OIIO::attribute("exr_threads", -1);
+  });
+}
+
+std::uint8_t quantize(float value) {
+  if (!(value > 0)) return 0;
+  return static_cast<std::uint8_t>(std::lround(std::min(value, 1.0f) * 255.0f));
+}
+
+/// Source channels of a PNG: colour (one or three) and alpha, -1 if it is left out.
+struct PngChannels {
+  std::vector<int> color;
+  int alpha = -1;
+};
+
+PngChannels choose_channels(const Image& image) {
+  PngChannels chosen;
+  const int red = image.find_channel("R"), green = image.find_channel("G"), blue = image.find_channel("B");
+  if (red >= 0 && green >= 0 && blue >= 0) {
+    chosen.color = {red, green, blue};
+  } else {
+    chosen.color = {std::max(red, 0)};
+  }
+  const int alpha = image.find_channel("A");
+  if (alpha >= 0 && alpha != chosen.color[0]) {
+    for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+      const float value = image.data[i * image.channels.size() + static_cast<std::size_t>(alpha)];
+      if (quantize(value) != 255) chosen.alpha = alpha;
+    }
+  }
+  return chosen;
+}
+
+std::vector<std::uint8_t> encode(const Image& image, const PngChannels& chosen) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(image.pixel_count() * (chosen.color.size() + 1));
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+    const float* pixel = &image.data[i * image.channels.size()];
+    const float alpha = chosen.alpha < 0 ? 1.0f : pixel[chosen.alpha];
+    const float scale = alpha > 0 ? 1 / alpha : 0.0f;
+    for (const int c : chosen.color) bytes.push_back(quantize(linear_to_srgb(pixel[c] * scale)));
+    if (chosen.alpha >= 0) bytes.push_back(quantize(alpha));
+  }
+  return bytes;
+}
+
+}  // namespace
+
+Image::Image(int image_width, int image_height, std::vector<std::string> names)
+    : width(image_width), height(image_height), channels(std::move(names)), frame_width(image_width),
+      frame_height(image_height) {
+  data.resize(pixel_count() * channels.size());
+}
+
+int Image::find_channel(std::string_view name) const {
+  const auto found = std::find(channels.begin(), channels.end(), name);
+  return found == channels.end() ? -1 : static_cast<int>(found - channels.begin());
+}
+
+void check_image_size(const fs::path& file, long long width, long long height, std::size_t channels,
+                      std::size_t file_bytes) {
+  constexpr std::size_t kBestRatio = 2048, kSlack = std::size_t{1} << 20;
+  const SourceLocation where{file.string(), 0};
+  const std::string size = std::to_string(width) + " x " + std::to_string(height) + " pixels with " +
+                           std::to_string(channels) + " channels";
+  if (width <= 0 || height <= 0 || channels == 0) throw SceneError(where, "the image is empty: " + size);
+  if (width > kMaxImageSide || height > kMaxImageSide || channels > 4096) {
+    throw SceneError(where, "the image is too large: " + size);
+  }
+  const std::size_t values = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channels;
+  if (values > kMaxImageBytes / sizeof(float)) throw SceneError(where, "the image is too large: " + size);
+  if (file_bytes < kMaxImageBytes / kBestRatio && values > file_bytes * kBestRatio + kSlack) {
+    throw SceneError(where, "the header claims " + size + ", but the file has only " + std::to_string(file_bytes) +
+                                " bytes");
+  }
+}
+
+void write_png(const fs::path& path, const Image& image) {
+  quiet_library();
+  OutputFile file(path);
+  const auto fail = [&path](const std::string& why) {
+    return Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + why);
+  };
+  if (image.pixel_count() == 0 || image.channels.empty()) throw fail("the image is empty");
+  const PngChannels chosen = choose_channels(image);
+  const std::vector<std::uint8_t> bytes = encode(image, chosen);
+  const int count = static_cast<int>(chosen.color.size()) + (chosen.alpha >= 0 ? 1 : 0);
+  OIIO::ImageSpec spec(image.width, image.height, count, OIIO::TypeDesc::UINT8);
+  spec.alpha_channel = chosen.alpha >= 0 ? count - 1 : -1;
+  spec.attribute("oiio:UnassociatedAlpha", 1);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
+  if (!output) throw fail(OIIO::geterror());
+  if (!output->open(file.temporary().string(), spec)) throw fail(output->geterror());
+  const bool written = output->write_image(OIIO::TypeDesc::UINT8, bytes.data());
+  if (!output->close() || !written) throw fail(output->geterror());
+  file.commit();
+}
+
+Image read_image(const fs::path& path) {
+  const SourceLocation where{path.string(), 0};
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) throw SceneError(where, "there is no such image file");
+  if (is_exr(path)) return read_exr(path);
+  quiet_library();
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string(), &config);
+  if (!input) throw SceneError(where, "cannot read the image: " + OIIO::geterror());
+  const OIIO::ImageSpec spec = input->spec();
+  check_image_size(path, spec.width, spec.height, static_cast<std::size_t>(std::max(spec.nchannels, 0)),
+                   fs::file_size(path));
+  if (spec.depth > 1 || spec.deep) throw SceneError(where, "volume and deep images are not supported");
+  Image image(spec.width, spec.height, spec.channelnames);
+  if (image.channels.size() != static_cast<std::size_t>(spec.nchannels)) {
+    throw SceneError(where, "the image's channels have no names");
+  }
+  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.data.data())) {
+    throw SceneError(where, "cannot read the image: " + input->geterror());
+  }
+  return image;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,53 @@
+// Lane policies: the one parameter in which all mathematics is generic.
+//
+// `template <class L>` code uses L::Float, L::Uint and L::Mask and the functions of core/simd.h, and so compiles for
+// Scalar (one path; tests, scene compilation) and Wide (kWidth paths; kernels) from the same source.
+#pragma once
+
+#include "core/simd.h"
+
+namespace sheaf {
+
+/// One value per field.
+struct Scalar {
+  using Float = float;
+  using Uint = std::uint32_t;
+  using Mask = bool;
+  static constexpr int width = 1;
+  static SHEAF_INLINE Mask first(int count) { return count > 0; }
+  static SHEAF_INLINE Uint index() { return 0; }
+};
+
+/// kWidth values per field: one register.
+struct Wide {
+  using Float = WideFloat;
+  using Uint = WideUint;
+  using Mask = WideMask;
+  static constexpr int width = kWidth;
+  static SHEAF_INLINE Mask first(int count) { return first_lanes(count); }
+  static SHEAF_INLINE Uint index() { return lane_index(); }
+};
+
+/// Storage: every field of a record is a pointer to a column. Loading takes Scalar or Wide values from it.
+struct Columns {
+  using Float = float*;
+  using Uint = std::uint32_t*;
+};
+
+template <class L> using Float = typename L::Float;
+template <class L> using Uint = typename L::Uint;
+template <class L> using Mask = typename L::Mask;
+
+inline constexpr float kPi = 3.14159265358979323846f;
+inline constexpr float kInvPi = 0.31830988618379067154f;
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// a squared.
+template <class F> SHEAF_INLINE F sqr(F a) { return a * a; }
+/// sqrt(max(a, 0)).
+template <class F> SHEAF_INLINE F safe_sqrt(F a) { return sqrt(max(a, F(0.0f))); }
+template <class F> SHEAF_INLINE F clamp(F a, F lo, F hi) { return min(max(a, lo), hi); }
+/// a + t (b - a).
+template <class F> SHEAF_INLINE F lerp(F t, F a, F b) { return fma(t, b - a, a); }
+
+}  // namespace sheaf

@@ -1,0 +1,83 @@
+// Counting, and the two ways of showing it.
+#include "core/progress.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+constexpr double kBarInterval = 0.1, kLineInterval = 10.0;
+constexpr int kBarCells = 24;
+
+std::string draw_bar(double fraction) {
+  const auto filled = static_cast<std::size_t>(std::clamp(fraction, 0.0, 1.0) * kBarCells);
+  return "[" + std::string(filled, '#') + std::string(kBarCells - filled, '.') + "] ";
+}
+
+}  // namespace
+
+std::string format_duration(double seconds) {
+  if (!std::isfinite(seconds) || seconds < 0 || seconds > 1e9) return "?:??";
+  const auto whole = static_cast<long long>(std::llround(seconds));
+  const long long h = whole / 3600, m = whole / 60 % 60, s = whole % 60;
+  return h > 0 ? fmt::format("{}:{:02}:{:02}", h, m, s) : fmt::format("{}:{:02}", m, s);
+}
+
+double Progress::steady_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Progress::Progress(Mode mode, std::uint64_t samples, Write write, Clock clock)
+    : mode_(mode), samples_(static_cast<double>(samples)), write_(std::move(write)), clock_(std::move(clock)),
+      start_(clock_()), next_show_(start_ + (mode == Mode::kLines ? kLineInterval : 0.0)) {}
+
+void Progress::update(std::uint64_t done, std::uint64_t total) {
+  if (mode_ == Mode::kQuiet) return;
+  total_.store(total, std::memory_order_relaxed);
+  std::uint64_t seen = done_.load(std::memory_order_relaxed);
+  while (seen < done && !done_.compare_exchange_weak(seen, done, std::memory_order_relaxed)) {
+  }
+  const double now = clock_();
+  if (now < next_show_.load(std::memory_order_relaxed)) return;
+  const std::unique_lock lock(printing_, std::try_to_lock);
+  if (!lock || finished_ || now < next_show_.load(std::memory_order_relaxed)) return;
+  next_show_ = now + (mode_ == Mode::kLines ? kLineInterval : kBarInterval);
+  show(now, false, false);
+}
+
+void Progress::finish(bool complete) {
+  if (mode_ == Mode::kQuiet) return;
+  const std::lock_guard lock(printing_);
+  if (finished_) return;
+  finished_ = true;
+  show(clock_(), true, complete);
+}
+
+std::string Progress::describe(double fraction, int percent, double now) const {
+  const double elapsed = now - start_;
+  const double speed = elapsed > 0 ? fraction * samples_ / elapsed * 1e-6 : 0.0;
+  std::string text = fmt::format("{:3} %  {} elapsed", percent, format_duration(elapsed));
+  if (percent < 100) {
+    const double left = fraction > 0 ? elapsed * (1 - fraction) / fraction : -1.0;
+    text += fmt::format(", {} left", format_duration(left));
+  }
+  return text + fmt::format(", {:.2f} Msamples/s", speed);
+}
+
+void Progress::show(double now, bool last, bool complete) {
+  const auto done = static_cast<double>(done_.load()), total = static_cast<double>(total_.load());
+  const double fraction = last && complete ? 1.0 : total > 0 ? std::min(done / total, 1.0) : 0.0;
+  const int percent = last && complete ? 100 : std::min(static_cast<int>(100 * fraction), 99);
+  std::string text = describe(fraction, percent, now);
+  if (last && !complete) text += ", interrupted";
+  if (mode_ == Mode::kBar) text = "\r" + draw_bar(fraction) + text + "\x1b[K";
+  if (mode_ == Mode::kLines || last) text += "\n";
+  write_(text);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,158 @@
+// Sums, ratios and printed forms of the counters. The only file that includes nlohmann-json.
+#include "core/stats.h"
+
+#include "core/simd.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <iterator>
+
+#if defined(__unix__) || defined(__APPLE__)
+#include <sys/resource.h>
+#endif
+
+namespace sheaf {
+
+namespace {
+
+double ratio(double a, double b) { return b > 0 ? a / b : 0.0; }
+
+double measure_seconds_per_tick() {
+#if defined(__x86_64__) || defined(__i386__)
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kSpan{5};
+  const Clock::time_point start = Clock::now();
+  const std::uint64_t first = timestamp();
+  Clock::time_point now = start;
+  while (now - start < kSpan) now = Clock::now();
+  const std::uint64_t last = timestamp();
+  return std::chrono::duration<double>(now - start).count() / static_cast<double>(last - first);
+#else
+  using Period = std::chrono::steady_clock::period;
+  return static_cast<double>(Period::num) / static_cast<double>(Period::den);
+#endif
+}
+
+}  // namespace
+
+std::string_view stage_name(Stage stage) {
+  static constexpr std::array<std::string_view, kStageCount> kNames{
+      "camera_rays", "intersect", "emission", "sort", "surface_inputs", "light_candidates", "shadow", "scatter",
+      "accumulate"};
+  return kNames.at(static_cast<std::size_t>(stage));
+}
+
+double seconds_per_tick() {
+  static const double seconds = measure_seconds_per_tick();
+  return seconds;
+}
+
+std::uint64_t peak_rss_bytes() {
+#if defined(__APPLE__)
+  constexpr std::uint64_t kUnit = 1;
+#else
+  constexpr std::uint64_t kUnit = 1024;
+#endif
+#if defined(__unix__) || defined(__APPLE__)
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) == 0) return static_cast<std::uint64_t>(usage.ru_maxrss) * kUnit;
+#endif
+  return 0;
+}
+
+StageStats& StageStats::operator+=(const StageStats& other) {
+  calls += other.calls;
+  items += other.items;
+  batches += other.batches;
+  active_lanes += other.active_lanes;
+  ticks += other.ticks;
+  return *this;
+}
+
+double StageStats::ns_per_item() const { return ratio(seconds() * 1e9, static_cast<double>(items)); }
+
+double StageStats::lane_fill() const {
+  return ratio(static_cast<double>(active_lanes), static_cast<double>(batches) * kWidth);
+}
+
+Stats& Stats::operator+=(const Stats& other) {
+  for (std::size_t i = 0; i < kStageCount; ++i) stages[i] += other.stages[i];
+  rays.camera += other.rays.camera;
+  rays.scatter += other.rays.scatter;
+  rays.shadow += other.rays.shadow;
+  trace_ticks += other.trace_ticks;
+  samples += other.samples;
+  dropped.rays += other.dropped.rays;
+  dropped.samples += other.dropped.samples;
+  return *this;
+}
+
+double RenderReport::rays_per_second() const { return ratio(static_cast<double>(stats.rays.total()), render_seconds); }
+
+double RenderReport::trace_share() const {
+  return ratio(static_cast<double>(stats.trace_ticks) * seconds_per_tick(), render_seconds * threads);
+}
+
+std::string to_json(const RenderReport& report) {
+  using Json = nlohmann::ordered_json;
+  Json stages = Json::array();
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    const StageStats& stage = report.stats.stages[i];
+    stages.push_back({{"name", stage_name(static_cast<Stage>(i))},
+                      {"items", stage.items},
+                      {"calls", stage.calls},
+                      {"seconds", stage.seconds()},
+                      {"ns_per_item", stage.ns_per_item()},
+                      {"lane_fill", stage.lane_fill()}});
+  }
+  const Stats::Rays& rays = report.stats.rays;
+  const Json json{{"scene", report.scene},
+                  {"integrator", report.integrator},
+                  {"color", report.color},
+                  {"width", report.width},
+                  {"height", report.height},
+                  {"spp", report.spp},
+                  {"threads", report.threads},
+                  {"isa", report.isa},
+                  {"wave_size", report.wave_size},
+                  {"seed", report.seed},
+                  {"load_seconds", report.load_seconds},
+                  {"build_seconds", report.build_seconds},
+                  {"render_seconds", report.render_seconds},
+                  {"peak_rss_bytes", report.peak_rss_bytes},
+                  {"samples", report.stats.samples},
+                  {"rays", {{"camera", rays.camera}, {"scatter", rays.scatter}, {"shadow", rays.shadow}}},
+                  {"rays_per_second", report.rays_per_second()},
+                  {"trace_share", report.trace_share()},
+                  {"stages", stages},
+                  {"dropped", {{"rays", report.stats.dropped.rays}, {"samples", report.stats.dropped.samples}}}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_table(const RenderReport& report) {
+  const Stats& stats = report.stats;
+  std::string text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "{}: {} x {}, {} spp, {} threads, {}, waves of {}\n", report.integrator, report.width,
+                 report.height, report.spp, report.threads, report.isa, report.wave_size);
+  fmt::format_to(out, "load {:.3f} s, build {:.3f} s, render {:.3f} s, peak memory {:.1f} MB\n", report.load_seconds,
+                 report.build_seconds, report.render_seconds, static_cast<double>(report.peak_rss_bytes) * 1e-6);
+  fmt::format_to(out, "{} samples, {} rays (camera {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
+                 stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.scatter, stats.rays.shadow,
+                 report.rays_per_second() * 1e-6, report.trace_share() * 100);
+  fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11}{:>10}{:>11}\n", "stage", "items", "calls", "seconds", "ns/item",
+                 "lane fill");
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    const StageStats& stage = stats.stages[i];
+    if (stage.items == 0) continue;
+    fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11.3f}{:>10.1f}{:>10.1f}%\n", stage_name(static_cast<Stage>(i)),
+                   stage.items, stage.calls, stage.seconds(), stage.ns_per_item(), stage.lane_fill() * 100);
+  }
+  if (stats.dropped.rays + stats.dropped.samples > 0) {
+    fmt::format_to(out, "dropped: {} rays, {} samples\n", stats.dropped.rays, stats.dropped.samples);
+  }
+  return text;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,121 @@
+// What a render did and how long it took: counters per worker, their sum, and the report made of them.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#if defined(__x86_64__) || defined(__i386__)
+#include <x86intrin.h>
+#endif
+
+namespace sheaf {
+
+/// The stages of the path pass, in the order in which reports list them.
+enum class Stage : std::uint32_t {
+  kCameraRays, kIntersect, kEmission, kSort, kSurfaceInputs, kLightCandidates, kShadow, kScatter, kAccumulate, kCount
+};
+inline constexpr std::size_t kStageCount = static_cast<std::size_t>(Stage::kCount);
+
+/// The stage's name as reports and benchmarks write it, e.g. "light_candidates".
+std::string_view stage_name(Stage stage);
+
+/// A fast time stamp in ticks of unspecified length. Monotonic on one thread; costs a few nanoseconds.
+inline std::uint64_t timestamp() {
+#if defined(__x86_64__) || defined(__i386__)
+  return __rdtsc();
+#else
+  return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
+#endif
+}
+
+/// The length of one tick of timestamp(). The first call measures it for some milliseconds; thread-safe.
+double seconds_per_tick();
+
+/// The highest resident set size of this process so far; 0 where the system does not tell.
+std::uint64_t peak_rss_bytes();
+
+/// What one stage did.
+struct StageStats {
+  std::uint64_t calls = 0;         ///< times the stage ran on a wave
+  std::uint64_t items = 0;         ///< queue entries consumed
+  std::uint64_t batches = 0;       ///< SIMD registers' worth of work
+  std::uint64_t active_lanes = 0;  ///< lanes of those registers that held an item; at most batches * kWidth
+  std::uint64_t ticks = 0;         ///< of timestamp()
+
+  StageStats& operator+=(const StageStats& other);
+  double seconds() const { return static_cast<double>(ticks) * seconds_per_tick(); }
+  /// Nanoseconds per item; 0 without items.
+  double ns_per_item() const;
+  /// Share of the SIMD lanes that did useful work, in [0, 1]; 0 without batches.
+  double lane_fill() const;
+};
+
+/// Adds the time between its construction and its destruction to a sum of ticks.
+class ScopedTimer {
+ public:
+  explicit ScopedTimer(std::uint64_t& sum) : sum_(sum), start_(timestamp()) {}
+  ~ScopedTimer() { sum_ += timestamp() - start_; }
+  ScopedTimer(const ScopedTimer&) = delete;
+  ScopedTimer& operator=(const ScopedTimer&) = delete;
+
+ private:
+  std::uint64_t& sum_;
+  std::uint64_t start_;
+};
+
+/// Everything that one worker counts; the sum over workers describes a render. A cache line apart from its neighbours,
+/// so that an array of them, one per worker, shares no line.
+struct alignas(64) Stats {
+  std::array<StageStats, kStageCount> stages;
+  struct Rays {
+    std::uint64_t camera = 0;   ///< from the camera
+    std::uint64_t scatter = 0;  ///< continued after a surface or a medium
+    std::uint64_t shadow = 0;   ///< visibility towards a light
+    std::uint64_t total() const { return camera + scatter + shadow; }
+  } rays;
+  std::uint64_t trace_ticks = 0;  ///< inside Embree, of timestamp()
+  std::uint64_t samples = 0;      ///< camera samples that reached the film
+  struct Dropped {
+    std::uint64_t rays = 0;     ///< not finite, never traced
+    std::uint64_t samples = 0;  ///< NaN, infinite or negative radiance
+  } dropped;
+
+  StageStats& operator[](Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
+  const StageStats& operator[](Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
+  Stats& operator+=(const Stats& other);
+};
+
+/// What `--stats` writes: the render's settings, its times, and the counters of all workers together.
+struct RenderReport {
+  std::string scene;          ///< the scene file, as given
+  std::string integrator;     ///< "path", "normals" ...
+  std::string color = "rgb";  ///< colour mode
+  std::string isa;            ///< instruction set of the kernels, e.g. "avx2"
+  int width = 0, height = 0;  ///< of the frame, pixels
+  std::uint32_t spp = 0;      ///< samples per pixel
+  std::uint32_t seed = 0;
+  int threads = 0;
+  int wave_size = 0;          ///< paths per wave
+  double load_seconds = 0;    ///< reading files
+  double build_seconds = 0;   ///< compiling the scene, with its acceleration structure
+  double render_seconds = 0;  ///< wall clock of the render alone
+  std::uint64_t peak_rss_bytes = 0;
+  Stats stats;
+
+  /// Rays of all kinds per second of rendering; 0 if no time passed.
+  double rays_per_second() const;
+  /// Share of all workers' rendering time spent inside Embree: trace seconds / (render_seconds * threads).
+  double trace_share() const;
+};
+
+/// The report as JSON text, one object with the keys that the command line's help lists.
+std::string to_json(const RenderReport& report);
+
+/// The report as a table for people, lines ending in '\n'. Stages without items are left out.
+std::string to_table(const RenderReport& report);
+
+}  // namespace sheaf

@@ -1,0 +1,52 @@
+// Affine and projective transforms: a 4x4 matrix with its inverse.
+#pragma once
+
+#include "core/vec.h"
+
+#include <array>
+
+namespace sheaf {
+
+/// A 4x4 matrix, row by row; points are columns.
+struct Matrix4 {
+  std::array<std::array<double, 4>, 4> m{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
+};
+Matrix4 operator*(const Matrix4& a, const Matrix4& b);
+/// The inverse, or false if the matrix is singular or not finite.
+bool invert(const Matrix4& a, Matrix4& out);
+
+/// A transform with its inverse. Composition multiplies in double precision.
+class Transform {
+ public:
+  Transform() = default;
+  /// Throws Error if the matrix is singular or not finite.
+  explicit Transform(const Matrix4& matrix);
+
+  /// Throws Error if `by` is not finite.
+  static Transform translate(Vec3f by);
+  /// Throws Error if a factor is zero or not finite.
+  static Transform scale(Vec3f by);
+  /// Counter-clockwise about `axis` (any length but zero), in degrees.
+  static Transform rotate(Vec3f axis, double degrees);
+  /// Camera to world: +z looks from `origin` to `target`, +y is nearest to `up`, +x points to the left of the picture.
+  /// Throws Error if the directions coincide.
+  static Transform look_at(Vec3f origin, Vec3f target, Vec3f up);
+
+  Transform inverse() const;
+  /// First `b`, then `*this`.
+  Transform operator*(const Transform& b) const;
+
+  Vec3f point(Vec3f p) const;
+  Vec3f vector(Vec3f v) const;
+  /// A normal, by the inverse transpose; not normalised.
+  Vec3f normal(Vec3f n) const;
+  const Matrix4& matrix() const { return matrix_; }
+  const Matrix4& inverse_matrix() const { return inverse_; }
+  /// Whether the transform turns right-handed frames into left-handed ones.
+  bool swaps_handedness() const;
+
+ private:
+  Matrix4 matrix_, inverse_;
+};
+
+}  // namespace sheaf

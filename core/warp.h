@@ -1,0 +1,82 @@
+// Warps: from uniform numbers in [0, 1)^2 to directions and surface points, each with its density.
+#pragma once
+
+#include "core/vec.h"
+
+namespace sheaf {
+
+template <class L> struct SinCos {
+  typename L::Float sin, cos;
+};
+
+/// sin and cos of 2 pi u for u in [0, 1]; absolute error below 4e-7. The angle is folded into [-pi/4, pi/4] exactly,
+/// so that short polynomials suffice (minimax coefficients as in the Cephes library's sinf and cosf).
+template <class L> SHEAF_INLINE SinCos<L> sincos_2pi(typename L::Float u) {
+  using F = typename L::Float;
+  const F quarter = floor(u * F(4.0f) + F(0.5f));
+  const F x = (u * F(4.0f) - quarter) * F(1.57079632679f);
+  const F x2 = x * x;
+  const F s = x + x * x2 * (F(-1.6666654611e-1f) + x2 * (F(8.3321608736e-3f) + x2 * F(-1.9515295891e-4f)));
+  const F c = F(1.0f) - F(0.5f) * x2 +
+              x2 * x2 * (F(4.166664568298827e-2f) + x2 * (F(-1.388731625493765e-3f) + x2 * F(2.443315711809948e-5f)));
+  const auto q = to_uint(quarter);
+  const auto odd = (q & decltype(q)(1u)) != decltype(q)(0u);
+  const auto sin_negative = (q & decltype(q)(2u)) != decltype(q)(0u);
+  const auto cos_negative = ((q + decltype(q)(1u)) & decltype(q)(2u)) != decltype(q)(0u);
+  const F a = select(odd, c, s), b = select(odd, s, c);
+  return {select(sin_negative, -a, a), select(cos_negative, -b, b)};
+}
+
+/// Concentric map from the square to the unit disk (Shirley and Chiu 1997), area-preserving; z is 0.
+template <class L> SHEAF_INLINE Vec2<L> square_to_disk(typename L::Float u, typename L::Float v) {
+  using F = typename L::Float;
+  const F a = F(2.0f) * u - F(1.0f), b = F(2.0f) * v - F(1.0f);
+  const auto a_larger = abs(a) > abs(b);
+  const F r = select(a_larger, a, b);
+  const F other = select(a_larger, b, a);
+  const F ratio = select(r == F(0.0f), F(0.0f), other / select(r == F(0.0f), F(1.0f), r));
+  // The angle is ratio * pi/4 from the larger axis: within the range of the polynomials of sincos_2pi.
+  const F x = ratio * F(0.78539816339f), x2 = x * x;
+  const F s = x + x * x2 * (F(-1.6666654611e-1f) + x2 * (F(8.3321608736e-3f) + x2 * F(-1.9515295891e-4f)));
+  const F c = F(1.0f) - F(0.5f) * x2 +
+              x2 * x2 * (F(4.166664568298827e-2f) + x2 * (F(-1.388731625493765e-3f) + x2 * F(2.443315711809948e-5f)));
+  return {r * select(a_larger, c, s), r * select(a_larger, s, c)};
+}
+
+/// A direction in the upper hemisphere with density cos(theta) / pi per solid angle.
+template <class L> SHEAF_INLINE Vec3<L> square_to_cosine_hemisphere(typename L::Float u, typename L::Float v) {
+  using F = typename L::Float;
+  const Vec2<L> d = square_to_disk<L>(u, v);
+  return {d.x, d.y, safe_sqrt(F(1.0f) - d.x * d.x - d.y * d.y)};
+}
+template <class F> SHEAF_INLINE F cosine_hemisphere_pdf_solid_angle(F cos_theta) { return max(cos_theta, F(0.0f)) * F(kInvPi); }
+
+/// A direction on the unit sphere with density 1 / (4 pi) per solid angle.
+template <class L> SHEAF_INLINE Vec3<L> square_to_sphere(typename L::Float u, typename L::Float v) {
+  using F = typename L::Float;
+  const F z = F(1.0f) - F(2.0f) * u;
+  const F r = safe_sqrt(F(1.0f) - z * z);
+  const auto sc = sincos_2pi<L>(v);
+  return {r * sc.cos, r * sc.sin, z};
+}
+inline constexpr float kUniformSpherePdf = 0.25f * kInvPi;
+
+/// A direction around +z within the cone whose 1 - cos is `one_minus_cos_max`, with density
+/// 1 / (2 pi one_minus_cos_max) per solid angle. Stays exact for cones of any narrowness.
+template <class L>
+SHEAF_INLINE Vec3<L> square_to_cone(typename L::Float u, typename L::Float v, typename L::Float one_minus_cos_max) {
+  using F = typename L::Float;
+  const F one_minus_cos = u * one_minus_cos_max;
+  const F sin_theta = safe_sqrt(one_minus_cos * (F(2.0f) - one_minus_cos));
+  const auto sc = sincos_2pi<L>(v);
+  return {sin_theta * sc.cos, sin_theta * sc.sin, F(1.0f) - one_minus_cos};
+}
+
+/// Barycentric coordinates (b1, b2), uniform over a triangle.
+template <class L> SHEAF_INLINE Vec2<L> square_to_triangle(typename L::Float u, typename L::Float v) {
+  using F = typename L::Float;
+  const F r = sqrt(u);
+  return {F(1.0f) - r, v * r};
+}
+
+}  // namespace sheaf

@@ -1,0 +1,36 @@
+// The list of all BSDFs: the one place where closure kinds and their types meet.
+#pragma once
+
+#include "kernels/bsdf/conductor.h"
+#include "kernels/bsdf/dielectric.h"
+#include "kernels/bsdf/diffuse.h"
+#include "kernels/wave.h"
+
+namespace sheaf {
+
+/// Names a BSDF template as a value.
+template <template <class> class Bsdf> struct BsdfTag {
+  template <class L> using Type = Bsdf<L>;
+};
+
+/// Calls f(kind, BsdfTag<...>) for every BSDF.
+template <class F> SHEAF_INLINE void for_each_bsdf(F&& f) {
+  f(ClosureKind::kDiffuse, BsdfTag<DiffuseBsdf>{});
+  f(ClosureKind::kConductor, BsdfTag<ConductorBsdf>{});
+  f(ClosureKind::kDielectric, BsdfTag<DielectricBsdf>{});
+}
+
+/// The BSDFs of the items [column, column + L::width).
+template <class L, template <class> class Bsdf> SHEAF_INLINE Bsdf<L> load_bsdf(const Wave& wave, int column) {
+  Bsdf<L> bsdf;
+  float* const* words = wave.closures.columns().words;
+  std::apply(
+      [words, column](auto&... leaf) SHEAF_LAMBDA_INLINE {
+        int k = 0;
+        (load(words[k++] + column, leaf), ...);
+      },
+      leaves(bsdf));
+  return bsdf;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,32 @@
+// Specular reflection and refraction at a smooth dielectric boundary. One of the two is chosen by the Fresnel term.
+// Radiance that enters a medium is scaled by the squared relative index (Veach 1997, section 5.2).
+#pragma once
+
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/fresnel.h"
+#include "scene/material.h"
+
+namespace sheaf {
+
+template <class L> struct DielectricBsdf : DielectricParameters<L> {
+  static constexpr bool kIsSpecular = true;
+
+  SHEAF_INLINE Spectrum<L> evaluate(Vec3<L>, Vec3<L>) const { return Spectrum<L>(Float<L>(0.0f)); }
+  SHEAF_INLINE Float<L> pdf_solid_angle(Vec3<L>, Vec3<L>) const { return Float<L>(0.0f); }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    using F = Float<L>;
+    const auto fresnel = fresnel_dielectric<L>(wo.z, this->eta);
+    const auto reflected = u.x < fresnel.reflectance;
+    const F inverse_eta = F(1.0f) / fresnel.eta;
+    BsdfSample<L> s;
+    s.wi = select<L>(reflected, {-wo.x, -wo.y, wo.z}, {-wo.x * inverse_eta, -wo.y * inverse_eta, fresnel.cos_transmitted});
+    s.weight = select<L>(reflected, this->reflectance, this->transmittance * (inverse_eta * inverse_eta));
+    s.eta_scale = select(reflected, F(1.0f), fresnel.eta * fresnel.eta);
+    s.pdf_solid_angle = F(0.0f);
+    s.valid = s.wi.z != F(0.0f);
+    return s;
+  }
+};
+
+}  // namespace sheaf

@@ -1,0 +1,96 @@
+// Stage: camera rays. Pixel positions by filter importance sampling; see scene/filter.h.
+#include "core/sampler.h"
+#include "kernels/stage_timer.h"
+#include "kernels/stages.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Pixel and sample of consecutive camera samples of a task.
+class SampleCursor {
+ public:
+  SampleCursor(const TileSamples& task, int index) : task_(task) {
+    const int pixel = index / static_cast<int>(task.sample_count);
+    sample_ = static_cast<std::uint32_t>(index) - static_cast<std::uint32_t>(pixel) * task.sample_count;
+    x_ = task.pixels.x0 + pixel % task.pixels.width();
+    y_ = task.pixels.y0 + pixel / task.pixels.width();
+  }
+  std::uint32_t x() const { return static_cast<std::uint32_t>(x_); }
+  std::uint32_t y() const { return static_cast<std::uint32_t>(y_); }
+  std::uint32_t sample() const { return task_.first_sample + sample_; }
+  void next() {
+    if (++sample_ < task_.sample_count) return;
+    sample_ = 0;
+    if (++x_ < task_.pixels.x1) return;
+    x_ = task_.pixels.x0;
+    ++y_;
+  }
+
+ private:
+  const TileSamples& task_;
+  std::uint32_t sample_;
+  int x_, y_;
+};
+
+template <class L>
+SHEAF_INLINE void start_tile(const SceneView& scene, Wave& wave, SampleCursor& cursor, const Slot* slots, int count,
+                             std::uint32_t flags) {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+  alignas(kSimdAlignment) std::uint32_t x[L::width], y[L::width], sample[L::width];
+  for (int lane = 0; lane < L::width; ++lane) {
+    x[lane] = cursor.x();
+    y[lane] = cursor.y();
+    sample[lane] = cursor.sample();
+    if (lane < count - 1) cursor.next();
+  }
+  if (count > 0) cursor.next();
+  U px, py;
+  ThroughputState<L> throughput;
+  load(x, px);
+  load(y, py);
+  load(sample, throughput.sample);
+  throughput.pixel = py * U(static_cast<std::uint32_t>(wave.task.frame_width)) + px;
+  throughput.beta = Spectrum<L>(F(1.0f));
+  throughput.eta_scale = F(1.0f);
+
+  const auto u = draw<L>(scene.seed, throughput.pixel, throughput.sample, U(0u), SampleBlock::kCamera);
+  const auto dx = scene.filter->sample<L>(u.x), dy = scene.filter->sample<L>(u.y);
+  RayState<L> ray;
+  ray.origin = broadcast<L>(scene.camera.origin);
+  ray.direction = scene.camera.direction<L>(to_float(px) + F(0.5f) + dx.position, to_float(py) + F(0.5f) + dy.position);
+  ray.t_max = F(kInfinity);
+  ray.flags = U(flags);
+
+  RadianceState<L> radiance;
+  radiance.alpha = F(1.0f);
+  radiance.weight = dx.weight * dy.weight;
+  radiance.task_sample = U(static_cast<std::uint32_t>(wave.next_sample)) + L::index();
+  wave.rays.scatter<L>(slots, count, ray);
+  wave.throughput.scatter<L>(slots, count, throughput);
+  wave.radiance.scatter<L>(slots, count, radiance);
+}
+
+}  // namespace
+
+template <class L> void camera_rays(const SceneView& scene, Wave& wave) noexcept {
+  const int starting = std::min(wave.free.size(), wave.task.total() - wave.next_sample);
+  if (starting <= 0) return;
+  StageTimer timer(wave.stats, Stage::kCameraRays);
+  timer.count(starting, L::width);
+  const std::uint32_t flags = kRayFromCamera | (scene.integrator.max_depth == 1 ? kRayLast : 0u);
+  SampleCursor cursor(wave.task, wave.next_sample);
+  for_tiles<L>(starting, [&](int, int count) {
+    Slot slots[L::width] = {};
+    for (int lane = 0; lane < count; ++lane) slots[lane] = wave.free.pop();
+    start_tile<L>(scene, wave, cursor, slots, count, flags);
+    for (int lane = 0; lane < count; ++lane) wave.active.push(slots[lane]);
+    wave.next_sample += count;
+  });
+  wave.stats.rays.camera += static_cast<std::uint64_t>(starting);
+}
+
+SHEAF_INSTANTIATE_STAGE(camera_rays);
+
+}  // namespace sheaf

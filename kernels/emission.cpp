@@ -1,0 +1,86 @@
+// Stage: emission. Rays that left the scene meet the environment; rays that hit an area light collect its radiance.
+// Both are weighted by multiple importance sampling against what light_candidates would have done.
+#include "kernels/light_sample.h"
+#include "kernels/stage_timer.h"
+#include "kernels/stages.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Weight of light found by BSDF sampling with density `scatter_pdf` (0: specular or camera, counts in full).
+template <class L>
+SHEAF_INLINE Float<L> emission_weight(LightStrategy strategy, Float<L> scatter_pdf, Float<L> light_pdf) {
+  using F = Float<L>;
+  const auto specular = scatter_pdf == F(0.0f);
+  if (strategy == LightStrategy::kBsdfOnly) return F(1.0f);
+  if (strategy == LightStrategy::kLightOnly) return select(specular, F(1.0f), F(0.0f));
+  return select(specular, F(1.0f), power_heuristic(select(specular, F(1.0f), scatter_pdf), light_pdf));
+}
+
+template <class L> SHEAF_INLINE void environment_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  RadianceState<L> radiance = wave.radiance.gather<L>(slots);
+  const RayState<L> ray = wave.rays.gather<L>(slots);
+  const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
+  const bool visible = scene.environment != kNone;
+  const auto shown = Mask<L>(visible) & !(from_camera & Mask<L>(scene.integrator.hide_emitters));
+  radiance.alpha = select(from_camera & !shown, F(0.0f), radiance.alpha);
+  if (visible) {
+    const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+    const LightRow& light = scene.lights[scene.environment];
+    const F weight = emission_weight<L>(scene.integrator.strategy, radiance.scatter_pdf,
+                                        F(light.pdf_select * kUniformSpherePdf));
+    const Spectrum<L> le{F(light.radiance[0]), F(light.radiance[1]), F(light.radiance[2]), F(light.radiance[3])};
+    radiance.radiance = select<L>(shown, radiance.radiance + path.beta * le * weight, radiance.radiance);
+  }
+  wave.radiance.scatter<L>(slots, count, radiance);
+}
+
+template <class L> SHEAF_INLINE void area_light_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  RayState<L> ray = wave.rays.gather<L>(slots);
+  const HitState<L> hit = wave.hits.gather<L>(slots);
+  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  RadianceState<L> radiance = wave.radiance.gather<L>(slots);
+  const ShapeLanes<L> shape = load_shapes<L>(scene, hit.shape);
+  const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t);
+  const LightLanes<L> light = load_lights<L>(scene, hit.light);
+
+  const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
+  const auto hidden = from_camera & Mask<L>(scene.integrator.hide_emitters);
+  const auto lit = (dot(ray.direction, y.ng) < F(0.0f)) & !hidden;
+  const F pdf = light_pdf_solid_angle<L>(scene, light, Mask<L>(true), ray.origin, ray.direction, hit.t, y.ng);
+  const F weight = emission_weight<L>(scene.integrator.strategy, radiance.scatter_pdf, pdf);
+  radiance.radiance = select<L>(lit, radiance.radiance + path.beta * light.radiance * weight, radiance.radiance);
+  wave.radiance.scatter<L>(slots, count, radiance);
+
+  const std::uint32_t passing = mask_bits(hidden & L::first(count));
+  if (passing == 0) return;
+  ray.origin = select<L>(hidden, offset_origin<L>(y.p, y.ng, y.offset, ray.direction), ray.origin);
+  wave.rays.scatter<L>(slots, count, ray);
+  wave.active.push(slots, passing);
+}
+
+}  // namespace
+
+template <class L> void emission(const SceneView& scene, Wave& wave) noexcept {
+  const int misses = wave.miss.size(), lights = wave.emitter.size();
+  if (misses + lights == 0) return;
+  StageTimer timer(wave.stats, Stage::kEmission);
+  timer.count(misses, L::width);
+  timer.count(lights, L::width);
+  wave.miss.pad();
+  wave.emitter.pad();
+  for_tiles<L>(misses, [&](int i, int count) { environment_tile<L>(scene, wave, wave.miss.data() + i, count); });
+  for_tiles<L>(lights, [&](int i, int count) { area_light_tile<L>(scene, wave, wave.emitter.data() + i, count); });
+  for (int i = 0; i < misses; ++i) wave.finished.push(wave.miss[i]);
+  wave.miss.clear();
+  wave.emitter.clear();
+}
+
+SHEAF_INSTANTIATE_STAGE(emission);
+
+}  // namespace sheaf

@@ -1,0 +1,47 @@
+// Fresnel reflectance of unpolarised light at smooth boundaries.
+#pragma once
+
+#include "core/spectrum.h"
+
+namespace sheaf {
+
+/// What happens at a dielectric boundary.
+template <class L> struct DielectricFresnel {
+  typename L::Float reflectance;    ///< in [0, 1]; 1 at total internal reflection
+  typename L::Float cos_transmitted;  ///< cosine of the refracted direction, with the opposite sign of cos_incident
+  typename L::Float eta;            ///< index of refraction of the far side over that of the near side
+};
+
+/// `cos_incident`: cosine to the normal, positive outside; `eta`: inside over outside (Pharr et al. 2023, section
+/// 9.3.5).
+template <class L> SHEAF_INLINE DielectricFresnel<L> fresnel_dielectric(Float<L> cos_incident, Float<L> eta) {
+  using F = Float<L>;
+  const auto outside = cos_incident >= F(0.0f);
+  const F relative = select(outside, eta, F(1.0f) / eta);
+  const F cos_i = abs(cos_incident);
+  const F cos_t2 = F(1.0f) - (F(1.0f) - cos_i * cos_i) / (relative * relative);
+  const F cos_t = safe_sqrt(cos_t2);
+  const F parallel = (relative * cos_i - cos_t) / (relative * cos_i + cos_t);
+  const F perpendicular = (cos_i - relative * cos_t) / (cos_i + relative * cos_t);
+  const F r = F(0.5f) * (parallel * parallel + perpendicular * perpendicular);
+  // Equal indices at grazing incidence are 0 / 0; nothing is reflected there.
+  const F matched = select(relative == F(1.0f), F(0.0f), r);
+  return {select(cos_t2 <= F(0.0f), F(1.0f), matched), select(outside, -cos_t, cos_t), relative};
+}
+
+/// Reflectance of a conductor with complex index eta + i k relative to the outside, for one wavelength; `cos_incident`
+/// in [0, 1] (Pharr et al. 2023, equation 9.5, with the complex square root written out).
+template <class F> SHEAF_INLINE F fresnel_conductor(F cos_incident, F eta, F k) {
+  const F cos2 = cos_incident * cos_incident, sin2 = F(1.0f) - cos2;
+  const F eta2 = eta * eta, k2 = k * k;
+  const F t0 = eta2 - k2 - sin2;
+  const F a2_plus_b2 = safe_sqrt(t0 * t0 + F(4.0f) * eta2 * k2);
+  const F a = safe_sqrt(F(0.5f) * (a2_plus_b2 + t0));
+  const F t1 = a2_plus_b2 + cos2, t2 = F(2.0f) * a * cos_incident;
+  const F perpendicular = (t1 - t2) / (t1 + t2);
+  const F t3 = cos2 * a2_plus_b2 + sin2 * sin2, t4 = t2 * sin2;
+  const F parallel = perpendicular * (t3 - t4) / (t3 + t4);
+  return F(0.5f) * (perpendicular + parallel);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,40 @@
+#include "kernels/passes/path.h"
+
+#include "kernels/stages.h"
+
+namespace sheaf {
+
+namespace {
+
+template <class L> void shade_surfaces(const SceneView& scene, Wave& wave) {
+  sort_surfaces<L>(scene, wave);
+  surface_inputs<L>(scene, wave);
+  light_candidates<L>(scene, wave);
+  shadow<L>(scene, wave);
+  scatter<L>(scene, wave);
+}
+
+}  // namespace
+
+template <class L> void run_path_pass(const SceneView& scene, Wave& wave) {
+  const bool debugging = scene.integrator.kind != IntegratorKind::kPath;
+  for (;;) {
+    // Refill when half empty: fewer, fuller calls.
+    if (2 * wave.free.size() >= wave.capacity) camera_rays<L>(scene, wave);
+    if (wave.active.empty()) break;
+    intersect<L>(scene, wave);
+    if (debugging) {
+      debug_view<L>(scene, wave);
+    } else {
+      emission<L>(scene, wave);
+      shade_surfaces<L>(scene, wave);
+    }
+    accumulate<L>(scene, wave);
+    assert(wave.free.size() + wave.active.size() == wave.capacity);
+  }
+}
+
+template void run_path_pass<Wide>(const SceneView&, Wave&);
+template void run_path_pass<Scalar>(const SceneView&, Wave&);
+
+}  // namespace sheaf

@@ -1,0 +1,169 @@
+#include "kernels/passes/render.h"
+
+#include "core/error.h"
+#include "kernels/passes/path.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+namespace sheaf {
+
+namespace {
+
+/// Camera samples per task: enough that refilling dwarfs draining, few enough that the buffer stays in the caches.
+constexpr int kTaskSamples = 16384;
+/// Most samples per pixel and pass; passes are separated by a barrier, within one a tile has one owner.
+constexpr std::uint32_t kPassSamples = 256;
+
+struct Worker {
+  explicit Worker(int wave_size) : wave(wave_size), samples(kTaskSamples) {}
+  Wave wave;
+  std::vector<FilmSample> samples;
+};
+
+std::string integrator_name(const IntegratorDescription& integrator) {
+  if (integrator.kind == IntegratorKind::kNormals) return "normals";
+  if (integrator.kind == IntegratorKind::kDepth) return "depth";
+  if (integrator.strategy == LightStrategy::kBsdfOnly) return "path_mats";
+  if (integrator.strategy == LightStrategy::kLightOnly) return "path_ems";
+  return integrator.max_depth == 2 ? "direct" : "path";
+}
+
+PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
+  const FilmDescription& film = scene.film();
+  const PixelRect whole{0, 0, film.width, film.height};
+  const PixelRect crop = options.crop ? *options.crop : film.crop ? *film.crop : whole;
+  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.width() <= 0 || crop.height() <= 0)
+    throw Error(ExitCode::kUsage, "crop must be a rectangle inside the frame of " + std::to_string(film.width) + " x " +
+                                      std::to_string(film.height) + " pixels");
+  return crop;
+}
+
+/// Squares of `side` pixels that cover the crop, row by row.
+std::vector<PixelRect> make_tiles(const PixelRect& crop, int side) {
+  std::vector<PixelRect> tiles;
+  for (int y = crop.y0; y < crop.y1; y += side)
+    for (int x = crop.x0; x < crop.x1; x += side)
+      tiles.push_back({x, y, std::min(x + side, crop.x1), std::min(y + side, crop.y1)});
+  return tiles;
+}
+
+/// Adds a finished task to the film, every pixel's samples in order.
+void reduce(const TileSamples& task, const FilmSample* samples, Film& film) {
+  for (int y = task.pixels.y0; y < task.pixels.y1; ++y)
+    for (int x = task.pixels.x0; x < task.pixels.x1; ++x)
+      for (std::uint32_t i = 0; i < task.sample_count; ++i, ++samples)
+        if (!std::isnan(samples->alpha)) film.add(x, y, *samples);
+}
+
+/// One render in progress.
+class Renderer {
+ public:
+  Renderer(const Scene& scene, const RenderOptions& options)
+      : view_(scene.view()),
+        options_(options),
+        spp_(options.samples_per_pixel.value_or(scene.sampler().sample_count)),
+        threads_(options.threads > 0 ? options.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
+        wave_size_(options.wave_size > 0 ? options.wave_size : Wave::default_capacity()) {
+    if (spp_ == 0) throw Error(ExitCode::kUsage, "samples per pixel must be at least 1");
+    if (wave_size_ > kMaxWaveSize) throw Error(ExitCode::kUsage, "wave size must be at most " + std::to_string(kMaxWaveSize));
+    const PixelRect crop = checked_crop(scene, options);
+    view_.seed = options.seed.value_or(scene.sampler().seed);
+    film_ = Film(scene.film().width, scene.film().height, crop);
+    total_ = static_cast<std::uint64_t>(crop.width()) * static_cast<std::uint64_t>(crop.height()) * spp_;
+  }
+
+  RenderResult run() {
+    const auto start = std::chrono::steady_clock::now();
+    tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_));
+    tbb::task_arena arena(threads_);
+    arena.execute([this] {
+      for (std::uint32_t first = 0; first < spp_ && !stopped(); first += kPassSamples)
+        run_pass(first, std::min(kPassSamples, spp_ - first));
+    });
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    return finish(elapsed.count());
+  }
+
+ private:
+  bool stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
+
+  void run_pass(std::uint32_t first_sample, std::uint32_t sample_count) {
+    int side = 8;
+    while (side < 64 && 4 * side * side * static_cast<int>(sample_count) <= kTaskSamples) side *= 2;
+    const std::vector<PixelRect> tiles = make_tiles(film_.crop(), side);
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+          for (std::size_t i = range.begin(); i < range.end() && !stopped(); ++i)
+            run_task({tiles[i], first_sample, sample_count, film_.width()});
+        },
+        tbb::simple_partitioner());
+  }
+
+  void run_task(const TileSamples& task) {
+    const FlushDenormals flush;
+    Worker& worker = workers_.local();
+    worker.wave.begin(task, worker.samples.data());
+    run_path_pass<Wide>(view_, worker.wave);
+    reduce(task, worker.samples.data(), film_);
+    const auto samples = static_cast<std::uint64_t>(task.total());
+    const std::uint64_t done = done_.fetch_add(samples, std::memory_order_relaxed) + samples;
+    if (options_.on_progress) options_.on_progress(done, total_);
+  }
+
+  RenderResult finish(double seconds) {
+    RenderResult result;
+    result.interrupted = done_.load() < total_;
+    RenderReport& report = result.report;
+    report.integrator = integrator_name(view_.integrator);
+    report.isa = kIsaName;
+    report.width = film_.width();
+    report.height = film_.height();
+    report.spp = spp_;
+    report.seed = view_.seed;
+    report.threads = threads_;
+    report.wave_size = wave_size_;
+    report.render_seconds = seconds;
+    const Wave::Dropped* first = nullptr;
+    for (const Worker& worker : workers_) {
+      report.stats += worker.wave.stats;
+      const Wave::Dropped& dropped = worker.wave.first_dropped;
+      if (dropped.any && (!first || dropped.pixel < first->pixel)) first = &dropped;
+    }
+    report.peak_rss_bytes = peak_rss_bytes();
+    if (first) result.warnings.push_back(dropped_message(report.stats.dropped, *first));
+    result.film = std::move(film_);
+    return result;
+  }
+
+  std::string dropped_message(const Stats::Dropped& dropped, const Wave::Dropped& first) const {
+    const auto width = static_cast<std::uint32_t>(film_.width());
+    return "dropped " + std::to_string(dropped.rays) + " rays that were not finite and " +
+           std::to_string(dropped.samples) + " samples that were not finite or negative; one of them at pixel (" +
+           std::to_string(first.pixel % width) + ", " + std::to_string(first.pixel / width) + "), sample " +
+           std::to_string(first.sample);
+  }
+
+  SceneView view_;
+  const RenderOptions& options_;
+  std::uint32_t spp_;
+  int threads_, wave_size_;
+  Film film_;
+  std::uint64_t total_ = 0;
+  std::atomic<std::uint64_t> done_{0};
+  tbb::enumerable_thread_specific<Worker> workers_{[this] { return wave_size_; }};
+};
+
+}  // namespace
+
+RenderResult render(const Scene& scene, const RenderOptions& options) { return Renderer(scene, options).run(); }
+
+}  // namespace sheaf

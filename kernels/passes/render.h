@@ -1,0 +1,40 @@
+// Rendering: camera samples cut into tasks, tasks given to workers, samples reduced into the film in order.
+#pragma once
+
+#include "core/stats.h"
+#include "scene/film.h"
+#include "scene/scene.h"
+
+#include <atomic>
+#include <functional>
+#include <optional>
+
+namespace sheaf {
+
+/// What the caller may change without touching the scene.
+struct RenderOptions {
+  std::optional<std::uint32_t> samples_per_pixel;  ///< default: the scene's
+  std::optional<std::uint32_t> seed;               ///< default: the scene's
+  int threads = 0;                                 ///< 0: all processors
+  int wave_size = 0;                               ///< paths in flight per worker; 0: by the L2 cache
+  std::optional<PixelRect> crop;                   ///< default: the scene's, else the whole frame
+  /// Called by workers after each task, several at a time, with samples done and in all.
+  std::function<void(std::uint64_t done, std::uint64_t total)> on_progress;
+  const std::atomic<bool>* stop = nullptr;  ///< polled between tasks; true ends the render with what there is
+};
+
+struct RenderResult {
+  Film film;
+  RenderReport report;  ///< without scene file and load times, which the caller knows
+  bool interrupted = false;
+  std::vector<std::string> warnings;
+};
+
+/// Largest value of RenderOptions::wave_size: slots are 16-bit.
+inline constexpr int kMaxWaveSize = 32768;
+
+/// Renders. The picture's bits depend on scene, seed and sample count alone, not on threads, wave size or crop.
+/// Throws Error (usage) if the crop leaves the frame or a number is out of range.
+RenderResult render(const Scene& scene, const RenderOptions& options);
+
+}  // namespace sheaf

@@ -1,0 +1,93 @@
+// What a path carries from stage to stage: four records of 32 bytes, reached by slot.
+#pragma once
+
+#include "core/groups.h"
+#include "core/spectrum.h"
+
+namespace sheaf {
+
+/// The ray to be traced next.
+template <class L> struct RayState {
+  Vec3<L> origin;
+  typename L::Float t_max;   ///< farthest distance
+  Vec3<L> direction;         ///< normalised
+  typename L::Uint flags;    ///< RayFlags
+  static constexpr auto fields(auto& s) { return std::tie(s.origin, s.t_max, s.direction, s.flags); }
+};
+
+/// Bits of RayState::flags.
+enum RayFlags : std::uint32_t {
+  kRayFromCamera = 1,  ///< nothing but null interfaces lies between the camera and the origin
+  kRayLast = 2,        ///< what the ray hits may emit but will not scatter: max_depth is reached
+};
+
+/// What the ray hit.
+template <class L> struct HitState {
+  typename L::Float t;         ///< distance
+  typename L::Float u, v;      ///< barycentric coordinates
+  typename L::Uint primitive;  ///< triangle of the shape
+  typename L::Uint shape;
+  typename L::Uint instance;
+  typename L::Uint material;   ///< row, the one for this side of the surface
+  typename L::Uint light;      ///< row; kNone: does not emit
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.t, s.u, s.v, s.primitive, s.shape, s.instance, s.material, s.light);
+  }
+};
+
+/// How much the path's next radiance counts, and which sample it belongs to.
+template <class L> struct ThroughputState {
+  Spectrum<L> beta;           ///< throughput over probability
+  typename L::Float eta_scale;  ///< squared relative index of refraction along the path; roulette takes it out
+  typename L::Uint progress;  ///< depth (vertices that cost depth) in the lower, events in the upper 16 bits
+  typename L::Uint pixel;     ///< y * frame width + x
+  typename L::Uint sample;    ///< absolute sample index of the pixel
+  static constexpr auto fields(auto& s) { return std::tie(s.beta, s.eta_scale, s.progress, s.pixel, s.sample); }
+
+  SHEAF_INLINE typename L::Uint depth() const { return progress & typename L::Uint(0xffffu); }
+  SHEAF_INLINE typename L::Uint event() const { return progress >> 16; }
+};
+inline constexpr std::uint32_t kOneDepth = 1u, kOneEvent = 1u << 16;
+/// Depths and events stop counting here, so that neither runs into the other's bits; paths this long end.
+inline constexpr std::uint32_t kLongestPath = 0x7fffu;
+
+/// What the path has gathered.
+template <class L> struct RadianceState {
+  Spectrum<L> radiance;          ///< so far
+  typename L::Float scatter_pdf;  ///< solid-angle density of the current direction; 0: camera ray or specular
+  typename L::Float alpha;       ///< 1 once the camera ray has met something that counts as covered
+  typename L::Float weight;      ///< reconstruction filter weight of the sample
+  typename L::Uint task_sample;  ///< index into the task's sample buffer
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.radiance, s.scatter_pdf, s.alpha, s.weight, s.task_sample);
+  }
+};
+
+/// A surface vertex ready for shading, in order of closure kind; consumed in order.
+template <class L> struct SurfaceItem {
+  Vec3<L> p;                 ///< world space
+  Vec3<L> ng;                ///< geometric normal, unit length
+  Vec3<L> ns;                ///< shading normal, unit length; turned towards the viewer for two-sided materials
+  Vec3<L> wo;                ///< towards where the path came from, in the shading frame
+  typename L::Float offset;  ///< see SurfacePoint::offset
+  static constexpr auto fields(auto& s) { return std::tie(s.p, s.ng, s.ns, s.wo, s.offset); }
+};
+
+/// Parameters of a closure, as many words as the kind needs.
+template <class L> struct ClosureItem {
+  typename L::Float words[12];
+  static constexpr auto fields(auto& s) {
+    auto& w = s.words;
+    return std::tie(w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10], w[11]);
+  }
+};
+
+/// A ray towards a light, with what it brings if nothing is in between.
+template <class L> struct ShadowItem {
+  Vec3<L> origin, direction;  ///< world space; direction not normalised: the light lies at distance 1
+  Spectrum<L> contribution;   ///< radiance if unoccluded
+  typename L::Uint slot;      ///< path this pays into
+  static constexpr auto fields(auto& s) { return std::tie(s.origin, s.direction, s.contribution, s.slot); }
+};
+
+}  // namespace sheaf

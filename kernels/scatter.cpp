@@ -1,0 +1,82 @@
+// Stage: scatter. Samples the BSDF, plays Russian roulette and writes the next ray.
+#include "kernels/bsdf/all.h"
+#include "kernels/stage_timer.h"
+#include "kernels/stages.h"
+#include "scene/shape.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Roulette keeps at most this share, so that paths between perfect mirrors end.
+constexpr float kLargestSurvival = 0.95f;
+
+/// Paths at depth rr_depth and beyond survive with the probability of their throughput, squared index of refraction
+/// taken out, and are weighted by its inverse. Returns who survives.
+template <class L>
+SHEAF_INLINE Mask<L> roulette(const IntegratorDescription& settings, ThroughputState<L>& path, Float<L> u) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const auto exempt = path.depth() < U(static_cast<std::uint32_t>(settings.rr_depth));
+  const F survival = min(max_component(path.beta) * path.eta_scale, F(kLargestSurvival));
+  const auto survives = exempt | (u < survival);
+  const F factor = select(exempt | !survives, F(1.0f), F(1.0f) / survival);
+  path.beta = path.beta * factor;
+  return survives;
+}
+
+template <class L, template <class> class Bsdf>
+SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, int count) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const auto item = wave.items.load<L>(column);
+  const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(wave, column);
+  ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const auto u = draw<L>(scene.seed, path.pixel, path.sample, path.event(), SampleBlock::kScatter);
+  const BsdfSample<L> s = bsdf.sample(item.wo, u);
+
+  path.beta = path.beta * s.weight;
+  path.eta_scale = path.eta_scale * s.eta_scale;
+  path.progress = path.progress + U(kOneDepth + kOneEvent);
+  auto alive = s.valid & !is_black(path.beta) & (path.depth() < U(kLongestPath)) & L::first(count);
+  alive = alive & roulette<L>(scene.integrator, path, u.w);
+
+  RayState<L> ray;
+  ray.direction = normalize(Frame<L>::from_normal(item.ns).to_world(s.wi));
+  ray.origin = offset_origin<L>(item.p, item.ng, item.offset, ray.direction);
+  ray.t_max = F(kInfinity);
+  const auto max_depth = static_cast<std::uint32_t>(scene.integrator.max_depth);  // -1: larger than any depth
+  ray.flags = select(path.depth() + U(1u) < U(max_depth), U(0u), U(kRayLast));
+  wave.rays.scatter<L>(slots, count, ray);
+  wave.throughput.scatter<L>(slots, count, path);
+  alignas(kSimdAlignment) float pdf[L::width];
+  store(pdf, s.pdf_solid_angle);
+  constexpr int kScatterPdfWord = 4;
+  for (int lane = 0; lane < count; ++lane) wave.radiance.row(slots[lane])[kScatterPdfWord] = pdf[lane];
+
+  const std::uint32_t bits = mask_bits(alive);
+  wave.stats.rays.scatter += static_cast<std::uint64_t>(std::popcount(bits));
+  wave.active.push(slots, bits);
+  wave.finished.push(slots, ~bits & ((1u << count) - 1u));
+}
+
+template <class L, template <class> class Bsdf> void scatter_run(const SceneView& scene, Wave& wave, const SurfaceRun& run) {
+  for_tiles<L>(run.count, [&](int i, int count) {
+    scatter_tile<L, Bsdf>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count);
+  });
+}
+
+}  // namespace
+
+template <class L> void scatter(const SceneView& scene, Wave& wave) noexcept {
+  StageTimer timer(wave.stats, Stage::kScatter);
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    const SurfaceRun& run = wave.runs[static_cast<int>(kind)];
+    timer.count(run.count, L::width);
+    scatter_run<L, Bsdf>(scene, wave, run);
+  });
+}
+
+SHEAF_INSTANTIATE_STAGE(scatter);
+
+}  // namespace sheaf

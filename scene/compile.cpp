@@ -1,0 +1,250 @@
+#include "scene/compile.h"
+
+#include "core/frame.h"
+#include "scene/compile_materials.h"
+#include "scene/light.h"
+#include "scene/mesh.h"
+#include "scene/mesh_io.h"
+#include "scene/quadric.h"
+
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace sheaf {
+
+namespace {
+
+/// Overload set for std::visit.
+template <class... F> struct Overloaded : F... { using F::operator()...; };
+template <class... F> Overloaded(F...) -> Overloaded<F...>;
+
+/// Vertices that kernels can address: byte-free word indices must fit 32 bits.
+constexpr std::size_t kMaxWords = std::numeric_limits<std::uint32_t>::max() - 64;
+
+void append(std::vector<float>& words, const std::vector<Vec3f>& vectors) {
+  for (const Vec3f& v : vectors) words.insert(words.end(), {v.x, v.y, v.z});
+}
+
+/// The canonical shape's transform for a quadric of a description.
+struct Placement {
+  ShapeKind kind;
+  Transform to_world;
+};
+
+Placement place(const SphereShape& s, const Transform& t) {
+  return {ShapeKind::kSphere, t * Transform::translate(s.center) * Transform::scale({s.radius, s.radius, s.radius})};
+}
+Placement place(const DiskShape&, const Transform& t) { return {ShapeKind::kDisk, t}; }
+Placement place(const CylinderShape& c, const Transform& t) {
+  const Vec3f axis = c.p1 - c.p0;
+  const float height = length(axis);
+  if (!(height > 0.0f)) throw SceneError("cylinder of zero length");
+  const Frame<Scalar> frame = Frame<Scalar>::from_normal(axis / height);
+  Matrix4 m;
+  const Vec3f columns[4] = {frame.s * c.radius, frame.t * c.radius, axis, c.p0};
+  for (std::size_t j = 0; j < 4; ++j) {
+    m.m[0][j] = columns[j].x;
+    m.m[1][j] = columns[j].y;
+    m.m[2][j] = columns[j].z;
+  }
+  return {ShapeKind::kCylinder, t * Transform(m)};
+}
+
+}  // namespace
+
+/// Fills a Scene, table by table.
+class SceneCompiler {
+ public:
+  explicit SceneCompiler(const Description& description) : in_(description), out_(std::make_unique<Scene>()) {}
+
+  std::unique_ptr<Scene> run() {
+    out_->film_ = in_.film;
+    out_->sampler_ = in_.sampler;
+    out_->integrator_ = in_.integrator;
+    out_->camera_ = make_camera(in_.camera, in_.film.width, in_.film.height);
+    out_->filter_ = make_filter_table(in_.film.filter);
+    add_materials();
+    for (const ShapeDescription& shape : in_.shapes) add_shape(shape);
+    set_bounds();
+    add_lights();
+    finish_tables();
+    return std::move(out_);
+  }
+
+ private:
+  void add_materials() {
+    CompiledMaterials materials = compile_materials(in_.materials);
+    out_->materials_ = std::move(materials.rows);
+    row_of_material_ = std::move(materials.row_of);
+    default_material_ = materials.default_row;
+    out_->bucket_count_ = materials.bucket_count;
+    std::copy(std::begin(materials.bucket_begin), std::end(materials.bucket_begin), out_->bucket_begin_);
+    out_->counts_.materials = in_.materials.size();
+  }
+
+  void add_shape(const ShapeDescription& shape) {
+    ShapeRow row;
+    row.material = shape.material ? row_of_material_.at(static_cast<std::size_t>(*shape.material)) : default_material_;
+    try {
+      std::visit(Overloaded{
+                     [&](const MeshFileShape& s) {
+                       MeshFile file = read_mesh(s);
+                       for (const std::string& w : file.warnings) out_->warnings_.push_back(s.file.string() + ": " + w);
+                       add_mesh(row, shape, std::move(file.mesh));
+                     },
+                     [&](const Mesh& mesh) { add_mesh(row, shape, mesh); },
+                     [&](const RectangleShape&) { add_mesh(row, shape, rectangle_mesh()); },
+                     [&](const CubeShape&) { add_mesh(row, shape, cube_mesh()); },
+                     [&](const auto& quadric) { add_quadric(row, shape, quadric); },
+                 },
+                 shape.geometry);
+    } catch (const SceneError& error) {
+      const std::string place = shape.where.file + ":" + std::to_string(shape.where.line);
+      if (std::string(error.what()).rfind(place, 0) == 0) throw;
+      throw SceneError(shape.where, error.what());
+    }
+  }
+
+  void add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh) {
+    transform_mesh(mesh, shape.to_world);
+    if (shape.face_normals) mesh.normals.clear();
+    if (shape.flip_normals) flip_mesh(mesh);
+    const std::size_t dropped = drop_degenerate_triangles(mesh);
+    if (dropped > 0) warn(shape, std::to_string(dropped) + " degenerate or non-finite triangles left out");
+    if (mesh.triangles.empty()) {
+      warn(shape, shape.radiance ? "shape has no area: neither seen nor emitting" : "shape has no area: left out");
+      return;
+    }
+    if (out_->positions_.size() + 3 * mesh.positions.size() > kMaxWords ||
+        out_->triangles_.size() + 3 * mesh.triangles.size() > kMaxWords)
+      throw SceneError("more than " + std::to_string(kMaxWords / 3) + " vertices or triangles in all");
+    row.kind = static_cast<std::uint32_t>(ShapeKind::kMesh);
+    row.first_vertex = static_cast<std::uint32_t>(out_->positions_.size() / 3);
+    row.first_triangle = static_cast<std::uint32_t>(out_->triangles_.size() / 3);
+    row.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
+    append(out_->positions_, mesh.positions);
+    if (!mesh.normals.empty()) {
+      row.first_normal = static_cast<std::uint32_t>(out_->normals_.size() / 3);
+      append(out_->normals_, mesh.normals);
+    }
+    if (!mesh.uvs.empty()) {
+      row.first_uv = static_cast<std::uint32_t>(out_->uvs_.size() / 2);
+      for (const Vec2f& uv : mesh.uvs) out_->uvs_.insert(out_->uvs_.end(), {uv.x, uv.y});
+    }
+    for (const auto& t : mesh.triangles) out_->triangles_.insert(out_->triangles_.end(), t.begin(), t.end());
+    for (const auto& t : mesh.triangles)
+      for (std::uint32_t vertex : t) grow(mesh.positions[vertex], mesh.positions[vertex]);
+    vertex_counts_.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
+    out_->counts_.triangles += mesh.triangles.size();
+    out_->counts_.vertices += mesh.positions.size();
+    push_shape(row, shape);
+  }
+
+  template <class Quadric> void add_quadric(ShapeRow row, const ShapeDescription& shape, const Quadric& quadric) {
+    const Placement placement = place(quadric, shape.to_world);
+    const QuadricRow q = make_quadric(placement.kind, placement.to_world, shape.flip_normals);
+    const QuadricBounds bounds = quadric_bounds(q);
+    const Vec3f extent = bounds.upper - bounds.lower;
+    constexpr float kLargest = 1e18f;  // squares must stay finite
+    if (!is_finite(extent) || max_component(abs(bounds.upper)) > kLargest || max_component(abs(bounds.lower)) > kLargest ||
+        !(q.determinant > 0.0f)) {
+      warn(shape, "shape is degenerate or too large for single precision: left out");
+      return;
+    }
+    grow(bounds.lower, bounds.upper);
+    row.kind = static_cast<std::uint32_t>(placement.kind);
+    row.first_triangle = static_cast<std::uint32_t>(out_->quadrics_.size());
+    out_->quadrics_.push_back(q);
+    vertex_counts_.push_back(0);
+    ++out_->counts_.quadrics;
+    push_shape(row, shape);
+  }
+
+  /// Adds the row, and a light if it emits.
+  void push_shape(ShapeRow row, const ShapeDescription& shape) {
+    const auto index = static_cast<std::uint32_t>(out_->shapes_.size());
+    if (shape.radiance) {
+      const Vec3f radiance = emission_rgb(*shape.radiance);
+      if (max_component(radiance) > 0.0f) {
+        const ShapeTables tables{out_->positions_.data(), out_->triangles_.data(), out_->quadrics_.data()};
+        row.light = static_cast<std::uint32_t>(out_->lights_.size());
+        AreaLight light = make_area_light(row, index, tables, radiance,
+                                          static_cast<std::uint32_t>(out_->triangle_alias_.size()));
+        out_->lights_.push_back(light.row);
+        powers_.push_back(light.power);
+        out_->triangle_alias_.insert(out_->triangle_alias_.end(), light.triangles.begin(), light.triangles.end());
+      }
+    }
+    out_->shapes_.push_back(row);
+  }
+
+  void grow(Vec3f lower, Vec3f upper) {
+    lower_ = {std::min(lower_.x, lower.x), std::min(lower_.y, lower.y), std::min(lower_.z, lower.z)};
+    upper_ = {std::max(upper_.x, upper.x), std::max(upper_.y, upper.y), std::max(upper_.z, upper.z)};
+  }
+
+  void set_bounds() {
+    if (!(lower_.x <= upper_.x)) lower_ = upper_ = {0, 0, 0};
+    out_->counts_.bounds_min = lower_;
+    out_->counts_.bounds_max = upper_;
+    out_->center_ = lower_ * 0.5f + upper_ * 0.5f;
+    out_->radius_ = length(upper_ * 0.5f - lower_ * 0.5f);
+    // Shadow rays to the environment end outside of everything, the camera included.
+    out_->radius_ = std::max(out_->radius_, length(out_->camera_.origin - out_->center_));
+    out_->radius_ = std::max(out_->radius_, 1e-3f);
+  }
+
+  void add_lights() {
+    for (const LightDescription& light : in_.lights) {
+      const bool constant = std::holds_alternative<ConstantLightDescription>(light.model);
+      const auto& spectrum = constant ? std::get<ConstantLightDescription>(light.model).radiance
+                                      : std::get<PointLightDescription>(light.model).intensity;
+      const Vec3f value = emission_rgb(spectrum);
+      if (!(max_component(value) > 0.0f)) continue;
+      if (constant && out_->environment_ != kNone) throw SceneError(light.where, "a scene may have only one environment light");
+      if (constant) out_->environment_ = static_cast<std::uint32_t>(out_->lights_.size());
+      const Vec3f position = constant ? out_->center_ : std::get<PointLightDescription>(light.model).position;
+      PlacedLight placed = constant ? make_constant_light(value, out_->radius_) : make_point_light(value, position);
+      out_->lights_.push_back(placed.row);
+      powers_.push_back(placed.power);
+    }
+    out_->counts_.lights = out_->lights_.size();
+    if (out_->lights_.empty()) return;
+    out_->light_alias_ = build_alias_table(powers_);
+    for (std::size_t i = 0; i < out_->lights_.size(); ++i) out_->lights_[i].pdf_select = out_->light_alias_[i].pdf;
+  }
+
+  void finish_tables() {
+    out_->counts_.shapes = out_->shapes_.size();
+    // Rows are read four words wide, and absent tables are read at index zero by lanes that are switched off.
+    for (auto* table : {&out_->positions_, &out_->normals_, &out_->uvs_}) {
+      table->insert(table->end(), 8, 0.0f);
+      table->shrink_to_fit();
+    }
+    out_->triangles_.insert(out_->triangles_.end(), 8, 0u);
+    out_->triangles_.shrink_to_fit();
+    if (out_->quadrics_.empty()) out_->quadrics_.emplace_back();
+    if (out_->shapes_.empty()) out_->shapes_.emplace_back();
+    if (out_->triangle_alias_.empty()) out_->triangle_alias_.emplace_back();
+    const AccelInput input{out_->shapes_.data(), static_cast<std::uint32_t>(vertex_counts_.size()),
+                           out_->positions_.data(), out_->triangles_.data(), out_->quadrics_.data(), vertex_counts_.data()};
+    out_->accel_ = std::make_unique<Accel>(input);
+  }
+
+  void warn(const ShapeDescription& shape, const std::string& message) {
+    out_->warnings_.push_back(SceneError(shape.where, message).what());
+  }
+
+  const Description& in_;
+  std::unique_ptr<Scene> out_;
+  std::vector<std::uint32_t> row_of_material_;
+  std::uint32_t default_material_ = 0;
+  std::vector<std::uint32_t> vertex_counts_;
+  std::vector<float> powers_;
+  Vec3f lower_{kInfinity, kInfinity, kInfinity}, upper_{-kInfinity, -kInfinity, -kInfinity};
+};
+
+std::unique_ptr<Scene> compile_scene(const Description& description) { return SceneCompiler(description).run(); }
+
+}  // namespace sheaf

@@ -1,0 +1,28 @@
+// Materials of a description, flattened into rows.
+#pragma once
+
+#include "scene/description.h"
+#include "scene/material.h"
+
+namespace sheaf {
+
+struct CompiledMaterials {
+  std::vector<MaterialRow> rows;       ///< sorted by kind
+  std::vector<std::uint32_t> row_of;   ///< per material of the description
+  std::uint32_t default_row = 0;       ///< what shapes without a material get: diffuse, reflectance 0.5
+  std::uint32_t bucket_count = 1;
+  std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
+};
+
+/// Flattens two-sided materials into flags. Throws SceneError where a two-sided material holds one that transmits or
+/// another two-sided one.
+CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials);
+
+/// Linear Rec.709 of a radiance, intensity ...; components below zero become zero.
+Vec3f emission_rgb(const SpectrumDescription& spectrum);
+/// Linear Rec.709 of a reflectance or transmittance; clamped to [0, 1].
+Vec3f reflectance_rgb(const SpectrumDescription& spectrum);
+/// Linear Rec.709 of an index of refraction and other quantities without an upper bound.
+Vec3f unbounded_rgb(const SpectrumDescription& spectrum);
+
+}  // namespace sheaf

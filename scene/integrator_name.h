@@ -1,0 +1,15 @@
+// The names of integrators, in all dialects and on the command line.
+#pragma once
+
+#include "scene/description.h"
+
+#include <string_view>
+
+namespace sheaf {
+
+/// `base` with kind, strategy and, where the name fixes it, depth as `name` says: path, path_mis, path_mats, path_ems,
+/// direct, direct_mis, direct_mats, direct_ems, normals, depth, and Mitsuba's integrators of the same expectation.
+/// Throws Error (usage) for an unknown name, with the nearest known one.
+IntegratorDescription integrator_from_name(std::string_view name, const IntegratorDescription& base);
+
+}  // namespace sheaf

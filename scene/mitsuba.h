@@ -1,0 +1,30 @@
+// Inside the Mitsuba dialect: what its readers call of each other.
+#pragma once
+
+#include "scene/dialects.h"
+
+#include <map>
+
+namespace sheaf::mitsuba {
+
+/// A Mitsuba scene while it is read.
+struct Reader {
+  ReadContext& context;
+  bool before_version_2 = false;
+  std::map<const XmlElement*, MaterialId> materials = {};  ///< read so far
+};
+
+/// The material of a <bsdf>; each element is read once, however often it is referred to.
+MaterialId material_of(const XmlElement& bsdf, Reader& reader);
+/// Appends a shape with its material and area light.
+void read_shape(const XmlElement& element, Reader& reader);
+/// Appends a light that is not on a shape.
+void read_emitter(const XmlElement& element, Reader& reader);
+/// The radiance of an area light.
+SpectrumDescription read_area_emitter(const XmlElement& element, Reader& reader);
+/// Camera, film and sampler.
+void read_sensor(const XmlElement& element, Reader& reader);
+/// The integrator, through the wrappers moment and aov.
+void read_integrator(const XmlElement& element, Reader& reader);
+
+}  // namespace sheaf::mitsuba

@@ -1,0 +1,104 @@
+// The Mitsuba dialect: shapes and emitters.
+#include "scene/mitsuba.h"
+
+namespace sheaf::mitsuba {
+
+namespace {
+
+MeshFileShape read_mesh_file(Properties& p, ShapeDescription& shape) {
+  MeshFileShape mesh;
+  mesh.format = p.type() == "ply" ? MeshFileShape::Format::kPly : MeshFileShape::Format::kObj;
+  mesh.file = p.file("filename");
+  mesh.flip_tex_coords = p.boolean("flip_tex_coords", mesh.format == MeshFileShape::Format::kObj);
+  shape.face_normals = p.boolean("face_normals", false);
+  p.accept({"collapse"});
+  if (mesh.format == MeshFileShape::Format::kPly) p.accept({"srgb"});
+  return mesh;
+}
+
+CylinderShape read_cylinder(Properties& p) {
+  CylinderShape cylinder;
+  cylinder.p0 = p.vec3("p0", cylinder.p0);
+  cylinder.p1 = p.vec3("p1", cylinder.p1);
+  cylinder.radius = p.number("radius", 1, kPositive);
+  if (cylinder.p0 == cylinder.p1) p.fail("has no length: p0 and p1 coincide");
+  return cylinder;
+}
+
+void read_geometry(Properties& p, ShapeDescription& shape) {
+  const std::string& type = p.type();
+  if (type == "obj" || type == "ply") {
+    shape.geometry = read_mesh_file(p, shape);
+  } else if (type == "sphere") {
+    const Vec3f center = p.vec3("center", {0, 0, 0});
+    shape.geometry = SphereShape{center, p.number("radius", 1, kPositive)};
+  } else if (type == "rectangle") {
+    shape.geometry = RectangleShape{};
+  } else if (type == "cube") {
+    shape.geometry = CubeShape{};
+  } else if (type == "disk") {
+    shape.geometry = DiskShape{};
+  } else if (type == "cylinder") {
+    shape.geometry = read_cylinder(p);
+  } else {
+    p.fail_plugin({"cube", "cylinder", "disk", "obj", "ply", "rectangle", "sphere"});
+  }
+}
+
+PointLightDescription read_point_light(Properties& p) {
+  PointLightDescription light;
+  const bool placed = p.has("to_world");
+  light.position = p.vec3("position", {0, 0, 0});
+  if (placed && p.has("position")) p.fail("has both 'position' and 'to_world', expected one");
+  if (placed) light.position = p.transform("to_world").point({0, 0, 0});
+  light.intensity = p.spectrum("intensity", SpectrumDescription::constant(1), SpectrumRole::kEmission);
+  return light;
+}
+
+}  // namespace
+
+void read_shape(const XmlElement& element, Reader& reader) {
+  Properties p(element, reader.context);
+  ShapeDescription shape;
+  shape.where = element.where;
+  read_geometry(p, shape);
+  shape.to_world = p.transform("to_world");
+  shape.flip_normals = p.boolean("flip_normals", false);
+  if (const XmlElement* bsdf = p.object("bsdf")) shape.material = material_of(*bsdf, reader);
+  if (const XmlElement* emitter = p.object("emitter")) shape.radiance = read_area_emitter(*emitter, reader);
+  p.accept({"silhouette_sampling_weight"});
+  p.finish();
+  reader.context.description.shapes.push_back(std::move(shape));
+}
+
+SpectrumDescription read_area_emitter(const XmlElement& element, Reader& reader) {
+  Properties p(element, reader.context);
+  if (p.type() != "area") p.fail_plugin({"area"});
+  SpectrumDescription radiance = p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
+  p.accept({"sampling_weight"});
+  p.finish();
+  return radiance;
+}
+
+void read_emitter(const XmlElement& element, Reader& reader) {
+  Properties p(element, reader.context);
+  LightDescription light;
+  light.where = element.where;
+  if (p.type() == "point") {
+    light.model = read_point_light(p);
+  } else if (p.type() == "constant") {
+    light.model =
+        ConstantLightDescription{p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission)};
+    p.accept({"to_world"});
+  } else if (p.type() == "area") {
+    if (!reader.context.scene.is_referenced(element)) p.fail("must be nested in a <shape>, or referred to by one");
+    return;
+  } else {
+    p.fail_plugin({"area", "constant", "point"});
+  }
+  p.accept({"sampling_weight"});
+  p.finish();
+  reader.context.description.lights.push_back(std::move(light));
+}
+
+}  // namespace sheaf::mitsuba

@@ -1,0 +1,236 @@
+// The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator, rfilter; camelCase names; no references.
+#include "scene/dialects.h"
+
+#include <numbers>
+
+namespace sheaf {
+
+namespace {
+
+/// A radius other than the one that the filter's other parameters imply is left out, and said so.
+void check_radius(Properties& p, const FilterDescription& filter) {
+  const float radius = p.number("radius", filter.radius, kPositive);
+  if (radius != filter.radius)
+    p.context().note(p.where(), "rfilter '" + p.type() + "' has the radius " + std::to_string(filter.radius) +
+                                    " pixels; the given radius is not used");
+}
+
+FilterDescription read_filter(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  FilterDescription filter;
+  if (p.type() == "box") {
+    filter.kind = FilterDescription::Kind::kBox;
+    filter.radius = 0.5f;
+  } else if (p.type() == "tent") {
+    filter.kind = FilterDescription::Kind::kTent;
+    filter.radius = 1;
+  } else if (p.type() == "gaussian") {
+    filter.kind = FilterDescription::Kind::kGaussian;
+    filter.stddev = p.number("stddev", 0.5f, kPositive);
+    filter.radius = 4 * filter.stddev;
+    check_radius(p, filter);
+  } else if (p.type() == "mitchell") {
+    filter.kind = FilterDescription::Kind::kMitchell;
+    filter.radius = 2;
+    check_radius(p, filter);
+    filter.b = p.number("B", 1.0f / 3);
+    filter.c = p.number("C", 1.0f / 3);
+  } else {
+    p.fail_plugin({"box", "gaussian", "mitchell", "tent"});
+  }
+  p.finish();
+  return filter;
+}
+
+void read_camera(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  if (p.type() != "perspective") p.fail_plugin({"perspective"});
+  CameraDescription& camera = context.description.camera;
+  FilmDescription& film = context.description.film;
+  camera.where = element.where;
+  camera.to_world = p.transform("toWorld");
+  camera.fov = p.number("fov", 30, {0, 180, true});
+  camera.fov_axis = CameraDescription::FovAxis::kX;
+  film.width = p.integer("width", 1280, 1, 1'000'000'000);
+  film.height = p.integer("height", 720, 1, 1'000'000'000);
+  check_frame(film.width, film.height, element.where);
+  film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
+  if (const XmlElement* filter = p.object("rfilter")) film.filter = read_filter(*filter, context);
+  p.accept({"nearClip", "farClip"});
+  p.finish();
+}
+
+void read_sampler(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  if (p.type() != "independent") p.fail_plugin({"independent"});
+  context.description.sampler.sample_count =
+      static_cast<std::uint32_t>(p.integer("sampleCount", 1, 1, kMaxSampleCount));
+  p.finish();
+}
+
+struct NamedIntegrator {
+  const char* name;
+  IntegratorKind kind;
+  LightStrategy strategy;
+  int max_depth;
+};
+constexpr NamedIntegrator kIntegrators[] = {
+    {"depth", IntegratorKind::kDepth, LightStrategy::kMis, -1},
+    {"direct", IntegratorKind::kPath, LightStrategy::kMis, 2},
+    {"direct_ems", IntegratorKind::kPath, LightStrategy::kLightOnly, 2},
+    {"direct_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, 2},
+    {"direct_mis", IntegratorKind::kPath, LightStrategy::kMis, 2},
+    {"normals", IntegratorKind::kNormals, LightStrategy::kMis, -1},
+    {"path", IntegratorKind::kPath, LightStrategy::kMis, -1},
+    {"path_ems", IntegratorKind::kPath, LightStrategy::kLightOnly, -1},
+    {"path_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, -1},
+    {"path_mis", IntegratorKind::kPath, LightStrategy::kMis, -1},
+};
+
+void read_integrator(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  IntegratorDescription& integrator = context.description.integrator;
+  std::vector<std::string> known;
+  for (const NamedIntegrator& named : kIntegrators) {
+    known.emplace_back(named.name);
+    if (p.type() != named.name) continue;
+    integrator.kind = named.kind;
+    integrator.strategy = named.strategy;
+    integrator.max_depth = named.max_depth;
+    if (named.kind == IntegratorKind::kPath) {
+      if (named.max_depth < 0) {
+        integrator.max_depth = p.integer("maxDepth", -1, -1, 1'000'000);
+        integrator.rr_depth = p.integer("rrDepth", 5, 1, 1'000'000);
+      }
+      integrator.hide_emitters = p.boolean("hideEmitters", false);
+    }
+    p.finish();
+    return;
+  }
+  p.fail_plugin(known);
+}
+
+MaterialId read_bsdf(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  MaterialDescription material;
+  material.where = element.where;
+  if (p.type() == "diffuse") {
+    material.model =
+        DiffuseDescription{p.spectrum("albedo", SpectrumDescription::constant(0.5f), SpectrumRole::kReflectance)};
+  } else if (p.type() == "mirror") {
+    material.model = ConductorDescription{};
+  } else if (p.type() == "dielectric") {
+    DielectricDescription dielectric;
+    dielectric.int_ior = p.number("intIOR", dielectric.int_ior, kPositive);
+    dielectric.ext_ior = p.number("extIOR", dielectric.ext_ior, kPositive);
+    material.model = dielectric;
+  } else {
+    p.fail_plugin({"dielectric", "diffuse", "mirror"});
+  }
+  p.finish();
+  return add_material(context, std::move(material));
+}
+
+SpectrumDescription read_area_emitter(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  if (p.type() != "area") p.fail_plugin({"area"});
+  SpectrumDescription radiance = p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
+  p.finish();
+  return radiance;
+}
+
+void read_mesh(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  ShapeDescription shape;
+  shape.where = element.where;
+  if (p.type() == "obj") {
+    shape.geometry = MeshFileShape{p.file("filename"), MeshFileShape::Format::kObj, false};
+  } else if (p.type() == "sphere") {
+    const Vec3f center = p.vec3("center", {0, 0, 0});
+    shape.geometry = SphereShape{center, p.number("radius", 1, kPositive)};
+  } else {
+    p.fail_plugin({"obj", "sphere"});
+  }
+  shape.to_world = p.transform("toWorld");
+  if (const XmlElement* bsdf = p.object("bsdf")) shape.material = read_bsdf(*bsdf, context);
+  if (const XmlElement* emitter = p.object("emitter")) shape.radiance = read_area_emitter(*emitter, context);
+  p.finish();
+  context.description.shapes.push_back(std::move(shape));
+}
+
+/// The same spectrum times `factor`.
+SpectrumDescription scaled(SpectrumDescription spectrum, float factor) {
+  if (auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value)) constant->value *= factor;
+  if (auto* rgb = std::get_if<SpectrumDescription::Rgb>(&spectrum.value)) rgb->value = rgb->value * factor;
+  if (auto* table = std::get_if<SpectrumDescription::Table>(&spectrum.value))
+    for (float& v : table->values) v *= factor;
+  if (auto* blackbody = std::get_if<SpectrumDescription::Blackbody>(&spectrum.value)) blackbody->scale *= factor;
+  return spectrum;
+}
+
+PointLightDescription read_point_light(Properties& p) {
+  PointLightDescription light;
+  light.position = p.vec3("position", {0, 0, 0});
+  const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
+  const auto power = p.find_spectrum("power", SpectrumRole::kEmission);
+  if (intensity && power) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
+  if (intensity) light.intensity = *intensity;
+  if (power) light.intensity = scaled(*power, 1.0f / (4.0f * std::numbers::pi_v<float>));
+  return light;
+}
+
+void read_emitter(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  LightDescription light;
+  light.where = element.where;
+  if (p.type() == "point") {
+    light.model = read_point_light(p);
+  } else if (p.type() == "constant") {
+    light.model =
+        ConstantLightDescription{p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission)};
+  } else if (p.type() == "area") {
+    p.fail("must be nested in a <mesh>");
+  } else {
+    p.fail_plugin({"area", "constant", "point"});
+  }
+  p.finish();
+  context.description.lights.push_back(std::move(light));
+}
+
+}  // namespace
+
+void read_nori(ReadContext& context) {
+  const XmlElement* camera = nullptr;
+  const XmlElement* sampler = nullptr;
+  const XmlElement* integrator = nullptr;
+  auto keep = [](const XmlElement*& slot, const XmlElement& element) {
+    if (slot != nullptr) throw SceneError(element.where, "a second <" + element.name + ">, expected one");
+    slot = &element;
+  };
+  for (const XmlElement& child : context.scene.root().children) {
+    if (child.name == "camera") {
+      keep(camera, child);
+    } else if (child.name == "sampler") {
+      keep(sampler, child);
+    } else if (child.name == "integrator") {
+      keep(integrator, child);
+    } else if (child.name == "mesh") {
+      read_mesh(child, context);
+    } else if (child.name == "emitter") {
+      read_emitter(child, context);
+    } else {
+      throw SceneError(child.where,
+                       "unknown element <" + child.name + "> in a Nori scene" +
+                           did_you_mean(child.name, {"camera", "sampler", "integrator", "mesh", "emitter"}));
+    }
+  }
+  const SourceLocation& where = context.scene.root().where;
+  if (camera == nullptr) throw SceneError(where, "the scene has no <camera>");
+  if (integrator == nullptr) throw SceneError(where, "the scene has no <integrator>");
+  read_camera(*camera, context);
+  read_integrator(*integrator, context);
+  context.description.sampler.sample_count = 1;
+  if (sampler != nullptr) read_sampler(*sampler, context);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,136 @@
+// The compiled scene: flat, immutable tables that kernels read by index, and the view of them that kernels get.
+#pragma once
+
+#include "core/distribution.h"
+#include "core/spectrum.h"
+#include "scene/accel.h"
+#include "scene/camera.h"
+#include "scene/description.h"
+#include "scene/filter.h"
+#include "scene/material.h"
+
+#include <memory>
+#include <vector>
+
+namespace sheaf {
+
+/// "No such row" in any table.
+inline constexpr std::uint32_t kNone = 0xffffffffu;
+
+enum class ShapeKind : std::uint32_t { kMesh, kSphere, kDisk, kCylinder };
+
+/// One shape; its index is Embree's geometry id. Eight words, read as one 32-byte row.
+struct ShapeRow {
+  std::uint32_t kind = 0;            ///< ShapeKind
+  std::uint32_t first_triangle = 0;  ///< meshes: into SceneView::triangles; quadrics: into SceneView::quadrics
+  std::uint32_t first_vertex = 0;    ///< meshes: into SceneView::positions
+  std::uint32_t first_normal = kNone;  ///< meshes: into SceneView::normals; kNone: faceted
+  std::uint32_t first_uv = kNone;      ///< meshes: into SceneView::uvs; kNone: barycentric coordinates serve as uv
+  std::uint32_t material = 0;          ///< into SceneView::materials
+  std::uint32_t light = kNone;         ///< into SceneView::lights, kNone: does not emit
+  std::uint32_t triangle_count = 0;
+};
+static_assert(sizeof(ShapeRow) == 32);
+
+/// A sphere, disk or cylinder: an affine image of the canonical one (unit sphere around the origin; unit disk at z = 0;
+/// side of radius 1 for z in [0, 1]).
+struct QuadricRow {
+  float to_world[12];   ///< rows of the 3x4 matrix
+  float to_object[12];  ///< its inverse
+  float normal_sign;    ///< -1 if normals are flipped
+  float determinant;    ///< |det| of the linear part
+  float uniform_scale;  ///< the factor, if the linear part is a rotation times a factor; else 0
+  ShapeKind kind;       ///< not kMesh
+};
+
+enum class LightKind : std::uint32_t { kPoint, kConstant, kMesh, kSphere, kQuadric };
+
+/// One light. Sixteen words.
+struct LightRow {
+  std::uint32_t kind = 0;            ///< LightKind
+  std::uint32_t shape = kNone;       ///< area lights
+  std::uint32_t first_triangle = 0;  ///< kMesh: into SceneView::triangle_alias
+  std::uint32_t triangle_count = 0;
+  float radiance[4] = {};   ///< kPoint: intensity (W / sr), others: radiance (W / (m^2 sr))
+  float position[3] = {};   ///< kPoint, kSphere: centre; metres
+  float area = 0;           ///< area lights: of the world-space surface; kQuadric: of the canonical shape
+  float radius = 0;         ///< kSphere
+  float pdf_select = 0;     ///< probability with which the light is chosen
+  float unused[2] = {};
+};
+static_assert(sizeof(LightRow) == 64);
+
+/// What kernels see of a scene: pointers into its tables, and small settings by value.
+struct SceneView {
+  const ShapeRow* shapes = nullptr;
+  const float* positions = nullptr;          ///< three per vertex
+  const float* normals = nullptr;            ///< three per vertex, normalised
+  const float* uvs = nullptr;                ///< two per vertex
+  const std::uint32_t* triangles = nullptr;  ///< three per triangle, relative to the shape's first vertex
+  const QuadricRow* quadrics = nullptr;
+  const MaterialRow* materials = nullptr;
+  const LightRow* lights = nullptr;
+  const AliasEntry* light_alias = nullptr;
+  const AliasEntry* triangle_alias = nullptr;
+  std::uint32_t shape_count = 0, material_count = 0, light_count = 0;
+  std::uint32_t bucket_count = 1;
+  std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
+  std::uint32_t environment = kNone;                   ///< light row of the constant environment
+  Vec3f center{};                                      ///< of the bounding sphere
+  float radius = 0;
+  std::uint32_t seed = 0;
+  Camera camera;
+  const FilterTable* filter = nullptr;
+  IntegratorDescription integrator;
+  const Accel* accel = nullptr;
+};
+
+/// Sizes, for people.
+struct SceneInfo {
+  std::size_t shapes = 0, triangles = 0, quadrics = 0, vertices = 0, materials = 0, lights = 0;
+  Vec3f bounds_min{}, bounds_max{};
+  std::size_t table_bytes = 0, accel_bytes = 0;
+};
+
+/// Owns the tables. Neither copied nor moved: Embree points into them.
+class Scene {
+ public:
+  Scene() = default;
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  /// The kernels' view; valid as long as the scene.
+  SceneView view() const;
+  SceneInfo info() const;
+  const FilmDescription& film() const { return film_; }
+  const SamplerDescription& sampler() const { return sampler_; }
+  const IntegratorDescription& integrator() const { return integrator_; }
+  /// Remarks on what was repaired or left out.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  friend class SceneCompiler;
+
+  std::vector<ShapeRow> shapes_;
+  std::vector<float> positions_, normals_, uvs_;  ///< each with a row of padding, since rows are read four words wide
+  std::vector<std::uint32_t> triangles_;
+  std::vector<QuadricRow> quadrics_;
+  std::vector<MaterialRow> materials_;
+  std::vector<LightRow> lights_;
+  std::vector<AliasEntry> light_alias_, triangle_alias_;
+  std::uint32_t bucket_count_ = 1;
+  std::uint32_t bucket_begin_[kClosureKinds + 1] = {};
+  std::uint32_t environment_ = kNone;
+  Vec3f center_{};
+  float radius_ = 0;
+  SceneInfo counts_;
+  Camera camera_;
+  FilterTable filter_;
+  FilmDescription film_;
+  SamplerDescription sampler_;
+  IntegratorDescription integrator_;
+  std::vector<std::string> warnings_;
+  std::unique_ptr<Accel> accel_;
+};
+
+}  // namespace sheaf

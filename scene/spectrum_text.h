@@ -1,0 +1,36 @@
+// Spectra as scene files and .spd files write them.
+#pragma once
+
+#include "scene/description.h"
+
+#include <string_view>
+
+namespace sheaf {
+
+/// What a spectrum is used for; decides which values are legal.
+enum class SpectrumRole {
+  kReflectance,  ///< within [0, 1]
+  kEmission,     ///< not negative
+  kIor,          ///< not negative
+};
+
+/// One number, or "wavelength:value" pairs separated by commas or white space. Throws SceneError: see check_table.
+SpectrumDescription parse_spectrum_text(std::string_view text, const SourceLocation& where);
+
+/// A file of lines "wavelength value"; # begins a comment. Throws SceneError with the line in that file.
+SpectrumDescription::Table read_spd(const std::filesystem::path& file);
+
+/// Throws SceneError unless the table has two entries or more, as many values as wavelengths, and its wavelengths
+/// increase strictly and are positive.
+void check_table(const SpectrumDescription::Table& table, const SourceLocation& where);
+
+/// Throws SceneError if a value is not legal for the role.
+void check_role(const SpectrumDescription& spectrum, SpectrumRole role, const SourceLocation& where,
+                std::string_view what);
+
+/// Three numbers in [0, 1] or "#rrggbb" in the sRGB encoding, to linear. One number stands for all three.
+Vec3f parse_srgb(std::string_view text, const SourceLocation& where);
+/// Three linear numbers or "#rrggbb"; the latter is in the sRGB encoding.
+Vec3f parse_rgb(std::string_view text, const SourceLocation& where);
+
+}  // namespace sheaf

@@ -1,0 +1,40 @@
+// The XML tree of a scene file, with the line of every element. The only reader of XML syntax in the project.
+#pragma once
+
+#include "core/error.h"
+
+#include <filesystem>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sheaf {
+
+struct XmlAttribute {
+  std::string name, value;
+};
+
+/// One element. Comments, processing instructions and white space are gone; other text inside elements is an error.
+struct XmlElement {
+  std::string name;
+  std::vector<XmlAttribute> attributes;  ///< in file order, names unique
+  std::vector<XmlElement> children;      ///< in file order
+  SourceLocation where;
+
+  /// The value of an attribute, or null.
+  const std::string* find_attribute(std::string_view attribute_name) const;
+  /// The value of an attribute. Throws SceneError if it is missing.
+  const std::string& attribute(std::string_view attribute_name) const;
+  /// Throws SceneError for the first attribute that is not in the list.
+  void expect_attributes(std::initializer_list<const char*> allowed) const;
+};
+
+/// Reads a file into a tree of at most 100 levels. Entities of a DTD are not expanded. Throws SceneError if the file
+/// cannot be read, is not well-formed UTF-8 XML, or holds anything but one root element.
+XmlElement read_xml(const std::filesystem::path& file);
+
+/// `text` in single quotes for a message: shortened if long, control characters replaced.
+std::string in_quotes(std::string_view text);
+
+}  // namespace sheaf

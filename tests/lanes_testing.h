@@ -1,0 +1,37 @@
+// Filling registers lane by lane, and comparing them with what the scalar code says.
+#pragma once
+
+#include "core/lanes.h"
+
+namespace sheaf {
+
+/// A register whose lane k holds f(k).
+template <class F> WideFloat wide_floats(F&& f) {
+  alignas(kSimdAlignment) float lanes[kWidth];
+  for (int lane = 0; lane < kWidth; ++lane) lanes[lane] = f(lane);
+  WideFloat out;
+  load(lanes, out);
+  return out;
+}
+template <class F> WideUint wide_uints(F&& f) {
+  alignas(kSimdAlignment) std::uint32_t lanes[kWidth];
+  for (int lane = 0; lane < kWidth; ++lane) lanes[lane] = f(lane);
+  WideUint out;
+  load(lanes, out);
+  return out;
+}
+template <class F> WideMask wide_mask(F&& f) {
+  return wide_uints([&](int lane) { return f(lane) ? 1u : 0u; }) != WideUint(0u);
+}
+inline bool lane_of(WideMask m, int lane) { return (mask_bits(m) >> lane & 1u) != 0; }
+
+/// Same bits, or both not a number.
+inline bool same(float a, float b) { return float_bits(a) == float_bits(b) || (a != a && b != b); }
+/// Difference in proportion to the larger of |b| and 1; infinite if just one is not a number.
+inline double difference(float a, float b) {
+  if (same(a, b) || a == b) return 0.0;
+  const double d = std::fabs(static_cast<double>(a) - b) / std::max(1.0, std::fabs(static_cast<double>(b)));
+  return d == d ? d : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace sheaf

@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+"""Renders the references of the tests with Mitsuba 3, an independent renderer.
+
+  pip install mitsuba
+  tests/references/make_references.py [--spp N] [NAME ...]
+
+Without names, every scene of tests/references/scenes and the Cornell box are rendered, which takes some minutes. The
+variant llvm_ad_rgb needs a shared library of LLVM (16 or later); if Mitsuba does not find it, set DRJIT_LIBLLVM_PATH.
+
+Two files are written per scene, with the channels R, G and B:
+  NAME.exr      32-bit float: the mean of all samples. The string attribute "samples" says how many each pixel got.
+  NAME_var.exr  16-bit float: the variance of ONE sample of a pixel. Divide it by a sample count for the variance of a
+                mean over that many samples.
+
+The variance is the mean of the squares less the square of the mean, for filters w that are nowhere negative. For the
+others it is that of filter importance sampling: samples are placed with a density proportional to |w|, and each counts
+with the sign of w and the factor int |w| / int w. The mean is Mitsuba's own with every filter; scenes with a wide one
+set sample_border, so that the border pixels see the whole filter.
+"""
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+
+FOLDER = Path(__file__).resolve().parent
+SCENES = FOLDER / "scenes"
+CORNELL = FOLDER.parent.parent / "scenes" / "cornell" / "cornell.xml"
+CORNELL_BLOCK = 20  # pixels per side of one pixel of the Cornell reference
+WAVEFRONT = 1 << 21  # samples that are in flight at once
+
+
+def mitsuba():
+    import mitsuba as mi
+
+    if mi.variant() is None:
+        mi.set_variant("llvm_ad_rgb")
+        mi.set_log_level(mi.LogLevel.Error)
+    return mi
+
+
+def blackbody_rgb(temperature):
+    """Linear Rec.709 of Planck's law in W / (m^2 sr nm), by the CIE 1931 observer divided by the integral of its y."""
+    mi = mitsuba()
+    wavelengths = np.linspace(360, 830, 4701)
+    observer = np.array(mi.cie1931_xyz(mi.Float(wavelengths.astype(np.float32)))).astype(float)
+    meters = wavelengths * 1e-9
+    h, c, k = 6.62607015e-34, 299792458.0, 1.380649e-23
+    radiance = 2e-9 * h * c * c / meters**5 / np.expm1(h * c / (meters * k * temperature))
+    xyz = (observer * radiance).sum(axis=1) / observer[1].sum()
+    return np.array(mi.xyz_to_srgb(mi.Color3f([float(v) for v in xyz]))).ravel()
+
+
+def adapt(text):
+    """Black bodies as colours: Mitsuba knows them in spectral modes only."""
+    def colour(match):
+        rgb = ", ".join(f"{max(v, 0):.7g}" for v in blackbody_rgb(float(match[2])))
+        return f'<rgb name="{match[1]}" value="{rgb}"/>'
+
+    pattern = r'<spectrum name="(\w+)" type="blackbody">\s*<float name="temperature" value="([\d.]+)"/>\s*</spectrum>'
+    return re.sub(pattern, colour, text)
+
+
+def positive_indices(obj):
+    """An OBJ file whose faces count from the end, counting from the start as Mitsuba wants it."""
+    vertices = sum(line.startswith("v ") for line in obj.splitlines())
+    return "\n".join(re.sub(r"-\d+", lambda m: str(vertices + 1 + int(m[0])), line) if line.startswith("f ") else line
+                     for line in obj.splitlines())
+
+
+def load(path, replacements=(), **defines):
+    """The scene of an XML file, after adapt() and textual replacements."""
+    text = adapt(path.read_text())
+    for pattern, new in replacements:
+        text, count = re.subn(pattern, new, text)
+        assert count == 1, f"{path}: {pattern} found {count} times"
+    copy = path.with_name(f".{path.stem}_adapted.xml")
+    cube = SCENES / "meshes" / ".cube_positive.obj"
+    try:
+        if "cube_negative.obj" in text:
+            cube.write_text(positive_indices((SCENES / "meshes" / "cube_negative.obj").read_text()))
+            text = text.replace("cube_negative.obj", cube.name)
+        copy.write_text(text)
+        return mitsuba().load_file(str(copy), **defines)
+    finally:
+        copy.unlink(missing_ok=True)
+        cube.unlink(missing_ok=True)
+
+
+def with_squares(integrator):
+    """An integrator whose extra channels are the squares of the nested one's R, G and B."""
+    mi = mitsuba()
+
+    class Squares(mi.SamplingIntegrator):
+        def sample(self, scene, sampler, ray, medium=None, active=True):
+            radiance, valid, _ = integrator.sample(scene, sampler, ray, medium, active)
+            return radiance, valid, [radiance.x * radiance.x, radiance.y * radiance.y, radiance.z * radiance.z]
+
+        def aov_names(self):
+            return ["square.R", "square.G", "square.B"]
+
+    return Squares(mi.Properties())
+
+
+def moments(scene, spp):
+    """Per-pixel means of the samples and of their squares, and the number of samples per pixel."""
+    mi = mitsuba()
+    integrator = with_squares(scene.integrator())
+    size = scene.sensors()[0].film().crop_size()
+    per_pass = max(1, min(spp, WAVEFRONT // (int(size[0]) * int(size[1]))))
+    passes = -(-spp // per_pass)
+    total = 0
+    for seed in range(passes):
+        total = total + np.array(mi.render(scene, integrator=integrator, spp=per_pass, seed=1000 + seed), dtype=float)
+    total /= passes
+    return total[..., :3], total[..., -3:], passes * per_pass
+
+
+def filter_weight(kind, x):
+    """The filters that have negative lobes, in one dimension; distance in pixels."""
+    x = np.abs(x)
+    if kind.startswith("lanczos"):
+        lobes = 2 if kind.endswith("two") else 3
+        return np.where(x < lobes, np.sinc(x) * np.sinc(x / lobes), 0)
+    b, c = {"mitchell": (1 / 3, 1 / 3), "mitchell_sharp": (0.1, 0.45), "catmullrom": (0, 0.5)}[kind]
+    near = (12 - 9 * b - 6 * c) * x**3 + (-18 + 12 * b + 6 * c) * x**2 + (6 - 2 * b)
+    far = (-b - 6 * c) * x**3 + (6 * b + 30 * c) * x**2 + (-12 * b - 48 * c) * x + (8 * b + 24 * c)
+    return np.where(x < 1, near, np.where(x < 2, far, 0)) / 6
+
+
+def importance_sampling_square(kind, path, spp):
+    """The mean square of a filter importance sample: the squares at a quarter of a pixel, weighted with |w|."""
+    fine = 4
+    scale = [(f'name="{side}" value="(\\d+)"', lambda m, side=side: f'name="{side}" value="{int(m[1]) * fine}"')
+             for side in ("width", "height")]
+    _, squares, _ = moments(load(path, scale + [(r'<rfilter.*?(/>|(?s:.*?)</rfilter>)', '<rfilter type="box"/>')]),
+                            max(spp // fine**2, 64))
+    margin = 3
+    edges = np.linspace(-margin, margin, 6000 * margin + 1)
+    centers = (edges[1:] + edges[:-1]) / 2
+    weights = filter_weight(kind, centers)
+    taps = np.bincount(np.floor((centers + margin) * fine).astype(int), np.abs(weights)) / np.abs(weights).sum()
+    factor = np.abs(weights).sum() / weights.sum()
+    for axis in (0, 1):
+        pad = [(0, 0)] * 3
+        pad[axis] = (margin * fine, margin * fine)
+        padded = np.pad(squares, pad, mode="edge")
+        count = squares.shape[axis] // fine
+        start = np.arange(count) * fine + fine // 2
+        squares = factor**2 * sum(tap * np.take(padded, start + i, axis=axis) for i, tap in enumerate(taps))
+    return squares
+
+
+def write(name, mean, variance, samples):
+    mi = mitsuba()
+    picture = mi.Bitmap(mean.astype(np.float32), mi.Bitmap.PixelFormat.RGB)
+    picture.metadata()["samples"] = str(samples)
+    picture.write(str(FOLDER / f"{name}.exr"))
+    mi.Bitmap(variance.astype(np.float16), mi.Bitmap.PixelFormat.RGB).write(str(FOLDER / f"{name}_var.exr"))
+    print(f"{name}: {samples} samples, mean {mean.mean(axis=(0, 1))}, one sample's standard deviation "
+          f"{np.sqrt(variance.mean(axis=(0, 1)))}", flush=True)
+
+
+def make(name, spp):
+    path = SCENES / f"{name}.xml"
+    mean, square, samples = moments(load(path), spp)
+    kind = name.removeprefix("filter_")
+    if kind.startswith(("mitchell", "catmullrom", "lanczos")):
+        square = importance_sampling_square(kind, path, spp)
+    write(name, mean, np.maximum(square - mean**2, 0) * (samples / (samples - 1)), samples)
+
+
+def make_cornell(spp):
+    """Averages over square blocks; the variance is the average one of a sample within its own pixel."""
+    def blocks(a):
+        n = CORNELL_BLOCK
+        return a.reshape(a.shape[0] // n, n, a.shape[1] // n, n, 3).mean(axis=(1, 3))
+
+    mean, square, samples = moments(load(CORNELL), spp)
+    variance = np.maximum(square - mean**2, 0) * (samples / (samples - 1))
+    write("cornell", blocks(mean), blocks(variance), samples * CORNELL_BLOCK**2)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--spp", type=int, default=4096, help="samples per pixel (the Cornell box: a 32nd of it)")
+    parser.add_argument("names", nargs="*")
+    arguments = parser.parse_args()
+    names = sorted(p.stem for p in SCENES.glob("*.xml")) + ["cornell"]
+    unknown = set(arguments.names) - set(names)
+    if unknown:
+        sys.exit(f"no such scene: {', '.join(sorted(unknown))}")
+    for name in arguments.names or names:
+        if name == "cornell":
+            make_cornell(max(arguments.spp // 32, 2))
+        else:
+            make(name, arguments.spp)
+
+
+if __name__ == "__main__":
+    main()

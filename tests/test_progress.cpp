@@ -1,0 +1,128 @@
+// Progress: what is shown and when, with a clock of the test's own.
+#include "core/progress.h"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+#include <thread>
+#include <vector>
+
+using namespace sheaf;
+
+namespace {
+
+struct Recorder {
+  double now = 100;
+  std::vector<std::string> texts;
+  Progress::Write write() {
+    return [this](std::string_view text) { texts.emplace_back(text); };
+  }
+  Progress::Clock clock() {
+    return [this] { return now; };
+  }
+};
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("durations") {
+  CHECK(format_duration(0) == "0:00");
+  CHECK(format_duration(59.6) == "1:00");
+  CHECK(format_duration(3725) == "1:02:05");
+  CHECK(format_duration(-1) == "?:??");
+  CHECK(format_duration(std::numeric_limits<double>::quiet_NaN()) == "?:??");
+  CHECK(format_duration(1e300) == "?:??");
+}
+
+TEST_CASE("a bar shows percentage, times and speed, at most ten times a second") {
+  Recorder recorder;
+  Progress progress(Progress::Mode::kBar, 8'000'000, recorder.write(), recorder.clock());
+  recorder.now += 2;
+  progress.update(25, 100);
+  REQUIRE(recorder.texts.size() == 1);
+  const std::string& text = recorder.texts[0];
+  CHECK(contains(text, " 25 %"));
+  CHECK(contains(text, "0:02 elapsed"));
+  CHECK(contains(text, "0:06 left"));
+  CHECK(contains(text, "1.00 Msamples/s"));
+  CHECK(text.front() == '\r');
+  CHECK(text.back() != '\n');
+  recorder.now += 0.05;
+  progress.update(26, 100);
+  CHECK(recorder.texts.size() == 1);
+  recorder.now += 0.06;
+  progress.update(27, 100);
+  CHECK(recorder.texts.size() == 2);
+}
+
+TEST_CASE("100 % is not shown before the end") {
+  Recorder recorder;
+  Progress progress(Progress::Mode::kBar, 1000, recorder.write(), recorder.clock());
+  for (std::uint64_t done = 0; done <= 1000; ++done) {
+    recorder.now += 1;
+    progress.update(done, 1000);
+  }
+  for (const std::string& text : recorder.texts) CHECK_FALSE(contains(text, "100 %"));
+  progress.finish(true);
+  CHECK(contains(recorder.texts.back(), "100 %"));
+  CHECK(recorder.texts.back().back() == '\n');
+  CHECK_FALSE(contains(recorder.texts.back(), "left"));
+}
+
+TEST_CASE("an interrupted computation says so and keeps its percentage") {
+  Recorder recorder;
+  Progress progress(Progress::Mode::kLines, 1000, recorder.write(), recorder.clock());
+  recorder.now += 1;
+  progress.update(40, 100);
+  progress.finish(false);
+  REQUIRE(recorder.texts.size() == 1);
+  CHECK(contains(recorder.texts[0], " 40 %"));
+  CHECK(contains(recorder.texts[0], "interrupted"));
+  progress.finish(true);
+  progress.update(100, 100);
+  CHECK(recorder.texts.size() == 1);
+}
+
+TEST_CASE("log lines come every ten seconds") {
+  Recorder recorder;
+  Progress progress(Progress::Mode::kLines, 1000, recorder.write(), recorder.clock());
+  for (std::uint64_t second = 1; second <= 60; ++second) {
+    recorder.now += 1;
+    progress.update(second, 60);
+  }
+  CHECK(recorder.texts.size() == 6);
+  for (const std::string& text : recorder.texts) CHECK(text.back() == '\n');
+}
+
+TEST_CASE("nothing is shown when quiet") {
+  Recorder recorder;
+  Progress progress(Progress::Mode::kQuiet, 1000, recorder.write(), recorder.clock());
+  recorder.now += 100;
+  progress.update(1, 2);
+  progress.finish(true);
+  CHECK(recorder.texts.empty());
+}
+
+TEST_CASE("no work at all is no division by zero") {
+  Recorder recorder;
+  Progress progress(Progress::Mode::kBar, 0, recorder.write(), recorder.clock());
+  progress.update(0, 0);
+  progress.finish(true);
+  CHECK(contains(recorder.texts.front(), "  0 %"));
+  CHECK(contains(recorder.texts.back(), "100 %"));
+}
+
+TEST_CASE("updates from many threads, out of order, count the most that was done") {
+  Recorder recorder;
+  Progress progress(Progress::Mode::kBar, 1000, recorder.write(), [] { return 0.0; });
+  std::vector<std::thread> threads;
+  for (std::uint64_t t = 0; t < 4; ++t) {
+    threads.emplace_back([&progress, t] {
+      for (std::uint64_t i = 250; i-- > 0;) progress.update(i * 4 + t, 2000);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  progress.finish(false);
+  CHECK(contains(recorder.texts.back(), " 49 %"));
+}

@@ -1,0 +1,86 @@
+// sheaf info: what a scene file holds, its bounds and the memory it takes.
+#include "scene/compile.h"
+#include "scene/read_scene.h"
+#include "tools/commands.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <iterator>
+#include <memory>
+
+namespace sheaf {
+
+namespace {
+
+struct InfoArguments {
+  std::string scene;
+  std::vector<std::string> definitions;
+  bool lenient = false;
+};
+
+std::string describe_integrator(const IntegratorDescription& integrator) {
+  if (integrator.kind == IntegratorKind::kNormals) return "normals";
+  if (integrator.kind == IntegratorKind::kDepth) return "depth";
+  const char* strategy = integrator.strategy == LightStrategy::kMis        ? "multiple importance sampling"
+                         : integrator.strategy == LightStrategy::kBsdfOnly ? "BSDF sampling only"
+                                                                           : "light sampling only";
+  const std::string depth = integrator.max_depth < 0 ? "unlimited" : std::to_string(integrator.max_depth);
+  return fmt::format("path, {}, max depth {}, roulette from depth {}{}", strategy, depth, integrator.rr_depth,
+                     integrator.hide_emitters ? ", emitters hidden" : "");
+}
+
+std::string describe(const Description& description, const Scene& scene) {
+  const SceneInfo info = scene.info();
+  const FilmDescription& film = description.film;
+  std::string text;
+  const auto out = std::back_inserter(text);
+  const auto megabytes = [](std::size_t bytes) { return static_cast<double>(bytes) * 1e-6; };
+  fmt::format_to(out, "file        {}\n", description.file.string());
+  fmt::format_to(out, "film        {} x {} pixels", film.width, film.height);
+  if (film.crop) {
+    fmt::format_to(out, ", crop {},{},{},{}", film.crop->x0, film.crop->y0, film.crop->x1, film.crop->y1);
+  }
+  fmt::format_to(out, "\nsampler     {} samples per pixel, seed {}\n", description.sampler.sample_count,
+                 description.sampler.seed);
+  fmt::format_to(out, "integrator  {}\n", describe_integrator(description.integrator));
+  fmt::format_to(out, "shapes      {} ({} triangles, {} vertices, {} quadrics)\n", info.shapes, info.triangles,
+                 info.vertices, info.quadrics);
+  fmt::format_to(out, "materials   {}\n", info.materials);
+  fmt::format_to(out, "lights      {}\n", info.lights);
+  if (info.shapes > 0) {
+    const Vec3f &low = info.bounds_min, &high = info.bounds_max;
+    fmt::format_to(out, "bounds      ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})\n", low.x, low.y, low.z,
+                   high.x, high.y, high.z);
+  }
+  fmt::format_to(out, "memory      {:.3f} MB of tables, {:.3f} MB of acceleration structure\n",
+                 megabytes(info.table_bytes), megabytes(info.accel_bytes));
+  for (const std::string& note : description.notes) fmt::format_to(out, "note        {}\n", note);
+  for (const std::string& warning : scene.warnings()) fmt::format_to(out, "warning     {}\n", warning);
+  return text;
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& program, int& exit_code) {
+  const auto arguments = std::make_shared<InfoArguments>();
+  CLI::App* command = program.add_subcommand("info", "Say what a scene file holds, its bounds and its memory.");
+  command->add_option("scene", arguments->scene, "Scene file")->required();
+  command->add_option("-D,--define", arguments->definitions,
+                      "name=value: what $name means in the scene; may be repeated")
+      ->allow_extra_args(false);
+  command->add_flag("--lenient", arguments->lenient, "Unknown properties in the scene are notes instead of errors");
+  command->callback([arguments, &exit_code] {
+    ReadOptions options;
+    options.lenient = arguments->lenient;
+    for (const std::string& definition : arguments->definitions) {
+      options.defines.push_back(split_definition(definition));
+    }
+    const Description description = read_scene(arguments->scene, options);
+    const std::unique_ptr<Scene> scene = compile_scene(description);
+    std::fputs(describe(description, *scene).c_str(), stdout);
+    exit_code = 0;
+  });
+}
+
+}  // namespace sheaf

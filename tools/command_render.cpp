@@ -1,0 +1,227 @@
+// sheaf render: reads a scene, renders it with a progress bar, writes every picture asked for.
+#include "core/error.h"
+#include "core/exr.h"
+#include "core/output_file.h"
+#include "core/progress.h"
+#include "kernels/passes/render.h"
+#include "scene/compile.h"
+#include "scene/integrator_name.h"
+#include "scene/read_scene.h"
+#include "tools/commands.h"
+#include "tools/interrupt.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cctype>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+
+namespace sheaf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The options as given.
+struct RenderArguments {
+  std::string scene;
+  std::vector<std::string> outputs, definitions;
+  std::optional<std::uint32_t> spp, seed;
+  std::optional<int> max_depth;
+  std::vector<int> crop;  ///< empty or x0, y0, x1, y1
+  std::string color = "rgb", integrator, stats;
+  int threads = 0, wave_size = 0;
+  bool lenient = false, no_timestamps = false, quiet = false;
+};
+
+std::string extension_of(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+/// The pictures to write, checked: known formats, places that can be written to. Throws Error.
+std::vector<fs::path> check_outputs(const RenderArguments& arguments) {
+  std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
+  if (outputs.empty()) outputs.push_back(fs::path(arguments.scene).stem().string() + ".exr");
+  for (const fs::path& output : outputs) {
+    const std::string extension = extension_of(output);
+    if (extension != ".exr" && extension != ".png") {
+      throw Error(ExitCode::kUsage, "the name of the picture '" + output.string() + "' must end in .exr or .png");
+    }
+  }
+  for (const fs::path& output : outputs) check_writable(output);
+  if (!arguments.stats.empty()) check_writable(arguments.stats);
+  return outputs;
+}
+
+void apply_integrator(const RenderArguments& arguments, IntegratorDescription& integrator) {
+  if (!arguments.integrator.empty()) integrator = integrator_from_name(arguments.integrator, integrator);
+  if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
+}
+
+/// The rectangle to render. Throws Error (exit code 2) if the one given does not lie in the frame.
+PixelRect choose_crop(const RenderArguments& arguments, const FilmDescription& film) {
+  if (arguments.crop.empty()) return film.crop.value_or(PixelRect{0, 0, film.width, film.height});
+  const PixelRect crop{arguments.crop[0], arguments.crop[1], arguments.crop[2], arguments.crop[3]};
+  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.x0 >= crop.x1 ||
+      crop.y0 >= crop.y1) {
+    throw Error(ExitCode::kUsage,
+                fmt::format("--crop {},{},{},{} is empty or reaches beyond the frame of {} x {} pixels", crop.x0,
+                            crop.y0, crop.x1, crop.y1, film.width, film.height));
+  }
+  return crop;
+}
+
+/// World to OpenEXR's camera space, which looks along -z with x to the right; ours looks along +z with x to the left.
+std::optional<Matrix4> world_to_camera(const CameraDescription& camera) {
+  Matrix4 half_turn;
+  half_turn.m[0][0] = half_turn.m[2][2] = -1;
+  return half_turn * camera.to_world.inverse_matrix();
+}
+
+ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& report, const Description& scene) {
+  ExrMetadata metadata;
+  metadata.software = "Sheaf " SHEAF_VERSION;
+  metadata.world_to_camera = world_to_camera(scene.camera);
+  metadata.attributes = {{"sheaf/version", std::string(SHEAF_VERSION)},
+                         {"sheaf/isa", report.isa},
+                         {"sheaf/integrator", report.integrator},
+                         {"sheaf/color", report.color},
+                         {"sheaf/seed", std::to_string(report.seed)},
+                         {"sheaf/samplesPerPixel", static_cast<int>(report.spp)},
+                         {"sheaf/droppedRays", std::to_string(report.stats.dropped.rays)},
+                         {"sheaf/droppedSamples", std::to_string(report.stats.dropped.samples)}};
+  if (!arguments.no_timestamps) {
+    metadata.capture_date = fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
+  }
+  return metadata;
+}
+
+void write_pictures(const std::vector<fs::path>& outputs, const Image& image, const ExrMetadata& metadata) {
+  for (const fs::path& output : outputs) {
+    if (extension_of(output) == ".png") {
+      write_png(output, image);
+    } else {
+      write_exr(output, image, metadata);
+    }
+  }
+}
+
+Progress::Mode progress_mode(bool quiet) {
+  if (quiet) return Progress::Mode::kQuiet;
+  return isatty(STDERR_FILENO) != 0 ? Progress::Mode::kBar : Progress::Mode::kLines;
+}
+
+/// Renders with signals caught and progress shown.
+RenderResult render_with_progress(const Scene& scene, RenderOptions options, bool quiet) {
+  const std::uint32_t spp = options.samples_per_pixel.value_or(scene.sampler().sample_count);
+  const std::uint64_t pixels = static_cast<std::uint64_t>(options.crop->width()) *
+                               static_cast<std::uint64_t>(options.crop->height());
+  Progress progress(progress_mode(quiet), pixels * spp, [](std::string_view text) {
+    std::fwrite(text.data(), 1, text.size(), stderr);
+  });
+  options.on_progress = [&progress](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
+  options.stop = &InterruptGuard::stop();
+  RenderResult result = render(scene, options);
+  progress.finish(!result.interrupted);
+  return result;
+}
+
+int render_scene(const RenderArguments& arguments) {
+  if (arguments.color != "rgb") {
+    throw Error(ExitCode::kUsage, "spectral rendering is not available in this version");
+  }
+  const std::vector<fs::path> outputs = check_outputs(arguments);
+  ReadOptions read_options;
+  read_options.lenient = arguments.lenient;
+  for (const std::string& definition : arguments.definitions) {
+    read_options.defines.push_back(split_definition(definition));
+  }
+  const double load_start = Progress::steady_seconds();
+  Description description = read_scene(arguments.scene, read_options);
+  apply_integrator(arguments, description.integrator);
+  const PixelRect crop = choose_crop(arguments, description.film);
+  const double build_start = Progress::steady_seconds();
+  const std::unique_ptr<Scene> scene = compile_scene(description);
+  const double build_end = Progress::steady_seconds();
+  if (!arguments.quiet) {
+    for (const std::string& note : description.notes) print_message(note);
+    for (const std::string& warning : scene->warnings()) print_message("warning: " + warning);
+  }
+
+  RenderOptions options;
+  options.samples_per_pixel = arguments.spp;
+  options.seed = arguments.seed;
+  options.threads = arguments.threads;
+  options.wave_size = arguments.wave_size;
+  options.crop = crop;
+  const InterruptGuard guard;
+  RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet);
+  result.report.scene = arguments.scene;
+  result.report.color = arguments.color;
+  result.report.load_seconds = build_start - load_start;
+  result.report.build_seconds = build_end - build_start;
+  write_pictures(outputs, result.film.to_image(), make_metadata(arguments, result.report, description));
+  result.report.peak_rss_bytes = peak_rss_bytes();
+  if (!arguments.stats.empty()) write_text_file(arguments.stats, to_json(result.report));
+  if (!arguments.quiet) {
+    for (const std::string& warning : result.warnings) print_message("warning: " + warning);
+    std::fputs(to_table(result.report).c_str(), stderr);
+    for (const fs::path& output : outputs) print_message("wrote " + output.string());
+  }
+  return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+std::pair<std::string, std::string> split_definition(const std::string& definition) {
+  const std::size_t equals = definition.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    throw Error(ExitCode::kUsage, "-D " + definition + ": expected name=value");
+  }
+  return {definition.substr(0, equals), definition.substr(equals + 1)};
+}
+
+void add_render_command(CLI::App& program, int& exit_code) {
+  const auto arguments = std::make_shared<RenderArguments>();
+  CLI::App* command = program.add_subcommand("render", "Render a scene file (Mitsuba or Nori XML) to pictures.");
+  command->add_option("scene", arguments->scene, "Scene file")->required();
+  command->add_option("-o,--output", arguments->outputs,
+                      "Picture to write, .exr (linear floats, all layers) or .png (8 bits, sRGB); may be repeated. "
+                      "Default: the scene's name with .exr, in the current folder")
+      ->allow_extra_args(false);
+  command->add_option("--spp", arguments->spp, "Samples per pixel. Default: the scene's")
+      ->check(CLI::Range(1u, 1u << 24));
+  command->add_option("--seed", arguments->seed, "Seed of the random numbers, 0 to 4294967295. Default: the scene's");
+  command->add_option("--threads", arguments->threads, "Worker threads. Default: 0, one for each logical core")
+      ->check(CLI::Range(0, 4096));
+  command->add_option("--color", arguments->color, "Colour mode: rgb (default) or spectral")
+      ->check(CLI::IsMember({"rgb", "spectral"}));
+  command->add_option("--integrator", arguments->integrator,
+                      "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "
+                      "normals, depth. Default: the scene's");
+  command->add_option("--max-depth", arguments->max_depth,
+                      "Longest path in segments: -1 unlimited, 1 emission only, 2 direct light. Default: the scene's")
+      ->check(CLI::Range(-1, 1'000'000));
+  command->add_option("--crop", arguments->crop,
+                      "Part of the frame to render, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the scene's")
+      ->delimiter(',')->expected(4);
+  command->add_option("-D,--define", arguments->definitions,
+                      "name=value: what $name means in the scene; may be repeated")
+      ->allow_extra_args(false);
+  command->add_flag("--lenient", arguments->lenient, "Unknown properties in the scene are notes instead of errors");
+  command->add_option("--stats", arguments->stats, "Write times and counters to this file, as JSON");
+  command->add_option("--wave-size", arguments->wave_size,
+                      "Paths in flight per worker; changes speed, not results. Default: 0, from the L2 cache's size")
+      ->check(CLI::Range(0, kMaxWaveSize));
+  command->add_flag("--no-timestamps", arguments->no_timestamps,
+                    "Leave the date out of the files: same bytes each time");
+  command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
+  command->callback([arguments, &exit_code] { exit_code = render_scene(*arguments); });
+}
+
+}  // namespace sheaf

@@ -1,0 +1,25 @@
+// The subcommands of the command line. Each adds itself, with its options, to the program.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace sheaf {
+
+/// sheaf render: renders a scene file to pictures.
+void add_render_command(CLI::App& program, int& exit_code);
+/// sheaf info: says what a scene file holds.
+void add_info_command(CLI::App& program, int& exit_code);
+/// sheaf compare: measures how far two pictures are apart.
+void add_compare_command(CLI::App& program, int& exit_code);
+
+/// Prints a line to the standard error stream, after "sheaf: ".
+void print_message(std::string_view message);
+
+/// A definition "name=value" split in two. Throws Error (exit code 2) if it is not of this form.
+std::pair<std::string, std::string> split_definition(const std::string& definition);
+
+}  // namespace sheaf

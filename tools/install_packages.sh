@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that Sheaf builds from. Quick, and needs no network, when all are there already.
+# Further package names may be given as arguments.
+set -euo pipefail
+
+packages=(
+  g++ cmake ninja-build
+  libembree-dev libtbb-dev
+  libopenexr-dev libimath-dev libopenimageio-dev zlib1g-dev
+  libpugixml-dev libtinyobjloader-dev
+  libxsimd-dev libfmt-dev libcli11-dev nlohmann-json3-dev
+  doctest-dev libbenchmark-dev
+  "$@"
+)
+
+missing=()
+for package in "${packages[@]}"; do
+  status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
+  [[ $status == installed ]] || missing+=("$package")
+done
+if ((${#missing[@]} == 0)); then
+  echo "packages: all ${#packages[@]} are installed"
+  exit 0
+fi
+
+echo "packages: installing ${missing[*]}"
+as_root=()
+if ((EUID != 0)); then
+  command -v sudo >/dev/null || { echo "packages: run as root, or install sudo" >&2; exit 1; }
+  as_root=(sudo)
+fi
+run_apt() {
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 "$@"
+}
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+if ! { run_apt update && run_apt install --yes --no-install-recommends "${missing[@]}"; } >"$log" 2>&1; then
+  cat "$log" >&2
+  exit 1
+fi
+echo "packages: done"
