@@ -111,10 +111,10 @@ template <class L> void intersect(const SceneView& scene, Wave& wave) noexcept {
     const Slot* slots = wave.active.data() + first;
     std::uint32_t good[kPacketWidth] = {};
     for_tiles<L>(in_packet, [&](int at, int count) { good[at] = pack<L>(wave, slots + at, count, packet, at); });
+    if (wave.recorder) wave.recorder->record(packet, in_packet, RayRecorder::Query::kNearest);
     const std::uint64_t start = timestamp();
     scene.accel->intersect(packet, in_packet);
     wave.stats.trace_ticks += timestamp() - start;
-    if (wave.recorder) wave.recorder->record(packet, in_packet, RayRecorder::Query::kNearest);
     for_tiles<L>(in_packet, [&](int at, int count) {
       if (std::popcount(good[at]) != count) report_dropped(wave, slots + at, count, good[at]);
       unpack<L>(scene, wave, slots + at, count, packet, at, good[at]);

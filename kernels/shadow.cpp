@@ -48,10 +48,10 @@ template <class L> void shadow(const SceneView& scene, Wave& wave) noexcept {
   for (int first = 0; first < rays; first += kPacketWidth) {
     const int in_packet = std::min(kPacketWidth, rays - first);
     for_tiles<L>(in_packet, [&](int at, int) { pack<L>(wave, first + at, packet, at); });
+    if (wave.recorder) wave.recorder->record(packet, in_packet, RayRecorder::Query::kAny);
     const std::uint64_t start = timestamp();
     scene.accel->occluded(packet, in_packet);
     wave.stats.trace_ticks += timestamp() - start;
-    if (wave.recorder) wave.recorder->record(packet, in_packet, RayRecorder::Query::kAny);
     for (int i = 0; i < in_packet; ++i)
       if (packet.t_far[i] >= 0.0f) pay(wave, first + i);
   }

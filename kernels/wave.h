@@ -24,7 +24,7 @@ struct TileSamples {
   int total() const { return pixels.width() * pixels.height() * static_cast<int>(sample_count); }
 };
 
-/// Sees every ray that is traced; for benchmarks.
+/// Sees every packet just before it is traced; for benchmarks.
 class RayRecorder {
  public:
   enum class Query { kNearest, kAny };

@@ -9,6 +9,7 @@
 #else
 #include <embree3/rtcore.h>
 #endif
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <atomic>
@@ -137,6 +138,7 @@ Accel::Accel(const AccelInput& input) : impl_(std::make_unique<Impl>()) {
     rtcAttachGeometryByID(impl_->scene, geometry, i);
     rtcReleaseGeometry(geometry);
   }
+  const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, kBuildConcurrency);
   tbb::task_arena arena(kBuildConcurrency);
   arena.execute([this] { rtcJoinCommitScene(impl_->scene); });
   if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE)

@@ -106,11 +106,15 @@ class SceneCompiler {
     }
   }
 
+  /// The order of the steps is explained in scene/mesh.h.
   void add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh) {
-    transform_mesh(mesh, shape.to_world);
+    const auto* file = std::get_if<MeshFileShape>(&shape.geometry);
+    check_mesh(mesh, shape.where);
     if (shape.face_normals) mesh.normals.clear();
-    if (shape.flip_normals) flip_mesh(mesh);
+    transform_mesh(mesh, shape.to_world);
     const std::size_t dropped = drop_degenerate_triangles(mesh);
+    if (file && file->smooth_normals && !shape.face_normals && mesh.normals.empty()) compute_vertex_normals(mesh);
+    if (shape.flip_normals) flip_mesh(mesh);
     if (dropped > 0) warn(shape, std::to_string(dropped) + " degenerate or non-finite triangles left out");
     if (mesh.triangles.empty()) {
       warn(shape, shape.radiance ? "shape has no area: neither seen nor emitting" : "shape has no area: left out");

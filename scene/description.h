@@ -73,6 +73,7 @@ struct MeshFileShape {
   std::filesystem::path file;  ///< resolved
   enum class Format { kObj, kPly } format = Format::kObj;
   bool flip_tex_coords = true;  ///< v becomes 1 - v (Mitsuba's default for OBJ)
+  bool smooth_normals = true;   ///< vertices without normals get smooth ones
 };
 /// Centre at `center`, before the shape's transform. Normals point outwards.
 struct SphereShape { Vec3f center{0, 0, 0}; float radius = 1; };

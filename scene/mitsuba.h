@@ -4,6 +4,7 @@
 #include "scene/dialects.h"
 
 #include <map>
+#include <optional>
 
 namespace sheaf::mitsuba {
 
@@ -12,6 +13,7 @@ struct Reader {
   ReadContext& context;
   bool before_version_2 = false;
   std::map<const XmlElement*, MaterialId> materials = {};  ///< read so far
+  std::optional<MaterialId> black = std::nullopt;  ///< the material of light sources that name none, once one was read
 };
 
 /// The material of a <bsdf>; each element is read once, however often it is referred to.

@@ -55,6 +55,16 @@ PointLightDescription read_point_light(Properties& p) {
   return light;
 }
 
+/// What light sources without a bsdf are made of: they reflect nothing.
+MaterialId black_material(Reader& reader) {
+  if (!reader.black) {
+    MaterialDescription material;
+    material.model = DiffuseDescription{SpectrumDescription::constant(0)};
+    reader.black = add_material(reader.context, std::move(material));
+  }
+  return *reader.black;
+}
+
 }  // namespace
 
 void read_shape(const XmlElement& element, Reader& reader) {
@@ -66,6 +76,7 @@ void read_shape(const XmlElement& element, Reader& reader) {
   shape.flip_normals = p.boolean("flip_normals", false);
   if (const XmlElement* bsdf = p.object("bsdf")) shape.material = material_of(*bsdf, reader);
   if (const XmlElement* emitter = p.object("emitter")) shape.radiance = read_area_emitter(*emitter, reader);
+  if (shape.radiance && !shape.material) shape.material = black_material(reader);
   p.accept({"silhouette_sampling_weight"});
   p.finish();
   reader.context.description.shapes.push_back(std::move(shape));

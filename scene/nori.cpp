@@ -48,7 +48,8 @@ void read_camera(const XmlElement& element, ReadContext& context) {
   CameraDescription& camera = context.description.camera;
   FilmDescription& film = context.description.film;
   camera.where = element.where;
-  camera.to_world = p.transform("toWorld");
+  // Nori's camera space has x to the right of the picture; its scenes begin with scale -1, 1, 1 before a lookat.
+  camera.to_world = p.transform("toWorld") * Transform::scale({-1, 1, 1});
   camera.fov = p.number("fov", 30, {0, 180, true});
   camera.fov_axis = CameraDescription::FovAxis::kX;
   film.width = p.integer("width", 1280, 1, 1'000'000'000);
@@ -144,7 +145,7 @@ void read_mesh(const XmlElement& element, ReadContext& context) {
   ShapeDescription shape;
   shape.where = element.where;
   if (p.type() == "obj") {
-    shape.geometry = MeshFileShape{p.file("filename"), MeshFileShape::Format::kObj, false};
+    shape.geometry = MeshFileShape{p.file("filename"), MeshFileShape::Format::kObj, false, false};
   } else if (p.type() == "sphere") {
     const Vec3f center = p.vec3("center", {0, 0, 0});
     shape.geometry = SphereShape{center, p.number("radius", 1, kPositive)};

@@ -117,6 +117,15 @@ SpectrumDescription read_spectrum(const XmlElement& element, ReadContext& contex
   return SpectrumDescription::constant(parse_float(text, element.where, element.name));
 }
 
+/// Mitsuba takes a constant <spectrum> of an emitter as the same power at every wavelength, which is not white:
+/// constants written as rgb or float, and `d65`, are relative to D65.
+void make_equal_energy(const XmlElement& element, SpectrumDescription& spectrum) {
+  const auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value);
+  const std::string* type = element.find_attribute("type");
+  if (constant == nullptr || (type != nullptr && *type != "uniform")) return;
+  spectrum.value = SpectrumDescription::Table{{360, 830}, {constant->value, constant->value}};
+}
+
 }  // namespace
 
 void ReadContext::note(const SourceLocation& where, const std::string& message) {
@@ -276,6 +285,7 @@ std::optional<SpectrumDescription> Properties::find_spectrum(const char* name, S
   if (std::find(std::begin(types), std::end(types), target.name) == std::end(types))
     fail_type(*entry, "rgb, srgb, spectrum or float");
   SpectrumDescription result = read_spectrum(target, context_);
+  if (role == SpectrumRole::kEmission && target.name == "spectrum") make_equal_energy(target, result);
   check_role(result, role, target.where, "property " + in_quotes(entry->name) + " of " + title());
   return result;
 }

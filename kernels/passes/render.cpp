@@ -110,7 +110,9 @@ class Renderer {
 
   void run_task(const TileSamples& task) {
     const FlushDenormals flush;
-    Worker& worker = workers_.local();
+    bool known = false;
+    Worker& worker = workers_.local(known);
+    if (!known && options_.make_recorder) worker.wave.recorder = options_.make_recorder();
     worker.wave.begin(task, worker.samples.data());
     run_path_pass<Wide>(view_, worker.wave);
     reduce(task, worker.samples.data(), film_);

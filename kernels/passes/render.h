@@ -11,6 +11,8 @@
 
 namespace sheaf {
 
+class RayRecorder;
+
 /// What the caller may change without touching the scene.
 struct RenderOptions {
   std::optional<std::uint32_t> samples_per_pixel;  ///< default: the scene's
@@ -20,6 +22,8 @@ struct RenderOptions {
   std::optional<PixelRect> crop;                   ///< default: the scene's, else the whole frame
   /// Called by workers after each task, several at a time, with samples done and in all.
   std::function<void(std::uint64_t done, std::uint64_t total)> on_progress;
+  /// Called once by each worker, several at a time, for what Wave::recorder is to be; for benchmarks.
+  std::function<RayRecorder*()> make_recorder;
   const std::atomic<bool>* stop = nullptr;  ///< polled between tasks; true ends the render with what there is
 };
 

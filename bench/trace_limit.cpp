@@ -1,0 +1,167 @@
+// trace_limit: how close a render comes to the speed at which its rays can be traced at all. See bench/README.md.
+#include "bench/trace_limit.h"
+
+#include "core/error.h"
+#include "kernels/passes/render.h"
+#include "scene/compile.h"
+#include "scene/read_scene.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <new>
+#include <thread>
+
+namespace sheaf {
+
+namespace {
+
+struct Arguments {
+  std::string scene;
+  std::vector<std::string> definitions;
+  std::uint32_t spp = 4;
+  int threads = 0, runs = 5, wave_size = 0, megabytes = 1024;
+  bool scaling = false, null_hypothesis = false;
+};
+
+/// Rounds of one number of threads, one value each.
+struct Rounds {
+  int threads;
+  std::vector<double> render_mrays, limit_mrays, ratio, cpu_ratio, trace_share, cpu_ns;
+};
+
+std::unique_ptr<Scene> load(const Arguments& arguments) {
+  ReadOptions options;
+  for (const std::string& definition : arguments.definitions) {
+    const std::size_t equals = definition.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw Error(ExitCode::kUsage, "-D " + definition + ": expected name=value");
+    options.defines.emplace_back(definition.substr(0, equals), definition.substr(equals + 1));
+  }
+  return compile_scene(read_scene(arguments.scene, options));
+}
+
+/// Samples per pixel whose rays fit the memory: those asked for, or fewer.
+std::uint32_t affordable_spp(const Scene& scene, const Arguments& arguments, RenderOptions options) {
+  options.samples_per_pixel = 1;
+  const Stats stats = render(scene, options).report.stats;
+  const std::uint64_t packets = stats[Stage::kIntersect].batches + stats[Stage::kShadow].batches;
+  const std::uint64_t budget = static_cast<std::uint64_t>(arguments.megabytes) * 1'000'000 / sizeof(PacketRecord);
+  // Samples differ in how many rays they need: a tenth is kept in reserve.
+  const std::uint64_t spp = budget * 9 / 10 / std::max<std::uint64_t>(packets, 1);
+  if (spp == 0)
+    throw Error(ExitCode::kUsage, fmt::format("the rays of one sample per pixel do not fit into {} MB; raise --memory or "
+                                              "render a smaller picture", arguments.megabytes));
+  if (spp >= arguments.spp) return arguments.spp;
+  fmt::print(stderr, "trace_limit: {} instead of {} samples per pixel, so that rays fit into {} MB\n", spp, arguments.spp,
+             arguments.megabytes);
+  return static_cast<std::uint32_t>(spp);
+}
+
+void record(const Scene& scene, RenderOptions options, RayLog& log) {
+  options.make_recorder = [&log] { return log.add_worker(); };
+  render(scene, options);
+  if (!log.complete()) throw Error(ExitCode::kRuntime, "rays did not fit into memory; raise --memory");
+}
+
+void run_round(const Scene& scene, RenderOptions options, const RayLog& log, Rounds& rounds) {
+  options.threads = rounds.threads;
+  const auto rays = static_cast<double>(log.rays());
+  const Stopwatch watch;
+  const RenderReport report = render(scene, options).report;
+  const double render_cpu = watch.elapsed().cpu_seconds;
+  const Duration limit = log.replay(*scene.view().accel, rounds.threads);
+  rounds.render_mrays.push_back(1e-6 * report.rays_per_second());
+  rounds.limit_mrays.push_back(1e-6 * rays / limit.seconds);
+  rounds.ratio.push_back(limit.seconds / report.render_seconds);
+  rounds.cpu_ratio.push_back(limit.cpu_seconds / render_cpu);
+  rounds.trace_share.push_back(report.trace_share());
+  rounds.cpu_ns.push_back(1e9 * render_cpu / rays);
+}
+
+void print(const Rounds& rounds) {
+  fmt::print("threads {}\n", rounds.threads);
+  fmt::print("  render_mrays {:.3f}\n", median(rounds.render_mrays));
+  fmt::print("  limit_mrays  {:.3f}\n", median(rounds.limit_mrays));
+  fmt::print("  ratio        {:.3f}\n", median(rounds.ratio));
+  fmt::print("  cpu_ratio    {:.3f}\n", median(rounds.cpu_ratio));
+  fmt::print("  trace_share  {:.3f}\n", median(rounds.trace_share));
+}
+
+void print_scaling(const Rounds& one, const Rounds& many) {
+  fmt::print("scaling from 1 to {} threads\n", many.threads);
+  fmt::print("  render       {:.3f}\n", median(many.render_mrays) / median(one.render_mrays));
+  fmt::print("  limit        {:.3f}\n", median(many.limit_mrays) / median(one.limit_mrays));
+  fmt::print("  cpu          {:.3f}\n", many.threads * median(one.cpu_ns) / median(many.cpu_ns));
+}
+
+void print_null_hypothesis(const Scene& scene, int runs) {
+  fmt::print("{:<8}{:>6}{:>10}{:>14}{:>12}{:>10}\n", "lane", "wave", "ns/ray", "embree ns/ray", "rest ns/ray", "stamps");
+  for (const LaneCost& cost : measure_null_hypothesis(scene, runs))
+    fmt::print("{:<8}{:>6}{:>10.1f}{:>14.1f}{:>12.1f}{:>10.1f}\n", cost.lane, cost.wave_size, cost.ns_per_ray,
+               cost.trace_ns_per_ray, cost.ns_per_ray - cost.trace_ns_per_ray, cost.stamps_ns_per_ray);
+}
+
+void measure(const Arguments& arguments) {
+  const std::unique_ptr<Scene> scene = load(arguments);
+  if (arguments.null_hypothesis) return print_null_hypothesis(*scene, arguments.runs);
+  RenderOptions options;
+  options.threads = arguments.threads > 0 ? arguments.threads
+                                          : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  options.wave_size = arguments.wave_size;
+  options.samples_per_pixel = affordable_spp(*scene, arguments, options);
+  RayLog log(static_cast<std::size_t>(arguments.megabytes) * 1'000'000 / sizeof(PacketRecord));
+  record(*scene, options, log);
+  fmt::print("{}: {} samples per pixel, {} rays in {} packets, median of {} runs\n", arguments.scene,
+             *options.samples_per_pixel, log.rays(), log.packets(), arguments.runs);
+
+  std::vector<Rounds> all;
+  if (arguments.scaling && options.threads > 1) all.push_back({1, {}, {}, {}, {}, {}, {}});
+  all.push_back({options.threads, {}, {}, {}, {}, {}, {}});
+  for (int run = 0; run < arguments.runs; ++run)
+    for (Rounds& rounds : all) run_round(*scene, options, log, rounds);
+  for (const Rounds& rounds : all) print(rounds);
+  if (all.size() == 2) print_scaling(all[0], all[1]);
+}
+
+void add_options(CLI::App& program, Arguments& arguments) {
+  program.add_option("scene", arguments.scene, "Scene file")->required();
+  program.add_option("--spp", arguments.spp, "Samples per pixel, as far as memory goes. Default: 4")
+      ->check(CLI::Range(1u, 256u));
+  program.add_option("--threads", arguments.threads, "Threads. Default: 0, one for each logical core")
+      ->check(CLI::Range(0, 4096));
+  program.add_option("--runs", arguments.runs, "Renders and replays, taking turns. Default: 5")->check(CLI::Range(1, 1000));
+  program.add_option("--wave-size", arguments.wave_size, "Paths in flight per worker. Default: 0, from the L2 cache's size")
+      ->check(CLI::Range(0, kMaxWaveSize));
+  program.add_option("--memory", arguments.megabytes, "For recorded rays, in MB. Default: 1024")->check(CLI::Range(4, 1 << 20));
+  program.add_option("-D,--define", arguments.definitions, "name=value: what $name means in the scene; may be repeated")
+      ->allow_extra_args(false);
+  program.add_flag("--scaling", arguments.scaling, "Measure one thread as well");
+  program.add_flag("--null", arguments.null_hypothesis,
+                   "Measure scalar and wide kernels, path by path and in waves, on one thread instead");
+}
+
+}  // namespace
+
+}  // namespace sheaf
+
+int main(int argc, char** argv) {
+  CLI::App program("How close a render comes to the speed at which its rays can be traced.", "trace_limit");
+  sheaf::Arguments arguments;
+  sheaf::add_options(program, arguments);
+  try {
+    program.parse(argc, argv);
+    sheaf::measure(arguments);
+  } catch (const CLI::ParseError& problem) {
+    return program.exit(problem) == 0 ? 0 : static_cast<int>(sheaf::ExitCode::kUsage);
+  } catch (const sheaf::Error& error) {
+    fmt::print(stderr, "trace_limit: {}\n", error.what());
+    return static_cast<int>(error.code());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "trace_limit: {}\n", error.what());
+    return static_cast<int>(sheaf::ExitCode::kRuntime);
+  }
+  return 0;
+}

@@ -1,0 +1,89 @@
+// The null hypothesis: that neither waves nor wide registers pay. The renderer's own kernels, run path by path and one
+// lane at a time, against the way in which they are meant to run.
+#include "bench/trace_limit.h"
+#include "kernels/passes/path.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace sheaf {
+
+namespace {
+
+constexpr int kTileSide = 64, kTileSpp = 4;
+/// Tiles of the frame that are rendered, evenly spaced.
+constexpr std::size_t kMostTiles = 32;
+
+std::vector<TileSamples> choose_tiles(const FilmDescription& film) {
+  std::vector<TileSamples> all;
+  for (int y = 0; y < film.height; y += kTileSide)
+    for (int x = 0; x < film.width; x += kTileSide)
+      all.push_back({{x, y, std::min(x + kTileSide, film.width), std::min(y + kTileSide, film.height)}, 0, kTileSpp, film.width});
+  const std::size_t count = std::min(all.size(), kMostTiles);
+  std::vector<TileSamples> chosen;
+  for (std::size_t i = 0; i < count; ++i) chosen.push_back(all[i * all.size() / count]);
+  return chosen;
+}
+
+/// Seconds that one call of timestamp() takes.
+double timestamp_cost() {
+  constexpr int kCalls = 1 << 16;
+  std::uint64_t shortest = std::numeric_limits<std::uint64_t>::max();
+  for (int attempt = 0; attempt < 8; ++attempt) {
+    const std::uint64_t start = timestamp();
+    std::uint64_t last = start;
+    for (int i = 0; i < kCalls; ++i) last = timestamp();
+    shortest = std::min(shortest, last - start);
+  }
+  return static_cast<double>(shortest) * seconds_per_tick() / kCalls;
+}
+
+double stamps(const Stats& stats) {
+  std::uint64_t pairs = stats[Stage::kIntersect].batches + stats[Stage::kShadow].batches;
+  for (const StageStats& stage : stats.stages) pairs += stage.calls;
+  return 2.0 * static_cast<double>(pairs);
+}
+
+/// One way to run the kernels, and what was measured.
+struct Contender {
+  const char* lane;
+  void (*run)(const SceneView&, Wave&);
+  int wave_size;
+  std::vector<double> total, trace, stamps;  ///< nanoseconds per ray, one value per round
+};
+
+void run_round(const SceneView& view, const std::vector<TileSamples>& tiles, double stamp_cost, Contender& contender) {
+  const FlushDenormals flush;
+  Wave wave(contender.wave_size);
+  std::vector<FilmSample> samples(static_cast<std::size_t>(kTileSide * kTileSide * kTileSpp));
+  const Stopwatch watch;
+  for (const TileSamples& tile : tiles) {
+    wave.begin(tile, samples.data());
+    contender.run(view, wave);
+  }
+  const double ns = 1e9 / static_cast<double>(wave.stats.rays.total());
+  contender.total.push_back(watch.elapsed().seconds * ns);
+  contender.trace.push_back(static_cast<double>(wave.stats.trace_ticks) * seconds_per_tick() * ns);
+  contender.stamps.push_back(stamps(wave.stats) * stamp_cost * ns);
+}
+
+}  // namespace
+
+std::vector<LaneCost> measure_null_hypothesis(const Scene& scene, int runs) {
+  const std::vector<TileSamples> tiles = choose_tiles(scene.film());
+  const SceneView view = scene.view();
+  const double stamp_cost = timestamp_cost();
+  const int full = Wave::default_capacity();
+  Contender contenders[] = {{"scalar", run_path_pass<Scalar>, 1, {}, {}, {}},
+                            {"wide", run_path_pass<Wide>, 1, {}, {}, {}},
+                            {"scalar", run_path_pass<Scalar>, full, {}, {}, {}},
+                            {"wide", run_path_pass<Wide>, full, {}, {}, {}}};
+  for (int round = 0; round < runs; ++round)
+    for (Contender& contender : contenders) run_round(view, tiles, stamp_cost, contender);
+  std::vector<LaneCost> costs;
+  for (const Contender& c : contenders)
+    costs.push_back({c.lane, c.wave_size, median(c.total), median(c.trace), median(c.stamps)});
+  return costs;
+}
+
+}  // namespace sheaf
