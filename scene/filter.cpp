@@ -58,27 +58,26 @@ FilterTable make_filter_table(const FilterDescription& filter) {
   if (!(radius > 0 && radius <= 64)) throw SceneError("reconstruction filter must be wider than 0 and at most 64 pixels in radius");
   constexpr int kSteps = FilterTable::kBins * 64;
   const auto position = [radius](double i) { return radius * (2.0 * i / kSteps - 1.0); };
-  std::vector<double> cumulative(kSteps + 1, 0.0);
-  double integral = 0;
+  std::vector<double> cumulative(kSteps + 1, 0.0), signed_cumulative(kSteps + 1, 0.0);
   for (int i = 0; i < kSteps; ++i) {
     const double f = evaluate_filter(filter, position(i + 0.5));
-    integral += f;
     cumulative[i + 1] = cumulative[i] + std::fabs(f);
+    signed_cumulative[i + 1] = signed_cumulative[i] + f;
   }
-  const double total = cumulative[kSteps];
+  const double total = cumulative[kSteps], integral = signed_cumulative[kSteps];
   FilterTable table;
   int step = 0;
+  double previous = 0;  // signed integral up to the last edge
   for (int bin = 0; bin <= FilterTable::kBins; ++bin) {
     const double target = total * bin / FilterTable::kBins;
     while (step < kSteps - 1 && cumulative[step + 1] < target) ++step;
     const double width = cumulative[step + 1] - cumulative[step];
     const double t = width > 0 ? std::clamp((target - cumulative[step]) / width, 0.0, 1.0) : 0.0;
     table.edges[bin] = static_cast<float>(position(step + t));
-  }
-  for (int bin = 0; bin < FilterTable::kBins; ++bin) {
-    const double middle = 0.5 * (table.edges[bin] + table.edges[bin + 1]);
-    const double sign = evaluate_filter(filter, middle) < 0 ? -1.0 : 1.0;
-    table.weight[bin] = static_cast<float>(sign * total / integral);
+    const double up_to = signed_cumulative[step] + t * (signed_cumulative[step + 1] - signed_cumulative[step]);
+    // Where f changes sign inside a bin, the weight is the mean of both signs.
+    if (bin > 0) table.weight[bin - 1] = static_cast<float>((up_to - previous) * FilterTable::kBins / integral);
+    previous = up_to;
   }
   return table;
 }

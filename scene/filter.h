@@ -18,7 +18,7 @@ double filter_radius(const FilterDescription& filter);
 struct FilterTable {
   static constexpr int kBins = 2048;
   std::array<float, kBins + 1> edges{};  ///< offsets from the pixel's centre, ascending
-  std::array<float, kBins> weight{};     ///< per axis: sign of f times (integral of |f|) / (integral of f)
+  std::array<float, kBins> weight{};     ///< per axis: (mean sign of f in the bin) (integral of |f|) / (integral of f)
 
   template <class L> struct Offset {
     typename L::Float position, weight;
