@@ -9,6 +9,7 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <vector>
 
 namespace sheaf {
@@ -36,7 +37,8 @@ class WaveSnapshot {
       lists(wave)[i]->resize(static_cast<int>(lists_[i].size()));
       std::copy(lists_[i].begin(), lists_[i].end(), lists(wave)[i]->data());
     }
-    for (std::size_t i = 0; i < groups_.size(); ++i) std::copy(groups_[i].begin(), groups_[i].end(), groups(wave)[i].begin);
+    for (std::size_t i = 0; i < groups_.size(); ++i)
+      std::copy(groups_[i].begin(), groups_[i].end(), groups(wave)[i].begin);
     std::copy(runs_.begin(), runs_.end(), std::begin(wave.runs));
     wave.sorted.pad();
     wave.shadow_count = shadow_count_;
@@ -65,7 +67,8 @@ class WaveSnapshot {
 /// A wave that has rendered the middle of the picture for a while, so that it holds paths of all lengths.
 class WarmWave {
  public:
-  explicit WarmWave(const Scene& scene) : view_(scene.view()), wave_(Wave::default_capacity()), samples_(kSide * kSide * kSpp) {
+  explicit WarmWave(const Scene& scene)
+      : view_(scene.view()), wave_(Wave::default_capacity()), samples_(kSide * kSide * kSpp) {
     const FilmDescription& film = scene.film();
     const int x = std::max(0, (film.width - kSide) / 2), y = std::max(0, (film.height - kSide) / 2);
     wave_.begin({{x, y, std::min(film.width, x + kSide), std::min(film.height, y + kSide)}, 0, kSpp, film.width},
@@ -99,7 +102,7 @@ const Scene& load_scene(const char* file) {
   return *scene;
 }
 
-/// Times one stage by its own counter, so that putting the wave back costs nothing.
+/// Times one stage by its own counter, so that putting the wave back is not counted.
 void run_stage(benchmark::State& state, const char* file, Stage stage, StageFunction function) try {
   const FlushDenormals flush;
   WarmWave warm(load_scene(file));

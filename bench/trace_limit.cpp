@@ -52,11 +52,11 @@ std::uint32_t affordable_spp(const Scene& scene, const Arguments& arguments, Ren
   // Samples differ in how many rays they need: a tenth is kept in reserve.
   const std::uint64_t spp = budget * 9 / 10 / std::max<std::uint64_t>(packets, 1);
   if (spp == 0)
-    throw Error(ExitCode::kUsage, fmt::format("the rays of one sample per pixel do not fit into {} MB; raise --memory or "
-                                              "render a smaller picture", arguments.megabytes));
+    throw Error(ExitCode::kUsage, fmt::format("the rays of one sample per pixel do not fit into {} MB; raise --memory "
+                                              "or render a smaller picture", arguments.megabytes));
   if (spp >= arguments.spp) return arguments.spp;
-  fmt::print(stderr, "trace_limit: {} instead of {} samples per pixel, so that rays fit into {} MB\n", spp, arguments.spp,
-             arguments.megabytes);
+  fmt::print(stderr, "trace_limit: {} instead of {} samples per pixel, so that rays fit into {} MB\n", spp,
+             arguments.spp, arguments.megabytes);
   return static_cast<std::uint32_t>(spp);
 }
 
@@ -98,9 +98,9 @@ void print_scaling(const Rounds& one, const Rounds& many) {
 }
 
 void print_null_hypothesis(const Scene& scene, int runs) {
-  fmt::print("{:<8}{:>6}{:>10}{:>14}{:>12}{:>10}\n", "lane", "wave", "ns/ray", "embree ns/ray", "rest ns/ray", "stamps");
+  fmt::print("{:<8}{:>6}{:>10}{:>15}{:>13}{:>9}\n", "lane", "wave", "ns/ray", "embree ns/ray", "rest ns/ray", "stamps");
   for (const LaneCost& cost : measure_null_hypothesis(scene, runs))
-    fmt::print("{:<8}{:>6}{:>10.1f}{:>14.1f}{:>12.1f}{:>10.1f}\n", cost.lane, cost.wave_size, cost.ns_per_ray,
+    fmt::print("{:<8}{:>6}{:>10.1f}{:>15.1f}{:>13.1f}{:>9.1f}\n", cost.lane, cost.wave_size, cost.ns_per_ray,
                cost.trace_ns_per_ray, cost.ns_per_ray - cost.trace_ns_per_ray, cost.stamps_ns_per_ray);
 }
 
@@ -132,10 +132,13 @@ void add_options(CLI::App& program, Arguments& arguments) {
       ->check(CLI::Range(1u, 256u));
   program.add_option("--threads", arguments.threads, "Threads. Default: 0, one for each logical core")
       ->check(CLI::Range(0, 4096));
-  program.add_option("--runs", arguments.runs, "Renders and replays, taking turns. Default: 5")->check(CLI::Range(1, 1000));
-  program.add_option("--wave-size", arguments.wave_size, "Paths in flight per worker. Default: 0, from the L2 cache's size")
+  program.add_option("--runs", arguments.runs, "Renders and replays, taking turns. Default: 5")
+      ->check(CLI::Range(1, 1000));
+  program.add_option("--wave-size", arguments.wave_size,
+                     "Paths in flight per worker. Default: 0, from the L2 cache's size")
       ->check(CLI::Range(0, kMaxWaveSize));
-  program.add_option("--memory", arguments.megabytes, "For recorded rays, in MB. Default: 1024")->check(CLI::Range(4, 1 << 20));
+  program.add_option("--memory", arguments.megabytes, "For recorded rays, in MB. Default: 1024")
+      ->check(CLI::Range(4, 1 << 20));
   program.add_option("-D,--define", arguments.definitions, "name=value: what $name means in the scene; may be repeated")
       ->allow_extra_args(false);
   program.add_flag("--scaling", arguments.scaling, "Measure one thread as well");

@@ -3,6 +3,8 @@
 
 #include "kernels/wave.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <ctime>
 #include <memory>
 #include <mutex>
@@ -61,7 +63,7 @@ class RayLog {
   bool complete_ = true;
 };
 
-/// The price of the same kernels at one lane policy and wave size, on one thread.
+/// The price of the same kernels at one lane policy and wave size, on one thread, in CPU time.
 struct LaneCost {
   const char* lane;  ///< "scalar" or "wide"
   int wave_size;

@@ -17,8 +17,10 @@ constexpr std::size_t kMostTiles = 32;
 std::vector<TileSamples> choose_tiles(const FilmDescription& film) {
   std::vector<TileSamples> all;
   for (int y = 0; y < film.height; y += kTileSide)
-    for (int x = 0; x < film.width; x += kTileSide)
-      all.push_back({{x, y, std::min(x + kTileSide, film.width), std::min(y + kTileSide, film.height)}, 0, kTileSpp, film.width});
+    for (int x = 0; x < film.width; x += kTileSide) {
+      const PixelRect pixels{x, y, std::min(x + kTileSide, film.width), std::min(y + kTileSide, film.height)};
+      all.push_back({pixels, 0, kTileSpp, film.width});
+    }
   const std::size_t count = std::min(all.size(), kMostTiles);
   std::vector<TileSamples> chosen;
   for (std::size_t i = 0; i < count; ++i) chosen.push_back(all[i * all.size() / count]);
@@ -61,9 +63,11 @@ void run_round(const SceneView& view, const std::vector<TileSamples>& tiles, dou
     wave.begin(tile, samples.data());
     contender.run(view, wave);
   }
+  const Duration elapsed = watch.elapsed();
   const double ns = 1e9 / static_cast<double>(wave.stats.rays.total());
-  contender.total.push_back(watch.elapsed().seconds * ns);
-  contender.trace.push_back(static_cast<double>(wave.stats.trace_ticks) * seconds_per_tick() * ns);
+  const double trace_share = static_cast<double>(wave.stats.trace_ticks) * seconds_per_tick() / elapsed.seconds;
+  contender.total.push_back(elapsed.cpu_seconds * ns);
+  contender.trace.push_back(elapsed.cpu_seconds * trace_share * ns);
   contender.stamps.push_back(stamps(wave.stats) * stamp_cost * ns);
 }
 

@@ -7,6 +7,8 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 
 namespace sheaf {
 
@@ -31,7 +33,8 @@ struct RayLog::Block {
     const auto columns = ray_columns(packet);
     for (std::size_t i = 0; i < size; ++i) {
       const PacketRecord& record = packets[i];
-      for (std::size_t k = 0; k < columns.size(); ++k) std::memcpy(columns[k], record.columns[k], sizeof(record.columns[k]));
+      for (std::size_t k = 0; k < columns.size(); ++k)
+        std::memcpy(columns[k], record.columns[k], sizeof(record.columns[k]));
       if (record.query == RayRecorder::Query::kAny) {
         accel.occluded(packet, record.count);
       } else {
@@ -50,7 +53,8 @@ class RayLog::Worker : public RayRecorder {
     if ((blocks_.empty() || blocks_.back()->size == kBlockPackets) && !add_block()) return;
     PacketRecord& record = blocks_.back()->packets[blocks_.back()->size++];
     const auto columns = ray_columns(packet);
-    for (std::size_t k = 0; k < columns.size(); ++k) std::memcpy(record.columns[k], columns[k], sizeof(record.columns[k]));
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      std::memcpy(record.columns[k], columns[k], sizeof(record.columns[k]));
     record.count = count;
     record.query = query;
   }

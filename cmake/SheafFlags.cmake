@@ -13,3 +13,20 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   # "literal" + string is taken for an overlapping copy.
   target_compile_options(sheaf_flags INTERFACE -Wno-uninitialized -Wno-maybe-uninitialized -Wno-restrict)
 endif()
+
+# Registers that g++ keeps in memory are copied by pieces of 16 bytes unless told otherwise; a whole-register load behind
+# such a copy waits for the cache (measured: light_candidates 44 against 22 ns per item).
+include(CheckCXXCompilerFlag)
+include(CheckCXXSourceCompiles)
+if(SHEAF_MARCH)
+  set(CMAKE_REQUIRED_FLAGS "-march=${SHEAF_MARCH}")
+else()
+  set(CMAKE_REQUIRED_FLAGS "")
+endif()
+check_cxx_compiler_flag("-mmove-max=256 -mstore-max=256" SHEAF_HAS_MOVE_MAX)
+check_cxx_source_compiles("#ifndef __AVX512F__\n#error\n#endif\nint main() {}" SHEAF_TARGET_AVX512)
+unset(CMAKE_REQUIRED_FLAGS)
+if(SHEAF_HAS_MOVE_MAX)
+  set(move_bits $<IF:$<BOOL:${SHEAF_TARGET_AVX512}>,512,256>)
+  target_compile_options(sheaf_flags INTERFACE -mmove-max=${move_bits} -mstore-max=${move_bits})
+endif()

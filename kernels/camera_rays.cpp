@@ -54,6 +54,7 @@ SHEAF_INLINE void start_tile(const SceneView& scene, Wave& wave, SampleCursor& c
   throughput.pixel = py * U(static_cast<std::uint32_t>(wave.task.frame_width)) + px;
   throughput.beta = Spectrum<L>(F(1.0f));
   throughput.eta_scale = F(1.0f);
+  throughput.progress = U(0u);
 
   const auto u = draw<L>(scene.seed, throughput.pixel, throughput.sample, U(0u), SampleBlock::kCamera);
   const auto dx = scene.filter->sample<L>(u.x), dy = scene.filter->sample<L>(u.y);
@@ -64,6 +65,7 @@ SHEAF_INLINE void start_tile(const SceneView& scene, Wave& wave, SampleCursor& c
   ray.flags = U(flags);
 
   RadianceState<L> radiance;
+  radiance.scatter_pdf = F(0.0f);
   radiance.alpha = F(1.0f);
   radiance.weight = dx.weight * dy.weight;
   radiance.task_sample = U(static_cast<std::uint32_t>(wave.next_sample)) + L::index();

@@ -1,5 +1,6 @@
 // Stage: surface inputs. From hits to what closures need: position, normals, the viewing direction in the shading frame,
 // and the closure's parameters.
+#include "kernels/bsdf/all.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
 #include "scene/shape.h"
@@ -8,8 +9,9 @@ namespace sheaf {
 
 namespace {
 
-template <class L>
-SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, int words) {
+/// `Words`: of the closure's parameters, rounded up to whole quads.
+template <class L, int Words>
+SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column) {
   using F = Float<L>;
   using U = Uint<L>;
   const RayState<L> ray = wave.rays.gather<L>(slots);
@@ -17,11 +19,12 @@ SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* s
   const ShapeLanes<L> shape = load_shapes<L>(scene, hit.shape);
   const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t);
 
-  const auto* materials = reinterpret_cast<const float*>(scene.materials);
-  const U row = hit.material * U(sizeof(MaterialRow) / sizeof(float));
-  F head[4];
-  gather_row4<L>(materials, row, head);
-  const auto two_sided = float_bits(head[2]) != U(0u);
+  constexpr int kHeadWords = 4;
+  const U index = hit.material * U(sizeof(MaterialRow) / sizeof(float));
+  F row[kHeadWords + Words];
+  for (int k = 0; k < kHeadWords + Words; k += 4)
+    gather_row4<L>(reinterpret_cast<const float*>(scene.materials) + k, index, row + k);
+  const auto two_sided = float_bits(row[2]) != U(0u);
   const auto behind = dot(y.ns, ray.direction) > F(0.0f);
 
   SurfaceItem<L> item;
@@ -33,27 +36,21 @@ SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* s
   wave.items.store<L>(column, item);
 
   float* const* closure = wave.closures.columns().words;
-  constexpr int kHeadWords = 4;
-  for (int k = 0; k < words; k += 4) {
-    F quad[4];
-    gather_row4<L>(materials + kHeadWords + k, row, quad);
-    for (int j = 0; j < 4; ++j) store(closure[k + j] + column, quad[j]);
-  }
+  for (int k = 0; k < Words; ++k) store(closure[k] + column, row[kHeadWords + k]);
 }
 
 }  // namespace
 
 template <class L> void surface_inputs(const SceneView& scene, Wave& wave) noexcept {
   StageTimer timer(wave.stats, Stage::kSurfaceInputs);
-  constexpr int kWords[kClosureKinds] = {kLeafCount<DiffuseParameters>, kLeafCount<ConductorParameters>,
-                                         kLeafCount<DielectricParameters>};
-  for (int kind = 0; kind < kClosureKinds; ++kind) {
-    const SurfaceRun& run = wave.runs[kind];
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    constexpr int kWords = (kLeafCount<Bsdf> + 3) / 4 * 4;
+    const SurfaceRun& run = wave.runs[static_cast<int>(kind)];
     timer.count(run.count, L::width);
     for_tiles<L>(run.count, [&](int i, int) {
-      surface_tile<L>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, kWords[kind]);
+      surface_tile<L, kWords>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i);
     });
-  }
+  });
 }
 
 SHEAF_INSTANTIATE_STAGE(surface_inputs);

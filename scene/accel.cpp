@@ -127,7 +127,7 @@ Accel::Accel(const AccelInput& input) : impl_(std::make_unique<Impl>()) {
   if (!impl_->device) throw Error(ExitCode::kRuntime, "Embree cannot be started on this machine");
   rtcSetDeviceMemoryMonitorFunction(impl_->device, count_memory, &impl_->bytes);
   impl_->scene = rtcNewScene(impl_->device);
-  rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
+  if (input.watertight) rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
   for (std::uint32_t i = 0; i < input.shape_count; ++i) {
     const ShapeRow& shape = input.shapes[i];
     const bool mesh = static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh;

@@ -42,6 +42,7 @@ struct AccelInput {
   const std::uint32_t* triangles;
   const QuadricRow* quadrics;
   const std::uint32_t* vertex_counts;  ///< per shape
+  bool watertight;  ///< see CompileOptions::watertight
 };
 
 /// A built acceleration structure. Const and safe to query from many threads. Results are the same bits whoever shares

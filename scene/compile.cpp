@@ -56,7 +56,8 @@ Placement place(const CylinderShape& c, const Transform& t) {
 /// Fills a Scene, table by table.
 class SceneCompiler {
  public:
-  explicit SceneCompiler(const Description& description) : in_(description), out_(std::make_unique<Scene>()) {}
+  SceneCompiler(const Description& description, const CompileOptions& options)
+      : in_(description), options_(options), out_(std::make_unique<Scene>()) {}
 
   std::unique_ptr<Scene> run() {
     out_->film_ = in_.film;
@@ -232,7 +233,8 @@ class SceneCompiler {
     if (out_->shapes_.empty()) out_->shapes_.emplace_back();
     if (out_->triangle_alias_.empty()) out_->triangle_alias_.emplace_back();
     const AccelInput input{out_->shapes_.data(), static_cast<std::uint32_t>(vertex_counts_.size()),
-                           out_->positions_.data(), out_->triangles_.data(), out_->quadrics_.data(), vertex_counts_.data()};
+                           out_->positions_.data(), out_->triangles_.data(), out_->quadrics_.data(),
+                           vertex_counts_.data(), options_.watertight};
     out_->accel_ = std::make_unique<Accel>(input);
   }
 
@@ -241,6 +243,7 @@ class SceneCompiler {
   }
 
   const Description& in_;
+  const CompileOptions& options_;
   std::unique_ptr<Scene> out_;
   std::vector<std::uint32_t> row_of_material_;
   std::uint32_t default_material_ = 0;
@@ -249,6 +252,8 @@ class SceneCompiler {
   Vec3f lower_{kInfinity, kInfinity, kInfinity}, upper_{-kInfinity, -kInfinity, -kInfinity};
 };
 
-std::unique_ptr<Scene> compile_scene(const Description& description) { return SceneCompiler(description).run(); }
+std::unique_ptr<Scene> compile_scene(const Description& description, const CompileOptions& options) {
+  return SceneCompiler(description, options).run();
+}
 
 }  // namespace sheaf

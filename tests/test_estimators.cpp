@@ -56,10 +56,10 @@ void check_mean(const MeanVariance& statistics, double expected) {
 void check_grey(const Description& d, double expected) {
   const Image image = render_image(d);
   check_mean(statistics_of(image, 0), expected);
-  for (std::size_t i = 0; i < image.data.size(); i += image.channels.size()) {
-    REQUIRE(image.data[i] == image.data[i + 1]);
-    REQUIRE(image.data[i] == image.data[i + 2]);
-  }
+  bool grey = true;
+  for (std::size_t i = 0; i < image.data.size(); i += image.channels.size())
+    grey = grey && image.data[i] == image.data[i + 1] && image.data[i] == image.data[i + 2];
+  CHECK(grey);
 }
 
 /// Renders with each strategy; `sees_points` is false where BSDF sampling alone cannot find the light.
@@ -351,28 +351,30 @@ TEST_CASE("mirrors and metals") {
 }
 
 TEST_CASE("the two sides of a material") {
-  for (const float side : {1.0f, -1.0f}) {
-    CAPTURE(side);
-    Description d = picture();
-    add_constant_light(d, 3);
-    aim(d, {1, 0, 2 * side}, {0, 0, 0}, {0, 1, 0});
-    const MaterialId a = add_diffuse(d, 0.25f), b = add_diffuse(d, 0.75f);
-    SUBCASE("one-sided") {
-      add_rectangle(d, Transform(), a);
-      check_strategies(d, side > 0 ? 0.75 : 0.0);
+  const auto check_sides = [](double front, double back, const std::function<void(Description&)>& add) {
+    for (const float side : {1.0f, -1.0f}) {
+      CAPTURE(side);
+      Description d = picture();
+      add_constant_light(d, 3);
+      aim(d, {1, 0, 2 * side}, {0, 0, 0}, {0, 1, 0});
+      add(d);
+      check_strategies(d, side > 0 ? front : back);
     }
-    SUBCASE("the same twice") {
-      add_rectangle(d, Transform(), add_two_sided(d, a));
-      check_strategies(d, 0.75);
-    }
-    SUBCASE("different ones") {
+  };
+  SUBCASE("one-sided") {
+    check_sides(0.75, 0, [](Description& d) { add_rectangle(d, Transform(), add_diffuse(d, 0.25f)); });
+  }
+  SUBCASE("the same twice") {
+    check_sides(0.75, 0.75, [](Description& d) { add_rectangle(d, Transform(), add_two_sided(d, add_diffuse(d, 0.25f))); });
+  }
+  SUBCASE("different ones") {
+    check_sides(0.75, 2.25, [](Description& d) {
+      const MaterialId a = add_diffuse(d, 0.25f), b = add_diffuse(d, 0.75f);
       add_rectangle(d, Transform(), add_material(d, TwoSidedDescription{a, b}));
-      check_strategies(d, side > 0 ? 0.75 : 2.25);
-    }
-    SUBCASE("one-sided emitter") {
-      add_area_light_rectangle(d, Transform(), 5);
-      check_strategies(d, side > 0 ? 5.0 : 0.0);
-    }
+    });
+  }
+  SUBCASE("one-sided emitter") {
+    check_sides(5, 0, [](Description& d) { add_area_light_rectangle(d, Transform(), 5); });
   }
 }
 
@@ -387,7 +389,6 @@ TEST_CASE("hidden lights") {
   }
   SUBCASE("an environment") {
     add_constant_light(d, 3);
-    value = 0;
   }
   SUBCASE("area lights before a lit wall") {
     add_area_light_rectangle(d, Transform::translate({0, 0, 1}), 3);

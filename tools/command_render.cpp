@@ -34,7 +34,7 @@ struct RenderArguments {
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
   std::string color = "rgb", integrator, stats;
   int threads = 0, wave_size = 0;
-  bool lenient = false, no_timestamps = false, quiet = false;
+  bool lenient = false, no_timestamps = false, quiet = false, watertight = false;
 };
 
 std::string extension_of(const fs::path& path) {
@@ -146,7 +146,7 @@ int render_scene(const RenderArguments& arguments) {
   apply_integrator(arguments, description.integrator);
   const PixelRect crop = choose_crop(arguments, description.film);
   const double build_start = Progress::steady_seconds();
-  const std::unique_ptr<Scene> scene = compile_scene(description);
+  const std::unique_ptr<Scene> scene = compile_scene(description, {arguments.watertight});
   const double build_end = Progress::steady_seconds();
   if (!arguments.quiet) {
     for (const std::string& note : description.notes) print_message(note);
@@ -194,6 +194,8 @@ void add_render_command(CLI::App& program, int& exit_code) {
                       "Picture to write, .exr (linear floats, all layers) or .png (8 bits, sRGB); may be repeated. "
                       "Default: the scene's name with .exr, in the current folder")
       ->allow_extra_args(false);
+  command->add_flag("--watertight", arguments->watertight,
+                    "Let no ray slip between triangles that share an edge; slower by up to a third in small scenes");
   command->add_option("--spp", arguments->spp, "Samples per pixel. Default: the scene's")
       ->check(CLI::Range(1u, 1u << 24));
   command->add_option("--seed", arguments->seed, "Seed of the random numbers, 0 to 4294967295. Default: the scene's");
