@@ -18,7 +18,8 @@ template <class L> void accumulate(const SceneView&, Wave& wave) noexcept {
     const RadianceState<Scalar> r = wave.radiance.get(slot);
     FilmSample& out = wave.task_samples[r.task_sample];
     const float sum = r.radiance.c0 + r.radiance.c1 + r.radiance.c2;
-    const bool good = std::isfinite(sum) && r.radiance.c0 >= 0.0f && r.radiance.c1 >= 0.0f && r.radiance.c2 >= 0.0f;
+    const bool good = std::isfinite(sum * r.weight) && r.radiance.c0 >= 0.0f && r.radiance.c1 >= 0.0f &&
+                      r.radiance.c2 >= 0.0f;
     if (good) {
       out = {r.radiance.c0 * r.weight, r.radiance.c1 * r.weight, r.radiance.c2 * r.weight, r.alpha * r.weight};
       ++wave.stats.samples;

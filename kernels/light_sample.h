@@ -65,11 +65,17 @@ SHEAF_INLINE LightSample<L> sample_mesh(const SceneView& scene, Vec3<L> from, co
                                         const Random4<L>& u) {
   using F = Float<L>;
   using U = Uint<L>;
-  const ShapeLanes<L> shape = load_shapes<L>(scene, select(active, light.shape, U(0u)));
-  const auto triangle = sample_alias<L>(scene.triangle_alias, select(active, light.first_triangle, U(0u)),
-                                        select(active, light.triangle_count, U(1u)), u.w);
+  const U first = select(active, light.first_triangle, U(0u));
+  const auto triangle =
+      sample_alias<L>(scene.triangle_alias, first, select(active, light.triangle_count, U(1u)), u.w);
+  F w[16];
+  const auto* base = reinterpret_cast<const float*>(scene.light_triangles);
+  for (int k = 0; k < 16; k += 4) gather_row4<L>(base + k, (first + triangle.index) * U(16u), w + k);
   const Vec2<L> b = square_to_triangle<L>(u.y, u.z);
-  const auto y = triangle_point<L, false>(scene, shape, active, triangle.index, b.x, b.y);
+  SurfacePoint<L> y;
+  y.p = Vec3<L>{w[0], w[1], w[2]} + Vec3<L>{w[4], w[5], w[6]} * b.x + Vec3<L>{w[8], w[9], w[10]} * b.y;
+  y.ng = {w[12], w[13], w[14]};
+  y.offset = w[3];
   return from_area<L>(from, y, light, F(1.0f) / light.area);
 }
 

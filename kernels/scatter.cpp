@@ -42,7 +42,7 @@ SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* s
   alive = alive & roulette<L>(scene.integrator, path, u.w);
 
   RayState<L> ray;
-  ray.direction = normalize(Frame<L>::from_normal(item.ns).to_world(s.wi));
+  ray.direction = Frame<L>::from_normal(item.ns).to_world(s.wi);
   ray.origin = offset_origin<L>(item.p, item.ng, item.offset, ray.direction);
   ray.t_max = F(kInfinity);
   const auto max_depth = static_cast<std::uint32_t>(scene.integrator.max_depth);  // -1: larger than any depth

@@ -178,7 +178,8 @@ class SceneCompiler {
                                           static_cast<std::uint32_t>(out_->triangle_alias_.size()));
         out_->lights_.push_back(light.row);
         powers_.push_back(light.power);
-        out_->triangle_alias_.insert(out_->triangle_alias_.end(), light.triangles.begin(), light.triangles.end());
+        out_->triangle_alias_.insert(out_->triangle_alias_.end(), light.alias.begin(), light.alias.end());
+        out_->light_triangles_.insert(out_->light_triangles_.end(), light.triangles.begin(), light.triangles.end());
       }
     }
     out_->shapes_.push_back(row);
@@ -232,6 +233,7 @@ class SceneCompiler {
     if (out_->quadrics_.empty()) out_->quadrics_.emplace_back();
     if (out_->shapes_.empty()) out_->shapes_.emplace_back();
     if (out_->triangle_alias_.empty()) out_->triangle_alias_.emplace_back();
+    if (out_->light_triangles_.empty()) out_->light_triangles_.emplace_back();
     const AccelInput input{out_->shapes_.data(), static_cast<std::uint32_t>(vertex_counts_.size()),
                            out_->positions_.data(), out_->triangles_.data(), out_->quadrics_.data(),
                            vertex_counts_.data(), options_.watertight};

@@ -1,8 +1,16 @@
 #include "scene/film.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace sheaf {
+
+namespace {
+
+/// Variances of very bright pixels stay finite in single precision.
+constexpr double kLargest = std::numeric_limits<float>::max();
+
+}  // namespace
 
 Film::Film(int frame_width, int frame_height, PixelRect crop)
     : frame_width_(frame_width),
@@ -24,8 +32,8 @@ Image Film::to_image() const {
     for (std::size_t c = 0; c < 3; ++c) {
       const double mean = p.sum[c] / n;
       out[c] = static_cast<float>(mean);
-      if (p.count > 1)
-        out[4 + c] = static_cast<float>(std::max(0.0, p.sum_of_squares[c] / n - mean * mean) / (n - 1.0));
+      const double variance = std::max(0.0, p.sum_of_squares[c] / n - mean * mean) / (n - 1.0);
+      if (p.count > 1) out[4 + c] = static_cast<float>(std::min(variance, kLargest));
     }
     out[3] = static_cast<float>(p.alpha / n);
     out[7] = static_cast<float>(p.count);

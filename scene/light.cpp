@@ -1,6 +1,7 @@
 #include "scene/light.h"
 
 #include "scene/quadric.h"
+#include "scene/shape.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,19 +16,38 @@ float selection_power(Vec3f radiance, double factor) {
   return static_cast<float>(std::clamp(power, 1e-30, 1e30));
 }
 
-double triangle_area(const ShapeTables& tables, const ShapeRow& shape, std::uint32_t triangle) {
+struct TriangleWithArea {
+  LightTriangleRow row{};
+  double area = 0;
+};
+
+TriangleWithArea make_triangle(const ShapeTables& tables, const ShapeRow& shape, std::uint32_t triangle) {
   double p[3][3];
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t vertex = tables.triangles[3 * (std::size_t(shape.first_triangle) + triangle) + k];
     for (std::size_t c = 0; c < 3; ++c) p[k][c] = tables.positions[3 * (std::size_t(shape.first_vertex) + vertex) + c];
   }
-  double squared = 0;
+  double normal[3], squared = 0;
   for (std::size_t c = 0; c < 3; ++c) {
-    const std::size_t d = (c + 1) % 3;
-    const double n = (p[1][c] - p[0][c]) * (p[2][d] - p[0][d]) - (p[1][d] - p[0][d]) * (p[2][c] - p[0][c]);
-    squared += n * n;
+    const std::size_t d = (c + 1) % 3, e = (c + 2) % 3;
+    normal[c] = (p[1][d] - p[0][d]) * (p[2][e] - p[0][e]) - (p[1][e] - p[0][e]) * (p[2][d] - p[0][d]);
+    squared += normal[c] * normal[c];
   }
-  return 0.5 * std::sqrt(squared);
+  const double twice_area = std::sqrt(squared);
+  TriangleWithArea out;
+  out.area = 0.5 * twice_area;
+  double across = 0, extent = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double largest = std::max({std::fabs(p[0][c]), std::fabs(p[1][c]), std::fabs(p[2][c])});
+    out.row.p[c] = static_cast<float>(p[0][c]);
+    out.row.edge1[c] = static_cast<float>(p[1][c] - p[0][c]);
+    out.row.edge2[c] = static_cast<float>(p[2][c] - p[0][c]);
+    out.row.normal[c] = static_cast<float>(normal[c] / twice_area);
+    across += std::fabs(out.row.normal[c]) * largest;
+    extent = std::max(extent, largest);
+  }
+  out.row.offset = static_cast<float>(kOffsetUlps * (across + extent));
+  return out;
 }
 
 void set_radiance(LightRow& row, Vec3f value) {
@@ -39,7 +59,7 @@ void set_radiance(LightRow& row, Vec3f value) {
 }  // namespace
 
 AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables, Vec3f radiance,
-                          std::uint32_t alias_offset) {
+                          std::uint32_t first_triangle) {
   AreaLight light;
   LightRow& row = light.row;
   row.shape = shape_index;
@@ -47,12 +67,16 @@ AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, cons
   double area = 0;
   if (static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh) {
     row.kind = static_cast<std::uint32_t>(LightKind::kMesh);
-    row.first_triangle = alias_offset;
+    row.first_triangle = first_triangle;
     row.triangle_count = shape.triangle_count;
     std::vector<float> areas;
-    for (std::uint32_t i = 0; i < shape.triangle_count; ++i) areas.push_back(static_cast<float>(triangle_area(tables, shape, i)));
-    for (float a : areas) area += a;
-    light.triangles = build_alias_table(areas);
+    for (std::uint32_t i = 0; i < shape.triangle_count; ++i) {
+      const TriangleWithArea triangle = make_triangle(tables, shape, i);
+      light.triangles.push_back(triangle.row);
+      areas.push_back(static_cast<float>(triangle.area));
+      area += areas.back();
+    }
+    light.alias = build_alias_table(areas);
     row.area = static_cast<float>(area);
   } else {
     const QuadricRow& q = tables.quadrics[shape.first_triangle];

@@ -17,16 +17,17 @@ struct PlacedLight {
   LightRow row;
   float power;
 };
-/// An area light with the alias table over its triangles (meshes only).
+/// An area light with its triangles and the alias table over them (meshes only).
 struct AreaLight {
   LightRow row;
   float power;
-  std::vector<AliasEntry> triangles;
+  std::vector<AliasEntry> alias;
+  std::vector<LightTriangleRow> triangles;
 };
 
-/// `alias_offset`: where `triangles` will stand in SceneView::triangle_alias.
+/// `first_triangle`: where `triangles` and `alias` will stand in the scene's tables.
 AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables, Vec3f radiance,
-                          std::uint32_t alias_offset);
+                          std::uint32_t first_triangle);
 PlacedLight make_point_light(Vec3f intensity, Vec3f position);
 /// `radius`: of the sphere around the scene.
 PlacedLight make_constant_light(Vec3f radiance, float radius);

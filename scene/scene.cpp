@@ -18,6 +18,7 @@ SceneView Scene::view() const {
   v.lights = lights_.data();
   v.light_alias = light_alias_.data();
   v.triangle_alias = triangle_alias_.data();
+  v.light_triangles = light_triangles_.data();
   v.shape_count = static_cast<std::uint32_t>(shapes_.size());
   v.material_count = static_cast<std::uint32_t>(materials_.size());
   v.light_count = static_cast<std::uint32_t>(lights_.size());
@@ -38,7 +39,7 @@ SceneInfo Scene::info() const {
   SceneInfo info = counts_;
   info.table_bytes = bytes_of(shapes_) + bytes_of(positions_) + bytes_of(normals_) + bytes_of(uvs_) +
                      bytes_of(triangles_) + bytes_of(quadrics_) + bytes_of(materials_) + bytes_of(lights_) +
-                     bytes_of(light_alias_) + bytes_of(triangle_alias_);
+                     bytes_of(light_alias_) + bytes_of(triangle_alias_) + bytes_of(light_triangles_);
   info.accel_bytes = accel_->bytes();
   return info;
 }

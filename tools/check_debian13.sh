@@ -53,7 +53,7 @@ done
 echo "debian13: copying the working tree"
 mkdir -p "$root$source_in_root"
 find "$root$source_in_root" -mindepth 1 -maxdepth 1 ! -name build -exec rm -rf {} +
-git -C "$repository" ls-files --cached --others --exclude-standard -z |
+git -c safe.directory="$repository" -C "$repository" ls-files --cached --others --exclude-standard -z |
   (cd "$repository" && while IFS= read -r -d '' file; do [[ ! -e $file ]] || printf '%s\0' "$file"; done |
     tar --create --null --files-from=- --file=-) |
   tar --extract --file=- --directory="$root$source_in_root" --no-same-owner
