@@ -1,5 +1,5 @@
 // What each stage of the path pass costs per item, on waves as they are in the middle of a render. Every benchmark
-// reports "per_item" in seconds, that of the shortest call, and the number of items that the stage consumes in one call.
+// reports "per_item" in seconds, "best_per_item" for the shortest call, and how many items the stage consumes in one.
 #include "core/error.h"
 #include "kernels/stages.h"
 #include "scene/compile.h"

@@ -90,10 +90,11 @@ TEST_CASE("triangles without area, or with vertices that are no numbers, are lef
   const std::vector<float> expected = pixels(base_scene());
   for (const bool emits : {false, true}) {
     CAPTURE(emits);
-    for (const Mesh& mesh : {one_triangle({0, 1, 0}, {0, 1, 0}, {0, 1, 0}), one_triangle({0, 0, 0}, {1, 1, 0}, {2, 2, 0}),
-                             one_triangle({0, 1, 0}, {kNan, 1, 0}, {1, 0, 0}), one_triangle({0, kInf, 0}, {1, 1, 0}, {1, 0, 0}),
-                             one_triangle({0, 0, -kInf}, {kInf, 1, 0}, {kNan, 0, 0}),
-                             one_triangle({0, 0, 0}, {1e-30f, 0, 0}, {0, 1e-30f, 0}), Mesh{}}) {
+    for (const Mesh& mesh :
+         {one_triangle({0, 1, 0}, {0, 1, 0}, {0, 1, 0}), one_triangle({0, 0, 0}, {1, 1, 0}, {2, 2, 0}),
+          one_triangle({0, 1, 0}, {kNan, 1, 0}, {1, 0, 0}), one_triangle({0, kInf, 0}, {1, 1, 0}, {1, 0, 0}),
+          one_triangle({0, 0, -kInf}, {kInf, 1, 0}, {kNan, 0, 0}),
+          one_triangle({0, 0, 0}, {1e-30f, 0, 0}, {0, 1e-30f, 0}), Mesh{}}) {
       Description d = base_scene();
       add_shape(d, mesh, Transform(), add_diffuse(d, 0.2f));
       if (emits) emit(d.shapes.back(), 5);
@@ -213,7 +214,9 @@ TEST_CASE("a camera inside of shapes and on their surfaces") {
   SUBCASE("diffuse") {
     check_places([](Description& d) { add_sphere(d, {0, 0, 0}, 1, add_two_sided(d, add_diffuse(d, 0.5f))); });
   }
-  SUBCASE("mirror") { check_places([](Description& d) { add_sphere(d, {0, 0, 0}, 1, add_two_sided(d, add_mirror(d))); }); }
+  SUBCASE("mirror") {
+    check_places([](Description& d) { add_sphere(d, {0, 0, 0}, 1, add_two_sided(d, add_mirror(d))); });
+  }
   SUBCASE("light") { check_places([](Description& d) { emit(add_sphere(d, {0, 0, 0}, 1), 1).flip_normals = true; }); }
   SUBCASE("cube") { check_places([](Description& d) { add_shape(d, CubeShape{}, Transform(), add_glass(d)); }); }
   SUBCASE("triangle") {

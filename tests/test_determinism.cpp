@@ -171,9 +171,11 @@ TEST_CASE("a crop is the crop of the whole") {
     const std::size_t row = static_cast<std::size_t>(part.width) * part.channels.size() * sizeof(float);
     int equal_rows = 0;
     for (int y = 0; y < part.height; ++y)
-      equal_rows += std::memcmp(&part.data[static_cast<std::size_t>(y) * row / sizeof(float)],
-                                &whole.data[(static_cast<std::size_t>(y + crop.y0) * 70 + static_cast<std::size_t>(crop.x0)) *
-                                            whole.channels.size()], row) == 0;
+      equal_rows +=
+          std::memcmp(&part.data[static_cast<std::size_t>(y) * row / sizeof(float)],
+                      &whole.data[(static_cast<std::size_t>(y + crop.y0) * 70 + static_cast<std::size_t>(crop.x0)) *
+                                  whole.channels.size()],
+                      row) == 0;
     CHECK(equal_rows == part.height);
   }
 }
@@ -220,7 +222,8 @@ TEST_CASE("files without time stamps are the same bytes") {
   std::string expected;
   for (const char* variant : variants) {
     CAPTURE(std::string(variant));
-    REQUIRE(run_sheaf(folder, std::string("render scene.xml --quiet --no-timestamps -o out.exr -o out.png ") + variant) == 0);
+    REQUIRE(run_sheaf(folder,
+                      std::string("render scene.xml --quiet --no-timestamps -o out.exr -o out.png ") + variant) == 0);
     const std::string bytes = read_bytes(folder / "out.exr") + read_bytes(folder / "out.png");
     REQUIRE(bytes.size() > 1000);
     if (expected.empty()) expected = bytes;

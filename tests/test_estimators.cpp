@@ -49,7 +49,8 @@ void check_mean(const MeanVariance& statistics, double expected) {
   const double allowed = kRounding * std::fabs(expected), distance = statistics.mean() - expected;
   INFO("mean " << statistics.mean() << ", expected " << expected << ", standard error "
                << std::sqrt(statistics.variance() / 1024));
-  const double nearest = std::fabs(distance) <= allowed ? statistics.mean() : expected + std::copysign(allowed, distance);
+  const double nearest =
+      std::fabs(distance) <= allowed ? statistics.mean() : expected + std::copysign(allowed, distance);
   CHECK(statistics.p_value(nearest) >= kLevel);
 }
 
@@ -141,7 +142,8 @@ TEST_CASE("a sphere light") {
   }
   SUBCASE("aside, by a transform") {
     const MaterialId black = add_diffuse(d, 0);
-    const Transform t = Transform::translate({-2, 1, 2}) * Transform::rotate({1, 2, 3}, 40) * Transform::scale({0.5f, 0.5f, 0.5f});
+    const Transform t =
+        Transform::translate({-2, 1, 2}) * Transform::rotate({1, 2, 3}, 40) * Transform::scale({0.5f, 0.5f, 0.5f});
     emit(add_shape(d, SphereShape{}, t, black), 5);
     check_strategies(d, reflected(kPiD * 5 * (0.25 / 9) * (2.0 / 3)));
   }
@@ -175,7 +177,8 @@ TEST_CASE("a rectangle light, and a mesh light of unequal triangles") {
   Description d = receiver();
   SUBCASE("rectangle") {
     add_area_light_rectangle(d, facing_down({0.5f, 0, 1}) * Transform::scale({1, 0.5f, 1}), 4);
-    check_strategies(d, reflected(polygon_irradiance({{-0.5, -0.5, 1}, {1.5, -0.5, 1}, {1.5, 0.5, 1}, {-0.5, 0.5, 1}}, 4)));
+    check_strategies(
+        d, reflected(polygon_irradiance({{-0.5, -0.5, 1}, {1.5, -0.5, 1}, {1.5, 0.5, 1}, {-0.5, 0.5, 1}}, 4)));
   }
   SUBCASE("mesh") {
     Mesh mesh;
@@ -301,9 +304,11 @@ TEST_CASE("a glass slab in front of a light") {
     Description d = picture();
     add_shape(d, CubeShape{}, Transform::scale({20, 20, 0.1f}), add_glass(d));
     add_area_light_rectangle(d, Transform::translate({0, 0, -3}) * Transform::scale({100, 100, 1}), 2);
-    aim(d, {static_cast<float>(5 * std::sqrt(1 - cosine * cosine)), 0, static_cast<float>(5 * cosine)}, {0, 0, 0}, {0, 1, 0});
+    aim(d, {static_cast<float>(5 * std::sqrt(1 - cosine * cosine)), 0, static_cast<float>(5 * cosine)}, {0, 0, 0},
+        {0, 1, 0});
     const double r = fresnel(cosine, 1.5), t = (1 - r) * (1 - r);
-    for (const auto& [depth, expected] : {std::pair{2, 0.0}, {3, 2 * t}, {5, 2 * t * (1 + r * r)}, {-1, 2 * (1 - r) / (1 + r)}}) {
+    for (const auto& [depth, expected] :
+         {std::pair{2, 0.0}, {3, 2 * t}, {5, 2 * t * (1 + r * r)}, {-1, 2 * (1 - r) / (1 + r)}}) {
       CAPTURE(depth);
       d.integrator.max_depth = depth;
       check_strategies(d, expected);
@@ -332,7 +337,8 @@ TEST_CASE("one interface compresses radiance; matched indices do nothing") {
 
 TEST_CASE("mirrors and metals") {
   Description d = picture();
-  add_area_light_rectangle(d, Transform::translate({-4, 0, 4}) * Transform::rotate({0, 1, 0}, 135) * Transform::scale({3, 3, 1}), 2);
+  add_area_light_rectangle(
+      d, Transform::translate({-4, 0, 4}) * Transform::rotate({0, 1, 0}, 135) * Transform::scale({3, 3, 1}), 2);
   aim(d, {3, 0, 3}, {0, 0, 0});
   SUBCASE("mirror") {
     add_rectangle(d, Transform::scale({5, 5, 1}), add_mirror(d, 0.8f));
@@ -340,7 +346,8 @@ TEST_CASE("mirrors and metals") {
   }
   SUBCASE("metal") {
     using S = SpectrumDescription;
-    const ConductorDescription metal{ConductorDescription::Ior{S::constant(0.2f), S::constant(3.9f)}, S::constant(0.9f)};
+    const ConductorDescription metal{ConductorDescription::Ior{S::constant(0.2f), S::constant(3.9f)},
+                                     S::constant(0.9f)};
     add_rectangle(d, Transform::scale({5, 5, 1}), add_material(d, metal));
     check_strategies(d, 2 * 0.9 * fresnel(std::sqrt(0.5), {0.2, 3.9}));
   }
@@ -365,7 +372,8 @@ TEST_CASE("the two sides of a material") {
     check_sides(0.75, 0, [](Description& d) { add_rectangle(d, Transform(), add_diffuse(d, 0.25f)); });
   }
   SUBCASE("the same twice") {
-    check_sides(0.75, 0.75, [](Description& d) { add_rectangle(d, Transform(), add_two_sided(d, add_diffuse(d, 0.25f))); });
+    check_sides(0.75, 0.75,
+                [](Description& d) { add_rectangle(d, Transform(), add_two_sided(d, add_diffuse(d, 0.25f))); });
   }
   SUBCASE("different ones") {
     check_sides(0.75, 2.25, [](Description& d) {

@@ -25,7 +25,8 @@ Mesh faceted_ball() {
     for (std::uint32_t j = 0; j < kSegments; ++j) {
       const double theta = 3.14159265 * i / kRings, phi = 2 * 3.14159265 * j / kSegments;
       mesh.positions.push_back({static_cast<float>(std::sin(theta) * std::cos(phi)),
-                                static_cast<float>(std::sin(theta) * std::sin(phi)), static_cast<float>(std::cos(theta))});
+                                static_cast<float>(std::sin(theta) * std::sin(phi)),
+                                static_cast<float>(std::cos(theta))});
     }
   const auto vertex = [](std::uint32_t ring, std::uint32_t j) { return 2 + (ring - 1) * kSegments + j % kSegments; };
   for (std::uint32_t j = 0; j < kSegments; ++j) {
@@ -112,7 +113,8 @@ Tally shoot(const SceneView& scene, Vec3f center, float radius, int rays) {
     scene.accel->intersect(hit, 1);
     if (hit.shape[0] == kNone) continue;
     const auto shape = load_shapes<Scalar>(scene, hit.shape[0]);
-    const auto y = surface_point<Scalar>(scene, shape, hit.primitive[0], hit.u[0], hit.v[0], origin + direction * hit.t_far[0]);
+    const auto y =
+        surface_point<Scalar>(scene, shape, hit.primitive[0], hit.u[0], hit.v[0], origin + direction * hit.t_far[0]);
     // Only the outer sides of closed shapes; an open cylinder's inner side sees itself.
     const Vec3f outer = dot(y.ng, direction) < 0 ? y.ng : -y.ng;
     if (shape.kind == static_cast<std::uint32_t>(ShapeKind::kCylinder) && dot(y.ng, direction) > 0) continue;
@@ -143,7 +145,8 @@ Description closed_room(bool box, float scale, float away) {
   d.sampler.sample_count = 32;
   const Vec3f center{away, -away, 0.5f * away};
   look_at(d, center, center + Vec3f{0.7f, 0.2f, 0.4f} * scale);
-  const Transform t = Transform::translate(center) * Transform::rotate({1, 2, 3}, 25) * Transform::scale({scale, scale, scale});
+  const Transform t =
+      Transform::translate(center) * Transform::rotate({1, 2, 3}, 25) * Transform::scale({scale, scale, scale});
   if (box) {
     add_shape(d, CubeShape{}, t);
   } else {
