@@ -117,7 +117,10 @@ TEST_CASE("filter: weighted samples have the filter's moments, negative lobes in
       }
       absolute += std::fabs(offset.weight) / kDraws;
     }
-    CHECK(absolute == doctest::Approx(gross / mass).epsilon(1e-4));
+    // Bins across a zero of the filter weigh less than the others: at most four of them.
+    CHECK(absolute <= gross / mass * (1 + 1e-5));
+    CHECK(absolute >= gross / mass * (1 - 4.0 / FilterTable::kBins));
+    CHECK(found[0] == doctest::Approx(1).epsilon(1e-5));
     for (int n = 0; n < 7; ++n) {
       const double expected = integral(f, [&](double x) { return evaluate_filter(f, x) * std::pow(x / radius, n); }) / mass;
       CHECK(std::fabs(found[n] - expected) < 2e-3);

@@ -375,7 +375,7 @@ TEST_CASE("the same scene in both dialects gives the same Description") {
     <sensor type="perspective">
       <float name="fov" value="35"/>
       <transform name="to_world">
-        <scale x="-1"/><rotate y="1" angle="30"/><lookat origin="0,1,6" target="0,1,0" up="0,1,0"/>
+        <rotate y="1" angle="30"/><lookat origin="0,1,6" target="0,1,0" up="0,1,0"/>
       </transform>
       <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="48"/>
         <rfilter type="tent"/></film>

@@ -58,8 +58,8 @@ TEST_CASE("Nori: camera, filters and sampler") {
   CHECK(d.film.filter.b == 0.2f);
   CHECK(d.film.filter.c == 0.4f);
   CHECK(d.camera.to_world.point({0, 0, 0}) == Vec3f{0, 0, 5});
-  // lookat turns x to the left of the picture, which is -x when looking along -z; the scale before it turns it back.
-  CHECK(d.camera.to_world.vector({1, 0, 0}) == Vec3f{1, 0, 0});
+  // Nori's x points to the right of the picture, ours to the left, which is -x when looking along -z.
+  CHECK(d.camera.to_world.vector({1, 0, 0}) == Vec3f{-1, 0, 0});
   CHECK(camera("<rfilter type='box'/>").film.filter.radius == 0.5f);
   CHECK(camera("<rfilter type='tent'/>").film.filter.radius == 1);
   const Description gaussian =
