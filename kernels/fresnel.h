@@ -40,7 +40,8 @@ template <class F> SHEAF_INLINE F fresnel_conductor(F cos_incident, F eta, F k) 
   const F t1 = a2_plus_b2 + cos2, t2 = F(2.0f) * a * cos_incident;
   const F perpendicular = (t1 - t2) / (t1 + t2);
   const F t3 = cos2 * a2_plus_b2 + sin2 * sin2, t4 = t2 * sin2;
-  const F parallel = perpendicular * (t3 - t4) / (t3 + t4);
+  // eta = k = 0 at normal incidence would be 0 / 0.
+  const F parallel = perpendicular * (t3 - t4) / max(t3 + t4, F(1e-30f));
   return F(0.5f) * (perpendicular + parallel);
 }
 

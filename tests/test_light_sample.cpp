@@ -42,8 +42,7 @@ template <class Geometry> std::unique_ptr<Scene> lone_light(Geometry geometry, c
 /// The first emitting surface that a ray meets beyond `t_near`.
 struct Meeting {
   bool found = false;
-  float t = 0, pdf = 0;
-  bool lit = false;  ///< met on the side that emits
+  float t = 0, pdf = 0;  ///< the density is 0 on the side that does not emit
 };
 Meeting meet(const SceneView& scene, Vec3f from, Vec3f direction, float t_near) {
   const auto hit = trace_ray(scene, from, direction, t_near);
@@ -52,7 +51,7 @@ Meeting meet(const SceneView& scene, Vec3f from, Vec3f direction, float t_near) 
   const auto y = surface_at(scene, from, direction, *hit);
   const bool lit = dot(direction, y.ng) < 0;
   const auto light = load_lights<Scalar>(scene, shape.light);
-  return {true, hit->t, lit ? light_pdf_solid_angle<Scalar>(scene, light, true, from, direction, hit->t, y.ng) : 0, lit};
+  return {true, hit->t, lit ? light_pdf_solid_angle<Scalar>(scene, light, true, from, direction, hit->t, y.ng) : 0};
 }
 
 /// Density of sample_light() in a direction: the sum over all surfaces that emit along it.
