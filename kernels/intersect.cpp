@@ -38,6 +38,7 @@ SHEAF_INLINE std::uint32_t pack(const Wave& wave, const Slot* slots, int count, 
   store(packet.direction_z + at, ray.direction.z);
   store(packet.t_far + at, ray.t_max);
   store(packet.shape + at, typename L::Uint(kNone));
+  store(packet.id + at, ray.flags);
   return mask_bits(good & L::first(count));
 }
 
@@ -72,12 +73,10 @@ SHEAF_INLINE void unpack(const SceneView& scene, Wave& wave, const Slot* slots, 
 
   const std::uint32_t hits = mask_bits(found) & good;
   const std::uint32_t lights = mask_bits(hit.light != U(kNone)) & good;
-  std::uint32_t last = 0, from_camera = 0;
-  for (int lane = 0; lane < count; ++lane) {
-    const std::uint32_t flags = float_bits(wave.rays.row(slots[lane])[7]);
-    last |= (flags & kRayLast ? 1u : 0u) << lane;
-    from_camera |= (flags & kRayFromCamera ? 1u : 0u) << lane;
-  }
+  U flags;
+  load(packet.id + at, flags);
+  const std::uint32_t last = mask_bits((flags & U(kRayLast)) != U(0u));
+  const std::uint32_t from_camera = mask_bits((flags & U(kRayFromCamera)) != U(0u));
   // Hidden lights are left to the emission stage, which sends the ray on behind them.
   const std::uint32_t hidden = scene.integrator.hide_emitters ? lights & from_camera : 0u;
   const std::uint32_t dropped = ((1u << count) - 1u) & ~good;

@@ -23,7 +23,9 @@ struct alignas(64) RayPacket {
   float direction_x[kPacketWidth], direction_y[kPacketWidth], direction_z[kPacketWidth];
   float time[kPacketWidth];
   float t_far[kPacketWidth];  ///< in: farthest distance; out: distance of the hit, or -infinity from occluded()
-  std::uint32_t mask[kPacketWidth], id[kPacketWidth], flags[kPacketWidth];
+  std::uint32_t mask[kPacketWidth];
+  std::uint32_t id[kPacketWidth];  ///< the caller's, left alone
+  std::uint32_t flags[kPacketWidth];
   float normal_x[kPacketWidth], normal_y[kPacketWidth], normal_z[kPacketWidth];  ///< geometric, any length
   float u[kPacketWidth], v[kPacketWidth];      ///< barycentric coordinates of the second and third vertex
   std::uint32_t primitive[kPacketWidth];       ///< triangle of the shape

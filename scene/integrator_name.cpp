@@ -6,13 +6,6 @@ namespace sheaf {
 
 namespace {
 
-struct NamedIntegrator {
-  const char* name;
-  IntegratorKind kind;
-  LightStrategy strategy;
-  bool direct;  ///< light is scattered once
-};
-
 constexpr NamedIntegrator kIntegrators[] = {
     {"path", IntegratorKind::kPath, LightStrategy::kMis, false},
     {"path_mis", IntegratorKind::kPath, LightStrategy::kMis, false},
@@ -34,18 +27,32 @@ constexpr NamedIntegrator kIntegrators[] = {
 
 }  // namespace
 
+const NamedIntegrator* find_integrator(std::string_view name) {
+  for (const NamedIntegrator& named : kIntegrators)
+    if (name == named.name) return &named;
+  return nullptr;
+}
+
+std::vector<std::string> integrator_names() {
+  std::vector<std::string> names;
+  for (const NamedIntegrator& named : kIntegrators) names.emplace_back(named.name);
+  return names;
+}
+
+void apply(const NamedIntegrator& named, IntegratorDescription& integrator) {
+  integrator.kind = named.kind;
+  integrator.strategy = named.strategy;
+  if (named.direct) integrator.max_depth = 2;
+}
+
 IntegratorDescription integrator_from_name(std::string_view name, const IntegratorDescription& base) {
-  std::vector<std::string> known;
-  for (const NamedIntegrator& named : kIntegrators) {
-    known.emplace_back(named.name);
-    if (name != named.name) continue;
-    IntegratorDescription integrator = base;
-    integrator.kind = named.kind;
-    integrator.strategy = named.strategy;
-    if (named.direct) integrator.max_depth = 2;
-    return integrator;
-  }
-  throw Error(ExitCode::kUsage, "unknown integrator '" + std::string(name) + "'" + did_you_mean(name, known));
+  const NamedIntegrator* named = find_integrator(name);
+  if (named == nullptr)
+    throw Error(ExitCode::kUsage,
+                "unknown integrator '" + std::string(name) + "'" + did_you_mean(name, integrator_names()));
+  IntegratorDescription integrator = base;
+  apply(*named, integrator);
+  return integrator;
 }
 
 }  // namespace sheaf

@@ -7,6 +7,23 @@
 
 namespace sheaf {
 
+/// What a name stands for.
+struct NamedIntegrator {
+  const char* name;
+  IntegratorKind kind;
+  LightStrategy strategy;
+  bool direct;  ///< light is scattered once: max_depth is 2
+};
+
+/// The integrator of this name, or null.
+const NamedIntegrator* find_integrator(std::string_view name);
+
+/// All names.
+std::vector<std::string> integrator_names();
+
+/// Sets kind, strategy and, where the name fixes it, depth.
+void apply(const NamedIntegrator& named, IntegratorDescription& integrator);
+
 /// `base` with kind, strategy and, where the name fixes it, depth as `name` says: path, path_mis, path_mats, path_ems,
 /// direct, direct_mis, direct_mats, direct_ems, normals, depth, and Mitsuba's integrators of the same expectation.
 /// Throws Error (usage) for an unknown name, with the nearest known one.

@@ -1,4 +1,5 @@
 // The Mitsuba dialect: integrators. Those that compute the same picture in another way are mapped to ours with a note.
+#include "scene/integrator_name.h"
 #include "scene/mitsuba.h"
 
 #include <algorithm>
@@ -72,8 +73,13 @@ void read_integrator(const XmlElement& element, Reader& reader) {
   } else if (p.type() == "depth") {
     integrator.kind = IntegratorKind::kDepth;
     p.accept({"samples_per_pass", "block_size", "timeout"});
+  } else if (const NamedIntegrator* named = find_integrator(p.type())) {
+    // Names that only Nori has.
+    read_path_like(p, {named->name, -1}, integrator);
+    apply(*named, integrator);
   } else {
-    std::vector<std::string> known = {"aov", "depth", "direct", "moment"};
+    std::vector<std::string> known = integrator_names();
+    known.insert(known.end(), {"aov", "moment"});
     for (const PathLike& candidate : kPathLike) known.emplace_back(candidate.name);
     p.fail_plugin(known);
   }

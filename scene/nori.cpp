@@ -1,5 +1,6 @@
 // The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator, rfilter; camelCase names; no references.
 #include "scene/dialects.h"
+#include "scene/integrator_name.h"
 
 #include <numbers>
 
@@ -69,46 +70,20 @@ void read_sampler(const XmlElement& element, ReadContext& context) {
   p.finish();
 }
 
-struct NamedIntegrator {
-  const char* name;
-  IntegratorKind kind;
-  LightStrategy strategy;
-  int max_depth;
-};
-constexpr NamedIntegrator kIntegrators[] = {
-    {"depth", IntegratorKind::kDepth, LightStrategy::kMis, -1},
-    {"direct", IntegratorKind::kPath, LightStrategy::kMis, 2},
-    {"direct_ems", IntegratorKind::kPath, LightStrategy::kLightOnly, 2},
-    {"direct_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, 2},
-    {"direct_mis", IntegratorKind::kPath, LightStrategy::kMis, 2},
-    {"normals", IntegratorKind::kNormals, LightStrategy::kMis, -1},
-    {"path", IntegratorKind::kPath, LightStrategy::kMis, -1},
-    {"path_ems", IntegratorKind::kPath, LightStrategy::kLightOnly, -1},
-    {"path_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, -1},
-    {"path_mis", IntegratorKind::kPath, LightStrategy::kMis, -1},
-};
-
 void read_integrator(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
+  const NamedIntegrator* named = find_integrator(p.type());
+  if (named == nullptr) p.fail_plugin(integrator_names());
   IntegratorDescription& integrator = context.description.integrator;
-  std::vector<std::string> known;
-  for (const NamedIntegrator& named : kIntegrators) {
-    known.emplace_back(named.name);
-    if (p.type() != named.name) continue;
-    integrator.kind = named.kind;
-    integrator.strategy = named.strategy;
-    integrator.max_depth = named.max_depth;
-    if (named.kind == IntegratorKind::kPath) {
-      if (named.max_depth < 0) {
-        integrator.max_depth = p.integer("maxDepth", -1, -1, 1'000'000);
-        integrator.rr_depth = p.integer("rrDepth", 5, 1, 1'000'000);
-      }
-      integrator.hide_emitters = p.boolean("hideEmitters", false);
+  if (named->kind == IntegratorKind::kPath) {
+    if (!named->direct) {
+      integrator.max_depth = p.integer("maxDepth", -1, -1, 1'000'000);
+      integrator.rr_depth = p.integer("rrDepth", 5, 1, 1'000'000);
     }
-    p.finish();
-    return;
+    integrator.hide_emitters = p.boolean("hideEmitters", false);
   }
-  p.fail_plugin(known);
+  apply(*named, integrator);
+  p.finish();
 }
 
 MaterialId read_bsdf(const XmlElement& element, ReadContext& context) {
