@@ -116,6 +116,8 @@ double fresnel(double cos_incident, std::complex<double> eta) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("slow");
+
 TEST_CASE("a disk light on a facing floor") {
   for (const auto& [radius, height] : {std::pair{1.0, 1.0}, {0.3, 2.0}, {4.0, 1.0}}) {
     CAPTURE(radius);
@@ -494,3 +496,5 @@ TEST_CASE("a straight edge shows the integral of every filter") {
     }
   }
 }
+
+TEST_SUITE_END();

@@ -28,11 +28,7 @@ const fs::path kFolder = fs::path(SHEAF_SOURCE_DIR) / "tests" / "references";
 const fs::path kCornell = fs::path(SHEAF_SOURCE_DIR) / "scenes" / "cornell";
 const std::vector<std::string> kRgb{"R", "G", "B"};
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kBatchSamples = 8;
-#else
 constexpr int kBatchSamples = 64;
-#endif
 constexpr int kBatches = 8;
 /// Pixels per side of the blocks whose means are compared, besides the pixels themselves.
 constexpr int kBlock = 8;
@@ -189,7 +185,7 @@ std::vector<std::string> scene_names() {
 
 }  // namespace
 
-TEST_SUITE("references") {
+TEST_SUITE("slow") {
   TEST_CASE("every scene agrees with its reference") {
     const auto names = scene_names();
     REQUIRE(names.size() > 40);
