@@ -123,8 +123,8 @@ template <class L, template <class> class Record> static void groups_gather(benc
   const std::vector<Slot> slots = shuffled_slots(kItems);
   for (auto _ : state)
     for (int i = 0; i < kItems; i += L::width) {
-      const Record<L> row = groups.template gather<L>(slots.data() + i);
-      std::apply([](const auto&... leaf) { (benchmark::DoNotOptimize(leaf), ...); }, leaves(row));
+      Record<L> row = groups.template gather<L>(slots.data() + i);
+      std::apply([](auto&... leaf) { (benchmark::DoNotOptimize(leaf), ...); }, leaves(row));
     }
   report(state);
 }
