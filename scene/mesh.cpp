@@ -96,29 +96,21 @@ bool is_degenerate(const Mesh& mesh, const Triangle& t) {
   return double_area < kSmallestDoubleArea || double_area < kSmallestRatio * longest_squared;
 }
 
-template <class T> void keep(std::vector<T>& values, const std::vector<std::uint32_t>& sources) {
-  if (values.empty()) return;
-  std::vector<T> kept(sources.size());
-  std::transform(sources.begin(), sources.end(), kept.begin(), [&](std::uint32_t source) { return values[source]; });
-  values = std::move(kept);
+/// The rows of `values` that `sources` names, in that order; a row has `width` values.
+template <class T>
+std::vector<T> select_rows(const std::vector<T>& values, const std::vector<std::uint32_t>& sources,
+                           std::size_t width = 1) {
+  std::vector<T> selected;
+  if (values.empty()) return selected;
+  selected.reserve(sources.size() * width);
+  for (const std::uint32_t source : sources) {
+    const auto row = values.begin() + static_cast<std::ptrdiff_t>(source * width);
+    selected.insert(selected.end(), row, row + static_cast<std::ptrdiff_t>(width));
+  }
+  return selected;
 }
 
-void drop_unused_vertices(Mesh& mesh) {
-  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> renamed(mesh.positions.size(), kUnused), sources;
-  for (Triangle& t : mesh.triangles) {
-    for (std::uint32_t& vertex : t) {
-      if (renamed[vertex] == kUnused) {
-        renamed[vertex] = static_cast<std::uint32_t>(sources.size());
-        sources.push_back(vertex);
-      }
-      vertex = renamed[vertex];
-    }
-  }
-  keep(mesh.positions, sources);
-  keep(mesh.normals, sources);
-  keep(mesh.uvs, sources);
-}
+bool is_per_vertex(const Mesh::Attribute& attribute) { return attribute.name.starts_with("vertex_"); }
 
 /// Adds a square face around `centre`, spanned by half edges along u and v. Its front is on the side of `normal`.
 void append_square(Mesh& mesh, Vec3f centre, Vec3f normal, Vec3f u, Vec3f v) {
@@ -168,6 +160,14 @@ void check_mesh(const Mesh& mesh, const SourceLocation& where) {
   };
   check_length(mesh.normals.size(), "normals");
   check_length(mesh.uvs.size(), "texture coordinates");
+  for (const Mesh::Attribute& attribute : mesh.attributes) {
+    const std::size_t rows = is_per_vertex(attribute) ? count : mesh.triangles.size();
+    const auto channels = static_cast<std::size_t>(std::max(attribute.channels, 1));
+    if (attribute.values.size() == rows * channels) continue;
+    throw SceneError(where, "attribute '" + attribute.name + "' has " + std::to_string(attribute.values.size()) +
+                                " values, expected " + std::to_string(channels) + " for each of " +
+                                std::to_string(rows));
+  }
   for (const Triangle& t : mesh.triangles) {
     const std::uint32_t highest = std::max({t[0], t[1], t[2]});
     if (highest < count) continue;
@@ -197,9 +197,43 @@ void compute_vertex_normals(Mesh& mesh) {
   fill_zero_normals(mesh);
 }
 
+Mesh extract_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
+  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+  Mesh part;
+  part.triangles = select_rows(mesh.triangles, triangles);
+  std::vector<std::uint32_t> renamed(mesh.positions.size(), kUnused), vertices;
+  for (Triangle& t : part.triangles) {
+    for (std::uint32_t& vertex : t) {
+      if (renamed[vertex] == kUnused) {
+        renamed[vertex] = static_cast<std::uint32_t>(vertices.size());
+        vertices.push_back(vertex);
+      }
+      vertex = renamed[vertex];
+    }
+  }
+  part.positions = select_rows(mesh.positions, vertices);
+  part.normals = select_rows(mesh.normals, vertices);
+  part.uvs = select_rows(mesh.uvs, vertices);
+  for (const Mesh::Attribute& a : mesh.attributes) {
+    const auto& rows = is_per_vertex(a) ? vertices : triangles;
+    part.attributes.push_back({a.name, a.channels, select_rows(a.values, rows, static_cast<std::size_t>(a.channels))});
+  }
+  return part;
+}
+
+std::vector<std::uint32_t> usable_triangles(const Mesh& mesh) {
+  std::vector<std::uint32_t> usable;
+  usable.reserve(mesh.triangles.size());
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (!is_degenerate(mesh, mesh.triangles[i])) usable.push_back(i);
+  }
+  return usable;
+}
+
 std::size_t drop_degenerate_triangles(Mesh& mesh) {
-  const std::size_t dropped = std::erase_if(mesh.triangles, [&](const Triangle& t) { return is_degenerate(mesh, t); });
-  if (dropped > 0) drop_unused_vertices(mesh);
+  const std::vector<std::uint32_t> usable = usable_triangles(mesh);
+  const std::size_t dropped = mesh.triangles.size() - usable.size();
+  if (dropped > 0) mesh = extract_triangles(mesh, usable);
   return dropped;
 }
 

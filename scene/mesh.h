@@ -23,7 +23,7 @@ Mesh rectangle_mesh();
 /// [-1, 1]^3, normals outwards, each face with its own uv square, laid as Mitsuba lays them.
 Mesh cube_mesh();
 
-/// Throws SceneError unless the per-vertex arrays agree in length and all indices are in range.
+/// Throws SceneError unless the arrays of vertices and attributes agree in length and all indices are in range.
 void check_mesh(const Mesh& mesh, const SourceLocation& where);
 
 /// To world space: positions by the transform, normals by the inverse transpose. Afterwards `normals` is empty or of
@@ -40,10 +40,17 @@ void flip_mesh(Mesh& mesh);
 /// Wuethrich 1998). Vertices without a triangle get +z.
 void compute_vertex_normals(Mesh& mesh);
 
-/// Removes triangles that have a non-finite vertex, an index out of range or zero area; returns how many. Area counts
-/// as zero where single precision cannot tell the normal: if twice the area is below 1e-37, or below 2^-22 times the
-/// square of the longest edge. Triangles with a coordinate beyond kMaxMeshCoordinate are removed too. If any triangle
-/// is, vertices that nothing refers to any more leave as well.
+/// The given triangles alone, in the given order, with the vertices that they need and their attributes. Vertices come
+/// in the order of first use. `triangles` and the indices of these triangles must be in range.
+Mesh extract_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& triangles);
+
+/// All triangles but those that have a non-finite vertex, an index out of range or zero area, in order. Area counts as
+/// zero where single precision cannot tell the normal: if twice the area is below 1e-37, or below 2^-22 times the
+/// square of the longest edge. Triangles with a coordinate beyond kMaxMeshCoordinate are left out too.
+std::vector<std::uint32_t> usable_triangles(const Mesh& mesh);
+
+/// Removes the triangles that are not usable; returns how many. If any is, vertices that nothing refers to any more
+/// leave as well.
 std::size_t drop_degenerate_triangles(Mesh& mesh);
 
 }  // namespace sheaf

@@ -1,6 +1,8 @@
 // What the readers of mesh files share.
 #include "scene/mesh_io.h"
 
+#include "scene/serialized.h"
+
 #include <fstream>
 #include <system_error>
 
@@ -26,8 +28,11 @@ std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view 
 }
 
 MeshFile read_mesh(const MeshFileShape& shape) {
-  return shape.format == MeshFileShape::Format::kObj ? read_obj(shape.file, shape.flip_tex_coords)
-                                                     : read_ply(shape.file, shape.flip_tex_coords);
+  switch (shape.format) {
+    case MeshFileShape::Format::kPly: return read_ply(shape.file, shape.flip_tex_coords);
+    case MeshFileShape::Format::kSerialized: return read_serialized(shape.file, shape.shape_index);
+    default: return read_obj(shape.file, shape.flip_tex_coords);
+  }
 }
 
 }  // namespace sheaf

@@ -1,12 +1,13 @@
 // Wavefront OBJ files: tinyobjloader reads the lines that ObjLines hands it; here the corners of faces become vertices.
-#include "scene/mesh_io.h"
-#include "scene/obj_lines.h"
+#include "scene/obj.h"
+
 #include "scene/polygon.h"
 
 #include <tiny_obj_loader.h>
 
 #include <istream>
 #include <limits>
+#include <optional>
 #include <unordered_map>
 
 namespace sheaf {
@@ -74,6 +75,20 @@ struct ObjContent {
   std::vector<Corner> corners;         ///< of all faces, one after the other
   std::vector<std::size_t> face_ends;  ///< where in `corners` each face ends
   std::size_t short_faces = 0;         ///< with fewer than three corners, left out
+  std::vector<std::string> materials;  ///< names, in the order of first use
+  std::vector<std::uint32_t> face_materials;  ///< per face: index into `materials`
+  std::string material;  ///< of the faces that follow
+  std::optional<std::uint32_t> material_id;  ///< its index, once a face has used it
+
+  std::uint32_t id_of_material() {
+    const auto next = static_cast<std::uint32_t>(materials.size());
+    const auto [found, is_new] = ids_.try_emplace(material, next);
+    if (is_new) materials.push_back(material);
+    return found->second;
+  }
+
+ private:
+  std::unordered_map<std::string, std::uint32_t> ids_;
 };
 
 ObjContent& content_of(void* user) { return *static_cast<ObjContent*>(user); }
@@ -109,6 +124,16 @@ void add_face(void* user, tinyobj::index_t* indices, int count) {
                                content.normals.resolve(indices[i].normal_index, content.lines)});
   }
   content.face_ends.push_back(content.corners.size());
+  if (!content.material_id) content.material_id = content.id_of_material();
+  content.face_materials.push_back(*content.material_id);
+}
+
+void use_material(void* user, const char* name, int) {
+  const std::string_view given(name);
+  const std::size_t first = given.find_first_not_of(" \t"), last = given.find_last_not_of(" \t");
+  ObjContent& content = content_of(user);
+  content.material_id.reset();
+  content.material = first == given.npos ? std::string_view() : given.substr(first, last - first + 1);
 }
 
 void parse(ObjLines& lines, ObjContent& content) {
@@ -119,6 +144,7 @@ void parse(ObjLines& lines, ObjContent& content) {
   callbacks.normal_cb = add_normal;
   callbacks.texcoord_cb = add_uv;
   callbacks.index_cb = add_face;
+  callbacks.usemtl_cb = use_material;
   std::string warning, error;
   if (!tinyobj::LoadObjWithCallback(stream, callbacks, &content, nullptr, &warning, &error)) {
     throw SceneError(lines.where(), "malformed OBJ file: " + error);
@@ -155,19 +181,23 @@ class VertexMerger {
   std::unordered_map<Corner, std::uint32_t, CornerHash> vertices_;
 };
 
-MeshFile build_mesh(ObjContent content) {
-  MeshFile result;
-  VertexMerger merger(content, result.mesh);
+ObjFile build_mesh(ObjContent content) {
+  ObjFile result;
+  MeshFile& file = result.file;
+  VertexMerger merger(content, file.mesh);
   PolygonList polygons{{}, std::move(content.face_ends), content.short_faces};
   polygons.corners.reserve(content.corners.size());
   for (const Corner& corner : content.corners) polygons.corners.push_back(merger.vertex(corner));
-  append_polygons(polygons, result.mesh, result.warnings);
+  result.material_of = append_polygons(polygons, file.mesh, file.warnings);
+  for (std::uint32_t& source : result.material_of) source = content.face_materials[source];
+  result.materials = std::move(content.materials);
+  result.libraries = content.lines.libraries();
   return result;
 }
 
 }  // namespace
 
-MeshFile read_obj(const std::filesystem::path& file, bool flip_tex_coords) {
+ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex_coords) {
   const std::string name = file.string();
   std::string text = read_mesh_bytes(file, "OBJ file");
   if (text.empty()) throw SceneError({name}, "expected an OBJ file, found an empty file");
@@ -183,6 +213,10 @@ MeshFile read_obj(const std::filesystem::path& file, bool flip_tex_coords) {
     for (Vec2f& uv : content.uvs.values) uv.y = 1 - uv.y;
   }
   return build_mesh(std::move(content));
+}
+
+MeshFile read_obj(const std::filesystem::path& file, bool flip_tex_coords) {
+  return read_obj_with_materials(file, flip_tex_coords).file;
 }
 
 }  // namespace sheaf

@@ -76,6 +76,11 @@ bool is_corner(std::string_view token) {
          (!has_normal || is_index(token.substr(second + 1)));
 }
 
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+  return first == std::string_view::npos ? std::string_view() : text.substr(first, last - first + 1);
+}
+
 }  // namespace
 
 ObjLines::int_type ObjLines::underflow() {
@@ -120,8 +125,11 @@ bool ObjLines::check(char* p, char* end) {
     check_numbers(p + 2, end, 1, 2, "a texture coordinate line ('vt')");
   } else if (is_keyword("f")) {
     check_face(p + 1, end);
-  } else {
+  } else if (is_keyword("mtllib")) {
+    libraries_.push_back({std::string(trimmed(line.substr(6))), where()});
     return false;
+  } else {
+    return is_keyword("usemtl");
   }
   return true;
 }

@@ -6,12 +6,19 @@
 #include <streambuf>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sheaf {
 
-/// Hands out the lines of an OBJ text that matter to a mesh ('v', 'vn', 'vt' and 'f'), one at a time: while the reader
-/// works on a line, the buffer knows its number. Joins continued lines, removes comments, and throws SceneError where a
-/// number or an index is malformed: tinyobjloader would read it as 0.
+/// A line 'mtllib' of an OBJ file.
+struct ObjLibrary {
+  std::string names;  ///< what stands behind the keyword: a file, or several with blanks between them
+  SourceLocation where;
+};
+
+/// Hands out the lines of an OBJ text that matter to a mesh ('v', 'vn', 'vt', 'f' and 'usemtl'), one at a time: while
+/// the reader works on a line, the buffer knows its number. Joins continued lines, removes comments, and throws
+/// SceneError where a number or an index is malformed: tinyobjloader would read it as 0.
 class ObjLines : public std::streambuf {
  public:
   /// `text` is changed on the way and must end in a line feed. Both arguments must outlive the buffer.
@@ -21,6 +28,8 @@ class ObjLines : public std::streambuf {
   SourceLocation where() const { return {file_, line_}; }
   /// Whether that line has a NaN or an infinity among the numbers that count.
   bool line_is_non_finite() const { return non_finite_; }
+  /// The lines 'mtllib' so far.
+  const std::vector<ObjLibrary>& libraries() const { return libraries_; }
 
  protected:
   int_type underflow() override;
@@ -40,6 +49,7 @@ class ObjLines : public std::streambuf {
   const std::string& file_;
   int line_ = 0, next_line_ = 1;
   bool non_finite_ = false;
+  std::vector<ObjLibrary> libraries_;
 };
 
 }  // namespace sheaf

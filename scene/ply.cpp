@@ -1,6 +1,6 @@
 // The bodies of PLY files: the rows of elements 'vertex', 'face' and 'tristrips', in ASCII or binary.
 #include "scene/mesh_io.h"
-#include "scene/ply_header.h"
+#include "scene/ply_attributes.h"
 #include "scene/polygon.h"
 
 #include <algorithm>
@@ -142,6 +142,8 @@ class AsciiSource : public Cursor {
 struct PlyContent {
   Mesh mesh;
   PolygonList polygons;
+  std::vector<Mesh::Attribute> polygon_attributes;  ///< values for each polygon, perhaps not for the last ones
+  std::vector<std::string> warnings;
 };
 
 /// What this reader takes from a vertex, in this order.
@@ -177,7 +179,52 @@ template <class Source> void skip_property(Source& source, const PlyProperty& pr
   source.skip(property.type, property.count_type ? list_length(source, property) : 1);
 }
 
-template <class Source> void read_vertices(Source& source, const PlyElement& element, Mesh& mesh) {
+/// The values of an element's attributes, gathered row by row.
+class AttributeRows {
+ public:
+  /// The attributes begin with `rows_before` rows of zeros.
+  AttributeRows(const PlyElement& element, std::size_t rows_before, std::vector<std::string>& warnings)
+      : element_(element), columns_(element.properties.size(), kUnwanted) {
+    for (const PlyAttribute& found : find_ply_attributes(element, warnings)) {
+      for (const std::size_t property : found.properties) {
+        columns_[property] = static_cast<int>(row_.size());
+        row_.push_back(0);
+      }
+      const std::size_t channels = found.properties.size();
+      attributes_.push_back({found.name, static_cast<int>(channels), std::vector<float>(rows_before * channels)});
+    }
+  }
+
+  /// Reads a property of the current row.
+  template <class Source> void read(Source& source, std::size_t property) {
+    const PlyProperty& p = element_.properties[property];
+    if (columns_[property] == kUnwanted) {
+      skip_property(source, p);
+    } else {
+      row_[static_cast<std::size_t>(columns_[property])] = ply_attribute_value(p.type, source.number(p.type));
+    }
+  }
+
+  /// Adds the current row to the attributes.
+  void push_row() {
+    auto value = row_.begin();
+    for (Mesh::Attribute& attribute : attributes_) {
+      attribute.values.insert(attribute.values.end(), value, value + attribute.channels);
+      value += attribute.channels;
+    }
+  }
+
+  std::vector<Mesh::Attribute> take() { return std::move(attributes_); }
+
+ private:
+  const PlyElement& element_;
+  std::vector<int> columns_;  ///< per property: its place in row_, or kUnwanted
+  std::vector<float> row_;
+  std::vector<Mesh::Attribute> attributes_;
+};
+
+template <class Source>
+void read_vertices(Source& source, const PlyElement& element, Mesh& mesh, std::vector<std::string>& warnings) {
   std::vector<int> slots;
   std::array<bool, kSlots> has{};
   for (const PlyProperty& property : element.properties) {
@@ -189,15 +236,15 @@ template <class Source> void read_vertices(Source& source, const PlyElement& ele
   mesh.positions.reserve(element.count);
   if (has_normals) mesh.normals.reserve(element.count);
   if (has_uvs) mesh.uvs.reserve(element.count);
+  AttributeRows attributes(element, 0, warnings);
   std::array<float, kSlots> values{};
   for (std::uint64_t row = 0; row < element.count; ++row) {
     source.enter_row(row);
     for (std::size_t k = 0; k < slots.size(); ++k) {
-      const PlyProperty& property = element.properties[k];
       if (slots[k] == kUnwanted) {
-        skip_property(source, property);
+        attributes.read(source, k);
       } else {
-        values[static_cast<std::size_t>(slots[k])] = static_cast<float>(source.number(property.type));
+        values[static_cast<std::size_t>(slots[k])] = static_cast<float>(source.number(element.properties[k].type));
       }
     }
     mesh.positions.push_back({values[kX], values[kY], values[kZ]});
@@ -205,7 +252,9 @@ template <class Source> void read_vertices(Source& source, const PlyElement& ele
     if (has_normals) mesh.normals.push_back(is_finite(normal) ? normal : Vec3f{0, 0, 0});
     const bool is_uv = std::isfinite(values[kU]) && std::isfinite(values[kV]);
     if (has_uvs) mesh.uvs.push_back(is_uv ? Vec2f{values[kU], values[kV]} : Vec2f{0, 0});
+    attributes.push_row();
   }
+  mesh.attributes = attributes.take();
 }
 
 template <class Source> std::uint32_t check_index(const Source& source, double index, std::uint64_t vertices) {
@@ -238,8 +287,9 @@ void read_strip(Source& source, const PlyProperty& list, std::uint64_t vertices,
   }
 }
 
+/// Returns whether the polygon has enough corners to be kept.
 template <class Source>
-void read_polygon(Source& source, const PlyProperty& list, std::uint64_t vertices, PolygonList& polygons) {
+bool read_polygon(Source& source, const PlyProperty& list, std::uint64_t vertices, PolygonList& polygons) {
   const std::uint64_t length = list_length(source, list);
   const std::size_t begin = polygons.corners.size();
   for (std::uint64_t i = 0; i < length; ++i) {
@@ -248,30 +298,53 @@ void read_polygon(Source& source, const PlyProperty& list, std::uint64_t vertice
   if (length < 3) {
     polygons.corners.resize(begin);
     ++polygons.too_short;
-  } else {
-    polygons.ends.push_back(polygons.corners.size());
+    return false;
   }
+  polygons.ends.push_back(polygons.corners.size());
+  return true;
 }
 
-template <class Source>
-void read_faces(Source& source, const PlyElement& element, std::uint64_t vertices, PolygonList& polygons) {
+/// The place of the list of corners among the properties of a face.
+template <class Source> std::size_t find_corner_list(const Source& source, const PlyElement& element) {
   const auto list = std::find_if(element.properties.begin(), element.properties.end(), [](const PlyProperty& p) {
     return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
   });
   if (list == element.properties.end()) source.fail("no list 'vertex_indices' or 'vertex_index'");
-  const bool are_strips = element.name == "tristrips";
+  return static_cast<std::size_t>(list - element.properties.begin());
+}
+
+template <class Source>
+void read_strips(Source& source, const PlyElement& element, std::uint64_t vertices, PolygonList& polygons) {
+  const std::size_t list = find_corner_list(source, element);
   for (std::uint64_t row = 0; row < element.count; ++row) {
     source.enter_row(row);
-    for (auto property = element.properties.begin(); property != element.properties.end(); ++property) {
-      if (property != list) {
-        skip_property(source, *property);
-      } else if (are_strips) {
-        read_strip(source, *property, vertices, polygons);
+    for (std::size_t k = 0; k < element.properties.size(); ++k) {
+      if (k == list) {
+        read_strip(source, element.properties[k], vertices, polygons);
       } else {
-        read_polygon(source, *property, vertices, polygons);
+        skip_property(source, element.properties[k]);
       }
     }
   }
+}
+
+template <class Source>
+void read_faces(Source& source, const PlyElement& element, std::uint64_t vertices, PlyContent& content) {
+  const std::size_t list = find_corner_list(source, element);
+  AttributeRows attributes(element, content.polygons.ends.size(), content.warnings);
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    source.enter_row(row);
+    bool kept = false;
+    for (std::size_t k = 0; k < element.properties.size(); ++k) {
+      if (k == list) {
+        kept = read_polygon(source, element.properties[k], vertices, content.polygons);
+      } else {
+        attributes.read(source, k);
+      }
+    }
+    if (kept) attributes.push_row();
+  }
+  content.polygon_attributes = attributes.take();
 }
 
 template <class Source>
@@ -284,9 +357,11 @@ PlyContent read_body(const std::string& bytes, const PlyHeader& header, std::uin
     source.enter(element);
     source.enter_row(0);
     if (element.name == "vertex") {
-      read_vertices(source, element, content.mesh);
-    } else if (element.name == "face" || element.name == "tristrips") {
-      read_faces(source, element, vertices, content.polygons);
+      read_vertices(source, element, content.mesh, content.warnings);
+    } else if (element.name == "face") {
+      read_faces(source, element, vertices, content);
+    } else if (element.name == "tristrips") {
+      read_strips(source, element, vertices, content.polygons);
     } else {
       for (std::uint64_t row = 0; row < element.count && !element.properties.empty(); ++row) {
         source.enter_row(row);
@@ -306,6 +381,17 @@ std::uint64_t count_vertices(const PlyHeader& header, const std::string& file) {
   throw SceneError({file}, "the PLY file has no element 'vertex'");
 }
 
+/// An attribute of polygons as one of the triangles that they were cut into.
+Mesh::Attribute spread(const Mesh::Attribute& polygons, const std::vector<std::uint32_t>& polygon_of) {
+  Mesh::Attribute triangles{polygons.name, polygons.channels, {}};
+  triangles.values.reserve(polygon_of.size() * static_cast<std::size_t>(polygons.channels));
+  for (const std::size_t polygon : polygon_of) {
+    const auto row = polygons.values.begin() + static_cast<std::ptrdiff_t>(polygon) * polygons.channels;
+    triangles.values.insert(triangles.values.end(), row, row + polygons.channels);
+  }
+  return triangles;
+}
+
 }  // namespace
 
 MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords) {
@@ -320,8 +406,12 @@ MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords) {
   if (flip_tex_coords) {
     for (Vec2f& uv : content.mesh.uvs) uv.y = 1 - uv.y;
   }
-  MeshFile result{std::move(content.mesh), {}};
-  append_polygons(content.polygons, result.mesh, result.warnings);
+  MeshFile result{std::move(content.mesh), std::move(content.warnings)};
+  const std::vector<std::uint32_t> sources = append_polygons(content.polygons, result.mesh, result.warnings);
+  for (Mesh::Attribute& attribute : content.polygon_attributes) {
+    attribute.values.resize(content.polygons.ends.size() * static_cast<std::size_t>(attribute.channels));
+    result.mesh.attributes.push_back(spread(attribute, sources));
+  }
   return result;
 }
 

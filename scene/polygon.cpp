@@ -135,18 +135,24 @@ bool triangulate_polygon(std::span<const Vec3f> corners, std::vector<PolygonTria
   return true;
 }
 
-void append_polygons(const PolygonList& polygons, Mesh& mesh, std::vector<std::string>& warnings) {
-  mesh.triangles.reserve(polygons.corners.size() - 2 * polygons.ends.size());
+std::vector<std::uint32_t> append_polygons(const PolygonList& polygons, Mesh& mesh,
+                                           std::vector<std::string>& warnings) {
+  const std::size_t most_triangles = polygons.corners.size() - 2 * polygons.ends.size();
+  mesh.triangles.reserve(most_triangles);
+  std::vector<std::uint32_t> sources;
+  sources.reserve(most_triangles);
   std::vector<Vec3f> outline;
   std::vector<PolygonTriangle> triangles;
   std::size_t begin = 0, crossed = 0;
-  for (const std::size_t end : polygons.ends) {
+  for (std::size_t polygon = 0; polygon < polygons.ends.size(); ++polygon) {
+    const std::size_t end = polygons.ends[polygon];
     const std::uint32_t* const vertices = &polygons.corners[begin];
     outline.resize(end - begin);
     for (std::size_t i = 0; i < outline.size(); ++i) outline[i] = mesh.positions[vertices[i]];
     if (!triangulate_polygon(outline, triangles)) ++crossed;
     for (const PolygonTriangle& t : triangles) {
       mesh.triangles.push_back({vertices[t[0]], vertices[t[1]], vertices[t[2]]});
+      sources.push_back(static_cast<std::uint32_t>(polygon));
     }
     begin = end;
   }
@@ -154,6 +160,7 @@ void append_polygons(const PolygonList& polygons, Mesh& mesh, std::vector<std::s
     warnings.push_back(std::to_string(polygons.too_short) + " faces with fewer than three corners left out");
   }
   if (crossed > 0) warnings.push_back(std::to_string(crossed) + " polygons that cross themselves are cut roughly");
+  return sources;
 }
 
 }  // namespace sheaf

@@ -20,8 +20,8 @@ struct PolygonList {
 };
 
 /// Adds the polygons, cut into triangles, to a mesh that has their vertices. Adds a warning for each kind of polygon
-/// that could not be used as it is.
-void append_polygons(const PolygonList& polygons, Mesh& mesh, std::vector<std::string>& warnings);
+/// that could not be used as it is. Returns for each new triangle the polygon, counted from 0, that it is a part of.
+std::vector<std::uint32_t> append_polygons(const PolygonList& polygons, Mesh& mesh, std::vector<std::string>& warnings);
 
 /// Three corners of a polygon, counted from 0, in the polygon's order.
 using PolygonTriangle = std::array<std::uint32_t, 3>;

@@ -239,3 +239,45 @@ TEST_CASE("mesh: inconsistent meshes are refused") {
   mesh.uvs.push_back({0, 0});
   CHECK(contains(error_of([&] { check_mesh(mesh, {}); }), "5 texture coordinates"));
 }
+
+TEST_CASE("mesh: attributes stay with their vertices and triangles") {
+  Mesh mesh = rectangle_mesh();
+  mesh.triangles.insert(mesh.triangles.begin() + 1, {0, 1, 1});
+  mesh.positions.insert(mesh.positions.begin(), {9, 9, 9});
+  for (auto* values : {&mesh.normals}) values->insert(values->begin(), {0, 0, 1});
+  mesh.uvs.insert(mesh.uvs.begin(), {0, 0});
+  for (auto& t : mesh.triangles) {
+    for (std::uint32_t& vertex : t) ++vertex;
+  }
+  Mesh::Attribute place{"vertex_place", 3, {}};
+  for (const Vec3f p : mesh.positions) place.values.insert(place.values.end(), {p.x, p.y, p.z});
+  mesh.attributes = {place, {"face_id", 1, {10, 11, 12}}};
+  check_mesh(mesh, {});
+  CHECK(drop_degenerate_triangles(mesh) == 1);
+  flip_mesh(mesh);
+  check_mesh(mesh, {});
+  CHECK(mesh.attributes[1].values == std::vector<float>{10, 12});
+  REQUIRE(mesh.positions.size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::vector<float>& v = mesh.attributes[0].values;
+    CHECK(mesh.positions[i] == Vec3f{v[3 * i], v[3 * i + 1], v[3 * i + 2]});
+  }
+  mesh.attributes[1].values.pop_back();
+  CHECK(contains(error_of([&] { check_mesh(mesh, {}); }), "'face_id' has 1 values, expected 1 for each of 2"));
+  mesh.attributes[1].values.push_back(0);
+  mesh.attributes[0].channels = 1;
+  CHECK(contains(error_of([&] { check_mesh(mesh, {}); }), "'vertex_place' has 12 values, expected 1 for each of 4"));
+}
+
+TEST_CASE("mesh: some triangles alone") {
+  const Mesh cube = cube_mesh();
+  const Mesh part = extract_triangles(cube, {7, 2});
+  check_mesh(part, {});
+  REQUIRE(part.triangles.size() == 2);
+  CHECK(part.positions.size() == 6);
+  CHECK(part.uvs.size() == 6);
+  CHECK(part.triangles[0] == std::array<std::uint32_t, 3>{0, 1, 2});
+  CHECK(area_normal(part, 0) == area_normal(cube, 7));
+  CHECK(area_normal(part, 1) == area_normal(cube, 2));
+  CHECK(extract_triangles(cube, {}).positions.empty());
+}

@@ -1,5 +1,5 @@
 // OBJ files: every way to write a face, and every way to get it wrong.
-#include "scene/mesh_io.h"
+#include "scene/obj.h"
 #include "tests/mesh_files.h"
 
 #include <doctest/doctest.h>
@@ -276,4 +276,18 @@ TEST_CASE("obj: random bytes and random edits never crash") {
       for (const auto& t : mesh.triangles) CHECK(std::max({t[0], t[1], t[2]}) < mesh.positions.size());
     });
   }
+}
+
+TEST_CASE("obj: materials of the triangles, and libraries") {
+  const TemporaryFile file("mesh.obj", with_square("mtllib  a.mtl b.mtl \nf 1 2 3\nusemtl  red paint \nf 1 2 3 4\n"
+                                                   "usemtl blue\nf 1 2\nusemtl green\nf 1 2 3\nusemtl red paint\n"
+                                                   "f 2 3 4\nmtllib c.mtl\nusemtl nothing\n"));
+  const ObjFile obj = read_obj_with_materials(file.path(), false);
+  CHECK(obj.materials == std::vector<std::string>{"", "red paint", "green"});
+  CHECK(obj.material_of == std::vector<std::uint32_t>{0, 1, 1, 2, 1});
+  REQUIRE(obj.libraries.size() == 2);
+  CHECK(obj.libraries[0].names == "a.mtl b.mtl");
+  CHECK(obj.libraries[0].where.line == 5);
+  CHECK(obj.libraries[1].names == "c.mtl");
+  CHECK(are_equal(obj.file.mesh, read_obj(file.path(), false).mesh));
 }

@@ -1,0 +1,65 @@
+// zlib takes its input and output in pieces whose sizes fit an unsigned int.
+#include "core/inflate.h"
+
+#include "core/error.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace sheaf {
+
+struct Inflater::State {
+  z_stream stream{};
+  std::string_view input;  ///< what zlib has not been given
+  bool at_end = false;
+};
+
+namespace {
+
+constexpr std::size_t kLargestPiece = std::numeric_limits<uInt>::max();
+
+}  // namespace
+
+Inflater::Inflater(std::string_view deflated) : state_(std::make_unique<State>()) {
+  state_->input = deflated;
+  if (inflateInit(&state_->stream) != Z_OK) throw Error(ExitCode::kRuntime, "zlib cannot be started");
+}
+
+Inflater::~Inflater() { inflateEnd(&state_->stream); }
+
+std::size_t Inflater::read(std::span<char> out) {
+  z_stream& stream = state_->stream;
+  std::size_t written = 0;
+  while (written < out.size() && !state_->at_end) {
+    if (stream.avail_in == 0 && !state_->input.empty()) {
+      const std::size_t piece = std::min(state_->input.size(), kLargestPiece);
+      stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(state_->input.data()));  // zlib only reads it
+      stream.avail_in = static_cast<uInt>(piece);
+      state_->input.remove_prefix(piece);
+    }
+    const std::size_t room = std::min(out.size() - written, kLargestPiece);
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + written);
+    stream.avail_out = static_cast<uInt>(room);
+    const int result = inflate(&stream, Z_NO_FLUSH);
+    written += room - stream.avail_out;
+    if (result == Z_BUF_ERROR) break;  // truncated
+    if (result == Z_STREAM_END) {
+      state_->at_end = true;
+    } else if (result != Z_OK) {
+      throw Error(ExitCode::kScene, std::string("corrupt compressed data: ") +
+                                        (stream.msg != nullptr ? stream.msg : "no zlib stream"));
+    }
+  }
+  return written;
+}
+
+std::uint64_t Inflater::most_left() const {
+  constexpr std::uint64_t kLargestRatio = 1032;
+  constexpr std::uint64_t kPending = 65536;  // what zlib has read and not yet written: a match, a few bits
+  if (state_->at_end) return 0;
+  return (state_->input.size() + state_->stream.avail_in) * kLargestRatio + kPending;
+}
+
+}  // namespace sheaf
