@@ -69,6 +69,38 @@ std::vector<std::uint8_t> encode(const Image& image, const PngChannels& chosen) 
   return bytes;
 }
 
+void check_file(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) throw SceneError({path.string(), 0}, "there is no such image file");
+}
+
+/// Opens a picture that is not OpenEXR, and checks its header.
+std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& path) {
+  const SourceLocation where{path.string(), 0};
+  quiet_library();
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string(), &config);
+  if (!input) throw SceneError(where, "cannot read the image: " + OIIO::geterror());
+  const OIIO::ImageSpec& spec = input->spec();
+  check_image_size(path, spec.width, spec.height, static_cast<std::size_t>(std::max(spec.nchannels, 0)),
+                   fs::file_size(path));
+  if (spec.depth > 1 || spec.deep) throw SceneError(where, "volume and deep images are not supported");
+  if (spec.channelnames.size() != static_cast<std::size_t>(spec.nchannels)) {
+    throw SceneError(where, "the image's channels have no names");
+  }
+  return input;
+}
+
+/// Reads all pixels. JPEG files that end early are read without complaint but for a remark; their lower part is grey.
+void read_pixels(OIIO::ImageInput& input, OIIO::TypeDesc type, void* out, const fs::path& path) {
+  const bool complete = input.read_image(0, 0, 0, input.spec().nchannels, type, out);
+  const std::string remark = input.geterror();
+  if (complete && remark.find("remature end") == std::string::npos) return;
+  throw SceneError({path.string(), 0},
+                   "cannot read the image: " + (remark.empty() ? "the file is damaged or ends too early" : remark));
+}
+
 }  // namespace
 
 Image::Image(int image_width, int image_height, std::vector<std::string> names)
@@ -123,27 +155,42 @@ void write_png(const fs::path& path, const Image& image) {
 }
 
 Image read_image(const fs::path& path) {
-  const SourceLocation where{path.string(), 0};
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) throw SceneError(where, "there is no such image file");
+  check_file(path);
   if (is_exr(path)) return read_exr(path);
-  quiet_library();
-  OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string(), &config);
-  if (!input) throw SceneError(where, "cannot read the image: " + OIIO::geterror());
-  const OIIO::ImageSpec spec = input->spec();
-  check_image_size(path, spec.width, spec.height, static_cast<std::size_t>(std::max(spec.nchannels, 0)),
-                   fs::file_size(path));
-  if (spec.depth > 1 || spec.deep) throw SceneError(where, "volume and deep images are not supported");
+  const std::unique_ptr<OIIO::ImageInput> input = open_picture(path);
+  const OIIO::ImageSpec& spec = input->spec();
   Image image(spec.width, spec.height, spec.channelnames);
-  if (image.channels.size() != static_cast<std::size_t>(spec.nchannels)) {
-    throw SceneError(where, "the image's channels have no names");
-  }
-  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.data.data())) {
-    throw SceneError(where, "cannot read the image: " + input->geterror());
-  }
+  read_pixels(*input, OIIO::TypeDesc::FLOAT, image.data.data(), path);
   return image;
+}
+
+Picture read_picture(const fs::path& path) {
+  Picture picture;
+  check_file(path);
+  if (is_exr(path)) {
+    Image image = read_exr(path);
+    picture.width = image.width;
+    picture.height = image.height;
+    picture.channels = std::move(image.channels);
+    picture.floats = std::move(image.data);
+    return picture;
+  }
+  const std::unique_ptr<OIIO::ImageInput> input = open_picture(path);
+  const OIIO::ImageSpec& spec = input->spec();
+  picture.width = spec.width;
+  picture.height = spec.height;
+  picture.channels = spec.channelnames;
+  picture.integers = !spec.format.is_floating_point();
+  const std::size_t values =
+      static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) * spec.channelnames.size();
+  if (spec.format == OIIO::TypeDesc::UINT8) {
+    picture.bytes.resize(values);
+    read_pixels(*input, OIIO::TypeDesc::UINT8, picture.bytes.data(), path);
+  } else {
+    picture.floats.resize(values);
+    read_pixels(*input, OIIO::TypeDesc::FLOAT, picture.floats.data(), path);
+  }
+  return picture;
 }
 
 }  // namespace sheaf

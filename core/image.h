@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -35,6 +36,15 @@ struct Image {
   }
 };
 
+/// A picture as its file stores it: 8-bit data as bytes, everything else as floats. One of the two is empty.
+struct Picture {
+  int width = 0, height = 0;          ///< pixels
+  std::vector<std::string> channels;  ///< names
+  std::vector<std::uint8_t> bytes;    ///< interleaved, row by row from the top
+  std::vector<float> floats;          ///< likewise; integers of 16 bits and more divided by the largest
+  bool integers = false;  ///< stored as integers, which by convention means colours encoded by the sRGB curve
+};
+
 /// Larger images are refused, whatever a file's header claims: pixels per side and bytes as floats.
 inline constexpr int kMaxImageSide = 1 << 16;
 inline constexpr std::size_t kMaxImageBytes = std::size_t{1} << 34;
@@ -54,5 +64,8 @@ void write_png(const std::filesystem::path& path, const Image& image);
 /// come out in [0, 1] as stored, not linearised; alpha as stored. OpenEXR files go through read_exr().
 /// Throws SceneError if the file is missing, malformed, or beyond the limits.
 Image read_image(const std::filesystem::path& path);
+
+/// Reads the same files with 8-bit data kept as bytes. Throws as read_image() does.
+Picture read_picture(const std::filesystem::path& path);
 
 }  // namespace sheaf

@@ -1,0 +1,137 @@
+// What texture lookups cost per item: every format and filter, one path at a time and in registers, with places close
+// together (paths that see the same part of a surface) and anywhere in the picture. "per_item" is in seconds.
+#include "core/rng.h"
+#include "kernels/texture_lookup.h"
+
+#include <benchmark/benchmark.h>
+
+#include <cstring>
+#include <vector>
+
+namespace sheaf {
+
+namespace {
+
+constexpr int kItems = 1024;
+
+float uniform(std::uint32_t i, std::uint32_t stream) { return random4<Scalar>(stream, i, 0, 0).x; }
+
+/// A square picture of noise as texture 0, and a checkerboard of it as texture 1.
+struct NoisePicture {
+  std::vector<TexelTile> tiles;
+  TextureRow rows[2];
+  TextureView view;
+
+  NoisePicture(TexelFormat format, BitmapDescription::Filter filter, std::uint32_t size) {
+    const std::uint32_t per_row = size >> tile_shift(format);
+    tiles.resize(std::size_t{per_row} * per_row + 1);
+    for (std::size_t i = 0; i < tiles.size(); ++i)
+      for (std::uint32_t word = 0; word < 16; ++word) {
+        const float value = uniform(static_cast<std::uint32_t>(i) * 16 + word, 1);
+        const std::uint32_t mask = texel_channels(format) == 3 ? 0x00ffffffu : 0xffffffffu;
+        const std::uint32_t bits = holds_bytes(format) ? float_bits(value) * 2654435761u & mask : float_bits(value);
+        std::memcpy(tiles[i].bytes + 4 * word, &bits, sizeof(bits));
+      }
+    constexpr auto kRepeat = BitmapDescription::Wrap::kRepeat;
+    rows[0].kind = TextureKind::kBitmap;
+    rows[0].bitmap = {0, per_row, size, size, kRepeat, kRepeat, filter, format};
+    rows[1].kind = TextureKind::kCheckerboard;
+    rows[1].checkerboard = {{0, 0}};
+    view.rows = rows;
+    view.tiles = tiles.data();
+  }
+};
+
+/// Columns of places and of results.
+struct Places {
+  alignas(kSimdAlignment) float u[kItems], v[kItems], out[4][kItems];
+
+  /// All within `extent` of (0.3, 0.4).
+  explicit Places(float extent) {
+    for (std::uint32_t i = 0; i < kItems; ++i) {
+      u[i] = 0.3f + extent * uniform(i, 2);
+      v[i] = 0.4f + extent * uniform(i, 3);
+    }
+  }
+};
+
+/// Runs f(query, places, index of the first item) over all items.
+template <class L, class F> void run(benchmark::State& state, float extent, F&& f) {
+  Places places(extent);
+  for (auto _ : state) {
+    for (int i = 0; i < kItems; i += L::width) {
+      TextureQuery<L> query{};
+      load(places.u + i, query.uv.x);
+      load(places.v + i, query.uv.y);
+      if constexpr (L::width == 1) benchmark::ClobberMemory();
+      f(query, places, i);
+    }
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * kItems);
+  state.counters["per_item"] =
+      benchmark::Counter(kItems, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+struct Case {
+  const char* name;
+  TexelFormat format;
+  BitmapDescription::Filter filter;
+};
+constexpr Case kCases[] = {
+    {"bytes:4/srgb/bilinear", TexelFormat::kSrgbByte4, BitmapDescription::Filter::kBilinear},
+    {"bytes:4/raw/bilinear", TexelFormat::kByte4, BitmapDescription::Filter::kBilinear},
+    {"bytes:4/srgb/nearest", TexelFormat::kSrgbByte4, BitmapDescription::Filter::kNearest},
+    {"bytes:1/srgb/bilinear", TexelFormat::kSrgbByte1, BitmapDescription::Filter::kBilinear},
+    {"bytes:1/raw/bilinear", TexelFormat::kByte1, BitmapDescription::Filter::kBilinear},
+    {"bytes:1/raw/nearest", TexelFormat::kByte1, BitmapDescription::Filter::kNearest},
+    {"floats:4/bilinear", TexelFormat::kFloat4, BitmapDescription::Filter::kBilinear},
+    {"floats:4/nearest", TexelFormat::kFloat4, BitmapDescription::Filter::kNearest},
+    {"floats:1/bilinear", TexelFormat::kFloat1, BitmapDescription::Filter::kBilinear},
+    {"floats:1/nearest", TexelFormat::kFloat1, BitmapDescription::Filter::kNearest},
+};
+
+template <class L> void color(benchmark::State& state, const Case& c, std::uint32_t size, float extent, std::uint32_t texture) {
+  const NoisePicture picture(c.format, c.filter, size);
+  run<L>(state, extent, [&](const TextureQuery<L>& query, Places& places, int i) {
+    const Spectrum<L> s = lookup_texture<L>(picture.view, texture, query);
+    store(places.out[0] + i, s.c0);
+    store(places.out[1] + i, s.c1);
+    store(places.out[2] + i, s.c2);
+    store(places.out[3] + i, s.c3);
+  });
+}
+
+template <class L> void gradient(benchmark::State& state, const Case& c, std::uint32_t size, float extent) {
+  const NoisePicture picture(c.format, c.filter, size);
+  run<L>(state, extent, [&](const TextureQuery<L>& query, Places& places, int i) {
+    const Vec2<L> g = lookup_scalar_gradient<L>(picture.view, 0, query);
+    store(places.out[0] + i, g.x);
+    store(places.out[1] + i, g.y);
+  });
+}
+
+template <class L> void register_lane(const std::string& suffix) {
+  const auto add = [&](const std::string& name, auto&& f) {
+    benchmark::RegisterBenchmark((name + suffix).c_str(), std::forward<decltype(f)>(f));
+  };
+  for (const Case& c : kCases) {
+    const std::string name = std::string("texture/") + c.name;
+    add(name + "/size:2048/close", [&c](benchmark::State& s) { color<L>(s, c, 2048, 0.01f, 0); });
+    add(name + "/size:256/anywhere", [&c](benchmark::State& s) { color<L>(s, c, 256, 1, 0); });
+    add(name + "/size:2048/anywhere", [&c](benchmark::State& s) { color<L>(s, c, 2048, 1, 0); });
+  }
+  add("texture/board/size:2048/close", [](benchmark::State& s) { color<L>(s, kCases[0], 2048, 0.01f, 1); });
+  add("texture/gradient/bytes:1/size:2048/close", [](benchmark::State& s) { gradient<L>(s, kCases[4], 2048, 0.01f); });
+  add("texture/gradient/bytes:4/size:2048/close", [](benchmark::State& s) { gradient<L>(s, kCases[1], 2048, 0.01f); });
+}
+
+[[maybe_unused]] const bool registered = [] {
+  register_lane<Scalar>("/scalar");
+  register_lane<Wide>("/wide");
+  return true;
+}();
+
+}  // namespace
+
+}  // namespace sheaf

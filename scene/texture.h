@@ -1,0 +1,158 @@
+// Textures as kernels see them: rows, tiled texels and mesh attributes in flat tables, and how descriptions become them.
+#pragma once
+
+#include "scene/description.h"
+
+#include <map>
+#include <memory>
+
+namespace sheaf {
+
+enum class TextureKind : std::uint32_t { kConstant, kBitmap, kCheckerboard, kMeshAttribute };
+
+/// How a texel is stored: one value or four, of which the fourth is 0; bytes, which stand for 0 .. 1 (kSrgbByte:
+/// through the sRGB curve, undone before interpolation), or floats.
+enum class TexelFormat : std::uint8_t { kByte1, kByte4, kSrgbByte1, kSrgbByte4, kFloat1, kFloat4 };
+
+constexpr bool holds_bytes(TexelFormat format) { return format < TexelFormat::kFloat1; }
+/// Channels that count: 1 or 3.
+constexpr int texel_channels(TexelFormat format) {
+  return format == TexelFormat::kByte1 || format == TexelFormat::kSrgbByte1 || format == TexelFormat::kFloat1 ? 1 : 3;
+}
+
+/// One cache line of texels: a tile of 8x8 (single bytes), 4x4 (four bytes or one float) or 2x2 (four floats), row by row.
+/// Tiles follow each other row by row from the picture's lower left corner; the last of a row or column are padded.
+struct alignas(64) TexelTile { std::uint8_t bytes[64]; };
+
+/// Tiles are 2^tile_shift texels wide and as many high.
+constexpr int tile_shift(TexelFormat format) {
+  if (texel_channels(format) == 1) return holds_bytes(format) ? 3 : 2;
+  return holds_bytes(format) ? 2 : 1;
+}
+
+/// Most texels of a picture, padding included: they are reached by 32-bit indices, of words, of either sign.
+inline constexpr std::size_t kMaxTexels = std::size_t{1} << 30;
+
+/// The same value everywhere.
+struct ConstantRow {
+  float rgb[3];  ///< linear Rec.709
+  float scalar;  ///< where a number is asked for
+};
+/// A picture.
+struct BitmapRow {
+  std::uint32_t first_tile;      ///< into TextureView::tiles
+  std::uint32_t tiles_per_row;
+  std::uint32_t width, height;   ///< texels, without padding; from 1 to kMaxImageSide
+  BitmapDescription::Wrap wrap_u, wrap_v;
+  BitmapDescription::Filter filter;
+  TexelFormat format;
+};
+/// Two other textures in turn.
+struct CheckerboardRow { std::uint32_t child[2]; };
+/// Values stored with meshes.
+struct MeshAttributeRow {
+  std::uint32_t first_entry;  ///< of shape 0, into TextureView::attributes
+  float scale;
+};
+
+/// One texture.
+struct alignas(64) TextureRow {
+  TextureKind kind = TextureKind::kConstant;
+  float to_uv[6] = {1, 0, 0, 0, 1, 0};  ///< TextureDescription::to_uv
+  /// What holds is told by `kind`.
+  union {
+    ConstantRow constant{};
+    BitmapRow bitmap;
+    CheckerboardRow checkerboard;
+    MeshAttributeRow attribute;
+  };
+};
+static_assert(sizeof(TextureRow) == 64);
+
+/// A mesh attribute of one shape. Four words, read at once.
+struct AttributeEntry {
+  std::uint32_t first_value = 0;     ///< into TextureView::attribute_values
+  std::uint32_t layout = 0;          ///< channels (0: the shape has no such attribute, 1 or 3), and kPerFace
+  std::uint32_t first_triangle = 0;  ///< of the shape, into TextureView::triangles
+  std::uint32_t triangle_count = 0;
+  static constexpr std::uint32_t kChannels = 3, kPerFace = 4;
+};
+static_assert(sizeof(AttributeEntry) == 16);
+
+/// What a textured parameter stands for, and so what is made of the texture's values.
+enum class TextureRole : std::uint32_t {
+  kScalar,       ///< a number
+  kReflectance,  ///< a colour, clamped to [0, 1]
+  kUnbounded,    ///< a colour without limits
+};
+
+/// A texture takes the place of some of a closure's words.
+struct TextureBinding {
+  std::uint32_t texture = 0;  ///< into TextureView::rows
+  std::uint32_t word = 0;     ///< the first that is replaced
+  std::uint32_t words = 4;    ///< 1: a number, of coloured textures their luminance; 4: a colour, the fourth lane is 0
+  TextureRole role = TextureRole::kReflectance;
+};
+static_assert(sizeof(TextureBinding) == 16);
+
+/// What kernels see of a scene's textures.
+struct TextureView {
+  const TextureRow* rows = nullptr;
+  const TexelTile* tiles = nullptr;             ///< with one tile of padding behind
+  const AttributeEntry* attributes = nullptr;   ///< shape_count entries for each name that a texture reads
+  const float* attribute_values = nullptr;      ///< one or three per vertex or face; three words of padding behind
+  const std::uint32_t* triangles = nullptr;     ///< SceneView::triangles
+  std::uint32_t shape_count = 0;
+};
+
+/// Checkerboards of checkerboards of ...: no deeper than this, a board of constants counted as 1.
+inline constexpr int kMaxTextureDepth = 8;
+
+/// The tables made from a description's textures.
+struct CompiledTextures {
+  std::vector<TextureRow> rows;  ///< one per description, in their order, followed by constants that those refer to
+  std::unique_ptr<TexelTile[]> tiles;  ///< pictures one after the other and one tile of padding
+  std::size_t tile_count = 0;          ///< with the padding
+  /// Every name that a texture reads, once. Until AttributeTable::finish(), MeshAttributeRow::first_entry is an index
+  /// of this list.
+  std::vector<std::string> attribute_names;
+};
+
+/// Loads every picture, once for each way of reading it, and makes the rows. Throws SceneError at the texture's place
+/// in the scene file for a picture that is missing, broken, too large, of channels without a meaning, or that has
+/// values that are not finite; for checkerboards nested too deep or in each other; and for a transform that is not
+/// finite.
+CompiledTextures compile_textures(const std::vector<TextureDescription>& textures);
+
+/// Gathers the attributes of all meshes that some texture reads.
+class AttributeTable {
+ public:
+  /// `names` is CompiledTextures::attribute_names; others are not kept.
+  explicit AttributeTable(std::vector<std::string> names) : names_(std::move(names)) {}
+
+  /// Whether a texture reads this attribute.
+  bool wants(const std::string& name) const;
+
+  /// Adds an attribute of the shape, whose triangles are [first_triangle, first_triangle + triangle_count) of
+  /// SceneView::triangles; in any order. Face attributes must have been left with as many values as triangles are.
+  /// Throws SceneError at `where` if sizes don't agree, a value is not finite, the name begins neither with "vertex_" nor
+  /// with "face_", or the shape has an attribute of this name already.
+  void add(std::uint32_t shape, std::uint32_t first_triangle, std::uint32_t triangle_count, std::uint32_t vertex_count,
+           const Mesh::Attribute& attribute, const SourceLocation& where);
+
+  /// Lays out the table for shapes [0, shape_count) and points the rows of `textures` into it. To be called once, last.
+  void finish(std::uint32_t shape_count, CompiledTextures& textures);
+
+  /// After finish(): entries, shape_count for each name.
+  const std::vector<AttributeEntry>& entries() const { return entries_; }
+  /// After finish(): all values, with padding.
+  const std::vector<float>& values() const { return values_; }
+
+ private:
+  std::vector<std::string> names_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, AttributeEntry> added_;  ///< by name and shape
+  std::vector<AttributeEntry> entries_;
+  std::vector<float> values_;
+};
+
+}  // namespace sheaf
