@@ -4,6 +4,15 @@
 #include "kernels/bsdf/conductor.h"
 #include "kernels/bsdf/dielectric.h"
 #include "kernels/bsdf/diffuse.h"
+#include "kernels/bsdf/disney.h"
+#include "kernels/bsdf/nori_microfacet.h"
+#include "kernels/bsdf/plastic.h"
+#include "kernels/bsdf/principled.h"
+#include "kernels/bsdf/principled_thin.h"
+#include "kernels/bsdf/rough_conductor.h"
+#include "kernels/bsdf/rough_dielectric.h"
+#include "kernels/bsdf/rough_plastic.h"
+#include "kernels/bsdf/thin_dielectric.h"
 #include "kernels/wave.h"
 
 namespace sheaf {
@@ -18,6 +27,18 @@ template <class F> SHEAF_INLINE void for_each_bsdf(F&& f) {
   f(ClosureKind::kDiffuse, BsdfTag<DiffuseBsdf>{});
   f(ClosureKind::kConductor, BsdfTag<ConductorBsdf>{});
   f(ClosureKind::kDielectric, BsdfTag<DielectricBsdf>{});
+  f(ClosureKind::kThinDielectric, BsdfTag<ThinDielectricBsdf>{});
+  f(ClosureKind::kPlastic, BsdfTag<PlasticBsdf>{});
+  f(ClosureKind::kRoughConductorBeckmann, BsdfTag<RoughConductorBeckmannBsdf>{});
+  f(ClosureKind::kRoughConductorGgx, BsdfTag<RoughConductorGgxBsdf>{});
+  f(ClosureKind::kRoughDielectricBeckmann, BsdfTag<RoughDielectricBeckmannBsdf>{});
+  f(ClosureKind::kRoughDielectricGgx, BsdfTag<RoughDielectricGgxBsdf>{});
+  f(ClosureKind::kRoughPlasticBeckmann, BsdfTag<RoughPlasticBeckmannBsdf>{});
+  f(ClosureKind::kRoughPlasticGgx, BsdfTag<RoughPlasticGgxBsdf>{});
+  f(ClosureKind::kPrincipled, BsdfTag<PrincipledBsdf>{});
+  f(ClosureKind::kPrincipledThin, BsdfTag<PrincipledThinBsdf>{});
+  f(ClosureKind::kDisney, BsdfTag<DisneyBsdf>{});
+  f(ClosureKind::kNoriMicrofacet, BsdfTag<NoriMicrofacetBsdf>{});
 }
 
 /// The BSDFs of the items [column, column + L::width).

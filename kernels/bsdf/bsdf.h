@@ -1,10 +1,11 @@
 // What every BSDF offers.
 //
 // A BSDF is a template over the lane that holds its parameters (scene/material.h) and has
-//   kIsSpecular                     only delta distributions: neither evaluated nor lit by light sampling
-//   evaluate(wo, wi)                f times |cos(wi)|; zero where nothing is scattered
-//   pdf_solid_angle(wo, wi)         density with which sample() returns wi
-//   sample(wo, u)                   a direction; u.x chooses the lobe, u.y and u.z the direction
+//   kKind              its ClosureKind
+//   kIsSpecular        only delta distributions: neither evaluated nor lit by light sampling
+//   kIsAnisotropic     directions must come in a frame whose x axis is the surface's tangent; else any frame will do
+//   evaluate(wo, wi)   f times |cos(wi)| and the density with which sample() returns wi; delta lobes left out
+//   sample(wo, u)      a direction; u.x chooses the lobe, u.y and u.z the direction
 // Directions are unit vectors in the shading frame, pointing away from the surface. To add one: its parameters and
 // its kind in scene/material.h, its header here, a line in all.h, the parsing in scene/, and its tests.
 #pragma once
@@ -13,6 +14,12 @@
 #include "core/spectrum.h"
 
 namespace sheaf {
+
+/// A BSDF towards a given direction.
+template <class L> struct BsdfValue {
+  Spectrum<L> f_cos;                  ///< f times |cos(wi)|; zero where nothing is scattered
+  typename L::Float pdf_solid_angle;  ///< density of sample()
+};
 
 /// A direction sampled from a BSDF.
 template <class L> struct BsdfSample {

@@ -8,10 +8,10 @@
 namespace sheaf {
 
 template <class L> struct ConductorBsdf : ConductorParameters<L> {
-  static constexpr bool kIsSpecular = true;
+  static constexpr auto kKind = ClosureKind::kConductor;
+  static constexpr bool kIsSpecular = true, kIsAnisotropic = false;
 
-  SHEAF_INLINE Spectrum<L> evaluate(Vec3<L>, Vec3<L>) const { return Spectrum<L>(Float<L>(0.0f)); }
-  SHEAF_INLINE Float<L> pdf_solid_angle(Vec3<L>, Vec3<L>) const { return Float<L>(0.0f); }
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>&) const {
     const auto& n = this->eta;

@@ -8,15 +8,12 @@
 namespace sheaf {
 
 template <class L> struct DiffuseBsdf : DiffuseParameters<L> {
-  static constexpr bool kIsSpecular = false;
+  static constexpr auto kKind = ClosureKind::kDiffuse;
+  static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
 
-  SHEAF_INLINE Spectrum<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
-    const auto upper = (wo.z > Float<L>(0.0f)) & (wi.z > Float<L>(0.0f));
-    return this->reflectance * select(upper, wi.z * Float<L>(kInvPi), Float<L>(0.0f));
-  }
-
-  SHEAF_INLINE Float<L> pdf_solid_angle(Vec3<L> wo, Vec3<L> wi) const {
-    return select(wo.z > Float<L>(0.0f), cosine_hemisphere_pdf_solid_angle(wi.z), Float<L>(0.0f));
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
+    const Float<L> pdf = select(wo.z > Float<L>(0.0f), cosine_hemisphere_pdf_solid_angle(wi.z), Float<L>(0.0f));
+    return {this->reflectance * pdf, pdf};
   }
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {

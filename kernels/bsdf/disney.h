@@ -1,0 +1,105 @@
+// The Disney BRDF (Burley, "Physically Based Shading at Disney", SIGGRAPH 2012 course notes, section 5, and the
+// reference description published with it): a diffuse base with retro-reflection and approximate subsurface scattering,
+// sheen, an anisotropic GGX lobe for metals and dielectrics, and a clearcoat. It only reflects, on the normal's side.
+//
+//   f = (1 - metallic) (base_color / pi mix(diffuse, subsurface) + sheen) + F D G / (4 cos cos) + clearcoat / 4 coat
+// Masking and shadowing are Smith's for the distribution itself, as in later editions of the notes; the first edition
+// had a rougher distribution there. The layers do not shade one another: a white diffuse base with its specular lobe
+// sends back up to 1.7 at grazing incidence, sheen adds up to 0.1 and the clearcoat 0.06. Metals without a clearcoat
+// stay below 1.
+#pragma once
+
+#include "kernels/bsdf/principled_lobes.h"
+#include "scene/material.h"
+
+namespace sheaf {
+
+template <class L> struct DisneyBsdf : DisneyParameters<L> {
+  static constexpr auto kKind = ClosureKind::kDisney;
+  static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
+  using F = typename L::Float;
+
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const { return evaluate(View(*this, wo), wi); }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    const View view(*this, wo);
+    const Mask<L> diffuse = u.x < view.p_diffuse;
+    Vec3<L> m = view.facets.sample_visible({wo.x, wo.y, abs(wo.z)}, u.y, u.z);
+    if (any(view.p_coat > F(0.0f)))
+      m = select<L>(u.x < view.p_diffuse + view.p_coat, view.coat.sample(u.y, u.z), m);
+    BsdfSample<L> s;
+    s.wi = select<L>(diffuse, cosine_hemisphere_polar<L>(u.y, u.z), m * (F(2.0f) * dot(wo, m)) - wo);
+    const BsdfValue<L> value = evaluate(view, s.wi);
+    s.pdf_solid_angle = value.pdf_solid_angle;
+    s.valid = value.pdf_solid_angle > F(0.0f);
+    s.weight = value.f_cos * (F(1.0f) / select(s.valid, value.pdf_solid_angle, F(1.0f)));
+    s.eta_scale = F(1.0f);
+    return s;
+  }
+
+ private:
+  /// All that depends on the parameters and the outgoing direction alone.
+  struct View {
+    Vec3<L> wo;
+    F weight_o;                    ///< Schlick's, of wo
+    GgxDistribution<L> facets;
+    F span_o;                      ///< GgxTerms::span() of wo
+    Spectrum<L> hue;               ///< the base colour at a luminance of 1
+    Spectrum<L> specular;          ///< reflectance at normal incidence
+    Clearcoat<L> coat;             ///< only where p_coat > 0
+    F p_diffuse, p_coat, p_specular;  ///< probabilities of sampling the lobes
+
+    SHEAF_INLINE View(const DisneyParameters<L>& p, Vec3<L> direction)
+        : wo(direction), weight_o(schlick_weight(wo.z)), facets(burley_ggx<L>(p.roughness, p.anisotropic)),
+          span_o(GgxTerms<L>::span(facets, wo)) {
+      const F one(1.0f);
+      const auto& c = p.base_color;
+      // The notes' own approximation of luminance.
+      hue = sheaf::hue(c, fma(c.c0, F(0.3f), fma(c.c1, F(0.6f), c.c2 * F(0.1f))));
+      const Spectrum<L> plain = lerp(p.specular_tint, Spectrum<L>(one), hue) * (F(0.08f) * p.specular);
+      specular = lerp(p.metallic, plain, c);
+
+      const F sheen = F(0.1f) * p.sheen * (weight_o + F(0.02f));
+      const F diffuse = (one - p.metallic) * (max_component(c) + sheen);
+      const F coated = F(0.25f) * p.clearcoat * Clearcoat<L>::fresnel(weight_o);
+      const F glossy = lerp(weight_o, max_component(specular), one);
+      const F scale = one / max(diffuse + coated + glossy, F(1e-20f));
+      p_diffuse = diffuse * scale;
+      p_coat = coated * scale;
+      p_specular = glossy * scale;
+      if (any(p_coat > F(0.0f))) coat = Clearcoat<L>(p.clearcoat_gloss);
+    }
+  };
+
+  SHEAF_INLINE BsdfValue<L> evaluate(const View& view, Vec3<L> wi) const {
+    const F one(1.0f), zero(0.0f);
+    const Mask<L> lit = (view.wo.z > zero) & (wi.z > zero);
+    const Vec3<L> sum = view.wo + wi;
+    const F inverse_length = one / sqrt(max(length_squared(sum), F(1e-20f)));
+    const Vec3<L> h = sum * inverse_length;
+    const F cos_d = max(dot(view.wo, h), zero), weight_d = schlick_weight(cos_d);
+    const F cos_i = select(lit, wi.z, zero), lambert = cos_i * F(kInvPi);
+
+    const DiffuseAngles<L> angles{view.wo.z, view.weight_o, cos_i, schlick_weight(cos_i), this->roughness * sqr(cos_d)};
+    const F shape = any(this->subsurface > zero) ? angles.diffuse(this->subsurface) : angles.diffuse();
+    const Spectrum<L> sheen_lobe =
+        lerp(this->sheen_tint, Spectrum<L>(one), view.hue) * (this->sheen * weight_d * cos_i);
+    const GgxTerms<L> facets(view.facets, h, view.span_o, GgxTerms<L>::span(view.facets, wi));
+    BsdfValue<L> value;
+    value.f_cos = (this->base_color * (lambert * shape) + sheen_lobe) * (one - this->metallic) +
+                  lerp(weight_d, view.specular, Spectrum<L>(one)) * (F(0.25f) * facets.masked * cos_i);
+    value.pdf_solid_angle =
+        fma(view.p_diffuse, lambert, view.p_specular * select(lit, F(0.25f) * facets.density, zero));
+    if (any(view.p_coat > zero)) {
+      const auto coat = view.coat.terms(view.wo, wi, h);
+      // A quarter is the coat's strength, another the usual 1 / (4 cos cos).
+      const F strength = F(0.0625f) * this->clearcoat * view.coat.fresnel(weight_d) * cos_i;
+      value.f_cos = value.f_cos + Spectrum<L>(strength * coat.masked);
+      // The sum's length is twice the cosine to the half vector.
+      value.pdf_solid_angle += select(lit, view.p_coat * coat.density * F(0.5f) * h.z * inverse_length, zero);
+    }
+    return value;
+  }
+};
+
+}  // namespace sheaf

@@ -1,0 +1,77 @@
+// A diffuse base under a smooth dielectric coat. Light is mirrored by the coat, or enters it, is scattered by the base
+// and leaves again; what the coat sends back inside meets the base anew, and the geometric series is summed up.
+// Pharr et al. 2023, section 14.3, describe such coats; the closed form is that of Mitsuba's "plastic".
+#pragma once
+
+#include "core/warp.h"
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/fresnel.h"
+#include "scene/material.h"
+
+namespace sheaf {
+
+/// Reflectance of a base whose light is let out through the coat, for unit transmittance either way: the albedo over
+/// 1 minus what one round trip returns (with the base's colour only if `nonlinear`), and over the squared index.
+template <class L>
+SHEAF_INLINE Spectrum<L> coated_albedo(Spectrum<L> albedo, Float<L> internal_reflectance, Float<L> nonlinear,
+                                       Float<L> eta) {
+  using F = Float<L>;
+  const F inverse_eta2 = F(1.0f) / (eta * eta);
+  const auto one = [&](F a) SHEAF_LAMBDA_INLINE {
+    // The round trip of a perfect base in a coat that lets nothing out would be 0 / 0.
+    const F loss = F(1.0f) - internal_reflectance * lerp(nonlinear, F(1.0f), a);
+    return a * inverse_eta2 / max(loss, F(1e-6f));
+  };
+  return {one(albedo.c0), one(albedo.c1), one(albedo.c2), one(albedo.c3)};
+}
+
+/// Probability of the specular lobe for a coat that reflects `share` of the light: lobes are chosen by what they
+/// scatter, judged by the brightest component.
+template <class L> SHEAF_INLINE Float<L> coat_probability(Float<L> share, Spectrum<L> specular, Spectrum<L> diffuse) {
+  using F = Float<L>;
+  const F coat = share * max_component(specular), base = (F(1.0f) - share) * max_component(diffuse);
+  return select(coat + base > F(0.0f), coat / max(coat + base, F(1e-30f)), F(0.5f));
+}
+
+template <class L> struct PlasticBsdf : PlasticParameters<L> {
+  static constexpr auto kKind = ClosureKind::kPlastic;
+  static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
+
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
+    using F = Float<L>;
+    const F share = coat_share(wo.z);
+    const F cosine_pdf = select(wo.z > F(0.0f), cosine_hemisphere_pdf_solid_angle(wi.z), F(0.0f));
+    return {base(share, wi.z) * cosine_pdf, cosine_pdf * (F(1.0f) - probability(share))};
+  }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    using F = Float<L>;
+    const F share = coat_share(wo.z), p_coat = probability(share), p_base = F(1.0f) - p_coat;
+    const auto at_coat = u.x < p_coat;
+    const Vec3<L> diffuse_wi = square_to_cosine_hemisphere<L>(u.y, u.z);
+    BsdfSample<L> s;
+    s.wi = select<L>(at_coat, {-wo.x, -wo.y, wo.z}, diffuse_wi);
+    s.weight = select<L>(at_coat, this->specular * (share / p_coat),
+                         base(share, diffuse_wi.z) * (F(1.0f) / p_base));
+    s.pdf_solid_angle =
+        select(at_coat, F(0.0f), cosine_hemisphere_pdf_solid_angle(diffuse_wi.z) * p_base);
+    s.eta_scale = F(1.0f);
+    s.valid = (wo.z > F(0.0f)) & (s.wi.z > F(0.0f));
+    return s;
+  }
+
+ private:
+  SHEAF_INLINE Float<L> coat_share(Float<L> cosine) const {
+    return fresnel_dielectric<L>(abs(cosine), this->eta).reflectance;
+  }
+  SHEAF_INLINE Float<L> probability(Float<L> share) const {
+    return coat_probability<L>(share, this->specular, this->diffuse);
+  }
+  /// The diffuse lobe's albedo for light that comes from a direction with cosine `cos_i`; `share`: see coat_share().
+  SHEAF_INLINE Spectrum<L> base(Float<L> share, Float<L> cos_i) const {
+    const Float<L> through = (Float<L>(1.0f) - share) * (Float<L>(1.0f) - coat_share(cos_i));
+    return coated_albedo<L>(this->diffuse, this->internal_reflectance, this->nonlinear, this->eta) * through;
+  }
+};
+
+}  // namespace sheaf

@@ -1,0 +1,188 @@
+// The principled BSDF of Burley 2015 in the form that Mitsuba 3 gave it: a diffuse base with retro-reflection and
+// sheen, a metal, a rough dielectric that refracts, and a clearcoat.
+//
+//   f = (1 - metallic)(1 - spec_trans) diffuse + (1 - metallic) sheen + specular reflection
+//       + (1 - metallic) spec_trans refraction + clearcoat / 4 coat
+// Sheen goes with a diffuse base: where there is none (metallic or spec_trans 1), there is no sheen.
+// The inside (wo.z < 0) only reflects and refracts, and is black without spec_trans. The layers do not shade one
+// another, so that energy is not conserved in general: a white diffuse base with its specular lobe sends back up to 1.7
+// at grazing incidence, sheen adds up to 0.1 to any base and the clearcoat 0.03. Metals and refracting surfaces
+// without these two, and without spec_tint, stay below 1.
+// Where eta is 1, nothing is reflected specularly, not even by metals, as in Mitsuba.
+#pragma once
+
+#include "kernels/bsdf/principled_lobes.h"
+#include "scene/material.h"
+
+namespace sheaf {
+
+template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
+  static constexpr auto kKind = ClosureKind::kPrincipled;
+  static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
+  using F = typename L::Float;
+
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
+    const View view(*this, wo);
+    return evaluate(view, wi * view.side);
+  }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    const View view(*this, wo);
+    const F p_base = view.p_diffuse + view.p_coat;
+    const Mask<L> diffuse = u.x < view.p_diffuse, specular = u.x >= p_base;
+    Vec3<L> m = view.facets.sample_visible(view.wo, u.y, u.z);
+    const F cos_m = dot(view.wo, m);
+    const Facet facet(view, cos_m);
+    const Mask<L> refracts =
+        specular & ((u.x - p_base) * (facet.reflects + facet.transmits) >= view.p_specular * facet.reflects);
+    const Vec3<L> refracted = m * fma(cos_m, view.inverse_eta, -facet.cos_transmitted) - view.wo * view.inverse_eta;
+    if (any(view.p_coat > F(0.0f))) m = select<L>(specular, m, view.coat.sample(u.y, u.z));
+    const Vec3<L> reflected = m * (F(2.0f) * dot(view.wo, m)) - view.wo;
+    const Vec3<L> wi = select<L>(diffuse, cosine_hemisphere_polar<L>(u.y, u.z),
+                                 select<L>(refracts, refracted, reflected));
+
+    const BsdfValue<L> value = evaluate(view, wi);
+    BsdfSample<L> s;
+    s.wi = wi * view.side;
+    s.pdf_solid_angle = value.pdf_solid_angle;
+    s.valid = (value.pdf_solid_angle > F(0.0f)) & select(refracts, wi.z < F(0.0f), wi.z > F(0.0f));
+    s.weight = value.f_cos * (F(1.0f) / select(s.valid, value.pdf_solid_angle, F(1.0f)));
+    s.eta_scale = select(refracts, view.eta * view.eta, F(1.0f));
+    return s;
+  }
+
+ private:
+  /// All that depends on the parameters and the outgoing direction alone. Everything below is seen from above: for
+  /// directions from within, space is inverted at the origin.
+  struct View {
+    F side;                      ///< -1: from within
+    Mask<L> front;               ///< not from within
+    Vec3<L> wo;                  ///< z >= 0
+    F eta, inverse_eta;          ///< index of the far side over that of the near side
+    F weight_o;                  ///< Schlick's, of wo
+    GgxDistribution<L> facets;
+    F span_o;                    ///< GgxTerms::span() of wo
+    F brdf, bsdf;                ///< shares of the diffuse base and of refraction
+    F sheen;                     ///< its share
+    Spectrum<L> hue;             ///< the base colour at a luminance of 1; only where a tint needs it
+    Spectrum<L> schlick_color;   ///< specular reflectance at normal incidence of what follows Schlick's approximation
+    F schlick_share;             ///< its share
+    F dielectric_share;          ///< of what follows Fresnel's equations
+    Spectrum<L> transmittance;   ///< square root of the base colour: light passes the surface twice
+    F max_transmittance;         ///< its largest component
+    Clearcoat<L> coat;           ///< only where p_coat > 0
+    F p_diffuse, p_coat, p_specular;  ///< probabilities of sampling the lobes
+
+    SHEAF_INLINE View(const PrincipledParameters<L>& p, Vec3<L> direction)
+        : side(select(direction.z < F(0.0f), F(-1.0f), F(1.0f))), front(direction.z > F(0.0f)), wo(direction * side),
+          weight_o(schlick_weight(wo.z)), facets(burley_ggx<L>(p.roughness, p.anisotropic)),
+          span_o(GgxTerms<L>::span(facets, wo)) {
+      const F one(1.0f), zero(0.0f);
+      const F reciprocal = one / p.eta, dielectric = one - p.metallic;
+      eta = select(front, p.eta, reciprocal);
+      inverse_eta = select(front, reciprocal, p.eta);
+      brdf = select(front, dielectric * (one - p.spec_trans), zero);
+      bsdf = select(wo.z > zero, dielectric * p.spec_trans, zero);
+      sheen = select(brdf > zero, dielectric * p.sheen, zero);
+      const auto& c = p.base_color;
+      if (any(bsdf > zero)) transmittance = {safe_sqrt(c.c0), safe_sqrt(c.c1), safe_sqrt(c.c2), safe_sqrt(c.c3)};
+      max_transmittance = max_component(transmittance);
+
+      const F f0 = normal_reflectance(p.eta);
+      const F metal = select(front, p.metallic, zero), tinted = select(front, dielectric * p.spec_tint, zero);
+      if (any((tinted > zero) | (sheen > zero))) hue = sheaf::hue(c, rec709_luminance(c));
+      schlick_color = c * metal + hue * (f0 * tinted);
+      schlick_share = metal + tinted;
+      dielectric_share = select(front, dielectric * (one - p.spec_tint), bsdf);
+      choose_probabilities(p, f0);
+      if (any(p_coat > zero)) coat = Clearcoat<L>(p.clearcoat_gloss);
+    }
+
+    /// Probabilities in proportion to what each lobe scatters, roughly.
+    SHEAF_INLINE void choose_probabilities(const PrincipledParameters<L>& p, F f0) {
+      const F one(1.0f), zero(0.0f);
+      const F fresnel = lerp(weight_o, f0, one);
+      const F diffuse = fma(brdf, max_component(p.base_color), F(0.1f) * sheen * (weight_o + F(0.02f)));
+      const F coated = select(front, p.clearcoat * Clearcoat<L>::fresnel(weight_o) * wo.z, zero);
+      const F specular = max_component(schlick_color) * (one - weight_o) + schlick_share * weight_o +
+                         dielectric_share * fresnel + bsdf * (one - fresnel) * max_transmittance;
+      const F scale = one / max(diffuse + coated + specular, F(1e-20f));
+      p_diffuse = diffuse * scale;
+      p_coat = coated * scale;
+      p_specular = specular * scale;
+    }
+  };
+
+  /// What happens at a facet whose normal has the cosine `cos_d` > 0 to wo.
+  struct Facet {
+    F cos_transmitted;        ///< of the refracted direction, positive; 0 at total internal reflection
+    F weight;                 ///< Schlick's, at the angle on the thinner side
+    Spectrum<L> reflected;    ///< share of light
+    F transmitted;            ///< share of light, before it is coloured
+    F reflects, transmits;    ///< the largest components of both: sampling chooses in proportion
+
+    SHEAF_INLINE Facet(const View& view, F cos_d) {
+      const F one(1.0f), zero(0.0f), eta = view.eta;
+      cos_transmitted = safe_sqrt(fma(fma(cos_d, cos_d, F(-1.0f)), sqr(view.inverse_eta), one));
+      // Fresnel's equations as in fresnel_dielectric(), over a common denominator.
+      const F s_difference = cos_d - eta * cos_transmitted, s_sum = cos_d + eta * cos_transmitted;
+      const F p_difference = eta * cos_d - cos_transmitted, p_sum = eta * cos_d + cos_transmitted;
+      const F fresnel = F(0.5f) * (sqr(s_difference * p_sum) + sqr(p_difference * s_sum)) /
+                        max(sqr(s_sum * p_sum), F(1e-36f));
+      weight = schlick_weight(select(eta > one, cos_d, cos_transmitted));
+      const F white = fma(view.dielectric_share, fresnel, view.schlick_share * weight);
+      const Spectrum<L> color = view.schlick_color * (one - weight) + Spectrum<L>(white);
+      reflected = select<L>(eta != one, color, Spectrum<L>(zero));
+      transmitted = view.bsdf * max(one - fresnel, zero);
+      reflects = max_component(reflected);
+      transmits = transmitted * view.max_transmittance;
+    }
+  };
+
+  /// f |cos(wi)| and the density, for `wi` in the space of `view`.
+  SHEAF_INLINE BsdfValue<L> evaluate(const View& view, Vec3<L> wi) const {
+    const F one(1.0f), zero(0.0f);
+    const Mask<L> above = wi.z > zero;
+    const F cos_i = abs(wi.z);
+    // The half vector's length is the denominator of refraction's change of solid angle (Walter et al. 2007, eq. 17).
+    const Vec3<L> sum = view.wo + wi * select(above, one, view.eta);
+    const F inverse_length = one / sqrt(max(length_squared(sum), F(1e-20f)));
+    const Vec3<L> h = sum * copysign(inverse_length, sum.z);
+    const F cos_d = dot(view.wo, h), cos_di = dot(wi, h);
+    const Mask<L> possible =
+        (cos_d > zero) & (view.wo.z > zero) & select(above, cos_di > zero, (cos_di < zero) & (wi.z < zero));
+    const Facet facet(view, max(cos_d, zero));
+
+    const F bend = select(possible, select(above, F(0.25f), cos_d * abs(cos_di) * sqr(inverse_length)), zero);
+    const GgxTerms<L> facets(view.facets, h, view.span_o, GgxTerms<L>::span(view.facets, wi));
+    BsdfValue<L> value;
+    value.f_cos = select<L>(above, facet.reflected, view.transmittance * facet.transmitted) *
+                  (facets.masked * bend * cos_i);
+    const F chosen = select(above, facet.reflects, facet.transmits * sqr(view.eta)) /
+                     max(facet.reflects + facet.transmits, F(1e-20f));
+    value.pdf_solid_angle = view.p_specular * facets.density * bend * chosen;
+    add_diffuse(value, view, above & view.front, cos_i, cos_d);
+    if (any(view.p_coat > zero)) {
+      const auto coat = view.coat.terms(view.wo, wi, h);
+      const Mask<L> lit = possible & above & view.front;
+      const F strength = F(0.25f) * this->clearcoat * view.coat.fresnel(facet.weight) * view.wo.z * sqr(cos_i);
+      value.f_cos = value.f_cos + Spectrum<L>(select(lit, strength * coat.masked, zero));
+      // The sum's length is twice the cosine to the half vector.
+      value.pdf_solid_angle += select(lit, view.p_coat * coat.density * F(0.5f) * h.z * inverse_length, zero);
+    }
+    return value;
+  }
+
+  SHEAF_INLINE void add_diffuse(BsdfValue<L>& value, const View& view, Mask<L> lit, F cos_i, F cos_d) const {
+    const DiffuseAngles<L> angles{view.wo.z, view.weight_o, cos_i, schlick_weight(cos_i), this->roughness * sqr(cos_d)};
+    const F shape = any(this->flatness > F(0.0f)) ? angles.diffuse(this->flatness) : angles.diffuse();
+    const F cosine = select(lit, cos_i, F(0.0f)), lambert = cosine * F(kInvPi);
+    value.f_cos = value.f_cos + this->base_color * (view.brdf * lambert * shape);
+    value.pdf_solid_angle += view.p_diffuse * lambert;
+    if (any(view.sheen > F(0.0f)))
+      value.f_cos = value.f_cos + lerp(this->sheen_tint, Spectrum<L>(F(1.0f)), view.hue) *
+                                      (view.sheen * schlick_weight(cos_d) * cosine);
+  }
+};
+
+}  // namespace sheaf

@@ -1,0 +1,47 @@
+// Reflection off a rough metal: mirrors turned as a microfacet distribution says, with the exact Fresnel term per
+// wavelength (Cook and Torrance 1982; Walter et al. 2007, equation 20). Light that would hit a second facet is lost.
+#pragma once
+
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/microfacet.h"
+#include "kernels/fresnel.h"
+#include "scene/material.h"
+
+namespace sheaf {
+
+/// Distribution: GgxDistribution or BeckmannDistribution.
+template <class L, template <class> class Distribution> struct RoughConductorModel : RoughConductorParameters<L> {
+  static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
+
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
+    const auto r = evaluate_reflection(facets(), wo, wi);
+    return {fresnel(r.cos_facet) * (r.pdf_solid_angle * r.shadowing), r.pdf_solid_angle};
+  }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    const auto r = sample_reflection(facets(), wo, u.y, u.z);
+    return {r.wi, fresnel(r.cos_facet) * r.shadowing, r.pdf_solid_angle, Float<L>(1.0f),
+            r.pdf_solid_angle > Float<L>(0.0f)};
+  }
+
+ private:
+  SHEAF_INLINE Distribution<L> facets() const { return {this->alpha_u, this->alpha_v}; }
+
+  SHEAF_INLINE Spectrum<L> fresnel(Float<L> cos_facet) const {
+    const Float<L> c = min(cos_facet, Float<L>(1.0f));
+    const auto& n = this->eta;
+    const auto& a = this->k;
+    return this->reflectance * Spectrum<L>{fresnel_conductor(c, n.c0, a.c0), fresnel_conductor(c, n.c1, a.c1),
+                                           fresnel_conductor(c, n.c2, a.c2), fresnel_conductor(c, n.c3, a.c3)};
+  }
+};
+
+template <class L> struct RoughConductorBeckmannBsdf : RoughConductorModel<L, BeckmannDistribution> {
+  static constexpr auto kKind = ClosureKind::kRoughConductorBeckmann;
+};
+
+template <class L> struct RoughConductorGgxBsdf : RoughConductorModel<L, GgxDistribution> {
+  static constexpr auto kKind = ClosureKind::kRoughConductorGgx;
+};
+
+}  // namespace sheaf

@@ -1,0 +1,92 @@
+// A rough boundary between two dielectrics (Walter et al., "Microfacet Models for Refraction through Rough Surfaces",
+// EGSR 2007). A visible facet is sampled, and its Fresnel term chooses between reflection and refraction. Light that
+// would meet a second facet is lost. Radiance that enters a medium is scaled by the squared relative index.
+//
+// Seen from below, everything is mirrored at the surface, so that wo is above it and the relative index inverted.
+#pragma once
+
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/microfacet.h"
+#include "kernels/fresnel.h"
+#include "scene/material.h"
+
+namespace sheaf {
+
+/// Refraction by facets is a density per solid angle only where the index changes: closer to 1 than this it is moved
+/// away. A matched boundary is better made of DielectricBsdf.
+inline constexpr float kMinIndexStep = 1e-3f;
+
+/// Distribution: GgxDistribution or BeckmannDistribution.
+template <class L, template <class> class Distribution> struct RoughDielectricModel : RoughDielectricParameters<L> {
+  static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
+
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
+    using F = Float<L>;
+    const F side = copysign(F(1.0f), wo.z), ior = relative_index(side);
+    const Vec3<L> o{wo.x, wo.y, wo.z * side}, i{wi.x, wi.y, wi.z * side};
+    const auto reflected = i.z > F(0.0f);
+    const Vec3<L> half = o + i * select(reflected, F(1.0f), ior);
+    const Vec3<L> m = normalize(half * copysign(F(1.0f), half.z));
+    const F cos_o = dot(o, m), cos_i = dot(i, m);
+    const F share = fresnel_dielectric<L>(cos_o, ior).reflectance;
+    const F pdf = pdf_solid_angle(o, m, cos_o, cos_i, ior, reflected) * select(reflected, share, F(1.0f) - share);
+    const auto valid = (cos_o > F(0.0f)) & select(reflected, cos_i > F(0.0f), cos_i < F(0.0f)) & (pdf > F(0.0f));
+    const F shadowing = abs(i.z) * facets().smith_g1_over_cos(i);
+    return {select<L>(valid, tint(reflected, ior) * (pdf * shadowing), Spectrum<L>(F(0.0f))), select(valid, pdf, F(0.0f))};
+  }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    using F = Float<L>;
+    const F side = copysign(F(1.0f), wo.z), ior = relative_index(side), inverse_ior = F(1.0f) / ior;
+    const Vec3<L> o{wo.x, wo.y, wo.z * side};
+    const Vec3<L> m = facets().sample_visible(o, u.y, u.z);
+    const F cos_o = min(dot(o, m), F(1.0f));
+    const auto fresnel = fresnel_dielectric<L>(cos_o, ior);
+    const auto reflected = u.x < fresnel.reflectance;
+    const F cos_i = select(reflected, cos_o, fresnel.cos_transmitted);
+    const F scale = select(reflected, F(1.0f), inverse_ior);
+    const Vec3<L> i = m * fma(cos_o, scale, cos_i) - o * scale;
+    const F pdf = pdf_solid_angle(o, m, cos_o, cos_i, ior, reflected) *
+                  select(reflected, fresnel.reflectance, F(1.0f) - fresnel.reflectance);
+    BsdfSample<L> s;
+    s.wi = {i.x, i.y, i.z * side};
+    s.weight = tint(reflected, ior) * (abs(i.z) * facets().smith_g1_over_cos(i));
+    s.pdf_solid_angle = pdf;
+    s.eta_scale = select(reflected, F(1.0f), ior * ior);
+    s.valid = (o.z > F(0.0f)) & (cos_o > F(0.0f)) & select(reflected, i.z > F(0.0f), i.z < F(0.0f)) & (pdf > F(0.0f)) &
+              is_finite(pdf);
+    return s;
+  }
+
+ private:
+  SHEAF_INLINE Distribution<L> facets() const { return {this->alpha_u, this->alpha_v}; }
+
+  /// Index of the far side over that of the near side.
+  SHEAF_INLINE Float<L> relative_index(Float<L> side) const {
+    using F = Float<L>;
+    const F ior = select(abs(this->eta - F(1.0f)) < F(kMinIndexStep), F(1.0f + kMinIndexStep), this->eta);
+    return select(side > F(0.0f), ior, F(1.0f) / ior);
+  }
+
+  /// Density of visible facets times the Jacobian of reflection or of refraction (Walter et al., equations 14 and 17).
+  SHEAF_INLINE Float<L> pdf_solid_angle(Vec3<L> o, Vec3<L> m, Float<L> cos_o, Float<L> cos_i, Float<L> ior,
+                                        Mask<L> reflected) const {
+    using F = Float<L>;
+    const F refraction = cos_o * abs(cos_i) * sqr(ior / fma(ior, cos_i, cos_o));
+    return facets().density(m) * facets().smith_g1_over_cos(o) * select(reflected, F(0.25f), refraction);
+  }
+
+  SHEAF_INLINE Spectrum<L> tint(Mask<L> reflected, Float<L> ior) const {
+    return select<L>(reflected, this->reflectance, this->transmittance * (Float<L>(1.0f) / (ior * ior)));
+  }
+};
+
+template <class L> struct RoughDielectricBeckmannBsdf : RoughDielectricModel<L, BeckmannDistribution> {
+  static constexpr auto kKind = ClosureKind::kRoughDielectricBeckmann;
+};
+
+template <class L> struct RoughDielectricGgxBsdf : RoughDielectricModel<L, GgxDistribution> {
+  static constexpr auto kKind = ClosureKind::kRoughDielectricGgx;
+};
+
+}  // namespace sheaf

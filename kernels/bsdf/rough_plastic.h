@@ -1,0 +1,77 @@
+// A diffuse base under a rough dielectric coat: PlasticBsdf with microfacet reflection, and with the transmittance of
+// the rough coat, averaged over the refracted directions, in place of that of a smooth one.
+//
+// The transmittance T over the cosine is a polynomial: T = t1 + t2 y + ... + t7 y^6 with
+// y = (1 + t0) cos / (cos + t0), where t0 widens the part near grazing directions in which T rises. scene/plastic.cpp
+// makes the fit.
+#pragma once
+
+#include "kernels/bsdf/microfacet.h"
+#include "kernels/bsdf/plastic.h"
+
+namespace sheaf {
+
+/// Distribution: GgxDistribution or BeckmannDistribution.
+template <class L, template <class> class Distribution> struct RoughPlasticModel : RoughPlasticParameters<L> {
+  static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
+
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
+    const Float<L> entering = coat_transmittance(wo.z);
+    return evaluate(wo, wi, entering, probability(entering));
+  }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    using F = Float<L>;
+    const F entering = coat_transmittance(wo.z), coat_probability = probability(entering);
+    const Vec3<L> m = facets().sample_visible(wo, u.y, u.z);
+    const Vec3<L> mirrored = m * (F(2.0f) * dot(wo, m)) - wo;
+    BsdfSample<L> s;
+    s.wi = select<L>(u.x < coat_probability, mirrored, square_to_cosine_hemisphere<L>(u.y, u.z));
+    const BsdfValue<L> value = evaluate(wo, s.wi, entering, coat_probability);
+    s.pdf_solid_angle = value.pdf_solid_angle;
+    s.valid = value.pdf_solid_angle > F(0.0f);
+    s.weight = value.f_cos * (F(1.0f) / select(s.valid, value.pdf_solid_angle, F(1.0f)));
+    s.eta_scale = F(1.0f);
+    return s;
+  }
+
+ private:
+  SHEAF_INLINE Distribution<L> facets() const { return {this->alpha, this->alpha}; }
+
+  /// Share of the light from a direction with this cosine that the coat lets in.
+  SHEAF_INLINE Float<L> coat_transmittance(Float<L> cosine) const {
+    using F = Float<L>;
+    const auto& t = this->transmittance;
+    const F c = abs(cosine), y = (F(1.0f) + t[0]) * c / (c + t[0]);
+    F sum = t[kTransmittanceTerms - 1];
+    for (int i = kTransmittanceTerms - 2; i > 0; --i) sum = fma(sum, y, t[i]);
+    return clamp(sum, F(0.0f), F(1.0f));
+  }
+
+  SHEAF_INLINE Float<L> probability(Float<L> entering) const {
+    return coat_probability<L>(Float<L>(1.0f) - entering, this->specular, this->diffuse);
+  }
+
+  /// `entering`, `coat_probability`: coat_transmittance(wo.z) and the probability of sampling the coat's facets.
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi, Float<L> entering, Float<L> coat_probability) const {
+    using F = Float<L>;
+    const auto coat = evaluate_reflection(facets(), wo, wi);
+    const F fresnel = fresnel_dielectric<L>(min(coat.cos_facet, F(1.0f)), this->eta).reflectance;
+    const F cosine_pdf = select(wo.z > F(0.0f), cosine_hemisphere_pdf_solid_angle(wi.z), F(0.0f));
+    const Spectrum<L> base =
+        coated_albedo<L>(this->diffuse, this->internal_reflectance, this->nonlinear, this->eta);
+    return {this->specular * (fresnel * coat.pdf_solid_angle * coat.shadowing) +
+                base * (entering * coat_transmittance(wi.z) * cosine_pdf),
+            lerp(coat_probability, cosine_pdf, coat.pdf_solid_angle)};
+  }
+};
+
+template <class L> struct RoughPlasticBeckmannBsdf : RoughPlasticModel<L, BeckmannDistribution> {
+  static constexpr auto kKind = ClosureKind::kRoughPlasticBeckmann;
+};
+
+template <class L> struct RoughPlasticGgxBsdf : RoughPlasticModel<L, GgxDistribution> {
+  static constexpr auto kKind = ClosureKind::kRoughPlasticGgx;
+};
+
+}  // namespace sheaf

@@ -1,0 +1,31 @@
+// A thin pane of a dielectric: specular reflection, and transmission straight through. Light that is reflected between
+// the two sides of the pane is summed up: 2 R / (1 + R) comes back in all (Stokes 1862), and none of it is displaced.
+#pragma once
+
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/fresnel.h"
+#include "scene/material.h"
+
+namespace sheaf {
+
+template <class L> struct ThinDielectricBsdf : DielectricParameters<L> {
+  static constexpr auto kKind = ClosureKind::kThinDielectric;
+  static constexpr bool kIsSpecular = true, kIsAnisotropic = false;
+
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    using F = Float<L>;
+    const F once = fresnel_dielectric<L>(abs(wo.z), this->eta).reflectance;
+    const auto reflected = u.x * (F(1.0f) + once) < once + once;
+    BsdfSample<L> s;
+    s.wi = {-wo.x, -wo.y, select(reflected, wo.z, -wo.z)};
+    s.weight = select<L>(reflected, this->reflectance, this->transmittance);
+    s.pdf_solid_angle = F(0.0f);
+    s.eta_scale = F(1.0f);
+    s.valid = wo.z != F(0.0f);
+    return s;
+  }
+};
+
+}  // namespace sheaf
