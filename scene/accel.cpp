@@ -1,6 +1,7 @@
 #include "scene/accel.h"
 
 #include "core/error.h"
+#include "scene/instance.h"
 #include "scene/quadric.h"
 #include "scene/scene.h"
 
@@ -14,6 +15,7 @@
 
 #include <atomic>
 #include <cstring>
+#include <vector>
 
 namespace sheaf {
 
@@ -36,6 +38,8 @@ struct Accel::Impl {
   std::atomic<std::ptrdiff_t> bytes{0};
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  const InstanceRow* instances = nullptr;  ///< null: there are none
+  std::uint32_t first_instance = 0;        ///< geometry id of the first
 
   ~Impl() {
     if (scene) rtcReleaseScene(scene);
@@ -104,7 +108,7 @@ void occluded_callback(const RTCOccludedFunctionNArguments* args) {
 RTCGeometry make_mesh(RTCDevice device, const AccelInput& in, const ShapeRow& shape, std::uint32_t vertex_count) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                             in.positions + 3 * std::size_t(shape.first_vertex), 0, 12, vertex_count);
+                             in.vertices + shape.first_vertex, 0, sizeof(VertexRow), vertex_count);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                              in.triangles + 3 * std::size_t(shape.first_triangle), 0, 12, shape.triangle_count);
   return geometry;
@@ -120,27 +124,95 @@ RTCGeometry make_quadric_geometry(RTCDevice device, const QuadricRow& row) {
   return geometry;
 }
 
+/// Builds a scene in the same way whatever machine it is on.
+void commit(RTCScene scene) {
+  const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, kBuildConcurrency);
+  tbb::task_arena arena(kBuildConcurrency);
+  arena.execute([scene] { rtcJoinCommitScene(scene); });
+}
+
+RTCScene make_scene(RTCDevice device, bool watertight) {
+  RTCScene scene = rtcNewScene(device);
+  if (watertight) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  return scene;
+}
+
+void attach(RTCScene scene, RTCGeometry geometry, std::uint32_t id) {
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(scene, geometry, id);
+  rtcReleaseGeometry(geometry);
+}
+
+/// Attaches shapes [first, first + count) with ids that count from 0: Embree's tables grow with the largest id.
+void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, ShapeRange range) {
+  for (std::uint32_t id = 0; id < range.shape_count; ++id) {
+    const std::uint32_t i = range.first_shape + id;
+    const ShapeRow& shape = in.shapes[i];
+    const bool mesh = static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh;
+    if (mesh && shape.triangle_count == 0) continue;
+    attach(scene,
+           mesh ? make_mesh(device, in, shape, in.vertex_counts[i])
+                : make_quadric_geometry(device, in.quadrics[shape.first_triangle]),
+           id);
+  }
+}
+
+/// Attaches all instances, with ids from `first_id` on.
+void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, std::uint32_t first_id) {
+  std::vector<RTCScene> groups;
+  for (std::uint32_t i = 0; i < in.group_count; ++i) {
+    groups.push_back(make_scene(device, in.watertight));
+    attach_shapes(device, groups.back(), in, in.groups[i]);
+    commit(groups.back());
+  }
+  for (std::uint32_t i = 0; i < in.instance_count; ++i) {
+    const InstanceRow& row = in.instances[i];
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, groups[row.group]);
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, row.to_world);
+    attach(scene, geometry, first_id + i);
+  }
+  for (RTCScene group : groups) rtcReleaseScene(group);  // their instances keep them
+}
+
+/// Embree tells shapes of a group by their place in it, and normals in the group's space.
+void resolve_instances(RayPacket& packet, int count, const InstanceRow* instances, std::uint32_t first_instance) {
+  using L = Wide;
+  for (int at = 0; at < count; at += L::width) {
+    Uint<L> shape, instance;
+    load(packet.shape + at, shape);
+    load(packet.instance + at, instance);
+    const auto instanced = L::first(count - at) & (shape != Uint<L>(kNone)) & (instance != Uint<L>(kNone));
+    const Uint<L> row = instance - Uint<L>(first_instance);
+    store(packet.instance + at, select(instanced, row, Uint<L>(kNone)));
+    if (!any(instanced)) continue;
+    const InstanceLanes<L> placed = load_instances<L>(instances, select(instanced, row, Uint<L>(0u)));
+    store(packet.shape + at, select(instanced, shape + placed.first_shape, shape));
+    Vec3<L> normal;
+    load(packet.normal_x + at, normal.x);
+    load(packet.normal_y + at, normal.y);
+    load(packet.normal_z + at, normal.z);
+    normal = select<L>(instanced, placed.normal(normal), normal);
+    store(packet.normal_x + at, normal.x);
+    store(packet.normal_y + at, normal.y);
+    store(packet.normal_z + at, normal.z);
+  }
+}
+
 }  // namespace
 
 Accel::Accel(const AccelInput& input) : impl_(std::make_unique<Impl>()) {
   impl_->device = rtcNewDevice(nullptr);
   if (!impl_->device) throw Error(ExitCode::kRuntime, "Embree cannot be started on this machine");
   rtcSetDeviceMemoryMonitorFunction(impl_->device, count_memory, &impl_->bytes);
-  impl_->scene = rtcNewScene(impl_->device);
-  if (input.watertight) rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
-  for (std::uint32_t i = 0; i < input.shape_count; ++i) {
-    const ShapeRow& shape = input.shapes[i];
-    const bool mesh = static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh;
-    if (mesh && shape.triangle_count == 0) continue;
-    RTCGeometry geometry = mesh ? make_mesh(impl_->device, input, shape, input.vertex_counts[i])
-                                : make_quadric_geometry(impl_->device, input.quadrics[shape.first_triangle]);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(impl_->scene, geometry, i);
-    rtcReleaseGeometry(geometry);
+  impl_->scene = make_scene(impl_->device, input.watertight);
+  attach_shapes(impl_->device, impl_->scene, input, {0, input.shape_count});
+  if (input.instance_count > 0) {
+    impl_->instances = input.instances;
+    impl_->first_instance = input.shape_count;
+    attach_instances(impl_->device, impl_->scene, input, input.shape_count);
   }
-  const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, kBuildConcurrency);
-  tbb::task_arena arena(kBuildConcurrency);
-  arena.execute([this] { rtcJoinCommitScene(impl_->scene); });
+  commit(impl_->scene);
   if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE)
     throw Error(ExitCode::kRuntime, "Embree could not build the acceleration structure");
 }
@@ -153,6 +225,7 @@ void Accel::intersect(RayPacket& packet, int count) const noexcept {
   rtcInitIntersectArguments(&args);
   args.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
   rtcIntersect16(kValid.masks[count], impl_->scene, reinterpret_cast<RTCRayHit16*>(&packet), &args);
+  if (impl_->instances) resolve_instances(packet, count, impl_->instances, impl_->first_instance);
 }
 
 void Accel::occluded(RayPacket& packet, int count) const noexcept {
@@ -167,6 +240,7 @@ void Accel::intersect(RayPacket& packet, int count) const noexcept {
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcIntersect16(kValid.masks[count], impl_->scene, &context, reinterpret_cast<RTCRayHit16*>(&packet));
+  if (impl_->instances) resolve_instances(packet, count, impl_->instances, impl_->first_instance);
 }
 
 void Accel::occluded(RayPacket& packet, int count) const noexcept {

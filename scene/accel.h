@@ -10,7 +10,9 @@
 namespace sheaf {
 
 struct ShapeRow;
+struct VertexRow;
 struct QuadricRow;
+struct InstanceRow;
 
 /// Rays per call.
 inline constexpr int kPacketWidth = 16;
@@ -29,22 +31,32 @@ struct alignas(64) RayPacket {
   float normal_x[kPacketWidth], normal_y[kPacketWidth], normal_z[kPacketWidth];  ///< geometric, any length
   float u[kPacketWidth], v[kPacketWidth];      ///< barycentric coordinates of the second and third vertex
   std::uint32_t primitive[kPacketWidth];       ///< triangle of the shape
-  std::uint32_t shape[kPacketWidth];           ///< kNone: no hit. intersect() wants it to be kNone on entry
-  std::uint32_t instance[kPacketWidth], instance_primitive[kPacketWidth];
+  std::uint32_t shape[kPacketWidth];     ///< kNone: no hit. intersect() wants it to be kNone on entry
+  std::uint32_t instance[kPacketWidth];  ///< row of the instance that was hit; kNone: the shape is in no group
+  std::uint32_t instance_primitive[kPacketWidth];
 
   /// Fills what does not change from packet to packet.
   RayPacket();
 };
 
+/// The shapes of a group: `shape_count` rows of AccelInput::shapes.
+struct ShapeRange {
+  std::uint32_t first_shape, shape_count;
+};
+
 /// The geometry tables that Embree is to index; they must outlive the Accel.
 struct AccelInput {
   const ShapeRow* shapes;
-  std::uint32_t shape_count;
-  const float* positions;  ///< readable one row beyond the last vertex
+  std::uint32_t shape_count;  ///< those that are in no group; the groups' shapes follow them
+  const VertexRow* vertices;
   const std::uint32_t* triangles;
   const QuadricRow* quadrics;
   const std::uint32_t* vertex_counts;  ///< per shape
   bool watertight;  ///< see CompileOptions::watertight
+  const ShapeRange* groups;  ///< none of them empty
+  std::uint32_t group_count;
+  const InstanceRow* instances;
+  std::uint32_t instance_count;
 };
 
 /// A built acceleration structure. Const and safe to query from many threads. Results are the same bits whoever shares

@@ -46,6 +46,10 @@ class LineIndex {
   std::vector<std::size_t> line_ends_;
 };
 
+template <class Range> std::size_t count(const Range& range) {
+  return static_cast<std::size_t>(std::distance(range.begin(), range.end()));
+}
+
 struct Converter {
   std::string file;
   LineIndex lines;
@@ -61,19 +65,22 @@ struct Converter {
     throw SceneError(place, "unexpected text " + in_quotes(word) + " inside <" + node.parent().name() + ">");
   }
 
-  XmlElement convert(const pugi::xml_node& node, int depth) const {
+  /// Takes the children of `node` out of pugixml's tree, so that a large scene is not held twice.
+  XmlElement convert(pugi::xml_node node, int depth) const {
     XmlElement element;
     element.name = node.name();
     element.where = where(node);
     if (depth > kMaxDepth)
       throw SceneError(element.where, "elements are nested deeper than " + std::to_string(kMaxDepth) + " levels");
+    element.attributes.reserve(count(node.attributes()));
     for (const pugi::xml_attribute& attribute : node.attributes()) {
       if (element.find_attribute(attribute.name()) != nullptr)
         throw SceneError(element.where, "attribute " + in_quotes(attribute.name()) + " is given twice");
       if (element.attributes.size() == kMaxAttributes) throw SceneError(element.where, "too many attributes");
       element.attributes.push_back({attribute.name(), attribute.value()});
     }
-    for (const pugi::xml_node& child : node.children()) {
+    element.children.reserve(count(node.children()));
+    for (pugi::xml_node child; (child = node.first_child()); node.remove_child(child)) {
       if (child.type() == pugi::node_element) {
         element.children.push_back(convert(child, depth + 1));
       } else if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) {
@@ -110,11 +117,11 @@ void XmlElement::expect_attributes(std::initializer_list<const char*> allowed) c
 }
 
 XmlElement read_xml(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
+  std::string text = read_text(file);
   const Converter converter{file.string(), LineIndex(text)};
   pugi::xml_document document;
   const pugi::xml_parse_result result =
-      document.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
+      document.load_buffer_inplace(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
   if (result.status == pugi::status_no_document_element)
     throw SceneError(SourceLocation{converter.file, 1}, "the file holds no XML element, expected <scene>");
   if (!result)

@@ -21,6 +21,11 @@ bool is_name_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
 
+/// Whether an element stands for something else than itself.
+bool is_directive(const XmlElement& element) {
+  return element.name == "default" || element.name == "path" || element.name == "alias" || element.name == "include";
+}
+
 /// `base / name` if that is something on disk, also with backslashes read as slashes.
 fs::path existing(const fs::path& base, const std::string& name) {
   std::error_code error;
@@ -131,14 +136,21 @@ struct ExpandedScene::Expansion {
     } else {
       children.push_back(std::move(included));
     }
-    expand_children(std::move(children), include_depth + 1, out);
+    expand(children, include_depth + 1);
+    out.reserve(out.size() + children.size());
+    std::move(children.begin(), children.end(), std::back_inserter(out));
   }
 
-  void expand_children(std::vector<XmlElement> children, int include_depth, std::vector<XmlElement>& out) {
+  /// Replaces the children of an element by what they mean.
+  void expand(std::vector<XmlElement>& children, int include_depth) {
+    const bool in_place = std::none_of(children.begin(), children.end(), is_directive);
+    std::vector<XmlElement> out;
     for (XmlElement& child : children) {
       if (++elements > kMaxElements) throw SceneError(child.where, "more than 20 million elements");
       for (XmlAttribute& attribute : child.attributes) substitute(attribute.value, child.where);
-      if (child.name == "default") {
+      if (in_place) {
+        expand(child.children, include_depth);
+      } else if (child.name == "default") {
         define_default(child);
       } else if (child.name == "path") {
         add_path(child);
@@ -147,12 +159,11 @@ struct ExpandedScene::Expansion {
       } else if (child.name == "include") {
         include(child, include_depth, out);
       } else {
-        std::vector<XmlElement> inner;
-        expand_children(std::move(child.children), include_depth, inner);
-        child.children = std::move(inner);
+        expand(child.children, include_depth);
         out.push_back(std::move(child));
       }
     }
+    if (!in_place) children = std::move(out);
   }
 };
 
@@ -161,9 +172,7 @@ ExpandedScene::ExpandedScene(const fs::path& file, const std::vector<std::pair<s
   root_ = read_xml(file);
   Expansion expansion{*this, {}, {}};
   for (const auto& [name, value] : defines) expansion.parameters[name] = value;
-  std::vector<XmlElement> children;
-  expansion.expand_children(std::move(root_.children), 0, children);
-  root_.children = std::move(children);
+  expansion.expand(root_.children, 0);
   const std::vector<std::string> known(expansion.read.begin(), expansion.read.end());
   for (const auto& define : defines)
     if (expansion.read.count(define.first) == 0)

@@ -95,7 +95,7 @@ namespace {
 void check_quadric(ShapeKind kind, const Scene& scene, const Transform& to_world, bool flip) {
   const SceneView view = scene.view();
   int hits = 0;
-  double worst_p = 0, worst_n = 0, worst_uv = 0, worst_tangent = 0;
+  double worst_p = 0, worst_n = 0, worst_uv = 0, worst_du = 0, worst_dv = 0;
   for (std::uint32_t i = 0; i < 2000; ++i) {
     const Ray ray = random_ray(i);
     const auto hit = trace_ray(view, ray.origin, ray.direction);
@@ -107,11 +107,15 @@ void check_quadric(ShapeKind kind, const Scene& scene, const Transform& to_world
     const Vec3f n = kind == ShapeKind::kDisk ? Vec3f{0, 0, 1} : kind == ShapeKind::kSphere ? x : Vec3f{x.x, x.y, 0};
     worst_n = std::max(worst_n, record_difference<Vec3>(y.ng, normalize(to_world.normal(n)) * (flip ? -1.0f : 1.0f)));
     worst_uv = std::max(worst_uv, double(length(to_world.point(canonical_at(kind, y.uv)) - y.p)));
-    // The tangent is the derivative of the position along u, up to its length.
     constexpr float kStep = 1e-3f;
-    const Vec3f ahead = to_world.point(canonical_at(kind, {y.uv.x + kStep, y.uv.y}));
-    const Vec3f behind = to_world.point(canonical_at(kind, {y.uv.x - kStep, y.uv.y}));
-    worst_tangent = std::max(worst_tangent, record_difference<Vec3>(normalize(y.dp_du), normalize(ahead - behind)));
+    const auto derivative = [&](Vec2f step) {
+      const Vec3f ahead = to_world.point(canonical_at(kind, {y.uv.x + step.x, y.uv.y + step.y}));
+      const Vec3f behind = to_world.point(canonical_at(kind, {y.uv.x - step.x, y.uv.y - step.y}));
+      return (ahead - behind) * (0.5f / kStep);
+    };
+    const Vec3f du = derivative({kStep, 0}), dv = derivative({0, kStep});
+    worst_du = std::max(worst_du, double(length(y.dp_du - du) / length(du)));
+    worst_dv = std::max(worst_dv, double(length(y.dp_dv - dv) / length(dv)));
     CHECK(y.ns == y.ng);
     CHECK(y.uv.x >= 0.0f);
     CHECK(y.uv.x <= 1.0f);
@@ -120,7 +124,8 @@ void check_quadric(ShapeKind kind, const Scene& scene, const Transform& to_world
   CHECK(worst_p < 1e-5);
   CHECK(worst_n < 1e-4);
   CHECK(worst_uv < 2e-4);
-  CHECK(worst_tangent < 5e-3);
+  CHECK(worst_du < 5e-3);
+  CHECK(worst_dv < 5e-3);
 }
 
 }  // namespace
@@ -142,8 +147,11 @@ TEST_CASE("shape: quadrics have tangents at their poles, axes and centres") {
     REQUIRE(hit.has_value());
     const auto y = surface_at(scene->view(), {0, 0, 5}, {0, 0, -1}, *hit);
     CHECK(is_finite(y.dp_du));
-    CHECK(length(y.dp_du) > 0.5f);
-    CHECK(std::fabs(dot(y.dp_du, y.ng)) < 1e-6f);
+    for (const Vec3f tangent : {y.dp_du, y.dp_dv}) {
+      CHECK(length(tangent) > 0);
+      CHECK(length(normalize(tangent)) == doctest::Approx(1));
+      CHECK(std::fabs(dot(normalize(tangent), y.ng)) < 1e-5f);
+    }
     CHECK(is_finite(y.uv.x));
   }
 }
@@ -182,6 +190,9 @@ TEST_CASE("shape: meshes interpolate positions, normals and uv, and their tangen
     const Vec2f a = mesh.uvs[t[0]], c = mesh.uvs[t[1]], d = mesh.uvs[t[2]];
     CHECK(s1 * (c.x - a.x) + s2 * (d.x - a.x) == doctest::Approx(1).epsilon(1e-4));
     CHECK(std::fabs(s1 * (c.y - a.y) + s2 * (d.y - a.y)) < 1e-4f);
+    const float r1 = dot(cross(y.dp_dv, e2), n2) / dot(n2, n2), r2 = dot(cross(e1, y.dp_dv), n2) / dot(n2, n2);
+    CHECK(std::fabs(r1 * (c.x - a.x) + r2 * (d.x - a.x)) < 1e-4f);
+    CHECK(r1 * (c.y - a.y) + r2 * (d.y - a.y) == doctest::Approx(1).epsilon(1e-4));
   }
   CHECK(hits > 100);
 }
@@ -233,15 +244,16 @@ TEST_CASE("shape: registers equal single values, kinds mixed") {
     const auto hit = wide_record<Vec3>([&](int lane) { return kPlace.point(random_direction(64, at(lane)) * 0.9f); });
     const WideFloat u = wide_random(65, i).x * WideFloat(0.5f), v = wide_random(65, i).y * WideFloat(0.5f);
     const auto primitive = [&](int lane) { return static_cast<std::uint32_t>(lane) % 2; };
-    const auto wide = surface_point<Wide, true>(view, load_shapes<Wide>(view, wide_uints(shape_of)), wide_uints(primitive), u, v, hit);
+    const auto wide = surface_point<Wide, true>(view, load_shapes<Wide>(view, wide_uints(shape_of)), wide_uints(primitive), u, v, hit, WideUint(kNone));
     for (int lane = 0; lane < kWidth; ++lane) {
       const auto one = surface_point<Scalar, true>(view, load_shapes<Scalar>(view, shape_of(lane)), primitive(lane), u[lane],
-                                                   v[lane], lane_record(hit, lane));
+                                                   v[lane], lane_record(hit, lane), kNone);
       worst = std::max({worst, record_difference<Vec3>(lane_record(wide.p, lane), one.p),
                         record_difference<Vec3>(lane_record(wide.ng, lane), one.ng),
                         record_difference<Vec3>(lane_record(wide.ns, lane), one.ns),
                         record_difference<Vec2>(lane_record(wide.uv, lane), one.uv),
-                        record_difference<Vec3>(lane_record(wide.dp_du, lane), one.dp_du),
+                        record_difference<Vec3>(lane_record(wide.dp_du, lane), one.dp_du) / (1 + length(one.dp_du)),
+                        record_difference<Vec3>(lane_record(wide.dp_dv, lane), one.dp_dv) / (1 + length(one.dp_dv)),
                         std::fabs(wide.offset[lane] / double(one.offset) - 1)});
     }
   }
@@ -256,7 +268,7 @@ ChiSquare target_uv_test(const Scene& scene, const std::function<double(double, 
   const auto shape = load_shapes<Scalar>(view, 0);
   const auto sample = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
     const auto s = sample_light<Scalar>(view, {0, 0, 0}, u);
-    const auto y = surface_point<Scalar, true>(view, shape, 0, 0, 0, s.target);
+    const auto y = surface_point<Scalar, true>(view, shape, 0, 0, 0, s.target, kNone);
     return std::array<double, 2>{y.uv.x, y.uv.y};
   };
   return chi_square_plane(sample, density, {0, 1, 0, 1, 16, 16}, 50000);

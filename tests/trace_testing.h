@@ -10,7 +10,7 @@ namespace sheaf {
 /// What a ray hit.
 struct TracedHit {
   float t, u, v;
-  std::uint32_t primitive, shape;
+  std::uint32_t primitive, shape, instance;
 };
 
 /// The nearest hit with t in (t_near, t_far).
@@ -28,13 +28,15 @@ inline std::optional<TracedHit> trace_ray(const SceneView& scene, Vec3f origin, 
   packet.shape[0] = kNone;
   scene.accel->intersect(packet, 1);
   if (packet.shape[0] == kNone) return std::nullopt;
-  return TracedHit{packet.t_far[0], packet.u[0], packet.v[0], packet.primitive[0], packet.shape[0]};
+  return TracedHit{packet.t_far[0], packet.u[0], packet.v[0], packet.primitive[0], packet.shape[0],
+                   packet.instance[0]};
 }
 
 /// The surface at a hit of trace_ray().
 inline SurfacePoint<Scalar> surface_at(const SceneView& scene, Vec3f origin, Vec3f direction, const TracedHit& hit) {
   const auto shape = load_shapes<Scalar>(scene, hit.shape);
-  return surface_point<Scalar, true>(scene, shape, hit.primitive, hit.u, hit.v, origin + direction * hit.t);
+  return surface_point<Scalar, true>(scene, shape, hit.primitive, hit.u, hit.v, origin + direction * hit.t,
+                                     hit.instance);
 }
 
 }  // namespace sheaf

@@ -1,0 +1,85 @@
+// Instances of shape groups: their rows, and their transforms, generic in the lane.
+#pragma once
+
+#include "core/vec.h"
+#include "scene/scene.h"
+
+namespace sheaf {
+
+/// The row for an instance of a group. Throws SceneError if the transform is not usable; see is_usable_instance().
+InstanceRow make_instance(const std::array<float, 12>& to_world, std::uint32_t first_shape, std::uint32_t group);
+
+/// Whether single precision can take rays through the transform (rows of a 3x4 matrix) and back: no entry of its
+/// linear part nor of the inverse of that is beyond kLargestInstanceScale, and the translation is finite.
+bool is_usable_instance(const std::array<float, 12>& to_world);
+inline constexpr double kLargestInstanceScale = 1e9;
+
+struct InstanceBounds {
+  Vec3f lower, upper;
+};
+
+/// World-space bounds of what lies in [lower, upper] of the group's space.
+InstanceBounds instance_bounds(const InstanceRow& row, Vec3f lower, Vec3f upper);
+
+/// Reads four words per lane from base + index[lane]. The table must be readable three words beyond its last row.
+template <class L> SHEAF_INLINE void gather_row4(const float* base, typename L::Uint index, typename L::Float* out) {
+  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
+  store(lanes, index);
+  const float* rows[L::width];
+  for (int lane = 0; lane < L::width; ++lane) rows[lane] = base + lanes[lane];
+  load_rows4(rows, out);
+}
+
+/// An InstanceRow's transform M with the cofactors of its linear part, a lane each. The inverse is kept nowhere: the
+/// rows of cofactors over the determinant are the columns of it.
+template <class L> struct InstanceLanes {
+  Vec3<L> rows[3];           ///< of the linear part of M
+  Vec3<L> translation;
+  Vec3<L> cofactors[3];      ///< rows of det(M) M^-T
+  typename L::Float determinant;
+  typename L::Uint first_shape;
+
+  SHEAF_INLINE Vec3<L> vector(Vec3<L> v) const { return {dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)}; }
+  SHEAF_INLINE Vec3<L> point(Vec3<L> p) const { return vector(p) + translation; }
+  /// By the inverse transpose, times |det M|; not normalised.
+  SHEAF_INLINE Vec3<L> normal(Vec3<L> n) const {
+    const Vec3<L> turned{dot(cofactors[0], n), dot(cofactors[1], n), dot(cofactors[2], n)};
+    return turned * copysign(typename L::Float(1.0f), determinant);
+  }
+  SHEAF_INLINE Vec3<L> object_point(Vec3<L> p) const {
+    const Vec3<L> d = p - translation;
+    return (cofactors[0] * d.x + cofactors[1] * d.y + cofactors[2] * d.z) / determinant;
+  }
+  /// point() with the absolute value of every term.
+  SHEAF_INLINE Vec3<L> absolute_point(Vec3<L> p) const {
+    const Vec3<L> q = abs(p);
+    return Vec3<L>{dot(abs(rows[0]), q), dot(abs(rows[1]), q), dot(abs(rows[2]), q)} + abs(translation);
+  }
+  /// The inverse times |det M|, applied to a vector without negative components, with the absolute value of every term.
+  SHEAF_INLINE Vec3<L> absolute_cofactors(Vec3<L> v) const {
+    const Vec3<L> r[3] = {abs(rows[0]), abs(rows[1]), abs(rows[2])};
+    return absolute_cross(r[1], r[2]) * v.x + absolute_cross(r[2], r[0]) * v.y + absolute_cross(r[0], r[1]) * v.z;
+  }
+
+ private:
+  static SHEAF_INLINE Vec3<L> absolute_cross(Vec3<L> a, Vec3<L> b) {
+    return {a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x};
+  }
+};
+
+template <class L> SHEAF_INLINE InstanceLanes<L> load_instances(const InstanceRow* table, typename L::Uint instance) {
+  static_assert(sizeof(InstanceRow) == 16 * sizeof(float));
+  const auto* base = reinterpret_cast<const float*>(table);
+  const auto row = instance * typename L::Uint(16u);
+  typename L::Float w[16];
+  for (int k = 0; k < 16; k += 4) gather_row4<L>(base + k, row, w + k);
+  InstanceLanes<L> out;
+  for (int i = 0; i < 3; ++i) out.rows[i] = {w[4 * i], w[4 * i + 1], w[4 * i + 2]};
+  out.translation = {w[3], w[7], w[11]};
+  for (int i = 0; i < 3; ++i) out.cofactors[i] = cross(out.rows[(i + 1) % 3], out.rows[(i + 2) % 3]);
+  out.determinant = w[12];
+  out.first_shape = float_bits(w[13]);
+  return out;
+}
+
+}  // namespace sheaf
