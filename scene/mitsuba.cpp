@@ -24,8 +24,9 @@ void expect_referenced(const XmlElement& element, const char* place, const ReadC
 }
 
 [[noreturn]] void fail_unknown(const XmlElement& element) {
-  const std::vector<std::string> known = {"sensor",  "shape",    "bsdf", "emitter", "integrator", "film", "sampler",
-                                          "rfilter", "spectrum", "rgb",  "default", "include",    "path", "alias"};
+  const std::vector<std::string> known = {"sensor",  "shape",   "bsdf",     "texture", "emitter",
+                                          "integrator", "film", "sampler",  "rfilter", "spectrum",
+                                          "rgb",     "default", "include",  "path",    "alias"};
   throw SceneError(element.where,
                    "unknown element <" + element.name + "> in a Mitsuba scene" + did_you_mean(element.name, known));
 }
@@ -38,6 +39,7 @@ bool is_spectrum(const XmlElement& e) {
 
 void read_mitsuba(ReadContext& context) {
   const XmlElement& root = context.scene.root();
+  context.read_texture = mitsuba::texture_of;
   mitsuba::Reader reader{context, is_before_version_2(root)};
   const XmlElement* sensor = nullptr;
   const XmlElement* integrator = nullptr;
@@ -47,6 +49,8 @@ void read_mitsuba(ReadContext& context) {
       mitsuba::read_shape(child, reader);
     } else if (kind == "bsdf") {
       mitsuba::material_of(child, reader);
+    } else if (kind == "texture") {
+      if (!context.scene.is_referenced(child)) mitsuba::texture_of(child, context);
     } else if (kind == "emitter") {
       mitsuba::read_emitter(child, reader);
     } else if (kind == "sensor") {
@@ -65,7 +69,7 @@ void read_mitsuba(ReadContext& context) {
       expect_referenced(child, "inside a <film>", context);
     } else if (is_spectrum(child)) {
       expect_referenced(child, "inside an object", context);
-    } else if (kind == "texture" || kind == "medium" || kind == "phase" || kind == "volume" || kind == "subsurface") {
+    } else if (kind == "medium" || kind == "phase" || kind == "volume" || kind == "subsurface") {
       fail_unsupported(child);
     } else if (kind == "ref") {
       throw SceneError(child.where, "<ref> at the top level: the object it refers to is in the scene already");

@@ -18,6 +18,8 @@ struct Reader {
 
 /// The material of a <bsdf>; each element is read once, however often it is referred to.
 MaterialId material_of(const XmlElement& bsdf, Reader& reader);
+/// A TextureReader.
+SpectrumInput texture_of(const XmlElement& element, ReadContext& context);
 /// Appends a shape with its material and area light.
 void read_shape(const XmlElement& element, Reader& reader);
 /// Appends a light that is not on a shape.

@@ -1,18 +1,28 @@
 // The Mitsuba dialect: shapes and emitters.
 #include "scene/mitsuba.h"
 
+#include <limits>
+
 namespace sheaf::mitsuba {
 
 namespace {
 
 MeshFileShape read_mesh_file(Properties& p, ShapeDescription& shape) {
   MeshFileShape mesh;
-  mesh.format = p.type() == "ply" ? MeshFileShape::Format::kPly : MeshFileShape::Format::kObj;
+  using Format = MeshFileShape::Format;
+  mesh.format = p.type() == "ply" ? Format::kPly : p.type() == "serialized" ? Format::kSerialized : Format::kObj;
   mesh.file = p.file("filename");
-  mesh.flip_tex_coords = p.boolean("flip_tex_coords", mesh.format == MeshFileShape::Format::kObj);
   shape.face_normals = p.boolean("face_normals", false);
+  if (mesh.format == Format::kSerialized) {
+    mesh.flip_tex_coords = false;
+    mesh.shape_index = p.integer("shape_index", 0, 0, std::numeric_limits<int>::max());
+  } else {
+    mesh.flip_tex_coords = p.boolean("flip_tex_coords", mesh.format == Format::kObj);
+  }
+  if (p.find_number("max_smooth_angle"))
+    p.context().note(p.where(), "'max_smooth_angle' is not used: normals are as 'face_normals' and the file say");
   p.accept({"collapse"});
-  if (mesh.format == MeshFileShape::Format::kPly) p.accept({"srgb"});
+  if (mesh.format == Format::kPly) p.accept({"srgb"});
   return mesh;
 }
 
@@ -27,7 +37,7 @@ CylinderShape read_cylinder(Properties& p) {
 
 void read_geometry(Properties& p, ShapeDescription& shape) {
   const std::string& type = p.type();
-  if (type == "obj" || type == "ply") {
+  if (type == "obj" || type == "ply" || type == "serialized") {
     shape.geometry = read_mesh_file(p, shape);
   } else if (type == "sphere") {
     const Vec3f center = p.vec3("center", {0, 0, 0});
@@ -41,7 +51,7 @@ void read_geometry(Properties& p, ShapeDescription& shape) {
   } else if (type == "cylinder") {
     shape.geometry = read_cylinder(p);
   } else {
-    p.fail_plugin({"cube", "cylinder", "disk", "obj", "ply", "rectangle", "sphere"});
+    p.fail_plugin({"cube", "cylinder", "disk", "obj", "ply", "rectangle", "serialized", "sphere"});
   }
 }
 
@@ -68,6 +78,7 @@ MaterialId black_material(Reader& reader) {
 }  // namespace
 
 void read_shape(const XmlElement& element, Reader& reader) {
+  if (read_instancing(element, reader.context, [&](const XmlElement& e) { read_shape(e, reader); })) return;
   Properties p(element, reader.context);
   ShapeDescription shape;
   shape.where = element.where;

@@ -1,6 +1,6 @@
 // The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator, rfilter; camelCase names; no references.
-#include "scene/dialects.h"
 #include "scene/integrator_name.h"
+#include "scene/nori.h"
 
 #include <numbers>
 
@@ -86,27 +86,6 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
   p.finish();
 }
 
-MaterialId read_bsdf(const XmlElement& element, ReadContext& context) {
-  Properties p(element, context);
-  MaterialDescription material;
-  material.where = element.where;
-  if (p.type() == "diffuse") {
-    material.model =
-        DiffuseDescription{p.spectrum("albedo", SpectrumDescription::constant(0.5f), SpectrumRole::kReflectance)};
-  } else if (p.type() == "mirror") {
-    material.model = ConductorDescription{};
-  } else if (p.type() == "dielectric") {
-    DielectricDescription dielectric;
-    dielectric.int_ior = p.number("intIOR", dielectric.int_ior, kPositive);
-    dielectric.ext_ior = p.number("extIOR", dielectric.ext_ior, kPositive);
-    material.model = dielectric;
-  } else {
-    p.fail_plugin({"dielectric", "diffuse", "mirror"});
-  }
-  p.finish();
-  return add_material(context, std::move(material));
-}
-
 SpectrumDescription read_area_emitter(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   if (p.type() != "area") p.fail_plugin({"area"});
@@ -116,6 +95,7 @@ SpectrumDescription read_area_emitter(const XmlElement& element, ReadContext& co
 }
 
 void read_mesh(const XmlElement& element, ReadContext& context) {
+  if (read_instancing(element, context, [&](const XmlElement& e) { read_mesh(e, context); })) return;
   Properties p(element, context);
   ShapeDescription shape;
   shape.where = element.where;
@@ -128,7 +108,7 @@ void read_mesh(const XmlElement& element, ReadContext& context) {
     p.fail_plugin({"obj", "sphere"});
   }
   shape.to_world = p.transform("toWorld");
-  if (const XmlElement* bsdf = p.object("bsdf")) shape.material = read_bsdf(*bsdf, context);
+  if (const XmlElement* bsdf = p.object("bsdf")) shape.material = nori::read_bsdf(*bsdf, context);
   if (const XmlElement* emitter = p.object("emitter")) shape.radiance = read_area_emitter(*emitter, context);
   p.finish();
   context.description.shapes.push_back(std::move(shape));
@@ -176,6 +156,7 @@ void read_emitter(const XmlElement& element, ReadContext& context) {
 }  // namespace
 
 void read_nori(ReadContext& context) {
+  context.read_texture = nori::texture_of;
   const XmlElement* camera = nullptr;
   const XmlElement* sampler = nullptr;
   const XmlElement* integrator = nullptr;

@@ -1,6 +1,8 @@
 // Typed access to the properties of an object.
 #include "scene/properties.h"
 
+#include "core/color.h"
+#include "scene/read_spectrum.h"
 #include "scene/xml_values.h"
 
 #include <algorithm>
@@ -11,7 +13,7 @@ namespace {
 
 const std::vector<std::string> kPropertyTags = {"float",     "integer",   "boolean", "string", "point",
                                                 "vector",    "rgb",       "srgb",    "color",  "spectrum",
-                                                "blackbody", "transform", "texture"};
+                                                "blackbody", "transform", "texture", "point2", "vector2"};
 const std::vector<std::string> kObjectTags = {"sensor",     "camera", "film",   "sampler",    "rfilter",
                                               "integrator", "shape",  "mesh",   "bsdf",       "emitter",
                                               "medium",     "phase",  "volume", "subsurface", "test"};
@@ -22,6 +24,10 @@ bool contains(const std::vector<std::string>& list, const std::string& name) {
 }
 
 bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
+
+bool is_inside(double number, NumberRange range) {
+  return range.open ? number > range.low && number < range.high : number >= range.low && number <= range.high;
+}
 
 std::string range_text(NumberRange range) {
   auto shown = [](double v) {
@@ -41,89 +47,6 @@ std::string joined(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
-}
-
-/// A spectrum given as a plugin: <spectrum type="...">.
-SpectrumDescription read_spectrum_plugin(const XmlElement& element, ReadContext& context) {
-  Properties p(element, context);
-  auto list = [&](const char* name) {
-    const std::optional<std::string> text = p.find_string(name);
-    if (!text) p.fail("needs the string '" + std::string(name) + "'");
-    return parse_floats(*text, p.where(), name);
-  };
-  SpectrumDescription result;
-  if (p.type() == "uniform") {
-    result = SpectrumDescription::constant(p.number("value", 1));
-    p.accept({"wavelength_min", "wavelength_max"});
-  } else if (p.type() == "d65") {
-    result = SpectrumDescription::constant(p.number("scale", 1, kNotNegative));
-  } else if (p.type() == "srgb") {
-    const std::optional<SpectrumDescription> color = p.find_spectrum("color", SpectrumRole::kIor);
-    if (!color) p.fail("needs the property 'color'");
-    result = *color;
-  } else if (p.type() == "blackbody") {
-    const std::optional<float> temperature = p.find_number("temperature", kPositive);
-    if (!temperature) p.fail("needs the float 'temperature' (kelvin)");
-    result.value = SpectrumDescription::Blackbody{*temperature, p.number("scale", 1, kNotNegative)};
-    p.accept({"wavelength_min", "wavelength_max"});
-  } else if (p.type() == "irregular") {
-    result.value = SpectrumDescription::Table{list("wavelengths"), list("values")};
-  } else if (p.type() == "regular") {
-    SpectrumDescription::Table table{{}, list("values")};
-    const float low = p.number("wavelength_min", 360, kPositive), high = p.number("wavelength_max", 830, kPositive);
-    const std::size_t n = table.values.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      const float t = n > 1 ? static_cast<float>(i) / static_cast<float>(n - 1) : 0.0f;
-      table.wavelengths.push_back((1 - t) * low + t * high);
-    }
-    result.value = std::move(table);
-  } else {
-    p.fail_plugin({"blackbody", "d65", "irregular", "regular", "srgb", "uniform"});
-  }
-  p.finish();
-  if (const auto* table = std::get_if<SpectrumDescription::Table>(&result.value)) check_table(*table, element.where);
-  return result;
-}
-
-SpectrumDescription read_blackbody(const XmlElement& element) {
-  element.expect_attributes({"name", "id", "temperature", "scale"});
-  std::string_view kelvin = element.attribute("temperature");
-  if (!kelvin.empty() && (kelvin.back() == 'K' || kelvin.back() == 'k')) kelvin.remove_suffix(1);
-  SpectrumDescription::Blackbody result;
-  result.temperature = parse_float(kelvin, element.where, "temperature");
-  if (const std::string* scale = element.find_attribute("scale"))
-    result.scale = parse_float(*scale, element.where, "scale");
-  if (!(result.temperature > 0)) throw SceneError(element.where, "the temperature of <blackbody> must be positive");
-  if (!(result.scale >= 0)) throw SceneError(element.where, "the scale of <blackbody> must not be negative");
-  return {result};
-}
-
-SpectrumDescription read_spectrum(const XmlElement& element, ReadContext& context) {
-  if (element.name == "blackbody") return read_blackbody(element);
-  if (element.name == "spectrum" && element.find_attribute("type") != nullptr)
-    return read_spectrum_plugin(element, context);
-  element.expect_attributes({"name", "id", "value", element.name == "spectrum" ? "filename" : "value"});
-  const std::string* file = element.find_attribute("filename");
-  if (file != nullptr) {
-    if (element.find_attribute("value") != nullptr)
-      throw SceneError(element.where, "<spectrum> has both 'value' and 'filename'");
-    return {read_spd(context.scene.find_file(*file, element.where))};
-  }
-  const std::string& text = element.attribute("value");
-  if (element.name == "spectrum") return parse_spectrum_text(text, element.where);
-  if (element.name == "rgb" || element.name == "color")
-    return {SpectrumDescription::Rgb{parse_rgb(text, element.where)}};
-  if (element.name == "srgb") return {SpectrumDescription::Rgb{parse_srgb(text, element.where)}};
-  return SpectrumDescription::constant(parse_float(text, element.where, element.name));
-}
-
-/// Mitsuba takes a constant <spectrum> of an emitter as the same power at every wavelength, which is not white:
-/// constants written as rgb or float, and `d65`, are relative to D65.
-void make_equal_energy(const XmlElement& element, SpectrumDescription& spectrum) {
-  const auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value);
-  const std::string* type = element.find_attribute("type");
-  if (constant == nullptr || (type != nullptr && *type != "uniform")) return;
-  spectrum.value = SpectrumDescription::Table{{360, 830}, {constant->value, constant->value}};
 }
 
 }  // namespace
@@ -167,7 +90,8 @@ void Properties::add(const XmlElement& child) {
     target = &context_.scene.find(child.attribute("id"), child.where);
   }
   const std::string* name = child.find_attribute("name");
-  if (contains(kObjectTags, target->name)) {
+  const bool nameless = name == nullptr || name->empty();
+  if (contains(kObjectTags, target->name) || (target->name == "texture" && nameless)) {
     entries_.push_back({"", name != nullptr ? *name : "", &child, target});
     return;
   }
@@ -178,7 +102,7 @@ void Properties::add(const XmlElement& child) {
     throw SceneError(child.where,
                      "unknown element <" + target->name + "> in " + title() + did_you_mean(target->name, known));
   }
-  if (name == nullptr || name->empty())
+  if (nameless)
     throw SceneError(child.where, "<" + child.name + "> in " + title() + " needs an attribute 'name'");
   const std::string key = snake_case(*name);
   for (const Entry& entry : entries_)
@@ -216,6 +140,11 @@ bool Properties::has(const char* name) {
   return find(name) != nullptr;
 }
 
+bool Properties::is_texture(const char* name) {
+  const Entry* entry = find(name);
+  return entry != nullptr && entry->target->name == "texture";
+}
+
 bool Properties::is_string(const char* name) {
   const Entry* entry = find(name);
   return entry != nullptr && entry->target->name == "string";
@@ -225,9 +154,7 @@ std::optional<float> Properties::find_number(const char* name, NumberRange range
   const std::string* text = value(name, {"float", "integer"});
   if (text == nullptr) return std::nullopt;
   const float number = parse_float(*text, find(name)->target->where, "property " + in_quotes(find(name)->name));
-  const bool inside =
-      range.open ? number > range.low && number < range.high : number >= range.low && number <= range.high;
-  if (!inside) fail_at(name, "is " + in_quotes(*text) + ", expected " + range_text(range));
+  if (!is_inside(number, range)) fail_at(name, "is " + in_quotes(*text) + ", expected " + range_text(range));
   return number;
 }
 
@@ -264,6 +191,24 @@ std::optional<Vec3f> Properties::find_vec3(const char* name) {
   return parse_vec3_element(*entry->target, 0);
 }
 
+std::optional<Vec2f> Properties::find_vec2(const char* name) {
+  const Entry* entry = use(name);
+  if (entry == nullptr) return std::nullopt;
+  const XmlElement& target = *entry->target;
+  if (target.name == "float") {
+    const float number = *find_number(name);
+    return Vec2f{number, number};
+  }
+  const char* const types[] = {"vector2", "point2", "vector", "point"};
+  if (std::find(std::begin(types), std::end(types), target.name) == std::end(types))
+    fail_type(*entry, "vector2 or float");
+  target.expect_attributes({"name", "id", "value"});
+  const std::vector<float> v =
+      parse_floats(target.attribute("value"), target.where, "property " + in_quotes(entry->name));
+  if (v.size() != 2) fail_at(name, "has " + std::to_string(v.size()) + " numbers, expected two");
+  return Vec2f{v[0], v[1]};
+}
+
 Vec3f Properties::vec3(const char* name, Vec3f otherwise) { return find_vec3(name).value_or(otherwise); }
 
 Transform Properties::transform(const char* name) {
@@ -277,10 +222,6 @@ std::optional<SpectrumDescription> Properties::find_spectrum(const char* name, S
   const Entry* entry = use(name);
   if (entry == nullptr) return std::nullopt;
   const XmlElement& target = *entry->target;
-  if (target.name == "texture")
-    throw SceneError(entry->written->where, "unknown texture plugin " + in_quotes(target.attribute("type")) + " for " +
-                                                in_quotes(name) + " of " + title() +
-                                                ", expected a colour: rgb, srgb, spectrum or float");
   const char* const types[] = {"rgb", "srgb", "color", "spectrum", "blackbody", "float", "integer"};
   if (std::find(std::begin(types), std::end(types), target.name) == std::end(types))
     fail_type(*entry, "rgb, srgb, spectrum or float");
@@ -293,6 +234,58 @@ std::optional<SpectrumDescription> Properties::find_spectrum(const char* name, S
 SpectrumDescription Properties::spectrum(const char* name, SpectrumDescription otherwise, SpectrumRole role) {
   std::optional<SpectrumDescription> found = find_spectrum(name, role);
   return found ? *std::move(found) : std::move(otherwise);
+}
+
+std::optional<SpectrumInput> Properties::find_spectrum_input(const char* name, SpectrumRole role) {
+  if (!is_texture(name)) return find_spectrum(name, role);
+  const Entry& entry = *use(name);
+  SpectrumInput input = context_.read_texture(*entry.target, context_);
+  if (const auto* constant = std::get_if<SpectrumDescription>(&input))
+    check_role(*constant, role, entry.target->where, "property " + in_quotes(entry.name) + " of " + title());
+  return input;
+}
+
+SpectrumInput Properties::spectrum_input(const char* name, SpectrumInput otherwise, SpectrumRole role) {
+  return find_spectrum_input(name, role).value_or(std::move(otherwise));
+}
+
+std::optional<ScalarInput> Properties::find_scalar_input(const char* name, NumberRange range) {
+  const Entry* entry = find(name);
+  if (entry == nullptr || entry->target->name == "float" || entry->target->name == "integer")
+    return find_number(name, range);
+  const char* const types[] = {"texture", "spectrum", "rgb", "srgb", "color"};
+  if (std::find(std::begin(types), std::end(types), entry->target->name) == std::end(types))
+    fail_type(*use(name), "float or texture");
+  const std::optional<SpectrumInput> input = find_spectrum_input(name, SpectrumRole::kIor);
+  if (const auto* texture = std::get_if<TextureId>(&*input)) return *texture;
+  const SpectrumDescription& spectrum = std::get<SpectrumDescription>(*input);
+  float number = 0;
+  if (const auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value)) {
+    number = constant->value;
+  } else if (const auto* rgb = std::get_if<SpectrumDescription::Rgb>(&spectrum.value)) {
+    number = luminance(rgb->value);
+  } else {
+    fail_at(name, "depends on the wavelength, expected a number or a texture");
+  }
+  if (!is_inside(number, range)) fail_at(name, "is " + std::to_string(number) + ", expected " + range_text(range));
+  return number;
+}
+
+ScalarInput Properties::scalar_input(const char* name, ScalarInput otherwise, NumberRange range) {
+  return find_scalar_input(name, range).value_or(otherwise);
+}
+
+const XmlElement* Properties::any_texture() {
+  Entry* found = nullptr;
+  for (Entry& entry : entries_) {
+    if (entry.target->name != "texture" || entry.used) continue;
+    if (found != nullptr) throw SceneError(entry.written->where, title() + " holds a second <texture>, expected one");
+    found = &entry;
+  }
+  asked_kinds_.emplace_back("texture");
+  if (found == nullptr) return nullptr;
+  found->used = true;
+  return found->target;
 }
 
 std::filesystem::path Properties::file(const char* name) {
@@ -327,6 +320,8 @@ void Properties::finish() {
     if (entry.used) continue;
     const SourceLocation& place = entry.written->where;
     if (entry.key.empty()) {
+      if (entry.target->name == "texture")
+        throw SceneError(place, "<" + entry.written->name + "> in " + title() + " needs an attribute 'name'");
       std::string message = title() + " takes no nested <" + entry.target->name + ">";
       if (!asked_kinds_.empty()) message += " (it takes: " + joined(asked_kinds_) + ")";
       throw SceneError(place, message);

@@ -7,17 +7,28 @@
 
 #include <initializer_list>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 
 namespace sheaf {
+
+struct ReadContext;
+
+/// Reads a <texture> element: appends a texture, or gives a spectrum if it is the same everywhere. An element is read
+/// once, however often it is referred to. Throws SceneError.
+using TextureReader = SpectrumInput (*)(const XmlElement& element, ReadContext& context);
 
 /// What all readers of one scene share.
 struct ReadContext {
   const ExpandedScene& scene;
   Description& description;
   bool lenient = false;                   ///< unknown properties become notes
+  TextureReader read_texture = nullptr;   ///< the dialect's
+  std::map<const XmlElement*, SpectrumInput> textures = {};  ///< read so far
   std::set<const XmlElement*> open = {};  ///< objects being read, to find references that go in circles
+  std::map<const XmlElement*, std::uint32_t> groups = {};  ///< shape groups read so far, into Description::groups
+  bool in_group = false;                                   ///< the shapes of a group are being read
 
   /// Adds a remark for the user.
   void note(const SourceLocation& where, const std::string& message);
@@ -32,6 +43,7 @@ struct NumberRange {
 inline constexpr NumberRange kAnyNumber{};
 inline constexpr NumberRange kPositive{0, std::numeric_limits<double>::infinity(), true};
 inline constexpr NumberRange kNotNegative{0, std::numeric_limits<double>::infinity(), false};
+inline constexpr NumberRange kUnitInterval{0, 1, false};
 
 /// `maxDepth` and `intIOR` to `max_depth` and `int_ior`.
 std::string snake_case(std::string_view name);
@@ -61,12 +73,25 @@ class Properties {
   std::optional<std::string> find_string(const char* name);
   /// Whether the property is there as a string, not as another type.
   bool is_string(const char* name);
+  /// Whether the property is there as a texture.
+  bool is_texture(const char* name);
+  /// Two numbers, or one for both.
+  std::optional<Vec2f> find_vec2(const char* name);
   std::optional<Vec3f> find_vec3(const char* name);
   Vec3f vec3(const char* name, Vec3f otherwise);
   /// Identity if absent.
   Transform transform(const char* name);
   std::optional<SpectrumDescription> find_spectrum(const char* name, SpectrumRole role);
   SpectrumDescription spectrum(const char* name, SpectrumDescription otherwise, SpectrumRole role);
+  /// A colour or a texture. Values of pictures are not checked against the role here.
+  std::optional<SpectrumInput> find_spectrum_input(const char* name, SpectrumRole role);
+  SpectrumInput spectrum_input(const char* name, SpectrumInput otherwise, SpectrumRole role);
+  /// A number or a texture; the luminance of a colour. Values of textures are not checked against the range.
+  std::optional<ScalarInput> find_scalar_input(const char* name, NumberRange range);
+  ScalarInput scalar_input(const char* name, ScalarInput otherwise, NumberRange range);
+  /// The one <texture> of an object that nobody has asked for, under whatever name or without one, or null. Throws
+  /// SceneError if there are several.
+  const XmlElement* any_texture();
   /// The file that a string property names, found and regular. Throws SceneError if it or the property is missing.
   std::filesystem::path file(const char* name);
   /// Nested objects of a kind ("bsdf"), in file order.

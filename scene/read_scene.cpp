@@ -2,6 +2,7 @@
 #include "scene/read_scene.h"
 
 #include "scene/dialects.h"
+#include "scene/obj_materials.h"
 
 namespace sheaf {
 
@@ -44,6 +45,7 @@ Description read_scene(const std::filesystem::path& file, const ReadOptions& opt
   } else {
     read_mitsuba(context);
   }
+  expand_obj_materials(description);
   return description;
 }
 

@@ -17,7 +17,8 @@ struct ReadOptions {
 };
 
 /// Reads a scene file of either dialect, chosen by content: Nori (`camera`, `mesh`, `color`, no version) or Mitsuba 0.6
-/// to 3 (`sensor`, `shape`, `version`). Meshes are found, not opened. Throws SceneError.
+/// to 3 (`sensor`, `shape`, `version`). Meshes are found, not
+/// read, but for OBJ files that bring materials for a shape without one (scene/obj_materials.h). Throws SceneError.
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options = {});
 
 }  // namespace sheaf

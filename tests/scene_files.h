@@ -19,11 +19,10 @@ inline std::filesystem::path write_below(const TemporaryFolder& folder, const st
   return file;
 }
 
-/// Reads `text` as scene.xml in a folder that also holds a mesh.obj and a mesh.ply (which are never opened).
+/// Reads `text` as scene.xml in a folder that also holds files of the kinds that scenes name (which are never opened).
 inline Description read_text(const std::string& text, const ReadOptions& options = {}) {
   const TemporaryFolder folder;
-  write_below(folder, "mesh.obj", "");
-  write_below(folder, "mesh.ply", "");
+  for (const char* name : {"mesh.obj", "mesh.ply", "mesh.serialized", "image.png"}) write_below(folder, name, "");
   return read_scene(write_below(folder, "scene.xml", text), options);
 }
 
@@ -43,7 +42,7 @@ inline std::string error_of(const std::filesystem::path& file, const ReadOptions
 
 inline std::string error_of_text(const std::string& text, const ReadOptions& options = {}) {
   const TemporaryFolder folder;
-  write_below(folder, "mesh.obj", "");
+  for (const char* name : {"mesh.obj", "image.png"}) write_below(folder, name, "");
   return error_of(write_below(folder, "scene.xml", text), options);
 }
 
@@ -86,23 +85,99 @@ inline std::string dump(const Transform& t) {
   return out.str();
 }
 
-inline std::string dump(const MaterialDescription& m) {
+inline std::string dump(const SpectrumInput& input) {
+  const auto* texture = std::get_if<TextureId>(&input);
+  return texture ? "texture " + std::to_string(static_cast<unsigned>(*texture))
+                 : dump(std::get<SpectrumDescription>(input));
+}
+
+inline std::string dump(const ScalarInput& input) {
+  if (const auto* texture = std::get_if<TextureId>(&input))
+    return "texture " + std::to_string(static_cast<unsigned>(*texture));
+  std::ostringstream out;
+  out << std::hexfloat << std::get<float>(input);
+  return out.str();
+}
+
+inline std::string dump(MaterialId id) { return std::to_string(static_cast<unsigned>(id)); }
+inline std::string dump(TextureId id) { return std::to_string(static_cast<unsigned>(id)); }
+inline std::string dump(const std::optional<RoughnessDescription>& r);
+
+/// All arguments, separated by spaces.
+template <class... T> std::string dump_all(const T&... values) {
   std::ostringstream out;
   out << std::hexfloat;
-  std::visit(Overloaded{[&](const DiffuseDescription& v) { out << "diffuse " << dump(v.reflectance); },
-                        [&](const ConductorDescription& v) {
-                          out << "conductor " << dump(v.specular_reflectance);
-                          if (v.ior) out << " eta " << dump(v.ior->eta) << " k " << dump(v.ior->k);
-                        },
-                        [&](const DielectricDescription& v) {
-                          out << "dielectric " << v.int_ior << ' ' << v.ext_ior << ' ' << dump(v.specular_reflectance)
-                              << ' ' << dump(v.specular_transmittance);
-                        },
-                        [&](const TwoSidedDescription& v) {
-                          out << "twosided " << static_cast<unsigned>(v.front) << ' ' << static_cast<unsigned>(v.back);
-                        }},
-             m.model);
-  return out.str();
+  auto one = [&](const auto& v) {
+    if constexpr (requires { dump(v); } && !std::is_arithmetic_v<std::decay_t<decltype(v)>>) out << ' ' << dump(v);
+    else out << ' ' << v;
+  };
+  (one(values), ...);
+  return out.str().substr(sizeof...(T) > 0 ? 1 : 0);
+}
+
+inline std::string dump(const std::optional<RoughnessDescription>& r) {
+  if (!r) return "smooth";
+  return dump_all(r->distribution == RoughnessDescription::Distribution::kGgx ? "ggx" : "beckmann", r->alpha_u,
+                  r->alpha_v);
+}
+
+inline std::string dump(const std::array<float, 6>& m) { return dump_all(m[0], m[1], m[2], m[3], m[4], m[5]); }
+
+inline std::string dump(const TextureDescription& t) {
+  const std::string model = std::visit(
+      Overloaded{[](const BitmapDescription& v) {
+                   return dump_all("bitmap", v.file.filename().string(), static_cast<int>(v.filter),
+                                   static_cast<int>(v.wrap_u), static_cast<int>(v.wrap_v), v.raw);
+                 },
+                 [](const CheckerboardDescription& v) { return dump_all("checkerboard", v.color0, v.color1); },
+                 [](const MeshAttributeDescription& v) { return dump_all("mesh_attribute", v.name, v.scale); }},
+      t.model);
+  return model + " to_uv " + dump(t.to_uv);
+}
+
+inline std::string dump(const DiffuseDescription& v) { return dump_all("diffuse", v.reflectance); }
+inline std::string dump(const ConductorDescription& v) {
+  std::string text = dump_all("conductor", v.specular_reflectance);
+  if (v.ior) text += dump_all(" eta", v.ior->eta, "k", v.ior->k);
+  return v.roughness ? text + " " + dump(v.roughness) : text;
+}
+inline std::string dump(const DielectricDescription& v) {
+  return dump_all("dielectric", v.int_ior, v.ext_ior, v.specular_reflectance, v.specular_transmittance, v.thin,
+                  v.roughness);
+}
+inline std::string dump(const PlasticDescription& v) {
+  return dump_all("plastic", v.int_ior, v.ext_ior, v.diffuse_reflectance, v.specular_reflectance, v.nonlinear,
+                  v.roughness);
+}
+inline std::string dump(const PrincipledDescription& v) {
+  return dump_all("principled", v.base_color, v.roughness, v.anisotropic, v.metallic, v.spec_trans, v.spec_tint,
+                  v.sheen, v.sheen_tint, v.flatness, v.clearcoat, v.clearcoat_gloss, v.eta);
+}
+inline std::string dump(const PrincipledThinDescription& v) {
+  return dump_all("principledthin", v.base_color, v.roughness, v.anisotropic, v.spec_trans, v.eta, v.spec_tint, v.sheen,
+                  v.sheen_tint, v.flatness, v.diff_trans);
+}
+inline std::string dump(const DisneyDescription& v) {
+  return dump_all("disney", v.base_color, v.metallic, v.subsurface, v.specular, v.specular_tint, v.roughness,
+                  v.anisotropic, v.sheen, v.sheen_tint, v.clearcoat, v.clearcoat_gloss);
+}
+inline std::string dump(const NoriMicrofacetDescription& v) {
+  return dump_all("microfacet", v.int_ior, v.ext_ior, v.alpha, v.kd);
+}
+inline std::string dump(const NullDescription&) { return "null"; }
+inline std::string dump(const TwoSidedDescription& v) { return dump_all("twosided", v.front, v.back); }
+inline std::string dump(const MaskDescription& v) { return dump_all("mask", v.opacity, v.nested); }
+inline std::string dump(const BlendDescription& v) { return dump_all("blend", v.weight, v.nested[0], v.nested[1]); }
+inline std::string dump(const BumpMapDescription& v) { return dump_all("bumpmap", v.displacement, v.scale, v.nested); }
+inline std::string dump(const NormalMapDescription& v) {
+  return dump_all("normalmap", v.normals, v.flip_green, v.nested);
+}
+
+inline std::string dump(const MaterialDescription& m) {
+  std::string text = std::visit([](const auto& model) { return dump(model); }, m.model);
+  if (!m.fix_invalid_normals) text += " keep_normals";
+  if (!m.soften_terminator) text += " hard_terminator";
+  return text;
 }
 
 inline std::string dump(const ShapeDescription& s) {
@@ -147,6 +222,7 @@ inline std::string dump(const Description& d) {
   out << "sampler " << d.sampler.sample_count << ' ' << d.sampler.seed << '\n';
   out << "integrator " << static_cast<int>(d.integrator.kind) << ' ' << static_cast<int>(d.integrator.strategy) << ' '
       << d.integrator.max_depth << ' ' << d.integrator.rr_depth << ' ' << d.integrator.hide_emitters << '\n';
+  for (const auto& texture : d.textures) out << dump(texture) << '\n';
   for (const auto& material : d.materials) out << dump(material) << '\n';
   for (const auto& shape : d.shapes) out << dump(shape) << '\n';
   for (const auto& light : d.lights) out << dump(light) << '\n';

@@ -287,7 +287,7 @@ TEST_CASE("Mitsuba: spectra in every spelling") {
         "constant 0x1p+1");
   const Description d = read_text(mitsuba_scene("<bsdf type='diffuse'><srgb name='reflectance' value='0.5'/></bsdf>"));
   const auto& reflectance = std::get<DiffuseDescription>(d.materials.at(0).model).reflectance;
-  CHECK(std::get<SpectrumDescription::Rgb>(reflectance.value).value.x == doctest::Approx(0.21404));
+  CHECK(std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(reflectance).value).value.x == doctest::Approx(0.21404));
 }
 
 TEST_CASE("Mitsuba: spectra from files") {

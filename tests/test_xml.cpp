@@ -167,7 +167,7 @@ TEST_CASE("expansion: includes") {
     const auto file = write_below(folder, "scene.xml", scene_with("<include filename='part.xml'/>"));
     CHECK(error_of(file) ==
           "part.xml:3: unknown shape plugin 'spere', did you mean 'sphere'? (known: cube, cylinder, "
-          "disk, obj, ply, rectangle, sphere)");
+          "disk, obj, ply, rectangle, serialized, sphere)");
   }
   SUBCASE("a file that includes itself") {
     const auto file = write_below(folder, "scene.xml", scene_with("<include filename='scene.xml'/>"));

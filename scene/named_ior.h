@@ -1,0 +1,17 @@
+// Dielectrics that a scene may name instead of giving their index of refraction.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sheaf {
+
+/// Index of refraction of a dielectric at 589 nm ("bk7", "water"), or nothing for an unknown name.
+std::optional<float> find_ior(std::string_view name);
+
+/// All names that find_ior() knows.
+std::vector<std::string> ior_names();
+
+}  // namespace sheaf

@@ -1,0 +1,13 @@
+// Inside the Nori dialect: what its readers call of each other.
+#pragma once
+
+#include "scene/dialects.h"
+
+namespace sheaf::nori {
+
+/// Appends the material of a <bsdf>.
+MaterialId read_bsdf(const XmlElement& element, ReadContext& context);
+/// A TextureReader.
+SpectrumInput texture_of(const XmlElement& element, ReadContext& context);
+
+}  // namespace sheaf::nori
