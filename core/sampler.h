@@ -11,6 +11,7 @@ enum class SampleBlock : std::uint32_t {
   kCamera,   ///< x, y: position in the pixel; z, w: position on the lens
   kLight,    ///< x: which light; y, z: point on it; w: which part of it
   kScatter,  ///< x: which lobe; y, z: direction; w: roulette
+  kSelect,   ///< x: which part of a composite material
   kCount,
 };
 

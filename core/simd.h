@@ -235,6 +235,21 @@ SHEAF_INLINE WideUint gather(const std::uint32_t* base, WideUint index) {
 SHEAF_INLINE float gather(const float* base, std::uint32_t index) { return base[index]; }
 SHEAF_INLINE std::uint32_t gather(const std::uint32_t* base, std::uint32_t index) { return base[index]; }
 
+/// Per lane: the byte base[index]; index is below 2^31. The three bytes behind it must be readable too.
+SHEAF_INLINE WideUint gather_bytes(const std::uint8_t* base, WideUint index) {
+#if defined(__AVX512F__)
+  return UintBatch(_mm512_i32gather_epi32(index.v, base, 1)) & UintBatch(0xffu);
+#elif defined(__AVX2__)
+  return UintBatch(_mm256_i32gather_epi32(reinterpret_cast<const int*>(base), index.v, 1)) & UintBatch(0xffu);
+#else
+  alignas(kSimdAlignment) std::uint32_t lanes[kWidth];
+  store(lanes, index);
+  for (std::uint32_t& lane : lanes) lane = base[lane];
+  return UintBatch::load_aligned(lanes);
+#endif
+}
+SHEAF_INLINE std::uint32_t gather_bytes(const std::uint8_t* base, std::uint32_t index) { return base[index]; }
+
 /// 0, 1, ..., kWidth - 1.
 SHEAF_INLINE WideUint lane_index() {
   alignas(kSimdAlignment) std::uint32_t i[kWidth];

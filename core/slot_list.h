@@ -4,6 +4,7 @@
 #include "core/arena.h"
 #include "core/lanes.h"
 
+#include <cstring>
 #include <span>
 
 namespace sheaf {
@@ -29,6 +30,13 @@ class SlotList {
 
   /// Pushes slots[lane] for every lane set in `bits`, in lane order.
   SHEAF_INLINE void push(const Slot* slots, std::uint32_t bits) {
+    constexpr std::uint32_t kAll = (std::uint64_t{1} << kWidth) - 1;
+    if (bits == kAll) {
+      assert(size_ + kWidth <= capacity_);
+      std::memcpy(slots_ + size_, slots, kWidth * sizeof(Slot));
+      size_ += kWidth;
+      return;
+    }
     while (bits != 0) {
       push(slots[std::countr_zero(bits)]);
       bits &= bits - 1;

@@ -38,7 +38,8 @@ double measure_seconds_per_tick() {
 
 std::string_view stage_name(Stage stage) {
   static constexpr std::array<std::string_view, kStageCount> kNames{
-      "camera_rays", "intersect", "emission", "sort", "surface_inputs", "light_candidates", "shadow", "scatter",
+      "camera_rays", "intersect", "emission", "select_materials", "sort", "surface_inputs", "textures",
+      "light_candidates", "shadow", "scatter",
       "accumulate"};
   return kNames.at(static_cast<std::size_t>(stage));
 }

@@ -52,7 +52,8 @@ SHEAF_INLINE void start_tile(const SceneView& scene, Wave& wave, SampleCursor& c
   load(y, py);
   load(sample, throughput.sample);
   throughput.pixel = py * U(static_cast<std::uint32_t>(wave.task.frame_width)) + px;
-  throughput.beta = Spectrum<L>(F(1.0f));
+  // The fourth lane is no colour: it starts at 0 and stays there, whatever BSDFs do to it.
+  throughput.beta = {F(1.0f), F(1.0f), F(1.0f), F(0.0f)};
   throughput.eta_scale = F(1.0f);
   throughput.progress = U(0u);
 

@@ -17,7 +17,8 @@ SHEAF_INLINE void view_tile(const SceneView& scene, Wave& wave, const Slot* slot
     out.radiance = {hit.t, hit.t, hit.t, Float<L>(0.0f)};
   } else {
     const ShapeLanes<L> shape = load_shapes<L>(scene, hit.shape);
-    const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t);
+    const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
+                                  hit.instance);
     const Vec3<L> n = abs(y.ns);
     out.radiance = {n.x, n.y, n.z, Float<L>(0.0f)};
   }

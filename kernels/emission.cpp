@@ -46,7 +46,8 @@ template <class L> SHEAF_INLINE void area_light_tile(const SceneView& scene, Wav
   const ThroughputState<L> path = wave.throughput.gather<L>(slots);
   RadianceState<L> radiance = wave.radiance.gather<L>(slots);
   const ShapeLanes<L> shape = load_shapes<L>(scene, hit.shape);
-  const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t);
+  const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
+                                  hit.instance);
   const LightLanes<L> light = load_lights<L>(scene, hit.light);
 
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);

@@ -38,11 +38,10 @@ template <class F> SHEAF_INLINE F fresnel_conductor(F cos_incident, F eta, F k) 
   const F a2_plus_b2 = safe_sqrt(t0 * t0 + F(4.0f) * eta2 * k2);
   const F a = safe_sqrt(F(0.5f) * (a2_plus_b2 + t0));
   const F t1 = a2_plus_b2 + cos2, t2 = F(2.0f) * a * cos_incident;
-  const F perpendicular = (t1 - t2) / (t1 + t2);
   const F t3 = cos2 * a2_plus_b2 + sin2 * sin2, t4 = t2 * sin2;
-  // eta = k = 0 at normal incidence would be 0 / 0.
-  const F parallel = perpendicular * (t3 - t4) / max(t3 + t4, F(1e-30f));
-  return F(0.5f) * (perpendicular + parallel);
+  // (s + p) / 2, where s = (t1 - t2) / (t1 + t2) is the perpendicular part and p = s (t3 - t4) / (t3 + t4) the parallel
+  // one. eta = k = 0 at normal incidence would be 0 / 0.
+  return (t1 - t2) * t3 / max((t1 + t2) * (t3 + t4), F(1e-30f));
 }
 
 }  // namespace sheaf

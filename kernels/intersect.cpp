@@ -65,8 +65,9 @@ SHEAF_INLINE void unpack(const SceneView& scene, Wave& wave, const Slot* slots, 
   load(packet.direction_x + at, direction.x);
   load(packet.direction_y + at, direction.y);
   load(packet.direction_z + at, direction.z);
-  static_assert(sizeof(MaterialRow) == 16 * sizeof(std::uint32_t) && offsetof(MaterialRow, back) == sizeof(std::uint32_t));
-  const U back = gather(reinterpret_cast<const std::uint32_t*>(scene.materials) + 1, shape.material * U(16u));
+  constexpr auto kRowWords = static_cast<std::uint32_t>(sizeof(MaterialRow) / sizeof(std::uint32_t));
+  const auto* materials = reinterpret_cast<const std::uint32_t*>(scene.materials);
+  const U back = gather(materials + offsetof(MaterialRow, back) / sizeof(std::uint32_t), shape.material * U(kRowWords));
   hit.material = select(dot(normal, direction) > F(0.0f), back, shape.material);
   hit.light = select(found, shape.light, U(kNone));
   wave.hits.scatter<L>(slots, count, hit);
@@ -80,10 +81,18 @@ SHEAF_INLINE void unpack(const SceneView& scene, Wave& wave, const Slot* slots, 
   // Hidden lights are left to the emission stage, which sends the ray on behind them.
   const std::uint32_t hidden = scene.integrator.hide_emitters ? lights & from_camera : 0u;
   const std::uint32_t dropped = ((1u << count) - 1u) & ~good;
+  std::uint32_t composite = 0;
+  if (scene.has_composites) {
+    const U flags_of = gather(materials + offsetof(MaterialRow, flags) / sizeof(std::uint32_t),
+                              select(found, hit.material, U(0u)) * U(kRowWords));
+    composite = mask_bits((flags_of & U(kComposite)) != U(0u)) & hits & ~hidden;
+  }
+  const std::uint32_t shaded = hits & ~hidden & ~composite;
   wave.miss.push(slots, good & ~hits);
   wave.emitter.push(slots, lights);
-  wave.surface.push(slots, hits & ~last & ~hidden);
-  wave.finished.push(slots, (hits & last & ~hidden) | dropped);
+  wave.composite.push(slots, composite);
+  wave.surface.push(slots, shaded & ~last);
+  wave.finished.push(slots, (shaded & last) | dropped);
 }
 
 void report_dropped(Wave& wave, const Slot* slots, int count, std::uint32_t good) noexcept {

@@ -70,15 +70,29 @@ template <class L> struct SurfaceItem {
   Vec3<L> ns;                ///< shading normal, unit length; turned towards the viewer for two-sided materials
   Vec3<L> wo;                ///< towards where the path came from, in the shading frame
   typename L::Float offset;  ///< see SurfacePoint::offset
-  static constexpr auto fields(auto& s) { return std::tie(s.p, s.ng, s.ns, s.wo, s.offset); }
+  Vec2<L> tangent;           ///< the shading frame's x axis, see ShadingFrame; only for anisotropic closures
+  static constexpr auto fields(auto& s) { return std::tie(s.p, s.ng, s.ns, s.wo, s.offset, s.tangent); }
+};
+
+/// What textures need to know of a surface vertex. Only for materials with kTextured.
+template <class L> struct TexturedItem {
+  Vec2<L> uv;
+  Vec3<L> dp_du, dp_dv;          ///< derivatives of the position
+  Vec3<L> ns_unmapped;           ///< SurfaceItem::ns before a map turned it
+  typename L::Float handedness;  ///< -1 where ns was turned towards the viewer, else 1
+  typename L::Float terminator;  ///< how much a map softens the edge of shadows; see shadow_terminator()
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.uv, s.dp_du, s.dp_dv, s.ns_unmapped, s.handedness, s.terminator);
+  }
 };
 
 /// Parameters of a closure, as many words as the kind needs.
 template <class L> struct ClosureItem {
-  typename L::Float words[12];
+  typename L::Float words[24];
   static constexpr auto fields(auto& s) {
     auto& w = s.words;
-    return std::tie(w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10], w[11]);
+    return std::tie(w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10], w[11], w[12], w[13], w[14],
+                    w[15], w[16], w[17], w[18], w[19], w[20], w[21], w[22], w[23]);
   }
 };
 

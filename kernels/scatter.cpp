@@ -1,5 +1,7 @@
 // Stage: scatter. Samples the BSDF, plays Russian roulette and writes the next ray.
 #include "kernels/bsdf/all.h"
+#include "kernels/normal_map.h"
+#include "kernels/shading_frame.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
 #include "scene/shape.h"
@@ -26,7 +28,7 @@ SHEAF_INLINE Mask<L> roulette(const IntegratorDescription& settings, ThroughputS
 }
 
 template <class L, template <class> class Bsdf>
-SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, int count) {
+SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, int count, bool mapped) {
   using F = Float<L>;
   using U = Uint<L>;
   const auto item = wave.items.load<L>(column);
@@ -34,15 +36,20 @@ SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* s
   ThroughputState<L> path = wave.throughput.gather<L>(slots);
   const auto u = draw<L>(scene.seed, path.pixel, path.sample, path.event(), SampleBlock::kScatter);
   const BsdfSample<L> s = bsdf.sample(item.wo, u);
+  const Vec3<L> direction = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_world(s.wi);
 
   path.beta = path.beta * s.weight;
+  if (mapped) {
+    const TexturedItem<L> t = wave.textured.load<L>(column);
+    path.beta = path.beta * shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);
+  }
   path.eta_scale = path.eta_scale * s.eta_scale;
   path.progress = path.progress + U(kOneDepth + kOneEvent);
   auto alive = s.valid & !is_black(path.beta) & (path.depth() < U(kLongestPath)) & L::first(count);
   alive = alive & roulette<L>(scene.integrator, path, u.w);
 
   RayState<L> ray;
-  ray.direction = Frame<L>::from_normal(item.ns).to_world(s.wi);
+  ray.direction = direction;
   ray.origin = offset_origin<L>(item.p, item.ng, item.offset, ray.direction);
   ray.t_max = F(kInfinity);
   const auto max_depth = static_cast<std::uint32_t>(scene.integrator.max_depth);  // -1: larger than any depth
@@ -61,8 +68,9 @@ SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* s
 }
 
 template <class L, template <class> class Bsdf> void scatter_run(const SceneView& scene, Wave& wave, const SurfaceRun& run) {
+  const bool mapped = (scene.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
   for_tiles<L>(run.count, [&](int i, int count) {
-    scatter_tile<L, Bsdf>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count);
+    scatter_tile<L, Bsdf>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped);
   });
 }
 

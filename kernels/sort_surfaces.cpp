@@ -13,9 +13,14 @@ template <class L> void sort_surfaces(const SceneView& scene, Wave& wave) noexce
   timer.count(hits, 1);
   constexpr int kMaterialWord = 6;
   static_assert(Groups<HitState>::kWords == 8);
+  // Pointers of our own: the compiler must assume that storing a byte may change any of the wave's.
+  const Slot* slots = wave.surface.data();
+  const float* material_words = wave.hits.row(0) + kMaterialWord;
+  const MaterialRow* materials = scene.materials;
+  std::uint8_t* keys = wave.sort_keys;
   for (int i = 0; i < hits; ++i) {
-    const std::uint32_t material = float_bits(wave.hits.row(wave.surface[i])[kMaterialWord]);
-    wave.sort_keys[i] = static_cast<std::uint8_t>(scene.materials[material].bucket);
+    const std::uint32_t material = float_bits(material_words[8 * slots[i]]);
+    keys[i] = static_cast<std::uint8_t>(materials[material].bucket);
   }
   int begin[kMaxBuckets + 1];
   bucket_sort(wave.surface.data(), wave.sort_keys, hits, static_cast<int>(scene.bucket_count), wave.sorted.data(), begin);

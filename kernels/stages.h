@@ -4,10 +4,12 @@
 //
 //   stage             consumes              produces
 //   camera_rays       free, the task        active
-//   intersect         active                miss, emitter, surface, finished
+//   intersect         active                miss, emitter, composite, surface, finished
 //   emission          miss, emitter         finished (misses), active (rays that pass a hidden light)
+//   select_materials  composite             surface, active (rays that pass a hole), finished
 //   sort_surfaces     surface               sorted, runs
 //   surface_inputs    runs                  items, closures
+//   textures          items, textured       items, closures
 //   light_candidates  items, closures       shadows
 //   shadow            shadows               radiance
 //   scatter           items, closures       active, finished
@@ -31,11 +33,18 @@ template <class L> void intersect(const SceneView& scene, Wave& wave) noexcept;
 /// Veach 1997, section 9.2.2). Reads ray, hit and throughput state; adds to radiance.
 template <class L> void emission(const SceneView& scene, Wave& wave) noexcept;
 
+/// Chooses among the parts of composite materials. Reads ray state; writes the hit's material, or the ray's origin where
+/// light passes.
+template <class L> void select_materials(const SceneView& scene, Wave& wave) noexcept;
+
 /// Sorts surface hits by closure kind and material. Reads hit state.
 template <class L> void sort_surfaces(const SceneView& scene, Wave& wave) noexcept;
 
 /// Works out positions, frames and closure parameters. Reads ray and hit state.
 template <class L> void surface_inputs(const SceneView& scene, Wave& wave) noexcept;
+
+/// Looks up textures: replaces closure parameters, and turns shading normals by maps.
+template <class L> void textures(const SceneView& scene, Wave& wave) noexcept;
 
 /// Samples one light per vertex and pushes a shadow ray with what it would bring. Reads throughput.
 template <class L> void light_candidates(const SceneView& scene, Wave& wave) noexcept;

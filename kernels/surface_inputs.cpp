@@ -1,6 +1,7 @@
 // Stage: surface inputs. From hits to what closures need: position, normals, the viewing direction in the shading frame,
 // and the closure's parameters.
 #include "kernels/bsdf/all.h"
+#include "kernels/shading_frame.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
 #include "scene/shape.h"
@@ -9,34 +10,70 @@ namespace sheaf {
 
 namespace {
 
-/// `Words`: of the closure's parameters, rounded up to whole quads.
-template <class L, int Words>
-SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column) {
+/// What differs between kinds of closure. Kept out of the templates: one copy of the code serves all kinds.
+struct KindInputs {
+  int words;         ///< of the closure's parameters
+  bool anisotropic;  ///< the frame must follow the tangent
+  bool mapped;       ///< some materials of the kind have maps
+};
+
+/// Copies the closure's parameters from the material table.
+template <class L>
+SHEAF_INLINE void closure_words(const SceneView& scene, Wave& wave, Uint<L> row, int words, int column) {
+  const auto* parameters = reinterpret_cast<const float*>(scene.materials) + offsetof(MaterialRow, words) / sizeof(float);
+  float* const* closure = wave.closures.columns().words;
+  for (int k = 0; k < words; k += 4) {
+    Float<L> quad[4];
+    gather_row4<L>(parameters + k, row, quad);
+    for (int i = 0; i < 4; ++i) store(closure[k + i] + column, quad[i]);
+  }
+}
+
+/// `Textured`: with all that textures need to know.
+template <class L, bool Textured>
+SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const RayState<L>& ray, const HitState<L>& hit,
+                               Uint<L> flags, int column, bool with_tangent) {
   using F = Float<L>;
   using U = Uint<L>;
-  const RayState<L> ray = wave.rays.gather<L>(slots);
-  const HitState<L> hit = wave.hits.gather<L>(slots);
   const ShapeLanes<L> shape = load_shapes<L>(scene, hit.shape);
-  const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t);
-
-  constexpr int kHeadWords = 4;
-  const U index = hit.material * U(sizeof(MaterialRow) / sizeof(float));
-  F row[kHeadWords + Words];
-  for (int k = 0; k < kHeadWords + Words; k += 4)
-    gather_row4<L>(reinterpret_cast<const float*>(scene.materials) + k, index, row + k);
-  const auto two_sided = float_bits(row[2]) != U(0u);
-  const auto behind = dot(y.ns, ray.direction) > F(0.0f);
-
+  const auto y = surface_point<L, Textured>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
+                                            hit.instance);
+  const auto turned = ((flags & U(kTwoSided)) != U(0u)) & (dot(y.ns, ray.direction) > F(0.0f));
   SurfaceItem<L> item;
   item.p = y.p;
   item.ng = y.ng;
-  item.ns = select<L>(two_sided & behind, -y.ns, y.ns);
-  item.wo = Frame<L>::from_normal(item.ns).to_local(-ray.direction);
+  item.ns = select<L>(turned, -y.ns, y.ns);
   item.offset = y.offset;
+  item.tangent = {F(1.0f), F(0.0f)};
+  if constexpr (Textured) {
+    if (with_tangent) item.tangent = tangent_of<L>(Frame<L>::from_normal(item.ns), y.dp_du);
+    wave.textured.store<L>(column, {y.uv, y.dp_du, y.dp_dv, item.ns, select(turned, F(-1.0f), F(1.0f)), F(0.0f)});
+  }
+  item.wo = ShadingFrame<L, Textured>(item).to_local(-ray.direction);
   wave.items.store<L>(column, item);
+}
 
-  float* const* closure = wave.closures.columns().words;
-  for (int k = 0; k < Words; ++k) store(closure[k] + column, row[kHeadWords + k]);
+template <class L>
+SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, const KindInputs& kind) {
+  using U = Uint<L>;
+  const RayState<L> ray = wave.rays.gather<L>(slots);
+  const HitState<L> hit = wave.hits.gather<L>(slots);
+  const U row = hit.material * U(sizeof(MaterialRow) / sizeof(float));
+  Float<L> head[4];
+  gather_row4<L>(reinterpret_cast<const float*>(scene.materials), row, head);
+  const U flags = float_bits(head[offsetof(MaterialRow, flags) / sizeof(float)]);
+  if (kind.mapped || any((flags & U(kTextured)) != U(0u))) {
+    surface_item<L, true>(scene, wave, ray, hit, flags, column, kind.anisotropic);
+  } else {
+    surface_item<L, false>(scene, wave, ray, hit, flags, column, kind.anisotropic);
+  }
+  closure_words<L>(scene, wave, row, kind.words, column);
+}
+
+template <class L> void surface_run(const SceneView& scene, Wave& wave, const SurfaceRun& run, const KindInputs& kind) {
+  for_tiles<L>(run.count, [&](int i, int) {
+    surface_tile<L>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, kind);
+  });
 }
 
 }  // namespace
@@ -44,12 +81,11 @@ SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* s
 template <class L> void surface_inputs(const SceneView& scene, Wave& wave) noexcept {
   StageTimer timer(wave.stats, Stage::kSurfaceInputs);
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
-    constexpr int kWords = (kLeafCount<Bsdf> + 3) / 4 * 4;
     const SurfaceRun& run = wave.runs[static_cast<int>(kind)];
+    if (run.count == 0) return;
+    const bool mapped = (scene.kind_flags[static_cast<int>(kind)] & kMapped) != 0;
     timer.count(run.count, L::width);
-    for_tiles<L>(run.count, [&](int i, int) {
-      surface_tile<L, kWords>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i);
-    });
+    surface_run<L>(scene, wave, run, {kLeafCount<Bsdf>, Bsdf<L>::kIsAnisotropic, mapped});
   });
 }
 

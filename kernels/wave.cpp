@@ -8,7 +8,7 @@ namespace sheaf {
 
 namespace {
 
-constexpr int kSlotLists = 7;
+constexpr int kSlotLists = 8;
 
 /// Columns of surface items: every kind's run begins at a whole register.
 int item_capacity(int paths) { return paths + kClosureKinds * kWidth; }
@@ -17,6 +17,7 @@ std::size_t wave_bytes(int paths) {
   return Groups<RayState>::bytes(paths) + Groups<HitState>::bytes(paths) + Groups<ThroughputState>::bytes(paths) +
          Groups<RadianceState>::bytes(paths) + kSlotLists * SlotList::bytes(paths) +
          static_cast<std::size_t>(paths) + kSimdAlignment + Soa<SurfaceItem>::bytes(item_capacity(paths)) +
+         Soa<TexturedItem>::bytes(item_capacity(paths)) +
          Soa<ClosureItem>::bytes(item_capacity(paths)) + Soa<ShadowItem>::bytes(paths);
 }
 
@@ -27,9 +28,10 @@ Wave::Wave(int paths) : capacity(paths), arena(wave_bytes(paths)) {
   hits.bind(arena, paths);
   throughput.bind(arena, paths);
   radiance.bind(arena, paths);
-  for (SlotList* list : {&free, &active, &miss, &emitter, &surface, &finished, &sorted}) list->bind(arena, paths);
+  for (SlotList* list : {&free, &active, &miss, &emitter, &composite, &surface, &finished, &sorted}) list->bind(arena, paths);
   sort_keys = arena.take<std::uint8_t>(static_cast<std::size_t>(paths));
   items.bind(arena, item_capacity(paths));
+  textured.bind(arena, item_capacity(paths));
   closures.bind(arena, item_capacity(paths));
   shadows.bind(arena, paths);
   for (int slot = paths - 1; slot >= 0; --slot) free.push(static_cast<Slot>(slot));

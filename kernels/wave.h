@@ -56,12 +56,13 @@ struct Wave {
   Groups<ThroughputState> throughput;
   Groups<RadianceState> radiance;
 
-  // Lists of slots. A slot stands in exactly one of free, active, miss, surface and finished between stages, and may
-  // stand in emitter besides.
+  // Lists of slots. A slot stands in exactly one of free, active, miss, composite, surface and finished between stages,
+  // and may stand in emitter besides.
   SlotList free;      ///< no path
   SlotList active;    ///< ray to be traced
   SlotList miss;      ///< ray left the scene
   SlotList emitter;   ///< ray hit something that emits
+  SlotList composite; ///< ray hit a material that is a choice between others or nothing
   SlotList surface;   ///< ray hit something that will be shaded
   SlotList finished;  ///< path has ended, radiance complete
 
@@ -70,6 +71,7 @@ struct Wave {
   std::uint8_t* sort_keys = nullptr;
   SurfaceRun runs[kClosureKinds];
   Soa<SurfaceItem> items;
+  Soa<TexturedItem> textured;
   Soa<ClosureItem> closures;
   Soa<ShadowItem> shadows;
   int shadow_count = 0;

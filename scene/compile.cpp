@@ -2,6 +2,7 @@
 
 #include "core/frame.h"
 #include "scene/compile_materials.h"
+#include "scene/instance.h"
 #include "scene/light.h"
 #include "scene/mesh.h"
 #include "scene/mesh_io.h"
@@ -22,8 +23,19 @@ template <class... F> Overloaded(F...) -> Overloaded<F...>;
 /// Vertices that kernels can address: byte-free word indices must fit 32 bits.
 constexpr std::size_t kMaxWords = std::numeric_limits<std::uint32_t>::max() - 64;
 
-void append(std::vector<float>& words, const std::vector<Vec3f>& vectors) {
-  for (const Vec3f& v : vectors) words.insert(words.end(), {v.x, v.y, v.z});
+void append(std::vector<VertexRow>& rows, const Mesh& mesh) {
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Vec3f p = mesh.positions[i];
+    const Vec3f n = mesh.normals.empty() ? Vec3f{} : mesh.normals[i];
+    const Vec2f uv = mesh.uvs.empty() ? Vec2f{} : mesh.uvs[i];
+    rows.push_back({{p.x, p.y, p.z}, {n.x, n.y, n.z}, {uv.x, uv.y}});
+  }
+}
+
+/// Whether squares of the coordinates of a box, and of its size, stay finite.
+bool is_traceable(Vec3f lower, Vec3f upper) {
+  constexpr float kLargest = 1e18f;
+  return is_finite(upper - lower) && max_component(abs(upper)) <= kLargest && max_component(abs(lower)) <= kLargest;
 }
 
 /// The canonical shape's transform for a quadric of a description.
@@ -65,8 +77,14 @@ class SceneCompiler {
     out_->integrator_ = in_.integrator;
     out_->camera_ = make_camera(in_.camera, in_.film.width, in_.film.height);
     out_->filter_ = make_filter_table(in_.film.filter);
+    out_->textures_ = compile_textures(in_.textures);
+    attributes_.emplace(out_->textures_.attribute_names);
     add_materials();
     for (const ShapeDescription& shape : in_.shapes) add_shape(shape);
+    ungrouped_shapes_ = static_cast<std::uint32_t>(out_->shapes_.size());
+    std::vector<GroupContents> groups;
+    for (const ShapeGroup& group : in_.groups) groups.push_back(add_group(group));
+    add_instances(groups);
     set_bounds();
     add_lights();
     finish_tables();
@@ -79,8 +97,13 @@ class SceneCompiler {
     out_->materials_ = std::move(materials.rows);
     row_of_material_ = std::move(materials.row_of);
     default_material_ = materials.default_row;
+    out_->bindings_ = std::move(materials.bindings);
+    out_->normal_maps_ = std::move(materials.normal_maps);
     out_->bucket_count_ = materials.bucket_count;
     std::copy(std::begin(materials.bucket_begin), std::end(materials.bucket_begin), out_->bucket_begin_);
+    std::copy(std::begin(materials.kind_flags), std::end(materials.kind_flags), out_->kind_flags_);
+    out_->has_composites_ = std::any_of(out_->materials_.begin(), out_->materials_.end(),
+                                        [](const MaterialRow& row) { return (row.flags & kComposite) != 0; });
     out_->counts_.materials = in_.materials.size();
   }
 
@@ -92,11 +115,11 @@ class SceneCompiler {
                      [&](const MeshFileShape& s) {
                        MeshFile file = read_mesh(s);
                        for (const std::string& w : file.warnings) out_->warnings_.push_back(s.file.string() + ": " + w);
-                       add_mesh(row, shape, std::move(file.mesh));
+                       add_mesh(row, shape, std::move(file.mesh), shape.face_normals || file.face_normals);
                      },
-                     [&](const Mesh& mesh) { add_mesh(row, shape, mesh); },
-                     [&](const RectangleShape&) { add_mesh(row, shape, rectangle_mesh()); },
-                     [&](const CubeShape&) { add_mesh(row, shape, cube_mesh()); },
+                     [&](const Mesh& mesh) { add_mesh(row, shape, mesh, shape.face_normals); },
+                     [&](const RectangleShape&) { add_mesh(row, shape, rectangle_mesh(), shape.face_normals); },
+                     [&](const CubeShape&) { add_mesh(row, shape, cube_mesh(), shape.face_normals); },
                      [&](const auto& quadric) { add_quadric(row, shape, quadric); },
                  },
                  shape.geometry);
@@ -108,38 +131,35 @@ class SceneCompiler {
   }
 
   /// The order of the steps is explained in scene/mesh.h.
-  void add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh) {
+  void add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh, bool face_normals) {
     const auto* file = std::get_if<MeshFileShape>(&shape.geometry);
     check_mesh(mesh, shape.where);
-    if (shape.face_normals) mesh.normals.clear();
+    if (face_normals) mesh.normals.clear();
     transform_mesh(mesh, shape.to_world);
     const std::size_t dropped = drop_degenerate_triangles(mesh);
-    if (file && file->smooth_normals && !shape.face_normals && mesh.normals.empty()) compute_vertex_normals(mesh);
+    if (file && file->smooth_normals && !face_normals && mesh.normals.empty()) compute_vertex_normals(mesh);
     if (shape.flip_normals) flip_mesh(mesh);
     if (dropped > 0) warn(shape, std::to_string(dropped) + " degenerate or non-finite triangles left out");
     if (mesh.triangles.empty()) {
       warn(shape, shape.radiance ? "shape has no area: neither seen nor emitting" : "shape has no area: left out");
       return;
     }
-    if (out_->positions_.size() + 3 * mesh.positions.size() > kMaxWords ||
+    if (8 * (out_->vertices_.size() + mesh.positions.size()) > kMaxWords ||
         out_->triangles_.size() + 3 * mesh.triangles.size() > kMaxWords)
       throw SceneError("more than " + std::to_string(kMaxWords / 3) + " vertices or triangles in all");
     row.kind = static_cast<std::uint32_t>(ShapeKind::kMesh);
-    row.first_vertex = static_cast<std::uint32_t>(out_->positions_.size() / 3);
+    row.first_vertex = static_cast<std::uint32_t>(out_->vertices_.size());
     row.first_triangle = static_cast<std::uint32_t>(out_->triangles_.size() / 3);
     row.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
-    append(out_->positions_, mesh.positions);
-    if (!mesh.normals.empty()) {
-      row.first_normal = static_cast<std::uint32_t>(out_->normals_.size() / 3);
-      append(out_->normals_, mesh.normals);
-    }
-    if (!mesh.uvs.empty()) {
-      row.first_uv = static_cast<std::uint32_t>(out_->uvs_.size() / 2);
-      for (const Vec2f& uv : mesh.uvs) out_->uvs_.insert(out_->uvs_.end(), {uv.x, uv.y});
-    }
+    row.flags = (mesh.normals.empty() ? 0u : kHasNormals) | (mesh.uvs.empty() ? 0u : kHasUvs);
+    append(out_->vertices_, mesh);
     for (const auto& t : mesh.triangles) out_->triangles_.insert(out_->triangles_.end(), t.begin(), t.end());
     for (const auto& t : mesh.triangles)
       for (std::uint32_t vertex : t) grow(mesh.positions[vertex], mesh.positions[vertex]);
+    for (const Mesh::Attribute& attribute : mesh.attributes)
+      if (attributes_->wants(attribute.name))
+        attributes_->add(static_cast<std::uint32_t>(out_->shapes_.size()), row.first_triangle, row.triangle_count,
+                         static_cast<std::uint32_t>(mesh.positions.size()), attribute, shape.where);
     vertex_counts_.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
     out_->counts_.triangles += mesh.triangles.size();
     out_->counts_.vertices += mesh.positions.size();
@@ -150,10 +170,7 @@ class SceneCompiler {
     const Placement placement = place(quadric, shape.to_world);
     const QuadricRow q = make_quadric(placement.kind, placement.to_world, shape.flip_normals);
     const QuadricBounds bounds = quadric_bounds(q);
-    const Vec3f extent = bounds.upper - bounds.lower;
-    constexpr float kLargest = 1e18f;  // squares must stay finite
-    if (!is_finite(extent) || max_component(abs(bounds.upper)) > kLargest || max_component(abs(bounds.lower)) > kLargest ||
-        !(q.determinant > 0.0f)) {
+    if (!is_traceable(bounds.lower, bounds.upper) || !(q.determinant > 0.0f)) {
       warn(shape, "shape is degenerate or too large for single precision: left out");
       return;
     }
@@ -172,7 +189,7 @@ class SceneCompiler {
     if (shape.radiance) {
       const Vec3f radiance = emission_rgb(*shape.radiance);
       if (max_component(radiance) > 0.0f) {
-        const ShapeTables tables{out_->positions_.data(), out_->triangles_.data(), out_->quadrics_.data()};
+        const ShapeTables tables{out_->vertices_.data(), out_->triangles_.data(), out_->quadrics_.data()};
         row.light = static_cast<std::uint32_t>(out_->lights_.size());
         AreaLight light = make_area_light(row, index, tables, radiance,
                                           static_cast<std::uint32_t>(out_->triangle_alias_.size()));
@@ -183,6 +200,57 @@ class SceneCompiler {
       }
     }
     out_->shapes_.push_back(row);
+  }
+
+  /// What a group holds, for its instances.
+  struct GroupContents {
+    ShapeRange range;
+    std::uint32_t index;  ///< among the groups that are not empty
+    std::size_t triangles;
+    Vec3f lower, upper;   ///< bounds in the group's space
+  };
+
+  GroupContents add_group(const ShapeGroup& group) {
+    const Vec3f lower = lower_, upper = upper_;
+    const std::size_t triangles = out_->counts_.triangles;
+    const auto first = static_cast<std::uint32_t>(out_->shapes_.size());
+    lower_ = {kInfinity, kInfinity, kInfinity};
+    upper_ = {-kInfinity, -kInfinity, -kInfinity};
+    for (const ShapeDescription& shape : group.shapes) {
+      if (shape.radiance) throw SceneError(shape.where, "shapes in a shape group cannot emit light");
+      add_shape(shape);
+    }
+    const ShapeRange range{first, static_cast<std::uint32_t>(out_->shapes_.size()) - first};
+    const GroupContents contents{range, static_cast<std::uint32_t>(group_ranges_.size()),
+                                 out_->counts_.triangles - triangles, lower_, upper_};
+    if (range.shape_count > 0) group_ranges_.push_back(range);
+    lower_ = lower;
+    upper_ = upper;
+    return contents;
+  }
+
+  void add_instances(const std::vector<GroupContents>& groups) {
+    out_->instances_.reserve(in_.instances.size());
+    std::size_t too_large = 0;
+    for (const InstanceDescription& instance : in_.instances) {
+      const GroupContents& group = groups.at(instance.group);
+      if (group.range.shape_count == 0) continue;
+      const InstanceRow row = make_instance(instance.to_world, group.range.first_shape, group.index);
+      const InstanceBounds bounds = instance_bounds(row, group.lower, group.upper);
+      if (!is_traceable(bounds.lower, bounds.upper)) {
+        ++too_large;
+        continue;
+      }
+      grow(bounds.lower, bounds.upper);
+      out_->instances_.push_back(row);
+      out_->counts_.instanced_triangles += group.triangles;
+    }
+    if (too_large > 0)
+      out_->warnings_.push_back(std::to_string(too_large) + " instances too large for single precision: left out");
+    if (out_->shapes_.size() + out_->instances_.size() >= kNone)
+      throw SceneError("more than 2^32 shapes and instances");
+    out_->counts_.groups = group_ranges_.size();
+    out_->counts_.instances = out_->instances_.size();
   }
 
   void grow(Vec3f lower, Vec3f upper) {
@@ -223,20 +291,22 @@ class SceneCompiler {
 
   void finish_tables() {
     out_->counts_.shapes = out_->shapes_.size();
-    // Rows are read four words wide, and absent tables are read at index zero by lanes that are switched off.
-    for (auto* table : {&out_->positions_, &out_->normals_, &out_->uvs_}) {
-      table->insert(table->end(), 8, 0.0f);
-      table->shrink_to_fit();
-    }
+    // Triangles are read four words wide, and absent tables are read at index zero by lanes that are switched off.
+    if (out_->vertices_.empty()) out_->vertices_.emplace_back();
+    out_->vertices_.shrink_to_fit();
     out_->triangles_.insert(out_->triangles_.end(), 8, 0u);
     out_->triangles_.shrink_to_fit();
     if (out_->quadrics_.empty()) out_->quadrics_.emplace_back();
     if (out_->shapes_.empty()) out_->shapes_.emplace_back();
+    attributes_->finish(static_cast<std::uint32_t>(out_->shapes_.size()), out_->textures_);
+    out_->attributes_ = attributes_->entries();
+    out_->attribute_values_ = attributes_->values();
     if (out_->triangle_alias_.empty()) out_->triangle_alias_.emplace_back();
     if (out_->light_triangles_.empty()) out_->light_triangles_.emplace_back();
-    const AccelInput input{out_->shapes_.data(), static_cast<std::uint32_t>(vertex_counts_.size()),
-                           out_->positions_.data(), out_->triangles_.data(), out_->quadrics_.data(),
-                           vertex_counts_.data(), options_.watertight};
+    const AccelInput input{out_->shapes_.data(), ungrouped_shapes_, out_->vertices_.data(), out_->triangles_.data(),
+                           out_->quadrics_.data(), vertex_counts_.data(), options_.watertight,
+                           group_ranges_.data(), static_cast<std::uint32_t>(group_ranges_.size()),
+                           out_->instances_.data(), static_cast<std::uint32_t>(out_->instances_.size())};
     out_->accel_ = std::make_unique<Accel>(input);
   }
 
@@ -249,7 +319,10 @@ class SceneCompiler {
   std::unique_ptr<Scene> out_;
   std::vector<std::uint32_t> row_of_material_;
   std::uint32_t default_material_ = 0;
+  std::optional<AttributeTable> attributes_;  ///< once textures are known
   std::vector<std::uint32_t> vertex_counts_;
+  std::uint32_t ungrouped_shapes_ = 0;
+  std::vector<ShapeRange> group_ranges_;
   std::vector<float> powers_;
   Vec3f lower_{kInfinity, kInfinity, kInfinity}, upper_{-kInfinity, -kInfinity, -kInfinity};
 };

@@ -1,142 +1,202 @@
+// Flattening: whatever combines materials (two sides, masks, blends, maps) is taken apart into rows that refer to rows.
 #include "scene/compile_materials.h"
 
 #include "core/bucket_sort.h"
-#include "core/color.h"
+#include "scene/material_rows.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 namespace sheaf {
 
 namespace {
 
-using TableToRgb = Vec3f (*)(std::span<const float>, std::span<const float>);
+/// Materials within materials: no deeper than this, and no more rows than this in all.
+constexpr int kMaxDepth = 16;
+constexpr std::size_t kMaxRows = std::size_t{1} << 24;
 
-Vec3f to_rgb(const SpectrumDescription& spectrum, TableToRgb table_to_rgb) {
-  using S = SpectrumDescription;
-  Vec3f rgb{};
-  if (const auto* c = std::get_if<S::Constant>(&spectrum.value)) rgb = {c->value, c->value, c->value};
-  if (const auto* c = std::get_if<S::Rgb>(&spectrum.value)) rgb = c->value;
-  if (const auto* t = std::get_if<S::Table>(&spectrum.value)) rgb = table_to_rgb(t->wavelengths, t->values);
-  if (const auto* b = std::get_if<S::Blackbody>(&spectrum.value)) rgb = blackbody_to_rgb(b->temperature, b->scale);
-  return {std::max(rgb.x, 0.0f), std::max(rgb.y, 0.0f), std::max(rgb.z, 0.0f)};
-}
+constexpr std::uint32_t kNoMap = 0xffffffffu;
 
-Spectrum4 lanes(Vec3f rgb) { return {rgb.x, rgb.y, rgb.z, 0.0f}; }
+/// What the materials around one impose on it.
+struct Surroundings {
+  bool two_sided = false;
+  std::uint32_t map = kNoMap;  ///< index of NormalMapRow
+  int depth = 0;
+};
 
-MaterialRow make_row(const DiffuseDescription& d) {
-  MaterialRow row;
-  set_parameters<DiffuseParameters>(row, {lanes(reflectance_rgb(d.reflectance))});
-  return row;
-}
+/// Makes the rows in the order of the description; rows of nested materials come before the row that refers to them.
+class Flattener {
+ public:
+  explicit Flattener(const std::vector<MaterialDescription>& materials) : materials_(materials) {}
 
-MaterialRow make_row(const ConductorDescription& d) {
-  // The fourth lane is no colour in RGB mode; eta 0, k 1 keeps its Fresnel term finite.
-  ConductorParameters<Scalar> p{{0, 0, 0, 0}, {1, 1, 1, 1}, lanes(reflectance_rgb(d.specular_reflectance))};
-  if (d.ior) {
-    const Vec3f eta = unbounded_rgb(d.ior->eta), k = unbounded_rgb(d.ior->k);
-    p.eta = {eta.x, eta.y, eta.z, 0};
-    p.k = {k.x, k.y, k.z, 1};
-  }
-  MaterialRow row;
-  set_parameters<ConductorParameters>(row, p);
-  return row;
-}
-
-MaterialRow make_row(const DielectricDescription& d) {
-  MaterialRow row;
-  set_parameters<DielectricParameters>(row, {d.int_ior / d.ext_ior, lanes(reflectance_rgb(d.specular_reflectance)),
-                                             lanes(reflectance_rgb(d.specular_transmittance))});
-  return row;
-}
-
-MaterialRow make_row(const TwoSidedDescription&) { return {}; }
-
-/// Rows in the order of the description, with the second row of each two-sided material behind them.
-struct Flattener {
-  const std::vector<MaterialDescription>& materials;
   std::vector<MaterialRow> rows;
-  std::vector<std::uint32_t> row_of;
+  std::vector<TextureBinding> bindings;
+  std::vector<NormalMapRow> maps;
 
-  const MaterialDescription& child(const MaterialDescription& parent, MaterialId id) const {
-    const MaterialDescription& m = materials.at(static_cast<std::size_t>(id));
-    if (std::holds_alternative<TwoSidedDescription>(m.model))
-      throw SceneError(parent.where, "a two-sided material cannot hold another one");
-    if (std::holds_alternative<DielectricDescription>(m.model))
-      throw SceneError(parent.where, "a two-sided material cannot hold one that transmits light");
-    return m;
+  /// The row of a material within `around`.
+  std::uint32_t flatten(MaterialId id, Surroundings around) {
+    const MaterialDescription& m = materials_.at(static_cast<std::size_t>(id));
+    if (around.depth > kMaxDepth) throw SceneError(m.where, "materials are nested more than " + std::to_string(kMaxDepth) + " deep");
+    const auto key = std::tuple(static_cast<std::size_t>(id), around.two_sided, around.map);
+    if (const auto known = known_.find(key); known != known_.end()) return known->second;
+    if (rows.size() >= kMaxRows) throw SceneError(m.where, "more than " + std::to_string(kMaxRows) + " combinations of materials");
+    ++around.depth;
+    const std::uint32_t row = std::visit([&](const auto& model) { return flatten_model(m, model, around); }, m.model);
+    known_.emplace(key, row);
+    return row;
   }
 
   std::uint32_t push(MaterialRow row) {
-    const auto index = static_cast<std::uint32_t>(rows.size());
-    row.back = index;
+    row.back = static_cast<std::uint32_t>(rows.size());
     rows.push_back(row);
-    return index;
+    return row.back;
   }
 
-  std::uint32_t push_two_sided(const MaterialDescription& m, const TwoSidedDescription& sides) {
-    MaterialRow sided[2];
-    for (int i = 0; i < 2; ++i) {
-      const MaterialDescription& side = child(m, i == 0 ? sides.front : sides.back);
-      sided[i] = std::visit([](const auto& model) { return make_row(model); }, side.model);
-      sided[i].two_sided = 1;
+ private:
+  template <class Model>
+  std::uint32_t flatten_model(const MaterialDescription& m, const Model&, const Surroundings& around) {
+    MaterialRow row = make_material_row(m, bindings);
+    if (around.two_sided) row.flags |= kTwoSided;
+    if (around.map != kNoMap) {
+      row.flags |= kTextured | kMapped;
+      row.map = around.map;
     }
-    const std::uint32_t front = push(sided[0]);
+    return push(row);
+  }
+
+  std::uint32_t flatten_model(const MaterialDescription& m, const TwoSidedDescription& sides, const Surroundings& around) {
+    if (around.two_sided) throw SceneError(m.where, "a two-sided material cannot hold another one");
+    for (const MaterialId side : {sides.front, sides.back})
+      if (transmits(side, 0)) throw SceneError(m.where, "a two-sided material cannot hold one that transmits light");
+    Surroundings inside = around;
+    inside.two_sided = true;
+    const std::uint32_t front = flatten(sides.front, inside);
     if (sides.back == sides.front) return front;
-    const std::uint32_t back = push(sided[1]);
-    rows[front].back = back;
-    return front;
+    const std::uint32_t back = flatten(sides.back, inside);
+    const std::uint32_t row = push(rows[front]);
+    rows[row].back = back;
+    return row;
   }
 
-  void run() {
-    for (const MaterialDescription& m : materials) {
-      const auto* sides = std::get_if<TwoSidedDescription>(&m.model);
-      row_of.push_back(sides ? push_two_sided(m, *sides)
-                             : push(std::visit([](const auto& model) { return make_row(model); }, m.model)));
-    }
+  std::uint32_t flatten_model(const MaterialDescription&, const NullDescription&, const Surroundings&) {
+    MaterialRow row;
+    row.flags = kComposite;
+    row.choice[0] = row.choice[1] = MaterialRow::kNothing;
+    return push(row);
   }
+
+  std::uint32_t flatten_model(const MaterialDescription&, const MaskDescription& mask, const Surroundings& around) {
+    return push_choice(MaterialRow::kNothing, flatten(mask.nested, around), mask.opacity);
+  }
+
+  std::uint32_t flatten_model(const MaterialDescription&, const BlendDescription& blend, const Surroundings& around) {
+    const std::uint32_t first = flatten(blend.nested[0], around);
+    return push_choice(first, flatten(blend.nested[1], around), blend.weight);
+  }
+
+  std::uint32_t flatten_model(const MaterialDescription& m, const BumpMapDescription& bump, const Surroundings& around) {
+    const std::uint32_t flags = NormalMapRow::kBump | options(m);
+    return flatten_mapped(m, {static_cast<std::uint32_t>(bump.displacement), flags, bump.scale}, bump.nested, around);
+  }
+
+  std::uint32_t flatten_model(const MaterialDescription& m, const NormalMapDescription& map, const Surroundings& around) {
+    const std::uint32_t flags = (map.flip_green ? NormalMapRow::kFlipGreen : 0u) | options(m);
+    return flatten_mapped(m, {static_cast<std::uint32_t>(map.normals), flags, 1.0f}, map.nested, around);
+  }
+
+  static std::uint32_t options(const MaterialDescription& m) {
+    return (m.fix_invalid_normals ? NormalMapRow::kFixInvalid : 0u) | (m.soften_terminator ? NormalMapRow::kSoften : 0u);
+  }
+
+  std::uint32_t flatten_mapped(const MaterialDescription& m, NormalMapRow map, MaterialId nested, const Surroundings& around) {
+    if (around.map != kNoMap) throw SceneError(m.where, "a normal or bump map cannot hold another one");
+    Surroundings inside = around;
+    inside.map = static_cast<std::uint32_t>(maps.size());
+    maps.push_back(map);
+    return flatten(nested, inside);
+  }
+
+  std::uint32_t push_choice(std::uint32_t first, std::uint32_t second, const ScalarInput& share) {
+    MaterialRow row;
+    row.flags = kComposite;
+    row.choice[0] = first;
+    row.choice[1] = second;
+    if (const float* value = std::get_if<float>(&share)) {
+      row.words[0] = *value;
+    } else {
+      row.first_binding = static_cast<std::uint32_t>(bindings.size());
+      row.binding_count = 1;
+      bindings.push_back({static_cast<std::uint32_t>(std::get<TextureId>(share)), 0, 1, TextureRole::kScalar});
+    }
+    return push(row);
+  }
+
+  /// Whether a material lets light through.
+  bool transmits(MaterialId id, int depth) const {
+    const MaterialDescription& m = materials_.at(static_cast<std::size_t>(id));
+    if (depth > kMaxDepth) return false;  // flatten() refuses it
+    const auto nested = [&](MaterialId child) { return transmits(child, depth + 1); };
+    if (const auto* p = std::get_if<PrincipledDescription>(&m.model)) return p->spec_trans != ScalarInput(0.0f);
+    if (const auto* b = std::get_if<BlendDescription>(&m.model)) return nested(b->nested[0]) || nested(b->nested[1]);
+    if (const auto* b = std::get_if<BumpMapDescription>(&m.model)) return nested(b->nested);
+    if (const auto* n = std::get_if<NormalMapDescription>(&m.model)) return nested(n->nested);
+    return std::holds_alternative<DielectricDescription>(m.model) || std::holds_alternative<PrincipledThinDescription>(m.model) ||
+           std::holds_alternative<NullDescription>(m.model) || std::holds_alternative<MaskDescription>(m.model);
+  }
+
+  const std::vector<MaterialDescription>& materials_;
+  std::map<std::tuple<std::size_t, bool, std::uint32_t>, std::uint32_t> known_;
 };
 
-}  // namespace
+/// Rows are ordered by kind; composite ones, which are never shaded, come last.
+int order_of(const MaterialRow& row) { return row.flags & kComposite ? kClosureKinds : static_cast<int>(row.kind); }
 
-Vec3f emission_rgb(const SpectrumDescription& spectrum) { return to_rgb(spectrum, emission_table_to_rgb); }
-
-Vec3f reflectance_rgb(const SpectrumDescription& spectrum) {
-  const Vec3f rgb = to_rgb(spectrum, reflectance_table_to_rgb);
-  return {std::min(rgb.x, 1.0f), std::min(rgb.y, 1.0f), std::min(rgb.z, 1.0f)};
+void renumber(std::uint32_t& row, const std::vector<std::uint32_t>& position) {
+  if (row != MaterialRow::kNothing) row = position[row];
 }
 
-Vec3f unbounded_rgb(const SpectrumDescription& spectrum) { return to_rgb(spectrum, unbounded_table_to_rgb); }
-
-CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials) {
-  Flattener flat{materials, {}, {}};
-  flat.run();
-  const std::uint32_t default_row = flat.push(make_row(DiffuseDescription{}));
-
-  // Sort by kind, and carry all references along.
-  std::vector<std::uint32_t> order(flat.rows.size()), position(flat.rows.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return flat.rows[a].kind < flat.rows[b].kind; });
-  for (std::uint32_t i = 0; i < order.size(); ++i) position[order[i]] = i;
-
-  CompiledMaterials out;
-  const bool bucket_per_material = order.size() <= static_cast<std::size_t>(kMaxBuckets);
-  for (std::uint32_t i = 0; i < order.size(); ++i) {
-    MaterialRow row = flat.rows[order[i]];
-    row.back = position[row.back];
-    row.bucket = bucket_per_material ? i : static_cast<std::uint32_t>(row.kind);
-    out.rows.push_back(row);
-  }
-  out.bucket_count = bucket_per_material ? static_cast<std::uint32_t>(order.size()) : std::uint32_t{kClosureKinds};
+/// Numbers the buckets: one per material if they are few, else one per kind.
+void set_buckets(CompiledMaterials& out) {
+  const auto shaded = std::find_if(out.rows.begin(), out.rows.end(), [](const MaterialRow& r) { return r.flags & kComposite; });
+  const auto count = static_cast<std::uint32_t>(shaded - out.rows.begin());
+  const bool bucket_per_material = count <= std::uint32_t{kMaxBuckets};
+  for (std::uint32_t i = 0; i < count; ++i)
+    out.rows[i].bucket = static_cast<std::uint16_t>(bucket_per_material ? i : static_cast<std::uint32_t>(out.rows[i].kind));
+  out.bucket_count = bucket_per_material ? count : std::uint32_t{kClosureKinds};
   for (int kind = 0; kind <= kClosureKinds; ++kind) {
-    const auto first = std::find_if(out.rows.begin(), out.rows.end(),
-                                    [kind](const MaterialRow& r) { return static_cast<int>(r.kind) >= kind; });
+    const auto first = std::find_if(out.rows.begin(), shaded, [kind](const MaterialRow& r) { return static_cast<int>(r.kind) >= kind; });
     out.bucket_begin[kind] = bucket_per_material ? static_cast<std::uint32_t>(first - out.rows.begin())
                                                  : static_cast<std::uint32_t>(kind);
   }
-  for (std::uint32_t row : flat.row_of) out.row_of.push_back(position[row]);
-  out.default_row = position[default_row];
+}
+
+}  // namespace
+
+CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials) {
+  Flattener flat(materials);
+  CompiledMaterials out;
+  for (std::size_t i = 0; i < materials.size(); ++i) out.row_of.push_back(flat.flatten(static_cast<MaterialId>(i), {}));
+  out.default_row = flat.push(make_material_row({}, flat.bindings));
+
+  std::vector<std::uint32_t> order(flat.rows.size()), position(flat.rows.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return order_of(flat.rows[a]) < order_of(flat.rows[b]); });
+  for (std::uint32_t i = 0; i < order.size(); ++i) position[order[i]] = i;
+
+  for (const std::uint32_t from : order) {
+    MaterialRow row = flat.rows[from];
+    row.back = position[row.back];
+    if (row.flags & kComposite) for (std::uint32_t& choice : row.choice) renumber(choice, position);
+    else out.kind_flags[static_cast<int>(row.kind)] |= row.flags;
+    out.rows.push_back(row);
+  }
+  set_buckets(out);
+  for (std::uint32_t& row : out.row_of) row = position[row];
+  out.default_row = position[out.default_row];
+  out.bindings = std::move(flat.bindings);
+  out.normal_maps = std::move(flat.maps);
   return out;
 }
 

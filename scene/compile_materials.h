@@ -3,19 +3,24 @@
 
 #include "scene/description.h"
 #include "scene/material.h"
+#include "scene/texture.h"
 
 namespace sheaf {
 
 struct CompiledMaterials {
-  std::vector<MaterialRow> rows;       ///< sorted by kind
+  std::vector<MaterialRow> rows;       ///< sorted by kind, composite ones last
+  std::vector<TextureBinding> bindings;
+  std::vector<NormalMapRow> normal_maps;
   std::vector<std::uint32_t> row_of;   ///< per material of the description
   std::uint32_t default_row = 0;       ///< what shapes without a material get: diffuse, reflectance 0.5
   std::uint32_t bucket_count = 1;
   std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
+  std::uint32_t kind_flags[kClosureKinds] = {};        ///< MaterialFlags of all rows of a kind
 };
 
-/// Flattens two-sided materials into flags. Throws SceneError where a two-sided material holds one that transmits or
-/// another two-sided one.
+/// Flattens two-sided materials, masks, blends and maps into rows. Textures keep their numbers. Throws SceneError where
+/// a two-sided material holds one that transmits or another two-sided one, where a map holds a map, and where
+/// materials are nested too deep.
 CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials);
 
 /// Linear Rec.709 of a radiance, intensity ...; components below zero become zero.

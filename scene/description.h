@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/transform.h"
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -15,6 +16,8 @@ namespace sheaf {
 
 /// Index into Description::materials.
 enum class MaterialId : std::uint32_t {};
+/// Index into Description::textures.
+enum class TextureId : std::uint32_t {};
 
 /// A spectral quantity as a file gives it. Its meaning (reflectance, radiance ...) comes from who holds it.
 struct SpectrumDescription {
@@ -33,29 +36,135 @@ struct SpectrumDescription {
   static SpectrumDescription rgb(float r, float g, float b) { return {Rgb{{r, g, b}}}; }
 };
 
-/// Lambertian reflection.
-struct DiffuseDescription { SpectrumDescription reflectance = SpectrumDescription::constant(0.5f); };
+/// A colour parameter: the same everywhere, or a texture.
+using SpectrumInput = std::variant<SpectrumDescription, TextureId>;
+/// A number as a parameter: the same everywhere, or a texture (the luminance of a coloured one).
+using ScalarInput = std::variant<float, TextureId>;
 
-/// Specular reflection off a metal. Without eta and k a perfect mirror.
-struct ConductorDescription {
-  struct Ior { SpectrumDescription eta, k; };
-  std::optional<Ior> ior;  ///< relative to the outside medium
-  SpectrumDescription specular_reflectance = SpectrumDescription::constant(1.0f);
+/// A picture in a file, repeated over the uv plane.
+struct BitmapDescription {
+  enum class Filter { kBilinear, kNearest };
+  enum class Wrap { kRepeat, kMirror, kClamp };
+  std::filesystem::path file;  ///< resolved
+  Filter filter = Filter::kBilinear;
+  Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
+  bool raw = false;  ///< numbers, not colours: integers are not decoded by the sRGB curve
+};
+/// Squares in turn: `color0` where floor(2u) + floor(2v) is even, after the texture's transform has been applied.
+struct CheckerboardDescription {
+  SpectrumInput color0 = SpectrumDescription::constant(0.4f), color1 = SpectrumDescription::constant(0.2f);
+};
+/// Values stored with a mesh's vertices or faces, e.g. "vertex_color". Zero on shapes that lack them.
+struct MeshAttributeDescription {
+  std::string name;  ///< begins with "vertex_" or "face_"
+  float scale = 1;
 };
 
-/// Specular reflection and refraction at a smooth boundary.
+struct TextureDescription {
+  std::variant<BitmapDescription, CheckerboardDescription, MeshAttributeDescription> model;
+  /// Rows of the 2x3 matrix that takes the surface's uv to the texture's: u' = m[0] u + m[1] v + m[2]. (0, 0) is the
+  /// lower left corner of a picture.
+  std::array<float, 6> to_uv{1, 0, 0, 0, 1, 0};
+  std::string id;  ///< name for messages; may be empty
+  SourceLocation where;
+};
+
+/// How the facets of a rough surface are turned.
+struct RoughnessDescription {
+  enum class Distribution { kBeckmann, kGgx } distribution = Distribution::kBeckmann;
+  ScalarInput alpha_u = 0.1f, alpha_v = 0.1f;  ///< root mean square slopes along the tangent and across
+};
+
+/// Lambertian reflection.
+struct DiffuseDescription { SpectrumInput reflectance = SpectrumDescription::constant(0.5f); };
+
+/// Reflection off a metal, smooth or rough. Without eta and k a perfect mirror.
+struct ConductorDescription {
+  struct Ior { SpectrumInput eta, k; };
+  std::optional<Ior> ior;  ///< relative to the outside medium
+  SpectrumInput specular_reflectance = SpectrumDescription::constant(1.0f);
+  std::optional<RoughnessDescription> roughness;  ///< none: smooth
+};
+
+/// Reflection and refraction at a boundary between two dielectrics, smooth or rough; or at a thin pane of one.
 struct DielectricDescription {
   float int_ior = 1.5046f;    ///< inside: opposite of the geometric normal
   float ext_ior = 1.000277f;  ///< outside
-  SpectrumDescription specular_reflectance = SpectrumDescription::constant(1.0f);
-  SpectrumDescription specular_transmittance = SpectrumDescription::constant(1.0f);
+  SpectrumInput specular_reflectance = SpectrumDescription::constant(1.0f);
+  SpectrumInput specular_transmittance = SpectrumDescription::constant(1.0f);
+  bool thin = false;  ///< a pane: light leaves in the direction in which it came; then not rough
+  std::optional<RoughnessDescription> roughness;  ///< none: smooth
 };
+
+/// A diffuse base under a dielectric coat, smooth or rough (equal alpha_u and alpha_v, not textured).
+struct PlasticDescription {
+  float int_ior = 1.49f, ext_ior = 1.000277f;
+  SpectrumInput diffuse_reflectance = SpectrumDescription::constant(0.5f);
+  SpectrumInput specular_reflectance = SpectrumDescription::constant(1.0f);
+  bool nonlinear = false;  ///< colour shifts by scattering between base and coat
+  std::optional<RoughnessDescription> roughness;  ///< none: smooth
+};
+
+/// Mitsuba's principled BSDF (Burley 2015). All but base_color and eta in [0, 1].
+struct PrincipledDescription {
+  SpectrumInput base_color = SpectrumDescription::constant(0.5f);
+  ScalarInput roughness = 0.5f, anisotropic = 0.0f, metallic = 0.0f, spec_trans = 0.0f, spec_tint = 0.0f, sheen = 0.0f,
+              sheen_tint = 0.0f, flatness = 0.0f, clearcoat = 0.0f, clearcoat_gloss = 0.0f;
+  float eta = 1.5f;  ///< inside over outside; `specular` is converted to it
+};
+
+/// Its variant for surfaces without an inside.
+struct PrincipledThinDescription {
+  SpectrumInput base_color = SpectrumDescription::constant(0.5f);
+  ScalarInput roughness = 0.5f, anisotropic = 0.0f, spec_trans = 0.0f, eta = 1.5f, spec_tint = 0.0f, sheen = 0.0f,
+              sheen_tint = 0.0f, flatness = 0.0f;
+  ScalarInput diff_trans = 0.0f;  ///< in [0, 2]; 1: as much diffuse transmission as reflection
+};
+
+/// The BRDF of Burley 2012, as the Nori dialect names its parameters; all in [0, 1].
+struct DisneyDescription {
+  SpectrumInput base_color = SpectrumDescription::constant(0.5f);
+  ScalarInput metallic = 0.0f, subsurface = 0.0f, specular = 0.5f, specular_tint = 0.0f, roughness = 0.5f,
+              anisotropic = 0.0f, sheen = 0.0f, sheen_tint = 0.5f, clearcoat = 0.0f, clearcoat_gloss = 1.0f;
+};
+
+/// Nori's microfacet: Beckmann reflection over a diffuse base, ks = 1 - max(kd).
+struct NoriMicrofacetDescription {
+  float int_ior = 1.5046f, ext_ior = 1.000277f;
+  ScalarInput alpha = 0.1f;
+  SpectrumInput kd = SpectrumDescription::constant(0.5f);
+};
+
+/// A boundary that light does not notice.
+struct NullDescription {};
 
 /// Shows `front` on the side of the normal and `back` on the other. Neither may transmit.
 struct TwoSidedDescription { MaterialId front{}, back{}; };
 
+/// `nested` where there is something, nothing elsewhere.
+struct MaskDescription { ScalarInput opacity = 0.5f; MaterialId nested{}; };
+
+/// (1 - weight) of the first, weight of the second.
+struct BlendDescription { ScalarInput weight = 0.5f; MaterialId nested[2]{}; };
+
+/// Turns the shading normal as a displacement of the surface along it would.
+struct BumpMapDescription { TextureId displacement{}; float scale = 1; MaterialId nested{}; };
+
+/// Takes the shading normal from a texture, in the frame of the surface's tangent.
+struct NormalMapDescription {
+  TextureId normals{};      ///< (r, g, b) = (n + 1) / 2
+  bool flip_green = false;  ///< DirectX: green points down
+  MaterialId nested{};
+};
+
 struct MaterialDescription {
-  std::variant<DiffuseDescription, ConductorDescription, DielectricDescription, TwoSidedDescription> model;
+  std::variant<DiffuseDescription, ConductorDescription, DielectricDescription, PlasticDescription,
+               PrincipledDescription, PrincipledThinDescription, DisneyDescription, NoriMicrofacetDescription,
+               NullDescription, TwoSidedDescription, MaskDescription, BlendDescription, BumpMapDescription,
+               NormalMapDescription>
+      model;
+  /// Maps only: normals that face away are turned back, and the edge of shadows is softened (Estevez et al. 2019).
+  bool fix_invalid_normals = true, soften_terminator = true;
   std::string id;  ///< name for messages; may be empty
   SourceLocation where;
 };
@@ -66,14 +175,22 @@ struct Mesh {
   std::vector<Vec3f> normals;
   std::vector<Vec2f> uvs;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices into the vertex arrays, all in range
+  /// Values of a name for every vertex or every triangle.
+  struct Attribute {
+    std::string name;  ///< begins with "vertex_" or "face_"
+    int channels = 1;  ///< 1 or 3
+    std::vector<float> values;  ///< `channels` per vertex or per triangle
+  };
+  std::vector<Attribute> attributes = {};
 };
 
-/// A triangle mesh in a file (.obj, .ply).
+/// A triangle mesh in a file (.obj, .ply, .serialized).
 struct MeshFileShape {
   std::filesystem::path file;  ///< resolved
-  enum class Format { kObj, kPly } format = Format::kObj;
+  enum class Format { kObj, kPly, kSerialized } format = Format::kObj;
   bool flip_tex_coords = true;  ///< v becomes 1 - v (Mitsuba's default for OBJ)
   bool smooth_normals = true;   ///< vertices without normals get smooth ones
+  int shape_index = 0;          ///< kSerialized: which of the file's meshes, counted from 0
 };
 /// Centre at `center`, before the shape's transform. Normals point outwards.
 struct SphereShape { Vec3f center{0, 0, 0}; float radius = 1; };
@@ -94,6 +211,19 @@ struct ShapeDescription {
   std::optional<MaterialId> material;           ///< default: diffuse, reflectance 0.5
   std::optional<SpectrumDescription> radiance;  ///< an area light, emitting on the side of the normal; W / (m^2 sr)
   SourceLocation where;
+};
+
+/// Shapes that are seen only through instances; their transforms lead to the group's space. None may emit.
+struct ShapeGroup {
+  std::vector<ShapeDescription> shapes;
+  std::string id;  ///< name for messages; may be empty
+  SourceLocation where;
+};
+
+/// A group's shapes, placed once more. Small, since there may be millions.
+struct InstanceDescription {
+  std::array<float, 12> to_world{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  ///< rows of the 3x4 matrix; not singular
+  std::uint32_t group = 0;  ///< index into Description::groups
 };
 
 /// Emits `intensity` (W / sr) from `position` in all directions.
@@ -161,8 +291,11 @@ struct Description {
   FilmDescription film;
   SamplerDescription sampler;
   IntegratorDescription integrator;
+  std::vector<TextureDescription> textures;
   std::vector<MaterialDescription> materials;
   std::vector<ShapeDescription> shapes;
+  std::vector<ShapeGroup> groups;
+  std::vector<InstanceDescription> instances;
   std::vector<LightDescription> lights;
   std::vector<std::string> notes;
   std::filesystem::path file;

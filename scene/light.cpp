@@ -25,7 +25,7 @@ TriangleWithArea make_triangle(const ShapeTables& tables, const ShapeRow& shape,
   double p[3][3];
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t vertex = tables.triangles[3 * (std::size_t(shape.first_triangle) + triangle) + k];
-    for (std::size_t c = 0; c < 3; ++c) p[k][c] = tables.positions[3 * (std::size_t(shape.first_vertex) + vertex) + c];
+    for (std::size_t c = 0; c < 3; ++c) p[k][c] = tables.vertices[std::size_t(shape.first_vertex) + vertex].position[c];
   }
   double normal[3], squared = 0;
   for (std::size_t c = 0; c < 3; ++c) {

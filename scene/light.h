@@ -7,7 +7,7 @@ namespace sheaf {
 
 /// The tables that area lights are made from.
 struct ShapeTables {
-  const float* positions;
+  const VertexRow* vertices;
   const std::uint32_t* triangles;
   const QuadricRow* quadrics;
 };

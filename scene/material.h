@@ -7,13 +7,18 @@
 namespace sheaf {
 
 /// Kinds of closure: what is sorted by and dispatched on, once per bucket.
-enum class ClosureKind : std::uint32_t { kDiffuse, kConductor, kDielectric, kCount };
+enum class ClosureKind : std::uint32_t {
+  kDiffuse, kConductor, kDielectric, kThinDielectric, kPlastic,
+  kRoughConductorBeckmann, kRoughConductorGgx, kRoughDielectricBeckmann, kRoughDielectricGgx,
+  kRoughPlasticBeckmann, kRoughPlasticGgx,
+  kPrincipled, kPrincipledThin, kDisney, kNoriMicrofacet,
+  kCount
+};
 inline constexpr int kClosureKinds = static_cast<int>(ClosureKind::kCount);
 
 /// Parameters of Lambertian reflection (kernels/bsdf/diffuse.h).
 template <class L> struct DiffuseParameters {
   Spectrum<L> reflectance;  ///< in [0, 1]
-  static constexpr auto kKind = ClosureKind::kDiffuse;
   static constexpr auto fields(auto& s) { return std::tie(s.reflectance); }
 };
 
@@ -21,36 +26,147 @@ template <class L> struct DiffuseParameters {
 template <class L> struct ConductorParameters {
   Spectrum<L> eta, k;       ///< complex index of refraction relative to the outside; eta 0 with k 1 is a perfect mirror
   Spectrum<L> reflectance;  ///< factor on the Fresnel reflectance
-  static constexpr auto kKind = ClosureKind::kConductor;
   static constexpr auto fields(auto& s) { return std::tie(s.eta, s.k, s.reflectance); }
 };
 
-/// Parameters of specular reflection and refraction (kernels/bsdf/dielectric.h).
+/// Parameters of specular reflection and refraction (kernels/bsdf/dielectric.h, thin_dielectric.h).
 template <class L> struct DielectricParameters {
   typename L::Float eta;      ///< int / ext
   Spectrum<L> reflectance;    ///< factor on reflected light
   Spectrum<L> transmittance;  ///< factor on transmitted light
-  static constexpr auto kKind = ClosureKind::kDielectric;
   static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance); }
 };
 
-/// Most 32-bit words of parameters that a closure may have; a multiple of four.
-inline constexpr int kMaxClosureWords = 12;
+/// Parameters of reflection off a rough metal (kernels/bsdf/rough_conductor.h).
+template <class L> struct RoughConductorParameters {
+  Spectrum<L> eta, k, reflectance;  ///< as for ConductorParameters
+  typename L::Float alpha_u, alpha_v;  ///< roughness along the tangent and across
+  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.k, s.reflectance, s.alpha_u, s.alpha_v); }
+};
 
-/// One material after composite ones are flattened. Sixteen words.
+/// Parameters of a rough boundary between dielectrics (kernels/bsdf/rough_dielectric.h).
+template <class L> struct RoughDielectricParameters {
+  typename L::Float eta;                     ///< int / ext
+  Spectrum<L> reflectance, transmittance;    ///< as for DielectricParameters
+  typename L::Float alpha_u, alpha_v;        ///< roughness along the tangent and across
+  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v); }
+};
+
+/// Parameters of a diffuse base under a smooth coat (kernels/bsdf/plastic.h).
+template <class L> struct PlasticParameters {
+  typename L::Float eta;        ///< int / ext
+  Spectrum<L> diffuse, specular;  ///< reflectance of the base; factor on the coat's reflection
+  typename L::Float nonlinear;  ///< 1: colour shifts by scattering between base and coat; else 0
+  typename L::Float internal_reflectance;  ///< share of diffuse light from within that the coat sends back
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.eta, s.diffuse, s.specular, s.nonlinear, s.internal_reflectance);
+  }
+};
+
+/// Terms of the fit to a rough coat's transmittance; see kernels/bsdf/rough_plastic.h.
+inline constexpr int kTransmittanceTerms = 8;
+
+/// Parameters of a diffuse base under a rough coat (kernels/bsdf/rough_plastic.h).
+template <class L> struct RoughPlasticParameters {
+  typename L::Float eta;        ///< int / ext
+  Spectrum<L> diffuse, specular;  ///< as for PlasticParameters
+  typename L::Float nonlinear;  ///< as for PlasticParameters
+  typename L::Float internal_reflectance;  ///< as for PlasticParameters
+  typename L::Float alpha;      ///< roughness
+  typename L::Float transmittance[kTransmittanceTerms];  ///< share of light that the coat lets in, over the cosine
+  static constexpr auto fields(auto& s) {
+    auto& t = s.transmittance;
+    return std::tie(s.eta, s.diffuse, s.specular, s.nonlinear, s.internal_reflectance, s.alpha, t[0], t[1], t[2], t[3],
+                    t[4], t[5], t[6], t[7]);
+  }
+};
+
+/// Parameters of the principled BSDF (kernels/bsdf/principled.h), named as in Burley 2015.
+template <class L> struct PrincipledParameters {
+  Spectrum<L> base_color;
+  typename L::Float roughness, anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat,
+      clearcoat_gloss;
+  typename L::Float eta;  ///< int / ext
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.base_color, s.roughness, s.anisotropic, s.metallic, s.spec_trans, s.spec_tint, s.sheen,
+                    s.sheen_tint, s.flatness, s.clearcoat, s.clearcoat_gloss, s.eta);
+  }
+};
+
+/// Parameters of its variant for thin surfaces (kernels/bsdf/principled_thin.h).
+template <class L> struct PrincipledThinParameters {
+  Spectrum<L> base_color;
+  typename L::Float roughness, anisotropic, spec_trans, eta, spec_tint, sheen, sheen_tint, flatness, diff_trans;
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.base_color, s.roughness, s.anisotropic, s.spec_trans, s.eta, s.spec_tint, s.sheen, s.sheen_tint,
+                    s.flatness, s.diff_trans);
+  }
+};
+
+/// Parameters of the BRDF of Burley 2012 (kernels/bsdf/disney.h).
+template <class L> struct DisneyParameters {
+  Spectrum<L> base_color;
+  typename L::Float metallic, subsurface, specular, specular_tint, roughness, anisotropic, sheen, sheen_tint, clearcoat,
+      clearcoat_gloss;
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.base_color, s.metallic, s.subsurface, s.specular, s.specular_tint, s.roughness, s.anisotropic,
+                    s.sheen, s.sheen_tint, s.clearcoat, s.clearcoat_gloss);
+  }
+};
+
+/// Parameters of Nori's microfacet BRDF (kernels/bsdf/nori_microfacet.h).
+template <class L> struct NoriMicrofacetParameters {
+  Spectrum<L> kd;           ///< diffuse reflectance; the rest is for the facets
+  typename L::Float alpha;  ///< Beckmann roughness
+  typename L::Float eta;    ///< int / ext
+  static constexpr auto fields(auto& s) { return std::tie(s.kd, s.alpha, s.eta); }
+};
+
+/// Most 32-bit words of parameters that a closure may have; a multiple of four.
+inline constexpr int kMaxClosureWords = 24;
+
+/// Bits of MaterialRow::flags.
+enum MaterialFlags : std::uint32_t {
+  kTwoSided = 1,   ///< the frame is turned towards the viewer
+  kTextured = 2,   ///< the uv coordinates matter: textures, maps, or a tangent
+  kMapped = 4,     ///< the shading normal comes from a map
+  kComposite = 8,  ///< a choice between other rows, see MaterialRow::choice; never shaded itself
+};
+
+/// One material after composite ones are flattened. 32 words.
 struct alignas(64) MaterialRow {
   ClosureKind kind = ClosureKind::kDiffuse;
-  std::uint32_t back = 0;       ///< the row seen from behind the geometric normal; itself for one-sided materials
-  std::uint32_t two_sided = 0;  ///< 1: the frame is turned towards the viewer
-  std::uint32_t bucket = 0;     ///< sorting key; ordered by kind, then material
-  float words[kMaxClosureWords] = {};  ///< the parameters' leaves in declaration order
+  std::uint32_t back = 0;           ///< the row seen from behind the geometric normal; itself for one-sided materials
+  std::uint32_t flags = 0;          ///< MaterialFlags
+  std::uint16_t bucket = 0;         ///< sorting key; ordered by kind, then material
+  std::uint16_t binding_count = 0;  ///< textures of its words
+  std::uint32_t first_binding = 0;  ///< into SceneView::bindings
+  std::uint32_t map = 0;            ///< kMapped: into SceneView::normal_maps
+  std::uint32_t choice[2] = {};     ///< kComposite: the rows, kNothing: light passes; words[0] is the second's share
+  float words[kMaxClosureWords] = {};  ///< parameters' leaves in declaration order
+  static constexpr std::uint32_t kNothing = 0xffffffffu;
 };
-static_assert(sizeof(MaterialRow) == 64);
+static_assert(sizeof(MaterialRow) == 128);
+
+/// How a texture turns the shading normal.
+struct NormalMapRow {
+  std::uint32_t texture = 0;  ///< into TextureView::rows
+  std::uint32_t flags = 0;
+  float scale = 1;  ///< kBump: on the texture's gradient
+  /// Bits of `flags`.
+  enum : std::uint32_t {
+    kBump = 1,        ///< the texture is a height, not a normal
+    kFlipGreen = 2,   ///< green points down
+    kFixInvalid = 4,  ///< normals that face away from the viewer are mirrored at the unturned one
+    kSoften = 8,      ///< the edge of shadows is softened
+  };
+};
 
 /// Stores parameters into a row.
-template <template <class> class Parameters> void set_parameters(MaterialRow& row, const Parameters<Scalar>& parameters) {
+template <template <class> class Parameters>
+void set_parameters(MaterialRow& row, ClosureKind kind, const Parameters<Scalar>& parameters) {
   static_assert(kLeafCount<Parameters> <= kMaxClosureWords);
-  row.kind = Parameters<Scalar>::kKind;
+  row.kind = kind;
   int i = 0;
   std::apply([&](const auto&... leaf) { ((row.words[i++] = leaf), ...); }, leaves(parameters));
 }

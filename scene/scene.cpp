@@ -9,12 +9,15 @@ template <class T> std::size_t bytes_of(const std::vector<T>& v) { return v.capa
 SceneView Scene::view() const {
   SceneView v;
   v.shapes = shapes_.data();
-  v.positions = positions_.data();
-  v.normals = normals_.data();
-  v.uvs = uvs_.data();
+  v.vertices = vertices_.data();
   v.triangles = triangles_.data();
   v.quadrics = quadrics_.data();
+  v.instances = instances_.empty() ? nullptr : instances_.data();
   v.materials = materials_.data();
+  v.bindings = bindings_.data();
+  v.normal_maps = normal_maps_.data();
+  v.textures = {textures_.rows.data(), textures_.tiles.get(), attributes_.data(), attribute_values_.data(),
+                triangles_.data(), attributes_.empty() ? 0u : static_cast<std::uint32_t>(shapes_.size())};
   v.lights = lights_.data();
   v.light_alias = light_alias_.data();
   v.triangle_alias = triangle_alias_.data();
@@ -24,6 +27,8 @@ SceneView Scene::view() const {
   v.light_count = static_cast<std::uint32_t>(lights_.size());
   v.bucket_count = bucket_count_;
   std::copy(std::begin(bucket_begin_), std::end(bucket_begin_), v.bucket_begin);
+  std::copy(std::begin(kind_flags_), std::end(kind_flags_), v.kind_flags);
+  v.has_composites = has_composites_;
   v.environment = environment_;
   v.center = center_;
   v.radius = radius_;
@@ -37,8 +42,11 @@ SceneView Scene::view() const {
 
 SceneInfo Scene::info() const {
   SceneInfo info = counts_;
-  info.table_bytes = bytes_of(shapes_) + bytes_of(positions_) + bytes_of(normals_) + bytes_of(uvs_) +
-                     bytes_of(triangles_) + bytes_of(quadrics_) + bytes_of(materials_) + bytes_of(lights_) +
+  info.table_bytes = bytes_of(shapes_) + bytes_of(vertices_) +
+                     bytes_of(triangles_) + bytes_of(quadrics_) + bytes_of(instances_) +
+                     bytes_of(materials_) + bytes_of(bindings_) +
+                     bytes_of(normal_maps_) + bytes_of(textures_.rows) + textures_.tile_count * sizeof(TexelTile) +
+                     bytes_of(attributes_) + bytes_of(attribute_values_) + bytes_of(lights_) +
                      bytes_of(light_alias_) + bytes_of(triangle_alias_) + bytes_of(light_triangles_);
   info.accel_bytes = accel_->bytes();
   return info;

@@ -8,6 +8,7 @@
 #include "scene/description.h"
 #include "scene/filter.h"
 #include "scene/material.h"
+#include "scene/texture.h"
 
 #include <memory>
 #include <vector>
@@ -19,18 +20,33 @@ inline constexpr std::uint32_t kNone = 0xffffffffu;
 
 enum class ShapeKind : std::uint32_t { kMesh, kSphere, kDisk, kCylinder };
 
-/// One shape; its index is Embree's geometry id. Eight words, read as one 32-byte row.
+/// Bits of ShapeRow::flags.
+enum ShapeFlags : std::uint32_t {
+  kHasNormals = 1,  ///< vertices have normals; else the shape is faceted
+  kHasUvs = 2,      ///< vertices have uv; else barycentric coordinates serve as such
+};
+
+/// One shape. Those of shape groups follow the others, group by group, in the space of their group. Eight words, read
+/// as one 32-byte row.
 struct ShapeRow {
   std::uint32_t kind = 0;            ///< ShapeKind
   std::uint32_t first_triangle = 0;  ///< meshes: into SceneView::triangles; quadrics: into SceneView::quadrics
-  std::uint32_t first_vertex = 0;    ///< meshes: into SceneView::positions
-  std::uint32_t first_normal = kNone;  ///< meshes: into SceneView::normals; kNone: faceted
-  std::uint32_t first_uv = kNone;      ///< meshes: into SceneView::uvs; kNone: barycentric coordinates serve as uv
+  std::uint32_t first_vertex = 0;    ///< meshes: into SceneView::vertices
+  std::uint32_t flags = 0;           ///< ShapeFlags
   std::uint32_t material = 0;          ///< into SceneView::materials
   std::uint32_t light = kNone;         ///< into SceneView::lights, kNone: does not emit
   std::uint32_t triangle_count = 0;
+  std::uint32_t unused = 0;
 };
 static_assert(sizeof(ShapeRow) == 32);
+
+/// A vertex of a mesh, in half a cache line: whoever needs its position needs the rest as well.
+struct alignas(32) VertexRow {
+  float position[3];
+  float normal[3];  ///< unit length; zero without kHasNormals
+  float uv[2];      ///< zero without kHasUvs
+};
+static_assert(sizeof(VertexRow) == 32);
 
 /// A sphere, disk or cylinder: an affine image of the canonical one (unit sphere around the origin; unit disk at z = 0;
 /// side of radius 1 for z in [0, 1]).
@@ -42,6 +58,16 @@ struct QuadricRow {
   float uniform_scale;  ///< the factor, if the linear part is a rotation times a factor; else 0
   ShapeKind kind;       ///< not kMesh
 };
+
+/// A group's shapes placed in the world: one cache line.
+struct alignas(64) InstanceRow {
+  float to_world[12];         ///< rows of the 3x4 matrix
+  float determinant;          ///< of its linear part; negative if it mirrors
+  std::uint32_t first_shape;  ///< of the group; into SceneView::shapes
+  std::uint32_t group;        ///< index of the group
+  std::uint32_t unused;
+};
+static_assert(sizeof(InstanceRow) == 64);
 
 enum class LightKind : std::uint32_t { kPoint, kConstant, kMesh, kSphere, kQuadric };
 
@@ -74,12 +100,14 @@ static_assert(sizeof(LightTriangleRow) == 64);
 /// What kernels see of a scene: pointers into its tables, and small settings by value.
 struct SceneView {
   const ShapeRow* shapes = nullptr;
-  const float* positions = nullptr;          ///< three per vertex
-  const float* normals = nullptr;            ///< three per vertex, normalised
-  const float* uvs = nullptr;                ///< two per vertex
+  const VertexRow* vertices = nullptr;
   const std::uint32_t* triangles = nullptr;  ///< three per triangle, relative to the shape's first vertex
   const QuadricRow* quadrics = nullptr;
+  const InstanceRow* instances = nullptr;    ///< null: there are none
   const MaterialRow* materials = nullptr;
+  const TextureBinding* bindings = nullptr;
+  const NormalMapRow* normal_maps = nullptr;
+  TextureView textures;
   const LightRow* lights = nullptr;
   const AliasEntry* light_alias = nullptr;
   const AliasEntry* triangle_alias = nullptr;
@@ -87,6 +115,8 @@ struct SceneView {
   std::uint32_t shape_count = 0, material_count = 0, light_count = 0;
   std::uint32_t bucket_count = 1;
   std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
+  std::uint32_t kind_flags[kClosureKinds] = {};        ///< MaterialFlags of all materials of a kind
+  bool has_composites = false;                         ///< whether any material is a choice between others
   std::uint32_t environment = kNone;                   ///< light row of the constant environment
   Vec3f center{};                                      ///< of the bounding sphere
   float radius = 0;
@@ -99,6 +129,7 @@ struct SceneView {
 
 /// Sizes, for people.
 struct SceneInfo {
+  std::size_t groups = 0, instances = 0, instanced_triangles = 0;  ///< the last: instances times triangles of each
   std::size_t shapes = 0, triangles = 0, quadrics = 0, vertices = 0, materials = 0, lights = 0;
   Vec3f bounds_min{}, bounds_max{};
   std::size_t table_bytes = 0, accel_bytes = 0;
@@ -124,15 +155,23 @@ class Scene {
   friend class SceneCompiler;
 
   std::vector<ShapeRow> shapes_;
-  std::vector<float> positions_, normals_, uvs_;  ///< each with a row of padding, since rows are read four words wide
+  std::vector<VertexRow> vertices_;
   std::vector<std::uint32_t> triangles_;
   std::vector<QuadricRow> quadrics_;
+  std::vector<InstanceRow> instances_;
   std::vector<MaterialRow> materials_;
+  std::vector<TextureBinding> bindings_;
+  std::vector<NormalMapRow> normal_maps_;
+  CompiledTextures textures_;
+  std::vector<AttributeEntry> attributes_;
+  std::vector<float> attribute_values_;
   std::vector<LightRow> lights_;
   std::vector<AliasEntry> light_alias_, triangle_alias_;
   std::vector<LightTriangleRow> light_triangles_;
   std::uint32_t bucket_count_ = 1;
   std::uint32_t bucket_begin_[kClosureKinds + 1] = {};
+  std::uint32_t kind_flags_[kClosureKinds] = {};
+  bool has_composites_ = false;
   std::uint32_t environment_ = kNone;
   Vec3f center_{};
   float radius_ = 0;

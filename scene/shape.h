@@ -3,22 +3,14 @@
 
 #include "core/frame.h"
 #include "core/warp.h"
+#include "scene/instance.h"
 #include "scene/scene.h"
 
 namespace sheaf {
 
-/// Reads four words per lane from base + index[lane]. The table must be readable three words beyond its last row.
-template <class L> SHEAF_INLINE void gather_row4(const float* base, typename L::Uint index, typename L::Float* out) {
-  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
-  store(lanes, index);
-  const float* rows[L::width];
-  for (int lane = 0; lane < L::width; ++lane) rows[lane] = base + lanes[lane];
-  load_rows4(rows, out);
-}
-
 /// ShapeRow, a lane each.
 template <class L> struct ShapeLanes {
-  typename L::Uint kind, first_triangle, first_vertex, first_normal, first_uv, material, light;
+  typename L::Uint kind, first_triangle, first_vertex, flags, material, light;
 };
 
 template <class L> SHEAF_INLINE ShapeLanes<L> load_shapes(const SceneView& scene, typename L::Uint shape) {
@@ -26,8 +18,7 @@ template <class L> SHEAF_INLINE ShapeLanes<L> load_shapes(const SceneView& scene
   const auto* base = reinterpret_cast<const float*>(scene.shapes);
   gather_row4<L>(base, shape * typename L::Uint(8u), w);
   gather_row4<L>(base + 4, shape * typename L::Uint(8u), w + 4);
-  return {float_bits(w[0]), float_bits(w[1]), float_bits(w[2]), float_bits(w[3]),
-          float_bits(w[4]), float_bits(w[5]), float_bits(w[6])};
+  return {float_bits(w[0]), float_bits(w[1]), float_bits(w[2]), float_bits(w[3]), float_bits(w[4]), float_bits(w[5])};
 }
 
 /// The surface at a hit, in world space.
@@ -37,7 +28,10 @@ template <class L> struct SurfacePoint {
   Vec3<L> ns;                 ///< interpolated normal, unit length
   typename L::Float offset;   ///< how far along +-ng a ray must start so that it cannot hit the same surface
   Vec2<L> uv;                 ///< only with WithUv
-  Vec3<L> dp_du;              ///< tangent along u, any length but zero; only with WithUv
+  /// Derivatives of the position by u and v, only with WithUv. Never zero: where one vanishes (poles, the centre of a
+  /// disk) it has the right direction and is tiny; where a triangle's uv are missing or degenerate the two are some
+  /// orthonormal tangents.
+  Vec3<L> dp_du, dp_dv;
 };
 
 /// Normalises vectors whose squared length would overflow or underflow.
@@ -51,24 +45,21 @@ template <class L> SHEAF_INLINE Vec3<L> normalize_any(Vec3<L> a) {
 inline constexpr float kOffsetUlps = 8.0f * 5.9604645e-8f;
 
 template <class L, bool WithUv>
-SHEAF_INLINE void triangle_uv(const SceneView& scene, const ShapeLanes<L>& shape, const typename L::Uint* vertex,
-                              typename L::Float u, typename L::Float v, const Vec3<L>* p, SurfacePoint<L>& out) {
+SHEAF_INLINE void triangle_uv(const ShapeLanes<L>& shape, const Vec2<L>* t, typename L::Float u, typename L::Float v,
+                              const Vec3<L>* p, SurfacePoint<L>& out) {
   using F = typename L::Float;
   using U = typename L::Uint;
-  const auto has_uv = shape.first_uv != U(kNone);
-  F t0[4], t1[4], t2[4];
-  const U base = select(has_uv, shape.first_uv, U(0u));
-  const auto index = [&](int k) { return select(has_uv, (base + vertex[k]) * U(2u), U(0u)); };
-  gather_row4<L>(scene.uvs, index(0), t0);
-  gather_row4<L>(scene.uvs, index(1), t1);
-  gather_row4<L>(scene.uvs, index(2), t2);
+  const auto has_uv = (shape.flags & U(kHasUvs)) != U(0u);
   const F b0 = F(1.0f) - u - v;
-  out.uv = {select(has_uv, b0 * t0[0] + u * t1[0] + v * t2[0], u), select(has_uv, b0 * t0[1] + u * t1[1] + v * t2[1], v)};
-  const F du1 = t1[0] - t0[0], dv1 = t1[1] - t0[1], du2 = t2[0] - t0[0], dv2 = t2[1] - t0[1];
+  out.uv = {select(has_uv, b0 * t[0].x + u * t[1].x + v * t[2].x, u), select(has_uv, b0 * t[0].y + u * t[1].y + v * t[2].y, v)};
+  const F du1 = t[1].x - t[0].x, dv1 = t[1].y - t[0].y, du2 = t[2].x - t[0].x, dv2 = t[2].y - t[0].y;
   const F det = du1 * dv2 - dv1 * du2;
   const auto usable = has_uv & (abs(det) > F(1e-30f));
-  const Vec3<L> from_uv = ((p[1] - p[0]) * dv2 - (p[2] - p[0]) * dv1) * (F(1.0f) / select(usable, det, F(1.0f)));
-  out.dp_du = select<L>(usable, from_uv, Frame<L>::from_normal(out.ng).s);
+  const F inverse = F(1.0f) / select(usable, det, F(1.0f));
+  const Vec3<L> edge1 = p[1] - p[0], edge2 = p[2] - p[0];
+  const auto frame = Frame<L>::from_normal(out.ng);
+  out.dp_du = select<L>(usable, (edge1 * dv2 - edge2 * dv1) * inverse, frame.s);
+  out.dp_dv = select<L>(usable, (edge2 * du1 - edge1 * du2) * inverse, frame.t);
 }
 
 /// Surface of a triangle mesh at barycentric (u, v).
@@ -81,13 +72,17 @@ SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeL
   F words[4];
   gather_row4<L>(reinterpret_cast<const float*>(scene.triangles),
                  select(active, (shape.first_triangle + primitive) * U(3u), zero), words);
-  U vertex[3];
-  Vec3<L> p[3];
+  Vec3<L> p[3], n[3];
+  Vec2<L> t[3];
   for (int k = 0; k < 3; ++k) {
-    vertex[k] = float_bits(words[k]);
-    F q[4];
-    gather_row4<L>(scene.positions, select(active, (shape.first_vertex + vertex[k]) * U(3u), zero), q);
+    static_assert(sizeof(VertexRow) == 8 * sizeof(float));
+    const U row = select(active, shape.first_vertex + float_bits(words[k]), zero) * U(8u);
+    F q[8];
+    gather_row4<L>(reinterpret_cast<const float*>(scene.vertices), row, q);
+    gather_row4<L>(reinterpret_cast<const float*>(scene.vertices) + 4, row, q + 4);
     p[k] = {q[0], q[1], q[2]};
+    n[k] = {q[3], q[4], q[5]};
+    t[k] = {q[6], q[7]};
   }
   const F b0 = F(1.0f) - u - v;
   SurfacePoint<L> out;
@@ -97,20 +92,14 @@ SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeL
   const Vec3<L> largest{max(a0.x, max(a1.x, a2.x)), max(a0.y, max(a1.y, a2.y)), max(a0.z, max(a1.z, a2.z))};
   out.offset = F(kOffsetUlps) * (dot(abs(out.ng), largest) + max_component(abs(out.p)));
   out.ns = out.ng;
-  const auto smooth = active & (shape.first_normal != U(kNone));
+  const auto smooth = active & ((shape.flags & U(kHasNormals)) != U(0u));
   if (any(smooth)) {
-    Vec3<L> n[3];
-    for (int k = 0; k < 3; ++k) {
-      F q[4];
-      gather_row4<L>(scene.normals, select(smooth, (shape.first_normal + vertex[k]) * U(3u), zero), q);
-      n[k] = {q[0], q[1], q[2]};
-    }
     const Vec3<L> sum = n[0] * b0 + n[1] * u + n[2] * v;
     const F squared = dot(sum, sum);
     const auto usable = smooth & (squared > F(1e-12f));
     out.ns = select<L>(usable, sum * (F(1.0f) / sqrt(select(usable, squared, F(1.0f)))), out.ng);
   }
-  if constexpr (WithUv) triangle_uv<L, WithUv>(scene, shape, vertex, u, v, p, out);
+  if constexpr (WithUv) triangle_uv<L, WithUv>(shape, t, u, v, p, out);
   return out;
 }
 
@@ -179,7 +168,16 @@ SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricLanes<L>& q, typename 
     const auto on_axis = radius <= F(1e-20f);
     const F scale = F(1.0f) / select(on_axis, F(1.0f), radius);
     const F cos_angle = select(on_axis, F(1.0f), x.x * scale), sin_angle = select(on_axis, F(0.0f), x.y * scale);
-    out.dp_du = q.world_vector({select(disk, cos_angle, -sin_angle), select(disk, sin_angle, cos_angle), F(0.0f)});
+    constexpr float kSmallestRadius = 1e-6f;
+    const F turning = F(2.0f * kPi) * max(radius, F(kSmallestRadius));
+    const Vec3<L> around = q.world_vector({-sin_angle * turning, cos_angle * turning, F(0.0f)});
+    const Vec3<L> outward = q.world_vector({cos_angle, sin_angle, F(0.0f)});
+    const F pi(kPi);
+    const Vec3<L> along = q.world_vector({select(sphere, cos_angle * x.z * pi, F(0.0f)),
+                                          select(sphere, sin_angle * x.z * pi, F(0.0f)),
+                                          select(sphere, -radius * pi, F(1.0f))});
+    out.dp_du = select<L>(disk, outward, around);
+    out.dp_dv = select<L>(disk, around, along);
   }
   return out;
 }
@@ -199,10 +197,33 @@ SHEAF_INLINE SurfacePoint<L> quadric_point(const SceneView& scene, const ShapeLa
   return quadric_surface<L, WithUv>(q, shape.kind, x);
 }
 
-/// The surface at hits: `hit_point` is origin + t * direction, (u, v) Embree's barycentric coordinates.
-template <class L, bool WithUv = false>
-SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeLanes<L>& shape, typename L::Uint primitive,
-                                           typename L::Float u, typename L::Float v, Vec3<L> hit_point) {
+/// From a group's space to world space, lanes of `instanced` only.
+template <class L, bool WithUv>
+SHEAF_INLINE void place_instance(const InstanceLanes<L>& placed, Mask<L> instanced, SurfacePoint<L>& y) {
+  using F = typename L::Float;
+  const Vec3<L> normal = placed.normal(y.ng);
+  const F largest = max(max_component(abs(normal)), F(1e-37f));
+  const Vec3<L> scaled = normal * (F(1.0f) / largest);
+  const F scaled_length = sqrt(dot(scaled, scaled));
+  // Embree takes rays to the group's space, where rounding errors along the normal are those of the surface there and
+  // those of the transform: bounded by the inverse's terms, taken absolutely, times those of the point.
+  const Vec3<L> bound = placed.absolute_point(y.p);
+  const F error =
+      y.offset * abs(placed.determinant) + F(kOffsetUlps) * dot(abs(y.ng), placed.absolute_cofactors(bound));
+  y.offset = select(instanced, error / (largest * scaled_length), y.offset);
+  y.p = select<L>(instanced, placed.point(y.p), y.p);
+  y.ng = select<L>(instanced, scaled * (F(1.0f) / scaled_length), y.ng);
+  y.ns = select<L>(instanced, normalize_any(placed.normal(y.ns)), y.ns);
+  if constexpr (WithUv) {
+    y.dp_du = select<L>(instanced, placed.vector(y.dp_du), y.dp_du);
+    y.dp_dv = select<L>(instanced, placed.vector(y.dp_dv), y.dp_dv);
+  }
+}
+
+/// The surface at hits of shapes, in the space in which they were compiled: world space, or a group's.
+template <class L, bool WithUv>
+SHEAF_INLINE SurfacePoint<L> shape_point(const SceneView& scene, const ShapeLanes<L>& shape, Uint<L> primitive,
+                                         Float<L> u, Float<L> v, Vec3<L> hit_point) {
   const auto mesh = shape.kind == typename L::Uint(static_cast<std::uint32_t>(ShapeKind::kMesh));
   if (all(mesh)) return triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v);
   SurfacePoint<L> out = quadric_point<L, WithUv>(scene, shape, !mesh, hit_point);
@@ -215,7 +236,24 @@ SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeLa
   if constexpr (WithUv) {
     out.uv = {select(mesh, triangle.uv.x, out.uv.x), select(mesh, triangle.uv.y, out.uv.y)};
     out.dp_du = select<L>(mesh, triangle.dp_du, out.dp_du);
+    out.dp_dv = select<L>(mesh, triangle.dp_dv, out.dp_dv);
   }
+  return out;
+}
+
+/// The surface at hits: `hit_point` is origin + t * direction, (u, v) Embree's barycentric coordinates, `instance` the
+/// instance that was hit, kNone for shapes that are not in a group.
+template <class L, bool WithUv = false>
+SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeLanes<L>& shape, Uint<L> primitive,
+                                           Float<L> u, Float<L> v, Vec3<L> hit_point, Uint<L> instance) {
+  using U = typename L::Uint;
+  const auto instanced = instance != U(kNone);
+  if (scene.instances == nullptr || !any(instanced))
+    return shape_point<L, WithUv>(scene, shape, primitive, u, v, hit_point);
+  const InstanceLanes<L> placed = load_instances<L>(scene.instances, select(instanced, instance, U(0u)));
+  const Vec3<L> object_hit = select<L>(instanced, placed.object_point(hit_point), hit_point);
+  SurfacePoint<L> out = shape_point<L, WithUv>(scene, shape, primitive, u, v, object_hit);
+  place_instance<L, WithUv>(placed, instanced, out);
   return out;
 }
 

@@ -349,7 +349,7 @@ TEST_CASE("mirrors and metals") {
   SUBCASE("metal") {
     using S = SpectrumDescription;
     const ConductorDescription metal{ConductorDescription::Ior{S::constant(0.2f), S::constant(3.9f)},
-                                     S::constant(0.9f)};
+                                     S::constant(0.9f), std::nullopt};
     add_rectangle(d, Transform::scale({5, 5, 1}), add_material(d, metal));
     check_strategies(d, 2 * 0.9 * fresnel(std::sqrt(0.5), {0.2, 3.9}));
   }

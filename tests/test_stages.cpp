@@ -36,7 +36,7 @@ TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within
         CHECK(path.sample == 4 + index % 3);
         CHECK(path.progress == 0u);
         CHECK(path.eta_scale == 1.0f);
-        CHECK(record_difference<Spectrum>(path.beta, Spectrum4(1.0f)) == 0.0);
+        CHECK(record_difference<Spectrum>(path.beta, {1, 1, 1, 0}) == 0.0);
         CHECK(radiance.task_sample == index);
         CHECK(radiance.scatter_pdf == 0.0f);
         CHECK(radiance.alpha == 1.0f);

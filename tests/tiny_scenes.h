@@ -25,7 +25,9 @@ inline void look_at(Description& d, Vec3f origin, Vec3f target, Vec3f up = {0, 1
 }
 
 template <class Model> MaterialId add_material(Description& d, Model model) {
-  d.materials.push_back({std::move(model), {}, {}});
+  MaterialDescription material;
+  material.model = std::move(model);
+  d.materials.push_back(std::move(material));
   return static_cast<MaterialId>(d.materials.size() - 1);
 }
 
@@ -39,7 +41,9 @@ inline MaterialId add_diffuse_rgb(Description& d, float r, float g, float b) {
 
 /// A perfect mirror on the side of the normal.
 inline MaterialId add_mirror(Description& d, float reflectance = 1) {
-  return add_material(d, ConductorDescription{std::nullopt, SpectrumDescription::constant(reflectance)});
+  ConductorDescription mirror;
+  mirror.specular_reflectance = SpectrumDescription::constant(reflectance);
+  return add_material(d, mirror);
 }
 
 /// A smooth dielectric of index `int_ior` in a surrounding of index `ext_ior`.

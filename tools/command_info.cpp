@@ -46,6 +46,10 @@ std::string describe(const Description& description, const Scene& scene) {
   fmt::format_to(out, "integrator  {}\n", describe_integrator(description.integrator));
   fmt::format_to(out, "shapes      {} ({} triangles, {} vertices, {} quadrics)\n", info.shapes, info.triangles,
                  info.vertices, info.quadrics);
+  if (info.groups > 0) {
+    fmt::format_to(out, "instances   {} of {} group{} ({} triangles)\n", info.instances, info.groups,
+                   info.groups == 1 ? "" : "s", info.instanced_triangles);
+  }
   fmt::format_to(out, "materials   {}\n", info.materials);
   fmt::format_to(out, "lights      {}\n", info.lights);
   if (info.shapes > 0) {

@@ -2,8 +2,8 @@
 """Writes every mesh that the example and test scenes use. Needs nothing but Python; the output never varies.
 
   tools/make_meshes.py            the small meshes of scenes/cornell and tests/references (kept in the repository)
-                                  and the large one of scenes/mesh_box (not kept: it is 2 MB)
-  tools/make_meshes.py mesh_box   only the large one
+                                  and the large ones of scenes/mesh_box and scenes/material_room (not kept: 3 MB)
+  tools/make_meshes.py large      only the large ones
 """
 
 import math
@@ -14,6 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 CORNELL = ROOT / "scenes" / "cornell" / "meshes"
 MESH_BOX = ROOT / "scenes" / "mesh_box" / "generated"
+MATERIAL_ROOM = ROOT / "scenes" / "material_room" / "generated"
 TESTS = ROOT / "tests" / "references" / "scenes" / "meshes"
 
 
@@ -57,13 +58,15 @@ def write_obj(path, title, positions, faces, normals=(), uvs=(), negative=False)
     path.write_text("\n".join(lines) + "\n")
 
 
-def write_ply(path, title, positions, triangles, normals=(), encoding="binary_little_endian"):
-    """Vertices with float positions (and normals), faces with a uchar count and int indices."""
+def write_ply(path, title, positions, triangles, normals=(), encoding="binary_little_endian", uvs=()):
+    """Vertices with float positions (and normals, and uvs), faces with a uchar count and int indices."""
     header = ["ply", f"format {encoding} 1.0", f"comment {title}", f"element vertex {len(positions)}"]
     header += [f"property float {axis}" for axis in "xyz"]
     header += [f"property float n{axis}" for axis in "xyz"] if normals else []
+    header += [f"property float {axis}" for axis in "uv"] if uvs else []
     header += [f"element face {len(triangles)}", "property list uchar int vertex_indices", "end_header"]
     rows = [tuple(p) + tuple(n) for p, n in zip(positions, normals)] if normals else positions
+    rows = [tuple(row) + tuple(t) for row, t in zip(rows, uvs)] if uvs else rows
     path.parent.mkdir(parents=True, exist_ok=True)
     with open(path, "wb") as out:
         out.write(("\n".join(header) + "\n").encode())
@@ -157,6 +160,15 @@ def make_mesh_box():
     write_ply(MESH_BOX / "knot.ply", "torus knot", positions, triangles, normals)
 
 
+def make_material_room():
+    """25,600 triangles with uv, which the scene uses eight times."""
+    rings, sides = 256, 50
+    positions, normals, triangles = torus_surface(
+        knot_line(2, 3), lambda t, angle: 0.24 + 0.02 * math.cos(2 * math.pi * (5 * angle + 6 * t)), rings, sides)
+    uvs = [(24 * i / rings, 4 * j / sides) for i in range(rings) for j in range(sides)]
+    write_ply(MATERIAL_ROOM / "knot.ply", "torus knot with uv", positions, triangles, normals, uvs=uvs)
+
+
 def octahedron_sphere(steps):
     """A coarse sphere: latitude rings of quads between two fans of triangles; positions equal normals."""
     positions = [(0.0, 0.0, 1.0)]
@@ -199,9 +211,10 @@ def make_tests():
 
 
 def main(arguments):
-    if arguments not in ([], ["mesh_box"]):
+    if arguments not in ([], ["large"]):
         sys.exit(__doc__)
     make_mesh_box()
+    make_material_room()
     if not arguments:
         make_cornell()
         make_tests()

@@ -9,6 +9,7 @@ namespace {
 template <class L> void shade_surfaces(const SceneView& scene, Wave& wave) {
   sort_surfaces<L>(scene, wave);
   surface_inputs<L>(scene, wave);
+  textures<L>(scene, wave);
   light_candidates<L>(scene, wave);
   shadow<L>(scene, wave);
   scatter<L>(scene, wave);
@@ -23,12 +24,10 @@ template <class L> void run_path_pass(const SceneView& scene, Wave& wave) {
     if (2 * wave.free.size() >= wave.capacity) camera_rays<L>(scene, wave);
     if (wave.active.empty()) break;
     intersect<L>(scene, wave);
-    if (debugging) {
-      debug_view<L>(scene, wave);
-    } else {
-      emission<L>(scene, wave);
-      shade_surfaces<L>(scene, wave);
-    }
+    if (!debugging) emission<L>(scene, wave);
+    select_materials<L>(scene, wave);
+    if (debugging) debug_view<L>(scene, wave);
+    else shade_surfaces<L>(scene, wave);
     accumulate<L>(scene, wave);
     assert(wave.free.size() + wave.active.size() == wave.capacity);
   }

@@ -1,0 +1,234 @@
+#include "scene/material_rows.h"
+
+#include "core/color.h"
+#include "scene/plastic.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+using TableToRgb = Vec3f (*)(std::span<const float>, std::span<const float>);
+
+Vec3f to_rgb(const SpectrumDescription& spectrum, TableToRgb table_to_rgb) {
+  using S = SpectrumDescription;
+  Vec3f rgb{};
+  if (const auto* c = std::get_if<S::Constant>(&spectrum.value)) rgb = {c->value, c->value, c->value};
+  if (const auto* c = std::get_if<S::Rgb>(&spectrum.value)) rgb = c->value;
+  if (const auto* t = std::get_if<S::Table>(&spectrum.value)) rgb = table_to_rgb(t->wavelengths, t->values);
+  if (const auto* b = std::get_if<S::Blackbody>(&spectrum.value)) rgb = blackbody_to_rgb(b->temperature, b->scale);
+  return {std::max(rgb.x, 0.0f), std::max(rgb.y, 0.0f), std::max(rgb.z, 0.0f)};
+}
+
+/// Parameters on their way into a row: constants go to their place, textures become bindings of that place.
+template <template <class> class Parameters> struct RowMaker {
+  std::vector<TextureBinding>& bindings;
+  Parameters<Scalar> p{};
+  std::uint32_t first_binding = static_cast<std::uint32_t>(bindings.size());
+
+  void set(float& leaf, const ScalarInput& input) {
+    if (const float* value = std::get_if<float>(&input)) leaf = *value;
+    else bind(leaf, std::get<TextureId>(input), 1, TextureRole::kScalar);
+  }
+
+  void set(Spectrum4& spectrum, const SpectrumInput& input, TextureRole role = TextureRole::kReflectance) {
+    if (const auto* value = std::get_if<SpectrumDescription>(&input)) {
+      const Vec3f rgb = role == TextureRole::kReflectance ? reflectance_rgb(*value) : unbounded_rgb(*value);
+      spectrum = {rgb.x, rgb.y, rgb.z, 0.0f};
+    } else {
+      bind(spectrum.c0, std::get<TextureId>(input), 4, role);
+    }
+  }
+
+  MaterialRow row(ClosureKind kind) const {
+    MaterialRow out;
+    set_parameters<Parameters>(out, kind, p);
+    out.first_binding = first_binding;
+    out.binding_count = static_cast<std::uint16_t>(bindings.size() - first_binding);
+    if (out.binding_count > 0) out.flags |= kTextured;
+    return out;
+  }
+
+ private:
+  void bind(const float& leaf, TextureId texture, std::uint32_t words, TextureRole role) {
+    std::uint32_t word = 0, i = 0;
+    std::apply([&](const auto&... each) { ((&each == &leaf ? word = i : 0u, ++i), ...); }, leaves(p));
+    bindings.push_back({static_cast<std::uint32_t>(texture), word, words, role});
+  }
+};
+
+using Bindings = std::vector<TextureBinding>;
+
+bool is_ggx(const RoughnessDescription& r) { return r.distribution == RoughnessDescription::Distribution::kGgx; }
+
+template <template <class> class Parameters>
+void set_roughness(RowMaker<Parameters>& m, const RoughnessDescription& roughness) {
+  m.set(m.p.alpha_u, roughness.alpha_u);
+  m.set(m.p.alpha_v, roughness.alpha_v);
+}
+
+/// Only a surface that is smoother in one direction than in the other needs its tangent.
+MaterialRow with_tangent(MaterialRow row, const RoughnessDescription& roughness) {
+  if (roughness.alpha_u != roughness.alpha_v) row.flags |= kTextured;
+  return row;
+}
+MaterialRow with_tangent(MaterialRow row, const ScalarInput& anisotropic) {
+  if (anisotropic != ScalarInput(0.0f)) row.flags |= kTextured;
+  return row;
+}
+
+MaterialRow make_row(const DiffuseDescription& d, Bindings& bindings) {
+  RowMaker<DiffuseParameters> m{bindings};
+  m.set(m.p.reflectance, d.reflectance);
+  return m.row(ClosureKind::kDiffuse);
+}
+
+template <template <class> class Parameters>
+void set_conductor(RowMaker<Parameters>& m, const ConductorDescription& d) {
+  m.p.eta = Spectrum4(0.0f);
+  m.p.k = Spectrum4(1.0f);
+  if (d.ior) {
+    m.set(m.p.eta, d.ior->eta, TextureRole::kUnbounded);
+    m.set(m.p.k, d.ior->k, TextureRole::kUnbounded);
+    // The fourth lane is no colour in RGB mode; k = 1 keeps its Fresnel term a number.
+    m.p.k.c3 = 1.0f;
+  }
+  m.set(m.p.reflectance, d.specular_reflectance);
+}
+
+MaterialRow make_row(const ConductorDescription& d, Bindings& bindings) {
+  if (!d.roughness) {
+    RowMaker<ConductorParameters> m{bindings};
+    set_conductor(m, d);
+    return m.row(ClosureKind::kConductor);
+  }
+  RowMaker<RoughConductorParameters> m{bindings};
+  set_conductor(m, d);
+  set_roughness(m, *d.roughness);
+  return with_tangent(m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughConductorGgx : ClosureKind::kRoughConductorBeckmann),
+                      *d.roughness);
+}
+
+template <template <class> class Parameters>
+void set_dielectric(RowMaker<Parameters>& m, const DielectricDescription& d) {
+  m.p.eta = d.int_ior / d.ext_ior;
+  m.set(m.p.reflectance, d.specular_reflectance);
+  m.set(m.p.transmittance, d.specular_transmittance);
+}
+
+MaterialRow make_row(const DielectricDescription& d, Bindings& bindings) {
+  if (!d.roughness) {
+    RowMaker<DielectricParameters> m{bindings};
+    set_dielectric(m, d);
+    return m.row(d.thin ? ClosureKind::kThinDielectric : ClosureKind::kDielectric);
+  }
+  RowMaker<RoughDielectricParameters> m{bindings};
+  set_dielectric(m, d);
+  set_roughness(m, *d.roughness);
+  return with_tangent(
+      m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughDielectricGgx : ClosureKind::kRoughDielectricBeckmann), *d.roughness);
+}
+
+template <template <class> class Parameters>
+void set_plastic(RowMaker<Parameters>& m, const PlasticDescription& d) {
+  m.p.eta = d.int_ior / d.ext_ior;
+  m.set(m.p.diffuse, d.diffuse_reflectance);
+  m.set(m.p.specular, d.specular_reflectance);
+  m.p.nonlinear = d.nonlinear ? 1.0f : 0.0f;
+}
+
+MaterialRow make_row(const PlasticDescription& d, Bindings& bindings) {
+  if (!d.roughness) {
+    RowMaker<PlasticParameters> m{bindings};
+    set_plastic(m, d);
+    m.p.internal_reflectance = smooth_coat_internal_reflectance(m.p.eta);
+    return m.row(ClosureKind::kPlastic);
+  }
+  RowMaker<RoughPlasticParameters> m{bindings};
+  set_plastic(m, d);
+  m.set(m.p.alpha, d.roughness->alpha_u);
+  const RoughCoat coat = rough_coat(d.roughness->distribution, m.p.alpha, m.p.eta);
+  m.p.internal_reflectance = coat.internal_reflectance;
+  std::copy(coat.transmittance.begin(), coat.transmittance.end(), m.p.transmittance);
+  return m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughPlasticGgx : ClosureKind::kRoughPlasticBeckmann);
+}
+
+MaterialRow make_row(const PrincipledDescription& d, Bindings& bindings) {
+  RowMaker<PrincipledParameters> m{bindings};
+  m.set(m.p.base_color, d.base_color);
+  m.set(m.p.roughness, d.roughness);
+  m.set(m.p.anisotropic, d.anisotropic);
+  m.set(m.p.metallic, d.metallic);
+  m.set(m.p.spec_trans, d.spec_trans);
+  m.set(m.p.spec_tint, d.spec_tint);
+  m.set(m.p.sheen, d.sheen);
+  m.set(m.p.sheen_tint, d.sheen_tint);
+  m.set(m.p.flatness, d.flatness);
+  m.set(m.p.clearcoat, d.clearcoat);
+  m.set(m.p.clearcoat_gloss, d.clearcoat_gloss);
+  // A matched boundary would transmit without bending, which has no density.
+  constexpr float kLeastTransmittingEta = 1.001f;
+  const bool matched = d.eta == 1.0f && d.spec_trans != ScalarInput(0.0f);
+  m.p.eta = matched ? kLeastTransmittingEta : d.eta;
+  return with_tangent(m.row(ClosureKind::kPrincipled), d.anisotropic);
+}
+
+MaterialRow make_row(const PrincipledThinDescription& d, Bindings& bindings) {
+  RowMaker<PrincipledThinParameters> m{bindings};
+  m.set(m.p.base_color, d.base_color);
+  m.set(m.p.roughness, d.roughness);
+  m.set(m.p.anisotropic, d.anisotropic);
+  m.set(m.p.spec_trans, d.spec_trans);
+  m.set(m.p.eta, d.eta);
+  m.set(m.p.spec_tint, d.spec_tint);
+  m.set(m.p.sheen, d.sheen);
+  m.set(m.p.sheen_tint, d.sheen_tint);
+  m.set(m.p.flatness, d.flatness);
+  m.set(m.p.diff_trans, d.diff_trans);
+  return with_tangent(m.row(ClosureKind::kPrincipledThin), d.anisotropic);
+}
+
+MaterialRow make_row(const DisneyDescription& d, Bindings& bindings) {
+  RowMaker<DisneyParameters> m{bindings};
+  m.set(m.p.base_color, d.base_color);
+  m.set(m.p.metallic, d.metallic);
+  m.set(m.p.subsurface, d.subsurface);
+  m.set(m.p.specular, d.specular);
+  m.set(m.p.specular_tint, d.specular_tint);
+  m.set(m.p.roughness, d.roughness);
+  m.set(m.p.anisotropic, d.anisotropic);
+  m.set(m.p.sheen, d.sheen);
+  m.set(m.p.sheen_tint, d.sheen_tint);
+  m.set(m.p.clearcoat, d.clearcoat);
+  m.set(m.p.clearcoat_gloss, d.clearcoat_gloss);
+  return with_tangent(m.row(ClosureKind::kDisney), d.anisotropic);
+}
+
+MaterialRow make_row(const NoriMicrofacetDescription& d, Bindings& bindings) {
+  RowMaker<NoriMicrofacetParameters> m{bindings};
+  m.set(m.p.kd, d.kd);
+  m.set(m.p.alpha, d.alpha);
+  m.p.eta = d.int_ior / d.ext_ior;
+  return m.row(ClosureKind::kNoriMicrofacet);
+}
+
+/// Combinations of materials are no rows of their own; see compile_materials().
+template <class Combination> MaterialRow make_row(const Combination&, Bindings&) { return {}; }
+
+}  // namespace
+
+Vec3f emission_rgb(const SpectrumDescription& spectrum) { return to_rgb(spectrum, emission_table_to_rgb); }
+
+Vec3f reflectance_rgb(const SpectrumDescription& spectrum) {
+  const Vec3f rgb = to_rgb(spectrum, reflectance_table_to_rgb);
+  return {std::min(rgb.x, 1.0f), std::min(rgb.y, 1.0f), std::min(rgb.z, 1.0f)};
+}
+
+Vec3f unbounded_rgb(const SpectrumDescription& spectrum) { return to_rgb(spectrum, unbounded_table_to_rgb); }
+
+MaterialRow make_material_row(const MaterialDescription& material, std::vector<TextureBinding>& bindings) {
+  return std::visit([&](const auto& model) { return make_row(model, bindings); }, material.model);
+}
+
+}  // namespace sheaf
