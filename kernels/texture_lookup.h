@@ -22,8 +22,8 @@ template <class L> struct TextureQuery {
 };
 
 /// The sRGB curve (IEC 61966-2-1), encoded to linear, of a whole number from 0 to 255: increasing, 0 to 0 and 255 to 1
-/// exactly, off by at most 6e-6. Above the curve's linear part a polynomial of degree 6 takes the power's place, the one
-/// with the smallest largest error over the bytes there that is 1 at 255.
+/// exactly, off by at most 6e-6. Above the curve's linear part a polynomial of degree 6 takes the power's place, the
+/// one with the smallest largest error over the bytes there that is 1 at 255.
 template <class F> SHEAF_INLINE F decode_srgb_byte(F byte) {
   constexpr float kCoefficients[] = {-1.91261509e-16f, 2.04817337e-13f, -1.01286438e-10f, 4.30494325e-8f,
                                      7.87728004e-6f,   1.29644643e-4f,  9.17128404e-4f};
@@ -63,13 +63,15 @@ template <class U> SHEAF_INLINE U wrap_texel(BitmapDescription::Wrap wrap, U i, 
 }
 
 /// The texel that `u` lies in.
-template <class L> SHEAF_INLINE typename L::Uint nearest_texel(BitmapDescription::Wrap wrap, typename L::Float u, std::uint32_t size) {
+template <class L>
+SHEAF_INLINE typename L::Uint nearest_texel(BitmapDescription::Wrap wrap, typename L::Float u, std::uint32_t size) {
   const auto x = wrap_coordinate(wrap, u) * typename L::Float(static_cast<float>(size));
   return wrap_texel(wrap, to_uint(x), typename L::Uint(size));
 }
 
 /// The texels whose centres lie on either side of `u`.
-template <class L> SHEAF_INLINE TexelPair<L> texel_pair(BitmapDescription::Wrap wrap, typename L::Float u, std::uint32_t size) {
+template <class L>
+SHEAF_INLINE TexelPair<L> texel_pair(BitmapDescription::Wrap wrap, typename L::Float u, std::uint32_t size) {
   using F = typename L::Float;
   using U = typename L::Uint;
   const F x = fma(wrap_coordinate(wrap, u), F(static_cast<float>(size)), F(0.5f));
@@ -98,8 +100,10 @@ template <TexelFormat Format, class U> SHEAF_INLINE U row_index(U y, std::uint32
 /// The linear value of a byte.
 template <TexelFormat Format, class U> SHEAF_INLINE auto decode_byte(U byte) {
   const auto value = to_float(byte);
-  if constexpr (Format == TexelFormat::kSrgbByte1 || Format == TexelFormat::kSrgbByte4) return decode_srgb_byte(value);
-  else return value * decltype(value)(1.0f / 255.0f);
+  if constexpr (Format == TexelFormat::kSrgbByte1 || Format == TexelFormat::kSrgbByte4)
+    return decode_srgb_byte(value);
+  else
+    return value * decltype(value)(1.0f / 255.0f);
 }
 
 /// A texel as it is stored.
@@ -126,10 +130,14 @@ template <class L, TexelFormat Format> struct StoredTexel {
 
   /// The linear value of one channel.
   template <int Channel> SHEAF_INLINE typename L::Float channel() const {
-    if constexpr (!kBytes) return value[Channel];
-    else if constexpr (texel_channels(Format) == 1) return decode_byte<Format>(value[0]);
-    else if constexpr (Channel == 2) return decode_byte<Format>(value[0] >> 16);
-    else return decode_byte<Format>((value[0] >> (8 * Channel)) & typename L::Uint(0xffu));
+    if constexpr (!kBytes)
+      return value[Channel];
+    else if constexpr (texel_channels(Format) == 1)
+      return decode_byte<Format>(value[0]);
+    else if constexpr (Channel == 2)
+      return decode_byte<Format>(value[0] >> 16);
+    else
+      return decode_byte<Format>((value[0] >> (8 * Channel)) & typename L::Uint(0xffu));
   }
 };
 
@@ -153,11 +161,14 @@ SHEAF_INLINE Patch<L, Format> load_patch(const TextureView& view, const BitmapRo
   const TexelPair<L> x = texel_pair<L>(bitmap.wrap_u, uv.x, bitmap.width);
   const TexelPair<L> y = texel_pair<L>(bitmap.wrap_v, uv.y, bitmap.height);
   const auto x0 = column_index<Format>(x.first), x1 = column_index<Format>(x.second);
-  const auto y0 = row_index<Format>(y.first, bitmap.tiles_per_row), y1 = row_index<Format>(y.second, bitmap.tiles_per_row);
+  const auto y0 = row_index<Format>(y.first, bitmap.tiles_per_row),
+             y1 = row_index<Format>(y.second, bitmap.tiles_per_row);
   const TexelTile* tiles = view.tiles + bitmap.first_tile;
   using Texel = StoredTexel<L, Format>;
-  return {{Texel::load(tiles, y0 + x0), Texel::load(tiles, y0 + x1), Texel::load(tiles, y1 + x0), Texel::load(tiles, y1 + x1)},
-          x.t, y.t};
+  return {{Texel::load(tiles, y0 + x0), Texel::load(tiles, y0 + x1), Texel::load(tiles, y1 + x0),
+           Texel::load(tiles, y1 + x1)},
+          x.t,
+          y.t};
 }
 
 /// A picture's value, in one or three channels.
@@ -186,8 +197,10 @@ SHEAF_INLINE Vec2<L> bitmap_slopes(const TextureView& view, const BitmapRow& bit
   for (int i = 0; i < 4; ++i) {
     typename L::Float value[3];
     for_each_channel<Format>([&]<int K>() SHEAF_LAMBDA_INLINE { value[K] = patch.corner[i].template channel<K>(); });
-    if constexpr (texel_channels(Format) == 1) corner[i] = value[0];
-    else corner[i] = texture_luminance(value);
+    if constexpr (texel_channels(Format) == 1)
+      corner[i] = value[0];
+    else
+      corner[i] = texture_luminance(value);
   }
   return {lerp(patch.ty, corner[1] - corner[0], corner[3] - corner[2]),
           lerp(patch.tx, corner[2] - corner[0], corner[3] - corner[1])};
@@ -196,12 +209,18 @@ SHEAF_INLINE Vec2<L> bitmap_slopes(const TextureView& view, const BitmapRow& bit
 /// Calls f with the format as a template argument.
 template <class F> SHEAF_INLINE auto with_format(TexelFormat format, F&& f) {
   switch (format) {
-    case TexelFormat::kByte1: return f.template operator()<TexelFormat::kByte1>();
-    case TexelFormat::kByte4: return f.template operator()<TexelFormat::kByte4>();
-    case TexelFormat::kSrgbByte1: return f.template operator()<TexelFormat::kSrgbByte1>();
-    case TexelFormat::kSrgbByte4: return f.template operator()<TexelFormat::kSrgbByte4>();
-    case TexelFormat::kFloat1: return f.template operator()<TexelFormat::kFloat1>();
-    default: return f.template operator()<TexelFormat::kFloat4>();
+    case TexelFormat::kByte1:
+      return f.template operator()<TexelFormat::kByte1>();
+    case TexelFormat::kByte4:
+      return f.template operator()<TexelFormat::kByte4>();
+    case TexelFormat::kSrgbByte1:
+      return f.template operator()<TexelFormat::kSrgbByte1>();
+    case TexelFormat::kSrgbByte4:
+      return f.template operator()<TexelFormat::kSrgbByte4>();
+    case TexelFormat::kFloat1:
+      return f.template operator()<TexelFormat::kFloat1>();
+    default:
+      return f.template operator()<TexelFormat::kFloat4>();
   }
 }
 
@@ -224,7 +243,8 @@ template <class L> struct AttributeValue {
   typename L::Mask coloured;
 };
 template <class L>
-SHEAF_INLINE AttributeValue<L> lookup_attribute(const TextureView& view, const MeshAttributeRow& row, const TextureQuery<L>& query) {
+SHEAF_INLINE AttributeValue<L> lookup_attribute(const TextureView& view, const MeshAttributeRow& row,
+                                                const TextureQuery<L>& query) {
   using F = typename L::Float;
   using U = typename L::Uint;
   AttributeValue<L> out{{F(0.0f), F(0.0f), F(0.0f)}, typename L::Mask(false)};
@@ -242,8 +262,8 @@ SHEAF_INLINE AttributeValue<L> lookup_attribute(const TextureView& view, const M
   F indices[4];
   gather_row4<L>(reinterpret_cast<const float*>(view.triangles),
                  select(present, (float_bits(entry[2]) + primitive) * U(3u), zero), indices);
-  const F weights[3] = {select(per_face, F(1.0f), F(1.0f) - query.b1 - query.b2),
-                        select(per_face, F(0.0f), query.b1), select(per_face, F(0.0f), query.b2)};
+  const F weights[3] = {select(per_face, F(1.0f), F(1.0f) - query.b1 - query.b2), select(per_face, F(0.0f), query.b1),
+                        select(per_face, F(0.0f), query.b2)};
   for (int corner = 0; corner < 3; ++corner) {
     const U element = select(per_face, primitive, float_bits(indices[corner]));
     F value[4];
@@ -325,7 +345,8 @@ Vec2<L> lookup_scalar_gradient(const TextureView& view, std::uint32_t texture, c
   using F = typename L::Float;
   const TextureRow& row = view.rows[texture];
   const BitmapRow& bitmap = row.bitmap;
-  if (row.kind != TextureKind::kBitmap || bitmap.filter != BitmapDescription::Filter::kBilinear) return {F(0.0f), F(0.0f)};
+  if (row.kind != TextureKind::kBitmap || bitmap.filter != BitmapDescription::Filter::kBilinear)
+    return {F(0.0f), F(0.0f)};
   return detail::with_format(bitmap.format, [&]<TexelFormat Format>() SHEAF_LAMBDA_INLINE -> Vec2<L> {
     const Vec2<L> slopes = detail::bitmap_slopes<L, Format>(view, bitmap, detail::texture_uv<L>(row, query.uv));
     const F du = slopes.x * F(static_cast<float>(bitmap.width)), dv = slopes.y * F(static_cast<float>(bitmap.height));
@@ -336,7 +357,8 @@ Vec2<L> lookup_scalar_gradient(const TextureView& view, std::uint32_t texture, c
 
 /// What a binding's texture puts into the closure's words: binding.words of the result's lanes, from the first on.
 template <class L>
-SHEAF_INLINE Spectrum<L> lookup_binding(const TextureView& view, const TextureBinding& binding, const TextureQuery<L>& query) {
+SHEAF_INLINE Spectrum<L> lookup_binding(const TextureView& view, const TextureBinding& binding,
+                                        const TextureQuery<L>& query) {
   using F = typename L::Float;
   if (binding.words == 1) return {lookup_scalar<L>(view, binding.texture, query), F(0.0f), F(0.0f), F(0.0f)};
   const Spectrum<L> value = lookup_texture<L>(view, binding.texture, query);

@@ -1,9 +1,9 @@
 // Microfacet distributions: how the facets of a rough surface are turned, which of them are seen, and how to pick one.
 //
 // Both have density(), Smith's masking-shadowing terms, and sampling of the facets that are visible from a direction
-// (Heitz and d'Eon, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals", EGSR 2014).
-// Directions are unit vectors in the shading frame; m is a facet's normal. Nothing divides by the cosine of a direction:
-// grazing ones are safe.
+// (Heitz and d'Eon, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals", EGSR
+// 2014). Directions are unit vectors in the shading frame; m is a facet's normal. Nothing divides by the cosine of a
+// direction: grazing ones are safe.
 #pragma once
 
 #include "core/warp.h"
@@ -21,8 +21,8 @@ template <class L, class Model> struct MicrofacetDistribution {
   SHEAF_INLINE MicrofacetDistribution(F u, F v)
       : alpha_u(clamp(u, F(kMinAlpha), F(kMaxAlpha))), alpha_v(clamp(v, F(kMinAlpha), F(kMaxAlpha))) {}
 
-  /// Share of the facets turned like m that are seen from v, on whichever side that is: 0 where v sees the wrong side of
-  /// m.
+  /// Share of the facets turned like m that are seen from v, on whichever side that is: 0 where v sees the wrong side
+  /// of m.
   SHEAF_INLINE F smith_g1(Vec3<L> v, Vec3<L> m) const { return smith_g1_over_cos(v, m) * abs(v.z); }
 
   /// smith_g1 over |v.z|: finite at grazing directions.
@@ -68,8 +68,8 @@ template <class L> struct GgxDistribution : MicrofacetDistribution<L, GgxDistrib
     return F(2.0f) / (abs(v.z) + sqrt(v.z * v.z + this->projected_roughness2(v)));
   }
 
-  /// A facet normal visible from wo, wo.z > 0, for u1 and u2 in [0, 1) (Dupuy and Benyoub, "Sampling Visible GGX Normals
-  /// with Spherical Caps", HPG 2023).
+  /// A facet normal visible from wo, wo.z > 0, for u1 and u2 in [0, 1) (Dupuy and Benyoub, "Sampling Visible GGX
+  /// Normals with Spherical Caps", HPG 2023).
   SHEAF_INLINE Vec3<L> sample_visible(Vec3<L> wo, F u1, F u2) const {
     const Vec3<L> w = normalize<L>({wo.x * this->alpha_u, wo.y * this->alpha_v, wo.z});
     const F depth = u2 * (F(1.0f) + w.z);  // of the point on the cap, below the sphere's top
@@ -104,8 +104,9 @@ template <class F> SHEAF_INLINE F log2_positive(F x) {
   using U = decltype(float_bits(x));
   const U sqrt_half(0x3f3504f3u), bits = float_bits(x) + (U(0x3f800000u) - sqrt_half);
   const F t = bits_float((bits & U(0x7fffffu)) + sqrt_half) - F(1.0f);
-  return fma(t, polynomial(t, 1.44269973f, -0.72137589f, 0.48046485f, -0.3589611f, 0.29726456f, -0.2727054f, 0.17063694f),
-             to_float(bits >> 23) - F(127.0f));
+  const F slope =
+      polynomial(t, 1.44269973f, -0.72137589f, 0.48046485f, -0.3589611f, 0.29726456f, -0.2727054f, 0.17063694f);
+  return fma(t, slope, to_float(bits >> 23) - F(127.0f));
 }
 
 /// Beckmann and Spizzichino 1963: facets whose slopes are normally distributed.

@@ -46,7 +46,9 @@ template <class L> struct NoriMicrofacetBsdf : NoriMicrofacetParameters<L> {
 
  private:
   /// ks, which is also the probability of sampling a facet.
-  SHEAF_INLINE Float<L> facet_share() const { return clamp(Float<L>(1.0f) - max_component(this->kd), Float<L>(0.0f), Float<L>(1.0f)); }
+  SHEAF_INLINE Float<L> facet_share() const {
+    return clamp(Float<L>(1.0f) - max_component(this->kd), Float<L>(0.0f), Float<L>(1.0f));
+  }
 
   /// The approximate G1 over the cosine, finite at grazing directions.
   SHEAF_INLINE Float<L> shadowing_over_cos(Vec3<L> v) const {
