@@ -91,7 +91,8 @@ constexpr Case kCases[] = {
     {"floats:1/nearest", TexelFormat::kFloat1, BitmapDescription::Filter::kNearest},
 };
 
-template <class L> void color(benchmark::State& state, const Case& c, std::uint32_t size, float extent, std::uint32_t texture) {
+template <class L>
+void color(benchmark::State& state, const Case& c, std::uint32_t size, float extent, std::uint32_t texture) {
   const NoisePicture picture(c.format, c.filter, size);
   run<L>(state, extent, [&](const TextureQuery<L>& query, Places& places, int i) {
     const Spectrum<L> s = lookup_texture<L>(picture.view, texture, query);

@@ -53,8 +53,14 @@ class TextureCompiler {
     TexelFormat format = picture.format;
     if (format == TexelFormat::kByte1 && !bitmap.raw) format = TexelFormat::kSrgbByte1;
     if (format == TexelFormat::kByte4 && !bitmap.raw) format = TexelFormat::kSrgbByte4;
-    row.bitmap = {static_cast<std::uint32_t>(index), picture.tiles_per_row, picture.width, picture.height,
-                  bitmap.wrap_u, bitmap.wrap_v, bitmap.filter, format};
+    row.bitmap = {static_cast<std::uint32_t>(index),
+                  picture.tiles_per_row,
+                  picture.width,
+                  picture.height,
+                  bitmap.wrap_u,
+                  bitmap.wrap_v,
+                  bitmap.filter,
+                  format};
   }
 
   void make(TextureRow& row, const CheckerboardDescription& board, const TextureDescription& texture) {
@@ -98,9 +104,7 @@ class TextureCompiler {
     if (known != index_of_.end()) return known->second;
     try {
       images_.push_back(load_tiled_image(bitmap.file, bitmap.raw));
-    } catch (const SceneError& problem) {
-      throw error(texture, problem.what());
-    }
+    } catch (const SceneError& problem) { throw error(texture, problem.what()); }
     const std::size_t index = images_.size() - 1;
     for (const bool raw : {false, true})
       if (raw == bitmap.raw || holds_bytes(images_[index].format)) index_of_[{file, raw}] = index;

@@ -1,4 +1,5 @@
-// Textures as kernels see them: rows, tiled texels and mesh attributes in flat tables, and how descriptions become them.
+// Textures as kernels see them: rows, tiled texels and mesh attributes in flat tables, and how descriptions become
+// them.
 #pragma once
 
 #include "scene/description.h"
@@ -20,9 +21,12 @@ constexpr int texel_channels(TexelFormat format) {
   return format == TexelFormat::kByte1 || format == TexelFormat::kSrgbByte1 || format == TexelFormat::kFloat1 ? 1 : 3;
 }
 
-/// One cache line of texels: a tile of 8x8 (single bytes), 4x4 (four bytes or one float) or 2x2 (four floats), row by row.
-/// Tiles follow each other row by row from the picture's lower left corner; the last of a row or column are padded.
-struct alignas(64) TexelTile { std::uint8_t bytes[64]; };
+/// One cache line of texels: a tile of 8x8 (single bytes), 4x4 (four bytes or one float) or 2x2 (four floats), row by
+/// row. Tiles follow each other row by row from the picture's lower left corner; the last of a row or column are
+/// padded.
+struct alignas(64) TexelTile {
+  std::uint8_t bytes[64];
+};
 
 /// Tiles are 2^tile_shift texels wide and as many high.
 constexpr int tile_shift(TexelFormat format) {
@@ -40,15 +44,17 @@ struct ConstantRow {
 };
 /// A picture.
 struct BitmapRow {
-  std::uint32_t first_tile;      ///< into TextureView::tiles
+  std::uint32_t first_tile;  ///< into TextureView::tiles
   std::uint32_t tiles_per_row;
-  std::uint32_t width, height;   ///< texels, without padding; from 1 to kMaxImageSide
+  std::uint32_t width, height;  ///< texels, without padding; from 1 to kMaxImageSide
   BitmapDescription::Wrap wrap_u, wrap_v;
   BitmapDescription::Filter filter;
   TexelFormat format;
 };
 /// Two other textures in turn.
-struct CheckerboardRow { std::uint32_t child[2]; };
+struct CheckerboardRow {
+  std::uint32_t child[2];
+};
 /// Values stored with meshes.
 struct MeshAttributeRow {
   std::uint32_t first_entry;  ///< of shape 0, into TextureView::attributes
@@ -98,10 +104,10 @@ static_assert(sizeof(TextureBinding) == 16);
 /// What kernels see of a scene's textures.
 struct TextureView {
   const TextureRow* rows = nullptr;
-  const TexelTile* tiles = nullptr;             ///< with one tile of padding behind
-  const AttributeEntry* attributes = nullptr;   ///< shape_count entries for each name that a texture reads
-  const float* attribute_values = nullptr;      ///< one or three per vertex or face; three words of padding behind
-  const std::uint32_t* triangles = nullptr;     ///< SceneView::triangles
+  const TexelTile* tiles = nullptr;            ///< with one tile of padding behind
+  const AttributeEntry* attributes = nullptr;  ///< shape_count entries for each name that a texture reads
+  const float* attribute_values = nullptr;     ///< one or three per vertex or face; three words of padding behind
+  const std::uint32_t* triangles = nullptr;    ///< SceneView::triangles
   std::uint32_t shape_count = 0;
 };
 
@@ -135,8 +141,8 @@ class AttributeTable {
 
   /// Adds an attribute of the shape, whose triangles are [first_triangle, first_triangle + triangle_count) of
   /// SceneView::triangles; in any order. Face attributes must have been left with as many values as triangles are.
-  /// Throws SceneError at `where` if sizes don't agree, a value is not finite, the name begins neither with "vertex_" nor
-  /// with "face_", or the shape has an attribute of this name already.
+  /// Throws SceneError at `where` if sizes don't agree, a value is not finite, the name begins neither with "vertex_"
+  /// nor with "face_", or the shape has an attribute of this name already.
   void add(std::uint32_t shape, std::uint32_t first_triangle, std::uint32_t triangle_count, std::uint32_t vertex_count,
            const Mesh::Attribute& attribute, const SourceLocation& where);
 

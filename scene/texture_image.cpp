@@ -56,7 +56,8 @@ void fill_tiles(TiledImage& image, const std::vector<T>& values, std::size_t str
 }
 
 /// Checks the channels that count, and decodes them if they are encoded.
-void prepare_floats(Picture& picture, const std::vector<std::size_t>& channels, bool decode, const SourceLocation& where) {
+void prepare_floats(Picture& picture, const std::vector<std::size_t>& channels, bool decode,
+                    const SourceLocation& where) {
   const std::size_t stride = picture.channels.size(), width = static_cast<std::size_t>(picture.width);
   for (std::size_t pixel = 0; pixel * stride < picture.floats.size(); ++pixel) {
     for (const std::size_t c : channels) {
@@ -82,8 +83,8 @@ TiledImage load_tiled_image(const std::filesystem::path& file, bool raw) {
   TiledImage image;
   image.width = static_cast<std::uint32_t>(picture.width);
   image.height = static_cast<std::uint32_t>(picture.height);
-  image.format = bytes ? (grey ? TexelFormat::kByte1 : TexelFormat::kByte4)
-                       : (grey ? TexelFormat::kFloat1 : TexelFormat::kFloat4);
+  image.format =
+      bytes ? (grey ? TexelFormat::kByte1 : TexelFormat::kByte4) : (grey ? TexelFormat::kFloat1 : TexelFormat::kFloat4);
   const int shift = tile_shift(image.format);
   const auto tiles_along = [shift](std::uint32_t size) { return (size + (1u << shift) - 1) >> shift; };
   image.tiles_per_row = tiles_along(image.width);

@@ -14,8 +14,8 @@ struct TiledImage {
 };
 
 /// Reads a picture: grey (with or without alpha) becomes one channel, colours four, of which the last is zero; alpha is
-/// dropped and nothing is multiplied by it. 8-bit data stays as it is, so that `raw` makes no difference; integers of 16
-/// bits and more become floats, which unless `raw` are decoded by the sRGB curve. Floats mean linear values. Throws
+/// dropped and nothing is multiplied by it. 8-bit data stays as it is, so that `raw` makes no difference; integers of
+/// 16 bits and more become floats, which unless `raw` are decoded by the sRGB curve. Floats mean linear values. Throws
 /// SceneError if the picture is missing, broken or too large, has channels without a meaning, or values that are not
 /// finite.
 TiledImage load_tiled_image(const std::filesystem::path& file, bool raw);

@@ -37,8 +37,9 @@ double stored(const TiledImage& image, int x, int y, int channel = 0) {
 }
 
 /// Whether the tiles hold `expected` (from the upper left, interleaved), each value decoded by `decode`.
-bool holds(const TiledImage& image, const std::vector<int>& expected, int channels, double tolerance = 0,
-           const std::function<double(int)>& decode = [](int v) { return v; }) {
+bool holds(
+    const TiledImage& image, const std::vector<int>& expected, int channels, double tolerance = 0,
+    const std::function<double(int)>& decode = [](int v) { return v; }) {
   std::size_t i = 0;
   for (int y = static_cast<int>(image.height) - 1; y >= 0; --y)
     for (int x = 0; x < static_cast<int>(image.width); ++x)
@@ -68,9 +69,7 @@ TextureDescription board(SpectrumInput color0, SpectrumInput color1) {
 std::string message_of(const std::function<void()>& f) {
   try {
     f();
-  } catch (const SceneError& error) {
-    return error.what();
-  }
+  } catch (const SceneError& error) { return error.what(); }
   return "";
 }
 std::string compile_error(const std::vector<TextureDescription>& textures) {
@@ -88,7 +87,8 @@ TEST_CASE("texture: 8-bit pictures stay bytes, in tiles from the lower left") {
     const std::vector<int> grey = ramp(width * height), color = ramp(3 * width * height);
     write_pnm(folder / "grey.pgm", width, height, 1, 255, grey);
     write_pnm(folder / "color.ppm", width, height, 3, 255, color);
-    const TiledImage one = load_tiled_image(folder / "grey.pgm", false), four = load_tiled_image(folder / "color.ppm", false);
+    const TiledImage one = load_tiled_image(folder / "grey.pgm", false),
+                     four = load_tiled_image(folder / "color.ppm", false);
     CHECK(one.format == TexelFormat::kByte1);
     CHECK(four.format == TexelFormat::kByte4);
     REQUIRE(one.width == static_cast<std::uint32_t>(width));
@@ -128,9 +128,8 @@ TEST_CASE("texture: pictures of every format") {
     CHECK(load_tiled_image(folder / name, true).format == TexelFormat::kFloat4);
     constexpr double kStep = 1.01 / 65535;  // the reader of PPM is off by as much
     CHECK(holds(load_tiled_image(folder / name, true), wide, 3, kStep, [](int v) { return v / 65535.0; }));
-    CHECK(holds(load_tiled_image(folder / name, false), wide, 3, 3 * kStep, [](int v) {
-      return static_cast<double>(srgb_to_linear(static_cast<float>(v / 65535.0)));
-    }));
+    CHECK(holds(load_tiled_image(folder / name, false), wide, 3, 3 * kStep,
+                [](int v) { return static_cast<double>(srgb_to_linear(static_cast<float>(v / 65535.0))); }));
   }
 }
 
@@ -199,8 +198,8 @@ TEST_CASE("texture: rows say what their descriptions say") {
   model.wrap_u = BitmapDescription::Wrap::kMirror;
   model.wrap_v = BitmapDescription::Wrap::kClamp;
   texture.to_uv = {2, 0, 0.5f, 0, -1, 1};
-  const CompiledTextures compiled =
-      compile_textures({texture, bitmap(folder / "a.ppm", true), board(SpectrumDescription::rgb(1, 0.5f, 2), TextureId{0})});
+  const CompiledTextures compiled = compile_textures(
+      {texture, bitmap(folder / "a.ppm", true), board(SpectrumDescription::rgb(1, 0.5f, 2), TextureId{0})});
   REQUIRE(compiled.rows.size() == 4);
   const TextureRow& row = compiled.rows[0];
   REQUIRE(row.kind == TextureKind::kBitmap);
@@ -229,9 +228,9 @@ TEST_CASE("texture: a file is loaded once for each way of reading it") {
   write_pnm(folder / "b.pgm", 16, 16, 1, 65535, ramp(256, 300, 65536));
   const auto again = folder.path() / "." / "a.pgm";
   for (const bool raw_first : {false, true}) {
-    const CompiledTextures compiled =
-        compile_textures({bitmap(folder / "a.pgm", raw_first), bitmap(again, !raw_first), bitmap(folder / "b.pgm", raw_first),
-                          bitmap(folder / "b.pgm", !raw_first), bitmap(folder / "b.pgm", raw_first)});
+    const CompiledTextures compiled = compile_textures(
+        {bitmap(folder / "a.pgm", raw_first), bitmap(again, !raw_first), bitmap(folder / "b.pgm", raw_first),
+         bitmap(folder / "b.pgm", !raw_first), bitmap(folder / "b.pgm", raw_first)});
     const auto first = [&](std::size_t i) { return compiled.rows[i].bitmap.first_tile; };
     CHECK(first(0) == first(1));
     CHECK((compiled.rows[0].bitmap.format == TexelFormat::kSrgbByte1) == !raw_first);
@@ -276,7 +275,8 @@ TEST_CASE("texture: what cannot be read is an error that names the scene's line"
 
 TEST_CASE("texture: sizes that are zero or beyond what the file can hold are refused") {
   const TemporaryFolder folder;
-  for (const char* header : {"P6 0 4 255\n", "P6 4 0 255\n", "P6 60000 60000 255\n", "P5 65536 65536 255\n", "P6 4000000000 4 255\n"}) {
+  for (const char* header :
+       {"P6 0 4 255\n", "P6 4 0 255\n", "P6 60000 60000 255\n", "P5 65536 65536 255\n", "P6 4000000000 4 255\n"}) {
     CAPTURE(header);
     write_bytes(folder / "a.ppm", std::string(header) + "abcdefghijkl");
     CHECK(contains(compile_error({bitmap(folder / "a.ppm")}), "scene.xml:12: "));
@@ -345,7 +345,8 @@ TEST_CASE("texture: the attribute table holds what textures read, of every shape
   CHECK(entry(0, 0).triangle_count == 2);
   CHECK(table.values()[entry(0, 0).first_value + 1] == 0.25f);
   CHECK(table.values()[entry(1, 2).first_value + 8] == 9.0f);
-  for (const auto& [row, shape] : {std::pair{0, 1u}, {0, 2u}, {1, 0u}, {1, 1u}}) CHECK(entry(static_cast<std::size_t>(row), shape).layout == 0);
+  for (const auto& [row, shape] : {std::pair{0, 1u}, {0, 2u}, {1, 0u}, {1, 1u}})
+    CHECK(entry(static_cast<std::size_t>(row), shape).layout == 0);
   CHECK(table.values().size() == 9 + 2 + 3);
 }
 
