@@ -215,13 +215,14 @@ static void slot_push(benchmark::State& state) {
 BENCHMARK(slot_push)->ArgName("percent")->Arg(10)->Arg(50)->Arg(90);
 
 // ---- random numbers and warps ---------------------------------------------------------------------------------------
-template <class L> static void random_numbers(benchmark::State& state) {
+template <class L, SamplerKind kind> static void random_numbers(benchmark::State& state) {
   Numbers n;
+  const SamplerView sampler = make_sampler(kind, 7, 64);
   std::uint32_t sample = 0;
   for (auto _ : state) {
     for (int i = 0; i < kItems; i += L::width) {
       const Uint<L> pixel = Uint<L>(static_cast<std::uint32_t>(i)) + L::index();
-      const Random4<L> r = draw<L>(7, pixel, Uint<L>(sample), Uint<L>(3u), SampleBlock::kScatter);
+      const Random4<L> r = draw<L>(sampler, pixel, Uint<L>(sample % 64), Uint<L>(3u), SampleBlock::kScatter);
       store(n.out[0] + i, r.x);
       store(n.out[1] + i, r.y);
       store(n.out[2] + i, r.z);
@@ -306,8 +307,13 @@ bool both(const std::string& name, Function scalar, Function wide, const std::ve
   return true;
 }
 
+template <SamplerKind kind> bool sampler(const std::string& name) {
+  return both("draw/" + name, random_numbers<Scalar, kind>, random_numbers<Wide, kind>);
+}
+
 [[maybe_unused]] const bool registered =
-    both("random4", random_numbers<Scalar>, random_numbers<Wide>) &&
+    sampler<SamplerKind::kIndependent>("independent") && sampler<SamplerKind::kStratified>("stratified") &&
+    sampler<SamplerKind::kMultijitter>("multijitter") && sampler<SamplerKind::kSobol>("sobol") &&
     both("sincos_2pi", warp_sincos_2pi<Scalar>, warp_sincos_2pi<Wide>) &&
     both("square_to_disk", warp_disk<Scalar>, warp_disk<Wide>) &&
     both("square_to_cosine_hemisphere", warp_cosine_hemisphere<Scalar>, warp_cosine_hemisphere<Wide>) &&

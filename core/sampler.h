@@ -2,7 +2,7 @@
 // no two decisions share numbers and adding a stage does not shift those of another.
 #pragma once
 
-#include "core/rng.h"
+#include "core/stratified.h"
 
 namespace sheaf {
 
@@ -15,13 +15,41 @@ enum class SampleBlock : std::uint32_t {
   kCount,
 };
 
-/// The numbers of `block` at a path's event `event` (0 for the camera).
+/// How the samples of a pixel are spread within a block. Blocks, events and pixels are independent of each other, and
+/// every number by itself is uniform, whatever the kind.
+enum class SamplerKind : std::uint32_t {
+  kIndependent,  ///< not at all
+  kStratified,   ///< one sample in each cell of a grid in the two planes of a block
+  kMultijitter,  ///< and besides one in each of as many columns and rows (Kensler 2013)
+  kSobol,        ///< Sobol sequence, Owen-scrambled: in all elementary intervals of a prefix of 2^k samples
+};
+
+/// A sampler: what all numbers of a render depend on besides pixel, sample and block. Made by make_sampler().
+struct SamplerView {
+  SamplerKind kind = SamplerKind::kSobol;
+  std::uint32_t seed = 0;
+  SampleGrid grid = {};  ///< kStratified, kMultijitter
+};
+
+/// A sampler for `sample_count` samples per pixel, below or equal to 2^24. More may be drawn: the sequence of kSobol has
+/// no end, grids are filled again in another order.
+SamplerView make_sampler(SamplerKind kind, std::uint32_t seed, std::uint32_t sample_count);
+
+/// The smallest number of samples per pixel, `sample_count` or more, that a sampler spreads evenly: the size of its grid
+/// for kStratified and kMultijitter, any number for the others.
+std::uint32_t rounded_sample_count(SamplerKind kind, std::uint32_t sample_count);
+
+/// For decisions that need many numbers at once: which of `count` sets of four; the same in all lanes. The sets of
+/// kSobol continue the sequence, so that sets of one sample are spread as evenly as those of different samples; the
+/// other samplers spread each set over the samples alone.
+struct SampleSet {
+  std::uint32_t index = 0, count = 1;
+};
+
+/// The numbers of `block` at a path's event `event` (0 for the camera): a pure function of its arguments. The plane that
+/// is spread best is (x, y) for the camera and (y, z) elsewhere.
 template <class L>
-SHEAF_INLINE Random4<L> draw(std::uint32_t seed, typename L::Uint pixel, typename L::Uint sample,
-                             typename L::Uint event, SampleBlock block) {
-  using U = typename L::Uint;
-  return random4<L>(seed, pixel, sample,
-                    event * U(static_cast<std::uint32_t>(SampleBlock::kCount)) + U(static_cast<std::uint32_t>(block)));
-}
+Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::Uint sample, typename L::Uint event,
+                SampleBlock block, SampleSet set = {}) noexcept;
 
 }  // namespace sheaf

@@ -128,6 +128,38 @@ SHEAF_INLINE WideMask operator==(WideUint a, WideUint b) { return float_mask(a.v
 SHEAF_INLINE WideMask operator!=(WideUint a, WideUint b) { return float_mask(a.v != b.v); }
 SHEAF_INLINE WideMask operator<(WideUint a, WideUint b) { return float_mask(a.v < b.v); }
 
+/// The 32 bits in reverse order, by exchanging halves, then quarters, down to single bits.
+template <class U> SHEAF_INLINE U reverse_bits_stepwise(U x) {
+  x = (x >> 16) | (x << 16);
+  x = ((x >> 8) & U(0x00ff00ffu)) | ((x & U(0x00ff00ffu)) << 8);
+  x = ((x >> 4) & U(0x0f0f0f0fu)) | ((x & U(0x0f0f0f0fu)) << 4);
+  x = ((x >> 2) & U(0x33333333u)) | ((x & U(0x33333333u)) << 2);
+  return ((x >> 1) & U(0x55555555u)) | ((x & U(0x55555555u)) << 1);
+}
+/// The 32 bits in reverse order: half bytes by table, then whole bytes, where the machine shuffles bytes.
+SHEAF_INLINE WideUint reverse_bits(WideUint a) {
+#if defined(__AVX512BW__)
+  const __m512i half = _mm512_set1_epi8(0x0f);
+  const __m512i upper = _mm512_broadcast_i32x4(_mm_setr_epi8(0, -128, 64, -64, 32, -96, 96, -32, 16, -112, 80, -48, 48, -80, 112, -16));
+  const __m512i lower = _mm512_and_si512(_mm512_srli_epi32(upper, 4), half);
+  const __m512i bytes = _mm512_broadcast_i32x4(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+  const __m512i turned = _mm512_or_si512(_mm512_shuffle_epi8(upper, _mm512_and_si512(a.v, half)),
+                                         _mm512_shuffle_epi8(lower, _mm512_and_si512(_mm512_srli_epi32(a.v, 4), half)));
+  return UintBatch(_mm512_shuffle_epi8(turned, bytes));
+#elif defined(__AVX2__)
+  const __m256i half = _mm256_set1_epi8(0x0f);
+  const __m256i upper = _mm256_broadcastsi128_si256(_mm_setr_epi8(0, -128, 64, -64, 32, -96, 96, -32, 16, -112, 80, -48, 48, -80, 112, -16));
+  const __m256i lower = _mm256_and_si256(_mm256_srli_epi32(upper, 4), half);
+  const __m256i bytes = _mm256_broadcastsi128_si256(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+  const __m256i turned = _mm256_or_si256(_mm256_shuffle_epi8(upper, _mm256_and_si256(a.v, half)),
+                                         _mm256_shuffle_epi8(lower, _mm256_and_si256(_mm256_srli_epi32(a.v, 4), half)));
+  return UintBatch(_mm256_shuffle_epi8(turned, bytes));
+#else
+  return reverse_bits_stepwise(a);
+#endif
+}
+SHEAF_INLINE std::uint32_t reverse_bits(std::uint32_t a) { return reverse_bits_stepwise(a); }
+
 // ---- selection, conversion ------------------------------------------------------------------------------------------
 /// Per lane: `m ? a : b`.
 SHEAF_INLINE WideFloat select(WideMask m, WideFloat a, WideFloat b) { return xsimd::select(m.v, a.v, b.v); }

@@ -57,12 +57,15 @@ SHEAF_INLINE void start_tile(const SceneView& scene, Wave& wave, SampleCursor& c
   throughput.eta_scale = F(1.0f);
   throughput.progress = U(0u);
 
-  const auto u = draw<L>(scene.seed, throughput.pixel, throughput.sample, U(0u), SampleBlock::kCamera);
+  const auto u = draw<L>(scene.sampler, throughput.pixel, throughput.sample, U(0u), SampleBlock::kCamera);
   const auto dx = scene.filter->sample<L>(u.x), dy = scene.filter->sample<L>(u.y);
+  const F film_x = to_float(px) + F(0.5f) + dx.position, film_y = to_float(py) + F(0.5f) + dy.position;
+  const Vec2<L> lens = scene.camera.has_lens() ? square_to_disk<L>(u.z, u.w) : Vec2<L>{F(0.0f), F(0.0f)};
+  const CameraRay<L> from_camera = scene.camera.ray<L>(film_x, film_y, lens.x, lens.y);
   RayState<L> ray;
-  ray.origin = broadcast<L>(scene.camera.origin);
-  ray.direction = scene.camera.direction<L>(to_float(px) + F(0.5f) + dx.position, to_float(py) + F(0.5f) + dy.position);
-  ray.t_max = F(kInfinity);
+  ray.origin = from_camera.origin;
+  ray.direction = from_camera.direction;
+  ray.t_max = from_camera.t_max;
   ray.flags = U(flags);
 
   RadianceState<L> radiance;

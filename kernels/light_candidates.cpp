@@ -17,7 +17,7 @@ SHEAF_INLINE void light_tile(const SceneView& scene, Wave& wave, const Slot* slo
   const auto item = wave.items.load<L>(column);
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(wave, column);
   const ThroughputState<L> path = wave.throughput.gather<L>(slots);
-  const auto u = draw<L>(scene.seed, path.pixel, path.sample, path.event(), SampleBlock::kLight);
+  const auto u = draw<L>(scene.sampler, path.pixel, path.sample, path.event(), SampleBlock::kLight);
   const LightSample<L> light = sample_light<L>(scene, item.p, u);
 
   const Vec3<L> wi = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_local(light.direction);

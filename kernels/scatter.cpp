@@ -34,7 +34,7 @@ SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* s
   const auto item = wave.items.load<L>(column);
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(wave, column);
   ThroughputState<L> path = wave.throughput.gather<L>(slots);
-  const auto u = draw<L>(scene.seed, path.pixel, path.sample, path.event(), SampleBlock::kScatter);
+  const auto u = draw<L>(scene.sampler, path.pixel, path.sample, path.event(), SampleBlock::kScatter);
   const BsdfSample<L> s = bsdf.sample(item.wo, u);
   const Vec3<L> direction = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_world(s.wi);
 

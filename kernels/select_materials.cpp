@@ -45,7 +45,7 @@ template <class L> SHEAF_INLINE void select_tile(const SceneView& scene, Wave& w
                                         hit.instance);
   const TextureQuery<L> query{y.uv, hit.shape, hit.primitive, hit.u, hit.v};
   const auto behind = dot(y.ng, ray.direction) > F(0.0f);
-  F u = draw<L>(scene.seed, path.pixel, path.sample, path.event(), SampleBlock::kSelect).x;
+  F u = draw<L>(scene.sampler, path.pixel, path.sample, path.event(), SampleBlock::kSelect).x;
 
   U row = hit.material;
   const U nothing(MaterialRow::kNothing);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/error.h"
+#include "core/sampler.h"
 #include "core/transform.h"
 
 #include <array>
@@ -236,11 +237,19 @@ struct LightDescription {
   SourceLocation where;
 };
 
-/// A pinhole camera.
+/// A camera with a pinhole or a thin lens, or one whose rays are all parallel.
 struct CameraDescription {
-  Transform to_world;  ///< camera space looks along +z, +y is up, +x is to the left of the picture
+  enum class Projection { kPerspective, kOrthographic } projection = Projection::kPerspective;
+  /// Camera space looks along +z, +y is up, +x is to the left of the picture. Orthographic: the picture's width spans
+  /// x in [-1, 1].
+  Transform to_world;
   float fov = 39.3077f;  ///< degrees, across the axis below; the default is a 50 mm lens on 35 mm film
   enum class FovAxis { kX, kY, kDiagonal, kSmaller, kLarger } fov_axis = FovAxis::kX;
+  float aperture_radius = 0;        ///< of the lens, in camera space; 0: a pinhole
+  float focus_distance = kInfinity; ///< z in camera space of the plane that is sharp
+  /// Where on the film (0, 0, 1) is seen: shifted from the centre by these parts of its size, to the left and upwards.
+  float principal_point_x = 0, principal_point_y = 0;
+  float near_clip = 0, far_clip = kInfinity;  ///< z in camera space between which things are seen
   SourceLocation where;
 };
 
@@ -267,6 +276,7 @@ struct FilmDescription {
 };
 
 struct SamplerDescription {
+  SamplerKind kind = SamplerKind::kSobol;
   std::uint32_t sample_count = 4;  ///< per pixel
   std::uint32_t seed = 0;
 };

@@ -38,7 +38,8 @@ class Film {
     ++p.count;
   }
 
-  /// The picture: R, G, B, A (means), variance.R/G/B (of the mean; zero below two samples) and sampleCount, over the
+  /// The picture: R, G, B, A (means), variance.R/G/B (of the mean, as if samples
+  /// were independent; zero below two samples) and sampleCount, over the
   /// crop. Pixels without samples are zero.
   Image to_image() const;
 

@@ -1,5 +1,6 @@
 // The Mitsuba dialect: sensor, film, pixel filter, sampler.
 #include "scene/mitsuba.h"
+#include "scene/read_camera.h"
 
 #include "scene/xml_values.h"
 
@@ -74,18 +75,11 @@ void read_film(const XmlElement& element, ReadContext& context) {
 
 void read_sampler(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  const std::vector<std::string> known = {"halton",      "hammersley", "independent", "ldsampler",
-                                          "multijitter", "orthogonal", "sobol",       "stratified"};
-  bool found = false;
-  for (const std::string& name : known) found = found || name == p.type();
-  if (!found) p.fail_plugin(known);
   SamplerDescription& sampler = context.description.sampler;
+  sampler.kind = read_sampler_kind(p);
   sampler.sample_count = static_cast<std::uint32_t>(p.integer("sample_count", 4, 1, kMaxSampleCount));
   sampler.seed = static_cast<std::uint32_t>(p.integer("seed", 0, 0, std::numeric_limits<int>::max()));
-  if (p.type() != "independent") {
-    p.accept({"dimension", "scramble", "jitter", "strength"});
-    context.note(element.where, "sampler '" + p.type() + "' is rendered with independent samples");
-  }
+  if (sampler.kind != SamplerKind::kIndependent) p.accept({"dimension", "scramble", "jitter", "strength"});
   p.finish();
 }
 
@@ -127,18 +121,37 @@ void read_fov(Properties& p, CameraDescription& camera) {
   camera.fov_axis = CameraDescription::FovAxis::kDiagonal;
 }
 
+void read_camera(Properties& p, CameraDescription& camera) {
+  camera.to_world = p.transform("to_world");
+  read_clip(p, camera, 0.01f);
+  p.accept({"shutter_open", "shutter_close"});
+  if (p.type() == "orthographic") {
+    camera.projection = CameraDescription::Projection::kOrthographic;
+    p.accept({"focus_distance"});
+    return;
+  }
+  read_fov(p, camera);
+  if (p.type() == "thinlens") {
+    const std::optional<float> radius = p.find_number("aperture_radius", kNotNegative);
+    if (!radius) p.fail("has no 'aperture_radius'");
+    camera.aperture_radius = *radius;
+    camera.focus_distance = p.number("focus_distance", camera.far_clip, kPositive);
+    return;
+  }
+  camera.principal_point_x = p.number("principal_point_offset_x", 0);
+  camera.principal_point_y = p.number("principal_point_offset_y", 0);
+  p.accept({"focus_distance", "aperture_radius"});
+}
+
 }  // namespace
 
 void read_sensor(const XmlElement& element, Reader& reader) {
   Properties p(element, reader.context);
-  if (p.type() != "perspective") p.fail_plugin({"perspective"});
+  if (p.type() != "perspective" && p.type() != "thinlens" && p.type() != "orthographic")
+    p.fail_plugin({"orthographic", "perspective", "thinlens"});
   CameraDescription& camera = reader.context.description.camera;
   camera.where = element.where;
-  camera.to_world = p.transform("to_world");
-  read_fov(p, camera);
-  for (const char* offset : {"principal_point_offset_x", "principal_point_offset_y"})
-    if (p.number(offset, 0) != 0) p.fail_at(offset, "is not 0: shifted principal points are not supported");
-  p.accept({"near_clip", "far_clip", "shutter_open", "shutter_close", "focus_distance", "aperture_radius"});
+  read_camera(p, camera);
   reader.context.description.film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
   if (const XmlElement* film = p.object("film")) read_film(*film, reader.context);
   if (const XmlElement* sampler = p.object("sampler")) read_sampler(*sampler, reader.context);

@@ -1,6 +1,7 @@
 // The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator, rfilter; camelCase names; no references.
 #include "scene/integrator_name.h"
 #include "scene/nori.h"
+#include "scene/read_camera.h"
 
 #include <numbers>
 
@@ -43,30 +44,53 @@ FilterDescription read_filter(const XmlElement& element, ReadContext& context) {
   return filter;
 }
 
+/// The one of two names that the property goes by.
+std::optional<float> find_either(Properties& p, const char* name, const char* other, NumberRange range) {
+  if (p.has(name) && p.has(other))
+    p.fail("has both '" + std::string(name) + "' and '" + other + "', expected one");
+  return p.has(name) ? p.find_number(name, range) : p.find_number(other, range);
+}
+
+/// A thin lens, under the names that renderers of this dialect give to it.
+void read_lens(Properties& p, CameraDescription& camera) {
+  const auto radius = find_either(p, "apertureRadius", "lensRadius", kNotNegative);
+  const auto distance = find_either(p, "focusDistance", "focalDistance", kPositive);
+  if (p.type() == "thinlens" && !radius) p.fail("has no 'apertureRadius'");
+  camera.aperture_radius = radius.value_or(0.0f);
+  if (camera.aperture_radius > 0 && !distance) p.fail("has a lens but no 'focusDistance'");
+  camera.focus_distance = distance.value_or(kInfinity);
+}
+
 void read_camera(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  if (p.type() != "perspective") p.fail_plugin({"perspective"});
+  if (p.type() != "perspective" && p.type() != "thinlens" && p.type() != "orthographic")
+    p.fail_plugin({"orthographic", "perspective", "thinlens"});
   CameraDescription& camera = context.description.camera;
   FilmDescription& film = context.description.film;
   camera.where = element.where;
   // Nori's camera space has x to the right of the picture; its scenes begin with scale -1, 1, 1 before a lookat.
   camera.to_world = p.transform("toWorld") * Transform::scale({-1, 1, 1});
-  camera.fov = p.number("fov", 30, {0, 180, true});
-  camera.fov_axis = CameraDescription::FovAxis::kX;
+  if (p.type() == "orthographic") {
+    camera.projection = CameraDescription::Projection::kOrthographic;
+  } else {
+    camera.fov = p.number("fov", 30, {0, 180, true});
+    camera.fov_axis = CameraDescription::FovAxis::kX;
+    read_lens(p, camera);
+  }
+  read_clip(p, camera, 1e-4f);
   film.width = p.integer("width", 1280, 1, 1'000'000'000);
   film.height = p.integer("height", 720, 1, 1'000'000'000);
   check_frame(film.width, film.height, element.where);
   film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
   if (const XmlElement* filter = p.object("rfilter")) film.filter = read_filter(*filter, context);
-  p.accept({"nearClip", "farClip"});
   p.finish();
 }
 
 void read_sampler(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  if (p.type() != "independent") p.fail_plugin({"independent"});
-  context.description.sampler.sample_count =
-      static_cast<std::uint32_t>(p.integer("sampleCount", 1, 1, kMaxSampleCount));
+  SamplerDescription& sampler = context.description.sampler;
+  sampler.kind = read_sampler_kind(p);
+  sampler.sample_count = static_cast<std::uint32_t>(p.integer("sampleCount", 1, 1, kMaxSampleCount));
   p.finish();
 }
 

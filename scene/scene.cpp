@@ -32,7 +32,7 @@ SceneView Scene::view() const {
   v.environment = environment_;
   v.center = center_;
   v.radius = radius_;
-  v.seed = sampler_.seed;
+  v.sampler = make_sampler(sampler_.kind, sampler_.seed, sampler_.sample_count);
   v.camera = camera_;
   v.filter = &filter_;
   v.integrator = integrator_;

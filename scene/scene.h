@@ -120,7 +120,7 @@ struct SceneView {
   std::uint32_t environment = kNone;                   ///< light row of the constant environment
   Vec3f center{};                                      ///< of the bounding sphere
   float radius = 0;
-  std::uint32_t seed = 0;
+  SamplerView sampler;
   Camera camera;
   const FilterTable* filter = nullptr;
   IntegratorDescription integrator;

@@ -211,15 +211,17 @@ inline std::string dump(const LightDescription& light) {
 /// Everything that a Description says about the picture, bit for bit; no places, ids, notes.
 inline std::string dump(const Description& d) {
   std::ostringstream out;
-  out << std::hexfloat << "camera " << dump(d.camera.to_world) << d.camera.fov << ' '
-      << static_cast<int>(d.camera.fov_axis) << '\n';
+  const CameraDescription& c = d.camera;
+  out << std::hexfloat << "camera " << static_cast<int>(c.projection) << ' ' << dump(c.to_world) << c.fov << ' '
+      << static_cast<int>(c.fov_axis) << ' ' << c.aperture_radius << ' ' << c.focus_distance << ' '
+      << c.principal_point_x << ' ' << c.principal_point_y << ' ' << c.near_clip << ' ' << c.far_clip << '\n';
   out << "film " << d.film.width << 'x' << d.film.height;
   if (d.film.crop)
     out << " crop " << d.film.crop->x0 << ',' << d.film.crop->y0 << ',' << d.film.crop->x1 << ',' << d.film.crop->y1;
   const FilterDescription& f = d.film.filter;
   out << "\nfilter " << static_cast<int>(f.kind) << ' ' << f.radius << ' ' << f.stddev << ' ' << f.b << ' ' << f.c
       << ' ' << f.lobes << '\n';
-  out << "sampler " << d.sampler.sample_count << ' ' << d.sampler.seed << '\n';
+  out << "sampler " << static_cast<int>(d.sampler.kind) << ' ' << d.sampler.sample_count << ' ' << d.sampler.seed << '\n';
   out << "integrator " << static_cast<int>(d.integrator.kind) << ' ' << static_cast<int>(d.integrator.strategy) << ' '
       << d.integrator.max_depth << ' ' << d.integrator.rr_depth << ' ' << d.integrator.hide_emitters << '\n';
   for (const auto& texture : d.textures) out << dump(texture) << '\n';

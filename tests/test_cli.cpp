@@ -135,6 +135,23 @@ TEST_CASE("one render writes several pictures and the statistics") {
   CHECK(contains(stats, "\"seed\": 7"));
 }
 
+TEST_CASE("--sampler overrides the scene's sampler, and grids round the samples up") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  const Outcome rounded = run(folder, "render scene.xml -o a.exr --spp 5 --sampler stratified");
+  CAPTURE(rounded.err);
+  REQUIRE(rounded.code == 0);
+  CHECK(contains(rounded.err, "sampler 'stratified': 5 samples per pixel become 6, a grid of 3 x 2"));
+  const Image image = read_image(folder / "a.exr");
+  CHECK(image.at(3, 3, image.find_channel("sampleCount")) == 6.0f);
+  const Outcome sobol = run(folder, "render scene.xml -o b.exr --spp 5 --sampler sobol");
+  CHECK(sobol.code == 0);
+  CHECK(!contains(sobol.err, "become"));
+  const Outcome unknown = run(folder, "render scene.xml -o a.exr --sampler sobl");
+  CHECK(unknown.code == 2);
+  CHECK(contains(unknown.err, "unknown sampler 'sobl', did you mean 'sobol'?"));
+}
+
 TEST_CASE("without a name the picture is called after the scene, in the current folder") {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "scenes");

@@ -43,6 +43,11 @@ TEST_CASE("Mitsuba: defaults") {
   CHECK(d.film.filter.kind == FilterDescription::Kind::kGaussian);
   CHECK(d.film.filter.radius == 2);
   CHECK(d.sampler.sample_count == 4);
+  CHECK(d.sampler.kind == SamplerKind::kSobol);
+  CHECK(d.camera.projection == CameraDescription::Projection::kPerspective);
+  CHECK(d.camera.near_clip == 0.01f);
+  CHECK(d.camera.far_clip == 10'000);
+  CHECK(d.camera.aperture_radius == 0);
   CHECK(d.integrator.max_depth == -1);
   CHECK(d.integrator.rr_depth == 5);
   // A 50 mm lens, measured along the diagonal of 36 mm x 24 mm film.
@@ -55,11 +60,15 @@ TEST_CASE("Mitsuba: sensor") {
   using Axis = CameraDescription::FovAxis;
   const Description d = with_sensor(
       "<float name='fov' value='40'/><string name='fovAxis' value='smaller'/><float name='nearClip' value='1'/>"
-      "<float name='far_clip' value='1'/><float name='principal_point_offset_x' value='0'/>"
+      "<float name='far_clip' value='5'/><float name='principal_point_offset_x' value='0.1'/>"
       "<transform name='toWorld'><lookat origin='1,2,3' target='1,2,4' up='0,1,0'/></transform>");
   CHECK(d.camera.fov == 40);
   CHECK(d.camera.fov_axis == Axis::kSmaller);
   CHECK(d.camera.to_world.point({0, 0, 1}) == Vec3f{1, 2, 4});
+  CHECK(d.camera.near_clip == 1);
+  CHECK(d.camera.far_clip == 5);
+  CHECK(d.camera.principal_point_x == 0.1f);
+  CHECK(d.camera.principal_point_y == 0);
   for (const auto& [name, axis] :
        {std::pair{"x", Axis::kX}, {"y", Axis::kY}, {"diagonal", Axis::kDiagonal}, {"larger", Axis::kLarger}}) {
     const Description e =
@@ -123,16 +132,41 @@ TEST_CASE("Mitsuba: film and filters") {
 
 TEST_CASE("Mitsuba: samplers") {
   const std::string properties = "<integer name='sampleCount' value='16'/><integer name='seed' value='7'/></sampler>";
-  const Description d = with_sensor("<sampler type='independent'>" + properties);
-  CHECK(d.sampler.sample_count == 16);
-  CHECK(d.sampler.seed == 7);
-  CHECK(d.notes.empty());
-  for (const char* name : {"ldsampler", "stratified", "multijitter", "orthogonal", "sobol", "halton", "hammersley"}) {
-    const Description other = with_sensor(std::string("<sampler type='") + name + "'>" + properties);
-    CHECK(other.sampler.sample_count == 16);
-    REQUIRE(other.notes.size() == 1);
-    CHECK(contains(other.notes[0], std::string("sampler '") + name + "'"));
+  for (const auto& [name, kind] : {std::pair{"independent", SamplerKind::kIndependent},
+                                   {"stratified", SamplerKind::kStratified},
+                                   {"multijitter", SamplerKind::kMultijitter},
+                                   {"sobol", SamplerKind::kSobol}}) {
+    const Description d = with_sensor(std::string("<sampler type='") + name + "'>" + properties);
+    CHECK(d.sampler.kind == kind);
+    CHECK(d.sampler.sample_count == 16);
+    CHECK(d.sampler.seed == 7);
+    CHECK(d.notes.empty());
   }
+  for (const char* name : {"ldsampler", "orthogonal", "halton", "hammersley"}) {
+    const Description d =
+        with_sensor(std::string("<sampler type='") + name + "'><integer name='dimension' value='8'/>" + properties);
+    CHECK(d.sampler.kind == SamplerKind::kSobol);
+    CHECK(d.sampler.sample_count == 16);
+    REQUIRE(d.notes.size() == 1);
+    CHECK(contains(d.notes[0], std::string("sampler '") + name + "' is rendered with 'sobol'"));
+  }
+}
+
+TEST_CASE("Mitsuba: sensors with a lens and without perspective") {
+  const auto sensor = [](const std::string& type, const std::string& inside) {
+    return read_text(mitsuba_scene("<sensor type='" + type + "'>" + inside + "</sensor>"));
+  };
+  const Description lens = sensor("thinlens", "<float name='aperture_radius' value='0.5'/><float name='fov' value='40'/>"
+                                              "<float name='focus_distance' value='7'/>");
+  CHECK(lens.camera.projection == CameraDescription::Projection::kPerspective);
+  CHECK(lens.camera.fov == 40);
+  CHECK(lens.camera.aperture_radius == 0.5f);
+  CHECK(lens.camera.focus_distance == 7);
+  CHECK(sensor("thinlens", "<float name='aperture_radius' value='0'/>").camera.focus_distance == 10'000);
+  const Description parallel = sensor("orthographic", "<float name='near_clip' value='1'/>");
+  CHECK(parallel.camera.projection == CameraDescription::Projection::kOrthographic);
+  CHECK(parallel.camera.near_clip == 1);
+  CHECK(parallel.camera.far_clip == 10'000);
 }
 
 TEST_CASE("Mitsuba: integrators") {

@@ -68,8 +68,37 @@ TEST_CASE("Nori: camera, filters and sampler") {
   CHECK(gaussian.film.filter.radius == 4);
   REQUIRE(gaussian.notes.size() == 1);
   CHECK(contains(gaussian.notes[0], "scene.xml:2: rfilter 'gaussian' has the radius 4"));
-  const std::string sampler = "<sampler type='independent'><integer name='sampleCount' value='64'/></sampler>";
-  CHECK(read_text(scene_with(sampler)).sampler.sample_count == 64);
+  CHECK(d.camera.near_clip == 0.1f);
+  CHECK(d.camera.far_clip == 100);
+  CHECK(camera("").camera.near_clip == 1e-4f);
+  CHECK(camera("").camera.far_clip == 10'000);
+  CHECK(camera("").sampler.kind == SamplerKind::kSobol);
+  const auto sampler = [](const std::string& type) {
+    return read_text(scene_with("<sampler type='" + type + "'><integer name='sampleCount' value='64'/></sampler>"));
+  };
+  CHECK(sampler("independent").sampler.sample_count == 64);
+  CHECK(sampler("independent").sampler.kind == SamplerKind::kIndependent);
+  CHECK(sampler("stratified").sampler.kind == SamplerKind::kStratified);
+  CHECK(sampler("sobol").sampler.kind == SamplerKind::kSobol);
+  REQUIRE(sampler("halton").notes.size() == 1);
+  CHECK(contains(sampler("halton").notes[0], "sampler 'halton' is rendered with 'sobol'"));
+}
+
+TEST_CASE("Nori: lenses and parallel rays") {
+  const auto camera = [](const std::string& type, const std::string& inside) {
+    return read_text(scene_with("", "<camera type='" + type + "'>" + inside + "</camera>")).camera;
+  };
+  for (const char* radius : {"apertureRadius", "lensRadius"})
+    for (const char* distance : {"focusDistance", "focalDistance"})
+      for (const char* type : {"perspective", "thinlens"}) {
+        const CameraDescription c = camera(type, std::string("<float name='") + radius + "' value='0.25'/><float name='" +
+                                                     distance + "' value='6'/>");
+        CHECK(c.aperture_radius == 0.25f);
+        CHECK(c.focus_distance == 6);
+        CHECK(c.fov == 30);
+      }
+  CHECK(camera("perspective", "").aperture_radius == 0);
+  CHECK(camera("orthographic", "").projection == CameraDescription::Projection::kOrthographic);
 }
 
 TEST_CASE("Nori: integrators") {
@@ -198,7 +227,13 @@ TEST_CASE("Nori: errors name line, fault and the nearest name") {
       {scene_with("<emitter type='point'><color name='power' value='1'/><color name='intensity' value='1'/></emitter>"),
        "has both 'power' (W) and 'intensity' (W/sr)"},
       {scene_with("<emiter type='point'/>"), "unknown element <emiter> in a Nori scene, did you mean 'emitter'?"},
-      {scene_with("", "<camera type='thinlens'/>"), "scene.xml:2: unknown camera plugin 'thinlens'"},
+      {scene_with("", "<camera type='fisheye'/>"), "scene.xml:2: unknown camera plugin 'fisheye'"},
+      {scene_with("", "<camera type='thinlens'/>"), "scene.xml:2: camera 'thinlens' has no 'apertureRadius'"},
+      {scene_with("", "<camera type='thinlens'><float name='lensRadius' value='1'/></camera>"),
+       "camera 'thinlens' has a lens but no 'focusDistance'"},
+      {scene_with("", "<camera type='thinlens'><float name='lensRadius' value='1'/><float name='apertureRadius' "
+                      "value='1'/></camera>"),
+       "has both 'apertureRadius' and 'lensRadius', expected one"},
       {scene_with("", kCamera + kCamera), "scene.xml:2: a second <camera>"},
       {scene_with("", "<mesh type='sphere'/>"), "scene.xml:1: the scene has no <camera>"},
       {scene_with("", kCamera, ""), "scene.xml:1: the scene has no <integrator>"},

@@ -1,5 +1,5 @@
 // Random numbers: uniform, independent between neighbouring counters, the same in every lane.
-#include "core/sampler.h"
+#include "core/rng.h"
 #include "tests/chi_square.h"
 #include "tests/lanes_testing.h"
 
@@ -203,20 +203,6 @@ TEST_CASE("rng: hash4 maps different counters to different words") {
     seen.insert(static_cast<std::uint64_t>(x) << 32 | y);
   }
   CHECK(seen.size() == 1u << 18);
-}
-
-TEST_CASE("sampler: blocks and events never share numbers") {
-  std::unordered_set<std::uint64_t> seen;
-  int drawn = 0;
-  for (std::uint32_t event = 0; event < 100; ++event)
-    for (const SampleBlock block : {SampleBlock::kCamera, SampleBlock::kLight, SampleBlock::kScatter}) {
-      const Random4<Scalar> r = draw<Scalar>(7, 11, 13, event, block);
-      seen.insert(static_cast<std::uint64_t>(float_bits(r.x)) << 32 | float_bits(r.y));
-      const Random4<Wide> wide = draw<Wide>(7, WideUint(11u), WideUint(13u), WideUint(event), block);
-      CHECK(wide.z[kWidth - 1] == r.z);
-      ++drawn;
-    }
-  CHECK(static_cast<int>(seen.size()) == drawn);
 }
 
 }  // namespace sheaf

@@ -1,6 +1,7 @@
 // sheaf info: what a scene file holds, its bounds and the memory it takes.
 #include "scene/compile.h"
 #include "scene/read_scene.h"
+#include "scene/sampler_name.h"
 #include "tools/commands.h"
 
 #include <fmt/format.h>
@@ -41,8 +42,8 @@ std::string describe(const Description& description, const Scene& scene) {
   if (film.crop) {
     fmt::format_to(out, ", crop {},{},{},{}", film.crop->x0, film.crop->y0, film.crop->x1, film.crop->y1);
   }
-  fmt::format_to(out, "\nsampler     {} samples per pixel, seed {}\n", description.sampler.sample_count,
-                 description.sampler.seed);
+  fmt::format_to(out, "\nsampler     {}, {} samples per pixel, seed {}\n", sampler_name(description.sampler.kind),
+                 description.sampler.sample_count, description.sampler.seed);
   fmt::format_to(out, "integrator  {}\n", describe_integrator(description.integrator));
   fmt::format_to(out, "shapes      {} ({} triangles, {} vertices, {} quadrics)\n", info.shapes, info.triangles,
                  info.vertices, info.quadrics);

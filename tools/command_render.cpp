@@ -7,6 +7,7 @@
 #include "scene/compile.h"
 #include "scene/integrator_name.h"
 #include "scene/read_scene.h"
+#include "scene/sampler_name.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
 
@@ -32,7 +33,7 @@ struct RenderArguments {
   std::optional<std::uint32_t> spp, seed;
   std::optional<int> max_depth;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
-  std::string color = "rgb", integrator, stats;
+  std::string color = "rgb", integrator, sampler, stats;
   int threads = 0, wave_size = 0;
   bool lenient = false, no_timestamps = false, quiet = false, watertight = false;
 };
@@ -63,6 +64,14 @@ void apply_integrator(const RenderArguments& arguments, IntegratorDescription& i
   if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
 }
 
+/// Sets the sampler asked for, and the samples per pixel that it will take. Returns what to tell the user.
+std::string apply_sampler(const RenderArguments& arguments, SamplerDescription& sampler) {
+  if (!arguments.sampler.empty()) sampler.kind = sampler_from_name(arguments.sampler);
+  const std::uint32_t wanted = arguments.spp.value_or(sampler.sample_count);
+  sampler.sample_count = rounded_sample_count(sampler.kind, wanted);
+  return rounding_note(sampler.kind, wanted);
+}
+
 /// The rectangle to render. Throws Error (exit code 2) if the one given does not lie in the frame.
 PixelRect choose_crop(const RenderArguments& arguments, const FilmDescription& film) {
   if (arguments.crop.empty()) return film.crop.value_or(PixelRect{0, 0, film.width, film.height});
@@ -91,6 +100,7 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
                          {"sheaf/isa", report.isa},
                          {"sheaf/integrator", report.integrator},
                          {"sheaf/color", report.color},
+                         {"sheaf/sampler", std::string(sampler_name(scene.sampler.kind))},
                          {"sheaf/seed", std::to_string(report.seed)},
                          {"sheaf/samplesPerPixel", static_cast<int>(report.spp)},
                          {"sheaf/droppedRays", std::to_string(report.stats.dropped.rays)},
@@ -118,10 +128,9 @@ Progress::Mode progress_mode(bool quiet) {
 
 /// Renders with signals caught and progress shown.
 RenderResult render_with_progress(const Scene& scene, RenderOptions options, bool quiet) {
-  const std::uint32_t spp = options.samples_per_pixel.value_or(scene.sampler().sample_count);
   const std::uint64_t pixels = static_cast<std::uint64_t>(options.crop->width()) *
                                static_cast<std::uint64_t>(options.crop->height());
-  Progress progress(progress_mode(quiet), pixels * spp, [](std::string_view text) {
+  Progress progress(progress_mode(quiet), pixels * scene.sampler().sample_count, [](std::string_view text) {
     std::fwrite(text.data(), 1, text.size(), stderr);
   });
   options.on_progress = [&progress](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
@@ -144,6 +153,8 @@ int render_scene(const RenderArguments& arguments) {
   const double load_start = Progress::steady_seconds();
   Description description = read_scene(arguments.scene, read_options);
   apply_integrator(arguments, description.integrator);
+  if (std::string note = apply_sampler(arguments, description.sampler); !note.empty())
+    description.notes.push_back(std::move(note));
   const PixelRect crop = choose_crop(arguments, description.film);
   const double build_start = Progress::steady_seconds();
   const std::unique_ptr<Scene> scene = compile_scene(description, {arguments.watertight});
@@ -154,7 +165,6 @@ int render_scene(const RenderArguments& arguments) {
   }
 
   RenderOptions options;
-  options.samples_per_pixel = arguments.spp;
   options.seed = arguments.seed;
   options.threads = arguments.threads;
   options.wave_size = arguments.wave_size;
@@ -206,6 +216,9 @@ void add_render_command(CLI::App& program, int& exit_code) {
   command->add_option("--integrator", arguments->integrator,
                       "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "
                       "normals, depth. Default: the scene's");
+  command->add_option("--sampler", arguments->sampler,
+                      "How samples are spread: sobol (Owen-scrambled), independent, stratified, multijitter; the last "
+                      "two round --spp up to a grid. Default: the scene's, else sobol");
   command->add_option("--max-depth", arguments->max_depth,
                       "Longest path in segments: -1 unlimited, 1 emission only, 2 direct light. Default: the scene's")
       ->check(CLI::Range(-1, 1'000'000));

@@ -69,13 +69,14 @@ class Renderer {
   Renderer(const Scene& scene, const RenderOptions& options)
       : view_(scene.view()),
         options_(options),
-        spp_(options.samples_per_pixel.value_or(scene.sampler().sample_count)),
+        spp_(rounded_sample_count(scene.sampler().kind,
+                                  options.samples_per_pixel.value_or(scene.sampler().sample_count))),
         threads_(options.threads > 0 ? options.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
         wave_size_(options.wave_size > 0 ? options.wave_size : Wave::default_capacity()) {
     if (spp_ == 0) throw Error(ExitCode::kUsage, "samples per pixel must be at least 1");
     if (wave_size_ > kMaxWaveSize) throw Error(ExitCode::kUsage, "wave size must be at most " + std::to_string(kMaxWaveSize));
     const PixelRect crop = checked_crop(scene, options);
-    view_.seed = options.seed.value_or(scene.sampler().seed);
+    view_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed), spp_);
     film_ = Film(scene.film().width, scene.film().height, crop);
     total_ = static_cast<std::uint64_t>(crop.width()) * static_cast<std::uint64_t>(crop.height()) * spp_;
   }
@@ -130,7 +131,7 @@ class Renderer {
     report.width = film_.width();
     report.height = film_.height();
     report.spp = spp_;
-    report.seed = view_.seed;
+    report.seed = view_.sampler.seed;
     report.threads = threads_;
     report.wave_size = wave_size_;
     report.render_seconds = seconds;

@@ -1,0 +1,112 @@
+// The first four dimensions of the Sobol sequence with nested uniform (Owen) scrambling, without tables.
+//
+// A dimension with primitive polynomial p of degree e has direction numbers v_j with v_{j+e} + ... + v_j = v_j >> e,
+// the left side being p applied to the shift E: v_j -> v_{j+1} (Sobol 1967). So p(E)^k v_0 = v_0 >> ek. A point is
+// i(E) v_0, where i(t) is the index as a polynomial over GF(2), bit j the coefficient of t^j. Expanded in powers of p,
+// i = sum r_k p^k with deg r_k < e, it is sum (r_k(E) v_0) >> ek: digits r_k stand side by side and only the initial
+// direction numbers remain. The expansion takes a division with remainder by p^(2^k) = p(t^(2^k)) for each k, largest
+// first, for all digits at once: a few shifts, since p has few terms. With p = t + 1 that is the Pascal matrix.
+//
+// Words here are bit-reversed fractions: bit 0 is worth 1/2. That is the order in which Laine-Karras hashes scramble.
+#pragma once
+
+#include "core/rng.h"
+
+namespace sheaf {
+
+namespace sobol_detail {
+
+/// Ones in the parts `first` to `last` of each run of `parts` parts of `width` bits.
+constexpr std::uint32_t part_mask(int parts, int width, int first, int last) {
+  std::uint32_t mask = 0;
+  for (int bit = 0; bit < 32; ++bit) {
+    const int part = bit / width % parts;
+    if (part >= first && part <= last) mask |= 1u << bit;
+  }
+  return mask;
+}
+
+/// Divides runs of 2 s bits by t^s + 1: quotient above, remainder below.
+template <int s, class U> SHEAF_INLINE U divide_by_1(U i) { return i ^ ((i >> s) & U(part_mask(2, s, 0, 0))); }
+
+/// Divides runs of 4 s bits by t^2s + t^s + 1.
+template <int s, class U> SHEAF_INLINE U divide_by_2(U i) {
+  i = i ^ ((i >> s) & U(part_mask(4, s, 1, 2)));
+  return i ^ ((i >> 2 * s) & U(part_mask(4, s, 0, 0)));
+}
+
+/// Divides runs of 6 s bits by t^3s + t^s + 1.
+template <int s, class U> SHEAF_INLINE U divide_by_3(U i) {
+  i = i ^ ((i >> 2 * s) & U(part_mask(6, s, 3, 3)));
+  return i ^ ((i >> 3 * s) & U(part_mask(6, s, 0, 2))) ^ ((i >> 2 * s) & U(part_mask(6, s, 1, 2)));
+}
+
+}  // namespace sobol_detail
+
+/// Point `index` of the Sobol sequence with the direction numbers of Joe and Kuo, "Constructing Sobol Sequences with
+/// Better Two-Dimensional Projections", 2008; dimensions 1 to 4, as bit-reversed fractions.
+template <class L> SHEAF_INLINE void sobol4(typename L::Uint index, typename L::Uint out[4]) {
+  using U = typename L::Uint;
+  using namespace sobol_detail;
+  U a = index, b = index, c = index;
+  // Large divisors leave small indices as they are.
+  if (any((index >> 8) != U(0u))) {
+    if (any((index >> 16) != U(0u))) {
+      a = divide_by_1<16>(a);
+      b = divide_by_2<8>(b);
+      c = divide_by_3<8>(c);
+    }
+    a = divide_by_1<8>(a);
+    b = divide_by_2<4>(b);
+    c = divide_by_3<4>(c);
+  }
+  out[0] = index;
+  out[1] = divide_by_1<1>(divide_by_1<2>(divide_by_1<4>(a)));
+  b = divide_by_2<1>(divide_by_2<2>(b));
+  c = divide_by_3<1>(divide_by_3<2>(c));
+  // Initial direction numbers 1/2, 3/4 and 1/2, 3/4, 1/8.
+  out[2] = b ^ ((b >> 1) & U(part_mask(2, 1, 0, 0)));
+  out[3] = c ^ ((c >> 1) & U(part_mask(3, 1, 0, 0)));
+}
+
+/// Nested uniform scrambling of a bit-reversed fraction: each bit is flipped or not depending on the seed and the bits
+/// below it. Laine and Karras, "Stratified Sampling for Stochastic Transparency", EGSR 2011, in the improved form of
+/// Vegdahl, "Building a Better LK Hash", 2021.
+template <class U> SHEAF_INLINE U owen_scramble(U x, U seed) {
+  x = x ^ (x * U(0x3d20adeau));
+  x = x + seed;
+  x = x * ((seed >> 16) | U(1u));
+  x = x ^ (x * U(0x05526c56u));
+  return x ^ (x * U(0x53a22864u));
+}
+
+/// A nested uniform shuffle of an index: each bit is flipped or not depending on the keys and the bits above it, so
+/// that aligned runs of 2^k indices stay together. Leading zeros stay zeros: the first 2^k indices are shuffled among
+/// themselves, whatever follows them. That costs no randomness, since flipping a bit of all indices alike flips bits of
+/// all points alike, which their scrambling does anyway.
+template <class U> SHEAF_INLINE U owen_shuffle(U index, U key0, U key1, U key2) {
+  U x = reverse_bits(index);
+  x = x ^ ((x << 1) & key1);
+  x = x * (key0 | U(1u));
+  x = x ^ (x * (key1 & U(~1u)));
+  return reverse_bits(x * (key2 | U(1u)));
+}
+
+/// Four numbers of sample `index` from the Sobol sequence, shuffled and scrambled for each `pixel` and `block`
+/// independently (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020). The first 2^k samples of a pixel and
+/// block put one point in each of the 2^k intervals of any dimension and rectangles of (x, y).
+template <class L>
+SHEAF_INLINE Random4<L> sobol_random4(std::uint32_t seed, typename L::Uint pixel, typename L::Uint index,
+                                      typename L::Uint block) {
+  using U = typename L::Uint;
+  constexpr std::uint32_t kStream = 0x68bc21ebu;  // sets the keys apart from random4's numbers
+  U k0 = pixel ^ (pixel >> 16), k1 = U(kStream), k2 = block, k3 = U(seed ^ (seed >> 16));
+  hash4(k0, k1, k2, k3);
+  for (U* key : {&k0, &k1, &k2, &k3}) *key = *key ^ (*key >> 16);  // scrambling needs good lower bits
+  U point[4];
+  sobol4<L>(owen_shuffle(index, k0 ^ k2, k1 ^ k3, k0 + k3), point);
+  const auto finish = [](U fraction, U key) { return unit_float(reverse_bits(owen_scramble(fraction, key))); };
+  return {finish(point[0], k0), finish(point[1], k1), finish(point[2], k2), finish(point[3], k3)};
+}
+
+}  // namespace sheaf
