@@ -154,7 +154,7 @@ TEST_CASE("Mitsuba: samplers") {
 
 TEST_CASE("Mitsuba: sensors with a lens and without perspective") {
   const auto sensor = [](const std::string& type, const std::string& inside) {
-    return read_text(mitsuba_scene("<sensor type='" + type + "'>" + inside + "</sensor>"));
+    return read_text(mitsuba_scene("", "<sensor type='" + type + "'>" + inside + "</sensor>"));
   };
   const Description lens = sensor("thinlens", "<float name='aperture_radius' value='0.5'/><float name='fov' value='40'/>"
                                               "<float name='focus_distance' value='7'/>");
@@ -381,7 +381,8 @@ TEST_CASE("the same scene in both dialects gives the same Description") {
     <integrator type="path_mis"/>
     <sampler type="independent"><integer name="sampleCount" value="32"/></sampler>
     <camera type="perspective">
-      <float name="fov" value="35"/><integer name="width" value="64"/><integer name="height" value="48"/>
+      <float name="fov" value="35"/><float name="nearClip" value="0.01"/>
+      <integer name="width" value="64"/><integer name="height" value="48"/>
       <transform name="toWorld">
         <scale value="-1,1,1"/><rotate axis="0,1,0" angle="30"/><lookat origin="0,1,6" target="0,1,0" up="0,1,0"/>
       </transform>

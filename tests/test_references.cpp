@@ -28,7 +28,7 @@ const fs::path kFolder = fs::path(SHEAF_SOURCE_DIR) / "tests" / "references";
 const fs::path kCornell = fs::path(SHEAF_SOURCE_DIR) / "scenes" / "cornell";
 const std::vector<std::string> kRgb{"R", "G", "B"};
 
-constexpr int kBatchSamples = 64;
+constexpr int kBatchSamples = 96;
 constexpr int kBatches = 8;
 /// Pixels per side of the blocks whose means are compared, besides the pixels themselves.
 constexpr int kBlock = 8;
