@@ -15,7 +15,9 @@
 #include <cstring>
 #include <limits>
 
-#if defined(__GNUC__)
+// Leaf functions are inlined whatever the compiler thinks, except under sanitizers: there the checks inserted into every
+// copy would make the stages take ten minutes to compile.
+#if defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define SHEAF_INLINE inline __attribute__((always_inline))
 #define SHEAF_LAMBDA_INLINE __attribute__((always_inline))
 #else
