@@ -79,7 +79,7 @@ class TestWave {
 /// Every slot stands on exactly one list; between sort_surfaces and scatter that may be `sorted`.
 inline void check_conservation(const Wave& wave, bool shading = false) {
   std::vector<int> seen(static_cast<std::size_t>(wave.capacity));
-  for (const SlotList* list : {&wave.free, &wave.active, &wave.miss, &wave.surface, &wave.finished})
+  for (const SlotList* list : {&wave.free, &wave.active, &wave.miss, &wave.composite, &wave.surface, &wave.finished})
     for (const Slot slot : list->span()) ++seen.at(slot);
   if (shading)
     for (const Slot slot : wave.sorted.span()) ++seen.at(slot);
