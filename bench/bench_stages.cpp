@@ -24,8 +24,8 @@ using StageFunction = void (*)(const SceneView&, Wave&) noexcept;
 
 template <class L>
 constexpr StageFunction kStageFunctions[kStageCount] = {
-    camera_rays<L>,      intersect<L>, emission<L>, sort_surfaces<L>, surface_inputs<L>,
-    light_candidates<L>, shadow<L>,    scatter<L>,  accumulate<L>};
+    camera_rays<L>, intersect<L>,        emission<L>, select_materials<L>, sort_surfaces<L>, surface_inputs<L>,
+    textures<L>,    light_candidates<L>, resample<L>, shadow<L>,           scatter<L>,       accumulate<L>};
 
 /// What stages consume: lists, slots' records and counts. Columns need no copy, since no stage overwrites its input.
 class WaveSnapshot {

@@ -12,6 +12,7 @@ enum class SampleBlock : std::uint32_t {
   kLight,    ///< x: which light; y, z: point on it; w: which part of it
   kScatter,  ///< x: which lobe; y, z: direction; w: roulette
   kSelect,   ///< x: which part of a composite material
+  kResample, ///< x: which of several light candidates
   kCount,
 };
 

@@ -207,7 +207,13 @@ SHEAF_INLINE WideFloat acos(WideFloat a) { return xsimd::acos(a.v); }
 SHEAF_INLINE WideFloat atan2(WideFloat y, WideFloat x) { return xsimd::atan2(y.v, x.v); }
 SHEAF_INLINE WideMask is_finite(WideFloat a) { return xsimd::abs(a.v) <= FloatBatch(3.4028234e38f); }
 /// a * b + c with one rounding where the machine has it.
-SHEAF_INLINE WideFloat fma(WideFloat a, WideFloat b, WideFloat c) { return xsimd::fma(a.v, b.v, c.v); }
+SHEAF_INLINE WideFloat fma(WideFloat a, WideFloat b, WideFloat c) {
+#if defined(__AVX512F__)
+  return FloatBatch(_mm512_fmadd_ps(a.v, b.v, c.v));  // xsimd 8.1 rounds twice
+#else
+  return xsimd::fma(a.v, b.v, c.v);
+#endif
+}
 /// |a| with the sign of `s`.
 SHEAF_INLINE WideFloat copysign(WideFloat a, WideFloat s) {
   const WideUint sign(0x80000000u);
@@ -349,7 +355,27 @@ SHEAF_INLINE void load_rows4(const float* const* rows, float* out) { std::memcpy
 
 /// The inverse of load_rows4: writes four consecutive floats to rows[k] for every lane k < count.
 SHEAF_INLINE void store_rows4(float* const* rows, const WideFloat* in, int count) {
-#if defined(__AVX__) && !defined(__AVX512F__)
+#if defined(__AVX512F__)
+  const __m512 t0 = _mm512_unpacklo_ps(in[0].v, in[1].v), t1 = _mm512_unpackhi_ps(in[0].v, in[1].v);
+  const __m512 t2 = _mm512_unpacklo_ps(in[2].v, in[3].v), t3 = _mm512_unpackhi_ps(in[2].v, in[3].v);
+  __m512 quad[4];
+  quad[0] = _mm512_shuffle_ps(t0, t2, 0x44);
+  quad[1] = _mm512_shuffle_ps(t0, t2, 0xee);
+  quad[2] = _mm512_shuffle_ps(t1, t3, 0x44);
+  quad[3] = _mm512_shuffle_ps(t1, t3, 0xee);
+  if (count >= kWidth) {
+    for (int q = 0; q < 4; ++q) {
+      _mm_storeu_ps(rows[q], _mm512_castps512_ps128(quad[q]));
+      _mm_storeu_ps(rows[q + 4], _mm512_extractf32x4_ps(quad[q], 1));
+      _mm_storeu_ps(rows[q + 8], _mm512_extractf32x4_ps(quad[q], 2));
+      _mm_storeu_ps(rows[q + 12], _mm512_extractf32x4_ps(quad[q], 3));
+    }
+    return;
+  }
+  alignas(kSimdAlignment) float parts[4][kWidth];
+  for (int q = 0; q < 4; ++q) _mm512_store_ps(parts[q], quad[q]);
+  for (int lane = 0; lane < count; ++lane) _mm_storeu_ps(rows[lane], _mm_load_ps(parts[lane & 3] + 4 * (lane >> 2)));
+#elif defined(__AVX__)
   const __m256 t0 = _mm256_unpacklo_ps(in[0].v, in[1].v), t1 = _mm256_unpackhi_ps(in[0].v, in[1].v);
   const __m256 t2 = _mm256_unpacklo_ps(in[2].v, in[3].v), t3 = _mm256_unpackhi_ps(in[2].v, in[3].v);
   __m256 pair[4];
@@ -395,7 +421,8 @@ inline constexpr CompressTable kCompressTable{};
 /// needed), of which the first popcount(bits) are meant.
 SHEAF_INLINE void compress_store(float* p, WideFloat a, std::uint32_t bits) {
 #if defined(__AVX512F__)
-  _mm512_mask_compressstoreu_ps(p, static_cast<__mmask16>(bits), a.v);
+  // Compressing into memory is microcode on some machines; into a register it never is.
+  _mm512_storeu_ps(p, _mm512_maskz_compress_ps(static_cast<__mmask16>(bits), a.v));
 #elif defined(__AVX2__)
   const __m256i lanes = _mm256_load_si256(reinterpret_cast<const __m256i*>(kCompressTable.lanes[bits]));
   _mm256_storeu_ps(p, _mm256_permutevar8x32_ps(a.v, lanes));

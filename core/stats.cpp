@@ -39,7 +39,7 @@ double measure_seconds_per_tick() {
 std::string_view stage_name(Stage stage) {
   static constexpr std::array<std::string_view, kStageCount> kNames{
       "camera_rays", "intersect", "emission", "select_materials", "sort", "surface_inputs", "textures",
-      "light_candidates", "shadow", "scatter",
+      "light_candidates", "resample", "shadow", "scatter",
       "accumulate"};
   return kNames.at(static_cast<std::size_t>(stage));
 }

@@ -16,12 +16,13 @@ template <class L> void accumulate(const SceneView&, Wave& wave) noexcept {
   for (int i = 0; i < paths; ++i) {
     const Slot slot = wave.finished[i];
     const RadianceState<Scalar> r = wave.radiance.get(slot);
-    FilmSample& out = wave.task_samples[r.task_sample];
+    FilmSample& out = wave.task_samples[r.task_sample & ~kTransparent];
     const float sum = r.radiance.c0 + r.radiance.c1 + r.radiance.c2;
     const bool good = std::isfinite(sum * r.weight) && r.radiance.c0 >= 0.0f && r.radiance.c1 >= 0.0f &&
                       r.radiance.c2 >= 0.0f;
     if (good) {
-      out = {r.radiance.c0 * r.weight, r.radiance.c1 * r.weight, r.radiance.c2 * r.weight, r.alpha * r.weight};
+      out = {r.radiance.c0 * r.weight, r.radiance.c1 * r.weight, r.radiance.c2 * r.weight,
+             r.task_sample & kTransparent ? 0.0f : r.weight};
       ++wave.stats.samples;
     } else {
       out.alpha = std::numeric_limits<float>::quiet_NaN();

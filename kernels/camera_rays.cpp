@@ -70,7 +70,7 @@ SHEAF_INLINE void start_tile(const SceneView& scene, Wave& wave, SampleCursor& c
 
   RadianceState<L> radiance;
   radiance.scatter_pdf = F(0.0f);
-  radiance.alpha = F(1.0f);
+  radiance.normal = U(0u);
   radiance.weight = dx.weight * dy.weight;
   radiance.task_sample = U(static_cast<std::uint32_t>(wave.next_sample)) + L::index();
   wave.rays.scatter<L>(slots, count, ray);

@@ -36,7 +36,7 @@ template <class L> void debug_view(const SceneView& scene, Wave& wave) noexcept 
   for (int i = 0; i < hits; ++i) wave.finished.push(wave.surface[i]);
   for (int i = 0; i < wave.miss.size(); ++i) {
     RadianceState<Scalar> out = wave.radiance.get(wave.miss[i]);
-    out.alpha = 0.0f;
+    out.task_sample |= kTransparent;
     wave.radiance.set(wave.miss[i], out);
     wave.finished.push(wave.miss[i]);
   }

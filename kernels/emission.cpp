@@ -1,6 +1,8 @@
 // Stage: emission. Rays that left the scene meet the environment; rays that hit an area light collect its radiance.
 // Both are weighted by multiple importance sampling against what light_candidates would have done.
+#include "core/octahedral.h"
 #include "kernels/light_sample.h"
+#include "kernels/light_weight.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
 
@@ -10,12 +12,19 @@ namespace {
 
 /// Weight of light found by BSDF sampling with density `scatter_pdf` (0: specular or camera, counts in full).
 template <class L>
-SHEAF_INLINE Float<L> emission_weight(LightStrategy strategy, Float<L> scatter_pdf, Float<L> light_pdf) {
+SHEAF_INLINE Float<L> emission_weight(const IntegratorDescription& settings, Float<L> scatter_pdf, Float<L> light_pdf) {
   using F = Float<L>;
   const auto specular = scatter_pdf == F(0.0f);
-  if (strategy == LightStrategy::kBsdfOnly) return F(1.0f);
-  if (strategy == LightStrategy::kLightOnly) return select(specular, F(1.0f), F(0.0f));
-  return select(specular, F(1.0f), power_heuristic(select(specular, F(1.0f), scatter_pdf), light_pdf));
+  if (settings.strategy == LightStrategy::kBsdfOnly) return F(1.0f);
+  if (settings.strategy == LightStrategy::kLightOnly) return select(specular, F(1.0f), F(0.0f));
+  const F share = bsdf_weight(light_pdf, select(specular, F(1.0f), scatter_pdf), settings.candidates);
+  return select(specular, F(1.0f), share);
+}
+
+/// The vertex that the ray comes from, as light_candidates saw it.
+template <class L>
+SHEAF_INLINE LightReceiver<L> receiver(const RayState<L>& ray, const RadianceState<L>& radiance) {
+  return {ray.origin, decode_octahedral<L>(radiance.normal)};
 }
 
 template <class L> SHEAF_INLINE void environment_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
@@ -26,12 +35,13 @@ template <class L> SHEAF_INLINE void environment_tile(const SceneView& scene, Wa
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
   const bool visible = scene.environment != kNone;
   const auto shown = Mask<L>(visible) & !(from_camera & Mask<L>(scene.integrator.hide_emitters));
-  radiance.alpha = select(from_camera & !shown, F(0.0f), radiance.alpha);
+  radiance.task_sample = radiance.task_sample | select(from_camera & !shown, U(kTransparent), U(0u));
   if (visible) {
     const ThroughputState<L> path = wave.throughput.gather<L>(slots);
     const LightRow& light = scene.lights[scene.environment];
-    const F weight = emission_weight<L>(scene.integrator.strategy, radiance.scatter_pdf,
-                                        F(light.pdf_select * kUniformSpherePdf));
+    const F probability = choice_probability<L>(scene, receiver<L>(ray, radiance), U(scene.environment));
+    const F weight =
+        emission_weight<L>(scene.integrator, radiance.scatter_pdf, probability * F(kUniformSpherePdf));
     const Spectrum<L> le{F(light.radiance[0]), F(light.radiance[1]), F(light.radiance[2]), F(light.radiance[3])};
     radiance.radiance = select<L>(shown, radiance.radiance + path.beta * le * weight, radiance.radiance);
   }
@@ -48,13 +58,14 @@ template <class L> SHEAF_INLINE void area_light_tile(const SceneView& scene, Wav
   const ShapeLanes<L> shape = load_shapes<L>(scene, hit.shape);
   const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
                                   hit.instance);
-  const LightLanes<L> light = load_lights<L>(scene, hit.light);
+  LightLanes<L> light = load_lights<L>(scene, hit.light);
+  light.pdf_select = choice_probability<L>(scene, receiver<L>(ray, radiance), hit.light);
 
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
   const auto hidden = from_camera & Mask<L>(scene.integrator.hide_emitters);
   const auto lit = (dot(ray.direction, y.ng) < F(0.0f)) & !hidden;
   const F pdf = light_pdf_solid_angle<L>(scene, light, Mask<L>(true), ray.origin, ray.direction, hit.t, y.ng);
-  const F weight = emission_weight<L>(scene.integrator.strategy, radiance.scatter_pdf, pdf);
+  const F weight = emission_weight<L>(scene.integrator, radiance.scatter_pdf, pdf);
   radiance.radiance = select<L>(lit, radiance.radiance + path.beta * light.radiance * weight, radiance.radiance);
   wave.radiance.scatter<L>(slots, count, radiance);
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/sampler.h"
+#include "kernels/light_select.h"
 #include "scene/shape.h"
 
 namespace sheaf {
@@ -166,12 +167,13 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const LightSample<L>& a, L
 
 }  // namespace light_detail
 
-/// Samples one light by power and a direction towards it. The scene must have lights.
-template <class L> SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, const Random4<L>& u) {
+/// A direction from `from` towards the light that was chosen. The scene must have lights.
+template <class L>
+SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, const LightChoice<L>& choice,
+                                         const Random4<L>& u) {
   using namespace light_detail;
-  using U = Uint<L>;
-  const auto choice = sample_alias<L>(scene.light_alias, U(0u), U(scene.light_count), u.x);
-  const LightLanes<L> light = load_lights<L>(scene, choice.index);
+  LightLanes<L> light = load_lights<L>(scene, choice.light);
+  light.pdf_select = choice.probability;
   const auto mesh = light.is(LightKind::kMesh), sphere = light.is(LightKind::kSphere);
   const auto quadric = light.is(LightKind::kQuadric), point = light.is(LightKind::kPoint);
   const auto constant = light.is(LightKind::kConstant);
@@ -185,8 +187,8 @@ template <class L> SHEAF_INLINE LightSample<L> sample_light(const SceneView& sce
   return s;
 }
 
-/// The density, selection included, with which sample_light from `from` would have found the point at distance `t` in
-/// `direction` on an area light with geometric normal `ng` there.
+/// The density, LightLanes::pdf_select included, with which sample_light from `from` would have found the point at
+/// distance `t` in `direction` on an area light with geometric normal `ng` there.
 template <class L>
 SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightLanes<L>& light, Mask<L> active,
                                             Vec3<L> from, Vec3<L> direction, Float<L> t, Vec3<L> ng) {
@@ -212,13 +214,6 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightL
     pdf = select(sphere, select(outside, F(0.5f * kInvPi) / select(outside, one_minus_cos_max, F(1.0f)), F(0.0f)), pdf);
   }
   return light.pdf_select * pdf;
-}
-
-/// Power heuristic (Veach 1997, equation 9.13, exponent 2): the weight of a sample drawn with density `a` where the
-/// other technique has density `b`. Any finite a > 0, b >= 0.
-template <class F> SHEAF_INLINE F power_heuristic(F a, F b) {
-  const F ratio = b / a;
-  return F(1.0f) / (F(1.0f) + ratio * ratio);
 }
 
 }  // namespace sheaf

@@ -55,13 +55,15 @@ inline constexpr std::uint32_t kLongestPath = 0x7fffu;
 template <class L> struct RadianceState {
   Spectrum<L> radiance;          ///< so far
   typename L::Float scatter_pdf;  ///< solid-angle density of the current direction; 0: camera ray or specular
-  typename L::Float alpha;       ///< 1 once the camera ray has met something that counts as covered
+  typename L::Uint normal;       ///< octahedral; shading normal where the ray was scattered, for the choice of lights
   typename L::Float weight;      ///< reconstruction filter weight of the sample
-  typename L::Uint task_sample;  ///< index into the task's sample buffer
+  typename L::Uint task_sample;  ///< index into the task's sample buffer, and kTransparent
   static constexpr auto fields(auto& s) {
-    return std::tie(s.radiance, s.scatter_pdf, s.alpha, s.weight, s.task_sample);
+    return std::tie(s.radiance, s.scatter_pdf, s.normal, s.weight, s.task_sample);
   }
 };
+/// Bit of RadianceState::task_sample: the camera ray has met nothing that counts as covered.
+inline constexpr std::uint32_t kTransparent = 0x80000000u;
 
 /// A surface vertex ready for shading, in order of closure kind; consumed in order.
 template <class L> struct SurfaceItem {
@@ -94,6 +96,28 @@ template <class L> struct ClosureItem {
     return std::tie(w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10], w[11], w[12], w[13], w[14],
                     w[15], w[16], w[17], w[18], w[19], w[20], w[21], w[22], w[23]);
   }
+};
+
+/// A light that may be worth a shadow ray; stands where its SurfaceItem stands.
+template <class L> struct LightCandidate {
+  Vec3<L> direction;     ///< towards the light, unit length
+  Vec3<L> target;        ///< where the shadow ray ends
+  Spectrum<L> radiance;  ///< see LightSample::radiance
+  typename L::Float pdf_solid_angle;  ///< see LightSample::pdf_solid_angle; 0: nothing arrives
+  typename L::Float delta;            ///< 1: BSDF sampling cannot find this light; else 0
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.direction, s.target, s.radiance, s.pdf_solid_angle, s.delta);
+  }
+};
+
+/// What resampling has kept of the candidates so far; stands where its SurfaceItem stands.
+template <class L> struct ReservoirItem {
+  Vec3<L> target;             ///< of the candidate that was kept
+  Spectrum<L> contribution;   ///< what it brings if unoccluded, over its density
+  typename L::Float weight;   ///< that contribution's luminance: its resampling weight
+  typename L::Float sum;      ///< of the weights of all candidates
+  typename L::Float u;        ///< uniform in [0, 1), for the next choice
+  static constexpr auto fields(auto& s) { return std::tie(s.target, s.contribution, s.weight, s.sum, s.u); }
 };
 
 /// A ray towards a light, with what it brings if nothing is in between.

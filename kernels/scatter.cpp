@@ -1,4 +1,5 @@
 // Stage: scatter. Samples the BSDF, plays Russian roulette and writes the next ray.
+#include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
 #include "kernels/normal_map.h"
 #include "kernels/shading_frame.h"
@@ -25,6 +26,20 @@ SHEAF_INLINE Mask<L> roulette(const IntegratorDescription& settings, ThroughputS
   const F factor = select(exempt | !survives, F(1.0f), F(1.0f) / survival);
   path.beta = path.beta * factor;
   return survives;
+}
+
+/// What emission needs in order to weigh the light that the new ray finds: two words of the radiance state.
+template <class L>
+SHEAF_INLINE void remember_scattering(Wave& wave, const Slot* slots, int count, Float<L> pdf_solid_angle, Vec3<L> ns) {
+  constexpr int kScatterPdfWord = 4, kNormalWord = 5;
+  alignas(kSimdAlignment) float pdf[L::width], normal[L::width];
+  store(pdf, pdf_solid_angle);
+  store(normal, bits_float(encode_octahedral<L>(ns)));
+  for (int lane = 0; lane < count; ++lane) {
+    float* row = wave.radiance.row(slots[lane]);
+    row[kScatterPdfWord] = pdf[lane];
+    row[kNormalWord] = normal[lane];
+  }
 }
 
 template <class L, template <class> class Bsdf>
@@ -56,10 +71,7 @@ SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* s
   ray.flags = select(path.depth() + U(1u) < U(max_depth), U(0u), U(kRayLast));
   wave.rays.scatter<L>(slots, count, ray);
   wave.throughput.scatter<L>(slots, count, path);
-  alignas(kSimdAlignment) float pdf[L::width];
-  store(pdf, s.pdf_solid_angle);
-  constexpr int kScatterPdfWord = 4;
-  for (int lane = 0; lane < count; ++lane) wave.radiance.row(slots[lane])[kScatterPdfWord] = pdf[lane];
+  remember_scattering<L>(wave, slots, count, s.pdf_solid_angle, item.ns);
 
   const std::uint32_t bits = mask_bits(alive);
   wave.stats.rays.scatter += static_cast<std::uint64_t>(std::popcount(bits));

@@ -10,7 +10,8 @@
 //   sort_surfaces     surface               sorted, runs
 //   surface_inputs    runs                  items, closures
 //   textures          items, textured       items, closures
-//   light_candidates  items, closures       shadows
+//   light_candidates  items                 candidates
+//   resample          candidates, closures  reservoirs, shadows
 //   shadow            shadows               radiance
 //   scatter           items, closures       active, finished
 //   debug_view        surface, miss         finished
@@ -46,8 +47,12 @@ template <class L> void surface_inputs(const SceneView& scene, Wave& wave) noexc
 /// Looks up textures: replaces closure parameters, and turns shading normals by maps.
 template <class L> void textures(const SceneView& scene, Wave& wave) noexcept;
 
-/// Samples one light per vertex and pushes a shadow ray with what it would bring. Reads throughput.
+/// Samples one light per vertex: candidate Wave::candidate. Reads throughput.
 template <class L> void light_candidates(const SceneView& scene, Wave& wave) noexcept;
+
+/// Weighs that candidate against those before it and keeps one of them; after the last one pushes a shadow ray with what
+/// was kept. Reads throughput.
+template <class L> void resample(const SceneView& scene, Wave& wave) noexcept;
 
 /// Traces shadow rays and pays what is unoccluded into the paths' radiance.
 template <class L> void shadow(const SceneView& scene, Wave& wave) noexcept;
@@ -61,6 +66,11 @@ template <class L> void debug_view(const SceneView& scene, Wave& wave) noexcept;
 /// Moves finished paths' radiance to the task's sample buffer and frees their slots. Samples that are not finite or
 /// negative are dropped and counted.
 template <class L> void accumulate(const SceneView& scene, Wave& wave) noexcept;
+
+/// Whether direct light is sampled at all.
+inline bool samples_lights(const SceneView& scene) {
+  return scene.light_count > 0 && scene.integrator.strategy != LightStrategy::kBsdfOnly;
+}
 
 /// Instantiates a stage for both lanes.
 #define SHEAF_INSTANTIATE_STAGE(stage)                                \

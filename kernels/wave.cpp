@@ -18,7 +18,8 @@ std::size_t wave_bytes(int paths) {
          Groups<RadianceState>::bytes(paths) + kSlotLists * SlotList::bytes(paths) +
          static_cast<std::size_t>(paths) + kSimdAlignment + Soa<SurfaceItem>::bytes(item_capacity(paths)) +
          Soa<TexturedItem>::bytes(item_capacity(paths)) +
-         Soa<ClosureItem>::bytes(item_capacity(paths)) + Soa<ShadowItem>::bytes(paths);
+         Soa<ClosureItem>::bytes(item_capacity(paths)) + Soa<LightCandidate>::bytes(item_capacity(paths)) +
+         Soa<ReservoirItem>::bytes(item_capacity(paths)) + Soa<ShadowItem>::bytes(paths);
 }
 
 }  // namespace
@@ -33,6 +34,8 @@ Wave::Wave(int paths) : capacity(paths), arena(wave_bytes(paths)) {
   items.bind(arena, item_capacity(paths));
   textured.bind(arena, item_capacity(paths));
   closures.bind(arena, item_capacity(paths));
+  candidates.bind(arena, item_capacity(paths));
+  reservoirs.bind(arena, item_capacity(paths));
   shadows.bind(arena, paths);
   for (int slot = paths - 1; slot >= 0; --slot) free.push(static_cast<Slot>(slot));
 }

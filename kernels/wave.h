@@ -73,6 +73,9 @@ struct Wave {
   Soa<SurfaceItem> items;
   Soa<TexturedItem> textured;
   Soa<ClosureItem> closures;
+  Soa<LightCandidate> candidates;
+  Soa<ReservoirItem> reservoirs;
+  int candidate = 0;  ///< the one being worked on, below IntegratorDescription::candidates
   Soa<ShadowItem> shadows;
   int shadow_count = 0;
 

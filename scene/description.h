@@ -286,12 +286,22 @@ enum class IntegratorKind { kPath, kNormals, kDepth };
 /// How direct light is estimated: by sampling lights, by sampling BSDFs, or both weighted by multiple importance
 /// sampling.
 enum class LightStrategy { kMis, kBsdfOnly, kLightOnly };
+/// How the light that is sampled is chosen among all.
+enum class LightSelector {
+  kUniform,  ///< all alike
+  kPower,    ///< by power
+  kBvh,      ///< by what each may bring to the point, bounded in a tree (Conty Estevez and Kulla 2018)
+};
+/// Most light candidates per vertex.
+inline constexpr int kMaxCandidates = 1024;
 
 struct IntegratorDescription {
   IntegratorKind kind = IntegratorKind::kPath;
   LightStrategy strategy = LightStrategy::kMis;
   int max_depth = -1;  ///< -1 unlimited, 1 emission only, 2 direct light, ...
   int rr_depth = 5;    ///< roulette starts at this depth
+  LightSelector light_selector = LightSelector::kBvh;
+  int candidates = 1;  ///< lights sampled per vertex, of which one is kept by resampling; in [1, kMaxCandidates]
   bool hide_emitters = false;  ///< directly visible lights are left out (alpha 0)
 };
 

@@ -21,15 +21,6 @@ struct InstanceBounds {
 /// World-space bounds of what lies in [lower, upper] of the group's space.
 InstanceBounds instance_bounds(const InstanceRow& row, Vec3f lower, Vec3f upper);
 
-/// Reads four words per lane from base + index[lane]. The table must be readable three words beyond its last row.
-template <class L> SHEAF_INLINE void gather_row4(const float* base, typename L::Uint index, typename L::Float* out) {
-  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
-  store(lanes, index);
-  const float* rows[L::width];
-  for (int lane = 0; lane < L::width; ++lane) rows[lane] = base + lanes[lane];
-  load_rows4(rows, out);
-}
-
 /// An InstanceRow's transform M with the cofactors of its linear part, a lane each. The inverse is kept nowhere: the
 /// rows of cofactors over the determinant are the columns of it.
 template <class L> struct InstanceLanes {

@@ -6,15 +6,20 @@ namespace sheaf {
 
 namespace {
 
+/// Candidates per vertex of the integrators named after resampling.
+constexpr int kResampledCandidates = 8;
+
 constexpr NamedIntegrator kIntegrators[] = {
     {"path", IntegratorKind::kPath, LightStrategy::kMis, false},
     {"path_mis", IntegratorKind::kPath, LightStrategy::kMis, false},
     {"path_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, false},
     {"path_ems", IntegratorKind::kPath, LightStrategy::kLightOnly, false},
+    {"path_ris", IntegratorKind::kPath, LightStrategy::kMis, false, kResampledCandidates},
     {"direct", IntegratorKind::kPath, LightStrategy::kMis, true},
     {"direct_mis", IntegratorKind::kPath, LightStrategy::kMis, true},
     {"direct_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, true},
     {"direct_ems", IntegratorKind::kPath, LightStrategy::kLightOnly, true},
+    {"direct_ris", IntegratorKind::kPath, LightStrategy::kMis, true, kResampledCandidates},
     {"normals", IntegratorKind::kNormals, LightStrategy::kMis, false},
     {"depth", IntegratorKind::kDepth, LightStrategy::kMis, false},
     {"volpath", IntegratorKind::kPath, LightStrategy::kMis, false},
@@ -42,6 +47,7 @@ std::vector<std::string> integrator_names() {
 void apply(const NamedIntegrator& named, IntegratorDescription& integrator) {
   integrator.kind = named.kind;
   integrator.strategy = named.strategy;
+  if (named.candidates > 1) integrator.candidates = named.candidates;
   if (named.direct) integrator.max_depth = 2;
 }
 

@@ -13,6 +13,7 @@ struct NamedIntegrator {
   IntegratorKind kind;
   LightStrategy strategy;
   bool direct;  ///< light is scattered once: max_depth is 2
+  int candidates = 1;  ///< IntegratorDescription::candidates unless told
 };
 
 /// The integrator of this name, or null.
@@ -21,11 +22,12 @@ const NamedIntegrator* find_integrator(std::string_view name);
 /// All names.
 std::vector<std::string> integrator_names();
 
-/// Sets kind, strategy and, where the name fixes it, depth.
+/// Sets kind, strategy and, where the name fixes them, candidates and depth.
 void apply(const NamedIntegrator& named, IntegratorDescription& integrator);
 
-/// `base` with kind, strategy and, where the name fixes it, depth as `name` says: path, path_mis, path_mats, path_ems,
-/// direct, direct_mis, direct_mats, direct_ems, normals, depth, and Mitsuba's integrators of the same expectation.
+/// `base` with kind, strategy and, where the name fixes them, depth and candidates as `name` says: path, path_mis,
+/// path_mats, path_ems, path_ris, direct, direct_mis, direct_mats, direct_ems, direct_ris, normals, depth, and Mitsuba's
+/// integrators of the same expectation.
 /// Throws Error (usage) for an unknown name, with the nearest known one.
 IntegratorDescription integrator_from_name(std::string_view name, const IntegratorDescription& base);
 

@@ -1,5 +1,6 @@
 // The Mitsuba dialect: integrators. Those that compute the same picture in another way are mapped to ours with a note.
 #include "scene/integrator_name.h"
+#include "scene/light_selector_name.h"
 #include "scene/mitsuba.h"
 
 #include <algorithm>
@@ -24,6 +25,7 @@ void read_path_like(Properties& p, const PathLike& like, IntegratorDescription& 
   integrator.max_depth = p.integer("max_depth", like.max_depth, -1, kMaxDepth);
   integrator.rr_depth = p.integer("rr_depth", integrator.rr_depth, 1, kMaxDepth);
   integrator.hide_emitters = p.boolean("hide_emitters", false);
+  read_light_sampling(p, integrator);
   p.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
   if (p.type() == "bdpt") p.accept({"light_image", "sample_direct"});
   if (p.type() == "ptracer") p.accept({"granularity", "brute_force"});
@@ -43,6 +45,7 @@ void read_direct(Properties& p, IntegratorDescription& integrator) {
   if (lights + bsdfs == 0) p.fail("has neither emitter_samples nor bsdf_samples");
   if (bsdfs == 0) integrator.strategy = LightStrategy::kLightOnly;
   if (lights == 0) integrator.strategy = LightStrategy::kBsdfOnly;
+  read_light_sampling(p, integrator);
   if (std::max(lights, bsdfs) > 1)
     p.context().note(p.where(), "direct light is sampled once per path; raise sample_count for less noise");
   p.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
@@ -75,8 +78,9 @@ void read_integrator(const XmlElement& element, Reader& reader) {
     p.accept({"samples_per_pass", "block_size", "timeout"});
   } else if (const NamedIntegrator* named = find_integrator(p.type())) {
     // Names that only Nori has.
-    read_path_like(p, {named->name, -1}, integrator);
     apply(*named, integrator);
+    read_path_like(p, {named->name, -1}, integrator);
+    if (named->direct) integrator.max_depth = 2;
   } else {
     std::vector<std::string> known = integrator_names();
     known.insert(known.end(), {"aov", "moment"});

@@ -1,5 +1,6 @@
 // The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator, rfilter; camelCase names; no references.
 #include "scene/integrator_name.h"
+#include "scene/light_selector_name.h"
 #include "scene/nori.h"
 #include "scene/read_camera.h"
 
@@ -99,14 +100,15 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
   const NamedIntegrator* named = find_integrator(p.type());
   if (named == nullptr) p.fail_plugin(integrator_names());
   IntegratorDescription& integrator = context.description.integrator;
+  apply(*named, integrator);
   if (named->kind == IntegratorKind::kPath) {
     if (!named->direct) {
       integrator.max_depth = p.integer("maxDepth", -1, -1, 1'000'000);
       integrator.rr_depth = p.integer("rrDepth", 5, 1, 1'000'000);
     }
     integrator.hide_emitters = p.boolean("hideEmitters", false);
+    read_light_sampling(p, integrator);
   }
-  apply(*named, integrator);
   p.finish();
 }
 

@@ -1,7 +1,8 @@
 // Light sampling, for every kind of light: directions against the density that BSDF sampling is weighted with, targets,
 // selection, and registers against single values.
-#include "kernels/light_sample.h"
+#include "tests/light_testing.h"
 
+#include "kernels/light_weight.h"
 #include "scene/compile.h"
 #include "tests/chi_square.h"
 #include "tests/records_testing.h"
@@ -68,7 +69,7 @@ double pdf_along(const SceneView& scene, Vec3f from, Vec3f direction) {
 }
 
 std::optional<Vec3f> sampled_direction(const SceneView& scene, Vec3f from, const Random4<Scalar>& u) {
-  const auto s = sample_light<Scalar>(scene, from, u);
+  const auto s = sample_any_light<Scalar>(scene, from, u);
   return s.valid ? std::optional<Vec3f>(s.direction) : std::nullopt;
 }
 
@@ -169,7 +170,7 @@ void check_samples(const SceneView& scene, Vec3f from) {
   double worst_pdf = 0;
   int valid = 0, blocked = 0, far = 0;
   for (std::uint32_t i = 0; i < 2000; ++i) {
-    const auto s = sample_light<Scalar>(scene, from, lane_random(42, i, 0));
+    const auto s = sample_any_light<Scalar>(scene, from, lane_random(42, i, 0));
     if (!s.valid) continue;
     ++valid;
     blocked += trace_ray(scene, from, s.target - from, 0, kShadowEnd).has_value();
@@ -242,7 +243,7 @@ TEST_CASE("light sampling: spheres from afar, from near and from touching distan
 
 TEST_CASE("light sampling: from within a sphere that emits outwards nothing arrives") {
   const auto scene = lone_light(SphereShape{{0, 0, 3}, 1}, Transform());
-  for (std::uint32_t i = 0; i < 100; ++i) CHECK_FALSE(sample_light<Scalar>(scene->view(), {0.1f, 0, 3}, lane_random(44, i, 0)).valid);
+  for (std::uint32_t i = 0; i < 100; ++i) CHECK_FALSE(sample_any_light<Scalar>(scene->view(), {0.1f, 0, 3}, lane_random(44, i, 0)).valid);
 }
 
 TEST_CASE("light sampling: a flipped sphere from within, at its centre and near its wall") {
@@ -273,7 +274,7 @@ TEST_CASE("light sampling: the environment") {
   const ChiSquare result = chi_square_sphere(sample, [](Vec3f) { return 0.25 * kInvPi; });
   CHECK(result.p_value > significance_of_each(kTests));
   for (std::uint32_t i = 0; i < 1000; ++i) {
-    const auto s = sample_light<Scalar>(view, {1, 0, 0}, lane_random(45, i, 0));
+    const auto s = sample_any_light<Scalar>(view, {1, 0, 0}, lane_random(45, i, 0));
     CHECK(s.pdf_solid_angle == doctest::Approx(0.25 * kInvPi));
     CHECK_FALSE(s.delta);
     CHECK(length(s.target - view.center) > view.radius);
@@ -284,22 +285,22 @@ TEST_CASE("light sampling: points send intensity over squared distance from wher
   Description d = empty_scene(4, 4);
   add_point_light(d, {1, 2, 3}, 8);
   const auto scene = compile_scene(d);
-  const auto s = sample_light<Scalar>(scene->view(), {1, 2, 5}, lane_random(46, 0, 0));
+  const auto s = sample_any_light<Scalar>(scene->view(), {1, 2, 5}, lane_random(46, 0, 0));
   CHECK(s.valid);
   CHECK(s.delta);
   CHECK(s.pdf_solid_angle == 1.0f);
   CHECK(s.radiance.c0 == doctest::Approx(2));
   CHECK(record_difference<Vec3>(s.direction, {0, 0, -1}) < 1e-6);
   CHECK(s.target == Vec3f{1, 2, 3});
-  CHECK_FALSE(sample_light<Scalar>(scene->view(), {1, 2, 3}, lane_random(46, 0, 0)).valid);
+  CHECK_FALSE(sample_any_light<Scalar>(scene->view(), {1, 2, 3}, lane_random(46, 0, 0)).valid);
 }
 
 TEST_CASE("light sampling: one-sided lights send nothing backwards") {
   const auto scene = lone_light(RectangleShape{}, Transform::translate({0, 0, 3}));
   for (std::uint32_t i = 0; i < 100; ++i) {
-    CHECK_FALSE(sample_light<Scalar>(scene->view(), {0, 0, 0}, lane_random(47, i, 0)).valid);
-    CHECK(sample_light<Scalar>(scene->view(), {0, 0, 5}, lane_random(47, i, 0)).valid);
-    CHECK_FALSE(sample_light<Scalar>(scene->view(), {5, 0, 3}, lane_random(47, i, 0)).valid);  // edge on
+    CHECK_FALSE(sample_any_light<Scalar>(scene->view(), {0, 0, 0}, lane_random(47, i, 0)).valid);
+    CHECK(sample_any_light<Scalar>(scene->view(), {0, 0, 5}, lane_random(47, i, 0)).valid);
+    CHECK_FALSE(sample_any_light<Scalar>(scene->view(), {5, 0, 3}, lane_random(47, i, 0)).valid);  // edge on
   }
 }
 
@@ -340,7 +341,7 @@ TEST_CASE("light sampling: lights are selected in proportion to their power") {
   std::vector<double> observed(8), expected(8);
   for (std::size_t i = 0; i < 8; ++i) expected[i] = kDraws * pdf(i);
   for (std::uint32_t i = 0; i < kDraws; ++i) {
-    const auto s = sample_light<Scalar>(view, {0, 0, 0}, lane_random(48, i, 0));
+    const auto s = sample_any_light<Scalar>(view, {0, 0, 0}, lane_random(48, i, 0));
     // The point light sends its intensity over a squared distance of 3.
     const float value = s.delta ? s.radiance.c0 * 3 : s.radiance.c0;
     observed[static_cast<std::size_t>(std::lround(value)) - 1] += 1;
@@ -355,9 +356,9 @@ TEST_CASE("light sampling: registers equal single values, lights mixed") {
   int delta = 0, valid = 0;
   for (std::uint32_t i = 0; i < 20000; i += kWidth) {
     const auto from = wide_record<Vec3>([&](int lane) { return random_direction(49, i + static_cast<std::uint32_t>(lane)); });
-    const auto wide = sample_light<Wide>(view, from, wide_random(50, i));
+    const auto wide = sample_any_light<Wide>(view, from, wide_random(50, i));
     for (int lane = 0; lane < kWidth; ++lane) {
-      const auto one = sample_light<Scalar>(view, lane_record(from, lane), lane_random(50, i, lane));
+      const auto one = sample_any_light<Scalar>(view, lane_record(from, lane), lane_random(50, i, lane));
       CHECK(lane_of(wide.delta, lane) == one.delta);
       // Surfaces seen edge on may fall to either side.
       if (one.pdf_solid_angle > 1e3f) continue;

@@ -1,7 +1,7 @@
 // Surfaces at hits: positions, normals, uv and tangents of every kind of shape, and how sampled lights cover them.
 #include "scene/shape.h"
 
-#include "kernels/light_sample.h"
+#include "tests/light_testing.h"
 #include "scene/compile.h"
 #include "tests/chi_square.h"
 #include "tests/records_testing.h"
@@ -267,7 +267,7 @@ ChiSquare target_uv_test(const Scene& scene, const std::function<double(double, 
   const SceneView view = scene.view();
   const auto shape = load_shapes<Scalar>(view, 0);
   const auto sample = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
-    const auto s = sample_light<Scalar>(view, {0, 0, 0}, u);
+    const auto s = sample_any_light<Scalar>(view, {0, 0, 0}, u);
     const auto y = surface_point<Scalar, true>(view, shape, 0, 0, 0, s.target, kNone);
     return std::array<double, 2>{y.uv.x, y.uv.y};
   };
@@ -292,7 +292,7 @@ TEST_CASE("shape: light sampling covers meshes evenly by area") {
   mesh.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
   const auto scene = lone_shape(mesh, Transform());
   const auto sample = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
-    const auto s = sample_light<Scalar>(scene->view(), {0.5f, 0.5f, 3}, u);
+    const auto s = sample_any_light<Scalar>(scene->view(), {0.5f, 0.5f, 3}, u);
     return std::array<double, 2>{s.target.x, s.target.y};
   };
   CHECK(chi_square_plane(sample, [](double, double) { return 1.0; }, {0, 1, 0, 1, 20, 20}, 100000).p_value > kSignificance);

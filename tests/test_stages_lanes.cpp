@@ -18,6 +18,7 @@ constexpr StagePair kStages[] = {{"camera_rays", camera_rays<Wide>, camera_rays<
                                  {"sort_surfaces", sort_surfaces<Wide>, sort_surfaces<Scalar>},
                                  {"surface_inputs", surface_inputs<Wide>, surface_inputs<Scalar>},
                                  {"light_candidates", light_candidates<Wide>, light_candidates<Scalar>},
+                                 {"resample", resample<Wide>, resample<Scalar>},
                                  {"shadow", shadow<Wide>, shadow<Scalar>},
                                  {"scatter", scatter<Wide>, scatter<Scalar>},
                                  {"accumulate", accumulate<Wide>, accumulate<Scalar>}};
@@ -53,6 +54,8 @@ void copy_wave(const Wave& from, Wave& to) {
   std::copy(std::begin(from.runs), std::end(from.runs), to.runs);
   copy_columns(from.items, to.items);
   copy_columns(from.closures, to.closures);
+  copy_columns(from.candidates, to.candidates);
+  copy_columns(from.reservoirs, to.reservoirs);
   copy_columns(from.shadows, to.shadows);
   to.shadow_count = from.shadow_count;
   to.next_sample = from.next_sample;

@@ -128,6 +128,14 @@ TEST_CASE_TEMPLATE("surface inputs: places, frames and parameters of every hit",
   }
 }
 
+/// What the path pass does between surface inputs and shadow rays.
+template <class L> void sample_lights(const SceneView& scene, Wave& wave) {
+  for (wave.candidate = 0; wave.candidate < scene.integrator.candidates; ++wave.candidate) {
+    light_candidates<L>(scene, wave);
+    resample<L>(scene, wave);
+  }
+}
+
 TEST_CASE_TEMPLATE("light candidates: a point light in closed form, none for specular surfaces", L, Wide, Scalar) {
   const auto scene = compile_scene(squares());
   const Vec3f light{0, 0, -1};
@@ -139,7 +147,7 @@ TEST_CASE_TEMPLATE("light candidates: a point light in closed form, none for spe
       path.beta = {0.5f, 0.25f, 2, 0};
       wave.throughput.set(slot, path);
     }
-    light_candidates<L>(scene->view(), wave);
+    sample_lights<L>(scene->view(), wave);
     CHECK(wave.shadow_count == wave.runs[0].count);
     check_conservation(wave, true);
     CHECK(test.spare_rows_untouched());
@@ -170,7 +178,7 @@ TEST_CASE_TEMPLATE("light candidates: strategies weigh samples as they should", 
     d.integrator.strategy = strategy;
     const auto scene = compile_scene(d);
     ShadedWave<L> test(scene->view(), 37, [](int) { return 0; });
-    light_candidates<L>(scene->view(), test.wave);
+    sample_lights<L>(scene->view(), test.wave);
     if (strategy == LightStrategy::kBsdfOnly) CHECK(test.wave.shadow_count == 0);
     for (int i = 0; i < test.wave.shadow_count; ++i)
       (strategy == LightStrategy::kMis ? mis : alone).push_back(test.wave.shadows.template load<Scalar>(i));
@@ -194,7 +202,7 @@ TEST_CASE_TEMPLATE("light candidates: no shadow rays without light, from behind,
   for (const Description& d : {dark, behind, black}) {
     const auto scene = compile_scene(d);
     ShadedWave<L> test(scene->view(), 21, [](int i) { return i % 2 == 0 ? kGrey : kLightGrey; });
-    light_candidates<L>(scene->view(), test.wave);
+    sample_lights<L>(scene->view(), test.wave);
     CHECK(test.wave.shadow_count == 0);
   }
 }
@@ -230,7 +238,7 @@ TEST_CASE_TEMPLATE("shadow: what is not blocked is paid to its own path", L, Wid
       CHECK(r.radiance.c0 == (blocked ? 1.0f : 1.5f));
       CHECK(r.radiance.c1 == (blocked ? 2.0f : 2.25f));
       CHECK(r.radiance.c2 == (blocked ? 3.0f : 3.0f + static_cast<float>(i)));
-      CHECK(r.alpha == 1.0f);
+      CHECK((r.task_sample & kTransparent) == 0);
       CHECK(r.task_sample == static_cast<std::uint32_t>(i));
     }
   }
@@ -390,13 +398,13 @@ TEST_CASE_TEMPLATE("emission: the environment, weighted against light sampling",
         REQUIRE(wave.finished.size() == paths);
         for (const Slot slot : wave.finished.span()) {
           const auto r = wave.radiance.get(slot);
-          const auto i = static_cast<int>(r.task_sample);
+          const auto i = static_cast<int>(r.task_sample & ~kTransparent);
           const bool hidden = hide && i % 3 == 0;
           const double weight = hidden ? 0 : emission_weight(strategy, i % 3 == 2 ? 0.3 : 0, 0.25 * kInvPi);
           CHECK(r.radiance.c0 == doctest::Approx(0.25 + 2 * weight).epsilon(1e-5));
           CHECK(r.radiance.c1 == doctest::Approx(0.25 + weight).epsilon(1e-5));
           CHECK(r.radiance.c2 == doctest::Approx(0.25 + 2 * i * weight).epsilon(1e-5));
-          CHECK(r.alpha == (hidden ? 0.0f : 1.0f));
+          CHECK(((r.task_sample & kTransparent) != 0) == hidden);
         }
       }
     }

@@ -6,6 +6,7 @@
 #include "kernels/passes/render.h"
 #include "scene/compile.h"
 #include "scene/integrator_name.h"
+#include "scene/light_selector_name.h"
 #include "scene/read_scene.h"
 #include "scene/sampler_name.h"
 #include "tools/commands.h"
@@ -31,9 +32,9 @@ struct RenderArguments {
   std::string scene;
   std::vector<std::string> outputs, definitions;
   std::optional<std::uint32_t> spp, seed;
-  std::optional<int> max_depth;
+  std::optional<int> max_depth, candidates;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
-  std::string color = "rgb", integrator, sampler, stats;
+  std::string color = "rgb", integrator, sampler, light_sampler, stats;
   int threads = 0, wave_size = 0;
   bool lenient = false, no_timestamps = false, quiet = false, watertight = false;
 };
@@ -62,6 +63,8 @@ std::vector<fs::path> check_outputs(const RenderArguments& arguments) {
 void apply_integrator(const RenderArguments& arguments, IntegratorDescription& integrator) {
   if (!arguments.integrator.empty()) integrator = integrator_from_name(arguments.integrator, integrator);
   if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
+  if (arguments.candidates) integrator.candidates = *arguments.candidates;
+  if (!arguments.light_sampler.empty()) integrator.light_selector = light_selector_from_name(arguments.light_sampler);
 }
 
 /// Sets the sampler asked for, and the samples per pixel that it will take. Returns what to tell the user.
@@ -175,7 +178,9 @@ int render_scene(const RenderArguments& arguments) {
   result.report.color = arguments.color;
   result.report.load_seconds = build_start - load_start;
   result.report.build_seconds = build_end - build_start;
-  write_pictures(outputs, result.film.to_image(), make_metadata(arguments, result.report, description));
+  const Image image = result.film.to_image();
+  result.film = Film();  // its memory is needed for writing
+  write_pictures(outputs, image, make_metadata(arguments, result.report, description));
   result.report.peak_rss_bytes = peak_rss_bytes();
   if (!arguments.stats.empty()) write_text_file(arguments.stats, to_json(result.report));
   if (!arguments.quiet) {
@@ -215,10 +220,17 @@ void add_render_command(CLI::App& program, int& exit_code) {
       ->check(CLI::IsMember({"rgb", "spectral"}));
   command->add_option("--integrator", arguments->integrator,
                       "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "
-                      "normals, depth. Default: the scene's");
+                      "path_ris, normals, depth. Default: the scene's");
   command->add_option("--sampler", arguments->sampler,
                       "How samples are spread: sobol (Owen-scrambled), independent, stratified, multijitter; the last "
                       "two round --spp up to a grid. Default: the scene's, else sobol");
+  command->add_option("--light-sampler", arguments->light_sampler,
+                      "How the light that a surface looks to is chosen: bvh (by what it may bring there), power, uniform. "
+                      "Default: the scene's, else bvh");
+  command->add_option("--candidates", arguments->candidates,
+                      "Lights sampled per vertex, of which resampling keeps one for a shadow ray. Default: the scene's, "
+                      "else 1; 8 for path_ris")
+      ->check(CLI::Range(1, kMaxCandidates));
   command->add_option("--max-depth", arguments->max_depth,
                       "Longest path in segments: -1 unlimited, 1 emission only, 2 direct light. Default: the scene's")
       ->check(CLI::Range(-1, 1'000'000));

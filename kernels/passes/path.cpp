@@ -10,7 +10,10 @@ template <class L> void shade_surfaces(const SceneView& scene, Wave& wave) {
   sort_surfaces<L>(scene, wave);
   surface_inputs<L>(scene, wave);
   textures<L>(scene, wave);
-  light_candidates<L>(scene, wave);
+  for (wave.candidate = 0; wave.candidate < scene.integrator.candidates; ++wave.candidate) {
+    light_candidates<L>(scene, wave);
+    resample<L>(scene, wave);
+  }
   shadow<L>(scene, wave);
   scatter<L>(scene, wave);
 }
