@@ -160,7 +160,9 @@ TEST_CASE("rough bsdfs: registers equal single values") {
   const auto alpha = [&](int lane) { return 0.15f + 0.8f * share(lane, 1); };
   check_bsdf_lanes<RoughConductorGgxBsdf>([&](int l) { return metal<RoughConductorGgxBsdf>(alpha(l), 0.5f); });
   check_bsdf_lanes<RoughConductorBeckmannBsdf>([&](int l) { return metal<RoughConductorBeckmannBsdf>(alpha(l), 0.5f); });
-  check_bsdf_lanes<RoughDielectricGgxBsdf>([&](int l) { return glass<RoughDielectricGgxBsdf>(0.55f + share(l, 1), alpha(l), 0.5f); });
+  // Halves of nearly opposite directions are all rounding: no index close to one.
+  const auto eta = [&](int lane) { return share(lane, 1) < 0.5f ? 0.45f + share(lane, 1) * 0.9f : 0.6f + share(lane, 1); };
+  check_bsdf_lanes<RoughDielectricGgxBsdf>([&](int l) { return glass<RoughDielectricGgxBsdf>(eta(l), alpha(l), 0.5f); });
   check_bsdf_lanes<RoughDielectricBeckmannBsdf>([&](int l) { return glass<RoughDielectricBeckmannBsdf>(1.2f + share(l, 1), alpha(l), 0.5f); });
   check_bsdf_lanes<ThinDielectricBsdf>([&](int l) { return pane(1.2f + share(l, 1), share(l, 2), 0.9f); });
   check_bsdf_lanes<NoriMicrofacetBsdf>([&](int l) { return nori(share(l, 2), alpha(l)); });
