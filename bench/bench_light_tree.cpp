@@ -1,0 +1,140 @@
+// What choosing a light from a light tree costs per item, and telling the probability of one, by the number of lights:
+// one path at a time and in registers, at points anywhere among the lights. "per_item" is in seconds; "per_level" divides
+// it by the mean depth of the lights that are drawn. And what building the tree costs.
+#include "core/rng.h"
+#include "core/warp.h"
+#include "kernels/light_tree.h"
+
+#include <benchmark/benchmark.h>
+
+#include <bit>
+#include <string>
+#include <vector>
+
+namespace sheaf {
+
+namespace {
+
+constexpr int kItems = 4096;
+
+Random4<Scalar> numbers(std::uint32_t stream, std::uint32_t i) { return random4<Scalar>(stream, i, 0, 0); }
+
+/// Small flat lights all around a room, and points.
+std::vector<LightBounds> room_lights(std::uint32_t count) {
+  std::vector<LightBounds> lights(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto u = numbers(1, i), v = numbers(2, i);
+    const Vec3f p{10 * u.x, 10 * u.y, 3 * u.z}, half{0.01f, 0.01f, 0.01f};
+    lights[i].lower = p - half;
+    lights[i].upper = p + half;
+    lights[i].axis = square_to_sphere<Scalar>(v.x, v.y);
+    lights[i].cos_theta_o = i % 2 == 0 ? 1.0f : -1.0f;
+    lights[i].power = 0.1f + v.z;
+  }
+  return lights;
+}
+
+/// Columns of points, normals, random numbers and results.
+struct Items {
+  alignas(kSimdAlignment) float p[3][kItems], n[3][kItems], u[kItems], out[kItems];
+  alignas(kSimdAlignment) std::uint32_t light[kItems];
+
+  explicit Items(std::uint32_t light_count) {
+    for (std::uint32_t i = 0; i < kItems; ++i) {
+      const auto a = numbers(3, i), b = numbers(4, i);
+      const Vec3f normal = square_to_sphere<Scalar>(b.x, b.y);
+      p[0][i] = 10 * a.x;
+      p[1][i] = 10 * a.y;
+      p[2][i] = 3 * a.z;
+      n[0][i] = normal.x;
+      n[1][i] = normal.y;
+      n[2][i] = normal.z;
+      u[i] = a.w;
+      light[i] = static_cast<std::uint32_t>(b.w * static_cast<float>(light_count));
+    }
+  }
+};
+
+template <class L> Vec3<L> load_vector(const float (&columns)[3][kItems], int i) {
+  Vec3<L> v;
+  load(columns[0] + i, v.x);
+  load(columns[1] + i, v.y);
+  load(columns[2] + i, v.z);
+  return v;
+}
+
+int depth_of(const LightTree& tree, std::uint32_t light) {
+  int depth = 0;
+  for (std::uint32_t node = 0;; ++depth) {
+    const std::uint32_t link = tree.nodes[node + (tree.trails[light] >> depth & 1u)].link;
+    if ((link & kLightLeaf) != 0) return depth + 1;
+    node = link & kLightIndex;
+  }
+}
+
+void report(benchmark::State& state, const LightTree& tree, const std::uint32_t* lights) {
+  double levels = 0;
+  for (int i = 0; i < kItems; ++i) levels += depth_of(tree, lights[i]);
+  const auto inverse = benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert;
+  state.SetItemsProcessed(state.iterations() * kItems);
+  state.counters["per_item"] = benchmark::Counter(kItems, inverse);
+  state.counters["per_level"] = benchmark::Counter(levels, inverse);
+  state.counters["depth"] = tree.depth;
+}
+
+template <class L> void sample(benchmark::State& state, std::uint32_t count) {
+  const LightTree tree = build_light_tree(room_lights(count));
+  Items items(count);
+  for (auto _ : state) {
+    for (int i = 0; i < kItems; i += L::width) {
+      Float<L> u;
+      load(items.u + i, u);
+      const auto choice =
+          sample_light_tree<L>(tree.view(), load_vector<L>(items.p, i), load_vector<L>(items.n, i), Mask<L>(true), u);
+      store(items.out + i, choice.probability);
+      store(items.light + i, choice.light);
+    }
+    benchmark::ClobberMemory();
+  }
+  report(state, tree, items.light);
+}
+
+template <class L> void probability(benchmark::State& state, std::uint32_t count) {
+  const LightTree tree = build_light_tree(room_lights(count));
+  Items items(count);
+  for (auto _ : state) {
+    for (int i = 0; i < kItems; i += L::width) {
+      Uint<L> light;
+      load(items.light + i, light);
+      store(items.out + i, light_tree_probability<L>(tree.view(), load_vector<L>(items.p, i), load_vector<L>(items.n, i),
+                                                     Mask<L>(true), light, Mask<L>(true)));
+    }
+    benchmark::ClobberMemory();
+  }
+  report(state, tree, items.light);
+}
+
+void build(benchmark::State& state, std::uint32_t count) {
+  const std::vector<LightBounds> lights = room_lights(count);
+  for (auto _ : state) benchmark::DoNotOptimize(build_light_tree(lights).nodes.data());
+  state.SetItemsProcessed(state.iterations() * count);
+}
+
+[[maybe_unused]] const bool registered = [] {
+  const auto add = [](const std::string& name, auto&& f) { return benchmark::RegisterBenchmark(name.c_str(), f); };
+  for (const std::uint32_t count : {10u, 100u, 1000u, 100000u}) {
+    const std::string lights = "/lights:" + std::to_string(count);
+    add("light_tree/sample" + lights + "/scalar", [=](benchmark::State& s) { sample<Scalar>(s, count); });
+    add("light_tree/sample" + lights + "/wide", [=](benchmark::State& s) { sample<Wide>(s, count); });
+    add("light_tree/probability" + lights + "/scalar", [=](benchmark::State& s) { probability<Scalar>(s, count); });
+    add("light_tree/probability" + lights + "/wide", [=](benchmark::State& s) { probability<Wide>(s, count); });
+  }
+  for (const std::uint32_t count : {1000u, 1000000u})
+    add("light_tree/build/lights:" + std::to_string(count), [=](benchmark::State& s) { build(s, count); })
+        ->Unit(benchmark::kMillisecond);
+  return true;
+}();
+
+}  // namespace
+
+}  // namespace sheaf

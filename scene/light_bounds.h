@@ -1,0 +1,35 @@
+// Bounds of lights, kind by kind, for the light tree.
+#pragma once
+
+#include "scene/light_tree.h"
+#include "scene/scene.h"
+
+#include <optional>
+
+namespace sheaf {
+
+/// The tables that light rows point into.
+struct LightTables {
+  const ShapeRow* shapes;
+  const QuadricRow* quadrics;
+  const LightTriangleRow* triangles;  ///< those of SceneView::light_triangles
+};
+
+/// A mesh that emits `radiance` (W / (m^2 sr), averaged over R, G and B) on the side of its normals. Triangles without
+/// area are left out.
+LightBounds mesh_light_bounds(std::span<const LightTriangleRow> triangles, float radiance);
+
+/// A sphere, disk or cylinder that emits on the side of its normals.
+LightBounds quadric_light_bounds(const QuadricRow& row, float radiance);
+
+/// A point light of `intensity` (W / sr) in all directions.
+LightBounds point_light_bounds(Vec3f position, float intensity);
+
+/// A point light of at most `intensity` (W / sr) in directions within the angle of cosine `cos_total` from the unit
+/// vector `axis`, and none beyond.
+LightBounds spot_light_bounds(Vec3f position, Vec3f axis, float cos_total, float intensity);
+
+/// The bounds of any light that is somewhere; empty for those that are not, such as a constant environment.
+std::optional<LightBounds> bounds_of_light(const LightRow& light, const LightTables& tables);
+
+}  // namespace sheaf

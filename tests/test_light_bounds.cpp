@@ -1,0 +1,137 @@
+// Bounds of lights: what sample_light() finds on a light lies in them, and the light tree never misses such light.
+#include "scene/light_bounds.h"
+
+#include "kernels/light_sample.h"
+#include "kernels/light_tree.h"
+#include "scene/compile.h"
+#include "scene/quadric.h"
+#include "tests/records_testing.h"
+#include "tests/tiny_scenes.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+namespace sheaf {
+
+namespace {
+
+const Transform kTilt = Transform::translate({0.3f, -0.2f, 3}) * Transform::rotate({1, 2, 0.5f}, 155);
+
+/// An open mesh: triangles in planes up to some 60 degrees apart.
+Mesh roof() {
+  Mesh mesh;
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0.2f}, {-1, 1, 0.1f}, {1.5f, 1.2f, -0.6f}, {1.6f, 1.0f, -0.9f}};
+  mesh.triangles = {{0, 1, 2}, {2, 1, 3}, {3, 1, 4}};
+  return mesh;
+}
+
+/// Light that sample_light() finds arriving at points all around lone lights, against the bounds of each.
+struct Tally {
+  int arriving = 0, missed = 0, outside = 0, unlit = 0;
+};
+template <class Geometry> Tally tally(Geometry geometry, const Transform& to_world, bool flip) {
+  Description d = empty_scene(4, 4);
+  ShapeDescription& shape = emit(add_shape(d, std::move(geometry), to_world), 1);
+  shape.flip_normals = flip;
+  const std::unique_ptr<Scene> owner = compile_scene(d);
+  const SceneView scene = owner->view();
+  const auto bounds = bounds_of_light(scene.lights[0], {scene.shapes, scene.quadrics, scene.light_triangles});
+  REQUIRE(bounds.has_value());
+  const LightTree tree = build_light_tree(std::vector<LightBounds>{*bounds});
+  Tally out;
+  for (std::uint32_t i = 0; i < 20000; ++i) {
+    const auto u = lane_random(3, i, 0);
+    const Vec3f middle = (bounds->lower + bounds->upper) * 0.5f;
+    const float distances[] = {0.1f, 1, 3, 100};
+    const Vec3f p = middle + square_to_sphere<Scalar>(u.x, u.y) * distances[i % 4];
+    const bool chosen = light_tree_probability<Scalar>(tree.view(), p, {}, false, 0, true) > 0;
+    out.unlit += !chosen;
+    const auto s = sample_light<Scalar>(scene, p, lane_random(4, i, 0));
+    if (!s.valid) continue;
+    ++out.arriving;
+    out.missed += !chosen;
+    const float slack = 1e-3f;
+    const Vec3f below = bounds->lower - s.target, above = s.target - bounds->upper;
+    out.outside += max_component(below) > slack || max_component(above) > slack;
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("light bounds: light of every kind of shape arrives only where the tree expects it") {
+  for (const bool flip : {false, true}) {
+    const Tally tallies[] = {tally(roof(), kTilt, flip), tally(SphereShape{}, kTilt, flip),
+                             tally(SphereShape{}, kTilt * Transform::scale({1, 2, 0.3f}), flip),
+                             tally(DiskShape{}, kTilt, flip),
+                             tally(DiskShape{}, kTilt * Transform::scale({-1, 2, 0.3f}), flip),
+                             tally(CylinderShape{}, kTilt, flip)};
+    for (const Tally& t : tallies) {
+      CHECK(t.arriving > 1000);
+      CHECK(t.missed == 0);
+      CHECK(t.outside == 0);
+    }
+    // Flat lights and nearly flat ones leave a good part of space dark.
+    CHECK(tallies[0].unlit > 1000);
+    CHECK(tallies[3].unlit > 3000);
+    CHECK(tallies[4].unlit > 3000);
+  }
+}
+
+TEST_CASE("light bounds: power is pi times the intensity of the brightest direction") {
+  LightTriangleRow row{};
+  row.edge1[0] = 2;
+  row.edge2[1] = 3;
+  row.normal[2] = 1;
+  CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row}, 5).power == doctest::Approx(kPi * 5 * 3));
+  // Two faces back to back are no brighter than one.
+  LightTriangleRow back = row;
+  std::swap(back.edge1, back.edge2);
+  CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row, back}, 5).power == doctest::Approx(kPi * 5 * 3));
+  CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row, back}, 5).cos_theta_o == doctest::Approx(-1));
+
+  const Transform doubled = Transform::scale({2, 2, 2});
+  CHECK(quadric_light_bounds(make_quadric(ShapeKind::kSphere, doubled, false), 3).power == doctest::Approx(kPi * 3 * kPi * 4));
+  CHECK(quadric_light_bounds(make_quadric(ShapeKind::kDisk, doubled, false), 3).power == doctest::Approx(kPi * 3 * kPi * 4));
+  CHECK(quadric_light_bounds(make_quadric(ShapeKind::kCylinder, doubled, false), 3).power == doctest::Approx(kPi * 3 * 8));
+  CHECK(point_light_bounds({1, 2, 3}, 7).power == doctest::Approx(kPi * 7));
+  CHECK(spot_light_bounds({1, 2, 3}, {0, 0, 1}, 0.5f, 7).power == doctest::Approx(kPi * 7));
+}
+
+TEST_CASE("light bounds: a spot is chosen inside of its cone alone") {
+  for (const float cos_total : {0.999f, 0.7f, 0.0f, -0.5f}) {
+    const Vec3f axis = normalize(Vec3f{1, 2, -1});
+    const LightTree tree = build_light_tree(std::vector<LightBounds>{spot_light_bounds({3, 2, 1}, axis, cos_total, 2)});
+    int missed = 0, wasted = 0, inside = 0;
+    for (std::uint32_t i = 0; i < 20000; ++i) {
+      const auto u = lane_random(5, i, 0);
+      const Vec3f around = square_to_sphere<Scalar>(u.x, u.y);
+      const Vec3f w = i % 2 == 0 ? around : normalize(axis + around * 0.06f);
+      const bool lit = dot(w, axis) > cos_total;
+      const bool chosen = light_tree_probability<Scalar>(tree.view(), Vec3f{3, 2, 1} + w * 50.0f, {}, false, 0, true) > 0;
+      inside += lit;
+      missed += lit && !chosen;
+      wasted += chosen && std::acos(dot(w, axis)) > std::acos(cos_total) + 0.005f;
+    }
+    CHECK(inside > 1000);
+    CHECK(missed == 0);
+    CHECK(wasted == 0);
+  }
+}
+
+TEST_CASE("light bounds: awkward lights") {
+  const LightBounds empty = mesh_light_bounds({}, 1);
+  CHECK(empty.power > 0);
+  LightTriangleRow sliver{};
+  sliver.edge1[0] = sliver.edge2[0] = 1;
+  const LightTree tree = build_light_tree(std::vector<LightBounds>{empty, mesh_light_bounds(std::vector<LightTriangleRow>{sliver}, 1)});
+  CHECK(tree.nodes.size() == 2);
+  LightRow environment;
+  environment.kind = static_cast<std::uint32_t>(LightKind::kConstant);
+  CHECK(!bounds_of_light(environment, {}).has_value());
+}
+
+}  // namespace sheaf
