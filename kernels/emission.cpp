@@ -18,6 +18,14 @@ SHEAF_INLINE Float<L> emission_weight(LightStrategy strategy, Float<L> scatter_p
   return select(specular, F(1.0f), power_heuristic(select(specular, F(1.0f), scatter_pdf), light_pdf));
 }
 
+/// Radiance of the environment, and the density of sampling it.
+template <class L>
+SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, const LightRow& light, Vec3<L> direction) {
+  using F = Float<L>;
+  if (light.kind == static_cast<std::uint32_t>(LightKind::kEnvmap)) return lookup_envmap<L>(scene.envmap, direction);
+  return {{F(light.radiance[0]), F(light.radiance[1]), F(light.radiance[2]), F(light.radiance[3])}, F(kUniformSpherePdf)};
+}
+
 template <class L> SHEAF_INLINE void environment_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;
   using U = Uint<L>;
@@ -30,15 +38,17 @@ template <class L> SHEAF_INLINE void environment_tile(const SceneView& scene, Wa
   if (visible) {
     const ThroughputState<L> path = wave.throughput.gather<L>(slots);
     const LightRow& light = scene.lights[scene.environment];
+    const EnvmapValue<L> arriving = environment_value<L>(scene, light, ray.direction);
     const F weight = emission_weight<L>(scene.integrator.strategy, radiance.scatter_pdf,
-                                        F(light.pdf_select * kUniformSpherePdf));
-    const Spectrum<L> le{F(light.radiance[0]), F(light.radiance[1]), F(light.radiance[2]), F(light.radiance[3])};
-    radiance.radiance = select<L>(shown, radiance.radiance + path.beta * le * weight, radiance.radiance);
+                                        F(light.pdf_select) * arriving.pdf_solid_angle);
+    radiance.radiance = select<L>(shown, radiance.radiance + path.beta * arriving.radiance * weight, radiance.radiance);
   }
   wave.radiance.scatter<L>(slots, count, radiance);
 }
 
-template <class L> SHEAF_INLINE void area_light_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
+/// `Textured`: some light may have a texture.
+template <class L, bool Textured>
+SHEAF_INLINE void area_light_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;
   using U = Uint<L>;
   RayState<L> ray = wave.rays.gather<L>(slots);
@@ -46,9 +56,12 @@ template <class L> SHEAF_INLINE void area_light_tile(const SceneView& scene, Wav
   const ThroughputState<L> path = wave.throughput.gather<L>(slots);
   RadianceState<L> radiance = wave.radiance.gather<L>(slots);
   const ShapeLanes<L> shape = load_shapes<L>(scene, hit.shape);
-  const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
-                                  hit.instance);
-  const LightLanes<L> light = load_lights<L>(scene, hit.light);
+  const auto y = surface_point<L, Textured>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
+                                            hit.instance);
+  LightLanes<L> light = load_lights<L>(scene, hit.light);
+  if constexpr (Textured)
+    light.radiance = light.radiance * light_textures<L>(scene, light.texture, L::first(count),
+                                                        {y.uv, hit.shape, hit.primitive, hit.u, hit.v});
 
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
   const auto hidden = from_camera & Mask<L>(scene.integrator.hide_emitters);
@@ -76,7 +89,14 @@ template <class L> void emission(const SceneView& scene, Wave& wave) noexcept {
   wave.miss.pad();
   wave.emitter.pad();
   for_tiles<L>(misses, [&](int i, int count) { environment_tile<L>(scene, wave, wave.miss.data() + i, count); });
-  for_tiles<L>(lights, [&](int i, int count) { area_light_tile<L>(scene, wave, wave.emitter.data() + i, count); });
+  for_tiles<L>(lights, [&](int i, int count) {
+    const Slot* slots = wave.emitter.data() + i;
+    if (scene.has_textured_lights) {
+      area_light_tile<L, true>(scene, wave, slots, count);
+    } else {
+      area_light_tile<L, false>(scene, wave, slots, count);
+    }
+  });
   for (int i = 0; i < misses; ++i) wave.finished.push(wave.miss[i]);
   wave.miss.clear();
   wave.emitter.clear();
