@@ -27,6 +27,14 @@ SHEAF_INLINE LightReceiver<L> receiver(const RayState<L>& ray, const RadianceSta
   return {ray.origin, decode_octahedral<L>(radiance.normal)};
 }
 
+/// Radiance of the environment, and the density of sampling it.
+template <class L>
+SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, const LightRow& light, Vec3<L> direction) {
+  using F = Float<L>;
+  if (light.kind == static_cast<std::uint32_t>(LightKind::kEnvmap)) return lookup_envmap<L>(scene.envmap, direction);
+  return {{F(light.radiance[0]), F(light.radiance[1]), F(light.radiance[2]), F(light.radiance[3])}, F(kUniformSpherePdf)};
+}
+
 template <class L> SHEAF_INLINE void environment_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;
   using U = Uint<L>;
@@ -39,16 +47,18 @@ template <class L> SHEAF_INLINE void environment_tile(const SceneView& scene, Wa
   if (visible) {
     const ThroughputState<L> path = wave.throughput.gather<L>(slots);
     const LightRow& light = scene.lights[scene.environment];
+    const EnvmapValue<L> arriving = environment_value<L>(scene, light, ray.direction);
     const F probability = choice_probability<L>(scene, receiver<L>(ray, radiance), U(scene.environment));
     const F weight =
-        emission_weight<L>(scene.integrator, radiance.scatter_pdf, probability * F(kUniformSpherePdf));
-    const Spectrum<L> le{F(light.radiance[0]), F(light.radiance[1]), F(light.radiance[2]), F(light.radiance[3])};
-    radiance.radiance = select<L>(shown, radiance.radiance + path.beta * le * weight, radiance.radiance);
+        emission_weight<L>(scene.integrator, radiance.scatter_pdf, probability * arriving.pdf_solid_angle);
+    radiance.radiance = select<L>(shown, radiance.radiance + path.beta * arriving.radiance * weight, radiance.radiance);
   }
   wave.radiance.scatter<L>(slots, count, radiance);
 }
 
-template <class L> SHEAF_INLINE void area_light_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
+/// `Textured`: some light may have a texture.
+template <class L, bool Textured>
+SHEAF_INLINE void area_light_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;
   using U = Uint<L>;
   RayState<L> ray = wave.rays.gather<L>(slots);
@@ -56,15 +66,18 @@ template <class L> SHEAF_INLINE void area_light_tile(const SceneView& scene, Wav
   const ThroughputState<L> path = wave.throughput.gather<L>(slots);
   RadianceState<L> radiance = wave.radiance.gather<L>(slots);
   const ShapeLanes<L> shape = load_shapes<L>(scene, hit.shape);
-  const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
-                                  hit.instance);
+  const auto y = surface_point<L, Textured>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
+                                            hit.instance);
   LightLanes<L> light = load_lights<L>(scene, hit.light);
-  light.pdf_select = choice_probability<L>(scene, receiver<L>(ray, radiance), hit.light);
+  if constexpr (Textured)
+    light.radiance = light.radiance * light_textures<L>(scene, light.texture, L::first(count),
+                                                        {y.uv, hit.shape, hit.primitive, hit.u, hit.v});
 
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
   const auto hidden = from_camera & Mask<L>(scene.integrator.hide_emitters);
   const auto lit = (dot(ray.direction, y.ng) < F(0.0f)) & !hidden;
-  const F pdf = light_pdf_solid_angle<L>(scene, light, Mask<L>(true), ray.origin, ray.direction, hit.t, y.ng);
+  const F pdf = choice_probability<L>(scene, receiver<L>(ray, radiance), hit.light) *
+                light_pdf_solid_angle<L>(scene, light, Mask<L>(true), ray.origin, ray.direction, hit.t, y.ng);
   const F weight = emission_weight<L>(scene.integrator, radiance.scatter_pdf, pdf);
   radiance.radiance = select<L>(lit, radiance.radiance + path.beta * light.radiance * weight, radiance.radiance);
   wave.radiance.scatter<L>(slots, count, radiance);
@@ -87,7 +100,14 @@ template <class L> void emission(const SceneView& scene, Wave& wave) noexcept {
   wave.miss.pad();
   wave.emitter.pad();
   for_tiles<L>(misses, [&](int i, int count) { environment_tile<L>(scene, wave, wave.miss.data() + i, count); });
-  for_tiles<L>(lights, [&](int i, int count) { area_light_tile<L>(scene, wave, wave.emitter.data() + i, count); });
+  for_tiles<L>(lights, [&](int i, int count) {
+    const Slot* slots = wave.emitter.data() + i;
+    if (scene.has_textured_lights) {
+      area_light_tile<L, true>(scene, wave, slots, count);
+    } else {
+      area_light_tile<L, false>(scene, wave, slots, count);
+    }
+  });
   for (int i = 0; i < misses; ++i) wave.finished.push(wave.miss[i]);
   wave.miss.clear();
   wave.emitter.clear();

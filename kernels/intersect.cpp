@@ -70,6 +70,12 @@ SHEAF_INLINE void unpack(const SceneView& scene, Wave& wave, const Slot* slots, 
   const U back = gather(materials + offsetof(MaterialRow, back) / sizeof(std::uint32_t), shape.material * U(kRowWords));
   hit.material = select(dot(normal, direction) > F(0.0f), back, shape.material);
   hit.light = select(found, shape.light, U(kNone));
+  const auto instanced = found & (hit.instance != U(kNone)) & (hit.light != U(kNone));
+  if (any(instanced)) {
+    constexpr auto kWords = static_cast<std::uint32_t>(sizeof(InstanceRow) / sizeof(std::uint32_t));
+    const auto* first = &scene.instances->first_light;
+    hit.light = hit.light + select(instanced, gather(first, select(instanced, hit.instance, U(0u)) * U(kWords)), U(0u));
+  }
   wave.hits.scatter<L>(slots, count, hit);
 
   const std::uint32_t hits = mask_bits(found) & good;

@@ -3,8 +3,10 @@
 #pragma once
 
 #include "core/sampler.h"
+#include "kernels/envmap.h"
 #include "kernels/light_select.h"
 #include "scene/shape.h"
+#include "scene/texture_lookup.h"
 
 namespace sheaf {
 
@@ -13,7 +15,8 @@ template <class L> struct LightLanes {
   typename L::Uint kind, shape, first_triangle, triangle_count;
   Spectrum<L> radiance;
   Vec3<L> position;
-  typename L::Float area, radius, pdf_select;
+  typename L::Float area, radius;
+  typename L::Uint texture, detail;
 
   SHEAF_INLINE typename L::Mask is(LightKind k) const { return kind == typename L::Uint(static_cast<std::uint32_t>(k)); }
 };
@@ -23,7 +26,7 @@ template <class L> SHEAF_INLINE LightLanes<L> load_lights(const SceneView& scene
   const auto* base = reinterpret_cast<const float*>(scene.lights);
   for (int k = 0; k < 16; k += 4) gather_row4<L>(base + k, light * typename L::Uint(16u), w + k);
   return {float_bits(w[0]), float_bits(w[1]),       float_bits(w[2]),    float_bits(w[3]), {w[4], w[5], w[6], w[7]},
-          {w[8], w[9], w[10]}, w[11], w[12], w[13]};
+          {w[8], w[9], w[10]}, w[11], w[12], float_bits(w[14]), float_bits(w[15])};
 }
 
 /// Light that arrives at a reference point from a sampled direction.
@@ -31,7 +34,7 @@ template <class L> struct LightSample {
   Vec3<L> direction;            ///< from the reference point, unit length
   Vec3<L> target;               ///< where the shadow ray ends: on the light, moved off its surface
   Spectrum<L> radiance;         ///< incident radiance; point lights: intensity over squared distance
-  typename L::Float pdf_solid_angle;  ///< selection included; for point lights the selection probability alone
+  typename L::Float pdf_solid_angle;  ///< where the light is a single direction, the probability: 1
   typename L::Mask delta;       ///< BSDF sampling cannot find this light
   typename L::Mask valid;       ///< false: nothing arrives
 };
@@ -54,16 +57,27 @@ SHEAF_INLINE LightSample<L> from_area(Vec3<L> from, const SurfacePoint<L>& y, co
   s.direction = d * (F(1.0f) / sqrt(max(squared, F(1e-37f))));
   const F cos_light = -dot(s.direction, y.ng);
   s.valid = (cos_light > F(1e-6f)) & (squared > F(0.0f));
-  s.pdf_solid_angle = light.pdf_select * pdf_area * squared / select(s.valid, cos_light, F(1.0f));
+  s.pdf_solid_angle = pdf_area * squared / select(s.valid, cos_light, F(1.0f));
   s.target = y.p + y.ng * y.offset;
   s.radiance = light.radiance;
   s.delta = Mask<L>(false);
   return s;
 }
 
+template <class L> SHEAF_INLINE void set_query(Mask<L> m, const TextureQuery<L>& a, TextureQuery<L>& into) {
+  into.uv = {select(m, a.uv.x, into.uv.x), select(m, a.uv.y, into.uv.y)};
+  into.shape = select(m, a.shape, into.shape);
+  into.primitive = select(m, a.primitive, into.primitive);
+  into.b1 = select(m, a.b1, into.b1);
+  into.b2 = select(m, a.b2, into.b2);
+}
+
+/// The distance from the surface that a light of an instance asks for.
+template <class L> SHEAF_INLINE Float<L> least_offset(const LightLanes<L>& light) { return bits_float(light.detail); }
+
 template <class L>
 SHEAF_INLINE LightSample<L> sample_mesh(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light, Mask<L> active,
-                                        const Random4<L>& u) {
+                                        const Random4<L>& u, TextureQuery<L>& query) {
   using F = Float<L>;
   using U = Uint<L>;
   const U first = select(active, light.first_triangle, U(0u));
@@ -77,24 +91,45 @@ SHEAF_INLINE LightSample<L> sample_mesh(const SceneView& scene, Vec3<L> from, co
   y.p = Vec3<L>{w[0], w[1], w[2]} + Vec3<L>{w[4], w[5], w[6]} * b.x + Vec3<L>{w[8], w[9], w[10]} * b.y;
   y.ng = {w[12], w[13], w[14]};
   y.offset = w[3];
+  const auto textured = active & (light.texture != U(kNone));
+  if (any(textured)) {
+    F uv[8];
+    const U row = select(textured, light.detail + triangle.index, U(0u)) * U(8u);
+    gather_row4<L>(reinterpret_cast<const float*>(scene.light_uvs), row, uv);
+    gather_row4<L>(reinterpret_cast<const float*>(scene.light_uvs) + 4, row, uv + 4);
+    const F b0 = F(1.0f) - b.x - b.y;
+    set_query<L>(textured, {{b0 * uv[0] + b.x * uv[2] + b.y * uv[4], b0 * uv[1] + b.x * uv[3] + b.y * uv[5]},
+                            light.shape, triangle.index, b.x, b.y}, query);
+  }
   return from_area<L>(from, y, light, F(1.0f) / light.area);
+}
+
+/// For the canonical shape's point `x`. Not inlined: textured quadrics are rare.
+template <class L>
+void set_quadric_query(Mask<L> m, const QuadricLanes<L>& q, const LightLanes<L>& light, Vec3<L> x, TextureQuery<L>& query) {
+  using F = Float<L>;
+  const auto y = quadric_surface<L, true>(q, float_bits(q.kind), x);
+  set_query<L>(m, {y.uv, light.shape, Uint<L>(0u), F(0.0f), F(0.0f)}, query);
 }
 
 template <class L>
 SHEAF_INLINE LightSample<L> sample_quadric(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light, Mask<L> active,
-                                           const Random4<L>& u) {
+                                           const Random4<L>& u, TextureQuery<L>& query) {
   using F = Float<L>;
   using U = Uint<L>;
-  const ShapeLanes<L> shape = load_shapes<L>(scene, select(active, light.shape, U(0u)));
-  const auto q = load_quadrics<L>(scene, select(active, shape.first_triangle, U(0u)));
+  const auto q = load_quadrics<L>(scene, select(active, light.first_triangle, U(0u)));
+  const U kind = float_bits(q.kind);
   const Vec3<L> on_sphere = square_to_sphere<L>(u.y, u.z);
   const Vec2<L> on_disk = square_to_disk<L>(u.y, u.z);
   const auto angle = sincos_2pi<L>(u.y);
-  const auto disk = shape.kind == U(static_cast<std::uint32_t>(ShapeKind::kDisk));
-  const auto cylinder = shape.kind == U(static_cast<std::uint32_t>(ShapeKind::kCylinder));
+  const auto disk = kind == U(static_cast<std::uint32_t>(ShapeKind::kDisk));
+  const auto cylinder = kind == U(static_cast<std::uint32_t>(ShapeKind::kCylinder));
   Vec3<L> x = select<L>(disk, {on_disk.x, on_disk.y, F(0.0f)}, on_sphere);
   x = select<L>(cylinder, {angle.cos, angle.sin, u.z}, x);
-  const auto y = quadric_surface<L, false>(q, shape.kind, x);
+  auto y = quadric_surface<L, false>(q, kind, x);
+  y.offset = max(y.offset, select(active, least_offset<L>(light), F(0.0f)));
+  const auto textured = active & (light.texture != U(kNone));
+  if (any(textured)) set_quadric_query<L>(textured, q, light, x, query);
   // The area element grows by |det| |M^-T n|.
   const Vec3<L> n = {select(disk, F(0.0f), x.x), select(disk, F(0.0f), x.y),
                      select(disk, F(1.0f), select(cylinder, F(0.0f), x.z))};
@@ -104,8 +139,10 @@ SHEAF_INLINE LightSample<L> sample_quadric(const SceneView& scene, Vec3<L> from,
 
 /// Directions inside the cone under which the sphere is seen (Pharr et al. 2023, section 6.2.4).
 template <class L>
-SHEAF_INLINE LightSample<L> sample_sphere(Vec3<L> from, const LightLanes<L>& light, const Random4<L>& u) {
+SHEAF_INLINE LightSample<L> sample_sphere(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light, Mask<L> active,
+                                          const Random4<L>& u, TextureQuery<L>& query) {
   using F = Float<L>;
+  using U = Uint<L>;
   const Vec3<L> to_center = light.position - from;
   const F squared = dot(to_center, to_center);
   const F one_minus_cos_max = sphere_one_minus_cos(light.radius, squared);
@@ -121,8 +158,15 @@ SHEAF_INLINE LightSample<L> sample_sphere(Vec3<L> from, const LightLanes<L>& lig
   const Vec3<L> normal = (s.direction * along - to_center) * (F(1.0f) / light.radius);
   const F extent = max_component(abs(light.position)) + light.radius;
   const F n_length = sqrt(max(dot(normal, normal), F(1e-12f)));
-  s.target = light.position + normal * ((light.radius + F(2.0f * kOffsetUlps) * extent) / n_length);
-  s.pdf_solid_angle = light.pdf_select * F(0.5f * kInvPi) / select(s.valid, one_minus_cos_max, F(1.0f));
+  const F offset = max(F(2.0f * kOffsetUlps) * extent, select(active, least_offset<L>(light), F(0.0f)));
+  s.target = light.position + normal * ((light.radius + offset) / n_length);
+  const auto textured = active & (light.texture != U(kNone));
+  if (any(textured)) {
+    const auto q = load_quadrics<L>(scene, select(textured, light.first_triangle, U(0u)));
+    const Vec3<L> x = q.object_point(light.position + normal * (light.radius / n_length));
+    set_quadric_query<L>(textured, q, light, normalize_any(x), query);
+  }
+  s.pdf_solid_angle = F(0.5f * kInvPi) / select(s.valid, one_minus_cos_max, F(1.0f));
   s.radiance = light.radiance;
   s.delta = Mask<L>(false);
   return s;
@@ -138,8 +182,89 @@ template <class L> SHEAF_INLINE LightSample<L> sample_point(Vec3<L> from, const 
   s.direction = d * sqrt(inverse);
   s.target = light.position;
   s.radiance = light.radiance * inverse;
-  s.pdf_solid_angle = light.pdf_select;
+  s.pdf_solid_angle = F(1.0f);
   s.delta = Mask<L>(true);
+  return s;
+}
+
+/// LightFrameRow, a lane each.
+template <class L> struct FrameLanes {
+  typename L::Float to_light[12], words[4];
+
+  SHEAF_INLINE Vec3<L> point(Vec3<L> p) const {
+    const auto* m = to_light;
+    return {m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3], m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
+            m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]};
+  }
+};
+
+template <class L> SHEAF_INLINE FrameLanes<L> load_frames(const SceneView& scene, Uint<L> index) {
+  FrameLanes<L> out;
+  const auto* base = reinterpret_cast<const float*>(scene.light_frames);
+  const auto row = index * Uint<L>(16u);
+  for (int k = 0; k < 12; k += 4) gather_row4<L>(base + k, row, out.to_light + k);
+  gather_row4<L>(base + 12, row, out.words);
+  return out;
+}
+
+/// A spot of either kind, see SpotLightDescription.
+template <class L>
+SHEAF_INLINE LightSample<L> sample_spot(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light, Mask<L> active,
+                                        TextureQuery<L>& query) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const auto frame = load_frames<L>(scene, select(active, light.detail, U(0u)));
+  const Vec3<L> local = frame.point(from);
+  const F across = sqrt(local.x * local.x + local.y * local.y);
+  const F distance = sqrt(dot(local, local));
+  const auto linear = light.is(LightKind::kSpot);
+  const F cosine = local.z / max(distance, F(1e-37f));
+  // The angle by its tangent, which is exact also near the axis.
+  const F x = select(linear, frame.words[0] - atan2(across, local.z), cosine - frame.words[0]);
+  const F step = clamp(x * frame.words[1], F(0.0f), F(1.0f));
+  LightSample<L> s = sample_point<L>(from, light);
+  s.radiance = s.radiance * select(linear, step, step * step * (F(3.0f) - F(2.0f) * step));
+  s.valid = s.valid & (step > F(0.0f));
+  const auto textured = active & s.valid & (light.texture != U(kNone));
+  if (any(textured)) {
+    const F scale = F(0.5f) * frame.words[2] / max(local.z, F(1e-37f));
+    set_query<L>(textured, {{F(0.5f) + local.x * scale, F(0.5f) + local.y * scale}, U(0u), U(0u), F(0.0f), F(0.0f)}, query);
+  }
+  return s;
+}
+
+/// See ProjectorDescription.
+template <class L>
+SHEAF_INLINE LightSample<L> sample_projector(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light,
+                                             Mask<L> active, TextureQuery<L>& query) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const auto frame = load_frames<L>(scene, select(active, light.detail, U(0u)));
+  const Vec3<L> local = frame.point(from);
+  const auto ahead = local.z > F(0.0f);
+  const F depth = select(ahead, local.z, F(1.0f));
+  const F u = F(0.5f) - local.x / depth * frame.words[0], v = F(0.5f) - local.y / depth * frame.words[1];
+  LightSample<L> s = sample_point<L>(from, light);
+  s.valid = s.valid & ahead & (min(u, v) >= F(0.0f)) & (max(u, v) <= F(1.0f));
+  const F inverse_cosine = sqrt(dot(local, local)) / depth;
+  s.radiance = s.radiance * (inverse_cosine * inverse_cosine * inverse_cosine);
+  set_query<L>(active & s.valid, {{u, v}, U(0u), U(0u), F(0.0f), F(0.0f)}, query);
+  return s;
+}
+
+/// Where a shadow ray to the environment ends.
+template <class L> SHEAF_INLINE Vec3<L> beyond_scene(const SceneView& scene, Vec3<L> from, Vec3<L> direction) {
+  return from + direction * Float<L>(2.1f * scene.radius);
+}
+
+template <class L>
+SHEAF_INLINE LightSample<L> sample_directional(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light) {
+  LightSample<L> s;
+  s.direction = light.position;
+  s.target = beyond_scene<L>(scene, from, s.direction);
+  s.radiance = light.radiance;
+  s.pdf_solid_angle = Float<L>(1.0f);
+  s.delta = s.valid = Mask<L>(true);
   return s;
 }
 
@@ -148,11 +273,23 @@ SHEAF_INLINE LightSample<L> sample_constant(const SceneView& scene, Vec3<L> from
   using F = Float<L>;
   LightSample<L> s;
   s.direction = square_to_sphere<L>(u.y, u.z);
-  s.target = from + s.direction * F(2.1f * scene.radius);
+  s.target = beyond_scene<L>(scene, from, s.direction);
   s.radiance = light.radiance;
-  s.pdf_solid_angle = light.pdf_select * F(kUniformSpherePdf);
+  s.pdf_solid_angle = F(kUniformSpherePdf);
   s.delta = Mask<L>(false);
   s.valid = Mask<L>(true);
+  return s;
+}
+
+template <class L> SHEAF_INLINE LightSample<L> sample_map(const SceneView& scene, Vec3<L> from, const Random4<L>& u) {
+  const EnvmapSample<L> found = sample_envmap<L>(scene.envmap, u.y, u.z);
+  LightSample<L> s;
+  s.direction = found.direction;
+  s.target = beyond_scene<L>(scene, from, s.direction);
+  s.radiance = found.radiance;
+  s.pdf_solid_angle = found.pdf_solid_angle;
+  s.delta = Mask<L>(false);
+  s.valid = found.pdf_solid_angle > Float<L>(0.0f);
   return s;
 }
 
@@ -167,28 +304,67 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const LightSample<L>& a, L
 
 }  // namespace light_detail
 
-/// A direction from `from` towards the light that was chosen. The scene must have lights.
+/// What the lights' textures say, one after the other; 1 for lights without, and nothing below 0. Lanes of one register
+/// may hold lights of different textures.
 template <class L>
-SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, const LightChoice<L>& choice,
-                                         const Random4<L>& u) {
+Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> active, const TextureQuery<L>& query) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  Spectrum<L> out(F(1.0f));
+  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
+  store(lanes, texture);
+  for (std::uint32_t left = mask_bits(active & (texture != U(kNone))); left != 0;) {
+    const std::uint32_t row = lanes[std::countr_zero(left)];
+    const auto same = texture == U(row);
+    const Spectrum<L> value = lookup_texture<L>(scene.textures, row, query);
+    const F zero(0.0f);
+    out = select<L>(same, {max(value.c0, zero), max(value.c1, zero), max(value.c2, zero), max(value.c3, zero)}, out);
+    left &= ~mask_bits(same);
+  }
+  return out;
+}
+
+/// Samples a direction towards given lights by u.y, u.z and u.w. Densities don't know how the lights were selected.
+template <class L>
+SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light,
+                                               const Random4<L>& u) {
   using namespace light_detail;
-  LightLanes<L> light = load_lights<L>(scene, choice.light);
-  light.pdf_select = choice.probability;
-  const auto mesh = light.is(LightKind::kMesh), sphere = light.is(LightKind::kSphere);
-  const auto quadric = light.is(LightKind::kQuadric), point = light.is(LightKind::kPoint);
-  const auto constant = light.is(LightKind::kConstant);
+  const auto is = [&](LightKind kind) SHEAF_LAMBDA_INLINE { return light.is(kind); };
+  const auto mesh = is(LightKind::kMesh), sphere = is(LightKind::kSphere), quadric = is(LightKind::kQuadric);
   LightSample<L> s{};
-  if (all(mesh)) return sample_mesh<L>(scene, from, light, mesh, u);
-  if (any(mesh)) merge<L>(mesh, sample_mesh<L>(scene, from, light, mesh, u), s);
-  if (any(sphere)) merge<L>(sphere, sample_sphere<L>(from, light, u), s);
-  if (any(quadric)) merge<L>(quadric, sample_quadric<L>(scene, from, light, quadric, u), s);
-  if (any(point)) merge<L>(point, sample_point<L>(from, light), s);
-  if (any(constant)) merge<L>(constant, sample_constant<L>(scene, from, light, u), s);
+  TextureQuery<L> query{};
+  if (all(mesh)) {
+    s = sample_mesh<L>(scene, from, light, mesh, u, query);
+  } else {
+    const auto point = is(LightKind::kPoint), constant = is(LightKind::kConstant), map = is(LightKind::kEnvmap);
+    const auto spot = is(LightKind::kSpot) | is(LightKind::kSmoothSpot), projector = is(LightKind::kProjector);
+    const auto directional = is(LightKind::kDirectional);
+    if (any(mesh)) merge<L>(mesh, sample_mesh<L>(scene, from, light, mesh, u, query), s);
+    if (any(sphere)) merge<L>(sphere, sample_sphere<L>(scene, from, light, sphere, u, query), s);
+    if (any(quadric)) merge<L>(quadric, sample_quadric<L>(scene, from, light, quadric, u, query), s);
+    if (any(point)) merge<L>(point, sample_point<L>(from, light), s);
+    if (any(constant)) merge<L>(constant, sample_constant<L>(scene, from, light, u), s);
+    if (any(map)) merge<L>(map, sample_map<L>(scene, from, u), s);
+    if (any(spot)) merge<L>(spot, sample_spot<L>(scene, from, light, spot, query), s);
+    if (any(projector)) merge<L>(projector, sample_projector<L>(scene, from, light, projector, query), s);
+    if (any(directional)) merge<L>(directional, sample_directional<L>(scene, from, light), s);
+  }
+  const auto textured = s.valid & (light.texture != Uint<L>(kNone));
+  if (any(textured)) s.radiance = s.radiance * light_textures<L>(scene, light.texture, textured, query);
   return s;
 }
 
-/// The density, LightLanes::pdf_select included, with which sample_light from `from` would have found the point at
-/// distance `t` in `direction` on an area light with geometric normal `ng` there.
+/// A direction from `from` towards lights that were chosen, and its density, the choice included.
+template <class L>
+SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, const LightChoice<L>& choice,
+                                         const Random4<L>& u) {
+  LightSample<L> s = sample_given_light<L>(scene, from, load_lights<L>(scene, choice.light), u);
+  s.pdf_solid_angle = s.pdf_solid_angle * choice.probability;
+  return s;
+}
+
+/// The density, without the choice, with which sample_given_light from `from` would have found the point at distance `t`
+/// in `direction` on an area light with geometric normal `ng` there.
 template <class L>
 SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightLanes<L>& light, Mask<L> active,
                                             Vec3<L> from, Vec3<L> direction, Float<L> t, Vec3<L> ng) {
@@ -198,8 +374,7 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightL
   F pdf_area = F(1.0f) / light.area;
   const auto sphere = active & light.is(LightKind::kSphere), quadric = active & light.is(LightKind::kQuadric);
   if (any(quadric)) {
-    const ShapeLanes<L> shape = load_shapes<L>(scene, select(quadric, light.shape, U(0u)));
-    const auto q = load_quadrics<L>(scene, select(quadric, shape.first_triangle, U(0u)));
+    const auto q = load_quadrics<L>(scene, select(quadric, light.first_triangle, U(0u)));
     // |M^-T n| for the canonical unit normal n is 1 / |M^T ng|.
     const auto* m = q.to_world;
     const Vec3<L> back{m[0] * ng.x + m[4] * ng.y + m[8] * ng.z, m[1] * ng.x + m[5] * ng.y + m[9] * ng.z,
@@ -213,7 +388,7 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightL
     const auto outside = one_minus_cos_max > F(0.0f);
     pdf = select(sphere, select(outside, F(0.5f * kInvPi) / select(outside, one_minus_cos_max, F(1.0f)), F(0.0f)), pdf);
   }
-  return light.pdf_select * pdf;
+  return pdf;
 }
 
 }  // namespace sheaf

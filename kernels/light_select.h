@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/distribution.h"
-#include "core/groups.h"
+#include "kernels/light_tree.h"
 #include "scene/scene.h"
 
 namespace sheaf {
@@ -18,29 +18,87 @@ template <class L> struct LightReceiver {
   Vec3<L> p, n;
 };
 
-/// Chooses a light by u in [0, 1), as SceneView::light_selector says. The scene must have lights.
+/// How many lights shine from outside of the scene: those behind SceneView::bounded_light_count.
+inline std::uint32_t infinite_light_count(const SceneView& scene) { return scene.light_count - scene.bounded_light_count; }
+
+/// LightSelector::kBvh: the probability with which one of the infinite lights is chosen, all of them alike. The tree counts
+/// as one more, as it knows nothing of them.
+inline float infinite_light_share(const SceneView& scene) {
+  const std::uint32_t infinite = infinite_light_count(scene);
+  return static_cast<float>(infinite) / static_cast<float>(infinite + (scene.bounded_light_count > 0 ? 1u : 0u));
+}
+
+namespace light_select_detail {
+
 template <class L>
-SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightReceiver<L>&, typename L::Float u) {
+SHEAF_INLINE LightChoice<L> choose_by_bvh(const SceneView& scene, const LightReceiver<L>& at, typename L::Float u) {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+  const std::uint32_t infinite = infinite_light_count(scene);
+  if (infinite == 0) {
+    const auto s = sample_light_tree<L>(scene.light_tree, at.p, at.n, Mask<L>(true), u);
+    return {s.light, s.probability};
+  }
+  const float share = infinite_light_share(scene);
+  const auto count = static_cast<float>(infinite);
+  const U far = U(scene.bounded_light_count) + min(to_uint(u * F(count / share)), U(infinite - 1));
+  const F far_probability(share / count);
+  if (scene.bounded_light_count == 0) return {far, far_probability};
+  const auto is_far = u < F(share);
+  const F rest = clamp((u - F(share)) * F(1.0f / (1.0f - share)), F(0.0f), F(kOneMinusEpsilon));
+  const auto near = sample_light_tree<L>(scene.light_tree, at.p, at.n, Mask<L>(true), rest);
+  return {select(is_far, far, near.light), select(is_far, far_probability, near.probability * F(1.0f - share))};
+}
+
+template <class L>
+SHEAF_INLINE Float<L> bvh_probability(const SceneView& scene, const LightReceiver<L>& at, typename L::Uint light) {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+  const std::uint32_t infinite = infinite_light_count(scene);
+  const auto near = light < U(scene.bounded_light_count);
+  const float share = infinite_light_share(scene);
+  const F far_probability(infinite > 0 ? share / static_cast<float>(infinite) : 0.0f);
+  if (!any(near)) return far_probability;
+  const F in_tree = light_tree_probability<L>(scene.light_tree, at.p, at.n, Mask<L>(true), light, near);
+  return select(near, in_tree * F(1.0f - share), far_probability);
+}
+
+}  // namespace light_select_detail
+
+/// Chooses a light by u in [0, 1), as IntegratorDescription::light_selector says. The scene must have lights.
+template <class L>
+SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightReceiver<L>& at, typename L::Float u) {
   using F = typename L::Float;
   using U = typename L::Uint;
   if (scene.light_count == 1) return {U(0u), F(1.0f)};
-  if (scene.integrator.light_selector == LightSelector::kUniform) {
-    const auto count = static_cast<float>(scene.light_count);
-    return {min(to_uint(u * F(count)), U(scene.light_count - 1)), F(1.0f / count)};
+  const auto count = static_cast<float>(scene.light_count);
+  switch (scene.integrator.light_selector) {
+    case LightSelector::kUniform:
+      return {min(to_uint(u * F(count)), U(scene.light_count - 1)), F(1.0f / count)};
+    case LightSelector::kPower: {
+      const auto entry = sample_alias<L>(scene.light_alias, U(0u), U(scene.light_count), u);
+      return {entry.index, entry.pdf};
+    }
+    case LightSelector::kBvh: break;
   }
-  const auto entry = sample_alias<L>(scene.light_alias, U(0u), U(scene.light_count), u);
-  return {entry.index, entry.pdf};
+  return light_select_detail::choose_by_bvh<L>(scene, at, u);
 }
 
 /// The probability with which choose_light finds `light`.
 template <class L>
-SHEAF_INLINE Float<L> choice_probability(const SceneView& scene, const LightReceiver<L>&, typename L::Uint light) {
+SHEAF_INLINE Float<L> choice_probability(const SceneView& scene, const LightReceiver<L>& at, typename L::Uint light) {
   using F = typename L::Float;
   if (scene.light_count == 1) return F(1.0f);
-  if (scene.integrator.light_selector == LightSelector::kUniform) return F(1.0f / static_cast<float>(scene.light_count));
-  F entry[4];
-  gather_row4<L>(reinterpret_cast<const float*>(scene.light_alias), light << 2, entry);
-  return entry[2];
+  switch (scene.integrator.light_selector) {
+    case LightSelector::kUniform: return F(1.0f / static_cast<float>(scene.light_count));
+    case LightSelector::kPower: {
+      F entry[4];
+      gather_row4<L>(reinterpret_cast<const float*>(scene.light_alias), light << 2, entry);
+      return entry[2];
+    }
+    case LightSelector::kBvh: break;
+  }
+  return light_select_detail::bvh_probability<L>(scene, at, light);
 }
 
 }  // namespace sheaf

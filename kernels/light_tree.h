@@ -15,7 +15,7 @@
 namespace sheaf {
 
 /// A light drawn from a light tree.
-template <class L> struct LightChoice {
+template <class L> struct LightTreeSample {
   typename L::Uint light;        ///< its index; 0 unless valid
   typename L::Float probability; ///< that it is drawn; 0 unless valid
   typename L::Float remapped;    ///< a fresh uniform number in [0, 1) from what is left of u
@@ -121,8 +121,8 @@ template <class L> SHEAF_INLINE Turn<L> turn(const NodePair<L>& pair, const Rece
 /// A zero `n` or `has_normal` false stands for a point in a medium. Every light that can shine on `p` has a positive
 /// probability. u keeps about 24 - log2(1 / probability) random bits: lights much rarer than 2^-24 share them.
 template <class L>
-SHEAF_INLINE LightChoice<L> sample_light_tree(const LightTreeView& tree, Vec3<L> p, Vec3<L> n, Mask<L> has_normal,
-                                              typename L::Float u) {
+SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, Vec3<L> p, Vec3<L> n, Mask<L> has_normal,
+                                                  typename L::Float u) {
   using namespace light_tree_detail;
   using F = Float<L>;
   using U = Uint<L>;

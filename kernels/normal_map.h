@@ -1,7 +1,7 @@
 // Normal and bump maps: how a texture turns the shading normal, and what keeps turned normals from looking wrong.
 #pragma once
 
-#include "kernels/texture_lookup.h"
+#include "scene/texture_lookup.h"
 
 namespace sheaf {
 

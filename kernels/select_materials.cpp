@@ -3,7 +3,7 @@
 #include "core/sampler.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
-#include "kernels/texture_lookup.h"
+#include "scene/texture_lookup.h"
 
 namespace sheaf {
 

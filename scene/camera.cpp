@@ -6,22 +6,6 @@ namespace sheaf {
 
 namespace {
 
-/// tan of half the horizontal field of view.
-double half_width(const CameraDescription& d, double width, double height) {
-  if (!(d.fov > 0.0f && d.fov < 180.0f))
-    throw SceneError(d.where, "field of view must lie between 0 and 180 degrees, found " + std::to_string(d.fov));
-  const double t = std::tan(0.5 * d.fov * (3.14159265358979323846 / 180.0));
-  using Axis = CameraDescription::FovAxis;
-  switch (d.fov_axis) {
-    case Axis::kX: return t;
-    case Axis::kY: return t * width / height;
-    case Axis::kDiagonal: return t * width / std::hypot(width, height);
-    case Axis::kSmaller: return width <= height ? t : t * width / height;
-    case Axis::kLarger: return width >= height ? t : t * width / height;
-  }
-  return t;
-}
-
 void check(const CameraDescription& d) {
   if (!(d.near_clip >= 0.0f && d.near_clip < d.far_clip))
     throw SceneError(d.where, "clip distances must be in order and not negative, found " + std::to_string(d.near_clip) +
@@ -34,10 +18,27 @@ void check(const CameraDescription& d) {
 
 }  // namespace
 
+double half_width_of(float fov, CameraDescription::FovAxis axis, double width, double height, const SourceLocation& where) {
+  if (!(fov > 0.0f && fov < 180.0f))
+    throw SceneError(where, "field of view must lie between 0 and 180 degrees, found " + std::to_string(fov));
+  const double t = std::tan(0.5 * fov * (3.14159265358979323846 / 180.0));
+  using Axis = CameraDescription::FovAxis;
+  switch (axis) {
+    case Axis::kX: return t;
+    case Axis::kY: return t * width / height;
+    case Axis::kDiagonal: return t * width / std::hypot(width, height);
+    case Axis::kSmaller: return width <= height ? t : t * width / height;
+    case Axis::kLarger: return width >= height ? t : t * width / height;
+  }
+  return t;
+}
+
 Camera make_camera(const CameraDescription& description, int width, int height) {
   check(description);
   const bool orthographic = description.projection == CameraDescription::Projection::kOrthographic;
-  const double half = orthographic ? 1.0 : half_width(description, width, height), step = 2.0 * half / width;
+  const double half = orthographic ? 1.0
+                                   : half_width_of(description.fov, description.fov_axis, width, height, description.where);
+  const double step = 2.0 * half / width;
   const auto to_world = [&description](double x, double y, double z) {
     return description.to_world.vector({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
   };

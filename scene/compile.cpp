@@ -4,6 +4,7 @@
 #include "scene/compile_materials.h"
 #include "scene/instance.h"
 #include "scene/light.h"
+#include "scene/light_bounds.h"
 #include "scene/mesh.h"
 #include "scene/mesh_io.h"
 #include "scene/quadric.h"
@@ -183,23 +184,57 @@ class SceneCompiler {
     push_shape(row, shape);
   }
 
-  /// Adds the row, and a light if it emits.
+  /// What a shape emits, or nothing if that is black.
+  std::optional<AreaEmission> emission_of(const ShapeDescription& shape) const {
+    if (!shape.radiance) return std::nullopt;
+    if (const auto* texture = std::get_if<TextureId>(&*shape.radiance))
+      return AreaEmission{{1, 1, 1}, texture_row(*texture, shape.where)};
+    const Vec3f radiance = emission_rgb(std::get<SpectrumDescription>(*shape.radiance));
+    if (!(max_component(radiance) > 0.0f)) return std::nullopt;
+    return AreaEmission{radiance, kNone};
+  }
+
+  std::uint32_t texture_row(TextureId id, const SourceLocation& where) const {
+    if (static_cast<std::size_t>(id) >= in_.textures.size()) throw SceneError(where, "refers to a texture that does not exist");
+    return static_cast<std::uint32_t>(id);
+  }
+
+  /// Adds the row. If it emits, a light, which for shapes of groups waits for the instances.
   void push_shape(ShapeRow row, const ShapeDescription& shape) {
     const auto index = static_cast<std::uint32_t>(out_->shapes_.size());
-    if (shape.radiance) {
-      const Vec3f radiance = emission_rgb(*shape.radiance);
-      if (max_component(radiance) > 0.0f) {
-        const ShapeTables tables{out_->vertices_.data(), out_->triangles_.data(), out_->quadrics_.data()};
+    if (const std::optional<AreaEmission> emission = emission_of(shape)) {
+      if (group_emitters_ != nullptr) {
+        row.light = static_cast<std::uint32_t>(group_emitters_->size());
+        group_emitters_->push_back({index, *emission});
+      } else {
         row.light = static_cast<std::uint32_t>(out_->lights_.size());
-        AreaLight light = make_area_light(row, index, tables, radiance,
-                                          static_cast<std::uint32_t>(out_->triangle_alias_.size()));
-        out_->lights_.push_back(light.row);
-        powers_.push_back(light.power);
-        out_->triangle_alias_.insert(out_->triangle_alias_.end(), light.alias.begin(), light.alias.end());
-        out_->light_triangles_.insert(out_->light_triangles_.end(), light.triangles.begin(), light.triangles.end());
+        add_area_light(row, {index, *emission}, nullptr);
       }
     }
     out_->shapes_.push_back(row);
+  }
+
+  /// A shape that emits.
+  struct Emitter {
+    std::uint32_t shape;
+    AreaEmission emission;
+  };
+
+  void add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance) {
+    const ShapeTables tables{out_->vertices_.data(), out_->triangles_.data(), out_->quadrics_.data()};
+    const LightPlaces places{static_cast<std::uint32_t>(out_->triangle_alias_.size()),
+                             static_cast<std::uint32_t>(out_->light_uvs_.size()),
+                             instance != nullptr ? static_cast<std::uint32_t>(out_->quadrics_.size()) : row.first_triangle};
+    AreaLight light = make_area_light(row, emitter.shape, tables, emitter.emission, places, instance);
+    constexpr std::size_t kRowWords = sizeof(LightTriangleRow) / sizeof(float);
+    if (kRowWords * (out_->light_triangles_.size() + light.triangles.size()) > kMaxWords)
+      throw SceneError("the lights have more than " + std::to_string(kMaxWords / kRowWords) + " triangles in all");
+    out_->lights_.push_back(light.row);
+    out_->has_textured_lights_ = out_->has_textured_lights_ || light.row.texture != kNone;
+    out_->triangle_alias_.insert(out_->triangle_alias_.end(), light.alias.begin(), light.alias.end());
+    out_->light_triangles_.insert(out_->light_triangles_.end(), light.triangles.begin(), light.triangles.end());
+    out_->light_uvs_.insert(out_->light_uvs_.end(), light.uvs.begin(), light.uvs.end());
+    if (light.quadric) out_->quadrics_.push_back(*light.quadric);
   }
 
   /// What a group holds, for its instances.
@@ -208,6 +243,7 @@ class SceneCompiler {
     std::uint32_t index;  ///< among the groups that are not empty
     std::size_t triangles;
     Vec3f lower, upper;   ///< bounds in the group's space
+    std::vector<Emitter> emitters;
   };
 
   GroupContents add_group(const ShapeGroup& group) {
@@ -216,13 +252,13 @@ class SceneCompiler {
     const auto first = static_cast<std::uint32_t>(out_->shapes_.size());
     lower_ = {kInfinity, kInfinity, kInfinity};
     upper_ = {-kInfinity, -kInfinity, -kInfinity};
-    for (const ShapeDescription& shape : group.shapes) {
-      if (shape.radiance) throw SceneError(shape.where, "shapes in a shape group cannot emit light");
-      add_shape(shape);
-    }
+    std::vector<Emitter> emitters;
+    group_emitters_ = &emitters;
+    for (const ShapeDescription& shape : group.shapes) add_shape(shape);
+    group_emitters_ = nullptr;
     const ShapeRange range{first, static_cast<std::uint32_t>(out_->shapes_.size()) - first};
-    const GroupContents contents{range, static_cast<std::uint32_t>(group_ranges_.size()),
-                                 out_->counts_.triangles - triangles, lower_, upper_};
+    GroupContents contents{range, static_cast<std::uint32_t>(group_ranges_.size()),
+                           out_->counts_.triangles - triangles, lower_, upper_, std::move(emitters)};
     if (range.shape_count > 0) group_ranges_.push_back(range);
     lower_ = lower;
     upper_ = upper;
@@ -235,13 +271,15 @@ class SceneCompiler {
     for (const InstanceDescription& instance : in_.instances) {
       const GroupContents& group = groups.at(instance.group);
       if (group.range.shape_count == 0) continue;
-      const InstanceRow row = make_instance(instance.to_world, group.range.first_shape, group.index);
+      InstanceRow row = make_instance(instance.to_world, group.range.first_shape, group.index);
       const InstanceBounds bounds = instance_bounds(row, group.lower, group.upper);
       if (!is_traceable(bounds.lower, bounds.upper)) {
         ++too_large;
         continue;
       }
       grow(bounds.lower, bounds.upper);
+      row.first_light = static_cast<std::uint32_t>(out_->lights_.size());
+      for (const Emitter& emitter : group.emitters) add_area_light(out_->shapes_[emitter.shape], emitter, &row);
       out_->instances_.push_back(row);
       out_->counts_.instanced_triangles += group.triangles;
     }
@@ -269,24 +307,90 @@ class SceneCompiler {
     out_->radius_ = std::max(out_->radius_, 1e-3f);
   }
 
+  /// Those that are somewhere join the area lights, the others come last.
   void add_lights() {
-    for (const LightDescription& light : in_.lights) {
-      const bool constant = std::holds_alternative<ConstantLightDescription>(light.model);
-      const auto& spectrum = constant ? std::get<ConstantLightDescription>(light.model).radiance
-                                      : std::get<PointLightDescription>(light.model).intensity;
-      const Vec3f value = emission_rgb(spectrum);
-      if (!(max_component(value) > 0.0f)) continue;
-      if (constant && out_->environment_ != kNone) throw SceneError(light.where, "a scene may have only one environment light");
-      if (constant) out_->environment_ = static_cast<std::uint32_t>(out_->lights_.size());
-      const Vec3f position = constant ? out_->center_ : std::get<PointLightDescription>(light.model).position;
-      PlacedLight placed = constant ? make_constant_light(value, out_->radius_) : make_point_light(value, position);
-      out_->lights_.push_back(placed.row);
-      powers_.push_back(placed.power);
+    std::vector<std::pair<PlacedLight, SourceLocation>> placed;
+    for (const LightDescription& light : in_.lights)
+      if (auto row = std::visit([&](const auto& model) { return place_light(model, light.where); }, light.model))
+        placed.emplace_back(std::move(*row), light.where);
+    for (const bool infinite : {false, true}) {
+      for (const auto& [light, where] : placed)
+        if (is_infinite(light.row) == infinite) push_light(light, where);
+      if (!infinite) out_->bounded_light_count_ = static_cast<std::uint32_t>(out_->lights_.size());
     }
     out_->counts_.lights = out_->lights_.size();
-    if (out_->lights_.empty()) return;
-    out_->light_alias_ = build_alias_table(powers_);
-    for (std::size_t i = 0; i < out_->lights_.size(); ++i) out_->lights_[i].pdf_select = out_->light_alias_[i].pdf;
+  }
+
+  void push_light(PlacedLight light, const SourceLocation& where) {
+    const Vec3f emitted{light.row.radiance[0], light.row.radiance[1], light.row.radiance[2]};
+    if (!(max_component(emitted) > 0.0f)) return;
+    const auto kind = static_cast<LightKind>(light.row.kind);
+    if (kind == LightKind::kConstant || kind == LightKind::kEnvmap) {
+      if (out_->environment_ != kNone) throw SceneError(where, "a scene may have only one environment light");
+      out_->environment_ = static_cast<std::uint32_t>(out_->lights_.size());
+    }
+    if (light.frame) {
+      light.row.detail = static_cast<std::uint32_t>(out_->light_frames_.size());
+      out_->light_frames_.push_back(*light.frame);
+    }
+    out_->lights_.push_back(light.row);
+  }
+
+  std::optional<PlacedLight> place_light(const PointLightDescription& light, const SourceLocation&) const {
+    return make_point_light(emission_rgb(light.intensity), light.position);
+  }
+  std::optional<PlacedLight> place_light(const ConstantLightDescription& light, const SourceLocation&) const {
+    return make_constant_light(emission_rgb(light.radiance));
+  }
+  std::optional<PlacedLight> place_light(const SpotLightDescription& light, const SourceLocation& where) const {
+    if (light.texture) texture_row(*light.texture, where);
+    return make_spot_light(light, where);
+  }
+  std::optional<PlacedLight> place_light(const DirectionalLightDescription& light, const SourceLocation& where) const {
+    return make_directional_light(light, where);
+  }
+  std::optional<PlacedLight> place_light(const ProjectorDescription& light, const SourceLocation& where) const {
+    double aspect = 1;
+    if (const auto* id = std::get_if<TextureId>(&light.irradiance)) {
+      const TextureRow& row = out_->textures_.rows[texture_row(*id, where)];
+      if (row.kind == TextureKind::kBitmap) aspect = double(row.bitmap.width) / row.bitmap.height;
+    }
+    return make_projector(light, aspect, where);
+  }
+  std::optional<PlacedLight> place_light(const EnvmapDescription& light, const SourceLocation& where) {
+    const EnvmapPicture picture = read_envmap_picture(light.file);
+    if (const std::size_t bad = count_unusable(picture); bad > 0)
+      out_->warnings_.push_back(light.file.string() + ": " + std::to_string(bad) +
+                                " values that are negative or not finite count as 0");
+    // Without BSDF sampling what is not sampled would be lost.
+    const bool compensate = light.mis_compensation && in_.integrator.strategy == LightStrategy::kMis;
+    Envmap map = make_envmap(picture, light.scale, compensate);
+    set_rotation(map, light.to_world, where);
+    if (!(max_component(map.mean) > 0.0f)) {
+      out_->warnings_.push_back(light.file.string() + ": the environment map is black");
+      return std::nullopt;
+    }
+    const PlacedLight placed = make_envmap_light(map);
+    if (out_->environment_ == kNone) out_->envmap_ = std::move(map);
+    return placed;
+  }
+
+  /// Once textures can be looked up.
+  void select_lights() {
+    const SceneView view = out_->view();
+    std::vector<float> weights;
+    for (std::uint32_t i = 0; i < view.light_count; ++i) {
+      const Vec3f power = light_power(view, i);
+      out_->light_powers_.push_back(power);
+      // Weights must be positive and finite however large the light.
+      const double mean = (double(power.x) + power.y + power.z) / 3.0;
+      weights.push_back(static_cast<float>(std::clamp(mean, 1e-30, 1e30)));
+    }
+    if (weights.empty()) return;
+    out_->light_alias_ = build_alias_table(weights);
+    std::vector<LightBounds> bounds;
+    for (std::uint32_t i = 0; i < view.bounded_light_count; ++i) bounds.push_back(bounds_of_light(view, i, weights[i]));
+    out_->light_tree_ = build_light_tree(bounds);
   }
 
   void finish_tables() {
@@ -303,6 +407,9 @@ class SceneCompiler {
     out_->attribute_values_ = attributes_->values();
     if (out_->triangle_alias_.empty()) out_->triangle_alias_.emplace_back();
     if (out_->light_triangles_.empty()) out_->light_triangles_.emplace_back();
+    if (out_->light_frames_.empty()) out_->light_frames_.emplace_back();
+    if (out_->light_uvs_.empty()) out_->light_uvs_.emplace_back();
+    select_lights();
     const AccelInput input{out_->shapes_.data(), ungrouped_shapes_, out_->vertices_.data(), out_->triangles_.data(),
                            out_->quadrics_.data(), vertex_counts_.data(), options_.watertight,
                            group_ranges_.data(), static_cast<std::uint32_t>(group_ranges_.size()),
@@ -323,7 +430,7 @@ class SceneCompiler {
   std::vector<std::uint32_t> vertex_counts_;
   std::uint32_t ungrouped_shapes_ = 0;
   std::vector<ShapeRange> group_ranges_;
-  std::vector<float> powers_;
+  std::vector<Emitter>* group_emitters_ = nullptr;  ///< of the group whose shapes are being added
   Vec3f lower_{kInfinity, kInfinity, kInfinity}, upper_{-kInfinity, -kInfinity, -kInfinity};
 };
 

@@ -210,11 +210,12 @@ struct ShapeDescription {
   bool flip_normals = false;
   bool face_normals = false;  ///< meshes: ignore vertex normals
   std::optional<MaterialId> material;           ///< default: diffuse, reflectance 0.5
-  std::optional<SpectrumDescription> radiance;  ///< an area light, emitting on the side of the normal; W / (m^2 sr)
+  std::optional<SpectrumInput> radiance;  ///< an area light, emitting on the side of the normal; W / (m^2 sr)
   SourceLocation where;
 };
 
-/// Shapes that are seen only through instances; their transforms lead to the group's space. None may emit.
+/// Shapes that are seen only through instances; their transforms lead to the group's space. Every instance of a shape
+/// that emits is a light of its own.
 struct ShapeGroup {
   std::vector<ShapeDescription> shapes;
   std::string id;  ///< name for messages; may be empty
@@ -225,16 +226,6 @@ struct ShapeGroup {
 struct InstanceDescription {
   std::array<float, 12> to_world{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  ///< rows of the 3x4 matrix; not singular
   std::uint32_t group = 0;  ///< index into Description::groups
-};
-
-/// Emits `intensity` (W / sr) from `position` in all directions.
-struct PointLightDescription { Vec3f position{0, 0, 0}; SpectrumDescription intensity = SpectrumDescription::constant(1); };
-/// The same radiance (W / (m^2 sr)) from every direction outside the scene.
-struct ConstantLightDescription { SpectrumDescription radiance = SpectrumDescription::constant(1); };
-
-struct LightDescription {
-  std::variant<PointLightDescription, ConstantLightDescription> model;
-  SourceLocation where;
 };
 
 /// A camera with a pinhole or a thin lens, or one whose rays are all parallel.
@@ -250,6 +241,54 @@ struct CameraDescription {
   /// Where on the film (0, 0, 1) is seen: shifted from the centre by these parts of its size, to the left and upwards.
   float principal_point_x = 0, principal_point_y = 0;
   float near_clip = 0, far_clip = kInfinity;  ///< z in camera space between which things are seen
+  SourceLocation where;
+};
+
+/// Emits `intensity` (W / sr) from `position` in all directions.
+struct PointLightDescription { Vec3f position{0, 0, 0}; SpectrumDescription intensity = SpectrumDescription::constant(1); };
+/// The same radiance (W / (m^2 sr)) from every direction outside the scene.
+struct ConstantLightDescription { SpectrumDescription radiance = SpectrumDescription::constant(1); };
+
+/// Emits from the origin of its space around +z: `intensity` (W / sr) within `beam_width`, nothing beyond `cutoff_angle`.
+struct SpotLightDescription {
+  /// In between: linear in the angle (Mitsuba), or a smooth step in its cosine (pbrt).
+  enum class Falloff { kLinear, kSmooth } falloff = Falloff::kLinear;
+  Transform to_world;
+  SpectrumDescription intensity = SpectrumDescription::constant(1);
+  float cutoff_angle = 20, beam_width = 15;  ///< degrees from the axis, in (0, 180] and [0, cutoff_angle]
+  /// Multiplies the intensity; the cone fills the unit square. kLinear only, and a cutoff_angle below 90 degrees.
+  std::optional<TextureId> texture;
+};
+
+/// Parallel light from infinitely far away: `irradiance` (W / m^2) on a plane that faces it.
+struct DirectionalLightDescription {
+  Vec3f direction{0, 0, 1};  ///< in which the light travels; any length but zero
+  SpectrumDescription irradiance = SpectrumDescription::constant(1);
+};
+
+/// A pinhole camera in reverse: emits pi * scale * irradiance / cos^3 (W / sr) in directions at the angle to its +z
+/// that the cosine is of, where the picture, upright for who looks along +z, fills the field of view.
+struct ProjectorDescription {
+  Transform to_world;  ///< as a camera's; must not stretch
+  SpectrumInput irradiance = SpectrumDescription::constant(1);
+  float scale = 1;
+  float fov = 50;  ///< degrees
+  CameraDescription::FovAxis fov_axis = CameraDescription::FovAxis::kX;
+};
+
+/// Radiance (W / (m^2 sr)) from all directions outside the scene, from a picture by longitude and latitude: its first
+/// row is +y, its middle column -z, and columns run from +z over -x, -z, +x in the light's space.
+struct EnvmapDescription {
+  std::filesystem::path file;  ///< resolved
+  float scale = 1;
+  Transform to_world;  ///< a rotation, which may mirror; its translation and size mean nothing
+  bool mis_compensation = false;  ///< sample what is brighter than the mean (Karlik et al. 2019)
+};
+
+struct LightDescription {
+  std::variant<PointLightDescription, ConstantLightDescription, SpotLightDescription, DirectionalLightDescription,
+               ProjectorDescription, EnvmapDescription>
+      model;
   SourceLocation where;
 };
 

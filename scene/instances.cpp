@@ -21,8 +21,6 @@ std::uint32_t group_of(const XmlElement& element, ReadContext& context, const Sh
   p.finish();
   std::move(shapes.begin() + first, shapes.end(), std::back_inserter(group.shapes));
   shapes.erase(shapes.begin() + first, shapes.end());
-  for (const ShapeDescription& shape : group.shapes)
-    if (shape.radiance) throw SceneError(shape.where, "shapes in a shape group cannot emit light");
   context.description.groups.push_back(std::move(group));
   const auto index = static_cast<std::uint32_t>(context.description.groups.size() - 1);
   context.groups.emplace(&element, index);

@@ -54,6 +54,19 @@ class PeakSearch {
   std::array<double, kDirections> areas_{};
 };
 
+/// A light with a frame, as a spot that is as bright everywhere.
+LightBounds cone_light_bounds(const LightRow& row, const LightFrameRow& frame, Vec3f position, double power) {
+  double cos_total = frame.words[0];  // kSmoothSpot
+  if (static_cast<LightKind>(row.kind) == LightKind::kSpot) cos_total = std::cos(double(frame.words[0]));
+  if (static_cast<LightKind>(row.kind) == LightKind::kProjector) {
+    const double tangent = 0.25 * std::hypot(1.0 / frame.words[0], 1.0 / frame.words[1]);  // of a corner
+    cos_total = 1.0 / std::sqrt(1.0 + tangent * tangent);
+  }
+  const Vec3f axis = normalize(Vec3f{frame.to_light[8], frame.to_light[9], frame.to_light[10]});
+  const double solid_angle = 2.0 * double(kPi) * std::max(1.0 - cos_total, 1e-6);
+  return spot_light_bounds(position, axis, static_cast<float>(cos_total), static_cast<float>(power / solid_angle));
+}
+
 }  // namespace
 
 LightBounds mesh_light_bounds(std::span<const LightTriangleRow> triangles, float radiance) {
@@ -128,18 +141,24 @@ LightBounds spot_light_bounds(Vec3f position, Vec3f axis, float cos_total, float
   return out;
 }
 
-std::optional<LightBounds> bounds_of_light(const LightRow& light, const LightTables& tables) {
-  const float radiance = (light.radiance[0] + light.radiance[1] + light.radiance[2]) / 3.0f;
-  switch (static_cast<LightKind>(light.kind)) {
-    case LightKind::kPoint:
-      return point_light_bounds({light.position[0], light.position[1], light.position[2]}, radiance);
+LightBounds bounds_of_light(const SceneView& scene, std::uint32_t light, double power) {
+  const LightRow& row = scene.lights[light];
+  const Vec3f position{row.position[0], row.position[1], row.position[2]};
+  switch (static_cast<LightKind>(row.kind)) {
     case LightKind::kMesh:
-      return mesh_light_bounds({tables.triangles + light.first_triangle, light.triangle_count}, radiance);
+      return mesh_light_bounds({scene.light_triangles + row.first_triangle, row.triangle_count},
+                               static_cast<float>(power / (double(kPi) * row.area)));
     case LightKind::kSphere:
-    case LightKind::kQuadric:
-      return quadric_light_bounds(tables.quadrics[tables.shapes[light.shape].first_triangle], radiance);
+    case LightKind::kQuadric: {
+      const QuadricRow& quadric = scene.quadrics[row.first_triangle];
+      return quadric_light_bounds(quadric, static_cast<float>(power / (double(kPi) * quadric_area(quadric))));
+    }
+    case LightKind::kSpot:
+    case LightKind::kSmoothSpot:
+    case LightKind::kProjector:
+      return cone_light_bounds(row, scene.light_frames[row.detail], position, power);
     default:
-      return std::nullopt;
+      return point_light_bounds(position, static_cast<float>(power * (0.25 * double(kInvPi))));
   }
 }
 

@@ -4,16 +4,7 @@
 #include "scene/light_tree.h"
 #include "scene/scene.h"
 
-#include <optional>
-
 namespace sheaf {
-
-/// The tables that light rows point into.
-struct LightTables {
-  const ShapeRow* shapes;
-  const QuadricRow* quadrics;
-  const LightTriangleRow* triangles;  ///< those of SceneView::light_triangles
-};
 
 /// A mesh that emits `radiance` (W / (m^2 sr), averaged over R, G and B) on the side of its normals. Triangles without
 /// area are left out.
@@ -29,7 +20,8 @@ LightBounds point_light_bounds(Vec3f position, float intensity);
 /// vector `axis`, and none beyond.
 LightBounds spot_light_bounds(Vec3f position, Vec3f axis, float cos_total, float intensity);
 
-/// The bounds of any light that is somewhere; empty for those that are not, such as a constant environment.
-std::optional<LightBounds> bounds_of_light(const LightRow& light, const LightTables& tables);
+/// The bounds of light `light` of the scene, which gives off `power` W, averaged over R, G and B. The light must be
+/// bounded; see is_infinite().
+LightBounds bounds_of_light(const SceneView& scene, std::uint32_t light, double power);
 
 }  // namespace sheaf

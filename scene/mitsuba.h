@@ -25,7 +25,9 @@ void read_shape(const XmlElement& element, Reader& reader);
 /// Appends a light that is not on a shape.
 void read_emitter(const XmlElement& element, Reader& reader);
 /// The radiance of an area light.
-SpectrumDescription read_area_emitter(const XmlElement& element, Reader& reader);
+SpectrumInput read_area_emitter(const XmlElement& element, Reader& reader);
+/// The field of view: fov and fov_axis, or focal_length.
+void read_fov(Properties& p, CameraDescription& camera);
 /// Camera, film and sampler.
 void read_sensor(const XmlElement& element, Reader& reader);
 /// The integrator, through the wrappers moment and aov.

@@ -103,24 +103,6 @@ CameraDescription::FovAxis read_fov_axis(Properties& p) {
                             did_you_mean(axis, {"x", "y", "diagonal", "smaller", "larger"}));
 }
 
-void read_fov(Properties& p, CameraDescription& camera) {
-  camera.fov_axis = read_fov_axis(p);
-  const std::optional<float> fov = p.find_number("fov", {0, 180, true});
-  std::optional<float> focal_length;
-  if (p.is_string("focal_length")) {
-    focal_length = parse_focal_length(p, *p.find_string("focal_length"));
-  } else {
-    focal_length = p.find_number("focal_length", kPositive);
-  }
-  if (fov && focal_length) p.fail("has both 'fov' and 'focal_length', expected one");
-  if (fov) {
-    camera.fov = *fov;
-    return;
-  }
-  camera.fov = 2 * std::atan(kFilmDiagonal / 2 / focal_length.value_or(50)) * 180 / std::numbers::pi_v<float>;
-  camera.fov_axis = CameraDescription::FovAxis::kDiagonal;
-}
-
 void read_camera(Properties& p, CameraDescription& camera) {
   camera.to_world = p.transform("to_world");
   read_clip(p, camera, 0.01f);
@@ -144,6 +126,24 @@ void read_camera(Properties& p, CameraDescription& camera) {
 }
 
 }  // namespace
+
+void read_fov(Properties& p, CameraDescription& camera) {
+  camera.fov_axis = read_fov_axis(p);
+  const std::optional<float> fov = p.find_number("fov", {0, 180, true});
+  std::optional<float> focal_length;
+  if (p.is_string("focal_length")) {
+    focal_length = parse_focal_length(p, *p.find_string("focal_length"));
+  } else {
+    focal_length = p.find_number("focal_length", kPositive);
+  }
+  if (fov && focal_length) p.fail("has both 'fov' and 'focal_length', expected one");
+  if (fov) {
+    camera.fov = *fov;
+    return;
+  }
+  camera.fov = 2 * std::atan(kFilmDiagonal / 2 / focal_length.value_or(50)) * 180 / std::numbers::pi_v<float>;
+  camera.fov_axis = CameraDescription::FovAxis::kDiagonal;
+}
 
 void read_sensor(const XmlElement& element, Reader& reader) {
   Properties p(element, reader.context);

@@ -1,4 +1,4 @@
-// The Mitsuba dialect: shapes and emitters.
+// The Mitsuba dialect: shapes.
 #include "scene/mitsuba.h"
 
 #include <limits>
@@ -55,16 +55,6 @@ void read_geometry(Properties& p, ShapeDescription& shape) {
   }
 }
 
-PointLightDescription read_point_light(Properties& p) {
-  PointLightDescription light;
-  const bool placed = p.has("to_world");
-  light.position = p.vec3("position", {0, 0, 0});
-  if (placed && p.has("position")) p.fail("has both 'position' and 'to_world', expected one");
-  if (placed) light.position = p.transform("to_world").point({0, 0, 0});
-  light.intensity = p.spectrum("intensity", SpectrumDescription::constant(1), SpectrumRole::kEmission);
-  return light;
-}
-
 /// What light sources without a bsdf are made of: they reflect nothing.
 MaterialId black_material(Reader& reader) {
   if (!reader.black) {
@@ -91,36 +81,6 @@ void read_shape(const XmlElement& element, Reader& reader) {
   p.accept({"silhouette_sampling_weight"});
   p.finish();
   reader.context.description.shapes.push_back(std::move(shape));
-}
-
-SpectrumDescription read_area_emitter(const XmlElement& element, Reader& reader) {
-  Properties p(element, reader.context);
-  if (p.type() != "area") p.fail_plugin({"area"});
-  SpectrumDescription radiance = p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
-  p.accept({"sampling_weight"});
-  p.finish();
-  return radiance;
-}
-
-void read_emitter(const XmlElement& element, Reader& reader) {
-  Properties p(element, reader.context);
-  LightDescription light;
-  light.where = element.where;
-  if (p.type() == "point") {
-    light.model = read_point_light(p);
-  } else if (p.type() == "constant") {
-    light.model =
-        ConstantLightDescription{p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission)};
-    p.accept({"to_world"});
-  } else if (p.type() == "area") {
-    if (!reader.context.scene.is_referenced(element)) p.fail("must be nested in a <shape>, or referred to by one");
-    return;
-  } else {
-    p.fail_plugin({"area", "constant", "point"});
-  }
-  p.accept({"sampling_weight"});
-  p.finish();
-  reader.context.description.lights.push_back(std::move(light));
 }
 
 }  // namespace sheaf::mitsuba

@@ -4,8 +4,6 @@
 #include "scene/nori.h"
 #include "scene/read_camera.h"
 
-#include <numbers>
-
 namespace sheaf {
 
 namespace {
@@ -112,14 +110,6 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
   p.finish();
 }
 
-SpectrumDescription read_area_emitter(const XmlElement& element, ReadContext& context) {
-  Properties p(element, context);
-  if (p.type() != "area") p.fail_plugin({"area"});
-  SpectrumDescription radiance = p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
-  p.finish();
-  return radiance;
-}
-
 void read_mesh(const XmlElement& element, ReadContext& context) {
   if (read_instancing(element, context, [&](const XmlElement& e) { read_mesh(e, context); })) return;
   Properties p(element, context);
@@ -135,48 +125,9 @@ void read_mesh(const XmlElement& element, ReadContext& context) {
   }
   shape.to_world = p.transform("toWorld");
   if (const XmlElement* bsdf = p.object("bsdf")) shape.material = nori::read_bsdf(*bsdf, context);
-  if (const XmlElement* emitter = p.object("emitter")) shape.radiance = read_area_emitter(*emitter, context);
+  if (const XmlElement* emitter = p.object("emitter")) shape.radiance = nori::read_area_emitter(*emitter, context);
   p.finish();
   context.description.shapes.push_back(std::move(shape));
-}
-
-/// The same spectrum times `factor`.
-SpectrumDescription scaled(SpectrumDescription spectrum, float factor) {
-  if (auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value)) constant->value *= factor;
-  if (auto* rgb = std::get_if<SpectrumDescription::Rgb>(&spectrum.value)) rgb->value = rgb->value * factor;
-  if (auto* table = std::get_if<SpectrumDescription::Table>(&spectrum.value))
-    for (float& v : table->values) v *= factor;
-  if (auto* blackbody = std::get_if<SpectrumDescription::Blackbody>(&spectrum.value)) blackbody->scale *= factor;
-  return spectrum;
-}
-
-PointLightDescription read_point_light(Properties& p) {
-  PointLightDescription light;
-  light.position = p.vec3("position", {0, 0, 0});
-  const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
-  const auto power = p.find_spectrum("power", SpectrumRole::kEmission);
-  if (intensity && power) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
-  if (intensity) light.intensity = *intensity;
-  if (power) light.intensity = scaled(*power, 1.0f / (4.0f * std::numbers::pi_v<float>));
-  return light;
-}
-
-void read_emitter(const XmlElement& element, ReadContext& context) {
-  Properties p(element, context);
-  LightDescription light;
-  light.where = element.where;
-  if (p.type() == "point") {
-    light.model = read_point_light(p);
-  } else if (p.type() == "constant") {
-    light.model =
-        ConstantLightDescription{p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission)};
-  } else if (p.type() == "area") {
-    p.fail("must be nested in a <mesh>");
-  } else {
-    p.fail_plugin({"area", "constant", "point"});
-  }
-  p.finish();
-  context.description.lights.push_back(std::move(light));
 }
 
 }  // namespace
@@ -200,7 +151,7 @@ void read_nori(ReadContext& context) {
     } else if (child.name == "mesh") {
       read_mesh(child, context);
     } else if (child.name == "emitter") {
-      read_emitter(child, context);
+      nori::read_emitter(child, context);
     } else {
       throw SceneError(child.where,
                        "unknown element <" + child.name + "> in a Nori scene" +

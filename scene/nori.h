@@ -7,6 +7,10 @@ namespace sheaf::nori {
 
 /// Appends the material of a <bsdf>.
 MaterialId read_bsdf(const XmlElement& element, ReadContext& context);
+/// The radiance of an area light.
+SpectrumInput read_area_emitter(const XmlElement& element, ReadContext& context);
+/// Appends a light that is not on a mesh.
+void read_emitter(const XmlElement& element, ReadContext& context);
 /// A TextureReader.
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context);
 

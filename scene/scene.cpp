@@ -20,8 +20,15 @@ SceneView Scene::view() const {
                 triangles_.data(), attributes_.empty() ? 0u : static_cast<std::uint32_t>(shapes_.size())};
   v.lights = lights_.data();
   v.light_alias = light_alias_.data();
+  v.light_tree = light_tree_.view();
+  v.bounded_light_count = bounded_light_count_;
   v.triangle_alias = triangle_alias_.data();
   v.light_triangles = light_triangles_.data();
+  v.light_frames = light_frames_.data();
+  v.light_uvs = light_uvs_.data();
+  v.light_powers = light_powers_.data();
+  v.envmap = envmap_.view();
+  v.has_textured_lights = has_textured_lights_;
   v.shape_count = static_cast<std::uint32_t>(shapes_.size());
   v.material_count = static_cast<std::uint32_t>(materials_.size());
   v.light_count = static_cast<std::uint32_t>(lights_.size());
@@ -47,7 +54,9 @@ SceneInfo Scene::info() const {
                      bytes_of(materials_) + bytes_of(bindings_) +
                      bytes_of(normal_maps_) + bytes_of(textures_.rows) + textures_.tile_count * sizeof(TexelTile) +
                      bytes_of(attributes_) + bytes_of(attribute_values_) + bytes_of(lights_) +
-                     bytes_of(light_alias_) + bytes_of(triangle_alias_) + bytes_of(light_triangles_);
+                     bytes_of(light_alias_) + bytes_of(triangle_alias_) + bytes_of(light_triangles_) +
+                     bytes_of(light_frames_) + bytes_of(light_uvs_) + bytes_of(light_powers_) + bytes_of(light_tree_.nodes) +
+                     bytes_of(light_tree_.trails) + envmap_.bytes();
   info.accel_bytes = accel_->bytes();
   return info;
 }

@@ -6,7 +6,9 @@
 #include "scene/accel.h"
 #include "scene/camera.h"
 #include "scene/description.h"
+#include "scene/envmap.h"
 #include "scene/filter.h"
+#include "scene/light_tree.h"
 #include "scene/material.h"
 #include "scene/texture.h"
 
@@ -34,7 +36,7 @@ struct ShapeRow {
   std::uint32_t first_vertex = 0;    ///< meshes: into SceneView::vertices
   std::uint32_t flags = 0;           ///< ShapeFlags
   std::uint32_t material = 0;          ///< into SceneView::materials
-  std::uint32_t light = kNone;         ///< into SceneView::lights, kNone: does not emit
+  std::uint32_t light = kNone;         ///< into SceneView::lights, in groups from the instance's first on; kNone: does not emit
   std::uint32_t triangle_count = 0;
   std::uint32_t unused = 0;
 };
@@ -65,26 +67,52 @@ struct alignas(64) InstanceRow {
   float determinant;          ///< of its linear part; negative if it mirrors
   std::uint32_t first_shape;  ///< of the group; into SceneView::shapes
   std::uint32_t group;        ///< index of the group
-  std::uint32_t unused;
+  std::uint32_t first_light;  ///< into SceneView::lights
 };
 static_assert(sizeof(InstanceRow) == 64);
 
-enum class LightKind : std::uint32_t { kPoint, kConstant, kMesh, kSphere, kQuadric };
+enum class LightKind : std::uint32_t {
+  kPoint, kConstant, kMesh, kSphere, kQuadric,
+  kSpot,        ///< linear in the angle
+  kSmoothSpot,  ///< a smooth step in the angle's cosine
+  kDirectional, kProjector, kEnvmap
+};
 
-/// One light. Sixteen words.
+/// One light. Those that shine from outside of the scene stand behind the others. Sixteen words.
 struct LightRow {
   std::uint32_t kind = 0;            ///< LightKind
   std::uint32_t shape = kNone;       ///< area lights
-  std::uint32_t first_triangle = 0;  ///< kMesh: into SceneView::triangle_alias and light_triangles
+  std::uint32_t first_triangle = 0;  ///< kMesh: into triangle_alias and light_triangles; kSphere, kQuadric: into quadrics
   std::uint32_t triangle_count = 0;
-  float radiance[4] = {};   ///< kPoint: intensity (W / sr), others: radiance (W / (m^2 sr))
-  float position[3] = {};   ///< kPoint, kSphere: centre; metres
+  /// Radiance (W / (m^2 sr)); kPoint, spots, kProjector: intensity (W / sr); kDirectional: irradiance (W / m^2). Where
+  /// there is a texture, what it is multiplied by. kEnvmap: the mean over all directions.
+  float radiance[4] = {};
+  float position[3] = {};   ///< kPoint, spots, kProjector, kSphere (centre): metres; kDirectional: unit vector to the light
   float area = 0;           ///< area lights: of the world-space surface; kQuadric: of the canonical shape
   float radius = 0;         ///< kSphere
-  float pdf_select = 0;     ///< probability with which the light is chosen
-  float unused[2] = {};
+  float unused = 0;
+  std::uint32_t texture = kNone;  ///< into SceneView::textures; kNone: the same everywhere
+  /// Spots, kProjector: into light_frames. Meshes with a texture: into light_uvs, the first triangle's. kSphere,
+  /// kQuadric: bits of the distance by which their points are moved off the surface at least.
+  std::uint32_t detail = 0;
 };
 static_assert(sizeof(LightRow) == 64);
+
+/// What only lights with a direction have. One cache line.
+struct alignas(64) LightFrameRow {
+  float to_light[12];  ///< rows of the 3x4 matrix to the light's space, where it looks along +z
+  /// kSpot: cutoff angle (radians), 1 / (cutoff - beam width), 1 / tan cutoff. kSmoothSpot: cosine of the cutoff angle,
+  /// 1 / (cosine of the beam width less that). kProjector: half the reciprocal width and height of the picture at z = 1.
+  float words[4];
+};
+static_assert(sizeof(LightFrameRow) == 64);
+
+/// Texture coordinates of a triangle of a light, two for each vertex.
+struct LightUvRow {
+  float uv[6];
+  float unused[2];
+};
+static_assert(sizeof(LightUvRow) == 32);
 
 /// One triangle of an area light, with all that sampling a point on it needs. Sixteen words: one cache line instead of
 /// a walk over indices and vertices.
@@ -109,15 +137,22 @@ struct SceneView {
   const NormalMapRow* normal_maps = nullptr;
   TextureView textures;
   const LightRow* lights = nullptr;
-  const AliasEntry* light_alias = nullptr;
+  const AliasEntry* light_alias = nullptr;  ///< by power
+  LightTreeView light_tree;                 ///< over the lights below bounded_light_count
+  std::uint32_t bounded_light_count = 0;
   const AliasEntry* triangle_alias = nullptr;
   const LightTriangleRow* light_triangles = nullptr;
+  const LightFrameRow* light_frames = nullptr;
+  const LightUvRow* light_uvs = nullptr;
+  const Vec3f* light_powers = nullptr;  ///< of every light, W in R, G and B; see light_power()
+  EnvmapView envmap;                    ///< if the environment is one
+  bool has_textured_lights = false;     ///< whether any area light has a texture
   std::uint32_t shape_count = 0, material_count = 0, light_count = 0;
   std::uint32_t bucket_count = 1;
   std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
   std::uint32_t kind_flags[kClosureKinds] = {};        ///< MaterialFlags of all materials of a kind
   bool has_composites = false;                         ///< whether any material is a choice between others
-  std::uint32_t environment = kNone;                   ///< light row of the constant environment
+  std::uint32_t environment = kNone;                   ///< light row of the environment, kConstant or kEnvmap
   Vec3f center{};                                      ///< of the bounding sphere
   float radius = 0;
   SamplerView sampler;
@@ -167,7 +202,14 @@ class Scene {
   std::vector<float> attribute_values_;
   std::vector<LightRow> lights_;
   std::vector<AliasEntry> light_alias_, triangle_alias_;
+  LightTree light_tree_;
+  std::uint32_t bounded_light_count_ = 0;
   std::vector<LightTriangleRow> light_triangles_;
+  std::vector<LightFrameRow> light_frames_;
+  std::vector<LightUvRow> light_uvs_;
+  std::vector<Vec3f> light_powers_;
+  Envmap envmap_;
+  bool has_textured_lights_ = false;
   std::uint32_t bucket_count_ = 1;
   std::uint32_t bucket_begin_[kClosureKinds + 1] = {};
   std::uint32_t kind_flags_[kClosureKinds] = {};

@@ -12,25 +12,6 @@ namespace sheaf {
 
 namespace {
 
-/// The channels that make a texel: one or three indices.
-std::vector<std::size_t> choose_channels(const std::vector<std::string>& names, const SourceLocation& where) {
-  std::vector<std::size_t> color;
-  for (const char* name : {"R", "G", "B"}) {
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found != names.end()) color.push_back(static_cast<std::size_t>(found - names.begin()));
-  }
-  if (color.size() == 3) return color;
-  std::vector<std::size_t> others;
-  for (std::size_t c = 0; c < names.size(); ++c) {
-    if (names[c] == "Y") return {c};
-    if (names[c] != "A" || names.size() == 1) others.push_back(c);
-  }
-  if (others.size() == 1) return others;
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  throw SceneError(where, "the picture has the channels " + list + ", where R, G, B or Y (and A) are expected");
-}
-
 /// Calls f(texel's index in tiled order, pixel's index) for every pixel, which count from the upper left.
 template <class F> void for_each_texel(const TiledImage& image, F&& f) {
   const int shift = tile_shift(image.format);
@@ -74,10 +55,28 @@ void prepare_floats(Picture& picture, const std::vector<std::size_t>& channels, 
 
 }  // namespace
 
+std::vector<std::size_t> texture_channels(const std::vector<std::string>& names, const SourceLocation& where) {
+  std::vector<std::size_t> color;
+  for (const char* name : {"R", "G", "B"}) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end()) color.push_back(static_cast<std::size_t>(found - names.begin()));
+  }
+  if (color.size() == 3) return color;
+  std::vector<std::size_t> others;
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    if (names[c] == "Y") return {c};
+    if (names[c] != "A" || names.size() == 1) others.push_back(c);
+  }
+  if (others.size() == 1) return others;
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  throw SceneError(where, "the picture has the channels " + list + ", where R, G, B or Y (and A) are expected");
+}
+
 TiledImage load_tiled_image(const std::filesystem::path& file, bool raw) {
   const SourceLocation where{file.string(), 0};
   Picture picture = read_picture(file);
-  const std::vector<std::size_t> channels = choose_channels(picture.channels, where);
+  const std::vector<std::size_t> channels = texture_channels(picture.channels, where);
   const bool bytes = !picture.bytes.empty(), grey = channels.size() == 1;
 
   TiledImage image;

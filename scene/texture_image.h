@@ -13,6 +13,9 @@ struct TiledImage {
   std::vector<TexelTile> tiles;
 };
 
+/// The channels that make a texel, of a picture's: one index or three. Throws SceneError at `where` if it has none.
+std::vector<std::size_t> texture_channels(const std::vector<std::string>& names, const SourceLocation& where);
+
 /// Reads a picture: grey (with or without alpha) becomes one channel, colours four, of which the last is zero; alpha is
 /// dropped and nothing is multiplied by it. 8-bit data stays as it is, so that `raw` makes no difference; integers of
 /// 16 bits and more become floats, which unless `raw` are decoded by the sRGB curve. Floats mean linear values. Throws

@@ -203,7 +203,24 @@ inline std::string dump(const LightDescription& light) {
                           out << "point " << v.position.x << ' ' << v.position.y << ' ' << v.position.z << ' '
                               << dump(v.intensity);
                         },
-                        [&](const ConstantLightDescription& v) { out << "constant " << dump(v.radiance); }},
+                        [&](const ConstantLightDescription& v) { out << "constant " << dump(v.radiance); },
+                        [&](const SpotLightDescription& v) {
+                          out << "spot " << static_cast<int>(v.falloff) << ' ' << dump(v.to_world) << dump(v.intensity)
+                              << ' ' << v.cutoff_angle << ' ' << v.beam_width;
+                          if (v.texture) out << " texture " << static_cast<unsigned>(*v.texture);
+                        },
+                        [&](const DirectionalLightDescription& v) {
+                          out << "directional " << v.direction.x << ' ' << v.direction.y << ' ' << v.direction.z << ' '
+                              << dump(v.irradiance);
+                        },
+                        [&](const ProjectorDescription& v) {
+                          out << "projector " << dump(v.to_world) << dump(v.irradiance) << ' ' << v.scale << ' ' << v.fov
+                              << ' ' << static_cast<int>(v.fov_axis);
+                        },
+                        [&](const EnvmapDescription& v) {
+                          out << "envmap " << v.file.filename() << ' ' << v.scale << ' ' << dump(v.to_world)
+                              << v.mis_compensation;
+                        }},
              light.model);
   return out.str();
 }

@@ -61,7 +61,7 @@ Lights mixed_lights(std::uint32_t count, std::uint32_t seed = 1) {
   return lights;
 }
 
-LightChoice<Scalar> draw_light(const LightTree& tree, Vec3f p, Vec3f n, float u) {
+LightTreeSample<Scalar> draw_light(const LightTree& tree, Vec3f p, Vec3f n, float u) {
   return sample_light_tree<Scalar>(tree.view(), p, n, true, u);
 }
 double probability(const LightTree& tree, Vec3f p, Vec3f n, std::uint32_t light) {

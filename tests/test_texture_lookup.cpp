@@ -1,5 +1,5 @@
 // Texture lookups against a reference in double precision: formats, wrapping, filters, gradients, boards, attributes.
-#include "kernels/texture_lookup.h"
+#include "scene/texture_lookup.h"
 
 #include "core/color.h"
 #include "core/exr.h"

@@ -1,0 +1,58 @@
+// Environment maps: radiance by direction from a picture, with tables to sample it in proportion to its brightness.
+//
+// Node (i, j) of W columns and H rows lies at u = (i + 1/2) / W, which goes round, and v = j / (H - 1) of the unit
+// square; u is the longitude, atan2(x, -z) / 2 pi, and v the polar angle from +y, over pi, in the map's space. Radiance
+// and density are bilinear in between.
+#pragma once
+
+#include "core/error.h"
+#include "core/vec.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace sheaf {
+
+/// What kernels see of an environment map.
+struct EnvmapView {
+  /// Row by row from +y, four floats to a node: radiance in R, G and B, and the density of sampling at the node, per
+  /// unit of the square.
+  const float* nodes = nullptr;
+  /// H - 1 cells of rows: the probability of all before it, and 1 at the end.
+  const float* marginal = nullptr;
+  /// For each row of nodes, W + 1 sums: the integral of the density from the first node's u on, in units of 1 / W.
+  const float* conditional = nullptr;
+  std::uint32_t width = 0, height = 0;  ///< W >= 1, H >= 2
+  float to_map[9] = {};                 ///< rows of the orthogonal matrix from world space
+};
+
+/// Owns the tables of an environment map.
+struct Envmap {
+  std::vector<float> nodes, marginal, conditional;
+  std::uint32_t width = 0, height = 0;
+  float to_map[9] = {};
+  Vec3f mean{};  ///< radiance averaged over all directions; zero: the map is black, or there is none
+
+  EnvmapView view() const;
+  std::size_t bytes() const { return (nodes.capacity() + marginal.capacity() + conditional.capacity()) * sizeof(float); }
+};
+
+/// A picture in linear Rec.709, three floats to a pixel, row by row from the top.
+struct EnvmapPicture {
+  std::uint32_t width = 0, height = 0;
+  std::vector<float> rgb;
+};
+
+/// Builds the tables. `mis_compensation` takes the mean brightness off the density, so that directions of less than it
+/// are not sampled at all and left to BSDF sampling (Karlik et al., "MIS Compensation", 2019). Values that are negative
+/// or not finite become 0. to_map is left at identity. Throws SceneError for pictures of more than 2^28 pixels.
+Envmap make_envmap(const EnvmapPicture& picture, float scale, bool mis_compensation);
+
+/// Reads a picture: integers are decoded by the sRGB curve, grey stands for all channels, alpha is dropped. Throws
+/// SceneError if it is missing, broken, too large or has channels without a meaning.
+EnvmapPicture read_envmap_picture(const std::filesystem::path& file);
+
+/// How many values of the picture are negative or not finite.
+std::size_t count_unusable(const EnvmapPicture& picture);
+
+}  // namespace sheaf
