@@ -1,6 +1,6 @@
 // What choosing a light from a light tree costs per item, and telling the probability of one, by the number of lights:
-// one path at a time and in registers, at points anywhere among the lights. "per_item" is in seconds; "per_level" divides
-// it by the mean depth of the lights that are drawn. And what building the tree costs.
+// one path at a time and in registers, at points anywhere among the lights. "per_item" is in seconds; "per_level"
+// divides it by the mean depth of the lights that are drawn. And what building the tree costs.
 #include "core/rng.h"
 #include "core/warp.h"
 #include "kernels/light_tree.h"
@@ -106,8 +106,8 @@ template <class L> void probability(benchmark::State& state, std::uint32_t count
     for (int i = 0; i < kItems; i += L::width) {
       Uint<L> light;
       load(items.light + i, light);
-      store(items.out + i, light_tree_probability<L>(tree.view(), load_vector<L>(items.p, i), load_vector<L>(items.n, i),
-                                                     Mask<L>(true), light, Mask<L>(true)));
+      const Vec3<L> p = load_vector<L>(items.p, i), n = load_vector<L>(items.n, i);
+      store(items.out + i, light_tree_probability<L>(tree.view(), p, n, Mask<L>(true), light, Mask<L>(true)));
     }
     benchmark::ClobberMemory();
   }

@@ -15,7 +15,9 @@ float emitted_power(double peak_intensity) {
   return static_cast<float>(std::clamp(double(kPi) * peak_intensity, 1e-30, 1e30));
 }
 
-Vec3f to_float3(const Vec3d& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])}; }
+Vec3f to_float3(const Vec3d& v) {
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
 
 Vec3d cross3(const float* a, const float* b) {
   Vec3d out;

@@ -98,13 +98,14 @@ LightNodeRow make_row(const Cluster& cluster, double pair_power, std::uint32_t l
   return row;
 }
 
-/// A plane across one axis: lights of bucket <= `bucket` go to the first child.
+/// A plane across one axis; lights of bucket <= `bucket` go to the first child.
 struct Split {
   std::size_t axis = 0;
   int bucket = 0;
   double cost = kLargest;
 };
 
+/// Divides ranges of `order_` from the root down; bounds come back up.
 class Builder {
  public:
   explicit Builder(std::span<const LightBounds> lights) {
@@ -113,7 +114,7 @@ class Builder {
     scratch_.resize(lights.size());
     for (std::size_t i = 0; i < lights.size(); ++i) {
       if (!is_sound(lights[i]))
-        throw SceneError("light " + std::to_string(i) + " has bounds that are not finite, expected a box and a unit axis");
+        throw SceneError("light " + std::to_string(i) + " has no finite bounds, expected a box and a unit axis");
       clusters_.push_back(make_cluster(lights[i]));
       order_[i] = static_cast<std::uint32_t>(i);
     }
@@ -160,7 +161,8 @@ class Builder {
       }
     }
     const double power = children[0].power + children[1].power;
-    for (std::size_t side = 0; side < 2; ++side) tree_.nodes[first + side] = make_row(children[side], power, links[side]);
+    for (std::size_t side = 0; side < 2; ++side)
+      tree_.nodes[first + side] = make_row(children[side], power, links[side]);
     children[0].add(children[1]);
     return children[0];
   }
@@ -228,7 +230,7 @@ class Builder {
       const double ca = centroid(a, axis), cb = centroid(b, axis);
       return ca != cb ? ca < cb : a < b;
     };
-    const auto at = [](std::vector<std::uint32_t>& v, std::size_t i) { return v.begin() + static_cast<std::ptrdiff_t>(i); };
+    const auto at = [](auto& lights, std::size_t i) { return lights.begin() + static_cast<std::ptrdiff_t>(i); };
     const std::size_t middle = begin + (end - begin) / 2;
     std::copy(at(order_, begin), at(order_, end), at(scratch_, begin));
     std::nth_element(at(scratch_, begin), at(scratch_, middle), at(scratch_, end), less);

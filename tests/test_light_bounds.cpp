@@ -75,7 +75,7 @@ TEST_CASE("light bounds: light of every kind of shape arrives only where the tre
       CHECK(t.outside == 0);
     }
     // Flat lights and nearly flat ones leave a good part of space dark.
-    CHECK(tallies[0].unlit > 1000);
+    CHECK(tallies[0].unlit > 500);
     CHECK(tallies[3].unlit > 3000);
     CHECK(tallies[4].unlit > 3000);
   }
@@ -94,9 +94,12 @@ TEST_CASE("light bounds: power is pi times the intensity of the brightest direct
   CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row, back}, 5).cos_theta_o == doctest::Approx(-1));
 
   const Transform doubled = Transform::scale({2, 2, 2});
-  CHECK(quadric_light_bounds(make_quadric(ShapeKind::kSphere, doubled, false), 3).power == doctest::Approx(kPi * 3 * kPi * 4));
-  CHECK(quadric_light_bounds(make_quadric(ShapeKind::kDisk, doubled, false), 3).power == doctest::Approx(kPi * 3 * kPi * 4));
-  CHECK(quadric_light_bounds(make_quadric(ShapeKind::kCylinder, doubled, false), 3).power == doctest::Approx(kPi * 3 * 8));
+  const auto power_of = [&](ShapeKind kind) {
+    return quadric_light_bounds(make_quadric(kind, doubled, false), 3).power;
+  };
+  CHECK(power_of(ShapeKind::kSphere) == doctest::Approx(kPi * 3 * kPi * 4));
+  CHECK(power_of(ShapeKind::kDisk) == doctest::Approx(kPi * 3 * kPi * 4));
+  CHECK(power_of(ShapeKind::kCylinder) == doctest::Approx(kPi * 3 * 8));
   CHECK(point_light_bounds({1, 2, 3}, 7).power == doctest::Approx(kPi * 7));
   CHECK(spot_light_bounds({1, 2, 3}, {0, 0, 1}, 0.5f, 7).power == doctest::Approx(kPi * 7));
 }
@@ -104,14 +107,16 @@ TEST_CASE("light bounds: power is pi times the intensity of the brightest direct
 TEST_CASE("light bounds: a spot is chosen inside of its cone alone") {
   for (const float cos_total : {0.999f, 0.7f, 0.0f, -0.5f}) {
     const Vec3f axis = normalize(Vec3f{1, 2, -1});
-    const LightTree tree = build_light_tree(std::vector<LightBounds>{spot_light_bounds({3, 2, 1}, axis, cos_total, 2)});
+    const LightBounds spot = spot_light_bounds({3, 2, 1}, axis, cos_total, 2);
+    const LightTree tree = build_light_tree(std::vector<LightBounds>{spot});
     int missed = 0, wasted = 0, inside = 0;
     for (std::uint32_t i = 0; i < 20000; ++i) {
       const auto u = lane_random(5, i, 0);
       const Vec3f around = square_to_sphere<Scalar>(u.x, u.y);
       const Vec3f w = i % 2 == 0 ? around : normalize(axis + around * 0.06f);
       const bool lit = dot(w, axis) > cos_total;
-      const bool chosen = light_tree_probability<Scalar>(tree.view(), Vec3f{3, 2, 1} + w * 50.0f, {}, false, 0, true) > 0;
+      const Vec3f p = spot.lower + w * 50.0f;
+      const bool chosen = light_tree_probability<Scalar>(tree.view(), p, {}, false, 0, true) > 0;
       inside += lit;
       missed += lit && !chosen;
       wasted += chosen && std::acos(dot(w, axis)) > std::acos(cos_total) + 0.005f;
@@ -127,7 +132,8 @@ TEST_CASE("light bounds: awkward lights") {
   CHECK(empty.power > 0);
   LightTriangleRow sliver{};
   sliver.edge1[0] = sliver.edge2[0] = 1;
-  const LightTree tree = build_light_tree(std::vector<LightBounds>{empty, mesh_light_bounds(std::vector<LightTriangleRow>{sliver}, 1)});
+  const LightBounds no_area = mesh_light_bounds(std::vector<LightTriangleRow>{sliver}, 1);
+  const LightTree tree = build_light_tree(std::vector<LightBounds>{empty, no_area});
   CHECK(tree.nodes.size() == 2);
   LightRow environment;
   environment.kind = static_cast<std::uint32_t>(LightKind::kConstant);

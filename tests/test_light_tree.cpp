@@ -36,8 +36,8 @@ Vec3f place(std::uint32_t stream, std::uint32_t i, float extent) {
 
 LightBounds point_at(Vec3f p, float power = 1) { return {p, p, {0, 0, 1}, -1, 0, power, false}; }
 
-/// Lights of every kind within 10 units of the origin, with powers over four decades: points, small flat emitters of one
-/// side and of two, spots, and rounded ones.
+/// Lights of every kind within 10 units of the origin, with powers over four decades: points, small flat emitters of
+/// one side and of two, spots, and rounded ones.
 Lights mixed_lights(std::uint32_t count, std::uint32_t seed = 1) {
   Lights lights;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -80,7 +80,8 @@ struct Survey {
 };
 
 /// Boxes are not kept; spheres of children need not nest, but those of leaves must lie around the lights.
-void survey(const LightTree& tree, const Lights& lights, std::uint32_t first, std::uint32_t trail, int level, Survey& out) {
+void survey(const LightTree& tree, const Lights& lights, std::uint32_t first, std::uint32_t trail, int level,
+            Survey& out) {
   REQUIRE(first + 1 < tree.nodes.size());
   REQUIRE(level < kMaxLightTreeDepth);
   for (std::uint32_t side = 0; side < 2; ++side) {
@@ -120,8 +121,9 @@ bool can_shine(const LightBounds& light, std::uint32_t i, Vec3f p) {
   const double theta_o = std::acos(double(light.cos_theta_o));
   const auto frame = Frame<Scalar>::from_normal(light.axis);
   const double theta = theta_o * (i % 3 == 0 ? 1.0 : double(v.x)), turn = 6.2831853 * v.y;
-  const Vec3f normal = frame.to_world({static_cast<float>(std::sin(theta) * std::cos(turn)),
-                                       static_cast<float>(std::sin(theta) * std::sin(turn)), static_cast<float>(std::cos(theta))});
+  const Vec3f local{static_cast<float>(std::sin(theta) * std::cos(turn)),
+                    static_cast<float>(std::sin(theta) * std::sin(turn)), static_cast<float>(std::cos(theta))};
+  const Vec3f normal = frame.to_world(local);
   const Vec3f to_p = p - y;
   const double distance = std::sqrt(double(length_squared(to_p)));
   if (!(distance > 1e-6)) return false;
@@ -233,7 +235,8 @@ TEST_CASE("light tree: registers agree with single values") {
         wrong += std::fabs(single.probability - choice.probability[k]) > 1e-4 * single.probability;
         wrong += std::fabs(single.remapped - choice.remapped[k]) > 0.05f;
       }
-      const float q = lane_of(asked, k) ? light_tree_probability<Scalar>(tree.view(), p_of(k), n_of(k), has(k), light[k], true) : 0;
+      const bool is_asked = lane_of(asked, k);
+      const float q = light_tree_probability<Scalar>(tree.view(), p_of(k), n_of(k), has(k), light[k], is_asked);
       wrong += std::fabs(q - probabilities[k]) > 1e-4 * q;
     }
   }
@@ -279,6 +282,18 @@ TEST_CASE("light tree: grazing light keeps its probability") {
   }
 }
 
+TEST_CASE("light tree: one light of two sides among others of one shines behind them all") {
+  Lights lights;
+  for (std::uint32_t i = 0; i < 16; ++i) {
+    LightBounds flat = point_at({static_cast<float>(i), 0, 0});
+    flat.cos_theta_o = 1;
+    flat.two_sided = i == 5;
+    lights.push_back(flat);
+  }
+  const LightTree tree = build_light_tree(lights);
+  for (std::uint32_t i = 0; i < 16; ++i) CHECK(probability(tree, {3, 2, -40}, {}, i) == (i == 5 ? 1.0 : 0.0));
+}
+
 TEST_CASE("light tree: far away, lights are chosen by power over squared distance") {
   // Small groups of lights, far from each other and from the point, which lies in the middle.
   Lights lights;
@@ -300,10 +315,59 @@ TEST_CASE("light tree: far away, lights are chosen by power over squared distanc
   for (std::uint32_t i = 0; i < 20; ++i)
     worst = std::max(worst, std::fabs(probability(small, {}, {}, i) / (ideal[i] / cloud_sum) - 1));
   CHECK(worst < 0.02);
+  // In a row of which the far end gets an eightieth of the near one: a node counts by the distance of its middle.
+  Lights row;
+  std::vector<double> row_ideal;
+  double row_sum = 0;
+  for (std::uint32_t i = 0; i < 16; ++i) {
+    const float distance = 2000 * std::pow(1.16f, static_cast<float>(i));
+    row.push_back(point_at({0.01f * static_cast<float>(i), 1, distance}, 1 + numbers(64, i).x));
+    row_ideal.push_back(row.back().power / double(length_squared(row.back().lower)));
+    row_sum += row_ideal.back();
+  }
+  const LightTree line = build_light_tree(row);
+  for (std::uint32_t i = 0; i < 16; ++i) {
+    const double ratio = probability(line, {}, {}, i) / (row_ideal[i] / row_sum);
+    CHECK(ratio > 1 / 3.0);
+    CHECK(ratio < 3.0);
+  }
   // With nodes around the point, the bound is loose: within a small factor on average.
   double mean = 0;
   for (std::uint32_t i = 0; i < 400; ++i) mean += ideal[i] / sum * (ideal[i] / sum) / probability(tree, {}, {}, i);
   CHECK(mean < 3.0);
+}
+
+TEST_CASE("light tree: two lights share by the cosines at either end, their distances and powers") {
+  // At one distance, 60 and 0 degrees from the normal; then with that normal turned round, or none.
+  const Vec3f aslant = Vec3f{std::sqrt(0.75f), 0, 0.5f} * 5.0f, overhead{0, 0, 5};
+  const LightTree points = build_light_tree(Lights{point_at(aslant, 3), point_at(overhead, 3)});
+  CHECK(probability(points, {}, {0, 0, 1}, 0) == doctest::Approx(1 / 3.0));
+  CHECK(probability(points, {}, {0, 0, -1}, 0) == doctest::Approx(1 / 3.0));
+  CHECK(probability(points, {}, {}, 0) == doctest::Approx(0.5));
+  CHECK(light_tree_probability<Scalar>(points.view(), {}, {0, 0, 1}, false, 0, true) == doctest::Approx(0.5));
+  CHECK(sample_light_tree<Scalar>(points.view(), {}, {0, 0, 1}, false, 0.4f).probability == doctest::Approx(0.5));
+  const LightTree unequal = build_light_tree(Lights{point_at({0, 0, 5}, 1), point_at({0, 0, -10}, 2)});
+  CHECK(probability(unequal, {}, {0, 0, 1}, 0) == doctest::Approx(2 / 3.0));
+  CHECK(draw_light(unequal, {}, {0, 0, 1}, 0.1f).probability + draw_light(unequal, {}, {0, 0, 1}, 0.9f).probability ==
+        doctest::Approx(1));
+  // Flat lights of which one looks past the point, by 60 degrees; a cone of normals takes 20 of them away.
+  LightBounds past = point_at(overhead), direct = point_at(overhead);
+  past.axis = {std::sqrt(0.75f), 0, -0.5f};
+  direct.axis = {0, 0, -1};
+  past.cos_theta_o = direct.cos_theta_o = 1;
+  const auto share_of_past = [&](Vec3f p) { return probability(build_light_tree(Lights{past, direct}), p, {}, 0); };
+  CHECK(share_of_past({}) == doctest::Approx(1 / 3.0));
+  past.cos_theta_o = std::cos(kPi / 9);
+  CHECK(share_of_past({}) == doctest::Approx(std::cos(kPi / 4.5) / (1 + std::cos(kPi / 4.5))));
+  past.cos_theta_o = 1;
+  past.two_sided = direct.two_sided = true;
+  CHECK(share_of_past({0, 0, 10}) == doctest::Approx(1 / 3.0));
+  // A sphere of light: seen under 30 degrees, it bounds both cosines by as much.
+  past.two_sided = direct.two_sided = false;
+  const float half = 2.5f / std::sqrt(3.0f);
+  past.lower = past.lower - Vec3f{half, half, half};
+  past.upper = past.upper + Vec3f{half, half, half};
+  CHECK(share_of_past({}) == doctest::Approx(std::sqrt(0.75) / (1 + std::sqrt(0.75))).epsilon(1e-4));
 }
 
 TEST_CASE("light tree: awkward lights") {
@@ -346,7 +410,7 @@ TEST_CASE("light tree: awkward lights") {
   SUBCASE("extremes of power and place") {
     Lights lights;
     for (int i = 0; i < 60; ++i)
-      lights.push_back(point_at(direction(71, static_cast<std::uint32_t>(i)) * std::pow(10.0f, i % 2 == 0 ? 37.0f : -37.0f),
+      lights.push_back(point_at(direction(71, static_cast<std::uint32_t>(i)) * (i % 2 == 0 ? 1e37f : 1e-37f),
                                 i % 3 == 0 ? 1e38f : 1e-38f));
     const LightTree tree = checked_tree(lights);
     for (const Vec3f& p : {Vec3f{}, Vec3f{1, 1, 1}, Vec3f{3e38f, 0, 0}}) {
