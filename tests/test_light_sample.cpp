@@ -52,7 +52,8 @@ Meeting meet(const SceneView& scene, Vec3f from, Vec3f direction, float t_near) 
   const auto y = surface_at(scene, from, direction, *hit);
   const bool lit = dot(direction, y.ng) < 0;
   const auto light = load_lights<Scalar>(scene, shape.light);
-  return {true, hit->t, lit ? light_pdf_solid_angle<Scalar>(scene, light, true, from, direction, hit->t, y.ng) : 0};
+  const float choice = choice_probability<Scalar>(scene, {from, {}}, shape.light);
+  return {true, hit->t, lit ? choice * light_pdf_solid_angle<Scalar>(scene, light, true, from, direction, hit->t, y.ng) : 0};
 }
 
 /// Density of sample_light() in a direction: the sum over all surfaces that emit along it.
@@ -323,14 +324,15 @@ Description many_lights() {
 }  // namespace
 
 TEST_CASE("light sampling: lights are selected in proportion to their power") {
-  const Description d = many_lights();
+  Description d = many_lights();
+  d.integrator.light_selector = LightSelector::kPower;
   const auto scene = compile_scene(d);
   const SceneView view = scene->view();
   REQUIRE(view.light_count == 8);
   double sum = 0;
-  for (std::uint32_t i = 0; i < view.light_count; ++i) sum += view.lights[i].pdf_select;
+  for (std::uint32_t i = 0; i < view.light_count; ++i) sum += view.light_alias[i].pdf;
   CHECK(sum == doctest::Approx(1).epsilon(1e-6));
-  const auto pdf = [&](std::size_t i) { return double(view.lights[i].pdf_select); };
+  const auto pdf = [&](std::size_t i) { return double(view.light_alias[i].pdf); };
   const double pi = kPi, rectangle = pi * 4 * 1;
   CHECK(pdf(1) / pdf(0) == doctest::Approx(pi * (4 * pi * 0.25) * 2 / rectangle).epsilon(1e-5));
   CHECK(pdf(2) / pdf(0) == doctest::Approx(pi * pi * 3 / rectangle).epsilon(1e-5));
