@@ -342,8 +342,8 @@ MaterialId add_mtl_material(const MtlMaterial& material, bool flip_tex_coords, D
 
 void expand_obj_materials(Description& description) {
   MaterialLibraries libraries(description);
-  expand(description.shapes, true, libraries);
-  for (ShapeGroup& group : description.groups) expand(group.shapes, false, libraries);
+  expand(description.shapes, libraries);
+  for (ShapeGroup& group : description.groups) expand(group.shapes, libraries);
 }
 
 }  // namespace sheaf

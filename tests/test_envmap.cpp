@@ -3,6 +3,7 @@
 #include "kernels/envmap.h"
 
 #include "core/exr.h"
+#include "core/frame.h"
 #include "kernels/passes/render.h"
 #include "scene/compile.h"
 #include "scene/light.h"
@@ -14,6 +15,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 namespace sheaf {
@@ -24,12 +26,13 @@ constexpr double kPiD = std::numbers::pi;
 constexpr int kTests = 8;  // chi-square tests in this file
 
 EnvmapPicture picture_of(std::uint32_t width, std::uint32_t height, const std::function<Vec3f(std::uint32_t, std::uint32_t)>& f) {
-  EnvmapPicture p{width, height, {}};
-  for (std::uint32_t y = 0; y < height; ++y)
-    for (std::uint32_t x = 0; x < width; ++x) {
-      const Vec3f v = f(x, y);
-      p.rgb.insert(p.rgb.end(), {v.x, v.y, v.z});
-    }
+  EnvmapPicture p{width, height, std::vector<float>(3 * std::size_t{width} * height)};
+  for (std::uint32_t i = 0; i < width * height; ++i) {
+    const Vec3f v = f(i % width, i / width);
+    p.rgb[3 * i] = v.x;
+    p.rgb[3 * i + 1] = v.y;
+    p.rgb[3 * i + 2] = v.z;
+  }
   return p;
 }
 

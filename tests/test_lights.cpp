@@ -67,7 +67,7 @@ Description floor_scene() {
   Description d = empty_scene(24, 24);
   d.sampler.sample_count = 256;
   d.integrator.max_depth = 2;
-  look_at(d, {0.5f, 0, 3}, {0, 0, 0}, {0, 1, 0}, 0.01f);
+  look_at(d, {2.8f, 0.1f, 0.3f}, {0, 0, 0}, {0, 0, 1}, 0.01f);
   add_rectangle(d, Transform::scale({3, 3, 3}), add_diffuse(d, 0.5f));
   return d;
 }
@@ -215,6 +215,7 @@ TEST_CASE("lights: pictures on lights of every shape, by every strategy") {
     mesh.triangles = {{0, 1, 2}};
     light(mesh, down, board);
   }
+  SUBCASE("cube") { light(CubeShape{}, down * Transform::scale({0.5f, 0.4f, 0.3f}), board); }
   SUBCASE("disk") { light(DiskShape{}, down * Transform::scale({0.5f, 1, 1}), board); }
   SUBCASE("sphere") { light(SphereShape{}, down * Transform::scale({0.7f, 0.7f, 0.7f}), board); }
   SUBCASE("ellipsoid") { light(SphereShape{}, down * Transform::scale({0.9f, 0.5f, 0.7f}), board); }
