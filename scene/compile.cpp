@@ -382,8 +382,11 @@ class SceneCompiler {
     for (std::uint32_t i = 0; i < view.light_count; ++i) {
       const Vec3f power = light_power(view, i);
       out_->light_powers_.push_back(power);
+      // Much of what an environment sends through the bounding sphere meets nothing: at its full power it would take
+      // the samples of lights inside.
+      constexpr double kEnvironmentShare = 0.25;
+      const double mean = (double(power.x) + power.y + power.z) / 3.0 * (i == view.environment ? kEnvironmentShare : 1.0);
       // Weights must be positive and finite however large the light.
-      const double mean = (double(power.x) + power.y + power.z) / 3.0;
       weights.push_back(static_cast<float>(std::clamp(mean, 1e-30, 1e30)));
     }
     if (weights.empty()) return;

@@ -277,7 +277,7 @@ struct ProjectorDescription {
 };
 
 /// Radiance (W / (m^2 sr)) from all directions outside the scene, from a picture by longitude and latitude: its first
-/// row is +y, its middle column -z, and columns run from +z over -x, -z, +x in the light's space.
+/// row is +y, and its columns run from -z over +x, +z and -x in the light's space.
 struct EnvmapDescription {
   std::filesystem::path file;  ///< resolved
   float scale = 1;

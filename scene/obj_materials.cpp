@@ -286,7 +286,7 @@ std::size_t place(ObjFile& obj, const ShapeDescription& shape, bool smooth_norma
 }
 
 /// The shapes that `shape` becomes; empty if it stays as it is.
-std::vector<ShapeDescription> cut(const ShapeDescription& shape, bool may_emit, MaterialLibraries& libraries) {
+std::vector<ShapeDescription> cut(const ShapeDescription& shape, MaterialLibraries& libraries) {
   const auto& geometry = std::get<MeshFileShape>(shape.geometry);
   ObjFile obj = read_obj_with_materials(geometry.file, geometry.flip_tex_coords);
   const std::vector<const MtlMaterial*> materials = find_materials(obj, geometry.file.string(), libraries);
@@ -307,16 +307,14 @@ std::vector<ShapeDescription> cut(const ShapeDescription& shape, bool may_emit, 
     part.to_world = Transform();
     if (materials[i] != nullptr) {
       part.material = libraries.add(*materials[i], geometry.flip_tex_coords);
-      const bool emits = largest(materials[i]->emission) > 0 && !part.radiance;
-      if (emits && may_emit) part.radiance = spectrum(*materials[i]->emission);
-      if (emits && !may_emit) libraries.note(materials[i]->where, "shapes in a group cannot emit: 'Ke' is ignored");
+      if (largest(materials[i]->emission) > 0 && !part.radiance) part.radiance = spectrum(*materials[i]->emission);
     }
     parts.push_back(std::move(part));
   }
   return parts;
 }
 
-void expand(std::vector<ShapeDescription>& shapes, bool may_emit, MaterialLibraries& libraries) {
+void expand(std::vector<ShapeDescription>& shapes, MaterialLibraries& libraries) {
   std::vector<ShapeDescription> expanded;
   expanded.reserve(shapes.size());
   for (ShapeDescription& shape : shapes) {
@@ -325,7 +323,7 @@ void expand(std::vector<ShapeDescription>& shapes, bool may_emit, MaterialLibrar
     if (file != nullptr && file->format == MeshFileShape::Format::kObj && !shape.material &&
         may_use_materials(file->file)) {
       try {
-        parts = cut(shape, may_emit, libraries);
+        parts = cut(shape, libraries);
       } catch (const SceneError& error) {
         throw SceneError(shape.where, error.what());
       }
@@ -344,8 +342,8 @@ MaterialId add_mtl_material(const MtlMaterial& material, bool flip_tex_coords, D
 
 void expand_obj_materials(Description& description) {
   MaterialLibraries libraries(description);
-  expand(description.shapes, true, libraries);
-  for (ShapeGroup& group : description.groups) expand(group.shapes, false, libraries);
+  expand(description.shapes, libraries);
+  for (ShapeGroup& group : description.groups) expand(group.shapes, libraries);
 }
 
 }  // namespace sheaf

@@ -10,7 +10,7 @@ namespace sheaf {
 /// for each material, a mesh in memory with the same transform, flags and radiance. Faces without a material of the
 /// library have none. Normals of vertices are the same as without the cut. Materials and textures are added to the
 /// description, and notes for what is not supported or not found. A shape without radiance gets the radiance Ke of its
-/// material; in a group, where nothing may emit, that is noted. Throws SceneError for malformed OBJ and MTL files.
+/// material. Throws SceneError for malformed OBJ and MTL files.
 void expand_obj_materials(Description& description);
 
 /// Adds what `material` looks like to the description, with its textures. `flip_tex_coords`: as read_obj() had it. The
