@@ -81,6 +81,10 @@ LightBounds mesh_light_bounds(std::span<const LightTriangleRow> triangles, float
     Vec3d area_vector = cross3(t.edge1, t.edge2);
     const double twice = std::hypot(area_vector[0], area_vector[1], area_vector[2]);
     if (!(twice > 0.0) || !std::isfinite(twice)) continue;
+    // Mirrored instances shine against their winding.
+    const double along = area_vector[0] * t.normal[0] + area_vector[1] * t.normal[1] + area_vector[2] * t.normal[2];
+    if (along < 0.0)
+      for (double& component : area_vector) component = -component;
     Vec3d normal;
     for (std::size_t c = 0; c < 3; ++c) {
       normal[c] = area_vector[c] / twice;

@@ -41,6 +41,7 @@ void read_mitsuba(ReadContext& context) {
   const XmlElement& root = context.scene.root();
   context.read_texture = mitsuba::texture_of;
   mitsuba::Reader reader{context, is_before_version_2(root)};
+  context.exchanges_checkerboards = !is_before_version_2(root);
   const XmlElement* sensor = nullptr;
   const XmlElement* integrator = nullptr;
   for (const XmlElement& child : root.children) {

@@ -3,6 +3,7 @@
 
 #include "core/color.h"
 #include "scene/read_spectrum.h"
+#include "scene/read_texture.h"
 #include "scene/xml_values.h"
 
 #include <algorithm>
@@ -257,7 +258,7 @@ std::optional<ScalarInput> Properties::find_scalar_input(const char* name, Numbe
   if (std::find(std::begin(types), std::end(types), entry->target->name) == std::end(types))
     fail_type(*use(name), "float or texture");
   const std::optional<SpectrumInput> input = find_spectrum_input(name, SpectrumRole::kIor);
-  if (const auto* texture = std::get_if<TextureId>(&*input)) return *texture;
+  if (const auto* texture = std::get_if<TextureId>(&*input)) return scalar_texture(*texture, context_);
   const SpectrumDescription& spectrum = std::get<SpectrumDescription>(*input);
   float number = 0;
   if (const auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value)) {

@@ -25,7 +25,9 @@ struct ReadContext {
   Description& description;
   bool lenient = false;                   ///< unknown properties become notes
   TextureReader read_texture = nullptr;   ///< the dialect's
+  bool exchanges_checkerboards = false;   ///< see scalar_texture()
   std::map<const XmlElement*, SpectrumInput> textures = {};  ///< read so far
+  std::map<TextureId, TextureId> scalar_textures = {};       ///< made so far
   std::set<const XmlElement*> open = {};  ///< objects being read, to find references that go in circles
   std::map<const XmlElement*, std::uint32_t> groups = {};  ///< shape groups read so far, into Description::groups
   bool in_group = false;                                   ///< the shapes of a group are being read

@@ -148,4 +148,21 @@ TextureId add_texture(Properties& p, TextureDescription texture) {
   return index;
 }
 
+TextureId scalar_texture(TextureId texture, ReadContext& context) {
+  std::vector<TextureDescription>& textures = context.description.textures;
+  const auto* squares = std::get_if<CheckerboardDescription>(&textures.at(static_cast<std::size_t>(texture)).model);
+  if (!context.exchanges_checkerboards || squares == nullptr) return texture;
+  if (const auto known = context.scalar_textures.find(texture); known != context.scalar_textures.end())
+    return known->second;
+  CheckerboardDescription exchanged{squares->color1, squares->color0};
+  for (SpectrumInput* value : {&exchanged.color0, &exchanged.color1})
+    if (const auto* nested = std::get_if<TextureId>(value)) *value = scalar_texture(*nested, context);
+  TextureDescription copy = textures.at(static_cast<std::size_t>(texture));
+  copy.model = exchanged;
+  textures.push_back(std::move(copy));
+  const auto index = static_cast<TextureId>(textures.size() - 1);
+  context.scalar_textures.emplace(texture, index);
+  return index;
+}
+
 }  // namespace sheaf

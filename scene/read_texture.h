@@ -20,6 +20,10 @@ const SpectrumInput* find_read_texture(const XmlElement& element, const ReadCont
 /// Appends a texture with the place and id of its element, which is then read.
 TextureId add_texture(Properties& p, TextureDescription texture);
 
+/// The texture that stands for `texture` where a number is wanted: itself, but in the scenes of Mitsuba 2 and 3 a
+/// checkerboard with its two values exchanged, as those renderers look numbers up.
+TextureId scalar_texture(TextureId texture, ReadContext& context);
+
 /// The file, filter and wrapping of a picture.
 BitmapDescription read_bitmap(Properties& p);
 /// Turns a map of uv into one to a picture whose v axis points down.

@@ -1,6 +1,6 @@
 // Lights with a direction, with textures and in instances: closed forms, power, all strategies alike, and registers
 // against single values.
-#include "kernels/light_sample.h"
+#include "tests/light_testing.h"
 #include "kernels/passes/render.h"
 #include "scene/compile.h"
 #include "scene/instance.h"
@@ -27,7 +27,7 @@ template <class Model> std::unique_ptr<Scene> lone(Model model) {
 }
 
 LightSample<Scalar> sample_at(const SceneView& scene, Vec3f from) {
-  return sample_light<Scalar>(scene, from, {0.5f, 0.5f, 0.5f, 0.5f});
+  return sample_any_light<Scalar>(scene, from, {0.5f, 0.5f, 0.5f, 0.5f});
 }
 
 TextureId add_board(Description& d, Vec3f first, Vec3f second) {
@@ -355,7 +355,7 @@ TEST_CASE("lights: no shadow ray to a light of an instance ends in the light its
   int valid = 0, blocked = 0;
   for (std::uint32_t i = 0; i < 20000; ++i) {
     const auto u = random4<Scalar>(11, i, 0, 0);
-    const auto s = sample_light<Scalar>(view, {0, 0, 0.01f}, u);
+    const auto s = sample_any_light<Scalar>(view, {0, 0, 0.01f}, u);
     if (!s.valid) continue;
     ++valid;
     RayPacket packet{};

@@ -414,6 +414,7 @@ TEST_CASE_TEMPLATE("emission: area lights shine from their front, weighted again
   for (const LightStrategy strategy : kStrategies) {
     Description d = empty_scene(4, 4);
     d.integrator.strategy = strategy;
+    d.integrator.light_selector = LightSelector::kPower;
     add_area_light_rectangle(d, Transform::translate({0, 0, 2}) * Transform::rotate({0, 1, 0}, 180), 3);
     add_area_light_rectangle(d, Transform::translate({5, 0, 2}), 3);
     const auto scene = compile_scene(d);
