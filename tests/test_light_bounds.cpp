@@ -88,6 +88,7 @@ TEST_CASE("light bounds: power is pi times the intensity of the brightest direct
   CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row}, 5).power == doctest::Approx(kPi * 5 * 3));
   // Two faces back to back are no brighter than one.
   LightTriangleRow back = row;
+  back.normal[2] = -1;
   std::swap(back.edge1, back.edge2);
   CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row, back}, 5).power == doctest::Approx(kPi * 5 * 3));
   CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row, back}, 5).cos_theta_o == doctest::Approx(-1));

@@ -139,7 +139,7 @@ TEST_CASE("Mitsuba materials: roughness") {
 }
 
 TEST_CASE("Mitsuba materials: textures for every parameter that can have one") {
-  const std::string board = " type='checkerboard'/>";
+  const std::string attribute = " type='mesh_attribute'><string name='name' value='vertex_x'/></texture>";
   struct Case {
     const char* type;
     const char* parameters;  // colours and numbers
@@ -166,7 +166,7 @@ TEST_CASE("Mitsuba materials: textures for every parameter that can have one") {
     std::istringstream names(c.parameters);
     std::string inside;
     int count = 0;
-    for (std::string name; names >> name; ++count) inside += "<texture name='" + name + "'" + board;
+    for (std::string name; names >> name; ++count) inside += "<texture name='" + name + "'" + attribute;
     if (std::string(c.type) == "mask") inside += bsdf("null");
     if (std::string(c.type) == "blendbsdf") inside += bsdf("null") + bsdf("null");
     const Description d = read_text(mitsuba_scene(bsdf(c.type, inside)));
@@ -177,8 +177,30 @@ TEST_CASE("Mitsuba materials: textures for every parameter that can have one") {
       CHECK(contains(text + " ", " texture " + std::to_string(i) + " "));
     }
   }
-  CHECK(material("roughconductor", "<texture name='alpha'" + board) ==
+  CHECK(material("roughconductor", "<texture name='alpha'" + attribute) ==
         "conductor constant 0x1p+0 beckmann texture 0 texture 0");
+}
+
+TEST_CASE("Mitsuba materials: checkerboards change places where they are numbers, but not in scenes of version 0.6") {
+  const std::string text =
+      mitsuba_scene("<bsdf type='mask'><texture name='opacity' type='checkerboard' id='squares'>"
+                    "<float name='color0' value='0.25'/><texture name='color1' type='checkerboard'/></texture>"
+                    "<bsdf type='diffuse'><ref name='reflectance' id='squares'/></bsdf></bsdf>");
+  const auto first = [](const Description& d, TextureId id) {
+    const auto& squares = std::get<CheckerboardDescription>(d.textures.at(static_cast<std::size_t>(id)).model);
+    const auto* value = std::get_if<SpectrumDescription>(&squares.color0);
+    return value != nullptr ? std::get<SpectrumDescription::Constant>(value->value).value : -1.0f;
+  };
+  for (const bool old : {false, true}) {
+    std::string version = text;
+    if (old) version.replace(version.find("3.0.0"), 5, "0.6.0");
+    const Description d = read_text(version);
+    const auto& mask = std::get<MaskDescription>(d.materials.back().model);
+    const auto& diffuse = std::get<DiffuseDescription>(d.materials.at(static_cast<std::size_t>(mask.nested)).model);
+    CHECK(first(d, std::get<TextureId>(mask.opacity)) == (old ? 0.25f : -1.0f));
+    CHECK(first(d, std::get<TextureId>(diffuse.reflectance)) == 0.25f);
+    CHECK(d.textures.size() == (old ? 2 : 4));
+  }
 }
 
 TEST_CASE("Mitsuba materials: metals by name") {
@@ -340,7 +362,8 @@ TEST_CASE("Mitsuba textures: checkerboards, mesh attributes and spectra") {
 
 TEST_CASE("Mitsuba textures: one texture for all that refer to it") {
   const Description d = read_text(mitsuba_scene(
-      "<bsdf type='diffuse'><ref name='reflectance' id='t'/></bsdf><texture type='checkerboard' id='t'/>"
+      "<bsdf type='diffuse'><ref name='reflectance' id='t'/></bsdf><texture type='mesh_attribute' id='t'>" +
+      word("name", "vertex_x") + "</texture>"
       "<bsdf type='principled'><ref name='base_color' id='t'/><ref name='roughness' id='t'/></bsdf>"
       "<texture type='mesh_attribute'><string name='name' value='vertex_color'/></texture>"));
   REQUIRE(d.textures.size() == 2);
