@@ -32,7 +32,8 @@ template <class L>
 SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, const LightRow& light, Vec3<L> direction) {
   using F = Float<L>;
   if (light.kind == static_cast<std::uint32_t>(LightKind::kEnvmap)) return lookup_envmap<L>(scene.envmap, direction);
-  return {{F(light.radiance[0]), F(light.radiance[1]), F(light.radiance[2]), F(light.radiance[3])}, F(kUniformSpherePdf)};
+  const float* le = light.radiance;
+  return {{F(le[0]), F(le[1]), F(le[2]), F(le[3])}, F(kUniformSpherePdf)};
 }
 
 template <class L> SHEAF_INLINE void environment_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
@@ -66,8 +67,8 @@ SHEAF_INLINE void area_light_tile(const SceneView& scene, Wave& wave, const Slot
   const ThroughputState<L> path = wave.throughput.gather<L>(slots);
   RadianceState<L> radiance = wave.radiance.gather<L>(slots);
   const ShapeLanes<L> shape = load_shapes<L>(scene, hit.shape);
-  const auto y = surface_point<L, Textured>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
-                                            hit.instance);
+  const auto y = surface_point<L, Textured>(scene, shape, hit.primitive, hit.u, hit.v,
+                                            ray.origin + ray.direction * hit.t, hit.instance);
   LightLanes<L> light = load_lights<L>(scene, hit.light);
   if constexpr (Textured)
     light.radiance = light.radiance * light_textures<L>(scene, light.texture, L::first(count),

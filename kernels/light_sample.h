@@ -106,7 +106,8 @@ SHEAF_INLINE LightSample<L> sample_mesh(const SceneView& scene, Vec3<L> from, co
 
 /// For the canonical shape's point `x`. Not inlined: textured quadrics are rare.
 template <class L>
-void set_quadric_query(Mask<L> m, const QuadricLanes<L>& q, const LightLanes<L>& light, Vec3<L> x, TextureQuery<L>& query) {
+void set_quadric_query(Mask<L> m, const QuadricLanes<L>& q, const LightLanes<L>& light, Vec3<L> x,
+                       TextureQuery<L>& query) {
   using F = Float<L>;
   const auto y = quadric_surface<L, true>(q, float_bits(q.kind), x);
   set_query<L>(m, {y.uv, light.shape, Uint<L>(0u), F(0.0f), F(0.0f)}, query);
@@ -139,8 +140,8 @@ SHEAF_INLINE LightSample<L> sample_quadric(const SceneView& scene, Vec3<L> from,
 
 /// Directions inside the cone under which the sphere is seen (Pharr et al. 2023, section 6.2.4).
 template <class L>
-SHEAF_INLINE LightSample<L> sample_sphere(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light, Mask<L> active,
-                                          const Random4<L>& u, TextureQuery<L>& query) {
+SHEAF_INLINE LightSample<L> sample_sphere(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light,
+                                          Mask<L> active, const Random4<L>& u, TextureQuery<L>& query) {
   using F = Float<L>;
   using U = Uint<L>;
   const Vec3<L> to_center = light.position - from;
@@ -209,8 +210,8 @@ template <class L> SHEAF_INLINE FrameLanes<L> load_frames(const SceneView& scene
 
 /// A spot of either kind, see SpotLightDescription.
 template <class L>
-SHEAF_INLINE LightSample<L> sample_spot(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light, Mask<L> active,
-                                        TextureQuery<L>& query) {
+SHEAF_INLINE LightSample<L> sample_spot(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light,
+                                        Mask<L> active, TextureQuery<L>& query) {
   using F = Float<L>;
   using U = Uint<L>;
   const auto frame = load_frames<L>(scene, select(active, light.detail, U(0u)));
@@ -228,7 +229,8 @@ SHEAF_INLINE LightSample<L> sample_spot(const SceneView& scene, Vec3<L> from, co
   const auto textured = active & s.valid & (light.texture != U(kNone));
   if (any(textured)) {
     const F scale = F(0.5f) * frame.words[2] / max(local.z, F(1e-37f));
-    set_query<L>(textured, {{F(0.5f) + local.x * scale, F(0.5f) + local.y * scale}, U(0u), U(0u), F(0.0f), F(0.0f)}, query);
+    const Vec2<L> uv{F(0.5f) + local.x * scale, F(0.5f) + local.y * scale};
+    set_query<L>(textured, {uv, U(0u), U(0u), F(0.0f), F(0.0f)}, query);
   }
   return s;
 }

@@ -18,7 +18,8 @@ void check(const CameraDescription& d) {
 
 }  // namespace
 
-double half_width_of(float fov, CameraDescription::FovAxis axis, double width, double height, const SourceLocation& where) {
+double half_width_of(float fov, CameraDescription::FovAxis axis, double width, double height,
+                     const SourceLocation& where) {
   if (!(fov > 0.0f && fov < 180.0f))
     throw SceneError(where, "field of view must lie between 0 and 180 degrees, found " + std::to_string(fov));
   const double t = std::tan(0.5 * fov * (3.14159265358979323846 / 180.0));
@@ -36,8 +37,9 @@ double half_width_of(float fov, CameraDescription::FovAxis axis, double width, d
 Camera make_camera(const CameraDescription& description, int width, int height) {
   check(description);
   const bool orthographic = description.projection == CameraDescription::Projection::kOrthographic;
-  const double half = orthographic ? 1.0
-                                   : half_width_of(description.fov, description.fov_axis, width, height, description.where);
+  const double half =
+      orthographic ? 1.0
+                   : half_width_of(description.fov, description.fov_axis, width, height, description.where);
   const double step = 2.0 * half / width;
   const auto to_world = [&description](double x, double y, double z) {
     return description.to_world.vector({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});

@@ -48,6 +48,7 @@ Camera make_camera(const CameraDescription& description, int width, int height);
 
 /// tan of half the horizontal field of view, for `fov` degrees along the axis. Throws SceneError at `where` outside of
 /// (0, 180).
-double half_width_of(float fov, CameraDescription::FovAxis axis, double width, double height, const SourceLocation& where);
+double half_width_of(float fov, CameraDescription::FovAxis axis, double width, double height,
+                     const SourceLocation& where);
 
 }  // namespace sheaf

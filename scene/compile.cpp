@@ -195,7 +195,8 @@ class SceneCompiler {
   }
 
   std::uint32_t texture_row(TextureId id, const SourceLocation& where) const {
-    if (static_cast<std::size_t>(id) >= in_.textures.size()) throw SceneError(where, "refers to a texture that does not exist");
+    if (static_cast<std::size_t>(id) >= in_.textures.size())
+      throw SceneError(where, "refers to a texture that does not exist");
     return static_cast<std::uint32_t>(id);
   }
 
@@ -222,9 +223,9 @@ class SceneCompiler {
 
   void add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance) {
     const ShapeTables tables{out_->vertices_.data(), out_->triangles_.data(), out_->quadrics_.data()};
-    const LightPlaces places{static_cast<std::uint32_t>(out_->triangle_alias_.size()),
-                             static_cast<std::uint32_t>(out_->light_uvs_.size()),
-                             instance != nullptr ? static_cast<std::uint32_t>(out_->quadrics_.size()) : row.first_triangle};
+    LightPlaces places{static_cast<std::uint32_t>(out_->triangle_alias_.size()),
+                       static_cast<std::uint32_t>(out_->light_uvs_.size()), row.first_triangle};
+    if (instance != nullptr) places.quadric = static_cast<std::uint32_t>(out_->quadrics_.size());
     AreaLight light = make_area_light(row, emitter.shape, tables, emitter.emission, places, instance);
     constexpr std::size_t kRowWords = sizeof(LightTriangleRow) / sizeof(float);
     if (kRowWords * (out_->light_triangles_.size() + light.triangles.size()) > kMaxWords)
@@ -385,7 +386,8 @@ class SceneCompiler {
       // Much of what an environment sends through the bounding sphere meets nothing: at its full power it would take
       // the samples of lights inside.
       constexpr double kEnvironmentShare = 0.25;
-      const double mean = (double(power.x) + power.y + power.z) / 3.0 * (i == view.environment ? kEnvironmentShare : 1.0);
+      const double share = i == view.environment ? kEnvironmentShare : 1.0;
+      const double mean = (double(power.x) + power.y + power.z) / 3.0 * share;
       // Weights must be positive and finite however large the light.
       weights.push_back(static_cast<float>(std::clamp(mean, 1e-30, 1e30)));
     }

@@ -249,7 +249,8 @@ struct PointLightDescription { Vec3f position{0, 0, 0}; SpectrumDescription inte
 /// The same radiance (W / (m^2 sr)) from every direction outside the scene.
 struct ConstantLightDescription { SpectrumDescription radiance = SpectrumDescription::constant(1); };
 
-/// Emits from the origin of its space around +z: `intensity` (W / sr) within `beam_width`, nothing beyond `cutoff_angle`.
+/// Emits from the origin of its space around +z: `intensity` (W / sr) within `beam_width`, nothing beyond
+/// `cutoff_angle`.
 struct SpotLightDescription {
   /// In between: linear in the angle (Mitsuba), or a smooth step in its cosine (pbrt).
   enum class Falloff { kLinear, kSmooth } falloff = Falloff::kLinear;

@@ -34,7 +34,9 @@ struct Envmap {
   Vec3f mean{};  ///< radiance averaged over all directions; zero: the map is black, or there is none
 
   EnvmapView view() const;
-  std::size_t bytes() const { return (nodes.capacity() + marginal.capacity() + conditional.capacity()) * sizeof(float); }
+  std::size_t bytes() const {
+    return (nodes.capacity() + marginal.capacity() + conditional.capacity()) * sizeof(float);
+  }
 };
 
 /// A picture in linear Rec.709, three floats to a pixel, row by row from the top.

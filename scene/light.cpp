@@ -54,7 +54,8 @@ TriangleWithArea make_triangle(const double (&p)[3][3], double side) {
 }
 
 /// The corners of a triangle of a shape, in the space of its vertices.
-void corners_of(const ShapeTables& tables, const ShapeRow& shape, std::uint32_t triangle, const VertexRow* (&corners)[3]) {
+void corners_of(const ShapeTables& tables, const ShapeRow& shape, std::uint32_t triangle,
+                const VertexRow* (&corners)[3]) {
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t vertex = tables.triangles[3 * (std::size_t(shape.first_triangle) + triangle) + k];
     corners[k] = &tables.vertices[std::size_t(shape.first_vertex) + vertex];
@@ -277,7 +278,9 @@ PlacedLight make_projector(const ProjectorDescription& projector, double aspect,
   return light;
 }
 
-PlacedLight make_envmap_light(const Envmap& map) { return {light_row(LightKind::kEnvmap, map.mean, {0, 0, 0}), std::nullopt}; }
+PlacedLight make_envmap_light(const Envmap& map) {
+  return {light_row(LightKind::kEnvmap, map.mean, {0, 0, 0}), std::nullopt};
+}
 
 void set_rotation(Envmap& map, const Transform& to_world, const SourceLocation& where) {
   const std::array<double, 9> rotation = rotation_of(to_world, "an environment map", where);

@@ -26,7 +26,8 @@ SpotLightDescription read_spot_light(Properties& p) {
   if (!texture) return light;
   const auto* id = std::get_if<TextureId>(&*texture);
   if (id == nullptr) p.fail_at("texture", "is the same everywhere, expected a picture: 'intensity' sets the colour");
-  if (!(light.cutoff_angle < 90)) p.fail_at("cutoff_angle", "is not below 90 degrees, as a spot with a texture needs it");
+  if (!(light.cutoff_angle < 90))
+    p.fail_at("cutoff_angle", "is not below 90 degrees, as a spot with a texture needs it");
   light.texture = *id;
   return light;
 }

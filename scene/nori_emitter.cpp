@@ -68,7 +68,8 @@ SpotLightDescription read_spot_light(Properties& p) {
   light.intensity = p.spectrum("intensity", SpectrumDescription::constant(1), SpectrumRole::kEmission);
   light.cutoff_angle = p.number("totalWidth", 30, {0, 180, true});
   constexpr float kUsualEdge = 5;
-  light.beam_width = p.number("falloffStart", std::max(light.cutoff_angle - kUsualEdge, 0.0f), {0, light.cutoff_angle, false});
+  const float usual = std::max(light.cutoff_angle - kUsualEdge, 0.0f);
+  light.beam_width = p.number("falloffStart", usual, {0, light.cutoff_angle, false});
   return light;
 }
 

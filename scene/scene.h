@@ -36,7 +36,8 @@ struct ShapeRow {
   std::uint32_t first_vertex = 0;    ///< meshes: into SceneView::vertices
   std::uint32_t flags = 0;           ///< ShapeFlags
   std::uint32_t material = 0;          ///< into SceneView::materials
-  std::uint32_t light = kNone;         ///< into SceneView::lights, in groups from the instance's first on; kNone: does not emit
+  /// Into SceneView::lights, in groups counted from the instance's first; kNone: does not emit.
+  std::uint32_t light = kNone;
   std::uint32_t triangle_count = 0;
   std::uint32_t unused = 0;
 };
@@ -82,12 +83,13 @@ enum class LightKind : std::uint32_t {
 struct LightRow {
   std::uint32_t kind = 0;            ///< LightKind
   std::uint32_t shape = kNone;       ///< area lights
-  std::uint32_t first_triangle = 0;  ///< kMesh: into triangle_alias and light_triangles; kSphere, kQuadric: into quadrics
+  std::uint32_t first_triangle = 0;  ///< kMesh: of triangle_alias, light_triangles; kSphere, kQuadric: of quadrics
   std::uint32_t triangle_count = 0;
   /// Radiance (W / (m^2 sr)); kPoint, spots, kProjector: intensity (W / sr); kDirectional: irradiance (W / m^2). Where
   /// there is a texture, what it is multiplied by. kEnvmap: the mean over all directions.
   float radiance[4] = {};
-  float position[3] = {};   ///< kPoint, spots, kProjector, kSphere (centre): metres; kDirectional: unit vector to the light
+  /// kPoint, spots, kProjector, kSphere (centre): metres; kDirectional: unit vector to the light.
+  float position[3] = {};
   float area = 0;           ///< area lights: of the world-space surface; kQuadric: of the canonical shape
   float radius = 0;         ///< kSphere
   float unused = 0;
@@ -102,7 +104,7 @@ static_assert(sizeof(LightRow) == 64);
 struct alignas(64) LightFrameRow {
   float to_light[12];  ///< rows of the 3x4 matrix to the light's space, where it looks along +z
   /// kSpot: cutoff angle (radians), 1 / (cutoff - beam width), 1 / tan cutoff. kSmoothSpot: cosine of the cutoff angle,
-  /// 1 / (cosine of the beam width less that). kProjector: half the reciprocal width and height of the picture at z = 1.
+  /// 1 / (cosine of the beam width less that). kProjector: the reciprocals of the picture's width and height at z = 1.
   float words[4];
 };
 static_assert(sizeof(LightFrameRow) == 64);

@@ -214,8 +214,8 @@ inline std::string dump(const LightDescription& light) {
                               << dump(v.irradiance);
                         },
                         [&](const ProjectorDescription& v) {
-                          out << "projector " << dump(v.to_world) << dump(v.irradiance) << ' ' << v.scale << ' ' << v.fov
-                              << ' ' << static_cast<int>(v.fov_axis);
+                          out << "projector " << dump(v.to_world) << dump(v.irradiance) << ' ' << v.scale << ' '
+                              << v.fov << ' ' << static_cast<int>(v.fov_axis);
                         },
                         [&](const EnvmapDescription& v) {
                           out << "envmap " << v.file.filename() << ' ' << v.scale << ' ' << dump(v.to_world)

@@ -52,7 +52,8 @@ TEST_CASE("emitters of Mitsuba: spot") {
   CHECK(full.cutoff_angle == 40);
   CHECK(full.beam_width == 8);
   CHECK(full.texture == TextureId{0});
-  const auto usual = std::get<SpotLightDescription>(mitsuba_light("spot", "<float name='cutoff_angle' value='60'/>").model);
+  const auto usual = std::get<SpotLightDescription>(mitsuba_light("spot",
+      "<float name='cutoff_angle' value='60'/>").model);
   CHECK(usual.beam_width == 45);
 
   CHECK(contains(mitsuba_error("spot", "<float name='cutof_angle' value='60'/>"), "did you mean 'cutoff_angle'"));
@@ -65,14 +66,16 @@ TEST_CASE("emitters of Mitsuba: spot") {
 
 TEST_CASE("emitters of Mitsuba: directional") {
   const auto by_direction = std::get<DirectionalLightDescription>(
-      mitsuba_light("directional", "<vector name='direction' x='1' y='0' z='-1'/><rgb name='irradiance' value='3'/>").model);
+      mitsuba_light("directional",
+          "<vector name='direction' x='1' y='0' z='-1'/><rgb name='irradiance' value='3'/>").model);
   CHECK(by_direction.direction == Vec3f{1, 0, -1});
   CHECK(dump(by_direction.irradiance) == "rgb 0x1.8p+1 0x1.8p+1 0x1.8p+1");
   const auto by_transform = std::get<DirectionalLightDescription>(
       mitsuba_light("directional", "<transform name='to_world'><rotate x='1' angle='90'/></transform>").model);
   CHECK(near(by_transform.direction, {0, -1, 0}));
   CHECK(contains(mitsuba_error("directional", "<vector name='direction' x='0' y='0' z='0'/>"), "no length"));
-  CHECK(contains(mitsuba_error("directional", "<vector name='direction' x='1'/><transform name='to_world'/>"), "expected one"));
+  CHECK(contains(mitsuba_error("directional", "<vector name='direction' x='1'/><transform name='to_world'/>"),
+                 "expected one"));
   CHECK(contains(mitsuba_error("directional", "<rgb name='radiance' value='3'/>"), "'irradiance'"));
   CHECK(contains(mitsuba_error("direktional"), "did you mean 'directional'"));
 }
@@ -90,7 +93,8 @@ TEST_CASE("emitters of Mitsuba: projector and environment map") {
   CHECK(contains(mitsuba_error("projector", "<float name='scale' value='-1'/>"), "'scale'"));
 
   const auto map = std::get<EnvmapDescription>(
-      mitsuba_light("envmap", kPicture + "<float name='scale' value='2'/><boolean name='mis_compensation' value='true'/>"
+      mitsuba_light("envmap", kPicture + "<float name='scale' value='2'/>"
+                                         "<boolean name='mis_compensation' value='true'/>"
                                          "<transform name='to_world'><rotate y='1' angle='90'/></transform>").model);
   CHECK(map.file.filename() == "image.png");
   CHECK(map.scale == 2);
@@ -102,7 +106,8 @@ TEST_CASE("emitters of Mitsuba: projector and environment map") {
 }
 
 TEST_CASE("emitters on shapes take textures, in shape groups as well") {
-  const std::string area = "<emitter type='area'><texture name='radiance' type='bitmap'>" + kPicture + "</texture></emitter>";
+  const std::string area =
+      "<emitter type='area'><texture name='radiance' type='bitmap'>" + kPicture + "</texture></emitter>";
   const Description d = read_text(mitsuba_scene("<shape type='shapegroup' id='g'><shape type='sphere'>" + area +
                                                 "</shape></shape><shape type='instance'><ref id='g'/></shape>"
                                                 "<shape type='rectangle'>" + area + "</shape>"));
@@ -110,7 +115,8 @@ TEST_CASE("emitters on shapes take textures, in shape groups as well") {
   CHECK(std::holds_alternative<TextureId>(d.groups[0].shapes.at(0).radiance.value()));
   CHECK(std::holds_alternative<TextureId>(d.shapes.at(0).radiance.value()));
   const Description nori = read_text(nori_scene(
-      "<mesh type='sphere'><emitter type='area'><texture name='radiance' type='image'>" + kPicture + "</texture></emitter></mesh>"));
+      "<mesh type='sphere'><emitter type='area'><texture name='radiance' type='image'>" + kPicture +
+      "</texture></emitter></mesh>"));
   CHECK(std::holds_alternative<TextureId>(nori.shapes.at(0).radiance.value()));
 }
 
@@ -133,21 +139,25 @@ TEST_CASE("emitters of Nori: spot") {
   const auto placed = std::get<SpotLightDescription>(
       nori_light("spot", "<transform name='toWorld'><translate value='4,5,6'/></transform>").model);
   CHECK(placed.to_world.point({0, 0, 0}) == Vec3f{4, 5, 6});
-  CHECK(contains(nori_error("spot", "<point name='position' value='1,2,3'/><point name='lookAt' value='1,2,3'/>"), "no length"));
-  CHECK(contains(nori_error("spot", "<vector name='direction' value='0,0,1'/><transform name='toWorld'/>"), "expected one"));
+  CHECK(contains(nori_error("spot", "<point name='position' value='1,2,3'/><point name='lookAt' value='1,2,3'/>"),
+                 "no length"));
+  CHECK(contains(nori_error("spot", "<vector name='direction' value='0,0,1'/><transform name='toWorld'/>"),
+                 "expected one"));
   CHECK(contains(nori_error("spot", "<float name='falloffStart' value='31'/>"), "'falloffStart'"));
   CHECK(contains(nori_error("spot", "<float name='totalWidt' value='31'/>"), "did you mean 'totalWidth'"));
 }
 
 TEST_CASE("emitters of Nori: directional and environment map") {
   const auto by_irradiance = std::get<DirectionalLightDescription>(
-      nori_light("directional", "<vector name='direction' value='0,-1,1'/><color name='irradiance' value='1,2,3'/>").model);
+      nori_light("directional",
+          "<vector name='direction' value='0,-1,1'/><color name='irradiance' value='1,2,3'/>").model);
   CHECK(by_irradiance.direction == Vec3f{0, -1, 1});
   CHECK(dump(by_irradiance.irradiance) == "rgb 0x1p+0 0x1p+1 0x1.8p+1");
   const auto by_intensity =
       std::get<DirectionalLightDescription>(nori_light("directional", "<color name='intensity' value='1,2,3'/>").model);
   CHECK(dump(by_intensity.irradiance) == "rgb 0x1p+0 0x1p+1 0x1.8p+1");
-  CHECK(contains(nori_error("directional", "<color name='intensity' value='1,2,3'/><color name='irradiance' value='1,2,3'/>"),
+  CHECK(contains(nori_error("directional",
+                 "<color name='intensity' value='1,2,3'/><color name='irradiance' value='1,2,3'/>"),
                  "expected one"));
   const auto map = std::get<EnvmapDescription>(
       nori_light("envmap", kPicture + "<transform name='toWorld'><rotate axis='0,1,0' angle='90'/></transform>").model);

@@ -44,7 +44,8 @@ double flux(const SceneView& scene, double half) {
   double sum = 0;
   for (int j = 0; j < kSide; ++j)
     for (int i = 0; i < kSide; ++i) {
-      const Vec3f p{static_cast<float>(half * (2 * (i + 0.5) / kSide - 1)), static_cast<float>(half * (2 * (j + 0.5) / kSide - 1)), 1};
+      const double x = half * (2 * (i + 0.5) / kSide - 1), y = half * (2 * (j + 0.5) / kSide - 1);
+      const Vec3f p{static_cast<float>(x), static_cast<float>(y), 1};
       const auto s = sample_at(scene, p);
       if (s.valid) sum += double(s.radiance.c0) * std::fabs(s.direction.z);
     }
@@ -121,7 +122,8 @@ TEST_CASE("lights: a smooth spot is half way in the middle of the cosines") {
   const auto scene = lone(spot);
   const double middle = 0.5 * (std::cos(60 * kDegrees) + std::cos(20 * kDegrees));
   const auto at = [&](double cosine) {
-    const auto s = sample_at(scene->view(), {static_cast<float>(std::sqrt(1 - cosine * cosine)), 0, static_cast<float>(cosine)});
+    const auto sine = static_cast<float>(std::sqrt(1 - cosine * cosine));
+    const auto s = sample_at(scene->view(), {sine, 0, static_cast<float>(cosine)});
     return s.valid ? double(s.radiance.c0) : 0.0;
   };
   CHECK(at(middle) == doctest::Approx(0.5));
@@ -264,12 +266,14 @@ namespace {
 /// Shapes of all kinds that emit, and one that doesn't.
 std::vector<ShapeDescription> glowing_shapes(Description& d) {
   const MaterialId black = add_diffuse(d, 0);
-  emit(add_shape(d, SphereShape{}, Transform::translate({0.4f, 0, 0}) * Transform::scale({0.2f, 0.2f, 0.2f}), black), 3);
+  const Transform ball = Transform::translate({0.4f, 0, 0}) * Transform::scale({0.2f, 0.2f, 0.2f});
+  const Transform card = Transform::translate({0, 0.6f, 0}) * Transform::scale({0.3f, 0.2f, 1});
+  const Transform plate = Transform::translate({0, -0.5f, 0}) * Transform::scale({0.3f, 0.3f, 1});
+  emit(add_shape(d, SphereShape{}, ball, black), 3);
   add_shape(d, CubeShape{}, Transform::scale({0.05f, 0.05f, 0.05f}), black);
-  emit(add_shape(d, RectangleShape{}, Transform::translate({0, 0.6f, 0}) * Transform::scale({0.3f, 0.2f, 1}), black), 5);
+  emit(add_shape(d, RectangleShape{}, card, black), 5);
   emit(add_shape(d, CylinderShape{{-0.5f, 0, 0}, {-0.4f, 0.3f, 0.1f}, 0.1f}, Transform(), black), 2);
-  ShapeDescription& board = add_shape(d, DiskShape{}, Transform::translate({0, -0.5f, 0}) * Transform::scale({0.3f, 0.3f, 1}), black);
-  board.radiance = add_board(d, {8, 1, 1}, {2, 3, 1});
+  add_shape(d, DiskShape{}, plate, black).radiance = add_board(d, {8, 1, 1}, {2, 3, 1});
   std::vector<ShapeDescription> shapes(d.shapes.end() - 5, d.shapes.end());
   d.shapes.resize(d.shapes.size() - 5);
   return shapes;
@@ -282,6 +286,7 @@ const Transform kPlaces[] = {
 
 Description instanced_scene() {
   Description d = floor_scene();
+  add_area_light_sphere(d, {0, -2.5f, 0.5f}, 0.1f, 50);  // the instances' lights are not the first
   ShapeGroup group;
   group.shapes = glowing_shapes(d);
   d.groups.push_back(group);
@@ -295,6 +300,7 @@ Description instanced_scene() {
 
 Description repeated_scene() {
   Description d = floor_scene();
+  add_area_light_sphere(d, {0, -2.5f, 0.5f}, 0.1f, 50);  // the instances' lights are not the first
   const std::vector<ShapeDescription> shapes = glowing_shapes(d);
   for (const Transform& place : kPlaces)
     for (ShapeDescription shape : shapes) {
@@ -309,9 +315,9 @@ Description repeated_scene() {
 TEST_CASE("lights: instances emit as their shapes would in their place") {
   const auto instanced = compile_scene(instanced_scene()), repeated = compile_scene(repeated_scene());
   const SceneView a = instanced->view(), b = repeated->view();
-  REQUIRE(a.light_count == 12);
-  REQUIRE(b.light_count == 12);
-  for (std::uint32_t i = 0; i < 12; ++i) {
+  REQUIRE(a.light_count == 13);
+  REQUIRE(b.light_count == 13);
+  for (std::uint32_t i = 0; i < 13; ++i) {
     CAPTURE(i);
     const LightRow &x = a.lights[i], &y = b.lights[i];
     CHECK(x.kind == y.kind);
@@ -337,7 +343,8 @@ TEST_CASE("lights: instances, by every strategy") {
     scene->integrator.max_depth = 1;
     look_at(*scene, {0, 0, 0.1f}, {0, 0.3f, 2}, {0, 1, 0}, 110);
   }
-  const Image x = render(*compile_scene(seen), {}).film.to_image(), y = render(*compile_scene(expected), {}).film.to_image();
+  const Image x = render(*compile_scene(seen), {}).film.to_image();
+  const Image y = render(*compile_scene(expected), {}).film.to_image();
   for (int k = 0; k < 3; ++k) {
     double sum = 0, difference = 0;
     for (int i = 0; i < 24 * 24; ++i) {
@@ -406,10 +413,11 @@ TEST_CASE("lights: registers do as single values, whatever lights they hold") {
     const auto u = [i](int lane) { return random4<Scalar>(12, i, static_cast<std::uint32_t>(lane), 0); };
     const auto light_of = [&](int lane) { return (i * 7 + static_cast<std::uint32_t>(lane)) % view.light_count; };
     const auto from = [&](int lane) { return Vec3f{u(lane).x - 0.5f, u(lane).w - 0.5f, 0.3f * u(lane).y}; };
-    const Random4<Wide> random{wide_floats([&](int k) { return u(k).x; }), wide_floats([&](int k) { return u(k).y; }),
-                               wide_floats([&](int k) { return u(k).z; }), wide_floats([&](int k) { return u(k).w; })};
-    const Vec3<Wide> origin{wide_floats([&](int k) { return from(k).x; }), wide_floats([&](int k) { return from(k).y; }),
-                            wide_floats([&](int k) { return from(k).z; })};
+    const auto wide_u = [&](auto member) { return wide_floats([&](int k) { return u(k).*member; }); };
+    using U4 = Random4<Scalar>;
+    const Random4<Wide> random{wide_u(&U4::x), wide_u(&U4::y), wide_u(&U4::z), wide_u(&U4::w)};
+    const auto wide_from = [&](auto member) { return wide_floats([&](int k) { return from(k).*member; }); };
+    const Vec3<Wide> origin{wide_from(&Vec3f::x), wide_from(&Vec3f::y), wide_from(&Vec3f::z)};
     const auto lights = load_lights<Wide>(view, wide_uints([&](int k) { return light_of(k); }));
     const auto wide = sample_given_light<Wide>(view, origin, lights, random);
     for (int k = 0; k < kWidth; ++k) {

@@ -19,7 +19,8 @@ TEST_CASE("Mitsuba: errors name line, fault and the nearest name") {
   const Case cases[] = {
       {mitsuba_scene("<shape type='spher'/>"), "scene.xml:4: unknown shape plugin 'spher', did you mean 'sphere'?"},
       {mitsuba_scene("<bsdf type='roughcoating'/>"), "unknown bsdf plugin 'roughcoating'"},
-      {mitsuba_scene("<emitter type='envmapp'/>"), "unknown emitter plugin 'envmapp', did you mean 'envmap'?"},
+      {mitsuba_scene("<emitter type='sunsky'/>"),
+       "unknown emitter plugin 'sunsky' (known: area, constant, directional, envmap, point, projector, spot)"},
       {mitsuba_scene("<medium type='homogeneous'/>"), "unknown medium plugin 'homogeneous'"},
       {mitsuba_scene("<texture type='bitmap' id='x'/>"), "scene.xml:4: texture 'bitmap' needs the string 'filename'"},
       {mitsuba_scene("<emitter type='area'/>"), "emitter 'area' must be nested in a <shape>"},
