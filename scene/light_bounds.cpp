@@ -61,10 +61,13 @@ LightBounds cone_light_bounds(const LightRow& row, const LightFrameRow& frame, V
   double cos_total = frame.words[0];  // kSmoothSpot
   if (static_cast<LightKind>(row.kind) == LightKind::kSpot) cos_total = std::cos(double(frame.words[0]));
   if (static_cast<LightKind>(row.kind) == LightKind::kProjector) {
-    const double tangent = 0.25 * std::hypot(1.0 / frame.words[0], 1.0 / frame.words[1]);  // of a corner
+    const double tangent = 0.5 * std::hypot(1.0 / frame.words[0], 1.0 / frame.words[1]);  // of a corner
     cos_total = 1.0 / std::sqrt(1.0 + tangent * tangent);
   }
-  const Vec3f axis = normalize(Vec3f{frame.to_light[8], frame.to_light[9], frame.to_light[10]});
+  // The light's z axis: a column of the inverse, which differs from the row of the matrix where it shears.
+  const float* m = frame.to_light;
+  Vec3f axis = normalize(cross(Vec3f{m[0], m[1], m[2]}, Vec3f{m[4], m[5], m[6]}));
+  if (axis.x * m[8] + axis.y * m[9] + axis.z * m[10] < 0.0f) axis = -axis;
   const double solid_angle = 2.0 * double(kPi) * std::max(1.0 - cos_total, 1e-6);
   return spot_light_bounds(position, axis, static_cast<float>(cos_total), static_cast<float>(power / solid_angle));
 }

@@ -1,4 +1,6 @@
 // Resampling of light candidates: the mean stays what it is for any number of candidates, and the spread shrinks.
+#include "core/rng.h"
+#include "kernels/light_weight.h"
 #include "tests/statistics.h"
 #include "tests/stages_testing.h"
 
@@ -95,6 +97,56 @@ TEST_CASE("resample: a light alone is found by every candidate") {
   const MeanVariance radiance = sampled_radiance<Wide>(d);
   CHECK(radiance.mean() == doctest::Approx(alone).epsilon(1e-5));
   CHECK(radiance.variance() < 1e-10 * alone * alone);
+}
+
+// In one dimension: light sampling draws M candidates of density p(x) = 2x and keeps one, BSDF sampling draws one of
+// density b(x) = 1.
+namespace {
+
+constexpr int kCandidates = 8;
+double integrand(double x) { return 1 + std::sin(9 * x) + 4 * x * x * x; }
+constexpr double kIntegral = 1 + (1 + 0.91113026188467694) / 9 + 1;  // cos 9 = -0.911...
+double p_of(double x) { return 2 * x; }
+
+/// Which density stands for light sampling in the weights.
+enum class Density { kCandidate, kAllCandidates, kKept };
+
+/// The weight of light sampling at x, for a kept candidate of effective density `kept`.
+double light_share(Density density, double x, double kept) {
+  const double a = density == Density::kKept ? kept : p_of(x) * (density == Density::kAllCandidates ? kCandidates : 1);
+  return power_heuristic(a, 1.0);
+}
+
+/// One estimate from both techniques.
+double estimate(Density density, std::uint32_t i) {
+  // The target leaves the weight out where it depends on which candidate is kept.
+  const auto target = [&](double x) { return integrand(x) * (density == Density::kKept ? 1 : light_share(density, x, 0)); };
+  double sum = 0, kept = 0;
+  for (int k = 0; k < kCandidates; ++k) {
+    const auto u = random4<Scalar>(21, i, static_cast<std::uint32_t>(k), 0);
+    const double x = std::sqrt(1.0 - double(u.x)), weight = target(x) / p_of(x);
+    sum += weight;
+    if (u.y * sum < weight) kept = x;
+  }
+  const double effective = target(kept) / (sum / kCandidates);
+  const double from_lights = integrand(kept) * light_share(density, kept, effective) / effective;
+  const double x = random4<Scalar>(22, i, 0, 0).x;
+  return from_lights + integrand(x) * (1 - light_share(density == Density::kKept ? Density::kCandidate : density, x, 0));
+}
+
+}  // namespace
+
+TEST_CASE("resample: weights of one or of all candidates are unbiased, those of the kept one are not") {
+  MeanVariance one, all, kept;
+  for (std::uint32_t i = 0; i < 200000; ++i) {
+    one.add(estimate(Density::kCandidate, i));
+    all.add(estimate(Density::kAllCandidates, i));
+    kept.add(estimate(Density::kKept, i));
+  }
+  CHECK(one.p_value(kIntegral) > significance_of_each(2));
+  CHECK(all.p_value(kIntegral) > significance_of_each(2));
+  CHECK(all.variance() < one.variance());
+  CHECK(kept.p_value(kIntegral) < 1e-9);
 }
 
 }  // namespace sheaf
