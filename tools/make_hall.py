@@ -19,10 +19,12 @@ HEAD = """<?xml version="1.0" encoding="utf-8"?>
   <default name="width" value="640"/>
   <default name="height" value="360"/>
   <default name="light_sampler" value="bvh"/>
-  <default name="candidates" value="8"/>
+  <default name="candidates" value="4"/>
+  <default name="hide" value="false"/>
 
   <integrator type="path">
     <integer name="max_depth" value="6"/>
+    <boolean name="hide_emitters" value="$hide"/>
     <string name="light_sampler" value="$light_sampler"/>
     <integer name="candidates" value="$candidates"/>
   </integrator>
