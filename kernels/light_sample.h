@@ -219,11 +219,11 @@ template <class L> SHEAF_INLINE FrameLanes<L> load_frames(const SceneView& scene
   return out;
 }
 
-/// The part of its intensity, in [0, 1] and without its texture, that a spot of either kind sends along `local`, a vector
-/// in its space; see SpotLightDescription.
+/// The part of its intensity, in [0, 1] and without its texture, that a spot of either kind sends along `local`, a
+/// vector in its space; see SpotLightDescription.
 template <class L>
-SHEAF_INLINE Float<L> spot_falloff(const LightLanes<L>& light, const FrameLanes<L>& frame, Vec3<L> local, Mask<L> active,
-                                   TextureQuery<L>& query) {
+SHEAF_INLINE Float<L> spot_falloff(const LightLanes<L>& light, const FrameLanes<L>& frame, Vec3<L> local,
+                                   Mask<L> active, TextureQuery<L>& query) {
   using F = Float<L>;
   using U = Uint<L>;
   const F across = sqrt(local.x * local.x + local.y * local.y);
@@ -360,7 +360,8 @@ SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> f
     const auto directional = is(LightKind::kDirectional);
     if (any(mesh)) merge<L>(mesh, from_area<L>(from, point_on_mesh<L>(scene, light, mesh, u, query), light), s);
     if (any(sphere)) merge<L>(sphere, sample_sphere<L>(scene, from, light, sphere, u, query), s);
-    if (any(quadric)) merge<L>(quadric, from_area<L>(from, point_on_quadric<L>(scene, light, quadric, u, query), light), s);
+    if (any(quadric))
+      merge<L>(quadric, from_area<L>(from, point_on_quadric<L>(scene, light, quadric, u, query), light), s);
     if (any(point)) merge<L>(point, sample_point<L>(from, light), s);
     if (any(constant)) merge<L>(constant, sample_constant<L>(scene, from, light, u), s);
     if (any(map)) merge<L>(map, sample_map<L>(scene, from, u), s);
