@@ -47,17 +47,24 @@ template <class F> SHEAF_INLINE F sphere_one_minus_cos(F radius, F distance_squa
 
 namespace light_detail {
 
+/// A point on an area light.
+template <class L> struct LightPoint {
+  SurfacePoint<L> y;           ///< p, ng and offset only
+  typename L::Float pdf_area;  ///< per area in world space
+};
+
 /// Turns a point on an area light into a sample: density from area to solid angle, and one-sidedness.
 template <class L>
-SHEAF_INLINE LightSample<L> from_area(Vec3<L> from, const SurfacePoint<L>& y, const LightLanes<L>& light, Float<L> pdf_area) {
+SHEAF_INLINE LightSample<L> from_area(Vec3<L> from, const LightPoint<L>& point, const LightLanes<L>& light) {
   using F = Float<L>;
+  const SurfacePoint<L>& y = point.y;
   LightSample<L> s;
   const Vec3<L> d = y.p - from;
   const F squared = dot(d, d);
   s.direction = d * (F(1.0f) / sqrt(max(squared, F(1e-37f))));
   const F cos_light = -dot(s.direction, y.ng);
   s.valid = (cos_light > F(1e-6f)) & (squared > F(0.0f));
-  s.pdf_solid_angle = pdf_area * squared / select(s.valid, cos_light, F(1.0f));
+  s.pdf_solid_angle = point.pdf_area * squared / select(s.valid, cos_light, F(1.0f));
   s.target = y.p + y.ng * y.offset;
   s.radiance = light.radiance;
   s.delta = Mask<L>(false);
@@ -75,9 +82,10 @@ template <class L> SHEAF_INLINE void set_query(Mask<L> m, const TextureQuery<L>&
 /// The distance from the surface that a light of an instance asks for.
 template <class L> SHEAF_INLINE Float<L> least_offset(const LightLanes<L>& light) { return bits_float(light.detail); }
 
+/// Uniform over a mesh by u.y, u.z and u.w.
 template <class L>
-SHEAF_INLINE LightSample<L> sample_mesh(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light, Mask<L> active,
-                                        const Random4<L>& u, TextureQuery<L>& query) {
+SHEAF_INLINE LightPoint<L> point_on_mesh(const SceneView& scene, const LightLanes<L>& light, Mask<L> active,
+                                         const Random4<L>& u, TextureQuery<L>& query) {
   using F = Float<L>;
   using U = Uint<L>;
   const U first = select(active, light.first_triangle, U(0u));
@@ -87,7 +95,8 @@ SHEAF_INLINE LightSample<L> sample_mesh(const SceneView& scene, Vec3<L> from, co
   const auto* base = reinterpret_cast<const float*>(scene.light_triangles);
   for (int k = 0; k < 16; k += 4) gather_row4<L>(base + k, (first + triangle.index) * U(16u), w + k);
   const Vec2<L> b = square_to_triangle<L>(u.y, u.z);
-  SurfacePoint<L> y;
+  LightPoint<L> out;
+  SurfacePoint<L>& y = out.y;
   y.p = Vec3<L>{w[0], w[1], w[2]} + Vec3<L>{w[4], w[5], w[6]} * b.x + Vec3<L>{w[8], w[9], w[10]} * b.y;
   y.ng = {w[12], w[13], w[14]};
   y.offset = w[3];
@@ -101,7 +110,8 @@ SHEAF_INLINE LightSample<L> sample_mesh(const SceneView& scene, Vec3<L> from, co
     set_query<L>(textured, {{b0 * uv[0] + b.x * uv[2] + b.y * uv[4], b0 * uv[1] + b.x * uv[3] + b.y * uv[5]},
                             light.shape, triangle.index, b.x, b.y}, query);
   }
-  return from_area<L>(from, y, light, F(1.0f) / light.area);
+  out.pdf_area = F(1.0f) / light.area;
+  return out;
 }
 
 /// For the canonical shape's point `x`. Not inlined: textured quadrics are rare.
@@ -113,9 +123,10 @@ void set_quadric_query(Mask<L> m, const QuadricLanes<L>& q, const LightLanes<L>&
   set_query<L>(m, {y.uv, light.shape, Uint<L>(0u), F(0.0f), F(0.0f)}, query);
 }
 
+/// Uniform over the canonical shape of a quadric, spheres included, by u.y and u.z.
 template <class L>
-SHEAF_INLINE LightSample<L> sample_quadric(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light, Mask<L> active,
-                                           const Random4<L>& u, TextureQuery<L>& query) {
+SHEAF_INLINE LightPoint<L> point_on_quadric(const SceneView& scene, const LightLanes<L>& light, Mask<L> active,
+                                            const Random4<L>& u, TextureQuery<L>& query) {
   using F = Float<L>;
   using U = Uint<L>;
   const auto q = load_quadrics<L>(scene, select(active, light.first_triangle, U(0u)));
@@ -127,15 +138,16 @@ SHEAF_INLINE LightSample<L> sample_quadric(const SceneView& scene, Vec3<L> from,
   const auto cylinder = kind == U(static_cast<std::uint32_t>(ShapeKind::kCylinder));
   Vec3<L> x = select<L>(disk, {on_disk.x, on_disk.y, F(0.0f)}, on_sphere);
   x = select<L>(cylinder, {angle.cos, angle.sin, u.z}, x);
-  auto y = quadric_surface<L, false>(q, kind, x);
-  y.offset = max(y.offset, select(active, least_offset<L>(light), F(0.0f)));
+  LightPoint<L> out;
+  out.y = quadric_surface<L, false>(q, kind, x);
+  out.y.offset = max(out.y.offset, select(active, least_offset<L>(light), F(0.0f)));
   const auto textured = active & (light.texture != U(kNone));
   if (any(textured)) set_quadric_query<L>(textured, q, light, x, query);
   // The area element grows by |det| |M^-T n|.
   const Vec3<L> n = {select(disk, F(0.0f), x.x), select(disk, F(0.0f), x.y),
                      select(disk, F(1.0f), select(cylinder, F(0.0f), x.z))};
-  const F pdf_area = F(1.0f) / max(light.area * q.determinant * length(q.world_normal(n)), F(1e-37f));
-  return from_area<L>(from, y, light, pdf_area);
+  out.pdf_area = F(1.0f) / max(light.area * q.determinant * length(q.world_normal(n)), F(1e-37f));
+  return out;
 }
 
 /// Directions inside the cone under which the sphere is seen (Pharr et al. 2023, section 6.2.4).
@@ -208,14 +220,13 @@ template <class L> SHEAF_INLINE FrameLanes<L> load_frames(const SceneView& scene
   return out;
 }
 
-/// A spot of either kind, see SpotLightDescription.
+/// The part of its intensity, in [0, 1] and without its texture, that a spot of either kind sends along `local`, a
+/// vector in its space; see SpotLightDescription.
 template <class L>
-SHEAF_INLINE LightSample<L> sample_spot(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light,
-                                        Mask<L> active, TextureQuery<L>& query) {
+SHEAF_INLINE Float<L> spot_falloff(const LightLanes<L>& light, const FrameLanes<L>& frame, Vec3<L> local,
+                                   Mask<L> active, TextureQuery<L>& query) {
   using F = Float<L>;
   using U = Uint<L>;
-  const auto frame = load_frames<L>(scene, select(active, light.detail, U(0u)));
-  const Vec3<L> local = frame.point(from);
   const F across = sqrt(local.x * local.x + local.y * local.y);
   const F distance = sqrt(dot(local, local));
   const auto linear = light.is(LightKind::kSpot);
@@ -223,15 +234,23 @@ SHEAF_INLINE LightSample<L> sample_spot(const SceneView& scene, Vec3<L> from, co
   // The angle by its tangent, which is exact also near the axis.
   const F x = select(linear, frame.words[0] - atan2(across, local.z), cosine - frame.words[0]);
   const F step = clamp(x * frame.words[1], F(0.0f), F(1.0f));
-  LightSample<L> s = sample_point<L>(from, light);
-  s.radiance = s.radiance * select(linear, step, step * step * (F(3.0f) - F(2.0f) * step));
-  s.valid = s.valid & (step > F(0.0f));
-  const auto textured = active & s.valid & (light.texture != U(kNone));
+  const auto textured = active & (step > F(0.0f)) & (light.texture != U(kNone));
   if (any(textured)) {
     const F scale = F(0.5f) * frame.words[2] / max(local.z, F(1e-37f));
     const Vec2<L> uv{F(0.5f) + local.x * scale, F(0.5f) + local.y * scale};
     set_query<L>(textured, {uv, U(0u), U(0u), F(0.0f), F(0.0f)}, query);
   }
+  return select(linear, step, step * step * (F(3.0f) - F(2.0f) * step));
+}
+
+template <class L>
+SHEAF_INLINE LightSample<L> sample_spot(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light, Mask<L> active,
+                                        TextureQuery<L>& query) {
+  const auto frame = load_frames<L>(scene, select(active, light.detail, Uint<L>(0u)));
+  const Float<L> falloff = spot_falloff<L>(light, frame, frame.point(from), active, query);
+  LightSample<L> s = sample_point<L>(from, light);
+  s.radiance = s.radiance * falloff;
+  s.valid = s.valid & (falloff > Float<L>(0.0f));
   return s;
 }
 
@@ -336,14 +355,15 @@ SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> f
   LightSample<L> s{};
   TextureQuery<L> query{};
   if (all(mesh)) {
-    s = sample_mesh<L>(scene, from, light, mesh, u, query);
+    s = from_area<L>(from, point_on_mesh<L>(scene, light, mesh, u, query), light);
   } else {
     const auto point = is(LightKind::kPoint), constant = is(LightKind::kConstant), map = is(LightKind::kEnvmap);
     const auto spot = is(LightKind::kSpot) | is(LightKind::kSmoothSpot), projector = is(LightKind::kProjector);
     const auto directional = is(LightKind::kDirectional);
-    if (any(mesh)) merge<L>(mesh, sample_mesh<L>(scene, from, light, mesh, u, query), s);
+    if (any(mesh)) merge<L>(mesh, from_area<L>(from, point_on_mesh<L>(scene, light, mesh, u, query), light), s);
     if (any(sphere)) merge<L>(sphere, sample_sphere<L>(scene, from, light, sphere, u, query), s);
-    if (any(quadric)) merge<L>(quadric, sample_quadric<L>(scene, from, light, quadric, u, query), s);
+    if (any(quadric))
+      merge<L>(quadric, from_area<L>(from, point_on_quadric<L>(scene, light, quadric, u, query), light), s);
     if (any(point)) merge<L>(point, sample_point<L>(from, light), s);
     if (any(constant)) merge<L>(constant, sample_constant<L>(scene, from, light, u), s);
     if (any(map)) merge<L>(map, sample_map<L>(scene, from, u), s);

@@ -65,6 +65,12 @@ SHEAF_INLINE Float<L> bvh_probability(const SceneView& scene, const LightReceive
 
 }  // namespace light_select_detail
 
+/// Chooses a light by u in [0, 1) in proportion to its power, wherever light is wanted. The scene must have lights.
+template <class L> SHEAF_INLINE LightChoice<L> choose_light_by_power(const SceneView& scene, typename L::Float u) {
+  const auto entry = sample_alias<L>(scene.light_alias, Uint<L>(0u), Uint<L>(scene.light_count), u);
+  return {entry.index, entry.pdf};
+}
+
 /// Chooses a light by u in [0, 1), as IntegratorDescription::light_selector says. The scene must have lights.
 template <class L>
 SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightReceiver<L>& at, typename L::Float u) {
@@ -75,10 +81,7 @@ SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightRece
   switch (scene.integrator.light_selector) {
     case LightSelector::kUniform:
       return {min(to_uint(u * F(count)), U(scene.light_count - 1)), F(1.0f / count)};
-    case LightSelector::kPower: {
-      const auto entry = sample_alias<L>(scene.light_alias, U(0u), U(scene.light_count), u);
-      return {entry.index, entry.pdf};
-    }
+    case LightSelector::kPower: return choose_light_by_power<L>(scene, u);
     case LightSelector::kBvh: break;
   }
   return light_select_detail::choose_by_bvh<L>(scene, at, u);
