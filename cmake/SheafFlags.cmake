@@ -17,13 +17,15 @@ check_cxx_symbol_exists(__AVX512F__ "" SHEAF_TARGET_AVX512)
 check_cxx_compiler_flag("-mmove-max=256 -mstore-max=256" SHEAF_HAS_MOVE_MAX)
 unset(CMAKE_REQUIRED_FLAGS)
 
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  # False alarms of g++ 12 once its own headers are inlined: "literal" + string is taken for an overlapping copy, what a
-  # std::variant does not hold for unset, and AVX-512 intrinsics leave registers undefined on purpose. Newer ones keep
-  # all three warnings.
-  target_compile_options(sheaf_flags INTERFACE -Wno-restrict -Wno-maybe-uninitialized)
-  if(SHEAF_TARGET_AVX512)
-    target_compile_options(sheaf_flags INTERFACE -Wno-uninitialized)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # False alarms of g++ (12 to 14) once its own headers are inlined: what a std::variant does not hold is taken for unset.
+  target_compile_options(sheaf_flags INTERFACE -Wno-maybe-uninitialized)
+  if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    # "literal" + string is taken for an overlapping copy, and AVX-512 intrinsics leave registers undefined on purpose.
+    target_compile_options(sheaf_flags INTERFACE -Wno-restrict)
+    if(SHEAF_TARGET_AVX512)
+      target_compile_options(sheaf_flags INTERFACE -Wno-uninitialized)
+    endif()
   endif()
 endif()
 

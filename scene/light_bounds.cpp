@@ -64,10 +64,14 @@ LightBounds cone_light_bounds(const LightRow& row, const LightFrameRow& frame, V
     const double tangent = 0.5 * std::hypot(1.0 / frame.words[0], 1.0 / frame.words[1]);  // of a corner
     cos_total = 1.0 / std::sqrt(1.0 + tangent * tangent);
   }
-  // The light's z axis: a column of the inverse, which differs from the row of the matrix where it shears.
   const float* m = frame.to_light;
-  Vec3f axis = normalize(cross(Vec3f{m[0], m[1], m[2]}, Vec3f{m[4], m[5], m[6]}));
-  if (axis.x * m[8] + axis.y * m[9] + axis.z * m[10] < 0.0f) axis = -axis;
+  const Vec3f rows[3] = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}};
+  const float size = dot(rows[2], rows[2]);
+  float distortion = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j <= i; ++j) distortion = std::max(distortion, std::fabs(dot(rows[i], rows[j]) - (i == j ? size : 0)));
+  if (distortion > 1e-4f * size) cos_total = -1.0;  // a cone that is stretched may reach anywhere
+  const Vec3f axis = normalize(rows[2]);
   const double solid_angle = 2.0 * double(kPi) * std::max(1.0 - cos_total, 1e-6);
   return spot_light_bounds(position, axis, static_cast<float>(cos_total), static_cast<float>(power / solid_angle));
 }

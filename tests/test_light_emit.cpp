@@ -209,6 +209,7 @@ Case mixed_case(const TemporaryFolder& folder) {
   c.name = "many";
   c.photons = 500000;
   c.scene.shapes = area_case("", uneven_mesh(), kTilt * Transform::translate({0, 1, 0})).scene.shapes;
+  add_sphere(c.scene, {0.2f, 0.3f, 0.5f}, 3);  // as in placed_case()
   for (const Case& other : spot_cases()) c.scene.lights.push_back(other.scene.lights[0]);
   std::get<SpotLightDescription>(c.scene.lights.back().model).texture = TextureId{0};
   c.scene.lights.push_back({projector_of(), {}});
