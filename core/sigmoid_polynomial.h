@@ -9,13 +9,13 @@ namespace sheaf {
 inline constexpr float kSigmoidCentre = 595.0f, kSigmoidHalfRange = 235.0f;
 
 /// The spectrum sigmoid(c0 t^2 + c1 t + c2) with t = (lambda - kSigmoidCentre) / kSigmoidHalfRange (Jakob and Hanika,
-/// "A Low-Dimensional Function Space for Efficient Spectral Upsampling", Eurographics 2019, equation 3).
+/// "A Low-Dimensional Function Space for Efficient Spectral Upsampling", Eurographics 2019).
 template <class L> struct SigmoidPolynomial {
   typename L::Float c0{}, c1{}, c2{};
   static constexpr auto fields(auto& s) { return std::tie(s.c0, s.c1, s.c2); }
 };
 
-/// 1/2 + x / (2 sqrt(1 + x^2)), in [0, 1] (equation 4), written without the cancellation that it suffers for x << 0. Infinity is
+/// 1/2 + x / (2 sqrt(1 + x^2)), in [0, 1], written without the cancellation that this suffers for x << 0. Infinity is
 /// allowed: it gives exactly 0 or 1.
 template <class F> SHEAF_INLINE F sigmoid(F x) {
   const F root = sqrt(fma(x, x, F(1.0f)));

@@ -23,8 +23,11 @@ struct alignas(32) SpectrumRow {
 /// What the rows' tables are read from: samples every nanometre from 360 to 830 nm, linear in between.
 struct SpectrumTableView {
   static constexpr int kSamples = 471;
-  /// Floats from one table to the next. Table 0 is one everywhere.
+  /// Floats from one table to the next.
   static constexpr std::uint32_t kStride = 472;
+  /// Table 0 is one everywhere, table 1 the spectrum of D65 with Y = 1, for colours of light such as texels of
+  /// environment maps.
+  static constexpr std::uint32_t kNone = 0, kDaylight = 1;
   const float* samples = nullptr;
 };
 
@@ -38,6 +41,12 @@ SHEAF_INLINE Float<L> evaluate_table(SpectrumTableView view, typename L::Uint ta
   const F t = place - to_float(i);
   const U at = table * U(SpectrumTableView::kStride) + i;
   return lerp(t, gather(view.samples, at), gather(view.samples, at + U(1u)));
+}
+
+template <class L>
+SHEAF_INLINE Spectrum<L> evaluate_table(SpectrumTableView view, typename L::Uint table, const Spectrum<L>& lambda) {
+  return {evaluate_table<L>(view, table, lambda.c0), evaluate_table<L>(view, table, lambda.c1),
+          evaluate_table<L>(view, table, lambda.c2), evaluate_table<L>(view, table, lambda.c3)};
 }
 
 /// A row per lane, as registers.
@@ -66,9 +75,7 @@ template <class L>
 SHEAF_INLINE Spectrum<L> evaluate(const LoadedSpectrum<L>& row, SpectrumTableView tables, const Spectrum<L>& lambda) {
   using U = typename L::Uint;
   Spectrum<L> value = evaluate(row.shape, lambda) * row.scale;
-  if (any(row.table != U(0u)))
-    value = value * Spectrum<L>(evaluate_table<L>(tables, row.table, lambda.c0), evaluate_table<L>(tables, row.table, lambda.c1),
-                                evaluate_table<L>(tables, row.table, lambda.c2), evaluate_table<L>(tables, row.table, lambda.c3));
+  if (any(row.table != U(0u))) value = value * evaluate_table<L>(tables, row.table, lambda);
   return value;
 }
 

@@ -65,10 +65,10 @@ const Quadrature& quadrature() {
 /// A trial: coefficients, how far the colour is off, and its derivatives.
 template <class L> struct Trial {
   using F = typename L::Float;
-  F c[3];      ///< coefficients of 1, t, t^2
-  F off[3];    ///< colour less target
-  F d[3][3];   ///< d[channel][coefficient]
-  F error;     ///< largest of |off|
+  F c[3];     ///< coefficients of 1, t, t^2
+  F off[3];   ///< colour less target
+  F d[3][3];  ///< d[channel][coefficient]
+  F error;    ///< largest of |off|
 };
 
 template <class L> SHEAF_INLINE void measure(const Quadrature& q, Vec3<L> target, Trial<L>& trial) {

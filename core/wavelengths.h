@@ -13,11 +13,11 @@ template <class L> struct Wavelengths {
 };
 
 namespace detail {
-/// Density proportional to 1 / cosh^2(kRate (lambda - kCentre)), a shape that follows the observer's sensitivity and can
-/// be inverted: Radziszewski, Boryczko and Alda, "An Improved Technique for Full Spectral Rendering" (2009); the two
-/// constants are those of Pharr, Jakob and Humphreys, "Physically Based Rendering" (4th ed., section 4.5.4).
+/// Density proportional to 1 / cosh^2(rate (lambda - centre)), a shape that follows the observer's sensitivity and
+/// can be inverted: Radziszewski, Boryczko and Alda, "An Improved Technique for Full Spectral Rendering" (2009); the
+/// two constants are those of Pharr, Jakob and Humphreys, "Physically Based Rendering" (4th ed., section 4.5.4).
 inline constexpr float kWavelengthCentre = 538.0f, kWavelengthRate = 0.0072f;
-/// tanh(kRate (lambda - kCentre)) at 360 and at 830 nm. The density's integral is their difference over kRate.
+/// tanh(rate (lambda - centre)) at 360 and at 830 nm.
 inline constexpr float kTanhMin = -0.85691062f, kTanhMax = 0.97059135f;
 
 template <class L>
@@ -31,10 +31,10 @@ SHEAF_INLINE void invert_wavelength(typename L::Float u, typename L::Float& lamb
 }
 }  // namespace detail
 
-/// The wavelengths that belong to `u` in [0, 1). The first inverts the density's cumulative function at u, the others at
-/// u + k/4 modulo 1: each alone has the density, together they are spread over the whole range (Wilkie et al., "Hero
-/// Wavelength Spectral Sampling", EGSR 2014, with the rotation before the inversion instead of after it). A path
-/// stores u alone and calls this wherever it needs the wavelengths.
+/// The wavelengths that belong to `u` in [0, 1). The first inverts the density's cumulative function at u, the others
+/// at u + k/4 modulo 1: each alone has the density, together they are spread over the whole range (Wilkie et al.,
+/// "Hero Wavelength Spectral Sampling", EGSR 2014, with the rotation before the inversion instead of after it). A
+/// path stores u alone and calls this wherever it needs the wavelengths.
 template <class L> SHEAF_INLINE Wavelengths<L> sample_wavelengths(typename L::Float u) {
   using F = typename L::Float;
   Wavelengths<L> w;
@@ -60,9 +60,9 @@ template <class L> SHEAF_INLINE Float<L> wavelength_pdf(typename L::Float lambda
 }
 
 /// What a path's throughput is to be multiplied by when light is found: the balance heuristic over the four wavelengths
-/// as strategies (Wilkie et al. 2014, equation 8). `relative` holds, for each wavelength, the density with which it would
-/// have made the path, over the density by which the throughput was divided (that of the first). One everywhere gives
-/// 1; where only the first could have made the path (refraction by a dispersing surface: 1, 0, 0, 0) it gives 4.
+/// as strategies (Wilkie et al. 2014). `relative` holds, for each wavelength, the density with which it would have made
+/// the path, over the density by which the throughput was divided (that of the first). One everywhere gives 1; where
+/// only the first could have made the path (refraction by a dispersing surface: 1, 0, 0, 0) it gives 4.
 template <class L> SHEAF_INLINE Float<L> hero_balance(Spectrum<L> relative) {
   return Float<L>(4.0f) / ((relative.c0 + relative.c1) + (relative.c2 + relative.c3));
 }

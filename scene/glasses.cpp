@@ -21,16 +21,17 @@ constexpr Dispersion kSf11{
 /// Schott N-SF11, its successor without lead. As above.
 constexpr Dispersion kNSf11{
     Form::kSellmeier, 1, {{{1.73759695f, 0.013188707f}, {0.313747346f, 0.0623068142f}, {1.89878101f, 155.23629f}}}};
-/// Fused silica. I. H. Malitson, "Interspecimen comparison of the refractive index of fused silica", J. Opt. Soc. Am. 55,
-/// 1965.
+/// Fused silica. I. H. Malitson, "Interspecimen comparison of the refractive index of fused silica", J. Opt. Soc.
+/// Am. 55, 1965.
 constexpr Dispersion kFusedSilica{
     Form::kSellmeier, 1,
     {{{0.6961663f, square(0.0684043f)}, {0.4079426f, square(0.1162414f)}, {0.8974794f, square(9.896161f)}}}};
-/// Diamond. F. Peter, "Ueber Brechungsindizes und Absorptionskonstanten des Diamanten zwischen 644 und 226 mu", Z. Phys.
-/// 15, 1923.
+/// Diamond. F. Peter, "Ueber Brechungsindizes und Absorptionskonstanten des Diamanten zwischen 644 und 226 mmu", Z.
+/// Phys. 15, 1923.
 constexpr Dispersion kDiamond{Form::kSellmeier, 1, {{{0.3306f, square(0.1750f)}, {4.3356f, square(0.1060f)}}}};
-/// Sapphire, ordinary ray. I. H. Malitson and M. J. Dodge, "Refractive index and birefringence of synthetic sapphire", J.
-/// Opt. Soc. Am. 62, 1972; formula in M. J. Dodge, "Refractive index", Handbook of Laser Science and Technology IV, 1986.
+/// Sapphire, ordinary ray. I. H. Malitson and M. J. Dodge, "Refractive index and birefringence of synthetic sapphire",
+/// J. Opt. Soc. Am. 62, 1972; the formula in M. J. Dodge, "Refractive index", Handbook of Laser Science and Technology
+/// IV, 1986.
 constexpr Dispersion kSapphire{
     Form::kSellmeier, 1,
     {{{1.4313493f, square(0.0726631f)}, {0.65054713f, square(0.1193242f)}, {5.3414021f, square(18.028251f)}}}};
@@ -47,8 +48,8 @@ constexpr Dispersion kWater{
     {{{0.5684027565f, 0.005101829712f}, {0.1726177391f, 0.01821153936f}, {0.02086189578f, 0.02620722293f},
       {0.1130748688f, 10.69792721f}}}};
 /// Ice at -7 degrees Celsius. Fitted by us, within 8e-5, to the table from 350 to 830 nm of S. G. Warren and R. E.
-/// Brandt, "Optical constants of ice from the ultraviolet to the microwave: a revised compilation", J. Geophys. Res. 113,
-/// 2008.
+/// Brandt, "Optical constants of ice from the ultraviolet to the microwave: a revised compilation", J. Geophys. Res.
+/// 113, 2008.
 constexpr Dispersion kIce{Form::kSellmeier, 1, {{{0.70041228f, 0.0091f}, {0.11160444f, 10.0f}}}};
 /// Poly(methyl methacrylate). G. Beadie et al., "Refractive index measurements of poly(methyl methacrylate) (PMMA) from
 /// 0.4-1.6 um", Appl. Opt. 54, 2015.
@@ -69,11 +70,11 @@ struct NamedDispersion {
   const Dispersion* dispersion;
 };
 constexpr NamedDispersion kNamed[] = {
-    {"acetone", &kAcetone},     {"acrylic glass", &kAcrylicGlass}, {"benzene", &kBenzene},
-    {"bk7", &kBk7},             {"diamond", &kDiamond},            {"ethanol", &kEthanol},
-    {"fused quartz", &kFusedSilica}, {"fused silica", &kFusedSilica}, {"n-sf11", &kNSf11},
-    {"sapphire", &kSapphire},   {"sf11", &kSf11},                  {"sodium chloride", &kSodiumChloride},
-    {"water", &kWater},         {"water ice", &kIce}};
+    {"acetone", &kAcetone},          {"acrylic glass", &kAcrylicGlass}, {"benzene", &kBenzene},
+    {"bk7", &kBk7},                  {"diamond", &kDiamond},            {"ethanol", &kEthanol},
+    {"fused quartz", &kFusedSilica}, {"fused silica", &kFusedSilica},   {"n-sf11", &kNSf11},
+    {"sapphire", &kSapphire},        {"sf11", &kSf11},                  {"sodium chloride", &kSodiumChloride},
+    {"water", &kWater},              {"water ice", &kIce}};
 
 }  // namespace
 

@@ -14,9 +14,9 @@ namespace sheaf {
 /// A dispersion formula in its published form; wavelengths enter it in micrometres.
 struct Dispersion {
   enum class Form {
-    kSellmeier,    ///< n^2 = constant + sum of b w^2 / (w^2 - c)
+    kSellmeier,     ///< n^2 = constant + sum of b w^2 / (w^2 - c)
     kSquarePowers,  ///< n^2 = constant + sum of b w^c
-    kPowers,       ///< n = constant + sum of b w^c
+    kPowers,        ///< n = constant + sum of b w^c
   };
   struct Term {
     float b = 0, c = 0;  ///< c: square micrometres, or an even exponent
@@ -27,8 +27,8 @@ struct Dispersion {
   std::array<Term, 7> terms{};  ///< those that are not needed have b = 0
 };
 
-/// Index of refraction at `lambda` nm in vacuum or air, whichever the source took; the difference is below 5e-4 of
-/// dispersion's effect. Sources cover the visible range but for its ends, where formulas are continued.
+/// Index of refraction at `lambda` nm. Relative to air or, where a source says so, to vacuum: a factor of 1.00027 at
+/// most. Where a measurement ends before 360 nm or 830 nm, its formula is continued.
 template <class L> SHEAF_INLINE Float<L> ior(const Dispersion& d, typename L::Float lambda) {
   using F = typename L::Float;
   const F w2 = sqr(lambda * F(1e-3f));
@@ -46,8 +46,8 @@ template <class L> SHEAF_INLINE Float<L> ior(const Dispersion& d, typename L::Fl
   return d.form == Dispersion::Form::kPowers ? sum : sqrt(sum);
 }
 
-/// The formula of a material by name ("bk7", "water"), or null for an unknown name. Names that find_ior() has too mean the
-/// same material, but there, for Mitsuba's sake, some have other values at 589 nm.
+/// The formula of a material by name ("bk7", "water"), or null for an unknown name. Names that find_ior() has too mean
+/// the same material; its constants, which are Mitsuba's, differ from the formulas by up to 0.8 %.
 const Dispersion* find_dispersion(std::string_view name);
 
 /// All names that find_dispersion() knows.

@@ -9,13 +9,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <string>
 
 namespace sheaf {
 
 namespace {
 
-constexpr std::uint32_t kNoTable = 0, kDaylightTable = 1;
+constexpr std::uint32_t kNoTable = SpectrumTableView::kNone, kDaylightTable = SpectrumTableView::kDaylight;
 
 SpectrumRow flat(float value, std::uint32_t table = kNoTable) {
   SpectrumRow row;
@@ -65,16 +67,17 @@ std::vector<float> sample_blackbody(const SpectrumDescription::Blackbody& body) 
 /// [a, b] lies to one side of the centre, so the product is quadratic in each segment: Simpson's rule is exact.
 double integrate_under_hat(const SpectrumDescription::Table& table, double a, double b, double centre) {
   const std::vector<float>& x = table.wavelengths;
-  const auto above = std::upper_bound(x.begin(), x.end(), a, [](double v, float e) { return v < static_cast<double>(e); });
+  const auto before = [](double v, float entry) { return v < static_cast<double>(entry); };
+  const auto above = std::upper_bound(x.begin(), x.end(), a, before);
   double sum = 0;
-  for (std::size_t i = above == x.begin() ? 0 : static_cast<std::size_t>(above - x.begin()) - 1; i + 1 < x.size(); ++i) {
+  for (auto i = static_cast<std::size_t>(std::max(above - x.begin(), std::ptrdiff_t{1}) - 1); i + 1 < x.size(); ++i) {
     const double x0 = static_cast<double>(x[i]), x1 = static_cast<double>(x[i + 1]);
     if (x0 >= b) break;
     const double from = std::max(a, x0), to = std::min(b, x1);
     const auto product = [&](double at) {
       const double t = (at - x0) / (x1 - x0);
-      const double value = (1 - t) * static_cast<double>(table.values[i]) + t * static_cast<double>(table.values[i + 1]);
-      return value * (1 - std::fabs(at - centre));
+      const double y0 = static_cast<double>(table.values[i]), y1 = static_cast<double>(table.values[i + 1]);
+      return ((1 - t) * y0 + t * y1) * (1 - std::fabs(at - centre));
     };
     if (to > from) sum += (to - from) / 6 * (product(from) + 4 * product(0.5 * (from + to)) + product(to));
   }
@@ -85,7 +88,7 @@ double integrate_under_hat(const SpectrumDescription::Table& table, double a, do
 
 std::vector<float> resample(const SpectrumDescription::Table& table) {
   check_table(table, {});
-  for (std::size_t i = 0; i < table.values.size(); ++i) check_finite(table.values[i]), check_finite(table.wavelengths[i]);
+  for (const auto* list : {&table.wavelengths, &table.values}) std::for_each(list->begin(), list->end(), check_finite);
   std::vector<float> samples(SpectrumTableView::kSamples);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double centre = static_cast<double>(kWavelengthMin) + static_cast<double>(i);

@@ -7,8 +7,8 @@
 
 namespace sheaf {
 
-/// Calls f(wavelength in nm, weight in nm) for a Simpson rule of 0.5 nm over the CIE tables' range, at whose nodes every
-/// kink of the tables lies.
+/// Calls f(wavelength in nm, weight in nm) for Simpson's rule in intervals of 1 nm over the CIE tables' range: all
+/// kinks of the tables lie between two intervals.
 template <class F> void for_each_wavelength(F&& f) {
   constexpr int kIntervals = 940;
   for (int i = 0; i <= kIntervals; ++i) {

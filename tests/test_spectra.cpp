@@ -31,7 +31,7 @@ float integral(const SpectrumSet& set, const SpectrumRow& row) {
   return static_cast<float>(sum);
 }
 
-/// The colour that RGB mode gives a path that ends at an emitter of this row.
+/// The colour of an emitter with this row.
 Vec3f emission_color(const SpectrumSet& set, const SpectrumRow& row) {
   return power_to_rgb([&](float lambda) { return at(set, row, lambda); });
 }
@@ -51,17 +51,18 @@ void check_close(Vec3f found, Vec3f expected, double relative) {
 TEST_CASE("spectrum rows: constants and greys are flat, emitters have the spectrum of D65") {
   SpectrumSet set;
   for (const SpectrumUse use : kUses)
-    for (const auto& description : {SpectrumDescription::constant(0.37f), SpectrumDescription::rgb(0.37f, 0.37f, 0.37f)}) {
-      const SpectrumRow row = set.row(description, use);
+    for (const auto& grey : {SpectrumDescription::constant(0.37f), SpectrumDescription::rgb(0.37f, 0.37f, 0.37f)}) {
+      const SpectrumRow row = set.row(grey, use);
       CHECK(row.is_flat() == (use != SpectrumUse::kIlluminant));
       for (float lambda = 360; lambda <= 830; lambda += 47) {
         if (use == SpectrumUse::kIlluminant)
-          CHECK(at(set, row, lambda) / at(set, row, 560) == doctest::Approx(static_cast<double>(cie_d65(lambda)) / 100));
+          CHECK(100 * at(set, row, lambda) / at(set, row, 560) == doctest::Approx(double(cie_d65(lambda))));
         else
           CHECK(at(set, row, lambda) == doctest::Approx(0.37).epsilon(1e-7));
       }
     }
-  check_close(emission_color(set, set.row(SpectrumDescription::constant(3), SpectrumUse::kIlluminant)), {3, 3, 3}, 1e-3);
+  const SpectrumRow light = set.row(SpectrumDescription::constant(3), SpectrumUse::kIlluminant);
+  check_close(emission_color(set, light), {3, 3, 3}, 1e-3);
 }
 
 TEST_CASE("spectrum rows: colours of every use are those of RGB mode") {
@@ -75,7 +76,7 @@ TEST_CASE("spectrum rows: colours of every use are those of RGB mode") {
     CHECK(largest_difference(emission_color(set, emits), strong) < 4e-3f * max_component(strong));
     const auto eta = set.row(SpectrumDescription::rgb(strong.x, strong.y, strong.z), SpectrumUse::kUnbounded);
     CHECK(largest_difference(reflectance_to_rgb([&](float l) { return at(set, eta, l); }), strong) < 1e-2f);
-    CHECK(at(set, set.row(description, SpectrumUse::kRaw), 444) == doctest::Approx(static_cast<double>(luminance(rgb))));
+    CHECK(at(set, set.row(description, SpectrumUse::kRaw), 444) == doctest::Approx(double(luminance(rgb))));
   }
 }
 
@@ -92,7 +93,8 @@ TEST_CASE("spectrum rows: tables keep their values, and their colours agree with
   const auto emits = set.row(table(wavelengths, strong), SpectrumUse::kIlluminant);
   check_close(emission_color(set, emits), emission_table_to_rgb(wavelengths, strong), 2e-4);
   CHECK(at(set, set.row(table(wavelengths, strong), SpectrumUse::kReflectance), 600) == 1.0f);
-  CHECK(at(set, set.row(table(wavelengths, strong), SpectrumUse::kUnbounded), 600) == doctest::Approx(15.6).epsilon(1e-3));
+  const auto unbounded = set.row(table(wavelengths, strong), SpectrumUse::kUnbounded);
+  CHECK(at(set, unbounded, 600) == doctest::Approx(15.6).epsilon(1e-3));
   CHECK(set.row(table({300, 900}, {2, 2}), SpectrumUse::kUnbounded).is_flat());
 }
 
@@ -116,7 +118,7 @@ TEST_CASE("spectrum rows: black bodies are absolute") {
   SpectrumSet set;
   const auto row = set.row({SpectrumDescription::Blackbody{2856, 2}}, SpectrumUse::kIlluminant);
   for (const float lambda : {360.0f, 500.5f, 830.0f})
-    CHECK(at(set, row, lambda) == doctest::Approx(2 * blackbody_radiance(static_cast<double>(lambda), 2856)).epsilon(1e-4));
+    CHECK(at(set, row, lambda) == doctest::Approx(2 * blackbody_radiance(double(lambda), 2856)).epsilon(1e-4));
   check_close(emission_color(set, row), blackbody_to_rgb(2856, 2), 1e-4);
 }
 
@@ -150,9 +152,9 @@ TEST_CASE("spectrum rows: registers of different kinds agree with single rows") 
                                 set.row({SpectrumDescription::Blackbody{4000, 1}}, SpectrumUse::kIlluminant),
                                 set.row(table({400, 650}, {3, 1}), SpectrumUse::kUnbounded)};
   for (std::uint32_t run = 0; run < 20; ++run) {
-    const WideFloat u = wide_floats([&](int lane) { return random4<Scalar>(3, run, static_cast<std::uint32_t>(lane), 0).x; });
+    const WideFloat u = wide_floats([&](int lane) { return random4<Scalar>(3, run, std::uint32_t(lane), 0).x; });
     // The last runs hold rows without tables only, which takes the other branch.
-    const WideUint index = wide_uints([&](int lane) { return static_cast<std::uint32_t>(lane) % (run < 15 ? 5u : 2u); });
+    const WideUint index = wide_uints([&](int lane) { return std::uint32_t(lane) % (run < 15 ? 5u : 2u); });
     const auto w = sample_wavelengths<Wide>(u);
     const auto wide = evaluate<Wide>(rows.data(), index, set.view(), w.lambda);
     for (int lane = 0; lane < kWidth; ++lane) {

@@ -8,6 +8,8 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <limits>
+#include <vector>
 
 using namespace sheaf;
 
@@ -61,9 +63,12 @@ TEST_CASE("uplift: colours come back from the table's spectra") {
 
 TEST_CASE("uplift: colours come back from spectra fitted one by one") {
   float worst = 0;
-  for_each_color(5, [&](Vec3f rgb) { worst = std::max(worst, largest_difference(color_of(fit_reflectance(rgb)), rgb)); });
-  for (const Vec3f rgb : {Vec3f{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {0, 1, 1}, {1, 0, 1}, {1, 1, 0.999f}})
+  const auto check = [&](Vec3f rgb) {
     worst = std::max(worst, largest_difference(color_of(fit_reflectance(rgb)), rgb));
+  };
+  for_each_color(5, check);
+  for (const Vec3f rgb : {Vec3f{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {0, 1, 1}, {1, 0, 1}, {1, 1, 0.999f}})
+    check(rgb);
   MESSAGE("largest error per component " << worst);
   CHECK(worst < 2e-4f);
 }
@@ -73,10 +78,11 @@ TEST_CASE("uplift: colours off the grid, in proportion to their brightness") {
   for (std::uint32_t i = 0; i < 3000; ++i) {
     const Vec3f rgb = random_color(i) * (i % 2 == 0 ? 1.0f : 0.02f);
     const float per = 1.0f / max_component(rgb);
-    worst = std::max(worst, per * largest_difference(color_of(uplift_reflectance<Scalar>(UpliftTable::get(), rgb)), rgb));
+    const auto reflects = uplift_reflectance<Scalar>(UpliftTable::get(), rgb);
+    worst = std::max(worst, per * largest_difference(color_of(reflects), rgb));
     const Vec3f bright = rgb * 1000.0f;
-    const float error = largest_difference(color_of(uplift_unbounded<Scalar>(UpliftTable::get(), bright)), bright);
-    worst_unbounded = std::max(worst_unbounded, error * per / 1000);
+    const auto emits = uplift_unbounded<Scalar>(UpliftTable::get(), bright);
+    worst_unbounded = std::max(worst_unbounded, per * largest_difference(color_of(emits), bright) / 1000);
   }
   CHECK(worst < 0.01f);
   CHECK(worst_unbounded < 0.005f);
@@ -101,8 +107,10 @@ TEST_CASE("uplift: greys are exactly constant") {
 
 TEST_CASE("uplift: reflectances stay between 0 and 1, whatever the input") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  std::vector<Vec3f> colors{{1, 1, 1}, {1, 0, 0}, {0, 1, 1}, {0, 0, 0}, {2, 3, -1}, {kNan, 0.5f, 0.2f}, {kNan, kNan, kNan},
-                            {kInfinity, 1, 0}, {1e-30f, 0, 1e-38f}, {1e-42f, 0, 0}, {-1, -2, -3}, {1, 1, 0.9999999f}};
+  std::vector<Vec3f> colors{{1, 1, 1},          {1, 0, 0},          {0, 1, 1},
+                            {0, 0, 0},          {2, 3, -1},         {kNan, 0.5f, 0.2f},
+                            {kNan, kNan, kNan}, {kInfinity, 1, 0},  {1e-30f, 0, 1e-38f},
+                            {1e-42f, 0, 0},     {-1, -2, -3},       {1, 1, 0.9999999f}};
   for (std::uint32_t i = 0; i < 500; ++i) colors.push_back(random_color(i));
   for (const Vec3f rgb : colors) {
     CAPTURE(rgb.x);
@@ -136,7 +144,8 @@ TEST_CASE("uplift: registers agree with single colours") {
                          wide_floats([&](int lane) { return lane % 6 == 0 ? color(lane).x : color(lane).z; })};
     const auto wide = uplift_reflectance<Wide>(UpliftTable::get(), rgb);
     const auto bright = uplift_unbounded<Wide>(UpliftTable::get(), rgb);
-    const Spectrum<Wide> at = evaluate(wide, Spectrum<Wide>(WideFloat(450), WideFloat(530), WideFloat(610), WideFloat(700)));
+    const Spectrum<Wide> lambda(WideFloat(450), WideFloat(530), WideFloat(610), WideFloat(700));
+    const Spectrum<Wide> at = evaluate(wide, lambda);
     for (int lane = 0; lane < kWidth; ++lane) {
       const Vec3f one{rgb.x[lane], rgb.y[lane], rgb.z[lane]};
       const auto s = uplift_reflectance<Scalar>(UpliftTable::get(), one);
