@@ -110,6 +110,10 @@ TEST_CASE("spectrum rows: resampling keeps the power of lines and steps, whereve
                 emission_table_to_rgb(std::vector<float>{centre - 0.02f, centre, centre + 0.02f},
                                       std::vector<float>{0, 5000, 0}), 2e-2);
   }
+  // No wider than it must be.
+  const auto sharp = set.row(table({499.99f, 500, 500.01f}, {0, 100, 0}), SpectrumUse::kIlluminant);
+  CHECK(at(set, sharp, 500) == doctest::Approx(1).epsilon(2e-2));
+  CHECK(at(set, sharp, 501) < 0.01f);
   const auto step = set.row(table({450.3f, 620.8f}, {1, 1}), SpectrumUse::kIlluminant);
   CHECK(integral(set, step) == doctest::Approx(170.5).epsilon(1e-5));
 }
