@@ -33,7 +33,7 @@ inline constexpr float kUpliftUnbounded = 0.5f;
 ///
 /// There is one grid for each choice of the largest component, whose value `z` is one axis; the other two axes are the
 /// ratios of the next and the next but one component (R, G, B, R, ...) to it. Nodes lie densely where the coefficients
-/// change fast: towards z = 1 and towards ratios of 0.
+/// change fast: towards z = 1 and towards ratios of 0 and 1.
 struct UpliftTable {
   static constexpr int kSize = 32;  ///< nodes per axis
   /// c0, c1, c2 and a word of padding per node, at ((largest * kSize + z) * kSize + second) * kSize + first.

@@ -17,8 +17,7 @@ namespace detail {
 /// can be inverted: Radziszewski, Boryczko and Alda, "An Improved Technique for Full Spectral Rendering" (2009),
 /// with the rate of Pharr, Jakob and Humphreys, "Physically Based Rendering" (4th ed., section 4.5.4). Their centre
 /// is 538 nm; 520 nm does as well for single wavelengths, and leaves white under D65 with less noise when four are
-/// used: standard deviations per path of 25, 1 and 42 % of the mean in red, green and blue instead of 15, 3 and 58
-/// %.
+/// used: the standard deviations per path of red, green and blue are 25, 1 and 42 % instead of 15, 3 and 58 %.
 inline constexpr float kWavelengthCentre = 520.0f, kWavelengthRate = 0.0072f;
 /// tanh(rate (lambda - centre)) at 360 and at 830 nm.
 inline constexpr float kTanhMin = -0.81841555f, kTanhMax = 0.97722981f;
