@@ -4,6 +4,7 @@
 #include "core/color.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -218,7 +219,10 @@ float UpliftTable::place_ratio(float place) {
 
 UpliftTable::UpliftTable() : nodes(std::size_t{4} * 3 * kSize * kSize * kSize) {
   const Quadrature& q = quadrature();
-  tbb::parallel_for(0, 3 * kSize, [&](int plane) { fit_plane(q, plane / kSize, plane % kSize, nodes.data()); });
+  // Isolated: a thread that waits here must not take up a caller's task, which might ask for the table again.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(0, 3 * kSize, [&](int plane) { fit_plane(q, plane / kSize, plane % kSize, nodes.data()); });
+  });
 }
 
 const UpliftTable& UpliftTable::get() {

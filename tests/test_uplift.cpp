@@ -6,8 +6,11 @@
 #include "tests/spectral_testing.h"
 
 #include <doctest/doctest.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -140,6 +143,14 @@ TEST_CASE("uplift: reflectances stay between 0 and 1, whatever the input") {
   }
   const auto dark = uplift_unbounded<Scalar>(UpliftTable::get(), Vec3f{-1, kNan, 0});
   CHECK(dark.scale * evaluate(dark.shape, 500.0f) == 0.0f);
+}
+
+TEST_CASE("uplift: the table does not depend on threads, nor on who asks for it") {
+  const UpliftTable& table = UpliftTable::get();
+  tbb::task_arena(1).execute([&] { CHECK(UpliftTable().nodes == table.nodes); });
+  std::atomic<int> equal{0};
+  tbb::parallel_for(0, 8, [&](int) { equal += UpliftTable().nodes == UpliftTable::get().nodes ? 1 : 0; });
+  CHECK(equal == 8);
 }
 
 TEST_CASE("uplift: an unbounded colour's spectrum is proportional to it") {
