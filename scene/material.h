@@ -125,6 +125,31 @@ template <class L> struct NoriMicrofacetParameters {
 /// Most 32-bit words of parameters that a closure may have; a multiple of four.
 inline constexpr int kMaxClosureWords = 24;
 
+/// Most spectra among the parameters of a closure.
+inline constexpr int kMaxClosureSpectra = 4;
+
+/// The places of the spectra among a closure's parameters: the first of their four words, in order.
+struct ClosureSpectra {
+  int count = 0;
+  int word[kMaxClosureSpectra] = {};
+};
+
+/// Found by the types in fields(), so there is no second list to keep in step.
+template <template <class> class Parameters> constexpr ClosureSpectra closure_spectra() {
+  ClosureSpectra found;
+  int word = 0;
+  const auto visit = [&]<class Field>(const Field*) {
+    constexpr bool kIsSpectrum = std::is_same_v<Field, Spectrum4>;
+    if (kIsSpectrum) found.word[found.count++] = word;
+    word += kIsSpectrum ? 4 : static_cast<int>(sizeof(Field) / sizeof(float));
+  };
+  using Fields = decltype(Parameters<Scalar>::fields(std::declval<Parameters<Scalar>&>()));
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (visit(static_cast<const std::remove_reference_t<std::tuple_element_t<I, Fields>>*>(nullptr)), ...);
+  }(std::make_index_sequence<std::tuple_size_v<Fields>>{});
+  return found;
+}
+
 /// Bits of MaterialRow::flags.
 enum MaterialFlags : std::uint32_t {
   kTwoSided = 1,   ///< the frame is turned towards the viewer
