@@ -12,6 +12,7 @@ enum class ClosureKind : std::uint32_t {
   kRoughConductorBeckmann, kRoughConductorGgx, kRoughDielectricBeckmann, kRoughDielectricGgx,
   kRoughPlasticBeckmann, kRoughPlasticGgx,
   kPrincipled, kPrincipledThin, kDisney, kNoriMicrofacet,
+  kDispersiveDielectric, kDispersiveThinDielectric, kDispersiveRoughDielectricBeckmann, kDispersiveRoughDielectricGgx,
   kCount
 };
 inline constexpr int kClosureKinds = static_cast<int>(ClosureKind::kCount);
@@ -49,6 +50,20 @@ template <class L> struct RoughDielectricParameters {
   typename L::Float eta;                     ///< int / ext
   Spectrum<L> reflectance, transmittance;    ///< as for DielectricParameters
   typename L::Float alpha_u, alpha_v;        ///< roughness along the tangent and across
+  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v); }
+};
+
+/// DielectricParameters with an index for each wavelength (kernels/bsdf/dispersive_dielectric.h). Spectral mode only.
+template <class L> struct DispersiveDielectricParameters {
+  Spectrum<L> eta;  ///< int / ext
+  Spectrum<L> reflectance, transmittance;
+  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance); }
+};
+
+/// RoughDielectricParameters likewise (kernels/bsdf/dispersive_rough_dielectric.h).
+template <class L> struct DispersiveRoughDielectricParameters {
+  Spectrum<L> eta, reflectance, transmittance;
+  typename L::Float alpha_u, alpha_v;
   static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v); }
 };
 

@@ -1,6 +1,7 @@
 #include "scene/material_rows.h"
 
 #include "core/color.h"
+#include "scene/glasses.h"
 #include "scene/plastic.h"
 
 #include <algorithm>
@@ -118,6 +119,37 @@ MaterialRow make_row(const ConductorDescription& d, RowContext& context) {
                       *d.roughness);
 }
 
+/// The index of the inside over that of the outside, by wavelength.
+SpectrumRow relative_index(SpectrumSet& set, const DielectricDescription& d) {
+  std::vector<float> samples(SpectrumTableView::kSamples);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const float lambda = kWavelengthMin + static_cast<float>(i);
+    samples[i] = (d.int_dispersion ? ior<Scalar>(*d.int_dispersion, lambda) : d.int_ior) /
+                 (d.ext_dispersion ? ior<Scalar>(*d.ext_dispersion, lambda) : d.ext_ior);
+  }
+  return set.tabulate(std::move(samples));
+}
+
+MaterialRow make_dispersive_row(const DielectricDescription& d, RowContext& context) {
+  const auto make = [&](auto& m) {
+    m.p.eta = Spectrum4(d.int_ior / d.ext_ior);
+    m.row_of(m.p.eta) = relative_index(*context.set, d);
+    m.set(m.p.reflectance, d.specular_reflectance);
+    m.set(m.p.transmittance, d.specular_transmittance);
+  };
+  if (!d.roughness) {
+    RowMaker<DispersiveDielectricParameters> m{context};
+    make(m);
+    return m.row(d.thin ? ClosureKind::kDispersiveThinDielectric : ClosureKind::kDispersiveDielectric);
+  }
+  RowMaker<DispersiveRoughDielectricParameters> m{context};
+  make(m);
+  set_roughness(m, *d.roughness);
+  return with_tangent(m.row(is_ggx(*d.roughness) ? ClosureKind::kDispersiveRoughDielectricGgx
+                                                 : ClosureKind::kDispersiveRoughDielectricBeckmann),
+                      *d.roughness);
+}
+
 template <template <class> class Parameters>
 void set_dielectric(RowMaker<Parameters>& m, const DielectricDescription& d) {
   m.p.eta = d.int_ior / d.ext_ior;
@@ -126,6 +158,7 @@ void set_dielectric(RowMaker<Parameters>& m, const DielectricDescription& d) {
 }
 
 MaterialRow make_row(const DielectricDescription& d, RowContext& context) {
+  if (context.set != nullptr && (d.int_dispersion || d.ext_dispersion)) return make_dispersive_row(d, context);
   if (!d.roughness) {
     RowMaker<DielectricParameters> m{context};
     set_dielectric(m, d);
