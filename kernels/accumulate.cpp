@@ -1,8 +1,8 @@
 // Stage: accumulate. Finished paths become samples of the task; the film takes those in order at the task's end
 // (kernels/passes/render.cpp).
 //
-// In spectral mode the sensor turns four radiances into linear Rec.709. A single sample is a colour outside of the gamut
-// as a rule, and its negative components are as much needed as the others: what is dropped for being negative is judged
+// In spectral mode the sensor turns four radiances into linear Rec.709. A single sample is a colour out of the gamut as
+// a rule, and its negative components are as much needed as the others: what is dropped for being negative is judged
 // by the radiances, never by the colour. So pixels of spectral pictures may have negative components, by noise and
 // where the scene has colours that Rec.709 does not reach.
 #include "kernels/path_wavelengths.h"

@@ -32,8 +32,8 @@ SHEAF_INLINE Spectrum<L> uplifted(const SceneView& scene, TextureRole role, cons
                                   const Spectrum<L>& lambda) {
   const Vec3<L> color{rgb.c0, rgb.c1, rgb.c2};
   const UpliftTable& table = *scene.spectral.uplift;
-  return evaluate(role == TextureRole::kReflectance ? uplift_reflectance<L>(table, color) : uplift_unbounded<L>(table, color),
-                  lambda);
+  const bool reflectance = role == TextureRole::kReflectance;
+  return evaluate(reflectance ? uplift_reflectance<L>(table, color) : uplift_unbounded<L>(table, color), lambda);
 }
 
 template <class L, ColorMode Mode>

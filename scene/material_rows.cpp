@@ -48,8 +48,8 @@ template <template <class> class Parameters> struct RowMaker {
   /// The row of one of the parameters.
   SpectrumRow& row_of(const Spectrum4& spectrum) {
     constexpr ClosureSpectra kSpectra = closure_spectra<Parameters>();
-    const int word = static_cast<int>(word_of(spectrum.c0));
-    return context.rows[static_cast<std::size_t>(std::find(kSpectra.word, kSpectra.word + kSpectra.count, word) - kSpectra.word)];
+    const auto* place = std::find(kSpectra.word, kSpectra.word + kSpectra.count, static_cast<int>(word_of(spectrum.c0)));
+    return context.rows[static_cast<std::size_t>(place - kSpectra.word)];
   }
 
   MaterialRow row(ClosureKind kind) const {

@@ -103,7 +103,7 @@ Dispersion read_sellmeier(Properties& p, const char* name) {
   const std::size_t terms = numbers.size() / 2;
   Dispersion result;
   if (terms == 0 || numbers.size() % 2 != 0 || terms > result.terms.size())
-    p.fail_at(name, "has " + std::to_string(numbers.size()) + " numbers, expected B1, B2 ..., C1, C2 ..., as many B as C, " +
+    p.fail_at(name, "has " + std::to_string(numbers.size()) + " numbers, expected B1 B2 ... C1 C2 ..., as many B as C, " +
                         std::to_string(result.terms.size()) + " of each at most");
   for (std::size_t i = 0; i < terms; ++i) result.terms[i] = {numbers[i], numbers[terms + i]};
   return result;

@@ -132,7 +132,7 @@ struct SpectralView {
   SpectrumTableView tables;
   /// Of each material the spectra among its closure's parameters, in their order: kMaxClosureSpectra rows.
   const SpectrumRow* materials = nullptr;
-  /// Of each light what LightRow::radiance is. Where there is a texture or a map, that is uplifted and multiplied by this.
+  /// Of each light what LightRow::radiance is. A texture's or a map's colours are uplifted and multiplied by it.
   const SpectrumRow* lights = nullptr;
   const UpliftTable* uplift = nullptr;
   const SensorCurves* sensor = nullptr;

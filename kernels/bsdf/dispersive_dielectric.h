@@ -23,7 +23,9 @@ template <class L> struct DispersiveFresnel {
 
 /// As fresnel_dielectric(), for an index per wavelength.
 template <class L> SHEAF_INLINE DispersiveFresnel<L> fresnel_dispersive(Float<L> cos_incident, const Spectrum<L>& eta) {
-  const auto at = [&](Float<L> index) SHEAF_LAMBDA_INLINE { return fresnel_dielectric<L>(cos_incident, index).reflectance; };
+  const auto at = [&](Float<L> index) SHEAF_LAMBDA_INLINE {
+    return fresnel_dielectric<L>(cos_incident, index).reflectance;
+  };
   DispersiveFresnel<L> f;
   f.first = fresnel_dielectric<L>(cos_incident, eta.c0);
   f.reflectance = {f.first.reflectance, at(eta.c1), at(eta.c2), at(eta.c3)};
@@ -49,7 +51,8 @@ template <class L> struct DispersiveDielectricBsdf : DispersiveDielectricParamet
     using F = Float<L>;
     const auto f = fresnel_dispersive<L>(wo.z, this->eta);
     const auto reflected = u.x < f.probability;
-    const F inverse_eta = F(1.0f) / f.first.eta, per_choice = F(1.0f) / select(reflected, f.probability, F(1.0f) - f.probability);
+    const F inverse_eta = F(1.0f) / f.first.eta;
+    const F per_choice = F(1.0f) / select(reflected, f.probability, F(1.0f) - f.probability);
     const Spectrum<L> refracted =
         first_for_all<L>(f.single, (F(1.0f) - f.first.reflectance) * per_choice * (inverse_eta * inverse_eta));
     BsdfSample<L> s;

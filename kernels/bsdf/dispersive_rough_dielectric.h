@@ -1,6 +1,6 @@
 // A rough boundary between dielectrics whose index of refraction depends on the wavelength: spectral mode's
-// RoughDielectricModel. Refraction keeps the first wavelength alone, in evaluation as in sampling, so that light sampling
-// and BSDF sampling estimate the same integral; see dispersive_dielectric.h.
+// RoughDielectricModel. Refraction keeps the first wavelength alone, in evaluation as in sampling, so that light
+// sampling and BSDF sampling estimate the same integral; see dispersive_dielectric.h.
 #pragma once
 
 #include "kernels/bsdf/dispersive_dielectric.h"
