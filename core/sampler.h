@@ -14,6 +14,7 @@ enum class SampleBlock : std::uint32_t {
   kSelect,   ///< x: which part of a composite material
   kResample, ///< x: which of several light candidates
   kCount,
+  kWavelength = kCount,  ///< x: the wavelengths; once per path, at event 0: what kCamera would have at event 1
 };
 
 /// How the samples of a pixel are spread within a block. Blocks, events and pixels are independent of each other, and

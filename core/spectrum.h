@@ -5,6 +5,12 @@
 
 namespace sheaf {
 
+/// What the four lanes of a Spectrum are.
+enum class ColorMode : std::uint32_t {
+  kRgb,       ///< linear Rec.709 in three of them
+  kSpectral,  ///< four wavelengths, of each path its own
+};
+
 /// Radiance, throughput, reflectance ... at four wavelengths.
 template <class L> struct Spectrum {
   typename L::Float c0{}, c1{}, c2{}, c3{};

@@ -1,5 +1,11 @@
 // Stage: accumulate. Finished paths become samples of the task; the film takes those in order at the task's end
 // (kernels/passes/render.cpp).
+//
+// In spectral mode the sensor turns four radiances into linear Rec.709. A single sample is a colour out of the gamut as
+// a rule, and its negative components are as much needed as the others: what is dropped for being negative is judged
+// by the radiances, never by the colour. So pixels of spectral pictures may have negative components, by noise and
+// where the scene has colours that Rec.709 does not reach.
+#include "kernels/path_wavelengths.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
 
@@ -8,19 +14,43 @@
 
 namespace sheaf {
 
-template <class L> void accumulate(const SceneView&, Wave& wave) noexcept {
+namespace {
+
+/// What the film is to make of the radiances of `slots`: components of linear Rec.709 in RGB mode as in spectral mode.
+template <class L>
+SHEAF_INLINE void sense_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
+  using F = Float<L>;
+  RadianceState<L> r = wave.radiance.gather<L>(slots);
+  const F lowest = min(min(r.radiance.c0, r.radiance.c1), min(r.radiance.c2, r.radiance.c3));
+  const Wavelengths<L> wavelengths = sample_wavelengths<L>(abs(gather_heroes<L>(wave, slots)));
+  const Vec3<L> rgb = radiance_to_rgb<L>(*scene.spectral.sensor, wavelengths, r.radiance);
+  r.radiance = {rgb.x, rgb.y, rgb.z, select(lowest >= F(0.0f), F(0.0f), F(-1.0f))};
+  wave.radiance.scatter<L>(slots, count, r);
+}
+
+/// Whether a sample may be added to the film. `r`: in spectral mode after sense_tile().
+bool is_good(ColorMode color, const RadianceState<Scalar>& r) {
+  const Spectrum4& c = r.radiance;
+  if (!std::isfinite((c.c0 + c.c1 + c.c2) * r.weight)) return false;
+  return color == ColorMode::kSpectral ? c.c3 >= 0.0f : c.c0 >= 0.0f && c.c1 >= 0.0f && c.c2 >= 0.0f;
+}
+
+}  // namespace
+
+template <class L> void accumulate(const SceneView& scene, Wave& wave) noexcept {
   const int paths = wave.finished.size();
   if (paths == 0) return;
   StageTimer timer(wave.stats, Stage::kAccumulate);
   timer.count(paths, 1);
+  if (scene.color == ColorMode::kSpectral && scene.integrator.kind == IntegratorKind::kPath) {
+    wave.finished.pad();
+    for_tiles<L>(paths, [&](int i, int count) { sense_tile<L>(scene, wave, wave.finished.data() + i, count); });
+  }
   for (int i = 0; i < paths; ++i) {
     const Slot slot = wave.finished[i];
     const RadianceState<Scalar> r = wave.radiance.get(slot);
     FilmSample& out = wave.task_samples[r.task_sample & ~kTransparent];
-    const float sum = r.radiance.c0 + r.radiance.c1 + r.radiance.c2;
-    const bool good = std::isfinite(sum * r.weight) && r.radiance.c0 >= 0.0f && r.radiance.c1 >= 0.0f &&
-                      r.radiance.c2 >= 0.0f;
-    if (good) {
+    if (is_good(scene.color, r)) {
       out = {r.radiance.c0 * r.weight, r.radiance.c1 * r.weight, r.radiance.c2 * r.weight,
              r.task_sample & kTransparent ? 0.0f : r.weight};
       ++wave.stats.samples;

@@ -34,6 +34,14 @@ class SampleCursor {
 };
 
 template <class L>
+SHEAF_INLINE void start_wavelengths(const SceneView& scene, Wave& wave, const Slot* slots, int count,
+                                    const ThroughputState<L>& path) {
+  alignas(kSimdAlignment) float u[L::width];
+  store(u, draw<L>(scene.sampler, path.pixel, path.sample, Uint<L>(0u), SampleBlock::kWavelength).x);
+  for (int lane = 0; lane < count; ++lane) wave.heroes[slots[lane]] = u[lane];
+}
+
+template <class L>
 SHEAF_INLINE void start_tile(const SceneView& scene, Wave& wave, SampleCursor& cursor, const Slot* slots, int count,
                              std::uint32_t flags) {
   using F = typename L::Float;
@@ -52,11 +60,12 @@ SHEAF_INLINE void start_tile(const SceneView& scene, Wave& wave, SampleCursor& c
   load(y, py);
   load(sample, throughput.sample);
   throughput.pixel = py * U(static_cast<std::uint32_t>(wave.task.frame_width)) + px;
-  // The fourth lane is no colour: it starts at 0 and stays there, whatever BSDFs do to it.
-  throughput.beta = {F(1.0f), F(1.0f), F(1.0f), F(0.0f)};
+  // The fourth lane is no colour in RGB mode: it starts at 0 and stays there, whatever BSDFs do to it.
+  throughput.beta = {F(1.0f), F(1.0f), F(1.0f), F(scene.color == ColorMode::kSpectral ? 1.0f : 0.0f)};
   throughput.eta_scale = F(1.0f);
   throughput.progress = U(0u);
 
+  if (scene.color == ColorMode::kSpectral) start_wavelengths<L>(scene, wave, slots, count, throughput);
   const auto u = draw<L>(scene.sampler, throughput.pixel, throughput.sample, U(0u), SampleBlock::kCamera);
   const auto dx = scene.filter->sample<L>(u.x), dy = scene.filter->sample<L>(u.y);
   const F film_x = to_float(px) + F(0.5f) + dx.position, film_y = to_float(py) + F(0.5f) + dy.position;

@@ -3,6 +3,7 @@
 #include "core/octahedral.h"
 #include "kernels/light_sample.h"
 #include "kernels/light_weight.h"
+#include "kernels/path_wavelengths.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
 
@@ -28,15 +29,23 @@ SHEAF_INLINE LightReceiver<L> receiver(const RayState<L>& ray, const RadianceSta
 }
 
 /// Radiance of the environment, and the density of sampling it.
-template <class L>
-SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, const LightRow& light, Vec3<L> direction) {
+template <class L, ColorMode Mode>
+SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, Vec3<L> direction, const Spectrum<L>& lambda) {
   using F = Float<L>;
-  if (light.kind == static_cast<std::uint32_t>(LightKind::kEnvmap)) return lookup_envmap<L>(scene.envmap, direction);
-  const float* le = light.radiance;
-  return {{F(le[0]), F(le[1]), F(le[2]), F(le[3])}, F(kUniformSpherePdf)};
+  const LightRow& light = scene.lights[scene.environment];
+  const bool is_map = light.kind == static_cast<std::uint32_t>(LightKind::kEnvmap);
+  if constexpr (Mode == ColorMode::kSpectral) {
+    const Spectrum<L> emitted = light_spectra<L>(scene, Uint<L>(scene.environment), lambda);
+    if (!is_map) return {emitted, F(kUniformSpherePdf)};
+    const EnvmapValue<L> found = lookup_envmap<L>(scene.envmap, direction);
+    return {uplifted_light<L>(scene, found.radiance, lambda) * emitted, found.pdf_solid_angle};
+  }
+  if (is_map) return lookup_envmap<L>(scene.envmap, direction);
+  return {{F(light.radiance[0]), F(light.radiance[1]), F(light.radiance[2]), F(light.radiance[3])}, F(kUniformSpherePdf)};
 }
 
-template <class L> SHEAF_INLINE void environment_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
+template <class L, ColorMode Mode>
+SHEAF_INLINE void environment_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;
   using U = Uint<L>;
   RadianceState<L> radiance = wave.radiance.gather<L>(slots);
@@ -47,8 +56,8 @@ template <class L> SHEAF_INLINE void environment_tile(const SceneView& scene, Wa
   radiance.task_sample = radiance.task_sample | select(from_camera & !shown, U(kTransparent), U(0u));
   if (visible) {
     const ThroughputState<L> path = wave.throughput.gather<L>(slots);
-    const LightRow& light = scene.lights[scene.environment];
-    const EnvmapValue<L> arriving = environment_value<L>(scene, light, ray.direction);
+    const EnvmapValue<L> arriving =
+        environment_value<L, Mode>(scene, ray.direction, shading_wavelengths<L, Mode>(wave, slots));
     const F probability = choice_probability<L>(scene, receiver<L>(ray, radiance), U(scene.environment));
     const F weight =
         emission_weight<L>(scene.integrator, radiance.scatter_pdf, probability * arriving.pdf_solid_angle);
@@ -58,7 +67,7 @@ template <class L> SHEAF_INLINE void environment_tile(const SceneView& scene, Wa
 }
 
 /// `Textured`: some light may have a texture.
-template <class L, bool Textured>
+template <class L, ColorMode Mode, bool Textured>
 SHEAF_INLINE void area_light_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;
   using U = Uint<L>;
@@ -70,9 +79,11 @@ SHEAF_INLINE void area_light_tile(const SceneView& scene, Wave& wave, const Slot
   const auto y = surface_point<L, Textured>(scene, shape, hit.primitive, hit.u, hit.v,
                                             ray.origin + ray.direction * hit.t, hit.instance);
   LightLanes<L> light = load_lights<L>(scene, hit.light);
+  const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, slots);
+  if constexpr (Mode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, hit.light, lambda);
   if constexpr (Textured)
-    light.radiance = light.radiance * light_textures<L>(scene, light.texture, L::first(count),
-                                                        {y.uv, hit.shape, hit.primitive, hit.u, hit.v});
+    light.radiance = light.radiance * light_textures<L, Mode>(scene, light.texture, L::first(count),
+                                                              {y.uv, hit.shape, hit.primitive, hit.u, hit.v}, lambda);
 
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
   const auto hidden = from_camera & Mask<L>(scene.integrator.hide_emitters);
@@ -100,14 +111,16 @@ template <class L> void emission(const SceneView& scene, Wave& wave) noexcept {
   timer.count(lights, L::width);
   wave.miss.pad();
   wave.emitter.pad();
-  for_tiles<L>(misses, [&](int i, int count) { environment_tile<L>(scene, wave, wave.miss.data() + i, count); });
-  for_tiles<L>(lights, [&](int i, int count) {
-    const Slot* slots = wave.emitter.data() + i;
-    if (scene.has_textured_lights) {
-      area_light_tile<L, true>(scene, wave, slots, count);
-    } else {
-      area_light_tile<L, false>(scene, wave, slots, count);
-    }
+  with_color_mode(scene, [&]<ColorMode Mode>() {
+    for_tiles<L>(misses, [&](int i, int count) { environment_tile<L, Mode>(scene, wave, wave.miss.data() + i, count); });
+    for_tiles<L>(lights, [&](int i, int count) {
+      const Slot* slots = wave.emitter.data() + i;
+      if (scene.has_textured_lights) {
+        area_light_tile<L, Mode, true>(scene, wave, slots, count);
+      } else {
+        area_light_tile<L, Mode, false>(scene, wave, slots, count);
+      }
+    });
   });
   for (int i = 0; i < misses; ++i) wave.finished.push(wave.miss[i]);
   wave.miss.clear();

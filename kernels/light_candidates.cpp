@@ -2,6 +2,7 @@
 // the surface makes of it is left to the resample stage.
 #include "kernels/bsdf/all.h"
 #include "kernels/light_sample.h"
+#include "kernels/path_wavelengths.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
 
@@ -9,14 +10,15 @@ namespace sheaf {
 
 namespace {
 
-template <class L>
+template <class L, ColorMode Mode>
 SHEAF_INLINE void candidate_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, SampleSet set) {
   using F = Float<L>;
   const auto item = wave.items.load<L>(column);
   const ThroughputState<L> path = wave.throughput.gather<L>(slots);
   const auto u = draw<L>(scene.sampler, path.pixel, path.sample, path.event(), SampleBlock::kLight, set);
   const LightChoice<L> choice = choose_light<L>(scene, {item.p, item.ns}, u.x);
-  const LightSample<L> light = sample_light<L>(scene, item.p, choice, u);
+  const LightSample<L> light =
+      sample_light<L, Mode>(scene, item.p, choice, u, shading_wavelengths<L, Mode>(wave, slots));
   LightCandidate<L> out;
   out.direction = light.direction;
   out.target = light.target;
@@ -36,8 +38,10 @@ template <class L> void light_candidates(const SceneView& scene, Wave& wave) noe
     if constexpr (!Bsdf<L>::kIsSpecular) {
       const SurfaceRun& run = wave.runs[static_cast<int>(kind)];
       timer.count(run.count, L::width);
-      for_tiles<L>(run.count, [&](int i, int) {
-        candidate_tile<L>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, set);
+      with_color_mode(scene, [&]<ColorMode Mode>() {
+        for_tiles<L>(run.count, [&](int i, int) {
+          candidate_tile<L, Mode>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, set);
+        });
       });
     }
   });

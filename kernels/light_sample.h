@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/sampler.h"
+#include "core/uplift.h"
 #include "kernels/envmap.h"
 #include "kernels/light_select.h"
 #include "scene/shape.h"
@@ -27,6 +28,18 @@ template <class L> SHEAF_INLINE LightLanes<L> load_lights(const SceneView& scene
   for (int k = 0; k < 16; k += 4) gather_row4<L>(base + k, light * typename L::Uint(16u), w + k);
   return {float_bits(w[0]), float_bits(w[1]),       float_bits(w[2]),    float_bits(w[3]), {w[4], w[5], w[6], w[7]},
           {w[8], w[9], w[10]}, w[11], w[12], float_bits(w[14]), float_bits(w[15])};
+}
+
+/// What lights' rows say, at the wavelengths `lambda`: spectral mode.
+template <class L>
+SHEAF_INLINE Spectrum<L> light_spectra(const SceneView& scene, typename L::Uint light, const Spectrum<L>& lambda) {
+  return evaluate<L>(scene.spectral.lights, light, scene.spectral.tables, lambda);
+}
+
+/// Colours of textures and maps, as factors on light_spectra().
+template <class L>
+SHEAF_INLINE Spectrum<L> uplifted_light(const SceneView& scene, const Spectrum<L>& rgb, const Spectrum<L>& lambda) {
+  return evaluate(uplift_unbounded<L>(*scene.spectral.uplift, {rgb.c0, rgb.c1, rgb.c2}), lambda);
 }
 
 /// Light that arrives at a reference point from a sampled direction.
@@ -326,9 +339,10 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const LightSample<L>& a, L
 }  // namespace light_detail
 
 /// What the lights' textures say, one after the other; 1 for lights without, and nothing below 0. Lanes of one register
-/// may hold lights of different textures.
-template <class L>
-Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> active, const TextureQuery<L>& query) {
+/// may hold lights of different textures. `lambda`: spectral mode.
+template <class L, ColorMode Mode = ColorMode::kRgb>
+Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> active, const TextureQuery<L>& query,
+                           const Spectrum<L>& lambda = {}) {
   using F = Float<L>;
   using U = Uint<L>;
   Spectrum<L> out(F(1.0f));
@@ -337,7 +351,8 @@ Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> acti
   for (std::uint32_t left = mask_bits(active & (texture != U(kNone))); left != 0;) {
     const std::uint32_t row = lanes[std::countr_zero(left)];
     const auto same = texture == U(row);
-    const Spectrum<L> value = lookup_texture<L>(scene.textures, row, query);
+    Spectrum<L> value = lookup_texture<L>(scene.textures, row, query);
+    if constexpr (Mode == ColorMode::kSpectral) value = uplifted_light<L>(scene, value, lambda);
     const F zero(0.0f);
     out = select<L>(same, {max(value.c0, zero), max(value.c1, zero), max(value.c2, zero), max(value.c3, zero)}, out);
     left &= ~mask_bits(same);
@@ -345,10 +360,11 @@ Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> acti
   return out;
 }
 
-/// Samples a direction towards given lights by u.y, u.z and u.w. Densities don't know how the lights were selected.
-template <class L>
+/// Samples a direction towards given lights by u.y, u.z and u.w. Densities don't know how the lights were selected. In
+/// spectral mode light.radiance is light_spectra() at `lambda`.
+template <class L, ColorMode Mode = ColorMode::kRgb>
 SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light,
-                                               const Random4<L>& u) {
+                                               const Random4<L>& u, const Spectrum<L>& lambda = {}) {
   using namespace light_detail;
   const auto is = [&](LightKind kind) SHEAF_LAMBDA_INLINE { return light.is(kind); };
   const auto mesh = is(LightKind::kMesh), sphere = is(LightKind::kSphere), quadric = is(LightKind::kQuadric);
@@ -366,21 +382,30 @@ SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> f
       merge<L>(quadric, from_area<L>(from, point_on_quadric<L>(scene, light, quadric, u, query), light), s);
     if (any(point)) merge<L>(point, sample_point<L>(from, light), s);
     if (any(constant)) merge<L>(constant, sample_constant<L>(scene, from, light, u), s);
-    if (any(map)) merge<L>(map, sample_map<L>(scene, from, u), s);
+    if (any(map)) {
+      LightSample<L> of_map = sample_map<L>(scene, from, u);
+      if constexpr (Mode == ColorMode::kSpectral)
+        of_map.radiance = uplifted_light<L>(scene, of_map.radiance, lambda) * light.radiance;
+      merge<L>(map, of_map, s);
+    }
     if (any(spot)) merge<L>(spot, sample_spot<L>(scene, from, light, spot, query), s);
     if (any(projector)) merge<L>(projector, sample_projector<L>(scene, from, light, projector, query), s);
     if (any(directional)) merge<L>(directional, sample_directional<L>(scene, from, light), s);
   }
   const auto textured = s.valid & (light.texture != Uint<L>(kNone));
-  if (any(textured)) s.radiance = s.radiance * light_textures<L>(scene, light.texture, textured, query);
+  if (any(textured))
+    s.radiance = s.radiance * light_textures<L, Mode>(scene, light.texture, textured, query, lambda);
   return s;
 }
 
-/// A direction from `from` towards lights that were chosen, and its density, the choice included.
-template <class L>
+/// A direction from `from` towards lights that were chosen, and its density, the choice included. `lambda`: the
+/// wavelengths in spectral mode.
+template <class L, ColorMode Mode = ColorMode::kRgb>
 SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, const LightChoice<L>& choice,
-                                         const Random4<L>& u) {
-  LightSample<L> s = sample_given_light<L>(scene, from, load_lights<L>(scene, choice.light), u);
+                                         const Random4<L>& u, const Spectrum<L>& lambda = {}) {
+  LightLanes<L> light = load_lights<L>(scene, choice.light);
+  if constexpr (Mode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, choice.light, lambda);
+  LightSample<L> s = sample_given_light<L, Mode>(scene, from, light, u, lambda);
   s.pdf_solid_angle = s.pdf_solid_angle * choice.probability;
   return s;
 }

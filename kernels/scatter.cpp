@@ -2,6 +2,7 @@
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
 #include "kernels/normal_map.h"
+#include "kernels/path_wavelengths.h"
 #include "kernels/shading_frame.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
@@ -42,6 +43,14 @@ SHEAF_INLINE void remember_scattering(Wave& wave, const Slot* slots, int count, 
   }
 }
 
+/// Paths that a dispersing surface let through have one wavelength left.
+template <class L> SHEAF_INLINE void keep_first_wavelength(Wave& wave, const Slot* slots, std::uint32_t lanes) {
+  for (; lanes != 0; lanes &= lanes - 1) {
+    float& hero = wave.heroes[slots[std::countr_zero(lanes)]];
+    hero = bits_float(float_bits(hero) | kSingleWavelength);
+  }
+}
+
 template <class L, template <class> class Bsdf>
 SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, int count, bool mapped) {
   using F = Float<L>;
@@ -54,6 +63,8 @@ SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* s
   const Vec3<L> direction = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_world(s.wi);
 
   path.beta = path.beta * s.weight;
+  if constexpr (kDisperses<Bsdf<L>>)
+    keep_first_wavelength<L>(wave, slots, mask_bits((item.wo.z * s.wi.z < F(0.0f)) & L::first(count)));
   if (mapped) {
     const TexturedItem<L> t = wave.textured.load<L>(column);
     path.beta = path.beta * shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);

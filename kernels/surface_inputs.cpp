@@ -1,6 +1,7 @@
 // Stage: surface inputs. From hits to what closures need: position, normals, the viewing direction in the shading frame,
 // and the closure's parameters.
 #include "kernels/bsdf/all.h"
+#include "kernels/path_wavelengths.h"
 #include "kernels/shading_frame.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
@@ -15,6 +16,7 @@ struct KindInputs {
   int words;         ///< of the closure's parameters
   bool anisotropic;  ///< the frame must follow the tangent
   bool mapped;       ///< some materials of the kind have maps
+  ClosureSpectra spectra;  ///< among the parameters
 };
 
 /// Copies the closure's parameters from the material table.
@@ -26,6 +28,23 @@ SHEAF_INLINE void closure_words(const SceneView& scene, Wave& wave, Uint<L> row,
     Float<L> quad[4];
     gather_row4<L>(parameters + k, row, quad);
     for (int i = 0; i < 4; ++i) store(closure[k + i] + column, quad[i]);
+  }
+}
+
+/// Spectral mode: puts the material's spectra at the path's wavelengths in place of its colours.
+template <class L>
+SHEAF_INLINE void closure_spectra_words(const SceneView& scene, Wave& wave, const Slot* slots, Uint<L> material,
+                                        const ClosureSpectra& spectra, int column) {
+  const Spectrum<L> lambda = path_wavelengths<L>(wave, slots);
+  float* const* closure = wave.closures.columns().words;
+  for (int k = 0; k < spectra.count; ++k) {
+    const Uint<L> row = material * Uint<L>(std::uint32_t{kMaxClosureSpectra}) + Uint<L>(static_cast<std::uint32_t>(k));
+    const Spectrum<L> value = evaluate<L>(scene.spectral.materials, row, scene.spectral.tables, lambda);
+    float* const* words = closure + spectra.word[k];
+    store(words[0] + column, value.c0);
+    store(words[1] + column, value.c1);
+    store(words[2] + column, value.c2);
+    store(words[3] + column, value.c3);
   }
 }
 
@@ -53,7 +72,7 @@ SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const RayStat
   wave.items.store<L>(column, item);
 }
 
-template <class L>
+template <class L, ColorMode Mode>
 SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, const KindInputs& kind) {
   using U = Uint<L>;
   const RayState<L> ray = wave.rays.gather<L>(slots);
@@ -68,11 +87,14 @@ SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* s
     surface_item<L, false>(scene, wave, ray, hit, flags, column, kind.anisotropic);
   }
   closure_words<L>(scene, wave, row, kind.words, column);
+  if constexpr (Mode == ColorMode::kSpectral)
+    closure_spectra_words<L>(scene, wave, slots, hit.material, kind.spectra, column);
 }
 
-template <class L> void surface_run(const SceneView& scene, Wave& wave, const SurfaceRun& run, const KindInputs& kind) {
+template <class L, ColorMode Mode>
+void surface_run(const SceneView& scene, Wave& wave, const SurfaceRun& run, const KindInputs& kind) {
   for_tiles<L>(run.count, [&](int i, int) {
-    surface_tile<L>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, kind);
+    surface_tile<L, Mode>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, kind);
   });
 }
 
@@ -85,7 +107,8 @@ template <class L> void surface_inputs(const SceneView& scene, Wave& wave) noexc
     if (run.count == 0) return;
     const bool mapped = (scene.kind_flags[static_cast<int>(kind)] & kMapped) != 0;
     timer.count(run.count, L::width);
-    surface_run<L>(scene, wave, run, {kLeafCount<Bsdf>, Bsdf<L>::kIsAnisotropic, mapped});
+    const KindInputs inputs{kLeafCount<Bsdf>, Bsdf<L>::kIsAnisotropic, mapped, closure_spectra<Bsdf>()};
+    with_color_mode(scene, [&]<ColorMode Mode>() { surface_run<L, Mode>(scene, wave, run, inputs); });
   });
 }
 

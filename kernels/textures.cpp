@@ -2,6 +2,7 @@
 // shading frame.
 #include "kernels/bsdf/all.h"
 #include "kernels/normal_map.h"
+#include "kernels/path_wavelengths.h"
 #include "kernels/shading_frame.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
@@ -25,14 +26,27 @@ template <class L> SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, con
   return {t.uv, hit.shape, hit.primitive, hit.u, hit.v};
 }
 
+/// A looked-up colour at the path's wavelengths, by the spectrum that its texture's values stand for.
 template <class L>
+SHEAF_INLINE Spectrum<L> uplifted(const SceneView& scene, TextureRole role, const Spectrum<L>& rgb,
+                                  const Spectrum<L>& lambda) {
+  const Vec3<L> color{rgb.c0, rgb.c1, rgb.c2};
+  const UpliftTable& table = *scene.spectral.uplift;
+  const bool reflectance = role == TextureRole::kReflectance;
+  return evaluate(reflectance ? uplift_reflectance<L>(table, color) : uplift_unbounded<L>(table, color), lambda);
+}
+
+template <class L, ColorMode Mode>
 void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
   using F = Float<L>;
   const auto query = make_query<L>(wave, tile.slots, wave.textured.load<L>(tile.column));
   const auto lanes = tile.lanes();
+  const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, tile.slots);
   for (std::uint32_t b = 0; b < material.binding_count; ++b) {
     const TextureBinding& binding = scene.bindings[material.first_binding + b];
-    const Spectrum<L> value = lookup_binding<L>(scene.textures, binding, query);
+    Spectrum<L> value = lookup_binding<L>(scene.textures, binding, query);
+    if constexpr (Mode == ColorMode::kSpectral)
+      if (binding.words == 4) value = uplifted<L>(scene, binding.role, value, lambda);
     const F channels[4] = {value.c0, value.c1, value.c2, value.c3};
     for (std::uint32_t k = 0; k < binding.words; ++k) {
       float* words = wave.closures.columns().words[binding.word + k] + tile.column;
@@ -95,7 +109,8 @@ void texture_run(const SceneView& scene, Wave& wave, const SurfaceRun& run, cons
   const Slot* slots = wave.sorted.data() + run.slot_begin;
   for (int at = first / L::width * L::width; at < last; at += L::width) {
     const TextureTile<L> tile{slots + at, run.column_begin + at, std::max(first - at, 0), std::min(last - at, int{L::width})};
-    if (material.binding_count > 0) texture_words<L>(scene, wave, material, tile);
+    if (material.binding_count > 0)
+      with_color_mode(scene, [&]<ColorMode Mode>() { texture_words<L, Mode>(scene, wave, material, tile); });
     if (material.flags & kMapped) turn_normals<L, WithTangent>(scene, wave, material, tile);
   }
 }

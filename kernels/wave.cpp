@@ -16,7 +16,8 @@ int item_capacity(int paths) { return paths + kClosureKinds * kWidth; }
 std::size_t wave_bytes(int paths) {
   return Groups<RayState>::bytes(paths) + Groups<HitState>::bytes(paths) + Groups<ThroughputState>::bytes(paths) +
          Groups<RadianceState>::bytes(paths) + kSlotLists * SlotList::bytes(paths) +
-         static_cast<std::size_t>(paths) + kSimdAlignment + Soa<SurfaceItem>::bytes(item_capacity(paths)) +
+         static_cast<std::size_t>(paths) * (1 + sizeof(float)) + 2 * kSimdAlignment +
+         Soa<SurfaceItem>::bytes(item_capacity(paths)) +
          Soa<TexturedItem>::bytes(item_capacity(paths)) +
          Soa<ClosureItem>::bytes(item_capacity(paths)) + Soa<LightCandidate>::bytes(item_capacity(paths)) +
          Soa<ReservoirItem>::bytes(item_capacity(paths)) + Soa<ShadowItem>::bytes(paths);
@@ -30,6 +31,8 @@ Wave::Wave(int paths) : capacity(paths), arena(wave_bytes(paths)) {
   throughput.bind(arena, paths);
   radiance.bind(arena, paths);
   for (SlotList* list : {&free, &active, &miss, &emitter, &composite, &surface, &finished, &sorted}) list->bind(arena, paths);
+  heroes = arena.take<float>(static_cast<std::size_t>(paths));
+  std::fill_n(heroes, paths, 0.0f);
   sort_keys = arena.take<std::uint8_t>(static_cast<std::size_t>(paths));
   items.bind(arena, item_capacity(paths));
   textured.bind(arena, item_capacity(paths));

@@ -55,6 +55,8 @@ struct Wave {
   Groups<HitState> hits;
   Groups<ThroughputState> throughput;
   Groups<RadianceState> radiance;
+  /// Spectral mode: what the wavelengths are made of, one word per slot; see kernels/path_wavelengths.h.
+  float* heroes = nullptr;
 
   // Lists of slots. A slot stands in exactly one of free, active, miss, composite, surface and finished between stages,
   // and may stand in emitter besides.

@@ -73,6 +73,8 @@ class SceneCompiler {
       : in_(description), options_(options), out_(std::make_unique<Scene>()) {}
 
   std::unique_ptr<Scene> run() {
+    out_->color_ = options_.color;
+    if (options_.color == ColorMode::kSpectral) spectra_.emplace();
     out_->film_ = in_.film;
     out_->sampler_ = in_.sampler;
     out_->integrator_ = in_.integrator;
@@ -93,8 +95,22 @@ class SceneCompiler {
   }
 
  private:
+  /// What makes rows of spectra; null in RGB mode.
+  SpectrumSet* spectra() { return spectra_ ? &*spectra_ : nullptr; }
+
+  /// The row of what a light emits, in spectral mode. Textures are relative to D65.
+  SpectrumRow emission_row(const SpectrumInput& emission, const SourceLocation& where) {
+    if (!spectra_) return {};
+    const auto* spectrum = std::get_if<SpectrumDescription>(&emission);
+    try {
+      return spectra_->row(spectrum != nullptr ? *spectrum : SpectrumDescription::constant(1), SpectrumUse::kIlluminant);
+    } catch (const SceneError& error) { throw SceneError(where, error.what()); }
+  }
+
   void add_materials() {
-    CompiledMaterials materials = compile_materials(in_.materials);
+    CompiledMaterials materials = compile_materials(in_.materials, spectra());
+    for (const MaterialSpectra& rows : materials.spectra)
+      out_->material_spectra_.insert(out_->material_spectra_.end(), rows.begin(), rows.end());
     out_->materials_ = std::move(materials.rows);
     row_of_material_ = std::move(materials.row_of);
     default_material_ = materials.default_row;
@@ -185,13 +201,13 @@ class SceneCompiler {
   }
 
   /// What a shape emits, or nothing if that is black.
-  std::optional<AreaEmission> emission_of(const ShapeDescription& shape) const {
+  std::optional<AreaEmission> emission_of(const ShapeDescription& shape) {
     if (!shape.radiance) return std::nullopt;
     if (const auto* texture = std::get_if<TextureId>(&*shape.radiance))
-      return AreaEmission{{1, 1, 1}, texture_row(*texture, shape.where)};
+      return AreaEmission{{1, 1, 1}, texture_row(*texture, shape.where), emission_row(*texture, shape.where)};
     const Vec3f radiance = emission_rgb(std::get<SpectrumDescription>(*shape.radiance));
     if (!(max_component(radiance) > 0.0f)) return std::nullopt;
-    return AreaEmission{radiance, kNone};
+    return AreaEmission{radiance, kNone, emission_row(*shape.radiance, shape.where)};
   }
 
   std::uint32_t texture_row(TextureId id, const SourceLocation& where) const {
@@ -231,6 +247,7 @@ class SceneCompiler {
     if (kRowWords * (out_->light_triangles_.size() + light.triangles.size()) > kMaxWords)
       throw SceneError("the lights have more than " + std::to_string(kMaxWords / kRowWords) + " triangles in all");
     out_->lights_.push_back(light.row);
+    out_->light_spectra_.push_back(emitter.emission.spectrum);
     out_->has_textured_lights_ = out_->has_textured_lights_ || light.row.texture != kNone;
     out_->triangle_alias_.insert(out_->triangle_alias_.end(), light.alias.begin(), light.alias.end());
     out_->light_triangles_.insert(out_->light_triangles_.end(), light.triangles.begin(), light.triangles.end());
@@ -312,8 +329,10 @@ class SceneCompiler {
   void add_lights() {
     std::vector<std::pair<PlacedLight, SourceLocation>> placed;
     for (const LightDescription& light : in_.lights)
-      if (auto row = std::visit([&](const auto& model) { return place_light(model, light.where); }, light.model))
+      if (auto row = std::visit([&](const auto& model) { return place_light(model, light.where); }, light.model)) {
+        row->spectrum = spectrum_of(light);
         placed.emplace_back(std::move(*row), light.where);
+      }
     for (const bool infinite : {false, true}) {
       for (const auto& [light, where] : placed)
         if (is_infinite(light.row) == infinite) push_light(light, where);
@@ -335,6 +354,26 @@ class SceneCompiler {
       out_->light_frames_.push_back(*light.frame);
     }
     out_->lights_.push_back(light.row);
+    out_->light_spectra_.push_back(light.spectrum);
+  }
+
+  /// The row of what LightRow::radiance is.
+  SpectrumRow spectrum_of(const LightDescription& light) {
+    return std::visit(Overloaded{
+                          [&](const PointLightDescription& l) { return emission_row(l.intensity, light.where); },
+                          [&](const ConstantLightDescription& l) { return emission_row(l.radiance, light.where); },
+                          [&](const SpotLightDescription& l) { return emission_row(l.intensity, light.where); },
+                          [&](const DirectionalLightDescription& l) { return emission_row(l.irradiance, light.where); },
+                          [&](const ProjectorDescription& l) {
+                            SpectrumRow row = emission_row(l.irradiance, light.where);
+                            row.scale *= kPi * l.scale;
+                            return row;
+                          },
+                          [&](const EnvmapDescription&) {
+                            return emission_row(SpectrumDescription::constant(1), light.where);
+                          },
+                      },
+                      light.model);
   }
 
   std::optional<PlacedLight> place_light(const PointLightDescription& light, const SourceLocation&) const {
@@ -414,6 +453,8 @@ class SceneCompiler {
     if (out_->light_triangles_.empty()) out_->light_triangles_.emplace_back();
     if (out_->light_frames_.empty()) out_->light_frames_.emplace_back();
     if (out_->light_uvs_.empty()) out_->light_uvs_.emplace_back();
+    if (out_->light_spectra_.empty()) out_->light_spectra_.emplace_back();
+    if (spectra_) out_->spectrum_tables_ = spectra_->samples();
     select_lights();
     const AccelInput input{out_->shapes_.data(), ungrouped_shapes_, out_->vertices_.data(), out_->triangles_.data(),
                            out_->quadrics_.data(), vertex_counts_.data(), options_.watertight,
@@ -431,6 +472,7 @@ class SceneCompiler {
   std::unique_ptr<Scene> out_;
   std::vector<std::uint32_t> row_of_material_;
   std::uint32_t default_material_ = 0;
+  std::optional<SpectrumSet> spectra_;        ///< in spectral mode
   std::optional<AttributeTable> attributes_;  ///< once textures are known
   std::vector<std::uint32_t> vertex_counts_;
   std::uint32_t ungrouped_shapes_ = 0;

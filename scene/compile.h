@@ -10,6 +10,7 @@ struct CompileOptions {
   /// Let no ray slip between two triangles that share an edge. Without it about one in two million does (measured on
   /// the Cornell box), and intersection of small scenes is up to half again as fast.
   bool watertight = false;
+  ColorMode color = ColorMode::kRgb;
 };
 
 /// Compiles a description: loads meshes, flattens materials, makes light tables and builds the acceleration

@@ -28,9 +28,11 @@ struct Surroundings {
 /// Makes the rows in the order of the description; rows of nested materials come before the row that refers to them.
 class Flattener {
  public:
-  explicit Flattener(const std::vector<MaterialDescription>& materials) : materials_(materials) {}
+  Flattener(const std::vector<MaterialDescription>& materials, SpectrumSet* set)
+      : context_{bindings, set}, materials_(materials) {}
 
   std::vector<MaterialRow> rows;
+  std::vector<MaterialSpectra> spectra;  ///< of each row, in spectral mode
   std::vector<TextureBinding> bindings;
   std::vector<NormalMapRow> maps;
 
@@ -47,16 +49,26 @@ class Flattener {
     return row;
   }
 
-  std::uint32_t push(MaterialRow row) {
+  /// The row of a material that combines no others.
+  MaterialRow make(const MaterialDescription& m) {
+    try {
+      return make_material_row(m, context_);
+    } catch (const SceneError& error) { throw SceneError(m.where, error.what()); }
+  }
+
+  /// Adds a row with the spectra of the one made last.
+  std::uint32_t push(MaterialRow row) { return push(row, context_.rows); }
+  std::uint32_t push(MaterialRow row, const MaterialSpectra& spectra_of_row) {
     row.back = static_cast<std::uint32_t>(rows.size());
     rows.push_back(row);
+    if (context_.set != nullptr) spectra.push_back(spectra_of_row);
     return row.back;
   }
 
  private:
   template <class Model>
   std::uint32_t flatten_model(const MaterialDescription& m, const Model&, const Surroundings& around) {
-    MaterialRow row = make_material_row(m, bindings);
+    MaterialRow row = make(m);
     if (around.two_sided) row.flags |= kTwoSided;
     if (around.map != kNoMap) {
       row.flags |= kTextured | kMapped;
@@ -74,7 +86,7 @@ class Flattener {
     const std::uint32_t front = flatten(sides.front, inside);
     if (sides.back == sides.front) return front;
     const std::uint32_t back = flatten(sides.back, inside);
-    const std::uint32_t row = push(rows[front]);
+    const std::uint32_t row = push(rows[front], context_.set != nullptr ? spectra[front] : MaterialSpectra{});
     rows[row].back = back;
     return row;
   }
@@ -145,6 +157,7 @@ class Flattener {
            std::holds_alternative<NullDescription>(m.model) || std::holds_alternative<MaskDescription>(m.model);
   }
 
+  RowContext context_;
   const std::vector<MaterialDescription>& materials_;
   std::map<std::tuple<std::size_t, bool, std::uint32_t>, std::uint32_t> known_;
 };
@@ -173,11 +186,11 @@ void set_buckets(CompiledMaterials& out) {
 
 }  // namespace
 
-CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials) {
-  Flattener flat(materials);
+CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials, SpectrumSet* set) {
+  Flattener flat(materials, set);
   CompiledMaterials out;
   for (std::size_t i = 0; i < materials.size(); ++i) out.row_of.push_back(flat.flatten(static_cast<MaterialId>(i), {}));
-  out.default_row = flat.push(make_material_row({}, flat.bindings));
+  out.default_row = flat.push(flat.make({}));
 
   std::vector<std::uint32_t> order(flat.rows.size()), position(flat.rows.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -191,6 +204,7 @@ CompiledMaterials compile_materials(const std::vector<MaterialDescription>& mate
     if (row.flags & kComposite) for (std::uint32_t& choice : row.choice) renumber(choice, position);
     else out.kind_flags[static_cast<int>(row.kind)] |= row.flags;
     out.rows.push_back(row);
+    if (set != nullptr) out.spectra.push_back(flat.spectra[from]);
   }
   set_buckets(out);
   for (std::uint32_t& row : out.row_of) row = position[row];

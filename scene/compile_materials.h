@@ -3,12 +3,17 @@
 
 #include "scene/description.h"
 #include "scene/material.h"
+#include "scene/spectra.h"
 #include "scene/texture.h"
 
 namespace sheaf {
 
+/// The rows of the spectra among a material's parameters, in their order.
+using MaterialSpectra = std::array<SpectrumRow, kMaxClosureSpectra>;
+
 struct CompiledMaterials {
   std::vector<MaterialRow> rows;       ///< sorted by kind, composite ones last
+  std::vector<MaterialSpectra> spectra;  ///< of each row; empty in RGB mode
   std::vector<TextureBinding> bindings;
   std::vector<NormalMapRow> normal_maps;
   std::vector<std::uint32_t> row_of;   ///< per material of the description
@@ -20,8 +25,8 @@ struct CompiledMaterials {
 
 /// Flattens two-sided materials, masks, blends and maps into rows. Textures keep their numbers. Throws SceneError where
 /// a two-sided material holds one that transmits or another two-sided one, where a map holds a map, and where
-/// materials are nested too deep.
-CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials);
+/// materials are nested too deep. `set`: what makes rows of spectra, in spectral mode.
+CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials, SpectrumSet* set = nullptr);
 
 /// Linear Rec.709 of a radiance, intensity ...; components below zero become zero.
 Vec3f emission_rgb(const SpectrumDescription& spectrum);

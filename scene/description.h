@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/sampler.h"
 #include "core/transform.h"
+#include "scene/dispersion.h"
 
 #include <array>
 #include <cstdint>
@@ -91,6 +92,8 @@ struct ConductorDescription {
 struct DielectricDescription {
   float int_ior = 1.5046f;    ///< inside: opposite of the geometric normal
   float ext_ior = 1.000277f;  ///< outside
+  /// The same by wavelength, for spectral mode; none: constant.
+  std::optional<Dispersion> int_dispersion = {}, ext_dispersion = {};
   SpectrumInput specular_reflectance = SpectrumDescription::constant(1.0f);
   SpectrumInput specular_transmittance = SpectrumDescription::constant(1.0f);
   bool thin = false;  ///< a pane: light leaves in the direction in which it came; then not rough

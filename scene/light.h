@@ -23,6 +23,7 @@ struct LightPlaces {
 struct AreaEmission {
   Vec3f radiance;                 ///< with a texture what it is multiplied by
   std::uint32_t texture = kNone;
+  SpectrumRow spectrum = {};      ///< the same as `radiance`, in spectral mode
 };
 
 /// An area light with its triangles and the alias table over them (meshes only).
@@ -42,6 +43,7 @@ AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, cons
 struct PlacedLight {
   LightRow row;
   std::optional<LightFrameRow> frame;
+  SpectrumRow spectrum = {};  ///< what LightRow::radiance is, in spectral mode
 };
 PlacedLight make_point_light(Vec3f intensity, Vec3f position);
 PlacedLight make_constant_light(Vec3f radiance);

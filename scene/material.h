@@ -12,6 +12,7 @@ enum class ClosureKind : std::uint32_t {
   kRoughConductorBeckmann, kRoughConductorGgx, kRoughDielectricBeckmann, kRoughDielectricGgx,
   kRoughPlasticBeckmann, kRoughPlasticGgx,
   kPrincipled, kPrincipledThin, kDisney, kNoriMicrofacet,
+  kDispersiveDielectric, kDispersiveThinDielectric, kDispersiveRoughDielectricBeckmann, kDispersiveRoughDielectricGgx,
   kCount
 };
 inline constexpr int kClosureKinds = static_cast<int>(ClosureKind::kCount);
@@ -49,6 +50,20 @@ template <class L> struct RoughDielectricParameters {
   typename L::Float eta;                     ///< int / ext
   Spectrum<L> reflectance, transmittance;    ///< as for DielectricParameters
   typename L::Float alpha_u, alpha_v;        ///< roughness along the tangent and across
+  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v); }
+};
+
+/// DielectricParameters with an index for each wavelength (kernels/bsdf/dispersive_dielectric.h). Spectral mode only.
+template <class L> struct DispersiveDielectricParameters {
+  Spectrum<L> eta;  ///< int / ext
+  Spectrum<L> reflectance, transmittance;
+  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance); }
+};
+
+/// RoughDielectricParameters likewise (kernels/bsdf/dispersive_rough_dielectric.h).
+template <class L> struct DispersiveRoughDielectricParameters {
+  Spectrum<L> eta, reflectance, transmittance;
+  typename L::Float alpha_u, alpha_v;
   static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v); }
 };
 
@@ -124,6 +139,31 @@ template <class L> struct NoriMicrofacetParameters {
 
 /// Most 32-bit words of parameters that a closure may have; a multiple of four.
 inline constexpr int kMaxClosureWords = 24;
+
+/// Most spectra among the parameters of a closure.
+inline constexpr int kMaxClosureSpectra = 4;
+
+/// The places of the spectra among a closure's parameters: the first of their four words, in order.
+struct ClosureSpectra {
+  int count = 0;
+  int word[kMaxClosureSpectra] = {};
+};
+
+/// Found by the types in fields(), so there is no second list to keep in step.
+template <template <class> class Parameters> constexpr ClosureSpectra closure_spectra() {
+  ClosureSpectra found;
+  int word = 0;
+  const auto visit = [&]<class Field>(const Field*) {
+    constexpr bool kIsSpectrum = std::is_same_v<Field, Spectrum4>;
+    if (kIsSpectrum) found.word[found.count++] = word;
+    word += kIsSpectrum ? 4 : static_cast<int>(sizeof(Field) / sizeof(float));
+  };
+  using Fields = decltype(Parameters<Scalar>::fields(std::declval<Parameters<Scalar>&>()));
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (visit(static_cast<const std::remove_reference_t<std::tuple_element_t<I, Fields>>*>(nullptr)), ...);
+  }(std::make_index_sequence<std::tuple_size_v<Fields>>{});
+  return found;
+}
 
 /// Bits of MaterialRow::flags.
 enum MaterialFlags : std::uint32_t {

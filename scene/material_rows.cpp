@@ -1,6 +1,7 @@
 #include "scene/material_rows.h"
 
 #include "core/color.h"
+#include "scene/glasses.h"
 #include "scene/plastic.h"
 
 #include <algorithm>
@@ -23,9 +24,9 @@ Vec3f to_rgb(const SpectrumDescription& spectrum, TableToRgb table_to_rgb) {
 
 /// Parameters on their way into a row: constants go to their place, textures become bindings of that place.
 template <template <class> class Parameters> struct RowMaker {
-  std::vector<TextureBinding>& bindings;
+  RowContext& context;
   Parameters<Scalar> p{};
-  std::uint32_t first_binding = static_cast<std::uint32_t>(bindings.size());
+  std::uint32_t first_binding = static_cast<std::uint32_t>(context.bindings.size());
 
   void set(float& leaf, const ScalarInput& input) {
     if (const float* value = std::get_if<float>(&input)) leaf = *value;
@@ -34,31 +35,42 @@ template <template <class> class Parameters> struct RowMaker {
 
   void set(Spectrum4& spectrum, const SpectrumInput& input, TextureRole role = TextureRole::kReflectance) {
     if (const auto* value = std::get_if<SpectrumDescription>(&input)) {
-      const Vec3f rgb = role == TextureRole::kReflectance ? reflectance_rgb(*value) : unbounded_rgb(*value);
+      const bool reflectance = role == TextureRole::kReflectance;
+      const Vec3f rgb = reflectance ? reflectance_rgb(*value) : unbounded_rgb(*value);
       spectrum = {rgb.x, rgb.y, rgb.z, 0.0f};
+      if (context.set != nullptr)
+        row_of(spectrum) = context.set->row(*value, reflectance ? SpectrumUse::kReflectance : SpectrumUse::kUnbounded);
     } else {
       bind(spectrum.c0, std::get<TextureId>(input), 4, role);
     }
+  }
+
+  /// The row of one of the parameters.
+  SpectrumRow& row_of(const Spectrum4& spectrum) {
+    constexpr ClosureSpectra kSpectra = closure_spectra<Parameters>();
+    const auto* place = std::find(kSpectra.word, kSpectra.word + kSpectra.count, static_cast<int>(word_of(spectrum.c0)));
+    return context.rows[static_cast<std::size_t>(place - kSpectra.word)];
   }
 
   MaterialRow row(ClosureKind kind) const {
     MaterialRow out;
     set_parameters<Parameters>(out, kind, p);
     out.first_binding = first_binding;
-    out.binding_count = static_cast<std::uint16_t>(bindings.size() - first_binding);
+    out.binding_count = static_cast<std::uint16_t>(context.bindings.size() - first_binding);
     if (out.binding_count > 0) out.flags |= kTextured;
     return out;
   }
 
  private:
-  void bind(const float& leaf, TextureId texture, std::uint32_t words, TextureRole role) {
+  std::uint32_t word_of(const float& leaf) const {
     std::uint32_t word = 0, i = 0;
     std::apply([&](const auto&... each) { ((&each == &leaf ? word = i : 0u, ++i), ...); }, leaves(p));
-    bindings.push_back({static_cast<std::uint32_t>(texture), word, words, role});
+    return word;
+  }
+  void bind(const float& leaf, TextureId texture, std::uint32_t words, TextureRole role) {
+    context.bindings.push_back({static_cast<std::uint32_t>(texture), word_of(leaf), words, role});
   }
 };
-
-using Bindings = std::vector<TextureBinding>;
 
 bool is_ggx(const RoughnessDescription& r) { return r.distribution == RoughnessDescription::Distribution::kGgx; }
 
@@ -78,35 +90,63 @@ MaterialRow with_tangent(MaterialRow row, const ScalarInput& anisotropic) {
   return row;
 }
 
-MaterialRow make_row(const DiffuseDescription& d, Bindings& bindings) {
-  RowMaker<DiffuseParameters> m{bindings};
+MaterialRow make_row(const DiffuseDescription& d, RowContext& context) {
+  RowMaker<DiffuseParameters> m{context};
   m.set(m.p.reflectance, d.reflectance);
   return m.row(ClosureKind::kDiffuse);
 }
 
 template <template <class> class Parameters>
 void set_conductor(RowMaker<Parameters>& m, const ConductorDescription& d) {
-  m.p.eta = Spectrum4(0.0f);
-  m.p.k = Spectrum4(1.0f);
-  if (d.ior) {
-    m.set(m.p.eta, d.ior->eta, TextureRole::kUnbounded);
-    m.set(m.p.k, d.ior->k, TextureRole::kUnbounded);
-    // The fourth lane is no colour in RGB mode; k = 1 keeps its Fresnel term a number.
-    m.p.k.c3 = 1.0f;
-  }
+  const SpectrumInput none = SpectrumDescription::constant(0), mirror = SpectrumDescription::constant(1);
+  m.set(m.p.eta, d.ior ? d.ior->eta : none, TextureRole::kUnbounded);
+  m.set(m.p.k, d.ior ? d.ior->k : mirror, TextureRole::kUnbounded);
+  // The fourth lane is no colour in RGB mode; k = 1 keeps its Fresnel term a number.
+  m.p.k.c3 = 1.0f;
   m.set(m.p.reflectance, d.specular_reflectance);
 }
 
-MaterialRow make_row(const ConductorDescription& d, Bindings& bindings) {
+MaterialRow make_row(const ConductorDescription& d, RowContext& context) {
   if (!d.roughness) {
-    RowMaker<ConductorParameters> m{bindings};
+    RowMaker<ConductorParameters> m{context};
     set_conductor(m, d);
     return m.row(ClosureKind::kConductor);
   }
-  RowMaker<RoughConductorParameters> m{bindings};
+  RowMaker<RoughConductorParameters> m{context};
   set_conductor(m, d);
   set_roughness(m, *d.roughness);
   return with_tangent(m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughConductorGgx : ClosureKind::kRoughConductorBeckmann),
+                      *d.roughness);
+}
+
+/// The index of the inside over that of the outside, by wavelength.
+SpectrumRow relative_index(SpectrumSet& set, const DielectricDescription& d) {
+  std::vector<float> samples(SpectrumTableView::kSamples);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const float lambda = kWavelengthMin + static_cast<float>(i);
+    samples[i] = (d.int_dispersion ? ior<Scalar>(*d.int_dispersion, lambda) : d.int_ior) /
+                 (d.ext_dispersion ? ior<Scalar>(*d.ext_dispersion, lambda) : d.ext_ior);
+  }
+  return set.tabulate(std::move(samples));
+}
+
+MaterialRow make_dispersive_row(const DielectricDescription& d, RowContext& context) {
+  const auto make = [&](auto& m) {
+    m.p.eta = Spectrum4(d.int_ior / d.ext_ior);
+    m.row_of(m.p.eta) = relative_index(*context.set, d);
+    m.set(m.p.reflectance, d.specular_reflectance);
+    m.set(m.p.transmittance, d.specular_transmittance);
+  };
+  if (!d.roughness) {
+    RowMaker<DispersiveDielectricParameters> m{context};
+    make(m);
+    return m.row(d.thin ? ClosureKind::kDispersiveThinDielectric : ClosureKind::kDispersiveDielectric);
+  }
+  RowMaker<DispersiveRoughDielectricParameters> m{context};
+  make(m);
+  set_roughness(m, *d.roughness);
+  return with_tangent(m.row(is_ggx(*d.roughness) ? ClosureKind::kDispersiveRoughDielectricGgx
+                                                 : ClosureKind::kDispersiveRoughDielectricBeckmann),
                       *d.roughness);
 }
 
@@ -117,13 +157,14 @@ void set_dielectric(RowMaker<Parameters>& m, const DielectricDescription& d) {
   m.set(m.p.transmittance, d.specular_transmittance);
 }
 
-MaterialRow make_row(const DielectricDescription& d, Bindings& bindings) {
+MaterialRow make_row(const DielectricDescription& d, RowContext& context) {
+  if (context.set != nullptr && (d.int_dispersion || d.ext_dispersion)) return make_dispersive_row(d, context);
   if (!d.roughness) {
-    RowMaker<DielectricParameters> m{bindings};
+    RowMaker<DielectricParameters> m{context};
     set_dielectric(m, d);
     return m.row(d.thin ? ClosureKind::kThinDielectric : ClosureKind::kDielectric);
   }
-  RowMaker<RoughDielectricParameters> m{bindings};
+  RowMaker<RoughDielectricParameters> m{context};
   set_dielectric(m, d);
   set_roughness(m, *d.roughness);
   return with_tangent(
@@ -138,14 +179,14 @@ void set_plastic(RowMaker<Parameters>& m, const PlasticDescription& d) {
   m.p.nonlinear = d.nonlinear ? 1.0f : 0.0f;
 }
 
-MaterialRow make_row(const PlasticDescription& d, Bindings& bindings) {
+MaterialRow make_row(const PlasticDescription& d, RowContext& context) {
   if (!d.roughness) {
-    RowMaker<PlasticParameters> m{bindings};
+    RowMaker<PlasticParameters> m{context};
     set_plastic(m, d);
     m.p.internal_reflectance = smooth_coat_internal_reflectance(m.p.eta);
     return m.row(ClosureKind::kPlastic);
   }
-  RowMaker<RoughPlasticParameters> m{bindings};
+  RowMaker<RoughPlasticParameters> m{context};
   set_plastic(m, d);
   m.set(m.p.alpha, d.roughness->alpha_u);
   const RoughCoat coat = rough_coat(d.roughness->distribution, m.p.alpha, m.p.eta);
@@ -154,8 +195,8 @@ MaterialRow make_row(const PlasticDescription& d, Bindings& bindings) {
   return m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughPlasticGgx : ClosureKind::kRoughPlasticBeckmann);
 }
 
-MaterialRow make_row(const PrincipledDescription& d, Bindings& bindings) {
-  RowMaker<PrincipledParameters> m{bindings};
+MaterialRow make_row(const PrincipledDescription& d, RowContext& context) {
+  RowMaker<PrincipledParameters> m{context};
   m.set(m.p.base_color, d.base_color);
   m.set(m.p.roughness, d.roughness);
   m.set(m.p.anisotropic, d.anisotropic);
@@ -174,8 +215,8 @@ MaterialRow make_row(const PrincipledDescription& d, Bindings& bindings) {
   return with_tangent(m.row(ClosureKind::kPrincipled), d.anisotropic);
 }
 
-MaterialRow make_row(const PrincipledThinDescription& d, Bindings& bindings) {
-  RowMaker<PrincipledThinParameters> m{bindings};
+MaterialRow make_row(const PrincipledThinDescription& d, RowContext& context) {
+  RowMaker<PrincipledThinParameters> m{context};
   m.set(m.p.base_color, d.base_color);
   m.set(m.p.roughness, d.roughness);
   m.set(m.p.anisotropic, d.anisotropic);
@@ -189,8 +230,8 @@ MaterialRow make_row(const PrincipledThinDescription& d, Bindings& bindings) {
   return with_tangent(m.row(ClosureKind::kPrincipledThin), d.anisotropic);
 }
 
-MaterialRow make_row(const DisneyDescription& d, Bindings& bindings) {
-  RowMaker<DisneyParameters> m{bindings};
+MaterialRow make_row(const DisneyDescription& d, RowContext& context) {
+  RowMaker<DisneyParameters> m{context};
   m.set(m.p.base_color, d.base_color);
   m.set(m.p.metallic, d.metallic);
   m.set(m.p.subsurface, d.subsurface);
@@ -205,8 +246,8 @@ MaterialRow make_row(const DisneyDescription& d, Bindings& bindings) {
   return with_tangent(m.row(ClosureKind::kDisney), d.anisotropic);
 }
 
-MaterialRow make_row(const NoriMicrofacetDescription& d, Bindings& bindings) {
-  RowMaker<NoriMicrofacetParameters> m{bindings};
+MaterialRow make_row(const NoriMicrofacetDescription& d, RowContext& context) {
+  RowMaker<NoriMicrofacetParameters> m{context};
   m.set(m.p.kd, d.kd);
   m.set(m.p.alpha, d.alpha);
   m.p.eta = d.int_ior / d.ext_ior;
@@ -214,7 +255,7 @@ MaterialRow make_row(const NoriMicrofacetDescription& d, Bindings& bindings) {
 }
 
 /// Combinations of materials are no rows of their own; see compile_materials().
-template <class Combination> MaterialRow make_row(const Combination&, Bindings&) { return {}; }
+template <class Combination> MaterialRow make_row(const Combination&, RowContext&) { return {}; }
 
 }  // namespace
 
@@ -227,8 +268,9 @@ Vec3f reflectance_rgb(const SpectrumDescription& spectrum) {
 
 Vec3f unbounded_rgb(const SpectrumDescription& spectrum) { return to_rgb(spectrum, unbounded_table_to_rgb); }
 
-MaterialRow make_material_row(const MaterialDescription& material, std::vector<TextureBinding>& bindings) {
-  return std::visit([&](const auto& model) { return make_row(model, bindings); }, material.model);
+MaterialRow make_material_row(const MaterialDescription& material, RowContext& context) {
+  context.rows = {};
+  return std::visit([&](const auto& model) { return make_row(model, context); }, material.model);
 }
 
 }  // namespace sheaf

@@ -1,18 +1,18 @@
-// Optical constants of metals from publications, at the wavelengths at which they were published.
+// Optical constants of metals from publications, at the wavelengths at which they were published. Those of Johnson and
+// Christy are taken from the database of M. N. Polyanskiy, refractiveindex.info, which is in the public domain (CC0).
 #include "scene/metals.h"
 
 namespace sheaf {
 
 namespace {
 
-/// Silver. D. W. Lynch and W. R. Hunter in E. D. Palik (ed.), "Handbook of Optical Constants of Solids", 1985.
+/// Silver. P. B. Johnson and R. W. Christy, "Optical constants of the noble metals", Phys. Rev. B 6, 1972.
 constexpr MetalSample kSilver[] = {
-    {354.2f, 0.209f, 1.44f}, {364.7f, 0.186f, 1.61f}, {375.7f, 0.2f, 1.67f}, {387.5f, 0.192f, 1.81f},
-    {399.9f, 0.173f, 1.95f}, {413.3f, 0.173f, 2.11f}, {427.5f, 0.16f, 2.26f}, {442.8f, 0.157f, 2.4f},
-    {459.2f, 0.144f, 2.56f}, {476.9f, 0.132f, 2.72f}, {495.9f, 0.13f, 2.88f}, {516.6f, 0.13f, 3.07f},
-    {539.1f, 0.129f, 3.25f}, {563.6f, 0.12f, 3.45f}, {590.4f, 0.121f, 3.66f}, {619.9f, 0.131f, 3.88f},
-    {652.5f, 0.14f, 4.15f}, {688.8f, 0.14f, 4.44f}, {729.3f, 0.148f, 4.74f}, {774.9f, 0.143f, 5.09f},
-    {826.6f, 0.145f, 5.5f}, {885.6f, 0.163f, 5.95f}};
+    {354.2f, 0.1f, 1.419f}, {367.9f, 0.07f, 1.657f}, {381.5f, 0.05f, 1.864f}, {397.4f, 0.05f, 2.07f},
+    {413.3f, 0.05f, 2.275f}, {430.5f, 0.04f, 2.462f}, {450.9f, 0.04f, 2.657f}, {471.4f, 0.05f, 2.869f},
+    {495.9f, 0.05f, 3.093f}, {520.9f, 0.05f, 3.324f}, {548.6f, 0.06f, 3.586f}, {582.1f, 0.05f, 3.858f},
+    {616.8f, 0.06f, 4.152f}, {659.5f, 0.05f, 4.483f}, {704.5f, 0.04f, 4.838f}, {756.0f, 0.03f, 5.242f},
+    {821.1f, 0.04f, 5.727f}, {892.0f, 0.04f, 6.312f}};
 /// Aluminium. A. D. Rakic, "Algorithm for the determination of intrinsic optical constants of metal films:
 /// application to aluminum", Appl. Opt. 34, 1995.
 constexpr MetalSample kAluminium[] = {
@@ -20,29 +20,27 @@ constexpr MetalSample kAluminium[] = {
     {442.8f, 0.6079f, 5.3676f}, {476.87f, 0.7278f, 5.7781f}, {516.6f, 0.8734f, 6.2418f}, {563.57f, 1.0728f, 6.7839f},
     {619.93f, 1.366f, 7.4052f}, {652.25f, 1.5724f, 7.7354f}, {688.81f, 1.8301f, 8.0601f}, {729.32f, 2.1606f, 8.3565f},
     {774.91f, 2.6154f, 8.4914f}, {794.78f, 2.7675f, 8.3866f}, {815.69f, 2.7668f, 8.2573f}, {837.74f, 2.6945f, 8.1878f}};
-/// Gold. D. W. Lynch and W. R. Hunter in E. D. Palik (ed.), "Handbook of Optical Constants of Solids", 1985.
+/// Gold. P. B. Johnson and R. W. Christy, "Optical constants of the noble metals", Phys. Rev. B 6, 1972.
 constexpr MetalSample kGold[] = {
-    {354.2f, 1.74f, 1.848f}, {364.7f, 1.716f, 1.862f}, {375.7f, 1.696f, 1.906f}, {387.5f, 1.674f, 1.936f},
-    {399.9f, 1.658f, 1.956f}, {413.3f, 1.636f, 1.958f}, {427.5f, 1.616f, 1.94f}, {442.8f, 1.562f, 1.904f},
-    {459.2f, 1.426f, 1.846f}, {476.9f, 1.242f, 1.796f}, {495.9f, 0.916f, 1.84f}, {516.6f, 0.608f, 2.12f},
-    {539.1f, 0.402f, 2.54f}, {563.6f, 0.306f, 2.88f}, {590.4f, 0.236f, 2.97f}, {619.9f, 0.194f, 3.06f},
-    {652.5f, 0.166f, 3.15f}, {688.8f, 0.16f, 3.8f}, {729.3f, 0.164f, 4.357f}, {774.9f, 0.176f, 4.86f},
-    {826.6f, 0.188f, 5.39f}, {885.6f, 0.21f, 5.88f}};
-/// Chromium. D. W. Lynch and W. R. Hunter in E. D. Palik (ed.), "Handbook of Optical Constants of Solids II", 1991.
+    {354.2f, 1.5f, 1.866f}, {367.9f, 1.48f, 1.895f}, {381.5f, 1.46f, 1.933f}, {397.4f, 1.47f, 1.952f},
+    {413.3f, 1.46f, 1.958f}, {430.5f, 1.45f, 1.948f}, {450.9f, 1.38f, 1.914f}, {471.4f, 1.31f, 1.849f},
+    {495.9f, 1.04f, 1.833f}, {520.9f, 0.62f, 2.081f}, {548.6f, 0.43f, 2.455f}, {582.1f, 0.29f, 2.863f},
+    {616.8f, 0.21f, 3.272f}, {659.5f, 0.14f, 3.697f}, {704.5f, 0.13f, 4.103f}, {756.0f, 0.14f, 4.542f},
+    {821.1f, 0.16f, 5.083f}, {892.0f, 0.17f, 5.663f}};
+/// Chromium. P. B. Johnson and R. W. Christy, "Optical constants of transition metals", Phys. Rev. B 9, 1974.
 constexpr MetalSample kChromium[] = {
-    {351.2f, 1.33f, 3.18f}, {362.5f, 1.39f, 3.24f}, {372.3f, 1.43f, 3.31f}, {385.0f, 1.44f, 3.4f},
-    {396.1f, 1.48f, 3.54f}, {409.2f, 1.54f, 3.71f}, {424.6f, 1.65f, 3.89f}, {438.1f, 1.8f, 4.06f},
-    {455.8f, 1.99f, 4.22f}, {471.4f, 2.22f, 4.36f}, {490.0f, 2.49f, 4.44f}, {512.3f, 2.75f, 4.46f},
-    {532.1f, 2.98f, 4.45f}, {558.5f, 3.18f, 4.41f}, {582.1f, 3.34f, 4.38f}, {610.7f, 3.48f, 4.36f},
-    {700.5f, 3.84f, 4.37f}, {815.7f, 4.23f, 4.34f}, {826.5f, 4.27f, 4.33f}, {849.2f, 4.31f, 4.32f}};
-/// Copper. H.-J. Hagemann, W. Gudat and C. Kunz, "Optical constants from the far infrared to the x-ray region",
-/// J. Opt. Soc. Am. 65, 1975.
+    {354.0f, 1.84f, 2.64f}, {368.0f, 1.87f, 2.69f}, {381.0f, 1.92f, 2.74f}, {397.0f, 2.0f, 2.83f},
+    {413.0f, 2.08f, 2.93f}, {431.0f, 2.19f, 3.04f}, {451.0f, 2.33f, 3.14f}, {471.0f, 2.51f, 3.24f},
+    {496.0f, 2.75f, 3.3f}, {521.0f, 2.94f, 3.33f}, {549.0f, 3.18f, 3.33f}, {582.0f, 3.22f, 3.3f},
+    {617.0f, 3.17f, 3.3f}, {659.0f, 3.09f, 3.34f}, {704.0f, 3.05f, 3.39f}, {756.0f, 3.08f, 3.42f},
+    {821.0f, 3.2f, 3.48f}, {892.0f, 3.3f, 3.52f}};
+/// Copper. P. B. Johnson and R. W. Christy, "Optical constants of the noble metals", Phys. Rev. B 6, 1972.
 constexpr MetalSample kCopper[] = {
-    {344.4f, 1.31f, 1.87f}, {364.7f, 1.27f, 1.95f}, {387.5f, 1.232f, 2.07f}, {413.3f, 1.184f, 2.21f},
-    {442.8f, 1.169f, 2.36f}, {476.9f, 1.152f, 2.5f}, {516.6f, 1.121f, 2.6f}, {539.1f, 1.037f, 2.59f},
-    {563.6f, 0.826f, 2.6f}, {590.4f, 0.468f, 2.81f}, {619.9f, 0.272f, 3.24f}, {652.5f, 0.214f, 3.67f},
-    {670.2f, 0.215f, 3.86f}, {688.8f, 0.213f, 4.05f}, {708.5f, 0.214f, 4.24f}, {729.3f, 0.223f, 4.43f},
-    {826.6f, 0.26f, 5.26f}, {1240.0f, 0.433f, 8.46f}};
+    {354.2f, 1.37f, 1.916f}, {367.9f, 1.36f, 1.975f}, {381.5f, 1.33f, 2.045f}, {397.4f, 1.32f, 2.116f},
+    {413.3f, 1.28f, 2.207f}, {430.5f, 1.25f, 2.305f}, {450.9f, 1.24f, 2.397f}, {471.4f, 1.25f, 2.483f},
+    {495.9f, 1.22f, 2.564f}, {520.9f, 1.18f, 2.608f}, {548.6f, 1.02f, 2.577f}, {582.1f, 0.7f, 2.704f},
+    {616.8f, 0.3f, 3.205f}, {659.5f, 0.22f, 3.747f}, {704.5f, 0.21f, 4.205f}, {756.0f, 0.24f, 4.665f},
+    {821.1f, 0.26f, 5.18f}, {892.0f, 0.3f, 5.768f}};
 /// Iron. P. B. Johnson and R. W. Christy, "Optical constants of transition metals", Phys. Rev. B 9, 1974.
 constexpr MetalSample kIron[] = {
     {354.0f, 1.93f, 2.35f}, {368.0f, 2.02f, 2.43f}, {381.0f, 2.12f, 2.5f}, {397.0f, 2.24f, 2.58f},
@@ -66,14 +64,13 @@ constexpr MetalSample kIridium[] = {
     {539.1f, 2.18f, 4.26f}, {563.6f, 2.29f, 4.38f}, {590.4f, 2.4f, 4.48f}, {619.9f, 2.5f, 4.57f},
     {652.5f, 2.57f, 4.68f}, {688.8f, 2.64f, 4.81f}, {729.3f, 2.69f, 4.92f}, {774.9f, 2.68f, 5.08f},
     {826.6f, 2.65f, 5.39f}, {885.6f, 2.72f, 5.74f}};
-/// Nickel. D. W. Lynch and W. R. Hunter in E. D. Palik (ed.), "Handbook of Optical Constants of Solids", 1985.
+/// Nickel. P. B. Johnson and R. W. Christy, "Optical constants of transition metals", Phys. Rev. B 9, 1974.
 constexpr MetalSample kNickel[] = {
-    {354.2f, 1.63f, 2.11f}, {364.7f, 1.62f, 2.17f}, {375.7f, 1.61f, 2.23f}, {387.5f, 1.61f, 2.3f},
-    {399.9f, 1.61f, 2.36f}, {413.3f, 1.61f, 2.44f}, {427.5f, 1.62f, 2.52f}, {442.8f, 1.62f, 2.61f},
-    {459.2f, 1.64f, 2.71f}, {476.9f, 1.66f, 2.81f}, {495.9f, 1.67f, 2.93f}, {516.6f, 1.71f, 3.06f},
-    {539.1f, 1.75f, 3.19f}, {563.6f, 1.8f, 3.33f}, {590.4f, 1.85f, 3.48f}, {619.9f, 1.93f, 3.65f},
-    {652.5f, 2.02f, 3.82f}, {688.8f, 2.14f, 4.0f}, {729.3f, 2.28f, 4.18f}, {774.9f, 2.43f, 4.31f},
-    {826.6f, 2.53f, 4.47f}, {885.6f, 2.65f, 4.63f}};
+    {354.0f, 1.74f, 2.32f}, {368.0f, 1.7f, 2.4f}, {381.0f, 1.72f, 2.48f}, {397.0f, 1.72f, 2.57f},
+    {413.0f, 1.7f, 2.69f}, {431.0f, 1.71f, 2.82f}, {451.0f, 1.73f, 2.95f}, {471.0f, 1.78f, 3.09f},
+    {496.0f, 1.82f, 3.25f}, {521.0f, 1.85f, 3.42f}, {549.0f, 1.92f, 3.61f}, {582.0f, 1.96f, 3.8f},
+    {617.0f, 1.99f, 4.02f}, {659.0f, 1.99f, 4.26f}, {704.0f, 2.06f, 4.5f}, {756.0f, 2.13f, 4.73f},
+    {821.0f, 2.26f, 4.97f}, {892.0f, 2.4f, 5.23f}};
 /// Platinum. A. D. Rakic et al., "Optical properties of metallic films for vertical-cavity optoelectronic devices",
 /// Appl. Opt. 37, 1998: Lorentz-Drude model fitted to measurements.
 constexpr MetalSample kPlatinum[] = {

@@ -2,10 +2,13 @@
 #include "scene/read_bsdf.h"
 
 #include "scene/dialects.h"
+#include "scene/glasses.h"
 #include "scene/metals.h"
 #include "scene/named_ior.h"
+#include "scene/xml_values.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sheaf {
 
@@ -75,10 +78,62 @@ ConductorDescription read_conductor(Properties& p, bool before_version_2) {
   return result;
 }
 
+/// The index at the wavelength for which glasses are catalogued, the d line of helium.
+float catalogue_ior(const Dispersion& dispersion) { return ior<Scalar>(dispersion, 587.56f); }
+
+/// The numbers of a string property.
+std::vector<float> read_numbers(Properties& p, const char* name) {
+  if (!p.is_string(name)) p.fail_at(name, "must be a string of numbers");
+  return parse_floats(*p.find_string(name), p.where(), name);
+}
+
+/// n = A + B / w^2 + C / w^4 with w in micrometres (Cauchy 1830).
+Dispersion read_cauchy(Properties& p, const char* name) {
+  const std::vector<float> numbers = read_numbers(p, name);
+  if (numbers.size() < 2 || numbers.size() > 3)
+    p.fail_at(name, "has " + std::to_string(numbers.size()) + " numbers, expected A, B and perhaps C");
+  Dispersion result{Dispersion::Form::kPowers, numbers[0], {}};
+  for (std::size_t i = 1; i < numbers.size(); ++i) result.terms[i - 1] = {numbers[i], -2.0f * static_cast<float>(i)};
+  return result;
+}
+
+/// n^2 = 1 + sum of B w^2 / (w^2 - C) (Sellmeier 1871); all B, then all C.
+Dispersion read_sellmeier(Properties& p, const char* name) {
+  const std::vector<float> numbers = read_numbers(p, name);
+  const std::size_t terms = numbers.size() / 2;
+  Dispersion result;
+  if (terms == 0 || numbers.size() % 2 != 0 || terms > result.terms.size())
+    p.fail_at(name, "has " + std::to_string(numbers.size()) + " numbers, expected B1 B2 ... C1 C2 ..., as many B as C, " +
+                        std::to_string(result.terms.size()) + " of each at most");
+  for (std::size_t i = 0; i < terms; ++i) result.terms[i] = {numbers[i], numbers[terms + i]};
+  return result;
+}
+
+/// The index of one side of a boundary, `side` being "int" or "ext", and how it depends on the wavelength.
+void read_side(Properties& p, const std::string& side, float& index, std::optional<Dispersion>& dispersion) {
+  const std::string plain = side + "_ior", cauchy = side + "_cauchy", sellmeier = side + "_sellmeier";
+  const int given = int{p.has(plain.c_str())} + int{p.has(cauchy.c_str())} + int{p.has(sellmeier.c_str())};
+  if (given > 1) p.fail("has more than one of '" + plain + "', '" + cauchy + "' and '" + sellmeier + "', expected one");
+  if (p.has(cauchy.c_str())) dispersion = read_cauchy(p, cauchy.c_str());
+  if (p.has(sellmeier.c_str())) dispersion = read_sellmeier(p, sellmeier.c_str());
+  if (!dispersion) {
+    index = read_ior(p, plain.c_str(), index);
+    if (p.is_string(plain.c_str()))
+      if (const Dispersion* named = find_dispersion(*p.find_string(plain.c_str()))) dispersion = *named;
+    return;
+  }
+  const char* name = p.has(cauchy.c_str()) ? cauchy.c_str() : sellmeier.c_str();
+  for (float lambda = 360; lambda <= 830; ++lambda)
+    if (const float n = ior<Scalar>(*dispersion, lambda); !(n > 0.0f) || !std::isfinite(n))
+      p.fail_at(name, "has no index of refraction at " + std::to_string(static_cast<int>(lambda)) +
+                          " nm, expected positive ones from 360 to 830 nm");
+  index = catalogue_ior(*dispersion);
+}
+
 DielectricDescription read_dielectric(Properties& p) {
   DielectricDescription result;
-  result.int_ior = read_ior(p, "int_ior", result.int_ior);
-  result.ext_ior = read_ior(p, "ext_ior", result.ext_ior);
+  read_side(p, "int", result.int_ior, result.int_dispersion);
+  read_side(p, "ext", result.ext_ior, result.ext_dispersion);
   result.specular_reflectance = read_reflectance(p, "specular_reflectance", kOne);
   result.specular_transmittance = read_reflectance(p, "specular_transmittance", kOne);
   result.thin = p.type() == "thindielectric";
@@ -116,8 +171,12 @@ float read_ior(Properties& p, const char* property, float otherwise) {
   if (!p.is_string(property)) return p.number(property, otherwise, kPositive);
   const std::string name = *p.find_string(property);
   if (const std::optional<float> ior = find_ior(name)) return *ior;
+  if (const Dispersion* dispersion = find_dispersion(name)) return catalogue_ior(*dispersion);
+  std::vector<std::string> known = ior_names();
+  const std::vector<std::string> dispersing = dispersion_names();
+  known.insert(known.end(), dispersing.begin(), dispersing.end());
   p.fail_at(property, "is " + in_quotes(name) + ", expected a number or the name of a material" +
-                          did_you_mean(name, ior_names()));
+                          did_you_mean(name, known));
 }
 
 ScalarInput read_alpha(Properties& p, const char* name, ScalarInput otherwise) {

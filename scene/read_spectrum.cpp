@@ -1,11 +1,27 @@
 // Reads spectra and colours.
 #include "scene/read_spectrum.h"
 
+#include "scene/illuminants.h"
 #include "scene/xml_values.h"
 
 namespace sheaf {
 
 namespace {
+
+/// One of the illuminants that have names, of Y = `scale`.
+SpectrumDescription read_illuminant(Properties& p) {
+  const std::optional<std::string> name = p.find_string("name");
+  if (!name) p.fail("needs the string 'name'");
+  std::optional<SpectrumDescription::Table> table = find_illuminant(*name);
+  if (!table) {
+    std::string list;
+    for (const std::string& known : illuminant_names()) list += (list.empty() ? "" : ", ") + known;
+    p.fail_at("name", "is '" + *name + "', expected one of " + list);
+  }
+  const float scale = p.number("scale", 1, kNotNegative);
+  for (float& value : table->values) value *= scale;
+  return {std::move(*table)};
+}
 
 /// A spectrum given as a plugin: <spectrum type="...">.
 SpectrumDescription read_spectrum_plugin(const XmlElement& element, ReadContext& context) {
@@ -30,6 +46,8 @@ SpectrumDescription read_spectrum_plugin(const XmlElement& element, ReadContext&
     if (!temperature) p.fail("needs the float 'temperature' (kelvin)");
     result.value = SpectrumDescription::Blackbody{*temperature, p.number("scale", 1, kNotNegative)};
     p.accept({"wavelength_min", "wavelength_max"});
+  } else if (p.type() == "illuminant") {
+    result = read_illuminant(p);
   } else if (p.type() == "irregular") {
     result.value = SpectrumDescription::Table{list("wavelengths"), list("values")};
   } else if (p.type() == "regular") {
@@ -65,7 +83,8 @@ SpectrumDescription read_blackbody(const XmlElement& element) {
 }  // namespace
 
 const std::vector<std::string>& spectrum_plugins() {
-  static const std::vector<std::string> kNames = {"blackbody", "d65", "irregular", "regular", "srgb", "uniform"};
+  static const std::vector<std::string> kNames = {"blackbody", "d65",     "illuminant", "irregular",
+                                                  "regular",   "srgb", "uniform"};
   return kNames;
 }
 

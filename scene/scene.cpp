@@ -44,6 +44,10 @@ SceneView Scene::view() const {
   v.filter = &filter_;
   v.integrator = integrator_;
   v.accel = accel_.get();
+  v.color = color_;
+  if (color_ == ColorMode::kSpectral)
+    v.spectral = {{spectrum_tables_.data()}, material_spectra_.data(), light_spectra_.data(), &UpliftTable::get(),
+                  &SensorCurves::get()};
   return v;
 }
 
@@ -56,7 +60,8 @@ SceneInfo Scene::info() const {
                      bytes_of(attributes_) + bytes_of(attribute_values_) + bytes_of(lights_) +
                      bytes_of(light_alias_) + bytes_of(triangle_alias_) + bytes_of(light_triangles_) +
                      bytes_of(light_frames_) + bytes_of(light_uvs_) + bytes_of(light_powers_) + bytes_of(light_tree_.nodes) +
-                     bytes_of(light_tree_.trails) + envmap_.bytes();
+                     bytes_of(light_tree_.trails) + envmap_.bytes() + bytes_of(spectrum_tables_) +
+                     bytes_of(material_spectra_) + bytes_of(light_spectra_);
   info.accel_bytes = accel_->bytes();
   return info;
 }

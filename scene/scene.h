@@ -2,7 +2,9 @@
 #pragma once
 
 #include "core/distribution.h"
-#include "core/spectrum.h"
+#include "core/spectral_sensor.h"
+#include "core/spectrum_row.h"
+#include "core/uplift.h"
 #include "scene/accel.h"
 #include "scene/camera.h"
 #include "scene/description.h"
@@ -127,6 +129,17 @@ struct LightTriangleRow {
 };
 static_assert(sizeof(LightTriangleRow) == 64);
 
+/// What kernels read in spectral mode in place of the colours in other tables.
+struct SpectralView {
+  SpectrumTableView tables;
+  /// Of each material the spectra among its closure's parameters, in their order: kMaxClosureSpectra rows.
+  const SpectrumRow* materials = nullptr;
+  /// Of each light what LightRow::radiance is. A texture's or a map's colours are uplifted and multiplied by it.
+  const SpectrumRow* lights = nullptr;
+  const UpliftTable* uplift = nullptr;
+  const SensorCurves* sensor = nullptr;
+};
+
 /// What kernels see of a scene: pointers into its tables, and small settings by value.
 struct SceneView {
   const ShapeRow* shapes = nullptr;
@@ -162,6 +175,8 @@ struct SceneView {
   const FilterTable* filter = nullptr;
   IntegratorDescription integrator;
   const Accel* accel = nullptr;
+  ColorMode color = ColorMode::kRgb;
+  SpectralView spectral;  ///< only in spectral mode
 };
 
 /// Sizes, for people.
@@ -187,6 +202,7 @@ class Scene {
   const IntegratorDescription& integrator() const { return integrator_; }
   /// Remarks on what was repaired or left out.
   const std::vector<std::string>& warnings() const { return warnings_; }
+  ColorMode color() const { return color_; }
 
  private:
   friend class SceneCompiler;
@@ -227,6 +243,9 @@ class Scene {
   IntegratorDescription integrator_;
   std::vector<std::string> warnings_;
   std::unique_ptr<Accel> accel_;
+  ColorMode color_ = ColorMode::kRgb;
+  std::vector<float> spectrum_tables_;
+  std::vector<SpectrumRow> material_spectra_, light_spectra_;
 };
 
 }  // namespace sheaf

@@ -70,7 +70,7 @@ TEST_CASE("wrong usage is exit code 2") {
   write_bytes(folder / "scene.xml", kScene);
   for (const char* arguments :
        {"", "paint", "render", "render scene.xml --no-such-option", "render scene.xml -o out.jpeg",
-        "render scene.xml --spp 0", "render scene.xml --spp many", "render scene.xml --color spectral",
+        "render scene.xml --spp 0", "render scene.xml --spp many",
         "render scene.xml --color cmyk", "render scene.xml --crop 0,0,100,16", "render scene.xml --crop 4,4,4,8",
         "render scene.xml --crop 1,2,3", "render scene.xml -D novalue", "render scene.xml --integrator pathh",
         "render scene.xml --max-depth -2", "compare one.exr"}) {
@@ -82,11 +82,19 @@ TEST_CASE("wrong usage is exit code 2") {
   CHECK(folder.entry_count() == 1);
 }
 
-TEST_CASE("spectral rendering and misspelt integrators get their messages") {
+TEST_CASE("spectral mode is rendered, and the picture says so") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
-  CHECK(contains(run(folder, "render scene.xml --color spectral").err,
-                 "spectral rendering is not available in this version"));
+  REQUIRE(run(folder, "render scene.xml --color spectral -o out.exr --quiet").code == 0);
+  std::string color;
+  for (const auto& attribute : read_exr_attributes(folder / "out.exr"))
+    if (attribute.name == "sheaf/color") color = std::get<std::string>(attribute.value);
+  CHECK(color == "spectral");
+}
+
+TEST_CASE("misspelt integrators get their message") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
   CHECK(contains(run(folder, "render scene.xml --integrator pathh").err, "did you mean 'path'?"));
 }
 

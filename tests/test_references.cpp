@@ -75,8 +75,8 @@ Estimate read_reference(const std::string& name) {
 }
 
 /// Renders batches with seeds 1, 2, ... and averages squares of `side` pixels; the variance is that between batches.
-Estimate render_batches(const fs::path& file, int batches, int batch_samples, int side) {
-  const auto scene = compile_scene(read_scene(file));
+Estimate render_batches(const fs::path& file, int batches, int batch_samples, int side, ColorMode color = ColorMode::kRgb) {
+  const auto scene = compile_scene(read_scene(file), {false, color});
   std::vector<Image> images;
   for (int i = 0; i < batches; ++i) {
     RenderOptions options;
@@ -197,6 +197,19 @@ TEST_SUITE("slow") {
         FAIL_CHECK(name << ": " << error.what());
       }
     }
+  }
+
+  TEST_CASE("spectral mode agrees with references of another spectral renderer") {
+    const std::string suffix = "_spectral";
+    int found = 0;
+    for (const std::string& name : scene_names()) {
+      if (!fs::exists(kFolder / (name + suffix + ".exr"))) continue;
+      ++found;
+      const fs::path file = kFolder / "scenes" / (name + ".xml");
+      check(name + suffix, render_batches(file, kBatches, kBatchSamples, 1, ColorMode::kSpectral),
+            read_reference(name + suffix));
+    }
+    CHECK(found >= 8);
   }
 
   TEST_CASE("the Cornell box agrees with its reference in both dialects") {

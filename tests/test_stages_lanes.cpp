@@ -1,5 +1,6 @@
 // Every stage of the path pass in registers against the same stage one path at a time, from the same wave.
 #include "kernels/stages.h"
+#include "scene/glasses.h"
 #include "tests/stages_testing.h"
 
 namespace sheaf {
@@ -45,6 +46,7 @@ void copy_wave(const Wave& from, Wave& to) {
     to.hits.set(slot, from.hits.get(slot));
     to.throughput.set(slot, from.throughput.get(slot));
     to.radiance.set(slot, from.radiance.get(slot));
+    to.heroes[slot] = from.heroes[slot];
   }
   zip_lists(from, to, [](const SlotList& a, SlotList& b) {
     std::copy(a.span().begin(), a.span().end(), b.data());
@@ -73,7 +75,8 @@ double wave_difference(const Wave& a, const Wave& b) {
     for (const Slot slot : list->span())
       worst = std::max({worst, record_difference<RayState>(a.rays.get(slot), b.rays.get(slot)),
                         record_difference<ThroughputState>(a.throughput.get(slot), b.throughput.get(slot)),
-                        record_difference<RadianceState>(a.radiance.get(slot), b.radiance.get(slot))});
+                        record_difference<RadianceState>(a.radiance.get(slot), b.radiance.get(slot)),
+                        double{float_bits(a.heroes[slot]) == float_bits(b.heroes[slot]) ? 0.0f : 1.0f}});
   for (const SlotList* list : {&a.surface, &a.emitter})
     for (const Slot slot : list->span()) worst = std::max(worst, record_difference<HitState>(a.hits.get(slot), b.hits.get(slot)));
   for (int kind = 0; kind < kClosureKinds; ++kind) {
@@ -91,12 +94,16 @@ double wave_difference(const Wave& a, const Wave& b) {
 
 }  // namespace
 
-TEST_CASE("stages: registers do what single paths do, stage by stage") {
+TEST_CASE("stages: registers do what single paths do, stage by stage, in both colour modes") {
   Description d = mixed_scene();
   d.integrator.rr_depth = 2;
-  for (const bool hide_emitters : {false, true}) {
+  DielectricDescription glass;
+  glass.int_dispersion = *find_dispersion("diamond");
+  add_sphere(d, {0.3f, 0.7f, 3}, 0.3f, add_material(d, glass));
+  for (const auto& [hide_emitters, color] :
+       {std::pair{false, ColorMode::kRgb}, std::pair{true, ColorMode::kRgb}, std::pair{true, ColorMode::kSpectral}}) {
     d.integrator.hide_emitters = hide_emitters;
-    const auto scene = compile_scene(d);
+    const auto scene = compile_scene(d, {false, color});
     for (const int paths : {kWidth - 1, kWidth + 1, 250}) {
       Wave wide(paths), scalar(paths);
       std::vector<FilmSample> from_wide(512), from_scalar(512);

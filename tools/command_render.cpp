@@ -144,9 +144,6 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, boo
 }
 
 int render_scene(const RenderArguments& arguments) {
-  if (arguments.color != "rgb") {
-    throw Error(ExitCode::kUsage, "spectral rendering is not available in this version");
-  }
   const std::vector<fs::path> outputs = check_outputs(arguments);
   ReadOptions read_options;
   read_options.lenient = arguments.lenient;
@@ -159,8 +156,9 @@ int render_scene(const RenderArguments& arguments) {
   if (std::string note = apply_sampler(arguments, description.sampler); !note.empty())
     description.notes.push_back(std::move(note));
   const PixelRect crop = choose_crop(arguments, description.film);
+  const ColorMode color = arguments.color == "spectral" ? ColorMode::kSpectral : ColorMode::kRgb;
   const double build_start = Progress::steady_seconds();
-  const std::unique_ptr<Scene> scene = compile_scene(description, {arguments.watertight});
+  const std::unique_ptr<Scene> scene = compile_scene(description, {arguments.watertight, color});
   const double build_end = Progress::steady_seconds();
   if (!arguments.quiet) {
     for (const std::string& note : description.notes) print_message(note);
@@ -216,7 +214,7 @@ void add_render_command(CLI::App& program, int& exit_code) {
   command->add_option("--seed", arguments->seed, "Seed of the random numbers, 0 to 4294967295. Default: the scene's");
   command->add_option("--threads", arguments->threads, "Worker threads. Default: 0, one for each logical core")
       ->check(CLI::Range(0, 4096));
-  command->add_option("--color", arguments->color, "Colour mode: rgb (default) or spectral")
+  command->add_option("--color", arguments->color, "Colour mode: rgb (default), or spectral: four wavelengths per path")
       ->check(CLI::IsMember({"rgb", "spectral"}));
   command->add_option("--integrator", arguments->integrator,
                       "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "

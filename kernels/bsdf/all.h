@@ -5,6 +5,8 @@
 #include "kernels/bsdf/dielectric.h"
 #include "kernels/bsdf/diffuse.h"
 #include "kernels/bsdf/disney.h"
+#include "kernels/bsdf/dispersive_dielectric.h"
+#include "kernels/bsdf/dispersive_rough_dielectric.h"
 #include "kernels/bsdf/nori_microfacet.h"
 #include "kernels/bsdf/plastic.h"
 #include "kernels/bsdf/principled.h"
@@ -39,6 +41,10 @@ template <class F> SHEAF_INLINE void for_each_bsdf(F&& f) {
   f(ClosureKind::kPrincipledThin, BsdfTag<PrincipledThinBsdf>{});
   f(ClosureKind::kDisney, BsdfTag<DisneyBsdf>{});
   f(ClosureKind::kNoriMicrofacet, BsdfTag<NoriMicrofacetBsdf>{});
+  f(ClosureKind::kDispersiveDielectric, BsdfTag<DispersiveDielectricBsdf>{});
+  f(ClosureKind::kDispersiveThinDielectric, BsdfTag<DispersiveThinDielectricBsdf>{});
+  f(ClosureKind::kDispersiveRoughDielectricBeckmann, BsdfTag<DispersiveRoughDielectricBeckmannBsdf>{});
+  f(ClosureKind::kDispersiveRoughDielectricGgx, BsdfTag<DispersiveRoughDielectricGgxBsdf>{});
 }
 
 /// The BSDFs of the items [column, column + L::width).

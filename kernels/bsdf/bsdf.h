@@ -4,6 +4,7 @@
 //   kKind              its ClosureKind
 //   kIsSpecular        only delta distributions: neither evaluated nor lit by light sampling
 //   kIsAnisotropic     directions must come in a frame whose x axis is the surface's tangent; else any frame will do
+//   kDisperses         only if true need it be there: light that it lets through keeps the first wavelength alone
 //   evaluate(wo, wi)   f times |cos(wi)| and the density with which sample() returns wi; delta lobes left out
 //   sample(wo, u)      a direction; u.x chooses the lobe, u.y and u.z the direction
 // Directions are unit vectors in the shading frame, pointing away from the surface. To add one: its parameters and
@@ -14,6 +15,9 @@
 #include "core/spectrum.h"
 
 namespace sheaf {
+
+/// Whether a BSDF has kDisperses.
+template <class Bsdf> inline constexpr bool kDisperses = requires { Bsdf::kDisperses; };
 
 /// A BSDF towards a given direction.
 template <class L> struct BsdfValue {

@@ -16,6 +16,22 @@ namespace sheaf {
 /// away. A matched boundary is better made of DielectricBsdf.
 inline constexpr float kMinIndexStep = 1e-3f;
 
+/// Index of the far side over that of the near side, for `eta`, inside over outside.
+template <class L> SHEAF_INLINE Float<L> rough_boundary_index(Float<L> eta, Float<L> side) {
+  using F = Float<L>;
+  const F ior = select(abs(eta - F(1.0f)) < F(kMinIndexStep), F(1.0f + kMinIndexStep), eta);
+  return select(side > F(0.0f), ior, F(1.0f) / ior);
+}
+
+/// Density of visible facets times the Jacobian of reflection or of refraction (Walter et al., equations 14 and 17).
+template <class L, template <class> class Distribution>
+SHEAF_INLINE Float<L> rough_boundary_pdf(const Distribution<L>& facets, Vec3<L> o, Vec3<L> m, Float<L> cos_o,
+                                         Float<L> cos_i, Float<L> ior, Mask<L> reflected) {
+  using F = Float<L>;
+  const F refraction = cos_o * abs(cos_i) * sqr(ior / fma(ior, cos_i, cos_o));
+  return facets.density(m) * facets.smith_g1_over_cos(o) * select(reflected, F(0.25f), refraction);
+}
+
 /// Distribution: GgxDistribution or BeckmannDistribution.
 template <class L, template <class> class Distribution> struct RoughDielectricModel : RoughDielectricParameters<L> {
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
@@ -62,19 +78,11 @@ template <class L, template <class> class Distribution> struct RoughDielectricMo
  private:
   SHEAF_INLINE Distribution<L> facets() const { return {this->alpha_u, this->alpha_v}; }
 
-  /// Index of the far side over that of the near side.
-  SHEAF_INLINE Float<L> relative_index(Float<L> side) const {
-    using F = Float<L>;
-    const F ior = select(abs(this->eta - F(1.0f)) < F(kMinIndexStep), F(1.0f + kMinIndexStep), this->eta);
-    return select(side > F(0.0f), ior, F(1.0f) / ior);
-  }
+  SHEAF_INLINE Float<L> relative_index(Float<L> side) const { return rough_boundary_index<L>(this->eta, side); }
 
-  /// Density of visible facets times the Jacobian of reflection or of refraction (Walter et al., equations 14 and 17).
   SHEAF_INLINE Float<L> pdf_solid_angle(Vec3<L> o, Vec3<L> m, Float<L> cos_o, Float<L> cos_i, Float<L> ior,
                                         Mask<L> reflected) const {
-    using F = Float<L>;
-    const F refraction = cos_o * abs(cos_i) * sqr(ior / fma(ior, cos_i, cos_o));
-    return facets().density(m) * facets().smith_g1_over_cos(o) * select(reflected, F(0.25f), refraction);
+    return rough_boundary_pdf<L>(facets(), o, m, cos_o, cos_i, ior, reflected);
   }
 
   SHEAF_INLINE Spectrum<L> tint(Mask<L> reflected, Float<L> ior) const {

@@ -12,6 +12,9 @@ Two files are written per scene, with the channels R, G and B:
   NAME_var.exr  16-bit float: the variance of ONE sample of a pixel. Divide it by a sample count for the variance of a
                 mean over that many samples.
 
+The variant scalar_spectral makes the references of spectral mode, NAME_spectral.exr and NAME_spectral_var.exr, of the
+scenes in SPECTRAL. Their variance is that between pictures of few samples each.
+
 The variance is the mean of the squares less the square of the mean, for filters w that are nowhere negative. For the
 others it is that of filter importance sampling: samples are placed with a density proportional to |w|, and each counts
 with the sign of w and the factor int |w| / int w. The mean is Mitsuba's own with every filter; scenes with a wide one
@@ -29,6 +32,8 @@ FOLDER = Path(__file__).resolve().parent
 SCENES = FOLDER / "scenes"
 CORNELL = FOLDER.parent.parent / "scenes" / "cornell" / "cornell.xml"
 CORNELL_BLOCK = 20  # pixels per side of one pixel of the Cornell reference
+SPECTRAL = ["constant_environment", "emitter_textured", "envmap", "glass_sphere", "plastics", "point_light", "rough_metals",
+            "spectra_emission", "spectra_reflectance", "spot_textured", "textures"]
 WAVEFRONT = 1 << 21  # samples that are in flight at once
 
 
@@ -72,7 +77,9 @@ def positive_indices(obj):
 
 def load(path, replacements=(), **defines):
     """The scene of an XML file, after adapt() and textual replacements."""
-    text = adapt(path.read_text())
+    text = path.read_text()
+    if not mitsuba().variant().endswith("spectral"):
+        text = adapt(text)
     for pattern, new in replacements:
         text, count = re.subn(pattern, new, text)
         assert count == 1, f"{path}: {pattern} found {count} times"
@@ -172,6 +179,16 @@ def make(name, spp):
     write(name, mean, np.maximum(square - mean**2, 0) * (samples / (samples - 1)), samples)
 
 
+def make_spectral(name, spp):
+    """By pictures of a 32nd of the samples: colours of single samples don't reach an integrator in spectral variants."""
+    pictures = 32
+    scene = load(SCENES / f"{name}.xml")
+    each = max(spp // pictures, 1)
+    means = np.array([np.array(mitsuba().render(scene, spp=each, seed=2000 + i), dtype=float)[..., :3]
+                      for i in range(pictures)])
+    write(f"{name}_spectral", means.mean(axis=0), means.var(axis=0, ddof=1) * each, each * pictures)
+
+
 def make_cornell(spp):
     """Averages over square blocks; the variance is the average one of a sample within its own pixel."""
     def blocks(a):
@@ -196,6 +213,10 @@ def main():
     unknown = set(arguments.names) - set(names)
     if unknown:
         sys.exit(f"no such scene: {', '.join(sorted(unknown))}")
+    if arguments.variant.endswith("spectral"):
+        for name in arguments.names or SPECTRAL:
+            make_spectral(name, arguments.spp)
+        return
     for name in arguments.names or names:
         if name == "cornell":
             make_cornell(max(arguments.spp // 32, 2))

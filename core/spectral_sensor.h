@@ -1,0 +1,52 @@
+// The sensor of spectral mode: from radiance at four wavelengths to linear Rec.709.
+#pragma once
+
+#include "core/vec.h"
+#include "core/wavelengths.h"
+
+namespace sheaf {
+
+/// The responses of Rec.709 to light of one wavelength: matrix times CIE 1931 curves over the integral of y, per nm, on
+/// the nodes of the CIE tables (every 5 nm from 360 nm), between which they are linear like those.
+struct SensorCurves {
+  static constexpr int kNodes = 95;
+  float rgb[kNodes][4];  ///< red, green, blue, padding per node; negative where Rec.709 does not reach
+
+  SensorCurves();
+  static const SensorCurves& get();
+};
+
+/// The response at `lambda` nm, in [360, 830].
+template <class L> SHEAF_INLINE Vec3<L> sensor_response(const SensorCurves& curves, typename L::Float lambda) {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+  const F place = clamp((lambda - F(360.0f)) * F(0.2f), F(0.0f), F(float(SensorCurves::kNodes - 1)));
+  const U i = min(to_uint(place), U(std::uint32_t(SensorCurves::kNodes - 2)));
+  const F t = place - to_float(i);
+  alignas(kSimdAlignment) std::uint32_t node[L::width];
+  store(node, i);
+  const float *rows[L::width], *next_rows[L::width];
+  for (int lane = 0; lane < L::width; ++lane) rows[lane] = curves.rgb[node[lane]], next_rows[lane] = rows[lane] + 4;
+  F below[4], above[4];
+  load_rows4(rows, below);
+  load_rows4(next_rows, above);
+  return {lerp(t, below[0], above[0]), lerp(t, below[1], above[1]), lerp(t, below[2], above[2])};
+}
+
+/// The estimate of a pixel's colour that a path with these wavelengths makes: the mean over them of radiance *
+/// response / density. Its expectation is what emission_table_to_rgb() gives for the spectrum, except that colours
+/// outside the gamut keep their negative components. `radiance` is as the path carries it, hero_balance() included.
+template <class L>
+SHEAF_INLINE Vec3<L> radiance_to_rgb(const SensorCurves& curves, const Wavelengths<L>& w, const Spectrum<L>& radiance) {
+  Vec3<L> sum;
+  const auto add = [&](Float<L> lambda, Float<L> pdf, Float<L> value) {
+    sum = sum + sensor_response<L>(curves, lambda) * (value / pdf);
+  };
+  add(w.lambda.c0, w.pdf.c0, radiance.c0);
+  add(w.lambda.c1, w.pdf.c1, radiance.c1);
+  add(w.lambda.c2, w.pdf.c2, radiance.c2);
+  add(w.lambda.c3, w.pdf.c3, radiance.c3);
+  return sum * Float<L>(0.25f);
+}
+
+}  // namespace sheaf

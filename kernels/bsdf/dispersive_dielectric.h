@@ -1,0 +1,94 @@
+// Dielectric boundaries whose index of refraction depends on the wavelength: spectral mode's DielectricBsdf and
+// ThinDielectricBsdf.
+//
+// A refracted direction belongs to the first wavelength alone: the others end there, and the first, which by itself has
+// the density that each of the four has, counts for all (Wilkie et al., "Hero Wavelength Spectral Sampling", EGSR 2014;
+// Pharr et al. 2023, section 4.5.4). Where light is reflected, or passes a pane, directions are the same for all
+// wavelengths: they go on together, each with its own Fresnel term, and the lobe is chosen by the mean of the four.
+#pragma once
+
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/fresnel.h"
+#include "scene/material.h"
+
+namespace sheaf {
+
+/// Fresnel terms of four indices.
+template <class L> struct DispersiveFresnel {
+  DielectricFresnel<L> first;      ///< at the first wavelength
+  Spectrum<L> reflectance;
+  typename L::Float probability;   ///< of choosing reflection: the mean of the reflectances
+  typename L::Mask single;         ///< all four are the same: the path has one wavelength only
+};
+
+/// As fresnel_dielectric(), for an index per wavelength.
+template <class L> SHEAF_INLINE DispersiveFresnel<L> fresnel_dispersive(Float<L> cos_incident, const Spectrum<L>& eta) {
+  const auto at = [&](Float<L> index) SHEAF_LAMBDA_INLINE {
+    return fresnel_dielectric<L>(cos_incident, index).reflectance;
+  };
+  DispersiveFresnel<L> f;
+  f.first = fresnel_dielectric<L>(cos_incident, eta.c0);
+  f.reflectance = {f.first.reflectance, at(eta.c1), at(eta.c2), at(eta.c3)};
+  f.probability = total(f.reflectance) * Float<L>(0.25f);
+  f.single = (eta.c1 == eta.c0) & (eta.c2 == eta.c0) & (eta.c3 == eta.c0);
+  return f;
+}
+
+/// What all wavelengths together let through, in the first: `through` of it is what that one lets through.
+template <class L> SHEAF_INLINE Spectrum<L> first_for_all(Mask<L> single, Float<L> through) {
+  using F = Float<L>;
+  const F others = select(single, through, F(0.0f));
+  return {select(single, through, through * F(4.0f)), others, others, others};
+}
+
+template <class L> struct DispersiveDielectricBsdf : DispersiveDielectricParameters<L> {
+  static constexpr auto kKind = ClosureKind::kDispersiveDielectric;
+  static constexpr bool kIsSpecular = true, kIsAnisotropic = false, kDisperses = true;
+
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    using F = Float<L>;
+    const auto f = fresnel_dispersive<L>(wo.z, this->eta);
+    const auto reflected = u.x < f.probability;
+    const F inverse_eta = F(1.0f) / f.first.eta;
+    const F per_choice = F(1.0f) / select(reflected, f.probability, F(1.0f) - f.probability);
+    const Spectrum<L> refracted =
+        first_for_all<L>(f.single, (F(1.0f) - f.first.reflectance) * per_choice * (inverse_eta * inverse_eta));
+    BsdfSample<L> s;
+    s.wi = select<L>(reflected, {-wo.x, -wo.y, wo.z},
+                     {-wo.x * inverse_eta, -wo.y * inverse_eta, f.first.cos_transmitted});
+    s.weight = select<L>(reflected, this->reflectance * (f.reflectance * per_choice), this->transmittance * refracted);
+    s.eta_scale = select(reflected, F(1.0f), f.first.eta * f.first.eta);
+    s.pdf_solid_angle = F(0.0f);
+    s.valid = s.wi.z != F(0.0f);
+    return s;
+  }
+};
+
+template <class L> struct DispersiveThinDielectricBsdf : DispersiveDielectricParameters<L> {
+  static constexpr auto kKind = ClosureKind::kDispersiveThinDielectric;
+  static constexpr bool kIsSpecular = true, kIsAnisotropic = false;
+
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    using F = Float<L>;
+    const Spectrum<L> once = fresnel_dispersive<L>(abs(wo.z), this->eta).reflectance;
+    const auto in_all = [](F r) SHEAF_LAMBDA_INLINE { return (r + r) / (F(1.0f) + r); };
+    const Spectrum<L> back{in_all(once.c0), in_all(once.c1), in_all(once.c2), in_all(once.c3)};
+    const F probability = total(back) * F(0.25f);
+    const auto reflected = u.x < probability;
+    const F per_choice = F(1.0f) / select(reflected, probability, F(1.0f) - probability);
+    const Spectrum<L> through{F(1.0f) - back.c0, F(1.0f) - back.c1, F(1.0f) - back.c2, F(1.0f) - back.c3};
+    BsdfSample<L> s;
+    s.wi = {-wo.x, -wo.y, select(reflected, wo.z, -wo.z)};
+    s.weight = select<L>(reflected, this->reflectance * back, this->transmittance * through) * per_choice;
+    s.pdf_solid_angle = F(0.0f);
+    s.eta_scale = F(1.0f);
+    s.valid = wo.z != F(0.0f);
+    return s;
+  }
+};
+
+}  // namespace sheaf

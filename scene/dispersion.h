@@ -1,0 +1,46 @@
+// Indices of refraction that depend on the wavelength.
+#pragma once
+
+#include "core/lanes.h"
+
+#include <array>
+#include <cstdlib>
+
+namespace sheaf {
+
+/// A dispersion formula in its published form; wavelengths enter it in micrometres.
+struct Dispersion {
+  enum class Form {
+    kSellmeier,     ///< n^2 = constant + sum of b w^2 / (w^2 - c)
+    kSquarePowers,  ///< n^2 = constant + sum of b w^c
+    kPowers,        ///< n = constant + sum of b w^c
+  };
+  struct Term {
+    float b = 0, c = 0;  ///< c: square micrometres, or an even exponent
+  };
+
+  Form form = Form::kSellmeier;
+  float constant = 1;
+  std::array<Term, 7> terms{};  ///< those that are not needed have b = 0
+};
+
+/// Index of refraction at `lambda` nm. Relative to air or, where a source says so, to vacuum: a factor of 1.00027 at
+/// most. Where a measurement ends before 360 nm or 830 nm, its formula is continued.
+template <class L> SHEAF_INLINE Float<L> ior(const Dispersion& d, typename L::Float lambda) {
+  using F = typename L::Float;
+  const F w2 = sqr(lambda * F(1e-3f));
+  const auto power = [&](int exponent) {
+    F product = F(1.0f);
+    for (int k = 0; k < std::abs(exponent) / 2; ++k) product = product * w2;
+    return exponent < 0 ? F(1.0f) / product : product;
+  };
+  F sum = F(d.constant);
+  for (const Dispersion::Term& term : d.terms) {
+    if (term.b == 0.0f) continue;
+    const bool sellmeier = d.form == Dispersion::Form::kSellmeier;
+    sum += F(term.b) * (sellmeier ? w2 / (w2 - F(term.c)) : power(static_cast<int>(term.c)));
+  }
+  return d.form == Dispersion::Form::kPowers ? sum : sqrt(sum);
+}
+
+}  // namespace sheaf
