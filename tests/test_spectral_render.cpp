@@ -167,14 +167,14 @@ double angle_behind_prism(double in, double n) {
 
 TEST_CASE("spectral: a prism deviates 450, 550 and 650 nm as Snell and Sellmeier say") {
   const Dispersion& sf11 = *find_dispersion("sf11");
-  constexpr int kWidth = 240;
+  constexpr int kColumns = 240;
   constexpr float kFov = 24;
   constexpr double kFar = 1000;
   for (const double wavelength : {450.0, 550.0, 650.0}) {
     const double n = double(ior<Scalar>(sf11, static_cast<float>(wavelength)));
     // Near the least deviation a ray crosses the prism in parallel to its base.
     const double straight = std::asin(n * std::sin(kPiD / 6)) - kPiD / 6;
-    Description d = empty_scene(kWidth, 1);
+    Description d = empty_scene(kColumns, 1);
     d.integrator.max_depth = 4;
     // The camera is close to the prism and looks along the ray of 550 nm that passes symmetrically.
     const double middle = std::asin(double(ior<Scalar>(sf11, 550.0f)) * 0.5) - kPiD / 6;
@@ -196,7 +196,7 @@ TEST_CASE("spectral: a prism deviates 450, 550 and 650 nm as Snell and Sellmeier
 
     const Image image = render_image(d, ColorMode::kSpectral, 4096, 1);
     double sum = 0, weighted = 0;
-    for (int x = 0; x < kWidth; ++x) {
+    for (int x = 0; x < kColumns; ++x) {
       const double brightness = std::fabs(image.at(x, 0, 0)) + std::fabs(image.at(x, 0, 1)) + std::fabs(image.at(x, 0, 2));
       sum += brightness;
       weighted += brightness * (x + 0.5);
@@ -205,8 +205,8 @@ TEST_CASE("spectral: a prism deviates 450, 550 and 650 nm as Snell and Sellmeier
     // The column whose rays leave the prism in the strip's direction; the camera's x runs to the left of the picture.
     const double half_width = std::tan(0.5 * kFov * kPiD / 180);
     double expected = -1, least = 1;
-    for (double x = 0; x < kWidth; x += 0.01) {
-      const double across = (2 * x / kWidth - 1) * half_width;
+    for (double x = 0; x < kColumns; x += 0.01) {
+      const double across = (2 * x / kColumns - 1) * half_width;
       const double in = middle - std::atan(across);
       const double left = std::fabs(angle_behind_prism(in, n) - out);
       if (left < least) least = left, expected = x;

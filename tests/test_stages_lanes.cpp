@@ -123,7 +123,8 @@ TEST_CASE("stages: registers do what single paths do, stage by stage, in both co
         worst = std::max({worst, difference(from_wide[i].r, from_scalar[i].r), difference(from_wide[i].g, from_scalar[i].g),
                           difference(from_wide[i].b, from_scalar[i].b), difference(from_wide[i].alpha, from_scalar[i].alpha)});
       }
-      CHECK(worst < 1e-6);
+      // Wavelengths come from logarithms, which registers round in their own way.
+      CHECK(worst < (color == ColorMode::kSpectral ? 1e-5 : 1e-6));
       CHECK(wide.stats.rays.camera == static_cast<std::uint64_t>(std::min(512, static_cast<int>(wide.stats.samples) + paths - wide.free.size())));
       CHECK(wide.stats.dropped.samples == 0);
     }
