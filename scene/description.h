@@ -20,6 +20,10 @@ namespace sheaf {
 enum class MaterialId : std::uint32_t {};
 /// Index into Description::textures.
 enum class TextureId : std::uint32_t {};
+/// Index into Description::media.
+enum class MediumId : std::uint32_t {};
+/// Index into Description::phases.
+enum class PhaseId : std::uint32_t {};
 
 /// A spectral quantity as a file gives it. Its meaning (reflectance, radiance ...) comes from who holds it.
 struct SpectrumDescription {
@@ -173,6 +177,66 @@ struct MaterialDescription {
   SourceLocation where;
 };
 
+/// Values on a regular grid in a file, with interpolation in between.
+struct GridVolumeDescription {
+  enum class Format {
+    kVol,      ///< Mitsuba's: dense, one or three channels; fills the unit cube, or with `use_grid_bbox` the file's box
+    kNanoVdb,  ///< sparse; lies where the file's own map says; zero outside
+  };
+  enum class Filter { kTrilinear, kNearest };
+  /// kVol: what is outside of the grid.
+  enum class Wrap { kClamp, kRepeat, kMirror };
+  std::filesystem::path file;  ///< resolved
+  Format format = Format::kVol;
+  std::string grid;            ///< kNanoVdb: the grid's name; empty: the file's first
+  Transform to_world;          ///< from the space that `format` names
+  bool use_grid_bbox = false;
+  bool fit_to_shape = false;   ///< stretched over the bounding box of the shapes that hold it; to_world is not used
+  Filter filter = Filter::kTrilinear;
+  Wrap wrap = Wrap::kClamp;
+  bool raw = false;            ///< three channels are numbers, not colours
+};
+/// A quantity of a medium: the same everywhere, or on a grid.
+using VolumeInput = std::variant<SpectrumDescription, GridVolumeDescription>;
+
+/// Scatters alike in all directions.
+struct IsotropicPhaseDescription {};
+/// Henyey and Greenstein 1941; g: mean cosine of the angle by which light turns, in (-1, 1), positive: forwards.
+struct HenyeyGreensteinDescription { float g = 0.8f; };
+/// Scattering by particles far smaller than the wavelength.
+struct RayleighDescription {};
+/// (1 - weight) of the first, weight of the second.
+struct BlendPhaseDescription { float weight = 0.5f; PhaseId nested[2]{}; };
+
+struct PhaseDescription {
+  std::variant<IsotropicPhaseDescription, HenyeyGreensteinDescription, RayleighDescription, BlendPhaseDescription> model;
+  SourceLocation where;
+};
+
+/// What fills the inside or the outside of shapes. Coefficients are per metre of world space.
+struct MediumDescription {
+  /// Extinction, and the share of it that is scattering.
+  struct ExtinctionAlbedo {
+    VolumeInput sigma_t = SpectrumDescription::constant(1);
+    VolumeInput albedo = SpectrumDescription::constant(0.75f);
+  };
+  /// Absorption and scattering.
+  struct AbsorptionScattering { SpectrumDescription sigma_a, sigma_s; };
+  std::variant<ExtinctionAlbedo, AbsorptionScattering> coefficients;
+  std::optional<GridVolumeDescription> density;  ///< multiplies the coefficients; one channel
+  float scale = 1;                               ///< multiplies the coefficients
+  /// Radiance that the medium tends to where it is thick, W / (m^2 sr): per metre it emits sigma_a times as much.
+  std::optional<VolumeInput> emission;
+  /// Kelvin, once multiplied by temperature_scale; emits as a black body of that temperature, Planck's law, W / (m^2 sr
+  /// nm). Instead of `emission`. One channel.
+  std::optional<GridVolumeDescription> temperature;
+  float temperature_scale = 1;
+  float emission_scale = 1;      ///< multiplies the emission
+  std::optional<PhaseId> phase;  ///< default: isotropic
+  std::string id;                ///< name for messages; may be empty
+  SourceLocation where;
+};
+
 /// Triangles. Per-vertex arrays are either empty or as long as `positions`.
 struct Mesh {
   std::vector<Vec3f> positions;
@@ -214,6 +278,9 @@ struct ShapeDescription {
   bool face_normals = false;  ///< meshes: ignore vertex normals
   std::optional<MaterialId> material;           ///< default: diffuse, reflectance 0.5
   std::optional<SpectrumInput> radiance;  ///< an area light, emitting on the side of the normal; W / (m^2 sr)
+  /// What light is in behind the surface and before it; neither: what it was in. Only one: vacuum on the other side.
+  std::optional<MediumId> interior, exterior;
+  bool exterior_is_surrounding = false;  ///< outside is what holds the shape; no `exterior` then
   SourceLocation where;
 };
 
@@ -244,6 +311,7 @@ struct CameraDescription {
   /// Where on the film (0, 0, 1) is seen: shifted from the centre by these parts of its size, to the left and upwards.
   float principal_point_x = 0, principal_point_y = 0;
   float near_clip = 0, far_clip = kInfinity;  ///< z in camera space between which things are seen
+  std::optional<MediumId> medium;  ///< that the camera is in; none: found from the shapes around it
   SourceLocation where;
 };
 
@@ -335,6 +403,13 @@ enum class LightSelector {
   kPower,    ///< by power
   kBvh,      ///< by what each may bring to the point, bounded in a tree (Conty Estevez and Kulla 2018)
 };
+/// How distances in media and transmittance are estimated.
+enum class MediumEstimator {
+  kNullMis,   ///< null-scattering path integral, weighted over wavelengths (Miller et al. 2019)
+  kDelta,     ///< delta tracking for both, by one wavelength's extinction
+  kRatio,     ///< delta tracking for distances, ratio tracking for transmittance, by one wavelength's extinction
+  kMarching,  ///< steps of equal length for both; biased
+};
 /// Most light candidates per vertex.
 inline constexpr int kMaxCandidates = 1024;
 
@@ -346,6 +421,8 @@ struct IntegratorDescription {
   LightSelector light_selector = LightSelector::kBvh;
   int candidates = 1;  ///< lights sampled per vertex, of which one is kept by resampling; in [1, kMaxCandidates]
   bool hide_emitters = false;  ///< directly visible lights are left out (alpha 0)
+  MediumEstimator medium_estimator = MediumEstimator::kNullMis;
+  float step_size = 0;  ///< kMarching: metres; 0: a hundredth of the medium's bounding box' diagonal
 };
 
 /// A whole scene. `notes` are remarks for the user about what was mapped or ignored.
@@ -356,6 +433,8 @@ struct Description {
   IntegratorDescription integrator;
   std::vector<TextureDescription> textures;
   std::vector<MaterialDescription> materials;
+  std::vector<PhaseDescription> phases;
+  std::vector<MediumDescription> media;
   std::vector<ShapeDescription> shapes;
   std::vector<ShapeGroup> groups;
   std::vector<InstanceDescription> instances;
