@@ -13,6 +13,7 @@ enum class ClosureKind : std::uint32_t {
   kRoughPlasticBeckmann, kRoughPlasticGgx,
   kPrincipled, kPrincipledThin, kDisney, kNoriMicrofacet,
   kDispersiveDielectric, kDispersiveThinDielectric, kDispersiveRoughDielectricBeckmann, kDispersiveRoughDielectricGgx,
+  kHenyeyGreenstein, kRayleigh,
   kCount
 };
 inline constexpr int kClosureKinds = static_cast<int>(ClosureKind::kCount);
@@ -135,6 +136,18 @@ template <class L> struct NoriMicrofacetParameters {
   typename L::Float alpha;  ///< Beckmann roughness
   typename L::Float eta;    ///< int / ext
   static constexpr auto fields(auto& s) { return std::tie(s.kd, s.alpha, s.eta); }
+};
+
+/// Parameters of the phase function of Henyey and Greenstein (kernels/bsdf/henyey_greenstein.h).
+template <class L> struct HenyeyGreensteinParameters {
+  typename L::Float g;  ///< mean cosine of the angle by which light turns, in (-1, 1); 0: isotropic
+  static constexpr auto fields(auto& s) { return std::tie(s.g); }
+};
+
+/// Rayleigh's phase function (kernels/bsdf/rayleigh.h) has no parameters; a closure has one word at least.
+template <class L> struct RayleighParameters {
+  typename L::Float unused;
+  static constexpr auto fields(auto& s) { return std::tie(s.unused); }
 };
 
 /// Most 32-bit words of parameters that a closure may have; a multiple of four.

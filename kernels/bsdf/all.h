@@ -1,4 +1,4 @@
-// The list of all BSDFs: the one place where closure kinds and their types meet.
+// The list of all BSDFs, phase functions among them: the one place where closure kinds and their types meet.
 #pragma once
 
 #include "kernels/bsdf/conductor.h"
@@ -7,10 +7,12 @@
 #include "kernels/bsdf/disney.h"
 #include "kernels/bsdf/dispersive_dielectric.h"
 #include "kernels/bsdf/dispersive_rough_dielectric.h"
+#include "kernels/bsdf/henyey_greenstein.h"
 #include "kernels/bsdf/nori_microfacet.h"
 #include "kernels/bsdf/plastic.h"
 #include "kernels/bsdf/principled.h"
 #include "kernels/bsdf/principled_thin.h"
+#include "kernels/bsdf/rayleigh.h"
 #include "kernels/bsdf/rough_conductor.h"
 #include "kernels/bsdf/rough_dielectric.h"
 #include "kernels/bsdf/rough_plastic.h"
@@ -24,7 +26,7 @@ template <template <class> class Bsdf> struct BsdfTag {
   template <class L> using Type = Bsdf<L>;
 };
 
-/// Calls f(kind, BsdfTag<...>) for every BSDF.
+/// Calls f(kind, BsdfTag<...>) for every BSDF and phase function.
 template <class F> SHEAF_INLINE void for_each_bsdf(F&& f) {
   f(ClosureKind::kDiffuse, BsdfTag<DiffuseBsdf>{});
   f(ClosureKind::kConductor, BsdfTag<ConductorBsdf>{});
@@ -45,6 +47,8 @@ template <class F> SHEAF_INLINE void for_each_bsdf(F&& f) {
   f(ClosureKind::kDispersiveThinDielectric, BsdfTag<DispersiveThinDielectricBsdf>{});
   f(ClosureKind::kDispersiveRoughDielectricBeckmann, BsdfTag<DispersiveRoughDielectricBeckmannBsdf>{});
   f(ClosureKind::kDispersiveRoughDielectricGgx, BsdfTag<DispersiveRoughDielectricGgxBsdf>{});
+  f(ClosureKind::kHenyeyGreenstein, BsdfTag<HenyeyGreensteinBsdf>{});
+  f(ClosureKind::kRayleigh, BsdfTag<RayleighBsdf>{});
 }
 
 /// The BSDFs of the items [column, column + L::width).

@@ -5,10 +5,18 @@
 //   kIsSpecular        only delta distributions: neither evaluated nor lit by light sampling
 //   kIsAnisotropic     directions must come in a frame whose x axis is the surface's tangent; else any frame will do
 //   kDisperses         only if true need it be there: light that it lets through keeps the first wavelength alone
+//   kIsPhase           only if true need it be there: a phase function, see below
 //   evaluate(wo, wi)   f times |cos(wi)| and the density with which sample() returns wi; delta lobes left out
 //   sample(wo, u)      a direction; u.x chooses the lobe, u.y and u.z the direction
-// Directions are unit vectors in the shading frame, pointing away from the surface. To add one: its parameters and
-// its kind in scene/material.h, its header here, a line in all.h, the parsing in scene/, and its tests.
+// Directions are unit vectors in the shading frame, pointing away from the surface.
+//
+// A phase function scatters in a medium as a BSDF does on a surface. There is no normal: the frame's z axis is wo, which
+// is (0, 0, 1) for all of them, and wi lies near -wo where light goes on. f_cos is the phase function without a cosine,
+// the same in all four lanes and equal to the density with which sample() returns wi, so that a sample's weight is 1 (the
+// albedo belongs to the medium).
+//
+// To add one: its parameters and its kind in scene/material.h, its header here, a line in all.h, the parsing in scene/,
+// and its tests.
 #pragma once
 
 #include "core/sampler.h"
@@ -18,6 +26,9 @@ namespace sheaf {
 
 /// Whether a BSDF has kDisperses.
 template <class Bsdf> inline constexpr bool kDisperses = requires { Bsdf::kDisperses; };
+
+/// Whether a BSDF is a phase function: has kIsPhase.
+template <class Bsdf> inline constexpr bool kIsPhaseFunction = requires { Bsdf::kIsPhase; };
 
 /// A BSDF towards a given direction.
 template <class L> struct BsdfValue {
