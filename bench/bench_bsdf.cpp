@@ -85,7 +85,7 @@ constexpr const char* kKindNames[] = {
     "diffuse", "conductor", "dielectric", "thin_dielectric", "plastic", "rough_conductor_beckmann", "rough_conductor_ggx",
     "rough_dielectric_beckmann", "rough_dielectric_ggx", "rough_plastic_beckmann", "rough_plastic_ggx", "principled",
     "principled_thin", "disney", "nori_microfacet", "dispersive_dielectric", "dispersive_thin_dielectric",
-    "dispersive_rough_dielectric_beckmann", "dispersive_rough_dielectric_ggx"};
+    "dispersive_rough_dielectric_beckmann", "dispersive_rough_dielectric_ggx", "henyey_greenstein", "rayleigh"};
 static_assert(std::size(kKindNames) == std::size_t{kClosureKinds});
 
 const bool kRegistered = [] {

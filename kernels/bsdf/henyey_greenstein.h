@@ -34,7 +34,7 @@ template <class L> struct HenyeyGreensteinBsdf : HenyeyGreensteinParameters<L> {
     const F a = abs(this->g), rest = F(1.0f) - a;
     const F w = fma(F(-2.0f) * a, u.y, F(1.0f) + a), inverse_w = F(1.0f) / w;
     const F narrow = rest * inverse_w;
-    const F m = min(narrow * narrow * u.y * F(1.01f) * (F(1.0f) + a + w), F(2.0f));
+    const F m = min(narrow * narrow * u.y * (F(1.0f) + a + w), F(2.0f));
     const F sine = sqrt(m * (F(2.0f) - m));
     const auto turn = sincos_2pi<L>(u.z);
     const F root = narrow * (F(1.0f) + a);  // of what evaluate() calls squared
