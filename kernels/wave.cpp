@@ -14,11 +14,11 @@ constexpr int kSlotLists = 9;
 int item_capacity(int paths) { return paths + kClosureKinds * kWidth; }
 
 std::size_t wave_bytes(int paths) {
+  const auto each = static_cast<std::size_t>(paths);
   return Groups<RayState>::bytes(paths) + Groups<HitState>::bytes(paths) + Groups<ThroughputState>::bytes(paths) +
-         Groups<RadianceState>::bytes(paths) + kSlotLists * SlotList::bytes(paths) +
-         static_cast<std::size_t>(paths) * (1 + sizeof(float)) + 2 * kSimdAlignment +
-         Soa<SurfaceItem>::bytes(item_capacity(paths)) +
-         Soa<TexturedItem>::bytes(item_capacity(paths)) +
+         Groups<RadianceState>::bytes(paths) + Groups<ProbabilityState>::bytes(paths) +
+         kSlotLists * SlotList::bytes(paths) + each * (1 + 2 * sizeof(float)) + 3 * kSimdAlignment +
+         Soa<SurfaceItem>::bytes(item_capacity(paths)) + Soa<TexturedItem>::bytes(item_capacity(paths)) +
          Soa<ClosureItem>::bytes(item_capacity(paths)) + Soa<LightCandidate>::bytes(item_capacity(paths)) +
          Soa<ReservoirItem>::bytes(item_capacity(paths)) + Soa<ShadowItem>::bytes(paths) +
          Soa<TransmittanceItem>::bytes(paths);

@@ -1,0 +1,239 @@
+// Media in whole renders, against closed forms and against each other.
+#include "kernels/passes/render.h"
+#include "scene/compile.h"
+#include "tests/media_testing.h"
+#include "tests/statistics.h"
+#include "tests/temporary_folder.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// All comparisons of this file together fail with probability kSignificance if every estimator is sound.
+const double kLevel = significance_of_each(2000);
+constexpr MediumEstimator kUnbiased[] = {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio};
+
+Description picture(int samples = 128) {
+  Description d = empty_scene(32, 32);
+  d.sampler.sample_count = static_cast<std::uint32_t>(samples);
+  d.sampler.seed = 11;
+  return d;
+}
+
+void aim(Description& d, Vec3f from, Vec3f at) { look_at(d, from, at, {0, 1, 0}, 0.01f); }
+
+struct Means {
+  MeanVariance channel[3];
+};
+
+Means means_of(const Description& d, ColorMode color = ColorMode::kRgb) {
+  CompileOptions options;
+  options.color = color;
+  const Image image = render(*compile_scene(d, options), {}).film.to_image();
+  Means m;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < 3; ++c) m.channel[c].add(image.at(x, y, c));
+  return m;
+}
+
+/// `rounding`: relative error of single precision that no number of samples averages out.
+void check_mean(const MeanVariance& statistics, double expected, double rounding = 2e-5) {
+  const double distance = statistics.mean() - expected, allowed = rounding * std::fabs(expected);
+  INFO("mean " << statistics.mean() << ", expected " << expected << ", standard error "
+               << std::sqrt(statistics.variance() / 1024));
+  const double nearest = std::fabs(distance) <= allowed ? statistics.mean() : expected + std::copysign(allowed, distance);
+  CHECK(statistics.p_value(nearest) >= kLevel);
+}
+
+void check_grey(const Description& d, double expected) {
+  const Means m = means_of(d);
+  for (const MeanVariance& channel : m.channel) check_mean(channel, expected);
+}
+
+/// The means of two renders may be the same.
+void check_equal(const MeanVariance& a, const MeanVariance& b) {
+  const double error = std::sqrt((a.variance() + b.variance()) / 1024);
+  INFO("means " << a.mean() << " and " << b.mean() << ", standard error " << error);
+  if (error > 0) {
+    CHECK(student_t_p_value((a.mean() - b.mean()) / error, 2046) >= kLevel);
+  } else {
+    CHECK(a.mean() == doctest::Approx(b.mean()));
+  }
+}
+
+/// A wall that glows behind the cube [0, 1]^3, seen through it along x from far away.
+Description wall_behind_cube() {
+  Description d = picture();
+  aim(d, {-5, 0.5f, 0.5f}, {0, 0.5f, 0.5f});
+  d.integrator.max_depth = 1;
+  add_area_light_rectangle(d, Transform::translate({3, 0.5f, 0.5f}) * Transform::rotate({0, 1, 0}, -90), 2);
+  add_shape(d, CubeShape{}, Transform::translate({0.5f, 0.5f, 0.5f}) * Transform::scale({0.5f, 0.5f, 0.5f}));
+  return d;
+}
+
+/// A diffuse floor, lit by a point light through the cube.
+Description floor_below_cube() {
+  Description d = picture();
+  aim(d, {3, -2.0f, 0.5f}, {0.5f, -3, 0.5f});
+  d.integrator.max_depth = 2;
+  add_rectangle(d, Transform::translate({0.5f, -3, 0.5f}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({9, 9, 1}),
+                add_diffuse(d, 0.5f));
+  add_point_light(d, {0.5f, 3, 0.5f}, 36);
+  add_shape(d, CubeShape{}, Transform::translate({0.5f, 0.5f, 0.5f}) * Transform::scale({0.5f, 0.5f, 0.5f}));
+  return d;
+}
+const double kFloor = 0.5 / 3.14159265358979 * 36 / 36;
+
+MediumDescription with_density(MediumDescription m, const GridVolumeDescription& grid) {
+  m.density = grid;
+  return m;
+}
+
+/// The whole space is filled, or a sphere of radius 1 in a white environment.
+Description furnace(const MediumDescription& medium, float g) {
+  Description d = picture(64);
+  look_at(d, {0, 0, -3}, {0, 0, 0}, {0, 1, 0}, 20);
+  d.integrator.rr_depth = 1000;
+  add_constant_light(d, 1);
+  MediumDescription m = medium;
+  m.phase = add_phase(d, g);
+  const MediumId id = add_medium(d, m);
+  fill(d, add_sphere(d, {0, 0, 0}, 1), id);
+  return d;
+}
+
+}  // namespace
+
+TEST_CASE("media: transmittance of a homogeneous slab, by paths and by shadow rays, colour by colour") {
+  for (const MediumEstimator estimator : {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio,
+                                          MediumEstimator::kMarching})
+    for (const float albedo : {0.0f, 0.6f}) {
+      CAPTURE(static_cast<int>(estimator));
+      CAPTURE(albedo);
+      MediumDescription m = fog(1, albedo);
+      std::get<MediumDescription::ExtinctionAlbedo>(m.coefficients).sigma_t = SpectrumDescription::rgb(0.2f, 1, 3);
+      Description through = wall_behind_cube();
+      fill(through, through.shapes.back(), add_medium(through, m));
+      Description below = floor_below_cube();
+      fill(below, below.shapes.back(), add_medium(below, m));
+      through.integrator.medium_estimator = below.integrator.medium_estimator = estimator;
+      const Means seen = means_of(through), lit = means_of(below);
+      const double sigma[] = {0.2, 1, 3};
+      for (int c = 0; c < 3; ++c) {
+        check_mean(seen.channel[c], 2 * std::exp(-sigma[c]));
+        check_mean(lit.channel[c], kFloor * std::exp(-sigma[c]), 2e-4);
+      }
+    }
+}
+
+TEST_CASE("media: transmittance of a linear density ramp") {
+  const TemporaryFolder folder;
+  // Clamped beyond the outermost voxels' centres, linear in between.
+  constexpr int kVoxels = 32;
+  const auto file = write_vol(folder / "ramp.vol", kVoxels, 1, [](Vec3f p, int) { return 4 * p.x; });
+  const auto upwards = write_vol(folder / "up.vol", kVoxels, 1, [](Vec3f p, int) { return 4 * p.y; });
+  for (const MediumEstimator estimator : kUnbiased) {
+    CAPTURE(static_cast<int>(estimator));
+    Description through = wall_behind_cube();
+    fill(through, through.shapes.back(), add_medium(through, with_density(fog(1, 0.5f), vol(file))));
+    Description below = floor_below_cube();
+    fill(below, below.shapes.back(), add_medium(below, with_density(fog(1, 0.5f), vol(upwards))));
+    through.integrator.medium_estimator = below.integrator.medium_estimator = estimator;
+    check_grey(through, 2 * std::exp(-2.0));
+    const Means lit = means_of(below);
+    for (const MeanVariance& channel : lit.channel) check_mean(channel, kFloor * std::exp(-2.0), 2e-4);
+  }
+}
+
+TEST_CASE("media: ray marching converges to the ramp's transmittance, at first order or better") {
+  const TemporaryFolder folder;
+  const auto file = write_vol(folder / "ramp.vol", 32, 1, [](Vec3f p, int) { return 12 * p.x * p.x; });
+  double error[3];
+  for (int i = 0; i < 3; ++i) {
+    Description d = wall_behind_cube();
+    fill(d, d.shapes.back(), add_medium(d, with_density(fog(1, 0), vol(file))));
+    d.integrator.medium_estimator = MediumEstimator::kMarching;
+    d.integrator.step_size = 0.5f / static_cast<float>(1 << i);
+    error[i] = std::fabs(means_of(d).channel[0].mean() / (2 * std::exp(-4.0)) - 1);
+  }
+  MESSAGE("relative errors at steps of 1/2, 1/4, 1/8: " << error[0] << ", " << error[1] << ", " << error[2]);
+  CHECK(error[0] > 0.05);
+  CHECK(error[1] < 0.6 * error[0]);
+  CHECK(error[2] < 0.6 * error[1]);
+}
+
+TEST_SUITE("slow") {
+  TEST_CASE("media: a sphere that only scatters cannot be seen in a white environment") {
+    const TemporaryFolder folder;
+    const auto one = write_vol(folder / "one.vol", 4, 1, [](Vec3f, int) { return 1.0f; });
+    const auto lumps = write_vol(folder / "lumps.vol", 16, 1, [](Vec3f p, int) {
+      return 1 + std::sin(17 * p.x) * std::sin(13 * p.y + 1) * std::cos(11 * p.z);
+    });
+    const Transform around = Transform::translate({-1, -1, -1}) * Transform::scale({2, 2, 2});
+    for (const MediumEstimator estimator : kUnbiased)
+      for (const float depth : {0.1f, 1.0f, 10.0f})
+        for (const float g : {-0.8f, 0.0f, 0.8f}) {
+          CAPTURE(static_cast<int>(estimator));
+          CAPTURE(depth);
+          CAPTURE(g);
+          std::vector<MediumDescription> media = {fog(depth / 2, 1)};
+          if (g == 0.0f) {
+            media.push_back(with_density(fog(depth / 2, 1), vol(one, around)));
+            media.push_back(with_density(fog(depth / 2, 1), vol(lumps, around)));
+          }
+          for (const MediumDescription& medium : media)
+            for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
+              Description d = furnace(medium, g);
+              d.integrator.medium_estimator = estimator;
+              d.integrator.strategy = strategy;
+              check_grey(d, 1);
+            }
+        }
+  }
+
+  TEST_CASE("media: homogeneous, as a grid, by every estimator and with colours the means are the same") {
+    const TemporaryFolder folder;
+    const auto one = write_vol(folder / "one.vol", 3, 1, [](Vec3f, int) { return 1.0f; });
+    const auto colors = write_vol(folder / "colors.vol", 3, 3, [](Vec3f, int c) { return c == 0 ? 0.4f : c == 1 ? 1.2f : 2.5f; });
+    const Transform around = Transform::translate({-1, -1, -1}) * Transform::scale({2, 2, 2});
+    const auto scene = [&](const MediumDescription& medium, MediumEstimator estimator) {
+      Description d = picture(64);
+      look_at(d, {0, 0, -3}, {0, 0, 0}, {0, 1, 0}, 30);
+      d.integrator.max_depth = 8;
+      d.integrator.medium_estimator = estimator;
+      add_area_light_sphere(d, {1.5f, 2, -1.5f}, 0.4f, 20);
+      add_rectangle(d, Transform::translate({0, -1, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}),
+                    add_diffuse_rgb(d, 0.7f, 0.5f, 0.3f));
+      add_sphere(d, {0.2f, 0, 0}, 0.3f, add_glass(d));
+      MediumDescription m = medium;
+      m.phase = add_phase(d, 0.5f);
+      const MediumId id = add_medium(d, m);
+      fill(d, add_sphere(d, {0, 0, 0}, 0.9f), id);
+      return d;
+    };
+    MediumDescription plain = fog(1, 0.8f), grid = fog(1, 0.8f), density = fog(1, 0.8f);
+    const SpectrumDescription color = SpectrumDescription::rgb(0.4f, 1.2f, 2.5f);
+    std::get<MediumDescription::ExtinctionAlbedo>(plain.coefficients).sigma_t = color;
+    std::get<MediumDescription::ExtinctionAlbedo>(density.coefficients).sigma_t = color;
+    density.density = vol(one, around);
+    std::get<MediumDescription::ExtinctionAlbedo>(grid.coefficients).sigma_t = vol(colors, around);
+    const Means reference = means_of(scene(plain, MediumEstimator::kNullMis));
+    for (const MediumDescription& medium : {plain, density, grid})
+      for (const MediumEstimator estimator : kUnbiased) {
+        CAPTURE(static_cast<int>(estimator));
+        CAPTURE(medium.density.has_value());
+        const Means m = means_of(scene(medium, estimator));
+        for (int c = 0; c < 3; ++c) {
+          CAPTURE(c);
+          check_equal(m.channel[c], reference.channel[c]);
+        }
+      }
+  }
+}
+
+}  // namespace sheaf
