@@ -7,6 +7,8 @@ find_package(OpenEXR CONFIG REQUIRED QUIET)
 find_package(OpenImageIO MODULE REQUIRED)
 find_package(Embree MODULE REQUIRED)
 find_package(xsimd MODULE REQUIRED)
+find_package(NanoVDB MODULE REQUIRED)
+find_package(OpenVDB MODULE QUIET)  # optional, for the tool vdb_to_nanovdb
 find_package(pugixml CONFIG REQUIRED)
 find_package(tinyobjloader CONFIG REQUIRED)
 find_package(fmt CONFIG REQUIRED)

@@ -147,14 +147,19 @@ class BlockTable {
     table_.assign(static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) *
                       static_cast<std::size_t>(size_[2]), kNoBlock);
     for (std::size_t i = 0; i < blocks_.blocks().size(); ++i) {
-      const auto& p = blocks_.blocks()[i].position;
-      const std::array<int, 3> at{p[0] - first_[0], p[1] - first_[1], p[2] - first_[2]};
-      bool is_inside = true;  // a block of nothing but background may lie outside
-      for (std::size_t axis = 0; axis < 3; ++axis) is_inside &= at[axis] >= 0 && at[axis] < size_[axis];
-      if (!is_inside) continue;
-      std::uint32_t& entry = table_[offset(at)];
-      if (entry != kNoBlock) throw SceneError("a block of voxels is there twice");
-      entry = static_cast<std::uint32_t>(i);
+      const VoxelBlocks::Block& b = blocks_.blocks()[i];
+      std::array<int, 3> begin{}, end{};  // what is background may lie outside
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        begin[axis] = std::max(b.position[axis] - first_[axis], 0);
+        end[axis] = std::min(b.position[axis] - first_[axis] + b.edge, size_[axis]);
+      }
+      for (int z = begin[2]; z < end[2]; ++z)
+        for (int y = begin[1]; y < end[1]; ++y)
+          for (int x = begin[0]; x < end[0]; ++x) {
+            std::uint32_t& entry = table_[offset({x, y, z})];
+            if (entry != kNoBlock) throw SceneError("a block of voxels is there twice");
+            entry = static_cast<std::uint32_t>(i);
+          }
     }
   }
 
@@ -213,16 +218,23 @@ class BlockTable {
       for (const int p : b.position)
         if (p < -kFarthest || p >= kFarthest) throw SceneError("a voxel lies too far from the origin");
       const float* const values = &blocks_.values()[b.first_value];
-      for (int i = 0; i < VoxelBlocks::kVoxels; ++i) {
-        const float* const value = values + (b.is_constant ? 0 : static_cast<std::ptrdiff_t>(i) * channels_);
-        if (std::equal(value, value + channels_, background)) continue;
-        const int at[3] = {i & 7, i >> 3 & 7, i >> 6};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          const int v = b.position[axis] * kBrickSide + at[axis];
-          voxel_min_[axis] = std::min(voxel_min_[axis], v);
-          voxel_max_[axis] = std::max(voxel_max_[axis], v);
-        }
+      if (b.is_constant && !std::equal(values, values + channels_, background)) {
+        const int last = b.edge * kBrickSide - 1;
+        extend(b, {0, 0, 0});
+        extend(b, {last, last, last});
       }
+      for (int i = 0; i < (b.is_constant ? 0 : VoxelBlocks::kVoxels); ++i) {
+        const float* const value = values + static_cast<std::ptrdiff_t>(i) * channels_;
+        if (!std::equal(value, value + channels_, background)) extend(b, {i & 7, i >> 3 & 7, i >> 6});
+      }
+    }
+  }
+
+  void extend(const VoxelBlocks::Block& b, const std::array<int, 3>& at) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const int v = b.position[axis] * kBrickSide + at[axis];
+      voxel_min_[axis] = std::min(voxel_min_[axis], v);
+      voxel_max_[axis] = std::max(voxel_max_[axis], v);
     }
   }
 
@@ -237,7 +249,7 @@ class BlockTable {
 }  // namespace
 
 std::span<float> VoxelBlocks::add(std::array<int, 3> position) {
-  blocks_.push_back({position, false, values_.size()});
+  blocks_.push_back({position, 1, false, values_.size()});
   const auto channels = static_cast<std::size_t>(channels_);
   values_.resize(values_.size() + kVoxels * channels);
   const std::span<float> added = std::span(values_).last(kVoxels * channels);
@@ -245,12 +257,12 @@ std::span<float> VoxelBlocks::add(std::array<int, 3> position) {
   return added;
 }
 
-void VoxelBlocks::add_constant(std::array<int, 3> position, std::span<const float> value) {
+void VoxelBlocks::add_constant(std::array<int, 3> position, std::span<const float> value, int edge) {
   const auto channels = static_cast<std::size_t>(channels_);
   const bool is_as_last = !blocks_.empty() && blocks_.back().is_constant &&
                           std::equal(value.begin(), value.begin() + channels_, values_.end() - channels_);
   if (!is_as_last) values_.insert(values_.end(), value.begin(), value.begin() + channels_);
-  blocks_.push_back({position, true, values_.size() - channels});
+  blocks_.push_back({position, edge, true, values_.size() - channels});
 }
 
 BrickGrid make_dense_grid(int channels, std::array<int, 3> size, std::span<const float> values, GridBorder border) {

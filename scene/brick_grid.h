@@ -100,6 +100,7 @@ class VoxelBlocks {
   static constexpr int kVoxels = 512;  ///< of a block
   struct Block {
     std::array<int, 3> position;  ///< of the first voxel, over 8
+    int edge;                     ///< 1; constant ones may stand for a cube of so many blocks along each side
     bool is_constant;
     std::size_t first_value;  ///< into values(): kVoxels times channels floats, x fastest; constant: of one voxel
   };
@@ -110,8 +111,8 @@ class VoxelBlocks {
 
   /// Adds a block of background, which may not be there yet. The values may be changed until the next call.
   std::span<float> add(std::array<int, 3> position);
-  /// Adds a block of one value, `channels` floats. It may not be there yet.
-  void add_constant(std::array<int, 3> position, std::span<const float> value);
+  /// Adds a cube of blocks of one value, `channels` floats. None of them may be there yet.
+  void add_constant(std::array<int, 3> position, std::span<const float> value, int edge = 1);
 
   int channels() const { return channels_; }
   const std::array<float, 3>& background() const { return background_; }

@@ -1,5 +1,6 @@
 #include "scene/load_volume.h"
 
+#include "scene/nanovdb.h"
 #include "scene/vol_file.h"
 
 namespace sheaf {
@@ -19,7 +20,7 @@ GridBorder border_of(GridVolumeDescription::Wrap wrap) {
 BrickGrid load_volume(const GridVolumeDescription& description, const SourceLocation& where) {
   try {
     if (description.format == GridVolumeDescription::Format::kNanoVdb) {
-      throw SceneError({description.file.string()}, "NanoVDB files are not read yet");
+      return read_nanovdb(description.file, description.grid);
     }
     return read_vol(description.file, border_of(description.wrap), description.use_grid_bbox);
   } catch (const SceneError& error) { throw SceneError(where, error.what()); }

@@ -32,6 +32,7 @@ const std::vector<Wrapped> kWrapped = {
     {"OpenImageIO", {"OpenImageIO/"}, ""},
     {"tinyobjloader", {"tiny_obj_loader.h"}, ""},
     {"pugixml", {"pugixml.hpp"}, ""},
+    {"NanoVDB", {"nanovdb/"}, "scene/nanovdb"},
     {"zlib", {"zlib.h"}, ""},
 };
 

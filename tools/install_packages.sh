@@ -7,7 +7,7 @@ packages=(
   g++ cmake ninja-build
   libembree-dev libtbb-dev
   libopenexr-dev libimath-dev libopenimageio-dev zlib1g-dev
-  libpugixml-dev libtinyobjloader-dev
+  libpugixml-dev libtinyobjloader-dev libnanovdb-dev
   libxsimd-dev libfmt-dev libcli11-dev nlohmann-json3-dev
   doctest-dev libbenchmark-dev
   "$@"
