@@ -30,6 +30,8 @@ namespace sheaf {
 using FloatBatch = xsimd::batch<float>;
 using UintBatch = xsimd::batch<std::uint32_t>;
 using MaskBatch = xsimd::batch_bool<float>;
+/// Four floats, whatever the machine's width; see core/quad.h.
+using QuadBatch = xsimd::make_sized_batch_t<float, 4>;
 
 /// Lanes of one wide register of floats.
 inline constexpr int kWidth = static_cast<int>(FloatBatch::size);

@@ -38,7 +38,7 @@ double measure_seconds_per_tick() {
 
 std::string_view stage_name(Stage stage) {
   static constexpr std::array<std::string_view, kStageCount> kNames{
-      "camera_rays", "intersect", "emission", "select_materials", "sort", "surface_inputs", "textures",
+      "camera_rays", "intersect", "medium", "emission", "select_materials", "sort", "surface_inputs", "textures",
       "light_candidates", "resample", "shadow", "scatter",
       "accumulate"};
   return kNames.at(static_cast<std::size_t>(stage));
@@ -82,6 +82,7 @@ Stats& Stats::operator+=(const Stats& other) {
   rays.camera += other.rays.camera;
   rays.scatter += other.rays.scatter;
   rays.shadow += other.rays.shadow;
+  collisions += other.collisions;
   trace_ticks += other.trace_ticks;
   samples += other.samples;
   dropped.rays += other.dropped.rays;
@@ -127,6 +128,8 @@ std::string to_json(const RenderReport& report) {
                   {"rays_per_second", report.rays_per_second()},
                   {"trace_share", report.trace_share()},
                   {"stages", stages},
+                  {"collisions", {{"real", report.stats.collisions.real}, {"null", report.stats.collisions.null},
+                    {"shadow", report.stats.collisions.shadow}}},
                   {"dropped", {{"rays", report.stats.dropped.rays}, {"samples", report.stats.dropped.samples}}}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -150,6 +153,9 @@ std::string to_table(const RenderReport& report) {
     fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11.3f}{:>10.1f}{:>10.1f}%\n", stage_name(static_cast<Stage>(i)),
                    stage.items, stage.calls, stage.seconds(), stage.ns_per_item(), stage.lane_fill() * 100);
   }
+  if (const Stats::Collisions& c = stats.collisions; c.real + c.null + c.shadow > 0)
+    fmt::format_to(out, "collisions with media: {} real, {} null ({:.2f} per real one), {} of shadow rays\n", c.real,
+                   c.null, ratio(static_cast<double>(c.null), static_cast<double>(c.real)), c.shadow);
   if (stats.dropped.rays + stats.dropped.samples > 0) {
     fmt::format_to(out, "dropped: {} rays, {} samples\n", stats.dropped.rays, stats.dropped.samples);
   }

@@ -16,7 +16,7 @@ namespace sheaf {
 
 /// The stages of the path pass, in the order in which reports list them.
 enum class Stage : std::uint32_t {
-  kCameraRays, kIntersect, kEmission, kSelectMaterials, kSort, kSurfaceInputs, kTextures, kLightCandidates, kResample,
+  kCameraRays, kIntersect, kMedium, kEmission, kSelectMaterials, kSort, kSurfaceInputs, kTextures, kLightCandidates, kResample,
   kShadow, kScatter, kAccumulate, kCount
 };
 inline constexpr std::size_t kStageCount = static_cast<std::size_t>(Stage::kCount);
@@ -78,6 +78,18 @@ struct alignas(64) Stats {
     std::uint64_t shadow = 0;   ///< visibility towards a light
     std::uint64_t total() const { return camera + scatter + shadow; }
   } rays;
+  /// Of tracking through media.
+  struct Collisions {
+    std::uint64_t real = 0;    ///< of paths with the medium
+    std::uint64_t null = 0;    ///< of paths with what fills it up to the majorant; steps of ray marching
+    std::uint64_t shadow = 0;  ///< tentative collisions, or steps, of shadow rays
+    Collisions& operator+=(const Collisions& other) {
+      real += other.real;
+      null += other.null;
+      shadow += other.shadow;
+      return *this;
+    }
+  } collisions;
   std::uint64_t trace_ticks = 0;  ///< inside Embree, of timestamp()
   std::uint64_t samples = 0;      ///< camera samples that reached the film
   struct Dropped {

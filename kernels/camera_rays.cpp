@@ -41,6 +41,20 @@ SHEAF_INLINE void start_wavelengths(const SceneView& scene, Wave& wave, const Sl
   for (int lane = 0; lane < count; ++lane) wave.heroes[slots[lane]] = u[lane];
 }
 
+/// The state that only scenes with media or surfaces that let shadow rays pass have. Returns RayState::flags.
+template <class L>
+SHEAF_INLINE Uint<L> start_in_medium(const SceneView& scene, Wave& wave, const Slot* slots, int count,
+                                     const ThroughputState<L>& path) {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+  wave.probabilities.scatter<L>(slots, count, {Spectrum<L>(F(1.0f)), Spectrum<L>(F(1.0f))});
+  for (int lane = 0; lane < count; ++lane) wave.travelled[slots[lane]] = 0.0f;
+  const U medium(scene.camera_medium << kRayMediumShift);
+  if (scene.color == ColorMode::kSpectral) return medium;
+  const F u = draw<L>(scene.sampler, path.pixel, path.sample, U(0u), SampleBlock::kWavelength).x;
+  return medium | (min(to_uint(u * F(3.0f)), U(2u)) << kRayHeroShift);
+}
+
 template <class L>
 SHEAF_INLINE void start_tile(const SceneView& scene, Wave& wave, SampleCursor& cursor, const Slot* slots, int count,
                              std::uint32_t flags) {
@@ -76,6 +90,7 @@ SHEAF_INLINE void start_tile(const SceneView& scene, Wave& wave, SampleCursor& c
   ray.direction = from_camera.direction;
   ray.t_max = from_camera.t_max;
   ray.flags = U(flags);
+  if (scene.has_transparency) ray.flags |= start_in_medium<L>(scene, wave, slots, count, throughput);
 
   RadianceState<L> radiance;
   radiance.scatter_pdf = F(0.0f);

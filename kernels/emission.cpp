@@ -22,10 +22,41 @@ SHEAF_INLINE Float<L> emission_weight(const IntegratorDescription& settings, Flo
   return select(specular, F(1.0f), share);
 }
 
-/// The vertex that the ray comes from, as light_candidates saw it.
+/// The vertex that a ray comes from, as light_candidates saw it, and what the ray has met since.
+template <class L> struct LightPath {
+  LightReceiver<L> receiver;
+  typename L::Float travelled;  ///< from the vertex to the ray's origin
+  typename L::Float rivals;     ///< probability of light sampling to come this way over that of BSDF sampling
+  typename L::Float divisor;    ///< mean over the lanes of the path's probabilities
+};
+
+/// Scenes with media or surfaces that let shadow rays pass: see ProbabilityState.
 template <class L>
-SHEAF_INLINE LightReceiver<L> receiver(const RayState<L>& ray, const RadianceState<L>& radiance) {
-  return {ray.origin, decode_octahedral<L>(radiance.normal)};
+void follow_probabilities(const SceneView& scene, const Wave& wave, const Slot* slots, const RayState<L>& ray,
+                          LightPath<L>& path) {
+  using F = Float<L>;
+  const ProbabilityState<L> r = wave.probabilities.gather<L>(slots);
+  const auto mean = [&](const Spectrum<L>& lanes) {
+    return scene.color == ColorMode::kSpectral ? total(lanes) * F(0.25f)
+                                               : (lanes.c0 + lanes.c1 + lanes.c2) * F(1.0f / 3.0f);
+  };
+  path.divisor = mean(r.r_u);
+  path.rivals = mean(r.r_l) / path.divisor;
+  alignas(kSimdAlignment) float travelled[L::width];
+  for (int lane = 0; lane < L::width; ++lane) travelled[lane] = wave.travelled[slots[lane]];
+  load(travelled, path.travelled);
+  path.receiver.p = ray.origin - ray.direction * path.travelled;
+  const auto in_medium = (ray.flags & Uint<L>(kRayFromMedium)) != Uint<L>(0u);
+  path.receiver.n = select<L>(in_medium, Vec3<L>{}, path.receiver.n);
+}
+
+template <class L>
+SHEAF_INLINE LightPath<L> light_path(const SceneView& scene, const Wave& wave, const Slot* slots, const RayState<L>& ray,
+                                     const RadianceState<L>& radiance) {
+  using F = Float<L>;
+  LightPath<L> path{{ray.origin, decode_octahedral<L>(radiance.normal)}, F(0.0f), F(1.0f), F(1.0f)};
+  if (scene.has_transparency) follow_probabilities<L>(scene, wave, slots, ray, path);
+  return path;
 }
 
 /// Radiance of the environment, and the density of sampling it.
@@ -58,9 +89,10 @@ SHEAF_INLINE void environment_tile(const SceneView& scene, Wave& wave, const Slo
     const ThroughputState<L> path = wave.throughput.gather<L>(slots);
     const EnvmapValue<L> arriving =
         environment_value<L, Mode>(scene, ray.direction, shading_wavelengths<L, Mode>(wave, slots));
-    const F probability = choice_probability<L>(scene, receiver<L>(ray, radiance), U(scene.environment));
-    const F weight =
-        emission_weight<L>(scene.integrator, radiance.scatter_pdf, probability * arriving.pdf_solid_angle);
+    const LightPath<L> from = light_path<L>(scene, wave, slots, ray, radiance);
+    const F probability = choice_probability<L>(scene, from.receiver, U(scene.environment));
+    const F weight = emission_weight<L>(scene.integrator, radiance.scatter_pdf,
+                                        probability * arriving.pdf_solid_angle * from.rivals) / from.divisor;
     radiance.radiance = select<L>(shown, radiance.radiance + path.beta * arriving.radiance * weight, radiance.radiance);
   }
   wave.radiance.scatter<L>(slots, count, radiance);
@@ -88,9 +120,11 @@ SHEAF_INLINE void area_light_tile(const SceneView& scene, Wave& wave, const Slot
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
   const auto hidden = from_camera & Mask<L>(scene.integrator.hide_emitters);
   const auto lit = (dot(ray.direction, y.ng) < F(0.0f)) & !hidden;
-  const F pdf = choice_probability<L>(scene, receiver<L>(ray, radiance), hit.light) *
-                light_pdf_solid_angle<L>(scene, light, Mask<L>(true), ray.origin, ray.direction, hit.t, y.ng);
-  const F weight = emission_weight<L>(scene.integrator, radiance.scatter_pdf, pdf);
+  const LightPath<L> from = light_path<L>(scene, wave, slots, ray, radiance);
+  const F pdf = choice_probability<L>(scene, from.receiver, hit.light) *
+                light_pdf_solid_angle<L>(scene, light, Mask<L>(true), from.receiver.p, ray.direction,
+                                         hit.t + from.travelled, y.ng);
+  const F weight = emission_weight<L>(scene.integrator, radiance.scatter_pdf, pdf * from.rivals) / from.divisor;
   radiance.radiance = select<L>(lit, radiance.radiance + path.beta * light.radiance * weight, radiance.radiance);
   wave.radiance.scatter<L>(slots, count, radiance);
 

@@ -1,5 +1,6 @@
 // Stage: intersect. Packs active rays sixteen at a time, asks Embree for the nearest hits, and splits the paths by what
 // they met.
+#include "kernels/route_hits.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
 #include "scene/shape.h"
@@ -78,27 +79,15 @@ SHEAF_INLINE void unpack(const SceneView& scene, Wave& wave, const Slot* slots, 
   }
   wave.hits.scatter<L>(slots, count, hit);
 
-  const std::uint32_t hits = mask_bits(found) & good;
-  const std::uint32_t lights = mask_bits(hit.light != U(kNone)) & good;
   U flags;
   load(packet.id + at, flags);
-  const std::uint32_t last = mask_bits((flags & U(kRayLast)) != U(0u));
-  const std::uint32_t from_camera = mask_bits((flags & U(kRayFromCamera)) != U(0u));
-  // Hidden lights are left to the emission stage, which sends the ray on behind them.
-  const std::uint32_t hidden = scene.integrator.hide_emitters ? lights & from_camera : 0u;
-  const std::uint32_t dropped = ((1u << count) - 1u) & ~good;
-  std::uint32_t composite = 0;
-  if (scene.has_composites) {
-    const U flags_of = gather(materials + offsetof(MaterialRow, flags) / sizeof(std::uint32_t),
-                              select(found, hit.material, U(0u)) * U(kRowWords));
-    composite = mask_bits((flags_of & U(kComposite)) != U(0u)) & hits & ~hidden;
+  wave.finished.push(slots, ((1u << count) - 1u) & ~good);
+  std::uint32_t in_vacuum = good;
+  if (scene.has_transparency && scene.integrator.kind == IntegratorKind::kPath) {
+    in_vacuum = good & mask_bits((flags >> kRayMediumShift) == U(0u));
+    wave.medium.push(slots, good & ~in_vacuum);
   }
-  const std::uint32_t shaded = hits & ~hidden & ~composite;
-  wave.miss.push(slots, good & ~hits);
-  wave.emitter.push(slots, lights);
-  wave.composite.push(slots, composite);
-  wave.surface.push(slots, shaded & ~last);
-  wave.finished.push(slots, (shaded & last) | dropped);
+  route_hits<L>(scene, wave, slots, in_vacuum, {found, hit.light, hit.material, flags});
 }
 
 void report_dropped(Wave& wave, const Slot* slots, int count, std::uint32_t good) noexcept {

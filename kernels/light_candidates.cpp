@@ -10,13 +10,15 @@ namespace sheaf {
 
 namespace {
 
+/// `in_medium`: the vertices scatter to all sides and have no normal.
 template <class L, ColorMode Mode>
-SHEAF_INLINE void candidate_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, SampleSet set) {
+SHEAF_INLINE void candidate_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, SampleSet set,
+                                 bool in_medium) {
   using F = Float<L>;
   const auto item = wave.items.load<L>(column);
   const ThroughputState<L> path = wave.throughput.gather<L>(slots);
   const auto u = draw<L>(scene.sampler, path.pixel, path.sample, path.event(), SampleBlock::kLight, set);
-  const LightChoice<L> choice = choose_light<L>(scene, {item.p, item.ns}, u.x);
+  const LightChoice<L> choice = choose_light<L>(scene, {item.p, in_medium ? Vec3<L>{} : item.ns}, u.x);
   const LightSample<L> light =
       sample_light<L, Mode>(scene, item.p, choice, u, shading_wavelengths<L, Mode>(wave, slots));
   LightCandidate<L> out;
@@ -25,6 +27,7 @@ SHEAF_INLINE void candidate_tile(const SceneView& scene, Wave& wave, const Slot*
   out.radiance = light.radiance;
   out.pdf_solid_angle = select(light.valid & (choice.probability > F(0.0f)), light.pdf_solid_angle, F(0.0f));
   out.delta = select(light.delta, F(1.0f), F(0.0f));
+  out.end = light.end;
   wave.candidates.store<L>(column, out);
 }
 
@@ -40,7 +43,8 @@ template <class L> void light_candidates(const SceneView& scene, Wave& wave) noe
       timer.count(run.count, L::width);
       with_color_mode(scene, [&]<ColorMode Mode>() {
         for_tiles<L>(run.count, [&](int i, int) {
-          candidate_tile<L, Mode>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, set);
+          candidate_tile<L, Mode>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, set,
+                                  kIsPhaseFunction<Bsdf<L>>);
         });
       });
     }

@@ -6,6 +6,7 @@
 #include "core/uplift.h"
 #include "kernels/envmap.h"
 #include "kernels/light_select.h"
+#include "kernels/volume_light.h"
 #include "scene/shape.h"
 #include "scene/texture_lookup.h"
 
@@ -47,9 +48,11 @@ template <class L> struct LightSample {
   Vec3<L> direction;            ///< from the reference point, unit length
   Vec3<L> target;               ///< where the shadow ray ends: on the light, moved off its surface
   Spectrum<L> radiance;         ///< incident radiance; point lights: intensity over squared distance
-  typename L::Float pdf_solid_angle;  ///< where the light is a single direction, the probability: 1
+  /// Where the light is a single direction, the probability: 1; in a volume, solid angle times length.
+  typename L::Float pdf_solid_angle;
   typename L::Mask delta;       ///< BSDF sampling cannot find this light
   typename L::Mask valid;       ///< false: nothing arrives
+  typename L::Uint end;         ///< see TransmittanceItem::end
 };
 
 /// 1 - cos of the half angle under which a sphere is seen, stable for small ones; 0 from inside.
@@ -336,6 +339,41 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const LightSample<L>& a, L
   into.valid = select(m, a.valid, into.valid);
 }
 
+/// Points in media, one lane after the other. `radiance`: per metre.
+template <class L, ColorMode Mode>
+void sample_volume(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light, Mask<L> active,
+                   const Random4<L>& u, const Spectrum<L>& lambda, LightSample<L>& into) {
+  using F = Float<L>;
+  alignas(kSimdAlignment) float number[3][L::width], wavelength[4][L::width], point[4][L::width], emitted[4][L::width];
+  alignas(kSimdAlignment) std::uint32_t media[L::width];
+  store(media, light.shape);
+  store(number[0], u.y), store(number[1], u.z), store(number[2], u.w);
+  store(wavelength[0], lambda.c0), store(wavelength[1], lambda.c1);
+  store(wavelength[2], lambda.c2), store(wavelength[3], lambda.c3);
+  for (auto* column : {&point[0], &emitted[0]})
+    for (int k = 0; k < 4; ++k) store(column[k], F(0.0f));
+  for (std::uint32_t left = mask_bits(active); left != 0; left &= left - 1) {
+    const int i = std::countr_zero(left);
+    const VolumePoint found =
+        sample_volume_light(scene, scene.media[media[i]].light, {0.0f, number[0][i], number[1][i], number[2][i]},
+                            {wavelength[0][i], wavelength[1][i], wavelength[2][i], wavelength[3][i]});
+    point[0][i] = found.p.x, point[1][i] = found.p.y, point[2][i] = found.p.z, point[3][i] = found.pdf_volume;
+    const Spectrum4& e = found.emitted;
+    emitted[0][i] = e.c0, emitted[1][i] = e.c1, emitted[2][i] = e.c2, emitted[3][i] = e.c3;
+  }
+  LightSample<L> s;
+  load(point[0], s.target.x), load(point[1], s.target.y), load(point[2], s.target.z), load(point[3], s.pdf_solid_angle);
+  load(emitted[0], s.radiance.c0), load(emitted[1], s.radiance.c1);
+  load(emitted[2], s.radiance.c2), load(emitted[3], s.radiance.c3);
+  const Vec3<L> d = s.target - from;
+  const F squared = dot(d, d);
+  s.direction = d * (F(1.0f) / sqrt(max(squared, F(1e-37f))));
+  s.pdf_solid_angle = s.pdf_solid_angle * squared;
+  s.valid = s.pdf_solid_angle > F(0.0f);
+  s.delta = Mask<L>(false);
+  merge<L>(active, s, into);
+}
+
 }  // namespace light_detail
 
 /// What the lights' textures say, one after the other; 1 for lights without, and nothing below 0. Lanes of one register
@@ -391,7 +429,10 @@ SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> f
     if (any(spot)) merge<L>(spot, sample_spot<L>(scene, from, light, spot, query), s);
     if (any(projector)) merge<L>(projector, sample_projector<L>(scene, from, light, projector, query), s);
     if (any(directional)) merge<L>(directional, sample_directional<L>(scene, from, light), s);
+    const auto volume = is(LightKind::kVolume);
+    if (any(volume)) sample_volume<L, Mode>(scene, from, light, volume, u, lambda, s);
   }
+  s.end = select(is(LightKind::kVolume), light.shape + Uint<L>(1u), Uint<L>(kNone));
   const auto textured = s.valid & (light.texture != Uint<L>(kNone));
   if (any(textured))
     s.radiance = s.radiance * light_textures<L, Mode>(scene, light.texture, textured, query, lambda);

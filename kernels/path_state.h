@@ -15,11 +15,15 @@ template <class L> struct RayState {
   static constexpr auto fields(auto& s) { return std::tie(s.origin, s.t_max, s.direction, s.flags); }
 };
 
-/// Bits of RayState::flags.
+/// Bits of RayState::flags. The lane by whose extinction distances in media are sampled stands above them, the medium
+/// that the ray is in above that: 0 for vacuum, else 1 + its row.
 enum RayFlags : std::uint32_t {
   kRayFromCamera = 1,  ///< nothing but null interfaces lies between the camera and the origin
   kRayLast = 2,        ///< what the ray hits may emit but will not scatter: max_depth is reached
+  kRayFromMedium = 4,  ///< was scattered in a medium
 };
+inline constexpr int kRayHeroShift = 4, kRayMediumShift = 8;
+inline constexpr std::uint32_t kRayHeroMask = 3u << kRayHeroShift;
 
 /// What the ray hit.
 template <class L> struct HitState {
@@ -65,6 +69,16 @@ template <class L> struct RadianceState {
 /// Bit of RadianceState::task_sample: the camera ray has met nothing that counts as covered.
 inline constexpr std::uint32_t kTransparent = 0x80000000u;
 
+/// Probabilities of the path so far, had each lane in turn been the one by which distances in media are sampled, over
+/// the probability by which the throughput was divided (Miller, Georgiev and Jarosz, "A Null-Scattering Path Integral
+/// Formulation of Light Transport", 2019; rescaled as in Pharr et al. 2023, section 14.2.1). Only where
+/// SceneView::has_transparency.
+template <class L> struct ProbabilityState {
+  Spectrum<L> r_u;  ///< sampled direction by direction
+  Spectrum<L> r_l;  ///< the last vertex as r_u, what follows as light sampling goes about it
+  static constexpr auto fields(auto& s) { return std::tie(s.r_u, s.r_l); }
+};
+
 /// A surface vertex ready for shading, in order of closure kind; consumed in order.
 template <class L> struct SurfaceItem {
   Vec3<L> p;                 ///< world space
@@ -105,8 +119,9 @@ template <class L> struct LightCandidate {
   Spectrum<L> radiance;  ///< see LightSample::radiance
   typename L::Float pdf_solid_angle;  ///< see LightSample::pdf_solid_angle; 0: nothing arrives
   typename L::Float delta;            ///< 1: BSDF sampling cannot find this light; else 0
+  typename L::Uint end;               ///< see TransmittanceItem::end
   static constexpr auto fields(auto& s) {
-    return std::tie(s.direction, s.target, s.radiance, s.pdf_solid_angle, s.delta);
+    return std::tie(s.direction, s.target, s.radiance, s.pdf_solid_angle, s.delta, s.end);
   }
 };
 
@@ -117,7 +132,11 @@ template <class L> struct ReservoirItem {
   typename L::Float weight;   ///< that contribution's luminance: its resampling weight
   typename L::Float sum;      ///< of the weights of all candidates
   typename L::Float u;        ///< uniform in [0, 1), for the next choice
-  static constexpr auto fields(auto& s) { return std::tie(s.target, s.contribution, s.weight, s.sum, s.u); }
+  typename L::Float rival;    ///< see TransmittanceItem::rival
+  typename L::Uint end;       ///< see TransmittanceItem::end
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.target, s.contribution, s.weight, s.sum, s.u, s.rival, s.end);
+  }
 };
 
 /// A ray towards a light, with what it brings if nothing is in between.
@@ -126,6 +145,16 @@ template <class L> struct ShadowItem {
   Spectrum<L> contribution;   ///< radiance if unoccluded
   typename L::Uint slot;      ///< path this pays into
   static constexpr auto fields(auto& s) { return std::tie(s.origin, s.direction, s.contribution, s.slot); }
+};
+
+/// What a shadow ray needs besides where there are media or surfaces that let it pass; stands where its ShadowItem
+/// stands, whose contribution is then without a weight against BSDF sampling.
+template <class L> struct TransmittanceItem {
+  Spectrum<L> r_u, r_l;      ///< as in ProbabilityState: by BSDF sampling, by light sampling
+  typename L::Float rival;   ///< density of BSDF sampling over that of light sampling; 0: no contest
+  typename L::Uint flags;    ///< as RayState::flags: lane and medium at the origin
+  typename L::Uint end;      ///< kNone; or the medium, 1 + its row, that the ray must end in, for light of its own
+  static constexpr auto fields(auto& s) { return std::tie(s.r_u, s.r_l, s.rival, s.flags, s.end); }
 };
 
 }  // namespace sheaf

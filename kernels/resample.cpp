@@ -10,8 +10,12 @@
 //     w_l = (M p)^2 / ((M p)^2 + b^2),  w_b = 1 - w_l,
 // and q is the unshadowed part w_l f, its lanes added up. Lights that BSDF sampling cannot find have w_l = 1. For M = 1 the
 // factor is exactly one: plain next-event estimation, bit by bit.
+//
+// Where there are media or surfaces that let shadow rays pass, w_l depends on what the shadow ray meets as well: then q
+// is as above, but the transmittance stage gets f and applies w_l.
 #include "kernels/bsdf/all.h"
 #include "kernels/light_weight.h"
+#include "kernels/medium_boundary.h"
 #include "kernels/normal_map.h"
 #include "kernels/shading_frame.h"
 #include "kernels/stage_timer.h"
@@ -28,9 +32,15 @@ struct CandidateIndex {
   bool is_last() const { return index == count - 1; }
 };
 
-/// What the candidate in `column` brings if unoccluded, times w_l, over its density; 0 where it is of no use.
+/// A candidate as a vertex sees it.
+template <class L> struct WeighedCandidate {
+  Spectrum<L> contribution;  ///< what it brings if unoccluded, over its density; 0 where it is of no use
+  typename L::Float share;   ///< w_l, which `contribution` holds already unless SceneView::has_transparency
+  typename L::Float rival;   ///< see TransmittanceItem
+};
+
 template <class L, template <class> class Bsdf>
-SHEAF_INLINE Spectrum<L> contribution_of(const SceneView& scene, const Wave& wave, int column, const SurfaceItem<L>& item,
+SHEAF_INLINE WeighedCandidate<L> weigh(const SceneView& scene, const Wave& wave, int column, const SurfaceItem<L>& item,
                                          const LightCandidate<L>& light, Spectrum<L> beta, bool mapped, int candidates) {
   using F = Float<L>;
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(wave, column);
@@ -44,22 +54,37 @@ SHEAF_INLINE Spectrum<L> contribution_of(const SceneView& scene, const Wave& wav
   const F pdf = select(usable, light.pdf_solid_angle, F(1.0f));
   const auto no_contest = (light.delta > F(0.0f)) | Mask<L>(scene.integrator.strategy == LightStrategy::kLightOnly);
   const F share = select(no_contest, F(1.0f), light_weight(pdf, value.pdf_solid_angle, candidates));
-  const Spectrum<L> out = beta * value.f_cos * light.radiance * (share / pdf);
-  return select<L>(usable & is_finite(total(out)), out, Spectrum<L>(F(0.0f)));
+  const bool shared = !scene.has_transparency;
+  const Spectrum<L> out = beta * value.f_cos * light.radiance * ((shared ? share : F(1.0f)) / pdf);
+  const F rival = select(no_contest, F(0.0f), value.pdf_solid_angle / (pdf * F(static_cast<float>(candidates))));
+  // Points in a medium have a rival in the path's own collisions, which is not known yet.
+  const auto in_volume = light.end != Uint<L>(kNone);
+  return {select<L>(usable & is_finite(total(out)), out, Spectrum<L>(F(0.0f))),
+          select(shared | in_volume, F(1.0f), share), rival};
 }
+
+/// Where a shadow ray goes; see TransmittanceItem.
+template <class L> struct ShadowEnd {
+  Vec3<L> target;
+  typename L::Float rival;
+  typename L::Uint medium;
+};
 
 /// Adds a candidate to the reservoir in `column`; returns what is kept.
 template <class L>
 SHEAF_INLINE ReservoirItem<L> keep_one(const SceneView& scene, Wave& wave, int column, const ThroughputState<L>& path,
-                                       Vec3<L> target, Spectrum<L> contribution, bool is_first) {
+                                       const LightCandidate<L>& light, const WeighedCandidate<L>& candidate,
+                                       bool is_first) {
   using F = Float<L>;
-  const F weight = total(contribution);
+  const F weight = total(candidate.contribution) * candidate.share;
   ReservoirItem<L> r;
   if (is_first) {
     r.u = draw<L>(scene.sampler, path.pixel, path.sample, path.event(), SampleBlock::kResample).x;
-    r.target = target;
-    r.contribution = contribution;
+    r.target = light.target;
+    r.contribution = candidate.contribution;
     r.weight = r.sum = weight;
+    r.rival = candidate.rival;
+    r.end = light.end;
     return r;
   }
   r = wave.reservoirs.load<L>(column);
@@ -69,15 +94,40 @@ SHEAF_INLINE ReservoirItem<L> keep_one(const SceneView& scene, Wave& wave, int c
   // What is left of u is uniform again.
   const F rest = select(taken, r.u, r.u - share) / max(select(taken, share, F(1.0f) - share), F(1e-37f));
   r.u = clamp(rest, F(0.0f), F(kOneMinusEpsilon));
-  r.target = select<L>(taken, target, r.target);
-  r.contribution = select<L>(taken, contribution, r.contribution);
+  r.target = select<L>(taken, light.target, r.target);
+  r.contribution = select<L>(taken, candidate.contribution, r.contribution);
   r.weight = select(taken, weight, r.weight);
+  r.rival = select(taken, candidate.rival, r.rival);
+  r.end = select(taken, light.end, r.end);
   return r;
 }
 
+/// What the transmittance stage wants to know, for the shadow rays that push_shadow_ray() keeps.
 template <class L>
-SHEAF_INLINE void push_shadow_ray(Wave& wave, const Slot* slots, int count, const SurfaceItem<L>& item, Vec3<L> target,
-                                  Spectrum<L> contribution) {
+void push_transmittance(const SceneView& scene, Wave& wave, const Slot* slots, const SurfaceItem<L>& item,
+                        const ShadowItem<L>& shadow, const ShadowEnd<L>& end, bool in_medium, Mask<L> kept) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const RayState<L> ray = wave.rays.gather<L>(slots);
+  TransmittanceItem<L> out;
+  out.r_u = out.r_l = wave.probabilities.gather<L>(slots).r_u;
+  out.rival = end.rival;
+  out.end = end.medium;
+  out.flags = ray.flags;
+  if (!in_medium) {
+    const auto through = dot(ray.direction, item.ng) * dot(shadow.direction, item.ng) > F(0.0f);
+    const U boundary = load_shapes<L>(scene, wave.hits.gather<L>(slots).shape).boundary;
+    out.flags =
+        select(through, medium_behind<L>(scene, boundary, item.ng, shadow.direction, out.flags), out.flags);
+  }
+  wave.transmittances.compress<L>(wave.shadow_count, out, kept);
+}
+
+template <class L>
+SHEAF_INLINE void push_shadow_ray(const SceneView& scene, Wave& wave, const Slot* slots, int count,
+                                  const SurfaceItem<L>& item, const ShadowEnd<L>& end, Spectrum<L> contribution,
+                                  bool in_medium) {
+  const Vec3<L> target = end.target;
   ShadowItem<L> out;
   out.origin = offset_origin<L>(item.p, item.ng, item.offset, target - item.p);
   out.direction = target - out.origin;
@@ -86,6 +136,7 @@ SHEAF_INLINE void push_shadow_ray(Wave& wave, const Slot* slots, int count, cons
   for (int lane = 0; lane < L::width; ++lane) slot_words[lane] = slots[lane];
   load(slot_words, out.slot);
   const auto kept = is_finite(out.direction) & is_finite(total(contribution)) & !is_black(contribution) & L::first(count);
+  if (scene.has_transparency) push_transmittance<L>(scene, wave, slots, item, out, end, in_medium, kept);
   wave.shadow_count += wave.shadows.compress<L>(wave.shadow_count, out, kept);
 }
 
@@ -96,13 +147,16 @@ SHEAF_INLINE void resample_tile(const SceneView& scene, Wave& wave, const Slot* 
   const auto item = wave.items.load<L>(column);
   const auto light = wave.candidates.load<L>(column);
   const ThroughputState<L> path = wave.throughput.gather<L>(slots);
-  Spectrum<L> contribution =
-      contribution_of<L, Bsdf>(scene, wave, column, item, light, path.beta, mapped, candidate.count);
-  if (candidate.count == 1) return push_shadow_ray<L>(wave, slots, count, item, light.target, contribution);
-  const ReservoirItem<L> r = keep_one<L>(scene, wave, column, path, light.target, contribution, candidate.index == 0);
+  constexpr bool kInMedium = kIsPhaseFunction<Bsdf<L>>;
+  const WeighedCandidate<L> weighed =
+      weigh<L, Bsdf>(scene, wave, column, item, light, path.beta, mapped, candidate.count);
+  if (candidate.count == 1)
+    return push_shadow_ray<L>(scene, wave, slots, count, item, {light.target, weighed.rival, light.end},
+                              weighed.contribution, kInMedium);
+  const ReservoirItem<L> r = keep_one<L>(scene, wave, column, path, light, weighed, candidate.index == 0);
   if (!candidate.is_last()) return wave.reservoirs.store<L>(column, r);
   const F factor = r.sum / (max(r.weight, F(1e-37f)) * F(static_cast<float>(candidate.count)));
-  push_shadow_ray<L>(wave, slots, count, item, r.target, r.contribution * factor);
+  push_shadow_ray<L>(scene, wave, slots, count, item, {r.target, r.rival, r.end}, r.contribution * factor, kInMedium);
 }
 
 template <class L, template <class> class Bsdf>

@@ -1,6 +1,7 @@
 // Stage: scatter. Samples the BSDF, plays Russian roulette and writes the next ray.
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
+#include "kernels/medium_boundary.h"
 #include "kernels/normal_map.h"
 #include "kernels/path_wavelengths.h"
 #include "kernels/shading_frame.h"
@@ -15,14 +16,15 @@ namespace {
 /// Roulette keeps at most this share, so that paths between perfect mirrors end.
 constexpr float kLargestSurvival = 0.95f;
 
-/// Paths at depth rr_depth and beyond survive with the probability of their throughput, squared index of refraction
-/// taken out, and are weighted by its inverse. Returns who survives.
+/// Paths at depth rr_depth and beyond survive with the probability of their throughput over `divisor`, squared index of
+/// refraction taken out, and are weighted by its inverse. Returns who survives.
 template <class L>
-SHEAF_INLINE Mask<L> roulette(const IntegratorDescription& settings, ThroughputState<L>& path, Float<L> u) {
+SHEAF_INLINE Mask<L> roulette(const IntegratorDescription& settings, ThroughputState<L>& path, Float<L> divisor,
+                              Float<L> u) {
   using F = Float<L>;
   using U = Uint<L>;
   const auto exempt = path.depth() < U(static_cast<std::uint32_t>(settings.rr_depth));
-  const F survival = min(max_component(path.beta) * path.eta_scale, F(kLargestSurvival));
+  const F survival = min(max_component(path.beta) * path.eta_scale / divisor, F(kLargestSurvival));
   const auto survives = exempt | (u < survival);
   const F factor = select(exempt | !survives, F(1.0f), F(1.0f) / survival);
   path.beta = path.beta * factor;
@@ -51,6 +53,32 @@ template <class L> SHEAF_INLINE void keep_first_wavelength(Wave& wave, const Slo
   }
 }
 
+/// Scenes with media or surfaces that let shadow rays pass: the medium of the new ray, and ProbabilityState. Returns
+/// the mean of the latter, by which throughput is to be divided. `single`: where the first wavelength alone goes on.
+template <class L>
+Float<L> leave_vertex(const SceneView& scene, Wave& wave, const Slot* slots, int count, Vec3<L> ng, bool in_medium,
+                      Mask<L> single, RayState<L>& ray) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const RayState<L> before = wave.rays.gather<L>(slots);
+  U flags = before.flags & U(~(kRayFromCamera | kRayLast | kRayFromMedium));
+  if (in_medium) {
+    flags |= U(kRayFromMedium);
+  } else {
+    const auto through = dot(before.direction, ng) * dot(ray.direction, ng) > F(0.0f);
+    const U boundary = load_shapes<L>(scene, wave.hits.gather<L>(slots).shape).boundary;
+    flags = select(through, medium_behind<L>(scene, boundary, ng, ray.direction, flags), flags);
+  }
+  ray.flags |= flags;
+  ProbabilityState<L> r = wave.probabilities.gather<L>(slots);
+  r.r_u = select<L>(single, Spectrum<L>(r.r_u.c0), r.r_u);
+  r.r_l = r.r_u;
+  wave.probabilities.scatter<L>(slots, count, r);
+  for (int lane = 0; lane < count; ++lane) wave.travelled[slots[lane]] = 0.0f;
+  return scene.color == ColorMode::kSpectral ? total(r.r_u) * F(0.25f)
+                                             : (r.r_u.c0 + r.r_u.c1 + r.r_u.c2) * F(1.0f / 3.0f);
+}
+
 template <class L, template <class> class Bsdf>
 SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, int count, bool mapped) {
   using F = Float<L>;
@@ -63,8 +91,11 @@ SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* s
   const Vec3<L> direction = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_world(s.wi);
 
   path.beta = path.beta * s.weight;
-  if constexpr (kDisperses<Bsdf<L>>)
-    keep_first_wavelength<L>(wave, slots, mask_bits((item.wo.z * s.wi.z < F(0.0f)) & L::first(count)));
+  Mask<L> single(false);
+  if constexpr (kDisperses<Bsdf<L>>) {
+    single = (item.wo.z * s.wi.z < F(0.0f)) & L::first(count);
+    keep_first_wavelength<L>(wave, slots, mask_bits(single));
+  }
   if (mapped) {
     const TexturedItem<L> t = wave.textured.load<L>(column);
     path.beta = path.beta * shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);
@@ -72,7 +103,6 @@ SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* s
   path.eta_scale = path.eta_scale * s.eta_scale;
   path.progress = path.progress + U(kOneDepth + kOneEvent);
   auto alive = s.valid & !is_black(path.beta) & (path.depth() < U(kLongestPath)) & L::first(count);
-  alive = alive & roulette<L>(scene.integrator, path, u.w);
 
   RayState<L> ray;
   ray.direction = direction;
@@ -80,6 +110,10 @@ SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* s
   ray.t_max = F(kInfinity);
   const auto max_depth = static_cast<std::uint32_t>(scene.integrator.max_depth);  // -1: larger than any depth
   ray.flags = select(path.depth() + U(1u) < U(max_depth), U(0u), U(kRayLast));
+  F divisor(1.0f);
+  if (scene.has_transparency)
+    divisor = leave_vertex<L>(scene, wave, slots, count, item.ng, kIsPhaseFunction<Bsdf<L>>, single, ray);
+  alive = alive & roulette<L>(scene.integrator, path, divisor, u.w);
   wave.rays.scatter<L>(slots, count, ray);
   wave.throughput.scatter<L>(slots, count, path);
   remember_scattering<L>(wave, slots, count, s.pdf_solid_angle, item.ns);

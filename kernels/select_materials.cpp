@@ -1,6 +1,8 @@
 // Stage: select materials. A mask is its material or nothing, a blend is one of two, each with the probability of its
 // share; the choice then holds for light sampling and scattering alike. Where nothing is chosen the ray goes on.
 #include "core/sampler.h"
+#include "kernels/medium_boundary.h"
+#include "kernels/passing_share.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
 #include "scene/texture_lookup.h"
@@ -32,6 +34,37 @@ Float<L> share_of(const SceneView& scene, Mask<L> lanes, Uint<L> row, const Text
 template <class L> SHEAF_INLINE Uint<L> material_word(const SceneView& scene, Uint<L> row, std::size_t offset) {
   return gather(reinterpret_cast<const std::uint32_t*>(scene.materials) + offset / sizeof(std::uint32_t),
                 row * Uint<L>(sizeof(MaterialRow) / sizeof(std::uint32_t)));
+}
+
+/// The rays of `lanes` are that much longer than before.
+template <class L>
+SHEAF_INLINE void add_travelled(Wave& wave, const Slot* slots, std::uint32_t lanes, Float<L> distance) {
+  alignas(kSimdAlignment) float more[L::width];
+  store(more, distance);
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    wave.travelled[slots[lane]] += more[lane];
+  }
+}
+
+/// Light sampling passes the surface with certainty, and the light is weakened; the paths of `lanes` have passed with
+/// the probability that is the weakening.
+template <class L>
+SHEAF_INLINE void note_passing(const SceneView& scene, Wave& wave, const Slot* slots, std::uint32_t lanes,
+                               const TextureQuery<L>& query, Uint<L> material, Mask<L> behind) {
+  alignas(kSimdAlignment) float uv[4][L::width];
+  alignas(kSimdAlignment) std::uint32_t words[3][L::width];
+  store(uv[0], query.uv.x), store(uv[1], query.uv.y), store(uv[2], query.b1), store(uv[3], query.b2);
+  store(words[0], query.shape), store(words[1], query.primitive), store(words[2], material);
+  const std::uint32_t from_behind = mask_bits(behind);
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int i = std::countr_zero(lanes);
+    const float share = passing_share(scene, words[2][i], (from_behind >> i & 1u) != 0,
+                                      {{uv[0][i], uv[1][i]}, words[0][i], words[1][i], uv[2][i], uv[3][i]});
+    if (share == 1.0f) continue;
+    float* r_l = wave.probabilities.row(slots[i]) + 4;
+    for (int lane = 0; lane < 4; ++lane) r_l[lane] /= max(share, 1e-20f);
+  }
 }
 
 template <class L> SHEAF_INLINE void select_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
@@ -81,13 +114,12 @@ template <class L> SHEAF_INLINE void select_tile(const SceneView& scene, Wave& w
     const std::uint32_t going = pass & ~mask_bits(too_long);
     ended |= pass & ~going;
     ray.origin = select<L>(passing, offset_origin<L>(y.p, y.ng, y.offset, ray.direction), ray.origin);
+    ray.flags = select(passing, medium_behind<L>(scene, shape.boundary, y.ng, ray.direction, ray.flags), ray.flags);
     wave.rays.scatter<L>(slots, count, ray);
+    add_travelled<L>(wave, slots, pass, hit.t);
+    note_passing<L>(scene, wave, slots, pass, query, shape.material, behind);
     path.progress = select(passing, path.progress + U(kOneEvent), path.progress);
     wave.throughput.scatter<L>(slots, count, path);
-    // Shadow rays stop here, so whatever the ray runs into counts in full.
-    constexpr int kScatterPdfWord = 4;
-    for (std::uint32_t bits = going; bits != 0; bits &= bits - 1)
-      wave.radiance.row(slots[std::countr_zero(bits)])[kScatterPdfWord] = 0.0f;
     wave.stats.rays.scatter += static_cast<std::uint64_t>(std::popcount(going));
     wave.active.push(slots, going);
   }

@@ -5,6 +5,7 @@
 //   stage             consumes              produces
 //   camera_rays       free, the task        active
 //   intersect         active                miss, emitter, composite, surface, finished
+//   medium            medium                surface, composite (scattered), the rest as intersect
 //   emission          miss, emitter         finished (misses), active (rays that pass a hidden light)
 //   select_materials  composite             surface, active (rays that pass a hole), finished
 //   sort_surfaces     surface               sorted, runs
@@ -13,6 +14,7 @@
 //   light_candidates  items                 candidates
 //   resample          candidates, closures  reservoirs, shadows
 //   shadow            shadows               radiance
+//   transmittance     shadows, transmittances  radiance; instead of shadow where has_transparency
 //   scatter           items, closures       active, finished
 //   debug_view        surface, miss         finished
 //   accumulate        finished              free, the task's sample buffer
@@ -29,6 +31,10 @@ template <class L> void camera_rays(const SceneView& scene, Wave& wave) noexcept
 /// Traces all active rays and sorts the paths by what they met. Reads ray state; writes hit state. Rays that are not
 /// finite are dropped and counted.
 template <class L> void intersect(const SceneView& scene, Wave& wave) noexcept;
+
+/// Samples where paths scatter in media, or lets them pass on to what they hit; adds what media emit. Reads ray and hit
+/// state; writes throughput and probabilities, and the hit where a path scatters.
+template <class L> void medium(const SceneView& scene, Wave& wave) noexcept;
 
 /// Adds the light that rays ran into, weighted against light sampling (multiple importance sampling, power heuristic:
 /// Veach 1997, section 9.2.2). Reads ray, hit and throughput state; adds to radiance.
@@ -56,6 +62,9 @@ template <class L> void resample(const SceneView& scene, Wave& wave) noexcept;
 
 /// Traces shadow rays and pays what is unoccluded into the paths' radiance.
 template <class L> void shadow(const SceneView& scene, Wave& wave) noexcept;
+
+/// As shadow(), where light passes media and surfaces on its way, weakened.
+template <class L> void transmittance(const SceneView& scene, Wave& wave) noexcept;
 
 /// Samples the BSDF, plays roulette and writes the next ray. Reads and writes throughput; writes ray state.
 template <class L> void scatter(const SceneView& scene, Wave& wave) noexcept;

@@ -16,6 +16,7 @@ struct KindInputs {
   int words;         ///< of the closure's parameters
   bool anisotropic;  ///< the frame must follow the tangent
   bool mapped;       ///< some materials of the kind have maps
+  bool in_medium;          ///< a phase function
   ClosureSpectra spectra;  ///< among the parameters
 };
 
@@ -72,12 +73,28 @@ SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const RayStat
   wave.items.store<L>(column, item);
 }
 
+/// A vertex in a medium: no surface, and its frame looks back along the ray.
+template <class L> SHEAF_INLINE void medium_item(Wave& wave, const RayState<L>& ray, const HitState<L>& hit, int column) {
+  using F = Float<L>;
+  SurfaceItem<L> item;
+  item.p = ray.origin + ray.direction * hit.t;
+  item.ng = item.ns = -ray.direction;
+  item.wo = {F(0.0f), F(0.0f), F(1.0f)};
+  item.offset = F(0.0f);
+  item.tangent = {F(1.0f), F(0.0f)};
+  wave.items.store<L>(column, item);
+}
+
 template <class L, ColorMode Mode>
 SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, const KindInputs& kind) {
   using U = Uint<L>;
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const HitState<L> hit = wave.hits.gather<L>(slots);
   const U row = hit.material * U(sizeof(MaterialRow) / sizeof(float));
+  if (kind.in_medium) {
+    medium_item<L>(wave, ray, hit, column);
+    return closure_words<L>(scene, wave, row, kind.words, column);
+  }
   Float<L> head[4];
   gather_row4<L>(reinterpret_cast<const float*>(scene.materials), row, head);
   const U flags = float_bits(head[offsetof(MaterialRow, flags) / sizeof(float)]);
@@ -107,7 +124,8 @@ template <class L> void surface_inputs(const SceneView& scene, Wave& wave) noexc
     if (run.count == 0) return;
     const bool mapped = (scene.kind_flags[static_cast<int>(kind)] & kMapped) != 0;
     timer.count(run.count, L::width);
-    const KindInputs inputs{kLeafCount<Bsdf>, Bsdf<L>::kIsAnisotropic, mapped, closure_spectra<Bsdf>()};
+    const KindInputs inputs{kLeafCount<Bsdf>, Bsdf<L>::kIsAnisotropic, mapped,
+                            kIsPhaseFunction<Bsdf<L>>, closure_spectra<Bsdf>()};
     with_color_mode(scene, [&]<ColorMode Mode>() { surface_run<L, Mode>(scene, wave, run, inputs); });
   });
 }

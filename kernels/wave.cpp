@@ -8,7 +8,7 @@ namespace sheaf {
 
 namespace {
 
-constexpr int kSlotLists = 8;
+constexpr int kSlotLists = 9;
 
 /// Columns of surface items: every kind's run begins at a whole register.
 int item_capacity(int paths) { return paths + kClosureKinds * kWidth; }
@@ -20,7 +20,8 @@ std::size_t wave_bytes(int paths) {
          Soa<SurfaceItem>::bytes(item_capacity(paths)) +
          Soa<TexturedItem>::bytes(item_capacity(paths)) +
          Soa<ClosureItem>::bytes(item_capacity(paths)) + Soa<LightCandidate>::bytes(item_capacity(paths)) +
-         Soa<ReservoirItem>::bytes(item_capacity(paths)) + Soa<ShadowItem>::bytes(paths);
+         Soa<ReservoirItem>::bytes(item_capacity(paths)) + Soa<ShadowItem>::bytes(paths) +
+         Soa<TransmittanceItem>::bytes(paths);
 }
 
 }  // namespace
@@ -30,9 +31,12 @@ Wave::Wave(int paths) : capacity(paths), arena(wave_bytes(paths)) {
   hits.bind(arena, paths);
   throughput.bind(arena, paths);
   radiance.bind(arena, paths);
-  for (SlotList* list : {&free, &active, &miss, &emitter, &composite, &surface, &finished, &sorted}) list->bind(arena, paths);
+  probabilities.bind(arena, paths);
+  for (SlotList* list : {&free, &active, &medium, &miss, &emitter, &composite, &surface, &finished, &sorted})
+    list->bind(arena, paths);
   heroes = arena.take<float>(static_cast<std::size_t>(paths));
   std::fill_n(heroes, paths, 0.0f);
+  travelled = arena.take<float>(static_cast<std::size_t>(paths));
   sort_keys = arena.take<std::uint8_t>(static_cast<std::size_t>(paths));
   items.bind(arena, item_capacity(paths));
   textured.bind(arena, item_capacity(paths));
@@ -40,6 +44,7 @@ Wave::Wave(int paths) : capacity(paths), arena(wave_bytes(paths)) {
   candidates.bind(arena, item_capacity(paths));
   reservoirs.bind(arena, item_capacity(paths));
   shadows.bind(arena, paths);
+  transmittances.bind(arena, paths);
   for (int slot = paths - 1; slot >= 0; --slot) free.push(static_cast<Slot>(slot));
 }
 

@@ -57,11 +57,15 @@ struct Wave {
   Groups<RadianceState> radiance;
   /// Spectral mode: what the wavelengths are made of, one word per slot; see kernels/path_wavelengths.h.
   float* heroes = nullptr;
+  // Only used where SceneView::has_transparency.
+  Groups<ProbabilityState> probabilities;
+  float* travelled = nullptr;  ///< distance from where each path was scattered last to its ray's origin
 
-  // Lists of slots. A slot stands in exactly one of free, active, miss, composite, surface and finished between stages,
-  // and may stand in emitter besides.
+  // Lists of slots. A slot stands in exactly one of free, active, medium, miss, composite, surface and finished between
+  // stages, and may stand in emitter besides.
   SlotList free;      ///< no path
   SlotList active;    ///< ray to be traced
+  SlotList medium;    ///< ray is in a medium
   SlotList miss;      ///< ray left the scene
   SlotList emitter;   ///< ray hit something that emits
   SlotList composite; ///< ray hit a material that is a choice between others or nothing
@@ -79,6 +83,7 @@ struct Wave {
   Soa<ReservoirItem> reservoirs;
   int candidate = 0;  ///< the one being worked on, below IntegratorDescription::candidates
   Soa<ShadowItem> shadows;
+  Soa<TransmittanceItem> transmittances;
   int shadow_count = 0;
 
   // The task.

@@ -2,9 +2,11 @@
 
 #include "core/frame.h"
 #include "scene/compile_materials.h"
+#include "scene/compile_media.h"
 #include "scene/instance.h"
 #include "scene/light.h"
 #include "scene/light_bounds.h"
+#include "scene/medium_probe.h"
 #include "scene/mesh.h"
 #include "scene/mesh_io.h"
 #include "scene/quadric.h"
@@ -89,6 +91,7 @@ class SceneCompiler {
     for (const ShapeGroup& group : in_.groups) groups.push_back(add_group(group));
     add_instances(groups);
     set_bounds();
+    add_media();
     add_lights();
     finish_tables();
     return std::move(out_);
@@ -108,7 +111,10 @@ class SceneCompiler {
   }
 
   void add_materials() {
-    CompiledMaterials materials = compile_materials(in_.materials, spectra());
+    std::vector<PhaseDescription> phases = in_.phases;
+    if (!in_.media.empty()) phases.push_back({IsotropicPhaseDescription{}, {}});
+    CompiledMaterials materials = compile_materials(in_.materials, spectra(), phases);
+    row_of_phase_ = std::move(materials.row_of_phase);
     for (const MaterialSpectra& rows : materials.spectra)
       out_->material_spectra_.insert(out_->material_spectra_.end(), rows.begin(), rows.end());
     out_->materials_ = std::move(materials.rows);
@@ -121,6 +127,12 @@ class SceneCompiler {
     std::copy(std::begin(materials.kind_flags), std::end(materials.kind_flags), out_->kind_flags_);
     out_->has_composites_ = std::any_of(out_->materials_.begin(), out_->materials_.end(),
                                         [](const MaterialRow& row) { return (row.flags & kComposite) != 0; });
+    const auto lets_pass = [](const MaterialRow& row) {
+      return (row.flags & kComposite) != 0 &&
+             (row.choice[0] == MaterialRow::kNothing || row.choice[1] == MaterialRow::kNothing);
+    };
+    out_->has_transparency_ =
+        !in_.media.empty() || std::any_of(out_->materials_.begin(), out_->materials_.end(), lets_pass);
     out_->counts_.materials = in_.materials.size();
   }
 
@@ -171,8 +183,10 @@ class SceneCompiler {
     row.flags = (mesh.normals.empty() ? 0u : kHasNormals) | (mesh.uvs.empty() ? 0u : kHasUvs);
     append(out_->vertices_, mesh);
     for (const auto& t : mesh.triangles) out_->triangles_.insert(out_->triangles_.end(), t.begin(), t.end());
+    GridBox box{mesh.positions[mesh.triangles[0][0]], mesh.positions[mesh.triangles[0][0]]};
     for (const auto& t : mesh.triangles)
-      for (std::uint32_t vertex : t) grow(mesh.positions[vertex], mesh.positions[vertex]);
+      for (std::uint32_t vertex : t) grow(box.min, box.max, mesh.positions[vertex], mesh.positions[vertex]);
+    grow(box.min, box.max);
     for (const Mesh::Attribute& attribute : mesh.attributes)
       if (attributes_->wants(attribute.name))
         attributes_->add(static_cast<std::uint32_t>(out_->shapes_.size()), row.first_triangle, row.triangle_count,
@@ -180,7 +194,7 @@ class SceneCompiler {
     vertex_counts_.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
     out_->counts_.triangles += mesh.triangles.size();
     out_->counts_.vertices += mesh.positions.size();
-    push_shape(row, shape);
+    push_shape(row, shape, box);
   }
 
   template <class Quadric> void add_quadric(ShapeRow row, const ShapeDescription& shape, const Quadric& quadric) {
@@ -197,7 +211,7 @@ class SceneCompiler {
     out_->quadrics_.push_back(q);
     vertex_counts_.push_back(0);
     ++out_->counts_.quadrics;
-    push_shape(row, shape);
+    push_shape(row, shape, {bounds.lower, bounds.upper});
   }
 
   /// What a shape emits, or nothing if that is black.
@@ -216,9 +230,14 @@ class SceneCompiler {
     return static_cast<std::uint32_t>(id);
   }
 
-  /// Adds the row. If it emits, a light, which for shapes of groups waits for the instances.
-  void push_shape(ShapeRow row, const ShapeDescription& shape) {
+  /// Adds the row of a shape within `box`. If it emits, a light, which for shapes of groups waits for the instances.
+  void push_shape(ShapeRow row, const ShapeDescription& shape, const GridBox& box) {
     const auto index = static_cast<std::uint32_t>(out_->shapes_.size());
+    if (shape.interior || shape.exterior) {
+      row.boundary = static_cast<std::uint32_t>(out_->boundaries_.size());
+      out_->boundaries_.push_back({hold(shape.interior, shape, box), hold(shape.exterior, shape, box)});
+      if (shape.exterior_is_surrounding) surrounded_shapes_.push_back(index);
+    }
     if (const std::optional<AreaEmission> emission = emission_of(shape)) {
       if (group_emitters_ != nullptr) {
         row.light = static_cast<std::uint32_t>(group_emitters_->size());
@@ -309,10 +328,76 @@ class SceneCompiler {
     out_->counts_.instances = out_->instances_.size();
   }
 
-  void grow(Vec3f lower, Vec3f upper) {
-    lower_ = {std::min(lower_.x, lower.x), std::min(lower_.y, lower.y), std::min(lower_.z, lower.z)};
-    upper_ = {std::max(upper_.x, upper.x), std::max(upper_.y, upper.y), std::max(upper_.z, upper.z)};
+  /// The medium on a side of a shape as BoundaryRow has it.
+  std::uint32_t hold(std::optional<MediumId> medium, const ShapeDescription& shape, const GridBox& box) {
+    if (!medium) return 0;
+    const auto index = static_cast<std::size_t>(*medium);
+    const MediumDescription& m = in_.media.at(index);
+    const auto* by_albedo = std::get_if<MediumDescription::ExtinctionAlbedo>(&m.coefficients);
+    const bool has_grid = m.density || m.temperature ||
+                          (by_albedo && (std::holds_alternative<GridVolumeDescription>(by_albedo->sigma_t) ||
+                                         std::holds_alternative<GridVolumeDescription>(by_albedo->albedo)));
+    if (group_emitters_ != nullptr && (has_grid || m.emission))
+      throw SceneError(shape.where, "a medium in a shape group must be homogeneous and must not emit");
+    medium_boxes_.resize(in_.media.size());
+    medium_boxes_[index].push_back(box);
+    return static_cast<std::uint32_t>(index) + 1;
   }
+
+  void add_media() {
+    medium_boxes_.resize(in_.media.size());
+    if (in_.media.size() > kMostMedia) throw SceneError("more than " + std::to_string(kMostMedia) + " media");
+    std::vector<PlacedMedium> placed;
+    for (std::size_t i = 0; i < in_.media.size(); ++i) {
+      const MediumDescription& m = in_.media[i];
+      const std::size_t phase = m.phase ? static_cast<std::size_t>(*m.phase) : row_of_phase_.size() - 1;
+      placed.push_back({&m, row_of_phase_.at(phase), medium_boxes_[i], {lower_, upper_}});
+      if (m.temperature && !spectra_ && !out_->blackbodies_) out_->blackbodies_.emplace();
+    }
+    CompiledMedia media = compile_media(placed, spectra(), in_.integrator.step_size);
+    out_->media_ = std::move(media.rows);
+    out_->medium_spectra_ = std::move(media.spectra);
+    out_->grids_ = std::move(media.grids);
+    out_->grid_rows_ = std::move(media.grid_rows);
+    out_->majorant_grids_ = std::move(media.majorants);
+    out_->majorant_rows_ = std::move(media.majorant_rows);
+    out_->warnings_.insert(out_->warnings_.end(), media.warnings.begin(), media.warnings.end());
+    if (in_.camera.medium) out_->camera_medium_ = static_cast<std::uint32_t>(*in_.camera.medium) + 1;
+  }
+
+  /// Media that glow become lights, where lights are sampled and the estimator can weigh them.
+  void add_volume_lights() {
+    if (in_.integrator.strategy == LightStrategy::kBsdfOnly ||
+        in_.integrator.medium_estimator == MediumEstimator::kMarching)
+      return;
+    for (std::uint32_t i = 0; i < out_->media_.size(); ++i) {
+      SceneView view = out_->view();
+      view.color = ColorMode::kRgb;
+      const auto light = make_volume_light(view, i, medium_boxes_[i], static_cast<std::uint32_t>(out_->triangle_alias_.size()));
+      if (!light) continue;
+      out_->media_[i].light = static_cast<std::uint32_t>(out_->lights_.size());
+      out_->lights_.push_back(light->row);
+      out_->light_spectra_.emplace_back();
+      out_->triangle_alias_.insert(out_->triangle_alias_.end(), light->alias.begin(), light->alias.end());
+    }
+  }
+
+  /// What only looking around can tell: media around shapes and around the camera.
+  void probe_media() {
+    if (out_->boundaries_.empty()) return;
+    const std::uint32_t otherwise = out_->camera_medium_;
+    for (const std::uint32_t shape : surrounded_shapes_) {
+      const SceneView view = out_->view();
+      out_->boundaries_[out_->shapes_[shape].boundary].exterior = medium_around(view, shape, otherwise);
+    }
+    if (!in_.camera.medium) out_->camera_medium_ = medium_at(out_->view(), out_->camera_.origin, kNone, 0);
+  }
+
+  static void grow(Vec3f& lower, Vec3f& upper, Vec3f to_lower, Vec3f to_upper) {
+    lower = {std::min(lower.x, to_lower.x), std::min(lower.y, to_lower.y), std::min(lower.z, to_lower.z)};
+    upper = {std::max(upper.x, to_upper.x), std::max(upper.y, to_upper.y), std::max(upper.z, to_upper.z)};
+  }
+  void grow(Vec3f lower, Vec3f upper) { grow(lower_, upper_, lower, upper); }
 
   void set_bounds() {
     if (!(lower_.x <= upper_.x)) lower_ = upper_ = {0, 0, 0};
@@ -336,6 +421,7 @@ class SceneCompiler {
     for (const bool infinite : {false, true}) {
       for (const auto& [light, where] : placed)
         if (is_infinite(light.row) == infinite) push_light(light, where);
+      if (!infinite) add_volume_lights();
       if (!infinite) out_->bounded_light_count_ = static_cast<std::uint32_t>(out_->lights_.size());
     }
     out_->counts_.lights = out_->lights_.size();
@@ -461,6 +547,7 @@ class SceneCompiler {
                            group_ranges_.data(), static_cast<std::uint32_t>(group_ranges_.size()),
                            out_->instances_.data(), static_cast<std::uint32_t>(out_->instances_.size())};
     out_->accel_ = std::make_unique<Accel>(input);
+    probe_media();
   }
 
   void warn(const ShapeDescription& shape, const std::string& message) {
@@ -475,6 +562,9 @@ class SceneCompiler {
   std::optional<SpectrumSet> spectra_;        ///< in spectral mode
   std::optional<AttributeTable> attributes_;  ///< once textures are known
   std::vector<std::uint32_t> vertex_counts_;
+  std::vector<std::uint32_t> row_of_phase_;              ///< the last: isotropic
+  std::vector<std::vector<GridBox>> medium_boxes_;       ///< around the shapes that hold each medium
+  std::vector<std::uint32_t> surrounded_shapes_;         ///< whose exterior is yet to be found
   std::uint32_t ungrouped_shapes_ = 0;
   std::vector<ShapeRange> group_ranges_;
   std::vector<Emitter>* group_emitters_ = nullptr;  ///< of the group whose shapes are being added

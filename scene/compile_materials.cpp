@@ -49,6 +49,25 @@ class Flattener {
     return row;
   }
 
+  /// The row of a phase function.
+  std::uint32_t flatten(const std::vector<PhaseDescription>& phases, PhaseId id, int depth = 0) {
+    const PhaseDescription& phase = phases.at(static_cast<std::size_t>(id));
+    if (depth > kMaxDepth)
+      throw SceneError(phase.where, "phase functions are nested more than " + std::to_string(kMaxDepth) + " deep");
+    if (const auto* blend = std::get_if<BlendPhaseDescription>(&phase.model)) {
+      const std::uint32_t first = flatten(phases, blend->nested[0], depth + 1);
+      return push_choice(first, flatten(phases, blend->nested[1], depth + 1), blend->weight);
+    }
+    MaterialRow row;
+    if (std::holds_alternative<RayleighDescription>(phase.model)) {
+      set_parameters<RayleighParameters>(row, ClosureKind::kRayleigh, {});
+    } else {
+      const auto* hg = std::get_if<HenyeyGreensteinDescription>(&phase.model);
+      set_parameters<HenyeyGreensteinParameters>(row, ClosureKind::kHenyeyGreenstein, {hg != nullptr ? hg->g : 0.0f});
+    }
+    return push(row, {});
+  }
+
   /// The row of a material that combines no others.
   MaterialRow make(const MaterialDescription& m) {
     try {
@@ -186,10 +205,13 @@ void set_buckets(CompiledMaterials& out) {
 
 }  // namespace
 
-CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials, SpectrumSet* set) {
+CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials, SpectrumSet* set,
+                                    const std::vector<PhaseDescription>& phases) {
   Flattener flat(materials, set);
   CompiledMaterials out;
   for (std::size_t i = 0; i < materials.size(); ++i) out.row_of.push_back(flat.flatten(static_cast<MaterialId>(i), {}));
+  for (std::size_t i = 0; i < phases.size(); ++i)
+    out.row_of_phase.push_back(flat.flatten(phases, static_cast<PhaseId>(i)));
   out.default_row = flat.push(flat.make({}));
 
   std::vector<std::uint32_t> order(flat.rows.size()), position(flat.rows.size());
@@ -208,6 +230,7 @@ CompiledMaterials compile_materials(const std::vector<MaterialDescription>& mate
   }
   set_buckets(out);
   for (std::uint32_t& row : out.row_of) row = position[row];
+  for (std::uint32_t& row : out.row_of_phase) row = position[row];
   out.default_row = position[out.default_row];
   out.bindings = std::move(flat.bindings);
   out.normal_maps = std::move(flat.maps);

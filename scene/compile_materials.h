@@ -17,6 +17,7 @@ struct CompiledMaterials {
   std::vector<TextureBinding> bindings;
   std::vector<NormalMapRow> normal_maps;
   std::vector<std::uint32_t> row_of;   ///< per material of the description
+  std::vector<std::uint32_t> row_of_phase;  ///< per phase function of the description
   std::uint32_t default_row = 0;       ///< what shapes without a material get: diffuse, reflectance 0.5
   std::uint32_t bucket_count = 1;
   std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
@@ -25,8 +26,10 @@ struct CompiledMaterials {
 
 /// Flattens two-sided materials, masks, blends and maps into rows. Textures keep their numbers. Throws SceneError where
 /// a two-sided material holds one that transmits or another two-sided one, where a map holds a map, and where
-/// materials are nested too deep. `set`: what makes rows of spectra, in spectral mode.
-CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials, SpectrumSet* set = nullptr);
+/// materials are nested too deep. `set`: what makes rows of spectra, in spectral mode. Phase functions become rows among
+/// the others.
+CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials, SpectrumSet* set = nullptr,
+                                    const std::vector<PhaseDescription>& phases = {});
 
 /// Linear Rec.709 of a radiance, intensity ...; components below zero become zero.
 Vec3f emission_rgb(const SpectrumDescription& spectrum);

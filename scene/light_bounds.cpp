@@ -170,6 +170,11 @@ LightBounds bounds_of_light(const SceneView& scene, std::uint32_t light, double 
     case LightKind::kSmoothSpot:
     case LightKind::kProjector:
       return cone_light_bounds(row, scene.light_frames[row.detail], position, power);
+    case LightKind::kVolume: {
+      LightBounds out = point_light_bounds(position, static_cast<float>(power * (0.25 * double(kInvPi))));
+      out.upper = position + Vec3f{row.area, row.radius, row.depth};
+      return out;
+    }
     default:
       return point_light_bounds(position, static_cast<float>(power * (0.25 * double(kInvPi))));
   }

@@ -138,6 +138,7 @@ Vec3f light_power(const SceneView& scene, std::uint32_t index) {
   const float disk = kPi * scene.radius * scene.radius;
   switch (static_cast<LightKind>(light.kind)) {
     case LightKind::kPoint:
+    case LightKind::kVolume:
       return emitted * (4 * kPi);
     case LightKind::kConstant:
     case LightKind::kEnvmap:

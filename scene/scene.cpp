@@ -18,6 +18,13 @@ SceneView Scene::view() const {
   v.normal_maps = normal_maps_.data();
   v.textures = {textures_.rows.data(), textures_.tiles.get(), attributes_.data(), attribute_values_.data(),
                 triangles_.data(), attributes_.empty() ? 0u : static_cast<std::uint32_t>(shapes_.size())};
+  v.media = media_.data();
+  v.boundaries = boundaries_.data();
+  v.grids = {grid_rows_.data()};
+  v.majorant_grids = majorant_rows_.data();
+  v.blackbodies = blackbodies_ ? &*blackbodies_ : nullptr;
+  v.has_transparency = has_transparency_;
+  v.camera_medium = camera_medium_;
   v.lights = lights_.data();
   v.light_alias = light_alias_.data();
   v.light_tree = light_tree_.view();
@@ -46,8 +53,8 @@ SceneView Scene::view() const {
   v.accel = accel_.get();
   v.color = color_;
   if (color_ == ColorMode::kSpectral)
-    v.spectral = {{spectrum_tables_.data()}, material_spectra_.data(), light_spectra_.data(), &UpliftTable::get(),
-                  &SensorCurves::get()};
+    v.spectral = {{spectrum_tables_.data()}, material_spectra_.data(), light_spectra_.data(), medium_spectra_.data(),
+                  &UpliftTable::get(), &SensorCurves::get()};
   return v;
 }
 
@@ -61,7 +68,10 @@ SceneInfo Scene::info() const {
                      bytes_of(light_alias_) + bytes_of(triangle_alias_) + bytes_of(light_triangles_) +
                      bytes_of(light_frames_) + bytes_of(light_uvs_) + bytes_of(light_powers_) + bytes_of(light_tree_.nodes) +
                      bytes_of(light_tree_.trails) + envmap_.bytes() + bytes_of(spectrum_tables_) +
-                     bytes_of(material_spectra_) + bytes_of(light_spectra_);
+                     bytes_of(material_spectra_) + bytes_of(light_spectra_) + bytes_of(medium_spectra_) + bytes_of(media_) +
+                     bytes_of(boundaries_);
+  for (const BrickGrid& grid : grids_) info.table_bytes += grid.bytes();
+  for (const MajorantGrid& grid : majorant_grids_) info.table_bytes += grid.bytes();
   info.accel_bytes = accel_->bytes();
   return info;
 }

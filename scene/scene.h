@@ -11,7 +11,9 @@
 #include "scene/envmap.h"
 #include "scene/filter.h"
 #include "scene/light_tree.h"
+#include "scene/majorant_grid.h"
 #include "scene/material.h"
+#include "scene/medium.h"
 #include "scene/texture.h"
 
 #include <memory>
@@ -41,7 +43,7 @@ struct ShapeRow {
   /// Into SceneView::lights, in groups counted from the instance's first; kNone: does not emit.
   std::uint32_t light = kNone;
   std::uint32_t triangle_count = 0;
-  std::uint32_t unused = 0;
+  std::uint32_t boundary = kNone;  ///< into SceneView::boundaries; kNone: the same medium on both sides
 };
 static_assert(sizeof(ShapeRow) == 32);
 
@@ -78,26 +80,29 @@ enum class LightKind : std::uint32_t {
   kPoint, kConstant, kMesh, kSphere, kQuadric,
   kSpot,        ///< linear in the angle
   kSmoothSpot,  ///< a smooth step in the angle's cosine
-  kDirectional, kProjector, kEnvmap
+  kDirectional, kProjector, kEnvmap,
+  kVolume,  ///< a medium
 };
 
 /// One light. Those that shine from outside of the scene stand behind the others. Sixteen words.
 struct LightRow {
   std::uint32_t kind = 0;            ///< LightKind
-  std::uint32_t shape = kNone;       ///< area lights
-  std::uint32_t first_triangle = 0;  ///< kMesh: of triangle_alias, light_triangles; kSphere, kQuadric: of quadrics
+  std::uint32_t shape = kNone;       ///< area lights; kVolume: into SceneView::media
+  /// kMesh: of triangle_alias, light_triangles; kSphere, kQuadric: of quadrics; kVolume: of triangle_alias, cells.
+  std::uint32_t first_triangle = 0;
   std::uint32_t triangle_count = 0;
   /// Radiance (W / (m^2 sr)); kPoint, spots, kProjector: intensity (W / sr); kDirectional: irradiance (W / m^2). Where
-  /// there is a texture, what it is multiplied by. kEnvmap: the mean over all directions.
+  /// there is a texture, what it is multiplied by. kEnvmap: the mean over all directions. kVolume: what it emits in all, W / sr.
   float radiance[4] = {};
-  /// kPoint, spots, kProjector, kSphere (centre): metres; kDirectional: unit vector to the light.
+  /// kPoint, spots, kProjector, kSphere (centre), kVolume (least corner): metres; kDirectional: unit vector to the
+  /// light.
   float position[3] = {};
-  float area = 0;           ///< area lights: of the world-space surface; kQuadric: of the canonical shape
-  float radius = 0;         ///< kSphere
-  float unused = 0;
+  float area = 0;    ///< area lights: of the world-space surface; kQuadric: of the canonical shape; kVolume: width
+  float radius = 0;  ///< kSphere; kVolume: height
+  float depth = 0;   ///< kVolume
   std::uint32_t texture = kNone;  ///< into SceneView::textures; kNone: the same everywhere
   /// Spots, kProjector: into light_frames. Meshes with a texture: into light_uvs, the first triangle's. kSphere,
-  /// kQuadric: bits of the distance by which their points are moved off the surface at least.
+  /// kQuadric: bits of the distance by which their points are moved off the surface at least. kVolume: numbers of cells along the axes, ten bits each.
   std::uint32_t detail = 0;
 };
 static_assert(sizeof(LightRow) == 64);
@@ -136,6 +141,7 @@ struct SpectralView {
   const SpectrumRow* materials = nullptr;
   /// Of each light what LightRow::radiance is. A texture's or a map's colours are uplifted and multiplied by it.
   const SpectrumRow* lights = nullptr;
+  const SpectrumRow* media = nullptr;  ///< see MediumRow
   const UpliftTable* uplift = nullptr;
   const SensorCurves* sensor = nullptr;
 };
@@ -151,6 +157,13 @@ struct SceneView {
   const TextureBinding* bindings = nullptr;
   const NormalMapRow* normal_maps = nullptr;
   TextureView textures;
+  const MediumRow* media = nullptr;
+  const BoundaryRow* boundaries = nullptr;
+  BrickGridView grids;  ///< of the media
+  const MajorantGridRow* majorant_grids = nullptr;
+  const BlackbodyTable* blackbodies = nullptr;  ///< RGB mode, where a medium has a temperature
+  bool has_transparency = false;  ///< whether shadow rays may pass a surface, or there are media
+  std::uint32_t camera_medium = 0;  ///< 0: none, else 1 + the row of what the camera is in
   const LightRow* lights = nullptr;
   const AliasEntry* light_alias = nullptr;  ///< by power
   LightTreeView light_tree;                 ///< over the lights below bounded_light_count
@@ -218,6 +231,15 @@ class Scene {
   CompiledTextures textures_;
   std::vector<AttributeEntry> attributes_;
   std::vector<float> attribute_values_;
+  std::vector<MediumRow> media_;
+  std::vector<BoundaryRow> boundaries_;
+  std::vector<BrickGrid> grids_;
+  std::vector<BrickGridRow> grid_rows_;
+  std::vector<MajorantGrid> majorant_grids_;
+  std::vector<MajorantGridRow> majorant_rows_;
+  std::optional<BlackbodyTable> blackbodies_;
+  bool has_transparency_ = false;
+  std::uint32_t camera_medium_ = 0;
   std::vector<LightRow> lights_;
   std::vector<AliasEntry> light_alias_, triangle_alias_;
   LightTree light_tree_;
@@ -245,7 +267,7 @@ class Scene {
   std::unique_ptr<Accel> accel_;
   ColorMode color_ = ColorMode::kRgb;
   std::vector<float> spectrum_tables_;
-  std::vector<SpectrumRow> material_spectra_, light_spectra_;
+  std::vector<SpectrumRow> material_spectra_, light_spectra_, medium_spectra_;
 };
 
 }  // namespace sheaf

@@ -10,7 +10,7 @@ namespace sheaf {
 
 /// ShapeRow, a lane each.
 template <class L> struct ShapeLanes {
-  typename L::Uint kind, first_triangle, first_vertex, flags, material, light;
+  typename L::Uint kind, first_triangle, first_vertex, flags, material, light, boundary;
 };
 
 template <class L> SHEAF_INLINE ShapeLanes<L> load_shapes(const SceneView& scene, typename L::Uint shape) {
@@ -18,7 +18,8 @@ template <class L> SHEAF_INLINE ShapeLanes<L> load_shapes(const SceneView& scene
   const auto* base = reinterpret_cast<const float*>(scene.shapes);
   gather_row4<L>(base, shape * typename L::Uint(8u), w);
   gather_row4<L>(base + 4, shape * typename L::Uint(8u), w + 4);
-  return {float_bits(w[0]), float_bits(w[1]), float_bits(w[2]), float_bits(w[3]), float_bits(w[4]), float_bits(w[5])};
+  return {float_bits(w[0]), float_bits(w[1]), float_bits(w[2]), float_bits(w[3]), float_bits(w[4]), float_bits(w[5]),
+          float_bits(w[7])};
 }
 
 /// The surface at a hit, in world space.

@@ -14,7 +14,11 @@ template <class L> void shade_surfaces(const SceneView& scene, Wave& wave) {
     light_candidates<L>(scene, wave);
     resample<L>(scene, wave);
   }
-  shadow<L>(scene, wave);
+  if (scene.has_transparency) {
+    transmittance<L>(scene, wave);
+  } else {
+    shadow<L>(scene, wave);
+  }
   scatter<L>(scene, wave);
 }
 
@@ -27,7 +31,10 @@ template <class L> void run_path_pass(const SceneView& scene, Wave& wave) {
     if (2 * wave.free.size() >= wave.capacity) camera_rays<L>(scene, wave);
     if (wave.active.empty()) break;
     intersect<L>(scene, wave);
-    if (!debugging) emission<L>(scene, wave);
+    if (!debugging) {
+      medium<L>(scene, wave);
+      emission<L>(scene, wave);
+    }
     select_materials<L>(scene, wave);
     if (debugging) debug_view<L>(scene, wave);
     else shade_surfaces<L>(scene, wave);

@@ -1,0 +1,170 @@
+// Stage: transmittance. Shadow rays where surfaces may let light pass and media weaken it: nearest hits instead of any,
+// sixteen rays at a time, again and again for those that go on. What is unblocked is paid with its weight against BSDF
+// sampling, which depends on what the ray met (see kernels/resample.cpp and ProbabilityState):
+//     w_l = P_l^2 / (P_l^2 + P_b^2),  P_l, P_b = means over the lanes of r_l, r_u times `rival`.
+#include "kernels/light_weight.h"
+#include "kernels/medium_boundary.h"
+#include "kernels/medium_marching.h"
+#include "kernels/medium_ray.h"
+#include "kernels/passing_share.h"
+#include "kernels/stage_timer.h"
+#include "kernels/stages.h"
+
+namespace sheaf {
+
+namespace {
+
+/// As in kernels/shadow.cpp.
+constexpr float kShadowEnd = 1.0f - 4.0f * 5.9604645e-8f;
+/// Rays that cross more surfaces than this are taken to be blocked.
+constexpr int kMostCrossings = 4096;
+
+/// One shadow ray on its way.
+struct ShadowRay {
+  ShadowItem<Scalar> item;
+  TransmittanceItem<Scalar> state;
+  MediumRandom random;
+};
+
+ShadowRay load_ray(const SceneView& scene, const Wave& wave, int i, int round) {
+  const auto item = wave.shadows.load<Scalar>(i);
+  const auto path = wave.throughput.get(static_cast<Slot>(item.slot));
+  // One stream for each stretch between surfaces.
+  const std::uint32_t event = path.event() | static_cast<std::uint32_t>(round) << 16;
+  return {item, wave.transmittances.load<Scalar>(i),
+          MediumRandom(scene.sampler.seed, path.pixel, path.sample, event, MediumStream::kShadow)};
+}
+
+/// Lets the light pass the ray's medium over the part `t` of the ray. Returns false where nothing is left.
+bool pass_medium(const SceneView& scene, Wave& wave, ShadowRay& ray, float t) {
+  if (ray.state.flags >> kRayMediumShift == 0) return true;
+  const Vec3f d = ray.item.direction;
+  const float whole = length(d);
+  if (!(whole > 0.0f)) return true;
+  const Spectrum4 lambda = lane_wavelengths(scene, wave, static_cast<Slot>(ray.item.slot));
+  const MediumRay stretch =
+      make_medium_ray(scene, ray.state.flags, lambda, ray.item.origin, d * (1.0f / whole), whole * t);
+  PathWeights weights{Quad(ray.item.contribution), Quad(ray.state.r_u), Quad(ray.state.r_l)};
+  const MediumEstimator estimator = scene.integrator.medium_estimator;
+  bool open = true;
+  if (stretch.has(kMediumHomogeneous)) {
+    pass_homogeneous(stretch, weights);
+  } else if (estimator == MediumEstimator::kMarching) {
+    pass_by_marching(stretch, ray.random, wave.stats.collisions, weights);
+  } else {
+    open = pass_null_collisions(stretch, ray.random, estimator == MediumEstimator::kDelta, wave.stats.collisions, weights);
+  }
+  ray.item.contribution = to_spectrum(weights.beta);
+  ray.state.r_u = to_spectrum(weights.r_u);
+  ray.state.r_l = to_spectrum(weights.r_l);
+  return open;
+}
+
+/// Lets the light pass the surface that lane `at` of the packet has hit; the ray then begins behind it.
+bool pass_surface(const SceneView& scene, const RayPacket& packet, int at, ShadowRay& ray) {
+  const Vec3f d = ray.item.direction;
+  const Vec3f normal{packet.normal_x[at], packet.normal_y[at], packet.normal_z[at]};
+  const bool behind = dot(normal, d) > 0.0f;
+  const ShapeLanes<Scalar> shape = load_shapes<Scalar>(scene, packet.shape[at]);
+  if (!may_pass(scene, shape.material, behind)) return false;
+  const Vec3f target = ray.item.origin + d;
+  const float u = packet.u[at], v = packet.v[at];
+  const auto y = surface_point<Scalar, true>(scene, shape, packet.primitive[at], u, v,
+                                             ray.item.origin + d * packet.t_far[at], packet.instance[at]);
+  const float share =
+      passing_share(scene, shape.material, behind, {y.uv, packet.shape[at], packet.primitive[at], u, v});
+  if (!(share > 0.0f)) return false;
+  ray.item.contribution = ray.item.contribution * share;
+  // The path, by BSDF sampling, passes with that probability; light sampling with certainty.
+  ray.state.r_u = ray.state.r_u * share;
+  ray.state.flags = medium_behind<Scalar>(scene, shape.boundary, y.ng, d, ray.state.flags);
+  ray.item.origin = offset_origin<Scalar>(y.p, y.ng, y.offset, d);
+  ray.item.direction = target - ray.item.origin;
+  return true;
+}
+
+/// Adds what has arrived to its path.
+void pay(const SceneView& scene, Wave& wave, const ShadowRay& ray) {
+  Quad r_u(ray.state.r_u);
+  const std::uint32_t end = ray.state.end;
+  if (end != kNone) {
+    // A point in a medium: the path would have to collide there.
+    if (ray.state.flags >> kRayMediumShift != end) return;
+    const Spectrum4 lambda = lane_wavelengths(scene, wave, static_cast<Slot>(ray.item.slot));
+    const Vec3f p = ray.item.origin + ray.item.direction;
+    r_u = r_u * collision_density(make_medium_ray(scene, ray.state.flags, lambda, p, {0, 0, 1}, 0.0f), p);
+  }
+  const float by_light = lane_mean(scene, Quad(ray.state.r_l)), by_path = lane_mean(scene, r_u) * ray.state.rival;
+  const Quad found = Quad(ray.item.contribution) * (power_heuristic(by_light, by_path) / by_light);
+  float* radiance = wave.radiance.row(static_cast<Slot>(ray.item.slot));
+  (Quad::load(radiance) + found).store(radiance);
+}
+
+template <class L> SHEAF_INLINE void pack(const Wave& wave, int i, RayPacket& packet, int at) {
+  const ShadowItem<Columns>& c = wave.shadows.columns();
+  const auto copy = [i, at](const float* from, float* to) SHEAF_LAMBDA_INLINE {
+    Float<L> value;
+    load(from + i, value);
+    store(to + at, value);
+  };
+  copy(c.origin.x, packet.origin_x);
+  copy(c.origin.y, packet.origin_y);
+  copy(c.origin.z, packet.origin_z);
+  copy(c.direction.x, packet.direction_x);
+  copy(c.direction.y, packet.direction_y);
+  copy(c.direction.z, packet.direction_z);
+  store(packet.t_far + at, Float<L>(kShadowEnd));
+  store(packet.shape + at, Uint<L>(kNone));
+}
+
+/// Follows all rays to the next surface, or to their ends. Those that go on stand at the front of the columns then;
+/// returns how many.
+template <class L> int follow(const SceneView& scene, Wave& wave, int rays, int round) {
+  RayPacket packet;
+  int going = 0;
+  for (int first = 0; first < rays; first += kPacketWidth) {
+    const int in_packet = std::min(kPacketWidth, rays - first);
+    for_tiles<L>(in_packet, [&](int at, int) { pack<L>(wave, first + at, packet, at); });
+    if (wave.recorder) wave.recorder->record(packet, in_packet, RayRecorder::Query::kNearest);
+    const std::uint64_t start = timestamp();
+    scene.accel->intersect(packet, in_packet);
+    wave.stats.trace_ticks += timestamp() - start;
+    for (int i = 0; i < in_packet; ++i) {
+      ShadowRay ray = load_ray(scene, wave, first + i, round);
+      if (packet.shape[i] == kNone) {
+        if (pass_medium(scene, wave, ray, 1.0f)) pay(scene, wave, ray);
+        continue;
+      }
+      // What the surface lets pass is known sooner than what the medium does.
+      ShadowRay behind = ray;
+      if (!pass_surface(scene, packet, i, behind)) continue;
+      ray.item.contribution = behind.item.contribution;
+      ray.state.r_u = behind.state.r_u;
+      if (!pass_medium(scene, wave, ray, packet.t_far[i])) continue;
+      ray.item.origin = behind.item.origin;
+      ray.item.direction = behind.item.direction;
+      ray.state.flags = behind.state.flags;
+      if (!is_finite(ray.item.direction)) continue;
+      wave.shadows.store<Scalar>(going, ray.item);
+      wave.transmittances.store<Scalar>(going, ray.state);
+      ++going;
+    }
+  }
+  return going;
+}
+
+}  // namespace
+
+template <class L> void transmittance(const SceneView& scene, Wave& wave) noexcept {
+  if (wave.shadow_count == 0) return;
+  StageTimer timer(wave.stats, Stage::kShadow);
+  timer.count(wave.shadow_count, kPacketWidth);
+  wave.stats.rays.shadow += static_cast<std::uint64_t>(wave.shadow_count);
+  int rays = wave.shadow_count;
+  for (int round = 0; rays > 0 && round < kMostCrossings; ++round) rays = follow<L>(scene, wave, rays, round);
+  wave.shadow_count = 0;
+}
+
+SHEAF_INSTANTIATE_STAGE(transmittance);
+
+}  // namespace sheaf
