@@ -213,15 +213,18 @@ struct PhaseDescription {
   SourceLocation where;
 };
 
+/// A medium's extinction, and the share of it that is scattering.
+struct ExtinctionAlbedoDescription {
+  VolumeInput sigma_t = SpectrumDescription::constant(1);
+  VolumeInput albedo = SpectrumDescription::constant(0.75f);
+};
+/// A medium's absorption and scattering.
+struct AbsorptionScatteringDescription { SpectrumDescription sigma_a, sigma_s; };
+
 /// What fills the inside or the outside of shapes. Coefficients are per metre of world space.
 struct MediumDescription {
-  /// Extinction, and the share of it that is scattering.
-  struct ExtinctionAlbedo {
-    VolumeInput sigma_t = SpectrumDescription::constant(1);
-    VolumeInput albedo = SpectrumDescription::constant(0.75f);
-  };
-  /// Absorption and scattering.
-  struct AbsorptionScattering { SpectrumDescription sigma_a, sigma_s; };
+  using ExtinctionAlbedo = ExtinctionAlbedoDescription;
+  using AbsorptionScattering = AbsorptionScatteringDescription;
   std::variant<ExtinctionAlbedo, AbsorptionScattering> coefficients;
   std::optional<GridVolumeDescription> density;  ///< multiplies the coefficients; one channel
   float scale = 1;                               ///< multiplies the coefficients
