@@ -26,7 +26,8 @@ void expect_referenced(const XmlElement& element, const char* place, const ReadC
 [[noreturn]] void fail_unknown(const XmlElement& element) {
   const std::vector<std::string> known = {"sensor",  "shape",   "bsdf",     "texture", "emitter",
                                           "integrator", "film", "sampler",  "rfilter", "spectrum",
-                                          "rgb",     "default", "include",  "path",    "alias"};
+                                          "rgb",     "default", "include",  "path",    "alias",
+                                          "medium",  "phase",   "volume"};
   throw SceneError(element.where,
                    "unknown element <" + element.name + "> in a Mitsuba scene" + did_you_mean(element.name, known));
 }
@@ -50,6 +51,8 @@ void read_mitsuba(ReadContext& context) {
       mitsuba::read_shape(child, reader);
     } else if (kind == "bsdf") {
       mitsuba::material_of(child, reader);
+    } else if (kind == "medium") {
+      mitsuba::medium_of(child, reader);
     } else if (kind == "texture") {
       if (!context.scene.is_referenced(child)) mitsuba::texture_of(child, context);
     } else if (kind == "emitter") {
@@ -70,7 +73,9 @@ void read_mitsuba(ReadContext& context) {
       expect_referenced(child, "inside a <film>", context);
     } else if (is_spectrum(child)) {
       expect_referenced(child, "inside an object", context);
-    } else if (kind == "medium" || kind == "phase" || kind == "volume" || kind == "subsurface") {
+    } else if (kind == "phase" || kind == "volume") {
+      expect_referenced(child, "inside a <medium>", context);
+    } else if (kind == "subsurface") {
       fail_unsupported(child);
     } else if (kind == "ref") {
       throw SceneError(child.where, "<ref> at the top level: the object it refers to is in the scene already");

@@ -91,6 +91,7 @@ void read_emitter(const XmlElement& element, Reader& reader) {
     p.fail_plugin({"area", "constant", "directional", "envmap", "point", "projector", "spot"});
   }
   p.accept({"sampling_weight"});
+  p.objects("medium");  // that it is in: found from the shapes around
   p.finish();
   reader.context.description.lights.push_back(std::move(light));
 }

@@ -1,6 +1,7 @@
 // The Mitsuba dialect: integrators. Those that compute the same picture in another way are mapped to ours with a note.
 #include "scene/integrator_name.h"
 #include "scene/light_selector_name.h"
+#include "scene/medium_estimator_name.h"
 #include "scene/mitsuba.h"
 
 #include <algorithm>
@@ -26,11 +27,13 @@ void read_path_like(Properties& p, const PathLike& like, IntegratorDescription& 
   integrator.rr_depth = p.integer("rr_depth", integrator.rr_depth, 1, kMaxDepth);
   integrator.hide_emitters = p.boolean("hide_emitters", false);
   read_light_sampling(p, integrator);
+  read_medium_estimation(p, integrator);
   p.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
   if (p.type() == "bdpt") p.accept({"light_image", "sample_direct"});
   if (p.type() == "ptracer") p.accept({"granularity", "brute_force"});
   if (p.type() == "volpathmis") p.accept({"use_spectral_mis"});
-  if (p.type().starts_with("path") || p.type().starts_with("volpath")) return;
+  for (const char* ours : {"path", "volpath", "vol_path", "medium_path"})
+    if (p.type().starts_with(ours)) return;
   p.context().note(p.where(), "integrator '" + p.type() + "' is rendered with 'path', which has the same expectation");
 }
 
@@ -46,6 +49,7 @@ void read_direct(Properties& p, IntegratorDescription& integrator) {
   if (bsdfs == 0) integrator.strategy = LightStrategy::kLightOnly;
   if (lights == 0) integrator.strategy = LightStrategy::kBsdfOnly;
   read_light_sampling(p, integrator);
+  read_medium_estimation(p, integrator);
   if (std::max(lights, bsdfs) > 1)
     p.context().note(p.where(), "direct light is sampled once per path; raise sample_count for less noise");
   p.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});

@@ -155,6 +155,7 @@ void read_sensor(const XmlElement& element, Reader& reader) {
   reader.context.description.film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
   if (const XmlElement* film = p.object("film")) read_film(*film, reader.context);
   if (const XmlElement* sampler = p.object("sampler")) read_sampler(*sampler, reader.context);
+  if (const XmlElement* medium = p.object("medium")) camera.medium = medium_of(*medium, reader);
   p.finish();
 }
 

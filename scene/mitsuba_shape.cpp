@@ -65,6 +65,17 @@ MaterialId black_material(Reader& reader) {
   return *reader.black;
 }
 
+/// A boundary that light does not notice.
+MaterialId null_material(Reader& reader) {
+  if (!reader.null) reader.null = add_material(reader.context, {NullDescription{}, true, true, {}, {}});
+  return *reader.null;
+}
+
+void read_media(Properties& p, Reader& reader, ShapeDescription& shape) {
+  if (const XmlElement* medium = p.named_object("medium", "interior")) shape.interior = medium_of(*medium, reader);
+  if (const XmlElement* medium = p.named_object("medium", "exterior")) shape.exterior = medium_of(*medium, reader);
+}
+
 }  // namespace
 
 void read_shape(const XmlElement& element, Reader& reader) {
@@ -77,6 +88,9 @@ void read_shape(const XmlElement& element, Reader& reader) {
   shape.flip_normals = p.boolean("flip_normals", false);
   if (const XmlElement* bsdf = p.object("bsdf")) shape.material = material_of(*bsdf, reader);
   if (const XmlElement* emitter = p.object("emitter")) shape.radiance = read_area_emitter(*emitter, reader);
+  read_media(p, reader, shape);
+  if (reader.before_version_2 && !shape.material && (shape.interior || shape.exterior))
+    shape.material = null_material(reader);
   if (shape.radiance && !shape.material) shape.material = black_material(reader);
   p.accept({"silhouette_sampling_weight"});
   p.finish();

@@ -1,6 +1,7 @@
 // The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator, rfilter; camelCase names; no references.
 #include "scene/integrator_name.h"
 #include "scene/light_selector_name.h"
+#include "scene/medium_estimator_name.h"
 #include "scene/nori.h"
 #include "scene/read_camera.h"
 
@@ -106,8 +107,27 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
     }
     integrator.hide_emitters = p.boolean("hideEmitters", false);
     read_light_sampling(p, integrator);
+    read_medium_estimation(p, integrator);
   }
   p.finish();
+}
+
+/// The material of a mesh and what it holds. Without a material, a medium has a boundary that light does not notice.
+void read_inside(Properties& p, ShapeDescription& shape) {
+  ReadContext& context = p.context();
+  std::optional<SpectrumDescription> absorption;
+  const XmlElement* bsdf = p.object("bsdf");
+  const XmlElement* medium = p.object("medium");
+  if (bsdf != nullptr) shape.material = nori::read_bsdf(*bsdf, context, absorption);
+  if (absorption && medium != nullptr) p.fail("holds a <medium> and a bsdf with 'sigmaA', expected one or the other");
+  if (medium != nullptr) shape.interior = nori::read_medium(*medium, context, true);
+  if (absorption) shape.interior = nori::add_absorption(*bsdf, *absorption, context);
+  shape.exterior_is_surrounding = shape.interior.has_value();
+  if (medium == nullptr || bsdf != nullptr) return;
+  MaterialDescription boundary;
+  boundary.model = NullDescription{};
+  boundary.where = p.where();
+  shape.material = add_material(context, std::move(boundary));
 }
 
 void read_mesh(const XmlElement& element, ReadContext& context) {
@@ -124,7 +144,7 @@ void read_mesh(const XmlElement& element, ReadContext& context) {
     p.fail_plugin({"obj", "sphere"});
   }
   shape.to_world = p.transform("toWorld");
-  if (const XmlElement* bsdf = p.object("bsdf")) shape.material = nori::read_bsdf(*bsdf, context);
+  read_inside(p, shape);
   if (const XmlElement* emitter = p.object("emitter")) shape.radiance = nori::read_area_emitter(*emitter, context);
   p.finish();
   context.description.shapes.push_back(std::move(shape));
@@ -150,12 +170,15 @@ void read_nori(ReadContext& context) {
       keep(integrator, child);
     } else if (child.name == "mesh") {
       read_mesh(child, context);
+    } else if (child.name == "medium") {
+      if (context.description.camera.medium) throw SceneError(child.where, "a second <medium>, expected one");
+      context.description.camera.medium = nori::read_medium(child, context, false);
     } else if (child.name == "emitter") {
       nori::read_emitter(child, context);
     } else {
       throw SceneError(child.where,
                        "unknown element <" + child.name + "> in a Nori scene" +
-                           did_you_mean(child.name, {"camera", "sampler", "integrator", "mesh", "emitter"}));
+                           did_you_mean(child.name, {"camera", "sampler", "integrator", "mesh", "emitter", "medium"}));
     }
   }
   const SourceLocation& where = context.scene.root().where;

@@ -43,12 +43,21 @@ DisneyDescription read_disney(Properties& p) {
   return result;
 }
 
+/// `sigmaA` of boundaries with an inside (Beer's law).
+void read_absorption(Properties& p, std::optional<SpectrumDescription>& absorption) {
+  if (p.type() != "dielectric" && p.type() != "roughdielectric" && p.type() != "null") return;
+  const auto sigma_a = p.find_spectrum("sigmaA", SpectrumRole::kIor);
+  if (!sigma_a) return;
+  if (absorption) p.fail_at("sigmaA", "is given by two materials of one surface, expected one");
+  absorption = *sigma_a;
+}
+
 }  // namespace
 
-MaterialId read_bsdf(const XmlElement& element, ReadContext& context) {
+MaterialId read_bsdf(const XmlElement& element, ReadContext& context, std::optional<SpectrumDescription>& absorption) {
   Properties p(element, context);
   MaterialDescription material;
-  const BsdfDialect dialect{[&](const XmlElement& nested) { return read_bsdf(nested, context); }};
+  const BsdfDialect dialect{[&](const XmlElement& nested) { return read_bsdf(nested, context, absorption); }};
   if (p.type() == "diffuse") {
     material.model = read_diffuse(p);
   } else if (p.type() == "mirror") {
@@ -63,6 +72,7 @@ MaterialId read_bsdf(const XmlElement& element, ReadContext& context) {
     std::sort(known.begin(), known.end());
     p.fail_plugin(known);
   }
+  read_absorption(p, absorption);
   return add_material_of(p, std::move(material));
 }
 

@@ -17,7 +17,8 @@ const std::vector<std::string> kPropertyTags = {"float",     "integer",   "boole
                                                 "blackbody", "transform", "texture", "point2", "vector2"};
 const std::vector<std::string> kObjectTags = {"sensor",     "camera", "film",   "sampler",    "rfilter",
                                               "integrator", "shape",  "mesh",   "bsdf",       "emitter",
-                                              "medium",     "phase",  "volume", "subsurface", "test"};
+                                              "medium",     "phase",  "volume", "subsurface", "test",
+                                              "phasefunction"};
 constexpr std::size_t kMaxNesting = 100;
 
 bool contains(const std::vector<std::string>& list, const std::string& name) {
@@ -312,6 +313,23 @@ const XmlElement* Properties::object(const char* kind) {
   return found.empty() ? nullptr : found[0];
 }
 
+const XmlElement* Properties::named_object(const char* kind, const char* name) {
+  if (!contains(asked_kinds_, kind)) asked_kinds_.emplace_back(kind);
+  asked_.emplace_back(name);
+  const std::string key = snake_case(name);
+  Entry* found = nullptr;
+  for (Entry& entry : entries_) {
+    if (!entry.key.empty() || entry.target->name != kind || snake_case(entry.name) != key) continue;
+    if (found != nullptr)
+      throw SceneError(entry.written->where,
+                       title() + " holds a second <" + kind + "> of the name " + in_quotes(entry.name) + ", expected one");
+    found = &entry;
+  }
+  if (found == nullptr) return nullptr;
+  found->used = true;
+  return found->target;
+}
+
 void Properties::accept(std::initializer_list<const char*> names) {
   for (const char* name : names) use(name);
 }
@@ -324,6 +342,12 @@ void Properties::finish() {
       if (entry.target->name == "texture")
         throw SceneError(place, "<" + entry.written->name + "> in " + title() + " needs an attribute 'name'");
       std::string message = title() + " takes no nested <" + entry.target->name + ">";
+      if (contains(asked_kinds_, entry.target->name)) {
+        std::vector<std::string> known;
+        for (const std::string& name : asked_) known.push_back(snake_case(name));
+        message += entry.name.empty() ? " without a name" : " of the name " + in_quotes(entry.name);
+        throw SceneError(place, message + did_you_mean(snake_case(entry.name), known));
+      }
       if (!asked_kinds_.empty()) message += " (it takes: " + joined(asked_kinds_) + ")";
       throw SceneError(place, message);
     }

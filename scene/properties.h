@@ -29,6 +29,7 @@ struct ReadContext {
   std::map<const XmlElement*, SpectrumInput> textures = {};  ///< read so far
   std::map<TextureId, TextureId> scalar_textures = {};       ///< made so far
   std::set<const XmlElement*> open = {};  ///< objects being read, to find references that go in circles
+  std::map<const XmlElement*, MediumId> media = {};        ///< read so far
   std::map<const XmlElement*, std::uint32_t> groups = {};  ///< shape groups read so far, into Description::groups
   bool in_group = false;                                   ///< the shapes of a group are being read
 
@@ -100,6 +101,9 @@ class Properties {
   std::vector<const XmlElement*> objects(const char* kind);
   /// The nested object of a kind, or null. Throws SceneError if there are several.
   const XmlElement* object(const char* kind);
+  /// The nested object of a kind that goes by this name here ("interior"), or null. Throws SceneError if there are
+  /// several.
+  const XmlElement* named_object(const char* kind, const char* name);
 
   /// Properties that are documented and mean nothing here: any value is accepted.
   void accept(std::initializer_list<const char*> names);

@@ -52,6 +52,7 @@ std::string describe(const Description& description, const Scene& scene) {
                    info.groups == 1 ? "" : "s", info.instanced_triangles);
   }
   fmt::format_to(out, "materials   {}\n", info.materials);
+  if (!description.media.empty()) fmt::format_to(out, "media       {}\n", description.media.size());
   fmt::format_to(out, "lights      {}\n", info.lights);
   if (info.shapes > 0) {
     const Vec3f &low = info.bounds_min, &high = info.bounds_max;

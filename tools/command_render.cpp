@@ -7,6 +7,7 @@
 #include "scene/compile.h"
 #include "scene/integrator_name.h"
 #include "scene/light_selector_name.h"
+#include "scene/medium_estimator_name.h"
 #include "scene/read_scene.h"
 #include "scene/sampler_name.h"
 #include "tools/commands.h"
@@ -34,7 +35,8 @@ struct RenderArguments {
   std::optional<std::uint32_t> spp, seed;
   std::optional<int> max_depth, candidates;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
-  std::string color = "rgb", integrator, sampler, light_sampler, stats;
+  std::string color = "rgb", integrator, sampler, light_sampler, medium_estimator, stats;
+  std::optional<float> step_size;
   int threads = 0, wave_size = 0;
   bool lenient = false, no_timestamps = false, quiet = false, watertight = false;
 };
@@ -65,6 +67,9 @@ void apply_integrator(const RenderArguments& arguments, IntegratorDescription& i
   if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
   if (arguments.candidates) integrator.candidates = *arguments.candidates;
   if (!arguments.light_sampler.empty()) integrator.light_selector = light_selector_from_name(arguments.light_sampler);
+  if (!arguments.medium_estimator.empty())
+    integrator.medium_estimator = medium_estimator_from_name(arguments.medium_estimator);
+  if (arguments.step_size) integrator.step_size = *arguments.step_size;
 }
 
 /// Sets the sampler asked for, and the samples per pixel that it will take. Returns what to tell the user.
@@ -229,6 +234,12 @@ void add_render_command(CLI::App& program, int& exit_code) {
                       "Lights sampled per vertex, of which resampling keeps one for a shadow ray. Default: the scene's, "
                       "else 1; 8 for path_ris")
       ->check(CLI::Range(1, kMaxCandidates));
+  command->add_option("--medium-estimator", arguments->medium_estimator,
+                      "How light in media is tracked: null_mis (by all wavelengths), delta, ratio (by one wavelength), "
+                      "marching (equal steps; biased). Default: the scene's, else null_mis");
+  command->add_option("--step-size", arguments->step_size,
+                      "Metres per step of marching. Default: the scene's, else a hundredth of the medium's diagonal")
+      ->check(CLI::PositiveNumber);
   command->add_option("--max-depth", arguments->max_depth,
                       "Longest path in segments: -1 unlimited, 1 emission only, 2 direct light. Default: the scene's")
       ->check(CLI::Range(-1, 1'000'000));
