@@ -315,7 +315,7 @@ const XmlElement* Properties::object(const char* kind) {
 
 const XmlElement* Properties::named_object(const char* kind, const char* name) {
   if (!contains(asked_kinds_, kind)) asked_kinds_.emplace_back(kind);
-  asked_.emplace_back(name);
+  asked_objects_[kind].emplace_back(name);
   const std::string key = snake_case(name);
   Entry* found = nullptr;
   for (Entry& entry : entries_) {
@@ -342,11 +342,10 @@ void Properties::finish() {
       if (entry.target->name == "texture")
         throw SceneError(place, "<" + entry.written->name + "> in " + title() + " needs an attribute 'name'");
       std::string message = title() + " takes no nested <" + entry.target->name + ">";
-      if (contains(asked_kinds_, entry.target->name)) {
-        std::vector<std::string> known;
-        for (const std::string& name : asked_) known.push_back(snake_case(name));
+      if (const auto known = asked_objects_.find(entry.target->name); known != asked_objects_.end()) {
         message += entry.name.empty() ? " without a name" : " of the name " + in_quotes(entry.name);
-        throw SceneError(place, message + did_you_mean(snake_case(entry.name), known));
+        message += did_you_mean(snake_case(entry.name), known->second);
+        throw SceneError(place, message + " (known: " + joined(known->second) + ")");
       }
       if (!asked_kinds_.empty()) message += " (it takes: " + joined(asked_kinds_) + ")";
       throw SceneError(place, message);

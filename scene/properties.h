@@ -141,6 +141,7 @@ class Properties {
   std::vector<Entry> entries_;
   std::vector<std::string> asked_;        ///< property names, as the code spells them
   std::vector<std::string> asked_kinds_;  ///< kinds of nested objects
+  std::map<std::string, std::vector<std::string>> asked_objects_;  ///< names of nested objects, by kind
 };
 
 }  // namespace sheaf

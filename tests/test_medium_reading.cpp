@@ -352,7 +352,7 @@ TEST_CASE("media: errors of Mitsuba's dialect") {
       {mitsuba_scene("<volume type='constvolume'/>"), "<volume> at the top level, which nothing refers to"},
       {mitsuba_scene("<subsurface type='dipole'/>"), "unknown subsurface plugin 'dipole'"},
       {mitsuba_scene("<shape type='sphere'><medium type='homogeneous' name='inside'/></shape>"),
-       "shape 'sphere' takes no nested <medium> of the name 'inside', did you mean 'interior'?"},
+       "shape 'sphere' takes no nested <medium> of the name 'inside' (known: interior, exterior)"},
       {mitsuba_scene("<shape type='sphere'><medium type='homogeneous' name='interior'/>"
                      "<medium type='homogeneous' name='interior'/></shape>"),
        "shape 'sphere' holds a second <medium> of the name 'interior'"},
