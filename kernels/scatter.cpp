@@ -4,6 +4,7 @@
 #include "kernels/medium_boundary.h"
 #include "kernels/normal_map.h"
 #include "kernels/path_wavelengths.h"
+#include "kernels/route_hits.h"
 #include "kernels/shading_frame.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
@@ -101,8 +102,16 @@ SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* s
     path.beta = path.beta * shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);
   }
   path.eta_scale = path.eta_scale * s.eta_scale;
+  auto ended = Mask<L>(false);
   path.progress = path.progress + U(kOneDepth + kOneEvent);
-  auto alive = s.valid & !is_black(path.beta) & (path.depth() < U(kLongestPath)) & L::first(count);
+  if constexpr (is_pane_kind(Bsdf<L>::kKind)) {
+    if (scene.integrator.free_panes) {
+      const auto passes = item.wo.z * s.wi.z < F(0.0f);
+      path.progress = select(passes, path.progress - U(kOneDepth), path.progress);
+      ended = (!passes) & ((wave.rays.gather<L>(slots).flags & U(kRayLast)) != U(0u));
+    }
+  }
+  auto alive = s.valid & (!ended) & !is_black(path.beta) & (path.depth() < U(kLongestPath)) & L::first(count);
 
   RayState<L> ray;
   ray.direction = direction;

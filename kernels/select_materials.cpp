@@ -3,6 +3,7 @@
 #include "core/sampler.h"
 #include "kernels/medium_boundary.h"
 #include "kernels/passing_share.h"
+#include "kernels/route_hits.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
 #include "scene/texture_lookup.h"
@@ -106,7 +107,8 @@ template <class L> SHEAF_INLINE void select_tile(const SceneView& scene, Wave& w
   wave.hits.scatter<L>(slots, count, hit);
   const std::uint32_t all_bits = (1u << count) - 1u;
   const std::uint32_t pass = mask_bits(passing & L::first(count));
-  const std::uint32_t last = mask_bits((ray.flags & U(kRayLast)) != U(0u));
+  std::uint32_t last = mask_bits((ray.flags & U(kRayLast)) != U(0u));
+  if (scene.integrator.free_panes) last &= ~mask_bits(is_pane<L>(scene, select(passing, U(0u), row)));
   std::uint32_t ended = all_bits & ~pass & last;
   wave.surface.push(slots, all_bits & ~pass & ~last);
   if (pass != 0) {

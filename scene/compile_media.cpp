@@ -153,6 +153,8 @@ class MediaCompiler {
       return words[0] == words[1] && words[1] == words[2] && (set_ == nullptr || spectrum_row.is_flat());
     };
     const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
+    const std::uint32_t of = row.density != kNone ? row.density : row.first_grid;
+    if (of != kNone && out.grids[of].border != GridBorder::kBackground) row.flags |= kMediumBoxed;
     if (is_grey(row.first, spectra[0]) && (!both || is_grey(row.second, spectra[1])) && (row.flags & kMediumColored) == 0)
       row.flags |= kMediumGrey;
   }
@@ -173,7 +175,7 @@ class MediaCompiler {
       if (of != row.first_grid && row.first_grid != kNone)
         factor *= bound(row.first_grid) * std::max(out.grids[row.first_grid].max_value(), 0.0f);
       for (float& value : majorants.bounds) value *= factor;
-      majorants.outside *= factor;
+      majorants.outside = 0;  // see kMediumBoxed
       if (!std::isfinite(majorants.max_value())) throw SceneError(where, "the medium's extinction is not finite");
     }
     majorant_of_.push_back(of != kNone ? of : kConstant);

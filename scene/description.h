@@ -424,6 +424,7 @@ struct IntegratorDescription {
   LightSelector light_selector = LightSelector::kBvh;
   int candidates = 1;  ///< lights sampled per vertex, of which one is kept by resampling; in [1, kMaxCandidates]
   bool hide_emitters = false;  ///< directly visible lights are left out (alpha 0)
+  bool free_panes = false;     ///< light that passes a thin pane does not gain depth (Mitsuba's volpath)
   MediumEstimator medium_estimator = MediumEstimator::kNullMis;
   float step_size = 0;  ///< kMarching: metres; 0: a hundredth of the medium's bounding box' diagonal
 };

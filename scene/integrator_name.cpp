@@ -22,10 +22,10 @@ constexpr NamedIntegrator kIntegrators[] = {
     {"direct_ris", IntegratorKind::kPath, LightStrategy::kMis, true, kResampledCandidates},
     {"normals", IntegratorKind::kNormals, LightStrategy::kMis, false},
     {"depth", IntegratorKind::kDepth, LightStrategy::kMis, false},
-    {"volpath", IntegratorKind::kPath, LightStrategy::kMis, false},
-    {"volpathmis", IntegratorKind::kPath, LightStrategy::kMis, false},
+    {"volpath", IntegratorKind::kPath, LightStrategy::kMis, false, 1, true},
+    {"volpathmis", IntegratorKind::kPath, LightStrategy::kMis, false, 1, true},
     {"volpath_mis", IntegratorKind::kPath, LightStrategy::kMis, false},
-    {"volpath_simple", IntegratorKind::kPath, LightStrategy::kMis, false},
+    {"volpath_simple", IntegratorKind::kPath, LightStrategy::kMis, false, 1, true},
     {"vol_path", IntegratorKind::kPath, LightStrategy::kMis, false},
     {"vol_path_mis", IntegratorKind::kPath, LightStrategy::kMis, false},
     {"vol_path_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, false},
@@ -35,7 +35,7 @@ constexpr NamedIntegrator kIntegrators[] = {
     {"medium_path_mis", IntegratorKind::kPath, LightStrategy::kMis, false},
     {"medium_path_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, false},
     {"prb", IntegratorKind::kPath, LightStrategy::kMis, false},
-    {"prbvolpath", IntegratorKind::kPath, LightStrategy::kMis, false},
+    {"prbvolpath", IntegratorKind::kPath, LightStrategy::kMis, false, 1, true},
     {"ptracer", IntegratorKind::kPath, LightStrategy::kMis, false},
     {"bdpt", IntegratorKind::kPath, LightStrategy::kMis, false},
 };
@@ -57,6 +57,7 @@ std::vector<std::string> integrator_names() {
 void apply(const NamedIntegrator& named, IntegratorDescription& integrator) {
   integrator.kind = named.kind;
   integrator.strategy = named.strategy;
+  integrator.free_panes = named.free_panes;
   if (named.candidates > 1) integrator.candidates = named.candidates;
   if (named.direct) integrator.max_depth = 2;
 }

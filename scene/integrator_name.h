@@ -14,6 +14,7 @@ struct NamedIntegrator {
   LightStrategy strategy;
   bool direct;  ///< light is scattered once: max_depth is 2
   int candidates = 1;  ///< IntegratorDescription::candidates unless told
+  bool free_panes = false;  ///< IntegratorDescription::free_panes
 };
 
 /// The integrator of this name, or null.
@@ -22,7 +23,7 @@ const NamedIntegrator* find_integrator(std::string_view name);
 /// All names.
 std::vector<std::string> integrator_names();
 
-/// Sets kind, strategy and, where the name fixes them, candidates and depth.
+/// Sets kind, strategy, free_panes and, where the name fixes them, candidates and depth.
 void apply(const NamedIntegrator& named, IntegratorDescription& integrator);
 
 /// `base` with kind, strategy and, where the name fixes them, depth and candidates as `name` says: path, path_mis,

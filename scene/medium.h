@@ -15,6 +15,7 @@ enum MediumFlags : std::uint32_t {
   kMediumEmits = 4,
   kMediumAbsorptionScattering = 8,  ///< its spectra are those two, else extinction and albedo
   kMediumGrey = 16,               ///< extinction is the same in all lanes
+  kMediumBoxed = 64,              ///< ends at the box of the grid of its extinction, whatever the grid has outside
   kMediumColored = 32,            ///< extinction has a grid of three channels
 };
 

@@ -53,9 +53,20 @@ inline Quad grid_factor(const SceneView& scene, std::uint32_t grid, Vec3f p, con
   return Quad(evaluate(spectrum, lambda));
 }
 
+/// Whether `p` is in the box of the grid that a medium's extinction is made of.
+inline bool is_in_box(const MajorantGridRow& row, Vec3f p) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const float* m = row.world_to_cells + axis;
+    const float at = m[0] * p.x + m[4] * p.y + m[8] * p.z + m[12];
+    if (!(at >= row.box_min[axis] && at <= row.box_max[axis])) return false;
+  }
+  return true;
+}
+
 /// Of any medium, at point `p` in world space.
 inline MediumCoefficients medium_coefficients(const SceneView& scene, const MediumRow& medium,
                                               const MediumSpectra& spectra, Vec3f p, const Spectrum4& lambda) {
+  if ((medium.flags & kMediumBoxed) != 0 && !is_in_box(scene.majorant_grids[medium.majorants], p)) return {};
   Quad first = spectra.first, second = spectra.second;
   const bool by_albedo = (medium.flags & kMediumAbsorptionScattering) == 0;
   if (medium.first_grid != kNone) first = first * grid_factor(scene, medium.first_grid, p, lambda, false);

@@ -26,6 +26,7 @@ void read_path_like(Properties& p, const PathLike& like, IntegratorDescription& 
   integrator.max_depth = p.integer("max_depth", like.max_depth, -1, kMaxDepth);
   integrator.rr_depth = p.integer("rr_depth", integrator.rr_depth, 1, kMaxDepth);
   integrator.hide_emitters = p.boolean("hide_emitters", false);
+  if (const NamedIntegrator* named = find_integrator(p.type())) integrator.free_panes = named->free_panes;
   read_light_sampling(p, integrator);
   read_medium_estimation(p, integrator);
   p.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
