@@ -31,6 +31,16 @@ SHEAF_INLINE void candidate_tile(const SceneView& scene, Wave& wave, const Slot*
   wave.candidates.store<L>(column, out);
 }
 
+/// Not a template over the closure: one copy of the code serves all kinds.
+template <class L>
+void candidate_run(const SceneView& scene, Wave& wave, const SurfaceRun& run, SampleSet set, bool in_medium) {
+  with_color_mode(scene, [&]<ColorMode Mode>() {
+    for_tiles<L>(run.count, [&](int i, int) {
+      candidate_tile<L, Mode>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, set, in_medium);
+    });
+  });
+}
+
 }  // namespace
 
 template <class L> void light_candidates(const SceneView& scene, Wave& wave) noexcept {
@@ -41,12 +51,7 @@ template <class L> void light_candidates(const SceneView& scene, Wave& wave) noe
     if constexpr (!Bsdf<L>::kIsSpecular) {
       const SurfaceRun& run = wave.runs[static_cast<int>(kind)];
       timer.count(run.count, L::width);
-      with_color_mode(scene, [&]<ColorMode Mode>() {
-        for_tiles<L>(run.count, [&](int i, int) {
-          candidate_tile<L, Mode>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, set,
-                                  kIsPhaseFunction<Bsdf<L>>);
-        });
-      });
+      candidate_run<L>(scene, wave, run, set, kIsPhaseFunction<Bsdf<L>>);
     }
   });
 }

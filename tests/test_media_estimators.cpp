@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 
 namespace sheaf {
@@ -167,6 +168,93 @@ TEST_CASE("media: ray marching converges to the ramp's transmittance, at first o
   CHECK(error[2] < 0.6 * error[1]);
 }
 
+namespace {
+
+MediumDescription glowing(float sigma_t, float albedo, float radiance) {
+  MediumDescription m = fog(sigma_t, albedo);
+  m.emission = VolumeInput(SpectrumDescription::constant(radiance));
+  return m;
+}
+
+constexpr float kGlowRadius = 0.8f, kGlowHeight = 1.5f;
+
+/// A diffuse floor at z = 0, seen from aside, below a sphere of `medium`.
+Description floor_below_glow(const MediumDescription& medium) {
+  Description d = picture();
+  look_at(d, {3, 0, 0.5f}, {0, 0, 0}, {0, 0, 1}, 0.01f);
+  d.integrator.max_depth = 2;
+  add_rectangle(d, Transform::scale({9, 9, 1}), add_diffuse(d, 0.5f));
+  const MediumId id = add_medium(d, medium);
+  fill(d, add_sphere(d, {0, 0, kGlowHeight}, kGlowRadius), id);
+  return d;
+}
+
+/// What the floor reflects of a sphere that absorbs and glows with radiance `emission`: the integral over the cone
+/// around it of emission * (1 - exp(-sigma * chord)).
+double reflected_glow(double sigma, double emission) {
+  const double sin_max = kGlowRadius / kGlowHeight;
+  double sum = 0;
+  constexpr int kSteps = 20000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double sin2 = sin_max * sin_max * (i + 0.5) / kSteps;  // the measure cos sin d(angle) is d(sin^2) / 2
+    const double chord = 2 * std::sqrt(kGlowRadius * kGlowRadius - kGlowHeight * kGlowHeight * sin2);
+    sum += emission * (1 - std::exp(-sigma * chord));
+  }
+  return 0.5 * sum / kSteps * sin_max * sin_max;
+}
+
+}  // namespace
+
+TEST_CASE("media: a glowing sphere of gas, seen and lighting a floor") {
+  const TemporaryFolder folder;
+  const auto one = write_vol(folder / "one.vol", 3, 1, [](Vec3f, int) { return 1.0f; });
+  const Transform around = Transform::translate({-2, -2, -2}) * Transform::scale({4, 4, 4});
+  for (const float sigma : {0.05f, 1.0f, 6.0f})
+    for (const bool on_grid : {false, true})
+      for (const MediumEstimator estimator : {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio,
+                                              MediumEstimator::kMarching}) {
+        if (estimator == MediumEstimator::kMarching && !on_grid) continue;
+        CAPTURE(sigma);
+        CAPTURE(on_grid);
+        CAPTURE(static_cast<int>(estimator));
+        MediumDescription m = glowing(sigma, 0, 3);
+        if (on_grid) m.density = vol(one, around);
+        Description seen = picture();
+        aim(seen, {0, 0, -5}, {0, 0, 0});
+        const MediumId id = add_medium(seen, m);
+        fill(seen, add_sphere(seen, {0, 0, 0}, 0.8f), id);
+        seen.integrator.max_depth = 1;
+        seen.integrator.medium_estimator = estimator;
+        check_grey(seen, 3 * (1 - std::exp(-1.6 * sigma)));
+        for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
+          // Marching leaves what glows to the paths.
+          if (estimator == MediumEstimator::kMarching && strategy != LightStrategy::kBsdfOnly) continue;
+          CAPTURE(static_cast<int>(strategy));
+          Description d = floor_below_glow(m);
+          d.integrator.strategy = strategy;
+          d.integrator.medium_estimator = estimator;
+          const Means lit = means_of(d);
+          for (const MeanVariance& channel : lit.channel) check_mean(channel, reflected_glow(sigma, 3), 2e-4);
+        }
+      }
+}
+
+TEST_CASE("media: light and path sampling together find a glow with less variance than either alone") {
+  MediumDescription m = glowing(1.5f, 0, 3);
+  double variance[3];
+  for (int i = 0; i < 3; ++i) {
+    Description d = floor_below_glow(m);
+    // A surface light beside it, found by both.
+    add_area_light_sphere(d, {0, -2, 1}, 0.8f, 1);
+    d.sampler.kind = SamplerKind::kIndependent;
+    d.integrator.strategy = std::array{LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}[std::size_t(i)];
+    variance[i] = means_of(d).channel[0].variance();
+  }
+  MESSAGE("variance of pixels: both " << variance[0] << ", paths " << variance[1] << ", light sampling " << variance[2]);
+  CHECK(variance[0] < 0.9 * variance[1]);
+  CHECK(variance[0] < 0.9 * variance[2]);
+}
+
 TEST_SUITE("slow") {
   TEST_CASE("media: a sphere that only scatters cannot be seen in a white environment") {
     const TemporaryFolder folder;
@@ -233,6 +321,53 @@ TEST_SUITE("slow") {
           check_equal(m.channel[c], reference.channel[c]);
         }
       }
+  }
+
+  TEST_CASE("media: what glows and scatters has the same mean by every strategy and estimator, colours and grids alike") {
+    const TemporaryFolder folder;
+    const auto lumps = write_vol(folder / "lumps.vol", 16, 1, [](Vec3f p, int) {
+      return 1 + std::sin(17 * p.x) * std::sin(13 * p.y + 1) * std::cos(11 * p.z);
+    });
+    const Transform around = Transform::translate({-1, -1, 0.5f}) * Transform::scale({2, 2, 2});
+    const auto scene = [&](bool on_grid, LightStrategy strategy, MediumEstimator estimator) {
+      MediumDescription m = glowing(1.5f, 0.6f, 1);
+      auto& coefficients = std::get<MediumDescription::ExtinctionAlbedo>(m.coefficients);
+      coefficients.sigma_t = SpectrumDescription::rgb(0.7f, 1.5f, 3);
+      m.emission = VolumeInput(SpectrumDescription::rgb(3, 2, 0.5f));
+      if (on_grid) m.density = vol(lumps, around);
+      Description d = floor_below_glow(m);
+      look_at(d, {4, 0, 1.5f}, {0, 0, 1}, {0, 0, 1}, 40);
+      d.media.back().phase = add_phase(d, 0.6f);
+      d.integrator.max_depth = 6;
+      d.integrator.strategy = strategy;
+      d.integrator.medium_estimator = estimator;
+      add_point_light(d, {2, 2, 3}, 5);
+      if (strategy != LightStrategy::kMis) d.lights.clear();
+      return d;
+    };
+    for (const bool on_grid : {false, true}) {
+      const auto strip = [](Description d) { d.lights.clear(); return d; };
+      const Means reference = means_of(strip(scene(on_grid, LightStrategy::kMis, MediumEstimator::kNullMis)));
+      const Means lit = means_of(scene(on_grid, LightStrategy::kMis, MediumEstimator::kNullMis));
+      for (const MediumEstimator estimator : kUnbiased) {
+        const Means with_point = means_of(scene(on_grid, LightStrategy::kMis, estimator));
+        for (int c = 0; c < 3; ++c) check_equal(with_point.channel[c], lit.channel[c]);
+        for (const LightStrategy strategy : {LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
+          CAPTURE(on_grid);
+          CAPTURE(static_cast<int>(estimator));
+          CAPTURE(static_cast<int>(strategy));
+          const Means m = means_of(scene(on_grid, strategy, estimator));
+          for (int c = 0; c < 3; ++c) check_equal(m.channel[c], reference.channel[c]);
+        }
+      }
+      for (const int candidates : {4, 16}) {
+        CAPTURE(candidates);
+        Description d = scene(on_grid, LightStrategy::kMis, MediumEstimator::kNullMis);
+        d.integrator.candidates = candidates;
+        const Means m = means_of(d);
+        for (int c = 0; c < 3; ++c) check_equal(m.channel[c], lit.channel[c]);
+      }
+    }
   }
 }
 
