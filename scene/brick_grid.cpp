@@ -344,7 +344,7 @@ BrickGridRow make_brick_grid_row(const BrickGrid& grid, const Transform& local_t
   for (std::size_t r = 0; r < 3; ++r) {
     for (std::size_t c = 0; c < 4; ++c) row.world_to_grid[4 * c + r] = static_cast<float>(to_index.m[r][c]);
     row.world_to_grid[12 + r] = static_cast<float>(to_index.m[r][3] - grid.first[r] + shift);
-    row.cells[r] = grid.cells[r];
+    row.cells[r] = static_cast<std::uint32_t>(grid.cells[r]);
   }
   for (const float entry : row.world_to_grid)
     if (!std::isfinite(entry)) throw SceneError("the transform of a volume is not invertible");

@@ -40,7 +40,7 @@ struct alignas(64) BrickGridRow {
   float world_to_grid[16] = {};
   const std::uint32_t* entries = nullptr;  ///< brick of each 8^3 cells, x fastest
   const float* values = nullptr;           ///< bricks of kBrickVoxels voxels of one float or kColorVoxel floats
-  std::int32_t cells[3] = {};              ///< lookups stay in [0, cells); without kBackground the number of voxels
+  std::uint32_t cells[3] = {};             ///< lookups stay in [0, cells); without kBackground the number of voxels
   std::uint32_t stride_y = 0, stride_z = 0;  ///< of `entries`
   std::uint32_t channels = 1;                ///< 1 or 3
   GridBorder border = GridBorder::kBackground;

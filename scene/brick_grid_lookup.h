@@ -3,6 +3,7 @@
 
 #include "scene/brick_grid.h"
 
+#include <bit>
 #include <cstring>
 
 namespace sheaf {
@@ -17,11 +18,13 @@ SHEAF_INLINE Float4 load_float4(const float* p) {
   std::memcpy(&v, p, sizeof(v));
   return v;
 }
+/// Two floats from each place. As halves of a register of doubles: put together in memory, they would be waited for.
 SHEAF_INLINE Float4 load_pairs(const float* low, const float* high) {
-  Float4 v;
-  std::memcpy(&v, low, 8);
-  std::memcpy(reinterpret_cast<char*>(&v) + 8, high, 8);
-  return v;
+  typedef double Double2 __attribute__((vector_size(16)));
+  double first, second;
+  std::memcpy(&first, low, sizeof(first));
+  std::memcpy(&second, high, sizeof(second));
+  return std::bit_cast<Float4>(Double2{first, second});
 }
 SHEAF_INLINE Float4 lerp4(float t, Float4 a, Float4 b) { return (b - a) * t + a; }
 
@@ -33,7 +36,7 @@ struct GridCell {
 
 /// Brings a coordinate into [0, cells); for the lookup of voxels' centres to [0, cells - 1], which is as good. NaN
 /// becomes 0.
-SHEAF_INLINE float wrap_grid_coordinate(GridBorder border, bool nearest, float x, std::int32_t cells) {
+SHEAF_INLINE float wrap_grid_coordinate(GridBorder border, bool nearest, float x, std::uint32_t cells) {
   const float n = static_cast<float>(cells), last = n - 1.0f;
   if (border == GridBorder::kRepeat) {
     const float wrapped = x - n * floor(x / n);
@@ -48,24 +51,31 @@ SHEAF_INLINE float wrap_grid_coordinate(GridBorder border, bool nearest, float x
   return x > 0.0f ? (x < last ? x : last) : 0.0f;
 }
 
+/// Towards zero; NaN and what is too large become a number that is at least 2^31 if taken without sign.
+SHEAF_INLINE std::int32_t truncate(float x) {
+#if defined(__SSE__)
+  return _mm_cvttss_si32(_mm_set_ss(x));
+#else
+  return x < 2147483648.0f && x >= -2147483648.0f ? static_cast<std::int32_t>(x) : std::int32_t{-1};
+#endif
+}
+
 /// False: the place lies outside, where there is background.
 SHEAF_INLINE bool find_grid_cell(const BrickGridRow& row, Vec3f p, int floats_per_voxel, GridCell& cell) {
   const Float4 g = load_float4(row.world_to_grid) * p.x + (load_float4(row.world_to_grid + 4) * p.y +
                    (load_float4(row.world_to_grid + 8) * p.z + load_float4(row.world_to_grid + 12)));
   float x = g[0], y = g[1], z = g[2];
-  if (row.border == GridBorder::kBackground) {
-    // Written so that NaN is outside.
-    const bool inside = (x >= 0.0f) & (y >= 0.0f) & (z >= 0.0f) & (x < static_cast<float>(row.cells[0])) &
-                        (y < static_cast<float>(row.cells[1])) & (z < static_cast<float>(row.cells[2]));
-    if (!inside) return false;
-  } else {
+  const bool is_bounded = row.border == GridBorder::kBackground;
+  if (!is_bounded) {
     x = wrap_grid_coordinate(row.border, row.nearest, x, row.cells[0]);
     y = wrap_grid_coordinate(row.border, row.nearest, y, row.cells[1]);
     z = wrap_grid_coordinate(row.border, row.nearest, z, row.cells[2]);
   }
-  const auto ix = static_cast<std::int32_t>(x), iy = static_cast<std::int32_t>(y), iz = static_cast<std::int32_t>(z);
+  const std::int32_t ix = truncate(x), iy = truncate(y), iz = truncate(z);
   const auto ux = static_cast<std::uint32_t>(ix), uy = static_cast<std::uint32_t>(iy),
              uz = static_cast<std::uint32_t>(iz);
+  if (is_bounded && ((min(x, min(y, z)) < 0.0f) | (ux >= row.cells[0]) | (uy >= row.cells[1]) | (uz >= row.cells[2])))
+    return false;
   const std::uint32_t brick = row.entries[(uz >> 3) * row.stride_z + (uy >> 3) * row.stride_y + (ux >> 3)];
   const std::uint32_t local = ((uz & 7) * kBrickStride + (uy & 7)) * kBrickStride + (ux & 7);
   cell.voxel = row.values + (std::size_t{brick} * kBrickVoxels + local) * static_cast<std::size_t>(floats_per_voxel);

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <concepts>
+#include <limits>
 #include <string>
 
 namespace sheaf {

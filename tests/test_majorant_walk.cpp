@@ -177,6 +177,16 @@ TEST_CASE("majorant grid: nothing outside of the box, or not more than the outsi
     }
 }
 
+TEST_CASE("majorant grid: a repeated grid's first cell knows its last voxel") {
+  std::vector<float> values(25, 0.0f);
+  values[24] = 10;
+  const BrickGrid grid = make_dense_grid(1, {25, 1, 1}, values, GridBorder::kRepeat);
+  const MajorantGrid majorant = make_majorant_grid(grid, GridFilter::kTrilinear);
+  REQUIRE(majorant.bounds.size() == 4);
+  CHECK(majorant.bounds[0] >= 5.0f);
+  CHECK(majorant.bounds[1] == 0.0f);
+}
+
 TEST_CASE("majorant grid: empty volumes and negative values") {
   const BrickGrid empty = make_sparse_grid(VoxelBlocks(1));
   const MajorantGrid none = make_majorant_grid(empty, GridFilter::kTrilinear);

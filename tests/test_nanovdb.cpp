@@ -5,6 +5,7 @@
 #include "tests/volume_testing.h"
 
 #include <cstring>
+#include <limits>
 #include <random>
 
 using namespace sheaf;

@@ -60,7 +60,8 @@ int run(const std::string& in, const std::string& out) {
   file.open();
   std::list<VoxelBlocks> voxels;
   std::vector<NanoVdbGrid> grids;
-  for (const openvdb::GridBase::Ptr& base : *file.getGrids()) {
+  const openvdb::GridPtrVecPtr found = file.getGrids();
+  for (const openvdb::GridBase::Ptr& base : *found) {
     const bool is_level_set = base->getGridClass() == openvdb::GRID_LEVEL_SET;
     const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(base);
     const auto vector = openvdb::gridPtrCast<openvdb::Vec3SGrid>(base);

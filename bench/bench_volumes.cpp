@@ -1,0 +1,134 @@
+// What volumes cost: lookups in grids of bricks, each place hanging on the value before it (as in tracking, where one
+// decides on the next) or not, and steps from cell to cell of a majorant grid. "per_item" is in seconds.
+#include "core/rng.h"
+#include "kernels/majorant_walk.h"
+#include "scene/brick_grid_lookup.h"
+
+#include <benchmark/benchmark.h>
+
+#include <string>
+#include <vector>
+
+namespace sheaf {
+
+namespace {
+
+using Filter = GridVolumeDescription::Filter;
+
+constexpr int kItems = 4096;
+
+float uniform(std::uint32_t i, std::uint32_t stream) { return random4<Scalar>(stream, i, 0, 0).x; }
+
+void count_items(benchmark::State& state, std::size_t items) {
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(items));
+  state.counters["per_item"] = benchmark::Counter(
+      static_cast<double>(items), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+/// A cube of noise, of `side`^3 voxels.
+BrickGrid noise_grid(int side, int channels, GridBorder border) {
+  const auto n = static_cast<std::size_t>(side);
+  if (border != GridBorder::kBackground) {
+    std::vector<float> values(n * n * n * static_cast<std::size_t>(channels));
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = uniform(static_cast<std::uint32_t>(i), 1);
+    return make_dense_grid(channels, {side, side, side}, values, border);
+  }
+  VoxelBlocks blocks(channels);
+  std::uint32_t i = 0;
+  for (int z = 0; z < side / 8; ++z)
+    for (int y = 0; y < side / 8; ++y)
+      for (int x = 0; x < side / 8; ++x)
+        for (float& v : blocks.add({x, y, z})) v = uniform(i++, 1);
+  return make_sparse_grid(blocks);
+}
+
+struct Case {
+  const char* name;
+  int channels;
+  GridBorder border;
+  Filter filter;
+};
+constexpr Case kCases[] = {
+    {"density/trilinear", 1, GridBorder::kBackground, Filter::kTrilinear},
+    {"density/nearest", 1, GridBorder::kBackground, Filter::kNearest},
+    {"density/trilinear/clamp", 1, GridBorder::kClamp, Filter::kTrilinear},
+    {"density/trilinear/repeat", 1, GridBorder::kRepeat, Filter::kTrilinear},
+    {"color/trilinear", 3, GridBorder::kBackground, Filter::kTrilinear},
+    {"color/trilinear/clamp", 3, GridBorder::kClamp, Filter::kTrilinear},
+};
+
+/// Anywhere in a cube; `is_chain`: the next place is known only when the value is.
+void lookup(benchmark::State& state, const Case& c, int side, bool is_chain) {
+  const BrickGrid grid = noise_grid(side, c.channels, c.border);
+  const BrickGridRow row = make_brick_grid_row(grid, Transform(), c.filter);
+  std::vector<Vec3f> places(kItems);
+  const auto n = static_cast<float>(side - 1);
+  for (std::uint32_t i = 0; i < kItems; ++i) places[i] = Vec3f{uniform(i, 2), uniform(i, 3), uniform(i, 4)} * n;
+  const float chain = is_chain ? 1e-10f : 0.0f;
+  const auto run = [&](auto&& look) {
+    for (auto _ : state) {
+      float sum = 0, last = 0;
+      for (const Vec3f& place : places) {
+        const Vec3f p = is_chain ? Vec3f{place.x + last * chain, place.y, place.z} : place;
+        last = look(p);
+        sum += last;
+      }
+      benchmark::DoNotOptimize(sum);
+    }
+  };
+  if (c.channels == 1) run([&](Vec3f p) { return lookup_grid(row, p); });
+  else run([&](Vec3f p) { return max_component(lookup_grid_color(row, p)); });
+  count_items(state, kItems);
+}
+
+/// Rays through a grid of `cells`^3 cells; an item is a segment, or with `per_ray` a ray.
+void walk(benchmark::State& state, int cells, bool per_ray) {
+  const std::vector<float> bounds(static_cast<std::size_t>(cells * cells * cells), 1.0f);
+  MajorantGridRow row;
+  for (int axis = 0; axis < 3; ++axis) {
+    row.world_to_cells[5 * axis] = 1;
+    row.cells[axis] = cells;
+    row.box_max[axis] = static_cast<float>(cells);
+  }
+  row.bounds = bounds.data();
+  std::vector<Vec3f> origins, directions;
+  const auto n = static_cast<float>(cells);
+  for (std::uint32_t i = 0; i < 512; ++i) {
+    const Vec3f from = Vec3f{uniform(i, 5), uniform(i, 6), -0.5f} * n, to = Vec3f{uniform(i, 7), uniform(i, 8), 1.5f} * n;
+    origins.push_back(from);
+    directions.push_back(normalize(to - from));
+  }
+  std::size_t segments = 0;
+  for (auto _ : state) {
+    segments = 0;
+    float sum = 0;
+    for (std::size_t i = 0; i < origins.size(); ++i) {
+      MajorantWalk steps(row, origins[i], directions[i], 0, kInfinity);
+      for (MajorantSegment s; steps.next(s); ++segments) sum += (s.t1 - s.t0) * s.bound;
+    }
+    benchmark::DoNotOptimize(sum);
+  }
+  count_items(state, per_ray ? origins.size() : segments);
+}
+
+[[maybe_unused]] const bool registered = [] {
+  const auto add = [](const std::string& name, auto&& f) {
+    benchmark::RegisterBenchmark(name.c_str(), std::forward<decltype(f)>(f));
+  };
+  for (const Case& c : kCases)
+    for (const int side : {32, 56, 256})  // 150 KB, 1 MB and 94 MB of one channel
+      for (const bool is_chain : {false, true}) {
+        if (c.channels == 3 && side == 256) continue;
+        add(std::string("volume/") + c.name + "/side:" + std::to_string(side) + (is_chain ? "/chain" : "/free"),
+            [&c, side, is_chain](benchmark::State& s) { lookup(s, c, side, is_chain); });
+      }
+  for (const int cells : {1, 4, 16, 64}) {
+    add("volume/majorant_step/cells:" + std::to_string(cells), [cells](benchmark::State& s) { walk(s, cells, false); });
+    add("volume/majorant_ray/cells:" + std::to_string(cells), [cells](benchmark::State& s) { walk(s, cells, true); });
+  }
+  return true;
+}();
+
+}  // namespace
+
+}  // namespace sheaf
