@@ -48,7 +48,7 @@ DisneyDescription read_disney(Properties& p) {
 MaterialId read_bsdf(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   MaterialDescription material;
-  const BsdfDialect dialect{[&](const XmlElement& nested) { return read_bsdf(nested, context); }};
+  const BsdfDialect dialect{[&](const XmlElement& nested) { return read_bsdf(nested, context); }, false, true};
   if (p.type() == "diffuse") {
     material.model = read_diffuse(p);
   } else if (p.type() == "mirror") {
