@@ -12,12 +12,11 @@ template <class L> struct Wavelengths {
   static constexpr auto fields(auto& s) { return std::tie(s.lambda, s.pdf); }
 };
 
-/// The density of wavelengths, constant between its quantiles: proportional to the square root of the length of the
-/// sensor's response (red, green, blue) to light of one wavelength.
+/// The density of wavelengths, constant between its quantiles.
 ///
-/// For one wavelength per path the length itself would leave the least noise in white. Of four, a quarter apart in
-/// probability, the mean takes away all noise but the harmonics of order 4, 8, ... of response over density, which a
-/// flatter density makes smooth. bench/README.md compares.
+/// For one wavelength per path, a density like the length of the sensor's response would leave the least noise in
+/// white. Of four, a quarter apart in probability, the mean takes away all but the harmonics of order 4, 8, ... of
+/// response over density; this one was found by making these small in three lights. bench/README.md compares.
 struct WavelengthQuantiles {
   static constexpr int kCellBits = 6, kCells = 1 << kCellBits;  ///< per quarter
   /// Row i: the quantiles, nm, of (i / kCells + k) / 4 for k = 0 ... 3.
