@@ -8,13 +8,13 @@ namespace sheaf {
 
 /// Blocks of four dimensions. Camera comes once per path, the others once per path event (interaction).
 enum class SampleBlock : std::uint32_t {
-  kCamera,   ///< x, y: position in the pixel; z, w: position on the lens
+  kCamera,   ///< x, y: position in the pixel; z, w: position on the lens, without which z: the wavelengths
   kLight,    ///< x: which light; y, z: point on it; w: which part of it
   kScatter,  ///< x: which lobe; y, z: direction; w: roulette
   kSelect,   ///< x: which part of a composite material
   kResample, ///< x: which of several light candidates
   kCount,
-  kWavelength = kCount,  ///< x: the wavelengths; once per path, at event 0: what kCamera would have at event 1
+  kWavelength = kCount,  ///< x: the wavelengths with a lens; once per path, at event 0: what kCamera would have at event 1
 };
 
 /// How the samples of a pixel are spread within a block. Blocks, events and pixels are independent of each other, and

@@ -12,24 +12,27 @@ template <class L> struct Wavelengths {
   static constexpr auto fields(auto& s) { return std::tie(s.lambda, s.pdf); }
 };
 
-namespace detail {
-/// Density proportional to 1 / cosh^2(rate (lambda - centre)), a shape that follows the observer's sensitivity and
-/// can be inverted: Radziszewski, Boryczko and Alda, "An Improved Technique for Full Spectral Rendering" (2009),
-/// with the rate of Pharr, Jakob and Humphreys, "Physically Based Rendering" (4th ed., section 4.5.4). Their centre
-/// is 538 nm; 520 nm does as well for single wavelengths, and leaves white under D65 with less noise when four are
-/// used: the standard deviations per path of red, green and blue are 25, 1 and 42 % instead of 15, 3 and 58 %.
-inline constexpr float kWavelengthCentre = 520.0f, kWavelengthRate = 0.0072f;
-/// tanh(rate (lambda - centre)) at 360 and at 830 nm.
-inline constexpr float kTanhMin = -0.81841555f, kTanhMax = 0.97722981f;
+/// The density of wavelengths, constant between its quantiles.
+///
+/// For one wavelength per path, a density like the length of the sensor's response would leave the least noise in
+/// white. Of four, a quarter apart in probability, the mean takes away all but the harmonics of order 4, 8, ... of
+/// response over density; this one was found by making these small in three lights. bench/README.md compares.
+struct WavelengthQuantiles {
+  static constexpr int kCellBits = 6, kCells = 1 << kCellBits;  ///< per quarter
+  /// Row i: the quantiles, nm, of (i / kCells + k) / 4 for k = 0 ... 3.
+  alignas(16) float nodes[kCells + 1][4];
 
-template <class L>
-SHEAF_INLINE void invert_wavelength(typename L::Float u, typename L::Float& lambda, typename L::Float& pdf) {
-  using F = typename L::Float;
-  const F t = fma(u, F(kTanhMax - kTanhMin), F(kTanhMin));
-  const F x = F(0.5f) * log((F(1.0f) + t) / (F(1.0f) - t));
-  lambda = clamp(fma(x, F(1.0f / kWavelengthRate), F(kWavelengthCentre)), F(360.0f), F(830.0f));
-  // 1 / cosh^2 = 1 - tanh^2.
-  pdf = (F(1.0f) - t * t) * F(kWavelengthRate / (kTanhMax - kTanhMin));
+  WavelengthQuantiles();
+};
+extern const WavelengthQuantiles kWavelengthQuantiles;
+
+namespace detail {
+/// Moves the lanes `by` places towards the front, round the end; by in [0, 3].
+template <class L> SHEAF_INLINE Spectrum<L> rotate_lanes(const Spectrum<L>& s, typename L::Uint by) {
+  using U = typename L::Uint;
+  const auto odd = (by & U(1u)) != U(0u), high = (by & U(2u)) != U(0u);
+  const Spectrum<L> once = select<L>(odd, Spectrum<L>(s.c1, s.c2, s.c3, s.c0), s);
+  return select<L>(high, Spectrum<L>(once.c2, once.c3, once.c0, once.c1), once);
 }
 }  // namespace detail
 
@@ -39,26 +42,28 @@ SHEAF_INLINE void invert_wavelength(typename L::Float u, typename L::Float& lamb
 /// path stores u alone and calls this wherever it needs the wavelengths.
 template <class L> SHEAF_INLINE Wavelengths<L> sample_wavelengths(typename L::Float u) {
   using F = typename L::Float;
-  Wavelengths<L> w;
-  const auto rotate = [&](float by) {
-    const F turned = u + F(by);
-    return select(turned >= F(1.0f), turned - F(1.0f), turned);
-  };
-  detail::invert_wavelength<L>(u, w.lambda.c0, w.pdf.c0);
-  detail::invert_wavelength<L>(rotate(0.25f), w.lambda.c1, w.pdf.c1);
-  detail::invert_wavelength<L>(rotate(0.5f), w.lambda.c2, w.pdf.c2);
-  detail::invert_wavelength<L>(rotate(0.75f), w.lambda.c3, w.pdf.c3);
-  return w;
-}
-
-/// The density per nm with which any one of the four is `lambda`, in nm; zero outside [360, 830].
-template <class L> SHEAF_INLINE Float<L> wavelength_pdf(typename L::Float lambda) {
-  using F = typename L::Float;
-  const F e = exp(abs(lambda - F(detail::kWavelengthCentre)) * F(-2.0f * detail::kWavelengthRate));
-  const F one = F(1.0f);
-  const F sech2 = F(4.0f) * e / sqr(one + e);
-  const auto inside = (lambda >= F(360.0f)) & (lambda <= F(830.0f));
-  return select(inside, sech2 * F(detail::kWavelengthRate / (detail::kTanhMax - detail::kTanhMin)), F(0.0f));
+  using U = typename L::Uint;
+  constexpr std::uint32_t kCells = WavelengthQuantiles::kCells;
+  const F place = u * F(float(4 * kCells));
+  const U cell = min(to_uint(place), U(4 * kCells - 1));
+  const F t = place - to_float(cell);
+  const U row = cell & U(kCells - 1), turn = cell >> WavelengthQuantiles::kCellBits;
+  alignas(kSimdAlignment) std::uint32_t at[L::width];
+  store(at, row);
+  const float *rows[L::width], *next_rows[L::width];
+  for (int lane = 0; lane < L::width; ++lane)
+    rows[lane] = kWavelengthQuantiles.nodes[at[lane]], next_rows[lane] = rows[lane] + 4;
+  F below[4], above[4];
+  load_rows4(rows, below);
+  load_rows4(next_rows, above);
+  F lambda[4], pdf[4];
+  for (int k = 0; k < 4; ++k) {
+    const F width = above[k] - below[k];
+    lambda[k] = fma(t, width, below[k]);
+    pdf[k] = F(1.0f / float(4 * kCells)) / width;
+  }
+  return {detail::rotate_lanes<L>({lambda[0], lambda[1], lambda[2], lambda[3]}, turn),
+          detail::rotate_lanes<L>({pdf[0], pdf[1], pdf[2], pdf[3]}, turn)};
 }
 
 /// What a path's throughput is to be multiplied by when light is found: the balance heuristic over the four wavelengths

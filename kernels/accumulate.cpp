@@ -5,16 +5,41 @@
 // a rule, and its negative components are as much needed as the others: what is dropped for being negative is judged
 // by the radiances, never by the colour. So pixels of spectral pictures may have negative components, by noise and
 // where the scene has colours that Rec.709 does not reach.
+#include "core/color.h"
 #include "kernels/path_wavelengths.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace sheaf {
 
 namespace {
+
+/// Puts each wavelength into its bin, for films that have bins.
+template <class L>
+void bin_tile(Wave& wave, int count, const RadianceState<L>& r, const Wavelengths<L>& w) {
+  const Spectrum<L> values[] = {w.lambda, w.pdf, r.radiance};
+  alignas(kSimdAlignment) float words[3][4][L::width], weight[L::width];
+  for (int j = 0; j < 3; ++j) {
+    store(words[j][0], values[j].c0), store(words[j][1], values[j].c1);
+    store(words[j][2], values[j].c2), store(words[j][3], values[j].c3);
+  }
+  alignas(kSimdAlignment) std::uint32_t index[L::width];
+  store(weight, r.weight);
+  store(index, r.task_sample & Uint<L>(~kTransparent));
+  const float per_nm = static_cast<float>(wave.spectral_bins) / (kWavelengthMax - kWavelengthMin);
+  for (int lane = 0; lane < count; ++lane) {
+    SpectralSample& out = wave.task_spectra[index[lane]];
+    for (int k = 0; k < 4; ++k) {
+      const int bin = static_cast<int>((words[0][k][lane] - kWavelengthMin) * per_nm);
+      out.bin[k] = static_cast<std::uint16_t>(std::min(bin, wave.spectral_bins - 1));
+      out.value[k] = 0.25f * weight[lane] * words[2][k][lane] / words[1][k][lane];
+    }
+  }
+}
 
 /// What the film is to make of the radiances of `slots`: components of linear Rec.709 in RGB mode as in spectral mode.
 template <class L>
@@ -23,6 +48,7 @@ SHEAF_INLINE void sense_tile(const SceneView& scene, Wave& wave, const Slot* slo
   RadianceState<L> r = wave.radiance.gather<L>(slots);
   const F lowest = min(min(r.radiance.c0, r.radiance.c1), min(r.radiance.c2, r.radiance.c3));
   const Wavelengths<L> wavelengths = sample_wavelengths<L>(abs(gather_heroes<L>(wave, slots)));
+  if (wave.task_spectra != nullptr) bin_tile<L>(wave, count, r, wavelengths);
   const Vec3<L> rgb = radiance_to_rgb<L>(*scene.spectral.sensor, wavelengths, r.radiance);
   r.radiance = {rgb.x, rgb.y, rgb.z, select(lowest >= F(0.0f), F(0.0f), F(-1.0f))};
   wave.radiance.scatter<L>(slots, count, r);

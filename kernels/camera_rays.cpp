@@ -33,11 +33,14 @@ class SampleCursor {
   int x_, y_;
 };
 
+/// A pinhole leaves a number of the camera's block free, which is spread together with the place in the pixel: then
+/// colour noise is low where the pixel's parts differ.
 template <class L>
 SHEAF_INLINE void start_wavelengths(const SceneView& scene, Wave& wave, const Slot* slots, int count,
-                                    const ThroughputState<L>& path) {
+                                    const ThroughputState<L>& path, const Random4<L>& camera) {
+  const bool lens = scene.camera.has_lens();
   alignas(kSimdAlignment) float u[L::width];
-  store(u, draw<L>(scene.sampler, path.pixel, path.sample, Uint<L>(0u), SampleBlock::kWavelength).x);
+  store(u, lens ? draw<L>(scene.sampler, path.pixel, path.sample, Uint<L>(0u), SampleBlock::kWavelength).x : camera.z);
   for (int lane = 0; lane < count; ++lane) wave.heroes[slots[lane]] = u[lane];
 }
 
@@ -79,8 +82,8 @@ SHEAF_INLINE void start_tile(const SceneView& scene, Wave& wave, SampleCursor& c
   throughput.eta_scale = F(1.0f);
   throughput.progress = U(0u);
 
-  if (scene.color == ColorMode::kSpectral) start_wavelengths<L>(scene, wave, slots, count, throughput);
   const auto u = draw<L>(scene.sampler, throughput.pixel, throughput.sample, U(0u), SampleBlock::kCamera);
+  if (scene.color == ColorMode::kSpectral) start_wavelengths<L>(scene, wave, slots, count, throughput, u);
   const auto dx = scene.filter->sample<L>(u.x), dy = scene.filter->sample<L>(u.y);
   const F film_x = to_float(px) + F(0.5f) + dx.position, film_y = to_float(py) + F(0.5f) + dy.position;
   const Vec2<L> lens = scene.camera.has_lens() ? square_to_disk<L>(u.z, u.w) : Vec2<L>{F(0.0f), F(0.0f)};

@@ -60,10 +60,12 @@ int Wave::default_capacity() {
   return static_cast<int>(std::clamp(paths, 256l, 4096l));
 }
 
-void Wave::begin(const TileSamples& tile, FilmSample* samples) {
+void Wave::begin(const TileSamples& tile, FilmSample* samples, SpectralSample* spectra, int bins) {
   assert(free.size() == capacity);
   task = tile;
   task_samples = samples;
+  task_spectra = spectra;
+  spectral_bins = bins;
   next_sample = 0;
 }
 

@@ -44,8 +44,9 @@ struct Wave {
   /// The capacity whose queues fill half of the L2 cache: a multiple of 64 in [256, 4096].
   static int default_capacity();
 
-  /// Begins a task: `samples` receives one value per camera sample, in the order of TileSamples.
-  void begin(const TileSamples& task, FilmSample* samples);
+  /// Begins a task: `samples` receives one value per camera sample, in the order of TileSamples; so does `spectra`,
+  /// if not null, for a film with `bins` spectral bins.
+  void begin(const TileSamples& task, FilmSample* samples, SpectralSample* spectra = nullptr, int bins = 0);
 
   int capacity;
   Arena arena;
@@ -89,6 +90,8 @@ struct Wave {
   // The task.
   TileSamples task;
   FilmSample* task_samples = nullptr;
+  SpectralSample* task_spectra = nullptr;
+  int spectral_bins = 0;
   int next_sample = 0;  ///< of the task, to be started next
 
   Stats stats;

@@ -45,6 +45,14 @@ template <template <class> class Parameters> struct RowMaker {
     }
   }
 
+  /// Spectral mode: the luminance of `color`, which was set from `input`, as `role` says.
+  void set_luminance(float& leaf, const Spectrum4& color, const SpectrumInput& input, TextureRole role) {
+    if (context.set == nullptr) return;
+    if (const auto* texture = std::get_if<TextureId>(&input)) return bind(leaf, *texture, 1, role);
+    leaf = role == TextureRole::kBurleyLuminance ? 0.3f * color.c0 + 0.6f * color.c1 + 0.1f * color.c2
+                                                 : luminance({color.c0, color.c1, color.c2});
+  }
+
   /// The row of one of the parameters.
   SpectrumRow& row_of(const Spectrum4& spectrum) {
     constexpr ClosureSpectra kSpectra = closure_spectra<Parameters>();
@@ -195,6 +203,8 @@ MaterialRow make_row(const PlasticDescription& d, RowContext& context) {
   return m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughPlasticGgx : ClosureKind::kRoughPlasticBeckmann);
 }
 
+const ScalarInput kNoTint = 0.0f;
+
 MaterialRow make_row(const PrincipledDescription& d, RowContext& context) {
   RowMaker<PrincipledParameters> m{context};
   m.set(m.p.base_color, d.base_color);
@@ -212,6 +222,8 @@ MaterialRow make_row(const PrincipledDescription& d, RowContext& context) {
   constexpr float kLeastTransmittingEta = 1.001f;
   const bool matched = d.eta == 1.0f && d.spec_trans != ScalarInput(0.0f);
   m.p.eta = matched ? kLeastTransmittingEta : d.eta;
+  if (d.spec_tint != kNoTint || d.sheen_tint != kNoTint)
+    m.set_luminance(m.p.base_luminance, m.p.base_color, d.base_color, TextureRole::kScalar);
   return with_tangent(m.row(ClosureKind::kPrincipled), d.anisotropic);
 }
 
@@ -227,6 +239,8 @@ MaterialRow make_row(const PrincipledThinDescription& d, RowContext& context) {
   m.set(m.p.sheen_tint, d.sheen_tint);
   m.set(m.p.flatness, d.flatness);
   m.set(m.p.diff_trans, d.diff_trans);
+  if (d.spec_tint != kNoTint || d.sheen_tint != kNoTint)
+    m.set_luminance(m.p.base_luminance, m.p.base_color, d.base_color, TextureRole::kScalar);
   return with_tangent(m.row(ClosureKind::kPrincipledThin), d.anisotropic);
 }
 
@@ -243,6 +257,8 @@ MaterialRow make_row(const DisneyDescription& d, RowContext& context) {
   m.set(m.p.sheen_tint, d.sheen_tint);
   m.set(m.p.clearcoat, d.clearcoat);
   m.set(m.p.clearcoat_gloss, d.clearcoat_gloss);
+  if (d.specular_tint != kNoTint || d.sheen_tint != kNoTint)
+    m.set_luminance(m.p.base_luminance, m.p.base_color, d.base_color, TextureRole::kBurleyLuminance);
   return with_tangent(m.row(ClosureKind::kDisney), d.anisotropic);
 }
 

@@ -31,15 +31,19 @@ SpectrumDescription divided(SpectrumDescription spectrum, float by) {
   return spectrum;
 }
 
+std::string list_of(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
 ConductorDescription::Ior named_metal(Properties& p, const std::string& name) {
   const std::span<const MetalSample> samples = find_metal(name);
   if (samples.empty()) {
     std::vector<std::string> known = metal_names();
     known.emplace_back("none");
-    std::string list;
-    for (const std::string& metal : known) list += (list.empty() ? "" : ", ") + metal;
     p.fail_at("material", "is " + in_quotes(name) + ", expected the name of a metal" + did_you_mean(name, known) +
-                              " (known: " + list + "); others can be given by 'eta' and 'k'");
+                              " (known: " + list_of(known) + "); others can be given by 'eta' and 'k'");
   }
   SpectrumDescription::Table eta, k;
   for (const MetalSample& sample : samples) {
@@ -110,7 +114,9 @@ Dispersion read_sellmeier(Properties& p, const char* name) {
 }
 
 /// The index of one side of a boundary, `side` being "int" or "ext", and how it depends on the wavelength.
-void read_side(Properties& p, const std::string& side, float& index, std::optional<Dispersion>& dispersion) {
+/// `names_disperse`: whether the names of find_ior() do; nothing: all but these.
+void read_side(Properties& p, const std::string& side, std::optional<bool> names_disperse, float& index,
+               std::optional<Dispersion>& dispersion) {
   const std::string plain = side + "_ior", cauchy = side + "_cauchy", sellmeier = side + "_sellmeier";
   const int given = int{p.has(plain.c_str())} + int{p.has(cauchy.c_str())} + int{p.has(sellmeier.c_str())};
   if (given > 1) p.fail("has more than one of '" + plain + "', '" + cauchy + "' and '" + sellmeier + "', expected one");
@@ -118,8 +124,10 @@ void read_side(Properties& p, const std::string& side, float& index, std::option
   if (p.has(sellmeier.c_str())) dispersion = read_sellmeier(p, sellmeier.c_str());
   if (!dispersion) {
     index = read_ior(p, plain.c_str(), index);
-    if (p.is_string(plain.c_str()))
-      if (const Dispersion* named = find_dispersion(*p.find_string(plain.c_str()))) dispersion = *named;
+    if (!p.is_string(plain.c_str())) return;
+    const std::string name = *p.find_string(plain.c_str());
+    const Dispersion* named = find_dispersion(name);
+    if (named != nullptr && names_disperse.value_or(!find_ior(name))) dispersion = *named;
     return;
   }
   const char* name = p.has(cauchy.c_str()) ? cauchy.c_str() : sellmeier.c_str();
@@ -130,10 +138,15 @@ void read_side(Properties& p, const std::string& side, float& index, std::option
   index = catalogue_ior(*dispersion);
 }
 
-DielectricDescription read_dielectric(Properties& p) {
+DielectricDescription read_dielectric(Properties& p, const BsdfDialect& dialect) {
   DielectricDescription result;
-  read_side(p, "int", result.int_ior, result.int_dispersion);
-  read_side(p, "ext", result.ext_ior, result.ext_dispersion);
+  std::optional<bool> names_disperse;
+  if (dialect.names_disperse || p.has("dispersion")) names_disperse = p.boolean("dispersion", true);
+  read_side(p, "int", names_disperse, result.int_ior, result.int_dispersion);
+  read_side(p, "ext", names_disperse, result.ext_ior, result.ext_dispersion);
+  if (p.has("dispersion") && *names_disperse && !result.int_dispersion && !result.ext_dispersion)
+    p.fail_at("dispersion", "is true, but of neither side a dispersion formula is known, expected coefficients or one of " +
+                                list_of(dispersion_names()));
   result.specular_reflectance = read_reflectance(p, "specular_reflectance", kOne);
   result.specular_transmittance = read_reflectance(p, "specular_transmittance", kOne);
   result.thin = p.type() == "thindielectric";
@@ -221,7 +234,7 @@ bool read_shared_bsdf(Properties& p, const BsdfDialect& dialect, MaterialDescrip
     if (type == "roughconductor") conductor.roughness = read_roughness(p);
     material.model = std::move(conductor);
   } else if (type == "dielectric" || type == "thindielectric" || type == "roughdielectric") {
-    material.model = read_dielectric(p);
+    material.model = read_dielectric(p, dialect);
   } else if (type == "plastic" || type == "roughplastic") {
     material.model = read_plastic(p);
   } else if (type == "principled") {

@@ -14,6 +14,7 @@ using BsdfReader = std::function<MaterialId(const XmlElement&)>;
 struct BsdfDialect {
   BsdfReader nested;
   bool before_version_2 = false;  ///< of Mitsuba: conductors are copper by default and may lie in a dielectric
+  bool names_disperse = false;    ///< dielectrics by Mitsuba's names depend on the wavelength if nothing is said
 };
 
 /// Reads a plugin into `material`, with its properties from `p`, which the caller finishes. False if the plugin is none

@@ -90,6 +90,7 @@ enum class TextureRole : std::uint32_t {
   kScalar,       ///< a number
   kReflectance,  ///< a colour, clamped to [0, 1]
   kUnbounded,    ///< a colour without limits
+  kBurleyLuminance,  ///< a number, of colours 0.3 red + 0.6 green + 0.1 blue
 };
 
 /// A texture takes the place of some of a closure's words.

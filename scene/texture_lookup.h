@@ -360,8 +360,11 @@ template <class L>
 SHEAF_INLINE Spectrum<L> lookup_binding(const TextureView& view, const TextureBinding& binding,
                                         const TextureQuery<L>& query) {
   using F = typename L::Float;
-  if (binding.words == 1) return {lookup_scalar<L>(view, binding.texture, query), F(0.0f), F(0.0f), F(0.0f)};
+  const bool burley = binding.role == TextureRole::kBurleyLuminance;
+  if (binding.words == 1 && !burley)
+    return {lookup_scalar<L>(view, binding.texture, query), F(0.0f), F(0.0f), F(0.0f)};
   const Spectrum<L> value = lookup_texture<L>(view, binding.texture, query);
+  if (burley) return {value.c0 * F(0.3f) + value.c1 * F(0.6f) + value.c2 * F(0.1f), F(0.0f), F(0.0f), F(0.0f)};
   if (binding.role != TextureRole::kReflectance) return value;
   const F zero(0.0f), one(1.0f);
   return {clamp(value.c0, zero, one), clamp(value.c1, zero, one), clamp(value.c2, zero, one), value.c3};

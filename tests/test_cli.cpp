@@ -92,6 +92,40 @@ TEST_CASE("spectral mode is rendered, and the picture says so") {
   CHECK(color == "spectral");
 }
 
+TEST_CASE("spectral bins are written as layers of the published layout") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  REQUIRE(run(folder, "render scene.xml --color spectral --spectral-bins 47 -o out.exr --quiet").code == 0);
+  const Image image = read_exr(folder / "out.exr");
+  CHECK(image.channels.size() == 8 + 47);
+  CHECK(image.find_channel("S0.365,000000nm") >= 0);
+  CHECK(image.find_channel("S0.825,000000nm") >= 0);
+  std::string version, units;
+  for (const auto& attribute : read_exr_attributes(folder / "out.exr")) {
+    if (attribute.name == "spectralLayoutVersion") version = std::get<std::string>(attribute.value);
+    if (attribute.name == "emissiveUnits") units = std::get<std::string>(attribute.value);
+  }
+  CHECK(version == "1.0");
+  CHECK(units == "W.m^-2.sr^-1");
+
+  REQUIRE(run(folder, "render scene.xml --color spectral -o without.exr --quiet").code == 0);
+  const Image without = read_exr(folder / "without.exr");
+  CHECK(without.channels.size() == 8);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (const char* channel : {"R", "G", "B"})
+        CHECK(image.at(x, y, image.find_channel(channel)) == without.at(x, y, without.find_channel(channel)));
+
+  for (const char* arguments : {"--spectral-bins 8", "--color rgb --spectral-bins 8", "--color spectral --spectral-bins 0",
+                                "--color spectral --spectral-bins 472",
+                                "--color spectral --integrator normals --spectral-bins 8"}) {
+    CAPTURE(std::string(arguments));
+    const Outcome outcome = run(folder, "render scene.xml -o no.exr --quiet " + std::string(arguments));
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "spectral"));
+  }
+}
+
 TEST_CASE("misspelt integrators get their message") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);

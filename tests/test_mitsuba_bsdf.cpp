@@ -73,6 +73,28 @@ TEST_CASE("Mitsuba materials: defaults") {
   CHECK(material("normalmap", bsdf("diffuse") + picture) == "normalmap 0 0 0");
 }
 
+TEST_CASE("Mitsuba materials: names of its own table disperse where asked to, others unless asked not to") {
+  const auto disperses = [](const std::string& inside) {
+    return model_of<DielectricDescription>("dielectric", inside).int_dispersion.has_value();
+  };
+  const std::string on = "<boolean name='dispersion' value='true'/>", off = "<boolean name='dispersion' value='false'/>";
+  CHECK_FALSE(disperses(word("int_ior", "bk7")));
+  CHECK(disperses(word("int_ior", "bk7") + on));
+  CHECK_FALSE(disperses(word("int_ior", "bk7") + off));
+  CHECK(disperses(word("int_ior", "sf11")));
+  CHECK_FALSE(disperses(word("int_ior", "sf11") + off));
+  CHECK(disperses(word("int_cauchy", "1.5, 0.004")));
+  CHECK_FALSE(disperses(number("int_ior", "1.5")));
+  // Nori has no names of its own: there they are all ours.
+  const auto nori = [](const std::string& inside) {
+    const Description d = read_text("<scene><camera type='perspective'/><integrator type='path'/><mesh type='sphere'>"
+                                    "<bsdf type='dielectric'>" + inside + "</bsdf></mesh></scene>");
+    return std::get<DielectricDescription>(d.materials.back().model).int_dispersion.has_value();
+  };
+  CHECK(nori(word("intIOR", "bk7")));
+  CHECK_FALSE(nori(word("intIOR", "bk7") + off));
+}
+
 TEST_CASE("Mitsuba materials: every number, colour and switch in both styles of names") {
   for (const bool camel : {false, true}) {
     CAPTURE(camel);
@@ -421,6 +443,8 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
       {bsdf("dielectric", word("int_ior", "diamant")),
        "is 'diamant', expected a number or the name of a material, did you mean 'diamond'?"},
       {bsdf("dielectric", number("int_ior", "-1")), "expected a positive number"},
+      {bsdf("dielectric", word("int_ior", "pyrex") + "<boolean name='dispersion' value='true'/>"),
+       "property 'dispersion' of bsdf 'dielectric' is true, but of neither side a dispersion formula is known"},
       {bsdf("null", number("opacity", "1")), "unknown property 'opacity' of bsdf 'null'"},
       {bsdf("twosided"), "holds 0 nested <bsdf>, expected one or two"},
       {bsdf("twosided", two + bsdf("diffuse")), "holds 3 nested <bsdf>, expected one or two"},

@@ -37,7 +37,7 @@ struct RenderArguments {
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
   std::string color = "rgb", integrator, sampler, light_sampler, medium_estimator, stats;
   std::optional<float> step_size;
-  int threads = 0, wave_size = 0;
+  int threads = 0, wave_size = 0, spectral_bins = 0;
   bool lenient = false, no_timestamps = false, quiet = false, watertight = false;
 };
 
@@ -113,6 +113,10 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
                          {"sheaf/samplesPerPixel", static_cast<int>(report.spp)},
                          {"sheaf/droppedRays", std::to_string(report.stats.dropped.rays)},
                          {"sheaf/droppedSamples", std::to_string(report.stats.dropped.samples)}};
+  if (arguments.spectral_bins > 0) {
+    metadata.attributes.push_back({"spectralLayoutVersion", std::string("1.0")});
+    metadata.attributes.push_back({"emissiveUnits", std::string("W.m^-2.sr^-1")});
+  }
   if (!arguments.no_timestamps) {
     metadata.capture_date = fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
   }
@@ -155,6 +159,8 @@ int render_scene(const RenderArguments& arguments) {
   for (const std::string& definition : arguments.definitions) {
     read_options.defines.push_back(split_definition(definition));
   }
+  if (arguments.spectral_bins > 0 && arguments.color != "spectral")
+    throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
   const double load_start = Progress::steady_seconds();
   Description description = read_scene(arguments.scene, read_options);
   apply_integrator(arguments, description.integrator);
@@ -174,6 +180,7 @@ int render_scene(const RenderArguments& arguments) {
   options.seed = arguments.seed;
   options.threads = arguments.threads;
   options.wave_size = arguments.wave_size;
+  options.spectral_bins = arguments.spectral_bins;
   options.crop = crop;
   const InterruptGuard guard;
   RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet);
@@ -221,6 +228,10 @@ void add_render_command(CLI::App& program, int& exit_code) {
       ->check(CLI::Range(0, 4096));
   command->add_option("--color", arguments->color, "Colour mode: rgb (default), or spectral: four wavelengths per path")
       ->check(CLI::IsMember({"rgb", "spectral"}));
+  command->add_option("--spectral-bins", arguments->spectral_bins,
+                      "Also write the spectrum of each pixel to .exr, in this many equal bins from 360 to 830 nm: layers "
+                      "S0.<wavelength>nm. Needs --color spectral")
+      ->check(CLI::Range(1, kMaxSpectralBins));
   command->add_option("--integrator", arguments->integrator,
                       "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "
                       "path_ris, normals, depth. Default: the scene's");

@@ -54,8 +54,7 @@ template <class L> struct DisneyBsdf : DisneyParameters<L> {
           span_o(GgxTerms<L>::span(facets, wo)) {
       const F one(1.0f);
       const auto& c = p.base_color;
-      // The notes' own approximation of luminance.
-      hue = sheaf::hue(c, fma(c.c0, F(0.3f), fma(c.c1, F(0.6f), c.c2 * F(0.1f))));
+      hue = sheaf::hue(c, burley_luminance(c, p.base_luminance));
       const Spectrum<L> plain = lerp(p.specular_tint, Spectrum<L>(one), hue) * (F(0.08f) * p.specular);
       specular = lerp(p.metallic, plain, c);
 

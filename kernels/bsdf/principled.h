@@ -90,7 +90,7 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
 
       const F f0 = normal_reflectance(p.eta);
       const F metal = select(front, p.metallic, zero), tinted = select(front, dielectric * p.spec_tint, zero);
-      if (any((tinted > zero) | (sheen > zero))) hue = sheaf::hue(c, rec709_luminance(c));
+      if (any((tinted > zero) | (sheen > zero))) hue = sheaf::hue(c, rec709_luminance(c, p.base_luminance));
       schlick_color = c * metal + hue * (f0 * tinted);
       schlick_share = metal + tinted;
       dielectric_share = select(front, dielectric * (one - p.spec_tint), bsdf);

@@ -59,10 +59,16 @@ template <class F> SHEAF_INLINE F schlick_weight(F cos_theta) {
 /// Reflectance at normal incidence of a dielectric whose relative index of refraction is `eta`.
 template <class F> SHEAF_INLINE F normal_reflectance(F eta) { return sqr((eta - F(1.0f)) / (eta + F(1.0f))); }
 
-/// Luminance of linear Rec.709, which the first three components are taken for.
-template <class L> SHEAF_INLINE Float<L> rec709_luminance(const Spectrum<L>& c) {
+/// Luminance of linear Rec.709, which the first three components are taken for, unless another is `known` (not 0).
+template <class L> SHEAF_INLINE Float<L> rec709_luminance(const Spectrum<L>& c, Float<L> known) {
   using F = Float<L>;
-  return fma(c.c0, F(0.212671f), fma(c.c1, F(0.715160f), c.c2 * F(0.072169f)));
+  return select(known > F(0.0f), known, fma(c.c0, F(0.212671f), fma(c.c1, F(0.715160f), c.c2 * F(0.072169f))));
+}
+
+/// The approximation of the same in the notes of 2012.
+template <class L> SHEAF_INLINE Float<L> burley_luminance(const Spectrum<L>& c, Float<L> known) {
+  using F = Float<L>;
+  return select(known > F(0.0f), known, fma(c.c0, F(0.3f), fma(c.c1, F(0.6f), c.c2 * F(0.1f))));
 }
 
 /// `color` scaled to a luminance of 1, given its own; white for black.

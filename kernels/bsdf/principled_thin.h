@@ -94,7 +94,8 @@ template <class L> struct PrincipledThinBsdf : PrincipledThinParameters<L> {
     value.pdf_solid_angle = lambert * select(reflects, p.diffuse_reflect, p.diffuse_transmit);
     if (any(this->sheen > zero)) {
       const auto& c = this->base_color;
-      const Spectrum<L> tint = lerp(this->sheen_tint, Spectrum<L>(one), hue(c, rec709_luminance(c)));
+      const Spectrum<L> tint =
+          lerp(this->sheen_tint, Spectrum<L>(one), hue(c, rec709_luminance(c, this->base_luminance)));
       const F amount = this->sheen * diffuse * F(kPi) * (one - d) * schlick_weight(cos_d);
       value.f_cos = value.f_cos + tint * select(reflects, amount, zero);
     }
@@ -117,7 +118,7 @@ template <class L> struct PrincipledThinBsdf : PrincipledThinParameters<L> {
     Spectrum<L> reflected(fresnel.reflectance);
     if (any(this->spec_tint > zero)) {
       const F weight = schlick_weight(select(this->eta > one, cos_d, -fresnel.cos_transmitted));
-      const Spectrum<L> f0 = hue(c, rec709_luminance(c)) * normal_reflectance(this->eta);
+      const Spectrum<L> f0 = hue(c, rec709_luminance(c, this->base_luminance)) * normal_reflectance(this->eta);
       reflected = lerp(this->spec_tint, reflected, lerp(weight, f0, Spectrum<L>(one)));
     }
     // Refracted light must leave on the far side of the facet, too.

@@ -26,6 +26,7 @@ struct Worker {
   explicit Worker(int wave_size) : wave(wave_size), samples(kTaskSamples) {}
   Wave wave;
   std::vector<FilmSample> samples;
+  std::vector<SpectralSample> spectra;  ///< only if the film has bins
 };
 
 std::string integrator_name(const IntegratorDescription& integrator) {
@@ -56,11 +57,24 @@ std::vector<PixelRect> make_tiles(const PixelRect& crop, int side) {
 }
 
 /// Adds a finished task to the film, every pixel's samples in order.
-void reduce(const TileSamples& task, const FilmSample* samples, Film& film) {
+void reduce(const TileSamples& task, const Worker& worker, Film& film) {
+  std::size_t sample = 0;
   for (int y = task.pixels.y0; y < task.pixels.y1; ++y)
     for (int x = task.pixels.x0; x < task.pixels.x1; ++x)
-      for (std::uint32_t i = 0; i < task.sample_count; ++i, ++samples)
-        if (!std::isnan(samples->alpha)) film.add(x, y, *samples);
+      for (std::uint32_t i = 0; i < task.sample_count; ++i, ++sample) {
+        if (std::isnan(worker.samples[sample].alpha)) continue;
+        film.add(x, y, worker.samples[sample]);
+        if (film.spectral_bins() > 0) film.add_spectrum(x, y, worker.spectra[sample]);
+      }
+}
+
+void check_spectral_bins(const Scene& scene, int bins) {
+  if (bins == 0) return;
+  if (bins < 0 || bins > kMaxSpectralBins)
+    throw Error(ExitCode::kUsage, "spectral bins must be from 1 to " + std::to_string(kMaxSpectralBins));
+  const SceneView view = scene.view();
+  if (view.color != ColorMode::kSpectral || view.integrator.kind != IntegratorKind::kPath)
+    throw Error(ExitCode::kUsage, "spectral bins need spectral mode and an integrator that makes light");
 }
 
 /// One render in progress.
@@ -76,8 +90,9 @@ class Renderer {
     if (spp_ == 0) throw Error(ExitCode::kUsage, "samples per pixel must be at least 1");
     if (wave_size_ > kMaxWaveSize) throw Error(ExitCode::kUsage, "wave size must be at most " + std::to_string(kMaxWaveSize));
     const PixelRect crop = checked_crop(scene, options);
+    check_spectral_bins(scene, options.spectral_bins);
     view_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed), spp_);
-    film_ = Film(scene.film().width, scene.film().height, crop);
+    film_ = Film(scene.film().width, scene.film().height, crop, options.spectral_bins);
     total_ = static_cast<std::uint64_t>(crop.width()) * static_cast<std::uint64_t>(crop.height()) * spp_;
   }
 
@@ -114,9 +129,11 @@ class Renderer {
     bool known = false;
     Worker& worker = workers_.local(known);
     if (!known && options_.make_recorder) worker.wave.recorder = options_.make_recorder();
-    worker.wave.begin(task, worker.samples.data());
+    const bool binned = film_.spectral_bins() > 0;
+    if (binned) worker.spectra.resize(kTaskSamples);
+    worker.wave.begin(task, worker.samples.data(), binned ? worker.spectra.data() : nullptr, film_.spectral_bins());
     run_path_pass<Wide>(view_, worker.wave);
-    reduce(task, worker.samples.data(), film_);
+    reduce(task, worker, film_);
     const auto samples = static_cast<std::uint64_t>(task.total());
     const std::uint64_t done = done_.fetch_add(samples, std::memory_order_relaxed) + samples;
     if (options_.on_progress) options_.on_progress(done, total_);

@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+"""Measures the noise of spectral mode: its mean squared error at equal samples per pixel over that of RGB mode, each
+against a long render of its own. Needs nothing but Python and a build.
+
+  bench/compare_color.py [--scenes scenes/cornell/cornell.xml ...] [--spp 64] [--reference-spp 4096]
+
+Prints a table: scene, mean squared error over R, G and B in RGB mode and in spectral mode, and their ratio. A part in
+the middle of the picture is rendered, as many times as --seeds says, with the scene's own sampler.
+"""
+
+import argparse
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def render(arguments, scene, color, output, spp, seed):
+    subprocess.run([arguments.sheaf, "render", scene, "-o", str(output), "--color", color, "--spp", str(spp), "--seed",
+                    str(seed), "--crop", arguments.crop, "--quiet"], check=True)
+
+
+def mean_squared_error(arguments, picture, reference):
+    out = subprocess.run([arguments.sheaf, "compare", str(picture), str(reference)], check=False, text=True,
+                         stdout=subprocess.PIPE).stdout
+    return float(re.search(r"^MSE +(\S+)", out, re.MULTILINE).group(1))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
+    parser.add_argument("--scenes", nargs="+", default=[str(ROOT / "scenes" / name / f"{name}.xml")
+                                                        for name in ("cornell", "material_room")])
+    parser.add_argument("--spp", type=int, default=64)
+    parser.add_argument("--reference-spp", type=int, default=4096)
+    parser.add_argument("--seeds", type=int, default=4)
+    parser.add_argument("--crop", default="100,100,228,196")
+    arguments = parser.parse_args()
+    print("scene                 MSE rgb  MSE spectral   ratio")
+    with tempfile.TemporaryDirectory() as folder:
+        reference, picture = Path(folder) / "reference.exr", Path(folder) / "picture.exr"
+        for scene in arguments.scenes:
+            error = {}
+            for color in ("rgb", "spectral"):
+                render(arguments, scene, color, reference, arguments.reference_spp, 1000)
+                error[color] = 0
+                for seed in range(1, arguments.seeds + 1):
+                    render(arguments, scene, color, picture, arguments.spp, seed)
+                    error[color] += mean_squared_error(arguments, picture, reference) / arguments.seeds
+            print(f"{Path(scene).stem:16} {error['rgb']:12.4g}  {error['spectral']:12.4g}  "
+                  f"{error['spectral'] / error['rgb']:6.3f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
