@@ -14,10 +14,11 @@ inline std::uint32_t side_of(const SceneView& scene, std::uint32_t row, bool beh
 
 }  // namespace passing_detail
 
-/// Whether a material of the description, given as a row, may let light pass: only composite ones do. `behind`: it is
+/// Whether a material of the description, given as a row, may let light pass: composite ones and open panes may. `behind`: it is
 /// seen from behind the geometric normal.
 inline bool may_pass(const SceneView& scene, std::uint32_t row, bool behind) {
-  return (scene.materials[passing_detail::side_of(scene, row, behind)].flags & kComposite) != 0;
+  const MaterialRow& m = scene.materials[passing_detail::side_of(scene, row, behind)];
+  return (m.flags & kComposite) != 0 || (scene.has_open_panes && is_pane_kind(m.kind));
 }
 
 /// The share of light, in [0, 1], that passes: the probability with which the select_materials stage lets a path pass.

@@ -11,11 +11,7 @@ template <class L> struct RoutedHits {
   typename L::Uint light, material, flags;  ///< HitState::light and material, RayState::flags
 };
 
-constexpr bool is_pane_kind(ClosureKind kind) {
-  return kind == ClosureKind::kThinDielectric || kind == ClosureKind::kDispersiveThinDielectric;
-}
-
-/// Whether materials are thin panes, which only reflect and let pass.
+/// Whether materials are thin panes.
 template <class L> SHEAF_INLINE Mask<L> is_pane(const SceneView& scene, typename L::Uint material) {
   using U = typename L::Uint;
   constexpr auto kRowWords = static_cast<std::uint32_t>(sizeof(MaterialRow) / sizeof(std::uint32_t));

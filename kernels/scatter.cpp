@@ -34,12 +34,14 @@ SHEAF_INLINE Mask<L> roulette(const IntegratorDescription& settings, ThroughputS
 
 /// What emission needs in order to weigh the light that the new ray finds: two words of the radiance state.
 template <class L>
-SHEAF_INLINE void remember_scattering(Wave& wave, const Slot* slots, int count, Float<L> pdf_solid_angle, Vec3<L> ns) {
+SHEAF_INLINE void remember_scattering(Wave& wave, const Slot* slots, std::uint32_t lanes, Float<L> pdf_solid_angle,
+                                      Vec3<L> ns) {
   constexpr int kScatterPdfWord = 4, kNormalWord = 5;
   alignas(kSimdAlignment) float pdf[L::width], normal[L::width];
   store(pdf, pdf_solid_angle);
   store(normal, bits_float(encode_octahedral<L>(ns)));
-  for (int lane = 0; lane < count; ++lane) {
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
     float* row = wave.radiance.row(slots[lane]);
     row[kScatterPdfWord] = pdf[lane];
     row[kNormalWord] = normal[lane];
@@ -56,26 +58,38 @@ template <class L> SHEAF_INLINE void keep_first_wavelength(Wave& wave, const Slo
 
 /// Scenes with media or surfaces that let shadow rays pass: the medium of the new ray, and ProbabilityState. Returns
 /// the mean of the latter, by which throughput is to be divided. `single`: where the first wavelength alone goes on.
+/// `open`: with which probability an open pane was passed, as shadow rays might have; 0: it was none.
 template <class L>
 Float<L> leave_vertex(const SceneView& scene, Wave& wave, const Slot* slots, int count, Vec3<L> ng, bool in_medium,
-                      Mask<L> single, RayState<L>& ray) {
+                      Mask<L> single, Float<L> open, RayState<L>& ray) {
   using F = Float<L>;
   using U = Uint<L>;
   const RayState<L> before = wave.rays.gather<L>(slots);
+  F distance(0.0f);
+  const auto passed = open > F(0.0f);
   U flags = before.flags & U(~(kRayFromCamera | kRayLast | kRayFromMedium));
+  flags |= select(passed, before.flags & U(kRayFromMedium), U(0u));
   if (in_medium) {
     flags |= U(kRayFromMedium);
   } else {
     const auto through = dot(before.direction, ng) * dot(ray.direction, ng) > F(0.0f);
-    const U boundary = load_shapes<L>(scene, wave.hits.gather<L>(slots).shape).boundary;
+    const HitState<L> hit = wave.hits.gather<L>(slots);
+    const U boundary = load_shapes<L>(scene, hit.shape).boundary;
     flags = select(through, medium_behind<L>(scene, boundary, ng, ray.direction, flags), flags);
+    distance = hit.t;
   }
   ray.flags |= flags;
   ProbabilityState<L> r = wave.probabilities.gather<L>(slots);
   r.r_u = select<L>(single, Spectrum<L>(r.r_u.c0), r.r_u);
-  r.r_l = r.r_u;
+  r.r_l = select<L>(passed, r.r_l * (F(1.0f) / select(passed, open, F(1.0f))), r.r_u);
   wave.probabilities.scatter<L>(slots, count, r);
-  for (int lane = 0; lane < count; ++lane) wave.travelled[slots[lane]] = 0.0f;
+  alignas(kSimdAlignment) float further[L::width];
+  store(further, distance);
+  const std::uint32_t on = mask_bits(passed);
+  for (int lane = 0; lane < count; ++lane) {
+    float& travelled = wave.travelled[slots[lane]];
+    travelled = (on >> lane & 1u) != 0 ? travelled + further[lane] : 0.0f;
+  }
   return scene.color == ColorMode::kSpectral ? total(r.r_u) * F(0.25f)
                                              : (r.r_u.c0 + r.r_u.c1 + r.r_u.c2) * F(1.0f / 3.0f);
 }
@@ -103,11 +117,13 @@ SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* s
   }
   path.eta_scale = path.eta_scale * s.eta_scale;
   auto ended = Mask<L>(false);
+  F open(0.0f);
   path.progress = path.progress + U(kOneDepth + kOneEvent);
   if constexpr (is_pane_kind(Bsdf<L>::kKind)) {
     if (scene.integrator.free_panes) {
       const auto passes = item.wo.z * s.wi.z < F(0.0f);
       path.progress = select(passes, path.progress - U(kOneDepth), path.progress);
+      if (scene.has_open_panes) open = select(passes, bsdf.passage(item.wo.z).probability, F(0.0f));
       ended = (!passes) & ((wave.rays.gather<L>(slots).flags & U(kRayLast)) != U(0u));
     }
   }
@@ -121,11 +137,12 @@ SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* s
   ray.flags = select(path.depth() + U(1u) < U(max_depth), U(0u), U(kRayLast));
   F divisor(1.0f);
   if (scene.has_transparency)
-    divisor = leave_vertex<L>(scene, wave, slots, count, item.ng, kIsPhaseFunction<Bsdf<L>>, single, ray);
+    divisor = leave_vertex<L>(scene, wave, slots, count, item.ng, kIsPhaseFunction<Bsdf<L>>, single, open, ray);
   alive = alive & roulette<L>(scene.integrator, path, divisor, u.w);
   wave.rays.scatter<L>(slots, count, ray);
   wave.throughput.scatter<L>(slots, count, path);
-  remember_scattering<L>(wave, slots, count, s.pdf_solid_angle, item.ns);
+  const std::uint32_t scattered = mask_bits(L::first(count) & (open == F(0.0f)));
+  remember_scattering<L>(wave, slots, scattered, s.pdf_solid_angle, item.ns);
 
   const std::uint32_t bits = mask_bits(alive);
   wave.stats.rays.scatter += static_cast<std::uint64_t>(std::popcount(bits));

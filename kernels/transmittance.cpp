@@ -6,6 +6,7 @@
 #include "kernels/medium_boundary.h"
 #include "kernels/medium_marching.h"
 #include "kernels/medium_ray.h"
+#include "kernels/pane.h"
 #include "kernels/passing_share.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
@@ -61,7 +62,7 @@ bool pass_medium(const SceneView& scene, Wave& wave, ShadowRay& ray, float t) {
 }
 
 /// Lets the light pass the surface that lane `at` of the packet has hit; the ray then begins behind it.
-bool pass_surface(const SceneView& scene, const RayPacket& packet, int at, ShadowRay& ray) {
+bool pass_surface(const SceneView& scene, const Wave& wave, const RayPacket& packet, int at, ShadowRay& ray) {
   const Vec3f d = ray.item.direction;
   const Vec3f normal{packet.normal_x[at], packet.normal_y[at], packet.normal_z[at]};
   const bool behind = dot(normal, d) > 0.0f;
@@ -71,12 +72,19 @@ bool pass_surface(const SceneView& scene, const RayPacket& packet, int at, Shado
   const float u = packet.u[at], v = packet.v[at];
   const auto y = surface_point<Scalar, true>(scene, shape, packet.primitive[at], u, v,
                                              ray.item.origin + d * packet.t_far[at], packet.instance[at]);
-  const float share =
-      passing_share(scene, shape.material, behind, {y.uv, packet.shape[at], packet.primitive[at], u, v});
-  if (!(share > 0.0f)) return false;
-  ray.item.contribution = ray.item.contribution * share;
+  PanePassage<Scalar> passage;
+  if ((scene.materials[shape.material].flags & kComposite) == 0) {
+    const Spectrum4 lambda = lane_wavelengths(scene, wave, static_cast<Slot>(ray.item.slot));
+    passage = pane_passage(scene, shape.material, dot(y.ns, d) / length(d), lambda);
+  } else {
+    passage.probability =
+        passing_share(scene, shape.material, behind, {y.uv, packet.shape[at], packet.primitive[at], u, v});
+    passage.share = Spectrum4(passage.probability);
+  }
+  if (!(passage.probability > 0.0f)) return false;
+  ray.item.contribution = ray.item.contribution * passage.share;
   // The path, by BSDF sampling, passes with that probability; light sampling with certainty.
-  ray.state.r_u = ray.state.r_u * share;
+  ray.state.r_u = ray.state.r_u * passage.probability;
   ray.state.flags = medium_behind<Scalar>(scene, shape.boundary, y.ng, d, ray.state.flags);
   ray.item.origin = offset_origin<Scalar>(y.p, y.ng, y.offset, d);
   ray.item.direction = target - ray.item.origin;
@@ -137,7 +145,7 @@ template <class L> int follow(const SceneView& scene, Wave& wave, int rays, int 
       }
       // What the surface lets pass is known sooner than what the medium does.
       ShadowRay behind = ray;
-      if (!pass_surface(scene, packet, i, behind)) continue;
+      if (!pass_surface(scene, wave, packet, i, behind)) continue;
       ray.item.contribution = behind.item.contribution;
       ray.state.r_u = behind.state.r_u;
       if (!pass_medium(scene, wave, ray, packet.t_far[i])) continue;

@@ -133,7 +133,23 @@ class SceneCompiler {
     };
     out_->has_transparency_ =
         !in_.media.empty() || std::any_of(out_->materials_.begin(), out_->materials_.end(), lets_pass);
+    out_->has_open_panes_ = in_.integrator.free_panes && panes_can_be_open();
+    out_->has_transparency_ = out_->has_transparency_ || out_->has_open_panes_;
     out_->counts_.materials = in_.materials.size();
+  }
+
+  bool panes_can_be_open() const {
+    const std::vector<MaterialRow>& rows = out_->materials_;
+    const auto is_pane = [&](std::uint32_t row) { return row != MaterialRow::kNothing && is_pane_kind(rows[row].kind); };
+    bool any = false;
+    for (const MaterialRow& row : rows) {
+      const bool composite = (row.flags & kComposite) != 0;
+      if (composite && (is_pane(row.choice[0]) || is_pane(row.choice[1]))) return false;
+      if (composite || !is_pane_kind(row.kind)) continue;
+      if ((row.flags & (kTextured | kMapped)) != 0 || row.binding_count > 0) return false;
+      any = true;
+    }
+    return any;
   }
 
   void add_shape(const ShapeDescription& shape) {

@@ -155,6 +155,11 @@ template <class L> struct RayleighParameters {
   static constexpr auto fields(auto& s) { return std::tie(s.unused); }
 };
 
+/// Whether a closure is a thin pane, which only reflects and lets pass.
+constexpr bool is_pane_kind(ClosureKind kind) {
+  return kind == ClosureKind::kThinDielectric || kind == ClosureKind::kDispersiveThinDielectric;
+}
+
 /// Most 32-bit words of parameters that a closure may have; a multiple of four.
 inline constexpr int kMaxClosureWords = 24;
 

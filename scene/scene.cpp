@@ -24,6 +24,7 @@ SceneView Scene::view() const {
   v.majorant_grids = majorant_rows_.data();
   v.blackbodies = blackbodies_ ? &*blackbodies_ : nullptr;
   v.has_transparency = has_transparency_;
+  v.has_open_panes = has_open_panes_;
   v.camera_medium = camera_medium_;
   v.lights = lights_.data();
   v.light_alias = light_alias_.data();

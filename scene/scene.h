@@ -163,6 +163,9 @@ struct SceneView {
   const MajorantGridRow* majorant_grids = nullptr;
   const BlackbodyTable* blackbodies = nullptr;  ///< RGB mode, where a medium has a temperature
   bool has_transparency = false;  ///< whether shadow rays may pass a surface, or there are media
+  /// Whether shadow rays pass thin panes: where passing costs no depth, and no pane has a texture or is part of a
+  /// composite material.
+  bool has_open_panes = false;
   std::uint32_t camera_medium = 0;  ///< 0: none, else 1 + the row of what the camera is in
   const LightRow* lights = nullptr;
   const AliasEntry* light_alias = nullptr;  ///< by power
@@ -238,7 +241,7 @@ class Scene {
   std::vector<MajorantGrid> majorant_grids_;
   std::vector<MajorantGridRow> majorant_rows_;
   std::optional<BlackbodyTable> blackbodies_;
-  bool has_transparency_ = false;
+  bool has_transparency_ = false, has_open_panes_ = false;
   std::uint32_t camera_medium_ = 0;
   std::vector<LightRow> lights_;
   std::vector<AliasEntry> light_alias_, triangle_alias_;

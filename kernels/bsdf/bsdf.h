@@ -36,6 +36,12 @@ template <class L> struct BsdfValue {
   typename L::Float pdf_solid_angle;  ///< density of sample()
 };
 
+/// Light that goes straight on through a thin pane.
+template <class L> struct PanePassage {
+  Spectrum<L> share;               ///< of it passes
+  typename L::Float probability;   ///< with which sample() lets it pass
+};
+
 /// A direction sampled from a BSDF.
 template <class L> struct BsdfSample {
   Vec3<L> wi;

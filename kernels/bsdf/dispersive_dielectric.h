@@ -72,6 +72,15 @@ template <class L> struct DispersiveThinDielectricBsdf : DispersiveDielectricPar
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
 
+  /// See ThinDielectricBsdf.
+  SHEAF_INLINE PanePassage<L> passage(Float<L> cos_theta) const {
+    using F = Float<L>;
+    const Spectrum<L> once = fresnel_dispersive<L>(abs(cos_theta), this->eta).reflectance;
+    const auto in_all = [](F r) SHEAF_LAMBDA_INLINE { return (F(1.0f) - r) / (F(1.0f) + r); };
+    const Spectrum<L> through{in_all(once.c0), in_all(once.c1), in_all(once.c2), in_all(once.c3)};
+    return {this->transmittance * through, total(through) * F(0.25f)};
+  }
+
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
     using F = Float<L>;
     const Spectrum<L> once = fresnel_dispersive<L>(abs(wo.z), this->eta).reflectance;

@@ -14,6 +14,14 @@ template <class L> struct ThinDielectricBsdf : DielectricParameters<L> {
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
 
+  /// `cos_theta`: of the angle to the normal, on either side.
+  SHEAF_INLINE PanePassage<L> passage(Float<L> cos_theta) const {
+    using F = Float<L>;
+    const F once = fresnel_dielectric<L>(abs(cos_theta), this->eta).reflectance;
+    const F through = (F(1.0f) - once) / (F(1.0f) + once);
+    return {this->transmittance * through, through};
+  }
+
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
     using F = Float<L>;
     const F once = fresnel_dielectric<L>(abs(wo.z), this->eta).reflectance;
