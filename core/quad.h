@@ -37,6 +37,7 @@ SHEAF_INLINE Quad operator*(Quad a, float s) { return a.v * QuadBatch(s); }
 SHEAF_INLINE Quad operator/(Quad a, Quad b) { return a.v / b.v; }
 SHEAF_INLINE Quad max(Quad a, Quad b) { return xsimd::max(a.v, b.v); }
 SHEAF_INLINE Quad min(Quad a, Quad b) { return xsimd::min(a.v, b.v); }
+SHEAF_INLINE Quad sqrt(Quad a) { return xsimd::sqrt(a.v); }
 SHEAF_INLINE Quad exp(Quad a) { return xsimd::exp(a.v); }
 
 /// The sum of the four.

@@ -15,7 +15,9 @@ namespace {
 struct KindInputs {
   int words;         ///< of the closure's parameters
   bool anisotropic;  ///< the frame must follow the tangent
-  bool mapped;       ///< some materials of the kind have maps
+  /// Some materials of the kind have textures or maps. All are worked out with what textures need then: who shares a
+  /// register must not matter, and the two ways differ in rounding.
+  bool textured;
   bool in_medium;          ///< a phase function
   ClosureSpectra spectra;  ///< among the parameters
 };
@@ -98,7 +100,7 @@ SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* s
   Float<L> head[4];
   gather_row4<L>(reinterpret_cast<const float*>(scene.materials), row, head);
   const U flags = float_bits(head[offsetof(MaterialRow, flags) / sizeof(float)]);
-  if (kind.mapped || any((flags & U(kTextured)) != U(0u))) {
+  if (kind.textured) {
     surface_item<L, true>(scene, wave, ray, hit, flags, column, kind.anisotropic);
   } else {
     surface_item<L, false>(scene, wave, ray, hit, flags, column, kind.anisotropic);
@@ -122,9 +124,9 @@ template <class L> void surface_inputs(const SceneView& scene, Wave& wave) noexc
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     const SurfaceRun& run = wave.runs[static_cast<int>(kind)];
     if (run.count == 0) return;
-    const bool mapped = (scene.kind_flags[static_cast<int>(kind)] & kMapped) != 0;
+    const bool textured = (scene.kind_flags[static_cast<int>(kind)] & (kMapped | kTextured)) != 0;
     timer.count(run.count, L::width);
-    const KindInputs inputs{kLeafCount<Bsdf>, Bsdf<L>::kIsAnisotropic, mapped,
+    const KindInputs inputs{kLeafCount<Bsdf>, Bsdf<L>::kIsAnisotropic, textured,
                             kIsPhaseFunction<Bsdf<L>>, closure_spectra<Bsdf>()};
     with_color_mode(scene, [&]<ColorMode Mode>() { surface_run<L, Mode>(scene, wave, run, inputs); });
   });

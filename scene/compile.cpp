@@ -373,6 +373,7 @@ class SceneCompiler {
     CompiledMedia media = compile_media(placed, spectra(), in_.integrator.step_size);
     out_->media_ = std::move(media.rows);
     out_->medium_spectra_ = std::move(media.spectra);
+    if (spectra_) out_->spectrum_tables_ = spectra_->samples();
     out_->grids_ = std::move(media.grids);
     out_->grid_rows_ = std::move(media.grid_rows);
     out_->majorant_grids_ = std::move(media.majorants);
@@ -387,9 +388,7 @@ class SceneCompiler {
         in_.integrator.medium_estimator == MediumEstimator::kMarching)
       return;
     for (std::uint32_t i = 0; i < out_->media_.size(); ++i) {
-      SceneView view = out_->view();
-      view.color = ColorMode::kRgb;
-      const auto light = make_volume_light(view, i, medium_boxes_[i], static_cast<std::uint32_t>(out_->triangle_alias_.size()));
+      const auto light = make_volume_light(out_->view(), i, medium_boxes_[i], static_cast<std::uint32_t>(out_->triangle_alias_.size()));
       if (!light) continue;
       out_->media_[i].light = static_cast<std::uint32_t>(out_->lights_.size());
       out_->lights_.push_back(light->row);

@@ -3,6 +3,7 @@
 #include "core/color.h"
 #include "scene/compile_materials.h"
 #include "scene/load_volume.h"
+#include "scene/spectral_grid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -68,6 +69,9 @@ class MediaCompiler {
 
   /// Once no more grids are added: their rows point into them.
   void finish() {
+    if (set_ != nullptr)
+      for (BrickGrid& grid : out.grids)
+        if (grid.channels > 1) uplift_grid(grid);
     for (std::size_t i = 0; i < out.grids.size(); ++i)
       out.grid_rows.push_back(make_brick_grid_row(out.grids[i], placements_[i].to_world, placements_[i].filter));
     for (std::size_t i = 0; i < out.majorants.size(); ++i) {

@@ -38,7 +38,7 @@ struct VolumeLight {
   std::vector<AliasEntry> alias;  ///< over its cells
 };
 
-/// The light that the medium of row `medium` is; nothing if it does not emit. `scene` is in RGB mode. `boxes`: around
+/// The light that the medium of row `medium` is; nothing if it does not emit. `boxes`: around
 /// the shapes that hold it. The alias table is to stand at `first_cell`.
 std::optional<VolumeLight> make_volume_light(const SceneView& scene, std::uint32_t medium, std::span<const GridBox> boxes,
                                              std::uint32_t first_cell);

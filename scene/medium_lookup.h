@@ -2,9 +2,8 @@
 #pragma once
 
 #include "core/quad.h"
-#include "core/uplift.h"
-#include "scene/brick_grid_lookup.h"
 #include "scene/scene.h"
+#include "scene/spectral_grid.h"
 
 namespace sheaf {
 
@@ -41,16 +40,12 @@ SHEAF_INLINE MediumCoefficients medium_coefficients(const MediumRow& medium, con
   return medium_coefficients(medium, spectra.first, spectra.second);
 }
 
-/// A grid's value at a point as a factor for each lane; the colours of three channels are uplifted in spectral mode,
-/// `bounded`: as reflectances.
-inline Quad grid_factor(const SceneView& scene, std::uint32_t grid, Vec3f p, const Spectrum4& lambda, bool bounded) {
+/// A grid's value at a point as a factor for each lane.
+inline Quad grid_factor(const SceneView& scene, std::uint32_t grid, Vec3f p, const Spectrum4& lambda) {
   if (scene.grids.rows[grid].channels == 1) return Quad(max(lookup_grid(scene.grids, grid, p), 0.0f));
+  if (scene.color == ColorMode::kSpectral) return lookup_grid_spectrum(scene.grids.rows[grid], p, lambda);
   const Vec3f rgb = lookup_grid_color(scene.grids, grid, p);
-  if (scene.color == ColorMode::kRgb) return Quad(Spectrum4{max(rgb.x, 0.0f), max(rgb.y, 0.0f), max(rgb.z, 0.0f), 0.0f});
-  const UpliftTable& table = *scene.spectral.uplift;
-  const ScaledSigmoid<Scalar> spectrum =
-      bounded ? uplift_reflectance<Scalar>(table, rgb) : uplift_unbounded<Scalar>(table, rgb);
-  return Quad(evaluate(spectrum, lambda));
+  return Quad(Spectrum4{max(rgb.x, 0.0f), max(rgb.y, 0.0f), max(rgb.z, 0.0f), 0.0f});
 }
 
 /// Whether `p` is in the box of the grid that a medium's extinction is made of.
@@ -69,8 +64,8 @@ inline MediumCoefficients medium_coefficients(const SceneView& scene, const Medi
   if ((medium.flags & kMediumBoxed) != 0 && !is_in_box(scene.majorant_grids[medium.majorants], p)) return {};
   Quad first = spectra.first, second = spectra.second;
   const bool by_albedo = (medium.flags & kMediumAbsorptionScattering) == 0;
-  if (medium.first_grid != kNone) first = first * grid_factor(scene, medium.first_grid, p, lambda, false);
-  if (medium.second_grid != kNone) second = second * grid_factor(scene, medium.second_grid, p, lambda, by_albedo);
+  if (medium.first_grid != kNone) first = first * grid_factor(scene, medium.first_grid, p, lambda);
+  if (medium.second_grid != kNone) second = second * grid_factor(scene, medium.second_grid, p, lambda);
   if (by_albedo) second = min(second, Quad(1.0f));
   if (medium.density != kNone) {
     const float density = max(lookup_grid(scene.grids, medium.density, p), 0.0f);
@@ -99,7 +94,7 @@ inline Quad blackbody_emission(const SceneView& scene, float temperature, const 
 inline Quad medium_emission(const SceneView& scene, const MediumRow& medium, const MediumSpectra& spectra, Vec3f p,
                             const Spectrum4& lambda) {
   Quad emission = spectra.emission;
-  if (medium.emission_grid != kNone) emission = emission * grid_factor(scene, medium.emission_grid, p, lambda, false);
+  if (medium.emission_grid != kNone) emission = emission * grid_factor(scene, medium.emission_grid, p, lambda);
   if (medium.temperature != kNone) {
     const float kelvin = lookup_grid(scene.grids, medium.temperature, p) * medium.temperature_scale;
     emission = emission * blackbody_emission(scene, kelvin, lambda);

@@ -14,6 +14,9 @@ constexpr int kCells = 32;
 /// Points looked at in each cell, along each axis.
 constexpr int kPoints = 2;
 
+/// In spectral mode, wavelengths (nm) in place of red, green and blue.
+const Spectrum4 kSeen{600, 550, 450, 500};
+
 bool overlap(const GridBox& a, const GridBox& b) {
   return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
          b.min.z <= a.max.z;
@@ -21,8 +24,8 @@ bool overlap(const GridBox& a, const GridBox& b) {
 
 /// What is emitted at a point, W / (m^3 sr).
 Vec3f emitted_at(const SceneView& scene, const MediumRow& medium, const MediumSpectra& spectra, Vec3f p) {
-  const Quad emitted = medium_coefficients(scene, medium, spectra, p, {}).sigma_a *
-                       medium_emission(scene, medium, spectra, p, {});
+  const Quad emitted = medium_coefficients(scene, medium, spectra, p, kSeen).sigma_a *
+                       medium_emission(scene, medium, spectra, p, kSeen);
   return {emitted[0], emitted[1], emitted[2]};
 }
 
@@ -61,7 +64,7 @@ std::optional<VolumeLight> make_volume_light(const SceneView& scene, std::uint32
   for (const GridBox& box : boxes)
     all = {{std::min(all.min.x, box.min.x), std::min(all.min.y, box.min.y), std::min(all.min.z, box.min.z)},
            {std::max(all.max.x, box.max.x), std::max(all.max.y, box.max.y), std::max(all.max.z, box.max.z)}};
-  const MediumSpectra spectra = medium_spectra(scene, medium, {});
+  const MediumSpectra spectra = medium_spectra(scene, medium, kSeen);
   const Cells cells(all, (medium.flags & kMediumHomogeneous) != 0 && boxes.size() == 1);
   std::vector<float> weights;
   Vec3f total{0, 0, 0};
