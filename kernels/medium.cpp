@@ -67,7 +67,7 @@ class Glow {
   /// to the step.
   void add_step(const PathWeights& path, Quad passed, const MediumCoefficients& c, Vec3f p, float length) {
     if (hidden_) return;
-    const Quad sigma_t = c.sigma_t();
+    const Quad sigma_t = c.sigma_t;
     const Quad absorbed = (Quad(1.0f) - transmittance(sigma_t, length)) / max(sigma_t, Quad(1e-30f));
     const Quad found = path.beta * passed * c.sigma_a * ray_.emission(p) * absorbed;
     radiance_ = radiance_ + found * (1.0f / lane_mean(scene_, path.r_u));
@@ -77,7 +77,7 @@ class Glow {
   void add_line(const PathWeights& path) {
     if (hidden_) return;
     const MediumCoefficients c = medium_coefficients(ray_.medium, ray_.spectra);
-    const Quad sigma_t = c.sigma_t();
+    const Quad sigma_t = c.sigma_t;
     const Quad absorbed = Quad(1.0f) - transmittance(sigma_t, ray_.length);
     const Quad found = path.beta * c.sigma_a * ray_.spectra.emission * absorbed / max(sigma_t, Quad(1e-30f));
     radiance_ = radiance_ + found * (1.0f / lane_mean(scene_, path.r_u));
@@ -105,7 +105,7 @@ class Glow {
 /// Emission along a homogeneous ray: all of it where nothing else could have found it, else at one sampled point.
 void glow_homogeneous(const MediumRay& ray, MediumRandom& random, const PathWeights& weights, Glow& glow) {
   if (!glow.contested()) return glow.add_line(weights);
-  const Quad sigma_t = medium_coefficients(ray.medium, ray.spectra).sigma_t();
+  const Quad sigma_t = medium_coefficients(ray.medium, ray.spectra).sigma_t;
   const float sigma = sigma_t[ray.hero];
   if (!(sigma > 0.0f)) return;
   const float t = exponential_distance(sigma, random.next());

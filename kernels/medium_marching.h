@@ -29,7 +29,7 @@ inline float march(const MediumRay& ray, float u, MediumRandom& random, Tracking
   Quad depth;
   float found = -1.0f;
   for_each_step(ray, random.next(), [&](float begin, float length, const MediumCoefficients& c, Vec3f p) {
-    const Quad sigma_t = c.sigma_t();
+    const Quad sigma_t = c.sigma_t;
     const float before = depth[ray.hero], after = before + sigma_t[ray.hero] * length;
     if (ray.has(kMediumEmits)) glow.add_step(path, exp(Quad() - depth), c, p, length);
     ++counts.null;
@@ -67,7 +67,7 @@ inline float march(const MediumRay& ray, float u, MediumRandom& random, Tracking
 inline void pass_by_marching(const MediumRay& ray, MediumRandom& random, TrackingCounts& counts, PathWeights& path) {
   Quad depth;
   for_each_step(ray, random.next(), [&](float, float length, const MediumCoefficients& c, Vec3f) {
-    depth = depth + c.sigma_t() * length;
+    depth = depth + c.sigma_t * length;
     ++counts.shadow;
     return true;
   });

@@ -54,7 +54,7 @@ SHEAF_INLINE float exponential_distance(float sigma, float u) { return -std::log
 /// ray's length where it passes.
 inline float track_homogeneous(const MediumRay& ray, float u, PathWeights& path) {
   const MediumCoefficients c = medium_coefficients(ray.medium, ray.spectra);
-  const Quad sigma_t = c.sigma_t();
+  const Quad sigma_t = c.sigma_t;
   if (!ray.has(kMediumScatters)) {
     path.beta = path.beta * transmittance(sigma_t, ray.length);
     return ray.length;
@@ -98,7 +98,7 @@ inline float majorant_at(const MajorantGridRow& row, Vec3f p) {
 
 /// Each lane's density per metre of what Glow counts as a collision at `p`, without the transmittance up to there.
 inline Quad collision_density(const MediumRay& ray, Vec3f p) {
-  if (ray.has(kMediumHomogeneous)) return ray.odds(medium_coefficients(ray.medium, ray.spectra).sigma_t());
+  if (ray.has(kMediumHomogeneous)) return ray.odds(medium_coefficients(ray.medium, ray.spectra).sigma_t);
   return ray.odds(majorant_spectrum(ray, majorant_at(ray.scene.majorant_grids[ray.medium.majorants], p)));
 }
 
@@ -153,7 +153,7 @@ inline float track_null_collisions(const MediumRay& ray, MediumRandom& random, b
     emit(at, p, path);
     const MediumCoefficients c = ray.coefficients(p);
     // Majorants hold up to rounding: more than them counts as them.
-    const Quad sigma_t = min(c.sigma_t(), at.sigma_maj);
+    const Quad sigma_t = min(c.sigma_t, at.sigma_maj);
     const float hero = sigma_t[ray.hero], majorant = at.sigma_maj[ray.hero];
     if (random.next() * majorant < hero) {
       ++counts.real;
@@ -181,7 +181,7 @@ inline float track_null_collisions(const MediumRay& ray, MediumRandom& random, b
 /// Lets a shadow ray's light pass a homogeneous medium.
 inline void pass_homogeneous(const MediumRay& ray, PathWeights& path) {
   const MediumCoefficients c = medium_coefficients(ray.medium, ray.spectra);
-  const Quad passed = transmittance(c.sigma_t(), ray.length);
+  const Quad passed = transmittance(c.sigma_t, ray.length);
   path.beta = path.beta * passed;
   if (ray.has(kMediumScatters)) path.r_u = path.r_u * ray.odds(passed);
 }
@@ -192,7 +192,7 @@ inline bool pass_null_collisions(const MediumRay& ray, MediumRandom& random, boo
                                  PathWeights& path) {
   bool open = true;
   const Quad rest = for_each_collision(ray, random, [&](const Collision& at) {
-    const Quad sigma_t = min(ray.coefficients(ray.at(at.t)).sigma_t(), at.sigma_maj);
+    const Quad sigma_t = min(ray.coefficients(ray.at(at.t)).sigma_t, at.sigma_maj);
     const Quad sigma_n = at.sigma_maj - sigma_t;
     const float majorant = at.sigma_maj[ray.hero];
     ++counts.shadow;

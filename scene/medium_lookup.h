@@ -23,16 +23,14 @@ inline MediumSpectra medium_spectra(const SceneView& scene, const MediumRow& med
   return {at(0), at(1), (medium.flags & kMediumEmits) != 0 ? at(2) : Quad()};
 }
 
-/// Absorption and scattering per metre.
+/// Absorption, scattering and extinction per metre.
 struct MediumCoefficients {
-  Quad sigma_a, sigma_s;
-  SHEAF_INLINE Quad sigma_t() const { return sigma_a + sigma_s; }
+  Quad sigma_a, sigma_s, sigma_t;
 };
 
 SHEAF_INLINE MediumCoefficients medium_coefficients(const MediumRow& medium, Quad first, Quad second) {
-  if ((medium.flags & kMediumAbsorptionScattering) != 0) return {first, second};
-  const Quad sigma_s = first * second;
-  return {first - sigma_s, sigma_s};
+  if ((medium.flags & kMediumAbsorptionScattering) != 0) return {first, second, first + second};
+  return {max(first - first * second, Quad()), first * second, first};
 }
 
 /// Of a homogeneous medium.
@@ -66,7 +64,8 @@ inline MediumCoefficients medium_coefficients(const SceneView& scene, const Medi
   const bool by_albedo = (medium.flags & kMediumAbsorptionScattering) == 0;
   if (medium.first_grid != kNone) first = first * grid_factor(scene, medium.first_grid, p, lambda);
   if (medium.second_grid != kNone) second = second * grid_factor(scene, medium.second_grid, p, lambda);
-  if (by_albedo) second = min(second, Quad(1.0f));
+  // In spectral mode a saturated colour may be the spectrum of an albedo that exceeds 1 at some wavelengths.
+  if (by_albedo && scene.color == ColorMode::kRgb) second = min(second, Quad(1.0f));
   if (medium.density != kNone) {
     const float density = max(lookup_grid(scene.grids, medium.density, p), 0.0f);
     first = first * density;
