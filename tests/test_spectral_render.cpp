@@ -242,7 +242,9 @@ TEST_CASE("spectral: tints are those of RGB mode, from constants and from textur
   disney.specular_tint = disney.sheen_tint = disney.sheen = disney.specular = 1.0f;
   std::vector<Description> scenes{scene(principled), scene(thin), scene(disney)};
   for (Description d : std::vector<Description>(scenes)) {
-    d.textures.push_back({CheckerboardDescription{red, red}});
+    TextureDescription board;
+    board.model = CheckerboardDescription{red, red};
+    d.textures.push_back(board);
     std::visit([](auto& model) {
       if constexpr (requires { model.base_color; }) model.base_color = TextureId{0};
     }, d.materials.back().model);

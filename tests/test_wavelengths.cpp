@@ -102,7 +102,7 @@ TEST_CASE("wavelengths: registers agree with single numbers") {
 
 TEST_CASE("wavelengths: white light is a quiet estimate") {
   // The sum over red, green and blue of variance over squared mean, in daylight and in equal energy.
-  for (const bool daylight : {true, false}) {
+  for (const bool in_daylight : {true, false}) {
     double mean[3] = {}, squares[3] = {}, alone[3] = {};
     constexpr int kSteps = 8192;
     for (int i = 0; i < kSteps; ++i) {
@@ -110,7 +110,7 @@ TEST_CASE("wavelengths: white light is a quiet estimate") {
       const auto lambda = values(w.lambda), pdf = values(w.pdf);
       double sum[3] = {};
       for (std::size_t k = 0; k < 4; ++k) {
-        const Vec3f rgb = response(static_cast<double>(lambda[k])) * ((daylight ? cie_d65(lambda[k]) : 1) / pdf[k]);
+        const Vec3f rgb = response(static_cast<double>(lambda[k])) * ((in_daylight ? cie_d65(lambda[k]) : 1) / pdf[k]);
         const double each[3] = {static_cast<double>(rgb.x), static_cast<double>(rgb.y), static_cast<double>(rgb.z)};
         for (int c = 0; c < 3; ++c) sum[c] += each[c] / 4, alone[c] += each[c] * each[c] / (4 * kSteps);
       }
@@ -121,7 +121,7 @@ TEST_CASE("wavelengths: white light is a quiet estimate") {
       of_four += squares[c] / (mean[c] * mean[c]) - 1;
       of_one += alone[c] / (mean[c] * mean[c]) - 1;
     }
-    CAPTURE(daylight);
+    CAPTURE(in_daylight);
     CHECK(of_four < 0.008);
     CHECK(of_one < 13);
   }
