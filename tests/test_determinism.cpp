@@ -1,6 +1,7 @@
 // The same bits whatever the number of threads, the wave size and the crop; and of files whenever they are written.
 #include "kernels/passes/render.h"
 #include "scene/compile.h"
+#include "tests/media_testing.h"
 #include "tests/temporary_folder.h"
 #include "tests/tiny_scenes.h"
 
@@ -11,6 +12,7 @@
 #include <tbb/task_arena.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 
@@ -39,6 +41,46 @@ Description room(int width, int height) {
                             Transform::scale({0.2f, 0.3f, 1})), 2);
   add_point_light(d, {0, 0.2f, -1}, 0.5f);
   add_constant_light(d, 0.3f);
+  return d;
+}
+
+/// Quadrics of one kind of closure, some with a texture and some without, so that both share registers.
+Description half_textured(int width, int height) {
+  Description d = empty_scene(width, height);
+  look_at(d, {0, 0, -4}, {0, 0, 0}, {0, 1, 0}, 40);
+  d.sampler.sample_count = 6;
+  TextureDescription squares;
+  squares.model = CheckerboardDescription{SpectrumDescription::rgb(0.9f, 0.2f, 0.1f), SpectrumDescription::rgb(0.1f, 0.5f, 0.8f)};
+  d.textures.push_back(squares);
+  const MaterialId plain = add_diffuse(d, 0.6f), textured = add_material(d, DiffuseDescription{TextureId{0}});
+  for (int i = 0; i < 5; ++i) {
+    const float x = 0.5f * static_cast<float>(i) - 1;
+    add_sphere(d, {x, 0.3f, 0}, 0.3f, i % 2 == 0 ? plain : textured);
+    add_sphere(d, {x, -0.3f, 0.1f}, 0.3f, i % 2 == 1 ? plain : textured);
+  }
+  add_rectangle(d, Transform::translate({0, -0.7f, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({3, 3, 1}), plain);
+  add_point_light(d, {1, 2, -2}, 6);
+  add_constant_light(d, 0.3f);
+  return d;
+}
+
+/// The room with media of all sorts in it.
+Description smoky_room(int width, int height, const std::filesystem::path& folder) {
+  Description d = room(width, height);
+  const auto lumps = write_vol(folder / "lumps.vol", 12, 1, [](Vec3f p, int) {
+    return 4 * p.x * (1 - p.x) + std::sin(9 * p.y) * std::sin(9 * p.y) * p.z;
+  });
+  MediumDescription fog_medium = fog(0.2f, 0.9f), cloud = fog(6, 0.8f), gas = fog(2, 0.3f);
+  std::get<ExtinctionAlbedoDescription>(gas.coefficients).sigma_t = SpectrumDescription::rgb(0.5f, 1, 4);
+  gas.emission = VolumeInput(SpectrumDescription::rgb(3, 2, 0.5f));
+  cloud.density = vol(lumps, Transform::translate({-0.6f, -0.2f, -0.5f}) * Transform::scale({0.8f, 0.8f, 0.8f}));
+  cloud.phase = add_phase(d, 0.7f);
+  d.camera.medium = add_medium(d, fog_medium);
+  const MediumId of_cloud = add_medium(d, cloud), of_gas = add_medium(d, gas);
+  fill(d, add_sphere(d, {-0.2f, 0.2f, -0.1f}, 0.4f), of_cloud).exterior_is_surrounding = true;
+  fill(d, add_sphere(d, {0.5f, 0.1f, -0.4f}, 0.2f), of_gas).exterior_is_surrounding = true;
+  add_rectangle(d, Transform::translate({0, 0.7f, 0}) * Transform::rotate({1, 0, 0}, 90) * Transform::scale({0.4f, 0.4f, 1}),
+                add_material(d, MaskDescription{0.4f, add_diffuse(d, 0.1f)}));
   return d;
 }
 
@@ -142,6 +184,28 @@ TEST_CASE("the same bits for all thread counts and wave sizes") {
     options.wave_size = wave_size;
     CHECK(same_bytes(pixels(*scene, options), expected));
   }
+}
+
+TEST_CASE("the same bits where textured and plain materials share registers, and in media") {
+  const TemporaryFolder folder;
+  for (const bool media : {false, true})
+    for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
+      CAPTURE(media);
+      CAPTURE(static_cast<int>(color));
+      CompileOptions compile;
+      compile.color = color;
+      const auto scene = compile_scene(media ? smoky_room(40, 30, folder.path()) : half_textured(40, 30), compile);
+      RenderOptions options;
+      options.threads = 1;
+      options.wave_size = 256;
+      const std::vector<float> expected = pixels(*scene, options);
+      for (const int wave_size : {1, 65, 1024, 1600}) {
+        CAPTURE(wave_size);
+        options.threads = wave_size == 1024 ? 1 : 2;
+        options.wave_size = wave_size;
+        CHECK(same_bytes(pixels(*scene, options), expected));
+      }
+    }
 }
 
 TEST_CASE("more samples than one pass holds: the same bits") {
