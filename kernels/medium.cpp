@@ -115,14 +115,14 @@ void glow_homogeneous(const MediumRay& ray, MediumRandom& random, const PathWeig
 }
 
 /// The distance at which the path scatters, or the ray's length.
-float track(const SceneView& scene, const MediumPath& path, const MediumRay& ray, float u, MediumRandom& random,
+float track(const SceneView& scene, const MediumRay& ray, float u, MediumRandom& random,
             TrackingCounts& counts, PathWeights& weights, Glow& glow) {
   const bool emits = ray.has(kMediumEmits);
   const MediumEstimator estimator = scene.integrator.medium_estimator;
   if (ray.has(kMediumHomogeneous)) {
     if (emits) glow_homogeneous(ray, random, weights, glow);
     const float t = track_homogeneous(ray, u, weights);
-    if (t < path.hit.t) ++counts.real;
+    if (t < ray.length) ++counts.real;
     return t;
   }
   const auto emit = [&](const Collision& at, Vec3f p, const PathWeights& before) SHEAF_LAMBDA_INLINE {
@@ -169,7 +169,7 @@ void medium_path(const SceneView& scene, Wave& wave, Slot slot, float u, Trackin
   const float* r = wave.probabilities.row(slot);
   PathWeights weights{Quad(path.throughput.beta), Quad::load(r), Quad::load(r + 4)};
   Glow glow(scene, wave, path, ray);
-  const float t = track(scene, path, ray, u, random, counts, weights, glow);
+  const float t = track(scene, ray, u, random, counts, weights, glow);
   if (ray.has(kMediumEmits)) {
     float* radiance = wave.radiance.row(slot);
     (Quad::load(radiance) + glow.radiance()).store(radiance);
@@ -178,8 +178,9 @@ void medium_path(const SceneView& scene, Wave& wave, Slot slot, float u, Trackin
     wave.finished.push(slot);
     return;
   }
+  weights.rescale();
   store_weights(wave, slot, weights);
-  if (t < path.hit.t) return scatter_path(scene, wave, path, ray, t);
+  if (t < ray.length) return scatter_path(scene, wave, path, ray, t);
   const std::uint32_t flags = path.ray.flags;
   route_hits<Scalar>(scene, wave, &slot, 1u, {path.hit.shape != kNone, path.hit.light, path.hit.material, flags});
 }

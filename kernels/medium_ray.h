@@ -30,7 +30,8 @@ inline MediumRay make_medium_ray(const SceneView& scene, std::uint32_t flags, co
     for (int lane = 0; lane < 4; ++lane)
       if (most[lane] > most[hero]) hero = lane;
   }
-  return {scene, medium, spectra, lambda, origin, direction, length, hero, !by_largest};
+  return {scene,  medium,    spectra,                      lambda,
+          origin, direction, min(length, kLongestStretch), hero, !by_largest};
 }
 
 /// The mean over the lanes of probabilities, as light that is found is divided by it.

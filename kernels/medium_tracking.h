@@ -18,7 +18,21 @@ namespace sheaf {
 /// A path on its way: throughput and ProbabilityState in registers.
 struct PathWeights {
   Quad beta, r_u, r_l;
+
+  /// Takes out a common factor, which means nothing, before lanes far apart overflow.
+  void rescale() {
+    constexpr float kLarge = 1e6f;
+    const float most = max_component(r_u);
+    if (!(most > kLarge)) return;
+    const float factor = 1.0f / most;
+    beta = beta * factor;
+    r_u = r_u * factor;
+    r_l = r_l * factor;
+  }
 };
+
+/// Longer than any scene, short enough that products with coefficients stay finite.
+inline constexpr float kLongestStretch = 1e18f;
 
 /// A stretch of a ray within one medium.
 struct MediumRay {
@@ -27,7 +41,7 @@ struct MediumRay {
   MediumSpectra spectra;
   Spectrum4 lambda;      ///< the path's wavelengths
   Vec3f origin, direction;  ///< world space; unit length
-  float length;          ///< metres, may be infinite
+  float length;          ///< metres, at most kLongestStretch
   int hero;              ///< lane by which distances are sampled
   bool weighted;         ///< the other lanes have probabilities of their own
 
@@ -41,11 +55,8 @@ struct MediumRay {
 
 using TrackingCounts = Stats::Collisions;
 
-/// Longer than any scene, short enough that products with coefficients stay finite.
-inline constexpr float kLongestStretch = 1e18f;
-
 /// Transmittance over a distance in metres.
-SHEAF_INLINE Quad transmittance(Quad sigma_t, float distance) { return exp(sigma_t * -min(distance, kLongestStretch)); }
+SHEAF_INLINE Quad transmittance(Quad sigma_t, float distance) { return exp(sigma_t * -distance); }
 
 /// A distance by the extinction `sigma` > 0 from u in [0, 1).
 SHEAF_INLINE float exponential_distance(float sigma, float u) { return -std::log1p(-u) / sigma; }
@@ -116,8 +127,7 @@ SHEAF_INLINE Quad for_each_collision(const MediumRay& ray, MediumRandom& random,
   const bool grey = ray.has(kMediumGrey);
   // The optical depth of the hero lane that is left until the next collision.
   float depth = exponential_distance(1.0f, random.next());
-  MajorantWalk walk(ray.scene.majorant_grids[ray.medium.majorants], ray.origin, ray.direction, 0.0f,
-                    min(ray.length, kLongestStretch));
+  MajorantWalk walk(ray.scene.majorant_grids[ray.medium.majorants], ray.origin, ray.direction, 0.0f, ray.length);
   MajorantSegment segment;
   Quad passed(1.0f);
   while (walk.next(segment)) {

@@ -45,7 +45,7 @@ bool pass_medium(const SceneView& scene, Wave& wave, ShadowRay& ray, float t) {
   const Spectrum4 lambda = lane_wavelengths(scene, wave, static_cast<Slot>(ray.item.slot));
   const MediumRay stretch =
       make_medium_ray(scene, ray.state.flags, lambda, ray.item.origin, d * (1.0f / whole), whole * t);
-  PathWeights weights{Quad(ray.item.contribution), Quad(ray.state.r_u), Quad(ray.state.r_l)};
+  PathWeights weights{Quad(1.0f), Quad(1.0f), Quad(1.0f)};
   const MediumEstimator estimator = scene.integrator.medium_estimator;
   bool open = true;
   if (stretch.has(kMediumHomogeneous)) {
@@ -55,6 +55,10 @@ bool pass_medium(const SceneView& scene, Wave& wave, ShadowRay& ray, float t) {
   } else {
     open = pass_null_collisions(stretch, ray.random, estimator == MediumEstimator::kDelta, wave.stats.collisions, weights);
   }
+  weights.beta = weights.beta * Quad(ray.item.contribution);
+  weights.r_u = weights.r_u * Quad(ray.state.r_u);
+  weights.r_l = weights.r_l * Quad(ray.state.r_l);
+  weights.rescale();
   ray.item.contribution = to_spectrum(weights.beta);
   ray.state.r_u = to_spectrum(weights.r_u);
   ray.state.r_l = to_spectrum(weights.r_l);
