@@ -105,7 +105,7 @@ template <class L> struct PrincipledParameters {
   typename L::Float eta;  ///< int / ext
   /// Of base_color, for the tints, where that is no colour but the reflectance at four wavelengths. Zero: not given, or
   /// black.
-  typename L::Float base_luminance;
+  typename L::Float base_luminance{};
   static constexpr auto fields(auto& s) {
     return std::tie(s.base_color, s.roughness, s.anisotropic, s.metallic, s.spec_trans, s.spec_tint, s.sheen,
                     s.sheen_tint, s.flatness, s.clearcoat, s.clearcoat_gloss, s.eta, s.base_luminance);
@@ -116,7 +116,7 @@ template <class L> struct PrincipledParameters {
 template <class L> struct PrincipledThinParameters {
   Spectrum<L> base_color;
   typename L::Float roughness, anisotropic, spec_trans, eta, spec_tint, sheen, sheen_tint, flatness, diff_trans;
-  typename L::Float base_luminance;  ///< as for PrincipledParameters
+  typename L::Float base_luminance{};  ///< as for PrincipledParameters
   static constexpr auto fields(auto& s) {
     return std::tie(s.base_color, s.roughness, s.anisotropic, s.spec_trans, s.eta, s.spec_tint, s.sheen, s.sheen_tint,
                     s.flatness, s.diff_trans, s.base_luminance);
@@ -128,7 +128,7 @@ template <class L> struct DisneyParameters {
   Spectrum<L> base_color;
   typename L::Float metallic, subsurface, specular, specular_tint, roughness, anisotropic, sheen, sheen_tint, clearcoat,
       clearcoat_gloss;
-  typename L::Float base_luminance;  ///< as for PrincipledParameters, by the weights of the notes: 0.3, 0.6, 0.1
+  typename L::Float base_luminance{};  ///< as for PrincipledParameters, by the weights of the notes: 0.3, 0.6, 0.1
   static constexpr auto fields(auto& s) {
     return std::tie(s.base_color, s.metallic, s.subsurface, s.specular, s.specular_tint, s.roughness, s.anisotropic,
                     s.sheen, s.sheen_tint, s.clearcoat, s.clearcoat_gloss, s.base_luminance);
