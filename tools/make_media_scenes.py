@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Makes what the scenes of scenes/media need: a bowl and a staircase of glass (scenes/media/meshes), and the grids of
+cloud and fire (scenes/media/generated, by make_cloud). Needs nothing but Python and a build; the output never varies.
+
+  tools/make_media_scenes.py [--make-cloud build/release/make_cloud] [--meshes-only]
+"""
+
+import argparse
+import math
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDER = ROOT / "scenes" / "media"
+
+# Radius and height of the bowl's outline, from the middle of the foot outwards, up, and back down on the inside.
+BOWL = [(0.0, 0.0), (0.34, 0.0), (0.36, 0.02), (0.34, 0.06), (0.27, 0.12), (0.30, 0.20), (0.46, 0.30), (0.62, 0.44),
+        (0.72, 0.62), (0.76, 0.82), (0.77, 0.92), (0.755, 0.945), (0.735, 0.92), (0.71, 0.80), (0.65, 0.64),
+        (0.53, 0.50), (0.36, 0.41), (0.18, 0.37), (0.0, 0.36)]
+SIDES = 48
+STEPS_PER_SPAN = 2
+
+
+def spline(points, t):
+    """Catmull and Rom's curve through the points; t counts them."""
+    i = min(int(t), len(points) - 2)
+    f = t - i
+    p = [points[min(max(i + k, 0), len(points) - 1)] for k in (-1, 0, 1, 2)]
+    return tuple(0.5 * (2 * p[1][c] + f * (p[2][c] - p[0][c]) + f * f * (2 * p[0][c] - 5 * p[1][c] + 4 * p[2][c] - p[3][c])
+                        + f**3 * (3 * p[1][c] - p[0][c] - 3 * p[2][c] + p[3][c])) for c in (0, 1))
+
+
+def make_bowl():
+    """A closed surface of revolution about +y, normals pointing out of the glass."""
+    count = (len(BOWL) - 1) * STEPS_PER_SPAN
+    outline = [spline(BOWL, i / STEPS_PER_SPAN) for i in range(count + 1)]
+    outline[0], outline[-1] = BOWL[0], BOWL[-1]
+    lines, faces = [], []
+    for i, (radius, height) in enumerate(outline):
+        before, after = outline[max(i - 1, 0)], outline[min(i + 1, count)]
+        along = (after[0] - before[0], after[1] - before[1])
+        length = math.hypot(*along)
+        normal = (along[1] / length, -along[0] / length) if 0 < i < count else (0.0, -1.0 if i == 0 else 1.0)
+        for k in range(SIDES):
+            c, s = math.cos(2 * math.pi * k / SIDES), math.sin(2 * math.pi * k / SIDES)
+            lines.append(f"v {max(radius, 0.0) * c:.4f} {height:.4f} {max(radius, 0.0) * s:.4f}")
+            lines.append(f"vn {normal[0] * c:.3f} {normal[1]:.3f} {normal[0] * s:.3f}")
+    for i in range(count):
+        for k in range(SIDES):
+            a, b = i * SIDES + k + 1, i * SIDES + (k + 1) % SIDES + 1
+            c, d = a + SIDES, b + SIDES
+            if i > 0:
+                faces.append(f"f {a}//{a} {c}//{c} {b}//{b}")
+            if i < count - 1:
+                faces.append(f"f {b}//{b} {c}//{c} {d}//{d}")
+    return "# A bowl of glass, written by tools/make_media_scenes.py.\n" + "\n".join(lines + faces) + "\n"
+
+
+def make_stairs(steps=5):
+    """One solid block seen along z whose thickness in z grows step by step, without inner faces; x from 0 to `steps`."""
+    vertices, faces = [], []
+
+    def quad(*corners):
+        start = len(vertices)
+        vertices.extend(corners)
+        faces.append("f " + " ".join(str(start + k + 1) for k in range(4)))
+
+    def depth(step):
+        return 0.25 * 1.8**step if 0 <= step < steps else 0.0
+
+    for i in range(steps):
+        z = depth(i)
+        quad((i, 0, 0), (i, 1, 0), (i + 1, 1, 0), (i + 1, 0, 0))
+        quad((i, 0, z), (i + 1, 0, z), (i + 1, 1, z), (i, 1, z))
+        quad((i, 0, 0), (i + 1, 0, 0), (i + 1, 0, z), (i, 0, z))
+        quad((i, 1, 0), (i, 1, z), (i + 1, 1, z), (i + 1, 1, 0))
+        quad((i, 0, depth(i - 1)), (i, 0, z), (i, 1, z), (i, 1, depth(i - 1)))
+    z = depth(steps - 1)
+    quad((steps, 0, 0), (steps, 1, 0), (steps, 1, z), (steps, 0, z))
+    lines = [f"v {x:g} {y:g} {c:.5g}" for x, y, c in vertices]
+    return "# Steps of glass, written by tools/make_media_scenes.py.\n" + "\n".join(lines + faces) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--make-cloud", default=str(ROOT / "build/release/make_cloud"))
+    parser.add_argument("--meshes-only", action="store_true")
+    arguments = parser.parse_args()
+    (FOLDER / "meshes").mkdir(parents=True, exist_ok=True)
+    (FOLDER / "meshes" / "bowl.obj").write_text(make_bowl())
+    (FOLDER / "meshes" / "stairs.obj").write_text(make_stairs())
+    if arguments.meshes_only:
+        return
+    generated = FOLDER / "generated"
+    generated.mkdir(exist_ok=True)
+    for options in (["cloud.nvdb", "--resolution", "160"],
+                    ["fire.nvdb", "--kind", "smoke", "--temperature", "--resolution", "128"]):
+        subprocess.run([arguments.make_cloud, str(generated / options[0]), *options[1:]], check=True)
+
+
+if __name__ == "__main__":
+    main()
