@@ -188,12 +188,13 @@ inline float track_null_collisions(const MediumRay& ray, MediumRandom& random, b
   return ray.length;
 }
 
-/// Lets a shadow ray's light pass a homogeneous medium.
-inline void pass_homogeneous(const MediumRay& ray, PathWeights& path) {
+/// Lets a shadow ray's light pass a homogeneous medium. `from_within`: the light is a point of this medium, at the ray's
+/// end, so that a path has to collide there.
+inline void pass_homogeneous(const MediumRay& ray, bool from_within, PathWeights& path) {
   const MediumCoefficients c = medium_coefficients(ray.medium, ray.spectra);
   const Quad passed = transmittance(c.sigma_t, ray.length);
   path.beta = path.beta * passed;
-  if (ray.has(kMediumScatters)) path.r_u = path.r_u * ray.odds(passed);
+  if (ray.has(kMediumScatters) || from_within) path.r_u = path.r_u * ray.odds(passed);
 }
 
 /// Lets a shadow ray's light pass a heterogeneous medium: by ratio tracking, which no collision stops, or by delta

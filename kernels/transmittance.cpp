@@ -36,8 +36,9 @@ ShadowRay load_ray(const SceneView& scene, const Wave& wave, int i, int round) {
           MediumRandom(scene.sampler.seed, path.pixel, path.sample, event, MediumStream::kShadow)};
 }
 
-/// Lets the light pass the ray's medium over the part `t` of the ray. Returns false where nothing is left.
-bool pass_medium(const SceneView& scene, Wave& wave, ShadowRay& ray, float t) {
+/// Lets the light pass the ray's medium over the part `t` of the ray; `to_end`: it is the last one. Returns false where
+/// nothing is left.
+bool pass_medium(const SceneView& scene, Wave& wave, ShadowRay& ray, float t, bool to_end) {
   if (ray.state.flags >> kRayMediumShift == 0) return true;
   const Vec3f d = ray.item.direction;
   const float whole = length(d);
@@ -49,7 +50,7 @@ bool pass_medium(const SceneView& scene, Wave& wave, ShadowRay& ray, float t) {
   const MediumEstimator estimator = scene.integrator.medium_estimator;
   bool open = true;
   if (stretch.has(kMediumHomogeneous)) {
-    pass_homogeneous(stretch, weights);
+    pass_homogeneous(stretch, to_end && ray.state.end != kNone, weights);
   } else if (estimator == MediumEstimator::kMarching) {
     pass_by_marching(stretch, ray.random, wave.stats.collisions, weights);
   } else {
@@ -144,7 +145,7 @@ template <class L> int follow(const SceneView& scene, Wave& wave, int rays, int 
     for (int i = 0; i < in_packet; ++i) {
       ShadowRay ray = load_ray(scene, wave, first + i, round);
       if (packet.shape[i] == kNone) {
-        if (pass_medium(scene, wave, ray, 1.0f)) pay(scene, wave, ray);
+        if (pass_medium(scene, wave, ray, 1.0f, true)) pay(scene, wave, ray);
         continue;
       }
       // What the surface lets pass is known sooner than what the medium does.
@@ -152,7 +153,7 @@ template <class L> int follow(const SceneView& scene, Wave& wave, int rays, int 
       if (!pass_surface(scene, wave, packet, i, behind)) continue;
       ray.item.contribution = behind.item.contribution;
       ray.state.r_u = behind.state.r_u;
-      if (!pass_medium(scene, wave, ray, packet.t_far[i])) continue;
+      if (!pass_medium(scene, wave, ray, packet.t_far[i], false)) continue;
       ray.item.origin = behind.item.origin;
       ray.item.direction = behind.item.direction;
       ray.state.flags = behind.state.flags;

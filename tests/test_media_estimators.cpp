@@ -208,7 +208,7 @@ double reflected_glow(double sigma, double emission) {
 TEST_CASE("media: a glowing sphere of gas, seen and lighting a floor") {
   const TemporaryFolder folder;
   const auto one = write_vol(folder / "one.vol", 3, 1, [](Vec3f, int) { return 1.0f; });
-  const Transform around = Transform::translate({-2, -2, -2}) * Transform::scale({4, 4, 4});
+  const Transform around = Transform::translate({-4, -4, -4}) * Transform::scale({8, 8, 8});
   for (const float sigma : {0.05f, 1.0f, 6.0f})
     for (const bool on_grid : {false, true})
       for (const MediumEstimator estimator : {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio,
