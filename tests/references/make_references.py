@@ -13,7 +13,8 @@ Two files are written per scene, with the channels R, G and B:
                 mean over that many samples.
 
 The variant scalar_spectral makes the references of spectral mode, NAME_spectral.exr and NAME_spectral_var.exr, of the
-scenes in SPECTRAL. Their variance is that between pictures of few samples each.
+scenes in SPECTRAL. Their variance is that between pictures of few samples each, and so is that of scenes with media,
+medium_NAME, which are made with scalar_rgb.
 
 The variance is the mean of the squares less the square of the mean, for filters w that are nowhere negative. For the
 others it is that of filter importance sampling: samples are placed with a density proportional to |w|, and each counts
@@ -34,8 +35,8 @@ CORNELL = FOLDER.parent.parent / "scenes" / "cornell" / "cornell.xml"
 CORNELL_BLOCK = 20  # pixels per side of one pixel of the Cornell reference
 # Without scenes of metals by name, whose data differ, and of emitters with pictures, which mean another colour in
 # Mitsuba's spectral variants than in its own RGB ones.
-SPECTRAL = ["constant_environment", "glass_sphere", "plastics", "point_light", "spectra_emission", "spectra_reflectance",
-            "textures"]
+SPECTRAL = ["constant_environment", "glass_sphere", "medium_chromatic", "medium_dielectric", "medium_hg_forward",
+            "plastics", "point_light", "spectra_emission", "spectra_reflectance", "textures"]
 WAVEFRONT = 1 << 21  # samples that are in flight at once
 
 
@@ -173,6 +174,9 @@ def write(name, mean, variance, samples):
 
 
 def make(name, spp):
+    if name.startswith("medium_"):
+        make_by_pictures(name, name, spp)
+        return
     path = SCENES / f"{name}.xml"
     mean, square, samples = moments(load(path), spp)
     kind = name.removeprefix("filter_")
@@ -181,14 +185,14 @@ def make(name, spp):
     write(name, mean, np.maximum(square - mean**2, 0) * (samples / (samples - 1)), samples)
 
 
-def make_spectral(name, spp):
+def make_by_pictures(name, output, spp):
     """By pictures of a 32nd of the samples: colours of single samples don't reach an integrator in spectral variants."""
     pictures = 32
     scene = load(SCENES / f"{name}.xml")
     each = max(spp // pictures, 1)
     means = np.array([np.array(mitsuba().render(scene, spp=each, seed=2000 + i), dtype=float)[..., :3]
                       for i in range(pictures)])
-    write(f"{name}_spectral", means.mean(axis=0), means.var(axis=0, ddof=1) * each, each * pictures)
+    write(output, means.mean(axis=0), means.var(axis=0, ddof=1) * each, each * pictures)
 
 
 def make_cornell(spp):
@@ -217,7 +221,7 @@ def main():
         sys.exit(f"no such scene: {', '.join(sorted(unknown))}")
     if arguments.variant.endswith("spectral"):
         for name in arguments.names or SPECTRAL:
-            make_spectral(name, arguments.spp)
+            make_by_pictures(name, f"{name}_spectral", arguments.spp)
         return
     for name in arguments.names or names:
         if name == "cornell":
