@@ -1,9 +1,10 @@
 // What spectral mode's leaves cost per path, that is per four wavelengths, in registers and one path at a time:
-// making the wavelengths, evaluating rows of each kind, uplifting texels, the sensor; and what the uplift's table
-// costs to make.
+// making the wavelengths, evaluating rows of each kind, uplifting texels, environment maps, the sensor; and what the
+// uplift's table costs to make.
 #include "core/rng.h"
 #include "core/spectral_sensor.h"
 #include "core/uplift.h"
+#include "kernels/envmap.h"
 #include "scene/glasses.h"
 #include "scene/spectra.h"
 
@@ -99,6 +100,36 @@ template <class L> void rows(benchmark::State& state, SpectrumUse use, bool tabl
   });
 }
 
+/// Of random colours.
+Envmap random_map(std::uint32_t width, std::uint32_t height) {
+  EnvmapPicture picture{width, height, std::vector<float>(3 * std::size_t{width} * height)};
+  for (std::uint32_t i = 0; i < picture.rgb.size(); ++i) picture.rgb[i] = random4<Scalar>(7, i, 0, 0).x;
+  return make_envmap(picture, 1, false);
+}
+
+/// Lookups in random directions, in a map of 2 MB of colours.
+template <class L, ColorMode Mode> void environment(benchmark::State& state) {
+  Envmap map = random_map(512, 256);
+  uplift_nodes(map);
+  const EnvmapView view = map.view();
+  run<L>(state, 1, [&](const Paths& paths, int i, const Wavelengths<L>& w) {
+    const Vec3<L> c = paths.color<L>(i);
+    const auto value = lookup_envmap<L, Mode>(view, square_to_sphere<L>(c.x, c.y), w.lambda);
+    return value.radiance * value.pdf_solid_angle;
+  });
+}
+
+void uplift_map(benchmark::State& state) {
+  Envmap map = random_map(2048, 1024);
+  for (auto _ : state) {
+    uplift_nodes(map);
+    benchmark::DoNotOptimize(map.spectra.data());
+  }
+  state.counters["per_item"] = benchmark::Counter(
+      2048 * 1024, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(uplift_map)->Name("spectra/uplift_map")->Unit(benchmark::kMillisecond)->UseRealTime();
+
 void make_table(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(UpliftTable().nodes.data());
 }
@@ -116,6 +147,8 @@ template <class L> void register_lane(const std::string& lane) {
   add("wavelengths", wavelengths<L>);
   add("sensor", sensor<L>);
   add("uplift_texel", uplift<L>);
+  add("environment_rgb", environment<L, ColorMode::kRgb>);
+  add("environment_spectral", environment<L, ColorMode::kSpectral>);
   add("ior_formula", formula<L>);
   add("row_reflectance", [](benchmark::State& s) { rows<L>(s, SpectrumUse::kReflectance, false); });
   add("row_emitter", [](benchmark::State& s) { rows<L>(s, SpectrumUse::kIlluminant, false); });

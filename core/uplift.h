@@ -111,14 +111,11 @@ SHEAF_INLINE SigmoidPolynomial<L> look_up(const UpliftTable& table, Vec3<L> rgb,
   return interpolate<L>(table, axis, {ratio(first), ratio(second), UpliftTable::brightness_place(z)});
 }
 
-/// Grey: one everywhere, times `value`.
+/// Grey: sigmoid(c2) everywhere.
 template <class L>
-SHEAF_INLINE ScaledSigmoid<L> flat_where(Mask<L> grey, typename L::Float value, const ScaledSigmoid<L>& other) {
+SHEAF_INLINE SigmoidPolynomial<L> flat_where(Mask<L> grey, float c2, const SigmoidPolynomial<L>& other) {
   using F = typename L::Float;
-  const F zero = F(0.0f);
-  return {{select(grey, zero, other.shape.c0), select(grey, zero, other.shape.c1),
-           select(grey, F(kInfinity), other.shape.c2)},
-          select(grey, value, other.scale)};
+  return {select(grey, F(0.0f), other.c0), select(grey, F(0.0f), other.c1), select(grey, F(c2), other.c2)};
 }
 
 }  // namespace detail
@@ -131,18 +128,22 @@ template <class L> SHEAF_INLINE ScaledSigmoid<L> uplift_reflectance(const Uplift
   rgb = {bounded(rgb.x), bounded(rgb.y), bounded(rgb.z)};
   const F largest = max_component(rgb);
   const F z = max(largest, F(kUpliftDarkest));
-  const ScaledSigmoid<L> coloured{detail::look_up<L>(table, rgb, largest, z), largest / z};
-  return detail::flat_where<L>(min(rgb.x, min(rgb.y, rgb.z)) == largest, largest, coloured);
+  const auto grey = min(rgb.x, min(rgb.y, rgb.z)) == largest;
+  return {detail::flat_where<L>(grey, kInfinity, detail::look_up<L>(table, rgb, largest, z)),
+          select(grey, largest, largest / z)};
 }
 
-/// The same for quantities without upper limit, such as the texels of an environment map (to be multiplied by D65).
+/// The same for quantities without upper limit, such as the nodes of an environment map (to be multiplied by D65). The
+/// shape is that of the colour whose largest component is kUpliftUnbounded; of greys, black included, exactly that
+/// everywhere.
 template <class L> SHEAF_INLINE ScaledSigmoid<L> uplift_unbounded(const UpliftTable& table, Vec3<L> rgb) {
   using F = typename L::Float;
   rgb = {max(rgb.x, F(0.0f)), max(rgb.y, F(0.0f)), max(rgb.z, F(0.0f))};
   const F largest = max_component(rgb);
-  const ScaledSigmoid<L> coloured{detail::look_up<L>(table, rgb, largest, F(kUpliftUnbounded)),
-                                  largest * F(1.0f / kUpliftUnbounded)};
-  return detail::flat_where<L>(min(rgb.x, min(rgb.y, rgb.z)) == largest, largest, coloured);
+  const auto grey = min(rgb.x, min(rgb.y, rgb.z)) == largest;
+  static_assert(kUpliftUnbounded == 0.5f);  // sigmoid(0)
+  return {detail::flat_where<L>(grey, 0.0f, detail::look_up<L>(table, rgb, largest, F(kUpliftUnbounded))),
+          largest * F(1.0f / kUpliftUnbounded)};
 }
 
 }  // namespace sheaf

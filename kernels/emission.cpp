@@ -68,8 +68,8 @@ SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, Vec3<L> di
   if constexpr (Mode == ColorMode::kSpectral) {
     const Spectrum<L> emitted = light_spectra<L>(scene, Uint<L>(scene.environment), lambda);
     if (!is_map) return {emitted, F(kUniformSpherePdf)};
-    const EnvmapValue<L> found = lookup_envmap<L>(scene.envmap, direction);
-    return {uplifted_light<L>(scene, found.radiance, lambda) * emitted, found.pdf_solid_angle};
+    const auto found = lookup_envmap<L, Mode>(scene.envmap, direction, lambda);
+    return {found.radiance * emitted, found.pdf_solid_angle};
   }
   if (is_map) return lookup_envmap<L>(scene.envmap, direction);
   return {{F(light.radiance[0]), F(light.radiance[1]), F(light.radiance[2]), F(light.radiance[3])}, F(kUniformSpherePdf)};

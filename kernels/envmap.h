@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/distribution.h"
-#include "core/spectrum.h"
+#include "core/uplift.h"
 #include "core/warp.h"
 #include "scene/instance.h"
 
@@ -11,14 +11,14 @@ namespace sheaf {
 
 /// A map's radiance in a direction, and the density with which sample_envmap() finds it.
 template <class L> struct EnvmapValue {
-  Spectrum<L> radiance;
+  Spectrum<L> radiance;  ///< spectral mode: a factor on D65
   typename L::Float pdf_solid_angle;
 };
 
 /// A direction drawn from a map.
 template <class L> struct EnvmapSample {
-  Vec3<L> direction;  ///< world space, unit length
-  Spectrum<L> radiance;
+  Vec3<L> direction;     ///< world space, unit length
+  Spectrum<L> radiance;  ///< spectral mode: a factor on D65
   typename L::Float pdf_solid_angle;  ///< 0: there is no such direction
 };
 
@@ -35,18 +35,38 @@ template <class L> SHEAF_INLINE Uint<L> next_column(const EnvmapView& map, Uint<
   return select(next == Uint<L>(map.width), Uint<L>(0u), next);
 }
 
-/// Radiance and density over the unit square, mixed of four nodes.
-template <class L> SHEAF_INLINE void mix_nodes(const EnvmapView& map, const EnvmapPlace<L>& at, Float<L>* out) {
+/// Radiance, and density over the unit square.
+template <class L> struct EnvmapMix {
+  Spectrum<L> radiance;
+  typename L::Float density;
+};
+
+/// What lies between four nodes. Spectral mode: at `lambda`.
+template <class L, ColorMode Mode>
+SHEAF_INLINE EnvmapMix<L> mix_nodes(const EnvmapView& map, const EnvmapPlace<L>& at, const Spectrum<L>& lambda) {
   using F = Float<L>;
   using U = Uint<L>;
   const U above = at.row * U(map.width), below = above + U(map.width), next = next_column<L>(map, at.column);
-  F corner[4][4];
-  gather_row4<L>(map.nodes, (above + at.column) << 2, corner[0]);
-  gather_row4<L>(map.nodes, (above + next) << 2, corner[1]);
-  gather_row4<L>(map.nodes, (below + at.column) << 2, corner[2]);
-  gather_row4<L>(map.nodes, (below + next) << 2, corner[3]);
-  for (int c = 0; c < 4; ++c)
-    out[c] = lerp(at.y, lerp(at.x, corner[0][c], corner[1][c]), lerp(at.x, corner[2][c], corner[3][c]));
+  const U first[4] = {(above + at.column) << 2, (above + next) << 2, (below + at.column) << 2, (below + next) << 2};
+  const auto mix = [&](F a, F b, F c, F d) SHEAF_LAMBDA_INLINE { return lerp(at.y, lerp(at.x, a, b), lerp(at.x, c, d)); };
+  F corner[4][4], out[4];
+  if constexpr (Mode == ColorMode::kSpectral) {
+    Spectrum<L> shape[4];
+    for (int k = 0; k < 4; ++k) {
+      gather_row4<L>(map.spectra, first[k], corner[k]);
+      shape[k] = evaluate(SigmoidPolynomial<L>{corner[k][0], corner[k][1], corner[k][2]}, lambda);
+    }
+    const Spectrum<L> mixed{mix(shape[0].c0, shape[1].c0, shape[2].c0, shape[3].c0),
+                            mix(shape[0].c1, shape[1].c1, shape[2].c1, shape[3].c1),
+                            mix(shape[0].c2, shape[1].c2, shape[2].c2, shape[3].c2),
+                            mix(shape[0].c3, shape[1].c3, shape[2].c3, shape[3].c3)};
+    const auto density = [&](int k) SHEAF_LAMBDA_INLINE { return gather(map.nodes, first[k] + U(3u)); };
+    return {mixed * mix(corner[0][3], corner[1][3], corner[2][3], corner[3][3]),
+            mix(density(0), density(1), density(2), density(3))};
+  }
+  for (int k = 0; k < 4; ++k) gather_row4<L>(map.nodes, first[k], corner[k]);
+  for (int c = 0; c < 4; ++c) out[c] = mix(corner[0][c], corner[1][c], corner[2][c], corner[3][c]);
+  return {{out[0], out[1], out[2], F(0.0f)}, out[3]};
 }
 
 /// Density per solid angle of one over the unit square: the square's area element is 2 pi^2 sin theta.
@@ -97,8 +117,9 @@ template <class L> SHEAF_INLINE void sample_column(const EnvmapView& map, Float<
 
 }  // namespace detail
 
-/// The radiance that comes from `direction`, of unit length.
-template <class L> SHEAF_INLINE EnvmapValue<L> lookup_envmap(const EnvmapView& map, Vec3<L> direction) {
+/// The radiance that comes from `direction`, of unit length. Spectral mode: at `lambda`.
+template <class L, ColorMode Mode = ColorMode::kRgb>
+SHEAF_INLINE EnvmapValue<L> lookup_envmap(const EnvmapView& map, Vec3<L> direction, const Spectrum<L>& lambda = {}) {
   using F = Float<L>;
   using U = Uint<L>;
   const float* m = map.to_map;
@@ -117,14 +138,15 @@ template <class L> SHEAF_INLINE EnvmapValue<L> lookup_envmap(const EnvmapView& m
   at.x = across - to_float(after);
   at.row = min(to_uint(down), U(map.height - 2));
   at.y = down - to_float(at.row);
-  F value[4];
-  detail::mix_nodes<L>(map, at, value);
-  return {{value[0], value[1], value[2], F(0.0f)}, detail::envmap_solid_angle_pdf(value[3], sin_theta)};
+  const auto value = detail::mix_nodes<L, Mode>(map, at, lambda);
+  return {value.radiance, detail::envmap_solid_angle_pdf(value.density, sin_theta)};
 }
 
 /// A direction by u, v in [0, 1): u chooses the longitude, v the polar angle, each by inversion, so that what is
-/// stratified stays so.
-template <class L> SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, Float<L> u, Float<L> v) {
+/// stratified stays so. Spectral mode: radiance at `lambda`.
+template <class L, ColorMode Mode = ColorMode::kRgb>
+SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, Float<L> u, Float<L> v,
+                                           const Spectrum<L>& lambda = {}) {
   using F = Float<L>;
   using U = Uint<L>;
   detail::EnvmapPlace<L> at;
@@ -135,8 +157,7 @@ template <class L> SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& 
   at.y = detail::sample_linear(detail::share_of(v, cell.begin, cell.probability), gather(map.conditional, first_end),
                                gather(map.conditional, first_end + U(map.width + 1)));
   detail::sample_column<L>(map, u, at);
-  F value[4];
-  detail::mix_nodes<L>(map, at, value);
+  const auto value = detail::mix_nodes<L, Mode>(map, at, lambda);
 
   const F across = (to_float(at.column) + F(0.5f) + at.x) * F(1.0f / static_cast<float>(map.width));
   const F down = (to_float(at.row) + at.y) * F(1.0f / static_cast<float>(map.height - 1));
@@ -149,8 +170,8 @@ template <class L> SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& 
   out.direction = {fma(F(m[0]), local.x, fma(F(m[3]), local.y, F(m[6]) * local.z)),
                    fma(F(m[1]), local.x, fma(F(m[4]), local.y, F(m[7]) * local.z)),
                    fma(F(m[2]), local.x, fma(F(m[5]), local.y, F(m[8]) * local.z))};
-  out.radiance = {value[0], value[1], value[2], F(0.0f)};
-  out.pdf_solid_angle = detail::envmap_solid_angle_pdf(value[3], sin_theta);
+  out.radiance = value.radiance;
+  out.pdf_solid_angle = detail::envmap_solid_angle_pdf(value.density, sin_theta);
   return out;
 }
 

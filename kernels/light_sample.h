@@ -37,7 +37,7 @@ SHEAF_INLINE Spectrum<L> light_spectra(const SceneView& scene, typename L::Uint 
   return evaluate<L>(scene.spectral.lights, light, scene.spectral.tables, lambda);
 }
 
-/// Colours of textures and maps, as factors on light_spectra().
+/// Colours of textures, as factors on light_spectra().
 template <class L>
 SHEAF_INLINE Spectrum<L> uplifted_light(const SceneView& scene, const Spectrum<L>& rgb, const Spectrum<L>& lambda) {
   return evaluate(uplift_unbounded<L>(*scene.spectral.uplift, {rgb.c0, rgb.c1, rgb.c2}), lambda);
@@ -318,12 +318,15 @@ SHEAF_INLINE LightSample<L> sample_constant(const SceneView& scene, Vec3<L> from
   return s;
 }
 
-template <class L> SHEAF_INLINE LightSample<L> sample_map(const SceneView& scene, Vec3<L> from, const Random4<L>& u) {
-  const EnvmapSample<L> found = sample_envmap<L>(scene.envmap, u.y, u.z);
+template <class L, ColorMode Mode>
+SHEAF_INLINE LightSample<L> sample_map(const SceneView& scene, Vec3<L> from, const LightLanes<L>& light,
+                                       const Random4<L>& u, const Spectrum<L>& lambda) {
+  const auto found = sample_envmap<L, Mode>(scene.envmap, u.y, u.z, lambda);
   LightSample<L> s;
   s.direction = found.direction;
   s.target = beyond_scene<L>(scene, from, s.direction);
   s.radiance = found.radiance;
+  if constexpr (Mode == ColorMode::kSpectral) s.radiance = s.radiance * light.radiance;
   s.pdf_solid_angle = found.pdf_solid_angle;
   s.delta = Mask<L>(false);
   s.valid = found.pdf_solid_angle > Float<L>(0.0f);
@@ -420,12 +423,7 @@ SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> f
       merge<L>(quadric, from_area<L>(from, point_on_quadric<L>(scene, light, quadric, u, query), light), s);
     if (any(point)) merge<L>(point, sample_point<L>(from, light), s);
     if (any(constant)) merge<L>(constant, sample_constant<L>(scene, from, light, u), s);
-    if (any(map)) {
-      LightSample<L> of_map = sample_map<L>(scene, from, u);
-      if constexpr (Mode == ColorMode::kSpectral)
-        of_map.radiance = uplifted_light<L>(scene, of_map.radiance, lambda) * light.radiance;
-      merge<L>(map, of_map, s);
-    }
+    if (any(map)) merge<L>(map, sample_map<L, Mode>(scene, from, light, u, lambda), s);
     if (any(spot)) merge<L>(spot, sample_spot<L>(scene, from, light, spot, query), s);
     if (any(projector)) merge<L>(projector, sample_projector<L>(scene, from, light, projector, query), s);
     if (any(directional)) merge<L>(directional, sample_directional<L>(scene, from, light), s);

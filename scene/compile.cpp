@@ -511,6 +511,7 @@ class SceneCompiler {
       out_->warnings_.push_back(light.file.string() + ": the environment map is black");
       return std::nullopt;
     }
+    if (out_->color_ == ColorMode::kSpectral) uplift_nodes(map);
     const PlacedLight placed = make_envmap_light(map);
     if (out_->environment_ == kNone) out_->envmap_ = std::move(map);
     return placed;

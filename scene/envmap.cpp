@@ -3,7 +3,10 @@
 #include "core/color.h"
 #include "core/image.h"
 #include "core/lanes.h"
+#include "core/uplift.h"
 #include "scene/texture_image.h"
+
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -96,7 +99,7 @@ bool sum_density(Envmap& map) {
 }  // namespace
 
 EnvmapView Envmap::view() const {
-  EnvmapView v{nodes.data(), marginal.data(), conditional.data(), width, height, {}};
+  EnvmapView v{nodes.data(), spectra.data(), marginal.data(), conditional.data(), width, height, {}};
   std::copy(std::begin(to_map), std::end(to_map), v.to_map);
   return v;
 }
@@ -118,6 +121,29 @@ Envmap make_envmap(const EnvmapPicture& picture, float scale, bool mis_compensat
     sum_density(map);
   }
   return map;
+}
+
+void uplift_nodes(Envmap& map) {
+  const UpliftTable& table = UpliftTable::get();
+  map.spectra.resize(map.nodes.size());
+  const std::size_t width = map.width;
+  tbb::parallel_for(std::size_t{0}, std::size_t{map.height}, [&](std::size_t row) {
+    for (std::size_t first = 0; first < width; first += kWidth) {
+      const int count = static_cast<int>(std::min<std::size_t>(kWidth, width - first));
+      const float* from[kWidth];
+      float* to[kWidth];
+      for (int lane = 0; lane < kWidth; ++lane) {
+        const std::size_t word = 4 * (row * width + first + static_cast<std::size_t>(std::min(lane, count - 1)));
+        from[lane] = map.nodes.data() + word;
+        to[lane] = map.spectra.data() + word;
+      }
+      WideFloat node[4];
+      load_rows4(from, node);
+      const ScaledSigmoid<Wide> s = uplift_unbounded<Wide>(table, {node[0], node[1], node[2]});
+      const WideFloat spectrum[4] = {s.shape.c0, s.shape.c1, s.shape.c2, s.scale};
+      store_rows4(to, spectrum, count);
+    }
+  });
 }
 
 EnvmapPicture read_envmap_picture(const std::filesystem::path& file) {

@@ -1,5 +1,5 @@
 // Environment maps: where a picture's pixels lie, that sampling and density agree, that the density follows the
-// brightness, and pictures that are degenerate.
+// brightness, spectral mode, and pictures that are degenerate.
 #include "kernels/envmap.h"
 
 #include "core/exr.h"
@@ -10,10 +10,13 @@
 #include "tests/chi_square.h"
 #include "tests/lanes_testing.h"
 #include "tests/picture_files.h"
+#include "tests/spectral_testing.h"
+#include "tests/statistics.h"
 #include "tests/tiny_scenes.h"
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -184,6 +187,116 @@ TEST_CASE("environment map: registers do as single values") {
   }
 }
 
+namespace {
+
+constexpr ColorMode kSpectral = ColorMode::kSpectral;
+const Spectrum4 kSomeWavelengths(430, 510, 590, 670);
+
+Envmap uplifted(Envmap map) {
+  uplift_nodes(map);
+  return map;
+}
+
+/// shape * scale, one number per wavelength.
+struct ShapeAndScale {
+  double shape[4], scale;
+};
+
+/// By a fit to the colour, apart from the table.
+ShapeAndScale fitted(Vec3f rgb) {
+  const ScaledSigmoid<Scalar> s = fit_unbounded(rgb);
+  const Spectrum4 v = evaluate(s.shape, kSomeWavelengths);
+  return {{v.c0, v.c1, v.c2, v.c3}, s.scale};
+}
+
+ShapeAndScale grey(double value) { return {{0.5, 0.5, 0.5, 0.5}, 2 * value}; }
+
+/// Two columns of one colour each, `a` at u = 1/4 and `b` at u = 3/4.
+Envmap two_colors(Vec3f a, Vec3f b) {
+  return uplifted(make_envmap(picture_of(2, 2, [&](std::uint32_t x, std::uint32_t) { return x == 0 ? a : b; }), 1, false));
+}
+
+}  // namespace
+
+TEST_CASE("environment map: spectral mode, a map of one colour is that colour's spectrum") {
+  for (const Vec3f rgb : {Vec3f{0.8f, 0.3f, 0.1f}, Vec3f{20, 40, 30}, Vec3f{0.5f, 0.5f, 0.5f}}) {
+    const Envmap map = uplifted(make_envmap(picture_of(19, 3, [&](std::uint32_t, std::uint32_t) { return rgb; }), 2, false));
+    const Vec3f w = direction_of(0.3, 0.7);
+    const auto at = [&](float l) { return lookup_envmap<Scalar, kSpectral>(map.view(), w, Spectrum4(l)).radiance.c0; };
+    const Vec3f seen = reflectance_to_rgb(at);
+    CHECK(largest_difference(seen, rgb * 2.0f) < 0.005 * max_component(rgb * 2.0f));
+    if (rgb.x == rgb.y) CHECK((at(400) == 2 * rgb.x && at(700) == 2 * rgb.x));
+  }
+}
+
+TEST_CASE("environment map: spectral mode, shapes are mixed, and scales are mixed") {
+  const Vec3f red{4, 1, 1}, blue{0.2f, 0.5f, 9};
+  struct Case {
+    Vec3f a, b;
+    ShapeAndScale of_a, of_b;
+  };
+  const Case cases[] = {{red, blue, fitted(red), fitted(blue)},
+                        {red, {1, 1, 1}, fitted(red), grey(1)},
+                        {{30, 30, 30}, blue, grey(30), fitted(blue)},
+                        {{4, 4, 4}, {1, 1, 1}, grey(4), grey(1)},
+                        {red, {0, 0, 0}, fitted(red), grey(0)}};
+  for (const Case& c : cases) {
+    const Envmap map = two_colors(c.a, c.b);
+    for (const double t : {0.1, 0.25, 0.5, 0.8}) {
+      const auto found = lookup_envmap<Scalar, kSpectral>(map.view(), direction_of(0.25 + 0.5 * t, 0.4), kSomeWavelengths);
+      const float values[] = {found.radiance.c0, found.radiance.c1, found.radiance.c2, found.radiance.c3};
+      const double scale = (1 - t) * c.of_a.scale + t * c.of_b.scale;
+      for (int k = 0; k < 4; ++k) {
+        const double shape = (1 - t) * c.of_a.shape[k] + t * c.of_b.shape[k];
+        CHECK(std::fabs(values[k] - scale * shape) < 0.01 * scale);
+      }
+      const auto plain = lookup_envmap<Scalar>(map.view(), direction_of(0.25 + 0.5 * t, 0.4));
+      CHECK(found.pdf_solid_angle == doctest::Approx(plain.pdf_solid_angle).epsilon(1e-5));
+    }
+  }
+  // Not the spectrum of the mixed colour.
+  const auto half = lookup_envmap<Scalar, kSpectral>(two_colors(red, {1, 1, 1}).view(), direction_of(0.5, 0.4),
+                                                     kSomeWavelengths);
+  CHECK(half.radiance.c3 < 0.97f * evaluate(fit_unbounded({2.5f, 1, 1}), kSomeWavelengths).c3);
+}
+
+TEST_CASE("environment map: spectral mode, a sample is what a lookup in its direction says, in registers too") {
+  const Envmap map = uplifted(turned(make_envmap(uneven_picture(), 1, false)));
+  const Spectrum<Wide> lambda(430, 510, 590, 670);
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const auto one = [i](int lane) { return random4<Scalar>(8, i, static_cast<std::uint32_t>(lane), 0); };
+    const WideFloat u = wide_floats([&](int lane) { return one(lane).x; });
+    const WideFloat v = wide_floats([&](int lane) { return one(lane).y; });
+    const auto wide = sample_envmap<Wide, kSpectral>(map.view(), u, v, lambda);
+    const auto looked_up = lookup_envmap<Wide, kSpectral>(map.view(), wide.direction, lambda);
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const auto s = sample_envmap<Scalar, kSpectral>(map.view(), one(lane).x, one(lane).y, kSomeWavelengths);
+      const auto plain = sample_envmap<Scalar>(map.view(), one(lane).x, one(lane).y);
+      CHECK(s.direction.x == plain.direction.x);
+      CHECK(difference(s.pdf_solid_angle, plain.pdf_solid_angle) < 1e-5);
+      CHECK(difference(wide.radiance.c0[lane], s.radiance.c0) < 1e-4);
+      CHECK(difference(wide.radiance.c3[lane], s.radiance.c3) < 1e-4);
+      CHECK(difference(wide.pdf_solid_angle[lane], s.pdf_solid_angle) < 1e-4);
+      const auto value = lookup_envmap<Scalar, kSpectral>(map.view(), s.direction, kSomeWavelengths);
+      CHECK(difference(value.radiance.c1, s.radiance.c1) < 2e-3);
+      CHECK(difference(looked_up.radiance.c2[lane], s.radiance.c2) < 2e-3);
+    }
+  }
+}
+
+TEST_CASE("environment map: only spectral mode has spectra, and counts them") {
+  const TemporaryFolder folder;
+  write_hdr(folder / "plain.hdr", 2, 2, {1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3});
+  Description d = empty_scene(4, 4);
+  d.lights.push_back({EnvmapDescription{folder / "plain.hdr", 1, {}, false}, {}});
+  CHECK(compile_scene(d)->view().envmap.spectra == nullptr);
+  CHECK(compile_scene(d, {false, kSpectral})->view().envmap.spectra != nullptr);
+  Envmap map = make_envmap(uneven_picture(), 1, false);
+  const std::size_t before = map.bytes();
+  uplift_nodes(map);
+  CHECK(map.bytes() - before == 11 * 7 * 16);
+}
+
 TEST_CASE("environment map: sampling keeps strata apart") {
   const Envmap map = make_envmap(uneven_picture(), 1, false);
   float before = -1;
@@ -303,6 +416,73 @@ TEST_CASE("environment map: every strategy finds the light of a diffuse floor") 
       CHECK(std::sqrt(statistics.variance() / 1024) < 0.01 * expected);
     }
   }
+}
+
+namespace {
+
+/// Means of R, G and B of pictures with seeds 1, 2, ... of a diffuse floor under a map, and what they vary by.
+std::array<MeanVariance, 3> floor_means(const std::filesystem::path& map, ColorMode color, LightStrategy strategy) {
+  Description d = empty_scene(8, 8);
+  d.integrator.max_depth = 2;
+  d.integrator.strategy = strategy;
+  look_at(d, {1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 0.01f);
+  add_rectangle(d, Transform::rotate({1, 0.3f, 0}, -60), add_diffuse(d, 0.5f));
+  d.lights.push_back({EnvmapDescription{map, 1, Transform::rotate({1, 2, 3}, 70), false}, {}});
+  const auto scene = compile_scene(d, {false, color});
+  std::array<MeanVariance, 3> means;
+  for (std::uint32_t seed = 1; seed <= 24; ++seed) {
+    RenderOptions options;
+    options.samples_per_pixel = 512;
+    options.seed = seed;
+    const Image out = render(*scene, options).film.to_image();
+    for (int c = 0; c < 3; ++c) {
+      double sum = 0;
+      for (int i = 0; i < 64; ++i) sum += static_cast<double>(out.at(i % 8, i / 8, c));
+      means[static_cast<std::size_t>(c)].add(sum / 64);
+    }
+  }
+  return means;
+}
+
+/// Student's t of two means of 24 each, where `systematic` is the part of the mean that they may differ by.
+void check_agree(const std::array<MeanVariance, 3>& a, const std::array<MeanVariance, 3>& b, double systematic) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double error = std::sqrt((a[c].variance() + b[c].variance()) / 24);
+    const double off = std::fabs(a[c].mean() - b[c].mean()) - systematic * b[c].mean();
+    CAPTURE(c);
+    CAPTURE(a[c].mean());
+    CAPTURE(b[c].mean());
+    CHECK(student_t_p_value(std::max(off, 0.0) / error, 23) > significance_of_each(9));
+    CHECK(error < 0.005 * b[c].mean());
+  }
+}
+
+void write_map(const std::filesystem::path& file, const EnvmapPicture& picture) {
+  Image image(static_cast<int>(picture.width), static_cast<int>(picture.height), {"R", "G", "B"});
+  image.data = picture.rgb;
+  write_exr(file, image, {});
+}
+
+}  // namespace
+
+TEST_CASE("environment map: spectral mode shows a smooth map as RGB mode does") {
+  const TemporaryFolder folder;
+  write_map(folder / "smooth.exr", picture_of(64, 32, [](std::uint32_t x, std::uint32_t y) {
+    const float turn = std::sin(kPi * static_cast<float>(x) / 32), polar = std::cos(kPi * static_cast<float>(y) / 31);
+    return Vec3f{1 + 0.6f * turn, 0.9f + 0.4f * polar, 1.2f - 0.5f * turn * polar};
+  }));
+  // What the uplift's table is off by, and what the two kinds of mixing differ by.
+  constexpr double kSystematic = 0.004;
+  check_agree(floor_means(folder / "smooth.exr", kSpectral, LightStrategy::kMis),
+              floor_means(folder / "smooth.exr", ColorMode::kRgb, LightStrategy::kMis), kSystematic);
+}
+
+TEST_CASE("environment map: spectral mode, every strategy finds the same light") {
+  const TemporaryFolder folder;
+  write_map(folder / "uneven.exr", uneven_picture());
+  const auto found = floor_means(folder / "uneven.exr", kSpectral, LightStrategy::kLightOnly);
+  check_agree(floor_means(folder / "uneven.exr", kSpectral, LightStrategy::kBsdfOnly), found, 0);
+  check_agree(floor_means(folder / "uneven.exr", kSpectral, LightStrategy::kMis), found, 0);
 }
 
 TEST_CASE("environment map: a small sun costs far fewer samples than by chance") {

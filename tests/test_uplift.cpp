@@ -121,6 +121,10 @@ TEST_CASE("uplift: greys are exactly constant") {
       const Spectrum4 v = evaluate(s, lambda);
       CHECK((v.c0 == large && v.c1 == large && v.c2 == large && v.c3 == large));
     }
+    // As coloured ones: a shape of the brightness that stands for all of them.
+    const auto unbounded = uplift_unbounded<Scalar>(UpliftTable::get(), Vec3f{large, large, large});
+    CHECK(evaluate(unbounded.shape, 500.0f) == kUpliftUnbounded);
+    CHECK(unbounded.scale == 2 * large);
   }
 }
 
