@@ -50,11 +50,11 @@ class MediaCompiler {
     const float diagonal = length(box.max - box.min);
     row.step_size = step_size_ > 0.0f ? step_size_ : std::max(0.01f * diagonal, 1e-6f);
     SpectrumRow spectra[kMediumSpectra] = {};
-    if (const auto* by_albedo = std::get_if<MediumDescription::ExtinctionAlbedo>(&m.coefficients)) {
+    if (const auto* by_albedo = std::get_if<ExtinctionAlbedoDescription>(&m.coefficients)) {
       row.first_grid = input(by_albedo->sigma_t, SpectrumUse::kUnbounded, m.scale, box, m.where, row.first, spectra[0]);
       row.second_grid = input(by_albedo->albedo, SpectrumUse::kReflectance, 1, box, m.where, row.second, spectra[1]);
     } else {
-      const auto& both = std::get<MediumDescription::AbsorptionScattering>(m.coefficients);
+      const auto& both = std::get<AbsorptionScatteringDescription>(m.coefficients);
       row.flags |= kMediumAbsorptionScattering;
       spectrum(both.sigma_a, SpectrumUse::kUnbounded, m.scale, m.where, row.first, spectra[0]);
       spectrum(both.sigma_s, SpectrumUse::kUnbounded, m.scale, m.where, row.second, spectra[1]);

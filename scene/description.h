@@ -223,9 +223,7 @@ struct AbsorptionScatteringDescription { SpectrumDescription sigma_a, sigma_s; }
 
 /// What fills the inside or the outside of shapes. Coefficients are per metre of world space.
 struct MediumDescription {
-  using ExtinctionAlbedo = ExtinctionAlbedoDescription;
-  using AbsorptionScattering = AbsorptionScatteringDescription;
-  std::variant<ExtinctionAlbedo, AbsorptionScattering> coefficients;
+  std::variant<ExtinctionAlbedoDescription, AbsorptionScatteringDescription> coefficients;
   std::optional<GridVolumeDescription> density;  ///< multiplies the coefficients; one channel
   float scale = 1;                               ///< multiplies the coefficients
   /// Radiance that the medium tends to where it is thick, W / (m^2 sr): per metre it emits sigma_a times as much.

@@ -27,8 +27,6 @@ SpectrumInput texture_of(const XmlElement& element, ReadContext& context);
 void read_shape(const XmlElement& element, Reader& reader);
 /// Appends a light that is not on a shape.
 void read_emitter(const XmlElement& element, Reader& reader);
-/// The radiance of an area light.
-SpectrumInput read_area_emitter(const XmlElement& element, Reader& reader);
 /// The field of view: fov and fov_axis, or focal_length.
 void read_fov(Properties& p, CameraDescription& camera);
 /// Camera, film and sampler.

@@ -34,11 +34,7 @@ SpotLightDescription read_spot_light(Properties& p) {
 
 DirectionalLightDescription read_directional_light(Properties& p) {
   DirectionalLightDescription light;
-  const bool placed = p.has("to_world");
-  if (placed && p.has("direction")) p.fail("has both 'direction' and 'to_world', expected one");
-  light.direction = p.vec3("direction", {0, 0, 1});
-  if (placed) light.direction = p.transform("to_world").vector({0, 0, 1});
-  check_direction(p, "direction", light.direction);
+  light.direction = read_direction(p, "to_world");
   light.irradiance = p.spectrum("irradiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
   return light;
 }
@@ -56,15 +52,6 @@ ProjectorDescription read_projector(Properties& p) {
 }
 
 }  // namespace
-
-SpectrumInput read_area_emitter(const XmlElement& element, Reader& reader) {
-  Properties p(element, reader.context);
-  if (p.type() != "area") p.fail_plugin({"area"});
-  SpectrumInput radiance = p.spectrum_input("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
-  p.accept({"sampling_weight"});
-  p.finish();
-  return radiance;
-}
 
 void read_emitter(const XmlElement& element, Reader& reader) {
   Properties p(element, reader.context);

@@ -8,7 +8,7 @@ namespace sheaf::mitsuba {
 namespace {
 
 /// A measured material, of Mitsuba before 2.
-MediumDescription::AbsorptionScattering read_material(Properties& p) {
+AbsorptionScatteringDescription read_material(Properties& p) {
   const std::string name = p.find_string("material").value_or("skin1");
   const MeasuredMedium* found = find_measured_medium(name);
   if (found == nullptr) {
@@ -34,7 +34,7 @@ void read_homogeneous(Properties& p, const VolumeDialect& dialect, bool before_v
 
 /// Mitsuba before 2: `density` is the extinction, and `method` says how it is sampled.
 void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
-  MediumDescription::ExtinctionAlbedo pair;
+  ExtinctionAlbedoDescription pair;
   const auto density = find_volume_input(p, "density", SpectrumRole::kIor, dialect);
   if (!density) p.fail("needs a <volume> of the name 'density'");
   pair.sigma_t = *density;

@@ -1,5 +1,6 @@
 // The Mitsuba dialect: shapes.
 #include "scene/mitsuba.h"
+#include "scene/read_emitter.h"
 
 #include <limits>
 
@@ -87,7 +88,8 @@ void read_shape(const XmlElement& element, Reader& reader) {
   shape.to_world = p.transform("to_world");
   shape.flip_normals = p.boolean("flip_normals", false);
   if (const XmlElement* bsdf = p.object("bsdf")) shape.material = material_of(*bsdf, reader);
-  if (const XmlElement* emitter = p.object("emitter")) shape.radiance = read_area_emitter(*emitter, reader);
+  if (const XmlElement* emitter = p.object("emitter"))
+    shape.radiance = read_area_emitter(*emitter, reader.context, {"sampling_weight"});
   read_media(p, reader, shape);
   if (reader.before_version_2 && !shape.material && (shape.interior || shape.exterior))
     shape.material = null_material(reader);

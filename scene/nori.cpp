@@ -4,6 +4,7 @@
 #include "scene/medium_estimator_name.h"
 #include "scene/nori.h"
 #include "scene/read_camera.h"
+#include "scene/read_emitter.h"
 
 namespace sheaf {
 
@@ -145,7 +146,7 @@ void read_mesh(const XmlElement& element, ReadContext& context) {
   }
   shape.to_world = p.transform("toWorld");
   read_inside(p, shape);
-  if (const XmlElement* emitter = p.object("emitter")) shape.radiance = nori::read_area_emitter(*emitter, context);
+  if (const XmlElement* emitter = p.object("emitter")) shape.radiance = read_area_emitter(*emitter, context);
   p.finish();
   context.description.shapes.push_back(std::move(shape));
 }

@@ -11,8 +11,6 @@ MaterialId read_bsdf(const XmlElement& element, ReadContext& context, std::optio
 MediumId read_medium(const XmlElement& element, ReadContext& context, bool in_shape);
 /// Appends a medium that only absorbs, as a material says.
 MediumId add_absorption(const XmlElement& bsdf, SpectrumDescription sigma_a, ReadContext& context);
-/// The radiance of an area light.
-SpectrumInput read_area_emitter(const XmlElement& element, ReadContext& context);
 /// Appends a light that is not on a mesh.
 void read_emitter(const XmlElement& element, ReadContext& context);
 /// A TextureReader.

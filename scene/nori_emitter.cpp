@@ -75,11 +75,7 @@ SpotLightDescription read_spot_light(Properties& p) {
 
 DirectionalLightDescription read_directional_light(Properties& p) {
   DirectionalLightDescription light;
-  const bool placed = p.has("toWorld");
-  if (placed && p.has("direction")) p.fail("has both 'direction' and 'toWorld', expected one");
-  light.direction = p.vec3("direction", {0, 0, 1});
-  if (placed) light.direction = p.transform("toWorld").vector({0, 0, 1});
-  check_direction(p, "direction", light.direction);
+  light.direction = read_direction(p, "toWorld");
   const auto irradiance = p.find_spectrum("irradiance", SpectrumRole::kEmission);
   const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
   if (irradiance && intensity) p.fail("has both 'irradiance' and 'intensity', which mean the same here; expected one");
@@ -89,14 +85,6 @@ DirectionalLightDescription read_directional_light(Properties& p) {
 }
 
 }  // namespace
-
-SpectrumInput read_area_emitter(const XmlElement& element, ReadContext& context) {
-  Properties p(element, context);
-  if (p.type() != "area") p.fail_plugin({"area"});
-  SpectrumInput radiance = p.spectrum_input("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
-  p.finish();
-  return radiance;
-}
 
 void read_emitter(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);

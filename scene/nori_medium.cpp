@@ -19,7 +19,7 @@ void read_density(Properties& p, const VolumeDialect& dialect, MediumDescription
 
 /// Whether something of the medium is on a grid that says how much of it there is.
 bool has_grid(const MediumDescription& medium) {
-  const auto* pair = std::get_if<MediumDescription::ExtinctionAlbedo>(&medium.coefficients);
+  const auto* pair = std::get_if<ExtinctionAlbedoDescription>(&medium.coefficients);
   return medium.density || (pair != nullptr && std::holds_alternative<GridVolumeDescription>(pair->sigma_t));
 }
 
@@ -46,7 +46,7 @@ MediumId read_medium(const XmlElement& element, ReadContext& context, bool in_sh
 
 MediumId add_absorption(const XmlElement& bsdf, SpectrumDescription sigma_a, ReadContext& context) {
   MediumDescription medium;
-  medium.coefficients = MediumDescription::AbsorptionScattering{std::move(sigma_a), SpectrumDescription::constant(0)};
+  medium.coefficients = AbsorptionScatteringDescription{std::move(sigma_a), SpectrumDescription::constant(0)};
   medium.where = bsdf.where;
   context.description.media.push_back(std::move(medium));
   return static_cast<MediumId>(context.description.media.size() - 1);

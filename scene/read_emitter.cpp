@@ -11,6 +11,25 @@ EnvmapDescription read_envmap(Properties& p) {
   return map;
 }
 
+SpectrumInput read_area_emitter(const XmlElement& element, ReadContext& context,
+                                std::initializer_list<const char*> ignored) {
+  Properties p(element, context);
+  if (p.type() != "area") p.fail_plugin({"area"});
+  SpectrumInput radiance = p.spectrum_input("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
+  p.accept(ignored);
+  p.finish();
+  return radiance;
+}
+
+Vec3f read_direction(Properties& p, const char* to_world) {
+  const bool placed = p.has(to_world);
+  if (placed && p.has("direction")) p.fail(std::string("has both 'direction' and '") + to_world + "', expected one");
+  Vec3f direction = p.vec3("direction", {0, 0, 1});
+  if (placed) direction = p.transform(to_world).vector({0, 0, 1});
+  check_direction(p, "direction", direction);
+  return direction;
+}
+
 void check_direction(Properties& p, const char* name, Vec3f direction) {
   const float squared = length_squared(direction);
   if (!(squared > 0.0f) || !is_finite(squared)) p.fail_at(name, "has no length");

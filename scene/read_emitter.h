@@ -8,6 +8,15 @@ namespace sheaf {
 /// `filename`, `scale` (1), `to_world` and `mis_compensation` (false).
 EnvmapDescription read_envmap(Properties& p);
 
+/// The radiance of an <emitter> in a shape, which must be an `area`: `radiance` (1). `ignored`: properties that may be
+/// there and mean nothing. Throws SceneError.
+SpectrumInput read_area_emitter(const XmlElement& element, ReadContext& context,
+                                std::initializer_list<const char*> ignored = {});
+
+/// `direction` (+z), or what the transform makes of +z; `to_world` is its name as the dialect spells it. Throws
+/// SceneError where both are there, and for a direction without length.
+Vec3f read_direction(Properties& p, const char* to_world);
+
 /// Throws SceneError at the property if the vector has no length.
 void check_direction(Properties& p, const char* name, Vec3f direction);
 

@@ -33,10 +33,10 @@ bool read_coefficients(Properties& p, const VolumeDialect& dialect, MediumDescri
     p.fail("mixes 'sigma_t' and 'albedo' with 'sigma_a' and 'sigma_s', expected one pair or the other");
   if (sigma_a || sigma_s) {
     const SpectrumDescription nothing;
-    medium.coefficients = MediumDescription::AbsorptionScattering{sigma_a.value_or(nothing), sigma_s.value_or(nothing)};
+    medium.coefficients = AbsorptionScatteringDescription{sigma_a.value_or(nothing), sigma_s.value_or(nothing)};
     return true;
   }
-  MediumDescription::ExtinctionAlbedo pair;
+  ExtinctionAlbedoDescription pair;
   if (sigma_t) pair.sigma_t = *sigma_t;
   if (albedo) pair.albedo = *albedo;
   medium.coefficients = std::move(pair);
@@ -53,7 +53,7 @@ void read_medium_rest(Properties& p, const VolumeDialect& dialect, MediumDescrip
 }
 
 void expect_homogeneous(const Properties& p, const MediumDescription& medium) {
-  const auto* pair = std::get_if<MediumDescription::ExtinctionAlbedo>(&medium.coefficients);
+  const auto* pair = std::get_if<ExtinctionAlbedoDescription>(&medium.coefficients);
   const bool varies = medium.density || medium.temperature || (medium.emission && is_grid(*medium.emission)) ||
                       (pair != nullptr && (is_grid(pair->sigma_t) || is_grid(pair->albedo)));
   if (varies) p.fail("has a grid, expected values that are the same everywhere: type 'heterogeneous' takes grids");

@@ -117,7 +117,7 @@ TEST_CASE("media: transmittance of a homogeneous slab, by paths and by shadow ra
       CAPTURE(static_cast<int>(estimator));
       CAPTURE(albedo);
       MediumDescription m = fog(1, albedo);
-      std::get<MediumDescription::ExtinctionAlbedo>(m.coefficients).sigma_t = SpectrumDescription::rgb(0.2f, 1, 3);
+      std::get<ExtinctionAlbedoDescription>(m.coefficients).sigma_t = SpectrumDescription::rgb(0.2f, 1, 3);
       Description through = wall_behind_cube();
       fill(through, through.shapes.back(), add_medium(through, m));
       Description below = floor_below_cube();
@@ -306,10 +306,10 @@ TEST_SUITE("slow") {
     };
     MediumDescription plain = fog(1, 0.8f), grid = fog(1, 0.8f), density = fog(1, 0.8f);
     const SpectrumDescription color = SpectrumDescription::rgb(0.4f, 1.2f, 2.5f);
-    std::get<MediumDescription::ExtinctionAlbedo>(plain.coefficients).sigma_t = color;
-    std::get<MediumDescription::ExtinctionAlbedo>(density.coefficients).sigma_t = color;
+    std::get<ExtinctionAlbedoDescription>(plain.coefficients).sigma_t = color;
+    std::get<ExtinctionAlbedoDescription>(density.coefficients).sigma_t = color;
     density.density = vol(one, around);
-    std::get<MediumDescription::ExtinctionAlbedo>(grid.coefficients).sigma_t = vol(colors, around);
+    std::get<ExtinctionAlbedoDescription>(grid.coefficients).sigma_t = vol(colors, around);
     const Means reference = means_of(scene(plain, MediumEstimator::kNullMis));
     for (const MediumDescription& medium : {plain, density, grid})
       for (const MediumEstimator estimator : kUnbiased) {
@@ -331,7 +331,7 @@ TEST_SUITE("slow") {
     const Transform around = Transform::translate({-1, -1, 0.5f}) * Transform::scale({2, 2, 2});
     const auto scene = [&](bool on_grid, LightStrategy strategy, MediumEstimator estimator) {
       MediumDescription m = glowing(1.5f, 0.6f, 1);
-      auto& coefficients = std::get<MediumDescription::ExtinctionAlbedo>(m.coefficients);
+      auto& coefficients = std::get<ExtinctionAlbedoDescription>(m.coefficients);
       coefficients.sigma_t = SpectrumDescription::rgb(0.7f, 1.5f, 3);
       m.emission = VolumeInput(SpectrumDescription::rgb(3, 2, 0.5f));
       if (on_grid) m.density = vol(lumps, around);

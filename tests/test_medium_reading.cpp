@@ -11,8 +11,8 @@ using namespace sheaf::test;
 namespace {
 
 using Grid = GridVolumeDescription;
-using Pair = MediumDescription::ExtinctionAlbedo;
-using Coefficients = MediumDescription::AbsorptionScattering;
+using Pair = ExtinctionAlbedoDescription;
+using Coefficients = AbsorptionScatteringDescription;
 
 /// A folder with empty files of the kinds that volumes name.
 struct Volumes {
