@@ -209,7 +209,7 @@ TEST_SUITE("slow") {
       check(name + suffix, render_batches(file, kBatches, kBatchSamples, 1, ColorMode::kSpectral),
             read_reference(name + suffix));
     }
-    CHECK(found == 7);
+    CHECK(found == 10);
   }
 
   TEST_CASE("the Cornell box agrees with its reference in both dialects") {

@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""Measures how light in clouds is best tracked: time and mean squared error of every medium estimator on a cloud. Needs
+nothing but Python and a build, and the cloud of tools/make_media_scenes.py.
+
+  bench/compare_media.py [--scene scenes/media/cloud_box.xml] [--spp 4 16] [--reference-spp 1024]
+
+Prints a table: estimator, samples per pixel, seconds of CPU time, mean squared error against a long render with null_mis,
+the time to the error of null_mis at its fewest samples over the time of null_mis, null collisions per real one, and
+nanoseconds per collision in the medium stage. Error that does not fall with more samples is bias: `floor` is the part of
+the error of marching at the most samples that does not shrink like 1 / samples.
+"""
+
+import argparse
+import json
+import re
+import resource
+import subprocess
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def render(arguments, output, options, spp, seed):
+    """Seconds of CPU time, and the report of the renderer."""
+    stats = output.with_suffix(".json")
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    subprocess.run([arguments.sheaf, "render", arguments.scene, "-o", str(output), "--spp", str(spp), "--seed", str(seed),
+                    "--threads", str(arguments.threads), "--stats", str(stats), "--quiet", *options,
+                    "-D", f"width={arguments.width}", "-D", f"height={arguments.width * 5 // 8}"], check=True)
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, json.loads(stats.read_text())
+
+
+def mean_squared_error(arguments, picture, reference):
+    out = subprocess.run([arguments.sheaf, "compare", str(picture), str(reference)], check=False, text=True,
+                         stdout=subprocess.PIPE).stdout
+    return float(re.search(r"^MSE +(\S+)", out, re.MULTILINE).group(1))
+
+
+def step_cost(report, seconds):
+    """CPU nanoseconds per collision of the medium stage, and null collisions per real one. The stages' clocks count
+    what other programs take as well, so only the stage's share of them is used."""
+    stages = {stage["name"]: stage["seconds"] for stage in report["stages"]}
+    collisions = report["collisions"]
+    real, null = collisions["real"], collisions["null"]
+    return 1e9 * seconds * stages["medium"] / sum(stages.values()) / max(real + null, 1), null / max(real, 1)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
+    parser.add_argument("--scene", default=str(ROOT / "scenes/media/cloud_box.xml"))
+    parser.add_argument("--width", type=int, default=160)
+    parser.add_argument("--threads", type=int, default=0)
+    parser.add_argument("--spp", type=int, nargs="+", default=[4, 16], help="fewest first")
+    parser.add_argument("--reference-spp", type=int, default=1024)
+    parser.add_argument("--steps", type=float, nargs="+", default=[0.02, 0.08], help="metres per step of marching")
+    arguments = parser.parse_args()
+    cases = [(name, ["--medium-estimator", name]) for name in ("null_mis", "delta", "ratio")]
+    cases += [(f"marching {step:g}", ["--medium-estimator", "marching", "--step-size", str(step)])
+              for step in arguments.steps]
+    with tempfile.TemporaryDirectory() as folder:
+        reference, picture = Path(folder) / "reference.exr", Path(folder) / "picture.exr"
+        render(arguments, reference, ["--medium-estimator", "null_mis"], arguments.reference_spp, 1000)
+        print("estimator        spp  cpu s         MSE   time  null/real  ns/collision")
+        first = None
+        for name, options in cases:
+            errors = []
+            for spp in arguments.spp:
+                seconds, report = render(arguments, picture, options, spp, 2)
+                error = mean_squared_error(arguments, picture, reference)
+                errors.append(error)
+                cost = error * seconds  # error goes with the inverse of time
+                first = first or cost
+                nanoseconds, null = step_cost(report, seconds)
+                print(f"{name:14} {spp:5d} {seconds:6.2f} {error:11.4g} {cost / first:6.2f} {null:10.2f} "
+                      f"{nanoseconds:13.0f}", flush=True)
+            if "marching" in name and len(errors) > 1:
+                few, many = arguments.spp[0], arguments.spp[-1]
+                floor = (errors[-1] * many - errors[0] * few) / (many - few)
+                print(f"{name:14} floor {floor:18.4g}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
