@@ -53,7 +53,8 @@ bool pass_medium(const SceneView& scene, Wave& wave, ShadowRay& ray, float t) {
   } else if (estimator == MediumEstimator::kMarching) {
     pass_by_marching(stretch, ray.random, wave.stats.collisions, weights);
   } else {
-    open = pass_null_collisions(stretch, ray.random, estimator == MediumEstimator::kDelta, wave.stats.collisions, weights);
+    open =
+        pass_null_collisions(stretch, ray.random, estimator == MediumEstimator::kDelta, wave.stats.collisions, weights);
   }
   ray.item.contribution = to_spectrum(weights.beta);
   ray.state.r_u = to_spectrum(weights.r_u);
