@@ -37,8 +37,6 @@ function(sheaf_tests)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "SOURCES;DEPENDS")
   sheaf_program(sheaf_tests SOURCES ${arg_SOURCES} DEPENDS ${arg_DEPENDS})
   target_compile_definitions(sheaf_tests PRIVATE SHEAF_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  # g++ takes what a std::variant in a small in-memory scene does not hold for unset.
-  target_compile_options(sheaf_tests PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   if(TARGET sheaf)
     target_compile_definitions(sheaf_tests PRIVATE SHEAF_EXECUTABLE="$<TARGET_FILE:sheaf>")
     add_dependencies(sheaf_tests sheaf)

@@ -15,7 +15,9 @@ template <template <class> class Record> class Groups {
   static constexpr int kWords = kLeafCount<Record>;
   static_assert(kWords == 8 || kWords == 16, "a row must fill half a cache line or a whole one");
 
-  static std::size_t bytes(int capacity) { return static_cast<std::size_t>(capacity) * kWords * sizeof(float) + kSimdAlignment; }
+  static std::size_t bytes(int capacity) {
+    return static_cast<std::size_t>(capacity) * kWords * sizeof(float) + kSimdAlignment;
+  }
 
   void bind(Arena& arena, int capacity) { rows_ = arena.take<float>(static_cast<std::size_t>(capacity) * kWords); }
 

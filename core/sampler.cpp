@@ -17,7 +17,8 @@ SampleGrid make_grid(std::uint32_t count) {
 bool has_grid(SamplerKind kind) { return kind == SamplerKind::kStratified || kind == SamplerKind::kMultijitter; }
 
 template <class L>
-SHEAF_INLINE Random4<L> numbers(const SamplerView& sampler, Uint<L> pixel, Uint<L> sample, Uint<L> block, SampleSet set) {
+SHEAF_INLINE Random4<L> numbers(const SamplerView& sampler, Uint<L> pixel, Uint<L> sample, Uint<L> block,
+                                SampleSet set) {
   constexpr std::uint32_t kGoldenRatio = 0x9e3779b9u;
   const std::uint32_t seed = sampler.seed + set.index * kGoldenRatio;
   switch (sampler.kind) {

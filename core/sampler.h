@@ -8,13 +8,14 @@ namespace sheaf {
 
 /// Blocks of four dimensions. Camera comes once per path, the others once per path event (interaction).
 enum class SampleBlock : std::uint32_t {
-  kCamera,   ///< x, y: position in the pixel; z, w: position on the lens, without which z: the wavelengths
-  kLight,    ///< x: which light; y, z: point on it; w: which part of it
-  kScatter,  ///< x: which lobe; y, z: direction; w: roulette
-  kSelect,   ///< x: which part of a composite material
-  kResample, ///< x: which of several light candidates
+  kCamera,    ///< x, y: position in the pixel; z, w: position on the lens, without which z: the wavelengths
+  kLight,     ///< x: which light; y, z: point on it; w: which part of it
+  kScatter,   ///< x: which lobe; y, z: direction; w: roulette
+  kSelect,    ///< x: which part of a composite material
+  kResample,  ///< x: which of several light candidates
   kCount,
-  kWavelength = kCount,  ///< x: the wavelengths with a lens; once per path, at event 0: what kCamera would have at event 1
+  /// x: the wavelengths with a lens; once per path, at event 0: what kCamera would have at event 1.
+  kWavelength = kCount,
 };
 
 /// How the samples of a pixel are spread within a block. Blocks, events and pixels are independent of each other, and
@@ -33,12 +34,12 @@ struct SamplerView {
   SampleGrid grid = {};  ///< kStratified, kMultijitter
 };
 
-/// A sampler for `sample_count` samples per pixel, below or equal to 2^24. More may be drawn: the sequence of kSobol has
-/// no end, grids are filled again in another order.
+/// A sampler for `sample_count` samples per pixel, below or equal to 2^24. More may be drawn: the sequence of kSobol
+/// has no end, grids are filled again in another order.
 SamplerView make_sampler(SamplerKind kind, std::uint32_t seed, std::uint32_t sample_count);
 
-/// The smallest number of samples per pixel, `sample_count` or more, that a sampler spreads evenly: the size of its grid
-/// for kStratified and kMultijitter, any number for the others.
+/// The smallest number of samples per pixel, `sample_count` or more, that a sampler spreads evenly: the size of its
+/// grid for kStratified and kMultijitter, any number for the others.
 std::uint32_t rounded_sample_count(SamplerKind kind, std::uint32_t sample_count);
 
 /// For decisions that need many numbers at once: which of `count` sets of four; the same in all lanes. The sets of
@@ -48,8 +49,8 @@ struct SampleSet {
   std::uint32_t index = 0, count = 1;
 };
 
-/// The numbers of `block` at a path's event `event` (0 for the camera): a pure function of its arguments. The plane that
-/// is spread best is (x, y) for the camera and (y, z) elsewhere.
+/// The numbers of `block` at a path's event `event` (0 for the camera): a pure function of its arguments. The plane
+/// that is spread best is (x, y) for the camera and (y, z) elsewhere.
 template <class L>
 Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::Uint sample, typename L::Uint event,
                 SampleBlock block, SampleSet set = {}) noexcept;

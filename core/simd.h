@@ -15,8 +15,8 @@
 #include <cstring>
 #include <limits>
 
-// Leaf functions are inlined whatever the compiler thinks, except under sanitizers: there the checks inserted into every
-// copy would make the stages take ten minutes to compile.
+// Leaf functions are inlined whatever the compiler thinks, except under sanitizers: there the checks inserted into
+// every copy would make the stages take ten minutes to compile.
 #if defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define SHEAF_INLINE inline __attribute__((always_inline))
 #define SHEAF_LAMBDA_INLINE __attribute__((always_inline))
@@ -144,7 +144,8 @@ template <class U> SHEAF_INLINE U reverse_bits_stepwise(U x) {
 SHEAF_INLINE WideUint reverse_bits(WideUint a) {
 #if defined(__AVX512BW__)
   const __m512i half = _mm512_set1_epi8(0x0f);
-  const __m512i upper = _mm512_broadcast_i32x4(_mm_setr_epi8(0, -128, 64, -64, 32, -96, 96, -32, 16, -112, 80, -48, 48, -80, 112, -16));
+  const __m512i upper =
+      _mm512_broadcast_i32x4(_mm_setr_epi8(0, -128, 64, -64, 32, -96, 96, -32, 16, -112, 80, -48, 48, -80, 112, -16));
   const __m512i lower = _mm512_and_si512(_mm512_srli_epi32(upper, 4), half);
   const __m512i bytes = _mm512_broadcast_i32x4(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
   const __m512i turned = _mm512_or_si512(_mm512_shuffle_epi8(upper, _mm512_and_si512(a.v, half)),
@@ -152,9 +153,11 @@ SHEAF_INLINE WideUint reverse_bits(WideUint a) {
   return UintBatch(_mm512_shuffle_epi8(turned, bytes));
 #elif defined(__AVX2__)
   const __m256i half = _mm256_set1_epi8(0x0f);
-  const __m256i upper = _mm256_broadcastsi128_si256(_mm_setr_epi8(0, -128, 64, -64, 32, -96, 96, -32, 16, -112, 80, -48, 48, -80, 112, -16));
+  const __m256i upper = _mm256_broadcastsi128_si256(
+      _mm_setr_epi8(0, -128, 64, -64, 32, -96, 96, -32, 16, -112, 80, -48, 48, -80, 112, -16));
   const __m256i lower = _mm256_and_si256(_mm256_srli_epi32(upper, 4), half);
-  const __m256i bytes = _mm256_broadcastsi128_si256(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+  const __m256i bytes =
+      _mm256_broadcastsi128_si256(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
   const __m256i turned = _mm256_or_si256(_mm256_shuffle_epi8(upper, _mm256_and_si256(a.v, half)),
                                          _mm256_shuffle_epi8(lower, _mm256_and_si256(_mm256_srli_epi32(a.v, 4), half)));
   return UintBatch(_mm256_shuffle_epi8(turned, bytes));

@@ -15,7 +15,9 @@ using Slot = std::uint16_t;
 /// A list of slots with room for a whole wave and one register more.
 class SlotList {
  public:
-  static std::size_t bytes(int capacity) { return static_cast<std::size_t>(padded(capacity)) * sizeof(Slot) + kSimdAlignment; }
+  static std::size_t bytes(int capacity) {
+    return static_cast<std::size_t>(padded(capacity)) * sizeof(Slot) + kSimdAlignment;
+  }
 
   void bind(Arena& arena, int capacity) {
     capacity_ = capacity;

@@ -28,7 +28,8 @@ template <class T> SHEAF_INLINE constexpr auto leaves(T& value) {
 
 /// Number of leaves, which is also the number of 32-bit words of one row.
 template <template <class> class Record>
-inline constexpr int kLeafCount = static_cast<int>(std::tuple_size_v<decltype(leaves(std::declval<Record<Scalar>&>()))>);
+inline constexpr int kLeafCount =
+    static_cast<int>(std::tuple_size_v<decltype(leaves(std::declval<Record<Scalar>&>()))>);
 
 /// Calls f(leaf of a, leaf of b) for every pair of leaves.
 template <class A, class B, class F> SHEAF_INLINE void zip_leaves(A& a, B& b, F&& f) {
@@ -45,7 +46,9 @@ template <class A, class B, class F> SHEAF_INLINE void zip_leaves(A& a, B& b, F&
 template <template <class> class Record> class Soa {
  public:
   /// Bytes that bind() takes from the arena.
-  static std::size_t bytes(int capacity) { return kLeafCount<Record> * stride(capacity) * sizeof(float) + kSimdAlignment; }
+  static std::size_t bytes(int capacity) {
+    return kLeafCount<Record> * stride(capacity) * sizeof(float) + kSimdAlignment;
+  }
 
   void bind(Arena& arena, int capacity) {
     capacity_ = capacity;
@@ -62,7 +65,8 @@ template <template <class> class Record> class Soa {
 
   /// Stores to the rows [i, i + L::width). `i` must be a multiple of L::width.
   template <class L> SHEAF_INLINE void store(int i, const Record<L>& in) {
-    zip_leaves(columns_, in, [i](auto* column, const auto& leaf) SHEAF_LAMBDA_INLINE { sheaf::store(column + i, leaf); });
+    zip_leaves(columns_, in,
+               [i](auto* column, const auto& leaf) SHEAF_LAMBDA_INLINE { sheaf::store(column + i, leaf); });
   }
 
   /// Writes the lanes of `in` that `mask` selects to the rows from `i` on, without gaps; returns how many.

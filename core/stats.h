@@ -16,8 +16,8 @@ namespace sheaf {
 
 /// The stages of the path pass, in the order in which reports list them.
 enum class Stage : std::uint32_t {
-  kCameraRays, kIntersect, kMedium, kEmission, kSelectMaterials, kSort, kSurfaceInputs, kTextures, kLightCandidates, kResample,
-  kShadow, kScatter, kAccumulate, kCount
+  kCameraRays, kIntersect, kMedium, kEmission, kSelectMaterials, kSort, kSurfaceInputs, kTextures, kLightCandidates,
+  kResample, kShadow, kScatter, kAccumulate, kCount
 };
 inline constexpr std::size_t kStageCount = static_cast<std::size_t>(Stage::kCount);
 

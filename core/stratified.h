@@ -1,5 +1,5 @@
-// Stratified samples: a pixel's samples are spread over the cells of a grid in each pair of dimensions, and which sample
-// gets which cell is shuffled anew for each pixel, block and pair.
+// Stratified samples: a pixel's samples are spread over the cells of a grid in each pair of dimensions, and which
+// sample gets which cell is shuffled anew for each pixel, block and pair.
 #pragma once
 
 #include "core/rng.h"

@@ -24,9 +24,13 @@ template <class L> SHEAF_INLINE Vec3<L> operator+(Vec3<L> a, Vec3<L> b) { return
 template <class L> SHEAF_INLINE Vec3<L> operator-(Vec3<L> a, Vec3<L> b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 template <class L> SHEAF_INLINE Vec3<L> operator*(Vec3<L> a, Vec3<L> b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 template <class L> SHEAF_INLINE Vec3<L> operator-(Vec3<L> a) { return {-a.x, -a.y, -a.z}; }
-template <class L> SHEAF_INLINE Vec3<L> operator*(Vec3<L> a, typename L::Float s) { return {a.x * s, a.y * s, a.z * s}; }
+template <class L> SHEAF_INLINE Vec3<L> operator*(Vec3<L> a, typename L::Float s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
 template <class L> SHEAF_INLINE Vec3<L> operator*(typename L::Float s, Vec3<L> a) { return a * s; }
-template <class L> SHEAF_INLINE Vec3<L> operator/(Vec3<L> a, typename L::Float s) { return a * (typename L::Float(1.0f) / s); }
+template <class L> SHEAF_INLINE Vec3<L> operator/(Vec3<L> a, typename L::Float s) {
+  return a * (typename L::Float(1.0f) / s);
+}
 SHEAF_INLINE bool operator==(Vec3f a, Vec3f b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 template <class L> SHEAF_INLINE Float<L> dot(Vec3<L> a, Vec3<L> b) { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
@@ -41,7 +45,9 @@ template <class L> SHEAF_INLINE Float<L> max_component(Vec3<L> a) { return max(a
 template <class L> SHEAF_INLINE Vec3<L> select(Mask<L> m, Vec3<L> a, Vec3<L> b) {
   return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
 }
-template <class L> SHEAF_INLINE Mask<L> is_finite(Vec3<L> a) { return is_finite(a.x) & is_finite(a.y) & is_finite(a.z); }
+template <class L> SHEAF_INLINE Mask<L> is_finite(Vec3<L> a) {
+  return is_finite(a.x) & is_finite(a.y) & is_finite(a.z);
+}
 /// The same vector in every lane.
 template <class L> SHEAF_INLINE Vec3<L> broadcast(Vec3f a) { return {Float<L>(a.x), Float<L>(a.y), Float<L>(a.z)}; }
 

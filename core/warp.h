@@ -49,7 +49,9 @@ template <class L> SHEAF_INLINE Vec3<L> square_to_cosine_hemisphere(typename L::
   const Vec2<L> d = square_to_disk<L>(u, v);
   return {d.x, d.y, safe_sqrt(F(1.0f) - d.x * d.x - d.y * d.y)};
 }
-template <class F> SHEAF_INLINE F cosine_hemisphere_pdf_solid_angle(F cos_theta) { return max(cos_theta, F(0.0f)) * F(kInvPi); }
+template <class F> SHEAF_INLINE F cosine_hemisphere_pdf_solid_angle(F cos_theta) {
+  return max(cos_theta, F(0.0f)) * F(kInvPi);
+}
 
 /// A direction on the unit sphere with density 1 / (4 pi) per solid angle.
 template <class L> SHEAF_INLINE Vec3<L> square_to_sphere(typename L::Float u, typename L::Float v) {

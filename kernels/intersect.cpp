@@ -16,7 +16,8 @@ template <class L> SHEAF_INLINE Mask<L> is_traceable(const RayState<L>& ray) {
   const Float<L> origin = max_component(abs(ray.origin)), squared = dot(ray.direction, ray.direction);
   // NaN fails every comparison, but max() may lose it: the sum keeps it.
   const Float<L> sum = ray.origin.x + ray.origin.y + ray.origin.z;
-  return (origin <= Float<L>(kLargestCoordinate)) & is_finite(sum) & (squared > Float<L>(0.5f)) & (squared < Float<L>(2.0f));
+  return (origin <= Float<L>(kLargestCoordinate)) & is_finite(sum) & (squared > Float<L>(0.5f)) &
+         (squared < Float<L>(2.0f));
 }
 
 /// Rays of slots[0 .. L::width) to lanes [at, at + L::width) of the packet; returns which are good. Others become a

@@ -36,7 +36,8 @@ template <class L>
 void candidate_run(const SceneView& scene, Wave& wave, const SurfaceRun& run, SampleSet set, bool in_medium) {
   with_color_mode(scene, [&]<ColorMode Mode>() {
     for_tiles<L>(run.count, [&](int i, int) {
-      candidate_tile<L, Mode>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, set, in_medium);
+      candidate_tile<L, Mode>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, set,
+                              in_medium);
     });
   });
 }
@@ -46,7 +47,8 @@ void candidate_run(const SceneView& scene, Wave& wave, const SurfaceRun& run, Sa
 template <class L> void light_candidates(const SceneView& scene, Wave& wave) noexcept {
   if (!samples_lights(scene)) return;
   StageTimer timer(wave.stats, Stage::kLightCandidates);
-  const SampleSet set{static_cast<std::uint32_t>(wave.candidate), static_cast<std::uint32_t>(scene.integrator.candidates)};
+  const SampleSet set{static_cast<std::uint32_t>(wave.candidate),
+                      static_cast<std::uint32_t>(scene.integrator.candidates)};
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!Bsdf<L>::kIsSpecular) {
       const SurfaceRun& run = wave.runs[static_cast<int>(kind)];

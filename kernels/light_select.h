@@ -19,10 +19,12 @@ template <class L> struct LightReceiver {
 };
 
 /// How many lights shine from outside of the scene: those behind SceneView::bounded_light_count.
-inline std::uint32_t infinite_light_count(const SceneView& scene) { return scene.light_count - scene.bounded_light_count; }
+inline std::uint32_t infinite_light_count(const SceneView& scene) {
+  return scene.light_count - scene.bounded_light_count;
+}
 
-/// LightSelector::kBvh: the probability with which one of the infinite lights is chosen, all of them alike. The tree counts
-/// as one more, as it knows nothing of them.
+/// LightSelector::kBvh: the probability with which one of the infinite lights is chosen, all of them alike. The tree
+/// counts as one more, as it knows nothing of them.
 inline float infinite_light_share(const SceneView& scene) {
   const std::uint32_t infinite = infinite_light_count(scene);
   return static_cast<float>(infinite) / static_cast<float>(infinite + (scene.bounded_light_count > 0 ? 1u : 0u));

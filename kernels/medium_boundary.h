@@ -9,7 +9,8 @@ namespace sheaf {
 /// `flags` (RayState::flags) with the medium that a ray in `direction` enters through a surface of geometric normal
 /// `ng`, both in world space; `boundary`: ShapeRow::boundary. Surfaces that are no boundary change nothing.
 template <class L>
-SHEAF_INLINE Uint<L> medium_behind(const SceneView& scene, Uint<L> boundary, Vec3<L> ng, Vec3<L> direction, Uint<L> flags) {
+SHEAF_INLINE Uint<L> medium_behind(const SceneView& scene, Uint<L> boundary, Vec3<L> ng, Vec3<L> direction,
+                                   Uint<L> flags) {
   using F = Float<L>;
   using U = Uint<L>;
   const auto crossing = boundary != U(kNone);

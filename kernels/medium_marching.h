@@ -1,6 +1,6 @@
-// Ray marching: a medium as steps of equal length, each with the coefficients of one point in it, at a place in the step
-// that is random for each ray. Biased: the exponential of an optical depth that is only right in the mean lets too much
-// light pass. The error falls at least in proportion to the step.
+// Ray marching: a medium as steps of equal length, each with the coefficients of one point in it, at a place in the
+// step that is random for each ray. Biased: the exponential of an optical depth that is only right in the mean lets too
+// much light pass. The error falls at least in proportion to the step.
 #pragma once
 
 #include "kernels/medium_tracking.h"

@@ -12,7 +12,10 @@ enum class MediumStream : std::uint32_t { kPath = 0x6d656469u, kShadow = 0x73686
 class MediumRandom {
  public:
   MediumRandom(std::uint32_t seed, std::uint32_t pixel, std::uint32_t sample, std::uint32_t event, MediumStream use)
-      : pixel_(pixel ^ (pixel >> 16)), sample_(sample), event_(event), key_(seed ^ (seed >> 16) ^ static_cast<std::uint32_t>(use)) {}
+      : pixel_(pixel ^ (pixel >> 16)),
+        sample_(sample),
+        event_(event),
+        key_(seed ^ (seed >> 16) ^ static_cast<std::uint32_t>(use)) {}
 
   SHEAF_INLINE float next() {
     if (left_ == 0) refill();

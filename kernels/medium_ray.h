@@ -6,8 +6,8 @@
 
 namespace sheaf {
 
-/// The lane by whose extinction a path samples distances: the first wavelength in spectral mode, in RGB mode each of the
-/// three alike, by the path's number.
+/// The lane by whose extinction a path samples distances: the first wavelength in spectral mode, in RGB mode each of
+/// the three alike, by the path's number.
 inline std::uint32_t hero_lane_flags(std::uint32_t lane) { return lane << kRayHeroShift; }
 inline int hero_lane(std::uint32_t flags) { return static_cast<int>((flags & kRayHeroMask) >> kRayHeroShift); }
 
@@ -26,7 +26,8 @@ inline MediumRay make_medium_ray(const SceneView& scene, std::uint32_t flags, co
                           (medium.flags & kMediumColored) == 0;
   int hero = hero_lane(flags);
   if (by_largest) {
-    const Quad most = (medium.flags & kMediumAbsorptionScattering) != 0 ? spectra.first + spectra.second : spectra.first;
+    const Quad most =
+        (medium.flags & kMediumAbsorptionScattering) != 0 ? spectra.first + spectra.second : spectra.first;
     for (int lane = 0; lane < 4; ++lane)
       if (most[lane] > most[hero]) hero = lane;
   }

@@ -31,7 +31,8 @@ Bsdf<Scalar> load_pane(const SceneView& scene, std::uint32_t row, const Spectrum
 }  // namespace pane_detail
 
 /// What passes the pane of a material's row at this cosine to the normal. `lambda`: in spectral mode.
-inline PanePassage<Scalar> pane_passage(const SceneView& scene, std::uint32_t row, float cos_theta, const Spectrum4& lambda) {
+inline PanePassage<Scalar> pane_passage(const SceneView& scene, std::uint32_t row, float cos_theta,
+                                        const Spectrum4& lambda) {
   using namespace pane_detail;
   if (scene.materials[row].kind == ClosureKind::kThinDielectric)
     return load_pane<ThinDielectricBsdf>(scene, row, lambda).passage(cos_theta);

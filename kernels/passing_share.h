@@ -14,8 +14,8 @@ inline std::uint32_t side_of(const SceneView& scene, std::uint32_t row, bool beh
 
 }  // namespace passing_detail
 
-/// Whether a material of the description, given as a row, may let light pass: composite ones and open panes may. `behind`: it is
-/// seen from behind the geometric normal.
+/// Whether a material of the description, given as a row, may let light pass: composite ones and open panes may.
+/// `behind`: it is seen from behind the geometric normal.
 inline bool may_pass(const SceneView& scene, std::uint32_t row, bool behind) {
   const MaterialRow& m = scene.materials[passing_detail::side_of(scene, row, behind)];
   return (m.flags & kComposite) != 0 || (scene.has_open_panes && is_pane_kind(m.kind));
@@ -27,7 +27,8 @@ inline float passing_share(const SceneView& scene, std::uint32_t row, bool behin
   const MaterialRow& m = scene.materials[passing_detail::side_of(scene, row, behind)];
   if ((m.flags & kComposite) == 0) return 0.0f;
   float second = m.words[0];
-  if (m.binding_count > 0) second = lookup_scalar<Scalar>(scene.textures, scene.bindings[m.first_binding].texture, query);
+  if (m.binding_count > 0)
+    second = lookup_scalar<Scalar>(scene.textures, scene.bindings[m.first_binding].texture, query);
   second = clamp(second, 0.0f, 1.0f);
   float share = 0.0f;
   if (second < 1.0f) share += (1.0f - second) * passing_share(scene, m.choice[0], behind, query);

@@ -1,15 +1,16 @@
-// Stage: resample. Of M light candidates per vertex, one is kept and becomes a shadow ray: resampled importance sampling
-// (Talbot, Cline and Egbert 2005, "Importance Resampling for Global Illumination", equation 6), as a weighted reservoir.
+// Stage: resample. Of M light candidates per vertex, one is kept and becomes a shadow ray: resampled importance
+// sampling (Talbot, Cline and Egbert 2005, "Importance Resampling for Global Illumination", equation 6), as a weighted
+// reservoir.
 //
 // With candidates x_i of density p and the target q(x), the kept candidate y and its weight estimate
 //     f(y) / q(y) * 1/M sum_i q(x_i) / p(x_i).
 // Multiple importance sampling splits the integrand f into parts w_l f, for light sampling, and w_b f, for BSDF
 // sampling with density b. Any functions of x alone that add up to one at every x keep the sum unbiased, whatever
-// technique then estimates each part: so the density of the kept candidate, which has no closed form, is not needed. The
-// weights here are the power heuristic of M p and b, as M candidates are worth up to M samples:
+// technique then estimates each part: so the density of the kept candidate, which has no closed form, is not needed.
+// The weights here are the power heuristic of M p and b, as M candidates are worth up to M samples:
 //     w_l = (M p)^2 / ((M p)^2 + b^2),  w_b = 1 - w_l,
-// and q is the unshadowed part w_l f, its lanes added up. Lights that BSDF sampling cannot find have w_l = 1. For M = 1 the
-// factor is exactly one: plain next-event estimation, bit by bit.
+// and q is the unshadowed part w_l f, its lanes added up. Lights that BSDF sampling cannot find have w_l = 1. For M = 1
+// the factor is exactly one: plain next-event estimation, bit by bit.
 //
 // Where there are media or surfaces that let shadow rays pass, w_l depends on what the shadow ray meets as well: then q
 // is as above, but the transmittance stage gets f and applies w_l.
@@ -41,7 +42,7 @@ template <class L> struct WeighedCandidate {
 
 template <class L, template <class> class Bsdf>
 SHEAF_INLINE WeighedCandidate<L> weigh(const SceneView& scene, const Wave& wave, int column, const SurfaceItem<L>& item,
-                                         const LightCandidate<L>& light, Spectrum<L> beta, bool mapped, int candidates) {
+                                       const LightCandidate<L>& light, Spectrum<L> beta, bool mapped, int candidates) {
   using F = Float<L>;
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(wave, column);
   const Vec3<L> wi = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_local(light.direction);
@@ -135,14 +136,15 @@ SHEAF_INLINE void push_shadow_ray(const SceneView& scene, Wave& wave, const Slot
   alignas(kSimdAlignment) std::uint32_t slot_words[L::width];
   for (int lane = 0; lane < L::width; ++lane) slot_words[lane] = slots[lane];
   load(slot_words, out.slot);
-  const auto kept = is_finite(out.direction) & is_finite(total(contribution)) & !is_black(contribution) & L::first(count);
+  const auto kept =
+      is_finite(out.direction) & is_finite(total(contribution)) & !is_black(contribution) & L::first(count);
   if (scene.has_transparency) push_transmittance<L>(scene, wave, slots, item, out, end, in_medium, kept);
   wave.shadow_count += wave.shadows.compress<L>(wave.shadow_count, out, kept);
 }
 
 template <class L, template <class> class Bsdf>
-SHEAF_INLINE void resample_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, int count, bool mapped,
-                                CandidateIndex candidate) {
+SHEAF_INLINE void resample_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, int count,
+                                bool mapped, CandidateIndex candidate) {
   using F = Float<L>;
   const auto item = wave.items.load<L>(column);
   const auto light = wave.candidates.load<L>(column);

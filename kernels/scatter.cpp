@@ -95,7 +95,8 @@ Float<L> leave_vertex(const SceneView& scene, Wave& wave, const Slot* slots, int
 }
 
 template <class L, template <class> class Bsdf>
-SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, int count, bool mapped) {
+SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, int count,
+                               bool mapped) {
   using F = Float<L>;
   using U = Uint<L>;
   const auto item = wave.items.load<L>(column);
@@ -150,7 +151,8 @@ SHEAF_INLINE void scatter_tile(const SceneView& scene, Wave& wave, const Slot* s
   wave.finished.push(slots, ~bits & ((1u << count) - 1u));
 }
 
-template <class L, template <class> class Bsdf> void scatter_run(const SceneView& scene, Wave& wave, const SurfaceRun& run) {
+template <class L, template <class> class Bsdf>
+void scatter_run(const SceneView& scene, Wave& wave, const SurfaceRun& run) {
   const bool mapped = (scene.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
   for_tiles<L>(run.count, [&](int i, int count) {
     scatter_tile<L, Bsdf>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped);

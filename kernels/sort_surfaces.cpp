@@ -23,7 +23,8 @@ template <class L> void sort_surfaces(const SceneView& scene, Wave& wave) noexce
     keys[i] = static_cast<std::uint8_t>(materials[material].bucket);
   }
   int begin[kMaxBuckets + 1];
-  bucket_sort(wave.surface.data(), wave.sort_keys, hits, static_cast<int>(scene.bucket_count), wave.sorted.data(), begin);
+  bucket_sort(wave.surface.data(), wave.sort_keys, hits, static_cast<int>(scene.bucket_count), wave.sorted.data(),
+              begin);
   wave.sorted.resize(hits);
   wave.sorted.pad();
   int column = 0;

@@ -40,8 +40,8 @@ template <class L> void medium(const SceneView& scene, Wave& wave) noexcept;
 /// Veach 1997, section 9.2.2). Reads ray, hit and throughput state; adds to radiance.
 template <class L> void emission(const SceneView& scene, Wave& wave) noexcept;
 
-/// Chooses among the parts of composite materials. Reads ray state; writes the hit's material, or the ray's origin where
-/// light passes.
+/// Chooses among the parts of composite materials. Reads ray state; writes the hit's material, or the ray's origin
+/// where light passes.
 template <class L> void select_materials(const SceneView& scene, Wave& wave) noexcept;
 
 /// Sorts surface hits by closure kind and material. Reads hit state.
@@ -56,8 +56,8 @@ template <class L> void textures(const SceneView& scene, Wave& wave) noexcept;
 /// Samples one light per vertex: candidate Wave::candidate. Reads throughput.
 template <class L> void light_candidates(const SceneView& scene, Wave& wave) noexcept;
 
-/// Weighs that candidate against those before it and keeps one of them; after the last one pushes a shadow ray with what
-/// was kept. Reads throughput.
+/// Weighs that candidate against those before it and keeps one of them; after the last one pushes a shadow ray with
+/// what was kept. Reads throughput.
 template <class L> void resample(const SceneView& scene, Wave& wave) noexcept;
 
 /// Traces shadow rays and pays what is unoccluded into the paths' radiance.

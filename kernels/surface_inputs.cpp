@@ -1,5 +1,5 @@
-// Stage: surface inputs. From hits to what closures need: position, normals, the viewing direction in the shading frame,
-// and the closure's parameters.
+// Stage: surface inputs. From hits to what closures need: position, normals, the viewing direction in the shading
+// frame, and the closure's parameters.
 #include "kernels/bsdf/all.h"
 #include "kernels/path_wavelengths.h"
 #include "kernels/shading_frame.h"
@@ -25,7 +25,8 @@ struct KindInputs {
 /// Copies the closure's parameters from the material table.
 template <class L>
 SHEAF_INLINE void closure_words(const SceneView& scene, Wave& wave, Uint<L> row, int words, int column) {
-  const auto* parameters = reinterpret_cast<const float*>(scene.materials) + offsetof(MaterialRow, words) / sizeof(float);
+  const auto* parameters =
+      reinterpret_cast<const float*>(scene.materials) + offsetof(MaterialRow, words) / sizeof(float);
   float* const* closure = wave.closures.columns().words;
   for (int k = 0; k < words; k += 4) {
     Float<L> quad[4];
@@ -58,8 +59,8 @@ SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const RayStat
   using F = Float<L>;
   using U = Uint<L>;
   const ShapeLanes<L> shape = load_shapes<L>(scene, hit.shape);
-  const auto y = surface_point<L, Textured>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
-                                            hit.instance);
+  const auto y = surface_point<L, Textured>(scene, shape, hit.primitive, hit.u, hit.v,
+                                            ray.origin + ray.direction * hit.t, hit.instance);
   const auto turned = ((flags & U(kTwoSided)) != U(0u)) & (dot(y.ns, ray.direction) > F(0.0f));
   SurfaceItem<L> item;
   item.p = y.p;
@@ -76,7 +77,8 @@ SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const RayStat
 }
 
 /// A vertex in a medium: no surface, and its frame looks back along the ray.
-template <class L> SHEAF_INLINE void medium_item(Wave& wave, const RayState<L>& ray, const HitState<L>& hit, int column) {
+template <class L>
+SHEAF_INLINE void medium_item(Wave& wave, const RayState<L>& ray, const HitState<L>& hit, int column) {
   using F = Float<L>;
   SurfaceItem<L> item;
   item.p = ray.origin + ray.direction * hit.t;
@@ -88,7 +90,8 @@ template <class L> SHEAF_INLINE void medium_item(Wave& wave, const RayState<L>& 
 }
 
 template <class L, ColorMode Mode>
-SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column, const KindInputs& kind) {
+SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column,
+                               const KindInputs& kind) {
   using U = Uint<L>;
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const HitState<L> hit = wave.hits.gather<L>(slots);

@@ -21,7 +21,8 @@ template <class L> struct TextureTile {
   SHEAF_INLINE Mask<L> lanes() const { return L::first(last) & !L::first(first); }
 };
 
-template <class L> SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, const Slot* slots, const TexturedItem<L>& t) {
+template <class L>
+SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, const Slot* slots, const TexturedItem<L>& t) {
   const HitState<L> hit = wave.hits.gather<L>(slots);
   return {t.uv, hit.shape, hit.primitive, hit.u, hit.v};
 }
@@ -105,10 +106,12 @@ void turn_normals(const SceneView& scene, Wave& wave, const MaterialRow& materia
 
 /// Items [first, last) of a run, all of one material.
 template <class L, bool WithTangent>
-void texture_run(const SceneView& scene, Wave& wave, const SurfaceRun& run, const MaterialRow& material, int first, int last) {
+void texture_run(const SceneView& scene, Wave& wave, const SurfaceRun& run, const MaterialRow& material, int first,
+                 int last) {
   const Slot* slots = wave.sorted.data() + run.slot_begin;
   for (int at = first / L::width * L::width; at < last; at += L::width) {
-    const TextureTile<L> tile{slots + at, run.column_begin + at, std::max(first - at, 0), std::min(last - at, int{L::width})};
+    const TextureTile<L> tile{slots + at, run.column_begin + at, std::max(first - at, 0),
+                              std::min(last - at, int{L::width})};
     if (material.binding_count > 0)
       with_color_mode(scene, [&]<ColorMode Mode>() { texture_words<L, Mode>(scene, wave, material, tile); });
     if (material.flags & kMapped) turn_normals<L, WithTangent>(scene, wave, material, tile);

@@ -54,7 +54,8 @@ bool pass_medium(const SceneView& scene, Wave& wave, ShadowRay& ray, float t, bo
   } else if (estimator == MediumEstimator::kMarching) {
     pass_by_marching(stretch, ray.random, wave.stats.collisions, weights);
   } else {
-    open = pass_null_collisions(stretch, ray.random, estimator == MediumEstimator::kDelta, wave.stats.collisions, weights);
+    open =
+        pass_null_collisions(stretch, ray.random, estimator == MediumEstimator::kDelta, wave.stats.collisions, weights);
   }
   weights.beta = weights.beta * Quad(ray.item.contribution);
   weights.r_u = weights.r_u * Quad(ray.state.r_u);

@@ -1,8 +1,8 @@
 // Volumes in memory: a sparse grid of one or three floats per voxel, in bricks of 8^3 that share what is constant.
 //
 // Voxel (i, j, k) of index space has its value at the point (i, j, k). A brick stands for the 8^3 cells between voxels
-// whose lowest corners it holds, and so stores 9^3 voxels: a trilinear lookup reads one entry of the table of bricks and
-// one brick. Bricks of one value are stored once for each value.
+// whose lowest corners it holds, and so stores 9^3 voxels: a trilinear lookup reads one entry of the table of bricks
+// and one brick. Bricks of one value are stored once for each value.
 #pragma once
 
 #include "core/transform.h"

@@ -11,7 +11,8 @@ void check(const CameraDescription& d) {
     throw SceneError(d.where, "clip distances must be in order and not negative, found " + std::to_string(d.near_clip) +
                                   " (near) and " + std::to_string(d.far_clip) + " (far)");
   if (!(d.aperture_radius >= 0.0f && d.aperture_radius < kInfinity))
-    throw SceneError(d.where, "radius of the aperture must not be negative, found " + std::to_string(d.aperture_radius));
+    throw SceneError(d.where,
+                     "radius of the aperture must not be negative, found " + std::to_string(d.aperture_radius));
   if (!(d.focus_distance > 0.0f))
     throw SceneError(d.where, "focus distance must be positive, found " + std::to_string(d.focus_distance));
 }

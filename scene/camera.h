@@ -31,7 +31,8 @@ struct Camera {
 
   /// The ray through the film position (x, y) and the position (u, v) on the lens, a point of the unit disk.
   template <class L>
-  SHEAF_INLINE CameraRay<L> ray(typename L::Float x, typename L::Float y, typename L::Float u, typename L::Float v) const {
+  SHEAF_INLINE CameraRay<L> ray(typename L::Float x, typename L::Float y, typename L::Float u,
+                                typename L::Float v) const {
     using F = typename L::Float;
     const Vec3<L> lens = broadcast<L>(lens_x) * u + broadcast<L>(lens_y) * v;
     const Vec3<L> start = broadcast<L>(origin) + broadcast<L>(origin_dx) * x + broadcast<L>(origin_dy) * y + lens;

@@ -39,10 +39,12 @@ class Flattener {
   /// The row of a material within `around`.
   std::uint32_t flatten(MaterialId id, Surroundings around) {
     const MaterialDescription& m = materials_.at(static_cast<std::size_t>(id));
-    if (around.depth > kMaxDepth) throw SceneError(m.where, "materials are nested more than " + std::to_string(kMaxDepth) + " deep");
+    if (around.depth > kMaxDepth)
+      throw SceneError(m.where, "materials are nested more than " + std::to_string(kMaxDepth) + " deep");
     const auto key = std::tuple(static_cast<std::size_t>(id), around.two_sided, around.map);
     if (const auto known = known_.find(key); known != known_.end()) return known->second;
-    if (rows.size() >= kMaxRows) throw SceneError(m.where, "more than " + std::to_string(kMaxRows) + " combinations of materials");
+    if (rows.size() >= kMaxRows)
+      throw SceneError(m.where, "more than " + std::to_string(kMaxRows) + " combinations of materials");
     ++around.depth;
     const std::uint32_t row = std::visit([&](const auto& model) { return flatten_model(m, model, around); }, m.model);
     known_.emplace(key, row);
@@ -96,7 +98,8 @@ class Flattener {
     return push(row);
   }
 
-  std::uint32_t flatten_model(const MaterialDescription& m, const TwoSidedDescription& sides, const Surroundings& around) {
+  std::uint32_t flatten_model(const MaterialDescription& m, const TwoSidedDescription& sides,
+                              const Surroundings& around) {
     if (around.two_sided) throw SceneError(m.where, "a two-sided material cannot hold another one");
     for (const MaterialId side : {sides.front, sides.back})
       if (transmits(side, 0)) throw SceneError(m.where, "a two-sided material cannot hold one that transmits light");
@@ -126,21 +129,25 @@ class Flattener {
     return push_choice(first, flatten(blend.nested[1], around), blend.weight);
   }
 
-  std::uint32_t flatten_model(const MaterialDescription& m, const BumpMapDescription& bump, const Surroundings& around) {
+  std::uint32_t flatten_model(const MaterialDescription& m, const BumpMapDescription& bump,
+                              const Surroundings& around) {
     const std::uint32_t flags = NormalMapRow::kBump | options(m);
     return flatten_mapped(m, {static_cast<std::uint32_t>(bump.displacement), flags, bump.scale}, bump.nested, around);
   }
 
-  std::uint32_t flatten_model(const MaterialDescription& m, const NormalMapDescription& map, const Surroundings& around) {
+  std::uint32_t flatten_model(const MaterialDescription& m, const NormalMapDescription& map,
+                              const Surroundings& around) {
     const std::uint32_t flags = (map.flip_green ? NormalMapRow::kFlipGreen : 0u) | options(m);
     return flatten_mapped(m, {static_cast<std::uint32_t>(map.normals), flags, 1.0f}, map.nested, around);
   }
 
   static std::uint32_t options(const MaterialDescription& m) {
-    return (m.fix_invalid_normals ? NormalMapRow::kFixInvalid : 0u) | (m.soften_terminator ? NormalMapRow::kSoften : 0u);
+    return (m.fix_invalid_normals ? NormalMapRow::kFixInvalid : 0u) |
+           (m.soften_terminator ? NormalMapRow::kSoften : 0u);
   }
 
-  std::uint32_t flatten_mapped(const MaterialDescription& m, NormalMapRow map, MaterialId nested, const Surroundings& around) {
+  std::uint32_t flatten_mapped(const MaterialDescription& m, NormalMapRow map, MaterialId nested,
+                               const Surroundings& around) {
     if (around.map != kNoMap) throw SceneError(m.where, "a normal or bump map cannot hold another one");
     Surroundings inside = around;
     inside.map = static_cast<std::uint32_t>(maps.size());
@@ -172,7 +179,8 @@ class Flattener {
     if (const auto* b = std::get_if<BlendDescription>(&m.model)) return nested(b->nested[0]) || nested(b->nested[1]);
     if (const auto* b = std::get_if<BumpMapDescription>(&m.model)) return nested(b->nested);
     if (const auto* n = std::get_if<NormalMapDescription>(&m.model)) return nested(n->nested);
-    return std::holds_alternative<DielectricDescription>(m.model) || std::holds_alternative<PrincipledThinDescription>(m.model) ||
+    return std::holds_alternative<DielectricDescription>(m.model) ||
+           std::holds_alternative<PrincipledThinDescription>(m.model) ||
            std::holds_alternative<NullDescription>(m.model) || std::holds_alternative<MaskDescription>(m.model);
   }
 
@@ -190,14 +198,17 @@ void renumber(std::uint32_t& row, const std::vector<std::uint32_t>& position) {
 
 /// Numbers the buckets: one per material if they are few, else one per kind.
 void set_buckets(CompiledMaterials& out) {
-  const auto shaded = std::find_if(out.rows.begin(), out.rows.end(), [](const MaterialRow& r) { return r.flags & kComposite; });
+  const auto shaded =
+      std::find_if(out.rows.begin(), out.rows.end(), [](const MaterialRow& r) { return r.flags & kComposite; });
   const auto count = static_cast<std::uint32_t>(shaded - out.rows.begin());
   const bool bucket_per_material = count <= std::uint32_t{kMaxBuckets};
   for (std::uint32_t i = 0; i < count; ++i)
-    out.rows[i].bucket = static_cast<std::uint16_t>(bucket_per_material ? i : static_cast<std::uint32_t>(out.rows[i].kind));
+    out.rows[i].bucket =
+        static_cast<std::uint16_t>(bucket_per_material ? i : static_cast<std::uint32_t>(out.rows[i].kind));
   out.bucket_count = bucket_per_material ? count : std::uint32_t{kClosureKinds};
   for (int kind = 0; kind <= kClosureKinds; ++kind) {
-    const auto first = std::find_if(out.rows.begin(), shaded, [kind](const MaterialRow& r) { return static_cast<int>(r.kind) >= kind; });
+    const auto first = std::find_if(out.rows.begin(), shaded,
+                                    [kind](const MaterialRow& r) { return static_cast<int>(r.kind) >= kind; });
     out.bucket_begin[kind] = bucket_per_material ? static_cast<std::uint32_t>(first - out.rows.begin())
                                                  : static_cast<std::uint32_t>(kind);
   }

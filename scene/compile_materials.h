@@ -26,8 +26,8 @@ struct CompiledMaterials {
 
 /// Flattens two-sided materials, masks, blends and maps into rows. Textures keep their numbers. Throws SceneError where
 /// a two-sided material holds one that transmits or another two-sided one, where a map holds a map, and where
-/// materials are nested too deep. `set`: what makes rows of spectra, in spectral mode. Phase functions become rows among
-/// the others.
+/// materials are nested too deep. `set`: what makes rows of spectra, in spectral mode. Phase functions become rows
+/// among the others.
 CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials, SpectrumSet* set = nullptr,
                                     const std::vector<PhaseDescription>& phases = {});
 

@@ -96,8 +96,8 @@ class MediaCompiler {
     GridVolumeDescription::Filter filter;
   };
 
-  void spectrum(const SpectrumDescription& s, SpectrumUse use, float factor, const SourceLocation& where, float (&words)[4],
-                SpectrumRow& row) {
+  void spectrum(const SpectrumDescription& s, SpectrumUse use, float factor, const SourceLocation& where,
+                float (&words)[4], SpectrumRow& row) {
     const Vec3f rgb = use == SpectrumUse::kReflectance  ? reflectance_rgb(s)
                       : use == SpectrumUse::kIlluminant ? emission_rgb(s)
                                                         : unbounded_rgb(s);
@@ -117,7 +117,8 @@ class MediaCompiler {
     return s != nullptr ? kNone : grid(std::get<GridVolumeDescription>(volume), box, where, 0);
   }
 
-  /// Reads a grid; `channels`: how many it must have, 0 for any number. Grids of the same file, used alike, are read once.
+  /// Reads a grid; `channels`: how many it must have, 0 for any number. Grids of the same file, used alike, are read
+  /// once.
   std::uint32_t grid(const GridVolumeDescription& description, const GridBox& box, const SourceLocation& where,
                      int channels) {
     BrickGrid loaded = load_volume(description, where);
@@ -138,7 +139,8 @@ class MediaCompiler {
       row.temperature = grid(*m.temperature, box, m.where, 1);
       row.temperature_scale = m.temperature_scale;
       // Planck's law is absolute: the factor is the same at every wavelength.
-      spectrum(SpectrumDescription::constant(1), SpectrumUse::kRaw, m.emission_scale, m.where, row.emission, spectrum_row);
+      spectrum(SpectrumDescription::constant(1), SpectrumUse::kRaw, m.emission_scale, m.where, row.emission,
+               spectrum_row);
       row.flags |= kMediumEmits;
     } else if (m.emission) {
       row.emission_grid =
@@ -159,7 +161,8 @@ class MediaCompiler {
     const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
     const std::uint32_t of = row.density != kNone ? row.density : row.first_grid;
     if (of != kNone && out.grids[of].border != GridBorder::kBackground) row.flags |= kMediumBoxed;
-    if (is_grey(row.first, spectra[0]) && (!both || is_grey(row.second, spectra[1])) && (row.flags & kMediumColored) == 0)
+    if (is_grey(row.first, spectra[0]) && (!both || is_grey(row.second, spectra[1])) &&
+        (row.flags & kMediumColored) == 0)
       row.flags |= kMediumGrey;
   }
 

@@ -40,7 +40,7 @@ struct VolumeLight {
 
 /// The light that the medium of row `medium` is; nothing if it does not emit. `boxes`: around
 /// the shapes that hold it. The alias table is to stand at `first_cell`.
-std::optional<VolumeLight> make_volume_light(const SceneView& scene, std::uint32_t medium, std::span<const GridBox> boxes,
-                                             std::uint32_t first_cell);
+std::optional<VolumeLight> make_volume_light(const SceneView& scene, std::uint32_t medium,
+                                             std::span<const GridBox> boxes, std::uint32_t first_cell);
 
 }  // namespace sheaf

@@ -209,7 +209,8 @@ struct RayleighDescription {};
 struct BlendPhaseDescription { float weight = 0.5f; PhaseId nested[2]{}; };
 
 struct PhaseDescription {
-  std::variant<IsotropicPhaseDescription, HenyeyGreensteinDescription, RayleighDescription, BlendPhaseDescription> model;
+  std::variant<IsotropicPhaseDescription, HenyeyGreensteinDescription, RayleighDescription, BlendPhaseDescription>
+      model;
   SourceLocation where;
 };
 
@@ -317,7 +318,10 @@ struct CameraDescription {
 };
 
 /// Emits `intensity` (W / sr) from `position` in all directions.
-struct PointLightDescription { Vec3f position{0, 0, 0}; SpectrumDescription intensity = SpectrumDescription::constant(1); };
+struct PointLightDescription {
+  Vec3f position{0, 0, 0};
+  SpectrumDescription intensity = SpectrumDescription::constant(1);
+};
 /// The same radiance (W / (m^2 sr)) from every direction outside the scene.
 struct ConstantLightDescription { SpectrumDescription radiance = SpectrumDescription::constant(1); };
 

@@ -55,7 +55,8 @@ double evaluate_filter(const FilterDescription& f, double x) {
 
 FilterTable make_filter_table(const FilterDescription& filter) {
   const double radius = filter_radius(filter);
-  if (!(radius > 0 && radius <= 64)) throw SceneError("reconstruction filter must be wider than 0 and at most 64 pixels in radius");
+  if (!(radius > 0 && radius <= 64))
+    throw SceneError("reconstruction filter must be wider than 0 and at most 64 pixels in radius");
   constexpr int kSteps = FilterTable::kBins * 64;
   const auto position = [radius](double i) { return radius * (2.0 * i / kSteps - 1.0); };
   std::vector<double> cumulative(kSteps + 1, 0.0), signed_cumulative(kSteps + 1, 0.0);

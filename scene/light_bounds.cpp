@@ -69,7 +69,8 @@ LightBounds cone_light_bounds(const LightRow& row, const LightFrameRow& frame, V
   const float size = dot(rows[2], rows[2]);
   float distortion = 0;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j <= i; ++j) distortion = std::max(distortion, std::fabs(dot(rows[i], rows[j]) - (i == j ? size : 0)));
+    for (int j = 0; j <= i; ++j)
+      distortion = std::max(distortion, std::fabs(dot(rows[i], rows[j]) - (i == j ? size : 0)));
   if (distortion > 1e-4f * size) cos_total = -1.0;  // a cone that is stretched may reach anywhere
   const Vec3f axis = normalize(rows[2]);
   const double solid_angle = 2.0 * double(kPi) * std::max(1.0 - cos_total, 1e-6);

@@ -20,7 +20,8 @@ const char* light_selector_name(LightSelector selector);
 /// The selector of this name. Throws Error (usage) for an unknown one, with the nearest known one.
 LightSelector light_selector_from_name(std::string_view name);
 
-/// Reads `light_sampler` (a name) and `candidates` (lights per vertex, of which resampling keeps one). Throws SceneError.
+/// Reads `light_sampler` (a name) and `candidates` (lights per vertex, of which resampling keeps one). Throws
+/// SceneError.
 void read_light_sampling(Properties& p, IntegratorDescription& integrator);
 
 }  // namespace sheaf

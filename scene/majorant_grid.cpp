@@ -71,7 +71,8 @@ MajorantGrid make_majorant_grid(const BrickGrid& grid, GridVolumeDescription::Fi
         float most = 0;
         for_each(range(2, k), [&](int z) {
           for_each(range(1, j), [&](int y) {
-            const auto row = static_cast<std::size_t>(z * grid.bricks[1] + y) * static_cast<std::size_t>(grid.bricks[0]);
+            const auto row =
+                static_cast<std::size_t>(z * grid.bricks[1] + y) * static_cast<std::size_t>(grid.bricks[0]);
             for_each(range(0, i), [&](int x) {
               most = std::max(most, maxima[grid.entries[row + static_cast<std::size_t>(x)]]);
             });

@@ -5,8 +5,8 @@
 
 namespace sheaf {
 
-/// What kernels read of a majorant grid. Cell (i, j, k) is all of [i, i + 1) x [j, j + 1) x [k, k + 1) inside of the box;
-/// those at the ends reach on to the box's faces.
+/// What kernels read of a majorant grid. Cell (i, j, k) is all of [i, i + 1) x [j, j + 1) x [k, k + 1) inside of the
+/// box; those at the ends reach on to the box's faces.
 struct alignas(64) MajorantGridRow {
   float world_to_cells[16] = {};  ///< columns of the 3x4 matrix, four floats each, the last of which is zero
   float box_min[3] = {}, box_max[3] = {};  ///< in cells; outside of it, `outside` bounds the volume

@@ -51,7 +51,9 @@ template <class L> struct RoughDielectricParameters {
   typename L::Float eta;                     ///< int / ext
   Spectrum<L> reflectance, transmittance;    ///< as for DielectricParameters
   typename L::Float alpha_u, alpha_v;        ///< roughness along the tangent and across
-  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v); }
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v);
+  }
 };
 
 /// DielectricParameters with an index for each wavelength (kernels/bsdf/dispersive_dielectric.h). Spectral mode only.
@@ -65,7 +67,9 @@ template <class L> struct DispersiveDielectricParameters {
 template <class L> struct DispersiveRoughDielectricParameters {
   Spectrum<L> eta, reflectance, transmittance;
   typename L::Float alpha_u, alpha_v;
-  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v); }
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v);
+  }
 };
 
 /// Parameters of a diffuse base under a smooth coat (kernels/bsdf/plastic.h).

@@ -56,7 +56,8 @@ template <template <class> class Parameters> struct RowMaker {
   /// The row of one of the parameters.
   SpectrumRow& row_of(const Spectrum4& spectrum) {
     constexpr ClosureSpectra kSpectra = closure_spectra<Parameters>();
-    const auto* place = std::find(kSpectra.word, kSpectra.word + kSpectra.count, static_cast<int>(word_of(spectrum.c0)));
+    const auto* place =
+        std::find(kSpectra.word, kSpectra.word + kSpectra.count, static_cast<int>(word_of(spectrum.c0)));
     return context.rows[static_cast<std::size_t>(place - kSpectra.word)];
   }
 
@@ -123,8 +124,9 @@ MaterialRow make_row(const ConductorDescription& d, RowContext& context) {
   RowMaker<RoughConductorParameters> m{context};
   set_conductor(m, d);
   set_roughness(m, *d.roughness);
-  return with_tangent(m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughConductorGgx : ClosureKind::kRoughConductorBeckmann),
-                      *d.roughness);
+  return with_tangent(
+      m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughConductorGgx : ClosureKind::kRoughConductorBeckmann),
+      *d.roughness);
 }
 
 /// The index of the inside over that of the outside, by wavelength.
@@ -176,7 +178,8 @@ MaterialRow make_row(const DielectricDescription& d, RowContext& context) {
   set_dielectric(m, d);
   set_roughness(m, *d.roughness);
   return with_tangent(
-      m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughDielectricGgx : ClosureKind::kRoughDielectricBeckmann), *d.roughness);
+      m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughDielectricGgx : ClosureKind::kRoughDielectricBeckmann),
+      *d.roughness);
 }
 
 template <template <class> class Parameters>

@@ -1,4 +1,5 @@
-// Source: Jensen, Marschner, Levoy, Hanrahan, "A Practical Model for Subsurface Light Transport", SIGGRAPH 2001, figure 5.
+// Source: Jensen, Marschner, Levoy, Hanrahan, "A Practical Model for Subsurface Light Transport", SIGGRAPH 2001,
+// figure 5.
 #include "scene/measured_media.h"
 
 #include <algorithm>

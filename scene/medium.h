@@ -46,7 +46,8 @@ inline constexpr std::uint32_t kMostMedia = 0xfffffeu;
 struct BlackbodyTable {
   static constexpr float kStep = 10;  ///< kelvin between entries
   static constexpr int kEntries = 2001;
-  std::vector<Vec3f> rgb;  ///< Planck's law, W / (m^2 sr nm), at 0, kStep, 2 kStep, ... kelvin; hotter ones are as the last
+  /// Planck's law, W / (m^2 sr nm), at 0, kStep, 2 kStep, ... kelvin; hotter ones are as the last.
+  std::vector<Vec3f> rgb;
 
   BlackbodyTable();
   Vec3f at(float temperature) const {

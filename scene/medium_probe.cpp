@@ -26,8 +26,9 @@ void cross(const SceneView& scene, const RayPacket& packet, int i, std::uint32_t
   const std::uint32_t index = packet.shape[i];
   const ShapeRow& shape = scene.shapes[index];
   const Vec3f d = probe.direction;
-  const auto y = surface_point<Scalar, false>(scene, load_shapes<Scalar>(scene, index), packet.primitive[i], packet.u[i],
-                                              packet.v[i], probe.origin + d * packet.t_far[i], packet.instance[i]);
+  const auto y =
+      surface_point<Scalar, false>(scene, load_shapes<Scalar>(scene, index), packet.primitive[i], packet.u[i],
+                                   packet.v[i], probe.origin + d * packet.t_far[i], packet.instance[i]);
   probe.origin = offset_origin<Scalar>(y.p, y.ng, y.offset, d);
   if (shape.boundary == kNone || index == ignored) return;
   int& inside = probe.entered[{index, packet.instance[i]}];

@@ -1,6 +1,6 @@
 // A file is a sequence of segments. Each is a magic number, a version, the number of grids and their codec, then for
-// each grid a description of 176 bytes and its name, then the grids. A grid is one piece of memory with offsets in it: a
-// header, the tree's header, and nodes of four levels. None of these offsets is trusted.
+// each grid a description of 176 bytes and its name, then the grids. A grid is one piece of memory with offsets in it:
+// a header, the tree's header, and nodes of four levels. None of these offsets is trusted.
 #define NANOVDB_USE_ZIP
 #include "scene/nanovdb.h"
 
@@ -186,8 +186,8 @@ class GridMemory {
   }
 #else
   void decompress_blosc() {
-    fail("compressed with Blosc, for which Sheaf was not built; write it with 'nanovdb_convert -z', or build Sheaf where "
-         "libblosc-dev is installed");
+    fail("compressed with Blosc, for which Sheaf was not built; write it with 'nanovdb_convert -z', or build Sheaf "
+         "where libblosc-dev is installed");
   }
 #endif
 

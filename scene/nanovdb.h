@@ -23,7 +23,8 @@ bool has_nanovdb_blosc();
 
 /// A grid to be written.
 struct NanoVdbGrid {
-  enum class Values { kFloat, kFp4, kFp8, kFp16, kFpN };  ///< kFloat: Vec3f for three channels, of which there is no other
+  /// kFloat: Vec3f for three channels, of which there is no other.
+  enum class Values { kFloat, kFp4, kFp8, kFp16, kFpN };
   std::string name;
   const VoxelBlocks* voxels = nullptr;
   Transform index_to_world;
@@ -31,8 +32,8 @@ struct NanoVdbGrid {
   bool is_level_set = false;
 };
 
-/// Writes a .nvdb file of fog volumes, whole or not at all. Throws Error (exit code 4) if that fails or the codec is not
-/// there.
+/// Writes a .nvdb file of fog volumes, whole or not at all. Throws Error (exit code 4) if that fails or the codec is
+/// not there.
 void write_nanovdb(const std::filesystem::path& file, std::span<const NanoVdbGrid> grids,
                    NanoVdbCodec codec = NanoVdbCodec::kZip);
 

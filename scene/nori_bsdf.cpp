@@ -57,7 +57,8 @@ void read_absorption(Properties& p, std::optional<SpectrumDescription>& absorpti
 MaterialId read_bsdf(const XmlElement& element, ReadContext& context, std::optional<SpectrumDescription>& absorption) {
   Properties p(element, context);
   MaterialDescription material;
-  const BsdfDialect dialect{[&](const XmlElement& nested) { return read_bsdf(nested, context, absorption); }, false, true};
+  const BsdfDialect dialect{[&](const XmlElement& nested) { return read_bsdf(nested, context, absorption); }, false,
+                            true};
   if (p.type() == "diffuse") {
     material.model = read_diffuse(p);
   } else if (p.type() == "mirror") {

@@ -321,8 +321,8 @@ const XmlElement* Properties::named_object(const char* kind, const char* name) {
   for (Entry& entry : entries_) {
     if (!entry.key.empty() || entry.target->name != kind || snake_case(entry.name) != key) continue;
     if (found != nullptr)
-      throw SceneError(entry.written->where,
-                       title() + " holds a second <" + kind + "> of the name " + in_quotes(entry.name) + ", expected one");
+      throw SceneError(entry.written->where, title() + " holds a second <" + kind + "> of the name " +
+                                                 in_quotes(entry.name) + ", expected one");
     found = &entry;
   }
   if (found == nullptr) return nullptr;

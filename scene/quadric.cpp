@@ -14,7 +14,8 @@ double dot3(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] +
 /// Rows of a 3x4 matrix times (v, w).
 Vec3d apply(const float* m, const Vec3d& v, double w) {
   Vec3d r;
-  for (std::size_t i = 0; i < 3; ++i) r[i] = m[4 * i] * v[0] + m[4 * i + 1] * v[1] + m[4 * i + 2] * v[2] + m[4 * i + 3] * w;
+  for (std::size_t i = 0; i < 3; ++i)
+    r[i] = m[4 * i] * v[0] + m[4 * i + 1] * v[1] + m[4 * i + 2] * v[2] + m[4 * i + 3] * w;
   return r;
 }
 
@@ -123,7 +124,8 @@ std::optional<QuadricHit> intersect_quadric(const QuadricRow& row, Vec3f origin,
     }
     const Vec3d n = apply_normal(row.to_object, p);
     const double sign = row.normal_sign / std::sqrt(std::max(dot3(n, n), 1e-300));
-    return QuadricHit{t, {static_cast<float>(n[0] * sign), static_cast<float>(n[1] * sign), static_cast<float>(n[2] * sign)}};
+    return QuadricHit{
+        t, {static_cast<float>(n[0] * sign), static_cast<float>(n[1] * sign), static_cast<float>(n[2] * sign)}};
   }
   return std::nullopt;
 }

@@ -107,7 +107,8 @@ Dispersion read_sellmeier(Properties& p, const char* name) {
   const std::size_t terms = numbers.size() / 2;
   Dispersion result;
   if (terms == 0 || numbers.size() % 2 != 0 || terms > result.terms.size())
-    p.fail_at(name, "has " + std::to_string(numbers.size()) + " numbers, expected B1 B2 ... C1 C2 ..., as many B as C, " +
+    p.fail_at(name, "has " + std::to_string(numbers.size()) +
+                        " numbers, expected B1 B2 ... C1 C2 ..., as many B as C, " +
                         std::to_string(result.terms.size()) + " of each at most");
   for (std::size_t i = 0; i < terms; ++i) result.terms[i] = {numbers[i], numbers[terms + i]};
   return result;
@@ -145,8 +146,9 @@ DielectricDescription read_dielectric(Properties& p, const BsdfDialect& dialect)
   read_side(p, "int", names_disperse, result.int_ior, result.int_dispersion);
   read_side(p, "ext", names_disperse, result.ext_ior, result.ext_dispersion);
   if (p.has("dispersion") && *names_disperse && !result.int_dispersion && !result.ext_dispersion)
-    p.fail_at("dispersion", "is true, but of neither side a dispersion formula is known, expected coefficients or one of " +
-                                list_of(dispersion_names()));
+    p.fail_at("dispersion",
+              "is true, but of neither side a dispersion formula is known, expected coefficients or one of " +
+                  list_of(dispersion_names()));
   result.specular_reflectance = read_reflectance(p, "specular_reflectance", kOne);
   result.specular_transmittance = read_reflectance(p, "specular_transmittance", kOne);
   result.thin = p.type() == "thindielectric";

@@ -46,8 +46,8 @@ std::string rounding_note(SamplerKind kind, std::uint32_t sample_count) {
   if (rounded == sample_count) return {};
   const SampleGrid grid = make_sampler(kind, 0, rounded).grid;
   return "sampler '" + std::string(sampler_name(kind)) + "': " + std::to_string(sample_count) +
-         " samples per pixel become " + std::to_string(rounded) + ", a grid of " + std::to_string(grid.columns) + " x " +
-         std::to_string(grid.rows);
+         " samples per pixel become " + std::to_string(rounded) + ", a grid of " + std::to_string(grid.columns) +
+         " x " + std::to_string(grid.rows);
 }
 
 }  // namespace sheaf

@@ -25,8 +25,8 @@ std::vector<std::string> sampler_names();
 /// The name of a kind.
 const char* sampler_name(SamplerKind kind);
 
-/// The kind that `name` stands for: independent, stratified, multijitter, sobol, and Mitsuba's other samplers, for which
-/// sobol stands in. Throws Error (usage) for an unknown name, with the nearest known one.
+/// The kind that `name` stands for: independent, stratified, multijitter, sobol, and Mitsuba's other samplers, for
+/// which sobol stands in. Throws Error (usage) for an unknown name, with the nearest known one.
 SamplerKind sampler_from_name(std::string_view name);
 
 /// What to tell the user if `sample_count` samples per pixel become more with this sampler; empty if they do not.

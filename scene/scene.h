@@ -92,7 +92,8 @@ struct LightRow {
   std::uint32_t first_triangle = 0;
   std::uint32_t triangle_count = 0;
   /// Radiance (W / (m^2 sr)); kPoint, spots, kProjector: intensity (W / sr); kDirectional: irradiance (W / m^2). Where
-  /// there is a texture, what it is multiplied by. kEnvmap: the mean over all directions. kVolume: what it emits in all, W / sr.
+  /// there is a texture, what it is multiplied by. kEnvmap: the mean over all directions. kVolume: what it emits in
+  /// all, W / sr.
   float radiance[4] = {};
   /// kPoint, spots, kProjector, kSphere (centre), kVolume (least corner): metres; kDirectional: unit vector to the
   /// light.
@@ -102,7 +103,8 @@ struct LightRow {
   float depth = 0;   ///< kVolume
   std::uint32_t texture = kNone;  ///< into SceneView::textures; kNone: the same everywhere
   /// Spots, kProjector: into light_frames. Meshes with a texture: into light_uvs, the first triangle's. kSphere,
-  /// kQuadric: bits of the distance by which their points are moved off the surface at least. kVolume: numbers of cells along the axes, ten bits each.
+  /// kQuadric: bits of the distance by which their points are moved off the surface at least. kVolume: numbers of cells
+  /// along the axes, ten bits each.
   std::uint32_t detail = 0;
 };
 static_assert(sizeof(LightRow) == 64);

@@ -52,7 +52,8 @@ SHEAF_INLINE void triangle_uv(const ShapeLanes<L>& shape, const Vec2<L>* t, type
   using U = typename L::Uint;
   const auto has_uv = (shape.flags & U(kHasUvs)) != U(0u);
   const F b0 = F(1.0f) - u - v;
-  out.uv = {select(has_uv, b0 * t[0].x + u * t[1].x + v * t[2].x, u), select(has_uv, b0 * t[0].y + u * t[1].y + v * t[2].y, v)};
+  out.uv = {select(has_uv, b0 * t[0].x + u * t[1].x + v * t[2].x, u),
+            select(has_uv, b0 * t[0].y + u * t[1].y + v * t[2].y, v)};
   const F du1 = t[1].x - t[0].x, dv1 = t[1].y - t[0].y, du2 = t[2].x - t[0].x, dv2 = t[2].y - t[0].y;
   const F det = du1 * dv2 - dv1 * du2;
   const auto usable = has_uv & (abs(det) > F(1e-30f));
@@ -152,13 +153,15 @@ SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricLanes<L>& q, typename 
   using U = typename L::Uint;
   const auto disk = kind == U(static_cast<std::uint32_t>(ShapeKind::kDisk));
   const auto sphere = kind == U(static_cast<std::uint32_t>(ShapeKind::kSphere));
-  const Vec3<L> n = {select(disk, F(0.0f), x.x), select(disk, F(0.0f), x.y), select(disk, F(1.0f), select(sphere, x.z, F(0.0f)))};
+  const Vec3<L> n = {select(disk, F(0.0f), x.x), select(disk, F(0.0f), x.y),
+                     select(disk, F(1.0f), select(sphere, x.z, F(0.0f)))};
   SurfacePoint<L> out;
   out.p = q.world_point(x);
   out.ng = out.ns = normalize_any(q.world_normal(n)) * q.normal_sign;
   F extent(0.0f);
   for (int row = 0; row < 12; row += 4)
-    extent = max(extent, abs(q.to_world[row]) + abs(q.to_world[row + 1]) + abs(q.to_world[row + 2]) + abs(q.to_world[row + 3]));
+    extent = max(extent,
+                 abs(q.to_world[row]) + abs(q.to_world[row + 1]) + abs(q.to_world[row + 2]) + abs(q.to_world[row + 3]));
   out.offset = F(kOffsetUlps) * extent;
   if constexpr (WithUv) {
     const F turn = atan2(x.y, x.x) * F(0.5f * kInvPi);
@@ -185,7 +188,8 @@ SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricLanes<L>& q, typename 
 
 /// Surface of a quadric nearest to the world-space point `hit`.
 template <class L, bool WithUv>
-SHEAF_INLINE SurfacePoint<L> quadric_point(const SceneView& scene, const ShapeLanes<L>& shape, Mask<L> active, Vec3<L> hit) {
+SHEAF_INLINE SurfacePoint<L> quadric_point(const SceneView& scene, const ShapeLanes<L>& shape, Mask<L> active,
+                                           Vec3<L> hit) {
   using F = typename L::Float;
   using U = typename L::Uint;
   const QuadricLanes<L> q = load_quadrics<L>(scene, select(active, shape.first_triangle, U(0u)));
@@ -259,7 +263,8 @@ SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeLa
 }
 
 /// Where a ray towards `direction` starts so that it leaves the surface.
-template <class L> SHEAF_INLINE Vec3<L> offset_origin(Vec3<L> p, Vec3<L> ng, typename L::Float offset, Vec3<L> direction) {
+template <class L>
+SHEAF_INLINE Vec3<L> offset_origin(Vec3<L> p, Vec3<L> ng, typename L::Float offset, Vec3<L> direction) {
   return p + ng * copysign(offset, dot(ng, direction));
 }
 

@@ -1,7 +1,7 @@
 // Grids of colours in spectral mode: each voxel is a spectrum, a shape and a scale.
 //
-// Between voxels shapes and scales are mixed separately, then multiplied: so Mitsuba 3 defines such grids in its spectral
-// variants. Halfway between a bright and a dark colour this is not the spectrum of the colour halfway.
+// Between voxels shapes and scales are mixed separately, then multiplied: so Mitsuba 3 defines such grids in its
+// spectral variants. Halfway between a bright and a dark colour this is not the spectrum of the colour halfway.
 #pragma once
 
 #include "core/quad.h"
@@ -60,9 +60,11 @@ inline Quad lookup_grid_spectrum(const BrickGridRow& row, Vec3f p, const Spectru
   float scale = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const bool x = (corner & 1) != 0, y = (corner & 2) != 0, z = (corner & 4) != 0;
-    const float weight = (x ? cell.tx : 1.0f - cell.tx) * (y ? cell.ty : 1.0f - cell.ty) * (z ? cell.tz : 1.0f - cell.tz);
+    const float weight =
+        (x ? cell.tx : 1.0f - cell.tx) * (y ? cell.ty : 1.0f - cell.ty) * (z ? cell.tz : 1.0f - cell.tz);
     if (weight == 0.0f) continue;
-    const float* v = cell.voxel + ((z ? kBrickStride * kBrickStride : 0) + (y ? kBrickStride : 0) + (x ? 1 : 0)) * kColorVoxel;
+    const float* v =
+        cell.voxel + ((z ? kBrickStride * kBrickStride : 0) + (y ? kBrickStride : 0) + (x ? 1 : 0)) * kColorVoxel;
     shape = shape + shape_at(v, t) * weight;
     scale += v[3] * weight;
   }

@@ -56,8 +56,8 @@ struct Cells {
 
 }  // namespace
 
-std::optional<VolumeLight> make_volume_light(const SceneView& scene, std::uint32_t index, std::span<const GridBox> boxes,
-                                             std::uint32_t first_cell) {
+std::optional<VolumeLight> make_volume_light(const SceneView& scene, std::uint32_t index,
+                                             std::span<const GridBox> boxes, std::uint32_t first_cell) {
   const MediumRow& medium = scene.media[index];
   if ((medium.flags & kMediumEmits) == 0 || boxes.empty()) return std::nullopt;
   GridBox all = boxes.front();

@@ -128,7 +128,8 @@ template <class Bsdf> void check_bsdf_weights(const Bsdf& bsdf, double tolerance
       CHECK(length(s.wi) == doctest::Approx(1).epsilon(1e-5));
       const auto [f, pdf] = bsdf.evaluate(wo, s.wi);
       worst_pdf = std::max(worst_pdf, std::fabs(double(s.pdf_solid_angle) / pdf - 1));
-      for (const auto& [weight, value] : {std::pair{s.weight.c0, f.c0}, std::pair{s.weight.c1, f.c1}, std::pair{s.weight.c2, f.c2}})
+      for (const auto& [weight, value] :
+           {std::pair{s.weight.c0, f.c0}, std::pair{s.weight.c1, f.c1}, std::pair{s.weight.c2, f.c2}})
         worst_weight = std::max(worst_weight, std::fabs(double(value) / pdf - weight) / std::max(double(weight), 1e-6));
     }
   CHECK(worst_pdf < tolerance);
@@ -210,8 +211,10 @@ template <template <class> class Bsdf, class Make> void check_bsdf_lanes(Make&& 
   double worst = 0;
   int valid = 0;
   for (std::uint32_t i = 0; i < 200 * kWidth; i += kWidth) {
-    const auto wo = wide_record<Vec3>([&](int lane) { return random_direction(16, i + static_cast<std::uint32_t>(lane)); });
-    const auto wi = wide_record<Vec3>([&](int lane) { return random_direction(17, i + static_cast<std::uint32_t>(lane)); });
+    const auto wo =
+        wide_record<Vec3>([&](int lane) { return random_direction(16, i + static_cast<std::uint32_t>(lane)); });
+    const auto wi =
+        wide_record<Vec3>([&](int lane) { return random_direction(17, i + static_cast<std::uint32_t>(lane)); });
     const auto s = wide.sample(wo, wide_random(18, i));
     const auto f = wide.evaluate(wo, wi);
     for (int lane = 0; lane < kWidth; ++lane) {

@@ -238,7 +238,8 @@ inline std::string dump(const Description& d) {
   const FilterDescription& f = d.film.filter;
   out << "\nfilter " << static_cast<int>(f.kind) << ' ' << f.radius << ' ' << f.stddev << ' ' << f.b << ' ' << f.c
       << ' ' << f.lobes << '\n';
-  out << "sampler " << static_cast<int>(d.sampler.kind) << ' ' << d.sampler.sample_count << ' ' << d.sampler.seed << '\n';
+  out << "sampler " << static_cast<int>(d.sampler.kind) << ' ' << d.sampler.sample_count << ' ' << d.sampler.seed
+      << '\n';
   out << "integrator " << static_cast<int>(d.integrator.kind) << ' ' << static_cast<int>(d.integrator.strategy) << ' '
       << d.integrator.max_depth << ' ' << d.integrator.rr_depth << ' ' << d.integrator.hide_emitters << '\n';
   for (const auto& texture : d.textures) out << dump(texture) << '\n';

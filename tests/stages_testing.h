@@ -94,7 +94,8 @@ inline bool contains(const SlotList& list, Slot slot) {
 inline Description mixed_scene(int width = 16, int height = 16) {
   Description d = empty_scene(width, height);
   d.sampler.seed = 5;
-  add_rectangle(d, Transform::translate({0, -1.5f, 4}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({3, 3, 1}),
+  add_rectangle(d,
+                Transform::translate({0, -1.5f, 4}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({3, 3, 1}),
                 add_diffuse_rgb(d, 0.7f, 0.5f, 0.3f));
   const MaterialId red = add_diffuse_rgb(d, 0.8f, 0.1f, 0.1f), green = add_diffuse_rgb(d, 0.1f, 0.8f, 0.1f);
   add_rectangle(d, Transform::translate({-2, 0, 4}) * Transform::rotate({0, 1, 0}, -60),
@@ -103,10 +104,15 @@ inline Description mixed_scene(int width = 16, int height = 16) {
   metal.ior = {SpectrumDescription::rgb(0.2f, 0.9f, 1.2f), SpectrumDescription::rgb(3.5f, 2.5f, 2)};
   add_sphere(d, {-0.7f, -0.5f, 4}, 0.8f, add_material(d, metal));
   add_sphere(d, {1, -0.6f, 3}, 0.7f, add_glass(d));
-  add_shape(d, CylinderShape{}, Transform::translate({1.8f, -0.5f, 4}) * Transform::scale({0.4f, 0.7f, 1}), add_diffuse(d, 0.6f));
-  add_area_light_rectangle(d, Transform::translate({0, 1.8f, 4}) * Transform::rotate({1, 0, 0}, 90) * Transform::scale({0.6f, 0.6f, 1}), 10);
+  add_shape(d, CylinderShape{}, Transform::translate({1.8f, -0.5f, 4}) * Transform::scale({0.4f, 0.7f, 1}),
+            add_diffuse(d, 0.6f));
+  add_area_light_rectangle(
+      d, Transform::translate({0, 1.8f, 4}) * Transform::rotate({1, 0, 0}, 90) * Transform::scale({0.6f, 0.6f, 1}), 10);
   add_area_light_sphere(d, {1.5f, 1, 4}, 0.3f, 5);
-  emit(add_shape(d, DiskShape{}, Transform::translate({-1.6f, 1.2f, 4}) * Transform::rotate({0, 1, 0}, 160) * Transform::scale({0.5f, 0.3f, 1})), 4);
+  emit(add_shape(d, DiskShape{},
+                 Transform::translate({-1.6f, 1.2f, 4}) * Transform::rotate({0, 1, 0}, 160) *
+                     Transform::scale({0.5f, 0.3f, 1})),
+       4);
   add_point_light(d, {0, 0.5f, 2}, 3);
   add_constant_light(d, 0.5f);
   return d;

@@ -55,8 +55,9 @@ TEST_CASE("brick grid: sparse grids with blocks anywhere") {
   for (const int channels : {1, 3}) {
     for (const GridFilter filter : kFilters) {
       check_lookups(make_sparse_test_grid(channels, {{0, 0, 0}}), filter, 3, 5000);
-      check_lookups(make_sparse_test_grid(channels, {{-3, 2, 0}, {-2, 2, 0}, {-3, 3, 1}, {1, 0, -1}, {1, 1, 1}, {0, 0, 0}}),
-                    filter, 10, 20000);
+      check_lookups(
+          make_sparse_test_grid(channels, {{-3, 2, 0}, {-2, 2, 0}, {-3, 3, 1}, {1, 0, -1}, {1, 1, 1}, {0, 0, 0}}),
+          filter, 10, 20000);
       check_lookups(make_sparse_test_grid(channels, {{5, 5, 5}, {6, 5, 5}, {5, 6, 5}, {5, 6, 6}}, {0.5f, 0.25f, 1}),
                     filter, 10, 20000);
     }

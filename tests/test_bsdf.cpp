@@ -145,8 +145,10 @@ TEST_CASE("bsdf: dielectrics reflect as often as Fresnel says and keep all power
 TEST_CASE("bsdf: registers equal single values") {
   const auto share = [](int lane, int k) { return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4); };
   check_bsdf_lanes<DiffuseBsdf>([&](int lane) { return diffuse(share(lane, 0), share(lane, 1), share(lane, 2)); });
-  check_bsdf_lanes<ConductorBsdf>([&](int lane) { return conductor(2 * share(lane, 0), 4 * share(lane, 1), share(lane, 2)); });
-  check_bsdf_lanes<DielectricBsdf>([&](int lane) { return dielectric(0.5f + 1.5f * share(lane, 0), share(lane, 1), share(lane, 2)); });
+  check_bsdf_lanes<ConductorBsdf>(
+      [&](int lane) { return conductor(2 * share(lane, 0), 4 * share(lane, 1), share(lane, 2)); });
+  check_bsdf_lanes<DielectricBsdf>(
+      [&](int lane) { return dielectric(0.5f + 1.5f * share(lane, 0), share(lane, 1), share(lane, 2)); });
 }
 
 TEST_CASE("bsdf: the list of BSDFs agrees with the kinds of closure") {

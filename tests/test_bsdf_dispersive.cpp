@@ -1,5 +1,5 @@
-// Dielectrics whose index depends on the wavelength: with equal indices they are the ordinary ones; energy, sampling and
-// Snell's law at each wavelength otherwise.
+// Dielectrics whose index depends on the wavelength: with equal indices they are the ordinary ones; energy, sampling
+// and Snell's law at each wavelength otherwise.
 #include "kernels/bsdf/dielectric.h"
 #include "kernels/bsdf/dispersive_dielectric.h"
 #include "kernels/bsdf/dispersive_rough_dielectric.h"
@@ -129,9 +129,11 @@ TEST_CASE("dispersion: registers give what single values give") {
     return lane % 3 == 0 ? Spectrum4(1.5f) : Spectrum4{1.3f + 0.02f * static_cast<float>(lane), 1.4f, 1.5f, 1.6f};
   };
   check_bsdf_lanes<DispersiveDielectricBsdf>([&](int lane) { return smooth<DispersiveDielectricBsdf>(eta_of(lane)); });
-  check_bsdf_lanes<DispersiveThinDielectricBsdf>([&](int lane) { return smooth<DispersiveThinDielectricBsdf>(eta_of(lane)); });
-  check_bsdf_lanes<DispersiveRoughDielectricGgxBsdf>(
-      [&](int lane) { return rough<DispersiveRoughDielectricGgxBsdf>(eta_of(lane), 0.2f + 0.04f * static_cast<float>(lane)); });
+  check_bsdf_lanes<DispersiveThinDielectricBsdf>(
+      [&](int lane) { return smooth<DispersiveThinDielectricBsdf>(eta_of(lane)); });
+  check_bsdf_lanes<DispersiveRoughDielectricGgxBsdf>([&](int lane) {
+    return rough<DispersiveRoughDielectricGgxBsdf>(eta_of(lane), 0.2f + 0.04f * static_cast<float>(lane));
+  });
 }
 
 }  // namespace sheaf

@@ -56,7 +56,8 @@ template <template <class> class Bsdf> void check_rough() {
     check_bsdf_weights(bsdf);
     check_bsdf_reciprocity(bsdf);
     check_bsdf_finite(bsdf);
-    for (const float nonlinear : {0.0f, 1.0f}) check_white_furnace(rough_plastic<Bsdf>(eta, alpha, 1, 1, nonlinear), false);
+    for (const float nonlinear : {0.0f, 1.0f})
+      check_white_furnace(rough_plastic<Bsdf>(eta, alpha, 1, 1, nonlinear), false);
   }
   const auto bsdf = rough_plastic<Bsdf>(1.5f, 0.2f, 0.5f);
   CHECK(is_black(bsdf.evaluate({0, 0.6f, -0.8f}, {0, 0, -1}).f_cos));
@@ -93,7 +94,8 @@ double polynomial_transmittance(const RoughCoat& coat, double cosine) {
 TEST_CASE("plastic: the diffuse part follows its density, the coat is a mirror") {
   for (const float nonlinear : {0.0f, 1.0f}) {
     DiffusePart part;
-    static_cast<PlasticBsdf<Scalar>&>(part) = plastic(1.5f, 0.6f, 0.01f, nonlinear);  // so that the base is often chosen
+    // So that the base is often chosen.
+    static_cast<PlasticBsdf<Scalar>&>(part) = plastic(1.5f, 0.6f, 0.01f, nonlinear);
     check_bsdf_sampling(part, kSamplingTests);
     check_bsdf_weights(part);
     check_bsdf_reciprocity(part);
@@ -149,7 +151,8 @@ TEST_CASE("plastic: internal reflectance of smooth coats") {
 TEST_CASE("rough plastic: the fitted transmittance is that of sampled facets") {
   for (const float eta : {1.05f, 1.5f, 2.5f})
     for (const float alpha : {1e-4f, 0.01f, 0.1f, 0.4f, 1.0f}) {
-      const RoughCoat beckmann = rough_coat(Distribution::kBeckmann, alpha, eta), ggx = rough_coat(Distribution::kGgx, alpha, eta);
+      const RoughCoat beckmann = rough_coat(Distribution::kBeckmann, alpha, eta),
+                      ggx = rough_coat(Distribution::kGgx, alpha, eta);
       CHECK(beckmann.internal_reflectance >= 0);
       CHECK(beckmann.internal_reflectance < 1);
       for (const float cosine : {1.0f, 0.7f, 0.3f, 0.1f, 0.03f, 0.01f}) {
@@ -158,8 +161,10 @@ TEST_CASE("rough plastic: the fitted transmittance is that of sampled facets") {
         CAPTURE(cosine);
         const auto b = transmittance_by_sampling<BeckmannDistribution>(cosine, alpha, eta);
         const auto g = transmittance_by_sampling<GgxDistribution>(cosine, alpha, eta);
-        CHECK(std::fabs(polynomial_transmittance(beckmann, cosine) - b.mean()) < 0.003 + 4 * std::sqrt(b.variance() / 20000));
-        CHECK(std::fabs(polynomial_transmittance(ggx, cosine) - g.mean()) < 0.003 + 4 * std::sqrt(g.variance() / 20000));
+        CHECK(std::fabs(polynomial_transmittance(beckmann, cosine) - b.mean()) <
+              0.003 + 4 * std::sqrt(b.variance() / 20000));
+        CHECK(std::fabs(polynomial_transmittance(ggx, cosine) - g.mean()) <
+              0.003 + 4 * std::sqrt(g.variance() / 20000));
       }
     }
   for (const Distribution d : {Distribution::kBeckmann, Distribution::kGgx})
@@ -184,13 +189,16 @@ TEST_CASE("rough plastic: tends to the smooth one") {
 
 TEST_CASE("plastics: registers equal single values") {
   const auto share = [](int lane, int k) { return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4); };
-  check_bsdf_lanes<PlasticBsdf>([&](int l) { return plastic(1.1f + share(l, 0), share(l, 1), share(l, 2), l % 2 ? 1.0f : 0.0f); });
+  check_bsdf_lanes<PlasticBsdf>(
+      [&](int l) { return plastic(1.1f + share(l, 0), share(l, 1), share(l, 2), l % 2 ? 1.0f : 0.0f); });
   std::array<RoughPlasticGgxBsdf<Scalar>, kWidth> ggx;
   std::array<RoughPlasticBeckmannBsdf<Scalar>, kWidth> beckmann;
   for (int l = 0; l < kWidth; ++l) {
     const auto lane = static_cast<std::size_t>(l);
-    ggx[lane] = rough_plastic<RoughPlasticGgxBsdf>(1.1f + share(l, 0), 0.15f + share(l, 1), 0.8f, share(l, 2), l % 2 ? 1.0f : 0.0f);
-    beckmann[lane] = rough_plastic<RoughPlasticBeckmannBsdf>(1.1f + share(l, 0), 0.15f + share(l, 1), 0.8f, share(l, 2), 1);
+    ggx[lane] = rough_plastic<RoughPlasticGgxBsdf>(1.1f + share(l, 0), 0.15f + share(l, 1), 0.8f, share(l, 2),
+                                                   l % 2 ? 1.0f : 0.0f);
+    beckmann[lane] =
+        rough_plastic<RoughPlasticBeckmannBsdf>(1.1f + share(l, 0), 0.15f + share(l, 1), 0.8f, share(l, 2), 1);
   }
   check_bsdf_lanes<RoughPlasticGgxBsdf>([&](int l) { return ggx[static_cast<std::size_t>(l)]; });
   check_bsdf_lanes<RoughPlasticBeckmannBsdf>([&](int l) { return beckmann[static_cast<std::size_t>(l)]; });

@@ -17,10 +17,11 @@ template <template <class> class Bsdf, class Parameters> Bsdf<Scalar> make_bsdf(
 }
 
 template <template <class> class Bsdf> Bsdf<Scalar> metal(float alpha_u, float alpha_v) {
-  return make_bsdf<Bsdf>(
-      RoughConductorParameters<Scalar>{{0.2f, 0.9f, 1.1f, 0}, {3.9f, 2.4f, 2.2f, 1}, {1, 0.9f, 0.8f, 0}, alpha_u, alpha_v});
+  return make_bsdf<Bsdf>(RoughConductorParameters<Scalar>{
+      {0.2f, 0.9f, 1.1f, 0}, {3.9f, 2.4f, 2.2f, 1}, {1, 0.9f, 0.8f, 0}, alpha_u, alpha_v});
 }
-template <template <class> class Bsdf> Bsdf<Scalar> glass(float eta, float alpha_u, float alpha_v, float r = 1, float t = 1) {
+template <template <class> class Bsdf>
+Bsdf<Scalar> glass(float eta, float alpha_u, float alpha_v, float r = 1, float t = 1) {
   return make_bsdf<Bsdf>(RoughDielectricParameters<Scalar>{eta, Spectrum4(r), Spectrum4(t), alpha_u, alpha_v});
 }
 NoriMicrofacetBsdf<Scalar> nori(float kd, float alpha, float eta = 1.5f) {
@@ -59,7 +60,8 @@ template <template <class> class Bsdf> void check_glass() {
   struct Surface {
     float eta, u, v;
   };
-  for (const Surface s : {Surface{1.5f, 0.2f, 0.2f}, Surface{1.5f, 0.3f, 0.8f}, Surface{1 / 1.5f, 0.3f, 0.3f}, Surface{2.4f, 1, 1}}) {
+  for (const Surface s :
+       {Surface{1.5f, 0.2f, 0.2f}, Surface{1.5f, 0.3f, 0.8f}, Surface{1 / 1.5f, 0.3f, 0.3f}, Surface{2.4f, 1, 1}}) {
     CAPTURE(s.eta);
     CAPTURE(s.u);
     const auto bsdf = glass<Bsdf>(s.eta, s.u, s.v, 0.75f, 0.5f);
@@ -141,7 +143,8 @@ TEST_CASE("thin dielectric: what is not mirrored goes straight on, and all order
 }
 
 TEST_CASE("nori microfacet: sampling, weights, reciprocity, energy") {
-  for (const auto& [kd, alpha] : {std::pair{0.5f, 0.15f}, std::pair{0.2f, 0.6f}, std::pair{0.0f, 0.3f}, std::pair{1.0f, 0.3f}}) {
+  for (const auto& [kd, alpha] :
+       {std::pair{0.5f, 0.15f}, std::pair{0.2f, 0.6f}, std::pair{0.0f, 0.3f}, std::pair{1.0f, 0.3f}}) {
     CAPTURE(kd);
     check_bsdf_sampling_with_edges(nori(kd, alpha), kSamplingTests);
     check_bsdf_weights(nori(kd, alpha));
@@ -159,11 +162,16 @@ TEST_CASE("rough bsdfs: registers equal single values") {
   const auto share = [](int lane, int k) { return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4); };
   const auto alpha = [&](int lane) { return 0.15f + 0.8f * share(lane, 1); };
   check_bsdf_lanes<RoughConductorGgxBsdf>([&](int l) { return metal<RoughConductorGgxBsdf>(alpha(l), 0.5f); });
-  check_bsdf_lanes<RoughConductorBeckmannBsdf>([&](int l) { return metal<RoughConductorBeckmannBsdf>(alpha(l), 0.5f); });
+  check_bsdf_lanes<RoughConductorBeckmannBsdf>(
+      [&](int l) { return metal<RoughConductorBeckmannBsdf>(alpha(l), 0.5f); });
   // Halves of nearly opposite directions are all rounding: no index close to one.
-  const auto eta = [&](int lane) { return share(lane, 1) < 0.5f ? 0.45f + share(lane, 1) * 0.9f : 0.6f + share(lane, 1); };
-  check_bsdf_lanes<RoughDielectricGgxBsdf>([&](int l) { return glass<RoughDielectricGgxBsdf>(eta(l), alpha(l), 0.5f); });
-  check_bsdf_lanes<RoughDielectricBeckmannBsdf>([&](int l) { return glass<RoughDielectricBeckmannBsdf>(1.2f + share(l, 1), alpha(l), 0.5f); });
+  const auto eta = [&](int lane) {
+    return share(lane, 1) < 0.5f ? 0.45f + share(lane, 1) * 0.9f : 0.6f + share(lane, 1);
+  };
+  check_bsdf_lanes<RoughDielectricGgxBsdf>(
+      [&](int l) { return glass<RoughDielectricGgxBsdf>(eta(l), alpha(l), 0.5f); });
+  check_bsdf_lanes<RoughDielectricBeckmannBsdf>(
+      [&](int l) { return glass<RoughDielectricBeckmannBsdf>(1.2f + share(l, 1), alpha(l), 0.5f); });
   check_bsdf_lanes<ThinDielectricBsdf>([&](int l) { return pane(1.2f + share(l, 1), share(l, 2), 0.9f); });
   check_bsdf_lanes<NoriMicrofacetBsdf>([&](int l) { return nori(share(l, 2), alpha(l)); });
 }

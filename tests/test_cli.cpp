@@ -116,9 +116,9 @@ TEST_CASE("spectral bins are written as layers of the published layout") {
       for (const char* channel : {"R", "G", "B"})
         CHECK(image.at(x, y, image.find_channel(channel)) == without.at(x, y, without.find_channel(channel)));
 
-  for (const char* arguments : {"--spectral-bins 8", "--color rgb --spectral-bins 8", "--color spectral --spectral-bins 0",
-                                "--color spectral --spectral-bins 472",
-                                "--color spectral --integrator normals --spectral-bins 8"}) {
+  for (const char* arguments :
+       {"--spectral-bins 8", "--color rgb --spectral-bins 8", "--color spectral --spectral-bins 0",
+        "--color spectral --spectral-bins 472", "--color spectral --integrator normals --spectral-bins 8"}) {
     CAPTURE(std::string(arguments));
     const Outcome outcome = run(folder, "render scene.xml -o no.exr --quiet " + std::string(arguments));
     CHECK(outcome.code == 2);

@@ -110,7 +110,11 @@ TEST_CASE("compile materials: what cannot be combined is refused") {
   };
   fails([](Description& d) { add_two_sided(d, add_glass(d)); }, "transmits");
   fails([](Description& d) { add_two_sided(d, add_material(d, NullDescription{})); }, "transmits");
-  fails([](Description& d) { add_two_sided(d, add_material(d, MaskDescription{0.5f, add_diffuse(d, 1)})); }, "transmits");
+  fails(
+      [](Description& d) {
+        add_two_sided(d, add_material(d, MaskDescription{0.5f, add_diffuse(d, 1)}));
+      },
+      "transmits");
   fails([](Description& d) { add_two_sided(d, add_two_sided(d, add_diffuse(d, 1))); }, "cannot hold another");
   fails([](Description& d) {
     const MaterialId inner = add_material(d, BumpMapDescription{TextureId{0}, 1, add_diffuse(d, 1)});
@@ -181,7 +185,8 @@ TEST_CASE("textures: opacity may be a picture, different from place to place") {
   const TemporaryFolder folder;
   Description d = picture();
   const TextureId opacity = add_uniform(d, folder, "opacity.exr", 0.25f, 0.25f, 0.25f);
-  add_rectangle(d, Transform::scale({5, 5, 1}), add_material(d, MaskDescription{opacity, add_two_sided(d, add_diffuse(d, 0))}));
+  add_rectangle(d, Transform::scale({5, 5, 1}),
+                add_material(d, MaskDescription{opacity, add_two_sided(d, add_diffuse(d, 0))}));
   aim_at_floor(d);
   add_constant_light(d, 1);
   check_mean(d, 0.75);
@@ -251,7 +256,8 @@ TEST_CASE("normal maps: normals that face away from the viewer are turned back")
   Description d = picture();
   // The camera looks from 30 degrees off the normal towards +x; the map points 80 degrees off towards -x.
   const float tilt = 80 * static_cast<float>(kPiD) / 180;
-  const TextureId map = add_uniform(d, folder, "away.exr", 0.5f - 0.5f * std::sin(tilt), 0.5f, 0.5f + 0.5f * std::cos(tilt));
+  const TextureId map =
+      add_uniform(d, folder, "away.exr", 0.5f - 0.5f * std::sin(tilt), 0.5f, 0.5f + 0.5f * std::cos(tilt));
   const MaterialId m = add_material(d, NormalMapDescription{map, false, add_diffuse(d, 0.5f)});
   d.materials.back().soften_terminator = false;
   add_rectangle(d, Transform(), m);

@@ -50,7 +50,8 @@ Description half_textured(int width, int height) {
   look_at(d, {0, 0, -4}, {0, 0, 0}, {0, 1, 0}, 40);
   d.sampler.sample_count = 6;
   TextureDescription squares;
-  squares.model = CheckerboardDescription{SpectrumDescription::rgb(0.9f, 0.2f, 0.1f), SpectrumDescription::rgb(0.1f, 0.5f, 0.8f)};
+  squares.model =
+      CheckerboardDescription{SpectrumDescription::rgb(0.9f, 0.2f, 0.1f), SpectrumDescription::rgb(0.1f, 0.5f, 0.8f)};
   d.textures.push_back(squares);
   const MaterialId plain = add_diffuse(d, 0.6f), textured = add_material(d, DiffuseDescription{TextureId{0}});
   for (int i = 0; i < 5; ++i) {
@@ -58,7 +59,8 @@ Description half_textured(int width, int height) {
     add_sphere(d, {x, 0.3f, 0}, 0.3f, i % 2 == 0 ? plain : textured);
     add_sphere(d, {x, -0.3f, 0.1f}, 0.3f, i % 2 == 1 ? plain : textured);
   }
-  add_rectangle(d, Transform::translate({0, -0.7f, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({3, 3, 1}), plain);
+  add_rectangle(
+      d, Transform::translate({0, -0.7f, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({3, 3, 1}), plain);
   add_point_light(d, {1, 2, -2}, 6);
   add_constant_light(d, 0.3f);
   return d;
@@ -79,8 +81,9 @@ Description smoky_room(int width, int height, const std::filesystem::path& folde
   const MediumId of_cloud = add_medium(d, cloud), of_gas = add_medium(d, gas);
   fill(d, add_sphere(d, {-0.2f, 0.2f, -0.1f}, 0.4f), of_cloud).exterior_is_surrounding = true;
   fill(d, add_sphere(d, {0.5f, 0.1f, -0.4f}, 0.2f), of_gas).exterior_is_surrounding = true;
-  add_rectangle(d, Transform::translate({0, 0.7f, 0}) * Transform::rotate({1, 0, 0}, 90) * Transform::scale({0.4f, 0.4f, 1}),
-                add_material(d, MaskDescription{0.4f, add_diffuse(d, 0.1f)}));
+  add_rectangle(
+      d, Transform::translate({0, 0.7f, 0}) * Transform::rotate({1, 0, 0}, 90) * Transform::scale({0.4f, 0.4f, 1}),
+      add_material(d, MaskDescription{0.4f, add_diffuse(d, 0.1f)}));
   return d;
 }
 

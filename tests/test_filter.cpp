@@ -68,7 +68,8 @@ TEST_CASE("filter: values at telling places") {
   CHECK(evaluate_filter(filter(Kind::kMitchell), 0) == doctest::Approx(8.0 / 9));
   CHECK(evaluate_filter(filter(Kind::kMitchell), -1) == doctest::Approx(1.0 / 18));
   CHECK(evaluate_filter(filter(Kind::kCatmullRom), 1.5) == doctest::Approx(-0.0625));
-  CHECK(evaluate_filter(filter(Kind::kLanczos), 0.5) == doctest::Approx(std::sin(kPi / 2) / (kPi / 2) * std::sin(kPi / 6) / (kPi / 6)));
+  CHECK(evaluate_filter(filter(Kind::kLanczos), 0.5) ==
+        doctest::Approx(std::sin(kPi / 2) / (kPi / 2) * std::sin(kPi / 6) / (kPi / 6)));
   for (const double x : {1.0, 2.0}) {
     CHECK(evaluate_filter(filter(Kind::kCatmullRom), x) == doctest::Approx(0).scale(1));
     CHECK(evaluate_filter(filter(Kind::kLanczos), x) == doctest::Approx(0).scale(1));
@@ -122,7 +123,8 @@ TEST_CASE("filter: weighted samples have the filter's moments, negative lobes in
     CHECK(absolute >= gross / mass * (1 - 4.0 / FilterTable::kBins));
     CHECK(found[0] == doctest::Approx(1).epsilon(1e-5));
     for (int n = 0; n < 7; ++n) {
-      const double expected = integral(f, [&](double x) { return evaluate_filter(f, x) * std::pow(x / radius, n); }) / mass;
+      const double expected =
+          integral(f, [&](double x) { return evaluate_filter(f, x) * std::pow(x / radius, n); }) / mass;
       CHECK(std::fabs(found[n] - expected) < 2e-3);
     }
   }
@@ -179,11 +181,13 @@ TEST_CASE("filter: registers equal single values") {
     const FilterTable table = make_filter_table(f);
     double worst = 0;
     for (std::uint32_t i = 0; i < 4096; i += kWidth) {
-      const auto u = wide_floats([&](int lane) { return random4<Scalar>(4, i + static_cast<std::uint32_t>(lane), 0, 0).x; });
+      const auto u =
+          wide_floats([&](int lane) { return random4<Scalar>(4, i + static_cast<std::uint32_t>(lane), 0, 0).x; });
       const auto wide = table.sample<Wide>(u);
       for (int lane = 0; lane < kWidth; ++lane) {
         const auto one = table.sample<Scalar>(u[lane]);
-        worst = std::max({worst, difference(wide.position[lane], one.position), difference(wide.weight[lane], one.weight)});
+        worst =
+            std::max({worst, difference(wide.position[lane], one.position), difference(wide.weight[lane], one.weight)});
       }
     }
     CHECK(worst < 1e-6);

@@ -133,7 +133,8 @@ TEST_CASE("fresnel: conductors at normal and grazing incidence, without absorpti
   CHECK(fresnel_conductor(0.0f, 0.2f, 3.0f) == doctest::Approx(1).epsilon(1e-6));
   for (const float c : cosines()) {
     CHECK(fresnel_conductor(c, 0.0f, 1.0f) == doctest::Approx(1).epsilon(1e-6));
-    CHECK(fresnel_conductor(c, 1.5f, 0.0f) == doctest::Approx(fresnel_dielectric<Scalar>(c, 1.5f).reflectance).epsilon(1e-4));
+    CHECK(fresnel_conductor(c, 1.5f, 0.0f) ==
+          doctest::Approx(fresnel_dielectric<Scalar>(c, 1.5f).reflectance).epsilon(1e-4));
   }
 }
 
@@ -149,7 +150,8 @@ TEST_CASE("fresnel: registers equal single values") {
       worst = std::max({worst, difference(wide.reflectance[lane], one.reflectance), difference(wide.eta[lane], one.eta),
                         difference(metal[lane], fresnel_conductor(u.x[lane], eta[lane], u.z[lane] * 5.0f))});
       // Near the critical angle the root magnifies the last place.
-      if (std::fabs(one.cos_transmitted) > 1e-2f) worst = std::max(worst, difference(wide.cos_transmitted[lane], one.cos_transmitted));
+      if (std::fabs(one.cos_transmitted) > 1e-2f)
+        worst = std::max(worst, difference(wide.cos_transmitted[lane], one.cos_transmitted));
     }
   }
   CHECK(worst < 2e-4);

@@ -18,7 +18,8 @@ struct Ray {
 };
 /// A ray from around `to_world`'s image of a ball of radius 3 to a point in it.
 Ray ray_towards(const Transform& to_world, std::uint32_t i) {
-  const Vec3f origin = to_world.point(random_direction(71, i) * 8.0f), target = to_world.point(random_direction(72, i) * 2.2f);
+  const Vec3f origin = to_world.point(random_direction(71, i) * 8.0f),
+              target = to_world.point(random_direction(72, i) * 2.2f);
   return {origin, normalize(target - origin)};
 }
 
@@ -67,7 +68,8 @@ TEST_CASE("instancing: rays see the same as of shapes placed one by one") {
       worst_ng = std::max(worst_ng, distance(x.ng, y.ng));
       // Vertex normals are interpolated in the group's space.
       const Vec3f hit_point = placement.to_world.inverse().point(x.p);
-      const auto z = surface_point<Scalar>(own->view(), load_shapes<Scalar>(own->view(), a->shape), a->primitive, a->u, a->v, hit_point, kNone);
+      const auto z = surface_point<Scalar>(own->view(), load_shapes<Scalar>(own->view(), a->shape), a->primitive, a->u,
+                                           a->v, hit_point, kNone);
       worst_ns = std::max(worst_ns, distance(x.ns, normalize(placement.to_world.normal(z.ns))));
       const double turns = std::fabs(x.uv.x - double(y.uv.x));
       worst_uv = std::max({worst_uv, std::min(turns, std::fabs(1 - turns)), std::fabs(x.uv.y - double(y.uv.y))});
@@ -103,7 +105,8 @@ TEST_CASE("instancing: normals under a mirroring transform are those of Mitsuba"
     CHECK(distance(y.dp_du, du) < 1e-4);
     CHECK(distance(y.dp_dv, dv) < 1e-4);
   };
-  check({0.3f, 0.2f, -5}, {0.301131f, 0.0501886f, -0.952261f}, {0.628319f, -3.76991f, 0}, {-2.82743f, -1.88496f, -0.993459f});
+  check({0.3f, 0.2f, -5}, {0.301131f, 0.0501886f, -0.952261f}, {0.628319f, -3.76991f, 0},
+        {-2.82743f, -1.88496f, -0.993459f});
   check({-3.2f, 0.1f, -5}, {0, 0, 1}, {-2, 0, 0}, {0, 4, 0});
 }
 
@@ -126,9 +129,11 @@ TEST_CASE("instancing: registers equal single values, plain shapes and instances
     const auto wide = surface_point<Wide, true>(view, load_shapes<Wide>(view, wide_uints(shape_of)), WideUint(1u), u, v,
                                                 hit, wide_uints(instance_of));
     for (int lane = 0; lane < kWidth; ++lane) {
-      const auto one = surface_point<Scalar, true>(view, load_shapes<Scalar>(view, shape_of(lane)), 1u, u[lane], v[lane],
-                                                   lane_record(hit, lane), instance_of(lane));
-      const auto relative = [&](const Vec3<Wide>& a, Vec3f b) { return distance(lane_record(a, lane), b) / (1 + length(b)); };
+      const auto one = surface_point<Scalar, true>(view, load_shapes<Scalar>(view, shape_of(lane)), 1u, u[lane],
+                                                   v[lane], lane_record(hit, lane), instance_of(lane));
+      const auto relative = [&](const Vec3<Wide>& a, Vec3f b) {
+        return distance(lane_record(a, lane), b) / (1 + length(b));
+      };
       worst = std::max({worst, relative(wide.p, one.p), relative(wide.ng, one.ng), relative(wide.ns, one.ns),
                         relative(wide.dp_du, one.dp_du), relative(wide.dp_dv, one.dp_dv),
                         std::fabs(wide.offset[lane] / double(one.offset) - 1)});

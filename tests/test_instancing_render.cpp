@@ -60,7 +60,8 @@ TEST_CASE("instancing: sides of surfaces get their materials") {
       d.integrator.max_depth = 6;
       look_at(d, placement.to_world.point({0, 0, -7}), placement.to_world.point({0, 0, 0}), {0.1f, 1, 0.2f}, 50);
       const std::vector<MaterialId> materials = {
-          add_material(d, TwoSidedDescription{add_diffuse_rgb(d, 0.8f, 0.1f, 0.1f), add_diffuse_rgb(d, 0.1f, 0.8f, 0.1f)}),
+          add_material(d,
+                       TwoSidedDescription{add_diffuse_rgb(d, 0.8f, 0.1f, 0.1f), add_diffuse_rgb(d, 0.1f, 0.8f, 0.1f)}),
           add_diffuse(d, 0.7f), add_glass(d), add_mirror(d), add_two_sided(d, add_diffuse(d, 0.5f))};
       std::vector<ShapeDescription> shapes = every_kind(materials);
       // Interpolated normals differ, where they are interpolated before they are stretched.
@@ -125,7 +126,8 @@ TEST_CASE("instancing: a ray that leaves a convex shape does not meet it again")
   add_shape(kinds, RectangleShape{}, Transform());
   add_shape(kinds, CubeShape{}, Transform::scale({0.7f, 0.7f, 0.7f}));
   add_shape(kinds, triangle, Transform());
-  const Transform stretched = Transform::rotate({3, 1, -2}, 40) * Transform::scale({2, 0.4f, 1.1f}) * Transform::rotate({1, 0, 1}, 25);
+  const Transform stretched =
+      Transform::rotate({3, 1, -2}, 40) * Transform::scale({2, 0.4f, 1.1f}) * Transform::rotate({1, 0, 1}, 25);
   for (const float object : {1e-3f, 1.0f, 1e5f})
     for (const float scale : {1e-3f, 1.0f, 1e3f, 1e5f})
       for (const float away : {0.0f, 1000.0f})
@@ -137,14 +139,16 @@ TEST_CASE("instancing: a ray that leaves a convex shape does not meet it again")
             CAPTURE(kind.geometry.index());
             Description d = empty_scene(1, 1);
             ShapeDescription shape = kind;
-            const Transform inside = Transform::translate({-3 * object, object, 2 * object}) * Transform::scale({object, object, object});
+            const Transform inside =
+                Transform::translate({-3 * object, object, 2 * object}) * Transform::scale({object, object, object});
             shape.to_world = inside * shape.to_world;
             const float size = object * scale;
-            const Transform outside = Transform::translate({away * size, -0.7f * away * size, 0.3f * away * size}) * form *
-                                      Transform::scale({scale, scale, scale});
+            const Transform outside = Transform::translate({away * size, -0.7f * away * size, 0.3f * away * size}) *
+                                      form * Transform::scale({scale, scale, scale});
             add_instance(d, add_group(d, {shape}), outside);
             const auto scene = compile_scene(d);
-            const bool closed = std::holds_alternative<SphereShape>(kind.geometry) || std::holds_alternative<CubeShape>(kind.geometry);
+            const bool closed =
+                std::holds_alternative<SphereShape>(kind.geometry) || std::holds_alternative<CubeShape>(kind.geometry);
             const Tally tally = shoot(scene->view(), outside * inside, closed);
             CHECK(tally.starts > 100);
             CHECK(tally.self_hits == 0);
@@ -170,7 +174,8 @@ TEST_CASE("instancing: no path is lost in a closed room that is an instance") {
       }
       inside.shapes[0].flip_normals = true;
       inside.shapes[0].material = add_diffuse(d, 0.5f);
-      add_instance(d, add_group(d, inside.shapes), Transform::rotate({1, -1, 2}, 70) * Transform::scale({scale, -scale, scale}));
+      add_instance(d, add_group(d, inside.shapes),
+                   Transform::rotate({1, -1, 2}, 70) * Transform::scale({scale, -scale, scale}));
       const RenderResult result = render(*compile_scene(d), {});
       CHECK(result.report.stats.dropped.rays == 0);
       CHECK(result.report.stats.rays.camera == 32 * 32 * 16);

@@ -26,13 +26,16 @@ Description stage_scene() {
   d.sampler.kind = SamplerKind::kIndependent;
   d.integrator.max_depth = 3;
   look_at(d, {0, 1.6f, -4}, {0, 0.4f, 0}, {0, 1, 0}, 45);
-  add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}), add_diffuse_rgb(d, 0.6f, 0.5f, 0.4f));
+  add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}),
+                add_diffuse_rgb(d, 0.6f, 0.5f, 0.4f));
   ConductorDescription metal;
   metal.ior = {SpectrumDescription::rgb(0.2f, 0.9f, 1.2f), SpectrumDescription::rgb(3.5f, 2.5f, 2)};
   metal.roughness = RoughnessDescription{RoughnessDescription::Distribution::kGgx, 0.15f, 0.15f};
   add_sphere(d, {0.5f, 0.5f, 0}, 0.5f, add_material(d, metal));
-  add_rectangle(d, Transform::translate({-0.9f, 0.7f, 0.2f}) * Transform::rotate({0, 1, 0}, 40) * Transform::scale({0.4f, 0.5f, 1}),
-                add_two_sided(d, add_diffuse(d, 0.3f)));
+  add_rectangle(
+      d,
+      Transform::translate({-0.9f, 0.7f, 0.2f}) * Transform::rotate({0, 1, 0}, 40) * Transform::scale({0.4f, 0.5f, 1}),
+      add_two_sided(d, add_diffuse(d, 0.3f)));
   add_area_light_sphere(d, {-1.6f, 1.2f, -1.2f}, 0.12f, 6);
   add_point_light(d, {1.8f, 2, -0.5f}, 0.8f);
   return d;
@@ -72,34 +75,57 @@ struct Emitter {
 
 const std::vector<Emitter>& emitters() {
   static const std::vector<Emitter> all = {
-      {"rectangle", [](Description& d, const auto&) { add_area_light_rectangle(d, over_the_stage() * Transform::scale({0.5f, 0.4f, 1}), 5); }},
-      {"large sphere", [](Description& d, const auto&) { add_area_light_sphere(d, {1.8f, 1.8f, 1}, 0.7f, 2); }},
-      {"disk", [](Description& d, const auto&) { emit(add_shape(d, DiskShape{}, over_the_stage() * Transform::scale({0.5f, 0.3f, 1}), black(d)), 5); }},
-      {"cylinder", [](Description& d, const auto&) { emit(add_shape(d, CylinderShape{}, over_the_stage() * Transform::scale({0.1f, 0.1f, 1}), black(d)), 5); }},
-      {"textured rectangle", [](Description& d, const auto&) {
+      {"rectangle",
+       [](Description& d, const auto&) {
+         add_area_light_rectangle(d, over_the_stage() * Transform::scale({0.5f, 0.4f, 1}), 5);
+       }},
+      {"large sphere",
+       [](Description& d, const auto&) {
+         add_area_light_sphere(d, {1.8f, 1.8f, 1}, 0.7f, 2);
+       }},
+      {"disk",
+       [](Description& d, const auto&) {
+         emit(add_shape(d, DiskShape{}, over_the_stage() * Transform::scale({0.5f, 0.3f, 1}), black(d)), 5);
+       }},
+      {"cylinder",
+       [](Description& d, const auto&) {
+         emit(add_shape(d, CylinderShape{}, over_the_stage() * Transform::scale({0.1f, 0.1f, 1}), black(d)), 5);
+       }},
+      {"textured rectangle",
+       [](Description& d, const auto&) {
          add_area_light_rectangle(d, over_the_stage() * Transform::scale({0.5f, 0.4f, 1}), 1);
          const TextureId squares = add_squares(d);
          d.shapes.back().radiance = squares;
        }},
       {"instances", [](Description& d, const auto&) { add_instanced_light(d); }},
-      {"point", [](Description& d, const auto&) { add_point_light(d, {-0.5f, 2, 0.5f}, 2); }},
-      {"spot", [](Description& d, const auto&) {
+      {"point",
+       [](Description& d, const auto&) {
+         add_point_light(d, {-0.5f, 2, 0.5f}, 2);
+       }},
+      {"spot",
+       [](Description& d, const auto&) {
          SpotLightDescription spot;
          spot.to_world = over_the_stage();
          spot.intensity = SpectrumDescription::constant(4);
          d.lights.push_back({spot, {}});
        }},
-      {"projector", [](Description& d, const auto&) {
+      {"projector",
+       [](Description& d, const auto&) {
          ProjectorDescription projector;
          projector.to_world = over_the_stage();
          projector.irradiance = add_squares(d);
          d.lights.push_back({projector, {}});
        }},
-      {"directional", [](Description& d, const auto&) { d.lights.push_back({DirectionalLightDescription{{0.5f, -1, 0.3f}, SpectrumDescription::constant(0.8f)}, {}}); }},
+      {"directional",
+       [](Description& d, const auto&) {
+         d.lights.push_back({DirectionalLightDescription{{0.5f, -1, 0.3f}, SpectrumDescription::constant(0.8f)}, {}});
+       }},
       {"constant", [](Description& d, const auto&) { add_constant_light(d, 0.3f); }},
-      {"environment map", [](Description& d, const std::filesystem::path& folder) {
-         write_pnm(folder / "sky.ppm", 4, 3, 3, 255, {10, 20, 60, 80, 20, 5, 30, 30, 30, 90, 90, 200, 255, 250, 200, 9, 9, 9,
-                                                      40, 50, 60, 30, 90, 30, 5, 5, 5, 20, 10, 5, 9, 30, 30, 12, 12, 12});
+      {"environment map",
+       [](Description& d, const std::filesystem::path& folder) {
+         write_pnm(folder / "sky.ppm", 4, 3, 3, 255,
+                   {10, 20, 60, 80, 20, 5,  30, 30, 30, 90, 90, 200, 255, 250, 200, 9,  9,  9,
+                    40, 50, 60, 30, 90, 30, 5,  5,  5,  20, 10, 5,   9,   30,  30,  12, 12, 12});
          d.lights.push_back({EnvmapDescription{folder / "sky.ppm", 2, Transform::rotate({0, 1, 0}, 30), false}, {}});
        }},
   };

@@ -33,7 +33,8 @@ Mesh uneven_mesh() {
 }
 
 /// A lone light of radiance 1.
-template <class Geometry> std::unique_ptr<Scene> lone_light(Geometry geometry, const Transform& to_world, bool flip = false) {
+template <class Geometry>
+std::unique_ptr<Scene> lone_light(Geometry geometry, const Transform& to_world, bool flip = false) {
   Description d = empty_scene(4, 4);
   ShapeDescription& shape = emit(add_shape(d, std::move(geometry), to_world), 1);
   shape.flip_normals = flip;
@@ -53,7 +54,8 @@ Meeting meet(const SceneView& scene, Vec3f from, Vec3f direction, float t_near) 
   const bool lit = dot(direction, y.ng) < 0;
   const auto light = load_lights<Scalar>(scene, shape.light);
   const float choice = choice_probability<Scalar>(scene, {from, {}}, shape.light);
-  return {true, hit->t, lit ? choice * light_pdf_solid_angle<Scalar>(scene, light, true, from, direction, hit->t, y.ng) : 0};
+  return {true, hit->t,
+          lit ? choice * light_pdf_solid_angle<Scalar>(scene, light, true, from, direction, hit->t, y.ng) : 0};
 }
 
 /// Density of sample_light() in a direction: the sum over all surfaces that emit along it.
@@ -88,7 +90,9 @@ Chart window(Vec3f axis, double half) {
   const Vec3f s = frame.s * std::cos(0.4f) + frame.t * std::sin(0.4f);
   frame = {s, cross(frame.n, s), frame.n};
   return {{-half, half, -half, half, 16, 16},
-          [frame](double x, double y) { return frame.to_world(normalize(Vec3f{static_cast<float>(x), static_cast<float>(y), 1})); },
+          [frame](double x, double y) {
+            return frame.to_world(normalize(Vec3f{static_cast<float>(x), static_cast<float>(y), 1}));
+          },
           [frame](Vec3f w) {
             const Vec3f local = frame.to_local(w);
             return std::array<double, 2>{double(local.x) / local.z, double(local.y) / local.z};
@@ -101,7 +105,8 @@ Chart whole_sphere() {
   return {{0, kTurn, -1, 1, 24, 16},
           [](double azimuth, double z) {
             const double r = std::sqrt(std::max(0.0, 1 - z * z));
-            return Vec3f{static_cast<float>(r * std::cos(azimuth)), static_cast<float>(r * std::sin(azimuth)), static_cast<float>(z)};
+            return Vec3f{static_cast<float>(r * std::cos(azimuth)), static_cast<float>(r * std::sin(azimuth)),
+                         static_cast<float>(z)};
           },
           [](Vec3f w) {
             const double azimuth = std::atan2(double(w.y), double(w.x));
@@ -137,7 +142,8 @@ void check_directions(const SceneView& scene, Vec3f from, const Chart& chart, Us
     std::size_t cell = cells;
     if (direction && pdf_along(scene, from, *direction) <= limit) {
       const auto [x, y] = chart.position(*direction);
-      const double column = std::floor((x - grid.x_min) / grid.cell_width()), row = std::floor((y - grid.y_min) / grid.cell_height());
+      const double column = std::floor((x - grid.x_min) / grid.cell_width()),
+                   row = std::floor((y - grid.y_min) / grid.cell_height());
       if (column >= 0 && column < grid.columns && row >= 0 && row < grid.rows)
         cell = static_cast<std::size_t>(row * grid.columns + column);
     }
@@ -145,13 +151,17 @@ void check_directions(const SceneView& scene, Vec3f from, const Chart& chart, Us
   }
   double integral = 0;
   for (std::size_t cell = 0; cell < cells; ++cell) {
-    const double x0 = grid.x_min + static_cast<double>(cell % static_cast<std::size_t>(grid.columns)) * grid.cell_width();
-    const double y0 = grid.y_min + static_cast<double>(cell / static_cast<std::size_t>(grid.columns)) * grid.cell_height();
+    const double x0 =
+        grid.x_min + static_cast<double>(cell % static_cast<std::size_t>(grid.columns)) * grid.cell_width();
+    const double y0 =
+        grid.y_min + static_cast<double>(cell / static_cast<std::size_t>(grid.columns)) * grid.cell_height();
     for (std::uint32_t i = 0; i < kStrata * kStrata; ++i) {
       const auto u = random4<Scalar>(39, static_cast<std::uint32_t>(cell), i, 0);
-      const double x = x0 + (i % kStrata + u.x) / kStrata * grid.cell_width(), y = y0 + (i / kStrata + u.y) / kStrata * grid.cell_height();
+      const double x = x0 + (i % kStrata + u.x) / kStrata * grid.cell_width(),
+                   y = y0 + (i / kStrata + u.y) / kStrata * grid.cell_height();
       const double pdf = pdf_along(scene, from, chart.direction(x, y));
-      if (pdf <= limit) expected[cell] += pdf * chart.solid_angle(x, y) * grid.cell_width() * grid.cell_height() / (kStrata * kStrata);
+      if (pdf <= limit)
+        expected[cell] += pdf * chart.solid_angle(x, y) * grid.cell_width() * grid.cell_height() / (kStrata * kStrata);
     }
     integral += expected[cell];
     // No cell is left without any expectation: strata may miss the tip of a light.
@@ -219,8 +229,9 @@ TEST_CASE("light sampling: disks, round and elliptic") {
 
 TEST_CASE("light sampling: cylinders from outside") {
   for (const Vec3f scale : {Vec3f{1, 1, 1}, Vec3f{1, 0.4f, 1}}) {
-    const auto scene = lone_light(CylinderShape{{0, -0.5f, 0}, {0, 0.7f, 0}, 0.5f},
-                                  Transform::translate({0, 0, 3}) * Transform::rotate({0, 0, 1}, 20) * Transform::scale(scale));
+    const auto scene =
+        lone_light(CylinderShape{{0, -0.5f, 0}, {0, 0.7f, 0}, 0.5f},
+                   Transform::translate({0, 0, 3}) * Transform::rotate({0, 0, 1}, 20) * Transform::scale(scale));
     check_directions(scene->view(), {0, 0.5f, 0}, window({0, 0, 1}, 0.6), Use::kPart);
     check_samples(scene->view(), {0, 0.5f, 0});
   }
@@ -244,7 +255,8 @@ TEST_CASE("light sampling: spheres from afar, from near and from touching distan
 
 TEST_CASE("light sampling: from within a sphere that emits outwards nothing arrives") {
   const auto scene = lone_light(SphereShape{{0, 0, 3}, 1}, Transform());
-  for (std::uint32_t i = 0; i < 100; ++i) CHECK_FALSE(sample_any_light<Scalar>(scene->view(), {0.1f, 0, 3}, lane_random(44, i, 0)).valid);
+  for (std::uint32_t i = 0; i < 100; ++i)
+    CHECK_FALSE(sample_any_light<Scalar>(scene->view(), {0.1f, 0, 3}, lane_random(44, i, 0)).valid);
 }
 
 TEST_CASE("light sampling: a flipped sphere from within, at its centre and near its wall") {
@@ -357,7 +369,8 @@ TEST_CASE("light sampling: registers equal single values, lights mixed") {
   double worst = 0;
   int delta = 0, valid = 0;
   for (std::uint32_t i = 0; i < 20000; i += kWidth) {
-    const auto from = wide_record<Vec3>([&](int lane) { return random_direction(49, i + static_cast<std::uint32_t>(lane)); });
+    const auto from =
+        wide_record<Vec3>([&](int lane) { return random_direction(49, i + static_cast<std::uint32_t>(lane)); });
     const auto wide = sample_any_light<Wide>(view, from, wide_random(50, i));
     for (int lane = 0; lane < kWidth; ++lane) {
       const auto one = sample_any_light<Scalar>(view, lane_record(from, lane), lane_random(50, i, lane));
@@ -371,7 +384,8 @@ TEST_CASE("light sampling: registers equal single values, lights mixed") {
                         record_difference<Vec3>(lane_record(wide.target, lane), one.target),
                         record_difference<Spectrum>(lane_record(wide.radiance, lane), one.radiance)});
       if (one.valid)
-        worst = std::max(worst, difference(wide.pdf_solid_angle[lane], one.pdf_solid_angle) / (1 + one.pdf_solid_angle));
+        worst =
+            std::max(worst, difference(wide.pdf_solid_angle[lane], one.pdf_solid_angle) / (1 + one.pdf_solid_angle));
     }
   }
   CHECK(delta > 100);
@@ -394,8 +408,8 @@ TEST_CASE("light sampling: densities in registers equal single ones, lights mixe
     const auto wide = light_pdf_solid_angle<Wide>(view, lights, WideMask(true), from, direction, t, normal);
     for (int lane = 0; lane < kWidth; ++lane) {
       const auto light = load_lights<Scalar>(view, light_of(i, lane));
-      const float one = light_pdf_solid_angle<Scalar>(view, light, true, lane_record(from, lane), lane_record(direction, lane),
-                                                      t[lane], lane_record(normal, lane));
+      const float one = light_pdf_solid_angle<Scalar>(view, light, true, lane_record(from, lane),
+                                                      lane_record(direction, lane), t[lane], lane_record(normal, lane));
       if (one < 100) worst = std::max(worst, difference(wide[lane], one));
     }
   }

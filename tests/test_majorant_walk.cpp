@@ -116,7 +116,8 @@ void check_walk(const SmallGrid& grid, Vec3f o, Vec3f d, float t_min, float t_ma
 }
 
 Vec3f random_point(std::uint32_t i, std::uint32_t stream, float lo, float hi) {
-  return {lo + (hi - lo) * noise(i, stream), lo + (hi - lo) * noise(i, stream + 1), lo + (hi - lo) * noise(i, stream + 2)};
+  return {lo + (hi - lo) * noise(i, stream), lo + (hi - lo) * noise(i, stream + 1),
+          lo + (hi - lo) * noise(i, stream + 2)};
 }
 
 }  // namespace

@@ -47,7 +47,8 @@ void check_mean(const MeanVariance& statistics, double expected, double rounding
   const double distance = statistics.mean() - expected, allowed = rounding * std::fabs(expected);
   INFO("mean " << statistics.mean() << ", expected " << expected << ", standard error "
                << std::sqrt(statistics.variance() / 1024));
-  const double nearest = std::fabs(distance) <= allowed ? statistics.mean() : expected + std::copysign(allowed, distance);
+  const double nearest =
+      std::fabs(distance) <= allowed ? statistics.mean() : expected + std::copysign(allowed, distance);
   CHECK(statistics.p_value(nearest) >= kLevel);
 }
 
@@ -82,8 +83,9 @@ Description floor_below_cube() {
   Description d = picture();
   aim(d, {3, -2.0f, 0.5f}, {0.5f, -3, 0.5f});
   d.integrator.max_depth = 2;
-  add_rectangle(d, Transform::translate({0.5f, -3, 0.5f}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({9, 9, 1}),
-                add_diffuse(d, 0.5f));
+  add_rectangle(
+      d, Transform::translate({0.5f, -3, 0.5f}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({9, 9, 1}),
+      add_diffuse(d, 0.5f));
   add_point_light(d, {0.5f, 3, 0.5f}, 36);
   add_shape(d, CubeShape{}, Transform::translate({0.5f, 0.5f, 0.5f}) * Transform::scale({0.5f, 0.5f, 0.5f}));
   return d;
@@ -211,8 +213,8 @@ TEST_CASE("media: a glowing sphere of gas, seen and lighting a floor") {
   const Transform around = Transform::translate({-4, -4, -4}) * Transform::scale({8, 8, 8});
   for (const float sigma : {0.05f, 1.0f, 6.0f})
     for (const bool on_grid : {false, true})
-      for (const MediumEstimator estimator : {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio,
-                                              MediumEstimator::kMarching}) {
+      for (const MediumEstimator estimator :
+           {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio, MediumEstimator::kMarching}) {
         if (estimator == MediumEstimator::kMarching && !on_grid) continue;
         CAPTURE(sigma);
         CAPTURE(on_grid);
@@ -226,7 +228,8 @@ TEST_CASE("media: a glowing sphere of gas, seen and lighting a floor") {
         seen.integrator.max_depth = 1;
         seen.integrator.medium_estimator = estimator;
         check_grey(seen, 3 * (1 - std::exp(-1.6 * sigma)));
-        for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
+        for (const LightStrategy strategy :
+             {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
           // Marching leaves what glows to the paths.
           if (estimator == MediumEstimator::kMarching && strategy != LightStrategy::kBsdfOnly) continue;
           CAPTURE(static_cast<int>(strategy));
@@ -247,10 +250,12 @@ TEST_CASE("media: light and path sampling together find a glow with less varianc
     // A surface light beside it, found by both.
     add_area_light_sphere(d, {0, -2, 1}, 0.8f, 1);
     d.sampler.kind = SamplerKind::kIndependent;
-    d.integrator.strategy = std::array{LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}[std::size_t(i)];
+    d.integrator.strategy =
+        std::array{LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}[std::size_t(i)];
     variance[i] = means_of(d).channel[0].variance();
   }
-  MESSAGE("variance of pixels: both " << variance[0] << ", paths " << variance[1] << ", light sampling " << variance[2]);
+  MESSAGE("variance of pixels: both " << variance[0] << ", paths " << variance[1] << ", light sampling "
+                                      << variance[2]);
   CHECK(variance[0] < 0.9 * variance[1]);
   CHECK(variance[0] < 0.9 * variance[2]);
 }
@@ -275,7 +280,8 @@ TEST_SUITE("slow") {
             media.push_back(with_density(fog(depth / 2, 1), vol(lumps, around)));
           }
           for (const MediumDescription& medium : media)
-            for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
+            for (const LightStrategy strategy :
+                 {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
               Description d = furnace(medium, g);
               d.integrator.medium_estimator = estimator;
               d.integrator.strategy = strategy;
@@ -287,7 +293,9 @@ TEST_SUITE("slow") {
   TEST_CASE("media: homogeneous, as a grid, by every estimator and with colours the means are the same") {
     const TemporaryFolder folder;
     const auto one = write_vol(folder / "one.vol", 3, 1, [](Vec3f, int) { return 1.0f; });
-    const auto colors = write_vol(folder / "colors.vol", 3, 3, [](Vec3f, int c) { return c == 0 ? 0.4f : c == 1 ? 1.2f : 2.5f; });
+    const auto colors = write_vol(folder / "colors.vol", 3, 3, [](Vec3f, int c) {
+      return c == 0 ? 0.4f : c == 1 ? 1.2f : 2.5f;
+    });
     const Transform around = Transform::translate({-1, -1, -1}) * Transform::scale({2, 2, 2});
     const auto scene = [&](const MediumDescription& medium, MediumEstimator estimator) {
       Description d = picture(64);
@@ -295,7 +303,8 @@ TEST_SUITE("slow") {
       d.integrator.max_depth = 8;
       d.integrator.medium_estimator = estimator;
       add_area_light_sphere(d, {1.5f, 2, -1.5f}, 0.4f, 20);
-      add_rectangle(d, Transform::translate({0, -1, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}),
+      add_rectangle(d,
+                    Transform::translate({0, -1, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}),
                     add_diffuse_rgb(d, 0.7f, 0.5f, 0.3f));
       add_sphere(d, {0.2f, 0, 0}, 0.3f, add_glass(d));
       MediumDescription m = medium;
@@ -323,7 +332,8 @@ TEST_SUITE("slow") {
       }
   }
 
-  TEST_CASE("media: what glows and scatters has the same mean by every strategy and estimator, colours and grids alike") {
+  TEST_CASE("media: what glows and scatters has the same mean by every strategy and estimator, "
+            "colours and grids alike") {
     const TemporaryFolder folder;
     const auto lumps = write_vol(folder / "lumps.vol", 16, 1, [](Vec3f p, int) {
       return 1 + std::sin(17 * p.x) * std::sin(13 * p.y + 1) * std::cos(11 * p.z);

@@ -36,14 +36,16 @@ void check_mean(const Description& d, double expected) {
 Description view_from(float x) {
   Description d = picture();
   look_at(d, {x, 0, 0}, {x + 1, 0, 0}, {0, 1, 0}, 0.01f);
-  add_area_light_rectangle(d, Transform::translate({10, 0, 0}) * Transform::rotate({0, 1, 0}, -90) * Transform::scale({4, 4, 1}), 1);
+  add_area_light_rectangle(
+      d, Transform::translate({10, 0, 0}) * Transform::rotate({0, 1, 0}, -90) * Transform::scale({4, 4, 1}), 1);
   return d;
 }
 
 MediumId absorbing(Description& d, float sigma) { return add_medium(d, fog(sigma, 0)); }
 
 ShapeDescription& cube(Description& d, float from, float to) {
-  return add_shape(d, CubeShape{}, Transform::translate({0.5f * (from + to), 0, 0}) * Transform::scale({0.5f * (to - from), 1, 1}));
+  return add_shape(d, CubeShape{},
+                   Transform::translate({0.5f * (from + to), 0, 0}) * Transform::scale({0.5f * (to - from), 1, 1}));
 }
 
 }  // namespace
@@ -142,7 +144,8 @@ TEST_CASE("media tracking: shadow rays pass masks in proportion to their opacity
     d.integrator.strategy = strategy;
     const MeanVariance alone = render_mean(d);
     INFO("means " << both.mean() << " and " << alone.mean());
-    CHECK(student_t_p_value((both.mean() - alone.mean()) / std::sqrt((both.variance() + alone.variance()) / 256), 510) >= kLevel);
+    CHECK(student_t_p_value((both.mean() - alone.mean()) / std::sqrt((both.variance() + alone.variance()) / 256),
+                            510) >= kLevel);
   }
 }
 

@@ -97,10 +97,11 @@ TEST_CASE("media: heterogeneous ones have grids, placed and filtered as told") {
                            "<transform name='to_world'><translate x='2'/></transform><boolean name='raw' value='true'/>"
                            "<string name='filter_type' value='nearest'/><string name='wrap_mode' value='mirror'/>"
                            "<boolean name='use_grid_bbox' value='true'/><boolean name='accel' value='false'/>";
-  const Description d = read_volumes(mitsuba_scene(
-      medium("heterogeneous", volume("sigma_t", "gridvolume", grid) + "<rgb name='albedo' value='0.5'/>" +
-                                  volume("emission", "gridvolume", file("a.nvdb") + "<string name='grid_name' value='flame'/>") +
-                                  "<integer name='majorant_resolution_factor' value='8'/>")));
+  const Description d = read_volumes(
+      mitsuba_scene(medium("heterogeneous", volume("sigma_t", "gridvolume", grid) + "<rgb name='albedo' value='0.5'/>" +
+                                                volume("emission", "gridvolume",
+                                                       file("a.nvdb") + "<string name='grid_name' value='flame'/>") +
+                                                "<integer name='majorant_resolution_factor' value='8'/>")));
   const auto& sigma_t = std::get<Grid>(coefficients<Pair>(only_medium(d)).sigma_t);
   CHECK(sigma_t.format == Grid::Format::kVol);
   CHECK(sigma_t.file.filename() == "a.vol");
@@ -128,10 +129,12 @@ TEST_CASE("media: the format of a grid follows from its name, else from its firs
 }
 
 TEST_CASE("media: phase functions of every kind") {
-  const Description d = read_volumes(mitsuba_scene(
-      medium("homogeneous", "<phase type='blendphase'><float name='weight' value='0.25'/><phase type='rayleigh'/>"
-                            "<phase type='blendphase'>" + volume("weight", "constvolume", "<float name='value' value='1'/>") +
-                            "<phase type='isotropic'/><phase type='hg'/></phase></phase>")));
+  const Description d = read_volumes(
+      mitsuba_scene(medium("homogeneous",
+                           "<phase type='blendphase'><float name='weight' value='0.25'/><phase type='rayleigh'/>"
+                           "<phase type='blendphase'>" +
+                               volume("weight", "constvolume", "<float name='value' value='1'/>") +
+                               "<phase type='isotropic'/><phase type='hg'/></phase></phase>")));
   REQUIRE(only_medium(d).phase);
   REQUIRE(d.phases.size() == 5);
   const auto at = [&](PhaseId id) -> const PhaseDescription& { return d.phases[static_cast<std::size_t>(id)]; };
@@ -172,9 +175,9 @@ TEST_CASE("media: Mitsuba before 2 names coefficients otherwise, has measured ma
   CHECK(text_of(coefficients<Coefficients>(only_medium(coeffs)).sigma_s) == rgb(1, 2, 3));
   CHECK(text_of(coefficients<Coefficients>(only_medium(coeffs)).sigma_a) == constant(0.5f));
 
-  const Description milk = read_volumes(
-      old_scene("<shape type='sphere'><medium name='interior' type='homogeneous'><string name='material' value='Skimmilk'/>"
-                "<float name='scale' value='1000'/></medium></shape>"));
+  const Description milk = read_volumes(old_scene(
+      "<shape type='sphere'><medium name='interior' type='homogeneous'><string name='material' value='Skimmilk'/>"
+      "<float name='scale' value='1000'/></medium></shape>"));
   CHECK(text_of(coefficients<Coefficients>(only_medium(milk)).sigma_s) == rgb(0.70f, 1.22f, 1.90f));
   CHECK(only_medium(milk).scale == 1000);
   REQUIRE(milk.shapes[0].material);
@@ -189,8 +192,8 @@ TEST_CASE("media: Mitsuba before 2 names coefficients otherwise, has measured ma
   CHECK(std::get<Grid>(coefficients<Pair>(only_medium(woodcock)).sigma_t).use_grid_bbox);
   CHECK(dump(coefficients<Pair>(only_medium(woodcock)).albedo) == constant(0.9f));
   CHECK(woodcock.integrator.medium_estimator == MediumEstimator::kNullMis);
-  const Description simpson = read_volumes(
-      old_scene(medium("heterogeneous", smoke + "<string name='method' value='simpson'/><float name='stepSize' value='0.5'/>")));
+  const Description simpson = read_volumes(old_scene(
+      medium("heterogeneous", smoke + "<string name='method' value='simpson'/><float name='stepSize' value='0.5'/>")));
   CHECK(simpson.integrator.medium_estimator == MediumEstimator::kMarching);
   CHECK(simpson.integrator.step_size == 0.5f);
 }
@@ -234,7 +237,8 @@ TEST_CASE("media: Nori's grids fill the shape unless they are placed") {
 
 TEST_CASE("media: what glows, by colour or temperature") {
   const Description fire = read_volumes(nori_mesh(medium(
-      "heterogeneous", file("a.nvdb") + volume("temperature", "nanovdb", file("a.nvdb") + "<string name='gridname' value='heat'/>") +
+      "heterogeneous", file("a.nvdb") +
+                           volume("temperature", "nanovdb", file("a.nvdb") + "<string name='gridname' value='heat'/>") +
                            "<float name='temperatureScale' value='1500'/><float name='emissionScale' value='0.01'/>")));
   REQUIRE(only_medium(fire).temperature);
   CHECK(only_medium(fire).temperature->grid == "heat");
@@ -244,7 +248,8 @@ TEST_CASE("media: what glows, by colour or temperature") {
       medium("homogeneous", "<float name='temperature' value='2'/><float name='temperatureScale' value='1500'/>")));
   const auto& emission = std::get<SpectrumDescription>(*only_medium(glow).emission);
   CHECK(std::get<SpectrumDescription::Blackbody>(emission.value).temperature == 3000);
-  CHECK_FALSE(read_volumes(nori_mesh(medium("homogeneous", "<float name='temperature' value='0'/>"))).media[0].emission);
+  CHECK_FALSE(
+      read_volumes(nori_mesh(medium("homogeneous", "<float name='temperature' value='0'/>"))).media[0].emission);
 }
 
 TEST_CASE("media: Nori's scene may lie in a medium, and its glass may absorb") {
@@ -282,18 +287,21 @@ TEST_CASE("media: integrators that name them, and how they are estimated") {
   };
   for (const std::string& name : medium_estimator_names()) {
     const auto nori = read_volumes(nori_scene("", integrator("vol_path_mis", name))).integrator;
-    const auto mitsuba = read_volumes(mitsuba_scene("", "<sensor type='perspective'/>", integrator("volpathmis", name))).integrator;
+    const auto mitsuba =
+        read_volumes(mitsuba_scene("", "<sensor type='perspective'/>", integrator("volpathmis", name))).integrator;
     for (const IntegratorDescription& read : {nori, mitsuba}) {
       CHECK(medium_estimator_name(read.medium_estimator) == name);
       CHECK(read.step_size == 0.25f);
     }
     CHECK(medium_estimator_name(medium_estimator_from_name(name)) == name);
   }
-  CHECK_THROWS_WITH_AS(medium_estimator_from_name("deltas"), "unknown medium estimator 'deltas', did you mean 'delta'?", Error);
+  CHECK_THROWS_WITH_AS(medium_estimator_from_name("deltas"), "unknown medium estimator 'deltas', did you mean 'delta'?",
+                       Error);
   CHECK(contains(error_of_volumes(nori_scene("", integrator("path", "rati"))),
                  "expected null_mis, delta, ratio or marching, did you mean 'ratio'?"));
-  CHECK(contains(error_of_volumes(nori_scene("", "<integrator type='path'><float name='stepSize' value='0'/></integrator>")),
-                 "expected a positive number"));
+  CHECK(contains(
+      error_of_volumes(nori_scene("", "<integrator type='path'><float name='stepSize' value='0'/></integrator>")),
+      "expected a positive number"));
 }
 
 TEST_CASE("media: errors of Mitsuba's dialect") {
@@ -309,22 +317,27 @@ TEST_CASE("media: errors of Mitsuba's dialect") {
   const Case cases[] = {
       {mitsuba_scene("<medium type='homogenous'/>"),
        "scene.xml:4: unknown medium plugin 'homogenous', did you mean 'homogeneous'?"},
-      {homogeneous("<rgb name='sigma_q' value='1'/>"), "unknown property 'sigma_q' of medium 'homogeneous', did you mean 'sigma_"},
+      {homogeneous("<rgb name='sigma_q' value='1'/>"),
+       "unknown property 'sigma_q' of medium 'homogeneous', did you mean 'sigma_"},
       {homogeneous("<rgb name='sigma_t' value='-1'/>"), "expected no negative value"},
       {homogeneous("<rgb name='albedo' value='1.5'/>"), "expected values within [0, 1]"},
       {homogeneous("<float name='scale' value='-1'/>"), "expected no negative number"},
       {homogeneous("<rgb name='emission' value='-1'/>"), "expected no negative value"},
-      {homogeneous("<rgb name='sigma_t' value='1'/><rgb name='sigma_a' value='1'/>"), "mixes 'sigma_t' and 'albedo' with"},
+      {homogeneous("<rgb name='sigma_t' value='1'/><rgb name='sigma_a' value='1'/>"),
+       "mixes 'sigma_t' and 'albedo' with"},
       {homogeneous("<string name='material' value='skin1'/>"), "unknown property 'material'"},
       {homogeneous(volume("sigma_t", "gridvolume", file("a.vol"))), "type 'heterogeneous' takes grids"},
-      {homogeneous(volume("sigma_s", "gridvolume", file("a.vol"))), "has a grid for 'sigma_s', expected the same value"},
-      {homogeneous("<rgb name='albedo' value='1'/>" + volume("albedo", "constvolume", "<float name='value' value='1'/>")),
+      {homogeneous(volume("sigma_s", "gridvolume", file("a.vol"))),
+       "has a grid for 'sigma_s', expected the same value"},
+      {homogeneous("<rgb name='albedo' value='1'/>" +
+                   volume("albedo", "constvolume", "<float name='value' value='1'/>")),
        "is given beside a <volume> of this name"},
       {homogeneous(volume("albdo", "constvolume", "<float name='value' value='1'/>")),
        "takes no nested <volume> of the name 'albdo', did you mean 'albedo'?"},
       {homogeneous("<volume type='constvolume'/>"), "takes no nested <volume> without a name"},
       {homogeneous(volume("albedo", "constvolume", "")), "volume 'constvolume' has no 'value'"},
-      {homogeneous(volume("albedo", "constvolum", "")), "unknown volume plugin 'constvolum', did you mean 'constvolume'?"},
+      {homogeneous(volume("albedo", "constvolum", "")),
+       "unknown volume plugin 'constvolum', did you mean 'constvolume'?"},
       {homogeneous("<float name='temperature' value='-5'/>"), "expected no negative value"},
       {homogeneous("<float name='temperature_scale' value='-5'/>"), "expected no negative number"},
       {homogeneous("<rgb name='temperature' value='1,2,3'/>"), "has a colour for 'temperature', expected a number"},
@@ -348,7 +361,8 @@ TEST_CASE("media: errors of Mitsuba's dialect") {
       {grid(file("a.vol") + "<string name='wrap_mode' value='clam'/>"), "did you mean 'clamp'?"},
       {grid(file("a.vol") + "<string name='grid_name' value='x'/>"), "is given for a .vol file"},
       {grid(file("a.vol") + "<boolean name='fit_to_shape' value='true'/>"), "unknown property 'fit_to_shape'"},
-      {mitsuba_scene("<phase type='hg'/>"), "<phase> at the top level, which nothing refers to; it belongs inside a <medium>"},
+      {mitsuba_scene("<phase type='hg'/>"),
+       "<phase> at the top level, which nothing refers to; it belongs inside a <medium>"},
       {mitsuba_scene("<volume type='constvolume'/>"), "<volume> at the top level, which nothing refers to"},
       {mitsuba_scene("<subsurface type='dipole'/>"), "unknown subsurface plugin 'dipole'"},
       {mitsuba_scene("<shape type='sphere'><medium type='homogeneous' name='inside'/></shape>"),
@@ -389,8 +403,9 @@ TEST_CASE("media: errors of Nori's dialect") {
        "is given beside a <volume> of the name 'density'"},
       {nori_mesh(medium("heterogeneous", volume("density", "nanovdb", file("a.vol")))), "expected a .nvdb file"},
       {nori_mesh(medium("heterogeneous", volume("density", "vol", file("a.nvdb")))), "expected a .vol file"},
-      {nori_mesh(medium("heterogeneous", volume("density", "vol", file("a.vol") + "<transform name='toWorld'/>"
-                                                                  "<boolean name='fitToShape' value='true'/>"))),
+      {nori_mesh(medium("heterogeneous", volume("density", "vol",
+                                                file("a.vol") + "<transform name='toWorld'/>"
+                                                                "<boolean name='fitToShape' value='true'/>"))),
        "is true beside 'toWorld'"},
       {nori_mesh(medium("homogeneous", volume("density", "vol", file("a.vol")))), "type 'heterogeneous' takes grids"},
       {nori_mesh(medium("homogeneous", "<color name='density' value='1,2,3'/>")), "has a colour for 'density'"},
@@ -403,7 +418,8 @@ TEST_CASE("media: errors of Nori's dialect") {
       {nori_mesh("<bsdf type='blendbsdf'><bsdf type='null'><color name='sigmaA' value='1'/></bsdf>"
                  "<bsdf type='null'><color name='sigmaA' value='1'/></bsdf></bsdf>"),
        "is given by two materials of one surface"},
-      {nori_scene(medium("homogeneous", "") + medium("homogeneous", "")), "scene.xml:2: a second <medium>, expected one"},
+      {nori_scene(medium("homogeneous", "") + medium("homogeneous", "")),
+       "scene.xml:2: a second <medium>, expected one"},
       {nori_scene(medium("heterogeneous", file("a.vol") + "<boolean name='fitToShape' value='true'/>")),
        "in a medium of the whole scene, which no shape holds"},
   };

@@ -38,7 +38,8 @@ TEST_CASE("metals: tables are in order, positive and cover the visible range") {
       if (i > 0) CHECK(samples[i].wavelength > samples[i - 1].wavelength);
       CHECK(samples[i].eta > 0);
       CHECK(samples[i].k > 0);
-      // No slip of a digit: neighbours reflect alike. The steepest step is that of titanium nitride, which has few samples.
+      // No slip of a digit: neighbours reflect alike. The steepest step is that of titanium nitride, which has few
+      // samples.
       if (i > 0)
         CHECK(std::abs(reflectance(samples[i].eta, samples[i].k) - reflectance(samples[i - 1].eta, samples[i - 1].k)) <
               0.25);

@@ -1,4 +1,5 @@
-// The microfacet distributions: normalisation, Smith's terms, sampling of visible facets, and the edges of their ranges.
+// The microfacet distributions: normalisation, Smith's terms, sampling of visible facets, and the edges of their
+// ranges.
 #include "kernels/bsdf/microfacet.h"
 
 #include "tests/bsdf_testing.h"

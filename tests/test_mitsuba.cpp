@@ -156,8 +156,9 @@ TEST_CASE("Mitsuba: sensors with a lens and without perspective") {
   const auto sensor = [](const std::string& type, const std::string& inside) {
     return read_text(mitsuba_scene("", "<sensor type='" + type + "'>" + inside + "</sensor>"));
   };
-  const Description lens = sensor("thinlens", "<float name='aperture_radius' value='0.5'/><float name='fov' value='40'/>"
-                                              "<float name='focus_distance' value='7'/>");
+  const Description lens = sensor("thinlens",
+                                  "<float name='aperture_radius' value='0.5'/><float name='fov' value='40'/>"
+                                  "<float name='focus_distance' value='7'/>");
   CHECK(lens.camera.projection == CameraDescription::Projection::kPerspective);
   CHECK(lens.camera.fov == 40);
   CHECK(lens.camera.aperture_radius == 0.5f);
@@ -321,7 +322,8 @@ TEST_CASE("Mitsuba: spectra in every spelling") {
         "constant 0x1p+1");
   const Description d = read_text(mitsuba_scene("<bsdf type='diffuse'><srgb name='reflectance' value='0.5'/></bsdf>"));
   const auto& reflectance = std::get<DiffuseDescription>(d.materials.at(0).model).reflectance;
-  CHECK(std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(reflectance).value).value.x == doctest::Approx(0.21404));
+  CHECK(std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(reflectance).value).value.x ==
+        doctest::Approx(0.21404));
 }
 
 TEST_CASE("Mitsuba: spectra from files") {

@@ -77,7 +77,8 @@ TEST_CASE("Mitsuba materials: names of its own table disperse where asked to, ot
   const auto disperses = [](const std::string& inside) {
     return model_of<DielectricDescription>("dielectric", inside).int_dispersion.has_value();
   };
-  const std::string on = "<boolean name='dispersion' value='true'/>", off = "<boolean name='dispersion' value='false'/>";
+  const std::string on = "<boolean name='dispersion' value='true'/>",
+                    off = "<boolean name='dispersion' value='false'/>";
   CHECK_FALSE(disperses(word("int_ior", "bk7")));
   CHECK(disperses(word("int_ior", "bk7") + on));
   CHECK_FALSE(disperses(word("int_ior", "bk7") + off));
@@ -245,7 +246,8 @@ TEST_CASE("Mitsuba materials: metals by name") {
   CHECK(std::get<SpectrumDescription::Table>(in_air.value).values.at(3) ==
         doctest::Approx(table.values.at(3) / 1.000277));
   const SpectrumDescription in_water = eta_of(word("extEta", "water"));
-  CHECK(std::get<SpectrumDescription::Table>(in_water.value).values.at(3) == doctest::Approx(table.values.at(3) / 1.333));
+  CHECK(std::get<SpectrumDescription::Table>(in_water.value).values.at(3) ==
+        doctest::Approx(table.values.at(3) / 1.333));
   const SpectrumDescription given =
       eta_of("<spectrum name='eta' value='3'/><rgb name='k' value='1,2,3'/>" + number("extEta", "1.5"));
   CHECK(dump(given) == "constant 0x1p+1");
@@ -319,7 +321,8 @@ TEST_CASE("Mitsuba textures: pictures") {
   CHECK(texture(word("wrapMode", "clamp") + word("wrapModeV", "repeat")) == "bitmap image.png 0 2 0 0" + upright);
   CHECK(texture(number("gamma", "1")) == "bitmap image.png 0 0 0 1" + upright);
   CHECK(texture(number("gamma", "-1")) == "bitmap image.png 0 0 0 0" + upright);
-  CHECK(texture(word("format", "variant") + "<boolean name='accel' value='false'/><boolean name='cache' value='true'/>" +
+  CHECK(texture(word("format", "variant") +
+                "<boolean name='accel' value='false'/><boolean name='cache' value='true'/>" +
                 number("maxAnisotropy", "8")) == "bitmap image.png 0 0 0 0" + upright);
   auto notes = [](const std::string& inside) {
     return read_text(mitsuba_scene(bsdf("diffuse", "<texture type='bitmap' name='reflectance'>" +
@@ -335,8 +338,8 @@ TEST_CASE("Mitsuba textures: pictures") {
   CHECK(contains(notes(number("gamma", "2.2"))[0], "the curve of sRGB is used"));
 }
 
-// Where points of the uv plane lie in the picture, found with Mitsuba 3.9 and a picture of four colours: its row 0 is at
-// v = 0, and to_uv is applied to uv as it stands.
+// Where points of the uv plane lie in the picture, found with Mitsuba 3.9 and a picture of four colours: its row 0 is
+// at v = 0, and to_uv is applied to uv as it stands.
 TEST_CASE("Mitsuba textures: transforms of uv") {
   auto to_uv = [](const std::string& inside, const char* type = "bitmap") {
     const std::string file = std::string(type) == "bitmap" ? word("filename", "image.png") : "";
@@ -478,7 +481,8 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
       {bitmap(word("channel", "a")), "property 'channel' of texture 'bitmap' is not supported"},
       {bitmap(number("uscale", "2") + "<transform name='to_uv'><scale value='2'/></transform>"),
        "is given beside 'to_uv'"},
-      {bitmap(number("uscal", "2")), "scene.xml:5: unknown property 'uscal' of texture 'bitmap', did you mean 'uscale'?"},
+      {bitmap(number("uscal", "2")),
+       "scene.xml:5: unknown property 'uscal' of texture 'bitmap', did you mean 'uscale'?"},
   };
   for (const Case& c : cases) {
     CAPTURE(c.text);

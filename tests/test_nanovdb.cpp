@@ -106,7 +106,8 @@ TEST_CASE("nanovdb: quantised values are as near as their bits allow") {
 TEST_CASE("nanovdb: grids by name, through load_volume() and otherwise") {
   const std::string bytes = Written{}.bytes();
   CHECK(read(bytes, "heat").grid_to_local.point({1, 2, 3}) == Vec3f{1, 2, 3});
-  CHECK(contains(error_in(bytes, "densty"), "no grid 'densty', the file holds 'density', 'heat', did you mean 'density'?"));
+  CHECK(contains(error_in(bytes, "densty"),
+                 "no grid 'densty', the file holds 'density', 'heat', did you mean 'density'?"));
   const TemporaryFile file("cloud.nvdb", bytes + bytes);  // two segments
   GridVolumeDescription description;
   description.format = GridVolumeDescription::Format::kNanoVdb;

@@ -91,8 +91,8 @@ TEST_CASE("Nori: lenses and parallel rays") {
   for (const char* radius : {"apertureRadius", "lensRadius"})
     for (const char* distance : {"focusDistance", "focalDistance"})
       for (const char* type : {"perspective", "thinlens"}) {
-        const CameraDescription c = camera(type, std::string("<float name='") + radius + "' value='0.25'/><float name='" +
-                                                     distance + "' value='6'/>");
+        const CameraDescription c = camera(
+            type, std::string("<float name='") + radius + "' value='0.25'/><float name='" + distance + "' value='6'/>");
         CHECK(c.aperture_radius == 0.25f);
         CHECK(c.focus_distance == 6);
         CHECK(c.fov == 30);

@@ -92,9 +92,11 @@ TEST_CASE("Nori materials: those of Mitsuba with names in camelCase") {
 
 TEST_CASE("Nori materials: textures for every parameter that can have one") {
   for (const auto& [type, parameters] :
-       {std::pair{"diffuse", "albedo"}, {"microfacet", "kd alpha"},
-        {"disney", "baseColor metallic subsurface specular specularTint roughness anisotropic sheen sheenTint clearcoat "
-                   "clearcoatGloss"}}) {
+       {std::pair{"diffuse", "albedo"},
+        {"microfacet", "kd alpha"},
+        {"disney",
+         "baseColor metallic subsurface specular specularTint roughness anisotropic sheen sheenTint clearcoat "
+         "clearcoatGloss"}}) {
     CAPTURE(std::string(type));
     std::istringstream names(parameters);
     std::string inside;
@@ -113,8 +115,9 @@ TEST_CASE("Nori textures: checkerboards") {
   CHECK(square(plain, 0.5f, 0.5f) == 0);
   CHECK(square(plain, 1.5f, 0.5f) == 1);
   CHECK(square(plain, 1.5f, -0.5f) == 0);
-  CHECK(dump(texture_of("checkerboard_color", "<color name='value1' value='1,0,0'/><color name='value2' value='0,1,0'/>"))
-            .starts_with("checkerboard rgb 0x1p+0 0x0p+0 0x0p+0 rgb 0x0p+0 0x1p+0 0x0p+0"));
+  CHECK(
+      dump(texture_of("checkerboard_color", "<color name='value1' value='1,0,0'/><color name='value2' value='0,1,0'/>"))
+          .starts_with("checkerboard rgb 0x1p+0 0x0p+0 0x0p+0 rgb 0x0p+0 0x1p+0 0x0p+0"));
   CHECK(dump(texture_of("checkerboard_float", number("value1", "0.25") + number("value2", "0.5")))
             .starts_with("checkerboard constant 0x1p-2 constant 0x1p-1"));
   // A square is `scale` wide, one begins at `delta`.
@@ -134,8 +137,9 @@ TEST_CASE("Nori textures: checkerboards") {
 TEST_CASE("Nori textures: constants") {
   CHECK(material("diffuse", "<texture name='albedo' type='constant_color'><color name='value' value='0,0.5,1'/>"
                             "</texture>") == "diffuse rgb 0x0p+0 0x1p-1 0x1p+0");
-  CHECK(material("microfacet", "<texture name='alpha' type='constant_float'>" + number("value", "0.5") + "</texture>") ==
-        dump_all("microfacet", 1.5046f, 1.000277f, 0.5f, "constant 0x1p-1"));
+  CHECK(
+      material("microfacet", "<texture name='alpha' type='constant_float'>" + number("value", "0.5") + "</texture>") ==
+      dump_all("microfacet", 1.5046f, 1.000277f, 0.5f, "constant 0x1p-1"));
 }
 
 TEST_CASE("Nori textures: pictures stand upright") {
@@ -173,7 +177,8 @@ TEST_CASE("Nori materials and textures: errors name line, fault and the nearest 
       {bsdf("diffuse", number("reflectance", "0.5")), "unknown property 'reflectance' of bsdf 'diffuse'"},
       {texture("checkerbord_color"),
        "scene.xml:5: unknown texture plugin 'checkerbord_color', did you mean 'checkerboard_color'?"},
-      {texture("checkerboard_color", number("value3", "1")), "unknown property 'value3' of texture 'checkerboard_color', did you mean"},
+      {texture("checkerboard_color", number("value3", "1")),
+       "unknown property 'value3' of texture 'checkerboard_color', did you mean"},
       {texture("checkerboard_color", "<vector2 name='scale' value='1,0'/>"), "is zero along an axis"},
       {texture("checkerboard_color", "<vector2 name='scale' value='1,2,3'/>"), "has 3 numbers, expected two"},
       {texture("checkerboard_color", "<color name='scale' value='1'/>"), "is given as <color>, expected vector2"},

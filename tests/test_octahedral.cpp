@@ -10,7 +10,8 @@ namespace sheaf {
 TEST_CASE("octahedral: a vector comes back to within 1e-4, axes exactly, registers as single values") {
   double worst = 0;
   for (std::uint32_t i = 0; i < 100 * kWidth; i += kWidth) {
-    const auto wide = wide_record<Vec3>([&](int lane) { return random_direction(3, i + static_cast<std::uint32_t>(lane)); });
+    const auto wide =
+        wide_record<Vec3>([&](int lane) { return random_direction(3, i + static_cast<std::uint32_t>(lane)); });
     const WideUint bits = encode_octahedral<Wide>(wide);
     const Vec3<Wide> back = decode_octahedral<Wide>(bits);
     for (int lane = 0; lane < kWidth; ++lane) {
@@ -21,7 +22,8 @@ TEST_CASE("octahedral: a vector comes back to within 1e-4, axes exactly, registe
     }
   }
   CHECK(worst < 1e-4);
-  for (const Vec3f axis : {Vec3f{1, 0, 0}, Vec3f{-1, 0, 0}, Vec3f{0, 1, 0}, Vec3f{0, -1, 0}, Vec3f{0, 0, 1}, Vec3f{0, 0, -1}})
+  for (const Vec3f axis :
+       {Vec3f{1, 0, 0}, Vec3f{-1, 0, 0}, Vec3f{0, 1, 0}, Vec3f{0, -1, 0}, Vec3f{0, 0, 1}, Vec3f{0, 0, -1}})
     CHECK(record_difference<Vec3>(decode_octahedral<Scalar>(encode_octahedral<Scalar>(axis)), axis) == 0.0);
 }
 

@@ -139,14 +139,16 @@ TEST_CASE("phase: the ends of the random numbers and of g give finite directions
 }
 
 TEST_CASE("phase: registers equal single values") {
-  check_bsdf_lanes<HenyeyGreensteinBsdf>(
-      [](int lane) { return henyey_greenstein(-0.95f + 1.9f * static_cast<float>(lane) / static_cast<float>(kWidth)); });
+  check_bsdf_lanes<HenyeyGreensteinBsdf>([](int lane) {
+    return henyey_greenstein(-0.95f + 1.9f * static_cast<float>(lane) / static_cast<float>(kWidth));
+  });
   check_bsdf_lanes<RayleighBsdf>([](int) { return rayleigh(); });
 }
 
 TEST_CASE("phase: the two phase functions are the only BSDFs that say they are") {
   int phases = 0;
-  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind, BsdfTag<Bsdf>) { phases += kIsPhaseFunction<Bsdf<Wide>>; });
+  for_each_bsdf(
+      [&]<template <class> class Bsdf>(ClosureKind, BsdfTag<Bsdf>) { phases += kIsPhaseFunction<Bsdf<Wide>>; });
   CHECK(phases == 2);
   CHECK(kIsPhaseFunction<HenyeyGreensteinBsdf<Scalar>>);
   CHECK(kIsPhaseFunction<RayleighBsdf<Scalar>>);

@@ -124,11 +124,14 @@ TEST_CASE("quadric: normals are perpendicular to the surface, outwards unless fl
           if (!found) continue;
           ++hits;
           const Vec3f n = normalize(found->normal), x = to_world.inverse().point(ray.at(found->t));
-          const Vec3f canonical = kind == ShapeKind::kDisk ? Vec3f{0, 0, 1} : kind == ShapeKind::kSphere ? x : Vec3f{x.x, x.y, 0};
+          const Vec3f canonical = kind == ShapeKind::kDisk     ? Vec3f{0, 0, 1}
+                                  : kind == ShapeKind::kSphere ? x
+                                                               : Vec3f{x.x, x.y, 0};
           const Vec3f expected = normalize(to_world.normal(canonical)) * (flip ? -1.0f : 1.0f);
           CHECK(record_difference<Vec3>(n, expected) < 1e-4);
           // Tangents of the canonical surface stay tangents.
-          const Vec3f tangent = normalize(to_world.vector(kind == ShapeKind::kDisk ? Vec3f{1, 0, 0} : Vec3f{-x.y, x.x, 0}));
+          const Vec3f tangent =
+              normalize(to_world.vector(kind == ShapeKind::kDisk ? Vec3f{1, 0, 0} : Vec3f{-x.y, x.x, 0}));
           CHECK(std::fabs(dot(n, tangent)) < 1e-4f);
         }
         CHECK(hits > 100);
@@ -194,7 +197,9 @@ TEST_CASE("quadric: bounds hold the shape and not much more") {
 TEST_CASE("quadric: areas of balls, spheroids, disks and cylinders") {
   constexpr double kPiD = 3.14159265358979323846;
   const Transform turn = Transform::rotate({1, 2, 3}, 40);
-  const auto area = [&](ShapeKind kind, Vec3f scale) { return double(quadric_area(make_quadric(kind, turn * Transform::scale(scale), false))); };
+  const auto area = [&](ShapeKind kind, Vec3f scale) {
+    return double(quadric_area(make_quadric(kind, turn * Transform::scale(scale), false)));
+  };
   CHECK(canonical_area(ShapeKind::kSphere) == doctest::Approx(4 * kPiD));
   CHECK(canonical_area(ShapeKind::kDisk) == doctest::Approx(kPiD));
   CHECK(canonical_area(ShapeKind::kCylinder) == doctest::Approx(2 * kPiD));
@@ -203,7 +208,8 @@ TEST_CASE("quadric: areas of balls, spheroids, disks and cylinders") {
   CHECK(area(ShapeKind::kCylinder, {2, 2, 5}) == doctest::Approx(20 * kPiD).epsilon(1e-5));
   // Oblate (half axes 2, 2, 1) and prolate (1, 1, 2) spheroids.
   const double e = std::sqrt(0.75);
-  CHECK(area(ShapeKind::kSphere, {2, 2, 1}) == doctest::Approx(2 * kPiD * 4 * (1 + 0.25 / e * std::atanh(e))).epsilon(1e-4));
+  CHECK(area(ShapeKind::kSphere, {2, 2, 1}) ==
+        doctest::Approx(2 * kPiD * 4 * (1 + 0.25 / e * std::atanh(e))).epsilon(1e-4));
   CHECK(area(ShapeKind::kSphere, {1, 1, 2}) == doctest::Approx(2 * kPiD * (1 + 2 / e * std::asin(e))).epsilon(1e-4));
   // Height times the perimeter of an ellipse, 4 a E(e) with the complete elliptic integral.
   CHECK(area(ShapeKind::kCylinder, {2, 1, 3}) == doctest::Approx(3 * 4 * 2 * std::comp_ellint_2(e)).epsilon(1e-4));
@@ -211,8 +217,10 @@ TEST_CASE("quadric: areas of balls, spheroids, disks and cylinders") {
 
 TEST_CASE("quadric: rows know similarities from other transforms") {
   const Transform turn = Transform::translate({1, 2, 3}) * Transform::rotate({1, 2, 3}, 40);
-  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({3, 3, 3}), false).uniform_scale == doctest::Approx(3));
-  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({-3, 3, 3}), false).uniform_scale == doctest::Approx(3));
+  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({3, 3, 3}), false).uniform_scale ==
+        doctest::Approx(3));
+  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({-3, 3, 3}), false).uniform_scale ==
+        doctest::Approx(3));
   CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({3, 3, 3.01f}), false).uniform_scale == 0.0f);
   CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({1, -2, 3}), false).determinant == doctest::Approx(6));
   CHECK(make_quadric(ShapeKind::kSphere, Transform(), true).normal_sign == -1.0f);

@@ -113,8 +113,8 @@ Tally shoot(const SceneView& scene, Vec3f center, float radius, int rays) {
     scene.accel->intersect(hit, 1);
     if (hit.shape[0] == kNone) continue;
     const auto shape = load_shapes<Scalar>(scene, hit.shape[0]);
-    const auto y =
-        surface_point<Scalar>(scene, shape, hit.primitive[0], hit.u[0], hit.v[0], origin + direction * hit.t_far[0], kNone);
+    const auto y = surface_point<Scalar>(scene, shape, hit.primitive[0], hit.u[0], hit.v[0],
+                                         origin + direction * hit.t_far[0], kNone);
     // Only the outer sides of closed shapes; an open cylinder's inner side sees itself.
     const Vec3f outer = dot(y.ng, direction) < 0 ? y.ng : -y.ng;
     if (shape.kind == static_cast<std::uint32_t>(ShapeKind::kCylinder) && dot(y.ng, direction) > 0) continue;

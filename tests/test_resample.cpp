@@ -120,7 +120,9 @@ double light_share(Density density, double x, double kept) {
 /// One estimate from both techniques.
 double estimate(Density density, std::uint32_t i) {
   // The target leaves the weight out where it depends on which candidate is kept.
-  const auto target = [&](double x) { return integrand(x) * (density == Density::kKept ? 1 : light_share(density, x, 0)); };
+  const auto target = [&](double x) {
+    return integrand(x) * (density == Density::kKept ? 1 : light_share(density, x, 0));
+  };
   double sum = 0, kept = 0;
   for (int k = 0; k < kCandidates; ++k) {
     const auto u = random4<Scalar>(21, i, static_cast<std::uint32_t>(k), 0);
@@ -131,7 +133,8 @@ double estimate(Density density, std::uint32_t i) {
   const double effective = target(kept) / (sum / kCandidates);
   const double from_lights = integrand(kept) * light_share(density, kept, effective) / effective;
   const double x = random4<Scalar>(22, i, 0, 0).x;
-  return from_lights + integrand(x) * (1 - light_share(density == Density::kKept ? Density::kCandidate : density, x, 0));
+  return from_lights +
+         integrand(x) * (1 - light_share(density == Density::kKept ? Density::kCandidate : density, x, 0));
 }
 
 }  // namespace

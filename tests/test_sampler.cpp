@@ -1,4 +1,5 @@
-// Samplers: uniform, independent where they should be, and estimates of integrals that are right and as good as claimed.
+// Samplers: uniform, independent where they should be, and estimates of integrals that are right and as good as
+// claimed.
 #include "core/sampler.h"
 
 #include "tests/chi_square.h"
@@ -113,7 +114,8 @@ TEST_CASE("sampler: blocks, events, pixels, seeds and sets are independent of ea
         const SamplerView sampler = make_sampler(kind, 5, 16), other = make_sampler(kind, 6, 16);
         const auto p_value = [&](const std::function<Numbers(U)>& second) {
           return p_value_of_pairs(16, 20'000, [&](U pixel) {
-            return std::array<float, 2>{numbers(sampler, 2 * pixel, sample, 3, SampleBlock::kLight)[d], second(2 * pixel)[d]};
+            return std::array<float, 2>{numbers(sampler, 2 * pixel, sample, 3, SampleBlock::kLight)[d],
+                                        second(2 * pixel)[d]};
           });
         };
         const double level = significance_of_each(kTests);
@@ -130,9 +132,9 @@ TEST_CASE("sampler: blocks, events, pixels, seeds and sets are independent of ea
 }
 
 TEST_CASE("sampler: within a pixel, samples of two blocks are paired at random") {
-  // The mean of (a - 1/2)(b - 1/2) over the samples of a pixel, a and b from different blocks: mean zero, and a variance
-  // of 1/144 per sample. Pairs of consecutive Sobol samples lie on different sides of the centre in every dimension,
-  // which makes it up to twice as large; unshuffled they would reach 64 times as much, or nearly nothing.
+  // The mean of (a - 1/2)(b - 1/2) over the samples of a pixel, a and b from different blocks: mean zero, and a
+  // variance of 1/144 per sample. Pairs of consecutive Sobol samples lie on different sides of the centre in every
+  // dimension, which makes it up to twice as large; unshuffled they would reach 64 times as much, or nearly nothing.
   constexpr U kPixels = 3000, kSamples = 64;
   for (const SamplerKind kind : kKinds)
     for (std::size_t a = 0; a < 4; ++a)

@@ -18,9 +18,11 @@ namespace sheaf {
 namespace {
 
 const Transform kPlace = Transform::translate({0.5f, -0.25f, 2}) * Transform::rotate({2, -1, 2}, 40);
-const Transform kStretch = Transform::translate({0.5f, -0.25f, 2}) * Transform::rotate({1, 2, 3}, 40) * Transform::scale({2, 0.7f, 1.2f});
+const Transform kStretch =
+    Transform::translate({0.5f, -0.25f, 2}) * Transform::rotate({1, 2, 3}, 40) * Transform::scale({2, 0.7f, 1.2f});
 
-template <class Geometry> std::unique_ptr<Scene> lone_shape(Geometry geometry, const Transform& to_world, bool flip = false) {
+template <class Geometry>
+std::unique_ptr<Scene> lone_shape(Geometry geometry, const Transform& to_world, bool flip = false) {
   Description d = empty_scene(4, 4);
   emit(add_shape(d, std::move(geometry), to_world), 1).flip_normals = flip;
   return compile_scene(d);
@@ -31,7 +33,8 @@ struct Ray {
 };
 /// A ray towards the neighbourhood of kPlace and kStretch.
 Ray random_ray(std::uint32_t i) {
-  const Vec3f target = kPlace.point(random_direction(61, i) * 0.8f), origin = kPlace.point(random_direction(62, i) * 5.0f);
+  const Vec3f target = kPlace.point(random_direction(61, i) * 0.8f),
+              origin = kPlace.point(random_direction(62, i) * 5.0f);
   return {origin, normalize(target - origin)};
 }
 
@@ -58,7 +61,8 @@ struct Expected {
   Vec3f tangent;
 };
 /// Compares the surface that one ray hits with figures that Mitsuba 3 prints for the same shape and ray.
-template <class Geometry> void check_convention(Geometry geometry, const Transform& to_world, const Expected& expected, bool flip = false) {
+template <class Geometry>
+void check_convention(Geometry geometry, const Transform& to_world, const Expected& expected, bool flip = false) {
   const auto scene = lone_shape(std::move(geometry), to_world, flip);
   const Vec3f origin{0.1f, 0.2f, -3}, direction = normalize(Vec3f{0.05f, -0.06f, 1});
   const auto hit = trace_ray(scene->view(), origin, direction);
@@ -76,17 +80,32 @@ template <class Geometry> void check_convention(Geometry geometry, const Transfo
 TEST_CASE("shape: positions, normals, uv and tangents are those of Mitsuba") {
   const Transform stretched = kPlace * Transform::scale({2, 1.5f, 1});
   const CylinderShape cylinder{{0.2f, -1, 0.3f}, {-0.3f, 1.5f, 0.1f}, 0.8f};
-  const Expected at_cylinder{{0.322458f, -0.06695f, 1.44917f}, {-0.0863406f, 0.237849f, -0.967457f}, {0.269436f, 0.452165f}, {-0.770784f, -0.631212f, -0.0863948f}};
+  const Expected at_cylinder{{0.322458f, -0.06695f, 1.44917f},
+                             {-0.0863406f, 0.237849f, -0.967457f},
+                             {0.269436f, 0.452165f},
+                             {-0.770784f, -0.631212f, -0.0863948f}};
   check_convention(SphereShape{{0.1f, 0.2f, -0.1f}, 1.5f}, kPlace,
-                   {{0.276856f, -0.0122274f, 0.537124f}, {-0.150048f, -0.0042269f, -0.98867f}, {0.594973f, 0.818379f}, {0.886375f, -0.443565f, -0.132626f}});
+                   {{0.276856f, -0.0122274f, 0.537124f},
+                    {-0.150048f, -0.0042269f, -0.98867f},
+                    {0.594973f, 0.818379f},
+                    {0.886375f, -0.443565f, -0.132626f}});
   check_convention(DiskShape{}, stretched,
-                   {{0.353108f, -0.10373f, 2.06217f}, {-0.110282f, -0.480515f, 0.870025f}, {0.142377f, 0.279762f}, {-0.678742f, 0.675869f, 0.287247f}});
+                   {{0.353108f, -0.10373f, 2.06217f},
+                    {-0.110282f, -0.480515f, 0.870025f},
+                    {0.142377f, 0.279762f},
+                    {-0.678742f, 0.675869f, 0.287247f}});
   check_convention(cylinder, kPlace, at_cylinder);
   check_convention(cylinder, kPlace, {at_cylinder.p, -at_cylinder.n, at_cylinder.uv, at_cylinder.tangent}, true);
   check_convention(RectangleShape{}, stretched,
-                   {{0.353108f, -0.10373f, 2.06217f}, {-0.110282f, -0.480515f, 0.870025f}, {0.486765f, 0.569948f}, {0.870025f, 0.376535f, 0.318243f}});
+                   {{0.353108f, -0.10373f, 2.06217f},
+                    {-0.110282f, -0.480515f, 0.870025f},
+                    {0.486765f, 0.569948f},
+                    {0.870025f, 0.376535f, 0.318243f}});
   check_convention(CubeShape{}, kPlace,
-                   {{0.297139f, -0.0365663f, 0.942773f}, {0.110282f, 0.480515f, -0.870025f}, {0.565779f, 0.283708f}, {0.480515f, -0.79204f, -0.376535f}});
+                   {{0.297139f, -0.0365663f, 0.942773f},
+                    {0.110282f, 0.480515f, -0.870025f},
+                    {0.565779f, 0.283708f},
+                    {0.480515f, -0.79204f, -0.376535f}});
 }
 
 namespace {
@@ -183,7 +202,8 @@ TEST_CASE("shape: meshes interpolate positions, normals and uv, and their tangen
     CHECK(length(y.ng) == doctest::Approx(1).epsilon(1e-5));
     CHECK(dot(y.ng, y.ns) > 0.0f);
     // Along the tangent u grows and v does not change.
-    const Vec3f e1 = kStretch.vector(mesh.positions[t[1]] - mesh.positions[t[0]]), e2 = kStretch.vector(mesh.positions[t[2]] - mesh.positions[t[0]]);
+    const Vec3f e1 = kStretch.vector(mesh.positions[t[1]] - mesh.positions[t[0]]),
+                e2 = kStretch.vector(mesh.positions[t[2]] - mesh.positions[t[0]]);
     CHECK(std::fabs(dot(y.dp_du, y.ng)) < 1e-4f * length(y.dp_du));
     const Vec3f n2 = cross(e1, e2);
     const float s1 = dot(cross(y.dp_du, e2), n2) / dot(n2, n2), s2 = dot(cross(e1, y.dp_du), n2) / dot(n2, n2);
@@ -244,10 +264,11 @@ TEST_CASE("shape: registers equal single values, kinds mixed") {
     const auto hit = wide_record<Vec3>([&](int lane) { return kPlace.point(random_direction(64, at(lane)) * 0.9f); });
     const WideFloat u = wide_random(65, i).x * WideFloat(0.5f), v = wide_random(65, i).y * WideFloat(0.5f);
     const auto primitive = [&](int lane) { return static_cast<std::uint32_t>(lane) % 2; };
-    const auto wide = surface_point<Wide, true>(view, load_shapes<Wide>(view, wide_uints(shape_of)), wide_uints(primitive), u, v, hit, WideUint(kNone));
+    const auto wide = surface_point<Wide, true>(view, load_shapes<Wide>(view, wide_uints(shape_of)),
+                                                wide_uints(primitive), u, v, hit, WideUint(kNone));
     for (int lane = 0; lane < kWidth; ++lane) {
-      const auto one = surface_point<Scalar, true>(view, load_shapes<Scalar>(view, shape_of(lane)), primitive(lane), u[lane],
-                                                   v[lane], lane_record(hit, lane), kNone);
+      const auto one = surface_point<Scalar, true>(view, load_shapes<Scalar>(view, shape_of(lane)), primitive(lane),
+                                                   u[lane], v[lane], lane_record(hit, lane), kNone);
       worst = std::max({worst, record_difference<Vec3>(lane_record(wide.p, lane), one.p),
                         record_difference<Vec3>(lane_record(wide.ng, lane), one.ng),
                         record_difference<Vec3>(lane_record(wide.ns, lane), one.ns),
@@ -295,7 +316,9 @@ TEST_CASE("shape: light sampling covers meshes evenly by area") {
     const auto s = sample_any_light<Scalar>(scene->view(), {0.5f, 0.5f, 3}, u);
     return std::array<double, 2>{s.target.x, s.target.y};
   };
-  CHECK(chi_square_plane(sample, [](double, double) { return 1.0; }, {0, 1, 0, 1, 20, 20}, 100000).p_value > kSignificance);
+  CHECK(chi_square_plane(
+            sample, [](double, double) { return 1.0; }, {0, 1, 0, 1, 20, 20}, 100000)
+            .p_value > kSignificance);
 }
 
 }  // namespace sheaf

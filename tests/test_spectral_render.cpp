@@ -41,7 +41,8 @@ std::array<double, 3> means_of(const Image& image) {
 /// Every kind of closure that knows no colour, and lights of white or tinted spectra.
 Description grey_scene() {
   Description d = empty_scene(8, 8);
-  add_rectangle(d, Transform::translate({0, -1.5f, 4}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({3, 3, 1}),
+  add_rectangle(d,
+                Transform::translate({0, -1.5f, 4}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({3, 3, 1}),
                 add_diffuse(d, 0.7f));
   ConductorDescription metal;
   metal.ior = {SpectrumDescription::constant(0.5f), SpectrumDescription::constant(3)};
@@ -107,7 +108,8 @@ TEST_CASE("spectral: a white furnace stays white, under D65 and under equal ener
     d.lights.push_back({ConstantLightDescription{daylight ? SpectrumDescription::constant(1) : equal_energy(1)}, {}});
     d.integrator.max_depth = 20;
     const auto mean = means_of(render_image(d, ColorMode::kSpectral, 1024, 3));
-    const Vec3f xyz = rec709_to_xyz({static_cast<float>(mean[0]), static_cast<float>(mean[1]), static_cast<float>(mean[2])});
+    const Vec3f xyz =
+        rec709_to_xyz({static_cast<float>(mean[0]), static_cast<float>(mean[1]), static_cast<float>(mean[2])});
     const float sum = xyz.x + xyz.y + xyz.z;
     CAPTURE(daylight);
     CHECK(xyz.y == doctest::Approx(1).epsilon(0.005));
@@ -144,7 +146,8 @@ Mesh prism_mesh(float size) {
   Mesh mesh;
   const float half = 0.5f * size, depth = half / std::tan(static_cast<float>(kPiD) / 6);
   for (const float y : {-size, size})
-    for (const Vec3f corner : {Vec3f{0.5f * depth, y, 0}, Vec3f{-0.5f * depth, y, -half}, Vec3f{-0.5f * depth, y, half}})
+    for (const Vec3f corner :
+         {Vec3f{0.5f * depth, y, 0}, Vec3f{-0.5f * depth, y, -half}, Vec3f{-0.5f * depth, y, half}})
       mesh.positions.push_back(corner);
   // Front (towards -z), back (towards +z), base and the two ends; normals outwards.
   mesh.triangles = {{0, 1, 4}, {0, 4, 3}, {0, 3, 5}, {0, 5, 2}, {1, 2, 5}, {1, 5, 4}, {0, 2, 1}, {3, 4, 5}};
@@ -189,8 +192,8 @@ TEST_CASE("spectral: a prism deviates 450, 550 and 650 nm as Snell and Sellmeier
     // A far strip in the direction in which the symmetric ray of this wavelength leaves, emitting nothing else.
     const double out = angle_behind_prism(straight, n);
     const Vec3f there{static_cast<float>(kFar * std::sin(out)), 0, static_cast<float>(kFar * std::cos(out))};
-    ShapeDescription& strip =
-        add_rectangle(d, Transform::look_at(there, {0, 0, 0}, {0, 1, 0}) * Transform::scale({2, 300, 1}), add_diffuse(d, 0));
+    ShapeDescription& strip = add_rectangle(
+        d, Transform::look_at(there, {0, 0, 0}, {0, 1, 0}) * Transform::scale({2, 300, 1}), add_diffuse(d, 0));
     const auto lambda = static_cast<float>(wavelength);
     strip.radiance = SpectrumDescription{
         SpectrumDescription::Table{{lambda - 2, lambda - 1, lambda + 1, lambda + 2}, {0, 1000, 1000, 0}}};
@@ -198,7 +201,8 @@ TEST_CASE("spectral: a prism deviates 450, 550 and 650 nm as Snell and Sellmeier
     const Image image = render_image(d, ColorMode::kSpectral, 4096, 1);
     double sum = 0, weighted = 0;
     for (int x = 0; x < kColumns; ++x) {
-      const double brightness = std::fabs(image.at(x, 0, 0)) + std::fabs(image.at(x, 0, 1)) + std::fabs(image.at(x, 0, 2));
+      const double brightness =
+          std::fabs(image.at(x, 0, 0)) + std::fabs(image.at(x, 0, 1)) + std::fabs(image.at(x, 0, 2));
       sum += brightness;
       weighted += brightness * (x + 0.5);
     }
@@ -297,7 +301,8 @@ TEST_CASE("spectral: bins of the spectrum integrate to the picture, whatever the
         size += power * static_cast<double>(length(response));
       }
       // Within a bin the response changes by two hundredths of its largest at most.
-      for (int c = 0; c < 3; ++c) CHECK(std::fabs(sum[c] - static_cast<double>(image.at(x, y, c))) < 0.01 * size + 1e-4);
+      for (int c = 0; c < 3; ++c)
+        CHECK(std::fabs(sum[c] - static_cast<double>(image.at(x, y, c))) < 0.01 * size + 1e-4);
     }
 
   options.threads = 3, options.wave_size = 256;

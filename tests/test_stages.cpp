@@ -31,7 +31,8 @@ TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within
         const auto ray = wave.rays.get(slot);
         const auto radiance = wave.radiance.get(slot);
         const auto index = static_cast<std::uint32_t>(started++);
-        const std::uint32_t pixel = index / 3, x = 7 + pixel % static_cast<std::uint32_t>(paths), y = 11 + pixel / static_cast<std::uint32_t>(paths);
+        const std::uint32_t pixel = index / 3, x = 7 + pixel % static_cast<std::uint32_t>(paths),
+                            y = 11 + pixel / static_cast<std::uint32_t>(paths);
         CHECK(path.pixel == y * 40 + x);
         CHECK(path.sample == 4 + index % 3);
         CHECK(path.progress == 0u);
@@ -47,7 +48,8 @@ TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within
         CHECK(ray.origin == view.camera.origin);
         // The direction passes through the pixel: between those of its edges.
         const Vec3f normal = normalize(cross(view.camera.dx, view.camera.dy));
-        const Vec3f on_film = ray.direction * (dot(view.camera.corner, normal) / dot(ray.direction, normal)) - view.camera.corner;
+        const Vec3f on_film =
+            ray.direction * (dot(view.camera.corner, normal) / dot(ray.direction, normal)) - view.camera.corner;
         const float film_x = dot(on_film, view.camera.dx) / length_squared(view.camera.dx);
         const float film_y = dot(on_film, view.camera.dy) / length_squared(view.camera.dy);
         CHECK(std::fabs(film_x - static_cast<float>(x) - 0.5f) <= 0.5001f);
@@ -151,20 +153,23 @@ TEST_CASE_TEMPLATE("intersect: each side of a surface has its own material", L, 
   CHECK(behind.words[0] == 0.7f);
 }
 
-TEST_CASE_TEMPLATE("intersect: rays that are not finite are dropped, counted and reported, their neighbours traced", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("intersect: rays that are not finite are dropped, counted and reported, their neighbours traced", L,
+                   Wide, Scalar) {
   const auto scene = two_squares();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<std::pair<Vec3f, Vec3f>> bad = {
-      {{nan, 0, 0}, kForward},      {{0, nan, 0}, kForward},      {{0, 0, nan}, kForward}, {{kInfinity, 0, 0}, kForward},
-      {{0, 0, -kInfinity}, kForward}, {{0, 1e30f, 0}, kForward},  {{0, 0, 0}, {nan, 0, 1}}, {{0, 0, 0}, {0, nan, 1}},
-      {{0, 0, 0}, {0, 0, nan}},     {{0, 0, 0}, {0, 0, kInfinity}}, {{0, 0, 0}, {0, 0, 0}}};
+      {{nan, 0, 0}, kForward},        {{0, nan, 0}, kForward},        {{0, 0, nan}, kForward},
+      {{kInfinity, 0, 0}, kForward},  {{0, 0, -kInfinity}, kForward}, {{0, 1e30f, 0}, kForward},
+      {{0, 0, 0}, {nan, 0, 1}},       {{0, 0, 0}, {0, nan, 1}},       {{0, 0, 0}, {0, 0, nan}},
+      {{0, 0, 0}, {0, 0, kInfinity}}, {{0, 0, 0}, {0, 0, 0}}};
   for (std::size_t position = 0; position < bad.size(); ++position) {
     const int paths = 21, at = 3 + static_cast<int>(position);
     TestWave test(paths);
     Wave& wave = test.wave;
     Slot dropped = 0;
     for (int i = 0; i < paths; ++i) {
-      const Slot slot = i == at ? test.add_active(bad[position].first, bad[position].second) : test.add_active({0, 0, 0}, kForward);
+      const Slot slot =
+          i == at ? test.add_active(bad[position].first, bad[position].second) : test.add_active({0, 0, 0}, kForward);
       if (i == at) dropped = slot;
     }
     intersect<L>(scene->view(), wave);
@@ -213,8 +218,8 @@ TEST_CASE_TEMPLATE("stages: empty lists are no work", L, Wide, Scalar) {
   TestWave test(9);
   Wave& wave = test.wave;
   wave.next_sample = wave.task.total();
-  for (const auto stage : {camera_rays<L>, intersect<L>, emission<L>, sort_surfaces<L>, surface_inputs<L>, light_candidates<L>,
-                           resample<L>, shadow<L>, scatter<L>, debug_view<L>, accumulate<L>}) {
+  for (const auto stage : {camera_rays<L>, intersect<L>, emission<L>, sort_surfaces<L>, surface_inputs<L>,
+                           light_candidates<L>, resample<L>, shadow<L>, scatter<L>, debug_view<L>, accumulate<L>}) {
     stage(scene->view(), wave);
     check_conservation(wave);
     CHECK(wave.free.size() == wave.capacity);
@@ -243,7 +248,8 @@ TEST_CASE_TEMPLATE("debug view: normals and depth of the first surface", L, Wide
         const bool missed = r.task_sample % 4 == 3;
         CHECK(((r.task_sample & kTransparent) != 0) == missed);
         if (missed) CHECK(is_black(r.radiance));
-        else if (kind == IntegratorKind::kDepth) CHECK(record_difference<Spectrum>(r.radiance, {3.4f, 3.4f, 3.4f, 0}) < 1e-5);
+        else if (kind == IntegratorKind::kDepth)
+          CHECK(record_difference<Spectrum>(r.radiance, {3.4f, 3.4f, 3.4f, 0}) < 1e-5);
         else CHECK(record_difference<Spectrum>(r.radiance, {0.6f, 0, 0.8f, 0}) < 1e-5);
       }
     }
@@ -259,7 +265,8 @@ TEST_CASE_TEMPLATE("accumulate: finished paths reach their own samples, weighted
       const Slot slot = test.add({0, 0, 0}, kForward);
       const auto value = static_cast<float>(i + 1);
       const std::uint32_t transparent = i % 2 == 0 ? kTransparent : 0u;
-      wave.radiance.set(slot, {{value, 2 * value, 3 * value, 0}, 0, 0, -0.25f, static_cast<std::uint32_t>(i) | transparent});
+      wave.radiance.set(slot,
+                        {{value, 2 * value, 3 * value, 0}, 0, 0, -0.25f, static_cast<std::uint32_t>(i) | transparent});
       wave.finished.push(slot);
     }
     accumulate<L>(scene->view(), wave);
@@ -304,7 +311,9 @@ TEST_CASE_TEMPLATE("accumulate: samples that are not finite or negative are drop
 TEST_CASE_TEMPLATE("stages: a recorder sees every ray", L, Wide, Scalar) {
   struct Counter : RayRecorder {
     int nearest = 0, any = 0;
-    void record(const RayPacket&, int count, Query query) override { (query == Query::kNearest ? nearest : any) += count; }
+    void record(const RayPacket&, int count, Query query) override {
+      (query == Query::kNearest ? nearest : any) += count;
+    }
   } counter;
   const auto scene = compile_scene(mixed_scene());
   TestWave test(100);

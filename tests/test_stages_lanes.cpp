@@ -78,13 +78,16 @@ double wave_difference(const Wave& a, const Wave& b) {
                         record_difference<RadianceState>(a.radiance.get(slot), b.radiance.get(slot)),
                         double{float_bits(a.heroes[slot]) == float_bits(b.heroes[slot]) ? 0.0f : 1.0f}});
   for (const SlotList* list : {&a.surface, &a.emitter})
-    for (const Slot slot : list->span()) worst = std::max(worst, record_difference<HitState>(a.hits.get(slot), b.hits.get(slot)));
+    for (const Slot slot : list->span())
+      worst = std::max(worst, record_difference<HitState>(a.hits.get(slot), b.hits.get(slot)));
   for (int kind = 0; kind < kClosureKinds; ++kind) {
-    if (a.runs[kind].count != b.runs[kind].count || a.runs[kind].column_begin != b.runs[kind].column_begin) return kInfinity;
+    if (a.runs[kind].count != b.runs[kind].count || a.runs[kind].column_begin != b.runs[kind].column_begin)
+      return kInfinity;
     for (int i = 0; i < a.runs[kind].count; ++i) {
       const int column = a.runs[kind].column_begin + i;
-      worst = std::max({worst, record_difference<SurfaceItem>(a.items.load<Scalar>(column), b.items.load<Scalar>(column)),
-                        record_difference<ClosureItem>(a.closures.load<Scalar>(column), b.closures.load<Scalar>(column))});
+      worst =
+          std::max({worst, record_difference<SurfaceItem>(a.items.load<Scalar>(column), b.items.load<Scalar>(column)),
+                    record_difference<ClosureItem>(a.closures.load<Scalar>(column), b.closures.load<Scalar>(column))});
     }
   }
   for (int i = 0; i < a.shadow_count; ++i)
@@ -120,12 +123,14 @@ TEST_CASE("stages: registers do what single paths do, stage by stage, in both co
         }
       double worst = 0;
       for (std::size_t i = 0; i < from_wide.size(); ++i) {
-        worst = std::max({worst, difference(from_wide[i].r, from_scalar[i].r), difference(from_wide[i].g, from_scalar[i].g),
-                          difference(from_wide[i].b, from_scalar[i].b), difference(from_wide[i].alpha, from_scalar[i].alpha)});
+        worst = std::max({worst, difference(from_wide[i].r, from_scalar[i].r),
+                          difference(from_wide[i].g, from_scalar[i].g), difference(from_wide[i].b, from_scalar[i].b),
+                          difference(from_wide[i].alpha, from_scalar[i].alpha)});
       }
       // Wavelengths come from logarithms, which registers round in their own way.
       CHECK(worst < (color == ColorMode::kSpectral ? 1e-5 : 1e-6));
-      CHECK(wide.stats.rays.camera == static_cast<std::uint64_t>(std::min(512, static_cast<int>(wide.stats.samples) + paths - wide.free.size())));
+      CHECK(wide.stats.rays.camera ==
+            static_cast<std::uint64_t>(std::min(512, static_cast<int>(wide.stats.samples) + paths - wide.free.size())));
       CHECK(wide.stats.dropped.samples == 0);
     }
   }

@@ -1,4 +1,5 @@
-// The stages between a hit and the next ray: sorting, surface inputs, light sampling, shadow rays, emission, scattering.
+// The stages between a hit and the next ray: sorting, surface inputs, light sampling, shadow rays, emission,
+// scattering.
 #include "kernels/bsdf/all.h"
 #include "kernels/light_sample.h"
 #include "tests/statistics.h"
@@ -21,7 +22,10 @@ Description squares(bool with_light = true) {
   const MaterialId materials[] = {add_diffuse(d, 0.25f), add_mirror(d, 0.5f), add_glass(d), add_diffuse(d, 0.75f),
                                   add_material(d, TwoSidedDescription{add_diffuse(d, 0.1f), add_diffuse(d, 0.6f)})};
   for (int i = 0; i < kSquares; ++i)
-    add_rectangle(d, Transform::translate({3 * static_cast<float>(i), 0, 2}) * Transform::rotate({0, 1, 0}, i == kTurned ? 0 : 180), materials[i]);
+    add_rectangle(
+        d,
+        Transform::translate({3 * static_cast<float>(i), 0, 2}) * Transform::rotate({0, 1, 0}, i == kTurned ? 0 : 180),
+        materials[i]);
   if (with_light) add_point_light(d, {0, 0, -1}, 10);
   return d;
 }
@@ -45,7 +49,9 @@ template <class L> class ShadedWave : public TestWave {
 int mixed(int i) { return (i * 3 + i / 4) % kSquares; }
 
 ClosureKind kind_of(int square) {
-  return square == kMirror ? ClosureKind::kConductor : square == kGlass ? ClosureKind::kDielectric : ClosureKind::kDiffuse;
+  return square == kMirror  ? ClosureKind::kConductor
+         : square == kGlass ? ClosureKind::kDielectric
+                            : ClosureKind::kDiffuse;
 }
 double reflectance_of(int square) {
   constexpr double kReflectance[] = {0.25, 0.5, 1, 0.75, 0.6};
@@ -81,7 +87,8 @@ TEST_CASE_TEMPLATE("sort: hits lie in runs by kind, then material, in their old 
     std::uint32_t last_bucket = 0, last_pixel = 0;
     for_each_item(wave, [&](Slot slot, int, ClosureKind kind) {
       CHECK(kind == kind_of(test.square_of_slot[slot]));
-      const std::uint32_t bucket = scene->view().materials[wave.hits.get(slot).material].bucket, pixel = wave.throughput.get(slot).pixel;
+      const std::uint32_t bucket = scene->view().materials[wave.hits.get(slot).material].bucket,
+                          pixel = wave.throughput.get(slot).pixel;
       CHECK(bucket >= last_bucket);
       if (bucket == last_bucket) CHECK(pixel >= last_pixel);
       last_bucket = bucket;
@@ -121,7 +128,9 @@ TEST_CASE_TEMPLATE("surface inputs: places, frames and parameters of every hit",
       CHECK(item.offset < 1e-4f);
       const MaterialRow& material = scene->view().materials[hit.material];
       const auto closure = wave.closures.template load<Scalar>(column);
-      const int words = kind_of(square) == ClosureKind::kDiffuse ? 4 : kind_of(square) == ClosureKind::kConductor ? 12 : 9;
+      const int words = kind_of(square) == ClosureKind::kDiffuse     ? 4
+                        : kind_of(square) == ClosureKind::kConductor ? 12
+                                                                     : 9;
       for (int k = 0; k < words; ++k) CHECK(closure.words[k] == material.words[k]);
       if (kind_of(square) == ClosureKind::kDiffuse) CHECK(closure.words[1] == doctest::Approx(reflectance_of(square)));
     });
@@ -189,13 +198,15 @@ TEST_CASE_TEMPLATE("light candidates: strategies weigh samples as they should", 
     // The light is 2 by 2, parallel to the surface; both see each other at the same angle.
     const double squared = length_squared(alone[i].direction), cos_theta = -alone[i].direction.z / std::sqrt(squared);
     const double pdf_light = 0.25 * squared / cos_theta, pdf_bsdf = cos_theta / 3.14159265358979;
-    CHECK(alone[i].contribution.c0 == doctest::Approx(0.25 / 3.14159265358979 * cos_theta * 4 / pdf_light).epsilon(1e-4));
+    CHECK(alone[i].contribution.c0 ==
+          doctest::Approx(0.25 / 3.14159265358979 * cos_theta * 4 / pdf_light).epsilon(1e-4));
     const double weight = pdf_light * pdf_light / (pdf_light * pdf_light + pdf_bsdf * pdf_bsdf);
     CHECK(mis[i].contribution.c0 == doctest::Approx(alone[i].contribution.c0 * weight).epsilon(1e-4));
   }
 }
 
-TEST_CASE_TEMPLATE("light candidates: no shadow rays without light, from behind, or for black surfaces", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("light candidates: no shadow rays without light, from behind, or for black surfaces", L, Wide,
+                   Scalar) {
   Description dark = squares(false), behind = squares(false), black = squares();
   add_point_light(behind, {0, 0, 5}, 10);
   for (MaterialDescription& m : black.materials) m.model = DiffuseDescription{SpectrumDescription::constant(0)};
@@ -251,7 +262,8 @@ TEST_CASE_TEMPLATE("scatter: every path goes on by its own closure", L, Wide, Sc
     Wave& wave = test.wave;
     std::map<Slot, Vec3f> before, point;
     for (const auto& [slot, square] : test.square_of_slot) before[slot] = wave.rays.get(slot).direction;
-    for_each_item(wave, [&](Slot slot, int column, ClosureKind) { point[slot] = wave.items.template load<Scalar>(column).p; });
+    for_each_item(
+        wave, [&](Slot slot, int column, ClosureKind) { point[slot] = wave.items.template load<Scalar>(column).p; });
     scatter<L>(scene->view(), wave);
     check_conservation(wave);
     CHECK(test.spare_rows_untouched());
@@ -274,7 +286,8 @@ TEST_CASE_TEMPLATE("scatter: every path goes on by its own closure", L, Wide, Sc
       } else {
         CHECK(pdf == 0.0f);
       }
-      if (kind_of(square) == ClosureKind::kConductor) CHECK(record_difference<Vec3>(ray.direction, {in.x, in.y, -in.z}) < 1e-6);
+      if (kind_of(square) == ClosureKind::kConductor)
+        CHECK(record_difference<Vec3>(ray.direction, {in.x, in.y, -in.z}) < 1e-6);
       if (square == kGlass && ray.direction.z > 0) {
         CHECK(record_difference<Vec3>({ray.direction.x * 1.5f, ray.direction.y * 1.5f, 0}, {in.x, in.y, 0}) < 1e-6);
         CHECK(path.eta_scale == doctest::Approx(2.25));
@@ -348,7 +361,8 @@ TEST_CASE_TEMPLATE("scatter: roulette ends paths by their throughput and pays th
       // Depth counts the vertex that is left: at 2 the path is at depth 3 and plays.
       const double survival = depth < 2 ? 1 : std::min(0.75 * beta * 0.5, 0.95);
       const double error = std::sqrt(kPaths * survival * (1 - survival));
-      CHECK(std::fabs(wave.active.size() - kPaths * survival) <= student_t_threshold(significance_of_each(4), kPaths) * error);
+      CHECK(std::fabs(wave.active.size() - kPaths * survival) <=
+            student_t_threshold(significance_of_each(4), kPaths) * error);
       for (const Slot slot : wave.active.span()) {
         const auto path = wave.throughput.get(slot);
         CHECK(path.beta.c1 == doctest::Approx(0.75 * beta / survival).epsilon(1e-5));
@@ -422,7 +436,8 @@ TEST_CASE_TEMPLATE("emission: area lights shine from their front, weighted again
       TestWave test(paths);
       Wave& wave = test.wave;
       for (int i = 0; i < paths; ++i) {
-        const Slot slot = test.add_active({i % 4 == 3 ? 5.0f : 0.0f, 0, 0}, normalize(Vec3f{0.1f * static_cast<float>(i % 4), 0, 1}), kRayLast);
+        const Slot slot = test.add_active({i % 4 == 3 ? 5.0f : 0.0f, 0, 0},
+                                          normalize(Vec3f{0.1f * static_cast<float>(i % 4), 0, 1}), kRayLast);
         auto r = wave.radiance.get(slot);
         r.scatter_pdf = i % 2 == 0 ? 0.2f : 0.0f;
         wave.radiance.set(slot, r);

@@ -76,7 +76,8 @@ TEST_CASE("wavelengths: range, density and rotation for every number") {
       CHECK(lambda[k] >= 360.0f);
       CHECK(lambda[k] <= 830.0f);
       // The density is the cumulative function's slope, which is a step function.
-      const double at = static_cast<double>(lambda[k]), below = std::max(360.0, at - 1e-3), above = std::min(830.0, at + 1e-3);
+      const double at = static_cast<double>(lambda[k]), below = std::max(360.0, at - 1e-3),
+                   above = std::min(830.0, at + 1e-3);
       const double slopes[2] = {(cumulative(at) - cumulative(below)) / std::max(at - below, 1e-9),
                                 (cumulative(above) - cumulative(at)) / std::max(above - at, 1e-9)};
       const double p = static_cast<double>(pdf[k]);

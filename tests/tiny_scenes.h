@@ -55,11 +55,14 @@ inline MaterialId add_glass(Description& d, float int_ior = 1.5f, float ext_ior 
 }
 
 /// The same material on both sides.
-inline MaterialId add_two_sided(Description& d, MaterialId side) { return add_material(d, TwoSidedDescription{side, side}); }
+inline MaterialId add_two_sided(Description& d, MaterialId side) {
+  return add_material(d, TwoSidedDescription{side, side});
+}
 
 /// Adds a shape and returns it for further changes; the reference holds until the next shape.
 template <class Geometry>
-ShapeDescription& add_shape(Description& d, Geometry geometry, const Transform& to_world, std::optional<MaterialId> material = {}) {
+ShapeDescription& add_shape(Description& d, Geometry geometry, const Transform& to_world,
+                            std::optional<MaterialId> material = {}) {
   ShapeDescription shape;
   shape.geometry = std::move(geometry);
   shape.to_world = to_world;
@@ -68,12 +71,14 @@ ShapeDescription& add_shape(Description& d, Geometry geometry, const Transform& 
   return d.shapes.back();
 }
 
-inline ShapeDescription& add_sphere(Description& d, Vec3f center, float radius, std::optional<MaterialId> material = {}) {
+inline ShapeDescription& add_sphere(Description& d, Vec3f center, float radius,
+                                    std::optional<MaterialId> material = {}) {
   return add_shape(d, SphereShape{center, radius}, Transform(), material);
 }
 
 /// [-1, 1]^2 in the xy plane with normal +z, placed by `to_world`.
-inline ShapeDescription& add_rectangle(Description& d, const Transform& to_world, std::optional<MaterialId> material = {}) {
+inline ShapeDescription& add_rectangle(Description& d, const Transform& to_world,
+                                       std::optional<MaterialId> material = {}) {
   return add_shape(d, RectangleShape{}, to_world, material);
 }
 

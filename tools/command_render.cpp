@@ -229,8 +229,8 @@ void add_render_command(CLI::App& program, int& exit_code) {
   command->add_option("--color", arguments->color, "Colour mode: rgb (default), or spectral: four wavelengths per path")
       ->check(CLI::IsMember({"rgb", "spectral"}));
   command->add_option("--spectral-bins", arguments->spectral_bins,
-                      "Also write the spectrum of each pixel to .exr, in this many equal bins from 360 to 830 nm: layers "
-                      "S0.<wavelength>nm. Needs --color spectral")
+                      "Also write the spectrum of each pixel to .exr, in this many equal bins from 360 to 830 nm: "
+                      "layers S0.<wavelength>nm. Needs --color spectral")
       ->check(CLI::Range(1, kMaxSpectralBins));
   command->add_option("--integrator", arguments->integrator,
                       "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "
@@ -239,11 +239,11 @@ void add_render_command(CLI::App& program, int& exit_code) {
                       "How samples are spread: sobol (Owen-scrambled), independent, stratified, multijitter; the last "
                       "two round --spp up to a grid. Default: the scene's, else sobol");
   command->add_option("--light-sampler", arguments->light_sampler,
-                      "How the light that a surface looks to is chosen: bvh (by what it may bring there), power, uniform. "
-                      "Default: the scene's, else bvh");
+                      "How the light that a surface looks to is chosen: bvh (by what it may bring there), power, "
+                      "uniform. Default: the scene's, else bvh");
   command->add_option("--candidates", arguments->candidates,
-                      "Lights sampled per vertex, of which resampling keeps one for a shadow ray. Default: the scene's, "
-                      "else 1; 8 for path_ris")
+                      "Lights sampled per vertex, of which resampling keeps one for a shadow ray. Default: the "
+                      "scene's, else 1; 8 for path_ris")
       ->check(CLI::Range(1, kMaxCandidates));
   command->add_option("--medium-estimator", arguments->medium_estimator,
                       "How light in media is tracked: null_mis (by all wavelengths), delta, ratio (by one wavelength), "

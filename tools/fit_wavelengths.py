@@ -16,7 +16,8 @@ from scipy.optimize import minimize
 SOURCE = (Path(__file__).resolve().parent.parent / "core/color.cpp").read_text()
 WAVELENGTHS = np.linspace(360, 830, 2351)
 KNOTS = np.arange(360, 831, 10)
-TO_REC709 = np.array([[3.240479, -1.537150, -0.498535], [-0.969256, 1.875991, 0.041556], [0.055648, -0.204043, 1.057311]])
+TO_REC709 = np.array([[3.240479, -1.537150, -0.498535], [-0.969256, 1.875991, 0.041556],
+                      [0.055648, -0.204043, 1.057311]])
 
 
 def curve(name):
@@ -67,7 +68,8 @@ def by_knots(logarithms):
 
 def show(name, density):
     values = noise(density, reflectances(200, 2), 4096)
-    print(f"{name:28}" + "".join(f"  {n:3} {v[0]:7.4f} {v[1]:7.4f} {v[2]:6.2f}" for n, v in zip(LIGHTS, values)), flush=True)
+    columns = (f"  {n:3} {v[0]:7.4f} {v[1]:7.4f} {v[2]:6.2f}" for n, v in zip(LIGHTS, values))
+    print(f"{name:28}" + "".join(columns), flush=True)
 
 
 def main():

@@ -161,13 +161,15 @@ def parameter_rows(bsdf_type, base, rows, title, path):
     for r, (name, extra) in enumerate(rows):
         for i in range(5):
             values = dict(base) | dict(extra) | {name: 0.25 * i}
-            floats = "".join(f'      <float name="{k}" value="{v:g}"/>\n' for k, v in values.items() if k != "base_color")
+            floats = "".join(f'      <float name="{k}" value="{v:g}"/>\n'
+                             for k, v in values.items() if k != "base_color")
             bsdf = (f'    <bsdf type="{bsdf_type}">\n'
                     f'      <rgb name="base_color" value="{values["base_color"]}"/>\n{floats}    </bsdf>\n')
             parts.append(ball(-2 + i, 0.45 + 0.95 * (len(rows) - 1 - r), 0, 0.43, bsdf))
     height = 0.95 * len(rows)
-    write_scene(path, title, sensor(f"0, {height / 2 + 0.6:g}, {9 + 1.15 * len(rows):g}", f"0, {height / 2:g}, 0", 26, 480,
-                                    int(96 * len(rows) + 60)), studio(-1.2, 24, height + 7), *parts)
+    view = sensor(f"0, {height / 2 + 0.6:g}, {9 + 1.15 * len(rows):g}", f"0, {height / 2:g}, 0", 26, 480,
+                  int(96 * len(rows) + 60))
+    write_scene(path, title, view, studio(-1.2, 24, height + 7), *parts)
 
 
 PARAMETER_ROWS = [
@@ -274,14 +276,15 @@ def make_material_balls():
         simple("mask", number("opacity", 0.5) + nested("twosided", '<bsdf type="diffuse"/>')),
         simple("twosided", nested("plastic") + nested("diffuse")),
     ]
-    parts = [ball(-3 + i % 7, 0.42 + (0.9 if i < 7 else 0), 0 if i >= 7 else -0.9, 0.42, k) for i, k in enumerate(kinds)]
+    parts = [ball(-3 + i % 7, 0.42 + (0.9 if i < 7 else 0), 0 if i >= 7 else -0.9, 0.42, k)
+             for i, k in enumerate(kinds)]
     write_scene(MATERIALS / "balls.xml", "Every kind of material once.",
                 sensor("0, 3.0, 8.5", "0, 0.75, -0.3", 42, 800, 320), studio(-4, 20), *parts)
 
 
 def make_wall():
-    """A brick wall, left without and right with its normal map, lit from the upper left. In this dialect the first row of
-    a picture lies at v = 0, so that to_uv has to turn it over."""
+    """A brick wall, left without and right with its normal map, lit from the upper left. In this dialect the first row
+    of a picture lies at v = 0, so that to_uv has to turn it over."""
     def half(x, bsdf):
         return f"""  <shape type="rectangle">
     <transform name="to_world">
@@ -312,7 +315,8 @@ def make_wall():
   <emitter type="constant"><rgb name="radiance" value="0.08, 0.09, 0.11"/></emitter>
 """
     write_scene(TEXTURES / "wall.xml", "A brick wall, on the left without and on the right with its normal map.",
-                sensor("0.4, 0.3, 4.4", "0.1, 0, 0", 54, 640, 340), light, half(-1.02, f"      {diffuse}\n"), half(1.02, mapped))
+                sensor("0.4, 0.3, 4.4", "0.1, 0, 0", 54, 640, 340), light, half(-1.02, f"      {diffuse}\n"),
+                half(1.02, mapped))
 
 
 def make_filters():

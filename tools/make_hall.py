@@ -126,7 +126,8 @@ def lamps(rng):
                         4 * half * half))
     for _ in range(200):  # on the long walls, looking in
         x, y, side, half = rng.uniform(-19.5, 19.5), rng.uniform(0.3, 6), rng.choice((-1, 1)), rng.uniform(0.02, 0.05)
-        matrix = f"{-side * half:.3f} 0 0 {x:.3f} 0 {half:.3f} 0 {y:.3f} 0 0 {-side * half:.3f} {side * 9.98:.2f} 0 0 0 1"
+        turned = f"{-side * half:.3f}"
+        matrix = f"{turned} 0 0 {x:.3f} 0 {half:.3f} 0 {y:.3f} 0 0 {turned} {side * 9.98:.2f} 0 0 0 1"
         out.append(lamp(rng, ("rectangle", f'<transform name="to_world"><matrix value="{matrix}"/></transform>'),
                         4 * half * half))
     for _ in range(100):  # lanterns

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Writes the instances of scenes/million: copies of one mesh of 100,000 triangles, scattered over a plane by a
-generator of fixed seed. Needs nothing but Python; the output (about 200 MB for a million) is not kept in the repository.
+generator of fixed seed. Needs nothing but Python; the output (about 200 MB for a million) is not kept in the
+repository.
 
   tools/make_instances.py [COUNT]   default: 1000000
 """

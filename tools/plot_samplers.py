@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Plots the mean squared error of each sampler over samples per pixel, into docs/samplers.png. Needs python3-matplotlib.
+"""Plots the mean squared error of each sampler over samples per pixel, into docs/samplers.png. Needs
+python3-matplotlib.
 
   tools/plot_samplers.py [--sheaf build/release/sheaf] [--size 200] [--reference-spp 65536] [--scene SCENE.xml]
 

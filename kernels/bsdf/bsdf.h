@@ -10,10 +10,10 @@
 //   sample(wo, u)      a direction; u.x chooses the lobe, u.y and u.z the direction
 // Directions are unit vectors in the shading frame, pointing away from the surface.
 //
-// A phase function scatters in a medium as a BSDF does on a surface. There is no normal: the frame's z axis is wo, which
-// is (0, 0, 1) for all of them, and wi lies near -wo where light goes on. f_cos is the phase function without a cosine,
-// the same in all four lanes and equal to the density with which sample() returns wi, so that a sample's weight is 1 (the
-// albedo belongs to the medium).
+// A phase function scatters in a medium as a BSDF does on a surface. There is no normal: the frame's z axis is wo,
+// which is (0, 0, 1) for all of them, and wi lies near -wo where light goes on. f_cos is the phase function without a
+// cosine, the same in all four lanes and equal to the density with which sample() returns wi, so that a sample's weight
+// is 1 (the albedo belongs to the medium).
 //
 // To add one: its parameters and its kind in scene/material.h, its header here, a line in all.h, the parsing in scene/,
 // and its tests.

@@ -19,8 +19,9 @@ template <class L> struct ConductorBsdf : ConductorParameters<L> {
     BsdfSample<L> s;
     s.wi = {-wo.x, -wo.y, wo.z};
     s.valid = wo.z > Float<L>(0.0f);
-    s.weight = this->reflectance * Spectrum<L>{fresnel_conductor(wo.z, n.c0, a.c0), fresnel_conductor(wo.z, n.c1, a.c1),
-                                               fresnel_conductor(wo.z, n.c2, a.c2), fresnel_conductor(wo.z, n.c3, a.c3)};
+    s.weight =
+        this->reflectance * Spectrum<L>{fresnel_conductor(wo.z, n.c0, a.c0), fresnel_conductor(wo.z, n.c1, a.c1),
+                                        fresnel_conductor(wo.z, n.c2, a.c2), fresnel_conductor(wo.z, n.c3, a.c3)};
     s.pdf_solid_angle = Float<L>(0.0f);
     s.eta_scale = Float<L>(1.0f);
     return s;

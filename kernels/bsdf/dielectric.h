@@ -20,7 +20,8 @@ template <class L> struct DielectricBsdf : DielectricParameters<L> {
     const auto reflected = u.x < fresnel.reflectance;
     const F inverse_eta = F(1.0f) / fresnel.eta;
     BsdfSample<L> s;
-    s.wi = select<L>(reflected, {-wo.x, -wo.y, wo.z}, {-wo.x * inverse_eta, -wo.y * inverse_eta, fresnel.cos_transmitted});
+    s.wi =
+        select<L>(reflected, {-wo.x, -wo.y, wo.z}, {-wo.x * inverse_eta, -wo.y * inverse_eta, fresnel.cos_transmitted});
     s.weight = select<L>(reflected, this->reflectance, this->transmittance * (inverse_eta * inverse_eta));
     s.eta_scale = select(reflected, F(1.0f), fresnel.eta * fresnel.eta);
     s.pdf_solid_angle = F(0.0f);

@@ -1,5 +1,5 @@
-// Rayleigh's phase function, for particles far smaller than the wavelength: p(c) = 3 / (16 pi) (1 + c^2), c the cosine of
-// the angle by which light turns (Chandrasekhar, "Radiative Transfer", 1960, section 1.2).
+// Rayleigh's phase function, for particles far smaller than the wavelength: p(c) = 3 / (16 pi) (1 + c^2), c the cosine
+// of the angle by which light turns (Chandrasekhar, "Radiative Transfer", 1960, section 1.2).
 //
 // Its integral is a cubic, c^3 + 3 c = 2 q with q = 4 u - 2, whose one real root is A - 1 / A, A^3 = q + sqrt(1 + q^2)
 // (Cardano); by symmetry q >= 0 is enough, where nothing cancels.

@@ -41,7 +41,8 @@ PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
   const FilmDescription& film = scene.film();
   const PixelRect whole{0, 0, film.width, film.height};
   const PixelRect crop = options.crop ? *options.crop : film.crop ? *film.crop : whole;
-  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.width() <= 0 || crop.height() <= 0)
+  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.width() <= 0 ||
+      crop.height() <= 0)
     throw Error(ExitCode::kUsage, "crop must be a rectangle inside the frame of " + std::to_string(film.width) + " x " +
                                       std::to_string(film.height) + " pixels");
   return crop;
@@ -85,10 +86,12 @@ class Renderer {
         options_(options),
         spp_(rounded_sample_count(scene.sampler().kind,
                                   options.samples_per_pixel.value_or(scene.sampler().sample_count))),
-        threads_(options.threads > 0 ? options.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
+        threads_(options.threads > 0 ? options.threads
+                                     : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
         wave_size_(options.wave_size > 0 ? options.wave_size : Wave::default_capacity()) {
     if (spp_ == 0) throw Error(ExitCode::kUsage, "samples per pixel must be at least 1");
-    if (wave_size_ > kMaxWaveSize) throw Error(ExitCode::kUsage, "wave size must be at most " + std::to_string(kMaxWaveSize));
+    if (wave_size_ > kMaxWaveSize)
+      throw Error(ExitCode::kUsage, "wave size must be at most " + std::to_string(kMaxWaveSize));
     const PixelRect crop = checked_crop(scene, options);
     check_spectral_bins(scene, options.spectral_bins);
     view_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed), spp_);
