@@ -7,6 +7,8 @@ import struct
 import zlib
 from pathlib import Path
 
+from scene_text import camera
+
 ROOT = Path(__file__).resolve().parent.parent
 MATERIALS = ROOT / "scenes" / "materials"
 TEXTURES = ROOT / "scenes" / "textures"
@@ -81,23 +83,9 @@ def make_small_pictures():
 
 
 def sensor(origin, target, fov, width, height):
-    return f"""  <default name="spp" value="256"/>
+    return """  <default name="spp" value="256"/>
   <integrator type="path"/>
-  <sensor type="perspective">
-    <transform name="to_world">
-      <lookat origin="{origin}" target="{target}" up="0, 1, 0"/>
-    </transform>
-    <float name="fov" value="{fov}"/>
-    <film type="hdrfilm">
-      <integer name="width" value="{width}"/>
-      <integer name="height" value="{height}"/>
-      <rfilter type="gaussian"/>
-    </film>
-    <sampler type="independent">
-      <integer name="sample_count" value="$spp"/>
-    </sampler>
-  </sensor>
-"""
+""" + camera(origin, target, fov, width, height)
 
 
 def studio(back=-4.0, size=12.0, top=7.0):

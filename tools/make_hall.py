@@ -9,6 +9,8 @@ import math
 import random
 from pathlib import Path
 
+from scene_text import camera
+
 FILE = Path(__file__).resolve().parent.parent / "scenes" / "hall" / "hall.xml"
 
 HEAD = """<?xml version="1.0" encoding="utf-8"?>
@@ -29,21 +31,7 @@ HEAD = """<?xml version="1.0" encoding="utf-8"?>
     <integer name="candidates" value="$candidates"/>
   </integrator>
 
-  <sensor type="perspective">
-    <transform name="to_world">
-      <lookat origin="-19, 2.6, 1.5" target="0, 2.2, -0.5" up="0, 1, 0"/>
-    </transform>
-    <float name="fov" value="70"/>
-    <film type="hdrfilm">
-      <integer name="width" value="$width"/>
-      <integer name="height" value="$height"/>
-      <rfilter type="gaussian"/>
-    </film>
-    <sampler type="independent">
-      <integer name="sample_count" value="$spp"/>
-    </sampler>
-  </sensor>
-
+""" + camera("-19, 2.6, 1.5", "0, 2.2, -0.5", 70, "$width", "$height") + """
   <bsdf type="diffuse" id="plaster">
     <rgb name="reflectance" value="0.70, 0.66, 0.58"/>
   </bsdf>
