@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Measures the noise of spectral mode: its mean squared error at equal samples per pixel over that of RGB mode, each
-against a long render of its own. Needs nothing but Python and a build.
+"""Measures the noise of spectral mode: its mean squared error at equal samples per pixel over that of RGB mode. Needs
+nothing but Python and a build.
 
-  bench/compare_color.py [--scenes scenes/cornell/cornell.xml ...] [--spp 64] [--reference-spp 4096]
+  bench/compare_color.py [--scenes scenes/cornell/cornell.xml ...] [--spp 64] [--seeds 4]
 
 Prints a table: scene, mean squared error over R, G and B in RGB mode and in spectral mode, and their ratio. A part in
-the middle of the picture is rendered, as many times as --seeds says, with the scene's own sampler.
+the middle of the picture is rendered, as many times as --seeds says, with the scene's own sampler; the error of one is
+half the mean square of the difference of two.
 """
 
 import argparse
+import itertools
 import re
 import subprocess
 import tempfile
@@ -34,21 +36,19 @@ def main():
     parser.add_argument("--scenes", nargs="+", default=[str(ROOT / "scenes" / name / f"{name}.xml")
                                                         for name in ("cornell", "material_room")])
     parser.add_argument("--spp", type=int, default=64)
-    parser.add_argument("--reference-spp", type=int, default=4096)
     parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--crop", default="100,100,228,196")
     arguments = parser.parse_args()
     print("scene                 MSE rgb  MSE spectral   ratio")
     with tempfile.TemporaryDirectory() as folder:
-        reference, picture = Path(folder) / "reference.exr", Path(folder) / "picture.exr"
+        pictures = [Path(folder) / f"{i}.exr" for i in range(arguments.seeds)]
         for scene in arguments.scenes:
             error = {}
             for color in ("rgb", "spectral"):
-                render(arguments, scene, color, reference, arguments.reference_spp, 1000)
-                error[color] = 0
-                for seed in range(1, arguments.seeds + 1):
+                for seed, picture in enumerate(pictures, 1):
                     render(arguments, scene, color, picture, arguments.spp, seed)
-                    error[color] += mean_squared_error(arguments, picture, reference) / arguments.seeds
+                pairs = list(itertools.combinations(pictures, 2))
+                error[color] = sum(mean_squared_error(arguments, a, b) for a, b in pairs) / (2 * len(pairs))
             print(f"{Path(scene).stem:16} {error['rgb']:12.4g}  {error['spectral']:12.4g}  "
                   f"{error['spectral'] / error['rgb']:6.3f}", flush=True)
 
