@@ -16,7 +16,7 @@ namespace sheaf {
 /// that the file does not have, level sets, other types of values, and values that are not finite.
 BrickGrid read_nanovdb(const std::filesystem::path& file, const std::string& grid);
 
-enum class NanoVdbCodec { kNone, kZip, kBlosc };
+enum class NanoVdbCodec { kUncompressed, kZip, kBlosc };
 
 /// Whether this build compresses and decompresses with Blosc.
 bool has_nanovdb_blosc();

@@ -1,6 +1,7 @@
 // Media in whole renders, against closed forms and against each other.
 #include "kernels/passes/render.h"
 #include "scene/compile.h"
+#include "scene/nanovdb.h"
 #include "tests/media_testing.h"
 #include "tests/statistics.h"
 #include "tests/temporary_folder.h"
@@ -95,6 +96,25 @@ const double kFloor = 0.5 / 3.14159265358979 * 36 / 36;
 MediumDescription with_density(MediumDescription m, const GridVolumeDescription& grid) {
   m.density = grid;
   return m;
+}
+
+/// A NanoVDB grid of ones over a cube of side `side` around the origin.
+GridVolumeDescription ones_in_nanovdb(const std::filesystem::path& file, float side) {
+  constexpr int kBlocks = 2, kVoxels = 8 * kBlocks;
+  VoxelBlocks blocks(1);
+  const float one = 1;
+  for (int i = 0; i < kBlocks * kBlocks * kBlocks; ++i)
+    blocks.add_constant({i % kBlocks, i / kBlocks % kBlocks, i / kBlocks / kBlocks}, {&one, 1});
+  const float voxel = side / (kVoxels - 1), corner = -0.5f * side;
+  NanoVdbGrid grid;
+  grid.name = "density";
+  grid.voxels = &blocks;
+  grid.index_to_world = Transform::translate({corner, corner, corner}) * Transform::scale({voxel, voxel, voxel});
+  write_nanovdb(file, {&grid, 1});
+  GridVolumeDescription description;
+  description.file = file;
+  description.format = GridVolumeDescription::Format::kNanoVdb;
+  return description;
 }
 
 /// The whole space is filled, or a sphere of radius 1 in a white environment.
@@ -242,6 +262,38 @@ TEST_CASE("media: a glowing sphere of gas, seen and lighting a floor") {
       }
 }
 
+TEST_CASE("media: a gas of one temperature glows as the black body does, in both colour modes") {
+  const TemporaryFolder folder;
+  const auto half = write_vol(folder / "half.vol", 3, 1, [](Vec3f, int) { return 0.5f; });
+  const Transform around = Transform::translate({-2, -2, -2}) * Transform::scale({4, 4, 4});
+  for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
+    CAPTURE(static_cast<int>(color));
+    Means means[2];
+    for (const bool on_grid : {false, true}) {
+      MediumDescription m = fog(2, 0);
+      if (on_grid) {
+        m.temperature = vol(half, around);
+        m.temperature_scale = 6000;
+      } else {
+        m.emission = VolumeInput(SpectrumDescription{SpectrumDescription::Blackbody{3000, 1}});
+      }
+      m.emission_scale = 1e-4f;
+      Description d = picture();
+      aim(d, {0, 0, -5}, {0, 0, 0});
+      const MediumId id = add_medium(d, m);
+      fill(d, add_sphere(d, {0, 0, 0}, 0.8f), id);
+      means[on_grid] = means_of(d, color);
+    }
+    for (int c = 0; c < 3; ++c) {
+      CAPTURE(c);
+      const double expected = means[0].channel[c].mean();
+      CHECK(expected > 0);
+      CHECK(means[1].channel[c].p_value(expected) >= kLevel);
+      CHECK(means[1].channel[c].mean() == doctest::Approx(expected).epsilon(0.05));
+    }
+  }
+}
+
 TEST_CASE("media: light and path sampling together find a glow with less variance than either alone") {
   MediumDescription m = glowing(1.5f, 0, 3);
   double variance[3];
@@ -318,9 +370,11 @@ TEST_SUITE("slow") {
     std::get<ExtinctionAlbedoDescription>(plain.coefficients).sigma_t = color;
     std::get<ExtinctionAlbedoDescription>(density.coefficients).sigma_t = color;
     density.density = vol(one, around);
+    MediumDescription sparse = density;
+    sparse.density = ones_in_nanovdb(folder / "one.nvdb", 2.2f);
     std::get<ExtinctionAlbedoDescription>(grid.coefficients).sigma_t = vol(colors, around);
     const Means reference = means_of(scene(plain, MediumEstimator::kNullMis));
-    for (const MediumDescription& medium : {plain, density, grid})
+    for (const MediumDescription& medium : {plain, density, sparse, grid})
       for (const MediumEstimator estimator : kUnbiased) {
         CAPTURE(static_cast<int>(estimator));
         CAPTURE(medium.density.has_value());

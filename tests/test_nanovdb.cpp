@@ -31,7 +31,7 @@ struct Written {
   VoxelBlocks blocks = noise_blocks();
   Transform map = skewed_transform();
   Values values = Values::kFloat;
-  NanoVdbCodec codec = NanoVdbCodec::kNone;
+  NanoVdbCodec codec = NanoVdbCodec::kUncompressed;
   bool is_level_set = false;
 
   std::string bytes() const {
@@ -72,7 +72,7 @@ float largest_difference(BrickGrid a, BrickGrid b) {
 }  // namespace
 
 TEST_CASE("nanovdb: floats and vectors are read as they were written, whatever the compression") {
-  std::vector<NanoVdbCodec> codecs{NanoVdbCodec::kNone, NanoVdbCodec::kZip};
+  std::vector<NanoVdbCodec> codecs{NanoVdbCodec::kUncompressed, NanoVdbCodec::kZip};
   if (has_nanovdb_blosc()) codecs.push_back(NanoVdbCodec::kBlosc);
   for (const int channels : {1, 3})
     for (const NanoVdbCodec codec : codecs) {
@@ -154,7 +154,7 @@ TEST_CASE("nanovdb: files that are something else") {
 }
 
 TEST_CASE("nanovdb: sizes that the file does not have are errors, not allocations") {
-  for (const NanoVdbCodec codec : {NanoVdbCodec::kNone, NanoVdbCodec::kZip}) {
+  for (const NanoVdbCodec codec : {NanoVdbCodec::kUncompressed, NanoVdbCodec::kZip}) {
     Written w;
     w.codec = codec;
     const std::string valid = w.bytes();
@@ -174,7 +174,7 @@ TEST_CASE("nanovdb: sizes that the file does not have are errors, not allocation
 }
 
 TEST_CASE("nanovdb: every truncation is an error") {
-  for (const NanoVdbCodec codec : {NanoVdbCodec::kNone, NanoVdbCodec::kZip, NanoVdbCodec::kBlosc}) {
+  for (const NanoVdbCodec codec : {NanoVdbCodec::kUncompressed, NanoVdbCodec::kZip, NanoVdbCodec::kBlosc}) {
     if (codec == NanoVdbCodec::kBlosc && !has_nanovdb_blosc()) continue;
     Written w;
     w.codec = codec;
