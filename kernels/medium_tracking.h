@@ -8,10 +8,10 @@
 // are sampled in closed form and their transmittance is exact: there light sampling passes with probability one.
 #pragma once
 
-#include "kernels/majorant_walk.h"
-#include "scene/medium_lookup.h"
 #include "core/stats.h"
+#include "kernels/majorant_walk.h"
 #include "kernels/medium_random.h"
+#include "scene/medium_lookup.h"
 
 namespace sheaf {
 

@@ -8,6 +8,7 @@
 #include "kernels/medium_ray.h"
 #include "kernels/pane.h"
 #include "kernels/passing_share.h"
+#include "kernels/shadow_packet.h"
 #include "kernels/stage_timer.h"
 #include "kernels/stages.h"
 
@@ -15,8 +16,6 @@ namespace sheaf {
 
 namespace {
 
-/// As in kernels/shadow.cpp.
-constexpr float kShadowEnd = 1.0f - 4.0f * 5.9604645e-8f;
 /// Rays that cross more surfaces than this are taken to be blocked.
 constexpr int kMostCrossings = 4096;
 
@@ -114,23 +113,6 @@ void pay(const SceneView& scene, Wave& wave, const ShadowRay& ray) {
   (Quad::load(radiance) + found).store(radiance);
 }
 
-template <class L> SHEAF_INLINE void pack(const Wave& wave, int i, RayPacket& packet, int at) {
-  const ShadowItem<Columns>& c = wave.shadows.columns();
-  const auto copy = [i, at](const float* from, float* to) SHEAF_LAMBDA_INLINE {
-    Float<L> value;
-    load(from + i, value);
-    store(to + at, value);
-  };
-  copy(c.origin.x, packet.origin_x);
-  copy(c.origin.y, packet.origin_y);
-  copy(c.origin.z, packet.origin_z);
-  copy(c.direction.x, packet.direction_x);
-  copy(c.direction.y, packet.direction_y);
-  copy(c.direction.z, packet.direction_z);
-  store(packet.t_far + at, Float<L>(kShadowEnd));
-  store(packet.shape + at, Uint<L>(kNone));
-}
-
 /// Follows all rays to the next surface, or to their ends. Those that go on stand at the front of the columns then;
 /// returns how many.
 template <class L> int follow(const SceneView& scene, Wave& wave, int rays, int round) {
@@ -138,7 +120,10 @@ template <class L> int follow(const SceneView& scene, Wave& wave, int rays, int 
   int going = 0;
   for (int first = 0; first < rays; first += kPacketWidth) {
     const int in_packet = std::min(kPacketWidth, rays - first);
-    for_tiles<L>(in_packet, [&](int at, int) { pack<L>(wave, first + at, packet, at); });
+    for_tiles<L>(in_packet, [&](int at, int) {
+      pack_shadow_rays<L>(wave, first + at, packet, at);
+      store(packet.shape + at, Uint<L>(kNone));
+    });
     if (wave.recorder) wave.recorder->record(packet, in_packet, RayRecorder::Query::kNearest);
     const std::uint64_t start = timestamp();
     scene.accel->intersect(packet, in_packet);
