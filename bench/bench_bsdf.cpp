@@ -1,7 +1,6 @@
-// What a vertex costs in each BSDF: one evaluation, as for light sampling, and one sample. Parameters differ from lane to
-// lane. "per_item" in seconds.
-#include "kernels/bsdf/all.h"
-#include "scene/plastic.h"
+// What a vertex costs in each BSDF: one evaluation, as for light sampling, and one sample. Parameters differ from lane
+// to lane. "per_item" in seconds.
+#include "tests/support/any_bsdf.h"
 
 #include <benchmark/benchmark.h>
 
@@ -28,24 +27,13 @@ template <class L> struct Answer {
   static constexpr auto fields(auto& s) { return std::tie(s.f_cos, s.weight, s.wi, s.pdf, s.sample_pdf); }
 };
 
-Random4<Scalar> numbers(int i, std::uint32_t stream) { return random4<Scalar>(stream, static_cast<std::uint32_t>(i), 0, 0); }
+Random4<Scalar> numbers(int i, std::uint32_t stream) {
+  return random4<Scalar>(stream, static_cast<std::uint32_t>(i), 0, 0);
+}
 
 Vec3f direction(int i, std::uint32_t stream) {
   const auto u = numbers(i, stream);
   return square_to_cosine_hemisphere<Scalar>(u.x, u.y);
-}
-
-/// Parameters in [0.05, 0.95]; indices of refraction and what must be computed are put right by `finish`.
-template <template <class> class Bsdf> Bsdf<Scalar> make_bsdf(int i) {
-  Bsdf<Scalar> bsdf;
-  int k = 0;
-  std::apply([&](auto&... leaf) { ((leaf = 0.05f + 0.9f * numbers(i * 64 + k++, 7).x), ...); }, leaves(bsdf));
-  if constexpr (requires { bsdf.eta = 1.5f; }) bsdf.eta = 1.3f + 0.4f * numbers(i, 8).x;
-  if constexpr (requires { bsdf.transmittance[0] = 0.0f; }) {
-    static const RoughCoat coat = rough_coat(RoughnessDescription::Distribution::kGgx, 0.2, 1.5);
-    std::copy(coat.transmittance.begin(), coat.transmittance.end(), bsdf.transmittance);
-  }
-  return bsdf;
 }
 
 template <class L, template <class> class Bsdf> void vertex(benchmark::State& state) {
@@ -61,18 +49,18 @@ template <class L, template <class> class Bsdf> void vertex(benchmark::State& st
     const auto u = numbers(i, 3);
     queries.template store<Scalar>(i, {direction(i, 1), direction(i, 2), u.x, u.y, u.z});
     int k = 0;
-    const Bsdf<Scalar> bsdf = make_bsdf<Bsdf>(i);
+    const Bsdf<Scalar> bsdf = any_bsdf<Bsdf>(static_cast<std::uint32_t>(i));
     std::apply([&](const auto&... leaf) { ((words[k++][i] = leaf), ...); }, leaves(bsdf));
   }
   for (auto _ : state) {
     for (int i = 0; i < kItems; i += L::width) {
       const auto q = queries.template load<L>(i);
-      Bsdf<L> bsdf;
-      int k = 0;
-      std::apply([&](auto&... leaf) SHEAF_LAMBDA_INLINE { (load(words[k++] + i, leaf), ...); }, leaves(bsdf));
+      const auto bsdf = bsdf_of_words<Bsdf<L>>(
+          [words, i](int k, Float<L>& word) SHEAF_LAMBDA_INLINE { load(words[k] + i, word); });
       const BsdfValue<L> value = bsdf.evaluate(q.wo, q.wi);
       const BsdfSample<L> sample = bsdf.sample(q.wo, {q.u, q.v, q.w, q.u});
-      answers.template store<L>(i, {value.f_cos, sample.weight, sample.wi, value.pdf_solid_angle, sample.pdf_solid_angle});
+      answers.template store<L>(i,
+                                {value.f_cos, sample.weight, sample.wi, value.pdf_solid_angle, sample.pdf_solid_angle});
     }
     benchmark::ClobberMemory();
   }
@@ -81,16 +69,9 @@ template <class L, template <class> class Bsdf> void vertex(benchmark::State& st
       benchmark::Counter(kItems, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-constexpr const char* kKindNames[] = {
-    "diffuse", "conductor", "dielectric", "thin_dielectric", "plastic", "rough_conductor_beckmann", "rough_conductor_ggx",
-    "rough_dielectric_beckmann", "rough_dielectric_ggx", "rough_plastic_beckmann", "rough_plastic_ggx", "principled",
-    "principled_thin", "disney", "nori_microfacet", "dispersive_dielectric", "dispersive_thin_dielectric",
-    "dispersive_rough_dielectric_beckmann", "dispersive_rough_dielectric_ggx", "henyey_greenstein", "rayleigh"};
-static_assert(std::size(kKindNames) == std::size_t{kClosureKinds});
-
 const bool kRegistered = [] {
   for_each_bsdf([]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
-    const std::string name = std::string("bsdf/") + kKindNames[static_cast<int>(kind)];
+    const std::string name = std::string("bsdf/") + closure_info(kind).name;
     benchmark::RegisterBenchmark((name + "/wide").c_str(), vertex<Wide, Bsdf>);
     benchmark::RegisterBenchmark((name + "/scalar").c_str(), vertex<Scalar, Bsdf>);
   });

@@ -3,7 +3,7 @@
 // divides it by the mean depth of the lights that are drawn. And what building the tree costs.
 #include "core/rng.h"
 #include "core/warp.h"
-#include "kernels/light_tree.h"
+#include "kernels/lights/light_tree.h"
 
 #include <benchmark/benchmark.h>
 

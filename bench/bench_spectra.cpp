@@ -4,9 +4,10 @@
 #include "core/rng.h"
 #include "core/spectral_sensor.h"
 #include "core/uplift.h"
-#include "kernels/envmap.h"
-#include "scene/glasses.h"
-#include "scene/spectra.h"
+#include "kernels/lights/envmap.h"
+#include "scene/compile/compile_envmap.h"
+#include "scene/compile/spectra.h"
+#include "scene/data/glasses.h"
 
 #include <benchmark/benchmark.h>
 

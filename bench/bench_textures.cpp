@@ -1,7 +1,7 @@
 // What texture lookups cost per item: every format and filter, one path at a time and in registers, with places close
 // together (paths that see the same part of a surface) and anywhere in the picture. "per_item" is in seconds.
 #include "core/rng.h"
-#include "scene/texture_lookup.h"
+#include "scene/tables/texture_lookup.h"
 
 #include <benchmark/benchmark.h>
 

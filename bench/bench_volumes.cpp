@@ -1,8 +1,8 @@
 // What volumes cost: lookups in grids of bricks, each place hanging on the value before it (as in tracking, where one
 // decides on the next) or not, and steps from cell to cell of a majorant grid. "per_item" is in seconds.
 #include "core/rng.h"
-#include "kernels/majorant_walk.h"
-#include "scene/brick_grid_lookup.h"
+#include "kernels/media/majorant_walk.h"
+#include "scene/tables/brick_grid_lookup.h"
 
 #include <benchmark/benchmark.h>
 
@@ -94,7 +94,8 @@ void walk(benchmark::State& state, int cells, bool per_ray) {
   std::vector<Vec3f> origins, directions;
   const auto n = static_cast<float>(cells);
   for (std::uint32_t i = 0; i < 512; ++i) {
-    const Vec3f from = Vec3f{uniform(i, 5), uniform(i, 6), -0.5f} * n, to = Vec3f{uniform(i, 7), uniform(i, 8), 1.5f} * n;
+    const Vec3f from = Vec3f{uniform(i, 5), uniform(i, 6), -0.5f} * n,
+                to = Vec3f{uniform(i, 7), uniform(i, 8), 1.5f} * n;
     origins.push_back(from);
     directions.push_back(normalize(to - from));
   }

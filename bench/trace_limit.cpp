@@ -3,8 +3,9 @@
 
 #include "core/error.h"
 #include "kernels/passes/render.h"
-#include "scene/compile.h"
-#include "scene/read_scene.h"
+#include "kernels/stages/stages.h"
+#include "scene/compile/compile.h"
+#include "scene/dialects/read_scene.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -47,7 +48,8 @@ std::unique_ptr<Scene> load(const Arguments& arguments) {
 std::uint32_t affordable_spp(const Scene& scene, const Arguments& arguments, RenderOptions options) {
   options.samples_per_pixel = 1;
   const Stats stats = render(scene, options).report.stats;
-  const std::uint64_t packets = stats[Stage::kIntersect].batches + stats[Stage::kShadow].batches;
+  const std::uint64_t packets = stats[Stage::kIntersect].batches + stats[Stage::kShadow].batches +
+                                stats[Stage::kTransmittance].batches;
   const std::uint64_t budget = static_cast<std::uint64_t>(arguments.megabytes) * 1'000'000 / sizeof(PacketRecord);
   // Samples differ in how many rays they need: a tenth is kept in reserve.
   const std::uint64_t spp = budget * 9 / 10 / std::max<std::uint64_t>(packets, 1);

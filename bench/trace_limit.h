@@ -1,7 +1,7 @@
 // What trace_limit measures with: a log of rays, its replay, and the null hypothesis.
 #pragma once
 
-#include "kernels/wave.h"
+#include "kernels/wave/wave.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,10 @@
 // The null hypothesis: that neither waves nor wide registers pay. The renderer's own kernels, run path by path and one
 // lane at a time, against the way in which they are meant to run.
 #include "bench/trace_limit.h"
-#include "kernels/passes/path.h"
+#include "kernels/film/camera_task.h"
+#include "kernels/film/film_layout.h"
+#include "kernels/passes/passes.h"
+#include "kernels/stages/stages.h"
 
 #include <algorithm>
 #include <limits>
@@ -14,16 +17,16 @@ constexpr int kTileSide = 64, kTileSpp = 4;
 /// Tiles of the frame that are rendered, evenly spaced.
 constexpr std::size_t kMostTiles = 32;
 
-std::vector<TileSamples> choose_tiles(const FilmDescription& film) {
-  std::vector<TileSamples> all;
+std::vector<std::vector<PixelSamples>> choose_tiles(const FilmDescription& film) {
+  std::vector<PixelRect> all;
   for (int y = 0; y < film.height; y += kTileSide)
     for (int x = 0; x < film.width; x += kTileSide) {
-      const PixelRect pixels{x, y, std::min(x + kTileSide, film.width), std::min(y + kTileSide, film.height)};
-      all.push_back({pixels, 0, kTileSpp, film.width});
+      all.push_back({x, y, std::min(x + kTileSide, film.width), std::min(y + kTileSide, film.height)});
     }
   const std::size_t count = std::min(all.size(), kMostTiles);
-  std::vector<TileSamples> chosen;
-  for (std::size_t i = 0; i < count; ++i) chosen.push_back(all[i * all.size() / count]);
+  std::vector<std::vector<PixelSamples>> chosen;
+  for (std::size_t i = 0; i < count; ++i)
+    chosen.push_back(samples_of(all[i * all.size() / count], film.width, 0, kTileSpp));
   return chosen;
 }
 
@@ -41,7 +44,8 @@ double timestamp_cost() {
 }
 
 double stamps(const Stats& stats) {
-  std::uint64_t pairs = stats[Stage::kIntersect].batches + stats[Stage::kShadow].batches;
+  std::uint64_t pairs =
+      stats[Stage::kIntersect].batches + stats[Stage::kShadow].batches + stats[Stage::kTransmittance].batches;
   for (const StageStats& stage : stats.stages) pairs += stage.calls;
   return 2.0 * static_cast<double>(pairs);
 }
@@ -49,19 +53,21 @@ double stamps(const Stats& stats) {
 /// One way to run the kernels, and what was measured.
 struct Contender {
   const char* lane;
-  void (*run)(const SceneView&, Wave&);
+  Pass run;
   int wave_size;
   std::vector<double> total, trace, stamps;  ///< nanoseconds per ray, one value per round
 };
 
-void run_round(const SceneView& view, const std::vector<TileSamples>& tiles, double stamp_cost, Contender& contender) {
+void run_round(const Scene& scene, const std::vector<std::vector<PixelSamples>>& tiles, double stamp_cost,
+               Contender& contender) {
   const FlushDenormals flush;
-  Wave wave(contender.wave_size);
-  std::vector<FilmSample> samples(static_cast<std::size_t>(kTileSide * kTileSide * kTileSpp));
+  CameraTask task;
+  const StageContext context(scene, &task);
+  Wave wave(contender.wave_size, WaveNeeds::of(context));
   const Stopwatch watch;
-  for (const TileSamples& tile : tiles) {
-    wave.begin(tile, samples.data());
-    contender.run(view, wave);
+  for (const std::vector<PixelSamples>& tile : tiles) {
+    task.begin(tile, scene.film().width, kBeautyChannels);
+    contender.run(context, wave);
   }
   const Duration elapsed = watch.elapsed();
   const double ns = 1e9 / static_cast<double>(wave.stats.rays.total());
@@ -74,16 +80,15 @@ void run_round(const SceneView& view, const std::vector<TileSamples>& tiles, dou
 }  // namespace
 
 std::vector<LaneCost> measure_null_hypothesis(const Scene& scene, int runs) {
-  const std::vector<TileSamples> tiles = choose_tiles(scene.film());
-  const SceneView view = scene.view();
+  const auto tiles = choose_tiles(scene.film());
   const double stamp_cost = timestamp_cost();
-  const int full = Wave::default_capacity();
+  const int full = Wave::default_capacity(WaveNeeds::of(StageContext(scene)));
   Contender contenders[] = {{"scalar", run_path_pass<Scalar>, 1, {}, {}, {}},
                             {"wide", run_path_pass<Wide>, 1, {}, {}, {}},
                             {"scalar", run_path_pass<Scalar>, full, {}, {}, {}},
                             {"wide", run_path_pass<Wide>, full, {}, {}, {}}};
   for (int round = 0; round < runs; ++round)
-    for (Contender& contender : contenders) run_round(view, tiles, stamp_cost, contender);
+    for (Contender& contender : contenders) run_round(scene, tiles, stamp_cost, contender);
   std::vector<LaneCost> costs;
   for (const Contender& c : contenders)
     costs.push_back({c.lane, c.wave_size, median(c.total), median(c.trace), median(c.stamps)});

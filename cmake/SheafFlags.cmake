@@ -3,8 +3,11 @@
 add_library(sheaf_flags INTERFACE)
 target_include_directories(sheaf_flags INTERFACE "${PROJECT_SOURCE_DIR}")
 target_compile_definitions(sheaf_flags INTERFACE SHEAF_VERSION="${PROJECT_VERSION}")
+# Without contraction a * b + c is rounded twice wherever it is inlined, so that the same source gives the same bits in any
+# function, lane, level of optimisation and compiler; where a fused multiply-add is wanted, fma() says so. Tested by
+# tests/core/test_contraction.cpp.
 target_compile_options(sheaf_flags INTERFACE
-  -fno-math-errno -fno-trapping-math
+  -fno-math-errno -fno-trapping-math -ffp-contract=off
   -Wall -Wextra -Wshadow
   $<$<BOOL:${SHEAF_WERROR}>:-Werror>
   $<$<BOOL:${SHEAF_MARCH}>:-march=${SHEAF_MARCH}>)
@@ -21,8 +24,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # False alarms of g++ (12 to 14) once its own headers are inlined: what a std::variant does not hold is taken for unset.
   target_compile_options(sheaf_flags INTERFACE -Wno-maybe-uninitialized)
   if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-    # "literal" + string is taken for an overlapping copy, and AVX-512 intrinsics leave registers undefined on purpose.
-    target_compile_options(sheaf_flags INTERFACE -Wno-restrict)
+    # "literal" + string is taken for an overlapping copy or one of negative length, and AVX-512 intrinsics leave registers undefined on purpose.
+    target_compile_options(sheaf_flags INTERFACE
+      -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds)
     if(SHEAF_TARGET_AVX512)
       target_compile_options(sheaf_flags INTERFACE -Wno-uninitialized)
     endif()

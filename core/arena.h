@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <span>
 
 namespace sheaf {
 
@@ -27,6 +28,9 @@ class Arena {
   }
 
   std::size_t size() const { return size_; }
+  /// All of the block, for copies of what it holds.
+  std::span<unsigned char> memory() { return {block_.get(), size_}; }
+  std::span<const unsigned char> memory() const { return {block_.get(), size_}; }
   std::size_t used() const { return used_; }
 
  private:

@@ -12,6 +12,7 @@
 #include <ImfFloatAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfIO.h>
 #include <ImfInputPart.h>
 #include <ImfIntAttribute.h>
 #include <ImfMatrixAttribute.h>
@@ -24,8 +25,10 @@
 #include <half.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 
 namespace sheaf {
@@ -84,7 +87,25 @@ void check_image(const Image& image) {
   }
 }
 
-void write_pixels(const fs::path& path, const Image& image, const ExrMetadata& metadata) {
+/// Where the library writes. It swallows errors at the end of a file, where it comes back to the table of lines: these
+/// are left to OutputFile::commit().
+class ExrStream : public Imf::OStream {
+ public:
+  ExrStream(std::ostream& stream, const std::string& name) : Imf::OStream(name.c_str()), stream_(stream) {}
+
+  void write(const char bytes[], int count) override {
+    errno = 0;
+    stream_.write(bytes, count);
+    if (!stream_) throw std::runtime_error(errno != 0 ? std::strerror(errno) : "not all of it could be written");
+  }
+  std::uint64_t tellp() override { return static_cast<std::uint64_t>(stream_.tellp()); }
+  void seekp(std::uint64_t position) override { stream_.seekp(static_cast<std::streamoff>(position)); }
+
+ private:
+  std::ostream& stream_;
+};
+
+void write_pixels(ExrStream& stream, const Image& image, const ExrMetadata& metadata) {
   Imf::Header header = make_header(image, metadata);
   Imf::FrameBuffer buffer;
   std::vector<std::vector<half>> halves;
@@ -103,7 +124,7 @@ void write_pixels(const fs::path& path, const Image& image, const ExrMetadata& m
     header.channels().insert(name, Imf::Channel(Imf::HALF));
     buffer.insert(name, make_slice(Imf::HALF, column.data(), sizeof(half), image, 1));
   }
-  Imf::OutputFile file(path.string().c_str(), header, 0);
+  Imf::OutputFile file(stream, header, 0);
   file.setFrameBuffer(buffer);
   file.writePixels(image.height);
 }
@@ -163,7 +184,8 @@ void write_exr(const fs::path& path, const Image& image, const ExrMetadata& meta
   Imf::setGlobalThreadCount(0);
   OutputFile file(path);
   try {
-    write_pixels(file.temporary(), image, metadata);
+    ExrStream stream(file.stream(), path.string());
+    write_pixels(stream, image, metadata);
   } catch (const std::exception& problem) {
     throw Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + problem.what());
   }

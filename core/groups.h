@@ -4,82 +4,57 @@
 // lines per path; a row touches one, and turning rows into registers costs a few shuffles (bench/bench_core.cpp).
 #pragma once
 
+#include "core/record_table.h"
 #include "core/slot_list.h"
-#include "core/soa.h"
 
 namespace sheaf {
 
 /// Rows of `Record`, which must have 8 or 16 leaves.
 template <template <class> class Record> class Groups {
  public:
+  using Row = Record<Scalar>;
   static constexpr int kWords = kLeafCount<Record>;
   static_assert(kWords == 8 || kWords == 16, "a row must fill half a cache line or a whole one");
+  static_assert(record_table_detail::kIsRow<Record>);
 
-  static std::size_t bytes(int capacity) {
-    return static_cast<std::size_t>(capacity) * kWords * sizeof(float) + kSimdAlignment;
-  }
+  static std::size_t bytes(int capacity) { return static_cast<std::size_t>(capacity) * sizeof(Row) + kSimdAlignment; }
 
-  void bind(Arena& arena, int capacity) { rows_ = arena.take<float>(static_cast<std::size_t>(capacity) * kWords); }
+  void bind(Arena& arena, int capacity) { rows_ = arena.take<Row>(static_cast<std::size_t>(capacity)); }
 
   /// The rows of slots[0 .. L::width). All of them must be valid (see SlotList::pad).
   template <class L> SHEAF_INLINE Record<L> gather(const Slot* slots) const {
     const float* rows[L::width];
-    for (int lane = 0; lane < L::width; ++lane) rows[lane] = rows_ + slots[lane] * kWords;
+    for (int lane = 0; lane < L::width; ++lane) rows[lane] = reinterpret_cast<const float*>(rows_ + slots[lane]);
     typename L::Float words[kWords];
     for (int quad = 0; quad < kWords; quad += 4) {
       load_rows4(rows, words + quad);
       for (int lane = 0; lane < L::width; ++lane) rows[lane] += 4;
     }
-    Record<L> out;
-    unpack(out, words);
-    return out;
+    return record_of_words<L, Record>(words);
   }
 
   /// Stores the first `count` lanes to the rows of slots[0 .. count).
   template <class L> SHEAF_INLINE void scatter(const Slot* slots, int count, const Record<L>& in) {
     typename L::Float words[kWords];
-    pack(in, words);
+    record_table_detail::to_words<L, Record>(in, words);
     float* rows[L::width];
-    for (int lane = 0; lane < L::width; ++lane) rows[lane] = rows_ + slots[lane < count ? lane : 0] * kWords;
+    for (int lane = 0; lane < L::width; ++lane)
+      rows[lane] = reinterpret_cast<float*>(rows_ + slots[lane < count ? lane : 0]);
     for (int quad = 0; quad < kWords; quad += 4) {
       store_rows4(rows, words + quad, count);
       for (int lane = 0; lane < L::width; ++lane) rows[lane] += 4;
     }
   }
 
-  /// One row, for tests, scalar code and single words: 8 or 16 words in leaf order.
-  float* row(Slot slot) { return rows_ + slot * kWords; }
-  const float* row(Slot slot) const { return rows_ + slot * kWords; }
-  Record<Scalar> get(Slot slot) const { return gather<Scalar>(&slot); }
-  void set(Slot slot, const Record<Scalar>& in) { scatter<Scalar>(&slot, 1, in); }
+  /// One row where it lies, for scalar code that reads or writes some of its members.
+  SHEAF_INLINE Row& row(Slot slot) { return rows_[slot]; }
+  SHEAF_INLINE const Row& row(Slot slot) const { return rows_[slot]; }
+  /// A copy of a whole row, and its replacement.
+  Row get(Slot slot) const { return gather<Scalar>(&slot); }
+  void set(Slot slot, const Row& in) { scatter<Scalar>(&slot, 1, in); }
 
  private:
-  template <class L> static SHEAF_INLINE void unpack(Record<L>& out, const typename L::Float* words) {
-    std::apply(
-        [words](auto&... leaf) SHEAF_LAMBDA_INLINE {
-          int i = 0;
-          (from_word(words[i++], leaf), ...);
-        },
-        leaves(out));
-  }
-  template <class L> static SHEAF_INLINE void pack(const Record<L>& in, typename L::Float* words) {
-    std::apply(
-        [words](const auto&... leaf) SHEAF_LAMBDA_INLINE {
-          int i = 0;
-          ((words[i++] = to_word(leaf)), ...);
-        },
-        leaves(in));
-  }
-  static SHEAF_INLINE void from_word(WideFloat w, WideFloat& leaf) { leaf = w; }
-  static SHEAF_INLINE void from_word(WideFloat w, WideUint& leaf) { leaf = float_bits(w); }
-  static SHEAF_INLINE void from_word(float w, float& leaf) { leaf = w; }
-  static SHEAF_INLINE void from_word(float w, std::uint32_t& leaf) { leaf = float_bits(w); }
-  static SHEAF_INLINE WideFloat to_word(WideFloat leaf) { return leaf; }
-  static SHEAF_INLINE WideFloat to_word(WideUint leaf) { return bits_float(leaf); }
-  static SHEAF_INLINE float to_word(float leaf) { return leaf; }
-  static SHEAF_INLINE float to_word(std::uint32_t leaf) { return bits_float(leaf); }
-
-  float* rows_ = nullptr;
+  Row* rows_ = nullptr;
 };
 
 }  // namespace sheaf

@@ -6,6 +6,7 @@
 #include "core/exr.h"
 #include "core/output_file.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -148,9 +149,13 @@ void write_png(const fs::path& path, const Image& image) {
   spec.attribute("oiio:ColorSpace", "sRGB");
   const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
   if (!output) throw fail(OIIO::geterror());
-  if (!output->open(file.temporary().string(), spec)) throw fail(output->geterror());
+  OIIO::Filesystem::IOVecOutput encoded;  // the library does not look whether a file is closed without errors
+  if (!output->set_ioproxy(&encoded)) throw fail("this build of OpenImageIO cannot write PNG files to memory");
+  if (!output->open(path.filename().string(), spec)) throw fail(output->geterror());
   const bool written = output->write_image(OIIO::TypeDesc::UINT8, bytes.data());
   if (!output->close() || !written) throw fail(output->geterror());
+  const std::vector<unsigned char>& png = encoded.buffer();
+  file.stream().write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
   file.commit();
 }
 

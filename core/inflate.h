@@ -1,4 +1,4 @@
-// Decompression of zlib streams in memory (RFC 1950). The only file that knows zlib.
+// Decompression of zlib streams in memory (RFC 1950), and check sums. The only file that knows zlib.
 #pragma once
 
 #include <cstddef>
@@ -29,5 +29,8 @@ class Inflater {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// The CRC-32 of some bytes (RFC 1952, section 8), which tells whether they were damaged by accident.
+std::uint32_t check_sum(std::string_view bytes);
 
 }  // namespace sheaf

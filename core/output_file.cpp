@@ -3,12 +3,12 @@
 
 #include "core/error.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <string>
 #include <system_error>
 
@@ -35,7 +35,28 @@ fs::path temporary_name(const fs::path& target) {
   return target.parent_path() / ("." + target.filename().string() + suffix);
 }
 
+/// Waits until the file is on the disk: some file systems say only then that there was no room. Returns an errno, or 0.
+int sync_file(const fs::path& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return errno;
+  const int reason = fsync(file) == 0 ? 0 : errno;
+  close(file);
+  return reason == EINVAL || reason == ENOSYS || reason == EROFS ? 0 : reason;  // nothing to be synchronised there
+}
+
 }  // namespace
+
+bool is_same_file(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  if (fs::exists(a, error) && fs::exists(b, error)) return fs::equivalent(a, b, error);
+  const auto place = [](const fs::path& path) {
+    std::error_code failure;
+    const fs::path full = fs::absolute(path, failure);
+    const fs::path resolved = fs::weakly_canonical(full, failure);
+    return failure ? full.lexically_normal() : resolved;
+  };
+  return place(a) == place(b);
+}
 
 OutputFile::OutputFile(const fs::path& path) : target_(final_target(path)) {
   if (!target_.has_filename()) throw cannot_write(path, "the name of the file is missing");
@@ -48,18 +69,24 @@ OutputFile::OutputFile(const fs::path& path) : target_(final_target(path)) {
   if (!fs::is_directory(folder, error)) throw cannot_write(path, "there is no folder '" + folder.string() + "'");
   temporary_ = temporary_name(target_);
   errno = 0;
-  const bool created = std::ofstream(temporary_, std::ios::binary).is_open();
-  const int reason = errno;
-  fs::remove(temporary_, error);
-  if (!created) throw cannot_write(path, std::strerror(reason));
+  stream_.open(temporary_, std::ios::binary);
+  if (!stream_) throw cannot_write(path, std::strerror(errno));
 }
 
 OutputFile::~OutputFile() {
+  stream_.close();
   std::error_code error;
   fs::remove(temporary_, error);
 }
 
 void OutputFile::commit() {
+  const bool was_good = stream_.good();
+  errno = 0;
+  stream_.close();  // what is still in its buffer is written now
+  const int reason = errno;
+  const bool is_known = was_good && reason != 0;
+  if (!stream_) throw cannot_write(target_, is_known ? std::strerror(reason) : "not all of it could be written");
+  if (const int failure = sync_file(temporary_); failure != 0) throw cannot_write(target_, std::strerror(failure));
   std::error_code error;
   fs::rename(temporary_, target_, error);
   if (error) throw cannot_write(target_, error.message());
@@ -69,10 +96,7 @@ void check_writable(const fs::path& path) { const OutputFile probe(path); }
 
 void write_text_file(const fs::path& path, std::string_view text) {
   OutputFile file(path);
-  std::ofstream stream(file.temporary(), std::ios::binary);
-  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
-  stream.close();
-  if (!stream) throw cannot_write(path, "not all of it could be written");
+  file.stream().write(text.data(), static_cast<std::streamsize>(text.size()));
   file.commit();
 }
 

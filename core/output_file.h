@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 
 namespace sheaf {
@@ -11,7 +12,10 @@ namespace sheaf {
 /// there.
 void check_writable(const std::filesystem::path& path);
 
-/// A file in the making. Write to temporary(), then commit(); without commit() nothing remains.
+/// Whether two names mean the same file, by whatever way they lead there, and whether it is there yet or not.
+bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
+/// A file in the making. Write to stream(), then commit(); without commit() nothing remains.
 class OutputFile {
  public:
   /// Throws as check_writable() does.
@@ -20,13 +24,15 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Where to write. The file does not exist yet; its folder is the target's.
-  const std::filesystem::path& temporary() const { return temporary_; }
-  /// Gives the file its final name, replacing what is there. Throws Error (exit code 4) if that fails.
+  /// The file under its temporary name, in the target's folder. Its errors may be left to commit().
+  std::ostream& stream() { return stream_; }
+  /// Closes the file and gives it its final name, replacing what is there. Throws Error (exit code 4), and leaves what
+  /// is there as it was, unless all that was written has arrived on the disk.
   void commit();
 
  private:
   std::filesystem::path target_, temporary_;
+  std::ofstream stream_;
 };
 
 /// Writes a text file whole. Throws Error (exit code 4).

@@ -16,9 +16,13 @@ namespace sheaf {
 
 template <class T> concept HasFields = requires(T& t) { T::fields(t); };
 
-/// References to all leaves of a record, in declaration order, as one flat tuple.
+/// References to all leaves of a record, in declaration order, as one flat tuple. Arrays count as their elements.
 template <class T> SHEAF_INLINE constexpr auto leaves(T& value) {
-  if constexpr (HasFields<std::remove_const_t<T>>) {
+  if constexpr (std::is_array_v<T>) {
+    return [&value]<std::size_t... I>(std::index_sequence<I...>) SHEAF_LAMBDA_INLINE {
+      return std::tuple_cat(leaves(value[I])...);
+    }(std::make_index_sequence<std::extent_v<T>>{});
+  } else if constexpr (HasFields<std::remove_const_t<T>>) {
     return std::apply([](auto&... field) SHEAF_LAMBDA_INLINE { return std::tuple_cat(leaves(field)...); },
                       std::remove_const_t<T>::fields(value));
   } else {
@@ -46,14 +50,22 @@ template <class A, class B, class F> SHEAF_INLINE void zip_leaves(A& a, B& b, F&
 template <template <class> class Record> class Soa {
  public:
   /// Bytes that bind() takes from the arena.
-  static std::size_t bytes(int capacity) {
-    return kLeafCount<Record> * stride(capacity) * sizeof(float) + kSimdAlignment;
+  static std::size_t bytes(int capacity, int columns = kLeafCount<Record>) {
+    return static_cast<std::size_t>(columns) * stride(capacity) * sizeof(float) + kSimdAlignment;
   }
 
-  void bind(Arena& arena, int capacity) {
+  /// Only the first `columns` are there; loading and storing whole rows needs all.
+  void bind(Arena& arena, int capacity, int columns = kLeafCount<Record>) {
     capacity_ = capacity;
-    auto* next = arena.take<float>(kLeafCount<Record> * stride(capacity));
-    std::apply([&](auto&... column) { (assign(column, next, stride(capacity)), ...); }, leaves(columns_));
+    bound_ = columns;
+    auto* next = arena.take<float>(static_cast<std::size_t>(columns) * stride(capacity));
+    int left = columns;
+    const auto assign = [&]<class T>(T*& column) {
+      if (left-- <= 0) return;
+      column = reinterpret_cast<T*>(next);
+      next += stride(capacity);
+    };
+    std::apply([&](auto&... column) { (assign(column), ...); }, leaves(columns_));
   }
 
   /// The rows [i, i + L::width). `i` must be a multiple of L::width.
@@ -81,6 +93,7 @@ template <template <class> class Record> class Soa {
   /// The columns themselves, for kernels that name the few that they touch.
   const Record<Columns>& columns() const { return columns_; }
   int capacity() const { return capacity_; }
+  int bound_columns() const { return bound_; }
 
  private:
   static std::size_t stride(int capacity) {
@@ -88,13 +101,9 @@ template <template <class> class Record> class Soa {
     const std::size_t lines = (rounded * sizeof(float) + kSimdAlignment - 1) / kSimdAlignment;
     return (lines | 1u) * kSimdAlignment / sizeof(float);
   }
-  template <class T> static void assign(T*& column, float*& next, std::size_t step) {
-    column = reinterpret_cast<T*>(next);
-    next += step;
-  }
 
   Record<Columns> columns_{};
-  int capacity_ = 0;
+  int capacity_ = 0, bound_ = 0;
 };
 
 }  // namespace sheaf

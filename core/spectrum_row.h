@@ -2,8 +2,8 @@
 // on the kind of spectrum.
 #pragma once
 
+#include "core/record_table.h"
 #include "core/sigmoid_polynomial.h"
-
 
 namespace sheaf {
 
@@ -59,15 +59,13 @@ template <class L> struct LoadedSpectrum {
 
 /// Reads one row per lane.
 template <class L> SHEAF_INLINE LoadedSpectrum<L> load_spectrum(const SpectrumRow* rows, typename L::Uint index) {
-  constexpr int kWords = sizeof(SpectrumRow) / sizeof(float);
   alignas(kSimdAlignment) std::uint32_t i[L::width];
   store(i, index);
   const float* words[L::width];
   for (int lane = 0; lane < L::width; ++lane) words[lane] = &rows[i[lane]].c0;
   typename L::Float c[4];
   load_rows4(words, c);
-  const auto at = index * typename L::Uint(std::uint32_t(kWords)) + typename L::Uint(4u);
-  return {{c[0], c[1], c[2]}, c[3], gather(reinterpret_cast<const std::uint32_t*>(rows), at)};
+  return {{c[0], c[1], c[2]}, c[3], gather_member<L>(rows, &SpectrumRow::table, index)};
 }
 
 /// The spectrum at the wavelengths of each lane, in nm within [360, 830].

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <fstream>
 #include <iterator>
 
 #if defined(__unix__) || defined(__APPLE__)
@@ -34,15 +35,16 @@ double measure_seconds_per_tick() {
 #endif
 }
 
-}  // namespace
-
-std::string_view stage_name(Stage stage) {
-  static constexpr std::array<std::string_view, kStageCount> kNames{
-      "camera_rays", "intersect", "medium", "emission", "select_materials", "sort", "surface_inputs", "textures",
-      "light_candidates", "resample", "shadow", "scatter",
-      "accumulate"};
-  return kNames.at(static_cast<std::size_t>(stage));
+/// A number of bytes that Linux tells of this process, such as "VmHWM"; 0 if there is no such line.
+std::uint64_t process_status_bytes(std::string_view key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.size() > key.size() && line.starts_with(key) && line[key.size()] == ':')
+      return 1024 * std::strtoull(line.c_str() + key.size() + 1, nullptr, 10);
+  return 0;
 }
+
+}  // namespace
 
 double seconds_per_tick() {
   static const double seconds = measure_seconds_per_tick();
@@ -50,6 +52,8 @@ double seconds_per_tick() {
 }
 
 std::uint64_t peak_rss_bytes() {
+  // The other way counts the program that this process was before, too.
+  if (const std::uint64_t bytes = process_status_bytes("VmHWM"); bytes != 0) return bytes;
 #if defined(__APPLE__)
   constexpr std::uint64_t kUnit = 1;
 #else
@@ -60,6 +64,12 @@ std::uint64_t peak_rss_bytes() {
   if (getrusage(RUSAGE_SELF, &usage) == 0) return static_cast<std::uint64_t>(usage.ru_maxrss) * kUnit;
 #endif
   return 0;
+}
+
+std::uint64_t peak_private_bytes() {
+  const std::uint64_t peak = process_status_bytes("VmHWM");
+  const std::uint64_t files = process_status_bytes("RssFile") + process_status_bytes("RssShmem");
+  return peak > files ? peak - files : 0;
 }
 
 StageStats& StageStats::operator+=(const StageStats& other) {
@@ -78,7 +88,7 @@ double StageStats::lane_fill() const {
 }
 
 Stats& Stats::operator+=(const Stats& other) {
-  for (std::size_t i = 0; i < kStageCount; ++i) stages[i] += other.stages[i];
+  for (std::size_t i = 0; i < kMaxStages; ++i) stages[i] += other.stages[i];
   rays.camera += other.rays.camera;
   rays.scatter += other.rays.scatter;
   rays.shadow += other.rays.shadow;
@@ -99,9 +109,9 @@ double RenderReport::trace_share() const {
 std::string to_json(const RenderReport& report) {
   using Json = nlohmann::ordered_json;
   Json stages = Json::array();
-  for (std::size_t i = 0; i < kStageCount; ++i) {
+  for (std::size_t i = 0; i < report.stage_names.size(); ++i) {
     const StageStats& stage = report.stats.stages[i];
-    stages.push_back({{"name", stage_name(static_cast<Stage>(i))},
+    stages.push_back({{"name", report.stage_names[i]},
                       {"items", stage.items},
                       {"calls", stage.calls},
                       {"seconds", stage.seconds()},
@@ -123,13 +133,14 @@ std::string to_json(const RenderReport& report) {
                   {"build_seconds", report.build_seconds},
                   {"render_seconds", report.render_seconds},
                   {"peak_rss_bytes", report.peak_rss_bytes},
+                  {"peak_private_bytes", report.peak_private_bytes},
                   {"samples", report.stats.samples},
                   {"rays", {{"camera", rays.camera}, {"scatter", rays.scatter}, {"shadow", rays.shadow}}},
                   {"rays_per_second", report.rays_per_second()},
                   {"trace_share", report.trace_share()},
                   {"stages", stages},
                   {"collisions", {{"real", report.stats.collisions.real}, {"null", report.stats.collisions.null},
-                    {"shadow", report.stats.collisions.shadow}}},
+                    {"shadow", report.stats.collisions.shadow}, {"abandoned", report.stats.collisions.abandoned}}},
                   {"dropped", {{"rays", report.stats.dropped.rays}, {"samples", report.stats.dropped.samples}}}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -147,10 +158,10 @@ std::string to_table(const RenderReport& report) {
                  report.rays_per_second() * 1e-6, report.trace_share() * 100);
   fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11}{:>10}{:>11}\n", "stage", "items", "calls", "seconds", "ns/item",
                  "lane fill");
-  for (std::size_t i = 0; i < kStageCount; ++i) {
+  for (std::size_t i = 0; i < report.stage_names.size(); ++i) {
     const StageStats& stage = stats.stages[i];
     if (stage.items == 0) continue;
-    fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11.3f}{:>10.1f}{:>10.1f}%\n", stage_name(static_cast<Stage>(i)),
+    fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11.3f}{:>10.1f}{:>10.1f}%\n", report.stage_names[i],
                    stage.items, stage.calls, stage.seconds(), stage.ns_per_item(), stage.lane_fill() * 100);
   }
   if (const Stats::Collisions& c = stats.collisions; c.real + c.null + c.shadow > 0)

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #if defined(__x86_64__) || defined(__i386__)
 #include <x86intrin.h>
@@ -14,15 +15,10 @@
 
 namespace sheaf {
 
-/// The stages of the path pass, in the order in which reports list them.
-enum class Stage : std::uint32_t {
-  kCameraRays, kIntersect, kMedium, kEmission, kSelectMaterials, kSort, kSurfaceInputs, kTextures, kLightCandidates,
-  kResample, kShadow, kScatter, kAccumulate, kCount
-};
-inline constexpr std::size_t kStageCount = static_cast<std::size_t>(Stage::kCount);
-
-/// The stage's name as reports and benchmarks write it, e.g. "light_candidates".
-std::string_view stage_name(Stage stage);
+/// A stage of a pass, as an index. Which there are is for kernels/stages/stage_list.h to say.
+enum class Stage : std::uint32_t;
+/// More stages than there ever are.
+inline constexpr std::size_t kMaxStages = 24;
 
 /// A fast time stamp in ticks of unspecified length. Monotonic on one thread; costs a few nanoseconds.
 inline std::uint64_t timestamp() {
@@ -38,6 +34,10 @@ double seconds_per_tick();
 
 /// The highest resident set size of this process so far; 0 where the system does not tell.
 std::uint64_t peak_rss_bytes();
+
+/// The same without what is resident of files now, mostly the libraries' code: what is left are heap, stacks, and data
+/// that libraries have written to. 0 where the system does not tell.
+std::uint64_t peak_private_bytes();
 
 /// What one stage did.
 struct StageStats {
@@ -71,7 +71,7 @@ class ScopedTimer {
 /// Everything that one worker counts; the sum over workers describes a render. A cache line apart from its neighbours,
 /// so that an array of them, one per worker, shares no line.
 struct alignas(64) Stats {
-  std::array<StageStats, kStageCount> stages;
+  std::array<StageStats, kMaxStages> stages;
   struct Rays {
     std::uint64_t camera = 0;   ///< from the camera
     std::uint64_t scatter = 0;  ///< continued after a surface or a medium
@@ -83,10 +83,12 @@ struct alignas(64) Stats {
     std::uint64_t real = 0;    ///< of paths with the medium
     std::uint64_t null = 0;    ///< of paths with what fills it up to the majorant; steps of ray marching
     std::uint64_t shadow = 0;  ///< tentative collisions, or steps, of shadow rays
+    std::uint64_t abandoned = 0;  ///< rays that were given up, see kMostCollisions of kernels/media/medium_tracking.h
     Collisions& operator+=(const Collisions& other) {
       real += other.real;
       null += other.null;
       shadow += other.shadow;
+      abandoned += other.abandoned;
       return *this;
     }
   } collisions;
@@ -116,7 +118,8 @@ struct RenderReport {
   double load_seconds = 0;    ///< reading files
   double build_seconds = 0;   ///< compiling the scene, with its acceleration structure
   double render_seconds = 0;  ///< wall clock of the render alone
-  std::uint64_t peak_rss_bytes = 0;
+  std::uint64_t peak_rss_bytes = 0, peak_private_bytes = 0;
+  std::vector<std::string_view> stage_names;  ///< of all stages, in the order of Stats::stages
   Stats stats;
 
   /// Rays of all kinds per second of rendering; 0 if no time passed.

@@ -58,7 +58,7 @@ git -c safe.directory="$repository" -C "$repository" ls-files --cached --others 
     tar --create --null --files-from=- --file=-) |
   tar --extract --file=- --directory="$root$source_in_root" --no-same-owner
 
-in_root "$source_in_root/tools/install_packages.sh"
+in_root "$source_in_root/tools/install_packages.sh" python3
 in_root bash -euo pipefail -c "
   cd $source_in_root
   cmake --preset release -DSHEAF_MARCH=$march

@@ -1,7 +1,7 @@
 // sheaf info: what a scene file holds, its bounds and the memory it takes.
-#include "scene/compile.h"
-#include "scene/read_scene.h"
-#include "scene/sampler_name.h"
+#include "scene/compile/compile.h"
+#include "scene/dialects/read_scene.h"
+#include "scene/dialects/sampler_name.h"
 #include "tools/commands.h"
 
 #include <fmt/format.h>

@@ -4,12 +4,13 @@
 #include "core/output_file.h"
 #include "core/progress.h"
 #include "kernels/passes/render.h"
-#include "scene/compile.h"
-#include "scene/integrator_name.h"
-#include "scene/light_selector_name.h"
-#include "scene/medium_estimator_name.h"
-#include "scene/read_scene.h"
-#include "scene/sampler_name.h"
+#include "scene/compile/compile.h"
+#include "scene/dialects/integrator_name.h"
+#include "scene/dialects/light_selector_name.h"
+#include "scene/dialects/medium_estimator_name.h"
+#include "scene/dialects/read_scene.h"
+#include "scene/dialects/sampler_name.h"
+#include "scene/xml/xml.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
 
@@ -47,6 +48,26 @@ std::string extension_of(const fs::path& path) {
   return extension;
 }
 
+/// Throws Error (exit code 2) if two of the files to write are one, or one of them is among `sources`, of which the
+/// scene is made.
+void check_overwriting(const std::vector<fs::path>& outputs, const std::string& stats,
+                       const std::vector<fs::path>& sources) {
+  std::vector<fs::path> written = outputs;
+  if (!stats.empty()) written.emplace_back(stats);
+  const auto quoted = [](const fs::path& path) { return in_quotes(path.string()); };
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    const std::string what = (i < outputs.size() ? "the picture " : "--stats ") + quoted(written[i]);
+    for (std::size_t k = 0; k < i; ++k)
+      if (is_same_file(written[i], written[k]))
+        throw Error(ExitCode::kUsage, what + " would overwrite the picture " + quoted(written[k]));
+    std::error_code error;
+    if (!fs::exists(written[i], error)) continue;
+    for (const fs::path& source : sources)
+      if (is_same_file(written[i], source))
+        throw Error(ExitCode::kUsage, what + " would overwrite " + quoted(source) + ", of which the scene is made");
+  }
+}
+
 /// The pictures to write, checked: known formats, places that can be written to. Throws Error.
 std::vector<fs::path> check_outputs(const RenderArguments& arguments) {
   std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
@@ -57,6 +78,7 @@ std::vector<fs::path> check_outputs(const RenderArguments& arguments) {
       throw Error(ExitCode::kUsage, "the name of the picture '" + output.string() + "' must end in .exr or .png");
     }
   }
+  check_overwriting(outputs, arguments.stats, {arguments.scene});
   for (const fs::path& output : outputs) check_writable(output);
   if (!arguments.stats.empty()) check_writable(arguments.stats);
   return outputs;
@@ -123,14 +145,28 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
   return metadata;
 }
 
-void write_pictures(const std::vector<fs::path>& outputs, const Image& image, const ExrMetadata& metadata) {
-  for (const fs::path& output : outputs) {
-    if (extension_of(output) == ".png") {
-      write_png(output, image);
-    } else {
-      write_exr(output, image, metadata);
-    }
+/// Calls write(), and says what went wrong if it throws. Returns whether it did not: what else there is to be saved is
+/// to be tried all the same.
+template <class Write> bool try_to_write(Write&& write) {
+  try {
+    write();
+    return true;
+  } catch (const std::exception& error) {
+    print_message(error.what());
+    return false;
   }
+}
+
+/// Returns those that are written.
+std::vector<fs::path> write_pictures(const std::vector<fs::path>& outputs, const Image& image,
+                                     const ExrMetadata& metadata) {
+  std::vector<fs::path> written;
+  for (const fs::path& output : outputs) {
+    const bool is_png = extension_of(output) == ".png";
+    if (try_to_write([&] { is_png ? write_png(output, image) : write_exr(output, image, metadata); }))
+      written.push_back(output);
+  }
+  return written;
 }
 
 Progress::Mode progress_mode(bool quiet) {
@@ -163,6 +199,7 @@ int render_scene(const RenderArguments& arguments) {
     throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
   const double load_start = Progress::steady_seconds();
   Description description = read_scene(arguments.scene, read_options);
+  check_overwriting(outputs, arguments.stats, description.files);
   apply_integrator(arguments, description.integrator);
   if (std::string note = apply_sampler(arguments, description.sampler); !note.empty())
     description.notes.push_back(std::move(note));
@@ -190,14 +227,19 @@ int render_scene(const RenderArguments& arguments) {
   result.report.build_seconds = build_end - build_start;
   const Image image = result.film.to_image();
   result.film = Film();  // its memory is needed for writing
-  write_pictures(outputs, image, make_metadata(arguments, result.report, description));
+  const std::vector<fs::path> written =
+      write_pictures(outputs, image, make_metadata(arguments, result.report, description));
+  bool complete = written.size() == outputs.size();
   result.report.peak_rss_bytes = peak_rss_bytes();
-  if (!arguments.stats.empty()) write_text_file(arguments.stats, to_json(result.report));
+  result.report.peak_private_bytes = peak_private_bytes();
+  if (!arguments.stats.empty())
+    complete &= try_to_write([&] { write_text_file(arguments.stats, to_json(result.report)); });
   if (!arguments.quiet) {
     for (const std::string& warning : result.warnings) print_message("warning: " + warning);
     std::fputs(to_table(result.report).c_str(), stderr);
-    for (const fs::path& output : outputs) print_message("wrote " + output.string());
+    for (const fs::path& output : written) print_message("wrote " + output.string());
   }
+  if (!complete) return static_cast<int>(ExitCode::kOutput);
   return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
 }
 

@@ -5,8 +5,11 @@ What is minimised is the noise that colour alone makes: the variance of red, gre
 when a path carries four wavelengths, a quarter apart in probability, summed over daylight (D65), a light bulb (A) and
 equal energy, and averaged over smooth reflectances: sigmoids of quadratic polynomials with random coefficients, as
 colours have. A hundredth of the same with a single wavelength is added, which is what is left behind dispersion.
+
+  tools/fit_wavelengths.py [--colours 24] [--iterations 100]
 """
 
+import argparse
 import re
 from pathlib import Path
 
@@ -73,20 +76,24 @@ def show(name, density):
 
 
 def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--colours", type=int, default=24, help="reflectances that noise is averaged over")
+    parser.add_argument("--iterations", type=int, default=100, help="most steps of the minimisation")
+    arguments = parser.parse_args()
     print("density, and per light the variance of white, the mean over colours, the mean with a single wavelength")
     for centre in (538, 520):
         show(f"1 / cosh^2 around {centre} nm", np.cosh(0.0072 * (WAVELENGTHS - centre)) ** -2)
     length = np.linalg.norm(RESPONSE, axis=0)
     show("length of the response", length)
     show("its square root", np.sqrt(length))
-    colours = reflectances(24)
+    colours = reflectances(arguments.colours)
 
     def cost(logarithms):
         values = noise(by_knots(logarithms), colours)
         return values[:, 1].sum() + 0.01 * values[:, 2].mean()
 
     start = np.log(np.interp(KNOTS, WAVELENGTHS, np.sqrt(length)))
-    found = minimize(cost, start, method="L-BFGS-B", options={"maxiter": 100}).x
+    found = minimize(cost, start, method="L-BFGS-B", options={"maxiter": arguments.iterations}).x
     table = np.exp(found - found.max())
     show("the table", np.interp(WAVELENGTHS, KNOTS, np.round(table, 4)))
     print(", ".join(f"{v:.4f}f" for v in table))

@@ -5,15 +5,20 @@ namespace sheaf {
 
 namespace {
 
+constexpr std::array<int, 3> kCaught{SIGINT, SIGTERM, SIGHUP};
+
 std::atomic<bool> stop_requested{false};
 std::atomic<int> received_signal{0};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
+/// The next SIGINT or SIGTERM ends the program, whatever it is doing. SIGHUP does not: a terminal that is closed may
+/// send more than one.
 extern "C" void handle_interrupt(int number) {
   received_signal.store(number);
   stop_requested.store(true);
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
+  std::signal(SIGHUP, SIG_IGN);
 }
 
 }  // namespace
@@ -25,15 +30,19 @@ InterruptGuard::InterruptGuard() {
   action.sa_handler = handle_interrupt;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, nullptr, &old_interrupt_);
-  sigaction(SIGTERM, nullptr, &old_terminate_);
-  if (old_interrupt_.sa_handler != SIG_IGN) sigaction(SIGINT, &action, nullptr);
-  if (old_terminate_.sa_handler != SIG_IGN) sigaction(SIGTERM, &action, nullptr);
+  for (const int number : kCaught) sigaddset(&action.sa_mask, number);  // a second one waits for the handler's end
+  for (std::size_t i = 0; i < kCaught.size(); ++i) {
+    sigaction(kCaught[i], nullptr, &old_[i]);
+    if (old_[i].sa_handler != SIG_IGN) sigaction(kCaught[i], &action, nullptr);
+  }
+  struct sigaction ignore {};
+  ignore.sa_handler = SIG_IGN;
+  sigaction(SIGPIPE, &ignore, &old_.back());
 }
 
 InterruptGuard::~InterruptGuard() {
-  sigaction(SIGINT, &old_interrupt_, nullptr);
-  sigaction(SIGTERM, &old_terminate_, nullptr);
+  for (std::size_t i = 0; i < kCaught.size(); ++i) sigaction(kCaught[i], &old_[i], nullptr);
+  sigaction(SIGPIPE, &old_.back(), nullptr);
 }
 
 const std::atomic<bool>& InterruptGuard::stop() { return stop_requested; }

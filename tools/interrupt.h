@@ -1,13 +1,14 @@
-// SIGINT and SIGTERM: the first asks the program to stop and save, the second ends it at once.
+// SIGINT, SIGTERM and SIGHUP: the first asks the program to stop and save, another SIGINT or SIGTERM ends it at once.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <csignal>
 
 namespace sheaf {
 
-/// Catches both signals while it lives, except those that the program was started to ignore. Only one may live at a
-/// time.
+/// Catches these signals while it lives, except those that the program was started to ignore; and ignores SIGPIPE, so
+/// that nobody needs to read the messages of a program that is to save its work. Only one may live at a time.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -21,7 +22,7 @@ class InterruptGuard {
   static int signal();
 
  private:
-  struct sigaction old_interrupt_ {}, old_terminate_ {};
+  std::array<struct sigaction, 4> old_{};
 };
 
 }  // namespace sheaf

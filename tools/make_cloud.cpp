@@ -1,7 +1,7 @@
 // make_cloud: writes procedural volumes as NanoVDB files, always the same for the same seed. Grids "density" and, if
 // asked for, "temperature" hold values from 0 to 1 in the cube [-1, 1]^3, +y being up.
 #include "core/error.h"
-#include "scene/nanovdb.h"
+#include "scene/formats/nanovdb.h"
 
 #include <CLI/CLI.hpp>
 
@@ -183,7 +183,7 @@ std::unique_ptr<Model> make_model(Kind kind, std::uint32_t seed) {
 /// Fills the blocks that hold anything of `resolution`^3 voxels.
 void sample(const Model& model, int resolution, VoxelBlocks& density, VoxelBlocks& temperature) {
   const auto coordinate = [&](int i) { return (static_cast<float>(2 * i + 1) / static_cast<float>(resolution)) - 1; };
-  const int blocks = (resolution + kBrickSide - 1) / kBrickSide;
+  const int blocks = (resolution + VoxelBlocks::kSide - 1) / VoxelBlocks::kSide;
   std::vector<float> d(VoxelBlocks::kVoxels), t(VoxelBlocks::kVoxels);
   const auto add_block = [&](const std::array<int, 3>& b) {
     for (int i = 0; i < VoxelBlocks::kVoxels; ++i) {

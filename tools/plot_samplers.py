@@ -2,7 +2,8 @@
 """Plots the mean squared error of each sampler over samples per pixel, into docs/samplers.png. Needs
 python3-matplotlib.
 
-  tools/plot_samplers.py [--sheaf build/release/sheaf] [--size 200] [--reference-spp 65536] [--scene SCENE.xml]
+  tools/plot_samplers.py [--sheaf build/release/sheaf] [--size 200] [--reference-spp 65536] [--max-spp 1024]
+    [--scene SCENE.xml]
 
 Renders scenes/cornell small, with every sampler and with 1, 4, 16 ... samples per pixel, each with a few seeds, and
 measures with `sheaf compare` how far they are from one long render. Prints the figures that it plots.
@@ -21,7 +22,6 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
 SAMPLERS = {"independent": "#888888", "stratified": "#d08020", "multijitter": "#3060c0", "sobol": "#c02040"}
-SAMPLES = [1, 4, 16, 64, 256, 1024]
 PANELS = [("path, direct light alone", 2), ("path, all light", -1)]
 SEEDS = [1, 2]
 
@@ -39,13 +39,13 @@ def mean_squared_error(arguments, picture, reference):
 
 
 def measure(arguments, folder, max_depth):
-    """{sampler: [error for each of SAMPLES]}"""
+    """{sampler: [error for each of the numbers of samples]}"""
     reference, picture = folder / "reference.exr", folder / "picture.exr"
     render(arguments, reference, "sobol", arguments.reference_spp, 1000, max_depth)
     errors = {}
     for sampler in SAMPLERS:
         errors[sampler] = []
-        for spp in SAMPLES:
+        for spp in arguments.samples:
             total = 0.0
             for seed in SEEDS:
                 render(arguments, picture, sampler, spp, seed, max_depth)
@@ -55,15 +55,15 @@ def measure(arguments, folder, max_depth):
     return errors
 
 
-def plot(axes, title, errors):
+def plot(axes, title, samples, errors):
     for sampler, color in SAMPLERS.items():
-        axes.loglog(SAMPLES, errors[sampler], "o-", color=color, label=sampler, markersize=4)
+        axes.loglog(samples, errors[sampler], "o-", color=color, label=sampler, markersize=4)
     start = errors["independent"][0]
-    axes.loglog(SAMPLES, [start / n for n in SAMPLES], ":", color="black", linewidth=1, label="1 / n")
+    axes.loglog(samples, [start / n for n in samples], ":", color="black", linewidth=1, label="1 / n")
     axes.set_title(title, fontsize=10)
     axes.set_xlabel("samples per pixel")
     axes.set_ylabel("mean squared error")
-    axes.set_xticks(SAMPLES, [str(n) for n in SAMPLES])
+    axes.set_xticks(samples, [str(n) for n in samples])
     axes.grid(True, which="major", alpha=0.3)
     axes.legend(fontsize=8)
 
@@ -75,11 +75,13 @@ def main():
     parser.add_argument("--size", type=int, default=200, help="width of the picture")
     parser.add_argument("--reference-spp", type=int, default=65536)
     parser.add_argument("--output", default=str(ROOT / "docs/samplers.png"))
+    parser.add_argument("--max-spp", type=int, default=1024, help="the largest number of samples per pixel")
     arguments = parser.parse_args()
+    arguments.samples = [4**i for i in range(12) if 4**i <= arguments.max_spp]
     figure, panels = plt.subplots(1, len(PANELS), figsize=(10, 4.2))
     with tempfile.TemporaryDirectory() as folder:
         for axes, (title, max_depth) in zip(panels, PANELS):
-            plot(axes, title, measure(arguments, Path(folder), max_depth))
+            plot(axes, title, arguments.samples, measure(arguments, Path(folder), max_depth))
     figure.tight_layout()
     figure.savefig(arguments.output, dpi=100)
 

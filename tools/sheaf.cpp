@@ -2,22 +2,30 @@
 #include "core/error.h"
 #include "tools/commands.h"
 
+#include <csignal>
 #include <cstdio>
 #include <new>
+#include <string>
 
 namespace sheaf {
 
 void print_message(std::string_view message) {
-  std::fprintf(stderr, "sheaf: %.*s\n", static_cast<int>(message.size()), message.data());
+  std::string shown(message);
+  for (char& c : shown)  // names of files may hold anything, also what terminals obey
+    if ((static_cast<unsigned char>(c) < 32 && c != '\n' && c != '\t') || c == 127) c = '?';
+  std::fprintf(stderr, "sheaf: %s\n", shown.c_str());
 }
 
 }  // namespace sheaf
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // files beyond the limit on their size are errors like a full disk
   int exit_code = static_cast<int>(sheaf::ExitCode::kDone);
   CLI::App program("Sheaf, a data-oriented wavefront path tracer for the CPU.", "sheaf");
-  program.footer("Exit codes: 0 done, 1 runtime error, 2 usage, 3 scene or asset, 4 output not writable,\n"
-                 "5 checkpoint mismatch, 130/143 interrupted (after saving).");
+  program.footer(
+      "Exit codes: 0 done, 1 runtime error, 2 usage, 3 scene or asset, 4 output not writable,\n"
+      "5 checkpoint mismatch; 129, 130, 143: stopped by SIGHUP, SIGINT, SIGTERM, after saving what there is\n"
+      "(a second SIGINT or SIGTERM ends the program at once).");
   program.set_version_flag("--version", "sheaf " SHEAF_VERSION);
   program.require_subcommand(1);
   try {

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # From a clean checkout on Debian 12 or 13 to the results of all tests. Can be run again.
-# The tests run twice: with sanitizers (all but the slow ones), then optimised; ctest's summary comes last.
+# The tests run twice: with sanitizers (all but the slow ones, which aren't built either), then optimised, benchmarks,
+# scripts and example scenes included; ctest's summary comes last.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-tools/install_packages.sh
+tools/install_packages.sh python3 python3-numpy python3-scipy python3-matplotlib
 for preset in asan release; do
   echo "test: configuring $preset"
   cmake --preset "$preset" >/dev/null

@@ -1,7 +1,7 @@
 // vdb_to_nanovdb: makes a NanoVDB file of the fog volumes of an OpenVDB file. Built where OpenVDB is installed; nothing
 // else in Sheaf needs that.
 #include "core/error.h"
-#include "scene/nanovdb.h"
+#include "scene/formats/nanovdb.h"
 
 #include <openvdb/openvdb.h>
 
@@ -39,7 +39,7 @@ template <class Grid> VoxelBlocks to_blocks(const Grid& grid) {
     const openvdb::CoordBBox box = tile.getBoundingBox();
     const openvdb::Coord first = box.min();
     blocks.add_constant({first.x() >> 3, first.y() >> 3, first.z() >> 3}, std::span(value).first(kChannels),
-                        (box.max().x() - first.x() + 1) / kBrickSide);
+                        (box.max().x() - first.x() + 1) / VoxelBlocks::kSide);
   }
   return blocks;
 }

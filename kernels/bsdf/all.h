@@ -1,4 +1,4 @@
-// The list of all BSDFs, phase functions among them: the one place where closure kinds and their types meet.
+// The list of all BSDFs, phase functions among them: the types for the closures of scene/tables/material.h.
 #pragma once
 
 #include "kernels/bsdf/conductor.h"
@@ -7,17 +7,17 @@
 #include "kernels/bsdf/disney.h"
 #include "kernels/bsdf/dispersive_dielectric.h"
 #include "kernels/bsdf/dispersive_rough_dielectric.h"
-#include "kernels/bsdf/henyey_greenstein.h"
 #include "kernels/bsdf/nori_microfacet.h"
 #include "kernels/bsdf/plastic.h"
 #include "kernels/bsdf/principled.h"
 #include "kernels/bsdf/principled_thin.h"
-#include "kernels/bsdf/rayleigh.h"
 #include "kernels/bsdf/rough_conductor.h"
 #include "kernels/bsdf/rough_dielectric.h"
 #include "kernels/bsdf/rough_plastic.h"
 #include "kernels/bsdf/thin_dielectric.h"
-#include "kernels/wave.h"
+#include "kernels/phase/henyey_greenstein.h"
+#include "kernels/phase/rayleigh.h"
+#include "kernels/wave/wave.h"
 
 namespace sheaf {
 
@@ -26,42 +26,61 @@ template <template <class> class Bsdf> struct BsdfTag {
   template <class L> using Type = Bsdf<L>;
 };
 
-/// Calls f(kind, BsdfTag<...>) for every BSDF and phase function.
-template <class F> SHEAF_INLINE void for_each_bsdf(F&& f) {
-  f(ClosureKind::kDiffuse, BsdfTag<DiffuseBsdf>{});
-  f(ClosureKind::kConductor, BsdfTag<ConductorBsdf>{});
-  f(ClosureKind::kDielectric, BsdfTag<DielectricBsdf>{});
-  f(ClosureKind::kThinDielectric, BsdfTag<ThinDielectricBsdf>{});
-  f(ClosureKind::kPlastic, BsdfTag<PlasticBsdf>{});
-  f(ClosureKind::kRoughConductorBeckmann, BsdfTag<RoughConductorBeckmannBsdf>{});
-  f(ClosureKind::kRoughConductorGgx, BsdfTag<RoughConductorGgxBsdf>{});
-  f(ClosureKind::kRoughDielectricBeckmann, BsdfTag<RoughDielectricBeckmannBsdf>{});
-  f(ClosureKind::kRoughDielectricGgx, BsdfTag<RoughDielectricGgxBsdf>{});
-  f(ClosureKind::kRoughPlasticBeckmann, BsdfTag<RoughPlasticBeckmannBsdf>{});
-  f(ClosureKind::kRoughPlasticGgx, BsdfTag<RoughPlasticGgxBsdf>{});
-  f(ClosureKind::kPrincipled, BsdfTag<PrincipledBsdf>{});
-  f(ClosureKind::kPrincipledThin, BsdfTag<PrincipledThinBsdf>{});
-  f(ClosureKind::kDisney, BsdfTag<DisneyBsdf>{});
-  f(ClosureKind::kNoriMicrofacet, BsdfTag<NoriMicrofacetBsdf>{});
-  f(ClosureKind::kDispersiveDielectric, BsdfTag<DispersiveDielectricBsdf>{});
-  f(ClosureKind::kDispersiveThinDielectric, BsdfTag<DispersiveThinDielectricBsdf>{});
-  f(ClosureKind::kDispersiveRoughDielectricBeckmann, BsdfTag<DispersiveRoughDielectricBeckmannBsdf>{});
-  f(ClosureKind::kDispersiveRoughDielectricGgx, BsdfTag<DispersiveRoughDielectricGgxBsdf>{});
-  f(ClosureKind::kHenyeyGreenstein, BsdfTag<HenyeyGreensteinBsdf>{});
-  f(ClosureKind::kRayleigh, BsdfTag<RayleighBsdf>{});
+namespace bsdf_detail {
+
+template <template <class> class Bsdf> constexpr bool has_passage() {
+  return requires(const Bsdf<Scalar>& bsdf) { bsdf.passage(1.0f); };
 }
+
+/// Whether a BSDF is what its closure promises.
+template <template <class> class Bsdf> consteval bool fits_its_closure() {
+  bool fits = false;
+  for_each_closure([&]<ClosureKind Kind, template <class> class P, class D>(ClosureEntry<Kind, P, D> closure) {
+    if (Kind != Bsdf<Scalar>::kKind) return;
+    fits = std::is_base_of_v<P<Scalar>, Bsdf<Scalar>> && kLeafCount<P> == kLeafCount<Bsdf> &&
+           kLeafCount<P> <= kMaxClosureWords && closure.is_pane == has_passage<Bsdf>();
+  });
+  return fits;
+}
+
+template <template <class> class... Bsdfs> struct BsdfList {
+  static_assert((fits_its_closure<Bsdfs>() && ...), "a BSDF and its entry in for_each_closure() differ");
+
+  /// Whether every kind has one, in order.
+  static consteval bool is_complete() {
+    int kind = 0;
+    return ((static_cast<int>(Bsdfs<Scalar>::kKind) == kind++) && ...) && kind == kClosureKinds;
+  }
+
+  template <class F> static SHEAF_INLINE void for_each(F&& f) { (f(Bsdfs<Scalar>::kKind, BsdfTag<Bsdfs>{}), ...); }
+};
+
+}  // namespace bsdf_detail
+
+/// All BSDFs, in the order of ClosureKind.
+using AllBsdfs = bsdf_detail::BsdfList<
+    DiffuseBsdf, ConductorBsdf, DielectricBsdf, ThinDielectricBsdf, PlasticBsdf, RoughConductorBeckmannBsdf,
+    RoughConductorGgxBsdf, RoughDielectricBeckmannBsdf, RoughDielectricGgxBsdf, RoughPlasticBeckmannBsdf,
+    RoughPlasticGgxBsdf, PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, NoriMicrofacetBsdf, DispersiveDielectricBsdf,
+    DispersiveThinDielectricBsdf, DispersiveRoughDielectricBeckmannBsdf, DispersiveRoughDielectricGgxBsdf,
+    HenyeyGreensteinBsdf, RayleighBsdf>;
+static_assert(AllBsdfs::is_complete(), "a closure has no BSDF, or they are not in the order of ClosureKind");
+
+/// Calls f(kind, BsdfTag<...>) for every BSDF and phase function.
+template <class F> SHEAF_INLINE void for_each_bsdf(F&& f) { AllBsdfs::for_each(f); }
 
 /// The BSDFs of the items [column, column + L::width).
 template <class L, template <class> class Bsdf> SHEAF_INLINE Bsdf<L> load_bsdf(const Wave& wave, int column) {
-  Bsdf<L> bsdf;
   float* const* words = wave.closures.columns().words;
-  std::apply(
-      [words, column](auto&... leaf) SHEAF_LAMBDA_INLINE {
-        int k = 0;
-        (load(words[k++] + column, leaf), ...);
-      },
-      leaves(bsdf));
-  return bsdf;
+  return bsdf_of_words<Bsdf<L>>(
+      [words, column](int k, Float<L>& word) SHEAF_LAMBDA_INLINE { load(words[k] + column, word); });
+}
+
+/// Spectral mode: the spectrum `k` among the parameters of each lane's material, at the path's wavelengths.
+template <class L>
+SHEAF_INLINE Spectrum<L> closure_spectrum(const SceneView& scene, Uint<L> material, int k, const Spectrum<L>& lambda) {
+  const Uint<L> row = material * Uint<L>(std::uint32_t{kMaxClosureSpectra}) + Uint<L>(static_cast<std::uint32_t>(k));
+  return evaluate<L>(scene.spectral.materials, row, scene.spectral.tables, lambda);
 }
 
 }  // namespace sheaf

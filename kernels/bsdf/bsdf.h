@@ -1,34 +1,48 @@
 // What every BSDF offers.
 //
-// A BSDF is a template over the lane that holds its parameters (scene/material.h) and has
+// A BSDF is a template over the lane that holds its parameters (scene/tables/material.h) and has
 //   kKind              its ClosureKind
 //   kIsSpecular        only delta distributions: neither evaluated nor lit by light sampling
 //   kIsAnisotropic     directions must come in a frame whose x axis is the surface's tangent; else any frame will do
 //   kDisperses         only if true need it be there: light that it lets through keeps the first wavelength alone
-//   kIsPhase           only if true need it be there: a phase function, see below
 //   evaluate(wo, wi)   f times |cos(wi)| and the density with which sample() returns wi; delta lobes left out
 //   sample(wo, u)      a direction; u.x chooses the lobe, u.y and u.z the direction
 // Directions are unit vectors in the shading frame, pointing away from the surface.
+//
+// Which are panes and which are phase functions is told by the list in scene/tables/material.h. A pane also has
+//   passage(cos)       what of the light that arrives at this cosine to the normal goes straight on
 //
 // A phase function scatters in a medium as a BSDF does on a surface. There is no normal: the frame's z axis is wo,
 // which is (0, 0, 1) for all of them, and wi lies near -wo where light goes on. f_cos is the phase function without a
 // cosine, the same in all four lanes and equal to the density with which sample() returns wi, so that a sample's weight
 // is 1 (the albedo belongs to the medium).
 //
-// To add one: its parameters and its kind in scene/material.h, its header here, a line in all.h, the parsing in scene/,
-// and its tests.
+// README.md tells how to add one.
 #pragma once
 
 #include "core/sampler.h"
 #include "core/spectrum.h"
+#include "scene/tables/material.h"
 
 namespace sheaf {
 
 /// Whether a BSDF has kDisperses.
 template <class Bsdf> inline constexpr bool kDisperses = requires { Bsdf::kDisperses; };
 
-/// Whether a BSDF is a phase function: has kIsPhase.
-template <class Bsdf> inline constexpr bool kIsPhaseFunction = requires { Bsdf::kIsPhase; };
+/// Whether a BSDF is a phase function.
+template <class Bsdf> inline constexpr bool kIsPhaseFunction = closure_info(Bsdf::kKind).is_phase;
+
+/// A BSDF whose parameters' word k is what load(k, word) puts into `word`.
+template <class Bsdf, class Load> SHEAF_INLINE Bsdf bsdf_of_words(Load&& load) {
+  Bsdf bsdf;
+  std::apply(
+      [&load](auto&... leaf) SHEAF_LAMBDA_INLINE {
+        int k = 0;
+        (load(k++, leaf), ...);
+      },
+      leaves(bsdf));
+  return bsdf;
+}
 
 /// A BSDF towards a given direction.
 template <class L> struct BsdfValue {

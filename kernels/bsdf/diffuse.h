@@ -3,7 +3,7 @@
 
 #include "core/warp.h"
 #include "kernels/bsdf/bsdf.h"
-#include "scene/material.h"
+#include "scene/tables/material.h"
 
 namespace sheaf {
 

@@ -8,8 +8,8 @@
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"
-#include "kernels/fresnel.h"
-#include "scene/material.h"
+#include "kernels/bsdf/fresnel.h"
+#include "scene/tables/material.h"
 
 namespace sheaf {
 

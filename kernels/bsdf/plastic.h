@@ -5,8 +5,8 @@
 
 #include "core/warp.h"
 #include "kernels/bsdf/bsdf.h"
-#include "kernels/fresnel.h"
-#include "scene/material.h"
+#include "kernels/bsdf/fresnel.h"
+#include "scene/tables/material.h"
 
 namespace sheaf {
 

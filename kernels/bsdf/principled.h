@@ -12,7 +12,7 @@
 #pragma once
 
 #include "kernels/bsdf/principled_lobes.h"
-#include "scene/material.h"
+#include "scene/tables/material.h"
 
 namespace sheaf {
 

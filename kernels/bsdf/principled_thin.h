@@ -8,9 +8,9 @@
 // them. Sheen and spec_tint may take reflectance above 1.
 #pragma once
 
+#include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/principled_lobes.h"
-#include "kernels/fresnel.h"
-#include "scene/material.h"
+#include "scene/tables/material.h"
 
 namespace sheaf {
 

@@ -6,9 +6,9 @@
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/microfacet.h"
-#include "kernels/fresnel.h"
-#include "scene/material.h"
+#include "scene/tables/material.h"
 
 namespace sheaf {
 

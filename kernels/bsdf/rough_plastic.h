@@ -2,8 +2,8 @@
 // the rough coat, averaged over the refracted directions, in place of that of a smooth one.
 //
 // The transmittance T over the cosine is a polynomial: T = t1 + t2 y + ... + t7 y^6 with
-// y = (1 + t0) cos / (cos + t0), where t0 widens the part near grazing directions in which T rises. scene/plastic.cpp
-// makes the fit.
+// y = (1 + t0) cos / (cos + t0), where t0 widens the part near grazing directions in which T rises.
+// scene/compile/plastic.cpp makes the fit.
 #pragma once
 
 #include "kernels/bsdf/microfacet.h"

@@ -1,49 +1,33 @@
-#include "kernels/passes/path.h"
-
-#include "kernels/stages.h"
+// The path pass: camera samples are its source, the film's samples its sink.
+#include "kernels/passes/passes.h"
+#include "kernels/stages/stages.h"
 
 namespace sheaf {
 
-namespace {
-
-template <class L> void shade_surfaces(const SceneView& scene, Wave& wave) {
-  sort_surfaces<L>(scene, wave);
-  surface_inputs<L>(scene, wave);
-  textures<L>(scene, wave);
-  for (wave.candidate = 0; wave.candidate < scene.integrator.candidates; ++wave.candidate) {
-    light_candidates<L>(scene, wave);
-    resample<L>(scene, wave);
-  }
-  if (scene.has_transparency) {
-    transmittance<L>(scene, wave);
-  } else {
-    shadow<L>(scene, wave);
-  }
-  scatter<L>(scene, wave);
-}
-
-}  // namespace
-
-template <class L> void run_path_pass(const SceneView& scene, Wave& wave) {
-  const bool debugging = scene.integrator.kind != IntegratorKind::kPath;
+template <class L> void run_path_pass(const StageContext& context, Wave& wave) {
   for (;;) {
     // Refill when half empty: fewer, fuller calls.
-    if (2 * wave.free.size() >= wave.capacity) camera_rays<L>(scene, wave);
+    if (2 * wave.free.size() >= wave.capacity) camera_rays<L>(context, wave);
     if (wave.active.empty()) break;
-    intersect<L>(scene, wave);
-    if (!debugging) {
-      medium<L>(scene, wave);
-      emission<L>(scene, wave);
+    intersect<L>(context, wave);
+    medium<L>(context, wave);
+    emission<L>(context, wave);
+    select_materials<L>(context, wave);
+    sort_surfaces<L>(context, wave);
+    surface_inputs<L>(context, wave);
+    textures<L>(context, wave);
+    for (int candidate = 0; candidate < context.transport.candidates; ++candidate) {
+      light_candidates<L>(context, wave, candidate);
+      resample<L>(context, wave, candidate);
     }
-    select_materials<L>(scene, wave);
-    if (debugging) debug_view<L>(scene, wave);
-    else shade_surfaces<L>(scene, wave);
-    accumulate<L>(scene, wave);
+    if (context.scene.has_transparency) transmittance<L>(context, wave);
+    else shadow<L>(context, wave);
+    scatter<L>(context, wave);
+    accumulate<L>(context, wave);
     assert(wave.free.size() + wave.active.size() == wave.capacity);
   }
 }
 
-template void run_path_pass<Wide>(const SceneView&, Wave&);
-template void run_path_pass<Scalar>(const SceneView&, Wave&);
+template void run_path_pass<SHEAF_STAGE_LANE>(const StageContext&, Wave&);
 
 }  // namespace sheaf

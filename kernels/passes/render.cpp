@@ -1,7 +1,10 @@
 #include "kernels/passes/render.h"
 
 #include "core/error.h"
-#include "kernels/passes/path.h"
+#include "kernels/film/camera_task.h"
+#include "kernels/media/medium_tracking.h"
+#include "kernels/passes/passes.h"
+#include "kernels/stages/stage_list.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -23,10 +26,9 @@ constexpr int kTaskSamples = 16384;
 constexpr std::uint32_t kPassSamples = 256;
 
 struct Worker {
-  explicit Worker(int wave_size) : wave(wave_size), samples(kTaskSamples) {}
+  Worker(int wave_size, const WaveNeeds& needs) : wave(wave_size, needs) {}
   Wave wave;
-  std::vector<FilmSample> samples;
-  std::vector<SpectralSample> spectra;  ///< only if the film has bins
+  CameraTask task;
 };
 
 std::string integrator_name(const IntegratorDescription& integrator) {
@@ -58,23 +60,19 @@ std::vector<PixelRect> make_tiles(const PixelRect& crop, int side) {
 }
 
 /// Adds a finished task to the film, every pixel's samples in order.
-void reduce(const TileSamples& task, const Worker& worker, Film& film) {
+void reduce(const CameraTask& task, Film& film) {
   std::size_t sample = 0;
-  for (int y = task.pixels.y0; y < task.pixels.y1; ++y)
-    for (int x = task.pixels.x0; x < task.pixels.x1; ++x)
-      for (std::uint32_t i = 0; i < task.sample_count; ++i, ++sample) {
-        if (std::isnan(worker.samples[sample].alpha)) continue;
-        film.add(x, y, worker.samples[sample]);
-        if (film.spectral_bins() > 0) film.add_spectrum(x, y, worker.spectra[sample]);
-      }
+  for (const PixelSamples& p : task.pixels()) {
+    const int x = static_cast<int>(p.pixel % task.frame_width()), y = static_cast<int>(p.pixel / task.frame_width());
+    for (std::uint32_t i = 0; i < p.sample_count; ++i, ++sample) film.add(x, y, task.samples, sample);
+  }
 }
 
 void check_spectral_bins(const Scene& scene, int bins) {
   if (bins == 0) return;
   if (bins < 0 || bins > kMaxSpectralBins)
     throw Error(ExitCode::kUsage, "spectral bins must be from 1 to " + std::to_string(kMaxSpectralBins));
-  const SceneView view = scene.view();
-  if (view.color != ColorMode::kSpectral || view.integrator.kind != IntegratorKind::kPath)
+  if (scene.color() != ColorMode::kSpectral || scene.integrator().kind != IntegratorKind::kPath)
     throw Error(ExitCode::kUsage, "spectral bins need spectral mode and an integrator that makes light");
 }
 
@@ -82,20 +80,21 @@ void check_spectral_bins(const Scene& scene, int bins) {
 class Renderer {
  public:
   Renderer(const Scene& scene, const RenderOptions& options)
-      : view_(scene.view()),
+      : context_(scene),
+        needs_(WaveNeeds::of(context_)),
         options_(options),
         spp_(rounded_sample_count(scene.sampler().kind,
                                   options.samples_per_pixel.value_or(scene.sampler().sample_count))),
         threads_(options.threads > 0 ? options.threads
                                      : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
-        wave_size_(options.wave_size > 0 ? options.wave_size : Wave::default_capacity()) {
+        wave_size_(options.wave_size > 0 ? options.wave_size : Wave::default_capacity(needs_)) {
     if (spp_ == 0) throw Error(ExitCode::kUsage, "samples per pixel must be at least 1");
     if (wave_size_ > kMaxWaveSize)
       throw Error(ExitCode::kUsage, "wave size must be at most " + std::to_string(kMaxWaveSize));
     const PixelRect crop = checked_crop(scene, options);
     check_spectral_bins(scene, options.spectral_bins);
-    view_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed), spp_);
-    film_ = Film(scene.film().width, scene.film().height, crop, options.spectral_bins);
+    context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed), spp_);
+    film_ = Film(scene.film().width, scene.film().height, crop, FilmLayout::beauty(), options.spectral_bins);
     total_ = static_cast<std::uint64_t>(crop.width()) * static_cast<std::uint64_t>(crop.height()) * spp_;
   }
 
@@ -122,22 +121,22 @@ class Renderer {
         tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
         [&](const tbb::blocked_range<std::size_t>& range) {
           for (std::size_t i = range.begin(); i < range.end() && !stopped(); ++i)
-            run_task({tiles[i], first_sample, sample_count, film_.width()});
+            run_task(samples_of(tiles[i], film_.width(), first_sample, sample_count));
         },
         tbb::simple_partitioner());
   }
 
-  void run_task(const TileSamples& task) {
+  void run_task(const std::vector<PixelSamples>& pixels) {
     const FlushDenormals flush;
     bool known = false;
     Worker& worker = workers_.local(known);
     if (!known && options_.make_recorder) worker.wave.recorder = options_.make_recorder();
-    const bool binned = film_.spectral_bins() > 0;
-    if (binned) worker.spectra.resize(kTaskSamples);
-    worker.wave.begin(task, worker.samples.data(), binned ? worker.spectra.data() : nullptr, film_.spectral_bins());
-    run_path_pass<Wide>(view_, worker.wave);
-    reduce(task, worker, film_);
-    const auto samples = static_cast<std::uint64_t>(task.total());
+    worker.task.begin(pixels, film_.width(), film_.layout().size(), film_.spectral_bins());
+    StageContext context = context_;
+    context.camera = &worker.task;
+    pass_of<Wide>(context.transport.kind)(context, worker.wave);
+    reduce(worker.task, film_);
+    const auto samples = static_cast<std::uint64_t>(worker.task.total());
     const std::uint64_t done = done_.fetch_add(samples, std::memory_order_relaxed) + samples;
     if (options_.on_progress) options_.on_progress(done, total_);
   }
@@ -146,15 +145,16 @@ class Renderer {
     RenderResult result;
     result.interrupted = done_.load() < total_;
     RenderReport& report = result.report;
-    report.integrator = integrator_name(view_.integrator);
+    report.integrator = integrator_name(context_.transport);
     report.isa = kIsaName;
     report.width = film_.width();
     report.height = film_.height();
     report.spp = spp_;
-    report.seed = view_.sampler.seed;
+    report.seed = context_.sampler.seed;
     report.threads = threads_;
     report.wave_size = wave_size_;
     report.render_seconds = seconds;
+    for (const StageEntry& stage : kStages<Wide>) report.stage_names.push_back(stage.name);
     const Wave::Dropped* first = nullptr;
     for (const Worker& worker : workers_) {
       report.stats += worker.wave.stats;
@@ -162,7 +162,11 @@ class Renderer {
       if (dropped.any && (!first || dropped.pixel < first->pixel)) first = &dropped;
     }
     report.peak_rss_bytes = peak_rss_bytes();
+    report.peak_private_bytes = peak_private_bytes();
     if (first) result.warnings.push_back(dropped_message(report.stats.dropped, *first));
+    if (const std::uint64_t abandoned = report.stats.collisions.abandoned; abandoned > 0)
+      result.warnings.push_back(std::to_string(abandoned) + " rays were given up in a medium after " +
+                                std::to_string(kMostCollisions) + " collisions each: its voxels differ too much");
     result.film = std::move(film_);
     return result;
   }
@@ -175,14 +179,15 @@ class Renderer {
            std::to_string(first.sample);
   }
 
-  SceneView view_;
+  StageContext context_;
+  WaveNeeds needs_;
   const RenderOptions& options_;
   std::uint32_t spp_;
   int threads_, wave_size_;
   Film film_;
   std::uint64_t total_ = 0;
   std::atomic<std::uint64_t> done_{0};
-  tbb::enumerable_thread_specific<Worker> workers_{[this] { return wave_size_; }};
+  tbb::enumerable_thread_specific<Worker> workers_{[this] { return Worker(wave_size_, needs_); }};
 };
 
 }  // namespace

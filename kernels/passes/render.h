@@ -2,8 +2,8 @@
 #pragma once
 
 #include "core/stats.h"
-#include "scene/film.h"
-#include "scene/scene.h"
+#include "kernels/film/film.h"
+#include "scene/tables/scene.h"
 
 #include <atomic>
 #include <functional>

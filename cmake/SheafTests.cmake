@@ -1,0 +1,108 @@
+# Tests: a program for each folder of tests/, and an entry of ctest for each file.
+
+# Tests are compiled with few optimisations, whatever the libraries are: most of them compile for longer than they run.
+# Results don't depend on it, see -ffp-contract in SheafFlags.cmake.
+set(SHEAF_TEST_OPTIMISATION $<$<CONFIG:Release,RelWithDebInfo,Check>:-O1>)
+# ... but this one looks for what compilers do when they optimise more.
+set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.cpp" PROPERTIES
+  COMPILE_OPTIONS -O3 SKIP_PRECOMPILE_HEADERS ON)
+
+# Tests that take long, the longest first: ctest starts them in this order, so that none is left alone at the end.
+set(SHEAF_LONG_TESTS
+  estimators references media_estimators light_estimators composites spectral_render degenerate determinism
+  smoke_scripts smoke_scenes smoke_benchmarks instancing_render light_tree light_sample light_emit)
+
+# sheaf_test_support(DEPENDS <target>...): the library sheaf_test_support, which all programs of tests are linked with:
+# main(), and the precompiled headers of tests. Also the target sheaf_tests, which builds all of those programs.
+function(sheaf_test_support)
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "DEPENDS")
+  sheaf_sources(sources tests/support/*.cpp)
+  add_library(sheaf_test_support STATIC ${sources})
+  target_link_libraries(sheaf_test_support PUBLIC ${arg_DEPENDS} PRIVATE sheaf_flags)
+  target_compile_options(sheaf_test_support PRIVATE ${SHEAF_TEST_OPTIMISATION})
+  if(SHEAF_PRECOMPILE)
+    target_precompile_headers(sheaf_test_support PRIVATE "${PROJECT_SOURCE_DIR}/cmake/precompiled_tests.h")
+  endif()
+  add_custom_target(sheaf_tests)
+endfunction()
+
+# Whether a file holds slow tests alone: its first test, if any, is in the suite "slow".
+function(sheaf_is_slow variable source)
+  file(STRINGS "${source}" first REGEX "^TEST_(CASE|SUITE)" LIMIT_COUNT 1)
+  if(first MATCHES "\"slow\"")
+    set(${variable} ON PARENT_SCOPE)
+  else()
+    set(${variable} OFF PARENT_SCOPE)
+  endif()
+endfunction()
+
+# sheaf_tests(<folder> DEPENDS <target>... [RUNS <target>...]): the program sheaf_tests_<folder> of the files
+# tests/<folder>/*.cpp, and one entry of ctest for each file test_<unit>.cpp. RUNS: programs that the tests start.
+# With SHEAF_SKIP_SLOW_TESTS, files of slow tests are not even compiled.
+function(sheaf_tests folder)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS;RUNS")
+  sheaf_sources(sources tests/${folder}/*.cpp)
+  set(units)
+  foreach(source IN LISTS sources)
+    sheaf_is_slow(slow "${source}")
+    if(slow AND SHEAF_SKIP_SLOW_TESTS)
+      list(REMOVE_ITEM sources "${source}")
+      continue()
+    endif()
+    cmake_path(GET source STEM unit)
+    if(unit MATCHES "^test_")
+      string(REGEX REPLACE "^test_" "" unit "${unit}")
+      list(APPEND units ${unit})
+    endif()
+  endforeach()
+
+  set(program sheaf_tests_${folder})
+  add_executable(${program} ${sources})
+  target_link_libraries(${program} PRIVATE sheaf_test_support ${arg_DEPENDS} sheaf_flags)
+  target_compile_options(${program} PRIVATE ${SHEAF_TEST_OPTIMISATION})
+  target_compile_definitions(${program} PRIVATE SHEAF_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  if(arg_RUNS)
+    target_compile_definitions(${program} PRIVATE SHEAF_EXECUTABLE="$<TARGET_FILE:sheaf>")
+    add_dependencies(${program} ${arg_RUNS})
+  endif()
+  if(SHEAF_PRECOMPILE)
+    target_precompile_headers(${program} REUSE_FROM sheaf_test_support)
+  endif()
+  add_dependencies(sheaf_tests ${program})
+
+  foreach(unit IN LISTS units)
+    set(filter "--source-file=*/test_${unit}.cpp")
+    if(SHEAF_SKIP_SLOW_TESTS)
+      list(APPEND filter --test-suite-exclude=slow)
+    endif()
+    add_test(NAME ${unit} COMMAND ${program} ${filter} --no-intro --no-version WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+    sheaf_test_cost(${unit})
+    set_tests_properties(${unit} PROPERTIES LABELS ${folder})
+  endforeach()
+endfunction()
+
+# sheaf_test_cost(<test>): how early ctest starts it, and when it gives up.
+function(sheaf_test_cost test)
+  list(REVERSE SHEAF_LONG_TESTS)
+  list(FIND SHEAF_LONG_TESTS ${test} place)
+  math(EXPR cost "${place} + 1")
+  set_tests_properties(${test} PROPERTIES COST ${cost} TIMEOUT 900)
+endfunction()
+
+# sheaf_smoke_tests(): benchmarks, scripts and example scenes, each run once with the shortest settings. What there is
+# to run is found by tests/smoke/smoke.py, which fails for a script or program that it doesn't know how to run.
+function(sheaf_smoke_tests)
+  find_program(SHEAF_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Python with Debian's packages")
+  find_program(SHEAF_PYTHON NAMES python3)
+  if(NOT SHEAF_PYTHON)
+    message(STATUS "No python3: benchmarks, scripts and example scenes are not tested")
+    return()
+  endif()
+  get_property(programs GLOBAL PROPERTY SHEAF_PROGRAMS)
+  foreach(kind IN ITEMS scenes scripts benchmarks)
+    add_test(NAME smoke_${kind} COMMAND "${SHEAF_PYTHON}" tests/smoke/smoke.py ${kind} --build "${PROJECT_BINARY_DIR}"
+      --programs ${programs} WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+    sheaf_test_cost(smoke_${kind})
+    set_tests_properties(smoke_${kind} PROPERTIES LABELS smoke)
+  endforeach()
+endfunction()

@@ -1,0 +1,31 @@
+// What nearly every file includes and hardly anybody changes: parsed once for each build folder.
+#pragma once
+
+#include "core/frame.h"
+#include "core/simd.h"
+#include "core/soa.h"
+#include "core/spectrum.h"
+#include "core/vec.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <set>
+#include <span>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <variant>
+#include <vector>

@@ -1,0 +1,120 @@
+// Tables that kernels gather from: arrays of a record's Scalar form, read a lane each.
+//
+// A record is declared once, as for queues (core/soa.h): `Record<Scalar>` is a row of the table, and what a kernel gets
+// of the rows that its lanes ask for is a `Record<L>`, or one named member of it.
+#pragma once
+
+#include "core/soa.h"
+
+#include <array>
+#include <type_traits>
+
+namespace sheaf {
+
+/// A member that is an enumeration in a table and its number in registers.
+template <class L, class Enum> using EnumIn = std::conditional_t<std::is_same_v<L, Scalar>, Enum, typename L::Uint>;
+
+/// For alignas of a record: `bytes` in a table, whatever it needs anyway in registers.
+template <class L> constexpr std::size_t row_alignment(std::size_t bytes) {
+  return std::is_same_v<L, Scalar> ? bytes : alignof(typename L::Float);
+}
+
+namespace record_table_detail {
+
+template <class L> SHEAF_INLINE void from_word(Float<L> word, Float<L>& leaf) { leaf = word; }
+template <class L> SHEAF_INLINE void from_word(Float<L> word, Uint<L>& leaf) { leaf = float_bits(word); }
+template <class L, class Enum> requires std::is_enum_v<Enum>
+SHEAF_INLINE void from_word(float word, Enum& leaf) {
+  static_assert(sizeof(Enum) == sizeof(std::uint32_t));
+  leaf = static_cast<Enum>(float_bits(word));
+}
+SHEAF_INLINE WideFloat to_word(WideFloat leaf) { return leaf; }
+SHEAF_INLINE WideFloat to_word(WideUint leaf) { return bits_float(leaf); }
+SHEAF_INLINE float to_word(float leaf) { return leaf; }
+SHEAF_INLINE float to_word(std::uint32_t leaf) { return bits_float(leaf); }
+
+/// The words of a record in registers, in leaf order.
+template <class L, template <class> class Record> SHEAF_INLINE void to_words(const Record<L>& in, Float<L>* words) {
+  std::apply(
+      [words](const auto&... leaf) SHEAF_LAMBDA_INLINE {
+        int k = 0;
+        ((words[k++] = to_word(leaf)), ...);
+      },
+      leaves(in));
+}
+
+template <class L, class Row> SHEAF_INLINE Uint<L> first_words(Uint<L> index) {
+  static_assert(sizeof(Row) % sizeof(float) == 0);
+  return index * Uint<L>(static_cast<std::uint32_t>(sizeof(Row) / sizeof(float)));
+}
+
+/// Whether a record's Scalar form is nothing but its leaves, one word each, in declaration order.
+template <template <class> class Record>
+inline constexpr bool kIsRow = std::is_trivially_copyable_v<Record<Scalar>> &&
+                               sizeof(Record<Scalar>) == sizeof(float) * std::size_t{kLeafCount<Record>};
+
+}  // namespace record_table_detail
+
+/// The record whose leaves are `words`, in declaration order.
+template <class L, template <class> class Record> SHEAF_INLINE Record<L> record_of_words(const Float<L>* words) {
+  Record<L> out;
+  std::apply(
+      [words](auto&... leaf) SHEAF_LAMBDA_INLINE {
+        int k = 0;
+        (record_table_detail::from_word<L>(words[k++], leaf), ...);
+      },
+      leaves(out));
+  return out;
+}
+
+/// The rows table[index], one for each lane. Rows must be a whole number of four words long.
+template <class L, template <class> class Record>
+SHEAF_INLINE Record<L> gather_rows(const Record<Scalar>* table, Uint<L> index) {
+  static_assert(record_table_detail::kIsRow<Record> && kLeafCount<Record> % 4 == 0);
+  constexpr int kWords = kLeafCount<Record>;
+  const auto* base = reinterpret_cast<const float*>(table);
+  const Uint<L> row = record_table_detail::first_words<L, Record<Scalar>>(index);
+  Float<L> words[kWords];
+  for (int k = 0; k < kWords; k += 4) gather_row4<L>(base + k, row, words + k);
+  return record_of_words<L, Record>(words);
+}
+
+/// table[index].*member, one for each lane: a number, an enumeration's number, or a record such as Vec3.
+template <class L, class Row, class T> requires(!HasFields<T>)
+SHEAF_INLINE auto gather_member(const Row* table, T Row::*member, Uint<L> index) {
+  static_assert(sizeof(T) == sizeof(float));
+  using Word = std::conditional_t<std::is_enum_v<T>, std::uint32_t, T>;
+  return gather(reinterpret_cast<const Word*>(&(table->*member)), record_table_detail::first_words<L, Row>(index));
+}
+template <class L, class Row, template <class> class Record>
+SHEAF_INLINE Record<L> gather_member(const Row* table, Record<Scalar> Row::*member, Uint<L> index) {
+  static_assert(record_table_detail::kIsRow<Record>);
+  const auto* first = reinterpret_cast<const float*>(&(table->*member));
+  const Uint<L> row = record_table_detail::first_words<L, Row>(index);
+  Float<L> words[kLeafCount<Record>];
+  for (int k = 0; k < kLeafCount<Record>; ++k) words[k] = gather(first + k, row);
+  return record_of_words<L, Record>(words);
+}
+
+/// Element `k` of the array table[index].*member, one for each lane.
+template <class L, class Row, class T, std::size_t N>
+SHEAF_INLINE auto gather_element(const Row* table, T (Row::*member)[N], int k, Uint<L> index) {
+  static_assert(sizeof(T) == sizeof(float));
+  return gather(table->*member + k, record_table_detail::first_words<L, Row>(index));
+}
+/// Elements [k, k + 4) of it.
+template <class L, class Row, std::size_t N>
+SHEAF_INLINE void gather_four(const Row* table, float (Row::*member)[N], int k, Uint<L> index, Float<L>* out) {
+  gather_row4<L>(table->*member + k, record_table_detail::first_words<L, Row>(index), out);
+}
+
+/// The numbers table[3 index], table[3 index + 1] and table[3 index + 2], for each lane. The table must be readable one
+/// number beyond its end.
+template <class L>
+SHEAF_INLINE std::array<Uint<L>, 3> gather_triple(const std::uint32_t* table, Uint<L> index) {
+  Float<L> words[4];
+  gather_row4<L>(reinterpret_cast<const float*>(table), index * Uint<L>(3u), words);
+  return {float_bits(words[0]), float_bits(words[1]), float_bits(words[2])};
+}
+
+}  // namespace sheaf

@@ -1,0 +1,39 @@
+// Thin panes where passing them costs no depth: shadow rays pass them as paths do.
+#pragma once
+
+#include "kernels/bsdf/all.h"
+
+namespace sheaf {
+
+namespace pane_detail {
+
+/// The BSDF of a material's row at a path's wavelengths.
+template <template <class> class Bsdf>
+Bsdf<Scalar> load_pane(const SceneView& scene, std::uint32_t row, const Spectrum4& lambda) {
+  float words[kLeafCount<Bsdf>];
+  std::copy_n(scene.materials[row].words, kLeafCount<Bsdf>, words);
+  if (scene.color == ColorMode::kSpectral) {
+    constexpr ClosureSpectra kSpectra = closure_spectra<Bsdf>();
+    for (int k = 0; k < kSpectra.count; ++k) {
+      const Spectrum4 value = closure_spectrum<Scalar>(scene, row, k, lambda);
+      std::copy_n(&value.c0, 4, words + kSpectra.word[k]);
+    }
+  }
+  return bsdf_of_words<Bsdf<Scalar>>([&words](int k, float& word) { word = words[k]; });
+}
+
+}  // namespace pane_detail
+
+/// What passes the pane of a material's row at this cosine to the normal. `lambda`: in spectral mode.
+inline PanePassage<Scalar> pane_passage(const SceneView& scene, std::uint32_t row, float cos_theta,
+                                        const Spectrum4& lambda) {
+  PanePassage<Scalar> passage;
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    if constexpr (closure_info(Bsdf<Scalar>::kKind).is_pane)
+      if (kind == scene.materials[row].kind)
+        passage = pane_detail::load_pane<Bsdf>(scene, row, lambda).passage(cos_theta);
+  });
+  return passage;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,90 @@
+// What only passes that start at the camera need: which samples a worker takes, how far it has come, and where the
+// samples go.
+#pragma once
+
+#include "core/pixel_rect.h"
+#include "kernels/film/sample_buffer.h"
+
+#include <cassert>
+#include <span>
+
+namespace sheaf {
+
+/// The samples [first_sample, first_sample + sample_count) of one pixel.
+struct PixelSamples {
+  std::uint32_t pixel = 0;  ///< y * frame width + x
+  std::uint32_t first_sample = 0, sample_count = 0;
+};
+
+/// The same samples of every pixel of a rectangle, row by row.
+inline std::vector<PixelSamples> samples_of(const PixelRect& pixels, int frame_width, std::uint32_t first_sample,
+                                            std::uint32_t sample_count) {
+  std::vector<PixelSamples> list;
+  for (int y = pixels.y0; y < pixels.y1; ++y)
+    for (int x = pixels.x0; x < pixels.x1; ++x)
+      list.push_back({static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(frame_width) +
+                          static_cast<std::uint32_t>(x),
+                      first_sample, sample_count});
+  return list;
+}
+
+/// Camera samples that one worker takes in one go. The camera_rays stage is their source, accumulate their sink.
+class CameraTask {
+ public:
+  /// How far the source has come. Samples are numbered through the whole list, from 0.
+  struct Cursor {
+    std::size_t entry = 0;     ///< of the list
+    std::uint32_t sample = 0;  ///< counted from the entry's first
+    int index = 0;             ///< of all samples
+    std::uint32_t x = 0, y = 0;  ///< of the entry's pixel
+  };
+
+  /// Begins a list, which must outlive the work on it. `channels`: of a sample; `spectral_bins`: of the film.
+  void begin(std::span<const PixelSamples> pixels, int frame_width, int channels, int spectral_bins = 0) {
+    pixels_ = pixels;
+    frame_width_ = static_cast<std::uint32_t>(frame_width);
+    spectral_bins_ = spectral_bins;
+    total_ = 0;
+    for (const PixelSamples& p : pixels) total_ += static_cast<int>(p.sample_count);
+    cursor = {};
+    enter();
+    samples.resize(total_, channels, spectral_bins > 0);
+  }
+
+  std::span<const PixelSamples> pixels() const { return pixels_; }
+  std::uint32_t frame_width() const { return frame_width_; }
+  int spectral_bins() const { return spectral_bins_; }
+  int total() const { return total_; }       ///< samples
+  int left() const { return total_ - cursor.index; }  ///< samples that were not started yet
+
+  /// The pixel and the absolute index of the sample at the cursor. There must be one left.
+  std::uint32_t pixel() const { return pixels_[cursor.entry].pixel; }
+  std::uint32_t sample() const { return pixels_[cursor.entry].first_sample + cursor.sample; }
+  std::uint32_t x() const { return cursor.x; }
+  std::uint32_t y() const { return cursor.y; }
+  void advance() {
+    assert(left() > 0);
+    ++cursor.index;
+    if (++cursor.sample < pixels_[cursor.entry].sample_count) return;
+    cursor.sample = 0;
+    ++cursor.entry;
+    enter();
+  }
+
+  Cursor cursor;
+  SampleBuffer samples;  ///< in the order of the list
+
+ private:
+  void enter() {
+    while (cursor.entry < pixels_.size() && pixels_[cursor.entry].sample_count == 0) ++cursor.entry;
+    if (cursor.entry == pixels_.size()) return;
+    cursor.x = pixel() % frame_width_;
+    cursor.y = pixel() / frame_width_;
+  }
+
+  std::span<const PixelSamples> pixels_;
+  std::uint32_t frame_width_ = 1;
+  int spectral_bins_ = 0, total_ = 0;
+};
+
+}  // namespace sheaf

@@ -1,0 +1,145 @@
+#include "kernels/film/film_file.h"
+
+#include "core/error.h"
+#include "core/inflate.h"
+#include "core/output_file.h"
+
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <type_traits>
+
+namespace sheaf {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+constexpr std::string_view kFirstLine = "sheaf film 1\n";
+/// Longest name of a channel, and most of them: far beyond any film, far below what would exhaust memory.
+constexpr std::uint32_t kMaxName = 1024, kMaxChannels = 4096;
+
+class Writer {
+ public:
+  template <class T> void put(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(T));
+  }
+  void put(std::string_view text) {
+    put(static_cast<std::uint32_t>(text.size()));
+    bytes_ += text;
+  }
+  template <class T> void put(const std::vector<T>& values) {
+    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+class Reader {
+ public:
+  Reader(const std::filesystem::path& file, std::string_view bytes) : file_(file), bytes_(bytes) {}
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(ExitCode::kCheckpoint, {file_.string(), 0}, what);
+  }
+  template <class T> T get() {
+    T value;
+    std::memcpy(&value, take(sizeof(T)), sizeof(T));
+    return value;
+  }
+  std::string get_text() {
+    const auto size = get<std::uint32_t>();
+    if (size > kMaxName) fail("names a channel by " + std::to_string(size) + " letters: damaged");
+    return std::string(take(size), size);
+  }
+  template <class T> void get(std::vector<T>& values) {
+    std::memcpy(values.data(), take(values.size() * sizeof(T)), values.size() * sizeof(T));
+  }
+  std::size_t left() const { return bytes_.size(); }
+
+ private:
+  const char* take(std::size_t size) {
+    if (size > bytes_.size()) fail("ends too early: cut off");
+    const char* at = bytes_.data();
+    bytes_.remove_prefix(size);
+    return at;
+  }
+
+  const std::filesystem::path& file_;
+  std::string_view bytes_;
+};
+
+std::string read_bytes(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream || bytes.empty()) throw Error(ExitCode::kCheckpoint, {file.string(), 0}, "cannot be read");
+  return bytes;
+}
+
+FilmLayout read_layout(Reader& in) {
+  const auto count = in.get<std::uint32_t>();
+  if (count > kMaxChannels) in.fail("has " + std::to_string(count) + " channels: damaged");
+  std::vector<FilmChannel> channels;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::string name = in.get_text();
+    channels.push_back({std::move(name), in.get<std::uint8_t>() != 0});
+  }
+  return FilmLayout(std::move(channels));
+}
+
+}  // namespace
+
+void write_film(const std::filesystem::path& file, const Film& film) {
+  Writer out;
+  for (const int value : {film.frame_width_, film.frame_height_, film.crop_.x0, film.crop_.y0, film.crop_.x1,
+                          film.crop_.y1, film.spectral_bins_})
+    out.put(static_cast<std::int32_t>(value));
+  out.put(static_cast<std::uint32_t>(film.layout_.size()));
+  for (const FilmChannel& channel : film.layout_.channels()) {
+    out.put(std::string_view(channel.name));
+    out.put(static_cast<std::uint8_t>(channel.has_variance));
+  }
+  out.put(film.counts_);
+  out.put(film.sums_);
+  out.put(film.squares_);
+  out.put(film.spectra_);
+  const std::uint32_t check = check_sum(out.bytes());
+  out.put(check);
+  write_text_file(file, std::string(kFirstLine) + out.bytes());
+}
+
+Film read_film(const std::filesystem::path& file) {
+  const std::string bytes = read_bytes(file);
+  std::string_view body = bytes;
+  Reader whole(file, body);
+  if (!body.starts_with(kFirstLine)) whole.fail("is no film of this version of Sheaf");
+  body.remove_prefix(kFirstLine.size());
+  if (body.size() < sizeof(std::uint32_t)) whole.fail("ends too early: cut off");
+  std::uint32_t check;
+  std::memcpy(&check, body.data() + body.size() - sizeof check, sizeof check);
+  body.remove_suffix(sizeof check);
+  if (check != check_sum(body)) whole.fail("is damaged: its check sum is wrong");
+
+  Reader in(file, body);
+  std::int32_t numbers[7];
+  for (std::int32_t& number : numbers) number = in.get<std::int32_t>();
+  const auto [width, height, x0, y0, x1, y1, bins] = numbers;
+  if (x0 < 0 || y0 < 0 || x1 < x0 || y1 < y0 || x1 > width || y1 > height || bins < 0 || bins > kMaxSpectralBins)
+    in.fail("has a crop or bins that cannot be: damaged");
+  FilmLayout layout = read_layout(in);
+  const auto pixels = static_cast<std::size_t>(x1 - x0) * static_cast<std::size_t>(y1 - y0);
+  const auto numbers_per_pixel = static_cast<std::size_t>(1 + layout.size() + layout.variance_count() + bins);
+  if (in.left() != pixels * numbers_per_pixel * sizeof(double)) in.fail("has another size than its header claims");
+  Film film(width, height, {x0, y0, x1, y1}, std::move(layout), bins);
+  in.get(film.counts_);
+  in.get(film.sums_);
+  in.get(film.squares_);
+  in.get(film.spectra_);
+  return film;
+}
+
+}  // namespace sheaf

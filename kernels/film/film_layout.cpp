@@ -1,0 +1,18 @@
+#include "kernels/film/film_layout.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+FilmLayout FilmLayout::beauty() { return FilmLayout({{"R", true}, {"G", true}, {"B", true}, {"A", false}}); }
+
+int FilmLayout::variance_count() const {
+  return static_cast<int>(std::count_if(channels_.begin(), channels_.end(), [](auto& c) { return c.has_variance; }));
+}
+
+int FilmLayout::find(std::string_view name) const {
+  const auto found = std::find_if(channels_.begin(), channels_.end(), [name](auto& c) { return c.name == name; });
+  return found == channels_.end() ? -1 : static_cast<int>(found - channels_.begin());
+}
+
+}  // namespace sheaf

@@ -1,0 +1,47 @@
+// Finished camera samples on their way to the film.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace sheaf {
+
+/// What the wavelengths of a finished camera sample add to a film with spectral bins.
+struct SpectralSample {
+  std::uint16_t bin[4] = {};
+  float value[4] = {};  ///< spectral radiance over the density of the wavelength, the filter's weight included
+};
+
+/// The samples of a task, each with all channels of the film's layout next to each other, the filter's weight included.
+class SampleBuffer {
+ public:
+  /// Room for `samples` samples of `channels` channels, at least one; `spectral`: with SpectralSamples as well.
+  void resize(int samples, int channels, bool spectral) {
+    channels_ = channels;
+    values_.resize(static_cast<std::size_t>(samples) * static_cast<std::size_t>(channels));
+    spectra_.resize(spectral ? static_cast<std::size_t>(samples) : 0);
+  }
+
+  int channels() const { return channels_; }
+  /// The channels of a sample.
+  float* operator[](std::size_t sample) { return values_.data() + sample * static_cast<std::size_t>(channels_); }
+  const float* operator[](std::size_t sample) const {
+    return values_.data() + sample * static_cast<std::size_t>(channels_);
+  }
+  bool has_spectra() const { return !spectra_.empty(); }
+  SpectralSample& spectrum(std::size_t sample) { return spectra_[sample]; }
+  const SpectralSample& spectrum(std::size_t sample) const { return spectra_[sample]; }
+
+  /// Marks a sample that must not reach the film.
+  void drop(std::size_t sample) { (*this)[sample][0] = std::numeric_limits<float>::quiet_NaN(); }
+  bool is_dropped(std::size_t sample) const { return std::isnan((*this)[sample][0]); }
+
+ private:
+  int channels_ = 0;
+  std::vector<float> values_;
+  std::vector<SpectralSample> spectra_;
+};
+
+}  // namespace sheaf

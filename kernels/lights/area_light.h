@@ -1,0 +1,56 @@
+// What lights on shapes have in common: from a point on one to light that arrives, or to a photon that leaves.
+#pragma once
+
+#include "core/frame.h"
+#include "kernels/lights/light_kind.h"
+#include "scene/tables/shape.h"
+
+namespace sheaf {
+
+/// A point on an area light.
+template <class L> struct LightPoint {
+  SurfacePoint<L> y;           ///< p, ng and offset only
+  typename L::Float pdf_area;  ///< per area in world space
+};
+
+/// Turns a point on an area light into a sample: density from area to solid angle, and one-sidedness.
+template <class L>
+SHEAF_INLINE LightSample<L> sample_towards(Vec3<L> from, const LightPoint<L>& point, const LightRecord<L>& light) {
+  using F = Float<L>;
+  const SurfacePoint<L>& y = point.y;
+  LightSample<L> s;
+  const Vec3<L> d = y.p - from;
+  const F squared = dot(d, d);
+  s.direction = d * (F(1.0f) / sqrt(max(squared, F(1e-37f))));
+  const F cos_light = -dot(s.direction, y.ng);
+  s.valid = (cos_light > F(1e-6f)) & (squared > F(0.0f));
+  s.pdf_solid_angle = point.pdf_area * squared / select(s.valid, cos_light, F(1.0f));
+  s.target = y.p + y.ng * y.offset;
+  s.radiance = light.radiance;
+  return s;
+}
+
+/// The density per solid angle of a point that has `pdf_area` per area.
+template <class L> SHEAF_INLINE Float<L> pdf_seen(Float<L> pdf_area, const LightHit<L>& hit) {
+  using F = Float<L>;
+  const F cos_light = abs(dot(hit.direction, hit.ng));
+  return pdf_area * hit.t * hit.t / max(cos_light, F(1e-6f));
+}
+
+/// Along the cosine from a point on an area light (Jensen, "Realistic Image Synthesis Using Photon Mapping", 2001,
+/// section 5.2), so that all photons of a light without texture and stretching carry the same flux.
+template <class L>
+SHEAF_INLINE PhotonEmission<L> emit_from(const LightPoint<L>& at, const LightRecord<L>& light, const Random4<L>& b) {
+  using F = Float<L>;
+  const Vec3<L> local = square_to_cosine_hemisphere<L>(b.x, b.y);
+  PhotonEmission<L> e;
+  e.origin = at.y.p + at.y.ng * at.y.offset;
+  e.direction = Frame<L>::from_normal(at.y.ng).to_world(local);
+  e.pdf_position = at.pdf_area;
+  e.pdf_direction = cosine_hemisphere_pdf_solid_angle(local.z);
+  e.flux = light.radiance * (F(kPi) / at.pdf_area);
+  e.valid = local.z > F(0.0f);
+  return e;
+}
+
+}  // namespace sheaf

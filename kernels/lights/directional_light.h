@@ -1,0 +1,31 @@
+// Lights: parallel light from infinitely far away.
+#pragma once
+
+#include "kernels/lights/infinite_light.h"
+
+namespace sheaf {
+
+struct DirectionalLight {
+  static constexpr LightKind kKind = LightKind::kDirectional;
+  static constexpr LightMeeting kMeeting = LightMeeting::kNever;
+
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>&,
+                                            TextureQuery<L>&) {
+    LightSample<L> s;
+    s.direction = lights.light.position;
+    s.target = beyond_scene<L>(lights.scene, from, s.direction);
+    s.radiance = lights.light.radiance;
+    s.pdf_solid_angle = Float<L>(1.0f);
+    s.valid = Mask<L>(true);
+    return s;
+  }
+
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>& a, const Random4<L>&,
+                                             TextureQuery<L>&) {
+    return emit_from_infinity<L>(lights.scene, -lights.light.position, lights.light.radiance, Float<L>(1.0f), a);
+  }
+};
+
+}  // namespace sheaf

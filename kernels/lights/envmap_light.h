@@ -1,0 +1,58 @@
+// Lights: environment maps, by their brightness.
+#pragma once
+
+#include "kernels/lights/infinite_light.h"
+
+namespace sheaf {
+
+struct EnvmapLight {
+  static constexpr LightKind kKind = LightKind::kEnvmap;
+  static constexpr LightMeeting kMeeting = LightMeeting::kEscape;
+
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>& u,
+                                            TextureQuery<L>&) {
+    const auto found = sample_envmap<L, Mode>(lights.scene.envmap, u.y, u.z, lights.lambda);
+    LightSample<L> s;
+    s.direction = found.direction;
+    s.target = beyond_scene<L>(lights.scene, from, s.direction);
+    s.radiance = lit<L, Mode>(found.radiance, lights.light.radiance);
+    s.pdf_solid_angle = found.pdf_solid_angle;
+    s.valid = found.pdf_solid_angle > Float<L>(0.0f);
+    return s;
+  }
+
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE EnvmapValue<L> arriving(const SceneView& scene, const Spectrum<L>& emitted, Vec3<L> direction,
+                                              const Spectrum<L>& lambda) {
+    const auto found = lookup_envmap<L, Mode>(scene.envmap, direction, lambda);
+    return {lit<L, Mode>(found.radiance, emitted), found.pdf_solid_angle};
+  }
+
+  /// By the map's brightness, and for a part of the photons uniformly (balance heuristic).
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>& a, const Random4<L>& b,
+                                             TextureQuery<L>&) {
+    using F = Float<L>;
+    const EnvmapView& map = lights.scene.envmap;
+    const Vec3<L> to_light = select<L>(b.z < F(kUniformShare), square_to_sphere<L>(b.x, b.y),
+                                       sample_envmap<L, Mode>(map, b.x, b.y, lights.lambda).direction);
+    const auto value = arriving<L, Mode>(lights.scene, lights.light.radiance, to_light, lights.lambda);
+    const F pdf = fma(F(1.0f - kUniformShare), value.pdf_solid_angle, F(kUniformShare * kUniformSpherePdf));
+    return emit_from_infinity<L>(lights.scene, -to_light, value.radiance, pdf, a);
+  }
+
+ private:
+  /// The part of the photons that take any direction alike: the map's own density vanishes where
+  /// EnvmapDescription::mis_compensation takes it off.
+  static constexpr float kUniformShare = 0.125f;
+
+  /// Spectral mode: a map is a factor on what its row emits.
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE Spectrum<L> lit(const Spectrum<L>& found, const Spectrum<L>& emitted) {
+    if constexpr (Mode == ColorMode::kSpectral) return found * emitted;
+    return found;
+  }
+};
+
+}  // namespace sheaf

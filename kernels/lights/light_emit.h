@@ -1,0 +1,46 @@
+// Photons from lights of every kind: where they start, where they go and the power that each carries. For the photon
+// pass; estimators that gather at points sample lights by kernels/lights/light_sample.h instead.
+#pragma once
+
+#include "kernels/lights/light_sample.h"
+
+namespace sheaf {
+
+namespace light_emit_detail {
+
+template <class L> SHEAF_INLINE void merge(Mask<L> m, const PhotonEmission<L>& from, PhotonEmission<L>& into) {
+  into.origin = select<L>(m, from.origin, into.origin);
+  into.direction = select<L>(m, from.direction, into.direction);
+  into.flux = select<L>(m, from.flux, into.flux);
+  into.pdf_position = select(m, from.pdf_position, into.pdf_position);
+  into.pdf_direction = select(m, from.pdf_direction, into.pdf_direction);
+  into.valid = select(m, from.valid, into.valid);
+}
+
+}  // namespace light_emit_detail
+
+/// Emits a photon from each of the lights that choose_light_by_power() chose, with a position by a.y, a.z and a.w and a
+/// direction by b.x, b.y and b.z. Spectral mode: its flux at `lambda`, per nanometre.
+template <class L, ColorMode Mode = ColorMode::kRgb>
+PhotonEmission<L> emit_photon(const SceneView& scene, const LightChoice<L>& choice, const Random4<L>& a,
+                              const Random4<L>& b, const Spectrum<L>& lambda = {}) {
+  using F = Float<L>;
+  LightRecord<L> light = load_lights<L>(scene, choice.light);
+  if constexpr (Mode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, choice.light, lambda);
+  PhotonEmission<L> e{};
+  TextureQuery<L> query{};
+  Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
+    const auto active = light.is(Kind::kKind);
+    if (!any(active)) return;
+    light_emit_detail::merge<L>(active, Kind::template emit<L, Mode>({scene, light, active, lambda}, a, b, query), e);
+  });
+  e.medium = select(light.is(LightKind::kVolume), light.medium() + Uint<L>(1u), Uint<L>(kNone));
+  const auto textured = e.valid & (light.texture != Uint<L>(kNone));
+  if (any(textured)) e.flux = e.flux * light_textures<L, Mode>(scene, light.texture, textured, query, lambda);
+  const auto chosen = choice.probability > F(0.0f);
+  e.flux = e.flux * (F(1.0f) / select(chosen, choice.probability, F(1.0f)));
+  e.valid = e.valid & chosen & is_finite(e.direction) & is_finite(max_component(e.flux));
+  return e;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,139 @@
+// Light sampling: a point on a light, the radiance it sends to a reference point, and with which density it was chosen;
+// and the same density for a point that BSDF sampling found.
+#pragma once
+
+#include "core/sampler.h"
+#include "core/uplift.h"
+#include "kernels/lights/all.h"
+#include "kernels/lights/light_select.h"
+
+namespace sheaf {
+
+/// What lights' rows say, at the wavelengths `lambda`: spectral mode.
+template <class L>
+SHEAF_INLINE Spectrum<L> light_spectra(const SceneView& scene, typename L::Uint light, const Spectrum<L>& lambda) {
+  return evaluate<L>(scene.spectral.lights, light, scene.spectral.tables, lambda);
+}
+
+/// Colours of textures, as factors on light_spectra().
+template <class L>
+SHEAF_INLINE Spectrum<L> uplifted_light(const SceneView& scene, const Spectrum<L>& rgb, const Spectrum<L>& lambda) {
+  return evaluate(uplift_unbounded<L>(*scene.spectral.uplift, {rgb.c0, rgb.c1, rgb.c2}), lambda);
+}
+
+/// What the lights' textures say, one after the other; 1 for lights without, and nothing below 0. Lanes of one register
+/// may hold lights of different textures. `lambda`: spectral mode.
+template <class L, ColorMode Mode = ColorMode::kRgb>
+Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> active, const TextureQuery<L>& query,
+                           const Spectrum<L>& lambda = {}) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  Spectrum<L> out(F(1.0f));
+  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
+  store(lanes, texture);
+  for (std::uint32_t left = mask_bits(active & (texture != U(kNone))); left != 0;) {
+    const std::uint32_t row = lanes[std::countr_zero(left)];
+    const auto same = texture == U(row);
+    Spectrum<L> value = lookup_texture<L>(scene.textures, row, query);
+    if constexpr (Mode == ColorMode::kSpectral) value = uplifted_light<L>(scene, value, lambda);
+    const F zero(0.0f);
+    out = select<L>(same, {max(value.c0, zero), max(value.c1, zero), max(value.c2, zero), max(value.c3, zero)}, out);
+    left &= ~mask_bits(same);
+  }
+  return out;
+}
+
+namespace light_detail {
+
+/// What `Kind` says, for the lanes of `active`.
+template <class L, ColorMode Mode, class Kind>
+SHEAF_INLINE LightSample<L> sample_kind(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
+                                        Mask<L> active, const Random4<L>& u, const Spectrum<L>& lambda,
+                                        TextureQuery<L>& texture) {
+  LightSample<L> s = Kind::template sample<L, Mode>({scene, light, active, lambda}, from, u, texture);
+  s.delta = Mask<L>(Kind::kMeeting == LightMeeting::kNever);
+  return s;
+}
+
+template <class L> SHEAF_INLINE void merge(Mask<L> m, const LightSample<L>& a, LightSample<L>& into) {
+  into.direction = select<L>(m, a.direction, into.direction);
+  into.target = select<L>(m, a.target, into.target);
+  into.radiance = select<L>(m, a.radiance, into.radiance);
+  into.pdf_solid_angle = select(m, a.pdf_solid_angle, into.pdf_solid_angle);
+  into.delta = select(m, a.delta, into.delta);
+  into.valid = select(m, a.valid, into.valid);
+}
+
+}  // namespace light_detail
+
+/// Samples a direction towards given lights by u.y, u.z and u.w. Densities don't know how the lights were selected. In
+/// spectral mode light.radiance is light_spectra() at `lambda`.
+template <class L, ColorMode Mode = ColorMode::kRgb>
+SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
+                                               const Random4<L>& u, const Spectrum<L>& lambda = {}) {
+  using namespace light_detail;
+  LightSample<L> s{};
+  TextureQuery<L> query{};
+  const auto mesh = light.is(LightKind::kMesh);
+  if (all(mesh)) {
+    s = sample_kind<L, Mode, MeshLight>(scene, from, light, mesh, u, lambda, query);
+  } else {
+    Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
+      const auto active = light.is(Kind::kKind);
+      if (any(active)) merge<L>(active, sample_kind<L, Mode, Kind>(scene, from, light, active, u, lambda, query), s);
+    });
+  }
+  s.target_medium = select(light.is(LightKind::kVolume), light.medium() + Uint<L>(1u), Uint<L>(kNone));
+  const auto textured = s.valid & (light.texture != Uint<L>(kNone));
+  if (any(textured))
+    s.radiance = s.radiance * light_textures<L, Mode>(scene, light.texture, textured, query, lambda);
+  return s;
+}
+
+/// A direction from `from` towards lights that were chosen, and its density, the choice included. `lambda`: the
+/// wavelengths in spectral mode.
+template <class L, ColorMode Mode = ColorMode::kRgb>
+SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, const LightChoice<L>& choice,
+                                         const Random4<L>& u, const Spectrum<L>& lambda = {}) {
+  LightRecord<L> light = load_lights<L>(scene, choice.light);
+  if constexpr (Mode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, choice.light, lambda);
+  LightSample<L> s = sample_given_light<L, Mode>(scene, from, light, u, lambda);
+  s.pdf_solid_angle = s.pdf_solid_angle * choice.probability;
+  return s;
+}
+
+/// The density, without the choice, with which sample_given_light from `from` would have found the point at distance
+/// `t` in `direction` on an area light with geometric normal `ng` there.
+template <class L>
+SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightRecord<L>& light, Mask<L> active,
+                                            Vec3<L> from, Vec3<L> direction, Float<L> t, Vec3<L> ng) {
+  const LightHit<L> hit{from, direction, t, ng};
+  const Spectrum<L> no_lambda;
+  Float<L> pdf(0.0f);
+  Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
+    if constexpr (Kind::kMeeting == LightMeeting::kSurface) {
+      const Mask<L> here = active & light.is(Kind::kKind);
+      if (any(here)) pdf = select(here, Kind::template pdf_solid_angle<L>({scene, light, here, no_lambda}, hit), pdf);
+    }
+  });
+  return pdf;
+}
+
+/// What the environment, which must be there, sends from `direction`, and the density without the choice with which
+/// sample_given_light would have found that. `lambda`: spectral mode.
+template <class L, ColorMode Mode>
+SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, Vec3<L> direction, const Spectrum<L>& lambda) {
+  using F = Float<L>;
+  const LightRow& light = scene.lights[scene.environment];
+  const Spectrum4& rgb = light.radiance;
+  Spectrum<L> emitted{F(rgb.c0), F(rgb.c1), F(rgb.c2), F(rgb.c3)};
+  if constexpr (Mode == ColorMode::kSpectral) emitted = light_spectra<L>(scene, Uint<L>(scene.environment), lambda);
+  EnvmapValue<L> value{};
+  Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
+    if constexpr (Kind::kMeeting == LightMeeting::kEscape)
+      if (light.is(Kind::kKind)) value = Kind::template arriving<L, Mode>(scene, emitted, direction, lambda);
+  });
+  return value;
+}
+
+}  // namespace sheaf

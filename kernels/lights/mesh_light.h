@@ -1,0 +1,58 @@
+// Lights: meshes of triangles that emit, uniformly by area.
+#pragma once
+
+#include "core/distribution.h"
+#include "kernels/lights/area_light.h"
+
+namespace sheaf {
+
+struct MeshLight {
+  static constexpr LightKind kKind = LightKind::kMesh;
+  static constexpr LightMeeting kMeeting = LightMeeting::kSurface;
+
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>& u,
+                                            TextureQuery<L>& texture) {
+    return sample_towards<L>(from, point<L>(lights, u, texture), lights.light);
+  }
+
+  template <class L>
+  static SHEAF_INLINE Float<L> pdf_solid_angle(const LightsAsked<L>& lights, const LightHit<L>& hit) {
+    return pdf_seen<L>(Float<L>(1.0f) / lights.light.area, hit);
+  }
+
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>& a, const Random4<L>& b,
+                                             TextureQuery<L>& texture) {
+    return emit_from<L>(point<L>(lights, a, texture), lights.light, b);
+  }
+
+ private:
+  /// By u.y, u.z and u.w.
+  template <class L>
+  static SHEAF_INLINE LightPoint<L> point(const LightsAsked<L>& lights, const Random4<L>& u, TextureQuery<L>& texture) {
+    using F = Float<L>;
+    using U = Uint<L>;
+    const SceneView& scene = lights.scene;
+    const LightRecord<L>& light = lights.light;
+    const U first = select(lights.active, light.first_triangle, U(0u));
+    const auto chosen =
+        sample_alias<L>(scene.triangle_alias, first, select(lights.active, light.triangle_count, U(1u)), u.w);
+    const LightTriangleRecord<L> triangle = gather_rows<L>(scene.light_triangles, first + chosen.index);
+    const Vec2<L> b = square_to_triangle<L>(u.y, u.z);
+    LightPoint<L> out;
+    out.y.p = triangle.p + triangle.edge1 * b.x + triangle.edge2 * b.y;
+    out.y.ng = triangle.normal;
+    out.y.offset = triangle.offset;
+    const auto textured = lights.active & (light.texture != U(kNone));
+    if (any(textured)) {
+      const U row = select(textured, light.first_uv() + chosen.index, U(0u));
+      const LightUvRecord<L> uvs = gather_rows<L>(scene.light_uvs, row);
+      set_query<L>(textured, {uvs.at(F(1.0f) - b.x - b.y, b.x, b.y), light.shape, chosen.index, b.x, b.y}, texture);
+    }
+    out.pdf_area = F(1.0f) / light.area;
+    return out;
+  }
+};
+
+}  // namespace sheaf

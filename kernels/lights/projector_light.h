@@ -1,0 +1,49 @@
+// Lights: projectors, see ProjectorDescription.
+#pragma once
+
+#include "kernels/lights/spot_light.h"
+
+namespace sheaf {
+
+struct ProjectorLight {
+  static constexpr LightKind kKind = LightKind::kProjector;
+  static constexpr LightMeeting kMeeting = LightMeeting::kNever;
+
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>&,
+                                            TextureQuery<L>& texture) {
+    using F = Float<L>;
+    using U = Uint<L>;
+    const LightFrameRecord<L> frame = load_frames<L>(lights);
+    const Vec2<L> scale = frame.picture_scale();
+    const Vec3<L> local = frame.local_point(from);
+    const auto ahead = local.z > F(0.0f);
+    const F depth = select(ahead, local.z, F(1.0f));
+    const F u = F(0.5f) - local.x / depth * scale.x, v = F(0.5f) - local.y / depth * scale.y;
+    LightSample<L> s = sample_position<L>(lights.light, from);
+    s.valid = s.valid & ahead & (min(u, v) >= F(0.0f)) & (max(u, v) <= F(1.0f));
+    const F inverse_cosine = sqrt(dot(local, local)) / depth;
+    s.radiance = s.radiance * (inverse_cosine * inverse_cosine * inverse_cosine);
+    set_query<L>(lights.active & s.valid, {{u, v}, U(0u), U(0u), F(0.0f), F(0.0f)}, texture);
+    return s;
+  }
+
+  /// Uniformly over the picture. The intensity goes with 1 / cos^3, and so does the density of directions.
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>&, const Random4<L>& b,
+                                             TextureQuery<L>& texture) {
+    using F = Float<L>;
+    const LightFrameRecord<L> frame = load_frames<L>(lights);
+    const Vec2<L> scale = frame.picture_scale();
+    const Vec3<L> local{(F(0.5f) - b.x) / scale.x, (F(0.5f) - b.y) / scale.y, F(1.0f)};
+    const F distance = length(local), inverse_area = scale.x * scale.y;
+    const F inverse_cosines = distance * distance * distance;
+    auto e = emit_from_position<L>(lights.light, normalize_any(frame.world_vector(local)),
+                                   inverse_area * inverse_cosines);
+    e.flux = lights.light.radiance * (F(1.0f) / inverse_area);
+    set_query<L>(lights.active, {{b.x, b.y}, Uint<L>(0u), Uint<L>(0u), F(0.0f), F(0.0f)}, texture);
+    return e;
+  }
+};
+
+}  // namespace sheaf

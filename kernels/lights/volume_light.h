@@ -1,0 +1,127 @@
+// Media as lights: points inside of them, chosen by what is emitted there.
+//
+// A volume light is a box with the sides of the world's axes, cut into cells; a cell is chosen by its share of the
+// emission, a point in it uniformly. Points that lie in the box but not in the medium bring nothing: the ray to or from
+// them finds out (kernels/stages/transmittance.cpp; PhotonEmission::medium).
+#pragma once
+
+#include "core/distribution.h"
+#include "kernels/lights/light_kind.h"
+#include "scene/tables/medium_lookup.h"
+
+namespace sheaf {
+
+/// The density, per cubic metre, of the point `p` of a volume light.
+inline float volume_light_pdf(const SceneView& scene, std::uint32_t index, Vec3f p) {
+  const LightRow& light = scene.lights[index];
+  const VolumeCells cells = volume_cells(light);
+  const Vec3f size = light.extent();
+  const auto place = [](float x, float lower, float extent, std::uint32_t count) {
+    const float at = (x - lower) / extent * static_cast<float>(count);
+    return at >= 0.0f && at <= static_cast<float>(count) ? std::min(to_uint(at), count - 1u) : kNone;
+  };
+  const std::uint32_t x = place(p.x, light.position.x, size.x, cells.x);
+  const std::uint32_t y = place(p.y, light.position.y, size.y, cells.y);
+  const std::uint32_t z = place(p.z, light.position.z, size.z, cells.z);
+  if (x == kNone || y == kNone || z == kNone) return 0.0f;
+  const AliasEntry& cell = scene.triangle_alias[light.first_triangle + (z * cells.y + y) * cells.x + x];
+  return cell.pdf * static_cast<float>(light.triangle_count) / (size.x * size.y * size.z);
+}
+
+/// A point of a volume light.
+template <class L> struct VolumePoint {
+  Vec3<L> p;
+  typename L::Float pdf_volume;  ///< per cubic metre
+  Spectrum<L> emitted;           ///< sigma_a times the radiance that the medium tends to, W / (m^3 sr)
+  static constexpr auto fields(auto& s) { return std::tie(s.p, s.pdf_volume, s.emitted); }
+};
+
+/// By u.y, u.z and u.w. `lambda`: the path's wavelengths; not used in RGB mode.
+inline VolumePoint<Scalar> sample_volume_light(const SceneView& scene, std::uint32_t index, const Random4<Scalar>& u,
+                                               const Spectrum4& lambda) {
+  const LightRow& light = scene.lights[index];
+  const VolumeCells cells = volume_cells(light);
+  const Vec3f size = light.extent();
+  const auto cell = sample_alias<Scalar>(scene.triangle_alias, light.first_triangle, light.triangle_count, u.w);
+  // What is left of u.w depends on the cell; for the third coordinate its bits are scrambled instead.
+  std::uint32_t a = float_bits(u.w), b = float_bits(u.y), c = float_bits(u.z), d = index;
+  hash4(a, b, c, d);
+  const float depth = light.triangle_count == 1 ? u.w : unit_float(a ^ b);
+  const std::uint32_t x = cell.index % cells.x, y = cell.index / cells.x % cells.y, z = cell.index / cells.x / cells.y;
+  VolumePoint<Scalar> out;
+  out.p = {light.position.x + size.x * ((static_cast<float>(x) + u.y) / static_cast<float>(cells.x)),
+           light.position.y + size.y * ((static_cast<float>(y) + u.z) / static_cast<float>(cells.y)),
+           light.position.z + size.z * ((static_cast<float>(z) + depth) / static_cast<float>(cells.z))};
+  out.pdf_volume = cell.pdf * static_cast<float>(light.triangle_count) / (size.x * size.y * size.z);
+  const MediumRow& medium = scene.media[light.medium()];
+  const MediumSpectra spectra = medium_spectra(scene, medium, lambda);
+  out.emitted = to_spectrum(medium_coefficients(scene, medium, spectra, out.p, lambda).sigma_a *
+                            medium_emission(scene, medium, spectra, out.p, lambda));
+  return out;
+}
+
+struct VolumeLight {
+  static constexpr LightKind kKind = LightKind::kVolume;
+  static constexpr LightMeeting kMeeting = LightMeeting::kMedium;
+
+  /// `radiance`: per metre.
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>& u,
+                                            TextureQuery<L>&) {
+    using F = Float<L>;
+    const VolumePoint<L> point = points<L>(lights, u);
+    LightSample<L> s;
+    s.target = point.p;
+    s.radiance = point.emitted;
+    const Vec3<L> d = s.target - from;
+    const F squared = dot(d, d);
+    s.direction = d * (F(1.0f) / sqrt(max(squared, F(1e-37f))));
+    s.pdf_solid_angle = point.pdf_volume * squared;
+    s.valid = s.pdf_solid_angle > F(0.0f);
+    return s;
+  }
+
+  static float pdf_volume(const SceneView& scene, std::uint32_t light, Vec3f p) {
+    return volume_light_pdf(scene, light, p);
+  }
+
+  /// To all sides alike.
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>& a, const Random4<L>& b,
+                                             TextureQuery<L>&) {
+    using F = Float<L>;
+    const VolumePoint<L> point = points<L>(lights, a);
+    PhotonEmission<L> e;
+    e.origin = point.p;
+    e.direction = square_to_sphere<L>(b.x, b.y);
+    e.pdf_position = point.pdf_volume;
+    e.pdf_direction = F(kUniformSpherePdf);
+    e.valid = point.pdf_volume > F(0.0f);
+    e.flux = point.emitted * (F(4.0f * kPi) / select(e.valid, point.pdf_volume, F(1.0f)));
+    return e;
+  }
+
+ private:
+  /// One lane after the other; all zero in those that are not asked.
+  template <class L> static VolumePoint<L> points(const LightsAsked<L>& lights, const Random4<L>& u) {
+    constexpr int kWords = kLeafCount<VolumePoint>;
+    alignas(kSimdAlignment) float number[3][L::width], wavelength[4][L::width], out[kWords][L::width] = {};
+    alignas(kSimdAlignment) std::uint32_t media[L::width];
+    store(media, lights.light.medium());
+    store(number[0], u.y), store(number[1], u.z), store(number[2], u.w);
+    store(wavelength[0], lights.lambda.c0), store(wavelength[1], lights.lambda.c1);
+    store(wavelength[2], lights.lambda.c2), store(wavelength[3], lights.lambda.c3);
+    for (std::uint32_t left = mask_bits(lights.active); left != 0; left &= left - 1) {
+      const int i = std::countr_zero(left);
+      VolumePoint<Scalar> found = sample_volume_light(
+          lights.scene, lights.scene.media[media[i]].light, {0.0f, number[0][i], number[1][i], number[2][i]},
+          {wavelength[0][i], wavelength[1][i], wavelength[2][i], wavelength[3][i]});
+      std::apply([&](const auto&... leaf) { int k = 0; ((out[k++][i] = leaf), ...); }, leaves(found));
+    }
+    VolumePoint<L> point;
+    std::apply([&](auto&... leaf) { int k = 0; (load(out[k++], leaf), ...); }, leaves(point));
+    return point;
+  }
+};
+
+}  // namespace sheaf

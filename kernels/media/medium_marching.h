@@ -1,0 +1,79 @@
+// Ray marching: a medium as steps of equal length, each with the coefficients of one point in it, at a place in the
+// step that is random for each ray. Biased: the exponential of an optical depth that is only right in the mean lets too
+// much light pass. The error falls at least in proportion to the step.
+#pragma once
+
+#include "kernels/media/medium_tracking.h"
+
+namespace sheaf {
+
+/// Calls step(begin, length, coefficients, point) for each step along the ray until it returns false.
+template <class Step> SHEAF_INLINE void for_each_step(const MediumRay& ray, float jitter, Step&& step) {
+  // A ray without an end is followed as far as this many steps.
+  constexpr float kMostSteps = 1e5f;
+  const float size = max(ray.medium.step_size, 1e-7f);
+  const float end = min(ray.length, size * kMostSteps);
+  for (float i = 0.0f; i * size < end; i += 1.0f) {
+    const float begin = i * size, length = min(size, end - begin);
+    const Vec3f p = ray.at(begin + jitter * length);
+    if (!step(begin, length, ray.coefficients(p), p)) return;
+  }
+}
+
+/// As track_null_collisions(), by steps, with u in [0, 1) for the distance. What each step emits is given to
+/// emission.add_step(path, transmittance up to the step, coefficients, point, length).
+template <class MediumEmission>
+inline float march(const MediumRay& ray, float u, MediumRandom& random, TrackingCounts& counts, PathWeights& path,
+                   MediumEmission& emission) {
+  const float target = exponential_distance(1.0f, u);
+  Quad depth;
+  float found = -1.0f;
+  for_each_step(ray, random.next(), [&](float begin, float length, const MediumCoefficients& c, Vec3f p) {
+    const Quad sigma_t = c.sigma_t;
+    const float before = depth[ray.hero], after = before + sigma_t[ray.hero] * length;
+    if (ray.has(kMediumEmits)) emission.add_step(path, exp(Quad() - depth), c, p, length);
+    ++counts.null;
+    if (!(after > target) || !ray.has(kMediumScatters)) {
+      depth = depth + sigma_t * length;
+      return true;
+    }
+    const float step = (target - before) / sigma_t[ray.hero];
+    depth = depth + sigma_t * step;
+    const Quad passed = exp(Quad() - depth);
+    const Quad ratio = passed * (1.0f / (passed[ray.hero] * sigma_t[ray.hero]));
+    path.beta = path.beta * ratio * c.sigma_s;
+    path.r_u = path.r_u * ray.odds(ratio * sigma_t);
+    found = begin + step;
+    return false;
+  });
+  if (found >= 0.0f) {
+    ++counts.real;
+    --counts.null;
+    return found;
+  }
+  const Quad passed = exp(Quad() - depth);
+  if (!ray.has(kMediumScatters)) {
+    path.beta = path.beta * passed;
+    return ray.length;
+  }
+  const float p = max(passed[ray.hero], 1e-30f);
+  path.beta = path.beta * passed * (1.0f / p);
+  path.r_u = path.r_u * ray.odds(passed * (1.0f / p));
+  path.r_l = path.r_l * (1.0f / p);
+  return ray.length;
+}
+
+/// Lets a shadow ray's light pass.
+inline void pass_by_marching(const MediumRay& ray, MediumRandom& random, TrackingCounts& counts, PathWeights& path) {
+  Quad depth;
+  for_each_step(ray, random.next(), [&](float, float length, const MediumCoefficients& c, Vec3f) {
+    depth = depth + c.sigma_t * length;
+    ++counts.shadow;
+    return true;
+  });
+  const Quad passed = exp(Quad() - depth);
+  path.beta = path.beta * passed;
+  if (ray.has(kMediumScatters)) path.r_u = path.r_u * ray.odds(passed);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,56 @@
+// A path's ray as tracking sees it.
+#pragma once
+
+#include "kernels/media/medium_tracking.h"
+#include "kernels/wave/lane_mean.h"
+#include "kernels/wave/path_wavelengths.h"
+
+#include <cmath>
+
+namespace sheaf {
+
+/// The lane by whose extinction a path samples distances: the first wavelength in spectral mode, in RGB mode each of
+/// the three alike, by the path's number.
+inline std::uint32_t hero_lane_flags(std::uint32_t lane) { return lane << kRayHeroShift; }
+inline int hero_lane(std::uint32_t flags) { return static_cast<int>((flags & kRayHeroMask) >> kRayHeroShift); }
+
+/// The wavelengths of a path; zeros in RGB mode.
+inline Spectrum4 lane_wavelengths(const SceneView& scene, const Wave& wave, Slot slot) {
+  return scene.color == ColorMode::kSpectral ? path_wavelengths<Scalar>(wave, &slot) : Spectrum4{};
+}
+
+/// Where a ray that hits nothing leaves its medium: the distance to SceneView::medium_radius; 0 where it has left it.
+/// Paths and shadow rays that leave the scene both end there, so that light from outside is weakened alike.
+inline float medium_end(const SceneView& scene, Vec3f origin, Vec3f direction) {
+  if (!(scene.medium_radius < kInfinity)) return kInfinity;
+  const Vec3f from = origin - scene.center;
+  const float b = dot(from, direction), c = dot(from, from) - sqr(scene.medium_radius);
+  const float square = b * b - c;
+  if (!(square > 0.0f)) return 0.0f;
+  const float root = std::sqrt(square);
+  return max(b > 0.0f ? -c / (b + root) : root - b, 0.0f);
+}
+
+/// The stretch of `length` metres from `origin` in the medium that `flags` (RayState::flags) name.
+inline MediumRay make_medium_ray(const StageContext& context, std::uint32_t flags, const Spectrum4& lambda,
+                                 Vec3f origin, Vec3f direction, float length) {
+  const MediumRow& medium = context.scene.media[(flags >> kRayMediumShift) - 1u];
+  const MediumSpectra spectra = medium_spectra(context.scene, medium, lambda);
+  const MediumEstimator estimator = context.transport.medium_estimator;
+  const bool by_largest = (estimator == MediumEstimator::kDelta || estimator == MediumEstimator::kRatio) &&
+                          (medium.flags & kMediumColored) == 0;
+  int hero = hero_lane(flags);
+  if (by_largest) {
+    const Quad most =
+        (medium.flags & kMediumAbsorptionScattering) != 0 ? spectra.first + spectra.second : spectra.first;
+    for (int lane = 0; lane < 4; ++lane)
+      if (most[lane] > most[hero]) hero = lane;
+  }
+  return {context.scene,  medium,    spectra,                      lambda,
+          origin, direction, min(length, kLongestStretch), hero, !by_largest};
+}
+
+/// lane_mean() in one register.
+inline float lane_mean(const SceneView& scene, Quad r) { return lane_mean<Scalar>(scene.color, to_spectrum(r)); }
+
+}  // namespace sheaf

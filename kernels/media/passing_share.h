@@ -1,0 +1,39 @@
+// How much light a surface lets pass as if it were not there: null interfaces, masks, and blends of them.
+#pragma once
+
+#include "scene/tables/shape.h"
+#include "scene/tables/texture_lookup.h"
+
+namespace sheaf {
+
+namespace passing_detail {
+
+inline std::uint32_t side_of(const SceneView& scene, std::uint32_t row, bool behind) {
+  return behind ? scene.materials[row].back : row;
+}
+
+}  // namespace passing_detail
+
+/// Whether a material of the description, given as a row, may let light pass: composite ones and open panes may.
+/// `behind`: it is seen from behind the geometric normal.
+inline bool may_pass(const SceneView& scene, std::uint32_t row, bool behind) {
+  const MaterialRow& m = scene.materials[passing_detail::side_of(scene, row, behind)];
+  return (m.flags & kComposite) != 0 || (scene.has_open_panes && closure_info(m.kind).is_pane);
+}
+
+/// The share of light, in [0, 1], that passes: the probability with which the select_materials stage lets a path pass.
+inline float passing_share(const SceneView& scene, std::uint32_t row, bool behind, const TextureQuery<Scalar>& query) {
+  if (row == MaterialRow::kNothing) return 1.0f;
+  const MaterialRow& m = scene.materials[passing_detail::side_of(scene, row, behind)];
+  if ((m.flags & kComposite) == 0) return 0.0f;
+  float second = m.second_share();
+  if (m.binding_count > 0)
+    second = lookup_scalar<Scalar>(scene.textures, scene.bindings[m.first_binding].texture, query);
+  second = clamp(second, 0.0f, 1.0f);
+  float share = 0.0f;
+  if (second < 1.0f) share += (1.0f - second) * passing_share(scene, m.choice[0], behind, query);
+  if (second > 0.0f) share += second * passing_share(scene, m.choice[1], behind, query);
+  return share;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,101 @@
+// Stage: accumulate. Finished paths become samples of the task; the film takes those in order at the task's end
+// (kernels/passes/render.cpp).
+//
+// In spectral mode the sensor turns four radiances into linear Rec.709. A single sample is a colour out of the gamut as
+// a rule, and its negative components are as much needed as the others: what is dropped for being negative is judged
+// by the radiances, never by the colour. So pixels of spectral pictures may have negative components, by noise and
+// where the scene has colours that Rec.709 does not reach.
+#include "core/color.h"
+#include "kernels/film/camera_task.h"
+#include "kernels/film/film_layout.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/path_wavelengths.h"
+#include "kernels/wave/stage_timer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// Puts each wavelength into its bin, for films that have bins.
+template <class L>
+void bin_tile(CameraTask& task, int count, const RadianceState<L>& r, const Wavelengths<L>& w) {
+  const Spectrum<L> values[] = {w.lambda, w.pdf, r.radiance};
+  alignas(kSimdAlignment) float words[3][4][L::width], weight[L::width];
+  for (int j = 0; j < 3; ++j) {
+    store(words[j][0], values[j].c0), store(words[j][1], values[j].c1);
+    store(words[j][2], values[j].c2), store(words[j][3], values[j].c3);
+  }
+  alignas(kSimdAlignment) std::uint32_t index[L::width];
+  store(weight, r.weight);
+  store(index, r.task_sample & Uint<L>(~kTransparent));
+  const float per_nm = static_cast<float>(task.spectral_bins()) / (kWavelengthMax - kWavelengthMin);
+  for (int lane = 0; lane < count; ++lane) {
+    SpectralSample& out = task.samples.spectrum(index[lane]);
+    for (int k = 0; k < 4; ++k) {
+      const int bin = static_cast<int>((words[0][k][lane] - kWavelengthMin) * per_nm);
+      out.bin[k] = static_cast<std::uint16_t>(std::min(bin, task.spectral_bins() - 1));
+      out.value[k] = 0.25f * weight[lane] * words[2][k][lane] / words[1][k][lane];
+    }
+  }
+}
+
+/// What the film is to make of the radiances of `slots`: components of linear Rec.709 in RGB mode as in spectral mode.
+template <class L>
+SHEAF_INLINE void sense_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
+  using F = Float<L>;
+  RadianceState<L> r = wave.radiance.gather<L>(slots);
+  const F lowest = min(min(r.radiance.c0, r.radiance.c1), min(r.radiance.c2, r.radiance.c3));
+  const Wavelengths<L> wavelengths = sample_wavelengths<L>(abs(gather_wavelength_samples<L>(wave, slots)));
+  if (context.camera->samples.has_spectra()) bin_tile<L>(*context.camera, count, r, wavelengths);
+  const Vec3<L> rgb = radiance_to_rgb<L>(*context.scene.spectral.sensor, wavelengths, r.radiance);
+  r.radiance = {rgb.x, rgb.y, rgb.z, select(lowest >= F(0.0f), F(0.0f), F(-1.0f))};
+  wave.radiance.scatter<L>(slots, count, r);
+}
+
+/// Whether a sample may be added to the film. `r`: in spectral mode after sense_tile().
+bool is_good(ColorMode color, const RadianceState<Scalar>& r) {
+  const Spectrum4& c = r.radiance;
+  if (!std::isfinite((c.c0 + c.c1 + c.c2) * r.weight)) return false;
+  return color == ColorMode::kSpectral ? c.c3 >= 0.0f : c.c0 >= 0.0f && c.c1 >= 0.0f && c.c2 >= 0.0f;
+}
+
+}  // namespace
+
+template <class L> void accumulate(const StageContext& context, Wave& wave) noexcept {
+  const int paths = wave.finished.size();
+  if (paths == 0) return;
+  StageTimer timer(wave.stats, Stage::kAccumulate);
+  timer.count(paths, 1);
+  if (context.scene.color == ColorMode::kSpectral && context.transports_light) {
+    wave.finished.pad();
+    for_tiles<L>(paths, [&](int i, int count) { sense_tile<L>(context, wave, wave.finished.data() + i, count); });
+  }
+  SampleBuffer& samples = context.camera->samples;
+  for (int i = 0; i < paths; ++i) {
+    const Slot slot = wave.finished[i];
+    const RadianceState<Scalar> r = wave.radiance.get(slot);
+    const std::size_t sample = r.task_sample & ~kTransparent;
+    if (is_good(context.scene.color, r)) {
+      float* out = samples[sample];
+      out[kRed] = r.radiance.c0 * r.weight;
+      out[kGreen] = r.radiance.c1 * r.weight;
+      out[kBlue] = r.radiance.c2 * r.weight;
+      out[kAlpha] = r.task_sample & kTransparent ? 0.0f : r.weight;
+      ++wave.stats.samples;
+    } else {
+      samples.drop(sample);
+      ++wave.stats.dropped.samples;
+      const ThroughputState<Scalar> path = wave.throughput.get(slot);
+      if (!wave.first_dropped.any) wave.first_dropped = {true, path.pixel, path.sample};
+    }
+    wave.free.push(slot);
+  }
+  wave.finished.clear();
+}
+
+SHEAF_INSTANTIATE_STAGE(accumulate);
+
+}  // namespace sheaf

@@ -1,0 +1,107 @@
+// Stage: camera rays. Pixel positions by filter importance sampling; see scene/tables/filter.h.
+#include "core/sampler.h"
+#include "kernels/film/camera_task.h"
+#include "kernels/stages/continue_ray.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/stage_timer.h"
+
+namespace sheaf {
+
+namespace {
+
+/// A pinhole leaves a number of the camera's block free, which is spread together with the place in the pixel: then
+/// colour noise is low where the pixel's parts differ.
+template <class L>
+SHEAF_INLINE void start_wavelengths(const StageContext& context, Wave& wave, const Slot* slots, int count,
+                                    const ThroughputState<L>& path, const Random4<L>& camera) {
+  const bool lens = context.scene.camera.has_lens();
+  alignas(kSimdAlignment) float u[L::width];
+  store(u,
+        lens ? draw<L>(context.sampler, path.pixel, path.sample, Uint<L>(0u), SampleBlock::kWavelength).x : camera.z);
+  for (int lane = 0; lane < count; ++lane) wave.wavelength_samples[slots[lane]] = u[lane];
+}
+
+/// The state that only scenes with media or surfaces that let shadow rays pass have. Returns RayState::flags.
+template <class L>
+SHEAF_INLINE Uint<L> start_in_medium(const StageContext& context, Wave& wave, const Slot* slots, int count,
+                                     const ThroughputState<L>& path) {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+  wave.probabilities.scatter<L>(slots, count, {Spectrum<L>(F(1.0f)), Spectrum<L>(F(1.0f))});
+  const U medium(context.scene.camera_medium << kRayMediumShift);
+  if (context.scene.color == ColorMode::kSpectral) return medium;
+  const F u = draw<L>(context.sampler, path.pixel, path.sample, U(0u), SampleBlock::kWavelength).x;
+  return medium | (min(to_uint(u * F(3.0f)), U(2u)) << kRayHeroShift);
+}
+
+template <class L>
+SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot* slots, int count,
+                             std::uint32_t flags) {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+  CameraTask& task = *context.camera;
+  alignas(kSimdAlignment) std::uint32_t x[L::width], y[L::width], pixel[L::width], sample[L::width];
+  RadianceState<L> radiance;
+  radiance.task_sample = U(static_cast<std::uint32_t>(task.cursor.index)) + L::index();
+  for (int lane = 0; lane < L::width; ++lane) {
+    const int last = std::min(lane, count - 1);
+    pixel[lane] = lane < count ? task.pixel() : pixel[last];
+    sample[lane] = lane < count ? task.sample() : sample[last];
+    x[lane] = lane < count ? task.x() : x[last];
+    y[lane] = lane < count ? task.y() : y[last];
+    if (lane < count) task.advance();
+  }
+  U px, py;
+  ThroughputState<L> throughput;
+  load(x, px);
+  load(y, py);
+  load(sample, throughput.sample);
+  load(pixel, throughput.pixel);
+  // The fourth lane is no colour in RGB mode: it starts at 0 and stays there, whatever BSDFs do to it.
+  throughput.beta = {F(1.0f), F(1.0f), F(1.0f), F(context.scene.color == ColorMode::kSpectral ? 1.0f : 0.0f)};
+  throughput.eta_scale = F(1.0f);
+  throughput.progress = U(0u);
+
+  const auto u = draw<L>(context.sampler, throughput.pixel, throughput.sample, U(0u), SampleBlock::kCamera);
+  if (context.scene.color == ColorMode::kSpectral) start_wavelengths<L>(context, wave, slots, count, throughput, u);
+  const auto dx = context.scene.filter->sample<L>(u.x), dy = context.scene.filter->sample<L>(u.y);
+  const F film_x = to_float(px) + F(0.5f) + dx.position, film_y = to_float(py) + F(0.5f) + dy.position;
+  const Vec2<L> lens = context.scene.camera.has_lens() ? square_to_disk<L>(u.z, u.w) : Vec2<L>{F(0.0f), F(0.0f)};
+  const CameraRay<L> from_camera = context.scene.camera.ray<L>(film_x, film_y, lens.x, lens.y);
+  RayState<L> ray;
+  ray.origin = from_camera.origin;
+  ray.direction = from_camera.direction;
+  ray.t_max = from_camera.t_max;
+  ray.flags = U(flags);
+  if (keeps_distance_since_vertex(context))
+    for (int lane = 0; lane < count; ++lane) wave.distance_since_vertex[slots[lane]] = 0.0f;
+  if (context.scene.has_transparency) ray.flags |= start_in_medium<L>(context, wave, slots, count, throughput);
+
+  radiance.scatter_pdf = F(0.0f);
+  radiance.normal = U(0u);
+  radiance.weight = dx.weight * dy.weight;
+  wave.rays.scatter<L>(slots, count, ray);
+  wave.throughput.scatter<L>(slots, count, throughput);
+  wave.radiance.scatter<L>(slots, count, radiance);
+}
+
+}  // namespace
+
+template <class L> void camera_rays(const StageContext& context, Wave& wave) noexcept {
+  const int starting = std::min(wave.free.size(), context.camera->left());
+  if (starting <= 0) return;
+  StageTimer timer(wave.stats, Stage::kCameraRays);
+  timer.count(starting, L::width);
+  const std::uint32_t flags = kRayFromCamera | (context.transport.max_depth == 1 ? kRayLast : 0u);
+  for_tiles<L>(starting, [&](int, int count) {
+    Slot slots[L::width] = {};
+    for (int lane = 0; lane < count; ++lane) slots[lane] = wave.free.pop();
+    start_tile<L>(context, wave, slots, count, flags);
+    for (int lane = 0; lane < count; ++lane) wave.active.push(slots[lane]);
+  });
+  wave.stats.rays.camera += static_cast<std::uint64_t>(starting);
+}
+
+SHEAF_INSTANTIATE_STAGE(camera_rays);
+
+}  // namespace sheaf

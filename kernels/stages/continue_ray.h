@@ -1,0 +1,81 @@
+// Going on behind a surface as if it were not there: null interfaces, masks and lights that are hidden; and what panes
+// and shadow rays share with them.
+#pragma once
+
+#include "kernels/media/medium_boundary.h"
+#include "kernels/wave/wave.h"
+#include "scene/tables/shape.h"
+
+#include <bit>
+
+namespace sheaf {
+
+/// A ray where it leaves a surface that it has crossed: its origin, and RayState::flags with the medium that it is in.
+template <class L> struct RayBehind {
+  Vec3<L> origin;
+  typename L::Uint flags;
+};
+
+/// Behind `surface`, whose ShapeRow::boundary is `boundary`, for a ray that keeps its direction.
+template <class L>
+SHEAF_INLINE RayBehind<L> ray_behind(const SceneView& scene, const SurfacePoint<L>& surface, Uint<L> boundary,
+                                     Vec3<L> direction, Uint<L> flags) {
+  return {offset_origin<L>(surface.p, surface.ng, surface.offset, direction),
+          medium_behind<L>(scene, boundary, surface.ng, direction, flags)};
+}
+
+/// Whether Wave::distance_since_vertex is kept.
+inline bool keeps_distance_since_vertex(const StageContext& context) {
+  return context.scene.has_transparency || context.transport.hide_emitters;
+}
+
+/// Words of Wave::distance_since_vertex.
+template <class L> SHEAF_INLINE Float<L> gather_distance_since_vertex(const Wave& wave, const Slot* slots) {
+  alignas(kSimdAlignment) float words[L::width];
+  for (int lane = 0; lane < L::width; ++lane) words[lane] = wave.distance_since_vertex[slots[lane]];
+  Float<L> out;
+  load(words, out);
+  return out;
+}
+
+/// The paths of `lanes` have come `distance` further since they were scattered.
+template <class L>
+SHEAF_INLINE void add_distance_since_vertex(Wave& wave, const Slot* slots, std::uint32_t lanes, Float<L> distance) {
+  alignas(kSimdAlignment) float more[L::width];
+  store(more, distance);
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    wave.distance_since_vertex[slots[lane]] += more[lane];
+  }
+}
+
+/// Sends the paths of `passing` on behind the surface that their rays have hit at distance `t`: they become active, or
+/// finished where they have gone on too often. `ray`, `path`: the paths' states. The far end of the ray stays where it
+/// is, and what is drawn at random behind the surface is drawn anew.
+template <class L>
+SHEAF_INLINE void continue_rays(const SceneView& scene, Wave& wave, const Slot* slots, int count, Mask<L> passing,
+                                const SurfacePoint<L>& surface, Uint<L> boundary, Float<L> t, RayState<L> ray,
+                                ThroughputState<L> path) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const std::uint32_t pass = mask_bits(passing & L::first(count));
+  if (pass == 0) return;
+  const RayBehind<L> behind = ray_behind<L>(scene, surface, boundary, ray.direction, ray.flags);
+  ray.origin = select<L>(passing, behind.origin, ray.origin);
+  ray.flags = select(passing, behind.flags, ray.flags);
+  ray.t_max = select(passing, max(ray.t_max - t, F(0.0f)), ray.t_max);
+  wave.rays.scatter<L>(slots, count, ray);
+  add_distance_since_vertex<L>(wave, slots, pass, t);
+  std::uint32_t going = pass;
+  // Elsewhere nothing is drawn between one surface and the next.
+  if (scene.has_transparency) {
+    going &= mask_bits(path.event() < U(kLongestPath));
+    path.progress = select(passing, path.progress + U(kOneEvent), path.progress);
+    wave.throughput.scatter<L>(slots, count, path);
+  }
+  wave.stats.rays.scatter += static_cast<std::uint64_t>(std::popcount(going));
+  wave.active.push(slots, going);
+  wave.finished.push(slots, pass & ~going);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,70 @@
+// Stage: debug view. Pictures of the first surface instead of its light: shading normals, each component as its
+// absolute value, or the distance from the camera. Lights that are hidden are no surfaces.
+#include "kernels/stages/continue_ray.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/add_radiance.h"
+#include "kernels/wave/stage_timer.h"
+#include "scene/tables/shape.h"
+
+namespace sheaf {
+
+namespace {
+
+template <class L>
+SHEAF_INLINE void view_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
+  const RayState<L> ray = wave.rays.gather<L>(slots);
+  const HitState<L> hit = wave.hits.gather<L>(slots);
+  RadianceState<L> out = wave.radiance.gather<L>(slots);
+  if (context.transport.kind == IntegratorKind::kDepth) {
+    const Float<L> depth =
+        keeps_distance_since_vertex(context) ? hit.t + gather_distance_since_vertex<L>(wave, slots) : hit.t;
+    out.radiance = {depth, depth, depth, Float<L>(0.0f)};
+  } else {
+    const ShapeRecord<L> shape = gather_rows<L>(context.scene.shapes, hit.shape);
+    const auto y = surface_point<L>(context.scene, shape, hit.primitive, hit.u, hit.v,
+                                    ray.origin + ray.direction * hit.t, hit.instance);
+    const Vec3<L> n = abs(y.ns);
+    out.radiance = {n.x, n.y, n.z, Float<L>(0.0f)};
+  }
+  wave.radiance.scatter<L>(slots, count, out);
+}
+
+template <class L>
+SHEAF_INLINE void pass_hidden_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
+  const RayState<L> ray = wave.rays.gather<L>(slots);
+  const HitState<L> hit = wave.hits.gather<L>(slots);
+  const ShapeRecord<L> shape = gather_rows<L>(scene.shapes, hit.shape);
+  const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
+                                  hit.instance);
+  continue_rays<L>(scene, wave, slots, count, Mask<L>(true), y, shape.boundary, hit.t, ray,
+                   wave.throughput.gather<L>(slots));
+}
+
+}  // namespace
+
+template <class L> void debug_view(const StageContext& context, Wave& wave) noexcept {
+  const int hits = wave.surface.size();
+  if (hits + wave.miss.size() + wave.emitter.size() == 0) return;
+  StageTimer timer(wave.stats, Stage::kDebugView);
+  timer.count(hits, L::width);
+  wave.surface.pad();
+  for_tiles<L>(hits, [&](int i, int count) { view_tile<L>(context, wave, wave.surface.data() + i, count); });
+  for (int i = 0; i < hits; ++i) wave.finished.push(wave.surface[i]);
+  for (int i = 0; i < wave.miss.size(); ++i) {
+    mark_transparent(wave, wave.miss[i]);
+    wave.finished.push(wave.miss[i]);
+  }
+  // All rays come from the camera here: where lights are hidden at all, they stand on no other list.
+  if (context.transport.hide_emitters) {
+    wave.emitter.pad();
+    for_tiles<L>(wave.emitter.size(),
+                 [&](int i, int count) { pass_hidden_tile<L>(context.scene, wave, wave.emitter.data() + i, count); });
+  }
+  wave.surface.clear();
+  wave.miss.clear();
+  wave.emitter.clear();
+}
+
+SHEAF_INSTANTIATE_STAGE(debug_view);
+
+}  // namespace sheaf

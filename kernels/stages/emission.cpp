@@ -1,0 +1,140 @@
+// Stage: emission. Rays that left the scene meet the environment; rays that hit an area light collect its radiance.
+// Both are weighted by multiple importance sampling against what light_candidates would have done.
+#include "kernels/lights/light_sample.h"
+#include "kernels/lights/light_weight.h"
+#include "kernels/stages/continue_ray.h"
+#include "kernels/stages/light_receiver.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/add_radiance.h"
+#include "kernels/wave/lane_mean.h"
+#include "kernels/wave/path_wavelengths.h"
+#include "kernels/wave/stage_timer.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Weight of light found by BSDF sampling with density `scatter_pdf` (0: specular or camera, counts in full).
+template <class L>
+SHEAF_INLINE Float<L> emission_weight(const IntegratorDescription& settings, Float<L> scatter_pdf, Float<L> light_pdf) {
+  using F = Float<L>;
+  const auto specular = scatter_pdf == F(0.0f);
+  if (settings.strategy == LightStrategy::kBsdfOnly) return F(1.0f);
+  if (settings.strategy == LightStrategy::kLightOnly) return select(specular, F(1.0f), F(0.0f));
+  const F mis_weight = bsdf_weight(light_pdf, select(specular, F(1.0f), scatter_pdf), settings.candidates);
+  return select(specular, F(1.0f), mis_weight);
+}
+
+/// The vertex that a ray comes from, as light_candidates saw it, and what the ray has met since.
+template <class L> struct LightPath {
+  LightReceiver<L> receiver;
+  typename L::Float distance_since_vertex;  ///< from the vertex to the ray's origin
+  typename L::Float light_ratio;     ///< probability of light sampling to come this way over that of BSDF sampling
+  typename L::Float divisor;    ///< mean over the lanes of the path's probabilities
+};
+
+/// Scenes with media or surfaces that let shadow rays pass: see ProbabilityState.
+template <class L>
+void follow_probabilities(const SceneView& scene, const Wave& wave, const Slot* slots, LightPath<L>& path) {
+  const ProbabilityState<L> r = wave.probabilities.gather<L>(slots);
+  path.divisor = lane_mean<L>(scene.color, r.r_u);
+  path.light_ratio = lane_mean<L>(scene.color, r.r_l) / path.divisor;
+  path.distance_since_vertex = gather_distance_since_vertex<L>(wave, slots);
+}
+
+template <class L>
+SHEAF_INLINE LightPath<L> light_path(const SceneView& scene, const Wave& wave, const Slot* slots,
+                                     const RayState<L>& ray, const RadianceState<L>& radiance) {
+  using F = Float<L>;
+  LightPath<L> path{{}, F(0.0f), F(1.0f), F(1.0f)};
+  if (scene.has_transparency) follow_probabilities<L>(scene, wave, slots, path);
+  path.receiver = light_receiver<L>(ray, radiance.normal, path.distance_since_vertex);
+  return path;
+}
+
+template <class L, ColorMode Mode>
+SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const RadianceState<L> radiance = wave.radiance.gather<L>(slots);
+  const RayState<L> ray = wave.rays.gather<L>(slots);
+  const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
+  const bool visible = context.scene.environment != kNone;
+  const auto shown = Mask<L>(visible) & !(from_camera & Mask<L>(context.transport.hide_emitters));
+  const std::uint32_t transparent = mask_bits(from_camera & !shown & L::first(count));
+  for (std::uint32_t lanes = transparent; lanes != 0; lanes &= lanes - 1)
+    mark_transparent(wave, slots[std::countr_zero(lanes)]);
+  if (visible) {
+    const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+    const EnvmapValue<L> arriving =
+        environment_value<L, Mode>(context.scene, ray.direction, shading_wavelengths<L, Mode>(wave, slots));
+    const LightPath<L> from = light_path<L>(context.scene, wave, slots, ray, radiance);
+    const F probability = choice_probability<L>(context.scene, from.receiver, U(context.scene.environment));
+    const F weight = emission_weight<L>(context.transport, radiance.scatter_pdf,
+                                        probability * arriving.pdf_solid_angle * from.light_ratio) / from.divisor;
+    add_radiance<L>(wave, slots, mask_bits(shown & L::first(count)), path.beta * arriving.radiance * weight,
+                    U(context.scene.environment));
+  }
+}
+
+/// `Textured`: some light may have a texture.
+template <class L, ColorMode Mode, bool Textured>
+SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const RayState<L> ray = wave.rays.gather<L>(slots);
+  const HitState<L> hit = wave.hits.gather<L>(slots);
+  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const RadianceState<L> radiance = wave.radiance.gather<L>(slots);
+  const ShapeRecord<L> shape = gather_rows<L>(context.scene.shapes, hit.shape);
+  const auto y = surface_point<L, Textured>(context.scene, shape, hit.primitive, hit.u, hit.v,
+                                            ray.origin + ray.direction * hit.t, hit.instance);
+  LightRecord<L> light = load_lights<L>(context.scene, hit.light);
+  const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, slots);
+  if constexpr (Mode == ColorMode::kSpectral) light.radiance = light_spectra<L>(context.scene, hit.light, lambda);
+  if constexpr (Textured)
+    light.radiance = light.radiance * light_textures<L, Mode>(context.scene, light.texture, L::first(count),
+                                                              {y.uv, hit.shape, hit.primitive, hit.u, hit.v}, lambda);
+
+  const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
+  const auto hidden = from_camera & Mask<L>(context.transport.hide_emitters);
+  const auto lit = (dot(ray.direction, y.ng) < F(0.0f)) & !hidden;
+  const LightPath<L> from = light_path<L>(context.scene, wave, slots, ray, radiance);
+  const F pdf = choice_probability<L>(context.scene, from.receiver, hit.light) *
+                light_pdf_solid_angle<L>(context.scene, light, Mask<L>(true), from.receiver.p, ray.direction,
+                                         hit.t + from.distance_since_vertex, y.ng);
+  const F weight = emission_weight<L>(context.transport, radiance.scatter_pdf, pdf * from.light_ratio) / from.divisor;
+  add_radiance<L>(wave, slots, mask_bits(lit & L::first(count)), path.beta * light.radiance * weight, hit.light);
+  continue_rays<L>(context.scene, wave, slots, count, hidden, y, shape.boundary, hit.t, ray, path);
+}
+
+}  // namespace
+
+template <class L> void emission(const StageContext& context, Wave& wave) noexcept {
+  const int misses = wave.miss.size(), lights = wave.emitter.size();
+  if (misses + lights == 0) return;
+  StageTimer timer(wave.stats, Stage::kEmission);
+  timer.count(misses, L::width);
+  timer.count(lights, L::width);
+  wave.miss.pad();
+  wave.emitter.pad();
+  with_color_mode(context.scene, [&]<ColorMode Mode>() {
+    for_tiles<L>(misses,
+                 [&](int i, int count) { environment_tile<L, Mode>(context, wave, wave.miss.data() + i, count); });
+    for_tiles<L>(lights, [&](int i, int count) {
+      const Slot* slots = wave.emitter.data() + i;
+      if (context.scene.has_textured_lights) {
+        area_light_tile<L, Mode, true>(context, wave, slots, count);
+      } else {
+        area_light_tile<L, Mode, false>(context, wave, slots, count);
+      }
+    });
+  });
+  for (int i = 0; i < misses; ++i) wave.finished.push(wave.miss[i]);
+  wave.miss.clear();
+  wave.emitter.clear();
+}
+
+SHEAF_INSTANTIATE_STAGE(emission);
+
+}  // namespace sheaf

@@ -1,0 +1,66 @@
+// Stage: light candidates. For every vertex that scatters diffusely enough, one light and a direction towards it; what
+// the surface makes of it is left to the resample stage.
+#include "kernels/bsdf/all.h"
+#include "kernels/lights/light_sample.h"
+#include "kernels/stages/light_receiver.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/path_wavelengths.h"
+#include "kernels/wave/stage_timer.h"
+
+namespace sheaf {
+
+namespace {
+
+/// `in_medium`: the vertices scatter to all sides and have no normal.
+template <class L, ColorMode Mode>
+SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const Slot* slots, int column, SampleSet set,
+                                 bool in_medium) {
+  using F = Float<L>;
+  const auto item = wave.vertices.load<L>(column);
+  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kLight, set);
+  const LightReceiver<L> at = in_medium ? LightReceiver<L>{item.p, {}} : surface_receiver<L>(item.p, item.ns);
+  const LightChoice<L> choice = choose_light<L>(context.scene, at, u.x);
+  const LightSample<L> light =
+      sample_light<L, Mode>(context.scene, item.p, choice, u, shading_wavelengths<L, Mode>(wave, slots));
+  LightCandidate<L> out;
+  out.direction = light.direction;
+  out.target = light.target;
+  out.radiance = light.radiance;
+  out.pdf_solid_angle = select(light.valid & (choice.probability > F(0.0f)), light.pdf_solid_angle, F(0.0f));
+  out.delta = select(light.delta, F(1.0f), F(0.0f));
+  out.light = choice.light;
+  out.target_medium = light.target_medium;
+  wave.candidates.store<L>(column, out);
+}
+
+/// Not a template over the closure: one copy of the code serves all kinds.
+template <class L>
+void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run, SampleSet set, bool in_medium) {
+  with_color_mode(context.scene, [&]<ColorMode Mode>() {
+    for_tiles<L>(run.count, [&](int i, int) {
+      candidate_tile<L, Mode>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, set,
+                              in_medium);
+    });
+  });
+}
+
+}  // namespace
+
+template <class L> void light_candidates(const StageContext& context, Wave& wave, int candidate) noexcept {
+  if (!samples_lights(context)) return;
+  StageTimer timer(wave.stats, Stage::kLightCandidates);
+  const SampleSet set{static_cast<std::uint32_t>(candidate),
+                      static_cast<std::uint32_t>(context.transport.candidates)};
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    if constexpr (!Bsdf<L>::kIsSpecular) {
+      const VertexRun& run = wave.runs[static_cast<int>(kind)];
+      timer.count(run.count, L::width);
+      candidate_run<L>(context, wave, run, set, kIsPhaseFunction<Bsdf<L>>);
+    }
+  });
+}
+
+SHEAF_INSTANTIATE_CANDIDATE_STAGE(light_candidates);
+
+}  // namespace sheaf

@@ -1,0 +1,206 @@
+// Stage: medium. Paths whose rays lie in a medium scatter in it, or go on to what their rays hit; and collect what the
+// medium emits on the way. A path that scatters becomes a vertex whose closure is the phase function, and goes through
+// the same stages as surfaces.
+//
+// Paths go separate ways here, so each has its four spectral lanes in one register; see
+// kernels/media/medium_tracking.h.
+#include "kernels/lights/light_weight.h"
+#include "kernels/lights/volume_light.h"
+#include "kernels/media/medium_marching.h"
+#include "kernels/media/medium_ray.h"
+#include "kernels/stages/light_receiver.h"
+#include "kernels/stages/route_hits.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/add_radiance.h"
+#include "kernels/wave/stage_timer.h"
+
+namespace sheaf {
+
+namespace {
+
+/// One path in a medium.
+struct MediumPath {
+  Slot slot;
+  RayState<Scalar> ray;
+  HitState<Scalar> hit;
+  ThroughputState<Scalar> throughput;
+  float scatter_pdf;
+  float distance_since_vertex;  ///< see Wave::distance_since_vertex
+};
+
+/// Light that the medium emits towards the path.
+///
+/// A point at distance t along the ray could as well have been sampled as a light: in volume, density p_V, which is
+/// p_V r^2 in solid angle times length. Against it stands the path's own density: that of its direction times that of
+/// a collision at t. Both count in the mean over the lanes, as everything else does.
+class MediumEmission {
+ public:
+  MediumEmission(const StageContext& context, const Wave& wave, const MediumPath& path, const MediumRay& ray)
+      : scene_(context.scene), path_(path), ray_(ray) {
+    const LightStrategy strategy = context.transport.strategy;
+    const bool free = path.scatter_pdf == 0.0f || ray.medium.light == kNone;
+    contested_ = !free && strategy == LightStrategy::kMis;
+    hidden_ = !free && strategy == LightStrategy::kLightOnly;
+    if (!contested_) return;
+    const auto from =
+        light_receiver<Scalar>(path.ray, wave.radiance.row(path.slot).normal, path.distance_since_vertex);
+    choice_ = choice_probability<Scalar>(context.scene, from, ray.medium.light) / path.scatter_pdf *
+              static_cast<float>(context.transport.candidates);
+  }
+
+  /// Light sampling could have found what the path finds.
+  bool contested() const { return contested_; }
+  Quad radiance() const { return radiance_; }
+
+  /// Adds what is emitted at distance `t`, whose density is `pdf` in the hero lane: `passed` is the transmittance up to
+  /// there since `path`, `collision` the lanes' densities of a collision there without it; both over the hero's.
+  void add(const PathWeights& path, float t, Vec3f p, Quad passed, Quad collision, float pdf) {
+    if (hidden_) return;
+    const Quad found = path.beta * passed * ray_.coefficients(p).sigma_a * ray_.emission(p) * (1.0f / pdf);
+    if (!(max_component(found) > 0.0f)) return;
+    const float by_path = lane_mean(scene_, path.r_u * ray_.odds(passed * collision * (1.0f / pdf)));
+    radiance_ = radiance_ + found * (weight(path, t, p, passed, by_path, pdf) / by_path);
+  }
+
+  /// Adds what a step of ray marching emits, which light sampling does not look for; `passed` is the transmittance up
+  /// to the step.
+  void add_step(const PathWeights& path, Quad passed, const MediumCoefficients& c, Vec3f p, float length) {
+    if (hidden_) return;
+    const Quad sigma_t = c.sigma_t;
+    const Quad absorbed = (Quad(1.0f) - transmittance(sigma_t, length)) / max(sigma_t, Quad(1e-30f));
+    const Quad found = path.beta * passed * c.sigma_a * ray_.emission(p) * absorbed;
+    radiance_ = radiance_ + found * (1.0f / lane_mean(scene_, path.r_u));
+  }
+
+  /// Adds what a homogeneous medium emits over the whole of the ray: exact, with no pdf_ratio.
+  void add_line(const PathWeights& path) {
+    if (hidden_) return;
+    const MediumCoefficients c = medium_coefficients(ray_.medium, ray_.spectra);
+    const Quad sigma_t = c.sigma_t;
+    const Quad absorbed = Quad(1.0f) - transmittance(sigma_t, ray_.length);
+    const Quad found = path.beta * c.sigma_a * ray_.spectra.emission * absorbed / max(sigma_t, Quad(1e-30f));
+    radiance_ = radiance_ + found * (1.0f / lane_mean(scene_, path.r_u));
+  }
+
+ private:
+  float weight(const PathWeights& path, float t, Vec3f p, Quad passed, float by_path, float pdf) const {
+    if (!contested_) return 1.0f;
+    // Light sampling passes homogeneous media with probability one.
+    const Quad on_the_way = ray_.has(kMediumHomogeneous) ? Quad(1.0f / pdf) : ray_.odds(passed * (1.0f / pdf));
+    const float r = t + path_.distance_since_vertex;
+    const float by_light =
+        lane_mean(scene_, path.r_l * on_the_way) * choice_ * volume_light_pdf(scene_, ray_.medium.light, p) * r * r;
+    return power_heuristic(by_path, by_light);
+  }
+
+  const SceneView& scene_;
+  const MediumPath& path_;
+  const MediumRay& ray_;
+  bool contested_ = false, hidden_ = false;
+  float choice_ = 0;  ///< of this light by light sampling, over the density of the path's direction
+  Quad radiance_;
+};
+
+/// Emission along a homogeneous ray: all of it where nothing else could have found it, else at one sampled point.
+void emit_homogeneous(const MediumRay& ray, MediumRandom& random, const PathWeights& weights,
+                      MediumEmission& emission) {
+  if (!emission.contested()) return emission.add_line(weights);
+  const Quad sigma_t = medium_coefficients(ray.medium, ray.spectra).sigma_t;
+  const float sigma = sigma_t[ray.hero];
+  if (!(sigma > 0.0f)) return;
+  const float t = exponential_distance(sigma, random.next());
+  if (!(t < ray.length)) return;
+  const Quad passed = transmittance(sigma_t, t);
+  emission.add(weights, t, ray.at(t), passed, sigma_t, sigma * passed[ray.hero]);
+}
+
+/// The distance at which the path scatters, or the ray's length.
+float track(const StageContext& context, const MediumRay& ray, float u, MediumRandom& random,
+            TrackingCounts& counts, PathWeights& weights, MediumEmission& emission) {
+  const bool emits = ray.has(kMediumEmits);
+  const MediumEstimator estimator = context.transport.medium_estimator;
+  if (ray.has(kMediumHomogeneous)) {
+    if (emits) emit_homogeneous(ray, random, weights, emission);
+    const float t = track_homogeneous(ray, u, weights);
+    if (t < ray.length) ++counts.real;
+    return t;
+  }
+  const auto emit = [&](const Collision& at, Vec3f p, const PathWeights& before) SHEAF_LAMBDA_INLINE {
+    if (emits) emission.add(before, at.t, p, at.passed, at.sigma_maj, at.sigma_maj[ray.hero]);
+  };
+  if (estimator == MediumEstimator::kMarching) return march(ray, u, random, counts, weights, emission);
+  return track_null_collisions(ray, random, estimator == MediumEstimator::kDelta, counts, weights, emit);
+}
+
+MediumPath load_path(const Wave& wave, Slot slot) {
+  return {slot,
+          wave.rays.get(slot),
+          wave.hits.get(slot),
+          wave.throughput.get(slot),
+          wave.radiance.row(slot).scatter_pdf,
+          wave.distance_since_vertex[slot]};
+}
+
+void store_weights(Wave& wave, Slot slot, const PathWeights& weights) {
+  wave.throughput.row(slot).beta = to_spectrum(weights.beta);
+  wave.probabilities.row(slot) = {to_spectrum(weights.r_u), to_spectrum(weights.r_l)};
+}
+
+/// The path becomes a vertex in the medium, at distance `t`.
+void scatter_path(const StageContext& context, Wave& wave, MediumPath& path, const MediumRay& ray, float t) {
+  path.hit.t = t;
+  path.hit.material = ray.medium.phase;
+  path.hit.light = kNone;
+  path.hit.shape = 0;  // one that there is: what chooses among phase functions looks at the surface
+  path.hit.instance = kNone;
+  wave.hits.set(path.slot, path.hit);
+  route_vertices<Scalar>(context, wave, &path.slot, 1u, path.hit.material, path.ray.flags);
+}
+
+void medium_path(const StageContext& context, Wave& wave, Slot slot, float u, TrackingCounts& counts) {
+  MediumPath path = load_path(wave, slot);
+  MediumRandom random(context.sampler.seed, path.throughput.pixel, path.throughput.sample, path.throughput.event(),
+                      MediumStream::kPath);
+  const float end =
+      path.hit.shape == kNone ? medium_end(context.scene, path.ray.origin, path.ray.direction) : kInfinity;
+  const MediumRay ray = make_medium_ray(context, path.ray.flags, lane_wavelengths(context.scene, wave, slot),
+                                        path.ray.origin, path.ray.direction, min(path.hit.t, end));
+  const ProbabilityState<Scalar>& r = wave.probabilities.row(slot);
+  PathWeights weights{Quad(path.throughput.beta), Quad(r.r_u), Quad(r.r_l)};
+  MediumEmission emission(context, wave, path, ray);
+  const float t = track(context, ray, u, random, counts, weights, emission);
+  if (ray.has(kMediumEmits)) add_radiance(wave, slot, emission.radiance(), ray.medium.light);
+  if (!(max_component(weights.beta) > 0.0f)) {
+    wave.finished.push(slot);
+    return;
+  }
+  weights.rescale();
+  store_weights(wave, slot, weights);
+  if (t < ray.length) return scatter_path(context, wave, path, ray, t);
+  const std::uint32_t flags = path.ray.flags;
+  route_hits<Scalar>(context, wave, &slot, 1u, {path.hit.shape != kNone, path.hit.light, path.hit.material, flags});
+}
+
+}  // namespace
+
+template <class L> void medium(const StageContext& context, Wave& wave) noexcept {
+  const int paths = wave.medium.size();
+  if (paths == 0) return;
+  StageTimer timer(wave.stats, Stage::kMedium);
+  timer.count(paths, 1);
+  wave.medium.pad();
+  TrackingCounts counts;
+  for_tiles<L>(paths, [&](int i, int count) {
+    const Slot* slots = wave.medium.data() + i;
+    const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+    alignas(kSimdAlignment) float u[L::width];
+    store(u, draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kSelect).y);
+    for (int lane = 0; lane < count; ++lane) medium_path(context, wave, slots[lane], u[lane], counts);
+  });
+  wave.stats.collisions += counts;
+  wave.medium.clear();
+}
+
+SHEAF_INSTANTIATE_STAGE(medium);
+
+}  // namespace sheaf

@@ -1,0 +1,50 @@
+// Normal and bump maps: how a texture turns the shading normal, and what keeps turned normals from looking wrong.
+#pragma once
+
+#include "scene/tables/texture_lookup.h"
+
+namespace sheaf {
+
+/// The part of the light from `wi` that a turned normal lets through: nothing where the turned and the unturned normal
+/// disagree on the side (`cos_wi` is the cosine to the turned one), and a smooth fall-off where the turned normal faces
+/// the light and the surface hardly does. The fall-off is the shadowing of a microfacet surface of squared roughness
+/// `terminator` (Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator
+/// Problem").
+template <class L>
+SHEAF_INLINE Float<L> shadow_terminator(Vec3<L> ns_unmapped, Float<L> terminator, Vec3<L> wi, Float<L> cos_wi) {
+  using F = Float<L>;
+  const F cos_unmapped = dot(ns_unmapped, wi);
+  const F cos2 = max(cos_unmapped * cos_unmapped, F(1e-12f));
+  const F tan2 = max(F(1.0f) - cos2, F(0.0f)) / cos2;
+  const F g = F(2.0f) / (F(1.0f) + sqrt(F(1.0f) + terminator * tan2));
+  return select(cos_unmapped * cos_wi > F(0.0f), g, F(0.0f));
+}
+
+/// The squared roughness of shadow_terminator() for a normal turned by the angle of cosine `cos_turn`.
+template <class F> SHEAF_INLINE F terminator_of(F cos_turn) {
+  const F cos2 = max(min(cos_turn * cos_turn, F(1.0f)), F(1e-12f));
+  return clamp(F(0.125f) * (F(1.0f) - cos2) / cos2, F(0.0f), F(1.0f));
+}
+
+/// What a map makes of a surface: the normal in the unturned shading frame.
+template <class L>
+SHEAF_INLINE Vec3<L> mapped_normal(const TextureView& textures, const NormalMapRow& map, const TextureQuery<L>& query) {
+  using F = Float<L>;
+  const Spectrum<L> rgb = lookup_texture<L>(textures, map.texture, query);
+  const F y = F(2.0f) * rgb.c1 - F(1.0f);
+  return {F(2.0f) * rgb.c0 - F(1.0f), map.flags & NormalMapRow::kFlipGreen ? -y : y, F(2.0f) * rgb.c2 - F(1.0f)};
+}
+
+/// The normal of the surface displaced along its normal by the map's texture, in world space, unnormalised; the change
+/// of the unturned normal over the surface is left out (Blinn 1978).
+template <class L>
+SHEAF_INLINE Vec3<L> bumped_normal(const TextureView& textures, const NormalMapRow& map, const TextureQuery<L>& query,
+                                   Vec3<L> n, Vec3<L> dp_du, Vec3<L> dp_dv) {
+  using F = Float<L>;
+  const Vec2<L> gradient = lookup_scalar_gradient<L>(textures, map.texture, query);
+  const Vec3<L> along_u = dp_du + n * (F(map.scale) * gradient.x - dot(n, dp_du));
+  const Vec3<L> along_v = dp_dv + n * (F(map.scale) * gradient.y - dot(n, dp_dv));
+  return cross(along_u, along_v);
+}
+
+}  // namespace sheaf

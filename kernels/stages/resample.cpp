@@ -1,0 +1,195 @@
+// Stage: resample. Of M light candidates per vertex, one is kept and becomes a shadow ray: resampled importance
+// sampling (Talbot, Cline and Egbert 2005, "Importance Resampling for Global Illumination", equation 6), as a weighted
+// reservoir.
+//
+// With candidates x_i of density p and the target q(x), the kept candidate y and its weight estimate
+//     f(y) / q(y) * 1/M sum_i q(x_i) / p(x_i).
+// Multiple importance sampling splits the integrand f into parts w_l f, for light sampling, and w_b f, for BSDF
+// sampling with density b. Any functions of x alone that add up to one at every x keep the sum unbiased, whatever
+// technique then estimates each part: so the density of the kept candidate, which has no closed form, is not needed.
+// The weights here are the power heuristic of M p and b, as M candidates are worth up to M samples:
+//     w_l = (M p)^2 / ((M p)^2 + b^2),  w_b = 1 - w_l,
+// and q is the unshadowed part w_l f, its lanes added up. Lights that BSDF sampling cannot find have w_l = 1. For M = 1
+// the factor is exactly one: plain next-event estimation, bit by bit.
+//
+// Where there are media or surfaces that let shadow rays pass, w_l depends on what the shadow ray meets as well: then q
+// is as above, but the transmittance stage gets f and applies w_l.
+#include "kernels/bsdf/all.h"
+#include "kernels/lights/light_weight.h"
+#include "kernels/media/medium_boundary.h"
+#include "kernels/stages/normal_map.h"
+#include "kernels/stages/shading_frame.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/stage_timer.h"
+#include "scene/tables/shape.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Which candidate is being weighed, of how many.
+struct CandidateIndex {
+  int index, count;
+  bool is_last() const { return index == count - 1; }
+};
+
+/// A candidate as a vertex sees it.
+template <class L> struct WeighedCandidate {
+  Spectrum<L> contribution;  ///< what it brings if unoccluded, over its density; 0 where it is of no use
+  typename L::Float mis_weight;  ///< w_l, which `contribution` holds already unless SceneView::has_transparency
+  typename L::Float pdf_ratio;   ///< see TransmittanceItem
+};
+
+template <class L, template <class> class Bsdf>
+SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& wave, int column,
+                                       const VertexItem<L>& item, const LightCandidate<L>& light, Spectrum<L> beta,
+                                       bool mapped, int candidates) {
+  using F = Float<L>;
+  const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(wave, column);
+  const Vec3<L> wi = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_local(light.direction);
+  BsdfValue<L> value = bsdf.evaluate(item.wo, wi);
+  if (mapped) {
+    const TexturedItem<L> t = wave.textured.load<L>(column);
+    value.f_cos = value.f_cos * shadow_terminator<L>(t.ns_unmapped, t.terminator, light.direction, wi.z);
+  }
+  const auto usable = light.pdf_solid_angle > F(0.0f);
+  const F pdf = select(usable, light.pdf_solid_angle, F(1.0f));
+  const auto no_contest = (light.delta > F(0.0f)) | Mask<L>(context.transport.strategy == LightStrategy::kLightOnly);
+  const F mis_weight = select(no_contest, F(1.0f), light_weight(pdf, value.pdf_solid_angle, candidates));
+  const bool shared = !context.scene.has_transparency;
+  const Spectrum<L> out = beta * value.f_cos * light.radiance * ((shared ? mis_weight : F(1.0f)) / pdf);
+  const F pdf_ratio = select(no_contest, F(0.0f), value.pdf_solid_angle / (pdf * F(static_cast<float>(candidates))));
+  // Points in a medium compete with the path's own collisions, whose density is not known yet.
+  const auto in_volume = light.target_medium != Uint<L>(kNone);
+  return {select<L>(usable & is_finite(total(out)), out, Spectrum<L>(F(0.0f))),
+          select(shared | in_volume, F(1.0f), mis_weight), pdf_ratio};
+}
+
+/// Where a shadow ray goes; see TransmittanceItem.
+template <class L> struct ShadowEnd {
+  Vec3<L> target;
+  typename L::Float pdf_ratio;
+  typename L::Uint light, medium;
+};
+
+/// Adds a candidate to the reservoir in `column`; returns what is kept.
+template <class L>
+SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, int column,
+                                       const ThroughputState<L>& path, const LightCandidate<L>& light,
+                                       const WeighedCandidate<L>& candidate, bool is_first) {
+  using F = Float<L>;
+  const F weight = total(candidate.contribution) * candidate.mis_weight;
+  ReservoirItem<L> r;
+  if (is_first) {
+    r.u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kResample).x;
+    r.target = light.target;
+    r.contribution = candidate.contribution;
+    r.weight = r.sum = weight;
+    r.pdf_ratio = candidate.pdf_ratio;
+    r.light = light.light;
+    r.target_medium = light.target_medium;
+    return r;
+  }
+  r = wave.reservoirs.load<L>(column);
+  r.sum = r.sum + weight;
+  const F share = weight / max(r.sum, F(1e-37f));
+  const auto taken = r.u < share;
+  // What is left of u is uniform again.
+  const F rest = select(taken, r.u, r.u - share) / max(select(taken, share, F(1.0f) - share), F(1e-37f));
+  r.u = clamp(rest, F(0.0f), F(kOneMinusEpsilon));
+  r.target = select<L>(taken, light.target, r.target);
+  r.contribution = select<L>(taken, candidate.contribution, r.contribution);
+  r.weight = select(taken, weight, r.weight);
+  r.pdf_ratio = select(taken, candidate.pdf_ratio, r.pdf_ratio);
+  r.light = select(taken, light.light, r.light);
+  r.target_medium = select(taken, light.target_medium, r.target_medium);
+  return r;
+}
+
+/// What the transmittance stage wants to know, for the shadow rays that push_shadow_ray() keeps.
+template <class L>
+void push_transmittance(const SceneView& scene, Wave& wave, const Slot* slots, const VertexItem<L>& item,
+                        const ShadowItem<L>& shadow, const ShadowEnd<L>& end, bool in_medium, Mask<L> kept) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const RayState<L> ray = wave.rays.gather<L>(slots);
+  TransmittanceItem<L> out;
+  out.r_u = out.r_l = wave.probabilities.gather<L>(slots).r_u;
+  out.pdf_ratio = end.pdf_ratio;
+  out.target_medium = end.medium;
+  out.flags = ray.flags;
+  if (!in_medium) {
+    const auto through = dot(ray.direction, item.ng) * dot(shadow.direction, item.ng) > F(0.0f);
+    const U boundary = gather_member<L>(scene.shapes, &ShapeRow::boundary, wave.hits.gather<L>(slots).shape);
+    out.flags =
+        select(through, medium_behind<L>(scene, boundary, item.ng, shadow.direction, out.flags), out.flags);
+  }
+  wave.transmittances.compress<L>(wave.shadow_count, out, kept);
+}
+
+template <class L>
+SHEAF_INLINE void push_shadow_ray(const SceneView& scene, Wave& wave, const Slot* slots, int count,
+                                  const VertexItem<L>& item, const ShadowEnd<L>& end, Spectrum<L> contribution,
+                                  bool in_medium) {
+  const Vec3<L> target = end.target;
+  ShadowItem<L> out;
+  out.origin = offset_origin<L>(item.p, item.ng, item.offset, target - item.p);
+  out.direction = target - out.origin;
+  out.contribution = contribution;
+  alignas(kSimdAlignment) std::uint32_t slot_words[L::width];
+  for (int lane = 0; lane < L::width; ++lane) slot_words[lane] = slots[lane];
+  load(slot_words, out.slot);
+  out.light = end.light;
+  const auto kept =
+      is_finite(out.direction) & is_finite(total(contribution)) & !is_black(contribution) & L::first(count);
+  if (scene.has_transparency) push_transmittance<L>(scene, wave, slots, item, out, end, in_medium, kept);
+  wave.shadow_count += wave.shadows.compress<L>(wave.shadow_count, out, kept);
+}
+
+template <class L, template <class> class Bsdf>
+SHEAF_INLINE void resample_tile(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
+                                bool mapped, CandidateIndex candidate) {
+  using F = Float<L>;
+  const auto item = wave.vertices.load<L>(column);
+  const auto light = wave.candidates.load<L>(column);
+  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  constexpr bool kInMedium = kIsPhaseFunction<Bsdf<L>>;
+  const WeighedCandidate<L> weighed =
+      weigh<L, Bsdf>(context, wave, column, item, light, path.beta, mapped, candidate.count);
+  if (candidate.count == 1)
+    return push_shadow_ray<L>(context.scene, wave, slots, count, item,
+                              {light.target, weighed.pdf_ratio, light.light, light.target_medium}, weighed.contribution,
+                              kInMedium);
+  const ReservoirItem<L> r = keep_one<L>(context, wave, column, path, light, weighed, candidate.index == 0);
+  if (!candidate.is_last()) return wave.reservoirs.store<L>(column, r);
+  const F factor = r.sum / (max(r.weight, F(1e-37f)) * F(static_cast<float>(candidate.count)));
+  push_shadow_ray<L>(context.scene, wave, slots, count, item, {r.target, r.pdf_ratio, r.light, r.target_medium},
+                     r.contribution * factor, kInMedium);
+}
+
+template <class L, template <class> class Bsdf>
+void resample_run(const StageContext& context, Wave& wave, const VertexRun& run, CandidateIndex candidate) {
+  const bool mapped = (context.scene.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
+  for_tiles<L>(run.count, [&](int i, int count) {
+    resample_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped,
+                           candidate);
+  });
+}
+
+}  // namespace
+
+template <class L> void resample(const StageContext& context, Wave& wave, int candidate) noexcept {
+  if (!samples_lights(context)) return;
+  StageTimer timer(wave.stats, Stage::kResample);
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    if constexpr (!Bsdf<L>::kIsSpecular) {
+      const VertexRun& run = wave.runs[static_cast<int>(kind)];
+      timer.count(run.count, L::width);
+      resample_run<L, Bsdf>(context, wave, run, {candidate, context.transport.candidates});
+    }
+  });
+}
+
+SHEAF_INSTANTIATE_CANDIDATE_STAGE(resample);
+
+}  // namespace sheaf

@@ -1,0 +1,174 @@
+// Stage: scatter. Samples the BSDF, plays Russian roulette and writes the next ray.
+#include "core/octahedral.h"
+#include "kernels/bsdf/all.h"
+#include "kernels/stages/continue_ray.h"
+#include "kernels/stages/normal_map.h"
+#include "kernels/stages/shading_frame.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/lane_mean.h"
+#include "kernels/wave/path_wavelengths.h"
+#include "kernels/wave/stage_timer.h"
+#include "scene/tables/shape.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Roulette keeps at most this share, so that paths between perfect mirrors end.
+constexpr float kLargestSurvival = 0.95f;
+
+/// Paths at depth rr_depth and beyond survive with the probability of their throughput over `divisor`, squared index of
+/// refraction taken out, and are weighted by its inverse. Returns who survives.
+template <class L>
+SHEAF_INLINE Mask<L> roulette(const IntegratorDescription& settings, ThroughputState<L>& path, Float<L> divisor,
+                              Float<L> u) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const auto exempt = path.depth() < U(static_cast<std::uint32_t>(settings.rr_depth));
+  const F survival = min(max_component(path.beta) * path.eta_scale / divisor, F(kLargestSurvival));
+  const auto survives = exempt | (u < survival);
+  const F factor = select(exempt | !survives, F(1.0f), F(1.0f) / survival);
+  path.beta = path.beta * factor;
+  return survives;
+}
+
+/// What emission needs in order to weigh the light that the new ray finds.
+template <class L>
+SHEAF_INLINE void remember_scattering(Wave& wave, const Slot* slots, std::uint32_t lanes, Float<L> pdf_solid_angle,
+                                      Vec3<L> ns) {
+  alignas(kSimdAlignment) float pdf[L::width];
+  alignas(kSimdAlignment) std::uint32_t normal[L::width];
+  store(pdf, pdf_solid_angle);
+  store(normal, encode_octahedral<L>(ns));
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    RadianceState<Scalar>& row = wave.radiance.row(slots[lane]);
+    row.scatter_pdf = pdf[lane];
+    row.normal = normal[lane];
+  }
+}
+
+/// Paths that a dispersing surface let through have one wavelength left.
+template <class L> SHEAF_INLINE void keep_first_wavelength(Wave& wave, const Slot* slots, std::uint32_t lanes) {
+  for (; lanes != 0; lanes &= lanes - 1) {
+    float& hero = wave.wavelength_samples[slots[std::countr_zero(lanes)]];
+    hero = bits_float(float_bits(hero) | kSingleWavelength);
+  }
+}
+
+/// Scenes with media or surfaces that let shadow rays pass: the medium of the new ray, and ProbabilityState. Returns
+/// the mean of the latter, by which throughput is to be divided. `single`: where the first wavelength alone goes on.
+/// `null_transmittance`: with which probability an open pane was passed, as shadow rays might have; 0: it was none.
+template <class L>
+Float<L> leave_vertex(const SceneView& scene, Wave& wave, const Slot* slots, int count, Vec3<L> ng, bool in_medium,
+                      Mask<L> single, Float<L> null_transmittance, RayState<L>& ray) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const RayState<L> before = wave.rays.gather<L>(slots);
+  F distance(0.0f);
+  const auto passed = null_transmittance > F(0.0f);
+  U flags = before.flags & U(~(kRayFromCamera | kRayLast | kRayFromMedium));
+  flags |= select(passed, before.flags & U(kRayFromMedium), U(0u));
+  if (in_medium) {
+    flags |= U(kRayFromMedium);
+  } else {
+    const auto through = dot(before.direction, ng) * dot(ray.direction, ng) > F(0.0f);
+    const HitState<L> hit = wave.hits.gather<L>(slots);
+    const U boundary = gather_member<L>(scene.shapes, &ShapeRow::boundary, hit.shape);
+    flags = select(through, medium_behind<L>(scene, boundary, ng, ray.direction, flags), flags);
+    distance = hit.t;
+  }
+  ray.flags |= flags;
+  ProbabilityState<L> r = wave.probabilities.gather<L>(slots);
+  r.r_u = select<L>(single, Spectrum<L>(r.r_u.c0), r.r_u);
+  r.r_l = select<L>(passed, r.r_l * (F(1.0f) / select(passed, null_transmittance, F(1.0f))), r.r_u);
+  wave.probabilities.scatter<L>(slots, count, r);
+  const std::uint32_t on = mask_bits(passed & L::first(count));
+  add_distance_since_vertex<L>(wave, slots, on, distance);
+  for (int lane = 0; lane < count; ++lane)
+    if ((on >> lane & 1u) == 0) wave.distance_since_vertex[slots[lane]] = 0.0f;
+  return lane_mean<L>(scene.color, r.r_u);
+}
+
+template <class L, template <class> class Bsdf>
+SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
+                               bool mapped) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const auto item = wave.vertices.load<L>(column);
+  const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(wave, column);
+  ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kScatter);
+  const BsdfSample<L> s = bsdf.sample(item.wo, u);
+  const Vec3<L> direction = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_world(s.wi);
+
+  path.beta = path.beta * s.weight;
+  Mask<L> single(false);
+  if constexpr (kDisperses<Bsdf<L>>) {
+    single = (item.wo.z * s.wi.z < F(0.0f)) & L::first(count);
+    keep_first_wavelength<L>(wave, slots, mask_bits(single));
+  }
+  if (mapped) {
+    const TexturedItem<L> t = wave.textured.load<L>(column);
+    path.beta = path.beta * shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);
+  }
+  path.eta_scale = path.eta_scale * s.eta_scale;
+  auto ended = Mask<L>(false);
+  F null_transmittance(0.0f);
+  path.progress = path.progress + U(kOneDepth + kOneEvent);
+  if constexpr (closure_info(Bsdf<L>::kKind).is_pane) {
+    if (context.transport.free_panes) {
+      const auto passes = item.wo.z * s.wi.z < F(0.0f);
+      path.progress = select(passes, path.progress - U(kOneDepth), path.progress);
+      if (context.scene.has_open_panes)
+        null_transmittance = select(passes, bsdf.passage(item.wo.z).probability, F(0.0f));
+      ended = (!passes) & ((wave.rays.gather<L>(slots).flags & U(kRayLast)) != U(0u));
+    }
+  }
+  auto alive = s.valid & (!ended) & !is_black(path.beta) & (path.depth() < U(kLongestPath)) & L::first(count);
+
+  RayState<L> ray;
+  ray.direction = direction;
+  ray.origin = offset_origin<L>(item.p, item.ng, item.offset, ray.direction);
+  ray.t_max = F(kInfinity);
+  const auto max_depth = static_cast<std::uint32_t>(context.transport.max_depth);  // -1: larger than any depth
+  ray.flags = select(path.depth() + U(1u) < U(max_depth), U(0u), U(kRayLast));
+  F divisor(1.0f);
+  if (context.scene.has_transparency)
+    divisor = leave_vertex<L>(context.scene, wave, slots, count, item.ng, kIsPhaseFunction<Bsdf<L>>, single,
+                              null_transmittance, ray);
+  alive = alive & roulette<L>(context.transport, path, divisor, u.w);
+  wave.rays.scatter<L>(slots, count, ray);
+  wave.throughput.scatter<L>(slots, count, path);
+  const std::uint32_t scattered = mask_bits(L::first(count) & (null_transmittance == F(0.0f)));
+  remember_scattering<L>(wave, slots, scattered, s.pdf_solid_angle, item.ns);
+
+  const std::uint32_t bits = mask_bits(alive);
+  wave.stats.rays.scatter += static_cast<std::uint64_t>(std::popcount(bits));
+  wave.active.push(slots, bits);
+  wave.finished.push(slots, ~bits & ((1u << count) - 1u));
+}
+
+template <class L, template <class> class Bsdf>
+void scatter_run(const StageContext& context, Wave& wave, const VertexRun& run) {
+  const bool mapped = (context.scene.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
+  for_tiles<L>(run.count, [&](int i, int count) {
+    scatter_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped);
+  });
+}
+
+}  // namespace
+
+template <class L> void scatter(const StageContext& context, Wave& wave) noexcept {
+  StageTimer timer(wave.stats, Stage::kScatter);
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    const VertexRun& run = wave.runs[static_cast<int>(kind)];
+    timer.count(run.count, L::width);
+    scatter_run<L, Bsdf>(context, wave, run);
+  });
+  wave.sorted.clear();
+}
+
+SHEAF_INSTANTIATE_STAGE(scatter);
+
+}  // namespace sheaf

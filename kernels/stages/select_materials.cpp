@@ -1,0 +1,115 @@
+// Stage: select materials. A mask is its material or nothing, a blend is one of two, each with the probability of its
+// share; the choice then holds for light sampling and scattering alike. Where nothing is chosen the ray goes on.
+#include "core/sampler.h"
+#include "kernels/media/passing_share.h"
+#include "kernels/stages/continue_ray.h"
+#include "kernels/stages/route_hits.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/stage_timer.h"
+#include "scene/tables/texture_lookup.h"
+
+namespace sheaf {
+
+namespace {
+
+/// The second choice's share for lanes of different materials, one material after the other.
+template <class L>
+Float<L> share_of(const SceneView& scene, Mask<L> lanes, Uint<L> row, const TextureQuery<L>& query) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  F share(0.0f);
+  alignas(kSimdAlignment) std::uint32_t rows[L::width];
+  store(rows, row);
+  while (any(lanes)) {
+    const std::uint32_t material = rows[std::countr_zero(mask_bits(lanes))];
+    const MaterialRow& m = scene.materials[material];
+    const auto same = lanes & (row == U(material));
+    F value(m.second_share());
+    if (m.binding_count > 0) value = lookup_scalar<L>(scene.textures, scene.bindings[m.first_binding].texture, query);
+    share = select(same, value, share);
+    lanes = lanes & !same;
+  }
+  return share;
+}
+
+/// Light sampling passes the surface with certainty, and the light is weakened; the paths of `lanes` have passed with
+/// the probability that is the weakening.
+template <class L>
+SHEAF_INLINE void note_passing(const SceneView& scene, Wave& wave, const Slot* slots, std::uint32_t lanes,
+                               const TextureQuery<L>& query, Uint<L> material, Mask<L> behind) {
+  alignas(kSimdAlignment) float uv[4][L::width];
+  alignas(kSimdAlignment) std::uint32_t words[3][L::width];
+  store(uv[0], query.uv.x), store(uv[1], query.uv.y), store(uv[2], query.b1), store(uv[3], query.b2);
+  store(words[0], query.shape), store(words[1], query.primitive), store(words[2], material);
+  const std::uint32_t from_behind = mask_bits(behind);
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int i = std::countr_zero(lanes);
+    const float share = passing_share(scene, words[2][i], (from_behind >> i & 1u) != 0,
+                                      {{uv[0][i], uv[1][i]}, words[0][i], words[1][i], uv[2][i], uv[3][i]});
+    if (share == 1.0f) continue;
+    Spectrum4& r_l = wave.probabilities.row(slots[i]).r_l;
+    const float divisor = max(share, 1e-20f);
+    r_l = {r_l.c0 / divisor, r_l.c1 / divisor, r_l.c2 / divisor, r_l.c3 / divisor};
+  }
+}
+
+template <class L>
+SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const RayState<L> ray = wave.rays.gather<L>(slots);
+  HitState<L> hit = wave.hits.gather<L>(slots);
+  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const ShapeRecord<L> shape = gather_rows<L>(context.scene.shapes, hit.shape);
+  const auto y = surface_point<L, true>(context.scene, shape, hit.primitive, hit.u, hit.v,
+                                        ray.origin + ray.direction * hit.t, hit.instance);
+  const TextureQuery<L> query{y.uv, hit.shape, hit.primitive, hit.u, hit.v};
+  const auto behind = dot(y.ng, ray.direction) > F(0.0f);
+  F u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kSelect).x;
+
+  U row = hit.material;
+  const U nothing(MaterialRow::kNothing);
+  auto open = L::first(count);
+  for (;;) {
+    const U safe = select(open, row, U(0u));
+    const U flags = gather_member<L>(context.scene.materials, &MaterialRow::flags, safe);
+    open = open & ((flags & U(kComposite)) != U(0u));
+    if (!any(open)) break;
+    // What is left of the random number after a choice is as good as new.
+    const F share = clamp(share_of<L>(context.scene, open, safe, query), F(0.0f), F(1.0f));
+    const auto second = u < share;
+    u = select(second, u / max(share, F(1e-20f)), (u - share) / max(F(1.0f) - share, F(1e-20f)));
+    u = clamp(u, F(0.0f), F(0.99999994f));
+    const U chosen = select(second, gather_element<L>(context.scene.materials, &MaterialRow::choice, 1, safe),
+                            gather_element<L>(context.scene.materials, &MaterialRow::choice, 0, safe));
+    row = select(open, chosen, row);
+    open = open & (row != nothing);
+    const U back = gather_member<L>(context.scene.materials, &MaterialRow::back, select(open, row, U(0u)));
+    row = select(open & behind, back, row);
+  }
+
+  const auto passing = row == nothing;
+  hit.material = row;
+  wave.hits.scatter<L>(slots, count, hit);
+  const std::uint32_t all_bits = (1u << count) - 1u;
+  const std::uint32_t pass = mask_bits(passing & L::first(count));
+  route_vertices<L>(context, wave, slots, all_bits & ~pass, select(passing, U(0u), row), ray.flags);
+  if (pass != 0) note_passing<L>(context.scene, wave, slots, pass, query, shape.material, behind);
+  continue_rays<L>(context.scene, wave, slots, count, passing, y, shape.boundary, hit.t, ray, path);
+}
+
+}  // namespace
+
+template <class L> void select_materials(const StageContext& context, Wave& wave) noexcept {
+  const int hits = wave.composite.size();
+  if (hits == 0) return;
+  StageTimer timer(wave.stats, Stage::kSelectMaterials);
+  timer.count(hits, L::width);
+  wave.composite.pad();
+  for_tiles<L>(hits, [&](int i, int count) { select_tile<L>(context, wave, wave.composite.data() + i, count); });
+  wave.composite.clear();
+}
+
+SHEAF_INSTANTIATE_STAGE(select_materials);
+
+}  // namespace sheaf

@@ -1,0 +1,39 @@
+// The frame in which BSDFs see directions, made from what a surface item holds.
+#pragma once
+
+#include "core/frame.h"
+#include "kernels/wave/path_state.h"
+
+namespace sheaf {
+
+/// The x axis of a frame around `n`, along dp_du: cosine and sine of its angle to that of Frame::from_normal().
+template <class L> SHEAF_INLINE Vec2<L> tangent_of(const Frame<L>& frame, Vec3<L> dp_du) {
+  using F = Float<L>;
+  const F x = dot(frame.s, dp_du), y = dot(frame.t, dp_du);
+  const F squared = x * x + y * y;
+  const auto usable = squared > F(0.0f);
+  const F scale = F(1.0f) / sqrt(select(usable, squared, F(1.0f)));
+  return {select(usable, x * scale, F(1.0f)), select(usable, y * scale, F(0.0f))};
+}
+
+/// The shading frame of an item: z along the shading normal; x along the tangent if `WithTangent`, else anywhere.
+template <class L, bool WithTangent> struct ShadingFrame {
+  Frame<L> frame;
+  Vec2<L> tangent;
+
+  explicit SHEAF_INLINE ShadingFrame(const VertexItem<L>& item)
+      : frame(Frame<L>::from_normal(item.ns)), tangent(item.tangent) {}
+  SHEAF_INLINE ShadingFrame(Vec3<L> ns, Vec2<L> t) : frame(Frame<L>::from_normal(ns)), tangent(t) {}
+
+  SHEAF_INLINE Vec3<L> to_local(Vec3<L> v) const {
+    const Vec3<L> w = frame.to_local(v);
+    if constexpr (!WithTangent) return w;
+    return {w.x * tangent.x + w.y * tangent.y, w.y * tangent.x - w.x * tangent.y, w.z};
+  }
+  SHEAF_INLINE Vec3<L> to_world(Vec3<L> v) const {
+    if constexpr (!WithTangent) return frame.to_world(v);
+    return frame.to_world({v.x * tangent.x - v.y * tangent.y, v.x * tangent.y + v.y * tangent.x, v.z});
+  }
+};
+
+}  // namespace sheaf

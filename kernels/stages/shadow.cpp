@@ -1,0 +1,41 @@
+// Stage: shadow. Asks Embree whether anything lies between a vertex and its sampled light, sixteen rays at a time.
+#include "kernels/stages/shadow_packet.h"
+#include "kernels/stages/stages.h"
+#include "kernels/stages/trace_packets.h"
+#include "kernels/wave/add_radiance.h"
+#include "kernels/wave/stage_timer.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Adds the contribution of item `i` to its path.
+SHEAF_INLINE void pay(Wave& wave, int i) {
+  const ShadowItem<Columns>& c = wave.shadows.columns();
+  const Spectrum4 found{c.contribution.c0[i], c.contribution.c1[i], c.contribution.c2[i], c.contribution.c3[i]};
+  add_radiance(wave, static_cast<Slot>(c.slot[i]), Quad(found), c.light[i]);
+}
+
+}  // namespace
+
+template <class L> void shadow(const StageContext& context, Wave& wave) noexcept {
+  const int rays = wave.shadow_count;
+  if (rays == 0) return;
+  StageTimer timer(wave.stats, Stage::kShadow);
+  timer.count(rays, kPacketWidth);
+  wave.stats.rays.shadow += static_cast<std::uint64_t>(rays);
+  trace_packets(
+      context.scene, wave, rays, RayRecorder::Query::kAny,
+      [&](int first, int count, RayPacket& packet) {
+        for_tiles<L>(count, [&](int at, int) { pack_shadow_rays<L>(wave, first + at, packet, at); });
+      },
+      [&](int first, int count, const RayPacket& packet) {
+        for (int i = 0; i < count; ++i)
+          if (packet.t_far[i] >= 0.0f) pay(wave, first + i);
+      });
+  wave.shadow_count = 0;
+}
+
+SHEAF_INSTANTIATE_STAGE(shadow);
+
+}  // namespace sheaf

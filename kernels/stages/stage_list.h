@@ -1,0 +1,80 @@
+// The one list of stages, from which statistics, tests and benchmarks derive.
+#pragma once
+
+#include "kernels/stages/stages.h"
+
+#include <array>
+#include <string_view>
+
+namespace sheaf {
+
+/// Which passes a stage belongs to, and under which condition.
+enum class StageUse {
+  kAlways,        ///< of both passes
+  kLight,         ///< of passes that transport light
+  kBinary,        ///< of those, where light passes or doesn't: without SceneView::has_transparency
+  kTransmission,  ///< of those, with it
+  kDebug,         ///< of debug views
+};
+
+/// One stage, and what it does with queues.
+struct StageEntry {
+  Stage stage;
+  std::string_view name;      ///< as reports and benchmarks write it, e.g. "light_candidates"
+  QueueSet consumes;          ///< queues that it empties, or whose rows it reads
+  QueueSet produces;          ///< queues that it pushes to
+  StageUse use;
+  void (*run)(const StageContext&, Wave&) noexcept;  ///< those that work on a candidate: on the first
+};
+
+/// All stages, in the order of Stage.
+template <class L> inline constexpr auto kStages = [] {
+  using S = Stage;
+  using Q = Queue;
+  using U = StageUse;
+  return std::array<StageEntry, kStageCount>{{
+      {S::kCameraRays, "camera_rays", {Q::kFree}, {Q::kActive}, U::kAlways, camera_rays<L>},
+      {S::kIntersect, "intersect", {Q::kActive},
+       {Q::kMedium, Q::kMiss, Q::kEmitter, Q::kComposite, Q::kSurface, Q::kFinished}, U::kAlways, intersect<L>},
+      {S::kMedium, "medium", {Q::kMedium}, {Q::kMiss, Q::kEmitter, Q::kComposite, Q::kSurface, Q::kFinished},
+       U::kLight, medium<L>},
+      {S::kEmission, "emission", {Q::kMiss, Q::kEmitter}, {Q::kActive, Q::kFinished}, U::kLight, emission<L>},
+      {S::kSelectMaterials, "select_materials", {Q::kComposite}, {Q::kActive, Q::kSurface, Q::kFinished},
+       U::kAlways, select_materials<L>},
+      {S::kDebugView, "debug_view", {Q::kMiss, Q::kEmitter, Q::kSurface}, {Q::kActive, Q::kFinished},
+       U::kDebug, debug_view<L>},
+      {S::kSortSurfaces, "sort_surfaces", {Q::kSurface}, {Q::kSorted}, U::kLight, sort_surfaces<L>},
+      {S::kSurfaceInputs, "surface_inputs", {Q::kSorted}, {Q::kVertices}, U::kLight, surface_inputs<L>},
+      {S::kTextures, "textures", {Q::kVertices}, {Q::kVertices}, U::kLight, textures<L>},
+      {S::kLightCandidates, "light_candidates", {Q::kVertices}, {Q::kCandidates}, U::kLight,
+       [](const StageContext& context, Wave& wave) noexcept { light_candidates<L>(context, wave, 0); }},
+      {S::kResample, "resample", {Q::kVertices, Q::kCandidates}, {Q::kShadows}, U::kLight,
+       [](const StageContext& context, Wave& wave) noexcept { resample<L>(context, wave, 0); }},
+      {S::kShadow, "shadow", {Q::kShadows}, {}, U::kBinary, shadow<L>},
+      {S::kTransmittance, "transmittance", {Q::kShadows}, {}, U::kTransmission, transmittance<L>},
+      {S::kScatter, "scatter", {Q::kSorted, Q::kVertices}, {Q::kActive, Q::kFinished}, U::kLight, scatter<L>},
+      {S::kAccumulate, "accumulate", {Q::kFinished}, {Q::kFree}, U::kAlways, accumulate<L>},
+  }};
+}();
+static_assert([] {
+  for (std::size_t i = 0; i < kStageCount; ++i)
+    if (static_cast<std::size_t>(kStages<Wide>[i].stage) != i || kStages<Wide>[i].name.empty()) return false;
+  return true;
+}(), "the list follows the enumeration");
+
+/// The stage's name in reports.
+inline std::string_view stage_name(Stage stage) { return kStages<Wide>[static_cast<std::size_t>(stage)].name; }
+
+/// Whether a stage has a part in the pass of a context that transports light (`light`) or in its debug view.
+inline bool takes_part(const StageContext& context, StageUse use, bool light) {
+  switch (use) {
+    case StageUse::kAlways: return true;
+    case StageUse::kLight: return light;
+    case StageUse::kBinary: return light && !context.scene.has_transparency;
+    case StageUse::kTransmission: return light && context.scene.has_transparency;
+    case StageUse::kDebug: return !light;
+  }
+  return false;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,133 @@
+// Stage: surface inputs. From hits to what closures need: position, normals, the viewing direction in the shading
+// frame, and the closure's parameters.
+#include "kernels/bsdf/all.h"
+#include "kernels/stages/shading_frame.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/path_wavelengths.h"
+#include "kernels/wave/stage_timer.h"
+#include "scene/tables/shape.h"
+
+namespace sheaf {
+
+namespace {
+
+/// What differs between kinds of closure. Kept out of the templates: one copy of the code serves all kinds.
+struct KindInputs {
+  int words;         ///< of the closure's parameters
+  bool anisotropic;  ///< the frame must follow the tangent
+  /// Some materials of the kind have textures or maps. All are worked out with what textures need then: who shares a
+  /// register must not matter, and the two ways differ in rounding.
+  bool textured;
+  bool in_medium;          ///< a phase function
+  ClosureSpectra spectra;  ///< among the parameters
+};
+
+/// Copies the closure's parameters from the material table.
+template <class L>
+SHEAF_INLINE void closure_words(const SceneView& scene, Wave& wave, Uint<L> material, int words, int column) {
+  float* const* closure = wave.closures.columns().words;
+  for (int k = 0; k < words; k += 4) {
+    Float<L> quad[4];
+    gather_four<L>(scene.materials, &MaterialRow::words, k, material, quad);
+    for (int i = 0; i < 4; ++i) store(closure[k + i] + column, quad[i]);
+  }
+}
+
+/// Spectral mode: puts the material's spectra at the path's wavelengths in place of its colours.
+template <class L>
+SHEAF_INLINE void closure_spectra_words(const SceneView& scene, Wave& wave, const Slot* slots, Uint<L> material,
+                                        const ClosureSpectra& spectra, int column) {
+  const Spectrum<L> lambda = path_wavelengths<L>(wave, slots);
+  float* const* closure = wave.closures.columns().words;
+  for (int k = 0; k < spectra.count; ++k) {
+    const Spectrum<L> value = closure_spectrum<L>(scene, material, k, lambda);
+    float* const* words = closure + spectra.word[k];
+    store(words[0] + column, value.c0);
+    store(words[1] + column, value.c1);
+    store(words[2] + column, value.c2);
+    store(words[3] + column, value.c3);
+  }
+}
+
+/// `Textured`: with all that textures need to know.
+template <class L, bool Textured>
+SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const RayState<L>& ray, const HitState<L>& hit,
+                               Uint<L> flags, int column, bool with_tangent) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const ShapeRecord<L> shape = gather_rows<L>(scene.shapes, hit.shape);
+  const auto y = surface_point<L, Textured>(scene, shape, hit.primitive, hit.u, hit.v,
+                                            ray.origin + ray.direction * hit.t, hit.instance);
+  const auto turned = ((flags & U(kTwoSided)) != U(0u)) & (dot(y.ns, ray.direction) > F(0.0f));
+  VertexItem<L> item;
+  item.p = y.p;
+  item.ng = y.ng;
+  item.ns = select<L>(turned, -y.ns, y.ns);
+  item.offset = y.offset;
+  item.tangent = {F(1.0f), F(0.0f)};
+  if constexpr (Textured) {
+    if (with_tangent) item.tangent = tangent_of<L>(Frame<L>::from_normal(item.ns), y.dp_du);
+    wave.textured.store<L>(column, {y.uv, y.dp_du, y.dp_dv, item.ns, select(turned, F(-1.0f), F(1.0f)), F(0.0f)});
+  }
+  item.wo = ShadingFrame<L, Textured>(item).to_local(-ray.direction);
+  wave.vertices.store<L>(column, item);
+}
+
+/// A vertex in a medium: no surface, and its frame looks back along the ray.
+template <class L>
+SHEAF_INLINE void medium_item(Wave& wave, const RayState<L>& ray, const HitState<L>& hit, int column) {
+  using F = Float<L>;
+  VertexItem<L> item;
+  item.p = ray.origin + ray.direction * hit.t;
+  item.ng = item.ns = -ray.direction;
+  item.wo = {F(0.0f), F(0.0f), F(1.0f)};
+  item.offset = F(0.0f);
+  item.tangent = {F(1.0f), F(0.0f)};
+  wave.vertices.store<L>(column, item);
+}
+
+template <class L, ColorMode Mode>
+SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column,
+                               const KindInputs& kind) {
+  const RayState<L> ray = wave.rays.gather<L>(slots);
+  const HitState<L> hit = wave.hits.gather<L>(slots);
+  if (kind.in_medium) {
+    medium_item<L>(wave, ray, hit, column);
+    return closure_words<L>(scene, wave, hit.material, kind.words, column);
+  }
+  const Uint<L> flags = gather_member<L>(scene.materials, &MaterialRow::flags, hit.material);
+  if (kind.textured) {
+    surface_item<L, true>(scene, wave, ray, hit, flags, column, kind.anisotropic);
+  } else {
+    surface_item<L, false>(scene, wave, ray, hit, flags, column, kind.anisotropic);
+  }
+  closure_words<L>(scene, wave, hit.material, kind.words, column);
+  if constexpr (Mode == ColorMode::kSpectral)
+    closure_spectra_words<L>(scene, wave, slots, hit.material, kind.spectra, column);
+}
+
+template <class L, ColorMode Mode>
+void surface_run(const SceneView& scene, Wave& wave, const VertexRun& run, const KindInputs& kind) {
+  for_tiles<L>(run.count, [&](int i, int) {
+    surface_tile<L, Mode>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, kind);
+  });
+}
+
+}  // namespace
+
+template <class L> void surface_inputs(const StageContext& context, Wave& wave) noexcept {
+  StageTimer timer(wave.stats, Stage::kSurfaceInputs);
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    const VertexRun& run = wave.runs[static_cast<int>(kind)];
+    if (run.count == 0) return;
+    const bool textured = (context.scene.kind_flags[static_cast<int>(kind)] & (kMapped | kTextured)) != 0;
+    timer.count(run.count, L::width);
+    const KindInputs inputs{kLeafCount<Bsdf>, Bsdf<L>::kIsAnisotropic, textured,
+                            kIsPhaseFunction<Bsdf<L>>, closure_spectra<Bsdf>()};
+    with_color_mode(context.scene, [&]<ColorMode Mode>() { surface_run<L, Mode>(context.scene, wave, run, inputs); });
+  });
+}
+
+SHEAF_INSTANTIATE_STAGE(surface_inputs);
+
+}  // namespace sheaf

@@ -1,0 +1,153 @@
+// Stage: textures. Runs of one material at a time: looked-up values take the place of closure words, and maps turn the
+// shading frame.
+#include "kernels/bsdf/all.h"
+#include "kernels/stages/normal_map.h"
+#include "kernels/stages/shading_frame.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/path_wavelengths.h"
+#include "kernels/wave/stage_timer.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Lanes [first, last) of the tile at `column` whose slots are `slots`.
+template <class L> struct TextureTile {
+  const Slot* slots;
+  int column, first, last;
+
+  SHEAF_INLINE Mask<L> lanes() const { return L::first(last) & !L::first(first); }
+};
+
+template <class L>
+SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, const Slot* slots, const TexturedItem<L>& t) {
+  const HitState<L> hit = wave.hits.gather<L>(slots);
+  return {t.uv, hit.shape, hit.primitive, hit.u, hit.v};
+}
+
+/// A looked-up colour at the path's wavelengths, by the spectrum that its texture's values stand for.
+template <class L>
+SHEAF_INLINE Spectrum<L> uplifted(const SceneView& scene, TextureRole role, const Spectrum<L>& rgb,
+                                  const Spectrum<L>& lambda) {
+  const Vec3<L> color{rgb.c0, rgb.c1, rgb.c2};
+  const UpliftTable& table = *scene.spectral.uplift;
+  const bool reflectance = role == TextureRole::kReflectance;
+  return evaluate(reflectance ? uplift_reflectance<L>(table, color) : uplift_unbounded<L>(table, color), lambda);
+}
+
+template <class L, ColorMode Mode>
+void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
+  using F = Float<L>;
+  const auto query = make_query<L>(wave, tile.slots, wave.textured.load<L>(tile.column));
+  const auto lanes = tile.lanes();
+  const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, tile.slots);
+  for (std::uint32_t b = 0; b < material.binding_count; ++b) {
+    const TextureBinding& binding = scene.bindings[material.first_binding + b];
+    Spectrum<L> value = lookup_binding<L>(scene.textures, binding, query);
+    if constexpr (Mode == ColorMode::kSpectral)
+      if (binding.words == 4) value = uplifted<L>(scene, binding.role, value, lambda);
+    const F channels[4] = {value.c0, value.c1, value.c2, value.c3};
+    for (std::uint32_t k = 0; k < binding.words; ++k) {
+      float* words = wave.closures.columns().words[binding.word + k] + tile.column;
+      F constant;
+      load(words, constant);
+      store(words, select(lanes, channels[k], constant));
+    }
+  }
+}
+
+template <class L, bool WithTangent>
+void turn_normals(const SceneView& scene, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
+  using F = Float<L>;
+  VertexItem<L> item = wave.vertices.load<L>(tile.column);
+  TexturedItem<L> t = wave.textured.load<L>(tile.column);
+  const NormalMapRow& map = scene.normal_maps[material.map];
+  const auto query = make_query<L>(wave, tile.slots, t);
+  const auto lanes = tile.lanes();
+
+  const Vec3<L> base = item.ns;
+  const Frame<L> frame = Frame<L>::from_normal(base);
+  const Vec2<L> c = tangent_of<L>(frame, t.dp_du);
+  const Vec3<L> s = frame.s * c.x + frame.t * c.y;
+  const Vec3<L> bitangent = cross(base, s) * t.handedness;
+  Vec3<L> n;
+  if (map.flags & NormalMapRow::kBump) {
+    // The displaced surface seen from behind is the mirror image of its front, as for normals.
+    const Vec3<L> outward = base * t.handedness;
+    n = bumped_normal<L>(scene.textures, map, query, outward, t.dp_du, t.dp_dv);
+    n = n * copysign(F(1.0f), dot(n, outward));
+    n = select<L>(t.handedness < F(0.0f), n - outward * (F(2.0f) * dot(n, outward)), n);
+  } else {
+    const Vec3<L> local = mapped_normal<L>(scene.textures, map, query);
+    n = s * local.x + bitangent * local.y + base * local.z;
+  }
+  const F squared = dot(n, n);
+  const auto usable = lanes & (squared > F(1e-20f)) & is_finite(squared);
+  n = select<L>(usable, n * (F(1.0f) / sqrt(select(usable, squared, F(1.0f)))), base);
+
+  const Vec3<L> wo = ShadingFrame<L, WithTangent>(base, item.tangent).to_world(item.wo);
+  if (map.flags & NormalMapRow::kFixInvalid) {
+    const auto invalid = dot(n, wo) * dot(base, wo) < F(0.0f);
+    n = select<L>(invalid, base * (F(2.0f) * dot(base, n)) - n, n);
+  }
+  item.ns = n;
+  const Frame<L> turned = Frame<L>::from_normal(n);
+  if constexpr (WithTangent) {
+    const Vec2<L> tangent = tangent_of<L>(turned, t.dp_du);
+    item.tangent = {select(lanes, tangent.x, item.tangent.x), select(lanes, tangent.y, item.tangent.y)};
+  }
+  item.wo = select<L>(lanes, ShadingFrame<L, WithTangent>(n, item.tangent).to_local(wo), item.wo);
+  if (map.flags & NormalMapRow::kSoften) t.terminator = select(lanes, terminator_of(dot(n, base)), t.terminator);
+  wave.vertices.store<L>(tile.column, item);
+  wave.textured.store<L>(tile.column, t);
+}
+
+/// Items [first, last) of a run, all of one material.
+template <class L, bool WithTangent>
+void texture_run(const SceneView& scene, Wave& wave, const VertexRun& run, const MaterialRow& material, int first,
+                 int last) {
+  const Slot* slots = wave.sorted.data() + run.slot_begin;
+  for (int at = first / L::width * L::width; at < last; at += L::width) {
+    const TextureTile<L> tile{slots + at, run.column_begin + at, std::max(first - at, 0),
+                              std::min(last - at, int{L::width})};
+    if (material.binding_count > 0)
+      with_color_mode(scene, [&]<ColorMode Mode>() { texture_words<L, Mode>(scene, wave, material, tile); });
+    if (material.flags & kMapped) turn_normals<L, WithTangent>(scene, wave, material, tile);
+  }
+}
+
+template <class L, bool WithTangent> int texture_kind(const SceneView& scene, Wave& wave, const VertexRun& run) {
+  const Slot* slots = wave.sorted.data() + run.slot_begin;
+  const auto material_of = [&](int i) { return wave.hits.row(slots[i]).material; };
+  int textured = 0;
+  for (int first = 0; first < run.count;) {
+    const std::uint32_t material = material_of(first);
+    int last = first + 1;
+    while (last < run.count && material_of(last) == material) ++last;
+    if (scene.materials[material].flags & kTextured) {
+      texture_run<L, WithTangent>(scene, wave, run, scene.materials[material], first, last);
+      textured += last - first;
+    }
+    first = last;
+  }
+  return textured;
+}
+
+}  // namespace
+
+template <class L> void textures(const StageContext& context, Wave& wave) noexcept {
+  bool any_textured = false;
+  for (int kind = 0; kind < kClosureKinds; ++kind)
+    any_textured = any_textured || (wave.runs[kind].count > 0 && (context.scene.kind_flags[kind] & kTextured) != 0);
+  if (!any_textured) return;
+  StageTimer timer(wave.stats, Stage::kTextures);
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    const auto k = static_cast<int>(kind);
+    if ((context.scene.kind_flags[k] & kTextured) == 0) return;
+    timer.count(texture_kind<L, Bsdf<L>::kIsAnisotropic>(context.scene, wave, wave.runs[k]), L::width);
+  });
+}
+
+SHEAF_INSTANTIATE_STAGE(textures);
+
+}  // namespace sheaf

@@ -1,0 +1,40 @@
+// The one way by which radiance gets into paths: whoever wants to tell light of one kind from another looks here.
+#pragma once
+
+#include "core/quad.h"
+#include "kernels/wave/wave.h"
+
+#include <bit>
+
+namespace sheaf {
+
+/// Adds what one path has found, per spectral lane, to its radiance. `light`: the row of the light that it comes from.
+/// What else may matter of the path (its depth, where its ray came from) is to be found by its slot.
+SHEAF_INLINE void add_radiance(Wave& wave, Slot slot, Quad found, [[maybe_unused]] std::uint32_t light) {
+  Spectrum4& radiance = wave.radiance.row(slot).radiance;
+  radiance = to_spectrum(Quad(radiance) + found);
+}
+
+/// The same for the lanes set in `lanes`.
+template <class L>
+SHEAF_INLINE void add_radiance(Wave& wave, const Slot* slots, std::uint32_t lanes, const Spectrum<L>& found,
+                               typename L::Uint light) {
+  alignas(kSimdAlignment) float values[L::width][4];
+  alignas(kSimdAlignment) std::uint32_t lights[L::width];
+  float* rows[L::width];
+  for (int lane = 0; lane < L::width; ++lane) rows[lane] = values[lane];
+  const typename L::Float words[4] = {found.c0, found.c1, found.c2, found.c3};
+  store_rows4(rows, words, L::width);
+  store(lights, light);
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    add_radiance(wave, slots[lane], Quad::load(values[lane]), lights[lane]);
+  }
+}
+
+/// The path's sample covers nothing: its ray left the scene with nothing to be seen there.
+SHEAF_INLINE void mark_transparent(Wave& wave, Slot slot) {
+  wave.radiance.row(slot).task_sample |= kTransparent;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,30 @@
+// What stages see besides their wave.
+#pragma once
+
+#include "scene/tables/scene.h"
+
+namespace sheaf {
+
+class CameraTask;
+
+/// The scene, how light is transported in it, and what the pass adds. One for each worker; stages don't change it, but
+/// for what its pointers lead to.
+struct StageContext {
+  SceneView scene;
+  IntegratorDescription transport;  ///< settings of the integrator
+  SamplerView sampler;
+  bool transports_light = true;  ///< false: a debug view, whose paths carry plain numbers and see no media
+  CameraTask* camera = nullptr;  ///< of passes that start at the camera: the samples to take, and where they go
+
+  StageContext() = default;
+  /// The scene's own settings.
+  explicit StageContext(const Scene& of, CameraTask* task = nullptr)
+      : scene(of.view()), transport(of.integrator()), sampler(of.sampler_view()), camera(task) {}
+};
+
+/// Whether direct light is sampled at all.
+inline bool samples_lights(const StageContext& context) {
+  return context.scene.light_count > 0 && context.transport.strategy != LightStrategy::kBsdfOnly;
+}
+
+}  // namespace sheaf

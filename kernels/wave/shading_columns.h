@@ -1,0 +1,46 @@
+// Columns that the stages between a hit and the next ray work on, consumed in order.
+#pragma once
+
+#include "core/soa.h"
+#include "kernels/wave/path_state.h"
+#include "kernels/wave/wave_needs.h"
+
+namespace sheaf {
+
+/// Vertices of one closure kind: sorted[slot_begin .. slot_begin + count) stand in the columns from `column_begin` on,
+/// which is a multiple of kWidth.
+struct VertexRun {
+  int slot_begin = 0, count = 0, column_begin = 0;
+};
+
+/// Vertices by closure kind and material, light candidates for them, and shadow rays.
+struct ShadingColumns {
+  std::uint8_t* sort_keys = nullptr;
+  VertexRun runs[kClosureKinds];
+  Soa<VertexItem> vertices;
+  Soa<TexturedItem> textured;  ///< WaveNeeds::textures
+  Soa<ClosureItem> closures;   ///< as many words as WaveNeeds::closure_words
+  Soa<LightCandidate> candidates;
+  Soa<ReservoirItem> reservoirs;  ///< WaveNeeds::reservoirs
+  Soa<ShadowItem> shadows;
+  Soa<TransmittanceItem> transmittances;  ///< WaveNeeds::transparency
+  int shadow_count = 0;                   ///< rows of the last two
+
+  /// Rows that stand where a vertex stands: every kind's run begins at a whole register.
+  static constexpr int vertex_capacity(int paths) { return paths + kClosureKinds * kWidth; }
+
+  /// Calls f(columns, rows, how many of the columns are needed) for each.
+  template <class Columns, class F> static void for_each(Columns& c, int paths, const WaveNeeds& needs, F&& f) {
+    const int rows = vertex_capacity(paths);
+    const auto all = [](bool needed, int columns) { return needed ? columns : 0; };
+    f(c.vertices, rows, kLeafCount<VertexItem>);
+    f(c.textured, rows, all(needs.textures, kLeafCount<TexturedItem>));
+    f(c.closures, rows, needs.closure_words);
+    f(c.candidates, rows, kLeafCount<LightCandidate>);
+    f(c.reservoirs, rows, all(needs.reservoirs, kLeafCount<ReservoirItem>));
+    f(c.shadows, paths, kLeafCount<ShadowItem>);
+    f(c.transmittances, paths, all(needs.transparency, kLeafCount<TransmittanceItem>));
+  }
+};
+
+}  // namespace sheaf

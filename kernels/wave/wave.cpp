@@ -1,0 +1,95 @@
+#include "kernels/wave/wave.h"
+
+#include "kernels/bsdf/all.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+template <template <class> class Record> std::size_t state_bytes(const Groups<Record>&, int paths) {
+  return Groups<Record>::bytes(paths);
+}
+std::size_t state_bytes(const float*, int paths) {
+  return static_cast<std::size_t>(paths) * sizeof(float) + kSimdAlignment;
+}
+
+template <template <class> class Record> void bind_state(Groups<Record>& rows, Arena& arena, int paths) {
+  rows.bind(arena, paths);
+}
+void bind_state(float*& words, Arena& arena, int paths) {
+  words = arena.take<float>(static_cast<std::size_t>(paths));
+  std::fill_n(words, paths, 0.0f);
+}
+
+std::size_t wave_bytes(int paths, const WaveNeeds& needs) {
+  std::size_t bytes = static_cast<std::size_t>(paths) + kSimdAlignment;  // sort_keys
+  bytes += kSlotLists * SlotList::bytes(paths);
+  const PathPool pool;
+  PathPool::for_each_state(pool, needs, [&](const auto& state, bool needed) {
+    if (needed) bytes += state_bytes(state, paths);
+  });
+  const ShadingColumns columns;
+  ShadingColumns::for_each(columns, paths, needs, [&](const auto& soa, int rows, int count) {
+    if (count > 0) bytes += soa.bytes(rows, count);
+  });
+  return bytes;
+}
+
+/// Words of the longest closure among the scene's materials; closures are copied by four words.
+int longest_closure(const SceneView& scene) {
+  int longest = 0;
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    const auto k = static_cast<int>(kind);
+    const bool present = scene.bucket_begin[k] != scene.bucket_begin[k + 1];
+    if (present) longest = std::max(longest, (kLeafCount<Bsdf> + 3) / 4 * 4);
+  });
+  return longest;
+}
+
+}  // namespace
+
+WaveNeeds WaveNeeds::of(const StageContext& context) {
+  const SceneView& scene = context.scene;
+  WaveNeeds needs;
+  needs.spectral = scene.color == ColorMode::kSpectral;
+  needs.transparency = scene.has_transparency;
+  needs.distance = needs.transparency || context.transport.hide_emitters;
+  needs.textures = false;
+  needs.reservoirs = context.transport.candidates > 1;
+  for (const std::uint32_t flags : scene.kind_flags)
+    needs.textures = needs.textures || (flags & (kTextured | kMapped)) != 0;
+  needs.closure_words = longest_closure(scene);
+  return needs;
+}
+
+Wave::Wave(int paths, const WaveNeeds& what) : capacity(paths), needs(what), arena(wave_bytes(paths, what)) {
+  PathPool::for_each_state(*this, needs, [&](auto& state, bool needed) {
+    if (needed) bind_state(state, arena, paths);
+  });
+  for (SlotList PathPool::*list : kLists) (this->*list).bind(arena, paths);
+  sort_keys = arena.take<std::uint8_t>(static_cast<std::size_t>(paths));
+  ShadingColumns::for_each(*this, paths, needs, [&](auto& soa, int rows, int count) {
+    if (count > 0) soa.bind(arena, rows, count);
+  });
+  for (int slot = paths - 1; slot >= 0; --slot) free.push(static_cast<Slot>(slot));
+}
+
+std::size_t Wave::bytes_per_path(const WaveNeeds& needs) {
+  return (wave_bytes(8192, needs) - wave_bytes(4096, needs)) / 4096;
+}
+
+int Wave::default_capacity(const WaveNeeds& needs) {
+  long l2 = 0;
+#if defined(_SC_LEVEL2_CACHE_SIZE)
+  l2 = sysconf(_SC_LEVEL2_CACHE_SIZE);
+#endif
+  if (l2 <= 0) l2 = 512 * 1024;
+  const long paths = l2 / 2 / static_cast<long>(bytes_per_path(needs)) / 64 * 64;
+  return static_cast<int>(std::clamp(paths, 256l, 4096l));
+}
+
+}  // namespace sheaf

@@ -1,0 +1,20 @@
+// Which of a wave's columns a scene asks for: what is not needed takes no part of the cache.
+#pragma once
+
+#include "kernels/wave/context.h"
+
+namespace sheaf {
+
+/// Columns that not every scene needs; all of them unless told otherwise.
+struct WaveNeeds {
+  bool spectral = true;      ///< wavelengths
+  bool transparency = true;  ///< what shadow rays need where they may pass media and surfaces
+  bool distance = true;      ///< from the last vertex, where rays may go on behind a surface
+  bool textures = true;      ///< what lookups and normal maps need to know of vertices
+  bool reservoirs = true;    ///< resampling of several light candidates
+  int closure_words = kMaxClosureWords;  ///< longest parameters of a closure
+
+  static WaveNeeds of(const StageContext& context);
+};
+
+}  // namespace sheaf

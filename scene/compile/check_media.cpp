@@ -1,0 +1,63 @@
+// Media whose coefficients are beyond 32-bit floats: each factor may be finite where the product is not.
+#include "core/color.h"
+#include "scene/compile/compile_media.h"
+#include "scene/tables/medium_lookup.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+bool is_finite(Quad v) {
+  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]) && std::isfinite(v[3]);
+}
+
+/// The largest of the factors that a grid brings. A spectrum may exceed the colour that it stands for.
+float largest_factor(std::span<const BrickGrid> grids, std::uint32_t grid) {
+  if (grid == kNone) return 1.0f;
+  return std::max(grids[grid].max_value(), 0.0f) * (grids[grid].channels > 1 ? 2.0f : 1.0f);
+}
+
+/// Throws unless all is finite at four wavelengths.
+void check_at(const SceneView& scene, std::uint32_t index, const Spectrum4& lambda, std::span<const BrickGrid> grids,
+              float bound, const SourceLocation& where) {
+  const MediumRow& medium = scene.media[index];
+  const MediumSpectra spectra = medium_spectra(scene, medium, lambda);
+  const bool by_albedo = (medium.flags & kMediumAbsorptionScattering) == 0;
+  const Quad sigma_t = (by_albedo ? spectra.first : spectra.first + spectra.second) * bound;
+  Quad albedo = spectra.second * largest_factor(grids, medium.second_grid);
+  if (scene.color == ColorMode::kRgb) albedo = min(albedo, Quad(1.0f));
+  if (!is_finite(sigma_t) || !is_finite(spectra.second) || (by_albedo && !is_finite(sigma_t * albedo)))
+    throw SceneError(where, "the medium's extinction is too large for a number of 32 bits somewhere, expected values "
+                            "whose product with 'scale' and the grids' voxels is finite");
+  if ((medium.flags & kMediumEmits) == 0) return;
+  Quad emission = spectra.emission * largest_factor(grids, medium.emission_grid);
+  if (medium.temperature != kNone) {
+    const float kelvin = largest_factor(grids, medium.temperature) * medium.temperature_scale;
+    emission = std::isfinite(kelvin) ? emission * blackbody_emission(scene, kelvin, lambda) : Quad(kInfinity);
+  }
+  if (!is_finite(emission))
+    throw SceneError(where, "the medium's emission is too large for a number of 32 bits somewhere, expected values "
+                            "whose product with the scale and the grids' voxels is finite");
+}
+
+}  // namespace
+
+void check_media(const SceneView& scene, std::span<const MediumDescription> media, std::span<const BrickGrid> grids,
+                 std::span<const MajorantGrid> majorants) {
+  for (std::uint32_t i = 0; i < media.size(); ++i) {
+    const MediumRow& medium = scene.media[i];
+    const bool varies = medium.majorants != kNone && !majorants[medium.majorants].bounds.empty();
+    const float bound = varies ? majorants[medium.majorants].max_value() : 1.0f;
+    if (scene.color == ColorMode::kRgb) {
+      check_at(scene, i, {}, grids, bound, media[i].where);
+      continue;
+    }
+    for (float nm = kWavelengthMin; nm < kWavelengthMax; nm += 4.0f)
+      check_at(scene, i, {nm, nm + 1, nm + 2, nm + 3}, grids, bound, media[i].where);
+  }
+}
+
+}  // namespace sheaf

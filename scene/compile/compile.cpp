@@ -1,0 +1,125 @@
+// The order in which a scene is compiled, its materials, its bounds, and what comes once all tables are there.
+#include "scene/compile/compile.h"
+
+#include "scene/compile/compile_materials.h"
+#include "scene/compile/scene_compiler.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+std::unique_ptr<Scene> SceneCompiler::run() {
+  out_->color_ = options_.color;
+  if (options_.color == ColorMode::kSpectral) spectra_.emplace();
+  out_->film_ = in_.film;
+  out_->sampler_ = in_.sampler;
+  out_->integrator_ = in_.integrator;
+  out_->camera_ = make_camera(in_.camera, in_.film.width, in_.film.height);
+  out_->filter_ = make_filter_table(in_.film.filter);
+  out_->textures_ = compile_textures(in_.textures);
+  attributes_.emplace(out_->textures_.attribute_names);
+  add_materials();
+  for (const ShapeDescription& shape : in_.shapes) add_shape(shape);
+  ungrouped_shapes_ = static_cast<std::uint32_t>(out_->shapes_.size());
+  std::vector<GroupContents> groups;
+  for (const ShapeGroup& group : in_.groups) groups.push_back(add_group(group));
+  add_instances(groups);
+  set_bounds();
+  add_media();
+  add_lights();
+  end_media();
+  finish_tables();
+  return std::move(out_);
+}
+
+void SceneCompiler::add_materials() {
+  std::vector<PhaseDescription> phases = in_.phases;
+  if (!in_.media.empty()) phases.push_back({IsotropicPhaseDescription{}, {}});
+  CompiledMaterials materials = compile_materials(in_.materials, spectra(), phases);
+  row_of_phase_ = std::move(materials.row_of_phase);
+  for (const MaterialSpectra& rows : materials.spectra)
+    out_->material_spectra_.insert(out_->material_spectra_.end(), rows.begin(), rows.end());
+  out_->materials_ = std::move(materials.rows);
+  row_of_material_ = std::move(materials.row_of);
+  default_material_ = materials.default_row;
+  out_->bindings_ = std::move(materials.bindings);
+  out_->normal_maps_ = std::move(materials.normal_maps);
+  out_->bucket_count_ = materials.bucket_count;
+  std::copy(std::begin(materials.bucket_begin), std::end(materials.bucket_begin), out_->bucket_begin_);
+  std::copy(std::begin(materials.kind_flags), std::end(materials.kind_flags), out_->kind_flags_);
+  out_->has_composites_ = std::any_of(out_->materials_.begin(), out_->materials_.end(),
+                                      [](const MaterialRow& row) { return (row.flags & kComposite) != 0; });
+  const auto lets_pass = [](const MaterialRow& row) {
+    return (row.flags & kComposite) != 0 &&
+           (row.choice[0] == MaterialRow::kNothing || row.choice[1] == MaterialRow::kNothing);
+  };
+  out_->has_transparency_ =
+      !in_.media.empty() || std::any_of(out_->materials_.begin(), out_->materials_.end(), lets_pass);
+  out_->has_open_panes_ = in_.integrator.free_panes && panes_can_be_open();
+  out_->has_transparency_ = out_->has_transparency_ || out_->has_open_panes_;
+  out_->counts_.materials = in_.materials.size();
+}
+
+bool SceneCompiler::panes_can_be_open() const {
+  const std::vector<MaterialRow>& rows = out_->materials_;
+  const auto is_pane = [&](std::uint32_t row) {
+    return row != MaterialRow::kNothing && closure_info(rows[row].kind).is_pane;
+  };
+  bool any = false;
+  for (const MaterialRow& row : rows) {
+    const bool composite = (row.flags & kComposite) != 0;
+    if (composite && (is_pane(row.choice[0]) || is_pane(row.choice[1]))) return false;
+    if (composite || !closure_info(row.kind).is_pane) continue;
+    if ((row.flags & (kTextured | kMapped)) != 0 || row.binding_count > 0) return false;
+    any = true;
+  }
+  return any;
+}
+
+void SceneCompiler::set_bounds() {
+  if (!(lower_.x <= upper_.x)) lower_ = upper_ = {0, 0, 0};
+  out_->counts_.bounds_min = lower_;
+  out_->counts_.bounds_max = upper_;
+  out_->center_ = lower_ * 0.5f + upper_ * 0.5f;
+  out_->radius_ = length(upper_ * 0.5f - lower_ * 0.5f);
+  // Shadow rays to the environment end outside of everything, the camera included.
+  out_->radius_ = std::max(out_->radius_, length(out_->camera_.origin - out_->center_));
+  out_->radius_ = std::max(out_->radius_, 1e-3f);
+}
+
+void SceneCompiler::finish_tables() {
+  out_->counts_.shapes = out_->shapes_.size();
+  // Triangles are read four words wide, and absent tables are read at index zero by lanes that are switched off.
+  if (out_->vertices_.empty()) out_->vertices_.emplace_back();
+  out_->vertices_.shrink_to_fit();
+  out_->triangles_.insert(out_->triangles_.end(), 8, 0u);
+  out_->triangles_.shrink_to_fit();
+  if (out_->quadrics_.empty()) out_->quadrics_.emplace_back();
+  if (out_->shapes_.empty()) out_->shapes_.emplace_back();
+  attributes_->finish(static_cast<std::uint32_t>(out_->shapes_.size()), out_->textures_);
+  out_->attributes_ = attributes_->entries();
+  out_->attribute_values_ = attributes_->values();
+  if (out_->triangle_alias_.empty()) out_->triangle_alias_.emplace_back();
+  if (out_->light_triangles_.empty()) out_->light_triangles_.emplace_back();
+  if (out_->light_frames_.empty()) out_->light_frames_.emplace_back();
+  if (out_->light_uvs_.empty()) out_->light_uvs_.emplace_back();
+  if (out_->light_spectra_.empty()) out_->light_spectra_.emplace_back();
+  if (spectra_) out_->spectrum_tables_ = spectra_->samples();
+  select_lights();
+  const AccelInput input{out_->shapes_.data(), ungrouped_shapes_, out_->vertices_.data(), out_->triangles_.data(),
+                         out_->quadrics_.data(), vertex_counts_.data(), options_.watertight,
+                         group_ranges_.data(), static_cast<std::uint32_t>(group_ranges_.size()),
+                         out_->instances_.data(), static_cast<std::uint32_t>(out_->instances_.size())};
+  out_->accel_ = std::make_unique<Accel>(input);
+  probe_media();
+}
+
+void SceneCompiler::warn(const ShapeDescription& shape, const std::string& message) {
+  out_->warnings_.push_back(SceneError(shape.where, message).what());
+}
+
+std::unique_ptr<Scene> compile_scene(const Description& description, const CompileOptions& options) {
+  return SceneCompiler(description, options).run();
+}
+
+}  // namespace sheaf

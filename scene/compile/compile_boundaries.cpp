@@ -1,0 +1,93 @@
+// Where media lie: on the sides of shapes, around what holds them, and around the camera.
+#include "scene/compile/compile_media.h"
+#include "scene/compile/medium_probe.h"
+#include "scene/compile/scene_compiler.h"
+
+#include <algorithm>
+#include <span>
+
+namespace sheaf {
+
+std::uint32_t SceneCompiler::hold(std::optional<MediumId> medium, const ShapeDescription& shape, const GridBox& box) {
+  if (!medium) return 0;
+  const auto index = static_cast<std::size_t>(*medium);
+  const MediumDescription& m = in_.media.at(index);
+  const auto* by_albedo = std::get_if<ExtinctionAlbedoDescription>(&m.coefficients);
+  const bool has_grid = m.density || m.temperature ||
+                        (by_albedo && (std::holds_alternative<GridVolumeDescription>(by_albedo->sigma_t) ||
+                                       std::holds_alternative<GridVolumeDescription>(by_albedo->albedo)));
+  if (group_emitters_ != nullptr && (has_grid || m.emission))
+    throw SceneError(shape.where, "a medium in a shape group must be homogeneous and must not emit");
+  medium_boxes_.resize(in_.media.size());
+  medium_boxes_[index].push_back(box);
+  return static_cast<std::uint32_t>(index) + 1;
+}
+
+void SceneCompiler::add_media() {
+  medium_boxes_.resize(in_.media.size());
+  if (in_.media.size() > kMostMedia) throw SceneError("more than " + std::to_string(kMostMedia) + " media");
+  std::vector<PlacedMedium> placed;
+  for (std::size_t i = 0; i < in_.media.size(); ++i) {
+    const MediumDescription& m = in_.media[i];
+    const std::size_t phase = m.phase ? static_cast<std::size_t>(*m.phase) : row_of_phase_.size() - 1;
+    placed.push_back({&m, row_of_phase_.at(phase), medium_boxes_[i], {lower_, upper_}});
+    if (m.temperature && !spectra_ && !out_->blackbodies_) out_->blackbodies_.emplace();
+  }
+  CompiledMedia media = compile_media(placed, spectra(), in_.integrator.step_size);
+  out_->media_ = std::move(media.rows);
+  out_->medium_spectra_ = std::move(media.spectra);
+  if (spectra_) out_->spectrum_tables_ = spectra_->samples();
+  out_->grids_ = std::move(media.grids);
+  out_->grid_rows_ = std::move(media.grid_rows);
+  out_->majorant_grids_ = std::move(media.majorants);
+  out_->majorant_rows_ = std::move(media.majorant_rows);
+  out_->warnings_.insert(out_->warnings_.end(), media.warnings.begin(), media.warnings.end());
+  check_media(out_->view(), in_.media, out_->grids_, out_->majorant_grids_);
+  if (in_.camera.medium) out_->camera_medium_ = static_cast<std::uint32_t>(*in_.camera.medium) + 1;
+}
+
+void SceneCompiler::end_media() {
+  if (in_.media.empty() || out_->bounded_light_count_ == out_->lights_.size()) return;
+  for (std::uint32_t i = 0; i < out_->bounded_light_count_; ++i) {
+    const LightRow& light = out_->lights_[i];
+    const auto kind = static_cast<LightKind>(light.kind);
+    if (kind == LightKind::kPoint || kind == LightKind::kSpot || kind == LightKind::kSmoothSpot ||
+        kind == LightKind::kProjector)
+      out_->radius_ = std::max(out_->radius_, length(light.position - out_->center_));
+  }
+  // A little more than what it must hold, so that rounding cuts no ray between two points of the scene short; and less
+  // than half as wide as shadow rays to lights outside are long.
+  out_->medium_radius_ = 1.01f * out_->radius_;
+}
+
+void SceneCompiler::probe_media() {
+  if (out_->boundaries_.empty()) return;
+  const std::uint32_t otherwise = out_->camera_medium_;
+  for (const std::uint32_t shape : surrounded_shapes_) {
+    const SceneView view = out_->view();
+    out_->boundaries_[out_->shapes_[shape].boundary].exterior = medium_around(view, shape, otherwise);
+  }
+  if (!in_.camera.medium) probe_camera();
+}
+
+void SceneCompiler::probe_camera() {
+  const Camera& camera = out_->camera_;
+  const auto width = static_cast<float>(in_.film.width), height = static_cast<float>(in_.film.height);
+  const SceneView view = out_->view();
+  const Vec3f middle = camera.ray<Scalar>(0.5f * width, 0.5f * height, 0, 0).origin;
+  out_->camera_medium_ = medium_at(view, middle, kNone, 0);
+  constexpr Vec2<Scalar> kLens[] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+  for (int place = 0; place < 9; ++place)
+    for (const Vec2<Scalar> lens : std::span(kLens).first(camera.has_lens() ? 5 : 1)) {
+      const Vec3f start = camera.ray<Scalar>(0.5f * width * static_cast<float>(place % 3),
+                                             0.5f * height * static_cast<float>(place / 3), lens.x, lens.y).origin;
+      if (start == middle || medium_at(view, start, kNone, 0) == out_->camera_medium_) continue;
+      out_->warnings_.push_back(SceneError(in_.camera.where,
+                                           "the camera's rays start in more than one medium; all of "
+                                           "them are taken to start in that of the middle one")
+                                    .what());
+      return;
+    }
+}
+
+}  // namespace sheaf

@@ -1,0 +1,40 @@
+// From the picture of an environment map to its tables.
+#pragma once
+
+#include "core/error.h"
+#include "core/transform.h"
+#include "scene/tables/envmap.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace sheaf {
+
+/// A picture in linear Rec.709, three floats to a pixel, row by row from the top.
+struct EnvmapPicture {
+  std::uint32_t width = 0, height = 0;
+  std::vector<float> rgb;
+};
+
+/// Builds the tables. `mis_compensation` takes the mean brightness off the density, so that directions of less than it
+/// are not sampled at all and left to BSDF sampling (Karlik et al., "MIS Compensation", 2019). Values that are negative
+/// or not finite become 0. to_map is left at identity. Throws SceneError for pictures of more than 2^28 pixels.
+Envmap make_envmap(const EnvmapPicture& picture, float scale, bool mis_compensation);
+
+/// Fills `spectra` from the nodes' colours through UpliftTable, for spectral mode. Runs in parallel.
+void uplift_nodes(Envmap& map);
+
+/// Reads a picture: integers are decoded by the sRGB curve, grey stands for all channels, alpha is dropped. Throws
+/// SceneError if it is missing, broken, too large or has channels without a meaning.
+EnvmapPicture read_envmap_picture(const std::filesystem::path& file);
+
+/// The part of the transform that turns directions from world space to the map's. Throws SceneError at `where` if it
+/// stretches.
+void set_rotation(Envmap& map, const Transform& to_world, const SourceLocation& where);
+
+/// How many values of the picture are negative or not finite.
+std::size_t count_unusable(const EnvmapPicture& picture);
+
+}  // namespace sheaf

@@ -1,0 +1,111 @@
+// Lights as rows of tables: what shapes, media and the description's own lights emit, and the tables that choose among
+// them.
+#include "scene/compile/compile_materials.h"
+#include "scene/compile/lights/area_light.h"
+#include "scene/compile/lights/volume_light.h"
+#include "scene/compile/scene_compiler.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+LightContext SceneCompiler::light_context() {
+  return {in_, out_->textures_.rows, spectra(), out_->envmap_, out_->warnings_};
+}
+
+std::optional<AreaEmission> SceneCompiler::emission_of(const ShapeDescription& shape) {
+  if (!shape.radiance) return std::nullopt;
+  const LightContext context = light_context();
+  if (const auto* texture = std::get_if<TextureId>(&*shape.radiance))
+    return AreaEmission{
+        {1, 1, 1}, context.texture_row(*texture, shape.where), context.emission_row(*texture, shape.where)};
+  const Vec3f radiance = emission_rgb(std::get<SpectrumDescription>(*shape.radiance));
+  if (!(max_component(radiance) > 0.0f)) return std::nullopt;
+  return AreaEmission{radiance, kNone, context.emission_row(*shape.radiance, shape.where)};
+}
+
+void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance) {
+  const ShapeTables tables{out_->vertices_.data(), out_->triangles_.data(), out_->quadrics_.data()};
+  LightPlaces places{static_cast<std::uint32_t>(out_->triangle_alias_.size()),
+                     static_cast<std::uint32_t>(out_->light_uvs_.size()), row.first_triangle};
+  if (instance != nullptr) places.quadric = static_cast<std::uint32_t>(out_->quadrics_.size());
+  AreaLight light = make_area_light(row, emitter.shape, tables, emitter.emission, places, instance);
+  constexpr std::size_t kRowWords = sizeof(LightTriangleRow) / sizeof(float);
+  if (kRowWords * (out_->light_triangles_.size() + light.triangles.size()) > kMaxWords)
+    throw SceneError("the lights have more than " + std::to_string(kMaxWords / kRowWords) + " triangles in all");
+  out_->lights_.push_back(light.row);
+  out_->light_spectra_.push_back(emitter.emission.spectrum);
+  out_->has_textured_lights_ = out_->has_textured_lights_ || light.row.texture != kNone;
+  out_->triangle_alias_.insert(out_->triangle_alias_.end(), light.alias.begin(), light.alias.end());
+  out_->light_triangles_.insert(out_->light_triangles_.end(), light.triangles.begin(), light.triangles.end());
+  out_->light_uvs_.insert(out_->light_uvs_.end(), light.uvs.begin(), light.uvs.end());
+  if (light.quadric) out_->quadrics_.push_back(*light.quadric);
+}
+
+void SceneCompiler::add_volume_lights() {
+  if (in_.integrator.strategy == LightStrategy::kBsdfOnly ||
+      in_.integrator.medium_estimator == MediumEstimator::kMarching)
+    return;
+  for (std::uint32_t i = 0; i < out_->media_.size(); ++i) {
+    const auto first_cell = static_cast<std::uint32_t>(out_->triangle_alias_.size());
+    const auto light = make_volume_light(out_->view(), i, medium_boxes_[i], first_cell);
+    if (!light) continue;
+    out_->media_[i].light = static_cast<std::uint32_t>(out_->lights_.size());
+    out_->lights_.push_back(light->row);
+    out_->light_spectra_.emplace_back();
+    out_->triangle_alias_.insert(out_->triangle_alias_.end(), light->alias.begin(), light->alias.end());
+  }
+}
+
+void SceneCompiler::add_lights() {
+  LightContext context = light_context();
+  std::vector<std::pair<PlacedLight, SourceLocation>> placed;
+  for (const LightDescription& light : in_.lights) {
+    const auto place = [&]<class D>(const D& d) { return place_light(LightToPlace<D>{d, light.where, context}); };
+    if (auto row = std::visit(place, light.model)) placed.emplace_back(std::move(*row), light.where);
+  }
+  for (const bool infinite : {false, true}) {
+    for (const auto& [light, where] : placed)
+      if (is_infinite(light.row) == infinite) push_light(light, where);
+    if (!infinite) add_volume_lights();
+    if (!infinite) out_->bounded_light_count_ = static_cast<std::uint32_t>(out_->lights_.size());
+  }
+  out_->counts_.lights = out_->lights_.size();
+}
+
+void SceneCompiler::push_light(PlacedLight light, const SourceLocation& where) {
+  if (!(max_component(emitted_rgb(light.row)) > 0.0f)) return;
+  if (light_compiler_of(light.row).reach == LightReach::kEnvironment) {
+    if (out_->environment_ != kNone) throw SceneError(where, "a scene may have only one environment light");
+    out_->environment_ = static_cast<std::uint32_t>(out_->lights_.size());
+  }
+  if (light.frame) {
+    light.row.detail = static_cast<std::uint32_t>(out_->light_frames_.size());
+    out_->light_frames_.push_back(*light.frame);
+  }
+  out_->lights_.push_back(light.row);
+  out_->light_spectra_.push_back(light.spectrum);
+}
+
+void SceneCompiler::select_lights() {
+  const SceneView view = out_->view();
+  std::vector<float> weights;
+  for (std::uint32_t i = 0; i < view.light_count; ++i) {
+    const Vec3f power = light_power(view, i);
+    out_->light_powers_.push_back(power);
+    // Much of what an environment sends through the bounding sphere meets nothing: at its full power it would take
+    // the samples of lights inside.
+    constexpr double kEnvironmentShare = 0.25;
+    const double share = i == view.environment ? kEnvironmentShare : 1.0;
+    const double mean = (double(power.x) + power.y + power.z) / 3.0 * share;
+    // Weights must be positive and finite however large the light.
+    weights.push_back(static_cast<float>(std::clamp(mean, 1e-30, 1e30)));
+  }
+  if (weights.empty()) return;
+  out_->light_alias_ = build_alias_table(weights);
+  std::vector<LightBounds> bounds;
+  for (std::uint32_t i = 0; i < view.bounded_light_count; ++i) bounds.push_back(bounds_of_light(view, i, weights[i]));
+  out_->light_tree_ = build_light_tree(bounds);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,238 @@
+// Flattening: whatever combines materials (two sides, masks, blends, maps) is taken apart into rows that refer to rows.
+#include "scene/compile/compile_materials.h"
+
+#include "core/bucket_sort.h"
+#include "scene/compile/material_rows.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+namespace sheaf {
+
+namespace {
+
+/// No more rows than this in all.
+constexpr std::size_t kMaxRows = std::size_t{1} << 24;
+
+constexpr std::uint32_t kNoMap = 0xffffffffu;
+
+/// What the materials around one impose on it.
+struct Surroundings {
+  bool two_sided = false;
+  std::uint32_t map = kNoMap;  ///< index of NormalMapRow
+  int depth = 0;
+};
+
+/// Makes the rows in the order of the description; rows of nested materials come before the row that refers to them.
+class Flattener {
+ public:
+  Flattener(const std::vector<MaterialDescription>& materials, SpectrumSet* set)
+      : context_{bindings, set}, materials_(materials) {}
+
+  std::vector<MaterialRow> rows;
+  std::vector<MaterialSpectra> spectra;  ///< of each row, in spectral mode
+  std::vector<TextureBinding> bindings;
+  std::vector<NormalMapRow> maps;
+
+  /// The row of a material within `around`.
+  std::uint32_t flatten(MaterialId id, Surroundings around) {
+    const MaterialDescription& m = materials_.at(static_cast<std::size_t>(id));
+    if (around.depth > kMaxMaterialDepth)
+      throw SceneError(m.where, "materials are nested more than " + std::to_string(kMaxMaterialDepth) + " deep");
+    const auto key = std::tuple(static_cast<std::size_t>(id), around.two_sided, around.map);
+    if (const auto known = known_.find(key); known != known_.end()) return known->second;
+    if (rows.size() >= kMaxRows)
+      throw SceneError(m.where, "more than " + std::to_string(kMaxRows) + " combinations of materials");
+    ++around.depth;
+    const std::uint32_t row = std::visit([&](const auto& model) { return flatten_model(m, model, around); }, m.model);
+    known_.emplace(key, row);
+    return row;
+  }
+
+  /// The row of a phase function.
+  std::uint32_t flatten(const std::vector<PhaseDescription>& phases, PhaseId id, int depth = 0) {
+    const PhaseDescription& phase = phases.at(static_cast<std::size_t>(id));
+    if (depth > kMaxMaterialDepth)
+      throw SceneError(phase.where,
+                       "phase functions are nested more than " + std::to_string(kMaxMaterialDepth) + " deep");
+    if (const auto* blend = std::get_if<BlendPhaseDescription>(&phase.model)) {
+      const std::uint32_t first = flatten(phases, blend->nested[0], depth + 1);
+      return push_choice(first, flatten(phases, blend->nested[1], depth + 1), blend->weight);
+    }
+    MaterialRow row;
+    if (std::holds_alternative<RayleighDescription>(phase.model)) {
+      set_parameters<RayleighParameters>(row, ClosureKind::kRayleigh, {});
+    } else {
+      const auto* hg = std::get_if<HenyeyGreensteinDescription>(&phase.model);
+      set_parameters<HenyeyGreensteinParameters>(row, ClosureKind::kHenyeyGreenstein, {hg != nullptr ? hg->g : 0.0f});
+    }
+    return push(row, {});
+  }
+
+  /// The row of a material that combines no others.
+  MaterialRow make(const MaterialDescription& m) {
+    try {
+      return make_material_row(m, context_);
+    } catch (const SceneError& error) { throw SceneError(m.where, error.what()); }
+  }
+
+  /// Adds a row with the spectra of the one made last.
+  std::uint32_t push(MaterialRow row) { return push(row, context_.rows); }
+  std::uint32_t push(MaterialRow row, const MaterialSpectra& spectra_of_row) {
+    row.back = static_cast<std::uint32_t>(rows.size());
+    rows.push_back(row);
+    if (context_.set != nullptr) spectra.push_back(spectra_of_row);
+    return row.back;
+  }
+
+ private:
+  template <class Model>
+  std::uint32_t flatten_model(const MaterialDescription& m, const Model&, const Surroundings& around) {
+    MaterialRow row = make(m);
+    if (around.two_sided) row.flags |= kTwoSided;
+    if (around.map != kNoMap) {
+      row.flags |= kTextured | kMapped;
+      row.map = around.map;
+    }
+    return push(row);
+  }
+
+  std::uint32_t flatten_model(const MaterialDescription& m, const TwoSidedDescription& sides,
+                              const Surroundings& around) {
+    if (around.two_sided) throw SceneError(m.where, "a two-sided material cannot hold another one");
+    for (const MaterialId side : {sides.front, sides.back})
+      if (transmits(materials_, side))
+        throw SceneError(m.where, "a two-sided material cannot hold one that transmits light");
+    Surroundings inside = around;
+    inside.two_sided = true;
+    const std::uint32_t front = flatten(sides.front, inside);
+    if (sides.back == sides.front) return front;
+    const std::uint32_t back = flatten(sides.back, inside);
+    const std::uint32_t row = push(rows[front], context_.set != nullptr ? spectra[front] : MaterialSpectra{});
+    rows[row].back = back;
+    return row;
+  }
+
+  std::uint32_t flatten_model(const MaterialDescription&, const NullDescription&, const Surroundings&) {
+    MaterialRow row;
+    row.flags = kComposite;
+    row.choice[0] = row.choice[1] = MaterialRow::kNothing;
+    return push(row);
+  }
+
+  std::uint32_t flatten_model(const MaterialDescription&, const MaskDescription& mask, const Surroundings& around) {
+    return push_choice(MaterialRow::kNothing, flatten(mask.nested, around), mask.opacity);
+  }
+
+  std::uint32_t flatten_model(const MaterialDescription&, const BlendDescription& blend, const Surroundings& around) {
+    const std::uint32_t first = flatten(blend.nested[0], around);
+    return push_choice(first, flatten(blend.nested[1], around), blend.weight);
+  }
+
+  std::uint32_t flatten_model(const MaterialDescription& m, const BumpMapDescription& bump,
+                              const Surroundings& around) {
+    const std::uint32_t flags = NormalMapRow::kBump | options(m);
+    return flatten_mapped(m, {static_cast<std::uint32_t>(bump.displacement), flags, bump.scale}, bump.nested, around);
+  }
+
+  std::uint32_t flatten_model(const MaterialDescription& m, const NormalMapDescription& map,
+                              const Surroundings& around) {
+    const std::uint32_t flags = (map.flip_green ? NormalMapRow::kFlipGreen : 0u) | options(m);
+    return flatten_mapped(m, {static_cast<std::uint32_t>(map.normals), flags, 1.0f}, map.nested, around);
+  }
+
+  static std::uint32_t options(const MaterialDescription& m) {
+    return (m.fix_invalid_normals ? NormalMapRow::kFixInvalid : 0u) |
+           (m.soften_terminator ? NormalMapRow::kSoften : 0u);
+  }
+
+  std::uint32_t flatten_mapped(const MaterialDescription& m, NormalMapRow map, MaterialId nested,
+                               const Surroundings& around) {
+    if (around.map != kNoMap) throw SceneError(m.where, "a normal or bump map cannot hold another one");
+    Surroundings inside = around;
+    inside.map = static_cast<std::uint32_t>(maps.size());
+    maps.push_back(map);
+    return flatten(nested, inside);
+  }
+
+  std::uint32_t push_choice(std::uint32_t first, std::uint32_t second, const ScalarInput& share) {
+    MaterialRow row;
+    row.flags = kComposite;
+    row.choice[0] = first;
+    row.choice[1] = second;
+    if (const float* value = std::get_if<float>(&share)) {
+      row.words[0] = *value;
+    } else {
+      row.first_binding = static_cast<std::uint32_t>(bindings.size());
+      row.binding_count = 1;
+      bindings.push_back({static_cast<std::uint32_t>(std::get<TextureId>(share)), 0, 1, TextureRole::kScalar});
+    }
+    return push(row);
+  }
+
+  RowContext context_;
+  const std::vector<MaterialDescription>& materials_;
+  std::map<std::tuple<std::size_t, bool, std::uint32_t>, std::uint32_t> known_;
+};
+
+/// Rows are ordered by kind; composite ones, which are never shaded, come last.
+int order_of(const MaterialRow& row) { return row.flags & kComposite ? kClosureKinds : static_cast<int>(row.kind); }
+
+void renumber(std::uint32_t& row, const std::vector<std::uint32_t>& position) {
+  if (row != MaterialRow::kNothing) row = position[row];
+}
+
+/// Numbers the buckets: one per material if they are few, else one per kind.
+void set_buckets(CompiledMaterials& out) {
+  const auto shaded =
+      std::find_if(out.rows.begin(), out.rows.end(), [](const MaterialRow& r) { return r.flags & kComposite; });
+  const auto count = static_cast<std::uint32_t>(shaded - out.rows.begin());
+  const bool bucket_per_material = count <= std::uint32_t{kMaxBuckets};
+  for (std::uint32_t i = 0; i < count; ++i)
+    out.rows[i].bucket =
+        static_cast<std::uint16_t>(bucket_per_material ? i : static_cast<std::uint32_t>(out.rows[i].kind));
+  out.bucket_count = bucket_per_material ? count : std::uint32_t{kClosureKinds};
+  for (int kind = 0; kind <= kClosureKinds; ++kind) {
+    const auto first = std::find_if(out.rows.begin(), shaded,
+                                    [kind](const MaterialRow& r) { return static_cast<int>(r.kind) >= kind; });
+    out.bucket_begin[kind] = bucket_per_material ? static_cast<std::uint32_t>(first - out.rows.begin())
+                                                 : static_cast<std::uint32_t>(kind);
+  }
+}
+
+}  // namespace
+
+CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials, SpectrumSet* set,
+                                    const std::vector<PhaseDescription>& phases) {
+  Flattener flat(materials, set);
+  CompiledMaterials out;
+  for (std::size_t i = 0; i < materials.size(); ++i) out.row_of.push_back(flat.flatten(static_cast<MaterialId>(i), {}));
+  for (std::size_t i = 0; i < phases.size(); ++i)
+    out.row_of_phase.push_back(flat.flatten(phases, static_cast<PhaseId>(i)));
+  out.default_row = flat.push(flat.make({}));
+
+  std::vector<std::uint32_t> order(flat.rows.size()), position(flat.rows.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return order_of(flat.rows[a]) < order_of(flat.rows[b]); });
+  for (std::uint32_t i = 0; i < order.size(); ++i) position[order[i]] = i;
+
+  for (const std::uint32_t from : order) {
+    MaterialRow row = flat.rows[from];
+    row.back = position[row.back];
+    if (row.flags & kComposite) for (std::uint32_t& choice : row.choice) renumber(choice, position);
+    else out.kind_flags[static_cast<int>(row.kind)] |= row.flags;
+    out.rows.push_back(row);
+    if (set != nullptr) out.spectra.push_back(flat.spectra[from]);
+  }
+  set_buckets(out);
+  for (std::uint32_t& row : out.row_of) row = position[row];
+  for (std::uint32_t& row : out.row_of_phase) row = position[row];
+  out.default_row = position[out.default_row];
+  out.bindings = std::move(flat.bindings);
+  out.normal_maps = std::move(flat.maps);
+  return out;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,222 @@
+#include "scene/compile/compile_media.h"
+
+#include "core/color.h"
+#include "scene/compile/compile_materials.h"
+#include "scene/compile/load_volume.h"
+#include "scene/tables/spectral_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+void set_words(float (&words)[4], Vec3f rgb, float factor) {
+  words[0] = rgb.x * factor;
+  words[1] = rgb.y * factor;
+  words[2] = rgb.z * factor;
+  words[3] = 0;
+}
+
+Vec3f smaller(Vec3f a, Vec3f b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
+Vec3f larger(Vec3f a, Vec3f b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
+
+GridBox around(const PlacedMedium& medium) {
+  if (medium.boxes.empty()) return medium.scene;
+  GridBox all = medium.boxes.front();
+  for (const GridBox& box : medium.boxes) all = {smaller(all.min, box.min), larger(all.max, box.max)};
+  return all;
+}
+
+/// The transform that stretches one box over another; directions in which either is flat keep their size.
+Transform stretch(const GridBox& from, const GridBox& to) {
+  const Vec3f a = from.max - from.min, b = to.max - to.min;
+  const auto factor = [](float x, float y) { return x > 0.0f && y > 0.0f ? y / x : 1.0f; };
+  return Transform::translate(to.min) * Transform::scale({factor(a.x, b.x), factor(a.y, b.y), factor(a.z, b.z)}) *
+         Transform::translate(-from.min);
+}
+
+/// The tables as they grow, medium by medium.
+class MediaCompiler {
+ public:
+  MediaCompiler(SpectrumSet* set, float step_size) : set_(set), step_size_(step_size) {}
+
+  void add(const PlacedMedium& medium) {
+    const MediumDescription& m = *medium.description;
+    const GridBox box = around(medium);
+    MediumRow row;
+    row.phase = medium.phase;
+    const float diagonal = length(box.max - box.min);
+    row.step_size = step_size_ > 0.0f ? step_size_ : std::max(0.01f * diagonal, 1e-6f);
+    SpectrumRow spectra[kMediumSpectra] = {};
+    if (const auto* by_albedo = std::get_if<ExtinctionAlbedoDescription>(&m.coefficients)) {
+      row.first_grid = input(by_albedo->sigma_t, SpectrumUse::kUnbounded, m.scale, box, m.where, row.first, spectra[0]);
+      row.second_grid = input(by_albedo->albedo, SpectrumUse::kReflectance, 1, box, m.where, row.second, spectra[1]);
+    } else {
+      const auto& both = std::get<AbsorptionScatteringDescription>(m.coefficients);
+      row.flags |= kMediumAbsorptionScattering;
+      spectrum(both.sigma_a, SpectrumUse::kUnbounded, m.scale, m.where, row.first, spectra[0]);
+      spectrum(both.sigma_s, SpectrumUse::kUnbounded, m.scale, m.where, row.second, spectra[1]);
+    }
+    if (m.density) row.density = grid(*m.density, box, m.where, 1);
+    add_emission(m, box, row, spectra[2]);
+    set_flags(row, spectra);
+    if ((row.flags & kMediumHomogeneous) == 0) row.majorants = add_majorants(row, m.where);
+    out.rows.push_back(row);
+    if (set_ != nullptr) out.spectra.insert(out.spectra.end(), std::begin(spectra), std::end(spectra));
+  }
+
+  /// Once no more grids are added: their rows point into them.
+  void finish() {
+    if (set_ != nullptr)
+      for (BrickGrid& grid : out.grids)
+        if (grid.channels > 1) uplift_grid(grid);
+    for (std::size_t i = 0; i < out.grids.size(); ++i)
+      out.grid_rows.push_back(make_brick_grid_row(out.grids[i], placements_[i].to_world, placements_[i].filter));
+    for (std::size_t i = 0; i < out.majorants.size(); ++i) {
+      const std::size_t of = majorant_of_[i];
+      if (of == kConstant) {
+        out.majorant_rows.emplace_back().outside = 1;
+      } else {
+        out.majorant_rows.push_back(make_majorant_grid_row(out.majorants[i], out.grids[of], placements_[of].to_world,
+                                                           placements_[of].filter));
+      }
+    }
+  }
+
+  CompiledMedia out;
+
+ private:
+  static constexpr std::size_t kConstant = static_cast<std::size_t>(-1);
+
+  /// Where a grid lies.
+  struct Placement {
+    Transform to_world;
+    GridVolumeDescription::Filter filter;
+  };
+
+  void spectrum(const SpectrumDescription& s, SpectrumUse use, float factor, const SourceLocation& where,
+                float (&words)[4], SpectrumRow& row) {
+    const Vec3f rgb = use == SpectrumUse::kReflectance  ? reflectance_rgb(s)
+                      : use == SpectrumUse::kIlluminant ? emission_rgb(s)
+                                                        : unbounded_rgb(s);
+    set_words(words, rgb, factor);
+    if (set_ == nullptr) return;
+    try {
+      row = set_->row(s, use);
+    } catch (const SceneError& error) { throw SceneError(where, error.what()); }
+    row.scale *= factor;
+  }
+
+  /// A spectrum, or one everywhere and a grid, whose row is returned.
+  std::uint32_t input(const VolumeInput& volume, SpectrumUse use, float factor, const GridBox& box,
+                      const SourceLocation& where, float (&words)[4], SpectrumRow& row) {
+    const auto* s = std::get_if<SpectrumDescription>(&volume);
+    spectrum(s != nullptr ? *s : SpectrumDescription::constant(1), use, factor, where, words, row);
+    return s != nullptr ? kNone : grid(std::get<GridVolumeDescription>(volume), box, where, 0);
+  }
+
+  /// Reads a grid; `channels`: how many it must have, 0 for any number. Grids of the same file, used alike, are read
+  /// once.
+  std::uint32_t grid(const GridVolumeDescription& description, const GridBox& box, const SourceLocation& where,
+                     int channels) {
+    BrickGrid loaded = load_volume(description, where);
+    if (channels != 0 && loaded.channels != channels)
+      throw SceneError(where, description.file.string() + ": the grid has " + std::to_string(loaded.channels) +
+                                  " channels, expected " + std::to_string(channels));
+    if (loaded.is_empty()) out.warnings.push_back(description.file.string() + ": the grid is empty");
+    const Transform to_world = description.fit_to_shape && !loaded.is_empty() ? stretch(loaded.voxel_box(), box)
+                                                                              : description.to_world;
+    placements_.push_back({to_world, description.filter});
+    out.grids.push_back(std::move(loaded));
+    return static_cast<std::uint32_t>(out.grids.size() - 1);
+  }
+
+  void add_emission(const MediumDescription& m, const GridBox& box, MediumRow& row, SpectrumRow& spectrum_row) {
+    if (!(m.emission_scale > 0.0f)) return;
+    if (m.temperature) {
+      row.temperature = grid(*m.temperature, box, m.where, 1);
+      row.temperature_scale = m.temperature_scale;
+      // Planck's law is absolute: the factor is the same at every wavelength.
+      spectrum(SpectrumDescription::constant(1), SpectrumUse::kRaw, m.emission_scale, m.where, row.emission,
+               spectrum_row);
+      row.flags |= kMediumEmits;
+    } else if (m.emission) {
+      row.emission_grid =
+          input(*m.emission, SpectrumUse::kIlluminant, m.emission_scale, box, m.where, row.emission, spectrum_row);
+      if (std::max({row.emission[0], row.emission[1], row.emission[2]}) > 0.0f) row.flags |= kMediumEmits;
+    }
+  }
+
+  void set_flags(MediumRow& row, const SpectrumRow (&spectra)[kMediumSpectra]) const {
+    const bool varies = row.density != kNone || row.first_grid != kNone || row.second_grid != kNone;
+    const bool glow_varies = row.emission_grid != kNone || row.temperature != kNone;
+    if (!varies && !glow_varies) row.flags |= kMediumHomogeneous;
+    if (std::max({row.second[0], row.second[1], row.second[2]}) > 0.0f) row.flags |= kMediumScatters;
+    if (row.first_grid != kNone && out.grids[row.first_grid].channels > 1) row.flags |= kMediumColored;
+    const auto is_grey = [&](const float (&words)[4], const SpectrumRow& spectrum_row) {
+      return words[0] == words[1] && words[1] == words[2] && (set_ == nullptr || spectrum_row.is_flat());
+    };
+    const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
+    const std::uint32_t of = row.density != kNone ? row.density : row.first_grid;
+    if (of != kNone && out.grids[of].border != GridBorder::kBackground) row.flags |= kMediumBoxed;
+    if (is_grey(row.first, spectra[0]) && (!both || is_grey(row.second, spectra[1])) &&
+        (row.flags & kMediumColored) == 0)
+      row.flags |= kMediumGrey;
+  }
+
+  /// Bounds on the product of the grids that the extinction is made of.
+  std::uint32_t add_majorants(const MediumRow& row, const SourceLocation& where) {
+    const std::uint32_t of = row.density != kNone ? row.density : row.first_grid;
+    MajorantGrid majorants;
+    float factor = 1;
+    const auto bound = [&](std::uint32_t grid) {
+      // Spectra may exceed their colours' largest component by as much.
+      const bool uplifted = set_ != nullptr && out.grids[grid].channels > 1;
+      return uplifted ? 2.0f : 1.0f;
+    };
+    if (of != kNone) {
+      majorants = make_majorant_grid(out.grids[of], placements_[of].filter);
+      factor *= bound(of);
+      if (of != row.first_grid && row.first_grid != kNone)
+        factor *= bound(row.first_grid) * std::max(out.grids[row.first_grid].max_value(), 0.0f);
+      for (float& value : majorants.bounds) value *= factor;
+      majorants.outside = 0;  // see kMediumBoxed
+      if (!std::isfinite(majorants.max_value())) throw SceneError(where, "the medium's extinction is not finite");
+    }
+    majorant_of_.push_back(of != kNone ? of : kConstant);
+    out.majorants.push_back(std::move(majorants));
+    return static_cast<std::uint32_t>(out.majorants.size() - 1);
+  }
+
+  SpectrumSet* set_;
+  float step_size_;
+  std::vector<Placement> placements_;     ///< of each grid
+  std::vector<std::size_t> majorant_of_;  ///< the grid of each majorant grid
+};
+
+}  // namespace
+
+BlackbodyTable::BlackbodyTable() {
+  rgb.emplace_back(Vec3f{0, 0, 0});
+  for (int i = 1; i < kEntries; ++i) rgb.push_back(blackbody_to_rgb(kStep * static_cast<float>(i), 1));
+}
+
+CompiledMedia compile_media(std::span<const PlacedMedium> media, SpectrumSet* set, float step_size) {
+  MediaCompiler compiler(set, step_size);
+  for (const PlacedMedium& medium : media) {
+    try {
+      compiler.add(medium);
+    } catch (const SceneError& error) {
+      const SourceLocation& where = medium.description->where;
+      const std::string place = where.file + ":" + std::to_string(where.line);
+      if (std::string(error.what()).rfind(place, 0) == 0) throw;
+      throw SceneError(where, error.what());
+    }
+  }
+  compiler.finish();
+  return std::move(compiler.out);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,205 @@
+// Shapes, shape groups and instances as rows of tables.
+#include "core/frame.h"
+#include "scene/compile/scene_compiler.h"
+#include "scene/formats/mesh_io.h"
+#include "scene/tables/instance.h"
+#include "scene/tables/quadric.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+void append(std::vector<VertexRow>& rows, const Mesh& mesh) {
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Vec3f p = mesh.positions[i];
+    const Vec3f n = mesh.normals.empty() ? Vec3f{} : mesh.normals[i];
+    const Vec2f uv = mesh.uvs.empty() ? Vec2f{} : mesh.uvs[i];
+    rows.push_back({p, n, uv});
+  }
+}
+
+/// Whether squares of the coordinates of a box, and of its size, stay finite.
+bool is_traceable(Vec3f lower, Vec3f upper) {
+  constexpr float kLargest = 1e18f;
+  return is_finite(upper - lower) && max_component(abs(upper)) <= kLargest && max_component(abs(lower)) <= kLargest;
+}
+
+void grow_box(Vec3f& lower, Vec3f& upper, Vec3f to_lower, Vec3f to_upper) {
+  lower = {std::min(lower.x, to_lower.x), std::min(lower.y, to_lower.y), std::min(lower.z, to_lower.z)};
+  upper = {std::max(upper.x, to_upper.x), std::max(upper.y, to_upper.y), std::max(upper.z, to_upper.z)};
+}
+
+/// The canonical shape's transform for a quadric of a description.
+struct Placement {
+  ShapeKind kind;
+  Transform to_world;
+};
+
+Placement place(const SphereShape& s, const Transform& t) {
+  return {ShapeKind::kSphere, t * Transform::translate(s.center) * Transform::scale({s.radius, s.radius, s.radius})};
+}
+Placement place(const DiskShape&, const Transform& t) { return {ShapeKind::kDisk, t}; }
+Placement place(const CylinderShape& c, const Transform& t) {
+  const Vec3f axis = c.p1 - c.p0;
+  const float height = length(axis);
+  if (!(height > 0.0f)) throw SceneError("cylinder of zero length");
+  const Frame<Scalar> frame = Frame<Scalar>::from_normal(axis / height);
+  Matrix4 m;
+  const Vec3f columns[4] = {frame.s * c.radius, frame.t * c.radius, axis, c.p0};
+  for (std::size_t j = 0; j < 4; ++j) {
+    m.m[0][j] = columns[j].x;
+    m.m[1][j] = columns[j].y;
+    m.m[2][j] = columns[j].z;
+  }
+  return {ShapeKind::kCylinder, t * Transform(m)};
+}
+
+}  // namespace
+
+void SceneCompiler::add_shape(const ShapeDescription& shape) {
+  ShapeRow row;
+  row.material = shape.material ? row_of_material_.at(static_cast<std::size_t>(*shape.material)) : default_material_;
+  try {
+    std::visit(Overloaded{
+                   [&](const MeshFileShape& s) {
+                     MeshFile file = read_mesh(s);
+                     for (const std::string& w : file.warnings) out_->warnings_.push_back(s.file.string() + ": " + w);
+                     add_mesh(row, shape, std::move(file.mesh), shape.face_normals || file.face_normals);
+                   },
+                   [&](const Mesh& mesh) { add_mesh(row, shape, mesh, shape.face_normals); },
+                   [&](const RectangleShape&) { add_mesh(row, shape, rectangle_mesh(), shape.face_normals); },
+                   [&](const CubeShape&) { add_mesh(row, shape, cube_mesh(), shape.face_normals); },
+                   [&](const auto& quadric) {
+                     const Placement placement = place(quadric, shape.to_world);
+                     add_quadric(row, shape, make_quadric(placement.kind, placement.to_world, shape.flip_normals));
+                   },
+               },
+               shape.geometry);
+  } catch (const SceneError& error) {
+    const std::string place = shape.where.file + ":" + std::to_string(shape.where.line);
+    if (std::string(error.what()).rfind(place, 0) == 0) throw;
+    throw SceneError(shape.where, error.what());
+  }
+}
+
+void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh, bool face_normals) {
+  const auto* file = std::get_if<MeshFileShape>(&shape.geometry);
+  check_mesh(mesh, shape.where);
+  if (face_normals) mesh.normals.clear();
+  transform_mesh(mesh, shape.to_world);
+  const std::size_t dropped = drop_degenerate_triangles(mesh);
+  if (file && file->smooth_normals && !face_normals && mesh.normals.empty()) compute_vertex_normals(mesh);
+  if (shape.flip_normals) flip_mesh(mesh);
+  if (dropped > 0) warn(shape, std::to_string(dropped) + " degenerate or non-finite triangles left out");
+  if (mesh.triangles.empty()) {
+    warn(shape, shape.radiance ? "shape has no area: neither seen nor emitting" : "shape has no area: left out");
+    return;
+  }
+  if (8 * (out_->vertices_.size() + mesh.positions.size()) > kMaxWords ||
+      out_->triangles_.size() + 3 * mesh.triangles.size() > kMaxWords)
+    throw SceneError("more than " + std::to_string(kMaxWords / 3) + " vertices or triangles in all");
+  row.kind = static_cast<std::uint32_t>(ShapeKind::kMesh);
+  row.first_vertex = static_cast<std::uint32_t>(out_->vertices_.size());
+  row.first_triangle = static_cast<std::uint32_t>(out_->triangles_.size() / 3);
+  row.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
+  row.flags = (mesh.normals.empty() ? 0u : kHasNormals) | (mesh.uvs.empty() ? 0u : kHasUvs);
+  append(out_->vertices_, mesh);
+  for (const auto& t : mesh.triangles) out_->triangles_.insert(out_->triangles_.end(), t.begin(), t.end());
+  GridBox box{mesh.positions[mesh.triangles[0][0]], mesh.positions[mesh.triangles[0][0]]};
+  for (const auto& t : mesh.triangles)
+    for (std::uint32_t vertex : t) grow_box(box.min, box.max, mesh.positions[vertex], mesh.positions[vertex]);
+  grow(box.min, box.max);
+  for (const Mesh::Attribute& attribute : mesh.attributes)
+    if (attributes_->wants(attribute.name))
+      attributes_->add(static_cast<std::uint32_t>(out_->shapes_.size()), row.first_triangle, row.triangle_count,
+                       static_cast<std::uint32_t>(mesh.positions.size()), attribute, shape.where);
+  vertex_counts_.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
+  out_->counts_.triangles += mesh.triangles.size();
+  out_->counts_.vertices += mesh.positions.size();
+  push_shape(row, shape, box);
+}
+
+void SceneCompiler::add_quadric(ShapeRow row, const ShapeDescription& shape, const QuadricRow& quadric) {
+  const QuadricBounds bounds = quadric_bounds(quadric);
+  if (!is_traceable(bounds.lower, bounds.upper) || !(quadric.determinant > 0.0f)) {
+    warn(shape, "shape is degenerate or too large for single precision: left out");
+    return;
+  }
+  grow(bounds.lower, bounds.upper);
+  row.kind = static_cast<std::uint32_t>(quadric.kind);
+  row.first_triangle = static_cast<std::uint32_t>(out_->quadrics_.size());
+  out_->quadrics_.push_back(quadric);
+  vertex_counts_.push_back(0);
+  ++out_->counts_.quadrics;
+  push_shape(row, shape, {bounds.lower, bounds.upper});
+}
+
+void SceneCompiler::push_shape(ShapeRow row, const ShapeDescription& shape, const GridBox& box) {
+  const auto index = static_cast<std::uint32_t>(out_->shapes_.size());
+  if (shape.interior || shape.exterior) {
+    row.boundary = static_cast<std::uint32_t>(out_->boundaries_.size());
+    out_->boundaries_.push_back({hold(shape.interior, shape, box), hold(shape.exterior, shape, box)});
+    if (shape.exterior_is_surrounding) surrounded_shapes_.push_back(index);
+  }
+  if (const std::optional<AreaEmission> emission = emission_of(shape)) {
+    if (group_emitters_ != nullptr) {
+      row.light = static_cast<std::uint32_t>(group_emitters_->size());
+      group_emitters_->push_back({index, *emission});
+    } else {
+      row.light = static_cast<std::uint32_t>(out_->lights_.size());
+      add_area_light(row, {index, *emission}, nullptr);
+    }
+  }
+  out_->shapes_.push_back(row);
+}
+
+SceneCompiler::GroupContents SceneCompiler::add_group(const ShapeGroup& group) {
+  const Vec3f lower = lower_, upper = upper_;
+  const std::size_t triangles = out_->counts_.triangles;
+  const auto first = static_cast<std::uint32_t>(out_->shapes_.size());
+  lower_ = {kInfinity, kInfinity, kInfinity};
+  upper_ = {-kInfinity, -kInfinity, -kInfinity};
+  std::vector<Emitter> emitters;
+  group_emitters_ = &emitters;
+  for (const ShapeDescription& shape : group.shapes) add_shape(shape);
+  group_emitters_ = nullptr;
+  const ShapeRange range{first, static_cast<std::uint32_t>(out_->shapes_.size()) - first};
+  GroupContents contents{range, static_cast<std::uint32_t>(group_ranges_.size()),
+                         out_->counts_.triangles - triangles, lower_, upper_, std::move(emitters)};
+  if (range.shape_count > 0) group_ranges_.push_back(range);
+  lower_ = lower;
+  upper_ = upper;
+  return contents;
+}
+
+void SceneCompiler::add_instances(const std::vector<GroupContents>& groups) {
+  out_->instances_.reserve(in_.instances.size());
+  std::size_t too_large = 0;
+  for (const InstanceDescription& instance : in_.instances) {
+    const GroupContents& group = groups.at(instance.group);
+    if (group.range.shape_count == 0) continue;
+    InstanceRow row = make_instance(instance.to_world, group.range.first_shape, group.index);
+    const InstanceBounds bounds = instance_bounds(row, group.lower, group.upper);
+    if (!is_traceable(bounds.lower, bounds.upper)) {
+      ++too_large;
+      continue;
+    }
+    grow(bounds.lower, bounds.upper);
+    row.first_light = static_cast<std::uint32_t>(out_->lights_.size());
+    for (const Emitter& emitter : group.emitters) add_area_light(out_->shapes_[emitter.shape], emitter, &row);
+    out_->instances_.push_back(row);
+    out_->counts_.instanced_triangles += group.triangles;
+  }
+  if (too_large > 0)
+    out_->warnings_.push_back(std::to_string(too_large) + " instances too large for single precision: left out");
+  if (out_->shapes_.size() + out_->instances_.size() >= kNone)
+    throw SceneError("more than 2^32 shapes and instances");
+  out_->counts_.groups = group_ranges_.size();
+  out_->counts_.instances = out_->instances_.size();
+}
+
+void SceneCompiler::grow(Vec3f lower, Vec3f upper) { grow_box(lower_, upper_, lower, upper); }
+
+}  // namespace sheaf

@@ -1,0 +1,212 @@
+// Compiling textures: loading pictures once, checking what refers to what, and laying out mesh attributes.
+#include "scene/compile/compile_textures.h"
+
+#include "core/color.h"
+#include "scene/compile/compile_materials.h"
+#include "scene/compile/texture_image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace sheaf {
+
+namespace {
+
+class TextureCompiler {
+ public:
+  explicit TextureCompiler(const std::vector<TextureDescription>& textures)
+      : textures_(textures), depths_(textures.size(), 0) {
+    out_.rows.resize(textures.size());
+  }
+
+  CompiledTextures run() {
+    for (std::size_t i = 0; i < textures_.size(); ++i) {
+      const TextureDescription& texture = textures_[i];
+      check(texture);
+      TextureRow row;
+      std::copy(texture.to_uv.begin(), texture.to_uv.end(), row.to_uv);
+      std::visit([&](const auto& model) { make(row, model, texture); }, texture.model);
+      out_.rows[i] = row;
+    }
+    for (std::size_t i = 0; i < textures_.size(); ++i) depth(i);
+    join_images();
+    return std::move(out_);
+  }
+
+ private:
+  static constexpr int kInProgress = -1;
+
+  static SceneError error(const TextureDescription& texture, const std::string& message) {
+    return {texture.where, (texture.id.empty() ? "texture: " : "texture '" + texture.id + "': ") + message};
+  }
+
+  static void check(const TextureDescription& texture) {
+    for (const float entry : texture.to_uv)
+      if (!std::isfinite(entry)) throw error(texture, "the transform of its coordinates is not finite");
+  }
+
+  void make(TextureRow& row, const BitmapDescription& bitmap, const TextureDescription& texture) {
+    row.kind = TextureKind::kBitmap;
+    const std::size_t index = image(bitmap, texture);
+    const TiledImage& picture = images_[index];
+    TexelFormat format = picture.format;
+    if (format == TexelFormat::kByte1 && !bitmap.raw) format = TexelFormat::kSrgbByte1;
+    if (format == TexelFormat::kByte4 && !bitmap.raw) format = TexelFormat::kSrgbByte4;
+    row.bitmap = {static_cast<std::uint32_t>(index),
+                  picture.tiles_per_row,
+                  picture.width,
+                  picture.height,
+                  bitmap.wrap_u,
+                  bitmap.wrap_v,
+                  bitmap.filter,
+                  format};
+  }
+
+  void make(TextureRow& row, const CheckerboardDescription& board, const TextureDescription& texture) {
+    row.kind = TextureKind::kCheckerboard;
+    row.checkerboard = {{input(board.color0, texture), input(board.color1, texture)}};
+  }
+
+  void make(TextureRow& row, const MeshAttributeDescription& attribute, const TextureDescription& texture) {
+    if (!attribute.name.starts_with("vertex_") && !attribute.name.starts_with("face_")) {
+      throw error(texture, "'" + attribute.name + "' is no mesh attribute: names begin with 'vertex_' or 'face_'");
+    }
+    if (!std::isfinite(attribute.scale)) throw error(texture, "'scale' is not finite");
+    row.kind = TextureKind::kMeshAttribute;
+    std::vector<std::string>& names = out_.attribute_names;
+    const auto found = std::find(names.begin(), names.end(), attribute.name);
+    row.attribute = {static_cast<std::uint32_t>(found - names.begin()), attribute.scale};
+    if (found == names.end()) names.push_back(attribute.name);
+  }
+
+  /// The row of a colour, which for constants is made here.
+  std::uint32_t input(const SpectrumInput& value, const TextureDescription& texture) {
+    if (const auto* id = std::get_if<TextureId>(&value)) {
+      const auto index = static_cast<std::uint32_t>(*id);
+      if (index >= textures_.size()) throw error(texture, "refers to a texture that does not exist");
+      return index;
+    }
+    const Vec3f rgb = unbounded_rgb(std::get<SpectrumDescription>(value));
+    TextureRow row;
+    const bool grey = rgb.x == rgb.y && rgb.y == rgb.z;
+    row.constant = {{rgb.x, rgb.y, rgb.z}, grey ? rgb.x : luminance(rgb)};
+    out_.rows.push_back(row);
+    return static_cast<std::uint32_t>(out_.rows.size() - 1);
+  }
+
+  /// The index in images_. Bytes are the same for all ways of reading them; raw floats and decoded ones differ.
+  std::size_t image(const BitmapDescription& bitmap, const TextureDescription& texture) {
+    std::error_code ignored;
+    std::filesystem::path file = std::filesystem::weakly_canonical(bitmap.file, ignored);
+    if (ignored) file = bitmap.file;
+    const auto known = index_of_.find({file, bitmap.raw});
+    if (known != index_of_.end()) return known->second;
+    try {
+      images_.push_back(load_tiled_image(bitmap.file, bitmap.raw));
+    } catch (const SceneError& problem) { throw error(texture, problem.what()); }
+    const std::size_t index = images_.size() - 1;
+    for (const bool raw : {false, true})
+      if (raw == bitmap.raw || holds_bytes(images_[index].format)) index_of_[{file, raw}] = index;
+    return index;
+  }
+
+  /// How many checkerboards lie in each other here, inside of `outside` others.
+  int depth(std::size_t i, int outside = 0) {
+    if (out_.rows[i].kind != TextureKind::kCheckerboard) return 0;
+    if (depths_[i] == kInProgress) throw error(textures_[i], "contains itself");
+    if (depths_[i] == 0) {
+      if (outside == kMaxTextureDepth) throw too_deep(i);
+      depths_[i] = kInProgress;
+      int deepest = 0;
+      for (const std::uint32_t child : out_.rows[i].checkerboard.child)
+        if (child < textures_.size()) deepest = std::max(deepest, depth(child, outside + 1));
+      depths_[i] = deepest + 1;
+    }
+    if (outside + depths_[i] > kMaxTextureDepth) throw too_deep(i);
+    return depths_[i];
+  }
+
+  SceneError too_deep(std::size_t i) const {
+    return error(textures_[i], "more than " + std::to_string(kMaxTextureDepth) + " checkerboards in each other");
+  }
+
+  /// One table of all tiles; rows' first_tile, so far the picture's index, becomes the index of its first.
+  void join_images() {
+    std::vector<std::size_t> first(images_.size());
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < images_.size(); ++i) {
+      first[i] = count;
+      count += images_[i].tiles.size();
+    }
+    if (count >= std::size_t{1} << 32) throw SceneError("the scene's textures take more than 256 GiB");
+    out_.tile_count = count + 1;
+    out_.tiles = std::make_unique_for_overwrite<TexelTile[]>(out_.tile_count);
+    for (std::size_t i = 0; i < images_.size(); ++i) {
+      std::copy(images_[i].tiles.begin(), images_[i].tiles.end(), &out_.tiles[first[i]]);
+      images_[i].tiles = {};
+    }
+    out_.tiles[count] = {};
+    for (TextureRow& row : out_.rows)
+      if (row.kind == TextureKind::kBitmap)
+        row.bitmap.first_tile = static_cast<std::uint32_t>(first[row.bitmap.first_tile]);
+  }
+
+  const std::vector<TextureDescription>& textures_;
+  std::vector<int> depths_;
+  std::vector<TiledImage> images_;
+  std::map<std::pair<std::filesystem::path, bool>, std::size_t> index_of_;
+  CompiledTextures out_;
+};
+
+}  // namespace
+
+CompiledTextures compile_textures(const std::vector<TextureDescription>& textures) {
+  return TextureCompiler(textures).run();
+}
+
+bool AttributeTable::wants(const std::string& name) const {
+  return std::find(names_.begin(), names_.end(), name) != names_.end();
+}
+
+void AttributeTable::add(std::uint32_t shape, std::uint32_t first_triangle, std::uint32_t triangle_count,
+                         std::uint32_t vertex_count, const Mesh::Attribute& attribute, const SourceLocation& where) {
+  const auto fail = [&](const std::string& what) {
+    return SceneError(where, "mesh attribute '" + attribute.name + "' " + what);
+  };
+  const bool per_face = attribute.name.starts_with("face_");
+  if (!per_face && !attribute.name.starts_with("vertex_")) throw fail("begins neither with 'vertex_' nor with 'face_'");
+  if (attribute.channels != 1 && attribute.channels != 3) {
+    throw fail("has " + std::to_string(attribute.channels) + " channels, where 1 or 3 are expected");
+  }
+  const auto channels = static_cast<std::uint32_t>(attribute.channels);
+  const std::size_t expected = std::size_t{per_face ? triangle_count : vertex_count} * channels;
+  if (attribute.values.size() != expected) {
+    throw fail("has " + std::to_string(attribute.values.size()) + " values, where " + std::to_string(expected) +
+               " are expected");
+  }
+  if (!std::all_of(attribute.values.begin(), attribute.values.end(), [](float v) { return std::isfinite(v); })) {
+    throw fail("has values that are not finite");
+  }
+  const auto found = std::find(names_.begin(), names_.end(), attribute.name);
+  if (found == names_.end() || triangle_count == 0) return;
+  const auto name = static_cast<std::uint32_t>(found - names_.begin());
+  constexpr std::size_t kMostValues = 0xffffffffu;
+  if (values_.size() > kMostValues - expected) throw fail("makes too many values in all");
+  const AttributeEntry entry{static_cast<std::uint32_t>(values_.size()),
+                             channels | (per_face ? AttributeEntry::kPerFace : 0u), first_triangle, triangle_count};
+  if (!added_.insert({{name, shape}, entry}).second) throw fail("is there twice");
+  values_.insert(values_.end(), attribute.values.begin(), attribute.values.end());
+}
+
+void AttributeTable::finish(std::uint32_t shape_count, CompiledTextures& textures) {
+  constexpr std::size_t kMostEntries = std::size_t{1} << 30;
+  if (names_.size() * shape_count > kMostEntries) throw SceneError("too many shapes for so many mesh attributes");
+  entries_.assign(names_.size() * shape_count, {});
+  for (const auto& [key, entry] : added_) entries_[std::size_t{key.first} * shape_count + key.second] = entry;
+  values_.insert(values_.end(), 3, 0.0f);
+  for (TextureRow& row : textures.rows)
+    if (row.kind == TextureKind::kMeshAttribute) row.attribute.first_entry *= shape_count;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,106 @@
+// Lights as rows of tables: what the files of single kinds, scene/compile/lights/, are given and what they must define.
+//
+// Of every LightKind such a file defines light_compiler(), and of every description of a light place_light(). Both are
+// declared here for all of them at once; the program doesn't link where one is missing.
+#pragma once
+
+#include "scene/compile/light_bounds.h"
+#include "scene/compile/spectra.h"
+#include "scene/tables/scene.h"
+
+#include <concepts>
+#include <span>
+
+namespace sheaf {
+
+/// A light that is not on a shape, with its frame if the kind has one.
+struct PlacedLight {
+  LightRow row;
+  std::optional<LightFrameRow> frame;
+  SpectrumRow spectrum = {};  ///< what LightRecord::radiance is, in spectral mode
+};
+
+/// What lights are placed in.
+struct LightContext {
+  const Description& description;
+  std::span<const TextureRow> textures;
+  SpectrumSet* spectra;  ///< null in RGB mode
+  Envmap& envmap;        ///< of the scene; its light fills it
+  std::vector<std::string>& warnings;
+
+  /// The row of what a light emits, in spectral mode. Textures are relative to D65. Throws SceneError at `where`.
+  SpectrumRow emission_row(const SpectrumInput& emission, const SourceLocation& where) const;
+  /// Throws SceneError at `where` for a texture that there is not.
+  std::uint32_t texture_row(TextureId id, const SourceLocation& where) const;
+};
+
+/// A row of a kind without frame, texture and spectrum.
+LightRow make_light_row(LightKind kind, Vec3f radiance, Vec3f position);
+
+/// A row's radiance in R, G and B.
+inline Vec3f emitted_rgb(const LightRow& light) { return {light.radiance.c0, light.radiance.c1, light.radiance.c2}; }
+
+/// Where a kind of light shines from.
+enum class LightReach {
+  kBounded,      ///< somewhere inside of the scene
+  kDistant,      ///< outside of it
+  kEnvironment,  ///< outside of it, from all directions: there may be one
+};
+
+/// A kind of light to who makes tables of lights.
+struct LightCompiler {
+  LightReach reach;
+  /// See light_power().
+  Vec3f (*power)(const SceneView&, const LightRow&);
+  /// See bounds_of_light(). Null unless bounded.
+  LightBounds (*bounds)(const SceneView&, const LightRow&, double power);
+};
+
+/// A struct with the reach, the power and, if it is bounded, the bounds of a kind.
+template <class Kind>
+concept CompiledLight =
+    requires(const SceneView& scene, const LightRow& light) {
+      { Kind::kReach } -> std::convertible_to<LightReach>;
+      { Kind::power(scene, light) } -> std::same_as<Vec3f>;
+    } && (Kind::kReach == LightReach::kBounded) == requires(const SceneView& scene, const LightRow& light) {
+      { Kind::bounds(scene, light, 1.0) } -> std::same_as<LightBounds>;
+    };
+
+template <CompiledLight Kind> LightCompiler make_light_compiler() {
+  if constexpr (Kind::kReach == LightReach::kBounded) return {Kind::kReach, &Kind::power, &Kind::bounds};
+  else return {Kind::kReach, &Kind::power, nullptr};
+}
+
+#pragma GCC diagnostic push
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored \
+    "-Wnon-template-friend"  // meant: a function for every type, each defined in its own file
+#endif
+
+/// Names a kind as a type.
+template <LightKind Kind> struct LightTag {
+  friend LightCompiler light_compiler(LightTag);
+};
+
+/// A light of a description.
+template <class Description> struct LightToPlace {
+  const Description& light;
+  const SourceLocation& where;
+  LightContext& context;
+  /// Its row and its spectrum, or nothing if it is black for sure. Throws SceneError.
+  friend std::optional<PlacedLight> place_light(const LightToPlace&);
+};
+
+#pragma GCC diagnostic pop
+
+/// What is known of a row's kind.
+const LightCompiler& light_compiler_of(const LightRow& light);
+
+/// Whether a light shines from outside of the scene: environments and directions.
+bool is_infinite(const LightRow& light);
+
+/// The power that a light gives off, W in R, G and B. Of lights outside of the scene that which reaches the scene's
+/// bounding sphere. Textures are averaged over the surface by a few thousand points.
+Vec3f light_power(const SceneView& scene, std::uint32_t light);
+
+}  // namespace sheaf

@@ -1,0 +1,41 @@
+#include "scene/compile/light_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+float peak_power(double peak_intensity) {
+  return static_cast<float>(std::clamp(double(kPi) * peak_intensity, 1e-30, 1e30));
+}
+
+LightBounds point_light_bounds(Vec3f position, float intensity) {
+  LightBounds out;
+  out.lower = out.upper = position;
+  out.power = peak_power(intensity);
+  return out;
+}
+
+LightBounds spot_light_bounds(Vec3f position, Vec3f axis, float cos_total, float intensity) {
+  LightBounds out = point_light_bounds(position, intensity);
+  out.axis = axis;
+  // The light does not fade with the angle from a normal: the cone of "normals" is the cone of light.
+  out.cos_theta_o = cos_total;
+  out.cos_theta_e = 1;
+  return out;
+}
+
+LightBounds frame_light_bounds(const LightFrameRow& frame, Vec3f position, double cos_total, double power) {
+  const Vec3f rows[3] = {frame.row_x, frame.row_y, frame.row_z};
+  const float size = dot(rows[2], rows[2]);
+  float distortion = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j <= i; ++j)
+      distortion = std::max(distortion, std::fabs(dot(rows[i], rows[j]) - (i == j ? size : 0)));
+  if (distortion > 1e-4f * size) cos_total = -1.0;  // a cone that is stretched may reach anywhere
+  const Vec3f axis = normalize(rows[2]);
+  const double solid_angle = 2.0 * double(kPi) * std::max(1.0 - cos_total, 1e-6);
+  return spot_light_bounds(position, axis, static_cast<float>(cos_total), static_cast<float>(power / solid_angle));
+}
+
+}  // namespace sheaf

@@ -1,0 +1,52 @@
+// Environment maps as lights: row and power. The tables of a map are made by compile_envmap.cpp.
+#include "scene/compile/compile_envmap.h"
+#include "scene/compile/light.h"
+#include "scene/compile/lights/light_rotation.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+struct EnvmapRows {
+  static constexpr LightReach kReach = LightReach::kEnvironment;
+
+  static Vec3f power(const SceneView& scene, const LightRow& light) {
+    const float disk = kPi * scene.radius * scene.radius;
+    return emitted_rgb(light) * (4 * kPi * disk);
+  }
+};
+
+}  // namespace
+
+LightCompiler light_compiler(LightTag<LightKind::kEnvmap>) { return make_light_compiler<EnvmapRows>(); }
+
+void set_rotation(Envmap& map, const Transform& to_world, const SourceLocation& where) {
+  const std::array<double, 9> rotation = rotation_of(to_world, "an environment map", where);
+  std::transform(rotation.begin(), rotation.end(), map.to_map, [](double v) { return static_cast<float>(v); });
+}
+
+std::optional<PlacedLight> place_light(const LightToPlace<EnvmapDescription>& l) {
+  const EnvmapDescription& light = l.light;
+  LightContext& context = l.context;
+  const EnvmapPicture picture = read_envmap_picture(light.file);
+  if (const std::size_t bad = count_unusable(picture); bad > 0)
+    context.warnings.push_back(light.file.string() + ": " + std::to_string(bad) +
+                               " values that are negative or not finite count as 0");
+  // Without BSDF sampling what is not sampled would be lost.
+  const bool compensate = light.mis_compensation && context.description.integrator.strategy == LightStrategy::kMis;
+  Envmap map = make_envmap(picture, light.scale, compensate);
+  set_rotation(map, light.to_world, l.where);
+  if (!(max_component(map.mean) > 0.0f)) {
+    context.warnings.push_back(light.file.string() + ": the environment map is black");
+    return std::nullopt;
+  }
+  if (context.spectra != nullptr) uplift_nodes(map);
+  PlacedLight placed{make_light_row(LightKind::kEnvmap, map.mean, {0, 0, 0}), std::nullopt,
+                     context.emission_row(SpectrumDescription::constant(1), l.where)};
+  context.envmap = std::move(map);
+  return placed;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,225 @@
+// Lights on meshes: rows, power and bounds.
+#include "core/distribution.h"
+#include "core/warp.h"
+#include "scene/compile/lights/area_light.h"
+#include "scene/compile/lights/texture_mean.h"
+#include "scene/tables/light_cone.h"
+#include "scene/tables/shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+struct TriangleWithArea {
+  LightTriangleRow row{};
+  double area = 0;
+};
+
+/// The triangle with corners `p`, in world space; `side` is -1 to turn its normal.
+TriangleWithArea make_triangle(const double (&p)[3][3], double side) {
+  double normal[3], squared = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t d = (c + 1) % 3, e = (c + 2) % 3;
+    normal[c] = side * ((p[1][d] - p[0][d]) * (p[2][e] - p[0][e]) - (p[1][e] - p[0][e]) * (p[2][d] - p[0][d]));
+    squared += normal[c] * normal[c];
+  }
+  const double twice_area = std::sqrt(squared);
+  TriangleWithArea out;
+  out.area = 0.5 * twice_area;
+  float* const first[3] = {&out.row.p.x, &out.row.p.y, &out.row.p.z};
+  float* const edge1[3] = {&out.row.edge1.x, &out.row.edge1.y, &out.row.edge1.z};
+  float* const edge2[3] = {&out.row.edge2.x, &out.row.edge2.y, &out.row.edge2.z};
+  float* const unit[3] = {&out.row.normal.x, &out.row.normal.y, &out.row.normal.z};
+  double across = 0, extent = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double largest = std::max({std::fabs(p[0][c]), std::fabs(p[1][c]), std::fabs(p[2][c])});
+    *first[c] = static_cast<float>(p[0][c]);
+    *edge1[c] = static_cast<float>(p[1][c] - p[0][c]);
+    *edge2[c] = static_cast<float>(p[2][c] - p[0][c]);
+    *unit[c] = twice_area > 0.0 ? static_cast<float>(normal[c] / twice_area) : 0.0f;
+    across += std::fabs(*unit[c]) * largest;
+    extent = std::max(extent, largest);
+  }
+  out.row.offset = static_cast<float>(kOffsetUlps * (across + extent));
+  return out;
+}
+
+/// The corners of a triangle of a shape, in the space of its vertices.
+void corners_of(const ShapeTables& tables, const ShapeRow& shape, std::uint32_t triangle,
+                const VertexRow* (&corners)[3]) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t vertex = tables.triangles[3 * (std::size_t(shape.first_triangle) + triangle) + k];
+    corners[k] = &tables.vertices[std::size_t(shape.first_vertex) + vertex];
+  }
+}
+
+TriangleWithArea make_triangle(const VertexRow* const (&corners)[3], const InstanceRow* instance) {
+  double p[3][3], q[3][3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3f at = corners[k]->position;
+    p[k][0] = at.x, p[k][1] = at.y, p[k][2] = at.z;
+  }
+  if (instance == nullptr) return make_triangle(p, 1.0);
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float* m = instance->to_world + 4 * c;
+      q[k][c] = m[0] * p[k][0] + m[1] * p[k][1] + m[2] * p[k][2] + m[3];
+    }
+  TriangleWithArea out = make_triangle(q, instance->determinant < 0.0f ? -1.0 : 1.0);
+  const LightTriangleRow own = make_triangle(p, 1.0).row;
+  for (const VertexRow* corner : corners)
+    out.row.offset =
+        std::max(out.row.offset, instance_offset(*instance, corner->position, own.normal, own.offset));
+  return out;
+}
+
+LightUvRow make_uvs(const ShapeRow& shape, const VertexRow* const (&corners)[3]) {
+  if ((shape.flags & kHasUvs) == 0) return {{0, 0}, {1, 0}, {0, 1}, {}};
+  return {corners[0]->uv, corners[1]->uv, corners[2]->uv, {}};
+}
+
+Vec3d to_double3(Vec3f v) { return {v.x, v.y, v.z}; }
+Vec3f to_float3(const Vec3d& v) {
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+
+Vec3d cross3(const Vec3d& a, const Vec3d& b) {
+  Vec3d out;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t d = (c + 1) % 3, e = (c + 2) % 3;
+    out[c] = a[d] * b[e] - a[e] * b[d];
+  }
+  return out;
+}
+
+/// The directions in which peaks are looked for: the axes, the diagonals of a cube, and one of the caller's.
+class PeakSearch {
+ public:
+  explicit PeakSearch(const Vec3d& favourite) {
+    directions_[0] = favourite;
+    std::size_t n = 1;
+    for (int sign = -1; sign <= 1; sign += 2)
+      for (std::size_t axis = 0; axis < 3; ++axis, ++n) directions_[n] = Vec3d{}, directions_[n][axis] = sign;
+    const double diagonal = 1.0 / std::sqrt(3.0);
+    for (int corner = 0; corner < 8; ++corner, ++n)
+      for (std::size_t c = 0; c < 3; ++c) directions_[n][c] = (corner >> c & 1) != 0 ? diagonal : -diagonal;
+  }
+  /// A surface of that area vector (its normal times its area), seen from its front only.
+  void add(const Vec3d& area_vector) {
+    for (std::size_t i = 0; i < kDirections; ++i) {
+      const Vec3d& d = directions_[i];
+      areas_[i] += std::max(0.0, d[0] * area_vector[0] + d[1] * area_vector[1] + d[2] * area_vector[2]);
+    }
+  }
+  /// The largest projected area found.
+  double projected_area() const { return *std::max_element(areas_.begin(), areas_.end()); }
+
+ private:
+  static constexpr std::size_t kDirections = 15;
+  std::array<Vec3d, kDirections> directions_{};
+  std::array<double, kDirections> areas_{};
+};
+
+struct MeshRows {
+  static constexpr LightReach kReach = LightReach::kBounded;
+
+  static Vec3f power(const SceneView& scene, const LightRow& light) {
+    const Vec3f power = emitted_rgb(light) * (kPi * light.area);
+    return light.texture == kNone ? power : power * texture_mean(scene, light);
+  }
+
+  static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
+    return mesh_light_bounds({scene.light_triangles + light.first_triangle, light.triangle_count},
+                             static_cast<float>(power / (double(kPi) * light.area)));
+  }
+
+ private:
+  static Vec3f texture_mean(const SceneView& scene, const LightRow& light) {
+    TextureMean mean(scene, light.texture);
+    int next = 0;
+    for (std::uint32_t i = 0; i < light.triangle_count; ++i) {
+      const double share = scene.triangle_alias[light.first_triangle + i].pdf;
+      const int points = std::clamp(static_cast<int>(std::ceil(share * kMeanPoints)), 1, kMeanPoints);
+      const LightUvRow& uvs = scene.light_uvs[light.first_uv() + i];
+      for (int k = 0; k < points; ++k) {
+        const Vec2f u = spread_point(next++);
+        const Vec2f b = square_to_triangle<Scalar>(u.x, u.y);
+        mean.add({uvs.at(1 - b.x - b.y, b.x, b.y), light.shape, i, b.x, b.y}, share / points);
+      }
+    }
+    return mean.value();
+  }
+};
+
+}  // namespace
+
+LightCompiler light_compiler(LightTag<LightKind::kMesh>) { return make_light_compiler<MeshRows>(); }
+
+void complete_mesh_light(AreaLight& light, const ShapeRow& shape, const ShapeTables& tables, const LightPlaces& places,
+                         const InstanceRow* instance) {
+  light.row.kind = static_cast<std::uint32_t>(LightKind::kMesh);
+  light.row.first_triangle = places.first_triangle;
+  light.row.triangle_count = shape.triangle_count;
+  const bool textured = light.row.texture != kNone;
+  if (textured) light.row.detail = places.first_uv;
+  std::vector<float> areas;
+  double area = 0;
+  for (std::uint32_t i = 0; i < shape.triangle_count; ++i) {
+    const VertexRow* corners[3];
+    corners_of(tables, shape, i, corners);
+    const TriangleWithArea triangle = make_triangle(corners, instance);
+    light.triangles.push_back(triangle.row);
+    if (textured) light.uvs.push_back(make_uvs(shape, corners));
+    areas.push_back(static_cast<float>(triangle.area));
+    area += areas.back();
+  }
+  light.alias = build_alias_table(areas);
+  light.row.area = static_cast<float>(area);
+}
+
+LightBounds mesh_light_bounds(std::span<const LightTriangleRow> triangles, float radiance) {
+  LightBounds out;
+  DirectionCone cone;
+  bool empty = true;
+  std::vector<Vec3d> area_vectors;
+  Vec3d lower{}, upper{};
+  for (const LightTriangleRow& t : triangles) {
+    const Vec3d edge1 = to_double3(t.edge1), edge2 = to_double3(t.edge2);
+    const Vec3d first = to_double3(t.p), facing = to_double3(t.normal);
+    Vec3d area_vector = cross3(edge1, edge2);
+    const double twice = std::hypot(area_vector[0], area_vector[1], area_vector[2]);
+    if (!(twice > 0.0) || !std::isfinite(twice)) continue;
+    // Mirrored instances shine against their winding.
+    const double along = area_vector[0] * facing[0] + area_vector[1] * facing[1] + area_vector[2] * facing[2];
+    if (along < 0.0)
+      for (double& component : area_vector) component = -component;
+    Vec3d normal;
+    for (std::size_t c = 0; c < 3; ++c) {
+      normal[c] = area_vector[c] / twice;
+      area_vector[c] *= 0.5;
+      const double p = first[c], q = p + edge1[c], r = p + edge2[c];
+      // Vertices are sums of rounded numbers here and in the kernels.
+      const double slack = 1e-6 * (std::fabs(p) + std::fabs(edge1[c]) + std::fabs(edge2[c]));
+      const double low = std::min({p, q, r}) - slack, high = std::max({p, q, r}) + slack;
+      lower[c] = empty ? low : std::min(lower[c], low);
+      upper[c] = empty ? high : std::max(upper[c], high);
+    }
+    const DirectionCone single(normal, 0.0);
+    cone = empty ? single : join(cone, single);
+    empty = false;
+    area_vectors.push_back(area_vector);
+  }
+  PeakSearch peak(cone.axis);
+  for (const Vec3d& a : area_vectors) peak.add(a);
+  out.lower = to_float3(lower);
+  out.upper = to_float3(upper);
+  out.axis = to_float3(cone.axis);
+  out.cos_theta_o = static_cast<float>(cone.cos_theta);
+  out.power = peak_power(double(radiance) * peak.projected_area());
+  return out;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,120 @@
+// Lights on spheres, disks and cylinders: rows, power and bounds.
+#include "core/warp.h"
+#include "scene/compile/lights/area_light.h"
+#include "scene/compile/lights/texture_mean.h"
+#include "scene/tables/quadric.h"
+#include "scene/tables/shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// The largest offset at points of a quadric of an instance.
+float quadric_offset(const QuadricRow& own, const InstanceRow& instance) {
+  float largest = 0;
+  constexpr int kPoints = 64;
+  for (int i = 0; i < kPoints; ++i) {
+    const float u = (static_cast<float>(i % 8) + 0.5f) / 8, v = (static_cast<float>(i / 8) + 0.5f) / 8;
+    Vec3f x = square_to_sphere<Scalar>(u, v);
+    if (own.kind == ShapeKind::kCylinder) x = {std::cos(2 * kPi * v), std::sin(2 * kPi * v), u};
+    if (own.kind == ShapeKind::kDisk) x = {std::cos(2 * kPi * v), std::sin(2 * kPi * v), 0};
+    const auto y = quadric_surface<Scalar, false>(own, static_cast<std::uint32_t>(own.kind), x);
+    largest = std::max(largest, instance_offset(instance, y.p, y.ng, y.offset));
+  }
+  return 1.5f * largest;
+}
+
+/// A quadric of an instance, in world space.
+QuadricRow place_quadric(const QuadricRow& own, const InstanceRow& instance) {
+  Matrix4 inner, outer;
+  for (std::size_t i = 0; i < 12; ++i) {
+    inner.m[i / 4][i % 4] = own.to_world[i];
+    outer.m[i / 4][i % 4] = instance.to_world[i];
+  }
+  return make_quadric(own.kind, Transform(outer * inner), own.normal_sign < 0.0f);
+}
+
+/// Both of kSphere and kQuadric.
+struct QuadricRows {
+  static constexpr LightReach kReach = LightReach::kBounded;
+
+  static Vec3f power(const SceneView& scene, const LightRow& light) {
+    const Vec3f power = emitted_rgb(light) * (kPi * quadric_area(scene.quadrics[light.quadric()]));
+    return light.texture == kNone ? power : power * texture_mean(scene, light);
+  }
+
+  static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
+    const QuadricRow& quadric = scene.quadrics[light.quadric()];
+    return quadric_light_bounds(quadric, static_cast<float>(power / (double(kPi) * quadric_area(quadric))));
+  }
+
+ private:
+  static Vec3f texture_mean(const SceneView& scene, const LightRow& light) {
+    const QuadricRow& row = scene.quadrics[light.quadric()];
+    TextureMean mean(scene, light.texture);
+    for (int k = 0; k < kMeanPoints; ++k) {
+      const Vec2f u = spread_point(k);
+      Vec3f x = square_to_sphere<Scalar>(u.x, u.y), normal = x;
+      if (row.kind == ShapeKind::kDisk) {
+        const Vec2f d = square_to_disk<Scalar>(u.x, u.y);
+        x = {d.x, d.y, 0};
+        normal = {0, 0, 1};
+      } else if (row.kind == ShapeKind::kCylinder) {
+        const auto angle = sincos_2pi<Scalar>(u.x);
+        x = {angle.cos, angle.sin, u.y};
+        normal = {angle.cos, angle.sin, 0};
+      }
+      const auto y = quadric_surface<Scalar, true>(row, static_cast<std::uint32_t>(row.kind), x);
+      mean.add({y.uv, light.shape, 0, 0, 0}, length(row.world_normal(normal)));
+    }
+    return mean.value();
+  }
+};
+
+}  // namespace
+
+LightCompiler light_compiler(LightTag<LightKind::kSphere>) { return make_light_compiler<QuadricRows>(); }
+LightCompiler light_compiler(LightTag<LightKind::kQuadric>) { return make_light_compiler<QuadricRows>(); }
+
+void complete_quadric_light(AreaLight& light, const ShapeRow& shape, const ShapeTables& tables,
+                            const LightPlaces& places, const InstanceRow* instance) {
+  QuadricRow q = tables.quadrics[shape.first_triangle];
+  LightRow& row = light.row;
+  row.first_triangle = places.quadric;
+  if (instance != nullptr) {
+    row.detail = float_bits(quadric_offset(q, *instance));
+    q = place_quadric(q, *instance);
+    light.quadric = q;
+  }
+  // Light leaves a flipped sphere inwards, where the cone of directions that see it says nothing.
+  const bool cone = q.kind == ShapeKind::kSphere && q.uniform_scale > 0.0f && q.normal_sign > 0.0f;
+  row.kind = static_cast<std::uint32_t>(cone ? LightKind::kSphere : LightKind::kQuadric);
+  row.area = canonical_area(q.kind);
+  row.radius = q.uniform_scale;
+  row.position = {q.to_world[3], q.to_world[7], q.to_world[11]};
+}
+
+LightBounds quadric_light_bounds(const QuadricRow& row, float radiance) {
+  const QuadricBounds box = quadric_bounds(row);
+  LightBounds out;
+  out.lower = box.lower;
+  out.upper = box.upper;
+  const double area = quadric_area(row);
+  if (row.kind == ShapeKind::kDisk) {
+    // The inverse transpose turns (0, 0, 1) into the third row of the inverse.
+    const double n[3] = {row.to_object[8], row.to_object[9], row.to_object[10]};
+    const double scale = row.normal_sign / std::hypot(n[0], n[1], n[2]);
+    out.axis = {static_cast<float>(n[0] * scale), static_cast<float>(n[1] * scale), static_cast<float>(n[2] * scale)};
+    out.cos_theta_o = 1;
+    out.power = peak_power(radiance * area);
+    return out;
+  }
+  // From the side, a sphere shows a quarter of its area and a cylinder 1 / pi.
+  out.power = peak_power(radiance * area * (row.kind == ShapeKind::kSphere ? 0.25 : double(kInvPi)));
+  return out;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,118 @@
+// Media as lights: rows, power and bounds.
+#include "scene/compile/lights/volume_light.h"
+
+#include "scene/tables/medium_lookup.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// Cells along the longest side of a volume light's box.
+constexpr int kCells = 32;
+/// Points looked at in each cell, along each axis.
+constexpr int kPoints = 2;
+
+/// In spectral mode, wavelengths (nm) in place of red, green and blue.
+const Spectrum4 kSeen{600, 550, 450, 500};
+
+bool overlap(const GridBox& a, const GridBox& b) {
+  return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
+         b.min.z <= a.max.z;
+}
+
+/// What is emitted at a point, W / (m^3 sr).
+Vec3f emitted_at(const SceneView& scene, const MediumRow& medium, const MediumSpectra& spectra, Vec3f p) {
+  const Quad emitted = medium_coefficients(scene, medium, spectra, p, kSeen).sigma_a *
+                       medium_emission(scene, medium, spectra, p, kSeen);
+  return {emitted[0], emitted[1], emitted[2]};
+}
+
+/// A box cut into cells of about the same size along all axes.
+struct Cells {
+  GridBox box;
+  int count[3];
+  Vec3f size;
+
+  Cells(const GridBox& all, bool one) : box(all) {
+    const Vec3f extent = all.max - all.min;
+    const float longest = std::max(max_component(extent), 1e-30f);
+    const auto along = [&](float side) {
+      return one ? 1 : std::clamp(static_cast<int>(std::ceil(kCells * side / longest)), 1, kCells);
+    };
+    count[0] = along(extent.x);
+    count[1] = along(extent.y);
+    count[2] = along(extent.z);
+    size = {extent.x / static_cast<float>(count[0]), extent.y / static_cast<float>(count[1]),
+            extent.z / static_cast<float>(count[2])};
+  }
+  GridBox cell(int x, int y, int z) const {
+    const Vec3f low{box.min.x + size.x * static_cast<float>(x), box.min.y + size.y * static_cast<float>(y),
+                    box.min.z + size.z * static_cast<float>(z)};
+    return {low, low + size};
+  }
+};
+
+struct VolumeRows {
+  static constexpr LightReach kReach = LightReach::kBounded;
+
+  /// Of all that the box holds, of which the medium may fill a part only.
+  static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light) * (4 * kPi); }
+
+  static LightBounds bounds(const SceneView&, const LightRow& light, double power) {
+    LightBounds out = point_light_bounds(light.position, static_cast<float>(power * (0.25 * double(kInvPi))));
+    out.upper = light.position + light.extent();
+    return out;
+  }
+};
+
+}  // namespace
+
+LightCompiler light_compiler(LightTag<LightKind::kVolume>) { return make_light_compiler<VolumeRows>(); }
+
+std::optional<MediumLight> make_volume_light(const SceneView& scene, std::uint32_t index,
+                                             std::span<const GridBox> boxes, std::uint32_t first_cell) {
+  const MediumRow& medium = scene.media[index];
+  if ((medium.flags & kMediumEmits) == 0 || boxes.empty()) return std::nullopt;
+  GridBox all = boxes.front();
+  for (const GridBox& box : boxes)
+    all = {{std::min(all.min.x, box.min.x), std::min(all.min.y, box.min.y), std::min(all.min.z, box.min.z)},
+           {std::max(all.max.x, box.max.x), std::max(all.max.y, box.max.y), std::max(all.max.z, box.max.z)}};
+  const MediumSpectra spectra = medium_spectra(scene, medium, kSeen);
+  const Cells cells(all, (medium.flags & kMediumHomogeneous) != 0 && boxes.size() == 1);
+  std::vector<float> weights;
+  Vec3f total{0, 0, 0};
+  for (int z = 0; z < cells.count[2]; ++z)
+    for (int y = 0; y < cells.count[1]; ++y)
+      for (int x = 0; x < cells.count[0]; ++x) {
+        const GridBox cell = cells.cell(x, y, z);
+        Vec3f sum{0, 0, 0};
+        if (std::any_of(boxes.begin(), boxes.end(), [&](const GridBox& box) { return overlap(box, cell); }))
+          for (int k = 0; k < kPoints * kPoints * kPoints; ++k) {
+            const auto at = [](int i) { return (static_cast<float>(i % kPoints) + 0.5f) / kPoints; };
+            sum = sum + emitted_at(scene, medium, spectra,
+                                   {cell.min.x + cells.size.x * at(k), cell.min.y + cells.size.y * at(k / kPoints),
+                                    cell.min.z + cells.size.z * at(k / kPoints / kPoints)});
+          }
+        weights.push_back(sum.x + sum.y + sum.z);
+        total = total + sum;
+      }
+  const float cell_volume = cells.size.x * cells.size.y * cells.size.z;
+  const Vec3f emitted = total * (cell_volume / (kPoints * kPoints * kPoints));
+  if (!(max_component(emitted) > 0.0f) || !is_finite(emitted)) return std::nullopt;
+  MediumLight light;
+  light.alias = build_alias_table(weights);
+  light.row = make_light_row(LightKind::kVolume, emitted, all.min);
+  light.row.shape = index;
+  light.row.first_triangle = first_cell;
+  light.row.triangle_count = static_cast<std::uint32_t>(weights.size());
+  light.row.set_extent(all.max - all.min);
+  light.row.detail = volume_cells_word({static_cast<std::uint32_t>(cells.count[0]),
+                                        static_cast<std::uint32_t>(cells.count[1]),
+                                        static_cast<std::uint32_t>(cells.count[2])});
+  return light;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,15 @@
+// Volumes from files of any kind.
+#pragma once
+
+#include "scene/tables/brick_grid.h"
+
+namespace sheaf {
+
+/// Reads the file of a grid volume. Throws SceneError at `where` for what the readers of files throw
+/// (scene/formats/vol_file.h, scene/formats/nanovdb.h), and for volumes of too many bricks; of a .nvdb file, of more
+/// than 64 MiB and 512 times the bytes that the grid takes in it. The grid's `grid_to_local` leads to the space that
+/// GridVolumeDescription::format names; the description's filter is left to make_brick_grid_row() and
+/// make_majorant_grid().
+BrickGrid load_volume(const GridVolumeDescription& description, const SourceLocation& where);
+
+}  // namespace sheaf

@@ -1,0 +1,318 @@
+#include "scene/compile/material_rows.h"
+
+#include "core/color.h"
+#include "scene/compile/plastic.h"
+#include "scene/data/glasses.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+using TableToRgb = Vec3f (*)(std::span<const float>, std::span<const float>);
+
+Vec3f to_rgb(const SpectrumDescription& spectrum, TableToRgb table_to_rgb) {
+  using S = SpectrumDescription;
+  Vec3f rgb{};
+  if (const auto* c = std::get_if<S::Constant>(&spectrum.value)) rgb = {c->value, c->value, c->value};
+  if (const auto* c = std::get_if<S::Rgb>(&spectrum.value)) rgb = c->value;
+  if (const auto* t = std::get_if<S::Table>(&spectrum.value)) rgb = table_to_rgb(t->wavelengths, t->values);
+  if (const auto* b = std::get_if<S::Blackbody>(&spectrum.value)) rgb = blackbody_to_rgb(b->temperature, b->scale);
+  return {std::max(rgb.x, 0.0f), std::max(rgb.y, 0.0f), std::max(rgb.z, 0.0f)};
+}
+
+/// Parameters on their way into a row: constants go to their place, textures become bindings of that place.
+template <template <class> class Parameters> struct RowMaker {
+  RowContext& context;
+  Parameters<Scalar> p{};
+  std::uint32_t first_binding = static_cast<std::uint32_t>(context.bindings.size());
+
+  void set(float& leaf, const ScalarInput& input) {
+    if (const float* value = std::get_if<float>(&input)) leaf = *value;
+    else bind(leaf, std::get<TextureId>(input), 1, TextureRole::kScalar);
+  }
+
+  void set(Spectrum4& spectrum, const SpectrumInput& input, TextureRole role = TextureRole::kReflectance) {
+    if (const auto* value = std::get_if<SpectrumDescription>(&input)) {
+      const bool reflectance = role == TextureRole::kReflectance;
+      const Vec3f rgb = reflectance ? reflectance_rgb(*value) : unbounded_rgb(*value);
+      spectrum = {rgb.x, rgb.y, rgb.z, 0.0f};
+      if (context.set != nullptr)
+        row_of(spectrum) = context.set->row(*value, reflectance ? SpectrumUse::kReflectance : SpectrumUse::kUnbounded);
+    } else {
+      bind(spectrum.c0, std::get<TextureId>(input), 4, role);
+    }
+  }
+
+  /// Spectral mode: the luminance of `color`, which was set from `input`, as `role` says.
+  void set_luminance(float& leaf, const Spectrum4& color, const SpectrumInput& input, TextureRole role) {
+    if (context.set == nullptr) return;
+    if (const auto* texture = std::get_if<TextureId>(&input)) return bind(leaf, *texture, 1, role);
+    leaf = role == TextureRole::kBurleyLuminance ? 0.3f * color.c0 + 0.6f * color.c1 + 0.1f * color.c2
+                                                 : luminance({color.c0, color.c1, color.c2});
+  }
+
+  /// The row of one of the parameters.
+  SpectrumRow& row_of(const Spectrum4& spectrum) {
+    constexpr ClosureSpectra kSpectra = closure_spectra<Parameters>();
+    const auto* place =
+        std::find(kSpectra.word, kSpectra.word + kSpectra.count, static_cast<int>(word_of(spectrum.c0)));
+    return context.rows[static_cast<std::size_t>(place - kSpectra.word)];
+  }
+
+  MaterialRow row(ClosureKind kind) const {
+    MaterialRow out;
+    set_parameters<Parameters>(out, kind, p);
+    out.first_binding = first_binding;
+    out.binding_count = static_cast<std::uint16_t>(context.bindings.size() - first_binding);
+    if (out.binding_count > 0) out.flags |= kTextured;
+    return out;
+  }
+
+ private:
+  std::uint32_t word_of(const float& leaf) const {
+    std::uint32_t word = 0, i = 0;
+    std::apply([&](const auto&... each) { ((&each == &leaf ? word = i : 0u, ++i), ...); }, leaves(p));
+    return word;
+  }
+  void bind(const float& leaf, TextureId texture, std::uint32_t words, TextureRole role) {
+    context.bindings.push_back({static_cast<std::uint32_t>(texture), word_of(leaf), words, role});
+  }
+};
+
+bool is_ggx(const RoughnessDescription& r) { return r.distribution == RoughnessDescription::Distribution::kGgx; }
+
+template <template <class> class Parameters>
+void set_roughness(RowMaker<Parameters>& m, const RoughnessDescription& roughness) {
+  m.set(m.p.alpha_u, roughness.alpha_u);
+  m.set(m.p.alpha_v, roughness.alpha_v);
+}
+
+/// Only a surface that is smoother in one direction than in the other needs its tangent.
+MaterialRow with_tangent(MaterialRow row, const RoughnessDescription& roughness) {
+  if (roughness.alpha_u != roughness.alpha_v) row.flags |= kTextured;
+  return row;
+}
+MaterialRow with_tangent(MaterialRow row, const ScalarInput& anisotropic) {
+  if (anisotropic != ScalarInput(0.0f)) row.flags |= kTextured;
+  return row;
+}
+
+/// Each of the parameters is what the file says.
+template <ClosureKind Kind, template <class> class Parameters, PlainModel Model>
+MaterialRow make_plain_row(const Model& model, RowContext& context) {
+  RowMaker<Parameters> m{context};
+  const auto inputs = Model::fields(model);
+  const auto set = [&]<std::size_t... I>(const auto& leaves_of_m, std::index_sequence<I...>) {
+    (m.set(std::get<I>(leaves_of_m), std::get<I>(inputs)), ...);
+  };
+  const auto parameters = Parameters<Scalar>::fields(m.p);
+  constexpr std::size_t kCount = std::tuple_size_v<decltype(inputs)>;
+  static_assert(std::tuple_size_v<decltype(parameters)> == kCount);
+  set(parameters, std::make_index_sequence<kCount>{});
+  return m.row(Kind);
+}
+
+template <PlainModel Model> MaterialRow make_row(const Model& model, RowContext& context) {
+  static_assert(closures_of_description<Model>() == 1, "for_each_closure() must name a plain model exactly once");
+  MaterialRow row;
+  for_each_closure([&]<ClosureKind Kind, template <class> class P, class Of>(ClosureEntry<Kind, P, Of>) {
+    if constexpr (std::is_same_v<Of, Model>) row = make_plain_row<Kind, P>(model, context);
+  });
+  return row;
+}
+
+template <template <class> class Parameters>
+void set_conductor(RowMaker<Parameters>& m, const ConductorDescription& d) {
+  const SpectrumInput none = SpectrumDescription::constant(0), mirror = SpectrumDescription::constant(1);
+  m.set(m.p.eta, d.ior ? d.ior->eta : none, TextureRole::kUnbounded);
+  m.set(m.p.k, d.ior ? d.ior->k : mirror, TextureRole::kUnbounded);
+  // The fourth lane is no colour in RGB mode; k = 1 keeps its Fresnel term a number.
+  m.p.k.c3 = 1.0f;
+  m.set(m.p.reflectance, d.specular_reflectance);
+}
+
+MaterialRow make_row(const ConductorDescription& d, RowContext& context) {
+  if (!d.roughness) {
+    RowMaker<ConductorParameters> m{context};
+    set_conductor(m, d);
+    return m.row(ClosureKind::kConductor);
+  }
+  RowMaker<RoughConductorParameters> m{context};
+  set_conductor(m, d);
+  set_roughness(m, *d.roughness);
+  return with_tangent(
+      m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughConductorGgx : ClosureKind::kRoughConductorBeckmann),
+      *d.roughness);
+}
+
+/// The index of the inside over that of the outside, by wavelength.
+SpectrumRow relative_index(SpectrumSet& set, const DielectricDescription& d) {
+  std::vector<float> samples(SpectrumTableView::kSamples);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const float lambda = kWavelengthMin + static_cast<float>(i);
+    samples[i] = (d.int_dispersion ? ior<Scalar>(*d.int_dispersion, lambda) : d.int_ior) /
+                 (d.ext_dispersion ? ior<Scalar>(*d.ext_dispersion, lambda) : d.ext_ior);
+  }
+  return set.tabulate(std::move(samples));
+}
+
+MaterialRow make_dispersive_row(const DielectricDescription& d, RowContext& context) {
+  const auto make = [&](auto& m) {
+    m.p.eta = Spectrum4(d.int_ior / d.ext_ior);
+    m.row_of(m.p.eta) = relative_index(*context.set, d);
+    m.set(m.p.reflectance, d.specular_reflectance);
+    m.set(m.p.transmittance, d.specular_transmittance);
+  };
+  if (!d.roughness) {
+    RowMaker<DispersiveDielectricParameters> m{context};
+    make(m);
+    return m.row(d.thin ? ClosureKind::kDispersiveThinDielectric : ClosureKind::kDispersiveDielectric);
+  }
+  RowMaker<DispersiveRoughDielectricParameters> m{context};
+  make(m);
+  set_roughness(m, *d.roughness);
+  return with_tangent(m.row(is_ggx(*d.roughness) ? ClosureKind::kDispersiveRoughDielectricGgx
+                                                 : ClosureKind::kDispersiveRoughDielectricBeckmann),
+                      *d.roughness);
+}
+
+template <template <class> class Parameters>
+void set_dielectric(RowMaker<Parameters>& m, const DielectricDescription& d) {
+  m.p.eta = d.int_ior / d.ext_ior;
+  m.set(m.p.reflectance, d.specular_reflectance);
+  m.set(m.p.transmittance, d.specular_transmittance);
+}
+
+MaterialRow make_row(const DielectricDescription& d, RowContext& context) {
+  if (context.set != nullptr && (d.int_dispersion || d.ext_dispersion)) return make_dispersive_row(d, context);
+  if (!d.roughness) {
+    RowMaker<DielectricParameters> m{context};
+    set_dielectric(m, d);
+    return m.row(d.thin ? ClosureKind::kThinDielectric : ClosureKind::kDielectric);
+  }
+  RowMaker<RoughDielectricParameters> m{context};
+  set_dielectric(m, d);
+  set_roughness(m, *d.roughness);
+  return with_tangent(
+      m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughDielectricGgx : ClosureKind::kRoughDielectricBeckmann),
+      *d.roughness);
+}
+
+template <template <class> class Parameters>
+void set_plastic(RowMaker<Parameters>& m, const PlasticDescription& d) {
+  m.p.eta = d.int_ior / d.ext_ior;
+  m.set(m.p.diffuse, d.diffuse_reflectance);
+  m.set(m.p.specular, d.specular_reflectance);
+  m.p.nonlinear = d.nonlinear ? 1.0f : 0.0f;
+}
+
+MaterialRow make_row(const PlasticDescription& d, RowContext& context) {
+  if (!d.roughness) {
+    RowMaker<PlasticParameters> m{context};
+    set_plastic(m, d);
+    m.p.internal_reflectance = smooth_coat_internal_reflectance(m.p.eta);
+    return m.row(ClosureKind::kPlastic);
+  }
+  RowMaker<RoughPlasticParameters> m{context};
+  set_plastic(m, d);
+  m.set(m.p.alpha, d.roughness->alpha_u);
+  const RoughCoat coat = rough_coat(d.roughness->distribution, m.p.alpha, m.p.eta);
+  m.p.internal_reflectance = coat.internal_reflectance;
+  std::copy(coat.transmittance.begin(), coat.transmittance.end(), m.p.transmittance);
+  return m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughPlasticGgx : ClosureKind::kRoughPlasticBeckmann);
+}
+
+const ScalarInput kNoTint = 0.0f;
+
+MaterialRow make_row(const PrincipledDescription& d, RowContext& context) {
+  RowMaker<PrincipledParameters> m{context};
+  m.set(m.p.base_color, d.base_color);
+  m.set(m.p.roughness, d.roughness);
+  m.set(m.p.anisotropic, d.anisotropic);
+  m.set(m.p.metallic, d.metallic);
+  m.set(m.p.spec_trans, d.spec_trans);
+  m.set(m.p.spec_tint, d.spec_tint);
+  m.set(m.p.sheen, d.sheen);
+  m.set(m.p.sheen_tint, d.sheen_tint);
+  m.set(m.p.flatness, d.flatness);
+  m.set(m.p.clearcoat, d.clearcoat);
+  m.set(m.p.clearcoat_gloss, d.clearcoat_gloss);
+  // A matched boundary would transmit without bending, which has no density.
+  constexpr float kLeastTransmittingEta = 1.001f;
+  const bool matched = d.eta == 1.0f && d.spec_trans != ScalarInput(0.0f);
+  m.p.eta = matched ? kLeastTransmittingEta : d.eta;
+  if (d.spec_tint != kNoTint || d.sheen_tint != kNoTint)
+    m.set_luminance(m.p.base_luminance, m.p.base_color, d.base_color, TextureRole::kScalar);
+  return with_tangent(m.row(ClosureKind::kPrincipled), d.anisotropic);
+}
+
+MaterialRow make_row(const PrincipledThinDescription& d, RowContext& context) {
+  RowMaker<PrincipledThinParameters> m{context};
+  m.set(m.p.base_color, d.base_color);
+  m.set(m.p.roughness, d.roughness);
+  m.set(m.p.anisotropic, d.anisotropic);
+  m.set(m.p.spec_trans, d.spec_trans);
+  m.set(m.p.eta, d.eta);
+  m.set(m.p.spec_tint, d.spec_tint);
+  m.set(m.p.sheen, d.sheen);
+  m.set(m.p.sheen_tint, d.sheen_tint);
+  m.set(m.p.flatness, d.flatness);
+  m.set(m.p.diff_trans, d.diff_trans);
+  if (d.spec_tint != kNoTint || d.sheen_tint != kNoTint)
+    m.set_luminance(m.p.base_luminance, m.p.base_color, d.base_color, TextureRole::kScalar);
+  return with_tangent(m.row(ClosureKind::kPrincipledThin), d.anisotropic);
+}
+
+MaterialRow make_row(const DisneyDescription& d, RowContext& context) {
+  RowMaker<DisneyParameters> m{context};
+  m.set(m.p.base_color, d.base_color);
+  m.set(m.p.metallic, d.metallic);
+  m.set(m.p.subsurface, d.subsurface);
+  m.set(m.p.specular, d.specular);
+  m.set(m.p.specular_tint, d.specular_tint);
+  m.set(m.p.roughness, d.roughness);
+  m.set(m.p.anisotropic, d.anisotropic);
+  m.set(m.p.sheen, d.sheen);
+  m.set(m.p.sheen_tint, d.sheen_tint);
+  m.set(m.p.clearcoat, d.clearcoat);
+  m.set(m.p.clearcoat_gloss, d.clearcoat_gloss);
+  if (d.specular_tint != kNoTint || d.sheen_tint != kNoTint)
+    m.set_luminance(m.p.base_luminance, m.p.base_color, d.base_color, TextureRole::kBurleyLuminance);
+  return with_tangent(m.row(ClosureKind::kDisney), d.anisotropic);
+}
+
+MaterialRow make_row(const NoriMicrofacetDescription& d, RowContext& context) {
+  RowMaker<NoriMicrofacetParameters> m{context};
+  m.set(m.p.kd, d.kd);
+  m.set(m.p.alpha, d.alpha);
+  m.p.eta = d.int_ior / d.ext_ior;
+  return m.row(ClosureKind::kNoriMicrofacet);
+}
+
+/// Combinations of materials are no rows of their own; see compile_materials().
+template <class T, class... Of> concept OneOf = (std::is_same_v<T, Of> || ...);
+template <OneOf<NullDescription, TwoSidedDescription, MaskDescription, BlendDescription, BumpMapDescription,
+                NormalMapDescription> Combination>
+MaterialRow make_row(const Combination&, RowContext&) {
+  return {};
+}
+
+}  // namespace
+
+Vec3f emission_rgb(const SpectrumDescription& spectrum) { return to_rgb(spectrum, emission_table_to_rgb); }
+
+Vec3f reflectance_rgb(const SpectrumDescription& spectrum) {
+  const Vec3f rgb = to_rgb(spectrum, reflectance_table_to_rgb);
+  return {std::min(rgb.x, 1.0f), std::min(rgb.y, 1.0f), std::min(rgb.z, 1.0f)};
+}
+
+Vec3f unbounded_rgb(const SpectrumDescription& spectrum) { return to_rgb(spectrum, unbounded_table_to_rgb); }
+
+MaterialRow make_material_row(const MaterialDescription& material, RowContext& context) {
+  context.rows = {};
+  return std::visit([&](const auto& model) { return make_row(model, context); }, material.model);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,19 @@
+// One material that is no combination of others, as a row.
+#pragma once
+
+#include "scene/compile/compile_materials.h"
+
+namespace sheaf {
+
+/// Where a row's other parts go.
+struct RowContext {
+  std::vector<TextureBinding>& bindings;  ///< appended to
+  SpectrumSet* set = nullptr;             ///< spectral mode: what makes rows
+  MaterialSpectra rows = {};              ///< spectral mode: those of the row made last
+};
+
+/// The row of a material that is neither composite nor two-sided nor mapped. `back`, `bucket` and the choices are left
+/// to the caller. Throws SceneError for spectra that are not finite.
+MaterialRow make_material_row(const MaterialDescription& material, RowContext& context);
+
+}  // namespace sheaf

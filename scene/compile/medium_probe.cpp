@@ -1,0 +1,118 @@
+#include "scene/compile/medium_probe.h"
+
+#include "core/warp.h"
+#include "scene/tables/shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace sheaf {
+
+namespace {
+
+/// Rays that cross more surfaces than this have lost their way.
+constexpr int kMostCrossings = 1000;
+
+/// One ray that looks around.
+struct Probe {
+  Vec3f origin, direction;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> entered;  ///< shapes, with their instances, that it is in
+  std::optional<std::uint32_t> found;
+};
+
+/// What lane `i` has hit: an answer, or the probe goes on behind it.
+void cross(const SceneView& scene, const RayPacket& packet, int i, std::uint32_t ignored, Probe& probe) {
+  const std::uint32_t index = packet.shape[i];
+  const ShapeRow& shape = scene.shapes[index];
+  const Vec3f d = probe.direction;
+  const auto y =
+      surface_point<Scalar, false>(scene, shape, packet.primitive[i], packet.u[i], packet.v[i],
+                                   probe.origin + d * packet.t_far[i], packet.instance[i]);
+  probe.origin = offset_origin<Scalar>(y.p, y.ng, y.offset, d);
+  if (shape.boundary == kNone || index == ignored) return;
+  int& inside = probe.entered[{index, packet.instance[i]}];
+  if (dot(y.ng, d) < 0.0f) {
+    ++inside;
+  } else if (inside > 0) {
+    --inside;
+  } else {
+    probe.found = scene.boundaries[shape.boundary].interior;
+  }
+}
+
+/// Directions spread over the sphere, in none of which a scene is likely to be regular.
+Vec3f spread_direction(int i) {
+  const float golden = 0.61803398875f * static_cast<float>(i) + 0.137f;
+  return square_to_sphere<Scalar>((static_cast<float>(i) + 0.43f) / kPacketWidth, golden - std::floor(golden));
+}
+
+std::uint32_t majority(std::vector<std::uint32_t> votes) {
+  std::sort(votes.begin(), votes.end());
+  std::uint32_t best = votes.front();
+  std::ptrdiff_t most = 0;
+  for (auto first = votes.begin(); first != votes.end();) {
+    const auto last = std::upper_bound(first, votes.end(), *first);
+    if (last - first > most) most = last - first, best = *first;
+    first = last;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::uint32_t medium_at(const SceneView& scene, Vec3f p, std::uint32_t ignored, std::uint32_t otherwise) {
+  std::vector<Probe> probes(kPacketWidth);
+  for (int i = 0; i < kPacketWidth; ++i) {
+    probes[static_cast<std::size_t>(i)].origin = p;
+    probes[static_cast<std::size_t>(i)].direction = spread_direction(i);
+  }
+  for (int round = 0; round < kMostCrossings; ++round) {
+    RayPacket packet;
+    bool going = false;
+    for (int i = 0; i < kPacketWidth; ++i) {
+      const Probe& probe = probes[static_cast<std::size_t>(i)];
+      packet.origin_x[i] = probe.origin.x, packet.origin_y[i] = probe.origin.y, packet.origin_z[i] = probe.origin.z;
+      packet.direction_x[i] = probe.direction.x, packet.direction_y[i] = probe.direction.y;
+      packet.direction_z[i] = probe.direction.z;
+      packet.t_far[i] = probe.found ? 0.0f : kInfinity;
+    }
+    scene.accel->intersect(packet, kPacketWidth);
+    for (int i = 0; i < kPacketWidth; ++i) {
+      Probe& probe = probes[static_cast<std::size_t>(i)];
+      if (probe.found) continue;
+      if (packet.shape[i] == kNone) {
+        probe.found = otherwise;
+      } else {
+        cross(scene, packet, i, ignored, probe);
+        going = going || !probe.found;
+      }
+    }
+    if (!going) break;
+  }
+  std::vector<std::uint32_t> votes;
+  for (const Probe& probe : probes) votes.push_back(probe.found.value_or(otherwise));
+  return majority(std::move(votes));
+}
+
+std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::uint32_t otherwise) {
+  const ShapeRow& row = scene.shapes[shape];
+  constexpr std::uint32_t kPlaces = 5;
+  std::vector<std::uint32_t> votes;
+  for (std::uint32_t i = 0; i < kPlaces; ++i) {
+    const bool mesh = static_cast<ShapeKind>(row.kind) == ShapeKind::kMesh;
+    SurfacePoint<Scalar> y;
+    if (mesh) {
+      const auto triangle = static_cast<std::uint32_t>(std::uint64_t{row.triangle_count} * i / kPlaces);
+      y = surface_point<Scalar, false>(scene, row, triangle, 0.3f, 0.3f, {}, kNone);
+    } else {
+      const QuadricRow& q = scene.quadrics[row.first_triangle];
+      const Vec3f x = spread_direction(static_cast<int>(3 * i));
+      y = surface_point<Scalar, false>(scene, row, 0, 0, 0, q.world_point(x), kNone);
+    }
+    votes.push_back(medium_at(scene, y.p + y.ng * y.offset, shape, otherwise));
+  }
+  return majority(std::move(votes));
+}
+
+}  // namespace sheaf

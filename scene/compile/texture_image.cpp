@@ -1,0 +1,106 @@
+// From a picture's channels, rows from the top, to tiles of texels, rows from the bottom.
+#include "scene/compile/texture_image.h"
+
+#include "core/color.h"
+#include "core/image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace sheaf {
+
+namespace {
+
+/// Calls f(texel's index in tiled order, pixel's index) for every pixel, which count from the upper left.
+template <class F> void for_each_texel(const TiledImage& image, F&& f) {
+  const int shift = tile_shift(image.format);
+  const std::size_t mask = (std::size_t{1} << shift) - 1, width = image.width, height = image.height;
+  for (std::size_t y = 0; y < height; ++y) {
+    const std::size_t row = ((y >> shift) * image.tiles_per_row << 2 * shift) + ((y & mask) << shift);
+    const std::size_t first_pixel = (height - 1 - y) * width;
+    for (std::size_t x = 0; x < width; ++x) f(row + ((x >> shift) << 2 * shift) + (x & mask), first_pixel + x);
+  }
+}
+
+/// Copies `values` of the picture, of which `channels` count, into texels of one value or four.
+template <class T>
+void fill_tiles(TiledImage& image, const std::vector<T>& values, std::size_t stride,
+                const std::vector<std::size_t>& channels) {
+  const std::size_t texel_bytes = (channels.size() == 1 ? 1 : 4) * sizeof(T);
+  auto* tiles = reinterpret_cast<std::uint8_t*>(image.tiles.data());
+  for_each_texel(image, [&](std::size_t texel, std::size_t pixel) {
+    T copy[4] = {};
+    for (std::size_t k = 0; k < channels.size(); ++k) copy[k] = values[pixel * stride + channels[k]];
+    std::memcpy(tiles + texel * texel_bytes, copy, texel_bytes);
+  });
+}
+
+/// Checks the channels that count, and decodes them if they are encoded.
+void prepare_floats(Picture& picture, const std::vector<std::size_t>& channels, bool decode,
+                    const SourceLocation& where) {
+  const std::size_t stride = picture.channels.size(), width = static_cast<std::size_t>(picture.width);
+  for (std::size_t pixel = 0; pixel * stride < picture.floats.size(); ++pixel) {
+    for (const std::size_t c : channels) {
+      float& value = picture.floats[pixel * stride + c];
+      if (!std::isfinite(value)) {
+        throw SceneError(where, "channel " + picture.channels[c] + " of the pixel in column " +
+                                    std::to_string(pixel % width) + ", row " + std::to_string(pixel / width) +
+                                    " (from the upper left) is not a finite number");
+      }
+      if (decode) value = srgb_to_linear(value);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::size_t> texture_channels(const std::vector<std::string>& names, const SourceLocation& where) {
+  std::vector<std::size_t> color;
+  for (const char* name : {"R", "G", "B"}) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end()) color.push_back(static_cast<std::size_t>(found - names.begin()));
+  }
+  if (color.size() == 3) return color;
+  std::vector<std::size_t> others;
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    if (names[c] == "Y") return {c};
+    if (names[c] != "A" || names.size() == 1) others.push_back(c);
+  }
+  if (others.size() == 1) return others;
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  throw SceneError(where, "the picture has the channels " + list + ", where R, G, B or Y (and A) are expected");
+}
+
+TiledImage load_tiled_image(const std::filesystem::path& file, bool raw) {
+  const SourceLocation where{file.string(), 0};
+  Picture picture = read_picture(file);
+  const std::vector<std::size_t> channels = texture_channels(picture.channels, where);
+  const bool bytes = !picture.bytes.empty(), grey = channels.size() == 1;
+
+  TiledImage image;
+  image.width = static_cast<std::uint32_t>(picture.width);
+  image.height = static_cast<std::uint32_t>(picture.height);
+  image.format =
+      bytes ? (grey ? TexelFormat::kByte1 : TexelFormat::kByte4) : (grey ? TexelFormat::kFloat1 : TexelFormat::kFloat4);
+  const int shift = tile_shift(image.format);
+  const auto tiles_along = [shift](std::uint32_t size) { return (size + (1u << shift) - 1) >> shift; };
+  image.tiles_per_row = tiles_along(image.width);
+  const std::size_t tiles = std::size_t{image.tiles_per_row} * tiles_along(image.height);
+  if (tiles << 2 * shift > kMaxTexels) {
+    throw SceneError(where, "a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
+                                " pixels is too large for a texture, of " + std::to_string(kMaxTexels) +
+                                " texels at most");
+  }
+  image.tiles.resize(tiles);
+  if (bytes) {
+    fill_tiles(image, picture.bytes, picture.channels.size(), channels);
+  } else {
+    prepare_floats(picture, channels, picture.integers && !raw, where);
+    fill_tiles(image, picture.floats, picture.channels.size(), channels);
+  }
+  return image;
+}
+
+}  // namespace sheaf

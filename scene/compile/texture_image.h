@@ -1,0 +1,26 @@
+// Reading one picture for use as a texture: which channels count, what their numbers mean, and their order in memory.
+#pragma once
+
+#include "scene/tables/texture.h"
+
+namespace sheaf {
+
+/// A picture cut into tiles.
+struct TiledImage {
+  std::uint32_t width = 0, height = 0;  ///< texels
+  std::uint32_t tiles_per_row = 0;
+  TexelFormat format = TexelFormat::kByte1;  ///< of bytes kByte1 or kByte4, whatever they mean
+  std::vector<TexelTile> tiles;
+};
+
+/// The channels that make a texel, of a picture's: one index or three. Throws SceneError at `where` if it has none.
+std::vector<std::size_t> texture_channels(const std::vector<std::string>& names, const SourceLocation& where);
+
+/// Reads a picture: grey (with or without alpha) becomes one channel, colours four, of which the last is zero; alpha is
+/// dropped and nothing is multiplied by it. 8-bit data stays as it is, so that `raw` makes no difference; integers of
+/// 16 bits and more become floats, which unless `raw` are decoded by the sRGB curve. Floats mean linear values. Throws
+/// SceneError if the picture is missing, broken or too large, has channels without a meaning, or values that are not
+/// finite.
+TiledImage load_tiled_image(const std::filesystem::path& file, bool raw);
+
+}  // namespace sheaf

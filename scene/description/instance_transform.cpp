@@ -1,0 +1,43 @@
+#include "scene/description/instance_transform.h"
+
+#include "core/transform.h"
+
+#include <cmath>
+#include <optional>
+
+namespace sheaf {
+
+namespace {
+
+/// The linear part as a transform with inverse in double precision; nothing if it is singular.
+std::optional<Matrix4> inverse_of(const std::array<float, 12>& to_world) {
+  Matrix4 matrix, inverse;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) matrix.m[i][j] = to_world[4 * i + j];
+  return invert(matrix, inverse) ? std::optional(inverse) : std::nullopt;
+}
+
+}  // namespace
+
+double determinant_of(const std::array<float, 12>& m) {
+  const auto minor = [&m](std::size_t i, std::size_t j) {
+    return double(m[4 + i]) * m[8 + j] - double(m[4 + j]) * m[8 + i];
+  };
+  return m[0] * minor(1, 2) - m[1] * minor(0, 2) + m[2] * minor(0, 1);
+}
+
+bool is_usable_instance(const std::array<float, 12>& to_world) {
+  const std::optional<Matrix4> inverse = inverse_of(to_world);
+  if (!inverse || determinant_of(to_world) == 0.0) return false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      // Written so that NaN fails.
+      if (!(std::fabs(to_world[4 * i + j]) <= kLargestInstanceScale)) return false;
+      if (!(std::fabs(inverse->m[i][j]) <= kLargestInstanceScale)) return false;
+    }
+    if (!std::isfinite(to_world[4 * i + 3])) return false;
+  }
+  return true;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,62 @@
+// Shape groups and instances, which both dialects write alike.
+#include "scene/description/instance_transform.h"
+#include "scene/dialects/dialects.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Reads a group, once for each element.
+std::uint32_t group_of(const XmlElement& element, ReadContext& context, const ShapeReader& read_shape) {
+  if (const auto known = context.groups.find(&element); known != context.groups.end()) return known->second;
+  Properties p(element, context);
+  ShapeGroup group;
+  group.where = element.where;
+  if (const std::string* id = element.find_attribute("id")) group.id = *id;
+  std::vector<ShapeDescription>& shapes = context.description.shapes;
+  const auto first = static_cast<std::ptrdiff_t>(shapes.size());
+  context.in_group = true;
+  for (const XmlElement* child : p.objects(element.name.c_str())) read_shape(*child);
+  context.in_group = false;
+  p.finish();
+  std::move(shapes.begin() + first, shapes.end(), std::back_inserter(group.shapes));
+  shapes.erase(shapes.begin() + first, shapes.end());
+  context.description.groups.push_back(std::move(group));
+  const auto index = static_cast<std::uint32_t>(context.description.groups.size() - 1);
+  context.groups.emplace(&element, index);
+  return index;
+}
+
+void read_instance(const XmlElement& element, ReadContext& context, const ShapeReader& read_shape) {
+  Properties p(element, context);
+  const XmlElement* target = p.object(element.name.c_str());
+  if (target == nullptr) p.fail("needs a <ref> to a shapegroup");
+  if (target->attribute("type") != "shapegroup")
+    p.fail("refers to a " + in_quotes(target->attribute("type")) + ", expected a 'shapegroup'");
+  InstanceDescription instance;
+  instance.group = group_of(*target, context, read_shape);
+  const Transform to_world = p.transform("to_world");
+  for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = static_cast<float>(to_world.matrix().m[i / 4][i % 4]);
+  if (!is_usable_instance(instance.to_world))
+    p.fail_at("to_world", "is singular or too extreme: it must scale by factors between 1e-9 and 1e9");
+  p.finish();
+  context.description.instances.push_back(instance);
+}
+
+}  // namespace
+
+bool read_instancing(const XmlElement& element, ReadContext& context, const ShapeReader& read_shape) {
+  const std::string* type = element.find_attribute("type");
+  if (type == nullptr || (*type != "shapegroup" && *type != "instance")) return false;
+  if (context.in_group)
+    throw SceneError(element.where, "a shape group cannot hold a " + in_quotes(*type) +
+                                        ": groups and instances are not nested, expected plain shapes");
+  if (*type == "instance") {
+    read_instance(element, context, read_shape);
+  } else {
+    group_of(element, context, read_shape);
+  }
+  return true;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,95 @@
+// The Mitsuba dialect (0.6, 2, 3): what stands at the top level of a scene.
+#include "scene/dialects/mitsuba.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Whether the version attribute names a release before 2.0.
+bool is_before_version_2(const XmlElement& root) {
+  const std::string* version = root.find_attribute("version");
+  return version != nullptr && (version->starts_with("0.") || version->starts_with("1."));
+}
+
+/// An object that only has a meaning inside another one may stand at the top level for others to refer to.
+void expect_referenced(const XmlElement& element, const char* place, const ReadContext& context) {
+  if (!context.scene.is_referenced(element))
+    throw SceneError(element.where,
+                     "<" + element.name + "> at the top level, which nothing refers to; it belongs " + place);
+}
+
+[[noreturn]] void fail_unsupported(const XmlElement& element) {
+  throw SceneError(element.where,
+                   "unknown " + element.name + " plugin " + in_quotes(element.attribute("type")) + " (known: none)");
+}
+
+[[noreturn]] void fail_unknown(const XmlElement& element) {
+  const std::vector<std::string> known = {"sensor",  "shape",   "bsdf",     "texture", "emitter",
+                                          "integrator", "film", "sampler",  "rfilter", "spectrum",
+                                          "rgb",     "default", "include",  "path",    "alias",
+                                          "medium",  "phase",   "volume"};
+  throw SceneError(element.where,
+                   "unknown element <" + element.name + "> in a Mitsuba scene" + did_you_mean(element.name, known));
+}
+
+bool is_spectrum(const XmlElement& e) {
+  return e.name == "spectrum" || e.name == "rgb" || e.name == "srgb" || e.name == "blackbody";
+}
+
+}  // namespace
+
+void read_mitsuba(ReadContext& context) {
+  const XmlElement& root = context.scene.root();
+  context.readers.texture = mitsuba::texture_of;
+  mitsuba::Reader reader{context, is_before_version_2(root)};
+  context.exchanges_checkerboards = !is_before_version_2(root);
+  const XmlElement* sensor = nullptr;
+  const XmlElement* integrator = nullptr;
+  for (const XmlElement& child : root.children) {
+    const std::string& kind = child.name;
+    if (kind == "shape") {
+      mitsuba::read_shape(child, reader);
+    } else if (kind == "bsdf") {
+      mitsuba::material_of(child, reader);
+    } else if (kind == "medium") {
+      mitsuba::medium_of(child, reader);
+    } else if (kind == "texture") {
+      if (!context.scene.is_referenced(child)) mitsuba::texture_of(child, context);
+    } else if (kind == "emitter") {
+      mitsuba::read_emitter(child, reader);
+    } else if (kind == "sensor") {
+      if (sensor == nullptr) {
+        sensor = &child;
+      } else {
+        context.note(child.where, "a scene is rendered through its first sensor; this one is left out");
+      }
+    } else if (kind == "integrator") {
+      if (context.scene.is_referenced(child)) continue;
+      if (integrator != nullptr) throw SceneError(child.where, "a second <integrator>, expected one");
+      integrator = &child;
+    } else if (kind == "film" || kind == "sampler") {
+      expect_referenced(child, "inside a <sensor>", context);
+    } else if (kind == "rfilter") {
+      expect_referenced(child, "inside a <film>", context);
+    } else if (is_spectrum(child)) {
+      expect_referenced(child, "inside an object", context);
+    } else if (kind == "phase" || kind == "volume") {
+      expect_referenced(child, "inside a <medium>", context);
+    } else if (kind == "subsurface") {
+      fail_unsupported(child);
+    } else if (kind == "ref") {
+      throw SceneError(child.where, "<ref> at the top level: the object it refers to is in the scene already");
+    } else {
+      fail_unknown(child);
+    }
+  }
+  if (sensor == nullptr) throw SceneError(root.where, "the scene has no <sensor>");
+  mitsuba::read_sensor(*sensor, reader);
+  if (integrator != nullptr) {
+    mitsuba::read_integrator(*integrator, reader);
+  } else {
+    context.note(root.where, "the scene has no <integrator>; rendering with 'path'");
+  }
+}
+
+}  // namespace sheaf

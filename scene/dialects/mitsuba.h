@@ -1,0 +1,37 @@
+// Inside the Mitsuba dialect: what its readers call of each other.
+#pragma once
+
+#include "scene/dialects/dialects.h"
+
+#include <map>
+#include <optional>
+
+namespace sheaf::mitsuba {
+
+/// A Mitsuba scene while it is read.
+struct Reader {
+  ReadContext& context;
+  bool before_version_2 = false;
+  std::map<const XmlElement*, MaterialId> materials = {};  ///< read so far
+  std::optional<MaterialId> null = std::nullopt;   ///< a boundary that is not noticed, once one was read
+  std::optional<MaterialId> black = std::nullopt;  ///< the material of light sources that name none, once one was read
+};
+
+/// The material of a <bsdf>; each element is read once, however often it is referred to.
+MaterialId material_of(const XmlElement& bsdf, Reader& reader);
+/// The medium of a <medium>; each element is read once, however often it is referred to.
+MediumId medium_of(const XmlElement& element, Reader& reader);
+/// A TextureReader.
+SpectrumInput texture_of(const XmlElement& element, ReadContext& context);
+/// Appends a shape with its material, area light and media.
+void read_shape(const XmlElement& element, Reader& reader);
+/// Appends a light that is not on a shape.
+void read_emitter(const XmlElement& element, Reader& reader);
+/// The field of view: fov and fov_axis, or focal_length.
+void read_fov(Properties& p, CameraDescription& camera);
+/// Camera, film and sampler.
+void read_sensor(const XmlElement& element, Reader& reader);
+/// The integrator, through the wrappers moment and aov.
+void read_integrator(const XmlElement& element, Reader& reader);
+
+}  // namespace sheaf::mitsuba

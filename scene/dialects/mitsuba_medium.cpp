@@ -1,0 +1,82 @@
+// The Mitsuba dialect: participating media.
+#include "scene/data/measured_media.h"
+#include "scene/dialects/mitsuba.h"
+#include "scene/dialects/read_medium.h"
+
+namespace sheaf::mitsuba {
+
+namespace {
+
+/// A measured material, of Mitsuba before 2.
+AbsorptionScatteringDescription read_material(Properties& p) {
+  const std::string name = p.find_string("material").value_or("skin1");
+  const MeasuredMedium* found = find_measured_medium(name);
+  if (found == nullptr) {
+    std::string list;
+    for (const std::string& known : measured_medium_names()) list += (list.empty() ? "" : ", ") + known;
+    p.fail_at("material", "is " + in_quotes(name) + ", expected the name of a measured medium" +
+                              did_you_mean(name, measured_medium_names()) + " (known: " + list +
+                              "); others can be given by 'sigma_s' and 'sigma_a'");
+  }
+  return {{SpectrumDescription::Rgb{found->sigma_a}}, {SpectrumDescription::Rgb{found->sigma_s}}};
+}
+
+void read_homogeneous(Properties& p, const VolumeDialect& dialect, bool before_version_2, MediumDescription& medium) {
+  const bool given = read_coefficients(p, dialect, medium);
+  if (before_version_2) {
+    if (given && p.has("material"))
+      p.fail_at("material", "is given beside coefficients, expected one or the other");
+    if (!given) medium.coefficients = read_material(p);
+  }
+  read_medium_rest(p, dialect, medium);
+  expect_homogeneous(p, medium);
+}
+
+/// Mitsuba before 2: `density` is the extinction, and `method` says how it is sampled.
+void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
+  ExtinctionAlbedoDescription pair;
+  const auto density = find_volume_input(p, "density", SpectrumRole::kIor, dialect);
+  if (!density) p.fail("needs a <volume> of the name 'density'");
+  pair.sigma_t = *density;
+  if (const auto albedo = find_volume_input(p, "albedo", SpectrumRole::kReflectance, dialect)) pair.albedo = *albedo;
+  medium.coefficients = std::move(pair);
+  if (p.named_object("volume", "orientation") != nullptr)
+    p.fail("has a <volume> of the name 'orientation', but fibres are not supported: phase functions know no direction");
+  const std::string method = p.find_string("method").value_or("woodcock");
+  IntegratorDescription& integrator = p.context().description.integrator;
+  if (method == "simpson") {
+    integrator.medium_estimator = MediumEstimator::kMarching;
+    integrator.step_size = p.number("step_size", integrator.step_size, kPositive);
+  } else if (method != "woodcock") {
+    p.fail_at("method", "is " + in_quotes(method) + ", expected woodcock or simpson" +
+                            did_you_mean(method, {"woodcock", "simpson"}));
+  }
+  p.accept({"step_size"});
+  read_medium_rest(p, dialect, medium);
+}
+
+}  // namespace
+
+MediumId medium_of(const XmlElement& element, Reader& reader) {
+  if (const auto known = find_read_medium(element, reader.context)) return *known;
+  Properties p(element, reader.context);
+  const VolumeDialect dialect{.bbox_of_file = reader.before_version_2};
+  MediumDescription medium;
+  if (p.type() == "homogeneous") {
+    read_homogeneous(p, dialect, reader.before_version_2, medium);
+  } else if (p.type() == "heterogeneous") {
+    if (reader.before_version_2) {
+      read_old_heterogeneous(p, dialect, medium);
+    } else {
+      read_coefficients(p, dialect, medium);
+      read_medium_rest(p, dialect, medium);
+    }
+  } else {
+    p.fail_plugin({"heterogeneous", "homogeneous"});
+  }
+  p.accept({"has_spectral_extinction", "sample_emitters", "majorant_grid", "majorant_factor",
+            "majorant_resolution_factor", "accel"});
+  return add_medium(p, std::move(medium));
+}
+
+}  // namespace sheaf::mitsuba

@@ -1,0 +1,80 @@
+// The Nori dialect: materials of its own; all others are those of Mitsuba.
+#include "scene/dialects/nori.h"
+#include "scene/dialects/read_bsdf.h"
+
+#include <algorithm>
+
+namespace sheaf::nori {
+
+namespace {
+
+/// A parameter in [0, 1], replaced if the file gives it.
+void read_share(Properties& p, const char* name, ScalarInput& value) {
+  value = p.scalar_input(name, value, kUnitInterval);
+}
+
+DiffuseDescription read_diffuse(Properties& p) {
+  const DiffuseDescription otherwise;
+  return {p.spectrum_input("albedo", otherwise.reflectance, SpectrumRole::kReflectance)};
+}
+
+NoriMicrofacetDescription read_microfacet(Properties& p) {
+  NoriMicrofacetDescription result;
+  result.int_ior = read_ior(p, "intIOR", result.int_ior);
+  result.ext_ior = read_ior(p, "extIOR", result.ext_ior);
+  result.alpha = read_alpha(p, "alpha", result.alpha);
+  result.kd = p.spectrum_input("kd", result.kd, SpectrumRole::kReflectance);
+  return result;
+}
+
+DisneyDescription read_disney(Properties& p) {
+  DisneyDescription result;
+  result.base_color = p.spectrum_input("baseColor", result.base_color, SpectrumRole::kReflectance);
+  read_share(p, "metallic", result.metallic);
+  read_share(p, "subsurface", result.subsurface);
+  read_share(p, "specular", result.specular);
+  read_share(p, "specularTint", result.specular_tint);
+  read_share(p, "roughness", result.roughness);
+  read_share(p, "anisotropic", result.anisotropic);
+  read_share(p, "sheen", result.sheen);
+  read_share(p, "sheenTint", result.sheen_tint);
+  read_share(p, "clearcoat", result.clearcoat);
+  read_share(p, "clearcoatGloss", result.clearcoat_gloss);
+  return result;
+}
+
+/// `sigmaA` of boundaries with an inside (Beer's law).
+void read_absorption(Properties& p, std::optional<SpectrumDescription>& absorption) {
+  if (p.type() != "dielectric" && p.type() != "roughdielectric" && p.type() != "null") return;
+  const auto sigma_a = p.find_spectrum("sigmaA", SpectrumRole::kIor);
+  if (!sigma_a) return;
+  if (absorption) p.fail_at("sigmaA", "is given by two materials of one surface, expected one");
+  absorption = *sigma_a;
+}
+
+}  // namespace
+
+MaterialId read_bsdf(const XmlElement& element, ReadContext& context, std::optional<SpectrumDescription>& absorption) {
+  Properties p(element, context);
+  MaterialDescription material;
+  const BsdfDialect dialect{[&](const XmlElement& nested) { return read_bsdf(nested, context, absorption); }, false,
+                            true};
+  if (p.type() == "diffuse") {
+    material.model = read_diffuse(p);
+  } else if (p.type() == "mirror") {
+    material.model = ConductorDescription{};
+  } else if (p.type() == "microfacet") {
+    material.model = read_microfacet(p);
+  } else if (p.type() == "disney") {
+    material.model = read_disney(p);
+  } else if (!read_shared_bsdf(p, dialect, material)) {
+    std::vector<std::string> known = shared_bsdf_names();
+    known.insert(known.end(), {"disney", "microfacet", "mirror"});
+    std::sort(known.begin(), known.end());
+    p.fail_plugin(known);
+  }
+  read_absorption(p, absorption);
+  return add_material_of(p, std::move(material));
+}
+
+}  // namespace sheaf::nori

@@ -1,0 +1,112 @@
+// The Nori dialect: emitters.
+#include "scene/dialects/nori.h"
+#include "scene/dialects/read_emitter.h"
+
+#include "core/frame.h"
+
+#include <algorithm>
+#include <numbers>
+
+namespace sheaf::nori {
+
+namespace {
+
+/// The same spectrum times `factor`.
+SpectrumDescription scaled(SpectrumDescription spectrum, float factor) {
+  if (auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value)) constant->value *= factor;
+  if (auto* rgb = std::get_if<SpectrumDescription::Rgb>(&spectrum.value)) rgb->value = rgb->value * factor;
+  if (auto* table = std::get_if<SpectrumDescription::Table>(&spectrum.value))
+    for (float& v : table->values) v *= factor;
+  if (auto* blackbody = std::get_if<SpectrumDescription::Blackbody>(&spectrum.value)) blackbody->scale *= factor;
+  return spectrum;
+}
+
+PointLightDescription read_point_light(Properties& p) {
+  PointLightDescription light;
+  light.position = p.vec3("position", {0, 0, 0});
+  const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
+  const auto power = p.find_spectrum("power", SpectrumRole::kEmission);
+  if (intensity && power) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
+  if (intensity) light.intensity = *intensity;
+  if (power) light.intensity = scaled(*power, 1.0f / (4.0f * std::numbers::pi_v<float>));
+  return light;
+}
+
+/// A space at `position` with +z along `direction`.
+Transform aim(Vec3f position, Vec3f direction) {
+  const Frame<Scalar> frame = Frame<Scalar>::from_normal(normalize(direction));
+  Matrix4 m;
+  const Vec3f columns[4] = {frame.s, frame.t, frame.n, position};
+  for (std::size_t j = 0; j < 4; ++j) {
+    m.m[0][j] = columns[j].x;
+    m.m[1][j] = columns[j].y;
+    m.m[2][j] = columns[j].z;
+  }
+  return Transform(m);
+}
+
+/// `toWorld`, or `position` with `direction` or the point `lookAt`; along +z without these.
+Transform read_placement(Properties& p) {
+  const bool position = p.has("position"), direction = p.has("direction"), look_at = p.has("lookAt");
+  if (p.has("toWorld")) {
+    for (const char* other : {"position", "direction", "lookAt"})
+      if (p.has(other)) p.fail("has both 'toWorld' and '" + std::string(other) + "', expected one");
+    return p.transform("toWorld");
+  }
+  if (direction && look_at) p.fail("has both 'direction' and 'lookAt', expected one");
+  if (!position && !direction && !look_at) return Transform();
+  const Vec3f origin = p.vec3("position", {0, 0, 0});
+  Vec3f towards = p.vec3("direction", {0, 0, 1});
+  if (look_at) towards = p.vec3("lookAt", {0, 0, 0}) - origin;
+  check_direction(p, look_at ? "lookAt" : "direction", towards);
+  return aim(origin, towards);
+}
+
+SpotLightDescription read_spot_light(Properties& p) {
+  SpotLightDescription light;
+  light.falloff = SpotLightDescription::Falloff::kSmooth;
+  light.to_world = read_placement(p);
+  light.intensity = p.spectrum("intensity", SpectrumDescription::constant(1), SpectrumRole::kEmission);
+  light.cutoff_angle = p.number("totalWidth", 30, {0, 180, true});
+  constexpr float kUsualEdge = 5;
+  const float usual = std::max(light.cutoff_angle - kUsualEdge, 0.0f);
+  light.beam_width = p.number("falloffStart", usual, {0, light.cutoff_angle, false});
+  return light;
+}
+
+DirectionalLightDescription read_directional_light(Properties& p) {
+  DirectionalLightDescription light;
+  light.direction = read_direction(p, "toWorld");
+  const auto irradiance = p.find_spectrum("irradiance", SpectrumRole::kEmission);
+  const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
+  if (irradiance && intensity) p.fail("has both 'irradiance' and 'intensity', which mean the same here; expected one");
+  if (irradiance) light.irradiance = *irradiance;
+  if (intensity) light.irradiance = *intensity;
+  return light;
+}
+
+}  // namespace
+
+void read_emitter(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  LightDescription light;
+  light.where = element.where;
+  if (p.type() == "point") {
+    light.model = read_point_light(p);
+  } else if (p.type() == "spot") {
+    light.model = read_spot_light(p);
+  } else if (p.type() == "directional") {
+    light.model = read_directional_light(p);
+  } else if (p.type() == "area") {
+    p.fail("must be nested in a <mesh>");
+  } else if (!read_shared_emitter(p, light)) {
+    std::vector<std::string> known = shared_emitter_names();
+    known.insert(known.end(), {"area", "directional", "point", "spot"});
+    std::sort(known.begin(), known.end());
+    p.fail_plugin(known);
+  }
+  p.finish();
+  context.description.lights.push_back(std::move(light));
+}
+
+}  // namespace sheaf::nori

@@ -1,0 +1,56 @@
+// The Nori dialect: textures of its own; all others are those of Mitsuba, with pictures the right way up.
+#include "scene/dialects/nori.h"
+#include "scene/dialects/read_spectrum.h"
+#include "scene/dialects/read_texture.h"
+
+#include <algorithm>
+
+namespace sheaf::nori {
+
+namespace {
+
+/// `scale`, the size of what is repeated in units of uv, and `delta`, where it begins.
+std::array<float, 6> read_placement(Properties& p, float repeated) {
+  const Vec2f scale = p.find_vec2("scale").value_or(Vec2f{1, 1}), delta = p.find_vec2("delta").value_or(Vec2f{0, 0});
+  if (scale.x == 0 || scale.y == 0) p.fail_at("scale", "is zero along an axis");
+  const float u = 1 / (repeated * scale.x), v = 1 / (repeated * scale.y);
+  return {u, 0, -delta.x * u, 0, v, -delta.y * v};
+}
+
+/// A checkerboard of two values: value1 (0) in the square at `delta`, value2 (1) beside it; `scale` is a square's size.
+void read_checkerboard(Properties& p, TextureDescription& texture) {
+  const SpectrumDescription black = SpectrumDescription::constant(0), white = SpectrumDescription::constant(1);
+  texture.model = CheckerboardDescription{p.spectrum_input("value1", black, SpectrumRole::kIor),
+                                          p.spectrum_input("value2", white, SpectrumRole::kIor)};
+  texture.to_uv = read_placement(p, 2);
+}
+
+SpectrumInput read_constant(Properties& p) {
+  SpectrumInput value = p.spectrum_input("value", SpectrumDescription::constant(0), SpectrumRole::kIor);
+  p.finish();
+  return value;
+}
+
+}  // namespace
+
+SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
+  if (const SpectrumInput* known = find_read_texture(element, context)) return *known;
+  Properties p(element, context);
+  TextureDescription texture;
+  if (p.type() == "constant_color" || p.type() == "constant_float") return read_constant(p);
+  if (p.type() == "checkerboard_color" || p.type() == "checkerboard_float") {
+    read_checkerboard(p, texture);
+  } else if (p.type() == "image") {
+    texture.model = read_bitmap(p);
+    texture.to_uv = read_placement(p, 1);
+  } else if (!read_shared_texture(p, PictureOrigin::kLowerLeft, texture)) {
+    std::vector<std::string> known = shared_texture_names();
+    known.insert(known.end(),
+                 {"checkerboard_color", "checkerboard_float", "constant_color", "constant_float", "image"});
+    std::sort(known.begin(), known.end());
+    p.fail_plugin(known);
+  }
+  return add_texture(p, std::move(texture));
+}
+
+}  // namespace sheaf::nori

@@ -1,0 +1,48 @@
+// Materials that both dialects spell alike: plugins of Mitsuba with all their parameters.
+#pragma once
+
+#include "scene/xml/properties.h"
+
+#include <functional>
+
+namespace sheaf {
+
+/// Reads a nested <bsdf> and appends it to the description.
+using BsdfReader = std::function<MaterialId(const XmlElement&)>;
+
+/// How the dialect at hand reads materials.
+struct BsdfDialect {
+  BsdfReader nested;
+  bool before_version_2 = false;  ///< of Mitsuba: conductors are copper by default and may lie in a dielectric
+  bool names_disperse = false;    ///< dielectrics by Mitsuba's names depend on the wavelength if nothing is said
+};
+
+/// Reads a plugin into `material`, with its properties from `p`, which the caller finishes. False if the plugin is none
+/// of shared_bsdf_names(). Throws SceneError.
+bool read_shared_bsdf(Properties& p, const BsdfDialect& dialect, MaterialDescription& material);
+
+/// The plugins that read_shared_bsdf() knows, in order of the alphabet.
+const std::vector<std::string>& shared_bsdf_names();
+
+/// Appends a finished material with the place and id of its element.
+MaterialId add_material_of(Properties& p, MaterialDescription material);
+
+/// An index of refraction, as a number or as the name of a dielectric.
+float read_ior(Properties& p, const char* property, float otherwise);
+/// A roughness; numbers below 0.0001 are raised to it.
+ScalarInput read_alpha(Properties& p, const char* name, ScalarInput otherwise);
+/// `distribution`, and `alpha` or both of `alpha_u` and `alpha_v`.
+RoughnessDescription read_roughness(Properties& p);
+
+PrincipledDescription read_principled(Properties& p);
+PrincipledThinDescription read_principled_thin(Properties& p);
+
+/// twosided, mask, blendbsdf, bumpmap, normalmap. Throws SceneError for the wrong number of nested materials, and for a
+/// side of a two-sided one that transmits light.
+TwoSidedDescription read_two_sided(Properties& p, const BsdfDialect& dialect);
+MaskDescription read_mask(Properties& p, const BsdfDialect& dialect);
+BlendDescription read_blend(Properties& p, const BsdfDialect& dialect);
+BumpMapDescription read_bump_map(Properties& p, const BsdfDialect& dialect);
+NormalMapDescription read_normal_map(Properties& p, const BsdfDialect& dialect);
+
+}  // namespace sheaf

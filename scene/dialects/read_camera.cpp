@@ -1,0 +1,24 @@
+#include "scene/dialects/read_camera.h"
+
+#include "scene/dialects/sampler_name.h"
+
+namespace sheaf {
+
+void read_clip(Properties& p, CameraDescription& camera, float near_clip) {
+  camera.near_clip = p.number("near_clip", near_clip, kPositive);
+  camera.far_clip = p.number("far_clip", 10'000, kPositive);
+  if (camera.near_clip < camera.far_clip) return;
+  p.fail_at(p.has("far_clip") ? "far_clip" : "near_clip",
+            "puts the far plane, at " + std::to_string(camera.far_clip) + ", not behind the near one, at " +
+                std::to_string(camera.near_clip));
+}
+
+SamplerKind read_sampler_kind(Properties& p) {
+  const NamedSampler* named = find_sampler(p.type());
+  if (named == nullptr) p.fail_plugin(sampler_names());
+  if (named->alike)
+    p.context().note(p.where(), "sampler '" + p.type() + "' is rendered with '" + sampler_name(named->kind) + "'");
+  return named->kind;
+}
+
+}  // namespace sheaf

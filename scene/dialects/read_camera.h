@@ -1,0 +1,15 @@
+// What the dialects share in reading cameras and samplers.
+#pragma once
+
+#include "scene/xml/properties.h"
+
+namespace sheaf {
+
+/// near_clip and far_clip (10,000) of a camera. Throws SceneError if they are out of order.
+void read_clip(Properties& p, CameraDescription& camera, float near_clip);
+
+/// The kind that a sampler's plugin name stands for; a note where another stands in for it. Throws SceneError for an
+/// unknown name.
+SamplerKind read_sampler_kind(Properties& p);
+
+}  // namespace sheaf

@@ -1,0 +1,91 @@
+// Materials that both dialects spell alike and that hold others: two-sided, masks, blends, bump and normal maps.
+#include "scene/dialects/read_bsdf.h"
+
+namespace sheaf {
+
+namespace {
+
+const MaterialDescription& material_at(MaterialId id, const Properties& p) {
+  return p.context().description.materials[static_cast<std::size_t>(id)];
+}
+
+/// A side of a two-sided material: the side of the child that its normal shows.
+MaterialId front_of(MaterialId id, const Properties& p) {
+  const MaterialDescription& child = material_at(id, p);
+  if (transmits(p.context().description.materials, id))
+    p.fail("holds a material that transmits light (line " + std::to_string(child.where.line) + ")");
+  if (const auto* both = std::get_if<TwoSidedDescription>(&child.model)) return both->front;
+  return id;
+}
+
+/// Throws SceneError unless the object holds from `low` to `high` nested materials.
+std::vector<const XmlElement*> children(Properties& p, std::size_t low, std::size_t high, const char* expected) {
+  const std::vector<const XmlElement*> found = p.objects("bsdf");
+  if (found.size() < low || found.size() > high)
+    p.fail("holds " + std::to_string(found.size()) + " nested <bsdf>, expected " + expected);
+  return found;
+}
+
+MaterialId only_child(Properties& p, const BsdfDialect& dialect) {
+  return dialect.nested(*children(p, 1, 1, "one")[0]);
+}
+
+const XmlElement& only_texture(Properties& p) {
+  const XmlElement* texture = p.any_texture();
+  if (texture == nullptr) p.fail("holds no <texture>, expected one");
+  return *texture;
+}
+
+TextureId read_map(const XmlElement& texture, ReadContext& context) {
+  const SpectrumInput input = context.readers.texture(texture, context);
+  if (const auto* id = std::get_if<TextureId>(&input)) return *id;
+  throw SceneError(texture.where, "a map is expected to vary, texture " + in_quotes(texture.attribute("type")) +
+                                      " is the same everywhere");
+}
+
+/// The displacement of a bump map. Before version 2 of Mitsuba, a texture of type `scale` around it holds its factor.
+BumpMapDescription read_displacement(const XmlElement& texture, ReadContext& context) {
+  if (texture.attribute("type") != "scale") return {read_map(texture, context), 1, {}};
+  Properties p(texture, context);
+  const float scale = p.number("scale", 1);
+  BumpMapDescription result = read_displacement(only_texture(p), context);
+  p.finish();
+  result.scale *= scale;
+  return result;
+}
+
+}  // namespace
+
+TwoSidedDescription read_two_sided(Properties& p, const BsdfDialect& dialect) {
+  const std::vector<const XmlElement*> sides = children(p, 1, 2, "one or two");
+  const MaterialId front = front_of(dialect.nested(*sides[0]), p);
+  return {front, sides.size() == 2 ? front_of(dialect.nested(*sides[1]), p) : front};
+}
+
+MaskDescription read_mask(Properties& p, const BsdfDialect& dialect) {
+  return {p.scalar_input("opacity", 0.5f, kUnitInterval), only_child(p, dialect)};
+}
+
+BlendDescription read_blend(Properties& p, const BsdfDialect& dialect) {
+  const std::vector<const XmlElement*> both = children(p, 2, 2, "two");
+  const ScalarInput weight = p.scalar_input("weight", 0.5f, kUnitInterval);
+  const MaterialId first = dialect.nested(*both[0]);
+  return {weight, {first, dialect.nested(*both[1])}};
+}
+
+BumpMapDescription read_bump_map(Properties& p, const BsdfDialect& dialect) {
+  const float scale = p.number("scale", 1);
+  const MaterialId nested = only_child(p, dialect);
+  BumpMapDescription result = read_displacement(only_texture(p), p.context());
+  result.scale *= scale;
+  result.nested = nested;
+  return result;
+}
+
+NormalMapDescription read_normal_map(Properties& p, const BsdfDialect& dialect) {
+  const bool flip_green = p.boolean("flip_green", false);
+  const MaterialId nested = only_child(p, dialect);
+  return {read_map(only_texture(p), p.context()), flip_green, nested};
+}
+
+}  // namespace sheaf

@@ -1,0 +1,64 @@
+#include "scene/dialects/read_emitter.h"
+
+namespace sheaf {
+
+namespace {
+
+/// `radiance` (1).
+ConstantLightDescription read_constant(Properties& p) {
+  return {p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission)};
+}
+
+/// `filename`, `scale` (1), `to_world` and `mis_compensation` (false).
+EnvmapDescription read_envmap(Properties& p) {
+  EnvmapDescription map;
+  map.file = p.file("filename");
+  map.scale = p.number("scale", 1, kNotNegative);
+  map.to_world = p.transform("to_world");
+  map.mis_compensation = p.boolean("mis_compensation", false);
+  return map;
+}
+
+}  // namespace
+
+const std::vector<std::string>& shared_emitter_names() {
+  static const std::vector<std::string> kNames = {"constant", "envmap"};
+  return kNames;
+}
+
+bool read_shared_emitter(Properties& p, LightDescription& light) {
+  if (p.type() == "constant") {
+    light.model = read_constant(p);
+  } else if (p.type() == "envmap") {
+    light.model = read_envmap(p);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+SpectrumInput read_area_emitter(const XmlElement& element, ReadContext& context,
+                                std::initializer_list<const char*> ignored) {
+  Properties p(element, context);
+  if (p.type() != "area") p.fail_plugin({"area"});
+  SpectrumInput radiance = p.spectrum_input("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
+  p.accept(ignored);
+  p.finish();
+  return radiance;
+}
+
+Vec3f read_direction(Properties& p, const char* to_world) {
+  const bool placed = p.has(to_world);
+  if (placed && p.has("direction")) p.fail(std::string("has both 'direction' and '") + to_world + "', expected one");
+  Vec3f direction = p.vec3("direction", {0, 0, 1});
+  if (placed) direction = p.transform(to_world).vector({0, 0, 1});
+  check_direction(p, "direction", direction);
+  return direction;
+}
+
+void check_direction(Properties& p, const char* name, Vec3f direction) {
+  const float squared = length_squared(direction);
+  if (!(squared > 0.0f) || !is_finite(squared)) p.fail_at(name, "has no length");
+}
+
+}  // namespace sheaf

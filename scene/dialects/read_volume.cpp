@@ -1,0 +1,143 @@
+#include "scene/dialects/read_volume.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+
+namespace sheaf {
+
+namespace {
+
+using Grid = GridVolumeDescription;
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// The first bytes of a file; fewer if it is shorter.
+std::string first_bytes(const std::filesystem::path& file) {
+  std::array<char, 8> bytes{};
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(bytes.data(), bytes.size());
+  return {bytes.data(), static_cast<std::size_t>(stream.gcount())};
+}
+
+Grid::Format format_of(Properties& p, const std::filesystem::path& file) {
+  const std::string extension = lower(file.extension().string());
+  if (extension == ".vol") return Grid::Format::kVol;
+  if (extension == ".nvdb") return Grid::Format::kNanoVdb;
+  const std::string head = first_bytes(file);
+  if (head.starts_with("VOL")) return Grid::Format::kVol;
+  if (head.starts_with("NanoVDB")) return Grid::Format::kNanoVdb;
+  if (extension == ".vdb" || head.starts_with(" BDV"))
+    p.fail_at("filename", "is " + in_quotes(file.filename().string()) +
+                              ", a file of OpenVDB, expected .nvdb or .vol: its tool nanovdb_convert makes an .nvdb");
+  p.fail_at("filename", "is " + in_quotes(file.filename().string()) +
+                            ", which is neither a .vol nor a .nvdb file by its name or its first bytes");
+}
+
+Grid::Filter read_filter(Properties& p) {
+  const std::string filter = p.find_string("filter_type").value_or("trilinear");
+  if (filter == "trilinear") return Grid::Filter::kTrilinear;
+  if (filter == "nearest") return Grid::Filter::kNearest;
+  p.fail_at("filter_type", "is " + in_quotes(filter) + ", expected trilinear or nearest" +
+                               did_you_mean(filter, {"trilinear", "nearest"}));
+}
+
+Grid::Wrap read_wrap(Properties& p) {
+  const std::string wrap = p.find_string("wrap_mode").value_or("clamp");
+  if (wrap == "clamp") return Grid::Wrap::kClamp;
+  if (wrap == "repeat") return Grid::Wrap::kRepeat;
+  if (wrap == "mirror") return Grid::Wrap::kMirror;
+  p.fail_at("wrap_mode", "is " + in_quotes(wrap) + ", expected clamp, repeat or mirror" +
+                             did_you_mean(wrap, {"clamp", "repeat", "mirror"}));
+}
+
+std::string read_grid_name(Properties& p) {
+  const auto name = p.find_string("grid_name"), other = p.find_string("gridname");
+  if (name && other) p.fail_at("gridname", "is given beside 'grid_name', expected one or the other");
+  return name ? *name : other.value_or("");
+}
+
+void read_placement(Properties& p, const VolumeDialect& dialect, Grid& grid) {
+  const bool placed = p.has("to_world");
+  grid.to_world = p.transform("to_world");
+  grid.use_grid_bbox = p.boolean("use_grid_bbox", dialect.bbox_of_file);
+  if (!dialect.fits_shapes) return;
+  grid.fit_to_shape = p.boolean("fitToShape", dialect.in_shape && !placed);
+  if (grid.fit_to_shape && placed) p.fail_at("fitToShape", "is true beside 'toWorld', expected one or the other");
+  if (grid.fit_to_shape && !dialect.in_shape)
+    p.fail_at("fitToShape", "is true in a medium of the whole scene, which no shape holds");
+}
+
+/// Whether a volume plugin is a constant, under the names that it has had.
+bool is_constant(const std::string& type) { return type == "constvolume" || type == "constantvolume"; }
+
+VolumeInput read_volume(const XmlElement& element, ReadContext& context, SpectrumRole role,
+                        const VolumeDialect& dialect) {
+  Properties p(element, context);
+  VolumeInput volume;
+  if (is_constant(p.type())) {
+    const auto value = p.find_spectrum("value", role);
+    if (!value) p.fail("has no 'value'");
+    volume = *value;
+  } else if (p.type() == "gridvolume") {
+    volume = read_grid(p, dialect);
+  } else if (p.type() == "vol") {
+    volume = read_grid(p, dialect, Grid::Format::kVol);
+  } else if (p.type() == "nanovdb") {
+    volume = read_grid(p, dialect, Grid::Format::kNanoVdb);
+  } else {
+    p.fail_plugin({"constvolume", "gridvolume", "nanovdb", "vol"});
+  }
+  p.finish();
+  return volume;
+}
+
+}  // namespace
+
+GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std::optional<Grid::Format> format) {
+  Grid grid;
+  grid.file = p.file("filename");
+  grid.format = format_of(p, grid.file);
+  if (format && *format != grid.format)
+    p.fail_at("filename", "is " + in_quotes(grid.file.filename().string()) + ", expected a " +
+                              (*format == Grid::Format::kVol ? ".vol" : ".nvdb") + " file");
+  grid.grid = read_grid_name(p);
+  if (!grid.grid.empty() && grid.format == Grid::Format::kVol)
+    p.fail_at(p.has("grid_name") ? "grid_name" : "gridname", "is given for a .vol file, whose one grid has no name");
+  read_placement(p, dialect, grid);
+  grid.filter = read_filter(p);
+  grid.wrap = read_wrap(p);
+  grid.raw = p.boolean("raw", false);
+  p.accept({"accel", "send_data"});
+  return grid;
+}
+
+std::optional<VolumeInput> find_volume_input(Properties& p, const char* name, SpectrumRole role,
+                                             const VolumeDialect& dialect) {
+  const XmlElement* nested = p.named_object("volume", name);
+  if (nested != nullptr && p.has(name))
+    p.fail_at(name, "is given beside a <volume> of this name, expected one or the other");
+  if (nested != nullptr) return read_volume(*nested, p.context(), role, dialect);
+  if (const auto spectrum = p.find_spectrum(name, role)) return *spectrum;
+  return std::nullopt;
+}
+
+std::optional<SpectrumDescription> find_constant_volume(Properties& p, const char* name, SpectrumRole role,
+                                                        const VolumeDialect& dialect) {
+  const std::optional<VolumeInput> input = find_volume_input(p, name, role, dialect);
+  if (!input) return std::nullopt;
+  if (const auto* spectrum = std::get_if<SpectrumDescription>(&*input)) return *spectrum;
+  p.fail("has a grid for '" + std::string(name) + "', expected the same value everywhere");
+}
+
+float number_of(Properties& p, const char* name, const SpectrumDescription& spectrum) {
+  if (const auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value)) return constant->value;
+  p.fail("has a colour for '" + std::string(name) + "', expected a number");
+}
+
+}  // namespace sheaf

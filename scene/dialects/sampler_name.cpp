@@ -1,0 +1,53 @@
+#include "scene/dialects/sampler_name.h"
+
+#include "core/error.h"
+
+namespace sheaf {
+
+namespace {
+
+/// The first name of a kind is its own.
+constexpr NamedSampler kSamplers[] = {
+    {"independent", SamplerKind::kIndependent, false}, {"stratified", SamplerKind::kStratified, false},
+    {"multijitter", SamplerKind::kMultijitter, false}, {"sobol", SamplerKind::kSobol, false},
+    {"ldsampler", SamplerKind::kSobol, true},          {"orthogonal", SamplerKind::kSobol, true},
+    {"halton", SamplerKind::kSobol, true},             {"hammersley", SamplerKind::kSobol, true},
+};
+
+}  // namespace
+
+const NamedSampler* find_sampler(std::string_view name) {
+  for (const NamedSampler& named : kSamplers)
+    if (name == named.name) return &named;
+  return nullptr;
+}
+
+std::vector<std::string> sampler_names() {
+  std::vector<std::string> names;
+  for (const NamedSampler& named : kSamplers) names.emplace_back(named.name);
+  return names;
+}
+
+const char* sampler_name(SamplerKind kind) {
+  for (const NamedSampler& named : kSamplers)
+    if (kind == named.kind) return named.name;
+  return "";
+}
+
+SamplerKind sampler_from_name(std::string_view name) {
+  const NamedSampler* named = find_sampler(name);
+  if (named == nullptr)
+    throw Error(ExitCode::kUsage, "unknown sampler '" + std::string(name) + "'" + did_you_mean(name, sampler_names()));
+  return named->kind;
+}
+
+std::string rounding_note(SamplerKind kind, std::uint32_t sample_count) {
+  const std::uint32_t rounded = rounded_sample_count(kind, sample_count);
+  if (rounded == sample_count) return {};
+  const SampleGrid grid = make_sampler(kind, 0, rounded).grid;
+  return "sampler '" + std::string(sampler_name(kind)) + "': " + std::to_string(sample_count) +
+         " samples per pixel become " + std::to_string(rounded) + ", a grid of " + std::to_string(grid.columns) +
+         " x " + std::to_string(grid.rows);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,240 @@
+// Helpers on triangle meshes. Areas, angles and normals are computed in double precision, where no product of three
+// finite single-precision lengths overflows or vanishes.
+#include "scene/formats/mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sheaf {
+
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+struct Double3 {
+  double x = 0, y = 0, z = 0;
+  Double3() = default;
+  Double3(double x_, double y_, double z_) : x(x_), y(y_), z(z_) {}
+  explicit Double3(Vec3f v) : x(v.x), y(v.y), z(v.z) {}
+};
+Double3 operator-(Double3 a, Double3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Double3 operator+(Double3 a, Double3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+Double3 operator*(Double3 a, double s) { return {a.x * s, a.y * s, a.z * s}; }
+double dot(Double3 a, Double3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+double length(Double3 a) { return std::sqrt(dot(a, a)); }
+Double3 cross(Double3 a, Double3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+
+/// The unit vector, or zero for one that has no direction.
+Double3 direction(Double3 a) {
+  const double l = length(a);
+  return l > 0 && std::isfinite(l) ? a * (1 / l) : Double3{};
+}
+Vec3f to_float(Double3 a) { return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)}; }
+bool is_zero(Vec3f a) { return a.x == 0 && a.y == 0 && a.z == 0; }
+
+/// The geometric normal times twice the area.
+Double3 area_normal(const Mesh& mesh, const Triangle& t) {
+  const Double3 a(mesh.positions[t[0]]);
+  return cross(Double3(mesh.positions[t[1]]) - a, Double3(mesh.positions[t[2]]) - a);
+}
+
+/// The angle at the first of three points, in radians; 0 if two coincide.
+double angle_at(Vec3f p, Vec3f a, Vec3f b) {
+  const Double3 u = Double3(a) - Double3(p), v = Double3(b) - Double3(p);
+  const double angle = std::atan2(length(cross(u, v)), dot(u, v));
+  return std::isfinite(angle) ? angle : 0;
+}
+
+/// Gives a smooth normal to every vertex whose normal is zero. `normals` is as long as `positions`.
+void fill_zero_normals(Mesh& mesh) {
+  const auto is_missing = [&](std::uint32_t vertex) { return is_zero(mesh.normals[vertex]); };
+  if (std::none_of(mesh.normals.begin(), mesh.normals.end(), is_zero)) return;
+  std::vector<Double3> sums(mesh.positions.size()), spares(mesh.positions.size());
+  for (const Triangle& t : mesh.triangles) {
+    if (std::none_of(t.begin(), t.end(), is_missing)) continue;
+    const Double3 normal = direction(area_normal(mesh, t));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3f p = mesh.positions[t[k]], a = mesh.positions[t[(k + 1) % 3]], b = mesh.positions[t[(k + 2) % 3]];
+      sums[t[k]] = sums[t[k]] + normal * angle_at(p, a, b);
+      if (dot(normal, normal) > 0) spares[t[k]] = normal;
+    }
+  }
+  for (std::uint32_t i = 0; i < mesh.normals.size(); ++i) {
+    if (!is_missing(i)) continue;
+    constexpr double kCancelled = 1e-9;  // triangles back to back
+    mesh.normals[i] = to_float(length(sums[i]) > kCancelled ? direction(sums[i]) : spares[i]);
+    if (is_missing(i)) mesh.normals[i] = {0, 0, 1};
+  }
+}
+
+void reverse(Triangle& t) { std::swap(t[1], t[2]); }
+
+void orient_by_normals(Mesh& mesh) {
+  for (Triangle& t : mesh.triangles) {
+    const Double3 sum = Double3(mesh.normals[t[0]]) + Double3(mesh.normals[t[1]]) + Double3(mesh.normals[t[2]]);
+    if (dot(area_normal(mesh, t), sum) < 0) reverse(t);
+  }
+}
+
+bool is_degenerate(const Mesh& mesh, const Triangle& t) {
+  constexpr double kSmallestDoubleArea = 1e-37;
+  constexpr double kSmallestRatio = 0x1p-22;  // of twice the area to the longest edge squared
+  for (const std::uint32_t vertex : t) {
+    if (vertex >= mesh.positions.size()) return true;
+    const Vec3f p = mesh.positions[vertex];
+    for (const float c : {p.x, p.y, p.z}) {
+      if (!(std::abs(c) <= kMaxMeshCoordinate)) return true;
+    }
+  }
+  double longest_squared = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Double3 edge = Double3(mesh.positions[t[(k + 1) % 3]]) - Double3(mesh.positions[t[k]]);
+    longest_squared = std::max(longest_squared, dot(edge, edge));
+  }
+  const double double_area = length(area_normal(mesh, t));
+  return double_area < kSmallestDoubleArea || double_area < kSmallestRatio * longest_squared;
+}
+
+/// The rows of `values` that `sources` names, in that order; a row has `width` values.
+template <class T>
+std::vector<T> select_rows(const std::vector<T>& values, const std::vector<std::uint32_t>& sources,
+                           std::size_t width = 1) {
+  std::vector<T> selected;
+  if (values.empty()) return selected;
+  selected.reserve(sources.size() * width);
+  for (const std::uint32_t source : sources) {
+    const auto row = values.begin() + static_cast<std::ptrdiff_t>(source * width);
+    selected.insert(selected.end(), row, row + static_cast<std::ptrdiff_t>(width));
+  }
+  return selected;
+}
+
+bool is_per_vertex(const Mesh::Attribute& attribute) { return attribute.name.starts_with("vertex_"); }
+
+/// Adds a square face around `centre`, spanned by half edges along u and v. Its front is on the side of `normal`.
+void append_square(Mesh& mesh, Vec3f centre, Vec3f normal, Vec3f u, Vec3f v) {
+  constexpr std::array<Vec2f, 4> kCorners{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  for (const Vec2f corner : kCorners) {
+    mesh.positions.push_back(centre + u * (2 * corner.x - 1) + v * (2 * corner.y - 1));
+    mesh.normals.push_back(normal);
+    mesh.uvs.push_back(corner);
+  }
+  const bool is_front = sheaf::dot(sheaf::cross(u, v), normal) > 0;
+  for (Triangle t : {Triangle{first, first + 1, first + 2}, Triangle{first, first + 2, first + 3}}) {
+    if (!is_front) reverse(t);
+    mesh.triangles.push_back(t);
+  }
+}
+
+}  // namespace
+
+Mesh rectangle_mesh() {
+  Mesh mesh;
+  append_square(mesh, {0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0});
+  return mesh;
+}
+
+Mesh cube_mesh() {
+  struct Face {
+    Vec3f normal, u, v;
+  };
+  constexpr std::array<Face, 6> kFaces{{{{0, -1, 0}, {0, 0, 1}, {1, 0, 0}},
+                                        {{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}},
+                                        {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}},
+                                        {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}},
+                                        {{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                        {{0, 0, -1}, {0, -1, 0}, {1, 0, 0}}}};
+  Mesh mesh;
+  for (const Face& face : kFaces) append_square(mesh, face.normal, face.normal, face.u, face.v);
+  return mesh;
+}
+
+void check_mesh(const Mesh& mesh, const SourceLocation& where) {
+  const std::size_t count = mesh.positions.size();
+  const auto check_length = [&](std::size_t length, const char* what) {
+    if (length == 0 || length == count) return;
+    throw SceneError(where, "a mesh has " + std::to_string(length) + " " + what + " for " + std::to_string(count) +
+                                " vertices");
+  };
+  check_length(mesh.normals.size(), "normals");
+  check_length(mesh.uvs.size(), "texture coordinates");
+  for (const Mesh::Attribute& attribute : mesh.attributes) {
+    const std::size_t rows = is_per_vertex(attribute) ? count : mesh.triangles.size();
+    const auto channels = static_cast<std::size_t>(std::max(attribute.channels, 1));
+    if (attribute.values.size() == rows * channels) continue;
+    throw SceneError(where, "attribute '" + attribute.name + "' has " + std::to_string(attribute.values.size()) +
+                                " values, expected " + std::to_string(channels) + " for each of " +
+                                std::to_string(rows));
+  }
+  for (const Triangle& t : mesh.triangles) {
+    const std::uint32_t highest = std::max({t[0], t[1], t[2]});
+    if (highest < count) continue;
+    throw SceneError(where, "a triangle refers to vertex " + std::to_string(highest) +
+                                " (counted from 0), but there are " + std::to_string(count));
+  }
+}
+
+void transform_mesh(Mesh& mesh, const Transform& to_world) {
+  for (Vec3f& p : mesh.positions) p = to_world.point(p);
+  if (mesh.normals.empty()) return;
+  for (Vec3f& n : mesh.normals) n = to_float(direction(Double3(to_world.normal(n))));
+  if (to_world.swaps_handedness()) {
+    for (Triangle& t : mesh.triangles) reverse(t);
+  }
+  orient_by_normals(mesh);
+  fill_zero_normals(mesh);
+}
+
+void flip_mesh(Mesh& mesh) {
+  for (Triangle& t : mesh.triangles) reverse(t);
+  for (Vec3f& n : mesh.normals) n = -n;
+}
+
+void compute_vertex_normals(Mesh& mesh) {
+  mesh.normals.assign(mesh.positions.size(), Vec3f{0, 0, 0});
+  fill_zero_normals(mesh);
+}
+
+Mesh extract_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
+  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+  Mesh part;
+  part.triangles = select_rows(mesh.triangles, triangles);
+  std::vector<std::uint32_t> renamed(mesh.positions.size(), kUnused), vertices;
+  for (Triangle& t : part.triangles) {
+    for (std::uint32_t& vertex : t) {
+      if (renamed[vertex] == kUnused) {
+        renamed[vertex] = static_cast<std::uint32_t>(vertices.size());
+        vertices.push_back(vertex);
+      }
+      vertex = renamed[vertex];
+    }
+  }
+  part.positions = select_rows(mesh.positions, vertices);
+  part.normals = select_rows(mesh.normals, vertices);
+  part.uvs = select_rows(mesh.uvs, vertices);
+  for (const Mesh::Attribute& a : mesh.attributes) {
+    const auto& rows = is_per_vertex(a) ? vertices : triangles;
+    part.attributes.push_back({a.name, a.channels, select_rows(a.values, rows, static_cast<std::size_t>(a.channels))});
+  }
+  return part;
+}
+
+std::vector<std::uint32_t> usable_triangles(const Mesh& mesh) {
+  std::vector<std::uint32_t> usable;
+  usable.reserve(mesh.triangles.size());
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (!is_degenerate(mesh, mesh.triangles[i])) usable.push_back(i);
+  }
+  return usable;
+}
+
+std::size_t drop_degenerate_triangles(Mesh& mesh) {
+  const std::vector<std::uint32_t> usable = usable_triangles(mesh);
+  const std::size_t dropped = mesh.triangles.size() - usable.size();
+  if (dropped > 0) mesh = extract_triangles(mesh, usable);
+  return dropped;
+}
+
+}  // namespace sheaf

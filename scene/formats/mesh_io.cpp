@@ -1,0 +1,38 @@
+// What the readers of mesh files share.
+#include "scene/formats/mesh_io.h"
+
+#include "scene/formats/serialized.h"
+
+#include <fstream>
+#include <system_error>
+
+namespace sheaf {
+
+std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view what) {
+  const SourceLocation where{file.string()};
+  std::error_code failure;
+  const auto status = std::filesystem::status(file, failure);
+  if (!std::filesystem::exists(status)) throw SceneError(where, std::string(what) + " not found");
+  if (!std::filesystem::is_regular_file(status)) {
+    throw SceneError(where, std::string(what) + " expected, found something that is not a regular file");
+  }
+  const std::uintmax_t size = std::filesystem::file_size(file, failure);
+  std::ifstream stream(file, std::ios::binary);
+  if (failure || !stream) throw SceneError(where, std::string(what) + " cannot be opened for reading");
+  std::string bytes(size, '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (static_cast<std::uintmax_t>(stream.gcount()) != size) {
+    throw SceneError(where, std::string(what) + " cannot be read to its end");
+  }
+  return bytes;
+}
+
+MeshFile read_mesh(const MeshFileShape& shape) {
+  switch (shape.format) {
+    case MeshFileShape::Format::kPly: return read_ply(shape.file, shape.flip_tex_coords);
+    case MeshFileShape::Format::kSerialized: return read_serialized(shape.file, shape.shape_index);
+    default: return read_obj(shape.file, shape.flip_tex_coords);
+  }
+}
+
+}  // namespace sheaf

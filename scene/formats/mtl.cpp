@@ -1,0 +1,265 @@
+// MTL files are lines of a keyword and its arguments. tinyobjloader's reader of them takes malformed numbers for 0,
+// knows no lines, and cannot tell what a file leaves out from what it sets: so the lines are read here.
+#include "scene/formats/mtl.h"
+
+#include "scene/formats/mesh_io.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <set>
+#include <string_view>
+
+namespace sheaf {
+
+namespace {
+
+constexpr std::string_view kBlanks = " \t";
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kLongest = 40;
+  return "'" + std::string(text.substr(0, kLongest)) + (text.size() > kLongest ? "...'" : "'");
+}
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kBlanks), last = text.find_last_not_of(kBlanks);
+  return first == std::string_view::npos ? std::string_view() : text.substr(first, last - first + 1);
+}
+
+/// Takes the first word off `text`, which then begins with the next.
+std::string_view take_word(std::string_view& text) {
+  const std::size_t end = std::min(text.find_first_of(kBlanks), text.size());
+  const std::string_view word = text.substr(0, end);
+  text = trimmed(text.substr(end));
+  return word;
+}
+
+std::optional<float> to_number(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0;
+  const char* const end = word.data() + word.size();
+  const auto [stop, failure] = std::from_chars(word.data(), end, value);
+  if (failure != std::errc{} || stop != end || !std::isfinite(static_cast<float>(value))) return std::nullopt;
+  return static_cast<float>(value);
+}
+
+using Number = std::optional<float> MtlMaterial::*;
+using Color = std::optional<Vec3f> MtlMaterial::*;
+using Texture = std::optional<MtlTexture> MtlMaterial::*;
+template <class Member> struct Keyword {
+  std::string_view name;
+  Member member;
+};
+
+constexpr std::array<Keyword<Number>, 9> kNumbers{{{"Ns", &MtlMaterial::shininess},
+                                                   {"Ni", &MtlMaterial::ior},
+                                                   {"d", &MtlMaterial::dissolve},
+                                                   {"Pr", &MtlMaterial::roughness},
+                                                   {"Pm", &MtlMaterial::metallic},
+                                                   {"Ps", &MtlMaterial::sheen},
+                                                   {"Pc", &MtlMaterial::clearcoat},
+                                                   {"Pcr", &MtlMaterial::clearcoat_roughness},
+                                                   {"aniso", &MtlMaterial::anisotropy}}};
+constexpr std::array<Keyword<Color>, 5> kColors{{{"Kd", &MtlMaterial::diffuse},
+                                                 {"Ks", &MtlMaterial::specular},
+                                                 {"Ke", &MtlMaterial::emission},
+                                                 {"Tf", &MtlMaterial::transmission},
+                                                 {"Kt", &MtlMaterial::transmission}}};
+constexpr std::array<Keyword<Texture>, 10> kTextures{{{"map_Kd", &MtlMaterial::map_diffuse},
+                                                      {"map_Ks", &MtlMaterial::map_specular},
+                                                      {"map_d", &MtlMaterial::map_dissolve},
+                                                      {"map_Pr", &MtlMaterial::map_roughness},
+                                                      {"map_Pm", &MtlMaterial::map_metallic},
+                                                      {"map_Ps", &MtlMaterial::map_sheen},
+                                                      {"map_Bump", &MtlMaterial::bump},
+                                                      {"map_bump", &MtlMaterial::bump},
+                                                      {"bump", &MtlMaterial::bump},
+                                                      {"norm", &MtlMaterial::normal}}};
+/// Keywords that mean nothing to a path tracer, or that every exporter writes.
+constexpr std::array<std::string_view, 5> kSilent{"Ka", "map_Ka", "sharpness", "map_aat", "anisor"};
+/// Keywords that are known and not supported.
+constexpr std::array<std::string_view, 8> kUnsupported{"map_Ke", "map_Ns",   "disp", "map_disp",
+                                                       "map_Disp", "decal", "refl", "map_refl"};
+
+template <class Keywords> auto find_keyword(const Keywords& keywords, std::string_view name) {
+  return std::find_if(keywords.begin(), keywords.end(), [&](const auto& k) { return k.name == name; });
+}
+
+class MtlReader {
+ public:
+  MtlReader(std::string_view text, const std::filesystem::path& file)
+      : text_(text), folder_(file.parent_path()), where_{file.string(), 0} {}
+
+  MtlLibrary read() {
+    while (!text_.empty()) {
+      const std::size_t end = std::min(text_.find_first_of("\r\n"), text_.size());
+      ++where_.line;
+      read_line(trimmed(text_.substr(0, end)));
+      const bool is_pair = text_.substr(end, 2) == "\r\n";
+      text_.remove_prefix(std::min(end + (is_pair ? 2 : 1), text_.size()));
+    }
+    return std::move(library_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const { throw SceneError(where_, message); }
+
+  void note(const std::string& message) { library_.notes.push_back(SceneError(where_, message).what()); }
+
+  void read_line(std::string_view line) {
+    if (line.empty() || line.front() == '#') return;
+    const std::string_view keyword = take_word(line);
+    if (keyword == "newmtl") {
+      if (line.empty()) fail("expected a material's name after 'newmtl'");
+      library_.materials.push_back({});
+      material().name = line;
+      material().where = where_;
+      has_dissolve_ = false;
+      return;
+    }
+    if (library_.materials.empty()) fail("expected 'newmtl' in front of the first property, found " + quoted(keyword));
+    read_property(keyword, line);
+  }
+
+  void read_property(std::string_view keyword, std::string_view arguments) {
+    const auto number = find_keyword(kNumbers, keyword);
+    const auto color = find_keyword(kColors, keyword);
+    const auto texture = find_keyword(kTextures, keyword);
+    if (number != kNumbers.end()) {
+      if (keyword == "d") {
+        has_dissolve_ = true;
+        if (arguments.starts_with("-halo")) take_word(arguments);
+      }
+      material().*(number->member) = take_number(keyword, arguments);
+    } else if (keyword == "Tr") {
+      const float transparency = take_number(keyword, arguments);
+      if (!has_dissolve_) material().dissolve = 1 - transparency;
+    } else if (keyword == "illum") {
+      const float model = take_number(keyword, arguments);
+      if (!(model >= 0 && model <= 10 && model == std::floor(model))) {
+        fail("expected an illumination model from 0 to 10, found " + std::to_string(model));
+      }
+      material().illum = static_cast<int>(model);
+    } else if (color != kColors.end()) {
+      read_color(keyword, arguments, material().*(color->member));
+    } else if (texture != kTextures.end()) {
+      read_texture(keyword, arguments, material().*(texture->member));
+    } else if (std::find(kSilent.begin(), kSilent.end(), keyword) == kSilent.end()) {
+      note_unused(keyword);
+    }
+  }
+
+  float take_number(std::string_view keyword, std::string_view& arguments) const {
+    const std::string_view word = take_word(arguments);
+    if (const auto number = to_number(word)) return *number;
+    fail("expected a number after '" + std::string(keyword) + "', found " + quoted(word));
+  }
+
+  /// One number stands for all three.
+  void read_color(std::string_view keyword, std::string_view arguments, std::optional<Vec3f>& color) {
+    if (arguments.starts_with("spectral") || arguments.starts_with("xyz")) {
+      note("'" + std::string(keyword) + "' by 'spectral' or 'xyz' is not supported: ignored");
+      return;
+    }
+    const float r = take_number(keyword, arguments);
+    color = Vec3f{r, r, r};
+    if (arguments.empty() || arguments.front() == '#') return;
+    color->y = take_number(keyword, arguments);
+    color->z = take_number(keyword, arguments);
+  }
+
+  void read_texture(std::string_view keyword, std::string_view arguments, std::optional<MtlTexture>& slot) {
+    MtlTexture texture;
+    texture.where = where_;
+    while (arguments.starts_with('-')) read_option(keyword, arguments, texture);
+    if (arguments.empty()) fail("expected the name of a picture after '" + std::string(keyword) + "'");
+    texture.file = find_picture(arguments);
+    slot = std::move(texture);
+  }
+
+  void read_option(std::string_view keyword, std::string_view& arguments, MtlTexture& texture) {
+    const std::string_view option = take_word(arguments);
+    if (option == "-s") {
+      texture.scale = take_numbers(keyword, arguments, {1, 1});
+    } else if (option == "-o") {
+      texture.offset = take_numbers(keyword, arguments, {0, 0});
+    } else if (option == "-clamp") {
+      texture.clamp = take_word(arguments) == "on";
+    } else if (option == "-bm") {
+      texture.bump_multiplier = take_number(keyword, arguments);
+    } else if (option == "-mm") {
+      take_number(keyword, arguments);
+      take_number(keyword, arguments);
+      note_unused(option);
+    } else if (option == "-t") {
+      take_numbers(keyword, arguments, {0, 0});
+      note_unused(option);
+    } else if (option == "-blendu" || option == "-blendv" || option == "-boost" || option == "-cc" ||
+               option == "-colorspace" || option == "-imfchan" || option == "-texres" || option == "-type") {
+      take_word(arguments);
+    } else {
+      fail("unknown option " + quoted(option) + " of '" + std::string(keyword) + "'" +
+           did_you_mean(option, {"-s", "-o", "-clamp", "-bm", "-mm", "-t", "-blendu", "-blendv", "-boost", "-cc",
+                                 "-colorspace", "-imfchan", "-texres", "-type"}));
+    }
+  }
+
+  /// One to three numbers, of which two count; those that are missing are as in `otherwise`.
+  Vec2f take_numbers(std::string_view keyword, std::string_view& arguments, Vec2f otherwise) const {
+    Vec2f taken{take_number(keyword, arguments), otherwise.y};
+    for (int i = 1; i < 3; ++i) {
+      std::string_view rest = arguments;
+      const auto next = to_number(take_word(rest));
+      if (!next || rest.empty()) break;  // the last word is the picture's name
+      arguments = rest;
+      if (i == 1) taken.y = *next;
+    }
+    return taken;
+  }
+
+  /// Files named by another computer's folders are sought beside the library too.
+  std::filesystem::path find_picture(std::string_view name) const {
+    std::string portable(name);
+    std::replace(portable.begin(), portable.end(), '\\', '/');
+    const std::filesystem::path file = folder_ / portable;
+    std::error_code failure;
+    if (std::filesystem::exists(file, failure)) return file;
+    const std::filesystem::path beside = folder_ / std::filesystem::path(portable).filename();
+    return std::filesystem::exists(beside, failure) ? beside : file;
+  }
+
+  /// Once for each keyword or option.
+  void note_unused(std::string_view keyword) {
+    if (!noted_.insert(std::string(keyword.substr(0, 64))).second) return;
+    const bool is_known = keyword.front() == '-' ||
+                          std::find(kUnsupported.begin(), kUnsupported.end(), keyword) != kUnsupported.end();
+    if (is_known) {
+      note(quoted(keyword) + " is not supported: ignored");
+      return;
+    }
+    std::vector<std::string> names{"newmtl", "illum", "Tr"};
+    for (const auto& known : kNumbers) names.emplace_back(known.name);
+    for (const auto& known : kColors) names.emplace_back(known.name);
+    for (const auto& known : kTextures) names.emplace_back(known.name);
+    note("unknown keyword " + quoted(keyword) + " ignored" + did_you_mean(keyword, names));
+  }
+
+  MtlMaterial& material() { return library_.materials.back(); }
+
+  std::string_view text_;
+  std::filesystem::path folder_;
+  SourceLocation where_;
+  MtlLibrary library_;
+  std::set<std::string> noted_;
+  bool has_dissolve_ = false;  ///< 'd' wins against 'Tr'
+};
+
+}  // namespace
+
+MtlLibrary read_mtl(const std::filesystem::path& file) {
+  const std::string text = read_mesh_bytes(file, "MTL file");
+  return MtlReader(text, file).read();
+}
+
+}  // namespace sheaf

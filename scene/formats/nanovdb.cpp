@@ -1,0 +1,441 @@
+// A file is a sequence of segments. Each is a magic number, a version, the number of grids and their codec, then for
+// each grid a description of 176 bytes and its name, then the grids. A grid is one piece of memory with offsets in it:
+// a header, the tree's header, and nodes of four levels. None of these offsets is trusted.
+#define NANOVDB_USE_ZIP
+#include "scene/formats/nanovdb.h"
+
+#include "core/inflate.h"
+#include "core/output_file.h"
+#include "scene/formats/mesh_io.h"
+
+#include <nanovdb/NanoVDB.h>
+#include <nanovdb/util/GridBuilder.h>
+#include <nanovdb/util/IO.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace sheaf {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "grids are read as they lie in memory");
+
+/// Reads a T, which need not be aligned.
+template <class T> T value_at(const char* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof(T));
+  return value;
+}
+
+/// A name from a file for a message.
+std::string shown(const std::string& name) {
+  constexpr std::size_t kLongest = 60;
+  return name.size() <= kLongest ? name : name.substr(0, kLongest) + "...";
+}
+
+/// Where a grid lies in its file.
+struct GridEntry {
+  std::string name;
+  std::uint16_t codec = 0;
+  std::uint64_t size = 0;  ///< in memory
+  std::string_view stored;
+};
+
+/// The segments of a file.
+class Directory {
+ public:
+  Directory(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {
+    check_kind();
+    while (at_ < bytes_.size()) read_segment();
+  }
+
+  const GridEntry& find(const std::string& name) const {
+    if (entries_.empty()) fail("the file holds no grids");
+    if (name.empty()) return entries_.front();
+    for (const GridEntry& entry : entries_)
+      if (entry.name == name) return entry;
+    constexpr std::size_t kMostListed = 16;
+    std::vector<std::string> names;
+    std::string list;
+    for (const GridEntry& entry : entries_) {
+      names.push_back(entry.name);
+      if (names.size() <= kMostListed) list += (list.empty() ? "'" : ", '") + shown(entry.name) + "'";
+    }
+    if (names.size() > kMostListed) list += " and others";
+    fail("no grid '" + name + "', the file holds " + list + did_you_mean(name, names));
+  }
+
+ private:
+  static constexpr std::uint64_t kSegmentSize = 16, kEntrySize = 176;
+
+  [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_}, message); }
+
+  static bool is_magic(const char* bytes) {  // "NanoVDB0", and since version 11 "NanoVDB2"
+    return std::memcmp(bytes, "NanoVDB", 7) == 0 && (bytes[7] == '0' || bytes[7] == '2');
+  }
+
+  void check_kind() const {
+    constexpr std::string_view kOpenVdb("\x20\x42\x44\x56\0\0\0\0", 8);
+    if (bytes_.starts_with(kOpenVdb)) {
+      fail("an OpenVDB file, where NanoVDB is expected; convert it with 'nanovdb_convert FILE.vdb FILE.nvdb', which "
+           "comes with OpenVDB, or with Sheaf's 'vdb_to_nanovdb FILE.vdb FILE.nvdb'");
+    }
+    if (bytes_.size() < 8 || !is_magic(bytes_.data())) {
+      fail("expected a NanoVDB file, which begins with the letters NanoVDB0 or NanoVDB2");
+    }
+  }
+
+  std::uint64_t left() const { return bytes_.size() - at_; }
+
+  const char* take(std::uint64_t size) {
+    if (size > left()) fail("the file is truncated");
+    const char* const taken = bytes_.data() + at_;
+    at_ += size;
+    return taken;
+  }
+
+  void read_segment() {
+    const char* const header = take(kSegmentSize);
+    if (!is_magic(header)) fail("expected a segment of grids at byte " + std::to_string(at_ - kSegmentSize));
+    const std::uint32_t major = value_at<std::uint32_t>(header + 8) >> 21;
+    if (major != NANOVDB_MAJOR_VERSION_NUMBER) {
+      fail("expected version " + std::to_string(NANOVDB_MAJOR_VERSION_NUMBER) + " of NanoVDB's format, found " +
+           std::to_string(major));
+    }
+    const auto count = value_at<std::uint16_t>(header + 12), codec = value_at<std::uint16_t>(header + 14);
+    std::vector<std::uint64_t> sizes;
+    const std::size_t first = entries_.size();
+    for (std::uint16_t i = 0; i < count; ++i) {
+      const char* const entry = take(kEntrySize);
+      const auto name_size = value_at<std::uint32_t>(entry + 136);
+      const std::string_view name(take(name_size), name_size);
+      entries_.push_back({std::string(name.substr(0, name.find('\0'))), codec, value_at<std::uint64_t>(entry), {}});
+      sizes.push_back(value_at<std::uint64_t>(entry + 8));
+    }
+    for (std::uint16_t i = 0; i < count; ++i) entries_[first + i].stored = {take(sizes[i]), sizes[i]};
+  }
+
+  std::string_view bytes_;
+  const std::string& file_;
+  std::uint64_t at_ = 0;
+  std::vector<GridEntry> entries_;
+};
+
+/// A grid's memory.
+class GridMemory {
+ public:
+  GridMemory(const GridEntry& entry, const std::string& file) : entry_(entry), file_(file) {
+    switch (entry.codec) {
+      case 0: copy(); break;
+      case 1: inflate(); break;
+      case 2: decompress_blosc(); break;
+      default: fail("compressed with codec " + std::to_string(entry.codec) + ", of which nothing is known");
+    }
+  }
+
+  const char* data() const { return chunks_.front().bytes; }
+  std::uint64_t size() const { return entry_.size; }
+  std::size_t stored_bytes() const { return entry_.stored.size(); }
+  [[noreturn]] void fail(const std::string& message) const {
+    throw SceneError({file_}, "grid '" + shown(entry_.name) + "': " + message);
+  }
+
+ private:
+  struct alignas(32) Chunk {
+    char bytes[32];
+  };
+
+  /// Throws if the claimed size can't be what `most` bytes of memory hold.
+  void allocate(std::uint64_t most) {
+    if (entry_.size > most) {
+      fail("is said to take " + std::to_string(entry_.size) + " bytes of memory, more than the file's size allows");
+    }
+    if (entry_.size < sizeof(nanovdb::GridData)) fail("the grid is too small to be one");
+    chunks_.resize((entry_.size + sizeof(Chunk) - 1) / sizeof(Chunk));
+  }
+  char* memory() { return chunks_.front().bytes; }
+
+  void copy() {
+    allocate(entry_.stored.size());
+    std::memcpy(memory(), entry_.stored.data(), entry_.size);
+  }
+
+  void inflate() {
+    if (entry_.stored.size() < 8) fail("the file is truncated");
+    Inflater inflater(entry_.stored.substr(8));
+    allocate(inflater.most_left());
+    std::size_t found = 0;
+    try {
+      found = inflater.read({memory(), entry_.size});
+    } catch (const Error& error) { fail(error.what()); }
+    if (found < entry_.size) fail("the file is truncated");
+  }
+
+#ifdef NANOVDB_USE_BLOSC
+  void decompress_blosc() {
+    constexpr std::uint64_t kMostPerByte = 256, kChunk = std::uint64_t{1} << 30;
+    allocate(entry_.stored.size() * kMostPerByte);
+    std::string_view left = entry_.stored;
+    for (std::uint64_t done = 0; done < entry_.size;) {
+      const std::uint64_t chunk = std::min(entry_.size - done, kChunk);
+      const std::uint64_t stored = left.size() < 8 ? left.size() : value_at<std::uint64_t>(left.data());
+      if (left.size() < 8 || stored > left.size() - 8) fail("the file is truncated");
+      std::size_t claimed = 0;
+      const bool is_valid = blosc_cbuffer_validate(left.data() + 8, stored, &claimed) == 0 && claimed == chunk;
+      if (!is_valid || blosc_decompress_ctx(left.data() + 8, memory() + done, chunk, 1) != static_cast<int>(chunk)) {
+        fail("the Blosc-compressed data is corrupt");
+      }
+      done += chunk;
+      left.remove_prefix(8 + stored);
+    }
+  }
+#else
+  void decompress_blosc() {
+    fail("compressed with Blosc, for which Sheaf was not built; write it with 'nanovdb_convert -z', or build Sheaf "
+         "where libblosc-dev is installed");
+  }
+#endif
+
+  const GridEntry& entry_;
+  const std::string& file_;
+  std::vector<Chunk> chunks_;
+};
+
+constexpr int kRootTileSide = 4096;
+
+/// Walks down the tree of a grid whose nodes are made for BuildT.
+template <class BuildT> class TreeReader {
+ public:
+  explicit TreeReader(const GridMemory& memory) : memory_(memory) {}
+
+  VoxelBlocks read() {
+    // The tree's header begins with the offsets of the first leaf, lower, upper and root node.
+    if (memory_.size() < kTree + 64) fail();
+    const std::uint64_t position = kTree + value_at<std::uint64_t>(memory_.data() + kTree + 24);
+    const Root& root = *node<Root>(position);
+    if (root.mTableSize > (memory_.size() - position - sizeof(Root)) / sizeof(typename Root::Tile)) fail();
+    std::array<float, 3> background{};
+    set(root.mBackground, background.data());
+    check_finite(background);
+    VoxelBlocks blocks(kChannels, background);
+    for (std::uint32_t i = 0; i < root.mTableSize; ++i) {
+      const auto& tile = *root.tile(i);
+      const auto origin = tile.origin();
+      std::array<int, 3> at{};
+      for (int axis = 0; axis < 3; ++axis) {
+        if (origin[axis] % kRootTileSide != 0 || std::abs(std::int64_t{origin[axis]}) > (1 << 30)) fail();
+        at[static_cast<std::size_t>(axis)] = origin[axis] / VoxelBlocks::kSide;
+      }
+      if (tile.child == 0) add_tile(blocks, at, tile.value, kRootTileSide / VoxelBlocks::kSide);
+      else read_internal<Upper>(blocks, at, position + static_cast<std::uint64_t>(tile.child));
+    }
+    return blocks;
+  }
+
+ private:
+  using Root = typename nanovdb::NanoRoot<BuildT>::DataType;
+  using Upper = typename nanovdb::NanoUpper<BuildT>::DataType;
+  using Lower = typename nanovdb::NanoLower<BuildT>::DataType;
+  using Leaf = typename nanovdb::NanoLeaf<BuildT>::DataType;
+  using Value = typename Root::ValueT;
+  static constexpr bool kIsVector = std::is_same_v<Value, nanovdb::Vec3f>;
+  static constexpr int kChannels = kIsVector ? 3 : 1;
+  static constexpr std::uint64_t kTree = sizeof(nanovdb::GridData);
+
+  [[noreturn]] void fail() const { memory_.fail("the tree of its voxels is corrupt"); }
+
+  /// The node at a place in memory. Throws if it can't be there.
+  template <class Node> const Node* node(std::uint64_t position) const {
+    if (position % 32 != 0 || position < kTree + 64 || position >= memory_.size() ||
+        memory_.size() - position < sizeof(Node)) {
+      fail();
+    }
+    return reinterpret_cast<const Node*>(memory_.data() + position);
+  }
+
+  static void set(const Value& value, float* out) {
+    if constexpr (kIsVector) {
+      for (int c = 0; c < 3; ++c) out[c] = value[c];
+    } else {
+      *out = value;
+    }
+  }
+
+  void check_finite(std::span<const float> values) const {
+    for (const float v : values)
+      if (!std::isfinite(v)) memory_.fail("has a value that is not finite");
+  }
+
+  void add_tile(VoxelBlocks& blocks, const std::array<int, 3>& at, const Value& value, int edge) const {
+    std::array<float, 3> floats{};
+    set(value, floats.data());
+    check_finite(floats);
+    if (floats != blocks.background()) blocks.add_constant(at, std::span(floats).first(kChannels), edge);
+  }
+
+  /// Nodes can be shared only by a tree that lies: more of them than memory can hold would go on for ages.
+  void count_node(std::uint64_t size, std::uint64_t& counter) const {
+    if (++counter > memory_.size() / size) fail();
+  }
+
+  template <class Node> void read_internal(VoxelBlocks& blocks, const std::array<int, 3>& at, std::uint64_t position) {
+    constexpr bool kIsUpper = std::is_same_v<Node, Upper>;
+    constexpr int kLog = kIsUpper ? 5 : 4, kEdge = kIsUpper ? 16 : 1, kMask = (1 << kLog) - 1;
+    count_node(sizeof(Node), kIsUpper ? uppers_ : lowers_);
+    const Node& n = *node<Node>(position);
+    for (int i = 0; i < 1 << 3 * kLog; ++i) {
+      const std::array<int, 3> child_at{at[0] + (i >> 2 * kLog) * kEdge, at[1] + (i >> kLog & kMask) * kEdge,
+                                        at[2] + (i & kMask) * kEdge};
+      const auto& entry = n.mTable[i];
+      if (!n.mChildMask.isOn(static_cast<std::uint32_t>(i))) {
+        add_tile(blocks, child_at, entry.value, kEdge);
+        continue;
+      }
+      const std::uint64_t child = position + static_cast<std::uint64_t>(entry.child);
+      if constexpr (kIsUpper) read_internal<Lower>(blocks, child_at, child);
+      else read_leaf(blocks, child_at, child);
+    }
+  }
+
+  void read_leaf(VoxelBlocks& blocks, const std::array<int, 3>& at, std::uint64_t position) {
+    count_node(sizeof(Leaf), leaves_);
+    const Leaf& leaf = *node<Leaf>(position);
+    if constexpr (std::is_same_v<BuildT, nanovdb::FpN>) {  // its values lie behind it
+      constexpr int kMostLog = 4;
+      const int log = leaf.mFlags >> 5;
+      if (log > kMostLog || memory_.size() - position - sizeof(Leaf) < std::uint64_t{64} << log) fail();
+    }
+    const std::span<float> values = blocks.add(at);
+    for (std::uint32_t i = 0; i < VoxelBlocks::kVoxels; ++i) {  // z fastest
+      const std::uint32_t ours = (i & 7) << 6 | (i & 0x38) | i >> 6;
+      set(leaf.getValue(i), values.data() + ours * kChannels);
+    }
+    check_finite(values);
+  }
+
+  const GridMemory& memory_;
+  std::uint64_t uppers_ = 0, lowers_ = 0, leaves_ = 0;
+};
+
+VoxelBlocks read_tree(const GridMemory& memory, nanovdb::GridType type) {
+  switch (type) {
+    case nanovdb::GridType::Float: return TreeReader<float>(memory).read();
+    case nanovdb::GridType::Fp4: return TreeReader<nanovdb::Fp4>(memory).read();
+    case nanovdb::GridType::Fp8: return TreeReader<nanovdb::Fp8>(memory).read();
+    case nanovdb::GridType::Fp16: return TreeReader<nanovdb::Fp16>(memory).read();
+    case nanovdb::GridType::FpN: return TreeReader<nanovdb::FpN>(memory).read();
+    case nanovdb::GridType::Vec3f: return TreeReader<nanovdb::Vec3f>(memory).read();
+    default: break;
+  }
+  const std::string name = type < nanovdb::GridType::End ? nanovdb::toStr(type)
+                                                         : std::to_string(static_cast<std::uint32_t>(type));
+  memory.fail("expected values of type float, Fp4, Fp8, Fp16, FpN or Vec3f, found type " + name);
+}
+
+SparseVolume read_volume(const GridMemory& memory) {
+  const auto* const header = reinterpret_cast<const nanovdb::GridData*>(memory.data());
+  if (std::memcmp(memory.data(), "NanoVDB", 7) != 0) memory.fail("the grid's memory is corrupt");
+  switch (header->mGridClass) {
+    case nanovdb::GridClass::LevelSet: memory.fail("is a level set, where a fog volume is expected");
+    case nanovdb::GridClass::Unknown:
+    case nanovdb::GridClass::FogVolume:
+    case nanovdb::GridClass::Staggered:
+    case nanovdb::GridClass::VoxelVolume: break;
+    default: memory.fail("is no fog volume");
+  }
+  Matrix4 m;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) m.m[row][column] = header->mMap.mMatD[3 * row + column];
+    m.m[row][3] = header->mMap.mVecD[row];
+  }
+  SparseVolume volume;
+  volume.stored_bytes = memory.stored_bytes();
+  try {
+    volume.grid_to_local = Transform(m);
+  } catch (const SceneError& error) { memory.fail(error.what()); }
+  volume.voxels = read_tree(memory, header->mGridType);
+  return volume;
+}
+
+template <class ValueT, class BuildT> nanovdb::GridHandle<> build(const NanoVdbGrid& grid) {
+  const VoxelBlocks& voxels = *grid.voxels;
+  const auto to_value = [&](const float* v) {
+    if constexpr (std::is_same_v<ValueT, float>) return *v;
+    else return ValueT(v[0], v[1], v[2]);
+  };
+  const auto kind = grid.is_level_set           ? nanovdb::GridClass::LevelSet
+                    : voxels.channels() == 1 ? nanovdb::GridClass::FogVolume
+                                             : nanovdb::GridClass::Unknown;
+  const ValueT background = to_value(voxels.background().data());
+  nanovdb::GridBuilder<ValueT, BuildT> builder(background, kind);
+  auto accessor = builder.getAccessor();
+  for (const VoxelBlocks::Block& block : voxels.blocks()) {
+    const int side = block.edge * VoxelBlocks::kSide;
+    for (int z = 0; z < side; ++z)
+      for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+          const int i = block.is_constant ? 0 : (z * VoxelBlocks::kSide + y) * VoxelBlocks::kSide + x;
+          const ValueT value =
+              to_value(&voxels.values()[block.first_value + static_cast<std::size_t>(i * voxels.channels())]);
+          if (value != background)
+            accessor.setValue({block.position[0] * VoxelBlocks::kSide + x, block.position[1] * VoxelBlocks::kSide + y,
+                               block.position[2] * VoxelBlocks::kSide + z}, value);
+        }
+  }
+  nanovdb::Map map{};
+  const auto &m = grid.index_to_world.matrix().m, &inverse = grid.index_to_world.inverse_matrix().m;
+  double columns[3][3], inverse_columns[3][3], translation[3];  // as Map::set() wants them
+  for (std::size_t row = 0; row < 3; ++row) {
+    translation[row] = m[row][3];
+    for (std::size_t column = 0; column < 3; ++column) {
+      columns[column][row] = m[row][column];
+      inverse_columns[column][row] = inverse[row][column];
+    }
+  }
+  map.set(columns, inverse_columns, translation, 1.0);
+  return builder.getHandle(map, grid.name);
+}
+
+nanovdb::GridHandle<> build_as(const NanoVdbGrid& grid) {
+  if (grid.voxels->channels() == 3) return build<nanovdb::Vec3f, nanovdb::Vec3f>(grid);
+  switch (grid.values) {
+    case NanoVdbGrid::Values::kFp4: return build<float, nanovdb::Fp4>(grid);
+    case NanoVdbGrid::Values::kFp8: return build<float, nanovdb::Fp8>(grid);
+    case NanoVdbGrid::Values::kFp16: return build<float, nanovdb::Fp16>(grid);
+    case NanoVdbGrid::Values::kFpN: return build<float, nanovdb::FpN>(grid);
+    default: return build<float, float>(grid);
+  }
+}
+
+}  // namespace
+
+SparseVolume read_nanovdb(const std::filesystem::path& file, const std::string& grid) {
+  const std::string name = file.string();
+  const std::string bytes = read_mesh_bytes(file, "NanoVDB file");
+  const Directory directory(bytes, name);
+  return read_volume(GridMemory(directory.find(grid), name));
+}
+
+bool has_nanovdb_blosc() {
+#ifdef NANOVDB_USE_BLOSC
+  return true;
+#else
+  return false;
+#endif
+}
+
+void write_nanovdb(const std::filesystem::path& file, std::span<const NanoVdbGrid> grids, NanoVdbCodec codec) {
+  OutputFile output(file);
+  try {
+    std::vector<nanovdb::GridHandle<>> handles;
+    for (const NanoVdbGrid& grid : grids) handles.push_back(build_as(grid));
+    nanovdb::io::writeGrids(output.stream(), handles, static_cast<nanovdb::io::Codec>(codec));
+  } catch (const std::exception& error) { throw Error(ExitCode::kOutput, {file.string()}, error.what()); }
+  output.commit();
+}
+
+}  // namespace sheaf

@@ -1,0 +1,222 @@
+// Wavefront OBJ files: tinyobjloader reads the lines that ObjLines hands it; here the corners of faces become vertices.
+#include "scene/formats/obj.h"
+
+#include "scene/formats/polygon.h"
+
+#include <tiny_obj_loader.h>
+
+#include <istream>
+#include <limits>
+#include <optional>
+#include <unordered_map>
+
+namespace sheaf {
+
+namespace {
+
+constexpr int kNone = -1;  ///< a corner has no such attribute
+
+/// One corner of a face: indices from 0 into the file's lists, or kNone.
+struct Corner {
+  int position, uv, normal;
+  bool operator==(const Corner&) const = default;
+};
+
+struct CornerHash {
+  std::size_t operator()(const Corner& c) const {
+    std::uint64_t h = static_cast<std::uint32_t>(c.position);
+    for (const int index : {c.uv, c.normal}) {
+      h = (h ^ (h >> 29)) * 0x9e3779b97f4a7c15u + static_cast<std::uint32_t>(index);
+    }
+    h *= 0xbf58476d1ce4e5b9u;
+    return static_cast<std::size_t>(h ^ (h >> 32));
+  }
+};
+
+/// One of the file's lists of attributes, and the highest index that faces use.
+template <class T> struct AttributeList {
+  const char* name;
+  std::vector<T> values;
+  int highest = kNone;
+  int line_of_highest = 0;
+
+  /// The index from 0 for one as the file gives it: from 1, or negative from the end; 0 for none.
+  int resolve(int index, const ObjLines& lines) {
+    if (index == 0) return kNone;
+    const auto count = static_cast<int>(values.size());
+    const int resolved = index > 0 ? index - 1 : count + index;
+    if (resolved < 0) throw out_of_range(index, lines.where());
+    if (resolved > highest) {
+      highest = resolved;
+      line_of_highest = lines.where().line;
+    }
+    return resolved;
+  }
+  /// A face may come before what it refers to: so this is asked at the end.
+  void check_highest(const std::string& file) const {
+    if (highest >= static_cast<int>(values.size())) throw out_of_range(highest + 1, {file, line_of_highest});
+  }
+
+ private:
+  SceneError out_of_range(int index, const SourceLocation& where) const {
+    return {where, "a face refers to " + std::string(name) + " " + std::to_string(index) + ", but there are " +
+                       std::to_string(values.size())};
+  }
+};
+
+/// What the lines of the file say.
+struct ObjContent {
+  explicit ObjContent(const ObjLines& from) : lines(from) {}
+
+  const ObjLines& lines;
+  AttributeList<Vec3f> positions{"vertex", {}};
+  AttributeList<Vec2f> uvs{"texture coordinate", {}};
+  AttributeList<Vec3f> normals{"normal", {}};
+  std::vector<Corner> corners;         ///< of all faces, one after the other
+  std::vector<std::size_t> face_ends;  ///< where in `corners` each face ends
+  std::size_t short_faces = 0;         ///< with fewer than three corners, left out
+  std::vector<std::string> materials;  ///< names, in the order of first use
+  std::vector<std::uint32_t> face_materials;  ///< per face: index into `materials`
+  std::string material;  ///< of the faces that follow
+  std::optional<std::uint32_t> material_id;  ///< its index, once a face has used it
+
+  std::uint32_t id_of_material() {
+    const auto next = static_cast<std::uint32_t>(materials.size());
+    const auto [found, is_new] = ids_.try_emplace(material, next);
+    if (is_new) materials.push_back(material);
+    return found->second;
+  }
+
+ private:
+  std::unordered_map<std::string, std::uint32_t> ids_;
+};
+
+ObjContent& content_of(void* user) { return *static_cast<ObjContent*>(user); }
+
+void add_position(void* user, float x, float y, float z, float) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  ObjContent& content = content_of(user);
+  content.positions.values.push_back(content.lines.line_is_non_finite() ? Vec3f{kNan, kNan, kNan} : Vec3f{x, y, z});
+}
+
+void add_normal(void* user, float x, float y, float z) {
+  ObjContent& content = content_of(user);
+  const Vec3f normal{x, y, z};
+  const bool usable = !content.lines.line_is_non_finite() && is_finite(normal);
+  content.normals.values.push_back(usable ? normal : Vec3f{0, 0, 0});
+}
+
+void add_uv(void* user, float u, float v, float) {
+  ObjContent& content = content_of(user);
+  const bool usable = !content.lines.line_is_non_finite() && is_finite(u) && is_finite(v);
+  content.uvs.values.push_back(usable ? Vec2f{u, v} : Vec2f{0, 0});
+}
+
+void add_face(void* user, tinyobj::index_t* indices, int count) {
+  ObjContent& content = content_of(user);
+  if (count < 3) {
+    ++content.short_faces;
+    return;
+  }
+  for (int i = 0; i < count; ++i) {
+    content.corners.push_back({content.positions.resolve(indices[i].vertex_index, content.lines),
+                               content.uvs.resolve(indices[i].texcoord_index, content.lines),
+                               content.normals.resolve(indices[i].normal_index, content.lines)});
+  }
+  content.face_ends.push_back(content.corners.size());
+  if (!content.material_id) content.material_id = content.id_of_material();
+  content.face_materials.push_back(*content.material_id);
+}
+
+void use_material(void* user, const char* name, int) {
+  const std::string_view given(name);
+  const std::size_t first = given.find_first_not_of(" \t"), last = given.find_last_not_of(" \t");
+  ObjContent& content = content_of(user);
+  content.material_id.reset();
+  content.material = first == given.npos ? std::string_view() : given.substr(first, last - first + 1);
+}
+
+void parse(ObjLines& lines, ObjContent& content) {
+  std::istream stream(&lines);
+  stream.exceptions(std::ios::badbit);  // lets errors of ObjLines through
+  tinyobj::callback_t callbacks;
+  callbacks.vertex_cb = add_position;
+  callbacks.normal_cb = add_normal;
+  callbacks.texcoord_cb = add_uv;
+  callbacks.index_cb = add_face;
+  callbacks.usemtl_cb = use_material;
+  std::string warning, error;
+  if (!tinyobj::LoadObjWithCallback(stream, callbacks, &content, nullptr, &warning, &error)) {
+    throw SceneError(lines.where(), "malformed OBJ file: " + error);
+  }
+}
+
+/// Merges equal corners into vertices.
+class VertexMerger {
+ public:
+  VertexMerger(const ObjContent& content, Mesh& mesh)
+      : content_(content), mesh_(mesh), has_uvs_(content.uvs.highest != kNone),
+        has_normals_(content.normals.highest != kNone) {
+    vertices_.reserve(content.positions.values.size());
+  }
+
+  std::uint32_t vertex(const Corner& corner) {
+    const auto next = static_cast<std::uint32_t>(mesh_.positions.size());
+    const auto [found, is_new] = vertices_.try_emplace(corner, next);
+    if (!is_new) return found->second;
+    mesh_.positions.push_back(content_.positions.values[static_cast<std::size_t>(corner.position)]);
+    if (has_uvs_) mesh_.uvs.push_back(value_or_zero(content_.uvs.values, corner.uv));
+    if (has_normals_) mesh_.normals.push_back(value_or_zero(content_.normals.values, corner.normal));
+    return next;
+  }
+
+ private:
+  template <class T> static T value_or_zero(const std::vector<T>& values, int index) {
+    return index == kNone ? T{} : values[static_cast<std::size_t>(index)];
+  }
+
+  const ObjContent& content_;
+  Mesh& mesh_;
+  bool has_uvs_, has_normals_;
+  std::unordered_map<Corner, std::uint32_t, CornerHash> vertices_;
+};
+
+ObjFile build_mesh(ObjContent content) {
+  ObjFile result;
+  MeshFile& file = result.file;
+  VertexMerger merger(content, file.mesh);
+  PolygonList polygons{{}, std::move(content.face_ends), content.short_faces};
+  polygons.corners.reserve(content.corners.size());
+  for (const Corner& corner : content.corners) polygons.corners.push_back(merger.vertex(corner));
+  result.material_of = append_polygons(polygons, file.mesh, file.warnings);
+  for (std::uint32_t& source : result.material_of) source = content.face_materials[source];
+  result.materials = std::move(content.materials);
+  result.libraries = content.lines.libraries();
+  return result;
+}
+
+}  // namespace
+
+ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex_coords) {
+  const std::string name = file.string();
+  std::string text = read_mesh_bytes(file, "OBJ file");
+  if (text.empty()) throw SceneError({name}, "expected an OBJ file, found an empty file");
+  text.push_back('\n');
+  ObjLines lines(text, name);
+  ObjContent content(lines);
+  parse(lines, content);
+  if (content.face_ends.empty()) throw SceneError({name}, "the OBJ file holds no faces");
+  content.positions.check_highest(name);
+  content.uvs.check_highest(name);
+  content.normals.check_highest(name);
+  if (flip_tex_coords) {
+    for (Vec2f& uv : content.uvs.values) uv.y = 1 - uv.y;
+  }
+  return build_mesh(std::move(content));
+}
+
+MeshFile read_obj(const std::filesystem::path& file, bool flip_tex_coords) {
+  return read_obj_with_materials(file, flip_tex_coords).file;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,418 @@
+// The bodies of PLY files: the rows of elements 'vertex', 'face' and 'tristrips', in ASCII or binary.
+#include "scene/formats/mesh_io.h"
+#include "scene/formats/ply_attributes.h"
+#include "scene/formats/polygon.h"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace sheaf {
+
+namespace {
+
+/// A place in the body, and where that is for messages.
+class Cursor {
+ public:
+  Cursor(const std::string& bytes, const PlyHeader& header, const std::string& file)
+      : at_(bytes.data() + header.size), end_(bytes.data() + bytes.size()), file_(file) {}
+
+  void enter(const PlyElement& element) { element_ = &element; }
+  void enter_row(std::uint64_t row) { row_ = row; }
+
+ protected:
+  [[noreturn]] void fail(const std::string& message, int line) const {
+    throw SceneError({file_, line}, "row " + std::to_string(row_) + " of element '" + element_->name + "' (" +
+                                        std::to_string(element_->count) + " rows): " + message);
+  }
+  std::uint64_t bytes_left() const { return static_cast<std::uint64_t>(end_ - at_); }
+
+  const char* at_;
+  const char* end_;
+
+ private:
+  const std::string& file_;
+  const PlyElement* element_ = nullptr;
+  std::uint64_t row_ = 0;
+};
+
+/// Numbers of a binary body.
+class BinarySource : public Cursor {
+ public:
+  BinarySource(const std::string& bytes, const PlyHeader& header, const std::string& file)
+      : Cursor(bytes, header, file),
+        swaps_((header.encoding == PlyHeader::Encoding::kBigEndian) != (std::endian::native == std::endian::big)) {}
+
+  [[noreturn]] void fail(const std::string& message) const { Cursor::fail(message, 0); }
+
+  double number(PlyType type) {
+    switch (type) {
+      case PlyType::kInt8: return take<std::int8_t>();
+      case PlyType::kUint8: return take<std::uint8_t>();
+      case PlyType::kInt16: return take<std::int16_t>();
+      case PlyType::kUint16: return take<std::uint16_t>();
+      case PlyType::kInt32: return take<std::int32_t>();
+      case PlyType::kUint32: return take<std::uint32_t>();
+      case PlyType::kFloat32: return static_cast<double>(take<float>());
+      default: return take<double>();
+    }
+  }
+
+  /// Throws if `count` numbers can't follow.
+  void require(PlyType type, std::uint64_t count) const {
+    if (count > bytes_left() / ply_type_size(type)) fail("the file is truncated");
+  }
+
+  void skip(PlyType type, std::uint64_t count) {
+    require(type, count);
+    at_ += count * ply_type_size(type);
+  }
+
+ private:
+  template <class T> T take() {
+    if (bytes_left() < sizeof(T)) fail("the file is truncated");
+    std::array<char, sizeof(T)> raw;
+    std::memcpy(raw.data(), at_, sizeof(T));
+    if (swaps_) std::reverse(raw.begin(), raw.end());
+    at_ += sizeof(T);
+    return std::bit_cast<T>(raw);
+  }
+
+  bool swaps_;
+};
+
+/// Numbers of an ASCII body, between blanks and line ends.
+class AsciiSource : public Cursor {
+ public:
+  AsciiSource(const std::string& bytes, const PlyHeader& header, const std::string& file)
+      : Cursor(bytes, header, file), body_(at_), header_lines_(header.lines) {}
+
+  [[noreturn]] void fail(const std::string& message) const {
+    const std::string_view read(body_, static_cast<std::size_t>(at_ - body_));
+    auto breaks = std::count(read.begin(), read.end(), '\n');
+    if (breaks == 0) breaks = std::count(read.begin(), read.end(), '\r');
+    Cursor::fail(message, header_lines_ + 1 + static_cast<int>(breaks));
+  }
+
+  double number(PlyType) {
+    std::string_view token = next_token();
+    const std::string_view found = token;
+    if (token.starts_with('+')) token.remove_prefix(1);
+    double value = 0;
+    const char* const end = token.data() + token.size();
+    const auto [stop, failure] = std::from_chars(token.data(), end, value);
+    if (stop != end || token.empty() || failure == std::errc::invalid_argument) {
+      fail("expected a number, found '" + std::string(found.substr(0, 40)) + "'");
+    }
+    if (failure == std::errc::result_out_of_range) {
+      const bool is_tiny = token.find("e-") != token.npos || token.find("E-") != token.npos;
+      const double infinity = std::numeric_limits<double>::infinity();
+      return is_tiny ? 0.0 : token.starts_with('-') ? -infinity : infinity;
+    }
+    return value;
+  }
+
+  void require(PlyType, std::uint64_t count) const {
+    if (count > bytes_left() / 2 + 1) fail("the file is truncated");
+  }
+
+  void skip(PlyType type, std::uint64_t count) {
+    require(type, count);
+    for (std::uint64_t i = 0; i < count; ++i) next_token();
+  }
+
+ private:
+  std::string_view next_token() {
+    const auto is_blank = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
+    at_ = std::find_if_not(at_, end_, is_blank);
+    if (at_ == end_) fail("the file is truncated");
+    const char* const begin = at_;
+    at_ = std::find_if(at_, end_, is_blank);
+    return {begin, static_cast<std::size_t>(at_ - begin)};
+  }
+
+  const char* body_;
+  int header_lines_;
+};
+
+/// What the body says. Faces may come before the vertices, so polygons are kept for later.
+struct PlyContent {
+  Mesh mesh;
+  PolygonList polygons;
+  std::vector<Mesh::Attribute> polygon_attributes;  ///< values for each polygon, perhaps not for the last ones
+  std::vector<std::string> warnings;
+};
+
+/// What this reader takes from a vertex, in this order.
+enum Slot { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kSlots };
+constexpr int kUnwanted = -1;
+
+int slot_of(const PlyProperty& property) {
+  struct Meaning {
+    std::string_view name;
+    Slot slot;
+  };
+  constexpr std::array<Meaning, 14> kMeanings{{{"x", kX}, {"y", kY}, {"z", kZ}, {"nx", kNormalX}, {"ny", kNormalY},
+                                               {"nz", kNormalZ}, {"u", kU}, {"v", kV}, {"s", kU}, {"t", kV},
+                                               {"texture_u", kU}, {"texture_v", kV}, {"texture_s", kU},
+                                               {"texture_t", kV}}};
+  if (property.count_type) return kUnwanted;
+  const auto found = std::find_if(kMeanings.begin(), kMeanings.end(),
+                                  [&](const Meaning& m) { return m.name == property.name; });
+  return found == kMeanings.end() ? kUnwanted : found->slot;
+}
+
+template <class Source> std::uint64_t list_length(Source& source, const PlyProperty& list) {
+  const double length = source.number(*list.count_type);
+  if (!(length >= 0 && length < 1e18 && length == std::floor(length))) {
+    source.fail("list '" + list.name + "' has an impossible length");
+  }
+  const auto count = static_cast<std::uint64_t>(length);
+  source.require(list.type, count);
+  return count;
+}
+
+template <class Source> void skip_property(Source& source, const PlyProperty& property) {
+  source.skip(property.type, property.count_type ? list_length(source, property) : 1);
+}
+
+/// The values of an element's attributes, gathered row by row.
+class AttributeRows {
+ public:
+  /// The attributes begin with `rows_before` rows of zeros.
+  AttributeRows(const PlyElement& element, std::size_t rows_before, std::vector<std::string>& warnings)
+      : element_(element), columns_(element.properties.size(), kUnwanted) {
+    for (const PlyAttribute& found : find_ply_attributes(element, warnings)) {
+      for (const std::size_t property : found.properties) {
+        columns_[property] = static_cast<int>(row_.size());
+        row_.push_back(0);
+      }
+      const std::size_t channels = found.properties.size();
+      attributes_.push_back({found.name, static_cast<int>(channels), std::vector<float>(rows_before * channels)});
+    }
+  }
+
+  /// Reads a property of the current row.
+  template <class Source> void read(Source& source, std::size_t property) {
+    const PlyProperty& p = element_.properties[property];
+    if (columns_[property] == kUnwanted) {
+      skip_property(source, p);
+    } else {
+      row_[static_cast<std::size_t>(columns_[property])] = ply_attribute_value(p.type, source.number(p.type));
+    }
+  }
+
+  /// Adds the current row to the attributes.
+  void push_row() {
+    auto value = row_.begin();
+    for (Mesh::Attribute& attribute : attributes_) {
+      attribute.values.insert(attribute.values.end(), value, value + attribute.channels);
+      value += attribute.channels;
+    }
+  }
+
+  std::vector<Mesh::Attribute> take() { return std::move(attributes_); }
+
+ private:
+  const PlyElement& element_;
+  std::vector<int> columns_;  ///< per property: its place in row_, or kUnwanted
+  std::vector<float> row_;
+  std::vector<Mesh::Attribute> attributes_;
+};
+
+template <class Source>
+void read_vertices(Source& source, const PlyElement& element, Mesh& mesh, std::vector<std::string>& warnings) {
+  std::vector<int> slots;
+  std::array<bool, kSlots> has{};
+  for (const PlyProperty& property : element.properties) {
+    slots.push_back(slot_of(property));
+    if (slots.back() != kUnwanted) has[static_cast<std::size_t>(slots.back())] = true;
+  }
+  if (!(has[kX] && has[kY] && has[kZ])) source.fail("vertices without 'x', 'y' and 'z'");
+  const bool has_normals = has[kNormalX] && has[kNormalY] && has[kNormalZ], has_uvs = has[kU] && has[kV];
+  mesh.positions.reserve(element.count);
+  if (has_normals) mesh.normals.reserve(element.count);
+  if (has_uvs) mesh.uvs.reserve(element.count);
+  AttributeRows attributes(element, 0, warnings);
+  std::array<float, kSlots> values{};
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    source.enter_row(row);
+    for (std::size_t k = 0; k < slots.size(); ++k) {
+      if (slots[k] == kUnwanted) {
+        attributes.read(source, k);
+      } else {
+        values[static_cast<std::size_t>(slots[k])] = static_cast<float>(source.number(element.properties[k].type));
+      }
+    }
+    mesh.positions.push_back({values[kX], values[kY], values[kZ]});
+    const Vec3f normal{values[kNormalX], values[kNormalY], values[kNormalZ]};
+    if (has_normals) mesh.normals.push_back(is_finite(normal) ? normal : Vec3f{0, 0, 0});
+    const bool is_uv = std::isfinite(values[kU]) && std::isfinite(values[kV]);
+    if (has_uvs) mesh.uvs.push_back(is_uv ? Vec2f{values[kU], values[kV]} : Vec2f{0, 0});
+    attributes.push_row();
+  }
+  mesh.attributes = attributes.take();
+}
+
+template <class Source> std::uint32_t check_index(const Source& source, double index, std::uint64_t vertices) {
+  if (index >= 0 && index < static_cast<double>(vertices) && index == std::floor(index)) {
+    return static_cast<std::uint32_t>(index);
+  }
+  constexpr double kMostExact = 1e15;
+  const bool is_whole = std::abs(index) < kMostExact && index == std::floor(index);
+  source.fail("expected the index of one of " + std::to_string(vertices) + " vertices, found " +
+              (is_whole ? std::to_string(static_cast<std::int64_t>(index)) : std::to_string(index)));
+}
+
+/// A strip of triangles, each sharing an edge with the one before and turning the other way; -1 begins a new strip.
+template <class Source>
+void read_strip(Source& source, const PlyProperty& list, std::uint64_t vertices, PolygonList& polygons) {
+  std::vector<std::uint32_t> strip;
+  for (std::uint64_t left = list_length(source, list); left > 0; --left) {
+    const double index = source.number(list.type);
+    if (index == -1) {
+      strip.clear();
+      continue;
+    }
+    strip.push_back(check_index(source, index, vertices));
+    const std::size_t n = strip.size();
+    if (n < 3) continue;
+    std::array<std::uint32_t, 3> triangle{strip[n - 3], strip[n - 2], strip[n - 1]};
+    if (n % 2 == 0) std::swap(triangle[1], triangle[2]);
+    polygons.corners.insert(polygons.corners.end(), triangle.begin(), triangle.end());
+    polygons.ends.push_back(polygons.corners.size());
+  }
+}
+
+/// Returns whether the polygon has enough corners to be kept.
+template <class Source>
+bool read_polygon(Source& source, const PlyProperty& list, std::uint64_t vertices, PolygonList& polygons) {
+  const std::uint64_t length = list_length(source, list);
+  const std::size_t begin = polygons.corners.size();
+  for (std::uint64_t i = 0; i < length; ++i) {
+    polygons.corners.push_back(check_index(source, source.number(list.type), vertices));
+  }
+  if (length < 3) {
+    polygons.corners.resize(begin);
+    ++polygons.too_short;
+    return false;
+  }
+  polygons.ends.push_back(polygons.corners.size());
+  return true;
+}
+
+/// The place of the list of corners among the properties of a face.
+template <class Source> std::size_t find_corner_list(const Source& source, const PlyElement& element) {
+  const auto list = std::find_if(element.properties.begin(), element.properties.end(), [](const PlyProperty& p) {
+    return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
+  });
+  if (list == element.properties.end()) source.fail("no list 'vertex_indices' or 'vertex_index'");
+  return static_cast<std::size_t>(list - element.properties.begin());
+}
+
+template <class Source>
+void read_strips(Source& source, const PlyElement& element, std::uint64_t vertices, PolygonList& polygons) {
+  const std::size_t list = find_corner_list(source, element);
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    source.enter_row(row);
+    for (std::size_t k = 0; k < element.properties.size(); ++k) {
+      if (k == list) {
+        read_strip(source, element.properties[k], vertices, polygons);
+      } else {
+        skip_property(source, element.properties[k]);
+      }
+    }
+  }
+}
+
+template <class Source>
+void read_faces(Source& source, const PlyElement& element, std::uint64_t vertices, PlyContent& content) {
+  const std::size_t list = find_corner_list(source, element);
+  AttributeRows attributes(element, content.polygons.ends.size(), content.warnings);
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    source.enter_row(row);
+    bool kept = false;
+    for (std::size_t k = 0; k < element.properties.size(); ++k) {
+      if (k == list) {
+        kept = read_polygon(source, element.properties[k], vertices, content.polygons);
+      } else {
+        attributes.read(source, k);
+      }
+    }
+    if (kept) attributes.push_row();
+  }
+  content.polygon_attributes = attributes.take();
+}
+
+template <class Source>
+PlyContent read_body(const std::string& bytes, const PlyHeader& header, std::uint64_t vertices,
+                     const std::string& file) {
+  Source source(bytes, header, file);
+  PlyContent content;
+  for (const PlyElement& element : header.elements) {
+    if (element.count == 0) continue;
+    source.enter(element);
+    source.enter_row(0);
+    if (element.name == "vertex") {
+      read_vertices(source, element, content.mesh, content.warnings);
+    } else if (element.name == "face") {
+      read_faces(source, element, vertices, content);
+    } else if (element.name == "tristrips") {
+      read_strips(source, element, vertices, content.polygons);
+    } else {
+      for (std::uint64_t row = 0; row < element.count && !element.properties.empty(); ++row) {
+        source.enter_row(row);
+        for (const PlyProperty& property : element.properties) skip_property(source, property);
+      }
+    }
+  }
+  return content;
+}
+
+std::uint64_t count_vertices(const PlyHeader& header, const std::string& file) {
+  for (const PlyElement& element : header.elements) {
+    if (element.name != "vertex") continue;
+    if (element.count <= std::numeric_limits<std::uint32_t>::max()) return element.count;
+    throw SceneError({file}, "a mesh of more than 2^32 - 1 vertices");
+  }
+  throw SceneError({file}, "the PLY file has no element 'vertex'");
+}
+
+/// An attribute of polygons as one of the triangles that they were cut into.
+Mesh::Attribute spread(const Mesh::Attribute& polygons, const std::vector<std::uint32_t>& polygon_of) {
+  Mesh::Attribute triangles{polygons.name, polygons.channels, {}};
+  triangles.values.reserve(polygon_of.size() * static_cast<std::size_t>(polygons.channels));
+  for (const std::size_t polygon : polygon_of) {
+    const auto row = polygons.values.begin() + static_cast<std::ptrdiff_t>(polygon) * polygons.channels;
+    triangles.values.insert(triangles.values.end(), row, row + polygons.channels);
+  }
+  return triangles;
+}
+
+}  // namespace
+
+MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords) {
+  const std::string name = file.string();
+  const std::string bytes = read_mesh_bytes(file, "PLY file");
+  const PlyHeader header = parse_ply_header(bytes, name);
+  const std::uint64_t vertices = count_vertices(header, name);
+  PlyContent content = header.encoding == PlyHeader::Encoding::kAscii
+                           ? read_body<AsciiSource>(bytes, header, vertices, name)
+                           : read_body<BinarySource>(bytes, header, vertices, name);
+  if (content.polygons.ends.empty()) throw SceneError({name}, "the PLY file holds no faces");
+  if (flip_tex_coords) {
+    for (Vec2f& uv : content.mesh.uvs) uv.y = 1 - uv.y;
+  }
+  MeshFile result{std::move(content.mesh), std::move(content.warnings)};
+  const std::vector<std::uint32_t> sources = append_polygons(content.polygons, result.mesh, result.warnings);
+  for (Mesh::Attribute& attribute : content.polygon_attributes) {
+    attribute.values.resize(content.polygons.ends.size() * static_cast<std::size_t>(attribute.channels));
+    result.mesh.attributes.push_back(spread(attribute, sources));
+  }
+  return result;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,261 @@
+#include "scene/tables/accel.h"
+
+#include "core/error.h"
+#include "scene/tables/instance.h"
+#include "scene/tables/quadric.h"
+#include "scene/tables/scene.h"
+
+#if SHEAF_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <cstring>
+#include <vector>
+
+namespace sheaf {
+
+// RayPacket is Embree's RTCRayHit16 with room behind it for what newer versions append.
+static_assert(offsetof(RTCRayHit16, ray.tfar) == offsetof(RayPacket, t_far));
+static_assert(offsetof(RTCRayHit16, hit.Ng_x) == offsetof(RayPacket, normal_x));
+static_assert(offsetof(RTCRayHit16, hit.geomID) == offsetof(RayPacket, shape));
+static_assert(offsetof(RTCRayHit16, hit.instID) == offsetof(RayPacket, instance));
+static_assert(sizeof(RTCRayHit16) <= sizeof(RayPacket));
+
+RayPacket::RayPacket() {
+  std::memset(static_cast<void*>(this), 0, sizeof(*this));
+  for (int i = 0; i < kPacketWidth; ++i) {
+    mask[i] = 0xffffffffu;
+    shape[i] = instance[i] = instance_primitive[i] = kNone;
+  }
+}
+
+struct Accel::Impl {
+  std::atomic<std::ptrdiff_t> bytes{0};
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  const InstanceRow* instances = nullptr;  ///< null: there are none
+  std::uint32_t first_instance = 0;        ///< geometry id of the first
+
+  ~Impl() {
+    if (scene) rtcReleaseScene(scene);
+    if (device) rtcReleaseDevice(device);
+  }
+};
+
+namespace {
+
+/// How many threads Embree believes to build with. Its builders split work by this number, and with it the order of
+/// triangles in a leaf, which decides ties between equal distances: a constant makes all builds equal.
+constexpr int kBuildConcurrency = 8;
+
+/// Embree's valid masks for 0 .. kPacketWidth rays.
+struct ValidMasks {
+  alignas(64) int masks[kPacketWidth + 1][kPacketWidth];
+  constexpr ValidMasks() : masks{} {
+    for (int count = 0; count <= kPacketWidth; ++count)
+      for (int i = 0; i < count; ++i) masks[count][i] = -1;
+  }
+};
+constexpr ValidMasks kValid;
+
+bool count_memory(void* user, ssize_t bytes, bool /*after*/) {
+  static_cast<std::atomic<std::ptrdiff_t>*>(user)->fetch_add(bytes, std::memory_order_relaxed);
+  return true;
+}
+
+void bounds_callback(const RTCBoundsFunctionArguments* args) {
+  const QuadricBounds b = quadric_bounds(*static_cast<const QuadricRow*>(args->geometryUserPtr));
+  *args->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, 0};
+}
+
+/// The ray `i` of `n`, against the quadric.
+std::optional<QuadricHit> intersect_one(const void* quadric, RTCRayN* rays, unsigned n, unsigned i) {
+  const Vec3f origin{RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i)};
+  const Vec3f direction{RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i)};
+  return intersect_quadric(*static_cast<const QuadricRow*>(quadric), origin, direction, RTCRayN_tnear(rays, n, i),
+                           RTCRayN_tfar(rays, n, i));
+}
+
+void intersect_callback(const RTCIntersectFunctionNArguments* args) {
+  RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
+  RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] == 0) continue;
+    const auto hit = intersect_one(args->geometryUserPtr, rays, args->N, i);
+    if (!hit) continue;
+    RTCRayN_tfar(rays, args->N, i) = hit->t;
+    RTCHitN_Ng_x(hits, args->N, i) = hit->normal.x;
+    RTCHitN_Ng_y(hits, args->N, i) = hit->normal.y;
+    RTCHitN_Ng_z(hits, args->N, i) = hit->normal.z;
+    RTCHitN_u(hits, args->N, i) = RTCHitN_v(hits, args->N, i) = 0.0f;
+    RTCHitN_primID(hits, args->N, i) = args->primID;
+    RTCHitN_geomID(hits, args->N, i) = args->geomID;
+    RTCHitN_instID(hits, args->N, i, 0) = args->context->instID[0];
+  }
+}
+
+void occluded_callback(const RTCOccludedFunctionNArguments* args) {
+  for (unsigned i = 0; i < args->N; ++i)
+    if (args->valid[i] != 0 && intersect_one(args->geometryUserPtr, args->ray, args->N, i))
+      RTCRayN_tfar(args->ray, args->N, i) = -kInfinity;
+}
+
+RTCGeometry make_mesh(RTCDevice device, const AccelInput& in, const ShapeRow& shape, std::uint32_t vertex_count) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                             in.vertices + shape.first_vertex, 0, sizeof(VertexRow), vertex_count);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                             in.triangles + 3 * std::size_t(shape.first_triangle), 0, 12, shape.triangle_count);
+  return geometry;
+}
+
+RTCGeometry make_quadric_geometry(RTCDevice device, const QuadricRow& row) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(geometry, 1);
+  rtcSetGeometryUserData(geometry, const_cast<QuadricRow*>(&row));
+  rtcSetGeometryBoundsFunction(geometry, bounds_callback, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, intersect_callback);
+  rtcSetGeometryOccludedFunction(geometry, occluded_callback);
+  return geometry;
+}
+
+/// Builds a scene in the same way whatever machine it is on.
+void commit(RTCScene scene) {
+  const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, kBuildConcurrency);
+  tbb::task_arena arena(kBuildConcurrency);
+  arena.execute([scene] { rtcJoinCommitScene(scene); });
+}
+
+RTCScene make_scene(RTCDevice device, bool watertight) {
+  RTCScene scene = rtcNewScene(device);
+  if (watertight) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  return scene;
+}
+
+void attach(RTCScene scene, RTCGeometry geometry, std::uint32_t id) {
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(scene, geometry, id);
+  rtcReleaseGeometry(geometry);
+}
+
+/// Attaches shapes [first, first + count) with ids that count from 0: Embree's tables grow with the largest id.
+void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, ShapeRange range) {
+  for (std::uint32_t id = 0; id < range.shape_count; ++id) {
+    const std::uint32_t i = range.first_shape + id;
+    const ShapeRow& shape = in.shapes[i];
+    const bool mesh = static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh;
+    if (mesh && shape.triangle_count == 0) continue;
+    attach(scene,
+           mesh ? make_mesh(device, in, shape, in.vertex_counts[i])
+                : make_quadric_geometry(device, in.quadrics[shape.first_triangle]),
+           id);
+  }
+}
+
+/// Attaches all instances, with ids from `first_id` on.
+void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, std::uint32_t first_id) {
+  std::vector<RTCScene> groups;
+  for (std::uint32_t i = 0; i < in.group_count; ++i) {
+    groups.push_back(make_scene(device, in.watertight));
+    attach_shapes(device, groups.back(), in, in.groups[i]);
+    commit(groups.back());
+  }
+  for (std::uint32_t i = 0; i < in.instance_count; ++i) {
+    const InstanceRow& row = in.instances[i];
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, groups[row.group]);
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, row.to_world);
+    attach(scene, geometry, first_id + i);
+  }
+  for (RTCScene group : groups) rtcReleaseScene(group);  // their instances keep them
+}
+
+/// Embree tells shapes of a group by their place in it, and normals in the group's space.
+void resolve_instances(RayPacket& packet, int count, const InstanceRow* instances, std::uint32_t first_instance) {
+  using L = Wide;
+  for (int at = 0; at < count; at += L::width) {
+    Uint<L> shape, instance;
+    load(packet.shape + at, shape);
+    load(packet.instance + at, instance);
+    const auto instanced = L::first(count - at) & (shape != Uint<L>(kNone)) & (instance != Uint<L>(kNone));
+    const Uint<L> row = instance - Uint<L>(first_instance);
+    store(packet.instance + at, select(instanced, row, Uint<L>(kNone)));
+    if (!any(instanced)) continue;
+    const InstanceRecord<L> record = gather_rows<L>(instances, select(instanced, row, Uint<L>(0u)));
+    const InstancePlacement<L> placed(record);
+    store(packet.shape + at, select(instanced, shape + record.first_shape, shape));
+    Vec3<L> normal;
+    load(packet.normal_x + at, normal.x);
+    load(packet.normal_y + at, normal.y);
+    load(packet.normal_z + at, normal.z);
+    normal = select<L>(instanced, placed.normal(normal), normal);
+    store(packet.normal_x + at, normal.x);
+    store(packet.normal_y + at, normal.y);
+    store(packet.normal_z + at, normal.z);
+  }
+}
+
+}  // namespace
+
+Accel::Accel(const AccelInput& input) : impl_(std::make_unique<Impl>()) {
+  impl_->device = rtcNewDevice(nullptr);
+  if (!impl_->device) throw Error(ExitCode::kRuntime, "Embree cannot be started on this machine");
+  rtcSetDeviceMemoryMonitorFunction(impl_->device, count_memory, &impl_->bytes);
+  impl_->scene = make_scene(impl_->device, input.watertight);
+  attach_shapes(impl_->device, impl_->scene, input, {0, input.shape_count});
+  if (input.instance_count > 0) {
+    impl_->instances = input.instances;
+    impl_->first_instance = input.shape_count;
+    attach_instances(impl_->device, impl_->scene, input, input.shape_count);
+  }
+  commit(impl_->scene);
+  if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE)
+    throw Error(ExitCode::kRuntime, "Embree could not build the acceleration structure");
+}
+
+Accel::~Accel() = default;
+
+#if SHEAF_EMBREE_MAJOR >= 4
+void Accel::intersect(RayPacket& packet, int count) const noexcept {
+  RTCIntersectArguments args;
+  rtcInitIntersectArguments(&args);
+  args.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  rtcIntersect16(kValid.masks[count], impl_->scene, reinterpret_cast<RTCRayHit16*>(&packet), &args);
+  if (impl_->instances) resolve_instances(packet, count, impl_->instances, impl_->first_instance);
+}
+
+void Accel::occluded(RayPacket& packet, int count) const noexcept {
+  RTCOccludedArguments args;
+  rtcInitOccludedArguments(&args);
+  args.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  rtcOccluded16(kValid.masks[count], impl_->scene, reinterpret_cast<RTCRay16*>(&packet), &args);
+}
+#else
+void Accel::intersect(RayPacket& packet, int count) const noexcept {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  rtcIntersect16(kValid.masks[count], impl_->scene, &context, reinterpret_cast<RTCRayHit16*>(&packet));
+  if (impl_->instances) resolve_instances(packet, count, impl_->instances, impl_->first_instance);
+}
+
+void Accel::occluded(RayPacket& packet, int count) const noexcept {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  rtcOccluded16(kValid.masks[count], impl_->scene, &context, reinterpret_cast<RTCRay16*>(&packet));
+}
+#endif
+
+std::size_t Accel::bytes() const {
+  return static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, impl_->bytes.load()));
+}
+
+const char* Accel::library_version() { return RTC_VERSION_STRING; }
+
+}  // namespace sheaf

@@ -1,0 +1,81 @@
+// Ray intersection: the scene's Embree acceleration structure. accel.cpp is the only file that includes Embree.
+#pragma once
+
+#include "scene/tables/shape_rows.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+namespace sheaf {
+
+/// Rays per call.
+inline constexpr int kPacketWidth = 16;
+
+/// Sixteen rays with room for their hits, laid out as Embree wants them. Rays must be finite; directions need not be
+/// normalised, distances are in units of their length.
+struct alignas(64) RayPacket {
+  float origin_x[kPacketWidth], origin_y[kPacketWidth], origin_z[kPacketWidth];
+  float t_near[kPacketWidth];
+  float direction_x[kPacketWidth], direction_y[kPacketWidth], direction_z[kPacketWidth];
+  float time[kPacketWidth];
+  float t_far[kPacketWidth];  ///< in: farthest distance; out: distance of the hit, or -infinity from occluded()
+  std::uint32_t mask[kPacketWidth];
+  std::uint32_t id[kPacketWidth];  ///< the caller's, left alone
+  std::uint32_t flags[kPacketWidth];
+  float normal_x[kPacketWidth], normal_y[kPacketWidth], normal_z[kPacketWidth];  ///< geometric, any length
+  float u[kPacketWidth], v[kPacketWidth];      ///< barycentric coordinates of the second and third vertex
+  std::uint32_t primitive[kPacketWidth];       ///< triangle of the shape
+  std::uint32_t shape[kPacketWidth];     ///< kNone: no hit. intersect() wants it to be kNone on entry
+  std::uint32_t instance[kPacketWidth];  ///< row of the instance that was hit; kNone: the shape is in no group
+  std::uint32_t instance_primitive[kPacketWidth];
+
+  /// Fills what does not change from packet to packet.
+  RayPacket();
+};
+
+/// The shapes of a group: `shape_count` rows of AccelInput::shapes.
+struct ShapeRange {
+  std::uint32_t first_shape, shape_count;
+};
+
+/// The geometry tables that Embree is to index; they must outlive the Accel.
+struct AccelInput {
+  const ShapeRow* shapes;
+  std::uint32_t shape_count;  ///< those that are in no group; the groups' shapes follow them
+  const VertexRow* vertices;
+  const std::uint32_t* triangles;
+  const QuadricRow* quadrics;
+  const std::uint32_t* vertex_counts;  ///< per shape
+  bool watertight;  ///< see CompileOptions::watertight
+  const ShapeRange* groups;  ///< none of them empty
+  std::uint32_t group_count;
+  const InstanceRow* instances;
+  std::uint32_t instance_count;
+};
+
+/// A built acceleration structure. Const and safe to query from many threads. Results are the same bits whoever shares
+/// the packet and however many threads built it.
+class Accel {
+ public:
+  explicit Accel(const AccelInput& input);
+  ~Accel();
+  Accel(const Accel&) = delete;
+  Accel& operator=(const Accel&) = delete;
+
+  /// Nearest hits of the first `count` rays.
+  void intersect(RayPacket& packet, int count) const noexcept;
+  /// Whether anything lies before t_far, for the first `count` rays: t_far becomes -infinity.
+  void occluded(RayPacket& packet, int count) const noexcept;
+  /// Memory that Embree holds, in bytes.
+  std::size_t bytes() const;
+
+  /// The Embree library's version, e.g. "3.13.5".
+  static const char* library_version();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sheaf

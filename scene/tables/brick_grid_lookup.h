@@ -1,0 +1,142 @@
+// Lookups in grids of bricks, one place at a time.
+#pragma once
+
+#include "scene/tables/brick_grid.h"
+
+#include <bit>
+#include <cstring>
+
+namespace sheaf {
+
+namespace detail {
+
+/// Four floats in a register.
+typedef float Float4 __attribute__((vector_size(16)));
+
+SHEAF_INLINE Float4 load_float4(const float* p) {
+  Float4 v;
+  std::memcpy(&v, p, sizeof(v));
+  return v;
+}
+/// Two floats from each place. As halves of a register of doubles: put together in memory, they would be waited for.
+SHEAF_INLINE Float4 load_pairs(const float* low, const float* high) {
+  typedef double Double2 __attribute__((vector_size(16)));
+  double first, second;
+  std::memcpy(&first, low, sizeof(first));
+  std::memcpy(&second, high, sizeof(second));
+  return std::bit_cast<Float4>(Double2{first, second});
+}
+SHEAF_INLINE Float4 lerp4(float t, Float4 a, Float4 b) { return (b - a) * t + a; }
+
+/// A cell of a grid, and where in it a place lies.
+struct GridCell {
+  const float* voxel;  ///< its lowest corner
+  float tx, ty, tz;    ///< from 0 to 1
+};
+
+/// Brings a coordinate into [0, cells); for the lookup of voxels' centres to [0, cells - 1], which is as good. NaN
+/// becomes 0.
+SHEAF_INLINE float wrap_grid_coordinate(GridBorder border, bool nearest, float x, std::uint32_t cells) {
+  const float n = static_cast<float>(cells), last = n - 1.0f;
+  if (border == GridBorder::kRepeat) {
+    const float wrapped = x - n * floor(x / n);
+    return wrapped >= 0.0f && wrapped < n ? wrapped : 0.0f;
+  }
+  if (border == GridBorder::kMirror) {
+    const float half = nearest ? 0.0f : 0.5f, period = n + n;
+    const float u = x + half, folded = u - period * floor(u / period);
+    x = (folded < n ? folded : period - folded) - half;
+    if (nearest) return x > 0.0f ? (x < n ? x : last) : 0.0f;
+  }
+  return x > 0.0f ? (x < last ? x : last) : 0.0f;
+}
+
+/// Towards zero; NaN and what is too large become a number that is at least 2^31 if taken without sign.
+SHEAF_INLINE std::int32_t truncate(float x) {
+#if defined(__SSE__)
+  return _mm_cvttss_si32(_mm_set_ss(x));
+#else
+  return x < 2147483648.0f && x >= -2147483648.0f ? static_cast<std::int32_t>(x) : std::int32_t{-1};
+#endif
+}
+
+/// False: the place lies outside, where there is background.
+SHEAF_INLINE bool find_grid_cell(const BrickGridRow& row, Vec3f p, int floats_per_voxel, GridCell& cell) {
+  const Float4 g = load_float4(row.world_to_grid) * p.x + (load_float4(row.world_to_grid + 4) * p.y +
+                   (load_float4(row.world_to_grid + 8) * p.z + load_float4(row.world_to_grid + 12)));
+  float x = g[0], y = g[1], z = g[2];
+  const bool is_bounded = row.border == GridBorder::kBackground;
+  if (!is_bounded) {
+    x = wrap_grid_coordinate(row.border, row.nearest, x, row.cells[0]);
+    y = wrap_grid_coordinate(row.border, row.nearest, y, row.cells[1]);
+    z = wrap_grid_coordinate(row.border, row.nearest, z, row.cells[2]);
+  }
+  const std::int32_t ix = truncate(x), iy = truncate(y), iz = truncate(z);
+  const auto ux = static_cast<std::uint32_t>(ix), uy = static_cast<std::uint32_t>(iy),
+             uz = static_cast<std::uint32_t>(iz);
+  if (is_bounded && ((min(x, min(y, z)) < 0.0f) | (ux >= row.cells[0]) | (uy >= row.cells[1]) | (uz >= row.cells[2])))
+    return false;
+  const std::uint32_t brick = row.entries[(uz >> 3) * row.stride_z + (uy >> 3) * row.stride_y + (ux >> 3)];
+  const std::uint32_t local = ((uz & 7) * kBrickStride + (uy & 7)) * kBrickStride + (ux & 7);
+  cell.voxel = row.values + (std::size_t{brick} * kBrickVoxels + local) * static_cast<std::size_t>(floats_per_voxel);
+  cell.tx = x - static_cast<float>(ix);
+  cell.ty = y - static_cast<float>(iy);
+  cell.tz = z - static_cast<float>(iz);
+  return true;
+}
+
+}  // namespace detail
+
+/// The value at a place in world space; of a grid of three channels the first. Coordinates may be anything: no lookup
+/// leaves the table, and NaN is outside of the grid, or at its beginning if there is no background.
+SHEAF_INLINE float lookup_grid(const BrickGridRow& row, Vec3f p) {
+  using namespace detail;
+  if (row.channels != 1) [[unlikely]] {
+    GridCell cell;
+    if (!find_grid_cell(row, p, kColorVoxel, cell)) return row.background[0];
+    if (row.nearest) return cell.voxel[0];
+    const auto along_x = [&](int i) {
+      return lerp(cell.tx, cell.voxel[i * kColorVoxel], cell.voxel[(i + 1) * kColorVoxel]);
+    };
+    constexpr int kY = kBrickStride, kZ = kBrickStride * kBrickStride;
+    return lerp(cell.tz, lerp(cell.ty, along_x(0), along_x(kY)), lerp(cell.ty, along_x(kZ), along_x(kZ + kY)));
+  }
+  GridCell cell;
+  if (!find_grid_cell(row, p, 1, cell)) return row.background[0];
+  const float* const v = cell.voxel;
+  if (row.nearest) return *v;
+  constexpr int kY = kBrickStride, kZ = kBrickStride * kBrickStride;
+  const Float4 yx = lerp4(cell.tz, load_pairs(v, v + kY), load_pairs(v + kZ, v + kZ + kY));
+  const float low = lerp(cell.ty, yx[0], yx[2]), high = lerp(cell.ty, yx[1], yx[3]);
+  return lerp(cell.tx, low, high);
+}
+
+/// The same for three channels; grey for a grid of one.
+SHEAF_INLINE Vec3f lookup_grid_color(const BrickGridRow& row, Vec3f p) {
+  using namespace detail;
+  if (row.channels == 1) {
+    const float v = lookup_grid(row, p);
+    return {v, v, v};
+  }
+  GridCell cell;
+  if (!find_grid_cell(row, p, kColorVoxel, cell)) return {row.background[0], row.background[1], row.background[2]};
+  if (row.nearest) return {cell.voxel[0], cell.voxel[1], cell.voxel[2]};
+  const auto along_x = [&](int i) {
+    const float* const v = cell.voxel + i * kColorVoxel;
+    return lerp4(cell.tx, load_float4(v), load_float4(v + kColorVoxel));
+  };
+  constexpr int kY = kBrickStride, kZ = kBrickStride * kBrickStride;
+  const Float4 value =
+      lerp4(cell.tz, lerp4(cell.ty, along_x(0), along_x(kY)), lerp4(cell.ty, along_x(kZ), along_x(kZ + kY)));
+  return {value[0], value[1], value[2]};
+}
+
+/// As above, of the grid with index `grid`.
+SHEAF_INLINE float lookup_grid(const BrickGridView& view, std::uint32_t grid, Vec3f p) {
+  return lookup_grid(view.rows[grid], p);
+}
+SHEAF_INLINE Vec3f lookup_grid_color(const BrickGridView& view, std::uint32_t grid, Vec3f p) {
+  return lookup_grid_color(view.rows[grid], p);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,86 @@
+#include "scene/tables/filter.h"
+
+#include <cmath>
+#include <vector>
+
+namespace sheaf {
+
+namespace {
+
+constexpr double kPiD = 3.14159265358979323846;
+
+/// The cubic filters of Mitchell and Netravali, "Reconstruction Filters in Computer Graphics" (1988), equation 8.
+double cubic(double x, double b, double c) {
+  const double x2 = x * x, x3 = x2 * x;
+  if (x < 1) return ((12 - 9 * b - 6 * c) * x3 + (-18 + 12 * b + 6 * c) * x2 + (6 - 2 * b)) / 6;
+  if (x < 2) return ((-b - 6 * c) * x3 + (6 * b + 30 * c) * x2 + (-12 * b - 48 * c) * x + (8 * b + 24 * c)) / 6;
+  return 0;
+}
+
+double sinc(double x) { return x < 1e-5 ? 1.0 : std::sin(kPiD * x) / (kPiD * x); }
+
+}  // namespace
+
+double filter_radius(const FilterDescription& f) {
+  using Kind = FilterDescription::Kind;
+  switch (f.kind) {
+    case Kind::kBox:
+    case Kind::kTent: return f.radius;
+    case Kind::kGaussian: return 4.0 * f.stddev;
+    case Kind::kMitchell:
+    case Kind::kCatmullRom: return 2.0;
+    case Kind::kLanczos: return f.lobes;
+  }
+  return f.radius;
+}
+
+double evaluate_filter(const FilterDescription& f, double x) {
+  x = std::fabs(x);
+  const double radius = filter_radius(f);
+  if (x > radius) return 0;
+  using Kind = FilterDescription::Kind;
+  switch (f.kind) {
+    case Kind::kBox: return 1;
+    case Kind::kTent: return 1 - x / radius;
+    case Kind::kGaussian: {
+      const double alpha = -0.5 / (double(f.stddev) * f.stddev);
+      return std::max(0.0, std::exp(alpha * x * x) - std::exp(alpha * radius * radius));
+    }
+    case Kind::kMitchell: return cubic(x, f.b, f.c);
+    case Kind::kCatmullRom: return cubic(x, 0, 0.5);
+    case Kind::kLanczos: return sinc(x) * sinc(x / radius);
+  }
+  return 0;
+}
+
+FilterTable make_filter_table(const FilterDescription& filter) {
+  const double radius = filter_radius(filter);
+  if (!(radius > 0 && radius <= 64))
+    throw SceneError("reconstruction filter must be wider than 0 and at most 64 pixels in radius");
+  constexpr int kSteps = FilterTable::kBins * 64;
+  const auto position = [radius](double i) { return radius * (2.0 * i / kSteps - 1.0); };
+  std::vector<double> cumulative(kSteps + 1, 0.0), signed_cumulative(kSteps + 1, 0.0);
+  for (int i = 0; i < kSteps; ++i) {
+    const double f = evaluate_filter(filter, position(i + 0.5));
+    cumulative[i + 1] = cumulative[i] + std::fabs(f);
+    signed_cumulative[i + 1] = signed_cumulative[i] + f;
+  }
+  const double total = cumulative[kSteps], integral = signed_cumulative[kSteps];
+  FilterTable table;
+  int step = 0;
+  double previous = 0;  // signed integral up to the last edge
+  for (int bin = 0; bin <= FilterTable::kBins; ++bin) {
+    const double target = total * bin / FilterTable::kBins;
+    while (step < kSteps - 1 && cumulative[step + 1] < target) ++step;
+    const double width = cumulative[step + 1] - cumulative[step];
+    const double t = width > 0 ? std::clamp((target - cumulative[step]) / width, 0.0, 1.0) : 0.0;
+    table.edges[bin] = static_cast<float>(position(step + t));
+    const double up_to = signed_cumulative[step] + t * (signed_cumulative[step + 1] - signed_cumulative[step]);
+    // Where f changes sign inside a bin, the weight is the mean of both signs.
+    if (bin > 0) table.weight[bin - 1] = static_cast<float>((up_to - previous) * FilterTable::kBins / integral);
+    previous = up_to;
+  }
+  return table;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,154 @@
+// Lights as records of tables: what every light has, and what the kinds of it have besides. Kernels gather them by
+// core/record_table.h.
+#pragma once
+
+#include "core/record_table.h"
+#include "core/spectrum.h"
+#include "core/vec.h"
+#include "scene/description/description.h"
+#include "scene/tables/none.h"
+
+namespace sheaf {
+
+/// How a volume light's box is cut: numbers of cells along the axes, each in [1, 1023].
+struct VolumeCells {
+  std::uint32_t x = 1, y = 1, z = 1;
+};
+
+/// One light. Those that shine from outside of the scene stand behind the others. Sixteen words; some mean one thing
+/// for one kind and another for the next: the functions tell which.
+template <class L> struct LightRecord {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+
+  U kind{};  ///< LightKind; see is()
+  U shape = U(kNone);  ///< area lights; kVolume: see medium()
+  /// kMesh: of triangle_alias, light_triangles; kVolume: of triangle_alias, cells. kSphere, kQuadric: see quadric().
+  U first_triangle{};
+  U triangle_count{};
+  /// Radiance (W / (m^2 sr)); kPoint, spots, kProjector: intensity (W / sr); kDirectional: irradiance (W / m^2). Where
+  /// there is a texture, what it is multiplied by. kEnvmap: the mean over all directions. kVolume: what it emits in
+  /// all, W / sr.
+  Spectrum<L> radiance;
+  /// kPoint, spots, kProjector, kSphere (centre), kVolume (least corner): metres; kDirectional: unit vector to the
+  /// light.
+  Vec3<L> position;
+  F area{};    ///< area lights: of the world-space surface; kQuadric: of the canonical shape; kVolume: see extent()
+  F radius{};  ///< kSphere; kVolume: see extent()
+  F depth{};   ///< kVolume: see extent()
+  U texture = U(kNone);  ///< into SceneView::textures; kNone: the same everywhere
+  U detail{};  ///< see frame(), first_uv(), least_offset() and cells()
+
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.kind, s.shape, s.first_triangle, s.triangle_count, s.radiance, s.position, s.area, s.radius,
+                    s.depth, s.texture, s.detail);
+  }
+
+  SHEAF_INLINE typename L::Mask is(LightKind k) const { return kind == U(static_cast<std::uint32_t>(k)); }
+  /// kSphere, kQuadric: into SceneView::quadrics.
+  SHEAF_INLINE U quadric() const { return first_triangle; }
+  /// kVolume: into SceneView::media.
+  SHEAF_INLINE U medium() const { return shape; }
+  /// kVolume: size of its box, metres.
+  SHEAF_INLINE Vec3<L> extent() const { return {area, radius, depth}; }
+  void set_extent(Vec3<L> size) { area = size.x, radius = size.y, depth = size.z; }
+  /// Spots, kProjector: into SceneView::light_frames.
+  SHEAF_INLINE U frame() const { return detail; }
+  /// kMesh with a texture: into SceneView::light_uvs, the first triangle's.
+  SHEAF_INLINE U first_uv() const { return detail; }
+  /// kSphere, kQuadric: the distance by which their points are moved off the surface at least.
+  SHEAF_INLINE F least_offset() const { return bits_float(detail); }
+};
+
+/// A row of SceneView::lights.
+using LightRow = LightRecord<Scalar>;
+static_assert(sizeof(LightRow) == 64);
+
+/// kVolume: how LightRecord::detail holds the cells.
+inline VolumeCells volume_cells(const LightRow& light) {
+  return {light.detail & 0x3ffu, light.detail >> 10 & 0x3ffu, light.detail >> 20};
+}
+inline std::uint32_t volume_cells_word(const VolumeCells& cells) { return cells.x | cells.y << 10 | cells.z << 20; }
+
+/// What only lights with a direction have: a linear map to the light's space, where it looks along +z, and what the
+/// kind needs besides. One cache line.
+template <class L> struct alignas(row_alignment<L>(64)) LightFrameRecord {
+  Vec3<L> row_x;  ///< row of the 3x4 matrix, without its last number
+  typename L::Float offset_x{};
+  Vec3<L> row_y;
+  typename L::Float offset_y{};
+  Vec3<L> row_z;
+  typename L::Float offset_z{};
+  /// kSpot: cutoff angle, radians. kSmoothSpot: its cosine. kProjector: see picture_scale().
+  typename L::Float cutoff{};
+  /// kSpot: 1 / (cutoff - beam width). kSmoothSpot: 1 / (cosine of the beam width - cutoff). kProjector: see
+  /// picture_scale().
+  typename L::Float slope{};
+  typename L::Float cot_cutoff{};  ///< kSpot with a texture: 1 / tan cutoff
+  typename L::Float unused{};
+
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.row_x, s.offset_x, s.row_y, s.offset_y, s.row_z, s.offset_z, s.cutoff, s.slope, s.cot_cutoff,
+                    s.unused);
+  }
+
+  /// kProjector: the reciprocals of the picture's width and height at z = 1.
+  SHEAF_INLINE Vec2<L> picture_scale() const { return {cutoff, slope}; }
+  void set_picture_scale(Vec2<L> scale) { cutoff = scale.x, slope = scale.y; }
+  /// A point of the world in the light's space.
+  SHEAF_INLINE Vec3<L> local_point(Vec3<L> p) const {
+    return {row_x.x * p.x + row_x.y * p.y + row_x.z * p.z + offset_x,
+            row_y.x * p.x + row_y.y * p.y + row_y.z * p.z + offset_y,
+            row_z.x * p.x + row_z.y * p.y + row_z.z * p.z + offset_z};
+  }
+  /// A vector of the light's space in the world.
+  SHEAF_INLINE Vec3<L> world_vector(Vec3<L> v) const {
+    const Vec3<L> across = cross(row_y, row_z);
+    const Vec3<L> adjugate = across * v.x + cross(row_z, row_x) * v.y + cross(row_x, row_y) * v.z;
+    return adjugate / dot(row_x, across);
+  }
+  SHEAF_INLINE typename L::Float determinant() const { return dot(row_x, cross(row_y, row_z)); }
+};
+
+/// A row of SceneView::light_frames.
+using LightFrameRow = LightFrameRecord<Scalar>;
+static_assert(sizeof(LightFrameRow) == 64);
+
+/// Texture coordinates of a triangle of a light, at its vertices.
+template <class L> struct LightUvRecord {
+  Vec2<L> a, b, c;
+  Vec2<L> unused;
+  static constexpr auto fields(auto& s) { return std::tie(s.a, s.b, s.c, s.unused); }
+
+  /// Where vertex `a` counts for `w0`, `b` for `w1` and `c` for `w2`.
+  SHEAF_INLINE Vec2<L> at(typename L::Float w0, typename L::Float w1, typename L::Float w2) const {
+    return {w0 * a.x + w1 * b.x + w2 * c.x, w0 * a.y + w1 * b.y + w2 * c.y};
+  }
+};
+
+/// A row of SceneView::light_uvs.
+using LightUvRow = LightUvRecord<Scalar>;
+static_assert(sizeof(LightUvRow) == 32);
+
+/// One triangle of an area light, with all that sampling a point on it needs. Sixteen words: one cache line instead of
+/// a walk over indices and vertices.
+template <class L> struct LightTriangleRecord {
+  Vec3<L> p;                   ///< first vertex; world space
+  typename L::Float offset{};  ///< see SurfacePoint::offset; the largest on the triangle
+  Vec3<L> edge1;               ///< second vertex less the first
+  typename L::Float unused1{};
+  Vec3<L> edge2;               ///< third vertex less the first
+  typename L::Float unused2{};
+  Vec3<L> normal;              ///< geometric, unit length
+  typename L::Float unused3{};
+
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.p, s.offset, s.edge1, s.unused1, s.edge2, s.unused2, s.normal, s.unused3);
+  }
+};
+
+/// A row of SceneView::light_triangles.
+using LightTriangleRow = LightTriangleRecord<Scalar>;
+static_assert(sizeof(LightTriangleRow) == 64);
+
+}  // namespace sheaf

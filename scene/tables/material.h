@@ -1,0 +1,312 @@
+// Materials as kernels see them: closures with their parameters, and the rows of the material table.
+#pragma once
+
+#include "core/record_table.h"
+#include "core/spectrum.h"
+#include "scene/description/description.h"
+
+namespace sheaf {
+
+/// Kinds of closure: what is sorted by and dispatched on, once per bucket. for_each_closure() below has the rest.
+enum class ClosureKind : std::uint32_t {
+  kDiffuse, kConductor, kDielectric, kThinDielectric, kPlastic,
+  kRoughConductorBeckmann, kRoughConductorGgx, kRoughDielectricBeckmann, kRoughDielectricGgx,
+  kRoughPlasticBeckmann, kRoughPlasticGgx,
+  kPrincipled, kPrincipledThin, kDisney, kNoriMicrofacet,
+  kDispersiveDielectric, kDispersiveThinDielectric, kDispersiveRoughDielectricBeckmann, kDispersiveRoughDielectricGgx,
+  kHenyeyGreenstein, kRayleigh,
+  kCount
+};
+inline constexpr int kClosureKinds = static_cast<int>(ClosureKind::kCount);
+
+/// Parameters of Lambertian reflection (kernels/bsdf/diffuse.h).
+template <class L> struct DiffuseParameters {
+  Spectrum<L> reflectance;  ///< in [0, 1]
+  static constexpr auto fields(auto& s) { return std::tie(s.reflectance); }
+};
+
+/// Parameters of specular reflection off a metal (kernels/bsdf/conductor.h).
+template <class L> struct ConductorParameters {
+  Spectrum<L> eta, k;       ///< complex index of refraction relative to the outside; eta 0 with k 1 is a perfect mirror
+  Spectrum<L> reflectance;  ///< factor on the Fresnel reflectance
+  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.k, s.reflectance); }
+};
+
+/// Parameters of specular reflection and refraction (kernels/bsdf/dielectric.h, thin_dielectric.h).
+template <class L> struct DielectricParameters {
+  typename L::Float eta;      ///< int / ext
+  Spectrum<L> reflectance;    ///< factor on reflected light
+  Spectrum<L> transmittance;  ///< factor on transmitted light
+  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance); }
+};
+
+/// Parameters of reflection off a rough metal (kernels/bsdf/rough_conductor.h).
+template <class L> struct RoughConductorParameters {
+  Spectrum<L> eta, k, reflectance;  ///< as for ConductorParameters
+  typename L::Float alpha_u, alpha_v;  ///< roughness along the tangent and across
+  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.k, s.reflectance, s.alpha_u, s.alpha_v); }
+};
+
+/// Parameters of a rough boundary between dielectrics (kernels/bsdf/rough_dielectric.h).
+template <class L> struct RoughDielectricParameters {
+  typename L::Float eta;                     ///< int / ext
+  Spectrum<L> reflectance, transmittance;    ///< as for DielectricParameters
+  typename L::Float alpha_u, alpha_v;        ///< roughness along the tangent and across
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v);
+  }
+};
+
+/// DielectricParameters with an index for each wavelength (kernels/bsdf/dispersive_dielectric.h). Spectral mode only.
+template <class L> struct DispersiveDielectricParameters {
+  Spectrum<L> eta;  ///< int / ext
+  Spectrum<L> reflectance, transmittance;
+  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance); }
+};
+
+/// RoughDielectricParameters likewise (kernels/bsdf/dispersive_rough_dielectric.h).
+template <class L> struct DispersiveRoughDielectricParameters {
+  Spectrum<L> eta, reflectance, transmittance;
+  typename L::Float alpha_u, alpha_v;
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v);
+  }
+};
+
+/// Parameters of a diffuse base under a smooth coat (kernels/bsdf/plastic.h).
+template <class L> struct PlasticParameters {
+  typename L::Float eta;        ///< int / ext
+  Spectrum<L> diffuse, specular;  ///< reflectance of the base; factor on the coat's reflection
+  typename L::Float nonlinear;  ///< 1: colour shifts by scattering between base and coat; else 0
+  typename L::Float internal_reflectance;  ///< share of diffuse light from within that the coat sends back
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.eta, s.diffuse, s.specular, s.nonlinear, s.internal_reflectance);
+  }
+};
+
+/// Terms of the fit to a rough coat's transmittance; see kernels/bsdf/rough_plastic.h.
+inline constexpr int kTransmittanceTerms = 8;
+
+/// Parameters of a diffuse base under a rough coat (kernels/bsdf/rough_plastic.h).
+template <class L> struct RoughPlasticParameters {
+  typename L::Float eta;        ///< int / ext
+  Spectrum<L> diffuse, specular;  ///< as for PlasticParameters
+  typename L::Float nonlinear;  ///< as for PlasticParameters
+  typename L::Float internal_reflectance;  ///< as for PlasticParameters
+  typename L::Float alpha;      ///< roughness
+  typename L::Float transmittance[kTransmittanceTerms];  ///< share of light that the coat lets in, over the cosine
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.eta, s.diffuse, s.specular, s.nonlinear, s.internal_reflectance, s.alpha, s.transmittance);
+  }
+};
+
+/// Parameters of the principled BSDF (kernels/bsdf/principled.h), named as in Burley 2015.
+template <class L> struct PrincipledParameters {
+  Spectrum<L> base_color;
+  typename L::Float roughness, anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat,
+      clearcoat_gloss;
+  typename L::Float eta;  ///< int / ext
+  /// Of base_color, for the tints, where that is no colour but the reflectance at four wavelengths. Zero: not given, or
+  /// black.
+  typename L::Float base_luminance{};
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.base_color, s.roughness, s.anisotropic, s.metallic, s.spec_trans, s.spec_tint, s.sheen,
+                    s.sheen_tint, s.flatness, s.clearcoat, s.clearcoat_gloss, s.eta, s.base_luminance);
+  }
+};
+
+/// Parameters of its variant for thin surfaces (kernels/bsdf/principled_thin.h).
+template <class L> struct PrincipledThinParameters {
+  Spectrum<L> base_color;
+  typename L::Float roughness, anisotropic, spec_trans, eta, spec_tint, sheen, sheen_tint, flatness, diff_trans;
+  typename L::Float base_luminance{};  ///< as for PrincipledParameters
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.base_color, s.roughness, s.anisotropic, s.spec_trans, s.eta, s.spec_tint, s.sheen, s.sheen_tint,
+                    s.flatness, s.diff_trans, s.base_luminance);
+  }
+};
+
+/// Parameters of the BRDF of Burley 2012 (kernels/bsdf/disney.h).
+template <class L> struct DisneyParameters {
+  Spectrum<L> base_color;
+  typename L::Float metallic, subsurface, specular, specular_tint, roughness, anisotropic, sheen, sheen_tint, clearcoat,
+      clearcoat_gloss;
+  typename L::Float base_luminance{};  ///< as for PrincipledParameters, by the weights of the notes: 0.3, 0.6, 0.1
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.base_color, s.metallic, s.subsurface, s.specular, s.specular_tint, s.roughness, s.anisotropic,
+                    s.sheen, s.sheen_tint, s.clearcoat, s.clearcoat_gloss, s.base_luminance);
+  }
+};
+
+/// Parameters of Nori's microfacet BRDF (kernels/bsdf/nori_microfacet.h).
+template <class L> struct NoriMicrofacetParameters {
+  Spectrum<L> kd;           ///< diffuse reflectance; the rest is for the facets
+  typename L::Float alpha;  ///< Beckmann roughness
+  typename L::Float eta;    ///< int / ext
+  static constexpr auto fields(auto& s) { return std::tie(s.kd, s.alpha, s.eta); }
+};
+
+/// Parameters of the phase function of Henyey and Greenstein (kernels/phase/henyey_greenstein.h).
+template <class L> struct HenyeyGreensteinParameters {
+  typename L::Float g;  ///< mean cosine of the angle by which light turns, in (-1, 1); 0: isotropic
+  static constexpr auto fields(auto& s) { return std::tie(s.g); }
+};
+
+/// Rayleigh's phase function (kernels/phase/rayleigh.h) has no parameters; a closure has one word at least.
+template <class L> struct RayleighParameters {
+  typename L::Float unused;
+  static constexpr auto fields(auto& s) { return std::tie(s.unused); }
+};
+
+/// A kind of closure with its parameters.
+template <ClosureKind Kind, template <class> class P, class D = void> struct ClosureEntry {
+  static constexpr ClosureKind kKind = Kind;
+  template <class L> using Parameters = P<L>;
+  using Description = D;  ///< the PlainModel that it is the BSDF of; void: rows of it are made otherwise
+  const char* name;       ///< in tables for people
+  bool is_pane = false;   ///< a thin pane, which only reflects and lets pass
+  bool is_phase = false;  ///< scatters in a medium; see kernels/bsdf/bsdf.h
+};
+
+/// The list of all closures, in the order of ClosureKind: calls f(ClosureEntry) for each. What is listed here and has
+/// no BSDF in kernels/bsdf/all.h, or the other way round, does not compile.
+template <class F> constexpr void for_each_closure(F&& f) {
+  using enum ClosureKind;
+  f(ClosureEntry<kDiffuse, DiffuseParameters, DiffuseDescription>{"diffuse"});
+  f(ClosureEntry<kConductor, ConductorParameters>{"conductor"});
+  f(ClosureEntry<kDielectric, DielectricParameters>{"dielectric"});
+  f(ClosureEntry<kThinDielectric, DielectricParameters>{.name = "thin_dielectric", .is_pane = true});
+  f(ClosureEntry<kPlastic, PlasticParameters>{"plastic"});
+  f(ClosureEntry<kRoughConductorBeckmann, RoughConductorParameters>{"rough_conductor_beckmann"});
+  f(ClosureEntry<kRoughConductorGgx, RoughConductorParameters>{"rough_conductor_ggx"});
+  f(ClosureEntry<kRoughDielectricBeckmann, RoughDielectricParameters>{"rough_dielectric_beckmann"});
+  f(ClosureEntry<kRoughDielectricGgx, RoughDielectricParameters>{"rough_dielectric_ggx"});
+  f(ClosureEntry<kRoughPlasticBeckmann, RoughPlasticParameters>{"rough_plastic_beckmann"});
+  f(ClosureEntry<kRoughPlasticGgx, RoughPlasticParameters>{"rough_plastic_ggx"});
+  f(ClosureEntry<kPrincipled, PrincipledParameters>{"principled"});
+  f(ClosureEntry<kPrincipledThin, PrincipledThinParameters>{"principled_thin"});
+  f(ClosureEntry<kDisney, DisneyParameters>{"disney"});
+  f(ClosureEntry<kNoriMicrofacet, NoriMicrofacetParameters>{"nori_microfacet"});
+  f(ClosureEntry<kDispersiveDielectric, DispersiveDielectricParameters>{"dispersive_dielectric"});
+  f(ClosureEntry<kDispersiveThinDielectric, DispersiveDielectricParameters>{.name = "dispersive_thin_dielectric",
+                                                                            .is_pane = true});
+  f(ClosureEntry<kDispersiveRoughDielectricBeckmann, DispersiveRoughDielectricParameters>{
+      "dispersive_rough_dielectric_beckmann"});
+  f(ClosureEntry<kDispersiveRoughDielectricGgx, DispersiveRoughDielectricParameters>{
+      "dispersive_rough_dielectric_ggx"});
+  f(ClosureEntry<kHenyeyGreenstein, HenyeyGreensteinParameters>{.name = "henyey_greenstein", .is_phase = true});
+  f(ClosureEntry<kRayleigh, RayleighParameters>{.name = "rayleigh", .is_phase = true});
+}
+
+/// What ClosureEntry says of a kind that is only known when the program runs.
+struct ClosureInfo {
+  const char* name = nullptr;
+  bool is_pane = false, is_phase = false;
+};
+
+namespace material_detail {
+
+consteval std::array<ClosureInfo, kClosureKinds> closure_infos() {
+  std::array<ClosureInfo, kClosureKinds> infos;
+  std::size_t count = 0;
+  for_each_closure([&](auto entry) {
+    if (static_cast<std::size_t>(entry.kKind) != count) throw "the list must be in the order of ClosureKind";
+    infos[count++] = {entry.name, entry.is_pane, entry.is_phase};
+  });
+  if (count != infos.size()) throw "a kind of closure is not in the list";
+  return infos;
+}
+
+}  // namespace material_detail
+
+/// By ClosureKind.
+inline constexpr std::array<ClosureInfo, kClosureKinds> kClosureInfos = material_detail::closure_infos();
+
+constexpr const ClosureInfo& closure_info(ClosureKind kind) { return kClosureInfos[static_cast<std::size_t>(kind)]; }
+
+/// How many closures are the BSDF of a PlainModel.
+template <class Description> consteval int closures_of_description() {
+  int count = 0;
+  for_each_closure([&]<ClosureKind K, template <class> class P, class D>(ClosureEntry<K, P, D>) {
+    count += std::is_same_v<D, Description>;
+  });
+  return count;
+}
+
+/// Most 32-bit words of parameters that a closure may have; a multiple of four.
+inline constexpr int kMaxClosureWords = 24;
+
+/// Most spectra among the parameters of a closure.
+inline constexpr int kMaxClosureSpectra = 4;
+
+/// The places of the spectra among a closure's parameters: the first of their four words, in order.
+struct ClosureSpectra {
+  int count = 0;
+  int word[kMaxClosureSpectra] = {};
+};
+
+/// Found by the types in fields(), so there is no second list to keep in step.
+template <template <class> class Parameters> constexpr ClosureSpectra closure_spectra() {
+  ClosureSpectra found;
+  int word = 0;
+  const auto visit = [&]<class Field>(const Field*) {
+    constexpr bool kIsSpectrum = std::is_same_v<Field, Spectrum4>;
+    if (kIsSpectrum) found.word[found.count++] = word;
+    word += kIsSpectrum ? 4 : static_cast<int>(sizeof(Field) / sizeof(float));
+  };
+  using Fields = decltype(Parameters<Scalar>::fields(std::declval<Parameters<Scalar>&>()));
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (visit(static_cast<const std::remove_reference_t<std::tuple_element_t<I, Fields>>*>(nullptr)), ...);
+  }(std::make_index_sequence<std::tuple_size_v<Fields>>{});
+  return found;
+}
+
+/// Bits of MaterialRow::flags.
+enum MaterialFlags : std::uint32_t {
+  kTwoSided = 1,   ///< the frame is turned towards the viewer
+  kTextured = 2,   ///< the uv coordinates matter: textures, maps, or a tangent
+  kMapped = 4,     ///< the shading normal comes from a map
+  kComposite = 8,  ///< a choice between other rows, see MaterialRow::choice; never shaded itself
+};
+
+/// One material after composite ones are flattened. 32 words.
+struct alignas(64) MaterialRow {
+  ClosureKind kind = ClosureKind::kDiffuse;
+  std::uint32_t back = 0;           ///< the row seen from behind the geometric normal; itself for one-sided materials
+  std::uint32_t flags = 0;          ///< MaterialFlags
+  std::uint16_t bucket = 0;         ///< sorting key; ordered by kind, then material
+  std::uint16_t binding_count = 0;  ///< textures of its words
+  std::uint32_t first_binding = 0;  ///< into SceneView::bindings
+  std::uint32_t map = 0;            ///< kMapped: into SceneView::normal_maps
+  std::uint32_t choice[2] = {};     ///< kComposite: the rows, kNothing: light passes
+  float words[kMaxClosureWords] = {};  ///< parameters' leaves in declaration order
+  static constexpr std::uint32_t kNothing = 0xffffffffu;
+  /// kComposite: the share of the second choice, in [0, 1], where no texture gives it; the one parameter of such rows.
+  float second_share() const { return words[0]; }
+};
+static_assert(sizeof(MaterialRow) == 128);
+
+/// How a texture turns the shading normal.
+struct NormalMapRow {
+  std::uint32_t texture = 0;  ///< into TextureView::rows
+  std::uint32_t flags = 0;
+  float scale = 1;  ///< kBump: on the texture's gradient
+  /// Bits of `flags`.
+  enum : std::uint32_t {
+    kBump = 1,        ///< the texture is a height, not a normal
+    kFlipGreen = 2,   ///< green points down
+    kFixInvalid = 4,  ///< normals that face away from the viewer are mirrored at the unturned one
+    kSoften = 8,      ///< the edge of shadows is softened
+  };
+};
+
+/// Stores parameters into a row.
+template <template <class> class Parameters>
+void set_parameters(MaterialRow& row, ClosureKind kind, const Parameters<Scalar>& parameters) {
+  static_assert(kLeafCount<Parameters> <= kMaxClosureWords);
+  row.kind = kind;
+  int i = 0;
+  std::apply([&](const auto&... leaf) { ((row.words[i++] = leaf), ...); }, leaves(parameters));
+}
+
+}  // namespace sheaf

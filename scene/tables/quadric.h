@@ -1,0 +1,36 @@
+// Spheres, disks and cylinders as affine images of canonical ones: exact intersection, in double precision.
+#pragma once
+
+#include "scene/tables/scene.h"
+
+#include <optional>
+
+namespace sheaf {
+
+/// The row for a canonical shape under `to_world`. Throws SceneError if the transform is not affine.
+QuadricRow make_quadric(ShapeKind kind, const Transform& to_world, bool flip_normals);
+
+struct QuadricBounds {
+  Vec3f lower, upper;
+};
+
+/// World-space bounds, rounded outwards.
+QuadricBounds quadric_bounds(const QuadricRow& row);
+
+/// Where a ray meets a quadric.
+struct QuadricHit {
+  float t;
+  Vec3f normal;  ///< world space, outwards unless flipped, any length
+};
+
+/// The nearest intersection with t in (t_near, t_far).
+std::optional<QuadricHit> intersect_quadric(const QuadricRow& row, Vec3f origin, Vec3f direction, float t_near,
+                                            float t_far) noexcept;
+
+/// Area of the canonical shape: 4 pi, pi or 2 pi.
+float canonical_area(ShapeKind kind);
+
+/// Area in world space (by quadrature where the transform is not a similarity; relative error below 1e-4).
+float quadric_area(const QuadricRow& row);
+
+}  // namespace sheaf

@@ -1,0 +1,78 @@
+#include "scene/tables/scene.h"
+
+namespace sheaf {
+
+namespace {
+template <class T> std::size_t bytes_of(const std::vector<T>& v) { return v.capacity() * sizeof(T); }
+}  // namespace
+
+SceneView Scene::view() const {
+  SceneView v;
+  v.shapes = shapes_.data();
+  v.vertices = vertices_.data();
+  v.triangles = triangles_.data();
+  v.quadrics = quadrics_.data();
+  v.instances = instances_.empty() ? nullptr : instances_.data();
+  v.materials = materials_.data();
+  v.bindings = bindings_.data();
+  v.normal_maps = normal_maps_.data();
+  v.textures = {textures_.rows.data(), textures_.tiles.get(), attributes_.data(), attribute_values_.data(),
+                triangles_.data(), attributes_.empty() ? 0u : static_cast<std::uint32_t>(shapes_.size())};
+  v.media = media_.data();
+  v.boundaries = boundaries_.data();
+  v.grids = {grid_rows_.data()};
+  v.majorant_grids = majorant_rows_.data();
+  v.blackbodies = blackbodies_ ? &*blackbodies_ : nullptr;
+  v.has_transparency = has_transparency_;
+  v.has_open_panes = has_open_panes_;
+  v.camera_medium = camera_medium_;
+  v.lights = lights_.data();
+  v.light_alias = light_alias_.data();
+  v.light_tree = light_tree_.view();
+  v.bounded_light_count = bounded_light_count_;
+  v.triangle_alias = triangle_alias_.data();
+  v.light_triangles = light_triangles_.data();
+  v.light_frames = light_frames_.data();
+  v.light_uvs = light_uvs_.data();
+  v.light_powers = light_powers_.data();
+  v.envmap = envmap_.view();
+  v.has_textured_lights = has_textured_lights_;
+  v.shape_count = static_cast<std::uint32_t>(shapes_.size());
+  v.material_count = static_cast<std::uint32_t>(materials_.size());
+  v.light_count = static_cast<std::uint32_t>(lights_.size());
+  v.bucket_count = bucket_count_;
+  std::copy(std::begin(bucket_begin_), std::end(bucket_begin_), v.bucket_begin);
+  std::copy(std::begin(kind_flags_), std::end(kind_flags_), v.kind_flags);
+  v.has_composites = has_composites_;
+  v.environment = environment_;
+  v.center = center_;
+  v.radius = radius_;
+  v.medium_radius = medium_radius_;
+  v.camera = camera_;
+  v.filter = &filter_;
+  v.light_selector = integrator_.light_selector;
+  v.accel = accel_.get();
+  v.color = color_;
+  if (color_ == ColorMode::kSpectral)
+    v.spectral = {{spectrum_tables_.data()}, material_spectra_.data(), light_spectra_.data(), medium_spectra_.data(),
+                  &UpliftTable::get(), &SensorCurves::get()};
+  return v;
+}
+
+SceneInfo Scene::info() const {
+  SceneInfo info = counts_;
+  info.table_bytes =
+      bytes_of(shapes_) + bytes_of(vertices_) + bytes_of(triangles_) + bytes_of(quadrics_) + bytes_of(instances_) +
+      bytes_of(materials_) + bytes_of(bindings_) + bytes_of(normal_maps_) + bytes_of(textures_.rows) +
+      textures_.tile_count * sizeof(TexelTile) + bytes_of(attributes_) + bytes_of(attribute_values_) +
+      bytes_of(lights_) + bytes_of(light_alias_) + bytes_of(triangle_alias_) + bytes_of(light_triangles_) +
+      bytes_of(light_frames_) + bytes_of(light_uvs_) + bytes_of(light_powers_) + bytes_of(light_tree_.nodes) +
+      bytes_of(light_tree_.trails) + envmap_.bytes() + bytes_of(spectrum_tables_) + bytes_of(material_spectra_) +
+      bytes_of(light_spectra_) + bytes_of(medium_spectra_) + bytes_of(media_) + bytes_of(boundaries_);
+  for (const BrickGrid& grid : grids_) info.table_bytes += grid.bytes();
+  for (const MajorantGrid& grid : majorant_grids_) info.table_bytes += grid.bytes();
+  info.accel_bytes = accel_->bytes();
+  return info;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,169 @@
+// The compiled scene: flat, immutable tables that kernels read by index, and the view of them that kernels get.
+#pragma once
+
+#include "core/distribution.h"
+#include "core/spectral_sensor.h"
+#include "core/spectrum_row.h"
+#include "core/uplift.h"
+#include "scene/description/description.h"
+#include "scene/tables/accel.h"
+#include "scene/tables/camera.h"
+#include "scene/tables/envmap.h"
+#include "scene/tables/filter.h"
+#include "scene/tables/light.h"
+#include "scene/tables/light_tree.h"
+#include "scene/tables/majorant_grid.h"
+#include "scene/tables/material.h"
+#include "scene/tables/medium.h"
+#include "scene/tables/shape_rows.h"
+#include "scene/tables/texture.h"
+
+#include <memory>
+#include <vector>
+
+namespace sheaf {
+
+
+/// What kernels read in spectral mode in place of the colours in other tables.
+struct SpectralView {
+  SpectrumTableView tables;
+  /// Of each material the spectra among its closure's parameters, in their order: kMaxClosureSpectra rows.
+  const SpectrumRow* materials = nullptr;
+  /// Of each light what LightRecord::radiance is. A texture's or a map's colours are uplifted and multiplied by it.
+  const SpectrumRow* lights = nullptr;
+  const SpectrumRow* media = nullptr;  ///< see MediumRow
+  const UpliftTable* uplift = nullptr;
+  const SensorCurves* sensor = nullptr;
+};
+
+/// What kernels see of a scene: pointers into its tables, and small settings by value.
+struct SceneView {
+  const ShapeRow* shapes = nullptr;
+  const VertexRow* vertices = nullptr;
+  const std::uint32_t* triangles = nullptr;  ///< three per triangle, relative to the shape's first vertex
+  const QuadricRow* quadrics = nullptr;
+  const InstanceRow* instances = nullptr;    ///< null: there are none
+  const MaterialRow* materials = nullptr;
+  const TextureBinding* bindings = nullptr;
+  const NormalMapRow* normal_maps = nullptr;
+  TextureView textures;
+  const MediumRow* media = nullptr;
+  const BoundaryRow* boundaries = nullptr;
+  BrickGridView grids;  ///< of the media
+  const MajorantGridRow* majorant_grids = nullptr;
+  const BlackbodyTable* blackbodies = nullptr;  ///< RGB mode, where a medium has a temperature
+  bool has_transparency = false;  ///< whether shadow rays may pass a surface, or there are media
+  /// Whether shadow rays pass thin panes: where passing costs no depth, and no pane has a texture or is part of a
+  /// composite material.
+  bool has_open_panes = false;
+  std::uint32_t camera_medium = 0;  ///< 0: none, else 1 + the row of what the camera is in
+  const LightRow* lights = nullptr;
+  const AliasEntry* light_alias = nullptr;  ///< by power
+  LightTreeView light_tree;                 ///< over the lights below bounded_light_count
+  std::uint32_t bounded_light_count = 0;
+  const AliasEntry* triangle_alias = nullptr;
+  const LightTriangleRow* light_triangles = nullptr;
+  const LightFrameRow* light_frames = nullptr;
+  const LightUvRow* light_uvs = nullptr;
+  const Vec3f* light_powers = nullptr;  ///< of every light, W in R, G and B; see light_power()
+  EnvmapView envmap;                    ///< if the environment is one
+  bool has_textured_lights = false;     ///< whether any area light has a texture
+  std::uint32_t shape_count = 0, material_count = 0, light_count = 0;
+  std::uint32_t bucket_count = 1;
+  std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
+  std::uint32_t kind_flags[kClosureKinds] = {};        ///< MaterialFlags of all materials of a kind
+  bool has_composites = false;                         ///< whether any material is a choice between others
+  std::uint32_t environment = kNone;                   ///< light row of the environment, kConstant or kEnvmap
+  Vec3f center{};                                      ///< of the bounding sphere
+  float radius = 0;
+  /// Media that no surface ends do so at this distance from `center`; infinite where no light shines from outside.
+  float medium_radius = kInfinity;
+  Camera camera;
+  const FilterTable* filter = nullptr;
+  LightSelector light_selector = LightSelector::kBvh;
+  const Accel* accel = nullptr;
+  ColorMode color = ColorMode::kRgb;
+  SpectralView spectral;  ///< only in spectral mode
+};
+
+/// Sizes, for people.
+struct SceneInfo {
+  std::size_t groups = 0, instances = 0, instanced_triangles = 0;  ///< the last: instances times triangles of each
+  std::size_t shapes = 0, triangles = 0, quadrics = 0, vertices = 0, materials = 0, lights = 0;
+  Vec3f bounds_min{}, bounds_max{};
+  std::size_t table_bytes = 0, accel_bytes = 0;
+};
+
+/// Owns the tables. Neither copied nor moved: Embree points into them.
+class Scene {
+ public:
+  Scene() = default;
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  /// The kernels' view; valid as long as the scene.
+  SceneView view() const;
+  SceneInfo info() const;
+  const FilmDescription& film() const { return film_; }
+  const SamplerDescription& sampler() const { return sampler_; }
+  /// The sampler that the scene asks for, with its own seed and number of samples.
+  SamplerView sampler_view() const { return make_sampler(sampler_.kind, sampler_.seed, sampler_.sample_count); }
+  const IntegratorDescription& integrator() const { return integrator_; }
+  /// Remarks on what was repaired or left out.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  ColorMode color() const { return color_; }
+
+ private:
+  friend class SceneCompiler;
+
+  std::vector<ShapeRow> shapes_;
+  std::vector<VertexRow> vertices_;
+  std::vector<std::uint32_t> triangles_;
+  std::vector<QuadricRow> quadrics_;
+  std::vector<InstanceRow> instances_;
+  std::vector<MaterialRow> materials_;
+  std::vector<TextureBinding> bindings_;
+  std::vector<NormalMapRow> normal_maps_;
+  CompiledTextures textures_;
+  std::vector<AttributeEntry> attributes_;
+  std::vector<float> attribute_values_;
+  std::vector<MediumRow> media_;
+  std::vector<BoundaryRow> boundaries_;
+  std::vector<BrickGrid> grids_;
+  std::vector<BrickGridRow> grid_rows_;
+  std::vector<MajorantGrid> majorant_grids_;
+  std::vector<MajorantGridRow> majorant_rows_;
+  std::optional<BlackbodyTable> blackbodies_;
+  bool has_transparency_ = false, has_open_panes_ = false;
+  std::uint32_t camera_medium_ = 0;
+  std::vector<LightRow> lights_;
+  std::vector<AliasEntry> light_alias_, triangle_alias_;
+  LightTree light_tree_;
+  std::uint32_t bounded_light_count_ = 0;
+  std::vector<LightTriangleRow> light_triangles_;
+  std::vector<LightFrameRow> light_frames_;
+  std::vector<LightUvRow> light_uvs_;
+  std::vector<Vec3f> light_powers_;
+  Envmap envmap_;
+  bool has_textured_lights_ = false;
+  std::uint32_t bucket_count_ = 1;
+  std::uint32_t bucket_begin_[kClosureKinds + 1] = {};
+  std::uint32_t kind_flags_[kClosureKinds] = {};
+  bool has_composites_ = false;
+  std::uint32_t environment_ = kNone;
+  Vec3f center_{};
+  float radius_ = 0, medium_radius_ = kInfinity;
+  SceneInfo counts_;
+  Camera camera_;
+  FilterTable filter_;
+  FilmDescription film_;
+  SamplerDescription sampler_;
+  IntegratorDescription integrator_;
+  std::vector<std::string> warnings_;
+  std::unique_ptr<Accel> accel_;
+  ColorMode color_ = ColorMode::kRgb;
+  std::vector<float> spectrum_tables_;
+  std::vector<SpectrumRow> material_spectra_, light_spectra_, medium_spectra_;
+};
+
+}  // namespace sheaf

@@ -1,0 +1,210 @@
+// From a hit to the surface there: position, normals, uv and tangent, for all kinds of shape, generic in the lane.
+#pragma once
+
+#include "core/frame.h"
+#include "core/warp.h"
+#include "scene/tables/instance.h"
+#include "scene/tables/scene.h"
+
+namespace sheaf {
+
+/// The surface at a hit, in world space.
+template <class L> struct SurfacePoint {
+  Vec3<L> p;                  ///< on the surface, more exact than origin + t * direction
+  Vec3<L> ng;                 ///< geometric normal, unit length
+  Vec3<L> ns;                 ///< interpolated normal, unit length
+  typename L::Float offset;   ///< how far along +-ng a ray must start so that it cannot hit the same surface
+  Vec2<L> uv;                 ///< only with WithUv
+  /// Derivatives of the position by u and v, only with WithUv. Never zero: where one vanishes (poles, the centre of a
+  /// disk) it has the right direction and is tiny; where a triangle's uv are missing or degenerate the two are some
+  /// orthonormal tangents.
+  Vec3<L> dp_du, dp_dv;
+};
+
+/// Normalises vectors whose squared length would overflow or underflow.
+template <class L> SHEAF_INLINE Vec3<L> normalize_any(Vec3<L> a) {
+  const Float<L> m = max_component(abs(a));
+  return normalize(a * (Float<L>(1.0f) / max(m, Float<L>(1e-37f))));
+}
+
+/// Rounding errors in the position and in Embree's arithmetic are below this many units in the last place of the
+/// coordinates involved (tests/kernels/test_ray_offset.cpp holds it against shapes from 1e-3 to 1e5 units).
+inline constexpr float kOffsetUlps = 8.0f * 5.9604645e-8f;
+
+template <class L, bool WithUv>
+SHEAF_INLINE void triangle_uv(const ShapeRecord<L>& shape, const Vec2<L>* t, typename L::Float u, typename L::Float v,
+                              const Vec3<L>* p, SurfacePoint<L>& out) {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+  const auto has_uv = (shape.flags & U(kHasUvs)) != U(0u);
+  const F b0 = F(1.0f) - u - v;
+  out.uv = {select(has_uv, b0 * t[0].x + u * t[1].x + v * t[2].x, u),
+            select(has_uv, b0 * t[0].y + u * t[1].y + v * t[2].y, v)};
+  const F du1 = t[1].x - t[0].x, dv1 = t[1].y - t[0].y, du2 = t[2].x - t[0].x, dv2 = t[2].y - t[0].y;
+  const F det = du1 * dv2 - dv1 * du2;
+  const auto usable = has_uv & (abs(det) > F(1e-30f));
+  const F inverse = F(1.0f) / select(usable, det, F(1.0f));
+  const Vec3<L> edge1 = p[1] - p[0], edge2 = p[2] - p[0];
+  const auto frame = Frame<L>::from_normal(out.ng);
+  out.dp_du = select<L>(usable, (edge1 * dv2 - edge2 * dv1) * inverse, frame.s);
+  out.dp_dv = select<L>(usable, (edge2 * du1 - edge1 * du2) * inverse, frame.t);
+}
+
+/// Surface of a triangle mesh at barycentric (u, v).
+template <class L, bool WithUv>
+SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
+                                            typename L::Uint primitive, typename L::Float u, typename L::Float v) {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+  const U zero(0u);
+  const auto corners = gather_triple<L>(scene.triangles, select(active, shape.first_triangle + primitive, zero));
+  Vec3<L> p[3], n[3];
+  Vec2<L> t[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto vertex = gather_rows<L>(scene.vertices, select(active, shape.first_vertex + corners[k], zero));
+    p[k] = vertex.position;
+    n[k] = vertex.normal;
+    t[k] = vertex.uv;
+  }
+  const F b0 = F(1.0f) - u - v;
+  SurfacePoint<L> out;
+  out.p = p[0] * b0 + p[1] * u + p[2] * v;
+  out.ng = normalize_any(cross(p[1] - p[0], p[2] - p[0]));
+  const Vec3<L> a0 = abs(p[0]), a1 = abs(p[1]), a2 = abs(p[2]);
+  const Vec3<L> largest{max(a0.x, max(a1.x, a2.x)), max(a0.y, max(a1.y, a2.y)), max(a0.z, max(a1.z, a2.z))};
+  out.offset = F(kOffsetUlps) * (dot(abs(out.ng), largest) + max_component(abs(out.p)));
+  out.ns = out.ng;
+  const auto smooth = active & ((shape.flags & U(kHasNormals)) != U(0u));
+  if (any(smooth)) {
+    const Vec3<L> sum = n[0] * b0 + n[1] * u + n[2] * v;
+    const F squared = dot(sum, sum);
+    const auto usable = smooth & (squared > F(1e-12f));
+    out.ns = select<L>(usable, sum * (F(1.0f) / sqrt(select(usable, squared, F(1.0f)))), out.ng);
+  }
+  if constexpr (WithUv) triangle_uv<L, WithUv>(shape, t, u, v, p, out);
+  return out;
+}
+
+/// The quadric at the canonical shape's point `x`.
+template <class L, bool WithUv>
+SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricRecord<L>& q, typename L::Uint kind, Vec3<L> x) {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+  const auto disk = kind == U(static_cast<std::uint32_t>(ShapeKind::kDisk));
+  const auto sphere = kind == U(static_cast<std::uint32_t>(ShapeKind::kSphere));
+  const Vec3<L> n = {select(disk, F(0.0f), x.x), select(disk, F(0.0f), x.y),
+                     select(disk, F(1.0f), select(sphere, x.z, F(0.0f)))};
+  SurfacePoint<L> out;
+  out.p = q.world_point(x);
+  out.ng = out.ns = normalize_any(q.world_normal(n)) * q.normal_sign;
+  F extent(0.0f);
+  for (int row = 0; row < 12; row += 4)
+    extent = max(extent,
+                 abs(q.to_world[row]) + abs(q.to_world[row + 1]) + abs(q.to_world[row + 2]) + abs(q.to_world[row + 3]));
+  out.offset = F(kOffsetUlps) * extent;
+  if constexpr (WithUv) {
+    const F turn = atan2(x.y, x.x) * F(0.5f * kInvPi);
+    const F angle = select(turn < F(0.0f), turn + F(1.0f), turn);
+    const F radius = sqrt(x.x * x.x + x.y * x.y);
+    const F polar = acos(clamp(x.z, F(-1.0f), F(1.0f))) * F(kInvPi);
+    out.uv = {select(disk, radius, angle), select(disk, angle, select(sphere, polar, x.z))};
+    const auto on_axis = radius <= F(1e-20f);
+    const F scale = F(1.0f) / select(on_axis, F(1.0f), radius);
+    const F cos_angle = select(on_axis, F(1.0f), x.x * scale), sin_angle = select(on_axis, F(0.0f), x.y * scale);
+    constexpr float kSmallestRadius = 1e-6f;
+    const F turning = F(2.0f * kPi) * max(radius, F(kSmallestRadius));
+    const Vec3<L> around = q.world_vector({-sin_angle * turning, cos_angle * turning, F(0.0f)});
+    const Vec3<L> outward = q.world_vector({cos_angle, sin_angle, F(0.0f)});
+    const F pi(kPi);
+    const Vec3<L> along = q.world_vector({select(sphere, cos_angle * x.z * pi, F(0.0f)),
+                                          select(sphere, sin_angle * x.z * pi, F(0.0f)),
+                                          select(sphere, -radius * pi, F(1.0f))});
+    out.dp_du = select<L>(disk, outward, around);
+    out.dp_dv = select<L>(disk, around, along);
+  }
+  return out;
+}
+
+/// Surface of a quadric nearest to the world-space point `hit`.
+template <class L, bool WithUv>
+SHEAF_INLINE SurfacePoint<L> quadric_point(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
+                                           Vec3<L> hit) {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+  const QuadricRecord<L> q = gather_rows<L>(scene.quadrics, select(active, shape.first_triangle, U(0u)));
+  Vec3<L> x = q.object_point(hit);
+  const auto disk = shape.kind == U(static_cast<std::uint32_t>(ShapeKind::kDisk));
+  const auto sphere = shape.kind == U(static_cast<std::uint32_t>(ShapeKind::kSphere));
+  const F squared = x.x * x.x + x.y * x.y + select(sphere, x.z * x.z, F(0.0f));
+  const F scale = select(disk, F(1.0f), F(1.0f) / sqrt(max(squared, F(1e-30f))));
+  x = {x.x * scale, x.y * scale, select(disk, F(0.0f), select(sphere, x.z * scale, x.z))};
+  return quadric_surface<L, WithUv>(q, shape.kind, x);
+}
+
+/// From a group's space to world space, lanes of `instanced` only.
+template <class L, bool WithUv>
+SHEAF_INLINE void place_instance(const InstancePlacement<L>& placed, Mask<L> instanced, SurfacePoint<L>& y) {
+  using F = typename L::Float;
+  const Vec3<L> normal = placed.normal(y.ng);
+  const F largest = max(max_component(abs(normal)), F(1e-37f));
+  const Vec3<L> scaled = normal * (F(1.0f) / largest);
+  const F scaled_length = sqrt(dot(scaled, scaled));
+  // Embree takes rays to the group's space, where rounding errors along the normal are those of the surface there and
+  // those of the transform: bounded by the inverse's terms, taken absolutely, times those of the point.
+  const Vec3<L> bound = placed.absolute_point(y.p);
+  const F error =
+      y.offset * abs(placed.determinant) + F(kOffsetUlps) * dot(abs(y.ng), placed.absolute_cofactors(bound));
+  y.offset = select(instanced, error / (largest * scaled_length), y.offset);
+  y.p = select<L>(instanced, placed.point(y.p), y.p);
+  y.ng = select<L>(instanced, scaled * (F(1.0f) / scaled_length), y.ng);
+  y.ns = select<L>(instanced, normalize_any(placed.normal(y.ns)), y.ns);
+  if constexpr (WithUv) {
+    y.dp_du = select<L>(instanced, placed.vector(y.dp_du), y.dp_du);
+    y.dp_dv = select<L>(instanced, placed.vector(y.dp_dv), y.dp_dv);
+  }
+}
+
+/// The surface at hits of shapes, in the space in which they were compiled: world space, or a group's.
+template <class L, bool WithUv>
+SHEAF_INLINE SurfacePoint<L> shape_point(const SceneView& scene, const ShapeRecord<L>& shape, Uint<L> primitive,
+                                         Float<L> u, Float<L> v, Vec3<L> hit_point) {
+  const auto mesh = shape.kind == typename L::Uint(static_cast<std::uint32_t>(ShapeKind::kMesh));
+  if (all(mesh)) return triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v);
+  SurfacePoint<L> out = quadric_point<L, WithUv>(scene, shape, !mesh, hit_point);
+  if (!any(mesh)) return out;
+  const SurfacePoint<L> triangle = triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v);
+  out.p = select<L>(mesh, triangle.p, out.p);
+  out.ng = select<L>(mesh, triangle.ng, out.ng);
+  out.ns = select<L>(mesh, triangle.ns, out.ns);
+  out.offset = select(mesh, triangle.offset, out.offset);
+  if constexpr (WithUv) {
+    out.uv = {select(mesh, triangle.uv.x, out.uv.x), select(mesh, triangle.uv.y, out.uv.y)};
+    out.dp_du = select<L>(mesh, triangle.dp_du, out.dp_du);
+    out.dp_dv = select<L>(mesh, triangle.dp_dv, out.dp_dv);
+  }
+  return out;
+}
+
+/// The surface at hits: `hit_point` is origin + t * direction, (u, v) Embree's barycentric coordinates, `instance` the
+/// instance that was hit, kNone for shapes that are not in a group.
+template <class L, bool WithUv = false>
+SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeRecord<L>& shape, Uint<L> primitive,
+                                           Float<L> u, Float<L> v, Vec3<L> hit_point, Uint<L> instance) {
+  using U = typename L::Uint;
+  const auto instanced = instance != U(kNone);
+  if (scene.instances == nullptr || !any(instanced))
+    return shape_point<L, WithUv>(scene, shape, primitive, u, v, hit_point);
+  const InstancePlacement<L> placed(gather_rows<L>(scene.instances, select(instanced, instance, U(0u))));
+  const Vec3<L> object_hit = select<L>(instanced, placed.object_point(hit_point), hit_point);
+  SurfacePoint<L> out = shape_point<L, WithUv>(scene, shape, primitive, u, v, object_hit);
+  place_instance<L, WithUv>(placed, instanced, out);
+  return out;
+}
+
+/// Where a ray towards `direction` starts so that it leaves the surface.
+template <class L>
+SHEAF_INLINE Vec3<L> offset_origin(Vec3<L> p, Vec3<L> ng, typename L::Float offset, Vec3<L> direction) {
+  return p + ng * copysign(offset, dot(ng, direction));
+}
+
+}  // namespace sheaf

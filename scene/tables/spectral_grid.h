@@ -1,0 +1,74 @@
+// Grids of colours in spectral mode: each voxel is a spectrum, a shape and a scale.
+//
+// Between voxels shapes and scales are mixed separately, then multiplied: so Mitsuba 3 defines such grids in its
+// spectral variants. Halfway between a bright and a dark colour this is not the spectrum of the colour halfway.
+#pragma once
+
+#include "core/quad.h"
+#include "core/uplift.h"
+#include "scene/tables/brick_grid_lookup.h"
+
+namespace sheaf {
+
+/// A colour without upper limit as the coefficients of a shape, whose largest component is kUpliftUnbounded, and a
+/// scale: what takes the place of the colour in a grid.
+struct VoxelSpectrum {
+  float c0, c1, c2, scale;
+};
+
+inline VoxelSpectrum voxel_spectrum(const UpliftTable& table, Vec3f rgb) {
+  rgb = {max(rgb.x, 0.0f), max(rgb.y, 0.0f), max(rgb.z, 0.0f)};
+  // The shape of greys is 1/2 at every wavelength.
+  if (rgb.x == rgb.y && rgb.y == rgb.z) return {0, 0, 0, rgb.x / kUpliftUnbounded};
+  const ScaledSigmoid<Scalar> s = uplift_unbounded<Scalar>(table, rgb);
+  return {s.shape.c0, s.shape.c1, s.shape.c2, s.scale};
+}
+
+/// Replaces the colours of a grid of three channels.
+inline void uplift_grid(BrickGrid& grid) {
+  const UpliftTable& table = UpliftTable::get();
+  for (std::size_t i = 0; i + kColorVoxel <= grid.values.size(); i += kColorVoxel) {
+    float* v = grid.values.data() + i;
+    const VoxelSpectrum spectrum = voxel_spectrum(table, {v[0], v[1], v[2]});
+    v[0] = spectrum.c0, v[1] = spectrum.c1, v[2] = spectrum.c2, v[3] = spectrum.scale;
+  }
+}
+
+namespace detail {
+
+/// sigmoid() of core/sigmoid_polynomial.h at the wavelengths that `t` stands for.
+SHEAF_INLINE Quad shape_at(const float* voxel, Quad t) {
+  const Quad x = (Quad(voxel[0]) * t + Quad(voxel[1])) * t + Quad(voxel[2]);
+  return Quad(0.5f) + Quad(0.5f) * x / sqrt(x * x + Quad(1.0f));
+}
+
+}  // namespace detail
+
+/// The value of a grid that uplift_grid() has changed, at a place in world space and at four wavelengths in nm.
+inline Quad lookup_grid_spectrum(const BrickGridRow& row, Vec3f p, const Spectrum4& lambda) {
+  using namespace detail;
+  const Quad t = (Quad(lambda) - Quad(kSigmoidCentre)) * (1.0f / kSigmoidHalfRange);
+  GridCell cell;
+  if (!find_grid_cell(row, p, kColorVoxel, cell)) {
+    const Vec3f outside{row.background[0], row.background[1], row.background[2]};
+    if (!(max_component(outside) > 0.0f)) return Quad();
+    const VoxelSpectrum s = voxel_spectrum(UpliftTable::get(), outside);
+    return shape_at(&s.c0, t) * s.scale;
+  }
+  if (row.nearest) return shape_at(cell.voxel, t) * cell.voxel[3];
+  Quad shape;
+  float scale = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const bool x = (corner & 1) != 0, y = (corner & 2) != 0, z = (corner & 4) != 0;
+    const float weight =
+        (x ? cell.tx : 1.0f - cell.tx) * (y ? cell.ty : 1.0f - cell.ty) * (z ? cell.tz : 1.0f - cell.tz);
+    if (weight == 0.0f) continue;
+    const float* v =
+        cell.voxel + ((z ? kBrickStride * kBrickStride : 0) + (y ? kBrickStride : 0) + (x ? 1 : 0)) * kColorVoxel;
+    shape = shape + shape_at(v, t) * weight;
+    scale += v[3] * weight;
+  }
+  return shape * scale;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,95 @@
+// Parsing of spectra and colours.
+#include "scene/xml/spectrum_text.h"
+
+#include "scene/xml/xml_values.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+namespace sheaf {
+
+namespace {
+
+/// IEC 61966-2-1.
+float srgb_to_linear(float v) {
+  return v <= 0.04045f ? v / 12.92f : static_cast<float>(std::pow((double(v) + 0.055) / 1.055, 2.4));
+}
+
+std::string_view trim(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+Vec3f parse_hex(std::string_view text, const SourceLocation& where) {
+  unsigned value = 0;
+  const char* end = text.data() + text.size();
+  const auto result = std::from_chars(text.data() + 1, end, value, 16);
+  if (text.size() != 7 || result.ec != std::errc() || result.ptr != end)
+    throw SceneError(where, "colour is " + in_quotes(text) + ", expected #rrggbb");
+  auto component = [&](unsigned shift) { return srgb_to_linear(static_cast<float>((value >> shift) & 255u) / 255.0f); };
+  return {component(16), component(8), component(0)};
+}
+
+}  // namespace
+
+SpectrumDescription parse_spectrum_text(std::string_view text, const SourceLocation& where) {
+  if (text.find(':') == std::string_view::npos) {
+    if (split_list(text).size() > 1)
+      throw SceneError(where, "spectrum is " + in_quotes(text) + ", expected one number or wavelength:value pairs");
+    return SpectrumDescription::constant(parse_float(text, where, "spectrum"));
+  }
+  SpectrumDescription::Table table;
+  for (std::string_view pair : split_list(text)) {
+    const std::size_t colon = pair.find(':');
+    if (colon == std::string_view::npos)
+      throw SceneError(where, "spectrum entry is " + in_quotes(pair) + ", expected wavelength:value");
+    table.wavelengths.push_back(parse_float(pair.substr(0, colon), where, "wavelength"));
+    table.values.push_back(parse_float(pair.substr(colon + 1), where, "spectrum value"));
+  }
+  check_table(table, where);
+  return {std::move(table)};
+}
+
+SpectrumDescription::Table read_spd(const std::filesystem::path& file) {
+  constexpr std::uintmax_t kMaxSize = std::uintmax_t{1} << 26;
+  SourceLocation where{file.string(), 0};
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  std::ifstream stream(file);
+  if (error || !stream) throw SceneError(where, "cannot be read");
+  if (size > kMaxSize) throw SceneError(where, "spectrum file is larger than 64 MiB");
+  SpectrumDescription::Table table;
+  for (std::string line; std::getline(stream, line);) {
+    ++where.line;
+    const auto parts = split_list(std::string_view(line).substr(0, line.find('#')));
+    if (parts.empty()) continue;
+    if (parts.size() != 2) throw SceneError(where, "expected a wavelength and a value, found " + in_quotes(line));
+    table.wavelengths.push_back(parse_float(parts[0], where, "wavelength"));
+    table.values.push_back(parse_float(parts[1], where, "spectrum value"));
+    const std::size_t n = table.wavelengths.size();
+    if (n > 1 && !(table.wavelengths[n - 1] > table.wavelengths[n - 2]))
+      throw SceneError(where, "wavelengths must increase");
+  }
+  check_table(table, SourceLocation{where.file, 0});
+  return table;
+}
+
+Vec3f parse_srgb(std::string_view text, const SourceLocation& where) {
+  const std::string_view colour = trim(text);
+  if (colour.starts_with('#')) return parse_hex(colour, where);
+  const Vec3f v = parse_vec3(colour, where, "sRGB colour");
+  for (float c : {v.x, v.y, v.z})
+    if (!(c >= 0 && c <= 1))
+      throw SceneError(where, "sRGB colour is " + in_quotes(text) + ", expected values in [0, 1]");
+  return {srgb_to_linear(v.x), srgb_to_linear(v.y), srgb_to_linear(v.z)};
+}
+
+Vec3f parse_rgb(std::string_view text, const SourceLocation& where) {
+  const std::string_view colour = trim(text);
+  return colour.starts_with('#') ? parse_hex(colour, where) : parse_vec3(colour, where, "colour");
+}
+
+}  // namespace sheaf

@@ -1,0 +1,146 @@
+// Wraps pugixml: parsing, byte offsets to line numbers, and limits on what a hostile file may hold.
+#include "scene/xml/xml.h"
+
+#include <pugixml.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+namespace sheaf {
+
+namespace {
+
+constexpr int kMaxDepth = 100;
+constexpr std::size_t kMaxAttributes = 64;
+constexpr std::uintmax_t kMaxFileSize = std::uintmax_t{1} << 30;
+
+std::string read_text(const std::filesystem::path& file) {
+  const SourceLocation where{file.string(), 0};
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) throw SceneError(where, "file not found");
+  if (!std::filesystem::is_regular_file(file, error)) throw SceneError(where, "not a regular file");
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) throw SceneError(where, "cannot be read: " + error.message());
+  if (size > kMaxFileSize) throw SceneError(where, "scene file is larger than 1 GiB");
+  std::string text(static_cast<std::size_t>(size), '\0');
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream.read(text.data(), static_cast<std::streamsize>(size))) throw SceneError(where, "cannot be read");
+  return text;
+}
+
+/// Byte offsets to line numbers.
+class LineIndex {
+ public:
+  explicit LineIndex(std::string_view text) {
+    for (std::size_t i = 0; i < text.size(); ++i)
+      if (text[i] == '\n') line_ends_.push_back(i);
+  }
+  int line(std::ptrdiff_t offset) const {
+    if (offset < 0) return 0;
+    const auto end = std::lower_bound(line_ends_.begin(), line_ends_.end(), static_cast<std::size_t>(offset));
+    return static_cast<int>(end - line_ends_.begin()) + 1;
+  }
+
+ private:
+  std::vector<std::size_t> line_ends_;
+};
+
+template <class Range> std::size_t count(const Range& range) {
+  return static_cast<std::size_t>(std::distance(range.begin(), range.end()));
+}
+
+struct Converter {
+  std::string file;
+  LineIndex lines;
+
+  SourceLocation where(const pugi::xml_node& node) const { return {file, lines.line(node.offset_debug())}; }
+
+  [[noreturn]] void fail_text(const pugi::xml_node& node) const {
+    const std::string_view text = node.value();
+    const std::size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+    const std::string_view word = text.substr(first, text.find_first_of(" \t\r\n<", first) - first);
+    SourceLocation place = where(node);
+    place.line += static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(first), '\n'));
+    throw SceneError(place, "unexpected text " + in_quotes(word) + " inside <" + node.parent().name() + ">");
+  }
+
+  /// Takes the children of `node` out of pugixml's tree, so that a large scene is not held twice.
+  XmlElement convert(pugi::xml_node node, int depth) const {
+    XmlElement element;
+    element.name = node.name();
+    element.where = where(node);
+    if (depth > kMaxDepth)
+      throw SceneError(element.where, "elements are nested deeper than " + std::to_string(kMaxDepth) + " levels");
+    element.attributes.reserve(count(node.attributes()));
+    for (const pugi::xml_attribute& attribute : node.attributes()) {
+      if (element.find_attribute(attribute.name()) != nullptr)
+        throw SceneError(element.where, "attribute " + in_quotes(attribute.name()) + " is given twice");
+      if (element.attributes.size() == kMaxAttributes) throw SceneError(element.where, "too many attributes");
+      element.attributes.push_back({attribute.name(), attribute.value()});
+    }
+    element.children.reserve(count(node.children()));
+    for (pugi::xml_node child; (child = node.first_child()); node.remove_child(child)) {
+      if (child.type() == pugi::node_element) {
+        element.children.push_back(convert(child, depth + 1));
+      } else if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) {
+        fail_text(child);
+      }
+    }
+    return element;
+  }
+};
+
+}  // namespace
+
+const std::string* XmlElement::find_attribute(std::string_view attribute_name) const {
+  for (const XmlAttribute& a : attributes)
+    if (a.name == attribute_name) return &a.value;
+  return nullptr;
+}
+
+const std::string& XmlElement::attribute(std::string_view attribute_name) const {
+  if (const std::string* value = find_attribute(attribute_name)) return *value;
+  std::vector<std::string> present;
+  for (const XmlAttribute& a : attributes) present.push_back(a.name);
+  std::string message = "<" + name + "> needs an attribute '" + std::string(attribute_name) + "'";
+  const std::string similar = nearest_name(attribute_name, present);
+  if (!similar.empty()) message += ", found " + in_quotes(similar);
+  throw SceneError(where, message);
+}
+
+void XmlElement::expect_attributes(std::initializer_list<const char*> allowed) const {
+  const std::vector<std::string> names(allowed.begin(), allowed.end());
+  for (const XmlAttribute& a : attributes)
+    if (std::find(names.begin(), names.end(), a.name) == names.end())
+      throw SceneError(where, "<" + name + "> has no attribute " + in_quotes(a.name) + did_you_mean(a.name, names));
+}
+
+XmlElement read_xml(const std::filesystem::path& file) {
+  std::string text = read_text(file);
+  const Converter converter{file.string(), LineIndex(text)};
+  pugi::xml_document document;
+  const pugi::xml_parse_result result =
+      document.load_buffer_inplace(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
+  if (result.status == pugi::status_no_document_element)
+    throw SceneError(SourceLocation{converter.file, 1}, "the file holds no XML element, expected <scene>");
+  if (!result)
+    throw SceneError(SourceLocation{converter.file, converter.lines.line(result.offset)},
+                     std::string("not well-formed XML: ") + result.description());
+  const pugi::xml_node root = document.document_element();
+  for (pugi::xml_node other = root.next_sibling(); other; other = other.next_sibling())
+    if (other.type() == pugi::node_element)
+      throw SceneError(converter.where(other), std::string("a second root element <") + other.name() + ">");
+  return converter.convert(root, 1);
+}
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kLongest = 60;
+  std::string shown(text.substr(0, kLongest));
+  for (char& c : shown)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
+  if (text.size() > kLongest) shown += "...";
+  return "'" + shown + "'";
+}
+
+}  // namespace sheaf

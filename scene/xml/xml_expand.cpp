@@ -1,0 +1,234 @@
+// Expansion of a scene file: includes, parameters, search paths, ids.
+#include "scene/xml/xml_expand.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace sheaf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kMaxIncludeDepth = 15;
+constexpr int kMaxIncludes = 10'000;
+constexpr std::size_t kMaxElements = 20'000'000;
+constexpr std::size_t kMaxParameterLength = std::size_t{1} << 20;
+constexpr std::size_t kMaxSubstituted = std::size_t{1} << 28;  ///< bytes written in place of parameters, in all
+
+bool is_name_character(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+/// Whether an element stands for something else than itself.
+bool is_directive(const XmlElement& element) {
+  return element.name == "default" || element.name == "path" || element.name == "alias" || element.name == "include";
+}
+
+/// `base / name` if that is something on disk, also with backslashes read as slashes.
+fs::path existing(const fs::path& base, const std::string& name) {
+  std::error_code error;
+  if (fs::path candidate = base / name; fs::exists(candidate, error)) return candidate;
+  std::string forward = name;
+  std::replace(forward.begin(), forward.end(), '\\', '/');
+  if (fs::path candidate = base / forward; forward != name && fs::exists(candidate, error)) return candidate;
+  return {};
+}
+
+fs::path find_existing(const std::string& name, const std::vector<fs::path>& search, const SourceLocation& where) {
+  if (name.empty()) throw SceneError(where, "empty file name");
+  if (fs::path(name).is_absolute()) {
+    if (fs::path found = existing({}, name); !found.empty()) return found;
+    throw SceneError(where, "file " + in_quotes(name) + " not found");
+  }
+  std::vector<fs::path> folders = search;
+  if (fs::path own = fs::path(where.file).parent_path(); std::find(search.begin(), search.end(), own) == search.end())
+    folders.push_back(own);
+  std::string looked;
+  for (const fs::path& folder : folders) {
+    if (fs::path found = existing(folder, name); !found.empty()) return found;
+    looked += (looked.empty() ? "" : ", ") + in_quotes(folder.empty() ? "." : folder.string());
+  }
+  throw SceneError(where, "file " + in_quotes(name) + " not found in " + looked);
+}
+
+}  // namespace
+
+/// The state of one expansion: parameters and limits.
+struct ExpandedScene::Expansion {
+  ExpandedScene& scene;
+  std::map<std::string, std::string> parameters;
+  std::set<std::string> read;  ///< names that the scene mentions, as a default or as $name
+  int includes = 0;
+  std::size_t elements = 0, substituted = 0;
+
+  /// The longest parameter name that `text` begins with.
+  const std::pair<const std::string, std::string>* longest_parameter(std::string_view text) const {
+    for (std::size_t length = text.size(); length > 0; --length)
+      if (auto it = parameters.find(std::string(text.substr(0, length))); it != parameters.end()) return &*it;
+    return nullptr;
+  }
+
+  [[noreturn]] void fail_undefined(const std::string& name, const SourceLocation& where) const {
+    std::vector<std::string> known;
+    for (const auto& parameter : parameters) known.push_back(parameter.first);
+    throw SceneError(where, "parameter '$" + name + "' is not defined" + did_you_mean(name, known) +
+                                " (define it by -D " + name + "=value or <default>)");
+  }
+
+  void substitute(std::string& text, const SourceLocation& where) {
+    constexpr std::size_t kLongestName = 128;
+    if (text.find('$') == std::string::npos) return;
+    std::string result;
+    for (std::size_t i = 0; i < text.size();) {
+      std::size_t end = i + 1;
+      if (text[i] == '$')
+        while (end < text.size() && end - i <= kLongestName && is_name_character(text[end])) ++end;
+      if (end == i + 1) {
+        result += text[i++];
+        continue;
+      }
+      const std::string_view name = std::string_view(text).substr(i + 1, end - i - 1);
+      const auto* parameter = longest_parameter(name);
+      if (parameter == nullptr) fail_undefined(std::string(name), where);
+      read.insert(parameter->first);
+      result += parameter->second;
+      i += 1 + parameter->first.size();
+      substituted += parameter->second.size();
+      if (substituted > kMaxSubstituted) throw SceneError(where, "values grow too long by their $parameters");
+    }
+    text = std::move(result);
+  }
+
+  void define_default(const XmlElement& element) {
+    element.expect_attributes({"name", "value"});
+    const std::string& name = element.attribute("name");
+    if (name.empty() || !std::all_of(name.begin(), name.end(), is_name_character))
+      throw SceneError(element.where, in_quotes(name) + " is not a parameter name, expected letters, digits and _");
+    if (element.attribute("value").size() > kMaxParameterLength)
+      throw SceneError(element.where, "the default value is too long");
+    parameters.emplace(name, element.attribute("value"));
+    read.insert(name);
+  }
+
+  void add_path(const XmlElement& element) {
+    element.expect_attributes({"value"});
+    const std::string& value = element.attribute("value");
+    const fs::path own = fs::path(element.where.file).parent_path();
+    fs::path folder = fs::path(value).is_absolute() ? existing({}, value) : existing(own, value);
+    if (folder.empty()) folder = find_existing(value, scene.search_, element.where);
+    if (!fs::is_directory(folder)) throw SceneError(element.where, in_quotes(value) + " is not a folder");
+    scene.search_.insert(scene.search_.begin(), folder);
+  }
+
+  void include(const XmlElement& element, int include_depth, std::vector<XmlElement>& out) {
+    element.expect_attributes({"filename"});
+    if (include_depth >= kMaxIncludeDepth)
+      throw SceneError(element.where, "includes are nested deeper than " + std::to_string(kMaxIncludeDepth) +
+                                          " levels; does " + in_quotes(element.attribute("filename")) +
+                                          " include itself?");
+    if (++includes > kMaxIncludes) throw SceneError(element.where, "more than 10000 includes");
+    XmlElement included = read_xml(scene.find_file(element.attribute("filename"), element.where));
+    std::vector<XmlElement> children;
+    if (included.name == "scene") {
+      children = std::move(included.children);
+    } else {
+      children.push_back(std::move(included));
+    }
+    expand(children, include_depth + 1);
+    out.reserve(out.size() + children.size());
+    std::move(children.begin(), children.end(), std::back_inserter(out));
+  }
+
+  /// Replaces the children of an element by what they mean.
+  void expand(std::vector<XmlElement>& children, int include_depth) {
+    const bool in_place = std::none_of(children.begin(), children.end(), is_directive);
+    std::vector<XmlElement> out;
+    for (XmlElement& child : children) {
+      if (++elements > kMaxElements) throw SceneError(child.where, "more than 20 million elements");
+      for (XmlAttribute& attribute : child.attributes) substitute(attribute.value, child.where);
+      if (in_place) {
+        expand(child.children, include_depth);
+      } else if (child.name == "default") {
+        define_default(child);
+      } else if (child.name == "path") {
+        add_path(child);
+      } else if (child.name == "alias") {
+        scene.aliases_.push_back(std::move(child));
+      } else if (child.name == "include") {
+        include(child, include_depth, out);
+      } else {
+        expand(child.children, include_depth);
+        out.push_back(std::move(child));
+      }
+    }
+    if (!in_place) children = std::move(out);
+  }
+};
+
+ExpandedScene::ExpandedScene(const fs::path& file, const std::vector<std::pair<std::string, std::string>>& defines) {
+  search_.push_back(file.parent_path());
+  files_.push_back(file);
+  root_ = read_xml(file);
+  Expansion expansion{*this, {}, {}};
+  for (const auto& [name, value] : defines) expansion.parameters[name] = value;
+  expansion.expand(root_.children, 0);
+  const std::vector<std::string> known(expansion.read.begin(), expansion.read.end());
+  for (const auto& define : defines)
+    if (expansion.read.count(define.first) == 0)
+      throw SceneError(SourceLocation{file.string(), 0}, "the scene has no parameter " + in_quotes(define.first) +
+                                                             " that -D could set" + did_you_mean(define.first, known));
+  for (const XmlElement& child : root_.children) index(child);
+  apply_aliases();
+  mark_references(root_);
+}
+
+void ExpandedScene::index(const XmlElement& element) {
+  const std::string* id = element.name == "ref" ? nullptr : element.find_attribute("id");
+  if (id != nullptr) {
+    const auto [it, inserted] = ids_.emplace(*id, &element);
+    if (!inserted) {
+      const SourceLocation& first = it->second->where;
+      throw SceneError(element.where, "id " + in_quotes(*id) + " is already taken by <" + it->second->name + "> in " +
+                                          first.file + ":" + std::to_string(first.line));
+    }
+  }
+  for (const XmlElement& child : element.children) index(child);
+}
+
+void ExpandedScene::apply_aliases() {
+  for (const XmlElement& alias : aliases_) {
+    alias.expect_attributes({"id", "as"});
+    const XmlElement& target = find(alias.attribute("id"), alias.where);
+    if (!ids_.emplace(alias.attribute("as"), &target).second)
+      throw SceneError(alias.where, "id " + in_quotes(alias.attribute("as")) + " is already taken");
+  }
+}
+
+void ExpandedScene::mark_references(const XmlElement& element) {
+  if (element.name == "ref")
+    if (const std::string* id = element.find_attribute("id"))
+      if (auto it = ids_.find(*id); it != ids_.end()) referenced_.insert(it->second);
+  for (const XmlElement& child : element.children) mark_references(child);
+}
+
+const XmlElement& ExpandedScene::find(const std::string& id, const SourceLocation& where) const {
+  if (auto it = ids_.find(id); it != ids_.end()) return *it->second;
+  std::vector<std::string> known;
+  for (const auto& entry : ids_) known.push_back(entry.first);
+  std::sort(known.begin(), known.end());
+  throw SceneError(where, "no object has the id " + in_quotes(id) + did_you_mean(id, known));
+}
+
+fs::path ExpandedScene::find_file(const std::string& name, const SourceLocation& where) const {
+  fs::path found = find_existing(name, search_, where);
+  std::error_code error;
+  if (!fs::is_regular_file(found, error)) throw SceneError(where, in_quotes(found.string()) + " is not a regular file");
+  // Many instances may name one file, mostly one after another.
+  found = found.lexically_normal();
+  if (files_.back() != found) files_.push_back(found);
+  return found;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,182 @@
+// Parsing of numbers, vectors and transforms.
+#include "scene/xml/xml_values.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+bool is_separator(char c) { return c == ',' || c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_separator(text.front()) && text.front() != ',') text.remove_prefix(1);
+  while (!text.empty() && is_separator(text.back()) && text.back() != ',') text.remove_suffix(1);
+  return text;
+}
+
+[[noreturn]] void fail_value(std::string_view text, const SourceLocation& where, std::string_view what,
+                             const char* expected) {
+  throw SceneError(where, std::string(what) + " is " + in_quotes(text) + ", expected " + expected);
+}
+
+std::string shown(const XmlElement& element) { return "<" + element.name + ">"; }
+
+/// The axis of a rotation in either dialect's spelling.
+Vec3f rotation_axis(const XmlElement& element) {
+  if (const std::string* axis = element.find_attribute("axis")) {
+    element.expect_attributes({"axis", "angle"});
+    return parse_vec3(*axis, element.where, "the axis of <rotate>");
+  }
+  element.expect_attributes({"x", "y", "z", "value", "angle"});
+  XmlElement axis = element;
+  std::erase_if(axis.attributes, [](const XmlAttribute& a) { return a.name == "angle"; });
+  return parse_vec3_element(axis, 0);
+}
+
+/// A vector across `forward`, for a lookat that leaves its up direction open: the first tangent of Duff et al. 2017,
+/// "Building an Orthonormal Basis, Revisited", as Mitsuba chooses.
+Vec3f any_up(Vec3f forward) {
+  const Vec3f n = normalize(forward);
+  const float sign = std::copysign(1.0f, n.z);
+  const float a = -1.0f / (sign + n.z);
+  return {1.0f + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x};
+}
+
+Transform parse_lookat(const XmlElement& element) {
+  element.expect_attributes({"origin", "target", "up"});
+  const Vec3f origin = parse_vec3(element.attribute("origin"), element.where, "the origin of <lookat>");
+  const Vec3f target = parse_vec3(element.attribute("target"), element.where, "the target of <lookat>");
+  Vec3f up = any_up(target - origin);
+  if (const std::string* given = element.find_attribute("up"))
+    up = parse_vec3(*given, element.where, "the up of <lookat>");
+  return Transform::look_at(origin, target, up);
+}
+
+Transform parse_matrix(const XmlElement& element) {
+  element.expect_attributes({"value"});
+  const std::vector<float> values = parse_floats(element.attribute("value"), element.where, "the value of <matrix>");
+  if (values.size() != 16 && values.size() != 9)
+    throw SceneError(element.where, "<matrix> has " + std::to_string(values.size()) + " numbers, expected 16 or 9");
+  const std::size_t size = values.size() == 16 ? 4 : 3;
+  Matrix4 matrix;
+  for (std::size_t i = 0; i < size; ++i)
+    for (std::size_t j = 0; j < size; ++j) matrix.m[i][j] = values[i * size + j];
+  const auto& last = matrix.m[3];
+  if (last[0] != 0 || last[1] != 0 || last[2] != 0 || last[3] != 1)
+    throw SceneError(element.where, "the last row of <matrix> is not 0 0 0 1; transforms must be affine");
+  return Transform(matrix);
+}
+
+Transform parse_step(const XmlElement& element) {
+  if (!element.children.empty()) throw SceneError(element.where, shown(element) + " holds no elements");
+  if (element.name == "translate") return Transform::translate(parse_vec3_element(element, 0));
+  if (element.name == "scale") return Transform::scale(parse_vec3_element(element, 1));
+  if (element.name == "rotate") {
+    const Vec3f axis = rotation_axis(element);
+    return Transform::rotate(axis, parse_float(element.attribute("angle"), element.where, "the angle of <rotate>"));
+  }
+  if (element.name == "lookat" || element.name == "lookAt") return parse_lookat(element);
+  if (element.name == "matrix") return parse_matrix(element);
+  throw SceneError(element.where, "unknown transform step " + shown(element) +
+                                      did_you_mean(element.name, {"translate", "scale", "rotate", "lookat", "matrix"}));
+}
+
+}  // namespace
+
+std::vector<std::string_view> split_list(std::string_view text) {
+  std::vector<std::string_view> parts;
+  for (std::size_t i = 0; i < text.size();) {
+    if (is_separator(text[i])) {
+      ++i;
+      continue;
+    }
+    std::size_t end = i;
+    while (end < text.size() && !is_separator(text[end])) ++end;
+    parts.push_back(text.substr(i, end - i));
+    i = end;
+  }
+  return parts;
+}
+
+float parse_float(std::string_view text, const SourceLocation& where, std::string_view what) {
+  std::string_view digits = trimmed(text);
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error == std::errc::result_out_of_range) fail_value(text, where, what, "a number in the range of a float");
+  if (error != std::errc() || end != digits.data() + digits.size()) fail_value(text, where, what, "a number");
+  if (!std::isfinite(value)) fail_value(text, where, what, "a finite number");
+  const float narrow = static_cast<float>(value);
+  if (!std::isfinite(narrow)) fail_value(text, where, what, "a number in the range of a float");
+  return narrow;
+}
+
+std::int64_t parse_integer(std::string_view text, const SourceLocation& where, std::string_view what) {
+  std::string_view digits = trimmed(text);
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error == std::errc::result_out_of_range) fail_value(text, where, what, "an integer of at most 64 bits");
+  if (error != std::errc() || end != digits.data() + digits.size()) fail_value(text, where, what, "an integer");
+  return value;
+}
+
+bool parse_boolean(std::string_view text, const SourceLocation& where, std::string_view what) {
+  std::string lower(trimmed(text).substr(0, 8));
+  for (char& c : lower) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  if (lower == "true") return true;
+  if (lower == "false") return false;
+  fail_value(text, where, what, "true or false");
+}
+
+std::vector<float> parse_floats(std::string_view text, const SourceLocation& where, std::string_view what) {
+  std::vector<float> values;
+  for (std::string_view part : split_list(text)) values.push_back(parse_float(part, where, what));
+  return values;
+}
+
+Vec3f parse_vec3(std::string_view text, const SourceLocation& where, std::string_view what) {
+  const std::vector<float> v = parse_floats(text, where, what);
+  if (v.size() == 1) return {v[0], v[0], v[0]};
+  if (v.size() != 3) fail_value(text, where, what, "three numbers");
+  return {v[0], v[1], v[2]};
+}
+
+Vec3f parse_vec3_element(const XmlElement& element, float missing) {
+  const std::string what = "the value of " + shown(element);
+  if (const std::string* value = element.find_attribute("value")) {
+    element.expect_attributes({"name", "value"});
+    return parse_vec3(*value, element.where, what);
+  }
+  element.expect_attributes({"name", "value", "x", "y", "z"});
+  float result[3] = {missing, missing, missing};
+  bool any = false;
+  const char* const axes[3] = {"x", "y", "z"};
+  for (int i = 0; i < 3; ++i)
+    if (const std::string* text = element.find_attribute(axes[i])) {
+      result[i] = parse_float(*text, element.where, std::string("attribute ") + axes[i] + " of " + shown(element));
+      any = true;
+    }
+  if (!any) throw SceneError(element.where, shown(element) + " needs value=\"x, y, z\" or x, y and z");
+  return {result[0], result[1], result[2]};
+}
+
+Transform parse_transform(const XmlElement& element) {
+  element.expect_attributes({"name", "id"});
+  Transform result;
+  for (const XmlElement& step : element.children) {
+    try {
+      result = parse_step(step) * result;
+    } catch (const SceneError& error) {
+      // Transform knows the fault but not the place.
+      const std::string message = error.what();
+      if (message.starts_with(step.where.file + ":")) throw;
+      throw SceneError(step.where, message);
+    }
+  }
+  return result;
+}
+
+}  // namespace sheaf

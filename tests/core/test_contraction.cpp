@@ -1,0 +1,52 @@
+// That products and sums are rounded one by one, as written. Compiled with the optimisations at which compilers fuse
+// them, see cmake/SheafTests.cmake; tells nothing on machines without fused multiply-adds.
+#include "tests/support/lanes_testing.h"
+
+#include <doctest/doctest.h>
+
+namespace sheaf {
+
+namespace {
+
+template <class F> SHEAF_INLINE F inlined(F a, F b, F c) { return a * b + c; }
+template <class F> [[gnu::noinline]] F called(F a, F b, F c) { return a * b + c; }
+template <class F> [[gnu::noinline]] F called_difference(F a, F b, F c) { return c - a * b; }
+
+// The square of kRoot is kSquare + 2^-24, which rounds to kSquare.
+constexpr float kRoot = 1.0f + 0x1p-12f, kSquare = 1.0f + 0x1p-11f;
+
+/// A value that the compiler doesn't know.
+float opaque(float value) {
+  volatile float hidden = value;
+  return hidden;
+}
+
+}  // namespace
+
+TEST_CASE("a product is rounded before it is added to, inlined or not") {
+  const float a = opaque(kRoot), c = opaque(-kSquare);
+  CHECK(inlined(a, a, c) == 0.0f);
+  CHECK(called(a, a, c) == 0.0f);
+  CHECK(called_difference(a, a, -c) == 0.0f);
+}
+
+TEST_CASE("the same in registers") {
+  const auto a = wide_floats([](int) { return opaque(kRoot); }), c = wide_floats([](int) { return opaque(-kSquare); });
+  const auto in_place = inlined(a, a, c), by_call = called(a, a, c), difference = called_difference(a, a, -c);
+  for (int lane = 0; lane < kWidth; ++lane) {
+    CHECK(in_place[lane] == 0.0f);
+    CHECK(by_call[lane] == 0.0f);
+    CHECK(difference[lane] == 0.0f);
+  }
+}
+
+#ifdef __FMA__
+TEST_CASE("fma() is rounded once") {
+  const float a = opaque(kRoot), c = opaque(-kSquare);
+  CHECK(fma(a, a, c) == 0x1p-24f);
+  const auto wide = wide_floats([a](int) { return a; });
+  CHECK(fma(wide, wide, wide_floats([c](int) { return c; }))[0] == 0x1p-24f);
+}
+#endif
+
+}  // namespace sheaf

@@ -1,0 +1,197 @@
+// EXR files: round trips with crops, types and metadata; determinism; damaged files.
+#include "core/exr.h"
+
+#include "core/error.h"
+#include "tests/support/temporary_folder.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+using namespace sheaf;
+
+namespace {
+
+Image make_noise(int width, int height, std::vector<std::string> channels) {
+  Image image(width, height, std::move(channels));
+  std::mt19937 generator(7);
+  for (float& value : image.data) value = static_cast<float>(generator()) / 4e8f - 1.0f;
+  return image;
+}
+
+/// Whether every channel of `a` is in `b` with the same values, up to `tolerance` relative.
+bool same_values(const Image& a, const Image& b, float tolerance = 0) {
+  if (a.width != b.width || a.height != b.height || a.channels.size() != b.channels.size()) return false;
+  for (std::size_t c = 0; c < a.channels.size(); ++c) {
+    const int other = b.find_channel(a.channels[c]);
+    if (other < 0) return false;
+    for (int y = 0; y < a.height; ++y) {
+      for (int x = 0; x < a.width; ++x) {
+        const float u = a.at(x, y, static_cast<int>(c)), v = b.at(x, y, other);
+        if (!(std::abs(u - v) <= tolerance * std::abs(u))) return false;
+      }
+    }
+  }
+  return true;
+}
+
+const std::vector<std::string> kLayers{"R", "G", "B", "A", "variance.R", "sampleCount", "Z"};
+
+}  // namespace
+
+TEST_CASE("an EXR round trip keeps every float and the window in the frame") {
+  const TemporaryFolder folder;
+  Image image = make_noise(37, 21, kLayers);
+  image.data[5] = std::numeric_limits<float>::infinity();
+  image.data[6] = 1e-42f;
+  image.x0 = 11;
+  image.y0 = 5;
+  image.frame_width = 100;
+  image.frame_height = 50;
+  write_exr(folder / "crop.exr", image);
+  const Image back = read_exr(folder / "crop.exr");
+  CHECK(back.x0 == 11);
+  CHECK(back.y0 == 5);
+  CHECK(back.frame_width == 100);
+  CHECK(back.frame_height == 50);
+  const int red = back.find_channel("R"), count = back.find_channel("sampleCount");
+  REQUIRE(red >= 0);
+  REQUIRE(count >= 0);
+  CHECK(back.at(0, 0, count) == image.at(0, 0, 5));
+  CHECK(back.at(0, 0, back.find_channel("Z")) == 1e-42f);
+  image.data[5] = 0;
+  Image finite = back;
+  finite.at(0, 0, count) = 0;
+  CHECK(same_values(image, finite));
+  CHECK(folder.entry_count() == 1);
+}
+
+TEST_CASE("windows may begin left of and above the frame") {
+  const TemporaryFolder folder;
+  Image image = make_noise(8, 8, {"R", "G", "B"});
+  image.x0 = -3;
+  image.y0 = -2;
+  write_exr(folder / "overscan.exr", image);
+  const Image back = read_exr(folder / "overscan.exr");
+  CHECK(back.x0 == -3);
+  CHECK(back.y0 == -2);
+  CHECK(same_values(image, back));
+}
+
+TEST_CASE("half channels lose precision, float channels beside them do not") {
+  const TemporaryFolder folder;
+  const Image image = make_noise(33, 17, {"N.X", "R"});
+  ExrMetadata metadata;
+  metadata.half_channels = {"N.X"};
+  write_exr(folder / "half.exr", image, metadata);
+  const Image back = read_exr(folder / "half.exr");
+  CHECK(same_values(image, back, 1.0f / 1024));
+  CHECK_FALSE(same_values(image, back));
+  CHECK(back.at(5, 5, back.find_channel("R")) == image.at(5, 5, 1));
+}
+
+TEST_CASE("metadata is written and read") {
+  const TemporaryFolder folder;
+  ExrMetadata metadata;
+  metadata.software = "Sheaf";
+  metadata.attributes = {{"sheaf/seed", std::string("4294967295")}, {"sheaf/spp", 64}, {"sheaf/exposure", 0.5f}};
+  metadata.world_to_camera = Matrix4{};
+  write_exr(folder / "meta.exr", make_noise(4, 4, {"R"}), metadata);
+  const std::vector<ExrMetadata::Attribute> found = read_exr_attributes(folder / "meta.exr");
+  const auto value_of = [&found](const std::string& name) -> std::variant<int, float, std::string> {
+    for (const auto& attribute : found) {
+      if (attribute.name == name) return attribute.value;
+    }
+    return -12345;
+  };
+  CHECK(std::get<std::string>(value_of("sheaf/seed")) == "4294967295");
+  CHECK(std::get<int>(value_of("sheaf/spp")) == 64);
+  CHECK(std::get<float>(value_of("sheaf/exposure")) == 0.5f);
+  CHECK(std::get<std::string>(value_of("Software")) == "Sheaf");
+  const std::string bytes = read_bytes(folder / "meta.exr");
+  CHECK(bytes.find("chromaticities") != std::string::npos);
+  CHECK(bytes.find("worldToCamera") != std::string::npos);
+  CHECK(bytes.find("capDate") == std::string::npos);
+}
+
+TEST_CASE("the same image gives the same bytes, whatever the order of its channels") {
+  const TemporaryFolder folder;
+  const Image image = make_noise(300, 40, {"R", "G"});
+  Image swapped(300, 40, {"G", "R"});
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 300; ++x) {
+      swapped.at(x, y, 0) = image.at(x, y, 1);
+      swapped.at(x, y, 1) = image.at(x, y, 0);
+    }
+  }
+  write_exr(folder / "a.exr", image);
+  write_exr(folder / "b.exr", image);
+  write_exr(folder / "c.exr", swapped);
+  CHECK(read_bytes(folder / "a.exr").size() > 10000);
+  CHECK(read_bytes(folder / "a.exr") == read_bytes(folder / "b.exr"));
+  CHECK(read_bytes(folder / "a.exr") == read_bytes(folder / "c.exr"));
+}
+
+TEST_CASE("an EXR cut off anywhere is an error") {
+  const TemporaryFolder folder;
+  write_exr(folder / "whole.exr", make_noise(64, 64, {"R", "G", "B"}));
+  const std::string bytes = read_bytes(folder / "whole.exr");
+  for (std::size_t i = 0; i < 16; ++i) {
+    CAPTURE(i);
+    write_bytes(folder / "cut.exr", bytes.substr(0, bytes.size() * i / 16));
+    CHECK_THROWS_AS(read_exr(folder / "cut.exr"), SceneError);
+    CHECK_THROWS_AS(read_image(folder / "cut.exr"), SceneError);
+  }
+}
+
+TEST_CASE("an EXR with damaged bytes is read or refused, but never crashes") {
+  const TemporaryFolder folder;
+  write_exr(folder / "whole.exr", make_noise(32, 32, {"R", "G", "B"}));
+  const std::string bytes = read_bytes(folder / "whole.exr");
+  std::mt19937 generator(3);
+  int refused = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    std::string damaged = bytes;
+    const std::size_t range = trial % 2 == 0 ? 400 : bytes.size();
+    for (int k = 0; k < 3; ++k) damaged[generator() % range] = static_cast<char>(generator());
+    write_bytes(folder / "damaged.exr", damaged);
+    try {
+      read_exr(folder / "damaged.exr");
+    } catch (const SceneError&) {
+      ++refused;
+    }
+  }
+  CHECK(refused > 50);
+}
+
+TEST_CASE("a header that claims a huge image is refused without taking the memory") {
+  const TemporaryFolder folder;
+  write_exr(folder / "small.exr", make_noise(4, 4, {"R"}));
+  const std::string bytes = read_bytes(folder / "small.exr");
+  const std::size_t window = bytes.find("dataWindow") + std::string("dataWindow").size() + 1 + 6 + 4;
+  for (const char high : {'\x00', '\x7f'}) {
+    std::string claim = bytes;
+    for (const std::size_t corner : {window + 8, window + 12}) claim.replace(corner, 4, {'\xff', '\xff', '\0', high});
+    write_bytes(folder / "claim.exr", claim);
+    CHECK_THROWS_AS(read_exr(folder / "claim.exr"), SceneError);
+  }
+}
+
+TEST_CASE("what cannot be an EXR is refused with the file's name") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "text.exr", "<scene/>");
+  CHECK_FALSE(is_exr(folder / "text.exr"));
+  try {
+    read_exr(folder / "text.exr");
+    FAIL("no error");
+  } catch (const SceneError& error) {
+    CHECK(std::string(error.what()).find("text.exr") != std::string::npos);
+  }
+  CHECK_THROWS_AS(read_exr(folder / "missing.exr"), SceneError);
+  CHECK_THROWS_AS(write_exr(folder / "empty.exr", Image()), Error);
+  CHECK_THROWS_AS(write_exr(folder / "no/folder.exr", make_noise(2, 2, {"R"})), Error);
+  CHECK(folder.entry_count() == 1);
+}

@@ -1,0 +1,160 @@
+// Images in memory, PNG out and back, and files that appear whole or not at all.
+#include "core/image.h"
+
+#include "core/color.h"
+#include "core/error.h"
+#include "core/output_file.h"
+#include "tests/support/temporary_folder.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+using namespace sheaf;
+
+namespace {
+
+Image make_ramp() {
+  Image image(256, 2, {"B", "G", "R"});
+  for (int x = 0; x < 256; ++x) {
+    const float linear = srgb_to_linear(static_cast<float>(x) / 255.0f);
+    for (int y = 0; y < 2; ++y) {
+      image.at(x, y, image.find_channel("R")) = linear;
+      image.at(x, y, image.find_channel("G")) = srgb_to_linear(static_cast<float>(255 - x) / 255.0f);
+      image.at(x, y, image.find_channel("B")) = y == 0 ? 0.0f : 1.0f;
+    }
+  }
+  return image;
+}
+
+int byte_at(const Image& image, int x, int y, int c) {
+  return static_cast<int>(std::lround(image.at(x, y, c) * 255.0f));
+}
+
+}  // namespace
+
+TEST_CASE("an image starts black, with channels found by name") {
+  const Image image(3, 2, {"A", "variance.R"});
+  CHECK(image.data.size() == 12);
+  CHECK(image.find_channel("variance.R") == 1);
+  CHECK(image.find_channel("R") == -1);
+  CHECK(image.frame_width == 3);
+  CHECK(image.at(2, 1, 1) == 0.0f);
+}
+
+TEST_CASE("a PNG holds the sRGB bytes of linear values") {
+  const TemporaryFolder folder;
+  write_png(folder / "ramp.png", make_ramp());
+  const Image back = read_image(folder / "ramp.png");
+  REQUIRE(back.width == 256);
+  REQUIRE(back.height == 2);
+  REQUIRE(back.channels.size() == 3);
+  bool all_equal = true;
+  for (int x = 0; x < 256; ++x) {
+    all_equal = all_equal && byte_at(back, x, 0, 0) == x && byte_at(back, x, 0, 1) == 255 - x;
+  }
+  CHECK(all_equal);
+  CHECK(byte_at(back, 7, 0, 2) == 0);
+  CHECK(byte_at(back, 7, 1, 2) == 255);
+  CHECK(folder.entry_count() == 1);
+}
+
+TEST_CASE("a PNG clamps, rounds to nearest and turns NaN into black") {
+  const TemporaryFolder folder;
+  Image image(6, 1, {"Y"});
+  const float half_step = srgb_to_linear(100.499f / 255.0f), next_half = srgb_to_linear(100.501f / 255.0f);
+  image.data = {std::numeric_limits<float>::quiet_NaN(), -3, 1e30f, std::numeric_limits<float>::infinity(), half_step,
+                next_half};
+  write_png(folder / "grey.png", image);
+  const Image back = read_image(folder / "grey.png");
+  REQUIRE(back.channels.size() == 1);
+  const int expected[] = {0, 0, 255, 255, 100, 101};
+  for (int x = 0; x < 6; ++x) CHECK(byte_at(back, x, 0, 0) == expected[x]);
+}
+
+TEST_CASE("a PNG keeps alpha only where it matters, with straight colours") {
+  const TemporaryFolder folder;
+  Image image(2, 1, {"R", "G", "B", "A"});
+  image.data = {0.5f, 0.25f, 0, 1, 0.1f, 0.1f, 0.1f, 1};
+  write_png(folder / "opaque.png", image);
+  CHECK(read_image(folder / "opaque.png").channels.size() == 3);
+  image.data = {0.25f, 0.125f, 0, 0.5f, 0, 0, 0, 0};
+  write_png(folder / "alpha.png", image);
+  const Image back = read_image(folder / "alpha.png");
+  REQUIRE(back.channels.size() == 4);
+  CHECK(byte_at(back, 0, 0, 0) == std::lround(255 * linear_to_srgb(0.5f)));
+  CHECK(byte_at(back, 0, 0, 1) == std::lround(255 * linear_to_srgb(0.25f)));
+  CHECK(byte_at(back, 0, 0, 3) == 128);
+  CHECK(byte_at(back, 1, 0, 0) == 0);
+  CHECK(byte_at(back, 1, 0, 3) == 0);
+}
+
+TEST_CASE("the same image gives the same PNG bytes") {
+  const TemporaryFolder folder;
+  write_png(folder / "a.png", make_ramp());
+  write_png(folder / "b.png", make_ramp());
+  CHECK(read_bytes(folder / "a.png").size() > 100);
+  CHECK(read_bytes(folder / "a.png") == read_bytes(folder / "b.png"));
+}
+
+TEST_CASE("a truncated or damaged PNG is an error, not a crash") {
+  const TemporaryFolder folder;
+  write_png(folder / "whole.png", make_ramp());
+  const std::string bytes = read_bytes(folder / "whole.png");
+  for (std::size_t i = 0; i < 16; ++i) {
+    write_bytes(folder / "cut.png", bytes.substr(0, bytes.size() * i / 16));
+    CHECK_THROWS_AS(read_image(folder / "cut.png"), SceneError);
+  }
+  write_bytes(folder / "text.png", "not a picture at all");
+  CHECK_THROWS_AS(read_image(folder / "text.png"), SceneError);
+  CHECK_THROWS_AS(read_image(folder / "missing.png"), SceneError);
+  CHECK_THROWS_AS(read_image(folder.path()), SceneError);
+}
+
+TEST_CASE("sizes that a file cannot hold are refused before memory is taken") {
+  CHECK_THROWS_AS(check_image_size("x", 60000, 60000, 4, 1000), SceneError);
+  CHECK_THROWS_AS(check_image_size("x", 70000, 1, 1, 1 << 30), SceneError);
+  CHECK_THROWS_AS(check_image_size("x", 0, 5, 1, 1000), SceneError);
+  CHECK_THROWS_AS(check_image_size("x", 5, 5, 0, 1000), SceneError);
+  CHECK_THROWS_AS(check_image_size("x", 1LL << 40, 1LL << 40, 3, std::size_t{1} << 40), SceneError);
+  CHECK_NOTHROW(check_image_size("x", 4096, 4096, 4, 1 << 20));
+}
+
+TEST_CASE("writing to places that cannot be written to fails with the output code") {
+  const TemporaryFolder folder;
+  const auto code_of = [](const std::filesystem::path& path) {
+    try {
+      check_writable(path);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return ExitCode::kDone;
+  };
+  CHECK(code_of(folder / "no/such/folder/out.exr") == ExitCode::kOutput);
+  CHECK(code_of(folder.path()) == ExitCode::kOutput);
+  CHECK(code_of(folder.path() / "") == ExitCode::kOutput);
+  CHECK(code_of("/dev/null") == ExitCode::kOutput);
+  CHECK(code_of(folder / "out.exr") == ExitCode::kDone);
+  CHECK(folder.entry_count() == 0);
+  CHECK_THROWS_AS(write_png(folder / "no/out.png", make_ramp()), Error);
+  CHECK_THROWS_AS(write_png(folder / "empty.png", Image()), Error);
+  CHECK(folder.entry_count() == 0);
+}
+
+TEST_CASE("an output file replaces its target only when committed") {
+  const TemporaryFolder folder;
+  write_text_file(folder / "a.txt", "old");
+  {
+    OutputFile file(folder / "a.txt");
+    file.stream() << "half of the ne";
+  }
+  CHECK(read_bytes(folder / "a.txt") == "old");
+  CHECK(folder.entry_count() == 1);
+  write_text_file(folder / "a.txt", "new");
+  CHECK(read_bytes(folder / "a.txt") == "new");
+  std::filesystem::create_symlink(folder / "a.txt", folder / "link.txt");
+  write_text_file(folder / "link.txt", "through the link");
+  CHECK(std::filesystem::is_symlink(folder / "link.txt"));
+  CHECK(read_bytes(folder / "a.txt") == "through the link");
+}

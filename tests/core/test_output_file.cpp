@@ -1,0 +1,107 @@
+// Files that appear whole or not at all, on disks that are full and by names of all kinds.
+#include "core/output_file.h"
+
+#include "core/error.h"
+#include "core/exr.h"
+#include "core/image.h"
+#include "core/rng.h"
+#include "tests/support/temporary_folder.h"
+
+#include <doctest/doctest.h>
+
+#include <sys/resource.h>
+
+#include <csignal>
+#include <functional>
+
+using namespace sheaf;
+
+namespace {
+
+/// While it lives, files of this process end at so many bytes, as on a disk that is full.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &old_);
+    const rlimit limited{bytes, old_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limited);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &old_);
+    std::signal(SIGXFSZ, old_handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit old_{};
+  void (*old_handler_)(int);
+};
+
+Image noise_image(int side) {
+  Image image(side, side, {"R", "G", "B"});
+  for (std::size_t i = 0; i < image.data.size(); ++i)
+    image.data[i] = random4<Scalar>(7, static_cast<std::uint32_t>(i), 0, 0).x;
+  return image;
+}
+
+/// The message of the error with exit code 4 that comes of writing with a limit on files; empty: there is none.
+std::string error_when_full(rlim_t bytes, const std::function<void()>& write) {
+  const FileSizeLimit limit(bytes);
+  try {
+    write();
+  } catch (const Error& error) {
+    return error.code() == ExitCode::kOutput ? error.what() : "another exit code";
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("output file: what does not fit on the disk is an error, and what was there before stays") {
+  const TemporaryFolder folder;
+  // Files that end in the library's buffers, and files that overflow them.
+  for (const int side : {16, 24, 100}) {
+    CAPTURE(side);
+    const Image image = noise_image(side);
+    const std::pair<const char*, std::function<void(const std::filesystem::path&)>> kinds[] = {
+        {"a.exr", [&](const auto& path) { write_exr(path, image); }},
+        {"a.png", [&](const auto& path) { write_png(path, image); }},
+        {"a.txt", [&](const auto& path) { write_text_file(path, std::string(10000, 'x')); }}};
+    for (const auto& [name, write] : kinds) {
+      CAPTURE(std::string(name));
+      write(folder / name);
+      const std::size_t whole = read_bytes(folder / name).size();
+      REQUIRE(whole > 700);
+      for (const rlim_t room : {rlim_t{0}, rlim_t{512}, static_cast<rlim_t>(whole - 1)}) {
+        write_bytes(folder / name, "old");
+        const std::string error = error_when_full(room, [&] { write(folder / name); });
+        CHECK(error.find("cannot write '" + (folder / name).string()) != error.npos);
+        CHECK(read_bytes(folder / name) == "old");
+      }
+      CHECK(error_when_full(whole, [&] { write(folder / name); }).empty());
+      CHECK(read_bytes(folder / name).size() == whole);
+    }
+  }
+  CHECK(folder.entry_count() == 3);
+}
+
+TEST_CASE("output file: names that mean the same file") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "real");
+  std::filesystem::create_directory_symlink(folder / "real", folder / "alias");
+  write_bytes(folder / "real/there", "x");
+  std::filesystem::create_symlink(folder / "real/there", folder / "link");
+  std::filesystem::create_hard_link(folder / "real/there", folder / "hard");
+  for (const char* other : {"real/there", "real/../real/./there", "alias/there", "link", "hard", "alias/../link"}) {
+    CAPTURE(std::string(other));
+    CHECK(is_same_file(folder / "real/there", folder / other));
+    CHECK(is_same_file(folder / other, folder / "real/there"));
+    CHECK_FALSE(is_same_file(folder / other, folder / "real/not_there"));
+  }
+  CHECK(is_same_file(folder / "real/not_there", folder / "alias/./not_there"));
+  CHECK(is_same_file("not_there_at_all", "./not_there_at_all"));
+  CHECK(is_same_file("not_there_at_all", std::filesystem::current_path() / "not_there_at_all"));
+  CHECK_FALSE(is_same_file(folder / "real/not_there", folder / "not_there"));
+  CHECK_FALSE(is_same_file(folder / "real", folder / "real/there"));
+}

@@ -1,0 +1,282 @@
+// Samplers: uniform, independent where they should be, and estimates of integrals that are right and as good as
+// claimed.
+#include "core/sampler.h"
+
+#include "tests/support/chi_square.h"
+#include "tests/support/lanes_testing.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <functional>
+#include <unordered_set>
+#include <vector>
+
+namespace sheaf {
+
+namespace {
+
+using U = std::uint32_t;
+using Numbers = std::array<float, 4>;
+
+constexpr SamplerKind kKinds[] = {SamplerKind::kIndependent, SamplerKind::kStratified, SamplerKind::kMultijitter,
+                                  SamplerKind::kSobol};
+constexpr SampleBlock kBlocks[] = {SampleBlock::kCamera, SampleBlock::kLight, SampleBlock::kScatter,
+                                   SampleBlock::kSelect};
+
+Numbers numbers(const SamplerView& sampler, U pixel, U sample, U event = 0, SampleBlock block = SampleBlock::kCamera,
+                SampleSet set = {}) {
+  const Random4<Scalar> r = draw<Scalar>(sampler, pixel, sample, event, block, set);
+  return {r.x, r.y, r.z, r.w};
+}
+
+/// p-value of one pair of numbers per pixel over cells x cells cells.
+double p_value_of_pairs(int cells, U pixels, const std::function<std::array<float, 2>(U)>& pair) {
+  std::vector<double> counts(static_cast<std::size_t>(cells * cells));
+  for (U pixel = 0; pixel < pixels; ++pixel) {
+    const auto [a, b] = pair(pixel);
+    const auto n = static_cast<float>(cells);
+    counts[static_cast<std::size_t>(a * n) * static_cast<std::size_t>(cells) + static_cast<std::size_t>(b * n)] += 1.0;
+  }
+  return chi_square_uniform(counts).p_value;
+}
+
+/// Estimates of an integral over a block, one per pixel, from `samples` samples each.
+MeanVariance estimates(const SamplerView& sampler, U samples, U pixels, SampleBlock block,
+                       const std::function<double(const Numbers&)>& f) {
+  MeanVariance result;
+  for (U pixel = 0; pixel < pixels; ++pixel) {
+    double sum = 0;
+    for (U i = 0; i < samples; ++i) sum += f(numbers(sampler, pixel, i, 2, block));
+    result.add(sum / samples);
+  }
+  return result;
+}
+
+struct Integrand {
+  const char* name;
+  std::function<double(const Numbers&)> f;
+  double integral;
+};
+
+const std::vector<Integrand>& integrands() {
+  static const std::vector<Integrand> all = {
+      {"edge", [](const Numbers& u) { return u[1] + 0.7 * u[2] < 0.6 ? 1.0 : 0.0; }, 0.18 / 0.7},
+      {"disk", [](const Numbers& u) { return u[1] * u[1] + u[2] * u[2] < 1 ? 1.0 : 0.0; }, 0.785398163397448},
+      {"ramp", [](const Numbers& u) { return double(u[0]); }, 0.5},
+      {"bump", [](const Numbers& u) { return std::exp(-(u[1] - 0.4) * (u[1] - 0.4) * 8) * u[2]; },
+       0.5 * 0.5 * std::sqrt(3.14159265358979 / 8) * (std::erf(0.6 * std::sqrt(8.0)) + std::erf(0.4 * std::sqrt(8.0)))},
+      {"all four", [](const Numbers& u) { return 16.0 * u[0] * u[1] * u[2] * u[3]; }, 1.0},
+  };
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("sampler: each number is uniform over pixels, for every sample") {
+  constexpr U kSamples[] = {0, 1, 2, 5, 15, 16, 1000};
+  constexpr int kTests = 4 * 7 * 4;
+  for (const SamplerKind kind : kKinds)
+    for (const U sample : kSamples) {
+      const SamplerView sampler = make_sampler(kind, 3, 16);
+      std::vector<double> counts[4] = {std::vector<double>(256), std::vector<double>(256), std::vector<double>(256),
+                                       std::vector<double>(256)};
+      for (U pixel = 0; pixel < 20'000; ++pixel) {
+        const Numbers u = numbers(sampler, pixel, sample, 1, SampleBlock::kLight);
+        for (std::size_t d = 0; d < 4; ++d) counts[d].at(static_cast<std::size_t>(u[d] * 256.0f)) += 1.0;
+      }
+      CAPTURE(static_cast<int>(kind));
+      CAPTURE(sample);
+      for (const auto& dimension : counts) CHECK(chi_square_uniform(dimension).p_value > significance_of_each(kTests));
+    }
+}
+
+TEST_CASE("sampler: the four numbers of a sample are independent of each other over pixels") {
+  constexpr int kTests = 4 * 3 * 6;
+  for (const SamplerKind kind : kKinds)
+    for (const U sample : {0u, 1u, 11u})
+      for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t b = a + 1; b < 4; ++b) {
+          const SamplerView sampler = make_sampler(kind, 5, 16);
+          const double p = p_value_of_pairs(16, 20'000, [&](U pixel) {
+            const Numbers u = numbers(sampler, pixel, sample);
+            return std::array<float, 2>{u[a], u[b]};
+          });
+          CHECK(p > significance_of_each(kTests));
+        }
+}
+
+TEST_CASE("sampler: blocks, events, pixels, seeds and sets are independent of each other") {
+  constexpr int kTests = 4 * 2 * 5 * 4;
+  for (const SamplerKind kind : kKinds)
+    for (const U sample : {0u, 7u})
+      for (std::size_t d = 0; d < 4; ++d) {
+        const SamplerView sampler = make_sampler(kind, 5, 16), other = make_sampler(kind, 6, 16);
+        const auto p_value = [&](const std::function<Numbers(U)>& second) {
+          return p_value_of_pairs(16, 20'000, [&](U pixel) {
+            return std::array<float, 2>{numbers(sampler, 2 * pixel, sample, 3, SampleBlock::kLight)[d],
+                                        second(2 * pixel)[d]};
+          });
+        };
+        const double level = significance_of_each(kTests);
+        CAPTURE(static_cast<int>(kind));
+        CAPTURE(sample);
+        CAPTURE(d);
+        CHECK(p_value([&](U p) { return numbers(sampler, p, sample, 3, SampleBlock::kScatter); }) > level);
+        CHECK(p_value([&](U p) { return numbers(sampler, p, sample, 4, SampleBlock::kLight); }) > level);
+        CHECK(p_value([&](U p) { return numbers(sampler, p + 1, sample, 3, SampleBlock::kLight); }) > level);
+        CHECK(p_value([&](U p) { return numbers(other, p, sample, 3, SampleBlock::kLight); }) > level);
+        if (kind != SamplerKind::kSobol)
+          CHECK(p_value([&](U p) { return numbers(sampler, p, sample, 3, SampleBlock::kLight, {1, 2}); }) > level);
+      }
+}
+
+TEST_CASE("sampler: within a pixel, samples of two blocks are paired at random") {
+  // The mean of (a - 1/2)(b - 1/2) over the samples of a pixel, a and b from different blocks: mean zero, and a
+  // variance of 1/144 per sample. Pairs of consecutive Sobol samples lie on different sides of the centre in every
+  // dimension, which makes it up to twice as large; unshuffled they would reach 64 times as much, or nearly nothing.
+  constexpr U kPixels = 3000, kSamples = 64;
+  for (const SamplerKind kind : kKinds)
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = 0; b < 4; ++b) {
+        const SamplerView sampler = make_sampler(kind, 9, kSamples);
+        MeanVariance products;
+        for (U pixel = 0; pixel < kPixels; ++pixel) {
+          double sum = 0;
+          for (U i = 0; i < kSamples; ++i)
+            sum += (numbers(sampler, pixel, i, 1, SampleBlock::kLight)[a] - 0.5) *
+                   (numbers(sampler, pixel, i, 2, SampleBlock::kScatter)[b] - 0.5);
+          products.add(sum / kSamples);
+        }
+        CHECK(products.p_value(0) > significance_of_each(4 * 16));
+        const double variance = products.variance() * kSamples * 144;
+        CHECK(variance > 0.8);
+        CHECK(variance < 2.2);
+      }
+}
+
+TEST_CASE("sampler: estimates of integrals have the right mean") {
+  constexpr int kTests = 4 * 5 * 3;
+  for (const SamplerKind kind : kKinds)
+    for (const Integrand& integrand : integrands())
+      for (const U samples : {1u, 7u, 16u}) {
+        CAPTURE(static_cast<int>(kind));
+        CAPTURE(integrand.name);
+        CAPTURE(samples);
+        const auto found = estimates(make_sampler(kind, 1, 16), samples, 4000, SampleBlock::kScatter, integrand.f);
+        CHECK(found.p_value(integrand.integral) > significance_of_each(kTests));
+      }
+}
+
+TEST_CASE("sampler: better spread samples give better estimates") {
+  const auto variance = [](SamplerKind kind, const Integrand& integrand) {
+    return estimates(make_sampler(kind, 1, 64), 64, 400, SampleBlock::kScatter, integrand.f).variance();
+  };
+  for (const Integrand& integrand : integrands()) {
+    CAPTURE(integrand.name);
+    const double independent = variance(SamplerKind::kIndependent, integrand);
+    CHECK(variance(SamplerKind::kStratified, integrand) < 0.6 * independent);
+    CHECK(variance(SamplerKind::kMultijitter, integrand) < 0.6 * independent);
+    CHECK(variance(SamplerKind::kSobol, integrand) < 0.25 * independent);
+  }
+}
+
+TEST_CASE("sampler: Sobol fills the best plane of each block, at every power of two") {
+  const SamplerView sampler = make_sampler(SamplerKind::kSobol, 1, 4);
+  for (const SampleBlock block : kBlocks)
+    for (const int k : {2, 4, 6, 8}) {
+      const std::size_t first = block == SampleBlock::kCamera ? 0 : 1;
+      const U side = 1u << (k / 2);
+      std::vector<int> hits(side * side);
+      for (U i = 0; i < side * side; ++i) {
+        const Numbers u = numbers(sampler, 12, i, 5, block);
+        ++hits[to_uint(u[first] * static_cast<float>(side)) * side + to_uint(u[first + 1] * static_cast<float>(side))];
+      }
+      CHECK(std::all_of(hits.begin(), hits.end(), [](int n) { return n == 1; }));
+    }
+}
+
+TEST_CASE("sampler: sets of one Sobol sample continue the sequence") {
+  const SamplerView sampler = make_sampler(SamplerKind::kSobol, 1, 4);
+  for (U sample = 0; sample < 4; ++sample)
+    for (U m = 0; m < 8; ++m)
+      CHECK(numbers(sampler, 3, sample, 1, SampleBlock::kLight, {m, 8}) ==
+            numbers(sampler, 3, sample * 8 + m, 1, SampleBlock::kLight));
+}
+
+TEST_CASE("sampler: numbers depend on the sample's index alone, not on how many were asked for") {
+  for (U sample = 0; sample < 300; ++sample) {
+    const auto few = make_sampler(SamplerKind::kSobol, 1, 4), many = make_sampler(SamplerKind::kSobol, 1, 1u << 24);
+    CHECK(numbers(few, 8, sample) == numbers(many, 8, sample));
+  }
+}
+
+TEST_CASE("sampler: samples beyond the grid fill it again, in another order") {
+  for (const SamplerKind kind : {SamplerKind::kStratified, SamplerKind::kMultijitter}) {
+    const SamplerView sampler = make_sampler(kind, 1, 12);
+    REQUIRE(sampler.grid.size() == 12);
+    int same_cell = 0;
+    for (U pixel = 0; pixel < 100; ++pixel)
+      for (U i = 0; i < 12; ++i) {
+        const Numbers a = numbers(sampler, pixel, i), b = numbers(sampler, pixel, i + 12);
+        same_cell += to_uint(a[0] * 4.0f) == to_uint(b[0] * 4.0f) && to_uint(a[1] * 3.0f) == to_uint(b[1] * 3.0f);
+      }
+    CHECK(same_cell > 60);  // 100 expected, standard deviation 9.6
+    CHECK(same_cell < 140);
+  }
+}
+
+TEST_CASE("sampler: sample counts are rounded up to grids that are nearly square") {
+  for (const SamplerKind kind : {SamplerKind::kStratified, SamplerKind::kMultijitter}) {
+    for (U n = 1; n < 3000; ++n) {
+      const U rounded = rounded_sample_count(kind, n);
+      const SampleGrid grid = make_sampler(kind, 0, n).grid;
+      CHECK(grid.size() == rounded);
+      CHECK(rounded >= n);
+      CHECK(grid.rows <= grid.columns);
+      CHECK(grid.columns <= 2 * grid.rows);
+      CHECK(rounded_sample_count(kind, rounded) == rounded);
+    }
+    CHECK(rounded_sample_count(kind, 10) == 12);
+    CHECK(rounded_sample_count(kind, 64) == 64);
+    CHECK(rounded_sample_count(kind, 1u << 24) == 1u << 24);
+    CHECK(rounded_sample_count(kind, 0) == 0);
+  }
+  CHECK(rounded_sample_count(SamplerKind::kSobol, 10) == 10);
+  CHECK(rounded_sample_count(SamplerKind::kIndependent, 11) == 11);
+}
+
+TEST_CASE("sampler: registers hold the numbers of their lanes, bit by bit, all in [0, 1)") {
+  int wrong = 0;
+  for (const SamplerKind kind : kKinds)
+    for (const SampleBlock block : kBlocks)
+      for (U i = 0; i < 500; ++i) {
+        const SamplerView sampler = make_sampler(kind, i, 1 + i % 40);
+        const auto pixel = [i](int lane) { return i * 977u + static_cast<U>(lane); };
+        const auto sample = [i](int lane) { return (i * i) ^ static_cast<U>(lane * 5); };
+        const auto event = [i](int lane) { return i % 7u + static_cast<U>(lane % 3); };
+        const SampleSet set{i % 5, 1 + i % 5};
+        const auto wide = draw<Wide>(sampler, wide_uints(pixel), wide_uints(sample), wide_uints(event), block, set);
+        for (int lane = 0; lane < kWidth; ++lane) {
+          const Numbers one = numbers(sampler, pixel(lane), sample(lane), event(lane), block, set);
+          const Numbers found = {wide.x[lane], wide.y[lane], wide.z[lane], wide.w[lane]};
+          wrong += found != one;
+          for (const float x : found) wrong += !(x >= 0.0f && x < 1.0f);
+        }
+      }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("sampler: blocks and events never share numbers") {
+  for (const SamplerKind kind : kKinds) {
+    std::unordered_set<std::uint64_t> seen;
+    for (U event = 0; event < 100; ++event)
+      for (const SampleBlock block : kBlocks) {
+        const Numbers u = numbers(make_sampler(kind, 7, 16), 11, 13, event, block);
+        seen.insert(static_cast<std::uint64_t>(float_bits(u[1])) << 32 | float_bits(u[2]));
+      }
+    CHECK(seen.size() == 400);
+  }
+}
+
+}  // namespace sheaf

@@ -1,0 +1,154 @@
+// The BSDFs: sampling against densities, energy, reciprocity, and the laws of mirrors and refraction.
+#include "kernels/bsdf/all.h"
+
+#include "tests/support/bsdf_testing.h"
+
+namespace sheaf {
+
+namespace {
+
+template <template <class> class Bsdf, class Parameters> Bsdf<Scalar> make_bsdf(const Parameters& parameters) {
+  Bsdf<Scalar> bsdf;
+  static_cast<Parameters&>(bsdf) = parameters;
+  return bsdf;
+}
+
+DiffuseBsdf<Scalar> diffuse(float r, float g, float b) {
+  return make_bsdf<DiffuseBsdf>(DiffuseParameters<Scalar>{{r, g, b, 0}});
+}
+ConductorBsdf<Scalar> conductor(float eta, float k, float reflectance = 1) {
+  return make_bsdf<ConductorBsdf>(ConductorParameters<Scalar>{Spectrum4(eta), Spectrum4(k), Spectrum4(reflectance)});
+}
+DielectricBsdf<Scalar> dielectric(float eta, float reflectance = 1, float transmittance = 1) {
+  return make_bsdf<DielectricBsdf>(DielectricParameters<Scalar>{eta, Spectrum4(reflectance), Spectrum4(transmittance)});
+}
+
+/// Numbers that make a dielectric reflect (0) or, if it can, transmit (just below 1).
+constexpr Random4<Scalar> kReflect{0, 0, 0, 0}, kTransmit{0.9999999f, 0, 0, 0};
+
+constexpr int kSamplingTests = 5;  // outgoing directions from which a diffuse surface scatters
+
+}  // namespace
+
+TEST_CASE("bsdf: diffuse samples follow their density") {
+  check_bsdf_sampling(diffuse(0.8f, 0.4f, 0.1f), kSamplingTests);
+  check_bsdf_weights(diffuse(0.8f, 0.4f, 0.1f));
+}
+
+TEST_CASE("bsdf: diffuse reflection is reciprocal, loses nothing of its own and is one-sided") {
+  check_bsdf_reciprocity(diffuse(0.8f, 0.4f, 0.1f));
+  check_white_furnace(diffuse(1, 1, 1), true);
+  const auto f = diffuse(0.8f, 0.4f, 0.1f).evaluate({0.6f, 0, 0.8f}, {0, 0.8f, 0.6f}).f_cos;
+  CHECK(f.c0 == doctest::Approx(0.8 * 0.6 / 3.14159265358979).epsilon(1e-6));
+  CHECK(f.c1 == doctest::Approx(0.4 * 0.6 / 3.14159265358979).epsilon(1e-6));
+  CHECK(f.c2 == doctest::Approx(0.1 * 0.6 / 3.14159265358979).epsilon(1e-6));
+  for (const Vec3f wo : {Vec3f{0.6f, 0, -0.8f}, Vec3f{1, 0, 0}}) {
+    CHECK(is_black(diffuse(1, 1, 1).evaluate(wo, {0, 0, 1}).f_cos));
+    CHECK(diffuse(1, 1, 1).evaluate(wo, {0, 0, 1}).pdf_solid_angle == 0.0f);
+    CHECK_FALSE(diffuse(1, 1, 1).sample(wo, {0.5f, 0.3f, 0.7f, 0.5f}).valid);
+  }
+  CHECK(is_black(diffuse(1, 1, 1).evaluate({0, 0, 1}, {0.6f, 0, -0.8f}).f_cos));
+  CHECK(diffuse(1, 1, 1).evaluate({0, 0, 1}, {0.6f, 0, -0.8f}).pdf_solid_angle == 0.0f);
+}
+
+TEST_CASE("bsdf: conductors mirror with Fresnel's share, on the outside alone") {
+  for (const Vec3f wo : outgoing_directions()) {
+    const auto s = conductor(0.2f, 3.0f, 0.5f).sample(wo, kReflect);
+    CHECK(s.valid == (wo.z > 0));
+    if (!s.valid) continue;
+    CHECK(s.wi == Vec3f{-wo.x, -wo.y, wo.z});
+    CHECK(s.weight.c1 == doctest::Approx(0.5 * fresnel_conductor(wo.z, 0.2f, 3.0f)).epsilon(1e-6));
+    CHECK(s.pdf_solid_angle == 0.0f);
+    CHECK(s.eta_scale == 1.0f);
+    CHECK(is_black(conductor(0.2f, 3.0f).evaluate(wo, s.wi).f_cos));
+    CHECK(conductor(0.2f, 3.0f).evaluate(wo, s.wi).pdf_solid_angle == 0.0f);
+  }
+  check_white_furnace(conductor(0.2f, 3.0f), false);
+  check_white_furnace(conductor(0, 1), true);
+}
+
+TEST_CASE("bsdf: every wavelength of a conductor has its own index") {
+  const ConductorParameters<Scalar> parameters{{0.2f, 1.0f, 1.5f, 0}, {3.0f, 2.0f, 1.0f, 1}, {1, 0.5f, 0.25f, 0}};
+  const auto s = make_bsdf<ConductorBsdf>(parameters).sample({0.6f, 0, 0.8f}, kReflect);
+  CHECK(s.weight.c0 == doctest::Approx(fresnel_conductor(0.8f, 0.2f, 3.0f)));
+  CHECK(s.weight.c1 == doctest::Approx(0.5 * fresnel_conductor(0.8f, 1.0f, 2.0f)));
+  CHECK(s.weight.c2 == doctest::Approx(0.25 * fresnel_conductor(0.8f, 1.5f, 1.0f)));
+  CHECK(s.weight.c3 == 0.0f);
+}
+
+TEST_CASE("bsdf: dielectrics refract by Snell's law in the plane of incidence") {
+  for (const float eta : {1.5f, 2.4f, 1 / 1.5f})
+    for (const Vec3f wo : outgoing_directions()) {
+      const auto fresnel = fresnel_dielectric<Scalar>(wo.z, eta);
+      const auto s = dielectric(eta).sample(wo, kTransmit);
+      if (fresnel.reflectance > 0.999999f) continue;
+      const double relative = wo.z > 0 ? eta : 1.0 / eta;
+      CAPTURE(wo.z);
+      REQUIRE(s.valid);
+      CHECK(s.wi.z * wo.z < 0.0f);
+      CHECK(length(s.wi) == doctest::Approx(1).epsilon(1e-5));
+      CHECK(std::hypot(s.wi.x, s.wi.y) * relative == doctest::Approx(std::hypot(wo.x, wo.y)).epsilon(1e-5));
+      CHECK(s.wi.x * wo.y == doctest::Approx(s.wi.y * wo.x).epsilon(1e-5));
+      CHECK(s.wi.x * wo.x + s.wi.y * wo.y <= 0.0f);
+      CHECK(s.eta_scale == doctest::Approx(relative * relative).epsilon(1e-5));
+      CHECK(s.weight.c0 == doctest::Approx(1 / (relative * relative)).epsilon(1e-5));
+    }
+}
+
+TEST_CASE("bsdf: light refracted into glass and out again has its direction and radiance back") {
+  for (const float eta : {1.5f, 1 / 1.5f}) {
+    const Vec3f wo = direction_of(0.9, 1.1);
+    const auto in = dielectric(eta).sample(wo, kTransmit);
+    const auto out = dielectric(eta).sample(in.wi, kTransmit);
+    CHECK(record_difference<Vec3>(out.wi, wo) < 1e-5);
+    CHECK(in.weight.c0 * out.weight.c0 == doctest::Approx(1).epsilon(1e-5));
+    CHECK(in.eta_scale * out.eta_scale == doctest::Approx(1).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("bsdf: beyond the critical angle everything is reflected") {
+  const float critical = std::sqrt(1 - 1 / (1.5f * 1.5f));
+  for (const float cos_theta : {critical * 0.999f, 0.5f * critical, 0.01f, 1e-4f}) {
+    const Vec3f wo = direction_of(-cos_theta, 0.3);
+    const auto s = dielectric(1.5f, 0.75f, 0.5f).sample(wo, kTransmit);
+    CHECK(s.valid);
+    CHECK(s.wi == Vec3f{-wo.x, -wo.y, wo.z});
+    CHECK(s.weight.c0 == 0.75f);
+    CHECK(s.eta_scale == 1.0f);
+  }
+  CHECK(dielectric(1.5f).sample(direction_of(-critical * 1.001, 0.3), kTransmit).wi.z > 0.0f);
+}
+
+TEST_CASE("bsdf: dielectrics reflect as often as Fresnel says and keep all power") {
+  constexpr int kDraws = 20000;
+  for (const float eta : {1.5f, 1 / 1.5f})
+    for (const Vec3f wo : outgoing_directions()) {
+      int reflected = 0;
+      for (std::uint32_t i = 0; i < kDraws; ++i) {
+        const auto s = dielectric(eta, 0.75f, 0.5f).sample(wo, lane_random(21, i, 0));
+        reflected += s.wi.z * wo.z > 0;
+        const float scale = s.wi.z * wo.z > 0 ? 0.75f : 0.5f / s.eta_scale;
+        CHECK(s.weight.c2 == doctest::Approx(scale).epsilon(1e-5));
+      }
+      const double share = fresnel_dielectric<Scalar>(wo.z, eta).reflectance;
+      // Binomial, 10 cases of each index.
+      const double threshold = student_t_threshold(significance_of_each(20), kDraws - 1);
+      CHECK(std::fabs(reflected - kDraws * share) <= threshold * std::sqrt(kDraws * share * (1 - share)) + 1);
+      CHECK(is_black(dielectric(eta).evaluate(wo, {0, 0, 1}).f_cos));
+      CHECK(dielectric(eta).evaluate(wo, {0, 0, 1}).pdf_solid_angle == 0.0f);
+    }
+  check_white_furnace(dielectric(1.5f), true);
+  check_white_furnace(dielectric(1 / 1.5f), true);
+  check_white_furnace(dielectric(1.0f), true);
+}
+
+TEST_CASE("bsdf: registers equal single values") {
+  const auto share = [](int lane, int k) { return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4); };
+  check_bsdf_lanes<DiffuseBsdf>([&](int lane) { return diffuse(share(lane, 0), share(lane, 1), share(lane, 2)); });
+  check_bsdf_lanes<ConductorBsdf>(
+      [&](int lane) { return conductor(2 * share(lane, 0), 4 * share(lane, 1), share(lane, 2)); });
+  check_bsdf_lanes<DielectricBsdf>(
+      [&](int lane) { return dielectric(0.5f + 1.5f * share(lane, 0), share(lane, 1), share(lane, 2)); });
+}
+
+}  // namespace sheaf

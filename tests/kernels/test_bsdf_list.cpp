@@ -1,0 +1,103 @@
+// What every BSDF of the list is put to without being named: those of its own are in test_bsdf*.cpp and test_phase.cpp.
+#include "tests/support/any_bsdf.h"
+#include "tests/support/bsdf_testing.h"
+
+#include <set>
+#include <string_view>
+
+namespace sheaf {
+
+namespace {
+
+constexpr std::uint32_t kVariants = 1;  ///< of the parameters of each BSDF
+constexpr int kTests = 10 * kVariants * kClosureKinds;
+
+/// What has a density: samples of delta lobes count as absorbed.
+template <class Bsdf> struct WithoutDeltas {
+  Bsdf bsdf;
+
+  BsdfValue<Scalar> evaluate(Vec3f wo, Vec3f wi) const { return bsdf.evaluate(wo, wi); }
+  BsdfSample<Scalar> sample(Vec3f wo, const Random4<Scalar>& u) const {
+    BsdfSample<Scalar> s = bsdf.sample(wo, u);
+    s.valid = s.valid && s.pdf_solid_angle > 0.0f;
+    return s;
+  }
+};
+
+template <class F> void for_each_variant(F&& f) {
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    for (std::uint32_t i = 0; i < kVariants; ++i) {
+      CAPTURE(closure_info(kind).name);
+      CAPTURE(i);
+      f(any_bsdf<Bsdf>(i));
+    }
+  });
+}
+
+}  // namespace
+
+TEST_CASE("all bsdfs: samples follow their density and weigh what evaluation says") {
+  for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
+    if constexpr (!Bsdf::kIsSpecular) {
+      check_bsdf_sampling_with_edges(WithoutDeltas<Bsdf>{bsdf}, kTests);
+      check_bsdf_weights(WithoutDeltas<Bsdf>{bsdf}, 2e-3);
+    }
+  });
+}
+
+TEST_CASE("all bsdfs: values are finite whatever the directions") {
+  for_each_variant([](const auto& bsdf) { check_bsdf_finite(bsdf); });
+}
+
+TEST_CASE("all bsdfs: specular ones have no density") {
+  for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
+    if constexpr (Bsdf::kIsSpecular)
+      for (std::uint32_t i = 0; i < 100; ++i) {
+        const Vec3f wo = random_direction(11, i), wi = random_direction(12, i);
+        CHECK(bsdf.evaluate(wo, wi).pdf_solid_angle == 0.0f);
+        CHECK(is_black(bsdf.evaluate(wo, wi).f_cos));
+        CHECK(bsdf.sample(wo, lane_random(13, i, 0)).pdf_solid_angle == 0.0f);
+      }
+  });
+}
+
+TEST_CASE("all bsdfs: panes let pass what their samples let pass") {
+  for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
+    if constexpr (closure_info(Bsdf::kKind).is_pane)
+      for (const Vec3f wo : outgoing_directions()) {
+        constexpr std::uint32_t kDraws = 20000;
+        const PanePassage<Scalar> passage = bsdf.passage(wo.z);
+        double passed = 0, light = 0;
+        for (std::uint32_t i = 0; i < kDraws; ++i) {
+          const auto s = bsdf.sample(wo, lane_random(14, i, 0));
+          if (!s.valid || s.wi.z * wo.z > 0) continue;
+          CHECK(length(s.wi + wo) < 1e-6f);
+          ++passed;
+          light += double(s.weight.c1);
+        }
+        const double p = double(passage.probability), sigma = std::sqrt(p * (1 - p) / kDraws);
+        const double threshold = student_t_threshold(significance_of_each(kTests), kDraws - 1);
+        CHECK(std::fabs(passed / kDraws - p) <= threshold * sigma + 1.0 / kDraws);
+        // Every passage weighs the same.
+        CHECK(light / std::max(passed, 1.0) * p == doctest::Approx(double(passage.share.c1)).epsilon(1e-4));
+      }
+  });
+}
+
+TEST_CASE("all bsdfs: registers equal single values") {
+  for_each_bsdf([]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    CAPTURE(closure_info(kind).name);
+    check_bsdf_lanes<Bsdf>([](int lane) { return any_bsdf<Bsdf>(static_cast<std::uint32_t>(lane)); });
+  });
+}
+
+TEST_CASE("all bsdfs: kinds have names of their own") {
+  std::set<std::string_view> names;
+  for (const ClosureInfo& info : kClosureInfos) names.insert(info.name);
+  CHECK(names.size() == kClosureInfos.size());
+  CHECK(closure_info(ClosureKind::kThinDielectric).is_pane);
+  CHECK_FALSE(closure_info(ClosureKind::kDielectric).is_pane);
+  CHECK(closure_info(ClosureKind::kRayleigh).is_phase);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,136 @@
+// The film of named channels: means, variances and counts; and films as files.
+#include "core/error.h"
+#include "kernels/film/film.h"
+#include "kernels/film/film_file.h"
+#include "tests/support/temporary_folder.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+namespace sheaf {
+
+namespace {
+
+const FilmLayout kLayout({{"R", true}, {"depth", false}, {"albedo.G", true}});
+
+/// A film of 3 x 2 pixels out of a larger frame, with samples that differ from pixel to pixel; one pixel has none.
+Film some_film(int spectral_bins = 0) {
+  Film film(7, 5, {2, 1, 5, 3}, kLayout, spectral_bins);
+  SampleBuffer samples;
+  samples.resize(4, kLayout.size(), spectral_bins > 0);
+  for (int y = 1; y < 3; ++y)
+    for (int x = 2; x < 5; ++x) {
+      if (x == 4 && y == 2) continue;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const auto value = static_cast<float>(x + 10 * y) + 0.1f * static_cast<float>(i * i);
+        samples[i][0] = value, samples[i][1] = -value, samples[i][2] = 1.0f / value;
+        if (spectral_bins > 0) samples.spectrum(i) = {{0, 1, 1, 2}, {value, 1, 2, 3}};
+        film.add(x, y, samples, i);
+      }
+    }
+  return film;
+}
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void put_bytes(const std::filesystem::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+bool same_pictures(const Image& a, const Image& b) {
+  return a.channels == b.channels && a.width == b.width && a.height == b.height && a.x0 == b.x0 && a.y0 == b.y0 &&
+         a.frame_width == b.frame_width && a.data.size() == b.data.size() &&
+         std::memcmp(a.data.data(), b.data.data(), a.data.size() * sizeof(float)) == 0;
+}
+
+}  // namespace
+
+TEST_CASE("a film's channels: means, variances of the mean where they are asked for, and counts") {
+  const Film film = some_film();
+  CHECK(film.layout().find("depth") == 1);
+  CHECK(film.layout().find("G") == -1);
+  CHECK(film.count(2, 1) == 4);
+  CHECK(film.count(4, 2) == 0);
+  const Image image = film.to_image();
+  CHECK(image.channels ==
+        std::vector<std::string>{"R", "depth", "albedo.G", "variance.R", "variance.albedo.G", "sampleCount"});
+  CHECK(image.x0 == 2);
+  CHECK(image.frame_height == 5);
+  // 12 + {0, 0.1, 0.4, 0.9}: the variance of the mean is the sum of squared differences over n (n - 1).
+  CHECK(image.at(0, 0, 0) == doctest::Approx(12.35).epsilon(1e-6));
+  CHECK(image.at(0, 0, 1) == doctest::Approx(-12.35).epsilon(1e-6));
+  const double expected = (0.35 * 0.35 + 0.25 * 0.25 + 0.05 * 0.05 + 0.55 * 0.55) / 12;
+  CHECK(image.at(0, 0, 3) == doctest::Approx(expected).epsilon(1e-4));
+  CHECK(image.at(0, 0, 5) == 4);
+  for (int c = 0; c < 6; ++c) CHECK(image.at(2, 1, c) == 0);
+}
+
+TEST_CASE("dropped samples don't count") {
+  Film film(1, 1, {0, 0, 1, 1}, kLayout);
+  SampleBuffer samples;
+  samples.resize(3, kLayout.size(), false);
+  for (std::size_t i = 0; i < 3; ++i) samples[i][0] = samples[i][1] = samples[i][2] = 2;
+  samples.drop(1);
+  CHECK(samples.is_dropped(1));
+  CHECK_FALSE(samples.is_dropped(2));
+  for (std::size_t i = 0; i < 3; ++i) film.add(0, 0, samples, i);
+  CHECK(film.count(0, 0) == 2);
+  CHECK(film.to_image().at(0, 0, 0) == 2);
+}
+
+TEST_CASE("a film that was written and read goes on as if it had not been") {
+  const TemporaryFolder folder;
+  for (const int bins : {0, 5}) {
+    Film film = some_film(bins);
+    write_film(folder / "a.film", film);
+    Film read = read_film(folder / "a.film");
+    CHECK(read.width() == 7);
+    CHECK(read.crop().x1 == 5);
+    CHECK(read.spectral_bins() == bins);
+    CHECK(same_pictures(film.to_image(), read.to_image()));
+    SampleBuffer samples;
+    samples.resize(1, kLayout.size(), bins > 0);
+    samples[0][0] = 0.1f, samples[0][1] = 0.7f, samples[0][2] = 1e-8f;
+    film.add(3, 2, samples, 0);
+    read.add(3, 2, samples, 0);
+    CHECK(same_pictures(film.to_image(), read.to_image()));
+    write_film(folder / "b.film", read);
+    write_film(folder / "c.film", film);
+    CHECK(bytes_of(folder / "b.film") == bytes_of(folder / "c.film"));
+  }
+}
+
+TEST_CASE("films that are cut off, damaged or something else are refused, with exit code 5") {
+  const TemporaryFolder folder;
+  const auto file = folder / "a.film";
+  write_film(file, some_film(3));
+  const std::string good = bytes_of(file);
+  const auto refused = [&](const std::string& bytes) {
+    put_bytes(file, bytes);
+    try {
+      read_film(file);
+    } catch (const Error& error) {
+      CHECK(error.code() == ExitCode::kCheckpoint);
+      return std::string(error.what()).find("a.film") != std::string::npos;
+    }
+    return false;
+  };
+  for (std::size_t size = 0; size < good.size(); size += 7) CHECK(refused(good.substr(0, size)));
+  for (std::size_t at = 0; at < good.size(); at += 11) {
+    std::string bytes = good;
+    bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
+    CHECK(refused(bytes));
+  }
+  CHECK(refused(good + "x"));
+  CHECK(refused("v/1\x01 no film at all"));
+  CHECK_THROWS_AS(read_film(folder / "absent.film"), Error);
+}
+
+}  // namespace sheaf

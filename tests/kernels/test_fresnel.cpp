@@ -1,0 +1,160 @@
+// Fresnel reflectances against closed forms and against complex arithmetic in double precision.
+#include "kernels/bsdf/fresnel.h"
+
+#include "tests/support/records_testing.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <complex>
+#include <vector>
+
+namespace sheaf {
+
+namespace {
+
+constexpr double kIndices[] = {1.0003, 1.1, 1.33, 1.5, 2.4, 1 / 1.33, 1 / 1.5, 1 / 2.4};
+
+/// Fresnel's own sine and tangent laws; `relative`: index of the far over that of the near side.
+double dielectric_reflectance(double cos_i, double relative) {
+  const double angle_i = std::acos(cos_i), sin_t = std::sin(angle_i) / relative;
+  if (sin_t >= 1) return 1;
+  const double angle_t = std::asin(sin_t);
+  if (angle_i < 1e-6) return std::pow((relative - 1) / (relative + 1), 2);
+  const double s = std::sin(angle_i - angle_t) / std::sin(angle_i + angle_t);
+  const double p = std::tan(angle_i - angle_t) / std::tan(angle_i + angle_t);
+  return 0.5 * (s * s + p * p);
+}
+
+/// The amplitudes of both polarisations in complex arithmetic.
+double conductor_reflectance(double cos_i, double eta, double k) {
+  using Complex = std::complex<double>;
+  const Complex index(eta, k), index2 = index * index;
+  const Complex root = std::sqrt(index2 - Complex(1 - cos_i * cos_i));
+  const Complex s = (cos_i - root) / (cos_i + root);
+  const Complex p = (index2 * cos_i - root) / (index2 * cos_i + root);
+  return 0.5 * (std::norm(s) + std::norm(p));
+}
+
+/// Cosines from grazing to normal incidence.
+std::vector<float> cosines() {
+  std::vector<float> out = {0.0f, 1e-6f, 1e-4f, 1e-2f};
+  for (int i = 1; i <= 200; ++i) out.push_back(static_cast<float>(i) / 200.0f);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("fresnel: dielectrics follow the sine and tangent laws from both sides") {
+  double worst = 0;
+  for (const double eta : kIndices)
+    for (const float c : cosines())
+      for (const float cos_i : {c, -c}) {
+        const double relative = cos_i < 0 ? 1 / eta : eta;
+        // Near the critical angle the reflectance rises without bound in its slope.
+        if (c == 0.0f || std::fabs((1 - double(c) * c) / (relative * relative) - 1) < 1e-3) continue;
+        const float found = fresnel_dielectric<Scalar>(cos_i, static_cast<float>(eta)).reflectance;
+        worst = std::max(worst, std::fabs(found - dielectric_reflectance(c, relative)));
+      }
+  CHECK(worst < 2e-5);
+}
+
+TEST_CASE("fresnel: dielectrics at normal, Brewster's and grazing incidence") {
+  for (const double eta : kIndices) {
+    const float e = static_cast<float>(eta);
+    const double normal = std::pow((eta - 1) / (eta + 1), 2);
+    CHECK(fresnel_dielectric<Scalar>(1.0f, e).reflectance == doctest::Approx(normal).epsilon(1e-4));
+    CHECK(fresnel_dielectric<Scalar>(-1.0f, e).reflectance == doctest::Approx(normal).epsilon(1e-4));
+    // tan = eta: nothing of the parallel component is reflected.
+    const double s = (1 - eta * eta) / (1 + eta * eta);
+    const float brewster = static_cast<float>(std::cos(std::atan(eta)));
+    CHECK(fresnel_dielectric<Scalar>(brewster, e).reflectance == doctest::Approx(0.5 * s * s).epsilon(1e-3));
+    CHECK(fresnel_dielectric<Scalar>(0.0f, e).reflectance == 1.0f);
+    CHECK(fresnel_dielectric<Scalar>(-0.0f, e).reflectance == 1.0f);
+  }
+}
+
+TEST_CASE("fresnel: refracted cosines obey Snell's law and lie on the other side") {
+  for (const double eta : kIndices)
+    for (const float c : cosines())
+      for (const float cos_i : {c, -c}) {
+        if (c == 0.0f) continue;
+        const auto f = fresnel_dielectric<Scalar>(cos_i, static_cast<float>(eta));
+        const double relative = cos_i > 0 ? eta : 1 / eta;
+        CHECK(f.eta == doctest::Approx(relative).epsilon(1e-6));
+        const double sin2_t = (1 - double(c) * c) / (relative * relative);
+        if (sin2_t >= 1) {
+          if (sin2_t > 1 + 1e-5) CHECK(f.reflectance == 1.0f);
+          continue;
+        }
+        CHECK(double(f.cos_transmitted) * f.cos_transmitted == doctest::Approx(1 - sin2_t).epsilon(2e-5));
+        CHECK(f.cos_transmitted * cos_i <= 0.0f);
+      }
+}
+
+TEST_CASE("fresnel: a dielectric reflects alike along a path and its reverse") {
+  for (const double eta : kIndices)
+    for (const float c : cosines()) {
+      const auto there = fresnel_dielectric<Scalar>(c, static_cast<float>(eta));
+      if (there.reflectance == 1.0f || c < 1e-3f) continue;
+      const auto back = fresnel_dielectric<Scalar>(there.cos_transmitted, static_cast<float>(eta));
+      CHECK(back.reflectance == doctest::Approx(there.reflectance).epsilon(1e-3));
+      CHECK(back.cos_transmitted == doctest::Approx(c).epsilon(1e-3));
+      CHECK(back.eta * there.eta == doctest::Approx(1).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("fresnel: matched indices reflect nothing and bend nothing") {
+  for (const float c : cosines()) {
+    if (c == 0.0f) continue;
+    const auto f = fresnel_dielectric<Scalar>(c, 1.0f);
+    CHECK(f.cos_transmitted == doctest::Approx(-c).epsilon(1e-3));
+    if (c < 1e-3f) continue;  // 1 - cos^2 is 1 in single precision
+    CHECK(f.reflectance == 0.0f);
+    CHECK(fresnel_dielectric<Scalar>(-c, 1.0f).reflectance == 0.0f);
+  }
+}
+
+TEST_CASE("fresnel: conductors follow complex arithmetic") {
+  double worst = 0;
+  for (const double eta : {0.05, 0.2, 1.0, 1.5, 3.0})
+    for (const double k : {0.1, 1.0, 3.5, 7.0})
+      for (const float c : cosines()) {
+        const float r = fresnel_conductor(c, static_cast<float>(eta), static_cast<float>(k));
+        worst = std::max(worst, std::fabs(r - conductor_reflectance(c, eta, k)));
+        CHECK(r >= 0.0f);
+        CHECK(r <= 1.0f + 1e-6f);
+      }
+  CHECK(worst < 1e-5);
+}
+
+TEST_CASE("fresnel: conductors at normal and grazing incidence, without absorption, and as perfect mirrors") {
+  CHECK(fresnel_conductor(1.0f, 0.2f, 3.0f) == doctest::Approx((0.64 + 9) / (1.44 + 9)).epsilon(1e-6));
+  CHECK(fresnel_conductor(0.0f, 0.2f, 3.0f) == doctest::Approx(1).epsilon(1e-6));
+  for (const float c : cosines()) {
+    CHECK(fresnel_conductor(c, 0.0f, 1.0f) == doctest::Approx(1).epsilon(1e-6));
+    CHECK(fresnel_conductor(c, 1.5f, 0.0f) ==
+          doctest::Approx(fresnel_dielectric<Scalar>(c, 1.5f).reflectance).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("fresnel: registers equal single values") {
+  double worst = 0;
+  for (std::uint32_t i = 0; i < 4000; i += kWidth) {
+    const auto u = wide_random(5, i);
+    const WideFloat cos_i = u.x * WideFloat(2.0f) - WideFloat(1.0f), eta = WideFloat(0.4f) + u.y * WideFloat(2.0f);
+    const auto wide = fresnel_dielectric<Wide>(cos_i, eta);
+    const WideFloat metal = fresnel_conductor(u.x, eta, u.z * WideFloat(5.0f));
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const auto one = fresnel_dielectric<Scalar>(cos_i[lane], eta[lane]);
+      worst = std::max({worst, difference(wide.reflectance[lane], one.reflectance), difference(wide.eta[lane], one.eta),
+                        difference(metal[lane], fresnel_conductor(u.x[lane], eta[lane], u.z[lane] * 5.0f))});
+      // Near the critical angle the root magnifies the last place.
+      if (std::fabs(one.cos_transmitted) > 1e-2f)
+        worst = std::max(worst, difference(wide.cos_transmitted[lane], one.cos_transmitted));
+    }
+  }
+  CHECK(worst < 2e-4);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,94 @@
+// The choice of a light as light sampling makes it against what paths that find the light take for its probability:
+// they know the vertex by their ray's origin and a rounded normal.
+#include "kernels/stages/light_receiver.h"
+#include "scene/compile/compile.h"
+#include "scene/tables/shape.h"
+#include "tests/support/tiny_scenes.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+namespace sheaf {
+
+namespace {
+
+class Vertices {
+ public:
+  Vec3f direction() { return normalize(Vec3f{normal_(random_), normal_(random_), normal_(random_)}); }
+  float uniform(float low, float high) { return std::uniform_real_distribution<float>(low, high)(random_); }
+  Vec3f point(float extent) {
+    return {uniform(-extent, extent), uniform(-extent, extent), uniform(-extent, extent)};
+  }
+
+ private:
+  std::mt19937 random_{5};
+  std::normal_distribution<float> normal_;
+};
+
+/// Lamps of all sizes and strengths, flat ones and balls, in a room of ten metres.
+Description lamps(int count) {
+  Description d = empty_scene(4, 4);
+  Vertices v;
+  for (int i = 0; i < count; ++i) {
+    const Vec3f at = v.point(5);
+    const float size = std::exp(v.uniform(-5, 0)), radiance = std::exp(v.uniform(-4, 4));
+    if (i % 2 == 0) add_area_light_sphere(d, at, size, radiance);
+    else
+      add_area_light_rectangle(d,
+                               Transform::translate(at) * Transform::rotate(v.direction(), v.uniform(0, 180)) *
+                                   Transform::scale({size, size, 1}),
+                               radiance);
+  }
+  return d;
+}
+
+/// Whether a lamp sends anything to `p`: flat ones have a back.
+bool shines(const SceneView& scene, std::uint32_t light, Vec3f p) {
+  const LightRow& row = scene.lights[light];
+  if (static_cast<LightKind>(row.kind) != LightKind::kMesh) return true;
+  const LightTriangleRow& t = scene.light_triangles[row.first_triangle];
+  return dot(p - t.p, t.normal) > 0.0f;
+}
+
+}  // namespace
+
+TEST_CASE("choice of lights: the weights of light and BSDF sampling add up to one") {
+  for (const int count : {3, 40}) {
+    const auto scene = compile_scene(lamps(count));
+    const SceneView view = scene->view();
+    REQUIRE(view.light_selector == LightSelector::kBvh);
+    Vertices v;
+    double worst = 0, sum = 0;
+    int pairs = 0, above = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const Vec3f p = v.point(5), ng = v.direction();
+      const Vec3f ns = normalize(ng + v.direction() * 0.2f), wi = v.direction();
+      const float offset = kOffsetUlps * (dot(abs(ng), abs(p)) + max_component(abs(p)));
+      const LightReceiver<Scalar> sampled = surface_receiver<Scalar>(p, ns);
+      const RayState<Scalar> ray{offset_origin<Scalar>(p, ng, offset, wi), kInfinity, wi, 0};
+      const auto found = light_receiver<Scalar>(ray, encode_octahedral<Scalar>(ns), 0.0f);
+      for (std::uint32_t light = 0; light < view.light_count; ++light) {
+        if (!shines(view, light, p)) continue;
+        const double a = choice_probability<Scalar>(view, sampled, light);
+        const double b = choice_probability<Scalar>(view, found, light);
+        REQUIRE(a + b > 0);
+        // The most that the two power heuristics can miss, over all densities of BSDF sampling.
+        const double miss = std::fabs(a - b) / (a + b);
+        worst = std::max(worst, miss);
+        sum += miss;
+        above += miss > 1e-4;
+        ++pairs;
+      }
+    }
+    MESSAGE(count << " lights: the weights miss one by " << worst << " at worst, " << sum / pairs
+                  << " on average, more than 1e-4 in " << 100.0 * above / pairs << " % of the cases");
+    // What is left are places that all but touch a lamp, where the ray's origin, moved off the surface, matters.
+    CHECK(sum / pairs < 5e-6);
+    CHECK(above < pairs / 1000);
+    CHECK(worst < 0.02);
+  }
+}
+
+}  // namespace sheaf

@@ -1,0 +1,579 @@
+// Photons from lights of every kind: their mean is the light's power, what lands on a disk is what light sampling says
+// of it, they leave surfaces along the cosine and directions follow their density.
+#include "kernels/lights/light_emit.h"
+
+#include "core/exr.h"
+#include "scene/compile/compile.h"
+#include "tests/support/chi_square.h"
+#include "tests/support/light_testing.h"
+#include "tests/support/media_testing.h"
+#include "tests/support/records_testing.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/tiny_scenes.h"
+#include "tests/support/trace_testing.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace sheaf {
+
+namespace {
+
+constexpr double kPiD = std::numbers::pi;
+
+/// A one-sided disk that receives light.
+struct Receiver {
+  Vec3f center, normal;
+  float radius;
+};
+
+/// Lights, and where what they send is compared.
+struct Case {
+  std::string name;
+  Description scene;
+  Receiver receivers[2];
+  double power_error = 1e-4;  ///< of light_power(), in proportion: quadrature of areas, cones and textures
+  bool convex = false;        ///< a lone area light whose photons meet nothing
+  std::uint32_t photons = 150000;
+};
+
+SpectrumDescription rgb(Vec3f value) { return SpectrumDescription{SpectrumDescription::Rgb{value}}; }
+
+TextureId add_board(Description& d, Vec3f first, Vec3f second) {
+  d.textures.push_back({CheckerboardDescription{rgb(first), rgb(second)}, {}, {}, {}});
+  d.textures.back().to_uv = {1, 0, 0, 0, 1, 0};
+  return static_cast<TextureId>(d.textures.size() - 1);
+}
+
+const Transform kTilt = Transform::translate({0.3f, -0.2f, 3}) * Transform::rotate({1, 2, 0.5f}, 155);
+/// For lights around kTilt, one in front and one far aside.
+const Receiver kBelow{{0, 0, 0.2f}, normalize(Vec3f{0.1f, -0.3f, 1}), 1.5f};
+const Receiver kAside{{2.5f, -1, 1}, normalize(Vec3f{-1, 0.2f, 0.3f}), 1.5f};
+
+/// Triangles of very unequal areas in different planes.
+Mesh uneven_mesh() {
+  Mesh mesh;
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0.2f}, {-1, 1, 0.1f}, {1.5f, 1.2f, -0.6f}, {1.6f, 1.0f, -0.6f}};
+  mesh.triangles = {{0, 1, 2}, {2, 1, 3}, {3, 1, 4}};
+  return mesh;
+}
+
+template <class Geometry>
+Case area_case(const std::string& name, Geometry geometry, const Transform& to_world, bool convex = false) {
+  Case c{name, empty_scene(4, 4), {kBelow, kAside}, 1e-4, convex};
+  add_shape(c.scene, std::move(geometry), to_world).radiance = rgb({1, 2, 0.5f});
+  return c;
+}
+
+Case flipped(Case c) {
+  c.name += ", flipped";
+  c.scene.shapes[0].flip_normals = true;
+  c.convex = false;
+  return c;
+}
+
+Case textured(Case c) {
+  c.name += ", textured";
+  c.scene.shapes[0].radiance = add_board(c.scene, {6, 1, 0}, {2, 3, 1});
+  c.power_error = 1e-2;
+  return c;
+}
+
+/// Spheres, rectangles, cylinders and a textured disk in a group that is placed stretched, and mirrored.
+Case instanced_case() {
+  Case c{"instances", empty_scene(4, 4), {kBelow, kAside}, 1e-2};
+  ShapeGroup group;
+  Description shapes;
+  emit(add_sphere(shapes, {0.4f, 0, 0}, 0.2f), 3);
+  emit(add_rectangle(shapes, Transform::translate({0, 0.6f, 0}) * Transform::scale({0.3f, 0.2f, 1})), 5);
+  emit(add_shape(shapes, CylinderShape{{-0.5f, 0, 0}, {-0.4f, 0.3f, 0.1f}, 0.1f}, Transform()), 2);
+  add_shape(shapes, DiskShape{}, Transform::translate({0, -0.5f, 0}) * Transform::scale({0.3f, 0.3f, 1})).radiance =
+      add_board(c.scene, {8, 1, 1}, {2, 3, 1});
+  group.shapes = shapes.shapes;
+  c.scene.groups.push_back(group);
+  for (const Transform& place : {kTilt, Transform::translate({1, 0, 3}) * Transform::rotate({1, 1, 0}, 150) *
+                                            Transform::scale({-1.2f, 0.7f, 0.9f})}) {
+    InstanceDescription instance;
+    for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = static_cast<float>(place.matrix().m[i / 4][i % 4]);
+    c.scene.instances.push_back(instance);
+  }
+  return c;
+}
+
+std::vector<Case> area_cases() {
+  const Transform stretched = kTilt * Transform::scale({0.5f, 1, 0.8f});
+  const auto cylinder = CylinderShape{{0, -0.5f, 0}, {0, 0.7f, 0}, 0.5f};
+  const Receiver inside[2] = {{{0.3f, 0, 3}, {0, 0, 1}, 0.4f},
+                              {{0.3f, -0.4f, 2.8f}, normalize(Vec3f{1, -1, 0.5f}), 0.5f}};
+  std::vector<Case> cases = {
+      area_case("rectangle", RectangleShape{}, stretched, true),
+      area_case("mirrored rectangle", RectangleShape{}, kTilt * Transform::scale({-1, 1, 1}), true),
+      area_case("mesh", uneven_mesh(), kTilt),
+      area_case("cube", CubeShape{}, kTilt * Transform::rotate({1, 1, 0}, 35), true),
+      area_case("disk", DiskShape{}, stretched, true), area_case("cylinder", cylinder, stretched, true),
+      area_case("sphere", SphereShape{{0.1f, 0, 0}, 0.8f}, kTilt, true),
+      area_case("ellipsoid", SphereShape{}, stretched, true),
+      flipped(area_case("rectangle", RectangleShape{}, kTilt * Transform::rotate({1, 0, 0}, 180))),
+      flipped(area_case("sphere", SphereShape{{0, 0, 0}, 1.2f}, kTilt)),
+      flipped(area_case("mirrored cylinder", cylinder, kTilt * Transform::scale({-2, 2, 2}))),
+      textured(area_case("cube", CubeShape{}, kTilt)), textured(area_case("sphere", SphereShape{}, kTilt)),
+      textured(area_case("ellipsoid", SphereShape{}, stretched)), textured(area_case("disk", DiskShape{}, stretched)),
+      textured(area_case("cylinder", cylinder, kTilt)), instanced_case()};
+  for (const std::size_t k : {9, 10}) std::copy_n(inside, 2, cases[k].receivers);
+  return cases;
+}
+
+template <class Model> Case placed_case(const std::string& name, Model model, double power_error = 1e-4) {
+  Case c{name, empty_scene(4, 4), {kBelow, kAside}, power_error};
+  add_sphere(c.scene, {0.2f, 0.3f, 0.5f}, 3);  // a bounding sphere that holds the receivers
+  c.scene.lights.push_back({std::move(model), {"scene.xml", 9}});
+  return c;
+}
+
+using Falloff = SpotLightDescription::Falloff;
+
+SpotLightDescription spot_of(Falloff falloff, const Transform& to_world, float cutoff, float beam) {
+  SpotLightDescription spot;
+  spot.falloff = falloff;
+  spot.to_world = to_world;
+  spot.intensity = rgb({3, 1, 2});
+  spot.cutoff_angle = cutoff;
+  spot.beam_width = beam;
+  return spot;
+}
+
+std::vector<Case> spot_cases() {
+  using enum Falloff;
+  const Transform stretched = kTilt * Transform::scale({-2, 0.6f, 1});
+  std::vector<Case> cases = {placed_case("spot", spot_of(kLinear, kTilt, 50, 20)),
+                             placed_case("narrow spot", spot_of(kLinear, kTilt * Transform::scale({2, 2, 2}), 5, 3)),
+                             placed_case("wide spot", spot_of(kLinear, kTilt, 180, 30)),
+                             placed_case("smooth spot", spot_of(kSmooth, kTilt, 50, 20)),
+                             placed_case("wide smooth spot", spot_of(kSmooth, kTilt, 140, 20)),
+                             // Of the power of one that is stretched light_power() knows nothing.
+                             placed_case("stretched spot", spot_of(kLinear, stretched, 50, 30), 1)};
+  const Vec3f axis = kTilt.vector({0, 0, -1});
+  cases[1].receivers[0] = {kTilt.point({0, 0, 2}), normalize(axis + Vec3f{0.5f, 0, 0}), 0.1f};
+  cases[1].receivers[1] = {kTilt.point({0.1f, 0, 1.5f}), axis, 0.15f};
+  Case c = placed_case("textured spot", spot_of(kLinear, kTilt, 40, 20), 1e-2);
+  std::get<SpotLightDescription>(c.scene.lights[0].model).texture = add_board(c.scene, {6, 1, 0}, {2, 3, 1});
+  cases.push_back(c);
+  return cases;
+}
+
+ProjectorDescription projector_of() {
+  ProjectorDescription projector;
+  projector.to_world = kTilt * Transform::scale({-2, 2, 2});
+  projector.irradiance = rgb({3, 1, 2});
+  projector.fov = 70;
+  return projector;
+}
+
+EnvmapDescription envmap_of(const TemporaryFolder& folder, bool compensated) {
+  Image image(12, 8, {"R", "G", "B"});
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 12; ++x) {
+      image.at(x, y, 0) = x == 4 && y == 2 ? 20.0f : 0.2f * static_cast<float>(x % 4);
+      image.at(x, y, 1) = x > 6 && y > 3 ? 0.0f : 0.5f;
+      image.at(x, y, 2) = 0.1f * static_cast<float>(y);
+    }
+  write_exr(folder / "map.exr", image, {});
+  return {folder / "map.exr", 1.5f, Transform::rotate({1, 2, 3}, 70) * Transform::scale({-2, 2, 2}), compensated};
+}
+
+/// Lights that are not on a shape. Environment maps need their file while the scene is compiled.
+std::vector<Case> placed_cases(const TemporaryFolder& folder) {
+  const auto color = rgb({3, 1, 2});
+  std::vector<Case> cases = {placed_case("point", PointLightDescription{{0.3f, -0.2f, 3}, color}),
+                             placed_case("projector", projector_of()),
+                             placed_case("directional", DirectionalLightDescription{{0.4f, 0.1f, -1}, color}),
+                             placed_case("constant", ConstantLightDescription{color}),
+                             placed_case("envmap", envmap_of(folder, false), 1e-3),
+                             placed_case("compensated envmap", envmap_of(folder, true), 1e-3)};
+  for (std::size_t k = 2; k < 6; ++k) cases[k].photons = 500000;
+  cases[5].photons = 2000000;  // few of them carry much
+  Case c = placed_case("textured projector", projector_of(), 1e-2);
+  std::get<ProjectorDescription>(c.scene.lights[0].model).irradiance = add_board(c.scene, {6, 1, 0}, {2, 3, 1});
+  cases.push_back(c);
+  for (Case& spot : spot_cases()) cases.push_back(std::move(spot));
+  return cases;
+}
+
+/// A medium that glows, all over the cubes that `places` make of [-1, 1]^3: it fills their boxes.
+Case medium_case(const std::string& name, MediumDescription medium, const std::vector<Transform>& places) {
+  Case c{name, empty_scene(4, 4), {kBelow, kAside}, 1e-4};
+  medium.emission = VolumeInput(rgb({1, 2, 0.5f}));
+  const MediumId id = add_medium(c.scene, std::move(medium));
+  for (const Transform& place : places) fill(c.scene, add_shape(c.scene, CubeShape{}, place), id);
+  return c;
+}
+
+const Transform kBox = Transform::translate({0.3f, -0.2f, 3}) * Transform::scale({0.5f, 1, 0.8f});
+
+/// Extinction that grows along all axes of kBox.
+MediumDescription uneven_fog(const TemporaryFolder& folder) {
+  MediumDescription medium = fog(2, 0.25f);
+  const auto density = [](Vec3f p, int) { return 0.1f + p.x + 3 * p.y * p.z; };
+  medium.density = vol(write_vol(folder / "density.vol", 6, 1, density),
+                       kBox * Transform::translate({-1, -1, -1}) * Transform::scale({2, 2, 2}));
+  return medium;
+}
+
+std::vector<Case> medium_cases(const TemporaryFolder& folder) {
+  const Transform aside = Transform::translate({-1.5f, 0.5f, 2.5f}) * Transform::scale({0.3f, 0.3f, 0.3f});
+  return {medium_case("homogeneous medium", fog(2, 0.25f), {kBox}),
+          medium_case("homogeneous medium in two places", fog(2, 0.25f), {kBox, aside}),
+          medium_case("heterogeneous medium", uneven_fog(folder), {kBox})};
+}
+
+/// Lights of every kind in one scene.
+Case mixed_case(const TemporaryFolder& folder) {
+  Case c = instanced_case();
+  c.name = "many";
+  c.photons = 500000;
+  c.scene.shapes = area_case("", uneven_mesh(), kTilt * Transform::translate({0, 1, 0})).scene.shapes;
+  add_sphere(c.scene, {0.2f, 0.3f, 0.5f}, 3);  // as in placed_case()
+  for (const Case& other : spot_cases()) c.scene.lights.push_back(other.scene.lights[0]);
+  std::get<SpotLightDescription>(c.scene.lights.back().model).texture = TextureId{0};
+  c.scene.lights.push_back({projector_of(), {}});
+  add_point_light(c.scene, {0, 1, 2}, 3);
+  c.scene.lights.push_back({DirectionalLightDescription{{0.4f, 0.1f, -1}, SpectrumDescription::constant(0.2f)}, {}});
+  c.scene.lights.push_back({envmap_of(folder, true), {}});
+  const Case medium = medium_cases(folder).back();
+  c.scene.media = medium.scene.media;
+  fill(c.scene, add_shape(c.scene, CubeShape{}, kBox), MediumId{0});
+  return c;
+}
+
+/// Spectral mode: the wavelengths of all photons, nm.
+const Spectrum4 kLambda{450, 520, 580, 640};
+
+PhotonEmission<Scalar> photon(const SceneView& scene, std::uint32_t i) {
+  const auto choice = choose_light_by_power<Scalar>(scene, random4<Scalar>(61, i, 0, 0).x);
+  const auto a = random4<Scalar>(61, i, 0, 1), b = random4<Scalar>(61, i, 0, 2);
+  return scene.color == ColorMode::kSpectral
+             ? emit_photon<Scalar, ColorMode::kSpectral>(scene, choice, a, b, kLambda)
+             : emit_photon<Scalar>(scene, choice, a, b);
+}
+
+LightSample<Scalar> any_sample(const SceneView& scene, Vec3f from, const Random4<Scalar>& u) {
+  if (scene.color == ColorMode::kRgb) return sample_any_light<Scalar>(scene, from, u);
+  const auto choice = choose_light<Scalar>(scene, {from, {}}, u.x);
+  return sample_light<Scalar, ColorMode::kSpectral>(scene, from, choice, u, kLambda);
+}
+
+double weighed(const Spectrum4& s) { return double(s.c0) + 2.0 * s.c1 + 3.0 * s.c2; }
+double weighed(Vec3f v) { return double(v.x) + 2.0 * v.y + 3.0 * v.z; }
+
+double power_of(const SceneView& scene) {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < scene.light_count; ++i) sum += weighed(scene.light_powers[i]);
+  return sum;
+}
+
+/// Student's t-test of the mean flux against the power of all lights, which is known but for `error`.
+void check_power(const SceneView& scene, std::uint32_t photons, double error, double significance) {
+  MeanVariance flux;
+  for (std::uint32_t i = 0; i < photons; ++i) {
+    const auto e = photon(scene, i);
+    flux.add(e.valid ? weighed(e.flux) : 0.0);
+  }
+  const double power = power_of(scene);
+  CAPTURE(flux.mean());
+  CAPTURE(power);
+  CHECK(flux.p_value(std::clamp(flux.mean(), power * (1 - error), power * (1 + error))) > significance);
+  CHECK(flux.variance() < 100 * power * power);
+}
+
+/// What a photon brings to a disk, W / m^2.
+double deposit(const PhotonEmission<Scalar>& e, const Receiver& at) {
+  const float cosine = -dot(e.direction, at.normal);
+  if (!e.valid || !(cosine > 0.0f)) return 0;
+  const float t = dot(e.origin - at.center, at.normal) / cosine;
+  const bool hits = t > 0.0f && length_squared(e.origin + e.direction * t - at.center) < sqr(at.radius);
+  return hits ? weighed(e.flux) / (kPiD * at.radius * at.radius) : 0;
+}
+
+/// Irradiance by light sampling, at some place of a disk.
+double sampled_irradiance(const SceneView& scene, const Receiver& at, std::uint32_t i) {
+  const auto v = random4<Scalar>(62, i, 0, 0);
+  const Vec2f on_disk = square_to_disk<Scalar>(v.x, v.y);
+  const Vec3f from = at.center + Frame<Scalar>::from_normal(at.normal).to_world({on_disk.x, on_disk.y, 0}) * at.radius;
+  const auto s = any_sample(scene, from, random4<Scalar>(62, i, 0, 1));
+  return s.valid ? weighed(s.radiance) * std::max(dot(s.direction, at.normal), 0.0f) / s.pdf_solid_angle : 0;
+}
+
+/// Student's t-test of the difference of the two. Nothing hides anything from anything else.
+void check_irradiance(const SceneView& scene, const SceneView& reference, const Receiver& at, std::uint32_t photons,
+                      double significance) {
+  MeanVariance difference, sampled;
+  for (std::uint32_t i = 0; i < photons; ++i) {
+    const double expected = sampled_irradiance(reference, at, i);
+    sampled.add(expected);
+    difference.add(deposit(photon(scene, i), at) - expected);
+  }
+  CAPTURE(difference.mean());
+  CAPTURE(sampled.mean());
+  CHECK(difference.p_value(0) > significance);
+  // An error of 8 % would be seen.
+  CHECK(std::sqrt(difference.variance() / photons) < 0.08 / 4 * sampled.mean());
+}
+
+/// Light sampling leaves what compensation takes off an environment map to BSDF sampling: not so the reference.
+Description without_compensation(Description d) {
+  for (LightDescription& light : d.lights)
+    if (auto* map = std::get_if<EnvmapDescription>(&light.model)) map->mis_compensation = false;
+  return d;
+}
+
+void check_cases(const std::vector<Case>& cases) {
+  const double significance = significance_of_each(3 * static_cast<int>(cases.size()));
+  for (const Case& c : cases) {
+    CAPTURE(c.name);
+    const auto scene = compile_scene(c.scene), reference = compile_scene(without_compensation(c.scene));
+    check_power(scene->view(), c.photons, c.power_error, significance);
+    for (const Receiver& at : c.receivers)
+      check_irradiance(scene->view(), reference->view(), at, c.photons, significance);
+  }
+}
+
+/// A surface light's photons start just above it, on its bright side, along the cosine.
+void check_surface(const Case& c, double significance) {
+  const auto scene = compile_scene(c.scene);
+  const SceneView view = scene->view();
+  constexpr int kRings = 8, kSectors = 8, kDraws = 20000;
+  std::vector<double> observed(kRings * kSectors), expected(kRings * kSectors);
+  int valid = 0, lost = 0, blocked = 0, far = 0;
+  double worst_cosine = 0;
+  for (std::uint32_t i = 0; i < kDraws; ++i) {
+    const auto e = photon(view, i);
+    if (!e.valid) continue;
+    ++valid;
+    const double cosine = kPiD * double(e.pdf_direction);
+    blocked += c.convex && trace_ray(view, e.origin, e.direction).has_value();
+    const auto below = trace_ray(view, e.origin, -e.direction);
+    if (!below) {
+      ++lost;
+      continue;
+    }
+    const Vec3f ng = surface_at(view, e.origin, -e.direction, *below).ng;
+    if (cosine > 0.05) {
+      far += double(below->t) * cosine > 1e-4;
+      worst_cosine = std::max(worst_cosine, std::fabs(double(dot(ng, e.direction)) - cosine));
+    }
+    const Vec3f local = Frame<Scalar>::from_normal(ng).to_local(e.direction);
+    const double turn = (std::atan2(double(local.y), double(local.x)) + kPiD) / (2 * kPiD);
+    const int ring = std::min(static_cast<int>(cosine * cosine * kRings), kRings - 1);
+    const int sector = std::min(static_cast<int>(turn * kSectors), kSectors - 1);
+    observed[static_cast<std::size_t>(ring * kSectors + sector)] += 1;
+  }
+  for (double& e : expected) e = double(valid - lost) / (kRings * kSectors);
+  CHECK(valid > 0.999 * kDraws);
+  CHECK(lost < 0.003 * valid);  // over a rim
+  CHECK(far < 0.003 * valid);
+  CHECK(blocked == 0);
+  CHECK(worst_cosine < 2e-3);
+  CHECK(chi_square(observed, expected).p_value > significance);
+}
+
+/// Directions of a lone light against `pdf`, and the density that comes with each.
+void check_directions(const Description& d, const std::function<double(Vec3f)>& pdf, double z_min,
+                      double significance) {
+  const auto scene = compile_scene(d);
+  const SceneView view = scene->view();
+  double worst = 0;
+  const auto sample = [&](Random4<Scalar> u) -> std::optional<Vec3f> {
+    const auto e = emit_photon<Scalar>(view, {0, 1}, {0.5f, 0.3f, 0.7f, 0.5f}, u);
+    if (!e.valid) return std::nullopt;
+    const double expected = pdf(e.direction);
+    worst = std::max(worst, std::fabs(double(e.pdf_direction) - expected) / expected);
+    return e.direction;
+  };
+  CHECK(chi_square_sphere(sample, pdf, z_min).p_value > significance);
+  CHECK(worst < 2e-3);
+}
+
+}  // namespace
+
+TEST_CASE("light emission: area lights send their power, and to every place what light sampling says") {
+  check_cases(area_cases());
+}
+
+TEST_CASE("light emission: so do lights that are not on a shape, environments, and all of them together") {
+  const TemporaryFolder folder;
+  std::vector<Case> cases = placed_cases(folder);
+  cases.push_back(mixed_case(folder));
+  cases.back().power_error = 1;  // a stretched spot is among them
+  check_cases(cases);
+}
+
+TEST_CASE("light emission: so do media that glow, whose power is 4 pi times what is emitted in all") {
+  const TemporaryFolder folder;
+  std::vector<Case> cases = medium_cases(folder);
+  cases.back().power_error = 5e-3;
+  check_cases(cases);
+  const Vec3f power = compile_scene(cases[0].scene)->view().light_powers[0];
+  const double expected = 4 * kPiD * 1.5 * (1.0 * 2.0 * 1.6);  // sigma_a 1.5, radiance 1
+  CHECK(power.x == doctest::Approx(expected));
+  CHECK(power.y == doctest::Approx(2 * expected));
+  CHECK(power.z == doctest::Approx(expected / 2));
+}
+
+TEST_CASE("light emission: photons start in a medium as their density says, which is that of light sampling") {
+  const TemporaryFolder folder;
+  const auto scene = compile_scene(medium_case("", uneven_fog(folder), {kBox}).scene);
+  const SceneView view = scene->view();
+  REQUIRE(view.light_count == 1);
+  const Vec3f corner = view.lights[0].position, size = view.lights[0].extent();
+  constexpr int kSide = 4, kDraws = 50000, kFine = 32;
+  std::vector<double> observed(kSide * kSide * kSide), expected(kSide * kSide * kSide);
+  const auto block = [&](double x, double y, double z) {
+    const auto along = [](double v) { return std::clamp(static_cast<int>(v * kSide), 0, kSide - 1); };
+    return static_cast<std::size_t>((along(z) * kSide + along(y)) * kSide + along(x));
+  };
+  // Not all cells lie in one block: many points for each.
+  const int n = kSide * kFine;
+  for (int i = 0; i < n * n * n; ++i) {
+    const double x = (i % n + 0.5) / n, y = (i / n % n + 0.5) / n, z = (i / n / n + 0.5) / n;
+    const Vec3f p = corner + size * Vec3f{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+    expected[block(x, y, z)] += kDraws * double(volume_light_pdf(view, 0, p)) * size.x * size.y * size.z / (n * n * n);
+  }
+  double worst = 0;
+  for (std::uint32_t i = 0; i < kDraws; ++i) {
+    const auto e = photon(view, i);
+    REQUIRE(e.valid);
+    CHECK(e.medium == 1);
+    const Vec3f at = e.origin - corner;
+    observed[block(at.x / size.x, at.y / size.y, at.z / size.z)] += 1;
+    // Points in cells, not on their sides.
+    const double pdf = volume_light_pdf(view, 0, e.origin);
+    if (std::fabs(pdf / double(e.pdf_position) - 1) > 1e-5) worst += 1;
+  }
+  CHECK(chi_square(observed, expected).p_value > kSignificance);
+  CHECK(worst < 1e-3 * kDraws);
+}
+
+TEST_CASE("light emission: in spectral mode photons bring what light sampling says at their wavelengths") {
+  const TemporaryFolder folder;
+  std::vector<Case> cases = {textured(area_case("cube", CubeShape{}, kTilt)), mixed_case(folder)};
+  for (Case& c : placed_cases(folder))
+    if (c.name == "envmap" || c.name == "textured projector" || c.name == "textured spot" || c.name == "directional")
+      cases.push_back(std::move(c));
+  for (Case& c : medium_cases(folder)) cases.push_back(std::move(c));
+  const double significance = significance_of_each(2 * static_cast<int>(cases.size()));
+  for (const Case& c : cases) {
+    CAPTURE(c.name);
+    const auto scene = compile_scene(c.scene, {false, ColorMode::kSpectral});
+    const auto reference = compile_scene(without_compensation(c.scene), {false, ColorMode::kSpectral});
+    for (const Receiver& at : c.receivers)
+      check_irradiance(scene->view(), reference->view(), at, c.photons, significance);
+  }
+}
+
+TEST_CASE("light emission: photons start off the surface and leave along the cosine") {
+  const auto cases = area_cases();
+  for (const Case& c : cases) {
+    CAPTURE(c.name);
+    check_surface(c, significance_of_each(static_cast<int>(cases.size())));
+  }
+}
+
+TEST_CASE("light emission: directions are distributed as their density says") {
+  const TemporaryFolder folder;
+  constexpr double kDegree = kPiD / 180;
+  const double significance = significance_of_each(8);
+  const auto uniform = [](Vec3f) { return 0.25 / kPiD; };
+  check_directions(placed_case("", PointLightDescription{}).scene, uniform, -1, significance);
+  check_directions(placed_case("", ConstantLightDescription{}).scene, uniform, -1, significance);
+  check_directions(medium_case("", fog(2, 0.25f), {kBox}).scene, uniform, -1, significance);
+  for (const auto falloff : {Falloff::kLinear, Falloff::kSmooth}) {
+    const double z_min = std::cos(50 * kDegree);
+    const auto cone = [&](Vec3f) { return 0.5 / kPiD / (1 - z_min); };
+    check_directions(placed_case("", spot_of(falloff, Transform(), 50, 20)).scene, cone, z_min, significance);
+  }
+  for (const bool compensated : {false, true}) {
+    const Description d = placed_case("", envmap_of(folder, compensated)).scene;
+    const auto scene = compile_scene(d);
+    const auto mixed = [&](Vec3f w) {
+      return 0.875 * double(lookup_envmap<Scalar>(scene->view().envmap, -w).pdf_solid_angle) + 0.125 * 0.25 / kPiD;
+    };
+    check_directions(d, mixed, -1, significance);
+  }
+  ProjectorDescription projector = projector_of();
+  projector.to_world = Transform();
+  const auto scene = compile_scene(placed_case("", projector).scene);
+  const double half = std::tan(35 * kDegree);
+  const auto on_picture = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
+    const auto e = emit_photon<Scalar>(scene->view(), {0, 1}, u, u);
+    const double cosine = e.direction.z;
+    CHECK(e.pdf_direction == doctest::Approx(1 / (4 * half * half * cosine * cosine * cosine)).epsilon(1e-4));
+    return std::array<double, 2>{e.direction.x / cosine, e.direction.y / cosine};
+  };
+  const auto density = [&](double, double) { return 0.25 / (half * half); };
+  CHECK(chi_square_plane(on_picture, density, {-half, half, -half, half, 12, 12}, 20000).p_value > significance);
+}
+
+TEST_CASE("light emission: lights are chosen by power, whatever the selector") {
+  Description d = empty_scene(4, 4);
+  d.integrator.light_selector = LightSelector::kUniform;
+  for (int i = 1; i <= 4; ++i) add_point_light(d, {0, 0, static_cast<float>(i)}, static_cast<float>(i * i));
+  const auto scene = compile_scene(d);
+  constexpr int kDraws = 50000;
+  std::vector<double> observed(4), expected(4);
+  for (std::size_t i = 0; i < 4; ++i) expected[i] = kDraws * double((i + 1) * (i + 1)) / 30;
+  for (std::uint32_t i = 0; i < kDraws; ++i) {
+    const auto choice = choose_light_by_power<Scalar>(scene->view(), random4<Scalar>(63, i, 0, 0).x);
+    observed[choice.light] += 1;
+    CHECK(choice.probability == doctest::Approx(expected[choice.light] / kDraws));
+  }
+  CHECK(chi_square(observed, expected).p_value > kSignificance);
+  // So that photons of lone points all carry the same.
+  for (std::uint32_t i = 0; i < 100; ++i) CHECK(photon(scene->view(), i).flux.c0 == doctest::Approx(4 * kPiD * 30));
+  CHECK_FALSE(emit_photon<Scalar>(scene->view(), {0, 0}, {}, {}).valid);
+}
+
+TEST_CASE("light emission: registers equal single values, lights mixed") {
+  const TemporaryFolder folder;
+  const auto scene = compile_scene(mixed_case(folder).scene);
+  const SceneView view = scene->view();
+  std::vector<int> seen(view.light_count);
+  double worst = 0;
+  int other = 0, total = 0;
+  for (std::uint32_t i = 0; i < 20000; i += kWidth) {
+    const auto light_of = [&](int lane) {
+      return (i / kWidth * 7 + static_cast<std::uint32_t>(lane)) % view.light_count;
+    };
+    const auto wide = emit_photon<Wide>(view, {wide_uints([&](int lane) { return light_of(lane); }), WideFloat(0.25f)},
+                                        wide_random(64, i), wide_random(65, i));
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const auto one = emit_photon<Scalar>(view, {light_of(lane), 0.25f}, lane_random(64, i, lane),
+                                           lane_random(65, i, lane));
+      CAPTURE(light_of(lane));
+      ++total;
+      const double flux = weighed(one.flux), change = std::fabs(weighed(lane_record(wide.flux, lane)) - flux);
+      // Checkerboards and edges of cones: rounding decides.
+      if (lane_of(wide.valid, lane) != one.valid || change > 1e-3 * flux) {
+        ++other;
+        continue;
+      }
+      if (!one.valid) continue;
+      ++seen[light_of(lane)];
+      worst = std::max({worst, record_difference<Vec3>(lane_record(wide.origin, lane), one.origin),
+                        record_difference<Vec3>(lane_record(wide.direction, lane), one.direction),
+                        difference(wide.pdf_position[lane], one.pdf_position),
+                        difference(wide.pdf_direction[lane], one.pdf_direction)});
+      CHECK(wide.medium[lane] == one.medium);
+      CHECK((one.medium == kNone) == !view.lights[light_of(lane)].is(LightKind::kVolume));
+    }
+  }
+  CHECK(worst < 2e-3);
+  CHECK(other < 0.002 * total);
+  for (const int count : seen) CHECK(count > 100);
+}
+
+}  // namespace sheaf

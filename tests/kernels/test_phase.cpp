@@ -1,0 +1,157 @@
+// The phase functions: sampling against densities over the whole sphere, their integrals and their mean cosines.
+#include "kernels/bsdf/all.h"
+
+#include "tests/support/bsdf_testing.h"
+
+namespace sheaf {
+
+namespace {
+
+constexpr float kMeanCosines[] = {-0.99f, -0.8f, -0.3f, 0.0f, 1e-4f, 0.3f, 0.8f, 0.99f};
+constexpr int kTests = 2 * static_cast<int>(std::size(kMeanCosines)) + 2;  // that share the significance level
+constexpr Vec3f kWo{0, 0, 1};
+
+HenyeyGreensteinBsdf<Scalar> henyey_greenstein(float g) {
+  HenyeyGreensteinBsdf<Scalar> phase;
+  phase.g = g;
+  return phase;
+}
+
+RayleighBsdf<Scalar> rayleigh() { return {}; }
+
+/// Samples against the density, by azimuth and the logarithm of 1 - |cosine| on the side of `pole` (-1 or 1), so that
+/// peaks of any width are seen; by azimuth and z over the other half.
+template <class Phase> void check_phase_sampling(const Phase& phase, double pole) {
+  constexpr double kTurn = 6.283185307179586, kLowest = -24;  // e^-24: below what floats tell apart
+  const auto azimuth_of = [](Vec3f w) { return std::atan2(double(w.y), double(w.x)) + (w.y < 0 ? kTurn : 0.0); };
+  const auto sample = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
+    const Vec3f w = phase.sample(kWo, u).wi;
+    const double t = pole * w.z, sine = std::hypot(double(w.x), double(w.y));
+    if (!(t > 0)) return std::array<double, 2>{azimuth_of(w), -t};
+    return std::array<double, 2>{azimuth_of(w), std::max(std::log(sine * sine / (1 + t)), kLowest)};
+  };
+  // Rows below 0 are logarithms, the others cosines on the far side.
+  const auto density = [&](double azimuth, double y) {
+    const double m = y < 0 ? std::exp(y) : 1 + y, sine = std::sqrt(m * (2 - m));
+    const Vec3f w{static_cast<float>(sine * std::cos(azimuth)), static_cast<float>(sine * std::sin(azimuth)),
+                  static_cast<float>(pole * (1 - m))};
+    return double(phase.evaluate(kWo, w).pdf_solid_angle) * (y < 0 ? m : 1.0);
+  };
+  const CellGrid grid{0, kTurn, kLowest, 1, 12, 25};
+  const ChiSquare result = chi_square_plane(sample, density, grid, 100000);
+  CHECK(result.integral == doctest::Approx(1).epsilon(1e-3));
+  CHECK(result.p_value > significance_of_each(kTests));
+}
+
+/// Samples have the density and the direction that evaluate() gives for them, and weight 1.
+template <class Phase> void check_phase_weights(const Phase& phase) {
+  double worst = 0;
+  for (std::uint32_t i = 0; i < 2000; ++i) {
+    const auto s = phase.sample(kWo, lane_random(12, i, 0));
+    REQUIRE(s.valid);
+    CHECK(length(s.wi) == doctest::Approx(1).epsilon(1e-6));
+    CHECK((s.weight.c0 == 1.0f && s.weight.c1 == 1.0f && s.weight.c2 == 1.0f && s.weight.c3 == 1.0f));
+    CHECK(s.eta_scale == 1.0f);
+    const auto [f, pdf] = phase.evaluate(kWo, s.wi);
+    CHECK((f.c0 == pdf && f.c1 == pdf && f.c2 == pdf && f.c3 == pdf));
+    worst = std::max(worst, std::fabs(double(s.pdf_solid_angle) / pdf - 1));
+  }
+  CHECK(worst < 2e-5);
+}
+
+/// The mean cosine of the angle by which samples turn.
+template <class Phase> MeanVariance mean_cosine(const Phase& phase) {
+  MeanVariance cosine;
+  for (std::uint32_t i = 0; i < 100000; ++i) cosine.add(-double(phase.sample(kWo, lane_random(19, i, 0)).wi.z));
+  return cosine;
+}
+
+/// The integral of f(c) over the sphere, c the cosine by which light turns, by Simpson's rule in log(1 - c) on the side
+/// of the peak and in c on the other.
+template <class Phase> double integral_over_sphere(const Phase& phase, double pole, double power) {
+  constexpr int kSteps = 4000;
+  constexpr double kLow = -30, kHigh = 0.6931471805599453;  // log(2)
+  double sum = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double m = std::exp(kLow + (kHigh - kLow) * i / kSteps), z = pole * (1 - m);
+    const Vec3f w{static_cast<float>(std::sqrt(std::max(m * (2 - m), 0.0))), 0, static_cast<float>(z)};
+    const double weight = i == 0 || i == kSteps ? 1 : i % 2 == 1 ? 4 : 2;
+    sum += weight * m * std::pow(-z, power) * phase.evaluate(kWo, w).pdf_solid_angle;
+  }
+  return sum * (kHigh - kLow) / kSteps / 3 * 6.283185307179586;
+}
+
+double pole_of(float g) { return g < 0 ? 1 : -1; }
+
+}  // namespace
+
+TEST_CASE("phase: samples follow their density on the whole sphere") {
+  for (const float g : kMeanCosines) {
+    CAPTURE(g);
+    check_phase_sampling(henyey_greenstein(g), pole_of(g));
+    check_phase_weights(henyey_greenstein(g));
+  }
+  check_phase_sampling(rayleigh(), -1);
+  check_phase_weights(rayleigh());
+}
+
+TEST_CASE("phase: they integrate to one, and their first moment is the mean cosine") {
+  for (const float g : kMeanCosines) {
+    CAPTURE(g);
+    CHECK(integral_over_sphere(henyey_greenstein(g), pole_of(g), 0) == doctest::Approx(1).epsilon(1e-5));
+    CHECK(integral_over_sphere(henyey_greenstein(g), pole_of(g), 1) == doctest::Approx(g).epsilon(1e-5).scale(1));
+  }
+  CHECK(integral_over_sphere(rayleigh(), -1, 0) == doctest::Approx(1).epsilon(1e-5));
+  CHECK(integral_over_sphere(rayleigh(), -1, 1) == doctest::Approx(0).epsilon(1e-5).scale(1));
+  CHECK(integral_over_sphere(rayleigh(), -1, 2) == doctest::Approx(0.4).epsilon(1e-5));
+}
+
+TEST_CASE("phase: the mean cosine of samples is g, positive where light goes on") {
+  for (const float g : kMeanCosines) {
+    CAPTURE(g);
+    CHECK(mean_cosine(henyey_greenstein(g)).p_value(g) > significance_of_each(kTests));
+  }
+  CHECK(mean_cosine(rayleigh()).p_value(0) > significance_of_each(kTests));
+}
+
+TEST_CASE("phase: known values") {
+  const double isotropic = 1 / (4 * 3.14159265358979);
+  CHECK(henyey_greenstein(0).evaluate(kWo, {0.6f, 0, 0.8f}).pdf_solid_angle == doctest::Approx(isotropic));
+  CHECK(henyey_greenstein(1e-7f).evaluate(kWo, {0.6f, 0, -0.8f}).pdf_solid_angle == doctest::Approx(isotropic));
+  // Straight on and straight back: (1 + g) / (1 - g)^2 and (1 - g) / (1 + g)^2.
+  CHECK(henyey_greenstein(0.5f).evaluate(kWo, {0, 0, -1}).pdf_solid_angle == doctest::Approx(6 * isotropic));
+  CHECK(henyey_greenstein(0.5f).evaluate(kWo, {0, 0, 1}).pdf_solid_angle == doctest::Approx(isotropic * 0.5 / 2.25));
+  CHECK(henyey_greenstein(-0.5f).evaluate(kWo, {0, 0, 1}).pdf_solid_angle == doctest::Approx(6 * isotropic));
+  CHECK(rayleigh().evaluate(kWo, {0, 0, 1}).pdf_solid_angle == doctest::Approx(1.5 * isotropic));
+  CHECK(rayleigh().evaluate(kWo, {1, 0, 0}).pdf_solid_angle == doctest::Approx(0.75 * isotropic));
+}
+
+TEST_CASE("phase: the ends of the random numbers and of g give finite directions of unit length") {
+  for (const float g : {-0.9999999f, -0.99f, 0.0f, 0.99f, 0.9999999f})
+    for (const float u : {0.0f, 0.5f, 0.99999994f}) {
+      CAPTURE(g);
+      const auto s = henyey_greenstein(g).sample(kWo, {0, u, 0.3f, 0});
+      CHECK((is_finite(s.pdf_solid_angle) && s.valid));
+      CHECK(length(s.wi) == doctest::Approx(1).epsilon(1e-6));
+      CHECK(is_finite(henyey_greenstein(g).evaluate(kWo, s.wi).pdf_solid_angle));
+      CHECK(length(rayleigh().sample(kWo, {0, u, 0.3f, 0}).wi) == doctest::Approx(1).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("phase: registers equal single values") {
+  check_bsdf_lanes<HenyeyGreensteinBsdf>([](int lane) {
+    return henyey_greenstein(-0.95f + 1.9f * static_cast<float>(lane) / static_cast<float>(kWidth));
+  });
+  check_bsdf_lanes<RayleighBsdf>([](int) { return rayleigh(); });
+}
+
+TEST_CASE("phase: the two phase functions are the only BSDFs that say they are") {
+  int phases = 0;
+  for_each_bsdf(
+      [&]<template <class> class Bsdf>(ClosureKind, BsdfTag<Bsdf>) { phases += kIsPhaseFunction<Bsdf<Wide>>; });
+  CHECK(phases == 2);
+  CHECK(kIsPhaseFunction<HenyeyGreensteinBsdf<Scalar>>);
+  CHECK(kIsPhaseFunction<RayleighBsdf<Scalar>>);
+}
+
+}  // namespace sheaf

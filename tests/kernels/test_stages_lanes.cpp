@@ -1,0 +1,87 @@
+// Every stage of the path pass in registers against the same stage one path at a time, from the same wave.
+#include "kernels/stages/stages.h"
+#include "kernels/wave/wave_snapshot.h"
+#include "scene/data/glasses.h"
+#include "tests/support/stages_testing.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Largest difference between what two waves hold.
+double wave_difference(const Wave& a, const Wave& b) {
+  bool same_lists = a.shadow_count == b.shadow_count;
+  for (const SlotList PathPool::*list : PathPool::kLists) {
+    const auto x = (a.*list).span(), y = (b.*list).span();
+    same_lists = same_lists && std::equal(x.begin(), x.end(), y.begin(), y.end());
+  }
+  if (!same_lists) return kInfinity;
+  double worst = 0;
+  for (const SlotList* list : {&a.active, &a.miss, &a.surface, &a.finished})
+    for (const Slot slot : list->span())
+      worst = std::max(
+          {worst, record_difference<RayState>(a.rays.get(slot), b.rays.get(slot)),
+           record_difference<ThroughputState>(a.throughput.get(slot), b.throughput.get(slot)),
+           record_difference<RadianceState>(a.radiance.get(slot), b.radiance.get(slot)),
+           double{float_bits(a.wavelength_samples[slot]) == float_bits(b.wavelength_samples[slot]) ? 0.0f : 1.0f}});
+  for (const SlotList* list : {&a.surface, &a.emitter})
+    for (const Slot slot : list->span())
+      worst = std::max(worst, record_difference<HitState>(a.hits.get(slot), b.hits.get(slot)));
+  for (int kind = 0; kind < kClosureKinds; ++kind) {
+    if (a.runs[kind].count != b.runs[kind].count || a.runs[kind].column_begin != b.runs[kind].column_begin)
+      return kInfinity;
+    for (int i = 0; i < a.runs[kind].count; ++i) {
+      const int column = a.runs[kind].column_begin + i;
+      worst =
+          std::max({worst, record_difference<VertexItem>(a.vertices.load<Scalar>(column), b.vertices.load<Scalar>(column)),
+                    record_difference<ClosureItem>(a.closures.load<Scalar>(column), b.closures.load<Scalar>(column))});
+    }
+  }
+  for (int i = 0; i < a.shadow_count; ++i)
+    worst = std::max(worst, record_difference<ShadowItem>(a.shadows.load<Scalar>(i), b.shadows.load<Scalar>(i)));
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("stages: registers do what single paths do, stage by stage, in both colour modes") {
+  Description d = mixed_scene();
+  d.integrator.rr_depth = 2;
+  DielectricDescription glass;
+  glass.int_dispersion = *find_dispersion("diamond");
+  add_sphere(d, {0.3f, 0.7f, 3}, 0.3f, add_material(d, glass));
+  for (const auto& [hide_emitters, color] :
+       {std::pair{false, ColorMode::kRgb}, std::pair{true, ColorMode::kRgb}, std::pair{true, ColorMode::kSpectral}}) {
+    d.integrator.hide_emitters = hide_emitters;
+    const auto scene = compile_scene(d, {false, color});
+    for (const int paths : {kWidth - 1, kWidth + 1, 250}) {
+      TestWave wide(paths, 0), scalar(paths, 0);
+      wide.begin({0, 0, 16, 16}, 0, 2, 16);
+      scalar.begin({0, 0, 16, 16}, 0, 2, 16);
+      const StageContext wide_context = wide.context(*scene), scalar_context = scalar.context(*scene);
+      for (int bounce = 0; bounce < 12; ++bounce)
+        for (std::size_t i = 0; i < kStageCount; ++i) {
+          if (!takes_part(wide_context, kStages<Wide>[i].use, true)) continue;
+          CAPTURE(kStages<Wide>[i].name);
+          CAPTURE(bounce);
+          WaveSnapshot(wide.wave).restore(scalar.wave);
+          scalar.task.cursor = wide.task.cursor;
+          kStages<Wide>[i].run(wide_context, wide.wave);
+          kStages<Scalar>[i].run(scalar_context, scalar.wave);
+          CHECK(wave_difference(wide.wave, scalar.wave) < 2e-4);
+        }
+      double worst = 0;
+      const float *a = wide.task.samples[0], *b = scalar.task.samples[0];
+      for (std::size_t i = 0; i < std::size_t{512} * kBeautyChannels; ++i)
+        worst = std::max(worst, difference(a[i], b[i]));
+      // Wavelengths come from logarithms, which registers round in their own way.
+      CHECK(worst < (color == ColorMode::kSpectral ? 1e-5 : 1e-6));
+      const auto done = static_cast<int>(wide.wave.stats.samples);
+      CHECK(wide.wave.stats.rays.camera ==
+            static_cast<std::uint64_t>(std::min(512, done + paths - wide.wave.free.size())));
+      CHECK(wide.wave.stats.dropped.samples == 0);
+    }
+  }
+}
+
+}  // namespace sheaf

@@ -1,0 +1,463 @@
+// The stages between a hit and the next ray: sorting, surface inputs, light sampling, shadow rays, emission,
+// scattering.
+#include "kernels/bsdf/all.h"
+#include "kernels/lights/light_sample.h"
+#include "tests/support/stages_testing.h"
+#include "tests/support/statistics.h"
+
+#include <cmath>
+#include <map>
+
+namespace sheaf {
+
+namespace {
+
+/// Squares at z = 2 that look towards -z, at x = 0, 3, 6 ...: grey, mirror, glass, light grey, and one that shows its
+/// back, which is brighter than its front. A point light of intensity 10 at (0, 0, -1).
+constexpr int kSquares = 5;
+enum Square { kGrey, kMirror, kGlass, kLightGrey, kTurned };
+
+Description squares(bool with_light = true) {
+  Description d = empty_scene(8, 8);
+  const MaterialId materials[] = {add_diffuse(d, 0.25f), add_mirror(d, 0.5f), add_glass(d), add_diffuse(d, 0.75f),
+                                  add_material(d, TwoSidedDescription{add_diffuse(d, 0.1f), add_diffuse(d, 0.6f)})};
+  for (int i = 0; i < kSquares; ++i)
+    add_rectangle(
+        d,
+        Transform::translate({3 * static_cast<float>(i), 0, 2}) * Transform::rotate({0, 1, 0}, i == kTurned ? 0 : 180),
+        materials[i]);
+  if (with_light) add_point_light(d, {0, 0, -1}, 10);
+  return d;
+}
+
+/// A wave whose paths, `square_of(i)` each, have hit their square at a slant, sorted and with inputs worked out.
+template <class L> class ShadedWave : public TestWave {
+ public:
+  template <class F> ShadedWave(const Scene& scene, int paths, F&& square_of) : TestWave(paths) {
+    for (int i = 0; i < paths; ++i) {
+      const float x = 3 * static_cast<float>(square_of(i)), shift = 0.03f * static_cast<float>(i % 11);
+      const Slot slot = add_active({x + shift - 0.4f, 0.2f, 0}, normalize(Vec3f{0.1f, -0.05f, 1}));
+      square_of_slot[slot] = square_of(i);
+    }
+    const StageContext all = context(scene);
+    intersect<L>(all, wave);
+    sort_surfaces<L>(all, wave);
+    surface_inputs<L>(all, wave);
+  }
+  std::map<Slot, int> square_of_slot;
+};
+
+int mixed(int i) { return (i * 3 + i / 4) % kSquares; }
+
+ClosureKind kind_of(int square) {
+  return square == kMirror  ? ClosureKind::kConductor
+         : square == kGlass ? ClosureKind::kDielectric
+                            : ClosureKind::kDiffuse;
+}
+double reflectance_of(int square) {
+  constexpr double kReflectance[] = {0.25, 0.5, 1, 0.75, 0.6};
+  return kReflectance[square];
+}
+
+/// Calls f(slot, column, kind) for every item of every run.
+template <class F> void for_each_item(const Wave& wave, F&& f) {
+  for (int kind = 0; kind < kClosureKinds; ++kind)
+    for (int i = 0; i < wave.runs[kind].count; ++i)
+      f(wave.sorted[wave.runs[kind].slot_begin + i], wave.runs[kind].column_begin + i, static_cast<ClosureKind>(kind));
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("sort: hits lie in runs by kind, then material, in their old order", L, Wide, Scalar) {
+  const auto scene = compile_scene(squares());
+  for (const int paths : kTailSizes) {
+    ShadedWave<L> test(*scene, paths, mixed);
+    const Wave& wave = test.wave;
+    check_conservation(wave);
+    CHECK(wave.surface.empty());
+    CHECK(wave.sorted.size() == paths);
+    int total = 0, column = 0;
+    for (const VertexRun& run : wave.runs) {
+      CHECK(run.slot_begin == total);
+      CHECK(run.column_begin % kWidth == 0);
+      CHECK(run.column_begin >= column);
+      total += run.count;
+      column = run.column_begin + run.count;
+    }
+    CHECK(total == paths);
+    std::uint32_t last_bucket = 0, last_pixel = 0;
+    for_each_item(wave, [&](Slot slot, int, ClosureKind kind) {
+      CHECK(kind == kind_of(test.square_of_slot[slot]));
+      const std::uint32_t bucket = scene->view().materials[wave.hits.get(slot).material].bucket,
+                          pixel = wave.throughput.get(slot).pixel;
+      CHECK(bucket >= last_bucket);
+      if (bucket == last_bucket) CHECK(pixel >= last_pixel);
+      last_bucket = bucket;
+      last_pixel = pixel;
+    });
+  }
+}
+
+TEST_CASE_TEMPLATE("sort: runs of kinds that nothing hit are empty", L, Wide, Scalar) {
+  const auto scene = compile_scene(squares());
+  for (const int square : {kGrey, kMirror, kGlass})
+    for (const int paths : kTailSizes) {
+      ShadedWave<L> test(*scene, paths, [square](int) { return square; });
+      for (int kind = 0; kind < kClosureKinds; ++kind)
+        CHECK(test.wave.runs[kind].count == (static_cast<ClosureKind>(kind) == kind_of(square) ? paths : 0));
+    }
+}
+
+TEST_CASE_TEMPLATE("surface inputs: places, frames and parameters of every hit", L, Wide, Scalar) {
+  const auto scene = compile_scene(squares());
+  for (const int paths : kTailSizes) {
+    ShadedWave<L> test(*scene, paths, mixed);
+    Wave& wave = test.wave;
+    CHECK(test.spare_rows_untouched());
+    for_each_item(wave, [&](Slot slot, int column, ClosureKind) {
+      const int square = test.square_of_slot[slot];
+      const auto item = wave.vertices.template load<Scalar>(column);
+      const auto ray = wave.rays.get(slot);
+      const auto hit = wave.hits.get(slot);
+      CHECK(record_difference<Vec3>(item.p, ray.origin + ray.direction * hit.t) < 1e-6);
+      CHECK(item.p.z == doctest::Approx(2));
+      CHECK(item.ng.z == doctest::Approx(square == kTurned ? 1 : -1));
+      CHECK(item.ns.z == doctest::Approx(-1));
+      CHECK(item.wo.z == doctest::Approx(ray.direction.z));
+      CHECK(record_difference<Vec3>(Frame<Scalar>::from_normal(item.ns).to_world(item.wo), -ray.direction) < 1e-6);
+      CHECK(item.offset > 0.0f);
+      CHECK(item.offset < 1e-4f);
+      const MaterialRow& material = scene->view().materials[hit.material];
+      const auto closure = wave.closures.template load<Scalar>(column);
+      const int words = kind_of(square) == ClosureKind::kDiffuse     ? 4
+                        : kind_of(square) == ClosureKind::kConductor ? 12
+                                                                     : 9;
+      for (int k = 0; k < words; ++k) CHECK(closure.words[k] == material.words[k]);
+      if (kind_of(square) == ClosureKind::kDiffuse) CHECK(closure.words[1] == doctest::Approx(reflectance_of(square)));
+    });
+  }
+}
+
+/// What the path pass does between surface inputs and shadow rays.
+template <class L> void sample_lights(const StageContext& context, Wave& wave) {
+  for (int candidate = 0; candidate < context.transport.candidates; ++candidate) {
+    light_candidates<L>(context, wave, candidate);
+    resample<L>(context, wave, candidate);
+  }
+}
+
+TEST_CASE_TEMPLATE("light candidates: a point light in closed form, none for specular surfaces", L, Wide, Scalar) {
+  const auto scene = compile_scene(squares());
+  const Vec3f light{0, 0, -1};
+  for (const int paths : kTailSizes) {
+    ShadedWave<L> test(*scene, paths, mixed);
+    Wave& wave = test.wave;
+    for (auto& [slot, square] : test.square_of_slot) {
+      auto path = wave.throughput.get(slot);
+      path.beta = {0.5f, 0.25f, 2, 0};
+      wave.throughput.set(slot, path);
+    }
+    sample_lights<L>(test.context(*scene), wave);
+    CHECK(wave.shadow_count == wave.runs[0].count);
+    check_conservation(wave);
+    CHECK(test.spare_rows_untouched());
+    int i = 0;
+    for_each_item(wave, [&](Slot slot, int column, ClosureKind kind) {
+      if (kind != ClosureKind::kDiffuse) return;
+      const auto ray = wave.shadows.template load<Scalar>(i++);
+      const auto item = wave.vertices.template load<Scalar>(column);
+      CHECK(ray.slot == slot);
+      CHECK(ray.origin.z < 2.0f);
+      CHECK(length(ray.origin - item.p) <= item.offset * 1.01f);
+      CHECK(length(ray.origin + ray.direction - light) < 1e-6f);
+      const Vec3f d = light - item.p;
+      const double squared = length_squared(d), cos_theta = -d.z / std::sqrt(squared);
+      const double expected = reflectance_of(test.square_of_slot[slot]) / 3.14159265358979 * cos_theta * 10 / squared;
+      CHECK(ray.contribution.c0 == doctest::Approx(0.5 * expected).epsilon(1e-5));
+      CHECK(ray.contribution.c1 == doctest::Approx(0.25 * expected).epsilon(1e-5));
+      CHECK(ray.contribution.c2 == doctest::Approx(2 * expected).epsilon(1e-5));
+    });
+  }
+}
+
+TEST_CASE_TEMPLATE("light candidates: strategies weigh samples as they should", L, Wide, Scalar) {
+  Description d = squares(false);
+  emit(add_rectangle(d, Transform::translate({1, 0, -1})), 4);
+  std::vector<ShadowItem<Scalar>> alone, mis;
+  for (const LightStrategy strategy : {LightStrategy::kBsdfOnly, LightStrategy::kLightOnly, LightStrategy::kMis}) {
+    d.integrator.strategy = strategy;
+    const auto scene = compile_scene(d);
+    ShadedWave<L> test(*scene, 37, [](int) { return 0; });
+    sample_lights<L>(test.context(*scene), test.wave);
+    if (strategy == LightStrategy::kBsdfOnly) CHECK(test.wave.shadow_count == 0);
+    for (int i = 0; i < test.wave.shadow_count; ++i)
+      (strategy == LightStrategy::kMis ? mis : alone).push_back(test.wave.shadows.template load<Scalar>(i));
+  }
+  REQUIRE(alone.size() == 37);
+  REQUIRE(mis.size() == 37);
+  for (std::size_t i = 0; i < 37; ++i) {
+    // The light is 2 by 2, parallel to the surface; both see each other at the same angle.
+    const double squared = length_squared(alone[i].direction), cos_theta = -alone[i].direction.z / std::sqrt(squared);
+    const double pdf_light = 0.25 * squared / cos_theta, pdf_bsdf = cos_theta / 3.14159265358979;
+    CHECK(alone[i].contribution.c0 ==
+          doctest::Approx(0.25 / 3.14159265358979 * cos_theta * 4 / pdf_light).epsilon(1e-4));
+    const double weight = pdf_light * pdf_light / (pdf_light * pdf_light + pdf_bsdf * pdf_bsdf);
+    CHECK(mis[i].contribution.c0 == doctest::Approx(alone[i].contribution.c0 * weight).epsilon(1e-4));
+  }
+}
+
+TEST_CASE_TEMPLATE("light candidates: no shadow rays without light, from behind, or for black surfaces", L, Wide,
+                   Scalar) {
+  Description dark = squares(false), behind = squares(false), black = squares();
+  add_point_light(behind, {0, 0, 5}, 10);
+  for (MaterialDescription& m : black.materials) m.model = DiffuseDescription{SpectrumDescription::constant(0)};
+  for (const Description& d : {dark, behind, black}) {
+    const auto scene = compile_scene(d);
+    ShadedWave<L> test(*scene, 21, [](int i) { return i % 2 == 0 ? kGrey : kLightGrey; });
+    sample_lights<L>(test.context(*scene), test.wave);
+    CHECK(test.wave.shadow_count == 0);
+  }
+}
+
+TEST_CASE_TEMPLATE("shadow: what is not blocked is paid to its own path", L, Wide, Scalar) {
+  Description d = empty_scene(4, 4);
+  add_rectangle(d, Transform::translate({0, 0, 1}));
+  const auto scene = compile_scene(d);
+  for (const int paths : kTailSizes) {
+    TestWave test(paths);
+    Wave& wave = test.wave;
+    std::vector<Slot> slots;
+    for (int i = 0; i < paths; ++i) {
+      const Slot slot = test.add({0, 0, 0}, {0, 0, 1});
+      auto r = wave.radiance.get(slot);
+      r.radiance = {1, 2, 3, 0};
+      wave.radiance.set(slot, r);
+      wave.surface.push(slot);
+      slots.push_back(slot);
+      // Through the square, past it, and up to just before it.
+      const Vec3f origin{i % 3 == 1 ? 3.0f : 0.1f, 0.1f, 0}, direction{0, 0, i % 3 == 2 ? 0.99f : 4.0f};
+      wave.shadows.template store<Scalar>(i, {origin, direction, {0.5f, 0.25f, static_cast<float>(i), 0}, slot, 0});
+    }
+    wave.shadow_count = paths;
+    shadow<L>(test.context(*scene), wave);
+    CHECK(wave.shadow_count == 0);
+    CHECK(wave.stats.rays.shadow == static_cast<std::uint64_t>(paths));
+    check_conservation(wave);
+    CHECK(test.spare_rows_untouched());
+    for (int i = 0; i < paths; ++i) {
+      const auto r = wave.radiance.get(slots[static_cast<std::size_t>(i)]);
+      const bool blocked = i % 3 == 0;
+      CHECK(r.radiance.c0 == (blocked ? 1.0f : 1.5f));
+      CHECK(r.radiance.c1 == (blocked ? 2.0f : 2.25f));
+      CHECK(r.radiance.c2 == (blocked ? 3.0f : 3.0f + static_cast<float>(i)));
+      CHECK((r.task_sample & kTransparent) == 0);
+      CHECK(r.task_sample == static_cast<std::uint32_t>(i));
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("scatter: every path goes on by its own closure", L, Wide, Scalar) {
+  const auto scene = compile_scene(squares());
+  for (const int paths : kTailSizes) {
+    ShadedWave<L> test(*scene, paths, mixed);
+    Wave& wave = test.wave;
+    std::map<Slot, Vec3f> before, point;
+    for (const auto& [slot, square] : test.square_of_slot) before[slot] = wave.rays.get(slot).direction;
+    for_each_item(
+        wave, [&](Slot slot, int column, ClosureKind) { point[slot] = wave.vertices.template load<Scalar>(column).p; });
+    scatter<L>(test.context(*scene), wave);
+    check_conservation(wave);
+    CHECK(test.spare_rows_untouched());
+    CHECK(wave.active.size() == paths);
+    CHECK(wave.stats.rays.scatter == static_cast<std::uint64_t>(paths));
+    for (const auto& [slot, square] : test.square_of_slot) {
+      const auto ray = wave.rays.get(slot);
+      const auto path = wave.throughput.get(slot);
+      const Vec3f in = before[slot];
+      CHECK(path.progress == kOneDepth + kOneEvent);
+      CHECK(ray.flags == 0u);
+      CHECK(ray.t_max == kInfinity);
+      CHECK(length(ray.direction) == doctest::Approx(1).epsilon(1e-6));
+      CHECK(length(ray.origin - point[slot]) < 1e-4f);
+      CHECK((ray.origin.z - 2) * ray.direction.z > 0.0f);
+      const float pdf = wave.radiance.get(slot).scatter_pdf;
+      if (kind_of(square) == ClosureKind::kDiffuse) {
+        CHECK(ray.direction.z < 0.0f);
+        CHECK(pdf == doctest::Approx(-ray.direction.z * kInvPi).epsilon(1e-4));
+      } else {
+        CHECK(pdf == 0.0f);
+      }
+      if (kind_of(square) == ClosureKind::kConductor)
+        CHECK(record_difference<Vec3>(ray.direction, {in.x, in.y, -in.z}) < 1e-6);
+      if (square == kGlass && ray.direction.z > 0) {
+        CHECK(record_difference<Vec3>({ray.direction.x * 1.5f, ray.direction.y * 1.5f, 0}, {in.x, in.y, 0}) < 1e-6);
+        CHECK(path.eta_scale == doctest::Approx(2.25));
+        CHECK(path.beta.c0 == doctest::Approx(1 / 2.25));
+      } else {
+        CHECK(path.eta_scale == 1.0f);
+        CHECK(path.beta.c0 == doctest::Approx(reflectance_of(square)));
+      }
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("scatter: absorbed paths and those of the greatest length end", L, Wide, Scalar) {
+  Description d = squares();
+  d.materials[0].model = DiffuseDescription{SpectrumDescription::constant(0)};
+  d.shapes[kMirror].to_world = Transform::translate({3, 0, 2});  // shows its back, which is black
+  const auto scene = compile_scene(d);
+  ShadedWave<L> test(*scene, 37, [](int i) { return i % 4; });
+  Wave& wave = test.wave;
+  for (const auto& [slot, square] : test.square_of_slot) {
+    auto path = wave.throughput.get(slot);
+    path.progress = square == kGlass ? kLongestPath - 1 : 0;
+    wave.throughput.set(slot, path);
+  }
+  scatter<L>(test.context(*scene), wave);
+  check_conservation(wave);
+  for (const auto& [slot, square] : test.square_of_slot) {
+    CHECK(contains(wave.active, slot) == (square == kLightGrey));
+    CHECK(contains(wave.finished, slot) == (square != kLightGrey));
+  }
+}
+
+TEST_CASE_TEMPLATE("scatter: the ray that reaches max_depth is the last", L, Wide, Scalar) {
+  for (const int max_depth : {-1, 2, 3, 4, 100})
+    for (const std::uint32_t depth : {0u, 1u, 2u, 40u}) {
+      Description d = squares();
+      d.integrator.max_depth = max_depth;
+      d.integrator.rr_depth = 1000;
+      const auto scene = compile_scene(d);
+      ShadedWave<L> test(*scene, 5, mixed);
+      for (const auto& [slot, square] : test.square_of_slot) {
+        auto path = test.wave.throughput.get(slot);
+        path.progress = depth * (kOneDepth + kOneEvent);
+        test.wave.throughput.set(slot, path);
+      }
+      scatter<L>(test.context(*scene), test.wave);
+      // The next ray ends a path of depth + 2 edges, the one from the camera included.
+      const bool last = max_depth >= 0 && static_cast<int>(depth) + 2 >= max_depth;
+      for (const Slot slot : test.wave.active.span()) CHECK(test.wave.rays.get(slot).flags == (last ? kRayLast : 0u));
+    }
+}
+
+TEST_CASE_TEMPLATE("scatter: roulette ends paths by their throughput and pays those that go on", L, Wide, Scalar) {
+  Description d = squares();
+  d.integrator.rr_depth = 3;
+  const auto scene = compile_scene(d);
+  constexpr int kPaths = 4000;
+  for (const std::uint32_t depth : {1u, 2u})
+    for (const float beta : {0.8f, 40.0f}) {
+      ShadedWave<L> test(*scene, kPaths, [](int) { return static_cast<int>(kLightGrey); });
+      Wave& wave = test.wave;
+      for (const auto& [slot, square] : test.square_of_slot) {
+        auto path = wave.throughput.get(slot);
+        path.beta = {0.1f * beta, beta, 0.5f * beta, 0};
+        path.eta_scale = 0.5f;
+        path.progress = depth;
+        wave.throughput.set(slot, path);
+      }
+      scatter<L>(test.context(*scene), wave);
+      check_conservation(wave);
+      // Depth counts the vertex that is left: at 2 the path is at depth 3 and plays.
+      const double survival = depth < 2 ? 1 : std::min(0.75 * beta * 0.5, 0.95);
+      const double error = std::sqrt(kPaths * survival * (1 - survival));
+      CHECK(std::fabs(wave.active.size() - kPaths * survival) <=
+            student_t_threshold(significance_of_each(4), kPaths) * error);
+      for (const Slot slot : wave.active.span()) {
+        const auto path = wave.throughput.get(slot);
+        CHECK(path.beta.c1 == doctest::Approx(0.75 * beta / survival).epsilon(1e-5));
+        CHECK(path.beta.c0 == doctest::Approx(0.075 * beta / survival).epsilon(1e-5));
+      }
+    }
+}
+
+namespace {
+
+/// Emission's weight for light found with density `scatter_pdf` where light sampling has `light_pdf`.
+double emission_weight(LightStrategy strategy, double scatter_pdf, double light_pdf) {
+  if (scatter_pdf == 0 || strategy == LightStrategy::kBsdfOnly) return 1;
+  if (strategy == LightStrategy::kLightOnly) return 0;
+  return scatter_pdf * scatter_pdf / (scatter_pdf * scatter_pdf + light_pdf * light_pdf);
+}
+
+constexpr LightStrategy kStrategies[] = {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly};
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("emission: the environment, weighted against light sampling", L, Wide, Scalar) {
+  for (const LightStrategy strategy : kStrategies)
+    for (const bool hide : {false, true}) {
+      Description d = empty_scene(4, 4);
+      add_constant_light(d, 2);
+      d.integrator.strategy = strategy;
+      d.integrator.hide_emitters = hide;
+      const auto scene = compile_scene(d);
+      for (const int paths : kTailSizes) {
+        TestWave test(paths);
+        Wave& wave = test.wave;
+        for (int i = 0; i < paths; ++i) {
+          const Slot slot = test.add({0, 0, 0}, {0, 0, 1}, i % 3 == 0 ? kRayFromCamera : 0u);
+          auto r = wave.radiance.get(slot);
+          r.radiance = Spectrum4(0.25f);
+          r.scatter_pdf = i % 3 == 2 ? 0.3f : 0.0f;
+          wave.radiance.set(slot, r);
+          auto path = wave.throughput.get(slot);
+          path.beta = {1, 0.5f, static_cast<float>(i), 0};
+          wave.throughput.set(slot, path);
+          wave.miss.push(slot);
+        }
+        emission<L>(test.context(*scene), wave);
+        check_conservation(wave);
+        CHECK(test.spare_rows_untouched());
+        REQUIRE(wave.finished.size() == paths);
+        for (const Slot slot : wave.finished.span()) {
+          const auto r = wave.radiance.get(slot);
+          const auto i = static_cast<int>(r.task_sample & ~kTransparent);
+          const bool hidden = hide && i % 3 == 0;
+          const double weight = hidden ? 0 : emission_weight(strategy, i % 3 == 2 ? 0.3 : 0, 0.25 * kInvPi);
+          CHECK(r.radiance.c0 == doctest::Approx(0.25 + 2 * weight).epsilon(1e-5));
+          CHECK(r.radiance.c1 == doctest::Approx(0.25 + weight).epsilon(1e-5));
+          CHECK(r.radiance.c2 == doctest::Approx(0.25 + 2 * i * weight).epsilon(1e-5));
+          CHECK(((r.task_sample & kTransparent) != 0) == hidden);
+        }
+      }
+    }
+}
+
+TEST_CASE_TEMPLATE("emission: area lights shine from their front, weighted against light sampling", L, Wide, Scalar) {
+  for (const LightStrategy strategy : kStrategies) {
+    Description d = empty_scene(4, 4);
+    d.integrator.strategy = strategy;
+    d.integrator.light_selector = LightSelector::kPower;
+    add_area_light_rectangle(d, Transform::translate({0, 0, 2}) * Transform::rotate({0, 1, 0}, 180), 3);
+    add_area_light_rectangle(d, Transform::translate({5, 0, 2}), 3);
+    const auto scene = compile_scene(d);
+    for (const int paths : kTailSizes) {
+      TestWave test(paths);
+      Wave& wave = test.wave;
+      for (int i = 0; i < paths; ++i) {
+        const Slot slot = test.add_active({i % 4 == 3 ? 5.0f : 0.0f, 0, 0},
+                                          normalize(Vec3f{0.1f * static_cast<float>(i % 4), 0, 1}), kRayLast);
+        auto r = wave.radiance.get(slot);
+        r.scatter_pdf = i % 2 == 0 ? 0.2f : 0.0f;
+        wave.radiance.set(slot, r);
+      }
+      intersect<L>(test.context(*scene), wave);
+      emission<L>(test.context(*scene), wave);
+      check_conservation(wave);
+      CHECK(test.spare_rows_untouched());
+      REQUIRE(wave.finished.size() == paths);
+      for (const Slot slot : wave.finished.span()) {
+        const auto r = wave.radiance.get(slot);
+        const auto i = r.task_sample;
+        const double z = wave.rays.get(slot).direction.z, t = 2 / z;
+        const double light_pdf = 0.5 * 0.25 * t * t / z;
+        const double weight = i % 4 == 3 ? 0 : emission_weight(strategy, i % 2 == 0 ? 0.2 : 0, light_pdf);
+        CHECK(r.radiance.c1 == doctest::Approx(3 * weight).epsilon(1e-4));
+      }
+    }
+  }
+}
+
+}  // namespace sheaf

@@ -1,0 +1,96 @@
+// Several area lights and a medium: light that a path finds after it was scattered in the medium is weighed by the
+// probability with which the tree of lights would have chosen it from there, so that light sampling, phase sampling and
+// both together have the same mean.
+#include "tests/support/media_testing.h"
+#include "tests/support/render_testing.h"
+#include "tests/support/temporary_folder.h"
+
+namespace sheaf {
+
+namespace {
+
+/// All comparisons of this file together fail with probability kSignificance if every estimator is sound.
+const double kLevel = significance_of_each(9 * 9);
+
+Transform turned(Vec3f at, Vec3f axis, float degrees, float size) {
+  return Transform::translate(at) * Transform::rotate(axis, degrees) * Transform::scale({size, size, 1});
+}
+
+/// Around the origin, where the camera does not see them; large, so that both strategies find them as easily, and of
+/// unequal power, so that it matters which is likely to be chosen.
+void add_lights(Description& d) {
+  add_area_light_sphere(d, {0, 0, 2.6f}, 1.3f, 4);
+  add_area_light_sphere(d, {0, 2.4f, -0.3f}, 1.1f, 1);
+  add_area_light_rectangle(d, turned({0, -2.2f, 0}, {1, 0, 0}, -90, 1.3f), 2);
+  add_area_light_rectangle(d, turned({2.4f, 0, 1.8f}, {0, 1, 0}, -135, 1.2f), 7);
+}
+
+/// A sphere of `medium` around the origin, seen from aside.
+Description ball_between_lights(const MediumDescription& medium, float g, int samples = 64) {
+  Description d = picture_of_one_point(samples);
+  look_at_point(d, {-5, 0.2f, 0.3f}, {0, 0.2f, 0.3f});
+  d.integrator.max_depth = 3;
+  MediumDescription m = medium;
+  m.phase = add_phase(d, g);
+  const MediumId id = add_medium(d, m);
+  fill(d, add_sphere(d, {0, 0, 0}, 1), id);
+  add_lights(d);
+  return d;
+}
+
+}  // namespace
+
+TEST_CASE("fog lights: several area lights around a homogeneous medium") {
+  for (const float g : {0.0f, 0.5f}) {
+    CAPTURE(g);
+    check_strategies_agree(ball_between_lights(fog(1, 0.9f), g), kLevel);
+  }
+}
+
+TEST_CASE("fog lights: several area lights around a medium on a grid, colour by colour") {
+  const TemporaryFolder folder;
+  const auto lumps = write_vol(folder / "lumps.vol", 12, 1, [](Vec3f p, int) {
+    return 1 + std::sin(17 * p.x) * std::sin(13 * p.y + 1) * std::cos(11 * p.z);
+  });
+  MediumDescription m = fog(1, 0.9f);
+  std::get<ExtinctionAlbedoDescription>(m.coefficients).sigma_t = SpectrumDescription::rgb(0.5f, 1, 2.5f);
+  m.density = vol(lumps, Transform::translate({-1, -1, -1}) * Transform::scale({2, 2, 2}));
+  for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
+    CAPTURE(static_cast<int>(color));
+    check_strategies_agree(ball_between_lights(m, 0.2f), kLevel, color);
+  }
+}
+
+TEST_CASE("fog lights: a resampled one of several candidates") {
+  Description d = ball_between_lights(fog(1, 0.9f), 0.3f);
+  d.integrator.candidates = 3;
+  check_strategies_agree(d, kLevel);
+}
+
+TEST_CASE("fog lights: a medium that glows between other lights, seen and on a floor") {
+  MediumDescription m = fog(1.5f, 0.5f);
+  m.emission = VolumeInput(SpectrumDescription::rgb(8, 5, 3));
+  for (const bool seen : {true, false}) {
+    CAPTURE(seen);
+    Description d = ball_between_lights(m, 0);
+    add_rectangle(d, Transform::translate({0, 0, -1.6f}) * Transform::scale({6, 6, 1}), add_diffuse(d, 0.7f));
+    if (!seen) look_at_point(d, {-4, 0, -0.9f}, {-0.6f, 0.2f, -1.6f});
+    check_strategies_agree(d, kLevel);
+  }
+}
+
+TEST_CASE("fog lights: a medium behind a mask and a pane") {
+  Description d = ball_between_lights(fog(1, 0.9f), 0);
+  d.integrator.free_panes = true;
+  // Between the medium and the lights above and behind it.
+  const MaterialId half = add_material(d, MaskDescription{0.5f, add_diffuse(d, 0)});
+  add_rectangle(d, Transform::translate({0, 0, 1.1f}) * Transform::scale({1.5f, 1.5f, 1}), half);
+  DielectricDescription pane;
+  pane.int_ior = 3;
+  pane.ext_ior = 1;
+  pane.thin = true;
+  add_rectangle(d, turned({1.15f, 0, 0}, {0, 1, 0}, 90, 1.5f), add_material(d, pane));
+  check_strategies_agree(d, kLevel);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,204 @@
+// Rays that go on behind surfaces: hidden lights, null interfaces and masks, the far plane, views for debugging; and
+// media that no surface ends.
+#include "kernels/passes/passes.h"
+#include "kernels/passes/render.h"
+#include "scene/compile/compile.h"
+#include "tests/support/media_testing.h"
+#include "tests/support/stages_testing.h"
+#include "tests/support/statistics.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+constexpr double kPiD = 3.14159265358979323846;
+/// All comparisons of this file together fail with probability kSignificance if every estimator is sound.
+const double kLevel = significance_of_each(100);
+constexpr int kSide = 32;
+constexpr LightStrategy kStrategies[] = {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly};
+
+/// Looks at one point.
+Description picture(Vec3f from, Vec3f at, int samples) {
+  Description d = empty_scene(kSide, kSide);
+  d.sampler.sample_count = static_cast<std::uint32_t>(samples);
+  d.sampler.seed = 23;
+  look_at(d, from, at, {0, 1, 0}, 0.01f);
+  return d;
+}
+
+Image render_image(const Description& d) { return render(*compile_scene(d), {}).film.to_image(); }
+
+MeanVariance means_of(const Image& image, int channel = 0) {
+  MeanVariance m;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) m.add(image.at(x, y, channel));
+  return m;
+}
+
+/// Relative errors of `rounding` are those of single precision.
+void check_mean(const MeanVariance& m, double expected, double rounding = 1e-4) {
+  INFO("mean " << m.mean() << ", expected " << expected << ", standard error "
+               << std::sqrt(m.variance() / (kSide * kSide)));
+  const double distance = m.mean() - expected, allowed = rounding * std::fabs(expected);
+  const double nearest = std::fabs(distance) <= allowed ? m.mean() : expected + std::copysign(allowed, distance);
+  CHECK(m.p_value(nearest) >= kLevel);
+}
+
+Transform facing_back(float z) { return Transform::translate({0, 0, z}) * Transform::rotate({0, 1, 0}, 180); }
+
+}  // namespace
+
+TEST_CASE("passing: behind a hidden light in a medium rays scatter as if it were not there") {
+  // What scatters sees the environment's radiance in every direction, and the light's, which is the same; what does not
+  // sees nothing, nor does what scatters within the light, which is dark inside.
+  Description d = picture({0, 0, 0}, {0, 0, 1}, 32);
+  d.integrator.hide_emitters = true;
+  d.integrator.rr_depth = 1000;
+  add_constant_light(d, 1);
+  add_area_light_sphere(d, {0, 0, 3}, 0.11f, 1);
+  const MediumId id = add_medium(d, fog(0.3f, 1));
+  fill(d, add_sphere(d, {0, 0, 0}, 6), id);
+  check_mean(means_of(render_image(d)), 1 - std::exp(-1.8) - (std::exp(-0.3 * 2.89) - std::exp(-0.3 * 3.11)));
+}
+
+TEST_CASE("passing: the far plane stays where it is") {
+  for (const bool behind : {false, true})
+    for (int what = 0; what < 3; ++what) {
+      CAPTURE(behind);
+      CAPTURE(what);
+      Description d = picture({0, 0, 0}, {0, 0, 1}, 1);
+      d.camera.far_clip = behind ? 6.5f : 5;
+      d.integrator.hide_emitters = true;
+      add_constant_light(d, 1);
+      add_rectangle(d, facing_back(6), add_diffuse(d, 0.5f));
+      const MaterialId black = add_diffuse(d, 0);
+      for (const float z : {1.5f, 3.0f, 4.5f}) {
+        ShapeDescription& shape = add_rectangle(d, facing_back(z), black);
+        if (what == 0) emit(shape, 2);
+        else if (what == 1) shape.material = add_material(d, NullDescription{});
+        else shape.material = add_material(d, MaskDescription{0.0f, black});
+      }
+      check_mean(means_of(render_image(d), 3), behind ? 1 : 0);
+    }
+}
+
+TEST_CASE("passing: views for debugging pass what is not there, and count the distance from the camera") {
+  for (const IntegratorKind kind : {IntegratorKind::kNormals, IntegratorKind::kDepth})
+    for (const bool media : {false, true}) {
+      CAPTURE(static_cast<int>(kind));
+      CAPTURE(media);
+      Description d = empty_scene(kSide, kSide);
+      look_at(d, {0, 0, 0}, {0, 0, 1}, {0, 1, 0}, 20);
+      d.camera.near_clip = 0.1f;
+      d.integrator.kind = kind;
+      d.integrator.hide_emitters = true;
+      add_rectangle(d, facing_back(6) * Transform::rotate({1, 2, 0}, 30) * Transform::scale({0.8f, 0.8f, 1}),
+                    add_diffuse(d, 0.5f));
+      const Image open = render_image(d);
+      CHECK(open.at(kSide / 2, kSide / 2, 3) == 1.0f);
+      CHECK(open.at(0, 0, 3) == 0.0f);
+      const MaterialId black = add_diffuse(d, 0);
+      emit(add_rectangle(d, facing_back(2), black), 2);
+      emit(add_rectangle(d, facing_back(2.5f), black), 2);
+      if (media) {
+        add_rectangle(d, facing_back(3), add_material(d, NullDescription{}));
+        add_rectangle(d, facing_back(4), add_material(d, MaskDescription{0.0f, black}));
+        fill(d, add_sphere(d, {0, 0, 5}, 0.5f), add_medium(d, fog(1, 0.5f)));
+      }
+      const Image covered = render_image(d);
+      double worst = 0;
+      for (std::size_t i = 0; i < open.data.size(); ++i)
+        worst = std::max(worst, std::fabs(double{open.data[i]} - double{covered.data[i]}));
+      // Behind a surface rays begin a little off it.
+      CHECK(worst < 1e-4);
+    }
+}
+
+TEST_CASE_TEMPLATE("passing: views for debugging lose no paths behind hidden lights", L, Wide, Scalar) {
+  Description d = empty_scene(16, 16);
+  d.integrator.kind = IntegratorKind::kDepth;
+  d.integrator.hide_emitters = true;
+  emit(add_rectangle(d, facing_back(1)), 2);
+  const auto scene = compile_scene(d);
+  TestWave test(16);
+  test.begin({0, 0, 16, 16}, 0, 1, 16);
+  pass_of<L>(d.integrator.kind)(test.context(*scene), test.wave);
+  CHECK(test.wave.stats.samples == 256);
+  CHECK(test.wave.free.size() == test.wave.capacity);
+}
+
+TEST_CASE("passing: a hidden light stays the boundary of its media") {
+  // Two metres of glowing gas before a black wall, in a cube that is a light and does not show.
+  MediumDescription gas = fog(1, 0);
+  gas.emission = VolumeInput(SpectrumDescription::constant(1));
+  Description d = picture({0, 0, 0}, {0, 0, 1}, 4);
+  d.integrator.hide_emitters = true;
+  const MaterialId black = add_diffuse(d, 0);
+  add_rectangle(d, facing_back(8) * Transform::scale({4, 4, 1}), black);
+  ShapeDescription& cube = add_shape(d, CubeShape{}, Transform::translate({0, 0, 4}), black);
+  cube.interior = add_medium(d, gas);
+  emit(cube, 3);
+  check_mean(means_of(render_image(d)), 1 - std::exp(-2.0));
+}
+
+namespace {
+
+/// A floor in an open world full of `medium`, seen from two metres, below a white sky.
+Description foggy_floor(const MediumDescription& medium, int samples) {
+  Description d = picture({1.2f, 1.6f, 0}, {0, 0, 0}, samples);
+  d.camera.to_world = Transform::look_at({1.2f, 1.6f, 0}, {0, 0, 0}, {0, 0, 1});
+  add_constant_light(d, 1);
+  add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({3, 3, 1}), add_diffuse(d, 0.5f));
+  d.camera.medium = add_medium(d, medium);
+  return d;
+}
+
+/// Around the floor's corners.
+const double kMediumRadius = 1.01 * std::sqrt(18.0);
+
+}  // namespace
+
+TEST_CASE("passing: light from outside enters a medium without an end at the sphere around the scene") {
+  for (const LightStrategy strategy : kStrategies) {
+    CAPTURE(static_cast<int>(strategy));
+    Description d = foggy_floor(fog(0.2f, 0), 16);
+    d.integrator.strategy = strategy;
+    check_mean(means_of(render_image(d)), 0.5 * std::exp(-0.2 * (2 + kMediumRadius)));
+    // The sky itself.
+    look_at(d, {0, 1.6f, 0}, {0, 2, 0}, {0, 0, 1}, 0.01f);
+    check_mean(means_of(render_image(d)), std::exp(-0.2 * (kMediumRadius - 1.6)));
+  }
+}
+
+TEST_CASE("passing: a medium without an end has the same mean by every strategy") {
+  MeanVariance found[3];
+  for (int i = 0; i < 3; ++i) {
+    Description d = foggy_floor(fog(0.2f, 0.8f), 32);
+    d.integrator.strategy = kStrategies[i];
+    found[i] = means_of(render_image(d));
+  }
+  for (int i = 1; i < 3; ++i) {
+    const double error = std::sqrt((found[0].variance() + found[i].variance()) / (kSide * kSide));
+    INFO("means " << found[0].mean() << " and " << found[i].mean() << ", standard error " << error);
+    CHECK(student_t_p_value((found[0].mean() - found[i].mean()) / error, 2 * kSide * kSide - 2) >= kLevel);
+  }
+  MESSAGE("means " << found[0].mean() << ", " << found[1].mean() << ", " << found[2].mean());
+}
+
+TEST_CASE("passing: what loses nothing vanishes in a medium without an end") {
+  for (const LightStrategy strategy : kStrategies) {
+    CAPTURE(static_cast<int>(strategy));
+    Description d = foggy_floor(fog(0.2f, 1), 16);
+    d.integrator.rr_depth = 1000;
+    d.integrator.strategy = strategy;
+    d.shapes[0].material = add_two_sided(d, add_diffuse(d, 1));
+    check_mean(means_of(render_image(d)), 1);
+  }
+}
+
+}  // namespace sheaf

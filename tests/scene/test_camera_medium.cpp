@@ -1,0 +1,69 @@
+// Which medium the camera's rays start in.
+#include "scene/compile/compile.h"
+#include "tests/support/media_testing.h"
+
+#include <doctest/doctest.h>
+
+namespace sheaf {
+
+namespace {
+
+/// A camera at the origin that looks along +z, and a sphere of gas around `center`.
+Description beside_gas(Vec3f center, float radius) {
+  Description d = empty_scene(16, 8);
+  fill(d, add_sphere(d, center, radius), add_medium(d, fog(1, 0.5f)));
+  return d;
+}
+
+struct Found {
+  std::uint32_t medium;
+  std::size_t warnings;
+};
+
+Found find(const Description& d) {
+  const auto scene = compile_scene(d);
+  for (const std::string& warning : scene->warnings()) CAPTURE(warning);
+  return {scene->view().camera_medium, scene->warnings().size()};
+}
+
+void check(const Description& d, std::uint32_t medium, bool warns) {
+  const Found found = find(d);
+  CHECK(found.medium == medium);
+  CHECK(found.warnings == (warns ? 1u : 0u));
+}
+
+}  // namespace
+
+TEST_CASE("camera medium: a pinhole's, at the near plane") {
+  check(beside_gas({0, 0, 0}, 1), 1, false);
+  check(beside_gas({0, 0, 3}, 1), 0, false);
+  Description d = beside_gas({0, 0, 3}, 1);
+  d.camera.fov = 5;
+  d.camera.near_clip = 2.5f;
+  check(d, 1, false);
+  // Beyond the picture's edges the near plane is outside.
+  d.camera.fov = 90;
+  check(d, 1, true);
+}
+
+TEST_CASE("camera medium: that of the middle of an orthographic camera's film") {
+  Description d = beside_gas({0, 0, 0}, 2);
+  d.camera.projection = CameraDescription::Projection::kOrthographic;
+  check(d, 1, false);
+  check([&] { Description e = d; e.shapes[0].geometry = SphereShape{{0, 0, 0}, 0.5f}; return e; }(), 1, true);
+  check([&] { Description e = d; e.shapes[0].geometry = SphereShape{{1, 0.5f, 0}, 0.2f}; return e; }(), 0, true);
+}
+
+TEST_CASE("camera medium: a lens across a boundary is told") {
+  Description d = beside_gas({0, 0, -1}, 1.05f);
+  d.camera.focus_distance = 5;
+  d.camera.aperture_radius = 0.02f;
+  check(d, 1, false);
+  d.camera.aperture_radius = 0.5f;
+  check(d, 1, true);
+  // Whoever names the medium knows.
+  d.camera.medium = MediumId{0};
+  check(d, 1, false);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,509 @@
+// Environment maps: where a picture's pixels lie, that sampling and density agree, that the density follows the
+// brightness, spectral mode, and pictures that are degenerate.
+#include "kernels/lights/envmap.h"
+
+#include "core/exr.h"
+#include "core/frame.h"
+#include "kernels/passes/render.h"
+#include "scene/compile/compile.h"
+#include "scene/compile/compile_envmap.h"
+#include "tests/support/chi_square.h"
+#include "tests/support/lanes_testing.h"
+#include "tests/support/picture_files.h"
+#include "tests/support/spectral_testing.h"
+#include "tests/support/statistics.h"
+#include "tests/support/tiny_scenes.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+namespace sheaf {
+
+namespace {
+
+constexpr double kPiD = std::numbers::pi;
+constexpr int kTests = 8;  // chi-square tests in this file
+
+EnvmapPicture picture_of(std::uint32_t width, std::uint32_t height,
+                         const std::function<Vec3f(std::uint32_t, std::uint32_t)>& f) {
+  EnvmapPicture p{width, height, std::vector<float>(3 * std::size_t{width} * height)};
+  for (std::uint32_t i = 0; i < width * height; ++i) {
+    const Vec3f v = f(i % width, i / width);
+    p.rgb[3 * i] = v.x;
+    p.rgb[3 * i + 1] = v.y;
+    p.rgb[3 * i + 2] = v.z;
+  }
+  return p;
+}
+
+/// Uneven, with dark parts and a bright one.
+EnvmapPicture uneven_picture() {
+  return picture_of(11, 7, [](std::uint32_t x, std::uint32_t y) {
+    if (x >= 3 && x <= 6 && y >= 2 && y <= 4) return Vec3f{0, 0, 0};
+    if (x == 9 && y == 4) return Vec3f{40, 35, 20};
+    return Vec3f{0.1f + 0.2f * static_cast<float>(x % 3), 0.5f, 0.05f * static_cast<float>(y * y)};
+  });
+}
+
+/// The direction of a place in the unit square, by the definition in scene/tables/envmap.h.
+Vec3f direction_of(double u, double v) {
+  const double phi = 2 * kPiD * u, theta = kPiD * v;
+  return {static_cast<float>(std::sin(phi) * std::sin(theta)), static_cast<float>(std::cos(theta)),
+          static_cast<float>(-std::cos(phi) * std::sin(theta))};
+}
+
+Envmap turned(Envmap map) {
+  set_rotation(map, Transform::rotate({1, 2, 3}, 70) * Transform::scale({-2, 2, 2}), {});
+  return map;
+}
+
+ChiSquare check_sampling(const Envmap& map) {
+  const EnvmapView view = map.view();
+  return chi_square_sphere(
+      [&](Random4<Scalar> u) -> std::optional<Vec3f> {
+        const auto s = sample_envmap<Scalar>(view, u.x, u.y);
+        return s.pdf_solid_angle > 0 ? std::optional<Vec3f>(s.direction) : std::nullopt;
+      },
+      [&](Vec3f w) { return lookup_envmap<Scalar>(view, w).pdf_solid_angle; });
+}
+
+/// Integral of the density over the unit square, where it is bilinear between nodes: the mean of all cells' corners.
+double integral_of(const Envmap& map) {
+  double sum = 0;
+  for (std::size_t j = 0; j + 1 < map.height; ++j)
+    for (std::size_t i = 0; i < map.width; ++i)
+      for (const std::size_t k : {j, j + 1})
+        for (const std::size_t l : {i, (i + 1) % map.width}) sum += 0.25 * map.nodes[4 * (k * map.width + l) + 3];
+  return sum / (double(map.width) * (map.height - 1));
+}
+
+}  // namespace
+
+TEST_CASE("environment map: nodes lie where the definition says") {
+  const EnvmapPicture picture = uneven_picture();
+  const Envmap map = make_envmap(picture, 2, false);
+  for (std::uint32_t j = 0; j < 7; ++j)
+    for (std::uint32_t i = 0; i < 11; ++i) {
+      const double v = std::clamp(j / 6.0, 1e-5, 1 - 1e-5);  // at a pole the longitude would be lost
+      const auto value = lookup_envmap<Scalar>(map.view(), direction_of((i + 0.5) / 11, v)).radiance;
+      const float* pixel = &picture.rgb[3 * (j * 11 + i)];
+      CHECK(value.c0 == doctest::Approx(2 * pixel[0]).epsilon(2e-3));
+      CHECK(value.c1 == doctest::Approx(2 * pixel[1]).epsilon(2e-3));
+      CHECK(value.c2 == doctest::Approx(2 * pixel[2]).epsilon(2e-3));
+    }
+  // Between the last column and the first, and between two rows.
+  const auto seam = lookup_envmap<Scalar>(map.view(), direction_of(0, 5.5 / 6)).radiance;
+  const float* row = &picture.rgb[3 * 5 * 11];
+  const float expected = 2 * 0.25f * (row[0] + row[30] + row[33] + row[63]);
+  CHECK(seam.c0 == doctest::Approx(expected).epsilon(1e-4));
+}
+
+TEST_CASE("environment map: directions are distributed as their density says") {
+  SUBCASE("as it lies") {
+    CHECK(check_sampling(make_envmap(uneven_picture(), 1, false)).p_value > significance_of_each(kTests));
+  }
+  SUBCASE("turned and mirrored") {
+    const ChiSquare result = check_sampling(turned(make_envmap(uneven_picture(), 1, false)));
+    CHECK(result.p_value > significance_of_each(kTests));
+    CHECK(result.integral == doctest::Approx(1).epsilon(2e-3));
+  }
+  SUBCASE("compensated") {
+    const Envmap map = make_envmap(uneven_picture(), 1, true);
+    CHECK(check_sampling(map).p_value > significance_of_each(kTests));
+    CHECK(lookup_envmap<Scalar>(map.view(), direction_of(0.05, 0.4)).pdf_solid_angle == 0);
+    CHECK(lookup_envmap<Scalar>(map.view(), direction_of(0.05, 0.4)).radiance.c1 > 0);
+  }
+  SUBCASE("one row") {
+    const auto p = picture_of(5, 1, [](std::uint32_t x, std::uint32_t) { return Vec3f{1.0f + x, 1, 1}; });
+    CHECK(check_sampling(make_envmap(p, 1, false)).p_value > significance_of_each(kTests));
+  }
+  SUBCASE("one column") {
+    const auto p = picture_of(1, 5, [](std::uint32_t, std::uint32_t y) { return Vec3f{1, 1.0f + y, 1}; });
+    CHECK(check_sampling(make_envmap(p, 1, false)).p_value > significance_of_each(kTests));
+  }
+  SUBCASE("one pixel") {
+    const auto p = picture_of(1, 1, [](std::uint32_t, std::uint32_t) { return Vec3f{2, 3, 4}; });
+    const Envmap map = make_envmap(p, 1, false);
+    CHECK(check_sampling(map).p_value > significance_of_each(kTests));
+    CHECK(lookup_envmap<Scalar>(map.view(), {1, 0, 0}).radiance.c2 == doctest::Approx(4));
+    CHECK(map.mean.y == doctest::Approx(3));
+  }
+}
+
+TEST_CASE("environment map: the density integrates to one and is positive wherever light comes from") {
+  for (const bool bright_pole : {false, true}) {
+    EnvmapPicture picture = uneven_picture();
+    if (bright_pole) {
+      const auto top = [](std::uint32_t, std::uint32_t y) { return y == 0 ? Vec3f{9, 9, 9} : Vec3f{0, 0, 0}; };
+      picture = picture_of(6, 4, top);
+    }
+    const Envmap map = make_envmap(picture, 1, false);
+    CHECK(integral_of(map) == doctest::Approx(1).epsilon(1e-5));
+    for (std::uint32_t i = 0; i < 2000; ++i) {
+      const auto u = random4<Scalar>(3, i, 0, 0);
+      const auto value = lookup_envmap<Scalar>(map.view(), square_to_sphere<Scalar>(u.x, u.y));
+      if (value.radiance.c1 > 0) CHECK(value.pdf_solid_angle > 0);
+    }
+  }
+}
+
+TEST_CASE("environment map: a sample is what a lookup in its direction says") {
+  const Envmap map = turned(make_envmap(uneven_picture(), 1, false));
+  double worst = 0;
+  for (std::uint32_t i = 0; i < 5000; ++i) {
+    const auto u = random4<Scalar>(4, i, 0, 0);
+    const auto s = sample_envmap<Scalar>(map.view(), u.x, u.y);
+    CHECK(length(s.direction) == doctest::Approx(1).epsilon(1e-5));
+    const auto value = lookup_envmap<Scalar>(map.view(), s.direction);
+    worst = std::max(worst, std::fabs(double(value.pdf_solid_angle) / s.pdf_solid_angle - 1));
+    CHECK(value.radiance.c0 == doctest::Approx(s.radiance.c0).epsilon(2e-3));
+  }
+  CHECK(worst < 2e-3);
+}
+
+TEST_CASE("environment map: registers do as single values") {
+  const Envmap map = turned(make_envmap(uneven_picture(), 1, false));
+  for (std::uint32_t i = 0; i < 500; ++i) {
+    const auto one = [i](int lane) { return random4<Scalar>(5, i, static_cast<std::uint32_t>(lane), 0); };
+    const WideFloat u = wide_floats([&](int lane) { return one(lane).x; });
+    const WideFloat v = wide_floats([&](int lane) { return one(lane).y; });
+    const auto wide = sample_envmap<Wide>(map.view(), u, v);
+    const auto looked_up = lookup_envmap<Wide>(map.view(), wide.direction);
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const auto s = sample_envmap<Scalar>(map.view(), one(lane).x, one(lane).y);
+      CHECK(difference(wide.direction.x[lane], s.direction.x) < 1e-5);
+      CHECK(difference(wide.direction.z[lane], s.direction.z) < 1e-5);
+      CHECK(difference(wide.pdf_solid_angle[lane], s.pdf_solid_angle) < 1e-4);
+      CHECK(difference(wide.radiance.c0[lane], s.radiance.c0) < 1e-4);
+      const Vec3f w{wide.direction.x[lane], wide.direction.y[lane], wide.direction.z[lane]};
+      const auto value = lookup_envmap<Scalar>(map.view(), w);
+      CHECK(difference(looked_up.pdf_solid_angle[lane], value.pdf_solid_angle) < 1e-3);
+      CHECK(difference(looked_up.radiance.c2[lane], value.radiance.c2) < 1e-3);
+    }
+  }
+}
+
+namespace {
+
+constexpr ColorMode kSpectral = ColorMode::kSpectral;
+const Spectrum4 kSomeWavelengths(430, 510, 590, 670);
+
+Envmap uplifted(Envmap map) {
+  uplift_nodes(map);
+  return map;
+}
+
+/// shape * scale, one number per wavelength.
+struct ShapeAndScale {
+  double shape[4], scale;
+};
+
+/// By a fit to the colour, apart from the table.
+ShapeAndScale fitted(Vec3f rgb) {
+  const ScaledSigmoid<Scalar> s = fit_unbounded(rgb);
+  const Spectrum4 v = evaluate(s.shape, kSomeWavelengths);
+  return {{v.c0, v.c1, v.c2, v.c3}, s.scale};
+}
+
+ShapeAndScale grey(double value) { return {{0.5, 0.5, 0.5, 0.5}, 2 * value}; }
+
+/// Two columns of one colour each, `a` at u = 1/4 and `b` at u = 3/4.
+Envmap two_colors(Vec3f a, Vec3f b) {
+  return uplifted(
+      make_envmap(picture_of(2, 2, [&](std::uint32_t x, std::uint32_t) { return x == 0 ? a : b; }), 1, false));
+}
+
+}  // namespace
+
+TEST_CASE("environment map: spectral mode, a map of one colour is that colour's spectrum") {
+  for (const Vec3f rgb : {Vec3f{0.8f, 0.3f, 0.1f}, Vec3f{20, 40, 30}, Vec3f{0.5f, 0.5f, 0.5f}}) {
+    const Envmap map =
+        uplifted(make_envmap(picture_of(19, 3, [&](std::uint32_t, std::uint32_t) { return rgb; }), 2, false));
+    const Vec3f w = direction_of(0.3, 0.7);
+    const auto at = [&](float l) { return lookup_envmap<Scalar, kSpectral>(map.view(), w, Spectrum4(l)).radiance.c0; };
+    const Vec3f seen = reflectance_to_rgb(at);
+    CHECK(largest_difference(seen, rgb * 2.0f) < 0.005 * max_component(rgb * 2.0f));
+    if (rgb.x == rgb.y) CHECK((at(400) == 2 * rgb.x && at(700) == 2 * rgb.x));
+  }
+}
+
+TEST_CASE("environment map: spectral mode, shapes are mixed, and scales are mixed") {
+  const Vec3f red{4, 1, 1}, blue{0.2f, 0.5f, 9};
+  struct Case {
+    Vec3f a, b;
+    ShapeAndScale of_a, of_b;
+  };
+  const Case cases[] = {{red, blue, fitted(red), fitted(blue)},
+                        {red, {1, 1, 1}, fitted(red), grey(1)},
+                        {{30, 30, 30}, blue, grey(30), fitted(blue)},
+                        {{4, 4, 4}, {1, 1, 1}, grey(4), grey(1)},
+                        {red, {0, 0, 0}, fitted(red), grey(0)}};
+  for (const Case& c : cases) {
+    const Envmap map = two_colors(c.a, c.b);
+    for (const double t : {0.1, 0.25, 0.5, 0.8}) {
+      const auto found =
+          lookup_envmap<Scalar, kSpectral>(map.view(), direction_of(0.25 + 0.5 * t, 0.4), kSomeWavelengths);
+      const float values[] = {found.radiance.c0, found.radiance.c1, found.radiance.c2, found.radiance.c3};
+      const double scale = (1 - t) * c.of_a.scale + t * c.of_b.scale;
+      for (int k = 0; k < 4; ++k) {
+        const double shape = (1 - t) * c.of_a.shape[k] + t * c.of_b.shape[k];
+        CHECK(std::fabs(values[k] - scale * shape) < 0.01 * scale);
+      }
+      const auto plain = lookup_envmap<Scalar>(map.view(), direction_of(0.25 + 0.5 * t, 0.4));
+      CHECK(found.pdf_solid_angle == doctest::Approx(plain.pdf_solid_angle).epsilon(1e-5));
+    }
+  }
+  // Not the spectrum of the mixed colour.
+  const auto half = lookup_envmap<Scalar, kSpectral>(two_colors(red, {1, 1, 1}).view(), direction_of(0.5, 0.4),
+                                                     kSomeWavelengths);
+  CHECK(half.radiance.c3 < 0.97f * evaluate(fit_unbounded({2.5f, 1, 1}), kSomeWavelengths).c3);
+}
+
+TEST_CASE("environment map: spectral mode, a sample is what a lookup in its direction says, in registers too") {
+  const Envmap map = uplifted(turned(make_envmap(uneven_picture(), 1, false)));
+  const Spectrum<Wide> lambda(430, 510, 590, 670);
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const auto one = [i](int lane) { return random4<Scalar>(8, i, static_cast<std::uint32_t>(lane), 0); };
+    const WideFloat u = wide_floats([&](int lane) { return one(lane).x; });
+    const WideFloat v = wide_floats([&](int lane) { return one(lane).y; });
+    const auto wide = sample_envmap<Wide, kSpectral>(map.view(), u, v, lambda);
+    const auto looked_up = lookup_envmap<Wide, kSpectral>(map.view(), wide.direction, lambda);
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const auto s = sample_envmap<Scalar, kSpectral>(map.view(), one(lane).x, one(lane).y, kSomeWavelengths);
+      const auto plain = sample_envmap<Scalar>(map.view(), one(lane).x, one(lane).y);
+      CHECK(s.direction.x == plain.direction.x);
+      CHECK(difference(s.pdf_solid_angle, plain.pdf_solid_angle) < 1e-5);
+      CHECK(difference(wide.radiance.c0[lane], s.radiance.c0) < 1e-4);
+      CHECK(difference(wide.radiance.c3[lane], s.radiance.c3) < 1e-4);
+      CHECK(difference(wide.pdf_solid_angle[lane], s.pdf_solid_angle) < 1e-4);
+      const auto value = lookup_envmap<Scalar, kSpectral>(map.view(), s.direction, kSomeWavelengths);
+      CHECK(difference(value.radiance.c1, s.radiance.c1) < 2e-3);
+      CHECK(difference(looked_up.radiance.c2[lane], s.radiance.c2) < 2e-3);
+    }
+  }
+}
+
+TEST_CASE("environment map: only spectral mode has spectra, and counts them") {
+  const TemporaryFolder folder;
+  write_hdr(folder / "plain.hdr", 2, 2, {1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3});
+  Description d = empty_scene(4, 4);
+  d.lights.push_back({EnvmapDescription{folder / "plain.hdr", 1, {}, false}, {}});
+  CHECK(compile_scene(d)->view().envmap.spectra == nullptr);
+  CHECK(compile_scene(d, {false, kSpectral})->view().envmap.spectra != nullptr);
+  Envmap map = make_envmap(uneven_picture(), 1, false);
+  const std::size_t before = map.bytes();
+  uplift_nodes(map);
+  CHECK(map.bytes() - before == 11 * 7 * 16);
+}
+
+TEST_CASE("environment map: sampling keeps strata apart") {
+  const Envmap map = make_envmap(uneven_picture(), 1, false);
+  float before = -1;
+  for (int i = 0; i < 4096; ++i) {
+    const float v = static_cast<float>(i) / 4096;
+    const auto s = sample_envmap<Scalar>(map.view(), 0.3f, v);
+    const float polar = std::acos(std::clamp(s.direction.y, -1.0f, 1.0f));
+    CHECK(polar >= before - 1e-3f);
+    before = polar;
+  }
+}
+
+TEST_CASE("environment map: the mean is that of all directions") {
+  const Envmap map = make_envmap(uneven_picture(), 3, false);
+  double sum = 0;
+  constexpr std::uint32_t kSide = 600;
+  for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
+    const Vec3f w = square_to_sphere<Scalar>((static_cast<float>(i % kSide) + 0.5f) / kSide,
+                                             (static_cast<float>(i / kSide) + 0.5f) / kSide);
+    sum += lookup_envmap<Scalar>(map.view(), w).radiance.c1;
+  }
+  CHECK(sum / (kSide * kSide) == doctest::Approx(map.mean.y).epsilon(2e-3));
+}
+
+TEST_CASE("environment map: pictures in files, usable or not") {
+  const TemporaryFolder folder;
+  const auto scene_with = [&](const char* name) {
+    Description d = empty_scene(4, 4);
+    d.lights.push_back({EnvmapDescription{folder / name, 1, {}, false}, {"scene.xml", 5}});
+    return d;
+  };
+  write_hdr(folder / "plain.hdr", 2, 2, {1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3});
+  write_pnm(folder / "grey.pgm", 2, 1, 1, 255, {255, 188});
+  write_hdr(folder / "black.hdr", 2, 2, std::vector<int>(12, 0));
+  write_bytes(folder / "broken.exr", "v/1");
+  Image bad(2, 2, {"R", "G", "B"});
+  bad.data = {1, 1, 1, NAN, 1, 1, -5, 1, 1, 1, INFINITY, 1};
+  write_exr(folder / "bad.exr", bad, {});
+
+  const auto plain = compile_scene(scene_with("plain.hdr"));
+  CHECK(plain->view().environment == 0);
+  CHECK(plain->warnings().empty());
+  CHECK(lookup_envmap<Scalar>(plain->view().envmap, {0, 0, 1}).radiance.c2 == doctest::Approx(3));
+  const auto grey = compile_scene(scene_with("grey.pgm"));
+  CHECK(lookup_envmap<Scalar>(grey->view().envmap, direction_of(0.25, 0.3)).radiance.c0 == doctest::Approx(1));
+  const auto darker = lookup_envmap<Scalar>(grey->view().envmap, direction_of(0.75, 0.3)).radiance;
+  CHECK(darker.c2 == doctest::Approx(0.5029).epsilon(1e-3));
+  const auto black = compile_scene(scene_with("black.hdr"));
+  CHECK(black->view().environment == kNone);
+  CHECK(black->view().light_count == 0);
+  CHECK(black->warnings().size() == 1);
+  const auto repaired = compile_scene(scene_with("bad.exr"));
+  REQUIRE(repaired->warnings().size() == 1);
+  CHECK(repaired->warnings()[0].find("3 values") != std::string::npos);
+  for (std::uint32_t i = 0; i < 500; ++i) {
+    const auto u = random4<Scalar>(6, i, 0, 0);
+    const auto s = sample_envmap<Scalar>(repaired->view().envmap, u.x, u.y);
+    CHECK((is_finite(s.pdf_solid_angle) && is_finite(s.direction) && s.radiance.c0 >= 0 && s.radiance.c1 <= 1.001f));
+  }
+  CHECK_THROWS_AS(compile_scene(scene_with("broken.exr")), SceneError);
+  CHECK_THROWS_AS(compile_scene(scene_with("missing.exr")), SceneError);
+
+  Description two = scene_with("plain.hdr");
+  add_constant_light(two, 1);
+  CHECK_THROWS_AS(compile_scene(two), SceneError);
+  Description stretched = scene_with("plain.hdr");
+  std::get<EnvmapDescription>(stretched.lights[0].model).to_world = Transform::scale({1, 2, 1});
+  CHECK_THROWS_AS(compile_scene(stretched), SceneError);
+}
+
+namespace {
+
+/// Irradiance of a floor under a map, by an even grid of directions over its hemisphere around `n`.
+double irradiance(const EnvmapView& map, Vec3f n) {
+  const auto frame = Frame<Scalar>::from_normal(n);
+  double sum = 0;
+  constexpr std::uint32_t kSide = 1500;
+  for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
+    const Vec3f w = square_to_cosine_hemisphere<Scalar>((static_cast<float>(i % kSide) + 0.5f) / kSide,
+                                                        (static_cast<float>(i / kSide) + 0.5f) / kSide);
+    sum += lookup_envmap<Scalar>(map, frame.to_world(w)).radiance.c1;
+  }
+  return kPiD * sum / (double(kSide) * kSide);
+}
+
+}  // namespace
+
+TEST_CASE("environment map: every strategy finds the light of a diffuse floor") {
+  const TemporaryFolder folder;
+  const EnvmapPicture picture = uneven_picture();
+  Image image(11, 7, {"R", "G", "B"});
+  image.data = picture.rgb;
+  write_exr(folder / "map.exr", image, {});
+  for (const bool compensated : {false, true}) {
+    Description d = empty_scene(32, 32);
+    d.sampler.sample_count = 256;
+    d.integrator.max_depth = 2;
+    look_at(d, {1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 0.01f);
+    add_rectangle(d, Transform::rotate({1, 0.3f, 0}, -60), add_diffuse(d, 0.5f));
+    const Transform turn = Transform::rotate({1, 2, 3}, 70);
+    d.lights.push_back({EnvmapDescription{folder / "map.exr", 1, turn, compensated}, {}});
+    const Vec3f normal = Transform::rotate({1, 0.3f, 0}, -60).vector({0, 0, 1});
+    const double expected = 0.5 / kPiD * irradiance(compile_scene(d)->view().envmap, normal);
+    for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
+      d.integrator.strategy = strategy;
+      const Image out = render(*compile_scene(d), {}).film.to_image();
+      MeanVariance statistics;
+      for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) statistics.add(out.at(x, y, 1));
+      CAPTURE(compensated);
+      CAPTURE(static_cast<int>(strategy));
+      CAPTURE(statistics.mean());
+      CAPTURE(expected);
+      constexpr double kGridError = 3e-4;
+      const double off = std::fabs(statistics.mean() - expected);
+      CHECK(off < kGridError * expected + 4.5 * std::sqrt(statistics.variance() / 1024));
+      CHECK(std::sqrt(statistics.variance() / 1024) < 0.01 * expected);
+    }
+  }
+}
+
+namespace {
+
+/// Means of R, G and B of pictures with seeds 1, 2, ... of a diffuse floor under a map, and what they vary by.
+std::array<MeanVariance, 3> floor_means(const std::filesystem::path& map, ColorMode color, LightStrategy strategy) {
+  Description d = empty_scene(8, 8);
+  d.integrator.max_depth = 2;
+  d.integrator.strategy = strategy;
+  look_at(d, {1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 0.01f);
+  add_rectangle(d, Transform::rotate({1, 0.3f, 0}, -60), add_diffuse(d, 0.5f));
+  d.lights.push_back({EnvmapDescription{map, 1, Transform::rotate({1, 2, 3}, 70), false}, {}});
+  const auto scene = compile_scene(d, {false, color});
+  std::array<MeanVariance, 3> means;
+  for (std::uint32_t seed = 1; seed <= 24; ++seed) {
+    RenderOptions options;
+    options.samples_per_pixel = 512;
+    options.seed = seed;
+    const Image out = render(*scene, options).film.to_image();
+    for (int c = 0; c < 3; ++c) {
+      double sum = 0;
+      for (int i = 0; i < 64; ++i) sum += static_cast<double>(out.at(i % 8, i / 8, c));
+      means[static_cast<std::size_t>(c)].add(sum / 64);
+    }
+  }
+  return means;
+}
+
+/// Student's t of two means of 24 each, where `systematic` is the part of the mean that they may differ by.
+void check_agree(const std::array<MeanVariance, 3>& a, const std::array<MeanVariance, 3>& b, double systematic) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double error = std::sqrt((a[c].variance() + b[c].variance()) / 24);
+    const double off = std::fabs(a[c].mean() - b[c].mean()) - systematic * b[c].mean();
+    CAPTURE(c);
+    CAPTURE(a[c].mean());
+    CAPTURE(b[c].mean());
+    CHECK(student_t_p_value(std::max(off, 0.0) / error, 23) > significance_of_each(9));
+    CHECK(error < 0.005 * b[c].mean());
+  }
+}
+
+void write_map(const std::filesystem::path& file, const EnvmapPicture& picture) {
+  Image image(static_cast<int>(picture.width), static_cast<int>(picture.height), {"R", "G", "B"});
+  image.data = picture.rgb;
+  write_exr(file, image, {});
+}
+
+}  // namespace
+
+TEST_CASE("environment map: spectral mode shows a smooth map as RGB mode does") {
+  const TemporaryFolder folder;
+  write_map(folder / "smooth.exr", picture_of(64, 32, [](std::uint32_t x, std::uint32_t y) {
+    const float turn = std::sin(kPi * static_cast<float>(x) / 32), polar = std::cos(kPi * static_cast<float>(y) / 31);
+    return Vec3f{1 + 0.6f * turn, 0.9f + 0.4f * polar, 1.2f - 0.5f * turn * polar};
+  }));
+  // What the uplift's table is off by, and what the two kinds of mixing differ by.
+  constexpr double kSystematic = 0.004;
+  check_agree(floor_means(folder / "smooth.exr", kSpectral, LightStrategy::kMis),
+              floor_means(folder / "smooth.exr", ColorMode::kRgb, LightStrategy::kMis), kSystematic);
+}
+
+TEST_CASE("environment map: spectral mode, every strategy finds the same light") {
+  const TemporaryFolder folder;
+  write_map(folder / "uneven.exr", uneven_picture());
+  const auto found = floor_means(folder / "uneven.exr", kSpectral, LightStrategy::kLightOnly);
+  check_agree(floor_means(folder / "uneven.exr", kSpectral, LightStrategy::kBsdfOnly), found, 0);
+  check_agree(floor_means(folder / "uneven.exr", kSpectral, LightStrategy::kMis), found, 0);
+}
+
+TEST_CASE("environment map: a small sun costs far fewer samples than by chance") {
+  const auto picture = picture_of(128, 64, [](std::uint32_t x, std::uint32_t y) {
+    return x == 40 && y == 20 ? Vec3f{1e4f, 1e4f, 1e4f} : Vec3f{1, 1, 1};
+  });
+  const Envmap map = make_envmap(picture, 1, false);
+  MeanVariance sampled, uniform;
+  for (std::uint32_t i = 0; i < 100000; ++i) {
+    const auto u = random4<Scalar>(7, i, 0, 0);
+    const auto s = sample_envmap<Scalar>(map.view(), u.x, u.y);
+    sampled.add(s.pdf_solid_angle > 0 ? s.radiance.c1 * std::max(s.direction.y, 0.0f) / s.pdf_solid_angle : 0);
+    const Vec3f w = square_to_sphere<Scalar>(u.z, u.w);
+    uniform.add(lookup_envmap<Scalar>(map.view(), w).radiance.c1 * std::max(w.y, 0.0f) * 4 * kPiD);
+  }
+  const double error = std::sqrt((sampled.variance() + uniform.variance()) / 100000);
+  CHECK(std::fabs(sampled.mean() - uniform.mean()) < 4.5 * error);
+  CHECK(uniform.variance() > 1000 * sampled.variance());
+}
+
+}  // namespace sheaf

@@ -1,0 +1,212 @@
+// Reconstruction filters: their formulas, and the sampled ones against integrals of the formulas.
+#include "scene/tables/filter.h"
+
+#include "tests/support/chi_square.h"
+#include "tests/support/lanes_testing.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
+
+namespace sheaf {
+
+namespace {
+
+using Kind = FilterDescription::Kind;
+
+FilterDescription filter(Kind kind) {
+  FilterDescription f;
+  f.kind = kind;
+  return f;
+}
+
+/// Every kind, the parametric ones with more than one setting.
+std::vector<FilterDescription> all_filters() {
+  std::vector<FilterDescription> out = {filter(Kind::kBox),      filter(Kind::kTent),       filter(Kind::kGaussian),
+                                        filter(Kind::kMitchell), filter(Kind::kCatmullRom), filter(Kind::kLanczos)};
+  FilterDescription f = filter(Kind::kTent);
+  f.radius = 2.5f;
+  out.push_back(f);
+  f = filter(Kind::kGaussian);
+  f.stddev = 1.25f;
+  out.push_back(f);
+  f = filter(Kind::kMitchell);
+  f.b = 0.1f;
+  f.c = 0.7f;
+  out.push_back(f);
+  f = filter(Kind::kLanczos);
+  f.lobes = 2;
+  out.push_back(f);
+  return out;
+}
+
+/// Midpoint rule over the filter's support.
+double integral(const FilterDescription& f, const std::function<double(double)>& g) {
+  constexpr int kSteps = 200000;
+  const double radius = filter_radius(f), step = 2 * radius / kSteps;
+  double sum = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double x = -radius + (i + 0.5) * step;
+    sum += g(x) * step;
+  }
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("filter: values at telling places") {
+  CHECK(evaluate_filter(filter(Kind::kBox), 0.49) == 1.0);
+  CHECK(evaluate_filter(filter(Kind::kBox), 0.51) == 0.0);
+  CHECK(evaluate_filter(filter(Kind::kTent), 0.25) == doctest::Approx(0.5));
+  CHECK(evaluate_filter(filter(Kind::kGaussian), 2.0) == doctest::Approx(0));
+  CHECK(evaluate_filter(filter(Kind::kGaussian), 0.5) / evaluate_filter(filter(Kind::kGaussian), 0) ==
+        doctest::Approx((std::exp(-0.5) - std::exp(-8)) / (1 - std::exp(-8))));
+  CHECK(evaluate_filter(filter(Kind::kMitchell), 0) == doctest::Approx(8.0 / 9));
+  CHECK(evaluate_filter(filter(Kind::kMitchell), -1) == doctest::Approx(1.0 / 18));
+  CHECK(evaluate_filter(filter(Kind::kCatmullRom), 1.5) == doctest::Approx(-0.0625));
+  CHECK(evaluate_filter(filter(Kind::kLanczos), 0.5) ==
+        doctest::Approx(std::sin(kPi / 2) / (kPi / 2) * std::sin(kPi / 6) / (kPi / 6)));
+  for (const double x : {1.0, 2.0}) {
+    CHECK(evaluate_filter(filter(Kind::kCatmullRom), x) == doctest::Approx(0).scale(1));
+    CHECK(evaluate_filter(filter(Kind::kLanczos), x) == doctest::Approx(0).scale(1));
+  }
+  CHECK(filter_radius(filter(Kind::kGaussian)) == 2.0);
+  CHECK(filter_radius(filter(Kind::kMitchell)) == 2.0);
+  CHECK(filter_radius(filter(Kind::kLanczos)) == 3.0);
+}
+
+TEST_CASE("filter: cubic filters of unit spacing sum to one") {
+  for (const FilterDescription& f : all_filters()) {
+    if (f.kind != Kind::kMitchell && f.kind != Kind::kCatmullRom) continue;
+    for (const double x : {0.0, 0.13, 0.5, 0.87}) {
+      double sum = 0;
+      for (int i = -3; i <= 3; ++i) sum += evaluate_filter(f, x + i);
+      CHECK(sum == doctest::Approx(1));
+    }
+  }
+}
+
+TEST_CASE("filter: all are even and end at their radius") {
+  for (const FilterDescription& f : all_filters()) {
+    const double radius = filter_radius(f);
+    for (int i = 0; i <= 50; ++i) {
+      const double x = radius * i / 50;
+      CHECK(evaluate_filter(f, x) == evaluate_filter(f, -x));
+    }
+    CHECK(evaluate_filter(f, radius * 1.0001) == 0.0);
+  }
+}
+
+TEST_CASE("filter: weighted samples have the filter's moments, negative lobes included") {
+  constexpr int kDraws = 1 << 18;
+  for (const FilterDescription& f : all_filters()) {
+    CAPTURE(static_cast<int>(f.kind));
+    const FilterTable table = make_filter_table(f);
+    const double radius = filter_radius(f), mass = integral(f, [&](double x) { return evaluate_filter(f, x); });
+    const double gross = integral(f, [&](double x) { return std::fabs(evaluate_filter(f, x)); });
+    double found[7] = {}, absolute = 0;
+    for (int i = 0; i < kDraws; ++i) {
+      const auto offset = table.sample<Scalar>((static_cast<float>(i) + 0.5f) / kDraws);
+      double power = double(offset.weight) / kDraws;
+      for (double& moment : found) {
+        moment += power;
+        power *= offset.position / radius;
+      }
+      absolute += std::fabs(offset.weight) / kDraws;
+    }
+    // Bins across a zero of the filter weigh less than the others: at most four of them.
+    CHECK(absolute <= gross / mass * (1 + 1e-5));
+    CHECK(absolute >= gross / mass * (1 - 4.0 / FilterTable::kBins));
+    CHECK(found[0] == doctest::Approx(1).epsilon(1e-5));
+    for (int n = 0; n < 7; ++n) {
+      const double expected =
+          integral(f, [&](double x) { return evaluate_filter(f, x) * std::pow(x / radius, n); }) / mass;
+      CHECK(std::fabs(found[n] - expected) < 2e-3);
+    }
+  }
+}
+
+TEST_CASE("filter: samples lie with the density of the filter's absolute value") {
+  const std::vector<FilterDescription> filters = all_filters();
+  for (const FilterDescription& f : filters) {
+    CAPTURE(static_cast<int>(f.kind));
+    const FilterTable table = make_filter_table(f);
+    const double radius = filter_radius(f);
+    const double gross = integral(f, [&](double x) { return std::fabs(evaluate_filter(f, x)); });
+    const auto sample = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
+      return std::array<double, 2>{table.sample<Scalar>(u.x).position, table.sample<Scalar>(u.y).position};
+    };
+    // The outermost bins of a Gaussian reach over much of its tails, where the table is coarser than the grid.
+    const double edge = f.kind == Kind::kGaussian ? 0.75 * radius : radius;
+    const auto density = [&](double x, double y) {
+      return std::fabs(evaluate_filter(f, x) * evaluate_filter(f, y)) / (gross * gross);
+    };
+    const ChiSquare result = chi_square_plane(sample, density, {-edge, edge, -edge, edge, 24, 24}, 100000);
+    CHECK(result.p_value > significance_of_each(static_cast<int>(filters.size())));
+  }
+}
+
+TEST_CASE("filter: weights have the sign of the filter where the sample lies") {
+  for (const FilterDescription& f : all_filters()) {
+    const FilterTable table = make_filter_table(f);
+    int wrong = 0;
+    for (std::uint32_t i = 0; i < 100000; ++i) {
+      const auto offset = table.sample<Scalar>((static_cast<float>(i) + 0.5f) / 100000);
+      wrong += double(offset.weight) * evaluate_filter(f, offset.position) < 0;
+    }
+    CHECK(wrong <= 100000 / FilterTable::kBins * 6);  // bins that hold one of at most six zeros
+  }
+}
+
+TEST_CASE("filter: offsets rise with the number and fill the support from end to end") {
+  for (const FilterDescription& f : all_filters()) {
+    const FilterTable table = make_filter_table(f);
+    const float radius = static_cast<float>(filter_radius(f));
+    CHECK(table.edges.front() >= -radius);
+    CHECK(table.edges.back() <= radius);
+    CHECK(std::is_sorted(table.edges.begin(), table.edges.end()));
+    CHECK(table.edges.back() > 0.99f * radius);
+    CHECK(table.edges.front() < -0.99f * radius);
+    CHECK(table.sample<Scalar>(0x1.fffffep-1f).position <= radius);
+    CHECK(std::fabs(table.sample<Scalar>(0.5f).position) < 2e-3f * radius);
+  }
+}
+
+TEST_CASE("filter: registers equal single values") {
+  for (const FilterDescription& f : all_filters()) {
+    const FilterTable table = make_filter_table(f);
+    double worst = 0;
+    for (std::uint32_t i = 0; i < 4096; i += kWidth) {
+      const auto u =
+          wide_floats([&](int lane) { return random4<Scalar>(4, i + static_cast<std::uint32_t>(lane), 0, 0).x; });
+      const auto wide = table.sample<Wide>(u);
+      for (int lane = 0; lane < kWidth; ++lane) {
+        const auto one = table.sample<Scalar>(u[lane]);
+        worst =
+            std::max({worst, difference(wide.position[lane], one.position), difference(wide.weight[lane], one.weight)});
+      }
+    }
+    CHECK(worst < 1e-6);
+  }
+}
+
+TEST_CASE("filter: sizes that are not positive and finite are refused") {
+  for (const float size : {0.0f, -1.0f, 65.0f, kInfinity, std::numeric_limits<float>::quiet_NaN()}) {
+    CAPTURE(size);
+    FilterDescription f = filter(Kind::kBox);
+    f.radius = size;
+    CHECK_THROWS_AS(make_filter_table(f), SceneError);
+    f = filter(Kind::kGaussian);
+    f.stddev = size;
+    CHECK_THROWS_AS(make_filter_table(f), SceneError);
+    f = filter(Kind::kLanczos);
+    f.lobes = size;
+    CHECK_THROWS_AS(make_filter_table(f), SceneError);
+  }
+}
+
+}  // namespace sheaf

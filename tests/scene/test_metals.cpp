@@ -1,0 +1,94 @@
+// Metals and dielectrics by name: ranges, order, and colours that everybody knows.
+#include "scene/data/metals.h"
+#include "scene/data/named_ior.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace sheaf;
+
+namespace {
+
+/// Fresnel reflectance at normal incidence.
+double reflectance(double eta, double k) { return ((eta - 1) * (eta - 1) + k * k) / ((eta + 1) * (eta + 1) + k * k); }
+
+/// Of a metal, linear between its samples.
+double reflectance_at(const char* name, float wavelength) {
+  const auto samples = find_metal(name);
+  const auto above = std::find_if(samples.begin(), samples.end(),
+                                  [&](const MetalSample& s) { return s.wavelength >= wavelength; });
+  const auto below = above - 1;
+  const double t = (wavelength - below->wavelength) / (above->wavelength - below->wavelength);
+  return reflectance(below->eta + t * (above->eta - below->eta), below->k + t * (above->k - below->k));
+}
+
+}  // namespace
+
+TEST_CASE("metals: tables are in order, positive and cover the visible range") {
+  for (const std::string& name : metal_names()) {
+    CAPTURE(name);
+    const auto samples = find_metal(name);
+    REQUIRE(samples.size() >= 5);
+    CHECK(samples.front().wavelength <= 360);
+    CHECK(samples.back().wavelength >= 830);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      CAPTURE(samples[i].wavelength);
+      if (i > 0) CHECK(samples[i].wavelength > samples[i - 1].wavelength);
+      CHECK(samples[i].eta > 0);
+      CHECK(samples[i].k > 0);
+      // No slip of a digit: neighbours reflect alike. The steepest step is that of titanium nitride, which has few
+      // samples.
+      if (i > 0)
+        CHECK(std::abs(reflectance(samples[i].eta, samples[i].k) - reflectance(samples[i - 1].eta, samples[i - 1].k)) <
+              0.25);
+    }
+  }
+}
+
+TEST_CASE("metals: names") {
+  for (const char* name : {"Ag", "Al", "Au", "Cr", "Cu", "Fe", "Hg", "Ir", "Ni", "Pt", "Ti", "TiN", "V", "W"})
+    CHECK_FALSE(find_metal(name).empty());
+  CHECK(find_metal("Ni_palik").data() == find_metal("Ni").data());
+  CHECK(find_metal("none").empty());
+  CHECK(find_metal("").empty());
+  CHECK(find_metal("_palik").empty());
+  CHECK(find_metal("au").empty());
+}
+
+TEST_CASE("metals: reflectance of clean surfaces at normal incidence") {
+  // The spread of published measurements.
+  struct Case {
+    const char* name;
+    float wavelength;
+    double low, high;
+  };
+  const Case cases[] = {{"Ag", 400, 0.84, 0.97}, {"Ag", 550, 0.94, 0.99}, {"Al", 450, 0.90, 0.93},
+                        {"Al", 550, 0.90, 0.93}, {"Au", 450, 0.33, 0.42}, {"Au", 550, 0.74, 0.85},
+                        {"Au", 700, 0.95, 0.99}, {"Cu", 450, 0.50, 0.60}, {"Cu", 700, 0.94, 0.99},
+                        {"Cr", 550, 0.53, 0.72}, {"Fe", 550, 0.48, 0.60}, {"Ni", 550, 0.57, 0.67},
+                        {"Pt", 550, 0.57, 0.72}, {"W", 550, 0.45, 0.54},  {"Hg", 550, 0.73, 0.82}};
+  for (const Case& c : cases) {
+    CAPTURE(std::string(c.name));
+    CAPTURE(c.wavelength);
+    CHECK(reflectance_at(c.name, c.wavelength) > c.low);
+    CHECK(reflectance_at(c.name, c.wavelength) < c.high);
+  }
+  // Gold is yellow, copper red, aluminium hardly coloured.
+  CHECK(reflectance_at("Au", 700) > 2.3 * reflectance_at("Au", 450));
+  CHECK(reflectance_at("Cu", 650) > 1.5 * reflectance_at("Cu", 520));
+  CHECK(std::abs(reflectance_at("Al", 650) - reflectance_at("Al", 450)) < 0.02);
+}
+
+TEST_CASE("dielectrics by name") {
+  CHECK(find_ior("vacuum") == 1.0f);
+  CHECK(find_ior("air") == 1.000277f);
+  CHECK(find_ior("water") == 1.333f);
+  CHECK(find_ior("bk7") == 1.5046f);
+  CHECK(find_ior("diamond") == 2.419f);
+  CHECK_FALSE(find_ior("Water").has_value());
+  CHECK_FALSE(find_ior("").has_value());
+  CHECK(ior_names().size() == 23);
+  for (const std::string& name : ior_names()) CHECK(find_ior(name).value() >= 1);
+}

@@ -1,0 +1,498 @@
+// The Mitsuba dialect: materials and textures, in the spellings of all releases.
+#include "tests/support/scene_files.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+
+using namespace sheaf;
+using namespace sheaf::test;
+
+namespace {
+
+std::string bsdf(const std::string& type, const std::string& inside = "") {
+  return "<bsdf type='" + type + "'>" + inside + "</bsdf>";
+}
+
+Description read_old(const std::string& text) {
+  return read_text(mitsuba_scene(text, "<sensor type='perspective'/>", "<integrator type='path'/>", "0.6.0"));
+}
+
+/// The last material of a scene, which is the outermost.
+std::string last_material(const Description& d) { return dump(d.materials.back()); }
+std::string material(const std::string& type, const std::string& inside = "") {
+  return last_material(read_text(mitsuba_scene(bsdf(type, inside))));
+}
+template <class T> T model_of(const std::string& type, const std::string& inside = "") {
+  return std::get<T>(read_text(mitsuba_scene(bsdf(type, inside))).materials.back().model);
+}
+
+std::string texture(const std::string& inside, const std::string& type = "bitmap") {
+  const std::string file = type == "bitmap" ? "<string name='filename' value='image.png'/>" : "";
+  const std::string element = "<texture type='" + type + "' name='reflectance'>" + file + inside + "</texture>";
+  return dump(read_text(mitsuba_scene(bsdf("diffuse", element))).textures.back());
+}
+
+std::string error(const std::string& text) { return error_of_text(mitsuba_scene(text)); }
+std::string number(const std::string& name, const std::string& value) {
+  return "<float name='" + name + "' value='" + value + "'/>";
+}
+std::string word(const std::string& name, const std::string& value) {
+  return "<string name='" + name + "' value='" + value + "'/>";
+}
+
+/// Applies rows of a 2x3 matrix.
+std::array<float, 2> apply(const std::array<float, 6>& m, float u, float v) {
+  return {m[0] * u + m[1] * v + m[2], m[3] * u + m[4] * v + m[5]};
+}
+
+}  // namespace
+
+TEST_CASE("Mitsuba materials: defaults") {
+  const std::string one = " constant 0x1p+0", half = " constant 0x1p-1";
+  const std::string glass = dump_all(1.5046f, 1.000277f) + one + one;
+  const std::string rough = dump_all(" beckmann", 0.1f, 0.1f);
+  CHECK(material("diffuse") == "diffuse" + half);
+  CHECK(material("conductor") == "conductor" + one);
+  CHECK(material("roughconductor") == "conductor" + one + rough);
+  CHECK(material("dielectric") == "dielectric " + glass + " 0 smooth");
+  CHECK(material("thindielectric") == "dielectric " + glass + " 1 smooth");
+  CHECK(material("roughdielectric") == "dielectric " + glass + " 0" + rough);
+  CHECK(material("plastic") == "plastic " + dump_all(1.49f, 1.000277f) + half + one + " 0 smooth");
+  CHECK(material("roughplastic") == "plastic " + dump_all(1.49f, 1.000277f) + half + one + " 0" + rough);
+  CHECK(material("principled") == "principled" + half + dump_all(" ", 0.5f).substr(1) + " 0x0p+0 0x0p+0 0x0p+0 0x0p+0" +
+                                      " 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x1.8p+0");
+  CHECK(material("principledthin") == "principledthin" + half + " 0x1p-1 0x0p+0 0x0p+0 0x1.8p+0 0x0p+0 0x0p+0 0x0p+0" +
+                                          " 0x0p+0 0x0p+0");
+  CHECK(material("null") == "null");
+  CHECK(material("mask", bsdf("diffuse")) == "mask 0x1p-1 0");
+  CHECK(material("blendbsdf", bsdf("diffuse") + bsdf("plastic")) == "blend 0x1p-1 0 1");
+  const std::string picture = "<texture type='bitmap' name='any'>" + word("filename", "image.png") + "</texture>";
+  CHECK(material("bumpmap", bsdf("diffuse") + picture) == "bumpmap 0 0x1p+0 0");
+  CHECK(material("normalmap", bsdf("diffuse") + picture) == "normalmap 0 0 0");
+}
+
+TEST_CASE("Mitsuba materials: names of its own table disperse where asked to, others unless asked not to") {
+  const auto disperses = [](const std::string& inside) {
+    return model_of<DielectricDescription>("dielectric", inside).int_dispersion.has_value();
+  };
+  const std::string on = "<boolean name='dispersion' value='true'/>",
+                    off = "<boolean name='dispersion' value='false'/>";
+  CHECK_FALSE(disperses(word("int_ior", "bk7")));
+  CHECK(disperses(word("int_ior", "bk7") + on));
+  CHECK_FALSE(disperses(word("int_ior", "bk7") + off));
+  CHECK(disperses(word("int_ior", "sf11")));
+  CHECK_FALSE(disperses(word("int_ior", "sf11") + off));
+  CHECK(disperses(word("int_cauchy", "1.5, 0.004")));
+  CHECK_FALSE(disperses(number("int_ior", "1.5")));
+  // Nori has no names of its own: there they are all ours.
+  const auto nori = [](const std::string& inside) {
+    const Description d = read_text("<scene><camera type='perspective'/><integrator type='path'/><mesh type='sphere'>"
+                                    "<bsdf type='dielectric'>" + inside + "</bsdf></mesh></scene>");
+    return std::get<DielectricDescription>(d.materials.back().model).int_dispersion.has_value();
+  };
+  CHECK(nori(word("intIOR", "bk7")));
+  CHECK_FALSE(nori(word("intIOR", "bk7") + off));
+}
+
+TEST_CASE("Mitsuba materials: every number, colour and switch in both styles of names") {
+  for (const bool camel : {false, true}) {
+    CAPTURE(camel);
+    auto name = [&](const char* snake, const char* other) { return camel ? other : snake; };
+    const std::string iors = word(name("int_ior", "intIOR"), "water") + number(name("ext_ior", "extIOR"), "1.25");
+    const std::string speculars = number(name("specular_reflectance", "specularReflectance"), "0.25") +
+                                  number(name("specular_transmittance", "specularTransmittance"), "0.75");
+    const std::string along = number(name("alpha_u", "alphaU"), "0.5") + number(name("alpha_v", "alphaV"), "0.25");
+    const std::string visible = "<boolean name='" + std::string(name("sample_visible", "sampleVisible")) +
+                                "' value='false'/>";
+    const std::string base = number(name("base_color", "baseColor"), "0.5");
+    CHECK(material("dielectric", iors + speculars) ==
+          dump_all("dielectric", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 0 smooth"));
+    CHECK(material("thindielectric", iors + speculars) ==
+          dump_all("dielectric", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 1 smooth"));
+    CHECK(material("roughdielectric", iors + speculars + along + visible + word("distribution", "ggx")) ==
+          dump_all("dielectric", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 0 ggx 0x1p-1 0x1p-2"));
+    CHECK(material("roughconductor", along + visible + number("eta", "2") + number("k", "3") +
+                                         number(name("specular_reflectance", "specularReflectance"), "0.25")) ==
+          "conductor constant 0x1p-2 eta constant 0x1p+1 k constant 0x1.8p+1 beckmann 0x1p-1 0x1p-2");
+    const std::string plastic = iors + number(name("diffuse_reflectance", "diffuseReflectance"), "0.25") +
+                                number(name("specular_reflectance", "specularReflectance"), "0.75") +
+                                "<boolean name='nonlinear' value='true'/>";
+    CHECK(material("plastic", plastic) ==
+          dump_all("plastic", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 1 smooth"));
+    CHECK(material("roughplastic", plastic + visible + number("alpha", "0.5") + word("distribution", "ggx")) ==
+          dump_all("plastic", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 1 ggx 0x1p-1 0x1p-1"));
+    const std::string common = base + number("roughness", "0.125") + number("anisotropic", "0.25") +
+                               number(name("spec_trans", "specTrans"), "0.375") +
+                               number(name("spec_tint", "specTint"), "0.5") + number("sheen", "0.625") +
+                               number(name("sheen_tint", "sheenTint"), "0.75") + number("flatness", "0.875") +
+                               number(name("diffuse_reflectance_sampling_rate", "diffuseReflectanceSamplingRate"), "2");
+    CHECK(material("principled", common + number("metallic", "0.0625") + number("clearcoat", "0.1875") +
+                                     number(name("clearcoat_gloss", "clearcoatGloss"), "0.3125") + number("eta", "2") +
+                                     number(name("main_specular_sampling_rate", "mainSpecularSamplingRate"), "2") +
+                                     number(name("clearcoat_sampling_rate", "clearcoatSamplingRate"), "2")) ==
+          dump_all("principled constant 0x1p-1", 0.125f, 0.25f, 0.0625f, 0.375f, 0.5f, 0.625f, 0.75f, 0.875f, 0.1875f,
+                   0.3125f, 2.0f));
+    CHECK(material("principledthin",
+                   common + number("eta", "2") + number(name("diff_trans", "diffTrans"), "1.5") +
+                       number(name("specular_reflectance_sampling_rate", "specularReflectanceSamplingRate"), "2") +
+                       number("specular_transmittance_sampling_rate", "2") +
+                       number("diffuse_transmittance_sampling_rate", "2")) ==
+          dump_all("principledthin constant 0x1p-1", 0.125f, 0.25f, 0.375f, 2.0f, 0.5f, 0.625f, 0.75f, 0.875f, 1.5f));
+  }
+  CHECK(material("mask", number("opacity", "0.25") + bsdf("diffuse")) == "mask 0x1p-2 0");
+  CHECK(material("mask", "<rgb name='opacity' value='0.25'/>" + bsdf("diffuse")) == dump_all("mask", 0.25f, 0));
+  CHECK(material("mask", "<spectrum name='opacity' value='0.25'/>" + bsdf("diffuse")) == "mask 0x1p-2 0");
+  CHECK(material("blendbsdf", bsdf("null") + number("weight", "0.75") + bsdf("diffuse")) == "blend 0x1.8p-1 0 1");
+}
+
+TEST_CASE("Mitsuba materials: specular of principled becomes an index of refraction") {
+  for (const float specular : {0.0f, 0.2f, 0.5f, 1.0f}) {
+    const float eta = model_of<PrincipledDescription>("principled", number("specular", std::to_string(specular))).eta;
+    // The reflectance at normal incidence is 0.08 times as large.
+    CHECK(std::pow((eta - 1) / (eta + 1), 2) == doctest::Approx(0.08 * specular));
+  }
+}
+
+TEST_CASE("Mitsuba materials: roughness") {
+  const auto rough = *model_of<ConductorDescription>("roughconductor", number("alpha", "0")).roughness;
+  CHECK(std::get<float>(rough.alpha_u) == 1e-4f);
+  CHECK(std::get<float>(rough.alpha_v) == 1e-4f);
+}
+
+TEST_CASE("Mitsuba materials: textures for every parameter that can have one") {
+  const std::string attribute = " type='mesh_attribute'><string name='name' value='vertex_x'/></texture>";
+  struct Case {
+    const char* type;
+    const char* parameters;  // colours and numbers
+  };
+  const Case cases[] = {
+      {"diffuse", "reflectance"},
+      {"conductor", "specular_reflectance eta k"},
+      {"roughconductor", "specular_reflectance eta k alpha_u alpha_v"},
+      {"dielectric", "specular_reflectance specular_transmittance"},
+      {"thindielectric", "specular_reflectance specular_transmittance"},
+      {"roughdielectric", "specular_reflectance specular_transmittance alpha_u alpha_v"},
+      {"plastic", "diffuse_reflectance specular_reflectance"},
+      {"roughplastic", "diffuse_reflectance specular_reflectance"},
+      {"principled",
+       "base_color roughness anisotropic metallic spec_trans spec_tint sheen sheen_tint flatness clearcoat "
+       "clearcoat_gloss"},
+      {"principledthin",
+       "base_color roughness anisotropic spec_trans eta spec_tint sheen sheen_tint flatness diff_trans"},
+      {"mask", "opacity"},
+      {"blendbsdf", "weight"},
+  };
+  for (const Case& c : cases) {
+    CAPTURE(std::string(c.type));
+    std::istringstream names(c.parameters);
+    std::string inside;
+    int count = 0;
+    for (std::string name; names >> name; ++count) inside += "<texture name='" + name + "'" + attribute;
+    if (std::string(c.type) == "mask") inside += bsdf("null");
+    if (std::string(c.type) == "blendbsdf") inside += bsdf("null") + bsdf("null");
+    const Description d = read_text(mitsuba_scene(bsdf(c.type, inside)));
+    CHECK(d.textures.size() == static_cast<std::size_t>(count));
+    const std::string text = last_material(d);
+    for (int i = 0; i < count; ++i) {
+      CAPTURE(text);
+      CHECK(contains(text + " ", " texture " + std::to_string(i) + " "));
+    }
+  }
+  CHECK(material("roughconductor", "<texture name='alpha'" + attribute) ==
+        "conductor constant 0x1p+0 beckmann texture 0 texture 0");
+}
+
+TEST_CASE("Mitsuba materials: checkerboards change places where they are numbers, but not in scenes of version 0.6") {
+  const std::string text =
+      mitsuba_scene("<bsdf type='mask'><texture name='opacity' type='checkerboard' id='squares'>"
+                    "<float name='color0' value='0.25'/><texture name='color1' type='checkerboard'/></texture>"
+                    "<bsdf type='diffuse'><ref name='reflectance' id='squares'/></bsdf></bsdf>");
+  const auto first = [](const Description& d, TextureId id) {
+    const auto& squares = std::get<CheckerboardDescription>(d.textures.at(static_cast<std::size_t>(id)).model);
+    const auto* value = std::get_if<SpectrumDescription>(&squares.color0);
+    return value != nullptr ? std::get<SpectrumDescription::Constant>(value->value).value : -1.0f;
+  };
+  for (const bool old : {false, true}) {
+    std::string version = text;
+    if (old) version.replace(version.find("3.0.0"), 5, "0.6.0");
+    const Description d = read_text(version);
+    const auto& mask = std::get<MaskDescription>(d.materials.back().model);
+    const auto& diffuse = std::get<DiffuseDescription>(d.materials.at(static_cast<std::size_t>(mask.nested)).model);
+    CHECK(first(d, std::get<TextureId>(mask.opacity)) == (old ? 0.25f : -1.0f));
+    CHECK(first(d, std::get<TextureId>(diffuse.reflectance)) == 0.25f);
+    CHECK(d.textures.size() == (old ? 2 : 4));
+  }
+}
+
+TEST_CASE("Mitsuba materials: metals by name") {
+  const auto gold = model_of<ConductorDescription>("conductor", word("material", "Au"));
+  REQUIRE(gold.ior);
+  const auto& eta = std::get<SpectrumDescription::Table>(std::get<SpectrumDescription>(gold.ior->eta).value);
+  CHECK(eta.wavelengths.front() <= 360);
+  CHECK(eta.wavelengths.back() >= 830);
+  CHECK(model_of<ConductorDescription>("roughconductor", word("material", "Ag")).ior.has_value());
+  CHECK_FALSE(model_of<ConductorDescription>("conductor", word("material", "none")).ior.has_value());
+  CHECK_FALSE(model_of<ConductorDescription>("conductor").ior.has_value());
+  // Before version 2: copper by default, in air.
+  auto eta_of = [](const std::string& inside) {
+    const auto m = std::get<ConductorDescription>(read_old(bsdf("roughconductor", inside)).materials.at(0).model);
+    return std::get<SpectrumDescription>(m.ior.value().eta);
+  };
+  const auto copper = model_of<ConductorDescription>("conductor", word("material", "Cu"));
+  const auto& table = std::get<SpectrumDescription::Table>(std::get<SpectrumDescription>(copper.ior->eta).value);
+  const SpectrumDescription in_air = eta_of("");
+  CHECK(std::get<SpectrumDescription::Table>(in_air.value).values.at(3) ==
+        doctest::Approx(table.values.at(3) / 1.000277));
+  const SpectrumDescription in_water = eta_of(word("extEta", "water"));
+  CHECK(std::get<SpectrumDescription::Table>(in_water.value).values.at(3) ==
+        doctest::Approx(table.values.at(3) / 1.333));
+  const SpectrumDescription given =
+      eta_of("<spectrum name='eta' value='3'/><rgb name='k' value='1,2,3'/>" + number("extEta", "1.5"));
+  CHECK(dump(given) == "constant 0x1p+1");
+}
+
+TEST_CASE("Mitsuba materials: two-sided") {
+  auto sides = [](const std::string& inside) { return material("twosided", inside); };
+  CHECK(sides(bsdf("diffuse") + bsdf("plastic")) == "twosided 0 1");
+  CHECK(sides(bsdf("principled")) == "twosided 0 0");
+  CHECK(sides(bsdf("principled", number("spec_trans", "0"))) == "twosided 0 0");
+  CHECK(sides(bsdf("twosided", bsdf("diffuse") + bsdf("plastic"))) == "twosided 0 0");
+  CHECK(sides(bsdf("blendbsdf", bsdf("diffuse") + bsdf("plastic"))) == "twosided 2 2");
+  const std::string map = "<texture type='checkerboard'/>";
+  CHECK(sides(bsdf("bumpmap", map + bsdf("diffuse"))) == "twosided 1 1");
+  const std::string transmitting[] = {bsdf("dielectric"),
+                                      bsdf("thindielectric"),
+                                      bsdf("roughdielectric"),
+                                      bsdf("null"),
+                                      bsdf("principledthin"),
+                                      bsdf("principled", number("spec_trans", "0.5")),
+                                      bsdf("principled", "<texture type='checkerboard' name='spec_trans'/>"),
+                                      bsdf("mask", bsdf("diffuse")),
+                                      bsdf("blendbsdf", bsdf("diffuse") + bsdf("null")),
+                                      bsdf("bumpmap", map + bsdf("dielectric")),
+                                      bsdf("normalmap", map + bsdf("dielectric"))};
+  for (const std::string& child : transmitting) {
+    CAPTURE(child);
+    const std::string message = error("<bsdf type='twosided'>\n" + child + "</bsdf>");
+    CHECK_MESSAGE(contains(message, "scene.xml:4: bsdf 'twosided' holds a material that transmits light (line 5)"),
+                  message);
+  }
+}
+
+TEST_CASE("Mitsuba materials: bump and normal maps") {
+  const std::string picture = "<texture type='bitmap' NAME>" + word("filename", "image.png") + "</texture>";
+  auto named = [&](const std::string& name) {
+    std::string text = picture;
+    return text.replace(text.find("NAME"), 4, name.empty() ? "" : "name='" + name + "'");
+  };
+  for (const char* name : {"", "normalmap", "bump", "arbitrary", "scale"}) {
+    CAPTURE(std::string(name));
+    if (std::string(name) != "scale") CHECK(material("bumpmap", bsdf("diffuse") + named(name)) == "bumpmap 0 0x1p+0 0");
+    CHECK(material("normalmap", bsdf("diffuse") + named(name)) == "normalmap 0 0 0");
+  }
+  CHECK(material("bumpmap", bsdf("diffuse") + named("a") + number("scale", "-2")) == "bumpmap 0 -0x1p+1 0");
+  CHECK(material("normalmap", bsdf("diffuse") + named("a") + "<boolean name='flip_green' value='true'/>") ==
+        "normalmap 0 1 0");
+  for (const char* type : {"normalmap", "bumpmap"}) {
+    const std::string start = bsdf("diffuse") + named("a");
+    CHECK(contains(material(type, start + "<boolean name='flip_invalid_normals' value='false'/>"), " keep_normals"));
+    CHECK(contains(material(type, start + "<boolean name='useShadowingFunction' value='false'/>"), " hard_terminator"));
+    CHECK_FALSE(contains(material(type, start), "keep_normals"));
+  }
+  // Before version 2, a texture around another one scales it.
+  const Description old = read_old(bsdf("bumpmap", bsdf("diffuse") + "<texture type='scale'>" + number("scale", "10") +
+                                                       named("") + "</texture>"));
+  CHECK(dump(old.materials.back()) == "bumpmap 0 0x1.4p+3 0");
+  const Description referred = read_old("<texture type='scale' id='s'><float name='scale' value='2'/>" + named("") +
+                                        "</texture>" + bsdf("bumpmap", bsdf("diffuse") + "<ref id='s'/>"));
+  CHECK(dump(referred.materials.back()) == "bumpmap 0 0x1p+1 0");
+}
+
+TEST_CASE("Mitsuba textures: pictures") {
+  // v of a picture points down: (u, v) goes to (u, 1 - v).
+  const std::string upright = " to_uv " + dump_all(1.0f, 0.0f, 0.0f, -0.0f, -1.0f, 1.0f);
+  CHECK(texture("") == "bitmap image.png 0 0 0 0" + upright);
+  CHECK(texture("<boolean name='raw' value='true'/>") == "bitmap image.png 0 0 0 1" + upright);
+  CHECK(texture(word("filter_type", "nearest") + word("wrap_mode", "mirror")) == "bitmap image.png 1 1 1 0" + upright);
+  CHECK(texture(word("filterType", "bilinear") + word("wrapMode", "clamp")) == "bitmap image.png 0 2 2 0" + upright);
+  CHECK(texture(word("wrapModeU", "clamp") + word("wrapModeV", "mirror")) == "bitmap image.png 0 2 1 0" + upright);
+  CHECK(texture(word("wrapMode", "clamp") + word("wrapModeV", "repeat")) == "bitmap image.png 0 2 0 0" + upright);
+  CHECK(texture(number("gamma", "1")) == "bitmap image.png 0 0 0 1" + upright);
+  CHECK(texture(number("gamma", "-1")) == "bitmap image.png 0 0 0 0" + upright);
+  CHECK(texture(word("format", "variant") +
+                "<boolean name='accel' value='false'/><boolean name='cache' value='true'/>" +
+                number("maxAnisotropy", "8")) == "bitmap image.png 0 0 0 0" + upright);
+  auto notes = [](const std::string& inside) {
+    return read_text(mitsuba_scene(bsdf("diffuse", "<texture type='bitmap' name='reflectance'>" +
+                                                       word("filename", "image.png") + inside + "</texture>")))
+        .notes;
+  };
+  CHECK(notes("").empty());
+  for (const char* filter : {"ewa", "trilinear"}) {
+    REQUIRE(notes(word("filterType", filter)).size() == 1);
+    CHECK(contains(notes(word("filterType", filter))[0], "scene.xml:4: texture 'bitmap' asks for the filter"));
+  }
+  REQUIRE(notes(number("gamma", "2.2")).size() == 1);
+  CHECK(contains(notes(number("gamma", "2.2"))[0], "the curve of sRGB is used"));
+}
+
+// Where points of the uv plane lie in the picture, found with Mitsuba 3.9 and a picture of four colours: its row 0 is
+// at v = 0, and to_uv is applied to uv as it stands.
+TEST_CASE("Mitsuba textures: transforms of uv") {
+  auto to_uv = [](const std::string& inside, const char* type = "bitmap") {
+    const std::string file = std::string(type) == "bitmap" ? word("filename", "image.png") : "";
+    return read_text(mitsuba_scene(bsdf("diffuse", std::string("<texture name='reflectance' type='") + type + "'>" +
+                                                       file + inside + "</texture>")))
+        .textures.at(0)
+        .to_uv;
+  };
+  auto transform = [](const std::string& steps) { return "<transform name='to_uv'>" + steps + "</transform>"; };
+  auto near = [](std::array<float, 2> found, float u, float v) {
+    return std::abs(found[0] - u) < 1e-5f && std::abs(found[1] - v) < 1e-5f;
+  };
+  CHECK(near(apply(to_uv(""), 0.25f, 0.125f), 0.25f, 0.875f));
+  CHECK(near(apply(to_uv(transform("<translate x='0.5'/>")), 0.1f, 0.1f), 0.6f, 0.9f));
+  CHECK(near(apply(to_uv(transform("<translate y='0.5'/>")), 0.1f, 0.1f), 0.1f, 0.4f));
+  CHECK(near(apply(to_uv(transform("<scale x='2' y='3'/>")), 0.1f, 0.2f), 0.2f, 0.4f));
+  CHECK(near(apply(to_uv(transform("<scale value='2'/><translate value='-.5,-.5,0'/>")), 0.5f, 0.25f), 0.5f, 1.0f));
+  CHECK(near(apply(to_uv(transform("<rotate z='1' angle='90'/>")), 0.2f, 0.1f), -0.1f, 0.8f));
+  CHECK(near(apply(to_uv(number("uscale", "2") + number("vscale", "4") + number("uoffset", "0.5") +
+                         number("voffset", "0.25")),
+                   0.1f, 0.1f),
+             0.7f, 0.35f));
+  CHECK(near(apply(to_uv(number("uvscale", "2")), 0.1f, 0.2f), 0.2f, 0.6f));
+  // The squares of a checkerboard don't care which way is up.
+  CHECK(near(apply(to_uv("", "checkerboard"), 0.25f, 0.125f), 0.25f, 0.125f));
+  CHECK(near(apply(to_uv(transform("<translate x='0.5'/>"), "checkerboard"), 0.1f, 0.1f), 0.6f, 0.1f));
+  CHECK(near(apply(to_uv(number("vscale", "4"), "checkerboard"), 0.1f, 0.1f), 0.1f, 0.4f));
+}
+
+TEST_CASE("Mitsuba textures: checkerboards, mesh attributes and spectra") {
+  const std::string as_is = " to_uv " + dump_all(1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f);
+  CHECK(texture("", "checkerboard") == dump_all("checkerboard constant", 0.4f, "constant", 0.2f) + as_is);
+  CHECK(texture("<rgb name='color0' value='0,0.5,1'/>" + number("color1", "0.5"), "checkerboard") ==
+        "checkerboard rgb 0x0p+0 0x1p-1 0x1p+0 constant 0x1p-1" + as_is);
+  CHECK(texture("<texture type='checkerboard' name='color0'/>", "checkerboard") ==
+        dump_all("checkerboard texture 0 constant", 0.2f) + as_is);
+  CHECK(texture(word("name", "vertex_color"), "mesh_attribute") == "mesh_attribute vertex_color 0x1p+0" + as_is);
+  CHECK(texture(word("name", "face_x") + number("scale", "2"), "mesh_attribute") ==
+        "mesh_attribute face_x 0x1p+1" + as_is);
+  CHECK(material("diffuse", "<texture type='uniform' name='reflectance'>" + number("value", "0.25") + "</texture>") ==
+        "diffuse constant 0x1p-2");
+  CHECK(material("diffuse", "<texture type='srgb' name='reflectance'><rgb name='color' value='0,0,1'/></texture>") ==
+        "diffuse rgb 0x0p+0 0x0p+0 0x1p+0");
+}
+
+TEST_CASE("Mitsuba textures: one texture for all that refer to it") {
+  const Description d = read_text(mitsuba_scene(
+      "<bsdf type='diffuse'><ref name='reflectance' id='t'/></bsdf><texture type='mesh_attribute' id='t'>" +
+      word("name", "vertex_x") + "</texture>"
+      "<bsdf type='principled'><ref name='base_color' id='t'/><ref name='roughness' id='t'/></bsdf>"
+      "<texture type='mesh_attribute'><string name='name' value='vertex_color'/></texture>"));
+  REQUIRE(d.textures.size() == 2);
+  CHECK(d.textures[0].id == "t");
+  CHECK(d.textures[0].where.line == 4);
+  CHECK(dump(d.materials.at(0)) == "diffuse texture 0");
+  CHECK(contains(dump(d.materials.at(1)), "principled texture 0 texture 0 "));
+}
+
+TEST_CASE("Mitsuba materials and textures: errors name line, fault and the nearest name") {
+  const std::string two = bsdf("diffuse") + bsdf("diffuse"), board = "<texture type='checkerboard'/>";
+  auto bitmap = [](const std::string& inside) {
+    return "<bsdf type='diffuse'><texture type='bitmap' name='reflectance'>" + word("filename", "image.png") + "\n" +
+           inside + "</texture></bsdf>";
+  };
+  struct Case {
+    std::string text;
+    const char* expected;
+  };
+  const Case cases[] = {
+      {bsdf("roughconducter"), "scene.xml:4: unknown bsdf plugin 'roughconducter', did you mean 'roughconductor'?"},
+      {bsdf("coating"), "unknown bsdf plugin 'coating'"},
+      {bsdf("phong"), "unknown bsdf plugin 'phong'"},
+      {bsdf("ward"), "unknown bsdf plugin 'ward'"},
+      {bsdf("hk"), "unknown bsdf plugin 'hk'"},
+      {bsdf("irawan"), "unknown bsdf plugin 'irawan'"},
+      {bsdf("difftrans"), "unknown bsdf plugin 'difftrans'"},
+      {bsdf("roughcoating"), "(known: blendbsdf, bumpmap, conductor, dielectric, diffuse, mask, normalmap, null,"},
+      {"<bsdf type='principled'>\n" + number("rougness", "0") + "</bsdf>",
+       "scene.xml:5: unknown property 'rougness' of bsdf 'principled', did you mean 'roughness'?"},
+      {bsdf("principled", number("roughness", "1.5")), "is '1.5', expected a number from 0 to 1"},
+      {bsdf("principled", number("eta", "1.5") + number("specular", "0.5")), "has both 'eta' and 'specular'"},
+      {bsdf("principled", word("roughness", "rough")), "is given as <string>, expected float or texture"},
+      {bsdf("principled", "<spectrum name='roughness' value='400:1, 700:0'/>"), "depends on the wavelength"},
+      {bsdf("principledthin", number("diff_trans", "2.5")), "expected a number from 0 to 2"},
+      {bsdf("principledthin", number("metallic", "0.5")), "unknown property 'metallic' of bsdf 'principledthin'"},
+      {bsdf("conductor", word("material", "Aux")),
+       "property 'material' of bsdf 'conductor' is 'Aux', expected the name of a metal, did you mean 'Au'? (known: Ag, "
+       "Al, Au, Cr,"},
+      {bsdf("conductor", number("eta", "1")), "has 'eta' alone, expected both 'eta' and 'k'"},
+      {bsdf("conductor", number("k", "1")), "has 'k' alone"},
+      {bsdf("conductor", number("eta", "1") + number("k", "1") + word("material", "Au")), "is given beside 'eta' and"},
+      {bsdf("conductor", number("ext_eta", "1")), "unknown property 'ext_eta' of bsdf 'conductor'"},
+      {bsdf("conductor", number("alpha", "0.1")), "unknown property 'alpha' of bsdf 'conductor'"},
+      {bsdf("roughconductor", word("distribution", "phong")),
+       "is 'phong', expected beckmann or ggx: distributions of Phong's kind are not supported"},
+      {bsdf("roughconductor", word("distribution", "as")), "of Phong's kind"},
+      {bsdf("roughconductor", word("distribution", "gxx")), "is 'gxx', expected beckmann or ggx"},
+      {bsdf("roughconductor", number("alpha_u", "0.1")), "has 'alpha_u' alone, expected both or 'alpha'"},
+      {bsdf("roughconductor", number("alphaU", "0.1") + number("alphaV", "0.1") + number("alpha", "0.1")),
+       "property 'alpha' of bsdf 'roughconductor' is given beside 'alpha_u' and 'alpha_v'"},
+      {bsdf("roughconductor", number("alpha", "-1")), "expected no negative number"},
+      {bsdf("roughplastic", number("alpha_u", "0.1") + number("alpha_v", "0.2")), "differs from 'alpha_u'"},
+      {bsdf("roughplastic", "<texture type='checkerboard' name='alpha'/>"), "is a texture, expected a number"},
+      {bsdf("dielectric", word("int_ior", "diamant")),
+       "is 'diamant', expected a number or the name of a material, did you mean 'diamond'?"},
+      {bsdf("dielectric", number("int_ior", "-1")), "expected a positive number"},
+      {bsdf("dielectric", word("int_ior", "pyrex") + "<boolean name='dispersion' value='true'/>"),
+       "property 'dispersion' of bsdf 'dielectric' is true, but of neither side a dispersion formula is known"},
+      {bsdf("null", number("opacity", "1")), "unknown property 'opacity' of bsdf 'null'"},
+      {bsdf("twosided"), "holds 0 nested <bsdf>, expected one or two"},
+      {bsdf("twosided", two + bsdf("diffuse")), "holds 3 nested <bsdf>, expected one or two"},
+      {bsdf("mask"), "holds 0 nested <bsdf>, expected one"},
+      {bsdf("mask", two), "holds 2 nested <bsdf>, expected one"},
+      {bsdf("mask", bsdf("diffuse") + number("opacity", "2")), "expected a number from 0 to 1"},
+      {bsdf("blendbsdf", bsdf("diffuse")), "holds 1 nested <bsdf>, expected two"},
+      {bsdf("bumpmap", bsdf("diffuse")), "bsdf 'bumpmap' holds no <texture>, expected one"},
+      {bsdf("bumpmap", board), "holds 0 nested <bsdf>, expected one"},
+      {bsdf("bumpmap", bsdf("diffuse") + board + board), "holds a second <texture>, expected one"},
+      {bsdf("normalmap", bsdf("diffuse") + "<texture type='uniform'/>"),
+       "a map is expected to vary, texture 'uniform' is the same everywhere"},
+      {bsdf("diffuse", board), "<texture> in bsdf 'diffuse' needs an attribute 'name'"},
+      {"<bsdf type='mask' id='a'><ref id='a'/></bsdf>", "bsdf 'mask' refers to itself"},
+      {"<texture type='checkerboard' id='a'><ref name='color0' id='a'/></texture>" +
+           bsdf("diffuse", "<ref name='reflectance' id='a'/>"),
+       "texture 'checkerboard' refers to itself"},
+      {bsdf("diffuse", "<texture type='uniform' name='reflectance'>" + number("value", "2") + "</texture>"),
+       "property 'reflectance' of bsdf 'diffuse' contains 2.000000, expected values within [0, 1]"},
+      {bsdf("diffuse", "<texture type='vertexcolors' name='reflectance'/>"),
+       "unknown texture plugin 'vertexcolors' (known: bitmap, checkerboard, mesh_attribute, blackbody,"},
+      {"<texture type='mesh_attribute'/>", "scene.xml:4: texture 'mesh_attribute' needs the string 'name'"},
+      {"<texture type='mesh_attribute'>" + word("name", "color") + "</texture>", "begins with vertex_ or face_"},
+      {"<texture type='bitmap'>\n" + word("filename", "gone.png") + "</texture>",
+       "scene.xml:5: file 'gone.png' not found"},
+      {bitmap(word("filter_type", "cubic")), "scene.xml:5: property 'filter_type' of texture 'bitmap' is 'cubic'"},
+      {bitmap(word("wrap_mode", "zero")), "is 'zero', expected repeat, mirror or clamp"},
+      {bitmap(word("wrap_mode", "mirror") + word("wrap", "clamp")), "is given beside 'wrap_mode'"},
+      {bitmap(number("gamma", "1.8")), "expected 1 (linear) or -1 (sRGB)"},
+      {bitmap(number("gamma", "1") + "<boolean name='raw' value='true'/>"), "is given beside 'raw'"},
+      {bitmap(word("channel", "a")), "property 'channel' of texture 'bitmap' is not supported"},
+      {bitmap(number("uscale", "2") + "<transform name='to_uv'><scale value='2'/></transform>"),
+       "is given beside 'to_uv'"},
+      {bitmap(number("uscal", "2")),
+       "scene.xml:5: unknown property 'uscal' of texture 'bitmap', did you mean 'uscale'?"},
+  };
+  for (const Case& c : cases) {
+    CAPTURE(c.text);
+    const std::string message = error(c.text);
+    CHECK_MESSAGE(contains(message, c.expected), message);
+    CHECK(message.starts_with("scene.xml:"));
+  }
+  const std::string old = error_of_text(
+      mitsuba_scene(bsdf("conductor", "<texture type='checkerboard' name='eta'/>" + number("k", "1") +
+                                          number("ext_eta", "1.5")),
+                    "<sensor type='perspective'/>", "", "0.6.0"));
+  CHECK_MESSAGE(contains(old, "is given beside a texture of 'eta' or 'k'"), old);
+}

@@ -1,0 +1,260 @@
+// The Nori dialect: what each element becomes, defaults, errors.
+#include "tests/support/scene_files.h"
+
+#include <doctest/doctest.h>
+
+#include <numbers>
+
+using namespace sheaf;
+using namespace sheaf::test;
+
+namespace {
+
+const std::string kCamera = "<camera type=\"perspective\"/>";
+const std::string kIntegrator = "<integrator type=\"path_mis\"/>";
+
+/// The camera stands in line 2, the integrator in line 3, `inside` begins in line 4.
+std::string scene_with(const std::string& inside, const std::string& camera = kCamera,
+                       const std::string& integrator = kIntegrator) {
+  return "<scene>\n" + camera + "\n" + integrator + "\n" + inside + "\n</scene>\n";
+}
+
+}  // namespace
+
+TEST_CASE("Nori: defaults") {
+  const Description d = read_text(scene_with("<mesh type='obj'><string name='filename' value='mesh.obj'/></mesh>"));
+  CHECK(d.film.width == 1280);
+  CHECK(d.film.height == 720);
+  CHECK(d.camera.fov == 30);
+  CHECK(d.camera.fov_axis == CameraDescription::FovAxis::kX);
+  CHECK(d.film.filter.kind == FilterDescription::Kind::kGaussian);
+  CHECK(d.film.filter.radius == 2);
+  CHECK(d.film.filter.stddev == 0.5f);
+  CHECK(d.sampler.sample_count == 1);
+  REQUIRE(d.shapes.size() == 1);
+  CHECK_FALSE(d.shapes[0].material.has_value());
+  CHECK_FALSE(d.shapes[0].radiance.has_value());
+  const auto& mesh = std::get<MeshFileShape>(d.shapes[0].geometry);
+  CHECK(mesh.file.filename() == "mesh.obj");
+  CHECK_FALSE(mesh.flip_tex_coords);
+  CHECK(d.notes.empty());
+}
+
+TEST_CASE("Nori: camera, filters and sampler") {
+  auto camera = [](const std::string& inside) {
+    return read_text(scene_with("", "<camera type='perspective'>" + inside + "</camera>"));
+  };
+  const Description d = camera(
+      "<integer name='width' value='40'/><integer name='height' value='30'/><float name='fov' value='50'/>"
+      "<float name='nearClip' value='0.1'/><float name='farClip' value='100'/><transform name='toWorld'>"
+      "<scale value='-1,1,1'/><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform>"
+      "<rfilter type='mitchell'><float name='radius' value='2'/><float name='B' value='0.2'/>"
+      "<float name='C' value='0.4'/></rfilter>");
+  CHECK(d.film.width == 40);
+  CHECK(d.film.height == 30);
+  CHECK(d.camera.fov == 50);
+  CHECK(d.film.filter.kind == FilterDescription::Kind::kMitchell);
+  CHECK(d.notes.empty());
+  CHECK(d.film.filter.b == 0.2f);
+  CHECK(d.film.filter.c == 0.4f);
+  CHECK(d.camera.to_world.point({0, 0, 0}) == Vec3f{0, 0, 5});
+  // Nori's x points to the right of the picture, ours to the left, which is -x when looking along -z.
+  CHECK(d.camera.to_world.vector({1, 0, 0}) == Vec3f{-1, 0, 0});
+  CHECK(camera("<rfilter type='box'/>").film.filter.radius == 0.5f);
+  CHECK(camera("<rfilter type='tent'/>").film.filter.radius == 1);
+  const Description gaussian =
+      camera("<rfilter type='gaussian'><float name='stddev' value='1'/><float name='radius' value='3'/></rfilter>");
+  CHECK(gaussian.film.filter.stddev == 1);
+  CHECK(gaussian.film.filter.radius == 4);
+  REQUIRE(gaussian.notes.size() == 1);
+  CHECK(contains(gaussian.notes[0], "scene.xml:2: rfilter 'gaussian' has the radius 4"));
+  CHECK(d.camera.near_clip == 0.1f);
+  CHECK(d.camera.far_clip == 100);
+  CHECK(camera("").camera.near_clip == 1e-4f);
+  CHECK(camera("").camera.far_clip == 10'000);
+  CHECK(camera("").sampler.kind == SamplerKind::kSobol);
+  const auto sampler = [](const std::string& type) {
+    return read_text(scene_with("<sampler type='" + type + "'><integer name='sampleCount' value='64'/></sampler>"));
+  };
+  CHECK(sampler("independent").sampler.sample_count == 64);
+  CHECK(sampler("independent").sampler.kind == SamplerKind::kIndependent);
+  CHECK(sampler("stratified").sampler.kind == SamplerKind::kStratified);
+  CHECK(sampler("sobol").sampler.kind == SamplerKind::kSobol);
+  REQUIRE(sampler("halton").notes.size() == 1);
+  CHECK(contains(sampler("halton").notes[0], "sampler 'halton' is rendered with 'sobol'"));
+}
+
+TEST_CASE("Nori: lenses and parallel rays") {
+  const auto camera = [](const std::string& type, const std::string& inside) {
+    return read_text(scene_with("", "<camera type='" + type + "'>" + inside + "</camera>")).camera;
+  };
+  for (const char* radius : {"apertureRadius", "lensRadius"})
+    for (const char* distance : {"focusDistance", "focalDistance"})
+      for (const char* type : {"perspective", "thinlens"}) {
+        const CameraDescription c = camera(
+            type, std::string("<float name='") + radius + "' value='0.25'/><float name='" + distance + "' value='6'/>");
+        CHECK(c.aperture_radius == 0.25f);
+        CHECK(c.focus_distance == 6);
+        CHECK(c.fov == 30);
+      }
+  CHECK(camera("perspective", "").aperture_radius == 0);
+  CHECK(camera("orthographic", "").projection == CameraDescription::Projection::kOrthographic);
+}
+
+TEST_CASE("Nori: integrators") {
+  struct Case {
+    const char* name;
+    IntegratorKind kind;
+    LightStrategy strategy;
+    int max_depth;
+  };
+  const Case cases[] = {
+      {"normals", IntegratorKind::kNormals, LightStrategy::kMis, -1},
+      {"depth", IntegratorKind::kDepth, LightStrategy::kMis, -1},
+      {"path", IntegratorKind::kPath, LightStrategy::kMis, -1},
+      {"path_mis", IntegratorKind::kPath, LightStrategy::kMis, -1},
+      {"path_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, -1},
+      {"path_ems", IntegratorKind::kPath, LightStrategy::kLightOnly, -1},
+      {"direct", IntegratorKind::kPath, LightStrategy::kMis, 2},
+      {"direct_mis", IntegratorKind::kPath, LightStrategy::kMis, 2},
+      {"direct_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, 2},
+      {"direct_ems", IntegratorKind::kPath, LightStrategy::kLightOnly, 2},
+  };
+  for (const Case& c : cases) {
+    CAPTURE(std::string(c.name));
+    const Description d = read_text(scene_with("", kCamera, std::string("<integrator type='") + c.name + "'/>"));
+    CHECK(d.integrator.kind == c.kind);
+    CHECK(d.integrator.strategy == c.strategy);
+    CHECK(d.integrator.max_depth == c.max_depth);
+    CHECK(d.integrator.rr_depth == 5);
+  }
+}
+
+TEST_CASE("Nori: materials") {
+  auto material = [](const std::string& bsdf) {
+    return dump(read_text(scene_with("<mesh type='sphere'>" + bsdf + "</mesh>")).materials.at(0));
+  };
+  CHECK(material("<bsdf type='diffuse'><color name='albedo' value='0.25,0.5,1'/></bsdf>") ==
+        "diffuse rgb 0x1p-2 0x1p-1 0x1p+0");
+  CHECK(material("<bsdf type='diffuse'/>") == "diffuse constant 0x1p-1");
+  CHECK(material("<bsdf type='mirror'/>") == "conductor constant 0x1p+0");
+  const Description d = read_text(
+      scene_with("<mesh type='sphere'><bsdf type='dielectric'/></mesh><mesh type='sphere'><bsdf type='dielectric'>"
+                 "<float name='intIOR' value='1.33'/><float name='extIOR' value='1'/></bsdf></mesh>"));
+  const auto& glass = std::get<DielectricDescription>(d.materials.at(0).model);
+  CHECK(glass.int_ior == 1.5046f);
+  CHECK(glass.ext_ior == 1.000277f);
+  const auto& water = std::get<DielectricDescription>(d.materials.at(1).model);
+  CHECK(water.int_ior == 1.33f);
+  CHECK(water.ext_ior == 1.0f);
+  CHECK(static_cast<unsigned>(*d.shapes.at(1).material) == 1);
+}
+
+TEST_CASE("Nori: emitters") {
+  auto light = [](const std::string& inside, const char* type = "point") {
+    return read_text(scene_with(std::string("<emitter type='") + type + "'>" + inside + "</emitter>")).lights.at(0);
+  };
+  const auto by_power = std::get<PointLightDescription>(
+      light("<point name='position' value='1,2,3'/><color name='power' value='100,200,300'/>").model);
+  CHECK(by_power.position == Vec3f{1, 2, 3});
+  const Vec3f intensity = std::get<SpectrumDescription::Rgb>(by_power.intensity.value).value;
+  CHECK(intensity.x == doctest::Approx(100 / (4 * std::numbers::pi)));
+  CHECK(intensity.z == doctest::Approx(300 / (4 * std::numbers::pi)));
+  const auto by_intensity = std::get<PointLightDescription>(light("<color name='intensity' value='1,2,3'/>").model);
+  CHECK(dump(by_intensity.intensity) == "rgb 0x1p+0 0x1p+1 0x1.8p+1");
+  CHECK(dump(light("<color name='radiance' value='1,1,2'/>", "constant")) == "constant rgb 0x1p+0 0x1p+0 0x1p+1");
+  const Description d = read_text(
+      scene_with("<mesh type='sphere'><emitter type='area'><color name='radiance' value='4,5,6'/></emitter></mesh>"));
+  CHECK(dump(d.shapes.at(0).radiance.value()) == "rgb 0x1p+2 0x1.4p+2 0x1.8p+2");
+  CHECK(d.lights.empty());
+}
+
+TEST_CASE("Nori: transforms apply in document order") {
+  auto transformed = [](const std::string& steps, Vec3f p) {
+    const Description d =
+        read_text(scene_with("<mesh type='sphere'><transform name='toWorld'>" + steps + "</transform></mesh>"));
+    return d.shapes.at(0).to_world.point(p);
+  };
+  CHECK(transformed("<translate value='1,0,0'/><scale value='2,2,2'/>", {0, 0, 0}) == Vec3f{2, 0, 0});
+  CHECK(transformed("<scale value='2,2,2'/><translate value='1,0,0'/>", {0, 0, 0}) == Vec3f{1, 0, 0});
+  CHECK(transformed("<matrix value='0,-1,0,5, 1,0,0,6, 0,0,1,7, 0,0,0,1'/>", {1, 0, 0}) == Vec3f{5, 7, 7});
+  const Vec3f rotated = transformed("<rotate axis='0,0,1' angle='90'/>", {1, 0, 0});
+  CHECK(rotated.x == doctest::Approx(0).epsilon(1e-6));
+  CHECK(rotated.y == doctest::Approx(1));
+}
+
+TEST_CASE("Nori: spheres") {
+  const Description d = read_text(
+      scene_with("<mesh type='sphere'><point name='center' value='1,2,3'/><float name='radius' value='0.5'/></mesh>"));
+  const auto& sphere = std::get<SphereShape>(d.shapes.at(0).geometry);
+  CHECK(sphere.center == Vec3f{1, 2, 3});
+  CHECK(sphere.radius == 0.5f);
+}
+
+TEST_CASE("Nori: errors name line, fault and the nearest name") {
+  struct Case {
+    std::string text;
+    const char* expected;
+  };
+  const Case cases[] = {
+      {scene_with("<mesh type='obi'/>"), "scene.xml:4: unknown mesh plugin 'obi', did you mean 'obj'?"},
+      {scene_with("<mesh type='obj'/>"), "scene.xml:4: mesh 'obj' needs the string 'filename'"},
+      {scene_with("<mesh type='obj'><string name='filename' value='no.obj'/></mesh>"),
+       "scene.xml:4: file 'no.obj' not found in "},
+      {scene_with("<mesh type='obj'><string name='filename' value=''/></mesh>"), "scene.xml:4: empty file name"},
+      {scene_with("<mesh type='obj'><string name='filename' value='.'/></mesh>"), "is not a regular file"},
+      {scene_with("<mesh type='sphere'><bsdf type='diffuse'>\n<color name='albdo' value='1,1,1'/></bsdf></mesh>"),
+       "scene.xml:5: unknown property 'albdo' of bsdf 'diffuse', did you mean 'albedo'?"},
+      {scene_with("<mesh type='sphere'><bsdf type='dielectric'><float name='intIRO' value='1'/></bsdf></mesh>"),
+       "did you mean 'int_ior'?"},
+      {scene_with("<mesh type='sphere'><bsdf type='diffuse'><color name='albedo' value='-1,1,1'/></bsdf></mesh>"),
+       "property 'albedo' of bsdf 'diffuse' contains -1.000000, expected values within [0, 1]"},
+      {scene_with("<mesh type='sphere'><bsdf type='diffuse'><color name='albedo' value='1,1'/></bsdf></mesh>"),
+       "colour is '1,1', expected three numbers"},
+      {scene_with("<mesh type='sphere'><bsdf type='microfacets'/></mesh>"),
+       "unknown bsdf plugin 'microfacets', did you mean 'microfacet'?"},
+      {scene_with("<mesh type='sphere'><bsdf type='mirror'/><bsdf type='mirror'/></mesh>"),
+       "mesh 'sphere' holds 2 nested <bsdf>, expected one"},
+      {scene_with("<mesh type='sphere'><film type='hdrfilm'/></mesh>"),
+       "mesh 'sphere' takes no nested <film> (it takes: bsdf, medium, emitter)"},
+      {scene_with("<mesh type='sphere'><float name='radius' value='-2'/></mesh>"),
+       "property 'radius' of mesh 'sphere' is '-2', expected a positive number"},
+      {scene_with("<mesh type='sphere'><string name='radius' value='2'/></mesh>"),
+       "property 'radius' of mesh 'sphere' is given as <string>, expected float"},
+      {scene_with("<mesh type='sphere'><flaot name='radius' value='2'/></mesh>"),
+       "unknown element <flaot> in mesh 'sphere', did you mean 'float'?"},
+      {scene_with("<emitter type='area'/>"), "emitter 'area' must be nested in a <mesh>"},
+      {scene_with("<emitter type='point'><color name='power' value='1'/><color name='intensity' value='1'/></emitter>"),
+       "has both 'power' (W) and 'intensity' (W/sr)"},
+      {scene_with("<emiter type='point'/>"), "unknown element <emiter> in a Nori scene, did you mean 'emitter'?"},
+      {scene_with("", "<camera type='fisheye'/>"), "scene.xml:2: unknown camera plugin 'fisheye'"},
+      {scene_with("", "<camera type='thinlens'/>"), "scene.xml:2: camera 'thinlens' has no 'apertureRadius'"},
+      {scene_with("", "<camera type='thinlens'><float name='lensRadius' value='1'/></camera>"),
+       "camera 'thinlens' has a lens but no 'focusDistance'"},
+      {scene_with("", "<camera type='thinlens'><float name='lensRadius' value='1'/><float name='apertureRadius' "
+                      "value='1'/></camera>"),
+       "has both 'apertureRadius' and 'lensRadius', expected one"},
+      {scene_with("", kCamera + kCamera), "scene.xml:2: a second <camera>"},
+      {scene_with("", "<mesh type='sphere'/>"), "scene.xml:1: the scene has no <camera>"},
+      {scene_with("", kCamera, ""), "scene.xml:1: the scene has no <integrator>"},
+      {scene_with("", kCamera, "<integrator type='whitted'/>"), "scene.xml:3: unknown integrator plugin 'whitted'"},
+      {scene_with("", "<camera type='perspective'><integer name='width' value='0'/></camera>"),
+       "property 'width' of camera 'perspective' is '0', expected an integer from 1"},
+      {scene_with("",
+                  "<camera type='perspective'><integer name='width' value='100000'/>"
+                  "<integer name='height' value='100000'/></camera>"),
+       "100000 x 100000 pixels, expected at most 10^9"},
+      {scene_with("<sampler type='independent'><integer name='sampleCount' value='99999999999'/></sampler>"),
+       "property 'sampleCount' of sampler 'independent' is '99999999999'"},
+      {scene_with("<sampler type='independent'><float name='sampleCount' value='4'/></sampler>"),
+       "is given as <float>, expected integer"},
+      {scene_with("", "<camera type='perspective'><float name='fov' value='nan'/></camera>"),
+       "property 'fov' is 'nan', expected a finite number"},
+      {scene_with("<test type='chi2test'/>"), "unknown element <test> in a Nori scene"},
+  };
+  for (const Case& c : cases) {
+    CAPTURE(c.text);
+    const std::string message = error_of_text(c.text);
+    CHECK_MESSAGE(contains(message, c.expected), message);
+  }
+}

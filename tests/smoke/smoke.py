@@ -1,0 +1,234 @@
+#!/usr/bin/env python3
+"""Runs every example scene, every script and program of tools/ and bench/, and every benchmark once, with the shortest
+settings, to see that they still work. Needs nothing but Python and a build.
+
+  tests/smoke/smoke.py scenes|scripts|benchmarks --build build/release --programs NAME...
+
+Scenes, scripts and benchmarks are found by themselves. Scripts and programs need their shortest arguments in SCRIPTS and
+PROGRAMS below, or a reason in EXEMPT. Scenes and scripts run in a copy of the tree, so that nothing is written into this
+one; benchmarks read their scenes from here, and meshes that aren't there yet are made.
+Exit status: 0 done, 1 something failed, each with its output.
+"""
+
+import argparse
+import gzip
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+
+# Scripts that make what scenes need, in this order; the largest scenes are made small.
+MAKERS = {
+    "tools/make_meshes.py": [],
+    "tools/make_gallery.py": [],
+    "tools/make_hall.py": [],
+    "tools/make_sky.py": [],
+    "tools/make_instances.py": ["500"],
+    "tools/make_media_scenes.py": ["--make-cloud", "{build}/make_cloud"],
+}
+
+# The shortest arguments of the other scripts. {build} is the build folder, {out} an empty one.
+SCRIPTS = {
+    "bench/compare_color.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--seeds", "2", "--crop", "100,100,132,132"],
+    "bench/compare_lights.py": ["--sheaf", "{build}/sheaf", "--seconds", "0.01", "--width", "48", "--reference-spp", "4"],
+    "bench/compare_media.py": ["--sheaf", "{build}/sheaf", "--width", "32", "--spp", "2", "--seeds", "1",
+                               "--reference-spp", "2", "--steps", "0.1"],
+    "tools/compare_builds.py": ["{build}/sheaf", "{build}/sheaf", "--spp", "1", "--only", "cornell"],
+    "tools/fit_wavelengths.py": ["--colours", "2", "--iterations", "1"],
+    "tools/plot_samplers.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-spp", "4",
+                               "--output", "{out}/samplers.png"],
+}
+
+# Python modules outside of its own library that scripts import, and the Debian packages that hold them.
+PACKAGES = {"numpy": "python3-numpy", "scipy": "python3-scipy", "matplotlib": "python3-matplotlib"}
+
+# The shortest arguments of programs other than those that have tests of their own; several commands in a row.
+PROGRAMS = {
+    "make_cloud": [[kind, "--kind", kind.split(".")[0], "--resolution", "8", "--temperature"]
+                   for kind in ("cloud.nvdb", "smoke.nvdb", "ramp.nvdb", "constant.nvdb")],
+    "trace_limit": [["scenes/cornell/cornell.xml", "--spp", "1", "--runs", "1", "--memory", "8", "--scaling",
+                     "-D", "width=64", "-D", "height=48"],
+                    ["scenes/cornell/cornell.xml", "--spp", "1", "--runs", "1", "--null", "-D", "width=64",
+                     "-D", "height=48"]],
+    "vdb_to_nanovdb": [["ball.vdb", "ball.nvdb"]],
+}
+
+# What isn't run here, and why.
+EXEMPT = {
+    "tools/check_debian13.sh": "needs root, debootstrap and a mirror",
+    "tools/install_packages.sh": "needs root; .ci/run runs it by way of the two below",
+    "tools/quickstart.sh": "builds; .ci/run runs it",
+    "tools/test.sh": "builds, and runs this test; .ci/run runs it",
+    "tools/scene_text.py": "a module, which other scripts import",
+    "sheaf": "smoke_scenes runs it",
+    "sheaf_bench": "smoke_benchmarks runs it",
+}
+
+
+class Failures:
+    def __init__(self):
+        self.count = 0
+
+    def add(self, what, why):
+        self.count += 1
+        print(f"FAILED {what}: {why}", flush=True)
+
+
+def run(command, folder):
+    """Whether a command succeeds, and what it prints on either stream."""
+    environment = dict(os.environ, MPLBACKEND="Agg", PYTHONDONTWRITEBYTECODE="1")
+    start = time.monotonic()
+    done = subprocess.run([str(c) for c in command], cwd=folder, check=False, text=True, stdin=subprocess.DEVNULL,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment)
+    print(f"{time.monotonic() - start:6.1f} s  {' '.join(Path(str(c)).name for c in command[:3])}", flush=True)
+    return done.returncode == 0, f"exit status {done.returncode}\n{done.stdout}"
+
+
+def copy_tree(folder):
+    """What scripts read and write, in a folder of its own, without what they generate."""
+    generated = shutil.ignore_patterns("generated", "__pycache__")
+    for part in ("scenes", "tools", "bench", "core", "tests/references/scenes", "tests/smoke"):
+        shutil.copytree(ROOT / part, folder / part, ignore=generated)
+    (folder / "docs").mkdir()
+
+
+def make_scenes(arguments, folder, failures):
+    for script, options in MAKERS.items():
+        options = [option.format(build=arguments.build) for option in options]
+        good, output = run([sys.executable, folder / script, *options], folder)
+        if not good:
+            failures.add(script, output)
+
+
+def check_scenes(arguments, folder, failures):
+    """Every scene, a few pixels in the middle, in both colour modes."""
+    make_scenes(arguments, folder, failures)
+    sheaf, picture, stats = arguments.build / "sheaf", folder / "picture.exr", folder / "stats.json"
+    for scene in sorted((folder / "scenes").rglob("*.xml")):
+        if "generated" in scene.parts:
+            continue
+        name = str(scene.relative_to(folder))
+        good, output = run([sheaf, "info", scene], folder)
+        size = re.search(r"(\d+) x (\d+) pixels", output)
+        if not good or not size:
+            failures.add(f"info {name}", output)
+            continue
+        x, y = int(size[1]) // 2, int(size[2]) // 2
+        for color in ("rgb", "spectral"):
+            good, output = run([sheaf, "render", scene, "-o", picture, "--spp", "1", "--color", color, "--crop",
+                                f"{x - 12},{y - 8},{x + 12},{y + 8}", "--stats", stats, "--quiet"], folder)
+            if not good:
+                failures.add(f"render {name} --color {color}", output)
+            elif any(json.loads(stats.read_text())["dropped"].values()):
+                failures.add(f"render {name} --color {color}", "samples were dropped:\n" + stats.read_text())
+
+
+def missing_packages(script):
+    """Debian packages of the modules that a script imports and that aren't there."""
+    modules = set(re.findall(r"^(?:import|from) (\w+)", script.read_text(), re.MULTILINE))
+    for module in sorted(modules - set(sys.stdlib_module_names)):
+        if (script.parent / f"{module}.py").exists():
+            continue
+        if module not in PACKAGES:
+            yield f"{module}, which PACKAGES in tests/smoke/smoke.py doesn't know"
+        elif subprocess.run([sys.executable, "-c", f"import {module}"], check=False,
+                            stderr=subprocess.DEVNULL).returncode != 0:
+            yield PACKAGES[module]
+
+
+def check_differences(folder, failures):
+    """Files of the repository that a script writes again are as the repository has them; pictures may be packed in
+    other ways by other versions of zlib."""
+    for file in sorted([*(folder / "scenes").rglob("*"), *(folder / "tests/references").rglob("*")]):
+        kept = ROOT / file.relative_to(folder)
+        if file.suffix in (".xml", ".obj", ".ply", ".hdr") and "generated" not in file.parts:
+            if not kept.exists() or kept.read_bytes() != file.read_bytes():
+                failures.add(str(file.relative_to(folder)), "isn't what the script that writes it writes now")
+
+
+def check_scripts(arguments, folder, failures):
+    """Every script of tools/ and bench/, and every program that is built from them."""
+    known = MAKERS.keys() | SCRIPTS.keys() | PROGRAMS.keys() | EXEMPT.keys()
+    scripts = {str(f.relative_to(ROOT)) for part in ("tools", "bench") for f in (ROOT / part).glob("*")
+               if f.suffix in (".py", ".sh")}
+    for name in sorted((scripts | set(arguments.programs)) - known):
+        failures.add(name, "is not tested: add its shortest arguments to SCRIPTS or PROGRAMS in tests/smoke/smoke.py")
+    for name in sorted(n for n in known - scripts if n.endswith((".py", ".sh"))):
+        failures.add(name, "is listed in tests/smoke/smoke.py, but there is no such script")
+    for name in sorted(n for n in scripts if n.endswith(".sh")):
+        good, output = run(["bash", "-n", ROOT / name], folder)
+        if not good:
+            failures.add(name, output)
+
+    make_scenes(arguments, folder, failures)
+    check_differences(folder, failures)
+    out = folder / "out"
+    out.mkdir()
+    for script, options in SCRIPTS.items():
+        missing = list(missing_packages(folder / script))
+        if missing:
+            message = f"needs {', '.join(missing)}"
+            if any("doesn't know" in m for m in missing):
+                failures.add(script, message)
+            else:
+                print(f"skipped  {script}: {message}", flush=True)
+            continue
+        options = [option.format(build=arguments.build, out=out) for option in options]
+        good, output = run([sys.executable, folder / script, *options], folder)
+        if not good:
+            failures.add(script, output)
+    (folder / "ball.vdb").write_bytes(gzip.decompress((ROOT / "tests/smoke/ball.vdb.gz").read_bytes()))
+    for program in sorted(PROGRAMS.keys() & set(arguments.programs)):
+        for options in PROGRAMS[program]:
+            good, output = run([arguments.build / program, *options], folder)
+            if not good:
+                failures.add(program, output)
+
+
+def check_benchmarks(arguments, folder, failures):
+    """Every benchmark of sheaf_bench, for the shortest time. Not every stage has something to do in every scene."""
+    good, output = True, ""
+    if not (ROOT / "scenes/mesh_box/generated").exists():
+        good, output = run([sys.executable, ROOT / "tools/make_meshes.py", "large"], folder)
+    if not good:
+        return failures.add("tools/make_meshes.py", output)
+    report = folder / "report.json"
+    good, output = run([arguments.build / "sheaf_bench", "--benchmark_min_time=0.0001", f"--benchmark_out={report}",
+                        "--benchmark_out_format=json"], folder)
+    if not good:
+        return failures.add("sheaf_bench", output)
+    benchmarks = json.loads(report.read_text())["benchmarks"]
+    nothing_to_do = ("no items reach this stage", "the scene has no use for this stage")
+    idle = [b for b in benchmarks if b.get("error_message") in nothing_to_do]
+    print(f"{len(benchmarks)} benchmarks, {len(idle)} of them with nothing to do: {', '.join(b['name'] for b in idle)}")
+    if len(benchmarks) == len(idle):
+        failures.add("sheaf_bench", "there are no benchmarks")
+    for benchmark in benchmarks:
+        if benchmark.get("error_occurred") and benchmark not in idle:
+            failures.add(benchmark["name"], benchmark["error_message"])
+    return None
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    kinds = {"scenes": check_scenes, "scripts": check_scripts, "benchmarks": check_benchmarks}
+    parser.add_argument("kind", choices=kinds)
+    parser.add_argument("--build", type=lambda p: Path(p).resolve(), default=ROOT / "build/release")
+    parser.add_argument("--programs", nargs="*", default=[], help="what is built besides tests")
+    arguments = parser.parse_args()
+    failures = Failures()
+    with tempfile.TemporaryDirectory() as folder:
+        copy_tree(Path(folder))
+        kinds[arguments.kind](arguments, Path(folder), failures)
+    sys.exit(1 if failures.count else 0)
+
+
+if __name__ == "__main__":
+    main()

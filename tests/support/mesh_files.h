@@ -1,0 +1,64 @@
+// What the tests of mesh files share: files that vanish, and sums over meshes.
+#pragma once
+
+#include "core/error.h"
+#include "scene/description/description.h"
+#include "tests/support/temporary_folder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace sheaf::test {
+
+/// A file with the given content in a folder of its own, removed with it.
+class TemporaryFile {
+ public:
+  TemporaryFile(const std::string& name, const std::string& content) : path_(folder_ / name) {
+    write_bytes(path_, content);
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  TemporaryFolder folder_;
+  std::filesystem::path path_;
+};
+
+/// The message of the SceneError that `call` throws; empty if it throws none.
+template <class Call> std::string error_of(Call&& call) {
+  try {
+    call();
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+inline bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+/// (b - a) x (c - a) of a triangle.
+inline Vec3f area_normal(const Mesh& mesh, std::size_t triangle) {
+  const auto& t = mesh.triangles[triangle];
+  return cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);
+}
+
+/// The sum of all triangles' areas.
+inline double total_area(const Mesh& mesh) {
+  double sum = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Vec3f n = area_normal(mesh, i);
+    sum += 0.5 * std::sqrt(double(n.x) * n.x + double(n.y) * n.y + double(n.z) * n.z);
+  }
+  return sum;
+}
+
+/// Bit for bit, but for NaNs.
+inline bool are_equal(const Mesh& a, const Mesh& b) {
+  const auto same = [](Vec2f p, Vec2f q) { return p.x == q.x && p.y == q.y; };
+  return a.positions == b.positions && a.normals == b.normals && a.triangles == b.triangles &&
+         std::equal(a.uvs.begin(), a.uvs.end(), b.uvs.begin(), b.uvs.end(), same);
+}
+
+}  // namespace sheaf::test

@@ -1,0 +1,130 @@
+// Small picture files in several formats, written byte by byte, so that tests know exactly what they hold.
+#pragma once
+
+#include "tests/support/temporary_folder.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace sheaf {
+
+/// Appends a number's lowest bytes, lowest first.
+inline void append_little(std::string& out, std::uint32_t value, int bytes) {
+  for (int i = 0; i < bytes; ++i) out += static_cast<char>(value >> (8 * i) & 0xffu);
+}
+
+/// PGM (one channel) or PPM (three) of `values` from the upper left on, interleaved; 16 bits if `max_value` is above
+/// 255.
+inline void write_pnm(const std::filesystem::path& path, int width, int height, int channels, int max_value,
+                      const std::vector<int>& values) {
+  std::string bytes = std::string(channels == 1 ? "P5 " : "P6 ") + std::to_string(width) + " " +
+                      std::to_string(height) + " " + std::to_string(max_value) + "\n";
+  for (const int v : values) {
+    if (max_value > 255) bytes += static_cast<char>(v >> 8);
+    bytes += static_cast<char>(v & 0xff);
+  }
+  write_bytes(path, bytes);
+}
+
+/// Uncompressed TGA, 24 or 32 bits; `values` as R, G, B (and A) from the upper left on.
+inline void write_tga(const std::filesystem::path& path, int width, int height, int channels,
+                      const std::vector<int>& values) {
+  std::string bytes{0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  append_little(bytes, static_cast<std::uint32_t>(width), 2);
+  append_little(bytes, static_cast<std::uint32_t>(height), 2);
+  bytes += static_cast<char>(8 * channels);
+  bytes += static_cast<char>(channels == 4 ? 0x28 : 0x20);
+  for (std::size_t i = 0; i < values.size(); i += static_cast<std::size_t>(channels)) {
+    for (const std::size_t c : {std::size_t{2}, std::size_t{1}, std::size_t{0}})
+      bytes += static_cast<char>(values[i + c]);
+    if (channels == 4) bytes += static_cast<char>(values[i + 3]);
+  }
+  write_bytes(path, bytes);
+}
+
+/// BMP of 24 bits; `values` as R, G, B from the upper left on.
+inline void write_bmp(const std::filesystem::path& path, int width, int height, const std::vector<int>& values) {
+  const int row_bytes = (3 * width + 3) / 4 * 4;
+  std::string bytes = "BM";
+  for (const int field : {54 + row_bytes * height, 0, 54, 40, width, height})
+    append_little(bytes, static_cast<std::uint32_t>(field), 4);
+  append_little(bytes, 1, 2);
+  append_little(bytes, 24, 2);
+  for (const int field : {0, row_bytes * height, 2835, 2835, 0, 0})
+    append_little(bytes, static_cast<std::uint32_t>(field), 4);
+  for (int y = height - 1; y >= 0; --y) {
+    const std::size_t begin = bytes.size();
+    for (int x = 0; x < width; ++x)
+      for (int c = 2; c >= 0; --c)
+        bytes += static_cast<char>(values[static_cast<std::size_t>((y * width + x) * 3 + c)]);
+    bytes.resize(begin + static_cast<std::size_t>(row_bytes));
+  }
+  write_bytes(path, bytes);
+}
+
+/// Radiance HDR, flat; `values` are whole numbers below 256 as R, G, B from the upper left on.
+inline void write_hdr(const std::filesystem::path& path, int width, int height, const std::vector<int>& values) {
+  std::string bytes =
+      "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(height) + " +X " + std::to_string(width) + "\n";
+  for (std::size_t i = 0; i < values.size(); i += 3) {
+    for (std::size_t c = 0; c < 3; ++c) bytes += static_cast<char>(values[i + c]);
+    bytes += static_cast<char>(128 + 8);
+  }
+  write_bytes(path, bytes);
+}
+
+/// TIFF with one strip of 8- or 16-bit grey or RGB samples from the upper left on.
+inline void write_tiff(const std::filesystem::path& path, int width, int height, int channels, int bits,
+                       const std::vector<int>& values) {
+  std::string data;
+  for (const int v : values) append_little(data, static_cast<std::uint32_t>(v), bits / 8);
+  if (data.size() % 2 != 0) data += '\0';
+  const auto samples = static_cast<std::uint32_t>(channels);
+  const std::uint32_t bits_at = 8 + static_cast<std::uint32_t>(data.size()), directory_at = bits_at + 2 * samples;
+  std::string bytes = "II";
+  append_little(bytes, 42, 2);
+  append_little(bytes, directory_at, 4);
+  bytes += data;
+  for (std::uint32_t c = 0; c < samples; ++c) append_little(bytes, static_cast<std::uint32_t>(bits), 2);
+  const std::uint32_t size = static_cast<std::uint32_t>(values.size()) * static_cast<std::uint32_t>(bits / 8);
+  const std::uint32_t entries[][4] = {{256, 4, 1, static_cast<std::uint32_t>(width)},
+                                      {257, 4, 1, static_cast<std::uint32_t>(height)},
+                                      {258, 3, samples, samples == 1 ? static_cast<std::uint32_t>(bits) : bits_at},
+                                      {259, 3, 1, 1},
+                                      {262, 3, 1, samples == 1 ? 1u : 2u},
+                                      {273, 4, 1, 8},
+                                      {277, 3, 1, samples},
+                                      {278, 4, 1, static_cast<std::uint32_t>(height)},
+                                      {279, 4, 1, size}};
+  append_little(bytes, static_cast<std::uint32_t>(std::size(entries)), 2);
+  for (const auto& [tag, type, count, value] : entries) {
+    append_little(bytes, tag, 2);
+    append_little(bytes, type, 2);
+    append_little(bytes, count, 4);
+    append_little(bytes, value, 4);
+  }
+  append_little(bytes, 0, 4);
+  write_bytes(path, bytes);
+}
+
+/// Baseline JPEG of 8 x 8 pixels of one grey. Every quantisation step is 1, so that the block's only coefficient, eight
+/// times the difference from 128, is exact; it is 2^9 .. 2^10 - 1 here, one code for the category and ten bits.
+inline void write_jpeg(const std::filesystem::path& path, int grey) {
+  std::string bytes{'\xff', '\xd8', '\xff', '\xdb', 0, 67, 0};
+  bytes.append(64, 1);
+  for (const int b : {0xff, 0xc0, 0, 11, 8, 0, 8, 0, 8, 1, 1, 0x11, 0}) bytes += static_cast<char>(b);
+  for (const int table : {0x00, 0x10}) {
+    for (const int b : {0xff, 0xc4, 0, 20, table, 1}) bytes += static_cast<char>(b);
+    bytes.append(15, 0);
+    bytes += static_cast<char>(table == 0 ? 10 : 0);
+  }
+  for (const int b : {0xff, 0xda, 0, 8, 1, 1, 0x00, 0, 63, 0}) bytes += static_cast<char>(b);
+  const auto coefficient = static_cast<std::uint32_t>(8 * (grey - 128));
+  const std::uint32_t bits = coefficient << 5 | 0xfu;  // 0, ten bits, 0, then ones to the end of the second byte
+  bytes += static_cast<char>(bits >> 8 & 0x7fu);
+  bytes += static_cast<char>(bits & 0xffu);
+  bytes += "\xff\xd9";
+  write_bytes(path, bytes);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,42 @@
+// Tracing one ray at a time through a compiled scene.
+#pragma once
+
+#include "scene/tables/shape.h"
+
+#include <optional>
+
+namespace sheaf {
+
+/// What a ray hit.
+struct TracedHit {
+  float t, u, v;
+  std::uint32_t primitive, shape, instance;
+};
+
+/// The nearest hit with t in (t_near, t_far).
+inline std::optional<TracedHit> trace_ray(const SceneView& scene, Vec3f origin, Vec3f direction, float t_near = 0,
+                                          float t_far = kInfinity) {
+  RayPacket packet;
+  packet.origin_x[0] = origin.x;
+  packet.origin_y[0] = origin.y;
+  packet.origin_z[0] = origin.z;
+  packet.direction_x[0] = direction.x;
+  packet.direction_y[0] = direction.y;
+  packet.direction_z[0] = direction.z;
+  packet.t_near[0] = t_near;
+  packet.t_far[0] = t_far;
+  packet.shape[0] = kNone;
+  scene.accel->intersect(packet, 1);
+  if (packet.shape[0] == kNone) return std::nullopt;
+  return TracedHit{packet.t_far[0], packet.u[0], packet.v[0], packet.primitive[0], packet.shape[0],
+                   packet.instance[0]};
+}
+
+/// The surface at a hit of trace_ray().
+inline SurfacePoint<Scalar> surface_at(const SceneView& scene, Vec3f origin, Vec3f direction, const TracedHit& hit) {
+  const auto shape = gather_rows<Scalar>(scene.shapes, hit.shape);
+  return surface_point<Scalar, true>(scene, shape, hit.primitive, hit.u, hit.v, origin + direction * hit.t,
+                                     hit.instance);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,434 @@
+// The command line, run as a user runs it: exit codes, messages, files.
+#include "core/exr.h"
+#include "tests/support/media_testing.h"
+#include "tests/support/temporary_folder.h"
+
+#include <doctest/doctest.h>
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <limits>
+#include <utility>
+
+using namespace sheaf;
+
+namespace {
+
+constexpr const char* kScene = R"(<scene version="3.0.0">
+  <default name="size" value="24"/>
+  <integrator type="path"><integer name="max_depth" value="6"/></integrator>
+  <sensor type="perspective">
+    <float name="fov" value="40"/>
+    <transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
+    <film type="hdrfilm">
+      <integer name="width" value="$size"/><integer name="height" value="16"/><rfilter type="box"/>
+    </film>
+    <sampler type="independent"><integer name="sample_count" value="16"/></sampler>
+  </sensor>
+  <shape type="sphere"><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>
+  <emitter type="constant"><rgb name="radiance" value="1"/></emitter>
+</scene>)";
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+/// Runs the program with these arguments (words for the shell) in the folder, after `before`, other commands.
+Outcome run(const TemporaryFolder& folder, const std::string& arguments, const std::string& before = "") {
+  const std::string streams = " >'" + (folder / "out.txt").string() + "' 2>'" + (folder / "err.txt").string() + "'";
+  const std::string command =
+      "cd '" + folder.path().string() + "' && " + before + "'" SHEAF_EXECUTABLE "' " + arguments + streams +
+      " </dev/null";
+  const int status = std::system(command.c_str());
+  Outcome outcome;
+  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  outcome.out = read_bytes(folder / "out.txt");
+  outcome.err = read_bytes(folder / "err.txt");
+  std::filesystem::remove(folder / "out.txt");
+  std::filesystem::remove(folder / "err.txt");
+  return outcome;
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("version and help") {
+  const TemporaryFolder folder;
+  const Outcome version = run(folder, "--version");
+  CHECK(version.code == 0);
+  CHECK(contains(version.out, "sheaf "));
+  const Outcome help = run(folder, "render --help");
+  CHECK(help.code == 0);
+  CHECK(contains(run(folder, "--help").out, "129, 130, 143"));
+  for (const char* option : {"--spp", "--seed", "--threads", "--crop", "--stats", "--wave-size", "--no-timestamps"}) {
+    CHECK(contains(help.out, option));
+  }
+  CHECK(run(folder, "--help").code == 0);
+}
+
+TEST_CASE("wrong usage is exit code 2") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  for (const char* arguments :
+       {"", "paint", "render", "render scene.xml --no-such-option", "render scene.xml -o out.jpeg",
+        "render scene.xml --spp 0", "render scene.xml --spp many",
+        "render scene.xml --color cmyk", "render scene.xml --crop 0,0,100,16", "render scene.xml --crop 4,4,4,8",
+        "render scene.xml --crop 1,2,3", "render scene.xml -D novalue", "render scene.xml --integrator pathh",
+        "render scene.xml --max-depth -2", "compare one.exr"}) {
+    CAPTURE(std::string(arguments));
+    const Outcome outcome = run(folder, arguments);
+    CHECK(outcome.code == 2);
+    CHECK(outcome.err.size() > 10);
+  }
+  CHECK(folder.entry_count() == 1);
+}
+
+TEST_CASE("spectral mode is rendered, and the picture says so") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  REQUIRE(run(folder, "render scene.xml --color spectral -o out.exr --quiet").code == 0);
+  std::string color;
+  for (const auto& attribute : read_exr_attributes(folder / "out.exr"))
+    if (attribute.name == "sheaf/color") color = std::get<std::string>(attribute.value);
+  CHECK(color == "spectral");
+}
+
+TEST_CASE("spectral bins are written as layers of the published layout") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  REQUIRE(run(folder, "render scene.xml --color spectral --spectral-bins 47 -o out.exr --quiet").code == 0);
+  const Image image = read_exr(folder / "out.exr");
+  CHECK(image.channels.size() == 8 + 47);
+  CHECK(image.find_channel("S0.365,000000nm") >= 0);
+  CHECK(image.find_channel("S0.825,000000nm") >= 0);
+  std::string version, units;
+  for (const auto& attribute : read_exr_attributes(folder / "out.exr")) {
+    if (attribute.name == "spectralLayoutVersion") version = std::get<std::string>(attribute.value);
+    if (attribute.name == "emissiveUnits") units = std::get<std::string>(attribute.value);
+  }
+  CHECK(version == "1.0");
+  CHECK(units == "W.m^-2.sr^-1");
+
+  REQUIRE(run(folder, "render scene.xml --color spectral -o without.exr --quiet").code == 0);
+  const Image without = read_exr(folder / "without.exr");
+  CHECK(without.channels.size() == 8);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (const char* channel : {"R", "G", "B"})
+        CHECK(image.at(x, y, image.find_channel(channel)) == without.at(x, y, without.find_channel(channel)));
+
+  for (const char* arguments :
+       {"--spectral-bins 8", "--color rgb --spectral-bins 8", "--color spectral --spectral-bins 0",
+        "--color spectral --spectral-bins 472", "--color spectral --integrator normals --spectral-bins 8"}) {
+    CAPTURE(std::string(arguments));
+    const Outcome outcome = run(folder, "render scene.xml -o no.exr --quiet " + std::string(arguments));
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "spectral"));
+  }
+}
+
+TEST_CASE("misspelt integrators get their message") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  CHECK(contains(run(folder, "render scene.xml --integrator pathh").err, "did you mean 'path'?"));
+}
+
+TEST_CASE("missing and broken scenes are exit code 3, with file and line") {
+  const TemporaryFolder folder;
+  CHECK(run(folder, "render nowhere.xml").code == 3);
+  CHECK(run(folder, "info nowhere.xml").code == 3);
+  write_bytes(folder / "broken.xml", "<scene version=\"3.0.0\">\n<sensor type=\"perspektive\"/>\n</scene>");
+  const Outcome broken = run(folder, "render broken.xml");
+  CHECK(broken.code == 3);
+  CHECK(contains(broken.err, "broken.xml:2: "));
+  CHECK(contains(broken.err, "perspective"));
+  CHECK(run(folder, "compare a.exr b.exr").code == 3);
+  // What terminals obey is not passed on to them.
+  write_bytes(folder / "\x1b[2J.xml", "<scene");
+  const Outcome escaped = run(folder, "render *2J.xml");
+  CHECK(escaped.code == 3);
+  CHECK(contains(escaped.err, "?[2J.xml"));
+}
+
+TEST_CASE("an output that cannot be written is exit code 4, before the scene is read") {
+  const TemporaryFolder folder;
+  CHECK(run(folder, "render nowhere.xml -o no/folder/out.exr").code == 4);
+  CHECK(run(folder, "render nowhere.xml -o out.exr --stats no/folder/stats.json").code == 4);
+  CHECK(folder.entry_count() == 0);
+}
+
+TEST_CASE("a picture that finds no room is exit code 4, leaves the old file, and the next is written all the same") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  const std::string full = "ulimit -f 2 && ";  // 1 kB
+  const std::string common = "render scene.xml --quiet --no-timestamps --spp 2 ";
+  REQUIRE(run(folder, common + "-o whole.exr -o whole.png").code == 0);
+  const std::string png = read_bytes(folder / "whole.png");
+  REQUIRE(png.size() < 1024);
+  const std::size_t exr = read_bytes(folder / "whole.exr").size();
+  CAPTURE(exr);
+  REQUIRE(exr > 1024);
+  for (const char* name : {"a.exr", "s.json"}) write_bytes(folder / name, "old");
+  const Outcome outcome = run(folder, common + "-o a.exr -o b.png --stats s.json", full);
+  CHECK(outcome.code == 4);
+  CHECK(contains(outcome.err, "cannot write 'a.exr'"));
+  CHECK(contains(outcome.err, "cannot write 's.json'"));
+  CHECK(read_bytes(folder / "a.exr") == "old");
+  CHECK(read_bytes(folder / "s.json") == "old");
+  CHECK(read_bytes(folder / "b.png") == png);
+  CHECK(folder.entry_count() == 6);
+}
+
+TEST_CASE("nothing that is written may replace what the scene is made of, or what else is written") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "assets");
+  std::filesystem::create_directory_symlink("assets", folder / "alias");
+  const auto asset = [&](const std::string& name) { return folder / ("assets/" + name); };
+  const std::string quad = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  write_bytes(asset("plain.obj"), quad + "f 1 2 3\n");
+  write_bytes(asset("rich.obj"), "mtllib rich.mtl\n" + quad + "usemtl red\nf 1 2 3\n");
+  write_bytes(asset("rich.mtl"), "newmtl red\nmap_Kd mtl.png\n");
+  write_bytes(asset("tin.spd"), "400 0.5\n700 0.5\n");
+  write_bytes(asset("more.xml"), "<scene version='3.0.0'><bsdf type='diffuse' id='more'/></scene>");
+  write_vol(asset("smoke.vol"), 2, 1, [](Vec3f, int) { return 1.0f; });
+  Image picture(4, 4, {"R", "G", "B"});
+  for (const char* name : {"sky.exr", "mtl.png", "cloth.png"})
+    if (asset(name).extension() == ".exr") write_exr(asset(name), picture);
+    else write_png(asset(name), picture);
+  const std::string text = R"(<include filename="assets/more.xml"/>
+    <shape type="obj"><string name="filename" value="assets/plain.obj"/><bsdf type="diffuse">
+      <texture name="reflectance" type="bitmap"><string name="filename" value="assets/cloth.png"/></texture>
+    </bsdf></shape>
+    <shape type="obj"><string name="filename" value="assets/rich.obj"/></shape>
+    <shape type="sphere"><bsdf type="diffuse"><spectrum name="reflectance" filename="assets/tin.spd"/></bsdf></shape>
+    <shape type="cube"><bsdf type="null"/><medium name="interior" type="heterogeneous"><volume name="sigma_t"
+      type="gridvolume"><string name="filename" value="assets/smoke.vol"/></volume></medium></shape>
+    <emitter type="envmap"><string name="filename" value="assets/sky.exr"/></emitter></scene>)";
+  std::string scene = kScene;
+  scene.replace(scene.find("<emitter"), scene.npos, text);
+  write_bytes(folder / "scene.xml", scene);
+  std::filesystem::create_symlink("assets/sky.exr", folder / "link.exr");
+  const std::string common = "render scene.xml --quiet --spp 1 ";
+  const Outcome plain = run(folder, common + "-o out.exr");
+  CAPTURE(plain.err);
+  REQUIRE(plain.code == 0);
+  for (const char* arguments :
+       {"-o assets/sky.exr", "-o alias/../assets/./sky.exr", "-o link.exr", "-o assets/cloth.png", "-o alias/mtl.png",
+        "--stats scene.xml", "--stats ./alias/../scene.xml", "--stats assets/more.xml", "--stats assets/plain.obj",
+        "--stats assets/rich.obj", "--stats assets/rich.mtl", "--stats alias/tin.spd", "--stats alias/smoke.vol",
+        "-o b.exr --stats b.exr", "-o b.exr --stats ./b.exr", "-o out.exr --stats alias/../out.exr",
+        "-o b.exr -o alias/../b.exr", "-o b.png -o b.exr -o ./b.png"}) {
+    CAPTURE(std::string(arguments));
+    std::vector<std::string> before, after;
+    const auto contents = [&] {
+      std::vector<std::string> all;
+      for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path()))
+        if (entry.is_regular_file()) all.push_back(entry.path().string() + read_bytes(entry.path()));
+      return all;
+    };
+    before = contents();
+    const Outcome outcome = run(folder, common + arguments);
+    after = contents();
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "would overwrite"));
+    CHECK(before == after);
+  }
+  CHECK(run(folder, common + "-o out.exr -o b.png --stats b.json").code == 0);
+}
+
+TEST_CASE("media beyond the range of floats are errors with file and line") {
+  const TemporaryFolder folder;
+  write_vol(folder / "far.vol", 2, 1, [](Vec3f p, int) { return p.x < 0.5f ? 3e38f : 0.0f; });
+  const std::string medium = R"(<shape type="cube"><bsdf type="null"/>
+<medium name="interior" type="heterogeneous">
+  <volume name="sigma_t" type="gridvolume"><string name="filename" value="far.vol"/></volume>
+  <float name="scale" value="3"/></medium></shape>
+<emitter type="constant"/></scene>)";
+  std::string scene = kScene;
+  scene.replace(scene.find("<emitter"), scene.npos, medium);
+  write_bytes(folder / "scene.xml", scene);
+  const std::string above = scene.substr(0, scene.find("<medium"));
+  const auto line = 1 + std::count(above.begin(), above.end(), '\n');
+  for (const char* color : {"rgb", "spectral"}) {
+    const Outcome outcome = run(folder, "render scene.xml --quiet --spp 1 --color " + std::string(color),
+                                "timeout -s KILL 20 ");
+    CHECK(outcome.code == 3);
+    CAPTURE(outcome.err);
+    CHECK(contains(outcome.err, "scene.xml:" + std::to_string(line) + ": the medium's extinction is"));
+  }
+}
+
+TEST_CASE("one render writes several pictures and the statistics") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  const Outcome outcome = run(folder, "render scene.xml -o a.exr -o b.png --spp 4 --seed 7 --stats s.json");
+  CAPTURE(outcome.err);
+  REQUIRE(outcome.code == 0);
+  CHECK(outcome.out.empty());
+  CHECK(contains(outcome.err, "100 %"));
+  const Image image = read_image(folder / "a.exr");
+  CHECK(image.width == 24);
+  CHECK(image.height == 16);
+  CHECK(image.at(0, 0, image.find_channel("G")) == 1.0f);
+  CHECK(image.at(3, 3, image.find_channel("sampleCount")) == 4.0f);
+  CHECK(read_image(folder / "b.png").width == 24);
+  const std::string stats = read_bytes(folder / "s.json");
+  for (const char* key : {"scene",
+                          "integrator",
+                          "color",
+                          "width",
+                          "height",
+                          "spp",
+                          "threads",
+                          "isa",
+                          "wave_size",
+                          "seed",
+                          "load_seconds",
+                          "build_seconds",
+                          "render_seconds",
+                          "peak_rss_bytes",
+                          "peak_private_bytes",
+                          "samples",
+                          "rays",
+                          "camera",
+                          "scatter",
+                          "shadow",
+                          "rays_per_second",
+                          "trace_share",
+                          "stages",
+                          "name",
+                          "items",
+                          "calls",
+                          "seconds",
+                          "ns_per_item",
+                          "lane_fill",
+                          "dropped"}) {
+    CAPTURE(std::string(key));
+    CHECK(contains(stats, "\"" + std::string(key) + "\":"));
+  }
+  CHECK(contains(stats, "\"samples\": 1536"));
+  CHECK(contains(stats, "\"seed\": 7"));
+}
+
+TEST_CASE("--sampler overrides the scene's sampler, and grids round the samples up") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  const Outcome rounded = run(folder, "render scene.xml -o a.exr --spp 5 --sampler stratified");
+  CAPTURE(rounded.err);
+  REQUIRE(rounded.code == 0);
+  CHECK(contains(rounded.err, "sampler 'stratified': 5 samples per pixel become 6, a grid of 3 x 2"));
+  const Image image = read_image(folder / "a.exr");
+  CHECK(image.at(3, 3, image.find_channel("sampleCount")) == 6.0f);
+  const Outcome sobol = run(folder, "render scene.xml -o b.exr --spp 5 --sampler sobol");
+  CHECK(sobol.code == 0);
+  CHECK(!contains(sobol.err, "become"));
+  const Outcome unknown = run(folder, "render scene.xml -o a.exr --sampler sobl");
+  CHECK(unknown.code == 2);
+  CHECK(contains(unknown.err, "unknown sampler 'sobl', did you mean 'sobol'?"));
+}
+
+TEST_CASE("without a name the picture is called after the scene, in the current folder") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "scenes");
+  write_bytes(folder / "scenes/ball.xml", kScene);
+  const Outcome outcome = run(folder, "render scenes/ball.xml --quiet --spp 1");
+  CHECK(outcome.code == 0);
+  CHECK(outcome.err.empty());
+  CHECK(is_exr(folder / "ball.exr"));
+}
+
+TEST_CASE("definitions, crops and equal bytes") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  const std::string common = "render scene.xml --quiet --no-timestamps -D size=32 ";
+  REQUIRE(run(folder, common + "-o whole.exr").code == 0);
+  REQUIRE(run(folder, common + "-o again.exr --threads 1 --wave-size 256").code == 0);
+  REQUIRE(run(folder, common + "-o crop.exr --crop 5,3,20,11").code == 0);
+  CHECK(read_bytes(folder / "whole.exr") == read_bytes(folder / "again.exr"));
+  const Image crop = read_exr(folder / "crop.exr");
+  CHECK(crop.x0 == 5);
+  CHECK(crop.y0 == 3);
+  CHECK(crop.width == 15);
+  CHECK(crop.frame_width == 32);
+  const Outcome outcome = run(folder, "compare crop.exr whole.exr --max-mse 0");
+  CHECK(outcome.code == 0);
+  CHECK(contains(outcome.out, "15 x 8 pixels"));
+}
+
+TEST_CASE("compare fails by each of its thresholds") {
+  const TemporaryFolder folder;
+  Image image(16, 16, {"R", "G", "B", "variance.R", "variance.G", "variance.B"});
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 16; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        image.at(x, y, c) = 1;
+        image.at(x, y, c + 3) = 1e-4f;
+      }
+    }
+  }
+  write_exr(folder / "a.exr", image);
+  for (float& value : image.data) value *= value > 0.5f ? 1.1f : 1.0f;
+  write_exr(folder / "b.exr", image);
+  CHECK(run(folder, "compare a.exr a.exr --max-mse 0 --min-accepted 1 --min-mean-p 0.5").code == 0);
+  CHECK(run(folder, "compare a.exr b.exr").code == 0);
+  CHECK(run(folder, "compare a.exr b.exr --max-mse 0.011 --max-relmse 0.01 --max-mean-ratio-error 0.1").code == 0);
+  CHECK(run(folder, "compare a.exr b.exr --max-mse 0.009").code == 1);
+  CHECK(run(folder, "compare a.exr b.exr --max-relmse 0.005").code == 1);
+  CHECK(run(folder, "compare a.exr b.exr --max-mean-ratio-error 0.05").code == 1);
+  CHECK(run(folder, "compare a.exr b.exr --min-accepted 0.9").code == 1);
+  CHECK(run(folder, "compare a.exr b.exr --min-mean-p 0.001").code == 1);
+  CHECK(contains(run(folder, "compare a.exr b.exr").out, "0.000 %"));
+}
+
+TEST_CASE("info says what a scene holds") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  const Outcome outcome = run(folder, "info scene.xml");
+  CHECK(outcome.code == 0);
+  CHECK(contains(outcome.out, "24 x 16 pixels"));
+  CHECK(contains(outcome.out, "1 quadrics"));
+  CHECK(contains(outcome.out, "(-1, -1, -1) to (1, 1, 1)"));
+}
+
+TEST_CASE("an interrupted render writes what there is and says so") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  for (const auto& [name, code] : {std::pair{"INT", 130}, std::pair{"TERM", 143}, std::pair{"HUP", 129}}) {
+    CAPTURE(std::string(name));
+    const std::string kill = "(sleep 2; kill -" + std::string(name) + " $$) & exec ";
+    write_bytes(folder / "go.sh", kill + SHEAF_EXECUTABLE " render scene.xml -o out.exr -D size=512 --spp 16000000\n");
+    // The script becomes the renderer, since shells start background jobs with SIGINT ignored.
+    const int status = std::system(("cd '" + folder.path().string() + "' && bash go.sh >log.txt 2>&1").c_str());
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == code);
+    CHECK(read_exr(folder / "out.exr").width == 512);
+    CHECK(contains(read_bytes(folder / "log.txt"), "interrupted"));
+    std::filesystem::remove(folder / "out.exr");
+  }
+}
+
+TEST_CASE("a second signal ends a render that does not come to a stop") {
+  const TemporaryFolder folder;
+  // Where it is empty rays meet millions of null collisions before they are given up.
+  write_vol(folder / "slow.vol", 2, 1, [](Vec3f p, int) { return p.x < 0.5f ? 1e30f : 0.0f; });
+  std::string scene = kScene;
+  scene.replace(scene.find("<shape"), scene.npos, R"(<emitter type="constant"/>
+    <shape type="cube"><bsdf type="null"/><medium name="interior" type="heterogeneous"><volume name="sigma_t"
+      type="gridvolume"><string name="filename" value="slow.vol"/><transform name="to_world">
+      <translate x="-0.5" y="-0.5" z="-0.5"/></transform></volume></medium></shape></scene>)");
+  write_bytes(folder / "scene.xml", scene);
+  using Signals = std::tuple<const char*, const char*, int>;
+  for (const auto& [first, second, code] : {Signals{"TERM", "TERM", 143}, {"INT", "TERM", 143}, {"HUP", "INT", 130}}) {
+    CAPTURE(std::string(first));
+    write_bytes(folder / "go.sh", "(sleep 1.5; kill -" + std::string(first) + " $$; sleep 0.5; kill -" + second +
+                                      " $$) & exec " SHEAF_EXECUTABLE " render scene.xml -o out.exr --spp 65536\n");
+    const int status = std::system(("cd '" + folder.path().string() +
+                                    "' && timeout -s KILL 60 bash go.sh >log.txt 2>&1; exit $?").c_str());
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == code);
+    CHECK_FALSE(std::filesystem::exists(folder / "out.exr"));
+  }
+}

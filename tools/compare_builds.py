@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+"""Renders every example and reference scene with two builds of Sheaf, in both colour modes, and lists those whose
+pictures are not the same, byte by byte: for changes that must not change pictures. Needs nothing but Python.
+
+  tools/compare_builds.py OLD/sheaf NEW/sheaf [--spp 8] [--only SUBSTRING] [--list]
+
+Frames are rendered small: those that take a size as 160 x 100 pixels, of the others 160 x 120 in the middle. Scenes whose
+meshes or grids were not made yet (see README.md) are skipped and said. Exit status: 0 all the same, 1 some differ or
+fail with one build alone.
+"""
+
+import argparse
+import re
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def scenes():
+    """All scene files, each with the options that make its picture small."""
+    for folder in (ROOT / "scenes", ROOT / "tests/references/scenes"):
+        for file in sorted(folder.rglob("*.xml")):
+            text = file.read_text()
+            if "generated" in file.parts or not re.search(r"<(sensor|camera)\b", text):
+                continue
+            sizes = [re.search(rf'name="{name}" value="(\d+)"/>', text) for name in ("width", "height")]
+            if '"$width"' in text:
+                yield file, ["-D", "width=160", "-D", "height=100"]
+            elif folder.name == "scenes" and folder.parent == ROOT and all(sizes):
+                x, y = (int(size[1]) // 2 for size in sizes)
+                yield file, ["--crop", f"{max(x - 80, 0)},{max(y - 60, 0)},{x + 80},{y + 60}"]
+            else:
+                yield file, []
+
+
+def render(sheaf, scene, options, picture):
+    """The picture's bytes, or the message why there is none."""
+    done = subprocess.run([sheaf, "render", scene, "-o", picture, "--no-timestamps", "--quiet", "--threads", "1",
+                           "--seed", "1", *options], check=False, capture_output=True, text=True)
+    return picture.read_bytes() if done.returncode == 0 else done.stderr.strip()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("old", type=lambda p: Path(p).resolve())
+    parser.add_argument("new", type=lambda p: Path(p).resolve())
+    parser.add_argument("--spp", type=int, default=8)
+    parser.add_argument("--only", default="", help="scenes whose path holds this")
+    parser.add_argument("--list", action="store_true", help="say of every picture what was found, not only where they differ")
+    arguments = parser.parse_args()
+
+    def compare(job):
+        (scene, options), color = job
+        options = [*options, "--spp", str(arguments.spp), "--color", color]
+        with tempfile.TemporaryDirectory() as folder:
+            a, b = (render(sheaf, scene, options, Path(folder) / f"{i}.exr")
+                    for i, sheaf in enumerate((arguments.old, arguments.new)))
+        if isinstance(a, str) and isinstance(b, str):
+            return "neither renders: " + b
+        if isinstance(a, str) or isinstance(b, str):
+            return "FAILS with one build: " + (a if isinstance(a, str) else b)
+        return "same" if a == b else "DIFFERS"
+
+    jobs = [(scene, color) for scene in scenes() if arguments.only in str(scene[0]) for color in ("rgb", "spectral")]
+    counts = {}
+    with ThreadPoolExecutor(2) as pool:
+        for ((scene, _), color), found in zip(jobs, pool.map(compare, jobs)):
+            kind = found.split(":")[0]
+            counts[kind] = counts.get(kind, 0) + 1
+            if kind != "same" or arguments.list:
+                print(f"{found.splitlines()[0]}  {scene.relative_to(ROOT)} {color}", flush=True)
+    print(", ".join(f"{count} {kind}" for kind, count in sorted(counts.items())))
+    sys.exit(1 if any(kind.startswith(("DIFFERS", "FAILS")) for kind in counts) else 0)
+
+
+if __name__ == "__main__":
+    main()
