@@ -57,7 +57,8 @@ class Reader {
     return std::string(take(size), size);
   }
   template <class T> void get(std::vector<T>& values) {
-    std::memcpy(values.data(), take(values.size() * sizeof(T)), values.size() * sizeof(T));
+    const char* bytes = take(values.size() * sizeof(T));
+    if (!values.empty()) std::memcpy(values.data(), bytes, values.size() * sizeof(T));
   }
   std::size_t left() const { return bytes_.size(); }
 
