@@ -26,10 +26,10 @@ function(sheaf_test_support)
   add_custom_target(sheaf_tests)
 endfunction()
 
-# Whether a file holds slow tests alone: its first test, if any, is in the suite "slow".
+# Whether a file holds slow tests alone: the suite "slow" begins before its first test.
 function(sheaf_is_slow variable source)
   file(STRINGS "${source}" first REGEX "^TEST_(CASE|SUITE)" LIMIT_COUNT 1)
-  if(first MATCHES "\"slow\"")
+  if(first MATCHES "^TEST_SUITE.*\"slow\"")
     set(${variable} ON PARENT_SCOPE)
   else()
     set(${variable} OFF PARENT_SCOPE)

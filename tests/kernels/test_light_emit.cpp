@@ -400,11 +400,13 @@ void check_directions(const Description& d, const std::function<double(Vec3f)>& 
 
 }  // namespace
 
-TEST_CASE("light emission: area lights send their power, and to every place what light sampling says") {
+TEST_CASE("light emission: area lights send their power, and to every place what light sampling says"
+          * doctest::test_suite("slow")) {
   check_cases(area_cases());
 }
 
-TEST_CASE("light emission: so do lights that are not on a shape, environments, and all of them together") {
+TEST_CASE("light emission: so do lights that are not on a shape, environments, and all of them together"
+          * doctest::test_suite("slow")) {
   const TemporaryFolder folder;
   std::vector<Case> cases = placed_cases(folder);
   cases.push_back(mixed_case(folder));

@@ -167,7 +167,7 @@ int run_sheaf(const TemporaryFolder& folder, const std::string& arguments) {
 
 }  // namespace
 
-TEST_CASE("the same bits for all thread counts and wave sizes") {
+TEST_CASE("the same bits for all thread counts and wave sizes" * doctest::test_suite("slow")) {
   const auto scene = compile_scene(room(70, 50));
   RenderOptions options;
   options.threads = 1;
@@ -189,7 +189,8 @@ TEST_CASE("the same bits for all thread counts and wave sizes") {
   }
 }
 
-TEST_CASE("the same bits where textured and plain materials share registers, and in media") {
+TEST_CASE("the same bits where textured and plain materials share registers, and in media"
+          * doctest::test_suite("slow")) {
   const TemporaryFolder folder;
   for (const bool media : {false, true})
     for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
@@ -270,7 +271,8 @@ TEST_CASE("equal distances are told apart the same way in every build") {
   CHECK(same_bytes(build_and_render(d, 7, 1), expected));
 }
 
-TEST_CASE("rays aimed exactly at vertices and edges meet the same triangles in every build") {
+TEST_CASE("rays aimed exactly at vertices and edges meet the same triangles in every build"
+          * doctest::test_suite("slow")) {
   Description d = ties(193, 0);
   d.film.filter.radius = 1e-6f;  // through the pixels' centres, which are half a cell of the grid apart
   look_at(d, {0, 0, 193.0f / 96}, {0, 0, 0});

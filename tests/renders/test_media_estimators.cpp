@@ -132,6 +132,8 @@ Description furnace(const MediumDescription& medium, float g) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("slow");
+
 TEST_CASE("media: transmittance of a homogeneous slab, by paths and by shadow rays, colour by colour") {
   for (const MediumEstimator estimator : {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio,
                                           MediumEstimator::kMarching})
@@ -312,127 +314,127 @@ TEST_CASE("media: light and path sampling together find a glow with less varianc
   CHECK(variance[0] < 0.9 * variance[2]);
 }
 
-TEST_SUITE("slow") {
-  TEST_CASE("media: a sphere that only scatters cannot be seen in a white environment") {
-    const TemporaryFolder folder;
-    const auto one = write_vol(folder / "one.vol", 4, 1, [](Vec3f, int) { return 1.0f; });
-    const auto lumps = write_vol(folder / "lumps.vol", 16, 1, [](Vec3f p, int) {
-      return 1 + std::sin(17 * p.x) * std::sin(13 * p.y + 1) * std::cos(11 * p.z);
-    });
-    const Transform around = Transform::translate({-1, -1, -1}) * Transform::scale({2, 2, 2});
-    for (const MediumEstimator estimator : kUnbiased)
-      for (const float depth : {0.1f, 1.0f, 10.0f})
-        for (const float g : {-0.8f, 0.0f, 0.8f}) {
-          CAPTURE(static_cast<int>(estimator));
-          CAPTURE(depth);
-          CAPTURE(g);
-          std::vector<MediumDescription> media = {fog(depth / 2, 1)};
-          if (g == 0.0f) {
-            media.push_back(with_density(fog(depth / 2, 1), vol(one, around)));
-            media.push_back(with_density(fog(depth / 2, 1), vol(lumps, around)));
-          }
-          for (const MediumDescription& medium : media)
-            for (const LightStrategy strategy :
-                 {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
-              Description d = furnace(medium, g);
-              d.integrator.medium_estimator = estimator;
-              d.integrator.strategy = strategy;
-              check_grey(d, 1);
-            }
-        }
-  }
-
-  TEST_CASE("media: homogeneous, as a grid, by every estimator and with colours the means are the same") {
-    const TemporaryFolder folder;
-    const auto one = write_vol(folder / "one.vol", 3, 1, [](Vec3f, int) { return 1.0f; });
-    const auto colors = write_vol(folder / "colors.vol", 3, 3, [](Vec3f, int c) {
-      return c == 0 ? 0.4f : c == 1 ? 1.2f : 2.5f;
-    });
-    const Transform around = Transform::translate({-1, -1, -1}) * Transform::scale({2, 2, 2});
-    const auto scene = [&](const MediumDescription& medium, MediumEstimator estimator) {
-      Description d = picture(64);
-      look_at(d, {0, 0, -3}, {0, 0, 0}, {0, 1, 0}, 30);
-      d.integrator.max_depth = 8;
-      d.integrator.medium_estimator = estimator;
-      add_area_light_sphere(d, {1.5f, 2, -1.5f}, 0.4f, 20);
-      add_rectangle(d,
-                    Transform::translate({0, -1, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}),
-                    add_diffuse_rgb(d, 0.7f, 0.5f, 0.3f));
-      add_sphere(d, {0.2f, 0, 0}, 0.3f, add_glass(d));
-      MediumDescription m = medium;
-      m.phase = add_phase(d, 0.5f);
-      const MediumId id = add_medium(d, m);
-      fill(d, add_sphere(d, {0, 0, 0}, 0.9f), id);
-      return d;
-    };
-    MediumDescription plain = fog(1, 0.8f), grid = fog(1, 0.8f), density = fog(1, 0.8f);
-    const SpectrumDescription color = SpectrumDescription::rgb(0.4f, 1.2f, 2.5f);
-    std::get<ExtinctionAlbedoDescription>(plain.coefficients).sigma_t = color;
-    std::get<ExtinctionAlbedoDescription>(density.coefficients).sigma_t = color;
-    density.density = vol(one, around);
-    MediumDescription sparse = density;
-    sparse.density = ones_in_nanovdb(folder / "one.nvdb", 2.2f);
-    std::get<ExtinctionAlbedoDescription>(grid.coefficients).sigma_t = vol(colors, around);
-    const Means reference = means_of(scene(plain, MediumEstimator::kNullMis));
-    for (const MediumDescription& medium : {plain, density, sparse, grid})
-      for (const MediumEstimator estimator : kUnbiased) {
+TEST_CASE("media: a sphere that only scatters cannot be seen in a white environment") {
+  const TemporaryFolder folder;
+  const auto one = write_vol(folder / "one.vol", 4, 1, [](Vec3f, int) { return 1.0f; });
+  const auto lumps = write_vol(folder / "lumps.vol", 16, 1, [](Vec3f p, int) {
+    return 1 + std::sin(17 * p.x) * std::sin(13 * p.y + 1) * std::cos(11 * p.z);
+  });
+  const Transform around = Transform::translate({-1, -1, -1}) * Transform::scale({2, 2, 2});
+  for (const MediumEstimator estimator : kUnbiased)
+    for (const float depth : {0.1f, 1.0f, 10.0f})
+      for (const float g : {-0.8f, 0.0f, 0.8f}) {
         CAPTURE(static_cast<int>(estimator));
-        CAPTURE(medium.density.has_value());
-        const Means m = means_of(scene(medium, estimator));
-        for (int c = 0; c < 3; ++c) {
-          CAPTURE(c);
-          check_equal(m.channel[c], reference.channel[c]);
+        CAPTURE(depth);
+        CAPTURE(g);
+        std::vector<MediumDescription> media = {fog(depth / 2, 1)};
+        if (g == 0.0f) {
+          media.push_back(with_density(fog(depth / 2, 1), vol(one, around)));
+          media.push_back(with_density(fog(depth / 2, 1), vol(lumps, around)));
         }
+        for (const MediumDescription& medium : media)
+          for (const LightStrategy strategy :
+               {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
+            Description d = furnace(medium, g);
+            d.integrator.medium_estimator = estimator;
+            d.integrator.strategy = strategy;
+            check_grey(d, 1);
+          }
       }
-  }
+}
 
-  TEST_CASE("media: what glows and scatters has the same mean by every strategy and estimator, "
-            "colours and grids alike") {
-    const TemporaryFolder folder;
-    const auto lumps = write_vol(folder / "lumps.vol", 16, 1, [](Vec3f p, int) {
-      return 1 + std::sin(17 * p.x) * std::sin(13 * p.y + 1) * std::cos(11 * p.z);
-    });
-    const Transform around = Transform::translate({-1, -1, 0.5f}) * Transform::scale({2, 2, 2});
-    const auto scene = [&](bool on_grid, LightStrategy strategy, MediumEstimator estimator) {
-      MediumDescription m = glowing(1.5f, 0.6f, 1);
-      auto& coefficients = std::get<ExtinctionAlbedoDescription>(m.coefficients);
-      coefficients.sigma_t = SpectrumDescription::rgb(0.7f, 1.5f, 3);
-      m.emission = VolumeInput(SpectrumDescription::rgb(3, 2, 0.5f));
-      if (on_grid) m.density = vol(lumps, around);
-      Description d = floor_below_glow(m);
-      look_at(d, {4, 0, 1.5f}, {0, 0, 1}, {0, 0, 1}, 40);
-      d.media.back().phase = add_phase(d, 0.6f);
-      d.integrator.max_depth = 6;
-      d.integrator.strategy = strategy;
-      d.integrator.medium_estimator = estimator;
-      add_point_light(d, {2, 2, 3}, 5);
-      if (strategy != LightStrategy::kMis) d.lights.clear();
-      return d;
-    };
-    for (const bool on_grid : {false, true}) {
-      const auto strip = [](Description d) { d.lights.clear(); return d; };
-      const Means reference = means_of(strip(scene(on_grid, LightStrategy::kMis, MediumEstimator::kNullMis)));
-      const Means lit = means_of(scene(on_grid, LightStrategy::kMis, MediumEstimator::kNullMis));
-      for (const MediumEstimator estimator : kUnbiased) {
-        const Means with_point = means_of(scene(on_grid, LightStrategy::kMis, estimator));
-        for (int c = 0; c < 3; ++c) check_equal(with_point.channel[c], lit.channel[c]);
-        for (const LightStrategy strategy : {LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
-          CAPTURE(on_grid);
-          CAPTURE(static_cast<int>(estimator));
-          CAPTURE(static_cast<int>(strategy));
-          const Means m = means_of(scene(on_grid, strategy, estimator));
-          for (int c = 0; c < 3; ++c) check_equal(m.channel[c], reference.channel[c]);
-        }
+TEST_CASE("media: homogeneous, as a grid, by every estimator and with colours the means are the same") {
+  const TemporaryFolder folder;
+  const auto one = write_vol(folder / "one.vol", 3, 1, [](Vec3f, int) { return 1.0f; });
+  const auto colors = write_vol(folder / "colors.vol", 3, 3, [](Vec3f, int c) {
+    return c == 0 ? 0.4f : c == 1 ? 1.2f : 2.5f;
+  });
+  const Transform around = Transform::translate({-1, -1, -1}) * Transform::scale({2, 2, 2});
+  const auto scene = [&](const MediumDescription& medium, MediumEstimator estimator) {
+    Description d = picture(64);
+    look_at(d, {0, 0, -3}, {0, 0, 0}, {0, 1, 0}, 30);
+    d.integrator.max_depth = 8;
+    d.integrator.medium_estimator = estimator;
+    add_area_light_sphere(d, {1.5f, 2, -1.5f}, 0.4f, 20);
+    add_rectangle(d,
+                  Transform::translate({0, -1, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}),
+                  add_diffuse_rgb(d, 0.7f, 0.5f, 0.3f));
+    add_sphere(d, {0.2f, 0, 0}, 0.3f, add_glass(d));
+    MediumDescription m = medium;
+    m.phase = add_phase(d, 0.5f);
+    const MediumId id = add_medium(d, m);
+    fill(d, add_sphere(d, {0, 0, 0}, 0.9f), id);
+    return d;
+  };
+  MediumDescription plain = fog(1, 0.8f), grid = fog(1, 0.8f), density = fog(1, 0.8f);
+  const SpectrumDescription color = SpectrumDescription::rgb(0.4f, 1.2f, 2.5f);
+  std::get<ExtinctionAlbedoDescription>(plain.coefficients).sigma_t = color;
+  std::get<ExtinctionAlbedoDescription>(density.coefficients).sigma_t = color;
+  density.density = vol(one, around);
+  MediumDescription sparse = density;
+  sparse.density = ones_in_nanovdb(folder / "one.nvdb", 2.2f);
+  std::get<ExtinctionAlbedoDescription>(grid.coefficients).sigma_t = vol(colors, around);
+  const Means reference = means_of(scene(plain, MediumEstimator::kNullMis));
+  for (const MediumDescription& medium : {plain, density, sparse, grid})
+    for (const MediumEstimator estimator : kUnbiased) {
+      CAPTURE(static_cast<int>(estimator));
+      CAPTURE(medium.density.has_value());
+      const Means m = means_of(scene(medium, estimator));
+      for (int c = 0; c < 3; ++c) {
+        CAPTURE(c);
+        check_equal(m.channel[c], reference.channel[c]);
       }
-      for (const int candidates : {4, 16}) {
-        CAPTURE(candidates);
-        Description d = scene(on_grid, LightStrategy::kMis, MediumEstimator::kNullMis);
-        d.integrator.candidates = candidates;
-        const Means m = means_of(d);
-        for (int c = 0; c < 3; ++c) check_equal(m.channel[c], lit.channel[c]);
+    }
+}
+
+TEST_CASE("media: what glows and scatters has the same mean by every strategy and estimator, "
+          "colours and grids alike") {
+  const TemporaryFolder folder;
+  const auto lumps = write_vol(folder / "lumps.vol", 16, 1, [](Vec3f p, int) {
+    return 1 + std::sin(17 * p.x) * std::sin(13 * p.y + 1) * std::cos(11 * p.z);
+  });
+  const Transform around = Transform::translate({-1, -1, 0.5f}) * Transform::scale({2, 2, 2});
+  const auto scene = [&](bool on_grid, LightStrategy strategy, MediumEstimator estimator) {
+    MediumDescription m = glowing(1.5f, 0.6f, 1);
+    auto& coefficients = std::get<ExtinctionAlbedoDescription>(m.coefficients);
+    coefficients.sigma_t = SpectrumDescription::rgb(0.7f, 1.5f, 3);
+    m.emission = VolumeInput(SpectrumDescription::rgb(3, 2, 0.5f));
+    if (on_grid) m.density = vol(lumps, around);
+    Description d = floor_below_glow(m);
+    look_at(d, {4, 0, 1.5f}, {0, 0, 1}, {0, 0, 1}, 40);
+    d.media.back().phase = add_phase(d, 0.6f);
+    d.integrator.max_depth = 6;
+    d.integrator.strategy = strategy;
+    d.integrator.medium_estimator = estimator;
+    add_point_light(d, {2, 2, 3}, 5);
+    if (strategy != LightStrategy::kMis) d.lights.clear();
+    return d;
+  };
+  for (const bool on_grid : {false, true}) {
+    const auto strip = [](Description d) { d.lights.clear(); return d; };
+    const Means reference = means_of(strip(scene(on_grid, LightStrategy::kMis, MediumEstimator::kNullMis)));
+    const Means lit = means_of(scene(on_grid, LightStrategy::kMis, MediumEstimator::kNullMis));
+    for (const MediumEstimator estimator : kUnbiased) {
+      const Means with_point = means_of(scene(on_grid, LightStrategy::kMis, estimator));
+      for (int c = 0; c < 3; ++c) check_equal(with_point.channel[c], lit.channel[c]);
+      for (const LightStrategy strategy : {LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
+        CAPTURE(on_grid);
+        CAPTURE(static_cast<int>(estimator));
+        CAPTURE(static_cast<int>(strategy));
+        const Means m = means_of(scene(on_grid, strategy, estimator));
+        for (int c = 0; c < 3; ++c) check_equal(m.channel[c], reference.channel[c]);
       }
+    }
+    for (const int candidates : {4, 16}) {
+      CAPTURE(candidates);
+      Description d = scene(on_grid, LightStrategy::kMis, MediumEstimator::kNullMis);
+      d.integrator.candidates = candidates;
+      const Means m = means_of(d);
+      for (int c = 0; c < 3; ++c) check_equal(m.channel[c], lit.channel[c]);
     }
   }
 }
+
+TEST_SUITE_END();
 
 }  // namespace sheaf

@@ -169,7 +169,7 @@ double angle_behind_prism(double in, double n) {
 
 }  // namespace
 
-TEST_CASE("spectral: a prism deviates 450, 550 and 650 nm as Snell and Sellmeier say") {
+TEST_CASE("spectral: a prism deviates 450, 550 and 650 nm as Snell and Sellmeier say" * doctest::test_suite("slow")) {
   const Dispersion& sf11 = *find_dispersion("sf11");
   constexpr int kColumns = 240;
   constexpr float kFov = 24;
@@ -222,7 +222,7 @@ TEST_CASE("spectral: a prism deviates 450, 550 and 650 nm as Snell and Sellmeier
   }
 }
 
-TEST_CASE("spectral: tints are those of RGB mode, from constants and from textures") {
+TEST_CASE("spectral: tints are those of RGB mode, from constants and from textures" * doctest::test_suite("slow")) {
   // One bounce under a constant light: the mean over the sphere is a weighted mean of the lobes.
   const auto scene = [](const auto& model) {
     Description d = empty_scene(8, 8);

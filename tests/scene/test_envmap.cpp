@@ -387,7 +387,7 @@ double irradiance(const EnvmapView& map, Vec3f n) {
 
 }  // namespace
 
-TEST_CASE("environment map: every strategy finds the light of a diffuse floor") {
+TEST_CASE("environment map: every strategy finds the light of a diffuse floor" * doctest::test_suite("slow")) {
   const TemporaryFolder folder;
   const EnvmapPicture picture = uneven_picture();
   Image image(11, 7, {"R", "G", "B"});
@@ -468,7 +468,7 @@ void write_map(const std::filesystem::path& file, const EnvmapPicture& picture) 
 
 }  // namespace
 
-TEST_CASE("environment map: spectral mode shows a smooth map as RGB mode does") {
+TEST_CASE("environment map: spectral mode shows a smooth map as RGB mode does" * doctest::test_suite("slow")) {
   const TemporaryFolder folder;
   write_map(folder / "smooth.exr", picture_of(64, 32, [](std::uint32_t x, std::uint32_t y) {
     const float turn = std::sin(kPi * static_cast<float>(x) / 32), polar = std::cos(kPi * static_cast<float>(y) / 31);
@@ -480,7 +480,7 @@ TEST_CASE("environment map: spectral mode shows a smooth map as RGB mode does") 
               floor_means(folder / "smooth.exr", ColorMode::kRgb, LightStrategy::kMis), kSystematic);
 }
 
-TEST_CASE("environment map: spectral mode, every strategy finds the same light") {
+TEST_CASE("environment map: spectral mode, every strategy finds the same light" * doctest::test_suite("slow")) {
   const TemporaryFolder folder;
   write_map(folder / "uneven.exr", uneven_picture());
   const auto found = floor_means(folder / "uneven.exr", kSpectral, LightStrategy::kLightOnly);

@@ -201,7 +201,7 @@ TEST_CASE("lights: parallel light") {
   CHECK(rendered(d).mean == 0);
 }
 
-TEST_CASE("lights: pictures on lights of every shape, by every strategy") {
+TEST_CASE("lights: pictures on lights of every shape, by every strategy" * doctest::test_suite("slow")) {
   Description d = floor_scene();
   const TextureId board = add_board(d, {6, 1, 1}, {2, 3, 1}), other = add_board(d, {1, 5, 1}, {9, 2, 1});
   const Transform down = Transform::translate({0.3f, 0.2f, 1.5f}) * Transform::rotate({1, 0, 0}, 180);
