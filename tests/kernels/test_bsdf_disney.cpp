@@ -57,6 +57,8 @@ double reference(const Parameters& p, double base, double lum, Vec3f v, Vec3f l)
 
 }  // namespace
 
+TEST_SUITE_BEGIN("slow");
+
 TEST_CASE("disney: values equal the published formulas") {
   for (const Parameters& p : kMaterials)
     for (std::uint32_t i = 0; i < 500; ++i) {
@@ -138,5 +140,7 @@ TEST_CASE("disney: registers equal single values") {
                    share(lane, 11), 0.5f * share(lane, 12)});
   });
 }
+
+TEST_SUITE_END();
 
 }  // namespace sheaf

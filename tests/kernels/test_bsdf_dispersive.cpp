@@ -59,6 +59,8 @@ template <class Make> MeanVariance separate_power(Make&& make, Vec3f wo) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("slow");
+
 TEST_CASE("dispersion: with one index the smooth boundary is the ordinary one") {
   const auto bsdf = smooth<DispersiveDielectricBsdf>(Spectrum4(1.6f), 0.75f, 0.5f);
   DielectricBsdf<Scalar> plain;
@@ -135,5 +137,7 @@ TEST_CASE("dispersion: registers give what single values give") {
     return rough<DispersiveRoughDielectricGgxBsdf>(eta_of(lane), 0.2f + 0.04f * static_cast<float>(lane));
   });
 }
+
+TEST_SUITE_END();
 
 }  // namespace sheaf

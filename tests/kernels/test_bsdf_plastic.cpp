@@ -91,6 +91,8 @@ double polynomial_transmittance(const RoughCoat& coat, double cosine) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("slow");
+
 TEST_CASE("plastic: the diffuse part follows its density, the coat is a mirror") {
   for (const float nonlinear : {0.0f, 1.0f}) {
     DiffusePart part;
@@ -203,5 +205,7 @@ TEST_CASE("plastics: registers equal single values") {
   check_bsdf_lanes<RoughPlasticGgxBsdf>([&](int l) { return ggx[static_cast<std::size_t>(l)]; });
   check_bsdf_lanes<RoughPlasticBeckmannBsdf>([&](int l) { return beckmann[static_cast<std::size_t>(l)]; });
 }
+
+TEST_SUITE_END();
 
 }  // namespace sheaf

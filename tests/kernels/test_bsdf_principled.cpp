@@ -191,6 +191,8 @@ template <class Bsdf> void check_reciprocity(const Bsdf& bsdf, double eta, bool 
 
 }  // namespace
 
+TEST_SUITE_BEGIN("slow");
+
 TEST_CASE("principled: values equal Mitsuba's") {
   for (const auto& [parameters, wo, wi, expected] : kPrincipledReferences) {
     CAPTURE(expected.c0);
@@ -332,5 +334,7 @@ TEST_CASE("principled: registers equal single values") {
                  2 * share(lane, 11)});
   });
 }
+
+TEST_SUITE_END();
 
 }  // namespace sheaf

@@ -94,6 +94,8 @@ template <template <class> class Bsdf> void check_smooth_limit() {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("slow");
+
 TEST_CASE("rough conductor: sampling, weights, reciprocity, energy") {
   check_metal<RoughConductorGgxBsdf>();
   check_metal<RoughConductorBeckmannBsdf>();
@@ -175,5 +177,7 @@ TEST_CASE("rough bsdfs: registers equal single values") {
   check_bsdf_lanes<ThinDielectricBsdf>([&](int l) { return pane(1.2f + share(l, 1), share(l, 2), 0.9f); });
   check_bsdf_lanes<NoriMicrofacetBsdf>([&](int l) { return nori(share(l, 2), alpha(l)); });
 }
+
+TEST_SUITE_END();
 
 }  // namespace sheaf

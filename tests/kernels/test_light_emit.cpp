@@ -400,13 +400,13 @@ void check_directions(const Description& d, const std::function<double(Vec3f)>& 
 
 }  // namespace
 
-TEST_CASE("light emission: area lights send their power, and to every place what light sampling says"
-          * doctest::test_suite("slow")) {
+TEST_SUITE_BEGIN("slow");
+
+TEST_CASE("light emission: area lights send their power, and to every place what light sampling says") {
   check_cases(area_cases());
 }
 
-TEST_CASE("light emission: so do lights that are not on a shape, environments, and all of them together"
-          * doctest::test_suite("slow")) {
+TEST_CASE("light emission: so do lights that are not on a shape, environments, and all of them together") {
   const TemporaryFolder folder;
   std::vector<Case> cases = placed_cases(folder);
   cases.push_back(mixed_case(folder));
@@ -577,5 +577,7 @@ TEST_CASE("light emission: registers equal single values, lights mixed") {
   CHECK(other < 0.002 * total);
   for (const int count : seen) CHECK(count > 100);
 }
+
+TEST_SUITE_END();
 
 }  // namespace sheaf

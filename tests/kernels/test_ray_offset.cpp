@@ -239,7 +239,7 @@ TEST_CASE("hardly a path is lost in a closed room far from the origin") {
     }
 }
 
-TEST_CASE("no light from outside gets into a closed room") {
+TEST_CASE("no light from outside gets into a closed room" * doctest::test_suite("slow")) {
   for (const bool box : {false, true})
     for (const float scale : {1e-3f, 1.0f, 1e5f})
       for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
@@ -254,7 +254,7 @@ TEST_CASE("no light from outside gets into a closed room") {
       }
 }
 
-TEST_CASE("a glowing closed room is equally bright at every scale") {
+TEST_CASE("a glowing closed room is equally bright at every scale" * doctest::test_suite("slow")) {
   const double level = significance_of_each(2 * 6 * 2);
   for (const bool box : {false, true})
     for (const float scale : kScales)

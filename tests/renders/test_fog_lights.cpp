@@ -40,6 +40,8 @@ Description ball_between_lights(const MediumDescription& medium, float g, int sa
 
 }  // namespace
 
+TEST_SUITE_BEGIN("slow");
+
 TEST_CASE("fog lights: several area lights around a homogeneous medium") {
   for (const float g : {0.0f, 0.5f}) {
     CAPTURE(g);
@@ -92,5 +94,7 @@ TEST_CASE("fog lights: a medium behind a mask and a pane") {
   add_rectangle(d, turned({1.15f, 0, 0}, {0, 1, 0}, 90, 1.5f), add_material(d, pane));
   check_strategies_agree(d, kLevel);
 }
+
+TEST_SUITE_END();
 
 }  // namespace sheaf

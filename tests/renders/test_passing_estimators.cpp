@@ -126,6 +126,8 @@ void check_screens(const std::vector<std::vector<Screen>>& sets) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("slow");
+
 TEST_CASE("passing estimators: lights behind one and two open panes") {
   check_screens({{{Screen::kPane, 0.6f}}, {{Screen::kPane, 0.3f}, {Screen::kPane, 0.7f}}});
 }
@@ -154,5 +156,7 @@ TEST_CASE("passing estimators: several lights of unequal power are found through
     check_strategies_agree(d, significance_of_each(2 * 9));
   }
 }
+
+TEST_SUITE_END();
 
 }  // namespace sheaf
