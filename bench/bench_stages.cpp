@@ -1,8 +1,10 @@
-// What each stage of the path pass costs per item, on waves as they are in the middle of a render. Every benchmark
-// reports "per_item" in seconds, "best_per_item" for the shortest call, and how many items the stage consumes in one.
+// What each stage of the path and the light pass costs per item, on waves as they are in the middle of a render. Every
+// benchmark reports "per_item" in seconds, "best_per_item" for the shortest call, and how many items the stage consumes
+// in one.
 #include "core/error.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
+#include "kernels/film/light_task.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/wave_snapshot.h"
 #include "scene/compile/compile.h"
@@ -22,16 +24,28 @@ namespace sheaf {
 
 namespace {
 
-/// A wave that has rendered the middle of the picture for a while, so that it holds paths of all lengths.
+/// The scene's own settings; `photons`: for the light pass.
+StageContext context_of(const Scene& scene, CameraTask* camera, LightTask* photons) {
+  StageContext context(scene, camera);
+  context.photons = photons;
+  if (photons != nullptr) context.transport.kind = IntegratorKind::kLightTracer;
+  return context;
+}
+
+/// A wave that has rendered the middle of the picture for a while, so that it holds paths of all lengths; or one of the
+/// light pass.
 class WarmWave {
  public:
-  explicit WarmWave(const Scene& scene)
-      : context_(scene, &task_), wave_(Wave::default_capacity(WaveNeeds::of(context_)), WaveNeeds::of(context_)) {
+  WarmWave(const Scene& scene, bool photons)
+      : context_(context_of(scene, &task_, photons ? &photons_ : nullptr)),
+        wave_(Wave::default_capacity(WaveNeeds::of(context_)), WaveNeeds::of(context_)) {
     const FilmDescription& film = scene.film();
+    frame_ = {0, 0, film.width, film.height};
     const int x = std::max(0, (film.width - kSide) / 2), y = std::max(0, (film.height - kSide) / 2);
     pixels_ =
         samples_of({x, y, std::min(film.width, x + kSide), std::min(film.height, y + kSide)}, film.width, 0, kSpp);
     task_.begin(pixels_, film.width, kBeautyChannels);
+    rewind_photons();
     for (int step = 0; step < kSteps; ++step) advance(Stage::kCount);
     while (!refilling()) advance(Stage::kCount);
   }
@@ -40,20 +54,26 @@ class WarmWave {
   void advance(Stage end) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(end); ++i) {
       const StageEntry& stage = kStages<Wide>[i];
-      const bool waits = stage.stage == Stage::kCameraRays && !refilling();
+      const bool is_source = stage.stage == Stage::kCameraRays || stage.stage == Stage::kPhotonRays;
+      const bool waits = is_source && !refilling();
       if (!waits && takes_part(context_, stage.use, true)) stage.run(context_, wave_);
     }
   }
+
+  /// Makes all photons new again, and forgets what they have sent.
+  void rewind_photons() { photons_.begin(0, kPhotons, frame_, 0.5f); }
 
   const StageContext& context() const { return context_; }
   Wave& wave() { return wave_; }
   CameraTask& task() { return task_; }
 
  private:
-  static constexpr int kSide = 64, kSpp = 64, kSteps = 32;
+  static constexpr int kSide = 64, kSpp = 64, kSteps = 32, kPhotons = 1 << 20;
   bool refilling() const { return 2 * wave_.free.size() >= wave_.capacity; }
 
   CameraTask task_;
+  LightTask photons_;
+  PixelRect frame_;
   std::vector<PixelSamples> pixels_;
   StageContext context_;
   Wave wave_;
@@ -69,7 +89,7 @@ const Scene& load_scene(const char* file) {
 /// Times one stage by its own counter, so that putting the wave back is not counted.
 void run_stage(benchmark::State& state, const char* file, const StageEntry& stage) try {
   const FlushDenormals flush;
-  WarmWave warm(load_scene(file));
+  WarmWave warm(load_scene(file), stage.use == StageUse::kPhotons);
   if (!takes_part(warm.context(), stage.use, true)) return state.SkipWithError("the scene has no use for this stage");
   warm.advance(stage.stage);
   Wave& wave = warm.wave();
@@ -81,6 +101,7 @@ void run_stage(benchmark::State& state, const char* file, const StageEntry& stag
   for (auto _ : state) {
     snapshot.restore(wave);
     warm.task().cursor = cursor;
+    warm.rewind_photons();
     const std::uint64_t before = stats.ticks;
     stage.run(warm.context(), wave);
     const std::uint64_t ticks = stats.ticks - before;

@@ -90,6 +90,7 @@ double StageStats::lane_fill() const {
 Stats& Stats::operator+=(const Stats& other) {
   for (std::size_t i = 0; i < kMaxStages; ++i) stages[i] += other.stages[i];
   rays.camera += other.rays.camera;
+  rays.light += other.rays.light;
   rays.scatter += other.rays.scatter;
   rays.shadow += other.rays.shadow;
   collisions += other.collisions;
@@ -119,29 +120,33 @@ std::string to_json(const RenderReport& report) {
                       {"lane_fill", stage.lane_fill()}});
   }
   const Stats::Rays& rays = report.stats.rays;
-  const Json json{{"scene", report.scene},
-                  {"integrator", report.integrator},
-                  {"color", report.color},
-                  {"width", report.width},
-                  {"height", report.height},
-                  {"spp", report.spp},
-                  {"threads", report.threads},
-                  {"isa", report.isa},
-                  {"wave_size", report.wave_size},
-                  {"seed", report.seed},
-                  {"load_seconds", report.load_seconds},
-                  {"build_seconds", report.build_seconds},
-                  {"render_seconds", report.render_seconds},
-                  {"peak_rss_bytes", report.peak_rss_bytes},
-                  {"peak_private_bytes", report.peak_private_bytes},
-                  {"samples", report.stats.samples},
-                  {"rays", {{"camera", rays.camera}, {"scatter", rays.scatter}, {"shadow", rays.shadow}}},
-                  {"rays_per_second", report.rays_per_second()},
-                  {"trace_share", report.trace_share()},
-                  {"stages", stages},
-                  {"collisions", {{"real", report.stats.collisions.real}, {"null", report.stats.collisions.null},
-                    {"shadow", report.stats.collisions.shadow}, {"abandoned", report.stats.collisions.abandoned}}},
-                  {"dropped", {{"rays", report.stats.dropped.rays}, {"samples", report.stats.dropped.samples}}}};
+  const Json json{
+      {"scene", report.scene},
+      {"integrator", report.integrator},
+      {"color", report.color},
+      {"width", report.width},
+      {"height", report.height},
+      {"spp", report.spp},
+      {"threads", report.threads},
+      {"isa", report.isa},
+      {"wave_size", report.wave_size},
+      {"seed", report.seed},
+      {"load_seconds", report.load_seconds},
+      {"build_seconds", report.build_seconds},
+      {"render_seconds", report.render_seconds},
+      {"peak_rss_bytes", report.peak_rss_bytes},
+      {"peak_private_bytes", report.peak_private_bytes},
+      {"samples", report.stats.samples},
+      {"rays", {{"camera", rays.camera}, {"light", rays.light}, {"scatter", rays.scatter}, {"shadow", rays.shadow}}},
+      {"rays_per_second", report.rays_per_second()},
+      {"trace_share", report.trace_share()},
+      {"stages", stages},
+      {"collisions",
+       {{"real", report.stats.collisions.real},
+        {"null", report.stats.collisions.null},
+        {"shadow", report.stats.collisions.shadow},
+        {"abandoned", report.stats.collisions.abandoned}}},
+      {"dropped", {{"rays", report.stats.dropped.rays}, {"samples", report.stats.dropped.samples}}}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -153,9 +158,10 @@ std::string to_table(const RenderReport& report) {
                  report.height, report.spp, report.threads, report.isa, report.wave_size);
   fmt::format_to(out, "load {:.3f} s, build {:.3f} s, render {:.3f} s, peak memory {:.1f} MB\n", report.load_seconds,
                  report.build_seconds, report.render_seconds, static_cast<double>(report.peak_rss_bytes) * 1e-6);
-  fmt::format_to(out, "{} samples, {} rays (camera {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
-                 stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.scatter, stats.rays.shadow,
-                 report.rays_per_second() * 1e-6, report.trace_share() * 100);
+  fmt::format_to(
+      out, "{} samples, {} rays (camera {}, light {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
+      stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.light, stats.rays.scatter, stats.rays.shadow,
+      report.rays_per_second() * 1e-6, report.trace_share() * 100);
   fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11}{:>10}{:>11}\n", "stage", "items", "calls", "seconds", "ns/item",
                  "lane fill");
   for (std::size_t i = 0; i < report.stage_names.size(); ++i) {

@@ -74,9 +74,10 @@ struct alignas(64) Stats {
   std::array<StageStats, kMaxStages> stages;
   struct Rays {
     std::uint64_t camera = 0;   ///< from the camera
+    std::uint64_t light = 0;    ///< from lights: photons
     std::uint64_t scatter = 0;  ///< continued after a surface or a medium
     std::uint64_t shadow = 0;   ///< visibility towards a light
-    std::uint64_t total() const { return camera + scatter + shadow; }
+    std::uint64_t total() const { return camera + light + scatter + shadow; }
   } rays;
   /// Of tracking through media.
   struct Collisions {

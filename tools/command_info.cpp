@@ -27,6 +27,15 @@ std::string describe_integrator(const IntegratorDescription& integrator) {
                          : integrator.strategy == LightStrategy::kBsdfOnly ? "BSDF sampling only"
                                                                            : "light sampling only";
   const std::string depth = integrator.max_depth < 0 ? "unlimited" : std::to_string(integrator.max_depth);
+  if (integrator.kind == IntegratorKind::kPhotonMapper)
+    return fmt::format("photonmapper, {} photons{}, max depth {}", integrator.photons.global.count,
+                       integrator.photons.final_gather
+                           ? fmt::format(", final gathering, {} caustic photons", integrator.photons.caustic.count)
+                           : "",
+                       depth);
+  if (integrator.kind == IntegratorKind::kLightTracer)
+    return fmt::format("ptracer, max depth {}, roulette from depth {}{}", depth, integrator.rr_depth,
+                       integrator.hide_emitters ? ", emitters hidden" : "");
   return fmt::format("path, {}, max depth {}, roulette from depth {}{}", strategy, depth, integrator.rr_depth,
                      integrator.hide_emitters ? ", emitters hidden" : "");
 }

@@ -225,7 +225,7 @@ int render_scene(const RenderArguments& arguments) {
   result.report.color = arguments.color;
   result.report.load_seconds = build_start - load_start;
   result.report.build_seconds = build_end - build_start;
-  const Image image = result.film.to_image();
+  const Image image = result.to_image();
   result.film = Film();  // its memory is needed for writing
   const std::vector<fs::path> written =
       write_pictures(outputs, image, make_metadata(arguments, result.report, description));
@@ -276,7 +276,7 @@ void add_render_command(CLI::App& program, int& exit_code) {
       ->check(CLI::Range(1, kMaxSpectralBins));
   command->add_option("--integrator", arguments->integrator,
                       "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "
-                      "path_ris, normals, depth. Default: the scene's");
+                      "path_ris, ptracer, photonmapper, normals, depth. Default: the scene's");
   command->add_option("--sampler", arguments->sampler,
                       "How samples are spread: sobol (Owen-scrambled), independent, stratified, multijitter; the last "
                       "two round --spp up to a grid. Default: the scene's, else sobol");

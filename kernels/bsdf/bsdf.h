@@ -5,6 +5,7 @@
 //   kIsSpecular        only delta distributions: neither evaluated nor lit by light sampling
 //   kIsAnisotropic     directions must come in a frame whose x axis is the surface's tangent; else any frame will do
 //   kDisperses         only if true need it be there: light that it lets through keeps the first wavelength alone
+//   squared_index(wo)  only if it refracts and is not specular: that of the side across, relative to the side of wo
 //   evaluate(wo, wi)   f times |cos(wi)| and the density with which sample() returns wi; delta lobes left out
 //   sample(wo, u)      a direction; u.x chooses the lobe, u.y and u.z the direction
 // Directions are unit vectors in the shading frame, pointing away from the surface.

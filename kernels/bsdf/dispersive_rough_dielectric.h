@@ -53,6 +53,10 @@ struct DispersiveRoughDielectricModel : DispersiveRoughDielectricParameters<L> {
     return s;
   }
 
+  SHEAF_INLINE Float<L> squared_index(Vec3<L> wo) const {
+    return sqr(rough_boundary_index<L>(this->eta.c0, copysign(Float<L>(1.0f), wo.z)));
+  }
+
  private:
   SHEAF_INLINE Distribution<L> facets() const { return {this->alpha_u, this->alpha_v}; }
 

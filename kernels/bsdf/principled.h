@@ -51,6 +51,8 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
     return s;
   }
 
+  SHEAF_INLINE F squared_index(Vec3<L> wo) const { return sqr(select(wo.z > F(0.0f), this->eta, F(1.0f) / this->eta)); }
+
  private:
   /// All that depends on the parameters and the outgoing direction alone. Everything below is seen from above: for
   /// directions from within, space is inverted at the origin.

@@ -75,6 +75,8 @@ template <class L, template <class> class Distribution> struct RoughDielectricMo
     return s;
   }
 
+  SHEAF_INLINE Float<L> squared_index(Vec3<L> wo) const { return sqr(relative_index(copysign(Float<L>(1.0f), wo.z))); }
+
  private:
   SHEAF_INLINE Distribution<L> facets() const { return {this->alpha_u, this->alpha_v}; }
 

@@ -6,18 +6,25 @@
 
 namespace sheaf {
 
-/// Runs the context's camera task to its end: every sample is in its buffer afterwards.
+/// Runs the context's task to its end: of a camera task every sample is in its buffer afterwards, of a light task every
+/// photon has ended.
 using Pass = void (*)(const StageContext& context, Wave& wave);
 
 /// Light along paths from the camera.
 template <class L> void run_path_pass(const StageContext& context, Wave& wave);
 
+/// Light along paths from the lights.
+template <class L> void run_light_pass(const StageContext& context, Wave& wave);
+
+/// Photons along paths from the lights, to be stored.
+template <class L> void run_photon_pass(const StageContext& context, Wave& wave);
+
 /// Pictures of the first surface, for debugging.
 template <class L> void run_debug_pass(const StageContext& context, Wave& wave);
 
-/// The pass that an integrator asks for.
-template <class L> Pass pass_of(IntegratorKind kind) {
-  return kind == IntegratorKind::kPath ? run_path_pass<L> : run_debug_pass<L>;
+/// The pass from the camera that an integrator asks for.
+template <class L> Pass camera_pass_of(IntegratorKind kind) {
+  return transports_light(kind) ? run_path_pass<L> : run_debug_pass<L>;
 }
 
 }  // namespace sheaf

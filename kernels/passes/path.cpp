@@ -1,4 +1,5 @@
-// The path pass: camera samples are its source, the film's samples its sink.
+// The path pass: camera samples are its source, the film's samples its sink. With photon maps, paths end where one of
+// them knows what comes then.
 #include "kernels/passes/passes.h"
 #include "kernels/stages/stages.h"
 
@@ -16,6 +17,7 @@ template <class L> void run_path_pass(const StageContext& context, Wave& wave) {
     sort_surfaces<L>(context, wave);
     surface_inputs<L>(context, wave);
     textures<L>(context, wave);
+    gather<L>(context, wave);
     for (int candidate = 0; candidate < context.transport.candidates; ++candidate) {
       light_candidates<L>(context, wave, candidate);
       resample<L>(context, wave, candidate);

@@ -1,13 +1,14 @@
 #include "kernels/passes/render.h"
 
 #include "core/error.h"
-#include "kernels/film/camera_task.h"
 #include "kernels/media/medium_tracking.h"
 #include "kernels/passes/passes.h"
+#include "kernels/passes/trace_photons.h"
+#include "kernels/passes/worker.h"
+#include "kernels/photons/photon_maps.h"
 #include "kernels/stages/stage_list.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -25,15 +26,14 @@ constexpr int kTaskSamples = 16384;
 /// Most samples per pixel and pass; passes are separated by a barrier, within one a tile has one owner.
 constexpr std::uint32_t kPassSamples = 256;
 
-struct Worker {
-  Worker(int wave_size, const WaveNeeds& needs) : wave(wave_size, needs) {}
-  Wave wave;
-  CameraTask task;
-};
+/// Photons per task, and tasks whose splats are kept until they are added to the film.
+constexpr int kTaskPhotons = 16384, kRoundTasks = 64;
 
 std::string integrator_name(const IntegratorDescription& integrator) {
   if (integrator.kind == IntegratorKind::kNormals) return "normals";
   if (integrator.kind == IntegratorKind::kDepth) return "depth";
+  if (integrator.kind == IntegratorKind::kLightTracer) return "ptracer";
+  if (integrator.kind == IntegratorKind::kPhotonMapper) return "photonmapper";
   if (integrator.strategy == LightStrategy::kBsdfOnly) return "path_mats";
   if (integrator.strategy == LightStrategy::kLightOnly) return "path_ems";
   return integrator.max_depth == 2 ? "direct" : "path";
@@ -73,14 +73,24 @@ void check_spectral_bins(const Scene& scene, int bins) {
   if (bins < 0 || bins > kMaxSpectralBins)
     throw Error(ExitCode::kUsage, "spectral bins must be from 1 to " + std::to_string(kMaxSpectralBins));
   if (scene.color() != ColorMode::kSpectral || scene.integrator().kind != IntegratorKind::kPath)
-    throw Error(ExitCode::kUsage, "spectral bins need spectral mode and an integrator that makes light");
+    throw Error(ExitCode::kUsage,
+                "spectral bins need spectral mode and an integrator that follows light from the camera");
+}
+
+/// The scene's own settings, and what its integrator makes of them.
+StageContext context_of(const Scene& scene) {
+  StageContext context(scene);
+  // Hidden lights must let photons' rays to the camera pass.
+  if (context.transport.kind == IntegratorKind::kLightTracer && context.transport.hide_emitters)
+    context.scene.has_transparency = true;
+  return context;
 }
 
 /// One render in progress.
 class Renderer {
  public:
   Renderer(const Scene& scene, const RenderOptions& options)
-      : context_(scene),
+      : context_(context_of(scene)),
         needs_(WaveNeeds::of(context_)),
         options_(options),
         spp_(rounded_sample_count(scene.sampler().kind,
@@ -88,6 +98,12 @@ class Renderer {
         threads_(options.threads > 0 ? options.threads
                                      : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
         wave_size_(options.wave_size > 0 ? options.wave_size : Wave::default_capacity(needs_)) {
+    const PhotonMappingDescription& mapping = context_.transport.photons;
+    if (context_.transport.kind == IntegratorKind::kPhotonMapper) {
+      if (scene.color() == ColorMode::kSpectral)
+        throw Error(ExitCode::kUsage, "photonmapper stores photons of three colours; spectral mode has none");
+      if (mapping.final_gather) spp_ *= static_cast<std::uint32_t>(mapping.gather_rays);
+    }
     if (spp_ == 0) throw Error(ExitCode::kUsage, "samples per pixel must be at least 1");
     if (wave_size_ > kMaxWaveSize)
       throw Error(ExitCode::kUsage, "wave size must be at most " + std::to_string(kMaxWaveSize));
@@ -96,6 +112,14 @@ class Renderer {
     context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed), spp_);
     film_ = Film(scene.film().width, scene.film().height, crop, FilmLayout::beauty(), options.spectral_bins);
     total_ = static_cast<std::uint64_t>(crop.width()) * static_cast<std::uint64_t>(crop.height()) * spp_;
+    if (context_.transport.kind == IntegratorKind::kPhotonMapper)
+      total_ += mapping.global.count + (mapping.final_gather ? mapping.caustic.count : 0);
+    if (context_.transport.kind != IntegratorKind::kLightTracer) return;
+    // As many as a picture of the whole frame has samples, so that a crop has the same.
+    photons_ = static_cast<std::uint64_t>(film_.width()) * static_cast<std::uint64_t>(film_.height()) * spp_;
+    if (context_.transport.max_depth == 1 || context_.scene.light_count == 0) photons_ = 0;
+    total_ += photons_;
+    splats_.emplace(crop, scene.film().filter);
   }
 
   RenderResult run() {
@@ -103,8 +127,10 @@ class Renderer {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_));
     tbb::task_arena arena(threads_);
     arena.execute([this] {
+      if (context_.transport.kind == IntegratorKind::kPhotonMapper) make_photon_maps();
       for (std::uint32_t first = 0; first < spp_ && !stopped(); first += kPassSamples)
         run_pass(first, std::min(kPassSamples, spp_ - first));
+      while (photons_done_ < photons_ && !stopped()) run_photons();
     });
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     return finish(elapsed.count());
@@ -112,6 +138,20 @@ class Renderer {
 
  private:
   bool stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
+
+  void make_photon_maps() {
+    const PhotonMappingDescription& mapping = context_.transport.photons;
+    PhotonTracing tracing{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};
+    const auto trace = [&](const PhotonMapDescription& map, PhotonKind kind) {
+      return trace_photons(context_, workers_, map, kind, mapping.kernel, tracing);
+    };
+    global_map_ = trace(mapping.global, PhotonKind::kGlobal);
+    if (mapping.final_gather && mapping.caustic.count > 0) caustics_map_ = trace(mapping.caustic, PhotonKind::kCaustic);
+    maps_ = {global_map_.view(), caustics_map_.view(), mapping.final_gather};
+    context_.maps = &maps_;
+    photons_done_ = tracing.emitted;
+    warnings_ = std::move(tracing.warnings);
+  }
 
   void run_pass(std::uint32_t first_sample, std::uint32_t sample_count) {
     int side = 8;
@@ -126,19 +166,66 @@ class Renderer {
         tbb::simple_partitioner());
   }
 
+  Worker& worker() {
+    Worker& worker = workers_.local();
+    if (worker.wave.recorder == nullptr && options_.make_recorder) worker.wave.recorder = options_.make_recorder();
+    return worker;
+  }
+
+  void report_done(std::uint64_t more) {
+    const std::uint64_t done = done_.fetch_add(more, std::memory_order_relaxed) + more;
+    if (options_.on_progress) options_.on_progress(done, total_);
+  }
+
   void run_task(const std::vector<PixelSamples>& pixels) {
     const FlushDenormals flush;
-    bool known = false;
-    Worker& worker = workers_.local(known);
-    if (!known && options_.make_recorder) worker.wave.recorder = options_.make_recorder();
-    worker.task.begin(pixels, film_.width(), film_.layout().size(), film_.spectral_bins());
+    Worker& worker = this->worker();
+    worker.camera.begin(pixels, film_.width(), film_.layout().size(), film_.spectral_bins());
     StageContext context = context_;
-    context.camera = &worker.task;
-    pass_of<Wide>(context.transport.kind)(context, worker.wave);
-    reduce(worker.task, film_);
-    const auto samples = static_cast<std::uint64_t>(worker.task.total());
-    const std::uint64_t done = done_.fetch_add(samples, std::memory_order_relaxed) + samples;
-    if (options_.on_progress) options_.on_progress(done, total_);
+    context.camera = &worker.camera;
+    // What photons cannot find is light that reaches the camera without having been scattered.
+    if (context.transport.kind == IntegratorKind::kLightTracer) context.transport.max_depth = 1;
+    camera_pass_of<Wide>(context.transport.kind)(context, worker.wave);
+    reduce(worker.camera, film_);
+    report_done(static_cast<std::uint64_t>(worker.camera.total()));
+  }
+
+  /// The next tasks of photons, whose splats are added to the film when all of them have ended.
+  void run_photons() {
+    const std::uint64_t left = photons_ - photons_done_;
+    const std::uint64_t taken = std::min<std::uint64_t>(left, std::uint64_t{kTaskPhotons} * kRoundTasks);
+    std::vector<std::vector<Splat>> splats((taken + kTaskPhotons - 1) / kTaskPhotons);
+    std::atomic<bool> whole{true};
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, splats.size(), 1),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+          for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            if (stopped()) {
+              whole = false;
+              return;
+            }
+            const std::uint64_t first = i * kTaskPhotons;
+            run_photon_task(photons_done_ + first,
+                            static_cast<int>(std::min<std::uint64_t>(kTaskPhotons, taken - first)), splats[i]);
+          }
+        },
+        tbb::simple_partitioner());
+    // A round that was cut short says nothing of how many photons there were.
+    if (!whole) return;
+    splats_->add(splats);
+    photons_done_ += taken;
+  }
+
+  void run_photon_task(std::uint64_t first, int count, std::vector<Splat>& splats) {
+    const FlushDenormals flush;
+    Worker& worker = this->worker();
+    worker.photons.begin(first, count, film_.crop(), splats_->reach());
+    StageContext context = context_;
+    context.photons = &worker.photons;
+    run_light_pass<Wide>(context, worker.wave);
+    worker.photons.sort_splats();
+    splats = worker.photons.splats;
+    report_done(static_cast<std::uint64_t>(count));
   }
 
   RenderResult finish(double seconds) {
@@ -163,20 +250,26 @@ class Renderer {
     }
     report.peak_rss_bytes = peak_rss_bytes();
     report.peak_private_bytes = peak_private_bytes();
+    result.warnings = warnings_;
     if (first) result.warnings.push_back(dropped_message(report.stats.dropped, *first));
     if (const std::uint64_t abandoned = report.stats.collisions.abandoned; abandoned > 0)
       result.warnings.push_back(std::to_string(abandoned) + " rays were given up in a medium after " +
                                 std::to_string(kMostCollisions) + " collisions each: its voxels differ too much");
     result.film = std::move(film_);
+    result.splats = std::move(splats_);
+    result.photons = photons_done_;
     return result;
   }
 
   std::string dropped_message(const Stats::Dropped& dropped, const Wave::Dropped& first) const {
     const auto width = static_cast<std::uint32_t>(film_.width());
-    return "dropped " + std::to_string(dropped.rays) + " rays that were not finite and " +
-           std::to_string(dropped.samples) + " samples that were not finite or negative; one of them at pixel (" +
-           std::to_string(first.pixel % width) + ", " + std::to_string(first.pixel / width) + "), sample " +
-           std::to_string(first.sample);
+    const std::string what = "dropped " + std::to_string(dropped.rays) + " rays that were not finite and " +
+                             std::to_string(dropped.samples) +
+                             " samples that were not finite or negative; one of them ";
+    if (first.pixel >= kPhotonPixel)
+      return what + "of photon " + std::to_string(std::uint64_t{first.pixel - kPhotonPixel} << 32 | first.sample);
+    return what + "at pixel (" + std::to_string(first.pixel % width) + ", " + std::to_string(first.pixel / width) +
+           "), sample " + std::to_string(first.sample);
   }
 
   StageContext context_;
@@ -185,12 +278,23 @@ class Renderer {
   std::uint32_t spp_;
   int threads_, wave_size_;
   Film film_;
+  std::optional<SplatFilm> splats_;
+  PhotonMap global_map_, caustics_map_;
+  PhotonMaps maps_;
+  std::vector<std::string> warnings_;
+  std::uint64_t photons_ = 0, photons_done_ = 0;  ///< light tracing: to be emitted, and whose splats are on the film
   std::uint64_t total_ = 0;
   std::atomic<std::uint64_t> done_{0};
-  tbb::enumerable_thread_specific<Worker> workers_{[this] { return Worker(wave_size_, needs_); }};
+  Workers workers_{[this] { return Worker(wave_size_, needs_); }};
 };
 
 }  // namespace
+
+Image RenderResult::to_image() const {
+  Image image = film.to_image();
+  if (splats) splats->add_to(image, photons);
+  return image;
+}
 
 RenderResult render(const Scene& scene, const RenderOptions& options) { return Renderer(scene, options).run(); }
 

@@ -3,6 +3,7 @@
 
 #include "core/stats.h"
 #include "kernels/film/film.h"
+#include "kernels/film/splat.h"
 #include "scene/tables/scene.h"
 
 #include <atomic>
@@ -30,9 +31,14 @@ struct RenderOptions {
 
 struct RenderResult {
   Film film;
+  std::optional<SplatFilm> splats;  ///< light tracing: what photons have added
+  std::uint64_t photons = 0;        ///< that were emitted
   RenderReport report;  ///< without scene file and load times, which the caller knows
   bool interrupted = false;
   std::vector<std::string> warnings;
+
+  /// The picture: Film::to_image(), and what photons have added.
+  Image to_image() const;
 };
 
 /// Largest value of RenderOptions::wave_size: slots are 16-bit.

@@ -2,6 +2,7 @@
 // Both are weighted by multiple importance sampling against what light_candidates would have done.
 #include "kernels/lights/light_sample.h"
 #include "kernels/lights/light_weight.h"
+#include "kernels/photons/photon_maps.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/light_receiver.h"
 #include "kernels/stages/stages.h"
@@ -72,7 +73,8 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
     const F probability = choice_probability<L>(context.scene, from.receiver, U(context.scene.environment));
     const F weight = emission_weight<L>(context.transport, radiance.scatter_pdf,
                                         probability * arriving.pdf_solid_angle * from.light_ratio) / from.divisor;
-    add_radiance<L>(wave, slots, mask_bits(shown & L::first(count)), path.beta * arriving.radiance * weight,
+    const auto counts = shown & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf) & L::first(count);
+    add_radiance<L>(wave, slots, mask_bits(counts), path.beta * arriving.radiance * weight,
                     U(context.scene.environment));
   }
 }
@@ -98,7 +100,8 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
 
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
   const auto hidden = from_camera & Mask<L>(context.transport.hide_emitters);
-  const auto lit = (dot(ray.direction, y.ng) < F(0.0f)) & !hidden;
+  const auto lit =
+      (dot(ray.direction, y.ng) < F(0.0f)) & (!hidden) & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf);
   const LightPath<L> from = light_path<L>(context.scene, wave, slots, ray, radiance);
   const F pdf = choice_probability<L>(context.scene, from.receiver, hit.light) *
                 light_pdf_solid_angle<L>(context.scene, light, Mask<L>(true), from.receiver.p, ray.direction,

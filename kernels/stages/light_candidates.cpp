@@ -2,6 +2,7 @@
 // the surface makes of it is left to the resample stage.
 #include "kernels/bsdf/all.h"
 #include "kernels/lights/light_sample.h"
+#include "kernels/photons/photon_maps.h"
 #include "kernels/stages/light_receiver.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/path_wavelengths.h"
@@ -28,6 +29,8 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
   out.target = light.target;
   out.radiance = light.radiance;
   out.pdf_solid_angle = select(light.valid & (choice.probability > F(0.0f)), light.pdf_solid_angle, F(0.0f));
+  if (context.maps != nullptr && !in_medium)
+    out.pdf_solid_angle = select(context.maps->ends_at(wave.rays.gather<L>(slots).flags), F(0.0f), out.pdf_solid_angle);
   out.delta = select(light.delta, F(1.0f), F(0.0f));
   out.light = choice.light;
   out.target_medium = light.target_medium;

@@ -40,7 +40,9 @@ class MediumEmission {
     const LightStrategy strategy = context.transport.strategy;
     const bool free = path.scatter_pdf == 0.0f || ray.medium.light == kNone;
     contested_ = !free && strategy == LightStrategy::kMis;
-    hidden_ = !free && strategy == LightStrategy::kLightOnly;
+    // Photons don't gather light.
+    hidden_ = context.photons != nullptr || (!free && strategy == LightStrategy::kLightOnly);
+    if (hidden_) contested_ = false;
     if (!contested_) return;
     const auto from =
         light_receiver<Scalar>(path.ray, wave.radiance.row(path.slot).normal, path.distance_since_vertex);

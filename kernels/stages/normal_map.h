@@ -47,4 +47,14 @@ SHEAF_INLINE Vec3<L> bumped_normal(const TextureView& textures, const NormalMapR
   return cross(along_u, along_v);
 }
 
+/// The mirror image of a turned normal at the unturned one, which takes its place where it faces away from the viewer.
+template <class L> SHEAF_INLINE Vec3<L> mirrored_normal(Vec3<L> n, Vec3<L> unturned) {
+  return unturned * (Float<L>(2.0f) * dot(unturned, n)) - n;
+}
+
+/// Whether a viewer in direction `wo` sees a turned normal from behind though he sees the unturned one from its front.
+template <class L> SHEAF_INLINE Mask<L> faces_away(Vec3<L> n, Vec3<L> unturned, Vec3<L> wo) {
+  return dot(n, wo) * dot(unturned, wo) < Float<L>(0.0f);
+}
+
 }  // namespace sheaf

@@ -16,12 +16,11 @@
 // is as above, but the transmittance stage gets f and applies w_l.
 #include "kernels/bsdf/all.h"
 #include "kernels/lights/light_weight.h"
-#include "kernels/media/medium_boundary.h"
 #include "kernels/stages/normal_map.h"
+#include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/stage_timer.h"
-#include "scene/tables/shape.h"
 
 namespace sheaf {
 
@@ -65,13 +64,6 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
           select(shared | in_volume, F(1.0f), mis_weight), pdf_ratio};
 }
 
-/// Where a shadow ray goes; see TransmittanceItem.
-template <class L> struct ShadowEnd {
-  Vec3<L> target;
-  typename L::Float pdf_ratio;
-  typename L::Uint light, medium;
-};
-
 /// Adds a candidate to the reservoir in `column`; returns what is kept.
 template <class L>
 SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, int column,
@@ -104,46 +96,6 @@ SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, 
   r.light = select(taken, light.light, r.light);
   r.target_medium = select(taken, light.target_medium, r.target_medium);
   return r;
-}
-
-/// What the transmittance stage wants to know, for the shadow rays that push_shadow_ray() keeps.
-template <class L>
-void push_transmittance(const SceneView& scene, Wave& wave, const Slot* slots, const VertexItem<L>& item,
-                        const ShadowItem<L>& shadow, const ShadowEnd<L>& end, bool in_medium, Mask<L> kept) {
-  using F = Float<L>;
-  using U = Uint<L>;
-  const RayState<L> ray = wave.rays.gather<L>(slots);
-  TransmittanceItem<L> out;
-  out.r_u = out.r_l = wave.probabilities.gather<L>(slots).r_u;
-  out.pdf_ratio = end.pdf_ratio;
-  out.target_medium = end.medium;
-  out.flags = ray.flags;
-  if (!in_medium) {
-    const auto through = dot(ray.direction, item.ng) * dot(shadow.direction, item.ng) > F(0.0f);
-    const U boundary = gather_member<L>(scene.shapes, &ShapeRow::boundary, wave.hits.gather<L>(slots).shape);
-    out.flags =
-        select(through, medium_behind<L>(scene, boundary, item.ng, shadow.direction, out.flags), out.flags);
-  }
-  wave.transmittances.compress<L>(wave.shadow_count, out, kept);
-}
-
-template <class L>
-SHEAF_INLINE void push_shadow_ray(const SceneView& scene, Wave& wave, const Slot* slots, int count,
-                                  const VertexItem<L>& item, const ShadowEnd<L>& end, Spectrum<L> contribution,
-                                  bool in_medium) {
-  const Vec3<L> target = end.target;
-  ShadowItem<L> out;
-  out.origin = offset_origin<L>(item.p, item.ng, item.offset, target - item.p);
-  out.direction = target - out.origin;
-  out.contribution = contribution;
-  alignas(kSimdAlignment) std::uint32_t slot_words[L::width];
-  for (int lane = 0; lane < L::width; ++lane) slot_words[lane] = slots[lane];
-  load(slot_words, out.slot);
-  out.light = end.light;
-  const auto kept =
-      is_finite(out.direction) & is_finite(total(contribution)) & !is_black(contribution) & L::first(count);
-  if (scene.has_transparency) push_transmittance<L>(scene, wave, slots, item, out, end, in_medium, kept);
-  wave.shadow_count += wave.shadows.compress<L>(wave.shadow_count, out, kept);
 }
 
 template <class L, template <class> class Bsdf>

@@ -1,6 +1,9 @@
 // Stage: scatter. Samples the BSDF, plays Russian roulette and writes the next ray.
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
+#include "kernels/film/light_task.h"
+#include "kernels/photons/photon_maps.h"
+#include "kernels/stages/adjoint.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/shading_frame.h"
@@ -67,7 +70,7 @@ Float<L> leave_vertex(const SceneView& scene, Wave& wave, const Slot* slots, int
   const RayState<L> before = wave.rays.gather<L>(slots);
   F distance(0.0f);
   const auto passed = null_transmittance > F(0.0f);
-  U flags = before.flags & U(~(kRayFromCamera | kRayLast | kRayFromMedium));
+  U flags = before.flags & U(~(kRayFromCamera | kRayLast | kRayFromMedium | kRayHistory));
   flags |= select(passed, before.flags & U(kRayFromMedium), U(0u));
   if (in_medium) {
     flags |= U(kRayFromMedium);
@@ -100,7 +103,8 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   ThroughputState<L> path = wave.throughput.gather<L>(slots);
   const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kScatter);
   const BsdfSample<L> s = bsdf.sample(item.wo, u);
-  const Vec3<L> direction = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_world(s.wi);
+  const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
+  const Vec3<L> direction = frame.to_world(s.wi);
 
   path.beta = path.beta * s.weight;
   Mask<L> single(false);
@@ -108,11 +112,21 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
     single = (item.wo.z * s.wi.z < F(0.0f)) & L::first(count);
     keep_first_wavelength<L>(wave, slots, mask_bits(single));
   }
-  if (mapped) {
-    const TexturedItem<L> t = wave.textured.load<L>(column);
-    path.beta = path.beta * shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);
+  if (context.photons == nullptr) {
+    if (mapped) {
+      const TexturedItem<L> t = wave.textured.load<L>(column);
+      path.beta = path.beta * shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);
+    }
+    path.eta_scale = path.eta_scale * s.eta_scale;
+  } else if constexpr (!kIsPhaseFunction<Bsdf<L>>) {
+    const Vec3<L> arriving = frame.to_world(item.wo);
+    path.beta = path.beta * (adjoint_cosines<L>(item, arriving, direction, s.wi.z) * s.eta_scale);
+    if (mapped) {
+      const TexturedItem<L> t = wave.textured.load<L>(column);
+      path.beta = path.beta * adjoint_terminator<L>(t, arriving, item.wo.z);
+      path.beta = select<L>(is_right_normal<L>(t, item.ns, direction), path.beta, Spectrum<L>(F(0.0f)));
+    }
   }
-  path.eta_scale = path.eta_scale * s.eta_scale;
   auto ended = Mask<L>(false);
   F null_transmittance(0.0f);
   path.progress = path.progress + U(kOneDepth + kOneEvent);
@@ -133,6 +147,17 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   ray.t_max = F(kInfinity);
   const auto max_depth = static_cast<std::uint32_t>(context.transport.max_depth);  // -1: larger than any depth
   ray.flags = select(path.depth() + U(1u) < U(max_depth), U(0u), U(kRayLast));
+  if (context.maps != nullptr || context.photons != nullptr) {
+    const U before = wave.rays.gather<L>(slots).flags;
+    // Through open panes light is sampled as if they were not there.
+    const auto specular = (s.pdf_solid_angle == F(0.0f)) & (null_transmittance == F(0.0f));
+    const auto passed = null_transmittance > F(0.0f);
+    ray.flags |= select(passed, before & U(kRayHistory),
+                        history_behind<L, kIsPhaseFunction<Bsdf<L>>>(context, before, specular));
+    if (context.maps != nullptr && !kIsPhaseFunction<Bsdf<L>>)
+      alive = alive & ((s.pdf_solid_angle == F(0.0f)) | !context.maps->ends_at(before));
+    if (context.photons != nullptr && context.photons->caustics) alive = alive & (s.pdf_solid_angle == F(0.0f));
+  }
   F divisor(1.0f);
   if (context.scene.has_transparency)
     divisor = leave_vertex<L>(context.scene, wave, slots, count, item.ng, kIsPhaseFunction<Bsdf<L>>, single,

@@ -10,10 +10,16 @@ namespace sheaf {
 
 /// Which passes a stage belongs to, and under which condition.
 enum class StageUse {
-  kAlways,        ///< of both passes
+  kAlways,        ///< of all passes
+  kCamera,        ///< of passes that start at the camera
   kLight,         ///< of passes that transport light
-  kBinary,        ///< of those, where light passes or doesn't: without SceneView::has_transparency
+  kBinary,        ///< of those with shadow rays, where light passes or doesn't: without SceneView::has_transparency
   kTransmission,  ///< of those, with it
+  kPath,          ///< of the path pass
+  kGathering,     ///< of the path pass, where there are photon maps
+  kPhotons,       ///< of the light pass and the photon pass
+  kSplats,        ///< of the light pass
+  kStoring,       ///< of the photon pass
   kDebug,         ///< of debug views
 };
 
@@ -33,27 +39,62 @@ template <class L> inline constexpr auto kStages = [] {
   using Q = Queue;
   using U = StageUse;
   return std::array<StageEntry, kStageCount>{{
-      {S::kCameraRays, "camera_rays", {Q::kFree}, {Q::kActive}, U::kAlways, camera_rays<L>},
-      {S::kIntersect, "intersect", {Q::kActive},
-       {Q::kMedium, Q::kMiss, Q::kEmitter, Q::kComposite, Q::kSurface, Q::kFinished}, U::kAlways, intersect<L>},
-      {S::kMedium, "medium", {Q::kMedium}, {Q::kMiss, Q::kEmitter, Q::kComposite, Q::kSurface, Q::kFinished},
-       U::kLight, medium<L>},
-      {S::kEmission, "emission", {Q::kMiss, Q::kEmitter}, {Q::kActive, Q::kFinished}, U::kLight, emission<L>},
-      {S::kSelectMaterials, "select_materials", {Q::kComposite}, {Q::kActive, Q::kSurface, Q::kFinished},
-       U::kAlways, select_materials<L>},
-      {S::kDebugView, "debug_view", {Q::kMiss, Q::kEmitter, Q::kSurface}, {Q::kActive, Q::kFinished},
-       U::kDebug, debug_view<L>},
+      {S::kCameraRays, "camera_rays", {Q::kFree}, {Q::kActive}, U::kCamera, camera_rays<L>},
+      {S::kPhotonRays, "photon_rays", {Q::kFree}, {Q::kActive, Q::kFinished}, U::kPhotons, photon_rays<L>},
+      {S::kIntersect,
+       "intersect",
+       {Q::kActive},
+       {Q::kMedium, Q::kMiss, Q::kEmitter, Q::kComposite, Q::kSurface, Q::kFinished},
+       U::kAlways,
+       intersect<L>},
+      {S::kMedium,
+       "medium",
+       {Q::kMedium},
+       {Q::kMiss, Q::kEmitter, Q::kComposite, Q::kSurface, Q::kFinished},
+       U::kLight,
+       medium<L>},
+      {S::kEmission, "emission", {Q::kMiss, Q::kEmitter}, {Q::kActive, Q::kFinished}, U::kPath, emission<L>},
+      {S::kSelectMaterials,
+       "select_materials",
+       {Q::kComposite},
+       {Q::kActive, Q::kSurface, Q::kFinished},
+       U::kAlways,
+       select_materials<L>},
+      {S::kDebugView,
+       "debug_view",
+       {Q::kMiss, Q::kEmitter, Q::kSurface},
+       {Q::kActive, Q::kFinished},
+       U::kDebug,
+       debug_view<L>},
       {S::kSortSurfaces, "sort_surfaces", {Q::kSurface}, {Q::kSorted}, U::kLight, sort_surfaces<L>},
       {S::kSurfaceInputs, "surface_inputs", {Q::kSorted}, {Q::kVertices}, U::kLight, surface_inputs<L>},
+      {S::kStorePhotons, "store_photons", {Q::kSorted, Q::kVertices}, {}, U::kStoring, store_photons<L>},
       {S::kTextures, "textures", {Q::kVertices}, {Q::kVertices}, U::kLight, textures<L>},
-      {S::kLightCandidates, "light_candidates", {Q::kVertices}, {Q::kCandidates}, U::kLight,
+      {S::kGather, "gather", {Q::kSorted, Q::kVertices}, {}, U::kGathering, gather<L>},
+      {S::kLightCandidates,
+       "light_candidates",
+       {Q::kVertices},
+       {Q::kCandidates},
+       U::kPath,
        [](const StageContext& context, Wave& wave) noexcept { light_candidates<L>(context, wave, 0); }},
-      {S::kResample, "resample", {Q::kVertices, Q::kCandidates}, {Q::kShadows}, U::kLight,
+      {S::kResample,
+       "resample",
+       {Q::kVertices, Q::kCandidates},
+       {Q::kShadows},
+       U::kPath,
        [](const StageContext& context, Wave& wave) noexcept { resample<L>(context, wave, 0); }},
+      {S::kCameraConnections,
+       "camera_connections",
+       {Q::kSorted, Q::kVertices},
+       {Q::kShadows},
+       U::kSplats,
+       camera_connections<L>},
       {S::kShadow, "shadow", {Q::kShadows}, {}, U::kBinary, shadow<L>},
       {S::kTransmittance, "transmittance", {Q::kShadows}, {}, U::kTransmission, transmittance<L>},
+      {S::kSplat, "splat", {Q::kSorted}, {}, U::kSplats, splat<L>},
       {S::kScatter, "scatter", {Q::kSorted, Q::kVertices}, {Q::kActive, Q::kFinished}, U::kLight, scatter<L>},
-      {S::kAccumulate, "accumulate", {Q::kFinished}, {Q::kFree}, U::kAlways, accumulate<L>},
+      {S::kAccumulate, "accumulate", {Q::kFinished}, {Q::kFree}, U::kCamera, accumulate<L>},
+      {S::kRetire, "retire", {Q::kMiss, Q::kEmitter, Q::kFinished}, {Q::kFree}, U::kPhotons, retire<L>},
   }};
 }();
 static_assert([] {
@@ -65,13 +106,30 @@ static_assert([] {
 /// The stage's name in reports.
 inline std::string_view stage_name(Stage stage) { return kStages<Wide>[static_cast<std::size_t>(stage)].name; }
 
-/// Whether a stage has a part in the pass of a context that transports light (`light`) or in its debug view.
+/// Whether a stage has a part in the pass of a context that transports light (`light`) or in its debug view. That pass
+/// is the light pass or the photon pass where the context has photons, else the path pass.
 inline bool takes_part(const StageContext& context, StageUse use, bool light) {
+  const bool photons = context.photons != nullptr;
+  const bool stores = photons && context.transport.kind != IntegratorKind::kLightTracer;
   switch (use) {
     case StageUse::kAlways: return true;
+    case StageUse::kCamera:
+      return !photons;
     case StageUse::kLight: return light;
-    case StageUse::kBinary: return light && !context.scene.has_transparency;
-    case StageUse::kTransmission: return light && context.scene.has_transparency;
+    case StageUse::kPath:
+      return light && !photons;
+    case StageUse::kGathering:
+      return light && context.maps != nullptr;
+    case StageUse::kPhotons:
+      return photons;
+    case StageUse::kSplats:
+      return photons && !stores;
+    case StageUse::kStoring:
+      return stores;
+    case StageUse::kBinary:
+      return light && !stores && !context.scene.has_transparency;
+    case StageUse::kTransmission:
+      return light && !stores && context.scene.has_transparency;
     case StageUse::kDebug: return !light;
   }
   return false;

@@ -61,10 +61,50 @@ template <class L> void scatter(const StageContext& context, Wave& wave) noexcep
 /// are dropped and counted.
 template <class L> void accumulate(const StageContext& context, Wave& wave) noexcept;
 
-/// Every stage, in the order of the path pass and of reports; kernels/stages/stage_list.h says more of each.
+/// Emits photons in free slots until there are none or the task has none left; those that are none end. Reads the
+/// lights; writes ray, throughput, probability and radiance state.
+template <class L> void photon_rays(const StageContext& context, Wave& wave) noexcept;
+
+/// Pushes a shadow ray from every photon's vertex towards the camera, with what that vertex sends there. Reads
+/// throughput; writes where on the film it is seen.
+template <class L> void camera_connections(const StageContext& context, Wave& wave) noexcept;
+
+/// Moves what the shadow stages have let pass to the task's splats. Reads and clears radiance.
+template <class L> void splat(const StageContext& context, Wave& wave) noexcept;
+
+/// Adds what the photons around vertices make them send along the path. Reads throughput; adds to radiance.
+template <class L> void gather(const StageContext& context, Wave& wave) noexcept;
+
+/// Leaves photons in the task where they meet surfaces that are not specular. Reads throughput.
+template <class L> void store_photons(const StageContext& context, Wave& wave) noexcept;
+
+/// Frees the slots of photons that have ended or left the scene.
+template <class L> void retire(const StageContext& context, Wave& wave) noexcept;
+
+/// Every stage, in the order of passes and of reports; kernels/stages/stage_list.h says more of each.
 enum class Stage : std::uint32_t {
-  kCameraRays, kIntersect, kMedium, kEmission, kSelectMaterials, kDebugView, kSortSurfaces, kSurfaceInputs, kTextures,
-  kLightCandidates, kResample, kShadow, kTransmittance, kScatter, kAccumulate, kCount
+  kCameraRays,
+  kPhotonRays,
+  kIntersect,
+  kMedium,
+  kEmission,
+  kSelectMaterials,
+  kDebugView,
+  kSortSurfaces,
+  kSurfaceInputs,
+  kStorePhotons,
+  kTextures,
+  kGather,
+  kLightCandidates,
+  kResample,
+  kCameraConnections,
+  kShadow,
+  kTransmittance,
+  kSplat,
+  kScatter,
+  kAccumulate,
+  kRetire,
+  kCount
 };
 inline constexpr std::size_t kStageCount = static_cast<std::size_t>(Stage::kCount);
 static_assert(kStageCount <= kMaxStages);

@@ -67,7 +67,8 @@ SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const RayStat
   item.tangent = {F(1.0f), F(0.0f)};
   if constexpr (Textured) {
     if (with_tangent) item.tangent = tangent_of<L>(Frame<L>::from_normal(item.ns), y.dp_du);
-    wave.textured.store<L>(column, {y.uv, y.dp_du, y.dp_dv, item.ns, select(turned, F(-1.0f), F(1.0f)), F(0.0f)});
+    wave.textured.store<L>(column,
+                           {y.uv, y.dp_du, y.dp_dv, item.ns, select(turned, F(-1.0f), F(1.0f)), F(0.0f), F(0.0f)});
   }
   item.wo = ShadingFrame<L, Textured>(item).to_local(-ray.direction);
   wave.vertices.store<L>(column, item);

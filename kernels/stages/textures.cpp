@@ -1,6 +1,7 @@
 // Stage: textures. Runs of one material at a time: looked-up values take the place of closure words, and maps turn the
 // shading frame.
 #include "kernels/bsdf/all.h"
+#include "kernels/stages/adjoint.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stages.h"
@@ -56,9 +57,29 @@ void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& materi
   }
 }
 
-template <class L, bool WithTangent>
-void turn_normals(const SceneView& scene, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
+/// Chooses for photons between a turned normal and its mirror image; `may_choose`: where both may be seen. Returns
+/// whether it is the mirror image.
+template <class L>
+Mask<L> choose_normal(const StageContext& context, Wave& wave, const TextureTile<L>& tile, Float<L> cos_turn,
+                      Mask<L> may_choose, TexturedItem<L>& t) {
   using F = Float<L>;
+  ThroughputState<L> path = wave.throughput.gather<L>(tile.slots);
+  const F probability = mirrored_probability(cos_turn);
+  const auto choice = may_choose & (probability > F(0.0f));
+  const auto mirrored =
+      choice &
+      (draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kResample).x < probability);
+  const F of_this = select(choice, select(mirrored, probability, F(1.0f) - probability), F(1.0f));
+  path.beta = path.beta * (F(1.0f) / of_this);
+  wave.throughput.scatter<L>(tile.slots, tile.last, path);
+  t.fixed = select(choice, select(mirrored, F(-1.0f), F(1.0f)), t.fixed);
+  return mirrored;
+}
+
+template <class L, bool WithTangent>
+void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
+  using F = Float<L>;
+  const SceneView& scene = context.scene;
   VertexItem<L> item = wave.vertices.load<L>(tile.column);
   TexturedItem<L> t = wave.textured.load<L>(tile.column);
   const NormalMapRow& map = scene.normal_maps[material.map];
@@ -87,8 +108,9 @@ void turn_normals(const SceneView& scene, Wave& wave, const MaterialRow& materia
 
   const Vec3<L> wo = ShadingFrame<L, WithTangent>(base, item.tangent).to_world(item.wo);
   if (map.flags & NormalMapRow::kFixInvalid) {
-    const auto invalid = dot(n, wo) * dot(base, wo) < F(0.0f);
-    n = select<L>(invalid, base * (F(2.0f) * dot(base, n)) - n, n);
+    const auto mirrored = context.photons == nullptr ? faces_away<L>(n, base, wo)
+                                                     : choose_normal<L>(context, wave, tile, dot(n, base), usable, t);
+    n = select<L>(mirrored, mirrored_normal<L>(n, base), n);
   }
   item.ns = n;
   const Frame<L> turned = Frame<L>::from_normal(n);
@@ -104,19 +126,21 @@ void turn_normals(const SceneView& scene, Wave& wave, const MaterialRow& materia
 
 /// Items [first, last) of a run, all of one material.
 template <class L, bool WithTangent>
-void texture_run(const SceneView& scene, Wave& wave, const VertexRun& run, const MaterialRow& material, int first,
+void texture_run(const StageContext& context, Wave& wave, const VertexRun& run, const MaterialRow& material, int first,
                  int last) {
+  const SceneView& scene = context.scene;
   const Slot* slots = wave.sorted.data() + run.slot_begin;
   for (int at = first / L::width * L::width; at < last; at += L::width) {
     const TextureTile<L> tile{slots + at, run.column_begin + at, std::max(first - at, 0),
                               std::min(last - at, int{L::width})};
     if (material.binding_count > 0)
       with_color_mode(scene, [&]<ColorMode Mode>() { texture_words<L, Mode>(scene, wave, material, tile); });
-    if (material.flags & kMapped) turn_normals<L, WithTangent>(scene, wave, material, tile);
+    if (material.flags & kMapped) turn_normals<L, WithTangent>(context, wave, material, tile);
   }
 }
 
-template <class L, bool WithTangent> int texture_kind(const SceneView& scene, Wave& wave, const VertexRun& run) {
+template <class L, bool WithTangent> int texture_kind(const StageContext& context, Wave& wave, const VertexRun& run) {
+  const SceneView& scene = context.scene;
   const Slot* slots = wave.sorted.data() + run.slot_begin;
   const auto material_of = [&](int i) { return wave.hits.row(slots[i]).material; };
   int textured = 0;
@@ -125,7 +149,7 @@ template <class L, bool WithTangent> int texture_kind(const SceneView& scene, Wa
     int last = first + 1;
     while (last < run.count && material_of(last) == material) ++last;
     if (scene.materials[material].flags & kTextured) {
-      texture_run<L, WithTangent>(scene, wave, run, scene.materials[material], first, last);
+      texture_run<L, WithTangent>(context, wave, run, scene.materials[material], first, last);
       textured += last - first;
     }
     first = last;
@@ -144,7 +168,7 @@ template <class L> void textures(const StageContext& context, Wave& wave) noexce
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     const auto k = static_cast<int>(kind);
     if ((context.scene.kind_flags[k] & kTextured) == 0) return;
-    timer.count(texture_kind<L, Bsdf<L>::kIsAnisotropic>(context.scene, wave, wave.runs[k]), L::width);
+    timer.count(texture_kind<L, Bsdf<L>::kIsAnisotropic>(context, wave, wave.runs[k]), L::width);
   });
 }
 

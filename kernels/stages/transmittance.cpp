@@ -71,18 +71,23 @@ bool pass_medium(const StageContext& context, Wave& wave, ShadowRay& ray, float 
 }
 
 /// Lets the light pass the surface that lane `at` of the packet has hit; the ray then begins behind it.
-bool pass_surface(const SceneView& scene, const Wave& wave, const RayPacket& packet, int at, ShadowRay& ray) {
+bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket& packet, int at, ShadowRay& ray) {
+  const SceneView& scene = context.scene;
   const Vec3f d = ray.item.direction;
   const Vec3f normal{packet.normal_x[at], packet.normal_y[at], packet.normal_z[at]};
   const bool behind = dot(normal, d) > 0.0f;
   const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.shapes, packet.shape[at]);
-  if (!may_pass(scene, shape.material, behind)) return false;
+  // The camera sees past hidden lights, and photons' shadow rays go to the camera.
+  const bool hidden = context.photons != nullptr && context.transport.hide_emitters && shape.light != kNone;
+  if (!hidden && !may_pass(scene, shape.material, behind)) return false;
   const Vec3f target = ray.item.origin + d;
   const float u = packet.u[at], v = packet.v[at];
   const auto y = surface_point<Scalar, true>(scene, shape, packet.primitive[at], u, v,
                                              ray.item.origin + d * packet.t_far[at], packet.instance[at]);
   PanePassage<Scalar> passage;
-  if ((scene.materials[shape.material].flags & kComposite) == 0) {
+  if (hidden) {
+    passage = {Spectrum4(1.0f), 1.0f};
+  } else if ((scene.materials[shape.material].flags & kComposite) == 0) {
     const Spectrum4 lambda = lane_wavelengths(scene, wave, static_cast<Slot>(ray.item.slot));
     passage = pane_passage(scene, shape.material, dot(y.ns, d) / length(d), lambda);
   } else {
@@ -128,7 +133,7 @@ bool follow_ray(const StageContext& context, Wave& wave, const RayPacket& packet
   }
   // What the surface lets pass is known sooner than what the medium does.
   ShadowRay behind = ray;
-  if (!pass_surface(context.scene, wave, packet, at, behind)) return false;
+  if (!pass_surface(context, wave, packet, at, behind)) return false;
   ray.item.contribution = behind.item.contribution;
   ray.state.r_u = behind.state.r_u;
   if (!pass_medium(context, wave, ray, packet.t_far[at], false)) return false;

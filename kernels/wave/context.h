@@ -6,6 +6,8 @@
 namespace sheaf {
 
 class CameraTask;
+class LightTask;
+struct PhotonMaps;
 
 /// The scene, how light is transported in it, and what the pass adds. One for each worker; stages don't change it, but
 /// for what its pointers lead to.
@@ -15,6 +17,8 @@ struct StageContext {
   SamplerView sampler;
   bool transports_light = true;  ///< false: a debug view, whose paths carry plain numbers and see no media
   CameraTask* camera = nullptr;  ///< of passes that start at the camera: the samples to take, and where they go
+  const PhotonMaps* maps = nullptr;  ///< of passes from the camera that gather photons, else null
+  LightTask* photons = nullptr;      ///< of passes that start at the lights, else null: the photons to emit
 
   StageContext() = default;
   /// The scene's own settings.

@@ -22,7 +22,12 @@ enum RayFlags : std::uint32_t {
   kRayFromCamera = 1,  ///< nothing but null interfaces lies between the camera and the origin
   kRayLast = 2,        ///< what the ray hits may emit but will not scatter: max_depth is reached
   kRayFromMedium = 4,  ///< was scattered in a medium
+  // History, for photon maps.
+  kRayDiffuse = 8,    ///< the path was scattered by a surface, and not as by a mirror; photons: or in a medium
+  kRaySpecular = 64,  ///< photons: was scattered as by a mirror
+  kRayStrayed = 128,  ///< camera: was scattered in a medium since kRayDiffuse
 };
+inline constexpr std::uint32_t kRayHistory = kRayDiffuse | kRaySpecular | kRayStrayed;
 inline constexpr int kRayHeroShift = 4, kRayMediumShift = 8;
 inline constexpr std::uint32_t kRayHeroMask = 3u << kRayHeroShift;
 
@@ -98,8 +103,9 @@ template <class L> struct TexturedItem {
   Vec3<L> ns_unmapped;           ///< VertexItem::ns before a map turned it
   typename L::Float handedness;  ///< -1 where ns was turned towards the viewer, else 1
   typename L::Float terminator;  ///< how much a map softens the edge of shadows; see shadow_terminator()
+  typename L::Float fixed;       ///< of photons; see is_right_normal()
   static constexpr auto fields(auto& s) {
-    return std::tie(s.uv, s.dp_du, s.dp_dv, s.ns_unmapped, s.handedness, s.terminator);
+    return std::tie(s.uv, s.dp_du, s.dp_dv, s.ns_unmapped, s.handedness, s.terminator, s.fixed);
   }
 };
 
@@ -138,7 +144,13 @@ template <class L> struct ReservoirItem {
   }
 };
 
-/// A ray towards a light, with what it brings if nothing is in between.
+/// Where the camera sees a vertex of a photon; stands where its VertexItem stands.
+template <class L> struct FilmPlace {
+  typename L::Float x, y;  ///< film position, pixels
+  static constexpr auto fields(auto& s) { return std::tie(s.x, s.y); }
+};
+
+/// A ray towards a light, or from a photon's vertex towards the camera, with what it brings if nothing is in between.
 template <class L> struct ShadowItem {
   Vec3<L> origin, direction;  ///< world space; direction not normalised: the light lies at distance 1
   Spectrum<L> contribution;   ///< radiance if unoccluded

@@ -20,8 +20,9 @@ struct ShadingColumns {
   Soa<VertexItem> vertices;
   Soa<TexturedItem> textured;  ///< WaveNeeds::textures
   Soa<ClosureItem> closures;   ///< as many words as WaveNeeds::closure_words
-  Soa<LightCandidate> candidates;
+  Soa<LightCandidate> candidates;  ///< WaveNeeds::candidates
   Soa<ReservoirItem> reservoirs;  ///< WaveNeeds::reservoirs
+  Soa<FilmPlace> film_places;     ///< WaveNeeds::film_places
   Soa<ShadowItem> shadows;
   Soa<TransmittanceItem> transmittances;  ///< WaveNeeds::transparency
   int shadow_count = 0;                   ///< rows of the last two
@@ -36,8 +37,9 @@ struct ShadingColumns {
     f(c.vertices, rows, kLeafCount<VertexItem>);
     f(c.textured, rows, all(needs.textures, kLeafCount<TexturedItem>));
     f(c.closures, rows, needs.closure_words);
-    f(c.candidates, rows, kLeafCount<LightCandidate>);
+    f(c.candidates, rows, all(needs.candidates, kLeafCount<LightCandidate>));
     f(c.reservoirs, rows, all(needs.reservoirs, kLeafCount<ReservoirItem>));
+    f(c.film_places, rows, all(needs.film_places, kLeafCount<FilmPlace>));
     f(c.shadows, paths, kLeafCount<ShadowItem>);
     f(c.transmittances, paths, all(needs.transparency, kLeafCount<TransmittanceItem>));
   }

@@ -59,7 +59,9 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   needs.transparency = scene.has_transparency;
   needs.distance = needs.transparency || context.transport.hide_emitters;
   needs.textures = false;
-  needs.reservoirs = context.transport.candidates > 1;
+  needs.candidates = context.transport.kind != IntegratorKind::kLightTracer;
+  needs.reservoirs = needs.candidates && context.transport.candidates > 1;
+  needs.film_places = !needs.candidates;
   for (const std::uint32_t flags : scene.kind_flags)
     needs.textures = needs.textures || (flags & (kTextured | kMapped)) != 0;
   needs.closure_words = longest_closure(scene);

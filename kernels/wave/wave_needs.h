@@ -11,7 +11,9 @@ struct WaveNeeds {
   bool transparency = true;  ///< what shadow rays need where they may pass media and surfaces
   bool distance = true;      ///< from the last vertex, where rays may go on behind a surface
   bool textures = true;      ///< what lookups and normal maps need to know of vertices
+  bool candidates = true;    ///< light candidates
   bool reservoirs = true;    ///< resampling of several light candidates
+  bool film_places = true;   ///< where photons are seen by the camera
   int closure_words = kMaxClosureWords;  ///< longest parameters of a closure
 
   static WaveNeeds of(const StageContext& context);

@@ -61,12 +61,14 @@ void SceneCompiler::end_media() {
 }
 
 void SceneCompiler::probe_media() {
-  if (out_->boundaries_.empty()) return;
   const std::uint32_t otherwise = out_->camera_medium_;
+  out_->outer_medium_ = otherwise;
+  if (out_->boundaries_.empty()) return;
   for (const std::uint32_t shape : surrounded_shapes_) {
     const SceneView view = out_->view();
     out_->boundaries_[out_->shapes_[shape].boundary].exterior = medium_around(view, shape, otherwise);
   }
+  out_->outer_medium_ = medium_outside(out_->view(), otherwise);
   if (!in_.camera.medium) probe_camera();
 }
 

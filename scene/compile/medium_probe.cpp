@@ -95,6 +95,35 @@ std::uint32_t medium_at(const SceneView& scene, Vec3f p, std::uint32_t ignored, 
   return majority(std::move(votes));
 }
 
+std::uint32_t medium_outside(const SceneView& scene, std::uint32_t otherwise) {
+  std::vector<std::uint32_t> votes;
+  for (int i = 0; i < kPacketWidth; ++i) {
+    const Vec3f from = scene.center + spread_direction(i) * (2.0f * scene.radius);
+    const Vec3f to = scene.center + spread_direction((7 * i + 3) % kPacketWidth) * (0.5f * scene.radius);
+    Vec3f origin = from;
+    const Vec3f d = normalize(to - from);
+    for (int round = 0; round < kMostCrossings; ++round) {
+      RayPacket packet;
+      packet.origin_x[0] = origin.x, packet.origin_y[0] = origin.y, packet.origin_z[0] = origin.z;
+      packet.direction_x[0] = d.x, packet.direction_y[0] = d.y, packet.direction_z[0] = d.z;
+      packet.t_far[0] = kInfinity;
+      packet.shape[0] = kNone;
+      scene.accel->intersect(packet, 1);
+      if (packet.shape[0] == kNone) break;
+      const ShapeRow& shape = scene.shapes[packet.shape[0]];
+      const auto y = surface_point<Scalar, false>(scene, shape, packet.primitive[0], packet.u[0], packet.v[0],
+                                                  origin + d * packet.t_far[0], packet.instance[0]);
+      if (shape.boundary != kNone) {
+        const BoundaryRow& sides = scene.boundaries[shape.boundary];
+        votes.push_back(dot(y.ng, d) < 0.0f ? sides.exterior : sides.interior);
+        break;
+      }
+      origin = offset_origin<Scalar>(y.p, y.ng, y.offset, d);
+    }
+  }
+  return votes.empty() ? otherwise : majority(std::move(votes));
+}
+
 std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::uint32_t otherwise) {
   const ShapeRow& row = scene.shapes[shape];
   constexpr std::uint32_t kPlaces = 5;

@@ -14,4 +14,8 @@ std::uint32_t medium_at(const SceneView& scene, Vec3f p, std::uint32_t ignored, 
 /// The medium around a shape: what medium_at() finds just outside of it, ignoring itself.
 std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::uint32_t otherwise);
 
+/// The medium that surrounds the scene: what the first boundary that rays from far outside meet has on its near side.
+/// `otherwise`: where they meet none.
+std::uint32_t medium_outside(const SceneView& scene, std::uint32_t otherwise);
+
 }  // namespace sheaf

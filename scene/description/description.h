@@ -6,6 +6,7 @@
 #include "core/sampler.h"
 #include "core/transform.h"
 #include "scene/description/dispersion.h"
+#include "scene/description/photon_mapping.h"
 
 #include <array>
 #include <cstdint>
@@ -450,8 +451,13 @@ struct SamplerDescription {
   std::uint32_t seed = 0;
 };
 
-/// What is computed at each pixel.
-enum class IntegratorKind { kPath, kNormals, kDepth };
+/// What is computed at each pixel: light along paths from the camera, along paths from the lights, along both with
+/// photon maps where they meet; or what the first surface is like.
+enum class IntegratorKind { kPath, kLightTracer, kPhotonMapper, kNormals, kDepth };
+/// Whether an integrator makes pictures of light.
+constexpr bool transports_light(IntegratorKind kind) {
+  return kind != IntegratorKind::kNormals && kind != IntegratorKind::kDepth;
+}
 /// How direct light is estimated: by sampling lights, by sampling BSDFs, or both weighted by multiple importance
 /// sampling.
 enum class LightStrategy { kMis, kBsdfOnly, kLightOnly };
@@ -482,6 +488,7 @@ struct IntegratorDescription {
   bool free_panes = false;     ///< light that passes a thin pane does not gain depth (Mitsuba's volpath)
   MediumEstimator medium_estimator = MediumEstimator::kNullMis;
   float step_size = 0;  ///< kMarching: metres; 0: a hundredth of the medium's bounding box' diagonal
+  PhotonMappingDescription photons;  ///< kPhotonMapper
 };
 
 /// A whole scene. `notes` are remarks for the user about what was mapped or ignored.

@@ -36,7 +36,9 @@ constexpr NamedIntegrator kIntegrators[] = {
     {"medium_path_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, false},
     {"prb", IntegratorKind::kPath, LightStrategy::kMis, false},
     {"prbvolpath", IntegratorKind::kPath, LightStrategy::kMis, false, 1, true},
-    {"ptracer", IntegratorKind::kPath, LightStrategy::kMis, false},
+    {"ptracer", IntegratorKind::kLightTracer, LightStrategy::kMis, false},
+    {"photonmapper", IntegratorKind::kPhotonMapper, LightStrategy::kMis, false},
+    {"photonmap", IntegratorKind::kPhotonMapper, LightStrategy::kMis, false},
     {"bdpt", IntegratorKind::kPath, LightStrategy::kMis, false},
 };
 

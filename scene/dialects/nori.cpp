@@ -1,10 +1,11 @@
 // The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator, rfilter; camelCase names; no references.
+#include "scene/dialects/nori.h"
 #include "scene/dialects/integrator_name.h"
 #include "scene/dialects/light_selector_name.h"
 #include "scene/dialects/medium_estimator_name.h"
-#include "scene/dialects/nori.h"
 #include "scene/dialects/read_camera.h"
 #include "scene/dialects/read_emitter.h"
+#include "scene/dialects/read_photon_mapping.h"
 
 namespace sheaf {
 
@@ -101,7 +102,7 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
   if (named == nullptr) p.fail_plugin(integrator_names());
   IntegratorDescription& integrator = context.description.integrator;
   apply(*named, integrator);
-  if (named->kind == IntegratorKind::kPath) {
+  if (transports_light(named->kind)) {
     if (!named->direct) {
       integrator.max_depth = p.integer("maxDepth", -1, -1, 1'000'000);
       integrator.rr_depth = p.integer("rrDepth", 5, 1, 1'000'000);
@@ -109,6 +110,7 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
     integrator.hide_emitters = p.boolean("hideEmitters", false);
     read_light_sampling(p, integrator);
     read_medium_estimation(p, integrator);
+    if (named->kind == IntegratorKind::kPhotonMapper) read_photon_mapping(p, integrator.photons);
   }
   p.finish();
 }

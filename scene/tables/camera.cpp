@@ -17,6 +17,12 @@ void check(const CameraDescription& d) {
     throw SceneError(d.where, "focus distance must be positive, found " + std::to_string(d.focus_distance));
 }
 
+/// The vector whose product with a point, seen from the origin, is the point's z: across the film, and 1 with `corner`.
+Vec3f z_axis_of(const Camera& camera) {
+  const Vec3f across = cross(camera.origin_dx + camera.dx, camera.origin_dy + camera.dy);
+  return across * (1.0f / dot(across, camera.corner));
+}
+
 }  // namespace
 
 double half_width_of(float fov, CameraDescription::FovAxis axis, double width, double height,
@@ -55,6 +61,7 @@ Camera make_camera(const CameraDescription& description, int width, int height) 
     camera.origin_dx = to_world(-step, 0, 0);
     camera.origin_dy = to_world(0, -step, 0);
     camera.corner = to_world(0, 0, 1.0);
+    camera.z_axis = z_axis_of(camera);
     return camera;
   }
   camera.origin = description.to_world.point({0, 0, 0});
@@ -64,6 +71,7 @@ Camera make_camera(const CameraDescription& description, int width, int height) 
   camera.lens_x = to_world(description.aperture_radius, 0, 0);
   camera.lens_y = to_world(0, description.aperture_radius, 0);
   camera.inverse_focus_distance = 1.0f / description.focus_distance;
+  camera.z_axis = z_axis_of(camera);
   return camera;
 }
 

@@ -26,6 +26,7 @@ SceneView Scene::view() const {
   v.has_transparency = has_transparency_;
   v.has_open_panes = has_open_panes_;
   v.camera_medium = camera_medium_;
+  v.outer_medium = outer_medium_;
   v.lights = lights_.data();
   v.light_alias = light_alias_.data();
   v.light_tree = light_tree_.view();

@@ -57,6 +57,7 @@ struct SceneView {
   /// composite material.
   bool has_open_panes = false;
   std::uint32_t camera_medium = 0;  ///< 0: none, else 1 + the row of what the camera is in
+  std::uint32_t outer_medium = 0;   ///< the same of what surrounds the scene
   const LightRow* lights = nullptr;
   const AliasEntry* light_alias = nullptr;  ///< by power
   LightTreeView light_tree;                 ///< over the lights below bounded_light_count
@@ -135,7 +136,7 @@ class Scene {
   std::vector<MajorantGridRow> majorant_rows_;
   std::optional<BlackbodyTable> blackbodies_;
   bool has_transparency_ = false, has_open_panes_ = false;
-  std::uint32_t camera_medium_ = 0;
+  std::uint32_t camera_medium_ = 0, outer_medium_ = 0;
   std::vector<LightRow> lights_;
   std::vector<AliasEntry> light_alias_, triangle_alias_;
   LightTree light_tree_;

@@ -36,6 +36,8 @@ template <class F> void for_each_variant(F&& f) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("slow");
+
 TEST_CASE("all bsdfs: samples follow their density and weigh what evaluation says") {
   for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
     if constexpr (!Bsdf::kIsSpecular) {
@@ -99,5 +101,7 @@ TEST_CASE("all bsdfs: kinds have names of their own") {
   CHECK_FALSE(closure_info(ClosureKind::kDielectric).is_pane);
   CHECK(closure_info(ClosureKind::kRayleigh).is_phase);
 }
+
+TEST_SUITE_END();
 
 }  // namespace sheaf

@@ -201,6 +201,8 @@ void check_samples(const SceneView& scene, Vec3f from) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("slow");
+
 TEST_CASE("light sampling: rectangles") {
   const auto scene = lone_light(RectangleShape{}, kTilt * Transform::scale({1, 0.5f, 1}));
   check_directions(scene->view(), {0, 0, 0}, window({0.1f, 0, 1}, 0.6), Use::kWhole);
@@ -426,5 +428,7 @@ TEST_CASE("light sampling: the power heuristic") {
       CHECK(power_heuristic(a, b) >= 0.0f);
     }
 }
+
+TEST_SUITE_END();
 
 }  // namespace sheaf

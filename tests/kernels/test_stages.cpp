@@ -1,6 +1,7 @@
 // The stages at the ends of a path: camera rays, intersection, debugging pictures and the sample buffer; and all
 // stages in registers against one path at a time.
 #include "kernels/passes/passes.h"
+#include "kernels/photons/photon_maps.h"
 #include "tests/support/stages_testing.h"
 #include "tests/support/trace_testing.h"
 
@@ -258,13 +259,24 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
                    L, Wide, Scalar) {
   Description d = mixed_scene();
   add_media_and_masks(d);
-  for (const bool light : {true, false}) {
-    d.integrator.kind = light ? IntegratorKind::kPath : IntegratorKind::kNormals;
+  Photon photon;
+  photon.p = {0, -1.5f, 4};
+  const PhotonMap map({{photon}}, 1, 10, PhotonKernel::kDisc);
+  const PhotonMaps maps{map.view(), {}, false};
+  for (const auto& [kind, from_lights] :
+       {std::pair{IntegratorKind::kPath, false}, std::pair{IntegratorKind::kNormals, false},
+        std::pair{IntegratorKind::kPhotonMapper, false}, std::pair{IntegratorKind::kPhotonMapper, true},
+        std::pair{IntegratorKind::kLightTracer, true}}) {
+    CAPTURE(static_cast<int>(kind));
+    CAPTURE(from_lights);
+    const bool light = transports_light(kind);
+    d.integrator.kind = kind;
     const auto scene = compile_scene(d);
     TestWave test(70);
     Wave& wave = test.wave;
     test.begin({0, 0, 16, 16}, 0, 2, 16);
-    const StageContext context = test.context(*scene);
+    StageContext context = from_lights ? test.photon_context(*scene, 1000) : test.context(*scene);
+    if (kind == IntegratorKind::kPhotonMapper && !from_lights) context.maps = &maps;
     std::set<Stage> worked;
     for (int step = 0; step < 20; ++step)
       for (const StageEntry& stage : kStages<L>) {

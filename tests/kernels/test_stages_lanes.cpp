@@ -1,4 +1,5 @@
-// Every stage of the path pass in registers against the same stage one path at a time, from the same wave.
+// Every stage of the passes that transport light in registers against the same stage one path at a time, from the same
+// wave.
 #include "kernels/stages/stages.h"
 #include "kernels/wave/wave_snapshot.h"
 #include "scene/data/glasses.h"
@@ -33,10 +34,13 @@ double wave_difference(const Wave& a, const Wave& b) {
     for (int i = 0; i < a.runs[kind].count; ++i) {
       const int column = a.runs[kind].column_begin + i;
       worst =
-          std::max({worst, record_difference<VertexItem>(a.vertices.load<Scalar>(column), b.vertices.load<Scalar>(column)),
+          std::max({worst,
+                    record_difference<VertexItem>(a.vertices.load<Scalar>(column), b.vertices.load<Scalar>(column)),
                     record_difference<ClosureItem>(a.closures.load<Scalar>(column), b.closures.load<Scalar>(column))});
     }
   }
+  for (const Slot slot : a.active.span())
+    worst = std::max(worst, record_difference<ProbabilityState>(a.probabilities.get(slot), b.probabilities.get(slot)));
   for (int i = 0; i < a.shadow_count; ++i)
     worst = std::max(worst, record_difference<ShadowItem>(a.shadows.load<Scalar>(i), b.shadows.load<Scalar>(i)));
   return worst;
@@ -80,6 +84,45 @@ TEST_CASE("stages: registers do what single paths do, stage by stage, in both co
       CHECK(wide.wave.stats.rays.camera ==
             static_cast<std::uint64_t>(std::min(512, done + paths - wide.wave.free.size())));
       CHECK(wide.wave.stats.dropped.samples == 0);
+    }
+  }
+}
+
+TEST_CASE("stages: registers do what single photons do, stage by stage, in both colour modes") {
+  Description d = mixed_scene();
+  d.integrator.rr_depth = 2;
+  d.integrator.kind = IntegratorKind::kLightTracer;
+  d.camera.aperture_radius = 0.1f;
+  d.camera.focus_distance = 3;
+  add_media_and_masks(d);
+  for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
+    const auto scene = compile_scene(d, {false, color});
+    for (const int paths : {kWidth - 1, kWidth + 1, 250}) {
+      TestWave wide(paths, 0), scalar(paths, 0);
+      const StageContext wide_context = wide.photon_context(*scene, 700);
+      const StageContext scalar_context = scalar.photon_context(*scene, 700);
+      for (int bounce = 0; bounce < 12; ++bounce)
+        for (std::size_t i = 0; i < kStageCount; ++i) {
+          if (!takes_part(wide_context, kStages<Wide>[i].use, true)) continue;
+          CAPTURE(kStages<Wide>[i].name);
+          CAPTURE(bounce);
+          WaveSnapshot(wide.wave).restore(scalar.wave);
+          kStages<Wide>[i].run(wide_context, wide.wave);
+          kStages<Scalar>[i].run(scalar_context, scalar.wave);
+          CHECK(wave_difference(wide.wave, scalar.wave) < 2e-4);
+          CHECK(wide.photons.left() == scalar.photons.left());
+        }
+      wide.photons.sort_splats();
+      scalar.photons.sort_splats();
+      REQUIRE(wide.photons.splats.size() == scalar.photons.splats.size());
+      CHECK(wide.photons.splats.size() > 10);
+      for (std::size_t i = 0; i < wide.photons.splats.size(); ++i) {
+        const Splat &a = wide.photons.splats[i], &b = scalar.photons.splats[i];
+        CHECK(a.order == b.order);
+        CHECK(a.x == doctest::Approx(b.x).epsilon(1e-4));
+        CHECK(a.y == doctest::Approx(b.y).epsilon(1e-4));
+        for (int c = 0; c < 3; ++c) CHECK(a.rgb[c] == doctest::Approx(b.rgb[c]).epsilon(1e-3));
+      }
     }
   }
 }

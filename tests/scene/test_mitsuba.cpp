@@ -178,13 +178,26 @@ TEST_CASE("Mitsuba: integrators") {
   CHECK(d.integrator.max_depth == 7);
   CHECK(d.integrator.rr_depth == 3);
   CHECK(d.integrator.hide_emitters);
-  for (const char* name : {"bdpt", "prb", "prb_basic", "prbvolpath", "ptracer"}) {
+  for (const char* name : {"bdpt", "prb", "prb_basic", "prbvolpath"}) {
     CAPTURE(std::string(name));
     const Description other = with_integrator(std::string("<integrator type='") + name + "'/>");
     REQUIRE(other.notes.size() == 1);
     CHECK(contains(other.notes[0], "has the same expectation"));
     CHECK(other.integrator.max_depth == (std::string(name).starts_with("prb") ? 6 : -1));
   }
+  const Description tracer =
+      with_integrator("<integrator type='ptracer'><integer name='max_depth' value='5'/></integrator>");
+  CHECK(tracer.integrator.kind == IntegratorKind::kLightTracer);
+  CHECK(tracer.integrator.max_depth == 5);
+  CHECK(tracer.notes.empty());
+  const Description mapper = with_integrator(
+      "<integrator type='photonmapper'><integer name='globalPhotons' value='1234'/><float name='causticLookupRadius' "
+      "value='0.5'/><integer name='lookupSize' value='50'/></integrator>");
+  CHECK(mapper.integrator.kind == IntegratorKind::kPhotonMapper);
+  CHECK(mapper.integrator.photons.global.count == 1234);
+  CHECK(mapper.integrator.photons.global.relative_radius == 0.05f);
+  CHECK(mapper.integrator.photons.caustic.count == 250'000);
+  CHECK(mapper.integrator.photons.caustic.radius == 0.5f);
   for (const char* name : {"volpath", "volpathmis", "volpath_simple"})
     CHECK(with_integrator(std::string("<integrator type='") + name + "'/>").integrator.max_depth == -1);
   const Description direct = with_integrator("<integrator type='direct'/>");

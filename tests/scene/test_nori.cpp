@@ -109,6 +109,8 @@ TEST_CASE("Nori: integrators") {
     int max_depth;
   };
   const Case cases[] = {
+      {"ptracer", IntegratorKind::kLightTracer, LightStrategy::kMis, -1},
+      {"photonmapper", IntegratorKind::kPhotonMapper, LightStrategy::kMis, -1},
       {"normals", IntegratorKind::kNormals, LightStrategy::kMis, -1},
       {"depth", IntegratorKind::kDepth, LightStrategy::kMis, -1},
       {"path", IntegratorKind::kPath, LightStrategy::kMis, -1},
@@ -127,6 +129,42 @@ TEST_CASE("Nori: integrators") {
     CHECK(d.integrator.strategy == c.strategy);
     CHECK(d.integrator.max_depth == c.max_depth);
     CHECK(d.integrator.rr_depth == 5);
+  }
+}
+
+TEST_CASE("Nori: photon mapping") {
+  const auto read = [](const std::string& properties) {
+    return read_text(scene_with("", kCamera, "<integrator type='photonmapper'>" + properties + "</integrator>"))
+        .integrator;
+  };
+  const IntegratorDescription plain = read("");
+  CHECK(plain.kind == IntegratorKind::kPhotonMapper);
+  CHECK(plain.photons.global.count == 1'000'000);
+  CHECK(plain.photons.global.radius == 0);
+  CHECK(!plain.photons.final_gather);
+  const PhotonMappingDescription p =
+      read(
+          "<integer name='photonCount' value='5000'/><float name='photonRadius' value='0.25'/>"
+          "<boolean name='finalGather' value='true'/><integer name='numGatherRays' value='16'/>"
+          "<integer name='causticPhotonCount' value='700'/><float name='causticRadius' value='0.125'/>"
+          "<string name='kernel' value='cone'/>")
+          .photons;
+  CHECK(p.global.count == 5000);
+  CHECK(p.global.radius == 0.25f);
+  CHECK(p.final_gather);
+  CHECK(p.gather_rays == 16);
+  CHECK(p.caustic.count == 700);
+  CHECK(p.caustic.radius == 0.125f);
+  CHECK(p.kernel == PhotonKernel::kCone);
+  for (const auto& [properties, message] :
+       {std::pair{"<string name='kernel' value='cones'/>", "unknown kernel 'cones', did you mean 'cone'?"},
+        std::pair{"<integer name='photonCount' value='-1'/>", "photonCount"},
+        std::pair{"<float name='photonRadius' value='-1'/>", "photonRadius"}}) {
+    CAPTURE(std::string(properties));
+    try {
+      read(properties);
+      FAIL("no error");
+    } catch (const Error& error) { CHECK(std::string(error.what()).find(message) != std::string::npos); }
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
+#include "kernels/film/light_task.h"
 #include "kernels/stages/stage_list.h"
 #include "scene/compile/compile.h"
 #include "tests/support/media_testing.h"
@@ -41,6 +42,13 @@ class TestWave {
 
   /// What stages get to see of a scene besides the wave.
   StageContext context(const Scene& scene) { return StageContext(scene, &task); }
+  /// The same for the light pass, with `count` photons to emit.
+  StageContext photon_context(const Scene& scene, int count) {
+    photons.begin(7, count, {0, 0, scene.film().width, scene.film().height}, 0.5f);
+    StageContext context(scene);
+    context.photons = &photons;
+    return context;
+  }
 
   /// Takes a free slot for a path whose pixel and sample buffer index are the number of paths added before. Its ray
   /// starts at `origin`; the caller puts the slot on a list.
@@ -74,6 +82,7 @@ class TestWave {
 
   Wave wave;
   CameraTask task;
+  LightTask photons;
 
  private:
   static constexpr std::uint32_t kPattern = 0xdeadbeefu;

@@ -1,0 +1,66 @@
+// What only passes that start at the lights need: which photons a worker emits, how far it has come, and what they
+// have sent to the camera.
+#pragma once
+
+#include "kernels/film/splat.h"
+#include "kernels/photons/photon.h"
+
+#include <algorithm>
+#include <cassert>
+#include <vector>
+
+namespace sheaf {
+
+/// ThroughputState::pixel of photons, to which the upper half of a photon's number is added; the lower half is their
+/// sample. No pixel of a film has such a number.
+inline constexpr std::uint32_t kPhotonPixel = 0x80000000u;
+
+/// Photons that one worker emits in one go. The photon_rays stage is their source, splat or store_photons their sink.
+class LightTask {
+ public:
+  /// Begins the photons [first, first + count). What lands farther than `margin` pixels outside of `pixels` is of no
+  /// use.
+  void begin(std::uint64_t first, int count, const PixelRect& pixels, float margin) {
+    first_ = first;
+    total_ = count;
+    emitted_ = 0;
+    film_x0 = static_cast<float>(pixels.x0) - margin, film_x1 = static_cast<float>(pixels.x1) + margin;
+    film_y0 = static_cast<float>(pixels.y0) - margin, film_y1 = static_cast<float>(pixels.y1) + margin;
+    splats.clear();
+  }
+  /// Begins photons [first, first + count) that are to be stored.
+  void begin(std::uint64_t first, int count, PhotonKind kind) {
+    begin(first, count, PixelRect{}, 0);
+    caustics = kind == PhotonKind::kCaustic;
+    stored.clear();
+  }
+
+  int total() const { return total_; }            ///< photons
+  int left() const { return total_ - emitted_; }  ///< photons that were not emitted yet
+  int emitted() const { return emitted_; }        ///< the next photon, counted from the task's first
+  std::uint64_t next() const { return first_ + static_cast<std::uint64_t>(emitted_); }  ///< the same of all photons
+  void advance() {
+    assert(left() > 0);
+    ++emitted_;
+  }
+
+  /// Puts what was stored into the order of photons and their vertices.
+  void sort_stored() {
+    std::sort(stored.begin(), stored.end(), [](const Photon& a, const Photon& b) { return a.order < b.order; });
+  }
+  /// Puts the splats into the order of photons and their vertices, which does not depend on the wave's size.
+  void sort_splats() {
+    std::sort(splats.begin(), splats.end(), [](const Splat& a, const Splat& b) { return a.order < b.order; });
+  }
+
+  float film_x0 = 0, film_y0 = 0, film_x1 = 0, film_y1 = 0;  ///< film positions that matter
+  std::vector<Splat> splats;
+  bool caustics = false;  ///< only what specular surfaces send is stored
+  std::vector<Photon> stored;
+
+ private:
+  std::uint64_t first_ = 0;
+  int total_ = 0, emitted_ = 0;
+};
+
+}  // namespace sheaf

@@ -1,0 +1,34 @@
+// The light pass: photons are its source, splats on the film its sink (Dutre, Lafortune and Willems 1993, "Monte Carlo
+// Light Tracing with Direct Computation of Pixel Intensities"). What the camera sees of lights themselves is not its to
+// find.
+#include "kernels/film/light_task.h"
+#include "kernels/passes/passes.h"
+#include "kernels/stages/stages.h"
+
+namespace sheaf {
+
+template <class L> void run_light_pass(const StageContext& context, Wave& wave) {
+  for (;;) {
+    if (2 * wave.free.size() >= wave.capacity) photon_rays<L>(context, wave);
+    if (wave.active.empty() && context.photons->left() == 0) break;
+    intersect<L>(context, wave);
+    medium<L>(context, wave);
+    select_materials<L>(context, wave);
+    sort_surfaces<L>(context, wave);
+    surface_inputs<L>(context, wave);
+    textures<L>(context, wave);
+    camera_connections<L>(context, wave);
+    if (context.scene.has_transparency)
+      transmittance<L>(context, wave);
+    else
+      shadow<L>(context, wave);
+    splat<L>(context, wave);
+    scatter<L>(context, wave);
+    retire<L>(context, wave);
+    assert(wave.free.size() + wave.active.size() == wave.capacity);
+  }
+}
+
+template void run_light_pass<SHEAF_STAGE_LANE>(const StageContext&, Wave&);
+
+}  // namespace sheaf

@@ -1,0 +1,21 @@
+// What every thread of a render has for itself.
+#pragma once
+
+#include "kernels/film/camera_task.h"
+#include "kernels/film/light_task.h"
+#include "kernels/wave/wave.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+namespace sheaf {
+
+/// A wave, and the task that is being worked on. Constructed by its thread.
+struct Worker {
+  Worker(int wave_size, const WaveNeeds& needs) : wave(wave_size, needs) {}
+  Wave wave;
+  CameraTask camera;
+  LightTask photons;
+};
+using Workers = tbb::enumerable_thread_specific<Worker>;
+
+}  // namespace sheaf

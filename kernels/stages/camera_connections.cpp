@@ -1,0 +1,82 @@
+// Stage: camera connections. Every vertex of a photon that is not specular sends light to the camera: a point on the
+// lens is sampled, and where the vertex is seen through it, a shadow ray goes there.
+//
+// A photon of flux Phi adds Phi f |cos| W to the integral of radiance over the film, W being CameraView::importance
+// (Veach 1997, section 8.2, with the film's pixels as the measure).
+#include "core/sampler.h"
+#include "core/warp.h"
+#include "kernels/bsdf/all.h"
+#include "kernels/film/light_task.h"
+#include "kernels/stages/adjoint.h"
+#include "kernels/stages/push_shadow_ray.h"
+#include "kernels/stages/shading_frame.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/stage_timer.h"
+
+namespace sheaf {
+
+namespace {
+
+template <class L, template <class> class Bsdf>
+SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
+                               bool mapped) {
+  using F = Float<L>;
+  const auto item = wave.vertices.load<L>(column);
+  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const F flux = wave.radiance.gather<L>(slots).weight;
+  Vec2<L> lens{F(0.0f), F(0.0f)};
+  if (context.scene.camera.has_lens()) {
+    const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kLight);
+    lens = square_to_disk<L>(u.y, u.z);
+  }
+  const CameraView<L> view = context.scene.camera.view<L>(item.p, lens.x, lens.y);
+  const LightTask& task = *context.photons;
+  const auto seen = view.valid & (view.film_x > F(task.film_x0)) & (view.film_x < F(task.film_x1)) &
+                    (view.film_y > F(task.film_y0)) & (view.film_y < F(task.film_y1)) & L::first(count);
+  if (!any(seen)) return;
+  wave.film_places.store<L>(column, {view.film_x, view.film_y});
+
+  const Vec3<L> towards = normalize(view.target - item.p);
+  const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
+  const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(wave, column);
+  const Vec3<L> wi = frame.to_local(towards);
+  Spectrum<L> f_cos = bsdf.evaluate(item.wo, wi).f_cos;
+  if constexpr (!kIsPhaseFunction<Bsdf<L>>) {
+    const Vec3<L> arriving = frame.to_world(item.wo);
+    f_cos = f_cos * (adjoint_cosines<L>(item, arriving, towards, wi.z) * adjoint_scale<L>(bsdf, item.wo, wi));
+    if (mapped) {
+      const TexturedItem<L> t = wave.textured.load<L>(column);
+      f_cos = f_cos * adjoint_terminator<L>(t, arriving, item.wo.z);
+      f_cos = select<L>(is_right_normal<L>(t, item.ns, towards), f_cos, Spectrum<L>(F(0.0f)));
+    }
+  }
+  const Spectrum<L> out = path.beta * f_cos * (flux * view.importance);
+  push_shadow_ray<L>(context.scene, wave, slots, count, item, {view.target, F(0.0f), Uint<L>(kNone), Uint<L>(kNone)},
+                     select<L>(seen & is_finite(total(out)), out, Spectrum<L>(F(0.0f))), kIsPhaseFunction<Bsdf<L>>);
+}
+
+template <class L, template <class> class Bsdf>
+void connect_run(const StageContext& context, Wave& wave, const VertexRun& run) {
+  const bool mapped = (context.scene.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
+  for_tiles<L>(run.count, [&](int i, int count) {
+    connect_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped);
+  });
+}
+
+}  // namespace
+
+template <class L> void camera_connections(const StageContext& context, Wave& wave) noexcept {
+  if (context.photons == nullptr) return;
+  StageTimer timer(wave.stats, Stage::kCameraConnections);
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    if constexpr (!Bsdf<L>::kIsSpecular) {
+      const VertexRun& run = wave.runs[static_cast<int>(kind)];
+      timer.count(run.count, L::width);
+      connect_run<L, Bsdf>(context, wave, run);
+    }
+  });
+}
+
+SHEAF_INSTANTIATE_STAGE(camera_connections);
+
+}  // namespace sheaf

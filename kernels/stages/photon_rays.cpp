@@ -1,0 +1,124 @@
+// Stage: photon rays. Photons leave the lights, each light as often as its power asks for.
+//
+// A photon carries flux instead of radiance: its throughput starts with the brightest lane at one, as a camera path's
+// does, so that roulette means the same; RadianceState::weight is the flux in watts by which to multiply it. Its random
+// numbers are those of one long sequence of samples (kPhotonPixel).
+#include "core/sampler.h"
+#include "kernels/film/light_task.h"
+#include "kernels/lights/light_emit.h"
+#include "kernels/stages/continue_ray.h"
+#include "kernels/stages/stages.h"
+#include "kernels/stages/start_medium.h"
+#include "kernels/wave/path_wavelengths.h"
+#include "kernels/wave/stage_timer.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Photons of the task with the numbers that they have among all.
+template <class L> struct PhotonNumbers {
+  typename L::Uint in_task;
+  typename L::Uint low, high;  ///< halves of the number
+};
+
+template <class L> PhotonNumbers<L> take_numbers(LightTask& task, int count) {
+  alignas(kSimdAlignment) std::uint32_t low[L::width] = {}, high[L::width] = {};
+  PhotonNumbers<L> out;
+  out.in_task = Uint<L>(static_cast<std::uint32_t>(task.emitted())) + L::index();
+  for (int lane = 0; lane < count; ++lane, task.advance()) {
+    low[lane] = static_cast<std::uint32_t>(task.next());
+    high[lane] = static_cast<std::uint32_t>(task.next() >> 32);
+  }
+  load(low, out.low);
+  load(high, out.high);
+  return out;
+}
+
+/// Whose medium no surface ends: light from outside meets it where it ends.
+template <class L>
+SHEAF_INLINE Vec3<L> enter_outer_medium(const SceneView& scene, Vec3<L> origin, Vec3<L> direction,
+                                        Mask<L> from_outside) {
+  using F = Float<L>;
+  if (scene.outer_medium == 0 || !(scene.medium_radius < kInfinity)) return origin;
+  const Vec3<L> from = origin - broadcast<L>(scene.center);
+  const F b = dot(from, direction), square = b * b - dot(from, from) + F(sqr(scene.medium_radius));
+  const auto meets = from_outside & (square > F(0.0f));
+  const F t = -b - sqrt(select(meets, square, F(0.0f)));
+  return select<L>(meets, origin + direction * t, origin);
+}
+
+template <class L, ColorMode Mode>
+SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const SceneView& scene = context.scene;
+  const PhotonNumbers<L> numbers = take_numbers<L>(*context.photons, count);
+  ThroughputState<L> path;
+  path.pixel = U(kPhotonPixel) + numbers.high;
+  path.sample = numbers.low;
+  path.eta_scale = F(1.0f);
+  path.progress = U(kOneEvent);  // the light itself is the first
+  const auto number = [&](SampleBlock block) {
+    return draw<L>(context.sampler, path.pixel, path.sample, U(0u), block);
+  };
+  const Random4<L> a = number(SampleBlock::kLight), b = number(SampleBlock::kScatter);
+  const F one = number(SampleBlock::kWavelength).x;
+  if constexpr (Mode == ColorMode::kSpectral) {
+    alignas(kSimdAlignment) float words[L::width];
+    store(words, one);
+    for (int lane = 0; lane < count; ++lane) wave.wavelength_samples[slots[lane]] = words[lane];
+  }
+  const LightChoice<L> choice = choose_light_by_power<L>(scene, a.x);
+  PhotonEmission<L> photon = emit_photon<L, Mode>(scene, choice, a, b, shading_wavelengths<L, Mode>(wave, slots));
+  if constexpr (Mode == ColorMode::kRgb) photon.flux.c3 = F(0.0f);
+  const F brightest = max_component(photon.flux);
+  auto good = photon.valid & (brightest > F(0.0f)) & L::first(count);
+  const F scale = select(good, brightest, F(1.0f));
+  path.beta = photon.flux * (F(1.0f) / scale);
+
+  RayState<L> ray;
+  ray.direction = photon.direction;
+  ray.origin =
+      enter_outer_medium<L>(scene, photon.origin, photon.direction, !(choice.light < U(scene.bounded_light_count)));
+  ray.t_max = F(kInfinity);
+  ray.flags = U(0u);
+  if (keeps_distance_since_vertex(context))
+    for (int lane = 0; lane < count; ++lane) wave.distance_since_vertex[slots[lane]] = 0.0f;
+  if (scene.has_transparency) {
+    wave.probabilities.scatter<L>(slots, count, {Spectrum<L>(F(1.0f)), Spectrum<L>(F(1.0f))});
+    if (scene.color == ColorMode::kRgb) ray.flags = min(to_uint(one * F(3.0f)), U(2u)) << kRayHeroShift;
+    const U medium = start_medium<L>(scene, wave, ray.origin, ray.direction, good);
+    ray.flags |= medium << kRayMediumShift;
+    // A point of a light that is a medium's box, but not in the medium.
+    good = good & ((photon.medium == U(kNone)) | (photon.medium == medium));
+  }
+  wave.rays.scatter<L>(slots, count, ray);
+  wave.throughput.scatter<L>(slots, count, path);
+  wave.radiance.scatter<L>(slots, count, {Spectrum<L>(F(0.0f)), F(0.0f), U(0u), scale, numbers.in_task});
+  return mask_bits(good);
+}
+
+}  // namespace
+
+template <class L> void photon_rays(const StageContext& context, Wave& wave) noexcept {
+  if (context.photons == nullptr || context.scene.light_count == 0) return;
+  const int starting = std::min(wave.free.size(), context.photons->left());
+  if (starting <= 0) return;
+  StageTimer timer(wave.stats, Stage::kPhotonRays);
+  timer.count(starting, L::width);
+  with_color_mode(context.scene, [&]<ColorMode Mode>() {
+    for_tiles<L>(starting, [&](int, int count) {
+      Slot slots[L::width] = {};
+      for (int lane = 0; lane < count; ++lane) slots[lane] = wave.free.pop();
+      const std::uint32_t good = emit_tile<L, Mode>(context, wave, slots, count);
+      wave.active.push(slots, good);
+      wave.finished.push(slots, ~good & ((1u << count) - 1u));
+      wave.stats.rays.light += static_cast<std::uint64_t>(std::popcount(good));
+    });
+  });
+}
+
+SHEAF_INSTANTIATE_STAGE(photon_rays);
+
+}  // namespace sheaf

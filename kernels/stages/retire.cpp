@@ -1,0 +1,21 @@
+// Stage: retire. Photons that have ended leave their slots to others.
+#include "kernels/stages/stages.h"
+#include "kernels/wave/stage_timer.h"
+
+namespace sheaf {
+
+template <class L> void retire(const StageContext& context, Wave& wave) noexcept {
+  if (context.photons == nullptr) return;
+  const int photons = wave.miss.size() + wave.finished.size();
+  StageTimer timer(wave.stats, Stage::kRetire);
+  timer.count(photons, 1);
+  for (const Slot slot : wave.miss.span()) wave.free.push(slot);
+  for (const Slot slot : wave.finished.span()) wave.free.push(slot);
+  wave.miss.clear();
+  wave.finished.clear();
+  wave.emitter.clear();
+}
+
+SHEAF_INSTANTIATE_STAGE(retire);
+
+}  // namespace sheaf
