@@ -26,6 +26,8 @@ constexpr int kTaskSamples = 16384;
 /// Most samples per pixel and pass; passes are separated by a barrier, within one a tile has one owner.
 constexpr std::uint32_t kPassSamples = 256;
 
+/// Most samples per pixel that gather rays may make.
+constexpr std::uint32_t kMostSamples = 1 << 24;
 /// Photons per task, and tasks whose splats are kept until they are added to the film.
 constexpr int kTaskPhotons = 16384, kRoundTasks = 64;
 
@@ -102,7 +104,11 @@ class Renderer {
     if (context_.transport.kind == IntegratorKind::kPhotonMapper) {
       if (scene.color() == ColorMode::kSpectral)
         throw Error(ExitCode::kUsage, "photonmapper stores photons of three colours; spectral mode has none");
-      if (mapping.final_gather) spp_ *= static_cast<std::uint32_t>(mapping.gather_rays);
+      const auto rays = static_cast<std::uint32_t>(mapping.final_gather ? mapping.gather_rays : 1);
+      if (spp_ > kMostSamples / rays)
+        throw Error(ExitCode::kUsage,
+                    "samples per pixel times gather rays must be at most " + std::to_string(kMostSamples));
+      spp_ *= rays;
     }
     if (spp_ == 0) throw Error(ExitCode::kUsage, "samples per pixel must be at least 1");
     if (wave_size_ > kMaxWaveSize)

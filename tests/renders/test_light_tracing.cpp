@@ -26,7 +26,7 @@ namespace {
 
 /// All comparisons of this file together fail with probability kSignificance if every estimator is sound.
 const double kLevel = significance_of_each(3000);
-constexpr int kSide = 20, kRepeats = 8;
+constexpr int kSide = 20, kRepeats = 7;
 /// What is compared of a picture: the mean of each quarter and of each colour.
 constexpr std::size_t kMeans = 7;
 
@@ -93,7 +93,7 @@ TextureId add_hills(Description& d) {
 }
 
 /// A floor, and above it whatever a test adds; z is up.
-Description room(std::uint32_t samples = 36) {
+Description room(std::uint32_t samples = 25) {
   Description d = empty_scene(kSide, kSide);
   d.sampler.kind = SamplerKind::kIndependent;
   d.sampler.sample_count = samples;
