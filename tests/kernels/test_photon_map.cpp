@@ -92,6 +92,12 @@ TEST_CASE("gather: registers do what single photons do, and the sum is that over
   Description d = mixed_scene();
   d.integrator.kind = IntegratorKind::kPhotonMapper;
   d.integrator.max_depth = 4;
+  // A floor whose shading normals are not its geometric ones.
+  Mesh tilted;
+  tilted.positions = {{-3, -1.4f, 2}, {3, -1.4f, 2}, {3, -1.4f, 6}, {-3, -1.4f, 6}};
+  tilted.normals.assign(4, normalize(Vec3f{0.4f, 1, 0.1f}));
+  tilted.triangles = {{0, 2, 1}, {0, 3, 2}};
+  add_shape(d, tilted, Transform(), add_diffuse(d, 0.6f));
   const auto scene = compile_scene(d);
   std::vector<std::vector<Photon>> tasks = random_photons(4, 20000, 3);
   for (auto& task : tasks)

@@ -25,10 +25,10 @@ namespace sheaf {
 namespace {
 
 /// All comparisons of this file together fail with probability kSignificance if every estimator is sound.
-const double kLevel = significance_of_each(3000);
+const double kLevel = significance_of_each(8000);
 constexpr int kSide = 20, kRepeats = 7;
-/// What is compared of a picture: the mean of each quarter and of each colour.
-constexpr std::size_t kMeans = 7;
+/// What is compared of a picture: the mean of each of 16 blocks and of each colour.
+constexpr std::size_t kMeans = 19;
 
 std::array<double, kMeans> means_of(const Image& image) {
   std::array<double, kMeans> means{};
@@ -37,9 +37,9 @@ std::array<double, kMeans> means_of(const Image& image) {
     for (int x = 0; x < image.width; ++x)
       for (int c = 0; c < 3; ++c) {
         const double value = static_cast<double>(image.at(x, y, c)) / pixels;
-        const int quarter = (2 * y >= image.height ? 2 : 0) + (2 * x >= image.width ? 1 : 0);
-        means[static_cast<std::size_t>(quarter)] += value;
-        means[static_cast<std::size_t>(4 + c)] += value;
+        const int block = 4 * (4 * y / image.height) + 4 * x / image.width;
+        means[static_cast<std::size_t>(block)] += value;
+        means[static_cast<std::size_t>(16 + c)] += value;
       }
   return means;
 }
@@ -61,8 +61,9 @@ void check_agree(const Description& d, ColorMode color = ColorMode::kRgb) {
   const auto path = repeat(d, IntegratorKind::kPath, color), light = repeat(d, IntegratorKind::kLightTracer, color);
   for (std::size_t k = 0; k < kMeans; ++k) {
     const double error = std::sqrt((path[k].variance() + light[k].variance()) / kRepeats);
-    // What no number of samples averages out: single precision, tables of filters and wavelengths.
-    const double allowed = 2e-4 * std::fabs(path[k].mean());
+    // What no number of samples averages out: single precision, tables of filters and wavelengths; and a filter's tails
+    // in blocks that see nothing, where few camera samples ever come.
+    const double allowed = 2e-4 * std::fabs(path[k].mean()) + 1e-4 * path[kMeans - 2].mean();
     const double distance = std::max(0.0, std::fabs(path[k].mean() - light[k].mean()) - allowed);
     CAPTURE(k);
     INFO("path " << path[k].mean() << ", ptracer " << light[k].mean() << ", standard error " << error);
@@ -374,6 +375,17 @@ TEST_CASE("light tracing: every emitter in and around media has the path tracer'
     }
 }
 
+TEST_CASE("light tracing: light from outside on its way through fog without end, far from the middle of the scene") {
+  for (const std::size_t emitter : {emitters().size() - 2, emitters().size() - 1}) {
+    CAPTURE(emitters()[emitter].name);
+    Description d = room(100);
+    add_sphere(d, {16, 0, 0}, 0.5f, add_diffuse(d, 0.5f));
+    d.camera.medium = add_medium(d, fog(0.15f, 0.5f));
+    emitters()[emitter].add(d);
+    check_agree(d);
+  }
+}
+
 TEST_CASE("light tracing: media that glow, by every estimator of media") {
   const TemporaryFolder folder;
   const auto lumps = write_vol(folder / "lumps.vol", 8, 1, [](Vec3f p, int) { return 1 + 0.9f * std::sin(17 * p.x); });
@@ -426,10 +438,11 @@ TEST_CASE("light tracing: lenses, cameras without perspective, clip planes, dept
   };
   for (const Named& change : changes) {
     CAPTURE(change.name);
-    Description d = room();
+    Description d = room(256);
     emitters()[0].add(d);
     emitters()[2].add(d);
     balls()[1].add(d);
+    add_sphere(d, {0.2f, -2.9f, 2.1f}, 0.05f, add_diffuse(d, 0.9f));  // too near to be sharp
     change.add(d);
     check_agree(d);
   }
