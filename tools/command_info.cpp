@@ -20,6 +20,15 @@ struct InfoArguments {
   bool lenient = false;
 };
 
+std::string describe_photon_mapping(const PhotonMappingDescription& photons) {
+  std::string text = fmt::format("{}, {} photons", photons.progressive ? "sppm" : "photonmapper", photons.global.count);
+  if (photons.progressive) text += " a pass";
+  if (photons.gathering == PhotonGathering::kIndirect) text += ", direct light sampled";
+  if (photons.gathering == PhotonGathering::kFinal) text += ", final gathering";
+  if (photons.gathering != PhotonGathering::kAll) text += fmt::format(", {} caustic photons", photons.caustic.count);
+  return text;
+}
+
 std::string describe_integrator(const IntegratorDescription& integrator) {
   if (integrator.kind == IntegratorKind::kNormals) return "normals";
   if (integrator.kind == IntegratorKind::kDepth) return "depth";
@@ -28,11 +37,7 @@ std::string describe_integrator(const IntegratorDescription& integrator) {
                                                                            : "light sampling only";
   const std::string depth = integrator.max_depth < 0 ? "unlimited" : std::to_string(integrator.max_depth);
   if (integrator.kind == IntegratorKind::kPhotonMapper)
-    return fmt::format("photonmapper, {} photons{}, max depth {}", integrator.photons.global.count,
-                       integrator.photons.final_gather
-                           ? fmt::format(", final gathering, {} caustic photons", integrator.photons.caustic.count)
-                           : "",
-                       depth);
+    return describe_photon_mapping(integrator.photons) + ", max depth " + depth;
   if (integrator.kind == IntegratorKind::kLightTracer)
     return fmt::format("ptracer, max depth {}, roulette from depth {}{}", depth, integrator.rr_depth,
                        integrator.hide_emitters ? ", emitters hidden" : "");

@@ -276,7 +276,7 @@ void add_render_command(CLI::App& program, int& exit_code) {
       ->check(CLI::Range(1, kMaxSpectralBins));
   command->add_option("--integrator", arguments->integrator,
                       "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "
-                      "path_ris, ptracer, photonmapper, normals, depth. Default: the scene's");
+                      "path_ris, ptracer, photonmapper, sppm, normals, depth. Default: the scene's");
   command->add_option("--sampler", arguments->sampler,
                       "How samples are spread: sobol (Owen-scrambled), independent, stratified, multijitter; the last "
                       "two round --spp up to a grid. Default: the scene's, else sobol");

@@ -4,6 +4,7 @@
 
 #include "kernels/film/splat.h"
 #include "kernels/photons/photon.h"
+#include "kernels/wave/path_state.h"
 
 #include <algorithm>
 #include <cassert>
@@ -24,6 +25,7 @@ class LightTask {
     first_ = first;
     total_ = count;
     emitted_ = 0;
+    stores_ = false;
     film_x0 = static_cast<float>(pixels.x0) - margin, film_x1 = static_cast<float>(pixels.x1) + margin;
     film_y0 = static_cast<float>(pixels.y0) - margin, film_y1 = static_cast<float>(pixels.y1) + margin;
     splats.clear();
@@ -31,7 +33,9 @@ class LightTask {
   /// Begins photons [first, first + count) that are to be stored.
   void begin(std::uint64_t first, int count, PhotonKind kind) {
     begin(first, count, PixelRect{}, 0);
-    caustics = kind == PhotonKind::kCaustic;
+    stores_ = true;
+    kind_ = kind;
+    arrived = 0;
     stored.clear();
   }
 
@@ -55,10 +59,34 @@ class LightTask {
 
   float film_x0 = 0, film_y0 = 0, film_x1 = 0, film_y1 = 0;  ///< film positions that matter
   std::vector<Splat> splats;
-  bool caustics = false;  ///< only what specular surfaces send is stored
   std::vector<Photon> stored;
+  std::uint64_t arrived = 0;  ///< photons' vertices where one might have been stored, if only of another kind
+
+  /// Whether photons are stored where media scatter them.
+  bool stores_in_media() const { return stores_ && kind_ == PhotonKind::kVolume; }
+  /// Whether photons are to be stored that come to a surface with this history, RayFlags.
+  bool stores(std::uint32_t flags) const {
+    const std::uint32_t history = flags & (kRayDiffuse | kRaySpecular);
+    switch (kind_) {
+      case PhotonKind::kAll:
+        return true;
+      case PhotonKind::kIndirect:
+        return history != 0;
+      case PhotonKind::kDiffuse:
+        return (history & kRayDiffuse) != 0;
+      case PhotonKind::kCaustic:
+        return history == kRaySpecular;
+      case PhotonKind::kVolume:
+        return false;
+    }
+    return false;
+  }
+  /// Whether photons end where they are scattered, but for what is specular.
+  bool ends_at_scattering() const { return stores_ && kind_ == PhotonKind::kCaustic; }
 
  private:
+  bool stores_ = false;
+  PhotonKind kind_ = PhotonKind::kAll;
   std::uint64_t first_ = 0;
   int total_ = 0, emitted_ = 0;
 };

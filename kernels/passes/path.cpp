@@ -11,6 +11,7 @@ template <class L> void run_path_pass(const StageContext& context, Wave& wave) {
     if (2 * wave.free.size() >= wave.capacity) camera_rays<L>(context, wave);
     if (wave.active.empty()) break;
     intersect<L>(context, wave);
+    gather_volume<L>(context, wave);
     medium<L>(context, wave);
     emission<L>(context, wave);
     select_materials<L>(context, wave);

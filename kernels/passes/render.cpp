@@ -3,9 +3,8 @@
 #include "core/error.h"
 #include "kernels/media/medium_tracking.h"
 #include "kernels/passes/passes.h"
-#include "kernels/passes/trace_photons.h"
+#include "kernels/passes/photon_mapping.h"
 #include "kernels/passes/worker.h"
-#include "kernels/photons/photon_maps.h"
 #include "kernels/stages/stage_list.h"
 
 #include <tbb/blocked_range.h>
@@ -35,7 +34,7 @@ std::string integrator_name(const IntegratorDescription& integrator) {
   if (integrator.kind == IntegratorKind::kNormals) return "normals";
   if (integrator.kind == IntegratorKind::kDepth) return "depth";
   if (integrator.kind == IntegratorKind::kLightTracer) return "ptracer";
-  if (integrator.kind == IntegratorKind::kPhotonMapper) return "photonmapper";
+  if (integrator.kind == IntegratorKind::kPhotonMapper) return integrator.photons.progressive ? "sppm" : "photonmapper";
   if (integrator.strategy == LightStrategy::kBsdfOnly) return "path_mats";
   if (integrator.strategy == LightStrategy::kLightOnly) return "path_ems";
   return integrator.max_depth == 2 ? "direct" : "path";
@@ -79,6 +78,14 @@ void check_spectral_bins(const Scene& scene, int bins) {
                 "spectral bins need spectral mode and an integrator that follows light from the camera");
 }
 
+/// Samples per pixel unless told otherwise.
+std::uint32_t default_samples(const Scene& scene) {
+  const IntegratorDescription& integrator = scene.integrator();
+  const bool passes = integrator.kind == IntegratorKind::kPhotonMapper && integrator.photons.progressive;
+  if (passes && integrator.photons.max_passes > 0) return static_cast<std::uint32_t>(integrator.photons.max_passes);
+  return scene.sampler().sample_count;
+}
+
 /// The scene's own settings, and what its integrator makes of them.
 StageContext context_of(const Scene& scene) {
   StageContext context(scene);
@@ -95,16 +102,15 @@ class Renderer {
       : context_(context_of(scene)),
         needs_(WaveNeeds::of(context_)),
         options_(options),
-        spp_(rounded_sample_count(scene.sampler().kind,
-                                  options.samples_per_pixel.value_or(scene.sampler().sample_count))),
+        spp_(rounded_sample_count(scene.sampler().kind, options.samples_per_pixel.value_or(default_samples(scene)))),
         threads_(options.threads > 0 ? options.threads
                                      : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
         wave_size_(options.wave_size > 0 ? options.wave_size : Wave::default_capacity(needs_)) {
-    const PhotonMappingDescription& mapping = context_.transport.photons;
-    if (context_.transport.kind == IntegratorKind::kPhotonMapper) {
-      if (scene.color() == ColorMode::kSpectral)
-        throw Error(ExitCode::kUsage, "photonmapper stores photons of three colours; spectral mode has none");
-      const auto rays = static_cast<std::uint32_t>(mapping.final_gather ? mapping.gather_rays : 1);
+    const bool maps_photons = context_.transport.kind == IntegratorKind::kPhotonMapper;
+    if (maps_photons) {
+      const PhotonMappingDescription& mapping = context_.transport.photons;
+      const auto rays =
+          static_cast<std::uint32_t>(mapping.gathering == PhotonGathering::kFinal ? mapping.gather_rays : 1);
       if (spp_ > kMostSamples / rays)
         throw Error(ExitCode::kUsage,
                     "samples per pixel times gather rays must be at most " + std::to_string(kMostSamples));
@@ -118,8 +124,10 @@ class Renderer {
     context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed), spp_);
     film_ = Film(scene.film().width, scene.film().height, crop, FilmLayout::beauty(), options.spectral_bins);
     total_ = static_cast<std::uint64_t>(crop.width()) * static_cast<std::uint64_t>(crop.height()) * spp_;
-    if (context_.transport.kind == IntegratorKind::kPhotonMapper)
-      total_ += mapping.global.count + (mapping.final_gather ? mapping.caustic.count : 0);
+    if (maps_photons) {
+      photon_mapping_.emplace(context_, spp_, std::max(film_.width(), film_.height()));
+      total_ += photon_mapping_->wanted();
+    }
     if (context_.transport.kind != IntegratorKind::kLightTracer) return;
     // As many as a picture of the whole frame has samples, so that a crop has the same.
     photons_ = static_cast<std::uint64_t>(film_.width()) * static_cast<std::uint64_t>(film_.height()) * spp_;
@@ -133,9 +141,14 @@ class Renderer {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_));
     tbb::task_arena arena(threads_);
     arena.execute([this] {
-      if (context_.transport.kind == IntegratorKind::kPhotonMapper) make_photon_maps();
-      for (std::uint32_t first = 0; first < spp_ && !stopped(); first += kPassSamples)
-        run_pass(first, std::min(kPassSamples, spp_ - first));
+      for (std::uint32_t first = 0, count = 0; first < spp_ && !stopped(); first += count) {
+        count = std::min(kPassSamples, spp_ - first);
+        if (photon_mapping_) {
+          count = photon_mapping_->samples_alike(count);
+          photon_mapping_->prepare(first, workers_, photon_tracing_, context_);
+        }
+        run_pass(first, count);
+      }
       while (photons_done_ < photons_ && !stopped()) run_photons();
     });
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
@@ -144,20 +157,6 @@ class Renderer {
 
  private:
   bool stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
-
-  void make_photon_maps() {
-    const PhotonMappingDescription& mapping = context_.transport.photons;
-    PhotonTracing tracing{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};
-    const auto trace = [&](const PhotonMapDescription& map, PhotonKind kind) {
-      return trace_photons(context_, workers_, map, kind, mapping.kernel, tracing);
-    };
-    global_map_ = trace(mapping.global, PhotonKind::kGlobal);
-    if (mapping.final_gather && mapping.caustic.count > 0) caustics_map_ = trace(mapping.caustic, PhotonKind::kCaustic);
-    maps_ = {global_map_.view(), caustics_map_.view(), mapping.final_gather};
-    context_.maps = &maps_;
-    photons_done_ = tracing.emitted;
-    warnings_ = std::move(tracing.warnings);
-  }
 
   void run_pass(std::uint32_t first_sample, std::uint32_t sample_count) {
     int side = 8;
@@ -256,14 +255,14 @@ class Renderer {
     }
     report.peak_rss_bytes = peak_rss_bytes();
     report.peak_private_bytes = peak_private_bytes();
-    result.warnings = warnings_;
+    result.warnings = photon_tracing_.warnings;
     if (first) result.warnings.push_back(dropped_message(report.stats.dropped, *first));
     if (const std::uint64_t abandoned = report.stats.collisions.abandoned; abandoned > 0)
       result.warnings.push_back(std::to_string(abandoned) + " rays were given up in a medium after " +
                                 std::to_string(kMostCollisions) + " collisions each: its voxels differ too much");
     result.film = std::move(film_);
     result.splats = std::move(splats_);
-    result.photons = photons_done_;
+    result.photons = photons_done_ + photon_tracing_.emitted;
     return result;
   }
 
@@ -285,9 +284,8 @@ class Renderer {
   int threads_, wave_size_;
   Film film_;
   std::optional<SplatFilm> splats_;
-  PhotonMap global_map_, caustics_map_;
-  PhotonMaps maps_;
-  std::vector<std::string> warnings_;
+  std::optional<PhotonMapping> photon_mapping_;
+  PhotonTracing photon_tracing_{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};
   std::uint64_t photons_ = 0, photons_done_ = 0;  ///< light tracing: to be emitted, and whose splats are on the film
   std::uint64_t total_ = 0;
   std::atomic<std::uint64_t> done_{0};

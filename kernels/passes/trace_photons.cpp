@@ -16,17 +16,27 @@ namespace {
 constexpr std::uint64_t kFewestTasks = 64;
 /// Photons emitted for each one asked for, and more for small maps, until it is taken for sure that hardly any arrive.
 constexpr std::uint64_t kMostPerStored = 64, kMostMore = 1 << 20;
-/// First numbers of photons, so that maps share no random numbers.
-constexpr std::uint64_t first_photon(PhotonKind kind) {
-  return kind == PhotonKind::kGlobal ? 0 : std::uint64_t{1} << 48;
+/// Which map of a set photons of a kind are in.
+int map_of(PhotonKind kind) { return kind == PhotonKind::kCaustic ? 1 : kind == PhotonKind::kVolume ? 2 : 0; }
+
+/// First numbers of photons, so that maps share no random numbers: more than kMostPerStored * kMaxPhotons apart.
+std::uint64_t first_photon(const PhotonRequest& request) {
+  constexpr int kMapBits = 37, kSetBits = 40;
+  return std::uint64_t{request.set} << kSetBits | static_cast<std::uint64_t>(map_of(request.kind)) << kMapBits;
 }
 
-const char* name_of(PhotonKind kind) { return kind == PhotonKind::kGlobal ? "photon map" : "caustics map"; }
+constexpr const char* kMapNames[] = {"photon map", "caustics map", "volume photon map"};
+
+/// What one task has stored.
+struct StoredPhotons {
+  std::vector<Photon> photons;
+  std::uint64_t counted = 0;  ///< towards the number that is asked for
+};
 
 /// The next tasks' photons, each task's in order.
-std::vector<std::vector<Photon>> trace_round(const StageContext& camera, Workers& workers, PhotonKind kind,
-                                             std::uint64_t first, int task_photons, const PhotonTracing& tracing) {
-  std::vector<std::vector<Photon>> stored(4 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
+std::vector<StoredPhotons> trace_round(const StageContext& camera, Workers& workers, PhotonKind kind,
+                                       std::uint64_t first, int task_photons, const PhotonTracing& tracing) {
+  std::vector<StoredPhotons> stored(4 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, stored.size(), 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
@@ -40,43 +50,69 @@ std::vector<std::vector<Photon>> trace_round(const StageContext& camera, Workers
           context.photons = &worker.photons;
           run_photon_pass<Wide>(context, worker.wave);
           worker.photons.sort_stored();
-          stored[i] = worker.photons.stored;
+          stored[i].photons = worker.photons.stored;
+          stored[i].counted = map_of(kind) == 0 ? worker.photons.arrived : worker.photons.stored.size();
         }
       },
       tbb::simple_partitioner());
   return stored;
 }
 
-}  // namespace
-
-PhotonMap trace_photons(const StageContext& context, Workers& workers, const PhotonMapDescription& description,
-                        PhotonKind kind, PhotonKernel kernel, PhotonTracing& tracing) {
-  const std::uint64_t wanted = description.count;
-  const int task_photons = static_cast<int>(std::clamp<std::uint64_t>(wanted / kFewestTasks, 64, 16384));
+/// Tasks' photons until enough are stored, and how many were emitted for them; at least 1.
+struct TracedPhotons {
   std::vector<std::vector<Photon>> tasks;
-  std::uint64_t stored = 0, emitted = 0;
-  const std::uint64_t most = kMostPerStored * wanted + kMostMore;
-  while (stored < wanted && emitted < most && context.scene.light_count > 0 && !tracing.stopped()) {
-    auto round = trace_round(context, workers, kind, first_photon(kind) + emitted, task_photons, tracing);
+  std::uint64_t emitted = 0;
+};
+
+TracedPhotons trace(const StageContext& context, Workers& workers, const PhotonRequest& request,
+                    PhotonTracing& tracing) {
+  const std::uint64_t wanted = request.count;
+  const int task_photons = static_cast<int>(std::clamp<std::uint64_t>(wanted / kFewestTasks, 64, 16384));
+  TracedPhotons out;
+  std::uint64_t stored = 0;
+  // Once it is known that hardly any arrive, it is not tried that hard again.
+  bool& scarce = tracing.scarce[map_of(request.kind)];
+  const std::uint64_t most = scarce ? wanted : kMostPerStored * wanted + kMostMore;
+  const auto hopeless = [&] { return out.emitted >= most || (stored == 0 && out.emitted >= kMostMore); };
+  while (stored < wanted && !hopeless() && context.scene.light_count > 0 && !tracing.stopped()) {
+    auto round =
+        trace_round(context, workers, request.kind, first_photon(request) + out.emitted, task_photons, tracing);
     const std::uint64_t before = stored;
     // Whole tasks, so that the number of photons emitted is known.
     for (std::size_t i = 0; i < round.size() && stored < wanted; ++i) {
-      stored += round[i].size();
-      emitted += static_cast<std::uint64_t>(task_photons);
-      tasks.push_back(std::move(round[i]));
+      stored += round[i].counted;
+      out.emitted += static_cast<std::uint64_t>(task_photons);
+      out.tasks.push_back(std::move(round[i].photons));
     }
     tracing.on_stored(std::min(stored, wanted) - std::min(before, wanted));
   }
   if (stored < wanted && !tracing.stopped()) {
-    tracing.warnings.push_back("the " + std::string(name_of(kind)) + " holds " + std::to_string(stored) + " of the " +
-                               std::to_string(wanted) + " photons that were asked for: of " + std::to_string(emitted) +
-                               " emitted ones no more arrive where they are stored");
+    if (!scarce)
+      tracing.warnings.push_back("the " + std::string(kMapNames[map_of(request.kind)]) + " holds " +
+                                 std::to_string(stored) + " of the " + std::to_string(wanted) +
+                                 " photons that were asked for: of " + std::to_string(out.emitted) +
+                                 " emitted ones no more arrive where they are stored");
+    scarce = true;
     tracing.on_stored(wanted - stored);
   }
-  tracing.emitted += emitted;
-  const float radius =
-      description.radius > 0.0f ? description.radius : description.relative_radius * context.scene.radius;
-  return PhotonMap(std::move(tasks), std::max<std::uint64_t>(emitted, 1), radius, kernel);
+  tracing.emitted += out.emitted;
+  out.emitted = std::max<std::uint64_t>(out.emitted, 1);
+  return out;
+}
+
+}  // namespace
+
+PhotonMap trace_photons(const StageContext& context, Workers& workers, const PhotonRequest& request,
+                        PhotonTracing& tracing) {
+  TracedPhotons traced = trace(context, workers, request, tracing);
+  const PhotonMappingDescription& settings = context.transport.photons;
+  return PhotonMap(std::move(traced.tasks), traced.emitted, request.radius, settings.kernel, settings.lookup_size);
+}
+
+VolumePhotonMap trace_volume_photons(const StageContext& context, Workers& workers, const PhotonRequest& request,
+                                     PhotonTracing& tracing) {
+  TracedPhotons traced = trace(context, workers, request, tracing);
+  return VolumePhotonMap(std::move(traced.tasks), traced.emitted, request.radius, context.transport.photons.kernel);
 }
 
 }  // namespace sheaf

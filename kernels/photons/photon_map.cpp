@@ -23,8 +23,9 @@ template <class F> void in_parallel(std::size_t count, F&& f) {
 
 }  // namespace
 
-PhotonMap::PhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitted, float radius, PhotonKernel kernel)
-    : radius_(radius), kernel_(kernel) {
+PhotonMap::PhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitted, float radius, PhotonKernel kernel,
+                     int lookup_size)
+    : radius_(radius), kernel_(kernel), lookup_size_(lookup_size) {
   std::vector<std::size_t> first;
   for (const std::vector<Photon>& task : tasks) {
     first.push_back(size_);
@@ -89,6 +90,7 @@ PhotonMapView PhotonMap::view() const {
   v.radius = radius_;
   v.inverse_cell = 0.5f / radius_;
   v.kernel = kernel_;
+  v.lookup_size = lookup_size_;
   return v;
 }
 

@@ -27,6 +27,7 @@ struct PhotonMapView {
   std::uint32_t bucket_mask = 0;
   float radius = 0, inverse_cell = 0;  ///< metres; 1 / metres
   PhotonKernel kernel = PhotonKernel::kDisc;
+  int lookup_size = 0;  ///< see PhotonMappingDescription
 
   bool empty() const { return x == nullptr; }
 
@@ -57,7 +58,8 @@ class PhotonMap {
   PhotonMap() = default;
   /// Takes the photons of all tasks, in order; `emitted`: how many were emitted. `radius`: metres, positive. The same
   /// photons give the same map, however many threads there are.
-  PhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitted, float radius, PhotonKernel kernel);
+  PhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitted, float radius, PhotonKernel kernel,
+            int lookup_size = 0);
 
   PhotonMapView view() const;
   std::size_t size() const { return size_; }
@@ -74,6 +76,7 @@ class PhotonMap {
   std::vector<std::uint32_t> bucket_begin_;
   float radius_ = 0;
   PhotonKernel kernel_ = PhotonKernel::kDisc;
+  int lookup_size_ = 0;
 };
 
 }  // namespace sheaf

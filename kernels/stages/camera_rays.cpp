@@ -16,8 +16,11 @@ SHEAF_INLINE void start_wavelengths(const StageContext& context, Wave& wave, con
                                     const ThroughputState<L>& path, const Random4<L>& camera) {
   const bool lens = context.scene.camera.has_lens();
   alignas(kSimdAlignment) float u[L::width];
-  store(u,
-        lens ? draw<L>(context.sampler, path.pixel, path.sample, Uint<L>(0u), SampleBlock::kWavelength).x : camera.z);
+  if (context.wavelength_sample >= 0.0f)
+    store(u, Float<L>(context.wavelength_sample));
+  else
+    store(u,
+          lens ? draw<L>(context.sampler, path.pixel, path.sample, Uint<L>(0u), SampleBlock::kWavelength).x : camera.z);
   for (int lane = 0; lane < count; ++lane) wave.wavelength_samples[slots[lane]] = u[lane];
 }
 

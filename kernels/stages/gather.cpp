@@ -4,13 +4,18 @@
 // Vertices are taken one by one, and photons a register at a time. Which map a vertex asks is for PhotonMaps to say.
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
+#include "kernels/photons/photon_kernel.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/lane_mean.h"
+#include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
+
+#include <algorithm>
+#include <bit>
 
 namespace sheaf {
 
@@ -28,6 +33,7 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
   Vec3<L> ns_unmapped;
   typename L::Float terminator;
   typename L::Uint edges_left;  ///< most segments that a photon's path may have
+  bool single_wavelength;       ///< of the path from the camera one wavelength is left
 
   static GatheringVertex load(const StageContext& context, const Wave& wave, Slot slot, int column, bool mapped) {
     using F = Float<L>;
@@ -39,8 +45,9 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
                                                  SHEAF_LAMBDA_INLINE { word = F(words[k][column]); });
     const std::uint32_t depth = wave.throughput.get(slot).depth() + 1;
     const auto most = static_cast<std::uint32_t>(context.transport.max_depth);  // -1: larger than any depth
-    GatheringVertex out{item,    bsdf,    ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item), mapped,
-                        item.ns, F(0.0f), Uint<L>(most > depth ? most - depth : 0u)};
+    GatheringVertex out{
+        item,    bsdf,    ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item), mapped,
+        item.ns, F(0.0f), Uint<L>(most > depth ? most - depth : 0u),      has_single_wavelength(context, wave, slot)};
     if (mapped) {
       const auto t = wave.textured.load<Scalar>(column);
       out.ns_unmapped = broadcast<L>(t.ns_unmapped);
@@ -49,46 +56,52 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
     return out;
   }
 
-  /// The radiance that photons [i, i + L::width) bring, lane by lane. `lanes`: which of them count.
-  SHEAF_INLINE Spectrum<L> gather(const PhotonMapView& map, std::uint32_t i, Mask<L> lanes) const {
-    using F = Float<L>;
+  /// Which of the photons [i, i + L::width) count that lie within `lanes`, and their squared distances.
+  struct Near {
+    Mask<L> lanes;
+    typename L::Float squared;
+  };
+  SHEAF_INLINE Near near_photons(const PhotonMapView& map, std::uint32_t i, Mask<L> lanes, Float<L> within) const {
     Vec3<L> p;
     load_column(map.x + i, p.x), load_column(map.y + i, p.y), load_column(map.z + i, p.z);
     const Vec3<L> d = p - item.p;
-    const F squared = dot(d, d) * F(1.0f / (map.radius * map.radius));
-    auto near = lanes & (squared < F(1.0f));
-    if (!any(near)) return Spectrum<L>(F(0.0f));
-    Uint<L> surface, direction;
-    load_column(map.surface + i, surface), load_column(map.direction + i, direction);
-    const Vec3<L> n = decode_octahedral<L>(surface), wi = decode_octahedral<L>(direction);
-    near = near & (abs(dot(n, item.ng)) > F(kSameSide)) & !(edges_left < (surface & Uint<L>(kMostPhotonEdges)));
-    if (!any(near)) return Spectrum<L>(F(0.0f));
+    const Float<L> squared = dot(d, d);
+    Mask<L> near = lanes & (squared < within);
+    if (!any(near)) return {near, squared};
+    Uint<L> surface;
+    load_column(map.surface + i, surface);
+    const Vec3<L> n = decode_octahedral<L>(surface);
+    near = near & (abs(dot(n, item.ng)) > Float<L>(kSameSide)) & !(edges_left < (surface & Uint<L>(kMostPhotonEdges)));
+    return {near, squared};
+  }
+
+  /// The radiance times pi r^2 that photons [i, i + L::width) bring, lane by lane; `within`: r^2.
+  SHEAF_INLINE Spectrum<L> gather(const PhotonMapView& map, std::uint32_t i, Mask<L> lanes, float within) const {
+    using F = Float<L>;
+    const Near near = near_photons(map, i, lanes, F(within));
+    if (!any(near.lanes)) return Spectrum<L>(F(0.0f));
+    Uint<L> direction;
+    load_column(map.direction + i, direction);
+    const Vec3<L> wi = decode_octahedral<L>(direction);
     Spectrum<L> power;
     load_column(map.power[0] + i, power.c0), load_column(map.power[1] + i, power.c1);
     load_column(map.power[2] + i, power.c2), load_column(map.power[3] + i, power.c3);
     const Vec3<L> local = frame.to_local(wi);
     // A photon's flux has met the geometric surface, whatever the shading normal.
-    F factor = kernel(map.kernel, squared) / max(abs(dot(wi, item.ng)), F(1e-4f));
+    F factor = photon_kernel<L>(map.kernel, near.squared * F(1.0f / within)) / max(abs(dot(wi, item.ng)), F(1e-4f));
     if (mapped) factor = factor * shadow_terminator<L>(ns_unmapped, terminator, wi, local.z);
-    return select<L>(near, bsdf.evaluate(item.wo, local).f_cos * power * factor, Spectrum<L>(F(0.0f)));
+    if (single_wavelength) {
+      // Both lost three wavelengths, and made up for them fourfold; once is enough.
+      Uint<L> surface;
+      load_column(map.surface + i, surface);
+      const auto both = (surface & Uint<L>(kPhotonSingleWavelength)) != Uint<L>(0u);
+      factor = select(both, factor * F(0.25f), factor);
+    }
+    return select<L>(near.lanes, bsdf.evaluate(item.wo, local).f_cos * power * factor, Spectrum<L>(F(0.0f)));
   }
 
  private:
   template <class T, class V> static SHEAF_INLINE void load_column(const T* from, V& to) { sheaf::load(from, to); }
-
-  /// The kernel times pi r^2, by the squared distance over r^2.
-  static SHEAF_INLINE Float<L> kernel(PhotonKernel kind, Float<L> squared) {
-    using F = Float<L>;
-    switch (kind) {
-      case PhotonKernel::kDisc:
-        return F(1.0f);
-      case PhotonKernel::kCone:
-        return F(3.0f) * (F(1.0f) - sqrt(squared));
-      case PhotonKernel::kEpanechnikov:
-        return F(2.0f) * (F(1.0f) - squared);
-    }
-    return F(1.0f);
-  }
 };
 
 template <class L> float sum_of_lanes(Float<L> value) {
@@ -99,23 +112,53 @@ template <class L> float sum_of_lanes(Float<L> value) {
   return sum;
 }
 
-template <class L, template <class> class Bsdf>
-Spectrum4 gather_at(const StageContext& context, const Wave& wave, Slot slot, int column, bool mapped,
-                    const PhotonMapView& map) {
-  const auto vertex = GatheringVertex<L, Bsdf>::load(context, wave, slot, column, mapped);
-  const Vec3f p = wave.vertices.load<Scalar>(column).p;
+/// Calls f(i, lanes) for each register's worth of photons i that may lie within the map's radius of `p`.
+template <class L, class F> SHEAF_INLINE void for_photons_around(const PhotonMapView& map, Vec3f p, F&& f) {
+  constexpr auto kLanes = static_cast<std::uint32_t>(L::width);
   std::uint32_t buckets[8];
   const int count = map.buckets_around(p, buckets);
-  Spectrum<L> sum(Float<L>(0.0f));
   for (int b = 0; b < count; ++b) {
     const std::uint32_t begin = map.bucket_begin[buckets[b]], end = map.bucket_begin[buckets[b] + 1];
-    constexpr auto kLanes = static_cast<std::uint32_t>(L::width);
     for (std::uint32_t i = begin / kLanes * kLanes; i < end; i += kLanes) {
       const Uint<L> index = Uint<L>(i) + L::index();
-      sum = sum + vertex.gather(map, i, (!(index < Uint<L>(begin))) & (index < Uint<L>(end)));
+      f(i, (!(index < Uint<L>(begin))) & (index < Uint<L>(end)));
     }
   }
-  const float scale = kInvPi / (map.radius * map.radius);
+}
+
+/// The square of the radius within which photons count: the map's, or less where more than lookup_size are in it. The
+/// last one, at the radius itself, is not counted: without it the density is found without bias (Loftsgaarden and
+/// Quesenberry, "A Nonparametric Estimate of a Multivariate Density Function", 1965).
+template <class L, class Vertex> float squared_lookup_radius(const PhotonMapView& map, Vec3f p, const Vertex& vertex) {
+  float within = map.radius * map.radius;
+  if (map.lookup_size == 0) return within;
+  float nearest[kMaxLookupSize];  // a heap, the farthest first
+  int count = 0;
+  for_photons_around<L>(map, p, [&](std::uint32_t i, Mask<L> lanes) {
+    const auto near = vertex.near_photons(map, i, lanes, Float<L>(within));
+    alignas(kSimdAlignment) float squared[L::width];
+    store(squared, near.squared);
+    for (std::uint32_t bits = mask_bits(near.lanes); bits != 0; bits &= bits - 1) {
+      const float one = squared[std::countr_zero(bits)];
+      if (!(one < within)) continue;
+      if (count == map.lookup_size) std::pop_heap(nearest, nearest + count--);
+      nearest[count++] = one;
+      std::push_heap(nearest, nearest + count);
+      if (count == map.lookup_size) within = nearest[0];
+    }
+  });
+  return within;
+}
+
+template <class L, template <class> class Bsdf>
+Spectrum4 gather_at(const PhotonMapView& map, Vec3f p, const GatheringVertex<L, Bsdf>& vertex) {
+  const float within = squared_lookup_radius<L>(map, p, vertex);
+  if (!(within > 0.0f)) return {};
+  Spectrum<L> sum(Float<L>(0.0f));
+  for_photons_around<L>(map, p, [&](std::uint32_t i, Mask<L> lanes) SHEAF_LAMBDA_INLINE {
+    sum = sum + vertex.gather(map, i, lanes, within);
+  });
+  const float scale = kInvPi / within;
   return {sum_of_lanes<L>(sum.c0) * scale, sum_of_lanes<L>(sum.c1) * scale, sum_of_lanes<L>(sum.c2) * scale,
           sum_of_lanes<L>(sum.c3) * scale};
 }
@@ -125,13 +168,16 @@ void gather_run(const StageContext& context, Wave& wave, const VertexRun& run) {
   const bool mapped = (context.scene.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
   for (int i = 0; i < run.count; ++i) {
     const Slot slot = wave.sorted[run.slot_begin + i];
-    const PhotonMapView& map = context.maps->map_of(wave.rays.row(slot).flags);
-    if (map.empty()) continue;
-    const Spectrum4 found = gather_at<L, Bsdf>(context, wave, slot, run.column_begin + i, mapped, map);
-    const float divisor = context.scene.has_transparency
-                              ? lane_mean<Scalar>(context.scene.color, wave.probabilities.row(slot).r_u)
-                              : 1.0f;
-    add_radiance(wave, slot, Quad(wave.throughput.row(slot).beta) * Quad(found) * (1.0f / divisor), kNone);
+    const PhotonMaps::Asked asked = context.maps->maps_at(wave.rays.row(slot).flags);
+    for (const PhotonMapView* map : {asked.first, asked.second}) {
+      if (map == nullptr || map->empty()) continue;
+      const auto vertex = GatheringVertex<L, Bsdf>::load(context, wave, slot, run.column_begin + i, mapped);
+      const Spectrum4 found = gather_at<L, Bsdf>(*map, wave.vertices.load<Scalar>(run.column_begin + i).p, vertex);
+      const float divisor = context.scene.has_transparency
+                                ? lane_mean<Scalar>(context.scene.color, wave.probabilities.row(slot).r_u)
+                                : 1.0f;
+      add_radiance(wave, slot, Quad(wave.throughput.row(slot).beta) * Quad(found) * (1.0f / divisor), kNone);
+    }
   }
 }
 

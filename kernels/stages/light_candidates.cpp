@@ -29,8 +29,13 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
   out.target = light.target;
   out.radiance = light.radiance;
   out.pdf_solid_angle = select(light.valid & (choice.probability > F(0.0f)), light.pdf_solid_angle, F(0.0f));
-  if (context.maps != nullptr && !in_medium)
-    out.pdf_solid_angle = select(context.maps->ends_at(wave.rays.gather<L>(slots).flags), F(0.0f), out.pdf_solid_angle);
+  if (context.maps != nullptr) {
+    const auto ends = context.maps->ends_at<L>(wave.rays.gather<L>(slots).flags, in_medium);
+    out.pdf_solid_angle = select(ends, F(0.0f), out.pdf_solid_angle);
+    // With a volume map all of a ray finds what media emit.
+    if (context.maps->volume != nullptr && context.transport.strategy == LightStrategy::kMis)
+      out.pdf_solid_angle = select(light.target_medium == Uint<L>(kNone), out.pdf_solid_angle, F(0.0f));
+  }
   out.delta = select(light.delta, F(1.0f), F(0.0f));
   out.light = choice.light;
   out.target_medium = light.target_medium;

@@ -8,6 +8,7 @@
 #include "kernels/lights/volume_light.h"
 #include "kernels/media/medium_marching.h"
 #include "kernels/media/medium_ray.h"
+#include "kernels/photons/photon_maps.h"
 #include "kernels/stages/light_receiver.h"
 #include "kernels/stages/route_hits.h"
 #include "kernels/stages/stages.h"
@@ -40,8 +41,9 @@ class MediumEmission {
     const LightStrategy strategy = context.transport.strategy;
     const bool free = path.scatter_pdf == 0.0f || ray.medium.light == kNone;
     contested_ = !free && strategy == LightStrategy::kMis;
-    // Photons don't gather light.
-    hidden_ = context.photons != nullptr || (!free && strategy == LightStrategy::kLightOnly);
+    // Photons don't gather light, and a map may hold it.
+    hidden_ = context.photons != nullptr || (!free && strategy == LightStrategy::kLightOnly) ||
+              is_caustic<Scalar>(context, path.ray.flags, path.scatter_pdf);
     if (hidden_) contested_ = false;
     if (!contested_) return;
     const auto from =

@@ -66,7 +66,7 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
   const F one = number(SampleBlock::kWavelength).x;
   if constexpr (Mode == ColorMode::kSpectral) {
     alignas(kSimdAlignment) float words[L::width];
-    store(words, one);
+    store(words, context.wavelength_sample < 0.0f ? one : F(context.wavelength_sample));
     for (int lane = 0; lane < count; ++lane) wave.wavelength_samples[slots[lane]] = words[lane];
   }
   const LightChoice<L> choice = choose_light_by_power<L>(scene, a.x);

@@ -154,9 +154,10 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
     const auto passed = null_transmittance > F(0.0f);
     ray.flags |= select(passed, before & U(kRayHistory),
                         history_behind<L, kIsPhaseFunction<Bsdf<L>>>(context, before, specular));
-    if (context.maps != nullptr && !kIsPhaseFunction<Bsdf<L>>)
-      alive = alive & ((s.pdf_solid_angle == F(0.0f)) | !context.maps->ends_at(before));
-    if (context.photons != nullptr && context.photons->caustics) alive = alive & (s.pdf_solid_angle == F(0.0f));
+    if (context.maps != nullptr)
+      alive = alive & ((s.pdf_solid_angle == F(0.0f)) | !context.maps->ends_at<L>(before, kIsPhaseFunction<Bsdf<L>>));
+    if (context.photons != nullptr && context.photons->ends_at_scattering())
+      alive = alive & (s.pdf_solid_angle == F(0.0f));
   }
   F divisor(1.0f);
   if (context.scene.has_transparency)

@@ -1,6 +1,7 @@
 // The one list of stages, from which statistics, tests and benchmarks derive.
 #pragma once
 
+#include "kernels/photons/photon_maps.h"
 #include "kernels/stages/stages.h"
 
 #include <array>
@@ -10,17 +11,19 @@ namespace sheaf {
 
 /// Which passes a stage belongs to, and under which condition.
 enum class StageUse {
-  kAlways,        ///< of all passes
-  kCamera,        ///< of passes that start at the camera
-  kLight,         ///< of passes that transport light
-  kBinary,        ///< of those with shadow rays, where light passes or doesn't: without SceneView::has_transparency
-  kTransmission,  ///< of those, with it
-  kPath,          ///< of the path pass
-  kGathering,     ///< of the path pass, where there are photon maps
-  kPhotons,       ///< of the light pass and the photon pass
-  kSplats,        ///< of the light pass
-  kStoring,       ///< of the photon pass
-  kDebug,         ///< of debug views
+  kAlways,           ///< of all passes
+  kCamera,           ///< of passes that start at the camera
+  kLight,            ///< of passes that transport light
+  kBinary,           ///< of those with shadow rays, where light passes or doesn't: without SceneView::has_transparency
+  kTransmission,     ///< of those, with it
+  kPath,             ///< of the path pass
+  kGathering,        ///< of the path pass, where there are photon maps
+  kGatheringMedia,   ///< of the path pass, where there is a volume photon map
+  kScatteringMedia,  ///< of passes that transport light, but for that one
+  kPhotons,          ///< of the light pass and the photon pass
+  kSplats,           ///< of the light pass
+  kStoring,          ///< of the photon pass
+  kDebug,            ///< of debug views
 };
 
 /// One stage, and what it does with queues.
@@ -47,11 +50,17 @@ template <class L> inline constexpr auto kStages = [] {
        {Q::kMedium, Q::kMiss, Q::kEmitter, Q::kComposite, Q::kSurface, Q::kFinished},
        U::kAlways,
        intersect<L>},
+      {S::kGatherVolume,
+       "gather_volume",
+       {Q::kMedium},
+       {Q::kMiss, Q::kEmitter, Q::kComposite, Q::kSurface, Q::kFinished},
+       U::kGatheringMedia,
+       gather_volume<L>},
       {S::kMedium,
        "medium",
        {Q::kMedium},
        {Q::kMiss, Q::kEmitter, Q::kComposite, Q::kSurface, Q::kFinished},
-       U::kLight,
+       U::kScatteringMedia,
        medium<L>},
       {S::kEmission, "emission", {Q::kMiss, Q::kEmitter}, {Q::kActive, Q::kFinished}, U::kPath, emission<L>},
       {S::kSelectMaterials,
@@ -111,6 +120,7 @@ inline std::string_view stage_name(Stage stage) { return kStages<Wide>[static_ca
 inline bool takes_part(const StageContext& context, StageUse use, bool light) {
   const bool photons = context.photons != nullptr;
   const bool stores = photons && context.transport.kind != IntegratorKind::kLightTracer;
+  const bool volume = context.maps != nullptr && context.maps->volume != nullptr;
   switch (use) {
     case StageUse::kAlways: return true;
     case StageUse::kCamera:
@@ -120,6 +130,10 @@ inline bool takes_part(const StageContext& context, StageUse use, bool light) {
       return light && !photons;
     case StageUse::kGathering:
       return light && context.maps != nullptr;
+    case StageUse::kGatheringMedia:
+      return light && volume;
+    case StageUse::kScatteringMedia:
+      return light && !volume;
     case StageUse::kPhotons:
       return photons;
     case StageUse::kSplats:

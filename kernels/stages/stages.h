@@ -75,7 +75,12 @@ template <class L> void splat(const StageContext& context, Wave& wave) noexcept;
 /// Adds what the photons around vertices make them send along the path. Reads throughput; adds to radiance.
 template <class L> void gather(const StageContext& context, Wave& wave) noexcept;
 
-/// Leaves photons in the task where they meet surfaces that are not specular. Reads throughput.
+/// Adds what photons in media make these send along the rays of paths in them, and sends the paths on to what their
+/// rays hit. Reads hits, probabilities; changes throughput; adds to radiance.
+template <class L> void gather_volume(const StageContext& context, Wave& wave) noexcept;
+
+/// Leaves photons in the task where they meet surfaces that are not specular, or where media scatter them. Reads
+/// throughput.
 template <class L> void store_photons(const StageContext& context, Wave& wave) noexcept;
 
 /// Frees the slots of photons that have ended or left the scene.
@@ -86,6 +91,7 @@ enum class Stage : std::uint32_t {
   kCameraRays,
   kPhotonRays,
   kIntersect,
+  kGatherVolume,
   kMedium,
   kEmission,
   kSelectMaterials,

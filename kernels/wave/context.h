@@ -18,6 +18,7 @@ struct StageContext {
   bool transports_light = true;  ///< false: a debug view, whose paths carry plain numbers and see no media
   CameraTask* camera = nullptr;  ///< of passes that start at the camera: the samples to take, and where they go
   const PhotonMaps* maps = nullptr;  ///< of passes from the camera that gather photons, else null
+  float wavelength_sample = -1;  ///< the number in [0, 1) that all paths' wavelengths are made of; -1: each has its own
   LightTask* photons = nullptr;      ///< of passes that start at the lights, else null: the photons to emit
 
   StageContext() = default;

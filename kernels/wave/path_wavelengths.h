@@ -23,6 +23,12 @@ template <class L> SHEAF_INLINE Float<L> gather_wavelength_samples(const Wave& w
   return out;
 }
 
+/// Whether one wavelength of the path is left.
+inline bool has_single_wavelength(const StageContext& context, const Wave& wave, Slot slot) {
+  return context.scene.color == ColorMode::kSpectral &&
+         (float_bits(wave.wavelength_samples[slot]) & kSingleWavelength) != 0;
+}
+
 /// The wavelengths, nm in [360, 830], at which the paths are to be shaded now.
 template <class L> SHEAF_INLINE Spectrum<L> path_wavelengths(const Wave& wave, const Slot* slots) {
   using U = Uint<L>;

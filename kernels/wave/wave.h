@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/stats.h"
+#include "kernels/photons/volume_photon_map.h"
 #include "kernels/wave/path_pool.h"
 #include "kernels/wave/shading_columns.h"
 
@@ -38,6 +39,7 @@ struct Wave : PathPool, ShadingColumns {
     std::uint32_t pixel = 0, sample = 0;
   } first_dropped;
   RayRecorder* recorder = nullptr;
+  BeamScratch beam;
 };
 
 }  // namespace sheaf

@@ -39,6 +39,9 @@ constexpr NamedIntegrator kIntegrators[] = {
     {"ptracer", IntegratorKind::kLightTracer, LightStrategy::kMis, false},
     {"photonmapper", IntegratorKind::kPhotonMapper, LightStrategy::kMis, false},
     {"photonmap", IntegratorKind::kPhotonMapper, LightStrategy::kMis, false},
+    {"volumetricphotonmapper", IntegratorKind::kPhotonMapper, LightStrategy::kMis, false},
+    {"ppm", IntegratorKind::kPhotonMapper, LightStrategy::kMis, false, 1, false, true},
+    {"sppm", IntegratorKind::kPhotonMapper, LightStrategy::kMis, false, 1, false, true},
     {"bdpt", IntegratorKind::kPath, LightStrategy::kMis, false},
 };
 
@@ -57,6 +60,12 @@ std::vector<std::string> integrator_names() {
 }
 
 void apply(const NamedIntegrator& named, IntegratorDescription& integrator) {
+  PhotonMappingDescription& photons = integrator.photons;
+  if (named.progressive && !photons.progressive) {
+    photons.gathering = PhotonGathering::kIndirect;
+    if (integrator.kind != IntegratorKind::kPhotonMapper) photons.global = {250'000, 0, 0};
+  }
+  photons.progressive = named.progressive;
   integrator.kind = named.kind;
   integrator.strategy = named.strategy;
   integrator.free_panes = named.free_panes;

@@ -19,32 +19,35 @@ struct PathLike {
   int max_depth;
 };
 constexpr PathLike kPathLike[] = {
-    {"path", -1},    {"bdpt", -1},         {"prb", 6},      {"prb_basic", 6},   {"prbvolpath", 6},
-    {"ptracer", -1}, {"photonmapper", -1}, {"volpath", -1}, {"volpathmis", -1}, {"volpath_simple", -1},
+    {"path", -1},         {"bdpt", -1}, {"prb", 6},   {"prb_basic", 6}, {"prbvolpath", 6},  {"ptracer", -1},
+    {"photonmapper", -1}, {"ppm", -1},  {"sppm", -1}, {"volpath", -1},  {"volpathmis", -1}, {"volpath_simple", -1},
 };
 
 void read_path_like(Properties& p, const PathLike& like, IntegratorDescription& integrator) {
   integrator.max_depth = p.integer("max_depth", like.max_depth, -1, kMaxDepth);
   integrator.rr_depth = p.integer("rr_depth", integrator.rr_depth, 1, kMaxDepth);
   integrator.hide_emitters = p.boolean("hide_emitters", false);
-  if (const NamedIntegrator* named = find_integrator(p.type())) {
-    integrator.kind = named->kind;
-    integrator.free_panes = named->free_panes;
-  }
+  if (const NamedIntegrator* named = find_integrator(p.type())) apply(*named, integrator);
   read_light_sampling(p, integrator);
   read_medium_estimation(p, integrator);
   p.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
   if (p.type() == "bdpt") p.accept({"light_image", "sample_direct"});
   if (integrator.kind == IntegratorKind::kPhotonMapper) {
-    integrator.photons.global = {250'000, 0, 0.05f};
-    integrator.photons.caustic = {250'000, 0, 0.0125f};
-    read_photon_mapping(p, integrator.photons);
-    p.accept({"direct_samples", "glossy_samples", "granularity", "lookup_size", "cache_photons",
-              "auto_cancel_gathering", "volume_photons", "volume_lookup_radius_relative", "volume_lookup_radius"});
+    PhotonMappingDescription& photons = integrator.photons;
+    if (!photons.progressive) {
+      photons.global = {250'000, 0, 0.05f};
+      photons.caustic = {250'000, 0, 0.0125f};
+      photons.volume.count = 250'000;
+      photons.gathering = PhotonGathering::kIndirect;
+      photons.lookup_size = 120;
+    }
+    read_photon_mapping(p, photons);
+    p.accept({"direct_samples", "glossy_samples", "granularity", "cache_photons", "auto_cancel_gathering",
+              "gather_locally", "max_specular_depth", "caustic_lookup_size", "volume_lookup_size"});
   }
   if (p.type() == "ptracer") p.accept({"granularity", "brute_force", "samples_per_pass"});
   if (p.type() == "volpathmis") p.accept({"use_spectral_mis"});
-  for (const char* ours : {"path", "volpath", "vol_path", "medium_path", "ptracer", "photonmap"})
+  for (const char* ours : {"path", "volpath", "vol_path", "medium_path", "ptracer", "photonmap", "ppm", "sppm"})
     if (p.type().starts_with(ours)) return;
   p.context().note(p.where(), "integrator '" + p.type() + "' is rendered with 'path', which has the same expectation");
 }

@@ -1,20 +1,28 @@
 #include "scene/dialects/read_photon_mapping.h"
 
+#include <algorithm>
+
 namespace sheaf {
 
 namespace {
 
-/// The names of one map's properties.
+/// The names of one map's properties: in Nori's course, then in Mitsuba 0.6.
 struct MapNames {
-  const char *count, *also_count, *radius, *also_radius, *relative_radius;
+  const char *count, *also_count, *radius, *lookup_radius, *relative_radius;
 };
 
 void read_map(Properties& p, const MapNames& names, PhotonMapDescription& map) {
   for (const char* name : {names.count, names.also_count})
     if (p.has(name)) map.count = static_cast<std::uint64_t>(p.integer(name, 0, 0, static_cast<int>(kMaxPhotons)));
-  for (const char* name : {names.radius, names.also_radius})
-    if (p.has(name)) map.radius = p.number(name, 0, kNotNegative);
-  map.relative_radius = p.number(names.relative_radius, map.relative_radius, kPositive);
+  map.radius = p.number(names.radius, map.radius, kNotNegative);
+  for (const char* name : {names.lookup_radius, names.relative_radius})
+    if (p.has(name)) map.relative_radius = p.number(name, 0, kPositive);
+}
+
+PhotonGathering read_gathering(Properties& p, PhotonGathering otherwise) {
+  const bool direct = p.boolean("sample_direct", otherwise != PhotonGathering::kAll);
+  if (p.boolean("final_gather", otherwise == PhotonGathering::kFinal)) return PhotonGathering::kFinal;
+  return direct ? PhotonGathering::kIndirect : PhotonGathering::kAll;
 }
 
 PhotonKernel read_kernel(Properties& p) {
@@ -35,10 +43,21 @@ void read_photon_mapping(Properties& p, PhotonMappingDescription& mapping) {
            {"caustic_photon_count", "caustic_photons", "caustic_radius", "caustic_lookup_radius",
             "caustic_lookup_radius_relative"},
            mapping.caustic);
-  mapping.final_gather = p.boolean("final_gather", mapping.final_gather);
-  constexpr int kMostRays = 65536;
+  read_map(p,
+           {"volume_photon_count", "volume_photons", "volume_radius", "volume_lookup_radius",
+            "volume_lookup_radius_relative"},
+           mapping.volume);
+  mapping.gathering = read_gathering(p, mapping.gathering);
+  constexpr int kMostRays = 65536, kMostPasses = 1 << 22;
   mapping.gather_rays = p.integer("num_gather_rays", mapping.gather_rays, 1, kMostRays);
   mapping.kernel = read_kernel(p);
+  for (const char* name : {"lookup_size", "global_lookup_size"})
+    if (p.has(name)) mapping.lookup_size = p.integer(name, 0, 0, kMaxLookupSize);
+  if (p.type() == "volumetricphotonmapper" && mapping.volume.count == 0) mapping.volume = mapping.global;
+  if (!mapping.progressive) return;
+  mapping.global.radius = p.number("initial_radius", mapping.global.radius, kNotNegative);
+  mapping.alpha = p.number("alpha", mapping.alpha, {0, 1, true});
+  mapping.max_passes = std::max(p.integer("max_passes", 0, -1, kMostPasses), 0);
 }
 
 }  // namespace sheaf

@@ -34,17 +34,31 @@ RayPacket::RayPacket() {
   }
 }
 
-struct Accel::Impl {
+namespace {
+
+/// An Embree device with one scene.
+struct EmbreeScene {
   std::atomic<std::ptrdiff_t> bytes{0};
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
-  const InstanceRow* instances = nullptr;  ///< null: there are none
-  std::uint32_t first_instance = 0;        ///< geometry id of the first
 
-  ~Impl() {
+  EmbreeScene() = default;
+  EmbreeScene(const EmbreeScene&) = delete;
+  EmbreeScene& operator=(const EmbreeScene&) = delete;
+  ~EmbreeScene() {
     if (scene) rtcReleaseScene(scene);
     if (device) rtcReleaseDevice(device);
   }
+  // These throw Error.
+  void start(bool watertight);
+  void check() const;
+};
+
+}  // namespace
+
+struct Accel::Impl : EmbreeScene {
+  const InstanceRow* instances = nullptr;  ///< null: there are none
+  std::uint32_t first_instance = 0;        ///< geometry id of the first
 };
 
 namespace {
@@ -125,7 +139,7 @@ RTCGeometry make_quadric_geometry(RTCDevice device, const QuadricRow& row) {
 }
 
 /// Builds a scene in the same way whatever machine it is on.
-void commit(RTCScene scene) {
+void commit_alike(RTCScene scene) {
   const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, kBuildConcurrency);
   tbb::task_arena arena(kBuildConcurrency);
   arena.execute([scene] { rtcJoinCommitScene(scene); });
@@ -135,6 +149,18 @@ RTCScene make_scene(RTCDevice device, bool watertight) {
   RTCScene scene = rtcNewScene(device);
   if (watertight) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
   return scene;
+}
+
+void EmbreeScene::start(bool watertight) {
+  device = rtcNewDevice(nullptr);
+  if (!device) throw Error(ExitCode::kRuntime, "Embree cannot be started on this machine");
+  rtcSetDeviceMemoryMonitorFunction(device, count_memory, &bytes);
+  scene = make_scene(device, watertight);
+}
+
+void EmbreeScene::check() const {
+  if (rtcGetDeviceError(device) != RTC_ERROR_NONE)
+    throw Error(ExitCode::kRuntime, "Embree could not build the acceleration structure");
 }
 
 void attach(RTCScene scene, RTCGeometry geometry, std::uint32_t id) {
@@ -163,7 +189,7 @@ void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, st
   for (std::uint32_t i = 0; i < in.group_count; ++i) {
     groups.push_back(make_scene(device, in.watertight));
     attach_shapes(device, groups.back(), in, in.groups[i]);
-    commit(groups.back());
+    commit_alike(groups.back());
   }
   for (std::uint32_t i = 0; i < in.instance_count; ++i) {
     const InstanceRow& row = in.instances[i];
@@ -203,19 +229,15 @@ void resolve_instances(RayPacket& packet, int count, const InstanceRow* instance
 }  // namespace
 
 Accel::Accel(const AccelInput& input) : impl_(std::make_unique<Impl>()) {
-  impl_->device = rtcNewDevice(nullptr);
-  if (!impl_->device) throw Error(ExitCode::kRuntime, "Embree cannot be started on this machine");
-  rtcSetDeviceMemoryMonitorFunction(impl_->device, count_memory, &impl_->bytes);
-  impl_->scene = make_scene(impl_->device, input.watertight);
+  impl_->start(input.watertight);
   attach_shapes(impl_->device, impl_->scene, input, {0, input.shape_count});
   if (input.instance_count > 0) {
     impl_->instances = input.instances;
     impl_->first_instance = input.shape_count;
     attach_instances(impl_->device, impl_->scene, input, input.shape_count);
   }
-  commit(impl_->scene);
-  if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE)
-    throw Error(ExitCode::kRuntime, "Embree could not build the acceleration structure");
+  commit_alike(impl_->scene);
+  impl_->check();
 }
 
 Accel::~Accel() = default;
@@ -257,5 +279,86 @@ std::size_t Accel::bytes() const {
 }
 
 const char* Accel::library_version() { return RTC_VERSION_STRING; }
+
+struct PointAccel::Impl : EmbreeScene {};
+
+namespace {
+
+/// A query along one ray. Embree hands the context to the filter.
+struct PointQuery {
+#if SHEAF_EMBREE_MAJOR >= 4
+  RTCRayQueryContext context;
+#else
+  RTCIntersectContext context;
+#endif
+  const AccelPoint* points;
+  Vec3f origin, direction;
+  float length;
+  std::vector<NearPoint>* found;
+};
+
+/// Notes each point, if it is near by our own measure, and lets the ray go on.
+void collect_point(const RTCFilterFunctionNArguments* args) {
+  auto* query = reinterpret_cast<PointQuery*>(args->context);
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] == 0) continue;
+    args->valid[i] = 0;
+    const std::uint32_t index = RTCHitN_primID(args->hit, args->N, i);
+    const AccelPoint& point = query->points[index];
+    const Vec3f from = Vec3f{point.x, point.y, point.z} - query->origin;
+    const float t = dot(from, query->direction);
+    const Vec3f across = from - query->direction * t;
+    const float squared = dot(across, across) / (point.radius * point.radius);
+    if (t > 0.0f && t < query->length && squared < 1.0f) query->found->push_back({t, squared, index});
+  }
+}
+
+}  // namespace
+
+PointAccel::PointAccel() = default;
+PointAccel::~PointAccel() = default;
+PointAccel::PointAccel(PointAccel&&) noexcept = default;
+PointAccel& PointAccel::operator=(PointAccel&&) noexcept = default;
+
+PointAccel::PointAccel(std::vector<AccelPoint> points) : points_(std::move(points)) {
+  if (points_.empty()) return;
+  for (const AccelPoint& point : points_) largest_radius_ = max(largest_radius_, point.radius);
+  impl_ = std::make_unique<Impl>();
+  impl_->start(false);
+  RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_DISC_POINT);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, points_.data(), 0,
+                             sizeof(AccelPoint), points_.size());
+  rtcSetGeometryOccludedFilterFunction(geometry, collect_point);
+  attach(impl_->scene, geometry, 0);
+  rtcJoinCommitScene(impl_->scene);
+  impl_->check();
+}
+
+void PointAccel::near_ray(Vec3f origin, Vec3f direction, float length, std::vector<NearPoint>& found) const noexcept {
+  if (impl_ == nullptr) return;
+  // Embree takes what is nearer than twice a point's radius for the surface that the ray began on.
+  const float ahead = 2.1f * largest_radius_, margin = 0.01f * largest_radius_;
+  const Vec3f start = origin - direction * ahead;
+  RTCRay ray{};
+  ray.org_x = start.x, ray.org_y = start.y, ray.org_z = start.z;
+  ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
+  ray.tfar = ahead + length + margin;
+  ray.mask = 0xffffffffu;
+  PointQuery query{{}, points_.data(), origin, direction, length, &found};
+#if SHEAF_EMBREE_MAJOR >= 4
+  rtcInitRayQueryContext(&query.context);
+  RTCOccludedArguments args;
+  rtcInitOccludedArguments(&args);
+  args.context = &query.context;
+  rtcOccluded1(impl_->scene, &ray, &args);
+#else
+  rtcInitIntersectContext(&query.context);
+  rtcOccluded1(impl_->scene, &query.context, &ray);
+#endif
+}
+
+std::size_t PointAccel::bytes() const {
+  return impl_ == nullptr ? 0 : static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, impl_->bytes.load()));
+}
 
 }  // namespace sheaf

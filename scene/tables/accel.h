@@ -1,4 +1,5 @@
-// Ray intersection: the scene's Embree acceleration structure. accel.cpp is the only file that includes Embree.
+// Embree's acceleration structures: of the scene, and of points near rays. accel.cpp is the only file that includes
+// Embree.
 #pragma once
 
 #include "scene/tables/shape_rows.h"
@@ -6,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 namespace sheaf {
 
@@ -75,6 +77,43 @@ class Accel {
 
  private:
   struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// A point and how far from it rays are still near.
+struct alignas(16) AccelPoint {
+  float x, y, z, radius;  ///< metres
+};
+
+/// A point near a ray.
+struct NearPoint {
+  float t;              ///< along the ray, metres
+  float squared;        ///< distance across it over the point's radius, squared; below 1
+  std::uint32_t index;  ///< of the point
+};
+
+/// Points, to be found near rays. Const and safe to query from many threads.
+class PointAccel {
+ public:
+  /// Empty.
+  PointAccel();
+  /// Throws Error (runtime) where memory does not suffice.
+  explicit PointAccel(std::vector<AccelPoint> points);
+  ~PointAccel();
+  PointAccel(PointAccel&&) noexcept;
+  PointAccel& operator=(PointAccel&&) noexcept;
+
+  /// Appends the points that lie nearer to the ray than their radius, measured across it, and along it between 0 and
+  /// `length`; in no order. `direction`: unit length.
+  void near_ray(Vec3f origin, Vec3f direction, float length, std::vector<NearPoint>& found) const noexcept;
+  const std::vector<AccelPoint>& points() const { return points_; }
+  /// Memory that Embree holds, in bytes.
+  std::size_t bytes() const;
+
+ private:
+  struct Impl;
+  std::vector<AccelPoint> points_;
+  float largest_radius_ = 0;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -262,13 +262,22 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
   Photon photon;
   photon.p = {0, -1.5f, 4};
   const PhotonMap map({{photon}}, 1, 10, PhotonKernel::kDisc);
-  const PhotonMaps maps{map.view(), {}, false};
-  for (const auto& [kind, from_lights] :
-       {std::pair{IntegratorKind::kPath, false}, std::pair{IntegratorKind::kNormals, false},
-        std::pair{IntegratorKind::kPhotonMapper, false}, std::pair{IntegratorKind::kPhotonMapper, true},
-        std::pair{IntegratorKind::kLightTracer, true}}) {
+  const VolumePhotonMap volume({{photon}}, 1, 10, PhotonKernel::kDisc);
+  struct Case {
+    IntegratorKind kind;
+    bool from_lights, with_volume;
+  };
+  for (const auto& [kind, from_lights, with_volume] :
+       {Case{IntegratorKind::kPath, false, false}, Case{IntegratorKind::kNormals, false, false},
+        Case{IntegratorKind::kPhotonMapper, false, false}, Case{IntegratorKind::kPhotonMapper, false, true},
+        Case{IntegratorKind::kPhotonMapper, true, false}, Case{IntegratorKind::kLightTracer, true, false}}) {
     CAPTURE(static_cast<int>(kind));
     CAPTURE(from_lights);
+    CAPTURE(with_volume);
+    const PhotonMaps maps{map.view(),
+                          {},
+                          with_volume ? PhotonGathering::kIndirect : PhotonGathering::kAll,
+                          with_volume ? &volume : nullptr};
     const bool light = transports_light(kind);
     d.integrator.kind = kind;
     const auto scene = compile_scene(d);

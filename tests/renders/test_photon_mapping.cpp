@@ -1,15 +1,20 @@
 // Photon mapping: energy, and every combination of maps and final gathering against the path tracer, whose mean they
 // share but for the blur of the radius.
+#include "kernels/passes/photon_mapping.h"
 #include "kernels/passes/render.h"
-#include "kernels/passes/trace_photons.h"
 #include "scene/compile/compile.h"
+#include "scene/data/glasses.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/statistics.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_scenes.h"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 #include <string>
 
 namespace sheaf {
@@ -18,13 +23,13 @@ namespace {
 
 const double kLevel = significance_of_each(100);
 
-PhotonMap trace(const Scene& scene, std::uint32_t seed, const PhotonMapDescription& map, PhotonKind kind,
+PhotonMap trace(const Scene& scene, std::uint32_t seed, std::uint64_t count, PhotonKind kind,
                 std::vector<std::string>* warnings = nullptr) {
   StageContext context(scene);
   context.sampler.seed = seed;
   Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
   PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
-  PhotonMap out = trace_photons(context, workers, map, kind, PhotonKernel::kDisc, tracing);
+  PhotonMap out = trace_photons(context, workers, {count, 0.1f, kind, 0}, tracing);
   if (warnings != nullptr) *warnings = tracing.warnings;
   return out;
 }
@@ -99,8 +104,7 @@ TEST_CASE("photon mapping: in a closed box photons leave the light's power over 
     add_point_light(d, {0.2f, 0.3f, -0.5f}, 3);
     const auto scene = compile_scene(d);
     MeanVariance mean;
-    for (std::uint32_t seed = 0; seed < 12; ++seed)
-      mean.add(total_power(trace(*scene, seed, {20000, 0.1f, 0}, PhotonKind::kGlobal)));
+    for (std::uint32_t seed = 0; seed < 12; ++seed) mean.add(total_power(trace(*scene, seed, 20000, PhotonKind::kAll)));
     const double expected = 4 * 3.14159265358979 * 3 / (1 - static_cast<double>(reflectance));
     INFO("power " << mean.mean() << ", expected " << expected);
     if (std::fabs(mean.mean() - expected) > 1e-4 * expected) CHECK(mean.p_value(expected) >= kLevel);
@@ -118,7 +122,7 @@ TEST_CASE("photon mapping: the caustics map holds what specular surfaces alone h
   const auto scene = compile_scene(d);
   MeanVariance mean;
   for (std::uint32_t seed = 0; seed < 12; ++seed)
-    mean.add(total_power(trace(*scene, seed, {20000, 0.1f, 0}, PhotonKind::kCaustic)));
+    mean.add(total_power(trace(*scene, seed, 20000, PhotonKind::kCaustic)));
   // A square seen from one half side above its middle fills a sixth of the sphere.
   const double expected = 4 * 3.14159265358979 / 6 * 0.7;
   INFO("power " << mean.mean() << ", expected " << expected);
@@ -132,7 +136,7 @@ TEST_CASE(
   add_sphere(d, {0, 0, 4}, 1, add_mirror(d, 0.5f));
   add_point_light(d, {0, 2, 0}, 5);
   std::vector<std::string> warnings;
-  CHECK(trace(*compile_scene(d), 1, {1000, 0.1f, 0}, PhotonKind::kGlobal, &warnings).size() == 0);
+  CHECK(trace(*compile_scene(d), 1, 1000, PhotonKind::kAll, &warnings).size() == 0);
   REQUIRE(warnings.size() == 1);
   CHECK(warnings[0].find("holds 0 of the 1000 photons") != std::string::npos);
   d.integrator.kind = IntegratorKind::kPhotonMapper;
@@ -147,9 +151,20 @@ TEST_CASE("photon mapping: the same bits for all thread counts and wave sizes, a
   d.integrator.kind = IntegratorKind::kPhotonMapper;
   d.integrator.photons.global = {5000, 0.1f, 0};
   d.integrator.photons.caustic = {500, 0.05f, 0};
-  for (const bool final_gather : {false, true}) {
-    d.integrator.photons.final_gather = final_gather;
-    const auto scene = compile_scene(d);
+  d.integrator.photons.volume = {2000, 0.1f, 0};
+  d.camera.medium = add_medium(d, fog(0.3f, 0.8f));
+  struct Case {
+    PhotonGathering gathering;
+    bool progressive;
+    ColorMode color;
+  };
+  for (const Case& c :
+       {Case{PhotonGathering::kAll, false, ColorMode::kRgb}, Case{PhotonGathering::kFinal, false, ColorMode::kRgb},
+        Case{PhotonGathering::kIndirect, true, ColorMode::kRgb},
+        Case{PhotonGathering::kIndirect, false, ColorMode::kSpectral}}) {
+    d.integrator.photons.gathering = c.gathering;
+    d.integrator.photons.progressive = c.progressive;
+    const auto scene = compile_scene(d, {.color = c.color});
     const Image whole = render(*scene, {}).to_image();
     for (const int threads : {1, 2, 7})
       for (const int wave_size : {64, 1000}) {
@@ -166,9 +181,80 @@ TEST_CASE("photon mapping: the same bits for all thread counts and wave sizes, a
     bool same = true;
     for (int y = 0; y < crop.height; ++y)
       for (int x = 0; x < crop.width; ++x)
-        for (int c = 0; c < static_cast<int>(crop.channels.size()); ++c)
-          same = same && crop.at(x, y, c) == whole.at(x + 3, y + 5, c);
+        for (int channel = 0; channel < static_cast<int>(crop.channels.size()); ++channel)
+          same = same && crop.at(x, y, channel) == whole.at(x + 3, y + 5, channel);
     CHECK(same);
+  }
+}
+
+TEST_CASE("photon mapping: passes have radii of their own, photons of their own, and wavelengths spread over all") {
+  Description d = room(false, 4);
+  d.integrator.kind = IntegratorKind::kPhotonMapper;
+  d.integrator.photons.global = {500, 0.3f, 0};
+  d.integrator.photons.caustic = {0, 0.1f, 0};
+  d.integrator.photons.alpha = 0.6f;
+  for (const bool progressive : {true, false}) {
+    d.integrator.photons.progressive = progressive;
+    const auto scene = compile_scene(d, {.color = ColorMode::kSpectral});
+    StageContext context(*scene);
+    context.sampler.seed = 5;
+    Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
+    PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
+    PhotonMapping mapping(context, 64, 24);
+    CHECK(mapping.wanted() == (progressive ? 64 * 500 : 32 * 16));
+    CHECK(mapping.samples_alike(10) == 1);
+    double expected = 0.09;
+    std::array<int, 16> strata{};
+    std::set<float> first_places;
+    for (std::uint32_t sample = 0; sample < 16; ++sample) {
+      mapping.prepare(sample, workers, tracing, context);
+      if (progressive && sample > 0) expected *= (sample + 0.6) / (sample + 1.0);
+      const double radius = static_cast<double>(context.maps->global.radius);
+      CHECK(radius * radius == doctest::Approx(expected).epsilon(1e-4));
+      first_places.insert(context.maps->global.x[0]);
+      REQUIRE(context.wavelength_sample >= 0);
+      REQUIRE(context.wavelength_sample < 1);
+      ++strata[static_cast<std::size_t>(context.wavelength_sample * 16)];
+    }
+    CHECK(first_places.size() == 16);
+    // Van der Corput's sequence, shifted: none is empty but for rounding at the borders.
+    CHECK(std::count(strata.begin(), strata.end(), 0) <= 1);
+    if (progressive) continue;
+    // Sample 32 asks what sample 0 asked.
+    for (std::uint32_t sample = 16; sample < 32; ++sample) mapping.prepare(sample, workers, tracing, context);
+    mapping.prepare(32, workers, tracing, context);
+    const float again = context.maps->global.x[0], wavelength = context.wavelength_sample;
+    PhotonMapping other(context, 64, 24);
+    other.prepare(0, workers, tracing, context);
+    CHECK(context.maps->global.x[0] == again);
+    CHECK(context.wavelength_sample == wavelength);
+  }
+}
+
+TEST_CASE("volume photons: in a wide medium photons leave the light's power times the mean number of scatterings") {
+  for (const float albedo : {0.3f, 0.8f}) {
+    CAPTURE(albedo);
+    Description d = empty_scene(4, 4);
+    d.integrator.rr_depth = 3;
+    // Hardly any light comes as far as the walls.
+    fill(d, add_shape(d, CubeShape{}, Transform::scale({100, 100, 100})), add_medium(d, fog(1, albedo)));
+    add_point_light(d, {0.2f, 0.3f, -0.5f}, 3);
+    const auto scene = compile_scene(d);
+    MeanVariance mean;
+    for (std::uint32_t seed = 0; seed < 12; ++seed) {
+      StageContext context(*scene);
+      context.sampler.seed = seed;
+      Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
+      PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
+      const VolumePhotonMap map =
+          trace_volume_photons(context, workers, {20000, 0.1f, PhotonKind::kVolume, 0}, tracing);
+      double sum = 0;
+      for (std::uint32_t i = 0; i < map.size(); ++i) sum += static_cast<double>(map.photon(i).power.c1);
+      mean.add(sum);
+    }
+    const double a = static_cast<double>(albedo), expected = 4 * 3.14159265358979 * 3 * a / (1 - a);
+    INFO("power " << mean.mean() << ", expected " << expected);
+    CHECK(mean.p_value(expected) >= kLevel);
   }
 }
 
@@ -186,7 +272,12 @@ TEST_CASE("photon mapping: maps, final gathering and the caustics map have the p
       d.integrator.photons.kernel = kernel;
       check_close(mean_of(d), path, 0.02);
     }
-    d.integrator.photons.final_gather = true;
+    d.integrator.photons.gathering = PhotonGathering::kIndirect;
+    check_close(mean_of(d), path, 0.01);
+    d.integrator.photons.caustic = {30'000, 0.02f, 0};
+    check_close(mean_of(d), path, 0.01);
+    d.integrator.photons.caustic = {};
+    d.integrator.photons.gathering = PhotonGathering::kFinal;
     check_close(mean_of(d), path, 0.005);
     d.integrator.photons.caustic = {30'000, 0.02f, 0};
     check_close(mean_of(d), path, 0.005);
@@ -205,9 +296,11 @@ TEST_CASE("photon mapping: depth is limited as it is for paths") {
     d.integrator.kind = IntegratorKind::kPhotonMapper;
     d.integrator.photons.global = {60'000, 0.05f, 0};
     check_close(mean_of(d), path, 0.02);
-    d.integrator.photons.final_gather = true;
     d.integrator.photons.caustic = {30'000, 0.02f, 0};
-    check_close(mean_of(d), path, 0.005);
+    for (const PhotonGathering gathering : {PhotonGathering::kIndirect, PhotonGathering::kFinal}) {
+      d.integrator.photons.gathering = gathering;
+      check_close(mean_of(d), path, gathering == PhotonGathering::kFinal ? 0.005 : 0.01);
+    }
   }
 }
 
@@ -234,10 +327,130 @@ TEST_CASE("photon mapping: surfaces in fog, behind panes and with plastic's coat
     d.integrator.kind = IntegratorKind::kPhotonMapper;
     d.integrator.photons.global = {60'000, 0.05f, 0};
     check_close(mean_of(d), path, 0.02);
-    d.integrator.photons.final_gather = true;
+    d.integrator.photons.gathering = PhotonGathering::kFinal;
     check_close(mean_of(d), path, 0.005);
     d.integrator.photons.caustic = {30'000, 0.02f, 0};
     check_close(mean_of(d), path, 0.005);
+  }
+}
+
+TEST_CASE("volume photons: what media scatter has the path tracer's mean, however surfaces are lit") {
+  const TemporaryFolder folder;
+  const auto file = write_vol(folder.path() / "ramp.vol", 8, 1, [](Vec3f p, int) { return 0.3f + p.z * p.x; });
+  enum What { kFog, kForward, kGrid, kGlowing, kCount };
+  for (int what = 0; what < kCount; ++what) {
+    CAPTURE(what);
+    Description d = room(what == kFog, 36);
+    MediumDescription medium;
+    medium.coefficients = ExtinctionAlbedoDescription{SpectrumDescription::rgb(0.7f, 0.3f, 0.1f),
+                                                      SpectrumDescription::rgb(0.8f, 0.7f, 0.9f)};
+    if (what == kForward) medium.phase = add_phase(d, 0.6f);
+    if (what == kGrid || what == kGlowing)
+      medium.density = vol(file, Transform::translate({-1, -1, 0.2f}) * Transform::scale({2, 2, 1.5f}));
+    if (what == kGlowing) medium.emission = SpectrumDescription::constant(0.5f);
+    if (what == kFog || what == kForward) {
+      d.camera.medium = add_medium(d, medium);
+    } else {
+      fill(d, add_shape(d, CubeShape{}, Transform::translate({0, 0, 0.95f}) * Transform::scale({1, 1, 0.75f})),
+           add_medium(d, medium));
+    }
+    const Mean path = path_mean(d);
+    d.integrator.kind = IntegratorKind::kPhotonMapper;
+    d.integrator.photons.global = {60'000, 0.05f, 0};
+    if (what == kFog) d.integrator.photons.caustic = {30'000, 0.02f, 0};
+    d.integrator.photons.volume = {60'000, 0.03f, 0};
+    for (const PhotonGathering gathering :
+         {PhotonGathering::kAll, PhotonGathering::kIndirect, PhotonGathering::kFinal}) {
+      CAPTURE(static_cast<int>(gathering));
+      d.integrator.photons.gathering = gathering;
+      check_close(mean_of(d), path, gathering == PhotonGathering::kAll ? 0.02 : 0.01);
+    }
+    d.integrator.photons.progressive = true;
+    d.integrator.photons.gathering = PhotonGathering::kIndirect;
+    d.integrator.photons.global.count = d.integrator.photons.volume.count = 5'000;
+    check_close(mean_of(d), path, 0.01);
+  }
+}
+
+TEST_CASE("progressive photon mapping: the mean comes to the path tracer's as radii shrink") {
+  for (const bool glass : {false, true}) {
+    CAPTURE(glass);
+    Description d = room(glass, 1);
+    const Mean path = path_mean(d);
+    d.integrator.kind = IntegratorKind::kPhotonMapper;
+    d.integrator.photons.progressive = true;
+    d.integrator.photons.gathering = PhotonGathering::kIndirect;
+    // So large that the corners lose light.
+    d.integrator.photons.global = {4'000, 0.5f, 0};
+    d.integrator.photons.alpha = 0.5f;
+    const Mean first = mean_of(d, 40);
+    d.sampler.sample_count = 64;
+    const Mean many = mean_of(d);
+    INFO("path tracer " << path.value << ", one pass " << first.value << ", 64 passes " << many.value);
+    if (!glass) {
+      CHECK(path.value - first.value > 0.02 * path.value + 4 * std::sqrt(first.variance + path.variance));
+      CHECK(path.value - many.value < 0.5 * (path.value - first.value));
+    }
+    d.integrator.photons.global.radius = 0.08f;
+    check_close(mean_of(d), path, 0.002);
+    // As photons bring all light, and in final gathering.
+    d.integrator.photons.global.radius = 0.04f;
+    for (const PhotonGathering gathering : {PhotonGathering::kAll, PhotonGathering::kFinal}) {
+      d.integrator.photons.gathering = gathering;
+      check_close(mean_of(d), path, 0.005);
+    }
+  }
+}
+
+TEST_CASE("photon mapping: spectral maps agree with spectral paths, dispersion included") {
+  const auto mean_color = [](const Description& d) {
+    const auto scene = compile_scene(d, {.color = ColorMode::kSpectral});
+    std::array<MeanVariance, 3> mean;
+    for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+      RenderOptions options;
+      options.seed = seed;
+      const Image image = render(*scene, options).to_image();
+      for (int c = 0; c < 3; ++c) {
+        double sum = 0;
+        for (int y = 0; y < image.height; ++y)
+          for (int x = 0; x < image.width; ++x) sum += static_cast<double>(image.at(x, y, c));
+        mean[static_cast<std::size_t>(c)].add(sum / (image.width * image.height));
+      }
+    }
+    return mean;
+  };
+  for (const bool disperses : {false, true}) {
+    CAPTURE(disperses);
+    Description d = room(true, 400);
+    if (disperses) {
+      DielectricDescription flint;
+      flint.int_dispersion = *find_dispersion("sf11");
+      // A slab before the camera: paths and photons have both lost their other wavelengths where they meet.
+      add_shape(d, CubeShape{}, Transform::translate({0, -1.4f, 1}) * Transform::scale({1, 0.1f, 0.9f}),
+                add_material(d, flint));
+      add_sphere(d, {0.6f, 0.4f, 0.4f}, 0.4f, add_material(d, flint));
+    }
+    const auto path = mean_color(d);
+    d.integrator.kind = IntegratorKind::kPhotonMapper;
+    d.integrator.photons.global = {200'000, 0.05f, 0};
+    d.sampler.sample_count = 64;
+    struct Case {
+      PhotonGathering gathering;
+      bool progressive;
+      double bias;
+    };
+    for (const Case& c : {Case{PhotonGathering::kAll, false, 0.02}, Case{PhotonGathering::kFinal, false, 0.005},
+                          Case{PhotonGathering::kIndirect, true, 0.008}}) {
+      CAPTURE(static_cast<int>(c.gathering));
+      d.integrator.photons.gathering = c.gathering;
+      d.integrator.photons.progressive = c.progressive;
+      d.integrator.photons.global.count = c.progressive ? 20'000 : 200'000;
+      const auto found = mean_color(d);
+      for (std::size_t i = 0; i < 3; ++i) {
+        CAPTURE(i);
+        check_close({found[i].mean(), found[i].variance() / 8}, {path[i].mean(), path[i].variance() / 8}, c.bias);
+      }
+    }
   }
 }
 

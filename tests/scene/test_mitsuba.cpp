@@ -192,12 +192,30 @@ TEST_CASE("Mitsuba: integrators") {
   CHECK(tracer.notes.empty());
   const Description mapper = with_integrator(
       "<integrator type='photonmapper'><integer name='globalPhotons' value='1234'/><float name='causticLookupRadius' "
-      "value='0.5'/><integer name='lookupSize' value='50'/></integrator>");
+      "value='0.5'/></integrator>");
   CHECK(mapper.integrator.kind == IntegratorKind::kPhotonMapper);
   CHECK(mapper.integrator.photons.global.count == 1234);
   CHECK(mapper.integrator.photons.global.relative_radius == 0.05f);
   CHECK(mapper.integrator.photons.caustic.count == 250'000);
-  CHECK(mapper.integrator.photons.caustic.radius == 0.5f);
+  CHECK(mapper.integrator.photons.caustic.relative_radius == 0.5f);
+  CHECK(mapper.integrator.photons.gathering == PhotonGathering::kIndirect);
+  CHECK(mapper.integrator.photons.lookup_size == 120);
+  for (const char* name : {"ppm", "sppm"}) {
+    const Description d = with_integrator(
+        std::string("<integrator type='") + name +
+        "'><integer name='photonCount' value='77'/><float name='initialRadius' value='0.25'/><float name='alpha' "
+        "value='0.5'/><integer name='maxPasses' value='12'/></integrator>");
+    const PhotonMappingDescription& photons = d.integrator.photons;
+    CHECK(d.notes.empty());
+    CHECK(photons.progressive);
+    CHECK(photons.gathering == PhotonGathering::kIndirect);
+    CHECK(photons.global.count == 77);
+    CHECK(photons.global.radius == 0.25f);
+    CHECK(photons.alpha == 0.5f);
+    CHECK(photons.max_passes == 12);
+    CHECK(photons.lookup_size == 0);
+    CHECK(with_integrator(std::string("<integrator type='") + name + "'/>").integrator.photons.global.count == 250'000);
+  }
   for (const char* name : {"volpath", "volpathmis", "volpath_simple"})
     CHECK(with_integrator(std::string("<integrator type='") + name + "'/>").integrator.max_depth == -1);
   const Description direct = with_integrator("<integrator type='direct'/>");

@@ -111,6 +111,8 @@ TEST_CASE("Nori: integrators") {
   const Case cases[] = {
       {"ptracer", IntegratorKind::kLightTracer, LightStrategy::kMis, -1},
       {"photonmapper", IntegratorKind::kPhotonMapper, LightStrategy::kMis, -1},
+      {"ppm", IntegratorKind::kPhotonMapper, LightStrategy::kMis, -1},
+      {"sppm", IntegratorKind::kPhotonMapper, LightStrategy::kMis, -1},
       {"normals", IntegratorKind::kNormals, LightStrategy::kMis, -1},
       {"depth", IntegratorKind::kDepth, LightStrategy::kMis, -1},
       {"path", IntegratorKind::kPath, LightStrategy::kMis, -1},
@@ -141,25 +143,30 @@ TEST_CASE("Nori: photon mapping") {
   CHECK(plain.kind == IntegratorKind::kPhotonMapper);
   CHECK(plain.photons.global.count == 1'000'000);
   CHECK(plain.photons.global.radius == 0);
-  CHECK(!plain.photons.final_gather);
+  CHECK(plain.photons.gathering == PhotonGathering::kAll);
+  CHECK(!plain.photons.progressive);
   const PhotonMappingDescription p =
       read(
           "<integer name='photonCount' value='5000'/><float name='photonRadius' value='0.25'/>"
           "<boolean name='finalGather' value='true'/><integer name='numGatherRays' value='16'/>"
           "<integer name='causticPhotonCount' value='700'/><float name='causticRadius' value='0.125'/>"
-          "<string name='kernel' value='cone'/>")
+          "<string name='kernel' value='cone'/><integer name='lookupSize' value='80'/>")
           .photons;
   CHECK(p.global.count == 5000);
   CHECK(p.global.radius == 0.25f);
-  CHECK(p.final_gather);
+  CHECK(p.gathering == PhotonGathering::kFinal);
   CHECK(p.gather_rays == 16);
   CHECK(p.caustic.count == 700);
   CHECK(p.caustic.radius == 0.125f);
   CHECK(p.kernel == PhotonKernel::kCone);
+  CHECK(p.lookup_size == 80);
+  CHECK(read("<boolean name='sampleDirect' value='true'/>").photons.gathering == PhotonGathering::kIndirect);
   for (const auto& [properties, message] :
        {std::pair{"<string name='kernel' value='cones'/>", "unknown kernel 'cones', did you mean 'cone'?"},
         std::pair{"<integer name='photonCount' value='-1'/>", "photonCount"},
-        std::pair{"<float name='photonRadius' value='-1'/>", "photonRadius"}}) {
+        std::pair{"<float name='photonRadius' value='-1'/>", "photonRadius"},
+        std::pair{"<integer name='lookupSize' value='5000'/>", "lookupSize"},
+        std::pair{"<float name='alpha' value='0.5'/>", "alpha"}}) {
     CAPTURE(std::string(properties));
     try {
       read(properties);

@@ -44,6 +44,8 @@ SCRIPTS = {
     "tools/fit_wavelengths.py": ["--colours", "2", "--iterations", "1"],
     "tools/plot_samplers.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-spp", "4",
                                "--output", "{out}/samplers.png"],
+    "tools/plot_progressive.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-passes",
+                                  "1", "--photons", "100", "--output", "{out}/progressive.png"],
 }
 
 # Python modules outside of its own library that scripts import, and the Debian packages that hold them.

@@ -1,0 +1,159 @@
+// What photon maps cost: gathering around surface vertices and along rays in fog, and building. "per_item" is in
+// seconds per query (per photon where maps are built), "per_photon" per photon found, "photons" how many those are.
+#include "core/error.h"
+#include "kernels/film/camera_task.h"
+#include "kernels/film/film_layout.h"
+#include "kernels/passes/trace_photons.h"
+#include "kernels/photons/photon_maps.h"
+#include "kernels/stages/stage_list.h"
+#include "kernels/wave/wave_snapshot.h"
+#include "scene/compile/compile.h"
+#include "scene/dialects/read_scene.h"
+
+#include <benchmark/benchmark.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace sheaf {
+
+namespace {
+
+constexpr std::uint64_t kPhotons = 1'000'000;
+
+std::unique_ptr<Scene> load_scene(const char* file) {
+  return compile_scene(read_scene(std::filesystem::path(SHEAF_SOURCE_DIR) / file));
+}
+
+/// Traces and stores photons as a render does.
+template <class Trace> auto traced(const Scene& scene, PhotonKind kind, float radius, int lookup_size, Trace&& trace) {
+  StageContext context(scene);
+  context.transport.photons.lookup_size = lookup_size;
+  Workers workers([&] { return Worker(Wave::default_capacity(WaveNeeds::of(context)), WaveNeeds::of(context)); });
+  PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
+  return trace(context, workers, PhotonRequest{kPhotons, radius, kind, 0}, tracing);
+}
+
+/// A wave of camera rays, spread over the picture, that has come as far as a stage that gathers.
+class GatheringWave {
+ public:
+  GatheringWave(const Scene& scene, const PhotonMaps& maps, Stage end)
+      : context_(scene, &task_), wave_(Wave::default_capacity(WaveNeeds::of(context_)), WaveNeeds::of(context_)) {
+    context_.maps = &maps;
+    const FilmDescription& film = scene.film();
+    const int side = 16;
+    pixels_ = samples_of({film.width / 2 - side, film.height / 4, film.width / 2 + side, film.height / 4 * 3},
+                         film.width, 0, 4);
+    task_.begin(pixels_, film.width, kBeautyChannels);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(end); ++i)
+      if (takes_part(context_, kStages<Wide>[i].use, true)) kStages<Wide>[i].run(context_, wave_);
+  }
+
+  /// Times the stage by its own counter. `found`: photons that all queries together find.
+  void run(benchmark::State& state, Stage stage, double found) {
+    const WaveSnapshot snapshot(wave_);
+    StageStats& stats = wave_.stats[stage];
+    stats = {};
+    for (auto _ : state) {
+      snapshot.restore(wave_);
+      const std::uint64_t before = stats.ticks;
+      kStages<Wide>[static_cast<std::size_t>(stage)].run(context_, wave_);
+      state.SetIterationTime(static_cast<double>(stats.ticks - before) * seconds_per_tick());
+    }
+    const double items = static_cast<double>(stats.items) / static_cast<double>(stats.calls);
+    const auto rate = [](double of) {
+      return benchmark::Counter(of, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+    };
+    state.counters["per_item"] = rate(items);
+    state.counters["per_photon"] = rate(found);
+    state.counters["photons"] = found / items;
+  }
+
+  Wave& wave() { return wave_; }
+
+ private:
+  CameraTask task_;
+  std::vector<PixelSamples> pixels_;
+  StageContext context_;
+  Wave wave_;
+};
+
+double photons_around(const PhotonMapView& map, Vec3f p) {
+  std::uint32_t buckets[8];
+  const int count = map.buckets_around(p, buckets);
+  double found = 0;
+  for (int b = 0; b < count; ++b)
+    for (std::uint32_t i = map.bucket_begin[buckets[b]]; i < map.bucket_begin[buckets[b] + 1]; ++i)
+      found += length(Vec3f{map.x[i], map.y[i], map.z[i]} - p) < map.radius ? 1 : 0;
+  return found;
+}
+
+void gather_around(benchmark::State& state, float radius, int lookup_size) {
+  const FlushDenormals flush;
+  const auto scene = load_scene("scenes/cornell/cornell.xml");
+  const PhotonMap map = traced(*scene, PhotonKind::kAll, radius, lookup_size, trace_photons);
+  const PhotonMaps maps{map.view(), {}, PhotonGathering::kAll};
+  GatheringWave gathering(*scene, maps, Stage::kGather);
+  Wave& wave = gathering.wave();
+  double found = 0;
+  for (const VertexRun& run : wave.runs)
+    for (int i = 0; i < run.count; ++i)
+      found += photons_around(maps.global, wave.vertices.load<Scalar>(run.column_begin + i).p);
+  gathering.run(state, Stage::kGather, found);
+}
+
+void gather_along(benchmark::State& state, float radius) {
+  const FlushDenormals flush;
+  const auto scene = load_scene("scenes/media/fog.xml");
+  const VolumePhotonMap map = traced(*scene, PhotonKind::kVolume, radius, 0, trace_volume_photons);
+  const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &map};
+  GatheringWave gathering(*scene, maps, Stage::kGatherVolume);
+  Wave& wave = gathering.wave();
+  std::vector<NearPoint> found;
+  for (const Slot slot : wave.medium.span()) {
+    const RayState<Scalar> ray = wave.rays.get(slot);
+    map.points().near_ray(ray.origin, ray.direction, wave.hits.get(slot).t, found);
+  }
+  gathering.run(state, Stage::kGatherVolume, static_cast<double>(found.size()));
+}
+
+/// Photons all over a square, as a floor gets them.
+std::vector<Photon> photons_on_floor() {
+  std::vector<Photon> photons(kPhotons);
+  for (std::uint32_t i = 0; i < kPhotons; ++i) {
+    const Random4<Scalar> u = random4<Scalar>(1, i, 0, 0);
+    photons[i].p = {u.x, 0, u.y};
+  }
+  return photons;
+}
+
+template <class Map> void build(benchmark::State& state) {
+  const std::vector<Photon> photons = photons_on_floor();
+  for (auto _ : state) {
+    const Map map({photons}, kPhotons, 0.01f, PhotonKernel::kDisc);
+    benchmark::DoNotOptimize(map.bytes());
+  }
+  state.counters["per_item"] =
+      benchmark::Counter(kPhotons, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+[[maybe_unused]] const bool registered = [] {
+  for (const float radius : {0.005f, 0.02f, 0.08f}) {
+    const std::string r = std::to_string(radius).substr(0, 5);
+    benchmark::RegisterBenchmark(("photons/around/radius_" + r).c_str(), gather_around, radius, 0)->UseManualTime();
+    benchmark::RegisterBenchmark(("photons/along/radius_" + r).c_str(), gather_along, radius)->UseManualTime();
+  }
+  benchmark::RegisterBenchmark("photons/around/nearest_50", gather_around, 0.08f, 50)->UseManualTime();
+  benchmark::RegisterBenchmark("photons/build/surfaces", build<PhotonMap>)
+      ->UseRealTime()
+      ->Unit(benchmark::kMillisecond);
+  benchmark::RegisterBenchmark("photons/build/media", build<VolumePhotonMap>)
+      ->UseRealTime()
+      ->Unit(benchmark::kMillisecond);
+  return true;
+}();
+
+}  // namespace
+
+}  // namespace sheaf

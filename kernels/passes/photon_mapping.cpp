@@ -1,0 +1,110 @@
+#include "kernels/passes/photon_mapping.h"
+
+#include "core/error.h"
+#include "core/rng.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace sheaf {
+
+namespace {
+
+/// Sets of wavelengths that the photons of a map are shared among.
+constexpr std::uint32_t kWavelengthSets = 32;
+/// Most passes of progressive maps: photons are numbered through all of them.
+constexpr std::uint32_t kMostPasses = 1 << 22;
+/// The radius of a progressive map's first pass, in pixels' shares of the scene's radius.
+constexpr float kFirstRadius = 5;
+
+/// Whether any medium scatters.
+bool has_phase_functions(const SceneView& scene) {
+  bool any = false;
+  for_each_closure([&](auto closure) {
+    const int kind = static_cast<int>(closure.kKind);
+    any = any || (closure.is_phase && scene.bucket_begin[kind + 1] > scene.bucket_begin[kind]);
+  });
+  return any;
+}
+
+/// Van der Corput's sequence: any stretch of it from 0 on is spread evenly over [0, 1).
+float radical_inverse(std::uint32_t i) {
+  i = i << 16 | i >> 16;
+  i = (i & 0x00ff00ffu) << 8 | (i & 0xff00ff00u) >> 8;
+  i = (i & 0x0f0f0f0fu) << 4 | (i & 0xf0f0f0f0u) >> 4;
+  i = (i & 0x33333333u) << 2 | (i & 0xccccccccu) >> 2;
+  i = (i & 0x55555555u) << 1 | (i & 0xaaaaaaaau) >> 1;
+  return static_cast<float>(i >> 8) * 0x1p-24f;
+}
+
+}  // namespace
+
+PhotonMapping::PhotonMapping(const StageContext& context, std::uint32_t samples, int film_side)
+    : settings_(context.transport.photons),
+      scene_radius_(context.scene.radius),
+      pixel_(context.scene.radius / static_cast<float>(film_side)) {
+  if (settings_.progressive) {
+    if (samples > kMostPasses)
+      throw Error(ExitCode::kUsage, "progressive photon mapping has a pass for each sample per pixel, at most " +
+                                        std::to_string(kMostPasses));
+    sets_ = samples;
+  }
+  if (settings_.gathering == PhotonGathering::kAll) settings_.caustic.count = 0;
+  if (!has_phase_functions(context.scene)) settings_.volume.count = 0;
+  if (context.scene.color != ColorMode::kSpectral) return;
+  if (!settings_.progressive) sets_ = std::min(samples, kWavelengthSets);
+  std::uint32_t x = context.sampler.seed, y = 0, z = 0, w = 0;
+  hash4(x, y, z, w);
+  offset_ = static_cast<float>(x >> 8) * 0x1p-24f;
+}
+
+std::uint64_t PhotonMapping::count_of(const PhotonMapDescription& map) const {
+  return settings_.progressive ? map.count : (map.count + sets_ - 1) / sets_;
+}
+
+float PhotonMapping::radius_of(const PhotonMapDescription& map) const {
+  const float first = map.radius > 0.0f            ? map.radius
+                      : map.relative_radius > 0.0f ? map.relative_radius * scene_radius_
+                                                   : kFirstRadius * pixel_;
+  return first * static_cast<float>(std::sqrt(shrunk_));
+}
+
+void PhotonMapping::make(std::uint32_t index, Set& set, Workers& workers, PhotonTracing& tracing,
+                         const StageContext& context) {
+  const auto trace = [&](const PhotonMapDescription& map, PhotonKind kind) {
+    return trace_photons(context, workers, {count_of(map), radius_of(map), kind, index}, tracing);
+  };
+  const bool caustics = settings_.caustic.count > 0;
+  PhotonKind kind = PhotonKind::kAll;
+  if (settings_.gathering == PhotonGathering::kIndirect) kind = caustics ? PhotonKind::kDiffuse : PhotonKind::kIndirect;
+  set.global = trace(settings_.global, kind);
+  if (caustics) set.caustic = trace(settings_.caustic, PhotonKind::kCaustic);
+  set.maps = {set.global.view(), set.caustic.view(), settings_.gathering};
+  if (settings_.volume.count == 0) return;
+  set.volume = trace_volume_photons(
+      context, workers, {count_of(settings_.volume), radius_of(settings_.volume), PhotonKind::kVolume, index}, tracing);
+  set.maps.volume = &set.volume;
+}
+
+void PhotonMapping::prepare(std::uint32_t sample, Workers& workers, PhotonTracing& tracing, StageContext& context) {
+  const auto set = static_cast<std::uint32_t>(sample % sets_);
+  if (offset_ >= 0.0f) {
+    const float u = offset_ + radical_inverse(set);
+    context.wavelength_sample = u < 1.0f ? u : u - 1.0f;
+  }
+  if (settings_.progressive && sample > 0) {
+    // Knaus and Zwicker 2011, equation 10.
+    const double pass = sample;
+    shrunk_ *= (pass + static_cast<double>(settings_.alpha)) / (pass + 1);
+  }
+  if (made_.empty()) made_.resize(settings_.progressive ? 1 : sets_);
+  Set& at = made_[settings_.progressive ? 0 : set];
+  if (settings_.progressive || sample < sets_) {
+    at = {};
+    make(set, at, workers, tracing, context);
+  }
+  context.maps = &at.maps;
+}
+
+}  // namespace sheaf

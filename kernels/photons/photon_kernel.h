@@ -1,0 +1,23 @@
+// How photons count by their distance.
+#pragma once
+
+#include "core/simd.h"
+#include "scene/tables/scene.h"
+
+namespace sheaf {
+
+/// The kernel times pi r^2, by the squared distance over r^2 in [0, 1].
+template <class L> SHEAF_INLINE Float<L> photon_kernel(PhotonKernel kind, Float<L> squared) {
+  using F = Float<L>;
+  switch (kind) {
+    case PhotonKernel::kDisc:
+      return F(1.0f);
+    case PhotonKernel::kCone:
+      return F(3.0f) * (F(1.0f) - sqrt(squared));
+    case PhotonKernel::kEpanechnikov:
+      return F(2.0f) * (F(1.0f) - squared);
+  }
+  return F(1.0f);
+}
+
+}  // namespace sheaf

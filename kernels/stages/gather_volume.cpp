@@ -1,0 +1,178 @@
+// Stage: gather volume. With a map of photons in media, paths from the camera pass media without being scattered: what
+// media scatter towards a path along its whole ray is the photons' (Jarosz, Zwicker and Jensen 2008, "The Beam Radiance
+// Estimate for Volumetric Photon Mapping", equation 16):
+//     L = sum of T(t_i) p Phi_i k(d_i),
+// photon i at distance t_i along the ray and d_i across it, T the transmittance, p the phase function, k the kernel
+// over the disc of the radius. Photons were stored where they had been scattered, so that Phi holds the albedo.
+//
+// Transmittance is exact in homogeneous media; in others one walk by ratio tracking serves all photons and what lies
+// behind the medium.
+#include "core/frame.h"
+#include "core/octahedral.h"
+#include "kernels/lights/light_weight.h"
+#include "kernels/media/medium_ray.h"
+#include "kernels/phase/phase_value.h"
+#include "kernels/photons/photon_kernel.h"
+#include "kernels/photons/photon_maps.h"
+#include "kernels/stages/route_hits.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/add_radiance.h"
+#include "kernels/wave/stage_timer.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+/// The photons near the ray that count, nearest to its origin first.
+void find_photons(const VolumePhotonMap& map, const MediumRay& ray, std::uint32_t medium, std::uint32_t edges_left,
+                  BeamScratch& scratch) {
+  scratch.photons.clear();
+  if (edges_left == 0 || !ray.has(kMediumScatters)) return;
+  std::vector<NearPoint>& found = scratch.found;
+  found.clear();
+  map.points().near_ray(ray.origin, ray.direction, ray.length, found);
+  const auto counts = [&](const NearPoint& point) {
+    const std::uint32_t place = map.photon(point.index).place;
+    return (place & kMostPhotonEdges) <= edges_left && place >> kPhotonMediumShift == medium;
+  };
+  found.erase(std::remove_if(found.begin(), found.end(), [&](const NearPoint& point) { return !counts(point); }),
+              found.end());
+  std::sort(found.begin(), found.end(),
+            [](const NearPoint& a, const NearPoint& b) { return a.t != b.t ? a.t < b.t : a.index < b.index; });
+  for (const NearPoint& point : found) scratch.photons.push_back({point, {}});
+}
+
+/// Light that the medium itself sends along the ray, and how much of the light from behind it arrives.
+struct Passage {
+  Quad emitted, transmittance;
+};
+
+/// Finds the transmittance up to each photon.
+Passage pass_homogeneous_medium(const MediumRay& ray, std::vector<NearPhoton>& near) {
+  const MediumCoefficients c = medium_coefficients(ray.medium, ray.spectra);
+  const Quad sigma_t = c.sigma_t;
+  for (NearPhoton& photon : near) photon.transmittance = to_spectrum(transmittance(sigma_t, photon.point.t));
+  const Quad passed = transmittance(sigma_t, ray.length);
+  Quad emitted;
+  if (ray.has(kMediumEmits)) {
+    const Quad absorbed = (Quad(1.0f) - passed) / max(sigma_t, Quad(1e-30f));
+    // Where nothing is extinguished, nothing is emitted either.
+    emitted = c.sigma_a * ray.spectra.emission * absorbed;
+  }
+  return {emitted, passed};
+}
+
+/// The same by ratio tracking against the largest majorant of all lanes (Novak, Selle and Jarosz, "Residual Ratio
+/// Tracking for Estimating Attenuation in Participating Media", 2014, section 3), which weighs each lane on its own.
+Passage pass_heterogeneous_medium(MediumRay ray, MediumRandom& random, TrackingCounts& counts,
+                                  std::vector<NearPhoton>& near) {
+  const Quad most = majorant_spectrum(ray, 1.0f);
+  for (int lane = 0; lane < 4; ++lane)
+    if (most[lane] > most[ray.hero]) ray.hero = lane;
+  Quad passed(1.0f), emitted;
+  std::size_t next = 0;
+  const auto reach = [&](float t) {
+    for (; next < near.size() && near[next].point.t < t; ++next) near[next].transmittance = to_spectrum(passed);
+  };
+  const std::uint64_t abandoned = counts.abandoned;
+  for_each_collision(ray, random, counts, [&](const Collision& at) {
+    reach(at.t);
+    ++counts.shadow;
+    const Quad over = Quad(1.0f / at.sigma_maj[ray.hero]);
+    const Vec3f p = ray.at(at.t);
+    const MediumCoefficients c = ray.coefficients(p);
+    if (ray.has(kMediumEmits)) emitted = emitted + passed * c.sigma_a * ray.emission(p) * over;
+    passed = passed * max(Quad(1.0f) - c.sigma_t * over, Quad());
+    return max_component(passed) > 0.0f;
+  });
+  if (counts.abandoned != abandoned) passed = Quad();
+  reach(kInfinity);
+  return {emitted, passed};
+}
+
+/// Radiance that the photons bring.
+template <class L>
+Quad gather_beam(const SceneView& scene, const VolumePhotonMap& map, const MediumRay& ray, bool single_wavelength,
+                 const std::vector<NearPhoton>& near) {
+  using F = Float<L>;
+  const Frame<L> frame = Frame<L>::from_normal(broadcast<L>(-ray.direction));
+  Quad sum;
+  for (std::size_t first = 0; first < near.size(); first += L::width) {
+    alignas(kSimdAlignment) std::uint32_t directions[L::width] = {};
+    alignas(kSimdAlignment) float squared[L::width] = {}, weights[L::width];
+    const int count = static_cast<int>(std::min<std::size_t>(L::width, near.size() - first));
+    for (int i = 0; i < count; ++i) {
+      directions[i] = map.photon(near[first + static_cast<std::size_t>(i)].point.index).direction;
+      squared[i] = near[first + static_cast<std::size_t>(i)].point.squared;
+    }
+    Uint<L> direction;
+    F distance;
+    load(directions, direction);
+    load(squared, distance);
+    const Vec3<L> wi = frame.to_local(decode_octahedral<L>(direction));
+    store(weights, phase_value<L>(scene, ray.medium.phase, wi) * photon_kernel<L>(map.kernel(), distance));
+    for (int i = 0; i < count; ++i) {
+      const NearPhoton& one = near[first + static_cast<std::size_t>(i)];
+      const VolumePhotonMap::Record& photon = map.photon(one.point.index);
+      // Both lost three wavelengths, and made up for them fourfold; once is enough.
+      const bool both = single_wavelength && (photon.place & kPhotonSingleWavelength) != 0;
+      sum = sum + Quad(photon.power) * Quad(one.transmittance) * (both ? 0.25f * weights[i] : weights[i]);
+    }
+  }
+  return sum * (kInvPi / (map.radius() * map.radius()));
+}
+
+/// Whether the medium's own light along the path's ray is the path's to find.
+bool finds_emission(const StageContext& context, std::uint32_t flags, float scatter_pdf) {
+  if (scatter_pdf > 0.0f && context.transport.strategy == LightStrategy::kLightOnly) return false;
+  return !is_caustic<Scalar>(context, flags, scatter_pdf);
+}
+
+template <class L> void gather_path(const StageContext& context, Wave& wave, Slot slot, TrackingCounts& counts) {
+  const SceneView& scene = context.scene;
+  const RayState<Scalar> state = wave.rays.get(slot);
+  const HitState<Scalar> hit = wave.hits.get(slot);
+  ThroughputState<Scalar>& path = wave.throughput.row(slot);
+  const float end = hit.shape == kNone ? medium_end(scene, state.origin, state.direction) : kInfinity;
+  const MediumRay ray = make_medium_ray(context, state.flags, lane_wavelengths(scene, wave, slot), state.origin,
+                                        state.direction, min(hit.t, end));
+  const auto most = static_cast<std::uint32_t>(context.transport.max_depth);  // -1: larger than any depth
+  const std::uint32_t depth = path.depth() + 1;
+  const std::uint32_t edges_left = most > depth && context.maps->gathers_volume(state.flags) ? most - depth : 0u;
+  find_photons(*context.maps->volume, ray, state.flags >> kRayMediumShift, edges_left, wave.beam);
+  MediumRandom random(context.sampler.seed, path.pixel, path.sample, path.event(), MediumStream::kPath);
+  const Passage passage = ray.has(kMediumHomogeneous)
+                              ? pass_homogeneous_medium(ray, wave.beam.photons)
+                              : pass_heterogeneous_medium(ray, random, counts, wave.beam.photons);
+  const Quad over = Quad(path.beta) * (1.0f / lane_mean<Scalar>(scene.color, wave.probabilities.row(slot).r_u));
+  const bool single = has_single_wavelength(context, wave, slot);
+  add_radiance(wave, slot, over * gather_beam<L>(scene, *context.maps->volume, ray, single, wave.beam.photons), kNone);
+  if (ray.has(kMediumEmits) && finds_emission(context, state.flags, wave.radiance.row(slot).scatter_pdf))
+    add_radiance(wave, slot, over * passage.emitted, ray.medium.light);
+  path.beta = path.beta * to_spectrum(passage.transmittance);
+  if (!(max_component(path.beta) > 0.0f)) {
+    wave.finished.push(slot);
+    return;
+  }
+  route_hits<Scalar>(context, wave, &slot, 1u, {hit.shape != kNone, hit.light, hit.material, state.flags});
+}
+
+}  // namespace
+
+template <class L> void gather_volume(const StageContext& context, Wave& wave) noexcept {
+  if (context.maps == nullptr || context.maps->volume == nullptr) return;
+  const int paths = wave.medium.size();
+  if (paths == 0) return;
+  StageTimer timer(wave.stats, Stage::kGatherVolume);
+  timer.count(paths, 1);
+  TrackingCounts counts;
+  for (const Slot slot : wave.medium.span()) gather_path<L>(context, wave, slot, counts);
+  wave.stats.collisions += counts;
+  wave.medium.clear();
+}
+
+SHEAF_INSTANTIATE_STAGE(gather_volume);
+
+}  // namespace sheaf
