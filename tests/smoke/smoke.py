@@ -32,6 +32,7 @@ MAKERS = {
     "tools/make_sky.py": [],
     "tools/make_instances.py": ["500"],
     "tools/make_media_scenes.py": ["--make-cloud", "{build}/make_cloud"],
+    "tools/make_caustic_scenes.py": [],
 }
 
 # The shortest arguments of the other scripts. {build} is the build folder, {out} an empty one.
@@ -108,7 +109,8 @@ def make_scenes(arguments, folder, failures):
 
 
 def check_scenes(arguments, folder, failures):
-    """Every scene, a few pixels in the middle, in both colour modes."""
+    """Every scene, a few pixels in the middle, in both colour modes; those with photon maps, which there are none of in
+    spectral mode, with few photons, and by paths in spectral mode."""
     make_scenes(arguments, folder, failures)
     sheaf, picture, stats = arguments.build / "sheaf", folder / "picture.exr", folder / "stats.json"
     for scene in sorted((folder / "scenes").rglob("*.xml")):
@@ -121,9 +123,11 @@ def check_scenes(arguments, folder, failures):
             failures.add(f"info {name}", output)
             continue
         x, y = int(size[1]) // 2, int(size[2]) // 2
+        few = [f"-D{count}=1000" for count in ("photons", "caustic_photons") if f'"${count}"' in scene.read_text()]
         for color in ("rgb", "spectral"):
+            paths = ["--integrator", "path"] if few and color == "spectral" else []
             good, output = run([sheaf, "render", scene, "-o", picture, "--spp", "1", "--color", color, "--crop",
-                                f"{x - 12},{y - 8},{x + 12},{y + 8}", "--stats", stats, "--quiet"], folder)
+                                f"{x - 12},{y - 8},{x + 12},{y + 8}", "--stats", stats, "--quiet", *few, *paths], folder)
             if not good:
                 failures.add(f"render {name} --color {color}", output)
             elif any(json.loads(stats.read_text())["dropped"].values()):
