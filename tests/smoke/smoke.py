@@ -68,6 +68,7 @@ EXEMPT = {
     "tools/quickstart.sh": "builds; .ci/run runs it",
     "tools/test.sh": "builds, and runs this test; .ci/run runs it",
     "tools/scene_text.py": "a module, which other scripts import",
+    "bench/rendering.py": "a module, which other scripts import",
     "sheaf": "smoke_scenes runs it",
     "sheaf_bench": "smoke_benchmarks runs it",
 }
