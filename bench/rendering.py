@@ -13,8 +13,8 @@ def render(sheaf, scene, output, spp, seed, *options):
     """The report of the renderer, with "cpu_seconds" that the whole program took, the system's left out."""
     stats = Path(output).with_suffix(".json")
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    subprocess.run([str(sheaf), "render", str(scene), "-o", str(output), "--spp", str(spp), "--seed", str(seed), "--stats",
-                    str(stats), "--quiet", *options], check=True)
+    subprocess.run([str(sheaf), "render", str(scene), "-o", str(output), "--spp", str(spp), "--seed", str(seed),
+                    "--stats", str(stats), "--quiet", *options], check=True)
     seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
     return json.loads(stats.read_text()) | {"cpu_seconds": seconds}
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Makes the meshes of scenes/caustics (scenes/caustics/generated): a ring, and the surface of the water in a pool. Needs
-nothing but Python; the output never varies.
+"""Makes the meshes of scenes/caustics (scenes/caustics/generated): a ring, and the surface of the water in a pool.
+Needs nothing but Python; the output never varies.
 
   tools/make_caustic_scenes.py
 """
@@ -33,7 +33,7 @@ def write_obj(path, what, places, normals, faces):
 
 
 def ring_outline():
-    """Radius and height of the ring's section and its normal there, once around: up on the outside, down on the inside."""
+    """Radius, height and normal of the ring's section, once around: up on the outside, down on the inside."""
     corners = [(OUTER - EDGE, EDGE, -90), (OUTER - EDGE, HEIGHT - EDGE, 0), (INNER + EDGE, HEIGHT - EDGE, 90),
                (INNER + EDGE, EDGE, 180)]
     for radius, height, start in corners:

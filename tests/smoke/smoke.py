@@ -41,6 +41,8 @@ SCRIPTS = {
     "bench/compare_lights.py": ["--sheaf", "{build}/sheaf", "--seconds", "0.01", "--width", "48", "--reference-spp", "4"],
     "bench/compare_media.py": ["--sheaf", "{build}/sheaf", "--width", "32", "--spp", "2", "--seeds", "1",
                                "--reference-spp", "2", "--steps", "0.1"],
+    "bench/compare_photons.py": ["--sheaf", "{build}/sheaf", "--seconds", "0.01", "--width", "24", "--seeds", "1",
+                                 "--reference-spp", "1", "--photons", "0.01"],
     "tools/compare_builds.py": ["{build}/sheaf", "{build}/sheaf", "--spp", "1", "--only", "cornell"],
     "tools/fit_wavelengths.py": ["--colours", "2", "--iterations", "1"],
     "tools/plot_samplers.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-spp", "4",
@@ -128,7 +130,8 @@ def check_scenes(arguments, folder, failures):
         for color in ("rgb", "spectral"):
             paths = ["--integrator", "path"] if few and color == "spectral" else []
             good, output = run([sheaf, "render", scene, "-o", picture, "--spp", "1", "--color", color, "--crop",
-                                f"{x - 12},{y - 8},{x + 12},{y + 8}", "--stats", stats, "--quiet", *few, *paths], folder)
+                                f"{x - 12},{y - 8},{x + 12},{y + 8}", "--stats", stats, "--quiet", *few, *paths],
+                               folder)
             if not good:
                 failures.add(f"render {name} --color {color}", output)
             elif any(json.loads(stats.read_text())["dropped"].values()):
