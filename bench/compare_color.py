@@ -11,23 +11,10 @@ half the mean square of the difference of two.
 
 import argparse
 import itertools
-import re
-import subprocess
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-
-
-def render(arguments, scene, color, output, spp, seed):
-    subprocess.run([arguments.sheaf, "render", scene, "-o", str(output), "--color", color, "--spp", str(spp), "--seed",
-                    str(seed), "--crop", arguments.crop, "--quiet"], check=True)
-
-
-def mean_squared_error(arguments, picture, reference):
-    out = subprocess.run([arguments.sheaf, "compare", str(picture), str(reference)], check=False, text=True,
-                         stdout=subprocess.PIPE).stdout
-    return float(re.search(r"^MSE +(\S+)", out, re.MULTILINE).group(1))
+from rendering import ROOT, mean_squared_error, render
 
 
 def main():
@@ -46,9 +33,10 @@ def main():
             error = {}
             for color in ("rgb", "spectral"):
                 for seed, picture in enumerate(pictures, 1):
-                    render(arguments, scene, color, picture, arguments.spp, seed)
+                    render(arguments.sheaf, scene, picture, arguments.spp, seed, "--color", color, "--crop",
+                           arguments.crop)
                 pairs = list(itertools.combinations(pictures, 2))
-                error[color] = sum(mean_squared_error(arguments, a, b) for a, b in pairs) / (2 * len(pairs))
+                error[color] = sum(mean_squared_error(arguments.sheaf, a, b) for a, b in pairs) / (2 * len(pairs))
             print(f"{Path(scene).stem:16} {error['rgb']:12.4g}  {error['spectral']:12.4g}  "
                   f"{error['spectral'] / error['rgb']:6.3f}", flush=True)
 

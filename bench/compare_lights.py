@@ -10,29 +10,18 @@ would be most of the error, whatever the choice.
 """
 
 import argparse
-import json
-import re
-import subprocess
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from rendering import ROOT, mean_squared_error, render
 
 
-def render(arguments, output, selector, candidates, spp, seed):
+def render_lights(arguments, output, selector, candidates, spp, seed):
     """Seconds spent rendering, and rays traced."""
-    stats = output.with_suffix(".json")
-    subprocess.run([arguments.sheaf, "render", arguments.scene, "-o", str(output), "--spp", str(spp), "--seed", str(seed),
-                    "--light-sampler", selector, "--candidates", str(candidates), "--stats", str(stats), "--quiet",
-                    "-D", f"width={arguments.width}", "-D", f"height={arguments.width * 9 // 16}", "-D", "hide=true"], check=True)
-    report = json.loads(stats.read_text())
+    report = render(arguments.sheaf, arguments.scene, output, spp, seed, "--light-sampler", selector, "--candidates",
+                    str(candidates), "-D", f"width={arguments.width}", "-D", f"height={arguments.width * 9 // 16}", "-D",
+                    "hide=true")
     return report["render_seconds"], sum(report["rays"].values())
-
-
-def mean_squared_error(arguments, picture, reference):
-    out = subprocess.run([arguments.sheaf, "compare", str(picture), str(reference)], check=False, text=True,
-                         stdout=subprocess.PIPE).stdout
-    return float(re.search(r"^MSE +(\S+)", out, re.MULTILINE).group(1))
 
 
 def main():
@@ -45,15 +34,15 @@ def main():
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         reference, picture = Path(folder) / "reference.exr", Path(folder) / "picture.exr"
-        render(arguments, reference, "bvh", 8, arguments.reference_spp, 1000)
+        render_lights(arguments, reference, "bvh", 8, arguments.reference_spp, 1000)
         print("sampler  candidates    spp  seconds         MSE   gain     Mrays")
         first = None
         for selector in ("uniform", "power", "bvh"):
             for candidates in (1, 4, 8, 32):
-                seconds, _ = render(arguments, picture, selector, candidates, 4, 1)
+                seconds, _ = render_lights(arguments, picture, selector, candidates, 4, 1)
                 spp = max(1, round(4 * arguments.seconds / seconds))
-                seconds, rays = render(arguments, picture, selector, candidates, spp, 2)
-                error = mean_squared_error(arguments, picture, reference)
+                seconds, rays = render_lights(arguments, picture, selector, candidates, spp, 2)
+                error = mean_squared_error(arguments.sheaf, picture, reference)
                 # What is left of the difference in time counts as if error went with its inverse.
                 cost = error * seconds
                 first = first or cost

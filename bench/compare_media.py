@@ -10,30 +10,16 @@ nanoseconds of CPU time per collision in the medium stage.
 """
 
 import argparse
-import json
-import re
-import resource
-import subprocess
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from rendering import ROOT, mean_squared_error, render
 
 
-def render(arguments, output, options, spp, seed):
-    """Seconds of CPU time, and the report of the renderer."""
-    stats = output.with_suffix(".json")
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    subprocess.run([arguments.sheaf, "render", arguments.scene, "-o", str(output), "--spp", str(spp), "--seed", str(seed),
-                    "--threads", str(arguments.threads), "--stats", str(stats), "--quiet", *options,
-                    "-D", f"width={arguments.width}", "-D", f"height={arguments.width * 5 // 8}"], check=True)
-    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, json.loads(stats.read_text())
-
-
-def mean_squared_error(arguments, picture, reference):
-    out = subprocess.run([arguments.sheaf, "compare", str(picture), str(reference)], check=False, text=True,
-                         stdout=subprocess.PIPE).stdout
-    return float(re.search(r"^MSE +(\S+)", out, re.MULTILINE).group(1))
+def render_media(arguments, output, options, spp, seed):
+    """The report of the renderer."""
+    return render(arguments.sheaf, arguments.scene, output, spp, seed, "--threads", str(arguments.threads), *options,
+                  "-D", f"width={arguments.width}", "-D", f"height={arguments.width * 5 // 8}")
 
 
 def step_cost(report, seconds):
@@ -61,16 +47,16 @@ def main():
               for step in arguments.steps]
     with tempfile.TemporaryDirectory() as folder:
         reference, picture = Path(folder) / "reference.exr", Path(folder) / "picture.exr"
-        render(arguments, reference, ["--medium-estimator", "null_mis"], arguments.reference_spp, 1000)
+        render_media(arguments, reference, ["--medium-estimator", "null_mis"], arguments.reference_spp, 1000)
         print("estimator      cpu s         MSE   time  null/real  ns/collision")
         first = None
         for name, options in cases:
-            start, _ = render(arguments, picture, options, 1, 1)
+            start = render_media(arguments, picture, options, 1, 1)["cpu_seconds"]
             seconds = error = 0
             for seed in range(2, 2 + arguments.seeds):
-                taken, report = render(arguments, picture, options, arguments.spp, seed)
-                seconds += (taken - start) / arguments.seeds
-                error += mean_squared_error(arguments, picture, reference) / arguments.seeds
+                report = render_media(arguments, picture, options, arguments.spp, seed)
+                seconds += (report["cpu_seconds"] - start) / arguments.seeds
+                error += mean_squared_error(arguments.sheaf, picture, reference) / arguments.seeds
             cost = error * seconds  # error goes with the inverse of time
             first = first or cost
             nanoseconds, null = step_cost(report, seconds)

@@ -32,6 +32,7 @@ MAKERS = {
     "tools/make_sky.py": [],
     "tools/make_instances.py": ["500"],
     "tools/make_media_scenes.py": ["--make-cloud", "{build}/make_cloud"],
+    "tools/make_caustic_scenes.py": [],
 }
 
 # The shortest arguments of the other scripts. {build} is the build folder, {out} an empty one.
@@ -40,6 +41,8 @@ SCRIPTS = {
     "bench/compare_lights.py": ["--sheaf", "{build}/sheaf", "--seconds", "0.01", "--width", "48", "--reference-spp", "4"],
     "bench/compare_media.py": ["--sheaf", "{build}/sheaf", "--width", "32", "--spp", "2", "--seeds", "1",
                                "--reference-spp", "2", "--steps", "0.1"],
+    "bench/compare_photons.py": ["--sheaf", "{build}/sheaf", "--seconds", "0.01", "--width", "24", "--seeds", "1",
+                                 "--reference-spp", "1", "--photons", "0.01"],
     "tools/compare_builds.py": ["{build}/sheaf", "{build}/sheaf", "--spp", "1", "--only", "cornell"],
     "tools/fit_wavelengths.py": ["--colours", "2", "--iterations", "1"],
     "tools/plot_samplers.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-spp", "4",
@@ -69,6 +72,7 @@ EXEMPT = {
     "tools/quickstart.sh": "builds; .ci/run runs it",
     "tools/test.sh": "builds, and runs this test; .ci/run runs it",
     "tools/scene_text.py": "a module, which other scripts import",
+    "bench/rendering.py": "a module, which other scripts import",
     "sheaf": "smoke_scenes runs it",
     "sheaf_bench": "smoke_benchmarks runs it",
 }
@@ -110,7 +114,8 @@ def make_scenes(arguments, folder, failures):
 
 
 def check_scenes(arguments, folder, failures):
-    """Every scene, a few pixels in the middle, in both colour modes."""
+    """Every scene, a few pixels in the middle, in both colour modes; those with photon maps, which there are none of in
+    spectral mode, with few photons, and by paths in spectral mode."""
     make_scenes(arguments, folder, failures)
     sheaf, picture, stats = arguments.build / "sheaf", folder / "picture.exr", folder / "stats.json"
     for scene in sorted((folder / "scenes").rglob("*.xml")):
@@ -123,9 +128,12 @@ def check_scenes(arguments, folder, failures):
             failures.add(f"info {name}", output)
             continue
         x, y = int(size[1]) // 2, int(size[2]) // 2
+        few = [f"-D{count}=1000" for count in ("photons", "caustic_photons") if f'"${count}"' in scene.read_text()]
         for color in ("rgb", "spectral"):
+            paths = ["--integrator", "path"] if few and color == "spectral" else []
             good, output = run([sheaf, "render", scene, "-o", picture, "--spp", "1", "--color", color, "--crop",
-                                f"{x - 12},{y - 8},{x + 12},{y + 8}", "--stats", stats, "--quiet"], folder)
+                                f"{x - 12},{y - 8},{x + 12},{y + 8}", "--stats", stats, "--quiet", *few, *paths],
+                               folder)
             if not good:
                 failures.add(f"render {name} --color {color}", output)
             elif any(json.loads(stats.read_text())["dropped"].values()):

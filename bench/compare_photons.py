@@ -1,0 +1,207 @@
+#!/usr/bin/env python3
+"""Measures what photon maps bring where light comes by mirrors and glass: time and error of path tracing, light tracing
+and photon mapping in several ways. Needs Python with numpy, a build, and the meshes of tools/make_caustic_scenes.py.
+
+  bench/compare_photons.py [--scenes scenes/caustics/ring.xml ...] [--seconds 20] [--width 160] [--reference-spp 8192]
+
+Prints a table for each scene: samples per pixel; seconds of CPU time; peak memory in MB; and then for the whole picture
+and for the part of it where the caustic is: mean squared error, relative mean squared error, mean over that of the
+reference, and gain: the time that path tracing needs for the same mean squared error, which goes with the inverse of
+its time, over the time taken. There is no gain where light tracing does not see all there is. Ways without samples per
+pixel in METHODS take as many as fill --seconds of CPU time.
+
+References are the mean of two renders, by paths; that of the part by light tracing where the camera sees nothing but
+diffuse surfaces there. Their own noise is not in the errors: these are means of (x - a) (x - b), for a picture x and
+renders a and b. "<" says that an error is less than twice its own uncertainty.
+"""
+
+import argparse
+import re
+import struct
+import subprocess
+import tempfile
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from rendering import ROOT, render
+
+# The part with the caustic as shares of width and height, x0, y0, x1, y1, and what its reference is rendered with; the
+# radii of the maps, which other scenes have relative to their size.
+SCENES = {
+    "ring": {"part": (0.245, 0.385, 0.42, 0.60), "part_reference": "ptracer", "radius": 0.08, "caustic_radius": 0.012},
+    "pool": {"part": (0.25, 0.40, 0.75, 0.70), "part_reference": "path", "radius": 0.12, "caustic_radius": 0.02},
+}
+OTHER_SCENE = {"part": (0, 0, 1, 1), "part_reference": "path", "radius": 0, "caustic_radius": 0}
+
+GLOBAL_MAP = {"photonCount": 250000, "photonRadius": "radius"}
+CAUSTICS_MAP = {"causticPhotonCount": 500000, "causticRadius": "caustic_radius"}
+
+# Name, integrator, its properties, and samples per pixel. Strings stand for the scene's value of this name.
+METHODS = [
+    ("path", "path", {}, None),
+    ("ptracer", "ptracer", {}, None),
+    ("map, 1M photons", "photonmapper", {"photonCount": 1000000, "photonRadius": "caustic_radius"}, 64),
+    ("gather", "photonmapper", GLOBAL_MAP | {"finalGather": True, "causticPhotonCount": 0}, 64),
+    ("gather, caustics", "photonmapper", GLOBAL_MAP | {"finalGather": True} | CAUSTICS_MAP, 64),
+    ("sppm", "sppm", {"photonCount": 250000, "initialRadius": "caustic_radius", "alpha": 0.7}, None),
+]
+
+# Properties of a scene's integrator that others understand as well.
+KEPT = r'<\w+ name="(?:max_?depth|rr_?depth|hide_?emitters)"[^>]*/>'
+
+
+def integrator_element(kind, properties, settings, kept):
+    elements = list(kept)
+    for name, value in properties.items():
+        if isinstance(value, str):
+            value = float(settings[value])
+        element = {bool: "boolean", int: "integer", float: "float"}[type(value)]
+        elements.append(f'<{element} name="{name}" value="{str(value).lower()}"/>')
+    return f'<integrator type="{kind}">{"".join(elements)}</integrator>'
+
+
+class Scene:
+    """A scene file whose integrator is replaced by others."""
+
+    def __init__(self, arguments, file, folder):
+        self.sheaf, self.photons = arguments.sheaf, arguments.photons
+        self.file, self.folder = Path(file).resolve(), folder
+        self.settings = SCENES.get(self.file.stem, OTHER_SCENE)
+        text = self.file.read_text()
+        integrator = re.search(r"<integrator\b[^>]*/>|<integrator\b.*?</integrator>", text, re.DOTALL)
+        self.kept = re.findall(KEPT, integrator[0], re.IGNORECASE)
+        start = re.search(r"<scene\b[^>]*>", text).end()
+        self.before = text[:start] + f'<path value="{self.file.parent}"/>' + text[start:integrator.start()]
+        self.after = text[integrator.end():]
+        width, height = (re.search(rf'name="{name}" value="(\d+)"', text) for name in ("width", "height"))
+        self.size = [arguments.width, round(arguments.width * int(height[1]) / int(width[1]))]
+        self.defines = ["-D", f"width={self.size[0]}", "-D", f"height={self.size[1]}"]
+
+    def write(self, kind, properties):
+        """The scene with this integrator."""
+        properties = {name: round(self.photons * value) if name.lower().endswith("photoncount") else value
+                      for name, value in properties.items()}
+        file = self.folder / "scene.xml"
+        file.write_text(self.before + integrator_element(kind, properties, self.settings, self.kept) + self.after)
+        return file
+
+    def objection(self, kind, properties):
+        """Why the program does not take this integrator, if so."""
+        done = subprocess.run([self.sheaf, "info", self.write(kind, properties), *self.defines], check=False, text=True,
+                              capture_output=True)
+        return None if done.returncode == 0 else done.stderr.strip().split(" (known")[0]
+
+    def render(self, kind, properties, spp, seed):
+        """The report, and the picture."""
+        picture = self.folder / "picture.exr"
+        report = render(self.sheaf, self.write(kind, properties), picture, spp, seed, *self.defines)
+        return report, read_colors(picture)
+
+    def part(self, picture):
+        height, width, _ = picture.shape
+        x0, y0, x1, y1 = self.settings["part"]
+        return picture[round(y0 * height):round(y1 * height), round(x0 * width):round(x1 * width)]
+
+
+def read_colors(file):
+    """R, G and B of an .exr file as the program writes it: floats, blocks of 16 lines packed by zlib."""
+    data = file.read_bytes()
+    header, at = {}, 8
+    while data[at]:
+        name, kind, rest = data[at:].split(b"\0", 2)
+        at = len(data) - len(rest) + 4
+        length = struct.unpack_from("<i", rest)[0]
+        header[name.decode()] = data[at:at + length]
+        at += length
+    names = [c.decode() for c in re.findall(rb"([^\0]+)\0.{16}", header["channels"], re.DOTALL)]
+    x0, y0, x1, y1 = struct.unpack("<4i", header["dataWindow"])
+    width, height = x1 - x0 + 1, y1 - y0 + 1
+    picture = np.empty((height, len(names), width), np.float32)
+    for offset in struct.unpack_from(f"<{-(-height // 16)}q", data, at + 1):
+        y, length = struct.unpack_from("<2i", data, offset)
+        lines = picture[y - y0:y - y0 + 16]
+        block = np.frombuffer(data, np.uint8, length, offset + 8)
+        if length < lines.nbytes:
+            packed = np.frombuffer(zlib.decompress(block), np.uint8)
+            packed = np.cumsum(packed, dtype=np.uint8) - (128 * np.arange(packed.size)).astype(np.uint8)
+            half = (packed.size + 1) // 2
+            block = np.empty_like(packed)
+            block[0::2], block[1::2] = packed[:half], packed[half:]
+        lines[...] = block.view("<f4").reshape(lines.shape)
+    return picture[:, [names.index(c) for c in "RGB"]].transpose(0, 2, 1).astype(float)
+
+
+def errors(pictures, references):
+    """Mean squared error, twice its uncertainty, relative mean squared error, and mean over that of the reference."""
+    a, b = references
+    middle = (a + b) / 2
+    squares = np.mean([(picture - a) * (picture - b) for picture in pictures], 0)
+    relative = squares / (middle**2 + 0.01)
+    return (squares.mean(), 2 * squares.std() / squares.size**0.5, relative.mean(),
+            np.mean(pictures) / middle.mean())
+
+
+def columns(measured, paths_cost, seconds):
+    """Text of what errors() returns, and of the gain over paths, whose cost is error times seconds, if there is one."""
+    error, uncertainty, relative, mean = measured
+    sign, error = ("<", uncertainty) if error < uncertainty else ("", error)
+    gain = f"{'>' if sign else ''}{paths_cost / (error * seconds):.3g}" if paths_cost else "-"
+    return f"{f'{sign}{error:.3g}':>9} {max(relative, 0):9.3g} {mean:6.3f} {gain:>7}"
+
+
+def samples_in(arguments, scene, kind, properties):
+    """How many samples per pixel take as long as --seconds says."""
+    spp = 4
+    while True:
+        seconds = scene.render(kind, properties, spp, 1)[0]["cpu_seconds"]
+        if seconds > 0.2 * arguments.seconds:
+            return max(1, round(spp * arguments.seconds / seconds))
+        spp *= 4
+
+
+def compare(arguments, scene):
+    settings = scene.settings
+    print(f"{scene.file.stem}, {scene.size[0]} x {scene.size[1]} pixels", flush=True)
+    references = {kind: [scene.render(kind, {}, arguments.reference_spp, seed)[1] for seed in (1001, 1002)]
+                  for kind in {"path", settings["part_reference"]}}
+    print(f"{'way':16} {'spp':>7} {'cpu s':>7} {'MB':>5} {'MSE':>9} {'relMSE':>9} {'mean':>6} {'gain':>7} |"
+          f"{'part: MSE':>9} {'relMSE':>9} {'mean':>6} {'gain':>7}")
+    paths_cost = None
+    for name, kind, properties, spp in METHODS:
+        objection = scene.objection(kind, properties)
+        if objection:
+            print(f"{name:16} skipped: {objection}", flush=True)
+            continue
+        spp = spp or samples_in(arguments, scene, kind, properties)
+        renders = [scene.render(kind, properties, spp, seed) for seed in range(2, 2 + arguments.seeds)]
+        seconds = np.mean([report["cpu_seconds"] for report, _ in renders])
+        memory = max(report["peak_rss_bytes"] for report, _ in renders) / 1e6
+        whole = errors([picture for _, picture in renders], references["path"])
+        part = errors([scene.part(picture) for _, picture in renders],
+                      [scene.part(picture) for picture in references[settings["part_reference"]]])
+        paths_cost = paths_cost or [whole[0] * seconds, part[0] * seconds]
+        blind = kind == "ptracer", kind == "ptracer" != settings["part_reference"]
+        texts = [columns(measured, None if misses else cost, seconds)
+                 for measured, misses, cost in zip((whole, part), blind, paths_cost)]
+        print(f"{name:16} {spp:7d} {seconds:7.2f} {memory:5.0f} {' |'.join(texts)}", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
+    parser.add_argument("--scenes", nargs="+", default=[ROOT / "scenes/caustics" / f"{name}.xml" for name in SCENES])
+    parser.add_argument("--seconds", type=float, default=20, help="CPU time of pictures by ways that fill it")
+    parser.add_argument("--width", type=int, default=160)
+    parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument("--reference-spp", type=int, default=8192)
+    parser.add_argument("--photons", type=float, default=1, help="this many times the photons of METHODS")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        for scene in arguments.scenes:
+            compare(arguments, Scene(arguments, scene, Path(folder)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,25 @@
+"""What the scripts that compare ways to render have in common: to render, and to measure how far a picture is off."""
+
+import json
+import re
+import resource
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def render(sheaf, scene, output, spp, seed, *options):
+    """The report of the renderer, with "cpu_seconds" that the whole program took, the system's left out."""
+    stats = Path(output).with_suffix(".json")
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    subprocess.run([str(sheaf), "render", str(scene), "-o", str(output), "--spp", str(spp), "--seed", str(seed),
+                    "--stats", str(stats), "--quiet", *options], check=True)
+    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+    return json.loads(stats.read_text()) | {"cpu_seconds": seconds}
+
+
+def mean_squared_error(sheaf, picture, reference):
+    out = subprocess.run([sheaf, "compare", str(picture), str(reference)], check=False, text=True,
+                         stdout=subprocess.PIPE).stdout
+    return float(re.search(r"^MSE +(\S+)", out, re.MULTILINE).group(1))

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""Makes the meshes of scenes/caustics (scenes/caustics/generated): a ring, and the surface of the water in a pool.
+Needs nothing but Python; the output never varies.
+
+  tools/make_caustic_scenes.py
+"""
+
+import math
+import random
+from pathlib import Path
+
+FOLDER = Path(__file__).resolve().parent.parent / "scenes" / "caustics" / "generated"
+
+# The ring: outer and inner radius, height, and the radius of its rounded edges, in metres.
+OUTER, INNER, HEIGHT, EDGE = 1.0, 0.94, 0.42, 0.025
+RING_SIDES = 360
+EDGE_STEPS = 5
+
+# The water: half of its size along x and z, cells along x and along z, and waves (length in metres, slope).
+HALF_X, HALF_Z = 2.02, 1.52
+CELLS_X, CELLS_Z = 268, 202
+WAVES = [(1.55, 0.030), (1.10, 0.035), (0.81, 0.050), (0.60, 0.060), (0.44, 0.050), (0.33, 0.035)]
+DIRECTIONS_PER_WAVE = 3
+
+
+def write_obj(path, what, places, normals, faces):
+    """Faces are tuples of indices that count from 0; a vertex and its normal have the same."""
+    lines = [f"# {what}, written by tools/make_caustic_scenes.py."]
+    lines += ["v {:.6g} {:.6g} {:.6g}".format(*p) for p in places]
+    lines += ["vn {:.6f} {:.6f} {:.6f}".format(*n) for n in normals]
+    lines += ["f " + " ".join(f"{i + 1}//{i + 1}" for i in face) for face in faces]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def ring_outline():
+    """Radius, height and normal of the ring's section, once around: up on the outside, down on the inside."""
+    corners = [(OUTER - EDGE, EDGE, -90), (OUTER - EDGE, HEIGHT - EDGE, 0), (INNER + EDGE, HEIGHT - EDGE, 90),
+               (INNER + EDGE, EDGE, 180)]
+    for radius, height, start in corners:
+        for i in range(EDGE_STEPS + 1):
+            angle = math.radians(start + 90 * i / EDGE_STEPS)
+            normal = (math.cos(angle), math.sin(angle))
+            yield radius + EDGE * normal[0], height + EDGE * normal[1], normal
+
+
+def make_ring():
+    """A closed surface of revolution about +y that stands on y = 0, smooth all over."""
+    outline = list(ring_outline())
+    places, normals, faces = [], [], []
+    for k in range(RING_SIDES):
+        c, s = math.cos(2 * math.pi * k / RING_SIDES), math.sin(2 * math.pi * k / RING_SIDES)
+        for radius, height, normal in outline:
+            places.append((radius * c, height, radius * s))
+            normals.append((normal[0] * c, normal[1], normal[0] * s))
+        for i in range(len(outline)):
+            a, b = k * len(outline), (k + 1) % RING_SIDES * len(outline)
+            j = (i + 1) % len(outline)
+            faces.append((a + i, a + j, b + j, b + i))
+    write_obj(FOLDER / "ring.obj", "A ring", places, normals, faces)
+
+
+def make_water():
+    """A sheet around y = 0 that is a sum of sines, normals upwards."""
+    numbers = random.Random(5)
+    waves = []
+    for length, slope in WAVES:
+        for _ in range(DIRECTIONS_PER_WAVE):
+            angle, phase = numbers.uniform(0, 2 * math.pi), numbers.uniform(0, 2 * math.pi)
+            k = 2 * math.pi / (length * numbers.uniform(0.9, 1.1))
+            waves.append((k * math.cos(angle), k * math.sin(angle), phase, slope / k))
+    places, normals, faces = [], [], []
+    for j in range(CELLS_Z + 1):
+        z = HALF_Z * (2 * j / CELLS_Z - 1)
+        for i in range(CELLS_X + 1):
+            x = HALF_X * (2 * i / CELLS_X - 1)
+            y = slope_x = slope_z = 0.0
+            for kx, kz, phase, amplitude in waves:
+                argument = kx * x + kz * z + phase
+                y += amplitude * math.sin(argument)
+                slope_x += kx * amplitude * math.cos(argument)
+                slope_z += kz * amplitude * math.cos(argument)
+            length = math.sqrt(1 + slope_x * slope_x + slope_z * slope_z)
+            places.append((x, y, z))
+            normals.append((-slope_x / length, 1 / length, -slope_z / length))
+            if i < CELLS_X and j < CELLS_Z:
+                a = j * (CELLS_X + 1) + i
+                b = a + CELLS_X + 1
+                faces.append((a, b, b + 1, a + 1))
+    write_obj(FOLDER / "water.obj", "The surface of water", places, normals, faces)
+
+
+def main():
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    make_ring()
+    make_water()
+
+
+if __name__ == "__main__":
+    main()
