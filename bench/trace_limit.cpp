@@ -6,8 +6,8 @@
 #include "kernels/stages/stages.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/read_scene.h"
+#include "tools/options.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -128,21 +128,19 @@ void measure(const Arguments& arguments) {
   if (all.size() == 2) print_scaling(all[0], all[1]);
 }
 
-void add_options(CLI::App& program, Arguments& arguments) {
-  program.add_option("scene", arguments.scene, "Scene file")->required();
-  program.add_option("--spp", arguments.spp, "Samples per pixel, as far as memory goes. Default: 4")
-      ->check(CLI::Range(1u, 256u));
+void add_options(Command& program, Arguments& arguments) {
+  program.add_option("scene", arguments.scene, "Scene file").required();
+  program.add_option("--spp", arguments.spp, "Samples per pixel, as far as memory goes. Default: 4").in_range(1u, 256u);
   program.add_option("--threads", arguments.threads, "Threads. Default: 0, one for each logical core")
-      ->check(CLI::Range(0, 4096));
-  program.add_option("--runs", arguments.runs, "Renders and replays, taking turns. Default: 5")
-      ->check(CLI::Range(1, 1000));
-  program.add_option("--wave-size", arguments.wave_size,
-                     "Paths in flight per worker. Default: 0, from the L2 cache's size")
-      ->check(CLI::Range(0, kMaxWaveSize));
-  program.add_option("--memory", arguments.megabytes, "For recorded rays, in MB. Default: 1024")
-      ->check(CLI::Range(4, 1 << 20));
-  program.add_option("-D,--define", arguments.definitions, "name=value: what $name means in the scene; may be repeated")
-      ->allow_extra_args(false);
+      .in_range(0, 4096);
+  program.add_option("--runs", arguments.runs, "Renders and replays, taking turns. Default: 5").in_range(1, 1000);
+  program
+      .add_option("--wave-size", arguments.wave_size,
+                  "Paths in flight per worker. Default: 0, from the L2 cache's size")
+      .in_range(0, kMaxWaveSize);
+  program.add_option("--memory", arguments.megabytes, "For recorded rays, in MB. Default: 1024").in_range(4, 1 << 20);
+  program.add_option("-D,--define", arguments.definitions,
+                     "name=value: what $name means in the scene; may be repeated");
   program.add_flag("--scaling", arguments.scaling, "Measure one thread as well");
   program.add_flag("--null", arguments.null_hypothesis,
                    "Measure scalar and wide kernels, path by path and in waves, on one thread instead");
@@ -153,14 +151,12 @@ void add_options(CLI::App& program, Arguments& arguments) {
 }  // namespace sheaf
 
 int main(int argc, char** argv) {
-  CLI::App program("How close a render comes to the speed at which its rays can be traced.", "trace_limit");
+  sheaf::Program program("trace_limit", "How close a render comes to the speed at which its rays can be traced.");
   sheaf::Arguments arguments;
   sheaf::add_options(program, arguments);
   try {
-    program.parse(argc, argv);
+    if (const std::optional<int> exit_code = program.parse(argc, argv)) return *exit_code;
     sheaf::measure(arguments);
-  } catch (const CLI::ParseError& problem) {
-    return program.exit(problem) == 0 ? 0 : static_cast<int>(sheaf::ExitCode::kUsage);
   } catch (const sheaf::Error& error) {
     fmt::print(stderr, "trace_limit: {}\n", error.what());
     return static_cast<int>(error.code());

@@ -95,33 +95,35 @@ int compare(const CompareArguments& arguments) {
 
 }  // namespace
 
-void add_compare_command(CLI::App& program, int& exit_code) {
+void add_compare_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<CompareArguments>();
-  CLI::App* command = program.add_subcommand(
-      "compare", "Compare two pictures of one scene: A against the reference B. Exit status 0 if all limits given hold "
+  Command command = program.add_command(
+      "compare",
+      "Compare two pictures of one scene: A against the reference B. Exit status 0 if all limits given hold "
       "and all values are finite, 1 if not. EXR values are compared as they are, 8-bit ones as stored over 255.");
-  command->add_option("A", arguments->a, "Picture")->required();
-  command->add_option("B", arguments->b, "Reference")->required();
-  command->add_option("--variance-a", arguments->variance_a,
-                      "Variance of A's values, as R, G, B of this file. Default: A's own layers variance.R/G/B");
-  command->add_option("--variance-b", arguments->variance_b, "The same for B");
-  command->add_option("--spp", arguments->spp,
-                      "Samples per pixel to divide the variance files by, where they hold variances of single samples. "
-                      "Default: 1")
-      ->check(CLI::Range(1u, 1u << 24));
-  command->add_option("--significance", arguments->significance, "Level of each value's Z-test. Default: 0.01")
-      ->check(CLI::Range(1e-12, 1.0 - 1e-12));
-  command->add_option("--max-mse", arguments->max_mse, "Limit of the mean squared error");
-  command->add_option("--max-relmse", arguments->max_relative_mse,
-                      "Limit of the relative mean squared error, mean of (a - b)^2 / (b^2 + 0.01)");
-  command->add_option("--max-mean-ratio-error", arguments->max_mean_ratio_error, "Limit of |mean(A) / mean(B) - 1|");
-  command->add_option("--min-accepted", arguments->min_accepted,
-                      "Least share of values that the Z-test accepts, 0 to 1")
-      ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--min-mean-p", arguments->min_mean_p,
-                      "Least p-value of the test that the means of both pictures are equal, 0 to 1")
-      ->check(CLI::Range(0.0, 1.0));
-  command->callback([arguments, &exit_code] { exit_code = compare(*arguments); });
+  command.add_option("A", arguments->a, "Picture").required();
+  command.add_option("B", arguments->b, "Reference").required();
+  command.add_option("--variance-a", arguments->variance_a,
+                     "Variance of A's values, as R, G, B of this file. Default: A's own layers variance.R/G/B");
+  command.add_option("--variance-b", arguments->variance_b, "The same for B");
+  command
+      .add_option("--spp", arguments->spp,
+                  "Samples per pixel to divide the variance files by, where they hold variances of single samples. "
+                  "Default: 1")
+      .in_range(1u, 1u << 24);
+  command.add_option("--significance", arguments->significance, "Level of each value's Z-test. Default: 0.01")
+      .in_range(1e-12, 1.0 - 1e-12);
+  command.add_option("--max-mse", arguments->max_mse, "Limit of the mean squared error");
+  command.add_option("--max-relmse", arguments->max_relative_mse,
+                     "Limit of the relative mean squared error, mean of (a - b)^2 / (b^2 + 0.01)");
+  command.add_option("--max-mean-ratio-error", arguments->max_mean_ratio_error, "Limit of |mean(A) / mean(B) - 1|");
+  command.add_option("--min-accepted", arguments->min_accepted, "Least share of values that the Z-test accepts, 0 to 1")
+      .in_range(0.0, 1.0);
+  command
+      .add_option("--min-mean-p", arguments->min_mean_p,
+                  "Least p-value of the test that the means of both pictures are equal, 0 to 1")
+      .in_range(0.0, 1.0);
+  command.on_call([arguments, &exit_code] { exit_code = compare(*arguments); });
 }
 
 }  // namespace sheaf

@@ -82,15 +82,14 @@ std::string describe(const Description& description, const Scene& scene) {
 
 }  // namespace
 
-void add_info_command(CLI::App& program, int& exit_code) {
+void add_info_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* command = program.add_subcommand("info", "Say what a scene file holds, its bounds and its memory.");
-  command->add_option("scene", arguments->scene, "Scene file")->required();
-  command->add_option("-D,--define", arguments->definitions,
-                      "name=value: what $name means in the scene; may be repeated")
-      ->allow_extra_args(false);
-  command->add_flag("--lenient", arguments->lenient, "Unknown properties in the scene are notes instead of errors");
-  command->callback([arguments, &exit_code] {
+  Command command = program.add_command("info", "Say what a scene file holds, its bounds and its memory.");
+  command.add_option("scene", arguments->scene, "Scene file").required();
+  command.add_option("-D,--define", arguments->definitions,
+                     "name=value: what $name means in the scene; may be repeated");
+  command.add_flag("--lenient", arguments->lenient, "Unknown properties in the scene are notes instead of errors");
+  command.on_call([arguments, &exit_code] {
     ReadOptions options;
     options.lenient = arguments->lenient;
     for (const std::string& definition : arguments->definitions) {

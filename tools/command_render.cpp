@@ -243,6 +243,74 @@ int render_scene(const RenderArguments& arguments) {
   return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
 }
 
+/// What to read and what to write, and how finely.
+void add_picture_options(Command& command, RenderArguments& arguments) {
+  command.add_option("scene", arguments.scene, "Scene file").required();
+  command.add_option("-o,--output", arguments.outputs,
+                     "Picture to write, .exr (linear floats, all layers) or .png (8 bits, sRGB); may be repeated. "
+                     "Default: the scene's name with .exr, in the current folder");
+  command.add_flag("--watertight", arguments.watertight,
+                   "Let no ray slip between triangles that share an edge; slower by up to a third in small scenes");
+  command.add_option("--spp", arguments.spp, "Samples per pixel. Default: the scene's").in_range(1u, 1u << 24);
+  command.add_option("--seed", arguments.seed, "Seed of the random numbers, 0 to 4294967295. Default: the scene's");
+  command.add_option("--threads", arguments.threads, "Worker threads. Default: 0, one for each logical core")
+      .in_range(0, 4096);
+  command.add_option("--color", arguments.color, "Colour mode: rgb (default), or spectral: four wavelengths per path")
+      .one_of({"rgb", "spectral"});
+  command
+      .add_option("--spectral-bins", arguments.spectral_bins,
+                  "Also write the spectrum of each pixel to .exr, in this many equal bins from 360 to 830 nm: "
+                  "layers S0.<wavelength>nm. Needs --color spectral")
+      .in_range(1, kMaxSpectralBins);
+}
+
+/// How light is followed.
+void add_transport_options(Command& command, RenderArguments& arguments) {
+  command.add_option("--integrator", arguments.integrator,
+                     "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "
+                     "path_ris, ptracer, photonmapper, sppm, normals, depth. Default: the scene's");
+  command.add_option("--sampler", arguments.sampler,
+                     "How samples are spread: sobol (Owen-scrambled), independent, stratified, multijitter; the last "
+                     "two round --spp up to a grid. Default: the scene's, else sobol");
+  command.add_option("--light-sampler", arguments.light_sampler,
+                     "How the light that a surface looks to is chosen: bvh (by what it may bring there), power, "
+                     "uniform. Default: the scene's, else bvh");
+  command
+      .add_option("--candidates", arguments.candidates,
+                  "Lights sampled per vertex, of which resampling keeps one for a shadow ray. Default: the "
+                  "scene's, else 1; 8 for path_ris")
+      .in_range(1, kMaxCandidates);
+  command.add_option("--medium-estimator", arguments.medium_estimator,
+                     "How light in media is tracked: null_mis (by all wavelengths), delta, ratio (by one wavelength), "
+                     "marching (equal steps; biased). Default: the scene's, else null_mis");
+  command
+      .add_option("--step-size", arguments.step_size,
+                  "Metres per step of marching. Default: the scene's, else a hundredth of the medium's diagonal")
+      .positive();
+  command
+      .add_option("--max-depth", arguments.max_depth,
+                  "Longest path in segments: -1 unlimited, 1 emission only, 2 direct light. Default: the scene's")
+      .in_range(-1, 1'000'000);
+}
+
+/// What part of the scene is rendered, and how the run goes.
+void add_run_options(Command& command, RenderArguments& arguments) {
+  command
+      .add_option("--crop", arguments.crop,
+                  "Part of the frame to render, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the scene's")
+      .list(',', 4);
+  command.add_option("-D,--define", arguments.definitions,
+                     "name=value: what $name means in the scene; may be repeated");
+  command.add_flag("--lenient", arguments.lenient, "Unknown properties in the scene are notes instead of errors");
+  command.add_option("--stats", arguments.stats, "Write times and counters to this file, as JSON");
+  command
+      .add_option("--wave-size", arguments.wave_size,
+                  "Paths in flight per worker; changes speed, not results. Default: 0, from the L2 cache's size")
+      .in_range(0, kMaxWaveSize);
+  command.add_flag("--no-timestamps", arguments.no_timestamps, "Leave the date out of the files: same bytes each time");
+  command.add_flag("--quiet", arguments.quiet, "Print nothing but errors");
+}
+
 }  // namespace
 
 std::pair<std::string, std::string> split_definition(const std::string& definition) {
@@ -253,64 +321,13 @@ std::pair<std::string, std::string> split_definition(const std::string& definiti
   return {definition.substr(0, equals), definition.substr(equals + 1)};
 }
 
-void add_render_command(CLI::App& program, int& exit_code) {
+void add_render_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();
-  CLI::App* command = program.add_subcommand("render", "Render a scene file (Mitsuba or Nori XML) to pictures.");
-  command->add_option("scene", arguments->scene, "Scene file")->required();
-  command->add_option("-o,--output", arguments->outputs,
-                      "Picture to write, .exr (linear floats, all layers) or .png (8 bits, sRGB); may be repeated. "
-                      "Default: the scene's name with .exr, in the current folder")
-      ->allow_extra_args(false);
-  command->add_flag("--watertight", arguments->watertight,
-                    "Let no ray slip between triangles that share an edge; slower by up to a third in small scenes");
-  command->add_option("--spp", arguments->spp, "Samples per pixel. Default: the scene's")
-      ->check(CLI::Range(1u, 1u << 24));
-  command->add_option("--seed", arguments->seed, "Seed of the random numbers, 0 to 4294967295. Default: the scene's");
-  command->add_option("--threads", arguments->threads, "Worker threads. Default: 0, one for each logical core")
-      ->check(CLI::Range(0, 4096));
-  command->add_option("--color", arguments->color, "Colour mode: rgb (default), or spectral: four wavelengths per path")
-      ->check(CLI::IsMember({"rgb", "spectral"}));
-  command->add_option("--spectral-bins", arguments->spectral_bins,
-                      "Also write the spectrum of each pixel to .exr, in this many equal bins from 360 to 830 nm: "
-                      "layers S0.<wavelength>nm. Needs --color spectral")
-      ->check(CLI::Range(1, kMaxSpectralBins));
-  command->add_option("--integrator", arguments->integrator,
-                      "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "
-                      "path_ris, ptracer, photonmapper, sppm, normals, depth. Default: the scene's");
-  command->add_option("--sampler", arguments->sampler,
-                      "How samples are spread: sobol (Owen-scrambled), independent, stratified, multijitter; the last "
-                      "two round --spp up to a grid. Default: the scene's, else sobol");
-  command->add_option("--light-sampler", arguments->light_sampler,
-                      "How the light that a surface looks to is chosen: bvh (by what it may bring there), power, "
-                      "uniform. Default: the scene's, else bvh");
-  command->add_option("--candidates", arguments->candidates,
-                      "Lights sampled per vertex, of which resampling keeps one for a shadow ray. Default: the "
-                      "scene's, else 1; 8 for path_ris")
-      ->check(CLI::Range(1, kMaxCandidates));
-  command->add_option("--medium-estimator", arguments->medium_estimator,
-                      "How light in media is tracked: null_mis (by all wavelengths), delta, ratio (by one wavelength), "
-                      "marching (equal steps; biased). Default: the scene's, else null_mis");
-  command->add_option("--step-size", arguments->step_size,
-                      "Metres per step of marching. Default: the scene's, else a hundredth of the medium's diagonal")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--max-depth", arguments->max_depth,
-                      "Longest path in segments: -1 unlimited, 1 emission only, 2 direct light. Default: the scene's")
-      ->check(CLI::Range(-1, 1'000'000));
-  command->add_option("--crop", arguments->crop,
-                      "Part of the frame to render, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the scene's")
-      ->delimiter(',')->expected(4);
-  command->add_option("-D,--define", arguments->definitions,
-                      "name=value: what $name means in the scene; may be repeated")
-      ->allow_extra_args(false);
-  command->add_flag("--lenient", arguments->lenient, "Unknown properties in the scene are notes instead of errors");
-  command->add_option("--stats", arguments->stats, "Write times and counters to this file, as JSON");
-  command->add_option("--wave-size", arguments->wave_size,
-                      "Paths in flight per worker; changes speed, not results. Default: 0, from the L2 cache's size")
-      ->check(CLI::Range(0, kMaxWaveSize));
-  command->add_flag("--no-timestamps", arguments->no_timestamps,
-                    "Leave the date out of the files: same bytes each time");
-  command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
-  command->callback([arguments, &exit_code] { exit_code = render_scene(*arguments); });
+  Command command = program.add_command("render", "Render a scene file (Mitsuba or Nori XML) to pictures.");
+  add_picture_options(command, *arguments);
+  add_transport_options(command, *arguments);
+  add_run_options(command, *arguments);
+  command.on_call([arguments, &exit_code] { exit_code = render_scene(*arguments); });
 }
 
 }  // namespace sheaf

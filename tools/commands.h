@@ -1,7 +1,7 @@
 // The subcommands of the command line. Each adds itself, with its options, to the program.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "tools/options.h"
 
 #include <string>
 #include <string_view>
@@ -10,11 +10,11 @@
 namespace sheaf {
 
 /// sheaf render: renders a scene file to pictures.
-void add_render_command(CLI::App& program, int& exit_code);
+void add_render_command(Command& program, int& exit_code);
 /// sheaf info: says what a scene file holds.
-void add_info_command(CLI::App& program, int& exit_code);
+void add_info_command(Command& program, int& exit_code);
 /// sheaf compare: measures how far two pictures are apart.
-void add_compare_command(CLI::App& program, int& exit_code);
+void add_compare_command(Command& program, int& exit_code);
 
 /// Prints a line to the standard error stream, after "sheaf: ".
 void print_message(std::string_view message);

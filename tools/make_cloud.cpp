@@ -2,8 +2,7 @@
 // asked for, "temperature" hold values from 0 to 1 in the cube [-1, 1]^3, +y being up.
 #include "core/error.h"
 #include "scene/formats/nanovdb.h"
-
-#include <CLI/CLI.hpp>
+#include "tools/options.h"
 
 #include <algorithm>
 #include <cmath>
@@ -169,13 +168,16 @@ class Constant : public Model {
   Sample at(Vec3f) const override { return {1, 1}; }
 };
 
-enum class Kind { kCloud, kSmoke, kRamp, kConstant };
+enum Kind { kCloud, kSmoke, kRamp, kConstant };
 
-std::unique_ptr<Model> make_model(Kind kind, std::uint32_t seed) {
+std::unique_ptr<Model> make_model(int kind, std::uint32_t seed) {
   switch (kind) {
-    case Kind::kSmoke: return std::make_unique<Smoke>(seed);
-    case Kind::kRamp: return std::make_unique<Ramp>();
-    case Kind::kConstant: return std::make_unique<Constant>();
+    case kSmoke:
+      return std::make_unique<Smoke>(seed);
+    case kRamp:
+      return std::make_unique<Ramp>();
+    case kConstant:
+      return std::make_unique<Constant>();
     default: return std::make_unique<Cumulus>(seed);
   }
 }
@@ -203,24 +205,20 @@ void sample(const Model& model, int resolution, VoxelBlocks& density, VoxelBlock
 }
 
 int run(int argc, char** argv) {
-  CLI::App program("Writes a procedural volume as a NanoVDB file.", "make_cloud");
+  Program program("make_cloud", "Writes a procedural volume as a NanoVDB file.");
   std::string out;
   int resolution = 128;
   std::uint32_t seed = 1;
-  Kind kind = Kind::kCloud;
+  int kind = kCloud;
   bool with_temperature = false;
-  const std::map<std::string, Kind> kinds{
-      {"cloud", Kind::kCloud}, {"smoke", Kind::kSmoke}, {"ramp", Kind::kRamp}, {"constant", Kind::kConstant}};
-  program.add_option("OUT", out, "The file to write")->required();
-  program.add_option("--resolution", resolution, "Voxels along each side")->check(CLI::Range(1, 1024));
+  const std::map<std::string, int> kinds{
+      {"cloud", kCloud}, {"smoke", kSmoke}, {"ramp", kRamp}, {"constant", kConstant}};
+  program.add_option("OUT", out, "The file to write").required();
+  program.add_option("--resolution", resolution, "Voxels along each side").in_range(1, 1024);
   program.add_option("--seed", seed, "Another seed, another cloud");
-  program.add_option("--kind", kind, "cloud, smoke, ramp or constant")->transform(CLI::CheckedTransformer(kinds));
+  program.add_option("--kind", kind, "cloud, smoke, ramp or constant").one_of_named(kinds);
   program.add_flag("--temperature", with_temperature, "Also write the grid 'temperature'");
-  try {
-    program.parse(argc, argv);
-  } catch (const CLI::ParseError& problem) {
-    return program.exit(problem) == 0 ? 0 : static_cast<int>(ExitCode::kUsage);
-  }
+  if (const std::optional<int> exit_code = program.parse(argc, argv)) return *exit_code;
   VoxelBlocks density(1), temperature(1);
   sample(*make_model(kind, seed), resolution, density, temperature);
   const float side = 2.0f / static_cast<float>(resolution), first = 0.5f * side - 1;

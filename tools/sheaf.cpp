@@ -21,20 +21,18 @@ void print_message(std::string_view message) {
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // files beyond the limit on their size are errors like a full disk
   int exit_code = static_cast<int>(sheaf::ExitCode::kDone);
-  CLI::App program("Sheaf, a data-oriented wavefront path tracer for the CPU.", "sheaf");
-  program.footer(
+  sheaf::Program program("sheaf", "Sheaf, a data-oriented wavefront path tracer for the CPU.");
+  program.set_footer(
       "Exit codes: 0 done, 1 runtime error, 2 usage, 3 scene or asset, 4 output not writable,\n"
       "5 checkpoint mismatch; 129, 130, 143: stopped by SIGHUP, SIGINT, SIGTERM, after saving what there is\n"
       "(a second SIGINT or SIGTERM ends the program at once).");
-  program.set_version_flag("--version", "sheaf " SHEAF_VERSION);
-  program.require_subcommand(1);
+  program.set_version("sheaf " SHEAF_VERSION);
+  program.require_command();
   try {
     sheaf::add_render_command(program, exit_code);
     sheaf::add_info_command(program, exit_code);
     sheaf::add_compare_command(program, exit_code);
-    program.parse(argc, argv);
-  } catch (const CLI::ParseError& problem) {
-    return program.exit(problem) == 0 ? 0 : static_cast<int>(sheaf::ExitCode::kUsage);
+    return program.parse(argc, argv).value_or(exit_code);
   } catch (const sheaf::Error& error) {
     sheaf::print_message(error.what());
     return static_cast<int>(error.code());

@@ -50,6 +50,7 @@ const std::vector<Wrapped> kWrapped = {
     {"pugixml", {"pugixml.hpp"}, ""},
     {"NanoVDB", {"nanovdb/"}, "scene/formats/nanovdb"},
     {"zlib", {"zlib.h"}, ""},
+    {"CLI11", {"CLI/"}, "tools/options"},
 };
 
 std::string without_extension(const fs::path& path) { return fs::path(path).replace_extension().generic_string(); }

@@ -1,0 +1,89 @@
+#include "tools/options.h"
+
+#include "core/error.h"
+
+#include <CLI/CLI.hpp>
+
+namespace sheaf {
+
+Option& Option::required() {
+  option_->required();
+  return *this;
+}
+
+template <class T> Option& Option::in_range(T low, T high) {
+  option_->check(CLI::Range(low, high));
+  return *this;
+}
+
+template Option& Option::in_range(int, int);
+template Option& Option::in_range(unsigned, unsigned);
+template Option& Option::in_range(double, double);
+
+Option& Option::positive() {
+  option_->check(CLI::PositiveNumber);
+  return *this;
+}
+
+Option& Option::one_of(const std::vector<std::string>& words) {
+  option_->check(CLI::IsMember(words));
+  return *this;
+}
+
+Option& Option::one_of_named(const std::map<std::string, int>& words) {
+  option_->transform(CLI::CheckedTransformer(words))->type_name("ENUM");
+  return *this;
+}
+
+Option& Option::list(char delimiter, int count) {
+  option_->delimiter(delimiter)->expected(count);
+  return *this;
+}
+
+template <class T> Option Command::add_option(const std::string& names, T& value, const std::string& help) {
+  return Option(*command_->add_option(names, value, help));
+}
+
+template Option Command::add_option(const std::string&, std::string&, const std::string&);
+template Option Command::add_option(const std::string&, int&, const std::string&);
+template Option Command::add_option(const std::string&, unsigned&, const std::string&);
+template Option Command::add_option(const std::string&, double&, const std::string&);
+template Option Command::add_option(const std::string&, std::optional<int>&, const std::string&);
+template Option Command::add_option(const std::string&, std::optional<unsigned>&, const std::string&);
+template Option Command::add_option(const std::string&, std::optional<float>&, const std::string&);
+template Option Command::add_option(const std::string&, std::optional<double>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<int>&, const std::string&);
+
+Option Command::add_option(const std::string& names, std::vector<std::string>& values, const std::string& help) {
+  return Option(*command_->add_option(names, values, help)->allow_extra_args(false));
+}
+
+void Command::add_flag(const std::string& names, bool& value, const std::string& help) {
+  command_->add_flag(names, value, help);
+}
+
+Command Command::add_command(const std::string& name, const std::string& help) {
+  return Command(*command_->add_subcommand(name, help));
+}
+
+void Command::on_call(std::function<void()> action) { command_->callback(std::move(action)); }
+
+Program::Program(const std::string& name, const std::string& help)
+    : Command(*new CLI::App(help, name)), app_(command_) {}
+
+Program::~Program() = default;
+
+void Program::set_footer(const std::string& text) { app_->footer(text); }
+
+void Program::set_version(const std::string& text) { app_->set_version_flag("--version", text); }
+
+void Program::require_command() { app_->require_subcommand(1); }
+
+std::optional<int> Program::parse(int argc, char** argv) {
+  try {
+    app_->parse(argc, argv);
+    return std::nullopt;
+  } catch (const CLI::ParseError& problem) { return app_->exit(problem) == 0 ? 0 : static_cast<int>(ExitCode::kUsage); }
+}
+
+}  // namespace sheaf
