@@ -23,7 +23,7 @@ struct Arguments {
   std::string scene;
   std::vector<std::string> definitions;
   std::uint32_t spp = 4;
-  int threads = 0, runs = 5, wave_size = 0, megabytes = 1024;
+  int threads = 0, runs = 5, wave_size = 0, megabytes = 1024, photons = 0;
   bool scaling = false, null_hypothesis = false;
 };
 
@@ -33,6 +33,16 @@ struct Rounds {
   std::vector<double> render_mrays, limit_mrays, ratio, cpu_ratio, trace_share, cpu_ns;
 };
 
+/// Makes a scene whose render is hardly more than a photon map.
+void store_photons_alone(Description& description, int photons) {
+  description.integrator.kind = IntegratorKind::kPhotonMapper;
+  description.integrator.photons = {};
+  description.integrator.photons.global.count = static_cast<std::uint64_t>(photons);
+  description.film.width = description.film.height = 1;
+  description.film.crop.reset();
+  description.sampler.sample_count = 1;
+}
+
 std::unique_ptr<Scene> load(const Arguments& arguments) {
   ReadOptions options;
   for (const std::string& definition : arguments.definitions) {
@@ -41,7 +51,9 @@ std::unique_ptr<Scene> load(const Arguments& arguments) {
       throw Error(ExitCode::kUsage, "-D " + definition + ": expected name=value");
     options.defines.emplace_back(definition.substr(0, equals), definition.substr(equals + 1));
   }
-  return compile_scene(read_scene(arguments.scene, options));
+  Description description = read_scene(arguments.scene, options);
+  if (arguments.photons > 0) store_photons_alone(description, arguments.photons);
+  return compile_scene(description);
 }
 
 /// Samples per pixel whose rays fit the memory: those asked for, or fewer.
@@ -56,7 +68,8 @@ std::uint32_t affordable_spp(const Scene& scene, const Arguments& arguments, Ren
   if (spp == 0)
     throw Error(ExitCode::kUsage, fmt::format("the rays of one sample per pixel do not fit into {} MB; raise --memory "
                                               "or render a smaller picture", arguments.megabytes));
-  if (spp >= arguments.spp) return arguments.spp;
+  const std::uint32_t asked = arguments.photons > 0 ? 1 : arguments.spp;
+  if (spp >= asked) return asked;
   fmt::print(stderr, "trace_limit: {} instead of {} samples per pixel, so that rays fit into {} MB\n", spp,
              arguments.spp, arguments.megabytes);
   return static_cast<std::uint32_t>(spp);
@@ -141,6 +154,10 @@ void add_options(Command& program, Arguments& arguments) {
   program.add_option("--memory", arguments.megabytes, "For recorded rays, in MB. Default: 1024").in_range(4, 1 << 20);
   program.add_option("-D,--define", arguments.definitions,
                      "name=value: what $name means in the scene; may be repeated");
+  program
+      .add_option("--photons", arguments.photons,
+                  "Measure instead how photons are stored: so many in a photon map, and a picture of one pixel")
+      .in_range(0, 1'000'000'000);
   program.add_flag("--scaling", arguments.scaling, "Measure one thread as well");
   program.add_flag("--null", arguments.null_hypothesis,
                    "Measure scalar and wide kernels, path by path and in waves, on one thread instead");

@@ -103,7 +103,8 @@ void read_integrator(const XmlElement& element, Reader& reader) {
   } else {
     std::vector<std::string> known = integrator_names();
     known.insert(known.end(), {"aov", "moment"});
-    for (const PathLike& candidate : kPathLike) known.emplace_back(candidate.name);
+    for (const PathLike& candidate : kPathLike)
+      if (find_integrator(candidate.name) == nullptr) known.emplace_back(candidate.name);
     p.fail_plugin(known);
   }
   p.finish();
