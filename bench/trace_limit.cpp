@@ -87,12 +87,14 @@ void run_round(const Scene& scene, RenderOptions options, const RayLog& log, Rou
   const Stopwatch watch;
   const RenderReport report = render(scene, options).report;
   const double render_cpu = watch.elapsed().cpu_seconds;
+  // Of a photon map, what puts photons into it is not counted.
+  const double seconds = report.photons.emitted > 0 ? report.photons.trace_seconds : report.render_seconds;
   const Duration limit = log.replay(*scene.view().accel, rounds.threads);
-  rounds.render_mrays.push_back(1e-6 * report.rays_per_second());
+  rounds.render_mrays.push_back(1e-6 * report.rays_per_second() * report.render_seconds / seconds);
   rounds.limit_mrays.push_back(1e-6 * rays / limit.seconds);
-  rounds.ratio.push_back(limit.seconds / report.render_seconds);
+  rounds.ratio.push_back(limit.seconds / seconds);
   rounds.cpu_ratio.push_back(limit.cpu_seconds / render_cpu);
-  rounds.trace_share.push_back(report.trace_share());
+  rounds.trace_share.push_back(report.trace_share() * report.render_seconds / seconds);
   rounds.cpu_ns.push_back(1e9 * render_cpu / rays);
 }
 

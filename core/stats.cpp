@@ -134,6 +134,11 @@ std::string to_json(const RenderReport& report) {
       {"load_seconds", report.load_seconds},
       {"build_seconds", report.build_seconds},
       {"render_seconds", report.render_seconds},
+      {"photons",
+       {{"emitted", report.photons.emitted},
+        {"stored", report.photons.stored},
+        {"trace_seconds", report.photons.trace_seconds},
+        {"index_seconds", report.photons.index_seconds}}},
       {"peak_rss_bytes", report.peak_rss_bytes},
       {"peak_private_bytes", report.peak_private_bytes},
       {"samples", report.stats.samples},
@@ -158,6 +163,9 @@ std::string to_table(const RenderReport& report) {
                  report.height, report.spp, report.threads, report.isa, report.wave_size);
   fmt::format_to(out, "load {:.3f} s, build {:.3f} s, render {:.3f} s, peak memory {:.1f} MB\n", report.load_seconds,
                  report.build_seconds, report.render_seconds, static_cast<double>(report.peak_rss_bytes) * 1e-6);
+  if (const RenderReport::Photons& photons = report.photons; photons.emitted > 0)
+    fmt::format_to(out, "{} photons emitted in {:.3f} s, {} put into maps in {:.3f} s\n", photons.emitted,
+                   photons.trace_seconds, photons.stored, photons.index_seconds);
   fmt::format_to(
       out, "{} samples, {} rays (camera {}, light {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
       stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.light, stats.rays.scatter, stats.rays.shadow,

@@ -119,6 +119,12 @@ struct RenderReport {
   double load_seconds = 0;    ///< reading files
   double build_seconds = 0;   ///< compiling the scene, with its acceleration structure
   double render_seconds = 0;  ///< wall clock of the render alone
+  /// What photon maps were made of, and how long it took.
+  struct Photons {
+    std::uint64_t emitted = 0, stored = 0;
+    double trace_seconds = 0;  ///< following photons from the lights
+    double index_seconds = 0;  ///< putting them into maps
+  } photons;
   std::uint64_t peak_rss_bytes = 0, peak_private_bytes = 0;
   std::vector<std::string_view> stage_names;  ///< of all stages, in the order of Stats::stages
   Stats stats;

@@ -171,12 +171,6 @@ class Renderer {
         tbb::simple_partitioner());
   }
 
-  Worker& worker() {
-    Worker& worker = workers_.local();
-    if (worker.wave.recorder == nullptr && options_.make_recorder) worker.wave.recorder = options_.make_recorder();
-    return worker;
-  }
-
   void report_done(std::uint64_t more) {
     const std::uint64_t done = done_.fetch_add(more, std::memory_order_relaxed) + more;
     if (options_.on_progress) options_.on_progress(done, total_);
@@ -184,7 +178,7 @@ class Renderer {
 
   void run_task(const std::vector<PixelSamples>& pixels) {
     const FlushDenormals flush;
-    Worker& worker = this->worker();
+    Worker& worker = workers_.local();
     worker.camera.begin(pixels, film_.width(), film_.layout().size(), film_.spectral_bins());
     StageContext context = context_;
     context.camera = &worker.camera;
@@ -223,7 +217,7 @@ class Renderer {
 
   void run_photon_task(std::uint64_t first, int count, std::vector<Splat>& splats) {
     const FlushDenormals flush;
-    Worker& worker = this->worker();
+    Worker& worker = workers_.local();
     worker.photons.begin(first, count, film_.crop(), splats_->reach());
     StageContext context = context_;
     context.photons = &worker.photons;
@@ -262,7 +256,8 @@ class Renderer {
                                 std::to_string(kMostCollisions) + " collisions each: its voxels differ too much");
     result.film = std::move(film_);
     result.splats = std::move(splats_);
-    result.photons = photons_done_ + photon_tracing_.emitted;
+    result.photons = photons_done_;
+    report.photons = photon_tracing_.report;
     return result;
   }
 
@@ -289,7 +284,8 @@ class Renderer {
   std::uint64_t photons_ = 0, photons_done_ = 0;  ///< light tracing: to be emitted, and whose splats are on the film
   std::uint64_t total_ = 0;
   std::atomic<std::uint64_t> done_{0};
-  Workers workers_{[this] { return Worker(wave_size_, needs_); }};
+  Workers workers_{
+      [this] { return Worker(wave_size_, needs_, options_.make_recorder ? options_.make_recorder() : nullptr); }};
 };
 
 }  // namespace

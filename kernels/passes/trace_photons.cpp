@@ -58,6 +58,8 @@ std::vector<StoredPhotons> trace_round(const StageContext& camera, Workers& work
   return stored;
 }
 
+double seconds_since(std::uint64_t start) { return static_cast<double>(timestamp() - start) * seconds_per_tick(); }
+
 /// Tasks' photons until enough are stored, and how many were emitted for them; at least 1.
 struct TracedPhotons {
   std::vector<std::vector<Photon>> tasks;
@@ -66,7 +68,7 @@ struct TracedPhotons {
 
 TracedPhotons trace(const StageContext& context, Workers& workers, const PhotonRequest& request,
                     PhotonTracing& tracing) {
-  const std::uint64_t wanted = request.count;
+  const std::uint64_t start = timestamp(), wanted = request.count;
   const int task_photons = static_cast<int>(std::clamp<std::uint64_t>(wanted / kFewestTasks, 64, 16384));
   TracedPhotons out;
   std::uint64_t stored = 0;
@@ -95,7 +97,9 @@ TracedPhotons trace(const StageContext& context, Workers& workers, const PhotonR
     scarce = true;
     tracing.on_stored(wanted - stored);
   }
-  tracing.emitted += out.emitted;
+  tracing.report.emitted += out.emitted;
+  for (const std::vector<Photon>& task : out.tasks) tracing.report.stored += task.size();
+  tracing.report.trace_seconds += seconds_since(start);
   out.emitted = std::max<std::uint64_t>(out.emitted, 1);
   return out;
 }
@@ -105,14 +109,20 @@ TracedPhotons trace(const StageContext& context, Workers& workers, const PhotonR
 PhotonMap trace_photons(const StageContext& context, Workers& workers, const PhotonRequest& request,
                         PhotonTracing& tracing) {
   TracedPhotons traced = trace(context, workers, request, tracing);
+  const std::uint64_t start = timestamp();
   const PhotonMappingDescription& settings = context.transport.photons;
-  return PhotonMap(std::move(traced.tasks), traced.emitted, request.radius, settings.kernel, settings.lookup_size);
+  PhotonMap map(std::move(traced.tasks), traced.emitted, request.radius, settings.kernel, settings.lookup_size);
+  tracing.report.index_seconds += seconds_since(start);
+  return map;
 }
 
 VolumePhotonMap trace_volume_photons(const StageContext& context, Workers& workers, const PhotonRequest& request,
                                      PhotonTracing& tracing) {
   TracedPhotons traced = trace(context, workers, request, tracing);
-  return VolumePhotonMap(std::move(traced.tasks), traced.emitted, request.radius, context.transport.photons.kernel);
+  const std::uint64_t start = timestamp();
+  VolumePhotonMap map(std::move(traced.tasks), traced.emitted, request.radius, context.transport.photons.kernel);
+  tracing.report.index_seconds += seconds_since(start);
+  return map;
 }
 
 }  // namespace sheaf

@@ -15,7 +15,7 @@ struct PhotonTracing {
   std::function<bool()> stopped;                 ///< true ends it
   std::function<void(std::uint64_t)> on_stored;  ///< so many more of the photons that were asked for
   std::vector<std::string> warnings = {};        ///< out: what went wrong, for the user
-  std::uint64_t emitted = 0;                     ///< out
+  RenderReport::Photons report = {};             ///< out, sums over all maps
   bool scarce[3] = {};  ///< out: hardly any photons arrive for the global, the caustics, the volume map
 };
 

@@ -11,7 +11,9 @@ namespace sheaf {
 
 /// A wave, and the task that is being worked on. Constructed by its thread.
 struct Worker {
-  Worker(int wave_size, const WaveNeeds& needs) : wave(wave_size, needs) {}
+  Worker(int wave_size, const WaveNeeds& needs, RayRecorder* recorder = nullptr) : wave(wave_size, needs) {
+    wave.recorder = recorder;
+  }
   Wave wave;
   CameraTask camera;
   LightTask photons;

@@ -94,7 +94,10 @@ TEST_CASE("a report as JSON and as a table") {
   report.stats[Stage{1}].items = 0;
   CHECK(report.trace_share() == doctest::Approx(0.75).epsilon(1e-3));
   CHECK(report.rays_per_second() == doctest::Approx(3));
+  report.photons = {700, 600, 0.25, 0.5};
   const std::string json = to_json(report);
+  CHECK(contains(json, "\"stored\": 600"));
+  CHECK(contains(to_table(report), "700 photons emitted in 0.250 s, 600 put into maps in 0.500 s"));
   CHECK(contains(json, "\\\"quoted\\\""));
   CHECK(contains(json, "\"name\": \"light_candidates\""));
   CHECK(contains(json, "\"rays_per_second\": 3.0"));

@@ -201,12 +201,12 @@ TEST_CASE("Mitsuba: integrators") {
   CHECK(mapper.integrator.photons.gathering == PhotonGathering::kIndirect);
   CHECK(mapper.integrator.photons.lookup_size == 120);
   for (const char* name : {"ppm", "sppm"}) {
-    const Description d = with_integrator(
+    const Description progressive = with_integrator(
         std::string("<integrator type='") + name +
         "'><integer name='photonCount' value='77'/><float name='initialRadius' value='0.25'/><float name='alpha' "
         "value='0.5'/><integer name='maxPasses' value='12'/></integrator>");
-    const PhotonMappingDescription& photons = d.integrator.photons;
-    CHECK(d.notes.empty());
+    const PhotonMappingDescription& photons = progressive.integrator.photons;
+    CHECK(progressive.notes.empty());
     CHECK(photons.progressive);
     CHECK(photons.gathering == PhotonGathering::kIndirect);
     CHECK(photons.global.count == 77);

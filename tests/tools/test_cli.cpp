@@ -289,6 +289,8 @@ TEST_CASE("one render writes several pictures and the statistics") {
                           "load_seconds",
                           "build_seconds",
                           "render_seconds",
+                          "photons",
+                          "trace_seconds",
                           "peak_rss_bytes",
                           "peak_private_bytes",
                           "samples",
