@@ -48,9 +48,15 @@ class LightTask {
     ++emitted_;
   }
 
-  /// Puts what was stored into the order of photons and their vertices.
-  void sort_stored() {
-    std::sort(stored.begin(), stored.end(), [](const Photon& a, const Photon& b) { return a.order < b.order; });
+  /// What was stored, in the order of photons and their vertices. Each photon's are stored in their order: they only
+  /// have to be counted.
+  std::vector<Photon> sorted_photons() const {
+    std::vector<std::uint32_t> place(static_cast<std::size_t>(total_) + 1);
+    for (const Photon& photon : stored) ++place[(photon.order >> kVertexBits) + 1];
+    for (std::size_t i = 1; i < place.size(); ++i) place[i] += place[i - 1];
+    std::vector<Photon> sorted(stored.size());
+    for (const Photon& photon : stored) sorted[place[photon.order >> kVertexBits]++] = photon;
+    return sorted;
   }
   /// Puts the splats into the order of photons and their vertices, which does not depend on the wave's size.
   void sort_splats() {

@@ -12,7 +12,7 @@ namespace sheaf {
 
 namespace {
 
-/// Tasks of the smallest maps. How many are traced before their photons are counted is for the threads to say.
+/// Tasks of the smallest maps.
 constexpr std::uint64_t kFewestTasks = 64;
 /// Photons emitted for each one asked for, and more for small maps, until it is taken for sure that hardly any arrive.
 constexpr std::uint64_t kMostPerStored = 64, kMostMore = 1 << 20;
@@ -35,8 +35,9 @@ struct StoredPhotons {
 
 /// The next tasks' photons, each task's in order.
 std::vector<StoredPhotons> trace_round(const StageContext& camera, Workers& workers, PhotonKind kind,
-                                       std::uint64_t first, int task_photons, const PhotonTracing& tracing) {
-  std::vector<StoredPhotons> stored(4 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
+                                       std::uint64_t first, int task_photons, std::size_t tasks,
+                                       const PhotonTracing& tracing) {
+  std::vector<StoredPhotons> stored(tasks);
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, stored.size(), 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
@@ -49,8 +50,7 @@ std::vector<StoredPhotons> trace_round(const StageContext& camera, Workers& work
           context.maps = nullptr;
           context.photons = &worker.photons;
           run_photon_pass<Wide>(context, worker.wave);
-          worker.photons.sort_stored();
-          stored[i].photons = worker.photons.stored;
+          stored[i].photons = worker.photons.sorted_photons();
           stored[i].counted = map_of(kind) == 0 ? worker.photons.arrived : worker.photons.stored.size();
         }
       },
@@ -59,6 +59,15 @@ std::vector<StoredPhotons> trace_round(const StageContext& camera, Workers& work
 }
 
 double seconds_since(std::uint64_t start) { return static_cast<double>(timestamp() - start) * seconds_per_tick(); }
+
+/// How many tasks are traced before their photons are counted: a few for each thread; once it is known what a task
+/// stores, as many as are still needed.
+std::size_t round_size(std::size_t done, std::uint64_t stored, std::uint64_t wanted) {
+  const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
+  if (stored == 0) return 4 * threads;
+  const std::uint64_t needed = (wanted - stored) * done / stored + 1;
+  return std::min(needed, 64 * threads);
+}
 
 /// Tasks' photons until enough are stored, and how many were emitted for them; at least 1.
 struct TracedPhotons {
@@ -77,8 +86,8 @@ TracedPhotons trace(const StageContext& context, Workers& workers, const PhotonR
   const std::uint64_t most = scarce ? wanted : kMostPerStored * wanted + kMostMore;
   const auto hopeless = [&] { return out.emitted >= most || (stored == 0 && out.emitted >= kMostMore); };
   while (stored < wanted && !hopeless() && context.scene.light_count > 0 && !tracing.stopped()) {
-    auto round =
-        trace_round(context, workers, request.kind, first_photon(request) + out.emitted, task_photons, tracing);
+    auto round = trace_round(context, workers, request.kind, first_photon(request) + out.emitted, task_photons,
+                             round_size(out.tasks.size(), stored, wanted), tracing);
     const std::uint64_t before = stored;
     // Whole tasks, so that the number of photons emitted is known.
     for (std::size_t i = 0; i < round.size() && stored < wanted; ++i) {
@@ -111,7 +120,8 @@ PhotonMap trace_photons(const StageContext& context, Workers& workers, const Pho
   TracedPhotons traced = trace(context, workers, request, tracing);
   const std::uint64_t start = timestamp();
   const PhotonMappingDescription& settings = context.transport.photons;
-  PhotonMap map(std::move(traced.tasks), traced.emitted, request.radius, settings.kernel, settings.lookup_size);
+  PhotonMap map(std::move(traced.tasks), traced.emitted, request.radius, settings.kernel, settings.lookup_size,
+                context.scene.color == ColorMode::kSpectral);
   tracing.report.index_seconds += seconds_since(start);
   return map;
 }

@@ -8,13 +8,16 @@
 
 namespace sheaf {
 
+/// Bits of Photon::order for vertices.
+inline constexpr int kVertexBits = 16;
+
 /// One photon at one of its vertices.
 struct Photon {
   Vec3f p;                      ///< world space
   Spectrum4 power;              ///< W, times the number of photons that were emitted
   std::uint32_t direction = 0;  ///< octahedral; towards where it came from
   std::uint32_t surface = 0;    ///< see photon_surface(), photon_place()
-  std::uint32_t order = 0;      ///< photon of the task, and vertex of the photon
+  std::uint32_t order = 0;      ///< photon of the task above, vertex of the photon in the lower kVertexBits
 };
 
 /// Most segments of a path that photons count.

@@ -58,17 +58,22 @@ class PhotonMap {
   PhotonMap() = default;
   /// Takes the photons of all tasks, in order; `emitted`: how many were emitted. `radius`: metres, positive. The same
   /// photons give the same map, however many threads there are.
+  /// `four_lanes`: powers have a fourth lane.
   PhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitted, float radius, PhotonKernel kernel,
-            int lookup_size = 0);
+            int lookup_size = 0, bool four_lanes = true);
 
   PhotonMapView view() const;
   std::size_t size() const { return size_; }
   std::size_t bytes() const { return memory_.size() * sizeof(float) + bucket_begin_.size() * sizeof(std::uint32_t); }
 
  private:
-  static constexpr std::size_t kColumns = 9;
+  static constexpr std::size_t kMostColumns = 9;
 
+  std::size_t columns() const { return four_lanes_ ? kMostColumns : kMostColumns - 1; }
   const float* column(std::size_t i) const { return first_ + i * stride_; }
+
+  /// Makes bucket_begin_; returns the photons' numbers in the order of buckets.
+  template <class F> std::vector<std::uint32_t> sort_into_buckets(F&& photon_of);
 
   std::size_t size_ = 0, stride_ = 0;
   std::vector<float> memory_;
@@ -77,6 +82,7 @@ class PhotonMap {
   float radius_ = 0;
   PhotonKernel kernel_ = PhotonKernel::kDisc;
   int lookup_size_ = 0;
+  bool four_lanes_ = true;
 };
 
 }  // namespace sheaf

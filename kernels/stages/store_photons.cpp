@@ -30,7 +30,7 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
   const bool single = has_single_wavelength(context, wave, slot);
   photon.surface = in_medium ? photon_place(ray.flags >> kRayMediumShift, path.depth() + 1, single)
                              : photon_surface(encode_octahedral<Scalar>(item.ng), path.depth() + 1, single);
-  photon.order = row.task_sample << 16 | path.event();
+  photon.order = row.task_sample << kVertexBits | path.event();
   if (is_finite(max_component(photon.power)) && is_finite(item.p)) {
     task.stored.push_back(photon);
     return;
