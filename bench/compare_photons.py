@@ -35,14 +35,16 @@ SCENES = {
 }
 OTHER_SCENE = {"part": (0, 0, 1, 1), "part_reference": "path", "radius": 0, "caustic_radius": 0}
 
-GLOBAL_MAP = {"photonCount": 250000, "photonRadius": "radius"}
+ALL_IN_RADIUS = {"lookupSize": 0}
+GLOBAL_MAP = ALL_IN_RADIUS | {"photonCount": 250000, "photonRadius": "radius"}
 CAUSTICS_MAP = {"causticPhotonCount": 500000, "causticRadius": "caustic_radius"}
 
 # Name, integrator, its properties, and samples per pixel. Strings stand for the scene's value of this name.
 METHODS = [
     ("path", "path", {}, None),
     ("ptracer", "ptracer", {}, None),
-    ("map, 1M photons", "photonmapper", {"photonCount": 1000000, "photonRadius": "caustic_radius"}, 64),
+    ("map, 1M photons", "photonmapper",
+     ALL_IN_RADIUS | {"photonCount": 1000000, "photonRadius": "caustic_radius", "sampleDirect": False}, 64),
     ("gather", "photonmapper", GLOBAL_MAP | {"finalGather": True, "causticPhotonCount": 0}, 64),
     ("gather, caustics", "photonmapper", GLOBAL_MAP | {"finalGather": True} | CAUSTICS_MAP, 64),
     ("sppm", "sppm", {"photonCount": 250000, "initialRadius": "caustic_radius", "alpha": 0.7}, None),
