@@ -347,7 +347,7 @@ TEST_CASE("volume photons: what media scatter has the path tracer's mean, howeve
     if (what == kForward) medium.phase = add_phase(d, 0.6f);
     if (what == kGrid || what == kGlowing)
       medium.density = vol(file, Transform::translate({-1, -1, 0.2f}) * Transform::scale({2, 2, 1.5f}));
-    if (what == kGlowing) medium.emission = SpectrumDescription::constant(0.5f);
+    if (what == kGlowing) medium.emission = SpectrumDescription::constant(5);
     if (what == kFog || what == kForward) {
       d.camera.medium = add_medium(d, medium);
     } else {
