@@ -11,10 +11,9 @@ from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parent.parent / "scenes" / "caustics" / "generated"
 
-# The ring: outer and inner radius, height, and the radius of its rounded edges, in metres.
-OUTER, INNER, HEIGHT, EDGE = 1.0, 0.94, 0.42, 0.025
+# The ring: outer and inner radius, and height, in metres.
+OUTER, INNER, HEIGHT = 1.0, 0.94, 0.42
 RING_SIDES = 360
-EDGE_STEPS = 5
 
 # The water: half of its size along x and z, cells along x and along z, and waves (length in metres, slope).
 HALF_X, HALF_Z = 2.02, 1.52
@@ -32,30 +31,28 @@ def write_obj(path, what, places, normals, faces):
     path.write_text("\n".join(lines) + "\n")
 
 
-def ring_outline():
-    """Radius, height and normal of the ring's section, once around: up on the outside, down on the inside."""
-    corners = [(OUTER - EDGE, EDGE, -90), (OUTER - EDGE, HEIGHT - EDGE, 0), (INNER + EDGE, HEIGHT - EDGE, 90),
-               (INNER + EDGE, EDGE, 180)]
-    for radius, height, start in corners:
-        for i in range(EDGE_STEPS + 1):
-            angle = math.radians(start + 90 * i / EDGE_STEPS)
-            normal = (math.cos(angle), math.sin(angle))
-            yield radius + EDGE * normal[0], height + EDGE * normal[1], normal
+# The ring's walls as radius and height of both ends and their normal, once around: up on the outside, down on the inside.
+# Its edges are sharp, so that no rounding mirrors the lamp to the camera.
+RING_WALLS = [
+    ((OUTER, 0), (OUTER, HEIGHT), (1, 0)),
+    ((OUTER, HEIGHT), (INNER, HEIGHT), (0, 1)),
+    ((INNER, HEIGHT), (INNER, 0), (-1, 0)),
+    ((INNER, 0), (OUTER, 0), (0, -1)),
+]
 
 
 def make_ring():
-    """A closed surface of revolution about +y that stands on y = 0, smooth all over."""
-    outline = list(ring_outline())
+    """A closed surface of revolution about +y that stands on y = 0, smooth around the axis."""
     places, normals, faces = [], [], []
+    stride = 2 * len(RING_WALLS)
     for k in range(RING_SIDES):
         c, s = math.cos(2 * math.pi * k / RING_SIDES), math.sin(2 * math.pi * k / RING_SIDES)
-        for radius, height, normal in outline:
-            places.append((radius * c, height, radius * s))
-            normals.append((normal[0] * c, normal[1], normal[0] * s))
-        for i in range(len(outline)):
-            a, b = k * len(outline), (k + 1) % RING_SIDES * len(outline)
-            j = (i + 1) % len(outline)
-            faces.append((a + i, a + j, b + j, b + i))
+        for *ends, normal in RING_WALLS:
+            for radius, height in ends:
+                places.append((radius * c, height, radius * s))
+                normals.append((normal[0] * c, normal[1], normal[0] * s))
+        a, b = k * stride, (k + 1) % RING_SIDES * stride
+        faces += [(a + i, a + i + 1, b + i + 1, b + i) for i in range(0, stride, 2)]
     write_obj(FOLDER / "ring.obj", "A ring", places, normals, faces)
 
 
