@@ -34,6 +34,11 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 Error::Error(ExitCode code, const SourceLocation& where, const std::string& message)
     : std::runtime_error(with_place(where, message)), code_(code) {}
 
+SceneError at_place(const SourceLocation& where, const SceneError& error) {
+  const std::string message = error.what();
+  return message.starts_with(with_place(where, "")) ? error : SceneError(where, message);
+}
+
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
   constexpr std::size_t kLongestCompared = 256;  // hostile files may hold names of any length
   if (name.size() > kLongestCompared) return {};

@@ -38,6 +38,9 @@ class SceneError : public Error {
   SceneError(const SourceLocation& where, const std::string& message) : Error(ExitCode::kScene, where, message) {}
 };
 
+/// The same error with a place before its message, unless it begins with that place.
+SceneError at_place(const SourceLocation& where, const SceneError& error);
+
 /// The candidate that is most like `name` (smallest edit distance), or an empty string if none is at all alike.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 

@@ -3,6 +3,7 @@
 #include "scene/dialects/read_scene.h"
 #include "scene/dialects/sampler_name.h"
 #include "tools/commands.h"
+#include "tools/read_options.h"
 
 #include <fmt/format.h>
 
@@ -16,8 +17,7 @@ namespace {
 
 struct InfoArguments {
   std::string scene;
-  std::vector<std::string> definitions;
-  bool lenient = false;
+  ReadArguments read;
 };
 
 std::string describe_photon_mapping(const PhotonMappingDescription& photons) {
@@ -76,6 +76,7 @@ std::string describe(const Description& description, const Scene& scene) {
   fmt::format_to(out, "memory      {:.3f} MB of tables, {:.3f} MB of acceleration structure\n",
                  megabytes(info.table_bytes), megabytes(info.accel_bytes));
   for (const std::string& note : description.notes) fmt::format_to(out, "note        {}\n", note);
+  for (const std::string& stand_in : description.stand_ins) fmt::format_to(out, "warning     {}\n", stand_in);
   for (const std::string& warning : scene.warnings()) fmt::format_to(out, "warning     {}\n", warning);
   return text;
 }
@@ -86,17 +87,11 @@ void add_info_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<InfoArguments>();
   Command command = program.add_command("info", "Say what a scene file holds, its bounds and its memory.");
   command.add_option("scene", arguments->scene, "Scene file").required();
-  command.add_option("-D,--define", arguments->definitions,
-                     "name=value: what $name means in the scene; may be repeated");
-  command.add_flag("--lenient", arguments->lenient, "Unknown properties in the scene are notes instead of errors");
+  add_read_options(command, arguments->read);
   command.on_call([arguments, &exit_code] {
-    ReadOptions options;
-    options.lenient = arguments->lenient;
-    for (const std::string& definition : arguments->definitions) {
-      options.defines.push_back(split_definition(definition));
-    }
-    const Description description = read_scene(arguments->scene, options);
-    const std::unique_ptr<Scene> scene = compile_scene(description);
+    Description description = read_scene(arguments->scene, read_options(arguments->scene, arguments->read));
+    const std::unique_ptr<Scene> scene =
+        arguments->read.lenient ? compile_leniently(description) : compile_scene(description);
     std::fputs(describe(description, *scene).c_str(), stdout);
     exit_code = 0;
   });

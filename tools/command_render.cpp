@@ -13,15 +13,19 @@
 #include "scene/xml/xml.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
+#include "tools/read_options.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <memory>
+#include <tuple>
 
 namespace sheaf {
 
@@ -32,14 +36,16 @@ namespace {
 /// The options as given.
 struct RenderArguments {
   std::string scene;
-  std::vector<std::string> outputs, definitions;
+  std::vector<std::string> outputs;
   std::optional<std::uint32_t> spp, seed;
   std::optional<int> max_depth, candidates;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
-  std::string color = "rgb", integrator, sampler, light_sampler, medium_estimator, stats;
+  std::string color = "rgb", integrator, sampler, light_sampler, medium_estimator, stats, size;
+  std::optional<float> scale;
   std::optional<float> step_size;
   int threads = 0, wave_size = 0, spectral_bins = 0;
-  bool lenient = false, no_timestamps = false, quiet = false, watertight = false;
+  bool no_timestamps = false, quiet = false, watertight = false;
+  ReadArguments read;
 };
 
 std::string extension_of(const fs::path& path) {
@@ -86,6 +92,7 @@ std::vector<fs::path> check_outputs(const RenderArguments& arguments) {
 
 void apply_integrator(const RenderArguments& arguments, IntegratorDescription& integrator) {
   if (!arguments.integrator.empty()) integrator = integrator_from_name(arguments.integrator, integrator);
+  if (arguments.spp) integrator.photons.max_passes = 0;
   if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
   if (arguments.candidates) integrator.candidates = *arguments.candidates;
   if (!arguments.light_sampler.empty()) integrator.light_selector = light_selector_from_name(arguments.light_sampler);
@@ -100,6 +107,26 @@ std::string apply_sampler(const RenderArguments& arguments, SamplerDescription& 
   const std::uint32_t wanted = arguments.spp.value_or(sampler.sample_count);
   sampler.sample_count = rounded_sample_count(sampler.kind, wanted);
   return rounding_note(sampler.kind, wanted);
+}
+
+/// Sets the size asked for; the scene's crop is that share of the frame that it was.
+void apply_size(const RenderArguments& arguments, FilmDescription& film) {
+  if (arguments.size.empty() && !arguments.scale) return;
+  const FilmDescription before = film;
+  if (!arguments.size.empty()) std::tie(film.width, film.height) = parse_size(arguments.size);
+  const float scale = arguments.scale.value_or(1.0f);
+  const auto scaled = [](int pixels, double factor) { return static_cast<int>(std::lround(pixels * factor)); };
+  film.width = std::max(scaled(film.width, scale), 1);
+  film.height = std::max(scaled(film.height, scale), 1);
+  if (!film.crop) return;
+  const double x = static_cast<double>(film.width) / before.width, y = static_cast<double>(film.height) / before.height;
+  PixelRect crop{scaled(film.crop->x0, x), scaled(film.crop->y0, y), scaled(film.crop->x1, x),
+                 scaled(film.crop->y1, y)};
+  crop.x0 = std::min(crop.x0, film.width - 1);
+  crop.y0 = std::min(crop.y0, film.height - 1);
+  crop.x1 = std::max(crop.x1, crop.x0 + 1);
+  crop.y1 = std::max(crop.y1, crop.y0 + 1);
+  film.crop = crop;
 }
 
 /// The rectangle to render. Throws Error (exit code 2) if the one given does not lie in the frame.
@@ -190,26 +217,25 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, boo
 
 int render_scene(const RenderArguments& arguments) {
   const std::vector<fs::path> outputs = check_outputs(arguments);
-  ReadOptions read_options;
-  read_options.lenient = arguments.lenient;
-  for (const std::string& definition : arguments.definitions) {
-    read_options.defines.push_back(split_definition(definition));
-  }
   if (arguments.spectral_bins > 0 && arguments.color != "spectral")
     throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
   const double load_start = Progress::steady_seconds();
-  Description description = read_scene(arguments.scene, read_options);
+  Description description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
   check_overwriting(outputs, arguments.stats, description.files);
   apply_integrator(arguments, description.integrator);
   if (std::string note = apply_sampler(arguments, description.sampler); !note.empty())
     description.notes.push_back(std::move(note));
+  apply_size(arguments, description.film);
   const PixelRect crop = choose_crop(arguments, description.film);
   const ColorMode color = arguments.color == "spectral" ? ColorMode::kSpectral : ColorMode::kRgb;
   const double build_start = Progress::steady_seconds();
-  const std::unique_ptr<Scene> scene = compile_scene(description, {arguments.watertight, color});
+  const std::unique_ptr<Scene> scene = arguments.read.lenient
+                                           ? compile_leniently(description, {arguments.watertight, color})
+                                           : compile_scene(description, {arguments.watertight, color});
   const double build_end = Progress::steady_seconds();
   if (!arguments.quiet) {
     for (const std::string& note : description.notes) print_message(note);
+    for (const std::string& stand_in : description.stand_ins) print_message("warning: " + stand_in);
     for (const std::string& warning : scene->warnings()) print_message("warning: " + warning);
   }
 
@@ -238,6 +264,11 @@ int render_scene(const RenderArguments& arguments) {
     for (const std::string& warning : result.warnings) print_message("warning: " + warning);
     std::fputs(to_table(result.report).c_str(), stderr);
     for (const fs::path& output : written) print_message("wrote " + output.string());
+    if (const std::size_t count = description.stand_ins.size(); count > 0)
+      print_message(
+          fmt::format("warning: {} thing{} of the scene could not be read and {} left out or replaced; see "
+                      "the warnings above",
+                      count, count == 1 ? "" : "s", count == 1 ? "was" : "were"));
   }
   if (!complete) return static_cast<int>(ExitCode::kOutput);
   return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
@@ -299,9 +330,12 @@ void add_run_options(Command& command, RenderArguments& arguments) {
       .add_option("--crop", arguments.crop,
                   "Part of the frame to render, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the scene's")
       .list(',', 4);
-  command.add_option("-D,--define", arguments.definitions,
-                     "name=value: what $name means in the scene; may be repeated");
-  command.add_flag("--lenient", arguments.lenient, "Unknown properties in the scene are notes instead of errors");
+  command.add_option("--size", arguments.size, "Size of the frame in pixels, WxH. Default: the scene's");
+  command
+      .add_option("--scale", arguments.scale,
+                  "Factor on the frame's width and height, e.g. 0.25 for a first look. Default: 1")
+      .positive();
+  add_read_options(command, arguments.read);
   command.add_option("--stats", arguments.stats, "Write times and counters to this file, as JSON");
   command
       .add_option("--wave-size", arguments.wave_size,
@@ -312,14 +346,6 @@ void add_run_options(Command& command, RenderArguments& arguments) {
 }
 
 }  // namespace
-
-std::pair<std::string, std::string> split_definition(const std::string& definition) {
-  const std::size_t equals = definition.find('=');
-  if (equals == std::string::npos || equals == 0) {
-    throw Error(ExitCode::kUsage, "-D " + definition + ": expected name=value");
-  }
-  return {definition.substr(0, equals), definition.substr(equals + 1)};
-}
 
 void add_render_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();

@@ -3,9 +3,7 @@
 
 #include "tools/options.h"
 
-#include <string>
 #include <string_view>
-#include <utility>
 
 namespace sheaf {
 
@@ -18,8 +16,5 @@ void add_compare_command(Command& program, int& exit_code);
 
 /// Prints a line to the standard error stream, after "sheaf: ".
 void print_message(std::string_view message);
-
-/// A definition "name=value" split in two. Throws Error (exit code 2) if it is not of this form.
-std::pair<std::string, std::string> split_definition(const std::string& definition);
 
 }  // namespace sheaf

@@ -19,6 +19,7 @@ template <class T> Option& Option::in_range(T low, T high) {
 template Option& Option::in_range(int, int);
 template Option& Option::in_range(unsigned, unsigned);
 template Option& Option::in_range(double, double);
+template Option& Option::in_range(float, float);
 
 Option& Option::positive() {
   option_->check(CLI::PositiveNumber);
@@ -53,6 +54,7 @@ template Option Command::add_option(const std::string&, std::optional<unsigned>&
 template Option Command::add_option(const std::string&, std::optional<float>&, const std::string&);
 template Option Command::add_option(const std::string&, std::optional<double>&, const std::string&);
 template Option Command::add_option(const std::string&, std::vector<int>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<float>&, const std::string&);
 
 Option Command::add_option(const std::string& names, std::vector<std::string>& values, const std::string& help) {
   return Option(*command_->add_option(names, values, help)->allow_extra_args(false));

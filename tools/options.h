@@ -23,7 +23,7 @@ class Option {
 
   /// It must be given.
   Option& required();
-  /// Its value is from low to high, both included. T: int, unsigned or double.
+  /// Its value is from low to high, both included. T: int, unsigned, float or double.
   template <class T> Option& in_range(T low, T high);
   /// Its value is a number above zero.
   Option& positive();
@@ -45,7 +45,7 @@ class Command {
   explicit Command(CLI::App& command) : command_(&command) {}
 
   /// An option that sets `value`. T: std::string, int, unsigned, double, an optional of int, unsigned, float or
-  /// double, or a vector of int (see Option::list).
+  /// double, or a vector of int or float (see Option::list).
   template <class T> Option add_option(const std::string& names, T& value, const std::string& help);
   /// An option that may be repeated and takes one value each time.
   Option add_option(const std::string& names, std::vector<std::string>& values, const std::string& help);

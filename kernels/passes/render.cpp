@@ -35,6 +35,7 @@ std::string integrator_name(const IntegratorDescription& integrator) {
   if (integrator.kind == IntegratorKind::kDepth) return "depth";
   if (integrator.kind == IntegratorKind::kLightTracer) return "ptracer";
   if (integrator.kind == IntegratorKind::kPhotonMapper) return integrator.photons.progressive ? "sppm" : "photonmapper";
+  if (integrator.ends_at_diffuse) return "whitted";
   if (integrator.strategy == LightStrategy::kBsdfOnly) return "path_mats";
   if (integrator.strategy == LightStrategy::kLightOnly) return "path_ems";
   return integrator.max_depth == 2 ? "direct" : "path";

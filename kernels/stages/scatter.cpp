@@ -159,6 +159,8 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
     if (context.photons != nullptr && context.photons->ends_at_scattering())
       alive = alive & (s.pdf_solid_angle == F(0.0f));
   }
+  if (context.transport.ends_at_diffuse)
+    alive = alive & ((s.pdf_solid_angle == F(0.0f)) | (null_transmittance > F(0.0f)));
   F divisor(1.0f);
   if (context.scene.has_transparency)
     divisor = leave_vertex<L>(context.scene, wave, slots, count, item.ng, kIsPhaseFunction<Bsdf<L>>, single,

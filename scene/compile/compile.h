@@ -17,4 +17,8 @@ struct CompileOptions {
 /// structure. Throws SceneError for missing or broken assets. Degenerate geometry is left out with a warning.
 std::unique_ptr<Scene> compile_scene(const Description& description, const CompileOptions& options = {});
 
+/// The same, but what cannot be compiled is left out of the description, or replaced in it, and Description::stand_ins
+/// says so. Throws SceneError for what is wrong with the scene as a whole.
+std::unique_ptr<Scene> compile_leniently(Description& description, const CompileOptions& options = {});
+
 }  // namespace sheaf

@@ -62,7 +62,9 @@ void SceneCompiler::add_lights() {
   std::vector<std::pair<PlacedLight, SourceLocation>> placed;
   for (const LightDescription& light : in_.lights) {
     const auto place = [&]<class D>(const D& d) { return place_light(LightToPlace<D>{d, light.where, context}); };
-    if (auto row = std::visit(place, light.model)) placed.emplace_back(std::move(*row), light.where);
+    try {
+      if (auto row = std::visit(place, light.model)) placed.emplace_back(std::move(*row), light.where);
+    } catch (const SceneError& error) { throw at_place(light.where, error); }
   }
   for (const bool infinite : {false, true}) {
     for (const auto& [light, where] : placed)

@@ -208,12 +208,7 @@ CompiledMedia compile_media(std::span<const PlacedMedium> media, SpectrumSet* se
   for (const PlacedMedium& medium : media) {
     try {
       compiler.add(medium);
-    } catch (const SceneError& error) {
-      const SourceLocation& where = medium.description->where;
-      const std::string place = where.file + ":" + std::to_string(where.line);
-      if (std::string(error.what()).rfind(place, 0) == 0) throw;
-      throw SceneError(where, error.what());
-    }
+    } catch (const SceneError& error) { throw at_place(medium.description->where, error); }
   }
   compiler.finish();
   return std::move(compiler.out);

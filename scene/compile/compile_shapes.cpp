@@ -77,11 +77,7 @@ void SceneCompiler::add_shape(const ShapeDescription& shape) {
                    },
                },
                shape.geometry);
-  } catch (const SceneError& error) {
-    const std::string place = shape.where.file + ":" + std::to_string(shape.where.line);
-    if (std::string(error.what()).rfind(place, 0) == 0) throw;
-    throw SceneError(shape.where, error.what());
-  }
+  } catch (const SceneError& error) { throw at_place(shape.where, error); }
 }
 
 void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh, bool face_normals) {

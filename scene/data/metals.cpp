@@ -2,6 +2,10 @@
 // Christy are taken from the database of M. N. Polyanskiy, refractiveindex.info, which is in the public domain (CC0).
 #include "scene/data/metals.h"
 
+#include "scene/data/palik.h"
+
+#include <algorithm>
+
 namespace sheaf {
 
 namespace {
@@ -111,28 +115,28 @@ constexpr MetalSample kTungsten[] = {
     {717.3f, 3.896f, 2.85f}, {731.4f, 3.891f, 2.828f}, {752.8f, 3.862f, 2.788f}, {777.8f, 3.789f, 2.737f},
     {795.8f, 3.694f, 2.735f}, {814.7f, 3.596f, 2.757f}, {832.7f, 3.492f, 2.801f}};
 
-struct Metal {
-  const char* name;
-  std::span<const MetalSample> samples;
-};
-const Metal kMetals[] = {
-    {"Ag", kSilver}, {"Al", kAluminium}, {"Au", kGold}, {"Cr", kChromium}, {"Cu", kCopper}, {"Fe", kIron},
-    {"Hg", kMercury}, {"Ir", kIridium}, {"Ni", kNickel}, {"Pt", kPlatinum}, {"Ti", kTitanium},
-    {"TiN", kTitaniumNitride}, {"V", kVanadium}, {"W", kTungsten}};
+const NamedMetal kMetals[] = {{"Ag", kSilver},  {"Al", kAluminium}, {"Au", kGold},     {"Cr", kChromium},
+                              {"Cu", kCopper},  {"Fe", kIron},      {"Hg", kMercury},  {"Ir", kIridium},
+                              {"Ni", kNickel},  {"Pt", kPlatinum},  {"Ti", kTitanium}, {"TiN", kTitaniumNitride},
+                              {"V", kVanadium}, {"W", kTungsten}};
 
 }  // namespace
 
 std::span<const MetalSample> find_metal(std::string_view name) {
   constexpr std::string_view kSuffix = "_palik";
   if (name.ends_with(kSuffix)) name.remove_suffix(kSuffix.size());
-  for (const Metal& metal : kMetals)
+  for (const NamedMetal& metal : kMetals)
+    if (name == metal.name) return metal.samples;
+  for (const NamedMetal& metal : palik_metals())
     if (name == metal.name) return metal.samples;
   return {};
 }
 
 std::vector<std::string> metal_names() {
   std::vector<std::string> names;
-  for (const Metal& metal : kMetals) names.emplace_back(metal.name);
+  for (const NamedMetal& metal : kMetals) names.emplace_back(metal.name);
+  for (const NamedMetal& metal : palik_metals()) names.emplace_back(metal.name);
+  std::sort(names.begin(), names.end());
   return names;
 }
 

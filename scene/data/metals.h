@@ -14,8 +14,9 @@ struct MetalSample {
   float eta, k;
 };
 
-/// The samples of a metal ("Au") in order of wavelength, from 360 nm or less to 830 nm or more; empty for an unknown
-/// name. A name ending in "_palik", as Mitsuba has for some, means the same metal. The sources stand with the tables.
+/// The samples of a metal, or of another absorbing solid ("Au", "SiC"), in order of wavelength, from 360 nm or less to
+/// 830 nm or more; empty for an unknown name. A name ending in "_palik", as Mitsuba has for some, means the same metal.
+/// The sources stand with the tables.
 std::span<const MetalSample> find_metal(std::string_view name);
 
 /// All names that find_metal() knows, without the endings.

@@ -485,6 +485,7 @@ struct IntegratorDescription {
   LightSelector light_selector = LightSelector::kBvh;
   int candidates = 1;  ///< lights sampled per vertex, of which one is kept by resampling; in [1, kMaxCandidates]
   bool hide_emitters = false;  ///< directly visible lights are left out (alpha 0)
+  bool ends_at_diffuse = false;  ///< paths go on from mirrors and smooth glass alone (Whitted 1980)
   bool free_panes = false;     ///< light that passes a thin pane does not gain depth (Mitsuba's volpath)
   MediumEstimator medium_estimator = MediumEstimator::kNullMis;
   float step_size = 0;  ///< kMarching: metres; 0: a hundredth of the medium's bounding box' diagonal
@@ -506,6 +507,7 @@ struct Description {
   std::vector<InstanceDescription> instances;
   std::vector<LightDescription> lights;
   std::vector<std::string> notes;
+  std::vector<std::string> stand_ins;  ///< what was left out or replaced, read leniently; messages with file and line
   std::filesystem::path file;
   std::vector<std::filesystem::path> files;  ///< all that it is made of, itself and what is yet to be read included
 };

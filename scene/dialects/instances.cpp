@@ -6,6 +6,8 @@ namespace sheaf {
 
 namespace {
 
+bool is_group(const std::string& type) { return type == "shapegroup" || type == "ref"; }
+
 /// Reads a group, once for each element.
 std::uint32_t group_of(const XmlElement& element, ReadContext& context, const ShapeReader& read_shape) {
   if (const auto known = context.groups.find(&element); known != context.groups.end()) return known->second;
@@ -27,11 +29,23 @@ std::uint32_t group_of(const XmlElement& element, ReadContext& context, const Sh
   return index;
 }
 
+/// The group that the string `ref` names, as some renderers of Nori's dialect have it, or null.
+const XmlElement* find_named_group(Properties& p) {
+  const std::optional<std::string> name = p.find_string("ref");
+  if (!name) return nullptr;
+  for (const XmlElement& child : p.context().scene.root().children) {
+    const std::string *type = child.find_attribute("type"), *own = child.find_attribute("name");
+    if (type != nullptr && is_group(*type) && own != nullptr && *own == *name) return &child;
+  }
+  p.fail_at("ref", "is " + in_quotes(*name) + ", which names no group of shapes");
+}
+
 void read_instance(const XmlElement& element, ReadContext& context, const ShapeReader& read_shape) {
   Properties p(element, context);
   const XmlElement* target = p.object(element.name.c_str());
+  if (target == nullptr) target = find_named_group(p);
   if (target == nullptr) p.fail("needs a <ref> to a shapegroup");
-  if (target->attribute("type") != "shapegroup")
+  if (!is_group(target->attribute("type")))
     p.fail("refers to a " + in_quotes(target->attribute("type")) + ", expected a 'shapegroup'");
   InstanceDescription instance;
   instance.group = group_of(*target, context, read_shape);
@@ -47,7 +61,7 @@ void read_instance(const XmlElement& element, ReadContext& context, const ShapeR
 
 bool read_instancing(const XmlElement& element, ReadContext& context, const ShapeReader& read_shape) {
   const std::string* type = element.find_attribute("type");
-  if (type == nullptr || (*type != "shapegroup" && *type != "instance")) return false;
+  if (type == nullptr || (!is_group(*type) && *type != "instance")) return false;
   if (context.in_group)
     throw SceneError(element.where, "a shape group cannot hold a " + in_quotes(*type) +
                                         ": groups and instances are not nested, expected plain shapes");

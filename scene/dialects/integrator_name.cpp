@@ -1,5 +1,7 @@
 #include "scene/dialects/integrator_name.h"
 
+#include <algorithm>
+#include <iterator>
 #include <string>
 
 namespace sheaf {
@@ -9,45 +11,88 @@ namespace {
 /// Candidates per vertex of the integrators named after resampling.
 constexpr int kResampledCandidates = 8;
 
+constexpr auto kPath = IntegratorKind::kPath;
+constexpr auto kMaps = IntegratorKind::kPhotonMapper;
+constexpr auto kMis = LightStrategy::kMis;
+constexpr auto kMats = LightStrategy::kBsdfOnly;
+constexpr auto kEms = LightStrategy::kLightOnly;
+
 constexpr NamedIntegrator kIntegrators[] = {
-    {"path", IntegratorKind::kPath, LightStrategy::kMis, false},
-    {"path_mis", IntegratorKind::kPath, LightStrategy::kMis, false},
-    {"path_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, false},
-    {"path_ems", IntegratorKind::kPath, LightStrategy::kLightOnly, false},
-    {"path_ris", IntegratorKind::kPath, LightStrategy::kMis, false, kResampledCandidates},
-    {"direct", IntegratorKind::kPath, LightStrategy::kMis, true},
-    {"direct_mis", IntegratorKind::kPath, LightStrategy::kMis, true},
-    {"direct_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, true},
-    {"direct_ems", IntegratorKind::kPath, LightStrategy::kLightOnly, true},
-    {"direct_ris", IntegratorKind::kPath, LightStrategy::kMis, true, kResampledCandidates},
-    {"normals", IntegratorKind::kNormals, LightStrategy::kMis, false},
-    {"depth", IntegratorKind::kDepth, LightStrategy::kMis, false},
-    {"volpath", IntegratorKind::kPath, LightStrategy::kMis, false, 1, true},
-    {"volpathmis", IntegratorKind::kPath, LightStrategy::kMis, false, 1, true},
-    {"volpath_mis", IntegratorKind::kPath, LightStrategy::kMis, false},
-    {"volpath_simple", IntegratorKind::kPath, LightStrategy::kMis, false, 1, true},
-    {"vol_path", IntegratorKind::kPath, LightStrategy::kMis, false},
-    {"vol_path_mis", IntegratorKind::kPath, LightStrategy::kMis, false},
-    {"vol_path_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, false},
-    {"path_vol_mis", IntegratorKind::kPath, LightStrategy::kMis, false},
-    {"path_mis_vol", IntegratorKind::kPath, LightStrategy::kMis, false},
-    {"medium_path", IntegratorKind::kPath, LightStrategy::kMis, false},
-    {"medium_path_mis", IntegratorKind::kPath, LightStrategy::kMis, false},
-    {"medium_path_mats", IntegratorKind::kPath, LightStrategy::kBsdfOnly, false},
-    {"prb", IntegratorKind::kPath, LightStrategy::kMis, false},
-    {"prbvolpath", IntegratorKind::kPath, LightStrategy::kMis, false, 1, true},
-    {"ptracer", IntegratorKind::kLightTracer, LightStrategy::kMis, false},
-    {"photonmapper", IntegratorKind::kPhotonMapper, LightStrategy::kMis, false},
-    {"photonmap", IntegratorKind::kPhotonMapper, LightStrategy::kMis, false},
-    {"volumetricphotonmapper", IntegratorKind::kPhotonMapper, LightStrategy::kMis, false},
-    {"ppm", IntegratorKind::kPhotonMapper, LightStrategy::kMis, false, 1, false, true},
-    {"sppm", IntegratorKind::kPhotonMapper, LightStrategy::kMis, false, 1, false, true},
-    {"bdpt", IntegratorKind::kPath, LightStrategy::kMis, false},
+    {"path", kPath, kMis, false},
+    {"path_mis", kPath, kMis, false},
+    {"path_mats", kPath, kMats, false},
+    {"path_ems", kPath, kEms, false},
+    {"path_ris", kPath, kMis, false, kResampledCandidates},
+    {"direct", kPath, kMis, true},
+    {"direct_mis", kPath, kMis, true},
+    {"direct_mats", kPath, kMats, true},
+    {"direct_ems", kPath, kEms, true},
+    {"direct_ris", kPath, kMis, true, kResampledCandidates},
+    {"whitted", kPath, kEms, false, 1, false, false, true},
+    {"normals", IntegratorKind::kNormals, kMis, false},
+    {"depth", IntegratorKind::kDepth, kMis, false},
+    {"volpath", kPath, kMis, false, 1, true},
+    {"volpathmis", kPath, kMis, false, 1, true},
+    {"volpath_simple", kPath, kMis, false, 1, true},
+    {"volpath_mis", kPath, kMis, false},
+    {"volpath_mats", kPath, kMats, false},
+    {"vol_path", kPath, kMis, false},
+    {"vol_path_mis", kPath, kMis, false},
+    {"vol_path_mats", kPath, kMats, false},
+    {"path_vol", kPath, kMis, false},
+    {"path_vol_mis", kPath, kMis, false},
+    {"path_vol_mats", kPath, kMats, false},
+    {"path_mis_vol", kPath, kMis, false},
+    {"medium_path", kPath, kMis, false},
+    {"medium_path_mis", kPath, kMis, false},
+    {"medium_path_mats", kPath, kMats, false},
+    {"ptracer", IntegratorKind::kLightTracer, kMis, false},
+    {"photonmapper", kMaps, kMis, false},
+    {"photonmap", kMaps, kMis, false},
+    {"volumetricphotonmapper", kMaps, kMis, false},
+    {"ppm", kMaps, kMis, false, 1, false, true},
+    {"sppm", kMaps, kMis, false, 1, false, true},
 };
+
+/// Integrators that other renderers have, which compute what `path` does in another way.
+constexpr const char* kLikePath[] = {
+    "adaptive",
+    "bdpt",
+    "erpt",
+    "guided_path",
+    "irrcache",
+    "mlt",
+    "path_guiding_integrator",
+    "path_tracer_recursive",
+    "prb",
+    "prb_basic",
+    "prb_projective",
+    "prb_reparam",
+    "pssmlt",
+    "singlescatter",
+    "vcm",
+    "vpl",
+    "vrl",
+};
+/// The same for `direct` and `volpath`.
+constexpr const char* kLikeDirect[] = {"direct_projective", "direct_reparam", "emission_reparam"};
+constexpr const char* kLikeVolpath[] = {"prbvolpath"};
+
+template <std::size_t n> bool is_one_of(std::string_view name, const char* const (&list)[n]) {
+  return std::find(std::begin(list), std::end(list), name) != std::end(list);
+}
 
 }  // namespace
 
+const char* same_expectation(std::string_view name) {
+  if (is_one_of(name, kLikePath)) return "path";
+  if (is_one_of(name, kLikeDirect)) return "direct";
+  if (is_one_of(name, kLikeVolpath)) return "volpath";
+  return nullptr;
+}
+
 const NamedIntegrator* find_integrator(std::string_view name) {
+  if (const char* same = same_expectation(name)) name = same;
   for (const NamedIntegrator& named : kIntegrators)
     if (name == named.name) return &named;
   return nullptr;
@@ -56,6 +101,10 @@ const NamedIntegrator* find_integrator(std::string_view name) {
 std::vector<std::string> integrator_names() {
   std::vector<std::string> names;
   for (const NamedIntegrator& named : kIntegrators) names.emplace_back(named.name);
+  for (const char* name : kLikePath) names.emplace_back(name);
+  for (const char* name : kLikeDirect) names.emplace_back(name);
+  for (const char* name : kLikeVolpath) names.emplace_back(name);
+  std::sort(names.begin(), names.end());
   return names;
 }
 
@@ -69,6 +118,7 @@ void apply(const NamedIntegrator& named, IntegratorDescription& integrator) {
   integrator.kind = named.kind;
   integrator.strategy = named.strategy;
   integrator.free_panes = named.free_panes;
+  integrator.ends_at_diffuse = named.ends_at_diffuse;
   if (named.candidates > 1) integrator.candidates = named.candidates;
   if (named.direct) integrator.max_depth = 2;
 }

@@ -1,6 +1,8 @@
 // The Mitsuba dialect (0.6, 2, 3): what stands at the top level of a scene.
 #include "scene/dialects/mitsuba.h"
 
+#include "scene/dialects/frame_scene.h"
+
 namespace sheaf {
 
 namespace {
@@ -38,55 +40,70 @@ bool is_spectrum(const XmlElement& e) {
 
 }  // namespace
 
+namespace {
+
+/// What is read once everything else is.
+struct Last {
+  const XmlElement* sensor = nullptr;
+  const XmlElement* integrator = nullptr;
+};
+
+void read_child(const XmlElement& child, mitsuba::Reader& reader, Last& last) {
+  ReadContext& context = reader.context;
+  const std::string& kind = child.name;
+  if (kind == "shape") {
+    mitsuba::read_shape(child, reader);
+  } else if (kind == "bsdf") {
+    mitsuba::material_of(child, reader);
+  } else if (kind == "medium") {
+    mitsuba::medium_of(child, reader);
+  } else if (kind == "texture") {
+    if (!context.scene.is_referenced(child)) mitsuba::texture_of(child, context);
+  } else if (kind == "emitter") {
+    mitsuba::read_emitter(child, reader);
+  } else if (kind == "sensor") {
+    if (last.sensor != nullptr)
+      context.note(child.where, "a scene is rendered through its first sensor; this one is left out");
+    else
+      last.sensor = &child;
+  } else if (kind == "integrator") {
+    if (context.scene.is_referenced(child)) return;
+    if (last.integrator != nullptr) throw SceneError(child.where, "a second <integrator>, expected one");
+    last.integrator = &child;
+  } else if (kind == "film" || kind == "sampler") {
+    expect_referenced(child, "inside a <sensor>", context);
+  } else if (kind == "rfilter") {
+    expect_referenced(child, "inside a <film>", context);
+  } else if (is_spectrum(child)) {
+    expect_referenced(child, "inside an object", context);
+  } else if (kind == "phase" || kind == "volume") {
+    expect_referenced(child, "inside a <medium>", context);
+  } else if (kind == "subsurface") {
+    fail_unsupported(child);
+  } else if (kind == "ref") {
+    throw SceneError(child.where, "<ref> at the top level: the object it refers to is in the scene already");
+  } else {
+    fail_unknown(child);
+  }
+}
+
+}  // namespace
+
 void read_mitsuba(ReadContext& context) {
   const XmlElement& root = context.scene.root();
   context.readers.texture = mitsuba::texture_of;
   mitsuba::Reader reader{context, is_before_version_2(root)};
   context.exchanges_checkerboards = !is_before_version_2(root);
-  const XmlElement* sensor = nullptr;
-  const XmlElement* integrator = nullptr;
-  for (const XmlElement& child : root.children) {
-    const std::string& kind = child.name;
-    if (kind == "shape") {
-      mitsuba::read_shape(child, reader);
-    } else if (kind == "bsdf") {
-      mitsuba::material_of(child, reader);
-    } else if (kind == "medium") {
-      mitsuba::medium_of(child, reader);
-    } else if (kind == "texture") {
-      if (!context.scene.is_referenced(child)) mitsuba::texture_of(child, context);
-    } else if (kind == "emitter") {
-      mitsuba::read_emitter(child, reader);
-    } else if (kind == "sensor") {
-      if (sensor == nullptr) {
-        sensor = &child;
-      } else {
-        context.note(child.where, "a scene is rendered through its first sensor; this one is left out");
-      }
-    } else if (kind == "integrator") {
-      if (context.scene.is_referenced(child)) continue;
-      if (integrator != nullptr) throw SceneError(child.where, "a second <integrator>, expected one");
-      integrator = &child;
-    } else if (kind == "film" || kind == "sampler") {
-      expect_referenced(child, "inside a <sensor>", context);
-    } else if (kind == "rfilter") {
-      expect_referenced(child, "inside a <film>", context);
-    } else if (is_spectrum(child)) {
-      expect_referenced(child, "inside an object", context);
-    } else if (kind == "phase" || kind == "volume") {
-      expect_referenced(child, "inside a <medium>", context);
-    } else if (kind == "subsurface") {
-      fail_unsupported(child);
-    } else if (kind == "ref") {
-      throw SceneError(child.where, "<ref> at the top level: the object it refers to is in the scene already");
-    } else {
-      fail_unknown(child);
-    }
+  Last last;
+  for (const XmlElement& child : root.children)
+    read_or_leave_out(child, context, [&] { read_child(child, reader, last); });
+  if (last.sensor != nullptr) {
+    read_or_as(*last.sensor, context, "perspective", [&] { mitsuba::read_sensor(*last.sensor, reader); });
+  } else {
+    stand_in_camera(root, "<sensor>", context);
   }
-  if (sensor == nullptr) throw SceneError(root.where, "the scene has no <sensor>");
-  mitsuba::read_sensor(*sensor, reader);
-  if (integrator != nullptr) {
-    mitsuba::read_integrator(*integrator, reader);
+  if (last.integrator != nullptr) {
+    mitsuba::read_integrator(*last.integrator, reader);
   } else {
     context.note(root.where, "the scene has no <integrator>; rendering with 'path'");
   }

@@ -5,51 +5,51 @@
 #include "scene/dialects/mitsuba.h"
 #include "scene/dialects/read_photon_mapping.h"
 
-#include <algorithm>
-
 namespace sheaf::mitsuba {
 
 namespace {
 
 constexpr int kMaxDepth = 1'000'000;
 
-/// Integrators with the expectation of a path tracer, and the depth they stop at unless told.
-struct PathLike {
-  const char* name;
-  int max_depth;
-};
-constexpr PathLike kPathLike[] = {
-    {"path", -1},         {"bdpt", -1}, {"prb", 6},   {"prb_basic", 6}, {"prbvolpath", 6},  {"ptracer", -1},
-    {"photonmapper", -1}, {"ppm", -1},  {"sppm", -1}, {"volpath", -1},  {"volpathmis", -1}, {"volpath_simple", -1},
-};
+/// Where paths end unless told: these integrators take derivatives too, which are dear.
+int usual_depth(const std::string& type) { return type.starts_with("prb") ? 6 : -1; }
 
-void read_path_like(Properties& p, const PathLike& like, IntegratorDescription& integrator) {
-  integrator.max_depth = p.integer("max_depth", like.max_depth, -1, kMaxDepth);
+void read_photon_maps(Properties& p, IntegratorDescription& integrator) {
+  PhotonMappingDescription& photons = integrator.photons;
+  if (!photons.progressive) {
+    photons.global = {250'000, 0, 0.05f};
+    photons.caustic = {250'000, 0, 0.0125f};
+    photons.volume.count = 250'000;
+    photons.gathering = PhotonGathering::kIndirect;
+    photons.lookup_size = 120;
+  }
+  read_photon_mapping(p, photons);
+  p.accept({"direct_samples", "glossy_samples", "granularity", "cache_photons", "auto_cancel_gathering",
+            "gather_locally", "max_specular_depth", "caustic_lookup_size", "volume_lookup_size"});
+}
+
+void read_path_like(Properties& p, const NamedIntegrator& named, IntegratorDescription& integrator) {
+  integrator.max_depth = p.integer("max_depth", usual_depth(p.type()), -1, kMaxDepth);
   integrator.rr_depth = p.integer("rr_depth", integrator.rr_depth, 1, kMaxDepth);
   integrator.hide_emitters = p.boolean("hide_emitters", false);
-  if (const NamedIntegrator* named = find_integrator(p.type())) apply(*named, integrator);
+  apply(named, integrator);
   read_light_sampling(p, integrator);
   read_medium_estimation(p, integrator);
   p.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
-  if (p.type() == "bdpt") p.accept({"light_image", "sample_direct"});
-  if (integrator.kind == IntegratorKind::kPhotonMapper) {
-    PhotonMappingDescription& photons = integrator.photons;
-    if (!photons.progressive) {
-      photons.global = {250'000, 0, 0.05f};
-      photons.caustic = {250'000, 0, 0.0125f};
-      photons.volume.count = 250'000;
-      photons.gathering = PhotonGathering::kIndirect;
-      photons.lookup_size = 120;
-    }
-    read_photon_mapping(p, photons);
-    p.accept({"direct_samples", "glossy_samples", "granularity", "cache_photons", "auto_cancel_gathering",
-              "gather_locally", "max_specular_depth", "caustic_lookup_size", "volume_lookup_size"});
-  }
+  if (integrator.kind == IntegratorKind::kPhotonMapper) read_photon_maps(p, integrator);
   if (p.type() == "ptracer") p.accept({"granularity", "brute_force", "samples_per_pass"});
   if (p.type() == "volpathmis") p.accept({"use_spectral_mis"});
-  for (const char* ours : {"path", "volpath", "vol_path", "medium_path", "ptracer", "photonmap", "ppm", "sppm"})
-    if (p.type().starts_with(ours)) return;
-  p.context().note(p.where(), "integrator '" + p.type() + "' is rendered with 'path', which has the same expectation");
+  // Of renderers derived from Mitsuba: which of several ways to the same picture, and when to save it on the way.
+  if (p.type().starts_with("volpath")) p.accept({"version"});
+  if (integrator.photons.progressive) p.accept({"k_nn", "step_snapshot", "dual_buffer", "granularity"});
+}
+
+/// Another renderer's way to the same expectation: its own properties mean nothing here.
+void read_stand_in(Properties& p, const NamedIntegrator& named, IntegratorDescription& integrator) {
+  read_path_like(p, named, integrator);
+  p.accept_all();
+  p.context().note(
+      p.where(), "integrator '" + p.type() + "' is rendered with '" + named.name + "', which has the same expectation");
 }
 
 /// Direct light. Several samples per strategy have the expectation of one; none switches the strategy off.
@@ -70,44 +70,52 @@ void read_direct(Properties& p, IntegratorDescription& integrator) {
   p.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
 }
 
+/// What is computed is what a nested integrator computes.
+bool is_wrapper(const std::string& type) {
+  return type == "moment" || type == "aov" || type == "stokes" || type == "adaptive" || type == "irrcache" ||
+         type == "multichannel";
+}
+
 void read_wrapper(Properties& p, Reader& reader) {
   if (p.type() == "aov" && p.find_string("aovs"))
     p.context().note(p.where(), "the layers of 'aovs' are not written by the integrator");
-  const XmlElement* nested = p.object("integrator");
-  if (nested == nullptr) p.fail("holds no nested <integrator>, expected one");
-  p.accept({"samples_per_pass", "block_size", "timeout"});
+  if (p.type() == "stokes") p.context().note(p.where(), "light is rendered without its polarisation");
+  const std::vector<const XmlElement*> nested = p.objects("integrator");
+  if (nested.empty()) p.fail("holds no nested <integrator>, expected one");
+  if (nested.size() > 1 && p.type() != "multichannel")
+    p.fail("holds " + std::to_string(nested.size()) + " nested <integrator>, expected one");
+  p.accept_all();
+  read_integrator(*nested[0], reader);
+}
+
+void read_plugin(const XmlElement& element, Reader& reader) {
+  Properties p(element, reader.context);
+  IntegratorDescription& integrator = reader.context.description.integrator;
+  if (is_wrapper(p.type())) return read_wrapper(p, reader);
+  const NamedIntegrator* named = find_integrator(p.type());
+  if (named == nullptr) {
+    std::vector<std::string> known = integrator_names();
+    known.insert(known.end(), {"aov", "moment", "multichannel", "stokes"});
+    p.fail_plugin(known);
+  }
+  if (same_expectation(p.type()) != nullptr) {
+    read_stand_in(p, *named, integrator);
+  } else if (p.type() == "direct") {
+    read_direct(p, integrator);
+  } else if (!transports_light(named->kind)) {
+    integrator.kind = named->kind;
+    p.accept({"samples_per_pass", "block_size", "timeout"});
+  } else {
+    read_path_like(p, *named, integrator);
+    if (named->direct) integrator.max_depth = 2;
+  }
   p.finish();
-  read_integrator(*nested, reader);
 }
 
 }  // namespace
 
 void read_integrator(const XmlElement& element, Reader& reader) {
-  Properties p(element, reader.context);
-  IntegratorDescription& integrator = reader.context.description.integrator;
-  if (p.type() == "moment" || p.type() == "aov") return read_wrapper(p, reader);
-  const auto* like = std::find_if(std::begin(kPathLike), std::end(kPathLike),
-                                  [&](const PathLike& candidate) { return p.type() == candidate.name; });
-  if (like != std::end(kPathLike)) {
-    read_path_like(p, *like, integrator);
-  } else if (p.type() == "direct") {
-    read_direct(p, integrator);
-  } else if (p.type() == "depth") {
-    integrator.kind = IntegratorKind::kDepth;
-    p.accept({"samples_per_pass", "block_size", "timeout"});
-  } else if (const NamedIntegrator* named = find_integrator(p.type())) {
-    // Names that only Nori has.
-    apply(*named, integrator);
-    read_path_like(p, {named->name, -1}, integrator);
-    if (named->direct) integrator.max_depth = 2;
-  } else {
-    std::vector<std::string> known = integrator_names();
-    known.insert(known.end(), {"aov", "moment"});
-    for (const PathLike& candidate : kPathLike)
-      if (find_integrator(candidate.name) == nullptr) known.emplace_back(candidate.name);
-    p.fail_plugin(known);
-  }
-  p.finish();
+  read_or_as(element, reader.context, "path", [&] { read_plugin(element, reader); });
 }
 
 }  // namespace sheaf::mitsuba

@@ -65,7 +65,9 @@ MediumId medium_of(const XmlElement& element, Reader& reader) {
   if (p.type() == "homogeneous") {
     read_homogeneous(p, dialect, reader.before_version_2, medium);
   } else if (p.type() == "heterogeneous") {
-    if (reader.before_version_2) {
+    // Some renderers read files of the old version with the coefficients of the new one.
+    const bool extinction = p.named_object("volume", "sigma_t") != nullptr;
+    if (reader.before_version_2 && !extinction) {
       read_old_heterogeneous(p, dialect, medium);
     } else {
       read_coefficients(p, dialect, medium);

@@ -57,16 +57,22 @@ void read_crop(Properties& p, FilmDescription& film) {
   film.crop = PixelRect{x0, y0, x0 + width, y0 + height};
 }
 
+/// The size of the frame; Nori's scenes give it to the camera.
+void read_frame(Properties& p, FilmDescription& film) {
+  film.width = p.integer("width", film.width, 1, 1'000'000'000);
+  film.height = p.integer("height", film.height, 1, 1'000'000'000);
+  check_frame(film.width, film.height, p.where());
+}
+
 void read_film(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   if (p.type() != "hdrfilm" && p.type() != "ldrfilm" && p.type() != "mfilm")
     p.fail_plugin({"hdrfilm", "ldrfilm", "mfilm"});
   FilmDescription& film = context.description.film;
-  film.width = p.integer("width", film.width, 1, 1'000'000'000);
-  film.height = p.integer("height", film.height, 1, 1'000'000'000);
-  check_frame(film.width, film.height, element.where);
+  read_frame(p, film);
   read_crop(p, film);
-  if (const XmlElement* filter = p.object("rfilter")) film.filter = read_filter(*filter, context);
+  if (const XmlElement* filter = p.object("rfilter"))
+    read_or_as(*filter, context, "gaussian", [&] { film.filter = read_filter(*filter, context); });
   p.accept({"file_format", "pixel_format", "component_format", "banner", "sample_border", "high_quality_edges",
             "compensate", "gamma", "exposure", "key", "burn", "tonemap_method", "attach_log", "digits", "variable",
             "fprec"});
@@ -89,18 +95,6 @@ float parse_focal_length(Properties& p, std::string text) {
   const float length = parse_float(text, p.where(), "property 'focal_length'");
   if (!(length > 0)) p.fail_at("focal_length", "is " + in_quotes(text) + ", expected a positive length");
   return length;
-}
-
-CameraDescription::FovAxis read_fov_axis(Properties& p) {
-  using Axis = CameraDescription::FovAxis;
-  const std::string axis = p.find_string("fov_axis").value_or("x");
-  if (axis == "x") return Axis::kX;
-  if (axis == "y") return Axis::kY;
-  if (axis == "diagonal") return Axis::kDiagonal;
-  if (axis == "smaller") return Axis::kSmaller;
-  if (axis == "larger") return Axis::kLarger;
-  p.fail_at("fov_axis", "is " + in_quotes(axis) + ", expected x, y, diagonal, smaller or larger" +
-                            did_you_mean(axis, {"x", "y", "diagonal", "smaller", "larger"}));
 }
 
 void read_camera(Properties& p, CameraDescription& camera) {
@@ -152,9 +146,12 @@ void read_sensor(const XmlElement& element, Reader& reader) {
   CameraDescription& camera = reader.context.description.camera;
   camera.where = element.where;
   read_camera(p, camera);
+  read_frame(p, reader.context.description.film);
   reader.context.description.film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
-  if (const XmlElement* film = p.object("film")) read_film(*film, reader.context);
-  if (const XmlElement* sampler = p.object("sampler")) read_sampler(*sampler, reader.context);
+  if (const XmlElement* film = p.object("film"))
+    read_or_as(*film, reader.context, "hdrfilm", [&] { read_film(*film, reader.context); });
+  if (const XmlElement* sampler = p.object("sampler"))
+    read_or_as(*sampler, reader.context, "sobol", [&] { read_sampler(*sampler, reader.context); });
   if (const XmlElement* medium = p.object("medium")) camera.medium = medium_of(*medium, reader);
   p.finish();
 }

@@ -1,10 +1,13 @@
 // The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator, rfilter; camelCase names; no references.
 #include "scene/dialects/nori.h"
+
+#include "scene/dialects/frame_scene.h"
 #include "scene/dialects/integrator_name.h"
 #include "scene/dialects/light_selector_name.h"
 #include "scene/dialects/medium_estimator_name.h"
 #include "scene/dialects/read_camera.h"
 #include "scene/dialects/read_emitter.h"
+#include "scene/dialects/read_geometry.h"
 #include "scene/dialects/read_photon_mapping.h"
 
 namespace sheaf {
@@ -70,13 +73,14 @@ void read_camera(const XmlElement& element, ReadContext& context) {
   CameraDescription& camera = context.description.camera;
   FilmDescription& film = context.description.film;
   camera.where = element.where;
-  // Nori's camera space has x to the right of the picture; its scenes begin with scale -1, 1, 1 before a lookat.
-  camera.to_world = p.transform("toWorld") * Transform::scale({-1, 1, 1});
+  // ETH's camera space has x to the right of the picture, upstream's to the left; see docs/scene-format.md.
+  camera.to_world = p.transform("toWorld");
+  if (context.mirrors_nori_camera) camera.to_world = camera.to_world * Transform::scale({-1, 1, 1});
   if (p.type() == "orthographic") {
     camera.projection = CameraDescription::Projection::kOrthographic;
   } else {
     camera.fov = p.number("fov", 30, {0, 180, true});
-    camera.fov_axis = CameraDescription::FovAxis::kX;
+    camera.fov_axis = read_fov_axis(p);
     read_lens(p, camera);
   }
   read_clip(p, camera, 1e-4f);
@@ -84,7 +88,8 @@ void read_camera(const XmlElement& element, ReadContext& context) {
   film.height = p.integer("height", 720, 1, 1'000'000'000);
   check_frame(film.width, film.height, element.where);
   film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
-  if (const XmlElement* filter = p.object("rfilter")) film.filter = read_filter(*filter, context);
+  if (const XmlElement* filter = p.object("rfilter"))
+    read_or_as(*filter, context, "gaussian", [&] { film.filter = read_filter(*filter, context); });
   p.finish();
 }
 
@@ -98,8 +103,13 @@ void read_sampler(const XmlElement& element, ReadContext& context) {
 
 void read_integrator(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
+  if (nori::read_exercise(p)) return p.finish();
   const NamedIntegrator* named = find_integrator(p.type());
-  if (named == nullptr) p.fail_plugin(integrator_names());
+  if (named == nullptr) {
+    std::vector<std::string> known = integrator_names();
+    known.insert(known.end(), {"ao", "simple"});
+    p.fail_plugin(known);
+  }
   IntegratorDescription& integrator = context.description.integrator;
   apply(*named, integrator);
   if (transports_light(named->kind)) {
@@ -111,8 +121,29 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
     read_light_sampling(p, integrator);
     read_medium_estimation(p, integrator);
     if (named->kind == IntegratorKind::kPhotonMapper) read_photon_mapping(p, integrator.photons);
+    p.accept({"inmedium"});  // whether the camera is in a medium: found from the shapes around it
+  }
+  if (same_expectation(p.type()) != nullptr) {
+    p.accept_all();
+    context.note(element.where, "integrator '" + p.type() + "' is rendered with '" + named->name +
+                                    "', which has the same expectation");
   }
   p.finish();
+}
+
+/// A flat shape with a corner at `origin` and sides `u` and `v`; its normal is along u x v.
+Transform read_parallelogram(Properties& p) {
+  const Vec3f origin = p.vec3("origin", {0, 0, 0}), u = p.vec3("u", {1, 0, 0}), v = p.vec3("v", {0, 1, 0});
+  const Vec3f n = cross(u, v);
+  if (!(length_squared(n) > 0.0f)) p.fail("has no area: u and v are parallel");
+  const Vec3f columns[4] = {u * 0.5f, v * 0.5f, normalize(n), origin + u * 0.5f + v * 0.5f};
+  Matrix4 m;
+  for (std::size_t j = 0; j < 4; ++j) {
+    m.m[0][j] = columns[j].x;
+    m.m[1][j] = columns[j].y;
+    m.m[2][j] = columns[j].z;
+  }
+  return Transform(m);
 }
 
 /// The material of a mesh and what it holds. Without a material, a medium has a boundary that light does not notice.
@@ -138,59 +169,79 @@ void read_mesh(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   ShapeDescription shape;
   shape.where = element.where;
-  if (p.type() == "obj") {
-    shape.geometry = MeshFileShape{p.file("filename"), MeshFileShape::Format::kObj, false, false};
-  } else if (p.type() == "sphere") {
-    const Vec3f center = p.vec3("center", {0, 0, 0});
-    shape.geometry = SphereShape{center, p.number("radius", 1, kPositive)};
-  } else {
-    p.fail_plugin({"obj", "sphere"});
+  if (p.type() == "parallelogram") {
+    shape.geometry = RectangleShape{};
+    shape.to_world = read_parallelogram(p);
+  } else if (!read_shared_geometry(p, false, shape)) {
+    std::vector<std::string> known = shared_shape_names();
+    known.emplace_back("parallelogram");
+    p.fail_plugin(known);
   }
-  shape.to_world = p.transform("toWorld");
+  shape.to_world = p.transform("toWorld") * shape.to_world;
+  p.accept({"name"});
   read_inside(p, shape);
   if (const XmlElement* emitter = p.object("emitter")) shape.radiance = read_area_emitter(*emitter, context);
   p.finish();
   context.description.shapes.push_back(std::move(shape));
 }
 
+/// What is read once everything else is.
+struct Last {
+  const XmlElement* camera = nullptr;
+  const XmlElement* sampler = nullptr;
+  const XmlElement* integrator = nullptr;
+};
+
+void keep(const XmlElement*& slot, const XmlElement& element) {
+  if (slot != nullptr) throw SceneError(element.where, "a second <" + element.name + ">, expected one");
+  slot = &element;
+}
+
+void read_child(const XmlElement& child, ReadContext& context, Last& last) {
+  if (child.name == "camera") {
+    keep(last.camera, child);
+  } else if (child.name == "sampler") {
+    keep(last.sampler, child);
+  } else if (child.name == "integrator") {
+    keep(last.integrator, child);
+  } else if (child.name == "mesh") {
+    read_mesh(child, context);
+  } else if (child.name == "medium") {
+    if (context.description.camera.medium) throw SceneError(child.where, "a second <medium>, expected one");
+    context.description.camera.medium = nori::read_medium(child, context, false);
+  } else if (child.name == "emitter") {
+    nori::read_emitter(child, context);
+  } else if (child.name == "denoiser") {
+    context.note(child.where, "the picture is not denoised");
+  } else {
+    throw SceneError(child.where, "unknown element <" + child.name + "> in a Nori scene" +
+                                      did_you_mean(child.name, {"camera", "sampler", "integrator", "mesh", "emitter",
+                                                                "medium", "denoiser"}));
+  }
+}
+
 }  // namespace
 
 void read_nori(ReadContext& context) {
   context.readers.texture = nori::texture_of;
-  const XmlElement* camera = nullptr;
-  const XmlElement* sampler = nullptr;
-  const XmlElement* integrator = nullptr;
-  auto keep = [](const XmlElement*& slot, const XmlElement& element) {
-    if (slot != nullptr) throw SceneError(element.where, "a second <" + element.name + ">, expected one");
-    slot = &element;
-  };
-  for (const XmlElement& child : context.scene.root().children) {
-    if (child.name == "camera") {
-      keep(camera, child);
-    } else if (child.name == "sampler") {
-      keep(sampler, child);
-    } else if (child.name == "integrator") {
-      keep(integrator, child);
-    } else if (child.name == "mesh") {
-      read_mesh(child, context);
-    } else if (child.name == "medium") {
-      if (context.description.camera.medium) throw SceneError(child.where, "a second <medium>, expected one");
-      context.description.camera.medium = nori::read_medium(child, context, false);
-    } else if (child.name == "emitter") {
-      nori::read_emitter(child, context);
-    } else {
-      throw SceneError(child.where,
-                       "unknown element <" + child.name + "> in a Nori scene" +
-                           did_you_mean(child.name, {"camera", "sampler", "integrator", "mesh", "emitter", "medium"}));
-    }
+  const XmlElement& root = context.scene.root();
+  Last last;
+  for (const XmlElement& child : root.children)
+    read_or_leave_out(child, context, [&] { read_child(child, context, last); });
+  if (last.camera != nullptr) {
+    read_or_as(*last.camera, context, "perspective", [&] { read_camera(*last.camera, context); });
+  } else {
+    stand_in_camera(root, "<camera>", context);
   }
-  const SourceLocation& where = context.scene.root().where;
-  if (camera == nullptr) throw SceneError(where, "the scene has no <camera>");
-  if (integrator == nullptr) throw SceneError(where, "the scene has no <integrator>");
-  read_camera(*camera, context);
-  read_integrator(*integrator, context);
+  if (last.integrator != nullptr) {
+    read_or_as(*last.integrator, context, "path", [&] { read_integrator(*last.integrator, context); });
+  } else {
+    if (!context.lenient) throw SceneError(root.where, "the scene has no <integrator>");
+    context.stand_in(root.where, "the scene has no <integrator> ('path' stands in)");
+  }
   context.description.sampler.sample_count = 1;
-  if (sampler != nullptr) read_sampler(*sampler, context);
+  if (last.sampler != nullptr)
+    read_or_as(*last.sampler, context, "independent", [&] { read_sampler(*last.sampler, context); });
 }
 
 }  // namespace sheaf

@@ -1,6 +1,7 @@
 // The Nori dialect: materials of its own; all others are those of Mitsuba.
 #include "scene/dialects/nori.h"
 #include "scene/dialects/read_bsdf.h"
+#include "scene/dialects/stand_in_bsdf.h"
 
 #include <algorithm>
 
@@ -13,23 +14,32 @@ void read_share(Properties& p, const char* name, ScalarInput& value) {
   value = p.scalar_input(name, value, kUnitInterval);
 }
 
+/// The first of the names under which the property is there, else the first.
+const char* first_of(Properties& p, std::initializer_list<const char*> names) {
+  for (const char* name : names)
+    if (p.has(name)) return name;
+  return *names.begin();
+}
+
 DiffuseDescription read_diffuse(Properties& p) {
   const DiffuseDescription otherwise;
-  return {p.spectrum_input("albedo", otherwise.reflectance, SpectrumRole::kReflectance)};
+  p.accept({"use_cosine"});  // how it is sampled
+  return {p.spectrum_input(first_of(p, {"albedo", "reflectance"}), otherwise.reflectance, SpectrumRole::kReflectance)};
 }
 
 NoriMicrofacetDescription read_microfacet(Properties& p) {
   NoriMicrofacetDescription result;
   result.int_ior = read_ior(p, "intIOR", result.int_ior);
   result.ext_ior = read_ior(p, "extIOR", result.ext_ior);
-  result.alpha = read_alpha(p, "alpha", result.alpha);
-  result.kd = p.spectrum_input("kd", result.kd, SpectrumRole::kReflectance);
+  result.alpha = read_alpha(p, first_of(p, {"alpha", "m_alpha"}), result.alpha);
+  result.kd = p.spectrum_input(first_of(p, {"kd", "albedo"}), result.kd, SpectrumRole::kReflectance);
   return result;
 }
 
 DisneyDescription read_disney(Properties& p) {
   DisneyDescription result;
-  result.base_color = p.spectrum_input("baseColor", result.base_color, SpectrumRole::kReflectance);
+  result.base_color =
+      p.spectrum_input(first_of(p, {"baseColor", "albedo"}), result.base_color, SpectrumRole::kReflectance);
   read_share(p, "metallic", result.metallic);
   read_share(p, "subsurface", result.subsurface);
   read_share(p, "specular", result.specular);
@@ -52,9 +62,23 @@ void read_absorption(Properties& p, std::optional<SpectrumDescription>& absorpti
   absorption = *sigma_a;
 }
 
-}  // namespace
+/// The material under the normal map that it says itself, or as it is.
+MaterialId with_normal_map(Properties& p, MaterialId nested) {
+  if (!p.is_texture("normal")) return nested;
+  const std::optional<SpectrumInput> map = p.find_spectrum_input("normal", SpectrumRole::kIor);
+  const auto* texture = std::get_if<TextureId>(&*map);
+  if (texture == nullptr) p.fail_at("normal", "is the same everywhere, expected a picture");
+  if (auto* bitmap =
+          std::get_if<BitmapDescription>(&p.context().description.textures[static_cast<std::size_t>(*texture)].model))
+    bitmap->raw = true;
+  MaterialDescription mapped;
+  mapped.model = NormalMapDescription{*texture, false, nested};
+  mapped.where = p.where();
+  return add_material(p.context(), std::move(mapped));
+}
 
-MaterialId read_bsdf(const XmlElement& element, ReadContext& context, std::optional<SpectrumDescription>& absorption) {
+MaterialId read_plugin(const XmlElement& element, ReadContext& context,
+                       std::optional<SpectrumDescription>& absorption) {
   Properties p(element, context);
   MaterialDescription material;
   const BsdfDialect dialect{[&](const XmlElement& nested) { return read_bsdf(nested, context, absorption); }, false,
@@ -63,18 +87,32 @@ MaterialId read_bsdf(const XmlElement& element, ReadContext& context, std::optio
     material.model = read_diffuse(p);
   } else if (p.type() == "mirror") {
     material.model = ConductorDescription{};
+  } else if (p.type() == "transparent") {
+    material.model = NullDescription{};
   } else if (p.type() == "microfacet") {
     material.model = read_microfacet(p);
   } else if (p.type() == "disney") {
     material.model = read_disney(p);
   } else if (!read_shared_bsdf(p, dialect, material)) {
     std::vector<std::string> known = shared_bsdf_names();
-    known.insert(known.end(), {"disney", "microfacet", "mirror"});
+    known.insert(known.end(), {"disney", "microfacet", "mirror", "transparent"});
     std::sort(known.begin(), known.end());
     p.fail_plugin(known);
   }
   read_absorption(p, absorption);
-  return add_material_of(p, std::move(material));
+  const bool mapped = p.has("normal");
+  if (!mapped) return add_material_of(p, std::move(material));
+  material.where = element.where;
+  const MaterialId id = with_normal_map(p, add_material(context, std::move(material)));
+  p.finish();
+  return id;
+}
+
+}  // namespace
+
+MaterialId read_bsdf(const XmlElement& element, ReadContext& context, std::optional<SpectrumDescription>& absorption) {
+  return read_bsdf_leniently(element, context,
+                             [&](const XmlElement& e) { return read_plugin(e, context, absorption); });
 }
 
 }  // namespace sheaf::nori

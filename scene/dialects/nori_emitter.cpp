@@ -5,13 +5,11 @@
 #include "core/frame.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace sheaf::nori {
 
-namespace {
-
-/// The same spectrum times `factor`.
 SpectrumDescription scaled(SpectrumDescription spectrum, float factor) {
   if (auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value)) constant->value *= factor;
   if (auto* rgb = std::get_if<SpectrumDescription::Rgb>(&spectrum.value)) rgb->value = rgb->value * factor;
@@ -20,6 +18,8 @@ SpectrumDescription scaled(SpectrumDescription spectrum, float factor) {
   if (auto* blackbody = std::get_if<SpectrumDescription::Blackbody>(&spectrum.value)) blackbody->scale *= factor;
   return spectrum;
 }
+
+namespace {
 
 PointLightDescription read_point_light(Properties& p) {
   PointLightDescription light;
@@ -62,15 +62,26 @@ Transform read_placement(Properties& p) {
   return aim(origin, towards);
 }
 
+/// By which a spot's intensity is multiplied for its power: of its cone, where that is halfway down to nothing.
+float solid_angle(const SpotLightDescription& light) {
+  const auto cosine = [](float degrees) { return std::cos(degrees * std::numbers::pi_v<float> / 180); };
+  return 2 * std::numbers::pi_v<float> * (1 - 0.5f * (cosine(light.beam_width) + cosine(light.cutoff_angle)));
+}
+
 SpotLightDescription read_spot_light(Properties& p) {
   SpotLightDescription light;
   light.falloff = SpotLightDescription::Falloff::kSmooth;
   light.to_world = read_placement(p);
-  light.intensity = p.spectrum("intensity", SpectrumDescription::constant(1), SpectrumRole::kEmission);
+  const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
+  const auto power = p.find_spectrum("power", SpectrumRole::kEmission);
+  if (intensity && power) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
   light.cutoff_angle = p.number("totalWidth", 30, {0, 180, true});
   constexpr float kUsualEdge = 5;
   const float usual = std::max(light.cutoff_angle - kUsualEdge, 0.0f);
-  light.beam_width = p.number("falloffStart", usual, {0, light.cutoff_angle, false});
+  // Where the falloff would start outside of the cone, there is none.
+  light.beam_width = std::min(p.number("falloffStart", usual, kNotNegative), light.cutoff_angle);
+  if (intensity) light.intensity = *intensity;
+  if (power) light.intensity = scaled(*power, 1.0f / solid_angle(light));
   return light;
 }
 
@@ -83,6 +94,23 @@ DirectionalLightDescription read_directional_light(Properties& p) {
   if (irradiance) light.irradiance = *irradiance;
   if (intensity) light.irradiance = *intensity;
   return light;
+}
+
+/// An environment whose radiance is a texture: a colour everywhere, or a picture.
+void read_textured_envmap(Properties& p, const XmlElement& texture, LightDescription& light) {
+  const SpectrumInput radiance = texture_of(texture, p.context());
+  if (const auto* constant = std::get_if<SpectrumDescription>(&radiance)) {
+    light.model = ConstantLightDescription{*constant};
+    return;
+  }
+  const auto index = static_cast<std::size_t>(std::get<TextureId>(radiance));
+  const auto* bitmap = std::get_if<BitmapDescription>(&p.context().description.textures[index].model);
+  if (bitmap == nullptr) p.fail("holds a texture that is no picture, expected a picture or a colour");
+  EnvmapDescription map;
+  map.file = bitmap->file;
+  map.to_world = p.transform("toWorld");
+  map.scale = p.number("scale", 1, kNotNegative);
+  light.model = std::move(map);
 }
 
 }  // namespace
@@ -99,6 +127,8 @@ void read_emitter(const XmlElement& element, ReadContext& context) {
     light.model = read_directional_light(p);
   } else if (p.type() == "area") {
     p.fail("must be nested in a <mesh>");
+  } else if (const XmlElement* texture = p.type() == "envmap" ? p.any_texture() : nullptr) {
+    read_textured_envmap(p, *texture, light);
   } else if (!read_shared_emitter(p, light)) {
     std::vector<std::string> known = shared_emitter_names();
     known.insert(known.end(), {"area", "directional", "point", "spot"});

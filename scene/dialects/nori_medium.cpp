@@ -17,6 +17,21 @@ void read_density(Properties& p, const VolumeDialect& dialect, MediumDescription
   }
 }
 
+/// `method`: how distances are sampled.
+void read_method(Properties& p) {
+  const std::optional<std::string> method = p.find_string("method");
+  if (!method) return;
+  MediumEstimator& estimator = p.context().description.integrator.medium_estimator;
+  if (*method == "march" || *method == "raymarch")
+    estimator = MediumEstimator::kMarching;
+  else if (*method == "delta" || *method == "woodcock")
+    estimator = MediumEstimator::kDelta;
+  else if (*method == "ratio")
+    estimator = MediumEstimator::kRatio;
+  else
+    p.fail_at("method", "is " + in_quotes(*method) + ", expected march, delta or ratio");
+}
+
 /// Whether something of the medium is on a grid that says how much of it there is.
 bool has_grid(const MediumDescription& medium) {
   const auto* pair = std::get_if<ExtinctionAlbedoDescription>(&medium.coefficients);
@@ -29,8 +44,8 @@ MediumId read_medium(const XmlElement& element, ReadContext& context, bool in_sh
   if (const auto known = find_read_medium(element, context)) return *known;
   Properties p(element, context);
   const VolumeDialect dialect{.fits_shapes = true, .in_shape = in_shape};
-  if (p.type() != "homogeneous" && p.type() != "heterogeneous") p.fail_plugin({"heterogeneous", "homogeneous"});
-  const bool homogeneous = p.type() == "homogeneous";
+  const bool homogeneous = p.type() == "homogeneous" || p.type() == "homog";
+  if (!homogeneous && p.type() != "heterogeneous") p.fail_plugin({"heterogeneous", "homog", "homogeneous"});
   MediumDescription medium;
   read_coefficients(p, dialect, medium);
   read_density(p, dialect, medium);
@@ -39,6 +54,7 @@ MediumId read_medium(const XmlElement& element, ReadContext& context, bool in_sh
     medium.density = read_grid(p, dialect);
   }
   read_medium_rest(p, dialect, medium);
+  read_method(p);
   if (homogeneous) expect_homogeneous(p, medium);
   if (!homogeneous && !has_grid(medium)) p.fail("needs a <volume> of the name 'density', or 'filename'");
   return add_medium(p, std::move(medium));

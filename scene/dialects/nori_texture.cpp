@@ -25,8 +25,20 @@ void read_checkerboard(Properties& p, TextureDescription& texture) {
   texture.to_uv = read_placement(p, 2);
 }
 
+/// A picture, under the names that renderers of this dialect give to it.
+bool is_picture(const std::string& type) {
+  return type == "image" || type == "imagetexture" || type == "png_texture" || type == "normaltexture";
+}
+
+/// `eulerAngles`: pictures are not turned here. `sphericalTexture`: spheres have spherical coordinates anyway.
+void read_turn(Properties& p) {
+  if (p.vec3("eulerAngles", {0, 0, 0}) != Vec3f{0, 0, 0}) p.fail_at("eulerAngles", "is not zero, expected no turn");
+  p.accept({"sphericalTexture"});
+}
+
 SpectrumInput read_constant(Properties& p) {
   SpectrumInput value = p.spectrum_input("value", SpectrumDescription::constant(0), SpectrumRole::kIor);
+  p.accept({"filename", "eulerAngles", "sphericalTexture"});  // of the picture that it is in place of
   p.finish();
   return value;
 }
@@ -40,13 +52,14 @@ SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   if (p.type() == "constant_color" || p.type() == "constant_float") return read_constant(p);
   if (p.type() == "checkerboard_color" || p.type() == "checkerboard_float") {
     read_checkerboard(p, texture);
-  } else if (p.type() == "image") {
+  } else if (is_picture(p.type())) {
     texture.model = read_bitmap(p);
     texture.to_uv = read_placement(p, 1);
+    read_turn(p);
   } else if (!read_shared_texture(p, PictureOrigin::kLowerLeft, texture)) {
     std::vector<std::string> known = shared_texture_names();
-    known.insert(known.end(),
-                 {"checkerboard_color", "checkerboard_float", "constant_color", "constant_float", "image"});
+    known.insert(known.end(), {"checkerboard_color", "checkerboard_float", "constant_color", "constant_float", "image",
+                               "imagetexture", "normaltexture", "png_texture"});
     std::sort(known.begin(), known.end());
     p.fail_plugin(known);
   }

@@ -316,7 +316,7 @@ std::vector<ShapeDescription> cut(const ShapeDescription& shape, MaterialLibrari
   return parts;
 }
 
-void expand(std::vector<ShapeDescription>& shapes, MaterialLibraries& libraries) {
+void expand(std::vector<ShapeDescription>& shapes, MaterialLibraries& libraries, std::vector<std::string>* left_out) {
   std::vector<ShapeDescription> expanded;
   expanded.reserve(shapes.size());
   for (ShapeDescription& shape : shapes) {
@@ -327,7 +327,10 @@ void expand(std::vector<ShapeDescription>& shapes, MaterialLibraries& libraries)
       try {
         parts = cut(shape, libraries);
       } catch (const SceneError& error) {
-        throw SceneError(shape.where, error.what());
+        const SceneError placed(shape.where, error.what());
+        if (left_out == nullptr) throw placed;
+        left_out->push_back(std::string(placed.what()) + " (shape left out)");
+        continue;
       }
     }
     if (parts.empty()) parts.push_back(std::move(shape));
@@ -342,10 +345,11 @@ MaterialId add_mtl_material(const MtlMaterial& material, bool flip_tex_coords, D
   return MaterialBuilder(material, flip_tex_coords, description).build();
 }
 
-void expand_obj_materials(Description& description) {
+void expand_obj_materials(Description& description, bool lenient) {
   MaterialLibraries libraries(description);
-  expand(description.shapes, libraries);
-  for (ShapeGroup& group : description.groups) expand(group.shapes, libraries);
+  std::vector<std::string>* left_out = lenient ? &description.stand_ins : nullptr;
+  expand(description.shapes, libraries, left_out);
+  for (ShapeGroup& group : description.groups) expand(group.shapes, libraries, left_out);
 }
 
 }  // namespace sheaf

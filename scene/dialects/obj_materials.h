@@ -10,8 +10,8 @@ namespace sheaf {
 /// for each material, a mesh in memory with the same transform, flags and radiance. Faces without a material of the
 /// library have none. Normals of vertices are the same as without the cut. Materials and textures are added to the
 /// description, and notes for what is not supported or not found. A shape without radiance gets the radiance Ke of its
-/// material. Throws SceneError for malformed OBJ and MTL files.
-void expand_obj_materials(Description& description);
+/// material. Throws SceneError for malformed OBJ and MTL files; `lenient`: leaves such shapes out, and says so.
+void expand_obj_materials(Description& description, bool lenient = false);
 
 /// Adds what `material` looks like to the description, with its textures. `flip_tex_coords`: as read_obj() had it. The
 /// first of these that fits:

@@ -13,6 +13,18 @@ void read_clip(Properties& p, CameraDescription& camera, float near_clip) {
                 std::to_string(camera.near_clip));
 }
 
+CameraDescription::FovAxis read_fov_axis(Properties& p) {
+  using Axis = CameraDescription::FovAxis;
+  const std::string axis = p.find_string("fov_axis").value_or("x");
+  if (axis == "x") return Axis::kX;
+  if (axis == "y") return Axis::kY;
+  if (axis == "diagonal") return Axis::kDiagonal;
+  if (axis == "smaller") return Axis::kSmaller;
+  if (axis == "larger") return Axis::kLarger;
+  p.fail_at("fov_axis", "is " + in_quotes(axis) + ", expected x, y, diagonal, smaller or larger" +
+                            did_you_mean(axis, {"x", "y", "diagonal", "smaller", "larger"}));
+}
+
 SamplerKind read_sampler_kind(Properties& p) {
   const NamedSampler* named = find_sampler(p.type());
   if (named == nullptr) p.fail_plugin(sampler_names());

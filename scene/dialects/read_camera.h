@@ -8,6 +8,9 @@ namespace sheaf {
 /// near_clip and far_clip (10,000) of a camera. Throws SceneError if they are out of order.
 void read_clip(Properties& p, CameraDescription& camera, float near_clip);
 
+/// `fov_axis` (x). Throws SceneError for an unknown one.
+CameraDescription::FovAxis read_fov_axis(Properties& p);
+
 /// The kind that a sampler's plugin name stands for; a note where another stands in for it. Throws SceneError for an
 /// unknown name.
 SamplerKind read_sampler_kind(Properties& p);

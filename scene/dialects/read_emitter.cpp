@@ -40,7 +40,8 @@ bool read_shared_emitter(Properties& p, LightDescription& light) {
 SpectrumInput read_area_emitter(const XmlElement& element, ReadContext& context,
                                 std::initializer_list<const char*> ignored) {
   Properties p(element, context);
-  if (p.type() != "area") p.fail_plugin({"area"});
+  // Some name it after the shape that it is on.
+  if (p.type() != "area" && !p.type().ends_with("_emitter")) p.fail_plugin({"area"});
   SpectrumInput radiance = p.spectrum_input("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
   p.accept(ignored);
   p.finish();

@@ -12,7 +12,8 @@ bool read_shared_emitter(Properties& p, LightDescription& light);
 /// The types of those.
 const std::vector<std::string>& shared_emitter_names();
 
-/// The radiance of an <emitter> in a shape, which must be an `area`: `radiance` (1). `ignored`: properties that may be
+/// The radiance of an <emitter> in a shape, which must be an `area`, or be called after the shape
+/// (`parallelogram_emitter`): `radiance` (1). `ignored`: properties that may be
 /// there and mean nothing. Throws SceneError.
 SpectrumInput read_area_emitter(const XmlElement& element, ReadContext& context,
                                 std::initializer_list<const char*> ignored = {});

@@ -2,23 +2,37 @@
 #include "scene/dialects/read_scene.h"
 
 #include "scene/dialects/dialects.h"
+#include "scene/dialects/frame_scene.h"
 #include "scene/dialects/obj_materials.h"
+#include "scene/dialects/read_model.h"
 #include "scene/dialects/read_spectrum.h"
 #include "scene/dialects/read_texture.h"
+
+#include <algorithm>
 
 namespace sheaf {
 
 namespace {
 
-/// Positive for Mitsuba, negative for Nori.
-int dialect_score(const XmlElement& root) {
-  int score = root.find_attribute("version") != nullptr ? 2 : -1;
-  for (const XmlElement& child : root.children) {
-    if (child.name == "sensor" || child.name == "shape" || child.name == "texture") score += 2;
-    if (child.name == "camera" || child.name == "mesh" || child.name == "test") score -= 2;
-    if (child.name == "ref" || child.find_attribute("id") != nullptr) score += 1;
-  }
-  return score;
+/// Nori's scenes have a camera and no version. Of others that lack both of what tells, meshes are Nori's.
+bool is_nori(const XmlElement& root) {
+  const auto has = [&](const char* name) {
+    return std::any_of(root.children.begin(), root.children.end(), [&](const XmlElement& e) { return e.name == name; });
+  };
+  if (has("sensor") || root.find_attribute("version") != nullptr) return false;
+  return has("camera") || has("mesh");
+}
+
+/// A scene without any light would be black.
+void light_what_is_dark(Description& description) {
+  const auto emits = [](const ShapeDescription& shape) { return shape.radiance.has_value(); };
+  bool lit = !description.lights.empty() || std::any_of(description.shapes.begin(), description.shapes.end(), emits);
+  for (const ShapeGroup& group : description.groups)
+    lit = lit || std::any_of(group.shapes.begin(), group.shapes.end(), emits);
+  for (const MediumDescription& medium : description.media) lit = lit || medium.emission || medium.temperature;
+  if (lit || !transports_light(description.integrator.kind)) return;
+  description.lights.push_back({ConstantLightDescription{}, {}});
+  description.stand_ins.push_back(description.file.string() + ": the scene has no light (a white sky stands in)");
 }
 
 }  // namespace
@@ -36,21 +50,33 @@ void check_frame(int width, int height, const SourceLocation& where) {
 }
 
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options) {
-  const ExpandedScene scene(file, options.defines);
+  if (const auto format = model_format(file)) return read_model(file, *format, options.view);
+  ExpandedScene scene(file, options.defines, options.lenient);
   const XmlElement& root = scene.root();
   if (root.name != "scene") throw SceneError(root.where, "root element is <" + root.name + ">, expected <scene>");
   Description description;
   description.file = file;
+  description.stand_ins = scene.left_out();
+  const bool nori = is_nori(root);
+  if (nori) {
+    scene.rename("shape", "mesh");
+  } else {
+    scene.rename("camera", "sensor");
+    scene.rename("luminaire", "emitter");
+  }
   ReadContext context{scene, description, options.lenient};
+  context.mirrors_nori_camera = options.nori_camera == NoriCamera::kEth;
   context.readers.spectrum = read_property_spectrum;
   context.readers.scalar_texture = scalar_texture;
-  if (dialect_score(root) < 0) {
+  if (nori) {
     read_nori(context);
   } else {
     read_mitsuba(context);
   }
   description.files = scene.files();
-  expand_obj_materials(description);
+  expand_obj_materials(description, options.lenient);
+  if (context.frames_scene) frame_box(read_bounds(description, options.lenient), options.view, description);
+  if (options.lenient) light_what_is_dark(description);
   return description;
 }
 

@@ -56,12 +56,6 @@ Grid::Wrap read_wrap(Properties& p) {
                              did_you_mean(wrap, {"clamp", "repeat", "mirror"}));
 }
 
-std::string read_grid_name(Properties& p) {
-  const auto name = p.find_string("grid_name"), other = p.find_string("gridname");
-  if (name && other) p.fail_at("gridname", "is given beside 'grid_name', expected one or the other");
-  return name ? *name : other.value_or("");
-}
-
 void read_placement(Properties& p, const VolumeDialect& dialect, Grid& grid) {
   const bool placed = p.has("to_world");
   grid.to_world = p.transform("to_world");
@@ -106,9 +100,9 @@ GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std
   if (format && *format != grid.format)
     p.fail_at("filename", "is " + in_quotes(grid.file.filename().string()) + ", expected a " +
                               (*format == Grid::Format::kVol ? ".vol" : ".nvdb") + " file");
-  grid.grid = read_grid_name(p);
+  grid.grid = p.find_string("grid_name").value_or("");
   if (!grid.grid.empty() && grid.format == Grid::Format::kVol)
-    p.fail_at(p.has("grid_name") ? "grid_name" : "gridname", "is given for a .vol file, whose one grid has no name");
+    p.fail_at("grid_name", "is given for a .vol file, whose one grid has no name");
   read_placement(p, dialect, grid);
   grid.filter = read_filter(p);
   grid.wrap = read_wrap(p);

@@ -52,42 +52,64 @@ std::string joined(const std::vector<std::string>& names) {
 }  // namespace
 
 void ReadContext::note(const SourceLocation& where, const std::string& message) {
-  description.notes.push_back(where.file + ":" + std::to_string(where.line) + ": " + message);
+  std::string note = SceneError(where, message).what();
+  std::vector<std::string>& notes = description.notes;
+  if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
 }
 
-std::string snake_case(std::string_view name) {
-  std::string result;
-  for (std::size_t i = 0; i < name.size(); ++i) {
-    const char c = name[i];
-    if (!is_upper(c)) {
-      result += c;
-      continue;
-    }
-    const bool after_word = i > 0 && !is_upper(name[i - 1]) && name[i - 1] != '_';
-    const bool begins_word =
-        i > 0 && is_upper(name[i - 1]) && i + 1 < name.size() && name[i + 1] >= 'a' && name[i + 1] <= 'z';
-    if (after_word || begins_word) result += '_';
-    result += static_cast<char>(c - 'A' + 'a');
-  }
-  return result;
+void ReadContext::stand_in(const SourceLocation& where, const std::string& message) {
+  std::string text = SceneError(where, message).what();
+  std::vector<std::string>& all = description.stand_ins;
+  if (std::find(all.begin(), all.end(), text) == all.end()) all.push_back(std::move(text));
+}
+
+bool ReadContext::leave_out(const SceneError& error, const XmlElement& around) {
+  if (!lenient) throw;
+  const auto* about = dynamic_cast<const ElementError*>(&error);
+  if (about == nullptr || &about->element() == &around || !left_out.insert(&about->element()).second) return false;
+  description.stand_ins.push_back(std::string(error.what()) + " (left out)");
+  return true;
+}
+
+std::string spelling_key(std::string_view name) {
+  std::string key;
+  for (const char c : name)
+    if (c != '_') key += is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c;
+  return key;
 }
 
 Properties::Properties(const XmlElement& object, ReadContext& context) : object_(object), context_(context) {
-  object.expect_attributes({"type", "id", "name", "version"});
-  type_ = object.attribute("type");
+  expect_attributes(object, {"type", "id", "name", "version"});
+  if (object.find_attribute("type") == nullptr)
+    throw ElementError(object, "<" + object.name + "> needs an attribute 'type'");
+  const auto other = context.types.find(&object);
+  type_ = other != context.types.end() ? other->second : object.attribute("type");
   for (const XmlElement& child : object.children) add(child);
-  if (context.open.count(&object) != 0) throw SceneError(object.where, title() + " refers to itself");
+  if (context.open.count(&object) != 0) throw ElementError(object, title() + " refers to itself");
   if (context.open.size() >= kMaxNesting) throw SceneError(object.where, "objects refer to each other too deeply");
   context.open.insert(&object);
 }
 
 Properties::~Properties() { context_.open.erase(&object_); }
 
+void Properties::expect_attributes(const XmlElement& element, std::initializer_list<const char*> allowed) const {
+  try {
+    element.expect_attributes(allowed);
+  } catch (const SceneError& error) {
+    if (!context_.lenient) throw;
+    context_.stand_in({}, std::string(error.what()) + " (left out)");
+  }
+}
+
 void Properties::add(const XmlElement& child) {
   const XmlElement* target = &child;
+  if (context_.left_out.count(&child) != 0) return;
   if (child.name == "ref") {
-    child.expect_attributes({"id", "name"});
-    target = &context_.scene.find(child.attribute("id"), child.where);
+    expect_attributes(child, {"id", "name"});
+    try {
+      target = &context_.scene.find(child.attribute("id"), child.where);
+    } catch (const SceneError& error) { throw ElementError(child, error); }
+    if (context_.left_out.count(target) != 0) return;
   }
   const std::string* name = child.find_attribute("name");
   const bool nameless = name == nullptr || name->empty();
@@ -99,19 +121,23 @@ void Properties::add(const XmlElement& child) {
     std::vector<std::string> known = kPropertyTags;
     known.insert(known.end(), kObjectTags.begin(), kObjectTags.end());
     known.push_back("ref");
-    throw SceneError(child.where,
-                     "unknown element <" + target->name + "> in " + title() + did_you_mean(target->name, known));
+    throw ElementError(child,
+                       "unknown element <" + target->name + "> in " + title() + did_you_mean(target->name, known));
   }
-  if (nameless)
-    throw SceneError(child.where, "<" + child.name + "> in " + title() + " needs an attribute 'name'");
-  const std::string key = snake_case(*name);
-  for (const Entry& entry : entries_)
-    if (entry.key == key) throw SceneError(child.where, "property " + in_quotes(*name) + " is given twice");
+  if (nameless) throw ElementError(child, "<" + child.name + "> in " + title() + " needs an attribute 'name'");
+  const std::string key = spelling_key(*name);
+  const auto same = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });
+  if (same != entries_.end()) {
+    const std::string message = "property " + in_quotes(*name) + " is given twice";
+    if (!context_.lenient) throw ElementError(child, message);
+    context_.stand_in(child.where, message + " (the last counts)");
+    entries_.erase(same);
+  }
   entries_.push_back({key, *name, &child, target});
 }
 
 Properties::Entry* Properties::find(const char* name) {
-  const std::string key = snake_case(name);
+  const std::string key = spelling_key(name);
   for (Entry& entry : entries_)
     if (!entry.key.empty() && entry.key == key) return &entry;
   return nullptr;
@@ -129,10 +155,10 @@ const std::string* Properties::value(const char* name, std::initializer_list<con
   if (entry == nullptr) return nullptr;
   const bool fits = std::any_of(types.begin(), types.end(), [&](const char* t) { return entry->target->name == t; });
   if (!fits) fail_type(*entry, *types.begin());
-  entry->target->expect_attributes({"name", "id", "value"});
+  expect_attributes(*entry->target, {"name", "id", "value"});
   if (!entry->target->children.empty())
-    throw SceneError(entry->target->where, "<" + entry->target->name + "> holds no elements");
-  return &entry->target->attribute("value");
+    throw ElementError(*entry->written, "<" + entry->target->name + "> holds no elements");
+  return parsed(*entry, [&] { return &entry->target->attribute("value"); });
 }
 
 bool Properties::has(const char* name) {
@@ -153,7 +179,9 @@ bool Properties::is_string(const char* name) {
 std::optional<float> Properties::find_number(const char* name, NumberRange range) {
   const std::string* text = value(name, {"float", "integer"});
   if (text == nullptr) return std::nullopt;
-  const float number = parse_float(*text, find(name)->target->where, "property " + in_quotes(find(name)->name));
+  const Entry& entry = *find(name);
+  const float number =
+      parsed(entry, [&] { return parse_float(*text, entry.target->where, "property " + in_quotes(entry.name)); });
   if (!is_inside(number, range)) fail_at(name, "is " + in_quotes(*text) + ", expected " + range_text(range));
   return number;
 }
@@ -165,8 +193,9 @@ float Properties::number(const char* name, float otherwise, NumberRange range) {
 int Properties::integer(const char* name, int otherwise, int low, int high) {
   const std::string* text = value(name, {"integer"});
   if (text == nullptr) return otherwise;
+  const Entry& entry = *find(name);
   const std::int64_t number =
-      parse_integer(*text, find(name)->target->where, "property " + in_quotes(find(name)->name));
+      parsed(entry, [&] { return parse_integer(*text, entry.target->where, "property " + in_quotes(entry.name)); });
   if (number < low || number > high)
     fail_at(name, "is " + in_quotes(*text) + ", expected an integer from " + std::to_string(low) + " to " +
                       std::to_string(high));
@@ -176,7 +205,8 @@ int Properties::integer(const char* name, int otherwise, int low, int high) {
 bool Properties::boolean(const char* name, bool otherwise) {
   const std::string* text = value(name, {"boolean"});
   if (text == nullptr) return otherwise;
-  return parse_boolean(*text, find(name)->target->where, "property " + in_quotes(find(name)->name));
+  const Entry& entry = *find(name);
+  return parsed(entry, [&] { return parse_boolean(*text, entry.target->where, "property " + in_quotes(entry.name)); });
 }
 
 std::optional<std::string> Properties::find_string(const char* name) {
@@ -188,7 +218,7 @@ std::optional<Vec3f> Properties::find_vec3(const char* name) {
   const Entry* entry = use(name);
   if (entry == nullptr) return std::nullopt;
   if (entry->target->name != "point" && entry->target->name != "vector") fail_type(*entry, "point or vector");
-  return parse_vec3_element(*entry->target, 0);
+  return parsed(*entry, [&] { return parse_vec3_element(*entry->target, 0); });
 }
 
 std::optional<Vec2f> Properties::find_vec2(const char* name) {
@@ -202,9 +232,10 @@ std::optional<Vec2f> Properties::find_vec2(const char* name) {
   const char* const types[] = {"vector2", "point2", "vector", "point"};
   if (std::find(std::begin(types), std::end(types), target.name) == std::end(types))
     fail_type(*entry, "vector2 or float");
-  target.expect_attributes({"name", "id", "value"});
-  const std::vector<float> v =
-      parse_floats(target.attribute("value"), target.where, "property " + in_quotes(entry->name));
+  expect_attributes(target, {"name", "id", "value"});
+  const std::vector<float> v = parsed(*entry, [&] {
+    return parse_floats(target.attribute("value"), target.where, "property " + in_quotes(entry->name));
+  });
   if (v.size() != 2) fail_at(name, "has " + std::to_string(v.size()) + " numbers, expected two");
   return Vec2f{v[0], v[1]};
 }
@@ -215,7 +246,7 @@ Transform Properties::transform(const char* name) {
   const Entry* entry = use(name);
   if (entry == nullptr) return Transform();
   if (entry->target->name != "transform") fail_type(*entry, "transform");
-  return parse_transform(*entry->target);
+  return parsed(*entry, [&] { return parse_transform(*entry->target); });
 }
 
 std::optional<SpectrumDescription> Properties::find_spectrum(const char* name, SpectrumRole role) {
@@ -225,9 +256,11 @@ std::optional<SpectrumDescription> Properties::find_spectrum(const char* name, S
   const char* const types[] = {"rgb", "srgb", "color", "spectrum", "blackbody", "float", "integer"};
   if (std::find(std::begin(types), std::end(types), target.name) == std::end(types))
     fail_type(*entry, "rgb, srgb, spectrum or float");
-  SpectrumDescription result = context_.readers.spectrum(target, role, context_);
-  check_role(result, role, target.where, "property " + in_quotes(entry->name) + " of " + title());
-  return result;
+  return parsed(*entry, [&] {
+    SpectrumDescription result = context_.readers.spectrum(target, role, context_);
+    check_role(result, role, target.where, "property " + in_quotes(entry->name) + " of " + title());
+    return result;
+  });
 }
 
 SpectrumDescription Properties::spectrum(const char* name, SpectrumDescription otherwise, SpectrumRole role) {
@@ -238,10 +271,12 @@ SpectrumDescription Properties::spectrum(const char* name, SpectrumDescription o
 std::optional<SpectrumInput> Properties::find_spectrum_input(const char* name, SpectrumRole role) {
   if (!is_texture(name)) return find_spectrum(name, role);
   const Entry& entry = *use(name);
-  SpectrumInput input = context_.readers.texture(*entry.target, context_);
-  if (const auto* constant = std::get_if<SpectrumDescription>(&input))
-    check_role(*constant, role, entry.target->where, "property " + in_quotes(entry.name) + " of " + title());
-  return input;
+  return parsed(entry, [&] {
+    SpectrumInput input = context_.readers.texture(*entry.target, context_);
+    if (const auto* constant = std::get_if<SpectrumDescription>(&input))
+      check_role(*constant, role, entry.target->where, "property " + in_quotes(entry.name) + " of " + title());
+    return input;
+  });
 }
 
 SpectrumInput Properties::spectrum_input(const char* name, SpectrumInput otherwise, SpectrumRole role) {
@@ -274,11 +309,18 @@ ScalarInput Properties::scalar_input(const char* name, ScalarInput otherwise, Nu
   return find_scalar_input(name, range).value_or(otherwise);
 }
 
+const char* Properties::first_color() const {
+  const std::vector<std::string> kinds = {"rgb", "srgb", "color", "spectrum", "texture"};
+  for (const Entry& entry : entries_)
+    if (!entry.key.empty() && contains(kinds, entry.target->name)) return entry.name.c_str();
+  return nullptr;
+}
+
 const XmlElement* Properties::any_texture() {
   Entry* found = nullptr;
   for (Entry& entry : entries_) {
     if (entry.target->name != "texture" || entry.used) continue;
-    if (found != nullptr) throw SceneError(entry.written->where, title() + " holds a second <texture>, expected one");
+    if (found != nullptr) throw ElementError(*entry.written, title() + " holds a second <texture>, expected one");
     found = &entry;
   }
   asked_kinds_.emplace_back("texture");
@@ -290,7 +332,9 @@ const XmlElement* Properties::any_texture() {
 std::filesystem::path Properties::file(const char* name) {
   const std::optional<std::string> text = find_string(name);
   if (!text) fail("needs the string '" + std::string(name) + "'");
-  return context_.scene.find_file(*text, find(name)->target->where);
+  try {
+    return context_.scene.find_file(*text, find(name)->target->where);
+  } catch (const SceneError& error) { throw ElementError(object_, error); }
 }
 
 std::vector<const XmlElement*> Properties::objects(const char* kind) {
@@ -313,13 +357,13 @@ const XmlElement* Properties::object(const char* kind) {
 const XmlElement* Properties::named_object(const char* kind, const char* name) {
   if (!contains(asked_kinds_, kind)) asked_kinds_.emplace_back(kind);
   asked_objects_[kind].emplace_back(name);
-  const std::string key = snake_case(name);
+  const std::string key = spelling_key(name);
   Entry* found = nullptr;
   for (Entry& entry : entries_) {
-    if (!entry.key.empty() || entry.target->name != kind || snake_case(entry.name) != key) continue;
+    if (!entry.key.empty() || entry.target->name != kind || spelling_key(entry.name) != key) continue;
     if (found != nullptr)
-      throw SceneError(entry.written->where, title() + " holds a second <" + kind + "> of the name " +
-                                                 in_quotes(entry.name) + ", expected one");
+      throw ElementError(*entry.written, title() + " holds a second <" + kind + "> of the name " +
+                                             in_quotes(entry.name) + ", expected one");
     found = &entry;
   }
   if (found == nullptr) return nullptr;
@@ -331,49 +375,53 @@ void Properties::accept(std::initializer_list<const char*> names) {
   for (const char* name : names) use(name);
 }
 
+void Properties::accept_all() {
+  for (Entry& entry : entries_) entry.used = true;
+}
+
 void Properties::finish() {
   for (const Entry& entry : entries_) {
     if (entry.used) continue;
-    const SourceLocation& place = entry.written->where;
+    const XmlElement& place = *entry.written;
     if (entry.key.empty()) {
       if (entry.target->name == "texture")
-        throw SceneError(place, "<" + entry.written->name + "> in " + title() + " needs an attribute 'name'");
+        throw ElementError(place, "<" + entry.written->name + "> in " + title() + " needs an attribute 'name'");
       std::string message = title() + " takes no nested <" + entry.target->name + ">";
       if (const auto known = asked_objects_.find(entry.target->name); known != asked_objects_.end()) {
         message += entry.name.empty() ? " without a name" : " of the name " + in_quotes(entry.name);
-        message += did_you_mean(snake_case(entry.name), known->second);
-        throw SceneError(place, message + " (known: " + joined(known->second) + ")");
+        message += did_you_mean(spelling_key(entry.name), known->second);
+        throw ElementError(place, message + " (known: " + joined(known->second) + ")");
       }
       if (!asked_kinds_.empty()) message += " (it takes: " + joined(asked_kinds_) + ")";
-      throw SceneError(place, message);
+      throw ElementError(place, message);
     }
     std::vector<std::string> keys;
-    for (const std::string& name : asked_) keys.push_back(snake_case(name));
+    for (const std::string& name : asked_) keys.push_back(spelling_key(name));
     std::string message = "unknown property " + in_quotes(entry.name) + " of " + title();
     const std::string nearest = nearest_name(entry.key, keys);
     const auto at = std::find(keys.begin(), keys.end(), nearest) - keys.begin();
     if (!nearest.empty()) message += ", did you mean '" + asked_[static_cast<std::size_t>(at)] + "'?";
-    if (!context_.lenient) throw SceneError(place, message);
-    context_.note(place, message + " (ignored)");
+    if (!context_.lenient) throw ElementError(place, message);
+    context_.stand_in(place.where, message + " (left out)");
   }
 }
 
-void Properties::fail(const std::string& message) const { throw SceneError(object_.where, title() + " " + message); }
+void Properties::fail(const std::string& message) const { throw ElementError(object_, title() + " " + message); }
 
 void Properties::fail_at(const char* name, const std::string& message) {
   const Entry* entry = find(name);
   if (entry == nullptr) fail("property '" + std::string(name) + "' " + message);
-  throw SceneError(entry->written->where, "property " + in_quotes(entry->name) + " of " + title() + " " + message);
+  throw ElementError(*entry->written, "property " + in_quotes(entry->name) + " of " + title() + " " + message);
 }
 
 void Properties::fail_plugin(const std::vector<std::string>& known) const {
   std::string message = "unknown " + object_.name + " plugin " + in_quotes(type_) + did_you_mean(type_, known);
-  throw SceneError(object_.where, message + " (known: " + (known.empty() ? "none" : joined(known)) + ")");
+  throw ElementError(object_, message + " (known: " + (known.empty() ? "none" : joined(known)) + ")");
 }
 
 void Properties::fail_type(const Entry& entry, const char* expected) const {
-  throw SceneError(entry.written->where, "property " + in_quotes(entry.name) + " of " + title() + " is given as <" +
-                                             entry.target->name + ">, expected " + expected);
+  throw ElementError(*entry.written, "property " + in_quotes(entry.name) + " of " + title() + " is given as <" +
+                                         entry.target->name + ">, expected " + expected);
 }
 
 std::string Properties::title() const { return object_.name + " " + in_quotes(type_); }

@@ -15,6 +15,19 @@ namespace sheaf {
 
 struct ReadContext;
 
+/// An error about one element of the file. The scene without that element may be readable: see read_what_can_be().
+class ElementError : public SceneError {
+ public:
+  ElementError(const XmlElement& element, const std::string& message)
+      : SceneError(element.where, message), element_(&element) {}
+  /// The same message, about this element.
+  ElementError(const XmlElement& element, const SceneError& cause) : SceneError(cause.what()), element_(&element) {}
+  const XmlElement& element() const { return *element_; }
+
+ private:
+  const XmlElement* element_;
+};
+
 /// Reads a <texture> element: appends a texture, or gives a spectrum if it is the same everywhere. An element is read
 /// once, however often it is referred to. Throws SceneError.
 using TextureReader = SpectrumInput (*)(const XmlElement& element, ReadContext& context);
@@ -31,7 +44,7 @@ struct ElementReaders {
 struct ReadContext {
   const ExpandedScene& scene;
   Description& description;
-  bool lenient = false;                   ///< unknown properties become notes
+  bool lenient = false;  ///< what cannot be read is left out or replaced
   ElementReaders readers = {};
   bool exchanges_checkerboards = false;   ///< see scalar_texture()
   std::map<const XmlElement*, SpectrumInput> textures = {};  ///< read so far
@@ -39,11 +52,52 @@ struct ReadContext {
   std::set<const XmlElement*> open = {};  ///< objects being read, to find references that go in circles
   std::map<const XmlElement*, MediumId> media = {};        ///< read so far
   std::map<const XmlElement*, std::uint32_t> groups = {};  ///< shape groups read so far, into Description::groups
+  bool mirrors_nori_camera = true;                         ///< as ETH's course has it; see docs/scene-format.md
+  bool frames_scene = false;                               ///< the camera is yet to be put where it sees the scene
   bool in_group = false;                                   ///< the shapes of a group are being read
+  std::set<const XmlElement*> left_out = {};               ///< elements that are read as if they were not there
+  std::map<const XmlElement*, std::string> types = {};     ///< plugins that objects are read as, in place of their own
 
-  /// Adds a remark for the user.
+  /// Adds a remark for the user, once.
   void note(const SourceLocation& where, const std::string& message);
+  /// Says that something is read as something else, or not at all.
+  void stand_in(const SourceLocation& where, const std::string& message);
+  /// For the error that is being handled: throws it again unless the context is lenient. Otherwise leaves the element
+  /// out that it is about, and returns true; but false if that is `around`, or known already.
+  bool leave_out(const SceneError& error, const XmlElement& around);
 };
+
+/// Calls read(), which reads `element`. If the context is lenient and read() fails, that is done again without the
+/// property or the nested object that is at fault, until it works; then what was left out is known to the context.
+/// Returns the error that remains if the element as a whole cannot be read. Throws SceneError if not lenient.
+template <class Read>
+std::optional<std::string> read_what_can_be(const XmlElement& element, ReadContext& context, Read&& read) {
+  for (;;) {
+    try {
+      read();
+      return std::nullopt;
+    } catch (const SceneError& error) {
+      if (!context.leave_out(error, element)) return error.what();
+    }
+  }
+}
+
+/// The same, but what cannot be read as what it is is read as `plugin`, with those of its properties that this has.
+template <class Read>
+void read_or_as(const XmlElement& element, ReadContext& context, const char* plugin, Read&& read) {
+  const auto error = read_what_can_be(element, context, read);
+  if (!error) return;
+  context.types[&element] = plugin;
+  const bool done = !read_what_can_be(element, context, read);
+  context.description.stand_ins.push_back(*error +
+                                          (done ? " ('" + std::string(plugin) + "' stands in)" : " (left out)"));
+}
+
+/// The same for what the scene can do without: then says that the element as a whole is left out.
+template <class Read> void read_or_leave_out(const XmlElement& element, ReadContext& context, Read&& read) {
+  if (const auto error = read_what_can_be(element, context, read))
+    context.description.stand_ins.push_back(*error + " (" + element.name + " left out)");
+}
 
 /// Legal values of a number.
 struct NumberRange {
@@ -56,10 +110,10 @@ inline constexpr NumberRange kPositive{0, std::numeric_limits<double>::infinity(
 inline constexpr NumberRange kNotNegative{0, std::numeric_limits<double>::infinity(), false};
 inline constexpr NumberRange kUnitInterval{0, 1, false};
 
-/// `maxDepth` and `intIOR` to `max_depth` and `int_ior`.
-std::string snake_case(std::string_view name);
+/// The same for all spellings of a name: `maxDepth`, `max_depth` and `maxdepth` are one.
+std::string spelling_key(std::string_view name);
 
-/// The properties and nested objects of one XML element. Names match in camelCase and snake_case alike. All functions
+/// The properties and nested objects of one XML element. Names match as spelling_key() says. All functions
 /// throw SceneError for a property of the wrong type or out of its range.
 class Properties {
  public:
@@ -100,6 +154,8 @@ class Properties {
   /// A number or a texture; the luminance of a colour. Values of textures are not checked against the range.
   std::optional<ScalarInput> find_scalar_input(const char* name, NumberRange range);
   ScalarInput scalar_input(const char* name, ScalarInput otherwise, NumberRange range);
+  /// The name of the first property that is a colour or a texture, or null.
+  const char* first_color() const;
   /// The one <texture> of an object that nobody has asked for, under whatever name or without one, or null. Throws
   /// SceneError if there are several.
   const XmlElement* any_texture();
@@ -115,6 +171,8 @@ class Properties {
 
   /// Properties that are documented and mean nothing here: any value is accepted.
   void accept(std::initializer_list<const char*> names);
+  /// Whatever is left, of an object whose parameters mean nothing here.
+  void accept_all();
   /// Throws SceneError for what nobody asked for; unknown properties are notes instead if the context is lenient.
   void finish();
 
@@ -128,7 +186,7 @@ class Properties {
  private:
   /// A child element: a property with a name, or a nested object.
   struct Entry {
-    std::string key;            ///< snake_case name; empty for objects
+    std::string key;            ///< spelling_key() of the name; empty for objects
     std::string name;           ///< as in the file
     const XmlElement* written;  ///< the child itself
     const XmlElement* target;   ///< what it is or refers to
@@ -136,6 +194,16 @@ class Properties {
   };
 
   void add(const XmlElement& child);
+  /// Throws unless the element has no other attributes than these; lenient contexts leave them out.
+  void expect_attributes(const XmlElement& element, std::initializer_list<const char*> allowed) const;
+  /// Calls parse(): its errors are about the property.
+  template <class Parse> static auto parsed(const Entry& entry, Parse&& parse) {
+    try {
+      return parse();
+    } catch (const ElementError&) { throw; } catch (const SceneError& error) {
+      throw ElementError(*entry.written, error);
+    }
+  }
   Entry* find(const char* name);
   Entry* use(const char* name);
   /// The text of attribute `value` of a property of one of the types.

@@ -37,8 +37,11 @@ Vec3f parse_hex(std::string_view text, const SourceLocation& where) {
 
 SpectrumDescription parse_spectrum_text(std::string_view text, const SourceLocation& where) {
   if (text.find(':') == std::string_view::npos) {
-    if (split_list(text).size() > 1)
-      throw SceneError(where, "spectrum is " + in_quotes(text) + ", expected one number or wavelength:value pairs");
+    const std::size_t count = split_list(text).size();
+    if (count == 3) return {SpectrumDescription::Rgb{parse_vec3(text, where, "spectrum")}};
+    if (count > 1)
+      throw SceneError(where, "spectrum is " + in_quotes(text) +
+                                  ", expected one number, three of a colour, or wavelength:value pairs");
     return SpectrumDescription::constant(parse_float(text, where, "spectrum"));
   }
   SpectrumDescription::Table table;

@@ -53,16 +53,24 @@ template <class Range> std::size_t count(const Range& range) {
 struct Converter {
   std::string file;
   LineIndex lines;
+  std::vector<std::string>* left_out;
 
   SourceLocation where(const pugi::xml_node& node) const { return {file, lines.line(node.offset_debug())}; }
 
-  [[noreturn]] void fail_text(const pugi::xml_node& node) const {
+  /// Throws, or makes a note of what is read all the same.
+  void fail(const SourceLocation& place, const std::string& message, const char* instead) const {
+    const SceneError error(place, message);
+    if (left_out == nullptr) throw error;
+    left_out->push_back(std::string(error.what()) + " (" + instead + ")");
+  }
+
+  void fail_text(const pugi::xml_node& node) const {
     const std::string_view text = node.value();
     const std::size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
     const std::string_view word = text.substr(first, text.find_first_of(" \t\r\n<", first) - first);
     SourceLocation place = where(node);
     place.line += static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(first), '\n'));
-    throw SceneError(place, "unexpected text " + in_quotes(word) + " inside <" + node.parent().name() + ">");
+    fail(place, "unexpected text " + in_quotes(word) + " inside <" + node.parent().name() + ">", "left out");
   }
 
   /// Takes the children of `node` out of pugixml's tree, so that a large scene is not held twice.
@@ -74,8 +82,10 @@ struct Converter {
       throw SceneError(element.where, "elements are nested deeper than " + std::to_string(kMaxDepth) + " levels");
     element.attributes.reserve(count(node.attributes()));
     for (const pugi::xml_attribute& attribute : node.attributes()) {
-      if (element.find_attribute(attribute.name()) != nullptr)
-        throw SceneError(element.where, "attribute " + in_quotes(attribute.name()) + " is given twice");
+      if (element.find_attribute(attribute.name()) != nullptr) {
+        fail(element.where, "attribute " + in_quotes(attribute.name()) + " is given twice", "the last counts");
+        std::erase_if(element.attributes, [&](const XmlAttribute& a) { return a.name == attribute.name(); });
+      }
       if (element.attributes.size() == kMaxAttributes) throw SceneError(element.where, "too many attributes");
       element.attributes.push_back({attribute.name(), attribute.value()});
     }
@@ -116,9 +126,9 @@ void XmlElement::expect_attributes(std::initializer_list<const char*> allowed) c
       throw SceneError(where, "<" + name + "> has no attribute " + in_quotes(a.name) + did_you_mean(a.name, names));
 }
 
-XmlElement read_xml(const std::filesystem::path& file) {
+XmlElement read_xml(const std::filesystem::path& file, std::vector<std::string>* left_out) {
   std::string text = read_text(file);
-  const Converter converter{file.string(), LineIndex(text)};
+  const Converter converter{file.string(), LineIndex(text), left_out};
   pugi::xml_document document;
   const pugi::xml_parse_result result =
       document.load_buffer_inplace(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);

@@ -31,8 +31,10 @@ struct XmlElement {
 };
 
 /// Reads a file into a tree of at most 100 levels. Entities of a DTD are not expanded. Throws SceneError if the file
-/// cannot be read, is not well-formed UTF-8 XML, or holds anything but one root element.
-XmlElement read_xml(const std::filesystem::path& file);
+/// cannot be read, is not well-formed UTF-8 XML, or holds anything but one root element. `left_out`, if not null: text
+/// inside elements is left out and of an attribute that is given twice the last counts, and what was found is appended
+/// here; otherwise these are errors.
+XmlElement read_xml(const std::filesystem::path& file, std::vector<std::string>* left_out = nullptr);
 
 /// `text` in single quotes for a message: shortened if long, control characters replaced.
 std::string in_quotes(std::string_view text);

@@ -70,11 +70,12 @@ struct ExpandedScene::Expansion {
     return nullptr;
   }
 
-  [[noreturn]] void fail_undefined(const std::string& name, const SourceLocation& where) const {
+  void fail_undefined(const std::string& name, const SourceLocation& where) const {
     std::vector<std::string> known;
     for (const auto& parameter : parameters) known.push_back(parameter.first);
-    throw SceneError(where, "parameter '$" + name + "' is not defined" + did_you_mean(name, known) +
-                                " (define it by -D " + name + "=value or <default>)");
+    scene.fail(SceneError(where, "parameter '$" + name + "' is not defined" + did_you_mean(name, known) +
+                                     " (define it by -D " + name + "=value or <default>)"),
+               "left empty");
   }
 
   void substitute(std::string& text, const SourceLocation& where) {
@@ -91,7 +92,11 @@ struct ExpandedScene::Expansion {
       }
       const std::string_view name = std::string_view(text).substr(i + 1, end - i - 1);
       const auto* parameter = longest_parameter(name);
-      if (parameter == nullptr) fail_undefined(std::string(name), where);
+      if (parameter == nullptr) {
+        fail_undefined(std::string(name), where);
+        i += 1 + name.size();
+        continue;
+      }
       read.insert(parameter->first);
       result += parameter->second;
       i += 1 + parameter->first.size();
@@ -129,7 +134,8 @@ struct ExpandedScene::Expansion {
                                           " levels; does " + in_quotes(element.attribute("filename")) +
                                           " include itself?");
     if (++includes > kMaxIncludes) throw SceneError(element.where, "more than 10000 includes");
-    XmlElement included = read_xml(scene.find_file(element.attribute("filename"), element.where));
+    XmlElement included = read_xml(scene.find_file(element.attribute("filename"), element.where),
+                                   scene.lenient_ ? &scene.left_out_ : nullptr);
     std::vector<XmlElement> children;
     if (included.name == "scene") {
       children = std::move(included.children);
@@ -139,6 +145,13 @@ struct ExpandedScene::Expansion {
     expand(children, include_depth + 1);
     out.reserve(out.size() + children.size());
     std::move(children.begin(), children.end(), std::back_inserter(out));
+  }
+
+  /// Calls look(), which looks for a file; see ExpandedScene::fail() for what becomes of its errors.
+  template <class Look> void leave_out_if_missing(Look&& look) {
+    try {
+      look();
+    } catch (const SceneError& error) { scene.fail(error); }
   }
 
   /// Replaces the children of an element by what they mean.
@@ -153,11 +166,11 @@ struct ExpandedScene::Expansion {
       } else if (child.name == "default") {
         define_default(child);
       } else if (child.name == "path") {
-        add_path(child);
+        leave_out_if_missing([&] { add_path(child); });
       } else if (child.name == "alias") {
         scene.aliases_.push_back(std::move(child));
       } else if (child.name == "include") {
-        include(child, include_depth, out);
+        leave_out_if_missing([&] { include(child, include_depth, out); });
       } else {
         expand(child.children, include_depth);
         out.push_back(std::move(child));
@@ -167,10 +180,12 @@ struct ExpandedScene::Expansion {
   }
 };
 
-ExpandedScene::ExpandedScene(const fs::path& file, const std::vector<std::pair<std::string, std::string>>& defines) {
+ExpandedScene::ExpandedScene(const fs::path& file, const std::vector<std::pair<std::string, std::string>>& defines,
+                             bool lenient)
+    : lenient_(lenient) {
   search_.push_back(file.parent_path());
   files_.push_back(file);
-  root_ = read_xml(file);
+  root_ = read_xml(file, lenient ? &left_out_ : nullptr);
   Expansion expansion{*this, {}, {}};
   for (const auto& [name, value] : defines) expansion.parameters[name] = value;
   expansion.expand(root_.children, 0);
@@ -184,14 +199,20 @@ ExpandedScene::ExpandedScene(const fs::path& file, const std::vector<std::pair<s
   mark_references(root_);
 }
 
+void ExpandedScene::fail(const SceneError& error, const char* instead) {
+  if (!lenient_) throw error;
+  left_out_.push_back(std::string(error.what()) + " (" + instead + ")");
+}
+
 void ExpandedScene::index(const XmlElement& element) {
   const std::string* id = element.name == "ref" ? nullptr : element.find_attribute("id");
   if (id != nullptr) {
     const auto [it, inserted] = ids_.emplace(*id, &element);
     if (!inserted) {
       const SourceLocation& first = it->second->where;
-      throw SceneError(element.where, "id " + in_quotes(*id) + " is already taken by <" + it->second->name + "> in " +
-                                          first.file + ":" + std::to_string(first.line));
+      fail(SceneError(element.where, "id " + in_quotes(*id) + " is already taken by <" + it->second->name + "> in " +
+                                         first.file + ":" + std::to_string(first.line)),
+           "the first counts");
     }
   }
   for (const XmlElement& child : element.children) index(child);
@@ -199,11 +220,18 @@ void ExpandedScene::index(const XmlElement& element) {
 
 void ExpandedScene::apply_aliases() {
   for (const XmlElement& alias : aliases_) {
-    alias.expect_attributes({"id", "as"});
-    const XmlElement& target = find(alias.attribute("id"), alias.where);
-    if (!ids_.emplace(alias.attribute("as"), &target).second)
-      throw SceneError(alias.where, "id " + in_quotes(alias.attribute("as")) + " is already taken");
+    try {
+      alias.expect_attributes({"id", "as"});
+      const XmlElement& target = find(alias.attribute("id"), alias.where);
+      if (!ids_.emplace(alias.attribute("as"), &target).second)
+        throw SceneError(alias.where, "id " + in_quotes(alias.attribute("as")) + " is already taken");
+    } catch (const SceneError& error) { fail(error); }
   }
+}
+
+void ExpandedScene::rename(XmlElement& element, std::string_view name, std::string_view other) {
+  if (element.name == name) element.name = other;
+  for (XmlElement& child : element.children) rename(child, name, other);
 }
 
 void ExpandedScene::mark_references(const XmlElement& element) {

@@ -18,10 +18,16 @@ class ExpandedScene {
  public:
   /// Reads `file`. Each define is a name and its value; it overrides the <default> of that name. Throws SceneError:
   /// XML errors, an include or path that is not found, includes nested deeper than 15 or more than 10,000 of them, an
-  /// undefined `$name`, a define that the scene never reads, an id given twice.
-  ExpandedScene(const std::filesystem::path& file, const std::vector<std::pair<std::string, std::string>>& defines);
+  /// undefined `$name`, a define that the scene never reads, an id given twice. `lenient`: what can be left out is left
+  /// out; see left_out().
+  ExpandedScene(const std::filesystem::path& file, const std::vector<std::pair<std::string, std::string>>& defines,
+                bool lenient = false);
 
   const XmlElement& root() const { return root_; }
+  /// What was left out or replaced because it could not be read: messages with file and line.
+  const std::vector<std::string>& left_out() const { return left_out_; }
+  /// Gives all elements of a name another one: two names for one thing.
+  void rename(std::string_view name, std::string_view other) { rename(root_, name, other); }
   /// The element that `<ref id="...">` at `where` means. Throws SceneError if there is none.
   const XmlElement& find(const std::string& id, const SourceLocation& where) const;
   /// Whether some <ref> means this element.
@@ -35,11 +41,16 @@ class ExpandedScene {
 
  private:
   struct Expansion;
+  static void rename(XmlElement& element, std::string_view name, std::string_view other);
   void index(const XmlElement& element);
   void apply_aliases();
   void mark_references(const XmlElement& element);
+  /// Throws the error, or makes a note of it if it is not to stop the reading.
+  void fail(const SceneError& error, const char* instead = "left out");
 
   XmlElement root_;
+  bool lenient_ = false;
+  std::vector<std::string> left_out_;
   std::vector<std::filesystem::path> search_;  ///< in order of search
   mutable std::vector<std::filesystem::path> files_;  ///< see files(): a record, no part of what the scene means
   std::unordered_map<std::string, const XmlElement*> ids_;

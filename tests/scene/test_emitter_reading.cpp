@@ -143,7 +143,7 @@ TEST_CASE("emitters of Nori: spot") {
                  "no length"));
   CHECK(contains(nori_error("spot", "<vector name='direction' value='0,0,1'/><transform name='toWorld'/>"),
                  "expected one"));
-  CHECK(contains(nori_error("spot", "<float name='falloffStart' value='31'/>"), "'falloffStart'"));
+  CHECK(contains(nori_error("spot", "<float name='falloffStart' value='-1'/>"), "'falloffStart'"));
   CHECK(contains(nori_error("spot", "<float name='totalWidt' value='31'/>"), "did you mean 'totalWidth'"));
 }
 

@@ -276,13 +276,14 @@ TEST_CASE("Nori: errors name line, fault and the nearest name") {
       {scene_with("", "<camera type='thinlens'/>"), "scene.xml:2: camera 'thinlens' has no 'apertureRadius'"},
       {scene_with("", "<camera type='thinlens'><float name='lensRadius' value='1'/></camera>"),
        "camera 'thinlens' has a lens but no 'focusDistance'"},
-      {scene_with("", "<camera type='thinlens'><float name='lensRadius' value='1'/><float name='apertureRadius' "
-                      "value='1'/></camera>"),
+      {scene_with("",
+                  "<camera type='thinlens'><float name='lensRadius' value='1'/><float name='apertureRadius' "
+                  "value='1'/></camera>"),
        "has both 'apertureRadius' and 'lensRadius', expected one"},
       {scene_with("", kCamera + kCamera), "scene.xml:2: a second <camera>"},
       {scene_with("", "<mesh type='sphere'/>"), "scene.xml:1: the scene has no <camera>"},
       {scene_with("", kCamera, ""), "scene.xml:1: the scene has no <integrator>"},
-      {scene_with("", kCamera, "<integrator type='whitted'/>"), "scene.xml:3: unknown integrator plugin 'whitted'"},
+      {scene_with("", kCamera, "<integrator type='witted'/>"), "scene.xml:3: unknown integrator plugin 'witted'"},
       {scene_with("", "<camera type='perspective'><integer name='width' value='0'/></camera>"),
        "property 'width' of camera 'perspective' is '0', expected an integer from 1"},
       {scene_with("",
@@ -302,4 +303,98 @@ TEST_CASE("Nori: errors name line, fault and the nearest name") {
     const std::string message = error_of_text(c.text);
     CHECK_MESSAGE(contains(message, c.expected), message);
   }
+}
+
+TEST_CASE("Nori: shapes may be called so, and stand beside a camera without a version") {
+  const Description d = read_text(scene_with("<shape type='sphere'><bsdf type='mirror'/></shape><shape type='cube'/>"));
+  CHECK(d.shapes.size() == 2);
+  CHECK(d.camera.fov == 30);
+}
+
+TEST_CASE("Nori: a parallelogram has a corner at its origin") {
+  const Description d = read_text(
+      scene_with("<mesh type='parallelogram'><point name='origin' value='1 2 3'/><vector name='u' value='2 0 0'/>"
+                 "<vector name='v' value='0 0 4'/><emitter type='parallelogram_emitter'>"
+                 "<color name='radiance' value='5 5 5'/></emitter></mesh>"));
+  REQUIRE(d.shapes.size() == 1);
+  const ShapeDescription& shape = d.shapes[0];
+  CHECK(std::holds_alternative<RectangleShape>(shape.geometry));
+  CHECK(length(shape.to_world.point({-1, -1, 0}) - Vec3f{1, 2, 3}) < 1e-6f);
+  CHECK(length(shape.to_world.point({1, 1, 0}) - Vec3f{3, 2, 7}) < 1e-6f);
+  // u x v.
+  CHECK(dot(shape.to_world.vector({0, 0, 1}), Vec3f{0, -1, 0}) > 0.999f);
+  CHECK(shape.radiance.has_value());
+  CHECK(contains(error_of_text(scene_with("<mesh type='parallelogram'><vector name='u' value='0 1 0'/></mesh>")),
+                 "u and v are parallel"));
+}
+
+TEST_CASE("Nori: the camera of upstream mirrors that of ETH") {
+  const std::string text = scene_with("");
+  ReadOptions upstream;
+  upstream.nori_camera = NoriCamera::kUpstream;
+  const Vec3f eth = read_text(text).camera.to_world.vector({1, 2, 3});
+  const Vec3f other = read_text(text, upstream).camera.to_world.vector({1, 2, 3});
+  CHECK(eth == Vec3f{-other.x, other.y, other.z});
+}
+
+TEST_CASE("Nori: exercises are white scenes in a light of their own") {
+  const std::string inside =
+      "<mesh type='sphere'><bsdf type='mirror'/><emitter type='area'/></mesh>"
+      "<emitter type='point'/>";
+  const Description ao = read_text(scene_with(inside, kCamera, "<integrator type='ao'/>"));
+  CHECK(ao.materials.size() == 1);
+  CHECK_FALSE(ao.shapes.at(0).radiance.has_value());
+  REQUIRE(ao.lights.size() == 1);
+  CHECK(std::holds_alternative<ConstantLightDescription>(ao.lights[0].model));
+  CHECK(ao.integrator.max_depth == 2);
+  CHECK(ao.integrator.hide_emitters);
+  const Description simple = read_text(
+      scene_with(inside, kCamera,
+                 "<integrator type='simple'><point name='position' value='1 2 3'/><color name='energy' value='4 4 4'/>"
+                 "</integrator>"));
+  REQUIRE(simple.lights.size() == 1);
+  const auto& light = std::get<PointLightDescription>(simple.lights[0].model);
+  CHECK(light.position == Vec3f{1, 2, 3});
+  const auto& rgb = std::get<SpectrumDescription::Rgb>(light.intensity.value);
+  CHECK(rgb.value.x == doctest::Approx(1 / std::numbers::pi));
+}
+
+TEST_CASE("Nori: groups that are called ref, and instances that name them") {
+  const Description d = read_text(
+      scene_with("<mesh type='ref' name='ball'><mesh type='sphere'/></mesh><mesh type='instance'>"
+                 "<string name='ref' value='ball'/><transform name='toWorld'><scale value='2'/></transform></mesh>"));
+  REQUIRE(d.groups.size() == 1);
+  CHECK(d.groups[0].shapes.size() == 1);
+  REQUIRE(d.instances.size() == 1);
+  CHECK(d.instances[0].to_world[0] == 2);
+  CHECK(contains(error_of_text(scene_with("<mesh type='instance'><string name='ref' value='bowl'/></mesh>")),
+                 "'bowl', which names no group"));
+}
+
+TEST_CASE("Nori: spellings of the course's projects") {
+  const Description d = read_text(scene_with(
+      "<mesh type='sphere'><bsdf type='diffuse'><boolean name='use_cosine' value='true'/>"
+      "<color name='albedo' value='.1 .2 .3'/></bsdf></mesh>"
+      "<mesh type='sphere'><bsdf type='microfacet'><color name='albedo' value='.1 .2 .3'/>"
+      "<float name='m_alpha' value='.3'/></bsdf></mesh>"
+      "<mesh type='sphere'><bsdf type='disney'><color name='albedo' value='.1 .2 .3'/><texture name='normal' "
+      "type='normaltexture'><string name='fileName' value='image.png'/></texture></bsdf></mesh>"
+      "<mesh type='sphere'><bsdf type='transparent'/></mesh>"
+      "<emitter type='envmap'><texture type='constant_color' name='albedo'><color name='value' value='.1 .2 .3'/>"
+      "</texture></emitter><emitter type='spot'><color name='power' value='8 8 8'/>"
+      "<float name='falloffstart' value='90'/><float name='totalwidth' value='60'/></emitter>"
+      "<denoiser type='nl_means'><float name='k' value='1'/></denoiser>"));
+  const auto model = [&](std::size_t shape) {
+    return d.materials.at(static_cast<std::size_t>(d.shapes.at(shape).material.value())).model;
+  };
+  CHECK(std::get<float>(std::get<NoriMicrofacetDescription>(model(1)).alpha) == 0.3f);
+  CHECK(std::holds_alternative<NormalMapDescription>(model(2)));
+  CHECK(std::holds_alternative<NullDescription>(model(3)));
+  REQUIRE(d.lights.size() == 2);
+  CHECK(std::holds_alternative<ConstantLightDescription>(d.lights[0].model));
+  const auto& spot = std::get<SpotLightDescription>(d.lights[1].model);
+  CHECK(spot.beam_width == 60);
+  // The power of a sharp cone: intensity times 2 pi (1 - cos 60).
+  const auto& intensity = std::get<SpectrumDescription::Rgb>(spot.intensity.value);
+  CHECK(intensity.value.x == doctest::Approx(8 / std::numbers::pi));
 }

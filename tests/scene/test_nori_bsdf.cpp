@@ -174,7 +174,7 @@ TEST_CASE("Nori materials and textures: errors name line, fault and the nearest 
       {bsdf("disney", "\n" + number("roughness", "2")), "scene.xml:5: property 'roughness' of bsdf 'disney' is '2'"},
       {bsdf("microfacet", number("alpha", "-1")), "expected no negative number"},
       {bsdf("microfacet", "<color name='ks' value='1'/>"), "unknown property 'ks' of bsdf 'microfacet'"},
-      {bsdf("diffuse", number("reflectance", "0.5")), "unknown property 'reflectance' of bsdf 'diffuse'"},
+      {bsdf("diffuse", number("reflectivity", "0.5")), "unknown property 'reflectivity' of bsdf 'diffuse'"},
       {texture("checkerbord_color"),
        "scene.xml:5: unknown texture plugin 'checkerbord_color', did you mean 'checkerboard_color'?"},
       {texture("checkerboard_color", number("value3", "1")),

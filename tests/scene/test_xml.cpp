@@ -114,14 +114,19 @@ TEST_CASE("expansion: parameters") {
   const std::string text = scene_with(
       "<default name=\"r\" value=\"2\"/><default name=\"twice\" value=\"$r$r\"/>\n"
       "<shape type=\"sphere\"><float name=\"radius\" value=\"$twice.5\"/></shape>");
+  auto define = [](const char* name, const char* value) {
+    ReadOptions options;
+    options.defines = {{name, value}};
+    return options;
+  };
   auto radius = [&](const ReadOptions& options) {
     return std::get<SphereShape>(read_text(text, options).shapes.at(0).geometry).radius;
   };
   CHECK(radius({}) == 22.5f);
-  CHECK(radius({{{"r", "3"}}}) == 33.5f);
-  CHECK(radius({{{"twice", "7"}}}) == 7.5f);
-  CHECK(
-      contains(error_of_text(text, {{{"twic", "7"}}}), "no parameter 'twic' that -D could set, did you mean 'twice'?"));
+  CHECK(radius(define("r", "3")) == 33.5f);
+  CHECK(radius(define("twice", "7")) == 7.5f);
+  CHECK(contains(error_of_text(text, define("twic", "7")),
+                 "no parameter 'twic' that -D could set, did you mean 'twice'?"));
   CHECK(contains(error_of_text(scene_with("<shape type=\"$shap\"/><default name=\"shape\" value=\"obj\"/>")),
                  "scene.xml:3: parameter '$shap' is not defined"));
   CHECK(contains(error_of_text(scene_with("<default name=\"shape\" value=\"obj\"/><shape type=\"$shap\"/>")),

@@ -434,3 +434,51 @@ TEST_CASE("a second signal ends a render that does not come to a stop") {
     CHECK_FALSE(std::filesystem::exists(folder / "out.exr"));
   }
 }
+
+TEST_CASE("--size and --scale override the film") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  const auto size_of = [&](const std::string& options) {
+    REQUIRE(run(folder, "render scene.xml --spp 1 --quiet -o out.exr " + options).code == 0);
+    const Image image = read_exr(folder / "out.exr");
+    return std::pair(image.width, image.height);
+  };
+  CHECK(size_of("") == std::pair(24, 16));
+  CHECK(size_of("--size 10x7") == std::pair(10, 7));
+  CHECK(size_of("--scale 0.25") == std::pair(6, 4));
+  CHECK(size_of("--size 8x6 --scale 2") == std::pair(16, 12));
+  for (const char* wrong : {"--size 10", "--size 0x5", "--size 10x", "--size 10x5x", "--scale 0"}) {
+    CAPTURE(wrong);
+    CHECK(run(folder, std::string("render scene.xml ") + wrong).code == 2);
+  }
+}
+
+TEST_CASE("a model is rendered without a scene") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  write_bytes(folder / "model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  REQUIRE(run(folder, "render model.obj --size 32x24 --spp 4 --view 40,10 --up z --fov 50 --quiet -o out.exr").code ==
+          0);
+  const Image image = read_exr(folder / "out.exr");
+  // The floor and the sky above it.
+  CHECK(image.at(16, 23, image.find_channel("R")) > 0.1f);
+  CHECK(image.at(16, 0, image.find_channel("R")) == doctest::Approx(0.52f).epsilon(0.01));
+  CHECK(run(folder, "info model.obj").code == 0);
+  const Outcome scene = run(folder, "render scene.xml --view 40,10");
+  CHECK(scene.code == 2);
+  CHECK(contains(scene.err, "are for models"));
+}
+
+TEST_CASE("--lenient renders what strict reading refuses, warns of each thing and sums up") {
+  const TemporaryFolder folder;
+  std::string text = kScene;
+  text.insert(text.find("<shape"), "<mode type=\"final\"/><shape type=\"torus\"/>");
+  write_bytes(folder / "scene.xml", text);
+  CHECK(run(folder, "render scene.xml").code == 3);
+  const Outcome outcome = run(folder, "render scene.xml --lenient --spp 1 -o out.exr");
+  CHECK(outcome.code == 0);
+  CHECK(contains(outcome.err, "warning: scene.xml:12: unknown element <mode>"));
+  CHECK(contains(outcome.err, "unknown shape plugin 'torus'"));
+  CHECK(contains(outcome.err, "2 things of the scene could not be read"));
+  CHECK(contains(run(folder, "info scene.xml --lenient").out, "unknown shape plugin 'torus'"));
+}

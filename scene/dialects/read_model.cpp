@@ -1,0 +1,100 @@
+#include "scene/dialects/read_model.h"
+
+#include "core/frame.h"
+#include "scene/dialects/frame_scene.h"
+#include "scene/dialects/obj_materials.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace sheaf {
+
+namespace {
+
+/// How much wider than the model the floor is, so that its end is at the horizon.
+constexpr float kFloor = 200;
+
+/// A disk under the box, across `up`.
+ShapeDescription make_floor(const std::array<Vec3f, 2>& box, Vec3f up, MaterialId material) {
+  const Vec3f center = box[0] * 0.5f + box[1] * 0.5f;
+  const Vec3f half = box[1] * 0.5f - box[0] * 0.5f;
+  const float radius = kFloor * std::max(length(half), 1e-6f);
+  const Vec3f foot = center - up * dot(up, half);
+  const Frame<Scalar> frame = Frame<Scalar>::from_normal(up);
+  Matrix4 m;
+  const Vec3f columns[4] = {frame.s * radius, frame.t * radius, up, foot};
+  for (std::size_t j = 0; j < 4; ++j) {
+    m.m[0][j] = columns[j].x;
+    m.m[1][j] = columns[j].y;
+    m.m[2][j] = columns[j].z;
+  }
+  ShapeDescription floor;
+  floor.geometry = DiskShape{};
+  floor.to_world = Transform(m);
+  floor.material = material;
+  return floor;
+}
+
+MaterialId add_diffuse(Description& description, Vec3f reflectance) {
+  MaterialDescription material;
+  material.model = DiffuseDescription{SpectrumDescription{SpectrumDescription::Rgb{reflectance}}};
+  MaterialDescription both;
+  description.materials.push_back(std::move(material));
+  const auto id = static_cast<MaterialId>(description.materials.size() - 1);
+  both.model = TwoSidedDescription{id, id};
+  description.materials.push_back(std::move(both));
+  return static_cast<MaterialId>(description.materials.size() - 1);
+}
+
+/// A sky that is the same everywhere, and a sun over the viewer's left shoulder.
+void add_sky(Description& description, const ModelView& view, const std::array<Vec3f, 2>& box) {
+  constexpr Vec3f kSky{0.52f, 0.58f, 0.68f}, kSun{1.9f, 1.75f, 1.5f};
+  description.lights.push_back({ConstantLightDescription{{SpectrumDescription::Rgb{kSky}}}, {}});
+  const Vec3f center = box[0] * 0.5f + box[1] * 0.5f;
+  const Vec3f up = up_vector(view);
+  const Vec3f eye = description.camera.to_world.point({0, 0, 0});
+  Vec3f front = eye - center;
+  front = front - up * dot(up, front);
+  front = length_squared(front) > 0.0f ? normalize(front) : Frame<Scalar>::from_normal(up).s;
+  const Vec3f left = cross(front, up);
+  DirectionalLightDescription sun;
+  sun.direction = -(up * 1.0f + front * 0.5f + left * 0.6f);
+  sun.irradiance = {SpectrumDescription::Rgb{kSun}};
+  description.lights.push_back({std::move(sun), {}});
+}
+
+}  // namespace
+
+std::optional<MeshFileShape::Format> model_format(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension == ".obj") return MeshFileShape::Format::kObj;
+  if (extension == ".ply") return MeshFileShape::Format::kPly;
+  if (extension == ".serialized") return MeshFileShape::Format::kSerialized;
+  return std::nullopt;
+}
+
+Description read_model(const std::filesystem::path& file, MeshFileShape::Format format, const ModelView& view) {
+  Description description;
+  description.file = file;
+  description.files = {file};
+  ShapeDescription shape;
+  shape.geometry = MeshFileShape{file, format, format == MeshFileShape::Format::kObj, true, 0};
+  shape.where = {file.string(), 0};
+  description.shapes.push_back(std::move(shape));
+  expand_obj_materials(description);
+  const std::array<Vec3f, 2> box = read_bounds(description, false);
+  frame_box(box, view, description);
+  const MaterialId grey = add_diffuse(description, {0.6f, 0.6f, 0.6f});
+  for (ShapeDescription& part : description.shapes)
+    if (!part.material) part.material = grey;
+  description.shapes.push_back(make_floor(box, up_vector(view), add_diffuse(description, {0.45f, 0.43f, 0.41f})));
+  add_sky(description, view, box);
+  description.film.width = 800;
+  description.film.height = 600;
+  description.film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
+  description.sampler.sample_count = 64;
+  return description;
+}
+
+}  // namespace sheaf

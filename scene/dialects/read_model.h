@@ -1,0 +1,15 @@
+// A model without a scene: on a floor under a sky, seen by a camera that frames it.
+#pragma once
+
+#include "scene/dialects/read_scene.h"
+
+namespace sheaf {
+
+/// The format of a model by its file's extension (.obj, .ply, .serialized, in any case), or nothing for other files.
+std::optional<MeshFileShape::Format> model_format(const std::filesystem::path& file);
+
+/// A scene around a model, with the materials of its MTL files if it is an OBJ file; other models are grey. Throws
+/// SceneError.
+Description read_model(const std::filesystem::path& file, MeshFileShape::Format format, const ModelView& view);
+
+}  // namespace sheaf

@@ -1,0 +1,73 @@
+#include "tools/read_options.h"
+
+#include "core/error.h"
+#include "scene/dialects/read_model.h"
+
+#include <charconv>
+
+namespace sheaf {
+
+namespace {
+
+std::pair<std::string, std::string> split_definition(const std::string& definition) {
+  const std::size_t equals = definition.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw Error(ExitCode::kUsage, "-D " + definition + ": expected name=value");
+  return {definition.substr(0, equals), definition.substr(equals + 1)};
+}
+
+}  // namespace
+
+void add_read_options(Command& command, ReadArguments& arguments) {
+  command.add_option("-D,--define", arguments.definitions,
+                     "name=value: what $name means in the scene; may be repeated");
+  command.add_flag("--lenient", arguments.lenient,
+                   "Make a picture if there is any way: what cannot be read is left out or replaced, with a warning");
+  command
+      .add_option("--nori-camera", arguments.nori_camera,
+                  "Which way round pictures of Nori scenes are: eth (default) or upstream, its mirror image")
+      .one_of({"eth", "upstream"});
+  command
+      .add_option("--view", arguments.view, "Where a model is seen from: azimuth,elevation in degrees. Default: 30,20")
+      .list(',', 2);
+  command.add_option("--up", arguments.up, "Which axis of a model points up: x, y (default) or z")
+      .one_of({"x", "y", "z"});
+  command.add_option("--fov", arguments.fov, "Field of view for a model, in degrees. Default: 35").in_range(1.f, 170.f);
+}
+
+ReadOptions read_options(const std::filesystem::path& file, const ReadArguments& arguments) {
+  ReadOptions options;
+  options.lenient = arguments.lenient;
+  for (const std::string& definition : arguments.definitions) options.defines.push_back(split_definition(definition));
+  if (arguments.nori_camera == "upstream") options.nori_camera = NoriCamera::kUpstream;
+  const bool viewed = !arguments.view.empty() || !arguments.up.empty() || arguments.fov;
+  if (viewed && !model_format(file) && !arguments.lenient)
+    throw Error(ExitCode::kUsage,
+                "--view, --up and --fov are for models (.obj, .ply, .serialized); a scene has a camera");
+  ModelView& view = options.view;
+  if (!arguments.view.empty()) {
+    view.azimuth = arguments.view[0];
+    view.elevation = arguments.view[1];
+    if (!(view.elevation >= -90 && view.elevation <= 90))
+      throw Error(ExitCode::kUsage, "--view: the elevation lies between -90 and 90 degrees");
+  }
+  if (!arguments.up.empty()) view.up = static_cast<ModelView::Up>(arguments.up[0] - 'x');
+  if (arguments.fov) view.fov = *arguments.fov;
+  return options;
+}
+
+std::pair<int, int> parse_size(const std::string& text) {
+  constexpr int kMost = 1'000'000;
+  int size[2] = {0, 0};
+  const char* const end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size[0]);
+  if (width.ec == std::errc() && width.ptr != end && (*width.ptr == 'x' || *width.ptr == 'X')) {
+    const auto height = std::from_chars(width.ptr + 1, end, size[1]);
+    if (height.ec == std::errc() && height.ptr == end && size[0] > 0 && size[1] > 0 && size[0] <= kMost &&
+        size[1] <= kMost)
+      return {size[0], size[1]};
+  }
+  throw Error(ExitCode::kUsage, "--size " + text + ": expected WxH, e.g. 640x480, each from 1 to 1000000");
+}
+
+}  // namespace sheaf
