@@ -1,20 +1,27 @@
 // The list of all BSDFs, phase functions among them: the types for the closures of scene/tables/material.h.
 #pragma once
 
+#include "kernels/bsdf/coated.h"
 #include "kernels/bsdf/conductor.h"
 #include "kernels/bsdf/dielectric.h"
 #include "kernels/bsdf/diffuse.h"
+#include "kernels/bsdf/diffuse_transmitter.h"
 #include "kernels/bsdf/disney.h"
 #include "kernels/bsdf/dispersive_dielectric.h"
 #include "kernels/bsdf/dispersive_rough_dielectric.h"
+#include "kernels/bsdf/hanrahan_krueger.h"
 #include "kernels/bsdf/nori_microfacet.h"
+#include "kernels/bsdf/phong.h"
 #include "kernels/bsdf/plastic.h"
 #include "kernels/bsdf/principled.h"
 #include "kernels/bsdf/principled_thin.h"
+#include "kernels/bsdf/rough_coated.h"
 #include "kernels/bsdf/rough_conductor.h"
 #include "kernels/bsdf/rough_dielectric.h"
+#include "kernels/bsdf/rough_diffuse.h"
 #include "kernels/bsdf/rough_plastic.h"
 #include "kernels/bsdf/thin_dielectric.h"
+#include "kernels/bsdf/ward.h"
 #include "kernels/phase/henyey_greenstein.h"
 #include "kernels/phase/rayleigh.h"
 #include "kernels/wave/wave.h"
@@ -62,8 +69,9 @@ using AllBsdfs = bsdf_detail::BsdfList<
     DiffuseBsdf, ConductorBsdf, DielectricBsdf, ThinDielectricBsdf, PlasticBsdf, RoughConductorBeckmannBsdf,
     RoughConductorGgxBsdf, RoughDielectricBeckmannBsdf, RoughDielectricGgxBsdf, RoughPlasticBeckmannBsdf,
     RoughPlasticGgxBsdf, PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, NoriMicrofacetBsdf, DispersiveDielectricBsdf,
-    DispersiveThinDielectricBsdf, DispersiveRoughDielectricBeckmannBsdf, DispersiveRoughDielectricGgxBsdf,
-    HenyeyGreensteinBsdf, RayleighBsdf>;
+    DispersiveThinDielectricBsdf, DispersiveRoughDielectricBeckmannBsdf, DispersiveRoughDielectricGgxBsdf, PhongBsdf,
+    RoughDiffuseBsdf, WardBsdf, DiffuseTransmitterBsdf, HanrahanKruegerBsdf, CoatedBsdf, RoughCoatedBeckmannBsdf,
+    RoughCoatedGgxBsdf, HenyeyGreensteinBsdf, RayleighBsdf>;
 static_assert(AllBsdfs::is_complete(), "a closure has no BSDF, or they are not in the order of ClosureKind");
 
 /// Calls f(kind, BsdfTag<...>) for every BSDF and phase function.

@@ -11,6 +11,16 @@
 
 namespace sheaf {
 
+/// Share of the light from a direction with this cosine that a rough coat lets in, by the fit to it.
+template <class L>
+SHEAF_INLINE Float<L> fitted_transmittance(const Float<L> (&t)[kTransmittanceTerms], Float<L> cosine) {
+  using F = Float<L>;
+  const F c = abs(cosine), y = (F(1.0f) + t[0]) * c / (c + t[0]);
+  F sum = t[kTransmittanceTerms - 1];
+  for (int i = kTransmittanceTerms - 2; i > 0; --i) sum = fma(sum, y, t[i]);
+  return clamp(sum, F(0.0f), F(1.0f));
+}
+
 /// Distribution: GgxDistribution or BeckmannDistribution.
 template <class L, template <class> class Distribution> struct RoughPlasticModel : RoughPlasticParameters<L> {
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
@@ -38,14 +48,8 @@ template <class L, template <class> class Distribution> struct RoughPlasticModel
  private:
   SHEAF_INLINE Distribution<L> facets() const { return {this->alpha, this->alpha}; }
 
-  /// Share of the light from a direction with this cosine that the coat lets in.
   SHEAF_INLINE Float<L> coat_transmittance(Float<L> cosine) const {
-    using F = Float<L>;
-    const auto& t = this->transmittance;
-    const F c = abs(cosine), y = (F(1.0f) + t[0]) * c / (c + t[0]);
-    F sum = t[kTransmittanceTerms - 1];
-    for (int i = kTransmittanceTerms - 2; i > 0; --i) sum = fma(sum, y, t[i]);
-    return clamp(sum, F(0.0f), F(1.0f));
+    return fitted_transmittance<L>(this->transmittance, cosine);
   }
 
   SHEAF_INLINE Float<L> probability(Float<L> entering) const {

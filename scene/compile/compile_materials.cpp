@@ -21,6 +21,8 @@ constexpr std::uint32_t kNoMap = 0xffffffffu;
 struct Surroundings {
   bool two_sided = false;
   std::uint32_t map = kNoMap;  ///< index of NormalMapRow
+  const MaterialDescription* coat = nullptr;  ///< with a CoatDescription
+  bool part = false;                          ///< of a blend
   int depth = 0;
 };
 
@@ -40,7 +42,7 @@ class Flattener {
     const MaterialDescription& m = materials_.at(static_cast<std::size_t>(id));
     if (around.depth > kMaxMaterialDepth)
       throw SceneError(m.where, "materials are nested more than " + std::to_string(kMaxMaterialDepth) + " deep");
-    const auto key = std::tuple(static_cast<std::size_t>(id), around.two_sided, around.map);
+    const auto key = std::tuple(static_cast<std::size_t>(id), around.two_sided, around.map, around.coat, around.part);
     if (const auto known = known_.find(key); known != known_.end()) return known->second;
     if (rows.size() >= kMaxRows)
       throw SceneError(m.where, "more than " + std::to_string(kMaxRows) + " combinations of materials");
@@ -70,10 +72,11 @@ class Flattener {
     return push(row, {});
   }
 
-  /// The row of a material that combines no others.
-  MaterialRow make(const MaterialDescription& m) {
+  /// The row of a material that combines no others, or its row under a coat.
+  MaterialRow make(const MaterialDescription& m, const MaterialDescription* coat = nullptr) {
     try {
-      return make_material_row(m, context_);
+      return coat == nullptr ? make_material_row(m, context_)
+                             : make_coated_row(std::get<CoatDescription>(coat->model), m, context_);
     } catch (const SceneError& error) { throw SceneError(m.where, error.what()); }
   }
 
@@ -89,8 +92,9 @@ class Flattener {
  private:
   template <class Model>
   std::uint32_t flatten_model(const MaterialDescription& m, const Model&, const Surroundings& around) {
-    MaterialRow row = make(m);
+    MaterialRow row = make(m, around.coat);
     if (around.two_sided) row.flags |= kTwoSided;
+    if (around.part) row.flags |= kPart;
     if (around.map != kNoMap) {
       row.flags |= kTextured | kMapped;
       row.map = around.map;
@@ -126,8 +130,19 @@ class Flattener {
   }
 
   std::uint32_t flatten_model(const MaterialDescription&, const BlendDescription& blend, const Surroundings& around) {
-    const std::uint32_t first = flatten(blend.nested[0], around);
-    return push_choice(first, flatten(blend.nested[1], around), blend.weight);
+    Surroundings inside = around;
+    inside.part = true;
+    const std::uint32_t first = flatten(blend.nested[0], inside);
+    return push_choice(first, flatten(blend.nested[1], inside), blend.weight);
+  }
+
+  std::uint32_t flatten_model(const MaterialDescription& m, const CoatDescription& coat, const Surroundings& around) {
+    if (around.coat != nullptr) throw SceneError(m.where, "a coat cannot hold another one");
+    if (transmits(materials_, coat.nested))
+      throw SceneError(m.where, "a coat cannot hold a material that transmits light");
+    Surroundings inside = around;
+    inside.coat = &m;
+    return flatten(coat.nested, inside);
   }
 
   std::uint32_t flatten_model(const MaterialDescription& m, const BumpMapDescription& bump,
@@ -173,7 +188,7 @@ class Flattener {
 
   RowContext context_;
   const std::vector<MaterialDescription>& materials_;
-  std::map<std::tuple<std::size_t, bool, std::uint32_t>, std::uint32_t> known_;
+  std::map<std::tuple<std::size_t, bool, std::uint32_t, const MaterialDescription*, bool>, std::uint32_t> known_;
 };
 
 /// Rows are ordered by kind; composite ones, which are never shaded, come last.

@@ -5,6 +5,7 @@
 #include "scene/data/glasses.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace sheaf {
 
@@ -61,6 +62,12 @@ template <template <class> class Parameters> struct RowMaker {
     return context.rows[static_cast<std::size_t>(place - kSpectra.word)];
   }
 
+  std::uint32_t word_of(const float& leaf) const {
+    std::uint32_t word = 0, i = 0;
+    std::apply([&](const auto&... each) { ((&each == & leaf ? word = i : 0u, ++i), ...); }, leaves(p));
+    return word;
+  }
+
   MaterialRow row(ClosureKind kind) const {
     MaterialRow out;
     set_parameters<Parameters>(out, kind, p);
@@ -71,11 +78,6 @@ template <template <class> class Parameters> struct RowMaker {
   }
 
  private:
-  std::uint32_t word_of(const float& leaf) const {
-    std::uint32_t word = 0, i = 0;
-    std::apply([&](const auto&... each) { ((&each == &leaf ? word = i : 0u, ++i), ...); }, leaves(p));
-    return word;
-  }
   void bind(const float& leaf, TextureId texture, std::uint32_t words, TextureRole role) {
     context.bindings.push_back({static_cast<std::uint32_t>(texture), word_of(leaf), words, role});
   }
@@ -291,10 +293,78 @@ MaterialRow make_row(const NoriMicrofacetDescription& d, RowContext& context) {
   return m.row(ClosureKind::kNoriMicrofacet);
 }
 
+MaterialRow make_row(const RoughDiffuseDescription& d, RowContext& context) {
+  RowMaker<RoughDiffuseParameters> m{context};
+  m.set(m.p.reflectance, d.reflectance);
+  m.set(m.p.alpha, d.alpha);
+  m.p.fast = d.fast ? 1.0f : 0.0f;
+  return m.row(ClosureKind::kRoughDiffuse);
+}
+
+MaterialRow make_row(const WardDescription& d, RowContext& context) {
+  RowMaker<WardParameters> m{context};
+  m.set(m.p.diffuse, d.diffuse_reflectance);
+  m.set(m.p.specular, d.specular_reflectance);
+  m.set(m.p.alpha_u, d.alpha_u);
+  m.set(m.p.alpha_v, d.alpha_v);
+  m.p.variant = static_cast<float>(d.variant);
+  MaterialRow row = m.row(ClosureKind::kWard);
+  if (d.alpha_u != d.alpha_v) row.flags |= kTextured;
+  return row;
+}
+
+MaterialRow make_row(const HanrahanKruegerDescription& d, RowContext& context) {
+  RowMaker<HanrahanKruegerParameters> m{context};
+  m.set(m.p.first, d.first, TextureRole::kUnbounded);
+  m.set(m.p.second, d.second, d.by_albedo ? TextureRole::kReflectance : TextureRole::kUnbounded);
+  m.p.by_albedo = d.by_albedo ? 1.0f : 0.0f;
+  m.p.thickness = d.thickness;
+  m.p.g = d.g;
+  return m.row(ClosureKind::kHanrahanKrueger);
+}
+
+/// Moves the parameters of `nested`, the row made last, to their places behind a coat's own.
+template <template <class> class Parameters>
+void set_nested(RowMaker<Parameters>& m, const MaterialRow& nested, const MaterialSpectra& spectra) {
+  const std::uint32_t base = m.word_of(m.p.nested_spectra[0].c0);
+  float words[4 * kCoatableSpectra + kCoatableNumbers] = {};
+  for_each_closure([&]<ClosureKind Kind, template <class> class P, class D>(ClosureEntry<Kind, P, D>) {
+    if (Kind != nested.kind) return;
+    for (int k = 0; k < kLeafCount<P>; ++k) words[coated_word<P>(k)] = nested.words[k];
+    for (std::uint32_t b = 0; b < nested.binding_count; ++b) {
+      std::uint32_t& word = m.context.bindings[nested.first_binding + b].word;
+      word = base + static_cast<std::uint32_t>(coated_word<P>(static_cast<int>(word)));
+    }
+  });
+  const auto to = leaves(m.p);
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    constexpr auto kFirst = static_cast<std::size_t>(kLeafCount<CoatedParameters>) - sizeof...(I);
+    ((std::get<kFirst + I>(to) = words[I]), ...);
+  }
+  (std::make_index_sequence<std::size(words)>{});
+  for (std::size_t i = 0; i < kCoatableSpectra; ++i) m.row_of(m.p.nested_spectra[i]) = spectra[i];
+  m.p.nested_kind = static_cast<float>(nested.kind);
+  m.first_binding = nested.first_binding;
+}
+
+template <template <class> class Parameters>
+MaterialRow coated_row(ClosureKind kind, const CoatDescription& d, const MaterialRow& nested, RowMaker<Parameters>& m) {
+  const MaterialSpectra spectra = std::exchange(m.context.rows, {});
+  set_nested(m, nested, spectra);
+  m.p.coat_eta = d.int_ior / d.ext_ior;
+  m.p.coat_thickness = d.thickness;
+  m.set(m.p.coat_absorption, d.sigma_a, TextureRole::kUnbounded);
+  m.set(m.p.coat_specular, d.specular_reflectance);
+  MaterialRow row = m.row(kind);
+  row.flags |= nested.flags;
+  return row;
+}
+
 /// Combinations of materials are no rows of their own; see compile_materials().
 template <class T, class... Of> concept OneOf = (std::is_same_v<T, Of> || ...);
-template <OneOf<NullDescription, TwoSidedDescription, MaskDescription, BlendDescription, BumpMapDescription,
-                NormalMapDescription> Combination>
+template <OneOf<CoatDescription, NullDescription, TwoSidedDescription, MaskDescription, BlendDescription,
+                BumpMapDescription, NormalMapDescription>
+              Combination>
 MaterialRow make_row(const Combination&, RowContext&) {
   return {};
 }
@@ -313,6 +383,24 @@ Vec3f unbounded_rgb(const SpectrumDescription& spectrum) { return to_rgb(spectru
 MaterialRow make_material_row(const MaterialDescription& material, RowContext& context) {
   context.rows = {};
   return std::visit([&](const auto& model) { return make_row(model, context); }, material.model);
+}
+
+MaterialRow make_coated_row(const CoatDescription& coat, const MaterialDescription& nested, RowContext& context) {
+  const auto first_binding = static_cast<std::uint32_t>(context.bindings.size());
+  MaterialRow below = make_material_row(nested, context);
+  below.first_binding = first_binding;
+  if (!closure_info(below.kind).is_coatable)
+    throw SceneError(std::string(closure_info(below.kind).name) + " cannot be coated");
+  if (!coat.roughness) {
+    RowMaker<CoatedParameters> m{context};
+    return coated_row(ClosureKind::kCoated, coat, below, m);
+  }
+  RowMaker<RoughCoatedParameters> m{context};
+  m.set(m.p.coat_alpha, coat.roughness->alpha_u);
+  const RoughCoat rough = rough_coat(coat.roughness->distribution, m.p.coat_alpha, coat.int_ior / coat.ext_ior);
+  std::copy(rough.transmittance.begin(), rough.transmittance.end(), m.p.transmittance);
+  const bool ggx = is_ggx(*coat.roughness);
+  return coated_row(ggx ? ClosureKind::kRoughCoatedGgx : ClosureKind::kRoughCoatedBeckmann, coat, below, m);
 }
 
 }  // namespace sheaf

@@ -16,4 +16,7 @@ struct RowContext {
 /// to the caller. Throws SceneError for spectra that are not finite.
 MaterialRow make_material_row(const MaterialDescription& material, RowContext& context);
 
+/// The row of such a material under a coat. Throws SceneError also for materials that cannot be coated.
+MaterialRow make_coated_row(const CoatDescription& coat, const MaterialDescription& nested, RowContext& context);
+
 }  // namespace sheaf

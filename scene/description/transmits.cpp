@@ -12,6 +12,7 @@ struct Transmits {
   template <class Model> bool operator()(const Model& model) const { return model.transmits(); }
   bool operator()(const TwoSidedDescription&) const { return false; }
   bool operator()(const BlendDescription& blend) const { return nested(blend.nested[0]) || nested(blend.nested[1]); }
+  bool operator()(const CoatDescription& coat) const { return nested(coat.nested); }
   bool operator()(const BumpMapDescription& bump) const { return nested(bump.nested); }
   bool operator()(const NormalMapDescription& map) const { return nested(map.nested); }
 

@@ -85,12 +85,6 @@ ConductorDescription read_conductor(Properties& p, bool before_version_2) {
 /// The index at the wavelength for which glasses are catalogued, the d line of helium.
 float catalogue_ior(const Dispersion& dispersion) { return ior<Scalar>(dispersion, 587.56f); }
 
-/// The numbers of a string property.
-std::vector<float> read_numbers(Properties& p, const char* name) {
-  if (!p.is_string(name)) p.fail_at(name, "must be a string of numbers");
-  return parse_floats(*p.find_string(name), p.where(), name);
-}
-
 /// n = A + B / w^2 + C / w^4 with w in micrometres (Cauchy 1830).
 Dispersion read_cauchy(Properties& p, const char* name) {
   const std::vector<float> numbers = read_numbers(p, name);
@@ -163,12 +157,7 @@ PlasticDescription read_plastic(Properties& p) {
   result.diffuse_reflectance = read_reflectance(p, "diffuse_reflectance", result.diffuse_reflectance);
   result.specular_reflectance = read_reflectance(p, "specular_reflectance", kOne);
   result.nonlinear = p.boolean("nonlinear", false);
-  if (p.type() == "plastic") return result;
-  for (const char* name : {"alpha", "alpha_u", "alpha_v"})
-    if (p.is_texture(name)) p.fail_at(name, "is a texture, expected a number: the roughness is the same everywhere");
-  result.roughness = read_roughness(p);
-  if (result.roughness->alpha_u != result.roughness->alpha_v)
-    p.fail_at("alpha_v", "differs from 'alpha_u', expected the same roughness along and across");
+  if (p.type() == "roughplastic") result.roughness = read_uniform_roughness(p);
   return result;
 }
 
@@ -200,13 +189,21 @@ bool read_plain_model(Properties& p, MaterialDescription& material) {
   bool found = false;
   for_each_plain_model(material.model, [&]<class Model>(const Model&) {
     if (p.type() != Model::kPlugin) return;
-    material.model = read_plain<Model>(p);
+    Model model = read_plain<Model>(p);
+    if constexpr (std::is_same_v<Model, PhongDescription>)
+      limit_energy(p, model.diffuse_reflectance, model.specular_reflectance);
+    material.model = std::move(model);
     found = true;
   });
   return found;
 }
 
 }  // namespace
+
+std::vector<float> read_numbers(Properties& p, const char* name) {
+  if (!p.is_string(name)) p.fail_at(name, "must be a string of numbers");
+  return parse_floats(*p.find_string(name), p.where(), name);
+}
 
 float read_ior(Properties& p, const char* property, float otherwise) {
   if (!p.is_string(property)) return p.number(property, otherwise, kPositive);
@@ -245,12 +242,38 @@ RoughnessDescription read_roughness(Properties& p) {
   return result;
 }
 
+RoughnessDescription read_uniform_roughness(Properties& p) {
+  for (const char* name : {"alpha", "alpha_u", "alpha_v"})
+    if (p.is_texture(name)) p.fail_at(name, "is a texture, expected a number: the roughness is the same everywhere");
+  RoughnessDescription result = read_roughness(p);
+  if (result.alpha_u != result.alpha_v)
+    p.fail_at("alpha_v", "differs from 'alpha_u', expected the same roughness along and across");
+  return result;
+}
+
 const std::vector<std::string>& shared_bsdf_names() {
   static const std::vector<std::string> kNames = [] {
-    std::vector<std::string> names = {
-        "blendbsdf",       "bumpmap",      "conductor",      "dielectric", "mask",
-        "normalmap",       "null",         "plastic",        "principled", "principledthin", "roughconductor",
-        "roughdielectric", "roughplastic", "thindielectric", "twosided"};
+    std::vector<std::string> names = {"blendbsdf",
+                                      "bumpmap",
+                                      "coating",
+                                      "conductor",
+                                      "dielectric",
+                                      "hk",
+                                      "mask",
+                                      "mixturebsdf",
+                                      "normalmap",
+                                      "null",
+                                      "plastic",
+                                      "principled",
+                                      "principledthin",
+                                      "roughcoating",
+                                      "roughconductor",
+                                      "roughdielectric",
+                                      "roughdiffuse",
+                                      "roughplastic",
+                                      "thindielectric",
+                                      "twosided",
+                                      "ward"};
     for_each_plain_model(MaterialDescription().model, [&](const auto& model) { names.emplace_back(model.kPlugin); });
     std::sort(names.begin(), names.end());
     return names;
@@ -273,6 +296,14 @@ bool read_shared_bsdf(Properties& p, const BsdfDialect& dialect, MaterialDescrip
     material.model = read_principled(p);
   } else if (type == "principledthin") {
     material.model = read_principled_thin(p);
+  } else if (type == "roughdiffuse") {
+    material.model = read_rough_diffuse(p);
+  } else if (type == "ward") {
+    material.model = read_ward(p);
+  } else if (type == "hk") {
+    material.model = read_hanrahan_krueger(p);
+  } else if (type == "coating" || type == "roughcoating") {
+    material.model = read_coat(p, dialect);
   } else if (type == "null") {
     material.model = NullDescription{};
   } else if (type == "twosided") {
@@ -281,6 +312,8 @@ bool read_shared_bsdf(Properties& p, const BsdfDialect& dialect, MaterialDescrip
     material.model = read_mask(p, dialect);
   } else if (type == "blendbsdf") {
     material.model = read_blend(p, dialect);
+  } else if (type == "mixturebsdf") {
+    material.model = read_mixture(p, dialect);
   } else if (type == "bumpmap" || type == "normalmap") {
     material.fix_invalid_normals = p.boolean("flip_invalid_normals", true);
     material.soften_terminator = p.boolean("use_shadowing_function", true);

@@ -33,15 +33,30 @@ float read_ior(Properties& p, const char* property, float otherwise);
 ScalarInput read_alpha(Properties& p, const char* name, ScalarInput otherwise);
 /// `distribution`, and `alpha` or both of `alpha_u` and `alpha_v`.
 RoughnessDescription read_roughness(Properties& p);
+/// The same, where it may be neither a texture nor different along and across.
+RoughnessDescription read_uniform_roughness(Properties& p);
+
+/// The numbers of a string property.
+std::vector<float> read_numbers(Properties& p, const char* name);
+
+/// roughdiffuse, ward, hk, coating and roughcoating, of Mitsuba before 2.
+RoughDiffuseDescription read_rough_diffuse(Properties& p);
+WardDescription read_ward(Properties& p);
+HanrahanKruegerDescription read_hanrahan_krueger(Properties& p);
+CoatDescription read_coat(Properties& p, const BsdfDialect& dialect);
+/// Scales both down, with a note, where they add up to more than 1, unless `ensureEnergyConservation` says otherwise.
+void limit_energy(Properties& p, SpectrumInput& diffuse, SpectrumInput& specular);
 
 PrincipledDescription read_principled(Properties& p);
 PrincipledThinDescription read_principled_thin(Properties& p);
 
-/// twosided, mask, blendbsdf, bumpmap, normalmap. Throws SceneError for the wrong number of nested materials, and for a
-/// side of a two-sided one that transmits light.
+/// twosided, mask, blendbsdf, mixturebsdf, bumpmap, normalmap. Throws SceneError for the wrong number of nested
+/// materials, and for a side of a two-sided one that transmits light.
 TwoSidedDescription read_two_sided(Properties& p, const BsdfDialect& dialect);
 MaskDescription read_mask(Properties& p, const BsdfDialect& dialect);
 BlendDescription read_blend(Properties& p, const BsdfDialect& dialect);
+/// As blends of blends, with a black material for what the weights leave.
+BlendDescription read_mixture(Properties& p, const BsdfDialect& dialect);
 BumpMapDescription read_bump_map(Properties& p, const BsdfDialect& dialect);
 NormalMapDescription read_normal_map(Properties& p, const BsdfDialect& dialect);
 

@@ -1,9 +1,18 @@
 // Materials that both dialects spell alike and that hold others: two-sided, masks, blends, bump and normal maps.
+#include "scene/dialects/dialects.h"
 #include "scene/dialects/read_bsdf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
 
 namespace sheaf {
 
 namespace {
+
+constexpr std::size_t kMaxMixture = 256;
+/// Weights that are meant to add up to 1 may be rounded.
+constexpr float kMostWeight = 1.0001f;
 
 const MaterialDescription& material_at(MaterialId id, const Properties& p) {
   return p.context().description.materials[static_cast<std::size_t>(id)];
@@ -43,6 +52,31 @@ TextureId read_map(const XmlElement& texture, ReadContext& context) {
                                       " is the same everywhere");
 }
 
+struct WeightedMaterial {
+  MaterialId material;
+  float weight;
+};
+
+BlendDescription halves(Properties& p, std::span<const WeightedMaterial> parts);
+
+/// Two materials or more are blended in halves: chains of them would be nested too deep.
+WeightedMaterial combined(Properties& p, std::span<const WeightedMaterial> parts) {
+  float sum = 0;
+  for (const WeightedMaterial& part : parts) sum += part.weight;
+  if (parts.size() == 1) return parts[0];
+  MaterialDescription blend;
+  blend.model = halves(p, parts);
+  blend.where = p.where();
+  return {add_material(p.context(), std::move(blend)), sum};
+}
+
+BlendDescription halves(Properties& p, std::span<const WeightedMaterial> parts) {
+  const WeightedMaterial first = combined(p, parts.first(parts.size() / 2));
+  const WeightedMaterial second = combined(p, parts.subspan(parts.size() / 2));
+  const float sum = first.weight + second.weight;
+  return {sum > 0 ? second.weight / sum : 0.5f, {first.material, second.material}};
+}
+
 /// The displacement of a bump map. Before version 2 of Mitsuba, a texture of type `scale` around it holds its factor.
 BumpMapDescription read_displacement(const XmlElement& texture, ReadContext& context) {
   if (texture.attribute("type") != "scale") return {read_map(texture, context), 1, {}};
@@ -71,6 +105,35 @@ BlendDescription read_blend(Properties& p, const BsdfDialect& dialect) {
   const ScalarInput weight = p.scalar_input("weight", 0.5f, kUnitInterval);
   const MaterialId first = dialect.nested(*both[0]);
   return {weight, {first, dialect.nested(*both[1])}};
+}
+
+BlendDescription read_mixture(Properties& p, const BsdfDialect& dialect) {
+  const std::vector<const XmlElement*> nested = children(p, 1, kMaxMixture, "1 to 256");
+  const std::vector<float> weights = read_numbers(p, "weights");
+  if (weights.size() != nested.size())
+    p.fail_at("weights", "has " + std::to_string(weights.size()) +
+                             " numbers, expected as many as there are nested <bsdf>, " + std::to_string(nested.size()));
+  std::vector<WeightedMaterial> parts;
+  float sum = 0;
+  for (std::size_t i = 0; i < nested.size(); ++i) {
+    if (!(weights[i] >= 0.0f)) p.fail_at("weights", "has a negative number, expected none below 0");
+    parts.push_back({dialect.nested(*nested[i]), weights[i]});
+    sum += weights[i];
+  }
+  if (!(sum > 0.0f) || !std::isfinite(sum))
+    p.fail_at("weights", "add up to " + std::to_string(sum) + ", expected more than 0");
+  const bool conserves = p.boolean("ensure_energy_conservation", true);
+  if (sum > kMostWeight) {
+    if (!conserves) p.fail_at("weights", "add up to more than 1, which is not supported");
+    p.context().note(p.where(), "its weights add up to " + std::to_string(sum) + " and are scaled down to 1");
+  }
+  if (sum < 2.0f - kMostWeight || parts.size() == 1) {
+    MaterialDescription black;
+    black.model = DiffuseDescription{SpectrumDescription::constant(0)};
+    black.where = p.where();
+    parts.push_back({add_material(p.context(), std::move(black)), std::max(1.0f - sum, 0.0f)});
+  }
+  return halves(p, parts);
 }
 
 BumpMapDescription read_bump_map(Properties& p, const BsdfDialect& dialect) {

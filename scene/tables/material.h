@@ -9,12 +9,35 @@ namespace sheaf {
 
 /// Kinds of closure: what is sorted by and dispatched on, once per bucket. for_each_closure() below has the rest.
 enum class ClosureKind : std::uint32_t {
-  kDiffuse, kConductor, kDielectric, kThinDielectric, kPlastic,
-  kRoughConductorBeckmann, kRoughConductorGgx, kRoughDielectricBeckmann, kRoughDielectricGgx,
-  kRoughPlasticBeckmann, kRoughPlasticGgx,
-  kPrincipled, kPrincipledThin, kDisney, kNoriMicrofacet,
-  kDispersiveDielectric, kDispersiveThinDielectric, kDispersiveRoughDielectricBeckmann, kDispersiveRoughDielectricGgx,
-  kHenyeyGreenstein, kRayleigh,
+  kDiffuse,
+  kConductor,
+  kDielectric,
+  kThinDielectric,
+  kPlastic,
+  kRoughConductorBeckmann,
+  kRoughConductorGgx,
+  kRoughDielectricBeckmann,
+  kRoughDielectricGgx,
+  kRoughPlasticBeckmann,
+  kRoughPlasticGgx,
+  kPrincipled,
+  kPrincipledThin,
+  kDisney,
+  kNoriMicrofacet,
+  kDispersiveDielectric,
+  kDispersiveThinDielectric,
+  kDispersiveRoughDielectricBeckmann,
+  kDispersiveRoughDielectricGgx,
+  kPhong,
+  kRoughDiffuse,
+  kWard,
+  kDiffuseTransmitter,
+  kHanrahanKrueger,
+  kCoated,
+  kRoughCoatedBeckmann,
+  kRoughCoatedGgx,
+  kHenyeyGreenstein,
+  kRayleigh,
   kCount
 };
 inline constexpr int kClosureKinds = static_cast<int>(ClosureKind::kCount);
@@ -146,6 +169,71 @@ template <class L> struct NoriMicrofacetParameters {
   static constexpr auto fields(auto& s) { return std::tie(s.kd, s.alpha, s.eta); }
 };
 
+/// Parameters of Phong's model (kernels/bsdf/phong.h).
+template <class L> struct PhongParameters {
+  Spectrum<L> diffuse, specular;  ///< reflectances; their sum is at most 1
+  typename L::Float exponent;     ///< >= 0
+  static constexpr auto fields(auto& s) { return std::tie(s.diffuse, s.specular, s.exponent); }
+};
+
+/// Parameters of Oren and Nayar's model (kernels/bsdf/rough_diffuse.h).
+template <class L> struct RoughDiffuseParameters {
+  Spectrum<L> reflectance;  ///< of the facets
+  typename L::Float alpha;  ///< roughness
+  typename L::Float fast;   ///< 1: the short form of the model; else 0
+  static constexpr auto fields(auto& s) { return std::tie(s.reflectance, s.alpha, s.fast); }
+};
+
+/// Parameters of Ward's model (kernels/bsdf/ward.h).
+template <class L> struct WardParameters {
+  Spectrum<L> diffuse, specular;       ///< reflectances
+  typename L::Float alpha_u, alpha_v;  ///< roughness along the tangent and across
+  typename L::Float variant;           ///< WardDescription::Variant
+  static constexpr auto fields(auto& s) { return std::tie(s.diffuse, s.specular, s.alpha_u, s.alpha_v, s.variant); }
+};
+
+/// Parameters of diffuse transmission (kernels/bsdf/diffuse_transmitter.h).
+template <class L> struct DiffuseTransmitterParameters {
+  Spectrum<L> transmittance;  ///< in [0, 1]
+  static constexpr auto fields(auto& s) { return std::tie(s.transmittance); }
+};
+
+/// Parameters of a slab that scatters once (kernels/bsdf/hanrahan_krueger.h).
+template <class L> struct HanrahanKruegerParameters {
+  Spectrum<L> first, second;    ///< extinction and albedo; or scattering and absorption
+  typename L::Float by_albedo;  ///< 1: the former; 0: the latter
+  typename L::Float thickness;
+  typename L::Float g;  ///< as for HenyeyGreensteinParameters
+  static constexpr auto fields(auto& s) { return std::tie(s.first, s.second, s.by_albedo, s.thickness, s.g); }
+};
+
+/// Most spectra and numbers among the parameters of a closure that can be coated.
+inline constexpr int kCoatableSpectra = 3, kCoatableNumbers = 12;
+
+/// Parameters of a smooth coat over another closure, and that closure's (kernels/bsdf/coated.h).
+template <class L> struct CoatedParameters {
+  typename L::Float coat_eta;  ///< inside over outside
+  typename L::Float coat_thickness;
+  Spectrum<L> coat_absorption;                         ///< per length
+  Spectrum<L> coat_specular;                           ///< factor on the coat's reflection
+  typename L::Float nested_kind;                       ///< ClosureKind of what is coated
+  Spectrum<L> nested_spectra[kCoatableSpectra];        ///< its spectra, in order
+  typename L::Float nested_numbers[kCoatableNumbers];  ///< the rest of its parameters, in order
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.coat_eta, s.coat_thickness, s.coat_absorption, s.coat_specular, s.nested_kind, s.nested_spectra,
+                    s.nested_numbers);
+  }
+};
+
+/// The same for a rough coat (kernels/bsdf/rough_coated.h).
+template <class L> struct RoughCoatedParameters : CoatedParameters<L> {
+  typename L::Float coat_alpha;                          ///< roughness
+  typename L::Float transmittance[kTransmittanceTerms];  ///< as of RoughPlasticParameters
+  static constexpr auto fields(auto& s) {
+    return std::tuple_cat(CoatedParameters<L>::fields(s), std::tie(s.coat_alpha, s.transmittance));
+  }
+};
+
 /// Parameters of the phase function of Henyey and Greenstein (kernels/phase/henyey_greenstein.h).
 template <class L> struct HenyeyGreensteinParameters {
   typename L::Float g;  ///< mean cosine of the angle by which light turns, in (-1, 1); 0: isotropic
@@ -166,27 +254,29 @@ template <ClosureKind Kind, template <class> class P, class D = void> struct Clo
   const char* name;       ///< in tables for people
   bool is_pane = false;   ///< a thin pane, which only reflects and lets pass
   bool is_phase = false;  ///< scatters in a medium; see kernels/bsdf/bsdf.h
+  bool is_coatable = false;  ///< opaque, and no coat itself; see kernels/bsdf/coated.h
 };
 
 /// The list of all closures, in the order of ClosureKind: calls f(ClosureEntry) for each. What is listed here and has
 /// no BSDF in kernels/bsdf/all.h, or the other way round, does not compile.
 template <class F> constexpr void for_each_closure(F&& f) {
   using enum ClosureKind;
-  f(ClosureEntry<kDiffuse, DiffuseParameters, DiffuseDescription>{"diffuse"});
-  f(ClosureEntry<kConductor, ConductorParameters>{"conductor"});
+  f(ClosureEntry<kDiffuse, DiffuseParameters, DiffuseDescription>{.name = "diffuse", .is_coatable = true});
+  f(ClosureEntry<kConductor, ConductorParameters>{.name = "conductor", .is_coatable = true});
   f(ClosureEntry<kDielectric, DielectricParameters>{"dielectric"});
   f(ClosureEntry<kThinDielectric, DielectricParameters>{.name = "thin_dielectric", .is_pane = true});
-  f(ClosureEntry<kPlastic, PlasticParameters>{"plastic"});
-  f(ClosureEntry<kRoughConductorBeckmann, RoughConductorParameters>{"rough_conductor_beckmann"});
-  f(ClosureEntry<kRoughConductorGgx, RoughConductorParameters>{"rough_conductor_ggx"});
+  f(ClosureEntry<kPlastic, PlasticParameters>{.name = "plastic", .is_coatable = true});
+  f(ClosureEntry<kRoughConductorBeckmann, RoughConductorParameters>{.name = "rough_conductor_beckmann",
+                                                                    .is_coatable = true});
+  f(ClosureEntry<kRoughConductorGgx, RoughConductorParameters>{.name = "rough_conductor_ggx", .is_coatable = true});
   f(ClosureEntry<kRoughDielectricBeckmann, RoughDielectricParameters>{"rough_dielectric_beckmann"});
   f(ClosureEntry<kRoughDielectricGgx, RoughDielectricParameters>{"rough_dielectric_ggx"});
-  f(ClosureEntry<kRoughPlasticBeckmann, RoughPlasticParameters>{"rough_plastic_beckmann"});
-  f(ClosureEntry<kRoughPlasticGgx, RoughPlasticParameters>{"rough_plastic_ggx"});
-  f(ClosureEntry<kPrincipled, PrincipledParameters>{"principled"});
+  f(ClosureEntry<kRoughPlasticBeckmann, RoughPlasticParameters>{.name = "rough_plastic_beckmann", .is_coatable = true});
+  f(ClosureEntry<kRoughPlasticGgx, RoughPlasticParameters>{.name = "rough_plastic_ggx", .is_coatable = true});
+  f(ClosureEntry<kPrincipled, PrincipledParameters>{.name = "principled", .is_coatable = true});
   f(ClosureEntry<kPrincipledThin, PrincipledThinParameters>{"principled_thin"});
-  f(ClosureEntry<kDisney, DisneyParameters>{"disney"});
-  f(ClosureEntry<kNoriMicrofacet, NoriMicrofacetParameters>{"nori_microfacet"});
+  f(ClosureEntry<kDisney, DisneyParameters>{.name = "disney", .is_coatable = true});
+  f(ClosureEntry<kNoriMicrofacet, NoriMicrofacetParameters>{.name = "nori_microfacet", .is_coatable = true});
   f(ClosureEntry<kDispersiveDielectric, DispersiveDielectricParameters>{"dispersive_dielectric"});
   f(ClosureEntry<kDispersiveThinDielectric, DispersiveDielectricParameters>{.name = "dispersive_thin_dielectric",
                                                                             .is_pane = true});
@@ -194,6 +284,15 @@ template <class F> constexpr void for_each_closure(F&& f) {
       "dispersive_rough_dielectric_beckmann"});
   f(ClosureEntry<kDispersiveRoughDielectricGgx, DispersiveRoughDielectricParameters>{
       "dispersive_rough_dielectric_ggx"});
+  f(ClosureEntry<kPhong, PhongParameters, PhongDescription>{.name = "phong", .is_coatable = true});
+  f(ClosureEntry<kRoughDiffuse, RoughDiffuseParameters>{.name = "rough_diffuse", .is_coatable = true});
+  f(ClosureEntry<kWard, WardParameters>{.name = "ward", .is_coatable = true});
+  f(ClosureEntry<kDiffuseTransmitter, DiffuseTransmitterParameters, DiffuseTransmitterDescription>{
+      "diffuse_transmitter"});
+  f(ClosureEntry<kHanrahanKrueger, HanrahanKruegerParameters>{"hanrahan_krueger"});
+  f(ClosureEntry<kCoated, CoatedParameters>{"coated"});
+  f(ClosureEntry<kRoughCoatedBeckmann, RoughCoatedParameters>{"rough_coated_beckmann"});
+  f(ClosureEntry<kRoughCoatedGgx, RoughCoatedParameters>{"rough_coated_ggx"});
   f(ClosureEntry<kHenyeyGreenstein, HenyeyGreensteinParameters>{.name = "henyey_greenstein", .is_phase = true});
   f(ClosureEntry<kRayleigh, RayleighParameters>{.name = "rayleigh", .is_phase = true});
 }
@@ -201,7 +300,7 @@ template <class F> constexpr void for_each_closure(F&& f) {
 /// What ClosureEntry says of a kind that is only known when the program runs.
 struct ClosureInfo {
   const char* name = nullptr;
-  bool is_pane = false, is_phase = false;
+  bool is_pane = false, is_phase = false, is_coatable = false;
 };
 
 namespace material_detail {
@@ -211,7 +310,7 @@ consteval std::array<ClosureInfo, kClosureKinds> closure_infos() {
   std::size_t count = 0;
   for_each_closure([&](auto entry) {
     if (static_cast<std::size_t>(entry.kKind) != count) throw "the list must be in the order of ClosureKind";
-    infos[count++] = {entry.name, entry.is_pane, entry.is_phase};
+    infos[count++] = {entry.name, entry.is_pane, entry.is_phase, entry.is_coatable};
   });
   if (count != infos.size()) throw "a kind of closure is not in the list";
   return infos;
@@ -234,10 +333,10 @@ template <class Description> consteval int closures_of_description() {
 }
 
 /// Most 32-bit words of parameters that a closure may have; a multiple of four.
-inline constexpr int kMaxClosureWords = 24;
+inline constexpr int kMaxClosureWords = 56;
 
 /// Most spectra among the parameters of a closure.
-inline constexpr int kMaxClosureSpectra = 4;
+inline constexpr int kMaxClosureSpectra = 2 + kCoatableSpectra;
 
 /// The places of the spectra among a closure's parameters: the first of their four words, in order.
 struct ClosureSpectra {
@@ -250,9 +349,12 @@ template <template <class> class Parameters> constexpr ClosureSpectra closure_sp
   ClosureSpectra found;
   int word = 0;
   const auto visit = [&]<class Field>(const Field*) {
-    constexpr bool kIsSpectrum = std::is_same_v<Field, Spectrum4>;
-    if (kIsSpectrum) found.word[found.count++] = word;
-    word += kIsSpectrum ? 4 : static_cast<int>(sizeof(Field) / sizeof(float));
+    using Element = std::remove_all_extents_t<Field>;
+    constexpr std::size_t kWords = sizeof(Element) / sizeof(float), kElements = sizeof(Field) / sizeof(Element);
+    const int end = word + static_cast<int>(kWords * kElements);
+    if (std::is_same_v<Element, Spectrum4>)
+      for (int at = word; at < end; at += 4) found.word[found.count++] = at;
+    word = end;
   };
   using Fields = decltype(Parameters<Scalar>::fields(std::declval<Parameters<Scalar>&>()));
   [&]<std::size_t... I>(std::index_sequence<I...>) {
@@ -261,15 +363,27 @@ template <template <class> class Parameters> constexpr ClosureSpectra closure_sp
   return found;
 }
 
+/// Where word `k` of a coated closure's parameters stands: among the words of nested_spectra and nested_numbers.
+template <template <class> class Parameters> constexpr int coated_word(int k) {
+  constexpr ClosureSpectra kSpectra = closure_spectra<Parameters>();
+  int spectra_before = 0;
+  for (int i = 0; i < kSpectra.count; ++i) {
+    if (k >= kSpectra.word[i] && k < kSpectra.word[i] + 4) return 4 * i + k - kSpectra.word[i];
+    spectra_before += k >= kSpectra.word[i] ? 1 : 0;
+  }
+  return 4 * kCoatableSpectra + k - 4 * spectra_before;
+}
+
 /// Bits of MaterialRow::flags.
 enum MaterialFlags : std::uint32_t {
   kTwoSided = 1,   ///< the frame is turned towards the viewer
   kTextured = 2,   ///< the uv coordinates matter: textures, maps, or a tangent
   kMapped = 4,     ///< the shading normal comes from a map
   kComposite = 8,  ///< a choice between other rows, see MaterialRow::choice; never shaded itself
+  kPart = 16,      ///< one of the rows between which a composite one chooses
 };
 
-/// One material after composite ones are flattened. 32 words.
+/// One material after composite ones are flattened. 64 words.
 struct alignas(64) MaterialRow {
   ClosureKind kind = ClosureKind::kDiffuse;
   std::uint32_t back = 0;           ///< the row seen from behind the geometric normal; itself for one-sided materials
@@ -284,7 +398,7 @@ struct alignas(64) MaterialRow {
   /// kComposite: the share of the second choice, in [0, 1], where no texture gives it; the one parameter of such rows.
   float second_share() const { return words[0]; }
 };
-static_assert(sizeof(MaterialRow) == 128);
+static_assert(sizeof(MaterialRow) == 256);
 
 /// How a texture turns the shading normal.
 struct NormalMapRow {

@@ -18,7 +18,7 @@ TEST_CASE("Mitsuba: errors name line, fault and the nearest name") {
   };
   const Case cases[] = {
       {mitsuba_scene("<shape type='spher'/>"), "scene.xml:4: unknown shape plugin 'spher', did you mean 'sphere'?"},
-      {mitsuba_scene("<bsdf type='roughcoating'/>"), "unknown bsdf plugin 'roughcoating'"},
+      {mitsuba_scene("<bsdf type='irawan'/>"), "unknown bsdf plugin 'irawan'"},
       {mitsuba_scene("<emitter type='sunsky'/>"),
        "unknown emitter plugin 'sunsky' (known: area, constant, directional, envmap, point, projector, spot)"},
       {mitsuba_scene("<medium type='homogenous'/>"), "unknown medium plugin 'homogenous', did you mean 'homogeneous'?"},

@@ -9,6 +9,18 @@
 
 namespace sheaf {
 
+/// Puts a closure below a coat.
+template <template <class> class Nested> void set_nested(CoatedParameters<Scalar>& coat, Nested<Scalar> nested) {
+  coat.nested_kind = static_cast<float>(Nested<Scalar>::kKind);
+  int k = 0;
+  const auto set = [&](float word) {
+    const int at = coated_word<Nested>(k++);
+    float* spectra = &coat.nested_spectra[0].c0;
+    (at < 4 * kCoatableSpectra ? spectra[at] : coat.nested_numbers[at - 4 * kCoatableSpectra]) = word;
+  };
+  std::apply([&](const auto&... leaf) { (set(leaf), ...); }, leaves(nested));
+}
+
 /// The `i`-th of many: parameters in [0.05, 0.95], indices of refraction and what must be computed put right.
 template <template <class> class Bsdf> Bsdf<Scalar> any_bsdf(std::uint32_t i) {
   const auto number = [i](std::uint32_t k, std::uint32_t stream) {
@@ -23,6 +35,14 @@ template <template <class> class Bsdf> Bsdf<Scalar> any_bsdf(std::uint32_t i) {
   if constexpr (requires { bsdf.transmittance[0] = 0.0f; }) {
     static const RoughCoat coat = rough_coat(RoughnessDescription::Distribution::kGgx, 0.2, 1.5);
     std::copy(coat.transmittance.begin(), coat.transmittance.end(), bsdf.transmittance);
+  }
+  if constexpr (std::is_base_of_v<CoatedParameters<Scalar>, Bsdf<Scalar>>) {
+    bsdf.coat_eta = eta;
+    // A rough metal comes first: it has a lobe, a density, and all of its spectra.
+    int left = static_cast<int>((i + 1) % 4);
+    CoatableBsdfs::for_each([&]<template <class> class Nested>() {
+      if (left-- == 0) set_nested(bsdf, any_bsdf<Nested>(i));
+    });
   }
   return bsdf;
 }

@@ -166,6 +166,20 @@ inline std::string dump(const DisneyDescription& v) {
 inline std::string dump(const NoriMicrofacetDescription& v) {
   return dump_all("microfacet", v.int_ior, v.ext_ior, v.alpha, v.kd);
 }
+inline std::string dump(const RoughDiffuseDescription& v) {
+  return dump_all("roughdiffuse", v.reflectance, v.alpha, v.fast);
+}
+inline std::string dump(const WardDescription& v) {
+  return dump_all("ward", static_cast<int>(v.variant), v.diffuse_reflectance, v.specular_reflectance, v.alpha_u,
+                  v.alpha_v);
+}
+inline std::string dump(const HanrahanKruegerDescription& v) {
+  return dump_all("hk", v.first, v.second, v.by_albedo, v.thickness, v.g);
+}
+inline std::string dump(const CoatDescription& v) {
+  return dump_all("coating", v.int_ior, v.ext_ior, v.thickness, v.sigma_a, v.specular_reflectance, v.roughness,
+                  v.nested);
+}
 inline std::string dump(const NullDescription&) { return "null"; }
 inline std::string dump(const TwoSidedDescription& v) { return dump_all("twosided", v.front, v.back); }
 inline std::string dump(const MaskDescription& v) { return dump_all("mask", v.opacity, v.nested); }

@@ -1,0 +1,87 @@
+// A slab of a scattering medium, of which light is scattered once (Hanrahan and Krueger, "Reflection from Layered
+// Surfaces due to Subsurface Scattering", SIGGRAPH 1993, section 5.1), without boundaries: what they call T and the
+// refraction is left to a coat. With albedo W, phase function p, optical thickness t and cosines o and i,
+//   f cos = W p i / (i + o) (1 - exp(-t (1 / i + 1 / o)))         on the side that light comes from,
+//   f cos = W p i / (i - o) (exp(-t / i) - exp(-t / o))           on the other,
+// and the share exp(-t / o) passes as if there were nothing. What would be scattered again is lost.
+#pragma once
+
+#include "core/frame.h"
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/phase/henyey_greenstein.h"
+#include "scene/tables/material.h"
+
+namespace sheaf {
+
+template <class L> struct HanrahanKruegerBsdf : HanrahanKruegerParameters<L> {
+  static constexpr auto kKind = ClosureKind::kHanrahanKrueger;
+  static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
+
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
+    using F = Float<L>;
+    const F phase = this->phase().evaluate(wo, Frame<L>::from_normal(wo).to_local(wi)).pdf_solid_angle;
+    return {scattered(wo, wi) * phase, phase * (F(1.0f) - passing_probability(wo))};
+  }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    using F = Float<L>;
+    const F pass = passing_probability(wo), stay = F(1.0f) - pass;
+    const auto passes = u.x < pass;
+    const BsdfSample<L> turned = phase().sample(wo, u);
+    BsdfSample<L> s;
+    s.wi = select<L>(passes, -wo, Frame<L>::from_normal(wo).to_world(turned.wi));
+    const F inverse_o = F(1.0f) / max(abs(wo.z), F(1e-6f));
+    s.weight =
+        select<L>(passes, attenuation(depth(), inverse_o) * (F(1.0f) / pass), scattered(wo, s.wi) * (F(1.0f) / stay));
+    s.pdf_solid_angle = select(passes, F(0.0f), turned.pdf_solid_angle * stay);
+    s.eta_scale = F(1.0f);
+    s.valid = passes | turned.valid;
+    return s;
+  }
+
+ private:
+  SHEAF_INLINE HenyeyGreensteinBsdf<L> phase() const {
+    HenyeyGreensteinBsdf<L> hg;
+    hg.g = this->g;
+    return hg;
+  }
+  SHEAF_INLINE Mask<L> is_by_albedo() const { return this->by_albedo > Float<L>(0.5f); }
+  SHEAF_INLINE Spectrum<L> extinction() const {
+    return select<L>(is_by_albedo(), this->first, this->first + this->second);
+  }
+  /// Of the slab, straight through.
+  SHEAF_INLINE Spectrum<L> depth() const { return extinction() * this->thickness; }
+
+  static SHEAF_INLINE Spectrum<L> attenuation(Spectrum<L> t, Float<L> path) {
+    return {exp(-t.c0 * path), exp(-t.c1 * path), exp(-t.c2 * path), exp(-t.c3 * path)};
+  }
+
+  /// That sample() lets light pass. The fourth lane may be no colour; it is left out, so the ends are too.
+  SHEAF_INLINE Float<L> passing_probability(Vec3<L> wo) const {
+    using F = Float<L>;
+    const Spectrum<L> a = attenuation(depth(), F(1.0f) / max(abs(wo.z), F(1e-6f)));
+    return clamp((a.c0 + a.c1 + a.c2) * F(1.0f / 3.0f), F(0.01f), F(0.99f));
+  }
+
+  /// f cos without the phase function.
+  SHEAF_INLINE Spectrum<L> scattered(Vec3<L> wo, Vec3<L> wi) const {
+    using F = Float<L>;
+    const F o = max(abs(wo.z), F(1e-6f)), i = max(abs(wi.z), F(1e-6f)), inverse_o = F(1.0f) / o;
+    const F inverse_i = F(1.0f) / i;
+    const auto back = wo.z * wi.z > F(0.0f);
+    // Both are the mean of exp over the depth of the vertex: over paths that grow from `least` by `more`.
+    const F least = select(back, F(0.0f), min(inverse_o, inverse_i));
+    const F more = select(back, inverse_o + inverse_i, abs(inverse_i - inverse_o));
+    const Spectrum<L> sigma_s = select<L>(is_by_albedo(), this->first * this->second, this->first);
+    const Spectrum<L> t = depth();
+    const auto one = [&](F s, F d) SHEAF_LAMBDA_INLINE {
+      const F x = d * more;
+      const F mean = select(x < F(0.02f), fma(x, fma(x, F(1.0f / 6.0f), F(-0.5f)), F(1.0f)),
+                            (F(1.0f) - exp(-x)) / max(x, F(0.02f)));
+      return s * this->thickness * inverse_o * exp(-d * least) * mean;
+    };
+    return {one(sigma_s.c0, t.c0), one(sigma_s.c1, t.c1), one(sigma_s.c2, t.c2), one(sigma_s.c3, t.c3)};
+  }
+};
+
+}  // namespace sheaf

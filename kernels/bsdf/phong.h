@@ -1,0 +1,57 @@
+// Phong's model, made to conserve energy (Lafortune and Willems, "Using the Modified Phong Reflectance Model for
+// Physically Based Rendering", 1994, equations 2 and 9):
+//   f = diffuse / pi + specular (n + 2) / (2 pi) cos^n a,  a: angle between wi and the mirror image of wo.
+// The lobe is sampled by (n + 1) / (2 pi) cos^n a; what falls below the surface is lost.
+#pragma once
+
+#include "core/frame.h"
+#include "core/warp.h"
+#include "kernels/bsdf/bsdf.h"
+#include "scene/tables/material.h"
+
+namespace sheaf {
+
+/// Probability of the specular lobe: lobes are chosen by their reflectances.
+template <class L> SHEAF_INLINE Float<L> lobe_probability(Spectrum<L> specular, Spectrum<L> diffuse) {
+  using F = Float<L>;
+  const F glossy = total(specular), all = glossy + total(diffuse);
+  return select(all > F(0.0f), glossy / max(all, F(1e-30f)), F(0.5f));
+}
+
+template <class L> struct PhongBsdf : PhongParameters<L> {
+  static constexpr auto kKind = ClosureKind::kPhong;
+  static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
+
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
+    using F = Float<L>;
+    const auto above = (wo.z > F(0.0f)) & (wi.z > F(0.0f));
+    const F cosine_pdf = select(above, cosine_hemisphere_pdf_solid_angle(wi.z), F(0.0f));
+    const F cos_a = min(fma(wo.z, wi.z, -fma(wo.x, wi.x, wo.y * wi.y)), F(1.0f)), n = this->exponent;
+    const F power = exp(n * log(max(cos_a, F(1e-30f))));
+    const F lobe = select(above & (cos_a > F(0.0f)), F(0.5f * kInvPi) * power, F(0.0f));
+    return {this->diffuse * cosine_pdf + this->specular * ((n + F(2.0f)) * lobe * wi.z),
+            lerp(probability(), cosine_pdf, (n + F(1.0f)) * lobe)};
+  }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    using F = Float<L>;
+    const F cos_a = exp(log(max(u.y, F(1e-30f))) / (this->exponent + F(1.0f)));
+    const F sin_a = safe_sqrt(F(1.0f) - cos_a * cos_a);
+    const auto turn = sincos_2pi<L>(u.z);
+    const Vec3<L> around{sin_a * turn.cos, sin_a * turn.sin, cos_a};
+    const Vec3<L> glossy = Frame<L>::from_normal({-wo.x, -wo.y, wo.z}).to_world(around);
+    BsdfSample<L> s;
+    s.wi = select<L>(u.x < probability(), glossy, square_to_cosine_hemisphere<L>(u.y, u.z));
+    const BsdfValue<L> value = evaluate(wo, s.wi);
+    s.pdf_solid_angle = value.pdf_solid_angle;
+    s.valid = value.pdf_solid_angle > F(0.0f);
+    s.weight = value.f_cos * (F(1.0f) / select(s.valid, value.pdf_solid_angle, F(1.0f)));
+    s.eta_scale = F(1.0f);
+    return s;
+  }
+
+ private:
+  SHEAF_INLINE Float<L> probability() const { return lobe_probability<L>(this->specular, this->diffuse); }
+};
+
+}  // namespace sheaf

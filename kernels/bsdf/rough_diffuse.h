@@ -1,0 +1,72 @@
+// A surface of diffuse facets that hide, shadow and light one another (Oren and Nayar, "Generalization of Lambert's
+// Reflectance Model", SIGGRAPH 1994): equations 26 to 30 there, or with `fast` their short form, equation 31.
+//
+// Their sigma is the standard deviation of the facets' slopes in radians; a Beckmann surface of roughness alpha has
+// slopes of alpha / sqrt 2 along each axis, which is taken for it. Where the fit falls below zero, it is zero. It is
+// not reciprocal where facets light one another alone; grazing directions send back more than arrives if rough and
+// white.
+#pragma once
+
+#include "core/warp.h"
+#include "kernels/bsdf/bsdf.h"
+#include "scene/tables/material.h"
+
+namespace sheaf {
+
+template <class L> struct RoughDiffuseBsdf : RoughDiffuseParameters<L> {
+  static constexpr auto kKind = ClosureKind::kRoughDiffuse;
+  static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
+
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
+    using F = Float<L>;
+    const F pdf = select(wo.z > F(0.0f), cosine_hemisphere_pdf_solid_angle(wi.z), F(0.0f));
+    const Shape shape = shape_of(wo, wi);
+    return {this->reflectance * (Spectrum<L>(shape.single) + this->reflectance * shape.twice) * pdf, pdf};
+  }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    using F = Float<L>;
+    BsdfSample<L> s;
+    s.wi = square_to_cosine_hemisphere<L>(u.y, u.z);
+    s.pdf_solid_angle = cosine_hemisphere_pdf_solid_angle(s.wi.z);
+    s.valid = (wo.z > F(0.0f)) & (s.pdf_solid_angle > F(0.0f));
+    const Shape shape = shape_of(wo, s.wi);
+    s.weight = this->reflectance * (Spectrum<L>(shape.single) + this->reflectance * shape.twice);
+    s.eta_scale = F(1.0f);
+    return s;
+  }
+
+ private:
+  /// What is reflected once and twice, as factors on a Lambertian surface's.
+  struct Shape {
+    typename L::Float single, twice;
+  };
+
+  SHEAF_INLINE Shape shape_of(Vec3<L> wo, Vec3<L> wi) const {
+    using F = Float<L>;
+    const F one(1.0f), zero(0.0f);
+    const F variance = F(0.5f) * sqr(this->alpha);
+    const F cos_o = clamp(wo.z, zero, one), cos_i = clamp(wi.z, zero, one);
+    const F cos_beta = max(max(cos_o, cos_i), F(1e-6f)), cos_alpha = min(cos_o, cos_i);
+    const F sin_beta = safe_sqrt(one - sqr(cos_beta)), sin_alpha = safe_sqrt(one - sqr(cos_alpha));
+    const F sines = sin_alpha * sin_beta;
+    const F cos_phi =
+        select(sines > F(1e-7f), clamp(fma(wo.x, wi.x, wo.y * wi.y) / max(sines, F(1e-7f)), -one, one), zero);
+    const F tan_beta = sin_beta / cos_beta;
+    const F c1 = one - F(0.5f) * variance / (variance + F(0.33f)), share = variance / (variance + F(0.09f));
+    const F brief = c1 + F(0.45f) * share * max(cos_phi, zero) * sin_alpha * tan_beta;
+    if (all(this->fast > F(0.5f))) return {brief, zero};
+
+    // Their angles alpha and beta over pi / 2.
+    const F outer = acos(cos_alpha) * F(2.0f * kInvPi), inner = acos(min(cos_beta, one)) * F(2.0f * kInvPi);
+    const F c2 = F(0.45f) * share * (sin_alpha - select(cos_phi < zero, inner * inner * inner, zero));
+    const F c3 = F(0.125f) * share * sqr(outer * inner);
+    const F tan_half = (sin_alpha + sin_beta) / max(cos_alpha + cos_beta, F(1e-6f));
+    const F single = c1 + cos_phi * c2 * tan_beta + (one - abs(cos_phi)) * c3 * tan_half;
+    const F twice = F(0.17f) * variance / (variance + F(0.13f)) * (one - cos_phi * sqr(inner));
+    const auto is_fast = this->fast > F(0.5f);
+    return {select(is_fast, brief, max(single, zero)), select(is_fast, zero, max(twice, zero))};
+  }
+};
+
+}  // namespace sheaf
