@@ -3,6 +3,7 @@
 #include "kernels/bsdf/all.h"
 #include "kernels/lights/light_sample.h"
 #include "kernels/photons/photon_maps.h"
+#include "kernels/stages/blend_value.h"
 #include "kernels/stages/light_receiver.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/path_wavelengths.h"
@@ -15,12 +16,13 @@ namespace {
 /// `in_medium`: the vertices scatter to all sides and have no normal.
 template <class L, ColorMode Mode>
 SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const Slot* slots, int column, SampleSet set,
-                                 bool in_medium) {
+                                 bool in_medium, bool mapped_parts) {
   using F = Float<L>;
   const auto item = wave.vertices.load<L>(column);
   const ThroughputState<L> path = wave.throughput.gather<L>(slots);
   const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kLight, set);
-  const LightReceiver<L> at = in_medium ? LightReceiver<L>{item.p, {}} : surface_receiver<L>(item.p, item.ns);
+  const Vec3<L> ns = mapped_parts ? receiver_normal<L>(context.scene, wave, slots, column, item.ns) : item.ns;
+  const LightReceiver<L> at = in_medium ? LightReceiver<L>{item.p, {}} : surface_receiver<L>(item.p, ns);
   const LightChoice<L> choice = choose_light<L>(context.scene, at, u.x);
   const LightSample<L> light =
       sample_light<L, Mode>(context.scene, item.p, choice, u, shading_wavelengths<L, Mode>(wave, slots));
@@ -44,11 +46,12 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
 
 /// Not a template over the closure: one copy of the code serves all kinds.
 template <class L>
-void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run, SampleSet set, bool in_medium) {
+void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run, SampleSet set, bool in_medium,
+                   bool mapped_parts) {
   with_color_mode(context.scene, [&]<ColorMode Mode>() {
     for_tiles<L>(run.count, [&](int i, int) {
       candidate_tile<L, Mode>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, set,
-                              in_medium);
+                              in_medium, mapped_parts);
     });
   });
 }
@@ -61,11 +64,10 @@ template <class L> void light_candidates(const StageContext& context, Wave& wave
   const SampleSet set{static_cast<std::uint32_t>(candidate),
                       static_cast<std::uint32_t>(context.transport.candidates)};
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
-    if constexpr (!Bsdf<L>::kIsSpecular) {
-      const VertexRun& run = wave.runs[static_cast<int>(kind)];
-      timer.count(run.count, L::width);
-      candidate_run<L>(context, wave, run, set, kIsPhaseFunction<Bsdf<L>>);
-    }
+    if (Bsdf<L>::kIsSpecular && !has_parts(context.scene, kind)) return;
+    const VertexRun& run = wave.runs[static_cast<int>(kind)];
+    timer.count(run.count, L::width);
+    candidate_run<L>(context, wave, run, set, kIsPhaseFunction<Bsdf<L>>, has_mapped_parts(context.scene, kind));
   });
 }
 

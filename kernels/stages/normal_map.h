@@ -1,6 +1,7 @@
 // Normal and bump maps: how a texture turns the shading normal, and what keeps turned normals from looking wrong.
 #pragma once
 
+#include "kernels/stages/shading_frame.h"
 #include "scene/tables/texture_lookup.h"
 
 namespace sheaf {
@@ -45,6 +46,33 @@ SHEAF_INLINE Vec3<L> bumped_normal(const TextureView& textures, const NormalMapR
   const Vec3<L> along_u = dp_du + n * (F(map.scale) * gradient.x - dot(n, dp_du));
   const Vec3<L> along_v = dp_dv + n * (F(map.scale) * gradient.y - dot(n, dp_dv));
   return cross(along_u, along_v);
+}
+
+/// The normal, unit length, that a map makes of `base`, the shading normal turned towards the viewer; `handedness`: -1
+/// where it was turned. `base` itself where `lanes` says so or the map gives none. `usable`: where it gives one.
+template <class L>
+SHEAF_INLINE Vec3<L> turned_normal(const TextureView& textures, const NormalMapRow& map, const TextureQuery<L>& query,
+                                   Vec3<L> base, Float<L> handedness, Vec3<L> dp_du, Vec3<L> dp_dv, Mask<L> lanes,
+                                   Mask<L>& usable) {
+  using F = Float<L>;
+  const Frame<L> frame = Frame<L>::from_normal(base);
+  const Vec2<L> c = tangent_of<L>(frame, dp_du);
+  const Vec3<L> s = frame.s * c.x + frame.t * c.y;
+  const Vec3<L> bitangent = cross(base, s) * handedness;
+  Vec3<L> n;
+  if (map.flags & NormalMapRow::kBump) {
+    // The displaced surface seen from behind is the mirror image of its front, as for normals.
+    const Vec3<L> outward = base * handedness;
+    n = bumped_normal<L>(textures, map, query, outward, dp_du, dp_dv);
+    n = n * copysign(F(1.0f), dot(n, outward));
+    n = select<L>(handedness < F(0.0f), n - outward * (F(2.0f) * dot(n, outward)), n);
+  } else {
+    const Vec3<L> local = mapped_normal<L>(textures, map, query);
+    n = s * local.x + bitangent * local.y + base * local.z;
+  }
+  const F squared = dot(n, n);
+  usable = lanes & (squared > F(1e-20f)) & is_finite(squared);
+  return select<L>(usable, n * (F(1.0f) / sqrt(select(usable, squared, F(1.0f)))), base);
 }
 
 /// The mirror image of a turned normal at the unturned one, which takes its place where it faces away from the viewer.

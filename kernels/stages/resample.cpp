@@ -16,6 +16,7 @@
 // is as above, but the transmittance stage gets f and applies w_l.
 #include "kernels/bsdf/all.h"
 #include "kernels/lights/light_weight.h"
+#include "kernels/stages/blend_value.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shading_frame.h"
@@ -40,9 +41,9 @@ template <class L> struct WeighedCandidate {
 };
 
 template <class L, template <class> class Bsdf>
-SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& wave, int column,
+SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& wave, const Slot* slots, int column,
                                        const VertexItem<L>& item, const LightCandidate<L>& light, Spectrum<L> beta,
-                                       bool mapped, int candidates) {
+                                       bool mapped, bool parts, int candidates) {
   using F = Float<L>;
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(wave, column);
   const Vec3<L> wi = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_local(light.direction);
@@ -52,6 +53,14 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
     value.f_cos = value.f_cos * shadow_terminator<L>(t.ns_unmapped, t.terminator, light.direction, wi.z);
   }
   const auto usable = light.pdf_solid_angle > F(0.0f);
+  if (parts) {
+    const auto lanes = usable & on_part<L>(context.scene, wave, slots);
+    if (any(lanes)) {
+      const BlendValue<L> blend = evaluate_blends<L>(context, wave, slots, lanes, light.direction);
+      value.f_cos = select<L>(lanes, blend.f_cos, value.f_cos);
+      value.pdf_solid_angle = select(lanes, blend.pdf_solid_angle, value.pdf_solid_angle);
+    }
+  }
   const F pdf = select(usable, light.pdf_solid_angle, F(1.0f));
   const auto no_contest = (light.delta > F(0.0f)) | Mask<L>(context.transport.strategy == LightStrategy::kLightOnly);
   const F mis_weight = select(no_contest, F(1.0f), light_weight(pdf, value.pdf_solid_angle, candidates));
@@ -100,14 +109,14 @@ SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, 
 
 template <class L, template <class> class Bsdf>
 SHEAF_INLINE void resample_tile(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
-                                bool mapped, CandidateIndex candidate) {
+                                bool mapped, bool parts, CandidateIndex candidate) {
   using F = Float<L>;
   const auto item = wave.vertices.load<L>(column);
   const auto light = wave.candidates.load<L>(column);
   const ThroughputState<L> path = wave.throughput.gather<L>(slots);
   constexpr bool kInMedium = kIsPhaseFunction<Bsdf<L>>;
   const WeighedCandidate<L> weighed =
-      weigh<L, Bsdf>(context, wave, column, item, light, path.beta, mapped, candidate.count);
+      weigh<L, Bsdf>(context, wave, slots, column, item, light, path.beta, mapped, parts, candidate.count);
   if (candidate.count == 1)
     return push_shadow_ray<L>(context.scene, wave, slots, count, item,
                               {light.target, weighed.pdf_ratio, light.light, light.target_medium}, weighed.contribution,
@@ -122,9 +131,10 @@ SHEAF_INLINE void resample_tile(const StageContext& context, Wave& wave, const S
 template <class L, template <class> class Bsdf>
 void resample_run(const StageContext& context, Wave& wave, const VertexRun& run, CandidateIndex candidate) {
   const bool mapped = (context.scene.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
+  const bool parts = has_parts(context.scene, Bsdf<L>::kKind);
   for_tiles<L>(run.count, [&](int i, int count) {
     resample_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped,
-                           candidate);
+                           parts, candidate);
   });
 }
 
@@ -134,11 +144,10 @@ template <class L> void resample(const StageContext& context, Wave& wave, int ca
   if (!samples_lights(context)) return;
   StageTimer timer(wave.stats, Stage::kResample);
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
-    if constexpr (!Bsdf<L>::kIsSpecular) {
-      const VertexRun& run = wave.runs[static_cast<int>(kind)];
-      timer.count(run.count, L::width);
-      resample_run<L, Bsdf>(context, wave, run, {candidate, context.transport.candidates});
-    }
+    if (Bsdf<L>::kIsSpecular && !has_parts(context.scene, kind)) return;
+    const VertexRun& run = wave.runs[static_cast<int>(kind)];
+    timer.count(run.count, L::width);
+    resample_run<L, Bsdf>(context, wave, run, {candidate, context.transport.candidates});
   });
 }
 

@@ -4,6 +4,7 @@
 #include "kernels/film/light_task.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/adjoint.h"
+#include "kernels/stages/blend_value.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/shading_frame.h"
@@ -93,19 +94,39 @@ Float<L> leave_vertex(const SceneView& scene, Wave& wave, const Slot* slots, int
   return lane_mean<L>(scene.color, r.r_u);
 }
 
+/// Sampled directions of parts of blends count as the whole blend sends light there; see kernels/stages/blend_value.h.
+/// Returns where that is so. `Disperses`: what was sampled, which then counts alone.
+template <class L, bool Disperses>
+SHEAF_INLINE Mask<L> weigh_as_blend(const StageContext& context, const Wave& wave, const Slot* slots, Mask<L> lanes,
+                                    Vec3<L> direction, BsdfSample<L>& s) {
+  using F = Float<L>;
+  lanes = lanes & s.valid & (s.pdf_solid_angle > F(0.0f)) & on_part<L>(context.scene, wave, slots);
+  if (!any(lanes)) return Mask<L>(false);
+  const BlendValue<L> blend = evaluate_blends<L>(context, wave, slots, lanes, direction);
+  lanes = lanes & (blend.pdf_solid_angle > F(0.0f));
+  s.pdf_solid_angle = select(lanes, blend.pdf_solid_angle, s.pdf_solid_angle);
+  if (Disperses) return Mask<L>(false);
+  lanes = lanes & (blend.mixed_pdf > F(0.0f));
+  s.weight = select<L>(lanes, blend.mixed_f_cos * (F(1.0f) / select(lanes, blend.mixed_pdf, F(1.0f))), s.weight);
+  return lanes;
+}
+
 template <class L, template <class> class Bsdf>
 SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
-                               bool mapped) {
+                               bool mapped, bool parts) {
   using F = Float<L>;
   using U = Uint<L>;
   const auto item = wave.vertices.load<L>(column);
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(wave, column);
   ThroughputState<L> path = wave.throughput.gather<L>(slots);
   const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kScatter);
-  const BsdfSample<L> s = bsdf.sample(item.wo, u);
+  BsdfSample<L> s = bsdf.sample(item.wo, u);
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
   const Vec3<L> direction = frame.to_world(s.wi);
 
+  Mask<L> blended(false);
+  if (parts && context.photons == nullptr)
+    blended = weigh_as_blend<L, kDisperses<Bsdf<L>>>(context, wave, slots, L::first(count), direction, s);
   path.beta = path.beta * s.weight;
   Mask<L> single(false);
   if constexpr (kDisperses<Bsdf<L>>) {
@@ -115,7 +136,8 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   if (context.photons == nullptr) {
     if (mapped) {
       const TexturedItem<L> t = wave.textured.load<L>(column);
-      path.beta = path.beta * shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);
+      const F terminator = shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);
+      path.beta = path.beta * select(blended, F(1.0f), terminator);
     }
     path.eta_scale = path.eta_scale * s.eta_scale;
   } else if constexpr (!kIsPhaseFunction<Bsdf<L>>) {
@@ -169,7 +191,9 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   wave.rays.scatter<L>(slots, count, ray);
   wave.throughput.scatter<L>(slots, count, path);
   const std::uint32_t scattered = mask_bits(L::first(count) & (null_transmittance == F(0.0f)));
-  remember_scattering<L>(wave, slots, scattered, s.pdf_solid_angle, item.ns);
+  const bool mapped_parts = parts && mapped;
+  const Vec3<L> ns = mapped_parts ? receiver_normal<L>(context.scene, wave, slots, column, item.ns) : item.ns;
+  remember_scattering<L>(wave, slots, scattered, s.pdf_solid_angle, ns);
 
   const std::uint32_t bits = mask_bits(alive);
   wave.stats.rays.scatter += static_cast<std::uint64_t>(std::popcount(bits));
@@ -180,8 +204,10 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
 template <class L, template <class> class Bsdf>
 void scatter_run(const StageContext& context, Wave& wave, const VertexRun& run) {
   const bool mapped = (context.scene.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
+  const bool parts = has_parts(context.scene, Bsdf<L>::kKind);
   for_tiles<L>(run.count, [&](int i, int count) {
-    scatter_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped);
+    scatter_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped,
+                          parts);
   });
 }
 

@@ -1,5 +1,6 @@
 // Stage: select materials. A mask is its material or nothing, a blend is one of two, each with the probability of its
-// share; the choice then holds for light sampling and scattering alike. Where nothing is chosen the ray goes on.
+// share. What is chosen says where a path goes on; what the other parts add to it is for blend_value.h to say. Where
+// nothing is chosen the ray goes on.
 #include "core/sampler.h"
 #include "kernels/media/passing_share.h"
 #include "kernels/stages/continue_ray.h"

@@ -4,6 +4,7 @@
 #include "kernels/stages/adjoint.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/shading_frame.h"
+#include "kernels/stages/shading_texture.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
@@ -26,16 +27,6 @@ SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, const Slot* slots, con
   return {t.uv, hit.shape, hit.primitive, hit.u, hit.v};
 }
 
-/// A looked-up colour at the path's wavelengths, by the spectrum that its texture's values stand for.
-template <class L>
-SHEAF_INLINE Spectrum<L> uplifted(const SceneView& scene, TextureRole role, const Spectrum<L>& rgb,
-                                  const Spectrum<L>& lambda) {
-  const Vec3<L> color{rgb.c0, rgb.c1, rgb.c2};
-  const UpliftTable& table = *scene.spectral.uplift;
-  const bool reflectance = role == TextureRole::kReflectance;
-  return evaluate(reflectance ? uplift_reflectance<L>(table, color) : uplift_unbounded<L>(table, color), lambda);
-}
-
 template <class L, ColorMode Mode>
 void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
   using F = Float<L>;
@@ -44,9 +35,7 @@ void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& materi
   const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, tile.slots);
   for (std::uint32_t b = 0; b < material.binding_count; ++b) {
     const TextureBinding& binding = scene.bindings[material.first_binding + b];
-    Spectrum<L> value = lookup_binding<L>(scene.textures, binding, query);
-    if constexpr (Mode == ColorMode::kSpectral)
-      if (binding.words == 4) value = uplifted<L>(scene, binding.role, value, lambda);
+    const Spectrum<L> value = shading_texture<L, Mode>(scene, binding, query, lambda);
     const F channels[4] = {value.c0, value.c1, value.c2, value.c3};
     for (std::uint32_t k = 0; k < binding.words; ++k) {
       float* words = wave.closures.columns().words[binding.word + k] + tile.column;
@@ -78,7 +67,6 @@ Mask<L> choose_normal(const StageContext& context, Wave& wave, const TextureTile
 
 template <class L, bool WithTangent>
 void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
-  using F = Float<L>;
   const SceneView& scene = context.scene;
   VertexItem<L> item = wave.vertices.load<L>(tile.column);
   TexturedItem<L> t = wave.textured.load<L>(tile.column);
@@ -87,24 +75,8 @@ void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& ma
   const auto lanes = tile.lanes();
 
   const Vec3<L> base = item.ns;
-  const Frame<L> frame = Frame<L>::from_normal(base);
-  const Vec2<L> c = tangent_of<L>(frame, t.dp_du);
-  const Vec3<L> s = frame.s * c.x + frame.t * c.y;
-  const Vec3<L> bitangent = cross(base, s) * t.handedness;
-  Vec3<L> n;
-  if (map.flags & NormalMapRow::kBump) {
-    // The displaced surface seen from behind is the mirror image of its front, as for normals.
-    const Vec3<L> outward = base * t.handedness;
-    n = bumped_normal<L>(scene.textures, map, query, outward, t.dp_du, t.dp_dv);
-    n = n * copysign(F(1.0f), dot(n, outward));
-    n = select<L>(t.handedness < F(0.0f), n - outward * (F(2.0f) * dot(n, outward)), n);
-  } else {
-    const Vec3<L> local = mapped_normal<L>(scene.textures, map, query);
-    n = s * local.x + bitangent * local.y + base * local.z;
-  }
-  const F squared = dot(n, n);
-  const auto usable = lanes & (squared > F(1e-20f)) & is_finite(squared);
-  n = select<L>(usable, n * (F(1.0f) / sqrt(select(usable, squared, F(1.0f)))), base);
+  Mask<L> usable(false);
+  Vec3<L> n = turned_normal<L>(scene.textures, map, query, base, t.handedness, t.dp_du, t.dp_dv, lanes, usable);
 
   const Vec3<L> wo = ShadingFrame<L, WithTangent>(base, item.tangent).to_world(item.wo);
   if (map.flags & NormalMapRow::kFixInvalid) {

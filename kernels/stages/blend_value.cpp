@@ -1,0 +1,159 @@
+// Parts of a blend are looked up, row by row, where the vertices of a register lie, and added up by their shares.
+#include "kernels/stages/blend_value.h"
+
+#include "kernels/bsdf/all.h"
+#include "kernels/stages/normal_map.h"
+#include "kernels/stages/shading_texture.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/path_wavelengths.h"
+#include "scene/tables/shape.h"
+
+#include <bit>
+
+namespace sheaf {
+
+namespace {
+
+/// What all parts at a register of vertices share.
+template <class L> struct BlendPoint {
+  SurfacePoint<L> y;
+  Vec3<L> from;  ///< direction of the ray that came
+  Vec3<L> wi;
+  TextureQuery<L> query;
+  Spectrum<L> lambda;  ///< spectral mode
+};
+
+/// A part's closure: the row's words, textures in their places.
+template <class L, ColorMode Mode, template <class> class Bsdf>
+SHEAF_INLINE Bsdf<L> part_bsdf(const SceneView& scene, std::uint32_t row, const BlendPoint<L>& at) {
+  using F = Float<L>;
+  const MaterialRow& m = scene.materials[row];
+  F words[kLeafCount<Bsdf>];
+  for (int k = 0; k < kLeafCount<Bsdf>; ++k) words[k] = F(m.words[k]);
+  const auto put = [&words](std::uint32_t word, std::uint32_t count, const Spectrum<L>& value) {
+    const F channels[4] = {value.c0, value.c1, value.c2, value.c3};
+    for (std::uint32_t k = 0; k < count; ++k) words[word + k] = channels[k];
+  };
+  if constexpr (Mode == ColorMode::kSpectral) {
+    constexpr ClosureSpectra kSpectra = closure_spectra<Bsdf>();
+    for (int k = 0; k < kSpectra.count; ++k)
+      put(static_cast<std::uint32_t>(kSpectra.word[k]), 4, closure_spectrum<L>(scene, Uint<L>(row), k, at.lambda));
+  }
+  for (std::uint32_t b = 0; b < m.binding_count; ++b) {
+    const TextureBinding& binding = scene.bindings[m.first_binding + b];
+    put(binding.word, binding.words, shading_texture<L, Mode>(scene, binding, at.query, at.lambda));
+  }
+  return bsdf_of_words<Bsdf<L>>([&words](int k, F& word) SHEAF_LAMBDA_INLINE { word = words[k]; });
+}
+
+/// A part's value, its normal turned as its flags and its map say.
+template <class L, ColorMode Mode, template <class> class Bsdf>
+BsdfValue<L> part_value(const SceneView& scene, std::uint32_t row, const BlendPoint<L>& at, Mask<L> lanes) {
+  using F = Float<L>;
+  const MaterialRow& m = scene.materials[row];
+  const auto turned = Mask<L>((m.flags & kTwoSided) != 0) & (dot(at.y.ns, at.from) > F(0.0f));
+  const Vec3<L> base = select<L>(turned, -at.y.ns, at.y.ns);
+  Vec3<L> n = base;
+  F terminator(0.0f);
+  if (m.flags & kMapped) {
+    const NormalMapRow& map = scene.normal_maps[m.map];
+    Mask<L> usable(false);
+    n = turned_normal<L>(scene.textures, map, at.query, base, select(turned, F(-1.0f), F(1.0f)), at.y.dp_du, at.y.dp_dv,
+                         lanes, usable);
+    if (map.flags & NormalMapRow::kFixInvalid)
+      n = select<L>(faces_away<L>(n, base, -at.from), mirrored_normal<L>(n, base), n);
+    if (map.flags & NormalMapRow::kSoften) terminator = terminator_of(dot(n, base));
+  }
+  const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(n, tangent_of<L>(Frame<L>::from_normal(n), at.y.dp_du));
+  const Vec3<L> wi = frame.to_local(at.wi);
+  BsdfValue<L> value = part_bsdf<L, Mode, Bsdf>(scene, row, at).evaluate(frame.to_local(-at.from), wi);
+  if (m.flags & kMapped) value.f_cos = value.f_cos * shadow_terminator<L>(base, terminator, at.wi, wi.z);
+  return value;
+}
+
+/// Adds up the parts of one blend, all of `lanes` being on it and on the same side.
+template <class L, ColorMode Mode> struct BlendSum {
+  using F = typename L::Float;
+  const SceneView& scene;
+  const BlendPoint<L>& at;
+  Mask<L> lanes;
+  bool behind;
+  BlendValue<L> sum{Spectrum<L>(F(0.0f)), F(0.0f), Spectrum<L>(F(0.0f)), F(0.0f)};
+  F there = F(0.0f);  ///< share of all parts but nothing
+
+  void add(std::uint32_t row, F share) {
+    if (row == MaterialRow::kNothing || !any(lanes & (share > F(0.0f)))) return;
+    if (behind) row = scene.materials[row].back;
+    const MaterialRow& m = scene.materials[row];
+    if ((m.flags & kComposite) == 0) return add_part(row, share);
+    F second(m.second_share());
+    if (m.binding_count > 0)
+      second = lookup_scalar<L>(scene.textures, scene.bindings[m.first_binding].texture, at.query);
+    second = clamp(second, F(0.0f), F(1.0f));
+    add(m.choice[0], share * (F(1.0f) - second));
+    add(m.choice[1], share * second);
+  }
+
+ private:
+  void add_part(std::uint32_t row, F share) {
+    there = there + share;
+    for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+      if constexpr (!Bsdf<L>::kIsSpecular && !kIsPhaseFunction<Bsdf<L>>) {
+        if (kind != scene.materials[row].kind) return;
+        const BsdfValue<L> value = part_value<L, Mode, Bsdf>(scene, row, at, lanes);
+        sum.f_cos = sum.f_cos + value.f_cos * share;
+        sum.pdf_solid_angle = sum.pdf_solid_angle + value.pdf_solid_angle * share;
+        if (kDisperses<Bsdf<L>>) return;
+        sum.mixed_f_cos = sum.mixed_f_cos + value.f_cos * share;
+        sum.mixed_pdf = sum.mixed_pdf + value.pdf_solid_angle * share;
+      }
+    });
+  }
+};
+
+}  // namespace
+
+template <class L>
+BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, const Slot* slots, Mask<L> lanes,
+                              Vec3<L> wi) noexcept {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const SceneView& scene = context.scene;
+  const RayState<L> ray = wave.rays.gather<L>(slots);
+  const HitState<L> hit = wave.hits.gather<L>(slots);
+  const ShapeRecord<L> shape = gather_rows<L>(scene.shapes, hit.shape);
+  BlendPoint<L> at{surface_point<L, true>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
+                                          hit.instance),
+                   ray.direction,
+                   wi,
+                   {},
+                   {}};
+  at.query = {at.y.uv, hit.shape, hit.primitive, hit.u, hit.v};
+  const auto behind = dot(at.y.ng, ray.direction) > F(0.0f);
+  BlendValue<L> out{Spectrum<L>(F(0.0f)), F(0.0f), Spectrum<L>(F(0.0f)), F(0.0f)};
+  alignas(kSimdAlignment) std::uint32_t roots[L::width];
+  store(roots, shape.material);
+  with_color_mode(scene, [&]<ColorMode Mode>() {
+    at.lambda = shading_wavelengths<L, Mode>(wave, slots);
+    while (any(lanes)) {
+      const int first = std::countr_zero(mask_bits(lanes));
+      const bool is_behind = (mask_bits(behind) >> first & 1u) != 0;
+      const auto same = lanes & (shape.material == U(roots[first])) & (is_behind ? behind : !behind);
+      BlendSum<L, Mode> blend{scene, at, same, is_behind};
+      blend.add(roots[first], F(1.0f));
+      const F scale = F(1.0f) / max(blend.there, F(1e-20f));
+      out.f_cos = select<L>(same, blend.sum.f_cos * scale, out.f_cos);
+      out.pdf_solid_angle = select(same, blend.sum.pdf_solid_angle * scale, out.pdf_solid_angle);
+      out.mixed_f_cos = select<L>(same, blend.sum.mixed_f_cos * scale, out.mixed_f_cos);
+      out.mixed_pdf = select(same, blend.sum.mixed_pdf * scale, out.mixed_pdf);
+      lanes = lanes & !same;
+    }
+  });
+  return out;
+}
+
+template BlendValue<SHEAF_STAGE_LANE> evaluate_blends<SHEAF_STAGE_LANE>(const StageContext&, const Wave&, const Slot*,
+                                                                        Mask<SHEAF_STAGE_LANE>,
+                                                                        Vec3<SHEAF_STAGE_LANE>) noexcept;
+
+}  // namespace sheaf
