@@ -90,7 +90,7 @@ const AddMaterial kGlass = [](Description& d) {
 
 /// Two area lights of unequal size, and a floor of blends of whatever there is; `open`: shadow rays may pass surfaces.
 Description lit_floor(const AddMaterial& add, bool open) {
-  Description d = floor_of(add, 4);
+  Description d = floor_of(add, 16);
   add_area_light_rectangle(
       d, Transform::translate({-1, 0, 2}) * Transform::rotate({1, 0, 0}, 180) * Transform::scale({0.8f, 0.8f, 1}), 3);
   add_area_light_sphere(d, {1, -2, 1}, 0.3f, 10);
@@ -152,6 +152,21 @@ TEST_CASE("blends: all strategies agree") {
     ++i;
   }
   check_strategies_agree(lit_floor(blend_of(kGrey, kGlass, 0.5f), true), kLevel, ColorMode::kSpectral);
+}
+
+TEST_CASE("blends: lights are chosen alike for parts whose normals differ") {
+  const TemporaryFolder folder;
+  const AddMaterial shiny = [](Description& d) { return add_metal(d, 0.08f, 0.08f); };
+  const AddMaterial steep = [&](Description& d) {
+    const TextureId map = add_uniform(d, folder, "steep.exr", 0.915f, 0.5f, 0.78f);
+    return add_material(d, NormalMapDescription{map, false, shiny(d)});
+  };
+  Description d = floor_of(blend_of(shiny, steep, 0.5f), 16);
+  // One light is where a mirror would show it, at a right angle to the turned normal, which points at the other.
+  add_area_light_sphere(d, {-2, -0.5f, 3}, 0.4f, 5);
+  add_area_light_sphere(d, {3, 0, 0.7f}, 0.4f, 5);
+  d.integrator.max_depth = 2;
+  check_strategies_agree(d, kLevel);
 }
 
 TEST_CASE("blends: a mask around one lets through what it does not cover") {
