@@ -21,19 +21,28 @@ inline bool may_pass(const SceneView& scene, std::uint32_t row, bool behind) {
   return (m.flags & kComposite) != 0 || (scene.has_open_panes && closure_info(m.kind).is_pane);
 }
 
-/// The share of light, in [0, 1], that passes: the probability with which the select_materials stage lets a path pass.
-inline float passing_share(const SceneView& scene, std::uint32_t row, bool behind, const TextureQuery<Scalar>& query) {
-  if (row == MaterialRow::kNothing) return 1.0f;
-  const MaterialRow& m = scene.materials[passing_detail::side_of(scene, row, behind)];
-  if ((m.flags & kComposite) == 0) return 0.0f;
+/// The probability, in [0, 1], with which the select_materials stage chooses a row for which `counts` is true;
+/// MaterialRow::kNothing is one of them.
+template <class F>
+float choice_share(const SceneView& scene, std::uint32_t row, bool behind, const TextureQuery<Scalar>& query,
+                   F&& counts) {
+  if (row == MaterialRow::kNothing) return counts(row) ? 1.0f : 0.0f;
+  row = passing_detail::side_of(scene, row, behind);
+  const MaterialRow& m = scene.materials[row];
+  if ((m.flags & kComposite) == 0) return counts(row) ? 1.0f : 0.0f;
   float second = m.second_share();
   if (m.binding_count > 0)
     second = lookup_scalar<Scalar>(scene.textures, scene.bindings[m.first_binding].texture, query);
   second = clamp(second, 0.0f, 1.0f);
   float share = 0.0f;
-  if (second < 1.0f) share += (1.0f - second) * passing_share(scene, m.choice[0], behind, query);
-  if (second > 0.0f) share += second * passing_share(scene, m.choice[1], behind, query);
+  if (second < 1.0f) share += (1.0f - second) * choice_share(scene, m.choice[0], behind, query, counts);
+  if (second > 0.0f) share += second * choice_share(scene, m.choice[1], behind, query, counts);
   return share;
+}
+
+/// The share of light, in [0, 1], that passes: the probability with which the select_materials stage lets a path pass.
+inline float passing_share(const SceneView& scene, std::uint32_t row, bool behind, const TextureQuery<Scalar>& query) {
+  return choice_share(scene, row, behind, query, [](std::uint32_t chosen) { return chosen == MaterialRow::kNothing; });
 }
 
 }  // namespace sheaf

@@ -4,6 +4,7 @@
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
 #include "kernels/film/light_task.h"
+#include "kernels/media/passing_share.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/lane_mean.h"
 #include "kernels/wave/path_wavelengths.h"
@@ -12,6 +13,27 @@
 namespace sheaf {
 
 namespace {
+
+bool is_specular(ClosureKind kind) {
+  bool specular = false;
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind k, BsdfTag<Bsdf>) {
+    specular = specular || (k == kind && Bsdf<Scalar>::kIsSpecular);
+  });
+  return specular;
+}
+
+/// The probability with which of the parts of a composite material one was chosen where photons are stored; 1 for
+/// others. What is looked up there has met the same choice, so the photon itself must not count by it.
+float storing_share(const SceneView& scene, const HitState<Scalar>& hit, const RayState<Scalar>& ray) {
+  if (!scene.has_composites) return 1.0f;
+  const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.shapes, hit.shape);
+  if (shape.material == hit.material) return 1.0f;
+  const auto y = surface_point<Scalar, true>(scene, shape, hit.primitive, hit.u, hit.v,
+                                             ray.origin + ray.direction * hit.t, hit.instance);
+  return choice_share(
+      scene, shape.material, dot(y.ng, ray.direction) > 0.0f, {y.uv, hit.shape, hit.primitive, hit.u, hit.v},
+      [&scene](std::uint32_t row) { return row != MaterialRow::kNothing && !is_specular(scene.materials[row].kind); });
+}
 
 void store_path(const StageContext& context, Wave& wave, Slot slot, int column, bool in_medium) {
   LightTask& task = *context.photons;
@@ -23,9 +45,10 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
   const auto item = wave.vertices.load<Scalar>(column);
   const float divisor =
       context.scene.has_transparency ? lane_mean<Scalar>(context.scene.color, wave.probabilities.row(slot).r_u) : 1.0f;
+  const float share = in_medium ? 1.0f : storing_share(context.scene, wave.hits.get(slot), ray);
   Photon photon;
   photon.p = item.p;
-  photon.power = path.beta * (row.weight / divisor);
+  photon.power = path.beta * (row.weight / (divisor * max(share, 1e-20f)));
   photon.direction = encode_octahedral<Scalar>(-ray.direction);
   const bool single = has_single_wavelength(context, wave, slot);
   photon.surface = in_medium ? photon_place(ray.flags >> kRayMediumShift, path.depth() + 1, single)

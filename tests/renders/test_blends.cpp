@@ -169,6 +169,31 @@ TEST_CASE("blends: lights are chosen alike for parts whose normals differ") {
   check_strategies_agree(d, kLevel);
 }
 
+TEST_CASE("blends: photons are stored by the light that comes, whatever part they meet") {
+  const AddMaterial sides = [](Description& d) { return add_two_sided(d, kGrey(d)); };
+  const AddMaterial masked = [&](Description& d) {
+    const MaterialId nested = sides(d);
+    return add_material(d, MaskDescription{0.4f, nested});
+  };
+  // Below a point light of 8 pi W / sr at a height of 2: what falls on the disc of the photons' radius.
+  const double pi = 3.14159265358979, radius = 0.3, cosine = 2 / std::sqrt(4 + radius * radius);
+  const double whole = 0.5 / pi * 8 * pi * 2 * (1 - cosine) / (radius * radius);
+  for (const auto& [add, share] : {std::pair{kGrey, 1.0}, std::pair{masked, 0.4},
+                                   std::pair{blend_of(kMirror, blend_of(kGrey, kGrey, 0.5f), 0.7f), 0.7}}) {
+    CAPTURE(share);
+    Description d = floor_of(add);
+    d.integrator.kind = IntegratorKind::kPhotonMapper;
+    d.integrator.photons.global = {50'000, static_cast<float>(radius), 0};
+    add_point_light(d, {0, 0, 2}, static_cast<float>(8 * pi));
+    MeanVariance mean;
+    for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+      d.sampler.seed = seed;
+      mean.add(pixel_means(d)[1].mean());
+    }
+    check_mean(mean, share * whole, kLevel, 0.0);
+  }
+}
+
 TEST_CASE("blends: a mask around one lets through what it does not cover") {
   const AddMaterial masked = [](Description& d) {
     const MaterialId blend = blend_of(kGrey, kMetal, 0.4f)(d);
