@@ -1,6 +1,7 @@
 // The list of all kinds of light, from which sampling, densities and photons derive.
 #pragma once
 
+#include "kernels/lights/beam_light.h"
 #include "kernels/lights/constant_light.h"
 #include "kernels/lights/directional_light.h"
 #include "kernels/lights/envmap_light.h"
@@ -10,6 +11,7 @@
 #include "kernels/lights/quadric_light.h"
 #include "kernels/lights/sphere_light.h"
 #include "kernels/lights/spot_light.h"
+#include "kernels/lights/sun_light.h"
 #include "kernels/lights/volume_light.h"
 
 #include <utility>
@@ -30,8 +32,8 @@ template <LightModel... Kinds> struct LightList {
 
 /// All of them. Scenes whose lights are all of the first kind are the most common.
 using Lights = LightList<MeshLight, SphereLight, QuadricLight, PointLight, SpotLight<LightKind::kSpot>,
-                         SpotLight<LightKind::kSmoothSpot>, ProjectorLight, DirectionalLight, ConstantLight,
-                         EnvmapLight, VolumeLight>;
+                         SpotLight<LightKind::kSmoothSpot>, ProjectorLight, BeamLight, DirectionalLight, SunLight,
+                         ConstantLight, EnvmapLight, VolumeLight>;
 static_assert(Lights::kCount == kLightKinds && Lights::is_ordered(), "the list must hold LightKind's kinds, in order");
 
 }  // namespace sheaf

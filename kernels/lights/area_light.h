@@ -23,7 +23,7 @@ SHEAF_INLINE LightSample<L> sample_towards(Vec3<L> from, const LightPoint<L>& po
   const F squared = dot(d, d);
   s.direction = d * (F(1.0f) / sqrt(max(squared, F(1e-37f))));
   const F cos_light = -dot(s.direction, y.ng);
-  s.valid = (cos_light > F(1e-6f)) & (squared > F(0.0f));
+  s.valid = (cos_light > F(1e-6f)) & (squared > F(0.0f)) & !light.is_along_normal();
   s.pdf_solid_angle = point.pdf_area * squared / select(s.valid, cos_light, F(1.0f));
   s.target = y.p + y.ng * y.offset;
   s.radiance = light.radiance;
@@ -38,18 +38,20 @@ template <class L> SHEAF_INLINE Float<L> pdf_seen(Float<L> pdf_area, const Light
 }
 
 /// Along the cosine from a point on an area light (Jensen, "Realistic Image Synthesis Using Photon Mapping", 2001,
-/// section 5.2), so that all photons of a light without texture and stretching carry the same flux.
+/// section 5.2), so that all photons of a light without texture and stretching carry the same flux; or along the
+/// normal, if the light emits there alone.
 template <class L>
 SHEAF_INLINE PhotonEmission<L> emit_from(const LightPoint<L>& at, const LightRecord<L>& light, const Random4<L>& b) {
   using F = Float<L>;
   const Vec3<L> local = square_to_cosine_hemisphere<L>(b.x, b.y);
   PhotonEmission<L> e;
   e.origin = at.y.p + at.y.ng * at.y.offset;
-  e.direction = Frame<L>::from_normal(at.y.ng).to_world(local);
+  const auto parallel = light.is_along_normal();
+  e.direction = select<L>(parallel, at.y.ng, Frame<L>::from_normal(at.y.ng).to_world(local));
   e.pdf_position = at.pdf_area;
-  e.pdf_direction = cosine_hemisphere_pdf_solid_angle(local.z);
-  e.flux = light.radiance * (F(kPi) / at.pdf_area);
-  e.valid = local.z > F(0.0f);
+  e.pdf_direction = select(parallel, F(1.0f), cosine_hemisphere_pdf_solid_angle(local.z));
+  e.flux = light.radiance * (select(parallel, F(1.0f), F(kPi)) / at.pdf_area);
+  e.valid = parallel | (local.z > F(0.0f));
   return e;
 }
 

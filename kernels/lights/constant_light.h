@@ -22,7 +22,7 @@ struct ConstantLight {
   }
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE EnvmapValue<L> arriving(const SceneView&, const Spectrum<L>& emitted, Vec3<L>,
+  static SHEAF_INLINE EnvmapValue<L> arriving(const SceneView&, const LightRow&, const Spectrum<L>& emitted, Vec3<L>,
                                               const Spectrum<L>&) {
     return {emitted, Float<L>(kUniformSpherePdf)};
   }

@@ -23,8 +23,8 @@ struct EnvmapLight {
   }
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE EnvmapValue<L> arriving(const SceneView& scene, const Spectrum<L>& emitted, Vec3<L> direction,
-                                              const Spectrum<L>& lambda) {
+  static SHEAF_INLINE EnvmapValue<L> arriving(const SceneView& scene, const LightRow&, const Spectrum<L>& emitted,
+                                              Vec3<L> direction, const Spectrum<L>& lambda) {
     const auto found = lookup_envmap<L, Mode>(scene.envmap, direction, lambda);
     return {lit<L, Mode>(found.radiance, emitted), found.pdf_solid_angle};
   }
@@ -37,7 +37,7 @@ struct EnvmapLight {
     const EnvmapView& map = lights.scene.envmap;
     const Vec3<L> to_light = select<L>(b.z < F(kUniformShare), square_to_sphere<L>(b.x, b.y),
                                        sample_envmap<L, Mode>(map, b.x, b.y, lights.lambda).direction);
-    const auto value = arriving<L, Mode>(lights.scene, lights.light.radiance, to_light, lights.lambda);
+    const auto value = arriving<L, Mode>(lights.scene, {}, lights.light.radiance, to_light, lights.lambda);
     const F pdf = fma(F(1.0f - kUniformShare), value.pdf_solid_angle, F(kUniformShare * kUniformSpherePdf));
     return emit_from_infinity<L>(lights.scene, -to_light, value.radiance, pdf, a);
   }

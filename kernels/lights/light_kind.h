@@ -107,9 +107,10 @@ concept LiesOnSurface = requires(const LightsAsked<Scalar>& lights, const LightH
 };
 
 template <class Kind>
-concept SurroundsScene = requires(const SceneView& scene, const Spectrum4& emitted, Vec3f direction) {
+concept SurroundsScene = requires(const SceneView& scene, const LightRow& light, const Spectrum4& emitted,
+                                  Vec3f direction) {
   {
-    Kind::template arriving<Scalar, ColorMode::kRgb>(scene, emitted, direction, emitted)
+    Kind::template arriving<Scalar, ColorMode::kRgb>(scene, light, emitted, direction, emitted)
   } -> std::same_as<EnvmapValue<Scalar>>;
 };
 

@@ -119,19 +119,29 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightR
   return pdf;
 }
 
-/// What the environment, which must be there, sends from `direction`, and the density without the choice with which
-/// sample_given_light would have found that. `lambda`: spectral mode.
+/// Whether paths that leave the scene may meet light number `index`.
+inline bool surrounds_scene(const SceneView& scene, std::uint32_t index) {
+  bool surrounds = false;
+  Lights::for_each([&]<class Kind>(Kind) {
+    if constexpr (Kind::kMeeting == LightMeeting::kEscape) surrounds = surrounds || scene.lights[index].is(Kind::kKind);
+  });
+  return surrounds;
+}
+
+/// What light number `index`, which must surround the scene, sends from `direction`, and the density without the choice
+/// with which sample_given_light would have found that. `lambda`: spectral mode.
 template <class L, ColorMode Mode>
-SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, Vec3<L> direction, const Spectrum<L>& lambda) {
+SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, std::uint32_t index, Vec3<L> direction,
+                                              const Spectrum<L>& lambda) {
   using F = Float<L>;
-  const LightRow& light = scene.lights[scene.environment];
+  const LightRow& light = scene.lights[index];
   const Spectrum4& rgb = light.radiance;
   Spectrum<L> emitted{F(rgb.c0), F(rgb.c1), F(rgb.c2), F(rgb.c3)};
-  if constexpr (Mode == ColorMode::kSpectral) emitted = light_spectra<L>(scene, Uint<L>(scene.environment), lambda);
+  if constexpr (Mode == ColorMode::kSpectral) emitted = light_spectra<L>(scene, Uint<L>(index), lambda);
   EnvmapValue<L> value{};
   Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
     if constexpr (Kind::kMeeting == LightMeeting::kEscape)
-      if (light.is(Kind::kKind)) value = Kind::template arriving<L, Mode>(scene, emitted, direction, lambda);
+      if (light.is(Kind::kKind)) value = Kind::template arriving<L, Mode>(scene, light, emitted, direction, lambda);
   });
   return value;
 }

@@ -26,7 +26,7 @@ struct SphereLight {
     const F squared = dot(to_center, to_center);
     const F one_minus_cos_max = sphere_one_minus_cos(light.radius, squared);
     LightSample<L> s;
-    s.valid = one_minus_cos_max > F(0.0f);
+    s.valid = (one_minus_cos_max > F(0.0f)) & !light.is_along_normal();
     const F distance = sqrt(max(squared, F(1e-37f)));
     const auto frame = Frame<L>::from_normal(to_center * (F(1.0f) / distance));
     const Vec3<L> local = square_to_cone<L>(u.y, u.z, one_minus_cos_max);

@@ -14,7 +14,7 @@ namespace {
 template <class L>
 SHEAF_INLINE void start_wavelengths(const StageContext& context, Wave& wave, const Slot* slots, int count,
                                     const ThroughputState<L>& path, const Random4<L>& camera) {
-  const bool lens = context.scene.camera.has_lens();
+  const bool lens = context.scene.camera.has_lens() || context.scene.more_camera_count > 0;
   alignas(kSimdAlignment) float u[L::width];
   if (context.wavelength_sample >= 0.0f)
     store(u, Float<L>(context.wavelength_sample));
@@ -22,6 +22,27 @@ SHEAF_INLINE void start_wavelengths(const StageContext& context, Wave& wave, con
     store(u,
           lens ? draw<L>(context.sampler, path.pixel, path.sample, Uint<L>(0u), SampleBlock::kWavelength).x : camera.z);
   for (int lane = 0; lane < count; ++lane) wave.wavelength_samples[slots[lane]] = u[lane];
+}
+
+/// The ray of the camera whose column of the film the position lies in.
+template <class L>
+SHEAF_INLINE CameraRay<L> camera_ray(const SceneView& scene, Float<L> x, Float<L> y, const Random4<L>& u) {
+  using F = Float<L>;
+  const auto of = [&](const Camera& camera, F across) SHEAF_LAMBDA_INLINE {
+    const Vec2<L> lens = camera.has_lens() ? square_to_disk<L>(u.z, u.w) : Vec2<L>{F(0.0f), F(0.0f)};
+    return camera.ray<L>(across, y, lens.x, lens.y);
+  };
+  CameraRay<L> ray = of(scene.camera, x);
+  for (std::uint32_t i = 0; i < scene.more_camera_count; ++i) {
+    const F begin(static_cast<float>(i + 1) * scene.column_width);
+    const auto here = x >= begin;
+    if (!any(here)) break;
+    const CameraRay<L> other = of(scene.more_cameras[i], x - begin);
+    ray.origin = select<L>(here, other.origin, ray.origin);
+    ray.direction = select<L>(here, other.direction, ray.direction);
+    ray.t_max = select(here, other.t_max, ray.t_max);
+  }
+  return ray;
 }
 
 /// The state that only scenes with media or surfaces that let shadow rays pass have. Returns RayState::flags.
@@ -61,7 +82,8 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   load(sample, throughput.sample);
   load(pixel, throughput.pixel);
   // The fourth lane is no colour in RGB mode: it starts at 0 and stays there, whatever BSDFs do to it.
-  throughput.beta = {F(1.0f), F(1.0f), F(1.0f), F(context.scene.color == ColorMode::kSpectral ? 1.0f : 0.0f)};
+  const F weight(context.scene.camera.weight);
+  throughput.beta = {weight, weight, weight, context.scene.color == ColorMode::kSpectral ? weight : F(0.0f)};
   throughput.eta_scale = F(1.0f);
   throughput.progress = U(0u);
 
@@ -69,8 +91,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   if (context.scene.color == ColorMode::kSpectral) start_wavelengths<L>(context, wave, slots, count, throughput, u);
   const auto dx = context.scene.filter->sample<L>(u.x), dy = context.scene.filter->sample<L>(u.y);
   const F film_x = to_float(px) + F(0.5f) + dx.position, film_y = to_float(py) + F(0.5f) + dy.position;
-  const Vec2<L> lens = context.scene.camera.has_lens() ? square_to_disk<L>(u.z, u.w) : Vec2<L>{F(0.0f), F(0.0f)};
-  const CameraRay<L> from_camera = context.scene.camera.ray<L>(film_x, film_y, lens.x, lens.y);
+  const CameraRay<L> from_camera = camera_ray<L>(context.scene, film_x, film_y, u);
   RayState<L> ray;
   ray.origin = from_camera.origin;
   ray.direction = from_camera.direction;

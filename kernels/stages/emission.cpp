@@ -53,6 +53,14 @@ SHEAF_INLINE LightPath<L> light_path(const SceneView& scene, const Wave& wave, c
   return path;
 }
 
+/// Whether any light may be met by leaving the scene.
+bool has_surroundings(const SceneView& scene) {
+  for (std::uint32_t light = scene.bounded_light_count; light < scene.light_count; ++light)
+    if (surrounds_scene(scene, light)) return true;
+  return false;
+}
+
+/// The environment and suns.
 template <class L, ColorMode Mode>
 SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;
@@ -60,22 +68,24 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   const RadianceState<L> radiance = wave.radiance.gather<L>(slots);
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
-  const bool visible = context.scene.environment != kNone;
+  const SceneView& scene = context.scene;
+  const bool visible = has_surroundings(scene);
   const auto shown = Mask<L>(visible) & !(from_camera & Mask<L>(context.transport.hide_emitters));
   const std::uint32_t transparent = mask_bits(from_camera & !shown & L::first(count));
   for (std::uint32_t lanes = transparent; lanes != 0; lanes &= lanes - 1)
     mark_transparent(wave, slots[std::countr_zero(lanes)]);
-  if (visible) {
-    const ThroughputState<L> path = wave.throughput.gather<L>(slots);
-    const EnvmapValue<L> arriving =
-        environment_value<L, Mode>(context.scene, ray.direction, shading_wavelengths<L, Mode>(wave, slots));
-    const LightPath<L> from = light_path<L>(context.scene, wave, slots, ray, radiance);
-    const F probability = choice_probability<L>(context.scene, from.receiver, U(context.scene.environment));
+  if (!visible) return;
+  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const LightPath<L> from = light_path<L>(scene, wave, slots, ray, radiance);
+  const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, slots);
+  const auto counts = shown & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf) & L::first(count);
+  for (std::uint32_t light = scene.bounded_light_count; light < scene.light_count; ++light) {
+    if (!surrounds_scene(scene, light)) continue;
+    const EnvmapValue<L> arriving = environment_value<L, Mode>(scene, light, ray.direction, lambda);
+    const F probability = choice_probability<L>(scene, from.receiver, U(light));
     const F weight = emission_weight<L>(context.transport, radiance.scatter_pdf,
                                         probability * arriving.pdf_solid_angle * from.light_ratio) / from.divisor;
-    const auto counts = shown & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf) & L::first(count);
-    add_radiance<L>(wave, slots, mask_bits(counts), path.beta * arriving.radiance * weight,
-                    U(context.scene.environment));
+    add_radiance<L>(wave, slots, mask_bits(counts), path.beta * arriving.radiance * weight, U(light));
   }
 }
 
@@ -100,8 +110,8 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
 
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
   const auto hidden = from_camera & Mask<L>(context.transport.hide_emitters);
-  const auto lit =
-      (dot(ray.direction, y.ng) < F(0.0f)) & (!hidden) & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf);
+  const auto lit = (dot(ray.direction, y.ng) < F(0.0f)) & !light.is_along_normal() & (!hidden) &
+                   !is_caustic<L>(context, ray.flags, radiance.scatter_pdf);
   const LightPath<L> from = light_path<L>(context.scene, wave, slots, ray, radiance);
   const F pdf = choice_probability<L>(context.scene, from.receiver, hit.light) *
                 light_pdf_solid_angle<L>(context.scene, light, Mask<L>(true), from.receiver.p, ray.direction,

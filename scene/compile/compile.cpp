@@ -14,7 +14,7 @@ std::unique_ptr<Scene> SceneCompiler::run() {
   out_->film_ = in_.film;
   out_->sampler_ = in_.sampler;
   out_->integrator_ = in_.integrator;
-  out_->camera_ = make_camera(in_.camera, in_.film.width, in_.film.height);
+  add_cameras();
   out_->filter_ = make_filter_table(in_.film.filter);
   out_->textures_ = compile_textures(in_.textures);
   attributes_.emplace(out_->textures_.attribute_names);
@@ -30,6 +30,22 @@ std::unique_ptr<Scene> SceneCompiler::run() {
   end_media();
   finish_tables();
   return std::move(out_);
+}
+
+void SceneCompiler::add_cameras() {
+  const auto count = static_cast<int>(in_.more_cameras.size()) + 1;
+  if (in_.film.width % count != 0)
+    throw SceneError(in_.camera.where, "the film is " + std::to_string(in_.film.width) + " pixels wide, which " +
+                                           std::to_string(count) + " cameras cannot share evenly");
+  const auto make = [&](const CameraDescription& camera) {
+    return make_camera(camera, in_.film.width / count, in_.film.height);
+  };
+  out_->camera_ = make(in_.camera);
+  for (const CameraDescription& camera : in_.more_cameras) out_->more_cameras_.push_back(make(camera));
+  if (in_.integrator.kind == IntegratorKind::kLightTracer && (count > 1 || !out_->camera_.sees_points))
+    throw SceneError(in_.camera.where,
+                     "light tracing needs a single camera that makes a picture: photons cannot be "
+                     "connected to this sensor");
 }
 
 void SceneCompiler::add_materials() {
@@ -82,8 +98,14 @@ void SceneCompiler::set_bounds() {
   out_->counts_.bounds_max = upper_;
   out_->center_ = lower_ * 0.5f + upper_ * 0.5f;
   out_->radius_ = length(upper_ * 0.5f - lower_ * 0.5f);
-  // Shadow rays to the environment end outside of everything, the camera included.
+  const float sphere = std::max(out_->radius_, 1e-3f);
+  place_distant(out_->camera_, in_.camera, out_->center_, sphere);
+  for (std::size_t i = 0; i < out_->more_cameras_.size(); ++i)
+    place_distant(out_->more_cameras_[i], in_.more_cameras[i], out_->center_, sphere);
+  // Shadow rays to the environment end outside of everything, the cameras included.
   out_->radius_ = std::max(out_->radius_, length(out_->camera_.origin - out_->center_));
+  for (const Camera& camera : out_->more_cameras_)
+    out_->radius_ = std::max(out_->radius_, length(camera.origin - out_->center_));
   out_->radius_ = std::max(out_->radius_, 1e-3f);
 }
 

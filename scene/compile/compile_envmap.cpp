@@ -98,6 +98,11 @@ bool sum_density(Envmap& map) {
 
 }  // namespace
 
+double node_solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t height) {
+  const double hat = row == 0 || row == height - 1 ? 0.5 : 1.0;  // cut in half by the pole
+  return hat * mean_sine(row, height) * (kPiDouble / (height - 1)) * (2 * kPiDouble / width);
+}
+
 Envmap make_envmap(const EnvmapPicture& picture, float scale, bool mis_compensation) {
   if (std::size_t{picture.width} * picture.height > kMaxEnvmapPixels)
     throw SceneError("a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +

@@ -23,6 +23,9 @@ struct EnvmapPicture {
 /// or not finite become 0. to_map is left at identity. Throws SceneError for pictures of more than 2^28 pixels.
 Envmap make_envmap(const EnvmapPicture& picture, float scale, bool mis_compensation);
 
+/// The solid angle that a node of row `row` stands for, in a map of `width` by `height` nodes.
+double node_solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t height);
+
 /// Fills `spectra` from the nodes' colours through UpliftTable, for spectral mode. Runs in parallel.
 void uplift_nodes(Envmap& map);
 

@@ -17,11 +17,13 @@ std::optional<AreaEmission> SceneCompiler::emission_of(const ShapeDescription& s
   if (!shape.radiance) return std::nullopt;
   const LightContext context = light_context();
   if (const auto* texture = std::get_if<TextureId>(&*shape.radiance))
-    return AreaEmission{
-        {1, 1, 1}, context.texture_row(*texture, shape.where), context.emission_row(*texture, shape.where)};
+    return AreaEmission{{1, 1, 1},
+                        context.texture_row(*texture, shape.where),
+                        context.emission_row(*texture, shape.where),
+                        shape.emits_along_normal};
   const Vec3f radiance = emission_rgb(std::get<SpectrumDescription>(*shape.radiance));
   if (!(max_component(radiance) > 0.0f)) return std::nullopt;
-  return AreaEmission{radiance, kNone, context.emission_row(*shape.radiance, shape.where)};
+  return AreaEmission{radiance, kNone, context.emission_row(*shape.radiance, shape.where), shape.emits_along_normal};
 }
 
 void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance) {

@@ -47,6 +47,7 @@ class SceneCompiler {
   // compile.cpp
   /// What makes rows of spectra; null in RGB mode.
   SpectrumSet* spectra() { return spectra_ ? &*spectra_ : nullptr; }
+  void add_cameras();
   void add_materials();
   bool panes_can_be_open() const;
   /// Once all shapes and instances are there.

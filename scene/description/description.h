@@ -384,6 +384,8 @@ struct ShapeDescription {
   bool face_normals = false;  ///< meshes: ignore vertex normals
   std::optional<MaterialId> material;           ///< default: diffuse, reflectance 0.5
   std::optional<SpectrumInput> radiance;  ///< an area light, emitting on the side of the normal; W / (m^2 sr)
+  /// The area light emits along its normal alone: `radiance` is radiant exitance, W / m^2. Only photons can tell.
+  bool emits_along_normal = false;
   /// What light is in behind the surface and before it; neither: what it was in. Only one: vacuum on the other side.
   std::optional<MediumId> interior, exterior;
   bool exterior_is_surrounding = false;  ///< outside is what holds the shape; no `exterior` then
@@ -404,9 +406,16 @@ struct InstanceDescription {
   std::uint32_t group = 0;  ///< index into Description::groups
 };
 
-/// A camera with a pinhole or a thin lens, or one whose rays are all parallel.
+/// A camera with a pinhole or a thin lens, one whose rays are parallel, or a sensor without a picture.
 struct CameraDescription {
-  enum class Projection { kPerspective, kOrthographic } projection = Projection::kPerspective;
+  enum class Projection {
+    kPerspective,
+    kOrthographic,     ///< with a lens: parallel are the rays through its centre
+    kSpherical,        ///< all directions by longitude and latitude, as EnvmapDescription has them
+    kRadianceMeter,    ///< a ray along +z
+    kDistant,          ///< rays along +z from outside the scene, to `target` or across its bounding sphere
+    kIrradianceMeter,  ///< from all over [-1, 1]^2 of the xy plane to the side of +z: the mean irradiance
+  } projection = Projection::kPerspective;
   /// Camera space looks along +z, +y is up, +x is to the left of the picture. Orthographic: the picture's width spans
   /// x in [-1, 1].
   Transform to_world;
@@ -417,6 +426,15 @@ struct CameraDescription {
   /// Where on the film (0, 0, 1) is seen: shifted from the centre by these parts of its size, to the left and upwards.
   float principal_point_x = 0, principal_point_y = 0;
   float near_clip = 0, far_clip = kInfinity;  ///< z in camera space between which things are seen
+  /// Perspective, without a lens: what is seen at the tangent r of the angle to the axis is shown at the one of
+  /// r (1 + distortion[0] r^2 + distortion[1] r^4) (Bouguet's kc).
+  std::array<float, 2> distortion{0, 0};
+  /// kDistant: a point, or [-1, 1]^2 or the unit disk of the xy plane of a space.
+  struct TargetArea {
+    Transform to_world;
+    bool round = false;
+  };
+  std::variant<std::monostate, Vec3f, TargetArea> target = {};
   std::optional<MediumId> medium;  ///< that the camera is in; none: found from the shapes around it
   SourceLocation where;
 };
@@ -466,26 +484,60 @@ struct EnvmapDescription {
   bool mis_compensation = false;  ///< sample what is brighter than the mean (Karlik et al. 2019)
 };
 
+/// The sky of Hosek and Wilkie 2012, on all sides above the horizon.
+struct SkyDescription {
+  Vec3f up{0, 1, 0};        ///< to the zenith, unit length
+  std::vector<Vec3f> suns;  ///< to the sun, unit length; of several the skies are averaged. Below the horizon: black
+  float turbidity = 3;      ///< in [1, 10]
+  SpectrumDescription albedo = SpectrumDescription::constant(0.3f);  ///< of the ground
+  float scale = 1;
+  /// The suns themselves, as parts of the map, times this: for those that move across the sky. See SunDescription.
+  float sun_scale = 0;
+  float stretch = 1;     ///< in [1, 2]: 2 spreads the sky over the whole sphere
+  bool extend = false;   ///< below the horizon it is as just above
+  int resolution = 512;  ///< columns of the map that it becomes, which has half as many rows
+};
+
+/// The sun of Hosek and Wilkie 2013, a disk as bright everywhere as it is on average.
+struct SunDescription {
+  Vec3f up{0, 1, 0}, direction{0, 1, 0};  ///< to the zenith and to the sun, unit length
+  float turbidity = 3;                    ///< in [1, 10]
+  float scale = 1;
+  /// Half the angle under which the sun is seen, degrees, in [0, 90); its irradiance does not depend on it.
+  float radius = kSunRadius;
+  float stretch = 1;  ///< as the sky's
+
+  static constexpr float kSunRadius = 0.2679f;
+};
+
+/// A ray of light: `power` (W) from the origin of its space along +z. Only photons can tell.
+struct BeamDescription {
+  Transform to_world;
+  SpectrumDescription power = SpectrumDescription::constant(1);
+};
+
 /// All kinds of light: those of descriptions, and what shapes and media that emit become. kernels/lights/all.h holds
 /// them to the same order.
 enum class LightKind : std::uint32_t {
   kMesh,
   kSphere,
-  kQuadric,     ///< disks, cylinders, and spheres that are stretched or flipped
+  kQuadric,  ///< disks, cylinders, and spheres that are stretched or flipped
   kPoint,
   kSpot,        ///< linear in the angle
   kSmoothSpot,  ///< a smooth step in the angle's cosine
   kProjector,
+  kBeam,
   kDirectional,
+  kSun,  ///< a disk infinitely far away
   kConstant,
   kEnvmap,
-  kVolume,      ///< a medium; stays the last
+  kVolume,  ///< a medium; stays the last
 };
 inline constexpr int kLightKinds = static_cast<int>(LightKind::kVolume) + 1;
 
 struct LightDescription {
   std::variant<PointLightDescription, ConstantLightDescription, SpotLightDescription, DirectionalLightDescription,
-               ProjectorDescription, EnvmapDescription>
+               ProjectorDescription, EnvmapDescription, SkyDescription, SunDescription, BeamDescription>
       model;
   SourceLocation where;
 };
@@ -555,6 +607,7 @@ struct IntegratorDescription {
 /// A whole scene. `notes` are remarks for the user about what was mapped or ignored.
 struct Description {
   CameraDescription camera;
+  std::vector<CameraDescription> more_cameras;  ///< the film is cut into as many columns of equal width as cameras
   FilmDescription film;
   SamplerDescription sampler;
   IntegratorDescription integrator;

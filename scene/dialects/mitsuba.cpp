@@ -97,8 +97,15 @@ void read_mitsuba(ReadContext& context) {
   Last last;
   for (const XmlElement& child : root.children)
     read_or_leave_out(child, context, [&] { read_child(child, reader, last); });
+  const std::size_t used = last.sensor != nullptr || reader.shape_sensors.empty() ? 0 : 1;
+  for (std::size_t i = used; i < reader.shape_sensors.size(); ++i)
+    context.note(reader.shape_sensors[i].element->where,
+                 "a scene is rendered through its first sensor; this one is left out");
   if (last.sensor != nullptr) {
     read_or_as(*last.sensor, context, "perspective", [&] { mitsuba::read_sensor(*last.sensor, reader); });
+  } else if (!reader.shape_sensors.empty()) {
+    const XmlElement& sensor = *reader.shape_sensors[0].element;
+    read_or_as(sensor, context, "irradiancemeter", [&] { mitsuba::read_shape_sensor(reader.shape_sensors[0], reader); });
   } else {
     stand_in_camera(root, "<sensor>", context);
   }

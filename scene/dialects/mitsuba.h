@@ -8,11 +8,19 @@
 
 namespace sheaf::mitsuba {
 
+/// A sensor on a shape, of that transform, of the sort of `shape_type`.
+struct ShapeSensor {
+  const XmlElement* element;
+  std::string shape_type;
+  Transform to_world;
+};
+
 /// A Mitsuba scene while it is read.
 struct Reader {
   ReadContext& context;
   bool before_version_2 = false;
   std::map<const XmlElement*, MaterialId> materials = {};  ///< read so far
+  std::vector<ShapeSensor> shape_sensors = {};             ///< read so far
   std::optional<MaterialId> null = std::nullopt;   ///< a boundary that is not noticed, once one was read
   std::optional<MaterialId> black = std::nullopt;  ///< the material of light sources that name none, once one was read
 };
@@ -31,6 +39,8 @@ void read_emitter(const XmlElement& element, Reader& reader);
 void read_fov(Properties& p, CameraDescription& camera);
 /// Camera, film and sampler.
 void read_sensor(const XmlElement& element, Reader& reader);
+/// The same of a sensor on a shape.
+void read_shape_sensor(const ShapeSensor& sensor, Reader& reader);
 /// The integrator, through the wrappers moment and aov.
 void read_integrator(const XmlElement& element, Reader& reader);
 

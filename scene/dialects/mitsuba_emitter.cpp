@@ -1,8 +1,10 @@
 // The Mitsuba dialect: emitters.
 #include "scene/dialects/mitsuba.h"
+#include "scene/dialects/read_daylight.h"
 #include "scene/dialects/read_emitter.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace sheaf::mitsuba {
 
@@ -41,6 +43,13 @@ DirectionalLightDescription read_directional_light(Properties& p) {
   return light;
 }
 
+BeamDescription read_beam(Properties& p) {
+  BeamDescription light;
+  light.to_world = p.transform("to_world");
+  light.power = p.spectrum("power", SpectrumDescription::constant(1), SpectrumRole::kEmission);
+  return light;
+}
+
 ProjectorDescription read_projector(Properties& p) {
   ProjectorDescription light;
   light.to_world = p.transform("to_world");
@@ -57,7 +66,8 @@ ProjectorDescription read_projector(Properties& p) {
 
 void read_emitter(const XmlElement& element, Reader& reader) {
   Properties p(element, reader.context);
-  LightDescription light;
+  std::vector<LightDescription> lights(1);
+  LightDescription& light = lights[0];
   light.where = element.where;
   if (p.type() == "point") {
     light.model = read_point_light(p);
@@ -67,12 +77,17 @@ void read_emitter(const XmlElement& element, Reader& reader) {
     light.model = read_directional_light(p);
   } else if (p.type() == "projector") {
     light.model = read_projector(p);
-  } else if (p.type() == "area") {
+  } else if (p.type() == "collimated") {
+    light.model = read_beam(p);
+  } else if (is_daylight(p.type())) {
+    lights = read_daylight(p, reader.before_version_2);
+  } else if (p.type() == "area" || p.type() == "directionalarea") {
     if (!reader.context.scene.is_referenced(element)) p.fail("must be nested in a <shape>, or referred to by one");
     return;
   } else if (!read_shared_emitter(p, light)) {
     std::vector<std::string> known = shared_emitter_names();
-    known.insert(known.end(), {"area", "directional", "point", "projector", "spot"});
+    known.insert(known.end(), {"area", "collimated", "directional", "directionalarea", "point", "projector", "spot"});
+    known.insert(known.end(), daylight_names().begin(), daylight_names().end());
     std::sort(known.begin(), known.end());
     p.fail_plugin(known);
   }
@@ -80,7 +95,8 @@ void read_emitter(const XmlElement& element, Reader& reader) {
   p.accept({"sampling_weight"});
   p.objects("medium");  // that it is in: found from the shapes around
   p.finish();
-  reader.context.description.lights.push_back(std::move(light));
+  std::vector<LightDescription>& all = reader.context.description.lights;
+  std::move(lights.begin(), lights.end(), std::back_inserter(all));
 }
 
 }  // namespace sheaf::mitsuba

@@ -4,6 +4,7 @@
 
 #include "scene/xml/xml_values.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -66,8 +67,13 @@ void read_frame(Properties& p, FilmDescription& film) {
 
 void read_film(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  if (p.type() != "hdrfilm" && p.type() != "ldrfilm" && p.type() != "mfilm")
-    p.fail_plugin({"hdrfilm", "ldrfilm", "mfilm"});
+  if (p.type() == "specfilm") {
+    context.note(p.where(), "the film is rendered as an 'hdrfilm': its bands are not told apart (see --spectral-bins)");
+    for (const XmlElement& child : element.children)
+      if (child.name == "spectrum") p.accept({std::string(child.attribute("name")).c_str()});
+  } else if (p.type() != "hdrfilm" && p.type() != "ldrfilm" && p.type() != "mfilm") {
+    p.fail_plugin({"hdrfilm", "ldrfilm", "mfilm", "specfilm"});
+  }
   FilmDescription& film = context.description.film;
   read_frame(p, film);
   read_crop(p, film);
@@ -97,15 +103,83 @@ float parse_focal_length(Properties& p, std::string text) {
   return length;
 }
 
+/// `kc`: two numbers in a string.
+std::array<float, 2> read_distortion(Properties& p) {
+  const std::vector<float> kc = parse_floats(p.find_string("kc").value_or("0, 0"), p.where(), "kc");
+  if (kc.size() != 2) p.fail_at("kc", "holds " + std::to_string(kc.size()) + " numbers, expected two");
+  return {kc[0], kc[1]};
+}
+
+/// Parallel rays, with a lens if it is `telecentric`: lengths in world space.
+void read_orthographic(Properties& p, CameraDescription& camera) {
+  camera.projection = CameraDescription::Projection::kOrthographic;
+  const float focus = p.number("focus_distance", camera.far_clip, kPositive);
+  if (p.type() == "orthographic") return;
+  const float radius = p.number("aperture_radius", 0, kNotNegative);
+  camera.aperture_radius = radius / length(camera.to_world.vector({1, 0, 0}));
+  camera.focus_distance = focus / length(camera.to_world.vector({0, 0, 1}));
+}
+
+/// The transform that takes the origin to `origin` and +z to `direction`.
+Transform aim(Vec3f origin, Vec3f direction) {
+  const Vec3f up = std::fabs(direction.y) < 0.9f * length(direction) ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0};
+  return Transform::look_at(origin, origin + normalize(direction), up);
+}
+
+Vec3f read_sensor_direction(Properties& p) {
+  const Vec3f direction = *p.find_vec3("direction");
+  const float length = sheaf::length(direction);
+  if (!(length > 0.0f) || !std::isfinite(length)) p.fail_at("direction", "has no length");
+  return direction;
+}
+
+void read_radiance_meter(Properties& p, CameraDescription& camera) {
+  camera.projection = CameraDescription::Projection::kRadianceMeter;
+  camera.near_clip = 0;
+  const bool origin = p.has("origin"), direction = p.has("direction");
+  if (p.has("to_world")) return p.accept({"origin", "direction"});
+  if (origin != direction) p.fail_at(origin ? "origin" : "direction", "is given without the other: expected both");
+  if (origin) camera.to_world = aim(p.vec3("origin", {0, 0, 0}), read_sensor_direction(p));
+}
+
+/// The shape that a distant sensor looks at.
+CameraDescription::TargetArea read_target(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  if (p.type() != "rectangle" && p.type() != "disk")
+    p.fail("is the target of a sensor, expected a 'rectangle' or a 'disk'");
+  CameraDescription::TargetArea target{p.transform("to_world"), p.type() == "disk"};
+  p.accept({"flip_normals"});
+  p.objects("bsdf");
+  p.finish();
+  return target;
+}
+
+void read_distant(Properties& p, CameraDescription& camera) {
+  camera.projection = CameraDescription::Projection::kDistant;
+  camera.near_clip = 0;
+  const bool placed = p.has("to_world");
+  if (p.has("direction")) {
+    if (placed) p.fail_at("direction", "is given beside 'to_world', expected one or the other");
+    camera.to_world = aim({0, 0, 0}, read_sensor_direction(p));
+  }
+  if (const XmlElement* shape = p.object("shape")) {
+    camera.target = read_target(*shape, p.context());
+  } else if (const auto point = p.find_vec3("target")) {
+    camera.target = *point;
+  }
+}
+
 void read_camera(Properties& p, CameraDescription& camera) {
   camera.to_world = p.transform("to_world");
-  read_clip(p, camera, 0.01f);
   p.accept({"shutter_open", "shutter_close"});
-  if (p.type() == "orthographic") {
-    camera.projection = CameraDescription::Projection::kOrthographic;
-    p.accept({"focus_distance"});
+  if (p.type() == "radiancemeter") return read_radiance_meter(p, camera);
+  if (p.type() == "distant") return read_distant(p, camera);
+  if (p.type() == "spherical") {
+    camera.projection = CameraDescription::Projection::kSpherical;
     return;
   }
+  read_clip(p, camera, 0.01f);
+  if (p.type() == "orthographic" || p.type() == "telecentric") return read_orthographic(p, camera);
   read_fov(p, camera);
   if (p.type() == "thinlens") {
     const std::optional<float> radius = p.find_number("aperture_radius", kNotNegative);
@@ -114,9 +188,59 @@ void read_camera(Properties& p, CameraDescription& camera) {
     camera.focus_distance = p.number("focus_distance", camera.far_clip, kPositive);
     return;
   }
+  if (p.type() == "perspective_rdist") camera.distortion = read_distortion(p);
   camera.principal_point_x = p.number("principal_point_offset_x", 0);
   camera.principal_point_y = p.number("principal_point_offset_y", 0);
   p.accept({"focus_distance", "aperture_radius"});
+}
+
+constexpr std::initializer_list<const char*> kCameras = {"distant",           "orthographic",  "perspective",
+                                                         "perspective_rdist", "radiancemeter", "spherical",
+                                                         "telecentric",       "thinlens"};
+
+bool is_camera(const std::string& type) { return std::find(kCameras.begin(), kCameras.end(), type) != kCameras.end(); }
+
+/// Sensors that make no picture measure with a box filter.
+void check_meter(Properties& p, const CameraDescription& camera) {
+  using Projection = CameraDescription::Projection;
+  FilmDescription& film = p.context().description.film;
+  const bool single = camera.projection == Projection::kRadianceMeter || camera.projection == Projection::kDistant;
+  if (!single && camera.projection != Projection::kIrradianceMeter) return;
+  if (single && (film.width != 1 || film.height != 1))
+    p.fail("has a film of " + std::to_string(film.width) + " x " + std::to_string(film.height) +
+           " pixels, expected one pixel");
+  film.filter = FilterDescription{};
+}
+
+/// The film, the sampler and the medium of a sensor whose camera is read.
+void read_sensor_rest(Properties& p, Reader& reader, CameraDescription& camera) {
+  reader.context.description.film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
+  read_frame(p, reader.context.description.film);
+  if (const XmlElement* film = p.object("film"))
+    read_or_as(*film, reader.context, "hdrfilm", [&] { read_film(*film, reader.context); });
+  if (const XmlElement* sampler = p.object("sampler"))
+    read_or_as(*sampler, reader.context, "sobol", [&] { read_sampler(*sampler, reader.context); });
+  if (const XmlElement* medium = p.object("medium")) camera.medium = medium_of(*medium, reader);
+  check_meter(p, camera);
+}
+
+/// The sensors of a batch, side by side. Their own films and samplers mean nothing.
+void read_batch(Properties& p, Reader& reader) {
+  Description& description = reader.context.description;
+  std::vector<CameraDescription> cameras;
+  for (const XmlElement* element : p.objects("sensor")) {
+    Properties child(*element, reader.context);
+    if (!is_camera(child.type()) || child.type() == "radiancemeter" || child.type() == "distant")
+      child.fail("is part of a batch, expected a camera that makes a picture");
+    cameras.emplace_back().where = element->where;
+    read_camera(child, cameras.back());
+    child.objects("film"), child.objects("sampler");
+    child.finish();
+  }
+  if (cameras.empty()) p.fail("holds no <sensor>, expected one at least");
+  p.accept({"shutter_open", "shutter_close"});
+  description.camera = cameras.front();
+  description.more_cameras.assign(cameras.begin() + 1, cameras.end());
 }
 
 }  // namespace
@@ -141,18 +265,36 @@ void read_fov(Properties& p, CameraDescription& camera) {
 
 void read_sensor(const XmlElement& element, Reader& reader) {
   Properties p(element, reader.context);
-  if (p.type() != "perspective" && p.type() != "thinlens" && p.type() != "orthographic")
-    p.fail_plugin({"orthographic", "perspective", "thinlens"});
   CameraDescription& camera = reader.context.description.camera;
+  if (p.type() == "batch") {
+    read_batch(p, reader);
+  } else if (p.type() == "irradiancemeter") {
+    p.fail("must be nested in a <shape>");
+  } else if (is_camera(p.type())) {
+    read_camera(p, camera);
+  } else {
+    std::vector<std::string> known(kCameras.begin(), kCameras.end());
+    known.insert(known.end(), {"batch", "irradiancemeter"});
+    std::sort(known.begin(), known.end());
+    p.fail_plugin(known);
+  }
   camera.where = element.where;
-  read_camera(p, camera);
-  read_frame(p, reader.context.description.film);
-  reader.context.description.film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
-  if (const XmlElement* film = p.object("film"))
-    read_or_as(*film, reader.context, "hdrfilm", [&] { read_film(*film, reader.context); });
-  if (const XmlElement* sampler = p.object("sampler"))
-    read_or_as(*sampler, reader.context, "sobol", [&] { read_sampler(*sampler, reader.context); });
-  if (const XmlElement* medium = p.object("medium")) camera.medium = medium_of(*medium, reader);
+  read_sensor_rest(p, reader, camera);
+  p.finish();
+}
+
+void read_shape_sensor(const ShapeSensor& sensor, Reader& reader) {
+  Properties p(*sensor.element, reader.context);
+  if (p.type() != "irradiancemeter") p.fail_plugin({"irradiancemeter"});
+  if (sensor.shape_type != "rectangle")
+    p.fail("is in a " + in_quotes(sensor.shape_type) +
+           ", expected a 'rectangle': irradiance is measured on these alone");
+  CameraDescription& camera = reader.context.description.camera;
+  camera.where = sensor.element->where;
+  camera.projection = CameraDescription::Projection::kIrradianceMeter;
+  camera.to_world = sensor.to_world;
+  p.accept({"shutter_open", "shutter_close"});
+  read_sensor_rest(p, reader, camera);
   p.finish();
 }
 

@@ -40,8 +40,12 @@ void read_shape(const XmlElement& element, Reader& reader) {
   shape.flip_normals = p.boolean("flip_normals", false);
   if (const XmlElement* bsdf = p.object("bsdf")) shape.material = material_of(*bsdf, reader);
   if (const XmlElement* emitter = p.object("emitter"))
-    shape.radiance = read_area_emitter(*emitter, reader.context,
-                                       {"sampling_weight", "caustic_emitter_single", "caustic_emitter_multi"});
+    read_area_emitter(*emitter, reader.context, shape,
+                      {"sampling_weight", "caustic_emitter_single", "caustic_emitter_multi"});
+  if (const XmlElement* sensor = p.object("sensor")) {
+    const Transform turned = shape.flip_normals ? Transform::scale({-1, 1, -1}) : Transform();
+    reader.shape_sensors.push_back({sensor, p.type(), shape.to_world * turned});
+  }
   read_media(p, reader, shape);
   if (reader.before_version_2 && !shape.material && (shape.interior || shape.exterior))
     shape.material = null_material(reader);

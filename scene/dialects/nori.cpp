@@ -180,7 +180,7 @@ void read_mesh(const XmlElement& element, ReadContext& context) {
   shape.to_world = p.transform("toWorld") * shape.to_world;
   p.accept({"name"});
   read_inside(p, shape);
-  if (const XmlElement* emitter = p.object("emitter")) shape.radiance = read_area_emitter(*emitter, context);
+  if (const XmlElement* emitter = p.object("emitter")) read_area_emitter(*emitter, context, shape);
   p.finish();
   context.description.shapes.push_back(std::move(shape));
 }

@@ -37,15 +37,16 @@ bool read_shared_emitter(Properties& p, LightDescription& light) {
   return true;
 }
 
-SpectrumInput read_area_emitter(const XmlElement& element, ReadContext& context,
-                                std::initializer_list<const char*> ignored) {
+void read_area_emitter(const XmlElement& element, ReadContext& context, ShapeDescription& shape,
+                       std::initializer_list<const char*> ignored) {
   Properties p(element, context);
+  shape.emits_along_normal = p.type() == "directionalarea";
   // Some name it after the shape that it is on.
-  if (p.type() != "area" && !p.type().ends_with("_emitter")) p.fail_plugin({"area"});
-  SpectrumInput radiance = p.spectrum_input("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
+  const bool is_area = p.type() == "area" || p.type().ends_with("_emitter");
+  if (!is_area && !shape.emits_along_normal) p.fail_plugin({"area", "directionalarea"});
+  shape.radiance = p.spectrum_input("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
   p.accept(ignored);
   p.finish();
-  return radiance;
 }
 
 Vec3f read_direction(Properties& p, const char* to_world) {

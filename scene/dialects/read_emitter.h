@@ -12,11 +12,11 @@ bool read_shared_emitter(Properties& p, LightDescription& light);
 /// The types of those.
 const std::vector<std::string>& shared_emitter_names();
 
-/// The radiance of an <emitter> in a shape, which must be an `area`, or be called after the shape
-/// (`parallelogram_emitter`): `radiance` (1). `ignored`: properties that may be
-/// there and mean nothing. Throws SceneError.
-SpectrumInput read_area_emitter(const XmlElement& element, ReadContext& context,
-                                std::initializer_list<const char*> ignored = {});
+/// An <emitter> in a shape, which must be an `area` (or called after the shape, `parallelogram_emitter`) or a
+/// `directionalarea`: `radiance` (1). `ignored`: properties that
+/// may be there and mean nothing. Throws SceneError.
+void read_area_emitter(const XmlElement& element, ReadContext& context, ShapeDescription& shape,
+                       std::initializer_list<const char*> ignored = {});
 
 /// `direction` (+z), or what the transform makes of +z; `to_world` is its name as the dialect spells it. Throws
 /// SceneError where both are there, and for a direction without length.

@@ -1,6 +1,9 @@
 #include "scene/dialects/read_phase.h"
 
 #include "scene/dialects/read_volume.h"
+#include "scene/xml/xml_values.h"
+
+#include <numeric>
 
 namespace sheaf {
 
@@ -25,12 +28,57 @@ BlendPhaseDescription read_blend(Properties& p) {
   return blend;
 }
 
+/// Phases [first, last) with their weights, as blends of two halves.
+PhaseId add_mixture(Properties& p, const std::vector<PhaseId>& nested, const std::vector<float>& weights,
+                    std::size_t first, std::size_t last) {
+  if (last - first == 1) return nested[first];
+  const std::size_t middle = first + (last - first) / 2;
+  const auto sum = [&](std::size_t from, std::size_t to) {
+    return std::accumulate(weights.begin() + static_cast<std::ptrdiff_t>(from),
+                           weights.begin() + static_cast<std::ptrdiff_t>(to), 0.0f);
+  };
+  BlendPhaseDescription blend;
+  const float all = sum(first, last);
+  blend.weight = all > 0.0f ? sum(middle, last) / all : 0.5f;
+  blend.nested[0] = add_mixture(p, nested, weights, first, middle);
+  blend.nested[1] = add_mixture(p, nested, weights, middle, last);
+  std::vector<PhaseDescription>& phases = p.context().description.phases;
+  phases.push_back({blend, p.where()});
+  return static_cast<PhaseId>(phases.size() - 1);
+}
+
+/// Any number of phase functions with `weights` that add up to one.
+PhaseId read_mixture(Properties& p) {
+  const auto text = p.find_string("weights");
+  if (!text) p.fail("needs the string 'weights'");
+  const std::vector<float> weights = parse_floats(*text, p.where(), "weights");
+  const std::vector<const XmlElement*> elements = nested_phases(p);
+  if (elements.size() != weights.size() || elements.empty())
+    p.fail("holds " + std::to_string(elements.size()) + " nested <phase> and " + std::to_string(weights.size()) +
+           " weights, expected as many");
+  for (const float weight : weights)
+    if (!(weight >= 0.0f)) p.fail_at("weights", "holds " + std::to_string(weight) + ", expected no negative weight");
+  const float all = std::accumulate(weights.begin(), weights.end(), 0.0f);
+  if (!(all > 0.999f))
+    p.fail_at("weights", "add up to " + std::to_string(all) + ", expected 1: what absorbs belongs into the albedo");
+  if (all > 1.001f)
+    p.context().note(p.where(), "the weights add up to " + std::to_string(all) + "; they are divided by it");
+  std::vector<PhaseId> nested;
+  for (const XmlElement* element : elements) nested.push_back(read_phase(*element, p.context()));
+  return add_mixture(p, nested, weights, 0, nested.size());
+}
+
 }  // namespace
 
 PhaseId read_phase(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   PhaseDescription phase;
   phase.where = element.where;
+  if (p.type() == "mixturephase") {
+    const PhaseId mixture = read_mixture(p);
+    p.finish();
+    return mixture;
+  }
   if (p.type() == "isotropic") {
     phase.model = IsotropicPhaseDescription{};
   } else if (p.type() == "hg") {
@@ -41,7 +89,7 @@ PhaseId read_phase(const XmlElement& element, ReadContext& context) {
   } else if (p.type() == "blendphase" || p.type() == "blend") {
     phase.model = read_blend(p);
   } else {
-    p.fail_plugin({"blend", "blendphase", "hg", "isotropic", "rayleigh"});
+    p.fail_plugin({"blend", "blendphase", "hg", "isotropic", "mixturephase", "rayleigh"});
   }
   p.finish();
   std::vector<PhaseDescription>& phases = context.description.phases;

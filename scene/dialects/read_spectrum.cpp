@@ -4,6 +4,8 @@
 #include "scene/data/illuminants.h"
 #include "scene/xml/xml_values.h"
 
+#include <algorithm>
+
 namespace sheaf {
 
 namespace {
@@ -23,6 +25,19 @@ SpectrumDescription read_illuminant(Properties& p) {
   return {std::move(*table)};
 }
 
+/// `value`: a number, or three as they are.
+SpectrumDescription read_raw_constant(Properties& p) {
+  if (!p.has("value")) p.fail("needs the property 'value'");
+  const auto is_vector = [](const XmlElement& child) {
+    return child.find_attribute("name") != nullptr && child.attribute("name") == "value" &&
+           (child.name == "vector" || child.name == "point");
+  };
+  const std::vector<XmlElement>& children = p.element().children;
+  if (std::any_of(children.begin(), children.end(), is_vector))
+    return {SpectrumDescription::Rgb{*p.find_vec3("value")}};
+  return *p.find_spectrum("value", SpectrumRole::kIor);
+}
+
 /// A spectrum given as a plugin: <spectrum type="...">.
 SpectrumDescription read_spectrum_plugin(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
@@ -37,6 +52,8 @@ SpectrumDescription read_spectrum_plugin(const XmlElement& element, ReadContext&
     p.accept({"wavelength_min", "wavelength_max"});
   } else if (p.type() == "d65") {
     result = SpectrumDescription::constant(p.number("scale", 1, kNotNegative));
+  } else if (p.type() == "rawconstant") {
+    result = read_raw_constant(p);
   } else if (p.type() == "srgb") {
     const std::optional<SpectrumDescription> color = p.find_spectrum("color", SpectrumRole::kIor);
     if (!color) p.fail("needs the property 'color'");
@@ -83,8 +100,8 @@ SpectrumDescription read_blackbody(const XmlElement& element) {
 }  // namespace
 
 const std::vector<std::string>& spectrum_plugins() {
-  static const std::vector<std::string> kNames = {"blackbody", "d65",     "illuminant", "irregular",
-                                                  "regular",   "srgb", "uniform"};
+  static const std::vector<std::string> kNames = {"blackbody",   "d65",     "illuminant", "irregular",
+                                                  "rawconstant", "regular", "srgb",       "uniform"};
   return kNames;
 }
 

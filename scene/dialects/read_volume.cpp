@@ -78,6 +78,7 @@ VolumeInput read_volume(const XmlElement& element, ReadContext& context, Spectru
     const auto value = p.find_spectrum("value", role);
     if (!value) p.fail("has no 'value'");
     volume = *value;
+    p.accept({"to_world"});
   } else if (p.type() == "gridvolume") {
     volume = read_grid(p, dialect);
   } else if (p.type() == "vol") {

@@ -1,5 +1,9 @@
 #include "scene/tables/camera.h"
 
+#include "core/frame.h"
+#include "scene/tables/shape.h"
+
+#include <algorithm>
 #include <cmath>
 
 namespace sheaf {
@@ -15,6 +19,72 @@ void check(const CameraDescription& d) {
                      "radius of the aperture must not be negative, found " + std::to_string(d.aperture_radius));
   if (!(d.focus_distance > 0.0f))
     throw SceneError(d.where, "focus distance must be positive, found " + std::to_string(d.focus_distance));
+}
+
+/// The direction in world space of a step in camera space; throws SceneError if it has no length.
+Vec3f unit_vector(const CameraDescription& d, Vec3f v) {
+  const Vec3f world = d.to_world.vector(v);
+  const float length = sheaf::length(world);
+  if (!(length > 0.0f) || !std::isfinite(length)) throw SceneError(d.where, "the sensor's transform is singular");
+  return world * (1.0f / length);
+}
+
+/// The axes of the camera's space, of unit length. Throws SceneError if they are not at right angles.
+void set_axes(Camera& camera, const CameraDescription& d) {
+  camera.lens_x = unit_vector(d, {1, 0, 0});
+  camera.lens_y = unit_vector(d, {0, 1, 0});
+  camera.forward = unit_vector(d, {0, 0, 1});
+  const float mixed =
+      std::max({std::fabs(dot(camera.lens_x, camera.lens_y)), std::fabs(dot(camera.lens_y, camera.forward)),
+                std::fabs(dot(camera.forward, camera.lens_x))});
+  if (mixed > 1e-4f) throw SceneError(d.where, "a spherical camera is skewed by its transform, expected a rotation");
+}
+
+/// Throws SceneError if the distortion does not grow all over the film, of which `radius` is the largest tangent shown.
+void check_distortion(const CameraDescription& d, double radius) {
+  const double k1 = d.distortion[0], k2 = d.distortion[1];
+  constexpr int kSteps = 4096;
+  for (double r = 0; r * (1 + r * r * (k1 + r * r * k2)) < radius; r += radius / kSteps) {
+    const double slope = 1 + r * r * (3 * k1 + r * r * 5 * k2);
+    if (!(slope > 1e-3))
+      throw SceneError(d.where, "the distortion 'kc' folds the picture at the tangent " + std::to_string(r) +
+                                    ", which lies on the film");
+  }
+}
+
+/// Cameras that measure along a ray, or many of them: no picture.
+Camera make_meter(const CameraDescription& d, int width, int height) {
+  using Projection = CameraDescription::Projection;
+  Camera camera;
+  camera.near_clip = d.near_clip;
+  camera.clip_range = d.far_clip - d.near_clip;
+  camera.sees_points = false;
+  camera.origin = d.to_world.point({0, 0, 0});
+  camera.corner = unit_vector(d, {0, 0, 1});
+  if (d.projection != Projection::kIrradianceMeter) return camera;
+  const Vec3f x = d.to_world.vector({1, 0, 0}), y = d.to_world.vector({0, 1, 0});
+  const auto frame = Frame<Scalar>::from_normal(normalize(d.to_world.normal({0, 0, 1})));
+  const float extent = max_component(abs(camera.origin)) + max_component(abs(x)) + max_component(abs(y));
+  camera.origin = camera.origin - x - y + frame.n * (4 * kOffsetUlps * extent);
+  camera.origin_dx = x * (2.0f / static_cast<float>(width));
+  camera.origin_dy = y * (2.0f / static_cast<float>(height));
+  camera.lens_x = frame.s;
+  camera.lens_y = frame.t;
+  camera.corner = frame.n;
+  camera.rays = CameraRays::kHemisphere;
+  camera.weight = kPi;
+  return camera;
+}
+
+Camera make_spherical(const CameraDescription& d, int width, int height) {
+  Camera camera;
+  camera.near_clip = d.near_clip;
+  camera.clip_range = d.far_clip - d.near_clip;
+  camera.rays = CameraRays::kSpherical;
+  camera.origin = d.to_world.point({0, 0, 0});
+  set_axes(camera, d);
+  camera.film_step = {1.0f / static_cast<float>(width), 1.0f / static_cast<float>(height)};
+  return camera;
 }
 
 /// The vector whose product with a point, seen from the origin, is the point's z: across the film, and 1 with `corner`.
@@ -43,7 +113,11 @@ double half_width_of(float fov, CameraDescription::FovAxis axis, double width, d
 
 Camera make_camera(const CameraDescription& description, int width, int height) {
   check(description);
-  const bool orthographic = description.projection == CameraDescription::Projection::kOrthographic;
+  using Projection = CameraDescription::Projection;
+  if (description.projection == Projection::kSpherical) return make_spherical(description, width, height);
+  const bool orthographic = description.projection == Projection::kOrthographic;
+  if (!orthographic && description.projection != Projection::kPerspective)
+    return make_meter(description, width, height);
   const double half =
       orthographic ? 1.0
                    : half_width_of(description.fov, description.fov_axis, width, height, description.where);
@@ -56,6 +130,9 @@ Camera make_camera(const CameraDescription& description, int width, int height) 
   Camera camera;
   camera.near_clip = description.near_clip;
   camera.clip_range = description.far_clip - description.near_clip;
+  camera.lens_x = to_world(description.aperture_radius, 0, 0);
+  camera.lens_y = to_world(0, description.aperture_radius, 0);
+  camera.inverse_focus_distance = 1.0f / description.focus_distance;
   if (orthographic) {
     camera.origin = description.to_world.point({static_cast<float>(left), static_cast<float>(top), 0});
     camera.origin_dx = to_world(-step, 0, 0);
@@ -68,11 +145,38 @@ Camera make_camera(const CameraDescription& description, int width, int height) 
   camera.corner = to_world(left, top, 1.0);
   camera.dx = to_world(-step, 0, 0);
   camera.dy = to_world(0, -step, 0);
-  camera.lens_x = to_world(description.aperture_radius, 0, 0);
-  camera.lens_y = to_world(0, description.aperture_radius, 0);
-  camera.inverse_focus_distance = 1.0f / description.focus_distance;
   camera.z_axis = z_axis_of(camera);
+  if (description.distortion == std::array<float, 2>{0, 0}) return camera;
+  const double right = left - 2 * half, bottom = top - 2 * half * height / width;
+  check_distortion(description, std::hypot(std::max(std::fabs(left), std::fabs(right)),
+                                           std::max(std::fabs(top), std::fabs(bottom))));
+  camera.rays = CameraRays::kDistorted;
+  camera.forward = to_world(0, 0, 1.0);
+  camera.film_corner = {static_cast<float>(left), static_cast<float>(top)};
+  camera.film_step = {static_cast<float>(-step), static_cast<float>(-step)};
+  std::copy(description.distortion.begin(), description.distortion.end(), camera.distortion);
   return camera;
+}
+
+void place_distant(Camera& camera, const CameraDescription& description, Vec3f center, float radius) {
+  if (description.projection != CameraDescription::Projection::kDistant) return;
+  const Vec3f direction = camera.corner;
+  if (const auto* point = std::get_if<Vec3f>(&description.target)) {
+    camera.origin = *point - direction * (2 * radius);
+  } else if (const auto* area = std::get_if<CameraDescription::TargetArea>(&description.target)) {
+    const Vec3f x = area->to_world.vector({1, 0, 0}), y = area->to_world.vector({0, 1, 0});
+    camera.origin = area->to_world.point({0, 0, 0}) - direction * (2 * radius);
+    if (area->round) {
+      camera.lens_x = x, camera.lens_y = y;
+    } else {
+      camera.origin = camera.origin - x - y;
+      camera.origin_dx = x * 2.0f, camera.origin_dy = y * 2.0f;
+    }
+  } else {
+    const auto frame = Frame<Scalar>::from_normal(direction);
+    camera.origin = center - direction * radius;
+    camera.lens_x = frame.s * radius, camera.lens_y = frame.t * radius;
+  }
 }
 
 }  // namespace sheaf

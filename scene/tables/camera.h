@@ -24,9 +24,17 @@ template <class L> struct CameraView {
   typename L::Mask valid;  ///< false: the point lies behind the camera or not between the clip planes
 };
 
-/// Any camera, prepared for rays: origins and directions are affine in the positions on film and lens. What a kind of
-/// camera has no use for is zero. World space; film positions are in pixels, y downwards, (0, 0) the upper left corner
-/// of the frame.
+/// How directions depend on the positions on film and lens.
+enum class CameraRays {
+  kAffine,      ///< affine in both
+  kDistorted,   ///< affine in the film position once Camera::undistorted() has moved it
+  kSpherical,   ///< by longitude and latitude
+  kHemisphere,  ///< along the cosine around `corner`, by the position on the lens
+};
+
+/// Any camera, prepared for rays: origins and, but for CameraRays, directions are affine in the positions on film and
+/// lens. What a kind of camera has no use for is zero. World space; film positions are in pixels, y downwards, (0, 0)
+/// the upper left corner of the frame.
 struct Camera {
   Vec3f origin{};                         ///< where rays through the film's corner and the lens's centre pass z = 0
   Vec3f origin_dx{}, origin_dy{};         ///< its change with the film position: orthographic cameras
@@ -36,19 +44,33 @@ struct Camera {
   Vec3f z_axis{};                         ///< z of a point is its product with what lies between `origin` and the point
   float inverse_focus_distance = 0;       ///< of the plane, across z, in which the picture is sharp
   float near_clip = 0, clip_range = kInfinity;  ///< z of the near plane, and from there to the far plane
+  CameraRays rays = CameraRays::kAffine;
+  /// kDistorted: step from z = 0 to z = 1 along the axis. kSpherical: the direction at the middle of the film, of unit
+  /// length, as are lens_x, at a quarter of a turn from there, and lens_y, upwards.
+  Vec3f forward{};
+  float distortion[2] = {};          ///< see CameraDescription
+  Vec2f film_corner{}, film_step{};  ///< kDistorted: x and y at z = 1 of the film's corner, and per pixel. kSpherical:
+                                     ///< turns and half turns per pixel
+  float weight = 1;                  ///< what is measured, per radiance
+  bool sees_points = true;           ///< whether view() works: a point is seen at a place on the film
 
   /// Whether rays depend on the lens position.
-  bool has_lens() const { return !(lens_x == Vec3f{0, 0, 0} && lens_y == Vec3f{0, 0, 0}); }
+  bool has_lens() const {
+    return rays != CameraRays::kSpherical && !(lens_x == Vec3f{0, 0, 0} && lens_y == Vec3f{0, 0, 0});
+  }
 
   /// The ray through the film position (x, y) and the position (u, v) on the lens, a point of the unit disk.
   template <class L>
   SHEAF_INLINE CameraRay<L> ray(typename L::Float x, typename L::Float y, typename L::Float u,
                                 typename L::Float v) const {
     using F = typename L::Float;
+    if (rays == CameraRays::kSpherical || rays == CameraRays::kHemisphere) return turned_ray<L>(x, y, u, v);
     const Vec3<L> lens = broadcast<L>(lens_x) * u + broadcast<L>(lens_y) * v;
     const Vec3<L> start = broadcast<L>(origin) + broadcast<L>(origin_dx) * x + broadcast<L>(origin_dy) * y + lens;
-    const Vec3<L> step =
+    Vec3<L> step =
         broadcast<L>(corner) + broadcast<L>(dx) * x + broadcast<L>(dy) * y - lens * F(inverse_focus_distance);
+    if (rays == CameraRays::kDistorted)
+      step = broadcast<L>(forward) + (step - broadcast<L>(forward)) * undistorted<L>(x, y);
     const F length = sheaf::length(step);
     return {start + step * F(near_clip), step * (F(1.0f) / length), length * F(clip_range)};
   }
@@ -58,6 +80,7 @@ struct Camera {
   /// the film position, and its area per pixel what the importance is made of.
   template <class L> SHEAF_INLINE CameraView<L> view(Vec3<L> p, typename L::Float u, typename L::Float v) const {
     using F = typename L::Float;
+    if (rays == CameraRays::kSpherical) return turned_view<L>(p);
     const Vec3<L> lens = broadcast<L>(lens_x) * u + broadcast<L>(lens_y) * v;
     const Vec3<L> from = p - broadcast<L>(origin);
     const F z = dot(from, broadcast<L>(z_axis));
@@ -77,13 +100,84 @@ struct Camera {
     out.target = start + step * F(near_clip);
     // One over the cosine between the ray and the film's normal is the step's length, in units of its length along it.
     out.importance = length(step) * length(broadcast<L>(z_axis)) / select(out.valid, area, F(1.0f));
+    if (rays == CameraRays::kDistorted) distort<L>(out);
+    return out;
+  }
+
+ private:
+  /// The tangent at the film position over that at which it is seen: CameraDescription::distortion inverted by Newton's
+  /// method.
+  template <class L> SHEAF_INLINE Float<L> undistorted(Float<L> x, Float<L> y) const {
+    using F = Float<L>;
+    const F px = fma(F(film_step.x), x, F(film_corner.x)), py = fma(F(film_step.y), y, F(film_corner.y));
+    const F shown = max(sqrt(px * px + py * py), F(1e-20f));
+    F r = shown;
+    for (int i = 0; i < 8; ++i) {
+      const F r2 = r * r;
+      const F error = r * fma(fma(r2, F(distortion[1]), F(distortion[0])), r2, F(1.0f)) - shown;
+      r = r - error / fma(fma(r2, F(5.0f * distortion[1]), F(3.0f * distortion[0])), r2, F(1.0f));
+    }
+    return r / shown;
+  }
+
+  /// Moves what is seen without distortion. The film's area is stretched by the radial and the tangential scale.
+  template <class L> SHEAF_INLINE void distort(CameraView<L>& view) const {
+    using F = Float<L>;
+    const F px = fma(F(film_step.x), view.film_x, F(film_corner.x));
+    const F py = fma(F(film_step.y), view.film_y, F(film_corner.y));
+    const F r2 = px * px + py * py;
+    const F tangential = fma(fma(r2, F(distortion[1]), F(distortion[0])), r2, F(1.0f));
+    const F radial = fma(fma(r2, F(5.0f * distortion[1]), F(3.0f * distortion[0])), r2, F(1.0f));
+    view.film_x = (px * tangential - F(film_corner.x)) * F(1.0f / film_step.x);
+    view.film_y = (py * tangential - F(film_corner.y)) * F(1.0f / film_step.y);
+    view.importance = view.importance * tangential * radial;
+    view.valid = view.valid & (tangential > F(0.0f)) & (radial > F(0.0f));
+  }
+
+  template <class L> SHEAF_INLINE CameraRay<L> turned_ray(Float<L> x, Float<L> y, Float<L> u, Float<L> v) const {
+    using F = Float<L>;
+    const Vec3<L> start = broadcast<L>(origin) + broadcast<L>(origin_dx) * x + broadcast<L>(origin_dy) * y;
+    Vec3<L> direction;
+    if (rays == CameraRays::kSpherical) {
+      const F across = x * F(film_step.x), down = clamp(y * F(film_step.y), F(0.0f), F(1.0f));
+      const auto longitude = sincos_2pi<L>(across - floor(across)), polar = sincos_2pi<L>(down * F(0.5f));
+      direction = (broadcast<L>(lens_x) * longitude.sin + broadcast<L>(forward) * -longitude.cos) * polar.sin +
+                  broadcast<L>(lens_y) * polar.cos;
+    } else {
+      const F z = safe_sqrt(F(1.0f) - fma(u, u, v * v));
+      direction = broadcast<L>(lens_x) * u + broadcast<L>(lens_y) * v + broadcast<L>(corner) * z;
+    }
+    direction = normalize(direction);
+    return {start + direction * F(near_clip), direction, F(clip_range)};
+  }
+
+  /// The film's area per solid angle is W H / (2 pi^2 sin theta).
+  template <class L> SHEAF_INLINE CameraView<L> turned_view(Vec3<L> p) const {
+    using F = Float<L>;
+    const Vec3<L> from = p - broadcast<L>(origin);
+    const F squared = dot(from, from);
+    const F x = dot(from, broadcast<L>(lens_x)), y = dot(from, broadcast<L>(lens_y)),
+            z = dot(from, broadcast<L>(forward));
+    const F sine = sqrt(x * x + z * z);
+    const F turn = atan2(x, -z) * F(0.5f * kInvPi);
+    CameraView<L> out;
+    out.film_x = (turn - floor(turn)) * F(1.0f / film_step.x);
+    out.film_y = atan2(sine, y) * F(kInvPi / film_step.y);
+    out.target = broadcast<L>(origin);
+    out.valid = (sine > F(0.0f)) & is_finite(squared);
+    const F scale(0.5f * kInvPi * kInvPi / (film_step.x * film_step.y));
+    out.importance = scale / select(out.valid, sine * sqrt(squared), F(1.0f));
     return out;
   }
 };
 
 /// Prepares a camera for a frame of width x height pixels. Throws SceneError for a field of view outside (0, 180), clip
-/// distances out of order, a negative aperture or a focus distance that is not positive.
+/// distances out of order, a negative aperture, a focus distance that is not positive, a distortion that shows two
+/// directions at one place, and a transform that stretches what measures angles.
 Camera make_camera(const CameraDescription& description, int width, int height);
+
+/// Places a camera that looks from outside the scene, whose shapes lie in a sphere. Others stay where they are.
+void place_distant(Camera& camera, const CameraDescription& description, Vec3f center, float radius);
 
 /// tan of half the horizontal field of view, for `fov` degrees along the axis. Throws SceneError at `where` outside of
 /// (0, 180).

@@ -26,16 +26,17 @@ template <class L> struct LightRecord {
   /// kMesh: of triangle_alias, light_triangles; kVolume: of triangle_alias, cells. kSphere, kQuadric: see quadric().
   U first_triangle{};
   U triangle_count{};
-  /// Radiance (W / (m^2 sr)); kPoint, spots, kProjector: intensity (W / sr); kDirectional: irradiance (W / m^2). Where
-  /// there is a texture, what it is multiplied by. kEnvmap: the mean over all directions. kVolume: what it emits in
-  /// all, W / sr.
+  /// Radiance (W / (m^2 sr)); kPoint, spots, kProjector: intensity (W / sr); kDirectional: irradiance (W / m^2); kBeam:
+  /// power (W). Where there is a texture, what it is multiplied by. kEnvmap: the mean over all directions. kVolume:
+  /// what it emits in all, W / sr.
   Spectrum<L> radiance;
-  /// kPoint, spots, kProjector, kSphere (centre), kVolume (least corner): metres; kDirectional: unit vector to the
-  /// light.
+  /// kPoint, spots, kProjector, kBeam, kSphere (centre), kVolume (least corner): metres; kDirectional, kSun: unit
+  /// vector to the light.
   Vec3<L> position;
-  F area{};    ///< area lights: of the world-space surface; kQuadric: of the canonical shape; kVolume: see extent()
-  F radius{};  ///< kSphere; kVolume: see extent()
-  F depth{};   ///< kVolume: see extent()
+  F area{};    ///< area lights: of the world-space surface; kQuadric: of the canonical shape; kVolume: see extent();
+               ///< kBeam: see beam()
+  F radius{};  ///< kSphere; kSun: 1 less the cosine of the angle between its centre and its rim
+  F depth{};   ///< area lights: see is_along_normal()
   U texture = U(kNone);  ///< into SceneView::textures; kNone: the same everywhere
   U detail{};  ///< see frame(), first_uv(), least_offset() and cells()
 
@@ -51,6 +52,10 @@ template <class L> struct LightRecord {
   SHEAF_INLINE U medium() const { return shape; }
   /// kVolume: size of its box, metres.
   SHEAF_INLINE Vec3<L> extent() const { return {area, radius, depth}; }
+  /// kBeam: where the light travels, unit length.
+  SHEAF_INLINE Vec3<L> beam() const { return extent(); }
+  /// Area lights: whether they emit along their normal alone, radiance being radiant exitance (W / m^2).
+  SHEAF_INLINE typename L::Mask is_along_normal() const { return depth > F(0.0f); }
   void set_extent(Vec3<L> size) { area = size.x, radius = size.y, depth = size.z; }
   /// Spots, kProjector: into SceneView::light_frames.
   SHEAF_INLINE U frame() const { return detail; }

@@ -50,6 +50,9 @@ SceneView Scene::view() const {
   v.radius = radius_;
   v.medium_radius = medium_radius_;
   v.camera = camera_;
+  v.more_cameras = more_cameras_.data();
+  v.more_camera_count = static_cast<std::uint32_t>(more_cameras_.size());
+  v.column_width = static_cast<float>(film_.width) / static_cast<float>(more_cameras_.size() + 1);
   v.filter = &filter_;
   v.light_selector = integrator_.light_selector;
   v.accel = accel_.get();

@@ -79,7 +79,10 @@ struct SceneView {
   float radius = 0;
   /// Media that no surface ends do so at this distance from `center`; infinite where no light shines from outside.
   float medium_radius = kInfinity;
-  Camera camera;
+  Camera camera;                         ///< the first
+  const Camera* more_cameras = nullptr;  ///< those that see the columns of the film behind the first's
+  std::uint32_t more_camera_count = 0;
+  float column_width = 0;  ///< of the film of each camera, pixels, where there are several
   const FilterTable* filter = nullptr;
   LightSelector light_selector = LightSelector::kBvh;
   const Accel* accel = nullptr;
@@ -156,6 +159,7 @@ class Scene {
   float radius_ = 0, medium_radius_ = kInfinity;
   SceneInfo counts_;
   Camera camera_;
+  std::vector<Camera> more_cameras_;
   FilterTable filter_;
   FilmDescription film_;
   SamplerDescription sampler_;

@@ -186,17 +186,26 @@ EnvmapDescription envmap_of(const TemporaryFolder& folder, bool compensated) {
   return {folder / "map.exr", 1.5f, Transform::rotate({1, 2, 3}, 70) * Transform::scale({-2, 2, 2}), compensated};
 }
 
+SunDescription sun_of(float radius) {
+  SunDescription sun;
+  sun.direction = normalize(Vec3f{-0.4f, 0.5f, 1});
+  sun.scale = 1e-3f;
+  sun.radius = radius;
+  return sun;
+}
+
 /// Lights that are not on a shape. Environment maps need their file while the scene is compiled.
 std::vector<Case> placed_cases(const TemporaryFolder& folder) {
   const auto color = rgb({3, 1, 2});
   std::vector<Case> cases = {placed_case("point", PointLightDescription{{0.3f, -0.2f, 3}, color}),
                              placed_case("projector", projector_of()),
                              placed_case("directional", DirectionalLightDescription{{0.4f, 0.1f, -1}, color}),
+                             placed_case("sun", sun_of(8)),
                              placed_case("constant", ConstantLightDescription{color}),
                              placed_case("envmap", envmap_of(folder, false), 1e-3),
                              placed_case("compensated envmap", envmap_of(folder, true), 1e-3)};
-  for (std::size_t k = 2; k < 6; ++k) cases[k].photons = 500000;
-  cases[5].photons = 2000000;  // few of them carry much
+  for (std::size_t k = 2; k < 7; ++k) cases[k].photons = 500000;
+  cases[6].photons = 2000000;  // few of them carry much
   Case c = placed_case("textured projector", projector_of(), 1e-2);
   std::get<ProjectorDescription>(c.scene.lights[0].model).irradiance = add_board(c.scene, {6, 1, 0}, {2, 3, 1});
   cases.push_back(c);
@@ -243,6 +252,7 @@ Case mixed_case(const TemporaryFolder& folder) {
   c.scene.lights.push_back({projector_of(), {}});
   add_point_light(c.scene, {0, 1, 2}, 3);
   c.scene.lights.push_back({DirectionalLightDescription{{0.4f, 0.1f, -1}, SpectrumDescription::constant(0.2f)}, {}});
+  c.scene.lights.push_back({sun_of(5), {}});
   c.scene.lights.push_back({envmap_of(folder, true), {}});
   const Case medium = medium_cases(folder).back();
   c.scene.media = medium.scene.media;
@@ -488,7 +498,7 @@ TEST_CASE("light emission: photons start off the surface and leave along the cos
 TEST_CASE("light emission: directions are distributed as their density says") {
   const TemporaryFolder folder;
   constexpr double kDegree = kPiD / 180;
-  const double significance = significance_of_each(8);
+  const double significance = significance_of_each(9);
   const auto uniform = [](Vec3f) { return 0.25 / kPiD; };
   check_directions(placed_case("", PointLightDescription{}).scene, uniform, -1, significance);
   check_directions(placed_case("", ConstantLightDescription{}).scene, uniform, -1, significance);
@@ -498,6 +508,11 @@ TEST_CASE("light emission: directions are distributed as their density says") {
     const auto cone = [&](Vec3f) { return 0.5 / kPiD / (1 - z_min); };
     check_directions(placed_case("", spot_of(falloff, Transform(), 50, 20)).scene, cone, z_min, significance);
   }
+  SunDescription sun = sun_of(40);
+  sun.direction = {0, 0, -1}, sun.up = {0, 0, -1};
+  const double rim = std::cos(40 * kDegree);
+  check_directions(
+      placed_case("", sun).scene, [&](Vec3f) { return 0.5 / kPiD / (1 - rim); }, rim, significance);
   for (const bool compensated : {false, true}) {
     const Description d = placed_case("", envmap_of(folder, compensated)).scene;
     const auto scene = compile_scene(d);
@@ -518,6 +533,39 @@ TEST_CASE("light emission: directions are distributed as their density says") {
   };
   const auto density = [&](double, double) { return 0.25 / (half * half); };
   CHECK(chi_square_plane(on_picture, density, {-half, half, -half, half, 12, 12}, 20000).p_value > significance);
+}
+
+TEST_CASE("light emission: rays of light, and surfaces that emit along their normals") {
+  const BeamDescription beam{kTilt * Transform::scale({1, 1, 2}), rgb({1, 2, 0.5f})};
+  const auto ray = compile_scene(placed_case("", beam).scene);
+  const auto e = photon(ray->view(), 7);
+  CHECK(e.valid);
+  CHECK(length(e.origin - Vec3f{0.3f, -0.2f, 3}) < 1e-6f);
+  CHECK(length(e.direction - normalize(kTilt.vector({0, 0, 1}))) < 1e-6f);
+  CHECK(weighed(e.flux) == doctest::Approx(1 + 4 + 1.5));
+  CHECK(power_of(ray->view()) == doctest::Approx(1 + 4 + 1.5));
+  CHECK_FALSE(sample_any_light<Scalar>(ray->view(), {0, 0, 0}, {0.5f, 0.5f, 0.5f, 0.5f}).valid);
+
+  const auto cases = area_cases();
+  for (Case c : cases) {
+    CAPTURE(c.name);
+    for (ShapeDescription& shape : c.scene.shapes) shape.emits_along_normal = true;
+    for (ShapeGroup& group : c.scene.groups)
+      for (ShapeDescription& shape : group.shapes) shape.emits_along_normal = true;
+    const auto scene = compile_scene(c.scene);
+    check_power(scene->view(), 20000, c.power_error, significance_of_each(static_cast<int>(cases.size())));
+    double worst = 0;
+    for (std::uint32_t i = 0; i < 500; ++i) {
+      const auto p = photon(scene->view(), i);
+      if (!p.valid) continue;
+      const auto below = trace_ray(scene->view(), p.origin, -p.direction);
+      if (!below) continue;
+      const Vec3f ng = surface_at(scene->view(), p.origin, -p.direction, *below).ng;
+      worst = std::max(worst, double(length(ng - p.direction)));
+      CHECK_FALSE(sample_any_light<Scalar>(scene->view(), {0.1f, 0.2f, 0.3f}, random4<Scalar>(66, i, 0, 0)).valid);
+    }
+    CHECK(worst < 2e-3);
+  }
 }
 
 TEST_CASE("light emission: lights are chosen by power, whatever the selector") {

@@ -6,6 +6,7 @@
 #include "scene/compile/compile.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/records_testing.h"
+#include "tests/support/statistics.h"
 #include "tests/support/tiny_scenes.h"
 #include "tests/support/trace_testing.h"
 
@@ -293,6 +294,42 @@ TEST_CASE("light sampling: the environment") {
     CHECK(s.pdf_solid_angle == doctest::Approx(0.25 * kInvPi));
     CHECK_FALSE(s.delta);
     CHECK(length(s.target - view.center) > view.radius);
+  }
+}
+
+TEST_CASE("light sampling: a sun, large or small, and what is seen of it") {
+  for (const float radius : {0.2679f, 30.0f}) {
+    Description d = empty_scene(4, 4);
+    add_sphere(d, {1, 2, 3}, 2);
+    SunDescription sun;
+    sun.up = sun.direction = {0, 0, 1};
+    sun.radius = radius;
+    d.lights.push_back({sun, {}});
+    const auto scene = compile_scene(d);
+    const SceneView view = scene->view();
+    const double rim = std::cos(double(radius) * 3.14159265358979 / 180), pdf = 0.5 * kInvPi / (1 - rim);
+    const auto sample = [&](Random4<Scalar> u) { return sampled_direction(view, {1, 0, 0}, u); };
+    const auto density = [&](Vec3f) { return pdf; };
+    // Of small ones the cosines are too coarse for cells.
+    if (radius > 1) CHECK(chi_square_sphere(sample, density, rim).p_value > significance_of_each(kTests));
+    MeanVariance spread;
+    for (std::uint32_t i = 0; i < 5000; ++i)
+      spread.add(0.5 * double(length_squared(*sample(lane_random(48, i, 0)) - sun.direction)) / (1 - rim));
+    CHECK(spread.p_value(0.5) > significance_of_each(kTests));
+    const auto seen = [&](double share) {
+      const auto angle = static_cast<float>(share * double(radius) * 3.14159265358979 / 180);
+      return environment_value<Scalar, ColorMode::kRgb>(view, 0, {std::sin(angle), 0, std::cos(angle)}, {});
+    };
+    for (std::uint32_t i = 0; i < 1000; ++i) {
+      const auto s = sample_any_light<Scalar>(view, {1, 0, 0}, lane_random(47, i, 0));
+      CHECK(s.pdf_solid_angle == doctest::Approx(pdf).epsilon(1e-4));
+      CHECK_FALSE(s.delta);
+      CHECK(s.radiance.c1 == seen(0.5).radiance.c1);
+    }
+    CHECK(seen(0.99).pdf_solid_angle == doctest::Approx(pdf).epsilon(1e-4));
+    CHECK(seen(0.99).radiance.c1 > 0);
+    CHECK(seen(1.01).pdf_solid_angle == 0);
+    CHECK(seen(1.01).radiance.c1 == 0);
   }
 }
 

@@ -13,8 +13,8 @@ Two files are written per scene, with the channels R, G and B:
                 mean over that many samples.
 
 The variant scalar_spectral makes the references of spectral mode, NAME_spectral.exr and NAME_spectral_var.exr, of the
-scenes in SPECTRAL. Their variance is that between pictures of few samples each, and so is that of scenes with media,
-medium_NAME, which are made with scalar_rgb.
+scenes in SPECTRAL. Their variance is that between pictures of few samples each, and so is that of sunsky and of scenes
+with media, medium_NAME, which are made with scalar_rgb.
 
 The variance is the mean of the squares less the square of the mean, for filters w that are nowhere negative. For the
 others it is that of filter importance sampling: samples are placed with a density proportional to |w|, and each counts
@@ -174,7 +174,7 @@ def write(name, mean, variance, samples):
 
 
 def make(name, spp):
-    if name.startswith("medium_"):
+    if name.startswith("medium_") or name == "sunsky":
         make_by_pictures(name, name, spp)
         return
     path = SCENES / f"{name}.xml"

@@ -243,6 +243,122 @@ TEST_CASE("camera: clip distances, apertures and focus distances that make no se
   CHECK_THROWS_AS(make([](CameraDescription& d) { d.focus_distance = kNan; }), SceneError);
 }
 
+TEST_CASE("camera: a sphere of directions by longitude and latitude, and where points are seen on it") {
+  CameraDescription d;
+  d.projection = CameraDescription::Projection::kSpherical;
+  d.to_world = Transform::translate({1, 2, 3}) * Transform::scale({2, 2, 2});
+  const Camera camera = make_camera(d, 200, 100);
+  const auto at = [&](float x, float y) { return camera.ray<Scalar>(x, y, 0, 0); };
+  CHECK(at(7, 9).origin == Vec3f{1, 2, 3});
+  check_vector(at(100, 50).direction, {0, 0, 1});
+  check_vector(at(0, 50).direction, {0, 0, -1});
+  check_vector(at(50, 50).direction, {1, 0, 0});
+  check_vector(at(50, 25).direction, normalize(Vec3f{1, 1, 0}));
+  check_vector(at(33, 0).direction, {0, 1, 0});
+  check_vector(at(33, 100).direction, {0, -1, 0});
+  CHECK_FALSE(camera.has_lens());
+  const auto ray = at(123.4f, 31.2f);
+  const auto view = camera.view<Scalar>(ray.origin + ray.direction * 5, 0, 0);
+  CHECK(view.valid);
+  CHECK(view.film_x == doctest::Approx(123.4));
+  CHECK(view.film_y == doctest::Approx(31.2));
+  // Pixels per solid angle over the squared distance: 200 x 100 over a turn and half a turn.
+  constexpr double kPiD = 3.14159265358979;
+  CHECK(view.importance == doctest::Approx(200 * 100 / (2 * kPiD * kPiD * std::sin(0.312 * kPiD)) / 25));
+  d.to_world = Transform::rotate({0, 0, 1}, 30) * Transform::scale({1, 3, 1}) * Transform::rotate({0, 0, 1}, 30);
+  CHECK_THROWS_AS(make_camera(d, 200, 100), SceneError);
+}
+
+TEST_CASE("camera: radial distortion moves what is seen, and a point is seen where its ray passes") {
+  CameraDescription d = camera_with(80, Axis::kX);
+  d.to_world = Transform::look_at({3, -1, 2}, {0, 1, 0}, {0, 1, 0}) * Transform::scale({2, 2, 2});
+  d.principal_point_x = 0.1f;
+  const Camera plain = make_camera(d, 200, 150);
+  const Vec3f axis = d.to_world.vector({0, 0, 0.5f});
+  const auto tangent = [&](Vec3f direction) {
+    return std::tan(angle_between(direction, axis) * 3.14159265358979 / 180);
+  };
+  for (const std::array<float, 2> kc : {std::array{0.3f, 0.1f}, std::array{-0.15f, 0.02f}}) {
+    d.distortion = kc;
+    const Camera camera = make_camera(d, 200, 150);
+    for (const Vec2f film : {Vec2f{3, 5}, Vec2f{80, 75}, Vec2f{150, 20}, Vec2f{199, 149}}) {
+      const Vec3f seen = direction(camera, film.x, film.y), shown = direction(plain, film.x, film.y);
+      const double r = tangent(seen);
+      CHECK(r * (1 + double(kc[0]) * r * r + double(kc[1]) * r * r * r * r) ==
+            doctest::Approx(tangent(shown)).epsilon(1e-4));
+      // They lie in one plane with the axis, on the same side of it.
+      CHECK(std::fabs(dot(cross(seen, shown), axis)) < 1e-4f);
+      const auto ray = camera.ray<Scalar>(film.x, film.y, 0, 0);
+      const auto view = camera.view<Scalar>(ray.origin + ray.direction * 3, 0, 0);
+      CHECK(view.valid);
+      CHECK(view.film_x == doctest::Approx(film.x).epsilon(1e-3));
+      CHECK(view.film_y == doctest::Approx(film.y).epsilon(1e-3));
+      // The film's area by which a solid angle is shown, by differences.
+      constexpr float kStep = 0.5f;
+      const Vec3f dx = direction(camera, film.x + kStep, film.y) - direction(camera, film.x - kStep, film.y);
+      const Vec3f dy = direction(camera, film.x, film.y + kStep) - direction(camera, film.x, film.y - kStep);
+      CHECK(double(view.importance) * 9 == doctest::Approx(1 / double(length(cross(dx, dy)))).epsilon(2e-3));
+    }
+  }
+  d.distortion = {-0.6f, 0};
+  CHECK_THROWS_AS(make_camera(d, 200, 150), SceneError);
+}
+
+TEST_CASE("camera: sensors that make no picture") {
+  using Projection = CameraDescription::Projection;
+  CameraDescription d;
+  d.to_world = Transform::look_at({1, 2, 3}, {1, 2, 7}, {0, 1, 0});
+  d.projection = Projection::kRadianceMeter;
+  const auto meter = make_camera(d, 1, 1).ray<Scalar>(0.9f, 0.1f, 0.5f, 0.5f);
+  CHECK(meter.origin == Vec3f{1, 2, 3});
+  check_vector(meter.direction, {0, 0, 1});
+  CHECK(meter.t_max == kInfinity);
+
+  d.projection = Projection::kDistant;
+  const auto distant = [&](float x, float y, float u, float v) {
+    Camera camera = make_camera(d, 1, 1);
+    place_distant(camera, d, {10, 20, 30}, 5);
+    return camera.ray<Scalar>(x, y, u, v);
+  };
+  check_vector(distant(0.5f, 0.5f, 0, 0).origin, {10, 20, 25});
+  CHECK(length(distant(0.5f, 0.5f, 0.6f, 0.8f).origin - Vec3f{10, 20, 25}) == doctest::Approx(5));
+  check_vector(distant(0.5f, 0.5f, 0.6f, 0.8f).direction, {0, 0, 1});
+  d.target = Vec3f{7, 8, 9};
+  check_vector(distant(0.5f, 0.5f, 0.6f, 0.8f).origin, {7, 8, -1});
+  d.target = CameraDescription::TargetArea{Transform::translate({7, 8, 9}) * Transform::scale({2, 3, 1}), false};
+  check_vector(distant(0, 0, 0.6f, 0.8f).origin, {5, 5, -1});
+  check_vector(distant(1, 0.5f, 0.6f, 0.8f).origin, {9, 8, -1});
+  d.target = CameraDescription::TargetArea{Transform::translate({7, 8, 9}) * Transform::scale({2, 3, 1}), true};
+  check_vector(distant(0, 0, 0, -1).origin, {7, 5, -1});
+
+  d.projection = Projection::kIrradianceMeter;
+  d.to_world = Transform::translate({1, 0, 0}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({2, 2, 2});
+  const Camera camera = make_camera(d, 2, 2);
+  CHECK(camera.weight == doctest::Approx(3.14159265));
+  const auto corner = camera.ray<Scalar>(0, 0, 0, 0), middle = camera.ray<Scalar>(1, 1, 0.6f, 0);
+  CHECK(length(corner.origin - Vec3f{1, -2, 2}) < 1e-5f);
+  CHECK(corner.origin.x > 1);  // off the surface
+  check_vector(corner.direction, {1, 0, 0});
+  CHECK(length(middle.origin - Vec3f{1, 0, 0}) < 1e-5f);
+  CHECK(middle.direction.x == doctest::Approx(0.8));
+  for (const Projection projection : {Projection::kRadianceMeter, Projection::kDistant, Projection::kIrradianceMeter}) {
+    d.projection = projection;
+    CHECK_FALSE(make_camera(d, 1, 1).sees_points);
+  }
+}
+
+TEST_CASE("camera: parallel rays with a lens are sharp in the plane in focus") {
+  CameraDescription d;
+  d.projection = CameraDescription::Projection::kOrthographic;
+  d.aperture_radius = 0.25f;
+  d.focus_distance = 4;
+  const Camera camera = make_camera(d, 100, 100);
+  CHECK(camera.has_lens());
+  const auto ray = camera.ray<Scalar>(25, 50, 0.6f, -0.8f);
+  CHECK(length(ray.origin - Vec3f{0.5f + 0.15f, -0.2f, 0}) < 1e-6f);
+  CHECK(length(ray.origin + ray.direction * (4 / ray.direction.z) - Vec3f{0.5f, 0, 4}) < 1e-5f);
+}
+
 TEST_CASE("camera: registers equal single values") {
   CameraDescription d = camera_with(70, Axis::kDiagonal);
   d.to_world = Transform::look_at({3, -1, 2}, {0, 1, 0}, {0, 1, 0});

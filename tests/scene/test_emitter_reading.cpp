@@ -105,6 +105,88 @@ TEST_CASE("emitters of Mitsuba: projector and environment map") {
   CHECK(contains(mitsuba_error("envmap", kPicture + "<float name='scal' value='2'/>"), "did you mean 'scale'"));
 }
 
+TEST_CASE("emitters of Mitsuba: daylight") {
+  const auto lights_of = [](const std::string& type, const std::string& inside, const std::string& version) {
+    return read_text(mitsuba_scene("<emitter type='" + type + "'>" + inside + "</emitter>",
+                                   "<sensor type='perspective'/>", "<integrator type='path'/>", version))
+        .lights;
+  };
+  const std::string aimed =
+      "<vector name='sunDirection' value='0,3,4'/><float name='turbidity' value='5'/>"
+      "<float name='skyScale' value='2'/><float name='sunScale' value='0.5'/>";
+  const auto both = lights_of("sunsky", aimed + "<float name='sun_aperture' value='2'/>", "3.0.0");
+  REQUIRE(both.size() == 2);
+  const auto sky = std::get<SkyDescription>(both[0].model);
+  const auto sun = std::get<SunDescription>(both[1].model);
+  CHECK(near(sky.up, {0, 0, 1}));
+  CHECK(near(sun.up, {0, 0, 1}));
+  REQUIRE(sky.suns.size() == 1);
+  CHECK(near(sky.suns[0], {0, 0.6f, 0.8f}));
+  CHECK(near(sun.direction, {0, 0.6f, 0.8f}));
+  CHECK(sky.turbidity == 5);
+  CHECK(sun.turbidity == 5);
+  CHECK(dump(sky.albedo) == dump(SpectrumDescription::constant(0.3f)));
+  CHECK(sky.scale == 2);
+  CHECK(sky.sun_scale == 0);
+  CHECK(sun.scale == 0.5f);
+  CHECK(sun.radius == 1);
+
+  // By the clock: +x is south in releases from 2 on, and +x is east before.
+  const auto later = std::get<SunDescription>(lights_of("sunsky", "", "3.0.0")[1].model);
+  const auto before = std::get<SunDescription>(lights_of("sun", "<float name='scale' value='3'/>", "0.6.0")[0].model);
+  CHECK(length(later.direction - Vec3f{0.0517f, 0.6916f, 0.7204f}) < 2e-3f);
+  CHECK(length(before.direction - Vec3f{-0.6916f, 0.7204f, 0.0517f}) < 2e-3f);
+  CHECK(near(before.up, {0, 1, 0}));
+  CHECK(before.scale == 3);
+  CHECK(later.radius == SunDescription::kSunRadius);
+  const auto turned = lights_of("sky",
+                                "<transform name='toWorld'><rotate x='1' angle='90'/></transform>"
+                                "<float name='stretch' value='1.5'/><integer name='resolution' value='256'/>",
+                                "0.6.0");
+  REQUIRE(turned.size() == 1);
+  const auto old = std::get<SkyDescription>(turned[0].model);
+  CHECK(near(old.up, {0, 0, 1}));
+  CHECK(old.stretch == 1.5f);
+  CHECK(old.resolution == 256);
+  CHECK(dump(old.albedo) == dump(SpectrumDescription::constant(0.2f)));
+  CHECK(std::get<SunDescription>(lights_of("sunsky", "<float name='sunRadiusScale' value='0'/>", "0.6.0")[1].model)
+            .radius == 0);
+
+  const auto timed = lights_of("timed_sunsky",
+                               "<integer name='end_day' value='3'/><integer name='end_year' value='2025'/>"
+                               "<float name='window_end_time' value='9'/>",
+                               "3.0.0");
+  REQUIRE(timed.size() == 1);
+  const auto moving = std::get<SkyDescription>(timed[0].model);
+  CHECK(moving.suns.size() == 8192);
+  CHECK(moving.sun_scale == 1);
+  for (const Vec3f& at : moving.suns) CHECK(at.y < 0);  // mornings
+
+  CHECK(contains(mitsuba_error("sunsky", aimed + "<float name='hour' value='9'/>"), "is given beside 'sun_direction'"));
+  CHECK(contains(mitsuba_error("sunsky", "<float name='turbidity' value='11'/>"), "'turbidity'"));
+  CHECK(contains(mitsuba_error("sunsky", "<vector name='sun_direction' value='0,0,0'/>"), "no length"));
+  CHECK(contains(mitsuba_error("sunsky", "<integer name='month' value='13'/>"), "'month'"));
+  CHECK(contains(mitsuba_error("timed_sunsky", "<integer name='end_year' value='2024'/>"), "before the first"));
+  CHECK(contains(mitsuba_error("sunski"), "did you mean 'sunsky'"));
+  CHECK(contains(mitsuba_error("sunsky", "<float name='turbidty' value='3'/>"), "did you mean 'turbidity'"));
+}
+
+TEST_CASE("emitters of Mitsuba: what photons alone can tell") {
+  const auto beam = std::get<BeamDescription>(mitsuba_light("collimated",
+                                                            "<transform name='toWorld'><translate x='3'/></transform>"
+                                                            "<rgb name='power' value='1,2,3'/>")
+                                                  .model);
+  CHECK(beam.to_world.point({0, 0, 0}) == Vec3f{3, 0, 0});
+  CHECK(dump(beam.power) == "rgb 0x1p+0 0x1p+1 0x1.8p+1");
+  const Description d = read_text(mitsuba_scene(
+      "<shape type='disk'><emitter type='directionalarea'><rgb name='radiance' value='3'/></emitter></shape>"
+      "<shape type='disk'><emitter type='area'/></shape>"));
+  CHECK(d.shapes.at(0).emits_along_normal);
+  CHECK(dump(std::get<SpectrumDescription>(d.shapes.at(0).radiance.value())) == "rgb 0x1.8p+1 0x1.8p+1 0x1.8p+1");
+  CHECK_FALSE(d.shapes.at(1).emits_along_normal);
+  CHECK(contains(mitsuba_error("directionalarea"), "must be nested in a <shape>"));
+}
+
 TEST_CASE("emitters on shapes take textures, in shape groups as well") {
   const std::string area =
       "<emitter type='area'><texture name='radiance' type='bitmap'>" + kPicture + "</texture></emitter>";

@@ -201,6 +201,27 @@ TEST_CASE("lights: parallel light") {
   CHECK(rendered(d).mean == 0);
 }
 
+TEST_CASE("lights: a sun and the sky, by every strategy") {
+  Description d = floor_scene();
+  SunDescription sun;
+  sun.up = {0, 0, 1};
+  sun.direction = normalize(Vec3f{0.3f, 0.2f, 0.8f});
+  sun.radius = 20;
+  d.lights.push_back({sun, {}});
+  const auto scene = compile_scene(d);
+  const LightRow& row = scene->view().lights[0];
+  // Lambert's cosine over a cone above the horizon: pi sin^2 of its half angle times the cosine of its axis.
+  const double cosine = double(sun.direction.z), disk = kPiD * std::pow(std::sin(20 * kDegrees), 2);
+  CHECK(agreed(d) == doctest::Approx(0.5 / kPiD * double(row.radiance.c0) * disk * cosine).epsilon(0.01));
+  SkyDescription sky;
+  sky.up = sun.up;
+  sky.suns = {sun.direction};
+  sky.resolution = 64;
+  sky.scale = 1e4f;
+  d.lights.push_back({sky, {}});
+  agreed(d, 1);
+}
+
 TEST_CASE("lights: pictures on lights of every shape, by every strategy" * doctest::test_suite("slow")) {
   Description d = floor_scene();
   const TextureId board = add_board(d, {6, 1, 1}, {2, 3, 1}), other = add_board(d, {1, 5, 1}, {9, 2, 1});

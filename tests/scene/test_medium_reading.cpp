@@ -147,6 +147,31 @@ TEST_CASE("media: phase functions of every kind") {
   CHECK(std::get<HenyeyGreensteinDescription>(at(inner.nested[1]).model).g == 0.8f);
 }
 
+TEST_CASE("media: mixtures of phase functions are blends of halves, and constant volumes may be placed") {
+  const Description d = read_text(mitsuba_scene(
+      "<medium type='homogeneous'><phase type='mixturephase'><string name='weights' value='0.2, 0.3, 0.5'/>"
+      "<phase type='rayleigh'/><phase type='isotropic'/><phase type='hg'/></phase>"
+      "<volume name='albedo' type='constvolume'><float name='value' value='0.5'/>"
+      "<transform name='to_world'><translate x='1'/></transform></volume></medium>"));
+  REQUIRE(d.phases.size() == 5);
+  const auto whole = std::get<BlendPhaseDescription>(d.phases.at(4).model);
+  CHECK(d.media.at(0).phase == PhaseId{4});
+  CHECK(whole.weight == doctest::Approx(0.8));
+  CHECK(std::holds_alternative<RayleighDescription>(d.phases.at(static_cast<std::size_t>(whole.nested[0])).model));
+  const auto rest = std::get<BlendPhaseDescription>(d.phases.at(static_cast<std::size_t>(whole.nested[1])).model);
+  CHECK(rest.weight == doctest::Approx(0.625));
+  CHECK(std::holds_alternative<IsotropicPhaseDescription>(d.phases.at(static_cast<std::size_t>(rest.nested[0])).model));
+  const auto error = [](const std::string& weights) {
+    return error_of_text(mitsuba_scene("<medium type='homogeneous'><phase type='mixturephase'>"
+                                       "<string name='weights' value='" + weights + "'/>"
+                                       "<phase type='rayleigh'/><phase type='hg'/></phase></medium>"));
+  };
+  CHECK(contains(error("1"), "holds 2 nested <phase> and 1 weights"));
+  CHECK(contains(error("0.5, 0.2"), "expected 1"));
+  CHECK(contains(error("2, -1"), "no negative weight"));
+  CHECK(error("3, 1").empty());
+}
+
 TEST_CASE("media: Mitsuba's shapes and sensors refer to media, each of which is read once") {
   const Description d = read_volumes(mitsuba_scene(
       "<shape type='sphere'><ref id='fog' name='interior'/></shape>"

@@ -337,6 +337,12 @@ TEST_CASE("Mitsuba: spectra in every spelling") {
   CHECK(reflectance_of("<spectrum name='reflectance' value='0.25'/>") == "constant 0x1p-2");
   CHECK(reflectance_of("<spectrum name='reflectance' value='400:0.5, 700:0.25'/>") ==
         "table 0x1.9p+8:0x1p-1 0x1.5ep+9:0x1p-2");
+  CHECK(reflectance_of("<texture type='rawconstant' name='reflectance'><vector name='value' value='0.1,0.2,0.3'/></texture>") ==
+        reflectance_of("<rgb name='reflectance' value='0.1,0.2,0.3'/>"));
+  CHECK(reflectance_of("<spectrum type='rawconstant' name='reflectance'><float name='value' value='0.25'/></spectrum>") ==
+        "constant 0x1p-2");
+  CHECK(reflectance_of("<texture type='volume' name='reflectance'><volume name='volume' type='constvolume'>"
+                       "<float name='value' value='0.25'/></volume></texture>") == "constant 0x1p-2");
   CHECK(reflectance_of("<spectrum type='uniform' name='reflectance'><float name='value' value='0.25'/></spectrum>") ==
         "constant 0x1p-2");
   CHECK(reflectance_of("<spectrum type='irregular' name='reflectance'><string name='wavelengths' value='400, 700'/>"

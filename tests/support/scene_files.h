@@ -212,6 +212,12 @@ inline std::string dump(const ShapeDescription& s) {
   return out.str();
 }
 
+inline std::string dump(Vec3f v) {
+  std::ostringstream out;
+  out << std::hexfloat << v.x << ' ' << v.y << ' ' << v.z << ' ';
+  return out.str();
+}
+
 inline std::string dump(const LightDescription& light) {
   std::ostringstream out;
   out << std::hexfloat;
@@ -236,7 +242,17 @@ inline std::string dump(const LightDescription& light) {
                         [&](const EnvmapDescription& v) {
                           out << "envmap " << v.file.filename() << ' ' << v.scale << ' ' << dump(v.to_world)
                               << v.mis_compensation;
-                        }},
+                        },
+                        [&](const SkyDescription& v) {
+                          out << "sky " << dump(v.up) << v.turbidity << ' ' << dump(v.albedo) << ' ' << v.scale << ' '
+                              << v.sun_scale << ' ' << v.stretch << ' ' << v.extend << ' ' << v.resolution;
+                          for (const Vec3f& sun : v.suns) out << ' ' << dump(sun);
+                        },
+                        [&](const SunDescription& v) {
+                          out << "sun " << dump(v.up) << dump(v.direction) << v.turbidity << ' ' << v.scale << ' '
+                              << v.radius << ' ' << v.stretch;
+                        },
+                        [&](const BeamDescription& v) { out << "beam " << dump(v.to_world) << dump(v.power); }},
              light.model);
   return out.str();
 }
@@ -247,7 +263,8 @@ inline std::string dump(const Description& d) {
   const CameraDescription& c = d.camera;
   out << std::hexfloat << "camera " << static_cast<int>(c.projection) << ' ' << dump(c.to_world) << c.fov << ' '
       << static_cast<int>(c.fov_axis) << ' ' << c.aperture_radius << ' ' << c.focus_distance << ' '
-      << c.principal_point_x << ' ' << c.principal_point_y << ' ' << c.near_clip << ' ' << c.far_clip << '\n';
+      << c.principal_point_x << ' ' << c.principal_point_y << ' ' << c.near_clip << ' ' << c.far_clip << ' '
+      << c.distortion[0] << ' ' << c.distortion[1] << " of " << d.more_cameras.size() + 1 << '\n';
   out << "film " << d.film.width << 'x' << d.film.height;
   if (d.film.crop)
     out << " crop " << d.film.crop->x0 << ',' << d.film.crop->y0 << ',' << d.film.crop->x1 << ',' << d.film.crop->y1;

@@ -24,7 +24,11 @@ struct AreaEmission {
   Vec3f radiance;                 ///< with a texture what it is multiplied by
   std::uint32_t texture = kNone;
   SpectrumRow spectrum = {};      ///< the same as `radiance`, in spectral mode
+  bool along_normal = false;      ///< see LightRecord::is_along_normal()
 };
+
+/// The flux per area that an area light emits, over its radiance.
+inline float exitance_factor(const LightRow& light) { return light.is_along_normal() ? 1.0f : kPi; }
 
 /// An area light with its triangles and the alias table over them (meshes only).
 struct AreaLight {

@@ -1,7 +1,10 @@
 // Environment maps as lights: row and power. The tables of a map are made by compile_envmap.cpp.
 #include "scene/compile/compile_envmap.h"
+#include "scene/compile/daylight.h"
 #include "scene/compile/light.h"
 #include "scene/compile/lights/light_rotation.h"
+
+#include "core/frame.h"
 
 #include <algorithm>
 
@@ -17,6 +20,20 @@ struct EnvmapRows {
     return emitted_rgb(light) * (4 * kPi * disk);
   }
 };
+
+/// Makes a map that is turned already the scene's. Nothing if it is black, with a warning of `what`.
+std::optional<PlacedLight> place_map(Envmap map, LightContext& context, const std::string& what,
+                                     const SourceLocation& where) {
+  if (!(max_component(map.mean) > 0.0f)) {
+    context.warnings.push_back(what + " is black");
+    return std::nullopt;
+  }
+  if (context.spectra != nullptr) uplift_nodes(map);
+  PlacedLight placed{make_light_row(LightKind::kEnvmap, map.mean, {0, 0, 0}), std::nullopt,
+                     context.emission_row(SpectrumDescription::constant(1), where)};
+  context.envmap = std::move(map);
+  return placed;
+}
 
 }  // namespace
 
@@ -38,15 +55,17 @@ std::optional<PlacedLight> place_light(const LightToPlace<EnvmapDescription>& l)
   const bool compensate = light.mis_compensation && context.description.integrator.strategy == LightStrategy::kMis;
   Envmap map = make_envmap(picture, light.scale, compensate);
   set_rotation(map, light.to_world, l.where);
-  if (!(max_component(map.mean) > 0.0f)) {
-    context.warnings.push_back(light.file.string() + ": the environment map is black");
-    return std::nullopt;
-  }
-  if (context.spectra != nullptr) uplift_nodes(map);
-  PlacedLight placed{make_light_row(LightKind::kEnvmap, map.mean, {0, 0, 0}), std::nullopt,
-                     context.emission_row(SpectrumDescription::constant(1), l.where)};
-  context.envmap = std::move(map);
-  return placed;
+  return place_map(std::move(map), context, light.file.string() + ": the environment map", l.where);
+}
+
+std::optional<PlacedLight> place_light(const LightToPlace<SkyDescription>& l) {
+  const SkyDescription& sky = l.light;
+  const auto frame = Frame<Scalar>::from_normal(sky.up);
+  Envmap map = make_envmap(sky_picture(sky, frame.s), 1, false);
+  const Vec3f rows[3] = {cross(sky.up, frame.s), sky.up, frame.s};
+  for (std::size_t i = 0; i < 3; ++i)
+    map.to_map[3 * i] = rows[i].x, map.to_map[3 * i + 1] = rows[i].y, map.to_map[3 * i + 2] = rows[i].z;
+  return place_map(std::move(map), l.context, SceneError(l.where, "the sky").what(), l.where);
 }
 
 }  // namespace sheaf

@@ -127,7 +127,7 @@ struct MeshRows {
   static constexpr LightReach kReach = LightReach::kBounded;
 
   static Vec3f power(const SceneView& scene, const LightRow& light) {
-    const Vec3f power = emitted_rgb(light) * (kPi * light.area);
+    const Vec3f power = emitted_rgb(light) * (exitance_factor(light) * light.area);
     return light.texture == kNone ? power : power * texture_mean(scene, light);
   }
 

@@ -42,7 +42,7 @@ struct QuadricRows {
   static constexpr LightReach kReach = LightReach::kBounded;
 
   static Vec3f power(const SceneView& scene, const LightRow& light) {
-    const Vec3f power = emitted_rgb(light) * (kPi * quadric_area(scene.quadrics[light.quadric()]));
+    const Vec3f power = emitted_rgb(light) * (exitance_factor(light) * quadric_area(scene.quadrics[light.quadric()]));
     return light.texture == kNone ? power : power * texture_mean(scene, light);
   }
 

@@ -1,0 +1,50 @@
+// Suns: row and power. A sun without extent is a parallel light.
+#include "scene/compile/daylight.h"
+#include "scene/compile/light.h"
+
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+struct SunRows {
+  static constexpr LightReach kReach = LightReach::kDistant;
+
+  static Vec3f power(const SceneView& scene, const LightRow& light) {
+    const float disk = kPi * scene.radius * scene.radius;
+    return emitted_rgb(light) * (2 * kPi * light.radius * disk);
+  }
+};
+
+/// 1 less the cosine of an angle in degrees.
+double one_minus_cos(double degrees) {
+  const double half = std::sin(0.5 * degrees * (double(kPi) / 180));
+  return 2 * half * half;
+}
+
+}  // namespace
+
+LightCompiler light_compiler(LightTag<LightKind::kSun>) { return make_light_compiler<SunRows>(); }
+
+std::optional<PlacedLight> place_light(const LightToPlace<SunDescription>& l) {
+  const SunDescription& sun = l.light;
+  const double height = dot(sun.up, sun.direction);
+  if (!(height >= 0.0)) {
+    l.context.warnings.push_back(SceneError(l.where, "the sun is below the horizon and does not shine").what());
+    return std::nullopt;
+  }
+  const bool disk = sun.radius > 0.0f;
+  // The same irradiance, whatever the radius.
+  const double own = one_minus_cos(double(SunDescription::kSunRadius)), seen = one_minus_cos(double(sun.radius));
+  const double scale = double(sun.scale) * (disk ? own / seen : 2 * double(kPi) * own);
+  SpectrumDescription::Table spectrum = sun_spectrum(sun.turbidity, std::asin(std::min(height, 1.0)));
+  for (float& value : spectrum.values) value = static_cast<float>(value * scale);
+  const Vec3f direction = stretched(sun.direction, sun.up, sun.stretch);
+  PlacedLight placed{make_light_row(disk ? LightKind::kSun : LightKind::kDirectional, sun_rgb(spectrum), direction),
+                     std::nullopt, l.context.emission_row({SpectrumDescription{std::move(spectrum)}}, l.where)};
+  if (disk) placed.row.radius = static_cast<float>(seen);
+  return placed;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,132 @@
+// Sensors without a picture and cameras side by side, against closed forms; and lights that photons alone can tell.
+#include "tests/support/render_testing.h"
+
+namespace sheaf {
+
+namespace {
+
+using Projection = CameraDescription::Projection;
+
+constexpr double kPiD = 3.14159265358979;
+
+Description meter(Projection projection, const Transform& to_world, int samples) {
+  Description d = empty_scene(1, 1);
+  d.camera.projection = projection;
+  d.camera.to_world = to_world;
+  d.sampler.sample_count = static_cast<std::uint32_t>(samples);
+  d.integrator.max_depth = 2;
+  return d;
+}
+
+double measured(const Description& d) { return double(render(*compile_scene(d), {}).film.to_image().at(0, 0, 0)); }
+
+}  // namespace
+
+TEST_CASE("sensors: irradiance") {
+  // Under a sky that is the same everywhere, pi times its radiance; half of it where a wall covers half the sky.
+  Description d = meter(Projection::kIrradianceMeter, Transform::rotate({1, 2, 0}, 50), 4096);
+  add_rectangle(d, d.camera.to_world, add_diffuse(d, 0));
+  add_constant_light(d, 0.5f);
+  CHECK(measured(d) == doctest::Approx(0.5 * kPiD).epsilon(1e-3));
+  // Below a disk of radius r at the height h on the axis: pi L r^2 / (r^2 + h^2), the meter being small.
+  Description below = meter(Projection::kIrradianceMeter, Transform::scale({0.01f, 0.01f, 1}), 16384);
+  add_rectangle(below, below.camera.to_world, add_diffuse(below, 0));
+  const Transform place = Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180);
+  emit(add_shape(below, DiskShape{}, place, add_diffuse(below, 0)), 3);
+  CHECK(measured(below) == doctest::Approx(3 * kPiD / 5).epsilon(0.01));
+  // With several pixels, each measures its part: the left of two is in the shade of a wall.
+  Description parts = meter(Projection::kIrradianceMeter, Transform(), 1024);
+  parts.film.width = 2;
+  add_rectangle(parts, Transform(), add_diffuse(parts, 0));
+  add_rectangle(parts, Transform::translate({-0.6f, 0, 0.01f}) * Transform::scale({0.61f, 2, 1}), add_diffuse(parts, 0));
+  add_constant_light(parts, 1);
+  const Image image = render(*compile_scene(parts), {}).film.to_image();
+  CHECK(image.at(0, 0, 0) < 0.1);
+  CHECK(image.at(1, 0, 0) > 2.9);
+}
+
+TEST_CASE("sensors: radiance along a ray, and what leaves the scene in a direction") {
+  const Transform down = Transform::translate({0.2f, 0.1f, 3}) * Transform::rotate({1, 0, 0}, 180);
+  for (const Projection projection : {Projection::kRadianceMeter, Projection::kDistant}) {
+    Description d = meter(projection, down, 4096);
+    add_rectangle(d, Transform(), add_diffuse(d, 0.5f));
+    add_point_light(d, {0.2f, 0.1f, 2}, 8);
+    // The point below the light: I rho / (pi h^2).
+    const double seen = 8 * 0.5 / kPiD / 4;
+    d.camera.target = Vec3f{0.2f, 0.1f, 0};
+    CHECK(measured(d) == doctest::Approx(seen).epsilon(1e-4));
+  }
+  // A light in the shape of the square fills 2 / pi of the disk around it; a target, all of it or a half.
+  Description d = meter(Projection::kDistant, down, 16384);
+  emit(add_rectangle(d, Transform(), add_diffuse(d, 0)), 5);
+  CHECK(measured(d) == doctest::Approx(5 * 2 / kPiD).epsilon(0.01));
+  d.camera.target = CameraDescription::TargetArea{Transform::scale({0.9f, 0.9f, 1}), true};
+  CHECK(measured(d) == doctest::Approx(5).epsilon(1e-5));
+  d.camera.target = CameraDescription::TargetArea{Transform::translate({1, 0, 0}), false};
+  CHECK(measured(d) == doctest::Approx(2.5).epsilon(0.01));
+}
+
+TEST_CASE("sensors: cameras side by side see what each sees alone") {
+  Description d = empty_scene(32, 16);
+  d.sampler.sample_count = 64;
+  d.integrator.max_depth = 2;
+  add_rectangle(d, Transform::translate({0, 0, 3}) * Transform::rotate({0, 1, 0}, 180), add_diffuse(d, 0.5f));
+  add_point_light(d, {0.4f, 0.5f, 1}, 8);
+  CameraDescription second = d.camera;
+  second.projection = Projection::kSpherical;
+  Description batch = d;
+  batch.more_cameras = {second};
+  batch.camera.fov = 70;
+  const Image both = render(*compile_scene(batch), {}).film.to_image();
+  for (int i = 0; i < 2; ++i) {
+    Description alone = d;
+    alone.film.width = 16;
+    alone.camera = i == 0 ? batch.camera : second;
+    const Image one = render(*compile_scene(alone), {}).film.to_image();
+    double difference = 0, sum = 0;
+    for (int y = 0; y < 16; ++y)
+      for (int x = 0; x < 16; ++x) {
+        difference += std::fabs(double(both.at(16 * i + x, y, 0)) - double(one.at(x, y, 0)));
+        sum += double(one.at(x, y, 0));
+      }
+    CHECK(sum > 1);
+    CHECK(difference < 0.05 * sum);
+  }
+  batch.film.width = 33;
+  CHECK_THROWS_AS(compile_scene(batch), SceneError);
+  batch.film.width = 32;
+  batch.integrator.kind = IntegratorKind::kLightTracer;
+  CHECK_THROWS_AS(compile_scene(batch), SceneError);
+}
+
+TEST_CASE("sensors: photons show light that goes in single directions, and paths don't") {
+  Description d = empty_scene(16, 16);
+  d.camera.projection = Projection::kOrthographic;  // [-1, 1]^2 of a floor of 0.5, from above
+  look_at(d, {0, 0, 5}, {0, 0, 0}, {0, 1, 0});
+  d.sampler.sample_count = 256;
+  add_rectangle(d, Transform::scale({3, 3, 1}), add_diffuse(d, 0.5f));
+  const auto mean = [](Description scene, IntegratorKind kind) {
+    scene.integrator.kind = kind;
+    scene.integrator.max_depth = 2;
+    const Image image = render(*compile_scene(scene), {}).to_image();
+    double sum = 0;
+    for (int y = 0; y < 16; ++y)
+      for (int x = 0; x < 16; ++x) sum += double(image.at(x, y, 0)) / 256;
+    return sum;
+  };
+  // Of a ray of 3 W the mean over the 4 m^2 that are seen; of a square of half the side, 2 W/m^2, over a quarter of them.
+  Description ray = d;
+  ray.lights.push_back({BeamDescription{Transform::translate({0.3f, 0.2f, 2}) * Transform::rotate({1, 0, 0}, 180),
+                                        SpectrumDescription::constant(3)}, {}});
+  CHECK(mean(ray, IntegratorKind::kLightTracer) == doctest::Approx(3 * 0.5 / kPiD / 4).epsilon(1e-3));
+  CHECK(mean(ray, IntegratorKind::kPath) == 0);
+  Description square = d;
+  look_at(square, {0, 0, 1}, {0, 0, 0}, {0, 1, 0});
+  ShapeDescription& light = emit(add_rectangle(square, Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180) *
+                                                   Transform::scale({0.5f, 0.5f, 1}), add_diffuse(square, 0)), 2);
+  light.emits_along_normal = true;
+  CHECK(mean(square, IntegratorKind::kLightTracer) == doctest::Approx(2 * 0.5 / kPiD / 4).epsilon(0.01));
+  CHECK(mean(square, IntegratorKind::kPath) == 0);
+}
+
+}  // namespace sheaf
