@@ -106,7 +106,7 @@ void gather_around(benchmark::State& state, float radius, int lookup_size) {
 void gather_along(benchmark::State& state, float radius) {
   const FlushDenormals flush;
   const auto scene = load_scene("scenes/media/fog.xml");
-  const VolumePhotonMap map = traced(*scene, PhotonKind::kVolume, radius, 0, trace_volume_photons);
+  const VolumePhotonMap map = traced(*scene, PhotonKind::kVolume, radius, 0, trace_volume_photons).points;
   const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &map};
   GatheringWave gathering(*scene, maps, Stage::kGatherVolume);
   Wave& wave = gathering.wave();

@@ -4,6 +4,7 @@
 
 #include "kernels/film/splat.h"
 #include "kernels/photons/photon.h"
+#include "kernels/photons/photon_beam.h"
 #include "kernels/wave/path_state.h"
 
 #include <algorithm>
@@ -37,6 +38,7 @@ class LightTask {
     kind_ = kind;
     arrived = 0;
     stored.clear();
+    beams.clear();
   }
 
   int total() const { return total_; }            ///< photons
@@ -48,16 +50,9 @@ class LightTask {
     ++emitted_;
   }
 
-  /// What was stored, in the order of photons and their vertices. Each photon's are stored in their order: they only
-  /// have to be counted.
-  std::vector<Photon> sorted_photons() const {
-    std::vector<std::uint32_t> place(static_cast<std::size_t>(total_) + 1);
-    for (const Photon& photon : stored) ++place[(photon.order >> kVertexBits) + 1];
-    for (std::size_t i = 1; i < place.size(); ++i) place[i] += place[i - 1];
-    std::vector<Photon> sorted(stored.size());
-    for (const Photon& photon : stored) sorted[place[photon.order >> kVertexBits]++] = photon;
-    return sorted;
-  }
+  /// What was stored, in the order of photons and their vertices.
+  std::vector<Photon> sorted_photons() const { return sorted(stored); }
+  std::vector<PhotonBeam> sorted_beams() const { return sorted(beams); }
   /// Puts the splats into the order of photons and their vertices, which does not depend on the wave's size.
   void sort_splats() {
     std::sort(splats.begin(), splats.end(), [](const Splat& a, const Splat& b) { return a.order < b.order; });
@@ -66,6 +61,7 @@ class LightTask {
   float film_x0 = 0, film_y0 = 0, film_x1 = 0, film_y1 = 0;  ///< film positions that matter
   std::vector<Splat> splats;
   std::vector<Photon> stored;
+  std::vector<PhotonBeam> beams;
   std::uint64_t arrived = 0;  ///< photons' vertices where one might have been stored, if only of another kind
 
   /// Whether photons are stored where media scatter them.
@@ -91,6 +87,16 @@ class LightTask {
   bool ends_at_scattering() const { return stores_ && kind_ == PhotonKind::kCaustic; }
 
  private:
+  /// Each photon's are stored in their order: they only have to be counted.
+  template <class Item> std::vector<Item> sorted(const std::vector<Item>& items) const {
+    std::vector<std::uint32_t> place(static_cast<std::size_t>(total_) + 1);
+    for (const Item& item : items) ++place[(item.order >> kVertexBits) + 1];
+    for (std::size_t i = 1; i < place.size(); ++i) place[i] += place[i - 1];
+    std::vector<Item> sorted(items.size());
+    for (const Item& item : items) sorted[place[item.order >> kVertexBits]++] = item;
+    return sorted;
+  }
+
   bool stores_ = false;
   PhotonKind kind_ = PhotonKind::kAll;
   std::uint64_t first_ = 0;

@@ -63,11 +63,19 @@ std::uint64_t PhotonMapping::count_of(const PhotonMapDescription& map) const {
   return settings_.progressive ? map.count : (map.count + sets_ - 1) / sets_;
 }
 
+float PhotonMapping::first_radius_of(const PhotonMapDescription& map) const {
+  return map.radius > 0.0f            ? map.radius
+         : map.relative_radius > 0.0f ? map.relative_radius * scene_radius_
+                                      : kFirstRadius * pixel_;
+}
+
 float PhotonMapping::radius_of(const PhotonMapDescription& map) const {
-  const float first = map.radius > 0.0f            ? map.radius
-                      : map.relative_radius > 0.0f ? map.relative_radius * scene_radius_
-                                                   : kFirstRadius * pixel_;
-  return first * static_cast<float>(std::sqrt(shrunk_));
+  return first_radius_of(map) * static_cast<float>(std::sqrt(shrunk_));
+}
+
+float PhotonMapping::beam_radius() const {
+  // The variance of a blur in one dimension goes with its radius.
+  return first_radius_of(settings_.volume) * static_cast<float>(shrunk_);
 }
 
 void PhotonMapping::make(std::uint32_t index, Set& set, Workers& workers, PhotonTracing& tracing,
@@ -83,8 +91,10 @@ void PhotonMapping::make(std::uint32_t index, Set& set, Workers& workers, Photon
   set.maps = {set.global.view(), set.caustic.view(), settings_.gathering};
   if (settings_.volume.count == 0) return;
   set.volume = trace_volume_photons(
-      context, workers, {count_of(settings_.volume), radius_of(settings_.volume), PhotonKind::kVolume, index}, tracing);
-  set.maps.volume = &set.volume;
+      context, workers,
+      {count_of(settings_.volume), radius_of(settings_.volume), PhotonKind::kVolume, index, beam_radius()}, tracing);
+  set.maps.volume = &set.volume.points;
+  if (settings_.uses_beams()) set.maps.beams = &set.volume.beams;
 }
 
 void PhotonMapping::prepare(std::uint32_t sample, Workers& workers, PhotonTracing& tracing, StageContext& context) {

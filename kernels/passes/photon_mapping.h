@@ -2,8 +2,9 @@
 //
 // One set serves all samples, but for two cases. Progressive photon mapping has a set for each sample per pixel, with
 // smaller and smaller radii, of which only one is kept at a time (Knaus and Zwicker, "Progressive Photon Mapping: A
-// Probabilistic Approach", 2011). And in spectral mode photons and paths must agree on their wavelengths: all of a set
-// and all of the samples that ask it have the same four, and sets share the photons that were asked for.
+// Probabilistic Approach", 2011; Jarosz et al., "Progressive Photon Beams", 2011). And in spectral mode photons and
+// paths must agree on their wavelengths: all of a set and all of the samples that ask it have the same four, and sets
+// share the photons that were asked for.
 #pragma once
 
 #include "kernels/passes/trace_photons.h"
@@ -33,20 +34,22 @@ class PhotonMapping {
  private:
   struct Set {
     PhotonMap global, caustic;
-    VolumePhotonMap volume;
+    VolumePhotonMaps volume;
     PhotonMaps maps;
   };
 
   /// Photons of one set.
   std::uint64_t count_of(const PhotonMapDescription& map) const;
+  float first_radius_of(const PhotonMapDescription& map) const;
   float radius_of(const PhotonMapDescription& map) const;
+  float beam_radius() const;
   void make(std::uint32_t index, Set& set, Workers& workers, PhotonTracing& tracing, const StageContext& context);
 
   PhotonMappingDescription settings_;
   std::uint64_t sets_ = 1;
   float scene_radius_, pixel_;  ///< of the scene's bounding sphere; a pixel's share of it
   float offset_ = -1;           ///< in [0, 1), of the numbers that wavelengths are made of; -1: RGB mode
-  double shrunk_ = 1;           ///< square of the radius over what it was in the first pass
+  double shrunk_ = 1;           ///< square of the radius over what it was in the first pass; the radius of beams itself
   std::vector<Set> made_;
 };
 

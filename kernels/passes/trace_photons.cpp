@@ -25,11 +25,15 @@ std::uint64_t first_photon(const PhotonRequest& request) {
   return std::uint64_t{request.set} << kSetBits | static_cast<std::uint64_t>(map_of(request.kind)) << kMapBits;
 }
 
+/// Longest piece into which beams are cut, over the radius of the scene's bounding sphere.
+constexpr float kPieceOfScene = 0.125f;
+
 constexpr const char* kMapNames[] = {"photon map", "caustics map", "volume photon map"};
 
 /// What one task has stored.
 struct StoredPhotons {
   std::vector<Photon> photons;
+  std::vector<PhotonBeam> beams;
   std::uint64_t counted = 0;  ///< towards the number that is asked for
 };
 
@@ -51,7 +55,9 @@ std::vector<StoredPhotons> trace_round(const StageContext& camera, Workers& work
           context.photons = &worker.photons;
           run_photon_pass<Wide>(context, worker.wave);
           stored[i].photons = worker.photons.sorted_photons();
-          stored[i].counted = map_of(kind) == 0 ? worker.photons.arrived : worker.photons.stored.size();
+          stored[i].beams = worker.photons.sorted_beams();
+          stored[i].counted =
+              map_of(kind) == 0 ? worker.photons.arrived : stored[i].photons.size() + stored[i].beams.size();
         }
       },
       tbb::simple_partitioner());
@@ -72,6 +78,7 @@ std::size_t round_size(std::size_t done, std::uint64_t stored, std::uint64_t wan
 /// Tasks' photons until enough are stored, and how many were emitted for them; at least 1.
 struct TracedPhotons {
   std::vector<std::vector<Photon>> tasks;
+  std::vector<std::vector<PhotonBeam>> beams;
   std::uint64_t emitted = 0;
 };
 
@@ -94,6 +101,7 @@ TracedPhotons trace(const StageContext& context, Workers& workers, const PhotonR
       stored += round[i].counted;
       out.emitted += static_cast<std::uint64_t>(task_photons);
       out.tasks.push_back(std::move(round[i].photons));
+      out.beams.push_back(std::move(round[i].beams));
     }
     tracing.on_stored(std::min(stored, wanted) - std::min(before, wanted));
   }
@@ -108,6 +116,7 @@ TracedPhotons trace(const StageContext& context, Workers& workers, const PhotonR
   }
   tracing.report.emitted += out.emitted;
   for (const std::vector<Photon>& task : out.tasks) tracing.report.stored += task.size();
+  for (const std::vector<PhotonBeam>& task : out.beams) tracing.report.stored += task.size();
   tracing.report.trace_seconds += seconds_since(start);
   out.emitted = std::max<std::uint64_t>(out.emitted, 1);
   return out;
@@ -126,11 +135,14 @@ PhotonMap trace_photons(const StageContext& context, Workers& workers, const Pho
   return map;
 }
 
-VolumePhotonMap trace_volume_photons(const StageContext& context, Workers& workers, const PhotonRequest& request,
-                                     PhotonTracing& tracing) {
+VolumePhotonMaps trace_volume_photons(const StageContext& context, Workers& workers, const PhotonRequest& request,
+                                      PhotonTracing& tracing) {
   TracedPhotons traced = trace(context, workers, request, tracing);
   const std::uint64_t start = timestamp();
-  VolumePhotonMap map(std::move(traced.tasks), traced.emitted, request.radius, context.transport.photons.kernel);
+  const PhotonKernel kernel = context.transport.photons.kernel;
+  VolumePhotonMaps map{{std::move(traced.tasks), traced.emitted, request.radius, kernel}, {}};
+  if (context.transport.photons.uses_beams())
+    map.beams = {traced.beams, traced.emitted, request.beam_radius, kPieceOfScene * context.scene.radius, kernel};
   tracing.report.index_seconds += seconds_since(start);
   return map;
 }

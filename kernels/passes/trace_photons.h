@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernels/passes/worker.h"
+#include "kernels/photons/photon_beam_map.h"
 #include "kernels/photons/photon_map.h"
 #include "kernels/photons/volume_photon_map.h"
 
@@ -25,6 +26,13 @@ struct PhotonRequest {
   float radius = 0;         ///< metres, within which they are to be found
   PhotonKind kind = PhotonKind::kAll;
   std::uint32_t set = 0;  ///< maps of different sets share no random numbers
+  float beam_radius = 0;  ///< metres, of beams
+};
+
+/// Photons in media, in one way and the other; of each medium in one of them. See keeps_beams().
+struct VolumePhotonMaps {
+  VolumePhotonMap points;
+  PhotonBeamMap beams;
 };
 
 /// Photons until as many are stored as requested; fewer, and a warning, where light hardly arrives on what stores them,
@@ -34,8 +42,8 @@ struct PhotonRequest {
 PhotonMap trace_photons(const StageContext& context, Workers& workers, const PhotonRequest& request,
                         PhotonTracing& tracing);
 
-/// The same for PhotonKind::kVolume.
-VolumePhotonMap trace_volume_photons(const StageContext& context, Workers& workers, const PhotonRequest& request,
-                                     PhotonTracing& tracing);
+/// The same for PhotonKind::kVolume; beams count as points do.
+VolumePhotonMaps trace_volume_photons(const StageContext& context, Workers& workers, const PhotonRequest& request,
+                                      PhotonTracing& tracing);
 
 }  // namespace sheaf

@@ -20,4 +20,18 @@ template <class L> SHEAF_INLINE Float<L> photon_kernel(PhotonKernel kind, Float<
   return F(1.0f);
 }
 
+/// The kernel across a beam times twice r, by the same.
+template <class L> SHEAF_INLINE Float<L> beam_kernel(PhotonKernel kind, Float<L> squared) {
+  using F = Float<L>;
+  switch (kind) {
+    case PhotonKernel::kDisc:
+      return F(1.0f);
+    case PhotonKernel::kCone:
+      return F(2.0f) * (F(1.0f) - sqrt(squared));
+    case PhotonKernel::kEpanechnikov:
+      return F(1.5f) * (F(1.0f) - squared);
+  }
+  return F(1.0f);
+}
+
 }  // namespace sheaf

@@ -12,6 +12,7 @@
 // kIndirect, the maps at x have all that the ray from there might meet but lights.
 #pragma once
 
+#include "kernels/photons/photon_beam_map.h"
 #include "kernels/photons/photon_map.h"
 #include "kernels/photons/volume_photon_map.h"
 #include "kernels/wave/context.h"
@@ -24,6 +25,7 @@ struct PhotonMaps {
   PhotonMapView global, caustic;
   PhotonGathering gathering = PhotonGathering::kAll;
   const VolumePhotonMap* volume = nullptr;  ///< null: media scatter paths
+  const PhotonBeamMap* beams = nullptr;     ///< with `volume`: of the media of which keeps_beams() is true
 
   /// Whether a path ends at a vertex that is not specular, but for what is specular of it. `flags`: of the ray that met
   /// it.

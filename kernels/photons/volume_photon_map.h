@@ -20,6 +20,7 @@ struct NearPhoton {
 struct BeamScratch {
   std::vector<NearPoint> found;
   std::vector<NearPhoton> photons;
+  std::vector<NearLine> lines;
 };
 
 /// Owns the photons. Immutable.

@@ -5,15 +5,15 @@
 // photon i at distance t_i along the ray and d_i across it, T the transmittance, p the phase function, k the kernel
 // over the disc of the radius. Photons were stored where they had been scattered, so that Phi holds the albedo.
 //
+// In homogeneous media they may be beams; see kernels/stages/gather_beams.h.
+//
 // Transmittance is exact in homogeneous media; in others one walk by ratio tracking serves all photons and what lies
 // behind the medium.
 #include "core/frame.h"
 #include "core/octahedral.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/media/medium_ray.h"
-#include "kernels/phase/phase_value.h"
-#include "kernels/photons/photon_kernel.h"
-#include "kernels/photons/photon_maps.h"
+#include "kernels/stages/gather_beams.h"
 #include "kernels/stages/route_hits.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/add_radiance.h"
@@ -28,7 +28,6 @@ namespace {
 /// The photons near the ray that count, nearest to its origin first.
 void find_photons(const VolumePhotonMap& map, const MediumRay& ray, std::uint32_t medium, std::uint32_t edges_left,
                   BeamScratch& scratch) {
-  scratch.photons.clear();
   if (edges_left == 0 || !ray.has(kMediumScatters)) return;
   std::vector<NearPoint>& found = scratch.found;
   found.clear();
@@ -94,8 +93,8 @@ Passage pass_heterogeneous_medium(MediumRay ray, MediumRandom& random, TrackingC
 
 /// Radiance that the photons bring.
 template <class L>
-Quad gather_beam(const SceneView& scene, const VolumePhotonMap& map, const MediumRay& ray, bool single_wavelength,
-                 const std::vector<NearPhoton>& near) {
+Quad gather_points(const SceneView& scene, const VolumePhotonMap& map, const MediumRay& ray, bool single_wavelength,
+                   const std::vector<NearPhoton>& near) {
   using F = Float<L>;
   const Frame<L> frame = Frame<L>::from_normal(broadcast<L>(-ray.direction));
   Quad sum;
@@ -130,6 +129,12 @@ bool finds_emission(const StageContext& context, std::uint32_t flags, float scat
   return !is_caustic<Scalar>(context, flags, scatter_pdf);
 }
 
+/// The wavelengths that photons of the path's set have which did not lose theirs; zeros in RGB mode.
+Spectrum4 photon_wavelengths(const StageContext& context, const Wave& wave, Slot slot) {
+  if (context.scene.color != ColorMode::kSpectral) return {};
+  return sample_wavelengths<Scalar>(std::fabs(wave.wavelength_samples[slot])).lambda;
+}
+
 template <class L> void gather_path(const StageContext& context, Wave& wave, Slot slot, TrackingCounts& counts) {
   const SceneView& scene = context.scene;
   const RayState<Scalar> state = wave.rays.get(slot);
@@ -141,14 +146,23 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
   const auto most = static_cast<std::uint32_t>(context.transport.max_depth);  // -1: larger than any depth
   const std::uint32_t depth = path.depth() + 1;
   const std::uint32_t edges_left = most > depth && context.maps->gathers_volume(state.flags) ? most - depth : 0u;
-  find_photons(*context.maps->volume, ray, state.flags >> kRayMediumShift, edges_left, wave.beam);
+  const PhotonMaps& maps = *context.maps;
+  const std::uint32_t medium = state.flags >> kRayMediumShift;
+  const bool single = has_single_wavelength(context, wave, slot);
+  const bool beams = maps.beams != nullptr && keeps_beams(context.transport.photons, ray.medium);
+  wave.beam.photons.clear();
+  if (!beams) find_photons(*maps.volume, ray, medium, edges_left, wave.beam);
   MediumRandom random(context.sampler.seed, path.pixel, path.sample, path.event(), MediumStream::kPath);
   const Passage passage = ray.has(kMediumHomogeneous)
                               ? pass_homogeneous_medium(ray, wave.beam.photons)
                               : pass_heterogeneous_medium(ray, random, counts, wave.beam.photons);
   const Quad over = Quad(path.beta) * (1.0f / lane_mean<Scalar>(scene.color, wave.probabilities.row(slot).r_u));
-  const bool single = has_single_wavelength(context, wave, slot);
-  add_radiance(wave, slot, over * gather_beam<L>(scene, *context.maps->volume, ray, single, wave.beam.photons), kNone);
+  const Quad scattered =
+      beams
+          ? gather_beams<L>(context, *maps.beams, state.flags,
+                            {ray, photon_wavelengths(context, wave, slot), single, medium, edges_left}, wave.beam.lines)
+          : gather_points<L>(scene, *maps.volume, ray, single, wave.beam.photons);
+  add_radiance(wave, slot, over * scattered, kNone);
   if (ray.has(kMediumEmits) && finds_emission(context, state.flags, wave.radiance.row(slot).scatter_pdf))
     add_radiance(wave, slot, over * passage.emitted, ray.medium.light);
   path.beta = path.beta * to_spectrum(passage.transmittance);

@@ -1,9 +1,10 @@
 // Stage: medium. Paths whose rays lie in a medium scatter in it, or go on to what their rays hit; and collect what the
 // medium emits on the way. A path that scatters becomes a vertex whose closure is the phase function, and goes through
-// the same stages as surfaces.
+// the same stages as surfaces. What photons leave on their way is noted here where beams are kept.
 //
 // Paths go separate ways here, so each has its four spectral lanes in one register; see
 // kernels/media/medium_tracking.h.
+#include "kernels/film/light_task.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/lights/volume_light.h"
 #include "kernels/media/medium_marching.h"
@@ -161,6 +162,35 @@ void scatter_path(const StageContext& context, Wave& wave, MediumPath& path, con
   route_vertices<Scalar>(context, wave, &path.slot, 1u, path.hit.material, path.ray.flags);
 }
 
+/// Notes the flight of a photon over `length` metres of the ray; `r_u`: of its start.
+void store_beam(const StageContext& context, Wave& wave, const MediumPath& path, const MediumRay& ray,
+                const Spectrum4& r_u, float length) {
+  const RadianceState<Scalar>& row = wave.radiance.row(path.slot);
+  const float over = 1.0f / lane_mean<Scalar>(context.scene.color, r_u);
+  PhotonBeam beam;
+  beam.start = ray.origin, beam.direction = ray.direction;
+  beam.length = min(length, kLongestBeam);
+  beam.power = path.throughput.beta * (row.weight * over);
+  beam.odds = r_u * over;
+  beam.place = photon_place(path.ray.flags >> kRayMediumShift, path.throughput.depth() + 1,
+                            has_single_wavelength(context, wave, path.slot));
+  beam.order = row.task_sample << kVertexBits | path.throughput.event();
+  const Vec3f far = abs(beam.start);
+  if (!(max(max(far.x, far.y), far.z) < kLongestBeam) || !(beam.length > 0.0f)) return;
+  if (is_finite(max_component(beam.power)) && is_finite(max_component(beam.odds))) {
+    context.photons->beams.push_back(beam);
+    return;
+  }
+  ++wave.stats.dropped.samples;
+  if (!wave.first_dropped.any) wave.first_dropped = {true, path.throughput.pixel, path.throughput.sample};
+}
+
+/// Whether the path is a photon that leaves beams in the ray's medium, where something may still come of them.
+bool leaves_beam(const StageContext& context, const MediumRay& ray, std::uint32_t flags) {
+  return context.photons != nullptr && context.photons->stores_in_media() && (flags & kRayLast) == 0 &&
+         ray.has(kMediumScatters) && keeps_beams(context.transport.photons, ray.medium);
+}
+
 void medium_path(const StageContext& context, Wave& wave, Slot slot, float u, TrackingCounts& counts) {
   MediumPath path = load_path(wave, slot);
   MediumRandom random(context.sampler.seed, path.throughput.pixel, path.throughput.sample, path.throughput.event(),
@@ -173,6 +203,7 @@ void medium_path(const StageContext& context, Wave& wave, Slot slot, float u, Tr
   PathWeights weights{Quad(path.throughput.beta), Quad(r.r_u), Quad(r.r_l)};
   MediumEmission emission(context, wave, path, ray);
   const float t = track(context, ray, u, random, counts, weights, emission);
+  if (leaves_beam(context, ray, path.ray.flags)) store_beam(context, wave, path, ray, r.r_u, t);
   if (ray.has(kMediumEmits)) add_radiance(wave, slot, emission.radiance(), ray.medium.light);
   if (!(max_component(weights.beta) > 0.0f)) {
     wave.finished.push(slot);

@@ -1,6 +1,6 @@
 // Stage: store photons. Wherever a photon meets a surface that is not specular, or is scattered in a medium, it may be
-// noted in the task; see kernels/photons/photon.h. Before textures, which choose among normals and weigh photons by
-// that choice.
+// noted in the task; see kernels/photons/photon.h. Not where media keep their beams instead. Before textures, which
+// choose among normals and weigh photons by that choice.
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
 #include "kernels/film/light_task.h"
@@ -40,6 +40,8 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
   const RayState<Scalar> ray = wave.rays.get(slot);
   ++task.arrived;
   if (!in_medium && !task.stores(ray.flags)) return;
+  if (in_medium && keeps_beams(context.transport.photons, context.scene.media[(ray.flags >> kRayMediumShift) - 1u]))
+    return;
   const ThroughputState<Scalar> path = wave.throughput.get(slot);
   const RadianceState<Scalar>& row = wave.radiance.row(slot);
   const auto item = wave.vertices.load<Scalar>(column);

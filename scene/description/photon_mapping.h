@@ -19,6 +19,13 @@ enum class PhotonGathering {
   kFinal,     ///< final gathering: none but caustics; rays go on from x, and photons are looked up where those end
 };
 
+/// What is kept of photons in media.
+enum class MediumPhotons {
+  kAuto,    ///< kBeams in progressive maps, else kPoints
+  kPoints,  ///< where they are scattered
+  kBeams,   ///< in homogeneous media the lines that they fly along; else as kPoints
+};
+
 /// One photon map.
 struct PhotonMapDescription {
   std::uint64_t count = 0;    ///< photons to be stored; 0: there is no such map
@@ -31,6 +38,7 @@ struct PhotonMappingDescription {
   PhotonMapDescription global{1'000'000, 0, 0.004f};
   PhotonMapDescription caustic{0, 0, 0.0125f};  ///< not for kAll
   PhotonMapDescription volume{0, 0, 0.01f};     ///< in media; 0 photons: paths are scattered there
+  MediumPhotons medium_photons = MediumPhotons::kAuto;
   PhotonGathering gathering = PhotonGathering::kAll;
   int gather_rays = 1;  ///< of kFinal, per camera sample: each is a sample of its own
   PhotonKernel kernel = PhotonKernel::kDisc;
@@ -38,6 +46,10 @@ struct PhotonMappingDescription {
   bool progressive = false;  ///< each sample per pixel has maps of its own, with smaller and smaller radii
   float alpha = 0.7f;  ///< of progressive maps: share of a pass' photons by which the number in reach grows, (0, 1)
   int max_passes = 0;  ///< of progressive maps: samples per pixel; 0: as the sampler says
+
+  bool uses_beams() const {
+    return medium_photons == MediumPhotons::kBeams || (medium_photons == MediumPhotons::kAuto && progressive);
+  }
 };
 
 /// Most photons of a map: places in it are counted in 32 bits.

@@ -33,6 +33,15 @@ PhotonKernel read_kernel(Properties& p) {
   p.fail_at("kernel", "unknown kernel '" + name + "'" + did_you_mean(name, {"disc", "cone", "epanechnikov"}));
 }
 
+MediumPhotons read_medium_photons(Properties& p) {
+  const std::string name = p.find_string("medium_photons").value_or("auto");
+  if (name == "auto") return MediumPhotons::kAuto;
+  if (name == "points") return MediumPhotons::kPoints;
+  if (name == "beams") return MediumPhotons::kBeams;
+  p.fail_at("medium_photons",
+            "unknown way to keep photons '" + name + "'" + did_you_mean(name, {"auto", "points", "beams"}));
+}
+
 }  // namespace
 
 void read_photon_mapping(Properties& p, PhotonMappingDescription& mapping) {
@@ -47,6 +56,7 @@ void read_photon_mapping(Properties& p, PhotonMappingDescription& mapping) {
            {"volume_photon_count", "volume_photons", "volume_radius", "volume_lookup_radius",
             "volume_lookup_radius_relative"},
            mapping.volume);
+  mapping.medium_photons = read_medium_photons(p);
   mapping.gathering = read_gathering(p, mapping.gathering);
   constexpr int kMostRays = 65536, kMostPasses = 1 << 22;
   mapping.gather_rays = p.integer("num_gather_rays", mapping.gather_rays, 1, kMostRays);

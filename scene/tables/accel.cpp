@@ -14,6 +14,7 @@
 #include <tbb/task_arena.h>
 
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -284,22 +285,48 @@ struct PointAccel::Impl : EmbreeScene {};
 
 namespace {
 
-/// A query along one ray. Embree hands the context to the filter.
-struct PointQuery {
 #if SHEAF_EMBREE_MAJOR >= 4
-  RTCRayQueryContext context;
+using QueryContext = RTCRayQueryContext;
 #else
-  RTCIntersectContext context;
+using QueryContext = RTCIntersectContext;
 #endif
-  const AccelPoint* points;
+
+/// A query along one ray. Embree hands the context to the filter.
+struct NearQuery {
+  QueryContext context;
   Vec3f origin, direction;
   float length;
+};
+struct PointQuery : NearQuery {
+  const AccelPoint* points;
   std::vector<NearPoint>* found;
 };
 
+/// Lets the filter of the scene's geometry see what lies nearer to the ray than `radius`.
+void look_along(RTCScene scene, NearQuery& query, float radius) {
+  // Embree takes what is nearer than twice a point's or curve's radius for the surface that the ray began on.
+  const float ahead = 2.1f * radius, margin = 0.01f * radius;
+  const Vec3f start = query.origin - query.direction * ahead;
+  RTCRay ray{};
+  ray.org_x = start.x, ray.org_y = start.y, ray.org_z = start.z;
+  ray.dir_x = query.direction.x, ray.dir_y = query.direction.y, ray.dir_z = query.direction.z;
+  ray.tfar = ahead + query.length + margin;
+  ray.mask = 0xffffffffu;
+#if SHEAF_EMBREE_MAJOR >= 4
+  rtcInitRayQueryContext(&query.context);
+  RTCOccludedArguments args;
+  rtcInitOccludedArguments(&args);
+  args.context = &query.context;
+  rtcOccluded1(scene, &ray, &args);
+#else
+  rtcInitIntersectContext(&query.context);
+  rtcOccluded1(scene, &query.context, &ray);
+#endif
+}
+
 /// Notes each point, if it is near by our own measure, and lets the ray go on.
 void collect_point(const RTCFilterFunctionNArguments* args) {
-  auto* query = reinterpret_cast<PointQuery*>(args->context);
+  const auto* query = static_cast<const PointQuery*>(reinterpret_cast<const NearQuery*>(args->context));
   for (unsigned i = 0; i < args->N; ++i) {
     if (args->valid[i] == 0) continue;
     args->valid[i] = 0;
@@ -336,29 +363,123 @@ PointAccel::PointAccel(std::vector<AccelPoint> points) : points_(std::move(point
 
 void PointAccel::near_ray(Vec3f origin, Vec3f direction, float length, std::vector<NearPoint>& found) const noexcept {
   if (impl_ == nullptr) return;
-  // Embree takes what is nearer than twice a point's radius for the surface that the ray began on.
-  const float ahead = 2.1f * largest_radius_, margin = 0.01f * largest_radius_;
-  const Vec3f start = origin - direction * ahead;
-  RTCRay ray{};
-  ray.org_x = start.x, ray.org_y = start.y, ray.org_z = start.z;
-  ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
-  ray.tfar = ahead + length + margin;
-  ray.mask = 0xffffffffu;
-  PointQuery query{{}, points_.data(), origin, direction, length, &found};
-#if SHEAF_EMBREE_MAJOR >= 4
-  rtcInitRayQueryContext(&query.context);
-  RTCOccludedArguments args;
-  rtcInitOccludedArguments(&args);
-  args.context = &query.context;
-  rtcOccluded1(impl_->scene, &ray, &args);
-#else
-  rtcInitIntersectContext(&query.context);
-  rtcOccluded1(impl_->scene, &query.context, &ray);
-#endif
+  PointQuery query{{{}, origin, direction, length}, points_.data(), &found};
+  look_along(impl_->scene, query, largest_radius_);
 }
 
 std::size_t PointAccel::bytes() const {
   return impl_ == nullptr ? 0 : static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, impl_->bytes.load()));
+}
+
+namespace {
+
+/// A line as the filter sees it.
+struct LineRow {
+  Vec3f start;
+  float length;
+  Vec3f direction;
+  float pieces;
+};
+struct LinePiece {
+  std::uint32_t line, number;
+};
+
+}  // namespace
+
+struct LineAccel::Impl : EmbreeScene {
+  std::vector<LineRow> lines;
+  std::vector<LinePiece> pieces;
+  std::vector<AccelPoint> ends;       ///< of pieces, those of a line one after the other
+  std::vector<std::uint32_t> begins;  ///< where a piece's ends stand
+  float radius = 0;
+};
+
+namespace {
+
+/// Pieces of a line at most.
+constexpr float kMostPieces = 64;
+/// Embree's curves are so much wider, for its rounding.
+constexpr float kWider = 1.02f;
+/// Square of the sine below which directions are parallel.
+constexpr float kParallel = 1e-8f;
+
+struct LineQuery : NearQuery {
+  const LineRow* lines;
+  const LinePiece* pieces;
+  float radius;
+  std::vector<NearLine>* found;
+};
+
+/// Notes a line at the one of its pieces on which it is nearest to the ray, by the whole line's geometry.
+void collect_line(const RTCFilterFunctionNArguments* args) {
+  const auto* query = static_cast<const LineQuery*>(reinterpret_cast<const NearQuery*>(args->context));
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] == 0) continue;
+    args->valid[i] = 0;
+    const LinePiece piece = query->pieces[RTCHitN_primID(args->hit, args->N, i)];
+    const LineRow& line = query->lines[piece.line];
+    const Vec3f from = line.start - query->origin, normal = cross(query->direction, line.direction);
+    const float square = dot(normal, normal);
+    if (!(square > kParallel)) continue;
+    const float inverse = 1.0f / square, t = dot(cross(from, line.direction), normal) * inverse,
+                along = dot(cross(from, query->direction), normal) * inverse,
+                squared = sqr(dot(from, normal) / query->radius) * inverse;
+    if (!(t > 0.0f && t < query->length && along >= 0.0f && along < line.length && squared < 1.0f)) continue;
+    if (min(std::floor(along / line.length * line.pieces), line.pieces - 1.0f) != static_cast<float>(piece.number))
+      continue;
+    query->found->push_back({t, along, squared, dot(query->direction, line.direction), std::sqrt(square), piece.line});
+  }
+}
+
+}  // namespace
+
+LineAccel::LineAccel() = default;
+LineAccel::~LineAccel() = default;
+LineAccel::LineAccel(LineAccel&&) noexcept = default;
+LineAccel& LineAccel::operator=(LineAccel&&) noexcept = default;
+
+LineAccel::LineAccel(const std::vector<AccelLine>& lines, float radius, float piece) : size_(lines.size()) {
+  if (lines.empty()) return;
+  impl_ = std::make_unique<Impl>();
+  Impl& in = *impl_;
+  in.radius = radius;
+  in.lines.reserve(lines.size());
+  for (std::uint32_t k = 0; k < lines.size(); ++k) {
+    const AccelLine& line = lines[k];
+    const float pieces = clamp(std::ceil(line.length / piece), 1.0f, kMostPieces);
+    in.lines.push_back({line.start, line.length, line.direction, pieces});
+    for (std::uint32_t i = 0; static_cast<float>(i) <= pieces; ++i) {
+      if (static_cast<float>(i) < pieces) {
+        in.pieces.push_back({k, i});
+        in.begins.push_back(static_cast<std::uint32_t>(in.ends.size()));
+      }
+      const Vec3f end = line.start + line.direction * (line.length * (static_cast<float>(i) / pieces));
+      in.ends.push_back({end.x, end.y, end.z, kWider * radius});
+    }
+  }
+  in.start(false);
+  RTCGeometry geometry = rtcNewGeometry(in.device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, in.ends.data(), 0,
+                             sizeof(AccelPoint), in.ends.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, in.begins.data(), 0,
+                             sizeof(std::uint32_t), in.begins.size());
+  rtcSetGeometryOccludedFilterFunction(geometry, collect_line);
+  attach(in.scene, geometry, 0);
+  rtcJoinCommitScene(in.scene);
+  in.check();
+}
+
+void LineAccel::near_ray(Vec3f origin, Vec3f direction, float length, std::vector<NearLine>& found) const noexcept {
+  if (impl_ == nullptr) return;
+  LineQuery query{{{}, origin, direction, length}, impl_->lines.data(), impl_->pieces.data(), impl_->radius, &found};
+  look_along(impl_->scene, query, kWider * impl_->radius);
+}
+
+std::size_t LineAccel::bytes() const {
+  if (impl_ == nullptr) return 0;
+  return impl_->lines.size() * sizeof(LineRow) + impl_->pieces.size() * (sizeof(LinePiece) + sizeof(std::uint32_t)) +
+         impl_->ends.size() * sizeof(AccelPoint) +
+         static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, impl_->bytes.load()));
 }
 
 }  // namespace sheaf

@@ -1,5 +1,5 @@
-// Embree's acceleration structures: of the scene, and of points near rays. accel.cpp is the only file that includes
-// Embree.
+// Embree's acceleration structures: of the scene, and of points and lines near rays. accel.cpp is the only file that
+// includes Embree.
 #pragma once
 
 #include "scene/tables/shape_rows.h"
@@ -114,6 +114,47 @@ class PointAccel {
   struct Impl;
   std::vector<AccelPoint> points_;
   float largest_radius_ = 0;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// A stretch of a line.
+struct AccelLine {
+  Vec3f start, direction;  ///< unit length
+  float length;            ///< metres
+};
+
+/// A line near a ray: where they are nearest to each other.
+struct NearLine {
+  float t;              ///< along the ray, metres
+  float along;          ///< along the line from its start, metres
+  float squared;        ///< distance between them over the radius, squared; below 1
+  float cosine, sine;   ///< of the angle between their directions, the sine positive
+  std::uint32_t index;  ///< of the line
+};
+
+/// Lines, to be found near rays. Const and safe to query from many threads.
+class LineAccel {
+ public:
+  /// Empty.
+  LineAccel();
+  /// `radius`: how far from lines rays are still near, metres. Lines longer than `piece`, metres, are cut for Embree,
+  /// whose boxes around long ones hold much else. Throws Error (runtime) where memory does not suffice.
+  LineAccel(const std::vector<AccelLine>& lines, float radius, float piece);
+  ~LineAccel();
+  LineAccel(LineAccel&&) noexcept;
+  LineAccel& operator=(LineAccel&&) noexcept;
+
+  /// Appends the lines that come nearer to the ray than the radius where both are nearest to each other: on the ray
+  /// between 0 and `length`, on the line between its ends. In no order, each once; not those that are as good as
+  /// parallel to the ray. `direction`: unit length.
+  void near_ray(Vec3f origin, Vec3f direction, float length, std::vector<NearLine>& found) const noexcept;
+  std::size_t size() const { return size_; }
+  /// All memory, in bytes.
+  std::size_t bytes() const;
+
+ private:
+  struct Impl;
+  std::size_t size_ = 0;
   std::unique_ptr<Impl> impl_;
 };
 

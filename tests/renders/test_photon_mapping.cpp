@@ -161,6 +161,7 @@ TEST_CASE("photon mapping: the same bits for all thread counts and wave sizes, a
   for (const Case& c :
        {Case{PhotonGathering::kAll, false, ColorMode::kRgb}, Case{PhotonGathering::kFinal, false, ColorMode::kRgb},
         Case{PhotonGathering::kIndirect, true, ColorMode::kRgb},
+        Case{PhotonGathering::kAll, true, ColorMode::kSpectral},
         Case{PhotonGathering::kIndirect, false, ColorMode::kSpectral}}) {
     d.integrator.photons.gathering = c.gathering;
     d.integrator.photons.progressive = c.progressive;
@@ -193,6 +194,8 @@ TEST_CASE("photon mapping: passes have radii of their own, photons of their own,
   d.integrator.photons.global = {500, 0.3f, 0};
   d.integrator.photons.caustic = {0, 0.1f, 0};
   d.integrator.photons.alpha = 0.6f;
+  d.integrator.photons.volume = {200, 0.2f, 0};
+  d.camera.medium = add_medium(d, fog(0.3f, 0.8f));
   for (const bool progressive : {true, false}) {
     d.integrator.photons.progressive = progressive;
     const auto scene = compile_scene(d, {.color = ColorMode::kSpectral});
@@ -201,7 +204,7 @@ TEST_CASE("photon mapping: passes have radii of their own, photons of their own,
     Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
     PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
     PhotonMapping mapping(context, 64, 24);
-    CHECK(mapping.wanted() == (progressive ? 64 * 500 : 32 * 16));
+    CHECK(mapping.wanted() == (progressive ? 64 * (500 + 200) : 32 * (16 + 7)));
     CHECK(mapping.samples_alike(10) == 1);
     double expected = 0.09;
     std::array<int, 16> strata{};
@@ -211,6 +214,13 @@ TEST_CASE("photon mapping: passes have radii of their own, photons of their own,
       if (progressive && sample > 0) expected *= (sample + 0.6) / (sample + 1.0);
       const double radius = static_cast<double>(context.maps->global.radius);
       CHECK(radius * radius == doctest::Approx(expected).epsilon(1e-4));
+      // Beams are blurred in one dimension, and progressive maps have them unless told otherwise.
+      CHECK((context.maps->beams != nullptr) == progressive);
+      CHECK(context.maps->volume->size() > 0 == !progressive);
+      if (progressive) {
+        CHECK(context.maps->beams->size() > 0);
+        CHECK(static_cast<double>(context.maps->beams->radius()) == doctest::Approx(0.2 * expected / 0.09));
+      }
       first_places.insert(context.maps->global.x[0]);
       REQUIRE(context.wavelength_sample >= 0);
       REQUIRE(context.wavelength_sample < 1);
@@ -247,7 +257,7 @@ TEST_CASE("volume photons: in a wide medium photons leave the light's power time
       Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
       PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
       const VolumePhotonMap map =
-          trace_volume_photons(context, workers, {20000, 0.1f, PhotonKind::kVolume, 0}, tracing);
+          trace_volume_photons(context, workers, {20000, 0.1f, PhotonKind::kVolume, 0}, tracing).points;
       double sum = 0;
       for (std::uint32_t i = 0; i < map.size(); ++i) sum += static_cast<double>(map.photon(i).power.c1);
       mean.add(sum);
@@ -255,6 +265,52 @@ TEST_CASE("volume photons: in a wide medium photons leave the light's power time
     const double a = static_cast<double>(albedo), expected = 4 * 3.14159265358979 * 3 * a / (1 - a);
     INFO("power " << mean.mean() << ", expected " << expected);
     CHECK(mean.p_value(expected) >= kLevel);
+  }
+}
+
+TEST_CASE("photon beams: in a wide medium power times length is the light's power over what absorbs it") {
+  Description d = empty_scene(4, 4);
+  d.integrator.rr_depth = 3;
+  MediumDescription medium;
+  medium.coefficients =
+      ExtinctionAlbedoDescription{SpectrumDescription::rgb(1.5f, 0.8f, 1), SpectrumDescription::rgb(0.6f, 0.7f, 0.8f)};
+  fill(d, add_shape(d, CubeShape{}, Transform::scale({100, 100, 100})), add_medium(d, medium));
+  add_point_light(d, {0.2f, 0.3f, -0.5f}, 3);
+  d.integrator.photons.medium_photons = MediumPhotons::kBeams;
+  const auto scene = compile_scene(d);
+  std::array<MeanVariance, 3> mean;
+  for (std::uint32_t seed = 0; seed < 12; ++seed) {
+    StageContext context(*scene);
+    context.sampler.seed = seed;
+    Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
+    workers.local().photons.begin(0, 3000, PhotonKind::kVolume);
+    context.photons = &workers.local().photons;
+    run_photon_pass<Wide>(context, workers.local().wave);
+    CHECK(context.photons->stored.empty());
+    std::array<double, 3> sum{};
+    for (const PhotonBeam& beam : context.photons->beams) {
+      // What is left of the power, integrated over the beam.
+      constexpr int kSteps = 64;
+      const double step = static_cast<double>(beam.length) / kSteps;
+      for (int i = 0; i < kSteps; ++i) {
+        const std::array passed{std::exp(-1.5 * step * (i + 0.5)), std::exp(-0.8 * step * (i + 0.5)),
+                                std::exp(-1.0 * step * (i + 0.5))};
+        const double comes =
+            (passed[0] * static_cast<double>(beam.odds.c0) + passed[1] * static_cast<double>(beam.odds.c1) +
+             passed[2] * static_cast<double>(beam.odds.c2)) /
+            3;
+        sum[0] += step * static_cast<double>(beam.power.c0) * passed[0] / comes;
+        sum[1] += step * static_cast<double>(beam.power.c1) * passed[1] / comes;
+        sum[2] += step * static_cast<double>(beam.power.c2) * passed[2] / comes;
+      }
+    }
+    for (std::size_t c = 0; c < 3; ++c) mean[c].add(sum[c] / 3000);
+  }
+  const std::array absorption{1.5 * 0.4, 0.8 * 0.3, 1.0 * 0.2};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double expected = 4 * 3.14159265358979 * 3 / absorption[c];
+    INFO("lane " << c << ": " << mean[c].mean() << ", expected " << expected);
+    CHECK(mean[c].p_value(expected) >= kLevel);
   }
 }
 
@@ -372,6 +428,52 @@ TEST_CASE("volume photons: what media scatter has the path tracer's mean, howeve
     d.integrator.photons.progressive = true;
     d.integrator.photons.gathering = PhotonGathering::kIndirect;
     d.integrator.photons.global.count = d.integrator.photons.volume.count = 3'000;
+    check_close(mean_of(d), path, 0.01);
+  }
+}
+
+TEST_CASE("photon beams: what media scatter has the path tracer's mean, in homogeneous media and beside grids") {
+  const TemporaryFolder folder;
+  const auto file = write_vol(folder.path() / "ramp.vol", 8, 1, [](Vec3f p, int) { return 0.3f + p.z * p.x; });
+  enum What { kClear, kColored, kInGlass, kGlowing, kBesideGrid, kCount };
+  for (int what = 0; what < kCount; ++what) {
+    CAPTURE(what);
+    // A ball of glass, if there is one, is a caustic in the fog.
+    Description d = room(what == kClear || what == kColored, 25);
+    MediumDescription medium = fog(what == kClear ? 0.1f : 0.4f, 0.9f);
+    if (what == kColored || what == kInGlass || what == kBesideGrid)
+      medium.coefficients = ExtinctionAlbedoDescription{SpectrumDescription::rgb(1.2f, 0.3f, 0.1f),
+                                                        SpectrumDescription::rgb(0.8f, 0.7f, 0.9f)};
+    if (what == kColored) medium.phase = add_phase(d, 0.6f);
+    if (what == kGlowing) medium.emission = SpectrumDescription::constant(2);
+    const MediumId id = add_medium(d, medium);
+    if (what == kInGlass) {
+      add_sphere(d, {0.5f, -0.2f, 0.9f}, 0.6f, add_glass(d)).interior = id;
+    } else if (what == kBesideGrid) {
+      MediumDescription grid = medium;
+      grid.density = vol(file, Transform::translate({-1, -1, 0.2f}) * Transform::scale({1, 2, 1.5f}));
+      fill(d, add_shape(d, CubeShape{}, Transform::translate({-0.5f, 0, 0.95f}) * Transform::scale({0.5f, 1, 0.75f})),
+           add_medium(d, grid));
+      fill(d, add_shape(d, CubeShape{}, Transform::translate({0.8f, 0, 0.95f}) * Transform::scale({0.7f, 1, 0.75f})),
+           id);
+    } else {
+      d.camera.medium = id;
+    }
+    const Mean path = path_mean(d);
+    d.integrator.kind = IntegratorKind::kPhotonMapper;
+    d.integrator.photons.global = {20'000, 0.05f, 0};
+    d.integrator.photons.volume = {20'000, 0.01f, 0};
+    d.integrator.photons.medium_photons = MediumPhotons::kBeams;
+    for (const PhotonGathering gathering :
+         {PhotonGathering::kAll, PhotonGathering::kIndirect, PhotonGathering::kFinal}) {
+      CAPTURE(static_cast<int>(gathering));
+      d.integrator.photons.gathering = gathering;
+      check_close(mean_of(d), path, gathering == PhotonGathering::kAll ? 0.02 : 0.01);
+    }
+    d.integrator.photons.progressive = true;
+    d.integrator.photons.medium_photons = MediumPhotons::kAuto;
+    d.integrator.photons.gathering = PhotonGathering::kIndirect;
+    d.integrator.photons.global.count = d.integrator.photons.volume.count = 2'000;
     check_close(mean_of(d), path, 0.01);
   }
 }

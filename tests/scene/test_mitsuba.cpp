@@ -208,6 +208,10 @@ TEST_CASE("Mitsuba: integrators") {
     const PhotonMappingDescription& photons = progressive.integrator.photons;
     CHECK(progressive.notes.empty());
     CHECK(photons.progressive);
+    CHECK(photons.uses_beams());
+    CHECK(!with_integrator(std::string("<integrator type='") + name +
+                           "'><string name='mediumPhotons' value='points'/></integrator>")
+               .integrator.photons.uses_beams());
     CHECK(photons.gathering == PhotonGathering::kIndirect);
     CHECK(photons.global.count == 77);
     CHECK(photons.global.radius == 0.25f);

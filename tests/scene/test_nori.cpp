@@ -145,12 +145,14 @@ TEST_CASE("Nori: photon mapping") {
   CHECK(plain.photons.global.radius == 0);
   CHECK(plain.photons.gathering == PhotonGathering::kAll);
   CHECK(!plain.photons.progressive);
+  CHECK(!plain.photons.uses_beams());
   const PhotonMappingDescription p =
       read(
           "<integer name='photonCount' value='5000'/><float name='photonRadius' value='0.25'/>"
           "<boolean name='finalGather' value='true'/><integer name='numGatherRays' value='16'/>"
           "<integer name='causticPhotonCount' value='700'/><float name='causticRadius' value='0.125'/>"
-          "<string name='kernel' value='cone'/><integer name='lookupSize' value='80'/>")
+          "<string name='kernel' value='cone'/><integer name='lookupSize' value='80'/>"
+          "<string name='mediumPhotons' value='beams'/>")
           .photons;
   CHECK(p.global.count == 5000);
   CHECK(p.global.radius == 0.25f);
@@ -160,9 +162,12 @@ TEST_CASE("Nori: photon mapping") {
   CHECK(p.caustic.radius == 0.125f);
   CHECK(p.kernel == PhotonKernel::kCone);
   CHECK(p.lookup_size == 80);
+  CHECK(p.uses_beams());
   CHECK(read("<boolean name='sampleDirect' value='true'/>").photons.gathering == PhotonGathering::kIndirect);
   for (const auto& [properties, message] :
        {std::pair{"<string name='kernel' value='cones'/>", "unknown kernel 'cones', did you mean 'cone'?"},
+        std::pair{"<string name='mediumPhotons' value='point'/>",
+                  "unknown way to keep photons 'point', did you mean 'points'?"},
         std::pair{"<integer name='photonCount' value='-1'/>", "photonCount"},
         std::pair{"<float name='photonRadius' value='-1'/>", "photonRadius"},
         std::pair{"<integer name='lookupSize' value='5000'/>", "lookupSize"},

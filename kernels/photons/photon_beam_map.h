@@ -1,0 +1,41 @@
+// Photons' flights through media, to be found along rays.
+#pragma once
+
+#include "kernels/photons/photon_beam.h"
+#include "scene/tables/accel.h"
+
+#include <vector>
+
+namespace sheaf {
+
+/// Owns the beams. Immutable.
+class PhotonBeamMap {
+ public:
+  PhotonBeamMap() = default;
+  /// Takes the beams of all tasks, in order; `emitted`: how many photons were emitted. `radius`: of the beams, metres,
+  /// positive. `piece`: see LineAccel.
+  PhotonBeamMap(const std::vector<std::vector<PhotonBeam>>& tasks, std::uint64_t emitted, float radius, float piece,
+                PhotonKernel kernel);
+
+  /// A beam as rays find it.
+  struct Record {
+    Spectrum4 power;      ///< at its start, W
+    Spectrum4 odds;       ///< see PhotonBeam
+    std::uint32_t place;  ///< see photon_place()
+  };
+
+  const LineAccel& lines() const { return lines_; }
+  const Record& beam(std::uint32_t i) const { return records_[i]; }
+  float radius() const { return radius_; }
+  PhotonKernel kernel() const { return kernel_; }
+  std::size_t size() const { return records_.size(); }
+  std::size_t bytes() const { return records_.size() * sizeof(Record) + lines_.bytes(); }
+
+ private:
+  LineAccel lines_;
+  std::vector<Record> records_;
+  float radius_ = 0;
+  PhotonKernel kernel_ = PhotonKernel::kDisc;
+};
+
+}  // namespace sheaf

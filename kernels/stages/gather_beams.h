@@ -1,0 +1,106 @@
+// Light that a homogeneous medium scatters from photons' beams towards a ray (Jarosz, Nowrouzezahrai, Sadeghi and
+// Jensen 2011, "A Comprehensive Theory of Volumetric Radiance Estimation Using Photon Points and Beams", the beam-beam
+// estimate with a blur in one dimension, and beams that end where the photon is scattered):
+//     L = sum of T(t_i) sigma_s p Phi_i(s_i) k(d_i) / sin(theta_i),
+// beam i nearest to the ray at distance t_i along the ray and s_i along itself, d_i between them and theta_i the angle
+// of their directions; T the transmittance, p the phase function, k the kernel over [-radius, radius].
+//
+// That a beam comes as far as s has the probability T(s), which is then what is left of its power: Phi stays that of
+// the start. Where lanes differ in extinction, each could have been the one by which the flight was sampled: Phi(s) is
+// Phi T(s) over the mean over the lanes of odds T(s), as the path's own r_u would have it for a photon that is
+// scattered there.
+#pragma once
+
+#include "core/wavelengths.h"
+#include "kernels/media/medium_ray.h"
+#include "kernels/phase/phase_value.h"
+#include "kernels/photons/photon_kernel.h"
+#include "kernels/photons/photon_maps.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+/// A ray from the camera that gathers beams.
+struct GatheringRay {
+  MediumRay seen;            ///< in a homogeneous medium
+  Spectrum4 lambda;          ///< that photons have which did not lose theirs
+  bool single_wavelength;    ///< the ray has lost its own
+  std::uint32_t medium;      ///< 1 + its row
+  std::uint32_t edges_left;  ///< segments that photons may have had
+};
+
+/// The beams near the ray that count, nearest to its origin first.
+inline void find_beams(const PhotonBeamMap& map, const GatheringRay& ray, std::vector<NearLine>& found) {
+  found.clear();
+  if (ray.edges_left == 0 || !ray.seen.has(kMediumScatters)) return;
+  map.lines().near_ray(ray.seen.origin, ray.seen.direction, ray.seen.length, found);
+  const auto counts_not = [&](const NearLine& line) {
+    const std::uint32_t place = map.beam(line.index).place;
+    return (place & kMostPhotonEdges) > ray.edges_left || place >> kPhotonMediumShift != ray.medium;
+  };
+  found.erase(std::remove_if(found.begin(), found.end(), counts_not), found.end());
+  std::sort(found.begin(), found.end(),
+            [](const NearLine& a, const NearLine& b) { return a.t != b.t ? a.t < b.t : a.index < b.index; });
+}
+
+/// Phi(s) over Phi in a medium where lanes differ.
+class FlightShares {
+ public:
+  FlightShares(const StageContext& context, std::uint32_t flags, const GatheringRay& ray)
+      : flight_(make_medium_ray(context, flags, ray.lambda, ray.seen.origin, ray.seen.direction, 0.0f)),
+        sigma_t_(medium_coefficients(flight_.medium, flight_.spectra).sigma_t) {}
+
+  Quad operator()(const PhotonBeamMap::Record& beam, float along) const {
+    // All lanes are at one wavelength.
+    if ((beam.place & kPhotonSingleWavelength) != 0) return Quad(1.0f);
+    const Quad passed = transmittance(sigma_t_, along);
+    return passed * (1.0f / lane_mean(flight_.scene, Quad(beam.odds) * flight_.odds(passed)));
+  }
+
+ private:
+  MediumRay flight_;
+  Quad sigma_t_;
+};
+
+/// The radiance that the beams bring. `flags`: RayState::flags of the ray.
+template <class L>
+Quad gather_beams(const StageContext& context, const PhotonBeamMap& map, std::uint32_t flags, const GatheringRay& ray,
+                  std::vector<NearLine>& found) {
+  using F = Float<L>;
+  find_beams(map, ray, found);
+  if (found.empty()) return Quad();
+  const MediumCoefficients c = medium_coefficients(ray.seen.medium, ray.seen.spectra);
+  const Quad sigma_t = c.sigma_t;
+  const bool grey = ray.seen.has(kMediumGrey);
+  const FlightShares shares(context, flags, ray);
+  Quad sum;
+  for (std::size_t first = 0; first < found.size(); first += L::width) {
+    alignas(kSimdAlignment) float cosines[L::width] = {}, sines[L::width], squares[L::width] = {}, weights[L::width];
+    std::fill_n(sines, L::width, 1.0f);
+    const int count = static_cast<int>(std::min<std::size_t>(L::width, found.size() - first));
+    for (int i = 0; i < count; ++i) {
+      const NearLine& line = found[first + static_cast<std::size_t>(i)];
+      cosines[i] = line.cosine, sines[i] = line.sine, squares[i] = line.squared;
+    }
+    F cosine, sine, squared;
+    load(cosines, cosine);
+    load(sines, sine);
+    load(squares, squared);
+    // Phase functions know of directions but the angle.
+    const F phase = phase_value<L>(context.scene, ray.seen.medium.phase, Vec3<L>{sine, F(0.0f), cosine});
+    store(weights, phase * beam_kernel<L>(map.kernel(), squared) / sine);
+    for (int i = 0; i < count; ++i) {
+      const NearLine& line = found[first + static_cast<std::size_t>(i)];
+      const PhotonBeamMap::Record& beam = map.beam(line.index);
+      // Both lost three wavelengths, and made up for them fourfold; once is enough.
+      const bool both = ray.single_wavelength && (beam.place & kPhotonSingleWavelength) != 0;
+      const Quad power = grey ? Quad(beam.power) : Quad(beam.power) * shares(beam, line.along);
+      sum = sum + power * transmittance(sigma_t, line.t) * (both ? 0.25f * weights[i] : weights[i]);
+    }
+  }
+  return sum * c.sigma_s * (0.5f / map.radius());
+}
+
+}  // namespace sheaf

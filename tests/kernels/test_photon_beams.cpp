@@ -1,0 +1,277 @@
+// Beams of photons in media: lines that are found near a ray, and what the gather_volume stage makes of them.
+#include "core/octahedral.h"
+#include "kernels/photons/photon_maps.h"
+#include "kernels/wave/wave_snapshot.h"
+#include "tests/support/stages_testing.h"
+#include "tests/support/temporary_folder.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <random>
+
+namespace sheaf {
+
+namespace {
+
+constexpr double kExactPi = 3.14159265358979;
+
+using Double3 = std::array<double, 3>;
+Double3 to_double(Vec3f a) { return {static_cast<double>(a.x), static_cast<double>(a.y), static_cast<double>(a.z)}; }
+double product(const Double3& a, const Double3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// Where a line and a ray are nearest to each other, from the two conditions that what joins them is across both.
+struct Nearest {
+  double t, along, distance, cosine, sine;
+};
+Nearest nearest(Vec3f origin, Vec3f direction, const AccelLine& line) {
+  const Double3 o = to_double(origin), d = to_double(direction), s = to_double(line.start),
+                e = to_double(line.direction);
+  const Double3 w = {s[0] - o[0], s[1] - o[1], s[2] - o[2]};
+  const double c = product(d, e), wd = product(w, d), we = product(w, e), dd = product(d, d), ee = product(e, e);
+  const double determinant = dd * ee - c * c;
+  const double t = (wd * ee - we * c) / determinant, along = (wd * c - we * dd) / determinant;
+  Double3 between;
+  for (std::size_t i = 0; i < 3; ++i) between[i] = w[i] + along * e[i] - t * d[i];
+  return {t, along, std::sqrt(product(between, between)), c, std::sqrt(determinant)};
+}
+
+class Randoms {
+ public:
+  explicit Randoms(unsigned seed) : random_(seed) {}
+  float operator()() { return u_(random_); }
+  Vec3f vector() { return {(*this)(), (*this)(), (*this)()}; }
+  Vec3f direction() { return normalize(vector()); }
+
+ private:
+  std::mt19937 random_;
+  std::uniform_real_distribution<float> u_{-1, 1};
+};
+
+/// A box from z = 2 to z = 10 and 4 wide and high, filled with `medium`; the camera stands outside.
+Description filled_box(const MediumDescription& medium) {
+  Description d = empty_scene(16, 16);
+  d.integrator.kind = IntegratorKind::kPhotonMapper;
+  d.integrator.photons.medium_photons = MediumPhotons::kBeams;
+  fill(d, add_shape(d, CubeShape{}, Transform::translate({0, 0, 6}) * Transform::scale({2, 2, 4})),
+       add_medium(d, medium));
+  add_point_light(d, {0, 1, 6}, 1);
+  return d;
+}
+
+std::vector<PhotonBeam> random_beams(int count, std::uint32_t medium) {
+  Randoms u(5);
+  std::vector<PhotonBeam> beams;
+  for (int i = 0; i < count; ++i) {
+    PhotonBeam beam;
+    beam.start = {2 * u(), 2 * u(), 6 + 4 * u()};
+    beam.direction = u.direction();
+    beam.length = 1 + u();
+    beam.power = {1 + u(), 1 + u(), 1 + u(), 0};
+    beam.odds = {1 + 0.9f * u(), 1 + 0.9f * u(), 1 + 0.9f * u(), 1};
+    beam.odds = beam.odds * (3 / (beam.odds.c0 + beam.odds.c1 + beam.odds.c2));
+    beam.place = photon_place(i % 7 == 0 ? medium + 1 : medium, 1 + static_cast<std::uint32_t>(i % 5), false);
+    beams.push_back(beam);
+  }
+  return beams;
+}
+
+/// Ray along z into the box, whose path has come to its medium.
+Slot add_ray_in_medium(TestWave& test, Vec3f origin) {
+  Wave& wave = test.wave;
+  const Slot slot = test.add(origin, {0, 0, 1}, 1u << kRayMediumShift);
+  HitState<Scalar> hit{};
+  hit.t = 10 - origin.z;
+  hit.shape = 0, hit.instance = hit.light = kNone;
+  wave.hits.set(slot, hit);
+  wave.probabilities.row(slot) = {Spectrum4(1.0f), Spectrum4(1.0f)};
+  wave.distance_since_vertex[slot] = 0;
+  wave.medium.push(slot);
+  return slot;
+}
+
+Double3 colors(const Spectrum4& s) {
+  return {static_cast<double>(s.c0), static_cast<double>(s.c1), static_cast<double>(s.c2)};
+}
+
+/// The kernel over [-r, r] at distance `away` r, times r.
+double kernel_across(PhotonKernel kernel, double away) {
+  switch (kernel) {
+    case PhotonKernel::kDisc:
+      return 0.5;
+    case PhotonKernel::kCone:
+      return 1 - away;
+    case PhotonKernel::kEpanechnikov:
+      return 0.75 * (1 - away * away);
+  }
+  return 0;
+}
+
+}  // namespace
+
+TEST_CASE("lines near rays: those that are, each once, and the same however they are cut") {
+  Randoms u(1);
+  std::vector<AccelLine> lines;
+  for (int i = 0; i < 1500; ++i) lines.push_back({u.vector(), u.direction(), i % 10 == 0 ? 0.01f : 1.5f * (1 + u())});
+  constexpr float kRadius = 0.05f;
+  const LineAccel whole(lines, kRadius, 100), cut(lines, kRadius, 0.1f), shreds(lines, kRadius, 1e-3f);
+  std::size_t in_all = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Vec3f origin = u.vector(), direction = u.direction();
+    const float length = 1 + u();
+    std::map<std::uint32_t, NearLine> found[3];
+    for (int way = 0; way < 3; ++way) {
+      std::vector<NearLine> near;
+      (way == 0 ? whole : way == 1 ? cut : shreds).near_ray(origin, direction, length, near);
+      for (const NearLine& line : near) CHECK(found[way].emplace(line.index, line).second);
+      CHECK(found[way].size() == found[0].size());
+      for (const auto& [index, line] : found[way]) {
+        REQUIRE(found[0].count(index) == 1);
+        CHECK(found[0][index].t == line.t);
+        CHECK(found[0][index].along == line.along);
+        CHECK(found[0][index].squared == line.squared);
+      }
+    }
+    for (std::uint32_t k = 0; k < lines.size(); ++k) {
+      const Nearest n = nearest(origin, direction, lines[k]);
+      const double radius = static_cast<double>(kRadius), far = static_cast<double>(length),
+                   end = static_cast<double>(lines[k].length);
+      // Not on the border of what counts.
+      if (std::min({std::fabs(n.t), std::fabs(n.t - far), std::fabs(n.along), std::fabs(n.along - end),
+                    std::fabs(n.distance - radius)}) < 1e-5 / n.sine)
+        continue;
+      const bool near = n.t > 0 && n.t < far && n.along > 0 && n.along < end && n.distance < radius;
+      CHECK(found[0].count(k) == (near ? 1 : 0));
+      if (!near || found[0].count(k) == 0) continue;
+      const NearLine& line = found[0][k];
+      CHECK(static_cast<double>(line.t) == doctest::Approx(n.t).epsilon(1e-3));
+      CHECK(static_cast<double>(line.along) == doctest::Approx(n.along).epsilon(1e-3));
+      CHECK(std::sqrt(static_cast<double>(line.squared)) == doctest::Approx(n.distance / radius).epsilon(2e-3));
+      CHECK(static_cast<double>(line.cosine) == doctest::Approx(n.cosine).epsilon(1e-4));
+      CHECK(static_cast<double>(line.sine) == doctest::Approx(n.sine).epsilon(1e-4));
+    }
+    in_all += found[0].size();
+  }
+  CHECK(in_all > 1000);
+  std::vector<NearLine> none;
+  LineAccel().near_ray({0, 0, 0}, {0, 0, 1}, 1, none);
+  // Parallel lines have no place at which they are nearest.
+  LineAccel({{{0.01f, 0, 0}, {0, 0, 1}, 1}}, kRadius, 1).near_ray({0, 0, 0}, {0, 0, 1}, 1, none);
+  CHECK(none.empty());
+}
+
+TEST_CASE("gather volume: registers do what single beams do; the sum is that over all beams, by hand") {
+  struct Case {
+    std::array<float, 3> extinction;
+    float g;
+    PhotonKernel kernel;
+    int max_depth;
+    MediumEstimator estimator;
+  };
+  for (const auto& [extinction, g, kernel, max_depth, estimator] :
+       {Case{{0.2f, 0.2f, 0.2f}, 0.0f, PhotonKernel::kDisc, -1, MediumEstimator::kNullMis},
+        Case{{0.3f, 0.6f, 0.1f}, 0.7f, PhotonKernel::kCone, 4, MediumEstimator::kNullMis},
+        Case{{0.3f, 0.6f, 0.1f}, -0.4f, PhotonKernel::kEpanechnikov, 3, MediumEstimator::kRatio}}) {
+    CAPTURE(g);
+    const Double3 albedo = {0.8, 0.6, 0.9};
+    MediumDescription medium;
+    medium.coefficients =
+        ExtinctionAlbedoDescription{SpectrumDescription::rgb(extinction[0], extinction[1], extinction[2]),
+                                    SpectrumDescription::rgb(0.8f, 0.6f, 0.9f)};
+    Description d = filled_box(medium);
+    d.integrator.max_depth = max_depth;
+    d.integrator.medium_estimator = estimator;
+    d.media[0].phase = add_phase(d, g);
+    const auto scene = compile_scene(d);
+    const std::vector<PhotonBeam> beams = random_beams(3000, 1);
+    constexpr double kRadius = 0.1;
+    const VolumePhotonMap points;
+    const PhotonBeamMap map({beams}, 1000, 0.1f, 0.4f, kernel);
+    const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &points, &map};
+    TestWave wide(24, 0), scalar(24, 0);
+    StageContext context = wide.context(*scene);
+    context.maps = &maps;
+    std::vector<Slot> slots;
+    for (int i = 0; i < 20; ++i)
+      slots.push_back(add_ray_in_medium(wide, {-1.5f + 0.15f * static_cast<float>(i), 0.3f, 2.5f}));
+    WaveSnapshot(wide.wave).restore(scalar.wave);
+    gather_volume<Wide>(context, wide.wave);
+    gather_volume<Scalar>(context, scalar.wave);
+    CHECK(wide.wave.medium.empty());
+    Double3 sigma;
+    for (std::size_t c = 0; c < 3; ++c) sigma[c] = static_cast<double>(extinction[c]);
+    for (const Slot slot : slots) {
+      const Vec3f origin = wide.wave.rays.get(slot).origin;
+      Double3 sum{};
+      for (const PhotonBeam& beam : beams) {
+        const Nearest n = nearest(origin, {0, 0, 1}, {beam.start, beam.direction, beam.length});
+        const auto edges = static_cast<int>(beam.place & kMostPhotonEdges);
+        if (n.t <= 0 || n.t >= 7.5 || n.along < 0 || n.along >= static_cast<double>(beam.length) ||
+            n.distance >= kRadius || (max_depth > 0 && edges > max_depth - 1) || beam.place >> 8 != 1)
+          continue;
+        const double gg = static_cast<double>(g);
+        // Light flies on with the beam, but backwards along the ray.
+        const double phase = (1 - gg * gg) / (4 * kExactPi * std::pow(1 + gg * gg + 2 * gg * n.cosine, 1.5));
+        const Double3 power = colors(beam.power), odds = colors(beam.odds);
+        // The probability that the beam comes as far: as each lane would sample it, or as the largest does.
+        double comes = 0;
+        for (std::size_t c = 0; c < 3; ++c)
+          comes += odds[c] / 3 * std::exp(-n.along * (estimator == MediumEstimator::kRatio ? sigma[1] : sigma[c]));
+        for (std::size_t c = 0; c < 3; ++c)
+          sum[c] += std::exp(-sigma[c] * (n.t + n.along)) / comes * power[c] / 1000 * sigma[c] * albedo[c] * phase *
+                    kernel_across(kernel, n.distance / kRadius) / kRadius / n.sine;
+      }
+      CHECK(sum[0] > 0);
+      const Double3 by_wide = colors(wide.wave.radiance.row(slot).radiance),
+                    by_scalar = colors(scalar.wave.radiance.row(slot).radiance),
+                    left = colors(wide.wave.throughput.get(slot).beta);
+      for (std::size_t c = 0; c < 3; ++c) {
+        CHECK(by_wide[c] == doctest::Approx(sum[c]).epsilon(3e-3));
+        CHECK(by_scalar[c] == doctest::Approx(sum[c]).epsilon(3e-3));
+        CHECK(left[c] == doctest::Approx(std::exp(-sigma[c] * 7.5)).epsilon(1e-4));
+      }
+    }
+  }
+}
+
+TEST_CASE("gather volume: beams in homogeneous media, points in grids and where beams are not wanted") {
+  const TemporaryFolder folder;
+  const auto file = write_vol(folder.path() / "even.vol", 4, 1, [](Vec3f, int) { return 1.0f; });
+  MediumDescription even = fog(0.3f, 0.8f), grid = even;
+  grid.density = vol(file, Transform::translate({-2, -2, 2}) * Transform::scale({4, 4, 8}));
+  Photon photon;
+  photon.p = {0, 0, 8};
+  photon.power = Spectrum4(1.0f);
+  photon.direction = encode_octahedral<Scalar>({0, 1, 0});
+  photon.surface = photon_place(1, 1, false);
+  PhotonBeam beam;
+  beam.start = {0, -1, 7}, beam.direction = {0, 1, 0}, beam.length = 2;
+  beam.power = beam.odds = Spectrum4(1.0f);
+  beam.place = photon.surface;
+  const VolumePhotonMap points({{photon}}, 1, 0.5f, PhotonKernel::kDisc);
+  const PhotonBeamMap beams({{beam}}, 1, 0.5f, 1, PhotonKernel::kDisc);
+  const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &points, &beams};
+  const auto found = [&](const MediumDescription& medium, MediumPhotons kept) {
+    Description d = filled_box(medium);
+    d.integrator.photons.medium_photons = kept;
+    const auto scene = compile_scene(d);
+    TestWave test(1, 0);
+    StageContext context = test.context(*scene);
+    context.maps = &maps;
+    const Slot slot = add_ray_in_medium(test, {0, 0.1f, 2});
+    gather_volume<Wide>(context, test.wave);
+    return static_cast<double>(test.wave.radiance.row(slot).radiance.c1);
+  };
+  const double phase = 1 / (4 * kExactPi), by_beam = std::exp(-0.3 * 5) * 0.24 * phase;
+  const double by_point = std::exp(-0.3 * 6) * phase / (kExactPi * 0.25);
+  CHECK(found(even, MediumPhotons::kBeams) == doctest::Approx(by_beam).epsilon(1e-4));
+  CHECK(found(even, MediumPhotons::kPoints) == doctest::Approx(by_point).epsilon(1e-4));
+  CHECK(found(even, MediumPhotons::kAuto) == doctest::Approx(by_point).epsilon(1e-4));
+  // Transmittance is random in grids.
+  const double in_grid = found(grid, MediumPhotons::kBeams);
+  CHECK((in_grid == 0 || in_grid > 1.5 * by_beam));
+}
+
+}  // namespace sheaf
