@@ -253,25 +253,33 @@ TEST_CASE("gather volume: beams in homogeneous media, points in grids and where 
   const VolumePhotonMap points({{photon}}, 1, 0.5f, PhotonKernel::kDisc);
   const PhotonBeamMap beams({{beam}}, 1, 0.5f, 1, PhotonKernel::kDisc);
   const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &points, &beams};
-  const auto found = [&](const MediumDescription& medium, MediumPhotons kept) {
+  const auto found = [&](const MediumDescription& medium, MediumPhotons kept, float y) {
     Description d = filled_box(medium);
     d.integrator.photons.medium_photons = kept;
     const auto scene = compile_scene(d);
-    TestWave test(1, 0);
+    TestWave test(20, 0);
     StageContext context = test.context(*scene);
     context.maps = &maps;
-    const Slot slot = add_ray_in_medium(test, {0, 0.1f, 2});
-    gather_volume<Wide>(context, test.wave);
-    return static_cast<double>(test.wave.radiance.row(slot).radiance.c1);
+    double sum = 0;
+    for (context.sampler.seed = 0; context.sampler.seed < 20; ++context.sampler.seed) {
+      const Slot slot = add_ray_in_medium(test, {0, y, 2});
+      gather_volume<Wide>(context, test.wave);
+      sum += static_cast<double>(test.wave.radiance.row(slot).radiance.c1) / 20;
+    }
+    return sum;
   };
   const double phase = 1 / (4 * kExactPi), by_beam = std::exp(-0.3 * 5) * 0.24 * phase;
   const double by_point = std::exp(-0.3 * 6) * phase / (kExactPi * 0.25);
-  CHECK(found(even, MediumPhotons::kBeams) == doctest::Approx(by_beam).epsilon(1e-4));
-  CHECK(found(even, MediumPhotons::kPoints) == doctest::Approx(by_point).epsilon(1e-4));
-  CHECK(found(even, MediumPhotons::kAuto) == doctest::Approx(by_point).epsilon(1e-4));
+  // One ray passes the beam alone, the other the photon too.
+  constexpr float kBeamAlone = 0.8f, kBoth = 0.1f;
+  for (const float y : {kBeamAlone, kBoth}) {
+    CHECK(found(even, MediumPhotons::kBeams, y) == doctest::Approx(by_beam).epsilon(1e-4));
+    for (const MediumPhotons kept : {MediumPhotons::kPoints, MediumPhotons::kAuto})
+      CHECK(found(even, kept, y) == doctest::Approx(y == kBoth ? by_point : 0).epsilon(1e-4));
+  }
+  CHECK(found(grid, MediumPhotons::kBeams, kBeamAlone) == 0);
   // Transmittance is random in grids.
-  const double in_grid = found(grid, MediumPhotons::kBeams);
-  CHECK((in_grid == 0 || in_grid > 1.5 * by_beam));
+  CHECK(found(grid, MediumPhotons::kBeams, kBoth) > 0.3 * by_point);
 }
 
 }  // namespace sheaf
