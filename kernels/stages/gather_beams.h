@@ -45,23 +45,26 @@ inline void find_beams(const PhotonBeamMap& map, const GatheringRay& ray, std::v
             [](const NearLine& a, const NearLine& b) { return a.t != b.t ? a.t < b.t : a.index < b.index; });
 }
 
-/// Phi(s) over Phi in a medium where lanes differ.
+/// Phi(s) over Phi where lanes differ.
 class FlightShares {
  public:
   FlightShares(const StageContext& context, std::uint32_t flags, const GatheringRay& ray)
       : flight_(make_medium_ray(context, flags, ray.lambda, ray.seen.origin, ray.seen.direction, 0.0f)),
-        sigma_t_(medium_coefficients(flight_.medium, flight_.spectra).sigma_t) {}
+        sigma_t_(medium_coefficients(flight_.medium, flight_.spectra).sigma_t),
+        single_wavelength_(ray.single_wavelength) {}
 
   Quad operator()(const PhotonBeamMap::Record& beam, float along) const {
     // All lanes are at one wavelength.
     if ((beam.place & kPhotonSingleWavelength) != 0) return Quad(1.0f);
-    const Quad passed = transmittance(sigma_t_, along);
-    return passed * (1.0f / lane_mean(flight_.scene, Quad(beam.odds) * flight_.odds(passed)));
+    const Quad passed = transmittance(sigma_t_, along), odds = Quad(beam.odds) * flight_.odds(passed);
+    // Where the ray has but the first wavelength, no other lane makes up for those by which that one is found less.
+    return passed * (1.0f / (single_wavelength_ ? odds[0] : lane_mean(flight_.scene, odds)));
   }
 
  private:
   MediumRay flight_;
   Quad sigma_t_;
+  bool single_wavelength_;
 };
 
 /// The radiance that the beams bring. `flags`: RayState::flags of the ray.
@@ -73,7 +76,7 @@ Quad gather_beams(const StageContext& context, const PhotonBeamMap& map, std::ui
   if (found.empty()) return Quad();
   const MediumCoefficients c = medium_coefficients(ray.seen.medium, ray.seen.spectra);
   const Quad sigma_t = c.sigma_t;
-  const bool grey = ray.seen.has(kMediumGrey);
+  const bool alike = ray.seen.has(kMediumGrey) && !ray.single_wavelength;
   const FlightShares shares(context, flags, ray);
   Quad sum;
   for (std::size_t first = 0; first < found.size(); first += L::width) {
@@ -96,7 +99,7 @@ Quad gather_beams(const StageContext& context, const PhotonBeamMap& map, std::ui
       const PhotonBeamMap::Record& beam = map.beam(line.index);
       // Both lost three wavelengths, and made up for them fourfold; once is enough.
       const bool both = ray.single_wavelength && (beam.place & kPhotonSingleWavelength) != 0;
-      const Quad power = grey ? Quad(beam.power) : Quad(beam.power) * shares(beam, line.along);
+      const Quad power = alike ? Quad(beam.power) : Quad(beam.power) * shares(beam, line.along);
       sum = sum + power * transmittance(sigma_t, line.t) * (both ? 0.25f * weights[i] : weights[i]);
     }
   }

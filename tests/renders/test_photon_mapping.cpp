@@ -436,46 +436,138 @@ TEST_CASE("volume photons: what media scatter has the path tracer's mean, howeve
 TEST_CASE("photon beams: what media scatter has the path tracer's mean, in homogeneous media and beside grids") {
   const TemporaryFolder folder;
   const auto file = write_vol(folder.path() / "ramp.vol", 8, 1, [](Vec3f p, int) { return 0.3f + p.z * p.x; });
-  enum What { kClear, kColored, kInGlass, kGlowing, kBesideGrid, kCount };
+  enum What { kClear, kColored, kGlowing, kBesideGrid, kCount };
   for (int what = 0; what < kCount; ++what) {
     CAPTURE(what);
-    // A ball of glass, if there is one, is a caustic in the fog.
-    Description d = room(what == kClear || what == kColored, 25);
+    Description d = room(false, 36);
+    d.film.width = d.film.height = 12;
     MediumDescription medium = fog(what == kClear ? 0.1f : 0.4f, 0.9f);
-    if (what == kColored || what == kInGlass || what == kBesideGrid)
-      medium.coefficients = ExtinctionAlbedoDescription{SpectrumDescription::rgb(1.2f, 0.3f, 0.1f),
+    if (what == kColored || what == kBesideGrid)
+      medium.coefficients = ExtinctionAlbedoDescription{SpectrumDescription::rgb(1.2f, 0.5f, 0.1f),
                                                         SpectrumDescription::rgb(0.8f, 0.7f, 0.9f)};
     if (what == kColored) medium.phase = add_phase(d, 0.6f);
     if (what == kGlowing) medium.emission = SpectrumDescription::constant(2);
     const MediumId id = add_medium(d, medium);
-    if (what == kInGlass) {
-      add_sphere(d, {0.5f, -0.2f, 0.9f}, 0.6f, add_glass(d)).interior = id;
-    } else if (what == kBesideGrid) {
-      MediumDescription grid = medium;
-      grid.density = vol(file, Transform::translate({-1, -1, 0.2f}) * Transform::scale({1, 2, 1.5f}));
-      fill(d, add_shape(d, CubeShape{}, Transform::translate({-0.5f, 0, 0.95f}) * Transform::scale({0.5f, 1, 0.75f})),
-           add_medium(d, grid));
-      fill(d, add_shape(d, CubeShape{}, Transform::translate({0.8f, 0, 0.95f}) * Transform::scale({0.7f, 1, 0.75f})),
-           id);
-    } else {
-      d.camera.medium = id;
+    if (what == kClear || what == kColored) d.camera.medium = id;
+    const auto box = [&](float x, MediumId of) {
+      fill(d, add_shape(d, CubeShape{}, Transform::translate({x, 0, 0.95f}) * Transform::scale({0.5f, 1, 0.75f})), of);
+    };
+    if (what == kGlowing || what == kBesideGrid) box(0.6f, id);
+    if (what == kBesideGrid) {
+      medium.density = vol(file, Transform::translate({-1, -1, 0.2f}) * Transform::scale({1, 2, 1.5f}));
+      box(-0.6f, add_medium(d, medium));
     }
     const Mean path = path_mean(d);
     d.integrator.kind = IntegratorKind::kPhotonMapper;
-    d.integrator.photons.global = {20'000, 0.05f, 0};
-    d.integrator.photons.volume = {20'000, 0.01f, 0};
+    d.integrator.photons.global = d.integrator.photons.volume = {10'000, 0.05f, 0};
     d.integrator.photons.medium_photons = MediumPhotons::kBeams;
-    for (const PhotonGathering gathering :
-         {PhotonGathering::kAll, PhotonGathering::kIndirect, PhotonGathering::kFinal}) {
-      CAPTURE(static_cast<int>(gathering));
-      d.integrator.photons.gathering = gathering;
-      check_close(mean_of(d), path, gathering == PhotonGathering::kAll ? 0.02 : 0.01);
-    }
+    d.integrator.photons.gathering = what == kColored ? PhotonGathering::kFinal : PhotonGathering::kIndirect;
+    check_close(mean_of(d), path, 0.01);
+    if (what != kClear && what != kBesideGrid) continue;
     d.integrator.photons.progressive = true;
     d.integrator.photons.medium_photons = MediumPhotons::kAuto;
-    d.integrator.photons.gathering = PhotonGathering::kIndirect;
     d.integrator.photons.global.count = d.integrator.photons.volume.count = 2'000;
     check_close(mean_of(d), path, 0.01);
+  }
+}
+
+TEST_CASE("photon beams: what glass has focused, media in glass and dispersed light are as points bring them") {
+  enum What { kCaustic, kInGlass, kDispersed, kCount };
+  for (int what = 0; what < kCount; ++what) {
+    CAPTURE(what);
+    Description d = room(what != kInGlass, 16);
+    d.film.width = d.film.height = 12;
+    MediumDescription medium;
+    medium.coefficients = ExtinctionAlbedoDescription{SpectrumDescription::rgb(1.2f, 0.5f, 0.1f),
+                                                      SpectrumDescription::rgb(0.8f, 0.7f, 0.9f)};
+    const MediumId id = add_medium(d, medium);
+    if (what == kInGlass) {
+      add_sphere(d, {0.3f, -0.4f, 0.8f}, 0.6f, add_glass(d)).interior = id;
+    } else {
+      d.camera.medium = id;
+    }
+    if (what == kDispersed) {
+      DielectricDescription flint;
+      flint.int_dispersion = *find_dispersion("sf11");
+      add_sphere(d, {0.6f, 0.4f, 0.8f}, 0.4f, add_material(d, flint));
+    }
+    d.integrator.kind = IntegratorKind::kPhotonMapper;
+    d.integrator.photons.global = {100, 0.01f, 0};
+    d.integrator.photons.volume = {10'000, 0.05f, 0};
+    const auto scene_of = [&](MediumPhotons kept) {
+      d.integrator.photons.medium_photons = kept;
+      return compile_scene(d, {.color = what == kDispersed ? ColorMode::kSpectral : ColorMode::kRgb});
+    };
+    const auto points = scene_of(MediumPhotons::kPoints), beams = scene_of(MediumPhotons::kBeams);
+    std::array<MeanVariance, 3> difference, mean;
+    for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+      RenderOptions options;
+      options.seed = seed;
+      const Image a = render(*points, options).to_image(), b = render(*beams, options).to_image();
+      for (int c = 0; c < 3; ++c) {
+        double sum = 0, sum_of_both = 0;
+        for (int y = 0; y < a.height; ++y)
+          for (int x = 0; x < a.width; ++x) {
+            sum += static_cast<double>(b.at(x, y, c)) - static_cast<double>(a.at(x, y, c));
+            sum_of_both += static_cast<double>(b.at(x, y, c)) + static_cast<double>(a.at(x, y, c));
+          }
+        difference[static_cast<std::size_t>(c)].add(sum);
+        mean[static_cast<std::size_t>(c)].add(0.5 * sum_of_both);
+      }
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double bias = 0.01 * mean[c].mean(), found = difference[c].mean();
+      INFO("channel " << c << ": mean " << mean[c].mean() << ", difference " << found << ", standard error "
+                      << std::sqrt(difference[c].variance() / 8));
+      if (std::fabs(found) > bias) CHECK(difference[c].p_value(found > 0 ? bias : -bias) >= kLevel);
+    }
+  }
+}
+
+TEST_CASE("photon beams: in spectral mode, seen directly and through a slab that disperses, against the path tracer") {
+  Description d = empty_scene(16, 16);
+  look_at(d, {0, -1.9f, 1}, {0, 0, 1}, {0, 0, 1}, 60);
+  d.integrator.max_depth = 6;
+  d.integrator.rr_depth = 20;
+  add_shape(d, CubeShape{}, Transform::translate({0, 0, 1}) * Transform::scale({2, 2, 1}), add_diffuse(d, 0))
+      .flip_normals = true;
+  // Out of view.
+  emit(add_sphere(d, {0, -1.1f, 1.85f}, 0.1f), 100);
+  MediumDescription medium;
+  medium.coefficients = ExtinctionAlbedoDescription{SpectrumDescription::rgb(1.2f, 0.5f, 0.1f),
+                                                    SpectrumDescription::rgb(0.8f, 0.7f, 0.9f)};
+  d.camera.medium = add_medium(d, medium);
+  // Rays of one wavelength meet photons of four.
+  DielectricDescription flint;
+  flint.int_dispersion = *find_dispersion("sf11");
+  add_shape(d, CubeShape{}, Transform::translate({0.5f, -1.4f, 1}) * Transform::scale({0.5f, 0.1f, 0.9f}),
+            add_material(d, flint));
+  const auto mean_color = [&](int samples) {
+    d.sampler.sample_count = samples;
+    const auto scene = compile_scene(d, {.color = ColorMode::kSpectral});
+    std::array<MeanVariance, 3> mean;
+    for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+      RenderOptions options;
+      options.seed = seed;
+      const Image image = render(*scene, options).to_image();
+      for (int c = 0; c < 3; ++c) {
+        double sum = 0;
+        for (int y = 0; y < image.height; ++y)
+          for (int x = 0; x < image.width; ++x) sum += static_cast<double>(image.at(x, y, c));
+        mean[static_cast<std::size_t>(c)].add(sum / (image.width * image.height));
+      }
+    }
+    return mean;
+  };
+  const auto path = mean_color(256);
+  d.integrator.kind = IntegratorKind::kPhotonMapper;
+  d.integrator.photons.progressive = true;
+  d.integrator.photons.global = {1, 0.01f, 0};
+  d.integrator.photons.volume = {500, 0.05f, 0};
+  const auto found = mean_color(64);
+  for (std::size_t i = 0; i < 3; ++i) {
+    CAPTURE(i);
+    check_close({found[i].mean(), found[i].variance() / 8}, {path[i].mean(), path[i].variance() / 8}, 0.01);
   }
 }
 
