@@ -95,19 +95,20 @@ class TextureCompiler {
     return static_cast<std::uint32_t>(out_.rows.size() - 1);
   }
 
-  /// The index in images_. Bytes are the same for all ways of reading them; raw floats and decoded ones differ.
+  /// The index in images_. Unchanged bytes are the same for all ways of reading them; raw floats and decoded ones
+  /// differ.
   std::size_t image(const BitmapDescription& bitmap, const TextureDescription& texture) {
     std::error_code ignored;
     std::filesystem::path file = std::filesystem::weakly_canonical(bitmap.file, ignored);
     if (ignored) file = bitmap.file;
-    const auto known = index_of_.find({file, bitmap.raw});
+    const auto known = index_of_.find({file, bitmap.raw, bitmap.change});
     if (known != index_of_.end()) return known->second;
     try {
-      images_.push_back(load_tiled_image(bitmap.file, bitmap.raw));
+      images_.push_back(load_tiled_image(bitmap.file, bitmap.raw, bitmap.change));
     } catch (const SceneError& problem) { throw error(texture, problem.what()); }
     const std::size_t index = images_.size() - 1;
     for (const bool raw : {false, true})
-      if (raw == bitmap.raw || holds_bytes(images_[index].format)) index_of_[{file, raw}] = index;
+      if (raw == bitmap.raw || holds_bytes(images_[index].format)) index_of_[{file, raw, bitmap.change}] = index;
     return index;
   }
 
@@ -155,7 +156,7 @@ class TextureCompiler {
   const std::vector<TextureDescription>& textures_;
   std::vector<int> depths_;
   std::vector<TiledImage> images_;
-  std::map<std::pair<std::filesystem::path, bool>, std::size_t> index_of_;
+  std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::Change>, std::size_t> index_of_;
   CompiledTextures out_;
 };
 

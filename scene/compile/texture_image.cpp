@@ -53,6 +53,23 @@ void prepare_floats(Picture& picture, const std::vector<std::size_t>& channels, 
   }
 }
 
+/// Makes floats of all values, decoded unless `raw`, and changes them.
+void change_values(Picture& picture, bool raw, const BitmapDescription::Change& change) {
+  const bool decode = !raw && (picture.integers || !picture.bytes.empty());
+  if (picture.floats.empty())
+    for (const std::uint8_t byte : picture.bytes) picture.floats.push_back(static_cast<float>(byte) / 255.0f);
+  picture.bytes = {};
+  picture.integers = false;
+  for (float& value : picture.floats) {
+    value = (decode ? srgb_to_linear(value) : value) * change.scale;
+    if (change.invert) value = 1 - value;
+    if (change.exponent != 1.0f)
+      value = std::pow(std::max(value, 0.0f), change.exponent);
+    else if (change.invert)
+      value = std::max(value, 0.0f);
+  }
+}
+
 }  // namespace
 
 std::vector<std::size_t> texture_channels(const std::vector<std::string>& names, const SourceLocation& where) {
@@ -73,9 +90,10 @@ std::vector<std::size_t> texture_channels(const std::vector<std::string>& names,
   throw SceneError(where, "the picture has the channels " + list + ", where R, G, B or Y (and A) are expected");
 }
 
-TiledImage load_tiled_image(const std::filesystem::path& file, bool raw) {
+TiledImage load_tiled_image(const std::filesystem::path& file, bool raw, const BitmapDescription::Change& change) {
   const SourceLocation where{file.string(), 0};
   Picture picture = read_picture(file);
+  if (change != BitmapDescription::Change{}) change_values(picture, raw, change);
   const std::vector<std::size_t> channels = texture_channels(picture.channels, where);
   const bool bytes = !picture.bytes.empty(), grey = channels.size() == 1;
 

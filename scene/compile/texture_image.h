@@ -18,9 +18,9 @@ std::vector<std::size_t> texture_channels(const std::vector<std::string>& names,
 
 /// Reads a picture: grey (with or without alpha) becomes one channel, colours four, of which the last is zero; alpha is
 /// dropped and nothing is multiplied by it. 8-bit data stays as it is, so that `raw` makes no difference; integers of
-/// 16 bits and more become floats, which unless `raw` are decoded by the sRGB curve. Floats mean linear values. Throws
-/// SceneError if the picture is missing, broken or too large, has channels without a meaning, or values that are not
-/// finite.
-TiledImage load_tiled_image(const std::filesystem::path& file, bool raw);
+/// 16 bits and more become floats, which unless `raw` are decoded by the sRGB curve. Floats mean linear values. With a
+/// `change` all data become floats, decoded unless `raw`, and changed. Throws SceneError if the picture is missing,
+/// broken or too large, has channels without a meaning, or values that are not finite.
+TiledImage load_tiled_image(const std::filesystem::path& file, bool raw, const BitmapDescription::Change& change = {});
 
 }  // namespace sheaf

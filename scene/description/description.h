@@ -58,6 +58,13 @@ struct BitmapDescription {
   Filter filter = Filter::kBilinear;
   Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
   bool raw = false;  ///< numbers, not colours: integers are not decoded by the sRGB curve
+  /// What is done to each value of the picture, once it is decoded.
+  struct Change {
+    float scale = 1;      ///< first: multiplied by it
+    bool invert = false;  ///< then: its difference from 1 instead; what is negative becomes 0
+    float exponent = 1;   ///< last: raised to it
+    friend constexpr auto operator<=>(const Change&, const Change&) = default;
+  } change = {};
 };
 /// Squares in turn: `color0` where floor(2u) + floor(2v) is even, after the texture's transform has been applied.
 struct CheckerboardDescription {
@@ -482,6 +489,8 @@ struct EnvmapDescription {
   float scale = 1;
   Transform to_world;  ///< a rotation, which may mirror; its translation and size mean nothing
   bool mis_compensation = false;  ///< sample what is brighter than the mean (Karlik et al. 2019)
+  /// kOctahedral: a square picture of equal areas instead (Clarberg 2008), as pbrt-v4 has it, +z in its middle.
+  enum class Layout { kLatLong, kOctahedral } layout = Layout::kLatLong;
 };
 
 /// The sky of Hosek and Wilkie 2012, on all sides above the horizon.

@@ -1,4 +1,4 @@
-// The dialects of scene files, each one function from an expanded XML tree to a Description.
+// The dialects of scene files, each one function to a Description, from an expanded XML tree or from pbrt's text.
 #pragma once
 
 #include "scene/xml/properties.h"
@@ -12,6 +12,9 @@ void read_nori(ReadContext& context);
 
 /// Reads a Mitsuba scene (0.6, 2, 3) into context.description. Throws SceneError.
 void read_mitsuba(ReadContext& context);
+
+/// Reads a pbrt-v4 scene file. `lenient`: what is not supported becomes a note. Throws SceneError.
+void read_pbrt(const std::filesystem::path& file, Description& description, bool lenient);
 
 /// Appends the shape that an element describes to the description.
 using ShapeReader = std::function<void(const XmlElement&)>;

@@ -1,4 +1,4 @@
-// Chooses the dialect of a scene file by its content.
+// Chooses the dialect of a scene file: pbrt's by its name, those in XML by their content.
 #include "scene/dialects/read_scene.h"
 
 #include "scene/dialects/dialects.h"
@@ -51,6 +51,14 @@ void check_frame(int width, int height, const SourceLocation& where) {
 
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options) {
   if (const auto format = model_format(file)) return read_model(file, *format, options.view);
+  if (file.extension() == ".pbrt") {
+    if (!options.defines.empty())
+      throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": scenes of pbrt have no parameters");
+    Description description;
+    description.file = file;
+    read_pbrt(file, description, options.lenient);
+    return description;
+  }
   ExpandedScene scene(file, options.defines, options.lenient);
   const XmlElement& root = scene.root();
   if (root.name != "scene") throw SceneError(root.where, "root element is <" + root.name + ">, expected <scene>");

@@ -3,6 +3,7 @@
 #include "scene/compile/daylight.h"
 #include "scene/compile/light.h"
 #include "scene/compile/lights/light_rotation.h"
+#include "scene/compile/octahedral.h"
 
 #include "core/frame.h"
 
@@ -47,7 +48,8 @@ void set_rotation(Envmap& map, const Transform& to_world, const SourceLocation& 
 std::optional<PlacedLight> place_light(const LightToPlace<EnvmapDescription>& l) {
   const EnvmapDescription& light = l.light;
   LightContext& context = l.context;
-  const EnvmapPicture picture = read_envmap_picture(light.file);
+  EnvmapPicture picture = read_envmap_picture(light.file);
+  if (light.layout == EnvmapDescription::Layout::kOctahedral) picture = lat_long_of_octahedral(picture, light.file);
   if (const std::size_t bad = count_unusable(picture); bad > 0)
     context.warnings.push_back(light.file.string() + ": " + std::to_string(bad) +
                                " values that are negative or not finite count as 0");

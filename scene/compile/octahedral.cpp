@@ -1,0 +1,98 @@
+#include "scene/compile/octahedral.h"
+
+#include "core/lanes.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// Directions along each side of a node's surroundings that are looked up.
+constexpr std::uint32_t kLookups = 4;
+
+/// The direction at (u, v) of a map by longitude and latitude; see scene/tables/envmap.h.
+Vec3f direction_of(double u, double v) {
+  const double phi = 2 * std::acos(-1.0) * u, theta = std::acos(-1.0) * v;
+  return {static_cast<float>(std::sin(theta) * std::sin(phi)), static_cast<float>(std::cos(theta)),
+          static_cast<float>(-std::sin(theta) * std::cos(phi))};
+}
+
+bool counts(float value) { return value >= 0.0f && std::isfinite(value); }
+
+/// The mean of the texels around node (i, j).
+Vec3f mean_around(const EnvmapPicture& square, std::uint32_t i, std::uint32_t j, std::uint32_t width,
+                  std::uint32_t height) {
+  Vec3f sum{0, 0, 0};
+  for (std::uint32_t b = 0; b < kLookups; ++b)
+    for (std::uint32_t a = 0; a < kLookups; ++a) {
+      const double u = (i + (a + 0.5) / kLookups) / width;
+      const double v = std::clamp((j - 0.5 + (b + 0.5) / kLookups) / (height - 1), 0.0, 1.0);
+      const Vec2f place = octahedral_of_direction(direction_of(u, v));
+      const auto texel = [&](float coordinate) {
+        const auto t = static_cast<std::uint32_t>(std::max(coordinate, 0.0f) * static_cast<float>(square.width));
+        return std::min(t, square.width - 1);
+      };
+      const float* rgb = &square.rgb[3 * (std::size_t{texel(place.y)} * square.width + texel(place.x))];
+      sum = sum + Vec3f{counts(rgb[0]) ? rgb[0] : 0, counts(rgb[1]) ? rgb[1] : 0, counts(rgb[2]) ? rgb[2] : 0};
+    }
+  return sum * (1.0f / (kLookups * kLookups));
+}
+
+/// The mean over all directions of a channel of the square map.
+double mean_of(const EnvmapPicture& square, std::size_t channel) {
+  double sum = 0;
+  for (std::size_t k = channel; k < square.rgb.size(); k += 3)
+    sum += counts(square.rgb[k]) ? static_cast<double>(square.rgb[k]) : 0.0;
+  return sum * 3 / static_cast<double>(square.rgb.size());
+}
+
+/// Scales a map so that make_envmap() finds the means of `square` in it.
+void keep_means(EnvmapPicture& map, const EnvmapPicture& square) {
+  const Vec3f found = make_envmap(map, 1, false).mean;
+  const std::array<float, 3> means{found.x, found.y, found.z};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float scale = means[c] > 0.0f ? static_cast<float>(mean_of(square, c)) / means[c] : 1.0f;
+    for (std::size_t k = c; k < map.rgb.size(); k += 3) map.rgb[k] *= scale;
+  }
+}
+
+}  // namespace
+
+Vec2f octahedral_of_direction(Vec3f d) {
+  const float radius = std::sqrt(std::max(1.0f - std::fabs(d.z), 0.0f));
+  const float turn = std::atan2(std::fabs(d.y), std::fabs(d.x)) * (2.0f * kInvPi);  // from 0 at x to 1 at y
+  float y = turn * radius, x = radius - y;
+  if (d.z < 0.0f) {
+    std::swap(x, y);
+    x = 1.0f - x;
+    y = 1.0f - y;
+  }
+  return {0.5f * (std::copysign(x, d.x) + 1.0f), 0.5f * (std::copysign(y, d.y) + 1.0f)};
+}
+
+EnvmapPicture lat_long_of_octahedral(const EnvmapPicture& square, const std::filesystem::path& file) {
+  if (square.width != square.height)
+    throw SceneError(SourceLocation{file.string(), 0}, "the environment map has " + std::to_string(square.width) +
+                                                           " x " + std::to_string(square.height) +
+                                                           " pixels, expected a square one of equal areas");
+  EnvmapPicture map;
+  map.height = std::max(square.height, 8u);
+  map.width = 2 * map.height;
+  map.rgb.resize(3 * std::size_t{map.width} * map.height);
+  tbb::parallel_for(std::uint32_t{0}, map.height, [&](std::uint32_t j) {
+    for (std::uint32_t i = 0; i < map.width; ++i) {
+      const Vec3f rgb = mean_around(square, i, j, map.width, map.height);
+      float* out = &map.rgb[3 * (std::size_t{j} * map.width + i)];
+      out[0] = rgb.x, out[1] = rgb.y, out[2] = rgb.z;
+    }
+  });
+  keep_means(map, square);
+  return map;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,99 @@
+// The pbrt dialect: integrators and samplers, of which ours with the same expectation take the place.
+#include "scene/dialects/dialects.h"
+#include "scene/dialects/integrator_name.h"
+#include "scene/dialects/light_selector_name.h"
+#include "scene/dialects/pbrt.h"
+
+#include <algorithm>
+
+namespace sheaf::pbrt {
+
+namespace {
+
+/// An integrator of pbrt and ours.
+struct Counterpart {
+  const char* name;
+  const char* ours;
+  bool alike;  ///< ours has the same expectation, but works in another way
+};
+constexpr Counterpart kIntegrators[] = {
+    {"volpath", "path", false}, {"path", "path", false},         {"simplevolpath", "path", false},
+    {"bdpt", "path", true},     {"simplepath", "path", false},   {"mlt", "path", true},
+    {"sppm", "sppm", false},    {"lightpath", "ptracer", false}, {"randomwalk", "path", true},
+};
+
+constexpr int kMaxDepth = 1'000'000;
+
+void read_progressive(Parameters& p, PhotonMappingDescription& photons) {
+  const FilmDescription& film = p.reader().description.film;
+  const int pixels = static_cast<int>(std::min(std::int64_t{film.width} * film.height, std::int64_t{100'000'000}));
+  const int count = p.integer("photonsperiteration", -1, -1, 100'000'000);
+  photons.global = {static_cast<std::uint64_t>(count > 0 ? count : pixels), p.number("radius", 1, kPositive), 0};
+  p.accept({"seed"});
+}
+
+}  // namespace
+
+void read_integrator(Reader& reader, Entity entity) {
+  Parameters p(reader, "Integrator '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  IntegratorDescription& integrator = reader.description.integrator;
+  const auto* found = std::find_if(std::begin(kIntegrators), std::end(kIntegrators),
+                                   [&](const Counterpart& c) { return entity.type == c.name; });
+  if (found == std::end(kIntegrators)) {
+    std::vector<std::string> known = {"ambientocclusion", "function"};
+    for (const Counterpart& c : kIntegrators) known.emplace_back(c.name);
+    if (entity.type != "ambientocclusion" && entity.type != "function")
+      throw SceneError(entity.where, "unknown integrator '" + entity.type + "'" + did_you_mean(entity.type, known));
+    p.unsupported("integrators of this kind", "the light is rendered, by 'path'");
+    p.accept({"cossample", "maxdistance", "function", "filename", "skipbad"});
+    found = std::begin(kIntegrators);
+  }
+  // There 0 is emission only, here 1 is.
+  integrator.max_depth = p.integer("maxdepth", 5, 0, kMaxDepth) + 1;
+  apply(*find_integrator(found->ours), integrator);
+  if (entity.type == "sppm") read_progressive(p, integrator.photons);
+  if (found->alike)
+    reader.note(entity.where,
+                "integrator '" + entity.type + "' is rendered with 'path', which has the same expectation");
+  const std::string selector = p.string("lightsampler", "bvh");
+  if (selector == "uniform" || selector == "power")
+    integrator.light_selector = selector == "power" ? LightSelector::kPower : LightSelector::kUniform;
+  else if (selector != "bvh" && selector != "exhaustive")
+    p.fail_at("lightsampler", "is '" + selector + "', expected bvh, exhaustive, power or uniform");
+  p.accept({"regularize", "samplebsdf", "samplelights", "visualizestrategies", "visualizeweights", "bootstrapsamples",
+            "chains", "mutationsperpixel", "largestepprobability", "sigma"});
+  p.finish();
+}
+
+void read_sampler(Reader& reader, Entity entity) {
+  Parameters p(reader, "Sampler '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  SamplerDescription& sampler = reader.description.sampler;
+  const std::string& type = entity.type;
+  if (type == "independent") {
+    sampler.kind = SamplerKind::kIndependent;
+  } else if (type == "stratified") {
+    sampler.kind = SamplerKind::kStratified;
+  } else if (type == "halton" || type == "paddedsobol" || type == "pmj02bn" || type == "sobol" || type == "zsobol") {
+    sampler.kind = SamplerKind::kSobol;
+  } else {
+    const std::vector<std::string> known = {"halton", "independent", "paddedsobol", "pmj02bn",
+                                            "sobol",  "stratified",  "zsobol"};
+    throw SceneError(entity.where, "unknown sampler '" + type + "'" + did_you_mean(type, known));
+  }
+  int count = 0;
+  if (type == "stratified") {
+    constexpr int kMostPerSide = 1 << 12;
+    static_assert(kMostPerSide * kMostPerSide == kMaxSampleCount);
+    count = p.integer("xsamples", 4, 1, kMostPerSide) * p.integer("ysamples", 4, 1, kMostPerSide);
+    p.accept({"jitter"});
+  } else {
+    count = p.integer("pixelsamples", 16, 1, kMaxSampleCount);
+  }
+  sampler.sample_count = static_cast<std::uint32_t>(count);
+  if (p.has("seed"))
+    sampler.seed = static_cast<std::uint32_t>(p.integer("seed", 0, 0, std::numeric_limits<int>::max()));
+  p.accept({"randomization"});
+  p.finish();
+}
+
+}  // namespace sheaf::pbrt

@@ -1,0 +1,245 @@
+// The pbrt dialect: materials. Those that reflect are the same on both sides, as pbrt has them.
+#include "core/color.h"
+#include "scene/dialects/pbrt.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace sheaf::pbrt {
+
+namespace {
+
+using Model = decltype(MaterialDescription::model);
+
+constexpr float kMinAlpha = 1e-4f;
+constexpr float kSmoothAlpha = 1e-3f;  // below it pbrt's surfaces are smooth
+
+/// `parameter` or, where it is missing, `otherwise`: its slope by pbrt's rule.
+ScalarInput read_alpha(Parameters& p, const char* parameter, const char* otherwise, bool remap) {
+  std::optional<ScalarInput> roughness = find_scalar_input(p, parameter);
+  if (!roughness) roughness = find_scalar_input(p, otherwise);
+  if (!roughness) return 0.0f;
+  if (remap) {
+    if (std::optional<ScalarInput> root = root_of(p.reader(), *roughness)) return *root;
+    p.unsupported("remapping of the roughness of this texture", "it is taken as the slope");
+  }
+  return *roughness;
+}
+
+/// Roughness of microfacets by GGX; `prefix` is "interface." or "conductor." in layers.
+std::optional<RoughnessDescription> read_roughness(Parameters& p, const std::string& prefix, bool remap) {
+  const std::string u = prefix + "uroughness", v = prefix + "vroughness", both = prefix + "roughness";
+  RoughnessDescription roughness;
+  roughness.distribution = RoughnessDescription::Distribution::kGgx;
+  roughness.alpha_u = read_alpha(p, u.c_str(), both.c_str(), remap);
+  roughness.alpha_v =
+      p.has(u.c_str()) || p.has(v.c_str()) ? read_alpha(p, v.c_str(), both.c_str(), remap) : roughness.alpha_u;
+  float* numbers[] = {std::get_if<float>(&roughness.alpha_u), std::get_if<float>(&roughness.alpha_v)};
+  if (numbers[0] != nullptr && numbers[1] != nullptr && std::max(*numbers[0], *numbers[1]) < kSmoothAlpha)
+    return std::nullopt;
+  for (float* alpha : numbers)
+    if (alpha != nullptr) *alpha = std::max(*alpha, kMinAlpha);
+  return roughness;
+}
+
+Model diffuse(Parameters& p) {
+  return DiffuseDescription{
+      find_spectrum_input(p, "reflectance", Use::kReflectance).value_or(SpectrumDescription::constant(0.5f))};
+}
+
+/// A metal that reflects `r` at right angles, by pbrt's rule: eta = 1, k = 2 sqrt(r / (1 - r)).
+ConductorDescription::Ior metal_of(const SpectrumDescription& reflectance) {
+  const auto k_of = [](float r) {
+    const float bounded = std::clamp(r, 0.0f, 0.9999f);
+    return 2 * std::sqrt(bounded / (1 - bounded));
+  };
+  using S = SpectrumDescription;
+  S k = reflectance;
+  if (auto* grey = std::get_if<S::Constant>(&k.value)) grey->value = k_of(grey->value);
+  if (auto* rgb = std::get_if<S::Rgb>(&k.value))
+    rgb->value = {k_of(rgb->value.x), k_of(rgb->value.y), k_of(rgb->value.z)};
+  if (auto* table = std::get_if<S::Table>(&k.value))
+    std::transform(table->values.begin(), table->values.end(), table->values.begin(), k_of);
+  return {S::constant(1), k};
+}
+
+/// eta and k, or reflectance; relative to a dielectric of index `around`.
+ConductorDescription conductor(Parameters& p, const std::string& prefix, float around) {
+  const std::string eta_name = prefix + "eta",
+                    k_name = prefix == "conductor." && !p.has("conductor.k") ? "k" : prefix + "k";
+  ConductorDescription metal;
+  const auto reflectance = find_spectrum_input(p, "reflectance", Use::kReflectance);
+  const auto eta = find_spectrum_input(p, eta_name.c_str(), Use::kUnbounded);
+  const auto k = find_spectrum_input(p, k_name.c_str(), Use::kUnbounded);
+  if (reflectance && (eta || k)) p.fail("has both 'reflectance' and '" + (eta ? eta_name : k_name) + "', expected one");
+  if (reflectance) {
+    if (const auto* constant = std::get_if<SpectrumDescription>(&*reflectance)) {
+      metal.ior = metal_of(*constant);
+    } else {
+      p.unsupported("a texture of 'reflectance'", "it is what is reflected in all directions");
+      metal.specular_reflectance = *reflectance;
+    }
+    return metal;
+  }
+  const auto relative = [&](const std::optional<SpectrumInput>& given, const char* copper) -> SpectrumInput {
+    const SpectrumInput input = given ? *given : SpectrumInput(named_spectrum(p, "", copper, Use::kUnbounded));
+    if (const auto* spectrum = std::get_if<SpectrumDescription>(&input))
+      return around != 1.0f ? scaled(*spectrum, 1 / around) : *spectrum;
+    return input;
+  };
+  metal.ior = ConductorDescription::Ior{relative(eta, "metal-Cu-eta"), relative(k, "metal-Cu-k")};
+  return metal;
+}
+
+/// What a layer may hold besides its two surfaces.
+void expect_clear_layer(Parameters& p) {
+  const auto albedo = find_spectrum_input(p, "albedo", Use::kReflectance);
+  const SpectrumDescription* constant = albedo ? std::get_if<SpectrumDescription>(&*albedo) : nullptr;
+  const auto* rgb = constant != nullptr ? std::get_if<SpectrumDescription::Rgb>(&constant->value) : nullptr;
+  if (albedo && !(rgb != nullptr && rgb->value == Vec3f{0, 0, 0}))
+    p.unsupported("scattering between the layers ('albedo')", "there is none");
+  p.accept({"thickness", "g", "maxdepth", "nsamples"});
+}
+
+Model coated_diffuse(Parameters& p, bool remap) {
+  PlasticDescription plastic;
+  plastic.int_ior = read_index(p, "eta", 1.5f).value;
+  plastic.ext_ior = 1;
+  plastic.diffuse_reflectance = std::get<DiffuseDescription>(diffuse(p)).reflectance;
+  plastic.nonlinear = true;
+  plastic.roughness = read_roughness(p, "", remap);
+  if (plastic.roughness) {
+    float* u = std::get_if<float>(&plastic.roughness->alpha_u);
+    float* v = std::get_if<float>(&plastic.roughness->alpha_v);
+    if (u == nullptr || v == nullptr) {
+      p.unsupported("a texture of the coat's roughness", "a slope of 0.3 is taken");
+      plastic.roughness->alpha_u = plastic.roughness->alpha_v = 0.3f;
+    } else if (*u != *v) {
+      p.unsupported("a coat whose roughness differs along and across", "the mean is taken");
+      *u = *v = 0.5f * (*u + *v);
+    }
+  }
+  expect_clear_layer(p);
+  return plastic;
+}
+
+/// A mirror as rough as the coat, seen with the probability by which the coat reflects at right angles, and else the
+/// metal as it is inside of the coat.
+Model coated_conductor(Parameters& p, bool remap, const SourceLocation& where) {
+  const float eta = read_index(p, "interface.eta", 1.5f).value;
+  ConductorDescription metal = conductor(p, "conductor.", eta), coat;
+  metal.roughness = read_roughness(p, "conductor.", remap);
+  coat.roughness = read_roughness(p, "interface.", remap);
+  expect_clear_layer(p);
+  p.reader().note(where, p.title() + " is shown as a blend of the metal and of what the coat reflects at right angles");
+  const float at_right_angles = (eta - 1) * (eta - 1) / ((eta + 1) * (eta + 1));
+  return BlendDescription{at_right_angles, {add(p.reader(), metal, where), add(p.reader(), coat, where)}};
+}
+
+Model dielectric(Parameters& p, bool thin, bool remap) {
+  DielectricDescription glass;
+  const Index index = read_index(p, "eta", 1.5f);
+  glass.int_ior = index.value;
+  glass.int_dispersion = index.dispersion;
+  glass.ext_ior = 1;
+  glass.thin = thin;
+  if (!thin) glass.roughness = read_roughness(p, "", remap);
+  return glass;
+}
+
+Model mix(Parameters& p) {
+  const Parameter* names = p.find("materials");
+  if (names == nullptr || names->type != "string" || names->strings.size() != 2)
+    p.fail_at("materials", "must be the names of two materials");
+  BlendDescription blend;
+  blend.weight = find_scalar_input(p, "amount").value_or(0.5f);
+  if (float* weight = std::get_if<float>(&blend.weight)) *weight = std::clamp(*weight, 0.0f, 1.0f);
+  Reader& reader = p.reader();
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto found = reader.materials.find(names->strings[i]);
+    if (found == reader.materials.end())
+      p.fail_at("materials", "has '" + names->strings[i] + "', which is not defined so far");
+    reader.used_texture = reader.used_texture || found->second.textured;
+    blend.nested[i] = found->second.id ? *found->second.id : add(reader, NullDescription{}, p.where());
+  }
+  return blend;
+}
+
+/// Materials that have no counterpart.
+Model stand_in(Parameters& p, const std::string& type) {
+  p.unsupported("materials of this kind", "a diffuse one is taken");
+  p.accept({"transmittance", "scale", "filename", "sigma_a", "sigma_s", "color", "eumelanin", "pheomelanin", "eta",
+            "beta_m", "beta_n", "alpha", "mfp", "name", "g", "roughness", "uroughness", "vroughness",
+            "remaproughness"});
+  if (type == "hair") return DiffuseDescription{SpectrumDescription::constant(0.2f)};
+  return diffuse(p);
+}
+
+/// displacement and normalmap around a material.
+MaterialId mapped(Parameters& p, MaterialId nested, const SourceLocation& where) {
+  const std::optional<ScalarInput> displacement = find_scalar_input(p, "displacement");
+  if (p.has("normalmap")) {
+    if (displacement) p.fail("has both 'displacement' and 'normalmap', expected one");
+    BitmapDescription picture;
+    picture.file = p.file("normalmap");
+    picture.raw = true;
+    p.reader().used_texture = true;
+    return add(p.reader(), NormalMapDescription{add_picture(p.reader(), std::move(picture), where), false, nested},
+               where);
+  }
+  const TextureId* texture = displacement ? std::get_if<TextureId>(&*displacement) : nullptr;
+  return texture != nullptr ? add(p.reader(), BumpMapDescription{*texture, 1, nested}, where) : nested;
+}
+
+}  // namespace
+
+MaterialId add(Reader& reader, Model model, const SourceLocation& where) {
+  reader.description.materials.push_back({std::move(model), true, true, {}, where});
+  return static_cast<MaterialId>(reader.description.materials.size() - 1);
+}
+
+Material make_material(Reader& reader, const std::string& name, Entity entity) {
+  const std::string& type = entity.type;
+  Parameters p(reader, "Material '" + (name.empty() ? type : name) + "'", entity.where, std::move(entity.parameters));
+  reader.used_texture = false;
+  if (type == "interface" || type.empty() || type == "none") {
+    p.finish();
+    return {add(reader, NullDescription{}, entity.where), false, true};
+  }
+  const bool layered = type == "coateddiffuse" || type == "coatedconductor";
+  const bool remap = layered || type == "conductor" || type == "dielectric" ? p.boolean("remaproughness", true) : true;
+  bool both_sides = true;
+  Model model;
+  if (type == "diffuse") {
+    model = diffuse(p);
+  } else if (type == "conductor") {
+    ConductorDescription metal = conductor(p, "", 1);
+    metal.roughness = read_roughness(p, "", remap);
+    model = std::move(metal);
+  } else if (type == "coateddiffuse") {
+    model = coated_diffuse(p, remap);
+  } else if (type == "coatedconductor") {
+    model = coated_conductor(p, remap, entity.where);
+  } else if (type == "dielectric" || type == "thindielectric") {
+    both_sides = false;
+    model = dielectric(p, type == "thindielectric", remap);
+  } else if (type == "mix") {
+    both_sides = false;  // they are already
+    model = mix(p);
+  } else if (type == "diffusetransmission" || type == "hair" || type == "measured" || type == "subsurface") {
+    model = stand_in(p, type);
+  } else {
+    const std::vector<std::string> known = {
+        "coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",       "diffusetransmission", "hair",
+        "interface",       "measured",      "mix",       "subsurface", "thindielectric"};
+    throw SceneError(entity.where, "unknown material '" + type + "'" + did_you_mean(type, known));
+  }
+  MaterialId id = mapped(p, add(reader, std::move(model), entity.where), entity.where);
+  if (both_sides) id = add(reader, TwoSidedDescription{id, id}, entity.where);
+  reader.description.materials.at(static_cast<std::size_t>(id)).id = name;
+  p.finish();
+  return {id, reader.used_texture, false};
+}
+
+}  // namespace sheaf::pbrt

@@ -1,0 +1,124 @@
+// The pbrt dialect: media.
+#include "scene/data/measured_media.h"
+#include "scene/dialects/pbrt.h"
+
+namespace sheaf::pbrt {
+
+namespace {
+
+SpectrumDescription read_coefficient(Parameters& p, const char* name, SpectrumDescription otherwise) {
+  return find_spectrum(p, name, Use::kUnbounded).value_or(std::move(otherwise));
+}
+
+/// sigma_a and sigma_s, or a preset of both.
+AbsorptionScatteringDescription read_coefficients(Parameters& p) {
+  const SpectrumDescription one = SpectrumDescription::constant(1);
+  const std::optional<std::string> preset = p.find_string("preset");
+  if (!preset) return {read_coefficient(p, "sigma_a", one), read_coefficient(p, "sigma_s", one)};
+  const MeasuredMedium* found = find_measured_medium(*preset);
+  if (found == nullptr) {
+    std::string known;
+    for (const std::string& name : measured_medium_names()) known += (known.empty() ? "" : ", ") + name;
+    p.unsupported(
+        "the preset '" + *preset + "'" + did_you_mean(*preset, measured_medium_names()) + " (known: " + known + ")",
+        "sigma_a and sigma_s of 1 are taken");
+    return {one, one};
+  }
+  p.accept({"sigma_a", "sigma_s"});
+  const auto rgb = [](Vec3f v) { return SpectrumDescription::rgb(v.x, v.y, v.z); };
+  return {rgb(found->sigma_a), rgb(found->sigma_s)};
+}
+
+/// g, as a phase function.
+std::optional<PhaseId> read_phase(Parameters& p) {
+  const float g = p.number("g", 0, {-1, 1, true});
+  if (g == 0.0f) return std::nullopt;
+  Description& description = p.reader().description;
+  description.phases.push_back({HenyeyGreensteinDescription{g}, p.where()});
+  return static_cast<PhaseId>(description.phases.size() - 1);
+}
+
+void read_homogeneous(Parameters& p, MediumDescription& medium) {
+  medium.coefficients = read_coefficients(p);
+  medium.scale = p.number("scale", 1, kNotNegative);
+  const float emission = p.number("Lescale", 1, kNotNegative);
+  if (std::optional<SpectrumDescription> light = find_spectrum(p, "Le", Use::kLight))
+    medium.emission = scaled(std::move(*light), emission);
+}
+
+void read_nanovdb(Parameters& p, MediumDescription& medium) {
+  medium.coefficients = read_coefficients(p);
+  medium.scale = p.number("scale", 1, kNotNegative);
+  GridVolumeDescription density;
+  density.file = p.file("filename");
+  density.format = GridVolumeDescription::Format::kNanoVdb;
+  density.grid = p.string("gridname", "density");
+  density.to_world = p.reader().attributes.transform;
+  medium.density = std::move(density);
+  for (const char* name :
+       {"temperaturename", "temperaturescale", "temperatureoffset", "temperaturecutoff", "LeScale", "Lescale"})
+    if (p.has(name)) {
+      p.unsupported("the glow of a 'nanovdb' ('" + std::string(name) + "')", "it does not glow");
+      p.accept({name});
+    }
+}
+
+/// The mean of the densities, for a medium that is the same everywhere.
+float mean_of(const std::vector<float>& density) {
+  double sum = 0;
+  for (const float value : density) sum += double{value};
+  return density.empty() ? 1.0f : static_cast<float>(sum / static_cast<double>(density.size()));
+}
+
+void read_stand_in(Parameters& p, MediumDescription& medium) {
+  p.unsupported("media of this kind", "a medium that is the same everywhere is taken");
+  for (const char* name : {"sigma_a", "sigma_s"})
+    if (const Parameter* grid = p.find(name); grid != nullptr && grid->type == "rgb" && grid->numbers.size() != 3)
+      p.fail_at(name, "is a grid, expected one value");
+  medium.coefficients = read_coefficients(p);
+  const float density = mean_of(p.numbers("density", 1));
+  medium.scale = p.number("scale", 1, kNotNegative) * density;
+  p.accept({"nx", "ny", "nz", "p0", "p1", "Le", "Lescale", "temperature", "temperaturescale", "temperatureoffset",
+            "wispiness", "frequency"});
+}
+
+}  // namespace
+
+void read_medium(Reader& reader, const std::string& name, Entity entity) {
+  // The kind is a parameter here.
+  std::string type;
+  for (Parameter& parameter : entity.parameters)
+    if (parameter.name == "type" && parameter.strings.size() == 1) type = parameter.strings[0];
+  Parameters p(reader, "MakeNamedMedium '" + name + "'", entity.where, std::move(entity.parameters));
+  p.accept({"type"});
+  if (reader.media.contains(name)) p.fail("is the second medium of this name");
+  MediumDescription medium;
+  medium.where = entity.where;
+  medium.id = name;
+  if (type == "homogeneous") {
+    read_homogeneous(p, medium);
+  } else if (type == "nanovdb") {
+    read_nanovdb(p, medium);
+  } else if (type == "uniformgrid" || type == "rgbgrid" || type == "cloud") {
+    read_stand_in(p, medium);
+  } else {
+    const std::vector<std::string> known = {"cloud", "homogeneous", "nanovdb", "rgbgrid", "uniformgrid"};
+    p.fail("is of the type '" + type + "', expected homogeneous, nanovdb, uniformgrid, rgbgrid or cloud" +
+           did_you_mean(type, known));
+  }
+  medium.phase = read_phase(p);
+  p.finish();
+  reader.description.media.push_back(std::move(medium));
+  reader.media.emplace(name, static_cast<MediumId>(reader.description.media.size() - 1));
+}
+
+std::optional<MediumId> medium_of(const Reader& reader, const std::string& name, const SourceLocation& where) {
+  if (name.empty()) return std::nullopt;
+  const auto found = reader.media.find(name);
+  if (found != reader.media.end()) return found->second;
+  std::vector<std::string> known;
+  for (const auto& entry : reader.media) known.push_back(entry.first);
+  throw SceneError(where, "the medium '" + name + "' is not defined so far" + did_you_mean(name, known));
+}
+
+}  // namespace sheaf::pbrt

@@ -1,0 +1,151 @@
+// The pbrt dialect: colours, spectra, and parameters that may be textures.
+#include "core/color.h"
+#include "scene/data/glasses.h"
+#include "scene/description/spectrum_check.h"
+#include "scene/dialects/pbrt.h"
+
+#include <algorithm>
+
+namespace sheaf::pbrt {
+
+namespace {
+
+/// The index at the wavelength for which glasses are catalogued, the d line of helium.
+constexpr float kCatalogueWavelength = 587.56f;
+
+SpectrumDescription rgb_spectrum(Parameters& p, const char* name, const Parameter& parameter) {
+  const std::vector<double>& n = parameter.numbers;
+  if (n.size() != 3) p.fail_at(name, "has " + std::to_string(n.size()) + " numbers, expected red, green and blue");
+  return SpectrumDescription::rgb(static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2]));
+}
+
+/// Wavelengths and values in turn; beyond the first and the last those go on.
+SpectrumDescription table_spectrum(Parameters& p, const char* name, const Parameter& parameter) {
+  const std::vector<double>& n = parameter.numbers;
+  if (n.empty() || n.size() % 2 != 0)
+    p.fail_at(name, "has " + std::to_string(n.size()) + " numbers, expected wavelengths and values in turn");
+  SpectrumDescription::Table table;
+  const auto add = [&](double wavelength, double value) {
+    table.wavelengths.push_back(static_cast<float>(wavelength));
+    table.values.push_back(static_cast<float>(value));
+  };
+  constexpr double kFirst = double{kWavelengthMin} - 1, kLast = double{kWavelengthMax} + 1;
+  if (n[0] > kFirst) add(kFirst, n[1]);
+  for (std::size_t i = 0; i < n.size(); i += 2) add(n[i], n[i + 1]);
+  if (n[n.size() - 2] < kLast) add(kLast, n.back());
+  check_table(table, parameter.where);
+  return {std::move(table)};
+}
+
+/// pbrt's black bodies have a largest value of 1.
+SpectrumDescription blackbody_spectrum(Parameters& p, const char* name, const Parameter& parameter) {
+  constexpr double kWien = 2.8977721e6;  // nm K: the wavelength of the largest value times the temperature
+  if (parameter.numbers.size() != 1 || !(parameter.numbers[0] > 0))
+    p.fail_at(name, "must be one temperature in kelvin, above 0");
+  const double temperature = parameter.numbers[0];
+  const double largest = blackbody_radiance(kWien / temperature, temperature);
+  if (!(largest > 0)) p.fail_at(name, "is too cold a black body");
+  return {SpectrumDescription::Blackbody{static_cast<float>(temperature), static_cast<float>(1 / largest)}};
+}
+
+SpectrumDescription read_spectrum(Parameters& p, const char* name, const Parameter& parameter, Use use) {
+  const std::string& type = parameter.type;
+  if (type == "rgb") return rgb_spectrum(p, name, parameter);
+  if (type == "spectrum" && parameter.strings.size() == 1) return named_spectrum(p, name, parameter.strings[0], use);
+  SpectrumDescription spectrum;
+  if (type == "spectrum" && parameter.strings.empty()) {
+    spectrum = table_spectrum(p, name, parameter);
+  } else if (type == "blackbody") {
+    spectrum = blackbody_spectrum(p, name, parameter);
+  } else {
+    p.fail_at(name, "is of the type " + type + ", expected rgb, spectrum or blackbody");
+  }
+  return use == Use::kLight ? with_unit_luminance(std::move(spectrum), p) : spectrum;
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list.empty() ? "none" : list;
+}
+
+/// The texture that a parameter names.
+template <class Input, class Other>
+const Input& texture_of(Parameters& p, const char* name, const Parameter& parameter, const char* kind,
+                        const std::map<std::string, Input, std::less<>>& known, const Other& others) {
+  if (parameter.strings.size() != 1) p.fail_at(name, "must name one texture");
+  const std::string& texture = parameter.strings[0];
+  const auto found = known.find(texture);
+  if (found == known.end()) {
+    std::vector<std::string> names;
+    for (const auto& entry : known) names.push_back(entry.first);
+    const bool other = others.find(texture) != others.end();
+    p.fail_at(name, "is the texture '" + texture + "', " +
+                        (other ? "which is of the other kind, expected one of the kind " + std::string(kind)
+                               : "which is not defined so far" + did_you_mean(texture, names) + " (known of the kind " +
+                                     kind + ": " + list_of(names) + ")"));
+  }
+  p.reader().used_texture = true;
+  return found->second;
+}
+
+}  // namespace
+
+std::optional<SpectrumDescription> find_spectrum(Parameters& p, const char* name, Use use) {
+  const Parameter* parameter = p.find(name);
+  if (parameter == nullptr) return std::nullopt;
+  SpectrumDescription spectrum = read_spectrum(p, name, *parameter, use);
+  const SpectrumRole role = use == Use::kReflectance ? SpectrumRole::kReflectance : SpectrumRole::kEmission;
+  check_role(spectrum, role, parameter->where, p.title() + ": '" + name + "'");
+  return spectrum;
+}
+
+std::optional<SpectrumInput> find_spectrum_input(Parameters& p, const char* name, Use use) {
+  const Parameter* parameter = p.find(name);
+  if (parameter == nullptr) return std::nullopt;
+  if (parameter->type == "texture")
+    return texture_of(p, name, *parameter, "spectrum", p.reader().spectrum_textures, p.reader().float_textures);
+  if (parameter->type == "float") return SpectrumDescription::constant(p.number(name, 0, kNotNegative));
+  return find_spectrum(p, name, use);
+}
+
+std::optional<ScalarInput> find_scalar_input(Parameters& p, const char* name) {
+  const Parameter* parameter = p.find(name);
+  if (parameter == nullptr) return std::nullopt;
+  if (parameter->type == "texture")
+    return texture_of(p, name, *parameter, "float", p.reader().float_textures, p.reader().spectrum_textures);
+  return p.number(name, 0);
+}
+
+Index read_index(Parameters& p, const char* name, float otherwise) {
+  const Parameter* parameter = p.find(name);
+  if (parameter == nullptr) return {otherwise, std::nullopt};
+  if (parameter->type == "float") return {p.number(name, otherwise, kPositive), std::nullopt};
+  if (parameter->type == "spectrum" && parameter->strings.size() == 1) {
+    std::string glass = parameter->strings[0];
+    for (char& c : glass) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    if (glass.starts_with("glass-")) glass.erase(0, 6);
+    if (const Dispersion* found = find_dispersion(glass)) return {ior<Scalar>(*found, kCatalogueWavelength), *found};
+    p.unsupported("'" + std::string(name) + "' is '" + parameter->strings[0] +
+                      "', of which no formula is known (known: " + list_of(dispersion_names()) + ")",
+                  "an index of " + std::to_string(otherwise) + " is taken");
+    return {otherwise, std::nullopt};
+  }
+  if (parameter->type == "spectrum" && parameter->numbers.size() >= 2) {
+    p.unsupported("'" + std::string(name) + "' is a table of indices by wavelength", "the first of them is taken");
+    return {static_cast<float>(parameter->numbers[1]), std::nullopt};
+  }
+  p.fail_at(name, "is of the type " + parameter->type + ", expected a float or the name of a glass");
+}
+
+SpectrumDescription scaled(SpectrumDescription spectrum, float by) {
+  using S = SpectrumDescription;
+  if (auto* constant = std::get_if<S::Constant>(&spectrum.value)) constant->value *= by;
+  if (auto* rgb = std::get_if<S::Rgb>(&spectrum.value)) rgb->value = rgb->value * by;
+  if (auto* body = std::get_if<S::Blackbody>(&spectrum.value)) body->scale *= by;
+  if (auto* table = std::get_if<S::Table>(&spectrum.value))
+    for (float& value : table->values) value *= by;
+  return spectrum;
+}
+
+}  // namespace sheaf::pbrt

@@ -1,0 +1,252 @@
+// The pbrt dialect: textures. What is constant is worked out here; the rest becomes pictures and checkerboards.
+#include "scene/dialects/pbrt.h"
+
+#include "core/color.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf::pbrt {
+
+namespace {
+
+constexpr int kMaxDepth = 16;
+
+TextureDescription& texture_at(Reader& reader, TextureId id) {
+  return reader.description.textures.at(static_cast<std::size_t>(id));
+}
+
+TextureId append(Reader& reader, TextureDescription texture) {
+  reader.description.textures.push_back(std::move(texture));
+  return static_cast<TextureId>(reader.description.textures.size() - 1);
+}
+
+const SpectrumDescription* constant_of(const SpectrumInput& input) { return std::get_if<SpectrumDescription>(&input); }
+
+/// Numbers among textures of colours.
+SpectrumInput as_spectrum(const ScalarInput& input) {
+  if (const float* value = std::get_if<float>(&input)) return SpectrumDescription::constant(*value);
+  return std::get<TextureId>(input);
+}
+ScalarInput as_scalar(const SpectrumInput& input) {
+  const SpectrumDescription* constant = constant_of(input);
+  if (constant == nullptr) return std::get<TextureId>(input);
+  if (const auto* rgb = std::get_if<SpectrumDescription::Rgb>(&constant->value)) return luminance(rgb->value);
+  const auto* value = std::get_if<SpectrumDescription::Constant>(&constant->value);
+  return value != nullptr ? value->value : 0.0f;
+}
+
+/// A texture of one kind among the parameters of another.
+struct Source {
+  Parameters& p;
+  bool colours;
+
+  SpectrumInput find(const char* name, float otherwise) const {
+    const SpectrumInput standard = SpectrumDescription::constant(otherwise);
+    if (colours) return find_spectrum_input(p, name, Use::kUnbounded).value_or(standard);
+    const std::optional<ScalarInput> number = find_scalar_input(p, name);
+    return number ? as_spectrum(*number) : standard;
+  }
+};
+
+/// uscale, vscale, udelta, vdelta.
+std::array<float, 6> read_mapping(Parameters& p) {
+  const std::string mapping = p.string("mapping", "uv");
+  if (mapping != "uv") {
+    p.unsupported("the mapping '" + mapping + "'", "the surface's own coordinates are taken");
+    p.accept({"v1", "v2", "udelta", "vdelta", "uscale", "vscale"});
+    return {1, 0, 0, 0, 1, 0};
+  }
+  return {p.number("uscale", 1), 0, p.number("udelta", 0), 0, p.number("vscale", 1), p.number("vdelta", 0)};
+}
+
+bool is_raw(Parameters& p, const std::filesystem::path& file) {
+  const std::string encoding = p.string("encoding", file.extension() == ".png" ? "sRGB" : "linear");
+  if (encoding == "linear") return file.extension() != ".jpg" && file.extension() != ".jpeg";
+  if (encoding != "sRGB") p.unsupported("the encoding '" + encoding + "'", "sRGB is taken");
+  return false;
+}
+
+BitmapDescription::Wrap read_wrap(Parameters& p) {
+  const std::string wrap = p.string("wrap", "repeat");
+  if (wrap == "repeat") return BitmapDescription::Wrap::kRepeat;
+  if (wrap != "clamp") p.unsupported("wrap '" + wrap + "', expected repeat or clamp", "clamp is taken");
+  return BitmapDescription::Wrap::kClamp;
+}
+
+SpectrumInput read_image(Parameters& p) {
+  BitmapDescription picture;
+  picture.file = p.file("filename");
+  picture.raw = is_raw(p, picture.file);
+  picture.wrap_u = picture.wrap_v = read_wrap(p);
+  picture.change.scale = p.number("scale", 1);
+  picture.change.invert = p.boolean("invert", false);
+  if (p.string("filter", "bilinear") == "point") picture.filter = BitmapDescription::Filter::kNearest;
+  p.accept({"maxanisotropy"});
+  TextureDescription texture;
+  texture.model = std::move(picture);
+  texture.to_uv = read_mapping(p);
+  texture.where = p.where();
+  return append(p.reader(), std::move(texture));
+}
+
+SpectrumInput read_checkerboard(Parameters& p, const Source& source) {
+  CheckerboardDescription board{source.find("tex1", 1), source.find("tex2", 0)};
+  if (p.integer("dimension", 2, 2, 3) == 3) {
+    p.unsupported("a checkerboard in three dimensions", "its first texture is shown");
+    return board.color0;
+  }
+  TextureDescription texture;
+  texture.model = std::move(board);
+  texture.to_uv = read_mapping(p);
+  for (float& entry : texture.to_uv) entry *= 0.5f;  // our squares are half as large
+  texture.where = p.where();
+  return append(p.reader(), std::move(texture));
+}
+
+SpectrumInput read_scale(Parameters& p, const Source& source) {
+  const SpectrumInput texture = source.find("tex", 1);
+  const ScalarInput scale = find_scalar_input(p, "scale").value_or(1.0f);
+  std::optional<SpectrumInput> product;
+  if (const float* number = std::get_if<float>(&scale)) {
+    product = scaled_input(p.reader(), texture, *number);
+  } else if (const SpectrumDescription* constant = constant_of(texture)) {
+    // A grey times a texture of numbers.
+    if (const auto* grey = std::get_if<SpectrumDescription::Constant>(&constant->value))
+      product = scaled_input(p.reader(), as_spectrum(scale), grey->value);
+    const auto* rgb = std::get_if<SpectrumDescription::Rgb>(&constant->value);
+    if (rgb != nullptr && rgb->value.x == rgb->value.y && rgb->value.y == rgb->value.z)
+      product = scaled_input(p.reader(), as_spectrum(scale), rgb->value.x);
+  }
+  if (!product) p.unsupported("a product of these two textures", "'tex' alone is taken");
+  return product.value_or(texture);
+}
+
+/// (1 - t) a + t b of constants.
+std::optional<SpectrumDescription> mixed(const SpectrumDescription& a, const SpectrumDescription& b, float t) {
+  using S = SpectrumDescription;
+  const auto rgb_of = [](const S& s) -> std::optional<Vec3f> {
+    if (const auto* rgb = std::get_if<S::Rgb>(&s.value)) return rgb->value;
+    if (const auto* grey = std::get_if<S::Constant>(&s.value)) return Vec3f{grey->value, grey->value, grey->value};
+    return std::nullopt;
+  };
+  const std::optional<Vec3f> first = rgb_of(a), second = rgb_of(b);
+  if (!first || !second) return std::nullopt;
+  const Vec3f sum = *first * (1 - t) + *second * t;
+  if (std::holds_alternative<S::Constant>(a.value) && std::holds_alternative<S::Constant>(b.value))
+    return S::constant(sum.x);
+  return S::rgb(sum.x, sum.y, sum.z);
+}
+
+SpectrumInput read_mix(Parameters& p, const Source& source) {
+  const SpectrumInput first = source.find("tex1", 0), second = source.find("tex2", 1);
+  const ScalarInput amount = find_scalar_input(p, "amount").value_or(0.5f);
+  const float* t = std::get_if<float>(&amount);
+  if (t != nullptr && *t == 0.0f) return first;
+  if (t != nullptr && *t == 1.0f) return second;
+  if (t != nullptr && constant_of(first) != nullptr && constant_of(second) != nullptr)
+    if (std::optional<SpectrumDescription> sum = mixed(*constant_of(first), *constant_of(second), *t)) return *sum;
+  const bool second_counts = t != nullptr && *t > 0.5f;
+  p.unsupported("a mix of textures", std::string(second_counts ? "'tex2'" : "'tex1'") + " alone is taken");
+  return second_counts ? second : first;
+}
+
+/// Textures that have no counterpart, and the mean or the main part of what they show.
+std::optional<SpectrumInput> read_stand_in(Parameters& p, const std::string& type, const Source& source) {
+  SpectrumInput stand_in = SpectrumDescription::constant(0.5f);
+  if (type == "dots") {
+    stand_in = source.find("outside", 0);
+    p.accept({"inside"});
+  } else if (type == "directionmix") {
+    stand_in = source.find("tex1", 0);
+    p.accept({"tex2", "dir"});
+  } else if (type == "bilerp") {
+    stand_in = source.find("v00", 0);
+    p.accept({"v01", "v10", "v11"});
+  } else if (type != "fbm" && type != "wrinkled" && type != "windy" && type != "marble" && type != "ptex") {
+    return std::nullopt;
+  }
+  p.accept({"octaves", "roughness", "scale", "variation", "filename", "encoding", "mapping", "uscale", "vscale",
+            "udelta", "vdelta", "v1", "v2"});
+  p.unsupported("textures of this kind", type == "dots" ? "the texture outside of the dots is shown"
+                                         : type == "directionmix" || type == "bilerp"
+                                             ? "the first of its textures is shown"
+                                             : "a grey of 0.5 is shown");
+  return stand_in;
+}
+
+SpectrumInput read_model(Parameters& p, const std::string& type, const Source& source) {
+  if (type == "constant") return source.find("value", 1);
+  if (type == "imagemap") return read_image(p);
+  if (type == "checkerboard") return read_checkerboard(p, source);
+  if (type == "scale") return read_scale(p, source);
+  if (type == "mix") return read_mix(p, source);
+  if (std::optional<SpectrumInput> stand_in = read_stand_in(p, type, source)) return *stand_in;
+  const std::vector<std::string> known = {"bilerp", "checkerboard", "constant", "directionmix", "dots",
+                                          "fbm",    "imagemap",     "marble",   "mix",          "ptex",
+                                          "scale",  "windy",        "wrinkled"};
+  throw SceneError(p.where(), "unknown texture class '" + type + "'" + did_you_mean(type, known));
+}
+
+}  // namespace
+
+TextureId add_picture(Reader& reader, BitmapDescription picture, const SourceLocation& where) {
+  TextureDescription texture;
+  texture.model = std::move(picture);
+  texture.where = where;
+  return append(reader, std::move(texture));
+}
+
+std::optional<SpectrumInput> scaled_input(Reader& reader, const SpectrumInput& input, float by, int depth) {
+  if (const SpectrumDescription* constant = constant_of(input)) return scaled(*constant, by);
+  if (by == 1.0f) return input;
+  TextureDescription copy = texture_at(reader, std::get<TextureId>(input));
+  if (depth > kMaxDepth) throw SceneError(copy.where, "textures are nested too deep");
+  if (auto* picture = std::get_if<BitmapDescription>(&copy.model)) {
+    if (picture->change.invert || picture->change.exponent != 1.0f || by < 0.0f) return std::nullopt;
+    picture->change.scale *= by;
+  } else if (auto* board = std::get_if<CheckerboardDescription>(&copy.model)) {
+    const auto first = scaled_input(reader, board->color0, by, depth + 1);
+    const auto second = scaled_input(reader, board->color1, by, depth + 1);
+    if (!first || !second) return std::nullopt;
+    *board = {*first, *second};
+  } else {
+    return std::nullopt;
+  }
+  return append(reader, std::move(copy));
+}
+
+std::optional<ScalarInput> root_of(Reader& reader, const ScalarInput& input) {
+  if (const float* value = std::get_if<float>(&input)) return std::sqrt(std::max(*value, 0.0f));
+  TextureDescription copy = texture_at(reader, std::get<TextureId>(input));
+  if (auto* picture = std::get_if<BitmapDescription>(&copy.model)) {
+    picture->change.exponent *= 0.5f;
+  } else if (auto* board = std::get_if<CheckerboardDescription>(&copy.model)) {
+    if (constant_of(board->color0) == nullptr || constant_of(board->color1) == nullptr) return std::nullopt;
+    const auto root = [&](const SpectrumInput& color) { return as_spectrum(*root_of(reader, as_scalar(color))); };
+    *board = {root(board->color0), root(board->color1)};
+  } else {
+    return std::nullopt;
+  }
+  return append(reader, std::move(copy));
+}
+
+void read_texture(Reader& reader, const std::string& name, const std::string& kind, Entity entity) {
+  Parameters p(reader, "Texture '" + name + "' (" + entity.type + ")", entity.where, std::move(entity.parameters));
+  const bool colours = kind == "spectrum";
+  if (!colours && kind != "float")
+    throw SceneError(entity.where, "Texture '" + name + "' is of the kind '" + kind + "', expected float or spectrum");
+  if (colours ? reader.spectrum_textures.contains(name) : reader.float_textures.contains(name))
+    throw SceneError(entity.where, "a second texture '" + name + "' of the kind " + kind);
+  const std::size_t first = reader.description.textures.size();
+  const SpectrumInput input = read_model(p, entity.type, Source{p, colours});
+  p.finish();
+  for (std::size_t i = first; i < reader.description.textures.size(); ++i)
+    if (reader.description.textures[i].id.empty()) reader.description.textures[i].id = name;
+  if (colours)
+    reader.spectrum_textures.emplace(name, input);
+  else
+    reader.float_textures.emplace(name, as_scalar(input));
+}
+
+}  // namespace sheaf::pbrt
