@@ -59,11 +59,11 @@ struct Reader {
 
   Attributes attributes;
   float exposure = 1;  ///< what the film makes of a radiance of 1; once the world begins
-  std::map<std::string, ScalarInput, std::less<>> float_textures;
-  std::map<std::string, SpectrumInput, std::less<>> spectrum_textures;
-  std::map<std::string, Material, std::less<>> materials;
-  std::map<std::string, MediumId, std::less<>> media;
-  std::map<std::string, Object, std::less<>> objects;
+  std::map<std::string, ScalarInput, std::less<>> float_textures = {};
+  std::map<std::string, SpectrumInput, std::less<>> spectrum_textures = {};
+  std::map<std::string, Material, std::less<>> materials = {};
+  std::map<std::string, MediumId, std::less<>> media = {};
+  std::map<std::string, Object, std::less<>> objects = {};
   Object* object = nullptr;   ///< that is being defined
   bool used_texture = false;  ///< since it was last reset
 

@@ -29,14 +29,21 @@ template <std::size_t N> std::array<double, N> read_numbers(Tokens& tokens, cons
 Vec3f vec3(const double* n) { return {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])}; }
 
 /// Sixteen numbers, column by column.
-Transform read_matrix(Tokens& tokens) {
+Matrix4 read_matrix(Tokens& tokens) {
   const auto numbers = read_numbers<16>(tokens, "16 numbers of a matrix");
   Matrix4 matrix;
   for (std::size_t i = 0; i < 16; ++i) matrix.m[i % 4][i / 4] = numbers[i];
   for (std::size_t j = 0; j < 4; ++j)
     if (matrix.m[3][j] != (j == 3 ? 1.0 : 0.0))
       throw SceneError(tokens.where(), "the matrix has a last row other than 0 0 0 1");
-  return Transform(matrix);
+  return matrix;
+}
+
+/// What `make` gives; where it cannot, that is told with the place.
+template <class Make> Transform transform_at(const SourceLocation& where, Make make) {
+  try {
+    return make();
+  } catch (const SceneError& error) { throw SceneError(where, error.what()); }
 }
 
 /// Takes the parameter "type" out of the list.
@@ -135,7 +142,10 @@ void SceneBuilder::color_space(Tokens& tokens) {
     reader_.unsupported(where_, "the colour space '" + name + "', expected srgb", "colours are taken as srgb");
 }
 
-void SceneBuilder::concat_transform(Tokens& tokens) { apply_transform(read_matrix(tokens)); }
+void SceneBuilder::concat_transform(Tokens& tokens) {
+  const Matrix4 matrix = read_matrix(tokens);
+  apply_transform(transform_at(where_, [&] { return Transform(matrix); }));
+}
 
 void SceneBuilder::coord_sys_transform(Tokens& tokens) {
   const std::string name = read_string(tokens, "a coordinate system");
@@ -176,7 +186,8 @@ void SceneBuilder::light_source(Tokens& tokens) { read_light(reader_, read_entit
 
 void SceneBuilder::look_at(Tokens& tokens) {
   const auto n = read_numbers<9>(tokens, "nine numbers: where from, where to, what is up");
-  apply_transform(Transform::look_at(vec3(&n[0]), vec3(&n[3]), vec3(&n[6])).inverse());
+  apply_transform(
+      transform_at(where_, [&] { return Transform::look_at(vec3(&n[0]), vec3(&n[3]), vec3(&n[6])).inverse(); }));
 }
 
 void SceneBuilder::make_named_material(Tokens& tokens) {
@@ -275,14 +286,14 @@ void SceneBuilder::reverse_orientation(Tokens&) {
 
 void SceneBuilder::rotate(Tokens& tokens) {
   const auto n = read_numbers<4>(tokens, "four numbers: degrees and an axis");
-  apply_transform(Transform::rotate(vec3(&n[1]), n[0]));
+  apply_transform(transform_at(where_, [&] { return Transform::rotate(vec3(&n[1]), n[0]); }));
 }
 
 void SceneBuilder::sampler(Tokens& tokens) { options_["Sampler"] = read_entity(tokens, "sampler"); }
 
 void SceneBuilder::scale(Tokens& tokens) {
   const auto n = read_numbers<3>(tokens, "three factors");
-  apply_transform(Transform::scale(vec3(n.data())));
+  apply_transform(transform_at(where_, [&] { return Transform::scale(vec3(n.data())); }));
 }
 
 void SceneBuilder::shape(Tokens& tokens) { read_shape(reader_, read_entity(tokens, "shape")); }
@@ -293,8 +304,9 @@ void SceneBuilder::texture(Tokens& tokens) {
 }
 
 void SceneBuilder::transform(Tokens& tokens) {
-  const Transform matrix = read_matrix(tokens);
-  if (reader_.attributes.start_is_active) reader_.attributes.transform = matrix;
+  const Matrix4 matrix = read_matrix(tokens);
+  const Transform made = transform_at(where_, [&] { return Transform(matrix); });
+  if (reader_.attributes.start_is_active) reader_.attributes.transform = made;
 }
 
 void SceneBuilder::transform_begin(Tokens&) { save("TransformBegin"); }
@@ -309,7 +321,7 @@ void SceneBuilder::transform_times(Tokens& tokens) { read_numbers<2>(tokens, "tw
 
 void SceneBuilder::translate(Tokens& tokens) {
   const auto n = read_numbers<3>(tokens, "three lengths");
-  apply_transform(Transform::translate(vec3(n.data())));
+  apply_transform(transform_at(where_, [&] { return Transform::translate(vec3(n.data())); }));
 }
 
 void SceneBuilder::world_begin(Tokens&) {

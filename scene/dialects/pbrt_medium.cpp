@@ -85,12 +85,8 @@ void read_stand_in(Parameters& p, MediumDescription& medium) {
 }  // namespace
 
 void read_medium(Reader& reader, const std::string& name, Entity entity) {
-  // The kind is a parameter here.
-  std::string type;
-  for (Parameter& parameter : entity.parameters)
-    if (parameter.name == "type" && parameter.strings.size() == 1) type = parameter.strings[0];
+  const std::string type = entity.type;
   Parameters p(reader, "MakeNamedMedium '" + name + "'", entity.where, std::move(entity.parameters));
-  p.accept({"type"});
   if (reader.media.contains(name)) p.fail("is the second medium of this name");
   MediumDescription medium;
   medium.where = entity.where;

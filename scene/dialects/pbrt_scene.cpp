@@ -113,11 +113,7 @@ void SceneBuilder::read_directive(Tokens& tokens) {
   if (found.place == Place::kOptions && in_world_)
     throw SceneError(where_, std::string(found.name) + " behind WorldBegin, expected it before");
   tokens.advance();
-  try {
-    (this->*found.handler)(tokens);
-  } catch (const SceneError&) { throw; } catch (const Error& error) {
-    throw SceneError(where_, std::string(found.name) + ": " + error.what());
-  }
+  (this->*found.handler)(tokens);
 }
 
 void SceneBuilder::read_file(const fs::path& file, const SourceLocation& where) {

@@ -93,7 +93,9 @@ void Tokens::advance() {
 std::string shown(const Token& token) {
   constexpr std::size_t kLongest = 40;
   if (token.kind == Token::Kind::kEnd) return "the end of the file";
-  const std::string text(token.text.substr(0, kLongest));
+  std::string text(token.text.substr(0, kLongest));
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
   return "'" + text + (token.text.size() > kLongest ? "...'" : "'");
 }
 

@@ -3,7 +3,7 @@
 #include "scene/compile/daylight.h"
 #include "scene/compile/light.h"
 #include "scene/compile/lights/light_rotation.h"
-#include "scene/compile/octahedral.h"
+#include "scene/compile/square_envmap.h"
 
 #include "core/frame.h"
 

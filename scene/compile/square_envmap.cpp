@@ -1,4 +1,4 @@
-#include "scene/compile/octahedral.h"
+#include "scene/compile/square_envmap.h"
 
 #include "core/lanes.h"
 

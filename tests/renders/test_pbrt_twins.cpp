@@ -1,0 +1,94 @@
+// Scenes in pbrt's format beside the same scenes in Mitsuba's: whole pictures are the same, sample by sample.
+#include "kernels/passes/render.h"
+#include "scene/compile/compile.h"
+#include "scene/dialects/read_scene.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace sheaf;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kTwins = fs::path(SHEAF_SOURCE_DIR) / "tests" / "renders" / "pbrt_twins";
+
+/// Rounding may turn single paths elsewhere: so large a share of the pixels may differ, and means by so much.
+constexpr double kDifferingShare = 0.02, kMeanDifference = 2e-3;
+
+struct Difference {
+  double share = 0;  ///< of pixels that differ
+  double mean = 0;   ///< largest relative difference of a channel's mean
+  double light = 0;  ///< mean of all channels
+};
+
+Difference difference(const Image& a, const Image& b) {
+  REQUIRE(a.width == b.width);
+  REQUIRE(a.height == b.height);
+  REQUIRE(a.x0 == b.x0);
+  REQUIRE(a.y0 == b.y0);
+  Difference d;
+  double means[2][3] = {};
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x) {
+      bool differs = false;
+      for (int c = 0; c < 3; ++c) {
+        const double first = static_cast<double>(a.at(x, y, c)), second = static_cast<double>(b.at(x, y, c));
+        differs = differs || std::fabs(first - second) > 1e-4 * (std::fabs(first) + 0.01);
+        means[0][c] += first;
+        means[1][c] += second;
+      }
+      d.share += differs ? 1 : 0;
+    }
+  const auto pixels = static_cast<double>(a.pixel_count());
+  d.share /= pixels;
+  for (int c = 0; c < 3; ++c) {
+    d.mean = std::max(d.mean, std::fabs(means[0][c] - means[1][c]) / std::max(means[1][c], 1e-9));
+    d.light += means[1][c] / (3 * pixels);
+  }
+  return d;
+}
+
+Image picture(const fs::path& file, ColorMode color) {
+  CompileOptions options;
+  options.color = color;
+  return render(*compile_scene(read_scene(file), options), {}).film.to_image();
+}
+
+void check_twins(const std::string& name, ColorMode color = ColorMode::kRgb) {
+  CAPTURE(name);
+  const Difference d = difference(picture(kTwins / (name + ".pbrt"), color), picture(kTwins / (name + ".xml"), color));
+  INFO("differing pixels " << d.share << ", means " << d.mean << ", light " << d.light);
+  CHECK(d.light > 0.02);
+  CHECK(d.share <= kDifferingShare);
+  CHECK(d.mean <= kMeanDifference);
+}
+
+}  // namespace
+
+TEST_SUITE("pbrt twins") {
+  TEST_CASE("Pictures of pbrt scenes are those of the same scenes in Mitsuba's format") {
+    std::size_t count = 0;
+    for (const auto& entry : fs::directory_iterator(kTwins)) {
+      if (entry.path().extension() != ".pbrt") continue;
+      ++count;
+      check_twins(entry.path().stem().string());
+    }
+    CHECK(count == 10);
+  }
+
+  TEST_CASE("The same by wavelengths") {
+    check_twins("materials", ColorMode::kSpectral);
+    check_twins("lights", ColorMode::kSpectral);
+  }
+
+  TEST_CASE("A picture that is mirrored is no twin") {
+    Description mirrored = read_scene(kTwins / "camera.pbrt");
+    mirrored.camera.to_world = mirrored.camera.to_world * Transform::scale({-1, 1, 1});
+    const Image a = render(*compile_scene(mirrored), {}).film.to_image();
+    CHECK(difference(a, picture(kTwins / "camera.xml", ColorMode::kRgb)).share > 0.3);
+  }
+}

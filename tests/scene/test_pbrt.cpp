@@ -1,0 +1,384 @@
+// Scenes of pbrt-v4: tokens, parameters, directives, and what becomes of them.
+#include <doctest/doctest.h>
+
+#include "core/color.h"
+#include "scene/dialects/pbrt.h"
+#include "tests/support/scene_files.h"
+
+#include <cmath>
+
+using namespace sheaf;
+using namespace sheaf::test;
+using namespace sheaf::pbrt;
+using doctest::Approx;
+
+namespace {
+
+/// Reads `world` behind WorldBegin, which stands in line 2 behind `options`, in a folder with some files.
+Description read_world(const std::string& world, bool lenient = false, const std::string& options = "") {
+  const TemporaryFolder folder;
+  write_below(folder, "image.png", "");
+  write_below(folder, "sky.exr", "");
+  write_below(folder, "light.spd", "# a flat light\n300 2\n900 2\n");
+  write_below(folder, "part.pbrt", "Translate 1 0 0\n");
+  ReadOptions how;
+  how.lenient = lenient;
+  return read_scene(write_below(folder, "scene.pbrt", options + "\nWorldBegin\n" + world + "\n"), how);
+}
+
+/// The message for what stands in lines from 3 on; empty if there is none.
+std::string error_of_world(const std::string& world, const std::string& options = "") {
+  const TemporaryFolder folder;
+  write_below(folder, "image.png", "");
+  return error_of(write_below(folder, "scene.pbrt", options + "\nWorldBegin\n" + world + "\n"));
+}
+
+std::string error_of_bytes(const std::string& text) {
+  const TemporaryFolder folder;
+  return error_of(write_below(folder, "scene.pbrt", text));
+}
+
+template <class Model> const Model* model_of(const Description& d, MaterialId id) {
+  const MaterialDescription* material = &d.materials.at(static_cast<std::size_t>(id));
+  if (const auto* sides = std::get_if<TwoSidedDescription>(&material->model))
+    material = &d.materials.at(static_cast<std::size_t>(sides->front));
+  return std::get_if<Model>(&material->model);
+}
+template <class Model> const Model* only_material(const Description& d) {
+  return model_of<Model>(d, *d.shapes.at(0).material);
+}
+
+Vec3f rgb_of(const SpectrumDescription& spectrum) {
+  if (const auto* grey = std::get_if<SpectrumDescription::Constant>(&spectrum.value))
+    return {grey->value, grey->value, grey->value};
+  return std::get<SpectrumDescription::Rgb>(spectrum.value).value;
+}
+
+const std::string kDiffuseScene = R"(Film "rgb" "integer xresolution" [ 16 ] # a comment "with a string"
+Camera "perspective" "float fov" 40
+Sampler "zsobol"
+WorldBegin
+Attribute "shape" "float radius" 2
+AttributeBegin
+  Translate 1 2 3
+  Texture "t" "spectrum" "checkerboard" "rgb tex1" [ 1 0 0 ]
+  Material "diffuse" "texture reflectance" "t"
+  AreaLightSource "diffuse" "blackbody L" 5000
+  Shape "sphere"
+AttributeEnd
+ObjectBegin "o"
+  Shape "trianglemesh" "point3 P" [ 0 0 0 1 0 0 0 1 0 ]
+ObjectEnd
+ObjectInstance "o"
+LightSource "point" "rgb I" [ 1 2 3 ]
+)";
+
+}  // namespace
+
+TEST_SUITE("pbrt") {
+  TEST_CASE("Tokens") {
+    Tokens tokens("Shape \"a b\\\"c\\\\\" # no \"token\" []\n[1 -2.5e1]true\"x\"", "f");
+    using Kind = Token::Kind;
+    const std::pair<Kind, std::string> expected[] = {
+        {Kind::kWord, "Shape"},  {Kind::kString, "a b\"c\\"}, {Kind::kOpen, "["},    {Kind::kWord, "1"},
+        {Kind::kWord, "-2.5e1"}, {Kind::kClose, "]"},         {Kind::kWord, "true"}, {Kind::kString, "x"}};
+    int index = 0;
+    for (const auto& [kind, text] : expected) {
+      CAPTURE(text);
+      CHECK(tokens.current().kind == kind);
+      CHECK(tokens.current().text == text);
+      CHECK(tokens.where().line == (index++ < 2 ? 1 : 2));
+      tokens.advance();
+    }
+    CHECK(tokens.current().kind == Kind::kEnd);
+    tokens.advance();
+    CHECK(tokens.current().kind == Kind::kEnd);
+    CHECK_THROWS_AS(Tokens("\"no end\n\"", "f"), SceneError);
+    CHECK_THROWS_AS(Tokens("\"\\q\"", "f"), SceneError);
+    const auto number = [](const char* text) { return number_of(Tokens(text, "f").current(), {"f", 1}, "a number"); };
+    CHECK(number("+3") == 3);
+    CHECK(number("-.5E-1") == Approx(-0.05));
+    CHECK(number("1e-400") == 0);
+    for (const char* text : {"1e400", "nan", "inf", "1x", "\"1\"", "", "--1"})
+      CHECK_THROWS_AS(number(text), SceneError);
+  }
+
+  TEST_CASE("Values with and without brackets are the same") {
+    const Description a = read_world("Shape \"sphere\" \"float radius\" 2 \"float alpha\" 1");
+    const Description b = read_world("Shape \"sphere\" \"float radius\" [ 2 ] \"float alpha\" [1]");
+    CHECK(dump(a) == dump(b));
+    CHECK(std::get<SphereShape>(a.shapes[0].geometry).radius == 2);
+  }
+
+  TEST_CASE("A camera is pbrt's, whose x is to the right") {
+    const Description d = read_world("", false, "LookAt 0 0 0  0 0 1  0 1 0 Camera \"perspective\" \"float fov\" 50");
+    CHECK(d.camera.to_world.vector({1, 0, 0}).x == -1);
+    CHECK(d.camera.to_world.vector({0, 0, 1}).z == 1);
+    CHECK(d.camera.fov == 50);
+    CHECK(d.camera.fov_axis == CameraDescription::FovAxis::kSmaller);
+    CHECK(d.film.width == 1280);
+    CHECK(d.film.filter.kind == FilterDescription::Kind::kGaussian);
+    CHECK(d.sampler.sample_count == 16);
+    CHECK(d.integrator.max_depth == 6);
+  }
+
+  TEST_CASE("Attributes, transforms and objects are saved and restored") {
+    const Description d = read_world(R"(
+AttributeBegin Translate 1 0 0 Scale 2 2 2 ReverseOrientation Shape "sphere" AttributeEnd
+Shape "sphere"
+TransformBegin Rotate 90 0 0 1 Material "dielectric" TransformEnd
+Shape "sphere"
+ObjectBegin "o" Translate 0 5 0 Shape "sphere" ObjectEnd
+Translate 7 0 0 ObjectInstance "o" Include "part.pbrt" ObjectInstance "o" Import "part.pbrt" ObjectInstance "o"
+ObjectBegin "unused" Shape "sphere" ObjectEnd)");
+    REQUIRE(d.shapes.size() == 3);
+    CHECK(d.shapes[0].to_world.point({1, 0, 0}).x == 3);
+    CHECK(d.shapes[0].flip_normals);
+    CHECK(!d.shapes[1].flip_normals);
+    CHECK(d.shapes[1].to_world.point({1, 0, 0}).x == 1);
+    CHECK(model_of<DiffuseDescription>(d, *d.shapes[1].material) != nullptr);
+    CHECK(model_of<DielectricDescription>(d, *d.shapes[2].material) != nullptr);
+    REQUIRE(d.groups.size() == 1);
+    CHECK(d.groups[0].shapes[0].to_world.point({0, 0, 0}).y == 5);
+    REQUIRE(d.instances.size() == 3);
+    CHECK(d.instances[0].to_world[3] == 7);
+    CHECK(d.instances[1].to_world[3] == 8);
+    CHECK(d.instances[2].to_world[3] == 8);
+    CHECK(d.files.size() == 2);
+  }
+
+  TEST_CASE("A light of L = 1 has a radiance of 1, spectra have a luminance of 1, and the film's exposure counts") {
+    const auto light = [](const std::string& parameters, const std::string& options = "") {
+      const Description d = read_world("LightSource \"infinite\" " + parameters, false, options);
+      return std::get<ConstantLightDescription>(d.lights.at(0).model).radiance;
+    };
+    CHECK(rgb_of(light("")).x == 1);
+    CHECK(rgb_of(light("\"rgb L\" [ 1 2 3 ] \"float scale\" 2")).y == 4);
+    CHECK(rgb_of(light("\"rgb L\" [ 1 2 3 ] \"float illuminance\" 3.14159265")).z == Approx(3));
+    CHECK(rgb_of(light("\"spectrum L\" \"stdillum-D65\"")).x == 1);
+    CHECK(rgb_of(light("", "Film \"rgb\" \"float iso\" 50")).x == 0.5f);
+    CHECK(rgb_of(light("", "Camera \"perspective\" \"float shutteropen\" 1 \"float shutterclose\" 4")).x == 3);
+    const auto flat = std::get<SpectrumDescription::Table>(light("\"spectrum L\" [ 400 7 600 7 ]").value);
+    for (const float value : flat.values) CHECK(value == Approx(1));
+    CHECK(std::get<SpectrumDescription::Table>(light("\"spectrum L\" \"light.spd\"").value).values[0] == Approx(1));
+    const auto body = std::get<SpectrumDescription::Blackbody>(light("\"blackbody L\" 4000").value);
+    const Vec3f rgb = blackbody_to_rgb(body.temperature, body.scale);
+    CHECK(luminance(rgb) == Approx(1).epsilon(0.002));
+    CHECK(rgb.x > rgb.z);
+  }
+
+  TEST_CASE("Lights") {
+    const Description d = read_world(R"(Translate 0 0 1
+LightSource "point" "point3 from" [ 1 0 0 ] "float power" 12.566370614
+LightSource "spot" "point3 to" [ 0 -1 0 ] "float coneangle" 40 "float conedeltaangle" 10 "rgb I" [ 1 1 2 ]
+LightSource "distant" "point3 from" [ 0 5 0 ] "point3 to" [ 0 0 0 ] "float illuminance" 3
+LightSource "infinite" "string filename" "sky.exr" "float scale" 2)");
+    const auto& point = std::get<PointLightDescription>(d.lights.at(0).model);
+    CHECK(point.position.x == 1);
+    CHECK(point.position.z == 1);
+    CHECK(rgb_of(point.intensity).x == Approx(1));
+    const auto& spot = std::get<SpotLightDescription>(d.lights.at(1).model);
+    CHECK(spot.falloff == SpotLightDescription::Falloff::kSmooth);
+    CHECK(spot.cutoff_angle == 40);
+    CHECK(spot.beam_width == 30);
+    CHECK(spot.to_world.vector({0, 0, 1}).y == Approx(-1));
+    const auto& distant = std::get<DirectionalLightDescription>(d.lights.at(2).model);
+    CHECK(distant.direction.y < 0);
+    CHECK(rgb_of(distant.irradiance).x == 3);
+    const auto& sky = std::get<EnvmapDescription>(d.lights.at(3).model);
+    CHECK(sky.layout == EnvmapDescription::Layout::kOctahedral);
+    CHECK(sky.scale == 2);
+    const Description areas = read_world(R"(AreaLightSource "diffuse" "float power" 39.4784176
+Shape "sphere" "float radius" 2
+AreaLightSource "diffuse" "string filename" "image.png" "float scale" 3
+Shape "disk")");
+    CHECK(rgb_of(std::get<SpectrumDescription>(*areas.shapes[0].radiance)).x == Approx(0.25));
+    const auto texture = std::get<TextureId>(*areas.shapes[1].radiance);
+    CHECK(std::get<BitmapDescription>(areas.textures[static_cast<std::size_t>(texture)].model).change.scale == 3);
+  }
+
+  TEST_CASE("Roughness is remapped unless the file says otherwise") {
+    const auto alpha = [](const std::string& parameters) {
+      const Description d = read_world("Material \"conductor\" " + parameters + "\nShape \"sphere\"");
+      const ConductorDescription* metal = only_material<ConductorDescription>(d);
+      REQUIRE(metal != nullptr);
+      return metal->roughness;
+    };
+    CHECK(!alpha(""));
+    CHECK(!alpha("\"float roughness\" 1e-8"));
+    CHECK(std::get<float>(alpha("\"float roughness\" 0.25")->alpha_u) == 0.5f);
+    CHECK(std::get<float>(alpha("\"float roughness\" 0.25 \"bool remaproughness\" false")->alpha_v) == 0.25f);
+    const auto two = alpha("\"float roughness\" 0.04 \"float vroughness\" 0.09");
+    CHECK(std::get<float>(two->alpha_u) == Approx(0.2));
+    CHECK(std::get<float>(two->alpha_v) == Approx(0.3));
+  }
+
+  TEST_CASE("Materials") {
+    const Description glass = read_world("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"\nShape \"sphere\"");
+    CHECK(only_material<DielectricDescription>(glass)->int_ior == Approx(1.5168).epsilon(1e-4));
+    CHECK(only_material<DielectricDescription>(glass)->int_dispersion);
+    const Description mirror = read_world("Material \"conductor\" \"rgb reflectance\" [ 0.5 0.8 0 ]\nShape \"sphere\"");
+    CHECK(rgb_of(std::get<SpectrumDescription>(only_material<ConductorDescription>(mirror)->ior->k)).x == 2);
+    CHECK(rgb_of(std::get<SpectrumDescription>(only_material<ConductorDescription>(mirror)->ior->k)).y == Approx(4));
+    const Description coat = read_world("Material \"coatedconductor\"\nShape \"sphere\"");
+    const auto* sides =
+        std::get_if<TwoSidedDescription>(&coat.materials.at(static_cast<std::size_t>(*coat.shapes[0].material)).model);
+    REQUIRE(sides != nullptr);
+    const auto* blend = std::get_if<BlendDescription>(&coat.materials.at(static_cast<std::size_t>(sides->front)).model);
+    REQUIRE(blend != nullptr);
+    CHECK(std::get<float>(blend->weight) == Approx(0.04));
+    const Description mapped = read_world(R"(Texture "r" "float" "imagemap" "string filename" "image.png"
+Material "dielectric" "texture roughness" "r"
+Shape "sphere")");
+    const auto id = std::get<TextureId>(only_material<DielectricDescription>(mapped)->roughness->alpha_u);
+    CHECK(std::get<BitmapDescription>(mapped.textures[static_cast<std::size_t>(id)].model).change.exponent == 0.5f);
+  }
+
+  TEST_CASE("Textures of constants are worked out") {
+    const auto reflectance = [](const std::string& textures) {
+      const Description d =
+          read_world(textures + "\nMaterial \"diffuse\" \"texture reflectance\" \"x\"\nShape \"sphere\"");
+      return rgb_of(std::get<SpectrumDescription>(only_material<DiffuseDescription>(d)->reflectance));
+    };
+    CHECK(reflectance(
+              "Texture \"x\" \"spectrum\" \"mix\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 1 0] \"float amount\" 0.25")
+              .x == 0.75f);
+    CHECK(reflectance("Texture \"x\" \"spectrum\" \"scale\" \"rgb tex\" [1 0.5 0] \"float scale\" 0.5").y == 0.25f);
+    CHECK(reflectance("Texture \"x\" \"spectrum\" \"constant\" \"rgb value\" [0.1 0.2 0.3]").z == 0.3f);
+  }
+
+  TEST_CASE("Media lie inside and outside of shapes; without a difference light does not notice") {
+    const Description d =
+        read_world(R"(MakeNamedMedium "fog" "string type" "homogeneous" "string preset" "Skin1" "float g" 0.5
+MediumInterface "fog" "" Shape "sphere"
+MediumInterface "fog" Shape "sphere"
+MediumInterface "" "fog" Material "interface" Shape "sphere")",
+                   false,
+                   "MakeNamedMedium \"air\" \"string type\" \"homogeneous\"\n"
+                   "MediumInterface \"\" \"air\" Camera \"perspective\"");
+    CHECK(d.media.size() == 2);
+    CHECK(static_cast<int>(*d.camera.medium) == 0);
+    CHECK(static_cast<int>(*d.shapes[0].interior) == 1);
+    CHECK(!d.shapes[0].exterior);
+    CHECK(!d.shapes[1].interior);
+    CHECK(static_cast<int>(*d.shapes[2].exterior) == 1);
+    CHECK(std::get<HenyeyGreensteinDescription>(d.phases[0].model).g == 0.5f);
+  }
+
+  TEST_CASE("Shapes") {
+    const Description d = read_world(R"(Shape "sphere" "float phimax" 90
+Shape "disk" "float innerradius" 0.5
+Shape "bilinearmesh" "point3 P" [ 0 0 0  1 0 0  0 1 0  1 1 1 ]
+Shape "bilinearmesh" "point3 P" [ 0 0 0  1 0 0  0 1 0  1 1 0 ]
+Scale 1 1 -1
+Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ]
+Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1 0 0 1 ])");
+    const auto area = [&](std::size_t shape) {
+      double sum = 0;
+      const Mesh& mesh = std::get<Mesh>(d.shapes.at(shape).geometry);
+      for (const auto& t : mesh.triangles)
+        sum += 0.5 * static_cast<double>(length(cross(mesh.positions[t[1]] - mesh.positions[t[0]],
+                                                      mesh.positions[t[2]] - mesh.positions[t[0]])));
+      return sum;
+    };
+    CHECK(area(0) == Approx(3.14159265).epsilon(0.002));
+    CHECK(area(1) == Approx(3.14159265 * 0.75).epsilon(0.002));
+    CHECK(std::get<Mesh>(d.shapes[2].geometry).triangles.size() > 100);
+    CHECK(std::get<Mesh>(d.shapes[3].geometry).triangles.size() == 2);
+    CHECK(area(3) == Approx(1));
+    CHECK(d.shapes[4].flip_normals);
+    CHECK(!d.shapes[5].flip_normals);
+  }
+
+  TEST_CASE("What is wrong is told with its line") {
+    const auto check = [](const std::string& world, const std::string& message) {
+      CAPTURE(world);
+      CHECK(error_of_world(world) == message);
+    };
+    check("\nShap \"sphere\"", "scene.pbrt:4: found 'Shap', expected a directive, did you mean 'Shape'?");
+    check("Shape \"spere\"", "scene.pbrt:3: unknown shape 'spere', did you mean 'sphere'?");
+    check("Shape \"sphere\" \"float radios\" 2",
+          "scene.pbrt:3: Shape 'sphere' has the unknown parameter 'radios', did you mean 'radius'?");
+    check("Shape \"sphere\"\n\"float radius\" [ 1 2 ]",
+          "scene.pbrt:4: Shape 'sphere': 'radius' has 2 values, expected 1");
+    check("Shape \"sphere\" \"float radius\" -1",
+          "scene.pbrt:3: Shape 'sphere': 'radius' is -1.000000, expected a number between 0.000000 and infinity");
+    check("Shape \"sphere\" \"flot radius\" 1",
+          "scene.pbrt:3: unknown type 'flot' of a parameter, did you mean 'float'? (known: integer, float, point2, "
+          "vector2, point3, vector3, normal3, point, vector, normal, rgb, blackbody, spectrum, bool, string, texture)");
+    check("AttributeBegin", "scene.pbrt:3: AttributeBegin is not ended before the file is");
+    check("AttributeEnd", "scene.pbrt:3: an end without AttributeBegin before");
+    check("ObjectInstance \"o\"", "scene.pbrt:3: the object 'o' is not defined");
+    check("NamedMaterial \"m\"", "scene.pbrt:3: the material 'm' is not defined so far");
+    CHECK(contains(error_of_world("Scale 0 1 1"), "scene.pbrt:3: transform is not invertible"));
+    check("Film \"rgb\"", "scene.pbrt:3: Film behind WorldBegin, expected it before");
+    CHECK(contains(error_of_world("Include \"none.pbrt\""), "scene.pbrt:3: file 'none.pbrt' not found in "));
+    CHECK(contains(error_of_world("Include \"scene.pbrt\""), "includes itself"));
+    CHECK(
+        contains(error_of_world("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 3]"),
+                 "has 3, expected an index of 3 vertices"));
+    CHECK(contains(error_of_world("WorldEnd"), "pbrt-v3"));
+    CHECK(contains(error_of_bytes("Film \"rgb\""), "the scene has no WorldBegin"));
+    CHECK(contains(error_of_bytes(std::string("\x7f"
+                                              "ELF\0\1\2\3",
+                                              8)),
+                   "expected a directive"));
+    ReadOptions defines;
+    defines.defines = {{"x", "1"}};
+    const TemporaryFolder folder;
+    CHECK_THROWS_AS(read_scene(write_below(folder, "scene.pbrt", "WorldBegin\n"), defines), Error);
+  }
+
+  TEST_CASE("What has no counterpart is an error, or a stand-in with a note") {
+    for (const std::string world :
+         {"Shape \"curve\"", "Material \"hair\"", "Material \"subsurface\"",
+          "Material \"measured\" \"string filename\" \"x\"",
+          "Material \"diffusetransmission\" \"rgb transmittance\" [ 0.1 0.1 0.1 ]",
+          "Texture \"t\" \"spectrum\" \"marble\"", "Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 3",
+          "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"spherical\"",
+          "LightSource \"goniometric\" \"string filename\" \"image.png\"", "ColorSpace \"rec2020\"",
+          "AreaLightSource \"diffuse\" \"bool twosided\" true",
+          "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"float density\" [ 1 2 ] \"integer nx\" 2",
+          "Shape \"loopsubdiv\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ]"}) {
+      CAPTURE(world);
+      const std::string message = error_of_world(world);
+      CHECK(contains(message, "scene.pbrt:3: "));
+      CHECK(contains(message, "not supported"));
+      const Description d = read_world(world, true);
+      REQUIRE(d.notes.size() == 1);
+      CHECK(contains(d.notes[0], "scene.pbrt:3: "));
+    }
+  }
+
+  TEST_CASE("Every truncated scene is an error or a scene, never a crash") {
+    const TemporaryFolder folder;
+    CHECK(error_of(write_below(folder, "scene.pbrt", kDiffuseScene)) == "");
+    int errors = 0;
+    for (std::size_t size = 0; size < kDiffuseScene.size(); ++size)
+      errors += error_of(write_below(folder, "scene.pbrt", kDiffuseScene.substr(0, size))).empty() ? 0 : 1;
+    CHECK(errors > static_cast<int>(kDiffuseScene.size()) / 2);
+    for (std::size_t i = 0; i < kDiffuseScene.size(); i += 3)  // one character of it damaged
+      for (const char c : {'"', '[', '\0'}) {
+        std::string damaged = kDiffuseScene;
+        damaged[i] = c;
+        error_of(write_below(folder, "scene.pbrt", damaged));
+      }
+  }
+
+  TEST_CASE("Attributes nest and files include each other only so deep") {
+    std::string deep;
+    for (int i = 0; i < 20'000; ++i) deep += "AttributeBegin\n";
+    CHECK(contains(error_of_world(deep), "attributes are saved more than 10000 deep"));
+    const TemporaryFolder folder;
+    for (int i = 0; i < 40; ++i)
+      write_below(folder, "part" + std::to_string(i) + ".pbrt", "Include \"part" + std::to_string(i + 1) + ".pbrt\"\n");
+    CHECK(contains(error_of(write_below(folder, "scene.pbrt", "Include \"part0.pbrt\"\n")), "more than 32 deep"));
+    // Each file includes the next twice.
+    for (int i = 0; i < 20; ++i)
+      write_below(
+          folder, "part" + std::to_string(i) + ".pbrt",
+          "Include \"part" + std::to_string(i + 1) + ".pbrt\" Include \"part" + std::to_string(i + 1) + ".pbrt\"");
+    write_below(folder, "part20.pbrt", "");
+    CHECK(contains(error_of(write_below(folder, "scene.pbrt", "Include \"part0.pbrt\"\n")), "more than 10000 files"));
+  }
+}
