@@ -19,7 +19,7 @@ struct Entity {
 
 /// A material, and whether textures have a part in it.
 struct Material {
-  std::optional<MaterialId> id;  ///< none: a boundary that light does not notice, without media on its sides
+  std::optional<MaterialId> id;  ///< none: there was no Material so far
   bool textured = false;
   bool is_interface = false;
 };
@@ -64,6 +64,7 @@ struct Reader {
   std::map<std::string, Material, std::less<>> materials = {};
   std::map<std::string, MediumId, std::less<>> media = {};
   std::map<std::string, Object, std::less<>> objects = {};
+  std::optional<Material> standard_material = {};  ///< of shapes without one, once there was such a shape
   Object* object = nullptr;   ///< that is being defined
   bool used_texture = false;  ///< since it was last reset
 

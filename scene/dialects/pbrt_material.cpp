@@ -161,7 +161,7 @@ Model mix(Parameters& p) {
     if (found == reader.materials.end())
       p.fail_at("materials", "has '" + names->strings[i] + "', which is not defined so far");
     reader.used_texture = reader.used_texture || found->second.textured;
-    blend.nested[i] = found->second.id ? *found->second.id : add(reader, NullDescription{}, p.where());
+    blend.nested[i] = *found->second.id;
   }
   return blend;
 }

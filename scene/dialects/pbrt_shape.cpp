@@ -202,13 +202,15 @@ void read_shape(Reader& reader, Entity entity) {
   ShapeDescription shape;
   shape.where = entity.where;
   shape.to_world = reader.attributes.transform;
+  if (!reader.attributes.material.id) {
+    if (!reader.standard_material) reader.standard_material = make_material(reader, "", {"diffuse", {}, entity.where});
+    reader.attributes.material = *reader.standard_material;
+  }
   reader.used_texture = reader.attributes.material.textured;
-  if (!reader.attributes.material.id)
-    reader.attributes.material = make_material(reader, "", {"diffuse", {}, entity.where});
   shape.material = masked(p, *reader.attributes.material.id);
   const bool lit_by_picture =
       reader.attributes.area_light && std::holds_alternative<TextureId>(reader.attributes.area_light->radiance);
-  const bool textured = reader.used_texture || reader.attributes.material.textured || lit_by_picture;
+  const bool textured = reader.used_texture || lit_by_picture;
   const std::optional<Geometry> geometry = read_geometry(p, entity.type, shape, textured);
   if (!geometry) return;
   const bool mirrored = geometry->is_mesh && !geometry->has_normals && reader.attributes.transform.swaps_handedness();

@@ -118,7 +118,7 @@ def check_scenes(arguments, folder, failures):
     """Every scene, a few pixels in the middle, in both colour modes; those with photon maps with few photons."""
     make_scenes(arguments, folder, failures)
     sheaf, picture, stats = arguments.build / "sheaf", folder / "picture.exr", folder / "stats.json"
-    for scene in sorted((folder / "scenes").rglob("*.xml")):
+    for scene in sorted(f for kind in ("*.xml", "*.pbrt") for f in (folder / "scenes").rglob(kind)):
         if "generated" in scene.parts:
             continue
         name = str(scene.relative_to(folder))
