@@ -24,7 +24,9 @@ constexpr std::size_t kLargestPiece = std::numeric_limits<uInt>::max();
 
 Inflater::Inflater(std::string_view deflated) : state_(std::make_unique<State>()) {
   state_->input = deflated;
-  if (inflateInit(&state_->stream) != Z_OK) throw Error(ExitCode::kRuntime, "zlib cannot be started");
+  constexpr int kWindow = 15, kZlibOrGzip = 32;  // bits; by the stream's header
+  if (inflateInit2(&state_->stream, kWindow + kZlibOrGzip) != Z_OK)
+    throw Error(ExitCode::kRuntime, "zlib cannot be started");
 }
 
 Inflater::~Inflater() { inflateEnd(&state_->stream); }

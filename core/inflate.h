@@ -1,4 +1,4 @@
-// Decompression of zlib streams in memory (RFC 1950), and check sums. The only file that knows zlib.
+// Decompression of zlib and gzip streams in memory (RFC 1950, 1952), and check sums. The only file that knows zlib.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace sheaf {
 
-/// A zlib stream in memory, inflated piece by piece.
+/// A zlib or gzip stream in memory, inflated piece by piece.
 class Inflater {
  public:
   /// `deflated` begins with the stream, may go on behind its end, and must outlive the object.

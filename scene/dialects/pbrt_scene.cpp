@@ -117,7 +117,6 @@ void SceneBuilder::read_directive(Tokens& tokens) {
 }
 
 void SceneBuilder::read_file(const fs::path& file, const SourceLocation& where) {
-  if (file.extension() == ".gz") throw SceneError(where, "'" + file.string() + "' is compressed, expected text");
   std::error_code error;
   for (const fs::path& open : open_)
     if (open == file || fs::equivalent(open, file, error))

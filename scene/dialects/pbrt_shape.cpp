@@ -116,7 +116,6 @@ Geometry read_ply_shape(Parameters& p, ShapeDescription& shape) {
   mesh.format = MeshFileShape::Format::kPly;
   mesh.flip_tex_coords = false;
   mesh.smooth_normals = false;
-  if (mesh.file.extension() == ".gz") p.fail_at("filename", "is compressed, expected a PLY file as it is");
   if (p.has("displacement")) {
     p.unsupported("displacement of its vertices", "there is none");
     p.accept({"displacement"});

@@ -51,7 +51,7 @@ void check_frame(int width, int height, const SourceLocation& where) {
 
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options) {
   if (const auto format = model_format(file)) return read_model(file, *format, options.view);
-  if (file.extension() == ".pbrt") {
+  if (file.extension() == ".pbrt" || file.string().ends_with(".pbrt.gz")) {
     if (!options.defines.empty())
       throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": scenes of pbrt have no parameters");
     Description description;

@@ -1,12 +1,38 @@
 // What the readers of mesh files share.
 #include "scene/formats/mesh_io.h"
 
+#include "core/inflate.h"
 #include "scene/formats/serialized.h"
 
 #include <fstream>
 #include <system_error>
 
 namespace sheaf {
+
+namespace {
+
+/// The content of a gzip file.
+std::string inflated(std::string_view bytes, const SourceLocation& where, std::string_view what) {
+  constexpr std::size_t kPiece = std::size_t{1} << 20, kMost = std::size_t{1} << 32;
+  if (!bytes.starts_with("\x1f\x8b")) throw SceneError(where, std::string(what) + " is no gzip file, as its name says");
+  Inflater inflater(bytes);
+  std::string out;
+  try {
+    for (std::size_t found = kPiece; found == kPiece;) {
+      const std::size_t size = out.size();
+      if (size > kMost) throw SceneError(where, std::string(what) + " takes more than 4 GiB uncompressed");
+      out.resize(size + kPiece);
+      found = inflater.read(std::span(out).subspan(size));
+      out.resize(size + found);
+    }
+  } catch (const SceneError&) { throw; } catch (const Error& error) {
+    throw SceneError(where, std::string(what) + ": " + error.what());
+  }
+  if (inflater.most_left() != 0) throw SceneError(where, std::string(what) + " is truncated");
+  return out;
+}
+
+}  // namespace
 
 std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view what) {
   const SourceLocation where{file.string()};
@@ -24,6 +50,7 @@ std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view 
   if (static_cast<std::uintmax_t>(stream.gcount()) != size) {
     throw SceneError(where, std::string(what) + " cannot be read to its end");
   }
+  if (file.extension() == ".gz") return inflated(bytes, where, what);
   return bytes;
 }
 

@@ -37,7 +37,8 @@ MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords = fals
 /// read_obj(), read_ply() or read_serialized() (scene/formats/serialized.h), as the shape says.
 MeshFile read_mesh(const MeshFileShape& shape);
 
-/// The bytes of a regular file. Throws SceneError, naming `what` is sought ("OBJ file"), if it can't be read.
+/// The bytes of a regular file, uncompressed if its name ends in .gz. Throws SceneError, naming `what` is sought ("OBJ
+/// file"), if it can't be read.
 std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view what);
 
 }  // namespace sheaf

@@ -3,6 +3,7 @@
 
 #include "core/color.h"
 #include "scene/dialects/pbrt.h"
+#include "tests/support/deflate.h"
 #include "tests/support/scene_files.h"
 
 #include <cmath>
@@ -363,6 +364,18 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
         damaged[i] = c;
         error_of(write_below(folder, "scene.pbrt", damaged));
       }
+  }
+
+  TEST_CASE("Files may be compressed") {
+    const TemporaryFolder folder;
+    write_below(folder, "part.pbrt.gz", gzipped("Shape \"sphere\" \"float radius\" 3\n"));
+    const std::string scene = gzipped("WorldBegin\nInclude \"part.pbrt.gz\"\n");
+    CHECK(std::get<SphereShape>(read_scene(write_below(folder, "scene.pbrt.gz", scene)).shapes.at(0).geometry).radius ==
+          3);
+    for (std::size_t size = 0; size < scene.size(); ++size) {
+      const std::string message = error_of(write_below(folder, "scene.pbrt.gz", scene.substr(0, size)));
+      CHECK(contains(message, "scene.pbrt.gz: scene file is "));
+    }
   }
 
   TEST_CASE("Attributes nest and files include each other only so deep") {

@@ -1,4 +1,4 @@
-// Making zlib streams for tests of what reads them.
+// Making zlib and gzip streams for tests of what reads them.
 #pragma once
 
 #include <zlib.h>
@@ -15,6 +15,21 @@ inline std::string deflated(const std::string& bytes) {
             static_cast<uLong>(bytes.size()), 9);
   stream.resize(size);
   return stream;
+}
+
+/// `bytes` as a gzip file.
+inline std::string gzipped(const std::string& bytes) {
+  z_stream stream{};
+  deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
+  std::string out(deflateBound(&stream, static_cast<uLong>(bytes.size())), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  deflate(&stream, Z_FINISH);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
 }
 
 }  // namespace sheaf::test
