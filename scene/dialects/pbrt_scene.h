@@ -41,26 +41,19 @@ class SceneBuilder {
   Entity read_entity(Tokens& tokens, const char* target);
   void save(const char* by);
   Attributes restore(const char* by);
-  void apply_transform(const Transform& transform);
 
   void accelerator(Tokens& tokens);
-  void active_transform(Tokens& tokens);
   void area_light_source(Tokens& tokens);
   void attribute(Tokens& tokens);
   void attribute_begin(Tokens& tokens);
   void attribute_end(Tokens& tokens);
   void camera(Tokens& tokens);
   void color_space(Tokens& tokens);
-  void concat_transform(Tokens& tokens);
-  void coord_sys_transform(Tokens& tokens);
-  void coordinate_system(Tokens& tokens);
   void film(Tokens& tokens);
-  void identity(Tokens& tokens);
   void import(Tokens& tokens);
   void include(Tokens& tokens);
   void integrator(Tokens& tokens);
   void light_source(Tokens& tokens);
-  void look_at(Tokens& tokens);
   void make_named_material(Tokens& tokens);
   void make_named_medium(Tokens& tokens);
   void material(Tokens& tokens);
@@ -71,18 +64,28 @@ class SceneBuilder {
   void object_instance(Tokens& tokens);
   void option(Tokens& tokens);
   void pixel_filter(Tokens& tokens);
-  void reverse_orientation(Tokens& tokens);
-  void rotate(Tokens& tokens);
   void sampler(Tokens& tokens);
-  void scale(Tokens& tokens);
   void shape(Tokens& tokens);
   void texture(Tokens& tokens);
+  void world_begin(Tokens& tokens);
+
+  // pbrt_transforms.cpp
+  void apply_transform(const Transform& transform);
+
+  void active_transform(Tokens& tokens);
+  void concat_transform(Tokens& tokens);
+  void coord_sys_transform(Tokens& tokens);
+  void coordinate_system(Tokens& tokens);
+  void identity(Tokens& tokens);
+  void look_at(Tokens& tokens);
+  void reverse_orientation(Tokens& tokens);
+  void rotate(Tokens& tokens);
+  void scale(Tokens& tokens);
   void transform(Tokens& tokens);
   void transform_begin(Tokens& tokens);
   void transform_end(Tokens& tokens);
   void transform_times(Tokens& tokens);
   void translate(Tokens& tokens);
-  void world_begin(Tokens& tokens);
 
   Reader reader_;
   SourceLocation where_;  ///< of the directive that is read
