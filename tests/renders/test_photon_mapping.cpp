@@ -80,9 +80,9 @@ Mean mean_of(const Description& d, int repeats = 8) {
 }
 
 /// The same by the path tracer, with many samples.
-Mean path_mean(Description d) {
+Mean path_mean(Description d, int samples = 400) {
   d.integrator.kind = IntegratorKind::kPath;
-  d.sampler.sample_count = 400;
+  d.sampler.sample_count = samples;
   return mean_of(d);
 }
 
@@ -457,13 +457,16 @@ TEST_CASE("photon beams: what media scatter has the path tracer's mean, in homog
       medium.density = vol(file, Transform::translate({-1, -1, 0.2f}) * Transform::scale({1, 2, 1.5f}));
       box(-0.6f, add_medium(d, medium));
     }
-    const Mean path = path_mean(d);
+    const Mean path = path_mean(d, 100);
     d.integrator.kind = IntegratorKind::kPhotonMapper;
     d.integrator.photons.global = d.integrator.photons.volume = {10'000, 0.05f, 0};
     d.integrator.photons.medium_photons = MediumPhotons::kBeams;
-    d.integrator.photons.gathering = what == kColored ? PhotonGathering::kFinal : PhotonGathering::kIndirect;
-    check_close(mean_of(d), path, 0.01);
-    if (what != kClear && what != kBesideGrid) continue;
+    d.integrator.photons.gathering = what == kClear ? PhotonGathering::kFinal : PhotonGathering::kIndirect;
+    if (what == kClear || what == kGlowing) check_close(mean_of(d), path, 0.01);
+    if (what == kGlowing) continue;
+    // Passes with maps of their own are worth more than many samples of one.
+    d.sampler.sample_count = 16;
+    d.integrator.photons.gathering = PhotonGathering::kIndirect;
     d.integrator.photons.progressive = true;
     d.integrator.photons.medium_photons = MediumPhotons::kAuto;
     d.integrator.photons.global.count = d.integrator.photons.volume.count = 2'000;
