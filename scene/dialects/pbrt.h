@@ -70,6 +70,8 @@ struct Reader {
 
   /// Adds a remark for the user.
   void note(const SourceLocation& where, const std::string& message);
+  /// Says that something is read as something else, or not at all.
+  void stand_in(const SourceLocation& where, const std::string& message);
   /// Throws SceneError that `what` is not supported; if lenient, notes it and what is done `instead`.
   void unsupported(const SourceLocation& where, const std::string& what, const std::string& instead);
   /// A regular file by its name in a scene. Throws SceneError if there is none.

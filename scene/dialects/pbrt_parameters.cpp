@@ -213,7 +213,7 @@ void Parameters::finish() {
     const std::string message =
         title_ + " has the unknown parameter '" + parameter.name + "'" + did_you_mean(parameter.name, asked_);
     if (!reader_.lenient) throw SceneError(parameter.where, message);
-    reader_.note(parameter.where, message + ": left out");
+    reader_.stand_in(parameter.where, message + " (left out)");
   }
 }
 

@@ -22,10 +22,14 @@ void Reader::note(const SourceLocation& where, const std::string& message) {
   description.notes.push_back(where.file + ":" + std::to_string(where.line) + ": " + message);
 }
 
+void Reader::stand_in(const SourceLocation& where, const std::string& message) {
+  description.stand_ins.push_back(SceneError(where, message).what());
+}
+
 void Reader::unsupported(const SourceLocation& where, const std::string& what, const std::string& instead) {
   const std::string message = what + ": not supported";
   if (!lenient) throw SceneError(where, message);
-  note(where, message + "; " + instead);
+  stand_in(where, message + " (" + instead + ")");
 }
 
 fs::path Reader::find_file(const std::string& name, const SourceLocation& where) {

@@ -228,10 +228,12 @@ RoughnessDescription read_roughness(Properties& p) {
   const std::string distribution = p.find_string("distribution").value_or("beckmann");
   if (distribution == "ggx") {
     result.distribution = RoughnessDescription::Distribution::kGgx;
+  } else if (distribution == "phong" || distribution == "as") {
+    // Their exponents are 2 / alpha^2 - 2, with which they are all but Beckmann's (Walter et al. 2007, section 5.2).
+    p.context().note(p.where(),
+                     "distribution '" + distribution + "' is rendered with 'beckmann', which is nearly the same");
   } else if (distribution != "beckmann") {
-    const bool phong = distribution == "phong" || distribution == "as";
-    p.fail_at("distribution", "is " + in_quotes(distribution) + ", expected beckmann or ggx" +
-                                  (phong ? ": distributions of Phong's kind are not supported" : ""));
+    p.fail_at("distribution", "is " + in_quotes(distribution) + ", expected beckmann or ggx");
   }
   const bool along = p.has("alpha_u"), across = p.has("alpha_v");
   if (along != across) p.fail(std::string("has 'alpha_") + (along ? "u" : "v") + "' alone, expected both or 'alpha'");
@@ -253,27 +255,12 @@ RoughnessDescription read_uniform_roughness(Properties& p) {
 
 const std::vector<std::string>& shared_bsdf_names() {
   static const std::vector<std::string> kNames = [] {
-    std::vector<std::string> names = {"blendbsdf",
-                                      "bumpmap",
-                                      "coating",
-                                      "conductor",
-                                      "dielectric",
-                                      "hk",
-                                      "mask",
-                                      "mixturebsdf",
-                                      "normalmap",
-                                      "null",
-                                      "plastic",
-                                      "principled",
-                                      "principledthin",
-                                      "roughcoating",
-                                      "roughconductor",
-                                      "roughdielectric",
-                                      "roughdiffuse",
-                                      "roughplastic",
-                                      "thindielectric",
-                                      "twosided",
-                                      "ward"};
+    std::vector<std::string> names = {
+        "blendbsdf",    "bumpmap",        "coating",        "conductor",      "dielectric",
+        "hk",           "mask",           "mixturebsdf",    "normalmap",      "null",
+        "circular",     "plastic",        "polarizer",      "pplastic",       "retarder",
+        "principled",   "principledthin", "roughcoating",   "roughconductor", "roughdielectric",
+        "roughdiffuse", "roughplastic",   "thindielectric", "twosided",       "ward"};
     for_each_plain_model(MaterialDescription().model, [&](const auto& model) { names.emplace_back(model.kPlugin); });
     std::sort(names.begin(), names.end());
     return names;
@@ -290,8 +277,12 @@ bool read_shared_bsdf(Properties& p, const BsdfDialect& dialect, MaterialDescrip
     material.model = std::move(conductor);
   } else if (type == "dielectric" || type == "thindielectric" || type == "roughdielectric") {
     material.model = read_dielectric(p, dialect);
-  } else if (type == "plastic" || type == "roughplastic") {
+  } else if (type == "plastic" || type == "roughplastic" || type == "pplastic") {
     material.model = read_plastic(p);
+    if (type == "pplastic") note_polarisation(p);
+  } else if (type == "polarizer" || type == "circular" || type == "retarder") {
+    material.model = read_polarizer(p);
+    note_polarisation(p);
   } else if (type == "principled") {
     material.model = read_principled(p);
   } else if (type == "principledthin") {

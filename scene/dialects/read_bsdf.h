@@ -48,6 +48,10 @@ CoatDescription read_coat(Properties& p, const BsdfDialect& dialect);
 void limit_energy(Properties& p, SpectrumInput& diffuse, SpectrumInput& specular);
 
 PrincipledDescription read_principled(Properties& p);
+/// polarizer, circular, retarder: what light that is not polarised keeps of itself goes straight on.
+MaskDescription read_polarizer(Properties& p);
+/// Says that a plugin acts as on light that is not polarised.
+void note_polarisation(Properties& p);
 PrincipledThinDescription read_principled_thin(Properties& p);
 
 /// twosided, mask, blendbsdf, mixturebsdf, bumpmap, normalmap. Throws SceneError for the wrong number of nested

@@ -428,8 +428,7 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
       {bsdf("conductor", number("eta", "1") + number("k", "1") + word("material", "Au")), "is given beside 'eta' and"},
       {bsdf("conductor", number("ext_eta", "1")), "unknown property 'ext_eta' of bsdf 'conductor'"},
       {bsdf("conductor", number("alpha", "0.1")), "unknown property 'alpha' of bsdf 'conductor'"},
-      {bsdf("roughconductor", word("distribution", "phong")),
-       "is 'phong', expected beckmann or ggx: distributions of Phong's kind are not supported"},
+      {bsdf("roughconductor", word("distribution", "fong")), "is 'fong', expected beckmann or ggx"},
       {bsdf("roughconductor", word("distribution", "as")), "of Phong's kind"},
       {bsdf("roughconductor", word("distribution", "gxx")), "is 'gxx', expected beckmann or ggx"},
       {bsdf("roughconductor", number("alpha_u", "0.1")), "has 'alpha_u' alone, expected both or 'alpha'"},
@@ -490,4 +489,20 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
                                           number("ext_eta", "1.5")),
                     "<sensor type='perspective'/>", "", "0.6.0"));
   CHECK_MESSAGE(contains(old, "is given beside a texture of 'eta' or 'k'"), old);
+}
+
+TEST_CASE("Mitsuba materials: polarisers let half of the light pass, and say so") {
+  const auto opacity = [](const std::string& plugin, const std::string& inside = "") {
+    const Description d = read_text(mitsuba_scene("<bsdf type='" + plugin + "'>" + inside + "</bsdf>"));
+    CHECK(d.notes.size() == 1);
+    const auto& mask = std::get<MaskDescription>(d.materials.back().model);
+    const auto& black = d.materials.at(static_cast<std::size_t>(mask.nested)).model;
+    CHECK(std::holds_alternative<DiffuseDescription>(black));
+    return std::get<float>(mask.opacity);
+  };
+  CHECK(opacity("polarizer", "<spectrum name='theta' value='30'/>") == 0.5f);
+  CHECK(opacity("circular", "<float name='transmittance' value='0.5'/>") == 0.75f);
+  CHECK(opacity("retarder") == 0);
+  const Description d = read_text(mitsuba_scene("<bsdf type='pplastic'><float name='alpha' value='0.2'/></bsdf>"));
+  CHECK(std::get<PlasticDescription>(d.materials.back().model).roughness.has_value());
 }

@@ -346,8 +346,8 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
       CHECK(contains(message, "scene.pbrt:3: "));
       CHECK(contains(message, "not supported"));
       const Description d = read_world(world, true);
-      REQUIRE(d.notes.size() == 1);
-      CHECK(contains(d.notes[0], "scene.pbrt:3: "));
+      REQUIRE(d.stand_ins.size() == 1);
+      CHECK(contains(d.stand_ins[0], "scene.pbrt:3: "));
     }
   }
 
