@@ -138,7 +138,7 @@ BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, con
     while (any(lanes)) {
       const int first = std::countr_zero(mask_bits(lanes));
       const bool is_behind = (mask_bits(behind) >> first & 1u) != 0;
-      const auto same = lanes & (shape.material == U(roots[first])) & (is_behind ? behind : !behind);
+      const Mask<L> same = lanes & (shape.material == U(roots[first])) & (is_behind ? behind : !behind);
       BlendSum<L, Mode> blend{scene, at, same, is_behind};
       blend.add(roots[first], F(1.0f));
       const F scale = F(1.0f) / max(blend.there, F(1e-20f));
