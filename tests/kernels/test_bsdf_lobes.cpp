@@ -14,7 +14,7 @@ namespace {
 
 using Variant = WardDescription::Variant;
 constexpr double kPiD = 3.14159265358979323846;
-constexpr int kSamplingTests = 5 + 1 + 5 + 5 * 2 + 10 + 10;
+constexpr int kSamplingTests = 1 + 5 + 5 * 2 + 10 + 10;
 
 PhongBsdf<Scalar> phong(float exponent, float diffuse, float specular) {
   PhongBsdf<Scalar> bsdf;
@@ -107,7 +107,6 @@ TEST_CASE("phong: sampling, weights, reciprocity, energy") {
     check_bsdf_finite(bsdf);
     check_white_furnace(phong(exponent, 0, 1), false);
   }
-  check_bsdf_sampling_with_edges(phong(5, 0.3f, 0.6f), kSamplingTests);
   check_bsdf_peak_sampling(phong(1e5f, 0.1f, 0.8f), direction_of(0.8, 0.3), direction_of(0.8, 0.3 + kPiD), 0.02,
                            kSamplingTests);
 }
