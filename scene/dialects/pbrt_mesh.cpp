@@ -1,6 +1,7 @@
 // The pbrt dialect: meshes in the scene file, and surfaces cut into triangles.
 #include "scene/dialects/pbrt.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -88,6 +89,14 @@ Vec3f bilinear_normal(const float* p, float u, float v) {
   return cross(along, across);
 }
 
+/// Adds a triangle unless it is a line, as those at poles are.
+void add_triangle(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  const Vec3f ab = mesh.positions[b] - mesh.positions[a], ac = mesh.positions[c] - mesh.positions[a], bc = ac - ab;
+  const Vec3f normal = cross(ab, ac);
+  const float longest = std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
+  if (std::sqrt(dot(normal, normal)) > 1e-6f * longest) mesh.triangles.push_back({a, b, c});
+}
+
 }  // namespace
 
 void append(Mesh& mesh, const Patch& patch) {
@@ -104,8 +113,8 @@ void append(Mesh& mesh, const Patch& patch) {
   for (int j = 0; j < patch.steps_v; ++j)
     for (int i = 0; i < patch.steps_u; ++i) {
       const std::uint32_t corner = first + static_cast<std::uint32_t>(j) * row + static_cast<std::uint32_t>(i);
-      mesh.triangles.push_back({corner, corner + 1, corner + row + 1});
-      mesh.triangles.push_back({corner, corner + row + 1, corner + row});
+      add_triangle(mesh, corner, corner + 1, corner + row + 1);
+      add_triangle(mesh, corner, corner + row + 1, corner + row);
     }
 }
 

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 const fs::path kTwins = fs::path(SHEAF_SOURCE_DIR) / "tests" / "renders" / "pbrt_twins";
 
 /// Rounding may turn single paths elsewhere: so large a share of the pixels may differ, and means by so much.
-constexpr double kDifferingShare = 0.02, kMeanDifference = 2e-3;
+constexpr double kDifferingShare = 0.002, kMeanDifference = 1e-4;
 
 struct Difference {
   double share = 0;  ///< of pixels that differ
