@@ -19,8 +19,9 @@ TEST_CASE("Mitsuba: errors name line, fault and the nearest name") {
   const Case cases[] = {
       {mitsuba_scene("<shape type='spher'/>"), "scene.xml:4: unknown shape plugin 'spher', did you mean 'sphere'?"},
       {mitsuba_scene("<bsdf type='irawan'/>"), "unknown bsdf plugin 'irawan'"},
-      {mitsuba_scene("<emitter type='sunsky'/>"),
-       "unknown emitter plugin 'sunsky' (known: area, constant, directional, envmap, point, projector, spot)"},
+      {mitsuba_scene("<emitter type='moonlight'/>"),
+       "unknown emitter plugin 'moonlight' (known: area, collimated, constant, directional, directionalarea, envmap, "
+       "point, projector, sky, spot, sun, sunsky, timed_sunsky)"},
       {mitsuba_scene("<medium type='homogenous'/>"), "unknown medium plugin 'homogenous', did you mean 'homogeneous'?"},
       {mitsuba_scene("<texture type='bitmap' id='x'/>"), "scene.xml:4: texture 'bitmap' needs the string 'filename'"},
       {mitsuba_scene("<emitter type='area'/>"), "emitter 'area' must be nested in a <shape>"},
@@ -30,7 +31,7 @@ TEST_CASE("Mitsuba: errors name line, fault and the nearest name") {
       {mitsuba_scene("<shape/>"), "scene.xml:4: <shape> needs an attribute 'type'"},
       {mitsuba_scene("<shape typ='sphere'/>"), "<shape> has no attribute 'typ', did you mean 'type'?"},
       {mitsuba_scene("<shape type='sphere'><integrator type='path'/></shape>"),
-       "shape 'sphere' takes no nested <integrator> (it takes: bsdf, emitter, medium)"},
+       "shape 'sphere' takes no nested <integrator> (it takes: bsdf, emitter, sensor, medium)"},
       {mitsuba_scene("<shape type='sphere'><bsdf type='diffuse'/><bsdf type='diffuse'/></shape>"),
        "shape 'sphere' holds 2 nested <bsdf>, expected one"},
       {mitsuba_scene("<shape type='sphere'><emitter type='point'/></shape>"), "unknown emitter plugin 'point'"},
