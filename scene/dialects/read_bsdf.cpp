@@ -157,7 +157,7 @@ PlasticDescription read_plastic(Properties& p) {
   result.diffuse_reflectance = read_reflectance(p, "diffuse_reflectance", result.diffuse_reflectance);
   result.specular_reflectance = read_reflectance(p, "specular_reflectance", kOne);
   result.nonlinear = p.boolean("nonlinear", false);
-  if (p.type() == "roughplastic") result.roughness = read_uniform_roughness(p);
+  if (p.type() != "plastic") result.roughness = read_uniform_roughness(p);
   return result;
 }
 
