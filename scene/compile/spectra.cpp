@@ -45,7 +45,11 @@ SpectrumRow color_row(Vec3f rgb, SpectrumUse use) {
   switch (use) {
     case SpectrumUse::kReflectance: return coloured(fit_reflectance(rgb));
     case SpectrumUse::kIlluminant: return coloured(fit_unbounded(rgb), kDaylightTable);
-    case SpectrumUse::kUnbounded: return coloured(fit_unbounded(rgb));
+    case SpectrumUse::kUnbounded: {
+      // Colours that a reflectance may have get its smoother spectrum, as in Mitsuba.
+      const bool bounded = std::min({rgb.x, rgb.y, rgb.z}) >= 0.0f && std::max({rgb.x, rgb.y, rgb.z}) <= 1.0f;
+      return coloured(bounded ? fit_reflectance(rgb) : fit_unbounded(rgb));
+    }
     case SpectrumUse::kRaw: break;
   }
   return flat(luminance(rgb));

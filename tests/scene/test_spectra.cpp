@@ -76,6 +76,8 @@ TEST_CASE("spectrum rows: colours of every use are those of RGB mode") {
     CHECK(largest_difference(emission_color(set, emits), strong) < 4e-3f * max_component(strong));
     const auto eta = set.row(SpectrumDescription::rgb(strong.x, strong.y, strong.z), SpectrumUse::kUnbounded);
     CHECK(largest_difference(reflectance_to_rgb([&](float l) { return at(set, eta, l); }), strong) < 1e-2f);
+    // A coefficient that a reflectance could be has that spectrum.
+    CHECK(set.row(description, SpectrumUse::kUnbounded) == reflects);
     CHECK(at(set, set.row(description, SpectrumUse::kRaw), 444) == doctest::Approx(double(luminance(rgb))));
   }
 }
