@@ -166,6 +166,39 @@ Model mix(Parameters& p) {
   return blend;
 }
 
+/// The largest component that a constant has, or nothing for textures.
+std::optional<float> largest(const SpectrumInput& input) {
+  const auto* spectrum = std::get_if<SpectrumDescription>(&input);
+  if (spectrum == nullptr) return std::nullopt;
+  if (const auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum->value)) return constant->value;
+  if (const auto* rgb = std::get_if<SpectrumDescription::Rgb>(&spectrum->value))
+    return std::max({rgb->value.x, rgb->value.y, rgb->value.z});
+  if (const auto* table = std::get_if<SpectrumDescription::Table>(&spectrum->value))
+    return *std::max_element(table->values.begin(), table->values.end());
+  return std::nullopt;
+}
+
+/// Lambertian reflection and transmission side by side: a blend of both, each brighter by as much as it is chosen less.
+Model diffuse_transmission(Parameters& p, const SourceLocation& where) {
+  Reader& reader = p.reader();
+  const SpectrumDescription quarter = SpectrumDescription::constant(0.25f);
+  const float scale = p.number("scale", 1);
+  const SpectrumInput reflected = find_spectrum_input(p, "reflectance", Use::kReflectance).value_or(quarter);
+  const SpectrumInput passed = find_spectrum_input(p, "transmittance", Use::kReflectance).value_or(quarter);
+  const std::optional<float> r = largest(reflected), t = largest(passed);
+  const float sum = r && t ? *r + *t : 0.0f;
+  const float share = sum > 0 ? std::clamp(*t / sum, 1e-3f, 1 - 1e-3f) : 0.5f;
+  const auto brighter = [&](const SpectrumInput& input, float chosen) {
+    const std::optional<SpectrumInput> scaled = scaled_input(reader, input, scale / chosen);
+    if (!scaled) p.fail("has a texture that cannot be scaled");
+    return *scaled;
+  };
+  const MaterialId front = add(reader, DiffuseDescription{brighter(reflected, 1 - share)}, where);
+  const MaterialId both = add(reader, TwoSidedDescription{front, front}, where);
+  const MaterialId through = add(reader, DiffuseTransmitterDescription{brighter(passed, share)}, where);
+  return BlendDescription{share, {both, through}};
+}
+
 /// Materials that have no counterpart.
 Model stand_in(Parameters& p, const std::string& type) {
   p.unsupported("materials of this kind", "a diffuse one is taken");
@@ -227,7 +260,10 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
   } else if (type == "mix") {
     both_sides = false;  // they are already
     model = mix(p);
-  } else if (type == "diffusetransmission" || type == "hair" || type == "measured" || type == "subsurface") {
+  } else if (type == "diffusetransmission") {
+    both_sides = false;
+    model = diffuse_transmission(p, entity.where);
+  } else if (type == "hair" || type == "measured" || type == "subsurface") {
     model = stand_in(p, type);
   } else {
     const std::vector<std::string> known = {

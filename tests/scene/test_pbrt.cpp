@@ -330,12 +330,27 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK_THROWS_AS(read_scene(write_below(folder, "scene.pbrt", "WorldBegin\n"), defines), Error);
   }
 
+  TEST_CASE("Diffuse transmission is a blend of two materials that keeps the light of both") {
+    const Description d = read_world(
+        "Material \"diffusetransmission\" \"rgb reflectance\" [ 0.1 0.2 0.3 ] "
+        "\"rgb transmittance\" [ 0.6 0.4 0.2 ] \"float scale\" 0.5 Shape \"sphere\"");
+    const auto& blend =
+        std::get<BlendDescription>(d.materials.at(static_cast<std::size_t>(*d.shapes.at(0).material)).model);
+    const float share = std::get<float>(blend.weight);
+    CHECK(share == doctest::Approx(0.6 / 0.9));
+    const auto& front = *model_of<DiffuseDescription>(d, blend.nested[0]);
+    const auto& through = *model_of<DiffuseTransmitterDescription>(d, blend.nested[1]);
+    const Vec3f r = rgb_of(std::get<SpectrumDescription>(front.reflectance)) * (1 - share);
+    const Vec3f t = rgb_of(std::get<SpectrumDescription>(through.transmittance)) * share;
+    CHECK(length(r - Vec3f{0.05f, 0.1f, 0.15f}) < 1e-6f);
+    CHECK(length(t - Vec3f{0.3f, 0.2f, 0.1f}) < 1e-6f);
+  }
+
   TEST_CASE("What has no counterpart is an error, or a stand-in with a note") {
     for (const std::string world :
          {"Shape \"curve\"", "Material \"hair\"", "Material \"subsurface\"",
-          "Material \"measured\" \"string filename\" \"x\"",
-          "Material \"diffusetransmission\" \"rgb transmittance\" [ 0.1 0.1 0.1 ]",
-          "Texture \"t\" \"spectrum\" \"marble\"", "Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 3",
+          "Material \"measured\" \"string filename\" \"x\"", "Texture \"t\" \"spectrum\" \"marble\"",
+          "Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 3",
           "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"spherical\"",
           "LightSource \"goniometric\" \"string filename\" \"image.png\"", "ColorSpace \"rec2020\"",
           "AreaLightSource \"diffuse\" \"bool twosided\" true",
