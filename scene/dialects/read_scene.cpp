@@ -23,6 +23,22 @@ bool is_nori(const XmlElement& root) {
   return has("camera") || has("mesh");
 }
 
+/// What Mitsuba called other names before its version 0.3.
+void rename_old_plugins(ExpandedScene& scene) {
+  struct Name {
+    const char *element, *old, *now;
+  };
+  constexpr Name kNames[] = {
+      {"bsdf", "lambertian", "diffuse"},        {"bsdf", "roughglass", "roughdielectric"},
+      {"bsdf", "roughmetal", "roughconductor"}, {"bsdf", "composite", "mixturebsdf"},
+      {"texture", "ldrtexture", "bitmap"},      {"texture", "exrtexture", "bitmap"},
+      {"film", "exrfilm", "hdrfilm"},           {"film", "pngfilm", "ldrfilm"},
+  };
+  scene.rename("camera", "sensor");
+  scene.rename("luminaire", "emitter");
+  for (const Name& name : kNames) scene.rename_plugin(name.element, name.old, name.now);
+}
+
 /// A scene without any light would be black.
 void light_what_is_dark(Description& description) {
   const auto emits = [](const ShapeDescription& shape) { return shape.radiance.has_value(); };
@@ -69,8 +85,7 @@ Description read_scene(const std::filesystem::path& file, const ReadOptions& opt
   if (nori) {
     scene.rename("shape", "mesh");
   } else {
-    scene.rename("camera", "sensor");
-    scene.rename("luminaire", "emitter");
+    rename_old_plugins(scene);
   }
   ReadContext context{scene, description, options.lenient};
   context.mirrors_nori_camera = options.nori_camera == NoriCamera::kEth;

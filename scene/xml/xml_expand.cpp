@@ -234,6 +234,14 @@ void ExpandedScene::rename(XmlElement& element, std::string_view name, std::stri
   for (XmlElement& child : element.children) rename(child, name, other);
 }
 
+void ExpandedScene::rename_plugin(XmlElement& at, std::string_view element, std::string_view plugin,
+                                  std::string_view other) {
+  if (at.name == element)
+    for (XmlAttribute& attribute : at.attributes)
+      if (attribute.name == "type" && attribute.value == plugin) attribute.value = other;
+  for (XmlElement& child : at.children) rename_plugin(child, element, plugin, other);
+}
+
 void ExpandedScene::mark_references(const XmlElement& element) {
   if (element.name == "ref")
     if (const std::string* id = element.find_attribute("id"))

@@ -28,6 +28,10 @@ class ExpandedScene {
   const std::vector<std::string>& left_out() const { return left_out_; }
   /// Gives all elements of a name another one: two names for one thing.
   void rename(std::string_view name, std::string_view other) { rename(root_, name, other); }
+  /// Gives all objects of an element's name and a plugin's another plugin: two names for one thing.
+  void rename_plugin(std::string_view element, std::string_view plugin, std::string_view other) {
+    rename_plugin(root_, element, plugin, other);
+  }
   /// The element that `<ref id="...">` at `where` means. Throws SceneError if there is none.
   const XmlElement& find(const std::string& id, const SourceLocation& where) const;
   /// Whether some <ref> means this element.
@@ -42,6 +46,7 @@ class ExpandedScene {
  private:
   struct Expansion;
   static void rename(XmlElement& element, std::string_view name, std::string_view other);
+  static void rename_plugin(XmlElement& at, std::string_view element, std::string_view plugin, std::string_view other);
   void index(const XmlElement& element);
   void apply_aliases();
   void mark_references(const XmlElement& element);

@@ -464,3 +464,14 @@ TEST_CASE("the same scene in both dialects gives the same Description") {
   CHECK(dump(read_text(nori)) == dump(read_text(mitsuba)));
   CHECK(dump(read_text(nori)) != dump(read_text(mitsuba_scene(""))));
 }
+
+TEST_CASE("Mitsuba: names of its first versions") {
+  const Description d = read_text(
+      "<scene version='0.2.0'><camera type='perspective'><film type='exrfilm'><integer name='width' value='9'/></film>"
+      "</camera><integrator type='path'/><luminaire type='point'/>"
+      "<shape type='sphere'><bsdf type='lambertian'/></shape></scene>");
+  CHECK(d.film.width == 9);
+  CHECK(d.lights.size() == 1);
+  CHECK(std::holds_alternative<DiffuseDescription>(
+      d.materials.at(static_cast<std::size_t>(d.shapes.at(0).material.value())).model));
+}
