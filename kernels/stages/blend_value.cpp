@@ -8,6 +8,7 @@
 #include "kernels/wave/path_wavelengths.h"
 #include "scene/tables/shape.h"
 
+#include <array>
 #include <bit>
 
 namespace sheaf {
@@ -23,34 +24,48 @@ template <class L> struct BlendPoint {
   Spectrum<L> lambda;  ///< spectral mode
 };
 
-/// A part's closure: the row's words, textures in their places.
-template <class L, ColorMode Mode, template <class> class Bsdf>
-SHEAF_INLINE Bsdf<L> part_bsdf(const SceneView& scene, std::uint32_t row, const BlendPoint<L>& at) {
-  using F = Float<L>;
+/// Where the spectra stand among the parameters of each kind.
+const auto kSpectraOf = [] {
+  std::array<ClosureSpectra, kClosureKinds> found{};
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    found[static_cast<std::size_t>(kind)] = closure_spectra<Bsdf>();
+  });
+  return found;
+}();
+
+/// What a part's closure is made of: the row's words, textures in their places. The same code for all kinds, as much of
+/// it is textures'.
+template <class L, ColorMode Mode>
+[[gnu::noinline]] void part_words(const SceneView& scene, std::uint32_t row, const BlendPoint<L>& at,
+                                  Float<L> (&words)[kMaxClosureWords]) {
   const MaterialRow& m = scene.materials[row];
-  F words[kLeafCount<Bsdf>];
-  for (int k = 0; k < kLeafCount<Bsdf>; ++k) words[k] = F(m.words[k]);
+  for (int k = 0; k < kMaxClosureWords; ++k) words[k] = Float<L>(m.words[k]);
   const auto put = [&words](std::uint32_t word, std::uint32_t count, const Spectrum<L>& value) {
-    const F channels[4] = {value.c0, value.c1, value.c2, value.c3};
+    const Float<L> channels[4] = {value.c0, value.c1, value.c2, value.c3};
     for (std::uint32_t k = 0; k < count; ++k) words[word + k] = channels[k];
   };
   if constexpr (Mode == ColorMode::kSpectral) {
-    constexpr ClosureSpectra kSpectra = closure_spectra<Bsdf>();
-    for (int k = 0; k < kSpectra.count; ++k)
-      put(static_cast<std::uint32_t>(kSpectra.word[k]), 4, closure_spectrum<L>(scene, Uint<L>(row), k, at.lambda));
+    const ClosureSpectra& spectra = kSpectraOf[static_cast<std::size_t>(m.kind)];
+    for (int k = 0; k < spectra.count; ++k)
+      put(static_cast<std::uint32_t>(spectra.word[k]), 4, closure_spectrum<L>(scene, Uint<L>(row), k, at.lambda));
   }
   for (std::uint32_t b = 0; b < m.binding_count; ++b) {
     const TextureBinding& binding = scene.bindings[m.first_binding + b];
     put(binding.word, binding.words, shading_texture<L, Mode>(scene, binding, at.query, at.lambda));
   }
-  return bsdf_of_words<Bsdf<L>>([&words](int k, F& word) SHEAF_LAMBDA_INLINE { word = words[k]; });
 }
 
-/// A part's value, its normal turned as its flags and its map say.
-template <class L, ColorMode Mode, template <class> class Bsdf>
-BsdfValue<L> part_value(const SceneView& scene, std::uint32_t row, const BlendPoint<L>& at, Mask<L> lanes) {
+/// Directions as a part sees them, and what softens the edge of its shadow.
+template <class L> struct PartFrame {
+  Vec3<L> wo, wi;
+  Float<L> softened;  ///< factor on its value
+};
+
+/// The normal turned as the part's flags and its map say.
+template <class L>
+[[gnu::noinline]] PartFrame<L> part_frame(const SceneView& scene, const MaterialRow& m, const BlendPoint<L>& at,
+                                          Mask<L> lanes) {
   using F = Float<L>;
-  const MaterialRow& m = scene.materials[row];
   const auto turned = Mask<L>((m.flags & kTwoSided) != 0) & (dot(at.y.ns, at.from) > F(0.0f));
   const Vec3<L> base = select<L>(turned, -at.y.ns, at.y.ns);
   Vec3<L> n = base;
@@ -64,15 +79,14 @@ BsdfValue<L> part_value(const SceneView& scene, std::uint32_t row, const BlendPo
       n = select<L>(faces_away<L>(n, base, -at.from), mirrored_normal<L>(n, base), n);
     if (map.flags & NormalMapRow::kSoften) terminator = terminator_of(dot(n, base));
   }
-  const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(n, tangent_of<L>(Frame<L>::from_normal(n), at.y.dp_du));
+  const ShadingFrame<L, true> frame(n, tangent_of<L>(Frame<L>::from_normal(n), at.y.dp_du));
   const Vec3<L> wi = frame.to_local(at.wi);
-  BsdfValue<L> value = part_bsdf<L, Mode, Bsdf>(scene, row, at).evaluate(frame.to_local(-at.from), wi);
-  if (m.flags & kMapped) value.f_cos = value.f_cos * shadow_terminator<L>(base, terminator, at.wi, wi.z);
-  return value;
+  const F softened = m.flags & kMapped ? shadow_terminator<L>(base, terminator, at.wi, wi.z) : F(1.0f);
+  return {frame.to_local(-at.from), wi, softened};
 }
 
 /// Adds up the parts of one blend, all of `lanes` being on it and on the same side.
-template <class L, ColorMode Mode> struct BlendSum {
+template <class L> struct BlendSum {
   using F = typename L::Float;
   const SceneView& scene;
   const BlendPoint<L>& at;
@@ -100,7 +114,15 @@ template <class L, ColorMode Mode> struct BlendSum {
     for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
       if constexpr (!Bsdf<L>::kIsSpecular && !kIsPhaseFunction<Bsdf<L>>) {
         if (kind != scene.materials[row].kind) return;
-        const BsdfValue<L> value = part_value<L, Mode, Bsdf>(scene, row, at, lanes);
+        F words[kMaxClosureWords];
+        if (scene.color == ColorMode::kSpectral)
+          part_words<L, ColorMode::kSpectral>(scene, row, at, words);
+        else
+          part_words<L, ColorMode::kRgb>(scene, row, at, words);
+        const PartFrame<L> frame = part_frame<L>(scene, scene.materials[row], at, lanes);
+        const auto bsdf = bsdf_of_words<Bsdf<L>>([&words](int k, F& word) SHEAF_LAMBDA_INLINE { word = words[k]; });
+        BsdfValue<L> value = bsdf.evaluate(frame.wo, frame.wi);
+        value.f_cos = value.f_cos * frame.softened;
         sum.f_cos = sum.f_cos + value.f_cos * share;
         sum.pdf_solid_angle = sum.pdf_solid_angle + value.pdf_solid_angle * share;
         if (kDisperses<Bsdf<L>>) return;
@@ -133,22 +155,20 @@ BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, con
   BlendValue<L> out{Spectrum<L>(F(0.0f)), F(0.0f), Spectrum<L>(F(0.0f)), F(0.0f)};
   alignas(kSimdAlignment) std::uint32_t roots[L::width];
   store(roots, shape.material);
-  with_color_mode(scene, [&]<ColorMode Mode>() {
-    at.lambda = shading_wavelengths<L, Mode>(wave, slots);
-    while (any(lanes)) {
-      const int first = std::countr_zero(mask_bits(lanes));
-      const bool is_behind = (mask_bits(behind) >> first & 1u) != 0;
-      const Mask<L> same = lanes & (shape.material == U(roots[first])) & (is_behind ? behind : !behind);
-      BlendSum<L, Mode> blend{scene, at, same, is_behind};
-      blend.add(roots[first], F(1.0f));
-      const F scale = F(1.0f) / max(blend.there, F(1e-20f));
-      out.f_cos = select<L>(same, blend.sum.f_cos * scale, out.f_cos);
-      out.pdf_solid_angle = select(same, blend.sum.pdf_solid_angle * scale, out.pdf_solid_angle);
-      out.mixed_f_cos = select<L>(same, blend.sum.mixed_f_cos * scale, out.mixed_f_cos);
-      out.mixed_pdf = select(same, blend.sum.mixed_pdf * scale, out.mixed_pdf);
-      lanes = lanes & !same;
-    }
-  });
+  with_color_mode(scene, [&]<ColorMode Mode>() { at.lambda = shading_wavelengths<L, Mode>(wave, slots); });
+  while (any(lanes)) {
+    const int first = std::countr_zero(mask_bits(lanes));
+    const bool is_behind = (mask_bits(behind) >> first & 1u) != 0;
+    const Mask<L> same = lanes & (shape.material == U(roots[first])) & (is_behind ? behind : !behind);
+    BlendSum<L> blend{scene, at, same, is_behind};
+    blend.add(roots[first], F(1.0f));
+    const F scale = F(1.0f) / max(blend.there, F(1e-20f));
+    out.f_cos = select<L>(same, blend.sum.f_cos * scale, out.f_cos);
+    out.pdf_solid_angle = select(same, blend.sum.pdf_solid_angle * scale, out.pdf_solid_angle);
+    out.mixed_f_cos = select<L>(same, blend.sum.mixed_f_cos * scale, out.mixed_f_cos);
+    out.mixed_pdf = select(same, blend.sum.mixed_pdf * scale, out.mixed_pdf);
+    lanes = lanes & !same;
+  }
   return out;
 }
 
