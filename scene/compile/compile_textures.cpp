@@ -65,7 +65,13 @@ class TextureCompiler {
 
   void make(TextureRow& row, const CheckerboardDescription& board, const TextureDescription& texture) {
     row.kind = TextureKind::kCheckerboard;
-    row.checkerboard = {{input(board.color0, texture), input(board.color1, texture)}};
+    row.checkerboard = {{input(board.color0, texture), input(board.color1, texture)}, 0};
+  }
+
+  void make(TextureRow& row, const GridTextureDescription& grid, const TextureDescription& texture) {
+    if (!(grid.line_width >= 0)) throw error(texture, "'line_width' is negative or no number");
+    row.kind = TextureKind::kGrid;
+    row.checkerboard = {{input(grid.color0, texture), input(grid.color1, texture)}, grid.line_width};
   }
 
   void make(TextureRow& row, const MeshAttributeDescription& attribute, const TextureDescription& texture) {
@@ -114,7 +120,8 @@ class TextureCompiler {
 
   /// How many checkerboards lie in each other here, inside of `outside` others.
   int depth(std::size_t i, int outside = 0) {
-    if (out_.rows[i].kind != TextureKind::kCheckerboard) return 0;
+    const TextureKind kind = out_.rows[i].kind;
+    if (kind != TextureKind::kCheckerboard && kind != TextureKind::kGrid) return 0;
     if (depths_[i] == kInProgress) throw error(textures_[i], "contains itself");
     if (depths_[i] == 0) {
       if (outside == kMaxTextureDepth) throw too_deep(i);

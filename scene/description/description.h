@@ -70,6 +70,11 @@ struct BitmapDescription {
 struct CheckerboardDescription {
   SpectrumInput color0 = SpectrumDescription::constant(0.4f), color1 = SpectrumDescription::constant(0.2f);
 };
+/// Lines of a grid of unit squares, `color1`, `line_width` to either side of where u or v is whole; `color0` between.
+struct GridTextureDescription {
+  SpectrumInput color0 = SpectrumDescription::constant(0.2f), color1 = SpectrumDescription::constant(0.4f);
+  float line_width = 0.01f;
+};
 /// Values stored with a mesh's vertices or faces, e.g. "vertex_color". Zero on shapes that lack them.
 struct MeshAttributeDescription {
   std::string name;  ///< begins with "vertex_" or "face_"
@@ -77,7 +82,7 @@ struct MeshAttributeDescription {
 };
 
 struct TextureDescription {
-  std::variant<BitmapDescription, CheckerboardDescription, MeshAttributeDescription> model;
+  std::variant<BitmapDescription, CheckerboardDescription, GridTextureDescription, MeshAttributeDescription> model;
   /// Rows of the 2x3 matrix that takes the surface's uv to the texture's: u' = m[0] u + m[1] v + m[2]. (0, 0) is the
   /// lower left corner of a picture.
   std::array<float, 6> to_uv{1, 0, 0, 0, 1, 0};

@@ -18,6 +18,36 @@ SpectrumDescription read_constant(Properties& p) {
   return *value;
 }
 
+/// The texture, or a copy of it, with its values multiplied.
+SpectrumInput scaled_input(Properties& p, const SpectrumInput& input, float by, int depth = 0) {
+  if (const auto* constant = std::get_if<SpectrumDescription>(&input)) return scaled(*constant, by);
+  constexpr int kMaxDepth = 8;
+  if (depth > kMaxDepth) p.fail("holds textures that are nested too deep");
+  std::vector<TextureDescription>& textures = p.context().description.textures;
+  TextureDescription copy = textures.at(static_cast<std::size_t>(std::get<TextureId>(input)));
+  const auto scale_colors = [&](auto& model) {
+    model.color0 = scaled_input(p, model.color0, by, depth + 1);
+    model.color1 = scaled_input(p, model.color1, by, depth + 1);
+  };
+  if (auto* bitmap = std::get_if<BitmapDescription>(&copy.model)) bitmap->change.scale *= by;
+  if (auto* board = std::get_if<CheckerboardDescription>(&copy.model)) scale_colors(*board);
+  if (auto* grid = std::get_if<GridTextureDescription>(&copy.model)) scale_colors(*grid);
+  if (auto* attribute = std::get_if<MeshAttributeDescription>(&copy.model)) attribute->scale *= by;
+  textures.push_back(std::move(copy));
+  return static_cast<TextureId>(textures.size() - 1);
+}
+
+/// A texture times a number.
+SpectrumInput read_scaled(Properties& p) {
+  const float by = p.number("scale", 1, kNotNegative);
+  const XmlElement* nested = p.any_texture();
+  if (nested == nullptr) p.fail("needs a nested <texture>");
+  const SpectrumInput result = scaled_input(p, texture_of(*nested, p.context()), by);
+  p.finish();
+  p.context().textures.emplace(&p.element(), result);
+  return result;
+}
+
 }  // namespace
 
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
@@ -27,11 +57,12 @@ SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
     return read_spectrum(element, context);
   Properties p(element, context);
   if (p.type() == "volume") return read_constant(p);
+  if (p.type() == "scale") return read_scaled(p);
   TextureDescription texture;
   if (!read_shared_texture(p, PictureOrigin::kUpperLeft, texture)) {
     std::vector<std::string> known = shared_texture_names();
     known.insert(known.end(), plain.begin(), plain.end());
-    known.emplace_back("volume");
+    known.insert(known.end(), {"scale", "volume"});
     p.fail_plugin(known);
   }
   return add_texture(p, std::move(texture));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/dialects/dialects.h"
+#include "scene/dialects/read_spectrum.h"
 
 namespace sheaf::nori {
 
@@ -17,8 +18,6 @@ MediumId add_absorption(const XmlElement& bsdf, SpectrumDescription sigma_a, Rea
 bool read_exercise(Properties& p);
 /// Appends a light that is not on a mesh.
 void read_emitter(const XmlElement& element, ReadContext& context);
-/// The same spectrum times `factor`.
-SpectrumDescription scaled(SpectrumDescription spectrum, float factor);
 /// A TextureReader.
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context);
 

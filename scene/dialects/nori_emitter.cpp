@@ -10,15 +10,6 @@
 
 namespace sheaf::nori {
 
-SpectrumDescription scaled(SpectrumDescription spectrum, float factor) {
-  if (auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value)) constant->value *= factor;
-  if (auto* rgb = std::get_if<SpectrumDescription::Rgb>(&spectrum.value)) rgb->value = rgb->value * factor;
-  if (auto* table = std::get_if<SpectrumDescription::Table>(&spectrum.value))
-    for (float& v : table->values) v *= factor;
-  if (auto* blackbody = std::get_if<SpectrumDescription::Blackbody>(&spectrum.value)) blackbody->scale *= factor;
-  return spectrum;
-}
-
 namespace {
 
 PointLightDescription read_point_light(Properties& p) {

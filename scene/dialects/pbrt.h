@@ -3,6 +3,7 @@
 
 #include "core/transform.h"
 #include "scene/dialects/pbrt_parameters.h"
+#include "scene/dialects/read_spectrum.h"
 
 #include <filesystem>
 #include <map>
@@ -95,7 +96,6 @@ struct Index {
   std::optional<Dispersion> dispersion;
 };
 Index read_index(Parameters& p, const char* name, float otherwise);
-SpectrumDescription scaled(SpectrumDescription spectrum, float by);
 
 // pbrt_named_spectrum.cpp
 /// The spectrum of a name ("metal-Au-eta", "stdillum-D65") or of a file, its luminance 1 if it is for light.

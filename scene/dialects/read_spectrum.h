@@ -9,6 +9,9 @@ namespace sheaf {
 /// spectrum_plugins(). Throws SceneError; see also check_role.
 SpectrumDescription read_spectrum(const XmlElement& element, ReadContext& context);
 
+/// The same spectrum times `by`.
+SpectrumDescription scaled(SpectrumDescription spectrum, float by);
+
 /// The plugins that stand for a spectrum: the same everywhere.
 const std::vector<std::string>& spectrum_plugins();
 

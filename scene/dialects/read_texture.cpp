@@ -84,6 +84,14 @@ CheckerboardDescription read_checkerboard(Properties& p) {
   return board;
 }
 
+GridTextureDescription read_grid(Properties& p) {
+  GridTextureDescription grid;
+  grid.color0 = p.spectrum_input("color0", grid.color0, SpectrumRole::kIor);
+  grid.color1 = p.spectrum_input("color1", grid.color1, SpectrumRole::kIor);
+  grid.line_width = p.number("line_width", grid.line_width, kNotNegative);
+  return grid;
+}
+
 MeshAttributeDescription read_mesh_attribute(Properties& p) {
   const std::optional<std::string> name = p.find_string("name");
   if (!name) p.fail("needs the string 'name'");
@@ -112,7 +120,8 @@ std::array<float, 6> flipped(const std::array<float, 6>& to_uv) {
 }
 
 const std::vector<std::string>& shared_texture_names() {
-  static const std::vector<std::string> kNames = {"bitmap", "checkerboard", "mesh_attribute"};
+  static const std::vector<std::string> kNames = {"bitmap", "checkerboard", "gridtexture", "mesh_attribute",
+                                                  "vertexcolors"};
   return kNames;
 }
 
@@ -124,6 +133,11 @@ bool read_shared_texture(Properties& p, PictureOrigin origin, TextureDescription
   } else if (p.type() == "checkerboard") {
     texture.model = read_checkerboard(p);
     texture.to_uv = read_to_uv(p);
+  } else if (p.type() == "gridtexture") {
+    texture.model = read_grid(p);
+    texture.to_uv = read_to_uv(p);
+  } else if (p.type() == "vertexcolors") {
+    texture.model = MeshAttributeDescription{"vertex_color"};
   } else if (p.type() == "mesh_attribute") {
     texture.model = read_mesh_attribute(p);
   } else {

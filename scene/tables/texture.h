@@ -8,7 +8,7 @@
 
 namespace sheaf {
 
-enum class TextureKind : std::uint32_t { kConstant, kBitmap, kCheckerboard, kMeshAttribute };
+enum class TextureKind : std::uint32_t { kConstant, kBitmap, kCheckerboard, kGrid, kMeshAttribute };
 
 /// How a texel is stored: one value or four, of which the fourth is 0; bytes, which stand for 0 .. 1 (kSrgbByte:
 /// through the sRGB curve, undone before interpolation), or floats.
@@ -50,9 +50,10 @@ struct BitmapRow {
   BitmapDescription::Filter filter;
   TexelFormat format;
 };
-/// Two other textures in turn.
+/// Two other textures in turn, or the second as lines on the first.
 struct CheckerboardRow {
   std::uint32_t child[2];
+  float line_width;  ///< kGrid
 };
 /// Values stored with meshes.
 struct MeshAttributeRow {
@@ -68,7 +69,7 @@ struct alignas(64) TextureRow {
   union {
     ConstantRow constant{};
     BitmapRow bitmap;
-    CheckerboardRow checkerboard;
+    CheckerboardRow checkerboard;  ///< kCheckerboard, kGrid
     MeshAttributeRow attribute;
   };
 };
@@ -115,7 +116,7 @@ struct TextureView {
   std::uint32_t shape_count = 0;
 };
 
-/// Checkerboards of checkerboards of ...: no deeper than this, a board of constants counted as 1.
+/// Checkerboards and grids of checkerboards of ...: no deeper than this, a board of constants counted as 1.
 inline constexpr int kMaxTextureDepth = 8;
 
 /// The tables made from a description's textures.

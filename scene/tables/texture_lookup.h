@@ -230,9 +230,14 @@ template <class L> SHEAF_INLINE Vec2<L> texture_uv(const TextureRow& row, Vec2<L
   return {fma(F(m[0]), uv.x, fma(F(m[1]), uv.y, F(m[2]))), fma(F(m[3]), uv.x, fma(F(m[4]), uv.y, F(m[5])))};
 }
 
-/// Whether the first child of a checkerboard is seen: floor(2u) + floor(2v) is even.
-template <class L> SHEAF_INLINE Mask<L> first_square(Vec2<L> uv) {
+/// Whether the first child is seen: of a checkerboard where floor(2u) + floor(2v) is even, of a grid off its lines.
+template <class L> SHEAF_INLINE Mask<L> first_square(const TextureRow& row, Vec2<L> uv) {
   using F = typename L::Float;
+  if (row.kind == TextureKind::kGrid) {
+    const F width(row.checkerboard.line_width);
+    const F u = abs(uv.x - floor(uv.x + F(0.5f))), v = abs(uv.y - floor(uv.y + F(0.5f)));
+    return (u >= width) & (v >= width);
+  }
   const Mask<L> right = uv.x - floor(uv.x) >= F(0.5f), upper = uv.y - floor(uv.y) >= F(0.5f);
   return select(right, upper, !upper);
 }
@@ -289,8 +294,9 @@ Spectrum<L> lookup_texture(const TextureView& view, std::uint32_t texture, const
         if constexpr (texel_channels(Format) == 1) return {value[0], value[0], value[0], zero};
         return {value[0], value[1], value[2], zero};
       });
-    case TextureKind::kCheckerboard: {
-      const auto first = detail::first_square<L>(detail::texture_uv<L>(row, query.uv));
+    case TextureKind::kCheckerboard:
+    case TextureKind::kGrid: {
+      const auto first = detail::first_square<L>(row, detail::texture_uv<L>(row, query.uv));
       if (all(first)) return lookup_texture<L>(view, row.checkerboard.child[0], query);
       if (!any(first)) return lookup_texture<L>(view, row.checkerboard.child[1], query);
       return select<L>(first, lookup_texture<L>(view, row.checkerboard.child[0], query),
@@ -318,8 +324,9 @@ Float<L> lookup_scalar(const TextureView& view, std::uint32_t texture, const Tex
         if constexpr (texel_channels(Format) == 1) return value[0];
         return texture_luminance(value);
       });
-    case TextureKind::kCheckerboard: {
-      const auto first = detail::first_square<L>(detail::texture_uv<L>(row, query.uv));
+    case TextureKind::kCheckerboard:
+    case TextureKind::kGrid: {
+      const auto first = detail::first_square<L>(row, detail::texture_uv<L>(row, query.uv));
       if (all(first)) return lookup_scalar<L>(view, row.checkerboard.child[0], query);
       if (!any(first)) return lookup_scalar<L>(view, row.checkerboard.child[1], query);
       return select(first, lookup_scalar<L>(view, row.checkerboard.child[0], query),

@@ -330,6 +330,24 @@ TEST_CASE("texture lookup: coordinates may be anything") {
     }
 }
 
+TEST_CASE("texture lookup: grids have lines where u or v is whole") {
+  TextureDescription grid;
+  grid.model = GridTextureDescription{SpectrumDescription::constant(0.25f), SpectrumDescription::rgb(1, 2, 3), 0.1f};
+  grid.to_uv = {2, 0, 0, 0, 1, 0.5f};
+  const CompiledTextures compiled = compile_textures({grid});
+  const TextureView view = view_of(compiled);
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const TextureQuery<Scalar> q = random_query(i);
+    const double u = 2.0 * q.uv.x, v = q.uv.y + 0.5;
+    const double from_line = std::min(std::abs(u - std::round(u)), std::abs(v - std::round(v)));
+    if (std::abs(from_line - 0.1) < 1e-5) continue;
+    CHECK(lookup_texture<Scalar>(view, 0, q).c1 == (from_line < 0.1 ? 2.0f : 0.25f));
+    CHECK(lanes_agree(view, 0, [&](int k) { return random_query(i + 7 * static_cast<std::uint32_t>(k)); }));
+  }
+  grid.model = GridTextureDescription{SpectrumDescription::constant(0), SpectrumDescription::constant(1), -0.1f};
+  CHECK_THROWS_AS(compile_textures({grid}), SceneError);
+}
+
 TEST_CASE("texture lookup: checkerboards show their children in turn, each by its own transform") {
   const TemporaryFolder folder;
   const TestPicture p = make_picture(folder, 16, 8, 3, 8, false);

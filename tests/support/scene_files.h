@@ -130,6 +130,7 @@ inline std::string dump(const TextureDescription& t) {
                                    static_cast<int>(v.wrap_u), static_cast<int>(v.wrap_v), v.raw);
                  },
                  [](const CheckerboardDescription& v) { return dump_all("checkerboard", v.color0, v.color1); },
+                 [](const GridTextureDescription& v) { return dump_all("grid", v.color0, v.color1, v.line_width); },
                  [](const MeshAttributeDescription& v) { return dump_all("mesh_attribute", v.name, v.scale); }},
       t.model);
   return model + " to_uv " + dump(t.to_uv);
