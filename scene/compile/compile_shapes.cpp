@@ -26,11 +26,6 @@ bool is_traceable(Vec3f lower, Vec3f upper) {
   return is_finite(upper - lower) && max_component(abs(upper)) <= kLargest && max_component(abs(lower)) <= kLargest;
 }
 
-void grow_box(Vec3f& lower, Vec3f& upper, Vec3f to_lower, Vec3f to_upper) {
-  lower = {std::min(lower.x, to_lower.x), std::min(lower.y, to_lower.y), std::min(lower.z, to_lower.z)};
-  upper = {std::max(upper.x, to_upper.x), std::max(upper.y, to_upper.y), std::max(upper.z, to_upper.z)};
-}
-
 /// The canonical shape's transform for a quadric of a description.
 struct Placement {
   ShapeKind kind;
@@ -71,6 +66,7 @@ void SceneCompiler::add_shape(const ShapeDescription& shape) {
                    [&](const Mesh& mesh) { add_mesh(row, shape, mesh, shape.face_normals); },
                    [&](const RectangleShape&) { add_mesh(row, shape, rectangle_mesh(), shape.face_normals); },
                    [&](const CubeShape&) { add_mesh(row, shape, cube_mesh(), shape.face_normals); },
+                   [&](const Curves& curves) { add_curves(row, shape, curves); },
                    [&](const auto& quadric) {
                      const Placement placement = place(quadric, shape.to_world);
                      add_quadric(row, shape, make_quadric(placement.kind, placement.to_world, shape.flip_normals));

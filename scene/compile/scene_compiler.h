@@ -7,6 +7,7 @@
 #include "scene/compile/spectra.h"
 #include "scene/formats/mesh.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace sheaf {
@@ -14,6 +15,12 @@ namespace sheaf {
 /// Overload set for std::visit.
 template <class... F> struct Overloaded : F... { using F::operator()...; };
 template <class... F> Overloaded(F...) -> Overloaded<F...>;
+
+/// Lets the box [lower, upper] hold another.
+inline void grow_box(Vec3f& lower, Vec3f& upper, Vec3f to_lower, Vec3f to_upper) {
+  lower = {std::min(lower.x, to_lower.x), std::min(lower.y, to_lower.y), std::min(lower.z, to_lower.z)};
+  upper = {std::max(upper.x, to_upper.x), std::max(upper.y, to_upper.y), std::max(upper.z, to_upper.z)};
+}
 
 /// Fills a Scene, table by table. Every step may throw SceneError.
 class SceneCompiler {
@@ -67,6 +74,9 @@ class SceneCompiler {
   void add_instances(const std::vector<GroupContents>& groups);
   /// Lets the bounds hold the box [lower, upper].
   void grow(Vec3f lower, Vec3f upper);
+
+  // compile_curves.cpp
+  void add_curves(ShapeRow row, const ShapeDescription& shape, const Curves& curves);
 
   // compile_lights.cpp
   LightContext light_context();

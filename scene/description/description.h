@@ -389,8 +389,25 @@ struct DiskShape {};
 /// Open cylinder around the segment p0 p1; normals outwards; u is the angle / 2 pi, v runs from p0 to p1.
 struct CylinderShape { Vec3f p0{0, 0, 0}, p1{0, 0, 1}; float radius = 1; };
 
+/// Round tubes, normals outwards; u is the angle / 2 pi, v runs along all segments, one after the other.
+struct Curves {
+  enum class Basis {
+    kLinear,   ///< cones between neighbouring points, with spheres around the points
+    kBspline,  ///< along uniform cubic B-splines, one segment for each four points in a row; open at the ends
+  } basis = Basis::kBspline;
+  struct Point {
+    Vec3f position;
+    float radius = 0;  ///< not negative; no transform of the shape changes it
+  };
+  std::vector<Point> points;          ///< of one curve after the other
+  std::vector<std::uint32_t> starts;  ///< of each curve: where its points begin; increasing, the first is 0
+
+  /// Points of a segment.
+  std::uint32_t order() const { return basis == Basis::kLinear ? 2 : 4; }
+};
+
 struct ShapeDescription {
-  std::variant<MeshFileShape, Mesh, SphereShape, RectangleShape, CubeShape, DiskShape, CylinderShape> geometry;
+  std::variant<MeshFileShape, Mesh, SphereShape, RectangleShape, CubeShape, DiskShape, CylinderShape, Curves> geometry;
   Transform to_world;
   bool flip_normals = false;
   bool face_normals = false;  ///< meshes: ignore vertex normals

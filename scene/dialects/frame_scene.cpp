@@ -54,6 +54,12 @@ void grow(Box& box, const ShapeDescription& shape) {
     const Vec3f r{cylinder->radius, cylinder->radius, cylinder->radius};
     box.grow(t, cylinder->p0 - r, cylinder->p0 + r);
     box.grow(t, cylinder->p1 - r, cylinder->p1 + r);
+  } else if (const auto* curves = std::get_if<Curves>(&shape.geometry)) {
+    for (const Curves::Point& point : curves->points) {
+      const Vec3f p = t.point(point.position), r{point.radius, point.radius, point.radius};
+      box.grow(p - r);
+      box.grow(p + r);
+    }
   } else if (std::holds_alternative<CubeShape>(shape.geometry)) {
     box.grow(t, {-1, -1, -1}, {1, 1, 1});
   } else {

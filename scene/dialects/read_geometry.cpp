@@ -1,5 +1,9 @@
-// Shapes that both dialects spell alike: mesh files and quadrics.
+// Shapes that both dialects spell alike: mesh files, quadrics, curves, height fields.
 #include "scene/dialects/read_geometry.h"
+
+#include "scene/formats/curve_file.h"
+#include "scene/formats/hair_file.h"
+#include "scene/formats/height_field.h"
 
 #include <limits>
 
@@ -36,11 +40,45 @@ CylinderShape read_cylinder(Properties& p) {
   return cylinder;
 }
 
+Curves read_hair(Properties& p) {
+  HairReading reading;
+  reading.radius = p.number("radius", reading.radius, kPositive);
+  // Radii grow as lengths along z do.
+  reading.radius *= length(p.transform("to_world").vector({0, 0, 1}));
+  reading.angle_threshold = p.number("angle_threshold", reading.angle_threshold, {0, 90, false});
+  reading.reduction = p.number("reduction", reading.reduction, kUnitInterval);
+  if (reading.reduction == 1) p.fail_at("reduction", "is 1, expected less: nothing would be left");
+  return read_hair_file(p.file("filename"), reading);
+}
+
+/// From a picture, or a texture that is one.
+Mesh read_height_field_shape(Properties& p, ShapeDescription& shape) {
+  const bool smooth = p.boolean("shading_normals", true);
+  float scale = p.number("scale", 1);
+  p.accept({"width", "height"});  // of textures that are no pictures
+  shape.face_normals = !smooth;
+  const XmlElement* nested = p.any_texture();
+  if (nested == nullptr) return read_height_field(p.file("filename"), scale, smooth, false);
+  if (p.has("filename")) p.fail_at("filename", "is given beside a texture, expected one or the other");
+  const SpectrumInput input = p.context().readers.texture(*nested, p.context());
+  const auto* id = std::get_if<TextureId>(&input);
+  const BitmapDescription* bitmap =
+      id == nullptr
+          ? nullptr
+          : std::get_if<BitmapDescription>(&p.context().description.textures.at(static_cast<std::size_t>(*id)).model);
+  if (bitmap == nullptr)
+    throw ElementError(*nested, "the texture of a height field is no picture, expected a 'bitmap'");
+  if (bitmap->change.invert || bitmap->change.exponent != 1.0f)
+    throw ElementError(*nested, "the texture of a height field must not be inverted or raised to a power");
+  return read_height_field(bitmap->file, scale * bitmap->change.scale, smooth, bitmap->raw);
+}
+
 }  // namespace
 
 const std::vector<std::string>& shared_shape_names() {
-  static const std::vector<std::string> kNames = {"cube", "cylinder",  "disk",       "obj",
-                                                  "ply",  "rectangle", "serialized", "sphere"};
+  static const std::vector<std::string> kNames = {"bsplinecurve", "cube",        "cylinder",    "disk",
+                                                  "hair",         "heightfield", "linearcurve", "obj",
+                                                  "ply",          "rectangle",   "serialized",  "sphere"};
   return kNames;
 }
 
@@ -59,6 +97,13 @@ bool read_shared_geometry(Properties& p, bool flips_obj, ShapeDescription& shape
     shape.geometry = DiskShape{};
   } else if (type == "cylinder") {
     shape.geometry = read_cylinder(p);
+  } else if (type == "bsplinecurve" || type == "linearcurve") {
+    const auto basis = type == "linearcurve" ? Curves::Basis::kLinear : Curves::Basis::kBspline;
+    shape.geometry = read_curve_file(p.file("filename"), basis);
+  } else if (type == "hair") {
+    shape.geometry = read_hair(p);
+  } else if (type == "heightfield") {
+    shape.geometry = read_height_field_shape(p, shape);
   } else {
     return false;
   }

@@ -139,6 +139,54 @@ RTCGeometry make_quadric_geometry(RTCDevice device, const QuadricRow& row) {
   return geometry;
 }
 
+/// Curves are seen from outside alone: of rays that leave them, rounding would let some meet them from inside.
+void cull_inside(const RTCFilterFunctionNArguments* args) {
+  for (unsigned i = 0; i < args->N; ++i) {
+    const Vec3f direction{RTCRayN_dir_x(args->ray, args->N, i), RTCRayN_dir_y(args->ray, args->N, i),
+                          RTCRayN_dir_z(args->ray, args->N, i)};
+    const Vec3f normal{RTCHitN_Ng_x(args->hit, args->N, i), RTCHitN_Ng_y(args->hit, args->N, i),
+                       RTCHitN_Ng_z(args->hit, args->N, i)};
+    if (!(dot(normal, direction) < 0.0f)) args->valid[i] = 0;
+  }
+}
+
+RTCGeometry make_curves(RTCDevice device, const AccelInput& in, const ShapeRow& shape, std::uint32_t point_count) {
+  const bool linear = static_cast<ShapeKind>(shape.kind) == ShapeKind::kLinearCurves;
+  RTCGeometry geometry =
+      rtcNewGeometry(device, linear ? RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE : RTC_GEOMETRY_TYPE_ROUND_BSPLINE_CURVE);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                             in.curve_points + shape.first_vertex, 0, sizeof(CurvePointRow), point_count);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT,
+                             in.curve_segments + shape.first_triangle, 0, sizeof(std::uint32_t), shape.triangle_count);
+  rtcSetGeometryIntersectFilterFunction(geometry, cull_inside);
+  rtcSetGeometryOccludedFilterFunction(geometry, cull_inside);
+  if (!linear) return geometry;
+  // Embree joins segments without a surface in between where it knows that they are neighbours.
+  auto* flags = static_cast<std::uint8_t*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FLAGS, 0, RTC_FORMAT_UCHAR, 1, shape.triangle_count));
+  const std::uint32_t* first = in.curve_segments + shape.first_triangle;
+  for (std::uint32_t i = 0; flags != nullptr && i < shape.triangle_count; ++i) {
+    const bool after = i > 0 && first[i - 1] + 1 == first[i];
+    const bool before = i + 1 < shape.triangle_count && first[i] + 1 == first[i + 1];
+    flags[i] = static_cast<std::uint8_t>((after ? RTC_CURVE_FLAG_NEIGHBOR_LEFT : 0) |
+                                         (before ? RTC_CURVE_FLAG_NEIGHBOR_RIGHT : 0));
+  }
+  return geometry;
+}
+
+RTCGeometry make_shape(RTCDevice device, const AccelInput& in, std::uint32_t i) {
+  const ShapeRow& shape = in.shapes[i];
+  switch (static_cast<ShapeKind>(shape.kind)) {
+    case ShapeKind::kMesh:
+      return make_mesh(device, in, shape, in.vertex_counts[i]);
+    case ShapeKind::kLinearCurves:
+    case ShapeKind::kBsplineCurves:
+      return make_curves(device, in, shape, in.vertex_counts[i]);
+    default:
+      return make_quadric_geometry(device, in.quadrics[shape.first_triangle]);
+  }
+}
+
 /// Builds a scene in the same way whatever machine it is on.
 void commit_alike(RTCScene scene) {
   const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, kBuildConcurrency);
@@ -175,12 +223,8 @@ void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, Shape
   for (std::uint32_t id = 0; id < range.shape_count; ++id) {
     const std::uint32_t i = range.first_shape + id;
     const ShapeRow& shape = in.shapes[i];
-    const bool mesh = static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh;
-    if (mesh && shape.triangle_count == 0) continue;
-    attach(scene,
-           mesh ? make_mesh(device, in, shape, in.vertex_counts[i])
-                : make_quadric_geometry(device, in.quadrics[shape.first_triangle]),
-           id);
+    if (static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh && shape.triangle_count == 0) continue;
+    attach(scene, make_shape(device, in, i), id);
   }
 }
 

@@ -26,8 +26,9 @@ struct alignas(64) RayPacket {
   std::uint32_t id[kPacketWidth];  ///< the caller's, left alone
   std::uint32_t flags[kPacketWidth];
   float normal_x[kPacketWidth], normal_y[kPacketWidth], normal_z[kPacketWidth];  ///< geometric, any length
-  float u[kPacketWidth], v[kPacketWidth];      ///< barycentric coordinates of the second and third vertex
-  std::uint32_t primitive[kPacketWidth];       ///< triangle of the shape
+  float u[kPacketWidth], v[kPacketWidth];  ///< barycentric coordinates of the second and third vertex; of curves
+                                           ///< u alone, along the segment
+  std::uint32_t primitive[kPacketWidth];   ///< triangle or segment of the shape
   std::uint32_t shape[kPacketWidth];     ///< kNone: no hit. intersect() wants it to be kNone on entry
   std::uint32_t instance[kPacketWidth];  ///< row of the instance that was hit; kNone: the shape is in no group
   std::uint32_t instance_primitive[kPacketWidth];
@@ -48,7 +49,9 @@ struct AccelInput {
   const VertexRow* vertices;
   const std::uint32_t* triangles;
   const QuadricRow* quadrics;
-  const std::uint32_t* vertex_counts;  ///< per shape
+  const CurvePointRow* curve_points;
+  const std::uint32_t* curve_segments;
+  const std::uint32_t* vertex_counts;  ///< per shape; of curves their points
   bool watertight;  ///< see CompileOptions::watertight
   const ShapeRange* groups;  ///< none of them empty
   std::uint32_t group_count;

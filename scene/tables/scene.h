@@ -42,6 +42,8 @@ struct SceneView {
   const VertexRow* vertices = nullptr;
   const std::uint32_t* triangles = nullptr;  ///< three per triangle, relative to the shape's first vertex
   const QuadricRow* quadrics = nullptr;
+  const CurvePointRow* curve_points = nullptr;
+  const std::uint32_t* curve_segments = nullptr;  ///< first of the segment's points, relative to the shape's first
   const InstanceRow* instances = nullptr;    ///< null: there are none
   const MaterialRow* materials = nullptr;
   const TextureBinding* bindings = nullptr;
@@ -93,7 +95,7 @@ struct SceneView {
 /// Sizes, for people.
 struct SceneInfo {
   std::size_t groups = 0, instances = 0, instanced_triangles = 0;  ///< the last: instances times triangles of each
-  std::size_t shapes = 0, triangles = 0, quadrics = 0, vertices = 0, materials = 0, lights = 0;
+  std::size_t shapes = 0, triangles = 0, quadrics = 0, curve_segments = 0, vertices = 0, materials = 0, lights = 0;
   Vec3f bounds_min{}, bounds_max{};
   std::size_t table_bytes = 0, accel_bytes = 0;
 };
@@ -124,6 +126,8 @@ class Scene {
   std::vector<VertexRow> vertices_;
   std::vector<std::uint32_t> triangles_;
   std::vector<QuadricRow> quadrics_;
+  std::vector<CurvePointRow> curve_points_;
+  std::vector<std::uint32_t> curve_segments_;
   std::vector<InstanceRow> instances_;
   std::vector<MaterialRow> materials_;
   std::vector<TextureBinding> bindings_;

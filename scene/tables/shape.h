@@ -1,35 +1,11 @@
 // From a hit to the surface there: position, normals, uv and tangent, for all kinds of shape, generic in the lane.
 #pragma once
 
-#include "core/frame.h"
 #include "core/warp.h"
+#include "scene/tables/curve_surface.h"
 #include "scene/tables/instance.h"
-#include "scene/tables/scene.h"
 
 namespace sheaf {
-
-/// The surface at a hit, in world space.
-template <class L> struct SurfacePoint {
-  Vec3<L> p;                  ///< on the surface, more exact than origin + t * direction
-  Vec3<L> ng;                 ///< geometric normal, unit length
-  Vec3<L> ns;                 ///< interpolated normal, unit length
-  typename L::Float offset;   ///< how far along +-ng a ray must start so that it cannot hit the same surface
-  Vec2<L> uv;                 ///< only with WithUv
-  /// Derivatives of the position by u and v, only with WithUv. Never zero: where one vanishes (poles, the centre of a
-  /// disk) it has the right direction and is tiny; where a triangle's uv are missing or degenerate the two are some
-  /// orthonormal tangents.
-  Vec3<L> dp_du, dp_dv;
-};
-
-/// Normalises vectors whose squared length would overflow or underflow.
-template <class L> SHEAF_INLINE Vec3<L> normalize_any(Vec3<L> a) {
-  const Float<L> m = max_component(abs(a));
-  return normalize(a * (Float<L>(1.0f) / max(m, Float<L>(1e-37f))));
-}
-
-/// Rounding errors in the position and in Embree's arithmetic are below this many units in the last place of the
-/// coordinates involved (tests/kernels/test_ray_offset.cpp holds it against shapes from 1e-3 to 1e5 units).
-inline constexpr float kOffsetUlps = 8.0f * 5.9604645e-8f;
 
 template <class L, bool WithUv>
 SHEAF_INLINE void triangle_uv(const ShapeRecord<L>& shape, const Vec2<L>* t, typename L::Float u, typename L::Float v,
@@ -168,21 +144,21 @@ SHEAF_INLINE void place_instance(const InstancePlacement<L>& placed, Mask<L> ins
 template <class L, bool WithUv>
 SHEAF_INLINE SurfacePoint<L> shape_point(const SceneView& scene, const ShapeRecord<L>& shape, Uint<L> primitive,
                                          Float<L> u, Float<L> v, Vec3<L> hit_point) {
-  const auto mesh = shape.kind == typename L::Uint(static_cast<std::uint32_t>(ShapeKind::kMesh));
+  const auto is = [&](ShapeKind kind)
+                      SHEAF_LAMBDA_INLINE { return shape.kind == typename L::Uint(static_cast<std::uint32_t>(kind)); };
+  const auto mesh = is(ShapeKind::kMesh);
   if (all(mesh)) return triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v);
-  SurfacePoint<L> out = quadric_point<L, WithUv>(scene, shape, !mesh, hit_point);
-  if (!any(mesh)) return out;
-  const SurfacePoint<L> triangle = triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v);
-  out.p = select<L>(mesh, triangle.p, out.p);
-  out.ng = select<L>(mesh, triangle.ng, out.ng);
-  out.ns = select<L>(mesh, triangle.ns, out.ns);
-  out.offset = select(mesh, triangle.offset, out.offset);
-  if constexpr (WithUv) {
-    out.uv = {select(mesh, triangle.uv.x, out.uv.x), select(mesh, triangle.uv.y, out.uv.y)};
-    out.dp_du = select<L>(mesh, triangle.dp_du, out.dp_du);
-    out.dp_dv = select<L>(mesh, triangle.dp_dv, out.dp_dv);
+  const auto curve = is(ShapeKind::kLinearCurves) | is(ShapeKind::kBsplineCurves);
+  if (!any(curve)) {
+    SurfacePoint<L> out = quadric_point<L, WithUv>(scene, shape, !mesh, hit_point);
+    if (!any(mesh)) return out;
+    return select<L, WithUv>(mesh, triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v), out);
   }
-  return out;
+  SurfacePoint<L> out = curve_point<L, WithUv>(scene, shape, curve, primitive, u, hit_point);
+  const auto quadric = !(mesh | curve);
+  if (any(quadric)) out = select<L, WithUv>(quadric, quadric_point<L, WithUv>(scene, shape, quadric, hit_point), out);
+  if (!any(mesh)) return out;
+  return select<L, WithUv>(mesh, triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v), out);
 }
 
 /// The surface at hits: `hit_point` is origin + t * direction, (u, v) Embree's barycentric coordinates, `instance` the

@@ -7,7 +7,7 @@
 
 namespace sheaf {
 
-enum class ShapeKind : std::uint32_t { kMesh, kSphere, kDisk, kCylinder };
+enum class ShapeKind : std::uint32_t { kMesh, kSphere, kDisk, kCylinder, kLinearCurves, kBsplineCurves };
 
 /// Bits of ShapeRecord::flags.
 enum ShapeFlags : std::uint32_t {
@@ -18,13 +18,14 @@ enum ShapeFlags : std::uint32_t {
 /// One shape. Those of shape groups follow the others, group by group, in the space of their group. Half a cache line.
 template <class L> struct ShapeRecord {
   typename L::Uint kind{};            ///< ShapeKind
-  typename L::Uint first_triangle{};  ///< meshes: into SceneView::triangles; quadrics: into SceneView::quadrics
-  typename L::Uint first_vertex{};    ///< meshes: into SceneView::vertices
+  /// Meshes: into SceneView::triangles; quadrics: into SceneView::quadrics; curves: into SceneView::curve_segments.
+  typename L::Uint first_triangle{};
+  typename L::Uint first_vertex{};    ///< meshes: into SceneView::vertices; curves: into SceneView::curve_points
   typename L::Uint flags{};           ///< ShapeFlags
   typename L::Uint material{};        ///< into SceneView::materials
   /// Into SceneView::lights, in groups counted from the instance's first; kNone: does not emit.
   typename L::Uint light{kNone};
-  typename L::Uint triangle_count{};
+  typename L::Uint triangle_count{};  ///< curves: of segments
   typename L::Uint boundary{kNone};  ///< into SceneView::boundaries; kNone: the same medium on both sides
   static constexpr auto fields(auto& s) {
     return std::tie(s.kind, s.first_triangle, s.first_vertex, s.flags, s.material, s.light, s.triangle_count,
@@ -52,7 +53,7 @@ template <class L> struct QuadricRecord {
   typename L::Float normal_sign;    ///< -1 if normals are flipped
   typename L::Float determinant;    ///< |det| of the linear part
   typename L::Float uniform_scale;  ///< the factor, if the linear part is a rotation times a factor; else 0
-  EnumIn<L, ShapeKind> kind;        ///< not kMesh
+  EnumIn<L, ShapeKind> kind;        ///< kSphere, kDisk or kCylinder
   static constexpr auto fields(auto& s) {
     return std::tie(s.to_world, s.to_object, s.normal_sign, s.determinant, s.uniform_scale, s.kind);
   }
@@ -78,6 +79,15 @@ template <class L> struct QuadricRecord {
   }
 };
 using QuadricRow = QuadricRecord<Scalar>;
+
+/// A control point of curves. Four words, read at once.
+template <class L> struct alignas(row_alignment<L>(16)) CurvePointRecord {
+  Vec3<L> position;
+  typename L::Float radius;
+  static constexpr auto fields(auto& s) { return std::tie(s.position, s.radius); }
+};
+using CurvePointRow = CurvePointRecord<Scalar>;
+static_assert(sizeof(CurvePointRow) == 16);
 
 /// A group's shapes placed in the world: one cache line.
 template <class L> struct alignas(row_alignment<L>(64)) InstanceRecord {

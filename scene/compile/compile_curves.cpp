@@ -1,0 +1,103 @@
+// Curves as rows of tables.
+#include "scene/compile/scene_compiler.h"
+
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// Embree finds hits of tubes in single precision, by products of four lengths.
+constexpr float kMaxCurveCoordinate = 1e9f;
+/// Its test of lines takes differences of products of four lengths for 0 where they are smaller than a constant.
+constexpr float kShortLine = 5e-3f;
+
+/// Throws SceneError for what curves cannot have.
+void check_curves(const ShapeDescription& shape, const Curves& curves) {
+  if (shape.radiance) throw SceneError("curves cannot emit light: expected no <emitter> in them");
+  if (shape.interior || shape.exterior)
+    throw SceneError("curves are no boundaries of media: expected neither 'interior' nor 'exterior'");
+  if (shape.flip_normals) throw SceneError("the normals of curves point outwards: expected no 'flip_normals'");
+  for (const Curves::Point& point : curves.points)
+    if (!(point.radius >= 0.0f)) throw SceneError("the radius of a curve is " + std::to_string(point.radius));
+  if (curves.points.empty() || curves.starts.empty() || curves.starts.front() != 0)
+    throw SceneError("curves without points");
+  for (std::size_t i = 0; i < curves.starts.size(); ++i) {
+    const std::size_t end = i + 1 < curves.starts.size() ? curves.starts[i + 1] : curves.points.size();
+    if (end > curves.points.size() || end < std::size_t{curves.starts[i]} + curves.order())
+      throw SceneError("a curve has fewer than " + std::to_string(curves.order()) + " points");
+  }
+}
+
+/// Segments that can be intersected, by their first points.
+struct UsableSegments {
+  std::vector<std::uint32_t> first;
+  std::size_t left_out = 0, short_lines = 0;
+  GridBox box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+};
+
+UsableSegments usable_segments(const Curves& curves, const std::vector<CurvePointRow>& points) {
+  const std::uint32_t order = curves.order();
+  UsableSegments out;
+  for (std::size_t i = 0; i < curves.starts.size(); ++i) {
+    const auto end = static_cast<std::uint32_t>(i + 1 < curves.starts.size() ? curves.starts[i + 1] : points.size());
+    for (std::uint32_t first = curves.starts[i]; first + order <= end; ++first) {
+      GridBox around{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+      float radius = 0;
+      bool usable = true;
+      for (std::uint32_t k = first; k < first + order; ++k) {
+        const CurvePointRow& point = points[k];
+        usable = usable && is_finite(point.position) &&
+                 max_component(abs(point.position)) + point.radius <= kMaxCurveCoordinate;
+        radius = std::max(radius, point.radius);
+        grow_box(around.min, around.max, point.position, point.position);
+      }
+      if (!usable || !(radius > 0.0f) || around.min == around.max) {
+        ++out.left_out;
+        continue;
+      }
+      const Vec3f margin{radius, radius, radius};
+      grow_box(out.box.min, out.box.max, around.min - margin, around.max + margin);
+      out.first.push_back(first);
+      out.short_lines += order == 2 && length(around.max - around.min) < kShortLine;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void SceneCompiler::add_curves(ShapeRow row, const ShapeDescription& shape, const Curves& curves) {
+  check_curves(shape, curves);
+  if (4 * (out_->curve_points_.size() + curves.points.size()) > kMaxWords)
+    throw SceneError("more than " + std::to_string(kMaxWords / 4) + " points of curves in all");
+  std::vector<CurvePointRow> points;
+  points.reserve(curves.points.size());
+  for (const Curves::Point& point : curves.points)
+    points.push_back({shape.to_world.point(point.position), point.radius});
+
+  const UsableSegments segments = usable_segments(curves, points);
+  if (segments.left_out > 0)
+    warn(shape, std::to_string(segments.left_out) + " degenerate or non-finite segments of curves left out");
+  if (segments.short_lines > 0)
+    warn(shape,
+         std::to_string(segments.short_lines) +
+             " segments of lines are shorter than 0.005 units, too short to be seen exactly: a larger scale helps");
+  if (segments.first.empty()) {
+    warn(shape, "the curves have no surface: left out");
+    return;
+  }
+  grow(segments.box.min, segments.box.max);
+  row.kind = static_cast<std::uint32_t>(curves.basis == Curves::Basis::kLinear ? ShapeKind::kLinearCurves
+                                                                               : ShapeKind::kBsplineCurves);
+  row.first_vertex = static_cast<std::uint32_t>(out_->curve_points_.size());
+  row.first_triangle = static_cast<std::uint32_t>(out_->curve_segments_.size());
+  row.triangle_count = static_cast<std::uint32_t>(segments.first.size());
+  out_->curve_points_.insert(out_->curve_points_.end(), points.begin(), points.end());
+  out_->curve_segments_.insert(out_->curve_segments_.end(), segments.first.begin(), segments.first.end());
+  vertex_counts_.push_back(static_cast<std::uint32_t>(points.size()));
+  out_->counts_.curve_segments += segments.first.size();
+  push_shape(row, shape, segments.box);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,104 @@
+#include "scene/formats/height_field.h"
+
+#include "core/color.h"
+#include "core/image.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// Triangles are counted in 32 bits, corners as well.
+constexpr std::size_t kMostPixels = std::size_t{1} << 28;
+
+/// Heights, row by row.
+struct Heights {
+  std::size_t width = 0, height = 0;
+  std::vector<float> z;
+
+  float at(std::size_t x, std::size_t y) const { return z[y * width + x]; }
+};
+
+/// The channels that make a pixel's luminance: R, G and B, or one alone.
+std::vector<int> luminance_channels(const Picture& picture, const SourceLocation& where) {
+  const auto find = [&](const char* name) {
+    const auto found = std::find(picture.channels.begin(), picture.channels.end(), name);
+    return found == picture.channels.end() ? -1 : static_cast<int>(found - picture.channels.begin());
+  };
+  if (find("R") >= 0 && find("G") >= 0 && find("B") >= 0) return {find("R"), find("G"), find("B")};
+  if (find("Y") >= 0) return {find("Y")};
+  const std::size_t others = picture.channels.size() - (find("A") >= 0 ? 1 : 0);
+  if (others != 1) throw SceneError(where, "expected a picture with the channels R, G and B, or with one channel");
+  return {find("A") == 0 ? 1 : 0};
+}
+
+Heights read_heights(const std::filesystem::path& file, float scale, bool raw) {
+  const SourceLocation where{file.string(), 0};
+  const Picture picture = read_picture(file);
+  Heights out{static_cast<std::size_t>(picture.width), static_cast<std::size_t>(picture.height), {}};
+  if (out.width < 2 || out.height < 2 || out.width * out.height > kMostPixels)
+    throw SceneError(where, "a picture of " + std::to_string(out.width) + " x " + std::to_string(out.height) +
+                                " pixels, expected 2 x 2 at least and " + std::to_string(kMostPixels) + " at most");
+  const std::vector<int> channels = luminance_channels(picture, where);
+  const bool bytes = !picture.bytes.empty(), decode = !raw && (bytes || picture.integers);
+  out.z.resize(out.width * out.height);
+  for (std::size_t i = 0; i < out.z.size(); ++i) {
+    float value[3] = {};
+    for (std::size_t k = 0; k < channels.size(); ++k) {
+      const std::size_t at = i * picture.channels.size() + static_cast<std::size_t>(channels[k]);
+      value[k] = bytes ? static_cast<float>(picture.bytes[at]) / 255.0f : picture.floats[at];
+      if (decode) value[k] = srgb_to_linear(value[k]);
+    }
+    out.z[i] = scale * (channels.size() == 1 ? value[0] : luminance({value[0], value[1], value[2]}));
+    if (!std::isfinite(out.z[i]))
+      throw SceneError(where, "the pixel in column " + std::to_string(i % out.width) + ", row " +
+                                  std::to_string(i / out.width) + " (from the upper left) is not a finite number");
+  }
+  return out;
+}
+
+/// The sum of the normals of the cells around each vertex, by the slopes of their edges there.
+std::vector<Vec3f> smooth_normals(const Heights& z) {
+  std::vector<Vec3f> normals(z.z.size());
+  const float across = 0.5f * static_cast<float>(z.width - 1), along = 0.5f * static_cast<float>(z.height - 1);
+  for (std::size_t y = 0; y + 1 < z.height; ++y)
+    for (std::size_t x = 0; x + 1 < z.width; ++x)
+      for (std::size_t corner = 0; corner < 4; ++corner) {
+        const std::size_t cx = x + (corner & 1), cy = y + (corner >> 1);
+        const float dx = (z.at(x + 1, cy) - z.at(x, cy)) * across, dy = (z.at(cx, y + 1) - z.at(cx, y)) * along;
+        Vec3f& sum = normals[cy * z.width + cx];
+        sum = sum + normalize(Vec3f{-dx, -dy, 1});
+      }
+  for (Vec3f& normal : normals) normal = normalize(normal);
+  return normals;
+}
+
+}  // namespace
+
+Mesh read_height_field(const std::filesystem::path& file, float scale, bool smooth, bool raw) {
+  const Heights heights = read_heights(file, scale, raw);
+  const std::size_t width = heights.width, height = heights.height;
+  Mesh mesh;
+  mesh.positions.reserve(width * height);
+  mesh.uvs.reserve(width * height);
+  mesh.triangles.reserve(2 * (width - 1) * (height - 1));
+  for (std::size_t y = 0; y < height; ++y)
+    for (std::size_t x = 0; x < width; ++x) {
+      const float u = static_cast<float>(x) / static_cast<float>(width - 1);
+      const float v = static_cast<float>(y) / static_cast<float>(height - 1);
+      mesh.positions.push_back({2 * u - 1, 2 * v - 1, heights.at(x, y)});
+      mesh.uvs.push_back({u, v});
+    }
+  for (std::uint32_t y = 0; y + 1 < height; ++y)
+    for (std::uint32_t x = 0; x + 1 < width; ++x) {
+      const auto below = static_cast<std::uint32_t>(width) * y + x, above = below + static_cast<std::uint32_t>(width);
+      mesh.triangles.push_back({below, below + 1, above + 1});
+      mesh.triangles.push_back({below, above + 1, above});
+    }
+  if (smooth) mesh.normals = smooth_normals(heights);
+  return mesh;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,48 @@
+// What hits of shapes become, whatever their kind: a point of a surface.
+#pragma once
+
+#include "core/frame.h"
+#include "scene/tables/scene.h"
+
+namespace sheaf {
+
+/// The surface at a hit, in world space.
+template <class L> struct SurfacePoint {
+  Vec3<L> p;                 ///< on the surface, more exact than origin + t * direction
+  Vec3<L> ng;                ///< geometric normal, unit length
+  Vec3<L> ns;                ///< interpolated normal, unit length
+  typename L::Float offset;  ///< how far along +-ng a ray must start so that it cannot hit the same surface
+  Vec2<L> uv;                ///< only with WithUv
+  /// Derivatives of the position by u and v, only with WithUv. Never zero: where one vanishes (poles, the centre of a
+  /// disk) it has the right direction and is tiny; where a triangle's uv are missing or degenerate the two are some
+  /// orthonormal tangents.
+  Vec3<L> dp_du, dp_dv;
+};
+
+/// Normalises vectors whose squared length would overflow or underflow.
+template <class L> SHEAF_INLINE Vec3<L> normalize_any(Vec3<L> a) {
+  const Float<L> m = max_component(abs(a));
+  return normalize(a * (Float<L>(1.0f) / max(m, Float<L>(1e-37f))));
+}
+
+/// Rounding errors in the position and in Embree's arithmetic are below this many units in the last place of the
+/// coordinates involved (tests/kernels/test_ray_offset.cpp holds it against shapes from 1e-3 to 1e5 units).
+inline constexpr float kOffsetUlps = 8.0f * 5.9604645e-8f;
+
+/// Lane by lane `a` or `b`.
+template <class L, bool WithUv>
+SHEAF_INLINE SurfacePoint<L> select(Mask<L> m, const SurfacePoint<L>& a, const SurfacePoint<L>& b) {
+  SurfacePoint<L> out;
+  out.p = select<L>(m, a.p, b.p);
+  out.ng = select<L>(m, a.ng, b.ng);
+  out.ns = select<L>(m, a.ns, b.ns);
+  out.offset = select(m, a.offset, b.offset);
+  if constexpr (WithUv) {
+    out.uv = {select(m, a.uv.x, b.uv.x), select(m, a.uv.y, b.uv.y)};
+    out.dp_du = select<L>(m, a.dp_du, b.dp_du);
+    out.dp_dv = select<L>(m, a.dp_dv, b.dp_dv);
+  }
+  return out;
+}
+
+}  // namespace sheaf
