@@ -2,6 +2,7 @@
 #include "scene/dialects/mitsuba.h"
 #include "scene/dialects/read_emitter.h"
 #include "scene/dialects/read_geometry.h"
+#include "scene/formats/ellipsoids.h"
 
 namespace sheaf::mitsuba {
 
@@ -23,6 +24,26 @@ MaterialId null_material(Reader& reader) {
   return *reader.null;
 }
 
+/// `merge`: its shapes, one by one. Their number makes no difference here.
+bool read_merged(const XmlElement& element, Reader& reader) {
+  const std::string* type = element.find_attribute("type");
+  if (type == nullptr || *type != "merge") return false;
+  Properties p(element, reader.context);
+  const std::vector<const XmlElement*> shapes = p.objects("shape");
+  p.finish();
+  for (const XmlElement* shape : shapes) read_or_leave_out(*shape, reader.context, [&] { read_shape(*shape, reader); });
+  return true;
+}
+
+/// Where unit spheres go of a shape that is many of them; empty for all others.
+std::vector<Transform> read_many_ellipsoids(Properties& p) {
+  if (p.type() != "ellipsoids" && p.type() != "ellipsoidsmesh") return {};
+  if (p.type() == "ellipsoidsmesh" && p.find_string("shell"))
+    p.context().note(p.where(), "'shell' is not used: ellipsoids are exact");
+  const float extent = p.number("extent", 3, kPositive);
+  return read_ellipsoids(p.file("filename"), extent * p.number("scale_factor", 1, kPositive));
+}
+
 void read_media(Properties& p, Reader& reader, ShapeDescription& shape) {
   if (const XmlElement* medium = p.named_object("medium", "interior")) shape.interior = medium_of(*medium, reader);
   if (const XmlElement* medium = p.named_object("medium", "exterior")) shape.exterior = medium_of(*medium, reader);
@@ -32,10 +53,18 @@ void read_media(Properties& p, Reader& reader, ShapeDescription& shape) {
 
 void read_shape(const XmlElement& element, Reader& reader) {
   if (read_instancing(element, reader.context, [&](const XmlElement& e) { read_shape(e, reader); })) return;
+  if (read_merged(element, reader)) return;
   Properties p(element, reader.context);
   ShapeDescription shape;
   shape.where = element.where;
-  if (!read_shared_geometry(p, true, shape)) p.fail_plugin(shared_shape_names());
+  const std::vector<Transform> ellipsoids = read_many_ellipsoids(p);
+  if (!ellipsoids.empty()) {
+    shape.geometry = SphereShape{};
+  } else if (!read_shared_geometry(p, true, shape)) {
+    std::vector<std::string> known = shared_shape_names();
+    known.insert(known.end(), {"ellipsoids", "ellipsoidsmesh", "merge"});
+    p.fail_plugin(known);
+  }
   shape.to_world = p.transform("to_world");
   shape.flip_normals = p.boolean("flip_normals", false);
   if (const XmlElement* bsdf = p.object("bsdf")) shape.material = material_of(*bsdf, reader);
@@ -54,7 +83,16 @@ void read_shape(const XmlElement& element, Reader& reader) {
   // Which shapes specular manifold sampling (Zeltner et al. 2020) makes caustics with: hints, no light.
   p.accept({"caustic_caster_single", "caustic_caster_multi", "caustic_bouncer", "caustic_receiver"});
   p.finish();
-  reader.context.description.shapes.push_back(std::move(shape));
+  std::vector<ShapeDescription>& shapes = reader.context.description.shapes;
+  if (ellipsoids.empty()) {
+    shapes.push_back(std::move(shape));
+    return;
+  }
+  const Transform to_world = shape.to_world;
+  for (const Transform& placement : ellipsoids) {
+    shape.to_world = to_world * placement;
+    shapes.push_back(shape);
+  }
 }
 
 }  // namespace sheaf::mitsuba

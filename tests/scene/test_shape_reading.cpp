@@ -1,0 +1,185 @@
+// Shapes and textures that lead to files or to other shapes: curves, hair, height fields, merged shapes.
+#include "scene/compile/compile.h"
+#include "tests/support/picture_files.h"
+#include "tests/support/scene_files.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace sheaf;
+using namespace sheaf::test;
+
+namespace {
+
+/// A folder with the files that the scenes here name.
+struct Files {
+  TemporaryFolder folder;
+
+  Files() {
+    write_below(folder, "curves.txt", "0 0 0 1\n0 0 1 1\n0 0 2 1\n0 0 3 1\n0 0 4 1\n");
+    write_below(folder, "wig.hair", "0 0 0\n0 0 1\n1 0 1\n");
+    write_below(folder, "mesh.ply", "");
+    // Heights 0, 1/4, 1/2; 1, 3/4, 0 of 8 bits.
+    write_pnm(folder / "hills.pgm", 3, 2, 1, 255, {0, 64, 128, 255, 191, 0});
+    write_pnm(folder / "point.pgm", 1, 1, 1, 255, {0});
+  }
+  Description read(const std::string& inside, const std::string& version = "3.0.0") const {
+    return read_scene(write_below(folder, "scene.xml", scene(inside, version)));
+  }
+  std::string error(const std::string& inside) const {
+    return error_of(write_below(folder, "scene.xml", scene(inside, "3.0.0")));
+  }
+  static std::string scene(const std::string& inside, const std::string& version) {
+    return mitsuba_scene(inside, "<sensor type='perspective'/>", "<integrator type='path'/>", version);
+  }
+};
+
+std::string shape(const std::string& type, const std::string& file, const std::string& more = "") {
+  return "<shape type='" + type + "'><string name='filename' value='" + file + "'/>" + more + "</shape>";
+}
+
+}  // namespace
+
+TEST_CASE("Mitsuba: curves and hair") {
+  const Files files;
+  const Description d = files.read(shape("bsplinecurve", "curves.txt") + shape("linearcurve", "curves.txt") +
+                                   shape("hair", "wig.hair",
+                                         "<float name='radius' value='0.5'/><float name='angleThreshold' value='2'/>"
+                                         "<transform name='toWorld'><scale value='3'/></transform>"));
+  REQUIRE(d.shapes.size() == 3);
+  CHECK(std::get<Curves>(d.shapes[0].geometry).basis == Curves::Basis::kBspline);
+  CHECK(std::get<Curves>(d.shapes[1].geometry).basis == Curves::Basis::kLinear);
+  CHECK(std::get<Curves>(d.shapes[1].geometry).points.size() == 5);
+  CHECK(std::get<Curves>(d.shapes[2].geometry).points.at(2).position == Vec3f{1, 0, 1});
+  CHECK(std::get<Curves>(d.shapes[2].geometry).points.at(2).radius == doctest::Approx(1.5f));
+  CHECK(d.shapes[2].to_world.point({1, 0, 0}) == Vec3f{3, 0, 0});
+  CHECK(contains(files.error(shape("hair", "wig.hair", "<float name='reduction' value='1'/>")), "is 1, expected less"));
+  CHECK(contains(files.error(shape("hair", "curves.txt")), "curves.txt:1: expected 3 finite numbers"));
+  CHECK(contains(files.error(shape("bsplinecurve", "none.txt")), "none.txt"));
+  CHECK(contains(files.error(shape("bsplinecurve", "curves.txt", "<float name='radius' value='1'/>")), "radius"));
+}
+
+TEST_CASE("Mitsuba: height fields are meshes with a vertex per pixel") {
+  const Files files;
+  const std::string raw =
+      "<texture type='bitmap'><string name='filename' value='hills.pgm'/>"
+      "<boolean name='raw' value='true'/></texture>";
+  const Description d =
+      files.read("<shape type='heightfield'><float name='scale' value='2'/>" + raw + "</shape>" +
+                 shape("heightfield", "hills.pgm",
+                       "<boolean name='shadingNormals' value='false'/><integer name='width' value='9'/>"));
+  const Mesh& mesh = std::get<Mesh>(d.shapes.at(0).geometry);
+  REQUIRE(mesh.positions.size() == 6);
+  CHECK(mesh.triangles.size() == 4);
+  CHECK(mesh.positions[0] == Vec3f{-1, -1, 0});
+  CHECK(mesh.positions[1].x == 0);
+  CHECK(mesh.positions[1].z == doctest::Approx(2 * 64 / 255.0));
+  CHECK(mesh.positions[3] == Vec3f{-1, 1, 2});
+  CHECK(mesh.uvs[5].x == 1);
+  CHECK(mesh.uvs[5].y == 1);
+  for (const auto& t : mesh.triangles)
+    CHECK(cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]).z > 0);
+  REQUIRE(mesh.normals.size() == 6);
+  // The lower left corner has the slopes of its cell's edges: 128 / 255 along x, 1 along y.
+  const float slope = 2 * 64 / 255.0f;
+  CHECK(dot(mesh.normals[0], normalize(Vec3f{-slope, -1, 1})) == doctest::Approx(1).epsilon(1e-6));
+  const Mesh& faceted = std::get<Mesh>(d.shapes.at(1).geometry);
+  CHECK(faceted.normals.empty());
+  CHECK(d.shapes.at(1).face_normals);
+  // Bytes that are no raw numbers are sRGB-encoded.
+  CHECK(faceted.positions[1].z == doctest::Approx(std::pow((64 / 255.0 + 0.055) / 1.055, 2.4)).epsilon(1e-4));
+  CHECK(contains(files.error(shape("heightfield", "point.pgm")), "1 x 1 pixels, expected 2 x 2"));
+  CHECK(contains(files.error("<shape type='heightfield'/>"), "filename"));
+  CHECK(contains(files.error("<shape type='heightfield'><texture type='checkerboard'/></shape>"), "is no picture"));
+  CHECK(contains(files.error(shape("heightfield", "hills.pgm", raw)), "beside a texture"));
+  CHECK(contains(files.error(shape("heightfield", "wig.hair")), "wig.hair"));
+}
+
+TEST_CASE("Mitsuba: merged shapes are shapes, in groups too") {
+  const Files files;
+  const std::string two = "<shape type='merge'><shape type='sphere'/><shape type='cube'/></shape>";
+  const Description d = files.read("<shape type='disk'/>" + two);
+  REQUIRE(d.shapes.size() == 3);
+  CHECK(std::holds_alternative<CubeShape>(d.shapes[2].geometry));
+  const Description group =
+      files.read("<shape type='shapegroup' id='g'>" + two + "</shape><shape type='instance'><ref id='g'/></shape>");
+  CHECK(group.shapes.empty());
+  REQUIRE(group.groups.size() == 1);
+  CHECK(group.groups[0].shapes.size() == 2);
+  CHECK(contains(files.error("<shape type='merge'><float name='radius' value='1'/></shape>"), "radius"));
+  ReadOptions lenient;
+  lenient.lenient = true;
+  const Description rest = read_scene(
+      write_below(files.folder, "broken.xml",
+                  Files::scene("<shape type='merge'><shape type='sphere'/><shape type='blob'/></shape>", "3.0.0")),
+      lenient);
+  CHECK(rest.shapes.size() == 1);
+  CHECK(rest.stand_ins.size() >= 1);
+}
+
+TEST_CASE("Mitsuba: ellipsoids are spheres with transforms") {
+  const Files files;
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float nx\nproperty float opacity\nproperty float scale_0\nproperty float scale_1\n"
+      "property float scale_2\nproperty float rot_0\nproperty float rot_1\nproperty float rot_2\n"
+      "property float rot_3\nend_header\n";
+  // Half axes 1, e and 1e-6 at least; the second a quarter turn around z, of a quaternion that is no unit one.
+  const std::string second = "4 5 6 0 0 0 1 0 2 0 0 2\n";
+  write_below(files.folder, "cloud.ply", header + "1 2 3 0 0 0 1 -99 1 0 0 0\n" + second);
+  write_below(files.folder, "short.ply", header + second);
+  write_below(files.folder, "zero.ply", header + second + "4 5 6 0 0 0 1 0 0 0 0 0\n");
+  write_below(files.folder, "nan.ply", header + second + "4 nan 6 0 0 0 1 0 1 0 0 0\n");
+  write_below(files.folder, "lists.ply",
+              "ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int x\nend_header\n0\n");
+  const Description d =
+      files.read(shape("ellipsoids", "cloud.ply",
+                       "<float name='extent' value='2'/><float name='scale_factor' value='0.5'/><bsdf type='diffuse'/>"
+                       "<transform name='to_world'><translate x='10'/></transform>"));
+  REQUIRE(d.shapes.size() == 2);
+  const auto distance = [](Vec3f a, Vec3f b) { return length(a - b); };
+  const float e = std::exp(1.0f);
+  CHECK(std::holds_alternative<SphereShape>(d.shapes[1].geometry));
+  CHECK(d.shapes[0].material == d.shapes[1].material);
+  CHECK(distance(d.shapes[0].to_world.point({1, 0, 0}), {12, 2, 3}) < 1e-5f);
+  CHECK(distance(d.shapes[0].to_world.point({0, 1, 0}), {11, 2 + e, 3}) < 1e-5f);
+  CHECK(d.shapes[0].to_world.vector({0, 0, 1}).z == doctest::Approx(1e-6f));
+  CHECK(distance(d.shapes[1].to_world.point({1, 0, 0}), {14, 6, 6}) < 1e-5f);
+  CHECK(distance(d.shapes[1].to_world.point({0, 1, 0}), {14 - e, 5, 6}) < 1e-5f);
+  CHECK(files.read(shape("ellipsoidsmesh", "cloud.ply")).shapes[0].to_world.vector({1, 0, 0}).x == doctest::Approx(3));
+  CHECK(contains(files.error(shape("ellipsoids", "short.ply")), "short.ply"));
+  CHECK(contains(files.error(shape("ellipsoids", "zero.ply")), "row 1 of element 'vertex' (2 rows): an ellipsoid"));
+  CHECK(contains(files.error(shape("ellipsoids", "nan.ply")), "row 1"));
+  CHECK(contains(files.error(shape("ellipsoids", "lists.ply")), "has no property 'x'"));
+  CHECK(contains(files.error(shape("ellipsoids", "wig.hair")), "wig.hair"));
+  CHECK(contains(files.error("<shape type='ellipsoids'/>"), "filename"));
+}
+
+TEST_CASE("Mitsuba: textures of version 0.6") {
+  const Files files;
+  const Description d = files.read(
+      "<bsdf type='diffuse' id='a'><texture name='reflectance' type='gridtexture'><rgb name='color1' value='1 0 0'/>"
+      "<float name='lineWidth' value='0.1'/><float name='uscale' value='4'/></texture></bsdf>"
+      "<bsdf type='diffuse' id='b'><texture name='reflectance' type='vertexcolors'/></bsdf>"
+      "<bsdf type='diffuse' id='c'><texture name='reflectance' type='scale'><float name='scale' value='0.5'/>"
+      "<texture type='gridtexture'><rgb name='color0' value='0.2 0.4 0.6'/></texture></texture></bsdf>"
+      "<shape type='sphere'><ref id='a'/></shape><shape type='sphere'><ref id='b'/></shape>"
+      "<shape type='sphere'><ref id='c'/></shape>",
+      "0.6.0");
+  const auto texture_of = [&](std::size_t i) -> const TextureDescription& {
+    const auto& diffuse = std::get<DiffuseDescription>(d.materials.at(i).model);
+    return d.textures.at(static_cast<std::size_t>(std::get<TextureId>(diffuse.reflectance)));
+  };
+  const auto& grid = std::get<GridTextureDescription>(texture_of(0).model);
+  CHECK(grid.line_width == 0.1f);
+  CHECK(texture_of(0).to_uv[0] == 4);
+  CHECK(std::get<MeshAttributeDescription>(texture_of(1).model).name == "vertex_color");
+  const auto& scaled = std::get<GridTextureDescription>(texture_of(2).model);
+  CHECK(std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(scaled.color0).value).value.y ==
+        doctest::Approx(0.2f));
+  CHECK(std::get<SpectrumDescription::Constant>(std::get<SpectrumDescription>(scaled.color1).value).value ==
+        doctest::Approx(0.2f));
+  CHECK(contains(files.error("<bsdf type='diffuse'><texture name='reflectance' type='scale'/></bsdf>"),
+                 "needs a nested <texture>"));
+}
