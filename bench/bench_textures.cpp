@@ -36,7 +36,7 @@ struct NoisePicture {
     rows[0].kind = TextureKind::kBitmap;
     rows[0].bitmap = {0, per_row, size, size, kRepeat, kRepeat, filter, format};
     rows[1].kind = TextureKind::kCheckerboard;
-    rows[1].checkerboard = {{0, 0}};
+    rows[1].checkerboard = {{0, 0}, 0};
     view.rows = rows;
     view.tiles = tiles.data();
   }
