@@ -34,6 +34,12 @@ Description room(int width, int height) {
   add_sphere(d, {-0.4f, -0.6f, 0.2f}, 0.4f, add_mirror(d, 0.9f));
   add_sphere(d, {0.4f, -0.6f, -0.2f}, 0.4f, add_glass(d));
   add_shape(d, CylinderShape{{-0.9f, -0.9f, -0.5f}, {0.9f, -0.9f, -0.5f}, 0.1f}, Transform(), both);
+  Curves curves{Curves::Basis::kBspline, {}, {0}};
+  for (int i = 0; i < 6; ++i)
+    curves.points.push_back({{0.4f * static_cast<float>(i) - 1, i % 2 == 0 ? 0.1f : 0.5f, 0.3f}, 0.05f});
+  add_shape(d, curves, Transform(), red);
+  curves.basis = Curves::Basis::kLinear;
+  add_shape(d, curves, Transform::translate({0, -0.5f, 0.2f}), white);
   emit(add_shape(d, DiskShape{}, Transform::translate({0, 0.98f, 0}) * Transform::rotate({1, 0, 0}, 90) *
                                      Transform::scale({0.4f, 0.4f, 1})), 8);
   emit(add_sphere(d, {0.6f, 0.5f, 0.5f}, 0.15f), 4);
