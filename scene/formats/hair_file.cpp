@@ -1,6 +1,5 @@
 #include "scene/formats/hair_file.h"
 
-#include "core/rng.h"
 #include "scene/formats/mesh_io.h"
 #include "scene/formats/number_lines.h"
 
