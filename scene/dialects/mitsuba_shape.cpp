@@ -76,9 +76,9 @@ void read_shape(const XmlElement& element, Reader& reader) {
     reader.shape_sensors.push_back({sensor, p.type(), shape.to_world * turned});
   }
   read_media(p, reader, shape);
+  if (shape.radiance && !shape.material) shape.material = black_material(reader);
   if (reader.before_version_2 && !shape.material && (shape.interior || shape.exterior))
     shape.material = null_material(reader);
-  if (shape.radiance && !shape.material) shape.material = black_material(reader);
   p.accept({"silhouette_sampling_weight"});
   // Which shapes specular manifold sampling (Zeltner et al. 2020) makes caustics with: hints, no light.
   p.accept({"caustic_caster_single", "caustic_caster_multi", "caustic_bouncer", "caustic_receiver"});

@@ -455,3 +455,14 @@ TEST_CASE("media: errors of Nori's dialect") {
     CHECK(contains(message, c.expected));
   }
 }
+
+TEST_CASE("media: before Mitsuba 2 a boundary without a material is not noticed, but a light that is one is black") {
+  const auto model = [](const std::string& inside) {
+    const Description d = read_text(
+        mitsuba_scene("<shape type='sphere'><medium name='interior' type='homogeneous'/>" + inside + "</shape>",
+                      "<sensor type='perspective'/>", "<integrator type='volpath'/>", "0.6.0"));
+    return d.materials.at(static_cast<std::size_t>(d.shapes.at(0).material.value())).model;
+  };
+  CHECK(std::holds_alternative<NullDescription>(model("")));
+  CHECK(std::holds_alternative<DiffuseDescription>(model("<emitter type='area'/>")));
+}
