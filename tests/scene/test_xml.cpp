@@ -170,9 +170,7 @@ TEST_CASE("expansion: includes") {
   SUBCASE("errors name the included file and its line") {
     write_below(folder, "part.xml", "<scene version='3.0.0'>\n\n<shape type='spere'/></scene>");
     const auto file = write_below(folder, "scene.xml", scene_with("<include filename='part.xml'/>"));
-    CHECK(error_of(file) ==
-          "part.xml:3: unknown shape plugin 'spere', did you mean 'sphere'? (known: cube, cylinder, "
-          "disk, obj, ply, rectangle, serialized, sphere)");
+    CHECK(contains(error_of(file), "part.xml:3: unknown shape plugin 'spere', did you mean 'sphere'? (known: "));
   }
   SUBCASE("a file that includes itself") {
     const auto file = write_below(folder, "scene.xml", scene_with("<include filename='scene.xml'/>"));
