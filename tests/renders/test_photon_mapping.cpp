@@ -269,6 +269,44 @@ TEST_CASE("volume photons: in a wide medium photons leave the light's power time
   }
 }
 
+TEST_CASE("volume photons: where camera rays may lose wavelengths, photons have one, with the power of all") {
+  // The total over all wavelengths is the same whichever way it is carried.
+  MeanVariance total[2];
+  for (const bool disperses : {false, true}) {
+    Description d = empty_scene(4, 4);
+    d.integrator.rr_depth = 3;
+    MediumDescription medium;
+    medium.coefficients = ExtinctionAlbedoDescription{SpectrumDescription::rgb(1.5f, 0.8f, 0.3f),
+                                                      SpectrumDescription::rgb(0.6f, 0.7f, 0.8f)};
+    fill(d, add_shape(d, CubeShape{}, Transform::scale({300, 300, 300})), add_medium(d, medium));
+    add_point_light(d, {0.2f, 0.3f, -0.5f}, 3);
+    DielectricDescription flint;
+    flint.int_dispersion = *find_dispersion("sf11");
+    if (disperses) add_sphere(d, {250, 250, 250}, 1).material = add_material(d, flint);
+    const auto scene = compile_scene(d, {.color = ColorMode::kSpectral});
+    for (std::uint32_t set = 0; set < 24; ++set) {
+      StageContext context(*scene);
+      context.sampler.seed = set;
+      context.wavelength_sample = (static_cast<float>(set) + 0.5f) / 24;
+      Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
+      PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
+      const VolumePhotonMap map =
+          trace_volume_photons(context, workers, {4000, 0.1f, PhotonKind::kVolume, 0}, tracing).points;
+      double sum = 0;
+      std::uint32_t single = 0;
+      for (std::uint32_t i = 0; i < map.size(); ++i) {
+        const VolumePhotonMap::Record& photon = map.photon(i);
+        single += (photon.place & kPhotonSingleWavelength) != 0 ? 1u : 0u;
+        sum += static_cast<double>(photon.power.c0 + photon.power.c1 + photon.power.c2 + photon.power.c3);
+      }
+      CHECK(single == (disperses ? map.size() : 0u));
+      total[disperses ? 1 : 0].add(sum);
+    }
+  }
+  // Sets are spread evenly over the wavelengths, so the sums are far closer than sets among each other.
+  CHECK(total[1].mean() == doctest::Approx(total[0].mean()).epsilon(0.03));
+}
+
 TEST_CASE("photon beams: in a wide medium power times length is the light's power over what absorbs it") {
   Description d = empty_scene(4, 4);
   d.integrator.rr_depth = 3;
