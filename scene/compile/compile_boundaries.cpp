@@ -63,7 +63,18 @@ void SceneCompiler::end_media() {
 void SceneCompiler::probe_media() {
   const std::uint32_t otherwise = out_->camera_medium_;
   out_->outer_medium_ = otherwise;
-  if (out_->boundaries_.empty()) return;
+  if (!out_->boundaries_.empty()) probe_boundaries(otherwise);
+  const IntegratorKind kind = in_.integrator.kind;
+  const bool by_photons = kind == IntegratorKind::kLightTracer || kind == IntegratorKind::kPhotonMapper;
+  const std::uint32_t outer = out_->outer_medium_;
+  if (by_photons && outer != 0 && (out_->media_[outer - 1].flags & kMediumEmits) != 0)
+    out_->warnings_.push_back(SceneError(in_.media[outer - 1].where,
+                                         "the medium glows and has no end: photons don't bring its light, which is "
+                                         "missing wherever it was scattered")
+                                  .what());
+}
+
+void SceneCompiler::probe_boundaries(std::uint32_t otherwise) {
   for (const std::uint32_t shape : surrounded_shapes_) {
     const SceneView view = out_->view();
     out_->boundaries_[out_->shapes_[shape].boundary].exterior = medium_around(view, shape, otherwise);

@@ -100,6 +100,8 @@ class SceneCompiler {
   void end_media();
   /// What only looking around can tell: media around shapes and around the camera.
   void probe_media();
+  /// The same for scenes with boundaries; `otherwise`: the medium where there is nothing around.
+  void probe_boundaries(std::uint32_t otherwise);
   /// The medium that the camera's rays start in; a warning where they start in several.
   void probe_camera();
 

@@ -307,6 +307,21 @@ TEST_CASE("volume photons: where camera rays may lose wavelengths, photons have 
   CHECK(total[1].mean() == doctest::Approx(total[0].mean()).epsilon(0.03));
 }
 
+TEST_CASE("volume photons: a medium that glows without an end is warned of, one that ends is not") {
+  for (const bool ends : {false, true}) {
+    Description d = room(false, 1);
+    d.integrator.kind = IntegratorKind::kPhotonMapper;
+    MediumDescription medium = fog(1, 0.7f);
+    medium.emission = SpectrumDescription::constant(1);
+    const MediumId id = add_medium(d, medium);
+    if (ends)
+      fill(d, add_shape(d, CubeShape{}, Transform::scale({0.1f, 0.1f, 0.1f})), id);
+    else
+      d.camera.medium = id;
+    CHECK(compile_scene(d)->warnings().empty() == ends);
+  }
+}
+
 TEST_CASE("photon beams: in a wide medium power times length is the light's power over what absorbs it") {
   Description d = empty_scene(4, 4);
   d.integrator.rr_depth = 3;
