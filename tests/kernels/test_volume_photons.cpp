@@ -4,6 +4,7 @@
 #include "core/octahedral.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/wave/wave_snapshot.h"
+#include "tests/support/gathering_testing.h"
 #include "tests/support/stages_testing.h"
 #include "tests/support/statistics.h"
 #include "tests/support/temporary_folder.h"
@@ -43,20 +44,6 @@ std::vector<Photon> random_photons(int count, std::uint32_t medium) {
     photons.push_back(photon);
   }
   return photons;
-}
-
-/// Ray along z into the box, whose path has come to its medium.
-Slot add_ray_in_medium(TestWave& test, Vec3f origin) {
-  Wave& wave = test.wave;
-  const Slot slot = test.add(origin, {0, 0, 1}, 1u << kRayMediumShift);
-  HitState<Scalar> hit{};
-  hit.t = 10 - origin.z;
-  hit.shape = 0, hit.instance = hit.light = kNone;
-  wave.hits.set(slot, hit);
-  wave.probabilities.row(slot) = {Spectrum4(1.0f), Spectrum4(1.0f)};
-  wave.distance_since_vertex[slot] = 0;
-  wave.medium.push(slot);
-  return slot;
 }
 
 }  // namespace

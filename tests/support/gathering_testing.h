@@ -1,0 +1,22 @@
+// Rays that gather photons of a medium, for tests of the stages that do.
+#pragma once
+
+#include "tests/support/stages_testing.h"
+
+namespace sheaf {
+
+/// Adds a ray along z that ends at z = 10, whose path has come to its medium.
+inline Slot add_ray_in_medium(TestWave& test, Vec3f origin) {
+  Wave& wave = test.wave;
+  const Slot slot = test.add(origin, {0, 0, 1}, 1u << kRayMediumShift);
+  HitState<Scalar> hit{};
+  hit.t = 10 - origin.z;
+  hit.shape = 0, hit.instance = hit.light = kNone;
+  wave.hits.set(slot, hit);
+  wave.probabilities.row(slot) = {Spectrum4(1.0f), Spectrum4(1.0f)};
+  wave.distance_since_vertex[slot] = 0;
+  wave.medium.push(slot);
+  return slot;
+}
+
+}  // namespace sheaf
