@@ -2,6 +2,7 @@
 #include "scene/data/measured_media.h"
 #include "scene/dialects/read_bsdf.h"
 #include "scene/dialects/read_phase.h"
+#include "scene/dialects/read_spectrum.h"
 #include "scene/xml/xml_values.h"
 
 #include <algorithm>
@@ -26,14 +27,6 @@ Vec3f brightest(const SpectrumDescription& spectrum) {
   if (const auto* table = std::get_if<S::Table>(&spectrum.value))
     for (const float v : table->values) most = std::max(most, v);
   return {most, most, most};
-}
-
-void scale(SpectrumDescription& spectrum, float by) {
-  using S = SpectrumDescription;
-  if (auto* constant = std::get_if<S::Constant>(&spectrum.value)) constant->value *= by;
-  if (auto* rgb = std::get_if<S::Rgb>(&spectrum.value)) rgb->value = rgb->value * by;
-  if (auto* table = std::get_if<S::Table>(&spectrum.value))
-    for (float& v : table->values) v *= by;
 }
 
 WardDescription::Variant read_variant(Properties& p) {
@@ -79,8 +72,8 @@ void limit_energy(Properties& p, SpectrumInput& diffuse, SpectrumInput& specular
   const float most = std::max({sum.x, sum.y, sum.z});
   if (!(most > 1.0f)) return;
   constexpr float kMost = 0.99f;
-  scale(*d, kMost / most);
-  scale(*s, kMost / most);
+  *d = scaled(std::move(*d), kMost / most);
+  *s = scaled(std::move(*s), kMost / most);
   p.context().note(p.where(), "reflects up to " + std::to_string(most) +
                                   " of the light; its reflectances are scaled down so that they add up to 0.99");
 }
