@@ -9,7 +9,7 @@ set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.c
 
 # Tests that take long, the longest first: ctest starts them in this order, so that none is left alone at the end.
 set(SHEAF_LONG_TESTS
-  estimators references photon_mapping media_estimators light_estimators composites spectral_render degenerate
+  estimators references photon_mapping photon_media media_estimators light_estimators composites spectral_render degenerate
   determinism light_tracing smoke_scripts smoke_scenes smoke_benchmarks instancing_render light_tree light_sample
   light_emit)
 
