@@ -9,9 +9,9 @@ set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.c
 
 # Tests that take long, the longest first: ctest starts them in this order, so that none is left alone at the end.
 set(SHEAF_LONG_TESTS
-  estimators references photon_mapping photon_media media_estimators light_estimators composites spectral_render degenerate
-  determinism light_tracing smoke_scripts smoke_scenes smoke_benchmarks instancing_render light_tree light_sample
-  light_emit)
+  cli smoke_scripts references photon_mapping photon_media light_tracing smoke_scenes media_estimators smoke_benchmarks
+  uplift nanovdb light_emit bsdf_list bsdf_principled media_tracking estimators light_estimators spectral_render
+  instancing_render determinism)
 
 # Tests in which libraries leak in functions of others that have no frame pointers: cmake/lsan.supp knows them by the
 # whole stack alone.
