@@ -17,9 +17,12 @@ namespace sheaf {
 /// All comparisons of a file together fail with probability kSignificance if every estimator is sound.
 inline const double kPhotonLevel = significance_of_each(100);
 
+/// Of pictures of the room: photons scatter more than what so few pixels see of them.
+inline constexpr int kRoomSide = 16;
+
 /// A room with a light below its ceiling, a ball of glass or of something diffuse on its floor, and a camera inside.
 inline Description room(bool glass, std::uint32_t samples) {
-  Description d = empty_scene(24, 24);
+  Description d = empty_scene(kRoomSide, kRoomSide);
   d.sampler.sample_count = samples;
   look_at(d, {0, -1.9f, 1}, {0, 0, 0.7f}, {0, 0, 1}, 60);
   d.integrator.rr_depth = 20;
