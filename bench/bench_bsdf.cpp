@@ -45,6 +45,7 @@ template <class L, template <class> class Bsdf> void vertex(benchmark::State& st
   parameters.bind(arena, kItems);
   answers.bind(arena, kItems);
   float* const* words = parameters.columns().words;
+  const float* tables = any_tables().floats.data();
   for (int i = 0; i < kItems; ++i) {
     const auto u = numbers(i, 3);
     queries.template store<Scalar>(i, {direction(i, 1), direction(i, 2), u.x, u.y, u.z});
@@ -56,7 +57,7 @@ template <class L, template <class> class Bsdf> void vertex(benchmark::State& st
     for (int i = 0; i < kItems; i += L::width) {
       const auto q = queries.template load<L>(i);
       const auto bsdf = bsdf_of_words<Bsdf<L>>(
-          [words, i](int k, Float<L>& word) SHEAF_LAMBDA_INLINE { load(words[k] + i, word); });
+          tables, [words, i](int k, Float<L>& word) SHEAF_LAMBDA_INLINE { load(words[k] + i, word); });
       const BsdfValue<L> value = bsdf.evaluate(q.wo, q.wi);
       const BsdfSample<L> sample = bsdf.sample(q.wo, {q.u, q.v, q.w, q.u});
       answers.template store<L>(i,

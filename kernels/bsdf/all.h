@@ -10,6 +10,7 @@
 #include "kernels/bsdf/dispersive_dielectric.h"
 #include "kernels/bsdf/dispersive_rough_dielectric.h"
 #include "kernels/bsdf/hanrahan_krueger.h"
+#include "kernels/bsdf/measured.h"
 #include "kernels/bsdf/nori_microfacet.h"
 #include "kernels/bsdf/phong.h"
 #include "kernels/bsdf/plastic.h"
@@ -24,6 +25,7 @@
 #include "kernels/bsdf/ward.h"
 #include "kernels/phase/henyey_greenstein.h"
 #include "kernels/phase/rayleigh.h"
+#include "kernels/phase/tabulated_phase.h"
 #include "kernels/wave/wave.h"
 
 namespace sheaf {
@@ -70,18 +72,19 @@ using AllBsdfs = bsdf_detail::BsdfList<
     RoughConductorGgxBsdf, RoughDielectricBeckmannBsdf, RoughDielectricGgxBsdf, RoughPlasticBeckmannBsdf,
     RoughPlasticGgxBsdf, PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, NoriMicrofacetBsdf, DispersiveDielectricBsdf,
     DispersiveThinDielectricBsdf, DispersiveRoughDielectricBeckmannBsdf, DispersiveRoughDielectricGgxBsdf, PhongBsdf,
-    RoughDiffuseBsdf, WardBsdf, DiffuseTransmitterBsdf, HanrahanKruegerBsdf, CoatedBsdf, RoughCoatedBeckmannBsdf,
-    RoughCoatedGgxBsdf, HenyeyGreensteinBsdf, RayleighBsdf>;
+    RoughDiffuseBsdf, WardBsdf, DiffuseTransmitterBsdf, HanrahanKruegerBsdf, MeasuredBsdf, MeasuredSpectralBsdf,
+    CoatedBsdf, RoughCoatedBeckmannBsdf, RoughCoatedGgxBsdf, HenyeyGreensteinBsdf, RayleighBsdf, TabulatedPhaseBsdf>;
 static_assert(AllBsdfs::is_complete(), "a closure has no BSDF, or they are not in the order of ClosureKind");
 
 /// Calls f(kind, BsdfTag<...>) for every BSDF and phase function.
 template <class F> SHEAF_INLINE void for_each_bsdf(F&& f) { AllBsdfs::for_each(f); }
 
 /// The BSDFs of the items [column, column + L::width).
-template <class L, template <class> class Bsdf> SHEAF_INLINE Bsdf<L> load_bsdf(const Wave& wave, int column) {
+template <class L, template <class> class Bsdf>
+SHEAF_INLINE Bsdf<L> load_bsdf(const SceneView& scene, const Wave& wave, int column) {
   float* const* words = wave.closures.columns().words;
-  return bsdf_of_words<Bsdf<L>>(
-      [words, column](int k, Float<L>& word) SHEAF_LAMBDA_INLINE { load(words[k] + column, word); });
+  return bsdf_of_words<Bsdf<L>>(scene.closure_tables, [words, column](int k, Float<L>& word)
+                                                          SHEAF_LAMBDA_INLINE { load(words[k] + column, word); });
 }
 
 /// Spectral mode: the spectrum `k` among the parameters of each lane's material, at the path's wavelengths.

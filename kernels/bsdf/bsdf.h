@@ -6,6 +6,7 @@
 //   kIsAnisotropic     directions must come in a frame whose x axis is the surface's tangent; else any frame will do
 //   kDisperses         only if true need it be there: light that it lets through keeps the first wavelength alone
 //   squared_index(wo)  only if it refracts and is not specular: that of the side across, relative to the side of wo
+//   tables             only if it reads some need it be there: the array that its words refer to
 //   evaluate(wo, wi)   f times |cos(wi)| and the density with which sample() returns wi; delta lobes left out
 //   sample(wo, u)      a direction; u.x chooses the lobe, u.y and u.z the direction
 // Directions are unit vectors in the shading frame, pointing away from the surface.
@@ -33,9 +34,13 @@ template <class Bsdf> inline constexpr bool kDisperses = requires { Bsdf::kDispe
 /// Whether a BSDF is a phase function.
 template <class Bsdf> inline constexpr bool kIsPhaseFunction = closure_info(Bsdf::kKind).is_phase;
 
-/// A BSDF whose parameters' word k is what load(k, word) puts into `word`.
-template <class Bsdf, class Load> SHEAF_INLINE Bsdf bsdf_of_words(Load&& load) {
+/// Whether a BSDF reads tables.
+template <class Bsdf> inline constexpr bool kHasTables = requires(Bsdf& bsdf) { bsdf.tables; };
+
+/// A BSDF whose parameters' word k is what load(k, word) puts into `word`. `tables`: SceneView::closure_tables.
+template <class Bsdf, class Load> SHEAF_INLINE Bsdf bsdf_of_words(const float* tables, Load&& load) {
   Bsdf bsdf;
+  if constexpr (kHasTables<Bsdf>) bsdf.tables = tables;
   std::apply(
       [&load](auto&... leaf) SHEAF_LAMBDA_INLINE {
         int k = 0;

@@ -9,7 +9,7 @@ namespace {
 
 /// The closure of type Bsdf below a coat.
 template <class L, template <class> class Bsdf> SHEAF_INLINE Bsdf<L> nested_bsdf(const CoatedParameters<L>& coat) {
-  return bsdf_of_words<Bsdf<L>>([&coat](int k, Float<L>& word) SHEAF_LAMBDA_INLINE {
+  return bsdf_of_words<Bsdf<L>>(nullptr, [&coat](int k, Float<L>& word) SHEAF_LAMBDA_INLINE {
     const int at = coated_word<Bsdf>(k), number = at - 4 * kCoatableSpectra;
     if (number >= 0) {
       word = coat.nested_numbers[number];

@@ -27,6 +27,7 @@ template <template <class> class... Bsdfs> struct CoatableList {
   /// Calls f.operator()<Bsdf>() for all.
   template <class F> static constexpr void for_each(F&& f) { (f.template operator()<Bsdfs>(), ...); }
   static constexpr bool holds(ClosureKind kind) { return ((Bsdfs<Scalar>::kKind == kind) || ...); }
+  static_assert(!(kHasTables<Bsdfs<Scalar>> || ...), "a coat does not pass on the scene's tables");
   static_assert(((closure_spectra<Bsdfs>().count <= kCoatableSpectra &&
                   kLeafCount<Bsdfs> - 4 * closure_spectra<Bsdfs>().count <= kCoatableNumbers) &&
                  ...),

@@ -19,7 +19,7 @@ Bsdf<Scalar> load_pane(const SceneView& scene, std::uint32_t row, const Spectrum
       std::copy_n(&value.c0, 4, words + kSpectra.word[k]);
     }
   }
-  return bsdf_of_words<Bsdf<Scalar>>([&words](int k, float& word) { word = words[k]; });
+  return bsdf_of_words<Bsdf<Scalar>>(scene.closure_tables, [&words](int k, float& word) { word = words[k]; });
 }
 
 }  // namespace pane_detail

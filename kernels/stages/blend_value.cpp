@@ -120,7 +120,8 @@ template <class L> struct BlendSum {
         else
           part_words<L, ColorMode::kRgb>(scene, row, at, words);
         const PartFrame<L> frame = part_frame<L>(scene, scene.materials[row], at, lanes);
-        const auto bsdf = bsdf_of_words<Bsdf<L>>([&words](int k, F& word) SHEAF_LAMBDA_INLINE { word = words[k]; });
+        const auto bsdf = bsdf_of_words<Bsdf<L>>(scene.closure_tables,
+                                                 [&words](int k, F& word) SHEAF_LAMBDA_INLINE { word = words[k]; });
         BsdfValue<L> value = bsdf.evaluate(frame.wo, frame.wi);
         value.f_cos = value.f_cos * frame.softened;
         sum.f_cos = sum.f_cos + value.f_cos * share;

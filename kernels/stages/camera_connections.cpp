@@ -38,7 +38,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
 
   const Vec3<L> towards = normalize(view.target - item.p);
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
-  const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(wave, column);
+  const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
   const Vec3<L> wi = frame.to_local(towards);
   Spectrum<L> f_cos = bsdf.evaluate(item.wo, wi).f_cos;
   if constexpr (!kIsPhaseFunction<Bsdf<L>>) {

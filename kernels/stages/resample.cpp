@@ -45,7 +45,7 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
                                        const VertexItem<L>& item, const LightCandidate<L>& light, Spectrum<L> beta,
                                        bool mapped, bool parts, int candidates) {
   using F = Float<L>;
-  const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(wave, column);
+  const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
   const Vec3<L> wi = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_local(light.direction);
   BsdfValue<L> value = bsdf.evaluate(item.wo, wi);
   if (mapped) {

@@ -117,7 +117,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   using F = Float<L>;
   using U = Uint<L>;
   const auto item = wave.vertices.load<L>(column);
-  const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(wave, column);
+  const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
   ThroughputState<L> path = wave.throughput.gather<L>(slots);
   const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kScatter);
   BsdfSample<L> s = bsdf.sample(item.wo, u);

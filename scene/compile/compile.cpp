@@ -60,6 +60,7 @@ void SceneCompiler::add_materials() {
   default_material_ = materials.default_row;
   out_->bindings_ = std::move(materials.bindings);
   out_->normal_maps_ = std::move(materials.normal_maps);
+  out_->closure_tables_ = std::move(materials.tables);
   out_->bucket_count_ = materials.bucket_count;
   std::copy(std::begin(materials.bucket_begin), std::end(materials.bucket_begin), out_->bucket_begin_);
   std::copy(std::begin(materials.kind_flags), std::end(materials.kind_flags), out_->kind_flags_);

@@ -30,12 +30,13 @@ struct Surroundings {
 class Flattener {
  public:
   Flattener(const std::vector<MaterialDescription>& materials, SpectrumSet* set)
-      : context_{bindings, set}, materials_(materials) {}
+      : context_{bindings, tables, set}, materials_(materials) {}
 
   std::vector<MaterialRow> rows;
   std::vector<MaterialSpectra> spectra;  ///< of each row, in spectral mode
   std::vector<TextureBinding> bindings;
   std::vector<NormalMapRow> maps;
+  ClosureTables tables;
 
   /// The row of a material within `around`.
   std::uint32_t flatten(MaterialId id, Surroundings around) {
@@ -65,6 +66,8 @@ class Flattener {
     MaterialRow row;
     if (std::holds_alternative<RayleighDescription>(phase.model)) {
       set_parameters<RayleighParameters>(row, ClosureKind::kRayleigh, {});
+    } else if (const auto* table = std::get_if<TabulatedPhaseDescription>(&phase.model)) {
+      set_parameters<TabulatedPhaseParameters>(row, ClosureKind::kTabulatedPhase, {tables.phase(table->values)});
     } else {
       const auto* hg = std::get_if<HenyeyGreensteinDescription>(&phase.model);
       set_parameters<HenyeyGreensteinParameters>(row, ClosureKind::kHenyeyGreenstein, {hg != nullptr ? hg->g : 0.0f});
@@ -247,6 +250,7 @@ CompiledMaterials compile_materials(const std::vector<MaterialDescription>& mate
   out.default_row = position[out.default_row];
   out.bindings = std::move(flat.bindings);
   out.normal_maps = std::move(flat.maps);
+  out.tables = flat.tables.take();
   return out;
 }
 

@@ -16,6 +16,7 @@ struct CompiledMaterials {
   std::vector<MaterialSpectra> spectra;  ///< of each row; empty in RGB mode
   std::vector<TextureBinding> bindings;
   std::vector<NormalMapRow> normal_maps;
+  std::vector<float> tables;           ///< SceneView::closure_tables
   std::vector<std::uint32_t> row_of;   ///< per material of the description
   std::vector<std::uint32_t> row_of_phase;  ///< per phase function of the description
   std::uint32_t default_row = 0;       ///< what shapes without a material get: diffuse, reflectance 0.5

@@ -3,6 +3,7 @@
 #include "core/color.h"
 #include "scene/compile/plastic.h"
 #include "scene/data/glasses.h"
+#include "scene/data/rgb_basis.h"
 
 #include <algorithm>
 #include <utility>
@@ -321,6 +322,28 @@ MaterialRow make_row(const HanrahanKruegerDescription& d, RowContext& context) {
   m.p.thickness = d.thickness;
   m.p.g = d.g;
   return m.row(ClosureKind::kHanrahanKrueger);
+}
+
+MaterialRow make_row(const MeasuredDescription& d, RowContext& context) {
+  const ClosureTables::Measured& measured = context.tables.measured(d.file, context.set != nullptr);
+  const auto with_flags = [&](MaterialRow row) {
+    if (!measured.isotropic) row.flags |= kTextured;
+    return row;
+  };
+  if (!measured.wavelengths.empty()) {
+    RowMaker<MeasuredSpectralParameters> m{context};
+    m.p.table = measured.table;
+    m.row_of(m.p.place) = context.set->tabulate(places_of_wavelengths(measured.wavelengths));
+    return with_flags(m.row(ClosureKind::kMeasuredSpectral));
+  }
+  RowMaker<MeasuredParameters> m{context};
+  m.p.table = measured.table;
+  m.p.red = {1, 0, 0, 0}, m.p.green = {0, 1, 0, 0}, m.p.blue = {0, 0, 1, 0};
+  if (context.set != nullptr) {
+    Spectrum4* const colors[] = {&m.p.red, &m.p.green, &m.p.blue};
+    for (int c = 0; c < 3; ++c) m.row_of(*colors[c]) = context.set->tabulate(rgb_basis(c));
+  }
+  return with_flags(m.row(ClosureKind::kMeasured));
 }
 
 /// Moves the parameters of `nested`, the row made last, to their places behind a coat's own.

@@ -1,6 +1,7 @@
 // One material that is no combination of others, as a row.
 #pragma once
 
+#include "scene/compile/closure_tables.h"
 #include "scene/compile/compile_materials.h"
 
 namespace sheaf {
@@ -8,6 +9,7 @@ namespace sheaf {
 /// Where a row's other parts go.
 struct RowContext {
   std::vector<TextureBinding>& bindings;  ///< appended to
+  ClosureTables& tables;                  ///< likewise
   SpectrumSet* set = nullptr;             ///< spectral mode: what makes rows
   MaterialSpectra rows = {};              ///< spectral mode: those of the row made last
 };

@@ -235,6 +235,12 @@ struct HanrahanKruegerDescription {
   bool transmits() const { return true; }
 };
 
+/// A BRDF that was measured, in a file of the format of Dupuy and Jakob 2018.
+struct MeasuredDescription {
+  std::filesystem::path file;  ///< resolved
+  bool transmits() const { return false; }
+};
+
 /// A dielectric layer over an opaque material.
 struct CoatDescription {
   float int_ior = 1.5046f, ext_ior = 1.000277f;
@@ -277,8 +283,8 @@ struct MaterialDescription {
   std::variant<DiffuseDescription, ConductorDescription, DielectricDescription, PlasticDescription,
                PrincipledDescription, PrincipledThinDescription, DisneyDescription, NoriMicrofacetDescription,
                PhongDescription, RoughDiffuseDescription, WardDescription, DiffuseTransmitterDescription,
-               HanrahanKruegerDescription, CoatDescription, NullDescription, TwoSidedDescription, MaskDescription,
-               BlendDescription, BumpMapDescription, NormalMapDescription>
+               HanrahanKruegerDescription, MeasuredDescription, CoatDescription, NullDescription, TwoSidedDescription,
+               MaskDescription, BlendDescription, BumpMapDescription, NormalMapDescription>
       model;
   /// Maps only: normals that face away are turned back, and the edge of shadows is softened (Estevez et al. 2019).
   bool fix_invalid_normals = true, soften_terminator = true;
@@ -321,11 +327,17 @@ struct IsotropicPhaseDescription {};
 struct HenyeyGreensteinDescription { float g = 0.8f; };
 /// Scattering by particles far smaller than the wavelength.
 struct RayleighDescription {};
+/// Values of a phase function, up to a factor, where the cosine of the angle by which light turns is -1, ..., 1 in
+/// equal steps; linear in between. At least two, none negative, not all zero.
+struct TabulatedPhaseDescription {
+  std::vector<float> values;
+};
 /// (1 - weight) of the first, weight of the second.
 struct BlendPhaseDescription { float weight = 0.5f; PhaseId nested[2]{}; };
 
 struct PhaseDescription {
-  std::variant<IsotropicPhaseDescription, HenyeyGreensteinDescription, RayleighDescription, BlendPhaseDescription>
+  std::variant<IsotropicPhaseDescription, HenyeyGreensteinDescription, RayleighDescription, TabulatedPhaseDescription,
+               BlendPhaseDescription>
       model;
   SourceLocation where;
 };

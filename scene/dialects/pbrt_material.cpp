@@ -202,9 +202,8 @@ Model diffuse_transmission(Parameters& p, const SourceLocation& where) {
 /// Materials that have no counterpart.
 Model stand_in(Parameters& p, const std::string& type) {
   p.unsupported("materials of this kind", "a diffuse one is taken");
-  p.accept({"transmittance", "scale", "filename", "sigma_a", "sigma_s", "color", "eumelanin", "pheomelanin", "eta",
-            "beta_m", "beta_n", "alpha", "mfp", "name", "g", "roughness", "uroughness", "vroughness",
-            "remaproughness"});
+  p.accept({"transmittance", "scale", "sigma_a", "sigma_s", "color", "eumelanin", "pheomelanin", "eta", "beta_m",
+            "beta_n", "alpha", "mfp", "name", "g", "roughness", "uroughness", "vroughness", "remaproughness"});
   if (type == "hair") return DiffuseDescription{SpectrumDescription::constant(0.2f)};
   return diffuse(p);
 }
@@ -263,7 +262,9 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
   } else if (type == "diffusetransmission") {
     both_sides = false;
     model = diffuse_transmission(p, entity.where);
-  } else if (type == "hair" || type == "measured" || type == "subsurface") {
+  } else if (type == "measured") {
+    model = MeasuredDescription{p.file("filename")};
+  } else if (type == "hair" || type == "subsurface") {
     model = stand_in(p, type);
   } else {
     const std::vector<std::string> known = {

@@ -255,12 +255,32 @@ RoughnessDescription read_uniform_roughness(Properties& p) {
 
 const std::vector<std::string>& shared_bsdf_names() {
   static const std::vector<std::string> kNames = [] {
-    std::vector<std::string> names = {
-        "blendbsdf",    "bumpmap",        "coating",        "conductor",      "dielectric",
-        "hk",           "mask",           "mixturebsdf",    "normalmap",      "null",
-        "circular",     "plastic",        "polarizer",      "pplastic",       "retarder",
-        "principled",   "principledthin", "roughcoating",   "roughconductor", "roughdielectric",
-        "roughdiffuse", "roughplastic",   "thindielectric", "twosided",       "ward"};
+    std::vector<std::string> names = {"blendbsdf",
+                                      "bumpmap",
+                                      "coating",
+                                      "conductor",
+                                      "dielectric",
+                                      "hk",
+                                      "mask",
+                                      "measured",
+                                      "mixturebsdf",
+                                      "normalmap",
+                                      "null",
+                                      "circular",
+                                      "plastic",
+                                      "polarizer",
+                                      "pplastic",
+                                      "retarder",
+                                      "principled",
+                                      "principledthin",
+                                      "roughcoating",
+                                      "roughconductor",
+                                      "roughdielectric",
+                                      "roughdiffuse",
+                                      "roughplastic",
+                                      "thindielectric",
+                                      "twosided",
+                                      "ward"};
     for_each_plain_model(MaterialDescription().model, [&](const auto& model) { names.emplace_back(model.kPlugin); });
     std::sort(names.begin(), names.end());
     return names;
@@ -293,6 +313,8 @@ bool read_shared_bsdf(Properties& p, const BsdfDialect& dialect, MaterialDescrip
     material.model = read_ward(p);
   } else if (type == "hk") {
     material.model = read_hanrahan_krueger(p);
+  } else if (type == "measured") {
+    material.model = MeasuredDescription{p.file("filename")};
   } else if (type == "coating" || type == "roughcoating") {
     material.model = read_coat(p, dialect);
   } else if (type == "null") {

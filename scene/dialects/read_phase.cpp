@@ -1,8 +1,10 @@
 #include "scene/dialects/read_phase.h"
 
+#include "scene/dialects/read_bsdf.h"
 #include "scene/dialects/read_volume.h"
 #include "scene/xml/xml_values.h"
 
+#include <cmath>
 #include <numeric>
 
 namespace sheaf {
@@ -10,6 +12,7 @@ namespace sheaf {
 namespace {
 
 constexpr NumberRange kMeanCosine{-1, 1, true};
+constexpr std::size_t kMaxPhaseValues = std::size_t{1} << 20;
 
 std::vector<const XmlElement*> nested_phases(Properties& p) {
   std::vector<const XmlElement*> found = p.objects("phase");
@@ -68,6 +71,22 @@ PhaseId read_mixture(Properties& p) {
   return add_mixture(p, nested, weights, 0, nested.size());
 }
 
+TabulatedPhaseDescription read_table(Properties& p) {
+  if (!p.has("values")) p.fail("needs the string 'values'");
+  const std::vector<float> values = read_numbers(p, "values");
+  if (values.size() < 2)
+    p.fail_at("values", "has " + std::to_string(values.size()) + " numbers, expected at least two");
+  if (values.size() > kMaxPhaseValues)
+    p.fail_at("values",
+              "has " + std::to_string(values.size()) + " numbers, expected at most " + std::to_string(kMaxPhaseValues));
+  for (const float value : values)
+    if (!(value >= 0.0f) || !std::isfinite(value))
+      p.fail_at("values", "holds " + std::to_string(value) + ", expected no negative numbers");
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  if (!(sum > 0)) p.fail_at("values", "add up to " + std::to_string(sum) + ", expected more than 0");
+  return {values};
+}
+
 }  // namespace
 
 PhaseId read_phase(const XmlElement& element, ReadContext& context) {
@@ -86,10 +105,12 @@ PhaseId read_phase(const XmlElement& element, ReadContext& context) {
     phase.model = HenyeyGreensteinDescription{p.number("g", otherwise.g, kMeanCosine)};
   } else if (p.type() == "rayleigh") {
     phase.model = RayleighDescription{};
+  } else if (p.type() == "tabphase") {
+    phase.model = read_table(p);
   } else if (p.type() == "blendphase" || p.type() == "blend") {
     phase.model = read_blend(p);
   } else {
-    p.fail_plugin({"blend", "blendphase", "hg", "isotropic", "mixturephase", "rayleigh"});
+    p.fail_plugin({"blend", "blendphase", "hg", "isotropic", "mixturephase", "rayleigh", "tabphase"});
   }
   p.finish();
   std::vector<PhaseDescription>& phases = context.description.phases;

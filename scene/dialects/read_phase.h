@@ -5,8 +5,8 @@
 
 namespace sheaf {
 
-/// Appends the phase function of a <phase>, nested ones first: isotropic, hg (`g`), rayleigh, blendphase or blend
-/// (`weight`). Throws SceneError.
+/// Appends the phase function of a <phase>, nested ones first: isotropic, hg (`g`), rayleigh, tabphase
+/// (`values`), blendphase or blend (`weight`). Throws SceneError.
 PhaseId read_phase(const XmlElement& element, ReadContext& context);
 
 /// The one phase function of a medium, as <phase> or <phasefunction>; nothing if it has none.

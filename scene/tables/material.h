@@ -33,11 +33,14 @@ enum class ClosureKind : std::uint32_t {
   kWard,
   kDiffuseTransmitter,
   kHanrahanKrueger,
+  kMeasured,
+  kMeasuredSpectral,
   kCoated,
   kRoughCoatedBeckmann,
   kRoughCoatedGgx,
   kHenyeyGreenstein,
   kRayleigh,
+  kTabulatedPhase,
   kCount
 };
 inline constexpr int kClosureKinds = static_cast<int>(ClosureKind::kCount);
@@ -207,6 +210,20 @@ template <class L> struct HanrahanKruegerParameters {
   static constexpr auto fields(auto& s) { return std::tie(s.first, s.second, s.by_albedo, s.thickness, s.g); }
 };
 
+/// Parameters of a measured BRDF of three colours (kernels/bsdf/measured.h).
+template <class L> struct MeasuredParameters {
+  typename L::Float table;       ///< see scene/tables/closure_tables.h
+  Spectrum<L> red, green, blue;  ///< what a table's three values stand for
+  static constexpr auto fields(auto& s) { return std::tie(s.table, s.red, s.green, s.blue); }
+};
+
+/// The same of one with values for many wavelengths. Spectral mode only.
+template <class L> struct MeasuredSpectralParameters {
+  typename L::Float table;
+  Spectrum<L> place;  ///< of each wavelength among the table's: their index, with a fraction between them
+  static constexpr auto fields(auto& s) { return std::tie(s.table, s.place); }
+};
+
 /// Most spectra and numbers among the parameters of a closure that can be coated.
 inline constexpr int kCoatableSpectra = 3, kCoatableNumbers = 12;
 
@@ -244,6 +261,12 @@ template <class L> struct HenyeyGreensteinParameters {
 template <class L> struct RayleighParameters {
   typename L::Float unused;
   static constexpr auto fields(auto& s) { return std::tie(s.unused); }
+};
+
+/// Parameters of a phase function given by a table (kernels/phase/tabulated_phase.h).
+template <class L> struct TabulatedPhaseParameters {
+  typename L::Float table;  ///< see scene/tables/closure_tables.h
+  static constexpr auto fields(auto& s) { return std::tie(s.table); }
 };
 
 /// A kind of closure with its parameters.
@@ -290,11 +313,14 @@ template <class F> constexpr void for_each_closure(F&& f) {
   f(ClosureEntry<kDiffuseTransmitter, DiffuseTransmitterParameters, DiffuseTransmitterDescription>{
       "diffuse_transmitter"});
   f(ClosureEntry<kHanrahanKrueger, HanrahanKruegerParameters>{"hanrahan_krueger"});
+  f(ClosureEntry<kMeasured, MeasuredParameters>{"measured"});
+  f(ClosureEntry<kMeasuredSpectral, MeasuredSpectralParameters>{"measured_spectral"});
   f(ClosureEntry<kCoated, CoatedParameters>{"coated"});
   f(ClosureEntry<kRoughCoatedBeckmann, RoughCoatedParameters>{"rough_coated_beckmann"});
   f(ClosureEntry<kRoughCoatedGgx, RoughCoatedParameters>{"rough_coated_ggx"});
   f(ClosureEntry<kHenyeyGreenstein, HenyeyGreensteinParameters>{.name = "henyey_greenstein", .is_phase = true});
   f(ClosureEntry<kRayleigh, RayleighParameters>{.name = "rayleigh", .is_phase = true});
+  f(ClosureEntry<kTabulatedPhase, TabulatedPhaseParameters>{.name = "tabulated_phase", .is_phase = true});
 }
 
 /// What ClosureEntry says of a kind that is only known when the program runs.

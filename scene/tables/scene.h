@@ -48,6 +48,7 @@ struct SceneView {
   const MaterialRow* materials = nullptr;
   const TextureBinding* bindings = nullptr;
   const NormalMapRow* normal_maps = nullptr;
+  const float* closure_tables = nullptr;  ///< see scene/tables/closure_tables.h; null: there are none
   TextureView textures;
   const MediumRow* media = nullptr;
   const BoundaryRow* boundaries = nullptr;
@@ -132,6 +133,7 @@ class Scene {
   std::vector<MaterialRow> materials_;
   std::vector<TextureBinding> bindings_;
   std::vector<NormalMapRow> normal_maps_;
+  std::vector<float> closure_tables_;
   CompiledTextures textures_;
   std::vector<AttributeEntry> attributes_;
   std::vector<float> attribute_values_;

@@ -1,5 +1,6 @@
 // The phase functions: sampling against densities over the whole sphere, their integrals and their mean cosines.
 #include "kernels/bsdf/all.h"
+#include "scene/compile/closure_tables.h"
 
 #include "tests/support/bsdf_testing.h"
 
@@ -8,7 +9,7 @@ namespace sheaf {
 namespace {
 
 constexpr float kMeanCosines[] = {-0.99f, -0.8f, -0.3f, 0.0f, 1e-4f, 0.3f, 0.8f, 0.99f};
-constexpr int kTests = 2 * static_cast<int>(std::size(kMeanCosines)) + 2;  // that share the significance level
+constexpr int kTests = 2 * static_cast<int>(std::size(kMeanCosines)) + 7;  // that share the significance level
 constexpr Vec3f kWo{0, 0, 1};
 
 HenyeyGreensteinBsdf<Scalar> henyey_greenstein(float g) {
@@ -18,6 +19,19 @@ HenyeyGreensteinBsdf<Scalar> henyey_greenstein(float g) {
 }
 
 RayleighBsdf<Scalar> rayleigh() { return {}; }
+
+/// A phase function with its table.
+struct Table {
+  std::vector<float> floats;
+  TabulatedPhaseBsdf<Scalar> phase;
+
+  explicit Table(const std::vector<float>& values) {
+    ClosureTables tables;
+    phase.table = tables.phase(values);
+    floats = tables.take();
+    phase.tables = floats.data();
+  }
+};
 
 /// Samples against the density, by azimuth and the logarithm of 1 - |cosine| on the side of `pole` (-1 or 1), so that
 /// peaks of any width are seen; by azimuth and z over the other half.
@@ -145,11 +159,53 @@ TEST_CASE("phase: registers equal single values") {
   check_bsdf_lanes<RayleighBsdf>([](int) { return rayleigh(); });
 }
 
-TEST_CASE("phase: the two phase functions are the only BSDFs that say they are") {
+TEST_CASE("phase: tables are sampled exactly, whatever their values") {
+  for (const std::vector<float>& values : {std::vector<float>{1, 2}, {0, 1, 0}, {3, 0, 0, 0, 5}, {1, 1, 1, 1}}) {
+    CAPTURE(values.size());
+    const Table table(values);
+    check_phase_sampling(table.phase, -1);
+    check_phase_weights(table.phase);
+    CHECK(integral_over_sphere(table.phase, -1, 0) == doctest::Approx(1).epsilon(1e-3));
+    for (const float u : {0.0f, 0.5f, 0.99999994f}) {
+      const auto s = table.phase.sample(kWo, {0, u, 0.3f, 0});
+      CHECK(length(s.wi) == doctest::Approx(1).epsilon(1e-6));
+      CHECK(is_finite(s.pdf_solid_angle));
+    }
+  }
+}
+
+TEST_CASE("phase: a table begins with light that goes back and ends with light that goes on") {
+  // Made with Mitsuba 3: tabphase of the values 0.5, 1, 4, for cosines of -1, -0.5, ... 1 to where light came from.
+  constexpr double kExpected[] = {0.195883, 0.122427, 0.0489708, 0.0367281, 0.0244854};
+  const Table table({0.5f, 1, 4});
+  for (std::size_t i = 0; i < std::size(kExpected); ++i) {
+    const float z = -1.0f + 0.5f * static_cast<float>(i);
+    const Vec3f wi{std::sqrt(1 - z * z), 0, z};
+    CHECK(table.phase.evaluate(kWo, wi).pdf_solid_angle == doctest::Approx(kExpected[i]).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("phase: the table of another phase function is that phase function") {
+  const auto expected = henyey_greenstein(0.6f);
+  std::vector<float> values;
+  for (int i = 0; i <= 1000; ++i) {
+    const float c = -1.0f + 0.002f * static_cast<float>(i), sine = std::sqrt(std::max(1 - c * c, 0.0f));
+    values.push_back(7 * expected.evaluate(kWo, {sine, 0, -c}).pdf_solid_angle);
+  }
+  const Table table(values);
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    const Vec3f wi = random_direction(4, i);
+    CHECK(table.phase.evaluate(kWo, wi).pdf_solid_angle ==
+          doctest::Approx(expected.evaluate(kWo, wi).pdf_solid_angle).epsilon(1e-3));
+  }
+  CHECK(mean_cosine(table.phase).p_value(0.6) > significance_of_each(kTests));
+}
+
+TEST_CASE("phase: the three phase functions are the only BSDFs that say they are") {
   int phases = 0;
   for_each_bsdf(
       [&]<template <class> class Bsdf>(ClosureKind, BsdfTag<Bsdf>) { phases += kIsPhaseFunction<Bsdf<Wide>>; });
-  CHECK(phases == 2);
+  CHECK(phases == 3);
   CHECK(kIsPhaseFunction<HenyeyGreensteinBsdf<Scalar>>);
   CHECK(kIsPhaseFunction<RayleighBsdf<Scalar>>);
 }

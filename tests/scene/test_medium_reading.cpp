@@ -331,6 +331,9 @@ TEST_CASE("media: integrators that name them, and how they are estimated") {
 
 TEST_CASE("media: errors of Mitsuba's dialect") {
   const auto homogeneous = [](const std::string& inside) { return mitsuba_scene(medium("homogeneous", inside)); };
+  const auto tabphase = [](const std::string& inside) {
+    return mitsuba_scene(medium("homogeneous", "<phase type='tabphase'>" + inside + "</phase>"));
+  };
   const auto grid = [](const std::string& inside) {
     return mitsuba_scene(medium("heterogeneous", volume("sigma_t", "gridvolume", inside)));
   };
@@ -386,6 +389,11 @@ TEST_CASE("media: errors of Mitsuba's dialect") {
       {grid(file("a.vol") + "<string name='wrap_mode' value='clam'/>"), "did you mean 'clamp'?"},
       {grid(file("a.vol") + "<string name='grid_name' value='x'/>"), "is given for a .vol file"},
       {grid(file("a.vol") + "<boolean name='fit_to_shape' value='true'/>"), "unknown property 'fit_to_shape'"},
+      {tabphase(""), "phase 'tabphase' needs the string 'values'"},
+      {tabphase("<string name='values' value='1'/>"), "has 1 numbers, expected at least two"},
+      {tabphase("<string name='values' value='1, -2, 3'/>"), "holds -2.000000, expected no negative numbers"},
+      {tabphase("<string name='values' value='0, 0'/>"), "add up to 0.000000, expected more than 0"},
+      {tabphase("<string name='values' value='1, x'/>"), "'x'"},
       {mitsuba_scene("<phase type='hg'/>"),
        "<phase> at the top level, which nothing refers to; it belongs inside a <medium>"},
       {mitsuba_scene("<volume type='constvolume'/>"), "<volume> at the top level, which nothing refers to"},

@@ -346,10 +346,22 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK(length(t - Vec3f{0.3f, 0.2f, 0.1f}) < 1e-6f);
   }
 
+  TEST_CASE("Measured materials have files, and both sides") {
+    CHECK(contains(error_of_world("Material \"measured\""),
+                   "scene.pbrt:3: Material 'measured' needs the string 'filename'"));
+    CHECK(contains(error_of_world("Material \"measured\" \"string filename\" \"x.bsdf\""), "file 'x.bsdf' not found"));
+    const Description d =
+        read_world("Material \"measured\" \"string filename\" \"image.png\" Shape \"sphere\" \"float radius\" 1");
+    const MaterialId id = *d.shapes.at(0).material;
+    const auto& sides = std::get<TwoSidedDescription>(d.materials.at(static_cast<std::size_t>(id)).model);
+    CHECK(sides.front == sides.back);
+    CHECK(std::get<MeasuredDescription>(d.materials.at(static_cast<std::size_t>(sides.front)).model).file.filename() ==
+          "image.png");
+  }
+
   TEST_CASE("What has no counterpart is an error, or a stand-in with a note") {
     for (const std::string world :
-         {"Shape \"curve\"", "Material \"hair\"", "Material \"subsurface\"",
-          "Material \"measured\" \"string filename\" \"x\"", "Texture \"t\" \"spectrum\" \"marble\"",
+         {"Shape \"curve\"", "Material \"hair\"", "Material \"subsurface\"", "Texture \"t\" \"spectrum\" \"marble\"",
           "Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 3",
           "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"spherical\"",
           "LightSource \"goniometric\" \"string filename\" \"image.png\"", "ColorSpace \"rec2020\"",

@@ -44,6 +44,7 @@ SCRIPTS = {
     "bench/compare_photons.py": ["--sheaf", "{build}/sheaf", "--seconds", "0.01", "--width", "24", "--seeds", "1",
                                  "--reference-spp", "1", "--photons", "0.01"],
     "tools/compare_builds.py": ["{build}/sheaf", "{build}/sheaf", "--spp", "1", "--only", "cornell"],
+    "tools/fit_rgb_basis.py": ["--step", "20"],
     "tools/fit_wavelengths.py": ["--colours", "2", "--iterations", "1"],
     "tools/plot_samplers.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-spp", "4",
                                "--output", "{out}/samplers.png"],

@@ -4,6 +4,7 @@
 #include "core/rng.h"
 #include "kernels/bsdf/all.h"
 #include "scene/compile/plastic.h"
+#include "tests/support/measured_testing.h"
 
 #include <algorithm>
 
@@ -26,8 +27,9 @@ template <template <class> class Bsdf> Bsdf<Scalar> any_bsdf(std::uint32_t i) {
   const auto number = [i](std::uint32_t k, std::uint32_t stream) {
     return random4<Scalar>(stream, i * 64 + k, 0, 0).x;
   };
-  auto bsdf = bsdf_of_words<Bsdf<Scalar>>(
-      [&](int k, float& word) { word = 0.05f + 0.9f * number(static_cast<std::uint32_t>(k), 7); });
+  auto bsdf = bsdf_of_words<Bsdf<Scalar>>(any_tables().floats.data(), [&](int k, float& word) {
+    word = 0.05f + 0.9f * number(static_cast<std::uint32_t>(k), 7);
+  });
   const float eta = 1.3f + 0.4f * number(0, 8);
   if constexpr (requires { bsdf.eta = 1.5f; }) bsdf.eta = eta;
   else if constexpr (requires { bsdf.eta.c0, bsdf.transmittance.c0; })
@@ -36,6 +38,10 @@ template <template <class> class Bsdf> Bsdf<Scalar> any_bsdf(std::uint32_t i) {
     static const RoughCoat coat = rough_coat(RoughnessDescription::Distribution::kGgx, 0.2, 1.5);
     std::copy(coat.transmittance.begin(), coat.transmittance.end(), bsdf.transmittance);
   }
+  if constexpr (kIsPhaseFunction<Bsdf<Scalar>> && kHasTables<Bsdf<Scalar>>)
+    bsdf.table = any_tables().phase[i % 2];
+  else if constexpr (kHasTables<Bsdf<Scalar>>)
+    bsdf.table = any_tables().measured[i % 3];
   if constexpr (std::is_base_of_v<CoatedParameters<Scalar>, Bsdf<Scalar>>) {
     bsdf.coat_eta = eta;
     // A rough metal comes first: it has a lobe, a density, and all of its spectra.

@@ -207,7 +207,8 @@ template <class Bsdf> void check_bsdf_finite(const Bsdf& bsdf) {
 
 /// Registers of kWidth different materials give what each gives alone. make(lane) -> Bsdf<Scalar>.
 template <template <class> class Bsdf, class Make> void check_bsdf_lanes(Make&& make) {
-  const Bsdf<Wide> wide = wide_record<Bsdf>([&](int lane) { return make(lane); });
+  Bsdf<Wide> wide = wide_record<Bsdf>([&](int lane) { return make(lane); });
+  if constexpr (kHasTables<Bsdf<Wide>>) wide.tables = make(0).tables;
   double worst = 0;
   int valid = 0;
   for (std::uint32_t i = 0; i < 200 * kWidth; i += kWidth) {

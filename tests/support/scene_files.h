@@ -174,6 +174,7 @@ inline std::string dump(const WardDescription& v) {
   return dump_all("ward", static_cast<int>(v.variant), v.diffuse_reflectance, v.specular_reflectance, v.alpha_u,
                   v.alpha_v);
 }
+inline std::string dump(const MeasuredDescription& v) { return "measured " + v.file.filename().string(); }
 inline std::string dump(const HanrahanKruegerDescription& v) {
   return dump_all("hk", v.first, v.second, v.by_albedo, v.thickness, v.g);
 }

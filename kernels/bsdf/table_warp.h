@@ -1,0 +1,171 @@
+// Functions over the unit square that are tabulated on a grid, bilinear in between, for several values of one or two
+// parameters (slices), and mixtures of such slices, linear in the parameters. As densities they are sampled exactly:
+// rows by their marginal, columns by what is left, each by inverting an integral that is quadratic within a cell. Since
+// all of that is linear in the values, a mixture's integrals are the mixture of the slices' integrals (Dupuy and Jakob,
+// "An Adaptive Parameterization for Efficient Material Acquisition and Rendering", 2018, section 4.2).
+#pragma once
+
+#include "core/lanes.h"
+#include "core/vec.h"
+
+namespace sheaf {
+
+/// The largest i in [0, count - 2] for which `reached(i)` holds, 0 if there is none; what is reached comes first.
+template <class L, class Reached> SHEAF_INLINE Uint<L> find_interval(Uint<L> count, Reached&& reached) {
+  using U = Uint<L>;
+  U low(0u), span = count - U(1u);
+  while (any(U(1u) < span)) {
+    const U half = span >> 1;
+    const auto is = reached(low + half);
+    low = select(is, low + half, low);
+    span = select(is, span - half, half);
+  }
+  return low;
+}
+
+/// Two neighbours and the place between them.
+template <class L> struct Neighbours {
+  Uint<L> low, high;
+  Float<L> t;
+};
+
+/// Where `x` lies among `count` increasing numbers from the float `first` on; what lies outside is at the end.
+template <class L>
+SHEAF_INLINE Neighbours<L> find_neighbours(const float* tables, Uint<L> first, Uint<L> count, Float<L> x) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const U low = find_interval<L>(count, [&](U i) SHEAF_LAMBDA_INLINE { return gather(tables, first + i) <= x; });
+  const U high = min(low + U(1u), count - U(1u));
+  const F a = gather(tables, first + low), b = gather(tables, first + high);
+  const auto apart = b > a;
+  return {low, high, select(apart, clamp((x - a) / select(apart, b - a, F(1.0f)), F(0.0f), F(1.0f)), F(0.0f))};
+}
+
+/// Up to four slices and their shares, which add up to 1.
+template <class L> struct SliceMix {
+  Uint<L> slice[4];
+  Float<L> share[4];
+  int count;  ///< how many have a share in any lane
+
+  /// Those around a place in two parameters, the second one's being next to each other.
+  SHEAF_INLINE SliceMix(const Neighbours<L>& outer, const Neighbours<L>& inner, Uint<L> inner_count) {
+    const Float<L> one(1.0f);
+    slice[0] = outer.low * inner_count + inner.low, slice[1] = outer.low * inner_count + inner.high;
+    slice[2] = outer.high * inner_count + inner.low, slice[3] = outer.high * inner_count + inner.high;
+    share[0] = (one - outer.t) * (one - inner.t), share[1] = (one - outer.t) * inner.t;
+    share[2] = outer.t * (one - inner.t), share[3] = outer.t * inner.t;
+    count = any(outer.t > Float<L>(0.0f)) ? 4 : 2;
+  }
+};
+
+/// A cell of a grid and the place in it.
+template <class L> struct GridCell {
+  Uint<L> corner;  ///< index of its first value
+  Uint<L> row;
+  Float<L> x, y;
+};
+
+/// Values on a grid of `width` times `height` points, x fastest: of a mixture of slices that are `stride` floats apart.
+template <class L> struct TableGrid {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+  const float* tables;
+  U width, height;
+  SliceMix<L> mix;
+  U first[4];  ///< of each slice
+
+  SHEAF_INLINE TableGrid(const float* tables_in, U begin, U stride, U width_in, U height_in, const SliceMix<L>& mix_in)
+      : tables(tables_in), width(width_in), height(height_in), mix(mix_in) {
+    for (int k = 0; k < mix.count; ++k) first[k] = begin + mix.slice[k] * stride;
+  }
+
+  /// Value `i` of the slices' floats.
+  SHEAF_INLINE F at(U i) const {
+    F sum = mix.share[0] * gather(tables, first[0] + i);
+    for (int k = 1; k < mix.count; ++k) sum = fma(mix.share[k], gather(tables, first[k] + i), sum);
+    return sum;
+  }
+
+  SHEAF_INLINE GridCell<L> cell(F x, F y) const {
+    const U last_column = width - U(2u), last_row = height - U(2u);
+    const F place_x = clamp(x, F(0.0f), F(1.0f)) * to_float(width - U(1u));
+    const F place_y = clamp(y, F(0.0f), F(1.0f)) * to_float(height - U(1u));
+    const U column = min(to_uint(place_x), last_column), row = min(to_uint(place_y), last_row);
+    return {row * width + column, row, place_x - to_float(column), place_y - to_float(row)};
+  }
+
+  /// The value there, of the grid that begins `offset` floats into each slice.
+  SHEAF_INLINE F interpolate(const GridCell<L>& c, U offset) const {
+    const U corner = c.corner + offset;
+    return lerp(c.y, lerp(c.x, at(corner), at(corner + U(1u))),
+                lerp(c.x, at(corner + width), at(corner + width + U(1u))));
+  }
+};
+
+/// A density over the unit square: behind the values of each slice stand their integrals along x up to each value, and
+/// the integral of all up to each row; the last of these is 1.
+template <class L> struct TableWarp : TableGrid<L> {
+  using F = typename L::Float;
+  using U = typename L::Uint;
+
+  /// Floats of one slice.
+  static SHEAF_INLINE U stride(U width, U height) { return width * height * U(2u) + height; }
+
+  SHEAF_INLINE TableWarp(const float* tables_in, U begin, U width_in, U height_in, const SliceMix<L>& mix_in)
+      : TableGrid<L>(tables_in, begin, stride(width_in, height_in), width_in, height_in, mix_in) {}
+
+  struct Point {
+    F x, y;
+    F pdf;  ///< per area of the square
+  };
+
+  /// The point that the numbers u and v stand for.
+  SHEAF_INLINE Point sample(F u, F v) const {
+    const U row =
+        find_interval<L>(this->height, [&](U i) SHEAF_LAMBDA_INLINE { return this->at(marginal() + i) <= v; });
+    const U end = conditional() + row * this->width + this->width - U(1u);
+    const F low_total = this->at(end), high_total = this->at(end + this->width);
+    const F y = solve(low_total, high_total, v - this->at(marginal() + row));
+    const F left = u * lerp(y, low_total, high_total);
+    const U line = conditional() + row * this->width;
+    const auto up_to = [&](U i) SHEAF_LAMBDA_INLINE {
+      return lerp(y, this->at(line + i), this->at(line + this->width + i));
+    };
+    const U column = find_interval<L>(this->width, [&](U i) SHEAF_LAMBDA_INLINE { return up_to(i) <= left; });
+    const U corner = row * this->width + column;
+    const F a = lerp(y, this->at(corner), this->at(corner + this->width));
+    const F b = lerp(y, this->at(corner + U(1u)), this->at(corner + this->width + U(1u)));
+    const F x = solve(a, b, left - up_to(column));
+    return {(to_float(column) + x) / to_float(this->width - U(1u)),
+            (to_float(row) + y) / to_float(this->height - U(1u)), lerp(x, a, b) * cells()};
+  }
+
+  /// The numbers that sample() makes this point of, and its density.
+  SHEAF_INLINE Point invert(F x, F y) const {
+    const GridCell<L> c = this->cell(x, y);
+    const F a = lerp(c.y, this->at(c.corner), this->at(c.corner + this->width));
+    const F b = lerp(c.y, this->at(c.corner + U(1u)), this->at(c.corner + this->width + U(1u)));
+    const U line = conditional() + c.corner, end = conditional() + c.row * this->width + this->width - U(1u);
+    const F left = fma(c.x, fma(F(0.5f) * c.x, b - a, a), lerp(c.y, this->at(line), this->at(line + this->width)));
+    const F low_total = this->at(end), high_total = this->at(end + this->width);
+    const F below = fma(c.y, fma(F(0.5f) * c.y, high_total - low_total, low_total), this->at(marginal() + c.row));
+    const F total = max(lerp(c.y, low_total, high_total), F(1e-30f));
+    return {min(left / total, F(1.0f)), min(below, F(1.0f)), lerp(c.x, a, b) * cells()};
+  }
+
+  SHEAF_INLINE F pdf(F x, F y) const { return this->interpolate(this->cell(x, y), U(0u)) * cells(); }
+
+ private:
+  SHEAF_INLINE U conditional() const { return this->width * this->height; }
+  SHEAF_INLINE U marginal() const { return conditional() * U(2u); }
+  SHEAF_INLINE F cells() const { return to_float(this->width - U(1u)) * to_float(this->height - U(1u)); }
+
+  /// Up to where in [0, 1] a density that goes from a to b has the integral `area`.
+  static SHEAF_INLINE F solve(F a, F b, F area) {
+    const F twice = F(2.0f) * max(area, F(0.0f));
+    const F root = sqrt(max(fma(a, a, twice * (b - a)), F(0.0f)));
+    return clamp(twice / max(a + root, F(1e-30f)), F(0.0f), F(1.0f));
+  }
+};
+
+}  // namespace sheaf
