@@ -1,7 +1,9 @@
 // The phase functions: sampling against densities over the whole sphere, their integrals and their mean cosines.
 #include "kernels/bsdf/all.h"
-#include "scene/compile/closure_tables.h"
+#include "kernels/phase/phase_value.h"
+#include "scene/compile/compile_materials.h"
 
+#include "scene/compile/closure_tables.h"
 #include "tests/support/bsdf_testing.h"
 
 namespace sheaf {
@@ -199,6 +201,27 @@ TEST_CASE("phase: the table of another phase function is that phase function") {
           doctest::Approx(expected.evaluate(kWo, wi).pdf_solid_angle).epsilon(1e-3));
   }
   CHECK(mean_cosine(table.phase).p_value(0.6) > significance_of_each(kTests));
+}
+
+TEST_CASE("phase: mixtures of tables are the sums of their parts") {
+  const std::vector<PhaseDescription> phases = {
+      {TabulatedPhaseDescription{{0.5f, 1, 4}}, {}},
+      {TabulatedPhaseDescription{{3, 0, 1, 2}}, {}},
+      {BlendPhaseDescription{0.3f, {PhaseId{0}, PhaseId{1}}}, {}},
+  };
+  const CompiledMaterials compiled = compile_materials({}, nullptr, phases);
+  SceneView scene;
+  scene.materials = compiled.rows.data();
+  scene.closure_tables = compiled.tables.data();
+  const Table first({0.5f, 1, 4}), second({3, 0, 1, 2});
+  for (std::uint32_t i = 0; i < 50; ++i) {
+    const Vec3f wi = random_direction(4, i);
+    const float expected =
+        0.7f * first.phase.evaluate(kWo, wi).pdf_solid_angle + 0.3f * second.phase.evaluate(kWo, wi).pdf_solid_angle;
+    CHECK(phase_value<Scalar>(scene, compiled.row_of_phase[2], wi) == doctest::Approx(expected).epsilon(1e-5));
+    CHECK(phase_value<Wide>(scene, compiled.row_of_phase[2], broadcast<Wide>(wi))[1] ==
+          doctest::Approx(expected).epsilon(1e-5));
+  }
 }
 
 TEST_CASE("phase: the three phase functions are the only BSDFs that say they are") {

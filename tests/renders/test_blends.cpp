@@ -1,5 +1,6 @@
 // Blends: light is sampled for all parts, whichever was chosen, and scattering counts as that of all together.
 #include "core/exr.h"
+#include "tests/support/measured_testing.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/temporary_folder.h"
 
@@ -77,6 +78,14 @@ AddMaterial blend_of(const AddMaterial& a, const AddMaterial& b, ScalarInput wei
 
 const AddMaterial kGrey = [](Description& d) { return add_diffuse_rgb(d, 0.2f, 0.5f, 0.7f); };
 const AddMaterial kMetal = [](Description& d) { return add_metal(d, 0.5f, 0.2f); };
+const AddMaterial kMeasured = [](Description& d) {
+  static const TemporaryFolder folder;
+  static const std::filesystem::path file = [] {
+    write_bytes(folder / "facets.bsdf", tensor_bytes(measured_fields(TabulatedFacets{}.tabulate())));
+    return folder / "facets.bsdf";
+  }();
+  return add_material(d, MeasuredDescription{file});
+};
 const AddMaterial kMirror = [](Description& d) { return add_mirror(d, 0.9f); };
 const AddMaterial kCoated = [](Description& d) { return add_coated_metal(d); };
 const AddMaterial kBlack = [](Description& d) { return add_diffuse(d, 0); };
@@ -106,6 +115,7 @@ TEST_SUITE_BEGIN("slow");
 TEST_CASE("blends: light sampling sees all parts, without the noise of a choice") {
   check_sum(blend_of(kGrey, kMetal, 0.4f), {{0.6, kGrey}, {0.4, kMetal}});
   check_sum(blend_of(kMirror, kGrey, 0.4f), {{0.4, kGrey}});
+  check_sum(blend_of(kGrey, kMeasured, 0.4f), {{0.6, kGrey}, {0.4, kMeasured}});
   check_sum(blend_of(kGrey, blend_of(kCoated, kMetal, 0.3f), 0.5f), {{0.5, kGrey}, {0.35, kCoated}, {0.15, kMetal}});
 }
 

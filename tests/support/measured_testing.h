@@ -184,13 +184,14 @@ inline const AnyTables& any_tables() {
   static const AnyTables instance = [] {
     AnyTables out;
     ClosureTables tables;
-    const std::vector<float> few = {0.0f, 0.5f, 1.0f, 1.5f};
-    out.measured = {
-        tables.measured(TabulatedFacets{.alpha_u = 0.5, .alpha_v = 0.5, .theta = few}.tabulate()),
-        tables.measured(TabulatedFacets{.alpha_u = 0.5, .alpha_v = 0.3, .phi = azimuths(3, 4), .theta = few, .side = 12}
-                            .tabulate()),
-        tables.measured(TabulatedFacets{.alpha_u = 0.3, .alpha_v = 0.5, .phi = azimuths(5, 2), .theta = few, .side = 10}
-                            .tabulate())};
+    // Few and wide cells: a density with many edges takes long to integrate.
+    const std::vector<float> few = {0.0f, 0.75f, 1.5f};
+    const auto facets = [&](double alpha_v, const std::vector<float>& phi) {
+      return TabulatedFacets{.alpha_u = 0.7, .alpha_v = alpha_v, .phi = phi, .theta = few, .side = 6, .sample_side = 3}
+          .tabulate();
+    };
+    out.measured = {tables.measured(facets(0.7, {0})), tables.measured(facets(0.5, azimuths(3, 4))),
+                    tables.measured(facets(0.5, azimuths(4, 2)))};
     out.phase = {tables.phase(std::vector<float>{1.0f, 0.5f, 0.0f, 2.0f, 8.0f}),
                  tables.phase(std::vector<float>{0.3f, 0.7f})};
     out.floats = tables.take();
