@@ -179,7 +179,7 @@ template <class L> struct MeasuredBsdf : MeasuredParameters<L> {
   }
 
   SHEAF_INLINE Spectrum<L> colors(const TableGrid<L>& values, Uint<L>, Float<L> x, Float<L> y) const {
-    const GridCell<L> cell = values.cell(x, y);
+    const TableCell<L> cell = values.cell(x, y);
     const Uint<L> size = values.width * values.height;
     return this->red * values.interpolate(cell, Uint<L>(0u)) + this->green * values.interpolate(cell, size) +
            this->blue * values.interpolate(cell, size + size);
@@ -200,7 +200,7 @@ template <class L> struct MeasuredSpectralBsdf : MeasuredSpectralParameters<L> {
   SHEAF_INLINE Spectrum<L> colors(const TableGrid<L>& values, Uint<L> channels, Float<L> x, Float<L> y) const {
     using F = Float<L>;
     using U = Uint<L>;
-    const GridCell<L> cell = values.cell(x, y);
+    const TableCell<L> cell = values.cell(x, y);
     const U size = values.width * values.height;
     const auto one = [&](F at) {
       const U low = min(to_uint(max(at, F(0.0f))), channels - U(1u));

@@ -59,7 +59,7 @@ template <class L> struct SliceMix {
 };
 
 /// A cell of a grid and the place in it.
-template <class L> struct GridCell {
+template <class L> struct TableCell {
   Uint<L> corner;  ///< index of its first value
   Uint<L> row;
   Float<L> x, y;
@@ -86,7 +86,7 @@ template <class L> struct TableGrid {
     return sum;
   }
 
-  SHEAF_INLINE GridCell<L> cell(F x, F y) const {
+  SHEAF_INLINE TableCell<L> cell(F x, F y) const {
     const U last_column = width - U(2u), last_row = height - U(2u);
     const F place_x = clamp(x, F(0.0f), F(1.0f)) * to_float(width - U(1u));
     const F place_y = clamp(y, F(0.0f), F(1.0f)) * to_float(height - U(1u));
@@ -95,7 +95,7 @@ template <class L> struct TableGrid {
   }
 
   /// The value there, of the grid that begins `offset` floats into each slice.
-  SHEAF_INLINE F interpolate(const GridCell<L>& c, U offset) const {
+  SHEAF_INLINE F interpolate(const TableCell<L>& c, U offset) const {
     const U corner = c.corner + offset;
     return lerp(c.y, lerp(c.x, at(corner), at(corner + U(1u))),
                 lerp(c.x, at(corner + width), at(corner + width + U(1u))));
@@ -142,7 +142,7 @@ template <class L> struct TableWarp : TableGrid<L> {
 
   /// The numbers that sample() makes this point of, and its density.
   SHEAF_INLINE Point invert(F x, F y) const {
-    const GridCell<L> c = this->cell(x, y);
+    const TableCell<L> c = this->cell(x, y);
     const F a = lerp(c.y, this->at(c.corner), this->at(c.corner + this->width));
     const F b = lerp(c.y, this->at(c.corner + U(1u)), this->at(c.corner + this->width + U(1u)));
     const U line = conditional() + c.corner, end = conditional() + c.row * this->width + this->width - U(1u);
