@@ -19,7 +19,7 @@ inline constexpr std::uint32_t kFirstTable = 1;
 /// Most blocks: a float tells their numbers apart, and floats are reached by 32-bit indices.
 inline constexpr std::uint32_t kMaxTableBlocks = 1u << 24;
 
-/// First words of tables, as bits: signalling nothing, but no finite numbers.
+/// First words of tables, as bits: none is a finite number.
 enum class TableTag : std::uint32_t { kMeasured = 0x7fc01001u, kPhase = 0x7fc01002u };
 
 /// Where a lane's table begins.
