@@ -9,6 +9,7 @@
 #include "kernels/bsdf/disney.h"
 #include "kernels/bsdf/dispersive_dielectric.h"
 #include "kernels/bsdf/dispersive_rough_dielectric.h"
+#include "kernels/bsdf/hair.h"
 #include "kernels/bsdf/hanrahan_krueger.h"
 #include "kernels/bsdf/measured.h"
 #include "kernels/bsdf/nori_microfacet.h"
@@ -72,7 +73,7 @@ using AllBsdfs = bsdf_detail::BsdfList<
     RoughConductorGgxBsdf, RoughDielectricBeckmannBsdf, RoughDielectricGgxBsdf, RoughPlasticBeckmannBsdf,
     RoughPlasticGgxBsdf, PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, NoriMicrofacetBsdf, DispersiveDielectricBsdf,
     DispersiveThinDielectricBsdf, DispersiveRoughDielectricBeckmannBsdf, DispersiveRoughDielectricGgxBsdf, PhongBsdf,
-    RoughDiffuseBsdf, WardBsdf, DiffuseTransmitterBsdf, HanrahanKruegerBsdf, MeasuredBsdf, MeasuredSpectralBsdf,
+    RoughDiffuseBsdf, WardBsdf, DiffuseTransmitterBsdf, HanrahanKruegerBsdf, MeasuredBsdf, MeasuredSpectralBsdf, HairBsdf,
     CoatedBsdf, RoughCoatedBeckmannBsdf, RoughCoatedGgxBsdf, HenyeyGreensteinBsdf, RayleighBsdf, TabulatedPhaseBsdf>;
 static_assert(AllBsdfs::is_complete(), "a closure has no BSDF, or they are not in the order of ClosureKind");
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/spectrum.h"
+#include "kernels/bsdf/bsdf.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/wave/path_state.h"
 
@@ -40,6 +41,15 @@ template <class L> SHEAF_INLINE Mask<L> is_right_normal(const TexturedItem<L>& t
 template <class L>
 SHEAF_INLINE Float<L> adjoint_terminator(const TexturedItem<L>& t, Vec3<L> arriving, Float<L> cos_wo) {
   return shadow_terminator<L>(t.ns_unmapped, t.terminator, arriving, cos_wo);
+}
+
+/// What a photon from wo leaves along wi, times |cos(wi)|: the value that a path from wi finds for light from wo.
+template <class L, class Bsdf> SHEAF_INLINE Spectrum<L> adjoint_f_cos(const Bsdf& bsdf, Vec3<L> wo, Vec3<L> wi) {
+  using F = Float<L>;
+  if constexpr (kIsReciprocal<Bsdf>)
+    return bsdf.evaluate(wo, wi).f_cos;
+  else
+    return bsdf.evaluate(wi, wo).f_cos * (abs(wi.z) / max(abs(wo.z), F(1e-6f)));
 }
 
 /// Radiance is scaled by 1 / eta^2 where it enters a medium, photons are not (Veach 1997, section 5.2): the factor that

@@ -40,7 +40,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
   const Vec3<L> wi = frame.to_local(towards);
-  Spectrum<L> f_cos = bsdf.evaluate(item.wo, wi).f_cos;
+  Spectrum<L> f_cos = adjoint_f_cos<L>(bsdf, item.wo, wi);
   if constexpr (!kIsPhaseFunction<Bsdf<L>>) {
     const Vec3<L> arriving = frame.to_world(item.wo);
     f_cos = f_cos * (adjoint_cosines<L>(item, arriving, towards, wi.z) * adjoint_scale<L>(bsdf, item.wo, wi));

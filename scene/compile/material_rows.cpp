@@ -346,6 +346,37 @@ MaterialRow make_row(const MeasuredDescription& d, RowContext& context) {
   return with_flags(m.row(ClosureKind::kMeasured));
 }
 
+/// Absorption by melanin, per radius of a hair and unit of concentration, in linear Rec.709 (d'Eon et al. 2011, as
+/// given in Pharr et al. 2023, section 9.9).
+const SpectrumDescription kEumelanin = SpectrumDescription::rgb(0.419f, 0.697f, 1.37f);
+const SpectrumDescription kPheomelanin = SpectrumDescription::rgb(0.187f, 0.4f, 1.05f);
+
+MaterialRow make_row(const HairDescription& d, RowContext& context) {
+  RowMaker<HairParameters> m{context};
+  if (const auto* by = std::get_if<HairDescription::Melanin>(&d.color)) {
+    m.set(m.p.eumelanin_absorption, kEumelanin, TextureRole::kUnbounded);
+    m.set(m.p.pheomelanin_absorption, kPheomelanin, TextureRole::kUnbounded);
+    m.set(m.p.eumelanin, by->eumelanin);
+    m.set(m.p.pheomelanin, by->pheomelanin);
+  }
+  if (const auto* by = std::get_if<HairDescription::Absorption>(&d.color)) {
+    m.set(m.p.absorption, by->sigma_a, TextureRole::kUnbounded);
+    m.p.scale = by->scale;
+  }
+  if (const auto* by = std::get_if<HairDescription::Reflectance>(&d.color)) {
+    m.set(m.p.absorption, by->color);
+    m.p.by_reflectance = 1;
+  }
+  m.set(m.p.longitudinal_roughness, d.longitudinal_roughness);
+  m.set(m.p.azimuthal_roughness, d.azimuthal_roughness);
+  m.p.tilt = d.scale_tilt * (kPi / 180);
+  m.p.eta = d.int_ior / d.ext_ior;
+  m.p.fourth = context.set != nullptr ? 1.0f : 0.0f;
+  MaterialRow row = m.row(ClosureKind::kHair);
+  row.flags |= kTextured;  // the fibre runs along the tangent
+  return row;
+}
+
 /// Moves the parameters of `nested`, the row made last, to their places behind a coat's own.
 template <template <class> class Parameters>
 void set_nested(RowMaker<Parameters>& m, const MaterialRow& nested, const MaterialSpectra& spectra) {

@@ -241,6 +241,28 @@ struct MeasuredDescription {
   bool transmits() const { return false; }
 };
 
+/// A fibre of hair (Chiang et al. 2016). Lengths inside count in radii of the fibre.
+struct HairDescription {
+  /// Absorption by pigments of these concentrations.
+  struct Melanin {
+    ScalarInput eumelanin = 1.3f, pheomelanin = 0.2f;
+  };
+  /// Absorption per radius.
+  struct Absorption {
+    SpectrumInput sigma_a = SpectrumDescription::constant(0);
+    float scale = 1;
+  };
+  /// Absorption with which much hair, of white light, has this colour.
+  struct Reflectance {
+    SpectrumInput color = SpectrumDescription::constant(0.5f);
+  };
+  std::variant<Melanin, Absorption, Reflectance> color = Melanin{};
+  ScalarInput longitudinal_roughness = 0.3f, azimuthal_roughness = 0.3f;  ///< in [0, 1]
+  float scale_tilt = 2;  ///< degrees by which scales rise from the fibre
+  float int_ior = 1.55f, ext_ior = 1.000277f;
+  bool transmits() const { return true; }
+};
+
 /// A dielectric layer over an opaque material.
 struct CoatDescription {
   float int_ior = 1.5046f, ext_ior = 1.000277f;
@@ -283,7 +305,7 @@ struct MaterialDescription {
   std::variant<DiffuseDescription, ConductorDescription, DielectricDescription, PlasticDescription,
                PrincipledDescription, PrincipledThinDescription, DisneyDescription, NoriMicrofacetDescription,
                PhongDescription, RoughDiffuseDescription, WardDescription, DiffuseTransmitterDescription,
-               HanrahanKruegerDescription, MeasuredDescription, CoatDescription, NullDescription, TwoSidedDescription,
+               HanrahanKruegerDescription, MeasuredDescription, HairDescription, CoatDescription, NullDescription, TwoSidedDescription,
                MaskDescription, BlendDescription, BumpMapDescription, NormalMapDescription>
       model;
   /// Maps only: normals that face away are turned back, and the edge of shadows is softened (Estevez et al. 2019).

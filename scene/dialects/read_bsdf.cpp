@@ -161,6 +161,30 @@ PlasticDescription read_plastic(Properties& p) {
   return result;
 }
 
+/// Absorption by melanin unless it is given itself.
+HairDescription read_hair(Properties& p) {
+  HairDescription result;
+  if (auto sigma_a = p.find_spectrum_input("sigma_a", SpectrumRole::kIor)) {
+    for (const char* melanin : {"eumelanin", "pheomelanin"})
+      if (p.has(melanin)) p.fail_at(melanin, "is given beside 'sigma_a', expected one or the other");
+    result.color = HairDescription::Absorption{*std::move(sigma_a), 1};
+  } else {
+    HairDescription::Melanin melanin;
+    melanin.eumelanin = p.scalar_input("eumelanin", melanin.eumelanin, kNotNegative);
+    melanin.pheomelanin = p.scalar_input("pheomelanin", melanin.pheomelanin, kNotNegative);
+    result.color = std::move(melanin);
+  }
+  const float scale = p.number("scale", 1, kNotNegative);
+  if (auto* absorption = std::get_if<HairDescription::Absorption>(&result.color)) absorption->scale = scale;
+  const NumberRange unit{0, 1};
+  result.longitudinal_roughness = p.scalar_input("longitudinal_roughness", result.longitudinal_roughness, unit);
+  result.azimuthal_roughness = p.scalar_input("azimuthal_roughness", result.azimuthal_roughness, unit);
+  result.scale_tilt = p.number("scale_tilt", result.scale_tilt);
+  result.int_ior = read_ior(p, "int_ior", result.int_ior);
+  result.ext_ior = read_ior(p, "ext_ior", result.ext_ior);
+  return result;
+}
+
 template <PlainModel Model> Model read_plain(Properties& p) {
   Model model;
   std::size_t k = 0;
@@ -260,6 +284,7 @@ const std::vector<std::string>& shared_bsdf_names() {
                                       "coating",
                                       "conductor",
                                       "dielectric",
+                                      "hair",
                                       "hk",
                                       "mask",
                                       "measured",
@@ -311,6 +336,8 @@ bool read_shared_bsdf(Properties& p, const BsdfDialect& dialect, MaterialDescrip
     material.model = read_rough_diffuse(p);
   } else if (type == "ward") {
     material.model = read_ward(p);
+  } else if (type == "hair") {
+    material.model = read_hair(p);
   } else if (type == "hk") {
     material.model = read_hanrahan_krueger(p);
   } else if (type == "measured") {

@@ -35,6 +35,7 @@ enum class ClosureKind : std::uint32_t {
   kHanrahanKrueger,
   kMeasured,
   kMeasuredSpectral,
+  kHair,
   kCoated,
   kRoughCoatedBeckmann,
   kRoughCoatedGgx,
@@ -224,6 +225,23 @@ template <class L> struct MeasuredSpectralParameters {
   static constexpr auto fields(auto& s) { return std::tie(s.table, s.place); }
 };
 
+/// Parameters of a fibre of hair (kernels/bsdf/hair.h).
+template <class L> struct HairParameters {
+  Spectrum<L> absorption;  ///< per radius, times `scale`; or the colour of much hair, see `by_reflectance`
+  Spectrum<L> eumelanin_absorption, pheomelanin_absorption;  ///< per radius and unit of concentration
+  typename L::Float scale;
+  typename L::Float eumelanin, pheomelanin;                       ///< concentrations
+  typename L::Float longitudinal_roughness, azimuthal_roughness;  ///< in [0, 1]
+  typename L::Float tilt;                                         ///< of the scales, radians
+  typename L::Float eta;                                          ///< int / ext
+  typename L::Float by_reflectance;                               ///< 1: absorption follows from a reflectance; else 0
+  typename L::Float fourth;                                       ///< 1 where the fourth lane is a wavelength; else 0
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.absorption, s.eumelanin_absorption, s.pheomelanin_absorption, s.scale, s.eumelanin, s.pheomelanin,
+                    s.longitudinal_roughness, s.azimuthal_roughness, s.tilt, s.eta, s.by_reflectance, s.fourth);
+  }
+};
+
 /// Most spectra and numbers among the parameters of a closure that can be coated.
 inline constexpr int kCoatableSpectra = 3, kCoatableNumbers = 12;
 
@@ -315,6 +333,7 @@ template <class F> constexpr void for_each_closure(F&& f) {
   f(ClosureEntry<kHanrahanKrueger, HanrahanKruegerParameters>{"hanrahan_krueger"});
   f(ClosureEntry<kMeasured, MeasuredParameters>{"measured"});
   f(ClosureEntry<kMeasuredSpectral, MeasuredSpectralParameters>{"measured_spectral"});
+  f(ClosureEntry<kHair, HairParameters>{"hair"});
   f(ClosureEntry<kCoated, CoatedParameters>{"coated"});
   f(ClosureEntry<kRoughCoatedBeckmann, RoughCoatedParameters>{"rough_coated_beckmann"});
   f(ClosureEntry<kRoughCoatedGgx, RoughCoatedParameters>{"rough_coated_ggx"});

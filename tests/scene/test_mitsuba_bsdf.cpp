@@ -1,4 +1,5 @@
 // The Mitsuba dialect: materials and textures, in the spellings of all releases.
+#include "scene/compile/compile_materials.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -65,6 +66,7 @@ TEST_CASE("Mitsuba materials: defaults") {
                                       " 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x1.8p+0");
   CHECK(material("principledthin") == "principledthin" + half + " 0x1p-1 0x0p+0 0x0p+0 0x1.8p+0 0x0p+0 0x0p+0 0x0p+0" +
                                           " 0x0p+0 0x0p+0");
+  CHECK(material("hair") == "hair melanin " + dump_all(1.3f, 0.2f, 0.3f, 0.3f, 2.0f, 1.55f, 1.000277f));
   CHECK(material("null") == "null");
   CHECK(material("mask", bsdf("diffuse")) == "mask 0x1p-1 0");
   CHECK(material("blendbsdf", bsdf("diffuse") + bsdf("plastic")) == "blend 0x1p-1 0 1");
@@ -153,6 +155,60 @@ TEST_CASE("Mitsuba materials: specular of principled becomes an index of refract
     // The reflectance at normal incidence is 0.08 times as large.
     CHECK(std::pow((eta - 1) / (eta + 1), 2) == doctest::Approx(0.08 * specular));
   }
+}
+
+TEST_CASE("Mitsuba materials: hair by its pigments or by what it absorbs") {
+  const std::string rest = number("longitudinal_roughness", "0.1") + number("azimuthal_roughness", "0.2") +
+                           number("scale_tilt", "3") + number("int_ior", "1.4") + number("ext_ior", "1.1");
+  const std::string expected = dump_all(0.1f, 0.2f, 3.0f, 1.4f, 1.1f);
+  CHECK(material("hair", number("pheomelanin", "0.5") + rest) ==
+        "hair melanin " + dump_all(1.3f, 0.5f) + " " + expected);
+  const std::string sigma_a = "<rgb name='sigma_a' value='0.25, 0.5, 4'/>";
+  CHECK(material("hair", sigma_a + number("scale", "10") + rest) ==
+        "hair absorption " + dump_all(SpectrumDescription::rgb(0.25f, 0.5f, 4), 10.0f) + " " + expected);
+  const std::string attribute = " type='mesh_attribute'><string name='name' value='vertex_x'/></texture>";
+  std::string textures;
+  for (const char* name : {"eumelanin", "pheomelanin", "longitudinal_roughness", "azimuthal_roughness"})
+    textures += std::string("<texture name='") + name + "'" + attribute;
+  CHECK(contains(material("hair", textures), "hair melanin texture 0 texture 1 texture 2 texture 3 "));
+  CHECK(contains(material("hair", std::string("<texture name='sigma_a'") + attribute), "hair absorption texture 0 "));
+
+  CHECK(contains(error(bsdf("hair", sigma_a + number("eumelanin", "1"))), "is given beside 'sigma_a'"));
+  CHECK(contains(error(bsdf("hair", number("azimuthal_roughness", "1.5"))), "expected a number from 0 to 1"));
+  CHECK(contains(error(bsdf("hair", number("roughness", "0.5"))), "unknown property 'roughness'"));
+  CHECK(contains(error(bsdf("twosided", bsdf("hair"))), "transmits light"));
+}
+
+TEST_CASE("compile materials: hair has what its colour is made of, and needs its tangent") {
+  const auto parameters = [](const HairDescription& hair) {
+    Description d;
+    d.materials.push_back({hair, true, true, "", {}});
+    const CompiledMaterials out = compile_materials(d.materials);
+    const MaterialRow& row = out.rows.at(out.row_of[0]);
+    CHECK(row.kind == ClosureKind::kHair);
+    CHECK((row.flags & kTextured) != 0);
+    HairParameters<Scalar> p;
+    int k = 0;
+    std::apply([&](auto&... leaf) { ((leaf = row.words[k++]), ...); }, leaves(p));
+    return p;
+  };
+  HairDescription hair;
+  const auto brown = parameters(hair);
+  CHECK(brown.eumelanin == 1.3f);
+  CHECK(brown.eumelanin_absorption.c2 == 1.37f);
+  CHECK(brown.pheomelanin_absorption.c0 == 0.187f);
+  CHECK(brown.eta == doctest::Approx(1.55 / 1.000277));
+  CHECK(brown.tilt == doctest::Approx(0.0349066));
+  CHECK(brown.fourth == 0.0f);
+  hair.color = HairDescription::Absorption{SpectrumDescription::rgb(0.25f, 0.5f, 4), 10};
+  const auto dyed = parameters(hair);
+  CHECK(dyed.eumelanin == 0.0f);
+  CHECK(dyed.absorption.c2 == 4.0f);
+  CHECK(dyed.scale == 10.0f);
+  CHECK(dyed.by_reflectance == 0.0f);
+  hair.color = HairDescription::Reflectance{SpectrumDescription::rgb(0.25f, 0.5f, 0.75f)};
+  CHECK(parameters(hair).absorption.c1 == 0.5f);
+  CHECK(parameters(hair).by_reflectance == 1.0f);
 }
 
 TEST_CASE("Mitsuba materials: roughness") {
@@ -412,7 +468,7 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
       {bsdf("roughconducter"), "scene.xml:4: unknown bsdf plugin 'roughconducter', did you mean 'roughconductor'?"},
       {bsdf("irawan"), "unknown bsdf plugin 'irawan'"},
       {bsdf("irawan"),
-       "(known: blendbsdf, bumpmap, circular, coating, conductor, dielectric, difftrans, diffuse, hk, mask,"},
+       "(known: blendbsdf, bumpmap, circular, coating, conductor, dielectric, difftrans, diffuse, hair, hk, mask,"},
       {"<bsdf type='principled'>\n" + number("rougness", "0") + "</bsdf>",
        "scene.xml:5: unknown property 'rougness' of bsdf 'principled', did you mean 'roughness'?"},
       {bsdf("principled", number("roughness", "1.5")), "is '1.5', expected a number from 0 to 1"},

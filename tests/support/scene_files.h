@@ -178,6 +178,14 @@ inline std::string dump(const MeasuredDescription& v) { return "measured " + v.f
 inline std::string dump(const HanrahanKruegerDescription& v) {
   return dump_all("hk", v.first, v.second, v.by_albedo, v.thickness, v.g);
 }
+inline std::string dump(const HairDescription& v) {
+  const std::string color = std::visit(
+      Overloaded{[](const HairDescription::Melanin& c) { return dump_all("melanin", c.eumelanin, c.pheomelanin); },
+                 [](const HairDescription::Absorption& c) { return dump_all("absorption", c.sigma_a, c.scale); },
+                 [](const HairDescription::Reflectance& c) { return dump_all("reflectance", c.color); }},
+      v.color);
+  return dump_all("hair", color, v.longitudinal_roughness, v.azimuthal_roughness, v.scale_tilt, v.int_ior, v.ext_ior);
+}
 inline std::string dump(const CoatDescription& v) {
   return dump_all("coating", v.int_ior, v.ext_ior, v.thickness, v.sigma_a, v.specular_reflectance, v.roughness,
                   v.nested);

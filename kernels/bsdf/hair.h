@@ -1,0 +1,255 @@
+// Light on fibres of hair: Chiang, Bitterli, Tappan and Burley, "A Practical and Controllable Hair and Fur Model for
+// Production Path Tracing" (EGSR 2016), after d'Eon et al., "An Energy-Conserving Hair Reflectance Model" (EGSR 2011)
+// and Marschner et al. 2003. In the frame y runs along the fibre and z is its normal; theta is the angle to the plane
+// across the fibre, gamma the one in that plane from the normal. Light that enters has left where it entered: a fibre
+// is thin against all around it, so that both sides of it are lit through its surface alone.
+//
+//   f |cos(wi)| = sum over p < 3 of A_p(wo) M_p(theta_o, theta_i) N_p(gamma_i - gamma_o)  +  A_3 M_3 / (2 pi)
+//
+// with p the paths inside: 0 reflected, 1 passing through, 2 reflected inside once; 3 stands for all longer ones.
+//   A  what remains of the light: Fresnel's terms and absorption along the ways inside (d'Eon, section 5); they sum to
+//   1
+//      where nothing is absorbed
+//   M  a lobe around -theta_o, turned by the tilt of the fibre's scales, of variance v (d'Eon, equation 7)
+//   N  a logistic lobe around the direction of a smooth fibre, cut off at half a turn (Chiang, section 4.1)
+// The offset of the ray from the fibre's middle, h in [-1, 1], is the sine of gamma_o. The model is not reciprocal: A
+// is that of wo alone.
+#pragma once
+
+#include "core/distribution.h"
+#include "core/warp.h"
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/fresnel.h"
+#include "kernels/bsdf/microfacet.h"
+#include "scene/tables/material.h"
+
+#include <array>
+
+namespace sheaf {
+
+namespace hair_detail {
+
+/// A direction relative to the fibre.
+template <class L> struct FibreAngles {
+  typename L::Float sin_theta, cos_theta, gamma;
+
+  FibreAngles() = default;
+  SHEAF_INLINE explicit FibreAngles(Vec3<L> w) {
+    using F = typename L::Float;
+    sin_theta = w.y;
+    cos_theta = sqrt(w.x * w.x + w.z * w.z);
+    gamma = atan2(-w.x, select(cos_theta > F(0.0f), w.z, F(1.0f)));
+  }
+
+  /// In the same plane, `angle` further from the plane across; given by its sine and cosine.
+  SHEAF_INLINE FibreAngles turned(typename L::Float sine, typename L::Float cosine) const {
+    FibreAngles out = *this;
+    out.sin_theta = sin_theta * cosine + cos_theta * sine;
+    out.cos_theta = abs(cos_theta * cosine - sin_theta * sine);
+    return out;
+  }
+};
+
+/// The Bessel function I0(x) where x < kSmallBessel, else exp(-x) I0(x) (Abramowitz and Stegun 1964, 9.8.1 and 9.8.2).
+inline constexpr float kSmallBessel = 3.75f;
+template <class F> SHEAF_INLINE F scaled_bessel_i0(F x) {
+  const F y = sqr(x * F(1 / kSmallBessel)), z = F(kSmallBessel) / max(x, F(kSmallBessel));
+  const F below = polynomial(y, 1.0f, 3.5156229f, 3.0899424f, 1.2067492f, 0.2659732f, 0.0360768f, 0.0045813f);
+  const F above = fma(z,
+                      polynomial(z, 0.01328592f, 0.00225319f, -0.00157565f, 0.00916281f, -0.02057706f, 0.02635537f,
+                                 -0.01647633f, 0.00392377f),
+                      F(0.39894228f));
+  return select(x < F(kSmallBessel), below, above / sqrt(max(x, F(kSmallBessel))));
+}
+
+/// M: density of theta_b, over its cosine, around -theta_a. Exact also where lobes are narrow: what stands in the
+/// exponent is 1 - cos(theta_a + theta_b).
+template <class L>
+SHEAF_INLINE Float<L> longitudinal(const FibreAngles<L>& a, const FibreAngles<L>& b, Float<L> variance) {
+  using F = Float<L>;
+  const F away = F(0.5f) * (sqr(a.cos_theta - b.cos_theta) + sqr(a.sin_theta + b.sin_theta));
+  const F x = a.cos_theta * b.cos_theta / variance;
+  const F exponent = -(away / variance) - select(x < F(kSmallBessel), x, F(0.0f));
+  return exp(exponent) * scaled_bessel_i0(x) / (variance * (F(1.0f) - exp(F(-2.0f) / variance)));
+}
+
+/// N: the logistic distribution of scale s between -pi and pi.
+template <class F> struct TrimmedLogistic {
+  F s, tail;  ///< tail: exp(-pi / s)
+
+  explicit SHEAF_INLINE TrimmedLogistic(F scale) : s(scale), tail(exp(F(-kPi) / scale)) {}
+
+  /// At any angle.
+  SHEAF_INLINE F density(F angle) const {
+    const F turn = angle * F(0.5f * kInvPi);
+    const F x = (turn - floor(turn + F(0.5f))) * F(2.0f * kPi);
+    const F e = exp(-(abs(x) / s));
+    return e * (F(1.0f) + tail) / (s * sqr(F(1.0f) + e) * (F(1.0f) - tail));
+  }
+
+  SHEAF_INLINE F sample(F u) const {
+    const F one(1.0f), least = tail / (one + tail), all = (one - tail) / (one + tail);
+    const F below = max(fma(u, all, least), F(1e-30f)), above = max(fma(one - u, all, least), F(1e-30f));
+    return clamp(s * log(below / above), F(-kPi), F(kPi));
+  }
+};
+
+/// a^n for n > 0.
+template <int N, class F> SHEAF_INLINE F whole_power(F a) {
+  if constexpr (N == 1)
+    return a;
+  else if constexpr (N % 2 == 1)
+    return a * whole_power<N - 1>(a);
+  else
+    return sqr(whole_power<N / 2>(a));
+}
+
+}  // namespace hair_detail
+
+template <class L> struct HairBsdf : HairParameters<L> {
+  static constexpr auto kKind = ClosureKind::kHair;
+  static constexpr bool kIsSpecular = false, kIsAnisotropic = true, kIsReciprocal = false;
+  using F = typename L::Float;
+  using Angles = hair_detail::FibreAngles<L>;
+
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const { return evaluate(Lobes(*this, wo), wi); }
+
+  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    const Lobes lobes(*this, wo);
+    // The lobe, and what of u.x that leaves.
+    F begin(0.0f), share = lobes.probability[0], variance = lobes.variance[0], middle = lobes.middle[0];
+    Angles around = lobes.around[0];
+    Mask<L> is_last(false);
+    F end = share;
+    for (std::size_t p = 1; p < kLobes; ++p) {
+      const Mask<L> further = (u.x >= end) & (lobes.probability[p] > F(0.0f));
+      begin = select(further, end, begin);
+      share = select(further, lobes.probability[p], share);
+      variance = select(further, lobes.variance[p], variance);
+      around.sin_theta = select(further, lobes.around[p].sin_theta, around.sin_theta);
+      around.cos_theta = select(further, lobes.around[p].cos_theta, around.cos_theta);
+      if (p < kLobes - 1) middle = select(further, lobes.middle[p], middle);
+      if (p == kLobes - 1) is_last = further;
+      end += lobes.probability[p];
+    }
+    const F rest = clamp((u.x - begin) / max(share, F(1e-30f)), F(0.0f), F(kOneMinusEpsilon));
+
+    // d'Eon et al., "A Fiber Scattering Model with Non-Separable Lobes" (SIGGRAPH 2014 sketch), section 3.
+    const F one(1.0f);
+    const F drawn = fma(u.y, one - exp(F(-2.0f) / variance), exp(F(-2.0f) / variance));
+    const F one_minus_cos = clamp(-variance * log(max(drawn, F(1e-37f))), F(0.0f), F(2.0f));
+    const F sine = sqrt(one_minus_cos * (F(2.0f) - one_minus_cos));
+    const F sin_theta = clamp(
+        fma(sine * sincos_2pi<L>(u.z).cos, around.cos_theta, (one_minus_cos - one) * around.sin_theta), -one, one);
+    const F cos_theta = safe_sqrt(one - sin_theta * sin_theta);
+    const F gamma = select(is_last, rest * F(2.0f * kPi), middle + lobes.azimuth.sample(rest));
+    const F turn = gamma * F(0.5f * kInvPi);
+    const auto direction = sincos_2pi<L>(turn - floor(turn));
+
+    BsdfSample<L> s;
+    s.wi = {-(cos_theta * direction.sin), sin_theta, cos_theta * direction.cos};
+    const BsdfValue<L> value = evaluate(lobes, s.wi);
+    s.pdf_solid_angle = value.pdf_solid_angle;
+    s.valid = value.pdf_solid_angle > F(0.0f);
+    s.weight = value.f_cos * (one / select(s.valid, value.pdf_solid_angle, one));
+    s.eta_scale = one;
+    return s;
+  }
+
+ private:
+  static constexpr std::size_t kLobes = 4;  ///< the last is that of all further paths
+
+  /// What depends on the outgoing direction alone.
+  struct Lobes {
+    std::array<Spectrum<L>, kLobes> attenuation;  ///< A
+    std::array<F, kLobes> probability;            ///< of sampling; their sum is 1
+    std::array<F, kLobes> variance;               ///< v, of M
+    std::array<Angles, kLobes> around;            ///< theta_o as the tilt of the scales has it
+    std::array<F, kLobes - 1> middle;             ///< gamma_i of a smooth fibre
+    hair_detail::TrimmedLogistic<F> azimuth;
+
+    SHEAF_INLINE Lobes(const HairBsdf& hair, Vec3<L> wo) : azimuth(hair.azimuthal_scale()) {
+      const Angles o(wo);
+      const F sin_gamma_t = clamp(-wo.x / max(safe_sqrt(sqr(hair.eta) - wo.y * wo.y), F(1e-20f)), F(-1.0f), F(1.0f));
+      const F cos_gamma_t = safe_sqrt(F(1.0f) - sin_gamma_t * sin_gamma_t);
+      const F cos_theta_t = max(safe_sqrt(F(1.0f) - sqr(wo.y / hair.eta)), F(1e-4f));
+      set_attenuation(hair, fresnel_dielectric<L>(abs(wo.z), hair.eta).reflectance,
+                      hair.absorbed(F(-2.0f) * cos_gamma_t / cos_theta_t));
+      const F v = hair.longitudinal_variance();
+      variance = {v, F(0.25f) * v, F(4.0f) * v, F(4.0f) * v};
+      const F sin1 = sin(hair.tilt), cos1 = cos(hair.tilt), sin2 = F(2.0f) * sin1 * cos1,
+              cos2 = cos1 * cos1 - sin1 * sin1;
+      around = {o.turned(-sin2, cos2), o.turned(sin1, cos1), o.turned(F(2.0f) * sin2 * cos2, cos2 * cos2 - sin2 * sin2),
+                o};
+      const F through = F(2.0f) * atan2(sin_gamma_t, max(cos_gamma_t, F(1e-20f))) + F(kPi);
+      middle = {-o.gamma, through - o.gamma, F(2.0f) * through - o.gamma};
+    }
+
+    /// `f`: reflectance where light enters; `t`: what is left of it on the other side.
+    SHEAF_INLINE void set_attenuation(const HairBsdf& hair, F f, Spectrum<L> t) {
+      const F one(1.0f), enters = one - f;
+      const Spectrum<L> turns = t * f;
+      attenuation[0] = Spectrum<L>(f);
+      attenuation[1] = t * (enters * enters);
+      attenuation[2] = attenuation[1] * turns;
+      const auto ever_after = [&](F x) SHEAF_LAMBDA_INLINE { return x / max(one - x, F(1e-7f)); };
+      attenuation[3] = attenuation[2] * Spectrum<L>(ever_after(turns.c0), ever_after(turns.c1), ever_after(turns.c2),
+                                                    ever_after(turns.c3));
+      F sum(0.0f);
+      for (std::size_t p = 0; p < kLobes; ++p) {
+        Spectrum<L>& a = attenuation[p];
+        a.c3 = a.c3 * hair.fourth;
+        probability[p] = total(a);
+        sum += probability[p];
+      }
+      for (F& each : probability) each = each / sum;
+    }
+  };
+
+  SHEAF_INLINE BsdfValue<L> evaluate(const Lobes& lobes, Vec3<L> wi) const {
+    const Angles i(wi);
+    BsdfValue<L> value{Spectrum<L>(F(0.0f)), F(0.0f)};
+    for (std::size_t p = 0; p < kLobes; ++p) {
+      const F n =
+          p < kLobes - 1 ? lobes.azimuth.density(i.gamma - lobes.middle[std::min(p, kLobes - 2)]) : F(0.5f * kInvPi);
+      const F density = hair_detail::longitudinal<L>(lobes.around[p], i, lobes.variance[p]) * n;
+      value.f_cos = value.f_cos + lobes.attenuation[p] * density;
+      value.pdf_solid_angle += lobes.probability[p] * density;
+    }
+    return value;
+  }
+
+  /// What remains after a way of -`minus_length` radii.
+  SHEAF_INLINE Spectrum<L> absorbed(F minus_length) const {
+    Spectrum<L> sigma_a = this->absorption * this->scale + this->eumelanin_absorption * this->eumelanin +
+                          this->pheomelanin_absorption * this->pheomelanin;
+    const Mask<L> by_colour = this->by_reflectance > F(0.5f);
+    if (any(by_colour)) sigma_a = select<L>(by_colour, absorption_of_reflectance(), sigma_a);
+    const auto& s = sigma_a;
+    return {exp(s.c0 * minus_length), exp(s.c1 * minus_length), exp(s.c2 * minus_length), exp(s.c3 * minus_length)};
+  }
+
+  /// Of hair that looks like `absorption` where there is much of it (Chiang 2016, section 4.2, a fit).
+  SHEAF_INLINE Spectrum<L> absorption_of_reflectance() const {
+    const F b = this->azimuthal_roughness;
+    const F fit = polynomial(b, 5.969f, -0.215f, 2.532f, -10.73f, 5.574f, 0.245f);
+    const auto of = [&](F c) SHEAF_LAMBDA_INLINE { return sqr(log(clamp(c, F(1e-4f), F(1.0f))) / fit); };
+    const Spectrum<L>& c = this->absorption;
+    return {of(c.c0), of(c.c1), of(c.c2), of(c.c3)};
+  }
+
+  /// v of the first lobe and s, by fits in which roughness from 0 to 1 looks even (Chiang 2016, equations 7 and 8).
+  /// Smoother than a hundredth is more than single precision resolves.
+  SHEAF_INLINE F longitudinal_variance() const {
+    const F b = max(this->longitudinal_roughness, F(kLeastRoughness));
+    return sqr(F(0.726f) * b + F(0.812f) * b * b + F(3.7f) * hair_detail::whole_power<20>(b));
+  }
+  SHEAF_INLINE F azimuthal_scale() const {
+    const F b = max(this->azimuthal_roughness, F(kLeastRoughness));
+    constexpr float kRootOfPiOver8 = 0.626657069f;
+    return F(kRootOfPiOver8) * (F(0.265f) * b + F(1.194f) * b * b + F(5.372f) * hair_detail::whole_power<22>(b));
+  }
+  static constexpr float kLeastRoughness = 0.01f;
+};
+
+}  // namespace sheaf
