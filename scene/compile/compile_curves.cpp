@@ -12,20 +12,39 @@ constexpr float kMaxCurveCoordinate = 1e9f;
 /// Its test of lines takes differences of products of four lengths for 0 where they are smaller than a constant.
 constexpr float kShortLine = 5e-3f;
 
+/// The least radius of the hull of a cubic B-spline's segment whose control points begin at `p`, by its Bezier form.
+/// Radii that shrink evenly to nothing have a negative one behind the end.
+float least_radius(const Curves::Point* p) {
+  const float a = p[0].radius, b = p[1].radius, c = p[2].radius, d = p[3].radius;
+  return std::min({(a + 4 * b + c) / 6, (2 * b + c) / 3, (b + 2 * c) / 3, (b + 4 * c + d) / 6});
+}
+
+/// Throws SceneError for radii that are negative somewhere.
+void check_radii(const Curves& curves, std::size_t begin, std::size_t end) {
+  constexpr float kRounding = 1e-5f;
+  for (std::size_t i = begin; i + curves.order() <= end; ++i) {
+    const Curves::Point* p = curves.points.data() + i;
+    const bool linear = curves.basis == Curves::Basis::kLinear;
+    const float least = linear ? std::min(p[0].radius, p[1].radius) : least_radius(p);
+    const float most = std::max(p[linear ? 0 : 1].radius, p[linear ? 1 : 2].radius);
+    if (!(least >= -kRounding * std::max(most, 0.0f)))
+      throw SceneError("the radius of a curve is " + std::to_string(least));
+  }
+}
+
 /// Throws SceneError for what curves cannot have.
 void check_curves(const ShapeDescription& shape, const Curves& curves) {
   if (shape.radiance) throw SceneError("curves cannot emit light: expected no <emitter> in them");
   if (shape.interior || shape.exterior)
     throw SceneError("curves are no boundaries of media: expected neither 'interior' nor 'exterior'");
   if (shape.flip_normals) throw SceneError("the normals of curves point outwards: expected no 'flip_normals'");
-  for (const Curves::Point& point : curves.points)
-    if (!(point.radius >= 0.0f)) throw SceneError("the radius of a curve is " + std::to_string(point.radius));
   if (curves.points.empty() || curves.starts.empty() || curves.starts.front() != 0)
     throw SceneError("curves without points");
   for (std::size_t i = 0; i < curves.starts.size(); ++i) {
     const std::size_t end = i + 1 < curves.starts.size() ? curves.starts[i + 1] : curves.points.size();
     if (end > curves.points.size() || end < std::size_t{curves.starts[i]} + curves.order())
       throw SceneError("a curve has fewer than " + std::to_string(curves.order()) + " points");
+    check_radii(curves, curves.starts[i], end);
   }
 }
 
@@ -48,7 +67,7 @@ UsableSegments usable_segments(const Curves& curves, const std::vector<CurvePoin
       for (std::uint32_t k = first; k < first + order; ++k) {
         const CurvePointRow& point = points[k];
         usable = usable && is_finite(point.position) &&
-                 max_component(abs(point.position)) + point.radius <= kMaxCurveCoordinate;
+                 max_component(abs(point.position)) + std::fabs(point.radius) <= kMaxCurveCoordinate;
         radius = std::max(radius, point.radius);
         grow_box(around.min, around.max, point.position, point.position);
       }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
 
 namespace sheaf::pbrt {
 
@@ -23,6 +24,7 @@ struct Material {
   std::optional<MaterialId> id;  ///< none: there was no Material so far
   bool textured = false;
   bool is_interface = false;
+  std::optional<MediumId> interior = {};  ///< what shapes of it are filled with
 };
 
 /// What an AreaLightSource says.
@@ -68,9 +70,12 @@ struct Reader {
   std::optional<Material> standard_material = {};  ///< of shapes without one, once there was such a shape
   Object* object = nullptr;   ///< that is being defined
   bool used_texture = false;  ///< since it was last reset
+  std::set<std::string, std::less<>> noted = {};  ///< by note_once()
 
   /// Adds a remark for the user.
   void note(const SourceLocation& where, const std::string& message);
+  /// The same, but each message once.
+  void note_once(const SourceLocation& where, const std::string& message);
   /// Says that something is read as something else, or not at all.
   void stand_in(const SourceLocation& where, const std::string& message);
   /// Throws SceneError that `what` is not supported; if lenient, notes it and what is done `instead`.
@@ -117,6 +122,10 @@ TextureId add_picture(Reader& reader, BitmapDescription picture, const SourceLoc
 Material make_material(Reader& reader, const std::string& name, Entity entity);
 MaterialId add(Reader& reader, decltype(MaterialDescription::model) model, const SourceLocation& where);
 
+// pbrt_subsurface.cpp
+/// The medium behind the surface of a material "subsurface", whose index of refraction is `eta`.
+MediumId read_subsurface(Parameters& p, float eta);
+
 // pbrt_light.cpp
 void read_light(Reader& reader, Entity entity);
 AreaLight read_area_light(Reader& reader, Entity entity);
@@ -143,6 +152,12 @@ void append(Mesh& mesh, const Patch& patch);
 Mesh read_triangle_mesh(Parameters& p, bool textured);
 /// Shape "bilinearmesh": flat patches become two triangles, others squares of them.
 Mesh read_bilinear_mesh(Parameters& p);
+
+// pbrt_curve.cpp
+/// Shape "curve", in the space that `to_world` leads to.
+Curves read_curve(Parameters& p, const Transform& to_world);
+/// Makes a curve part of the last of `shapes` if that is one of curves, too, and of the same material.
+bool append_curve(std::vector<ShapeDescription>& shapes, const ShapeDescription& shape);
 
 // pbrt_camera.cpp
 /// `world_from_camera` is the inverse of the transform at Camera.

@@ -148,6 +148,44 @@ Model dielectric(Parameters& p, bool thin, bool remap) {
   return glass;
 }
 
+/// A number in [0, 1] or a texture.
+ScalarInput hair_roughness(Parameters& p, const char* name, ScalarInput otherwise) {
+  const ScalarInput roughness = find_scalar_input(p, name).value_or(otherwise);
+  if (const float* number = std::get_if<float>(&roughness); number != nullptr && !(*number >= 0 && *number <= 1))
+    p.fail_at(name, "is " + std::to_string(*number) + ", expected a number from 0 to 1");
+  return roughness;
+}
+
+Model hair(Parameters& p) {
+  HairDescription fibre;
+  const auto sigma_a = find_spectrum_input(p, "sigma_a", Use::kUnbounded);
+  const char* name = p.has("color") ? "color" : "reflectance";
+  const auto reflectance = find_spectrum_input(p, name, Use::kReflectance);
+  const auto eumelanin = find_scalar_input(p, "eumelanin"), pheomelanin = find_scalar_input(p, "pheomelanin");
+  const bool by_melanin = eumelanin || pheomelanin;
+  if (int{sigma_a.has_value()} + int{reflectance.has_value()} + int{by_melanin} > 1)
+    p.fail("has more than one of 'sigma_a', 'reflectance' and the melanins, expected one");
+  fibre.color =
+      HairDescription::Melanin{by_melanin ? eumelanin.value_or(0.0f) : ScalarInput(1.3f), pheomelanin.value_or(0.0f)};
+  if (sigma_a) fibre.color = HairDescription::Absorption{*sigma_a, 1};
+  if (reflectance) fibre.color = HairDescription::Reflectance{*reflectance};
+  fibre.longitudinal_roughness = hair_roughness(p, "beta_m", 0.3f);
+  fibre.azimuthal_roughness = hair_roughness(p, "beta_n", 0.3f);
+  fibre.scale_tilt = p.number("alpha", 2);
+  fibre.int_ior = p.number("eta", 1.55f, kPositive);
+  fibre.ext_ior = 1;
+  return fibre;
+}
+
+Model subsurface(Parameters& p, bool remap, std::optional<MediumId>& interior) {
+  DielectricDescription boundary;
+  boundary.int_ior = p.number("eta", 1.33f, kPositive);
+  boundary.ext_ior = 1;
+  boundary.roughness = read_roughness(p, "", remap);
+  interior = read_subsurface(p, boundary.int_ior);
+  return boundary;
+}
+
 Model mix(Parameters& p) {
   const Parameter* names = p.find("materials");
   if (names == nullptr || names->type != "string" || names->strings.size() != 2)
@@ -161,6 +199,7 @@ Model mix(Parameters& p) {
     if (found == reader.materials.end())
       p.fail_at("materials", "has '" + names->strings[i] + "', which is not defined so far");
     reader.used_texture = reader.used_texture || found->second.textured;
+    if (found->second.interior) p.unsupported("subsurface scattering in a mix", "only its boundary is part of it");
     blend.nested[i] = *found->second.id;
   }
   return blend;
@@ -199,15 +238,6 @@ Model diffuse_transmission(Parameters& p, const SourceLocation& where) {
   return BlendDescription{share, {both, through}};
 }
 
-/// Materials that have no counterpart.
-Model stand_in(Parameters& p, const std::string& type) {
-  p.unsupported("materials of this kind", "a diffuse one is taken");
-  p.accept({"transmittance", "scale", "sigma_a", "sigma_s", "color", "eumelanin", "pheomelanin", "eta", "beta_m",
-            "beta_n", "alpha", "mfp", "name", "g", "roughness", "uroughness", "vroughness", "remaproughness"});
-  if (type == "hair") return DiffuseDescription{SpectrumDescription::constant(0.2f)};
-  return diffuse(p);
-}
-
 /// displacement and normalmap around a material.
 MaterialId mapped(Parameters& p, MaterialId nested, const SourceLocation& where) {
   const std::optional<ScalarInput> displacement = find_scalar_input(p, "displacement");
@@ -240,7 +270,9 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
     return {add(reader, NullDescription{}, entity.where), false, true};
   }
   const bool layered = type == "coateddiffuse" || type == "coatedconductor";
-  const bool remap = layered || type == "conductor" || type == "dielectric" ? p.boolean("remaproughness", true) : true;
+  const bool rough = layered || type == "conductor" || type == "dielectric" || type == "subsurface";
+  const bool remap = rough ? p.boolean("remaproughness", true) : true;
+  std::optional<MediumId> interior;
   bool both_sides = true;
   Model model;
   if (type == "diffuse") {
@@ -264,8 +296,12 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
     model = diffuse_transmission(p, entity.where);
   } else if (type == "measured") {
     model = MeasuredDescription{p.file("filename")};
-  } else if (type == "hair" || type == "subsurface") {
-    model = stand_in(p, type);
+  } else if (type == "hair") {
+    both_sides = false;
+    model = hair(p);
+  } else if (type == "subsurface") {
+    both_sides = false;
+    model = subsurface(p, remap, interior);
   } else {
     const std::vector<std::string> known = {
         "coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",       "diffusetransmission", "hair",
@@ -276,7 +312,7 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
   if (both_sides) id = add(reader, TwoSidedDescription{id, id}, entity.where);
   reader.description.materials.at(static_cast<std::size_t>(id)).id = name;
   p.finish();
-  return {id, reader.used_texture, false};
+  return {id, reader.used_texture, false, interior};
 }
 
 }  // namespace sheaf::pbrt

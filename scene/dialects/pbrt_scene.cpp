@@ -22,6 +22,10 @@ void Reader::note(const SourceLocation& where, const std::string& message) {
   description.notes.push_back(where.file + ":" + std::to_string(where.line) + ": " + message);
 }
 
+void Reader::note_once(const SourceLocation& where, const std::string& message) {
+  if (noted.insert(message).second) note(where, message);
+}
+
 void Reader::stand_in(const SourceLocation& where, const std::string& message) {
   description.stand_ins.push_back(SceneError(where, message).what());
 }

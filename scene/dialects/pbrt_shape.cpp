@@ -135,8 +135,7 @@ Geometry read_subdivision(Parameters& p, ShapeDescription& shape, bool textured)
   return {0, false, true};
 }
 
-/// Nothing if there is no counterpart.
-std::optional<Geometry> read_geometry(Parameters& p, const std::string& type, ShapeDescription& shape, bool textured) {
+Geometry read_geometry(Parameters& p, const std::string& type, ShapeDescription& shape, bool textured) {
   if (type == "sphere") return read_sphere(p, shape, textured);
   if (type == "cylinder") return read_cylinder(p, shape);
   if (type == "disk") return read_disk(p, shape, textured);
@@ -149,8 +148,9 @@ std::optional<Geometry> read_geometry(Parameters& p, const std::string& type, Sh
     return Geometry{0, has_normals, true};
   }
   if (type == "curve") {
-    p.unsupported("curves", "the shape is left out");
-    return std::nullopt;
+    shape.geometry = read_curve(p, shape.to_world);
+    shape.to_world = Transform();
+    return Geometry{0, true, false};
   }
   const std::vector<std::string> known = {"bilinearmesh", "curve",   "cylinder", "disk",
                                           "loopsubdiv",   "plymesh", "sphere",   "trianglemesh"};
@@ -174,6 +174,7 @@ void add_emission(Parameters& p, ShapeDescription& shape, const Geometry& geomet
     return reader.note(p.where(), p.title() + " is part of an object, whose shapes do not shine in pbrt");
   if (reader.attributes.material.is_interface)
     return reader.note(p.where(), p.title() + " has the material 'interface', and so does not shine");
+  if (std::holds_alternative<Curves>(shape.geometry)) return p.unsupported("light of curves", "they do not shine");
   shape.radiance = light->radiance;
   if (!light->power) return;
   std::optional<SpectrumInput> radiance;
@@ -189,8 +190,9 @@ void add_emission(Parameters& p, ShapeDescription& shape, const Geometry& geomet
 /// The media on its sides, where they differ: else light does not notice.
 void add_media(Parameters& p, ShapeDescription& shape) {
   const Attributes& a = p.reader().attributes;
-  if (a.inside == a.outside) return;
-  shape.interior = medium_of(p.reader(), a.inside, p.where());
+  if (a.inside == a.outside && !a.material.interior) return;
+  if (std::holds_alternative<Curves>(shape.geometry)) return p.unsupported("media inside of curves", "there are none");
+  shape.interior = a.material.interior ? a.material.interior : medium_of(p.reader(), a.inside, p.where());
   shape.exterior = medium_of(p.reader(), a.outside, p.where());
 }
 
@@ -210,14 +212,17 @@ void read_shape(Reader& reader, Entity entity) {
   const bool lit_by_picture =
       reader.attributes.area_light && std::holds_alternative<TextureId>(reader.attributes.area_light->radiance);
   const bool textured = reader.used_texture || lit_by_picture;
-  const std::optional<Geometry> geometry = read_geometry(p, entity.type, shape, textured);
-  if (!geometry) return;
-  const bool mirrored = geometry->is_mesh && !geometry->has_normals && reader.attributes.transform.swaps_handedness();
-  shape.flip_normals = reader.attributes.reverse_orientation != mirrored;
-  add_emission(p, shape, *geometry);
+  const Geometry geometry = read_geometry(p, entity.type, shape, textured);
+  const bool mirrored = geometry.is_mesh && !geometry.has_normals && reader.attributes.transform.swaps_handedness();
+  const bool is_curve = std::holds_alternative<Curves>(shape.geometry);
+  shape.flip_normals = !is_curve && reader.attributes.reverse_orientation != mirrored;
+  add_emission(p, shape, geometry);
   add_media(p, shape);
   p.finish();
-  (reader.object != nullptr ? reader.object->group.shapes : reader.description.shapes).push_back(std::move(shape));
+  auto& shapes = reader.object != nullptr ? reader.object->group.shapes : reader.description.shapes;
+  // Hair comes as one shape for each; textures would see the difference.
+  if (is_curve && !textured && append_curve(shapes, shape)) return;
+  shapes.push_back(std::move(shape));
 }
 
 }  // namespace sheaf::pbrt

@@ -342,6 +342,20 @@ TEST_CASE("curves: instances of them, beside meshes and quadrics, are where they
   CHECK(on_curve > 200);
 }
 
+TEST_CASE("curves: radii may shrink evenly to nothing") {
+  // A cone from radius 0.2 at z = 0 to its tip at z = 1: the control point behind the tip has a negative radius.
+  const auto cone = lone(one_curve(Curves::Basis::kBspline,
+                                   {{{0, 0, -1}, 0.4f}, {{0, 0, 0}, 0.2f}, {{0, 0, 1}, 0.0f}, {{0, 0, 2}, -0.2f}}),
+                         Transform());
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    const float z = 0.02f + 0.96f * random4<Scalar>(63, i, 0, 0).x, r = 0.2f * (1 - z);
+    const Vec3f across = normalize(Vec3f{random_direction(64, i).x, random_direction(64, i).y, 0});
+    const Vec3f side{-across.y, across.x, 0};
+    CHECK(trace_ray(cone->view(), across * 2.0f + side * (0.9f * r) + Vec3f{0, 0, z}, -across));
+    CHECK_FALSE(trace_ray(cone->view(), across * 2.0f + side * (1.1f * r) + Vec3f{0, 0, z}, -across));
+  }
+}
+
 TEST_CASE("curves: what they cannot be is an error") {
   const Curves good = one_curve(Curves::Basis::kLinear, {{{0, 0, 0}, 1}, {{0, 0, 1}, 1}});
   const auto error = [](const Curves& curves, auto&& change) {

@@ -291,6 +291,143 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK(!d.shapes[5].flip_normals);
   }
 
+  TEST_CASE("Curves are tubes along B-splines that are the same curves") {
+    const auto curves = [](const std::string& parameters) {
+      return std::get<Curves>(read_world("Shape \"curve\" " + parameters).shapes.at(0).geometry);
+    };
+    // The point of a segment at t: four weights of its control points; the same for the radius.
+    const auto at = [](const Curves& c, std::size_t first, float t) {
+      const float s = 1 - t;
+      const float w[] = {s * s * s / 6, (4 - 6 * t * t + 3 * t * t * t) / 6, (4 - 6 * s * s + 3 * s * s * s) / 6,
+                         t * t * t / 6};
+      Curves::Point out{};
+      for (std::size_t k = 0; k < 4; ++k) {
+        out.position = out.position + c.points.at(first + k).position * w[k];
+        out.radius += c.points[first + k].radius * w[k];
+      }
+      return out;
+    };
+    const Curves cubic = curves(R"("point3 P" [ 0 0 0  1 2 0  3 0 1  4 4 4 ] "float width0" 0.4 "float width1" 0)");
+    REQUIRE(cubic.points.size() == 4);
+    CHECK(cubic.basis == Curves::Basis::kBspline);
+    for (const float t : {0.0f, 0.3f, 1.0f}) {
+      const float s = 1 - t;
+      const Vec3f expected =
+          Vec3f{1, 2, 0} * (3 * s * s * t) + Vec3f{3, 0, 1} * (3 * s * t * t) + Vec3f{4, 4, 4} * (t * t * t);
+      CHECK(length(at(cubic, 0, t).position - expected) < 1e-5f);
+      CHECK(at(cubic, 0, t).radius == Approx(0.2 * (1 - t)).epsilon(1e-5));
+    }
+    const Curves quadratic =
+        curves(R"("point3 P" [ 0 0 0  1 2 0  2 0 0  3 -2 0  4 0 0 ] "integer degree" 2 "float width" 0.5)");
+    CHECK(quadratic.starts == std::vector<std::uint32_t>{0, 4});
+    CHECK(length(at(quadratic, 0, 0.5f).position - Vec3f{1, 1, 0}) < 1e-5f);
+    CHECK(length(at(quadratic, 4, 0.5f).position - Vec3f{3, -1, 0}) < 1e-5f);
+    CHECK(at(quadratic, 4, 0.5f).radius == Approx(0.25));
+    const std::string points = R"("point3 P" [ 0 0 0  1 2 0  2 0 0  3 -2 0  4 0 0 ] "string basis" "bspline")";
+    const Curves spline = curves(points + " \"float width1\" 3");
+    CHECK(spline.starts.size() == 1);
+    REQUIRE(spline.points.size() == 5);
+    CHECK(spline.points[1].position == Vec3f{1, 2, 0});
+    CHECK(at(spline, 0, 0).radius == Approx(0.5));
+    CHECK(at(spline, 1, 0).radius == Approx(1));
+    CHECK(at(spline, 1, 1).radius == Approx(1.5));
+    // A quadratic B-spline is in the middle between its control points where segments meet.
+    const Curves smooth = curves(points + " \"integer degree\" 2");
+    CHECK(smooth.starts.size() == 3);
+    CHECK(length(at(smooth, 4, 0).position - Vec3f{1.5f, 1, 0}) < 1e-5f);
+    CHECK(length(at(smooth, 4, 0.5f).position - Vec3f{2, 0, 0}) < 1e-5f);
+  }
+
+  TEST_CASE("Curves of one material become one shape, where nothing can tell") {
+    const std::string curve =
+        "Shape \"curve\" \"point3 P\" [ 0 0 0  1 2 0  3 0 1  4 4 4 ] \"string type\" \"cylinder\"\n";
+    const Description d =
+        read_world(curve + "AttributeBegin Scale 2 2 2\n" + curve + "AttributeEnd\nMaterial \"hair\"\n" + curve);
+    REQUIRE(d.shapes.size() == 2);
+    const Curves& two = std::get<Curves>(d.shapes[0].geometry);
+    CHECK(two.starts == std::vector<std::uint32_t>{0, 4});
+    CHECK(two.points[0].radius == 0.5f);
+    CHECK(two.points[4].radius == Approx(1));
+    CHECK(two.points[5].position.x == Approx(2 * two.points[1].position.x));
+    CHECK(d.notes.empty());
+    CHECK(model_of<HairDescription>(d, *d.shapes[1].material) != nullptr);
+    const std::string board =
+        "Texture \"t\" \"spectrum\" \"checkerboard\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n";
+    CHECK(read_world(board + curve + curve).shapes.size() == 2);
+    const std::string flat = "Shape \"curve\" \"point3 P\" [ 0 0 0  1 2 0  3 0 1  4 4 4 ]\n";
+    const std::vector<std::string> notes = read_world(flat + flat).notes;
+    REQUIRE(notes.size() == 1);
+    CHECK(contains(notes[0], "type 'flat' is shown as a round tube"));
+    CHECK(contains(error_of_world("Shape \"curve\""), "has 0 points, expected 4 or more"));
+    CHECK(
+        contains(error_of_world("Shape \"curve\" \"point3 P\" [ 0 0 0 1 0 0 2 0 0 3 0 0 4 0 0 ]"), "1 and a multiple"));
+    CHECK(contains(error_of_world("Shape \"curve\" \"point3 P\" [ 0 0 0 1 0 0 2 0 0 3 0 0 ] \"string type\" \"round\""),
+                   "expected flat"));
+    CHECK(contains(error_of_world("AreaLightSource \"diffuse\"\n" + flat), "light of curves: not supported"));
+  }
+
+  TEST_CASE("Hair by pigments, by absorption, by its colour") {
+    const auto hair = [](const std::string& parameters) {
+      return *only_material<HairDescription>(read_world("Material \"hair\" " + parameters + " Shape \"sphere\""));
+    };
+    const HairDescription brown = hair("");
+    CHECK(std::get<HairDescription::Melanin>(brown.color).eumelanin == ScalarInput(1.3f));
+    CHECK(std::get<HairDescription::Melanin>(brown.color).pheomelanin == ScalarInput(0.0f));
+    CHECK(brown.int_ior == 1.55f);
+    CHECK(brown.ext_ior == 1.0f);
+    const auto red = std::get<HairDescription::Melanin>(hair("\"float pheomelanin\" 0.7").color);
+    CHECK(red.eumelanin == ScalarInput(0.0f));
+    CHECK(red.pheomelanin == ScalarInput(0.7f));
+    const HairDescription dyed =
+        hair("\"rgb sigma_a\" [ 1 2 3 ] \"float beta_m\" 0.1 \"float beta_n\" 0.2 \"float alpha\" 4 \"float eta\" 1.4");
+    CHECK(rgb_of(std::get<SpectrumDescription>(std::get<HairDescription::Absorption>(dyed.color).sigma_a)) ==
+          Vec3f{1, 2, 3});
+    CHECK(dyed.longitudinal_roughness == ScalarInput(0.1f));
+    CHECK(dyed.azimuthal_roughness == ScalarInput(0.2f));
+    CHECK(dyed.scale_tilt == 4.0f);
+    CHECK(dyed.int_ior == 1.4f);
+    for (const char* name : {"color", "reflectance"}) {
+      const HairDescription colored = hair("\"rgb " + std::string(name) + "\" [ 0.1 0.2 0.3 ]");
+      CHECK(rgb_of(std::get<SpectrumDescription>(std::get<HairDescription::Reflectance>(colored.color).color)).y ==
+            0.2f);
+    }
+    CHECK(
+        contains(error_of_world("Material \"hair\" \"rgb sigma_a\" [ 1 2 3 ] \"float eumelanin\" 1"), "expected one"));
+    CHECK(contains(error_of_world("Material \"hair\" \"float beta_m\" 2"), "from 0 to 1"));
+  }
+
+  TEST_CASE("Subsurface scattering is a medium behind glass") {
+    const auto medium = [](const std::string& parameters) {
+      const Description d = read_world("Material \"subsurface\" " + parameters + " Shape \"sphere\"");
+      CHECK(only_material<DielectricDescription>(d) != nullptr);
+      CHECK(d.notes.size() == 1);
+      REQUIRE(d.shapes[0].interior);
+      return d.media.at(static_cast<std::size_t>(*d.shapes[0].interior));
+    };
+    using Scattering = AbsorptionScatteringDescription;
+    CHECK(rgb_of(std::get<Scattering>(medium("").coefficients).sigma_s).y == 3.21f);
+    const MediumDescription given =
+        medium(R"("rgb sigma_a" [ 1 2 3 ] "rgb sigma_s" [ 4 5 6 ] "float scale" 10 "float g" 0.5)");
+    CHECK(rgb_of(std::get<Scattering>(given.coefficients).sigma_a) == Vec3f{1, 2, 3});
+    CHECK(given.scale == 10.0f);
+    CHECK(given.phase);
+    CHECK(rgb_of(std::get<Scattering>(medium("\"string name\" \"skin1\"").coefficients).sigma_s).x == Approx(0.74));
+    // Without a boundary, isotropic: Kulla and Conty 2017 give the albedo of a reflectance; scale makes paths longer.
+    const MediumDescription diffuse =
+        medium(R"("rgb reflectance" [ 0.2 0.5 0.9 ] "rgb mfp" [ 1 2 4 ] "float scale" 2 "float eta" 1)");
+    const auto& c = std::get<ExtinctionAlbedoDescription>(diffuse.coefficients);
+    CHECK(rgb_of(std::get<SpectrumDescription>(c.sigma_t)) == Vec3f{1, 0.5f, 0.25f});
+    CHECK(diffuse.scale == 0.5f);
+    const double s = 4.09712 + 4.20863 * 0.5 - std::sqrt(9.59217 + 41.6808 * 0.5 + 17.7126 * 0.25);
+    CHECK(rgb_of(std::get<SpectrumDescription>(c.albedo)).y == Approx(1 - s * s));
+    // A boundary that sends light back needs a brighter medium for the same reflectance.
+    const MediumDescription coated = medium(R"("rgb reflectance" [ 0.2 0.5 0.9 ] "float eta" 1.5)");
+    CHECK(rgb_of(std::get<SpectrumDescription>(std::get<ExtinctionAlbedoDescription>(coated.coefficients).albedo)).y >
+          1 - s * s);
+    CHECK(contains(error_of_world("Material \"subsurface\" \"rgb sigma_a\" [ 1 1 1 ]"), "'sigma_a' alone"));
+    CHECK(contains(error_of_world("Material \"subsurface\" \"string name\" \"Skim1\""), "did you mean"));
+  }
+
   TEST_CASE("What is wrong is told with its line") {
     const auto check = [](const std::string& world, const std::string& message) {
       CAPTURE(world);
@@ -361,7 +498,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
 
   TEST_CASE("What has no counterpart is an error, or a stand-in with a note") {
     for (const std::string world :
-         {"Shape \"curve\"", "Material \"hair\"", "Material \"subsurface\"", "Texture \"t\" \"spectrum\" \"marble\"",
+         {"Texture "t" "spectrum" "marble"",
           "Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 3",
           "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"spherical\"",
           "LightSource \"goniometric\" \"string filename\" \"image.png\"", "ColorSpace \"rec2020\"",
