@@ -5,9 +5,10 @@
 //   kIsSpecular        only delta distributions: neither evaluated nor lit by light sampling
 //   kIsAnisotropic     directions must come in a frame whose x axis is the surface's tangent; else any frame will do
 //   kDisperses         only if true need it be there: light that it lets through keeps the first wavelength alone
-//   kIsReciprocal      only if false need it be there: f differs with wo and wi exchanged
 //   squared_index(wo)  only if it refracts and is not specular: that of the side across, relative to the side of wo
 //   tables             only if it reads some need it be there: the array that its words refer to
+//   adjoint_f_cos(wo, wi)  only if it isn't reciprocal: f times |cos(wi)| for a photon that comes from wo and leaves
+//                      along wi
 //   evaluate(wo, wi)   f times |cos(wi)| and the density with which sample() returns wi; delta lobes left out
 //   sample(wo, u)      a direction; u.x chooses the lobe, u.y and u.z the direction
 // Directions are unit vectors in the shading frame, pointing away from the surface.
@@ -31,15 +32,6 @@ namespace sheaf {
 
 /// Whether a BSDF has kDisperses.
 template <class Bsdf> inline constexpr bool kDisperses = requires { Bsdf::kDisperses; };
-
-/// Whether light finds the same f in both directions, refraction aside: unless a BSDF says otherwise.
-template <class Bsdf>
-inline constexpr bool kIsReciprocal = [] {
-  if constexpr (requires { Bsdf::kIsReciprocal; })
-    return Bsdf::kIsReciprocal;
-  else
-    return true;
-}();
 
 /// Whether a BSDF is a phase function.
 template <class Bsdf> inline constexpr bool kIsPhaseFunction = closure_info(Bsdf::kKind).is_phase;

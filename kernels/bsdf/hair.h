@@ -7,13 +7,13 @@
 //   f |cos(wi)| = sum over p < 3 of A_p(wo) M_p(theta_o, theta_i) N_p(gamma_i - gamma_o)  +  A_3 M_3 / (2 pi)
 //
 // with p the paths inside: 0 reflected, 1 passing through, 2 reflected inside once; 3 stands for all longer ones.
-//   A  what remains of the light: Fresnel's terms and absorption along the ways inside (d'Eon, section 5); they sum to
-//   1
-//      where nothing is absorbed
+//   A  what remains of the light: Fresnel's terms and absorption along the ways inside (d'Eon, section 5); their sum
+//      is 1 where nothing is absorbed
 //   M  a lobe around -theta_o, turned by the tilt of the fibre's scales, of variance v (d'Eon, equation 7)
 //   N  a logistic lobe around the direction of a smooth fibre, cut off at half a turn (Chiang, section 4.1)
 // The offset of the ray from the fibre's middle, h in [-1, 1], is the sine of gamma_o. The model is not reciprocal: A
-// is that of wo alone.
+// is that of wo alone. Nor are paths and photons that pass a fibre scattered at the same points: paths on the camera's
+// side, photons where they enter.
 #pragma once
 
 #include "core/distribution.h"
@@ -108,11 +108,20 @@ template <int N, class F> SHEAF_INLINE F whole_power(F a) {
 
 template <class L> struct HairBsdf : HairParameters<L> {
   static constexpr auto kKind = ClosureKind::kHair;
-  static constexpr bool kIsSpecular = false, kIsAnisotropic = true, kIsReciprocal = false;
+  static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
   using F = typename L::Float;
   using Angles = hair_detail::FibreAngles<L>;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const { return evaluate(Lobes(*this, wo), wi); }
+
+  /// On the other side of the fibre, for a photon that passes, so that as much light arrives as along paths.
+  SHEAF_INLINE Spectrum<L> adjoint_f_cos(Vec3<L> wo, Vec3<L> wi) const {
+    const Mask<L> passes = (wo.z > F(0.0f)) & (wi.z < F(0.0f));
+    const auto side = [&](Vec3<L> w) SHEAF_LAMBDA_INLINE {
+      return Vec3<L>{select(passes, -w.x, w.x), w.y, select(passes, -w.z, w.z)};
+    };
+    return evaluate(side(wi), side(wo)).f_cos * (abs(wi.z) / max(abs(wo.z), F(1e-6f)));
+  }
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
     const Lobes lobes(*this, wo);
@@ -134,7 +143,7 @@ template <class L> struct HairBsdf : HairParameters<L> {
     }
     const F rest = clamp((u.x - begin) / max(share, F(1e-30f)), F(0.0f), F(kOneMinusEpsilon));
 
-    // d'Eon et al., "A Fiber Scattering Model with Non-Separable Lobes" (SIGGRAPH 2014 sketch), section 3.
+    // d'Eon, Marschner and Hanika, "Importance Sampling for Physically-Based Hair Fiber Models" (SIGGRAPH Asia 2013).
     const F one(1.0f);
     const F drawn = fma(u.y, one - exp(F(-2.0f) / variance), exp(F(-2.0f) / variance));
     const F one_minus_cos = clamp(-variance * log(max(drawn, F(1e-37f))), F(0.0f), F(2.0f));

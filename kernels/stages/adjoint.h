@@ -3,7 +3,6 @@
 #pragma once
 
 #include "core/spectrum.h"
-#include "kernels/bsdf/bsdf.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/wave/path_state.h"
 
@@ -43,13 +42,18 @@ SHEAF_INLINE Float<L> adjoint_terminator(const TexturedItem<L>& t, Vec3<L> arriv
   return shadow_terminator<L>(t.ns_unmapped, t.terminator, arriving, cos_wo);
 }
 
-/// What a photon from wo leaves along wi, times |cos(wi)|: the value that a path from wi finds for light from wo.
+/// Whether photons are not scattered as paths are, even without refraction.
+template <class Bsdf, class V>
+concept NotReciprocal = requires(const Bsdf& bsdf, V w) {
+  bsdf.adjoint_f_cos(w, w);
+};
+
+/// f times |cos(wi)| for a photon that comes from wo and leaves along wi.
 template <class L, class Bsdf> SHEAF_INLINE Spectrum<L> adjoint_f_cos(const Bsdf& bsdf, Vec3<L> wo, Vec3<L> wi) {
-  using F = Float<L>;
-  if constexpr (kIsReciprocal<Bsdf>)
-    return bsdf.evaluate(wo, wi).f_cos;
+  if constexpr (NotReciprocal<Bsdf, Vec3<L>>)
+    return bsdf.adjoint_f_cos(wo, wi);
   else
-    return bsdf.evaluate(wi, wo).f_cos * (abs(wi.z) / max(abs(wo.z), F(1e-6f)));
+    return bsdf.evaluate(wo, wi).f_cos;
 }
 
 /// Radiance is scaled by 1 / eta^2 where it enters a medium, photons are not (Veach 1997, section 5.2): the factor that

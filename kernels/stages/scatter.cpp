@@ -127,7 +127,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   Mask<L> blended(false);
   if (parts && context.photons == nullptr)
     blended = weigh_as_blend<L, kDisperses<Bsdf<L>>>(context, wave, slots, L::first(count), direction, s);
-  if constexpr (!kIsReciprocal<Bsdf<L>>) {
+  if constexpr (NotReciprocal<Bsdf<L>, Vec3<L>>) {
     const Mask<L> usable = s.valid & (s.pdf_solid_angle > F(0.0f));
     if (context.photons != nullptr)
       s.weight = adjoint_f_cos<L>(bsdf, item.wo, s.wi) * (F(1.0f) / select(usable, s.pdf_solid_angle, F(1.0f)));

@@ -80,7 +80,7 @@ TEST_SUITE("pbrt twins") {
       ++count;
       check_twins(entry.path().stem().string());
     }
-    CHECK(count == 10);
+    CHECK(count == 11);
   }
 
   TEST_CASE("The same by wavelengths") {
