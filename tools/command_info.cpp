@@ -35,6 +35,8 @@ std::string describe_photon_mapping(const PhotonMappingDescription& photons) {
 std::string describe_integrator(const IntegratorDescription& integrator) {
   if (integrator.kind == IntegratorKind::kNormals) return "normals";
   if (integrator.kind == IntegratorKind::kDepth) return "depth";
+  if (integrator.kind == IntegratorKind::kVisibility)
+    return fmt::format("av, within {} m", integrator.visibility_length);
   const char* strategy = integrator.strategy == LightStrategy::kMis        ? "multiple importance sampling"
                          : integrator.strategy == LightStrategy::kBsdfOnly ? "BSDF sampling only"
                                                                            : "light sampling only";

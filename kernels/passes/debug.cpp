@@ -1,4 +1,4 @@
-// The debug pass: what the first surface is like, seen past all that only light minds.
+// The debug pass: what the first surface is like, or how open it lies, seen past all that only light minds.
 #include "kernels/passes/passes.h"
 #include "kernels/stages/stages.h"
 
@@ -13,6 +13,7 @@ template <class L> void run_debug_pass(const StageContext& from, Wave& wave) {
     intersect<L>(context, wave);
     select_materials<L>(context, wave);
     debug_view<L>(context, wave);
+    shadow<L>(context, wave);
     accumulate<L>(context, wave);
     assert(wave.free.size() + wave.active.size() == wave.capacity);
   }

@@ -33,6 +33,7 @@ constexpr int kTaskPhotons = 16384, kRoundTasks = 64;
 std::string integrator_name(const IntegratorDescription& integrator) {
   if (integrator.kind == IntegratorKind::kNormals) return "normals";
   if (integrator.kind == IntegratorKind::kDepth) return "depth";
+  if (integrator.kind == IntegratorKind::kVisibility) return "av";
   if (integrator.kind == IntegratorKind::kLightTracer) return "ptracer";
   if (integrator.kind == IntegratorKind::kPhotonMapper) return integrator.photons.progressive ? "sppm" : "photonmapper";
   if (integrator.ends_at_diffuse) return "whitted";

@@ -1,6 +1,10 @@
 // Stage: debug view. Pictures of the first surface instead of its light: shading normals, each component as its
-// absolute value, or the distance from the camera. Lights that are hidden are no surfaces.
+// absolute value, or the distance from the camera; or shadow rays that tell whether something is near. Lights that are
+// hidden are no surfaces.
+#include "core/frame.h"
+#include "core/warp.h"
 #include "kernels/stages/continue_ray.h"
+#include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/stage_timer.h"
@@ -29,6 +33,28 @@ SHEAF_INLINE void view_tile(const StageContext& context, Wave& wave, const Slot*
   wave.radiance.scatter<L>(slots, count, out);
 }
 
+/// A shadow ray in a direction that is uniform over the hemisphere around the shading normal.
+template <class L>
+SHEAF_INLINE void look_around_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const SceneView& scene = context.scene;
+  const RayState<L> ray = wave.rays.gather<L>(slots);
+  const HitState<L> hit = wave.hits.gather<L>(slots);
+  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const ShapeRecord<L> shape = gather_rows<L>(scene.shapes, hit.shape);
+  const auto y =
+      surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t, hit.instance);
+  const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kScatter);
+  const Vec3<L> direction = Frame<L>::from_normal(y.ns).to_world(square_to_cone<L>(u.y, u.z, F(1.0f)));
+  // Nothing is further away than the scene's bounding sphere is wide.
+  const F length(min(context.transport.visibility_length, 2.1f * scene.radius));
+  VertexItem<L> item{};
+  item.p = y.p, item.ng = y.ng, item.offset = y.offset;
+  push_shadow_ray<L>(scene, wave, slots, count, item, {y.p + direction * length, F(0.0f), U(kNone), U(kNone)},
+                     {F(1.0f), F(1.0f), F(1.0f), F(0.0f)}, false);
+}
+
 template <class L>
 SHEAF_INLINE void pass_hidden_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
   const RayState<L> ray = wave.rays.gather<L>(slots);
@@ -48,10 +74,19 @@ template <class L> void debug_view(const StageContext& context, Wave& wave) noex
   StageTimer timer(wave.stats, Stage::kDebugView);
   timer.count(hits, L::width);
   wave.surface.pad();
-  for_tiles<L>(hits, [&](int i, int count) { view_tile<L>(context, wave, wave.surface.data() + i, count); });
+  const bool looks_around = context.transport.kind == IntegratorKind::kVisibility;
+  for_tiles<L>(hits, [&](int i, int count) {
+    if (looks_around)
+      look_around_tile<L>(context, wave, wave.surface.data() + i, count);
+    else
+      view_tile<L>(context, wave, wave.surface.data() + i, count);
+  });
   for (int i = 0; i < hits; ++i) wave.finished.push(wave.surface[i]);
   for (int i = 0; i < wave.miss.size(); ++i) {
-    mark_transparent(wave, wave.miss[i]);
+    if (looks_around)
+      wave.radiance.row(wave.miss[i]).radiance = {1.0f, 1.0f, 1.0f, 0.0f};
+    else
+      mark_transparent(wave, wave.miss[i]);
     wave.finished.push(wave.miss[i]);
   }
   // All rays come from the camera here: where lights are hidden at all, they stand on no other list.

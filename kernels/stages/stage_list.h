@@ -11,10 +11,12 @@ namespace sheaf {
 
 /// Which passes a stage belongs to, and under which condition.
 enum class StageUse {
-  kAlways,           ///< of all passes
-  kCamera,           ///< of passes that start at the camera
-  kLight,            ///< of passes that transport light
-  kBinary,           ///< of those with shadow rays, where light passes or doesn't: without SceneView::has_transparency
+  kAlways,  ///< of all passes
+  kCamera,  ///< of passes that start at the camera
+  kLight,   ///< of passes that transport light
+  /// Of those with shadow rays, where light passes or doesn't: without SceneView::has_transparency; and of the debug
+  /// view that has them.
+  kBinary,
   kTransmission,     ///< of those, with it
   kPath,             ///< of the path pass
   kGathering,        ///< of the path pass, where there are photon maps
@@ -72,7 +74,7 @@ template <class L> inline constexpr auto kStages = [] {
       {S::kDebugView,
        "debug_view",
        {Q::kMiss, Q::kEmitter, Q::kSurface},
-       {Q::kActive, Q::kFinished},
+       {Q::kActive, Q::kFinished, Q::kShadows},
        U::kDebug,
        debug_view<L>},
       {S::kSortSurfaces, "sort_surfaces", {Q::kSurface}, {Q::kSorted}, U::kLight, sort_surfaces<L>},
@@ -141,7 +143,7 @@ inline bool takes_part(const StageContext& context, StageUse use, bool light) {
     case StageUse::kStoring:
       return stores;
     case StageUse::kBinary:
-      return light && !stores && !context.scene.has_transparency;
+      return light ? !stores && !context.scene.has_transparency : context.transport.kind == IntegratorKind::kVisibility;
     case StageUse::kTransmission:
       return light && !stores && context.scene.has_transparency;
     case StageUse::kDebug: return !light;

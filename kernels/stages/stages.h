@@ -28,7 +28,8 @@ template <class L> void emission(const StageContext& context, Wave& wave) noexce
 /// where light passes.
 template <class L> void select_materials(const StageContext& context, Wave& wave) noexcept;
 
-/// Pictures for debugging instead of light: normals or depth of the first surface, by IntegratorKind.
+/// Pictures for debugging instead of light, by IntegratorKind: normals or depth of the first surface, or a shadow ray
+/// from it.
 template <class L> void debug_view(const StageContext& context, Wave& wave) noexcept;
 
 /// Sorts surface hits by closure kind and material. Reads hit state.

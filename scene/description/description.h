@@ -629,11 +629,11 @@ struct SamplerDescription {
 };
 
 /// What is computed at each pixel: light along paths from the camera, along paths from the lights, along both with
-/// photon maps where they meet; or what the first surface is like.
-enum class IntegratorKind { kPath, kLightTracer, kPhotonMapper, kNormals, kDepth };
+/// photon maps where they meet; or what the first surface is like, or how much around it is open.
+enum class IntegratorKind { kPath, kLightTracer, kPhotonMapper, kNormals, kDepth, kVisibility };
 /// Whether an integrator makes pictures of light.
 constexpr bool transports_light(IntegratorKind kind) {
-  return kind != IntegratorKind::kNormals && kind != IntegratorKind::kDepth;
+  return kind == IntegratorKind::kPath || kind == IntegratorKind::kLightTracer || kind == IntegratorKind::kPhotonMapper;
 }
 /// How direct light is estimated: by sampling lights, by sampling BSDFs, or both weighted by multiple importance
 /// sampling.
@@ -680,6 +680,7 @@ struct Description {
   std::vector<MaterialDescription> materials;
   std::vector<PhaseDescription> phases;
   std::vector<MediumDescription> media;
+  float visibility_length = kInfinity;  ///< kVisibility: metres within which something is in the way
   std::vector<ShapeDescription> shapes;
   std::vector<ShapeGroup> groups;
   std::vector<InstanceDescription> instances;

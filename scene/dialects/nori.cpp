@@ -107,7 +107,7 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
   const NamedIntegrator* named = find_integrator(p.type());
   if (named == nullptr) {
     std::vector<std::string> known = integrator_names();
-    known.insert(known.end(), {"ao", "simple"});
+    known.insert(known.end(), {"ao", "av", "simple"});
     p.fail_plugin(known);
   }
   IntegratorDescription& integrator = context.description.integrator;

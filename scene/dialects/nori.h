@@ -13,8 +13,8 @@ MediumId read_medium(const XmlElement& element, ReadContext& context, bool in_sh
 /// Appends a medium that only absorbs, as a material says.
 MediumId add_absorption(const XmlElement& bsdf, SpectrumDescription sigma_a, ReadContext& context);
 /// An integrator of the course's first exercises, which looks at shapes and not at their materials and lights: `ao`
-/// (ambient occlusion) and `simple` (one point light). Returns false for others. To be called last: what the scene
-/// holds becomes white, lit by what the exercise says.
+/// (ambient occlusion), `av` (average visibility) and `simple` (one point light). Returns false for others. To be
+/// called last: what the scene holds becomes white, lit by what the exercise says.
 bool read_exercise(Properties& p);
 /// Appends a light that is not on a mesh.
 void read_emitter(const XmlElement& element, ReadContext& context);

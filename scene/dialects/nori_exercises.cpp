@@ -1,4 +1,4 @@
-// The Nori dialect: integrators of the course's first exercises, as white scenes in a light of their own.
+// The Nori dialect: integrators of the course's first exercises, as white scenes in a light of their own, or in none.
 #include "scene/dialects/nori.h"
 
 #include <numbers>
@@ -40,6 +40,16 @@ void make_ambient_occlusion(Description& description) {
   description.integrator.hide_emitters = true;
 }
 
+/// The share of the directions around each point's normal, all alike, in which nothing is nearer than `length`; 1 where
+/// the camera sees nothing.
+void make_average_visibility(Properties& p, Description& description) {
+  const auto length = p.find_number("length", kPositive);
+  if (!length) p.fail("needs the number 'length'");
+  make_white(description);
+  description.integrator.kind = IntegratorKind::kVisibility;
+  description.integrator.visibility_length = *length;
+}
+
 /// `energy` (W) from `position` in all directions.
 void make_simple(Properties& p, Description& description) {
   PointLightDescription light;
@@ -56,6 +66,8 @@ bool read_exercise(Properties& p) {
   Description& description = p.context().description;
   if (p.type() == "ao") {
     make_ambient_occlusion(description);
+  } else if (p.type() == "av") {
+    make_average_visibility(p, description);
   } else if (p.type() == "simple") {
     make_simple(p, description);
   } else {

@@ -269,8 +269,9 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
   };
   for (const auto& [kind, from_lights, with_volume] :
        {Case{IntegratorKind::kPath, false, false}, Case{IntegratorKind::kNormals, false, false},
-        Case{IntegratorKind::kPhotonMapper, false, false}, Case{IntegratorKind::kPhotonMapper, false, true},
-        Case{IntegratorKind::kPhotonMapper, true, false}, Case{IntegratorKind::kLightTracer, true, false}}) {
+        Case{IntegratorKind::kVisibility, false, false}, Case{IntegratorKind::kPhotonMapper, false, false},
+        Case{IntegratorKind::kPhotonMapper, false, true}, Case{IntegratorKind::kPhotonMapper, true, false},
+        Case{IntegratorKind::kLightTracer, true, false}}) {
     CAPTURE(static_cast<int>(kind));
     CAPTURE(from_lights);
     CAPTURE(with_volume);

@@ -353,6 +353,15 @@ TEST_CASE("Nori: exercises are white scenes in a light of their own") {
   CHECK(std::holds_alternative<ConstantLightDescription>(ao.lights[0].model));
   CHECK(ao.integrator.max_depth == 2);
   CHECK(ao.integrator.hide_emitters);
+  const Description av =
+      read_text(scene_with(inside, kCamera, "<integrator type='av'><float name='length' value='3'/></integrator>"));
+  CHECK(av.integrator.kind == IntegratorKind::kVisibility);
+  CHECK(av.integrator.visibility_length == 3.0f);
+  CHECK(av.lights.empty());
+  CHECK(contains(error_of_text(scene_with(inside, kCamera, "<integrator type='av'/>")), "needs the number 'length'"));
+  CHECK(contains(
+      error_of_text(scene_with(inside, kCamera, "<integrator type='av'><float name='length' value='0'/></integrator>")),
+      "'length'"));
   const Description simple = read_text(
       scene_with(inside, kCamera,
                  "<integrator type='simple'><point name='position' value='1 2 3'/><color name='energy' value='4 4 4'/>"
