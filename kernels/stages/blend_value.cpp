@@ -151,7 +151,7 @@ BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, con
                    wi,
                    {},
                    {}};
-  at.query = {at.y.uv, hit.shape, hit.primitive, hit.u, hit.v};
+  at.query = {at.y.uv, hit.shape, hit.primitive, hit.u, hit.v, at.y.p};
   const auto behind = dot(at.y.ng, ray.direction) > F(0.0f);
   BlendValue<L> out{Spectrum<L>(F(0.0f)), F(0.0f), Spectrum<L>(F(0.0f)), F(0.0f)};
   alignas(kSimdAlignment) std::uint32_t roots[L::width];

@@ -64,7 +64,7 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
   const ShapeRecord<L> shape = gather_rows<L>(context.scene.shapes, hit.shape);
   const auto y = surface_point<L, true>(context.scene, shape, hit.primitive, hit.u, hit.v,
                                         ray.origin + ray.direction * hit.t, hit.instance);
-  const TextureQuery<L> query{y.uv, hit.shape, hit.primitive, hit.u, hit.v};
+  const TextureQuery<L> query{y.uv, hit.shape, hit.primitive, hit.u, hit.v, y.p};
   const auto behind = dot(y.ng, ray.direction) > F(0.0f);
   F u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kSelect).x;
 

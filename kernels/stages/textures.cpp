@@ -22,15 +22,16 @@ template <class L> struct TextureTile {
 };
 
 template <class L>
-SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, const Slot* slots, const TexturedItem<L>& t) {
+SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, const Slot* slots, const TexturedItem<L>& t, Vec3<L> p) {
   const HitState<L> hit = wave.hits.gather<L>(slots);
-  return {t.uv, hit.shape, hit.primitive, hit.u, hit.v};
+  return {t.uv, hit.shape, hit.primitive, hit.u, hit.v, p};
 }
 
 template <class L, ColorMode Mode>
 void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
   using F = Float<L>;
-  const auto query = make_query<L>(wave, tile.slots, wave.textured.load<L>(tile.column));
+  const auto query =
+      make_query<L>(wave, tile.slots, wave.textured.load<L>(tile.column), wave.vertices.load<L>(tile.column).p);
   const auto lanes = tile.lanes();
   const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, tile.slots);
   for (std::uint32_t b = 0; b < material.binding_count; ++b) {
@@ -71,7 +72,7 @@ void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& ma
   VertexItem<L> item = wave.vertices.load<L>(tile.column);
   TexturedItem<L> t = wave.textured.load<L>(tile.column);
   const NormalMapRow& map = scene.normal_maps[material.map];
-  const auto query = make_query<L>(wave, tile.slots, t);
+  const auto query = make_query<L>(wave, tile.slots, t, item.p);
   const auto lanes = tile.lanes();
 
   const Vec3<L> base = item.ns;

@@ -92,7 +92,7 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
     passage = pane_passage(scene, shape.material, dot(y.ns, d) / length(d), lambda);
   } else {
     passage.probability =
-        passing_share(scene, shape.material, behind, {y.uv, packet.shape[at], packet.primitive[at], u, v});
+        passing_share(scene, shape.material, behind, {y.uv, packet.shape[at], packet.primitive[at], u, v, y.p});
     passage.share = Spectrum4(passage.probability);
   }
   if (!(passage.probability > 0.0f)) return false;

@@ -17,6 +17,7 @@ std::unique_ptr<Scene> SceneCompiler::run() {
   add_cameras();
   out_->filter_ = make_filter_table(in_.film.filter);
   out_->textures_ = compile_textures(in_.textures);
+  out_->warnings_ = out_->textures_.warnings;
   attributes_.emplace(out_->textures_.attribute_names);
   add_materials();
   for (const ShapeDescription& shape : in_.shapes) add_shape(shape);
@@ -49,6 +50,13 @@ void SceneCompiler::add_cameras() {
 }
 
 void SceneCompiler::add_materials() {
+  for (const MaterialDescription& m : in_.materials) {
+    const auto* bump = std::get_if<BumpMapDescription>(&m.model);
+    if (bump == nullptr || static_cast<std::size_t>(bump->displacement) >= in_.textures.size()) continue;
+    if (std::holds_alternative<VolumeTextureDescription>(
+            in_.textures[static_cast<std::size_t>(bump->displacement)].model))
+      throw SceneError(m.where, "a bump map is a grid in the world, expected a picture: slopes are those over uv");
+  }
   std::vector<PhaseDescription> phases = in_.phases;
   if (!in_.media.empty()) phases.push_back({IsotropicPhaseDescription{}, {}});
   CompiledMaterials materials = compile_materials(in_.materials, spectra(), phases);

@@ -3,6 +3,7 @@
 
 #include "core/color.h"
 #include "scene/compile/compile_materials.h"
+#include "scene/compile/load_volume.h"
 #include "scene/compile/texture_image.h"
 
 #include <algorithm>
@@ -31,6 +32,7 @@ class TextureCompiler {
     }
     for (std::size_t i = 0; i < textures_.size(); ++i) depth(i);
     join_images();
+    place_grids();
     return std::move(out_);
   }
 
@@ -84,6 +86,17 @@ class TextureCompiler {
     const auto found = std::find(names.begin(), names.end(), attribute.name);
     row.attribute = {static_cast<std::uint32_t>(found - names.begin()), attribute.scale};
     if (found == names.end()) names.push_back(attribute.name);
+  }
+
+  void make(TextureRow& row, const VolumeTextureDescription& volume, const TextureDescription& texture) {
+    if (!std::isfinite(volume.scale)) throw error(texture, "'scale' is not finite");
+    row.kind = TextureKind::kVolume;
+    row.volume = {static_cast<std::uint32_t>(out_.grids.size()), volume.scale};
+    try {
+      out_.grids.push_back(load_volume(volume.grid, texture.where));
+    } catch (const SceneError& problem) { throw at_place(texture.where, problem); }
+    if (out_.grids.back().is_empty()) out_.warnings.push_back(volume.grid.file.string() + ": the grid is empty");
+    grids_of_.push_back(&volume.grid);
   }
 
   /// The row of a colour, which for constants is made here.
@@ -160,7 +173,14 @@ class TextureCompiler {
         row.bitmap.first_tile = static_cast<std::uint32_t>(first[row.bitmap.first_tile]);
   }
 
+  /// Once no more grids are added: their rows point into them.
+  void place_grids() {
+    for (std::size_t i = 0; i < out_.grids.size(); ++i)
+      out_.grid_rows.push_back(make_brick_grid_row(out_.grids[i], grids_of_[i]->to_world, grids_of_[i]->filter));
+  }
+
   const std::vector<TextureDescription>& textures_;
+  std::vector<const GridVolumeDescription*> grids_of_;  ///< of each grid
   std::vector<int> depths_;
   std::vector<TiledImage> images_;
   std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::Change>, std::size_t> index_of_;

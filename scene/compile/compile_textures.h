@@ -10,7 +10,7 @@ namespace sheaf {
 /// Loads every picture, once for each way of reading it, and makes the rows. Throws SceneError at the texture's place
 /// in the scene file for a picture that is missing, broken, too large, of channels without a meaning, or that has
 /// values that are not finite; for checkerboards nested too deep or in each other; and for a transform that is not
-/// finite.
+/// finite; and for grids as load_volume() does.
 CompiledTextures compile_textures(const std::vector<TextureDescription>& textures);
 
 /// Gathers the attributes of all meshes that some texture reads.

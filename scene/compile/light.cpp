@@ -16,6 +16,10 @@ SpectrumRow LightContext::emission_row(const SpectrumInput& emission, const Sour
 std::uint32_t LightContext::texture_row(TextureId id, const SourceLocation& where) const {
   if (static_cast<std::size_t>(id) >= description.textures.size())
     throw SceneError(where, "refers to a texture that does not exist");
+  if (std::holds_alternative<VolumeTextureDescription>(description.textures[static_cast<std::size_t>(id)].model))
+    throw SceneError(where,
+                     "shines by a texture that is a grid in the world, expected one that follows the surface: "
+                     "lights are looked up by uv");
   return static_cast<std::uint32_t>(id);
 }
 

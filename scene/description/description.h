@@ -81,8 +81,35 @@ struct MeshAttributeDescription {
   float scale = 1;
 };
 
+/// Values on a regular grid in a file, with interpolation in between.
+struct GridVolumeDescription {
+  enum class Format {
+    kVol,      ///< Mitsuba's: dense, one or three channels; fills the unit cube, or with `use_grid_bbox` the file's box
+    kNanoVdb,  ///< sparse; lies where the file's own map says; zero outside
+  };
+  enum class Filter { kTrilinear, kNearest };
+  /// kVol: what is outside of the grid.
+  enum class Wrap { kClamp, kRepeat, kMirror };
+  std::filesystem::path file;  ///< resolved
+  Format format = Format::kVol;
+  std::string grid;    ///< kNanoVdb: the grid's name; empty: the file's first
+  Transform to_world;  ///< from the space that `format` names
+  bool use_grid_bbox = false;
+  bool fit_to_shape = false;  ///< stretched over the bounding box of the shapes that hold it; to_world is not used
+  Filter filter = Filter::kTrilinear;
+  Wrap wrap = Wrap::kClamp;
+  bool raw = false;  ///< three channels are numbers, not colours
+};
+/// A grid on surfaces: its value where in the world they are.
+struct VolumeTextureDescription {
+  GridVolumeDescription grid;
+  float scale = 1;
+};
+
 struct TextureDescription {
-  std::variant<BitmapDescription, CheckerboardDescription, GridTextureDescription, MeshAttributeDescription> model;
+  std::variant<BitmapDescription, CheckerboardDescription, GridTextureDescription, MeshAttributeDescription,
+               VolumeTextureDescription>
+      model;
   /// Rows of the 2x3 matrix that takes the surface's uv to the texture's: u' = m[0] u + m[1] v + m[2]. (0, 0) is the
   /// lower left corner of a picture.
   std::array<float, 6> to_uv{1, 0, 0, 0, 1, 0};
@@ -321,25 +348,6 @@ inline constexpr int kMaxMaterialDepth = 16;
 /// nested too deep counts as opaque.
 bool transmits(const std::vector<MaterialDescription>& materials, MaterialId id, int depth = 0);
 
-/// Values on a regular grid in a file, with interpolation in between.
-struct GridVolumeDescription {
-  enum class Format {
-    kVol,      ///< Mitsuba's: dense, one or three channels; fills the unit cube, or with `use_grid_bbox` the file's box
-    kNanoVdb,  ///< sparse; lies where the file's own map says; zero outside
-  };
-  enum class Filter { kTrilinear, kNearest };
-  /// kVol: what is outside of the grid.
-  enum class Wrap { kClamp, kRepeat, kMirror };
-  std::filesystem::path file;  ///< resolved
-  Format format = Format::kVol;
-  std::string grid;            ///< kNanoVdb: the grid's name; empty: the file's first
-  Transform to_world;          ///< from the space that `format` names
-  bool use_grid_bbox = false;
-  bool fit_to_shape = false;   ///< stretched over the bounding box of the shapes that hold it; to_world is not used
-  Filter filter = Filter::kTrilinear;
-  Wrap wrap = Wrap::kClamp;
-  bool raw = false;            ///< three channels are numbers, not colours
-};
 /// A quantity of a medium: the same everywhere, or on a grid.
 using VolumeInput = std::variant<SpectrumDescription, GridVolumeDescription>;
 

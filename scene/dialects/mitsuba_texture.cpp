@@ -10,12 +10,19 @@ namespace sheaf::mitsuba {
 
 namespace {
 
-/// A volume on a surface, as long as it is the same everywhere: textures know uv alone.
-SpectrumDescription read_constant(Properties& p) {
-  const auto value = find_constant_volume(p, "volume", SpectrumRole::kIor, {});
-  if (!value) p.fail("needs a <volume> of the name 'volume'");
+/// A volume on a surface: a colour, or a grid that is looked up where in the world the surface is.
+SpectrumInput read_volume_texture(Properties& p) {
+  constexpr float kOtherwise = 0.75f;
+  const VolumeInput volume = find_volume_input(p, "volume", SpectrumRole::kIor, {})
+                                 .value_or(VolumeInput(SpectrumDescription::constant(kOtherwise)));
+  const auto* grid = std::get_if<GridVolumeDescription>(&volume);
+  if (grid != nullptr) {
+    TextureDescription texture;
+    texture.model = VolumeTextureDescription{*grid};
+    return add_texture(p, std::move(texture));
+  }
   p.finish();
-  return *value;
+  return std::get<SpectrumDescription>(volume);
 }
 
 /// The texture, or a copy of it, with its values multiplied.
@@ -33,6 +40,7 @@ SpectrumInput scaled_input(Properties& p, const SpectrumInput& input, float by, 
   if (auto* board = std::get_if<CheckerboardDescription>(&copy.model)) scale_colors(*board);
   if (auto* grid = std::get_if<GridTextureDescription>(&copy.model)) scale_colors(*grid);
   if (auto* attribute = std::get_if<MeshAttributeDescription>(&copy.model)) attribute->scale *= by;
+  if (auto* volume = std::get_if<VolumeTextureDescription>(&copy.model)) volume->scale *= by;
   textures.push_back(std::move(copy));
   return static_cast<TextureId>(textures.size() - 1);
 }
@@ -56,7 +64,7 @@ SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   if (std::find(plain.begin(), plain.end(), element.attribute("type")) != plain.end())
     return read_spectrum(element, context);
   Properties p(element, context);
-  if (p.type() == "volume") return read_constant(p);
+  if (p.type() == "volume") return read_volume_texture(p);
   if (p.type() == "scale") return read_scaled(p);
   TextureDescription texture;
   if (!read_shared_texture(p, PictureOrigin::kUpperLeft, texture)) {

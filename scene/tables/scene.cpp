@@ -19,8 +19,10 @@ SceneView Scene::view() const {
   v.bindings = bindings_.data();
   v.normal_maps = normal_maps_.data();
   v.closure_tables = closure_tables_.empty() ? nullptr : closure_tables_.data();
-  v.textures = {textures_.rows.data(), textures_.tiles.get(), attributes_.data(), attribute_values_.data(),
-                triangles_.data(), attributes_.empty() ? 0u : static_cast<std::uint32_t>(shapes_.size())};
+  v.textures = {textures_.rows.data(),     textures_.tiles.get(),
+                attributes_.data(),        attribute_values_.data(),
+                triangles_.data(),         attributes_.empty() ? 0u : static_cast<std::uint32_t>(shapes_.size()),
+                textures_.grid_rows.data()};
   v.media = media_.data();
   v.boundaries = boundaries_.data();
   v.grids = {grid_rows_.data()};
@@ -78,6 +80,7 @@ SceneInfo Scene::info() const {
       bytes_of(light_tree_.trails) + envmap_.bytes() + bytes_of(spectrum_tables_) + bytes_of(material_spectra_) +
       bytes_of(light_spectra_) + bytes_of(medium_spectra_) + bytes_of(media_) + bytes_of(boundaries_);
   for (const BrickGrid& grid : grids_) info.table_bytes += grid.bytes();
+  for (const BrickGrid& grid : textures_.grids) info.table_bytes += grid.bytes();
   for (const MajorantGrid& grid : majorant_grids_) info.table_bytes += grid.bytes();
   info.accel_bytes = accel_->bytes();
   return info;

@@ -2,13 +2,13 @@
 #pragma once
 
 #include "core/record_table.h"
-#include "scene/description/description.h"
+#include "scene/tables/brick_grid.h"
 
 #include <memory>
 
 namespace sheaf {
 
-enum class TextureKind : std::uint32_t { kConstant, kBitmap, kCheckerboard, kGrid, kMeshAttribute };
+enum class TextureKind : std::uint32_t { kConstant, kBitmap, kCheckerboard, kGrid, kMeshAttribute, kVolume };
 
 /// How a texel is stored: one value or four, of which the fourth is 0; bytes, which stand for 0 .. 1 (kSrgbByte:
 /// through the sRGB curve, undone before interpolation), or floats.
@@ -60,6 +60,11 @@ struct MeshAttributeRow {
   std::uint32_t first_entry;  ///< of shape 0, into TextureView::attributes
   float scale;
 };
+/// A grid in the world.
+struct VolumeTextureRow {
+  std::uint32_t grid;  ///< into TextureView::grids
+  float scale;
+};
 
 /// One texture.
 struct alignas(64) TextureRow {
@@ -71,6 +76,7 @@ struct alignas(64) TextureRow {
     BitmapRow bitmap;
     CheckerboardRow checkerboard;  ///< kCheckerboard, kGrid
     MeshAttributeRow attribute;
+    VolumeTextureRow volume;
   };
 };
 static_assert(sizeof(TextureRow) == 64);
@@ -114,6 +120,7 @@ struct TextureView {
   const float* attribute_values = nullptr;     ///< one or three per vertex or face; three words of padding behind
   const std::uint32_t* triangles = nullptr;    ///< SceneView::triangles
   std::uint32_t shape_count = 0;
+  const BrickGridRow* grids = nullptr;
 };
 
 /// Checkerboards and grids of checkerboards of ...: no deeper than this, a board of constants counted as 1.
@@ -127,6 +134,9 @@ struct CompiledTextures {
   /// Every name that a texture reads, once. Until AttributeTable::finish(), MeshAttributeRow::first_entry is an index
   /// of this list.
   std::vector<std::string> attribute_names;
+  std::vector<BrickGrid> grids;
+  std::vector<BrickGridRow> grid_rows;  ///< of each
+  std::vector<std::string> warnings;
 };
 
 }  // namespace sheaf

@@ -5,6 +5,7 @@
 // leaves its table, and what is no number counts as 0.
 #pragma once
 
+#include "scene/tables/brick_grid_lookup.h"
 #include "scene/tables/shape.h"
 #include "scene/tables/texture.h"
 
@@ -19,6 +20,7 @@ template <class L> struct TextureQuery {
   typename L::Uint shape;      ///< mesh attributes: index below TextureView::shape_count
   typename L::Uint primitive;  ///< mesh attributes: triangle of the shape; others than it has become its last
   typename L::Float b1, b2;    ///< mesh attributes: barycentric coordinates, the weights of vertices 1 and 2
+  Vec3<L> p{};                 ///< volumes: world space
 };
 
 /// The sRGB curve (IEC 61966-2-1), encoded to linear, of a whole number from 0 to 255: increasing, 0 to 0 and 255 to 1
@@ -278,6 +280,23 @@ SHEAF_INLINE AttributeValue<L> lookup_attribute(const TextureView& view, const M
   return out;
 }
 
+/// A volume in three channels, times the row's scale.
+template <class L> struct VolumeValue { typename L::Float rgb[3]; };
+/// Not a part of who looks up: one copy of the code, where few scenes ask for it.
+template <class L>
+[[gnu::noinline]] VolumeValue<L> lookup_volume(const TextureView& view, const VolumeTextureRow& row, Vec3<L> p) {
+  alignas(kSimdAlignment) float at[3][L::width];
+  const typename L::Float places[3] = {p.x, p.y, p.z};
+  for (int axis = 0; axis < 3; ++axis) store(at[axis], places[axis]);
+  for (int lane = 0; lane < L::width; ++lane) {
+    const Vec3f value = lookup_grid_color(view.grids[row.grid], {at[0][lane], at[1][lane], at[2][lane]}) * row.scale;
+    at[0][lane] = value.x, at[1][lane] = value.y, at[2][lane] = value.z;
+  }
+  VolumeValue<L> out;
+  for (int k = 0; k < 3; ++k) load(at[k], out.rgb[k]);
+  return out;
+}
+
 }  // namespace detail
 
 /// The texture's colour: linear Rec.709 and 0 in the fourth lane. Numbers are grey. `texture` is a row of `view`.
@@ -304,6 +323,10 @@ Spectrum<L> lookup_texture(const TextureView& view, std::uint32_t texture, const
     }
     case TextureKind::kMeshAttribute: {
       const detail::AttributeValue<L> value = detail::lookup_attribute<L>(view, row.attribute, query);
+      return {value.rgb[0], value.rgb[1], value.rgb[2], zero};
+    }
+    case TextureKind::kVolume: {
+      const detail::VolumeValue<L> value = detail::lookup_volume<L>(view, row.volume, query.p);
       return {value.rgb[0], value.rgb[1], value.rgb[2], zero};
     }
     default:
@@ -335,6 +358,10 @@ Float<L> lookup_scalar(const TextureView& view, std::uint32_t texture, const Tex
     case TextureKind::kMeshAttribute: {
       const detail::AttributeValue<L> value = detail::lookup_attribute<L>(view, row.attribute, query);
       return select(value.coloured, texture_luminance(value.rgb), value.rgb[0]);
+    }
+    case TextureKind::kVolume: {
+      const detail::VolumeValue<L> value = detail::lookup_volume<L>(view, row.volume, query.p);
+      return view.grids[row.volume.grid].channels == 1 ? value.rgb[0] : texture_luminance(value.rgb);
     }
     default:
       return F(row.constant.scalar);

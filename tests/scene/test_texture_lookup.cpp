@@ -4,9 +4,12 @@
 #include "core/color.h"
 #include "core/exr.h"
 #include "core/rng.h"
+#include "scene/compile/compile.h"
 #include "scene/compile/compile_textures.h"
 #include "tests/support/lanes_testing.h"
+#include "tests/support/media_testing.h"
 #include "tests/support/picture_files.h"
+#include "tests/support/records_testing.h"
 
 #include <doctest/doctest.h>
 
@@ -117,6 +120,7 @@ TextureView view_of(const CompiledTextures& textures) {
   TextureView view;
   view.rows = textures.rows.data();
   view.tiles = textures.tiles.get();
+  view.grids = textures.grid_rows.data();
   return view;
 }
 
@@ -131,7 +135,8 @@ TextureQuery<Wide> wide_query(const std::function<TextureQuery<Scalar>(int)>& la
       wide_uints([&](int k) { return lane_query(k).shape; }),
       wide_uints([&](int k) { return lane_query(k).primitive; }),
       wide_floats([&](int k) { return lane_query(k).b1; }),
-      wide_floats([&](int k) { return lane_query(k).b2; })};
+      wide_floats([&](int k) { return lane_query(k).b2; }),
+      wide_record<Vec3>([&](int k) { return lane_query(k).p; })};
 }
 
 /// Largest difference between the wide lookups of a texture and the scalar ones. They are equal but for the compiler's
@@ -422,6 +427,57 @@ TEST_CASE("texture lookup: mesh attributes of vertices and faces") {
                                     0.5f * uniform(r, 5),
                                     0.5f * uniform(r, 6)};
       }));
+}
+
+TEST_CASE("texture lookup: volumes are looked up where in the world the surface is") {
+  const TemporaryFolder folder;
+  const auto colors = write_vol(folder / "rgb.vol", 8, 3, [](Vec3f p, int c) {
+    return c == 0 ? p.x : c == 1 ? p.y : p.z;
+  });
+  const auto numbers = write_vol(folder / "grey.vol", 8, 1, [](Vec3f p, int) { return p.x * p.z; });
+  TextureDescription rgb, grey, nearest;
+  // The cube [1, 3] x [0, 2] x [0, 2].
+  const Transform place = Transform::translate({1, 0, 0}) * Transform::scale({2, 2, 2});
+  rgb.model = VolumeTextureDescription{vol(colors, place), 0.5f};
+  grey.model = VolumeTextureDescription{vol(numbers, place), 1};
+  VolumeTextureDescription blocks{vol(colors, place), 1};
+  blocks.grid.filter = GridVolumeDescription::Filter::kNearest;
+  blocks.grid.wrap = GridVolumeDescription::Wrap::kRepeat;
+  nearest.model = blocks;
+  const CompiledTextures compiled = compile_textures({rgb, grey, nearest});
+  const TextureView view = view_of(compiled);
+  const auto at = [](Vec3f p) { return TextureQuery<Scalar>{{0.9f, 0.1f}, 0, 0, 0, 0, p}; };
+  const Spectrum4 color = lookup_texture<Scalar>(view, 0, at({2.2f, 1.5f, 0.3f}));
+  CHECK(record_difference<Spectrum>(color, {0.5f * 0.6f, 0.5f * 0.75f, 0.5f * 0.15f, 0}) < 1e-5);
+  CHECK(lookup_scalar<Scalar>(view, 0, at({2.2f, 1.5f, 0.3f})) == doctest::Approx(luminance({0.3f, 0.375f, 0.075f})));
+  CHECK(lookup_texture<Scalar>(view, 0, at({9, 1, 1})).c0 == doctest::Approx(0.5 * 15 / 16));
+  // At voxels' centres products are exact.
+  CHECK(lookup_scalar<Scalar>(view, 1, at({1 + 2 * 5.5f / 8, 1, 2 * 2.5f / 8})) == doctest::Approx(5.5 / 8 * 2.5 / 8));
+  CHECK(lookup_texture<Scalar>(view, 1, at({1 + 2 * 5.5f / 8, 1, 2 * 2.5f / 8})).c2 == doctest::Approx(5.5 * 2.5 / 64));
+  CHECK(lookup_texture<Scalar>(view, 2, at({1.1f + 2, 0.9f, 0.1f})).c0 == doctest::Approx(0.5 / 8));
+  CHECK(lookup_texture<Scalar>(view, 2, at({1.1f, 0.9f, 0.1f})).c1 == doctest::Approx(3.5 / 8));
+  for (std::uint32_t texture = 0; texture < 3; ++texture)
+    CHECK(lanes_agree(view, texture, [&](int k) {
+      const auto r = static_cast<std::uint32_t>(k);
+      return at({4 * uniform(r, 5), 4 * uniform(r, 6) - 1, 4 * uniform(r, 7) - 1});
+    }));
+}
+
+TEST_CASE("texture lookup: neither lights nor bumps are made of volumes") {
+  const TemporaryFolder folder;
+  const auto numbers = write_vol(folder / "grey.vol", 2, 1, [](Vec3f, int) { return 0.5f; });
+  Description d = empty_scene(1, 1);
+  TextureDescription texture;
+  texture.model = VolumeTextureDescription{vol(numbers), 1};
+  d.textures.push_back(texture);
+  const MaterialId grey = add_diffuse(d, 0.5f);
+  add_sphere(d, {0, 0, 0}, 1, grey).radiance = TextureId{0};
+  CHECK_THROWS_WITH_AS(compile_scene(d), doctest::Contains("a grid in the world, expected one that follows"),
+                       SceneError);
+  d.shapes[0].radiance.reset();
+  CHECK_NOTHROW(compile_scene(d));
+  d.shapes[0].material = add_material(d, BumpMapDescription{TextureId{0}, 1, grey});
+  CHECK_THROWS_WITH_AS(compile_scene(d), doctest::Contains("expected a picture"), SceneError);
 }
 
 TEST_CASE("texture lookup: bindings make numbers, reflectances and unbounded colours") {

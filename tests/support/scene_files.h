@@ -131,7 +131,11 @@ inline std::string dump(const TextureDescription& t) {
                  },
                  [](const CheckerboardDescription& v) { return dump_all("checkerboard", v.color0, v.color1); },
                  [](const GridTextureDescription& v) { return dump_all("grid", v.color0, v.color1, v.line_width); },
-                 [](const MeshAttributeDescription& v) { return dump_all("mesh_attribute", v.name, v.scale); }},
+                 [](const MeshAttributeDescription& v) { return dump_all("mesh_attribute", v.name, v.scale); },
+                 [](const VolumeTextureDescription& v) {
+                   return dump_all("volume", v.grid.file.filename().string(), static_cast<int>(v.grid.filter),
+                                   static_cast<int>(v.grid.wrap), v.grid.raw, v.scale);
+                 }},
       t.model);
   return model + " to_uv " + dump(t.to_uv);
 }
