@@ -26,6 +26,7 @@
 #include "kernels/bsdf/ward.h"
 #include "kernels/phase/henyey_greenstein.h"
 #include "kernels/phase/rayleigh.h"
+#include "kernels/phase/sggx.h"
 #include "kernels/phase/tabulated_phase.h"
 #include "kernels/wave/wave.h"
 
@@ -74,7 +75,8 @@ using AllBsdfs = bsdf_detail::BsdfList<
     RoughPlasticGgxBsdf, PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, NoriMicrofacetBsdf, DispersiveDielectricBsdf,
     DispersiveThinDielectricBsdf, DispersiveRoughDielectricBeckmannBsdf, DispersiveRoughDielectricGgxBsdf, PhongBsdf,
     RoughDiffuseBsdf, WardBsdf, DiffuseTransmitterBsdf, HanrahanKruegerBsdf, MeasuredBsdf, MeasuredSpectralBsdf, HairBsdf,
-    CoatedBsdf, RoughCoatedBeckmannBsdf, RoughCoatedGgxBsdf, HenyeyGreensteinBsdf, RayleighBsdf, TabulatedPhaseBsdf>;
+    CoatedBsdf, RoughCoatedBeckmannBsdf, RoughCoatedGgxBsdf, HenyeyGreensteinBsdf, RayleighBsdf, TabulatedPhaseBsdf,
+    SggxBsdf>;
 static_assert(AllBsdfs::is_complete(), "a closure has no BSDF, or they are not in the order of ClosureKind");
 
 /// Calls f(kind, BsdfTag<...>) for every BSDF and phase function.

@@ -19,7 +19,8 @@
 // A phase function scatters in a medium as a BSDF does on a surface. There is no normal: the frame's z axis is wo,
 // which is (0, 0, 1) for all of them, and wi lies near -wo where light goes on. f_cos is the phase function without a
 // cosine, the same in all four lanes and equal to the density with which sample() returns wi, so that a sample's weight
-// is 1 (the albedo belongs to the medium).
+// is 1 (the albedo belongs to the medium). Where it depends on directions in the world, as that of microflakes does,
+// the stage surface_inputs writes its parameters for each vertex, as those of the frame.
 //
 // README.md tells how to add one.
 #pragma once

@@ -35,7 +35,8 @@ inline float medium_end(const SceneView& scene, Vec3f origin, Vec3f direction) {
 inline MediumRay make_medium_ray(const StageContext& context, std::uint32_t flags, const Spectrum4& lambda,
                                  Vec3f origin, Vec3f direction, float length) {
   const MediumRow& medium = context.scene.media[(flags >> kRayMediumShift) - 1u];
-  const MediumSpectra spectra = medium_spectra(context.scene, medium, lambda);
+  MediumSpectra spectra = medium_spectra(context.scene, medium, lambda);
+  if ((medium.flags & kMediumFlakes) != 0) weigh_by_flakes(medium, direction, spectra);
   const MediumEstimator estimator = context.transport.medium_estimator;
   const bool by_largest = (estimator == MediumEstimator::kDelta || estimator == MediumEstimator::kRatio) &&
                           (medium.flags & kMediumColored) == 0;

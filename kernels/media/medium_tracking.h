@@ -38,7 +38,7 @@ inline constexpr float kLongestStretch = 1e18f;
 struct MediumRay {
   const SceneView& scene;
   const MediumRow& medium;
-  MediumSpectra spectra;
+  MediumSpectra spectra;  ///< along this ray, where the medium's extinction depends on the direction
   Spectrum4 lambda;      ///< the path's wavelengths
   Vec3f origin, direction;  ///< world space; unit length
   float length;          ///< metres, at most kLongestStretch
@@ -47,7 +47,13 @@ struct MediumRay {
 
   Vec3f at(float t) const { return origin + direction * t; }
   bool has(std::uint32_t flag) const { return (medium.flags & flag) != 0; }
-  MediumCoefficients coefficients(Vec3f p) const { return medium_coefficients(scene, medium, spectra, p, lambda); }
+  MediumCoefficients coefficients(Vec3f p) const {
+    MediumCoefficients c = medium_coefficients(scene, medium, spectra, p, lambda);
+    if (!has(kMediumFlakes)) [[likely]]
+      return c;
+    const float share = flake_share(scene, medium, p, direction);
+    return {c.sigma_a * share, c.sigma_s * share, c.sigma_t * share};
+  }
   Quad emission(Vec3f p) const { return medium_emission(scene, medium, spectra, p, lambda); }
   /// What the lanes' probabilities grow by where the throughput was divided by the hero's.
   Quad odds(Quad ratio) const { return weighted ? ratio : Quad(ratio[hero]); }

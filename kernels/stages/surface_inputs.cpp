@@ -5,6 +5,7 @@
 #include "kernels/stages/stages.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
+#include "scene/tables/medium_lookup.h"
 #include "scene/tables/shape.h"
 
 namespace sheaf {
@@ -19,6 +20,7 @@ struct KindInputs {
   /// register must not matter, and the two ways differ in rounding.
   bool textured;
   bool in_medium;          ///< a phase function
+  bool flakes;             ///< one whose words the medium tells
   ClosureSpectra spectra;  ///< among the parameters
 };
 
@@ -87,6 +89,35 @@ SHEAF_INLINE void medium_item(Wave& wave, const RayState<L>& ray, const HitState
   wave.vertices.store<L>(column, item);
 }
 
+/// Puts the microflakes of the paths' media in the closure's words.
+template <class L>
+[[gnu::noinline]] void flake_words(const SceneView& scene, Wave& wave, const RayState<L>& ray, int column) {
+  using F = Float<L>;
+  const VertexItem<L> item = wave.vertices.load<L>(column);
+  alignas(kSimdAlignment) float place[3][L::width], entries[6][L::width] = {};
+  alignas(kSimdAlignment) std::uint32_t flags[L::width];
+  store(place[0], item.p.x), store(place[1], item.p.y), store(place[2], item.p.z);
+  store(flags, ray.flags);
+  for (int lane = 0; lane < L::width; ++lane) {
+    const std::uint32_t medium = flags[lane] >> kRayMediumShift;
+    // What is behind the run's end may be anywhere.
+    if (medium == 0 || (scene.media[medium - 1].flags & kMediumFlakes) == 0) continue;
+    const FlakeMatrix s =
+        flake_matrix(scene, scene.media[medium - 1], {place[0][lane], place[1][lane], place[2][lane]});
+    for (int k = 0; k < 6; ++k) entries[k][lane] = s.entries[k];
+  }
+  F matrix[6];
+  for (int k = 0; k < 6; ++k) load(entries[k], matrix[k]);
+  const SggxParameters<L> words = sggx_parameters<L>(matrix, Frame<L>::from_normal(item.ns));
+  float* const* closure = wave.closures.columns().words;
+  std::apply(
+      [&](const auto&... word) {
+        int k = 0;
+        (store(closure[k++] + column, word), ...);
+      },
+      leaves(words));
+}
+
 template <class L, ColorMode Mode>
 SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column,
                                const KindInputs& kind) {
@@ -94,7 +125,9 @@ SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* s
   const HitState<L> hit = wave.hits.gather<L>(slots);
   if (kind.in_medium) {
     medium_item<L>(wave, ray, hit, column);
-    return closure_words<L>(scene, wave, hit.material, kind.words, column);
+    closure_words<L>(scene, wave, hit.material, kind.words, column);
+    if (kind.flakes) flake_words<L>(scene, wave, ray, column);
+    return;
   }
   const Uint<L> flags = gather_member<L>(scene.materials, &MaterialRow::flags, hit.material);
   if (kind.textured) {
@@ -123,8 +156,8 @@ template <class L> void surface_inputs(const StageContext& context, Wave& wave) 
     if (run.count == 0) return;
     const bool textured = (context.scene.kind_flags[static_cast<int>(kind)] & (kMapped | kTextured)) != 0;
     timer.count(run.count, L::width);
-    const KindInputs inputs{kLeafCount<Bsdf>, Bsdf<L>::kIsAnisotropic, textured,
-                            kIsPhaseFunction<Bsdf<L>>, closure_spectra<Bsdf>()};
+    const KindInputs inputs{kLeafCount<Bsdf>,          Bsdf<L>::kIsAnisotropic,    textured,
+                            kIsPhaseFunction<Bsdf<L>>, kind == ClosureKind::kSggx, closure_spectra<Bsdf>()};
     with_color_mode(context.scene, [&]<ColorMode Mode>() { surface_run<L, Mode>(context.scene, wave, run, inputs); });
   });
 }

@@ -50,7 +50,8 @@ void check_media(const SceneView& scene, std::span<const MediumDescription> medi
   for (std::uint32_t i = 0; i < media.size(); ++i) {
     const MediumRow& medium = scene.media[i];
     const bool varies = medium.majorants != kNone && !majorants[medium.majorants].bounds.empty();
-    const float bound = varies ? majorants[medium.majorants].max_value() : 1.0f;
+    float bound = varies ? majorants[medium.majorants].max_value() : 1.0f;
+    if ((medium.flags & kMediumFlakes) != 0) bound *= std::max(medium.most_flakes, 1.0f);
     if (scene.color == ColorMode::kRgb) {
       check_at(scene, i, {}, grids, bound, media[i].where);
       continue;

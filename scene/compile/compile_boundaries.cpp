@@ -8,12 +8,22 @@
 
 namespace sheaf {
 
+namespace {
+
+bool holds_flakes_on_grid(const PhaseDescription& phase) {
+  const auto* flakes = std::get_if<SggxDescription>(&phase.model);
+  return flakes != nullptr && std::holds_alternative<GridVolumeDescription>(flakes->matrix);
+}
+
+}  // namespace
+
 std::uint32_t SceneCompiler::hold(std::optional<MediumId> medium, const ShapeDescription& shape, const GridBox& box) {
   if (!medium) return 0;
   const auto index = static_cast<std::size_t>(*medium);
   const MediumDescription& m = in_.media.at(index);
   const auto* by_albedo = std::get_if<ExtinctionAlbedoDescription>(&m.coefficients);
   const bool has_grid = m.density || m.temperature ||
+                        (m.phase && holds_flakes_on_grid(in_.phases.at(static_cast<std::size_t>(*m.phase)))) ||
                         (by_albedo && (std::holds_alternative<GridVolumeDescription>(by_albedo->sigma_t) ||
                                        std::holds_alternative<GridVolumeDescription>(by_albedo->albedo)));
   if (group_emitters_ != nullptr && (has_grid || m.emission))
@@ -30,7 +40,13 @@ void SceneCompiler::add_media() {
   for (std::size_t i = 0; i < in_.media.size(); ++i) {
     const MediumDescription& m = in_.media[i];
     const std::size_t phase = m.phase ? static_cast<std::size_t>(*m.phase) : row_of_phase_.size() - 1;
-    placed.push_back({&m, row_of_phase_.at(phase), medium_boxes_[i], {lower_, upper_}});
+    const auto* flakes = m.phase ? std::get_if<SggxDescription>(&in_.phases.at(phase).model) : nullptr;
+    if (flakes != nullptr && in_.integrator.kind == IntegratorKind::kPhotonMapper &&
+        in_.integrator.photons.volume.count > 0)
+      throw SceneError(m.where,
+                       "photons in a medium of microflakes cannot be gathered, expected another phase function "
+                       "than 'sggx', or no photons in media");
+    placed.push_back({&m, row_of_phase_.at(phase), flakes, medium_boxes_[i], {lower_, upper_}});
     if (m.temperature && !spectra_ && !out_->blackbodies_) out_->blackbodies_.emplace();
   }
   CompiledMedia media = compile_media(placed, spectra(), in_.integrator.step_size);

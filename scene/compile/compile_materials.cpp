@@ -64,7 +64,13 @@ class Flattener {
       return push_choice(first, flatten(phases, blend->nested[1], depth + 1), blend->weight);
     }
     MaterialRow row;
-    if (std::holds_alternative<RayleighDescription>(phase.model)) {
+    if (std::holds_alternative<SggxDescription>(phase.model)) {
+      if (depth > 0)
+        throw SceneError(phase.where,
+                         "microflakes cannot be mixed with other phase functions: the extinction of their "
+                         "medium is theirs");
+      set_parameters<SggxParameters>(row, ClosureKind::kSggx, {1, 1, 1, 0, 0, 0});
+    } else if (std::holds_alternative<RayleighDescription>(phase.model)) {
       set_parameters<RayleighParameters>(row, ClosureKind::kRayleigh, {});
     } else if (const auto* table = std::get_if<TabulatedPhaseDescription>(&phase.model)) {
       set_parameters<TabulatedPhaseParameters>(row, ClosureKind::kTabulatedPhase, {tables.phase(table->values)});

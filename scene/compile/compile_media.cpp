@@ -2,6 +2,7 @@
 
 #include "core/color.h"
 #include "scene/compile/compile_materials.h"
+#include "scene/compile/flakes.h"
 #include "scene/compile/load_volume.h"
 #include "scene/tables/spectral_grid.h"
 
@@ -61,6 +62,7 @@ class MediaCompiler {
     }
     if (m.density) row.density = grid(*m.density, box, m.where, 1);
     add_emission(m, box, row, spectra[2]);
+    if (medium.flakes != nullptr) add_flakes(*medium.flakes, m.where, row);
     set_flags(row, spectra);
     if ((row.flags & kMediumHomogeneous) == 0) row.majorants = add_majorants(row, m.where);
     out.rows.push_back(row);
@@ -70,8 +72,8 @@ class MediaCompiler {
   /// Once no more grids are added: their rows point into them.
   void finish() {
     if (set_ != nullptr)
-      for (BrickGrid& grid : out.grids)
-        if (grid.channels > 1) uplift_grid(grid);
+      for (std::size_t i = 0; i < out.grids.size(); ++i)
+        if (out.grids[i].channels > 1 && !placements_[i].matrices) uplift_grid(out.grids[i]);
     for (std::size_t i = 0; i < out.grids.size(); ++i)
       out.grid_rows.push_back(make_brick_grid_row(out.grids[i], placements_[i].to_world, placements_[i].filter));
     for (std::size_t i = 0; i < out.majorants.size(); ++i) {
@@ -94,6 +96,7 @@ class MediaCompiler {
   struct Placement {
     Transform to_world;
     GridVolumeDescription::Filter filter;
+    bool matrices = false;  ///< no colours
   };
 
   void spectrum(const SpectrumDescription& s, SpectrumUse use, float factor, const SourceLocation& where,
@@ -149,8 +152,29 @@ class MediaCompiler {
     }
   }
 
+  void add_flakes(const SggxDescription& flakes, const SourceLocation& where, MediumRow& row) {
+    if ((row.flags & kMediumEmits) != 0)
+      throw SceneError(where,
+                       "the medium glows, which one of microflakes cannot: expected another phase function than "
+                       "'sggx', or no 'emission'");
+    row.flags |= kMediumFlakes;
+    if (const auto* matrix = std::get_if<std::array<float, 6>>(&flakes.matrix)) {
+      std::copy(matrix->begin(), matrix->end(), row.flakes);
+      row.most_flakes = largest_flake_area(*matrix);
+      return;
+    }
+    const auto& volume = std::get<GridVolumeDescription>(flakes.matrix);
+    FlakeGrids grids = load_flakes(volume, where);
+    row.flake_grids = static_cast<std::uint32_t>(out.grids.size());
+    row.most_flakes = grids.most;
+    placements_.insert(placements_.end(), 2, {volume.to_world, volume.filter, true});
+    out.grids.push_back(std::move(grids.diagonal));
+    out.grids.push_back(std::move(grids.others));
+  }
+
   void set_flags(MediumRow& row, const SpectrumRow (&spectra)[kMediumSpectra]) const {
-    const bool varies = row.density != kNone || row.first_grid != kNone || row.second_grid != kNone;
+    const bool varies =
+        row.density != kNone || row.first_grid != kNone || row.second_grid != kNone || row.flake_grids != kNone;
     const bool glow_varies = row.emission_grid != kNone || row.temperature != kNone;
     if (!varies && !glow_varies) row.flags |= kMediumHomogeneous;
     if (std::max({row.second[0], row.second[1], row.second[2]}) > 0.0f) row.flags |= kMediumScatters;

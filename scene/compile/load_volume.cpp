@@ -7,14 +7,6 @@ namespace sheaf {
 
 namespace {
 
-GridBorder border_of(GridVolumeDescription::Wrap wrap) {
-  switch (wrap) {
-    case GridVolumeDescription::Wrap::kRepeat: return GridBorder::kRepeat;
-    case GridVolumeDescription::Wrap::kMirror: return GridBorder::kMirror;
-    default: return GridBorder::kClamp;
-  }
-}
-
 BrickGrid load_vol(const GridVolumeDescription& description) {
   const DenseVolume volume = read_vol(description.file, description.use_grid_bbox);
   BrickGrid grid = make_dense_grid(volume.channels, volume.size, volume.values, border_of(description.wrap));
@@ -34,6 +26,17 @@ BrickGrid load_nanovdb(const GridVolumeDescription& description) {
 }
 
 }  // namespace
+
+GridBorder border_of(GridVolumeDescription::Wrap wrap) {
+  switch (wrap) {
+    case GridVolumeDescription::Wrap::kRepeat:
+      return GridBorder::kRepeat;
+    case GridVolumeDescription::Wrap::kMirror:
+      return GridBorder::kMirror;
+    default:
+      return GridBorder::kClamp;
+  }
+}
 
 BrickGrid load_volume(const GridVolumeDescription& description, const SourceLocation& where) {
   const std::string file = description.file.string();

@@ -12,4 +12,7 @@ namespace sheaf {
 /// make_majorant_grid().
 BrickGrid load_volume(const GridVolumeDescription& description, const SourceLocation& where);
 
+/// What is outside of a dense grid.
+GridBorder border_of(GridVolumeDescription::Wrap wrap);
+
 }  // namespace sheaf

@@ -362,11 +362,17 @@ struct RayleighDescription {};
 struct TabulatedPhaseDescription {
   std::vector<float> values;
 };
+/// Microflakes that mirror (Heitz et al. 2015): the matrix S in world space as xx, yy, zz, xy, xz, yz, the same
+/// everywhere or a grid of so many channels. Its medium's extinction is multiplied by the flakes' projected area.
+struct SggxDescription {
+  std::variant<std::array<float, 6>, GridVolumeDescription> matrix;
+};
 /// (1 - weight) of the first, weight of the second.
 struct BlendPhaseDescription { float weight = 0.5f; PhaseId nested[2]{}; };
 
 struct PhaseDescription {
   std::variant<IsotropicPhaseDescription, HenyeyGreensteinDescription, RayleighDescription, TabulatedPhaseDescription,
+               SggxDescription,
                BlendPhaseDescription>
       model;
   SourceLocation where;
@@ -674,6 +680,7 @@ struct IntegratorDescription {
   bool free_panes = false;     ///< light that passes a thin pane does not gain depth (Mitsuba's volpath)
   MediumEstimator medium_estimator = MediumEstimator::kNullMis;
   float step_size = 0;  ///< kMarching: metres; 0: a hundredth of the medium's bounding box' diagonal
+  float visibility_length = kInfinity;  ///< kVisibility: metres within which something is in the way
   PhotonMappingDescription photons;  ///< kPhotonMapper
 };
 
@@ -688,7 +695,6 @@ struct Description {
   std::vector<MaterialDescription> materials;
   std::vector<PhaseDescription> phases;
   std::vector<MediumDescription> media;
-  float visibility_length = kInfinity;  ///< kVisibility: metres within which something is in the way
   std::vector<ShapeDescription> shapes;
   std::vector<ShapeGroup> groups;
   std::vector<InstanceDescription> instances;

@@ -55,7 +55,7 @@ struct SparseVolume {
 
 /// What a dense file holds.
 struct DenseVolume {
-  int channels = 1;            ///< 1 or 3
+  int channels = 1;            ///< 1, 3 or 6
   std::array<int, 3> size{};   ///< voxels along each axis
   std::vector<float> values;   ///< x fastest, channels next to each other
   Transform grid_to_local;     ///< as SparseVolume's

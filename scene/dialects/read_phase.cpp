@@ -31,6 +31,12 @@ BlendPhaseDescription read_blend(Properties& p) {
   return blend;
 }
 
+SggxDescription read_sggx(Properties& p) {
+  const XmlElement* matrix = p.named_object("volume", "S");
+  if (matrix == nullptr) p.fail("needs a <volume> of the name 'S'");
+  return {read_matrix_volume(*matrix, p.context(), {})};
+}
+
 /// Phases [first, last) with their weights, as blends of two halves.
 PhaseId add_mixture(Properties& p, const std::vector<PhaseId>& nested, const std::vector<float>& weights,
                     std::size_t first, std::size_t last) {
@@ -107,10 +113,12 @@ PhaseId read_phase(const XmlElement& element, ReadContext& context) {
     phase.model = RayleighDescription{};
   } else if (p.type() == "tabphase") {
     phase.model = read_table(p);
+  } else if (p.type() == "sggx") {
+    phase.model = read_sggx(p);
   } else if (p.type() == "blendphase" || p.type() == "blend") {
     phase.model = read_blend(p);
   } else {
-    p.fail_plugin({"blend", "blendphase", "hg", "isotropic", "mixturephase", "rayleigh", "tabphase"});
+    p.fail_plugin({"blend", "blendphase", "hg", "isotropic", "mixturephase", "rayleigh", "sggx", "tabphase"});
   }
   p.finish();
   std::vector<PhaseDescription>& phases = context.description.phases;

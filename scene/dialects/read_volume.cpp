@@ -1,5 +1,7 @@
 #include "scene/dialects/read_volume.h"
 
+#include "scene/xml/xml_values.h"
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -128,6 +130,29 @@ std::optional<SpectrumDescription> find_constant_volume(Properties& p, const cha
   if (!input) return std::nullopt;
   if (const auto* spectrum = std::get_if<SpectrumDescription>(&*input)) return *spectrum;
   p.fail("has a grid for '" + std::string(name) + "', expected the same value everywhere");
+}
+
+std::variant<std::array<float, 6>, Grid> read_matrix_volume(const XmlElement& element, ReadContext& context,
+                                                            const VolumeDialect& dialect) {
+  Properties p(element, context);
+  std::variant<std::array<float, 6>, Grid> volume;
+  if (is_constant(p.type())) {
+    const auto text = p.find_string("value");
+    if (!text) p.fail("needs the string 'value': six numbers, xx yy zz xy xz yz");
+    const std::vector<float> numbers = parse_floats(*text, p.where(), "value");
+    std::array<float, 6> matrix;
+    if (numbers.size() != matrix.size())
+      p.fail_at("value", "holds " + std::to_string(numbers.size()) + " numbers, expected six: xx yy zz xy xz yz");
+    std::copy(numbers.begin(), numbers.end(), matrix.begin());
+    volume = matrix;
+    p.accept({"to_world"});
+  } else if (p.type() == "gridvolume" || p.type() == "vol") {
+    volume = read_grid(p, dialect, Grid::Format::kVol);
+  } else {
+    p.fail_plugin({"constvolume", "gridvolume", "vol"});
+  }
+  p.finish();
+  return volume;
 }
 
 float number_of(Properties& p, const char* name, const SpectrumDescription& spectrum) {

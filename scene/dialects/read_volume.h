@@ -27,6 +27,11 @@ std::optional<VolumeInput> find_volume_input(Properties& p, const char* name, Sp
 std::optional<SpectrumDescription> find_constant_volume(Properties& p, const char* name, SpectrumRole role,
                                                         const VolumeDialect& dialect);
 
+/// A <volume> of symmetric matrices: a constant with a string `value` of six numbers, xx yy zz xy xz yz, or a grid.
+std::variant<std::array<float, 6>, GridVolumeDescription> read_matrix_volume(const XmlElement& element,
+                                                                             ReadContext& context,
+                                                                             const VolumeDialect& dialect);
+
 /// The number that a volume means which is the same everywhere. Throws SceneError at property `name` if it is a colour.
 float number_of(Properties& p, const char* name, const SpectrumDescription& spectrum);
 

@@ -47,7 +47,7 @@ class VolReader {
  public:
   VolReader(const std::string& bytes, const std::string& file) : bytes_(bytes), file_(file) {}
 
-  VolHeader header() const {
+  VolHeader header(VolChannels expected) const {
     if (bytes_.size() < kHeaderSize && bytes_.compare(0, 3, "VOL") == 0) fail("the file is truncated");
     if (bytes_.compare(0, 3, "VOL") != 0) fail("expected a grid volume, which begins with the letters VOL");
     const int version = static_cast<unsigned char>(bytes_[3]);
@@ -60,7 +60,9 @@ class VolReader {
     if (h.encoding < kFloat32 || h.encoding > kUint8) {
       fail("expected values of encoding 1 (float32), 2 (float16) or 3 (uint8), found " + std::to_string(h.encoding));
     }
-    if (h.channels != 1 && h.channels != 3) fail("expected 1 or 3 channels, found " + std::to_string(h.channels));
+    const bool matrices = expected == VolChannels::kMatrices;
+    if (matrices ? h.channels != 6 : h.channels != 1 && h.channels != 3)
+      fail(std::string("expected ") + (matrices ? "6" : "1 or 3") + " channels, found " + std::to_string(h.channels));
     check_size(h);
     return h;
   }
@@ -126,11 +128,11 @@ class VolReader {
 
 }  // namespace
 
-DenseVolume read_vol(const std::filesystem::path& file, bool use_grid_bbox) {
+DenseVolume read_vol(const std::filesystem::path& file, bool use_grid_bbox, VolChannels expected) {
   const std::string name = file.string();
   const std::string bytes = read_mesh_bytes(file, "grid volume");
   const VolReader reader(bytes, name);
-  const VolHeader header = reader.header();
+  const VolHeader header = reader.header(expected);
   DenseVolume volume;
   volume.channels = header.channels;
   volume.size = header.size;

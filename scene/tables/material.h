@@ -42,6 +42,7 @@ enum class ClosureKind : std::uint32_t {
   kHenyeyGreenstein,
   kRayleigh,
   kTabulatedPhase,
+  kSggx,
   kCount
 };
 inline constexpr int kClosureKinds = static_cast<int>(ClosureKind::kCount);
@@ -287,6 +288,13 @@ template <class L> struct TabulatedPhaseParameters {
   static constexpr auto fields(auto& s) { return std::tie(s.table); }
 };
 
+/// Parameters of microflakes (kernels/phase/sggx.h): the matrix S = M M^T in the frame whose z axis is where light
+/// goes, M having rows (xx, xy, xz), (0, yy, yz) and (0, 0, zz). The medium tells it for each vertex.
+template <class L> struct SggxParameters {
+  typename L::Float xx, yy, zz, xy, xz, yz;
+  static constexpr auto fields(auto& s) { return std::tie(s.xx, s.yy, s.zz, s.xy, s.xz, s.yz); }
+};
+
 /// A kind of closure with its parameters.
 template <ClosureKind Kind, template <class> class P, class D = void> struct ClosureEntry {
   static constexpr ClosureKind kKind = Kind;
@@ -340,6 +348,7 @@ template <class F> constexpr void for_each_closure(F&& f) {
   f(ClosureEntry<kHenyeyGreenstein, HenyeyGreensteinParameters>{.name = "henyey_greenstein", .is_phase = true});
   f(ClosureEntry<kRayleigh, RayleighParameters>{.name = "rayleigh", .is_phase = true});
   f(ClosureEntry<kTabulatedPhase, TabulatedPhaseParameters>{.name = "tabulated_phase", .is_phase = true});
+  f(ClosureEntry<kSggx, SggxParameters>{.name = "sggx", .is_phase = true});
 }
 
 /// What ClosureEntry says of a kind that is only known when the program runs.

@@ -10,13 +10,14 @@ namespace sheaf {
 
 /// Bits of MediumRow::flags.
 enum MediumFlags : std::uint32_t {
-  kMediumHomogeneous = 1,         ///< the same everywhere
-  kMediumScatters = 2,            ///< not only absorbs
+  kMediumHomogeneous = 1,  ///< the same everywhere
+  kMediumScatters = 2,     ///< not only absorbs
   kMediumEmits = 4,
   kMediumAbsorptionScattering = 8,  ///< its spectra are those two, else extinction and albedo
-  kMediumGrey = 16,               ///< extinction is the same in all lanes
-  kMediumBoxed = 64,              ///< ends at the box of the grid of its extinction, whatever the grid has outside
-  kMediumColored = 32,            ///< extinction has a grid of three channels
+  kMediumGrey = 16,                 ///< extinction is the same in all lanes
+  kMediumBoxed = 64,                ///< ends at the box of the grid of its extinction, whatever the grid has outside
+  kMediumColored = 32,              ///< extinction has a grid of three channels
+  kMediumFlakes = 128,              ///< extinction is multiplied by the projected area of microflakes
 };
 
 /// One medium. Coefficients are per metre of world space. In spectral mode the three spectra are those of
@@ -37,6 +38,10 @@ struct MediumRow {
   std::uint32_t temperature = 0xffffffffu;  ///< Kelvin: the emission is a black body's; one channel
   float temperature_scale = 1;              ///< on that grid
   float step_size = 0;                      ///< MediumEstimator::kMarching: metres
+  // kMediumFlakes: the matrix of SggxDescription.
+  float flakes[6] = {};                     ///< xx, yy, zz, xy, xz, yz, where it is the same everywhere
+  std::uint32_t flake_grids = 0xffffffffu;  ///< else grids of xx, yy, zz and, the next row, of xy, xz, yz
+  float most_flakes = 0;                    ///< of that grid: bounds the projected area
 };
 inline constexpr int kMediumSpectra = 3;
 /// Most media in a scene: as many as kernels/wave/path_state.h has bits for.

@@ -5,6 +5,9 @@
 #include "scene/tables/scene.h"
 #include "scene/tables/spectral_grid.h"
 
+#include <cmath>
+#include <iterator>
+
 namespace sheaf {
 
 /// The spectra of a medium's row at a path's wavelengths, before grids multiply them.
@@ -56,7 +59,7 @@ inline bool is_in_box(const MajorantGridRow& row, Vec3f p) {
   return true;
 }
 
-/// Of any medium, at point `p` in world space.
+/// Of any medium, at point `p` in world space; flakes left out.
 inline MediumCoefficients medium_coefficients(const SceneView& scene, const MediumRow& medium,
                                               const MediumSpectra& spectra, Vec3f p, const Spectrum4& lambda) {
   if ((medium.flags & kMediumBoxed) != 0 && !is_in_box(scene.majorant_grids[medium.majorants], p)) return {};
@@ -72,6 +75,45 @@ inline MediumCoefficients medium_coefficients(const SceneView& scene, const Medi
     if (!by_albedo) second = second * density;
   }
   return medium_coefficients(medium, first, second);
+}
+
+/// The matrix of a medium's microflakes at a point, as MediumRow::flakes.
+struct FlakeMatrix {
+  float entries[6];
+
+  /// The flakes' projected area in the direction `w`, over that of as many flakes that face it.
+  float projected_area(Vec3f w) const {
+    const auto& s = entries;
+    const float diagonal = s[0] * w.x * w.x + s[1] * w.y * w.y + s[2] * w.z * w.z;
+    return std::sqrt(max(diagonal + 2.0f * (s[3] * w.x * w.y + s[4] * w.x * w.z + s[5] * w.y * w.z), 0.0f));
+  }
+};
+
+inline FlakeMatrix flake_matrix(const MediumRow& medium) {
+  FlakeMatrix out;
+  std::copy(std::begin(medium.flakes), std::end(medium.flakes), out.entries);
+  return out;
+}
+inline FlakeMatrix flake_matrix(const SceneView& scene, const MediumRow& medium, Vec3f p) {
+  if (medium.flake_grids == kNone) return flake_matrix(medium);
+  const Vec3f a = lookup_grid_color(scene.grids, medium.flake_grids, p),
+              b = lookup_grid_color(scene.grids, medium.flake_grids + 1, p);
+  return {{a.x, a.y, a.z, b.x, b.y, b.z}};
+}
+
+/// A factor on the spectra of a medium with microflakes, so that they are those of its extinction along `direction`, or
+/// where the flakes are not the same everywhere a bound on that.
+inline void weigh_by_flakes(const MediumRow& medium, Vec3f direction, MediumSpectra& spectra) {
+  const float area = medium.flake_grids == kNone ? flake_matrix(medium).projected_area(direction) : medium.most_flakes;
+  spectra.first = spectra.first * area;
+  if ((medium.flags & kMediumAbsorptionScattering) != 0) spectra.second = spectra.second * area;
+}
+
+/// What is left to do at point `p`: a factor in [0, 1].
+inline float flake_share(const SceneView& scene, const MediumRow& medium, Vec3f p, Vec3f direction) {
+  if (medium.flake_grids == kNone) return 1.0f;
+  const float area = flake_matrix(scene, medium, p).projected_area(direction);
+  return area < medium.most_flakes ? area / medium.most_flakes : 1.0f;
 }
 
 /// What a black body of a temperature in kelvin emits, in the lanes; see BlackbodyTable.

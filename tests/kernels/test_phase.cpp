@@ -224,13 +224,14 @@ TEST_CASE("phase: mixtures of tables are the sums of their parts") {
   }
 }
 
-TEST_CASE("phase: the three phase functions are the only BSDFs that say they are") {
+TEST_CASE("phase: the phase functions are the only BSDFs that say they are") {
   int phases = 0;
   for_each_bsdf(
       [&]<template <class> class Bsdf>(ClosureKind, BsdfTag<Bsdf>) { phases += kIsPhaseFunction<Bsdf<Wide>>; });
   CHECK(phases == 3);
   CHECK(kIsPhaseFunction<HenyeyGreensteinBsdf<Scalar>>);
   CHECK(kIsPhaseFunction<RayleighBsdf<Scalar>>);
+  CHECK(kIsPhaseFunction<SggxBsdf<Scalar>>);
 }
 
 }  // namespace sheaf

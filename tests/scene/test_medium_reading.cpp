@@ -147,6 +147,35 @@ TEST_CASE("media: phase functions of every kind") {
   CHECK(std::get<HenyeyGreensteinDescription>(at(inner.nested[1]).model).g == 0.8f);
 }
 
+TEST_CASE("media: microflakes, the same everywhere or on a grid") {
+  const auto flakes = [](const std::string& inside) -> SggxDescription {
+    const Description d =
+        read_volumes(mitsuba_scene(medium("homogeneous", "<phase type='sggx'>" + inside + "</phase>")));
+    REQUIRE(d.phases.size() == 1);
+    return std::get<SggxDescription>(d.phases[0].model);
+  };
+  const auto numbers = flakes(volume("S", "constvolume", "<string name='value' value='1, 2, 3, 0.1, 0.2, -0.3'/>"));
+  CHECK(std::get<std::array<float, 6>>(numbers.matrix) == std::array<float, 6>{1, 2, 3, 0.1f, 0.2f, -0.3f});
+  const auto grid =
+      flakes(volume("S", "gridvolume", file("a.vol") + "<transform name='to_world'><translate x='2'/></transform>"));
+  CHECK(std::get<Grid>(grid.matrix).to_world.point({1, 0, 0}) == Vec3f{3, 0, 0});
+}
+
+TEST_CASE("media: grids may be textures of surfaces, by themselves and scaled") {
+  const std::string grid = "<texture type='volume' name='",
+                    of = "'>" + volume("volume", "gridvolume", file("a.vol")) + "</texture>";
+  const Description d = read_volumes(
+      mitsuba_scene("<shape type='sphere'><bsdf type='diffuse'>" + grid + "reflectance" + of +
+                    "</bsdf></shape><shape type='sphere'>" +
+                    "<bsdf type='diffuse'><texture type='scale' name='reflectance'><float name='scale' value='0.5'/>" +
+                    grid + "a" + of + "</texture></bsdf></shape>"));
+  REQUIRE(d.textures.size() == 3);
+  const auto& plain = std::get<VolumeTextureDescription>(d.textures[0].model);
+  CHECK(plain.grid.file.filename() == "a.vol");
+  CHECK(plain.scale == 1);
+  CHECK(std::get<VolumeTextureDescription>(d.textures[2].model).scale == 0.5f);
+}
+
 TEST_CASE("media: mixtures of phase functions are blends of halves, and constant volumes may be placed") {
   const Description d = read_text(mitsuba_scene(
       "<medium type='homogeneous'><phase type='mixturephase'><string name='weights' value='0.2, 0.3, 0.5'/>"
@@ -350,6 +379,12 @@ TEST_CASE("media: errors of Mitsuba's dialect") {
       {homogeneous("<rgb name='sigma_t' value='-1'/>"), "expected no negative value"},
       {homogeneous("<rgb name='albedo' value='1.5'/>"), "expected values within [0, 1]"},
       {homogeneous("<float name='scale' value='-1'/>"), "expected no negative number"},
+      {phase("<phase type='sggx'/>"), "scene.xml:5: phase 'sggx' needs a <volume> of the name 'S'"},
+      {phase("<phase type='sggx'>" + volume("S", "constvolume", "<string name='value' value='1 2 3'/>") + "</phase>"),
+       "holds 3 numbers, expected six: xx yy zz xy xz yz"},
+      {phase("<phase type='sggx'>" + volume("S", "constvolume", "<float name='value' value='1'/>") + "</phase>"),
+       "six numbers"},
+      {phase("<phase type='sggx'>" + volume("S", "gridvolume", file("a.nvdb")) + "</phase>"), "expected a .vol file"},
       {homogeneous("<rgb name='emission' value='-1'/>"), "expected no negative value"},
       {homogeneous("<rgb name='sigma_t' value='1'/><rgb name='sigma_a' value='1'/>"),
        "mixes 'sigma_t' and 'albedo' with"},
