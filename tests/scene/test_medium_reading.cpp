@@ -383,7 +383,7 @@ TEST_CASE("media: errors of Mitsuba's dialect") {
       {phase("<phase type='sggx'>" + volume("S", "constvolume", "<string name='value' value='1 2 3'/>") + "</phase>"),
        "holds 3 numbers, expected six: xx yy zz xy xz yz"},
       {phase("<phase type='sggx'>" + volume("S", "constvolume", "<float name='value' value='1'/>") + "</phase>"),
-       "six numbers"},
+       "given as <float>, expected string"},
       {phase("<phase type='sggx'>" + volume("S", "gridvolume", file("a.nvdb")) + "</phase>"), "expected a .vol file"},
       {homogeneous("<rgb name='emission' value='-1'/>"), "expected no negative value"},
       {homogeneous("<rgb name='sigma_t' value='1'/><rgb name='sigma_a' value='1'/>"),
