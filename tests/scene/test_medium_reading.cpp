@@ -448,7 +448,7 @@ TEST_CASE("media: errors of Mitsuba's dialect") {
        "did you mean 'simpson'?"},
       {old_scene(medium("heterogeneous", "<float name='density' value='1'/>" +
                                              volume("orientation", "constvolume", "<float name='value' value='1'/>"))),
-       "fibres are not supported"},
+       "expected in the matrices of the phase function 'sggx'"},
   };
   for (const Case& c : cases) {
     CAPTURE(c.text);
