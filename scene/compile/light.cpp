@@ -1,9 +1,22 @@
 #include "scene/compile/light.h"
 
 #include <array>
+#include <span>
 #include <utility>
 
 namespace sheaf {
+
+namespace {
+
+/// Whether a texture, or a part of it, is a volume.
+bool holds_volume(std::span<const TextureRow> rows, std::uint32_t texture) {
+  const TextureRow& row = rows[texture];
+  if (row.kind != TextureKind::kCheckerboard && row.kind != TextureKind::kGrid)
+    return row.kind == TextureKind::kVolume;
+  return holds_volume(rows, row.checkerboard.child[0]) || holds_volume(rows, row.checkerboard.child[1]);
+}
+
+}  // namespace
 
 SpectrumRow LightContext::emission_row(const SpectrumInput& emission, const SourceLocation& where) const {
   if (spectra == nullptr) return {};
@@ -16,7 +29,7 @@ SpectrumRow LightContext::emission_row(const SpectrumInput& emission, const Sour
 std::uint32_t LightContext::texture_row(TextureId id, const SourceLocation& where) const {
   if (static_cast<std::size_t>(id) >= description.textures.size())
     throw SceneError(where, "refers to a texture that does not exist");
-  if (std::holds_alternative<VolumeTextureDescription>(description.textures[static_cast<std::size_t>(id)].model))
+  if (holds_volume(textures, static_cast<std::uint32_t>(id)))
     throw SceneError(where,
                      "shines by a texture that is a grid in the world, expected one that follows the surface: "
                      "lights are looked up by uv");

@@ -474,6 +474,11 @@ TEST_CASE("texture lookup: neither lights nor bumps are made of volumes") {
   add_sphere(d, {0, 0, 0}, 1, grey).radiance = TextureId{0};
   CHECK_THROWS_WITH_AS(compile_scene(d), doctest::Contains("a grid in the world, expected one that follows"),
                        SceneError);
+  TextureDescription board;
+  board.model = CheckerboardDescription{SpectrumDescription::constant(1), TextureId{0}};
+  d.textures.push_back(board);
+  d.shapes[0].radiance = TextureId{1};
+  CHECK_THROWS_AS(compile_scene(d), SceneError);
   d.shapes[0].radiance.reset();
   CHECK_NOTHROW(compile_scene(d));
   d.shapes[0].material = add_material(d, BumpMapDescription{TextureId{0}, 1, grey});
