@@ -11,8 +11,7 @@ namespace {
 /// Whether a texture, or a part of it, is a volume.
 bool holds_volume(std::span<const TextureRow> rows, std::uint32_t texture) {
   const TextureRow& row = rows[texture];
-  if (row.kind != TextureKind::kCheckerboard && row.kind != TextureKind::kGrid)
-    return row.kind == TextureKind::kVolume;
+  if (row.kind != TextureKind::kCheckerboard && row.kind != TextureKind::kGrid) return row.kind == TextureKind::kVolume;
   return holds_volume(rows, row.checkerboard.child[0]) || holds_volume(rows, row.checkerboard.child[1]);
 }
 

@@ -41,8 +41,9 @@ void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumD
   if (const auto albedo = find_volume_input(p, "albedo", SpectrumRole::kReflectance, dialect)) pair.albedo = *albedo;
   medium.coefficients = std::move(pair);
   if (p.named_object("volume", "orientation") != nullptr)
-    p.fail("has a <volume> of the name 'orientation', which is not supported: the directions of fibres are expected in "
-           "the matrices of the phase function 'sggx'");
+    p.fail(
+        "has a <volume> of the name 'orientation', which is not supported: the directions of fibres are expected in "
+        "the matrices of the phase function 'sggx'");
   const std::string method = p.find_string("method").value_or("woodcock");
   IntegratorDescription& integrator = p.context().description.integrator;
   if (method == "simpson") {
