@@ -100,7 +100,7 @@ TEST_CASE("flakes: light passes by the area that they turn to it, whatever the e
 
       Description below = picture(16, 64, estimator);
       below.integrator.max_depth = 2;
-      look_at(below, behind + Vec3f{0, 3, 0}, behind, {1, 0, 0}, 0.01f);
+      look_at(below, behind - Vec3f{0, 3, 0}, behind, {1, 0, 0}, 0.01f);
       add_rectangle(below, Transform::look_at(behind, middle, {0, 1, 0}) * Transform::scale({9, 9, 1}),
                     add_two_sided(below, add_diffuse(below, 0.5f)));
       add_point_light(below, before, 64);
