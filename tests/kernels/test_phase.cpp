@@ -228,9 +228,10 @@ TEST_CASE("phase: the phase functions are the only BSDFs that say they are") {
   int phases = 0;
   for_each_bsdf(
       [&]<template <class> class Bsdf>(ClosureKind, BsdfTag<Bsdf>) { phases += kIsPhaseFunction<Bsdf<Wide>>; });
-  CHECK(phases == 3);
+  CHECK(phases == 4);
   CHECK(kIsPhaseFunction<HenyeyGreensteinBsdf<Scalar>>);
   CHECK(kIsPhaseFunction<RayleighBsdf<Scalar>>);
+  CHECK(kIsPhaseFunction<TabulatedPhaseBsdf<Scalar>>);
   CHECK(kIsPhaseFunction<SggxBsdf<Scalar>>);
 }
 
