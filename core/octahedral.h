@@ -1,8 +1,9 @@
-// Unit vectors in 32 bits: the octahedral map (Cigolle et al., "A Survey of Efficient Representations for Independent
-// Unit Vectors", JCGT 2014), 16 bits an axis.
+// Maps of the octahedron: unit vectors in 32 bits (Cigolle et al., "A Survey of Efficient Representations for
+// Independent Unit Vectors", JCGT 2014), 16 bits an axis; and all directions as a square of equal areas.
 #pragma once
 
 #include "core/vec.h"
+#include "core/warp.h"
 
 namespace sheaf {
 
@@ -29,6 +30,32 @@ template <class L> SHEAF_INLINE Vec3<L> decode_octahedral(typename L::Uint bits)
   const F z = F(1.0f) - abs(x) - abs(y);
   const F fold = max(-z, F(0.0f));
   return normalize(Vec3<L>{x - copysign(fold, x), y - copysign(fold, y), z});
+}
+
+/// The place in the unit square of a unit direction: the map of the octahedron that keeps areas (Clarberg, "Fast
+/// Equal-Area Mapping of the (Hemi)Sphere using SIMD", JGT 2008). +z is the middle, -z all four corners, +x lies at
+/// (1, 1/2) and +y at (1/2, 1).
+template <class L> SHEAF_INLINE Vec2<L> equal_area_octahedral(Vec3<L> d) {
+  using F = typename L::Float;
+  const F radius = sqrt(max(F(1.0f) - abs(d.z), F(0.0f)));
+  const F turn = atan2(abs(d.y), abs(d.x)) * F(2.0f * kInvPi);  // from 0 at x to 1 at y
+  const F across = turn * radius, along = radius - across;
+  const auto lower = d.z < F(0.0f);
+  const F x = select(lower, F(1.0f) - across, along), y = select(lower, F(1.0f) - along, across);
+  return {F(0.5f) * (copysign(x, d.x) + F(1.0f)), F(0.5f) * (copysign(y, d.y) + F(1.0f))};
+}
+
+/// The direction of a place in the unit square, the inverse of equal_area_octahedral().
+template <class L> SHEAF_INLINE Vec3<L> equal_area_direction(typename L::Float u, typename L::Float v) {
+  using F = typename L::Float;
+  const F x = F(2.0f) * u - F(1.0f), y = F(2.0f) * v - F(1.0f), along = abs(x), across = abs(y);
+  const F signed_distance = F(1.0f) - along - across;  // from the diamond of z = 0, positive inside
+  const F radius = F(1.0f) - abs(signed_distance);
+  const F turn = select(radius > F(0.0f), (across - along) / max(radius, F(1e-37f)) + F(1.0f), F(1.0f));
+  const auto angle = sincos_2pi<L>(turn * F(0.125f));
+  const F sine = radius * safe_sqrt(F(2.0f) - radius * radius);
+  return {copysign(angle.cos * sine, x), copysign(angle.sin * sine, y),
+          copysign(F(1.0f) - radius * radius, signed_distance)};
 }
 
 }  // namespace sheaf

@@ -5,6 +5,7 @@
 #include "kernels/lights/constant_light.h"
 #include "kernels/lights/directional_light.h"
 #include "kernels/lights/envmap_light.h"
+#include "kernels/lights/goniometric_light.h"
 #include "kernels/lights/mesh_light.h"
 #include "kernels/lights/point_light.h"
 #include "kernels/lights/projector_light.h"
@@ -32,8 +33,8 @@ template <LightModel... Kinds> struct LightList {
 
 /// All of them. Scenes whose lights are all of the first kind are the most common.
 using Lights = LightList<MeshLight, SphereLight, QuadricLight, PointLight, SpotLight<LightKind::kSpot>,
-                         SpotLight<LightKind::kSmoothSpot>, ProjectorLight, BeamLight, DirectionalLight, SunLight,
-                         ConstantLight, EnvmapLight, VolumeLight>;
+                         SpotLight<LightKind::kSmoothSpot>, GoniometricLight, ProjectorLight, BeamLight,
+                         DirectionalLight, SunLight, ConstantLight, EnvmapLight, VolumeLight>;
 static_assert(Lights::kCount == kLightKinds && Lights::is_ordered(), "the list must hold LightKind's kinds, in order");
 
 }  // namespace sheaf

@@ -13,7 +13,7 @@ template <class L> struct LightPoint {
   typename L::Float pdf_area;  ///< per area in world space
 };
 
-/// Turns a point on an area light into a sample: density from area to solid angle, and one-sidedness.
+/// Turns a point on an area light into a sample: density from area to solid angle, and the sides on which it shines.
 template <class L>
 SHEAF_INLINE LightSample<L> sample_towards(Vec3<L> from, const LightPoint<L>& point, const LightRecord<L>& light) {
   using F = Float<L>;
@@ -22,10 +22,12 @@ SHEAF_INLINE LightSample<L> sample_towards(Vec3<L> from, const LightPoint<L>& po
   const Vec3<L> d = y.p - from;
   const F squared = dot(d, d);
   s.direction = d * (F(1.0f) / sqrt(max(squared, F(1e-37f))));
-  const F cos_light = -dot(s.direction, y.ng);
+  const F cos_front = -dot(s.direction, y.ng);
+  const auto behind = light.is_two_sided() & (cos_front < F(0.0f));
+  const F cos_light = select(behind, -cos_front, cos_front);
   s.valid = (cos_light > F(1e-6f)) & (squared > F(0.0f)) & !light.is_along_normal();
   s.pdf_solid_angle = point.pdf_area * squared / select(s.valid, cos_light, F(1.0f));
-  s.target = y.p + y.ng * y.offset;
+  s.target = y.p + y.ng * select(behind, -y.offset, y.offset);
   s.radiance = light.radiance;
   return s;
 }
@@ -38,19 +40,21 @@ template <class L> SHEAF_INLINE Float<L> pdf_seen(Float<L> pdf_area, const Light
 }
 
 /// Along the cosine from a point on an area light (Jensen, "Realistic Image Synthesis Using Photon Mapping", 2001,
-/// section 5.2), so that all photons of a light without texture and stretching carry the same flux; or along the
-/// normal, if the light emits there alone.
+/// section 5.2), so that all photons of a light without texture and stretching carry the same flux; on either side
+/// if it shines on both; or along the normal, if the light emits there alone.
 template <class L>
 SHEAF_INLINE PhotonEmission<L> emit_from(const LightPoint<L>& at, const LightRecord<L>& light, const Random4<L>& b) {
   using F = Float<L>;
   const Vec3<L> local = square_to_cosine_hemisphere<L>(b.x, b.y);
   PhotonEmission<L> e;
-  e.origin = at.y.p + at.y.ng * at.y.offset;
-  const auto parallel = light.is_along_normal();
-  e.direction = select<L>(parallel, at.y.ng, Frame<L>::from_normal(at.y.ng).to_world(local));
+  const auto parallel = light.is_along_normal(), two_sided = light.is_two_sided();
+  const F side = select(two_sided & (b.z < F(0.5f)), F(-1.0f), F(1.0f)), sides = select(two_sided, F(2.0f), F(1.0f));
+  const Vec3<L> outwards = at.y.ng * side;
+  e.origin = at.y.p + outwards * at.y.offset;
+  e.direction = select<L>(parallel, outwards, Frame<L>::from_normal(outwards).to_world(local));
   e.pdf_position = at.pdf_area;
-  e.pdf_direction = select(parallel, F(1.0f), cosine_hemisphere_pdf_solid_angle(local.z));
-  e.flux = light.radiance * (select(parallel, F(1.0f), F(kPi)) / at.pdf_area);
+  e.pdf_direction = select(parallel, F(1.0f), cosine_hemisphere_pdf_solid_angle(local.z) / sides);
+  e.flux = light.radiance * (select(parallel, F(1.0f), F(kPi) * sides) / at.pdf_area);
   e.valid = parallel | (local.z > F(0.0f));
   return e;
 }

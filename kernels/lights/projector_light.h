@@ -23,12 +23,14 @@ struct ProjectorLight {
     LightSample<L> s = sample_position<L>(lights.light, from);
     s.valid = s.valid & ahead & (min(u, v) >= F(0.0f)) & (max(u, v) <= F(1.0f));
     const F inverse_cosine = sqrt(dot(local, local)) / depth;
-    s.radiance = s.radiance * (inverse_cosine * inverse_cosine * inverse_cosine);
+    const F inverse_cosines = inverse_cosine * inverse_cosine * inverse_cosine;
+    s.radiance = s.radiance * select(frame.is_even(), F(1.0f), inverse_cosines);
     set_query<L>(lights.active & s.valid, {{u, v}, U(0u), U(0u), F(0.0f), F(0.0f)}, texture);
     return s;
   }
 
-  /// Uniformly over the picture. The intensity goes with 1 / cos^3, and so does the density of directions.
+  /// Uniformly over the picture. Unless it is even, the intensity goes with 1 / cos^3, and so does the density of
+  /// directions.
   template <class L, ColorMode Mode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
@@ -40,7 +42,7 @@ struct ProjectorLight {
     const F inverse_cosines = distance * distance * distance;
     auto e = emit_from_position<L>(lights.light, normalize_any(frame.world_vector(local)),
                                    inverse_area * inverse_cosines);
-    e.flux = lights.light.radiance * (F(1.0f) / inverse_area);
+    e.flux = lights.light.radiance * (F(1.0f) / (inverse_area * select(frame.is_even(), inverse_cosines, F(1.0f))));
     set_query<L>(lights.active, {{b.x, b.y}, Uint<L>(0u), Uint<L>(0u), F(0.0f), F(0.0f)}, texture);
     return e;
   }

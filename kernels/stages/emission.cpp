@@ -110,8 +110,9 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
 
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
   const auto hidden = from_camera & Mask<L>(context.transport.hide_emitters);
-  const auto lit = (dot(ray.direction, y.ng) < F(0.0f)) & !light.is_along_normal() & (!hidden) &
-                   !is_caustic<L>(context, ray.flags, radiance.scatter_pdf);
+  const auto faces = (dot(ray.direction, y.ng) < F(0.0f)) | light.is_two_sided();
+  const auto lit =
+      faces & !light.is_along_normal() & (!hidden) & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf);
   const LightPath<L> from = light_path<L>(context.scene, wave, slots, ray, radiance);
   const F pdf = choice_probability<L>(context.scene, from.receiver, hit.light) *
                 light_pdf_solid_angle<L>(context.scene, light, Mask<L>(true), from.receiver.p, ray.direction,

@@ -35,9 +35,15 @@ void check_at(const SceneView& scene, std::uint32_t index, const Spectrum4& lamb
   if ((medium.flags & kMediumEmits) == 0) return;
   Quad emission = spectra.emission * largest_factor(grids, medium.emission_grid);
   if (medium.temperature != kNone) {
-    const float kelvin = largest_factor(grids, medium.temperature) * medium.temperature_scale;
-    emission = std::isfinite(kelvin) ? emission * blackbody_emission(scene, kelvin, lambda) : Quad(kInfinity);
+    const float largest = largest_factor(grids, medium.temperature) - medium.temperature_offset;
+    const float kelvin = largest * medium.temperature_scale;
+    const bool of_one = (medium.flags & kMediumUnitBlackbodies) != 0;
+    if (!std::isfinite(kelvin))
+      emission = Quad(kInfinity);
+    else if (!of_one)
+      emission = emission * blackbody_emission(scene, kelvin, lambda);
   }
+  emission = emission * largest_factor(grids, medium.emission_factor);
   if (!is_finite(emission))
     throw SceneError(where, "the medium's emission is too large for a number of 32 bits somewhere, expected values "
                             "whose product with the scale and the grids' voxels is finite");

@@ -21,11 +21,15 @@ std::uint32_t SceneCompiler::hold(std::optional<MediumId> medium, const ShapeDes
   if (!medium) return 0;
   const auto index = static_cast<std::size_t>(*medium);
   const MediumDescription& m = in_.media.at(index);
-  const auto* by_albedo = std::get_if<ExtinctionAlbedoDescription>(&m.coefficients);
-  const bool has_grid = m.density || m.temperature ||
-                        (m.phase && holds_flakes_on_grid(in_.phases.at(static_cast<std::size_t>(*m.phase)))) ||
-                        (by_albedo && (std::holds_alternative<GridVolumeDescription>(by_albedo->sigma_t) ||
-                                       std::holds_alternative<GridVolumeDescription>(by_albedo->albedo)));
+  const auto is_grid = [](const VolumeInput& input) { return std::holds_alternative<GridVolumeDescription>(input); };
+  const bool has_grid =
+      m.density || m.temperature ||
+      (m.phase && holds_flakes_on_grid(in_.phases.at(static_cast<std::size_t>(*m.phase)))) ||
+      std::visit(
+          Overloaded{
+              [&](const ExtinctionAlbedoDescription& c) { return is_grid(c.sigma_t) || is_grid(c.albedo); },
+              [&](const AbsorptionScatteringDescription& c) { return is_grid(c.sigma_a) || is_grid(c.sigma_s); }},
+          m.coefficients);
   if (group_emitters_ != nullptr && (has_grid || m.emission))
     throw SceneError(shape.where, "a medium in a shape group must be homogeneous and must not emit");
   medium_boxes_.resize(in_.media.size());
@@ -68,7 +72,7 @@ void SceneCompiler::end_media() {
     const LightRow& light = out_->lights_[i];
     const auto kind = static_cast<LightKind>(light.kind);
     if (kind == LightKind::kPoint || kind == LightKind::kSpot || kind == LightKind::kSmoothSpot ||
-        kind == LightKind::kProjector)
+        kind == LightKind::kGoniometric || kind == LightKind::kProjector)
       out_->radius_ = std::max(out_->radius_, length(light.position - out_->center_));
   }
   // A little more than what it must hold, so that rounding cuts no ray between two points of the scene short; and less

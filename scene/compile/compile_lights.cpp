@@ -4,6 +4,7 @@
 #include "scene/compile/lights/area_light.h"
 #include "scene/compile/lights/volume_light.h"
 #include "scene/compile/scene_compiler.h"
+#include "scene/tables/quadric.h"
 
 #include <algorithm>
 
@@ -20,10 +21,17 @@ std::optional<AreaEmission> SceneCompiler::emission_of(const ShapeDescription& s
     return AreaEmission{{1, 1, 1},
                         context.texture_row(*texture, shape.where),
                         context.emission_row(*texture, shape.where),
-                        shape.emits_along_normal};
+                        shape.emits_along_normal,
+                        shape.emits_on_both_sides,
+                        shape.power};
   const Vec3f radiance = emission_rgb(std::get<SpectrumDescription>(*shape.radiance));
   if (!(max_component(radiance) > 0.0f)) return std::nullopt;
-  return AreaEmission{radiance, kNone, context.emission_row(*shape.radiance, shape.where), shape.emits_along_normal};
+  return AreaEmission{radiance,
+                      kNone,
+                      context.emission_row(*shape.radiance, shape.where),
+                      shape.emits_along_normal,
+                      shape.emits_on_both_sides,
+                      shape.power};
 }
 
 void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance) {
@@ -35,8 +43,17 @@ void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, 
   constexpr std::size_t kRowWords = sizeof(LightTriangleRow) / sizeof(float);
   if (kRowWords * (out_->light_triangles_.size() + light.triangles.size()) > kMaxWords)
     throw SceneError("the lights have more than " + std::to_string(kMaxWords / kRowWords) + " triangles in all");
+  SpectrumRow spectrum = emitter.emission.spectrum;
+  if (emitter.emission.power) {
+    const QuadricRow* own = light.quadric ? &*light.quadric : nullptr;
+    const bool is_mesh = light.row.is(LightKind::kMesh);
+    const float area = is_mesh ? light.row.area : quadric_area(own ? *own : out_->quadrics_[light.row.quadric()]);
+    const float factor = *emitter.emission.power / (exitance_factor(light.row) * area);
+    light.row.radiance = light.row.radiance * factor;
+    spectrum.scale *= factor;
+  }
   out_->lights_.push_back(light.row);
-  out_->light_spectra_.push_back(emitter.emission.spectrum);
+  out_->light_spectra_.push_back(spectrum);
   out_->has_textured_lights_ = out_->has_textured_lights_ || light.row.texture != kNone;
   out_->triangle_alias_.insert(out_->triangle_alias_.end(), light.alias.begin(), light.alias.end());
   out_->light_triangles_.insert(out_->light_triangles_.end(), light.triangles.begin(), light.triangles.end());

@@ -57,8 +57,8 @@ class MediaCompiler {
     } else {
       const auto& both = std::get<AbsorptionScatteringDescription>(m.coefficients);
       row.flags |= kMediumAbsorptionScattering;
-      spectrum(both.sigma_a, SpectrumUse::kUnbounded, m.scale, m.where, row.first, spectra[0]);
-      spectrum(both.sigma_s, SpectrumUse::kUnbounded, m.scale, m.where, row.second, spectra[1]);
+      row.first_grid = input(both.sigma_a, SpectrumUse::kUnbounded, m.scale, box, m.where, row.first, spectra[0]);
+      row.second_grid = input(both.sigma_s, SpectrumUse::kUnbounded, m.scale, box, m.where, row.second, spectra[1]);
     }
     if (m.density) row.density = grid(*m.density, box, m.where, 1);
     add_emission(m, box, row, spectra[2]);
@@ -141,6 +141,8 @@ class MediaCompiler {
     if (m.temperature) {
       row.temperature = grid(*m.temperature, box, m.where, 1);
       row.temperature_scale = m.temperature_scale;
+      row.temperature_offset = m.temperature_offset;
+      if (m.unit_blackbodies) row.flags |= kMediumUnitBlackbodies;
       // Planck's law is absolute: the factor is the same at every wavelength.
       spectrum(SpectrumDescription::constant(1), SpectrumUse::kRaw, m.emission_scale, m.where, row.emission,
                spectrum_row);
@@ -150,6 +152,8 @@ class MediaCompiler {
           input(*m.emission, SpectrumUse::kIlluminant, m.emission_scale, box, m.where, row.emission, spectrum_row);
       if (std::max({row.emission[0], row.emission[1], row.emission[2]}) > 0.0f) row.flags |= kMediumEmits;
     }
+    if (m.emission_factor && (row.flags & kMediumEmits) != 0)
+      row.emission_factor = grid(*m.emission_factor, box, m.where, 1);
   }
 
   void add_flakes(const SggxDescription& flakes, const SourceLocation& where, MediumRow& row) {
@@ -175,14 +179,15 @@ class MediaCompiler {
   void set_flags(MediumRow& row, const SpectrumRow (&spectra)[kMediumSpectra]) const {
     const bool varies =
         row.density != kNone || row.first_grid != kNone || row.second_grid != kNone || row.flake_grids != kNone;
-    const bool glow_varies = row.emission_grid != kNone || row.temperature != kNone;
+    const bool glow_varies = row.emission_grid != kNone || row.temperature != kNone || row.emission_factor != kNone;
     if (!varies && !glow_varies) row.flags |= kMediumHomogeneous;
     if (std::max({row.second[0], row.second[1], row.second[2]}) > 0.0f) row.flags |= kMediumScatters;
-    if (row.first_grid != kNone && out.grids[row.first_grid].channels > 1) row.flags |= kMediumColored;
-    const auto is_grey = [&](const float (&words)[4], const SpectrumRow& spectrum_row) {
+    const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
+    for (const std::uint32_t grid : {row.first_grid, both ? row.second_grid : kNone})
+      if (grid != kNone && out.grids[grid].channels > 1) row.flags |= kMediumColored;
+    const auto is_grey = [&](const float(&words)[4], const SpectrumRow& spectrum_row) {
       return words[0] == words[1] && words[1] == words[2] && (set_ == nullptr || spectrum_row.is_flat());
     };
-    const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
     const std::uint32_t of = row.density != kNone ? row.density : row.first_grid;
     if (of != kNone && out.grids[of].border != GridBorder::kBackground) row.flags |= kMediumBoxed;
     if (is_grey(row.first, spectra[0]) && (!both || is_grey(row.second, spectra[1])) &&
@@ -206,12 +211,25 @@ class MediaCompiler {
       if (of != row.first_grid && row.first_grid != kNone)
         factor *= bound(row.first_grid) * std::max(out.grids[row.first_grid].max_value(), 0.0f);
       for (float& value : majorants.bounds) value *= factor;
+      if ((row.flags & kMediumAbsorptionScattering) != 0 && row.second_grid != kNone)
+        join_bounds(majorants, row.first_grid, row.second_grid, bound(row.second_grid), where);
       majorants.outside = 0;  // see kMediumBoxed
       if (!std::isfinite(majorants.max_value())) throw SceneError(where, "the medium's extinction is not finite");
     }
     majorant_of_.push_back(of != kNone ? of : kConstant);
     out.majorants.push_back(std::move(majorants));
     return static_cast<std::uint32_t>(out.majorants.size() - 1);
+  }
+
+  /// Absorption and scattering of grids of their own: their sum is below the larger factor times the sum of what
+  /// multiplies them.
+  void join_bounds(MajorantGrid& majorants, std::uint32_t first, std::uint32_t second, float factor,
+                   const SourceLocation& where) const {
+    if (first == kNone || out.grids[first].cells != out.grids[second].cells)
+      throw SceneError(where, "absorption and scattering are not on grids of the same voxels");
+    const MajorantGrid other = make_majorant_grid(out.grids[second], placements_[second].filter);
+    for (std::size_t i = 0; i < majorants.bounds.size(); ++i)
+      majorants.bounds[i] = std::max(majorants.bounds[i], other.bounds[i] * factor);
   }
 
   SpectrumSet* set_;

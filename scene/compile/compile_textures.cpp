@@ -76,6 +76,14 @@ class TextureCompiler {
     row.checkerboard = {{input(grid.color0, texture), input(grid.color1, texture)}, grid.line_width};
   }
 
+  void make(TextureRow& row, const MixTextureDescription& mix, const TextureDescription& texture) {
+    row.kind = TextureKind::kMix;
+    const float* number = std::get_if<float>(&mix.amount);
+    const SpectrumInput amount = number != nullptr ? SpectrumInput(SpectrumDescription::constant(*number))
+                                                   : SpectrumInput(std::get<TextureId>(mix.amount));
+    row.mix = {{input(mix.color0, texture), input(mix.color1, texture)}, input(amount, texture)};
+  }
+
   void make(TextureRow& row, const MeshAttributeDescription& attribute, const TextureDescription& texture) {
     if (!attribute.name.starts_with("vertex_") && !attribute.name.starts_with("face_")) {
       throw error(texture, "'" + attribute.name + "' is no mesh attribute: names begin with 'vertex_' or 'face_'");
@@ -117,6 +125,7 @@ class TextureCompiler {
   /// The index in images_. Unchanged bytes are the same for all ways of reading them; raw floats and decoded ones
   /// differ.
   std::size_t image(const BitmapDescription& bitmap, const TextureDescription& texture) {
+    if (bitmap.made) return made_image(bitmap, texture);
     std::error_code ignored;
     std::filesystem::path file = std::filesystem::weakly_canonical(bitmap.file, ignored);
     if (ignored) file = bitmap.file;
@@ -131,16 +140,36 @@ class TextureCompiler {
     return index;
   }
 
-  /// How many checkerboards lie in each other here, inside of `outside` others.
+  /// The same for a picture in memory.
+  std::size_t made_image(const BitmapDescription& bitmap, const TextureDescription& texture) {
+    const auto [known, is_new] = index_of_made_.insert({{bitmap.made.get(), bitmap.change}, images_.size()});
+    if (is_new) images_.push_back(tile_image(*bitmap.made, bitmap.change, texture.where));
+    return known->second;
+  }
+
+  /// The rows that a row refers to.
+  static std::vector<std::uint32_t> children_of(const TextureRow& row) {
+    switch (row.kind) {
+      case TextureKind::kCheckerboard:
+      case TextureKind::kGrid:
+        return {row.checkerboard.child[0], row.checkerboard.child[1]};
+      case TextureKind::kMix:
+        return {row.mix.child[0], row.mix.child[1], row.mix.amount};
+      default:
+        return {};
+    }
+  }
+
+  /// How many checkerboards and mixes lie in each other here, inside of `outside` others.
   int depth(std::size_t i, int outside = 0) {
-    const TextureKind kind = out_.rows[i].kind;
-    if (kind != TextureKind::kCheckerboard && kind != TextureKind::kGrid) return 0;
+    const std::vector<std::uint32_t> children = children_of(out_.rows[i]);
+    if (children.empty()) return 0;
     if (depths_[i] == kInProgress) throw error(textures_[i], "contains itself");
     if (depths_[i] == 0) {
       if (outside == kMaxTextureDepth) throw too_deep(i);
       depths_[i] = kInProgress;
       int deepest = 0;
-      for (const std::uint32_t child : out_.rows[i].checkerboard.child)
+      for (const std::uint32_t child : children)
         if (child < textures_.size()) deepest = std::max(deepest, depth(child, outside + 1));
       depths_[i] = deepest + 1;
     }
@@ -149,7 +178,8 @@ class TextureCompiler {
   }
 
   SceneError too_deep(std::size_t i) const {
-    return error(textures_[i], "more than " + std::to_string(kMaxTextureDepth) + " checkerboards in each other");
+    return error(textures_[i],
+                 "more than " + std::to_string(kMaxTextureDepth) + " checkerboards and mixes in each other");
   }
 
   /// One table of all tiles; rows' first_tile, so far the picture's index, becomes the index of its first.
@@ -184,6 +214,7 @@ class TextureCompiler {
   std::vector<int> depths_;
   std::vector<TiledImage> images_;
   std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::Change>, std::size_t> index_of_;
+  std::map<std::pair<const Image*, BitmapDescription::Change>, std::size_t> index_of_made_;
   CompiledTextures out_;
 };
 

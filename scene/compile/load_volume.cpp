@@ -3,12 +3,43 @@
 #include "scene/formats/nanovdb.h"
 #include "scene/formats/vol_file.h"
 
+#include <algorithm>
+
 namespace sheaf {
 
 namespace {
 
 BrickGrid load_vol(const GridVolumeDescription& description) {
   const DenseVolume volume = read_vol(description.file, description.use_grid_bbox);
+  BrickGrid grid = make_dense_grid(volume.channels, volume.size, volume.values, border_of(description.wrap));
+  grid.grid_to_local = volume.grid_to_local;
+  return grid;
+}
+
+/// The volume with a voxel of zero around it, which is not part of its box.
+BrickGrid with_zeros_around(const DenseVolume& volume) {
+  std::array<int, 3> size;
+  for (std::size_t axis = 0; axis < 3; ++axis) size[axis] = volume.size[axis] + 2;
+  const auto at = [&](int x, int y, int z, const std::array<int, 3>& in) {
+    const std::size_t row = static_cast<std::size_t>(z) * static_cast<std::size_t>(in[1]) + static_cast<std::size_t>(y);
+    return (row * static_cast<std::size_t>(in[0]) + static_cast<std::size_t>(x)) *
+           static_cast<std::size_t>(volume.channels);
+  };
+  std::vector<float> values(at(0, 0, size[2], size));
+  for (int z = 0; z < volume.size[2]; ++z)
+    for (int y = 0; y < volume.size[1]; ++y)
+      std::copy_n(volume.values.data() + at(0, y, z, volume.size), at(volume.size[0], 0, 0, volume.size),
+                  values.data() + at(1, y + 1, z + 1, size));
+  BrickGrid grid = make_dense_grid(volume.channels, size, values, GridBorder::kClamp);
+  grid.voxel_min = {1, 1, 1};
+  grid.voxel_max = volume.size;
+  grid.grid_to_local = volume.grid_to_local * Transform::translate({-1, -1, -1});
+  return grid;
+}
+
+BrickGrid load_made(const GridVolumeDescription& description) {
+  const DenseVolume& volume = *description.made;
+  if (volume.ends_at_zero) return with_zeros_around(volume);
   BrickGrid grid = make_dense_grid(volume.channels, volume.size, volume.values, border_of(description.wrap));
   grid.grid_to_local = volume.grid_to_local;
   return grid;
@@ -42,10 +73,16 @@ BrickGrid load_volume(const GridVolumeDescription& description, const SourceLoca
   const std::string file = description.file.string();
   try {
     try {
-      return description.format == GridVolumeDescription::Format::kNanoVdb ? load_nanovdb(description)
-                                                                           : load_vol(description);
+      switch (description.format) {
+        case GridVolumeDescription::Format::kMade:
+          return load_made(description);
+        case GridVolumeDescription::Format::kNanoVdb:
+          return load_nanovdb(description);
+        default:
+          return load_vol(description);
+      }
     } catch (const SceneError& error) {
-      if (std::string_view(error.what()).starts_with(file + ":")) throw;
+      if (file.empty() || std::string_view(error.what()).starts_with(file + ":")) throw;
       throw SceneError({file}, error.what());
     }
   } catch (const SceneError& error) { throw SceneError(where, error.what()); }

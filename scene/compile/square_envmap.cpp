@@ -1,6 +1,7 @@
 #include "scene/compile/square_envmap.h"
 
 #include "core/lanes.h"
+#include "core/octahedral.h"
 
 #include <tbb/parallel_for.h>
 
@@ -32,7 +33,7 @@ Vec3f mean_around(const EnvmapPicture& square, std::uint32_t i, std::uint32_t j,
     for (std::uint32_t a = 0; a < kLookups; ++a) {
       const double u = (i + (a + 0.5) / kLookups) / width;
       const double v = std::clamp((j - 0.5 + (b + 0.5) / kLookups) / (height - 1), 0.0, 1.0);
-      const Vec2f place = octahedral_of_direction(direction_of(u, v));
+      const Vec2f place = equal_area_octahedral<Scalar>(direction_of(u, v));
       const auto texel = [&](float coordinate) {
         const auto t = static_cast<std::uint32_t>(std::max(coordinate, 0.0f) * static_cast<float>(square.width));
         return std::min(t, square.width - 1);
@@ -62,18 +63,6 @@ void keep_means(EnvmapPicture& map, const EnvmapPicture& square) {
 }
 
 }  // namespace
-
-Vec2f octahedral_of_direction(Vec3f d) {
-  const float radius = std::sqrt(std::max(1.0f - std::fabs(d.z), 0.0f));
-  const float turn = std::atan2(std::fabs(d.y), std::fabs(d.x)) * (2.0f * kInvPi);  // from 0 at x to 1 at y
-  float y = turn * radius, x = radius - y;
-  if (d.z < 0.0f) {
-    std::swap(x, y);
-    x = 1.0f - x;
-    y = 1.0f - y;
-  }
-  return {0.5f * (std::copysign(x, d.x) + 1.0f), 0.5f * (std::copysign(y, d.y) + 1.0f)};
-}
 
 EnvmapPicture lat_long_of_octahedral(const EnvmapPicture& square, const std::filesystem::path& file) {
   if (square.width != square.height)

@@ -90,9 +90,10 @@ std::vector<std::size_t> texture_channels(const std::vector<std::string>& names,
   throw SceneError(where, "the picture has the channels " + list + ", where R, G, B or Y (and A) are expected");
 }
 
-TiledImage load_tiled_image(const std::filesystem::path& file, bool raw, const BitmapDescription::Change& change) {
-  const SourceLocation where{file.string(), 0};
-  Picture picture = read_picture(file);
+namespace {
+
+TiledImage tile_picture(Picture picture, bool raw, const BitmapDescription::Change& change,
+                        const SourceLocation& where) {
   if (change != BitmapDescription::Change{}) change_values(picture, raw, change);
   const std::vector<std::size_t> channels = texture_channels(picture.channels, where);
   const bool bytes = !picture.bytes.empty(), grey = channels.size() == 1;
@@ -119,6 +120,21 @@ TiledImage load_tiled_image(const std::filesystem::path& file, bool raw, const B
     fill_tiles(image, picture.floats, picture.channels.size(), channels);
   }
   return image;
+}
+
+}  // namespace
+
+TiledImage load_tiled_image(const std::filesystem::path& file, bool raw, const BitmapDescription::Change& change) {
+  return tile_picture(read_picture(file), raw, change, {file.string(), 0});
+}
+
+TiledImage tile_image(const Image& made, const BitmapDescription::Change& change, const SourceLocation& where) {
+  Picture picture;
+  picture.width = made.width;
+  picture.height = made.height;
+  picture.channels = made.channels;
+  picture.floats = made.data;
+  return tile_picture(std::move(picture), true, change, where);
 }
 
 }  // namespace sheaf

@@ -23,4 +23,7 @@ std::vector<std::size_t> texture_channels(const std::vector<std::string>& names,
 /// broken or too large, has channels without a meaning, or values that are not finite.
 TiledImage load_tiled_image(const std::filesystem::path& file, bool raw, const BitmapDescription::Change& change = {});
 
+/// The same of a picture in memory, of linear values.
+TiledImage tile_image(const Image& made, const BitmapDescription::Change& change, const SourceLocation& where);
+
 }  // namespace sheaf

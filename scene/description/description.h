@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -18,6 +19,9 @@
 #include <vector>
 
 namespace sheaf {
+
+struct DenseVolume;
+struct Image;
 
 /// Index into Description::materials.
 enum class MaterialId : std::uint32_t {};
@@ -50,7 +54,7 @@ using SpectrumInput = std::variant<SpectrumDescription, TextureId>;
 /// A number as a parameter: the same everywhere, or a texture (the luminance of a coloured one).
 using ScalarInput = std::variant<float, TextureId>;
 
-/// A picture in a file, repeated over the uv plane.
+/// A picture in a file or in memory, repeated over the uv plane.
 struct BitmapDescription {
   enum class Filter { kBilinear, kNearest };
   enum class Wrap { kRepeat, kMirror, kClamp };
@@ -65,6 +69,7 @@ struct BitmapDescription {
     float exponent = 1;   ///< last: raised to it
     friend constexpr auto operator<=>(const Change&, const Change&) = default;
   } change = {};
+  std::shared_ptr<const Image> made = {};  ///< instead of `file`: channels Y, or R, G and B, of linear values
 };
 /// Squares in turn: `color0` where floor(2u) + floor(2v) is even, after the texture's transform has been applied.
 struct CheckerboardDescription {
@@ -81,24 +86,26 @@ struct MeshAttributeDescription {
   float scale = 1;
 };
 
-/// Values on a regular grid in a file, with interpolation in between.
+/// Values on a regular grid in a file or in memory, with interpolation in between.
 struct GridVolumeDescription {
   enum class Format {
     kVol,      ///< Mitsuba's: dense, one or three channels; fills the unit cube, or with `use_grid_bbox` the file's box
     kNanoVdb,  ///< sparse; lies where the file's own map says; zero outside
+    kMade,     ///< `made`; lies where it says
   };
   enum class Filter { kTrilinear, kNearest };
   /// kVol: what is outside of the grid.
   enum class Wrap { kClamp, kRepeat, kMirror };
   std::filesystem::path file;  ///< resolved
   Format format = Format::kVol;
-  std::string grid;    ///< kNanoVdb: the grid's name; empty: the file's first
-  Transform to_world;  ///< from the space that `format` names
+  std::string grid;            ///< kNanoVdb: the grid's name; empty: the file's first
+  Transform to_world;          ///< from the space that `format` names
   bool use_grid_bbox = false;
-  bool fit_to_shape = false;  ///< stretched over the bounding box of the shapes that hold it; to_world is not used
+  bool fit_to_shape = false;   ///< stretched over the bounding box of the shapes that hold it; to_world is not used
   Filter filter = Filter::kTrilinear;
   Wrap wrap = Wrap::kClamp;
-  bool raw = false;  ///< three channels are numbers, not colours
+  bool raw = false;            ///< three channels are numbers, not colours
+  std::shared_ptr<const DenseVolume> made = {};  ///< kMade
 };
 /// A grid on surfaces: its value where in the world they are.
 struct VolumeTextureDescription {
@@ -106,9 +113,15 @@ struct VolumeTextureDescription {
   float scale = 1;
 };
 
+/// (1 - amount) of the first, amount of the second; their transforms are followed, the texture's own is not.
+struct MixTextureDescription {
+  SpectrumInput color0 = SpectrumDescription::constant(0), color1 = SpectrumDescription::constant(1);
+  ScalarInput amount = 0.5f;  ///< beyond [0, 1] too
+};
+
 struct TextureDescription {
   std::variant<BitmapDescription, CheckerboardDescription, GridTextureDescription, MeshAttributeDescription,
-               VolumeTextureDescription>
+               VolumeTextureDescription, MixTextureDescription>
       model;
   /// Rows of the 2x3 matrix that takes the surface's uv to the texture's: u' = m[0] u + m[1] v + m[2]. (0, 0) is the
   /// lower left corner of a picture.
@@ -384,7 +397,9 @@ struct ExtinctionAlbedoDescription {
   VolumeInput albedo = SpectrumDescription::constant(0.75f);
 };
 /// A medium's absorption and scattering.
-struct AbsorptionScatteringDescription { SpectrumDescription sigma_a, sigma_s; };
+struct AbsorptionScatteringDescription {
+  VolumeInput sigma_a, sigma_s;  ///< grids must both be, on the same voxels
+};
 
 /// What fills the inside or the outside of shapes. Coefficients are per metre of world space.
 struct MediumDescription {
@@ -393,10 +408,13 @@ struct MediumDescription {
   float scale = 1;                               ///< multiplies the coefficients
   /// Radiance that the medium tends to where it is thick, W / (m^2 sr): per metre it emits sigma_a times as much.
   std::optional<VolumeInput> emission;
-  /// Kelvin, once multiplied by temperature_scale; emits as a black body of that temperature, Planck's law, W / (m^2 sr
-  /// nm). Instead of `emission`. One channel.
+  std::optional<GridVolumeDescription>
+      emission_factor;  ///< multiplies `emission`, or that of `temperature`; one channel
+  /// Kelvin, once temperature_offset is subtracted and it is multiplied by temperature_scale; emits as a black body of
+  /// that temperature, Planck's law, W / (m^2 sr nm). Instead of `emission`. One channel.
   std::optional<GridVolumeDescription> temperature;
-  float temperature_scale = 1;
+  float temperature_scale = 1, temperature_offset = 0;
+  bool unit_blackbodies = false;  ///< each is divided by its largest value over all wavelengths
   float emission_scale = 1;      ///< multiplies the emission
   std::optional<PhaseId> phase;  ///< default: isotropic
   std::string id;                ///< name for messages; may be empty
@@ -463,6 +481,9 @@ struct ShapeDescription {
   std::optional<SpectrumInput> radiance;  ///< an area light, emitting on the side of the normal; W / (m^2 sr)
   /// The area light emits along its normal alone: `radiance` is radiant exitance, W / m^2. Only photons can tell.
   bool emits_along_normal = false;
+  bool emits_on_both_sides = false;  ///< the area light shines against its normals as well
+  /// The area light gives off so much, W, of `radiance` 1 over its surface: that is divided by the flux of such a one.
+  std::optional<float> power;
   /// What light is in behind the surface and before it; neither: what it was in. Only one: vacuum on the other side.
   std::optional<MediumId> interior, exterior;
   bool exterior_is_surrounding = false;  ///< outside is what holds the shape; no `exterior` then
@@ -506,6 +527,7 @@ struct CameraDescription {
   /// Perspective, without a lens: what is seen at the tangent r of the angle to the axis is shown at the one of
   /// r (1 + distortion[0] r^2 + distortion[1] r^4) (Bouguet's kc).
   std::array<float, 2> distortion{0, 0};
+  bool equal_area = false;  ///< kSpherical: as EnvmapDescription::Layout::kOctahedral has directions instead
   /// kDistant: a point, or [-1, 1]^2 or the unit disk of the xy plane of a space.
   struct TargetArea {
     Transform to_world;
@@ -536,6 +558,14 @@ struct SpotLightDescription {
   std::optional<TextureId> texture;
 };
 
+/// Emits from the origin of its space: `intensity` (W / sr) times what a square picture of all directions shows, by
+/// equal areas of the octahedron, as EnvmapDescription::Layout::kOctahedral has them.
+struct GoniometricLightDescription {
+  Transform to_world;  ///< a rotation, which may mirror, and a translation
+  SpectrumDescription intensity = SpectrumDescription::constant(1);
+  TextureId picture{};
+};
+
 /// Parallel light from infinitely far away: `irradiance` (W / m^2) on a plane that faces it.
 struct DirectionalLightDescription {
   Vec3f direction{0, 0, 1};  ///< in which the light travels; any length but zero
@@ -548,6 +578,7 @@ struct ProjectorDescription {
   Transform to_world;  ///< as a camera's; must not stretch
   SpectrumInput irradiance = SpectrumDescription::constant(1);
   float scale = 1;
+  bool is_even = false;  ///< the intensity is scale * irradiance instead, W / sr, whatever the angle
   float fov = 50;  ///< degrees
   CameraDescription::FovAxis fov_axis = CameraDescription::FovAxis::kX;
 };
@@ -604,6 +635,7 @@ enum class LightKind : std::uint32_t {
   kPoint,
   kSpot,        ///< linear in the angle
   kSmoothSpot,  ///< a smooth step in the angle's cosine
+  kGoniometric,
   kProjector,
   kBeam,
   kDirectional,
@@ -615,8 +647,9 @@ enum class LightKind : std::uint32_t {
 inline constexpr int kLightKinds = static_cast<int>(LightKind::kVolume) + 1;
 
 struct LightDescription {
-  std::variant<PointLightDescription, ConstantLightDescription, SpotLightDescription, DirectionalLightDescription,
-               ProjectorDescription, EnvmapDescription, SkyDescription, SunDescription, BeamDescription>
+  std::variant<PointLightDescription, ConstantLightDescription, SpotLightDescription, GoniometricLightDescription,
+               DirectionalLightDescription, ProjectorDescription, EnvmapDescription, SkyDescription, SunDescription,
+               BeamDescription>
       model;
   SourceLocation where;
 };

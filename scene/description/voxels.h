@@ -59,6 +59,8 @@ struct DenseVolume {
   std::array<int, 3> size{};   ///< voxels along each axis
   std::vector<float> values;   ///< x fastest, channels next to each other
   Transform grid_to_local;     ///< as SparseVolume's
+  /// Outermost voxels are interpolated towards zero, and half a voxel beyond them the volume ends.
+  bool ends_at_zero = false;
 };
 
 }  // namespace sheaf

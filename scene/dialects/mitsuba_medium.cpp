@@ -18,7 +18,8 @@ AbsorptionScatteringDescription read_material(Properties& p) {
                               did_you_mean(name, measured_medium_names()) + " (known: " + list +
                               "); others can be given by 'sigma_s' and 'sigma_a'");
   }
-  return {{SpectrumDescription::Rgb{found->sigma_a}}, {SpectrumDescription::Rgb{found->sigma_s}}};
+  const auto rgb = [](Vec3f v) { return SpectrumDescription{SpectrumDescription::Rgb{v}}; };
+  return {rgb(found->sigma_a), rgb(found->sigma_s)};
 }
 
 void read_homogeneous(Properties& p, const VolumeDialect& dialect, bool before_version_2, MediumDescription& medium) {

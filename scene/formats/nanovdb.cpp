@@ -53,6 +53,10 @@ class Directory {
     while (at_ < bytes_.size()) read_segment();
   }
 
+  bool has(const std::string& name) const {
+    return std::any_of(entries_.begin(), entries_.end(), [&](const GridEntry& entry) { return entry.name == name; });
+  }
+
   const GridEntry& find(const std::string& name) const {
     if (entries_.empty()) fail("the file holds no grids");
     if (name.empty()) return entries_.front();
@@ -418,6 +422,12 @@ SparseVolume read_nanovdb(const std::filesystem::path& file, const std::string& 
   const std::string bytes = read_mesh_bytes(file, "NanoVDB file");
   const Directory directory(bytes, name);
   return read_volume(GridMemory(directory.find(grid), name));
+}
+
+bool has_nanovdb_grid(const std::filesystem::path& file, const std::string& grid) {
+  const std::string name = file.string();
+  const std::string bytes = read_mesh_bytes(file, "NanoVDB file");
+  return Directory(bytes, name).has(grid);
 }
 
 bool has_nanovdb_blosc() {

@@ -16,6 +16,9 @@ namespace sheaf {
 /// that the file does not have, level sets, other types of values, and values that are not finite.
 SparseVolume read_nanovdb(const std::filesystem::path& file, const std::string& grid);
 
+/// Whether the file has a grid of this name. Throws as read_nanovdb() does for what is no such file.
+bool has_nanovdb_grid(const std::filesystem::path& file, const std::string& grid);
+
 enum class NanoVdbCodec { kUncompressed, kZip, kBlosc };
 
 /// Whether this build compresses and decompresses with Blosc.

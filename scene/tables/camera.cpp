@@ -80,7 +80,7 @@ Camera make_spherical(const CameraDescription& d, int width, int height) {
   Camera camera;
   camera.near_clip = d.near_clip;
   camera.clip_range = d.far_clip - d.near_clip;
-  camera.rays = CameraRays::kSpherical;
+  camera.rays = d.equal_area ? CameraRays::kEqualArea : CameraRays::kSpherical;
   camera.origin = d.to_world.point({0, 0, 0});
   set_axes(camera, d);
   camera.film_step = {1.0f / static_cast<float>(width), 1.0f / static_cast<float>(height)};

@@ -1,6 +1,7 @@
 // Cameras: from a position on the film and one on the lens to a ray.
 #pragma once
 
+#include "core/octahedral.h"
 #include "core/vec.h"
 #include "core/warp.h"
 #include "scene/description/description.h"
@@ -29,6 +30,7 @@ enum class CameraRays {
   kAffine,      ///< affine in both
   kDistorted,   ///< affine in the film position once Camera::undistorted() has moved it
   kSpherical,   ///< by longitude and latitude
+  kEqualArea,   ///< all directions by equal areas of the octahedron
   kHemisphere,  ///< along the cosine around `corner`, by the position on the lens
 };
 
@@ -46,25 +48,25 @@ struct Camera {
   float near_clip = 0, clip_range = kInfinity;  ///< z of the near plane, and from there to the far plane
   CameraRays rays = CameraRays::kAffine;
   /// kDistorted: step from z = 0 to z = 1 along the axis. kSpherical: the direction at the middle of the film, of unit
-  /// length, as are lens_x, at a quarter of a turn from there, and lens_y, upwards.
+  /// length, as are lens_x, at a quarter of a turn from there, and lens_y, upwards. kEqualArea: the same, where forward
+  /// is the map's +z, lens_x its +x and lens_y its +y.
   Vec3f forward{};
   float distortion[2] = {};          ///< see CameraDescription
   Vec2f film_corner{}, film_step{};  ///< kDistorted: x and y at z = 1 of the film's corner, and per pixel. kSpherical:
-                                     ///< turns and half turns per pixel
+                                     ///< turns and half turns per pixel; kEqualArea: parts of the square
   float weight = 1;                  ///< what is measured, per radiance
   bool sees_points = true;           ///< whether view() works: a point is seen at a place on the film
 
+  bool is_panorama() const { return rays == CameraRays::kSpherical || rays == CameraRays::kEqualArea; }
   /// Whether rays depend on the lens position.
-  bool has_lens() const {
-    return rays != CameraRays::kSpherical && !(lens_x == Vec3f{0, 0, 0} && lens_y == Vec3f{0, 0, 0});
-  }
+  bool has_lens() const { return !is_panorama() && !(lens_x == Vec3f{0, 0, 0} && lens_y == Vec3f{0, 0, 0}); }
 
   /// The ray through the film position (x, y) and the position (u, v) on the lens, a point of the unit disk.
   template <class L>
   SHEAF_INLINE CameraRay<L> ray(typename L::Float x, typename L::Float y, typename L::Float u,
                                 typename L::Float v) const {
     using F = typename L::Float;
-    if (rays == CameraRays::kSpherical || rays == CameraRays::kHemisphere) return turned_ray<L>(x, y, u, v);
+    if (is_panorama() || rays == CameraRays::kHemisphere) return turned_ray<L>(x, y, u, v);
     const Vec3<L> lens = broadcast<L>(lens_x) * u + broadcast<L>(lens_y) * v;
     const Vec3<L> start = broadcast<L>(origin) + broadcast<L>(origin_dx) * x + broadcast<L>(origin_dy) * y + lens;
     Vec3<L> step =
@@ -80,7 +82,7 @@ struct Camera {
   /// the film position, and its area per pixel what the importance is made of.
   template <class L> SHEAF_INLINE CameraView<L> view(Vec3<L> p, typename L::Float u, typename L::Float v) const {
     using F = typename L::Float;
-    if (rays == CameraRays::kSpherical) return turned_view<L>(p);
+    if (is_panorama()) return turned_view<L>(p);
     const Vec3<L> lens = broadcast<L>(lens_x) * u + broadcast<L>(lens_y) * v;
     const Vec3<L> from = p - broadcast<L>(origin);
     const F z = dot(from, broadcast<L>(z_axis));
@@ -143,6 +145,10 @@ struct Camera {
       const auto longitude = sincos_2pi<L>(across - floor(across)), polar = sincos_2pi<L>(down * F(0.5f));
       direction = (broadcast<L>(lens_x) * longitude.sin + broadcast<L>(forward) * -longitude.cos) * polar.sin +
                   broadcast<L>(lens_y) * polar.cos;
+    } else if (rays == CameraRays::kEqualArea) {
+      const auto inside = [](F place) SHEAF_LAMBDA_INLINE { return clamp(place, F(0.0f), F(1.0f)); };
+      const Vec3<L> local = equal_area_direction<L>(inside(x * F(film_step.x)), inside(y * F(film_step.y)));
+      direction = broadcast<L>(lens_x) * local.x + broadcast<L>(lens_y) * local.y + broadcast<L>(forward) * local.z;
     } else {
       const F z = safe_sqrt(F(1.0f) - fma(u, u, v * v));
       direction = broadcast<L>(lens_x) * u + broadcast<L>(lens_y) * v + broadcast<L>(corner) * z;
@@ -151,13 +157,24 @@ struct Camera {
     return {start + direction * F(near_clip), direction, F(clip_range)};
   }
 
-  /// The film's area per solid angle is W H / (2 pi^2 sin theta).
+  /// The film's area per solid angle is W H / (2 pi^2 sin theta), or of equal areas W H / (4 pi).
   template <class L> SHEAF_INLINE CameraView<L> turned_view(Vec3<L> p) const {
     using F = Float<L>;
     const Vec3<L> from = p - broadcast<L>(origin);
     const F squared = dot(from, from);
     const F x = dot(from, broadcast<L>(lens_x)), y = dot(from, broadcast<L>(lens_y)),
             z = dot(from, broadcast<L>(forward));
+    if (rays == CameraRays::kEqualArea) {
+      CameraView<L> out;
+      out.valid = (squared > F(0.0f)) & is_finite(squared);
+      const F inverse = F(1.0f) / select(out.valid, squared, F(1.0f)), length_inverse = sqrt(inverse);
+      const Vec2<L> place = equal_area_octahedral<L>(Vec3<L>{x, y, z} * length_inverse);
+      out.film_x = place.x * F(1.0f / film_step.x);
+      out.film_y = place.y * F(1.0f / film_step.y);
+      out.target = broadcast<L>(origin);
+      out.importance = F(0.25f * kInvPi / (film_step.x * film_step.y)) * inverse;
+      return out;
+    }
     const F sine = sqrt(x * x + z * z);
     const F turn = atan2(x, -z) * F(0.5f * kInvPi);
     CameraView<L> out;

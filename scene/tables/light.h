@@ -26,17 +26,18 @@ template <class L> struct LightRecord {
   /// kMesh: of triangle_alias, light_triangles; kVolume: of triangle_alias, cells. kSphere, kQuadric: see quadric().
   U first_triangle{};
   U triangle_count{};
-  /// Radiance (W / (m^2 sr)); kPoint, spots, kProjector: intensity (W / sr); kDirectional: irradiance (W / m^2); kBeam:
+  /// Radiance (W / (m^2 sr)); kPoint, spots, kGoniometric, kProjector: intensity
+  /// (W / sr); kDirectional: irradiance (W / m^2); kBeam:
   /// power (W). Where there is a texture, what it is multiplied by. kEnvmap: the mean over all directions. kVolume:
   /// what it emits in all, W / sr.
   Spectrum<L> radiance;
-  /// kPoint, spots, kProjector, kBeam, kSphere (centre), kVolume (least corner): metres; kDirectional, kSun: unit
-  /// vector to the light.
+  /// kPoint, spots, kGoniometric, kProjector, kBeam, kSphere (centre), kVolume (least corner): metres; kDirectional,
+  /// kSun: unit vector to the light.
   Vec3<L> position;
   F area{};    ///< area lights: of the world-space surface; kQuadric: of the canonical shape; kVolume: see extent();
                ///< kBeam: see beam()
   F radius{};  ///< kSphere; kSun: 1 less the cosine of the angle between its centre and its rim
-  F depth{};   ///< area lights: see is_along_normal()
+  F depth{};   ///< area lights: see is_along_normal() and is_two_sided()
   U texture = U(kNone);  ///< into SceneView::textures; kNone: the same everywhere
   U detail{};  ///< see frame(), first_uv(), least_offset() and cells()
 
@@ -56,8 +57,10 @@ template <class L> struct LightRecord {
   SHEAF_INLINE Vec3<L> beam() const { return extent(); }
   /// Area lights: whether they emit along their normal alone, radiance being radiant exitance (W / m^2).
   SHEAF_INLINE typename L::Mask is_along_normal() const { return depth > F(0.0f); }
+  /// Area lights: whether they shine against their normals as well.
+  SHEAF_INLINE typename L::Mask is_two_sided() const { return depth < F(0.0f); }
   void set_extent(Vec3<L> size) { area = size.x, radius = size.y, depth = size.z; }
-  /// Spots, kProjector: into SceneView::light_frames.
+  /// Spots, kGoniometric, kProjector: into SceneView::light_frames.
   SHEAF_INLINE U frame() const { return detail; }
   /// kMesh with a texture: into SceneView::light_uvs, the first triangle's.
   SHEAF_INLINE U first_uv() const { return detail; }
@@ -89,7 +92,7 @@ template <class L> struct alignas(row_alignment<L>(64)) LightFrameRecord {
   /// kSpot: 1 / (cutoff - beam width). kSmoothSpot: 1 / (cosine of the beam width - cutoff). kProjector: see
   /// picture_scale().
   typename L::Float slope{};
-  typename L::Float cot_cutoff{};  ///< kSpot with a texture: 1 / tan cutoff
+  typename L::Float cot_cutoff{};  ///< kSpot with a texture: 1 / tan cutoff. kProjector: see is_even()
   typename L::Float unused{};
 
   static constexpr auto fields(auto& s) {
@@ -100,6 +103,8 @@ template <class L> struct alignas(row_alignment<L>(64)) LightFrameRecord {
   /// kProjector: the reciprocals of the picture's width and height at z = 1.
   SHEAF_INLINE Vec2<L> picture_scale() const { return {cutoff, slope}; }
   void set_picture_scale(Vec2<L> scale) { cutoff = scale.x, slope = scale.y; }
+  /// kProjector: see ProjectorDescription::is_even.
+  SHEAF_INLINE typename L::Mask is_even() const { return cot_cutoff > typename L::Float(0.0f); }
   /// A point of the world in the light's space.
   SHEAF_INLINE Vec3<L> local_point(Vec3<L> p) const {
     return {row_x.x * p.x + row_x.y * p.y + row_x.z * p.z + offset_x,

@@ -18,6 +18,7 @@ enum MediumFlags : std::uint32_t {
   kMediumBoxed = 64,                ///< ends at the box of the grid of its extinction, whatever the grid has outside
   kMediumColored = 32,              ///< extinction has a grid of three channels
   kMediumFlakes = 128,              ///< extinction is multiplied by the projected area of microflakes
+  kMediumUnitBlackbodies = 256,     ///< see MediumDescription::unit_blackbodies
 };
 
 /// One medium. Coefficients are per metre of world space. In spectral mode the three spectra are those of
@@ -36,7 +37,9 @@ struct MediumRow {
   std::uint32_t second_grid = 0xffffffffu;
   std::uint32_t emission_grid = 0xffffffffu;
   std::uint32_t temperature = 0xffffffffu;  ///< Kelvin: the emission is a black body's; one channel
-  float temperature_scale = 1;              ///< on that grid
+  float temperature_scale = 1;              ///< on that grid, less temperature_offset
+  float temperature_offset = 0;
+  std::uint32_t emission_factor = 0xffffffffu;  ///< the emission; one channel
   float step_size = 0;                      ///< MediumEstimator::kMarching: metres
   // kMediumFlakes: the matrix of SggxDescription.
   float flakes[6] = {};                     ///< xx, yy, zz, xy, xz, yz, where it is the same everywhere

@@ -116,6 +116,9 @@ inline float flake_share(const SceneView& scene, const MediumRow& medium, Vec3f 
   return area < medium.most_flakes ? area / medium.most_flakes : 1.0f;
 }
 
+/// Kelvin: what is colder does not glow for the eye.
+inline constexpr float kColdestGlow = 100;
+
 /// What a black body of a temperature in kelvin emits, in the lanes; see BlackbodyTable.
 inline Quad blackbody_emission(const SceneView& scene, float temperature, const Spectrum4& lambda) {
   if (!(temperature > 0.0f)) return Quad();
@@ -131,15 +134,28 @@ inline Quad blackbody_emission(const SceneView& scene, float temperature, const 
   return Quad(kFirst) / (l2 * l2 * l) / (exp(exponent) - Quad(1.0f));
 }
 
+/// One over the largest value of Planck's law over all wavelengths, which grows with the fifth power of the temperature
+/// (Wien's law of displacement).
+inline float inverse_peak(float temperature) {
+  constexpr float kRoot = 4.96511423f, kFirst = 1.191042972e20f, kSecond = 1.438776877e7f;  // x = 5 (1 - exp(-x))
+  const float l = kSecond / (kRoot * temperature);
+  return (std::exp(kRoot) - 1.0f) * (l * l / kFirst) * (l * l) * l;
+}
+
 /// The radiance that the medium tends to where it is thick, at point `p` in world space.
 inline Quad medium_emission(const SceneView& scene, const MediumRow& medium, const MediumSpectra& spectra, Vec3f p,
                             const Spectrum4& lambda) {
   Quad emission = spectra.emission;
   if (medium.emission_grid != kNone) emission = emission * grid_factor(scene, medium.emission_grid, p, lambda);
   if (medium.temperature != kNone) {
-    const float kelvin = lookup_grid(scene.grids, medium.temperature, p) * medium.temperature_scale;
+    const float found = lookup_grid(scene.grids, medium.temperature, p);
+    const float kelvin = (found - medium.temperature_offset) * medium.temperature_scale;
     emission = emission * blackbody_emission(scene, kelvin, lambda);
+    if ((medium.flags & kMediumUnitBlackbodies) != 0)
+      emission = kelvin > kColdestGlow ? emission * inverse_peak(kelvin) : Quad();
   }
+  if (medium.emission_factor != kNone)
+    emission = emission * max(lookup_grid(scene.grids, medium.emission_factor, p), 0.0f);
   return emission;
 }
 

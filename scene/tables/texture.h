@@ -8,7 +8,7 @@
 
 namespace sheaf {
 
-enum class TextureKind : std::uint32_t { kConstant, kBitmap, kCheckerboard, kGrid, kMeshAttribute, kVolume };
+enum class TextureKind : std::uint32_t { kConstant, kBitmap, kCheckerboard, kGrid, kMeshAttribute, kVolume, kMix };
 
 /// How a texel is stored: one value or four, of which the fourth is 0; bytes, which stand for 0 .. 1 (kSrgbByte:
 /// through the sRGB curve, undone before interpolation), or floats.
@@ -55,6 +55,11 @@ struct CheckerboardRow {
   std::uint32_t child[2];
   float line_width;  ///< kGrid
 };
+/// Two other textures, mixed by a third.
+struct MixRow {
+  std::uint32_t child[2];
+  std::uint32_t amount;  ///< of the second, a number
+};
 /// Values stored with meshes.
 struct MeshAttributeRow {
   std::uint32_t first_entry;  ///< of shape 0, into TextureView::attributes
@@ -77,6 +82,7 @@ struct alignas(64) TextureRow {
     CheckerboardRow checkerboard;  ///< kCheckerboard, kGrid
     MeshAttributeRow attribute;
     VolumeTextureRow volume;
+    MixRow mix;
   };
 };
 static_assert(sizeof(TextureRow) == 64);
@@ -123,7 +129,7 @@ struct TextureView {
   const BrickGridRow* grids = nullptr;
 };
 
-/// Checkerboards and grids of checkerboards of ...: no deeper than this, a board of constants counted as 1.
+/// Checkerboards, grids and mixes of checkerboards of ...: no deeper than this, a board of constants counted as 1.
 inline constexpr int kMaxTextureDepth = 8;
 
 /// The tables made from a description's textures.

@@ -299,6 +299,9 @@ template <class L>
 
 }  // namespace detail
 
+template <class L>
+Float<L> lookup_scalar(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept;
+
 /// The texture's colour: linear Rec.709 and 0 in the fourth lane. Numbers are grey. `texture` is a row of `view`.
 template <class L>
 Spectrum<L> lookup_texture(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept {
@@ -320,6 +323,11 @@ Spectrum<L> lookup_texture(const TextureView& view, std::uint32_t texture, const
       if (!any(first)) return lookup_texture<L>(view, row.checkerboard.child[1], query);
       return select<L>(first, lookup_texture<L>(view, row.checkerboard.child[0], query),
                        lookup_texture<L>(view, row.checkerboard.child[1], query));
+    }
+    case TextureKind::kMix: {
+      const F t = lookup_scalar<L>(view, row.mix.amount, query);
+      return lookup_texture<L>(view, row.mix.child[0], query) * (F(1.0f) - t) +
+             lookup_texture<L>(view, row.mix.child[1], query) * t;
     }
     case TextureKind::kMeshAttribute: {
       const detail::AttributeValue<L> value = detail::lookup_attribute<L>(view, row.attribute, query);
@@ -355,6 +363,9 @@ Float<L> lookup_scalar(const TextureView& view, std::uint32_t texture, const Tex
       return select(first, lookup_scalar<L>(view, row.checkerboard.child[0], query),
                     lookup_scalar<L>(view, row.checkerboard.child[1], query));
     }
+    case TextureKind::kMix:
+      return lerp(lookup_scalar<L>(view, row.mix.amount, query), lookup_scalar<L>(view, row.mix.child[0], query),
+                  lookup_scalar<L>(view, row.mix.child[1], query));
     case TextureKind::kMeshAttribute: {
       const detail::AttributeValue<L> value = detail::lookup_attribute<L>(view, row.attribute, query);
       return select(value.coloured, texture_luminance(value.rgb), value.rgb[0]);
@@ -369,12 +380,19 @@ Float<L> lookup_scalar(const TextureView& view, std::uint32_t texture, const Tex
 }
 
 /// How lookup_scalar() changes with the surface's u and v: the slope of the bilinear patch, the texture's transform
-/// included. Zero for textures that are not bilinear pictures.
+/// included. Zero for textures that are neither bilinear pictures nor mixes of such.
 template <class L>
 Vec2<L> lookup_scalar_gradient(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept {
   using F = typename L::Float;
   const TextureRow& row = view.rows[texture];
   const BitmapRow& bitmap = row.bitmap;
+  if (row.kind == TextureKind::kMix) {
+    const auto slope = [&](std::uint32_t of) { return lookup_scalar_gradient<L>(view, of, query); };
+    const Vec2<L> a = slope(row.mix.child[0]), b = slope(row.mix.child[1]), t = slope(row.mix.amount);
+    const F amount = lookup_scalar<L>(view, row.mix.amount, query);
+    const F step = lookup_scalar<L>(view, row.mix.child[1], query) - lookup_scalar<L>(view, row.mix.child[0], query);
+    return {fma(step, t.x, lerp(amount, a.x, b.x)), fma(step, t.y, lerp(amount, a.y, b.y))};
+  }
   if (row.kind != TextureKind::kBitmap || bitmap.filter != BitmapDescription::Filter::kBilinear)
     return {F(0.0f), F(0.0f)};
   return detail::with_format(bitmap.format, [&]<TexelFormat Format>() SHEAF_LAMBDA_INLINE -> Vec2<L> {

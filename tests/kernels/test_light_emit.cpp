@@ -194,6 +194,34 @@ SunDescription sun_of(float radius) {
   return sun;
 }
 
+/// A picture of all directions, unlike along all axes.
+Case goniometric_case() {
+  GoniometricLightDescription light;
+  light.to_world = kTilt * Transform::scale({-2, 2, 2});
+  light.intensity = rgb({3, 1, 2});
+  Case c = placed_case("goniometric", light, 1e-2);
+  auto picture = std::make_shared<Image>(4, 4, std::vector<std::string>{"Y"});
+  for (std::size_t i = 0; i < 16; ++i) picture->data[i] = 0.1f + 0.3f * static_cast<float>((5 * i) % 16);
+  BitmapDescription bitmap;
+  bitmap.made = picture;
+  bitmap.filter = BitmapDescription::Filter::kNearest;
+  c.scene.textures.push_back({bitmap, {1, 0, 0, 0, 1, 0}, {}, {}});
+  return c;
+}
+
+/// Area lights that shine on both sides, of which the second receiver looks at the back.
+std::vector<Case> two_sided_cases() {
+  const Receiver behind{{0.6f, -0.4f, 6}, normalize(Vec3f{0.1f, -0.3f, -1}), 1.5f};
+  std::vector<Case> cases = {area_case("two-sided rectangle", RectangleShape{}, kTilt),
+                             area_case("two-sided mesh", uneven_mesh(), kTilt),
+                             textured(area_case("two-sided disk", DiskShape{}, kTilt))};
+  for (Case& c : cases) {
+    c.scene.shapes[0].emits_on_both_sides = true;
+    c.receivers[1] = behind;
+  }
+  return cases;
+}
+
 /// Lights that are not on a shape. Environment maps need their file while the scene is compiled.
 std::vector<Case> placed_cases(const TemporaryFolder& folder) {
   const auto color = rgb({3, 1, 2});
@@ -209,6 +237,13 @@ std::vector<Case> placed_cases(const TemporaryFolder& folder) {
   Case c = placed_case("textured projector", projector_of(), 1e-2);
   std::get<ProjectorDescription>(c.scene.lights[0].model).irradiance = add_board(c.scene, {6, 1, 0}, {2, 3, 1});
   cases.push_back(c);
+  ProjectorDescription even = projector_of();
+  even.is_even = true;
+  cases.push_back(placed_case("even projector", even, 1e-3));
+  c.name = "textured even projector";
+  std::get<ProjectorDescription>(c.scene.lights[0].model).is_even = true;
+  cases.push_back(c);
+  cases.push_back(goniometric_case());
   for (Case& spot : spot_cases()) cases.push_back(std::move(spot));
   return cases;
 }
@@ -414,6 +449,27 @@ TEST_SUITE_BEGIN("slow");
 
 TEST_CASE("light emission: area lights send their power, and to every place what light sampling says") {
   check_cases(area_cases());
+}
+
+TEST_CASE("light emission: lights that shine on both sides, and of a power that is told") {
+  check_cases(two_sided_cases());
+  for (Case c : two_sided_cases()) {
+    CAPTURE(c.name);
+    const double before = power_of(compile_scene(c.scene)->view());
+    c.scene.shapes[0].emits_on_both_sides = false;
+    CHECK(power_of(compile_scene(c.scene)->view()) == doctest::Approx(before / 2));
+  }
+  for (Case c : area_cases()) {
+    if (c.scene.shapes.empty()) continue;
+    CAPTURE(c.name);
+    ShapeDescription& shape = c.scene.shapes[0];
+    shape.radiance = rgb({1, 2, 0.5f});
+    for (const bool both : {false, true}) {
+      shape.emits_on_both_sides = both;
+      shape.power = 7.0f;
+      CHECK(power_of(compile_scene(c.scene)->view()) == doctest::Approx(7 * (1 + 4 + 1.5)).epsilon(1e-4));
+    }
+  }
 }
 
 TEST_CASE("light emission: so do lights that are not on a shape, environments, and all of them together") {

@@ -63,6 +63,7 @@ std::string dump(const VolumeInput& input) {
   return spectrum != nullptr ? test::dump(*spectrum) : "grid " + std::get<Grid>(input).file.filename().string();
 }
 std::string text_of(const SpectrumDescription& s) { return test::dump(s); }
+std::string text_of(const VolumeInput& v) { return test::dump(std::get<SpectrumDescription>(v)); }
 std::string constant(float v) { return text_of(SpectrumDescription::constant(v)); }
 std::string rgb(float r, float g, float b) { return text_of(SpectrumDescription::rgb(r, g, b)); }
 

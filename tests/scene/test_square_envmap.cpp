@@ -2,6 +2,7 @@
 #include "scene/compile/square_envmap.h"
 
 #include "core/lanes.h"
+#include "core/octahedral.h"
 #include "tests/support/temporary_folder.h"
 
 #include <doctest/doctest.h>
@@ -43,13 +44,13 @@ TEST_SUITE("square environment maps") {
       for (float x = 0.013f; x < 1; x += 0.06f) {
         const Vec3f direction = direction_at(x, y);
         CHECK(length(direction) == doctest::Approx(1).epsilon(1e-4));
-        const Vec2f place = octahedral_of_direction(direction);
+        const Vec2f place = equal_area_octahedral<Scalar>(direction);
         CHECK(place.x == doctest::Approx(x).epsilon(1e-3));
         CHECK(place.y == doctest::Approx(y).epsilon(1e-3));
       }
-    CHECK(octahedral_of_direction({0, 0, 1}).x == 0.5f);
-    CHECK(octahedral_of_direction({1, 0, 0}).x == 1);
-    CHECK(octahedral_of_direction({0, 1, 0}).y == 1);
+    CHECK(equal_area_octahedral<Scalar>({0, 0, 1}).x == 0.5f);
+    CHECK(equal_area_octahedral<Scalar>({1, 0, 0}).x == 1);
+    CHECK(equal_area_octahedral<Scalar>({0, 1, 0}).y == 1);
   }
 
   TEST_CASE("A map by longitude and latitude has the same radiance from the same directions") {

@@ -135,7 +135,8 @@ inline std::string dump(const TextureDescription& t) {
                  [](const VolumeTextureDescription& v) {
                    return dump_all("volume", v.grid.file.filename().string(), static_cast<int>(v.grid.filter),
                                    static_cast<int>(v.grid.wrap), v.grid.raw, v.scale);
-                 }},
+                 },
+                 [](const MixTextureDescription& v) { return dump_all("mix", v.color0, v.color1, v.amount); }},
       t.model);
   return model + " to_uv " + dump(t.to_uv);
 }
@@ -248,6 +249,10 @@ inline std::string dump(const LightDescription& light) {
                         [&](const DirectionalLightDescription& v) {
                           out << "directional " << v.direction.x << ' ' << v.direction.y << ' ' << v.direction.z << ' '
                               << dump(v.irradiance);
+                        },
+                        [&](const GoniometricLightDescription& v) {
+                          out << "goniometric " << dump(v.intensity) << " picture " << dump(v.picture) << ' '
+                              << dump(v.to_world);
                         },
                         [&](const ProjectorDescription& v) {
                           out << "projector " << dump(v.to_world) << dump(v.irradiance) << ' ' << v.scale << ' '

@@ -25,10 +25,15 @@ struct AreaEmission {
   std::uint32_t texture = kNone;
   SpectrumRow spectrum = {};      ///< the same as `radiance`, in spectral mode
   bool along_normal = false;      ///< see LightRecord::is_along_normal()
+  bool two_sided = false;         ///< see LightRecord::is_two_sided()
+  std::optional<float> power = {};  ///< see ShapeDescription::power
 };
 
+/// How many sides of the surface shine.
+inline float sides_of(const LightRow& light) { return light.is_two_sided() ? 2.0f : 1.0f; }
+
 /// The flux per area that an area light emits, over its radiance.
-inline float exitance_factor(const LightRow& light) { return light.is_along_normal() ? 1.0f : kPi; }
+inline float exitance_factor(const LightRow& light) { return light.is_along_normal() ? 1.0f : kPi * sides_of(light); }
 
 /// An area light with its triangles and the alias table over them (meshes only).
 struct AreaLight {

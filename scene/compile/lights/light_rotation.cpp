@@ -22,4 +22,16 @@ std::array<double, 9> rotation_of(const Transform& to_world, const char* what, c
   return rows;
 }
 
+LightFrameRow frame_of(const std::array<double, 9>& rotation, Vec3f origin) {
+  LightFrameRow frame;
+  Vec3f* const rows[3] = {&frame.row_x, &frame.row_y, &frame.row_z};
+  float* const offsets[3] = {&frame.offset_x, &frame.offset_y, &frame.offset_z};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double* row = rotation.data() + 3 * i;
+    *rows[i] = {static_cast<float>(row[0]), static_cast<float>(row[1]), static_cast<float>(row[2])};
+    *offsets[i] = static_cast<float>(-(row[0] * origin.x + row[1] * origin.y + row[2] * origin.z));
+  }
+  return frame;
+}
+
 }  // namespace sheaf

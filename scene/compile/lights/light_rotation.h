@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/transform.h"
+#include "scene/tables/light.h"
 
 #include <array>
 
@@ -11,5 +12,8 @@ namespace sheaf {
 /// The rotation of a transform that scales all lengths alike, world to local, row by row. Throws SceneError at `where`,
 /// naming `what`, if it stretches.
 std::array<double, 9> rotation_of(const Transform& to_world, const char* what, const SourceLocation& where);
+
+/// The frame of a light at `origin` with that rotation.
+LightFrameRow frame_of(const std::array<double, 9>& rotation, Vec3f origin);
 
 }  // namespace sheaf

@@ -132,8 +132,11 @@ struct MeshRows {
   }
 
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
-    return mesh_light_bounds({scene.light_triangles + light.first_triangle, light.triangle_count},
-                             static_cast<float>(power / (double(kPi) * light.area)));
+    const double area = double{sides_of(light)} * light.area;
+    LightBounds out = mesh_light_bounds({scene.light_triangles + light.first_triangle, light.triangle_count},
+                                        static_cast<float>(power / (double(kPi) * area)));
+    out.two_sided = light.is_two_sided();
+    return out;
   }
 
  private:

@@ -25,14 +25,24 @@ struct ProjectorRows {
   }
 
  private:
-  /// The picture's integral over its rectangle at distance 1.
+  /// The integral of the intensity over all directions for LightRecord::radiance of 1: that of the picture over its
+  /// rectangle at distance 1, times the cube of the cosine if it is even.
   static Vec3f integral(const SceneView& scene, const LightRow& light) {
     const Vec2f scale = scene.light_frames[light.frame()].picture_scale();
     const float area = 1.0f / (scale.x * scale.y);
-    if (light.texture == kNone) return {area, area, area};
+    const LightFrameRow& frame = scene.light_frames[light.frame()];
+    if (light.texture == kNone && !frame.is_even()) return {area, area, area};
     TextureMean mean(scene, light.texture);
-    for (int k = 0; k < kMeanPoints; ++k) mean.add({spread_point(k), 0, 0, 0, 0}, 1.0);
-    return mean.value() * area;
+    double weights = 0;
+    for (int k = 0; k < kMeanPoints; ++k) {
+      const Vec2f at = spread_point(k);
+      const double x = (0.5 - double{at.x}) / double{scale.x}, y = (0.5 - double{at.y}) / double{scale.y};
+      const double weight = frame.is_even() ? std::pow(1 + x * x + y * y, -1.5) : 1.0;
+      weights += weight;
+      if (light.texture != kNone) mean.add({at, 0, 0, 0, 0}, weight);
+    }
+    const float all = area * static_cast<float>(weights / kMeanPoints);
+    return light.texture == kNone ? Vec3f{all, all, all} : mean.value() * all;
   }
 };
 
@@ -55,20 +65,14 @@ std::optional<PlacedLight> place_light(const LightToPlace<ProjectorDescription>&
   const auto* constant = std::get_if<SpectrumDescription>(&projector.irradiance);
   const Vec3f color = constant != nullptr ? emission_rgb(*constant) : Vec3f{1, 1, 1};
   const Vec3f origin = projector.to_world.point({0, 0, 0});
-  PlacedLight light{make_light_row(LightKind::kProjector, color * (kPi * projector.scale), origin), LightFrameRow{}};
+  const float scale = projector.is_even ? projector.scale : kPi * projector.scale;
+  PlacedLight light{make_light_row(LightKind::kProjector, color * scale, origin), frame_of(rotation, origin)};
   if (constant == nullptr) light.row.texture = static_cast<std::uint32_t>(std::get<TextureId>(projector.irradiance));
   const double half_width = half_width_of(projector.fov, projector.fov_axis, aspect, 1.0, l.where);
-  LightFrameRow& frame = *light.frame;
-  Vec3f* const rows[3] = {&frame.row_x, &frame.row_y, &frame.row_z};
-  float* const offsets[3] = {&frame.offset_x, &frame.offset_y, &frame.offset_z};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double* row = rotation.data() + 3 * i;
-    *rows[i] = {static_cast<float>(row[0]), static_cast<float>(row[1]), static_cast<float>(row[2])};
-    *offsets[i] = static_cast<float>(-(row[0] * origin.x + row[1] * origin.y + row[2] * origin.z));
-  }
-  frame.set_picture_scale({static_cast<float>(0.5 / half_width), static_cast<float>(0.5 * aspect / half_width)});
+  light.frame->set_picture_scale({static_cast<float>(0.5 / half_width), static_cast<float>(0.5 * aspect / half_width)});
+  light.frame->cot_cutoff = projector.is_even ? 1.0f : 0.0f;
   light.spectrum = l.context.emission_row(projector.irradiance, l.where);
-  light.spectrum.scale *= kPi * projector.scale;
+  light.spectrum.scale *= scale;
   return light;
 }
 

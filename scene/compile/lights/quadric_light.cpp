@@ -48,7 +48,10 @@ struct QuadricRows {
 
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
     const QuadricRow& quadric = scene.quadrics[light.quadric()];
-    return quadric_light_bounds(quadric, static_cast<float>(power / (double(kPi) * quadric_area(quadric))));
+    const double area = double{sides_of(light)} * quadric_area(quadric);
+    LightBounds out = quadric_light_bounds(quadric, static_cast<float>(power / (double(kPi) * area)));
+    out.two_sided = light.is_two_sided();
+    return out;
   }
 
  private:
@@ -90,7 +93,8 @@ void complete_quadric_light(AreaLight& light, const ShapeRow& shape, const Shape
     light.quadric = q;
   }
   // Light leaves a flipped sphere inwards, where the cone of directions that see it says nothing.
-  const bool cone = q.kind == ShapeKind::kSphere && q.uniform_scale > 0.0f && q.normal_sign > 0.0f;
+  const bool outwards = q.normal_sign > 0.0f && !row.is_two_sided();
+  const bool cone = q.kind == ShapeKind::kSphere && q.uniform_scale > 0.0f && outwards;
   row.kind = static_cast<std::uint32_t>(cone ? LightKind::kSphere : LightKind::kQuadric);
   row.area = canonical_area(q.kind);
   row.radius = q.uniform_scale;

@@ -1,0 +1,42 @@
+// Lights: points whose intensity a picture of all directions multiplies, see GoniometricLightDescription.
+#pragma once
+
+#include "core/octahedral.h"
+#include "kernels/lights/spot_light.h"
+
+namespace sheaf {
+
+struct GoniometricLight {
+  static constexpr LightKind kKind = LightKind::kGoniometric;
+  static constexpr LightMeeting kMeeting = LightMeeting::kNever;
+
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>&,
+                                            TextureQuery<L>& texture) {
+    const LightFrameRecord<L> frame = load_frames<L>(lights);
+    LightSample<L> s = sample_position<L>(lights.light, from);
+    look_up<L>(lights.active & s.valid, normalize_any(frame.local_point(from)), texture);
+    return s;
+  }
+
+  /// Uniformly over all directions, weighed by the picture.
+  template <class L, ColorMode Mode>
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>&, const Random4<L>& b,
+                                             TextureQuery<L>& texture) {
+    const LightFrameRecord<L> frame = load_frames<L>(lights);
+    const Vec3<L> local = square_to_sphere<L>(b.x, b.y);
+    look_up<L>(lights.active, local, texture);
+    return emit_from_position<L>(lights.light, normalize_any(frame.world_vector(local)), Float<L>(kUniformSpherePdf));
+  }
+
+ private:
+  /// The picture's last row is at v = 0, and its first is where the octahedron's y is smallest.
+  template <class L> static SHEAF_INLINE void look_up(Mask<L> m, Vec3<L> local, TextureQuery<L>& texture) {
+    using F = Float<L>;
+    using U = Uint<L>;
+    const Vec2<L> place = equal_area_octahedral<L>(local);
+    set_query<L>(m, {{place.x, F(1.0f) - place.y}, U(0u), U(0u), F(0.0f), F(0.0f)}, texture);
+  }
+};
+
+}  // namespace sheaf

@@ -1,0 +1,46 @@
+// Points that shine by a picture of all directions: row, power and bounds.
+#include "scene/compile/compile_materials.h"
+#include "scene/compile/light.h"
+#include "scene/compile/lights/light_rotation.h"
+#include "scene/compile/lights/texture_mean.h"
+
+namespace sheaf {
+
+namespace {
+
+struct GoniometricRows {
+  static constexpr LightReach kReach = LightReach::kBounded;
+
+  static Vec3f power(const SceneView& scene, const LightRow& light) {
+    return emitted_rgb(light) * mean_of(scene, light) * (4 * kPi);
+  }
+
+  /// As of one that shines alike in all directions.
+  static LightBounds bounds(const SceneView&, const LightRow& light, double power) {
+    return point_light_bounds(light.position, static_cast<float>(power * (0.25 * double(kInvPi))));
+  }
+
+ private:
+  /// The picture's mean over all directions, to which its parts of equal area count alike.
+  static Vec3f mean_of(const SceneView& scene, const LightRow& light) {
+    TextureMean mean(scene, light.texture);
+    for (int k = 0; k < kMeanPoints; ++k) mean.add({spread_point(k), 0, 0, 0, 0}, 1.0);
+    return mean.value();
+  }
+};
+
+}  // namespace
+
+LightCompiler light_compiler(LightTag<LightKind::kGoniometric>) { return make_light_compiler<GoniometricRows>(); }
+
+std::optional<PlacedLight> place_light(const LightToPlace<GoniometricLightDescription>& l) {
+  const GoniometricLightDescription& source = l.light;
+  const std::array<double, 9> rotation = rotation_of(source.to_world, "a goniometric light", l.where);
+  const Vec3f origin = source.to_world.point({0, 0, 0});
+  PlacedLight light{make_light_row(LightKind::kGoniometric, emission_rgb(source.intensity), origin),
+                    frame_of(rotation, origin), l.context.emission_row(source.intensity, l.where)};
+  light.row.texture = l.context.texture_row(source.picture, l.where);
+  return light;
+}
+
+}  // namespace sheaf
