@@ -1,6 +1,7 @@
 // Inside the pbrt dialect: the state of reading, and what its readers call of each other.
 #pragma once
 
+#include "core/image.h"
 #include "core/transform.h"
 #include "scene/dialects/pbrt_parameters.h"
 #include "scene/dialects/read_spectrum.h"
@@ -31,6 +32,7 @@ struct Material {
 struct AreaLight {
   SpectrumInput radiance;
   std::optional<float> power;  ///< of each shape, where the radiance is taken relative
+  bool two_sided = false;
   SourceLocation where;
 };
 
@@ -42,6 +44,7 @@ struct Attributes {
   Material material;
   std::optional<AreaLight> area_light;
   std::string inside, outside;  ///< names of media
+  std::size_t color_space = 0;  ///< of rgb parameters: into color_space_names()
   /// Parameters that Attribute gives, by what they are for.
   std::map<std::string, std::shared_ptr<const std::vector<Parameter>>, std::less<>> defaults;
 };
@@ -71,6 +74,7 @@ struct Reader {
   Object* object = nullptr;   ///< that is being defined
   bool used_texture = false;  ///< since it was last reset
   std::set<std::string, std::less<>> noted = {};  ///< by note_once()
+  bool noted_gamut = false;   ///< that colours were clamped
 
   /// Adds a remark for the user.
   void note(const SourceLocation& where, const std::string& message);
@@ -102,6 +106,13 @@ struct Index {
 };
 Index read_index(Parameters& p, const char* name, float otherwise);
 
+// pbrt_color_space.cpp
+/// Those that ColorSpace may name, the first of which is Rec.709's.
+const std::vector<std::string>& color_space_names();
+/// A colour of the current space in Rec.709, and within what it is used for; reflectances keep white. Notes the first
+/// colour that is clamped.
+Vec3f to_rec709(Parameters& p, Vec3f rgb, Use use);
+
 // pbrt_named_spectrum.cpp
 /// The spectrum of a name ("metal-Au-eta", "stdillum-D65") or of a file, its luminance 1 if it is for light.
 SpectrumDescription named_spectrum(Parameters& p, const char* parameter, const std::string& name, Use use);
@@ -115,8 +126,18 @@ void read_texture(Reader& reader, const std::string& name, const std::string& ki
 std::optional<SpectrumInput> scaled_input(Reader& reader, const SpectrumInput& input, float by, int depth = 0);
 /// The texture with the square roots of its values; nothing if tables cannot say that.
 std::optional<ScalarInput> root_of(Reader& reader, const ScalarInput& input);
+/// A texture by the parameters of its kind.
+TextureId append(Reader& reader, TextureDescription texture);
 /// A picture as a texture that is seen upright in the unit square.
 TextureId add_picture(Reader& reader, BitmapDescription picture, const SourceLocation& where);
+
+// pbrt_picture.cpp
+/// The file of a picture in linear values, R, G and B, decoded unless `raw`. Throws SceneError at `where`.
+Image read_linear_picture(const std::filesystem::path& file, bool raw, const SourceLocation& where);
+/// The mean of f(x, y) times the luminance at the middle of each pixel, x to the right and y downwards in [0, 1].
+double mean_luminance(const Image& picture, double (*weight)(const double* about, double x, double y),
+                      const double* about);
+double mean_luminance(const Image& picture);
 
 // pbrt_material.cpp
 Material make_material(Reader& reader, const std::string& name, Entity entity);
@@ -131,9 +152,21 @@ void read_light(Reader& reader, Entity entity);
 AreaLight read_area_light(Reader& reader, Entity entity);
 
 // pbrt_medium.cpp
+/// sigma_a and sigma_s, or a preset of both.
+AbsorptionScatteringDescription read_coefficients(Parameters& p);
+/// What glows by its temperature.
+void set_temperature(Parameters& p, MediumDescription& medium, GridVolumeDescription temperature, float scale);
 void read_medium(Reader& reader, const std::string& name, Entity entity);
 /// The medium of a name, none for the empty one.
 std::optional<MediumId> medium_of(const Reader& reader, const std::string& name, const SourceLocation& where);
+
+// pbrt_medium_grid.cpp
+/// The integral over wavelengths (nm) of the y of the CIE's observer of 1931. Where pbrt does not scale what glows to a
+/// luminance of 1, it is as many times brighter.
+inline constexpr float kLuminanceIntegral = 106.856895f;
+void read_uniform_grid(Parameters& p, MediumDescription& medium);
+void read_rgb_grid(Parameters& p, MediumDescription& medium);
+void read_cloud(Parameters& p, MediumDescription& medium);
 
 // pbrt_shape.cpp
 void read_shape(Reader& reader, Entity entity);
@@ -150,6 +183,8 @@ struct Patch {
 void append(Mesh& mesh, const Patch& patch);
 /// Shape "trianglemesh". `textured`: triangles without coordinates get those of pbrt.
 Mesh read_triangle_mesh(Parameters& p, bool textured);
+/// Shape "loopsubdiv".
+Mesh read_subdivision(Parameters& p, bool textured);
 /// Shape "bilinearmesh": flat patches become two triangles, others squares of them.
 Mesh read_bilinear_mesh(Parameters& p);
 

@@ -61,10 +61,27 @@ void read_orthographic(Parameters& p, CameraDescription& camera, const Transform
   const FilmDescription& film = p.reader().description.film;
   const ScreenWindow window = read_window(p, film);
   camera.projection = CameraDescription::Projection::kOrthographic;
-  if (p.number("lensradius", 0, kNotNegative) > 0.0f) p.unsupported("a lens", "everything is sharp");
-  p.accept({"focaldistance"});
+  const float radius = p.number("lensradius", 0, kNotNegative), distance = p.number("focaldistance", 1e6f, kPositive);
   const auto half = static_cast<float>((window.x1 - window.x0) / 2);
+  if (radius > 0.0f) camera.aperture_radius = radius / half, camera.focus_distance = distance;
   camera.to_world = to_world * Transform::scale({half, half, 1}) * frame_window(p, window, film, camera);
+}
+
+/// All directions, +y upwards.
+void read_spherical(Parameters& p, CameraDescription& camera, const Transform& world_from_camera) {
+  camera.projection = CameraDescription::Projection::kSpherical;
+  const std::string mapping = p.string("mapping", "equalarea");
+  if (mapping != "equalarea" && mapping != "equirectangular")
+    p.fail_at("mapping", "is '" + mapping + "', expected equalarea or equirectangular");
+  camera.equal_area = mapping == "equalarea";
+  // Equal areas: y and z change places. Else the middle of the picture is -x, and a quarter of a turn later -z follows.
+  Matrix4 axes;
+  if (camera.equal_area)
+    axes.m[1] = {0, 0, 1, 0}, axes.m[2] = {0, 1, 0, 0};
+  else
+    axes.m[0] = {0, 0, -1, 0}, axes.m[2] = {1, 0, 0, 0};
+  camera.to_world = world_from_camera * Transform(axes);
+  p.accept({"frameaspectratio", "screenwindow", "lensradius", "focaldistance"});
 }
 
 PixelRect read_crop_window(Parameters& p, const FilmDescription& film, std::vector<float> c) {
@@ -160,11 +177,13 @@ void read_camera(Reader& reader, Entity entity, const Transform& world_from_came
     read_perspective(p, camera, to_world);
   } else if (entity.type == "orthographic") {
     read_orthographic(p, camera, to_world);
-  } else if (entity.type == "realistic" || entity.type == "spherical") {
+  } else if (entity.type == "spherical") {
+    read_spherical(p, camera, world_from_camera);
+  } else if (entity.type == "realistic") {
     p.unsupported("cameras of this kind", "a perspective one is taken");
-    p.accept({"lensfile", "aperturediameter", "focusdistance", "aperture", "mapping"});
+    p.accept({"lensfile", "aperturediameter", "focusdistance", "aperture"});
     read_perspective(p, camera, to_world);
-    if (entity.type == "realistic") camera.fov = 40;
+    camera.fov = 40;
   } else {
     const std::vector<std::string> known = {"orthographic", "perspective", "realistic", "spherical"};
     throw SceneError(entity.where, "unknown camera '" + entity.type + "'" + did_you_mean(entity.type, known));

@@ -88,8 +88,15 @@ void SceneBuilder::camera(Tokens& tokens) {
 
 void SceneBuilder::color_space(Tokens& tokens) {
   const std::string name = read_string(tokens, "a colour space");
-  if (name != "srgb")
-    reader_.unsupported(where_, "the colour space '" + name + "', expected srgb", "colours are taken as srgb");
+  const std::vector<std::string>& known = color_space_names();
+  const auto found = std::find(known.begin(), known.end(), name);
+  if (found == known.end()) {
+    std::string list;
+    for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
+    throw SceneError(where_,
+                     "unknown colour space '" + name + "'" + did_you_mean(name, known) + " (known: " + list + ")");
+  }
+  reader_.attributes.color_space = static_cast<std::size_t>(found - known.begin());
 }
 
 void SceneBuilder::film(Tokens& tokens) { options_["Film"] = read_entity(tokens, "film"); }

@@ -1,7 +1,9 @@
 // The pbrt dialect: lights. Spectra of light are scaled to a luminance of 1, so that 1 on the film is what a light of
 // L = 1 looks like; the film's exposure is multiplied in here.
+#include "core/octahedral.h"
 #include "scene/dialects/pbrt.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sheaf::pbrt {
@@ -65,20 +67,97 @@ decltype(LightDescription::model) read_infinite(Parameters& p) {
     return ConstantLightDescription{scaled(read_emission(p, "L"), scale)};
   }
   if (p.has("L")) p.fail("has both 'L' and 'filename', expected one");
-  if (lit) p.unsupported("'illuminance' of a picture", "the picture is taken as it is");
   EnvmapDescription light;
   light.file = p.file("filename");
   light.scale = scale;
+  if (lit) {
+    // What arrives on a plane that faces +z of the light's space.
+    const double mean = mean_luminance(
+        read_linear_picture(light.file, false, p.where()),
+        [](const double*, double x, double y) {
+          return std::max(0.0, double{equal_area_direction<Scalar>(static_cast<float>(x), static_cast<float>(y)).z});
+        },
+        nullptr);
+    if (!(mean > 0)) p.fail_at("illuminance", "cannot be that of a picture that is black towards +z");
+    light.scale *= *illuminance / (4 * kPi * static_cast<float>(mean));
+  }
   light.to_world = p.reader().attributes.transform;
   light.layout = EnvmapDescription::Layout::kOctahedral;
   return light;
 }
 
-/// Lights that have no counterpart: a point light of the same intensity takes their place.
-PointLightDescription read_stand_in(Parameters& p) {
-  p.unsupported("lights of this kind", "a point light of the same intensity is taken");
-  p.accept({"filename", "fov"});
-  return read_point(p);
+/// A picture whose texels are not interpolated, as such lights see it; `upright`: its first row is at v = 1.
+TextureId add_light_picture(Parameters& p, const std::filesystem::path& file, bool upright) {
+  BitmapDescription picture;
+  picture.file = file;
+  picture.filter = BitmapDescription::Filter::kNearest;
+  picture.wrap_u = picture.wrap_v = BitmapDescription::Wrap::kClamp;
+  TextureDescription texture;
+  texture.model = std::move(picture);
+  texture.where = p.where();
+  if (!upright) texture.to_uv = {1, 0, 0, 0, -1, 1};
+  return append(p.reader(), std::move(texture));
+}
+
+/// The cube of the cosine at a place of a picture that has the half width about[0] and the half height about[1].
+double cosine_cubed(const double* about, double x, double y) {
+  const double across = (2 * x - 1) * about[0], up = (2 * y - 1) * about[1];
+  return std::pow(1 + across * across + up * up, -1.5);
+}
+
+ProjectorDescription read_projection(Parameters& p) {
+  ProjectorDescription light;
+  light.is_even = true;
+  light.fov = p.number("fov", 90, {0, 180, true});
+  light.fov_axis = CameraDescription::FovAxis::kSmaller;
+  light.scale = read_scale(p);
+  // The picture's first column is at -x there and at +x here.
+  light.to_world = p.reader().attributes.transform * Transform::scale({-1, 1, 1});
+  const std::filesystem::path file = p.file("filename");
+  light.irradiance = add_light_picture(p, file, false);
+  const auto power = p.find_number("power");
+  if (!power || !(*power > 0.0f)) return light;
+  const Image picture = read_linear_picture(file, false, p.where());
+  const double half = std::tan(double{light.fov} * double{kPi} / 360), aspect = double(picture.width) / picture.height;
+  const double about[] = {half * std::max(aspect, 1.0), half * std::max(1 / aspect, 1.0)};
+  const double mean = mean_luminance(picture, cosine_cubed, about);
+  if (!(mean > 0)) p.fail_at("power", "cannot be that of a black picture");
+  light.scale *= static_cast<float>(double{*power} / (4 * about[0] * about[1] * mean));
+  return light;
+}
+
+/// Grey: pbrt takes the mean of red, green and blue.
+std::shared_ptr<const Image> grey_picture(const Image& picture) {
+  auto grey = std::make_shared<Image>(picture.width, picture.height, std::vector<std::string>{"Y"});
+  for (std::size_t i = 0; i < picture.pixel_count(); ++i)
+    grey->data[i] = (picture.data[3 * i] + picture.data[3 * i + 1] + picture.data[3 * i + 2]) / 3;
+  return grey;
+}
+
+decltype(LightDescription::model) read_goniometric(Parameters& p) {
+  if (!p.has("filename")) return read_point(p);
+  GoniometricLightDescription light;
+  const std::filesystem::path file = p.file("filename");
+  const std::shared_ptr<const Image> picture = grey_picture(read_linear_picture(file, false, p.where()));
+  if (picture->width != picture->height)
+    p.fail_at("filename", "is a picture of " + std::to_string(picture->width) + " x " +
+                              std::to_string(picture->height) + " pixels, expected a square one of equal areas");
+  float scale = read_scale(p);
+  if (const auto power = p.find_number("power"); power && *power > 0.0f) {
+    double sum = 0;
+    for (const float value : picture->data) sum += double{value};
+    if (!(sum > 0)) p.fail_at("power", "cannot be that of a black picture");
+    scale *= *power / (4 * kPi * static_cast<float>(sum / static_cast<double>(picture->data.size())));
+  }
+  light.intensity = scaled(read_emission(p, "I"), scale);
+  light.picture = add_light_picture(p, {}, true);
+  auto& bitmap = std::get<BitmapDescription>(p.reader().description.textures.back().model);
+  bitmap.made = picture;
+  // There y and z change places before the octahedron is folded.
+  Matrix4 swap;
+  swap.m[1] = {0, 0, 1, 0}, swap.m[2] = {0, 1, 0, 0};
+  light.to_world = p.reader().attributes.transform * Transform(swap);
+  return light;
 }
 
 }  // namespace
@@ -95,8 +174,10 @@ void read_light(Reader& reader, Entity entity) {
     light.model = read_distant(p);
   } else if (entity.type == "infinite") {
     light.model = read_infinite(p);
-  } else if (entity.type == "goniometric" || entity.type == "projection") {
-    light.model = read_stand_in(p);
+  } else if (entity.type == "goniometric") {
+    light.model = read_goniometric(p);
+  } else if (entity.type == "projection") {
+    light.model = read_projection(p);
   } else {
     const std::vector<std::string> known = {"distant", "goniometric", "infinite", "point", "projection", "spot"};
     throw SceneError(entity.where, "unknown light '" + entity.type + "'" + did_you_mean(entity.type, known));
@@ -112,19 +193,24 @@ AreaLight read_area_light(Reader& reader, Entity entity) {
   AreaLight light;
   light.where = entity.where;
   const float scale = read_scale(p);
+  const auto power = p.find_number("power");
+  if (power && *power > 0.0f) light.power = *power;
   if (p.has("filename")) {
     if (p.has("L")) p.fail("has both 'L' and 'filename', expected one");
     BitmapDescription picture;
     picture.file = p.file("filename");
     picture.wrap_u = picture.wrap_v = BitmapDescription::Wrap::kClamp;
     picture.change.scale = scale;
+    if (light.power) {
+      const double mean = mean_luminance(read_linear_picture(picture.file, false, entity.where));
+      if (!(mean > 0)) p.fail_at("power", "cannot be that of a black picture");
+      picture.change.scale *= static_cast<float>(1 / mean);
+    }
     light.radiance = add_picture(reader, std::move(picture), entity.where);
   } else {
     light.radiance = scaled(read_emission(p, "L"), scale);
   }
-  if (const auto power = p.find_number("power"); power && *power > 0.0f) light.power = *power;
-  if (p.boolean("twosided", false))
-    p.unsupported("light to both sides ('twosided')", "it shines on the side of the normal");
+  light.two_sided = p.boolean("twosided", false);
   p.finish();
   return light;
 }

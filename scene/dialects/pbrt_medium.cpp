@@ -1,6 +1,7 @@
 // The pbrt dialect: media.
 #include "scene/data/measured_media.h"
 #include "scene/dialects/pbrt.h"
+#include "scene/formats/nanovdb.h"
 
 namespace sheaf::pbrt {
 
@@ -8,25 +9,6 @@ namespace {
 
 SpectrumDescription read_coefficient(Parameters& p, const char* name, SpectrumDescription otherwise) {
   return find_spectrum(p, name, Use::kUnbounded).value_or(std::move(otherwise));
-}
-
-/// sigma_a and sigma_s, or a preset of both.
-AbsorptionScatteringDescription read_coefficients(Parameters& p) {
-  const SpectrumDescription one = SpectrumDescription::constant(1);
-  const std::optional<std::string> preset = p.find_string("preset");
-  if (!preset) return {read_coefficient(p, "sigma_a", one), read_coefficient(p, "sigma_s", one)};
-  const MeasuredMedium* found = find_measured_medium(*preset);
-  if (found == nullptr) {
-    std::string known;
-    for (const std::string& name : measured_medium_names()) known += (known.empty() ? "" : ", ") + name;
-    p.unsupported(
-        "the preset '" + *preset + "'" + did_you_mean(*preset, measured_medium_names()) + " (known: " + known + ")",
-        "sigma_a and sigma_s of 1 are taken");
-    return {one, one};
-  }
-  p.accept({"sigma_a", "sigma_s"});
-  const auto rgb = [](Vec3f v) { return SpectrumDescription::rgb(v.x, v.y, v.z); };
-  return {rgb(found->sigma_a), rgb(found->sigma_s)};
 }
 
 /// g, as a phase function.
@@ -54,35 +36,48 @@ void read_nanovdb(Parameters& p, MediumDescription& medium) {
   density.format = GridVolumeDescription::Format::kNanoVdb;
   density.grid = p.string("gridname", "density");
   density.to_world = p.reader().attributes.transform;
+  GridVolumeDescription temperature = density;
+  temperature.grid = p.string("temperaturename", "temperature");
   medium.density = std::move(density);
-  for (const char* name :
-       {"temperaturename", "temperaturescale", "temperatureoffset", "temperaturecutoff", "LeScale", "Lescale"})
-    if (p.has(name)) {
-      p.unsupported("the glow of a 'nanovdb' ('" + std::string(name) + "')", "it does not glow");
-      p.accept({name});
-    }
-}
-
-/// The mean of the densities, for a medium that is the same everywhere.
-float mean_of(const std::vector<float>& density) {
-  double sum = 0;
-  for (const float value : density) sum += double{value};
-  return density.empty() ? 1.0f : static_cast<float>(sum / static_cast<double>(density.size()));
-}
-
-void read_stand_in(Parameters& p, MediumDescription& medium) {
-  p.unsupported("media of this kind", "a medium that is the same everywhere is taken");
-  for (const char* name : {"sigma_a", "sigma_s"})
-    if (const Parameter* grid = p.find(name); grid != nullptr && grid->type == "rgb" && grid->numbers.size() != 3)
-      p.fail_at(name, "is a grid, expected one value");
-  medium.coefficients = read_coefficients(p);
-  const float density = mean_of(p.numbers("density", 1));
-  medium.scale = p.number("scale", 1, kNotNegative) * density;
-  p.accept({"nx", "ny", "nz", "p0", "p1", "Le", "Lescale", "temperature", "temperaturescale", "temperatureoffset",
-            "wispiness", "frequency"});
+  const float scale = p.number("LeScale", p.number("Lescale", 1, kNotNegative), kNotNegative);
+  if (scale > 0.0f && has_nanovdb_grid(temperature.file, temperature.grid)) {
+    set_temperature(p, medium, std::move(temperature), scale);
+  } else {
+    if (p.has("temperaturename") && scale > 0.0f)
+      p.reader().note(p.where(), p.title() + " does not glow: its file has no grid '" + temperature.grid + "'");
+    p.accept({"temperaturescale", "temperatureoffset", "temperaturecutoff"});
+  }
 }
 
 }  // namespace
+
+AbsorptionScatteringDescription read_coefficients(Parameters& p) {
+  const SpectrumDescription one = SpectrumDescription::constant(1);
+  const std::optional<std::string> preset = p.find_string("preset");
+  if (!preset) return {read_coefficient(p, "sigma_a", one), read_coefficient(p, "sigma_s", one)};
+  const MeasuredMedium* found = find_measured_medium(*preset);
+  if (found == nullptr) {
+    std::string known;
+    for (const std::string& name : measured_medium_names()) known += (known.empty() ? "" : ", ") + name;
+    p.unsupported(
+        "the preset '" + *preset + "'" + did_you_mean(*preset, measured_medium_names()) + " (known: " + known + ")",
+        "sigma_a and sigma_s of 1 are taken");
+    return {one, one};
+  }
+  p.accept({"sigma_a", "sigma_s"});
+  const auto rgb = [](Vec3f v) { return SpectrumDescription::rgb(v.x, v.y, v.z); };
+  return {rgb(found->sigma_a), rgb(found->sigma_s)};
+}
+
+// pbrt's black bodies have a largest value of 1 at every temperature.
+void set_temperature(Parameters& p, MediumDescription& medium, GridVolumeDescription temperature, float scale) {
+  medium.temperature = std::move(temperature);
+  medium.unit_blackbodies = true;
+  medium.temperature_scale = p.number("temperaturescale", 1, kNotNegative);
+  medium.temperature_offset = p.number(p.has("temperatureoffset") ? "temperatureoffset" : "temperaturecutoff", 0);
+  p.accept({"temperaturecutoff"});
+  medium.emission_scale = scale * kLuminanceIntegral;
+}
 
 void read_medium(Reader& reader, const std::string& name, Entity entity) {
   const std::string type = entity.type;
@@ -95,8 +90,12 @@ void read_medium(Reader& reader, const std::string& name, Entity entity) {
     read_homogeneous(p, medium);
   } else if (type == "nanovdb") {
     read_nanovdb(p, medium);
-  } else if (type == "uniformgrid" || type == "rgbgrid" || type == "cloud") {
-    read_stand_in(p, medium);
+  } else if (type == "uniformgrid") {
+    read_uniform_grid(p, medium);
+  } else if (type == "rgbgrid") {
+    read_rgb_grid(p, medium);
+  } else if (type == "cloud") {
+    read_cloud(p, medium);
   } else {
     const std::vector<std::string> known = {"cloud", "homogeneous", "nanovdb", "rgbgrid", "uniformgrid"};
     p.fail("is of the type '" + type + "', expected homogeneous, nanovdb, uniformgrid, rgbgrid or cloud" +

@@ -1,5 +1,6 @@
 // The pbrt dialect: meshes in the scene file, and surfaces cut into triangles.
 #include "scene/dialects/pbrt.h"
+#include "scene/formats/loop_subdivision.h"
 
 #include <algorithm>
 #include <array>
@@ -126,13 +127,21 @@ Mesh read_triangle_mesh(Parameters& p, bool textured) {
   return textured && mesh.uvs.empty() ? with_coordinates(mesh) : mesh;
 }
 
+Mesh read_subdivision(Parameters& p, bool textured) {
+  constexpr int kMostLevels = 12;
+  p.accept({"scheme"});
+  const Mesh control = read_triangle_mesh(p, false);
+  const int levels = p.integer("levels", 3, 0, kMostLevels);
+  try {
+    Mesh mesh = subdivide({control.positions, {}, {}, control.triangles}, levels);
+    return textured ? with_coordinates(mesh) : mesh;
+  } catch (const SceneError& error) { p.fail(std::string(": ") + error.what()); }
+}
+
 Mesh read_bilinear_mesh(Parameters& p) {
   const Mesh corners = read_vertices(p);
-  if (!corners.normals.empty()) p.unsupported("normals 'N'", "those of the patches are taken");
-  if (p.has("emissionfilename")) {
-    p.unsupported("'emissionfilename'", "it shines alike everywhere");
-    p.accept({"emissionfilename"});
-  }
+  const bool own_normals = !corners.normals.empty();
+  p.accept({"emissionfilename"});  // by which light is sampled
   const std::vector<std::uint32_t> indices = read_indices(p, corners.positions.size(), 4);
   Mesh mesh;
   bool flat = true;
@@ -147,15 +156,18 @@ Mesh read_bilinear_mesh(Parameters& p) {
                       bilinear(patch.shape, 0, 0);
     const Vec3f size = bilinear(patch.shape, 1, 1) - bilinear(patch.shape, 0, 0);
     const bool is_flat = dot(off, off) <= 1e-10f * dot(size, size);
-    flat = flat && is_flat;
-    if (!is_flat) patch.steps_u = patch.steps_v = kPatchSteps;
+    flat = flat && is_flat && !own_normals;
+    if (!is_flat || own_normals) patch.steps_u = patch.steps_v = kPatchSteps;
     const std::size_t first = mesh.positions.size();
     append(mesh, patch);
-    if (corners.uvs.empty()) continue;
     for (std::size_t v = first; v < mesh.uvs.size(); ++v) {
       const Vec2f at = mesh.uvs[v];
       const auto uv = [&](std::size_t k) { return corners.uvs[indices[i + k]]; };
       const float weights[] = {(1 - at.x) * (1 - at.y), at.x * (1 - at.y), (1 - at.x) * at.y, at.x * at.y};
+      if (own_normals) mesh.normals[v] = {0, 0, 0};
+      for (std::size_t k = 0; own_normals && k < 4; ++k)
+        mesh.normals[v] = mesh.normals[v] + corners.normals[indices[i + k]] * weights[k];
+      if (corners.uvs.empty()) continue;
       Vec2f sum{0, 0};
       for (std::size_t k = 0; k < 4; ++k) sum = {sum.x + weights[k] * uv(k).x, sum.y + weights[k] * uv(k).y};
       mesh.uvs[v] = sum;

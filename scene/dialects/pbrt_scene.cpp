@@ -159,8 +159,7 @@ void SceneBuilder::finish() {
     description.groups.push_back(std::move(object.group));
     for (const auto& place : object.places) description.instances.push_back({place, group});
   }
-  for (MediumDescription& medium : description.media)
-    if (medium.emission) medium.emission = scaled(std::get<SpectrumDescription>(*medium.emission), reader_.exposure);
+  for (MediumDescription& medium : description.media) medium.emission_scale *= reader_.exposure;
 }
 
 }  // namespace sheaf::pbrt

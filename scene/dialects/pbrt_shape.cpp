@@ -50,6 +50,7 @@ struct Geometry {
   float area = 0;
   bool has_normals = false;  ///< which decide which side is the front, whether or not the transform mirrors
   bool is_mesh = false;
+  std::size_t lights = 1;  ///< that pbrt makes of it if it shines: one of each triangle or patch of a mesh
 };
 
 Geometry read_sphere(Parameters& p, ShapeDescription& shape, bool textured) {
@@ -102,12 +103,16 @@ Geometry read_disk(Parameters& p, ShapeDescription& shape, bool textured) {
   return {area, true, true};
 }
 
-bool has_ply_normals(const std::filesystem::path& file) {
+/// What a PLY file's header says of it.
+Geometry ply_geometry(const std::filesystem::path& file) {
   const std::string bytes = read_mesh_bytes(file, "PLY file");
-  for (const PlyElement& element : parse_ply_header(bytes, file.string()).elements)
+  Geometry geometry{0, false, true};
+  for (const PlyElement& element : parse_ply_header(bytes, file.string()).elements) {
+    if (element.name == "face") geometry.lights = element.count;
     for (const PlyProperty& property : element.properties)
-      if (element.name == "vertex" && property.name == "nx") return true;
-  return false;
+      if (element.name == "vertex" && property.name == "nx") geometry.has_normals = true;
+  }
+  return geometry;
 }
 
 Geometry read_ply_shape(Parameters& p, ShapeDescription& shape) {
@@ -122,17 +127,9 @@ Geometry read_ply_shape(Parameters& p, ShapeDescription& shape) {
   }
   p.accept({"edgelength"});
   Geometry geometry{0, false, true};
-  if (shape.to_world.swaps_handedness()) geometry.has_normals = has_ply_normals(mesh.file);
+  if (shape.to_world.swaps_handedness() || p.reader().attributes.area_light) geometry = ply_geometry(mesh.file);
   shape.geometry = std::move(mesh);
   return geometry;
-}
-
-/// The control mesh, without subdivision.
-Geometry read_subdivision(Parameters& p, ShapeDescription& shape, bool textured) {
-  p.unsupported("subdivision surfaces", "the mesh of control points is shown");
-  p.accept({"levels", "scheme"});
-  shape.geometry = read_triangle_mesh(p, textured);
-  return {0, false, true};
 }
 
 Geometry read_geometry(Parameters& p, const std::string& type, ShapeDescription& shape, bool textured) {
@@ -140,12 +137,19 @@ Geometry read_geometry(Parameters& p, const std::string& type, ShapeDescription&
   if (type == "cylinder") return read_cylinder(p, shape);
   if (type == "disk") return read_disk(p, shape, textured);
   if (type == "plymesh") return read_ply_shape(p, shape);
-  if (type == "loopsubdiv") return read_subdivision(p, shape, textured);
+  if (type == "loopsubdiv") {
+    Mesh mesh = read_subdivision(p, textured);
+    const Geometry geometry{0, true, true, mesh.triangles.size()};
+    shape.geometry = std::move(mesh);
+    return geometry;
+  }
   if (type == "trianglemesh" || type == "bilinearmesh") {
     Mesh mesh = type == "trianglemesh" ? read_triangle_mesh(p, textured) : read_bilinear_mesh(p);
-    const bool has_normals = !mesh.normals.empty();
+    const Parameter* indices = p.find("indices");
+    const std::size_t corners = type == "trianglemesh" ? 3 : 4;
+    const Geometry geometry{0, !mesh.normals.empty(), true, indices == nullptr ? 1 : indices->numbers.size() / corners};
     shape.geometry = std::move(mesh);
-    return Geometry{0, has_normals, true};
+    return geometry;
   }
   if (type == "curve") {
     shape.geometry = read_curve(p, shape.to_world);
@@ -176,15 +180,14 @@ void add_emission(Parameters& p, ShapeDescription& shape, const Geometry& geomet
     return reader.note(p.where(), p.title() + " has the material 'interface', and so does not shine");
   if (std::holds_alternative<Curves>(shape.geometry)) return p.unsupported("light of curves", "they do not shine");
   shape.radiance = light->radiance;
+  shape.emits_on_both_sides = light->two_sided;
   if (!light->power) return;
-  std::optional<SpectrumInput> radiance;
-  if (geometry.area > 0.0f && std::holds_alternative<SpectrumDescription>(light->radiance))
-    radiance = scaled_input(reader, light->radiance, *light->power / (kPi * geometry.area));
-  if (radiance)
-    shape.radiance = *radiance;
+  // Of what is no mesh pbrt takes the area before its transform.
+  if (geometry.area > 0.0f)
+    shape.radiance =
+        scaled_input(reader, light->radiance, *light->power / (kPi * geometry.area * (light->two_sided ? 2 : 1)));
   else
-    reader.unsupported(light->where, "'power' of an area light on a mesh or with a picture",
-                       "'L' and 'scale' are taken as they are");
+    shape.power = *light->power * static_cast<float>(geometry.lights);
 }
 
 /// The media on its sides, where they differ: else light does not notice.

@@ -13,10 +13,11 @@ namespace {
 /// The index at the wavelength for which glasses are catalogued, the d line of helium.
 constexpr float kCatalogueWavelength = 587.56f;
 
-SpectrumDescription rgb_spectrum(Parameters& p, const char* name, const Parameter& parameter) {
+SpectrumDescription rgb_spectrum(Parameters& p, const char* name, const Parameter& parameter, Use use) {
   const std::vector<double>& n = parameter.numbers;
   if (n.size() != 3) p.fail_at(name, "has " + std::to_string(n.size()) + " numbers, expected red, green and blue");
-  return SpectrumDescription::rgb(static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2]));
+  const Vec3f rgb{static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
+  return {SpectrumDescription::Rgb{to_rec709(p, rgb, use)}};
 }
 
 /// Wavelengths and values in turn; beyond the first and the last those go on.
@@ -50,7 +51,7 @@ SpectrumDescription blackbody_spectrum(Parameters& p, const char* name, const Pa
 
 SpectrumDescription read_spectrum(Parameters& p, const char* name, const Parameter& parameter, Use use) {
   const std::string& type = parameter.type;
-  if (type == "rgb") return rgb_spectrum(p, name, parameter);
+  if (type == "rgb") return rgb_spectrum(p, name, parameter, use);
   if (type == "spectrum" && parameter.strings.size() == 1) return named_spectrum(p, name, parameter.strings[0], use);
   SpectrumDescription spectrum;
   if (type == "spectrum" && parameter.strings.empty()) {

@@ -1,10 +1,12 @@
 // The pbrt dialect: textures. What is constant is worked out here; the rest becomes pictures and checkerboards.
 #include "scene/dialects/pbrt.h"
+#include "scene/dialects/pbrt_noise.h"
 
 #include "core/color.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace sheaf::pbrt {
 
@@ -14,11 +16,6 @@ constexpr int kMaxDepth = 16;
 
 TextureDescription& texture_at(Reader& reader, TextureId id) {
   return reader.description.textures.at(static_cast<std::size_t>(id));
-}
-
-TextureId append(Reader& reader, TextureDescription texture) {
-  reader.description.textures.push_back(std::move(texture));
-  return static_cast<TextureId>(reader.description.textures.size() - 1);
 }
 
 const SpectrumDescription* constant_of(const SpectrumInput& input) { return std::get_if<SpectrumDescription>(&input); }
@@ -60,11 +57,21 @@ std::array<float, 6> read_mapping(Parameters& p) {
   return {p.number("uscale", 1), 0, p.number("udelta", 0), 0, p.number("vscale", 1), p.number("vdelta", 0)};
 }
 
-bool is_raw(Parameters& p, const std::filesystem::path& file) {
-  const std::string encoding = p.string("encoding", file.extension() == ".png" ? "sRGB" : "linear");
-  if (encoding == "linear") return file.extension() != ".jpg" && file.extension() != ".jpeg";
-  if (encoding != "sRGB") p.unsupported("the encoding '" + encoding + "'", "sRGB is taken");
-  return false;
+/// How the values of a picture are encoded: "sRGB", "linear" or "gamma" and an exponent.
+void read_encoding(Parameters& p, BitmapDescription& picture) {
+  const std::filesystem::path extension = picture.file.extension();
+  const std::string encoding = p.string("encoding", extension == ".png" ? "sRGB" : "linear");
+  picture.raw = encoding == "linear" && extension != ".jpg" && extension != ".jpeg";
+  if (encoding == "linear" || encoding == "sRGB") return;
+  const bool is_gamma = encoding.starts_with("gamma ");
+  const float gamma = is_gamma ? std::strtof(encoding.c_str() + std::string_view("gamma ").size(), nullptr) : 0.0f;
+  if (!(gamma > 0.0f && std::isfinite(gamma)))
+    p.fail_at("encoding", "is '" + encoding + "', expected sRGB, linear, or gamma and an exponent");
+  if (picture.change.invert) return p.unsupported("'invert' of a picture of another encoding", "sRGB is taken");
+  // The factor is taken into the power.
+  picture.raw = true;
+  picture.change.exponent = gamma;
+  picture.change.scale = std::pow(picture.change.scale, 1 / gamma);
 }
 
 BitmapDescription::Wrap read_wrap(Parameters& p) {
@@ -77,10 +84,10 @@ BitmapDescription::Wrap read_wrap(Parameters& p) {
 SpectrumInput read_image(Parameters& p) {
   BitmapDescription picture;
   picture.file = p.file("filename");
-  picture.raw = is_raw(p, picture.file);
   picture.wrap_u = picture.wrap_v = read_wrap(p);
   picture.change.scale = p.number("scale", 1);
   picture.change.invert = p.boolean("invert", false);
+  read_encoding(p, picture);
   if (p.string("filter", "bilinear") == "point") picture.filter = BitmapDescription::Filter::kNearest;
   p.accept({"maxanisotropy"});
   TextureDescription texture;
@@ -104,6 +111,14 @@ SpectrumInput read_checkerboard(Parameters& p, const Source& source) {
   return append(p.reader(), std::move(texture));
 }
 
+SpectrumInput add_mix(Parameters& p, const SpectrumInput& first, const SpectrumInput& second,
+                      const ScalarInput& amount) {
+  TextureDescription texture;
+  texture.model = MixTextureDescription{first, second, amount};
+  texture.where = p.where();
+  return append(p.reader(), std::move(texture));
+}
+
 SpectrumInput read_scale(Parameters& p, const Source& source) {
   const SpectrumInput texture = source.find("tex", 1);
   const ScalarInput scale = find_scalar_input(p, "scale").value_or(1.0f);
@@ -118,8 +133,7 @@ SpectrumInput read_scale(Parameters& p, const Source& source) {
     if (rgb != nullptr && rgb->value.x == rgb->value.y && rgb->value.y == rgb->value.z)
       product = scaled_input(p.reader(), as_spectrum(scale), rgb->value.x);
   }
-  if (!product) p.unsupported("a product of these two textures", "'tex' alone is taken");
-  return product.value_or(texture);
+  return product ? *product : add_mix(p, SpectrumDescription::constant(0), texture, scale);
 }
 
 /// (1 - t) a + t b of constants.
@@ -146,32 +160,78 @@ SpectrumInput read_mix(Parameters& p, const Source& source) {
   if (t != nullptr && *t == 1.0f) return second;
   if (t != nullptr && constant_of(first) != nullptr && constant_of(second) != nullptr)
     if (std::optional<SpectrumDescription> sum = mixed(*constant_of(first), *constant_of(second), *t)) return *sum;
-  const bool second_counts = t != nullptr && *t > 0.5f;
-  p.unsupported("a mix of textures", std::string(second_counts ? "'tex2'" : "'tex1'") + " alone is taken");
-  return second_counts ? second : first;
+  return add_mix(p, first, second, amount);
+}
+
+/// 0 at the left or lower border of the unit square and 1 at the other, all along the texture's u or v.
+TextureId add_ramp(Parameters& p, const std::array<float, 6>& mapping, bool upwards) {
+  auto ends = std::make_shared<Image>(2, 1, std::vector<std::string>{"Y"});
+  ends->data = {0, 1};
+  BitmapDescription picture;
+  picture.made = std::move(ends);
+  picture.wrap_u = picture.wrap_v = BitmapDescription::Wrap::kClamp;
+  TextureDescription ramp;
+  ramp.model = std::move(picture);
+  ramp.where = p.where();
+  const float* row = mapping.data() + (upwards ? 3 : 0);
+  ramp.to_uv = {0.5f * row[0], 0.5f * row[1], 0.5f * row[2] + 0.25f, 0, 0, 0.5f};
+  return append(p.reader(), std::move(ramp));
+}
+
+SpectrumInput read_bilerp(Parameters& p, const Source& source) {
+  const SpectrumInput v00 = source.find("v00", 0), v01 = source.find("v01", 1);
+  const SpectrumInput v10 = source.find("v10", 0), v11 = source.find("v11", 1);
+  const std::array<float, 6> mapping = read_mapping(p);
+  const TextureId across = add_ramp(p, mapping, false), up = add_ramp(p, mapping, true);
+  return add_mix(p, add_mix(p, v00, v10, across), add_mix(p, v01, v11, across), up);
+}
+
+/// Where pbrt's dots are, as a picture: in about half of the cells around places of whole coordinates a disk, moved by
+/// noise within its cell. The noise repeats itself after 256 cells.
+std::shared_ptr<const Image> dots_picture() {
+  constexpr int kCells = 256, kTexels = 8, kSide = kCells * kTexels;  // kTexels: along a cell
+  constexpr double kRadius = 0.35, kFarthest = 0.5 - kRadius;
+  auto picture = std::make_shared<Image>(kSide, kSide, std::vector<std::string>{"Y"});
+  for (int j = 0; j < kCells; ++j)
+    for (int i = 0; i < kCells; ++i) {
+      if (!(noise(i + 0.5, j + 0.5, 0.5) > 0)) continue;
+      const double s = i + kFarthest * noise(i + 1.5, j + 2.8, 0.5), t = j + kFarthest * noise(i + 4.5, j + 9.8, 0.5);
+      for (int k = 0; k < kTexels * kTexels; ++k) {
+        const int x = i * kTexels - kTexels / 2 + k % kTexels, y = j * kTexels - kTexels / 2 + k / kTexels;
+        const double distance = std::hypot((x + 0.5) / kTexels - s, (y + 0.5) / kTexels - t);
+        const double inside = std::clamp((kRadius - distance) * kTexels + 0.5, 0.0, 1.0);
+        picture->at((x + kSide) % kSide, kSide - 1 - (y + kSide) % kSide, 0) = static_cast<float>(inside);
+      }
+    }
+  return picture;
+}
+
+SpectrumInput read_dots(Parameters& p, const Source& source) {
+  static const std::shared_ptr<const Image> dots = dots_picture();
+  const SpectrumInput inside = source.find("inside", 1), outside = source.find("outside", 0);
+  BitmapDescription picture;
+  picture.made = dots;
+  TextureDescription texture;
+  texture.model = std::move(picture);
+  texture.to_uv = read_mapping(p);
+  for (float& entry : texture.to_uv) entry /= 256;
+  texture.where = p.where();
+  return add_mix(p, outside, inside, append(p.reader(), std::move(texture)));
 }
 
 /// Textures that have no counterpart, and the mean or the main part of what they show.
 std::optional<SpectrumInput> read_stand_in(Parameters& p, const std::string& type, const Source& source) {
   SpectrumInput stand_in = SpectrumDescription::constant(0.5f);
-  if (type == "dots") {
-    stand_in = source.find("outside", 0);
-    p.accept({"inside"});
-  } else if (type == "directionmix") {
+  if (type == "directionmix") {
     stand_in = source.find("tex1", 0);
     p.accept({"tex2", "dir"});
-  } else if (type == "bilerp") {
-    stand_in = source.find("v00", 0);
-    p.accept({"v01", "v10", "v11"});
   } else if (type != "fbm" && type != "wrinkled" && type != "windy" && type != "marble" && type != "ptex") {
     return std::nullopt;
   }
   p.accept({"octaves", "roughness", "scale", "variation", "filename", "encoding", "mapping", "uscale", "vscale",
             "udelta", "vdelta", "v1", "v2"});
-  p.unsupported("textures of this kind", type == "dots" ? "the texture outside of the dots is shown"
-                                         : type == "directionmix" || type == "bilerp"
-                                             ? "the first of its textures is shown"
-                                             : "a grey of 0.5 is shown");
+  p.unsupported("textures of this kind",
+                type == "directionmix" ? "the first of its textures is shown" : "a grey of 0.5 is shown");
   return stand_in;
 }
 
@@ -181,6 +241,8 @@ SpectrumInput read_model(Parameters& p, const std::string& type, const Source& s
   if (type == "checkerboard") return read_checkerboard(p, source);
   if (type == "scale") return read_scale(p, source);
   if (type == "mix") return read_mix(p, source);
+  if (type == "bilerp") return read_bilerp(p, source);
+  if (type == "dots") return read_dots(p, source);
   if (std::optional<SpectrumInput> stand_in = read_stand_in(p, type, source)) return *stand_in;
   const std::vector<std::string> known = {"bilerp", "checkerboard", "constant", "directionmix", "dots",
                                           "fbm",    "imagemap",     "marble",   "mix",          "ptex",
@@ -189,6 +251,11 @@ SpectrumInput read_model(Parameters& p, const std::string& type, const Source& s
 }
 
 }  // namespace
+
+TextureId append(Reader& reader, TextureDescription texture) {
+  reader.description.textures.push_back(std::move(texture));
+  return static_cast<TextureId>(reader.description.textures.size() - 1);
+}
 
 TextureId add_picture(Reader& reader, BitmapDescription picture, const SourceLocation& where) {
   TextureDescription texture;
@@ -210,6 +277,11 @@ std::optional<SpectrumInput> scaled_input(Reader& reader, const SpectrumInput& i
     const auto second = scaled_input(reader, board->color1, by, depth + 1);
     if (!first || !second) return std::nullopt;
     *board = {*first, *second};
+  } else if (auto* mix = std::get_if<MixTextureDescription>(&copy.model)) {
+    const auto first = scaled_input(reader, mix->color0, by, depth + 1);
+    const auto second = scaled_input(reader, mix->color1, by, depth + 1);
+    if (!first || !second) return std::nullopt;
+    *mix = {*first, *second, mix->amount};
   } else {
     return std::nullopt;
   }

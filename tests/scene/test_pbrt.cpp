@@ -501,10 +501,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
          {"Texture "t" "spectrum" "marble"",
           "Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 3",
           "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"spherical\"",
-          "LightSource \"goniometric\" \"string filename\" \"image.png\"", "ColorSpace \"rec2020\"",
-          "AreaLightSource \"diffuse\" \"bool twosided\" true",
-          "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"float density\" [ 1 2 ] \"integer nx\" 2",
-          "Shape \"loopsubdiv\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ]"}) {
+          "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"x\""}) {
       CAPTURE(world);
       const std::string message = error_of_world(world);
       CHECK(contains(message, "scene.pbrt:3: "));

@@ -1,0 +1,111 @@
+// Textures of pbrt's format that are made of others, at places where their formulas say what is seen.
+#include "scene/compile/compile_textures.h"
+#include "scene/dialects/pbrt_noise.h"
+#include "scene/tables/texture_lookup.h"
+#include "tests/support/pbrt_testing.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace sheaf;
+using namespace sheaf::test;
+using doctest::Approx;
+
+namespace {
+
+/// The texture "x" of some, as it is seen.
+struct Seen {
+  CompiledTextures textures;
+  std::uint32_t row = 0;
+
+  explicit Seen(const std::string& text) {
+    const TemporaryFolder folder;
+    write_pnm(folder / "picture.ppm", 2, 1, 3, 255, {255, 255, 255, 0, 0, 0});
+    const Description d = read_scene(write_below(
+        folder, "scene.pbrt",
+        "WorldBegin\n" + text + "\nMaterial \"diffuse\" \"texture reflectance\" \"x\"\nShape \"sphere\"\n"));
+    textures = compile_textures(d.textures);
+    for (const MaterialDescription& material : d.materials)
+      if (const auto* diffuse = std::get_if<DiffuseDescription>(&material.model))
+        row = static_cast<std::uint32_t>(std::get<TextureId>(diffuse->reflectance));
+  }
+  Vec3f at(float u, float v) const {
+    TextureView view;
+    view.rows = textures.rows.data();
+    view.tiles = textures.tiles.get();
+    const Spectrum4 value = lookup_texture<Scalar>(view, row, {{u, v}, 0, 0, 0, 0});
+    const float grey = lookup_scalar<Scalar>(view, row, {{u, v}, 0, 0, 0, 0});
+    CHECK(grey == Approx(0.212639 * value.c0 + 0.715169 * value.c1 + 0.072192 * value.c2).scale(1).epsilon(1e-4));
+    return {value.c0, value.c1, value.c2};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("pbrt textures: a mix follows three textures, each with its own mapping") {
+  const Seen seen(R"(
+Texture "weight" "float" "imagemap" "string filename" "picture.ppm" "string filter" "point" "string encoding" "linear"
+Texture "board" "spectrum" "checkerboard" "rgb tex1" [ 1 0 0 ] "rgb tex2" [ 0 1 0 ] "float vscale" 2 "float uscale" 2
+Texture "x" "spectrum" "mix" "texture tex1" "board" "rgb tex2" [ 0.2 0.4 0.6 ] "texture amount" "weight")");
+  CHECK(length(seen.at(0.25f, 0.25f) - Vec3f{0.2f, 0.4f, 0.6f}) < 1e-6f);
+  CHECK(length(seen.at(0.75f, 0.25f) - Vec3f{0, 1, 0}) < 1e-6f);
+  CHECK(length(seen.at(0.75f, 0.75f) - Vec3f{1, 0, 0}) < 1e-6f);
+  const Seen quarter(R"(
+Texture "p" "spectrum" "imagemap" "string filename" "picture.ppm" "string filter" "point" "bool invert" true
+Texture "x" "spectrum" "mix" "texture tex1" "p" "rgb tex2" [ 1 0.5 0 ] "float amount" 0.25)");
+  CHECK(length(quarter.at(0.75f, 0.5f) - Vec3f{1, 0.875f, 0.75f}) < 1e-6f);
+}
+
+TEST_CASE("pbrt textures: products of textures, and of what no picture can be changed by") {
+  const Seen seen(R"(
+Texture "a" "float" "imagemap" "string filename" "picture.ppm" "string filter" "point"
+Texture "b" "spectrum" "bilerp" "rgb v00" [ 1 0 0 ] "rgb v10" [ 1 0 0 ] "rgb v01" [ 0 0 2 ] "rgb v11" [ 0 0 2 ]
+Texture "x" "spectrum" "scale" "texture tex" "b" "texture scale" "a")");
+  CHECK(length(seen.at(0.25f, 0.25f) - Vec3f{0.75f, 0, 0.5f}) < 1e-6f);
+  CHECK(length(seen.at(0.75f, 0.25f)) < 1e-6f);
+  const Seen inverted(R"(
+Texture "p" "spectrum" "imagemap" "string filename" "picture.ppm" "string filter" "point" "bool invert" true
+Texture "x" "spectrum" "scale" "texture tex" "p" "float scale" 0.5)");
+  CHECK(inverted.at(0.75f, 0.5f).x == 0.5f);
+}
+
+TEST_CASE("pbrt textures: bilerp is exact in its square") {
+  const Seen seen(R"(Texture "x" "spectrum" "bilerp" "rgb v00" [ 0.1 0 0 ] "rgb v10" [ 0.5 0 0 ] "rgb v01" [ 0 1 0 ]
+  "rgb v11" [ 0 0 0.5 ] "float uscale" 0.5 "float udelta" 0.25)");
+  for (int i = 0; i <= 10; ++i)
+    for (int j = 0; j <= 10; ++j) {
+      const float u = 0.1f * static_cast<float>(i), v = 0.1f * static_cast<float>(j), s = 0.5f * u + 0.25f;
+      const Vec3f expected{(1 - v) * (0.1f * (1 - s) + 0.5f * s), (1 - s) * v, 0.5f * s * v};
+      CHECK(length(seen.at(u, v) - expected) < 1e-5f);
+    }
+}
+
+TEST_CASE("pbrt textures: dots lie where noise says") {
+  const Seen seen(R"(Texture "x" "spectrum" "dots" "rgb inside" [ 1 1 1 ] "rgb outside" [ 0 0 0 ]
+  "float uscale" 40 "float vscale" 30)");
+  int wrong = 0, inside = 0, counted = 0;
+  for (int i = 0; i < 6400; ++i) {
+    const float u = (static_cast<float>(i % 80) + 0.37f) / 80, v = (static_cast<float>(i / 80) + 0.61f) / 80;
+    const double s = double{u} * 40, t = double{v} * 30, cell_s = std::floor(s + 0.5), cell_t = std::floor(t + 0.5);
+    double distance = 1;
+    if (pbrt::noise(cell_s + 0.5, cell_t + 0.5, 0.5) > 0)
+      distance = std::hypot(s - cell_s - 0.15 * pbrt::noise(cell_s + 1.5, cell_t + 2.8, 0.5),
+                            t - cell_t - 0.15 * pbrt::noise(cell_s + 4.5, cell_t + 9.8, 0.5));
+    if (std::fabs(distance - 0.35) < 0.2) continue;  // where texels are wider than that
+    ++counted;
+    inside += distance < 0.35;
+    wrong += std::fabs(seen.at(u, v).x - (distance < 0.35 ? 1.0f : 0.0f)) > 0.01f;
+  }
+  CHECK(wrong == 0);
+  CHECK(inside > counted / 50);
+}
+
+TEST_CASE("pbrt textures: powers of encoded values") {
+  const Seen seen(R"(Texture "x" "spectrum" "imagemap" "string filename" "picture.ppm" "string encoding" "gamma 2"
+  "float scale" 0.25)");
+  CHECK(seen.at(0.25f, 0.5f).x == Approx(0.25));
+  CHECK(contains(error_of_pbrt_world("Texture \"x\" \"spectrum\" \"imagemap\" \"string encoding\" \"gamma\" "
+                                     "\"string filename\" \"scene.pbrt\""),
+                 "expected sRGB, linear, or gamma and an exponent"));
+}
