@@ -67,6 +67,7 @@ std::string describe(const Description& description, const Scene& scene) {
   fmt::format_to(out, "shapes      {} ({} triangles, {} vertices, {} quadrics)\n", info.shapes, info.triangles,
                  info.vertices, info.quadrics);
   if (info.curve_segments > 0) fmt::format_to(out, "curves      {} segments\n", info.curve_segments);
+  if (info.sdf_cells > 0) fmt::format_to(out, "sdf grids   {} cells with a surface\n", info.sdf_cells);
   if (info.groups > 0) {
     fmt::format_to(out, "instances   {} of {} group{} ({} triangles)\n", info.instances, info.groups,
                    info.groups == 1 ? "" : "s", info.instanced_triangles);

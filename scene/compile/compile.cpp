@@ -137,19 +137,14 @@ void SceneCompiler::finish_tables() {
   if (out_->light_spectra_.empty()) out_->light_spectra_.emplace_back();
   if (spectra_) out_->spectrum_tables_ = spectra_->samples();
   select_lights();
-  const AccelInput input{out_->shapes_.data(),
-                         ungrouped_shapes_,
-                         out_->vertices_.data(),
-                         out_->triangles_.data(),
-                         out_->quadrics_.data(),
-                         out_->curve_points_.data(),
-                         out_->curve_segments_.data(),
-                         vertex_counts_.data(),
-                         options_.watertight,
-                         group_ranges_.data(),
-                         static_cast<std::uint32_t>(group_ranges_.size()),
-                         out_->instances_.data(),
-                         static_cast<std::uint32_t>(out_->instances_.size())};
+  const AccelInput input{out_->shapes_.data(),         ungrouped_shapes_,
+                         out_->vertices_.data(),       out_->triangles_.data(),
+                         out_->quadrics_.data(),       out_->curve_points_.data(),
+                         out_->curve_segments_.data(), out_->sdf_grids_.data(),
+                         out_->sdf_values_.data(),     out_->sdf_cells_.data(),
+                         vertex_counts_.data(),        options_.watertight,
+                         group_ranges_.data(),         static_cast<std::uint32_t>(group_ranges_.size()),
+                         out_->instances_.data(),      static_cast<std::uint32_t>(out_->instances_.size())};
   out_->accel_ = std::make_unique<Accel>(input);
   probe_media();
 }

@@ -1,5 +1,6 @@
 // Shapes, shape groups and instances as rows of tables.
 #include "core/frame.h"
+#include "scene/compile/sample_height_field.h"
 #include "scene/compile/scene_compiler.h"
 #include "scene/formats/mesh_io.h"
 #include "scene/tables/instance.h"
@@ -18,12 +19,6 @@ void append(std::vector<VertexRow>& rows, const Mesh& mesh) {
     const Vec2f uv = mesh.uvs.empty() ? Vec2f{} : mesh.uvs[i];
     rows.push_back({p, n, uv});
   }
-}
-
-/// Whether squares of the coordinates of a box, and of its size, stay finite.
-bool is_traceable(Vec3f lower, Vec3f upper) {
-  constexpr float kLargest = 1e18f;
-  return is_finite(upper - lower) && max_component(abs(upper)) <= kLargest && max_component(abs(lower)) <= kLargest;
 }
 
 /// The canonical shape's transform for a quadric of a description.
@@ -66,7 +61,11 @@ void SceneCompiler::add_shape(const ShapeDescription& shape) {
                    [&](const Mesh& mesh) { add_mesh(row, shape, mesh, shape.face_normals); },
                    [&](const RectangleShape&) { add_mesh(row, shape, rectangle_mesh(), shape.face_normals); },
                    [&](const CubeShape&) { add_mesh(row, shape, cube_mesh(), shape.face_normals); },
+                   [&](const HeightFieldShape& field) {
+                     add_mesh(row, shape, sample_height_field(field, out_->textures_), shape.face_normals);
+                   },
                    [&](const Curves& curves) { add_curves(row, shape, curves); },
+                   [&](const SdfGrid& grid) { add_sdf_grid(row, shape, grid); },
                    [&](const auto& quadric) {
                      const Placement placement = place(quadric, shape.to_world);
                      add_quadric(row, shape, make_quadric(placement.kind, placement.to_world, shape.flip_normals));
@@ -107,6 +106,11 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh m
     if (attributes_->wants(attribute.name))
       attributes_->add(static_cast<std::uint32_t>(out_->shapes_.size()), row.first_triangle, row.triangle_count,
                        static_cast<std::uint32_t>(mesh.positions.size()), attribute, shape.where);
+  for (const char* name : {kEdgeDistances, kRelativeEdgeDistances})
+    if (attributes_->wants(name))
+      attributes_->add(static_cast<std::uint32_t>(out_->shapes_.size()), row.first_triangle, row.triangle_count,
+                       static_cast<std::uint32_t>(mesh.positions.size()),
+                       {name, 3, edge_distances(mesh, name == kRelativeEdgeDistances)}, shape.where);
   vertex_counts_.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
   out_->counts_.triangles += mesh.triangles.size();
   out_->counts_.vertices += mesh.positions.size();

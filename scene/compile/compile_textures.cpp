@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 namespace sheaf {
 
@@ -90,10 +91,28 @@ class TextureCompiler {
     }
     if (!std::isfinite(attribute.scale)) throw error(texture, "'scale' is not finite");
     row.kind = TextureKind::kMeshAttribute;
+    row.attribute = {name_index(attribute.name), attribute.scale};
+  }
+
+  void make(TextureRow& row, const WireframeDescription& frame, const TextureDescription& texture) {
+    if (!(frame.line_width >= 0)) throw error(texture, "'line_width' is negative or no number");
+    if (!(frame.step_width >= 0 && frame.step_width <= 1)) throw error(texture, "'step_width' is not within [0, 1]");
+    row.kind = TextureKind::kWireframe;
+    const bool relative = frame.line_width == 0;
+    const float outer = relative ? 1.0f : frame.line_width;
+    row.wireframe = {{input(frame.interior, texture), input(frame.edge, texture)},
+                     name_index(relative ? kRelativeEdgeDistances : kEdgeDistances),
+                     outer * (1 - frame.step_width),
+                     outer};
+  }
+
+  /// The index of an attribute in the list of those that are read, where it is from now on.
+  std::uint32_t name_index(const std::string& name) {
     std::vector<std::string>& names = out_.attribute_names;
-    const auto found = std::find(names.begin(), names.end(), attribute.name);
-    row.attribute = {static_cast<std::uint32_t>(found - names.begin()), attribute.scale};
-    if (found == names.end()) names.push_back(attribute.name);
+    const auto found = std::find(names.begin(), names.end(), name);
+    const auto index = static_cast<std::uint32_t>(found - names.begin());
+    if (found == names.end()) names.push_back(name);
+    return index;
   }
 
   void make(TextureRow& row, const VolumeTextureDescription& volume, const TextureDescription& texture) {
@@ -153,6 +172,8 @@ class TextureCompiler {
       case TextureKind::kCheckerboard:
       case TextureKind::kGrid:
         return {row.checkerboard.child[0], row.checkerboard.child[1]};
+      case TextureKind::kWireframe:
+        return {row.wireframe.child[0], row.wireframe.child[1]};
       case TextureKind::kMix:
         return {row.mix.child[0], row.mix.child[1], row.mix.amount};
       default:
@@ -265,7 +286,10 @@ void AttributeTable::finish(std::uint32_t shape_count, CompiledTextures& texture
   for (const auto& [key, entry] : added_) entries_[std::size_t{key.first} * shape_count + key.second] = entry;
   values_.insert(values_.end(), 3, 0.0f);
   for (TextureRow& row : textures.rows)
-    if (row.kind == TextureKind::kMeshAttribute) row.attribute.first_entry *= shape_count;
+    if (row.kind == TextureKind::kMeshAttribute)
+      row.attribute.first_entry *= shape_count;
+    else if (row.kind == TextureKind::kWireframe)
+      row.wireframe.first_entry *= shape_count;
 }
 
 }  // namespace sheaf

@@ -13,6 +13,10 @@ namespace sheaf {
 /// finite; and for grids as load_volume() does.
 CompiledTextures compile_textures(const std::vector<TextureDescription>& textures);
 
+/// Names of what wireframes read, which no file can give an attribute: see WireframeRow::first_entry.
+inline constexpr const char *kEdgeDistances = "face_ edge distances",
+                            *kRelativeEdgeDistances = "face_ relative edge distances";
+
 /// Gathers the attributes of all meshes that some texture reads.
 class AttributeTable {
  public:

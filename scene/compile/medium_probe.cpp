@@ -134,6 +134,14 @@ std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::ui
     if (mesh) {
       const auto triangle = static_cast<std::uint32_t>(std::uint64_t{row.triangle_count} * i / kPlaces);
       y = surface_point<Scalar, false>(scene, row, triangle, 0.3f, 0.3f, {}, kNone);
+    } else if (static_cast<ShapeKind>(row.kind) == ShapeKind::kSdfGrid) {
+      const auto cell = static_cast<std::uint32_t>(std::uint64_t{row.triangle_count} * i / kPlaces);
+      const SdfGridRow& grid = scene.sdf_grids[row.first_vertex];
+      const std::uint32_t* words = scene.sdf_cells + 2 * (std::size_t{grid.first_cell} + cell);
+      const Vec3f corner{static_cast<float>(words[0] & 0xffffu), static_cast<float>(words[0] >> 16),
+                         static_cast<float>(words[1])};
+      const Vec3f middle = scene.quadrics[row.first_triangle].world_point(corner + Vec3f{0.5f, 0.5f, 0.5f});
+      y = surface_point<Scalar, false>(scene, row, cell, 0, 0, middle, kNone);
     } else {
       const QuadricRow& q = scene.quadrics[row.first_triangle];
       const Vec3f x = spread_direction(static_cast<int>(3 * i));

@@ -22,6 +22,12 @@ inline void grow_box(Vec3f& lower, Vec3f& upper, Vec3f to_lower, Vec3f to_upper)
   upper = {std::max(upper.x, to_upper.x), std::max(upper.y, to_upper.y), std::max(upper.z, to_upper.z)};
 }
 
+/// Whether squares of the coordinates of a box, and of its size, stay finite.
+inline bool is_traceable(Vec3f lower, Vec3f upper) {
+  constexpr float kLargest = 1e18f;
+  return is_finite(upper - lower) && max_component(abs(upper)) <= kLargest && max_component(abs(lower)) <= kLargest;
+}
+
 /// Fills a Scene, table by table. Every step may throw SceneError.
 class SceneCompiler {
  public:
@@ -77,6 +83,9 @@ class SceneCompiler {
 
   // compile_curves.cpp
   void add_curves(ShapeRow row, const ShapeDescription& shape, const Curves& curves);
+
+  // compile_sdf_grid.cpp
+  void add_sdf_grid(ShapeRow row, const ShapeDescription& shape, const SdfGrid& grid);
 
   // compile_lights.cpp
   LightContext light_context();

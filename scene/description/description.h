@@ -85,6 +85,14 @@ struct MeshAttributeDescription {
   std::string name;  ///< begins with "vertex_" or "face_"
   float scale = 1;
 };
+/// Edges of a mesh's triangles. `edge` within `line_width` of an edge, measured in the space that the shape is compiled
+/// in, and `interior` elsewhere; over the last `step_width` of that distance, a share of it, a smooth step between
+/// them. `interior` on shapes that are no meshes.
+struct WireframeDescription {
+  SpectrumInput interior = SpectrumDescription::constant(0.5f), edge = SpectrumDescription::constant(0.1f);
+  float line_width = 0;  ///< metres; 0: a tenth of the mean length of each mesh's edges
+  float step_width = 0.5f;
+};
 
 /// Values on a regular grid in a file or in memory, with interpolation in between.
 struct GridVolumeDescription {
@@ -121,7 +129,7 @@ struct MixTextureDescription {
 
 struct TextureDescription {
   std::variant<BitmapDescription, CheckerboardDescription, GridTextureDescription, MeshAttributeDescription,
-               VolumeTextureDescription, MixTextureDescription>
+               VolumeTextureDescription, MixTextureDescription, WireframeDescription>
       model;
   /// Rows of the 2x3 matrix that takes the surface's uv to the texture's: u' = m[0] u + m[1] v + m[2]. (0, 0) is the
   /// lower left corner of a picture.
@@ -472,8 +480,27 @@ struct Curves {
   std::uint32_t order() const { return basis == Basis::kLinear ? 2 : 4; }
 };
 
+/// The surface where a function of place is 0 which is given at the points of a grid over [0, 1]^3, x fastest, and is
+/// trilinear in between; normals point to where it is positive. Most often a signed distance. Without uv.
+struct SdfGrid {
+  std::array<int, 3> size{};   ///< points along each axis, two at least
+  std::vector<float> values;   ///< finite
+  bool smooth_normals = true;  ///< see SdfGridRecord::smooth
+};
+
+/// Heights above [-1, 1]^2 of the xy plane, from a texture: a mesh with a vertex for each of `width` x `height` places,
+/// which are the middles of as many equal parts of the unit square of uv.
+struct HeightFieldShape {
+  SpectrumInput texture;  ///< of colours the luminance counts
+  int width = 0, height = 0;
+  float scale = 1;
+  bool smooth = true;  ///< the mesh has normals
+};
+
 struct ShapeDescription {
-  std::variant<MeshFileShape, Mesh, SphereShape, RectangleShape, CubeShape, DiskShape, CylinderShape, Curves> geometry;
+  std::variant<MeshFileShape, Mesh, SphereShape, RectangleShape, CubeShape, DiskShape, CylinderShape, Curves, SdfGrid,
+               HeightFieldShape>
+      geometry;
   Transform to_world;
   bool flip_normals = false;
   bool face_normals = false;  ///< meshes: ignore vertex normals

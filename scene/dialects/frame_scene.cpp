@@ -62,6 +62,8 @@ void grow(Box& box, const ShapeDescription& shape) {
     }
   } else if (std::holds_alternative<CubeShape>(shape.geometry)) {
     box.grow(t, {-1, -1, -1}, {1, 1, 1});
+  } else if (std::holds_alternative<SdfGrid>(shape.geometry)) {
+    box.grow(t, {0, 0, 0}, {1, 1, 1});
   } else {
     box.grow(t, {-1, -1, 0}, {1, 1, 0});
   }

@@ -39,6 +39,10 @@ SpectrumInput scaled_input(Properties& p, const SpectrumInput& input, float by, 
   if (auto* bitmap = std::get_if<BitmapDescription>(&copy.model)) bitmap->change.scale *= by;
   if (auto* board = std::get_if<CheckerboardDescription>(&copy.model)) scale_colors(*board);
   if (auto* grid = std::get_if<GridTextureDescription>(&copy.model)) scale_colors(*grid);
+  if (auto* frame = std::get_if<WireframeDescription>(&copy.model)) {
+    frame->interior = scaled_input(p, frame->interior, by, depth + 1);
+    frame->edge = scaled_input(p, frame->edge, by, depth + 1);
+  }
   if (auto* attribute = std::get_if<MeshAttributeDescription>(&copy.model)) attribute->scale *= by;
   if (auto* volume = std::get_if<VolumeTextureDescription>(&copy.model)) volume->scale *= by;
   textures.push_back(std::move(copy));

@@ -1,9 +1,10 @@
-// Shapes that both dialects spell alike: mesh files, quadrics, curves, height fields.
+// Shapes that both dialects spell alike: mesh files, quadrics, curves, height fields, grids of distances.
 #include "scene/dialects/read_geometry.h"
 
 #include "scene/formats/curve_file.h"
 #include "scene/formats/hair_file.h"
 #include "scene/formats/height_field.h"
+#include "scene/formats/vol_file.h"
 
 #include <limits>
 
@@ -51,14 +52,19 @@ Curves read_hair(Properties& p) {
   return read_hair_file(p.file("filename"), reading);
 }
 
-/// From a picture, or a texture that is one.
-Mesh read_height_field_shape(Properties& p, ShapeDescription& shape) {
+/// What a height field of a texture is: a mesh if that is a picture, else places at which it is looked up.
+void read_height_field_shape(Properties& p, ShapeDescription& shape) {
   const bool smooth = p.boolean("shading_normals", true);
-  float scale = p.number("scale", 1);
-  p.accept({"width", "height"});  // of textures that are no pictures
+  const float scale = p.number("scale", 1);
+  constexpr int kPlaces = 256;
+  const int width = p.integer("width", kPlaces, 2, kMaxGridSide),
+            height = p.integer("height", kPlaces, 2, kMaxGridSide);
   shape.face_normals = !smooth;
   const XmlElement* nested = p.any_texture();
-  if (nested == nullptr) return read_height_field(p.file("filename"), scale, smooth, false);
+  if (nested == nullptr) {
+    shape.geometry = read_height_field(p.file("filename"), scale, smooth, false);
+    return;
+  }
   if (p.has("filename")) p.fail_at("filename", "is given beside a texture, expected one or the other");
   const SpectrumInput input = p.context().readers.texture(*nested, p.context());
   const auto* id = std::get_if<TextureId>(&input);
@@ -66,19 +72,35 @@ Mesh read_height_field_shape(Properties& p, ShapeDescription& shape) {
       id == nullptr
           ? nullptr
           : std::get_if<BitmapDescription>(&p.context().description.textures.at(static_cast<std::size_t>(*id)).model);
-  if (bitmap == nullptr)
-    throw ElementError(*nested, "the texture of a height field is no picture, expected a 'bitmap'");
+  if (bitmap == nullptr) {
+    shape.geometry = HeightFieldShape{input, width, height, scale, smooth};
+    return;
+  }
   if (bitmap->change.invert || bitmap->change.exponent != 1.0f)
     throw ElementError(*nested, "the texture of a height field must not be inverted or raised to a power");
-  return read_height_field(bitmap->file, scale * bitmap->change.scale, smooth, bitmap->raw);
+  shape.geometry = read_height_field(bitmap->file, scale * bitmap->change.scale, smooth, bitmap->raw);
+}
+
+SdfGrid read_sdf_grid(Properties& p) {
+  const std::filesystem::path file = p.file("filename");
+  DenseVolume volume = read_vol(file, false);
+  if (volume.channels != 1) throw SceneError({file.string()}, "a grid of colours, expected one channel of distances");
+  SdfGrid grid{volume.size, std::move(volume.values)};
+  for (const int side : grid.size)
+    if (side < 2) throw SceneError({file.string()}, "a grid of distances needs two points along each axis at least");
+  const std::string normals = p.find_string("normals").value_or("smooth");
+  if (normals != "smooth" && normals != "analytic")
+    p.fail_at("normals", "is " + in_quotes(normals) + ", expected smooth or analytic");
+  grid.smooth_normals = normals == "smooth";
+  return grid;
 }
 
 }  // namespace
 
 const std::vector<std::string>& shared_shape_names() {
-  static const std::vector<std::string> kNames = {"bsplinecurve", "cube",        "cylinder",    "disk",
-                                                  "hair",         "heightfield", "linearcurve", "obj",
-                                                  "ply",          "rectangle",   "serialized",  "sphere"};
+  static const std::vector<std::string> kNames = {"bsplinecurve", "cube",        "cylinder", "disk", "hair",
+                                                  "heightfield",  "linearcurve", "obj",      "ply",  "rectangle",
+                                                  "sdfgrid",      "serialized",  "sphere"};
   return kNames;
 }
 
@@ -103,7 +125,9 @@ bool read_shared_geometry(Properties& p, bool flips_obj, ShapeDescription& shape
   } else if (type == "hair") {
     shape.geometry = read_hair(p);
   } else if (type == "heightfield") {
-    shape.geometry = read_height_field_shape(p, shape);
+    read_height_field_shape(p, shape);
+  } else if (type == "sdfgrid") {
+    shape.geometry = read_sdf_grid(p);
   } else {
     return false;
   }

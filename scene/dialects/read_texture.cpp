@@ -92,6 +92,15 @@ GridTextureDescription read_grid(Properties& p) {
   return grid;
 }
 
+WireframeDescription read_wireframe(Properties& p) {
+  WireframeDescription frame;
+  frame.interior = p.spectrum_input("interior_color", frame.interior, SpectrumRole::kIor);
+  frame.edge = p.spectrum_input("edge_color", frame.edge, SpectrumRole::kIor);
+  frame.line_width = p.number("line_width", frame.line_width, kNotNegative);
+  frame.step_width = p.number("step_width", frame.step_width, kUnitInterval);
+  return frame;
+}
+
 MeshAttributeDescription read_mesh_attribute(Properties& p) {
   const std::optional<std::string> name = p.find_string("name");
   if (!name) p.fail("needs the string 'name'");
@@ -120,8 +129,8 @@ std::array<float, 6> flipped(const std::array<float, 6>& to_uv) {
 }
 
 const std::vector<std::string>& shared_texture_names() {
-  static const std::vector<std::string> kNames = {"bitmap", "checkerboard", "gridtexture", "mesh_attribute",
-                                                  "vertexcolors"};
+  static const std::vector<std::string> kNames = {"bitmap",         "checkerboard", "gridtexture",
+                                                  "mesh_attribute", "vertexcolors", "wireframe"};
   return kNames;
 }
 
@@ -138,6 +147,8 @@ bool read_shared_texture(Properties& p, PictureOrigin origin, TextureDescription
     texture.to_uv = read_to_uv(p);
   } else if (p.type() == "vertexcolors") {
     texture.model = MeshAttributeDescription{"vertex_color"};
+  } else if (p.type() == "wireframe") {
+    texture.model = read_wireframe(p);
   } else if (p.type() == "mesh_attribute") {
     texture.model = read_mesh_attribute(p);
   } else {

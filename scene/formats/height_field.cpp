@@ -10,17 +10,6 @@ namespace sheaf {
 
 namespace {
 
-/// Triangles are counted in 32 bits, corners as well.
-constexpr std::size_t kMostPixels = std::size_t{1} << 28;
-
-/// Heights, row by row.
-struct Heights {
-  std::size_t width = 0, height = 0;
-  std::vector<float> z;
-
-  float at(std::size_t x, std::size_t y) const { return z[y * width + x]; }
-};
-
 /// The channels that make a pixel's luminance: R, G and B, or one alone.
 std::vector<int> luminance_channels(const Picture& picture, const SourceLocation& where) {
   const auto find = [&](const char* name) {
@@ -38,9 +27,9 @@ Heights read_heights(const std::filesystem::path& file, float scale, bool raw) {
   const SourceLocation where{file.string(), 0};
   const Picture picture = read_picture(file);
   Heights out{static_cast<std::size_t>(picture.width), static_cast<std::size_t>(picture.height), {}};
-  if (out.width < 2 || out.height < 2 || out.width * out.height > kMostPixels)
+  if (out.width < 2 || out.height < 2 || out.width * out.height > kMaxHeights)
     throw SceneError(where, "a picture of " + std::to_string(out.width) + " x " + std::to_string(out.height) +
-                                " pixels, expected 2 x 2 at least and " + std::to_string(kMostPixels) + " at most");
+                                " pixels, expected 2 x 2 at least and " + std::to_string(kMaxHeights) + " at most");
   const std::vector<int> channels = luminance_channels(picture, where);
   const bool bytes = !picture.bytes.empty(), decode = !raw && (bytes || picture.integers);
   out.z.resize(out.width * out.height);
@@ -77,8 +66,7 @@ std::vector<Vec3f> smooth_normals(const Heights& z) {
 
 }  // namespace
 
-Mesh read_height_field(const std::filesystem::path& file, float scale, bool smooth, bool raw) {
-  const Heights heights = read_heights(file, scale, raw);
+Mesh make_height_field(const Heights& heights, bool smooth) {
   const std::size_t width = heights.width, height = heights.height;
   Mesh mesh;
   mesh.positions.reserve(width * height);
@@ -99,6 +87,10 @@ Mesh read_height_field(const std::filesystem::path& file, float scale, bool smoo
     }
   if (smooth) mesh.normals = smooth_normals(heights);
   return mesh;
+}
+
+Mesh read_height_field(const std::filesystem::path& file, float scale, bool smooth, bool raw) {
+  return make_height_field(read_heights(file, scale, raw), smooth);
 }
 
 }  // namespace sheaf

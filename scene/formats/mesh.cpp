@@ -237,4 +237,22 @@ std::size_t drop_degenerate_triangles(Mesh& mesh) {
   return dropped;
 }
 
+std::vector<float> edge_distances(const Mesh& mesh, bool relative) {
+  std::vector<float> heights;
+  heights.reserve(3 * mesh.triangles.size());
+  double sum = 0;
+  for (const auto& triangle : mesh.triangles) {
+    const Vec3f p[3] = {mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]};
+    const float twice_area = length(cross(p[1] - p[0], p[2] - p[0]));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float across = length(p[(k + 2) % 3] - p[(k + 1) % 3]);
+      heights.push_back(twice_area / across);
+      sum += static_cast<double>(across);
+    }
+  }
+  const float scale = relative && sum > 0 ? static_cast<float>(10.0 * static_cast<double>(heights.size()) / sum) : 1.0f;
+  for (float& height : heights) height *= scale;
+  return heights;
+}
+
 }  // namespace sheaf

@@ -36,6 +36,10 @@ void transform_mesh(Mesh& mesh, const Transform& to_world);
 /// Turns the front to the back: reverses triangles and negates normals.
 void flip_mesh(Mesh& mesh);
 
+/// Of each triangle the distances of its corners from the edges across, its heights; with `relative` in tenths of the
+/// mean length of all edges, each triangle's counted. No triangle may be degenerate.
+std::vector<float> edge_distances(const Mesh& mesh, bool relative);
+
 /// Replaces `normals` by smooth ones: means of the triangles' normals weighted by the angle at the vertex (Thuermer and
 /// Wuethrich 1998). Vertices without a triangle get +z.
 void compute_vertex_normals(Mesh& mesh);

@@ -4,6 +4,7 @@
 #include "scene/tables/instance.h"
 #include "scene/tables/quadric.h"
 #include "scene/tables/scene.h"
+#include "scene/tables/sdf_grid.h"
 
 #if SHEAF_EMBREE_MAJOR >= 4
 #include <embree4/rtcore.h>
@@ -16,6 +17,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <vector>
 
 namespace sheaf {
@@ -60,6 +62,7 @@ struct EmbreeScene {
 struct Accel::Impl : EmbreeScene {
   const InstanceRow* instances = nullptr;  ///< null: there are none
   std::uint32_t first_instance = 0;        ///< geometry id of the first
+  std::deque<SdfGridView> sdf_grids;       ///< Embree has pointers to them
 };
 
 namespace {
@@ -83,25 +86,45 @@ bool count_memory(void* user, ssize_t bytes, bool /*after*/) {
   return true;
 }
 
-void bounds_callback(const RTCBoundsFunctionArguments* args) {
-  const QuadricBounds b = quadric_bounds(*static_cast<const QuadricRow*>(args->geometryUserPtr));
+void write_bounds(const RTCBoundsFunctionArguments* args, const QuadricBounds& b) {
   *args->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, 0};
 }
-
-/// The ray `i` of `n`, against the quadric.
-std::optional<QuadricHit> intersect_one(const void* quadric, RTCRayN* rays, unsigned n, unsigned i) {
-  const Vec3f origin{RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i)};
-  const Vec3f direction{RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i)};
-  return intersect_quadric(*static_cast<const QuadricRow*>(quadric), origin, direction, RTCRayN_tnear(rays, n, i),
-                           RTCRayN_tfar(rays, n, i));
+void bounds_callback(const RTCBoundsFunctionArguments* args) {
+  write_bounds(args, quadric_bounds(*static_cast<const QuadricRow*>(args->geometryUserPtr)));
+}
+void sdf_bounds_callback(const RTCBoundsFunctionArguments* args) {
+  write_bounds(args, sdf_cell_bounds(*static_cast<const SdfGridView*>(args->geometryUserPtr), args->primID));
 }
 
-void intersect_callback(const RTCIntersectFunctionNArguments* args) {
+/// What rays are tested against, one primitive at a time.
+struct QuadricSurface {
+  static std::optional<QuadricHit> intersect(const void* quadric, std::uint32_t /*primitive*/, Vec3f origin,
+                                             Vec3f direction, float t_near, float t_far) {
+    return intersect_quadric(*static_cast<const QuadricRow*>(quadric), origin, direction, t_near, t_far);
+  }
+};
+struct SdfSurface {
+  static std::optional<QuadricHit> intersect(const void* grid, std::uint32_t cell, Vec3f origin, Vec3f direction,
+                                             float t_near, float t_far) {
+    return intersect_sdf_cell(*static_cast<const SdfGridView*>(grid), cell, origin, direction, t_near, t_far);
+  }
+};
+
+/// The ray `i` of `n`, against the surface.
+template <class Surface>
+std::optional<QuadricHit> intersect_one(const void* surface, std::uint32_t primitive, RTCRayN* rays, unsigned n,
+                                        unsigned i) {
+  const Vec3f origin{RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i)};
+  const Vec3f direction{RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i)};
+  return Surface::intersect(surface, primitive, origin, direction, RTCRayN_tnear(rays, n, i), RTCRayN_tfar(rays, n, i));
+}
+
+template <class Surface> void intersect_callback(const RTCIntersectFunctionNArguments* args) {
   RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
   RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
   for (unsigned i = 0; i < args->N; ++i) {
     if (args->valid[i] == 0) continue;
-    const auto hit = intersect_one(args->geometryUserPtr, rays, args->N, i);
+    const auto hit = intersect_one<Surface>(args->geometryUserPtr, args->primID, rays, args->N, i);
     if (!hit) continue;
     RTCRayN_tfar(rays, args->N, i) = hit->t;
     RTCHitN_Ng_x(hits, args->N, i) = hit->normal.x;
@@ -114,9 +137,9 @@ void intersect_callback(const RTCIntersectFunctionNArguments* args) {
   }
 }
 
-void occluded_callback(const RTCOccludedFunctionNArguments* args) {
+template <class Surface> void occluded_callback(const RTCOccludedFunctionNArguments* args) {
   for (unsigned i = 0; i < args->N; ++i)
-    if (args->valid[i] != 0 && intersect_one(args->geometryUserPtr, args->ray, args->N, i))
+    if (args->valid[i] != 0 && intersect_one<Surface>(args->geometryUserPtr, args->primID, args->ray, args->N, i))
       RTCRayN_tfar(args->ray, args->N, i) = -kInfinity;
 }
 
@@ -134,8 +157,19 @@ RTCGeometry make_quadric_geometry(RTCDevice device, const QuadricRow& row) {
   rtcSetGeometryUserPrimitiveCount(geometry, 1);
   rtcSetGeometryUserData(geometry, const_cast<QuadricRow*>(&row));
   rtcSetGeometryBoundsFunction(geometry, bounds_callback, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, intersect_callback);
-  rtcSetGeometryOccludedFunction(geometry, occluded_callback);
+  rtcSetGeometryIntersectFunction(geometry, intersect_callback<QuadricSurface>);
+  rtcSetGeometryOccludedFunction(geometry, occluded_callback<QuadricSurface>);
+  return geometry;
+}
+
+/// A primitive for each cell with some of the surface. `grid` must stay where it is.
+RTCGeometry make_sdf_geometry(RTCDevice device, const SdfGridView& grid, std::uint32_t cell_count) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(geometry, cell_count);
+  rtcSetGeometryUserData(geometry, const_cast<SdfGridView*>(&grid));
+  rtcSetGeometryBoundsFunction(geometry, sdf_bounds_callback, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, intersect_callback<SdfSurface>);
+  rtcSetGeometryOccludedFunction(geometry, occluded_callback<SdfSurface>);
   return geometry;
 }
 
@@ -174,7 +208,8 @@ RTCGeometry make_curves(RTCDevice device, const AccelInput& in, const ShapeRow& 
   return geometry;
 }
 
-RTCGeometry make_shape(RTCDevice device, const AccelInput& in, std::uint32_t i) {
+/// Geometry of shape `i`; of grids the views join `grids`.
+RTCGeometry make_shape(RTCDevice device, const AccelInput& in, std::uint32_t i, std::deque<SdfGridView>& grids) {
   const ShapeRow& shape = in.shapes[i];
   switch (static_cast<ShapeKind>(shape.kind)) {
     case ShapeKind::kMesh:
@@ -182,6 +217,9 @@ RTCGeometry make_shape(RTCDevice device, const AccelInput& in, std::uint32_t i) 
     case ShapeKind::kLinearCurves:
     case ShapeKind::kBsplineCurves:
       return make_curves(device, in, shape, in.vertex_counts[i]);
+    case ShapeKind::kSdfGrid:
+      grids.push_back(sdf_grid_view(in.quadrics, in.sdf_grids[shape.first_vertex], shape, in.sdf_values, in.sdf_cells));
+      return make_sdf_geometry(device, grids.back(), shape.triangle_count);
     default:
       return make_quadric_geometry(device, in.quadrics[shape.first_triangle]);
   }
@@ -219,21 +257,23 @@ void attach(RTCScene scene, RTCGeometry geometry, std::uint32_t id) {
 }
 
 /// Attaches shapes [first, first + count) with ids that count from 0: Embree's tables grow with the largest id.
-void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, ShapeRange range) {
+void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, ShapeRange range,
+                   std::deque<SdfGridView>& grids) {
   for (std::uint32_t id = 0; id < range.shape_count; ++id) {
     const std::uint32_t i = range.first_shape + id;
     const ShapeRow& shape = in.shapes[i];
     if (static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh && shape.triangle_count == 0) continue;
-    attach(scene, make_shape(device, in, i), id);
+    attach(scene, make_shape(device, in, i, grids), id);
   }
 }
 
 /// Attaches all instances, with ids from `first_id` on.
-void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, std::uint32_t first_id) {
+void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, std::uint32_t first_id,
+                      std::deque<SdfGridView>& grids) {
   std::vector<RTCScene> groups;
   for (std::uint32_t i = 0; i < in.group_count; ++i) {
     groups.push_back(make_scene(device, in.watertight));
-    attach_shapes(device, groups.back(), in, in.groups[i]);
+    attach_shapes(device, groups.back(), in, in.groups[i], grids);
     commit_alike(groups.back());
   }
   for (std::uint32_t i = 0; i < in.instance_count; ++i) {
@@ -275,11 +315,11 @@ void resolve_instances(RayPacket& packet, int count, const InstanceRow* instance
 
 Accel::Accel(const AccelInput& input) : impl_(std::make_unique<Impl>()) {
   impl_->start(input.watertight);
-  attach_shapes(impl_->device, impl_->scene, input, {0, input.shape_count});
+  attach_shapes(impl_->device, impl_->scene, input, {0, input.shape_count}, impl_->sdf_grids);
   if (input.instance_count > 0) {
     impl_->instances = input.instances;
     impl_->first_instance = input.shape_count;
-    attach_instances(impl_->device, impl_->scene, input, input.shape_count);
+    attach_instances(impl_->device, impl_->scene, input, input.shape_count, impl_->sdf_grids);
   }
   commit_alike(impl_->scene);
   impl_->check();

@@ -28,7 +28,7 @@ struct alignas(64) RayPacket {
   float normal_x[kPacketWidth], normal_y[kPacketWidth], normal_z[kPacketWidth];  ///< geometric, any length
   float u[kPacketWidth], v[kPacketWidth];  ///< barycentric coordinates of the second and third vertex; of curves
                                            ///< u alone, along the segment
-  std::uint32_t primitive[kPacketWidth];   ///< triangle or segment of the shape
+  std::uint32_t primitive[kPacketWidth];   ///< triangle, segment or cell of the shape
   std::uint32_t shape[kPacketWidth];     ///< kNone: no hit. intersect() wants it to be kNone on entry
   std::uint32_t instance[kPacketWidth];  ///< row of the instance that was hit; kNone: the shape is in no group
   std::uint32_t instance_primitive[kPacketWidth];
@@ -51,6 +51,9 @@ struct AccelInput {
   const QuadricRow* quadrics;
   const CurvePointRow* curve_points;
   const std::uint32_t* curve_segments;
+  const SdfGridRow* sdf_grids;
+  const float* sdf_values;
+  const std::uint32_t* sdf_cells;
   const std::uint32_t* vertex_counts;  ///< per shape; of curves their points
   bool watertight;  ///< see CompileOptions::watertight
   const ShapeRange* groups;  ///< none of them empty

@@ -14,6 +14,9 @@ SceneView Scene::view() const {
   v.quadrics = quadrics_.data();
   v.curve_points = curve_points_.data();
   v.curve_segments = curve_segments_.data();
+  v.sdf_grids = sdf_grids_.data();
+  v.sdf_values = sdf_values_.data();
+  v.sdf_cells = sdf_cells_.data();
   v.instances = instances_.empty() ? nullptr : instances_.data();
   v.materials = materials_.data();
   v.bindings = bindings_.data();
@@ -72,7 +75,7 @@ SceneInfo Scene::info() const {
   SceneInfo info = counts_;
   info.table_bytes =
       bytes_of(shapes_) + bytes_of(vertices_) + bytes_of(triangles_) + bytes_of(quadrics_) + bytes_of(curve_points_) +
-      bytes_of(curve_segments_) + bytes_of(instances_) + bytes_of(materials_) + bytes_of(bindings_) +
+      bytes_of(curve_segments_) + bytes_of(sdf_grids_) + bytes_of(sdf_values_) + bytes_of(sdf_cells_) + bytes_of(instances_) + bytes_of(materials_) + bytes_of(bindings_) +
       bytes_of(normal_maps_) + bytes_of(closure_tables_) + bytes_of(textures_.rows) +
       textures_.tile_count * sizeof(TexelTile) + bytes_of(attributes_) + bytes_of(attribute_values_) +
       bytes_of(lights_) + bytes_of(light_alias_) + bytes_of(triangle_alias_) + bytes_of(light_triangles_) +

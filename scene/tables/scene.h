@@ -44,6 +44,9 @@ struct SceneView {
   const QuadricRow* quadrics = nullptr;
   const CurvePointRow* curve_points = nullptr;
   const std::uint32_t* curve_segments = nullptr;  ///< first of the segment's points, relative to the shape's first
+  const SdfGridRow* sdf_grids = nullptr;
+  const float* sdf_values = nullptr;
+  const std::uint32_t* sdf_cells = nullptr;
   const InstanceRow* instances = nullptr;    ///< null: there are none
   const MaterialRow* materials = nullptr;
   const TextureBinding* bindings = nullptr;
@@ -97,6 +100,7 @@ struct SceneView {
 struct SceneInfo {
   std::size_t groups = 0, instances = 0, instanced_triangles = 0;  ///< the last: instances times triangles of each
   std::size_t shapes = 0, triangles = 0, quadrics = 0, curve_segments = 0, vertices = 0, materials = 0, lights = 0;
+  std::size_t sdf_cells = 0;  ///< of grids of distances, those that hold some of the surface
   Vec3f bounds_min{}, bounds_max{};
   std::size_t table_bytes = 0, accel_bytes = 0;
 };
@@ -129,6 +133,9 @@ class Scene {
   std::vector<QuadricRow> quadrics_;
   std::vector<CurvePointRow> curve_points_;
   std::vector<std::uint32_t> curve_segments_;
+  std::vector<SdfGridRow> sdf_grids_;
+  std::vector<float> sdf_values_;
+  std::vector<std::uint32_t> sdf_cells_;
   std::vector<InstanceRow> instances_;
   std::vector<MaterialRow> materials_;
   std::vector<TextureBinding> bindings_;

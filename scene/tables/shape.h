@@ -4,6 +4,7 @@
 #include "core/warp.h"
 #include "scene/tables/curve_surface.h"
 #include "scene/tables/instance.h"
+#include "scene/tables/sdf_surface.h"
 
 namespace sheaf {
 
@@ -148,15 +149,16 @@ SHEAF_INLINE SurfacePoint<L> shape_point(const SceneView& scene, const ShapeReco
                       SHEAF_LAMBDA_INLINE { return shape.kind == typename L::Uint(static_cast<std::uint32_t>(kind)); };
   const auto mesh = is(ShapeKind::kMesh);
   if (all(mesh)) return triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v);
-  const auto curve = is(ShapeKind::kLinearCurves) | is(ShapeKind::kBsplineCurves);
-  if (!any(curve)) {
-    SurfacePoint<L> out = quadric_point<L, WithUv>(scene, shape, !mesh, hit_point);
-    if (!any(mesh)) return out;
-    return select<L, WithUv>(mesh, triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v), out);
+  const auto curve = is(ShapeKind::kLinearCurves) | is(ShapeKind::kBsplineCurves), field = is(ShapeKind::kSdfGrid);
+  const auto quadric = !(mesh | curve | field);
+  SurfacePoint<L> out;
+  if (any(quadric)) out = quadric_point<L, WithUv>(scene, shape, quadric, hit_point);
+  if (any(curve | field)) {
+    if (any(curve))
+      out = select<L, WithUv>(curve, curve_point<L, WithUv>(scene, shape, curve, primitive, u, hit_point), out);
+    if (any(field))
+      out = select<L, WithUv>(field, sdf_point<L, WithUv>(scene, shape, field, primitive, hit_point), out);
   }
-  SurfacePoint<L> out = curve_point<L, WithUv>(scene, shape, curve, primitive, u, hit_point);
-  const auto quadric = !(mesh | curve);
-  if (any(quadric)) out = select<L, WithUv>(quadric, quadric_point<L, WithUv>(scene, shape, quadric, hit_point), out);
   if (!any(mesh)) return out;
   return select<L, WithUv>(mesh, triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v), out);
 }

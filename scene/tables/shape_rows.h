@@ -7,7 +7,7 @@
 
 namespace sheaf {
 
-enum class ShapeKind : std::uint32_t { kMesh, kSphere, kDisk, kCylinder, kLinearCurves, kBsplineCurves };
+enum class ShapeKind : std::uint32_t { kMesh, kSphere, kDisk, kCylinder, kLinearCurves, kBsplineCurves, kSdfGrid };
 
 /// Bits of ShapeRecord::flags.
 enum ShapeFlags : std::uint32_t {
@@ -18,14 +18,16 @@ enum ShapeFlags : std::uint32_t {
 /// One shape. Those of shape groups follow the others, group by group, in the space of their group. Half a cache line.
 template <class L> struct ShapeRecord {
   typename L::Uint kind{};            ///< ShapeKind
-  /// Meshes: into SceneView::triangles; quadrics: into SceneView::quadrics; curves: into SceneView::curve_segments.
+  /// Meshes: into SceneView::triangles; quadrics and grids of distances: into SceneView::quadrics; curves: into
+  /// SceneView::curve_segments.
   typename L::Uint first_triangle{};
-  typename L::Uint first_vertex{};    ///< meshes: into SceneView::vertices; curves: into SceneView::curve_points
+  /// Meshes: into SceneView::vertices; curves: into SceneView::curve_points; grids: into SceneView::sdf_grids.
+  typename L::Uint first_vertex{};
   typename L::Uint flags{};           ///< ShapeFlags
   typename L::Uint material{};        ///< into SceneView::materials
   /// Into SceneView::lights, in groups counted from the instance's first; kNone: does not emit.
   typename L::Uint light{kNone};
-  typename L::Uint triangle_count{};  ///< curves: of segments
+  typename L::Uint triangle_count{};  ///< curves: of segments; grids: of cells that hold some of the surface
   typename L::Uint boundary{kNone};  ///< into SceneView::boundaries; kNone: the same medium on both sides
   static constexpr auto fields(auto& s) {
     return std::tie(s.kind, s.first_triangle, s.first_vertex, s.flags, s.material, s.light, s.triangle_count,
@@ -53,7 +55,7 @@ template <class L> struct QuadricRecord {
   typename L::Float normal_sign;    ///< -1 if normals are flipped
   typename L::Float determinant;    ///< |det| of the linear part
   typename L::Float uniform_scale;  ///< the factor, if the linear part is a rotation times a factor; else 0
-  EnumIn<L, ShapeKind> kind;        ///< kSphere, kDisk or kCylinder
+  EnumIn<L, ShapeKind> kind;        ///< kSphere, kDisk or kCylinder; or kSdfGrid, see there
   static constexpr auto fields(auto& s) {
     return std::tie(s.to_world, s.to_object, s.normal_sign, s.determinant, s.uniform_scale, s.kind);
   }
@@ -79,6 +81,26 @@ template <class L> struct QuadricRecord {
   }
 };
 using QuadricRow = QuadricRecord<Scalar>;
+
+/// Signed distances at the points of a grid, trilinear in each cell between eight of them; the surface is where they
+/// are 0, and they are positive outside. Its quadric has the transform, from where cells are unit cubes and the first
+/// point is the origin; of kind kSdfGrid.
+template <class L> struct alignas(row_alignment<L>(32)) SdfGridRecord {
+  typename L::Uint size_x, size_y, size_z;  ///< points along each axis, two at least
+  typename L::Uint layer;                   ///< size_x times size_y
+  typename L::Uint first_value;             ///< into SceneView::sdf_values, x fastest
+  /// Into SceneView::sdf_cells, pairs of words there, one for each cell with some of the surface: x and y of its least
+  /// corner, 16 bits each, and z.
+  typename L::Uint first_cell;
+  typename L::Uint cell_count;
+  typename L::Uint
+      smooth;  ///< 1: shading normals pass from cell to cell without a break; 0: they are the geometric ones
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.size_x, s.size_y, s.size_z, s.layer, s.first_value, s.first_cell, s.cell_count, s.smooth);
+  }
+};
+using SdfGridRow = SdfGridRecord<Scalar>;
+static_assert(sizeof(SdfGridRow) == 32);
 
 /// A control point of curves. Four words, read at once.
 template <class L> struct alignas(row_alignment<L>(16)) CurvePointRecord {

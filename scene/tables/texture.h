@@ -8,7 +8,7 @@
 
 namespace sheaf {
 
-enum class TextureKind : std::uint32_t { kConstant, kBitmap, kCheckerboard, kGrid, kMeshAttribute, kVolume, kMix };
+enum class TextureKind : std::uint32_t { kConstant, kBitmap, kCheckerboard, kGrid, kMeshAttribute, kVolume, kMix, kWireframe };
 
 /// How a texel is stored: one value or four, of which the fourth is 0; bytes, which stand for 0 .. 1 (kSrgbByte:
 /// through the sRGB curve, undone before interpolation), or floats.
@@ -70,6 +70,14 @@ struct VolumeTextureRow {
   std::uint32_t grid;  ///< into TextureView::grids
   float scale;
 };
+/// The second of two other textures along the edges of triangles, the first elsewhere.
+struct WireframeRow {
+  std::uint32_t child[2];
+  /// Of shape 0, into TextureView::attributes. The values of a triangle are the distances of its corners from the edges
+  /// across, in metres or in tenths of the mesh's mean edge.
+  std::uint32_t first_entry;
+  float inner, outer;  ///< in the same unit: up to where the second is seen alone, from where the first; inner <= outer
+};
 
 /// One texture.
 struct alignas(64) TextureRow {
@@ -83,6 +91,7 @@ struct alignas(64) TextureRow {
     MeshAttributeRow attribute;
     VolumeTextureRow volume;
     MixRow mix;
+    WireframeRow wireframe;
   };
 };
 static_assert(sizeof(TextureRow) == 64);
@@ -129,7 +138,8 @@ struct TextureView {
   const BrickGridRow* grids = nullptr;
 };
 
-/// Checkerboards, grids and mixes of checkerboards of ...: no deeper than this, a board of constants counted as 1.
+/// Checkerboards, grids, mixes and wireframes of checkerboards of ...: no deeper than this, a board of constants counted
+/// as 1.
 inline constexpr int kMaxTextureDepth = 8;
 
 /// The tables made from a description's textures.

@@ -17,7 +17,7 @@ namespace sheaf {
 /// Where textures are looked up.
 template <class L> struct TextureQuery {
   Vec2<L> uv;                  ///< of the surface
-  typename L::Uint shape;      ///< mesh attributes: index below TextureView::shape_count
+  typename L::Uint shape;      ///< mesh attributes, wireframes: index below TextureView::shape_count
   typename L::Uint primitive;  ///< mesh attributes: triangle of the shape; others than it has become its last
   typename L::Float b1, b2;    ///< mesh attributes: barycentric coordinates, the weights of vertices 1 and 2
   Vec3<L> p{};                 ///< volumes: world space
@@ -297,6 +297,20 @@ template <class L>
   return out;
 }
 
+/// The share of a wireframe's first child, 1 on shapes without triangles.
+template <class L>
+SHEAF_INLINE typename L::Float wireframe_share(const TextureView& view, const WireframeRow& row,
+                                               const TextureQuery<L>& query) {
+  using F = typename L::Float;
+  const AttributeValue<L> corner = lookup_attribute<L>(view, {row.first_entry, 1.0f}, query);
+  const F b0 = F(1.0f) - query.b1 - query.b2;
+  const F distance = min(b0 * corner.rgb[0], min(query.b1 * corner.rgb[1], query.b2 * corner.rgb[2]));
+  const float width = row.outer - row.inner;
+  const F step = select(distance < F(row.outer), F(0.0f), F(1.0f));
+  const F t = width > 0.0f ? clamp((distance - F(row.inner)) * F(1.0f / width), F(0.0f), F(1.0f)) : step;
+  return select(corner.coloured, t * t * (F(3.0f) - F(2.0f) * t), F(1.0f));
+}
+
 }  // namespace detail
 
 template <class L>
@@ -337,6 +351,13 @@ Spectrum<L> lookup_texture(const TextureView& view, std::uint32_t texture, const
       const detail::VolumeValue<L> value = detail::lookup_volume<L>(view, row.volume, query.p);
       return {value.rgb[0], value.rgb[1], value.rgb[2], zero};
     }
+    case TextureKind::kWireframe: {
+      const F share = detail::wireframe_share<L>(view, row.wireframe, query);
+      const Spectrum<L> first = lookup_texture<L>(view, row.wireframe.child[0], query);
+      const Spectrum<L> second = lookup_texture<L>(view, row.wireframe.child[1], query);
+      return {lerp(share, second.c0, first.c0), lerp(share, second.c1, first.c1), lerp(share, second.c2, first.c2),
+              zero};
+    }
     default:
       return {F(row.constant.rgb[0]), F(row.constant.rgb[1]), F(row.constant.rgb[2]), zero};
   }
@@ -374,6 +395,10 @@ Float<L> lookup_scalar(const TextureView& view, std::uint32_t texture, const Tex
       const detail::VolumeValue<L> value = detail::lookup_volume<L>(view, row.volume, query.p);
       return view.grids[row.volume.grid].channels == 1 ? value.rgb[0] : texture_luminance(value.rgb);
     }
+    case TextureKind::kWireframe:
+      return lerp(detail::wireframe_share<L>(view, row.wireframe, query),
+                  lookup_scalar<L>(view, row.wireframe.child[1], query),
+                  lookup_scalar<L>(view, row.wireframe.child[0], query));
     default:
       return F(row.constant.scalar);
   }

@@ -91,9 +91,88 @@ TEST_CASE("Mitsuba: height fields are meshes with a vertex per pixel") {
   CHECK(faceted.positions[1].z == doctest::Approx(std::pow((64 / 255.0 + 0.055) / 1.055, 2.4)).epsilon(1e-4));
   CHECK(contains(files.error(shape("heightfield", "point.pgm")), "1 x 1 pixels, expected 2 x 2"));
   CHECK(contains(files.error("<shape type='heightfield'/>"), "filename"));
-  CHECK(contains(files.error("<shape type='heightfield'><texture type='checkerboard'/></shape>"), "is no picture"));
   CHECK(contains(files.error(shape("heightfield", "hills.pgm", raw)), "beside a texture"));
   CHECK(contains(files.error(shape("heightfield", "wig.hair")), "wig.hair"));
+}
+
+TEST_CASE("Mitsuba: height fields of textures that are no pictures are looked up at so many places") {
+  const Files files;
+  const auto field = [](const std::string& texture, const std::string& more = "") {
+    return "<shape type='heightfield'><float name='scale' value='2'/><integer name='width' value='4'/>"
+           "<integer name='height' value='6'/>" +
+           more + texture + "</shape>";
+  };
+  const std::string board =
+      "<texture type='checkerboard'><float name='color0' value='0.25'/><float name='color1' value='0.5'/></texture>";
+  const Description d =
+      files.read(field(board) + field("<texture type='scale'><float name='scale' value='3'/>" + board + "</texture>") +
+                     field("<spectrum name='t' value='0.5'/>") + "<shape type='heightfield'>" + board + "</shape>",
+                 "0.6.0");
+  const auto scene = compile_scene(d);
+  const SceneView view = scene->view();
+  REQUIRE(scene->info().shapes == 4);
+  CHECK(scene->info().vertices == 3 * 24 + 256 * 256);
+  for (std::uint32_t y = 0; y < 6; ++y)
+    for (std::uint32_t x = 0; x < 4; ++x) {
+      const bool first = (x < 2) == (y < 3);
+      const std::uint32_t i = 4 * y + x;
+      CHECK(view.vertices[i].position.x == doctest::Approx(2 * static_cast<float>(x) / 3 - 1));
+      CHECK(view.vertices[i].position.y == doctest::Approx(2 * static_cast<float>(y) / 5 - 1));
+      CHECK(view.vertices[i].position.z == (first ? 0.5f : 1.0f));
+      CHECK(view.vertices[24 + i].position.z == doctest::Approx(first ? 1.5 : 3.0));
+      CHECK(view.vertices[48 + i].position.z == 1.0f);
+    }
+  const auto compile_error = [&](const std::string& inside) {
+    const Description broken = files.read(inside, "0.6.0");
+    try {
+      compile_scene(broken);
+    } catch (const SceneError& error) { return std::string(error.what()); }
+    return std::string();
+  };
+  CHECK(contains(compile_error(field("<texture type='vertexcolors'/>")), "one of meshes"));
+  CHECK(
+      contains(compile_error(field("<texture type='gridtexture'><texture name='color0' type='wireframe'/></texture>")),
+               "one of meshes"));
+  CHECK(contains(files.error(field(board, "<integer name='width' value='1'/>")), "width"));
+}
+
+TEST_CASE("Mitsuba: grids of signed distances and wireframes") {
+  const Files files;
+  const auto vol = [](std::int32_t channels) {
+    std::string bytes = "VOL\3";
+    const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), 4); };
+    for (const std::int32_t word : {1, 2, 2, 3, channels}) put(word);
+    for (const float side : {0.0f, 0.0f, 0.0f, 1.0f, 1.0f, 1.0f}) put(side);
+    for (int i = 0; i < 12 * channels; ++i) put(static_cast<float>(i) - 3.5f);
+    return bytes;
+  };
+  write_below(files.folder, "ball.vol", vol(1));
+  write_below(files.folder, "color.vol", vol(3));
+  const Description d =
+      files.read(shape("sdfgrid", "ball.vol") + shape("sdfgrid", "ball.vol",
+                                                      "<string name='normals' value='analytic'/>"
+                                                      "<transform name='to_world'><scale value='3'/></transform>"));
+  const auto& grid = std::get<SdfGrid>(d.shapes.at(0).geometry);
+  CHECK(grid.size == std::array<int, 3>{2, 2, 3});
+  CHECK(grid.values.at(4) == 0.5f);
+  CHECK(grid.smooth_normals);
+  CHECK_FALSE(std::get<SdfGrid>(d.shapes.at(1).geometry).smooth_normals);
+  CHECK(compile_scene(d)->info().sdf_cells == 2);
+  CHECK(contains(files.error(shape("sdfgrid", "color.vol")), "one channel"));
+  CHECK(contains(files.error(shape("sdfgrid", "ball.vol", "<string name='normals' value='round'/>")),
+                 "smooth or analytic"));
+  CHECK(contains(files.error(shape("sdfgrid", "none.vol")), "none.vol"));
+
+  const Description wires = files.read(
+      "<shape type='cube'><bsdf type='diffuse'><texture type='wireframe' name='reflectance'>"
+      "<spectrum name='interiorColor' value='0.7'/><float name='lineWidth' value='0.1'/>"
+      "<float name='stepWidth' value='0.25'/></texture></bsdf></shape>",
+      "0.6.0");
+  const auto& frame = std::get<WireframeDescription>(wires.textures.at(0).model);
+  CHECK(frame.line_width == 0.1f);
+  CHECK(frame.step_width == 0.25f);
+  CHECK(std::get<SpectrumDescription::Constant>(std::get<SpectrumDescription>(frame.interior).value).value == 0.7f);
+  CHECK(std::get<SpectrumDescription::Constant>(std::get<SpectrumDescription>(frame.edge).value).value == 0.1f);
 }
 
 TEST_CASE("Mitsuba: merged shapes are shapes, in groups too") {

@@ -6,6 +6,7 @@
 #include "core/rng.h"
 #include "scene/compile/compile.h"
 #include "scene/compile/compile_textures.h"
+#include "scene/formats/mesh.h"
 #include "tests/support/lanes_testing.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/picture_files.h"
@@ -483,6 +484,53 @@ TEST_CASE("texture lookup: neither lights nor bumps are made of volumes") {
   CHECK_NOTHROW(compile_scene(d));
   d.shapes[0].material = add_material(d, BumpMapDescription{TextureId{0}, 1, grey});
   CHECK_THROWS_WITH_AS(compile_scene(d), doctest::Contains("expected a picture"), SceneError);
+}
+
+TEST_CASE("texture lookup: wireframes along the edges of triangles") {
+  TextureDescription fixed, relative;
+  fixed.model =
+      WireframeDescription{SpectrumDescription::rgb(1, 0.5f, 0), SpectrumDescription::constant(0), 0.4f, 0.5f};
+  relative.model = WireframeDescription{SpectrumDescription::constant(1), SpectrumDescription::constant(0), 0, 0};
+  CompiledTextures textures = compile_textures({fixed, relative});
+  // A right triangle, of legs 3 and 4, and one that is twice as large.
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}, {0, 0, 1}, {6, 0, 1}, {0, 8, 1}};
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  const std::uint32_t triangles[] = {0, 1, 2, 3, 4, 5, 0, 0, 0};
+  AttributeTable table(textures.attribute_names);
+  table.add(0, 0, 2, 6, {kEdgeDistances, 3, edge_distances(mesh, false)}, {});
+  table.add(0, 0, 2, 6, {kRelativeEdgeDistances, 3, edge_distances(mesh, true)}, {});
+  table.finish(2, textures);
+  TextureView view = view_of(textures);
+  view.attributes = table.entries().data();
+  view.attribute_values = table.values().data();
+  view.triangles = triangles;
+  view.shape_count = 2;
+
+  const auto at = [&](std::uint32_t texture, std::uint32_t triangle, float x, float y) {
+    const float scale = triangle == 0 ? 1.0f : 2.0f;
+    return lookup_texture<Scalar>(view, texture, {{0, 0}, 0, triangle, x / (3 * scale), y / (4 * scale)});
+  };
+  // In the middle of the smooth step: 3/4 of the line's width.
+  for (const std::uint32_t triangle : {0u, 1u}) {
+    CHECK(at(0, triangle, 1, 0.3f).c0 == doctest::Approx(0.5));
+    CHECK(at(0, triangle, 0.3f, 1).c1 == doctest::Approx(0.25));
+    CHECK(at(0, triangle, 1, 0.19f).c0 == 0.0f);
+    CHECK(at(0, triangle, 1, 0.41f).c0 == doctest::Approx(1));
+    CHECK(at(0, triangle, 1, 0.41f).c2 == 0.0f);
+  }
+  // 0.3 from the hypotenuse, whose unit normal is (0.8, 0.6).
+  CHECK(at(0, 0, 1.5f - 0.3f * 0.8f, 2 - 0.3f * 0.6f).c0 == doctest::Approx(0.5).epsilon(1e-3));
+  // The mean edge is 6: lines of 0.6, without a step.
+  CHECK(at(1, 1, 1, 0.59f).c0 == 0.0f);
+  CHECK(at(1, 1, 1, 0.61f).c0 == 1.0f);
+  CHECK(lookup_scalar<Scalar>(view, 0, {{0, 0}, 0, 0, 1.0f / 3, 0.1f}) == doctest::Approx(luminance({1, 0.5f, 0})));
+  CHECK(lookup_texture<Scalar>(view, 0, {{0, 0}, 1, 0, 0, 0}).c0 == 1.0f);  // a shape without triangles
+  for (std::uint32_t i = 0; i < 50; ++i)
+    CHECK(lanes_agree(view, 0, [&](int k) {
+      const auto r = i * 8 + static_cast<std::uint32_t>(k);
+      return TextureQuery<Scalar>{{0, 0}, r % 5 == 0 ? 1u : 0u, r % 2, 0.5f * uniform(r, 5), 0.5f * uniform(r, 6)};
+    }));
 }
 
 TEST_CASE("texture lookup: bindings make numbers, reflectances and unbounded colours") {

@@ -136,7 +136,10 @@ inline std::string dump(const TextureDescription& t) {
                    return dump_all("volume", v.grid.file.filename().string(), static_cast<int>(v.grid.filter),
                                    static_cast<int>(v.grid.wrap), v.grid.raw, v.scale);
                  },
-                 [](const MixTextureDescription& v) { return dump_all("mix", v.color0, v.color1, v.amount); }},
+                 [](const MixTextureDescription& v) { return dump_all("mix", v.color0, v.color1, v.amount); },
+                 [](const WireframeDescription& v) {
+                   return dump_all("wireframe", v.interior, v.edge, v.line_width, v.step_width);
+                 }},
       t.model);
   return model + " to_uv " + dump(t.to_uv);
 }

@@ -1,0 +1,86 @@
+// Grids of signed distances as rows of tables.
+#include "scene/compile/scene_compiler.h"
+#include "scene/tables/sdf_grid.h"
+
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// Throws SceneError for what grids of distances cannot be or have.
+void check_sdf_grid(const ShapeDescription& shape, const SdfGrid& grid) {
+  if (shape.radiance) throw SceneError("a grid of distances cannot emit light: expected no <emitter> in it");
+  std::size_t count = 1;
+  for (const int side : grid.size) {
+    if (side < 2 || side > kMaxGridSide)
+      throw SceneError("a grid of distances has " + std::to_string(side) + " points along an axis, expected 2 to " +
+                       std::to_string(kMaxGridSide));
+    count *= static_cast<std::size_t>(side);
+  }
+  if (grid.values.size() != count)
+    throw SceneError("a grid of distances has " + std::to_string(grid.values.size()) + " values, expected " +
+                     std::to_string(count));
+  for (const float value : grid.values)
+    if (!std::isfinite(value)) throw SceneError("a grid of distances has values that are not finite");
+}
+
+/// From where cells are unit cubes to the world.
+Transform grid_to_world(const ShapeDescription& shape, const SdfGrid& grid) {
+  const auto width = [&](std::size_t axis) { return 1.0f / static_cast<float>(grid.size[axis] - 1); };
+  return shape.to_world * Transform::scale({width(0), width(1), width(2)});
+}
+
+}  // namespace
+
+void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, const SdfGrid& grid) {
+  check_sdf_grid(shape, grid);
+  Scene& out = *out_;
+  constexpr std::size_t kMost = std::size_t{1} << 30;  // lanes reach them by indices of either sign
+  if (out.sdf_values_.size() + grid.values.size() > kMost)
+    throw SceneError("more than " + std::to_string(kMost) + " values of grids of distances in all");
+  const QuadricRow placement = make_quadric(ShapeKind::kSdfGrid, grid_to_world(shape, grid), shape.flip_normals);
+  const auto side = [&](std::size_t axis) { return static_cast<std::uint32_t>(grid.size[axis]); };
+  SdfGridRow rows{};
+  rows.size_x = side(0), rows.size_y = side(1), rows.size_z = side(2);
+  rows.layer = rows.size_x * rows.size_y;
+  rows.first_value = static_cast<std::uint32_t>(out.sdf_values_.size());
+  rows.first_cell = static_cast<std::uint32_t>(out.sdf_cells_.size() / 2);
+  rows.smooth = grid.smooth_normals ? 1 : 0;
+  std::vector<std::uint32_t> cells;
+  for (std::uint32_t z = 0; z + 1 < rows.size_z; ++z)
+    for (std::uint32_t y = 0; y + 1 < rows.size_y; ++y)
+      for (std::uint32_t x = 0; x + 1 < rows.size_x; ++x)
+        if (holds_surface(rows, grid.values.data(), x, y, z)) cells.insert(cells.end(), {x | y << 16, z});
+  rows.cell_count = static_cast<std::uint32_t>(cells.size() / 2);
+  GridBox box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  const SdfGridView view{&placement, &rows, grid.values.data(), cells.data()};
+  for (std::uint32_t cell = 0; cell < rows.cell_count; ++cell) {
+    const QuadricBounds bounds = sdf_cell_bounds(view, cell);
+    grow_box(box.min, box.max, bounds.lower, bounds.upper);
+  }
+  if (cells.empty()) {
+    warn(shape, "the grid of distances has no surface: nowhere do its values change sign; left out");
+    return;
+  }
+  if (out.sdf_cells_.size() + cells.size() > kMost)
+    throw SceneError("more than " + std::to_string(kMost / 2) + " cells with a surface in all");
+  if (!is_traceable(box.min, box.max) || !(placement.determinant > 0.0f)) {
+    warn(shape, "shape is degenerate or too large for single precision: left out");
+    return;
+  }
+  grow(box.min, box.max);
+  row.kind = static_cast<std::uint32_t>(ShapeKind::kSdfGrid);
+  row.first_triangle = static_cast<std::uint32_t>(out.quadrics_.size());
+  row.first_vertex = static_cast<std::uint32_t>(out.sdf_grids_.size());
+  row.triangle_count = rows.cell_count;
+  out.quadrics_.push_back(placement);
+  out.sdf_grids_.push_back(rows);
+  out.sdf_values_.insert(out.sdf_values_.end(), grid.values.begin(), grid.values.end());
+  out.sdf_cells_.insert(out.sdf_cells_.end(), cells.begin(), cells.end());
+  vertex_counts_.push_back(0);
+  out.counts_.sdf_cells += rows.cell_count;
+  push_shape(row, shape, box);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,50 @@
+#include "scene/compile/sample_height_field.h"
+
+#include "core/color.h"
+#include "scene/compile/compile_materials.h"
+#include "scene/formats/height_field.h"
+#include "scene/tables/texture_lookup.h"
+
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// Whether the texture asks for more than uv.
+bool needs_a_shape(const CompiledTextures& textures, std::uint32_t row) {
+  const TextureRow& texture = textures.rows.at(row);
+  if (texture.kind == TextureKind::kMeshAttribute || texture.kind == TextureKind::kWireframe) return true;
+  if (texture.kind != TextureKind::kCheckerboard && texture.kind != TextureKind::kGrid) return false;
+  return needs_a_shape(textures, texture.checkerboard.child[0]) ||
+         needs_a_shape(textures, texture.checkerboard.child[1]);
+}
+
+}  // namespace
+
+Mesh sample_height_field(const HeightFieldShape& field, const CompiledTextures& textures) {
+  if (field.width < 2 || field.height < 2 || std::size_t(field.width) > kMaxHeights / std::size_t(field.height))
+    throw SceneError("a height field of " + std::to_string(field.width) + " x " + std::to_string(field.height) +
+                     " places, expected 2 x 2 at least and " + std::to_string(kMaxHeights) + " at most");
+  Heights heights{static_cast<std::size_t>(field.width), static_cast<std::size_t>(field.height), {}};
+  const auto* texture = std::get_if<TextureId>(&field.texture);
+  if (texture != nullptr && needs_a_shape(textures, static_cast<std::uint32_t>(*texture)))
+    throw SceneError("the texture of a height field is one of meshes, expected one that depends on uv alone");
+  const float constant =
+      texture != nullptr ? 0.0f : luminance(unbounded_rgb(std::get<SpectrumDescription>(field.texture)));
+  const TextureView view{textures.rows.data(), textures.tiles.get()};
+  heights.z.reserve(heights.width * heights.height);
+  for (int y = 0; y < field.height; ++y)
+    for (int x = 0; x < field.width; ++x) {
+      TextureQuery<Scalar> query{};
+      query.uv = {(static_cast<float>(x) + 0.5f) / static_cast<float>(field.width),
+                  (static_cast<float>(y) + 0.5f) / static_cast<float>(field.height)};
+      const float value =
+          texture != nullptr ? lookup_scalar<Scalar>(view, static_cast<std::uint32_t>(*texture), query) : constant;
+      heights.z.push_back(field.scale * value);
+      if (!std::isfinite(heights.z.back())) throw SceneError("the texture of a height field is not finite everywhere");
+    }
+  return make_height_field(heights, field.smooth);
+}
+
+}  // namespace sheaf
