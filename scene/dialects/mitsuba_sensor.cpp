@@ -71,8 +71,8 @@ void read_film(const XmlElement& element, ReadContext& context) {
     context.note(p.where(), "the film is rendered as an 'hdrfilm': its bands are not told apart (see --spectral-bins)");
     for (const XmlElement& child : element.children)
       if (child.name == "spectrum") p.accept({std::string(child.attribute("name")).c_str()});
-  } else if (p.type() != "hdrfilm" && p.type() != "ldrfilm" && p.type() != "mfilm") {
-    p.fail_plugin({"hdrfilm", "ldrfilm", "mfilm", "specfilm"});
+  } else if (p.type() != "hdrfilm" && p.type() != "ldrfilm" && p.type() != "mfilm" && p.type() != "tiledhdrfilm") {
+    p.fail_plugin({"hdrfilm", "ldrfilm", "mfilm", "specfilm", "tiledhdrfilm"});
   }
   FilmDescription& film = context.description.film;
   read_frame(p, film);

@@ -87,8 +87,13 @@ VolumeInput read_volume(const XmlElement& element, ReadContext& context, Spectru
     volume = read_grid(p, dialect, Grid::Format::kVol);
   } else if (p.type() == "nanovdb") {
     volume = read_grid(p, dialect, Grid::Format::kNanoVdb);
+  } else if (p.type() == "volcache") {
+    p.accept({"block_size", "voxel_width", "memory_limit", "step_size_multiplier"});
+    const XmlElement* cached = p.object("volume");
+    if (cached == nullptr) p.fail("holds no <volume>");
+    volume = read_volume(*cached, context, role, dialect);
   } else {
-    p.fail_plugin({"constvolume", "gridvolume", "nanovdb", "vol"});
+    p.fail_plugin({"constvolume", "gridvolume", "nanovdb", "vol", "volcache"});
   }
   p.finish();
   return volume;

@@ -134,7 +134,9 @@ TEST_CASE("media: phase functions of every kind") {
       mitsuba_scene(medium("homogeneous",
                            "<phase type='blendphase'><float name='weight' value='0.25'/><phase type='rayleigh'/>"
                            "<phase type='blendphase'>" +
-                               volume("weight", "constvolume", "<float name='value' value='1'/>") +
+                               volume("weight", "volcache",
+                                      "<integer name='blockSize' value='8'/><volume type='constvolume'>"
+                                      "<float name='value' value='1'/></volume>") +
                                "<phase type='isotropic'/><phase type='hg'/></phase></phase>")));
   REQUIRE(only_medium(d).phase);
   REQUIRE(d.phases.size() == 5);

@@ -125,7 +125,7 @@ TEST_CASE("Mitsuba: film and filters") {
     CHECK(filter.kind == c.kind);
     CHECK(filter.radius == c.radius);
   }
-  for (const char* film : {"ldrfilm", "mfilm"})
+  for (const char* film : {"ldrfilm", "mfilm", "tiledhdrfilm"})
     CHECK(with_sensor(std::string("<film type='") + film + "'><float name='gamma' value='2.2'/></film>").film.width ==
           768);
 }
