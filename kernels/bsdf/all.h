@@ -74,9 +74,9 @@ using AllBsdfs = bsdf_detail::BsdfList<
     RoughConductorGgxBsdf, RoughDielectricBeckmannBsdf, RoughDielectricGgxBsdf, RoughPlasticBeckmannBsdf,
     RoughPlasticGgxBsdf, PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, NoriMicrofacetBsdf, DispersiveDielectricBsdf,
     DispersiveThinDielectricBsdf, DispersiveRoughDielectricBeckmannBsdf, DispersiveRoughDielectricGgxBsdf, PhongBsdf,
-    RoughDiffuseBsdf, WardBsdf, DiffuseTransmitterBsdf, HanrahanKruegerBsdf, MeasuredBsdf, MeasuredSpectralBsdf, HairBsdf,
-    CoatedBsdf, RoughCoatedBeckmannBsdf, RoughCoatedGgxBsdf, HenyeyGreensteinBsdf, RayleighBsdf, TabulatedPhaseBsdf,
-    SggxBsdf>;
+    RoughDiffuseBsdf, WardBsdf, DiffuseTransmitterBsdf, HanrahanKruegerBsdf, MeasuredBsdf, MeasuredSpectralBsdf,
+    HairBsdf, CoatedBsdf, RoughCoatedBeckmannBsdf, RoughCoatedGgxBsdf, HenyeyGreensteinBsdf, RayleighBsdf,
+    TabulatedPhaseBsdf, SggxBsdf>;
 static_assert(AllBsdfs::is_complete(), "a closure has no BSDF, or they are not in the order of ClosureKind");
 
 /// Calls f(kind, BsdfTag<...>) for every BSDF and phase function.

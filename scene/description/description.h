@@ -106,13 +106,13 @@ struct GridVolumeDescription {
   enum class Wrap { kClamp, kRepeat, kMirror };
   std::filesystem::path file;  ///< resolved
   Format format = Format::kVol;
-  std::string grid;            ///< kNanoVdb: the grid's name; empty: the file's first
-  Transform to_world;          ///< from the space that `format` names
+  std::string grid;    ///< kNanoVdb: the grid's name; empty: the file's first
+  Transform to_world;  ///< from the space that `format` names
   bool use_grid_bbox = false;
-  bool fit_to_shape = false;   ///< stretched over the bounding box of the shapes that hold it; to_world is not used
+  bool fit_to_shape = false;  ///< stretched over the bounding box of the shapes that hold it; to_world is not used
   Filter filter = Filter::kTrilinear;
   Wrap wrap = Wrap::kClamp;
-  bool raw = false;            ///< three channels are numbers, not colours
+  bool raw = false;                              ///< three channels are numbers, not colours
   std::shared_ptr<const DenseVolume> made = {};  ///< kMade
 };
 /// A grid on surfaces: its value where in the world they are.
@@ -353,8 +353,8 @@ struct MaterialDescription {
   std::variant<DiffuseDescription, ConductorDescription, DielectricDescription, PlasticDescription,
                PrincipledDescription, PrincipledThinDescription, DisneyDescription, NoriMicrofacetDescription,
                PhongDescription, RoughDiffuseDescription, WardDescription, DiffuseTransmitterDescription,
-               HanrahanKruegerDescription, MeasuredDescription, HairDescription, CoatDescription, NullDescription, TwoSidedDescription,
-               MaskDescription, BlendDescription, BumpMapDescription, NormalMapDescription>
+               HanrahanKruegerDescription, MeasuredDescription, HairDescription, CoatDescription, NullDescription,
+               TwoSidedDescription, MaskDescription, BlendDescription, BumpMapDescription, NormalMapDescription>
       model;
   /// Maps only: normals that face away are turned back, and the edge of shadows is softened (Estevez et al. 2019).
   bool fix_invalid_normals = true, soften_terminator = true;
@@ -393,8 +393,7 @@ struct BlendPhaseDescription { float weight = 0.5f; PhaseId nested[2]{}; };
 
 struct PhaseDescription {
   std::variant<IsotropicPhaseDescription, HenyeyGreensteinDescription, RayleighDescription, TabulatedPhaseDescription,
-               SggxDescription,
-               BlendPhaseDescription>
+               SggxDescription, BlendPhaseDescription>
       model;
   SourceLocation where;
 };

@@ -74,7 +74,7 @@ struct Reader {
   Object* object = nullptr;   ///< that is being defined
   bool used_texture = false;  ///< since it was last reset
   std::set<std::string, std::less<>> noted = {};  ///< by note_once()
-  bool noted_gamut = false;   ///< that colours were clamped
+  bool noted_gamut = false;                       ///< that colours were clamped
 
   /// Adds a remark for the user.
   void note(const SourceLocation& where, const std::string& message);

@@ -75,13 +75,14 @@ SceneInfo Scene::info() const {
   SceneInfo info = counts_;
   info.table_bytes =
       bytes_of(shapes_) + bytes_of(vertices_) + bytes_of(triangles_) + bytes_of(quadrics_) + bytes_of(curve_points_) +
-      bytes_of(curve_segments_) + bytes_of(sdf_grids_) + bytes_of(sdf_values_) + bytes_of(sdf_cells_) + bytes_of(instances_) + bytes_of(materials_) + bytes_of(bindings_) +
-      bytes_of(normal_maps_) + bytes_of(closure_tables_) + bytes_of(textures_.rows) +
-      textures_.tile_count * sizeof(TexelTile) + bytes_of(attributes_) + bytes_of(attribute_values_) +
-      bytes_of(lights_) + bytes_of(light_alias_) + bytes_of(triangle_alias_) + bytes_of(light_triangles_) +
-      bytes_of(light_frames_) + bytes_of(light_uvs_) + bytes_of(light_powers_) + bytes_of(light_tree_.nodes) +
-      bytes_of(light_tree_.trails) + envmap_.bytes() + bytes_of(spectrum_tables_) + bytes_of(material_spectra_) +
-      bytes_of(light_spectra_) + bytes_of(medium_spectra_) + bytes_of(media_) + bytes_of(boundaries_);
+      bytes_of(curve_segments_) + bytes_of(sdf_grids_) + bytes_of(sdf_values_) + bytes_of(sdf_cells_) +
+      bytes_of(instances_) + bytes_of(materials_) + bytes_of(bindings_) + bytes_of(normal_maps_) +
+      bytes_of(closure_tables_) + bytes_of(textures_.rows) + textures_.tile_count * sizeof(TexelTile) +
+      bytes_of(attributes_) + bytes_of(attribute_values_) + bytes_of(lights_) + bytes_of(light_alias_) +
+      bytes_of(triangle_alias_) + bytes_of(light_triangles_) + bytes_of(light_frames_) + bytes_of(light_uvs_) +
+      bytes_of(light_powers_) + bytes_of(light_tree_.nodes) + bytes_of(light_tree_.trails) + envmap_.bytes() +
+      bytes_of(spectrum_tables_) + bytes_of(material_spectra_) + bytes_of(light_spectra_) + bytes_of(medium_spectra_) +
+      bytes_of(media_) + bytes_of(boundaries_);
   for (const BrickGrid& grid : grids_) info.table_bytes += grid.bytes();
   for (const BrickGrid& grid : textures_.grids) info.table_bytes += grid.bytes();
   for (const MajorantGrid& grid : majorant_grids_) info.table_bytes += grid.bytes();

@@ -8,7 +8,16 @@
 
 namespace sheaf {
 
-enum class TextureKind : std::uint32_t { kConstant, kBitmap, kCheckerboard, kGrid, kMeshAttribute, kVolume, kMix, kWireframe };
+enum class TextureKind : std::uint32_t {
+  kConstant,
+  kBitmap,
+  kCheckerboard,
+  kGrid,
+  kMeshAttribute,
+  kVolume,
+  kMix,
+  kWireframe
+};
 
 /// How a texel is stored: one value or four, of which the fourth is 0; bytes, which stand for 0 .. 1 (kSrgbByte:
 /// through the sRGB curve, undone before interpolation), or floats.
@@ -138,8 +147,8 @@ struct TextureView {
   const BrickGridRow* grids = nullptr;
 };
 
-/// Checkerboards, grids, mixes and wireframes of checkerboards of ...: no deeper than this, a board of constants counted
-/// as 1.
+/// Checkerboards, grids, mixes and wireframes of checkerboards of ...: no deeper than this, a board of constants
+/// counted as 1.
 inline constexpr int kMaxTextureDepth = 8;
 
 /// The tables made from a description's textures.

@@ -498,8 +498,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
 
   TEST_CASE("What has no counterpart is an error, or a stand-in with a note") {
     for (const std::string world :
-         {"Texture "t" "spectrum" "marble"",
-          "Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 3",
+         {"Texture " t " " spectrum " " marble "", "Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 3",
           "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"spherical\"",
           "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"x\""}) {
       CAPTURE(world);
