@@ -31,7 +31,7 @@ double area(const Matrix& s, Vec3f w) {
 }
 
 MeanVariance statistics_of(const Description& d) {
-  const Image image = render(*compile_scene(d), {}).film.to_image();
+  const Image image = render(*compile_scene(d), {}).to_image();
   MeanVariance mean;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) mean.add(image.at(x, y, 1));

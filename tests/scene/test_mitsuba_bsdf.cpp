@@ -519,7 +519,7 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
        "property 'reflectance' of bsdf 'diffuse' contains 2.000000, expected values within [0, 1]"},
       {bsdf("diffuse", "<texture type='curvature' name='reflectance'/>"),
        "unknown texture plugin 'curvature' (known: bitmap, checkerboard, gridtexture, mesh_attribute, vertexcolors, "
-       "blackbody,"},
+       "wireframe, blackbody,"},
       {"<texture type='mesh_attribute'/>", "scene.xml:4: texture 'mesh_attribute' needs the string 'name'"},
       {"<texture type='mesh_attribute'>" + word("name", "color") + "</texture>", "begins with vertex_ or face_"},
       {"<texture type='bitmap'>\n" + word("filename", "gone.png") + "</texture>",

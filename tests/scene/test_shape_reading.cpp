@@ -106,7 +106,8 @@ TEST_CASE("Mitsuba: height fields of textures that are no pictures are looked up
       "<texture type='checkerboard'><float name='color0' value='0.25'/><float name='color1' value='0.5'/></texture>";
   const Description d =
       files.read(field(board) + field("<texture type='scale'><float name='scale' value='3'/>" + board + "</texture>") +
-                     field("<spectrum name='t' value='0.5'/>") + "<shape type='heightfield'>" + board + "</shape>",
+                     field("<texture type='uniform'><float name='value' value='0.5'/></texture>") +
+                     "<shape type='heightfield'>" + board + "</shape>",
                  "0.6.0");
   const auto scene = compile_scene(d);
   const SceneView view = scene->view();
