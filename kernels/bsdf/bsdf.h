@@ -11,7 +11,8 @@
 //                      along wi
 //   evaluate(wo, wi)   f times |cos(wi)| and the density with which sample() returns wi; delta lobes left out
 //   sample(wo, u)      a direction; u.x chooses the lobe, u.y and u.z the direction
-// Directions are unit vectors in the shading frame, pointing away from the surface.
+// Directions are unit vectors in the shading frame, pointing away from the surface. Large ones have both functions in a
+// .cpp beside the header, compiled once for Wide and Scalar: every stage that goes over all BSDFs would hold a copy.
 //
 // Which are panes and which are phase functions is told by the list in scene/tables/material.h. A pane also has
 //   passage(cos)       what of the light that arrives at this cosine to the normal goes straight on

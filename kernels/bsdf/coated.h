@@ -33,23 +33,10 @@ template <class L> struct BelowCoat {
   }
 
   /// f cos and the density, without what the boundary sends back. Both directions above the surface.
-  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
-    const Vec3<L> o = bent(wo, inverse_eta), i = bent(wi, inverse_eta);
-    const BsdfValue<L> value = evaluate_nested<L>(coat, o, i);
-    // Of solid angles, and of cosines times solid angles, outside to inside: both cosines are in f_cos.
-    const F compression = sqr(inverse_eta) * wi.z / max(i.z, F(1e-6f));
-    return {value.f_cos * absorption(o.z, i.z) * compression, value.pdf_solid_angle * compression};
-  }
+  BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const;
 
   /// A direction outside; the density is not that of the direction, but 0 where it has none.
-  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
-    const Vec3<L> o = bent(wo, inverse_eta);
-    BsdfSample<L> s = sample_nested<L>(coat, o, u);
-    s.weight = s.weight * absorption(o.z, s.wi.z);
-    s.wi = bent(s.wi, coat.coat_eta);
-    s.valid = s.valid & (s.wi.z > F(0.0f));
-    return s;
-  }
+  BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const;
 
   /// Probability of sampling the coat's own reflection, where it lets in `entering`.
   SHEAF_INLINE F coat_probability(Vec3<L> wo, F entering) const {
@@ -68,30 +55,9 @@ template <class L> struct CoatedBsdf : CoatedParameters<L> {
   static constexpr auto kKind = ClosureKind::kCoated;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
 
-  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
-    const BelowCoat<L> below(*this);
-    const Float<L> entering = coat_transmittance(wo.z);
-    return evaluate(below, wo, wi, entering, below.coat_probability(wo, entering));
-  }
+  BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const;
 
-  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
-    using F = Float<L>;
-    const BelowCoat<L> below(*this);
-    const F entering = coat_transmittance(wo.z), p_coat = below.coat_probability(wo, entering);
-    const auto at_coat = u.x < p_coat;
-    BsdfSample<L> s = below.sample(wo, below.rest_of(u, p_coat));
-    const auto is_mirror = at_coat | (s.pdf_solid_angle == F(0.0f));
-    s.wi = select<L>(at_coat, {-wo.x, -wo.y, wo.z}, s.wi);
-    const BsdfValue<L> value = evaluate(below, wo, s.wi, entering, p_coat);
-    const Spectrum<L> nested = s.weight * (entering * coat_transmittance(s.wi.z) / max(F(1.0f) - p_coat, F(1e-20f)));
-    const auto has_density = value.pdf_solid_angle > F(0.0f);
-    s.weight = select<L>(at_coat, this->coat_specular * ((F(1.0f) - entering) / max(p_coat, F(1e-20f))), nested);
-    s.weight =
-        select<L>(is_mirror, s.weight, value.f_cos * (F(1.0f) / select(has_density, value.pdf_solid_angle, F(1.0f))));
-    s.pdf_solid_angle = select(is_mirror, F(0.0f), value.pdf_solid_angle);
-    s.valid = (wo.z > F(0.0f)) & (at_coat | (s.valid & (is_mirror | has_density)));
-    return s;
-  }
+  BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const;
 
  private:
   SHEAF_INLINE Float<L> coat_transmittance(Float<L> cosine) const {

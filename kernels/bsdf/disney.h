@@ -19,23 +19,9 @@ template <class L> struct DisneyBsdf : DisneyParameters<L> {
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
   using F = typename L::Float;
 
-  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const { return evaluate(View(*this, wo), wi); }
+  BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const;
 
-  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
-    const View view(*this, wo);
-    const Mask<L> diffuse = u.x < view.p_diffuse;
-    Vec3<L> m = view.facets.sample_visible({wo.x, wo.y, abs(wo.z)}, u.y, u.z);
-    if (any(view.p_coat > F(0.0f)))
-      m = select<L>(u.x < view.p_diffuse + view.p_coat, view.coat.sample(u.y, u.z), m);
-    BsdfSample<L> s;
-    s.wi = select<L>(diffuse, cosine_hemisphere_polar<L>(u.y, u.z), m * (F(2.0f) * dot(wo, m)) - wo);
-    const BsdfValue<L> value = evaluate(view, s.wi);
-    s.pdf_solid_angle = value.pdf_solid_angle;
-    s.valid = value.pdf_solid_angle > F(0.0f);
-    s.weight = value.f_cos * (F(1.0f) / select(s.valid, value.pdf_solid_angle, F(1.0f)));
-    s.eta_scale = F(1.0f);
-    return s;
-  }
+  BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const;
 
  private:
   /// All that depends on the parameters and the outgoing direction alone.

@@ -173,10 +173,8 @@ template <class L> struct MeasuredBsdf : MeasuredParameters<L> {
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
   const float* tables = nullptr;
 
-  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const { return measured_detail::evaluate(*this, wo, wi); }
-  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
-    return measured_detail::sample(*this, wo, u);
-  }
+  BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const;
+  BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const;
 
   SHEAF_INLINE Spectrum<L> colors(const TableGrid<L>& values, Uint<L>, Float<L> x, Float<L> y) const {
     const TableCell<L> cell = values.cell(x, y);
@@ -192,10 +190,8 @@ template <class L> struct MeasuredSpectralBsdf : MeasuredSpectralParameters<L> {
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
   const float* tables = nullptr;
 
-  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const { return measured_detail::evaluate(*this, wo, wi); }
-  SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
-    return measured_detail::sample(*this, wo, u);
-  }
+  BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const;
+  BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const;
 
   SHEAF_INLINE Spectrum<L> colors(const TableGrid<L>& values, Uint<L> channels, Float<L> x, Float<L> y) const {
     using F = Float<L>;
