@@ -38,15 +38,17 @@ Float<L> share_of(const SceneView& scene, Mask<L> lanes, Uint<L> row, const Text
 template <class L>
 SHEAF_INLINE void note_passing(const SceneView& scene, Wave& wave, const Slot* slots, std::uint32_t lanes,
                                const TextureQuery<L>& query, Uint<L> material, Mask<L> behind) {
-  alignas(kSimdAlignment) float uv[4][L::width];
+  alignas(kSimdAlignment) float uv[4][L::width], p[3][L::width];
   alignas(kSimdAlignment) std::uint32_t words[3][L::width];
   store(uv[0], query.uv.x), store(uv[1], query.uv.y), store(uv[2], query.b1), store(uv[3], query.b2);
+  store(p[0], query.p.x), store(p[1], query.p.y), store(p[2], query.p.z);
   store(words[0], query.shape), store(words[1], query.primitive), store(words[2], material);
   const std::uint32_t from_behind = mask_bits(behind);
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = std::countr_zero(lanes);
-    const float share = passing_share(scene, words[2][i], (from_behind >> i & 1u) != 0,
-                                      {{uv[0][i], uv[1][i]}, words[0][i], words[1][i], uv[2][i], uv[3][i]});
+    const float share = passing_share(
+        scene, words[2][i], (from_behind >> i & 1u) != 0,
+        {{uv[0][i], uv[1][i]}, words[0][i], words[1][i], uv[2][i], uv[3][i], {p[0][i], p[1][i], p[2][i]}});
     if (share == 1.0f) continue;
     Spectrum4& r_l = wave.probabilities.row(slots[i]).r_l;
     const float divisor = max(share, 1e-20f);

@@ -31,7 +31,7 @@ float storing_share(const SceneView& scene, const HitState<Scalar>& hit, const R
   const auto y = surface_point<Scalar, true>(scene, shape, hit.primitive, hit.u, hit.v,
                                              ray.origin + ray.direction * hit.t, hit.instance);
   return choice_share(
-      scene, shape.material, dot(y.ng, ray.direction) > 0.0f, {y.uv, hit.shape, hit.primitive, hit.u, hit.v},
+      scene, shape.material, dot(y.ng, ray.direction) > 0.0f, {y.uv, hit.shape, hit.primitive, hit.u, hit.v, y.p},
       [&scene](std::uint32_t row) { return row != MaterialRow::kNothing && !is_specular(scene.materials[row].kind); });
 }
 

@@ -18,7 +18,7 @@ template <class L> struct TextureQuery {
   typename L::Uint shape;      ///< mesh attributes, wireframes: index below TextureView::shape_count
   typename L::Uint primitive;  ///< mesh attributes: triangle of the shape; others than it has become its last
   typename L::Float b1, b2;    ///< mesh attributes: barycentric coordinates, the weights of vertices 1 and 2
-  Vec3<L> p{};                 ///< volumes: world space
+  Vec3<L> p{};                 ///< volumes: world space; lights, which no volumes colour, leave it out
 };
 
 /// The sRGB curve (IEC 61966-2-1), encoded to linear, of a whole number from 0 to 255: increasing, 0 to 0 and 255 to 1

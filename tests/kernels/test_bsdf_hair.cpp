@@ -16,7 +16,10 @@ constexpr int kTests = 60;
 Hair hair(float longitudinal, float azimuthal, float sigma_a, float tilt = 0.035f) {
   Hair bsdf;
   bsdf.absorption = Spectrum4(sigma_a);
+  bsdf.eumelanin_absorption = bsdf.pheomelanin_absorption = Spectrum4(0.0f);
   bsdf.scale = 1;
+  bsdf.eumelanin = bsdf.pheomelanin = 0;
+  bsdf.by_reflectance = bsdf.fourth = 0;
   bsdf.longitudinal_roughness = longitudinal;
   bsdf.azimuthal_roughness = azimuthal;
   bsdf.tilt = tilt;

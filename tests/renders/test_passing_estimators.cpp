@@ -3,6 +3,7 @@
 // hold by every strategy.
 #include "tests/support/media_testing.h"
 #include "tests/support/render_testing.h"
+#include "tests/support/temporary_folder.h"
 
 #include <functional>
 #include <string>
@@ -155,6 +156,23 @@ TEST_CASE("passing estimators: several lights of unequal power are found through
     add_constant_light(d, 0.3f);
     check_strategies_agree(d, significance_of_each(2 * 9));
   }
+}
+
+TEST_CASE("passing estimators: a mask whose opacity is a grid in the world") {
+  const TemporaryFolder folder;
+  TextureDescription opacity;
+  opacity.model = VolumeTextureDescription{
+      vol(write_vol(folder / "opacity.vol", 4, 1, [](Vec3f p, int) { return p.x < 0.5f ? 0.05f : 0.95f; }),
+          Transform::translate({-1, -1, 0}) * Transform::scale({2, 2, 1})),
+      1};
+  Description d = floor_below({});
+  d.textures.push_back(opacity);
+  const MaterialId black = add_diffuse(d, 0);
+  add_rectangle(d, Transform::translate({0, 0, 0.4f}) * Transform::scale({100, 100, 1}),
+                add_material(d, MaskDescription{TextureId{0}, black}));
+  add_area_light_rectangle(d, Transform::translate({-0.8f, 0, 1}) * Transform::rotate({1, 0, 0}, 180), 4);
+  add_constant_light(d, 0.5f);
+  check_strategies_agree(d, significance_of_each(9));
 }
 
 TEST_SUITE_END();
