@@ -295,22 +295,6 @@ TEST_CASE("progressive photon mapping: the mean comes to the path tracer's as ra
 }
 
 TEST_CASE("photon mapping: spectral maps agree with spectral paths, dispersion included") {
-  const auto mean_color = [](const Description& d) {
-    const auto scene = compile_scene(d, {.color = ColorMode::kSpectral});
-    std::array<MeanVariance, 3> mean;
-    for (std::uint32_t seed = 1; seed <= 8; ++seed) {
-      RenderOptions options;
-      options.seed = seed;
-      const Image image = render(*scene, options).to_image();
-      for (int c = 0; c < 3; ++c) {
-        double sum = 0;
-        for (int y = 0; y < image.height; ++y)
-          for (int x = 0; x < image.width; ++x) sum += static_cast<double>(image.at(x, y, c));
-        mean[static_cast<std::size_t>(c)].add(sum / (image.width * image.height));
-      }
-    }
-    return mean;
-  };
   for (const bool disperses : {false, true}) {
     CAPTURE(disperses);
     Description d = room(true, 400);
@@ -323,7 +307,7 @@ TEST_CASE("photon mapping: spectral maps agree with spectral paths, dispersion i
                 add_material(d, flint));
       add_sphere(d, {0.6f, 0.4f, 0.4f}, 0.4f, add_material(d, flint));
     }
-    const auto path = mean_color(d);
+    const auto path = spectral_mean_of(d);
     d.integrator.kind = IntegratorKind::kPhotonMapper;
     d.integrator.photons.global = {200'000, 0.05f, 0};
     d.sampler.sample_count = 64;
@@ -338,7 +322,7 @@ TEST_CASE("photon mapping: spectral maps agree with spectral paths, dispersion i
       d.integrator.photons.gathering = c.gathering;
       d.integrator.photons.progressive = c.progressive;
       d.integrator.photons.global.count = c.progressive ? 20'000 : 200'000;
-      const auto found = mean_color(d);
+      const auto found = spectral_mean_of(d);
       for (std::size_t i = 0; i < 3; ++i) {
         CAPTURE(i);
         check_close({found[i].mean(), found[i].variance() / 8}, {path[i].mean(), path[i].variance() / 8}, c.bias);

@@ -305,22 +305,9 @@ TEST_CASE("photon beams: in spectral mode, seen directly and through a slab that
   flint.int_dispersion = *find_dispersion("sf11");
   add_shape(d, CubeShape{}, Transform::translate({0.5f, -1.4f, 1}) * Transform::scale({0.5f, 0.1f, 0.9f}),
             add_material(d, flint));
-  const auto mean_color = [&](int samples) {
+  const auto mean_color = [&](std::uint32_t samples) {
     d.sampler.sample_count = samples;
-    const auto scene = compile_scene(d, {.color = ColorMode::kSpectral});
-    std::array<MeanVariance, 3> mean;
-    for (std::uint32_t seed = 1; seed <= 8; ++seed) {
-      RenderOptions options;
-      options.seed = seed;
-      const Image image = render(*scene, options).to_image();
-      for (int c = 0; c < 3; ++c) {
-        double sum = 0;
-        for (int y = 0; y < image.height; ++y)
-          for (int x = 0; x < image.width; ++x) sum += static_cast<double>(image.at(x, y, c));
-        mean[static_cast<std::size_t>(c)].add(sum / (image.width * image.height));
-      }
-    }
-    return mean;
+    return spectral_mean_of(d);
   };
   const auto path = mean_color(256);
   d.integrator.kind = IntegratorKind::kPhotonMapper;

@@ -2,6 +2,7 @@
 #include "scene/tables/quadric.h"
 
 #include "tests/support/records_testing.h"
+#include "tests/support/test_transforms.h"
 
 #include <doctest/doctest.h>
 
@@ -14,17 +15,6 @@ namespace sheaf {
 namespace {
 
 constexpr ShapeKind kKinds[] = {ShapeKind::kSphere, ShapeKind::kDisk, ShapeKind::kCylinder};
-
-/// Similarities, stretches, shears and a mirror.
-std::vector<Transform> transforms() {
-  Matrix4 shear;
-  shear.m[0][1] = 0.7;
-  shear.m[2][0] = -0.4;
-  return {Transform(),
-          Transform::translate({3, -2, 1}) * Transform::rotate({1, 2, 3}, 50) * Transform::scale({2, 2, 2}),
-          Transform::translate({-1, 0, 2}) * Transform::rotate({0, 1, 1}, -70) * Transform::scale({0.3f, 1.5f, 2.5f}),
-          Transform::scale({1, -2, 0.5f}) * Transform(shear)};
-}
 
 struct Ray {
   Vec3f origin, direction;
@@ -88,7 +78,7 @@ Vec3f canonical_point(ShapeKind kind, std::uint32_t i) {
 TEST_CASE("quadric: intersections are those that a search along the ray finds") {
   constexpr float kFar = 60;
   for (const ShapeKind kind : kKinds)
-    for (const Transform& to_world : transforms()) {
+    for (const Transform& to_world : test_transforms()) {
       CAPTURE(static_cast<int>(kind));
       const QuadricRow row = make_quadric(kind, to_world, false);
       int hits = 0, disagreements = 0;
@@ -114,7 +104,7 @@ TEST_CASE("quadric: intersections are those that a search along the ray finds") 
 
 TEST_CASE("quadric: normals are perpendicular to the surface, outwards unless flipped") {
   for (const ShapeKind kind : kKinds)
-    for (const Transform& to_world : transforms())
+    for (const Transform& to_world : test_transforms())
       for (const bool flip : {false, true}) {
         const QuadricRow row = make_quadric(kind, to_world, flip);
         int hits = 0;
@@ -173,7 +163,7 @@ TEST_CASE("quadric: a small sphere far away is hit where it is") {
 
 TEST_CASE("quadric: bounds hold the shape and not much more") {
   for (const ShapeKind kind : kKinds)
-    for (const Transform& to_world : transforms()) {
+    for (const Transform& to_world : test_transforms()) {
       const QuadricBounds bounds = quadric_bounds(make_quadric(kind, to_world, false));
       Vec3f lower{kInfinity, kInfinity, kInfinity}, upper = -lower;
       for (std::uint32_t i = 0; i < 20000; ++i) {

@@ -4,6 +4,7 @@
 #include "scene/compile/compile.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/records_testing.h"
+#include "tests/support/test_transforms.h"
 #include "tests/support/tiny_scenes.h"
 #include "tests/support/trace_testing.h"
 
@@ -45,17 +46,6 @@ SdfGrid noise_grid(std::array<int, 3> size) {
 
 Field ball(double radius) {
   return [radius](double x, double y, double z) { return std::hypot(x - 0.5, y - 0.5, z - 0.5) - radius; };
-}
-
-/// Similarities, stretches, shears and a mirror.
-std::vector<Transform> transforms() {
-  Matrix4 shear;
-  shear.m[0][1] = 0.7;
-  shear.m[2][0] = -0.4;
-  return {Transform(),
-          Transform::translate({3, -2, 1}) * Transform::rotate({1, 2, 3}, 50) * Transform::scale({2, 2, 2}),
-          Transform::translate({-1, 0, 2}) * Transform::rotate({0, 1, 1}, -70) * Transform::scale({0.3f, 1.5f, 2.5f}),
-          Transform::scale({1, -2, 0.5f}) * Transform(shear)};
 }
 
 std::unique_ptr<Scene> lone(const SdfGrid& grid, const Transform& to_world = Transform(), bool flip = false) {
@@ -117,7 +107,7 @@ std::optional<double> search(const SdfGrid& grid, const Transform& to_world, Vec
 
 TEST_CASE("sdf grid: hits are those that a search along the ray finds") {
   const SdfGrid grid = noise_grid({6, 5, 4});
-  for (const Transform& to_world : transforms()) {
+  for (const Transform& to_world : test_transforms()) {
     const auto scene = lone(grid, to_world);
     int hits = 0, disagreements = 0, wrong_normals = 0;
     double worst = 0;

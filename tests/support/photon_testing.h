@@ -10,6 +10,7 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 
 namespace sheaf {
@@ -58,7 +59,25 @@ inline Mean mean_of(const Description& d, int repeats = 8) {
   return {mean.mean(), mean.variance() / repeats};
 }
 
-/// The same by the path tracer, with many samples.
+/// Means of the channels of pictures in spectral mode.
+inline std::array<MeanVariance, 3> spectral_mean_of(const Description& d) {
+  const auto scene = compile_scene(d, {.color = ColorMode::kSpectral});
+  std::array<MeanVariance, 3> mean;
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    RenderOptions options;
+    options.seed = seed;
+    const Image image = render(*scene, options).to_image();
+    for (int c = 0; c < 3; ++c) {
+      double sum = 0;
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) sum += static_cast<double>(image.at(x, y, c));
+      mean[static_cast<std::size_t>(c)].add(sum / (image.width * image.height));
+    }
+  }
+  return mean;
+}
+
+/// mean_of() by the path tracer, with many samples.
 inline Mean path_mean(Description d, int samples = 400) {
   d.integrator.kind = IntegratorKind::kPath;
   d.sampler.sample_count = samples;
