@@ -1,6 +1,8 @@
 // Rectangles of pixels.
 #pragma once
 
+#include <algorithm>
+
 namespace sheaf {
 
 /// Half-open pixel rectangle.
@@ -8,6 +10,16 @@ struct PixelRect {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
   int width() const { return x1 - x0; }
   int height() const { return y1 - y0; }
+  bool is_empty() const { return x1 <= x0 || y1 <= y0; }
+
+  /// With `border` more pixels on each side.
+  PixelRect grown(int border) const { return {x0 - border, y0 - border, x1 + border, y1 + border}; }
+  /// What lies in both; of zero size where nothing does.
+  PixelRect intersection(const PixelRect& other) const {
+    const PixelRect both{std::max(x0, other.x0), std::max(y0, other.y0), std::min(x1, other.x1),
+                         std::min(y1, other.y1)};
+    return both.is_empty() ? PixelRect{} : both;
+  }
 };
 
 }  // namespace sheaf

@@ -37,6 +37,15 @@ SamplerView make_sampler(SamplerKind kind, std::uint32_t seed, std::uint32_t sam
   return {kind, seed, has_grid(kind) ? make_grid(sample_count) : SampleGrid{}};
 }
 
+SamplerView sampler_of_replicate(SamplerView sampler, std::uint32_t replicate, std::uint32_t samples) {
+  if (replicate == 0) return sampler;
+  std::uint32_t seed = sampler.seed ^ (sampler.seed >> 16), number = replicate, first = 0x7feb352du, second = 0;
+  hash4(seed, number, first, second);
+  sampler.seed = seed;
+  sampler.first_sample = replicate * samples;
+  return sampler;
+}
+
 std::uint32_t rounded_sample_count(SamplerKind kind, std::uint32_t sample_count) {
   return has_grid(kind) && sample_count > 0 ? make_grid(sample_count).size() : sample_count;
 }
@@ -46,7 +55,7 @@ Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::
                 SampleBlock block, SampleSet set) noexcept {
   using U = typename L::Uint;
   const U index = event * U(static_cast<std::uint32_t>(SampleBlock::kCount)) + U(static_cast<std::uint32_t>(block));
-  const Random4<L> u = numbers<L>(sampler, pixel, sample, index, set);
+  const Random4<L> u = numbers<L>(sampler, pixel, sample - U(sampler.first_sample), index, set);
   if (block == SampleBlock::kCamera) return u;
   return {u.z, u.x, u.y, u.w};
 }

@@ -32,11 +32,16 @@ struct SamplerView {
   SamplerKind kind = SamplerKind::kSobol;
   std::uint32_t seed = 0;
   SampleGrid grid = {};  ///< kStratified, kMultijitter
+  std::uint32_t first_sample = 0;  ///< of each pixel, from which on samples are spread
 };
 
 /// A sampler for `sample_count` samples per pixel, below or equal to 2^24. More may be drawn: the sequence of kSobol
 /// has no end, grids are filled again in another order.
 SamplerView make_sampler(SamplerKind kind, std::uint32_t seed, std::uint32_t sample_count);
+
+/// The same sampler for replicate `replicate`: the samples from replicate x `samples` on, independent of those before
+/// and spread among themselves alone. Replicate 0 is the sampler as it is.
+SamplerView sampler_of_replicate(SamplerView sampler, std::uint32_t replicate, std::uint32_t samples);
 
 /// The smallest number of samples per pixel, `sample_count` or more, that a sampler spreads evenly: the size of its
 /// grid for kStratified and kMultijitter, any number for the others.

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 
@@ -98,7 +99,21 @@ Stats& Stats::operator+=(const Stats& other) {
   samples += other.samples;
   dropped.rays += other.dropped.rays;
   dropped.samples += other.dropped.samples;
+  lights.resize(std::max(lights.size(), other.lights.size()));
+  for (std::size_t i = 0; i < other.lights.size(); ++i) lights[i] += other.lights[i];
   return *this;
+}
+
+std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t most) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < stats.lights.size(); ++i)
+    if (stats.lights[i].rays > 0) order.push_back(i);
+  const auto more = [&](std::size_t a, std::size_t b) {
+    return std::pair(stats.lights[b].rays, a) < std::pair(stats.lights[a].rays, b);
+  };
+  std::sort(order.begin(), order.end(), more);
+  order.resize(std::min(order.size(), most));
+  return order;
 }
 
 double RenderReport::rays_per_second() const { return ratio(static_cast<double>(stats.rays.total()), render_seconds); }
@@ -106,6 +121,69 @@ double RenderReport::rays_per_second() const { return ratio(static_cast<double>(
 double RenderReport::trace_share() const {
   return ratio(static_cast<double>(stats.trace_ticks) * seconds_per_tick(), render_seconds * threads);
 }
+
+double RenderReport::samples_factor(double target) const { return noise ? (*noise / target) * (*noise / target) : 0.0; }
+
+namespace {
+
+/// What `sheaf render` prints for a light: where it stands in the file, else its row.
+std::string light_name(const RenderReport& report, std::size_t light) {
+  const bool known = light < report.light_places.size() && !report.light_places[light].empty();
+  return known ? report.light_places[light] : "light " + std::to_string(light);
+}
+
+double total_light_radiance(const Stats& stats) {
+  double total = 0;
+  for (const LightStats& light : stats.lights) total += light.radiance;
+  return total;
+}
+
+nlohmann::ordered_json lights_json(const RenderReport& report) {
+  nlohmann::ordered_json lights = nlohmann::ordered_json::array();
+  const double total = total_light_radiance(report.stats);
+  for (const std::size_t i : costliest_lights(report.stats)) {
+    const LightStats& light = report.stats.lights[i];
+    lights.push_back({{"light", i},
+                      {"where", i < report.light_places.size() ? report.light_places[i] : std::string()},
+                      {"shadow_rays", light.rays},
+                      {"arrived", light.arrived},
+                      {"radiance_share", ratio(light.radiance, total)}});
+  }
+  return lights;
+}
+
+/// The lights with the most shadow rays.
+std::string lights_table(const RenderReport& report) {
+  constexpr std::size_t kLines = 5;
+  std::string text;
+  const auto rays = static_cast<double>(report.stats.rays.shadow);
+  for (const std::size_t i : costliest_lights(report.stats, kLines)) {
+    const LightStats& light = report.stats.lights[i];
+    fmt::format_to(std::back_inserter(text), "{:<28}{:>10.1f}%{:>10.1f}%{:>12.1f}%\n", light_name(report, i),
+                   100 * ratio(static_cast<double>(light.rays), rays),
+                   100 * ratio(static_cast<double>(light.arrived), static_cast<double>(light.rays)),
+                   100 * ratio(light.radiance, total_light_radiance(report.stats)));
+  }
+  if (text.empty() || report.stats.lights.size() < 2) return {};
+  return fmt::format("{:<28}{:>11}{:>11}{:>13}\n", "light", "shadow rays", "arrive", "of their sum") + text;
+}
+
+/// How noisy the picture is, and what it would take to halve that, and to bring it to one per cent.
+std::string noise_line(const RenderReport& report) {
+  if (!report.noise || !(*report.noise > 0)) return {};
+  std::string text = fmt::format("noise {:.2f} % of a pixel's value (rms)", *report.noise * 100);
+  for (const double target : {*report.noise / 2, 0.01}) {
+    const double factor = report.samples_factor(target);
+    if (factor < 1.5) continue;
+    text += fmt::format(
+        "; {:.2g} % would take about {:.0f} spp, {:.3g} {}", target * 100, report.spp * factor,
+        report.render_seconds * factor > 180 ? report.render_seconds * factor / 60 : report.render_seconds * factor,
+        report.render_seconds * factor > 180 ? "min" : "s");
+  }
+  return text + "\n";
+}
+
+}  // namespace
 
 std::string to_json(const RenderReport& report) {
   using Json = nlohmann::ordered_json;
@@ -145,7 +223,10 @@ std::string to_json(const RenderReport& report) {
       {"rays", {{"camera", rays.camera}, {"light", rays.light}, {"scatter", rays.scatter}, {"shadow", rays.shadow}}},
       {"rays_per_second", report.rays_per_second()},
       {"trace_share", report.trace_share()},
+      {"noise", report.noise ? Json(*report.noise) : Json()},
+      {"seconds_to_one_percent", report.noise ? Json(report.render_seconds * report.samples_factor(0.01)) : Json()},
       {"stages", stages},
+      {"lights", lights_json(report)},
       {"collisions",
        {{"real", report.stats.collisions.real},
         {"null", report.stats.collisions.null},
@@ -178,6 +259,8 @@ std::string to_table(const RenderReport& report) {
     fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11.3f}{:>10.1f}{:>10.1f}%\n", report.stage_names[i],
                    stage.items, stage.calls, stage.seconds(), stage.ns_per_item(), stage.lane_fill() * 100);
   }
+  text += lights_table(report);
+  text += noise_line(report);
   if (const Stats::Collisions& c = stats.collisions; c.real + c.null + c.shadow > 0)
     fmt::format_to(out, "collisions with media: {} real, {} null ({:.2f} per real one), {} of shadow rays\n", c.real,
                    c.null, ratio(static_cast<double>(c.null), static_cast<double>(c.real)), c.shadow);

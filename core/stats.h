@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -68,6 +69,20 @@ class ScopedTimer {
   std::uint64_t start_;
 };
 
+/// What light sampling spent on a light, and what that brought.
+struct LightStats {
+  std::uint64_t rays = 0;     ///< shadow rays towards it
+  std::uint64_t arrived = 0;  ///< those of them that found nothing in between
+  double radiance = 0;        ///< that they brought to the picture, sum over samples and components
+
+  LightStats& operator+=(const LightStats& other) {
+    rays += other.rays;
+    arrived += other.arrived;
+    radiance += other.radiance;
+    return *this;
+  }
+};
+
 /// Everything that one worker counts; the sum over workers describes a render. A cache line apart from its neighbours,
 /// so that an array of them, one per worker, shares no line.
 struct alignas(64) Stats {
@@ -100,6 +115,8 @@ struct alignas(64) Stats {
     std::uint64_t samples = 0;  ///< NaN, infinite or negative radiance
   } dropped;
 
+  std::vector<LightStats> lights;  ///< by row; lights beyond its end are not told apart
+
   StageStats& operator[](Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
   const StageStats& operator[](Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
   Stats& operator+=(const Stats& other);
@@ -127,13 +144,24 @@ struct RenderReport {
   } photons;
   std::uint64_t peak_rss_bytes = 0, peak_private_bytes = 0;
   std::vector<std::string_view> stage_names;  ///< of all stages, in the order of Stats::stages
+  std::vector<std::string> light_places;      ///< "file:line" of each light that Stats::lights tells, or empty
+  /// Standard error of a pixel over its value, root of the mean square over the picture without the worst thousandth;
+  /// absent where variances are.
+  std::optional<double> noise;
   Stats stats;
 
   /// Rays of all kinds per second of rendering; 0 if no time passed.
   double rays_per_second() const;
   /// Share of all workers' rendering time spent inside Embree: trace seconds / (render_seconds * threads).
   double trace_share() const;
+  /// How many times as many samples bring the noise to `target`; 0 where it is not known.
+  double samples_factor(double target) const;
 };
+
+/// Lights that a report names.
+inline constexpr std::size_t kReportedLights = 10;
+/// Indices of the lights with the most shadow rays, most first, without those that have none.
+std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t most = kReportedLights);
 
 /// The report as JSON text, one object with the keys that the command line's help lists.
 std::string to_json(const RenderReport& report);

@@ -40,10 +40,10 @@ struct RenderArguments {
   std::optional<std::uint32_t> spp, seed;
   std::optional<int> max_depth, candidates;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
-  std::string color = "rgb", integrator, sampler, light_sampler, medium_estimator, stats, size;
+  std::string color = "rgb", integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size;
   std::optional<float> scale;
   std::optional<float> step_size;
-  int threads = 0, wave_size = 0, spectral_bins = 0;
+  int threads = 0, wave_size = 0, spectral_bins = 0, replicates = 0;
   bool no_timestamps = false, quiet = false, watertight = false;
   ReadArguments read;
 };
@@ -226,6 +226,9 @@ int render_scene(const RenderArguments& arguments) {
   if (std::string note = apply_sampler(arguments, description.sampler); !note.empty())
     description.notes.push_back(std::move(note));
   apply_size(arguments, description.film);
+  if (!arguments.filter_mode.empty())
+    description.film.filter_mode =
+        arguments.filter_mode == "importance" ? FilterMode::kImportance : FilterMode::kWeighted;
   const PixelRect crop = choose_crop(arguments, description.film);
   const ColorMode color = arguments.color == "spectral" ? ColorMode::kSpectral : ColorMode::kRgb;
   const double build_start = Progress::steady_seconds();
@@ -244,6 +247,7 @@ int render_scene(const RenderArguments& arguments) {
   options.threads = arguments.threads;
   options.wave_size = arguments.wave_size;
   options.spectral_bins = arguments.spectral_bins;
+  options.replicates = arguments.replicates;
   options.crop = crop;
   const InterruptGuard guard;
   RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet);
@@ -303,6 +307,22 @@ void add_transport_options(Command& command, RenderArguments& arguments) {
   command.add_option("--sampler", arguments.sampler,
                      "How samples are spread: sobol (Owen-scrambled), independent, stratified, multijitter; the last "
                      "two round --spp up to a grid. Default: the scene's, else sobol");
+  command
+      .add_option(
+          "--filter-mode", arguments.filter_mode,
+          "How samples come under the reconstruction filter: weighted (default): each counts in every pixel that "
+          "the filter reaches; importance: each is placed by the filter and counts in one pixel, which leaves "
+          "more noise, but noise that differs from pixel to pixel")
+      .one_of({"weighted", "importance"});
+  command
+      .add_option(
+          "--replicates", arguments.replicates,
+          "Cut the samples into this many sets that are independent of each other, from whose spread the layers "
+          "variance.R/G/B are made: 4 to 16 tell it well, and cost some of the evenness of the samples. Default: "
+          "8 with the sampler independent; else 1 (no such layers) below 32 samples per pixel, 2 below 128, 4 below "
+          "512, "
+          "then 8")
+      .in_range(1, 1024);
   command.add_option("--light-sampler", arguments.light_sampler,
                      "How the light that a surface looks to is chosen: bvh (by what it may bring there), power, "
                      "uniform. Default: the scene's, else bvh");

@@ -2,7 +2,10 @@
 
 #include "core/color.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -23,27 +26,126 @@ std::string bin_channel(int bin, int bins) {
   return "S0." + centre + "nm";
 }
 
-/// The unbiased variance of the mean of n samples, by their sum and the sum of their squares.
-float variance_of_mean(double sum, double sum_of_squares, double n) {
-  if (n < 2.0) return 0.0f;
-  const double mean = sum / n;
-  return static_cast<float>(std::min(std::max(0.0, sum_of_squares / n - mean * mean) / (n - 1.0), kLargest));
+/// See Film; `square` is the sum of S_u^2, `cross` that of S_u W_u.
+float variance_of_mean(double mean, double weight, double weight_squared, double square, double cross) {
+  const double total = weight * weight, rest = 1.0 - weight_squared / total;
+  // A single unit leaves nothing but rounding.
+  if (!(rest > 1e-9)) return 0.0f;
+  const double scatter = square - 2.0 * mean * cross + mean * mean * weight_squared;
+  return static_cast<float>(std::min(std::max(0.0, scatter) / (total * rest), kLargest));
 }
+
+/// Rows of pixels that one thread adds borders to at a time.
+constexpr int kBand = 32;
 
 }  // namespace
 
-Film::Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout, int spectral_bins)
+Film::Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout, int spectral_bins, VarianceUnit unit)
     : frame_width_(frame_width),
       frame_height_(frame_height),
       crop_(crop),
       layout_(std::move(layout)),
-      variances_(static_cast<std::size_t>(layout_.variance_count())),
-      spectral_bins_(spectral_bins),
+      unit_(unit),
+      row_(layout_, spectral_bins),
       counts_(static_cast<std::size_t>(crop.width()) * static_cast<std::size_t>(crop.height())),
-      sums_(counts_.size() * static_cast<std::size_t>(layout_.size())),
-      squares_(counts_.size() * variances_),
-      spectra_(counts_.size() * static_cast<std::size_t>(spectral_bins)) {
-  for (const FilmChannel& channel : layout_.channels()) has_variance_.push_back(channel.has_variance);
+      sums_(counts_.size() * row_.size()),
+      open_(unit == VarianceUnit::kReplicate ? counts_.size() * (1 + row_.variances) : 0) {}
+
+void Film::add(int x, int y, const double* sums) {
+  const std::size_t pixel = pixel_index(x, y);
+  double* const row = sums_.data() + pixel * row_.size();
+  for (std::size_t k = 0; k < row_.size(); ++k) row[k] += sums[k];
+  if (open_.empty()) return;
+  double* open = open_.data() + pixel * (1 + row_.variances);
+  *open++ += sums[FilmRow::kWeight];
+  for (const std::size_t c : row_.with_variance) *open++ += sums[FilmRow::kSums + c];
+}
+
+void Film::add(const FilmTile& tile) {
+  for (int y = tile.own().y0; y < tile.own().y1; ++y)
+    for (int x = tile.own().x0; x < tile.own().x1; ++x) {
+      counts_[pixel_index(x, y)] += tile.count(x, y);
+      add(x, y, tile.row(x, y));
+    }
+}
+
+void Film::add(std::span<const FilmBorder> borders) {
+  const int bands = (crop_.height() + kBand - 1) / kBand;
+  tbb::parallel_for(0, bands, [&](int band) {
+    const PixelRect rows{crop_.x0, crop_.y0 + band * kBand, crop_.x1,
+                         std::min(crop_.y0 + (band + 1) * kBand, crop_.y1)};
+    for (const FilmBorder& border : borders)
+      for (const FilmBorder::Strip& strip : border.strips) {
+        const PixelRect pixels = strip.pixels.intersection(rows);
+        for (int y = pixels.y0; y < pixels.y1; ++y) {
+          const auto line = static_cast<std::size_t>(y - strip.pixels.y0) *
+                            static_cast<std::size_t>(strip.pixels.width()) * row_.size();
+          for (int x = pixels.x0; x < pixels.x1; ++x)
+            add(x, y, strip.sums.data() + line + static_cast<std::size_t>(x - strip.pixels.x0) * row_.size());
+        }
+      }
+  });
+}
+
+void Film::end_replicate() {
+  if (open_.empty()) return;
+  const std::size_t numbers = 1 + row_.variances;
+  for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel) {
+    const double* const open = open_.data() + pixel * numbers;
+    double* square = sums_.data() + pixel * row_.size() + row_.weight_squared;
+    *square++ += open[0] * open[0];
+    for (std::size_t k = 1; k < numbers; ++k) {
+      *square++ += open[k] * open[k];
+      *square++ += open[k] * open[0];
+    }
+  }
+  std::fill(open_.begin(), open_.end(), 0.0);
+}
+
+/// `out`: the picture's channels in their order.
+void Film::write_pixel(std::size_t pixel, float* out) const {
+  const double* const row = sums_.data() + pixel * row_.size();
+  const double weight = row[FilmRow::kWeight];
+  out[row_.channels + row_.variances] = static_cast<float>(counts_[pixel]);
+  // Negative lobes of a filter may leave nothing, where samples are few.
+  if (!(weight > 0.0)) return;
+  for (std::size_t c = 0; c < row_.channels; ++c) out[c] = static_cast<float>(row[FilmRow::kSums + c] / weight);
+  const double* const squares = row + row_.weight_squared;
+  for (std::size_t k = 0; k < row_.variances; ++k)
+    out[row_.channels + k] = variance_of_mean(row[FilmRow::kSums + row_.with_variance[k]] / weight, weight, squares[0],
+                                              squares[1 + 2 * k], squares[2 + 2 * k]);
+  for (std::size_t bin = 0; bin < row_.bins; ++bin)
+    out[row_.channels + row_.variances + 1 + bin] =
+        static_cast<float>(row[row_.bins_at + bin] / (weight * bin_width(spectral_bins())));
+}
+
+std::optional<double> Film::noise() const {
+  constexpr std::size_t kComponents = 3;
+  constexpr double kLuminance[kComponents] = {0.2126, 0.7152, 0.0722}, kDark = 0.1, kWorst = 1e-3;
+  if (row_.variances < kComponents || row_.with_variance[kComponents - 1] != kBlue) return std::nullopt;
+  std::vector<float> channels(row_.channels + row_.variances + 1 + row_.bins);
+  std::vector<double> values, relative;
+  double mean = 0;
+  for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel) {
+    write_pixel(pixel, channels.data());
+    double value = 0, variance = 0;
+    for (std::size_t c = 0; c < kComponents; ++c) {
+      value += kLuminance[c] * static_cast<double>(channels[c]);
+      // As if the components' errors went together, which they do unless light is much coloured.
+      variance += kLuminance[c] * std::sqrt(static_cast<double>(channels[row_.channels + c]));
+    }
+    values.push_back(value);
+    relative.push_back(variance * variance);
+    mean += value;
+  }
+  mean /= static_cast<double>(std::max<std::size_t>(counts_.size(), 1));
+  for (std::size_t pixel = 0; pixel < values.size(); ++pixel)
+    relative[pixel] /= values[pixel] * values[pixel] + kDark * mean * (kDark * mean) + 1e-30;
+  const auto kept = static_cast<std::size_t>(static_cast<double>(values.size()) * (1 - kWorst));
+  std::nth_element(relative.begin(), relative.begin() + static_cast<std::ptrdiff_t>(kept), relative.end());
+  double sum = 0;
+  for (std::size_t i = 0; i < kept; ++i) sum += relative[i];
+  return kept > 0 ? std::sqrt(sum / static_cast<double>(kept)) : 0.0;
 }
 
 Image Film::to_image() const {
@@ -52,28 +154,14 @@ Image Film::to_image() const {
   for (const FilmChannel& channel : layout_.channels())
     if (channel.has_variance) names.push_back("variance." + channel.name);
   names.emplace_back("sampleCount");
-  for (int bin = 0; bin < spectral_bins_; ++bin) names.push_back(bin_channel(bin, spectral_bins_));
+  for (int bin = 0; bin < spectral_bins(); ++bin) names.push_back(bin_channel(bin, spectral_bins()));
   Image image(crop_.width(), crop_.height(), std::move(names));
   image.x0 = crop_.x0;
   image.y0 = crop_.y0;
   image.frame_width = frame_width_;
   image.frame_height = frame_height_;
-  const std::size_t channels = has_variance_.size(), bins = static_cast<std::size_t>(spectral_bins_);
-  for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel) {
-    if (counts_[pixel] == 0) continue;
-    const auto n = static_cast<double>(counts_[pixel]);
-    float* mean = image.data.data() + pixel * image.channels.size();
-    float* variance = mean + channels;
-    const double* sum = sums_.data() + pixel * channels;
-    const double* square = squares_.data() + pixel * variances_;
-    for (std::size_t c = 0; c < channels; ++c) {
-      mean[c] = static_cast<float>(sum[c] / n);
-      if (has_variance_[c]) *variance++ = variance_of_mean(sum[c], *square++, n);
-    }
-    *variance = static_cast<float>(n);
-    for (std::size_t bin = 0; bin < bins; ++bin)
-      variance[1 + bin] = static_cast<float>(spectra_[pixel * bins + bin] / (n * bin_width(spectral_bins_)));
-  }
+  for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel)
+    write_pixel(pixel, image.data.data() + pixel * image.channels.size());
   return image;
 }
 

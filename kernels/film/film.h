@@ -2,55 +2,70 @@
 #pragma once
 
 #include "core/image.h"
-#include "core/pixel_rect.h"
-#include "kernels/film/film_layout.h"
-#include "kernels/film/sample_buffer.h"
+#include "kernels/film/film_tile.h"
+
+#include <optional>
+#include <span>
 
 namespace sheaf {
 
 /// Most bins: one for every nm from 360 to 830.
 inline constexpr int kMaxSpectralBins = 471;
 
-/// Pixel sums in double precision. Samples of one pixel must be added in the order of their sample index; different
-/// pixels may be added to by different threads at once.
+/// What the variance of a pixel is estimated from.
+enum class VarianceUnit : std::uint8_t {
+  kSample,     ///< the scatter of samples: right where these are independent of each other
+  kReplicate,  ///< that of replicates: sets of samples that are independent of each other, one after the other
+};
+
+/// Pixel sums in double precision. A pixel's value is the mean of its samples by weight, sum of w v / sum of w; where
+/// samples count in their own pixel alone w is 1.
+///
+/// With u for a unit, a sample or a replicate, W_u its sum of w, S_u its sum of w v, and m = sum of S_u / sum of W_u,
+/// the variance of m is, to the first order in 1 / n, the sum of (S_u - m W_u)^2 over the square of the sum of W_u
+/// (Cochran, "Sampling Techniques", 1977, chapter 6); divided by 1 - (sum of W_u^2) / (sum of
+/// W_u)^2, which makes it unbiased where all W_u are the same.
+///
+/// Tiles are added as they end, each pixel by the one tile that owns it; borders when all tiles of a pass have ended,
+/// in the order of tiles. So a pixel's bits depend on how the frame is cut into tiles and passes alone.
 class Film {
  public:
   Film() = default;
   /// `crop` must lie inside the frame. `spectral_bins`: of equal width from 360 to 830 nm, at most kMaxSpectralBins.
   Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout = FilmLayout::beauty(),
-       int spectral_bins = 0);
+       int spectral_bins = 0, VarianceUnit unit = VarianceUnit::kSample);
 
   int width() const { return frame_width_; }
   int height() const { return frame_height_; }
   const PixelRect& crop() const { return crop_; }
   const FilmLayout& layout() const { return layout_; }
-  int spectral_bins() const { return spectral_bins_; }
+  int spectral_bins() const { return static_cast<int>(row_.bins); }
+  VarianceUnit variance_unit() const { return unit_; }
 
-  /// Adds the sample `index` of a buffer with the film's layout to the pixel (x, y) of the frame, which must lie inside
-  /// the crop; nothing if the sample was dropped.
-  void add(int x, int y, const SampleBuffer& samples, std::size_t index) {
-    if (samples.is_dropped(index)) return;
-    const std::size_t pixel = pixel_index(x, y), channels = has_variance_.size();
-    const float* sample = samples[index];
-    double* sum = sums_.data() + pixel * channels;
-    double* square = squares_.data() + pixel * variances_;
-    for (std::size_t c = 0; c < channels; ++c) {
-      const double value = sample[c];
-      sum[c] += value;
-      if (has_variance_[c]) *square++ += value * value;
-    }
-    ++counts_[pixel];
-    if (spectral_bins_ > 0) add_spectrum(pixel, samples.spectrum(index));
+  /// Begins a tile of this film; see FilmTile::begin().
+  void begin(FilmTile& tile, const PixelRect& own, const FilterWeights* weights) const {
+    tile.begin(row_, weights, unit_ == VarianceUnit::kSample, own, crop_);
   }
+  /// Adds the tile's own pixels. Different tiles may be added by different threads at once.
+  void add(const FilmTile& tile);
+  /// Adds what tiles bring to the pixels of others, in the order given. Uses threads.
+  void add(std::span<const FilmBorder> borders);
+  /// Ends a replicate: what was added since the last one, or since the beginning. Nothing where samples are the units.
+  void end_replicate();
 
-  /// How many samples the pixel (x, y) of the frame, inside the crop, has received.
+  /// How many samples were taken in the pixel (x, y) of the frame, inside the crop, and not dropped.
   std::uint64_t count(int x, int y) const { return counts_[pixel_index(x, y)]; }
 
-  /// The picture over the crop: the mean of each channel, the variances (of the mean, as if samples were independent;
-  /// zero below two samples) and sampleCount. Pixels without samples are zero. A film with bins has the mean spectral
-  /// radiance over each of them besides, in channels as of Fichet, Pacanowski and Wilkie, "An OpenEXR Layout for
-  /// Spectral Images" (2021): the name of the bin around 550 nm is "S0.550,000000nm".
+  /// The picture over the crop: the mean of each channel, the variances of these means (zero below two units, and in
+  /// replicates that have not ended) and sampleCount. Pixels without samples are zero. A film with bins has the mean
+  /// spectral radiance over each of them besides, in channels as of Fichet, Pacanowski and Wilkie, "An OpenEXR Layout
+  /// for Spectral Images" (2021): the name of the bin around 550 nm is "S0.550,000000nm".
   Image to_image() const;
+
+  /// How noisy the picture is: the standard error of a pixel's luminance over its value, root of the mean square over
+  /// the pixels without the worst thousandth. Dark pixels count as if they had a tenth of the picture's mean. Nothing
+  /// where R, G and B have no variances.
+  std::optional<double> noise() const;
 
  private:
   friend void write_film(const std::filesystem::path& file, const Film& film);
@@ -60,21 +75,18 @@ class Film {
     return static_cast<std::size_t>(y - crop_.y0) * static_cast<std::size_t>(crop_.width()) +
            static_cast<std::size_t>(x - crop_.x0);
   }
-  void add_spectrum(std::size_t pixel, const SpectralSample& sample) {
-    double* bins = spectra_.data() + pixel * static_cast<std::size_t>(spectral_bins_);
-    for (int k = 0; k < 4; ++k) bins[sample.bin[k]] += static_cast<double>(sample.value[k]);
-  }
+  void add(int x, int y, const double* sums);
+  void write_pixel(std::size_t pixel, float* out) const;
 
   int frame_width_ = 0, frame_height_ = 0;
   PixelRect crop_;
   FilmLayout layout_;
-  std::vector<std::uint8_t> has_variance_;  ///< of each channel
-  std::size_t variances_ = 0;               ///< channels that have one
-  int spectral_bins_ = 0;
+  VarianceUnit unit_ = VarianceUnit::kSample;
+  FilmRow row_;
   std::vector<std::uint64_t> counts_;  ///< per pixel
-  std::vector<double> sums_;           ///< per pixel and channel
-  std::vector<double> squares_;        ///< sums of squares, per pixel and channel with a variance
-  std::vector<double> spectra_;        ///< sums, per pixel and bin
+  std::vector<double> sums_;           ///< per pixel a row; its second group is of the units that have ended
+  /// Of the replicate that has not ended, per pixel: the sum of weights and, for each channel with a variance, its sum.
+  std::vector<double> open_;
 };
 
 }  // namespace sheaf

@@ -16,7 +16,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::string_view kFirstLine = "sheaf film 1\n";
+constexpr std::string_view kFirstLine = "sheaf film 2\n";
 /// Longest name of a channel, and most of them: far beyond any film, far below what would exhaust memory.
 constexpr std::uint32_t kMaxName = 1024, kMaxChannels = 4096;
 
@@ -97,7 +97,7 @@ FilmLayout read_layout(Reader& in) {
 void write_film(const std::filesystem::path& file, const Film& film) {
   Writer out;
   for (const int value : {film.frame_width_, film.frame_height_, film.crop_.x0, film.crop_.y0, film.crop_.x1,
-                          film.crop_.y1, film.spectral_bins_})
+                          film.crop_.y1, film.spectral_bins(), static_cast<int>(film.unit_)})
     out.put(static_cast<std::int32_t>(value));
   out.put(static_cast<std::uint32_t>(film.layout_.size()));
   for (const FilmChannel& channel : film.layout_.channels()) {
@@ -106,8 +106,7 @@ void write_film(const std::filesystem::path& file, const Film& film) {
   }
   out.put(film.counts_);
   out.put(film.sums_);
-  out.put(film.squares_);
-  out.put(film.spectra_);
+  out.put(film.open_);
   const std::uint32_t check = check_sum(out.bytes());
   out.put(check);
   write_text_file(file, std::string(kFirstLine) + out.bytes());
@@ -126,20 +125,22 @@ Film read_film(const std::filesystem::path& file) {
   if (check != check_sum(body)) whole.fail("is damaged: its check sum is wrong");
 
   Reader in(file, body);
-  std::int32_t numbers[7];
+  std::int32_t numbers[8];
   for (std::int32_t& number : numbers) number = in.get<std::int32_t>();
-  const auto [width, height, x0, y0, x1, y1, bins] = numbers;
-  if (x0 < 0 || y0 < 0 || x1 < x0 || y1 < y0 || x1 > width || y1 > height || bins < 0 || bins > kMaxSpectralBins)
+  const auto [width, height, x0, y0, x1, y1, bins, unit] = numbers;
+  if (x0 < 0 || y0 < 0 || x1 < x0 || y1 < y0 || x1 > width || y1 > height || bins < 0 || bins > kMaxSpectralBins ||
+      unit < 0 || unit > static_cast<int>(VarianceUnit::kReplicate))
     in.fail("has a crop or bins that cannot be: damaged");
   FilmLayout layout = read_layout(in);
   const auto pixels = static_cast<std::size_t>(x1 - x0) * static_cast<std::size_t>(y1 - y0);
-  const auto numbers_per_pixel = static_cast<std::size_t>(1 + layout.size() + layout.variance_count() + bins);
+  const std::size_t open_numbers =
+      unit == static_cast<int>(VarianceUnit::kReplicate) ? 1 + static_cast<std::size_t>(layout.variance_count()) : 0;
+  const std::size_t numbers_per_pixel = 1 + FilmRow(layout, bins).size() + open_numbers;
   if (in.left() != pixels * numbers_per_pixel * sizeof(double)) in.fail("has another size than its header claims");
-  Film film(width, height, {x0, y0, x1, y1}, std::move(layout), bins);
+  Film film(width, height, {x0, y0, x1, y1}, std::move(layout), bins, static_cast<VarianceUnit>(unit));
   in.get(film.counts_);
   in.get(film.sums_);
-  in.get(film.squares_);
-  in.get(film.spectra_);
+  in.get(film.open_);
   return film;
 }
 

@@ -4,7 +4,9 @@
 
 namespace sheaf {
 
-FilmLayout FilmLayout::beauty() { return FilmLayout({{"R", true}, {"G", true}, {"B", true}, {"A", false}}); }
+FilmLayout FilmLayout::beauty(bool with_variances) {
+  return FilmLayout({{"R", with_variances}, {"G", with_variances}, {"B", with_variances}, {"A", false}});
+}
 
 int FilmLayout::variance_count() const {
   return static_cast<int>(std::count_if(channels_.begin(), channels_.end(), [](auto& c) { return c.has_variance; }));

@@ -16,8 +16,8 @@ struct FilmChannel {
 /// The channels of a sample in their order.
 class FilmLayout {
  public:
-  /// What every camera pass makes: R, G and B (linear Rec.709, premultiplied) with variances, and A (coverage).
-  static FilmLayout beauty();
+  /// What every camera pass makes: R, G and B (linear Rec.709, premultiplied), with variances or not, and A (coverage).
+  static FilmLayout beauty(bool with_variances = true);
 
   FilmLayout() = default;
   explicit FilmLayout(std::vector<FilmChannel> channels) : channels_(std::move(channels)) {}

@@ -14,13 +14,20 @@ struct SpectralSample {
   float value[4] = {};  ///< spectral radiance over the density of the wavelength, the filter's weight included
 };
 
-/// The samples of a task, each with all channels of the film's layout next to each other, the filter's weight included.
+/// Where a sample lies, pixels from the centre of its pixel.
+struct SampleOffset {
+  float x = 0, y = 0;
+};
+
+/// The samples of a task, each with all channels of the film's layout next to each other. Where a sample counts in its
+/// own pixel alone, the filter's weight is included.
 class SampleBuffer {
  public:
   /// Room for `samples` samples of `channels` channels, at least one; `spectral`: with SpectralSamples as well.
   void resize(int samples, int channels, bool spectral) {
     channels_ = channels;
     values_.resize(static_cast<std::size_t>(samples) * static_cast<std::size_t>(channels));
+    offsets_.resize(static_cast<std::size_t>(samples));
     spectra_.resize(spectral ? static_cast<std::size_t>(samples) : 0);
   }
 
@@ -30,6 +37,8 @@ class SampleBuffer {
   const float* operator[](std::size_t sample) const {
     return values_.data() + sample * static_cast<std::size_t>(channels_);
   }
+  SampleOffset& offset(std::size_t sample) { return offsets_[sample]; }
+  const SampleOffset& offset(std::size_t sample) const { return offsets_[sample]; }
   bool has_spectra() const { return !spectra_.empty(); }
   SpectralSample& spectrum(std::size_t sample) { return spectra_[sample]; }
   const SpectralSample& spectrum(std::size_t sample) const { return spectra_[sample]; }
@@ -41,6 +50,7 @@ class SampleBuffer {
  private:
   int channels_ = 0;
   std::vector<float> values_;
+  std::vector<SampleOffset> offsets_;
   std::vector<SpectralSample> spectra_;
 };
 

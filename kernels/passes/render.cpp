@@ -25,6 +25,15 @@ constexpr int kTaskSamples = 16384;
 /// Most samples per pixel and pass; passes are separated by a barrier, within one a tile has one owner.
 constexpr std::uint32_t kPassSamples = 256;
 
+/// Replicates where they cost nothing.
+constexpr std::uint32_t kFreeReplicates = 8;
+
+/// Replicates that are worth what they cost: none where samples are few.
+std::uint32_t default_replicates(std::uint32_t spp) {
+  if (spp < 32) return 1;
+  return spp < 128 ? 2 : spp < 512 ? 4 : 8;
+}
+
 /// Most samples per pixel that gather rays may make.
 constexpr std::uint32_t kMostSamples = 1 << 24;
 /// Photons per task, and tasks whose splats are kept until they are added to the film.
@@ -53,21 +62,28 @@ PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
   return crop;
 }
 
-/// Squares of `side` pixels that cover the crop, row by row.
-std::vector<PixelRect> make_tiles(const PixelRect& crop, int side) {
-  std::vector<PixelRect> tiles;
-  for (int y = crop.y0; y < crop.y1; y += side)
-    for (int x = crop.x0; x < crop.x1; x += side)
-      tiles.push_back({x, y, std::min(x + side, crop.x1), std::min(y + side, crop.y1)});
+/// A square of pixels of the frame, and those of them whose samples are wanted.
+struct Tile {
+  PixelRect pixels, wanted;
+};
+
+/// Squares of `side` pixels, counted from the frame's corner, that hold any of the `wanted` pixels, row by row.
+std::vector<Tile> make_tiles(const PixelRect& wanted, int side) {
+  std::vector<Tile> tiles;
+  for (int y = wanted.y0 / side * side; y < wanted.y1; y += side)
+    for (int x = wanted.x0 / side * side; x < wanted.x1; x += side) {
+      const PixelRect pixels{x, y, x + side, y + side};
+      tiles.push_back({pixels, pixels.intersection(wanted)});
+    }
   return tiles;
 }
 
-/// Adds a finished task to the film, every pixel's samples in order.
-void reduce(const CameraTask& task, Film& film) {
+/// Adds a finished task's samples to its tile, every pixel's in order.
+void reduce(const CameraTask& task, FilmTile& tile) {
   std::size_t sample = 0;
   for (const PixelSamples& p : task.pixels()) {
     const int x = static_cast<int>(p.pixel % task.frame_width()), y = static_cast<int>(p.pixel / task.frame_width());
-    for (std::uint32_t i = 0; i < p.sample_count; ++i, ++sample) film.add(x, y, task.samples, sample);
+    for (std::uint32_t i = 0; i < p.sample_count; ++i, ++sample) tile.add(x, y, task.samples, sample);
   }
 }
 
@@ -101,7 +117,8 @@ StageContext context_of(const Scene& scene) {
 class Renderer {
  public:
   Renderer(const Scene& scene, const RenderOptions& options)
-      : context_(context_of(scene)),
+      : scene_(scene),
+        context_(context_of(scene)),
         needs_(WaveNeeds::of(context_)),
         options_(options),
         spp_(rounded_sample_count(scene.sampler().kind, options.samples_per_pixel.value_or(default_samples(scene)))),
@@ -123,9 +140,10 @@ class Renderer {
       throw Error(ExitCode::kUsage, "wave size must be at most " + std::to_string(kMaxWaveSize));
     const PixelRect crop = checked_crop(scene, options);
     check_spectral_bins(scene, options.spectral_bins);
-    context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed), spp_);
-    film_ = Film(scene.film().width, scene.film().height, crop, FilmLayout::beauty(), options.spectral_bins);
-    total_ = static_cast<std::uint64_t>(crop.width()) * static_cast<std::uint64_t>(crop.height()) * spp_;
+    set_film(scene, crop);
+    context_.sampler =
+        make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed), replicate_samples_);
+    total_ = static_cast<std::uint64_t>(wanted_.width()) * static_cast<std::uint64_t>(wanted_.height()) * spp_;
     if (maps_photons) {
       photon_mapping_.emplace(context_, spp_, std::max(film_.width(), film_.height()));
       total_ += photon_mapping_->wanted();
@@ -144,13 +162,15 @@ class Renderer {
     tbb::task_arena arena(threads_);
     arena.execute([this] {
       for (std::uint32_t first = 0, count = 0; first < spp_ && !stopped(); first += count) {
-        count = std::min(kPassSamples, spp_ - first);
+        count = std::min({kPassSamples, spp_ - first, replicate_samples_ - first % replicate_samples_});
         if (photon_mapping_) {
           count = photon_mapping_->samples_alike(count);
           photon_mapping_->prepare(first, workers_, photon_tracing_, context_);
         }
         run_pass(first, count);
+        if ((first + count) % replicate_samples_ == 0) film_.end_replicate();
       }
+      film_.end_replicate();
       while (photons_done_ < photons_ && !stopped()) run_photons();
     });
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
@@ -158,19 +178,38 @@ class Renderer {
   }
 
  private:
+  /// What is sampled, in how many replicates, and where it is summed up.
+  void set_film(const Scene& scene, const PixelRect& crop) {
+    const FilmDescription& film = scene.film();
+    const FilterWeights* weights = context_.scene.filter_weights;
+    wanted_ = crop.grown(weights != nullptr ? weights->reach() : 0).intersection({0, 0, film.width, film.height});
+    const bool independent = scene.sampler().kind == SamplerKind::kIndependent;
+    const std::uint32_t replicates = options_.replicates > 0 ? static_cast<std::uint32_t>(options_.replicates)
+                                     : independent           ? kFreeReplicates
+                                                             : default_replicates(spp_);
+    const bool by_samples = independent && (weights == nullptr || weights->reach() == 0);
+    replicate_samples_ = by_samples ? spp_ : (spp_ + replicates - 1) / replicates;
+    film_ = Film(film.width, film.height, crop, FilmLayout::beauty(by_samples || replicate_samples_ < spp_),
+                 options_.spectral_bins, by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate);
+  }
+
   bool stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
 
   void run_pass(std::uint32_t first_sample, std::uint32_t sample_count) {
     int side = 8;
     while (side < 64 && 4 * side * side * static_cast<int>(sample_count) <= kTaskSamples) side *= 2;
-    const std::vector<PixelRect> tiles = make_tiles(film_.crop(), side);
+    const std::vector<Tile> tiles = make_tiles(wanted_, side);
+    std::vector<FilmBorder> borders(context_.scene.filter_weights != nullptr ? tiles.size() : 0);
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
         [&](const tbb::blocked_range<std::size_t>& range) {
-          for (std::size_t i = range.begin(); i < range.end() && !stopped(); ++i)
-            run_task(samples_of(tiles[i], film_.width(), first_sample, sample_count));
+          for (std::size_t i = range.begin(); i < range.end() && !stopped(); ++i) {
+            const FilmTile& tile = run_task(tiles[i], first_sample, sample_count);
+            if (!borders.empty()) borders[i] = tile.border();
+          }
         },
         tbb::simple_partitioner());
+    film_.add(borders);
   }
 
   void report_done(std::uint64_t more) {
@@ -178,17 +217,23 @@ class Renderer {
     if (options_.on_progress) options_.on_progress(done, total_);
   }
 
-  void run_task(const std::vector<PixelSamples>& pixels) {
+  /// Takes samples of a tile, and adds its own pixels to the film. The tile that is returned is the worker's.
+  const FilmTile& run_task(const Tile& tile, std::uint32_t first_sample, std::uint32_t sample_count) {
     const FlushDenormals flush;
     Worker& worker = workers_.local();
+    const std::vector<PixelSamples> pixels = samples_of(tile.wanted, film_.width(), first_sample, sample_count);
     worker.camera.begin(pixels, film_.width(), film_.layout().size(), film_.spectral_bins());
     StageContext context = context_;
     context.camera = &worker.camera;
+    context.sampler = sampler_of_replicate(context.sampler, first_sample / replicate_samples_, replicate_samples_);
     // What photons cannot find is light that reaches the camera without having been scattered.
     if (context.transport.kind == IntegratorKind::kLightTracer) context.transport.max_depth = 1;
     camera_pass_of<Wide>(context.transport.kind)(context, worker.wave);
-    reduce(worker.camera, film_);
+    film_.begin(worker.tile, tile.pixels, context.scene.filter_weights);
+    reduce(worker.camera, worker.tile);
+    film_.add(worker.tile);
     report_done(static_cast<std::uint64_t>(worker.camera.total()));
+    return worker.tile;
   }
 
   /// The next tasks of photons, whose splats are added to the film when all of them have ended.
@@ -256,6 +301,9 @@ class Renderer {
     if (const std::uint64_t abandoned = report.stats.collisions.abandoned; abandoned > 0)
       result.warnings.push_back(std::to_string(abandoned) + " rays were given up in a medium after " +
                                 std::to_string(kMostCollisions) + " collisions each: its voxels differ too much");
+    report.noise = film_.noise();
+    for (const SourceLocation& place : scene_.light_places())
+      report.light_places.push_back(place.line > 0 ? place.file + ":" + std::to_string(place.line) : std::string());
     result.film = std::move(film_);
     result.splats = std::move(splats_);
     result.photons = photons_done_;
@@ -274,12 +322,15 @@ class Renderer {
            "), sample " + std::to_string(first.sample);
   }
 
+  const Scene& scene_;
   StageContext context_;
   WaveNeeds needs_;
   const RenderOptions& options_;
   std::uint32_t spp_;
   int threads_, wave_size_;
   Film film_;
+  PixelRect wanted_;  ///< pixels that are sampled: the crop, and those around from which samples reach into it
+  std::uint32_t replicate_samples_ = 0;  ///< per pixel, of each replicate
   std::optional<SplatFilm> splats_;
   std::optional<PhotonMapping> photon_mapping_;
   PhotonTracing photon_tracing_{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};

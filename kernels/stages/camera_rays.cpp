@@ -1,4 +1,4 @@
-// Stage: camera rays. Pixel positions by filter importance sampling; see scene/tables/filter.h.
+// Stage: camera rays. Positions in the pixel as the reconstruction filter wants them; see scene/tables/filter.h.
 #include "core/sampler.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/stages/continue_ray.h"
@@ -58,6 +58,17 @@ SHEAF_INLINE Uint<L> start_in_medium(const StageContext& context, Wave& wave, co
   return medium | (min(to_uint(u * F(3.0f)), U(2u)) << kRayHeroShift);
 }
 
+/// Where samples lie in their pixels, for the film.
+template <class L>
+SHEAF_INLINE void remember_offsets(CameraTask& task, Uint<L> sample, int count, Float<L> x, Float<L> y) {
+  alignas(kSimdAlignment) std::uint32_t index[L::width];
+  alignas(kSimdAlignment) float xs[L::width], ys[L::width];
+  store(index, sample);
+  store(xs, x);
+  store(ys, y);
+  for (int lane = 0; lane < count; ++lane) task.samples.offset(index[lane]) = {xs[lane], ys[lane]};
+}
+
 template <class L>
 SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot* slots, int count,
                              std::uint32_t flags) {
@@ -90,6 +101,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   const auto u = draw<L>(context.sampler, throughput.pixel, throughput.sample, U(0u), SampleBlock::kCamera);
   if (context.scene.color == ColorMode::kSpectral) start_wavelengths<L>(context, wave, slots, count, throughput, u);
   const auto dx = context.scene.filter->sample<L>(u.x), dy = context.scene.filter->sample<L>(u.y);
+  remember_offsets<L>(task, radiance.task_sample, count, dx.position, dy.position);
   const F film_x = to_float(px) + F(0.5f) + dx.position, film_y = to_float(py) + F(0.5f) + dy.position;
   const CameraRay<L> from_camera = camera_ray<L>(context.scene, film_x, film_y, u);
   RayState<L> ray;

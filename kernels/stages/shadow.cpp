@@ -13,6 +13,7 @@ namespace {
 SHEAF_INLINE void pay(Wave& wave, int i) {
   const ShadowItem<Columns>& c = wave.shadows.columns();
   const Spectrum4 found{c.contribution.c0[i], c.contribution.c1[i], c.contribution.c2[i], c.contribution.c3[i]};
+  count_arrival(wave, c.light[i], Quad(found));
   add_radiance(wave, static_cast<Slot>(c.slot[i]), Quad(found), c.light[i]);
 }
 
@@ -23,7 +24,7 @@ template <class L> void shadow(const StageContext& context, Wave& wave) noexcept
   if (rays == 0) return;
   StageTimer timer(wave.stats, Stage::kShadow);
   timer.count(rays, kPacketWidth);
-  wave.stats.rays.shadow += static_cast<std::uint64_t>(rays);
+  count_shadow_rays(wave);
   trace_packets(
       context.scene, wave, rays, RayRecorder::Query::kAny,
       [&](int first, int count, RayPacket& packet) {

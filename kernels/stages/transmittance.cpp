@@ -120,6 +120,7 @@ void pay(const StageContext& context, Wave& wave, const ShadowRay& ray) {
   const float by_light = lane_mean(context.scene, Quad(ray.state.r_l)),
               by_path = lane_mean(context.scene, r_u) * ray.state.pdf_ratio;
   const Quad found = Quad(ray.item.contribution) * (power_heuristic(by_light, by_path) / by_light);
+  count_arrival(wave, ray.item.light, found);
   add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light);
 }
 
@@ -170,7 +171,7 @@ template <class L> void transmittance(const StageContext& context, Wave& wave) n
   if (wave.shadow_count == 0) return;
   StageTimer timer(wave.stats, Stage::kTransmittance);
   timer.count(wave.shadow_count, kPacketWidth);
-  wave.stats.rays.shadow += static_cast<std::uint64_t>(wave.shadow_count);
+  count_shadow_rays(wave);
   int rays = wave.shadow_count;
   for (int round = 0; rays > 0 && round < kMostCrossings; ++round) rays = follow<L>(context, wave, rays, round);
   wave.shadow_count = 0;

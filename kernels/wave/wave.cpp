@@ -64,6 +64,7 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   needs.film_places = !needs.candidates;
   for (const std::uint32_t flags : scene.kind_flags)
     needs.textures = needs.textures || (flags & (kTextured | kMapped)) != 0;
+  needs.counted_lights = std::min(scene.light_count, kToldLights);
   needs.closure_words = longest_closure(scene);
   return needs;
 }
@@ -78,6 +79,7 @@ Wave::Wave(int paths, const WaveNeeds& what) : capacity(paths), needs(what), are
     if (count > 0) soa.bind(arena, rows, count);
   });
   for (int slot = paths - 1; slot >= 0; --slot) free.push(static_cast<Slot>(slot));
+  stats.lights.resize(needs.counted_lights);
 }
 
 std::size_t Wave::bytes_per_path(const WaveNeeds& needs) {

@@ -14,6 +14,7 @@ struct WaveNeeds {
   bool candidates = true;    ///< light candidates
   bool reservoirs = true;    ///< resampling of several light candidates
   bool film_places = true;   ///< where photons are seen by the camera
+  std::uint32_t counted_lights = 0;      ///< whose shadow rays are counted apart
   int closure_words = kMaxClosureWords;  ///< longest parameters of a closure
 
   static WaveNeeds of(const StageContext& context);

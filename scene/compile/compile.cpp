@@ -15,7 +15,9 @@ std::unique_ptr<Scene> SceneCompiler::run() {
   out_->sampler_ = in_.sampler;
   out_->integrator_ = in_.integrator;
   add_cameras();
-  out_->filter_ = make_filter_table(in_.film.filter);
+  const bool weighted = in_.film.filter_mode == FilterMode::kWeighted;
+  out_->filter_ = weighted ? make_placement_table(in_.film.filter) : make_filter_table(in_.film.filter);
+  if (weighted) out_->filter_weights_.emplace(in_.film.filter);
   out_->textures_ = compile_textures(in_.textures);
   out_->warnings_ = out_->textures_.warnings;
   attributes_.emplace(out_->textures_.attribute_names);

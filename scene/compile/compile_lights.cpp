@@ -52,8 +52,7 @@ void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, 
     light.row.radiance = light.row.radiance * factor;
     spectrum.scale *= factor;
   }
-  out_->lights_.push_back(light.row);
-  out_->light_spectra_.push_back(spectrum);
+  add_light_row(light.row, spectrum, emitter.where);
   out_->has_textured_lights_ = out_->has_textured_lights_ || light.row.texture != kNone;
   out_->triangle_alias_.insert(out_->triangle_alias_.end(), light.alias.begin(), light.alias.end());
   out_->light_triangles_.insert(out_->light_triangles_.end(), light.triangles.begin(), light.triangles.end());
@@ -70,8 +69,7 @@ void SceneCompiler::add_volume_lights() {
     const auto light = make_volume_light(out_->view(), i, medium_boxes_[i], first_cell);
     if (!light) continue;
     out_->media_[i].light = static_cast<std::uint32_t>(out_->lights_.size());
-    out_->lights_.push_back(light->row);
-    out_->light_spectra_.emplace_back();
+    add_light_row(light->row, {}, {});
     out_->triangle_alias_.insert(out_->triangle_alias_.end(), light->alias.begin(), light->alias.end());
   }
 }
@@ -104,8 +102,13 @@ void SceneCompiler::push_light(PlacedLight light, const SourceLocation& where) {
     light.row.detail = static_cast<std::uint32_t>(out_->light_frames_.size());
     out_->light_frames_.push_back(*light.frame);
   }
-  out_->lights_.push_back(light.row);
-  out_->light_spectra_.push_back(light.spectrum);
+  add_light_row(light.row, light.spectrum, where);
+}
+
+void SceneCompiler::add_light_row(const LightRow& row, const SpectrumRow& spectrum, const SourceLocation& where) {
+  out_->lights_.push_back(row);
+  out_->light_spectra_.push_back(spectrum);
+  if (out_->light_places_.size() < kToldLights) out_->light_places_.push_back(where);
 }
 
 void SceneCompiler::select_lights() {

@@ -142,10 +142,10 @@ void SceneCompiler::push_shape(ShapeRow row, const ShapeDescription& shape, cons
   if (const std::optional<AreaEmission> emission = emission_of(shape)) {
     if (group_emitters_ != nullptr) {
       row.light = static_cast<std::uint32_t>(group_emitters_->size());
-      group_emitters_->push_back({index, *emission});
+      group_emitters_->push_back({index, *emission, shape.where});
     } else {
       row.light = static_cast<std::uint32_t>(out_->lights_.size());
-      add_area_light(row, {index, *emission}, nullptr);
+      add_area_light(row, {index, *emission, shape.where}, nullptr);
     }
   }
   out_->shapes_.push_back(row);

@@ -46,6 +46,7 @@ class SceneCompiler {
   struct Emitter {
     std::uint32_t shape;
     AreaEmission emission;
+    SourceLocation where;
   };
 
   /// What a group holds, for its instances.
@@ -96,6 +97,7 @@ class SceneCompiler {
   void add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance);
   /// Adds a light unless it is black. Throws at `where` for a second environment.
   void push_light(PlacedLight light, const SourceLocation& where);
+  void add_light_row(const LightRow& row, const SpectrumRow& spectrum, const SourceLocation& where);
   /// What a shape emits, or nothing if that is black.
   std::optional<AreaEmission> emission_of(const ShapeDescription& shape);
   /// The tables that choose lights, once textures can be looked up.

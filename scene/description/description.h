@@ -689,10 +689,17 @@ struct FilterDescription {
   float lobes = 3;       ///< lanczos; equals the radius
 };
 
+/// How samples come under the filter; see scene/tables/filter.h.
+enum class FilterMode {
+  kWeighted,    ///< a sample counts in every pixel that the filter reaches from it
+  kImportance,  ///< a sample is placed by the filter, and counts in one pixel
+};
+
 struct FilmDescription {
   int width = 768, height = 576;
   std::optional<PixelRect> crop;
   FilterDescription filter;
+  FilterMode filter_mode = FilterMode::kWeighted;
 };
 
 struct SamplerDescription {

@@ -1,6 +1,7 @@
 #include "scene/tables/accel.h"
 
 #include "core/error.h"
+#include "scene/tables/build_quality.h"
 #include "scene/tables/instance.h"
 #include "scene/tables/quadric.h"
 #include "scene/tables/scene.h"
@@ -259,6 +260,7 @@ void attach(RTCScene scene, RTCGeometry geometry, std::uint32_t id) {
 /// Attaches shapes [first, first + count) with ids that count from 0: Embree's tables grow with the largest id.
 void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, ShapeRange range,
                    std::deque<SdfGridView>& grids) {
+  if (is_worth_splitting(in, range)) rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
   for (std::uint32_t id = 0; id < range.shape_count; ++id) {
     const std::uint32_t i = range.first_shape + id;
     const ShapeRow& shape = in.shapes[i];

@@ -17,6 +17,13 @@ double cubic(double x, double b, double c) {
   return 0;
 }
 
+double checked_radius(const FilterDescription& filter) {
+  const double radius = filter_radius(filter);
+  if (!(radius > 0 && radius <= 64))
+    throw SceneError("reconstruction filter must be wider than 0 and at most 64 pixels in radius");
+  return radius;
+}
+
 double sinc(double x) { return x < 1e-5 ? 1.0 : std::sin(kPiD * x) / (kPiD * x); }
 
 }  // namespace
@@ -54,9 +61,7 @@ double evaluate_filter(const FilterDescription& f, double x) {
 }
 
 FilterTable make_filter_table(const FilterDescription& filter) {
-  const double radius = filter_radius(filter);
-  if (!(radius > 0 && radius <= 64))
-    throw SceneError("reconstruction filter must be wider than 0 and at most 64 pixels in radius");
+  const double radius = checked_radius(filter);
   constexpr int kSteps = FilterTable::kBins * 64;
   const auto position = [radius](double i) { return radius * (2.0 * i / kSteps - 1.0); };
   std::vector<double> cumulative(kSteps + 1, 0.0), signed_cumulative(kSteps + 1, 0.0);
@@ -81,6 +86,21 @@ FilterTable make_filter_table(const FilterDescription& filter) {
     previous = up_to;
   }
   return table;
+}
+
+FilterTable make_placement_table(const FilterDescription& filter) {
+  FilterDescription box;
+  box.radius = static_cast<float>(std::min(checked_radius(filter), 0.5));
+  return make_filter_table(box);
+}
+
+FilterWeights::FilterWeights(const FilterDescription& filter) {
+  const double radius = checked_radius(filter), middle = evaluate_filter(filter, 0);
+  radius_ = static_cast<float>(radius);
+  steps_per_pixel_ = static_cast<float>(kSteps / radius);
+  for (int i = 0; i <= kSteps; ++i)
+    values_[i] = static_cast<float>(evaluate_filter(filter, radius * i / kSteps) / middle);
+  reach_ = std::max(0, static_cast<int>(std::ceil(radius - 0.5)));
 }
 
 }  // namespace sheaf

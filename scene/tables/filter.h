@@ -1,11 +1,15 @@
-// Pixel reconstruction filters, sampled by importance (Ernst, Stamminger and Greiner, "Filter Importance Sampling",
-// 2006): every camera sample belongs to one pixel, is placed with density |f|, and weighs the sign of f.
+// Pixel reconstruction filters, used in one of two ways (FilterMode). Weighted: samples lie evenly in their pixel, and
+// count in every pixel whose filter reaches them, by its value there over the sum of these values. By importance
+// (Ernst, Stamminger and Greiner, "Filter Importance Sampling", 2006): every sample belongs to one pixel, is placed
+// with density |f|, and weighs the sign of f.
 #pragma once
 
 #include "core/vec.h"
 #include "scene/description/description.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace sheaf {
 
@@ -37,5 +41,35 @@ struct FilterTable {
 
 /// Throws SceneError if a size is not positive and finite.
 FilterTable make_filter_table(const FilterDescription& filter);
+
+/// Where the samples of a pixel lie that weigh in every pixel within reach: evenly in the pixel, or in the middle of it
+/// if the filter is narrower. Throws like make_filter_table().
+FilterTable make_placement_table(const FilterDescription& filter);
+
+/// A filter's values along one axis, for samples that weigh in every pixel within reach.
+class FilterWeights {
+ public:
+  FilterWeights() = default;
+  explicit FilterWeights(const FilterDescription& filter);
+
+  /// How many pixels further, along each axis, a sample may still count than in its own.
+  int reach() const { return reach_; }
+  /// Half of the filter's width in pixels.
+  float radius() const { return radius_; }
+  /// The filter at distance `x`, at most the radius, from a pixel's centre; linear between kSteps values. The value in
+  /// the middle is 1.
+  float at(float x) const {
+    const float place = std::fabs(x) * steps_per_pixel_;
+    const int step = std::min(static_cast<int>(place), kSteps - 1);
+    const float below = values_[static_cast<std::size_t>(step)], above = values_[static_cast<std::size_t>(step) + 1];
+    return below + std::min(place - static_cast<float>(step), 1.0f) * (above - below);
+  }
+
+ private:
+  static constexpr int kSteps = 1024;
+  std::array<float, kSteps + 1> values_{};
+  float radius_ = 0, steps_per_pixel_ = 0;
+  int reach_ = 0;
+};
 
 }  // namespace sheaf

@@ -62,6 +62,7 @@ SceneView Scene::view() const {
   v.more_camera_count = static_cast<std::uint32_t>(more_cameras_.size());
   v.column_width = static_cast<float>(film_.width) / static_cast<float>(more_cameras_.size() + 1);
   v.filter = &filter_;
+  if (filter_weights_) v.filter_weights = &*filter_weights_;
   v.light_selector = integrator_.light_selector;
   v.accel = accel_.get();
   v.color = color_;

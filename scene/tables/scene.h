@@ -19,6 +19,7 @@
 #include "scene/tables/texture.h"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace sheaf {
@@ -89,7 +90,8 @@ struct SceneView {
   const Camera* more_cameras = nullptr;  ///< those that see the columns of the film behind the first's
   std::uint32_t more_camera_count = 0;
   float column_width = 0;  ///< of the film of each camera, pixels, where there are several
-  const FilterTable* filter = nullptr;
+  const FilterTable* filter = nullptr;            ///< where the samples of a pixel lie
+  const FilterWeights* filter_weights = nullptr;  ///< of samples in all pixels; null: they count in their own alone
   LightSelector light_selector = LightSelector::kBvh;
   const Accel* accel = nullptr;
   ColorMode color = ColorMode::kRgb;
@@ -104,6 +106,10 @@ struct SceneInfo {
   Vec3f bounds_min{}, bounds_max{};
   std::size_t table_bytes = 0, accel_bytes = 0;
 };
+
+/// Lights that statistics tell apart: the first ones. Nobody reads of more, and their counters are to stay in the
+/// caches.
+inline constexpr std::uint32_t kToldLights = 1024;
 
 /// Owns the tables. Neither copied nor moved: Embree points into them.
 class Scene {
@@ -120,6 +126,8 @@ class Scene {
   /// The sampler that the scene asks for, with its own seed and number of samples.
   SamplerView sampler_view() const { return make_sampler(sampler_.kind, sampler_.seed, sampler_.sample_count); }
   const IntegratorDescription& integrator() const { return integrator_; }
+  /// Where the scene speaks of its lights, by row; only of the first kToldLights.
+  const std::vector<SourceLocation>& light_places() const { return light_places_; }
   /// Remarks on what was repaired or left out.
   const std::vector<std::string>& warnings() const { return warnings_; }
   ColorMode color() const { return color_; }
@@ -161,6 +169,7 @@ class Scene {
   std::vector<LightFrameRow> light_frames_;
   std::vector<LightUvRow> light_uvs_;
   std::vector<Vec3f> light_powers_;
+  std::vector<SourceLocation> light_places_;
   Envmap envmap_;
   bool has_textured_lights_ = false;
   std::uint32_t bucket_count_ = 1;
@@ -174,6 +183,7 @@ class Scene {
   Camera camera_;
   std::vector<Camera> more_cameras_;
   FilterTable filter_;
+  std::optional<FilterWeights> filter_weights_;
   FilmDescription film_;
   SamplerDescription sampler_;
   IntegratorDescription integrator_;

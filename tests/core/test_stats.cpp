@@ -109,3 +109,41 @@ TEST_CASE("a report as JSON and as a table") {
   CHECK_FALSE(contains(table, "unused"));
   CHECK(contains(table, "dropped: 6 rays, 7 samples"));
 }
+
+TEST_CASE("a report tells which lights cost most, and what they bring") {
+  RenderReport report;
+  report.render_seconds = 10;
+  report.spp = 64;
+  Stats one, other;
+  one.rays.shadow = 600;
+  one.lights = {{500, 100, 30.0}, {0, 0, 0.0}};
+  other.rays.shadow = 400;
+  other.lights = {{100, 20, 10.0}, {0, 0, 0.0}, {300, 300, 60.0}};
+  report.stats = one;
+  report.stats += other;
+  report.light_places = {"room.xml:12"};
+  CHECK(report.stats.lights[0].rays == 600);
+  CHECK(costliest_lights(report.stats) == std::vector<std::size_t>{0, 2});
+  CHECK(costliest_lights(report.stats, 1) == std::vector<std::size_t>{0});
+  const std::string json = to_json(report), table = to_table(report);
+  CHECK(contains(json, "\"where\": \"room.xml:12\""));
+  CHECK(contains(json, "\"radiance_share\": 0.4"));
+  CHECK(contains(json, "\"noise\": null"));
+  CHECK(contains(table, "room.xml:12"));
+  CHECK(contains(table, "light 2"));
+  CHECK(contains(table, "60.0%"));
+  CHECK_FALSE(contains(table, "noise"));
+}
+
+TEST_CASE("a report says how long a picture of less noise would take") {
+  RenderReport report;
+  report.render_seconds = 10;
+  report.spp = 64;
+  report.noise = 0.04;
+  CHECK(report.samples_factor(0.02) == doctest::Approx(4));
+  const std::string table = to_table(report);
+  CHECK(contains(table, "noise 4.00 % of a pixel's value"));
+  CHECK(contains(table, "2 % would take about 256 spp, 40 s"));
+  CHECK(contains(table, "1 % would take about 1024 spp, 160 s"));
+  CHECK(contains(to_json(report), "\"seconds_to_one_percent\": 160.0"));
+}

@@ -17,9 +17,17 @@ namespace {
 
 const FilmLayout kLayout({{"R", true}, {"depth", false}, {"albedo.G", true}});
 
+/// Adds the samples of one pixel to a film whose samples count in their own pixel alone.
+void add_samples(Film& film, int x, int y, const SampleBuffer& samples, std::size_t count) {
+  FilmTile tile;
+  film.begin(tile, {x, y, x + 1, y + 1}, nullptr);
+  for (std::size_t i = 0; i < count; ++i) tile.add(x, y, samples, i);
+  film.add(tile);
+}
+
 /// A film of 3 x 2 pixels out of a larger frame, with samples that differ from pixel to pixel; one pixel has none.
-Film some_film(int spectral_bins = 0) {
-  Film film(7, 5, {2, 1, 5, 3}, kLayout, spectral_bins);
+Film some_film(int spectral_bins = 0, VarianceUnit unit = VarianceUnit::kSample) {
+  Film film(7, 5, {2, 1, 5, 3}, kLayout, spectral_bins, unit);
   SampleBuffer samples;
   samples.resize(4, kLayout.size(), spectral_bins > 0);
   for (int y = 1; y < 3; ++y)
@@ -29,10 +37,18 @@ Film some_film(int spectral_bins = 0) {
         const auto value = static_cast<float>(x + 10 * y) + 0.1f * static_cast<float>(i * i);
         samples[i][0] = value, samples[i][1] = -value, samples[i][2] = 1.0f / value;
         if (spectral_bins > 0) samples.spectrum(i) = {{0, 1, 1, 2}, {value, 1, 2, 3}};
-        film.add(x, y, samples, i);
       }
+      add_samples(film, x, y, samples, 4);
     }
   return film;
+}
+
+/// One sample.
+SampleBuffer some_samples(int spectral_bins) {
+  SampleBuffer samples;
+  samples.resize(1, kLayout.size(), spectral_bins > 0);
+  samples[0][0] = 0.1f, samples[0][1] = 0.7f, samples[0][2] = 1e-8f;
+  return samples;
 }
 
 std::string bytes_of(const std::filesystem::path& file) {
@@ -80,26 +96,30 @@ TEST_CASE("dropped samples don't count") {
   samples.drop(1);
   CHECK(samples.is_dropped(1));
   CHECK_FALSE(samples.is_dropped(2));
-  for (std::size_t i = 0; i < 3; ++i) film.add(0, 0, samples, i);
+  add_samples(film, 0, 0, samples, 3);
   CHECK(film.count(0, 0) == 2);
   CHECK(film.to_image().at(0, 0, 0) == 2);
 }
 
 TEST_CASE("a film that was written and read goes on as if it had not been") {
   const TemporaryFolder folder;
-  for (const int bins : {0, 5}) {
-    Film film = some_film(bins);
+  for (const auto& [bins, unit] : {std::pair{0, VarianceUnit::kSample},
+                                   {5, VarianceUnit::kSample},
+                                   {0, VarianceUnit::kReplicate},
+                                   {5, VarianceUnit::kReplicate}}) {
+    Film film = some_film(bins, unit);
+    film.end_replicate();
+    add_samples(film, 2, 1, some_samples(bins), 1);
     write_film(folder / "a.film", film);
     Film read = read_film(folder / "a.film");
     CHECK(read.width() == 7);
     CHECK(read.crop().x1 == 5);
     CHECK(read.spectral_bins() == bins);
     CHECK(same_pictures(film.to_image(), read.to_image()));
-    SampleBuffer samples;
-    samples.resize(1, kLayout.size(), bins > 0);
-    samples[0][0] = 0.1f, samples[0][1] = 0.7f, samples[0][2] = 1e-8f;
-    film.add(3, 2, samples, 0);
-    read.add(3, 2, samples, 0);
+    for (Film* each : {&film, &read}) {
+      add_samples(*each, 3, 2, some_samples(bins), 1);
+      each->end_replicate();
+    }
     CHECK(same_pictures(film.to_image(), read.to_image()));
     write_film(folder / "b.film", read);
     write_film(folder / "c.film", film);

@@ -34,10 +34,11 @@ Description noisy_scene() {
 
 /// For every pixel, what its variance channel says on average less the variance of its value over the seeds: both are
 /// unbiased for the same, so that the differences have the mean zero, whatever the samples' distribution.
-MeanVariance differences(const Scene& scene, std::uint32_t samples, int channel) {
+MeanVariance differences(const Scene& scene, std::uint32_t samples, int channel, int replicates = 0) {
   std::vector<MeanVariance> values(kSide * kSide), told(kSide * kSide);
   RenderOptions options;
   options.samples_per_pixel = samples;
+  options.replicates = replicates;
   for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
     options.seed = 100 * samples + seed;
     const Image image = render(scene, options).film.to_image();
@@ -73,6 +74,7 @@ TEST_CASE("variance channels: what few samples tell is the spread of their mean 
     CAPTURE(std::string(variant.name));
     Description d = noisy_scene();
     d.film.filter = variant.filter;
+    d.film.filter_mode = FilterMode::kImportance;
     CompileOptions options;
     options.color = variant.color;
     const auto scene = compile_scene(d, options);
@@ -83,6 +85,47 @@ TEST_CASE("variance channels: what few samples tell is the spread of their mean 
       CHECK(found.p_value(0) > significance_of_each(kTests));
     }
   }
+}
+
+TEST_CASE("variance channels: replicates tell the spread of any sampler's mean, under any filter") {
+  struct Variant {
+    const char* name;
+    SamplerKind sampler;
+    FilterDescription::Kind filter;
+    std::uint32_t samples;
+    int replicates;
+  };
+  using Kind = FilterDescription::Kind;
+  const Variant variants[] = {{"sobol, box", SamplerKind::kSobol, Kind::kBox, 16, 2},
+                              {"sobol, gaussian", SamplerKind::kSobol, Kind::kGaussian, 16, 4},
+                              {"sobol, mitchell", SamplerKind::kSobol, Kind::kMitchell, 15, 4},
+                              {"stratified, gaussian", SamplerKind::kStratified, Kind::kGaussian, 16, 4},
+                              {"multijitter, box", SamplerKind::kMultijitter, Kind::kBox, 16, 4},
+                              {"independent, gaussian", SamplerKind::kIndependent, Kind::kGaussian, 16, 0}};
+  for (const Variant& variant : variants) {
+    CAPTURE(std::string(variant.name));
+    Description d = noisy_scene();
+    d.sampler.kind = variant.sampler;
+    d.film.filter.kind = variant.filter;
+    const auto scene = compile_scene(d);
+    const MeanVariance found = differences(*scene, variant.samples, 1, variant.replicates);
+    INFO("mean difference " << found.mean() << ", deviation of a pixel's " << std::sqrt(found.variance()));
+    CHECK(found.p_value(0) > significance_of_each(static_cast<int>(std::size(variants))));
+  }
+}
+
+TEST_CASE("variance channels: there are none where nothing tells them") {
+  Description d = noisy_scene();
+  RenderOptions options;
+  options.samples_per_pixel = 4;
+  const auto has_variance = [&] {
+    return render(*compile_scene(d), options).film.to_image().find_channel("variance.R") >= 0;
+  };
+  CHECK(has_variance());
+  d.sampler.kind = SamplerKind::kSobol;
+  CHECK_FALSE(has_variance());
+  options.replicates = 2;
+  CHECK(has_variance());
 }
 
 }  // namespace sheaf

@@ -101,6 +101,39 @@ TEST_CASE("filter: all are even and end at their radius") {
   }
 }
 
+TEST_CASE("filter: weights of samples in other pixels are the filter's values, as far as it reaches") {
+  for (const FilterDescription& f : all_filters()) {
+    CAPTURE(static_cast<int>(f.kind));
+    const FilterWeights weights(f);
+    const double radius = filter_radius(f);
+    CHECK(weights.at(0) == 1.0f);
+    CHECK(double(weights.radius()) == doctest::Approx(radius));
+    for (int i = -200; i < 200; ++i) {
+      const double x = radius * i / 200;
+      CHECK(std::fabs(double(weights.at(static_cast<float>(x))) - evaluate_filter(f, x) / evaluate_filter(f, 0)) <
+            1e-5);
+    }
+    // The farthest pixel that a sample in this one can lie under, and none behind it.
+    CHECK(weights.reach() - 0.5 < radius);
+    CHECK(weights.reach() + 0.5 >= radius);
+  }
+  CHECK(FilterWeights(filter(Kind::kBox)).reach() == 0);
+  CHECK(FilterWeights(filter(Kind::kGaussian)).reach() == 2);
+}
+
+TEST_CASE("filter: samples that weigh in several pixels lie evenly in theirs") {
+  for (const FilterDescription& f : all_filters()) {
+    const FilterTable table = make_placement_table(f);
+    const double side = std::min(0.5, filter_radius(f));
+    for (int i = 0; i < 100; ++i) {
+      const float u = (static_cast<float>(i) + 0.5f) / 100;
+      const auto offset = table.sample<Scalar>(u);
+      CHECK(double(offset.position) == doctest::Approx(side * (2 * double(u) - 1)).epsilon(1e-4));
+      CHECK(offset.weight == doctest::Approx(1));
+    }
+  }
+}
+
 TEST_CASE("filter: weighted samples have the filter's moments, negative lobes included") {
   constexpr int kDraws = 1 << 18;
   for (const FilterDescription& f : all_filters()) {

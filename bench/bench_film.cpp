@@ -1,0 +1,49 @@
+// What it costs to add a sample to a tile of the film: in its own pixel alone, and in every pixel under a filter; with
+// the sums of squares that tell the scatter of samples, and without, as in replicates. "per_item" is in seconds.
+#include "core/rng.h"
+#include "kernels/film/film.h"
+
+#include <benchmark/benchmark.h>
+
+namespace sheaf {
+
+namespace {
+
+constexpr int kSide = 32;
+constexpr std::uint32_t kSamples = 16;
+
+void add_samples(benchmark::State& state, FilterDescription::Kind kind, VarianceUnit unit) {
+  FilterDescription description;
+  description.kind = kind;
+  const FilterWeights weights(description);
+  const Film film(kSide, kSide, {0, 0, kSide, kSide}, FilmLayout::beauty(), 0, unit);
+  SampleBuffer samples;
+  samples.resize(kSide * kSide * kSamples, kBeautyChannels, false);
+  for (std::uint32_t i = 0; i < kSide * kSide * kSamples; ++i) {
+    const auto u = random4<Scalar>(1, i, 0, 0);
+    samples.offset(i) = {u.x - 0.5f, u.y - 0.5f};
+    for (int c = 0; c < kBeautyChannels; ++c) samples[i][c] = u.z;
+  }
+  FilmTile tile;
+  for (auto _ : state) {
+    film.begin(tile, {0, 0, kSide, kSide}, kind == FilterDescription::Kind::kBox ? nullptr : &weights);
+    std::size_t sample = 0;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x)
+        for (std::uint32_t i = 0; i < kSamples; ++i) tile.add(x, y, samples, sample++);
+    benchmark::DoNotOptimize(tile.row(3, 3));
+  }
+  state.counters["per_item"] = benchmark::Counter(static_cast<double>(state.iterations()) * kSide * kSide * kSamples,
+                                                  benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+using Kind = FilterDescription::Kind;
+BENCHMARK_CAPTURE(add_samples, own_pixel, Kind::kBox, VarianceUnit::kSample);
+BENCHMARK_CAPTURE(add_samples, own_pixel_replicates, Kind::kBox, VarianceUnit::kReplicate);
+BENCHMARK_CAPTURE(add_samples, gaussian, Kind::kGaussian, VarianceUnit::kSample);
+BENCHMARK_CAPTURE(add_samples, gaussian_replicates, Kind::kGaussian, VarianceUnit::kReplicate);
+BENCHMARK_CAPTURE(add_samples, lanczos_replicates, Kind::kLanczos, VarianceUnit::kReplicate);
+
+}  // namespace
+
+}  // namespace sheaf

@@ -1,0 +1,61 @@
+// The sums of a tile's samples: over its own pixels, and over those around that its samples reach.
+#pragma once
+
+#include "core/pixel_rect.h"
+#include "kernels/film/film_row.h"
+#include "scene/tables/filter.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace sheaf {
+
+/// What a tile adds to pixels of other tiles.
+struct FilmBorder {
+  /// Pixels side by side; their rows of sums.
+  struct Strip {
+    PixelRect pixels;
+    std::vector<double> sums;
+  };
+  std::vector<Strip> strips;  ///< disjoint
+};
+
+/// One for each worker. A pixel's sums depend on the tile's samples and on their order alone.
+class FilmTile {
+ public:
+  /// Begins the tile `own`. Pixels outside `crop` are left out; the samples of the tile need not all lie inside.
+  /// `weights`: null where samples count in their own pixel alone. `sums_squares`: whether the row's second group is
+  /// summed up.
+  void begin(const FilmRow& row, const FilterWeights* weights, bool sums_squares, const PixelRect& own,
+             const PixelRect& crop);
+
+  /// Adds sample `index` of a buffer with the film's layout, which was taken in the tile's pixel (x, y); nothing if it
+  /// was dropped.
+  void add(int x, int y, const SampleBuffer& samples, std::size_t index);
+
+  const PixelRect& own() const { return own_; }  ///< the tile's pixels inside the crop
+  /// The row of a pixel within reach, inside the crop.
+  const double* row(int x, int y) const { return sums_.data() + index(x, y) * row_.size(); }
+  /// How many samples were taken in one of the own pixels, and not dropped.
+  std::uint32_t count(int x, int y) const { return counts_[index(x, y)]; }
+  /// The sums of all pixels that are not the tile's own.
+  FilmBorder border() const;
+
+ private:
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y - outer_.y0) * static_cast<std::size_t>(outer_.width()) +
+           static_cast<std::size_t>(x - outer_.x0);
+  }
+  void add_weighted(double* row, double weight) const;
+  void take(const float* sample);
+
+  FilmRow row_;
+  const FilterWeights* weights_ = nullptr;
+  bool sums_squares_ = false;
+  PixelRect own_, outer_;
+  std::vector<double> sums_;
+  std::vector<std::uint32_t> counts_;
+  std::vector<double> terms_;  ///< of the sample that is added: what its weight, and its square, are multiplied by
+};
+
+}  // namespace sheaf

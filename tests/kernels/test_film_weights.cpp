@@ -1,0 +1,172 @@
+// Samples that count in every pixel under the filter: sums by tiles with borders against sums over all samples.
+#include "core/rng.h"
+#include "kernels/film/film.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+namespace sheaf {
+
+namespace {
+
+using Kind = FilterDescription::Kind;
+
+constexpr int kFrameWidth = 23, kFrameHeight = 17;
+constexpr std::uint32_t kReplicates = 3, kPerReplicate = 2;
+
+FilterDescription filter_of(Kind kind, float radius = 0.5f) {
+  FilterDescription filter;
+  filter.kind = kind;
+  filter.radius = radius;
+  return filter;
+}
+
+/// A sample of a pixel: where it lies, and what it brings in two channels, of which the first has a variance.
+struct Drawn {
+  SampleOffset offset;
+  float values[2];
+};
+
+Drawn draw_sample(int x, int y, std::uint32_t sample) {
+  const auto u = random4<Scalar>(7, static_cast<std::uint32_t>(y * kFrameWidth + x), sample, 0);
+  return {{u.x - 0.5f, u.y - 0.5f}, {u.z * static_cast<float>(1 + x % 5), u.w}};
+}
+
+const FilmLayout kLayout({{"R", true}, {"G", false}});
+
+/// All samples of all replicates, a replicate after the other, by squares of `side` pixels.
+Film film_by_tiles(const FilterWeights& weights, const PixelRect& crop, int side, VarianceUnit unit) {
+  Film film(kFrameWidth, kFrameHeight, crop, kLayout, 3, unit);
+  const PixelRect wanted = crop.grown(weights.reach()).intersection({0, 0, kFrameWidth, kFrameHeight});
+  for (std::uint32_t replicate = 0; replicate < kReplicates; ++replicate) {
+    std::vector<FilmBorder> borders;
+    for (int y0 = 0; y0 < kFrameHeight; y0 += side)
+      for (int x0 = 0; x0 < kFrameWidth; x0 += side) {
+        const PixelRect own{x0, y0, x0 + side, y0 + side}, pixels = own.intersection(wanted);
+        FilmTile tile;
+        film.begin(tile, own, &weights);
+        SampleBuffer samples;
+        samples.resize(kPerReplicate, kLayout.size(), true);
+        for (int y = pixels.y0; y < pixels.y1; ++y)
+          for (int x = pixels.x0; x < pixels.x1; ++x)
+            for (std::uint32_t i = 0; i < kPerReplicate; ++i) {
+              const Drawn drawn = draw_sample(x, y, replicate * kPerReplicate + i);
+              samples.offset(i) = drawn.offset;
+              std::memcpy(samples[i], drawn.values, sizeof drawn.values);
+              samples.spectrum(i) = {{0, 1, 1, 2}, {drawn.values[0], 0.5f, 0.25f, drawn.values[1]}};
+              tile.add(x, y, samples, i);
+            }
+        film.add(tile);
+        borders.push_back(tile.border());
+      }
+    film.add(borders);
+    film.end_replicate();
+  }
+  return film;
+}
+
+/// What a pixel is to be, by the definition in film.h.
+struct Expected {
+  double means[2], variance;
+};
+
+Expected expected_at(const FilterDescription& filter, int px, int py, VarianceUnit unit) {
+  const double middle = evaluate_filter(filter, 0);
+  std::vector<std::array<double, 3>> units;  // sum of weights, and of both channels
+  for (std::uint32_t sample = 0; sample < kReplicates * kPerReplicate; ++sample) {
+    if (unit == VarianceUnit::kReplicate && sample % kPerReplicate == 0) units.push_back({});
+    for (int y = 0; y < kFrameHeight; ++y)
+      for (int x = 0; x < kFrameWidth; ++x) {
+        const Drawn drawn = draw_sample(x, y, sample);
+        const double w = evaluate_filter(filter, px - x - double(drawn.offset.x)) *
+                         evaluate_filter(filter, py - y - double(drawn.offset.y)) / (middle * middle);
+        if (unit == VarianceUnit::kSample) units.push_back({});
+        auto& sums = units.back();
+        sums[0] += w;
+        for (int c = 0; c < 2; ++c) sums[1 + c] += w * double(drawn.values[c]);
+      }
+  }
+  double sums[3] = {}, squares = 0, scatter = 0;
+  for (const auto& u : units)
+    for (int k = 0; k < 3; ++k) sums[k] += u[k];
+  for (const auto& u : units) {
+    const double off = u[1] - sums[1] / sums[0] * u[0];
+    scatter += off * off;
+    squares += u[0] * u[0];
+  }
+  return {{sums[1] / sums[0], sums[2] / sums[0]}, scatter / (sums[0] * sums[0] - squares)};
+}
+
+}  // namespace
+
+TEST_CASE("weighted film: means and variances are those of all samples under the filter") {
+  const FilterDescription filters[] = {filter_of(Kind::kBox),      filter_of(Kind::kBox, 0.8f),
+                                       filter_of(Kind::kTent, 1),  filter_of(Kind::kGaussian),
+                                       filter_of(Kind::kMitchell), filter_of(Kind::kLanczos)};
+  for (const FilterDescription& filter : filters) {
+    CAPTURE(static_cast<int>(filter.kind));
+    const FilterWeights weights(filter);
+    for (const VarianceUnit unit : {VarianceUnit::kSample, VarianceUnit::kReplicate}) {
+      const Image image = film_by_tiles(weights, {0, 0, kFrameWidth, kFrameHeight}, 8, unit).to_image();
+      REQUIRE(image.channels.size() == 4 + 3);
+      for (const auto [x, y] : {std::pair{0, 0}, {7, 7}, {8, 8}, {22, 16}, {15, 3}, {10, 16}}) {
+        const Expected expected = expected_at(filter, x, y, unit);
+        CHECK(image.at(x, y, 0) == doctest::Approx(expected.means[0]).epsilon(1e-4));
+        CHECK(image.at(x, y, 1) == doctest::Approx(expected.means[1]).epsilon(1e-4));
+        CHECK(image.at(x, y, 2) == doctest::Approx(expected.variance).epsilon(1e-3));
+        CHECK(image.at(x, y, 3) == kReplicates * kPerReplicate);
+        // The second bin has 0.5 + 0.25 of every sample, and a width of 470 / 3 nm.
+        CHECK(image.at(x, y, 5) == doctest::Approx(0.75 / (470.0 / 3)).epsilon(1e-5));
+      }
+    }
+  }
+}
+
+TEST_CASE("weighted film: a crop has the bits of the whole, whatever tiles it cuts") {
+  const FilterWeights weights(filter_of(Kind::kLanczos));
+  CHECK(weights.reach() == 3);
+  const Image whole = film_by_tiles(weights, {0, 0, kFrameWidth, kFrameHeight}, 8, VarianceUnit::kReplicate).to_image();
+  for (const PixelRect crop : {PixelRect{8, 8, 16, 16}, {5, 3, 19, 11}, {9, 0, 10, 1}, {17, 10, 23, 17}}) {
+    const Image part = film_by_tiles(weights, crop, 8, VarianceUnit::kReplicate).to_image();
+    for (int y = 0; y < part.height; ++y)
+      CHECK(std::memcmp(
+                &part.data[static_cast<std::size_t>(y * part.width) * part.channels.size()],
+                &whole.data[static_cast<std::size_t>((crop.y0 + y) * kFrameWidth + crop.x0) * part.channels.size()],
+                static_cast<std::size_t>(part.width) * part.channels.size() * sizeof(float)) == 0);
+  }
+}
+
+TEST_CASE("weighted film: tiles narrower than the filter's reach") {
+  const FilterDescription filter = filter_of(Kind::kLanczos);
+  const Image small =
+      film_by_tiles(FilterWeights(filter), {0, 0, kFrameWidth, kFrameHeight}, 2, VarianceUnit::kReplicate).to_image();
+  for (const auto [x, y] : {std::pair{0, 0}, {7, 7}, {12, 9}})
+    CHECK(small.at(x, y, 0) ==
+          doctest::Approx(expected_at(filter, x, y, VarianceUnit::kReplicate).means[0]).epsilon(1e-4));
+}
+
+TEST_CASE("weighted film: dropped samples count nowhere") {
+  const FilterWeights weights(filter_of(Kind::kGaussian));
+  Film film(3, 1, {0, 0, 3, 1}, kLayout);
+  FilmTile tile;
+  film.begin(tile, {0, 0, 8, 8}, &weights);
+  SampleBuffer samples;
+  samples.resize(1, kLayout.size(), false);
+  samples.offset(0) = {0.1f, 0.2f};
+  samples[0][0] = samples[0][1] = 4;
+  tile.add(0, 0, samples, 0);
+  samples.drop(0);
+  tile.add(1, 0, samples, 0);
+  film.add(tile);
+  const Image image = film.to_image();
+  CHECK(film.count(0, 0) == 1);
+  CHECK(film.count(1, 0) == 0);
+  CHECK(image.at(1, 0, 0) == 4);  // by the neighbour's sample
+  CHECK(image.at(1, 0, 2) == 0);  // of which there is one
+  CHECK(image.at(2, 0, 0) == 4);
+}
+
+}  // namespace sheaf
