@@ -16,16 +16,29 @@ SampleGrid make_grid(std::uint32_t count) {
 
 bool has_grid(SamplerKind kind) { return kind == SamplerKind::kStratified || kind == SamplerKind::kMultijitter; }
 
+constexpr std::uint32_t kGoldenRatio = 0x9e3779b9u;
+
+template <class L>
+SHEAF_INLINE Random4<L> sobol_numbers(const SamplerView& sampler, Uint<L> pixel, Uint<L> sample, Uint<L> block,
+                                      SampleSet set) {
+  Uint<L> seed(sampler.seed);
+  if (sampler.replicates > 1) {
+    const auto [index, replicate] = divide(sample, sampler.replicates);
+    sample = index;
+    seed = seed + replicate * Uint<L>(kGoldenRatio);
+  }
+  return sobol_random4<L>(seed, pixel, sample * Uint<L>(set.count) + Uint<L>(set.index), block);
+}
+
 template <class L>
 SHEAF_INLINE Random4<L> numbers(const SamplerView& sampler, Uint<L> pixel, Uint<L> sample, Uint<L> block,
                                 SampleSet set) {
-  constexpr std::uint32_t kGoldenRatio = 0x9e3779b9u;
   const std::uint32_t seed = sampler.seed + set.index * kGoldenRatio;
   switch (sampler.kind) {
     case SamplerKind::kStratified: return stratified_random4<L>(seed, sampler.grid, false, pixel, sample, block);
     case SamplerKind::kMultijitter: return stratified_random4<L>(seed, sampler.grid, true, pixel, sample, block);
     case SamplerKind::kSobol:
-      return sobol_random4<L>(sampler.seed, pixel, sample * Uint<L>(set.count) + Uint<L>(set.index), block);
+      return sobol_numbers<L>(sampler, pixel, sample, block, set);
     case SamplerKind::kIndependent: break;
   }
   return random4<L>(seed, pixel, sample, block);

@@ -32,6 +32,10 @@ struct SamplerView {
   SamplerKind kind = SamplerKind::kSobol;
   std::uint32_t seed = 0;
   SampleGrid grid = {};  ///< kStratified, kMultijitter
+  /// kSobol: how many sequences of their own, independent of each other, a pixel's samples are dealt to in turn: sample
+  /// s is number s / replicates of sequence s % replicates. Their means differ by what the error really is, which the
+  /// scatter of samples of one sequence doesn't tell. At least 1.
+  std::uint32_t replicates = 1;
 };
 
 /// A sampler for `sample_count` samples per pixel, below or equal to 2^24. More may be drawn: the sequence of kSobol

@@ -96,11 +96,11 @@ template <class U> SHEAF_INLINE U owen_shuffle(U index, U key0, U key1, U key2) 
 /// independently (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020). The first 2^k samples of a pixel and
 /// block put one point in each of the 2^k intervals of any dimension and rectangles of (x, y).
 template <class L>
-SHEAF_INLINE Random4<L> sobol_random4(std::uint32_t seed, typename L::Uint pixel, typename L::Uint index,
+SHEAF_INLINE Random4<L> sobol_random4(typename L::Uint seed, typename L::Uint pixel, typename L::Uint index,
                                       typename L::Uint block) {
   using U = typename L::Uint;
   constexpr std::uint32_t kStream = 0x68bc21ebu;  // sets the keys apart from random4's numbers
-  U k0 = pixel ^ (pixel >> 16), k1 = U(kStream), k2 = block, k3 = U(seed ^ (seed >> 16));
+  U k0 = pixel ^ (pixel >> 16), k1 = U(kStream), k2 = block, k3 = seed ^ (seed >> 16);
   hash4(k0, k1, k2, k3);
   for (U* key : {&k0, &k1, &k2, &k3}) *key = *key ^ (*key >> 16);  // scrambling needs good lower bits
   U point[4];

@@ -204,6 +204,29 @@ TEST_CASE("sampler: sets of one Sobol sample continue the sequence") {
             numbers(sampler, 3, sample * 8 + m, 1, SampleBlock::kLight));
 }
 
+TEST_CASE("sampler: each replicate of a Sobol sequence is one, and they are independent") {
+  for (const U replicates : {1u, 2u, 3u, 4u, 16u}) {
+    SamplerView sampler = make_sampler(SamplerKind::kSobol, 1, 64);
+    sampler.replicates = replicates;
+    CAPTURE(replicates);
+    for (U replicate = 0; replicate < replicates; ++replicate) {
+      std::vector<int> hits(64);
+      for (U i = 0; i < 64; ++i) {
+        const Numbers u = numbers(sampler, 12, i * replicates + replicate);
+        ++hits[to_uint(u[0] * 8.0f) * 8 + to_uint(u[1] * 8.0f)];
+      }
+      CHECK(std::all_of(hits.begin(), hits.end(), [](int n) { return n == 1; }));
+    }
+    // Independent sequences: the variance of the mean over all is that over one, divided by their number.
+    const double of_one =
+        estimates(make_sampler(SamplerKind::kSobol, 1, 8), 8, 4000, SampleBlock::kScatter, integrands()[0].f)
+            .variance();
+    const double of_all = estimates(sampler, 8 * replicates, 4000, SampleBlock::kScatter, integrands()[0].f).variance();
+    CHECK(of_all * replicates > 0.85 * of_one);  // standard deviation 0.03
+    CHECK(of_all * replicates < 1.15 * of_one);
+  }
+}
+
 TEST_CASE("sampler: numbers depend on the sample's index alone, not on how many were asked for") {
   for (U sample = 0; sample < 300; ++sample) {
     const auto few = make_sampler(SamplerKind::kSobol, 1, 4), many = make_sampler(SamplerKind::kSobol, 1, 1u << 24);
@@ -251,7 +274,8 @@ TEST_CASE("sampler: registers hold the numbers of their lanes, bit by bit, all i
   for (const SamplerKind kind : kKinds)
     for (const SampleBlock block : kBlocks)
       for (U i = 0; i < 500; ++i) {
-        const SamplerView sampler = make_sampler(kind, i, 1 + i % 40);
+        SamplerView sampler = make_sampler(kind, i, 1 + i % 40);
+        sampler.replicates = 1 + i % 3;
         const auto pixel = [i](int lane) { return i * 977u + static_cast<U>(lane); };
         const auto sample = [i](int lane) { return (i * i) ^ static_cast<U>(lane * 5); };
         const auto event = [i](int lane) { return i % 7u + static_cast<U>(lane % 3); };
