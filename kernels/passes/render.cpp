@@ -123,7 +123,8 @@ class Renderer {
       throw Error(ExitCode::kUsage, "wave size must be at most " + std::to_string(kMaxWaveSize));
     const PixelRect crop = checked_crop(scene, options);
     check_spectral_bins(scene, options.spectral_bins);
-    context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed), spp_);
+    context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed), spp_,
+                                    static_cast<std::uint32_t>(scene.film().width));
     film_ = Film(scene.film().width, scene.film().height, crop, FilmLayout::beauty(), options.spectral_bins);
     total_ = static_cast<std::uint64_t>(crop.width()) * static_cast<std::uint64_t>(crop.height()) * spp_;
     if (maps_photons) {
@@ -223,6 +224,7 @@ class Renderer {
     worker.photons.begin(first, count, film_.crop(), splats_->reach());
     StageContext context = context_;
     context.photons = &worker.photons;
+    context.sampler = without_frame(context.sampler);
     run_light_pass<Wide>(context, worker.wave);
     worker.photons.sort_splats();
     splats = worker.photons.splats;

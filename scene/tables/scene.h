@@ -118,7 +118,9 @@ class Scene {
   const FilmDescription& film() const { return film_; }
   const SamplerDescription& sampler() const { return sampler_; }
   /// The sampler that the scene asks for, with its own seed and number of samples.
-  SamplerView sampler_view() const { return make_sampler(sampler_.kind, sampler_.seed, sampler_.sample_count); }
+  SamplerView sampler_view() const {
+    return make_sampler(sampler_.kind, sampler_.seed, sampler_.sample_count, static_cast<std::uint32_t>(film_.width));
+  }
   const IntegratorDescription& integrator() const { return integrator_; }
   /// Remarks on what was repaired or left out.
   const std::vector<std::string>& warnings() const { return warnings_; }
