@@ -42,6 +42,18 @@ SamplerKind sampler_from_name(std::string_view name) {
   return named->kind;
 }
 
+SamplerKind rendered_sampler(SamplerKind named) {
+  return named == SamplerKind::kIndependent ? SamplerKind::kSobol : named;
+}
+
+std::string rendered_sampler_note(SamplerKind named) {
+  const SamplerKind kind = rendered_sampler(named);
+  if (kind == named) return {};
+  const std::string name = sampler_name(named);
+  return "sampler '" + name + "' is rendered with '" + sampler_name(kind) + "', which is less noisy; --sampler " +
+         name + " keeps it";
+}
+
 std::string rounding_note(SamplerKind kind, std::uint32_t sample_count) {
   const std::uint32_t rounded = rounded_sample_count(kind, sample_count);
   if (rounded == sample_count) return {};

@@ -353,6 +353,15 @@ TEST_CASE("sampler: samples beyond the grid fill it again, in another order") {
   }
 }
 
+TEST_CASE("sampler: samples beyond the shared sequence come from another one") {
+  const double level = significance_of_each(4);
+  for (std::size_t d = 0; d < 4; ++d)
+    CHECK(p_value_of_pairs(16, 20'000, [&](U seed) {
+            const SamplerView sampler = make_sampler(SamplerKind::kZSobol, seed, 4, 100);
+            return std::array{numbers(sampler, 777, 1)[d], numbers(sampler, 777, 5)[d]};
+          }) > level);
+}
+
 TEST_CASE("sampler: sample counts are rounded up to grids that are nearly square") {
   for (const SamplerKind kind : {SamplerKind::kStratified, SamplerKind::kMultijitter}) {
     for (U n = 1; n < 3000; ++n) {
