@@ -16,16 +16,60 @@ SampleGrid make_grid(std::uint32_t count) {
 
 bool has_grid(SamplerKind kind) { return kind == SamplerKind::kStratified || kind == SamplerKind::kMultijitter; }
 
+bool is_sobol(SamplerKind kind) { return kind == SamplerKind::kSobol || kind == SamplerKind::kZSobol; }
+
+constexpr std::uint32_t kGoldenRatio = 0x9e3779b9u;
+
+/// a / b for any a below 2^31, b below 2^30.
+template <class U> SHEAF_INLINE Division<U> divide_any(U a, std::uint32_t b) {
+  using F = decltype(to_float(a));
+  // Too small by 2^-20 of itself at most, which is left to the second step.
+  const U guess = to_uint(to_float(a) * F(0x1.fffffp-1f / static_cast<float>(b)));
+  const auto [more, remainder] = divide(a - guess * U(b), b);
+  return {guess + more, remainder};
+}
+
+/// Spreads the lower 16 bits: bit i comes to 2 i.
+template <class U> SHEAF_INLINE U spread_bits(U x) {
+  x = (x | (x << 8)) & U(0x00ff00ffu);
+  x = (x | (x << 4)) & U(0x0f0f0f0fu);
+  x = (x | (x << 2)) & U(0x33333333u);
+  return (x | (x << 1)) & U(0x55555555u);
+}
+
+/// The place of a sample in the sequence of kSobol or kZSobol. Ahmed and Wonka, "Screen-Space Blue-Noise Diffusion of
+/// Monte Carlo Sampling Error via Hierarchical Ordering of Pixels", 2020: a pixel's place in the sequence is its place
+/// on a Z-shaped curve, each square of which is turned about at random, which shuffling the sequence does.
+template <class L>
+SHEAF_INLINE SobolPoint<L> sobol_point(const SamplerView& sampler, Uint<L> pixel, Uint<L> sample, SampleSet set) {
+  using U = Uint<L>;
+  const U seed(sampler.seed);
+  if (sampler.kind == SamplerKind::kSobol) return {seed, pixel, sample * U(set.count) + U(set.index)};
+
+  // A pixel has room for the sets of 2^sample_bits samples, a sequence for those of a square of pixels: the whole frame
+  // as a rule, but no more than 32 bits can count.
+  const int sample_bits = std::bit_width(sampler.sample_count - 1);
+  const int room_bits = std::bit_width((std::uint64_t{set.count} << sample_bits) - 1);
+  const int side_bits = std::clamp((32 - room_bits) / 2, 0, 16);
+  const auto [y, x] = divide_any(pixel, sampler.frame_width);
+  const U square = (y >> side_bits) * U((sampler.frame_width >> side_bits) + 1) + (x >> side_bits);
+  const U side_mask((1u << side_bits) - 1u);
+  const U curve = spread_bits(x & side_mask) | (spread_bits(y & side_mask) << 1);
+  const U round = sample >> sample_bits;
+  const U in_pixel = (sample & U((1u << sample_bits) - 1u)) * U(set.count) + U(set.index);
+  return {seed + round * U(0x85ebca6bu), square, (curve << std::min(room_bits, 31)) + in_pixel};
+}
+
 template <class L>
 SHEAF_INLINE Random4<L> numbers(const SamplerView& sampler, Uint<L> pixel, Uint<L> sample, Uint<L> block,
                                 SampleSet set) {
-  constexpr std::uint32_t kGoldenRatio = 0x9e3779b9u;
   const std::uint32_t seed = sampler.seed + set.index * kGoldenRatio;
   switch (sampler.kind) {
     case SamplerKind::kStratified: return stratified_random4<L>(seed, sampler.grid, false, pixel, sample, block);
     case SamplerKind::kMultijitter: return stratified_random4<L>(seed, sampler.grid, true, pixel, sample, block);
     case SamplerKind::kSobol:
-      return sobol_random4<L>(sampler.seed, pixel, sample * Uint<L>(set.count) + Uint<L>(set.index), block);
+    case SamplerKind::kZSobol:
+      return sobol_random4<L>(sobol_point<L>(sampler, pixel, sample, set), block);
     case SamplerKind::kIndependent: break;
   }
   return random4<L>(seed, pixel, sample, block);
@@ -33,8 +77,19 @@ SHEAF_INLINE Random4<L> numbers(const SamplerView& sampler, Uint<L> pixel, Uint<
 
 }  // namespace
 
-SamplerView make_sampler(SamplerKind kind, std::uint32_t seed, std::uint32_t sample_count) {
-  return {kind, seed, has_grid(kind) ? make_grid(sample_count) : SampleGrid{}};
+SamplerView make_sampler(SamplerKind kind, std::uint32_t seed, std::uint32_t sample_count, std::uint32_t frame_width) {
+  SamplerView sampler{kind, seed};
+  if (has_grid(kind)) sampler.grid = make_grid(sample_count);
+  if (kind == SamplerKind::kZSobol) {
+    sampler.frame_width = frame_width;
+    sampler.sample_count = std::max(sample_count, 1u);
+  }
+  return sampler;
+}
+
+SamplerView without_frame(SamplerView sampler) {
+  if (sampler.kind == SamplerKind::kZSobol) sampler.kind = SamplerKind::kSobol;
+  return sampler;
 }
 
 SamplerView sampler_of_replicate(SamplerView sampler, std::uint32_t replicate, std::uint32_t samples) {
@@ -47,16 +102,25 @@ SamplerView sampler_of_replicate(SamplerView sampler, std::uint32_t replicate, s
 }
 
 std::uint32_t rounded_sample_count(SamplerKind kind, std::uint32_t sample_count) {
-  return has_grid(kind) && sample_count > 0 ? make_grid(sample_count).size() : sample_count;
+  if (sample_count == 0) return 0;
+  if (kind == SamplerKind::kZSobol) return std::bit_ceil(sample_count);
+  return has_grid(kind) ? make_grid(sample_count).size() : sample_count;
 }
 
 template <class L>
 Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::Uint sample, typename L::Uint event,
                 SampleBlock block, SampleSet set) noexcept {
   using U = typename L::Uint;
-  const U index = event * U(static_cast<std::uint32_t>(SampleBlock::kCount)) + U(static_cast<std::uint32_t>(block));
-  const Random4<L> u = numbers<L>(sampler, pixel, sample - U(sampler.first_sample), index, set);
+  const U number = sample - U(sampler.first_sample);
+  const auto block_of = [&](SampleBlock of) SHEAF_LAMBDA_INLINE {
+    return event * U(static_cast<std::uint32_t>(SampleBlock::kCount)) + U(static_cast<std::uint32_t>(of));
+  };
+  const Random4<L> u = numbers<L>(sampler, pixel, number, block_of(block), set);
   if (block == SampleBlock::kCamera) return u;
+  if (block == SampleBlock::kSelect && is_sobol(sampler.kind))
+    return {sobol_random_fifth<L>(sobol_point<L>(sampler, pixel, number, set), block_of(SampleBlock::kScatter),
+                                  block_of(block)),
+            u.x, u.y, u.w};
   return {u.z, u.x, u.y, u.w};
 }
 

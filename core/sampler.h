@@ -18,13 +18,16 @@ enum class SampleBlock : std::uint32_t {
   kWavelength = kCount,
 };
 
-/// How the samples of a pixel are spread within a block. Blocks, events and pixels are independent of each other, and
-/// every number by itself is uniform, whatever the kind.
+/// How the samples of a pixel are spread within a block. Blocks, events and, but for kZSobol, pixels are independent of
+/// each other, and every number by itself is uniform, whatever the kind.
 enum class SamplerKind : std::uint32_t {
   kIndependent,  ///< not at all
   kStratified,   ///< one sample in each cell of a grid in the two planes of a block
   kMultijitter,  ///< and besides one in each of as many columns and rows (Kensler 2013)
   kSobol,        ///< Sobol sequence, Owen-scrambled: in all elementary intervals of a prefix of 2^k samples
+  /// One Sobol sequence for all pixels, which take their samples from it in the order of a Z-shaped curve: what one
+  /// pixel has too much of its neighbours have too little of (Ahmed and Wonka 2020).
+  kZSobol,
 };
 
 /// A sampler: what all numbers of a render depend on besides pixel, sample and block. Made by make_sampler().
@@ -33,23 +36,31 @@ struct SamplerView {
   std::uint32_t seed = 0;
   SampleGrid grid = {};  ///< kStratified, kMultijitter
   std::uint32_t first_sample = 0;  ///< of each pixel, from which on samples are spread
+  /// kZSobol: the frame's width, pixel / frame_width being the row; below 2^30. Pixels are below 2^31.
+  std::uint32_t frame_width = 1;
+  std::uint32_t sample_count = 1;  ///< kZSobol: per pixel; at least 1
 };
 
-/// A sampler for `sample_count` samples per pixel, below or equal to 2^24. More may be drawn: the sequence of kSobol
-/// has no end, grids are filled again in another order.
-SamplerView make_sampler(SamplerKind kind, std::uint32_t seed, std::uint32_t sample_count);
+/// A sampler for `sample_count` samples per pixel, below or equal to 2^24, of a frame of this width. More may be drawn:
+/// the sequence of kSobol has no end, grids are filled again in another order, kZSobol goes on with another sequence.
+SamplerView make_sampler(SamplerKind kind, std::uint32_t seed, std::uint32_t sample_count,
+                         std::uint32_t frame_width = 1);
+
+/// The same sampler for paths that belong to no pixel, whose numbers of a pixel are anything and whose samples have no
+/// end.
+SamplerView without_frame(SamplerView sampler);
 
 /// The same sampler for replicate `replicate`: the samples from replicate x `samples` on, independent of those before
 /// and spread among themselves alone. Replicate 0 is the sampler as it is.
 SamplerView sampler_of_replicate(SamplerView sampler, std::uint32_t replicate, std::uint32_t samples);
 
 /// The smallest number of samples per pixel, `sample_count` or more, that a sampler spreads evenly: the size of its
-/// grid for kStratified and kMultijitter, any number for the others.
+/// grid for kStratified and kMultijitter, a power of two for kZSobol, any number for the others.
 std::uint32_t rounded_sample_count(SamplerKind kind, std::uint32_t sample_count);
 
 /// For decisions that need many numbers at once: which of `count` sets of four; the same in all lanes. The sets of
-/// kSobol continue the sequence, so that sets of one sample are spread as evenly as those of different samples; the
-/// other samplers spread each set over the samples alone.
+/// kSobol and kZSobol continue the sequence, so that sets of one sample are spread as evenly as those of different
+/// samples; the other samplers spread each set over the samples alone.
 struct SampleSet {
   std::uint32_t index = 0, count = 1;
 };

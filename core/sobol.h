@@ -1,4 +1,4 @@
-// The first four dimensions of the Sobol sequence with nested uniform (Owen) scrambling, without tables.
+// The first five dimensions of the Sobol sequence with nested uniform (Owen) scrambling, without tables.
 //
 // A dimension with primitive polynomial p of degree e has direction numbers v_j with v_{j+e} + ... + v_j = v_j >> e,
 // the left side being p applied to the shift E: v_j -> v_{j+1} (Sobol 1967). So p(E)^k v_0 = v_0 >> ek. A point is
@@ -41,6 +41,13 @@ template <int s, class U> SHEAF_INLINE U divide_by_3(U i) {
   return i ^ ((i >> 3 * s) & U(part_mask(6, s, 0, 2))) ^ ((i >> 2 * s) & U(part_mask(6, s, 1, 2)));
 }
 
+/// Divides runs of 6 s bits by t^3s + t^2s + 1.
+template <int s, class U> SHEAF_INLINE U divide_by_4(U i) {
+  i = i ^ ((i >> s) & U(part_mask(6, s, 4, 4)));
+  i = i ^ ((i >> s) & U(part_mask(6, s, 3, 3)));
+  return i ^ ((i >> 3 * s) & U(part_mask(6, s, 0, 2))) ^ ((i >> s) & U(part_mask(6, s, 2, 2)));
+}
+
 }  // namespace sobol_detail
 
 /// Point `index` of the Sobol sequence with the direction numbers of Joe and Kuo, "Constructing Sobol Sequences with
@@ -69,6 +76,18 @@ template <class L> SHEAF_INLINE void sobol4(typename L::Uint index, typename L::
   out[3] = c ^ ((c >> 1) & U(part_mask(3, 1, 0, 0)));
 }
 
+/// The fifth dimension of the same.
+template <class L> SHEAF_INLINE typename L::Uint sobol_fifth(typename L::Uint index) {
+  using U = typename L::Uint;
+  using namespace sobol_detail;
+  U d = index;
+  if (any((index >> 8) != U(0u))) {
+    if (any((index >> 16) != U(0u))) d = divide_by_4<8>(d);
+    d = divide_by_4<4>(d);
+  }
+  return divide_by_4<1>(divide_by_4<2>(d));  // initial direction numbers 1/2, 1/4, 1/8
+}
+
 /// Nested uniform scrambling of a bit-reversed fraction: each bit is flipped or not depending on the seed and the bits
 /// below it. Laine and Karras, "Stratified Sampling for Stochastic Transparency", EGSR 2011, in the improved form of
 /// Vegdahl, "Building a Better LK Hash", 2021.
@@ -92,21 +111,54 @@ template <class U> SHEAF_INLINE U owen_shuffle(U index, U key0, U key1, U key2) 
   return reverse_bits(x * (key2 | U(1u)));
 }
 
-/// Four numbers of sample `index` from the Sobol sequence, shuffled and scrambled for each `pixel` and `block`
-/// independently (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020). The first 2^k samples of a pixel and
-/// block put one point in each of the 2^k intervals of any dimension and rectangles of (x, y).
+/// A point of one of many Sobol sequences, which are shuffled and scrambled independently (Burley, "Practical
+/// Hash-based Owen Scrambling", JCGT 2020) for each seed, `sequence` and block of dimensions.
+template <class L> struct SobolPoint { typename L::Uint seed, sequence, index; };
+
+namespace sobol_detail {
+
+template <class L> struct Keys {
+  typename L::Uint scramble[4];
+
+  SHEAF_INLINE Keys(const SobolPoint<L>& at, typename L::Uint block) {
+    using U = typename L::Uint;
+    constexpr std::uint32_t kStream = 0x68bc21ebu;  // sets the keys apart from random4's numbers
+    U k0 = at.sequence ^ (at.sequence >> 16), k1 = U(kStream), k2 = block, k3 = at.seed ^ (at.seed >> 16);
+    hash4(k0, k1, k2, k3);
+    const U keys[4] = {k0, k1, k2, k3};
+    for (int i = 0; i < 4; ++i) scramble[i] = keys[i] ^ (keys[i] >> 16);  // scrambling needs good lower bits
+  }
+  /// By bits of the keys that decide little in scrambling: the place in the sequence must tell nothing of that.
+  SHEAF_INLINE typename L::Uint shuffle(typename L::Uint index) const {
+    using U = typename L::Uint;
+    return owen_shuffle(index, scramble[0] >> 8, (scramble[1] >> 8) | (scramble[3] & U(0xff000000u)), scramble[2] >> 8);
+  }
+};
+
+template <class U> SHEAF_INLINE auto scrambled_float(U fraction, U key) {
+  return unit_float(reverse_bits(owen_scramble(fraction, key)));
+}
+
+}  // namespace sobol_detail
+
+/// Four numbers of a point. The first 2^k points of a sequence put one in each of the 2^k intervals of any dimension
+/// and rectangles of (x, y).
+template <class L> SHEAF_INLINE Random4<L> sobol_random4(const SobolPoint<L>& at, typename L::Uint block) {
+  using namespace sobol_detail;
+  const Keys<L> keys(at, block);
+  typename L::Uint point[4];
+  sobol4<L>(keys.shuffle(at.index), point);
+  return {scrambled_float(point[0], keys.scramble[0]), scrambled_float(point[1], keys.scramble[1]),
+          scrambled_float(point[2], keys.scramble[2]), scrambled_float(point[3], keys.scramble[3])};
+}
+
+/// A fifth number that belongs to the four of `block`: points among which it hardly differs are spread well in them.
+/// `own_block`: what it is scrambled by, a block of its own.
 template <class L>
-SHEAF_INLINE Random4<L> sobol_random4(std::uint32_t seed, typename L::Uint pixel, typename L::Uint index,
-                                      typename L::Uint block) {
-  using U = typename L::Uint;
-  constexpr std::uint32_t kStream = 0x68bc21ebu;  // sets the keys apart from random4's numbers
-  U k0 = pixel ^ (pixel >> 16), k1 = U(kStream), k2 = block, k3 = U(seed ^ (seed >> 16));
-  hash4(k0, k1, k2, k3);
-  for (U* key : {&k0, &k1, &k2, &k3}) *key = *key ^ (*key >> 16);  // scrambling needs good lower bits
-  U point[4];
-  sobol4<L>(owen_shuffle(index, k0 ^ k2, k1 ^ k3, k0 + k3), point);
-  const auto finish = [](U fraction, U key) { return unit_float(reverse_bits(owen_scramble(fraction, key))); };
-  return {finish(point[0], k0), finish(point[1], k1), finish(point[2], k2), finish(point[3], k3)};
+SHEAF_INLINE typename L::Float sobol_random_fifth(const SobolPoint<L>& at, typename L::Uint block,
+                                                  typename L::Uint own_block) {
+  using namespace sobol_detail;
+  return scrambled_float(sobol_fifth<L>(Keys<L>(at, block).shuffle(at.index)), Keys<L>(at, own_block).scramble[0]);
 }
 
 }  // namespace sheaf

@@ -61,8 +61,11 @@ std::string describe(const Description& description, const Scene& scene) {
   if (film.crop) {
     fmt::format_to(out, ", crop {},{},{},{}", film.crop->x0, film.crop->y0, film.crop->x1, film.crop->y1);
   }
-  fmt::format_to(out, "\nsampler     {}, {} samples per pixel, seed {}\n", sampler_name(description.sampler.kind),
-                 description.sampler.sample_count, description.sampler.seed);
+  const SamplerDescription& sampler = description.sampler;
+  const SamplerKind rendered = rendered_sampler(sampler.kind);
+  fmt::format_to(out, "\nsampler     {}{}, {} samples per pixel, seed {}\n", sampler_name(rendered),
+                 rendered == sampler.kind ? "" : fmt::format(" for {}", sampler_name(sampler.kind)),
+                 sampler.sample_count, sampler.seed);
   fmt::format_to(out, "integrator  {}\n", describe_integrator(description.integrator));
   fmt::format_to(out, "shapes      {} ({} triangles, {} vertices, {} quadrics)\n", info.shapes, info.triangles,
                  info.vertices, info.quadrics);

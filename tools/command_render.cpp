@@ -101,12 +101,22 @@ void apply_integrator(const RenderArguments& arguments, IntegratorDescription& i
   if (arguments.step_size) integrator.step_size = *arguments.step_size;
 }
 
-/// Sets the sampler asked for, and the samples per pixel that it will take. Returns what to tell the user.
-std::string apply_sampler(const RenderArguments& arguments, SamplerDescription& sampler) {
-  if (!arguments.sampler.empty()) sampler.kind = sampler_from_name(arguments.sampler);
+/// Sets the sampler asked for, and the samples per pixel that it will take; notes where these are others than the
+/// scene's.
+void apply_sampler(const RenderArguments& arguments, Description& scene) {
+  SamplerDescription& sampler = scene.sampler;
+  const auto note = [&](std::string text) {
+    if (!text.empty()) scene.notes.push_back(std::move(text));
+  };
+  if (arguments.sampler.empty()) {
+    note(rendered_sampler_note(sampler.kind));
+    sampler.kind = rendered_sampler(sampler.kind);
+  } else {
+    sampler.kind = sampler_from_name(arguments.sampler);
+  }
   const std::uint32_t wanted = arguments.spp.value_or(sampler.sample_count);
   sampler.sample_count = rounded_sample_count(sampler.kind, wanted);
-  return rounding_note(sampler.kind, wanted);
+  note(rounding_note(sampler.kind, wanted));
 }
 
 /// Sets the size asked for; the scene's crop is that share of the frame that it was.
@@ -223,8 +233,7 @@ int render_scene(const RenderArguments& arguments) {
   Description description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
   check_overwriting(outputs, arguments.stats, description.files);
   apply_integrator(arguments, description.integrator);
-  if (std::string note = apply_sampler(arguments, description.sampler); !note.empty())
-    description.notes.push_back(std::move(note));
+  apply_sampler(arguments, description);
   apply_size(arguments, description.film);
   if (!arguments.filter_mode.empty())
     description.film.filter_mode =
@@ -305,23 +314,21 @@ void add_transport_options(Command& command, RenderArguments& arguments) {
                      "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "
                      "path_ris, ptracer, photonmapper, sppm, normals, depth. Default: the scene's");
   command.add_option("--sampler", arguments.sampler,
-                     "How samples are spread: sobol (Owen-scrambled), independent, stratified, multijitter; the last "
-                     "two round --spp up to a grid. Default: the scene's, else sobol");
+                     "How samples are spread: sobol (Owen-scrambled), zsobol (over pixels too; rounds --spp up to a "
+                     "power of two), independent, stratified, multijitter (these two round it up to a grid). Default: "
+                     "the scene's, but sobol for independent");
   command
-      .add_option(
-          "--filter-mode", arguments.filter_mode,
-          "How samples come under the reconstruction filter: weighted (default): each counts in every pixel that "
-          "the filter reaches; importance: each is placed by the filter and counts in one pixel, which leaves "
-          "more noise, but noise that differs from pixel to pixel")
+      .add_option("--filter-mode", arguments.filter_mode,
+                  "How samples come under the reconstruction filter: weighted (default): each counts in every pixel "
+                  "that the filter reaches; importance: each is placed by the filter and counts in one pixel, which "
+                  "leaves more noise, but noise that differs from pixel to pixel")
       .one_of({"weighted", "importance"});
   command
-      .add_option(
-          "--replicates", arguments.replicates,
-          "Cut the samples into this many sets that are independent of each other, from whose spread the layers "
-          "variance.R/G/B are made: 4 to 16 tell it well, and cost some of the evenness of the samples. Default: "
-          "8 with the sampler independent; else 1 (no such layers) below 32 samples per pixel, 2 below 128, 4 below "
-          "512, "
-          "then 8")
+      .add_option("--replicates", arguments.replicates,
+                  "Cut the samples into this many sets that are independent of each other, from whose spread the "
+                  "layers variance.R/G/B are made: 4 to 16 tell it well, and cost some of the evenness of the samples. "
+                  "Default: 8 with the sampler independent; else 1 (no such layers) below 32 samples per pixel, 2 below "
+                  "128, 4 below 512, then 8")
       .in_range(1, 1024);
   command.add_option("--light-sampler", arguments.light_sampler,
                      "How the light that a surface looks to is chosen: bvh (by what it may bring there), power, "

@@ -141,8 +141,8 @@ class Renderer {
     const PixelRect crop = checked_crop(scene, options);
     check_spectral_bins(scene, options.spectral_bins);
     set_film(scene, crop);
-    context_.sampler =
-        make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed), replicate_samples_);
+    context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed),
+                                    replicate_samples_, static_cast<std::uint32_t>(scene.film().width));
     total_ = static_cast<std::uint64_t>(wanted_.width()) * static_cast<std::uint64_t>(wanted_.height()) * spp_;
     if (maps_photons) {
       photon_mapping_.emplace(context_, spp_, std::max(film_.width(), film_.height()));
@@ -268,6 +268,7 @@ class Renderer {
     worker.photons.begin(first, count, film_.crop(), splats_->reach());
     StageContext context = context_;
     context.photons = &worker.photons;
+    context.sampler = without_frame(context.sampler);
     run_light_pass<Wide>(context, worker.wave);
     worker.photons.sort_splats();
     splats = worker.photons.splats;

@@ -53,6 +53,7 @@ std::vector<StoredPhotons> trace_round(const StageContext& camera, Workers& work
           context.camera = nullptr;
           context.maps = nullptr;
           context.photons = &worker.photons;
+          context.sampler = without_frame(context.sampler);
           run_photon_pass<Wide>(context, worker.wave);
           stored[i].photons = worker.photons.sorted_photons();
           stored[i].beams = worker.photons.sorted_beams();

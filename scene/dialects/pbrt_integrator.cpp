@@ -73,8 +73,10 @@ void read_sampler(Reader& reader, Entity entity) {
     sampler.kind = SamplerKind::kIndependent;
   } else if (type == "stratified") {
     sampler.kind = SamplerKind::kStratified;
-  } else if (type == "halton" || type == "paddedsobol" || type == "pmj02bn" || type == "sobol" || type == "zsobol") {
+  } else if (type == "halton" || type == "paddedsobol" || type == "pmj02bn" || type == "sobol") {
     sampler.kind = SamplerKind::kSobol;
+  } else if (type == "zsobol") {
+    sampler.kind = SamplerKind::kZSobol;
   } else {
     const std::vector<std::string> known = {"halton", "independent", "paddedsobol", "pmj02bn",
                                             "sobol",  "stratified",  "zsobol"};

@@ -10,8 +10,9 @@ namespace {
 constexpr NamedSampler kSamplers[] = {
     {"independent", SamplerKind::kIndependent, false}, {"stratified", SamplerKind::kStratified, false},
     {"multijitter", SamplerKind::kMultijitter, false}, {"sobol", SamplerKind::kSobol, false},
-    {"ldsampler", SamplerKind::kSobol, true},          {"orthogonal", SamplerKind::kSobol, true},
-    {"halton", SamplerKind::kSobol, true},             {"hammersley", SamplerKind::kSobol, true},
+    {"zsobol", SamplerKind::kZSobol, false},           {"ldsampler", SamplerKind::kSobol, true},
+    {"orthogonal", SamplerKind::kSobol, true},         {"halton", SamplerKind::kSobol, true},
+    {"hammersley", SamplerKind::kSobol, true},
 };
 
 }  // namespace
@@ -41,13 +42,27 @@ SamplerKind sampler_from_name(std::string_view name) {
   return named->kind;
 }
 
+SamplerKind rendered_sampler(SamplerKind named) {
+  return named == SamplerKind::kIndependent ? SamplerKind::kSobol : named;
+}
+
+std::string rendered_sampler_note(SamplerKind named) {
+  const SamplerKind kind = rendered_sampler(named);
+  if (kind == named) return {};
+  const std::string name = sampler_name(named);
+  return "sampler '" + name + "' is rendered with '" + sampler_name(kind) + "', which is less noisy; --sampler " +
+         name + " keeps it";
+}
+
 std::string rounding_note(SamplerKind kind, std::uint32_t sample_count) {
   const std::uint32_t rounded = rounded_sample_count(kind, sample_count);
   if (rounded == sample_count) return {};
   const SampleGrid grid = make_sampler(kind, 0, rounded).grid;
   return "sampler '" + std::string(sampler_name(kind)) + "': " + std::to_string(sample_count) +
-         " samples per pixel become " + std::to_string(rounded) + ", a grid of " + std::to_string(grid.columns) +
-         " x " + std::to_string(grid.rows);
+         " samples per pixel become " + std::to_string(rounded) +
+         (kind == SamplerKind::kZSobol
+              ? std::string(", a power of two")
+              : ", a grid of " + std::to_string(grid.columns) + " x " + std::to_string(grid.rows));
 }
 
 }  // namespace sheaf

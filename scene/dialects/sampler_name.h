@@ -25,9 +25,16 @@ std::vector<std::string> sampler_names();
 /// The name of a kind.
 const char* sampler_name(SamplerKind kind);
 
-/// The kind that `name` stands for: independent, stratified, multijitter, sobol, and Mitsuba's other samplers, for
-/// which sobol stands in. Throws Error (usage) for an unknown name, with the nearest known one.
+/// The kind that `name` stands for: independent, stratified, multijitter, sobol, zsobol, and Mitsuba's other samplers,
+/// for which sobol stands in. Throws Error (usage) for an unknown name, with the nearest known one.
 SamplerKind sampler_from_name(std::string_view name);
+
+/// The kind with which to render a scene whose file names `named`, unless the user asks for it. Exporters write
+/// `independent` because readers have it as default, not because somebody wants its noise: it becomes sobol.
+SamplerKind rendered_sampler(SamplerKind named);
+
+/// What to tell the user if that is another kind; empty if it is not.
+std::string rendered_sampler_note(SamplerKind named);
 
 /// What to tell the user if `sample_count` samples per pixel become more with this sampler; empty if they do not.
 std::string rounding_note(SamplerKind kind, std::uint32_t sample_count);

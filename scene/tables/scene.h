@@ -124,7 +124,9 @@ class Scene {
   const FilmDescription& film() const { return film_; }
   const SamplerDescription& sampler() const { return sampler_; }
   /// The sampler that the scene asks for, with its own seed and number of samples.
-  SamplerView sampler_view() const { return make_sampler(sampler_.kind, sampler_.seed, sampler_.sample_count); }
+  SamplerView sampler_view() const {
+    return make_sampler(sampler_.kind, sampler_.seed, sampler_.sample_count, static_cast<std::uint32_t>(film_.width));
+  }
   const IntegratorDescription& integrator() const { return integrator_; }
   /// Where the scene speaks of its lights, by row; only of the first kToldLights.
   const std::vector<SourceLocation>& light_places() const { return light_places_; }

@@ -20,7 +20,14 @@ using U = std::uint32_t;
 using Numbers = std::array<float, 4>;
 
 constexpr SamplerKind kKinds[] = {SamplerKind::kIndependent, SamplerKind::kStratified, SamplerKind::kMultijitter,
-                                  SamplerKind::kSobol};
+                                  SamplerKind::kSobol, SamplerKind::kZSobol};
+constexpr int kKindCount = static_cast<int>(std::size(kKinds));
+/// Pixels fill a square as far as they can: kZSobol promises nothing of lines of pixels.
+constexpr U kFrameWidth = 128;
+
+SamplerView sampler_of(SamplerKind kind, U seed, U sample_count) {
+  return make_sampler(kind, seed, sample_count, kFrameWidth);
+}
 constexpr SampleBlock kBlocks[] = {SampleBlock::kCamera, SampleBlock::kLight, SampleBlock::kScatter,
                                    SampleBlock::kSelect};
 
@@ -75,10 +82,10 @@ const std::vector<Integrand>& integrands() {
 
 TEST_CASE("sampler: each number is uniform over pixels, for every sample") {
   constexpr U kSamples[] = {0, 1, 2, 5, 15, 16, 1000};
-  constexpr int kTests = 4 * 7 * 4;
+  constexpr int kTests = kKindCount * 7 * 4;
   for (const SamplerKind kind : kKinds)
     for (const U sample : kSamples) {
-      const SamplerView sampler = make_sampler(kind, 3, 16);
+      const SamplerView sampler = sampler_of(kind, 3, 16);
       std::vector<double> counts[4] = {std::vector<double>(256), std::vector<double>(256), std::vector<double>(256),
                                        std::vector<double>(256)};
       for (U pixel = 0; pixel < 20'000; ++pixel) {
@@ -92,12 +99,12 @@ TEST_CASE("sampler: each number is uniform over pixels, for every sample") {
 }
 
 TEST_CASE("sampler: the four numbers of a sample are independent of each other over pixels") {
-  constexpr int kTests = 4 * 3 * 6;
+  constexpr int kTests = kKindCount * 3 * 6;
   for (const SamplerKind kind : kKinds)
     for (const U sample : {0u, 1u, 11u})
       for (std::size_t a = 0; a < 4; ++a)
         for (std::size_t b = a + 1; b < 4; ++b) {
-          const SamplerView sampler = make_sampler(kind, 5, 16);
+          const SamplerView sampler = sampler_of(kind, 5, 16);
           const double p = p_value_of_pairs(16, 20'000, [&](U pixel) {
             const Numbers u = numbers(sampler, pixel, sample);
             return std::array<float, 2>{u[a], u[b]};
@@ -106,12 +113,33 @@ TEST_CASE("sampler: the four numbers of a sample are independent of each other o
         }
 }
 
+TEST_CASE("sampler: which place in its sequence a sample has tells nothing of how that is scrambled") {
+  // Pairs and triples of numbers of one sample in 8 cells each, over pixels.
+  constexpr U kSamples = 16, kPixels = 30'000;
+  const SamplerView sampler = make_sampler(SamplerKind::kSobol, 1, kSamples);
+  for (U sample = 0; sample < kSamples; ++sample) {
+    std::vector<std::vector<double>> pairs(6, std::vector<double>(64)), triples(4, std::vector<double>(512));
+    for (U pixel = 0; pixel < kPixels; ++pixel) {
+      const Numbers u = numbers(sampler, pixel, sample);
+      std::size_t cell[4], pair = 0;
+      for (std::size_t d = 0; d < 4; ++d) cell[d] = to_uint(u[d] * 8.0f);
+      for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t b = a + 1; b < 4; ++b) pairs[pair++][cell[a] * 8 + cell[b]] += 1.0;
+      for (std::size_t out = 0; out < 4; ++out)
+        triples[out][(cell[out == 0 ? 1 : 0] * 8 + cell[out < 2 ? 2 : 1]) * 8 + cell[out < 3 ? 3 : 2]] += 1.0;
+    }
+    CAPTURE(sample);
+    for (const auto& counts : pairs) CHECK(chi_square_uniform(counts).p_value > significance_of_each(10 * kSamples));
+    for (const auto& counts : triples) CHECK(chi_square_uniform(counts).p_value > significance_of_each(10 * kSamples));
+  }
+}
+
 TEST_CASE("sampler: blocks, events, pixels, seeds and sets are independent of each other") {
-  constexpr int kTests = 4 * 2 * 5 * 4;
+  constexpr int kTests = kKindCount * 2 * 5 * 4;
   for (const SamplerKind kind : kKinds)
     for (const U sample : {0u, 7u})
       for (std::size_t d = 0; d < 4; ++d) {
-        const SamplerView sampler = make_sampler(kind, 5, 16), other = make_sampler(kind, 6, 16);
+        const SamplerView sampler = sampler_of(kind, 5, 16), other = sampler_of(kind, 6, 16);
         const auto p_value = [&](const std::function<Numbers(U)>& second) {
           return p_value_of_pairs(16, 20'000, [&](U pixel) {
             return std::array<float, 2>{numbers(sampler, 2 * pixel, sample, 3, SampleBlock::kLight)[d],
@@ -124,9 +152,10 @@ TEST_CASE("sampler: blocks, events, pixels, seeds and sets are independent of ea
         CAPTURE(d);
         CHECK(p_value([&](U p) { return numbers(sampler, p, sample, 3, SampleBlock::kScatter); }) > level);
         CHECK(p_value([&](U p) { return numbers(sampler, p, sample, 4, SampleBlock::kLight); }) > level);
-        CHECK(p_value([&](U p) { return numbers(sampler, p + 1, sample, 3, SampleBlock::kLight); }) > level);
+        if (kind != SamplerKind::kZSobol)
+          CHECK(p_value([&](U p) { return numbers(sampler, p + 1, sample, 3, SampleBlock::kLight); }) > level);
         CHECK(p_value([&](U p) { return numbers(other, p, sample, 3, SampleBlock::kLight); }) > level);
-        if (kind != SamplerKind::kSobol)
+        if (kind != SamplerKind::kSobol && kind != SamplerKind::kZSobol)
           CHECK(p_value([&](U p) { return numbers(sampler, p, sample, 3, SampleBlock::kLight, {1, 2}); }) > level);
       }
 }
@@ -139,7 +168,7 @@ TEST_CASE("sampler: within a pixel, samples of two blocks are paired at random")
   for (const SamplerKind kind : kKinds)
     for (std::size_t a = 0; a < 4; ++a)
       for (std::size_t b = 0; b < 4; ++b) {
-        const SamplerView sampler = make_sampler(kind, 9, kSamples);
+        const SamplerView sampler = sampler_of(kind, 9, kSamples);
         MeanVariance products;
         for (U pixel = 0; pixel < kPixels; ++pixel) {
           double sum = 0;
@@ -148,7 +177,7 @@ TEST_CASE("sampler: within a pixel, samples of two blocks are paired at random")
                    (numbers(sampler, pixel, i, 2, SampleBlock::kScatter)[b] - 0.5);
           products.add(sum / kSamples);
         }
-        CHECK(products.p_value(0) > significance_of_each(4 * 16));
+        CHECK(products.p_value(0) > significance_of_each(kKindCount * 16));
         const double variance = products.variance() * kSamples * 144;
         CHECK(variance > 0.8);
         CHECK(variance < 2.2);
@@ -156,21 +185,21 @@ TEST_CASE("sampler: within a pixel, samples of two blocks are paired at random")
 }
 
 TEST_CASE("sampler: estimates of integrals have the right mean") {
-  constexpr int kTests = 4 * 5 * 3;
+  constexpr int kTests = kKindCount * 5 * 3;
   for (const SamplerKind kind : kKinds)
     for (const Integrand& integrand : integrands())
       for (const U samples : {1u, 7u, 16u}) {
         CAPTURE(static_cast<int>(kind));
         CAPTURE(integrand.name);
         CAPTURE(samples);
-        const auto found = estimates(make_sampler(kind, 1, 16), samples, 4000, SampleBlock::kScatter, integrand.f);
+        const auto found = estimates(sampler_of(kind, 1, 16), samples, 4000, SampleBlock::kScatter, integrand.f);
         CHECK(found.p_value(integrand.integral) > significance_of_each(kTests));
       }
 }
 
 TEST_CASE("sampler: better spread samples give better estimates") {
   const auto variance = [](SamplerKind kind, const Integrand& integrand) {
-    return estimates(make_sampler(kind, 1, 64), 64, 400, SampleBlock::kScatter, integrand.f).variance();
+    return estimates(sampler_of(kind, 1, 64), 64, 400, SampleBlock::kScatter, integrand.f).variance();
   };
   for (const Integrand& integrand : integrands()) {
     CAPTURE(integrand.name);
@@ -178,7 +207,29 @@ TEST_CASE("sampler: better spread samples give better estimates") {
     CHECK(variance(SamplerKind::kStratified, integrand) < 0.6 * independent);
     CHECK(variance(SamplerKind::kMultijitter, integrand) < 0.6 * independent);
     CHECK(variance(SamplerKind::kSobol, integrand) < 0.25 * independent);
+    CHECK(variance(SamplerKind::kZSobol, integrand) < 0.25 * independent);
   }
+}
+
+TEST_CASE("sampler: samples that choose the same part are spread well over directions") {
+  // The part that is chosen with this probability alone scatters, and that as a smooth function of the direction.
+  constexpr float kShare = 0.3f;
+  const auto variance = [&](SamplerKind kind, SampleBlock choice) {
+    const SamplerView sampler = sampler_of(kind, 1, 64);
+    MeanVariance result;
+    for (U pixel = 0; pixel < 2000; ++pixel) {
+      double sum = 0;
+      for (U i = 0; i < 64; ++i) {
+        const Numbers u = numbers(sampler, pixel, i, 2, SampleBlock::kScatter);
+        if (numbers(sampler, pixel, i, 2, choice)[0] < kShare) sum += double{u[1]} + double{u[2]};
+      }
+      result.add(sum / 64);
+    }
+    CHECK(result.p_value(0.3) > significance_of_each(4));
+    return result.variance();
+  };
+  for (const SamplerKind kind : {SamplerKind::kSobol, SamplerKind::kZSobol})
+    CHECK(variance(kind, SampleBlock::kSelect) < 0.35 * variance(kind, SampleBlock::kResample));
 }
 
 TEST_CASE("sampler: Sobol fills the best plane of each block, at every power of two") {
@@ -196,12 +247,92 @@ TEST_CASE("sampler: Sobol fills the best plane of each block, at every power of 
     }
 }
 
+TEST_CASE("sampler: neighbouring pixels share a Sobol sequence, each square of pixels a part of it") {
+  const SamplerView sampler = make_sampler(SamplerKind::kZSobol, 1, 4, 100);
+  for (const SampleBlock block : kBlocks)
+    for (const U side : {1u, 2u, 4u, 8u})
+      for (const U first : {0u, 4u, 12u}) {  // sample 4 and those after it are more than were asked for
+        const std::size_t d = block == SampleBlock::kCamera ? 0 : 1;
+        const U cells = 2 * side;
+        std::vector<int> hits(cells * cells);
+        for (U y = 0; y < side; ++y)
+          for (U x = 0; x < side; ++x)
+            for (U i = 0; i < 4; ++i) {
+              const Numbers u = numbers(sampler, (16 + y) * 100 + 72 + x, first + i, 5, block);
+              const auto at = [&](std::size_t k) { return to_uint(u[k] * static_cast<float>(cells)); };
+              ++hits[at(d) * cells + at(d + 1)];
+            }
+        CHECK(std::all_of(hits.begin(), hits.end(), [](int n) { return n == 1; }));
+      }
+}
+
+TEST_CASE("sampler: with one sequence for all pixels, means over squares of pixels are better") {
+  const auto variance = [](SamplerKind kind) {
+    const auto& f = integrands()[0].f;
+    MeanVariance means;
+    for (U seed = 0; seed < 300; ++seed) {
+      const SamplerView sampler = make_sampler(kind, seed, 4, 50);
+      double sum = 0;
+      for (U pixel = 0; pixel < 16; ++pixel)
+        for (U i = 0; i < 4; ++i)
+          sum += f(numbers(sampler, (8 + pixel / 4) * 50 + 12 + pixel % 4, i, 2, SampleBlock::kScatter));
+      means.add(sum / 64);
+    }
+    CHECK(means.p_value(integrands()[0].integral) > significance_of_each(2));
+    return means.variance();
+  };
+  CHECK(variance(SamplerKind::kZSobol) < 0.35 * variance(SamplerKind::kSobol));
+}
+
+TEST_CASE("sampler: at each pixel of a shared sequence numbers are uniform over seeds, and differ between pixels") {
+  // With 2^20 samples per pixel a sequence is long enough for 64 x 64 pixels.
+  for (const U sample_count : {4u, 1u << 20})
+    for (const U other : {1u, 64u, 64u * 1000u}) {
+      const auto at = [&](U seed, U pixel) {
+        return numbers(make_sampler(SamplerKind::kZSobol, seed, sample_count, 1000), pixel, 1, 3, SampleBlock::kLight);
+      };
+      const double level = significance_of_each(2 * 3 * 3);
+      CHECK(p_value_of_pairs(16, 20'000, [&](U s) { return std::array{at(s, 63'063)[0], at(s, 63'063)[1]}; }) > level);
+      CHECK(p_value_of_pairs(16, 20'000, [&](U s) { return std::array{at(s, 63'063)[2], at(s, 63'063)[3]}; }) > level);
+      int same = 0;
+      for (U seed = 0; seed < 500; ++seed) same += at(seed, 63'063) == at(seed, 63'063 + other);
+      CHECK(same == 0);
+    }
+}
+
 TEST_CASE("sampler: sets of one Sobol sample continue the sequence") {
   const SamplerView sampler = make_sampler(SamplerKind::kSobol, 1, 4);
   for (U sample = 0; sample < 4; ++sample)
     for (U m = 0; m < 8; ++m)
       CHECK(numbers(sampler, 3, sample, 1, SampleBlock::kLight, {m, 8}) ==
             numbers(sampler, 3, sample * 8 + m, 1, SampleBlock::kLight));
+}
+
+TEST_CASE("sampler: each replicate of a Sobol sequence is one, and they are independent") {
+  const SamplerView sampler = make_sampler(SamplerKind::kSobol, 1, 8);
+  const auto& integrand = integrands()[0].f;
+  // The means of a pixel over several replicates: their variance is that over one, divided by their number.
+  MeanVariance of_one, of_all;
+  constexpr U kReplicates = 4, kSamples = 8;
+  for (U pixel = 0; pixel < 4000; ++pixel) {
+    double sum = 0;
+    for (U replicate = 0; replicate < kReplicates; ++replicate) {
+      const SamplerView own = sampler_of_replicate(sampler, replicate, kSamples);
+      double mean = 0;
+      int hits[8] = {};
+      for (U i = 0; i < kSamples; ++i) {
+        const Numbers u = numbers(own, pixel, replicate * kSamples + i);
+        ++hits[to_uint(u[0] * 8.0f)];
+        mean += integrand(u) / kSamples;
+      }
+      CHECK(std::all_of(std::begin(hits), std::end(hits), [](int n) { return n == 1; }));
+      if (replicate == 0) of_one.add(mean);
+      sum += mean / kReplicates;
+    }
+    of_all.add(sum);
+  }
+  CHECK(of_all.variance() * kReplicates > 0.85 * of_one.variance());  // standard deviation 0.03
+  CHECK(of_all.variance() * kReplicates < 1.15 * of_one.variance());
 }
 
 TEST_CASE("sampler: numbers depend on the sample's index alone, not on how many were asked for") {
@@ -226,6 +357,15 @@ TEST_CASE("sampler: samples beyond the grid fill it again, in another order") {
   }
 }
 
+TEST_CASE("sampler: samples beyond the shared sequence come from another one") {
+  const double level = significance_of_each(4);
+  for (std::size_t d = 0; d < 4; ++d)
+    CHECK(p_value_of_pairs(16, 20'000, [&](U seed) {
+            const SamplerView sampler = make_sampler(SamplerKind::kZSobol, seed, 4, 100);
+            return std::array{numbers(sampler, 777, 1)[d], numbers(sampler, 777, 5)[d]};
+          }) > level);
+}
+
 TEST_CASE("sampler: sample counts are rounded up to grids that are nearly square") {
   for (const SamplerKind kind : {SamplerKind::kStratified, SamplerKind::kMultijitter}) {
     for (U n = 1; n < 3000; ++n) {
@@ -243,6 +383,9 @@ TEST_CASE("sampler: sample counts are rounded up to grids that are nearly square
     CHECK(rounded_sample_count(kind, 0) == 0);
   }
   CHECK(rounded_sample_count(SamplerKind::kSobol, 10) == 10);
+  CHECK(rounded_sample_count(SamplerKind::kZSobol, 10) == 16);
+  CHECK(rounded_sample_count(SamplerKind::kZSobol, 1u << 24) == 1u << 24);
+  CHECK(rounded_sample_count(SamplerKind::kZSobol, 0) == 0);
   CHECK(rounded_sample_count(SamplerKind::kIndependent, 11) == 11);
 }
 
@@ -251,7 +394,8 @@ TEST_CASE("sampler: registers hold the numbers of their lanes, bit by bit, all i
   for (const SamplerKind kind : kKinds)
     for (const SampleBlock block : kBlocks)
       for (U i = 0; i < 500; ++i) {
-        const SamplerView sampler = make_sampler(kind, i, 1 + i % 40);
+        SamplerView sampler = sampler_of(kind, i, 1 + i % 40);
+        sampler = sampler_of_replicate(sampler, i % 3, 7);
         const auto pixel = [i](int lane) { return i * 977u + static_cast<U>(lane); };
         const auto sample = [i](int lane) { return (i * i) ^ static_cast<U>(lane * 5); };
         const auto event = [i](int lane) { return i % 7u + static_cast<U>(lane % 3); };
@@ -272,7 +416,7 @@ TEST_CASE("sampler: blocks and events never share numbers") {
     std::unordered_set<std::uint64_t> seen;
     for (U event = 0; event < 100; ++event)
       for (const SampleBlock block : kBlocks) {
-        const Numbers u = numbers(make_sampler(kind, 7, 16), 11, 13, event, block);
+        const Numbers u = numbers(sampler_of(kind, 7, 16), 11, 13, event, block);
         seen.insert(static_cast<std::uint64_t>(float_bits(u[1])) << 32 | float_bits(u[2]));
       }
     CHECK(seen.size() == 400);

@@ -15,11 +15,12 @@ namespace sheaf {
 namespace {
 
 using U = std::uint32_t;
-using Point = std::array<U, 4>;
+using Point = std::array<U, 5>;
 
 Point sobol_point(U index) {
   Point p;
   sobol4<Scalar>(index, p.data());
+  p[4] = sobol_fifth<Scalar>(index);
   return p;
 }
 
@@ -58,7 +59,7 @@ U mixed(U i) {
 
 TEST_CASE("sobol: points are those of the direction numbers of Joe and Kuo") {
   const auto pascal = direction_numbers(1, 0, {1}), third = direction_numbers(2, 1, {1, 3}),
-             fourth = direction_numbers(3, 1, {1, 3, 1});
+             fourth = direction_numbers(3, 1, {1, 3, 1}), fifth = direction_numbers(3, 2, {1, 1, 1});
   int wrong = 0;
   for (U n = 0; n < 200'000; ++n) {
     const U index = n < 100'000 ? n : mixed(n) >> (n % 32);
@@ -67,6 +68,7 @@ TEST_CASE("sobol: points are those of the direction numbers of Joe and Kuo") {
     wrong += reverse_bits(p[1]) != combined(pascal, index);
     wrong += reverse_bits(p[2]) != combined(third, index);
     wrong += reverse_bits(p[3]) != combined(fourth, index);
+    wrong += reverse_bits(p[4]) != combined(fifth, index);
   }
   CHECK(wrong == 0);
 }
@@ -75,10 +77,11 @@ TEST_CASE("sobol: registers hold the points of their lanes, small and large indi
   int wrong = 0;
   for (U n = 0; n < 4096; ++n) {
     const auto index = [n](int lane) { return mixed(n) >> (n + static_cast<U>(lane) * 5) % 32; };
-    WideUint wide[4];
+    WideUint wide[5];
     sobol4<Wide>(wide_uints(index), wide);
+    wide[4] = sobol_fifth<Wide>(wide_uints(index));
     for (int lane = 0; lane < kWidth; ++lane)
-      for (std::size_t d = 0; d < 4; ++d) wrong += wide[d][lane] != sobol_point(index(lane))[d];
+      for (std::size_t d = 0; d < 5; ++d) wrong += wide[d][lane] != sobol_point(index(lane))[d];
   }
   CHECK(wrong == 0);
 }
@@ -146,7 +149,7 @@ TEST_CASE("sobol: the first 2^k samples fill every elementary interval, in every
     for (int k = 0; k <= 12; k += pixel < 4 ? 1 : 3) {
       const U count = 1u << k;
       std::vector<Random4<Scalar>> samples;
-      for (U i = 0; i < count; ++i) samples.push_back(sobol_random4<Scalar>(3, pixel, i, pixel % 7));
+      for (U i = 0; i < count; ++i) samples.push_back(sobol_random4<Scalar>({3, pixel, i}, pixel % 7));
       for (int split = 0; split <= k; ++split) {  // 2^split columns of x, 2^(k - split) rows of y
         std::vector<int> hits(count);
         for (const auto& s : samples) {

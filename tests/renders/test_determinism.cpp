@@ -254,6 +254,29 @@ TEST_CASE("a crop is the crop of the whole") {
   }
 }
 
+TEST_CASE("the same bits for all threads, wave sizes and crops, with every sampler") {
+  for (const SamplerKind kind : {SamplerKind::kIndependent, SamplerKind::kStratified, SamplerKind::kMultijitter,
+                                 SamplerKind::kSobol, SamplerKind::kZSobol}) {
+    CAPTURE(static_cast<int>(kind));
+    Description d = room(20, 14);
+    d.sampler.kind = kind;
+    const auto scene = compile_scene(d);
+    RenderOptions options;
+    options.threads = 1;
+    options.wave_size = 256;
+    const Image whole = render(*scene, options).film.to_image();
+    options.threads = 3;
+    options.wave_size = 1600;
+    CHECK(same_bytes(pixels(*scene, options), whole.data));
+    options.crop = PixelRect{7, 5, 16, 12};
+    const Image part = render(*scene, options).film.to_image();
+    const std::size_t row = static_cast<std::size_t>(part.width) * part.channels.size() * sizeof(float);
+    for (int y = 0; y < part.height; ++y)
+      CHECK(std::memcmp(&part.data[static_cast<std::size_t>(y) * row / sizeof(float)],
+                        &whole.data[(static_cast<std::size_t>(y + 5) * 20 + 7) * part.channels.size()], row) == 0);
+  }
+}
+
 TEST_CASE("another seed gives another picture, the same seed the same") {
   const auto scene = compile_scene(room(20, 20));
   RenderOptions options;

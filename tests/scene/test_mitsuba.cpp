@@ -135,7 +135,8 @@ TEST_CASE("Mitsuba: samplers") {
   for (const auto& [name, kind] : {std::pair{"independent", SamplerKind::kIndependent},
                                    {"stratified", SamplerKind::kStratified},
                                    {"multijitter", SamplerKind::kMultijitter},
-                                   {"sobol", SamplerKind::kSobol}}) {
+                                   {"sobol", SamplerKind::kSobol},
+                                   {"zsobol", SamplerKind::kZSobol}}) {
     const Description d = with_sensor(std::string("<sampler type='") + name + "'>" + properties);
     CHECK(d.sampler.kind == kind);
     CHECK(d.sampler.sample_count == 16);

@@ -80,6 +80,7 @@ TEST_CASE("Nori: camera, filters and sampler") {
   CHECK(sampler("independent").sampler.kind == SamplerKind::kIndependent);
   CHECK(sampler("stratified").sampler.kind == SamplerKind::kStratified);
   CHECK(sampler("sobol").sampler.kind == SamplerKind::kSobol);
+  CHECK(sampler("zsobol").sampler.kind == SamplerKind::kZSobol);
   REQUIRE(sampler("halton").notes.size() == 1);
   CHECK(contains(sampler("halton").notes[0], "sampler 'halton' is rendered with 'sobol'"));
 }

@@ -120,7 +120,18 @@ TEST_SUITE("pbrt") {
     CHECK(d.film.width == 1280);
     CHECK(d.film.filter.kind == FilterDescription::Kind::kGaussian);
     CHECK(d.sampler.sample_count == 16);
+    CHECK(d.sampler.kind == SamplerKind::kZSobol);
     CHECK(d.integrator.max_depth == 6);
+  }
+
+  TEST_CASE("Samplers are pbrt's, or others of their purpose") {
+    const auto kind = [](const std::string& name) {
+      return read_world("", false, "Sampler \"" + name + "\" \"integer pixelsamples\" 32").sampler.kind;
+    };
+    CHECK(kind("independent") == SamplerKind::kIndependent);
+    CHECK(kind("stratified") == SamplerKind::kStratified);
+    CHECK(kind("zsobol") == SamplerKind::kZSobol);
+    for (const char* name : {"halton", "paddedsobol", "pmj02bn", "sobol"}) CHECK(kind(name) == SamplerKind::kSobol);
   }
 
   TEST_CASE("Attributes, transforms and objects are saved and restored") {

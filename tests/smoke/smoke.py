@@ -43,6 +43,7 @@ SCRIPTS = {
                                "--reference-spp", "2", "--steps", "0.1"],
     "bench/compare_photons.py": ["--sheaf", "{build}/sheaf", "--seconds", "0.01", "--width", "24", "--seeds", "1",
                                  "--reference-spp", "1", "--photons", "0.01"],
+    "bench/compare_samplers.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--scale", "0.05"],
     "tools/compare_builds.py": ["{build}/sheaf", "{build}/sheaf", "--spp", "1", "--only", "cornell"],
     "tools/fit_rgb_basis.py": ["--step", "20"],
     "tools/fit_wavelengths.py": ["--colours", "2", "--iterations", "1"],

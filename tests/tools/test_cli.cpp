@@ -332,6 +332,28 @@ TEST_CASE("--sampler overrides the scene's sampler, and grids round the samples 
   CHECK(contains(unknown.err, "unknown sampler 'sobl', did you mean 'sobol'?"));
 }
 
+TEST_CASE("A scene's independent sampler becomes sobol, unless it is asked for; zsobol rounds up to powers of two") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  const std::string note = "sampler 'independent' is rendered with 'sobol'";
+  const auto pixels = [&](const std::string& arguments, bool noted) {
+    const Outcome outcome = run(folder, "render scene.xml -o a.exr --spp 3 " + arguments);
+    CAPTURE(outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK(contains(outcome.err, note) == noted);
+    const Image image = read_image(folder / "a.exr");
+    std::vector<float> values;
+    for (int x = 0; x < image.width; ++x) values.push_back(image.at(x, 7, image.find_channel("R")));
+    return values;
+  };
+  const auto as_it_is = pixels("", true);
+  CHECK(as_it_is == pixels("--sampler sobol", false));
+  CHECK(as_it_is != pixels("--sampler independent", false));
+  CHECK(contains(run(folder, "info scene.xml").out, "sampler     sobol for independent, 16 samples per pixel"));
+  CHECK(contains(run(folder, "render scene.xml -o a.exr --spp 3 --sampler zsobol").err,
+                 "sampler 'zsobol': 3 samples per pixel become 4, a power of two"));
+}
+
 TEST_CASE("without a name the picture is called after the scene, in the current folder") {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "scenes");
