@@ -112,7 +112,7 @@ TEST_CASE("weighted film: means and variances are those of all samples under the
     for (const VarianceUnit unit : {VarianceUnit::kSample, VarianceUnit::kReplicate}) {
       const Image image = film_by_tiles(weights, {0, 0, kFrameWidth, kFrameHeight}, 8, unit).to_image();
       REQUIRE(image.channels.size() == 4 + 3);
-      for (const auto [x, y] : {std::pair{0, 0}, {7, 7}, {8, 8}, {22, 16}, {15, 3}, {10, 16}}) {
+      for (const auto& [x, y] : {std::pair{0, 0}, {7, 7}, {8, 8}, {22, 16}, {15, 3}, {10, 16}}) {
         const Expected expected = expected_at(filter, x, y, unit);
         CHECK(image.at(x, y, 0) == doctest::Approx(expected.means[0]).epsilon(1e-4));
         CHECK(image.at(x, y, 1) == doctest::Approx(expected.means[1]).epsilon(1e-4));
@@ -143,7 +143,7 @@ TEST_CASE("weighted film: tiles narrower than the filter's reach") {
   const FilterDescription filter = filter_of(Kind::kLanczos);
   const Image small =
       film_by_tiles(FilterWeights(filter), {0, 0, kFrameWidth, kFrameHeight}, 2, VarianceUnit::kReplicate).to_image();
-  for (const auto [x, y] : {std::pair{0, 0}, {7, 7}, {12, 9}})
+  for (const auto& [x, y] : {std::pair{0, 0}, {7, 7}, {12, 9}})
     CHECK(small.at(x, y, 0) ==
           doctest::Approx(expected_at(filter, x, y, VarianceUnit::kReplicate).means[0]).epsilon(1e-4));
 }
