@@ -44,8 +44,8 @@ class GatheringWave {
     const FilmDescription& film = scene.film();
     const int side = 16;
     pixels_ = samples_of({film.width / 2 - side, film.height / 4, film.width / 2 + side, film.height / 4 * 3},
-                         film.width, 0, 4);
-    task_.begin(pixels_, film.width, kBeautyChannels);
+                         {film.width}, 0, 4);
+    task_.begin(pixels_, {film.width}, kBeautyChannels);
     for (std::size_t i = 0; i < static_cast<std::size_t>(end); ++i)
       if (takes_part(context_, kStages<Wide>[i].use, true)) kStages<Wide>[i].run(context_, wave_);
   }

@@ -43,8 +43,8 @@ class WarmWave {
     frame_ = {0, 0, film.width, film.height};
     const int x = std::max(0, (film.width - kSide) / 2), y = std::max(0, (film.height - kSide) / 2);
     pixels_ =
-        samples_of({x, y, std::min(film.width, x + kSide), std::min(film.height, y + kSide)}, film.width, 0, kSpp);
-    task_.begin(pixels_, film.width, kBeautyChannels);
+        samples_of({x, y, std::min(film.width, x + kSide), std::min(film.height, y + kSide)}, {film.width}, 0, kSpp);
+    task_.begin(pixels_, {film.width}, kBeautyChannels);
     rewind_photons();
     for (int step = 0; step < kSteps; ++step) advance(Stage::kCount);
     while (!refilling()) advance(Stage::kCount);

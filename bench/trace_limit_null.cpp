@@ -26,7 +26,7 @@ std::vector<std::vector<PixelSamples>> choose_tiles(const FilmDescription& film)
   const std::size_t count = std::min(all.size(), kMostTiles);
   std::vector<std::vector<PixelSamples>> chosen;
   for (std::size_t i = 0; i < count; ++i)
-    chosen.push_back(samples_of(all[i * all.size() / count], film.width, 0, kTileSpp));
+    chosen.push_back(samples_of(all[i * all.size() / count], {film.width}, 0, kTileSpp));
   return chosen;
 }
 
@@ -66,7 +66,7 @@ void run_round(const Scene& scene, const std::vector<std::vector<PixelSamples>>&
   Wave wave(contender.wave_size, WaveNeeds::of(context));
   const Stopwatch watch;
   for (const std::vector<PixelSamples>& tile : tiles) {
-    task.begin(tile, scene.film().width, kBeautyChannels);
+    task.begin(tile, {scene.film().width}, kBeautyChannels);
     contender.run(context, wave);
   }
   const Duration elapsed = watch.elapsed();

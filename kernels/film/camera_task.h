@@ -10,21 +10,32 @@
 
 namespace sheaf {
 
+/// The pixels that samples are taken of: those of the frame, and a border around it.
+struct SampledFrame {
+  int width = 1;   ///< of the frame
+  int border = 0;  ///< pixels on each side
+
+  int row_length() const { return width + 2 * border; }
+  /// The number of a pixel of the frame or its border.
+  std::uint32_t pixel(int x, int y) const {
+    return static_cast<std::uint32_t>((y + border) * row_length() + x + border);
+  }
+  int x(std::uint32_t pixel) const { return static_cast<int>(pixel) % row_length() - border; }
+  int y(std::uint32_t pixel) const { return static_cast<int>(pixel) / row_length() - border; }
+};
+
 /// The samples [first_sample, first_sample + sample_count) of one pixel.
 struct PixelSamples {
-  std::uint32_t pixel = 0;  ///< y * frame width + x
+  std::uint32_t pixel = 0;  ///< SampledFrame::pixel()
   std::uint32_t first_sample = 0, sample_count = 0;
 };
 
 /// The same samples of every pixel of a rectangle, row by row.
-inline std::vector<PixelSamples> samples_of(const PixelRect& pixels, int frame_width, std::uint32_t first_sample,
-                                            std::uint32_t sample_count) {
+inline std::vector<PixelSamples> samples_of(const PixelRect& pixels, const SampledFrame& frame,
+                                            std::uint32_t first_sample, std::uint32_t sample_count) {
   std::vector<PixelSamples> list;
   for (int y = pixels.y0; y < pixels.y1; ++y)
-    for (int x = pixels.x0; x < pixels.x1; ++x)
-      list.push_back({static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(frame_width) +
-                          static_cast<std::uint32_t>(x),
-                      first_sample, sample_count});
+    for (int x = pixels.x0; x < pixels.x1; ++x) list.push_back({frame.pixel(x, y), first_sample, sample_count});
   return list;
 }
 
@@ -36,13 +47,13 @@ class CameraTask {
     std::size_t entry = 0;     ///< of the list
     std::uint32_t sample = 0;  ///< counted from the entry's first
     int index = 0;             ///< of all samples
-    std::uint32_t x = 0, y = 0;  ///< of the entry's pixel
+    int x = 0, y = 0;          ///< the entry's pixel in the frame
   };
 
   /// Begins a list, which must outlive the work on it. `channels`: of a sample; `spectral_bins`: of the film.
-  void begin(std::span<const PixelSamples> pixels, int frame_width, int channels, int spectral_bins = 0) {
+  void begin(std::span<const PixelSamples> pixels, SampledFrame frame, int channels, int spectral_bins = 0) {
     pixels_ = pixels;
-    frame_width_ = static_cast<std::uint32_t>(frame_width);
+    frame_ = frame;
     spectral_bins_ = spectral_bins;
     total_ = 0;
     for (const PixelSamples& p : pixels) total_ += static_cast<int>(p.sample_count);
@@ -52,7 +63,7 @@ class CameraTask {
   }
 
   std::span<const PixelSamples> pixels() const { return pixels_; }
-  std::uint32_t frame_width() const { return frame_width_; }
+  const SampledFrame& frame() const { return frame_; }
   int spectral_bins() const { return spectral_bins_; }
   int total() const { return total_; }       ///< samples
   int left() const { return total_ - cursor.index; }  ///< samples that were not started yet
@@ -60,8 +71,8 @@ class CameraTask {
   /// The pixel and the absolute index of the sample at the cursor. There must be one left.
   std::uint32_t pixel() const { return pixels_[cursor.entry].pixel; }
   std::uint32_t sample() const { return pixels_[cursor.entry].first_sample + cursor.sample; }
-  std::uint32_t x() const { return cursor.x; }
-  std::uint32_t y() const { return cursor.y; }
+  int x() const { return cursor.x; }
+  int y() const { return cursor.y; }
   void advance() {
     assert(left() > 0);
     ++cursor.index;
@@ -78,12 +89,12 @@ class CameraTask {
   void enter() {
     while (cursor.entry < pixels_.size() && pixels_[cursor.entry].sample_count == 0) ++cursor.entry;
     if (cursor.entry == pixels_.size()) return;
-    cursor.x = pixel() % frame_width_;
-    cursor.y = pixel() / frame_width_;
+    cursor.x = frame_.x(pixel());
+    cursor.y = frame_.y(pixel());
   }
 
   std::span<const PixelSamples> pixels_;
-  std::uint32_t frame_width_ = 1;
+  SampledFrame frame_;
   int spectral_bins_ = 0, total_ = 0;
 };
 

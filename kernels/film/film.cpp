@@ -48,13 +48,18 @@ Film::Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout,
       unit_(unit),
       row_(layout_, spectral_bins),
       counts_(static_cast<std::size_t>(crop.width()) * static_cast<std::size_t>(crop.height())),
-      sums_(counts_.size() * row_.size()),
-      open_(unit == VarianceUnit::kReplicate ? counts_.size() * (1 + row_.variances) : 0) {}
+      sums_(counts_.size() * row_.film_size()),
+      open_(unit == VarianceUnit::kReplicate && row_.variances > 0 ? counts_.size() * (1 + row_.variances) : 0) {}
 
 void Film::add(int x, int y, const double* sums) {
   const std::size_t pixel = pixel_index(x, y);
-  double* const row = sums_.data() + pixel * row_.size();
-  for (std::size_t k = 0; k < row_.size(); ++k) row[k] += sums[k];
+  double* row = sums_.data() + pixel * row_.film_size();
+  const auto add_group = [&](std::size_t from, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) *row++ += sums[from + k];
+  };
+  add_group(0, row_.film_squares_at());
+  add_group(row_.weight_squared, row_.squares());
+  add_group(row_.bins_at, row_.bins);
   if (open_.empty()) return;
   double* open = open_.data() + pixel * (1 + row_.variances);
   *open++ += sums[FilmRow::kWeight];
@@ -92,7 +97,7 @@ void Film::end_replicate() {
   const std::size_t numbers = 1 + row_.variances;
   for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel) {
     const double* const open = open_.data() + pixel * numbers;
-    double* square = sums_.data() + pixel * row_.size() + row_.weight_squared;
+    double* square = sums_.data() + pixel * row_.film_size() + row_.film_squares_at();
     *square++ += open[0] * open[0];
     for (std::size_t k = 1; k < numbers; ++k) {
       *square++ += open[k] * open[k];
@@ -104,19 +109,19 @@ void Film::end_replicate() {
 
 /// `out`: the picture's channels in their order.
 void Film::write_pixel(std::size_t pixel, float* out) const {
-  const double* const row = sums_.data() + pixel * row_.size();
+  const double* const row = sums_.data() + pixel * row_.film_size();
   const double weight = row[FilmRow::kWeight];
   out[row_.channels + row_.variances] = static_cast<float>(counts_[pixel]);
   // Negative lobes of a filter may leave nothing, where samples are few.
   if (!(weight > 0.0)) return;
   for (std::size_t c = 0; c < row_.channels; ++c) out[c] = static_cast<float>(row[FilmRow::kSums + c] / weight);
-  const double* const squares = row + row_.weight_squared;
+  const double* const squares = row + row_.film_squares_at();
   for (std::size_t k = 0; k < row_.variances; ++k)
     out[row_.channels + k] = variance_of_mean(row[FilmRow::kSums + row_.with_variance[k]] / weight, weight, squares[0],
                                               squares[1 + 2 * k], squares[2 + 2 * k]);
   for (std::size_t bin = 0; bin < row_.bins; ++bin)
     out[row_.channels + row_.variances + 1 + bin] =
-        static_cast<float>(row[row_.bins_at + bin] / (weight * bin_width(spectral_bins())));
+        static_cast<float>(row[row_.film_bins_at() + bin] / (weight * bin_width(spectral_bins())));
 }
 
 std::optional<double> Film::noise() const {

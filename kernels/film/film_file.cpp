@@ -133,9 +133,9 @@ Film read_film(const std::filesystem::path& file) {
     in.fail("has a crop or bins that cannot be: damaged");
   FilmLayout layout = read_layout(in);
   const auto pixels = static_cast<std::size_t>(x1 - x0) * static_cast<std::size_t>(y1 - y0);
-  const std::size_t open_numbers =
-      unit == static_cast<int>(VarianceUnit::kReplicate) ? 1 + static_cast<std::size_t>(layout.variance_count()) : 0;
-  const std::size_t numbers_per_pixel = 1 + FilmRow(layout, bins).size() + open_numbers;
+  const bool has_open = unit == static_cast<int>(VarianceUnit::kReplicate) && layout.variance_count() > 0;
+  const std::size_t open_numbers = has_open ? 1 + static_cast<std::size_t>(layout.variance_count()) : 0;
+  const std::size_t numbers_per_pixel = 1 + FilmRow(layout, bins).film_size() + open_numbers;
   if (in.left() != pixels * numbers_per_pixel * sizeof(double)) in.fail("has another size than its header claims");
   Film film(width, height, {x0, y0, x1, y1}, std::move(layout), bins, static_cast<VarianceUnit>(unit));
   in.get(film.counts_);

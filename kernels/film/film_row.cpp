@@ -15,7 +15,7 @@ FilmRow::FilmRow(const FilmLayout& layout, int spectral_bins)
       variances(static_cast<std::size_t>(layout.variance_count())),
       bins(static_cast<std::size_t>(spectral_bins)),
       weight_squared(padded(kSums + channels)),
-      bins_at(weight_squared + padded(1 + 2 * variances)) {
+      bins_at(weight_squared + padded(squares())) {
   for (std::size_t c = 0; c < channels; ++c)
     if (layout.channels()[c].has_variance) with_variance.push_back(c);
 }

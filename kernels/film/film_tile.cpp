@@ -33,7 +33,7 @@ void FilmTile::begin(const FilmRow& row, const FilterWeights* weights, bool sums
                      const PixelRect& crop) {
   row_ = row;
   weights_ = weights;
-  sums_squares_ = sums_squares;
+  sums_squares_ = sums_squares && row.variances > 0;
   own_ = own.intersection(crop);
   outer_ = own.grown(weights != nullptr ? weights->reach() : 0).intersection(crop);
   const auto pixels = static_cast<std::size_t>(outer_.width()) * static_cast<std::size_t>(outer_.height());

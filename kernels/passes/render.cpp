@@ -70,8 +70,9 @@ struct Tile {
 /// Squares of `side` pixels, counted from the frame's corner, that hold any of the `wanted` pixels, row by row.
 std::vector<Tile> make_tiles(const PixelRect& wanted, int side) {
   std::vector<Tile> tiles;
-  for (int y = wanted.y0 / side * side; y < wanted.y1; y += side)
-    for (int x = wanted.x0 / side * side; x < wanted.x1; x += side) {
+  const auto tile_begin = [side](int at) { return (at >= 0 ? at / side : -((side - 1 - at) / side)) * side; };
+  for (int y = tile_begin(wanted.y0); y < wanted.y1; y += side)
+    for (int x = tile_begin(wanted.x0); x < wanted.x1; x += side) {
       const PixelRect pixels{x, y, x + side, y + side};
       tiles.push_back({pixels, pixels.intersection(wanted)});
     }
@@ -82,7 +83,7 @@ std::vector<Tile> make_tiles(const PixelRect& wanted, int side) {
 void reduce(const CameraTask& task, FilmTile& tile) {
   std::size_t sample = 0;
   for (const PixelSamples& p : task.pixels()) {
-    const int x = static_cast<int>(p.pixel % task.frame_width()), y = static_cast<int>(p.pixel / task.frame_width());
+    const int x = task.frame().x(p.pixel), y = task.frame().y(p.pixel);
     for (std::uint32_t i = 0; i < p.sample_count; ++i, ++sample) tile.add(x, y, task.samples, sample);
   }
 }
@@ -142,7 +143,7 @@ class Renderer {
     check_spectral_bins(scene, options.spectral_bins);
     set_film(scene, crop);
     context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed),
-                                    replicate_samples_, static_cast<std::uint32_t>(scene.film().width));
+                                    replicate_samples_, static_cast<std::uint32_t>(frame_.row_length()));
     total_ = static_cast<std::uint64_t>(wanted_.width()) * static_cast<std::uint64_t>(wanted_.height()) * spp_;
     if (maps_photons) {
       photon_mapping_.emplace(context_, spp_, std::max(film_.width(), film_.height()));
@@ -182,12 +183,14 @@ class Renderer {
   void set_film(const Scene& scene, const PixelRect& crop) {
     const FilmDescription& film = scene.film();
     const FilterWeights* weights = context_.scene.filter_weights;
-    wanted_ = crop.grown(weights != nullptr ? weights->reach() : 0).intersection({0, 0, film.width, film.height});
+    const int reach = weights != nullptr ? weights->reach() : 0;
+    frame_ = {film.width, film.sample_border ? reach : 0};
+    wanted_ = crop.grown(reach).intersection(PixelRect{0, 0, film.width, film.height}.grown(frame_.border));
     const bool independent = scene.sampler().kind == SamplerKind::kIndependent;
     const std::uint32_t replicates = options_.replicates > 0 ? static_cast<std::uint32_t>(options_.replicates)
                                      : independent           ? kFreeReplicates
                                                              : default_replicates(spp_);
-    const bool by_samples = independent && (weights == nullptr || weights->reach() == 0);
+    const bool by_samples = independent && reach == 0;
     replicate_samples_ = by_samples ? spp_ : (spp_ + replicates - 1) / replicates;
     film_ = Film(film.width, film.height, crop, FilmLayout::beauty(by_samples || replicate_samples_ < spp_),
                  options_.spectral_bins, by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate);
@@ -221,8 +224,8 @@ class Renderer {
   const FilmTile& run_task(const Tile& tile, std::uint32_t first_sample, std::uint32_t sample_count) {
     const FlushDenormals flush;
     Worker& worker = workers_.local();
-    const std::vector<PixelSamples> pixels = samples_of(tile.wanted, film_.width(), first_sample, sample_count);
-    worker.camera.begin(pixels, film_.width(), film_.layout().size(), film_.spectral_bins());
+    const std::vector<PixelSamples> pixels = samples_of(tile.wanted, frame_, first_sample, sample_count);
+    worker.camera.begin(pixels, frame_, film_.layout().size(), film_.spectral_bins());
     StageContext context = context_;
     context.camera = &worker.camera;
     context.sampler = sampler_of_replicate(context.sampler, first_sample / replicate_samples_, replicate_samples_);
@@ -313,13 +316,12 @@ class Renderer {
   }
 
   std::string dropped_message(const Stats::Dropped& dropped, const Wave::Dropped& first) const {
-    const auto width = static_cast<std::uint32_t>(film_.width());
     const std::string what = "dropped " + std::to_string(dropped.rays) + " rays that were not finite and " +
                              std::to_string(dropped.samples) +
                              " samples that were not finite or negative; one of them ";
     if (first.pixel >= kPhotonPixel)
       return what + "of photon " + std::to_string(std::uint64_t{first.pixel - kPhotonPixel} << 32 | first.sample);
-    return what + "at pixel (" + std::to_string(first.pixel % width) + ", " + std::to_string(first.pixel / width) +
+    return what + "at pixel (" + std::to_string(frame_.x(first.pixel)) + ", " + std::to_string(frame_.y(first.pixel)) +
            "), sample " + std::to_string(first.sample);
   }
 
@@ -330,6 +332,7 @@ class Renderer {
   std::uint32_t spp_;
   int threads_, wave_size_;
   Film film_;
+  SampledFrame frame_;
   PixelRect wanted_;  ///< pixels that are sampled: the crop, and those around from which samples reach into it
   std::uint32_t replicate_samples_ = 0;  ///< per pixel, of each replicate
   std::optional<SplatFilm> splats_;

@@ -75,18 +75,19 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   using F = typename L::Float;
   using U = typename L::Uint;
   CameraTask& task = *context.camera;
-  alignas(kSimdAlignment) std::uint32_t x[L::width], y[L::width], pixel[L::width], sample[L::width];
+  alignas(kSimdAlignment) float x[L::width], y[L::width];
+  alignas(kSimdAlignment) std::uint32_t pixel[L::width], sample[L::width];
   RadianceState<L> radiance;
   radiance.task_sample = U(static_cast<std::uint32_t>(task.cursor.index)) + L::index();
   for (int lane = 0; lane < L::width; ++lane) {
     const int last = std::min(lane, count - 1);
     pixel[lane] = lane < count ? task.pixel() : pixel[last];
     sample[lane] = lane < count ? task.sample() : sample[last];
-    x[lane] = lane < count ? task.x() : x[last];
-    y[lane] = lane < count ? task.y() : y[last];
+    x[lane] = lane < count ? static_cast<float>(task.x()) : x[last];
+    y[lane] = lane < count ? static_cast<float>(task.y()) : y[last];
     if (lane < count) task.advance();
   }
-  U px, py;
+  F px, py;
   ThroughputState<L> throughput;
   load(x, px);
   load(y, py);
@@ -102,7 +103,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   if (context.scene.color == ColorMode::kSpectral) start_wavelengths<L>(context, wave, slots, count, throughput, u);
   const auto dx = context.scene.filter->sample<L>(u.x), dy = context.scene.filter->sample<L>(u.y);
   remember_offsets<L>(task, radiance.task_sample, count, dx.position, dy.position);
-  const F film_x = to_float(px) + F(0.5f) + dx.position, film_y = to_float(py) + F(0.5f) + dy.position;
+  const F film_x = px + F(0.5f) + dx.position, film_y = py + F(0.5f) + dy.position;
   const CameraRay<L> from_camera = camera_ray<L>(context.scene, film_x, film_y, u);
   RayState<L> ray;
   ray.origin = from_camera.origin;

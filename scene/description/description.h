@@ -700,6 +700,9 @@ struct FilmDescription {
   std::optional<PixelRect> crop;
   FilterDescription filter;
   FilterMode filter_mode = FilterMode::kWeighted;
+  /// kWeighted: whether samples are also taken around the frame, as far as the filter reaches; else pixels at the
+  /// frame's sides see the part of the filter that lies inside. kImportance always sees the whole filter.
+  bool sample_border = false;
 };
 
 struct SamplerDescription {

@@ -77,11 +77,11 @@ void read_film(const XmlElement& element, ReadContext& context) {
   FilmDescription& film = context.description.film;
   read_frame(p, film);
   read_crop(p, film);
+  film.sample_border = p.boolean("sample_border", false);
   if (const XmlElement* filter = p.object("rfilter"))
     read_or_as(*filter, context, "gaussian", [&] { film.filter = read_filter(*filter, context); });
-  p.accept({"file_format", "pixel_format", "component_format", "banner", "sample_border", "high_quality_edges",
-            "compensate", "gamma", "exposure", "key", "burn", "tonemap_method", "attach_log", "digits", "variable",
-            "fprec"});
+  p.accept({"file_format", "pixel_format", "component_format", "banner", "high_quality_edges", "compensate", "gamma",
+            "exposure", "key", "burn", "tonemap_method", "attach_log", "digits", "variable", "fprec"});
   p.finish();
 }
 

@@ -143,6 +143,7 @@ void read_filter(Reader& reader, Entity entity) {
   const float radius = p.number("xradius", standard, kPositive);
   if (p.number("yradius", standard, kPositive) != radius)
     p.unsupported("a filter of different 'xradius' and 'yradius'", "'xradius' is taken for both");
+  reader.description.film.sample_border = true;
   FilterDescription& filter = reader.description.film.filter;
   if (type == "box") {
     filter = {Kind::kBox, radius};

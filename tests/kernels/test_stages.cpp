@@ -222,7 +222,7 @@ TEST_CASE_TEMPLATE("camera rays: a list of pixels with samples of their own each
   const std::vector<PixelSamples> pixels = {{0, 3, 0}, {57, 2, 5}, {3, 0, 1}, {98, 7, 0}, {12, 1, 40}, {99, 0, 0}};
   TestWave test(20);
   Wave& wave = test.wave;
-  test.task.begin(pixels, 10, kBeautyChannels);
+  test.task.begin(pixels, {10}, kBeautyChannels);
   CHECK(test.task.total() == 46);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> expected, started;
   for (const PixelSamples& p : pixels)

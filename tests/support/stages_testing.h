@@ -36,8 +36,8 @@ class TestWave {
 
   /// Begins a task of samples of all pixels of a rectangle.
   void begin(const PixelRect& rectangle, std::uint32_t first_sample, std::uint32_t sample_count, int frame_width) {
-    pixels_ = samples_of(rectangle, frame_width, first_sample, sample_count);
-    task.begin(pixels_, frame_width, kBeautyChannels);
+    pixels_ = samples_of(rectangle, {frame_width}, first_sample, sample_count);
+    task.begin(pixels_, {frame_width}, kBeautyChannels);
   }
 
   /// What stages get to see of a scene besides the wave.
