@@ -11,15 +11,15 @@ enum class SampleBlock : std::uint32_t {
   kCamera,    ///< x, y: position in the pixel; z, w: position on the lens, without which z: the wavelengths
   kLight,     ///< x: which light; y, z: point on it; w: which part of it
   kScatter,   ///< x: which lobe; y, z: direction; w: roulette
-  kSelect,    ///< x: which part of a composite material
+  kSelect,    ///< x: which part of a composite material, spread together with kScatter by kSobol and kZSobol
   kResample,  ///< x: which of several light candidates
   kCount,
   /// x: the wavelengths with a lens; once per path, at event 0: what kCamera would have at event 1.
   kWavelength = kCount,
 };
 
-/// How the samples of a pixel are spread within a block. Blocks, events and, but for kZSobol, pixels are independent of
-/// each other, and every number by itself is uniform, whatever the kind.
+/// How the samples of a pixel are spread within a block. Blocks (but for kSelect's x), events and (but for kZSobol)
+/// pixels are independent of each other, and every number by itself is uniform, whatever the kind.
 enum class SamplerKind : std::uint32_t {
   kIndependent,  ///< not at all
   kStratified,   ///< one sample in each cell of a grid in the two planes of a block
