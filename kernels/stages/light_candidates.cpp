@@ -13,6 +13,16 @@ namespace sheaf {
 
 namespace {
 
+/// The upper turns in the light tree, which a vertex' first candidate leaves to the others.
+template <class L>
+SHEAF_INLINE LightTreeTop<L> shared_turns(const StageContext& context, Wave& wave, int column,
+                                          const LightReceiver<L>& at, bool is_first) {
+  if (!is_first) return wave.light_tops.load<L>(column);
+  const auto top = light_tree_top<L>(context.scene.light_tree, at.p, at.n, Mask<L>(true));
+  wave.light_tops.store<L>(column, top);
+  return top;
+}
+
 /// `in_medium`: the vertices scatter to all sides and have no normal.
 template <class L, ColorMode Mode>
 SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const Slot* slots, int column, SampleSet set,
@@ -23,7 +33,9 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
   const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kLight, set);
   const Vec3<L> ns = mapped_parts ? receiver_normal<L>(context.scene, wave, slots, column, item.ns) : item.ns;
   const LightReceiver<L> at = in_medium ? LightReceiver<L>{item.p, {}} : surface_receiver<L>(item.p, ns);
-  const LightChoice<L> choice = choose_light<L>(context.scene, at, u.x);
+  LightTreeTop<L> top;
+  if (wave.needs.light_tops) top = shared_turns<L>(context, wave, column, at, set.index == 0);
+  const LightChoice<L> choice = choose_light<L>(context.scene, at, u.x, wave.needs.light_tops ? &top : nullptr);
   const LightSample<L> light =
       sample_light<L, Mode>(context.scene, item.p, choice, u, shading_wavelengths<L, Mode>(wave, slots));
   LightCandidate<L> out;
