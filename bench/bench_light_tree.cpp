@@ -99,6 +99,29 @@ template <class L> void sample(benchmark::State& state, std::uint32_t count) {
   report(state, tree, items.light);
 }
 
+/// Many candidates for each point, as resampling asks for, which share the upper turns; per candidate.
+template <class L> void candidates(benchmark::State& state, std::uint32_t count) {
+  constexpr int kCandidates = 32;
+  const LightTree tree = build_light_tree(room_lights(count));
+  Items items(count);
+  const LightTreeView view = tree.view();
+  for (auto _ : state) {
+    for (int i = 0; i < kItems / kCandidates; i += L::width) {
+      const Vec3<L> p = load_vector<L>(items.p, i), n = load_vector<L>(items.n, i);
+      const auto top = light_tree_top<L>(view, p, n, Mask<L>(true));
+      for (int k = i * kCandidates; k < (i + L::width) * kCandidates; k += L::width) {
+        Float<L> u;
+        load(items.u + k, u);
+        const auto choice = sample_light_tree<L>(view, top, p, n, Mask<L>(true), u);
+        store(items.out + k, choice.probability);
+        store(items.light + k, choice.light);
+      }
+    }
+    benchmark::ClobberMemory();
+  }
+  report(state, tree, items.light);
+}
+
 template <class L> void probability(benchmark::State& state, std::uint32_t count) {
   const LightTree tree = build_light_tree(room_lights(count));
   Items items(count);
@@ -126,6 +149,8 @@ void build(benchmark::State& state, std::uint32_t count) {
     const std::string lights = "/lights:" + std::to_string(count);
     add("light_tree/sample" + lights + "/scalar", [=](benchmark::State& s) { sample<Scalar>(s, count); });
     add("light_tree/sample" + lights + "/wide", [=](benchmark::State& s) { sample<Wide>(s, count); });
+    add("light_tree/candidates" + lights + "/scalar", [=](benchmark::State& s) { candidates<Scalar>(s, count); });
+    add("light_tree/candidates" + lights + "/wide", [=](benchmark::State& s) { candidates<Wide>(s, count); });
     add("light_tree/probability" + lights + "/scalar", [=](benchmark::State& s) { probability<Scalar>(s, count); });
     add("light_tree/probability" + lights + "/wide", [=](benchmark::State& s) { probability<Wide>(s, count); });
   }

@@ -2,7 +2,6 @@
 // scene/tables/envmap.h says how a map lies on the sphere.
 #pragma once
 
-#include "core/distribution.h"
 #include "core/uplift.h"
 #include "core/warp.h"
 #include "scene/tables/instance.h"
@@ -24,50 +23,90 @@ template <class L> struct EnvmapSample {
 
 namespace detail {
 
-/// A place between four nodes: those of `row` and the one below, of `column` and the next one around.
-template <class L> struct EnvmapPlace {
-  typename L::Uint column, row;
-  typename L::Float x, y;  ///< from the first to the second, in [0, 1]
+/// A cell, by its column and its row.
+template <class L> struct EnvmapCell { typename L::Uint column, row; };
+
+/// A place in a cell, from its first column to the next one and from its upper row to the lower one, in [0, 1].
+template <class L> struct EnvmapPlace { typename L::Float x, y; };
+
+/// What a table says of a cell and of its four nodes: in order those on the left and those on the right, of which each
+/// time the upper one comes first.
+template <class L> struct EnvmapNodes {
+  typename L::Float radiance[4][3];  ///< as envmap_value() has it
+  typename L::Float brightness[4];   ///< see envmap_brightness()
+  typename L::Float density;         ///< of the cell, per unit of the square
 };
 
-template <class L> SHEAF_INLINE Uint<L> next_column(const EnvmapView& map, Uint<L> column) {
-  const Uint<L> next = column + Uint<L>(1u);
-  return select(next == Uint<L>(map.width), Uint<L>(0u), next);
+template <class L> SHEAF_INLINE EnvmapNodes<L> load_nodes(const EnvmapView& map, const EnvmapCell<L>& cell) {
+  using U = Uint<L>;
+  const U column = cell.row * U(map.width + 1) + cell.column;
+  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
+  store(lanes, column);
+  const float* rows[L::width];
+  EnvmapNodes<L> nodes;
+  for (int side = 0; side < 2; ++side) {
+    for (int lane = 0; lane < L::width; ++lane)
+      rows[lane] = reinterpret_cast<const float*>(map.columns + lanes[lane] + side);
+    Float<L> words[4];
+    load_rows4(rows, words);
+    for (int k = 0; k < 6; ++k) {
+      const U word = float_bits(words[k / 2]);
+      nodes.radiance[2 * side + k / 3][k % 3] = envmap_value<L>(k % 2 == 0 ? word & U(0xffffu) : word >> 16);
+    }
+    if (side == 0) nodes.density = words[3];
+  }
+  for (int k = 0; k < 4; ++k) {
+    const Float<L>* const rgb = nodes.radiance[k];
+    nodes.brightness[k] = envmap_brightness<L>(rgb[0], rgb[1], rgb[2], map.offset);
+  }
+  return nodes;
 }
 
-/// Radiance, and density over the unit square.
-template <class L> struct EnvmapMix {
-  Spectrum<L> radiance;
-  typename L::Float density;
-};
+/// Between four values, in the order of EnvmapNodes.
+template <class L> SHEAF_INLINE Float<L> mix(const EnvmapPlace<L>& at, Float<L> a, Float<L> b, Float<L> c, Float<L> d) {
+  return lerp(at.x, lerp(at.y, a, b), lerp(at.y, c, d));
+}
 
-/// What lies between four nodes. Spectral mode: at `lambda`.
+/// Density over the unit square: the cell's, spread as brightness is.
+template <class L> SHEAF_INLINE Float<L> density_at(const EnvmapNodes<L>& nodes, const EnvmapPlace<L>& at) {
+  using F = Float<L>;
+  const F* const b = nodes.brightness;
+  const F sum = (b[0] + b[1]) + (b[2] + b[3]);
+  const auto uneven = sum > F(0.0f);
+  const F share = F(4.0f) * mix<L>(at, b[0], b[1], b[2], b[3]) / select(uneven, sum, F(1.0f));
+  return nodes.density * select(uneven, share, F(1.0f));
+}
+
+/// Radiance at a place. Spectral mode: at `lambda`.
 template <class L, ColorMode Mode>
-SHEAF_INLINE EnvmapMix<L> mix_nodes(const EnvmapView& map, const EnvmapPlace<L>& at, const Spectrum<L>& lambda) {
+SHEAF_INLINE Spectrum<L> radiance_at(const EnvmapView& map, const EnvmapNodes<L>& nodes, const EnvmapCell<L>& cell,
+                                     const EnvmapPlace<L>& at, const Spectrum<L>& lambda) {
   using F = Float<L>;
   using U = Uint<L>;
-  const U above = at.row * U(map.width), below = above + U(map.width), next = next_column<L>(map, at.column);
-  const U first[4] = {(above + at.column) << 2, (above + next) << 2, (below + at.column) << 2, (below + next) << 2};
-  const auto mix = [&](F a, F b, F c, F d)
-                       SHEAF_LAMBDA_INLINE { return lerp(at.y, lerp(at.x, a, b), lerp(at.x, c, d)); };
-  F corner[4][4], out[4];
+  const auto between = [&](F a, F b, F c, F d) SHEAF_LAMBDA_INLINE { return mix<L>(at, a, b, c, d); };
   if constexpr (Mode == ColorMode::kSpectral) {
+    const U above = cell.row * U(map.width), below = above + U(map.width), last(map.width - 1);
+    const U next = select(cell.column == last, U(0u), cell.column + U(1u));
+    const U node[4] = {above + cell.column, below + cell.column, above + next, below + next};
+    F scale[4];
     Spectrum<L> shape[4];
     for (int k = 0; k < 4; ++k) {
-      gather_row4<L>(map.spectra, first[k], corner[k]);
-      shape[k] = evaluate(SigmoidPolynomial<L>{corner[k][0], corner[k][1], corner[k][2]}, lambda);
+      F words[4];
+      gather_row4<L>(map.spectra, node[k] << 2, words);
+      shape[k] = evaluate(SigmoidPolynomial<L>{words[0], words[1], words[2]}, lambda);
+      scale[k] = words[3];
     }
-    const Spectrum<L> mixed{mix(shape[0].c0, shape[1].c0, shape[2].c0, shape[3].c0),
-                            mix(shape[0].c1, shape[1].c1, shape[2].c1, shape[3].c1),
-                            mix(shape[0].c2, shape[1].c2, shape[2].c2, shape[3].c2),
-                            mix(shape[0].c3, shape[1].c3, shape[2].c3, shape[3].c3)};
-    const auto density = [&](int k) SHEAF_LAMBDA_INLINE { return gather(map.nodes, first[k] + U(3u)); };
-    return {mixed * mix(corner[0][3], corner[1][3], corner[2][3], corner[3][3]),
-            mix(density(0), density(1), density(2), density(3))};
+    const Spectrum<L> mixed{between(shape[0].c0, shape[1].c0, shape[2].c0, shape[3].c0),
+                            between(shape[0].c1, shape[1].c1, shape[2].c1, shape[3].c1),
+                            between(shape[0].c2, shape[1].c2, shape[2].c2, shape[3].c2),
+                            between(shape[0].c3, shape[1].c3, shape[2].c3, shape[3].c3)};
+    return mixed * between(scale[0], scale[1], scale[2], scale[3]);
   }
-  for (int k = 0; k < 4; ++k) gather_row4<L>(map.nodes, first[k], corner[k]);
-  for (int c = 0; c < 4; ++c) out[c] = mix(corner[0][c], corner[1][c], corner[2][c], corner[3][c]);
-  return {{out[0], out[1], out[2], F(0.0f)}, out[3]};
+  const F unit(map.unit * 0x1p64f);
+  F out[3];
+  for (int c = 0; c < 3; ++c)
+    out[c] = unit * between(nodes.radiance[0][c], nodes.radiance[1][c], nodes.radiance[2][c], nodes.radiance[3][c]);
+  return {out[0], out[1], out[2], F(0.0f)};
 }
 
 /// Density per solid angle of one over the unit square: the square's area element is 2 pi^2 sin theta.
@@ -83,37 +122,6 @@ template <class F> SHEAF_INLINE F sample_linear(F u, F a, F b) {
   const F denominator = a + root;
   const auto usable = denominator > F(0.0f);
   return select(usable, clamp(u * (a + b) / select(usable, denominator, F(1.0f)), F(0.0f), F(1.0f)), u);
-}
-
-/// Where `u` lies inside [begin, begin + width), as a share.
-template <class F> SHEAF_INLINE F share_of(F u, F begin, F width) {
-  const auto usable = width > F(0.0f);
-  return select(usable, clamp((u - begin) / select(usable, width, F(1.0f)), F(0.0f), F(1.0f)), F(0.5f));
-}
-
-/// The column and the place in it, by u, on the line between two rows of nodes that at.row and at.y tell. The line's
-/// density is linear between nodes, and its CDF the mix of those of the two rows.
-template <class L> SHEAF_INLINE void sample_column(const EnvmapView& map, Float<L> u, EnvmapPlace<L>& at) {
-  using F = Float<L>;
-  using U = Uint<L>;
-  const U stride(map.width + 1), above = at.row * stride, below = above + stride, last(map.width);
-  const auto sum = [&](U column) SHEAF_LAMBDA_INLINE {
-    return lerp(at.y, gather(map.conditional, above + column), gather(map.conditional, below + column));
-  };
-  const F target = u * sum(last);
-  U column(0u);
-  for (std::uint32_t step = std::bit_floor(map.width - 1); step != 0; step >>= 1) {
-    const U probe = min(column + U(step), last - U(1u));
-    column = select(sum(probe) <= target, probe, column);
-  }
-  const F begin = sum(column);
-  const F share = share_of(target, begin, sum(column + U(1u)) - begin);
-  const auto density = [&](U i) SHEAF_LAMBDA_INLINE {
-    const U word = at.row * U(map.width) + i;
-    return lerp(at.y, gather(map.nodes, (word << 2) + U(3u)), gather(map.nodes, ((word + U(map.width)) << 2) + U(3u)));
-  };
-  at.column = column;
-  at.x = sample_linear(share, density(column), density(next_column<L>(map, column)));
 }
 
 }  // namespace detail
@@ -134,13 +142,42 @@ SHEAF_INLINE EnvmapValue<L> lookup_envmap(const EnvmapView& map, Vec3<L> directi
   const F across = clamp((turn - floor(turn)) * columns + F(0.5f), F(0.5f), columns + F(0.5f));
   const F down = clamp(atan2(sin_theta, y) * F(kInvPi), F(0.0f), F(1.0f)) * rows;
   const U after = to_uint(across);
-  detail::EnvmapPlace<L> at;
-  at.column = select(after == U(0u), U(map.width - 1), after - U(1u));
-  at.x = across - to_float(after);
-  at.row = min(to_uint(down), U(map.height - 2));
-  at.y = down - to_float(at.row);
-  const auto value = detail::mix_nodes<L, Mode>(map, at, lambda);
-  return {value.radiance, detail::envmap_solid_angle_pdf(value.density, sin_theta)};
+  const detail::EnvmapCell<L> cell{select(after == U(0u), U(map.width - 1), after - U(1u)),
+                                   min(to_uint(down), U(map.height - 2))};
+  const detail::EnvmapPlace<L> at{across - to_float(after), down - to_float(cell.row)};
+  const auto nodes = detail::load_nodes<L>(map, cell);
+  return {detail::radiance_at<L, Mode>(map, nodes, cell, at, lambda),
+          detail::envmap_solid_angle_pdf(detail::density_at<L>(nodes, at), sin_theta)};
+}
+
+namespace detail {
+
+/// Asks for the cache lines of rows[index], one for each lane; of the row behind it too if `next`.
+template <class L, class Row> SHEAF_INLINE void prefetch(const Row* rows, typename L::Uint index, bool next) {
+#if defined(__GNUC__)
+  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
+  store(lanes, index);
+  for (int lane = 0; lane < L::width; ++lane) {
+    __builtin_prefetch(rows + lanes[lane]);
+    if (next) __builtin_prefetch(rows + lanes[lane] + 1);
+  }
+#endif
+}
+
+}  // namespace detail
+
+/// Starts to fetch what sample_envmap() will read of the tables of columns for u and v.
+template <class L> SHEAF_INLINE void prefetch_envmap_columns(const EnvmapView& map, Float<L> u, Float<L> v) {
+  const auto row = to_uint(v * Float<L>(static_cast<float>(kQuantiles)));
+  detail::prefetch<L>(map.quantiles, gather(map.tables, row) + to_uint(u * Float<L>(static_cast<float>(kQuantiles))),
+                      false);
+}
+
+/// Starts to fetch the nodes that sample_envmap() will read for u and v.
+template <class L> SHEAF_INLINE void prefetch_envmap_nodes(const EnvmapView& map, Float<L> u, Float<L> v) {
+  const auto row = draw_quantile<L>(map.quantiles, Uint<L>(0u), v);
+  const auto column = draw_quantile<L>(map.quantiles, gather(map.tables, row.quantile), u);
+  detail::prefetch<L>(map.columns, row.index * Uint<L>(map.width + 1) + column.index, true);
 }
 
 /// A direction by u, v in [0, 1): u chooses the longitude, v the polar angle, each by inversion, so that what is
@@ -150,18 +187,20 @@ SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, Float<L> u, Fl
                                            const Spectrum<L>& lambda = {}) {
   using F = Float<L>;
   using U = Uint<L>;
+  const auto row = draw_quantile<L>(map.quantiles, U(0u), v);
+  const auto column = draw_quantile<L>(map.quantiles, gather(map.tables, row.quantile), u);
+  const detail::EnvmapCell<L> cell{column.index, row.index};
+  const auto nodes = detail::load_nodes<L>(map, cell);
+  const F* const b = nodes.brightness;
+  const F of_row = gather(map.rows, row.index);
+  const F of_column =
+      nodes.density * F(1.0f / (static_cast<float>(map.width) * static_cast<float>(map.height - 1))) / of_row;
   detail::EnvmapPlace<L> at;
-  const CdfCell<L> cell = find_cell<L>(map.marginal, U(0u), map.height - 1, v);
-  at.row = cell.index;
-  // A row of nodes counts by its sum.
-  const U first_end = (at.row + U(1u)) * U(map.width + 1) - U(1u);
-  at.y = detail::sample_linear(detail::share_of(v, cell.begin, cell.probability), gather(map.conditional, first_end),
-                               gather(map.conditional, first_end + U(map.width + 1)));
-  detail::sample_column<L>(map, u, at);
-  const auto value = detail::mix_nodes<L, Mode>(map, at, lambda);
+  at.y = detail::sample_linear(row.remapped(of_row), b[0] + b[2], b[1] + b[3]);
+  at.x = detail::sample_linear(column.remapped(of_column), lerp(at.y, b[0], b[1]), lerp(at.y, b[2], b[3]));
 
-  const F across = (to_float(at.column) + F(0.5f) + at.x) * F(1.0f / static_cast<float>(map.width));
-  const F down = (to_float(at.row) + at.y) * F(1.0f / static_cast<float>(map.height - 1));
+  const F across = (to_float(cell.column) + F(0.5f) + at.x) * F(1.0f / static_cast<float>(map.width));
+  const F down = (to_float(cell.row) + at.y) * F(1.0f / static_cast<float>(map.height - 1));
   const auto longitude = sincos_2pi<L>(across - floor(across));
   const auto polar = sincos_2pi<L>(down * F(0.5f));
   const F sin_theta = max(polar.sin, F(0.0f));
@@ -171,8 +210,8 @@ SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, Float<L> u, Fl
   out.direction = {fma(F(m[0]), local.x, fma(F(m[3]), local.y, F(m[6]) * local.z)),
                    fma(F(m[1]), local.x, fma(F(m[4]), local.y, F(m[7]) * local.z)),
                    fma(F(m[2]), local.x, fma(F(m[5]), local.y, F(m[8]) * local.z))};
-  out.radiance = value.radiance;
-  out.pdf_solid_angle = detail::envmap_solid_angle_pdf(value.density, sin_theta);
+  out.radiance = detail::radiance_at<L, Mode>(map, nodes, cell, at, lambda);
+  out.pdf_solid_angle = detail::envmap_solid_angle_pdf(detail::density_at<L>(nodes, at), sin_theta);
   return out;
 }
 

@@ -33,12 +33,17 @@ inline float infinite_light_share(const SceneView& scene) {
 namespace light_select_detail {
 
 template <class L>
-SHEAF_INLINE LightChoice<L> choose_by_bvh(const SceneView& scene, const LightReceiver<L>& at, typename L::Float u) {
+SHEAF_INLINE LightChoice<L> choose_by_bvh(const SceneView& scene, const LightReceiver<L>& at, typename L::Float u,
+                                          const LightTreeTop<L>* top) {
   using F = typename L::Float;
   using U = typename L::Uint;
+  const auto in_tree = [&](F number) SHEAF_LAMBDA_INLINE -> LightTreeSample<L> {
+    if (top != nullptr) return sample_light_tree<L>(scene.light_tree, *top, at.p, at.n, Mask<L>(true), number);
+    return sample_light_tree<L>(scene.light_tree, at.p, at.n, Mask<L>(true), number);
+  };
   const std::uint32_t infinite = infinite_light_count(scene);
   if (infinite == 0) {
-    const auto s = sample_light_tree<L>(scene.light_tree, at.p, at.n, Mask<L>(true), u);
+    const auto s = in_tree(u);
     return {s.light, s.probability};
   }
   const float share = infinite_light_share(scene);
@@ -48,7 +53,7 @@ SHEAF_INLINE LightChoice<L> choose_by_bvh(const SceneView& scene, const LightRec
   if (scene.bounded_light_count == 0) return {far, far_probability};
   const auto is_far = u < F(share);
   const F rest = clamp((u - F(share)) * F(1.0f / (1.0f - share)), F(0.0f), F(kOneMinusEpsilon));
-  const auto near = sample_light_tree<L>(scene.light_tree, at.p, at.n, Mask<L>(true), rest);
+  const auto near = in_tree(rest);
   return {select(is_far, far, near.light), select(is_far, far_probability, near.probability * F(1.0f - share))};
 }
 
@@ -73,9 +78,11 @@ template <class L> SHEAF_INLINE LightChoice<L> choose_light_by_power(const Scene
   return {entry.index, entry.pdf};
 }
 
-/// Chooses a light by u in [0, 1), as SceneView::light_selector says. The scene must have lights.
+/// Chooses a light by u in [0, 1), as SceneView::light_selector says. The scene must have lights. `top`: what
+/// light_tree_top() says of the receiver, if that is known already; the choice is the same.
 template <class L>
-SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightReceiver<L>& at, typename L::Float u) {
+SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightReceiver<L>& at, typename L::Float u,
+                                         const LightTreeTop<L>* top = nullptr) {
   using F = typename L::Float;
   using U = typename L::Uint;
   if (scene.light_count == 1) return {U(0u), F(1.0f)};
@@ -86,7 +93,7 @@ SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightRece
     case LightSelector::kPower: return choose_light_by_power<L>(scene, u);
     case LightSelector::kBvh: break;
   }
-  return light_select_detail::choose_by_bvh<L>(scene, at, u);
+  return light_select_detail::choose_by_bvh<L>(scene, at, u, top);
 }
 
 /// The probability with which choose_light finds `light`.

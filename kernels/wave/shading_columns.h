@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/soa.h"
+#include "kernels/lights/light_tree.h"
 #include "kernels/wave/path_state.h"
 #include "kernels/wave/wave_needs.h"
 
@@ -22,6 +23,7 @@ struct ShadingColumns {
   Soa<ClosureItem> closures;   ///< as many words as WaveNeeds::closure_words
   Soa<LightCandidate> candidates;  ///< WaveNeeds::candidates
   Soa<ReservoirItem> reservoirs;  ///< WaveNeeds::reservoirs
+  Soa<LightTreeTop> light_tops;   ///< WaveNeeds::light_tops
   Soa<FilmPlace> film_places;     ///< WaveNeeds::film_places
   Soa<ShadowItem> shadows;
   Soa<TransmittanceItem> transmittances;  ///< WaveNeeds::transparency
@@ -39,6 +41,7 @@ struct ShadingColumns {
     f(c.closures, rows, needs.closure_words);
     f(c.candidates, rows, all(needs.candidates, kLeafCount<LightCandidate>));
     f(c.reservoirs, rows, all(needs.reservoirs, kLeafCount<ReservoirItem>));
+    f(c.light_tops, rows, all(needs.light_tops, kLeafCount<LightTreeTop>));
     f(c.film_places, rows, all(needs.film_places, kLeafCount<FilmPlace>));
     f(c.shadows, paths, kLeafCount<ShadowItem>);
     f(c.transmittances, paths, all(needs.transparency, kLeafCount<TransmittanceItem>));

@@ -61,6 +61,11 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   needs.textures = false;
   needs.candidates = context.transport.kind != IntegratorKind::kLightTracer;
   needs.reservoirs = needs.candidates && context.transport.candidates > 1;
+  // From here on sharing saves more than it takes to find all upper turns.
+  constexpr int kLeastCandidates = 4;
+  constexpr std::uint32_t kLeastLights = 32;
+  needs.light_tops = needs.candidates && context.transport.candidates >= kLeastCandidates &&
+                     scene.light_selector == LightSelector::kBvh && scene.bounded_light_count >= kLeastLights;
   needs.film_places = !needs.candidates;
   for (const std::uint32_t flags : scene.kind_flags)
     needs.textures = needs.textures || (flags & (kTextured | kMapped)) != 0;

@@ -13,6 +13,7 @@ struct WaveNeeds {
   bool textures = true;      ///< what lookups and normal maps need to know of vertices
   bool candidates = true;    ///< light candidates
   bool reservoirs = true;    ///< resampling of several light candidates
+  bool light_tops = true;    ///< upper turns in the light tree, which many candidates have in common
   bool film_places = true;   ///< where photons are seen by the camera
   std::uint32_t counted_lights = 0;      ///< whose shadow rays are counted apart
   int closure_words = kMaxClosureWords;  ///< longest parameters of a closure

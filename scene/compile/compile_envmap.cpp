@@ -6,9 +6,12 @@
 #include "core/uplift.h"
 #include "scene/compile/texture_image.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace sheaf {
@@ -30,69 +33,119 @@ double mean_sine(std::uint32_t j, std::uint32_t height) {
   return std::sin(j * step) * 4.0 * half * half / (step * step);
 }
 
+/// The greatest power of two that is at most the picture's greatest value.
+float unit_of(const EnvmapPicture& picture, float scale) {
+  using Range = tbb::blocked_range<std::size_t>;
+  const auto most_of = [&](const Range& range, float most) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const float value = picture.rgb[i] * scale;
+      most = is_usable(value) ? std::max(most, value) : most;
+    }
+    return most;
+  };
+  const float most = tbb::parallel_reduce(Range(0, picture.rgb.size(), 1 << 16), 0.0f, most_of,
+                                          [](float a, float b) { return std::max(a, b); });
+  return most > 0 ? std::exp2(static_cast<float>(std::min(std::ilogb(most), 63))) : 1.0f;
+}
+
+/// A node's number: 0 to 2 for red, green and blue.
+float value_of(const Envmap& map, std::size_t row, std::size_t column, std::size_t c) {
+  const bool last = row + 1 == map.height;
+  const EnvmapColumn& at = map.columns[(last ? row - 1 : row) * (map.width + 1) + column];
+  return envmap_value<Scalar>(at.radiance[last ? 3 + c : c]);
+}
+
 /// Radiance to the nodes; a picture of one row becomes two equal ones.
 void fill_radiance(Envmap& map, const EnvmapPicture& picture, float scale) {
-  for (std::size_t j = 0; j < map.height; ++j) {
-    const std::size_t row = std::min<std::size_t>(j, picture.height - 1) * map.width;
-    for (std::size_t i = 0; i < map.width; ++i)
-      for (std::size_t c = 0; c < 3; ++c) {
-        const float value = picture.rgb[3 * (row + i) + c] * scale;
-        map.nodes[4 * (j * map.width + i) + c] = is_usable(value) ? value : 0.0f;
+  map.unit = unit_of(picture, scale);
+  const float factor = scale / map.unit;
+  tbb::parallel_for(std::size_t{0}, std::size_t{map.height} - 1, [&](std::size_t j) {
+    for (std::size_t i = 0; i <= map.width; ++i)
+      for (std::size_t k = 0; k < 6; ++k) {
+        const std::size_t row = std::min<std::size_t>(j + k / 3, picture.height - 1);
+        const std::size_t column = i < map.width ? i : 0;
+        const float value = picture.rgb[3 * (row * map.width + column) + k % 3] * factor;
+        map.columns[j * (map.width + 1) + i].radiance[k] = is_usable(value) ? envmap_code(value) : std::uint16_t{0};
       }
-  }
+  });
 }
 
 /// The mean radiance of all directions; of node values, since the integral of hat functions is exact.
 void set_mean(Envmap& map) {
+  std::vector<std::array<double, 3>> rows(map.height);
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t j) {
+    const double weight = node_solid_angle(static_cast<std::uint32_t>(j), map.width, map.height);
+    for (std::size_t c = 0; c < 3; ++c) {
+      double sum = 0;
+      for (std::size_t i = 0; i < map.width; ++i) sum += static_cast<double>(value_of(map, j, i, c));
+      rows[j][c] = sum * weight;
+    }
+  });
   double sum[3] = {}, weights = 0;
   for (std::uint32_t j = 0; j < map.height; ++j) {
-    // The hats of the outermost rows are cut in half by the poles.
-    const double weight = mean_sine(j, map.height) * (j == 0 || j == map.height - 1 ? 0.5 : 1.0);
-    weights += weight * map.width;
-    for (std::size_t i = 0; i < map.width; ++i)
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * map.nodes[4 * (std::size_t{j} * map.width + i) + c];
+    weights += node_solid_angle(j, map.width, map.height) * map.width;
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += rows[j][c];
   }
-  map.mean = {static_cast<float>(sum[0] / weights), static_cast<float>(sum[1] / weights),
-              static_cast<float>(sum[2] / weights)};
+  const double scale = 0x1p64 * static_cast<double>(map.unit) / weights;
+  map.mean = {static_cast<float>(sum[0] * scale), static_cast<float>(sum[1] * scale),
+              static_cast<float>(sum[2] * scale)};
 }
 
-/// Densities at the nodes: brightness, less `offset`, times the sine; in proportion only.
-void fill_density(Envmap& map, float offset) {
-  for (std::uint32_t j = 0; j < map.height; ++j) {
-    const auto sine = static_cast<float>(mean_sine(j, map.height));
-    for (std::size_t i = 0; i < map.width; ++i) {
-      float* node = &map.nodes[4 * (std::size_t{j} * map.width + i)];
-      node[3] = std::max(luminance({node[0], node[1], node[2]}) - offset, 0.0f) * sine;
-    }
-  }
-}
-
-/// Makes the density integrate to 1, and sums it up. False if it is zero everywhere.
-bool sum_density(Envmap& map) {
-  const std::size_t width = map.width, height = map.height;
-  std::vector<double> rows(height);
-  for (std::size_t j = 0; j < height; ++j)
-    for (std::size_t i = 0; i < width; ++i) rows[j] += map.nodes[4 * (j * width + i) + 3];
-  double total = 0;
-  for (std::size_t j = 0; j + 1 < height; ++j) total += 0.5 * (rows[j] + rows[j + 1]);
-  if (!(total > 0.0)) return false;
-
-  const double normalize = static_cast<double>(width) * static_cast<double>(height - 1) / total;
-  map.marginal.assign(height, 0.0f);
-  map.conditional.assign(height * (width + 1), 0.0f);
+/// Adds what each cell of row `j` counts: the mean of its nodes' brightness times the part of the sphere that it
+/// covers.
+void add_weights(const Envmap& map, std::size_t j, std::span<double> weights) {
+  const double step = kPiDouble / (map.height - 1);
+  const double sine = std::sin((static_cast<double>(j) + 0.5) * step) * std::sin(0.5 * step);
+  const EnvmapColumn* const columns = &map.columns[j * (map.width + 1)];
   double before = 0;
-  for (std::size_t j = 0; j < height; ++j) {
-    float* row = &map.nodes[4 * j * width];
-    for (std::size_t i = 0; i < width; ++i) row[4 * i + 3] = static_cast<float>(row[4 * i + 3] * normalize);
-    double sum = 0;
-    for (std::size_t i = 0; i < width; ++i) {
-      sum += 0.5 * (double(row[4 * i + 3]) + row[4 * ((i + 1) % width) + 3]);
-      map.conditional[j * (width + 1) + i + 1] = static_cast<float>(sum);
+  for (std::size_t i = 0; i <= map.width; ++i) {
+    double here = 0;
+    for (std::size_t k = 0; k < 6; k += 3) {
+      const auto value = [&](std::size_t c) { return envmap_value<Scalar>(columns[i].radiance[k + c]); };
+      here += static_cast<double>(envmap_brightness<Scalar>(value(0), value(1), value(2), map.offset));
     }
-    map.marginal[j] = static_cast<float>(std::min(before / total, 1.0));
-    if (j + 1 < height) before += 0.5 * (rows[j] + rows[j + 1]);
+    if (i > 0) weights[i - 1] += (before + here) * sine;
+    before = here;
   }
-  map.marginal[height - 1] = 1.0f;
+}
+
+/// Makes the table of the columns at `table` for the rows [first, first + run) of cells, and their densities, where
+/// `of_row` is the probability of each row.
+void fill_columns(Envmap& map, std::size_t first, std::size_t run, double of_row, Quantile* table) {
+  std::vector<double> weights(map.width);
+  for (std::size_t j = first; j < first + run; ++j) add_weights(map, j, weights);
+  build_quantiles(weights, table);
+  const double scale = of_row * map.width * (map.height - 1);
+  for (std::size_t j = first; j < first + run; ++j)
+    for (std::size_t i = 0; i < map.width; ++i)
+      map.columns[j * (map.width + 1) + i].density = static_cast<float>(weights[i] * scale);
+}
+
+/// Makes the tables of sampling. False if the density is zero everywhere.
+bool fill_density(Envmap& map) {
+  const std::size_t rows = map.height - 1;
+  std::vector<double> weights(rows);
+  tbb::parallel_for(std::size_t{0}, rows, [&](std::size_t j) {
+    std::vector<double> cells(map.width);
+    add_weights(map, j, cells);
+    for (const double w : cells) weights[j] += w;
+  });
+  map.quantiles.resize(kQuantiles);
+  map.tables.resize(kQuantiles);
+  if (!build_quantiles(weights, map.quantiles.data())) return false;
+  map.rows.assign(weights.begin(), weights.end());
+  // Quantiles of one run of rows have a table of columns in common.
+  std::vector<Quantile> runs;
+  for (std::size_t i = 0; i < kQuantiles; ++i) {
+    const Quantile& q = map.quantiles[i];
+    if (runs.empty() || runs.back().first() != q.first()) runs.push_back(q);
+    map.tables[i] = static_cast<std::uint32_t>(runs.size()) * kQuantiles;
+  }
+  map.quantiles.resize((1 + runs.size()) * kQuantiles);
+  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
+    fill_columns(map, runs[i].first(), runs[i].length(), weights[runs[i].first()],
+                 &map.quantiles[(1 + i) * kQuantiles]);
+  });
   return true;
 }
 
@@ -107,38 +160,43 @@ Envmap make_envmap(const EnvmapPicture& picture, float scale, bool mis_compensat
   if (std::size_t{picture.width} * picture.height > kMaxEnvmapPixels)
     throw SceneError("a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
                      " pixels is too large for an environment map, of 2^28 at most");
+  if (std::max(picture.width, picture.height) > kMaxQuantileEntries)
+    throw SceneError("a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
+                     " pixels is too long for an environment map, of " + std::to_string(kMaxQuantileEntries) +
+                     " at most to a row or a column");
   Envmap map;
   map.width = picture.width;
   map.height = std::max(picture.height, 2u);
   map.to_map[0] = map.to_map[4] = map.to_map[8] = 1.0f;
-  map.nodes.assign(4 * std::size_t{map.width} * map.height, 0.0f);
+  map.columns.resize(std::size_t{map.width + 1} * (map.height - 1));
   fill_radiance(map, picture, scale);
   set_mean(map);
-  fill_density(map, mis_compensation ? luminance(map.mean) : 0.0f);
-  if (!sum_density(map)) {
-    fill_density(map, 0.0f);
-    sum_density(map);
+  map.offset = mis_compensation ? luminance(map.mean) / map.unit : 0.0f;
+  if (!fill_density(map)) {
+    map.offset = 0;
+    fill_density(map);
   }
   return map;
 }
 
 void uplift_nodes(Envmap& map) {
   const UpliftTable& table = UpliftTable::get();
-  map.spectra.resize(map.nodes.size());
+  map.spectra.resize(4 * std::size_t{map.width} * map.height);
   const std::size_t width = map.width;
+  const float unit = map.unit * 0x1p64f;
   tbb::parallel_for(std::size_t{0}, std::size_t{map.height}, [&](std::size_t row) {
     for (std::size_t first = 0; first < width; first += kWidth) {
       const int count = static_cast<int>(std::min<std::size_t>(kWidth, width - first));
-      const float* from[kWidth];
+      alignas(kSimdAlignment) float colors[3][kWidth];
       float* to[kWidth];
       for (int lane = 0; lane < kWidth; ++lane) {
-        const std::size_t word = 4 * (row * width + first + static_cast<std::size_t>(std::min(lane, count - 1)));
-        from[lane] = map.nodes.data() + word;
-        to[lane] = map.spectra.data() + word;
+        const std::size_t column = first + static_cast<std::size_t>(std::min(lane, count - 1));
+        for (std::size_t c = 0; c < 3; ++c) colors[c][lane] = value_of(map, row, column, c) * unit;
+        to[lane] = &map.spectra[4 * (row * width + column)];
       }
-      WideFloat node[4];
-      load_rows4(from, node);
-      const ScaledSigmoid<Wide> s = uplift_unbounded<Wide>(table, {node[0], node[1], node[2]});
+      WideFloat rgb[3];
+      for (int c = 0; c < 3; ++c) load(colors[c], rgb[c]);
+      const ScaledSigmoid<Wide> s = uplift_unbounded<Wide>(table, {rgb[0], rgb[1], rgb[2]});
       const WideFloat spectrum[4] = {s.shape.c0, s.shape.c1, s.shape.c2, s.scale};
       store_rows4(to, spectrum, count);
     }

@@ -101,6 +101,7 @@ void read_textured_envmap(Properties& p, const XmlElement& texture, LightDescrip
   map.file = bitmap->file;
   map.to_world = p.transform("toWorld");
   map.scale = p.number("scale", 1, kNotNegative);
+  map.mis_compensation = true;
   light.model = std::move(map);
 }
 

@@ -83,6 +83,7 @@ decltype(LightDescription::model) read_infinite(Parameters& p) {
   }
   light.to_world = p.reader().attributes.transform;
   light.layout = EnvmapDescription::Layout::kOctahedral;
+  light.mis_compensation = true;
   return light;
 }
 

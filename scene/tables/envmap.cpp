@@ -4,8 +4,17 @@
 
 namespace sheaf {
 
+std::uint16_t envmap_code(float value) {
+  constexpr std::uint32_t kHalfStep = 1u << 12, kLeast = 1u << 10, kMost = 0xffffu;
+  // Ties go to the even code.
+  const std::uint32_t bits = float_bits(std::min(value, 2.0f) * 0x1p-64f);
+  const std::uint32_t code = (bits + kHalfStep - 1 + (bits >> 13 & 1u)) >> 13;
+  return static_cast<std::uint16_t>(code < kLeast ? 0u : std::min(code, kMost));
+}
+
 EnvmapView Envmap::view() const {
-  EnvmapView v{nodes.data(), spectra.data(), marginal.data(), conditional.data(), width, height, {}};
+  EnvmapView v{columns.data(), spectra.data(), quantiles.data(), rows.data(), tables.data(), width,
+               height,         unit,           offset,           {}};
   std::copy(std::begin(to_map), std::end(to_map), v.to_map);
   return v;
 }

@@ -262,6 +262,17 @@ class Builder {
 
 }  // namespace
 
+LightTreeView LightTree::view() const {
+  LightTreeView v{nodes.data(), trails.data(), static_cast<std::uint32_t>(nodes.size()), {}};
+  if (nodes.empty()) return v;
+  for (std::size_t pair = 0; pair < kLightTopPairs; ++pair)
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::uint32_t link = v.top[pair];
+      v.top[2 * pair + 1 + side] = (link & kLightLeaf) != 0 ? link : nodes[(link & kLightIndex) + side].link;
+    }
+  return v;
+}
+
 LightTree build_light_tree(std::span<const LightBounds> lights) {
   if (lights.size() > kLightIndex)
     throw SceneError(std::to_string(lights.size()) + " lights, expected at most " + std::to_string(kLightIndex));

@@ -5,6 +5,7 @@
 // the splitting: boxes, cones of directions and powers of lights, joined from the leaves to the root.
 #pragma once
 
+#include "core/large_table.h"
 #include "core/record_table.h"
 #include "core/vec.h"
 
@@ -62,20 +63,27 @@ inline constexpr float kLeastShare = 1e-9f;
 /// kernels/lights/light_tree.h (two square roots of differences, each good to a few times 2^-12).
 inline constexpr double kLightConeSlack = 2e-3;
 
+/// The upper levels of a tree, which many candidates of a vertex may share, and the nodes at their ends: node h of a
+/// complete tree has the children 2 h + 1 and 2 h + 2.
+inline constexpr int kLightTopLevels = 4, kLightTopPairs = (1 << kLightTopLevels) - 1;
+inline constexpr int kLightTopNodes = 2 * kLightTopPairs + 1;
+
 /// What kernels see of a light tree.
 struct LightTreeView {
   const LightNodeRow* nodes = nullptr;      ///< pairs of siblings; the first pair are the children of the root
   const std::uint32_t* trails = nullptr;    ///< one per light: bit k is the turn at level k, 1 for the second child
   std::uint32_t node_count = 0;             ///< 0: there are no lights
+  /// Links of the upper nodes; where there is none, since one above is a leaf, the link of that one.
+  std::uint32_t top[kLightTopNodes] = {};
 };
 
 /// Owns a light tree.
 struct LightTree {
-  std::vector<LightNodeRow> nodes;    ///< empty without lights; 2 (n - 1) of them for n > 1 lights, 2 for one
+  LargeTable<LightNodeRow> nodes;     ///< empty without lights; 2 (n - 1) of them for n > 1 lights, 2 for one
   std::vector<std::uint32_t> trails;  ///< see LightTreeView
   int depth = 0;                      ///< longest way from the root to a leaf; at most kMaxLightTreeDepth
 
-  LightTreeView view() const { return {nodes.data(), trails.data(), static_cast<std::uint32_t>(nodes.size())}; }
+  LightTreeView view() const;
 };
 
 /// The tree over `lights`, in O(n log n) whatever their places. The same lights give the same tree always. Powers that

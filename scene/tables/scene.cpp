@@ -3,7 +3,9 @@
 namespace sheaf {
 
 namespace {
-template <class T> std::size_t bytes_of(const std::vector<T>& v) { return v.capacity() * sizeof(T); }
+template <class Table> std::size_t bytes_of(const Table& table) {
+  return table.capacity() * sizeof(typename Table::value_type);
+}
 }  // namespace
 
 SceneView Scene::view() const {

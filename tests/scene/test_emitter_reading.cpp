@@ -94,11 +94,13 @@ TEST_CASE("emitters of Mitsuba: projector and environment map") {
 
   const auto map = std::get<EnvmapDescription>(
       mitsuba_light("envmap", kPicture + "<float name='scale' value='2'/>"
-                                         "<boolean name='mis_compensation' value='true'/>"
-                                         "<transform name='to_world'><rotate y='1' angle='90'/></transform>").model);
+                                         "<boolean name='mis_compensation' value='false'/>"
+                                         "<transform name='to_world'><rotate y='1' angle='90'/></transform>")
+          .model);
   CHECK(map.file.filename() == "image.png");
   CHECK(map.scale == 2);
-  CHECK(map.mis_compensation);
+  CHECK_FALSE(map.mis_compensation);
+  CHECK(std::get<EnvmapDescription>(mitsuba_light("envmap", kPicture).model).mis_compensation);
   CHECK(near(map.to_world.vector({0, 0, 1}), {1, 0, 0}));
   CHECK(contains(mitsuba_error("envmap"), "'filename'"));
   CHECK(contains(mitsuba_error("envmap", "<string name='filename' value='none.exr'/>"), "none.exr"));
@@ -244,7 +246,7 @@ TEST_CASE("emitters of Nori: directional and environment map") {
   const auto map = std::get<EnvmapDescription>(
       nori_light("envmap", kPicture + "<transform name='toWorld'><rotate axis='0,1,0' angle='90'/></transform>").model);
   CHECK(map.scale == 1);
-  CHECK_FALSE(map.mis_compensation);
+  CHECK(map.mis_compensation);
   CHECK(near(map.to_world.vector({0, 0, 1}), {1, 0, 0}));
   CHECK(contains(nori_error("envmapp", kPicture), "did you mean 'envmap'"));
 }

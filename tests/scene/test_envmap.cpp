@@ -9,6 +9,7 @@
 #include "scene/compile/compile_envmap.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/lanes_testing.h"
+#include "tests/support/media_testing.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/spectral_testing.h"
 #include "tests/support/statistics.h"
@@ -26,7 +27,7 @@ namespace sheaf {
 namespace {
 
 constexpr double kPiD = std::numbers::pi;
-constexpr int kTests = 8;  // chi-square tests in this file
+constexpr int kTests = 9;  // chi-square tests in this file
 
 EnvmapPicture picture_of(std::uint32_t width, std::uint32_t height,
                          const std::function<Vec3f(std::uint32_t, std::uint32_t)>& f) {
@@ -61,6 +62,16 @@ Envmap turned(Envmap map) {
   return map;
 }
 
+/// More rows and columns than there are quantiles to tell them apart, with a few pixels of sun.
+EnvmapPicture large_picture() {
+  return picture_of(2100, 1500, [](std::uint32_t x, std::uint32_t y) {
+    if (x >= 400 && x < 406 && y >= 300 && y < 304) return Vec3f{2e4f, 2e4f, 2e4f};
+    const float noise = static_cast<float>((x * 2654435761u ^ y * 2246822519u) >> 20 & 0xffu) / 255;
+    const float slow = 1 + std::sin(0.01f * static_cast<float>(x)) * std::cos(0.02f * static_cast<float>(y));
+    return Vec3f{slow + 0.2f * noise, slow, 0.3f};
+  });
+}
+
 ChiSquare check_sampling(const Envmap& map) {
   const EnvmapView view = map.view();
   return chi_square_sphere(
@@ -71,13 +82,10 @@ ChiSquare check_sampling(const Envmap& map) {
       [&](Vec3f w) { return lookup_envmap<Scalar>(view, w).pdf_solid_angle; });
 }
 
-/// Integral of the density over the unit square, where it is bilinear between nodes: the mean of all cells' corners.
+/// Integral of the density over the unit square: the mean of all cells.
 double integral_of(const Envmap& map) {
   double sum = 0;
-  for (std::size_t j = 0; j + 1 < map.height; ++j)
-    for (std::size_t i = 0; i < map.width; ++i)
-      for (const std::size_t k : {j, j + 1})
-        for (const std::size_t l : {i, (i + 1) % map.width}) sum += 0.25 * map.nodes[4 * (k * map.width + l) + 3];
+  for (const EnvmapColumn& column : map.columns) sum += column.density;
   return sum / (double(map.width) * (map.height - 1));
 }
 
@@ -117,6 +125,10 @@ TEST_CASE("environment map: directions are distributed as their density says") {
     CHECK(lookup_envmap<Scalar>(map.view(), direction_of(0.05, 0.4)).pdf_solid_angle == 0);
     CHECK(lookup_envmap<Scalar>(map.view(), direction_of(0.05, 0.4)).radiance.c1 > 0);
   }
+  SUBCASE("of more rows and columns than quantiles") {
+    const ChiSquare result = check_sampling(make_envmap(large_picture(), 1, false));
+    CHECK(result.p_value > significance_of_each(kTests));
+  }
   SUBCASE("one row") {
     const auto p = picture_of(5, 1, [](std::uint32_t x, std::uint32_t) { return Vec3f{1.0f + x, 1, 1}; });
     CHECK(check_sampling(make_envmap(p, 1, false)).p_value > significance_of_each(kTests));
@@ -149,6 +161,41 @@ TEST_CASE("environment map: the density integrates to one and is positive wherev
       if (value.radiance.c1 > 0) CHECK(value.pdf_solid_angle > 0);
     }
   }
+}
+
+TEST_CASE("environment map: radiance is rounded to eleven bits, over a range of 2^62") {
+  for (const float value : {1.0f, 1.999f, 0.3f, 1e-3f, 7.7e-12f, 2.5e-19f, 0x1.ffffp-3f}) {
+    const float back = envmap_value<Scalar>(envmap_code(value)) * 0x1p64f;
+    CHECK(std::fabs(double(back) / value - 1) <= 0x1p-11);
+  }
+  CHECK(envmap_code(0) == 0);
+  CHECK(envmap_code(1e-19f) == 0);
+  CHECK(envmap_value<Scalar>(envmap_code(5)) * 0x1p64f == doctest::Approx(2).epsilon(1e-3));
+  // The brightest pixel sets the unit: a sun of 2^40 leaves the night alone.
+  for (const float bright : {3e-30f, 1.0f, 1e12f, 1e18f}) {
+    const auto p = picture_of(8, 4, [&](std::uint32_t x, std::uint32_t y) {
+      return Vec3f{1, 0.25f, 0} * (x == 2 && y == 1 ? bright : bright * 0x1p-40f);
+    });
+    const Envmap map = make_envmap(p, 1, false);
+    const auto sun = lookup_envmap<Scalar>(map.view(), direction_of(2.5 / 8, 1 / 3.0)).radiance;
+    const auto night = lookup_envmap<Scalar>(map.view(), direction_of(6.5 / 8, 2 / 3.0)).radiance;
+    CHECK(sun.c0 == doctest::Approx(bright).epsilon(2e-3));
+    CHECK(night.c1 == doctest::Approx(bright * 0x1p-42f).epsilon(2e-3));
+    CHECK(night.c2 == 0);
+  }
+  CHECK_THROWS_AS(make_envmap(picture_of(kMaxQuantileEntries + 1, 1, [](auto, auto) { return Vec3f{}; }), 1, false),
+                  SceneError);
+}
+
+TEST_CASE("environment map: the quantiles' rounding costs little variance") {
+  const Envmap map = make_envmap(large_picture(), 1, false);
+  MeanVariance ratio;
+  for (std::uint32_t i = 0; i < 100000; ++i) {
+    const auto u = random4<Scalar>(9, i, 0, 0);
+    const auto s = sample_envmap<Scalar>(map.view(), u.x, u.y);
+    ratio.add((0.2126f * s.radiance.c0 + 0.7152f * s.radiance.c1 + 0.0722f * s.radiance.c2) / s.pdf_solid_angle);
+  }
+  CHECK(ratio.variance() < 0.12 * ratio.mean() * ratio.mean());
 }
 
 TEST_CASE("environment map: a sample is what a lookup in its direction says") {
@@ -486,6 +533,68 @@ TEST_CASE("environment map: spectral mode, every strategy finds the same light" 
   const auto found = floor_means(folder / "uneven.exr", kSpectral, LightStrategy::kLightOnly);
   check_agree(floor_means(folder / "uneven.exr", kSpectral, LightStrategy::kBsdfOnly), found, 0);
   check_agree(floor_means(folder / "uneven.exr", kSpectral, LightStrategy::kMis), found, 0);
+}
+
+namespace {
+
+/// A glossy ball in a box of fog over a diffuse floor, under a map.
+Description foggy_scene(const std::filesystem::path& map, bool compensated) {
+  Description d = empty_scene(8, 8);
+  d.sampler.sample_count = 128;
+  look_at(d, {1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 40);
+  add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({2, 2, 2}), add_diffuse(d, 0.5f));
+  ConductorDescription metal;
+  metal.roughness = RoughnessDescription{};
+  add_sphere(d, {0, 0.5f, 0}, 0.5f, add_material(d, metal));
+  fill(d, add_sphere(d, {0, 0.5f, 0}, 1.4f, MaterialId{0}), add_medium(d, fog(0.5f, 0.8f)));
+  d.lights.push_back({EnvmapDescription{map, 1, Transform::rotate({1, 2, 3}, 70), compensated}, {}});
+  return d;
+}
+
+std::array<MeanVariance, 3> means_of_seeds(const Scene& scene) {
+  std::array<MeanVariance, 3> means;
+  for (std::uint32_t seed = 1; seed <= 24; ++seed) {
+    RenderOptions options;
+    options.seed = seed;
+    const Image out = render(scene, options).film.to_image();
+    for (int c = 0; c < 3; ++c) {
+      double sum = 0;
+      for (int i = 0; i < 64; ++i) sum += static_cast<double>(out.at(i % 8, i / 8, c));
+      means[static_cast<std::size_t>(c)].add(sum / 64);
+    }
+  }
+  return means;
+}
+
+}  // namespace
+
+TEST_CASE("environment map: compensation leaves the light of surfaces and fog as it is") {
+  const TemporaryFolder folder;
+  write_map(folder / "uneven.exr", uneven_picture());
+  const auto plain = compile_scene(foggy_scene(folder / "uneven.exr", false));
+  const auto compensated = compile_scene(foggy_scene(folder / "uneven.exr", true));
+  const auto expected = means_of_seeds(*plain), found = means_of_seeds(*compensated);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double error = std::sqrt((expected[c].variance() + found[c].variance()) / 24);
+    const double off = std::fabs(expected[c].mean() - found[c].mean());
+    CHECK(student_t_p_value(off / error, 23) > significance_of_each(3));
+    CHECK(error < 0.005 * expected[c].mean());
+  }
+}
+
+TEST_CASE("environment map: compensation is for integrators in which something else finds the dark parts") {
+  const TemporaryFolder folder;
+  write_map(folder / "uneven.exr", uneven_picture());
+  const auto is_compensated = [&](auto&& change) {
+    Description d = foggy_scene(folder / "uneven.exr", true);
+    change(d.integrator);
+    return compile_scene(d)->view().envmap.offset > 0;
+  };
+  CHECK(is_compensated([](IntegratorDescription&) {}));
+  CHECK(!is_compensated([](IntegratorDescription& i) { i.strategy = LightStrategy::kLightOnly; }));
+  CHECK(!is_compensated([](IntegratorDescription& i) { i.kind = IntegratorKind::kLightTracer; }));
+  CHECK(!is_compensated([](IntegratorDescription& i) { i.kind = IntegratorKind::kPhotonMapper; }));
+  CHECK(!is_compensated([](IntegratorDescription& i) { i.ends_at_diffuse = true; }));
 }
 
 TEST_CASE("environment map: a small sun costs far fewer samples than by chance") {

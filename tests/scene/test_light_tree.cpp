@@ -244,6 +244,36 @@ TEST_CASE("light tree: registers agree with single values") {
   CHECK(other < total / 1000);
 }
 
+TEST_CASE("light tree: candidates that share the upper turns draw what others draw") {
+  for (const std::uint32_t count : {1u, 2u, 3u, 9u, 30u, 1000u}) {
+    const LightTree tree = build_light_tree(mixed_lights(count, count));
+    int wrong = 0, valid = 0;
+    for (std::uint32_t i = 0; i < 300; ++i) {
+      const auto id = [&](int lane) { return i * kWidth + static_cast<std::uint32_t>(lane); };
+      const auto p_of = [&](int lane) { return place(44, id(lane), 15); };
+      const Vec3<Wide> p{wide_floats([&](int k) { return p_of(k).x; }), wide_floats([&](int k) { return p_of(k).y; }),
+                         wide_floats([&](int k) { return p_of(k).z; })};
+      const auto n_of = [&](int lane) { return id(lane) % 5 == 0 ? Vec3f{} : direction(45, id(lane)); };
+      const Vec3<Wide> n{wide_floats([&](int k) { return n_of(k).x; }), wide_floats([&](int k) { return n_of(k).y; }),
+                         wide_floats([&](int k) { return n_of(k).z; })};
+      const WideFloat u = wide_floats([&](int k) { return numbers(46, id(k)).x; });
+      const auto top = light_tree_top<Wide>(tree.view(), p, n, WideMask(true));
+      const auto shared = sample_light_tree<Wide>(tree.view(), top, p, n, WideMask(true), u);
+      const auto own = sample_light_tree<Wide>(tree.view(), p, n, WideMask(true), u);
+      for (int k = 0; k < kWidth; ++k) {
+        wrong += shared.light[k] != own.light[k] || shared.probability[k] != own.probability[k] ||
+                 shared.remapped[k] != own.remapped[k] || lane_of(shared.valid, k) != lane_of(own.valid, k);
+        valid += lane_of(own.valid, k);
+        const auto single_top = light_tree_top<Scalar>(tree.view(), p_of(k), n_of(k), true);
+        const auto single = sample_light_tree<Scalar>(tree.view(), single_top, p_of(k), n_of(k), true, u[k]);
+        wrong += single.probability != draw_light(tree, p_of(k), n_of(k), u[k]).probability;
+      }
+    }
+    CHECK(wrong == 0);
+    CHECK(valid > 1000);
+  }
+}
+
 TEST_CASE("light tree: a light that shines on a point is never out of reach") {
   for (const std::uint32_t count : {1u, 2u, 30u, 300u}) {
     const Lights lights = mixed_lights(count, 50 + count);

@@ -47,6 +47,7 @@ SCRIPTS = {
     "tools/compare_builds.py": ["{build}/sheaf", "{build}/sheaf", "--spp", "1", "--only", "cornell"],
     "tools/fit_rgb_basis.py": ["--step", "20"],
     "tools/fit_wavelengths.py": ["--colours", "2", "--iterations", "1"],
+    "tools/make_cloudy_sky.py": ["{out}/sky.hdr", "--width", "64"],
     "tools/plot_samplers.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-spp", "4",
                                "--output", "{out}/samplers.png"],
     "tools/plot_progressive.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-passes",

@@ -22,6 +22,14 @@ struct EnvmapRows {
   }
 };
 
+/// Whether it is left to BSDF sampling to find what is dark. Only where it looks for all that light sampling finds:
+/// what is not sampled would be lost otherwise, and photons have no second way.
+bool can_compensate(const Description& description) {
+  const IntegratorDescription& integrator = description.integrator;
+  return integrator.kind == IntegratorKind::kPath && integrator.strategy == LightStrategy::kMis &&
+         !integrator.ends_at_diffuse;
+}
+
 /// Makes a map that is turned already the scene's. Nothing if it is black, with a warning of `what`.
 std::optional<PlacedLight> place_map(Envmap map, LightContext& context, const std::string& what,
                                      const SourceLocation& where) {
@@ -53,9 +61,7 @@ std::optional<PlacedLight> place_light(const LightToPlace<EnvmapDescription>& l)
   if (const std::size_t bad = count_unusable(picture); bad > 0)
     context.warnings.push_back(light.file.string() + ": " + std::to_string(bad) +
                                " values that are negative or not finite count as 0");
-  // Without BSDF sampling what is not sampled would be lost.
-  const bool compensate = light.mis_compensation && context.description.integrator.strategy == LightStrategy::kMis;
-  Envmap map = make_envmap(picture, light.scale, compensate);
+  Envmap map = make_envmap(picture, light.scale, light.mis_compensation && can_compensate(context.description));
   set_rotation(map, light.to_world, l.where);
   return place_map(std::move(map), context, light.file.string() + ": the environment map", l.where);
 }
@@ -63,7 +69,7 @@ std::optional<PlacedLight> place_light(const LightToPlace<EnvmapDescription>& l)
 std::optional<PlacedLight> place_light(const LightToPlace<SkyDescription>& l) {
   const SkyDescription& sky = l.light;
   const auto frame = Frame<Scalar>::from_normal(sky.up);
-  Envmap map = make_envmap(sky_picture(sky, frame.s), 1, false);
+  Envmap map = make_envmap(sky_picture(sky, frame.s), 1, can_compensate(l.context.description));
   const Vec3f rows[3] = {cross(sky.up, frame.s), sky.up, frame.s};
   for (std::size_t i = 0; i < 3; ++i)
     map.to_map[3 * i] = rows[i].x, map.to_map[3 * i + 1] = rows[i].y, map.to_map[3 * i + 2] = rows[i].z;

@@ -1,0 +1,117 @@
+// What environment maps cost per item: choosing a direction by brightness, radiance included, and looking one up, by
+// the size of the map and by what is in it. Under `sky` most directions go to a sun, under `noise` to all of the map
+// alike, so that each comes from memory. "per_item" is in seconds; `numbers`: what the random numbers of the others
+// take.
+#include "core/rng.h"
+#include "core/warp.h"
+#include "kernels/lights/envmap.h"
+#include "scene/compile/compile_envmap.h"
+
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+namespace sheaf {
+
+namespace {
+
+constexpr std::uint32_t kItems = 1 << 14;
+
+float sky_brightness(double u, double v) {
+  const double across = (u - 0.3) * 2 * std::sin(3.14159265 * v), down = v - 0.3;
+  const double sun = across * across + down * down < 1e-5 ? 1e4 : 0;
+  return static_cast<float>(v < 0.5 ? 0.2 + v + sun : 0.1);
+}
+
+/// One map at a time is kept.
+const Envmap& map_of(std::uint32_t width, bool sky) {
+  static Envmap map;
+  static bool map_is_sky = false;
+  if (map.width == width && map_is_sky == sky) return map;
+  EnvmapPicture picture{width, width / 2, std::vector<float>(std::size_t{3} * width * (width / 2))};
+  for (std::uint32_t i = 0; 3 * std::size_t{i} < picture.rgb.size(); ++i) {
+    const double u = (i % width + 0.5) / width, v = (i / width + 0.5) / (width / 2);
+    const float noise = 0.5f + static_cast<float>((i * 2654435761u) >> 8) * 0x1p-24f;
+    const float value = sky ? sky_brightness(u, v) * (0.9f + 0.1f * noise) : noise;
+    for (std::size_t c = 0; c < 3; ++c) picture.rgb[3 * std::size_t{i} + c] = value;
+  }
+  map = {};
+  map = make_envmap(picture, 1, false);
+  map_is_sky = sky;
+  return map;
+}
+
+/// Runs f(random numbers) -> float over kItems items, other ones each time.
+template <class L, class F> void run(benchmark::State& state, F&& f) {
+  alignas(kSimdAlignment) static float out[kItems];
+  std::uint32_t round = 0;
+  for (auto _ : state) {
+    for (std::uint32_t i = 0; i < kItems; i += L::width)
+      store(out + i, f(random4<L>(round, Uint<L>(i) + L::index(), Uint<L>(0u), Uint<L>(0u))));
+    ++round;
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * kItems);
+  state.counters["per_item"] =
+      benchmark::Counter(kItems, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+template <class L> void numbers(benchmark::State& state) {
+  run<L>(state, [](const Random4<L>& u) { return u.x + u.y; });
+}
+
+template <class L> void sample(benchmark::State& state, std::uint32_t width, bool sky) {
+  const EnvmapView map = map_of(width, sky).view();
+  run<L>(state, [&](const Random4<L>& u) {
+    const auto s = sample_envmap<L>(map, u.x, u.y);
+    return s.radiance.c0 + s.radiance.c1 + s.radiance.c2 + s.pdf_solid_angle + s.direction.x + s.direction.y +
+           s.direction.z;
+  });
+}
+
+template <class L> void sample_ahead(benchmark::State& state, std::uint32_t width, bool sky) {
+  const EnvmapView map = map_of(width, sky).view();
+  Random4<L> ahead[2] = {};
+  run<L>(state, [&](const Random4<L>& u) {
+    prefetch_envmap_columns<L>(map, u.x, u.y);
+    prefetch_envmap_nodes<L>(map, ahead[0].x, ahead[0].y);
+    const auto s = sample_envmap<L>(map, ahead[1].x, ahead[1].y);
+    ahead[1] = ahead[0];
+    ahead[0] = u;
+    return s.radiance.c0 + s.radiance.c1 + s.radiance.c2 + s.pdf_solid_angle + s.direction.x + s.direction.y +
+           s.direction.z;
+  });
+}
+
+template <class L> void lookup(benchmark::State& state, std::uint32_t width, bool sky) {
+  const EnvmapView map = map_of(width, sky).view();
+  run<L>(state, [&](const Random4<L>& u) {
+    const auto value = lookup_envmap<L>(map, square_to_sphere<L>(u.x, u.y));
+    return value.radiance.c0 + value.radiance.c1 + value.radiance.c2 + value.pdf_solid_angle;
+  });
+}
+
+template <class L> void add_map(std::uint32_t width, bool sky, const std::string& lane) {
+  const std::string map = std::string(sky ? "/sky" : "/noise") + "/width:" + std::to_string(width) + "/" + lane;
+  benchmark::RegisterBenchmark(("envmap/sample" + map).c_str(), sample<L>, width, sky);
+  benchmark::RegisterBenchmark(("envmap/sample_ahead" + map).c_str(), sample_ahead<L>, width, sky);
+  benchmark::RegisterBenchmark(("envmap/lookup" + map).c_str(), lookup<L>, width, sky);
+}
+
+[[maybe_unused]] const bool registered = [] {
+  benchmark::RegisterBenchmark("envmap/numbers/scalar", numbers<Scalar>);
+  benchmark::RegisterBenchmark("envmap/numbers/wide", numbers<Wide>);
+  for (const std::uint32_t width : {512u, 4096u, 8192u})
+    for (const bool sky : {true, false}) {
+      if (width > 4096 && std::getenv("SHEAF_BENCH_LARGE") == nullptr) continue;
+      add_map<Scalar>(width, sky, "scalar");
+      add_map<Wide>(width, sky, "wide");
+    }
+  return true;
+}();
+
+}  // namespace
+
+}  // namespace sheaf

@@ -1,0 +1,55 @@
+// Memory of tables that kernels read in no order: on large pages where the system has them, as else nearly every read
+// of a table of many megabytes would also wait for its page to be looked up.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <new>
+#include <vector>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
+namespace sheaf {
+
+/// An allocator for std::vector. From a few large pages on, memory begins with one, and the system is asked for more of
+/// them; whether it has any makes no difference but that of time.
+template <class T> struct LargePageAllocator {
+  using value_type = T;
+
+  LargePageAllocator() = default;
+  template <class Other> LargePageAllocator(const LargePageAllocator<Other>&) {}
+
+  T* allocate(std::size_t count) {
+    if (count > (std::numeric_limits<std::size_t>::max() / 2 - kPageBytes) / sizeof(T))
+      throw std::bad_array_new_length();
+    const std::size_t bytes = size_of(count);
+    void* const memory = ::operator new(bytes, alignment_of(bytes));
+#if defined(__linux__)
+    if (is_large(bytes)) madvise(memory, bytes, MADV_HUGEPAGE);
+#endif
+    return static_cast<T*>(memory);
+  }
+  void deallocate(T* memory, std::size_t count) { ::operator delete(memory, alignment_of(size_of(count))); }
+  template <class Other> bool operator==(const LargePageAllocator<Other>&) const { return true; }
+
+ private:
+  static constexpr std::size_t kPageBytes = std::size_t{2} << 20;
+
+  static constexpr bool is_large(std::size_t bytes) { return bytes >= 2 * kPageBytes; }
+  /// Whole pages of what is large.
+  static constexpr std::size_t size_of(std::size_t count) {
+    const std::size_t bytes = count * sizeof(T);
+    return is_large(bytes) ? (bytes + kPageBytes - 1) / kPageBytes * kPageBytes : bytes;
+  }
+  static constexpr std::align_val_t alignment_of(std::size_t bytes) {
+    return std::align_val_t(is_large(bytes) ? kPageBytes : std::max<std::size_t>(alignof(T), 64));
+  }
+};
+
+/// A table that kernels read in no order, and that may be large. It begins with a cache line.
+template <class T> using LargeTable = std::vector<T, LargePageAllocator<T>>;
+
+}  // namespace sheaf

@@ -1,0 +1,130 @@
+#include "core/quantile_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// A run of entries that share a quantile, or an entry with some.
+struct Span {
+  std::uint32_t first, run, quantiles;
+  double weight;
+};
+
+/// What a run costs in variance if its entries are drawn alike, as a weight: n sum w^2 / sum w, the second moment of
+/// weight over probability, less that of drawing them in proportion.
+double cost_of_run(double n, double sum, double squares) { return n * squares / sum - sum; }
+
+/// The longest run from `first` on, whose weight is positive, that costs little. It ends at a positive weight.
+Span run_from(std::span<const double> weights, std::size_t first, double share) {
+  // The cost that a run may have, in quantiles' weights.
+  constexpr double kCost = 0.25;
+  double sum = weights[first], squares = sum * sum;
+  Span run{static_cast<std::uint32_t>(first), 1, 1, sum};
+  for (std::uint32_t n = 2; n <= kMaxQuantileRun && first + n <= weights.size(); ++n) {
+    const double w = weights[first + n - 1];
+    sum += w;
+    squares += w * w;
+    if (sum > share || cost_of_run(n, sum, squares) > kCost * share) break;
+    if (w > 0) run.run = n, run.weight = sum;
+  }
+  if (run.run == 1)
+    run.quantiles = static_cast<std::uint32_t>(std::clamp(std::round(run.weight / share), 1.0, double(kQuantiles)));
+  return run;
+}
+
+/// Cuts weights into spans, with about `share` of weight for a quantile. Returns how many quantiles that takes.
+std::size_t cut(std::span<const double> weights, double share, std::vector<Span>& spans) {
+  spans.clear();
+  std::size_t quantiles = 0;
+  for (std::size_t i = 0; i < weights.size();) {
+    if (!(weights[i] > 0)) {
+      ++i;
+      continue;
+    }
+    spans.push_back(run_from(weights, i, share));
+    quantiles += spans.back().quantiles;
+    i += spans.back().run;
+  }
+  return quantiles;
+}
+
+/// The spans for the least share that kQuantiles allow, which is found by halving.
+std::vector<Span> cut_to_fit(std::span<const double> weights, double total) {
+  std::vector<Span> spans, best;
+  // However uneven the weights, from some share on runs end at nothing but their greatest length.
+  double fits = total / kQuantiles, too_small = 0;
+  std::size_t quantiles = cut(weights, fits, spans);
+  while (quantiles > kQuantiles) {
+    too_small = fits;
+    fits *= 2;
+    quantiles = cut(weights, fits, spans);
+  }
+  best = spans;
+  for (int step = 0; step < 12 && quantiles < kQuantiles; ++step) {
+    const double middle = 0.5 * (too_small + fits);
+    const std::size_t found = cut(weights, middle, spans);
+    (found <= kQuantiles ? fits : too_small) = middle;
+    if (found <= kQuantiles) best = spans, quantiles = found;
+  }
+  return best;
+}
+
+/// Gives what quantiles are left to the spans that have most weight for each of theirs: an entry gets one more, and a
+/// run becomes two.
+void give_rest(std::span<const double> weights, std::vector<Span>& spans) {
+  std::size_t taken = 0;
+  const auto less = [](const Span& a, const Span& b) { return a.weight * b.quantiles < b.weight * a.quantiles; };
+  for (const Span& span : spans) taken += span.quantiles;
+  std::make_heap(spans.begin(), spans.end(), less);
+  while (taken < kQuantiles) {
+    std::pop_heap(spans.begin(), spans.end(), less);
+    Span& most = spans.back();
+    ++taken;
+    if (most.run == 1) {
+      ++most.quantiles;
+    } else {
+      // Runs begin and end with weight, so both halves have some.
+      const std::uint32_t half = most.run / 2, middle = most.first + half;
+      Span rest{middle, most.run - half, 1, 0};
+      for (std::uint32_t i = middle; i < middle + rest.run; ++i) rest.weight += weights[i];
+      most.run = half;
+      most.weight = std::max(most.weight - rest.weight, 0.0);
+      spans.push_back(rest);
+      std::push_heap(spans.begin(), spans.end() - 1, less);
+    }
+    std::push_heap(spans.begin(), spans.end(), less);
+  }
+  std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.first < b.first; });
+}
+
+/// The quantiles of a span. Returns where the next ones begin.
+Quantile* write(const Span& span, Quantile* table) {
+  if (span.run > 1) {
+    *table = Quantile::of_run(span.first, span.run);
+    return table + 1;
+  }
+  for (std::uint32_t i = 0; i < span.quantiles; ++i) *table++ = Quantile::of_part(span.first, i);
+  return table;
+}
+
+}  // namespace
+
+bool build_quantiles(std::span<double> weights, Quantile* table) {
+  double total = 0;
+  for (const double w : weights) total += w;
+  if (!(total > 0)) return false;
+  std::vector<Span> spans = cut_to_fit(weights, total);
+  give_rest(weights, spans);
+  std::fill(weights.begin(), weights.end(), 0.0);
+  for (const Span& span : spans) {
+    const double probability = static_cast<double>(span.quantiles) / (double(kQuantiles) * span.run);
+    std::fill_n(weights.begin() + span.first, span.run, probability);
+    table = write(span, table);
+  }
+  return true;
+}
+
+}  // namespace sheaf
