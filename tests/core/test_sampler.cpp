@@ -397,7 +397,7 @@ TEST_CASE("sampler: registers hold the numbers of their lanes, bit by bit, all i
         SamplerView sampler = sampler_of(kind, i, 1 + i % 40);
         sampler = sampler_of_replicate(sampler, i % 3, 7);
         const auto pixel = [i](int lane) { return i * 977u + static_cast<U>(lane); };
-        const auto sample = [i](int lane) { return (i * i) ^ static_cast<U>(lane * 5); };
+        const auto sample = [i](int lane) { return 14 + ((i * i) ^ static_cast<U>(lane * 5)); };
         const auto event = [i](int lane) { return i % 7u + static_cast<U>(lane % 3); };
         const SampleSet set{i % 5, 1 + i % 5};
         const auto wide = draw<Wide>(sampler, wide_uints(pixel), wide_uints(sample), wide_uints(event), block, set);

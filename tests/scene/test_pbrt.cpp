@@ -126,7 +126,7 @@ TEST_SUITE("pbrt") {
 
   TEST_CASE("Samplers are pbrt's, or others of their purpose") {
     const auto kind = [](const std::string& name) {
-      return read_world("", false, "Sampler \"" + name + "\" \"integer pixelsamples\" 32").sampler.kind;
+      return read_world("", false, "Sampler \"" + name + "\"").sampler.kind;
     };
     CHECK(kind("independent") == SamplerKind::kIndependent);
     CHECK(kind("stratified") == SamplerKind::kStratified);
