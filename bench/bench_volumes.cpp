@@ -3,6 +3,7 @@
 // is in seconds.
 #include "core/rng.h"
 #include "kernels/media/density_tracking.h"
+#include "scene/tables/make_majorants.h"
 
 #include <benchmark/benchmark.h>
 

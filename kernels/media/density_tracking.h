@@ -161,7 +161,7 @@ template <class L, DensityTracking kWhat> SHEAF_INLINE void step(const DensityMe
   walk.t = select(collides, walk.t + stretch, select(passes, max(walk.t, end), walk.t));
   const Mask<L> leaves_box = passes & !is_used_up & !(leaf.t_end < walk.leave);
   const Mask<L> leaves_leaf = passes & !is_used_up & (leaf.t_end < walk.leave);
-  walk.place = select<L>(leaves_leaf, place_behind<L>(walk, leaf), walk.place);
+  walk.place = select<L>(leaves_leaf, place_behind<L>(medium.majorants, walk, leaf), walk.place);
   lane.majorant = select(collides, majorant, lane.majorant);
   lane.minorant = select(collides, minorant, lane.minorant);
   set_where<L>(collides, DensityOutcome::kColliding, lane.start.outcome);

@@ -121,17 +121,20 @@ template <class L> SHEAF_INLINE MajorantLeaf<L> find_leaf(const MajorantGridRow&
 }
 
 /// The place where the walk goes on behind a leaf that ends before the box does.
-template <class L> SHEAF_INLINE Vec3<L> place_behind(const LeafWalk<L>& walk, const MajorantLeaf<L>& leaf) {
+template <class L>
+SHEAF_INLINE Vec3<L> place_behind(const MajorantGridRow& row, const LeafWalk<L>& walk, const MajorantLeaf<L>& leaf) {
   using F = Float<L>;
-  const auto behind = [&](F t_plane, F low, F o, F d) SHEAF_LAMBDA_INLINE {
+  const auto behind = [&](int axis, F t_plane, F low, F o, F d) SHEAF_LAMBDA_INLINE {
     const F across = select(d > F(0.0f), low + leaf.side, low - F(0.5f));
-    // Half a voxel before the upper corner is in the last voxel, and all of that in one leaf.
-    const F along = min(max(fma(leaf.t_end, d, o), low), low + (leaf.side - F(0.5f)));
+    // Half a voxel before the upper corner is in the last voxel, and all of that in one leaf. Leaves may reach beyond
+    // the table.
+    const F last = min(low + leaf.side, F(static_cast<float>(row.cells[axis] << row.base_log2))) - F(0.5f);
+    const F along = min(max(fma(leaf.t_end, d, o), low), last);
     return select(t_plane == leaf.t_end, across, along);
   };
-  return {behind(leaf.t_planes.x, leaf.low.x, walk.origin.x, walk.direction.x),
-          behind(leaf.t_planes.y, leaf.low.y, walk.origin.y, walk.direction.y),
-          behind(leaf.t_planes.z, leaf.low.z, walk.origin.z, walk.direction.z)};
+  return {behind(0, leaf.t_planes.x, leaf.low.x, walk.origin.x, walk.direction.x),
+          behind(1, leaf.t_planes.y, leaf.low.y, walk.origin.y, walk.direction.y),
+          behind(2, leaf.t_planes.z, leaf.low.z, walk.origin.z, walk.direction.z)};
 }
 
 /// The segments of a ray, in order and without gaps: of what lies in the grid's box and, if MajorantGridRow::outside is
@@ -165,7 +168,7 @@ class MajorantWalk {
       const MajorantLeaf<Scalar> leaf = find_leaf<Scalar>(row_, walk_);
       const bool is_last = !(leaf.t_end < walk_.leave);
       segment = {t_, is_last ? walk_.leave : leaf.t_end, leaf.majorant};
-      if (!is_last) walk_.place = place_behind<Scalar>(walk_, leaf);
+      if (!is_last) walk_.place = place_behind<Scalar>(row_, walk_, leaf);
       if (is_last || segment.t1 > segment.t0) {
         t_ = segment.t1;
         return true;

@@ -4,6 +4,7 @@
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/flakes.h"
 #include "scene/compile/load_volume.h"
+#include "scene/tables/make_majorants.h"
 #include "scene/tables/spectral_grid.h"
 
 #include <algorithm>
@@ -209,10 +210,8 @@ class MediaCompiler {
            (!both || (of == row.density && row.second_grid == kNone));
   }
 
-  /// Of the largest component of the row's extinction, over one voxel of a grid; of glowing media 0: they are lit from
-  /// within by collisions with the majorant, of which there are then enough.
+  /// Of the largest component of the row's extinction, over one voxel of a grid.
   float voxel_thickness(const MediumRow& row, std::uint32_t of) const {
-    if ((row.flags & kMediumEmits) != 0) return 0;
     const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
     float most = 0;
     for (int i = 0; i < 3; ++i) most = std::max(most, row.first[i] + (both ? row.second[i] : 0.0f));
@@ -246,8 +245,10 @@ class MediaCompiler {
           throw SceneError(where, "absorption and scattering are not on grids of the same voxels");
         sources.push_back({&out.grids[row.second_grid], bound(row.second_grid)});
       }
-      majorants = make_majorant_grid(sources, placements_[of].filter,
-                                     {voxel_thickness(row, of), (row.flags & kMediumSingleGrid) != 0});
+      // What glows is seen by collisions with the majorant: there are to be some.
+      majorants = make_majorant_grid(
+          sources, placements_[of].filter,
+          {voxel_thickness(row, of), (row.flags & kMediumSingleGrid) != 0, (row.flags & kMediumEmits) == 0});
       majorants.outside = 0;  // see kMediumBoxed
       if (!std::isfinite(majorants.max_value())) throw SceneError(where, "the medium's extinction is not finite");
     }

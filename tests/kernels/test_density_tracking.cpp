@@ -2,6 +2,8 @@
 // of paths in lanes of their own.
 #include "kernels/media/density_weights.h"
 
+#include "scene/tables/make_majorants.h"
+
 #include "tests/support/statistics.h"
 #include "tests/support/volume_testing.h"
 

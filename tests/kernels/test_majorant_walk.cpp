@@ -1,6 +1,8 @@
 // Majorant grids: that bounds bound, and that the walk's segments tile the ray with the bounds of the right cells.
 #include "kernels/media/majorant_walk.h"
 
+#include "scene/tables/make_majorants.h"
+
 #include "tests/support/volume_testing.h"
 
 #include <limits>
@@ -174,7 +176,7 @@ TEST_CASE("majorant grid: bounds hold everywhere in their leaves, of all sizes")
     for (const GridFilter filter : kFilters)
       for (const int max_side : {64, 2, 1})
         for (const float thickness : {0.0f, 0.02f, 0.3f, 10.0f}) {
-          const Bounded b = bounded(grid, filter, {thickness, true, max_side}, Transform());
+          const Bounded b = bounded(grid, filter, {thickness, true, true, max_side}, Transform());
           for (const int side : b.majorant.cells) CHECK(side <= max_side);
           int beyond = 0;
           std::uint32_t number = 0;
@@ -239,6 +241,31 @@ TEST_CASE("majorant walk: random rays through leaves of all sizes, and what boun
       CHECK(gaps == 0);
     }
   CHECK(segments_seen > 5000);
+}
+
+TEST_CASE("majorant walk: leaves that reach beyond the table lead no ray out of it") {
+  // Three bricks along each side: the last leaves of two bricks are half outside.
+  const std::vector<float> values(24 * 24 * 24, 0.5f);
+  BrickGrid grid = make_dense_grid(1, {24, 24, 24}, values, GridBorder::kClamp);
+  MajorantGrid majorant = make_majorant_grid(grid, GridFilter::kNearest, {0.1f});
+  for (std::uint32_t& entry : majorant.entries) entry = (entry & ~31u) | 4u;
+  const MajorantGridRow row = make_majorant_grid_row(majorant, grid, Transform(), GridFilter::kNearest);
+  const Vec3f corner = {row.box_max[0], row.box_max[1], row.box_max[2]};
+  int outside = 0, steps = 0;
+  for (std::uint32_t i = 0; i < 20000; ++i) {
+    // To edges where a leaf ends just before the box does.
+    const Vec3f o = random_point(i, 70, -30, 10), target{corner.x, 16, 20 * noise(i, 73)};
+    bool hits;
+    auto walk = start_leaf_walk<Scalar>(row, o, normalize(target - o), 0, 1e6f, hits);
+    for (; hits; ++steps) {
+      outside += !(max_component(walk.place) < 24.0f);
+      const auto leaf = find_leaf<Scalar>(row, walk);
+      if (!(leaf.t_end < walk.leave)) break;
+      walk.place = place_behind<Scalar>(row, walk, leaf);
+    }
+  }
+  CHECK(outside == 0);
+  CHECK(steps > 1000);
 }
 
 TEST_CASE("majorant grid: nothing outside of the box, or not more than the outside's bound") {

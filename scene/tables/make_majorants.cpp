@@ -1,4 +1,4 @@
-#include "scene/tables/majorant_grid.h"
+#include "scene/tables/make_majorants.h"
 
 #include <algorithm>
 
@@ -192,7 +192,8 @@ class Builder {
  public:
   Builder(std::span<const MajorantSource> sources, MajorantNeeds needs, MajorantGrid& out)
       : needs_(needs),
-        ranges_(sources, out.base_log2, is_uniform() ? 0 : std::min(kMostLeavesLog2, out.base_log2 - kSmallestLog2)),
+        ranges_(sources, out.base_log2,
+                is_uniform() || !needs.cuts ? 0 : std::min(kMostLeavesLog2, out.base_log2 - kSmallestLog2)),
         out_(out) {
     out.entries.resize(at(out.cells, 0, 0, out.cells[2]));
     out.bounds.push_back({});  // those of nothing
