@@ -26,7 +26,7 @@ enum class DensityTracking {
 /// A ray that has met this many tentative collisions goes no further, and brings nothing: a medium of such an optical
 /// thickness lets nothing pass, unless its majorants are far too large; and where they are so large that steps vanish
 /// against the distance in 32 bits, the ray would never arrive.
-inline constexpr std::uint32_t kMostCollisions = 1u << 22;
+inline constexpr std::uint32_t kMostCollisions = 1u << 20;
 
 /// Minorants count up to this optical thickness of the hero lane from the ray's start. Beyond it they are taken for
 /// zero: a ray that hardly any light passes meets enough collisions, then, to be given up at random.

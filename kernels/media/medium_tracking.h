@@ -129,7 +129,7 @@ SHEAF_INLINE Quad for_each_collision(const MediumRay& ray, MediumRandom& random,
   const bool grey = ray.has(kMediumGrey);
   std::uint32_t collisions_left = kMostCollisions;
   // The optical depth of the hero lane that is left until the next collision.
-  float depth = exponential_distance(1.0f, random.next());
+  float depth = detail::exponential<Scalar>(random.next());
   MajorantWalk walk(ray.scene.majorant_grids[ray.medium.majorants], ray.origin, ray.direction, 0.0f, ray.length);
   MajorantSegment segment;
   Quad passed(1.0f);
@@ -152,7 +152,7 @@ SHEAF_INLINE Quad for_each_collision(const MediumRay& ray, MediumRandom& random,
         return Quad();
       }
       passed = Quad(1.0f);
-      depth = exponential_distance(1.0f, random.next());
+      depth = detail::exponential<Scalar>(random.next());
     }
   }
   return passed;

@@ -291,7 +291,7 @@ template <class L> void medium(const StageContext& context, Wave& wave) noexcept
     for (int lane = 0; lane < count; ++lane) {
       MediumPath path = load_path(wave, slots[lane]);
       const MediumRay ray = ray_of(context, wave, path);
-      if (is_tracked_by_density(ray, context.transport.medium_estimator)) {
+      if (is_tracked_by_density(ray, context.transport.medium_estimator) && !ray.has(kMediumEmits)) {
         by_density.add<L>(path, ray);
       } else {
         medium_path(context, wave, path, ray, u[lane], counts);

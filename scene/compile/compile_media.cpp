@@ -201,7 +201,7 @@ class MediaCompiler {
 
   /// Whether the extinction is that of the row's spectra times the grid `of`; see kMediumSingleGrid.
   bool is_single_grid(const MediumRow& row, std::uint32_t of) const {
-    if (of == kNone || row.flake_grids != kNone || (row.flags & kMediumEmits) != 0) return false;
+    if (of == kNone || row.flake_grids != kNone) return false;
     const BrickGrid& grid = out.grids[of];
     if (grid.channels != 1 || grid.values.size() > kMostGathered) return false;
     if (grid.border != GridBorder::kBackground && grid.border != GridBorder::kClamp) return false;
@@ -246,9 +246,9 @@ class MediaCompiler {
         sources.push_back({&out.grids[row.second_grid], bound(row.second_grid)});
       }
       // What glows is seen by collisions with the majorant: there are to be some.
-      majorants = make_majorant_grid(
-          sources, placements_[of].filter,
-          {voxel_thickness(row, of), (row.flags & kMediumSingleGrid) != 0, (row.flags & kMediumEmits) == 0});
+      const bool emits = (row.flags & kMediumEmits) != 0, single = (row.flags & kMediumSingleGrid) != 0;
+      majorants =
+          make_majorant_grid(sources, placements_[of].filter, {voxel_thickness(row, of), single && !emits, !emits});
       majorants.outside = 0;  // see kMediumBoxed
       if (!std::isfinite(majorants.max_value())) throw SceneError(where, "the medium's extinction is not finite");
     }

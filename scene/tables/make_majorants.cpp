@@ -9,7 +9,7 @@ namespace {
 /// Lookups add up to eight products by weights that were rounded.
 constexpr float kRounding = 1.0f + 4e-6f;
 /// A lookup and the collision that asks for it, in steps from leaf to leaf.
-constexpr float kLookupCost = 3.0f;
+constexpr float kLookupCost = 4.0f;
 constexpr int kBrickLog2 = 3;
 static_assert(1 << kBrickLog2 == kBrickSide);
 /// Of the side of the smallest leaves, in voxels.

@@ -195,20 +195,20 @@ TEST_CASE("majorant grid: bounds hold everywhere in their leaves, of all sizes")
   }
 }
 
-TEST_CASE("majorant grid: leaves are as small as the grid's detail is worth it") {
-  // Smooth on one side, noise on the other.
+TEST_CASE("majorant grid: leaves are as small as the volume's detail is worth it") {
+  // The same everywhere on one side, waves of some ten voxels on the other.
   std::vector<float> values(64 * 64 * 64);
   for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = i % 64 < 32 ? 1.0f : noise(static_cast<std::uint32_t>(i), 3);
+    values[i] = i % 64 < 32 ? 1.0f : 0.5f + 0.5f * std::sin(0.6f * static_cast<float>(i % 64));
   const BrickGrid grid = make_dense_grid(1, {64, 64, 64}, values, GridBorder::kClamp);
   const auto side_at = [&](const MajorantGrid& m, std::size_t x) { return 1u << (m.entries[x] & 31u); };
   const MajorantGrid thin = make_majorant_grid(grid, GridFilter::kTrilinear, {1e-4f}),
                      thick = make_majorant_grid(grid, GridFilter::kTrilinear, {1.0f});
-  CHECK(side_at(thin, 0) == 64);
+  CHECK(side_at(thin, 0) >= 64);
   CHECK(thin.bounds.size() == 2);
   CHECK(side_at(thick, 0) >= 8);
   CHECK(side_at(thick, 4) == 2);
-  CHECK(thick.bytes() < 0.2 * static_cast<double>(grid.bytes()));
+  CHECK(static_cast<double>(thick.bytes()) < 0.2 * static_cast<double>(grid.bytes()));
 }
 
 TEST_CASE("majorant walk: random rays through leaves of all sizes, and what bounds them") {
