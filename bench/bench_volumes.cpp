@@ -99,7 +99,7 @@ struct Rays {
 /// Rays through a grid of `cells`^3 cells, one at a time; an item is a segment, or with `per_ray` a ray.
 void walk(benchmark::State& state, int cells, bool per_ray) {
   const auto count = static_cast<std::size_t>(cells * cells * cells);
-  const std::vector<MajorantBounds> bounds(count, {1.0f, 0.0f});
+  const std::vector<MajorantBounds> bounds(count, MajorantBounds::around(0.0f, 1.0f));
   std::vector<std::uint32_t> entries;
   for (std::uint32_t i = 0; i < count; ++i) entries.push_back(i << kMajorantSideBits);
   MajorantGridRow row;

@@ -105,9 +105,9 @@ template <class L> SHEAF_INLINE MajorantLeaf<L> find_leaf(const MajorantGridRow&
   const auto part_of = [&](U place) SHEAF_LAMBDA_INLINE { return floor(to_float(place & in_base) * inverse_side); };
   const U index =
       (entry >> kMajorantSideBits) + to_uint(fma(fma(part_of(z), per_side, part_of(y)), per_side, part_of(x)));
-  const float* const bounds = &row.bounds->majorant;
-  leaf.majorant = gather(bounds, index + index);
-  leaf.minorant = gather(bounds, index + index + U(1u));
+  const U bounds = gather(&row.bounds->bits, index);
+  leaf.majorant = bits_float(bounds & U(0xffff0000u));
+  leaf.minorant = bits_float(bounds << 16);
   // A plane at 0 is no plane: the first leaves reach on to the box's face.
   const auto plane_of = [&](F low, F o, F d, F inverse) SHEAF_LAMBDA_INLINE {
     const F plane = select(d > F(0.0f), low + leaf.side, low);
@@ -150,7 +150,7 @@ class MajorantWalk {
       : row_(row), t_(t_min), t_max_(t_max) {
     bool hits;
     walk_ = start_leaf_walk<Scalar>(row, origin, direction, t_min, t_max, hits);
-    if (row.outside.majorant == 0.0f) {
+    if (row.outside == 0.0f) {
       t_ = walk_.t;
       t_max_ = walk_.leave;
     }
@@ -160,7 +160,7 @@ class MajorantWalk {
   SHEAF_INLINE bool next(MajorantSegment& segment) {
     if (!(t_ < t_max_)) return false;
     if (t_ < walk_.t || t_ >= walk_.leave) {
-      segment = {t_, t_ < walk_.t ? walk_.t : t_max_, row_.outside.majorant};
+      segment = {t_, t_ < walk_.t ? walk_.t : t_max_, row_.outside};
       t_ = segment.t1;
       return true;
     }

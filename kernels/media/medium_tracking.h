@@ -101,7 +101,7 @@ SHEAF_INLINE Quad majorant_spectrum(const MediumRay& ray, float bound) {
 
 /// The bound that a walk through the majorants has at a point.
 inline float majorant_at(const MajorantGridRow& row, Vec3f p) {
-  if (row.bounds == nullptr || !is_in_box(row, p)) return row.outside.majorant;
+  if (row.bounds == nullptr || !is_in_box(row, p)) return row.outside;
   bool hits;
   const LeafWalk<Scalar> walk = start_leaf_walk<Scalar>(row, p, {1, 1, 1}, 0.0f, kInfinity, hits);
   return find_leaf<Scalar>(row, walk).majorant;

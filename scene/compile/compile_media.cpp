@@ -80,7 +80,7 @@ class MediaCompiler {
     for (std::size_t i = 0; i < out.majorants.size(); ++i) {
       const std::size_t of = majorant_of_[i];
       if (of == kConstant) {
-        out.majorant_rows.emplace_back().outside.majorant = 1;
+        out.majorant_rows.emplace_back().outside = 1;
       } else {
         out.majorant_rows.push_back(make_majorant_grid_row(out.majorants[i], out.grids[of], placements_[of].to_world,
                                                            placements_[of].filter));

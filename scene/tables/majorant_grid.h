@@ -9,10 +9,18 @@
 
 namespace sheaf {
 
-/// Bounds on a volume's values in a leaf.
+/// Bounds on a volume's values in a leaf, neither of them negative. Each is a float without the 16 lowest bits, which
+/// moves it by less than a hundredth.
 struct MajorantBounds {
-  float majorant = 0;  ///< not negative
-  float minorant = 0;  ///< in [0, majorant]
+  std::uint32_t bits = 0;  ///< the majorant's in the upper half, the minorant's in the lower
+
+  /// The narrowest that hold two values. A majorant close to the largest float becomes infinite.
+  static MajorantBounds around(float minorant, float majorant) {
+    const std::uint32_t up = float_bits(majorant) + 0xffffu;
+    return {(up & 0xffff0000u) | float_bits(minorant) >> 16};
+  }
+  float majorant() const { return bits_float(bits & 0xffff0000u); }
+  float minorant() const { return bits_float(bits << 16); }
 };
 
 /// An entry of the table of base cells: in the low bits the binary logarithm of the side of its leaves, in voxels; in
@@ -28,7 +36,7 @@ struct alignas(64) MajorantGridRow {
   const MajorantBounds* bounds = nullptr;  ///< of the leaves
   std::uint32_t cells[3] = {};             ///< base cells
   std::uint32_t base_log2 = 0;             ///< of a base cell's side, in voxels
-  MajorantBounds outside;                  ///< zeros: there is nothing outside
+  float outside = 0;                       ///< zero: there is nothing outside
 };
 static_assert(sizeof(MajorantGridRow) == 128);
 

@@ -6,16 +6,16 @@ namespace sheaf {
 
 namespace {
 
+using Filter = GridVolumeDescription::Filter;
+
 /// Lookups add up to eight products by weights that were rounded.
 constexpr float kRounding = 1.0f + 4e-6f;
 /// A lookup and the collision that asks for it, in steps from leaf to leaf.
 constexpr float kLookupCost = 4.0f;
 constexpr int kBrickLog2 = 3;
 static_assert(1 << kBrickLog2 == kBrickSide);
-/// Of the side of the smallest leaves, in voxels.
-constexpr int kSmallestLog2 = 1;
 /// A base cell is cut into at most this many leaves along each side.
-constexpr int kMostLeavesLog2 = 3;
+constexpr int kMostCut = 3;
 /// Leaves are at most so many base cells wide.
 constexpr int kMostBaseCellsLog2 = 4;
 
@@ -35,7 +35,7 @@ struct Range {
 
 MajorantBounds bounds_of(const Range& range, bool minorants) {
   const float most = std::max(range.high, 0.0f), least = minorants ? std::max(range.low, 0.0f) : 0.0f;
-  return {most * kRounding, least * (2.0f - kRounding)};
+  return MajorantBounds::around(least * (2.0f - kRounding), most * kRounding);
 }
 
 std::size_t at(const std::array<int, 3>& size, int x, int y, int z) {
@@ -67,8 +67,11 @@ std::vector<Range> brick_ranges(const MajorantSource& source) {
 /// The ranges of grids in cubes of a base cell, from the finest to the base cell itself.
 class BaseCellRanges {
  public:
-  BaseCellRanges(std::span<const MajorantSource> sources, int base_log2, int most_cut)
-      : sources_(sources), layout_(*sources.front().grid), base_log2_(base_log2) {
+  BaseCellRanges(std::span<const MajorantSource> sources, Filter filter, int base_log2, int most_cut)
+      : sources_(sources),
+        layout_(*sources.front().grid),
+        voxels_beyond_(filter == Filter::kNearest ? 0 : 1),
+        base_log2_(base_log2) {
     for (const MajorantSource& source : sources) brick_ranges_.push_back(brick_ranges(source));
     for (int cut = most_cut; cut >= 0; --cut) {
       const int side = 1 << cut;
@@ -76,18 +79,22 @@ class BaseCellRanges {
     }
   }
 
+  /// From the finest to the base cell itself; those from the one on with which fill() was called are there.
   std::span<const Level> levels() const { return levels_; }
 
-  /// Looks at another base cell. Returns its range; where that is a single value, there are no levels().
+  /// Looks at another base cell. Returns its range.
   Range look(const std::array<int, 3>& cell) {
     const int bricks = 1 << (base_log2_ - kBrickLog2);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       first_[axis] = cell[axis] * bricks;
       last_[axis] = std::min(first_[axis] + bricks, layout_.bricks[axis]);
     }
-    const Range whole = range_of_bricks(wraps());
-    if (!(whole.low < whole.high)) return whole;
-    Level& finest = levels_.front();
+    return range_of_bricks(wraps());
+  }
+
+  /// Finds the ranges of that base cell's cubes, of those of levels()[level] and larger ones.
+  void fill(std::size_t level) {
+    Level& finest = levels_[level];
     std::fill(finest.ranges.begin(), finest.ranges.end(), Range());
     for (std::size_t i = 0; i < sources_.size(); ++i)
       for (int z = first_[2]; z < last_[2]; ++z)
@@ -97,8 +104,7 @@ class BaseCellRanges {
     // Beyond the last brick there is no place in the box.
     for (Range& range : finest.ranges)
       if (range.high < range.low) range = {0.0f, 0.0f};
-    for (std::size_t i = 1; i < levels_.size(); ++i) halve(levels_[i - 1], levels_[i]);
-    return whole;
+    for (std::size_t i = level + 1; i < levels_.size(); ++i) halve(levels_[i - 1], levels_[i]);
   }
 
  private:
@@ -164,16 +170,17 @@ class BaseCellRanges {
         }
   }
 
-  /// Of a brick's voxels from `first` to `first` + `side`.
-  static Range cube_range(const MajorantSource& source, std::size_t brick, const std::array<int, 3>& first, int side) {
+  /// Of a brick's voxels that lookups in the `side`^3 cells from `first` on take part of.
+  Range cube_range(const MajorantSource& source, std::size_t brick, const std::array<int, 3>& first, int side) const {
     const BrickGrid& grid = *source.grid;
     const float* const values = &grid.values[brick * grid.brick_size()];
     const int voxel = grid.channels == 1 ? 1 : kColorVoxel;
+    const int count = side + voxels_beyond_;
     Range range;
-    for (int z = first[2]; z <= first[2] + side; ++z)
-      for (int y = first[1]; y <= first[1] + side; ++y) {
+    for (int z = first[2]; z < first[2] + count; ++z)
+      for (int y = first[1]; y < first[1] + count; ++y) {
         const float* const row = values + ((z * kBrickStride + y) * kBrickStride + first[0]) * voxel;
-        for (int x = 0; x <= side; ++x)
+        for (int x = 0; x < count; ++x)
           for (int c = 0; c < grid.channels; ++c) range.add(row[x * voxel + c] * source.factor);
       }
     return range;
@@ -181,6 +188,7 @@ class BaseCellRanges {
 
   std::span<const MajorantSource> sources_;
   const BrickGrid& layout_;
+  int voxels_beyond_;  ///< behind a cell that are interpolated in it
   int base_log2_;
   std::vector<std::vector<Range>> brick_ranges_;  ///< of each source
   std::vector<Level> levels_;
@@ -190,13 +198,10 @@ class BaseCellRanges {
 /// Chooses leaves.
 class Builder {
  public:
-  Builder(std::span<const MajorantSource> sources, MajorantNeeds needs, MajorantGrid& out)
-      : needs_(needs),
-        ranges_(sources, out.base_log2,
-                is_uniform() || !needs.cuts ? 0 : std::min(kMostLeavesLog2, out.base_log2 - kSmallestLog2)),
-        out_(out) {
-    out.entries.resize(at(out.cells, 0, 0, out.cells[2]));
-    out.bounds.push_back({});  // those of nothing
+  Builder(std::span<const MajorantSource> sources, Filter filter, MajorantNeeds needs, int most_cut, MajorantGrid& out)
+      : needs_(needs), ranges_(sources, filter, out.base_log2, is_uniform() || !needs.cuts ? 0 : most_cut), out_(out) {
+    out.entries.assign(at(out.cells, 0, 0, out.cells[2]), 0);
+    out.bounds.assign(1, {});  // those of nothing
   }
 
   void run() {
@@ -243,13 +248,16 @@ class Builder {
     const Range range = ranges_.look(cell);
     double cost = leaf_cost(range, out_.base_log2);
     const Level* best = nullptr;
-    if (!is_uniform() && range.low < range.high)
-      for (const Level& level : ranges_.levels()) {
+    if (!is_uniform() && range.low < range.high) {
+      const std::size_t first = first_level(range);
+      ranges_.fill(first);
+      for (const Level& level : ranges_.levels().subspan(first)) {
         double sum = 0;
         for (const Range& part : level.ranges) sum += leaf_cost(part, level.log2);
         sum /= static_cast<double>(level.ranges.size());
         if (sum < cost) cost = sum, best = &level;
       }
+    }
     if (best == nullptr) {
       set_leaf(cell, 0, range);
     } else {
@@ -259,18 +267,28 @@ class Builder {
     return {range, cost, 1.0};
   }
 
+  /// The finest level that may be worth it: half the side doubles what steps cost, and saves no more than all of what
+  /// the bounds' difference does.
+  std::size_t first_level(const Range& range) const {
+    const auto levels = ranges_.levels();
+    const double most = leaf_cost(range, 30);
+    std::size_t first = 0;
+    while (first + 1 < levels.size() && 0.75 / static_cast<double>(1 << levels[first].log2) > most) ++first;
+    return first;
+  }
+
   /// Per volume.
   double leaf_cost(const Range& range, int log2) const {
     const MajorantBounds b = bounds_of(range, needs_.minorants);
     return 1.5 / static_cast<double>(1 << log2) +
-           static_cast<double>(kLookupCost * needs_.thickness) * static_cast<double>(b.majorant - b.minorant);
+           static_cast<double>(kLookupCost * needs_.thickness) * static_cast<double>(b.majorant() - b.minorant());
   }
 
   /// Makes one leaf of a cube of base cells.
   void set_leaf(const std::array<int, 3>& first, int log2, const Range& range) {
     const MajorantBounds b = bounds_of(range, needs_.minorants);
     std::size_t index = 0;
-    if (b.majorant > 0.0f) {
+    if (b.bits != 0) {
       index = out_.bounds.size();
       out_.bounds.push_back(b);
     }
@@ -296,12 +314,11 @@ class Builder {
 
 float MajorantGrid::max_value() const {
   float most = outside;
-  for (const MajorantBounds& b : bounds) most = std::max(most, b.majorant);
+  for (const MajorantBounds& b : bounds) most = std::max(most, b.majorant());
   return most;
 }
 
-MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridVolumeDescription::Filter filter,
-                                MajorantNeeds needs) {
+MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, Filter filter, MajorantNeeds needs) {
   MajorantGrid result;
   Range outside;
   for (const MajorantSource& source : sources) {
@@ -312,7 +329,7 @@ MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridVol
       for (std::size_t c = 0; c < static_cast<std::size_t>(grid.channels); ++c)
         outside.add(grid.background[c] * source.factor);
   }
-  result.outside = bounds_of(outside, false).majorant;
+  result.outside = std::max(outside.high, 0.0f) * kRounding;
   const BrickGrid& grid = *sources.front().grid;
   if (grid.is_empty()) return result;
   result.box = row_box(grid, filter);
@@ -320,21 +337,24 @@ MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridVol
   while ((longest - 1) >> (result.base_log2 - kBrickLog2) >= needs.max_side) ++result.base_log2;
   for (std::size_t axis = 0; axis < 3; ++axis)
     result.cells[axis] = ((grid.bricks[axis] - 1) >> (result.base_log2 - kBrickLog2)) + 1;
-  Builder(sources, needs, result).run();
+  std::size_t most_bytes = 1u << 16;
+  for (const MajorantSource& source : sources) most_bytes = std::max(most_bytes, source.grid->bytes() / 2);
+  for (int most_cut = kMostCut; most_cut == kMostCut || (most_cut > 0 && result.bytes() > most_bytes); --most_cut)
+    Builder(sources, filter, needs, most_cut, result).run();
   return result;
 }
 
-MajorantGrid make_majorant_grid(const BrickGrid& grid, GridVolumeDescription::Filter filter, MajorantNeeds needs) {
+MajorantGrid make_majorant_grid(const BrickGrid& grid, Filter filter, MajorantNeeds needs) {
   const MajorantSource source{&grid, 1.0f};
   return make_majorant_grid({&source, 1}, filter, needs);
 }
 
 MajorantGridRow make_majorant_grid_row(const MajorantGrid& majorant, const BrickGrid& grid,
-                                       const Transform& local_to_world, GridVolumeDescription::Filter filter) {
+                                       const Transform& local_to_world, Filter filter) {
   MajorantGridRow row;
   const BrickGridRow lookup = make_brick_grid_row(grid, local_to_world, filter);
   std::copy(std::begin(lookup.world_to_grid), std::end(lookup.world_to_grid), row.world_to_grid);
-  row.outside = {majorant.outside, 0.0f};
+  row.outside = majorant.outside;
   if (majorant.entries.empty()) {
     std::fill_n(row.box_min, 3, 1.0f), std::fill_n(row.box_max, 3, -1.0f);
     return row;

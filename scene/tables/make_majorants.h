@@ -32,8 +32,8 @@ struct MajorantNeeds {
 /// proportion to
 ///     V (3 / (2 s) + kLookupCost thickness (majorant - minorant)),
 /// 2 s / 3 being the mean length of chords of a cube; from the smallest leaves up, eight become one where that costs
-/// less. The smallest have a side of two voxels, or an eighth of a base cell, so that bounds never take more than a
-/// fifth of the bricks' memory.
+/// less. The smallest have a side of an eighth of a base cell, of one voxel in grids of up to a thousand voxels along
+/// each side; of more, where bounds would take more than half of the memory that the grid takes.
 ///
 /// Bounds are a little wider than need be, for the rounding of lookups. A place less than a rounding error from a
 /// leaf's face may belong to the neighbour, so kernels must get along with values beyond the bounds there.

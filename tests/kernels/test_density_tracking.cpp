@@ -169,3 +169,15 @@ TEST_CASE("density tracking: a ray ends as it would alone, and registers do what
   CHECK(compare.operator()<DensityTracking::kScattering>() > 20);
   CHECK(compare.operator()<DensityTracking::kTransmittance>() > 5);
 }
+
+TEST_CASE("density tracking: rays whose steps vanish against the distance are given up") {
+  Noise medium(0.0f, false, 0.5f);
+  // The bounds' alone is as dense as that.
+  for (MajorantBounds& bounds : medium.majorants.bounds) bounds = MajorantBounds::around(0.0f, 1e30f);
+  for (const DensityEnd<Scalar>& end :
+       {track<Wide, DensityTracking::kScattering>(medium, {-2, 3, 5}, {1, 0, 0}, 9, 1, 1)[0],
+        track<Wide, DensityTracking::kTransmittance>(medium, {-2, 3, 5}, {1, 0, 0}, 9, 1, 1)[0]}) {
+    CHECK(end.outcome == static_cast<std::uint32_t>(DensityOutcome::kAbandoned));
+    CHECK(end.nulls == kMostCollisions);
+  }
+}
