@@ -1,11 +1,13 @@
 // What volumes cost: lookups in grids of bricks, each place hanging on the value before it (as in tracking, where one
-// decides on the next) or not, and steps from cell to cell of a majorant grid. "per_item" is in seconds.
+// decides on the next) or not, steps from leaf to leaf of a majorant grid, tracking, and making majorants. "per_item"
+// is in seconds.
 #include "core/rng.h"
-#include "kernels/media/majorant_walk.h"
-#include "scene/tables/brick_grid_lookup.h"
+#include "kernels/media/density_tracking.h"
+#include "scene/tables/make_majorants.h"
 
 #include <benchmark/benchmark.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -81,35 +83,83 @@ void lookup(benchmark::State& state, const Case& c, int side, bool is_chain) {
   count_items(state, kItems);
 }
 
-/// Rays through a grid of `cells`^3 cells; an item is a segment, or with `per_ray` a ray.
+/// Rays through a cube of side `n`.
+struct Rays {
+  std::vector<Vec3f> origins, directions;
+  explicit Rays(float n) {
+    for (std::uint32_t i = 0; i < 512; ++i) {
+      const Vec3f from = Vec3f{uniform(i, 5), uniform(i, 6), -0.5f} * n,
+                  to = Vec3f{uniform(i, 7), uniform(i, 8), 1.5f} * n;
+      origins.push_back(from);
+      directions.push_back(normalize(to - from));
+    }
+  }
+};
+
+/// Rays through a grid of `cells`^3 cells, one at a time; an item is a segment, or with `per_ray` a ray.
 void walk(benchmark::State& state, int cells, bool per_ray) {
-  const std::vector<float> bounds(static_cast<std::size_t>(cells * cells * cells), 1.0f);
+  const auto count = static_cast<std::size_t>(cells * cells * cells);
+  const std::vector<MajorantBounds> bounds(count, MajorantBounds::around(0.0f, 1.0f));
+  std::vector<std::uint32_t> entries;
+  for (std::uint32_t i = 0; i < count; ++i) entries.push_back(i << kMajorantSideBits);
   MajorantGridRow row;
   for (int axis = 0; axis < 3; ++axis) {
-    row.world_to_cells[5 * axis] = 1;
-    row.cells[axis] = cells;
+    row.world_to_grid[5 * axis] = 1;
+    row.cells[axis] = static_cast<std::uint32_t>(cells);
     row.box_max[axis] = static_cast<float>(cells);
   }
+  row.entries = entries.data();
   row.bounds = bounds.data();
-  std::vector<Vec3f> origins, directions;
-  const auto n = static_cast<float>(cells);
-  for (std::uint32_t i = 0; i < 512; ++i) {
-    const Vec3f from = Vec3f{uniform(i, 5), uniform(i, 6), -0.5f} * n,
-                to = Vec3f{uniform(i, 7), uniform(i, 8), 1.5f} * n;
-    origins.push_back(from);
-    directions.push_back(normalize(to - from));
-  }
+  const Rays rays(static_cast<float>(cells));
   std::size_t segments = 0;
   for (auto _ : state) {
     segments = 0;
     float sum = 0;
-    for (std::size_t i = 0; i < origins.size(); ++i) {
-      MajorantWalk steps(row, origins[i], directions[i], 0, kInfinity);
+    for (std::size_t i = 0; i < rays.origins.size(); ++i) {
+      MajorantWalk steps(row, rays.origins[i], rays.directions[i], 0, kInfinity);
       for (MajorantSegment s; steps.next(s); ++segments) sum += (s.t1 - s.t0) * s.bound;
     }
     benchmark::DoNotOptimize(sum);
   }
-  count_items(state, per_ray ? origins.size() : segments);
+  count_items(state, per_ray ? rays.origins.size() : segments);
+}
+
+/// Noise of voxels, tracked one ray or many at a time; an item is a collision. `nulls`: those per ray, in the mean.
+template <class L, DensityTracking kWhat> void tracking(benchmark::State& state, int side) {
+  const BrickGrid grid = noise_grid(side, 1, GridBorder::kBackground);
+  const float extinction = 4.0f / static_cast<float>(side);
+  const MajorantGrid majorants = make_majorant_grid(grid, Filter::kTrilinear, {extinction});
+  const BrickGridRow density = make_brick_grid_row(grid, Transform(), Filter::kTrilinear);
+  const MajorantGridRow bounds = make_majorant_grid_row(majorants, grid, Transform(), Filter::kTrilinear);
+  const Rays rays(static_cast<float>(side - 1));
+  const auto rows = std::make_unique<DensityRays>();
+  const auto ends = std::make_unique<DensityEnds>();
+  for (int i = 0; i < kDensityRows; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    rows->store<Scalar>(
+        i, {rays.origins[k], rays.directions[k], 1e6f, extinction, {static_cast<std::uint32_t>(i), 1, 2, 3}});
+  }
+  for (auto _ : state) track_densities<L, kWhat>({bounds, density}, *rows, kDensityRows, *ends);
+  std::size_t collisions = 0;
+  for (int i = 0; i < kDensityRows; ++i) {
+    const DensityEnd<Scalar> end = ends->load<Scalar>(i);
+    collisions += end.nulls + (end.outcome == static_cast<std::uint32_t>(DensityOutcome::kScattered) ? 1u : 0u);
+  }
+  count_items(state, collisions);
+  state.counters["per_ray"] = static_cast<double>(collisions) / kDensityRows;
+}
+
+template <class L, DensityTracking kWhat> auto tracking_of(int side) {
+  return [side](benchmark::State& state) { tracking<L, kWhat>(state, side); };
+}
+
+/// Makes majorants; an item is a voxel. `share`: their memory over the grid's.
+void make_majorants(benchmark::State& state, int side, float thickness) {
+  const BrickGrid grid = noise_grid(side, 1, GridBorder::kBackground);
+  std::size_t bytes = 0;
+  for (auto _ : state) bytes = make_majorant_grid(grid, Filter::kTrilinear, {thickness}).bytes();
+  count_items(state, static_cast<std::size_t>(side * side * side));
+  state.counters["share"] = static_cast<double>(bytes) / static_cast<double>(grid.bytes());
 }
 
 [[maybe_unused]] const bool registered = [] {
@@ -127,6 +177,16 @@ void walk(benchmark::State& state, int cells, bool per_ray) {
     add("volume/majorant_step/cells:" + std::to_string(cells), [cells](benchmark::State& s) { walk(s, cells, false); });
     add("volume/majorant_ray/cells:" + std::to_string(cells), [cells](benchmark::State& s) { walk(s, cells, true); });
   }
+  for (const int side : {32, 256}) {
+    const std::string end = "/side:" + std::to_string(side);
+    add("volume/scattering/one" + end, tracking_of<Scalar, DensityTracking::kScattering>(side));
+    add("volume/scattering/many" + end, tracking_of<Wide, DensityTracking::kScattering>(side));
+    add("volume/transmittance/one" + end, tracking_of<Scalar, DensityTracking::kTransmittance>(side));
+    add("volume/transmittance/many" + end, tracking_of<Wide, DensityTracking::kTransmittance>(side));
+  }
+  for (const float thickness : {0.0f, 0.1f})
+    add("volume/make_majorants/thickness:" + std::to_string(thickness),
+        [thickness](benchmark::State& s) { make_majorants(s, 128, thickness); });
   return true;
 }();
 

@@ -99,7 +99,7 @@ struct alignas(64) Stats {
     std::uint64_t real = 0;    ///< of paths with the medium
     std::uint64_t null = 0;    ///< of paths with what fills it up to the majorant; steps of ray marching
     std::uint64_t shadow = 0;  ///< tentative collisions, or steps, of shadow rays
-    std::uint64_t abandoned = 0;  ///< rays that were given up, see kMostCollisions of kernels/media/medium_tracking.h
+    std::uint64_t abandoned = 0;  ///< rays that were given up, see kMostCollisions of kernels/media/density_tracking.h
     Collisions& operator+=(const Collisions& other) {
       real += other.real;
       null += other.null;

@@ -3,6 +3,8 @@
 
 #include "core/rng.h"
 
+#include <tuple>
+
 namespace sheaf {
 
 /// What a stream is for: streams of different uses are independent of each other and of core/sampler.h's blocks.
@@ -39,6 +41,30 @@ class MediumRandom {
   std::uint32_t pixel_, sample_, event_, key_, counter_ = 0;
   int left_ = 0;
   float numbers_[4];
+};
+
+/// Four words that stand for a stream of such numbers in each lane; another stream than MediumRandom's.
+template <class L> struct MediumNumbers {
+  Uint<L> x, y, z, w;
+  static constexpr auto fields(auto& s) { return std::tie(s.x, s.y, s.z, s.w); }
+
+  /// `pixel`, `sample` and `event` as for MediumRandom.
+  static SHEAF_INLINE MediumNumbers start(Uint<L> pixel, Uint<L> sample, Uint<L> event, Uint<L> key) {
+    MediumNumbers n{pixel ^ (pixel >> 16), sample, event, key};
+    hash4(n.x, n.y, n.z, n.w);
+    return n;
+  }
+  static std::uint32_t key(std::uint32_t seed, MediumStream use) {
+    return seed ^ (seed >> 16) ^ static_cast<std::uint32_t>(use);
+  }
+
+  /// The numbers with index `counter`.
+  SHEAF_INLINE Random4<L> at(Uint<L> counter) const {
+    Uint<L> a = x ^ (x >> 15), b = y ^ (y >> 15), c = z ^ (z >> 15), d = w + Uint<L>(0x9e3779b9u) * counter;
+    d = d ^ (d >> 15);
+    hash4(a, b, c, d);
+    return {unit_float(a), unit_float(b), unit_float(c), unit_float(d)};
+  }
 };
 
 }  // namespace sheaf

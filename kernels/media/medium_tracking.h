@@ -9,8 +9,7 @@
 #pragma once
 
 #include "core/stats.h"
-#include "kernels/media/majorant_walk.h"
-#include "kernels/media/medium_random.h"
+#include "kernels/media/density_tracking.h"
 #include "scene/tables/medium_lookup.h"
 
 namespace sheaf {
@@ -61,11 +60,6 @@ struct MediumRay {
 
 using TrackingCounts = Stats::Collisions;
 
-/// A ray that has met this many tentative collisions goes no further, and brings nothing: a medium of such an optical
-/// thickness lets nothing pass, unless its majorants are far too large; and where they are so large that steps vanish
-/// against the distance in 32 bits, the ray would never arrive.
-inline constexpr std::uint32_t kMostCollisions = 1u << 22;
-
 /// Transmittance over a distance in metres.
 SHEAF_INLINE Quad transmittance(Quad sigma_t, float distance) { return exp(sigma_t * -distance); }
 
@@ -107,15 +101,10 @@ SHEAF_INLINE Quad majorant_spectrum(const MediumRay& ray, float bound) {
 
 /// The bound that a walk through the majorants has at a point.
 inline float majorant_at(const MajorantGridRow& row, Vec3f p) {
-  std::int32_t index = 0, stride = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float* m = row.world_to_cells + axis;
-    const float at = m[0] * p.x + m[4] * p.y + m[8] * p.z + m[12];
-    if (row.bounds == nullptr || !(at >= row.box_min[axis] && at <= row.box_max[axis])) return row.outside;
-    index += stride * static_cast<std::int32_t>(clamp(at, 0.0f, static_cast<float>(row.cells[axis] - 1)));
-    stride *= row.cells[axis];
-  }
-  return row.bounds[index];
+  if (row.bounds == nullptr || !is_in_box(row, p)) return row.outside;
+  bool hits;
+  const LeafWalk<Scalar> walk = start_leaf_walk<Scalar>(row, p, {1, 1, 1}, 0.0f, kInfinity, hits);
+  return find_leaf<Scalar>(row, walk).majorant;
 }
 
 /// Each lane's density per metre of what MediumEmission counts as a collision at `p`, without the transmittance up to
@@ -140,7 +129,7 @@ SHEAF_INLINE Quad for_each_collision(const MediumRay& ray, MediumRandom& random,
   const bool grey = ray.has(kMediumGrey);
   std::uint32_t collisions_left = kMostCollisions;
   // The optical depth of the hero lane that is left until the next collision.
-  float depth = exponential_distance(1.0f, random.next());
+  float depth = detail::exponential<Scalar>(random.next());
   MajorantWalk walk(ray.scene.majorant_grids[ray.medium.majorants], ray.origin, ray.direction, 0.0f, ray.length);
   MajorantSegment segment;
   Quad passed(1.0f);
@@ -163,7 +152,7 @@ SHEAF_INLINE Quad for_each_collision(const MediumRay& ray, MediumRandom& random,
         return Quad();
       }
       passed = Quad(1.0f);
-      depth = exponential_distance(1.0f, random.next());
+      depth = detail::exponential<Scalar>(random.next());
     }
   }
   return passed;
@@ -239,7 +228,6 @@ inline bool pass_null_collisions(const MediumRay& ray, MediumRandom& random, boo
     path.r_u = path.r_u * ray.odds(ratio * sigma_n);
     path.r_l = path.r_l * ray.odds(ratio * at.sigma_maj);
     // Little light is worth little work: it goes on with a quarter of the probability and four times the weight.
-    constexpr float kLittle = 0.1f, kSurvival = 0.25f;
     if (max_component(path.beta) < kLittle * max_component(path.r_l)) {
       open = random.next() < kSurvival;
       path.beta = path.beta * (1.0f / kSurvival);

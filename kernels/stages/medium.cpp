@@ -7,6 +7,7 @@
 #include "kernels/film/light_task.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/lights/volume_light.h"
+#include "kernels/media/density_weights.h"
 #include "kernels/media/medium_marching.h"
 #include "kernels/media/medium_ray.h"
 #include "kernels/photons/photon_maps.h"
@@ -191,30 +192,86 @@ bool leaves_beam(const StageContext& context, const MediumRay& ray, std::uint32_
          ray.has(kMediumScatters) && keeps_beams(context.transport.photons, ray.medium);
 }
 
-void medium_path(const StageContext& context, Wave& wave, Slot slot, float u, TrackingCounts& counts) {
-  MediumPath path = load_path(wave, slot);
-  MediumRandom random(context.sampler.seed, path.throughput.pixel, path.throughput.sample, path.throughput.event(),
-                      MediumStream::kPath);
+MediumRay ray_of(const StageContext& context, const Wave& wave, const MediumPath& path) {
   const float end =
       path.hit.shape == kNone ? medium_end(context.scene, path.ray.origin, path.ray.direction) : kInfinity;
-  const MediumRay ray = make_medium_ray(context, path.ray.flags, lane_wavelengths(context.scene, wave, slot),
-                                        path.ray.origin, path.ray.direction, min(path.hit.t, end));
-  const ProbabilityState<Scalar>& r = wave.probabilities.row(slot);
-  PathWeights weights{Quad(path.throughput.beta), Quad(r.r_u), Quad(r.r_l)};
-  MediumEmission emission(context, wave, path, ray);
-  const float t = track(context, ray, u, random, counts, weights, emission);
-  if (leaves_beam(context, ray, path.ray.flags)) store_beam(context, wave, path, ray, r.r_u, t);
-  if (ray.has(kMediumEmits)) add_radiance(wave, slot, emission.radiance(), ray.medium.light);
+  return make_medium_ray(context, path.ray.flags, lane_wavelengths(context.scene, wave, path.slot), path.ray.origin,
+                         path.ray.direction, min(path.hit.t, end));
+}
+
+PathWeights load_weights(const Wave& wave, const MediumPath& path) {
+  const ProbabilityState<Scalar>& r = wave.probabilities.row(path.slot);
+  return {Quad(path.throughput.beta), Quad(r.r_u), Quad(r.r_l)};
+}
+
+/// Sends the path on, which has come as far as `t`.
+void finish_path(const StageContext& context, Wave& wave, MediumPath& path, const MediumRay& ray, float t,
+                 PathWeights& weights) {
+  if (leaves_beam(context, ray, path.ray.flags))
+    store_beam(context, wave, path, ray, wave.probabilities.row(path.slot).r_u, t);
   if (!(max_component(weights.beta) > 0.0f)) {
-    wave.finished.push(slot);
+    wave.finished.push(path.slot);
     return;
   }
   weights.rescale();
-  store_weights(wave, slot, weights);
+  store_weights(wave, path.slot, weights);
   if (t < ray.length) return scatter_path(context, wave, path, ray, t);
   const std::uint32_t flags = path.ray.flags;
-  route_hits<Scalar>(context, wave, &slot, 1u, {path.hit.shape != kNone, path.hit.light, path.hit.material, flags});
+  route_hits<Scalar>(context, wave, &path.slot, 1u,
+                     {path.hit.shape != kNone, path.hit.light, path.hit.material, flags});
 }
+
+/// A path on its own.
+void medium_path(const StageContext& context, Wave& wave, MediumPath& path, const MediumRay& ray, float u,
+                 TrackingCounts& counts) {
+  MediumRandom random(context.sampler.seed, path.throughput.pixel, path.throughput.sample, path.throughput.event(),
+                      MediumStream::kPath);
+  PathWeights weights = load_weights(wave, path);
+  MediumEmission emission(context, wave, path, ray);
+  const float t = track(context, ray, u, random, counts, weights, emission);
+  if (ray.has(kMediumEmits)) add_radiance(wave, path.slot, emission.radiance(), ray.medium.light);
+  finish_path(context, wave, path, ray, t, weights);
+}
+
+/// Paths that are tracked many at a time.
+class DensityPaths {
+ public:
+  DensityPaths(const StageContext& context, Wave& wave, TrackingCounts& counts)
+      : context_(context), wave_(wave), counts_(counts) {}
+
+  template <class L> void add(const MediumPath& path, const MediumRay& ray) {
+    slots_[static_cast<std::size_t>(queue_.size())] = path.slot;
+    queue_.add(ray, {path.throughput.pixel, path.throughput.sample, path.throughput.event(),
+                     MediumNumbers<Scalar>::key(context_.sampler.seed, MediumStream::kPath)});
+    if (queue_.is_full()) finish<L>();
+  }
+
+  /// Sends all on.
+  template <class L> void finish() {
+    queue_.track<L, DensityTracking::kScattering>();
+    const bool delta = context_.transport.medium_estimator == MediumEstimator::kDelta;
+    for (int i = 0; i < queue_.size(); ++i) {
+      const MediumRay& ray = queue_.ray(i);
+      const DensityEnd<Scalar>& end = queue_.end(i);
+      MediumPath path = load_path(wave_, slots_[static_cast<std::size_t>(i)]);
+      PathWeights weights = load_weights(wave_, path);
+      weigh_scattering(ray, end, delta, weights);
+      counts_.null += end.nulls;
+      const auto outcome = static_cast<DensityOutcome>(end.outcome);
+      if (outcome == DensityOutcome::kScattered) ++counts_.real;
+      if (outcome == DensityOutcome::kAbandoned) ++counts_.abandoned, weights.beta = Quad();
+      finish_path(context_, wave_, path, ray, outcome == DensityOutcome::kScattered ? end.t : ray.length, weights);
+    }
+    queue_.clear();
+  }
+
+ private:
+  const StageContext& context_;
+  Wave& wave_;
+  TrackingCounts& counts_;
+  DensityQueue queue_;
+  std::array<Slot, DensityQueue::kCapacity> slots_;
+};
 
 }  // namespace
 
@@ -225,13 +282,23 @@ template <class L> void medium(const StageContext& context, Wave& wave) noexcept
   timer.count(paths, 1);
   wave.medium.pad();
   TrackingCounts counts;
+  DensityPaths by_density(context, wave, counts);
   for_tiles<L>(paths, [&](int i, int count) {
     const Slot* slots = wave.medium.data() + i;
-    const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+    const ThroughputState<L> state = wave.throughput.gather<L>(slots);
     alignas(kSimdAlignment) float u[L::width];
-    store(u, draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kSelect).y);
-    for (int lane = 0; lane < count; ++lane) medium_path(context, wave, slots[lane], u[lane], counts);
+    store(u, draw<L>(context.sampler, state.pixel, state.sample, state.event(), SampleBlock::kSelect).y);
+    for (int lane = 0; lane < count; ++lane) {
+      MediumPath path = load_path(wave, slots[lane]);
+      const MediumRay ray = ray_of(context, wave, path);
+      if (is_tracked_by_density(ray, context.transport.medium_estimator) && !ray.has(kMediumEmits)) {
+        by_density.add<L>(path, ray);
+      } else {
+        medium_path(context, wave, path, ray, u[lane], counts);
+      }
+    }
   });
+  by_density.finish<L>();
   wave.stats.collisions += counts;
   wave.medium.clear();
 }

@@ -4,6 +4,7 @@
 //     w_l = P_l^2 / (P_l^2 + P_b^2),  P_l, P_b = means over the lanes of r_l, r_u times `pdf_ratio`.
 #include "kernels/bsdf/pane.h"
 #include "kernels/lights/light_weight.h"
+#include "kernels/media/density_weights.h"
 #include "kernels/media/medium_marching.h"
 #include "kernels/media/medium_ray.h"
 #include "kernels/media/passing_share.h"
@@ -25,41 +26,38 @@ constexpr int kMostCrossings = 4096;
 struct ShadowRay {
   ShadowItem<Scalar> item;
   TransmittanceItem<Scalar> state;
-  MediumRandom random;
 };
 
-ShadowRay load_ray(const StageContext& context, const Wave& wave, int i, int round) {
-  const auto item = wave.shadows.load<Scalar>(i);
-  const auto path = wave.throughput.get(static_cast<Slot>(item.slot));
-  // One stream for each stretch between surfaces.
-  const std::uint32_t event = path.event() | static_cast<std::uint32_t>(round) << 16;
-  return {item, wave.transmittances.load<Scalar>(i),
-          MediumRandom(context.sampler.seed, path.pixel, path.sample, event, MediumStream::kShadow)};
+ShadowRay load_ray(const Wave& wave, int i) {
+  return {wave.shadows.load<Scalar>(i), wave.transmittances.load<Scalar>(i)};
 }
 
-/// Lets the light pass the ray's medium over the part `t` of the ray; `to_end`: it is the last one. Returns false where
-/// nothing is left.
-bool pass_medium(const StageContext& context, Wave& wave, ShadowRay& ray, float t, bool to_end) {
-  if (ray.state.flags >> kRayMediumShift == 0) return true;
+void store_ray(Wave& wave, int i, const ShadowRay& ray) {
+  wave.shadows.store<Scalar>(i, ray.item);
+  wave.transmittances.store<Scalar>(i, ray.state);
+}
+
+/// Where a ray's random numbers come from: one stream for each stretch between surfaces.
+MediumNumbers<Scalar> numbers_of(const StageContext& context, const Wave& wave, const ShadowRay& ray, int round) {
+  const auto path = wave.throughput.get(static_cast<Slot>(ray.item.slot));
+  return {path.pixel, path.sample, path.event() | static_cast<std::uint32_t>(round) << 16,
+          MediumNumbers<Scalar>::key(context.sampler.seed, MediumStream::kShadow)};
+}
+
+/// The part `t` of the ray, in its medium; nothing where there is none. `to_end`: it is the last one.
+std::optional<MediumRay> stretch_of(const StageContext& context, const Wave& wave, const ShadowRay& ray, float t,
+                                    bool to_end) {
+  if (ray.state.flags >> kRayMediumShift == 0) return std::nullopt;
   const Vec3f d = ray.item.direction;
   const float whole = length(d);
-  if (!(whole > 0.0f)) return true;
+  if (!(whole > 0.0f)) return std::nullopt;
   const Spectrum4 lambda = lane_wavelengths(context.scene, wave, static_cast<Slot>(ray.item.slot));
   const Vec3f direction = d * (1.0f / whole);
   const float end = to_end ? medium_end(context.scene, ray.item.origin, direction) : kInfinity;
-  const MediumRay stretch =
-      make_medium_ray(context, ray.state.flags, lambda, ray.item.origin, direction, min(whole * t, end));
-  PathWeights weights{Quad(1.0f), Quad(1.0f), Quad(1.0f)};
-  const MediumEstimator estimator = context.transport.medium_estimator;
-  bool open = true;
-  if (stretch.has(kMediumHomogeneous)) {
-    pass_homogeneous(stretch, to_end && ray.state.target_medium != kNone, weights);
-  } else if (estimator == MediumEstimator::kMarching) {
-    pass_by_marching(stretch, ray.random, wave.stats.collisions, weights);
-  } else {
-    open =
-        pass_null_collisions(stretch, ray.random, estimator == MediumEstimator::kDelta, wave.stats.collisions, weights);
-  }
+  return make_medium_ray(context, ray.state.flags, lambda, ray.item.origin, direction, min(whole * t, end));
+}
+
+void apply(PathWeights& weights, ShadowRay& ray) {
   weights.beta = weights.beta * Quad(ray.item.contribution);
   weights.r_u = weights.r_u * Quad(ray.state.r_u);
   weights.r_l = weights.r_l * Quad(ray.state.r_l);
@@ -67,6 +65,25 @@ bool pass_medium(const StageContext& context, Wave& wave, ShadowRay& ray, float 
   ray.item.contribution = to_spectrum(weights.beta);
   ray.state.r_u = to_spectrum(weights.r_u);
   ray.state.r_l = to_spectrum(weights.r_l);
+}
+
+/// Lets the light pass a stretch on its own. Returns false where nothing is left.
+bool pass_medium(const StageContext& context, Wave& wave, const MediumRay& stretch, bool to_end, int round,
+                 ShadowRay& ray) {
+  PathWeights weights{Quad(1.0f), Quad(1.0f), Quad(1.0f)};
+  const MediumEstimator estimator = context.transport.medium_estimator;
+  const auto path = wave.throughput.get(static_cast<Slot>(ray.item.slot));
+  MediumRandom random(context.sampler.seed, path.pixel, path.sample,
+                      path.event() | static_cast<std::uint32_t>(round) << 16, MediumStream::kShadow);
+  bool open = true;
+  if (stretch.has(kMediumHomogeneous)) {
+    pass_homogeneous(stretch, to_end && ray.state.target_medium != kNone, weights);
+  } else if (estimator == MediumEstimator::kMarching) {
+    pass_by_marching(stretch, random, wave.stats.collisions, weights);
+  } else {
+    open = pass_null_collisions(stretch, random, estimator == MediumEstimator::kDelta, wave.stats.collisions, weights);
+  }
+  apply(weights, ray);
   return open;
 }
 
@@ -124,33 +141,89 @@ void pay(const StageContext& context, Wave& wave, const ShadowRay& ray) {
   add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light);
 }
 
-/// Lets ray `i`, which lane `at` of the packet has traced, go on; returns whether it does, as ray `to` of the next
-/// round.
-bool follow_ray(const StageContext& context, Wave& wave, const RayPacket& packet, int at, int i, int round, int to) {
-  ShadowRay ray = load_ray(context, wave, i, round);
-  if (packet.shape[at] == kNone) {
-    if (pass_medium(context, wave, ray, 1.0f, true)) pay(context, wave, ray);
-    return false;
-  }
-  // What the surface lets pass is known sooner than what the medium does.
-  ShadowRay behind = ray;
-  if (!pass_surface(context, wave, packet, at, behind)) return false;
-  ray.item.contribution = behind.item.contribution;
-  ray.state.r_u = behind.state.r_u;
-  if (!pass_medium(context, wave, ray, packet.t_far[at], false)) return false;
-  ray.item.origin = behind.item.origin;
-  ray.item.direction = behind.item.direction;
-  ray.state.flags = behind.state.flags;
-  if (!is_finite(ray.item.direction)) return false;
-  wave.shadows.store<Scalar>(to, ray.item);
-  wave.transmittances.store<Scalar>(to, ray.state);
-  return true;
-}
+/// One round of rays: each to the next surface, or to its end. Those that go on stand at the front of the columns
+/// then. Stretches that are tracked many at a time wait for each other.
+template <class L> class Round {
+ public:
+  Round(const StageContext& context, Wave& wave, int round) : context_(context), wave_(wave), round_(round) {}
 
-/// Follows all rays to the next surface, or to their ends. Those that go on stand at the front of the columns then;
-/// returns how many.
+  /// Follows ray `i`, which lane `at` of the packet has traced.
+  void follow(const RayPacket& packet, int at, int i) {
+    ShadowRay ray = load_ray(wave_, i);
+    const bool to_end = packet.shape[at] == kNone;
+    ShadowRay behind = ray;
+    // What the surface lets pass is known sooner than what the medium does.
+    if (!to_end && !pass_surface(context_, wave_, packet, at, behind)) return;
+    const auto stretch = stretch_of(context_, wave_, ray, to_end ? 1.0f : packet.t_far[at], to_end);
+    int place = kAlone;
+    if (stretch && is_tracked_by_density(*stretch, context_.transport.medium_estimator)) {
+      place = queue_.size();
+      queue_.add(*stretch, numbers_of(context_, wave_, ray, round_));
+    } else {
+      if (stretch && !pass_medium(context_, wave_, *stretch, to_end, round_, behind)) return;
+      if (to_end) return pay(context_, wave_, behind);
+    }
+    store_ray(wave_, i, behind);
+    waiting_[static_cast<std::size_t>(waiting_count_++)] = {i, place, to_end};
+    if (waiting_count_ == DensityQueue::kCapacity) finish();
+  }
+
+  /// Lets those that wait go on, in order: none is stored where another still waits.
+  void finish() {
+    const bool delta = context_.transport.medium_estimator == MediumEstimator::kDelta;
+    if (delta)
+      queue_.track<L, DensityTracking::kScattering>();
+    else
+      queue_.track<L, DensityTracking::kTransmittance>();
+    for (int i = 0; i < waiting_count_; ++i) {
+      const Waiting& waiting = waiting_[static_cast<std::size_t>(i)];
+      ShadowRay ray = load_ray(wave_, waiting.ray);
+      if (waiting.place != kAlone && !pass_densities(waiting.place, delta, ray)) continue;
+      if (waiting.to_end)
+        pay(context_, wave_, ray);
+      else if (is_finite(ray.item.direction))
+        store_ray(wave_, going_++, ray);
+    }
+    waiting_count_ = 0;
+    queue_.clear();
+  }
+
+  /// Rays that go on.
+  int going() const { return going_; }
+
+ private:
+  static constexpr int kAlone = -1;
+
+  struct Waiting {
+    int ray;    ///< row where it is stored
+    int place;  ///< in the queue; kAlone: it has passed already
+    bool to_end;
+  };
+
+  /// Lets the light pass the stretch at a place of the queue. Returns false where nothing is left.
+  bool pass_densities(int place, bool delta, ShadowRay& ray) {
+    const DensityEnd<Scalar>& end = queue_.end(place);
+    const auto outcome = static_cast<DensityOutcome>(end.outcome);
+    TrackingCounts& counts = wave_.stats.collisions;
+    counts.shadow += end.nulls + (outcome == DensityOutcome::kScattered ? 1u : 0u);
+    if (outcome == DensityOutcome::kAbandoned) ++counts.abandoned;
+    if (outcome != DensityOutcome::kPassed) return false;
+    PathWeights weights{Quad(1.0f), Quad(1.0f), Quad(1.0f)};
+    weigh_transmittance(queue_.ray(place), end, delta, weights);
+    apply(weights, ray);
+    return max_component(Quad(ray.item.contribution)) > 0.0f;
+  }
+
+  const StageContext& context_;
+  Wave& wave_;
+  int round_, going_ = 0, waiting_count_ = 0;
+  DensityQueue queue_;
+  std::array<Waiting, DensityQueue::kCapacity> waiting_;
+};
+
+/// Follows all rays to the next surface, or to their ends; returns how many go on.
 template <class L> int follow(const StageContext& context, Wave& wave, int rays, int round) {
-  int going = 0;
+  Round<L> all(context, wave, round);
   trace_packets(
       context.scene, wave, rays, RayRecorder::Query::kNearest,
       [&](int first, int count, RayPacket& packet) {
@@ -160,9 +233,10 @@ template <class L> int follow(const StageContext& context, Wave& wave, int rays,
         });
       },
       [&](int first, int count, const RayPacket& packet) {
-        for (int i = 0; i < count; ++i) going += follow_ray(context, wave, packet, i, first + i, round, going) ? 1 : 0;
+        for (int i = 0; i < count; ++i) all.follow(packet, i, first + i);
       });
-  return going;
+  all.finish();
+  return all.going();
 }
 
 }  // namespace

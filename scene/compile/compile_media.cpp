@@ -4,6 +4,7 @@
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/flakes.h"
 #include "scene/compile/load_volume.h"
+#include "scene/tables/make_majorants.h"
 #include "scene/tables/spectral_grid.h"
 
 #include <algorithm>
@@ -91,6 +92,8 @@ class MediaCompiler {
 
  private:
   static constexpr std::size_t kConstant = static_cast<std::size_t>(-1);
+  /// Largest number of values that registers look up by index.
+  static constexpr std::size_t kMostGathered = std::size_t{1} << 31;
 
   /// Where a grid lies.
   struct Placement {
@@ -190,46 +193,68 @@ class MediaCompiler {
     };
     const std::uint32_t of = row.density != kNone ? row.density : row.first_grid;
     if (of != kNone && out.grids[of].border != GridBorder::kBackground) row.flags |= kMediumBoxed;
+    if (is_single_grid(row, of)) row.flags |= kMediumSingleGrid;
     if (is_grey(row.first, spectra[0]) && (!both || is_grey(row.second, spectra[1])) &&
         (row.flags & kMediumColored) == 0)
       row.flags |= kMediumGrey;
+  }
+
+  /// Whether the extinction is that of the row's spectra times the grid `of`; see kMediumSingleGrid.
+  bool is_single_grid(const MediumRow& row, std::uint32_t of) const {
+    if (of == kNone || row.flake_grids != kNone) return false;
+    const BrickGrid& grid = out.grids[of];
+    if (grid.channels != 1 || grid.values.size() > kMostGathered) return false;
+    if (grid.border != GridBorder::kBackground && grid.border != GridBorder::kClamp) return false;
+    const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
+    return (of == row.first_grid || row.first_grid == kNone) &&
+           (!both || (of == row.density && row.second_grid == kNone));
+  }
+
+  /// Of the largest component of the row's extinction, over one voxel of a grid.
+  float voxel_thickness(const MediumRow& row, std::uint32_t of) const {
+    const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
+    float most = 0;
+    for (int i = 0; i < 3; ++i) most = std::max(most, row.first[i] + (both ? row.second[i] : 0.0f));
+    if ((row.flags & kMediumFlakes) != 0) most *= row.most_flakes;
+    const Transform to_world = placements_[of].to_world * out.grids[of].grid_to_local;
+    const auto& m = to_world.matrix().m;
+    double side = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      side += std::sqrt(m[0][axis] * m[0][axis] + m[1][axis] * m[1][axis] + m[2][axis] * m[2][axis]) / 3;
+    return most * static_cast<float>(side);
   }
 
   /// Bounds on the product of the grids that the extinction is made of.
   std::uint32_t add_majorants(const MediumRow& row, const SourceLocation& where) {
     const std::uint32_t of = row.density != kNone ? row.density : row.first_grid;
     MajorantGrid majorants;
-    float factor = 1;
     const auto bound = [&](std::uint32_t grid) {
       // Spectra may exceed their colours' largest component by as much.
       const bool uplifted = set_ != nullptr && out.grids[grid].channels > 1;
       return uplifted ? 2.0f : 1.0f;
     };
     if (of != kNone) {
-      majorants = make_majorant_grid(out.grids[of], placements_[of].filter);
-      factor *= bound(of);
+      float factor = bound(of);
       if (of != row.first_grid && row.first_grid != kNone)
         factor *= bound(row.first_grid) * std::max(out.grids[row.first_grid].max_value(), 0.0f);
-      for (float& value : majorants.bounds) value *= factor;
-      if ((row.flags & kMediumAbsorptionScattering) != 0 && row.second_grid != kNone)
-        join_bounds(majorants, row.first_grid, row.second_grid, bound(row.second_grid), where);
+      std::vector<MajorantSource> sources{{&out.grids[of], factor}};
+      // Absorption and scattering of grids of their own: their sum is below the larger factor times the sum of what
+      // multiplies them.
+      if ((row.flags & kMediumAbsorptionScattering) != 0 && row.second_grid != kNone && of != row.density) {
+        if (row.first_grid == kNone || out.grids[row.first_grid].cells != out.grids[row.second_grid].cells)
+          throw SceneError(where, "absorption and scattering are not on grids of the same voxels");
+        sources.push_back({&out.grids[row.second_grid], bound(row.second_grid)});
+      }
+      // What glows is seen by collisions with the majorant: there are to be some.
+      const bool emits = (row.flags & kMediumEmits) != 0, single = (row.flags & kMediumSingleGrid) != 0;
+      majorants =
+          make_majorant_grid(sources, placements_[of].filter, {voxel_thickness(row, of), single && !emits, !emits});
       majorants.outside = 0;  // see kMediumBoxed
       if (!std::isfinite(majorants.max_value())) throw SceneError(where, "the medium's extinction is not finite");
     }
     majorant_of_.push_back(of != kNone ? of : kConstant);
     out.majorants.push_back(std::move(majorants));
     return static_cast<std::uint32_t>(out.majorants.size() - 1);
-  }
-
-  /// Absorption and scattering of grids of their own: their sum is below the larger factor times the sum of what
-  /// multiplies them.
-  void join_bounds(MajorantGrid& majorants, std::uint32_t first, std::uint32_t second, float factor,
-                   const SourceLocation& where) const {
-    if (first == kNone || out.grids[first].cells != out.grids[second].cells)
-      throw SceneError(where, "absorption and scattering are not on grids of the same voxels");
-    const MajorantGrid other = make_majorant_grid(out.grids[second], placements_[second].filter);
-    for (std::size_t i = 0; i < majorants.bounds.size(); ++i)
-      majorants.bounds[i] = std::max(majorants.bounds[i], other.bounds[i] * factor);
   }
 
   SpectrumSet* set_;

@@ -111,6 +111,31 @@ SHEAF_INLINE float lookup_grid(const BrickGridRow& row, Vec3f p) {
   return lerp(cell.tx, low, high);
 }
 
+/// The value of a grid of one channel, with background or clamped, of fewer than 2^31 values, at a place in the space
+/// that BrickGridRow::world_to_grid leads to; of the nearest place that is still in the grid, if it lies outside. For
+/// many places at a time.
+template <class L> SHEAF_INLINE Float<L> lookup_density(const BrickGridRow& row, Vec3<L> p) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  constexpr float kBelowOne = 1.0f - 6e-8f;
+  const auto inside = [&](F x, std::uint32_t cells) SHEAF_LAMBDA_INLINE {
+    const auto n = static_cast<float>(cells);
+    return min(max(x, F(0.0f)), F(row.border == GridBorder::kBackground ? n * kBelowOne : n - 1.0f));
+  };
+  const F x = inside(p.x, row.cells[0]), y = inside(p.y, row.cells[1]), z = inside(p.z, row.cells[2]);
+  const U ix = to_uint(x), iy = to_uint(y), iz = to_uint(z);
+  const U brick = gather(row.entries, (iz >> 3) * U(row.stride_z) + (iy >> 3) * U(row.stride_y) + (ix >> 3));
+  constexpr std::uint32_t kY = kBrickStride, kZ = kBrickStride * kBrickStride;
+  const U local = ((iz & U(7u)) * U(kBrickStride) + (iy & U(7u))) * U(kBrickStride) + (ix & U(7u));
+  const U voxel = brick * U(static_cast<std::uint32_t>(kBrickVoxels)) + local;
+  if (row.nearest) return gather(row.values, voxel);
+  const F tx = x - to_float(ix), ty = y - to_float(iy), tz = z - to_float(iz);
+  const auto along_x = [&](std::uint32_t i) SHEAF_LAMBDA_INLINE {
+    return lerp(tx, gather(row.values + i, voxel), gather(row.values + i + 1, voxel));
+  };
+  return lerp(tz, lerp(ty, along_x(0), along_x(kY)), lerp(ty, along_x(kZ), along_x(kZ + kY)));
+}
+
 /// The same for three channels; grey for a grid of one.
 SHEAF_INLINE Vec3f lookup_grid_color(const BrickGridRow& row, Vec3f p) {
   using namespace detail;

@@ -19,6 +19,9 @@ enum MediumFlags : std::uint32_t {
   kMediumColored = 32,              ///< extinction has a grid of three channels
   kMediumFlakes = 128,              ///< extinction is multiplied by the projected area of microflakes
   kMediumUnitBlackbodies = 256,     ///< see MediumDescription::unit_blackbodies
+  /// Extinction is that of the spectra times one grid of one channel, which ends with background or is clamped: many
+  /// rays at a time are tracked through it, and unless it glows its majorants have minorants.
+  kMediumSingleGrid = 512,
 };
 
 /// One medium. Coefficients are per metre of world space. In spectral mode the three spectra are those of

@@ -52,7 +52,7 @@ inline Quad grid_factor(const SceneView& scene, std::uint32_t grid, Vec3f p, con
 /// Whether `p` is in the box of the grid that a medium's extinction is made of.
 inline bool is_in_box(const MajorantGridRow& row, Vec3f p) {
   for (int axis = 0; axis < 3; ++axis) {
-    const float* m = row.world_to_cells + axis;
+    const float* m = row.world_to_grid + axis;
     const float at = m[0] * p.x + m[4] * p.y + m[8] * p.z + m[12];
     if (!(at >= row.box_min[axis] && at <= row.box_max[axis])) return false;
   }
@@ -75,6 +75,16 @@ inline MediumCoefficients medium_coefficients(const SceneView& scene, const Medi
     if (!by_albedo) second = second * density;
   }
   return medium_coefficients(medium, first, second);
+}
+
+/// Of a medium of kMediumSingleGrid at point `p`, over the value of its grid there.
+inline MediumCoefficients coefficients_per_density(const SceneView& scene, const MediumRow& medium,
+                                                   const MediumSpectra& spectra, Vec3f p, const Spectrum4& lambda) {
+  Quad second = spectra.second;
+  if (medium.second_grid != kNone) second = second * grid_factor(scene, medium.second_grid, p, lambda);
+  const bool by_albedo = (medium.flags & kMediumAbsorptionScattering) == 0;
+  if (by_albedo && scene.color == ColorMode::kRgb) second = min(second, Quad(1.0f));
+  return medium_coefficients(medium, spectra.first, second);
 }
 
 /// The matrix of a medium's microflakes at a point, as MediumRow::flakes.

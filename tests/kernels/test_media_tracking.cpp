@@ -156,10 +156,11 @@ TEST_CASE("media tracking: rays whose steps vanish against the distance are give
   d.sampler.sample_count = 1;
   d.integrator.max_depth = 2;
   MediumDescription smoke = fog(1, 0.5f);
-  // From x = 0.75 on there is nothing, but the majorant is that of the whole.
-  std::get<ExtinctionAlbedoDescription>(smoke.coefficients).sigma_t = vol(
-      write_vol(folder / "a.vol", 2, 1, [](Vec3f p, int) { return p.x < 0.5f ? 1e30f : 0.0f; }),
-      Transform::translate({-0.9f, -0.5f, -0.5f}));
+  // From x = 0.75 on there is nothing, but the majorant is that of the whole: it knows one of two factors by place.
+  const Transform to_world = Transform::translate({-0.9f, -0.5f, -0.5f});
+  std::get<ExtinctionAlbedoDescription>(smoke.coefficients).sigma_t =
+      vol(write_vol(folder / "a.vol", 2, 1, [](Vec3f p, int) { return p.x < 0.5f ? 1.0f : 0.0f; }), to_world);
+  smoke.density = vol(write_vol(folder / "b.vol", 2, 1, [](Vec3f, int) { return 1e30f; }), to_world);
   fill(d, add_sphere(d, {0, 0, 0}, 2), add_medium(d, smoke));
   const auto rendered = [&] {
     RenderResult result = render(*compile_scene(d), {});

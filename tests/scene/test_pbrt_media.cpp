@@ -93,7 +93,8 @@ TEST_CASE("pbrt media: colours of absorption and scattering by voxel, and what b
   CHECK(length(fog.sigma_a - Vec3f{1, 0.5f, 1}) < 1e-5f);
   CHECK(length(fog.sigma_s - Vec3f{0.5f, 2.5f, 2}) < 1e-5f);
   const MajorantGridRow& row = fog.scene->view().majorant_grids[fog.scene->view().media[0].majorants];
-  const Quad most = (fog.spectra.first + fog.spectra.second) * row.bounds[0];
+  const Quad most =
+      (fog.spectra.first + fog.spectra.second) * row.bounds[row.entries[0] >> kMajorantSideBits].majorant();
   for (int i = 0; i <= 20; ++i) {
     fog.look({0.05f * static_cast<float>(i), 0.5f, 0.5f});
     const Vec3f all = fog.sigma_a + fog.sigma_s;

@@ -1,0 +1,282 @@
+// Tracking of many rays at a time through media whose extinction is that of the spectra times one grid's value
+// (kMediumSingleGrid): what happens to a ray then hangs on one number per place, the density, and on the extinction of
+// its hero lane; how often it met nothing, and the integrals of the bounds that it has passed, say all about the other
+// lanes (kernels/media/density_weights.h).
+//
+// Each lane of a register follows a ray of its own, which steps from leaf to leaf of the majorants or waits at a
+// collision to be looked up. Steps are taken until half of the lanes wait, lookups are for all that do, and lanes whose
+// rays have ended take the next ones: no ray waits for others to end.
+#pragma once
+
+#include "core/column_tile.h"
+#include "kernels/media/majorant_walk.h"
+#include "kernels/media/medium_random.h"
+#include "scene/tables/brick_grid_lookup.h"
+
+#include <bit>
+
+namespace sheaf {
+
+/// What tracking looks for.
+enum class DensityTracking {
+  kScattering,     ///< the first collision with the medium, by the majorant
+  kTransmittance,  ///< how much passes: the minorant's share is known, the rest is met by ratio tracking
+};
+
+/// A ray that has met this many tentative collisions goes no further, and brings nothing: a medium of such an optical
+/// thickness lets nothing pass, unless its majorants are far too large; and where they are so large that steps vanish
+/// against the distance in 32 bits, the ray would never arrive.
+inline constexpr std::uint32_t kMostCollisions = 1u << 20;
+
+/// Minorants count up to this optical thickness of the hero lane from the ray's start. Beyond it they are taken for
+/// zero: a ray that hardly any light passes meets enough collisions, then, to be given up at random.
+inline constexpr float kMostControl = 2.3f;
+/// A shadow ray's light that is less than kLittle goes on with the probability kSurvival, and as much more weight.
+inline constexpr float kLittle = 0.1f, kSurvival = 0.25f;
+
+/// A ray to be tracked.
+template <class L> struct DensityRay {
+  Vec3<L> origin, direction;  ///< world space; unit length
+  Float<L> length;            ///< metres
+  Float<L> extinction;        ///< of the hero lane where the density is 1
+  MediumNumbers<L> numbers;
+  static constexpr auto fields(auto& s) { return std::tie(s.origin, s.direction, s.length, s.extinction, s.numbers); }
+};
+
+/// How a ray has ended.
+enum class DensityOutcome : std::uint32_t {
+  kWalking,    ///< not yet: on its way between collisions
+  kColliding,  ///< not yet: at one
+  kIdle,
+  kPassed,
+  kScattered,
+  kClosed,     ///< kTransmittance: nothing is left
+  kAbandoned,  ///< see kMostCollisions
+};
+
+/// What has become of a ray.
+template <class L> struct DensityEnd {
+  Float<L> t;                     ///< metres, where it scatters
+  Float<L> majorants, minorants;  ///< integrals along the ray of what was taken for the bounds
+  Float<L> ratio;                 ///< see density_weights.h
+  Float<L> survival;              ///< one over the probability with which it was not given up
+  Uint<L> nulls;                  ///< collisions, less the one that scatters
+  Uint<L> outcome;                ///< DensityOutcome
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.t, s.majorants, s.minorants, s.ratio, s.survival, s.nulls, s.outcome);
+  }
+};
+
+/// The grids of a medium.
+struct DensityMedium {
+  const MajorantGridRow& majorants;
+  const BrickGridRow& density;
+};
+
+/// Rows that are tracked at a time.
+inline constexpr int kDensityRows = 256;
+using DensityRays = ColumnTile<DensityRay, kDensityRows>;
+using DensityEnds = ColumnTile<DensityEnd, kDensityRows>;
+
+namespace detail {
+
+/// A ray before its first step.
+template <class L> struct DensityStart {
+  LeafWalk<L> walk;
+  Float<L> extinction, depth;
+  MediumNumbers<L> numbers;
+  Uint<L> outcome;
+  static constexpr auto fields(auto& s) { return std::tie(s.walk, s.extinction, s.depth, s.numbers, s.outcome); }
+};
+
+/// A ray on its way.
+template <class L> struct DensityLane {
+  DensityStart<L> start;        ///< but that its walk, depth and outcome are those of now
+  DensityEnd<L> end;            ///< but for t and the outcome
+  Float<L> majorant, minorant;  ///< where it collides
+  static constexpr auto fields(auto& s) { return std::tie(s.start, s.end, s.majorant, s.minorant); }
+};
+
+template <class L> SHEAF_INLINE Mask<L> is_at(Uint<L> outcome, DensityOutcome which) {
+  return outcome == Uint<L>(static_cast<std::uint32_t>(which));
+}
+template <class L> SHEAF_INLINE void set_where(Mask<L> m, DensityOutcome which, Uint<L>& outcome) {
+  outcome = select(m, Uint<L>(static_cast<std::uint32_t>(which)), outcome);
+}
+
+/// The natural logarithm of a positive normal number, the same bits in every lane: that of the mantissa m, between the
+/// roots of 1/2 and 2, is 2 artanh((m - 1) / (m + 1)), whose series is below float's resolution after five terms.
+template <class L> SHEAF_INLINE Float<L> natural_log(Float<L> x) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  constexpr std::uint32_t kRootOfHalf = 0x3f3504f3u;
+  const U bits = float_bits(x), exponent = (bits - U(kRootOfHalf)) >> 23;  // 512 too large below the root
+  const F m = bits_float(bits - (exponent << 23));
+  const F s = (m - F(1.0f)) / (m + F(1.0f)), s2 = s * s;
+  const F series =
+      fma(s2, fma(s2, fma(s2, fma(s2, F(2.0f / 9.0f), F(2.0f / 7.0f)), F(2.0f / 5.0f)), F(2.0f / 3.0f)), F(2.0f));
+  const F e = to_float(exponent) - select(exponent < U(128u), F(0.0f), F(512.0f));
+  return fma(e, F(0.693147180559945f), s * series);
+}
+
+/// From u in [0, 1).
+template <class L> SHEAF_INLINE Float<L> exponential(Float<L> u) { return -natural_log<L>(Float<L>(1.0f) - u); }
+
+template <class L>
+SHEAF_INLINE DensityStart<L> start_density_ray(const DensityMedium& medium, const DensityRay<L>& ray) {
+  DensityStart<L> start;
+  Mask<L> hits;
+  start.walk = start_leaf_walk<L>(medium.majorants, ray.origin, ray.direction, Float<L>(0.0f), ray.length, hits);
+  start.extinction = ray.extinction;
+  start.numbers = MediumNumbers<L>::start(ray.numbers.x, ray.numbers.y, ray.numbers.z, ray.numbers.w);
+  start.depth = exponential<L>(start.numbers.at(Uint<L>(0u)).x);
+  start.outcome = Uint<L>(static_cast<std::uint32_t>(DensityOutcome::kWalking));
+  set_where<L>(!hits, DensityOutcome::kPassed, start.outcome);
+  return start;
+}
+
+/// Lets the walking lanes go on to the ends of their leaves, or to a collision before.
+template <class L, DensityTracking kWhat> SHEAF_INLINE void step(const DensityMedium& medium, DensityLane<L>& lane) {
+  using F = Float<L>;
+  LeafWalk<L>& walk = lane.start.walk;
+  DensityEnd<L>& sum = lane.end;
+  const Mask<L> walking = is_at<L>(lane.start.outcome, DensityOutcome::kWalking);
+  const MajorantLeaf<L> leaf = find_leaf<L>(medium.majorants, walk);
+  const F s = lane.start.extinction, most_control = F(kMostControl) / s;
+  const F majorant = leaf.majorant;
+  const F minorant = select(sum.minorants < most_control, leaf.minorant, F(0.0f));
+  const F leaf_end = min(leaf.t_end, walk.leave);
+  // Where the minorants are used up, the leaf is entered anew.
+  const F used_up = walk.t + (most_control - sum.minorants) / minorant;
+  const Mask<L> is_used_up = (minorant > F(0.0f)) & (used_up < leaf_end);
+  const F end = select(is_used_up, used_up, leaf_end);
+  const F left = max(end - walk.t, F(0.0f));
+  const F rate = kWhat == DensityTracking::kTransmittance ? s * (majorant - minorant) : s * majorant;
+  const F over = rate * left;
+  const Mask<L> collides = walking & (over > lane.start.depth), passes = walking & !collides;
+  const F stretch = select(collides, lane.start.depth / rate, select(walking, left, F(0.0f)));
+  sum.majorants = fma(majorant, stretch, sum.majorants);
+  sum.minorants = select(passes & is_used_up, most_control, fma(minorant, stretch, sum.minorants));
+  lane.start.depth = select(passes, lane.start.depth - over, lane.start.depth);
+  walk.t = select(collides, walk.t + stretch, select(passes, max(walk.t, end), walk.t));
+  const Mask<L> leaves_box = passes & !is_used_up & !(leaf.t_end < walk.leave);
+  const Mask<L> leaves_leaf = passes & !is_used_up & (leaf.t_end < walk.leave);
+  walk.place = select<L>(leaves_leaf, place_behind<L>(medium.majorants, walk, leaf), walk.place);
+  lane.majorant = select(collides, majorant, lane.majorant);
+  lane.minorant = select(collides, minorant, lane.minorant);
+  set_where<L>(collides, DensityOutcome::kColliding, lane.start.outcome);
+  set_where<L>(leaves_box, DensityOutcome::kPassed, lane.start.outcome);
+}
+
+/// Decides what the colliding lanes have met.
+template <class L, DensityTracking kWhat> SHEAF_INLINE void collide(const DensityMedium& medium, DensityLane<L>& lane) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const LeafWalk<L>& walk = lane.start.walk;
+  DensityEnd<L>& sum = lane.end;
+  const Mask<L> colliding = is_at<L>(lane.start.outcome, DensityOutcome::kColliding);
+  const Random4<L> u = lane.start.numbers.at(sum.nulls + U(1u));
+  const Vec3<L> p{fma(walk.t, walk.direction.x, walk.origin.x), fma(walk.t, walk.direction.y, walk.origin.y),
+                  fma(walk.t, walk.direction.z, walk.origin.z)};
+  // Bounds hold up to rounding: what is beyond them counts as them.
+  const F density = min(max(lookup_density<L>(medium.density, p), lane.minorant), lane.majorant);
+  const F residual = lane.majorant - lane.minorant, null = lane.majorant - density;
+  set_where<L>(colliding, DensityOutcome::kWalking, lane.start.outcome);
+  Mask<L> goes_on = colliding;
+  if constexpr (kWhat == DensityTracking::kScattering) {
+    const Mask<L> is_real = colliding & (u.y * lane.majorant < density);
+    set_where<L>(is_real, DensityOutcome::kScattered, lane.start.outcome);
+    goes_on = colliding & !is_real;
+    sum.ratio = select(goes_on, sum.ratio * (residual / max(null, F(1e-30f))), sum.ratio);
+  } else {
+    sum.ratio = select(colliding, sum.ratio * (null / residual), sum.ratio);
+    const F passed = sum.ratio * exp(-(lane.start.extinction * sum.minorants)) * sum.survival;
+    const Mask<L> is_little = colliding & (passed < F(kLittle));
+    sum.survival = select(is_little, sum.survival * F(1.0f / kSurvival), sum.survival);
+    const Mask<L> is_closed = (is_little & (u.y >= F(kSurvival))) | (colliding & !(sum.ratio > F(0.0f)));
+    set_where<L>(is_closed, DensityOutcome::kClosed, lane.start.outcome);
+  }
+  sum.nulls = select(goes_on, sum.nulls + U(1u), sum.nulls);
+  lane.start.depth = select(colliding, exponential<L>(u.x), lane.start.depth);
+  set_where<L>(goes_on & !(sum.nulls < U(kMostCollisions)), DensityOutcome::kAbandoned, lane.start.outcome);
+}
+
+/// Lanes in turn take rays, are followed, and give back how they have ended.
+template <class L, DensityTracking kWhat> class DensityTracker {
+ public:
+  DensityTracker(const DensityMedium& medium, const DensityRays& rays, int count, DensityEnds& ends)
+      : medium_(medium), count_(count), ends_(ends) {
+    for (int i = 0; i < count; i += L::width)
+      starts_.template store<L>(i, start_density_ray<L>(medium, rays.load<L>(i)));
+    DensityLane<Scalar> idle{};
+    idle.start.outcome = static_cast<std::uint32_t>(DensityOutcome::kIdle);
+    for (int lane = 0; lane < L::width; ++lane) lanes_.template store<Scalar>(lane, idle);
+  }
+
+  void run() {
+    std::uint32_t ended = kAll;
+    while (take(ended)) {
+      DensityLane<L> lane = lanes_.template load<L>(0);
+      std::uint32_t colliding = 0, walking = kAll & ~idle_;
+      do {
+        if (walking == 0 || std::popcount(colliding) >= kEnough) {
+          collide<L, kWhat>(medium_, lane);
+        } else {
+          step<L, kWhat>(medium_, lane);
+        }
+        colliding = mask_bits(is_at<L>(lane.start.outcome, DensityOutcome::kColliding));
+        walking = mask_bits(is_at<L>(lane.start.outcome, DensityOutcome::kWalking));
+        ended = kAll & ~(colliding | walking | idle_);
+      } while ((colliding | walking) != 0 && (next_ >= count_ || std::popcount(ended) < kEnoughEnded));
+      lanes_.template store<L>(0, lane);
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kAll = static_cast<std::uint32_t>((std::uint64_t{1} << L::width) - 1);
+  /// Colliding lanes that are worth a lookup, and ended ones that are worth being filled again.
+  static constexpr int kEnough = L::width > 1 ? L::width / 2 : 1, kEnoughEnded = L::width > 4 ? L::width / 4 : 1;
+
+  /// Gives the lanes of `ended` the next rays; false: none has any left.
+  bool take(std::uint32_t ended) {
+    for (; ended != 0; ended &= ended - 1) {
+      const int i = std::countr_zero(ended);
+      DensityLane<Scalar> lane = lanes_.template load<Scalar>(i);
+      if (lane.start.outcome != static_cast<std::uint32_t>(DensityOutcome::kIdle)) {
+        lane.end.t = lane.start.walk.t;
+        lane.end.outcome = lane.start.outcome;
+        ends_.template store<Scalar>(ray_[i], lane.end);
+      }
+      lane = {};
+      lane.end.ratio = lane.end.survival = 1.0f;
+      if (next_ < count_) {
+        ray_[i] = next_;
+        lane.start = starts_.template load<Scalar>(next_++);
+      } else {
+        lane.start.outcome = static_cast<std::uint32_t>(DensityOutcome::kIdle);
+        idle_ |= 1u << i;
+      }
+      lanes_.template store<Scalar>(i, lane);
+    }
+    return idle_ != kAll;
+  }
+
+  const DensityMedium& medium_;
+  int count_, next_ = 0;
+  DensityEnds& ends_;
+  std::uint32_t idle_ = 0;
+  int ray_[L::width] = {};
+  ColumnTile<DensityStart, kDensityRows> starts_;
+  ColumnTile<DensityLane, kWidth> lanes_;
+};
+
+}  // namespace detail
+
+/// Tracks the first `count` rays; rows behind them, up to whole registers, must be set too. Each ray ends as it would
+/// alone.
+template <class L, DensityTracking kWhat>
+inline void track_densities(const DensityMedium& medium, const DensityRays& rays, int count, DensityEnds& ends) {
+  detail::DensityTracker<L, kWhat>(medium, rays, count, ends).run();
+}
+
+}  // namespace sheaf

@@ -1,0 +1,119 @@
+// What tracking by densities means for a path: its throughput and its probabilities in all lanes.
+//
+// With s the lanes' extinction per density, h that of the hero, M and m the bounds, rho the density and A, D the
+// integrals of M and m along the ray, n collisions met nothing. Each of these brought the lanes' s (M - rho) over what
+// the hero's was sampled with, and each stretch its transmittance, so that with q = s / h all lanes have in common
+//     q^n exp((h - s) A)
+// and besides, DensityEnd::ratio being the product R of what follows over the n collisions:
+//     paths, which were sampled with h (M - rho) exp(-h A): light sampling would have met them with s (M - m), so that
+//         r_l has q^n exp((h - s) (A - D)) exp(h D) R,  R = (M - m) / (M - rho);
+//     shadow rays, sampled with h (M - m) exp(-h (A - D)): beta and r_u have in common
+//         q^n exp((h - s) A) exp(-h D) R,  R = (M - rho) / (M - m),  and r_l  q^n exp((h - s) (A - D)).
+// The minorant's share of a shadow ray is so that of residual ratio tracking (Novak, Selle and Jarosz 2014). With delta
+// tracking light sampling meets collisions as paths do.
+#pragma once
+
+#include "kernels/media/density_tracking.h"
+#include "kernels/media/medium_tracking.h"
+
+#include <optional>
+
+namespace sheaf {
+
+/// Whether a ray is tracked by densities.
+inline bool is_tracked_by_density(const MediumRay& ray, MediumEstimator estimator) {
+  return ray.has(kMediumSingleGrid) && estimator != MediumEstimator::kMarching;
+}
+
+/// The lanes' factors over the hero's.
+struct LaneOdds {
+  Quad by_path, by_light;
+};
+
+inline LaneOdds lane_odds(const MediumRay& ray, const DensityEnd<Scalar>& end) {
+  if (ray.has(kMediumGrey)) return {Quad(1.0f), Quad(1.0f)};
+  const Quad s = majorant_spectrum(ray, 1.0f), more = Quad(s[ray.hero]) - s;
+  Quad power(1.0f), square = end.nulls > 0 ? s * (1.0f / s[ray.hero]) : power;
+  for (std::uint32_t n = end.nulls; n != 0; n >>= 1, square = square * square)
+    if ((n & 1u) != 0) power = power * square;
+  return {power * exp(more * end.majorants), power * exp(more * (end.majorants - end.minorants))};
+}
+
+/// After kScattering: the path has passed, or been scattered at DensityEnd::t.
+inline void weigh_scattering(const MediumRay& ray, const DensityEnd<Scalar>& end, bool delta, PathWeights& path) {
+  const LaneOdds odds = lane_odds(ray, end);
+  const float hero = majorant_spectrum(ray, 1.0f)[ray.hero];
+  path.beta = path.beta * odds.by_path;
+  path.r_u = path.r_u * ray.odds(odds.by_path);
+  path.r_l = path.r_l *
+             (delta ? ray.odds(odds.by_path) : ray.odds(odds.by_light) * (end.ratio * std::exp(hero * end.minorants)));
+  if (end.outcome != static_cast<std::uint32_t>(DensityOutcome::kScattered)) return;
+  const MediumCoefficients c = coefficients_per_density(ray.scene, ray.medium, ray.spectra, ray.at(end.t), ray.lambda);
+  path.beta = path.beta * c.sigma_s * (1.0f / hero);
+  path.r_u = path.r_u * ray.odds(c.sigma_t * (1.0f / hero));
+}
+
+/// After kTransmittance, or with `delta` kScattering: the light has passed.
+inline void weigh_transmittance(const MediumRay& ray, const DensityEnd<Scalar>& end, bool delta, PathWeights& path) {
+  const LaneOdds odds = lane_odds(ray, end);
+  const float passed = delta ? 1.0f : end.ratio * std::exp(-majorant_spectrum(ray, 1.0f)[ray.hero] * end.minorants);
+  path.beta = path.beta * odds.by_path * (passed * end.survival);
+  path.r_u = path.r_u * (ray.odds(odds.by_path) * passed);
+  path.r_l = path.r_l * ray.odds(delta ? odds.by_path : odds.by_light);
+}
+
+/// Rays of several media that wait to be tracked.
+class DensityQueue {
+ public:
+  static constexpr int kCapacity = kDensityRows;
+
+  bool is_full() const { return size_ == kCapacity; }
+  int size() const { return size_; }
+  void clear() { size_ = 0; }
+  const MediumRay& ray(int i) const { return *rays_[static_cast<std::size_t>(i)]; }
+  const DensityEnd<Scalar>& end(int i) const { return ends_[static_cast<std::size_t>(i)]; }
+
+  /// `numbers`: pixel, sample, event and key of the ray's random numbers.
+  void add(const MediumRay& ray, const MediumNumbers<Scalar>& numbers) {
+    rays_[static_cast<std::size_t>(size_)].emplace(ray);
+    numbers_[static_cast<std::size_t>(size_++)] = numbers;
+  }
+
+  /// Finds all end()s.
+  template <class L, DensityTracking kWhat> void track() {
+    std::array<bool, kCapacity> is_tracked{};
+    for (int i = 0; i < size_; ++i)
+      if (!is_tracked[static_cast<std::size_t>(i)]) track_medium<L, kWhat>(i, is_tracked);
+  }
+
+ private:
+  /// Those of the same medium as ray `first`, before which there are none left.
+  template <class L, DensityTracking kWhat> void track_medium(int first, std::array<bool, kCapacity>& is_tracked) {
+    DensityRays rows;
+    DensityEnds ends;
+    std::array<int, kCapacity> index;
+    int count = 0;
+    const MediumRow& medium = ray(first).medium;
+    const SceneView& scene = ray(first).scene;
+    for (int i = first; i < size_; ++i) {
+      if (&ray(i).medium != &medium) continue;
+      is_tracked[static_cast<std::size_t>(i)] = true;
+      index[static_cast<std::size_t>(count)] = i;
+      const MediumRay& r = ray(i);
+      rows.template store<Scalar>(count++, {r.origin, r.direction, r.length, majorant_spectrum(r, 1.0f)[r.hero],
+                                            numbers_[static_cast<std::size_t>(i)]});
+    }
+    for (int i = count; i % L::width != 0; ++i) rows.template store<Scalar>(i, {});
+    const std::uint32_t grid = medium.density != kNone ? medium.density : medium.first_grid;
+    track_densities<L, kWhat>({scene.majorant_grids[medium.majorants], scene.grids.rows[grid]}, rows, count, ends);
+    for (int i = 0; i < count; ++i)
+      ends_[static_cast<std::size_t>(index[static_cast<std::size_t>(i)])] = ends.template load<Scalar>(i);
+  }
+
+  int size_ = 0;
+  std::array<std::optional<MediumRay>, kCapacity> rays_;
+  std::array<MediumNumbers<Scalar>, kCapacity> numbers_;
+  std::array<DensityEnd<Scalar>, kCapacity> ends_;
+};
+
+}  // namespace sheaf

@@ -1,0 +1,183 @@
+// Tracking by densities: distances and transmittances against exact ones, one ray and many at a time, and what becomes
+// of paths in lanes of their own.
+#include "kernels/media/density_weights.h"
+
+#include "scene/tables/make_majorants.h"
+
+#include "tests/support/statistics.h"
+#include "tests/support/volume_testing.h"
+
+#include <memory>
+
+using namespace sheaf;
+using namespace sheaf::test;
+
+namespace {
+
+constexpr double kLevel = 1e-4;
+
+/// A medium in a grid of noise with some holes.
+struct Noise {
+  BrickGrid grid;
+  MajorantGrid majorants;
+  BrickGridRow density;
+  MajorantGridRow bounds;
+
+  Noise(float thickness, bool minorants, float least) {
+    std::vector<float> values(24 * 24 * 24);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = i / 24 % 24 < 6 && i % 24 < 8 ? 0.0f : least + (1 - least) * noise(static_cast<std::uint32_t>(i), 5);
+    grid = make_dense_grid(1, {24, 24, 24}, values, GridBorder::kClamp);
+    majorants = make_majorant_grid(grid, GridFilter::kTrilinear, {thickness, minorants});
+    density = make_brick_grid_row(grid, Transform(), GridFilter::kTrilinear);
+    bounds = make_majorant_grid_row(majorants, grid, Transform(), GridFilter::kTrilinear);
+  }
+  Noise(const Noise&) = delete;
+  Noise& operator=(const Noise&) = delete;
+
+  /// The integral of the density along a ray from its origin to i / kSteps of `length`.
+  static constexpr int kSteps = 20000;
+  std::vector<double> depths(Vec3f o, Vec3f d, float length) const {
+    std::vector<double> found(1, 0.0);
+    for (int i = 0; i < kSteps; ++i) {
+      const Vec3f p = o + d * (length * (static_cast<float>(i) + 0.5f) / kSteps);
+      const float least = std::min({p.x, p.y, p.z}), most = max_component(p);
+      const bool is_inside = least >= -0.5f && most <= 23.5f;
+      found.push_back(found.back() + (is_inside ? double{lookup_grid(density, p)} * double{length} / kSteps : 0.0));
+    }
+    return found;
+  }
+};
+
+/// The same ray again and again, with numbers of its own each time.
+template <class L, DensityTracking kWhat>
+std::vector<DensityEnd<Scalar>> track(const Noise& medium, Vec3f o, Vec3f d, float length, float extinction, int rays) {
+  auto rows = std::make_unique<DensityRays>();
+  auto ends = std::make_unique<DensityEnds>();
+  std::vector<DensityEnd<Scalar>> found;
+  for (std::uint32_t next = 0; found.size() < static_cast<std::size_t>(rays);) {
+    for (int i = 0; i < kDensityRows; ++i) rows->store<Scalar>(i, {o, d, length, extinction, {next++, 7, 3, 11}});
+    const int count = std::min(kDensityRows, rays - static_cast<int>(found.size()));
+    track_densities<L, kWhat>({medium.bounds, medium.density}, *rows, count, *ends);
+    for (int i = 0; i < count; ++i) found.push_back(ends->load<Scalar>(i));
+  }
+  return found;
+}
+
+bool has_passed(const DensityEnd<Scalar>& end) {
+  return end.outcome == static_cast<std::uint32_t>(DensityOutcome::kPassed);
+}
+
+}  // namespace
+
+TEST_CASE("density tracking: transmittance by both ways, with and without minorants, in leaves of all sizes") {
+  const Vec3f o{-2, 3, 5}, d = normalize(Vec3f{24, 17, 12});
+  for (const float thickness : {0.0f, 0.3f, 10.0f})
+    for (const float least : {0.0f, 0.6f})
+      for (const bool minorants : {false, true}) {
+        const Noise medium(thickness, minorants, least);
+        for (const float extinction : {0.05f, 0.5f}) {
+          const double expected = std::exp(-double{extinction} * medium.depths(o, d, 25).back());
+          MeanVariance scattering, transmittance;
+          for (const auto& end : track<Wide, DensityTracking::kScattering>(medium, o, d, 25, extinction, 4000))
+            scattering.add(has_passed(end) ? 1.0 : 0.0);
+          for (const auto& end : track<Wide, DensityTracking::kTransmittance>(medium, o, d, 25, extinction, 4000))
+            transmittance.add(has_passed(end) ? std::exp(-double{extinction} * double{end.minorants}) *
+                                                    double{end.ratio} * double{end.survival}
+                                              : 0.0);
+          CAPTURE(thickness);
+          CAPTURE(least);
+          CAPTURE(minorants);
+          CAPTURE(extinction);
+          CAPTURE(expected);
+          CAPTURE(scattering.mean());
+          CAPTURE(transmittance.mean());
+          const double count = 4000;
+          if (expected > 0.005)
+            CHECK(student_t_p_value((scattering.mean() - expected) / std::sqrt(expected * (1 - expected) / count),
+                                    count) >= kLevel);
+          CHECK(student_t_p_value((transmittance.mean() - expected) /
+                                      std::max(std::sqrt(transmittance.variance() / count), 1e-5 * expected),
+                                  count) >= kLevel);
+        }
+      }
+}
+
+TEST_CASE("density tracking: distances have the right distribution, and the weights of light sampling the mean 1") {
+  const Noise medium(0.3f, true, 0.5f);
+  const Vec3f o{1, 1, 3}, d = normalize(Vec3f{3, 20, 4});
+  const float extinction = 0.12f;
+  const auto ends = track<Wide, DensityTracking::kScattering>(medium, o, d, 40, extinction, 8000);
+  // As quantiles: 1 - T(t) is uniform below 1 - T(end).
+  const std::vector<double> depths = medium.depths(o, d, 40);
+  const double total = depths.back();
+  std::vector<double> counts(20);
+  MeanVariance light;
+  for (const auto& end : ends) {
+    const double u =
+        has_passed(end) ? 1.0 : -std::expm1(-0.12 * depths[static_cast<std::size_t>(end.t / 40 * Noise::kSteps)]);
+    const double place = has_passed(end) ? 19 : u / -std::expm1(-0.12 * total) * 19;
+    counts[static_cast<std::size_t>(std::min(place, has_passed(end) ? 19.0 : 18.0))] += 1;
+    // What shadow rays would have met, over the probability of what was met: 1 in the mean over those that pass.
+    light.add(has_passed(end) ? double{end.ratio} * std::exp(0.12 * double{end.minorants}) : 0.0);
+  }
+  const double n = 8000, passing = std::exp(-0.12 * total);
+  double chi = 0;
+  for (std::size_t i = 0; i < 20; ++i) {
+    const double expected = i == 19 ? n * passing : n * (1 - passing) / 19;
+    chi += (counts[i] - expected) * (counts[i] - expected) / expected;
+  }
+  CAPTURE(chi);
+  CHECK(chi < 50.8);  // chi-square of 19 degrees of freedom at 1e-4
+  CAPTURE(light.mean());
+  CHECK(student_t_p_value((light.mean() - 1) / std::sqrt(light.variance() / n), n) >= kLevel);
+}
+
+TEST_CASE("density tracking: a ray ends as it would alone, and registers do what single rays do") {
+  const Noise medium(0.3f, true, 0.2f);
+  auto rows = std::make_unique<DensityRays>();
+  auto one = std::make_unique<DensityRays>();
+  auto ends = std::make_unique<DensityEnds>(), alone = std::make_unique<DensityEnds>();
+  for (int i = 0; i < kDensityRows; ++i) {
+    const auto k = static_cast<std::uint32_t>(i);
+    const Vec3f o = Vec3f{noise(k, 1), noise(k, 2), noise(k, 3)} * 40 - Vec3f{8, 8, 8};
+    const Vec3f target = Vec3f{noise(k, 4), noise(k, 5), noise(k, 6)} * 24;
+    rows->store<Scalar>(i, {o, normalize(target - o), 30 * noise(k, 7), 2 * noise(k, 8) * noise(k, 8), {k, 1, 2, 3}});
+  }
+  const auto compare = [&]<DensityTracking kWhat>() {
+    track_densities<Wide, kWhat>({medium.bounds, medium.density}, *rows, kDensityRows, *ends);
+    int same = 0, outcomes[8] = {};
+    for (int i = 0; i < kDensityRows; ++i) {
+      for (int k = 0; k < kWidth; ++k) one->store<Scalar>(k, {});
+      one->store<Scalar>(0, rows->load<Scalar>(i));
+      track_densities<Wide, kWhat>({medium.bounds, medium.density}, *one, 1, *alone);
+      DensityEnd<Scalar> a = ends->load<Scalar>(i), b = alone->load<Scalar>(0);
+      ++outcomes[a.outcome];
+      bool is_same = true;
+      zip_leaves(a, b, [&](auto& x, auto& y) { is_same = is_same && x == y; });
+      CHECK(is_same);
+      track_densities<Scalar, kWhat>({medium.bounds, medium.density}, *one, 1, *alone);
+      b = alone->load<Scalar>(0);
+      same += a.outcome == b.outcome && a.nulls == b.nulls && std::fabs(a.t - b.t) < 1e-3f &&
+              std::fabs(a.ratio - b.ratio) < 1e-3f * std::fabs(b.ratio) + 1e-6f;
+    }
+    // Logarithms and exponentials round differently, which may change what is met.
+    CHECK(same > kDensityRows * 97 / 100);
+    CHECK(outcomes[static_cast<int>(DensityOutcome::kPassed)] > 40);
+    return outcomes[static_cast<int>(DensityOutcome::kScattered)] + outcomes[static_cast<int>(DensityOutcome::kClosed)];
+  };
+  CHECK(compare.operator()<DensityTracking::kScattering>() > 20);
+  CHECK(compare.operator()<DensityTracking::kTransmittance>() > 5);
+}
+
+TEST_CASE("density tracking: rays whose steps vanish against the distance are given up") {
+  Noise medium(0.0f, false, 0.5f);
+  // The bounds' alone is as dense as that.
+  for (MajorantBounds& bounds : medium.majorants.bounds) bounds = MajorantBounds::around(0.0f, 1e30f);
+  for (const DensityEnd<Scalar>& end :
+       {track<Wide, DensityTracking::kScattering>(medium, {-2, 3, 5}, {1, 0, 0}, 9, 1, 1)[0],
+        track<Wide, DensityTracking::kTransmittance>(medium, {-2, 3, 5}, {1, 0, 0}, 9, 1, 1)[0]}) {
+    CHECK(end.outcome == static_cast<std::uint32_t>(DensityOutcome::kAbandoned));
+    CHECK(end.nulls == kMostCollisions);
+  }
+}
