@@ -3,6 +3,7 @@
 
 #include "kernels/film/camera_task.h"
 #include "kernels/film/light_task.h"
+#include "kernels/guiding/guide_record.h"
 #include "kernels/wave/wave.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -17,6 +18,7 @@ struct Worker {
   Wave wave;
   CameraTask camera;
   LightTask photons;
+  GuideLog guide;
 };
 using Workers = tbb::enumerable_thread_specific<Worker>;
 

@@ -23,6 +23,7 @@ struct ShadingColumns {
   Soa<LightCandidate> candidates;  ///< WaveNeeds::candidates
   Soa<ReservoirItem> reservoirs;  ///< WaveNeeds::reservoirs
   Soa<FilmPlace> film_places;     ///< WaveNeeds::film_places
+  Soa<GuidePlace> guide_places;   ///< WaveNeeds::guides
   Soa<ShadowItem> shadows;
   Soa<TransmittanceItem> transmittances;  ///< WaveNeeds::transparency
   int shadow_count = 0;                   ///< rows of the last two
@@ -40,6 +41,7 @@ struct ShadingColumns {
     f(c.candidates, rows, all(needs.candidates, kLeafCount<LightCandidate>));
     f(c.reservoirs, rows, all(needs.reservoirs, kLeafCount<ReservoirItem>));
     f(c.film_places, rows, all(needs.film_places, kLeafCount<FilmPlace>));
+    f(c.guide_places, rows, all(needs.guides, kLeafCount<GuidePlace>));
     f(c.shadows, paths, kLeafCount<ShadowItem>);
     f(c.transmittances, paths, all(needs.transparency, kLeafCount<TransmittanceItem>));
   }

@@ -62,6 +62,7 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   needs.candidates = context.transport.kind != IntegratorKind::kLightTracer;
   needs.reservoirs = needs.candidates && context.transport.candidates > 1;
   needs.film_places = !needs.candidates;
+  needs.guides = context.guides;
   for (const std::uint32_t flags : scene.kind_flags)
     needs.textures = needs.textures || (flags & (kTextured | kMapped)) != 0;
   needs.closure_words = longest_closure(scene);

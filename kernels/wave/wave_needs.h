@@ -14,6 +14,7 @@ struct WaveNeeds {
   bool candidates = true;    ///< light candidates
   bool reservoirs = true;    ///< resampling of several light candidates
   bool film_places = true;   ///< where photons are seen by the camera
+  bool guides = true;        ///< places of the guide
   int closure_words = kMaxClosureWords;  ///< longest parameters of a closure
 
   static WaveNeeds of(const StageContext& context);
