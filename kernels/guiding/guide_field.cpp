@@ -4,10 +4,15 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 
 namespace sheaf {
 
 namespace {
+
+/// Share of the earlier passes' vertices that a mean remembers, and fewest vertices of a mean.
+constexpr double kMeanMemory = 0.5, kFewestVertices = 16;
 
 /// The direction that surfaces of a side face.
 Vec3f axis_of(std::uint32_t side) {
@@ -46,7 +51,7 @@ void GuideField::place_cube(const std::vector<GuideRecord>& records) {
   roots_.resize(std::size_t{kGuideSides} << kGuideTopBits);
   children_.resize(2);
   for (std::uint32_t side = 0; side < kGuideSides; ++side) {
-    places_.push_back({side, 0, 0, side << kGuideTopBits, {}, first_mixture(axis_of(side))});
+    places_.push_back({side, 0, 0, side << kGuideTopBits, {}, first_mixture(axis_of(side)), 0, 0});
     put(side);
   }
 }
@@ -116,6 +121,7 @@ void GuideField::split(std::size_t place, std::vector<Span>& spans, std::size_t 
     std::copy(upper_codes.begin(), upper_codes.end(), codes_.begin() + static_cast<std::ptrdiff_t>(middle));
 
     halve(places_[place].sums);
+    places_[place].found *= 0.5, places_[place].vertices *= 0.5;
     const int depth = ++places_[place].depth;
     Place other = places_[place];
     other.code |= bit;
@@ -140,16 +146,38 @@ void GuideField::split(std::size_t place, std::vector<Span>& spans, std::size_t 
   }
 }
 
+void GuideField::fit(std::size_t place, const Span& span) {
+  Place& p = places_[place];
+  const auto records = std::span(records_).subspan(span.begin, span.end - span.begin);
+  if (!records.empty()) fit_mixture(records, p.mixture, p.sums);
+  p.found *= kMeanMemory, p.vertices *= kMeanMemory;
+  for (const GuideRecord& r : records) p.found += double{r.found};
+  p.vertices += static_cast<double>(records.size());
+  mixtures_[place + 1] = p.mixture;
+  if (p.vertices > kFewestVertices) means_[place + 1] = static_cast<float>(p.found / p.vertices);
+}
+
 void GuideField::learn(const std::vector<std::vector<GuideRecord>>& tasks, std::size_t split_records) {
   std::vector<Span> spans = sort_records(tasks);
   // Places that come in behind are halved in their turn.
   for (std::size_t place = 0; place < spans.size(); ++place) split(place, spans, split_records);
   mixtures_.resize(places_.size() + 1);
-  for_each_parallel(places_.size(), 1, [&](std::size_t i) {
-    const auto [begin, end] = spans[i];
-    if (end > begin) fit_mixture(std::span(records_).subspan(begin, end - begin), places_[i].mixture, places_[i].sums);
-    mixtures_[i + 1] = places_[i].mixture;
-  });
+  means_.assign(places_.size() + 1, -1.0f);
+  for_each_parallel(places_.size(), 1, [&](std::size_t i) { fit(i, spans[i]); });
+  if (getenv("GUIDE_DUMP")) {  // DEBUG
+    printf("PASS places %zu records %zu\n", places_.size(), records_.size());
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const auto& m = places_[i].mixture;
+      float n = places_[i].sums.bsdf;
+      for (float c : places_[i].sums.count) n += c;
+      printf("%zu side %u depth %d records %zu eff %.0f share %.2f lobes", i, places_[i].side, places_[i].depth, spans[i].end - spans[i].begin, double(n), double(m.bsdf_share));
+      for (int k = 0; k < kGuideLobes; ++k) {
+        float share = m.below[k] - (k ? m.below[k - 1] : 0);
+        if (share > 0.04f) printf(" %.2f@%.0f(%.2f,%.2f,%.2f)", double(share), double(m.kappa[k]), double(m.x[k]), double(m.y[k]), double(m.z[k]));
+      }
+      printf("\n");
+    }
+  }
 }
 
 }  // namespace sheaf

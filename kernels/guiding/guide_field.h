@@ -22,6 +22,8 @@ class GuideField {
 
   /// Valid until the guide learns more, or is moved.
   GuideView view() const;
+  /// Of each row of the view's mixtures the mean of GuideRecord::found; -1: not known. Valid as the view is.
+  std::span<const float> means() const { return means_; }
   /// Places of all sides.
   std::size_t places() const { return places_.size(); }
 
@@ -33,6 +35,7 @@ class GuideField {
     std::uint32_t node;        ///< where its node stands: in the table, or if `depth` > kGuideTopBits in children_
     GuideSums sums;
     GuideMixture mixture;
+    double found, vertices;  ///< sum of GuideRecord::found over how many vertices
   };
   struct Span {
     std::size_t begin, end;
@@ -42,11 +45,13 @@ class GuideField {
   std::vector<Span> sort_records(const std::vector<std::vector<GuideRecord>>& tasks);
   void split(std::size_t place, std::vector<Span>& spans, std::size_t split_records);
   void put(std::uint32_t place);
+  void fit(std::size_t place, const Span& span);
 
   std::vector<GuideRecord> records_;
   std::vector<std::uint32_t> codes_;  ///< of the records
   std::vector<Place> places_;
   std::vector<GuideMixture> mixtures_;  ///< of the places, from row 1 on
+  std::vector<float> means_;
   std::vector<std::uint32_t> roots_, children_;
   Vec3f low_{};
   float scale_ = 0;

@@ -2,7 +2,7 @@
 // much light came from there.
 #pragma once
 
-#include "core/vec.h"
+#include "kernels/guiding/guide_view.h"
 
 #include <cmath>
 #include <cstdint>
@@ -12,16 +12,26 @@
 namespace sheaf {
 
 /// A direction sampled at a vertex.
-struct GuideRecord {
+struct GuideVertex {
   Vec3f p;                  ///< where, world space
   std::uint32_t direction;  ///< octahedral, world space
-  float weight;             ///< light that came from there and was scattered on, over the density; above 0
+  float over_beta;          ///< one over the path's throughput before it was scattered, lanes added up
   float bsdf_pdf;           ///< density of the direction had the BSDF been sampled, per steradian
   std::uint32_t side;       ///< see guide_side()
   std::uint32_t path;       ///< sample of the task
 };
 
-/// The records of one task.
+/// The same once it is known what came of it.
+struct GuideRecord {
+  Vec3f p;
+  std::uint32_t direction;
+  float weight;    ///< light that came from there and was scattered on, over the direction's density: an estimate of it
+  float bsdf_pdf;
+  std::uint32_t side;
+  float found;     ///< what the path itself has found of that light
+};
+
+/// The vertices of one task's paths.
 class GuideLog {
  public:
   /// Vertices of a path that are written down.
@@ -32,38 +42,25 @@ class GuideLog {
     open_.clear();
     radiance_.assign(static_cast<std::size_t>(paths), 0.0f);
   }
-  /// A vertex. `record.weight`: one over the path's throughput there; `before`: the sum over the lanes of the radiance
-  /// that the path had found before it went on.
-  void add(const GuideRecord& record, float before) { open_.push_back({record, before}); }
+  /// A vertex, after those that the path has met before. `before`: the radiance that the path had found when it went
+  /// on, lanes added up.
+  void add(const GuideVertex& vertex, float before) { open_.push_back({vertex, before}); }
   /// The path has ended, with so much radiance.
   void finish(std::uint32_t path, float radiance) { radiance_[path] = radiance; }
-  /// The directions from which light has come, path by path and vertex by vertex, whatever the order in which waves
-  /// have worked on them.
-  std::vector<GuideRecord> records() const {
-    std::vector<std::uint32_t> begin(radiance_.size() + 1);
-    for (const Open& open : open_) begin[open.record.path + 1] += weight_of(open) > 0 ? 1 : 0;
-    for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
-    std::vector<GuideRecord> sorted(begin.back());
-    for (const Open& open : open_) {
-      const float weight = weight_of(open);
-      if (!(weight > 0)) continue;
-      GuideRecord& out = sorted[begin[open.record.path]++];
-      out = open.record;
-      out.weight = weight;
-    }
-    return sorted;
-  }
+
+  /// All of them, path by path and vertex by vertex, whatever the order in which waves have worked on them. `means`: of
+  /// each row of the guide's mixtures the mean of GuideRecord::found; less than 0, or none: not known.
+  ///
+  /// What came from a direction is estimated by what the path found at the next vertex, light sampling and all, and by
+  /// the mean of what was found from there on; that has far less noise than the rest of one path has.
+  std::vector<GuideRecord> records(const GuideView& guide, std::span<const float> means) const;
 
  private:
   struct Open {
-    GuideRecord record;
+    GuideVertex vertex;
     float before;
   };
-  /// 0 where nothing came, or what came is not a number.
-  float weight_of(const Open& open) const {
-    const float weight = (radiance_[open.record.path] - open.before) * open.record.weight;
-    return weight > 0 && weight < 1e30f ? weight : 0.0f;
-  }
+  std::vector<Open> sorted() const;
 
   std::vector<Open> open_;
   std::vector<float> radiance_;  ///< of each path

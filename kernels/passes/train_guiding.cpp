@@ -15,14 +15,14 @@ namespace sheaf {
 namespace {
 
 /// Share of a render's samples that training may add, and samples per pixel beyond which it has learned enough.
-constexpr double kTrainingShare = 0.25;
+const double kTrainingShare = getenv("GUIDE_SHARE") ? atof(getenv("GUIDE_SHARE")) : 0.25;
 constexpr std::uint32_t kMostTraining = 64;
 /// Camera samples of the longest pass: their records stay in memory until the guide has learned.
 constexpr std::uint64_t kPassSamples = 1 << 20;
 /// Camera samples per task.
 constexpr int kTaskSamples = 4096;
 /// Records by which a place is halved: this many times the square root of a pass's number over that of the first.
-constexpr double kSplitRecords = 1500;
+const double kSplitRecords = getenv("GUIDE_SPLIT") ? atof(getenv("GUIDE_SPLIT")) : 1500;
 
 double seconds_since(std::uint64_t start) { return static_cast<double>(timestamp() - start) * seconds_per_tick(); }
 
@@ -64,7 +64,8 @@ SamplerView training_sampler(const SamplerView& of_picture) {
 
 /// What all tasks of a pass have told, each task's in order.
 std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Workers& workers, int width, int height,
-                                               const TrainingPass& pass, const GuideTraining& training) {
+                                               const TrainingPass& pass, std::span<const float> means,
+                                               const GuideTraining& training) {
   const std::vector<std::vector<PixelSamples>> tasks = tasks_of(width, height, pass);
   std::vector<std::vector<GuideRecord>> told(tasks.size());
   tbb::parallel_for(
@@ -79,7 +80,7 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
           of_task.camera = &worker.camera;
           of_task.training = &worker.guide;
           run_path_pass<Wide>(of_task, worker.wave);
-          told[i] = worker.guide.records();
+          told[i] = worker.guide.records(context.guide, getenv("GUIDE_RAW") ? std::span<const float>() : means);
           training.on_samples(static_cast<std::uint64_t>(worker.camera.total()));
         }
       },
@@ -126,7 +127,7 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
     if (training.stopped()) break;
     std::uint64_t start = timestamp();
     of_passes.guide = field.view();
-    const auto told = run_pass(of_passes, workers, width, height, pass, training);
+    const auto told = run_pass(of_passes, workers, width, height, pass, field.means(), training);
     training.report.trace_seconds += seconds_since(start);
     start = timestamp();
     for (const auto& task : told) training.report.records += task.size();

@@ -49,12 +49,22 @@ SHEAF_INLINE Float<L> eta_scale_of(const Bsdf<L>& bsdf, Vec3<L> wo, Vec3<L> wi) 
     return F(1.0f);
 }
 
+/// GuidedSample::crowding of a direction that was sampled with density `pdf`; bounded, as BSDFs may hardly ever sample
+/// some directions.
+template <class L> SHEAF_INLINE Float<L> crowding(Float<L> pdf, Float<L> bsdf_pdf) {
+  using F = Float<L>;
+  return min(pdf / max(bsdf_pdf, F(1e-10f)), F(1e4f));
+}
+
 /// A sampled direction, and the guide towards it.
 template <class L> struct GuidedSample {
   BsdfSample<L> bsdf;  ///< as one of the BSDF and the guide together
   Vec3<L> direction;   ///< world space
   GuideValue<L> guide;
   typename L::Float bsdf_pdf;  ///< density had the BSDF alone been sampled; 0: delta lobe
+  /// Density over that of the BSDF alone. Roulette must not see it: throughput is low where many paths are sent, which
+  /// is where they are needed.
+  typename L::Float crowding = typename L::Float(1.0f);
 };
 
 /// Samples a direction at the vertices in the columns from `column` on.
@@ -87,6 +97,7 @@ template <class L, template <class> class Bsdf>
   s.valid = s.valid & ((!smooth) | (pdf > F(0.0f)));
   s.weight = select<L>(smooth, f_cos * (F(1.0f) / select(pdf > F(0.0f), pdf, F(1.0f))),
                        s.weight * (F(1.0f) / out.guide.bsdf_share));
+  out.crowding = select(smooth, crowding<L>(pdf, out.bsdf_pdf), out.guide.bsdf_share);
   s.pdf_solid_angle = select(smooth, pdf, F(0.0f));
   return out;
 }

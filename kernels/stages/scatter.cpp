@@ -111,6 +111,7 @@ SHEAF_INLINE Mask<L> weigh_as_blend(const StageContext& context, const Wave& wav
   sample.bsdf_pdf = select(lanes, blend.pdf_solid_angle, sample.bsdf_pdf);
   if (Disperses) return Mask<L>(false);
   lanes = lanes & (mixed_pdf > F(0.0f));
+  if (guides) sample.crowding = select(lanes, crowding<L>(mixed_pdf, blend.mixed_pdf), sample.crowding);
   s.weight = select<L>(lanes, blend.mixed_f_cos * (F(1.0f) / select(lanes, mixed_pdf, F(1.0f))), s.weight);
   return lanes;
 }
@@ -160,7 +161,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
       const F terminator = shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);
       path.beta = path.beta * select(blended, F(1.0f), terminator);
     }
-    path.eta_scale = path.eta_scale * s.eta_scale;
+    path.eta_scale = path.eta_scale * s.eta_scale * sample.crowding;
   } else if constexpr (!kIsPhaseFunction<Bsdf<L>>) {
     const Vec3<L> arriving = frame.to_world(item.wo);
     path.beta = path.beta * (adjoint_cosines<L>(item, arriving, direction, s.wi.z) * s.eta_scale);

@@ -107,7 +107,7 @@ template <class L> inline constexpr auto kStages = [] {
       {S::kTransmittance, "transmittance", {Q::kShadows}, {}, U::kTransmission, transmittance<L>},
       {S::kSplat, "splat", {Q::kSorted}, {}, U::kSplats, splat<L>},
       {S::kScatter, "scatter", {Q::kSorted, Q::kVertices}, {Q::kActive, Q::kFinished}, U::kLight, scatter<L>},
-      {S::kLearn, "learn", {Q::kFinished}, {}, U::kLearning, learn<L>},
+      {S::kLearn, "learn", {}, {}, U::kLearning, learn<L>},
       {S::kAccumulate, "accumulate", {Q::kFinished}, {Q::kFree}, U::kCamera, accumulate<L>},
       {S::kRetire, "retire", {Q::kMiss, Q::kEmitter, Q::kFinished}, {Q::kFree}, U::kPhotons, retire<L>},
   }};
