@@ -1,24 +1,22 @@
 #include "kernels/guiding/fit_mixture.h"
 
 #include "core/octahedral.h"
-#include <cstdlib>
 
 namespace sheaf {
 
 namespace {
 
-double env(const char* n, double d) { return getenv(n) ? atof(getenv(n)) : d; }  // DEBUG
 /// Rounds of expectation and maximisation per pass.
-const int kRounds = static_cast<int>(float(env("GUIDE_ROUNDS", 4)));
+constexpr int kRounds = 3;
 /// Share of the earlier passes' effective samples that counts on.
-const float kMemory = float(env("GUIDE_MEMORY", 0.5f));
+constexpr float kMemory = 0.5f;
 /// No record counts more than this share of all.
-const double kLargestPart = float(env("GUIDE_LARGEST", 1.0 / 48));
+constexpr double kLargestPart = 0.01;
 /// Priors, in effective samples: of each lobe's share, of each lobe being even, and of the BSDF and the lobes having
 /// the same share.
-const float kSharePrior = float(env("GUIDE_SHAREPRIOR", 0.05f)), kEvenPrior = float(env("GUIDE_EVEN", 0.3f)), kBsdfPrior = float(env("GUIDE_BSDFPRIOR", 4));
+constexpr float kSharePrior = 0.05f, kEvenPrior = 0.1f, kBsdfPrior = 4;
 /// Bounds of the BSDF's share: lobes may have missed light, and the BSDF may hardly ever find it.
-const float kLeastBsdf = float(env("GUIDE_LEASTBSDF", 0.15f)), kMostBsdf = 0.95f;
+constexpr float kLeastBsdf = 0.3f, kMostBsdf = 0.95f;
 /// Concentration of the first lobes: that of even ones over half a sphere, about.
 constexpr float kFirstKappa = 8;
 

@@ -4,8 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 
 namespace sheaf {
 
@@ -164,20 +162,6 @@ void GuideField::learn(const std::vector<std::vector<GuideRecord>>& tasks, std::
   mixtures_.resize(places_.size() + 1);
   means_.assign(places_.size() + 1, -1.0f);
   for_each_parallel(places_.size(), 1, [&](std::size_t i) { fit(i, spans[i]); });
-  if (getenv("GUIDE_DUMP")) {  // DEBUG
-    printf("PASS places %zu records %zu\n", places_.size(), records_.size());
-    for (std::size_t i = 0; i < places_.size(); ++i) {
-      const auto& m = places_[i].mixture;
-      float n = places_[i].sums.bsdf;
-      for (float c : places_[i].sums.count) n += c;
-      printf("%zu side %u depth %d records %zu eff %.0f share %.2f lobes", i, places_[i].side, places_[i].depth, spans[i].end - spans[i].begin, double(n), double(m.bsdf_share));
-      for (int k = 0; k < kGuideLobes; ++k) {
-        float share = m.below[k] - (k ? m.below[k - 1] : 0);
-        if (share > 0.04f) printf(" %.2f@%.0f(%.2f,%.2f,%.2f)", double(share), double(m.kappa[k]), double(m.x[k]), double(m.y[k]), double(m.z[k]));
-      }
-      printf("\n");
-    }
-  }
 }
 
 }  // namespace sheaf

@@ -37,14 +37,20 @@ GuideSample<L> sample_guide(const GuideView& guide, Uint<L> rows, int count, con
 }
 
 template <class L>
-GuideValue<L> evaluate_guide(const GuideView& guide, Uint<L> rows, int count, Vec3<L> direction) noexcept {
+GuideValue<L> evaluate_guide(const GuideView& guide, Uint<L> rows, std::uint32_t lanes, Vec3<L> direction) noexcept {
+  if (lanes == 0) return {Float<L>(1.0f), Float<L>(0.0f)};
   alignas(kSimdAlignment) std::uint32_t row[L::width];
   alignas(kSimdAlignment) float x[L::width], y[L::width], z[L::width], share[L::width];
   alignas(kSimdAlignment) float parts[L::width][kGuideLobes];
   store(row, rows);
   store(x, direction.x), store(y, direction.y), store(z, direction.z);
   for (int lane = 0; lane < L::width; ++lane) {
-    const GuideMixture& m = guide.mixtures[lane < count ? row[lane] : 0];
+    if ((lanes >> lane & 1u) == 0) {
+      share[lane] = 1;
+      std::fill_n(parts[lane], kGuideLobes, 0.0f);
+      continue;
+    }
+    const GuideMixture& m = guide.mixtures[row[lane]];
     share[lane] = m.bsdf_share;
     lobe_parts(m, {x[lane], y[lane], z[lane]}, parts[lane]);
   }
@@ -56,7 +62,7 @@ GuideValue<L> evaluate_guide(const GuideView& guide, Uint<L> rows, int count, Ve
 
 template GuideSample<Wide> sample_guide(const GuideView&, Uint<Wide>, int, const Random4<Wide>&) noexcept;
 template GuideSample<Scalar> sample_guide(const GuideView&, Uint<Scalar>, int, const Random4<Scalar>&) noexcept;
-template GuideValue<Wide> evaluate_guide(const GuideView&, Uint<Wide>, int, Vec3<Wide>) noexcept;
-template GuideValue<Scalar> evaluate_guide(const GuideView&, Uint<Scalar>, int, Vec3<Scalar>) noexcept;
+template GuideValue<Wide> evaluate_guide(const GuideView&, Uint<Wide>, std::uint32_t, Vec3<Wide>) noexcept;
+template GuideValue<Scalar> evaluate_guide(const GuideView&, Uint<Scalar>, std::uint32_t, Vec3<Scalar>) noexcept;
 
 }  // namespace sheaf

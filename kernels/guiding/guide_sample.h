@@ -29,8 +29,9 @@ template <class L> struct GuideValue {
   }
 };
 
-/// For the first `count` lanes, in which `direction`, world space, has unit length.
+/// For the lanes set in `lanes`, in which `direction`, world space, has unit length; elsewhere as if there were no
+/// guide.
 template <class L>
-GuideValue<L> evaluate_guide(const GuideView& guide, Uint<L> rows, int count, Vec3<L> direction) noexcept;
+GuideValue<L> evaluate_guide(const GuideView& guide, Uint<L> rows, std::uint32_t lanes, Vec3<L> direction) noexcept;
 
 }  // namespace sheaf

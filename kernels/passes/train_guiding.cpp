@@ -15,14 +15,14 @@ namespace sheaf {
 namespace {
 
 /// Share of a render's samples that training may add, and samples per pixel beyond which it has learned enough.
-const double kTrainingShare = getenv("GUIDE_SHARE") ? atof(getenv("GUIDE_SHARE")) : 0.25;
-constexpr std::uint32_t kMostTraining = 64;
+constexpr double kTrainingShare = 0.125;
+constexpr std::uint32_t kMostTraining = 32;
 /// Camera samples of the longest pass: their records stay in memory until the guide has learned.
 constexpr std::uint64_t kPassSamples = 1 << 20;
 /// Camera samples per task.
 constexpr int kTaskSamples = 4096;
 /// Records by which a place is halved: this many times the square root of a pass's number over that of the first.
-const double kSplitRecords = getenv("GUIDE_SPLIT") ? atof(getenv("GUIDE_SPLIT")) : 1500;
+constexpr double kSplitRecords = 1000;
 
 double seconds_since(std::uint64_t start) { return static_cast<double>(timestamp() - start) * seconds_per_tick(); }
 
@@ -80,7 +80,7 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
           of_task.camera = &worker.camera;
           of_task.training = &worker.guide;
           run_path_pass<Wide>(of_task, worker.wave);
-          told[i] = worker.guide.records(context.guide, getenv("GUIDE_RAW") ? std::span<const float>() : means);
+          told[i] = worker.guide.records(context.guide, means);
           training.on_samples(static_cast<std::uint64_t>(worker.camera.total()));
         }
       },

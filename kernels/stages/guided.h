@@ -24,11 +24,11 @@ namespace sheaf {
 /// Whether vertices of this closure may sample the guide.
 template <class Bsdf> inline constexpr bool kIsGuided = !Bsdf::kIsSpecular && !kDisperses<Bsdf>;
 
-/// The guide towards a direction, for the vertices in the columns from `column` on.
+/// The guide towards a direction, for those of the vertices in the columns from `column` on that are set in `lanes`.
 template <class L>
-SHEAF_INLINE GuideValue<L> guide_value(const StageContext& context, const Wave& wave, int column, int count,
+SHEAF_INLINE GuideValue<L> guide_value(const StageContext& context, const Wave& wave, int column, Mask<L> lanes,
                                        Vec3<L> direction) {
-  return evaluate_guide<L>(context.guide, wave.guide_places.load<L>(column).row, count, direction);
+  return evaluate_guide<L>(context.guide, wave.guide_places.load<L>(column).row, mask_bits(lanes), direction);
 }
 
 /// The density of a blend's guided parts, and of all of its parts.
@@ -90,9 +90,10 @@ template <class L, template <class> class Bsdf>
     s.eta_scale = select(of_guide.taken, eta_scale_of<L>(bsdf, item.wo, wi), s.eta_scale);
     s.valid = s.valid | of_guide.taken;
   }
-  out.guide = guide_value<L>(context, wave, column, count, out.direction);
   out.bsdf_pdf = s.pdf_solid_angle;
   const auto smooth = of_guide.taken | (s.valid & (s.pdf_solid_angle > F(0.0f)));
+  // A delta lobe's weight needs the share all the same.
+  out.guide = guide_value<L>(context, wave, column, s.valid & L::first(count), out.direction);
   const F pdf = out.guide.mixed(s.pdf_solid_angle);
   s.valid = s.valid & ((!smooth) | (pdf > F(0.0f)));
   s.weight = select<L>(smooth, f_cos * (F(1.0f) / select(pdf > F(0.0f), pdf, F(1.0f))),

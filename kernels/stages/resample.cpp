@@ -54,7 +54,10 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
   }
   const auto usable = light.pdf_solid_angle > F(0.0f);
   GuideValue<L> guide;
-  if (context.guides) guide = guide_value<L>(context, wave, column, count, light.direction);
+  if (context.guides) {
+    const auto asked = usable & (Mask<L>(parts) | !is_black(value.f_cos)) & L::first(count);
+    guide = guide_value<L>(context, wave, column, asked, light.direction);
+  }
   if (context.guides && kIsGuided<Bsdf<L>>) value.pdf_solid_angle = guide.mixed(value.pdf_solid_angle);
   if (parts) {
     const auto lanes = usable & on_part<L>(context.scene, wave, slots);

@@ -132,7 +132,8 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   } else {
     sample.bsdf = bsdf.sample(item.wo, u);
     sample.direction = frame.to_world(sample.bsdf.wi);
-    if (parts && context.guides) sample.guide = guide_value<L>(context, wave, column, count, sample.direction);
+    if (parts && context.guides)
+      sample.guide = guide_value<L>(context, wave, column, sample.bsdf.valid & L::first(count), sample.direction);
   }
   BsdfSample<L>& s = sample.bsdf;
   const Vec3<L> direction = sample.direction;

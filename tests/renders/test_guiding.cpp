@@ -84,7 +84,9 @@ TEST_CASE("guiding: without light sampling, with several candidates, and in both
     d.lights.clear();
     add_constant_light(d, 1);
     d.shapes[0].geometry = RectangleShape{};
-    d.shapes[0].to_world = Transform::translate({0, -1, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({2, 2, 1});
+    d.shapes[0].to_world =
+        Transform::translate({0, -1, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({2, 2, 1});
+    look_at_point(d, {-0.6f, 0.1f, 0.2f}, {-0.5f, -1, 0}, {0, 1, 0});
     check_means(d, color);
   }
 }
@@ -125,7 +127,7 @@ TEST_CASE("guiding: media") {
 }
 
 TEST_CASE("guiding: the same bits for all threads, waves and crops") {
-  Description d = two_rooms(12);
+  Description d = two_rooms(32);
   d.film.width = 40, d.film.height = 30;
   look_at(d, {-0.6f, 0.1f, 0.8f}, {-0.9f, 0, -1}, {0, 1, 0}, 70);
   MediumDescription medium = fog(0.3f, 0.9f);

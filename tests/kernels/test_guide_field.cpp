@@ -65,7 +65,7 @@ std::optional<Vec3f> guided(const GuideView& view, const Random4<Scalar>& u) {
 void check_sampling(const GuideMixture& mixture) {
   const GuideView view = view_of(mixture);
   const auto pdf = [&view](Vec3f d) -> double {
-    const GuideValue<Scalar> value = evaluate_guide<Scalar>(view, 0u, 1, d);
+    const GuideValue<Scalar> value = evaluate_guide<Scalar>(view, 0u, 1u, d);
     return double{value.pdf_solid_angle} * (1 - double{value.bsdf_share});
   };
   const ChiSquare result = chi_square_sphere([&view](const Random4<Scalar>& u) { return guided(view, u); }, pdf);
@@ -106,7 +106,7 @@ TEST_CASE("guiding: registers do what single paths do, and lanes do not see each
     const Random4<Wide> u{numbers(), numbers(), numbers(), numbers()};
     const auto sampled = sample_guide<Wide>(view, rows, kWidth, u);
     const Vec3<Wide> d = square_to_sphere<Wide>(u.y, u.z);
-    const auto value = evaluate_guide<Wide>(view, rows, kWidth, d);
+    const auto value = evaluate_guide<Wide>(view, rows, ~0u, d);
     for (int lane = 0; lane < kWidth; ++lane) {
       const auto s = sample_guide<Scalar>(view, rows[lane], 1, {u.x[lane], u.y[lane], u.z[lane], u.w[lane]});
       CHECK(s.taken == lane_of(sampled.taken, lane));
@@ -128,7 +128,7 @@ TEST_CASE("guiding: a mixture comes near to what it is told of") {
   // Shares of the lobes in the integrand, by their integrals: 2 pi (1 - exp(-2 kappa)) / kappa.
   const double first = 1.0 / 60, second = 0.5 / 15, a = double{mixture.bsdf_share};
   const auto density = [&](Vec3f d) {
-    const auto v = evaluate_guide<Scalar>(view, 0u, 1, d);
+    const auto v = evaluate_guide<Scalar>(view, 0u, 1u, d);
     return a * double{kUniformSpherePdf} + (1 - a) * double{v.pdf_solid_angle};
   };
   const double turn = 2 * 3.141592653589793;
@@ -191,20 +191,18 @@ TEST_CASE("guiding: places are the smaller the more is told of them, and the sam
     CHECK(row(4, {1, 0.5f, 0.5f}) != row(kGuideMedia, {1, 0.5f, 0.5f}));
     CHECK(row(4, {7, 0.5f, 0.5f}) != row(4, {1, 0.5f, 0.5f}));
     // Anywhere, and what is no place at all, there is some row.
-    for (const float x : {-1e9f, 1e9f, -kInfinity, std::nanf("")})
-      CHECK(row(3, {x, 0, 0}) <= field.places());
+    for (const float x : {-1e9f, 1e9f, -kInfinity, std::nanf("")}) CHECK(row(3, {x, 0, 0}) <= field.places());
     // Registers find the same rows.
     for (int round = 0; round < 20; ++round) {
       const auto numbers = [&](float scale) { return wide_floats([&](int) { return scale * uniform(random); }); };
       const Vec3<Wide> p{numbers(8), numbers(1), numbers(1)};
       const WideUint side = wide_uints([&](int) { return static_cast<std::uint32_t>(random() % kGuideSides); });
       const WideUint rows = guide_row<Wide>(view, side, guide_code<Wide>(view, p));
-      for (int lane = 0; lane < kWidth; ++lane)
-        CHECK(rows[lane] == row(side[lane], {p.x[lane], p.y[lane], p.z[lane]}));
+      for (int lane = 0; lane < kWidth; ++lane) CHECK(rows[lane] == row(side[lane], {p.x[lane], p.y[lane], p.z[lane]}));
     }
     // Light is looked for where it was told to come from.
     const auto density = [&](Vec3f p, Vec3f to) {
-      return evaluate_guide<Scalar>(view, row(4, p), 1, normalize(to - p)).pdf_solid_angle;
+      return evaluate_guide<Scalar>(view, row(4, p), 1u, normalize(to - p)).pdf_solid_angle;
     };
     CHECK(density({1, 0.5f, 0.5f}, {4, 0, 9}) > 5 * density({1, 0.5f, 0.5f}, {4, 9, 0}));
     CHECK(density({7, 0.5f, 0.5f}, {4, 9, 0}) > 5 * density({7, 0.5f, 0.5f}, {4, 0, 9}));
