@@ -2,17 +2,6 @@
 
 namespace sheaf {
 
-namespace {
-
-/// Asks for the mixtures of all lanes at once, which lie anywhere: else each would be waited for in turn.
-void fetch(const GuideView& guide, const std::uint32_t* rows, int count) {
-  for (int lane = 0; lane < count; ++lane)
-    for (std::size_t byte = 0; byte < sizeof(GuideMixture); byte += 64)
-      __builtin_prefetch(reinterpret_cast<const char*>(guide.mixtures + rows[lane]) + byte);
-}
-
-}  // namespace
-
 template <class L>
 GuideSample<L> sample_guide(const GuideView& guide, Uint<L> rows, int count, const Random4<L>& u) noexcept {
   using F = Float<L>;
@@ -21,7 +10,6 @@ GuideSample<L> sample_guide(const GuideView& guide, Uint<L> rows, int count, con
       z[L::width];
   store(row, rows);
   store(number, u.x);
-  fetch(guide, row, count);
   alignas(kSimdAlignment) std::uint32_t taken[L::width] = {};
   for (int lane = 0; lane < L::width; ++lane) {
     const GuideMixture& m = guide.mixtures[lane < count ? row[lane] : 0];

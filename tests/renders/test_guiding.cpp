@@ -1,5 +1,5 @@
-// Guided renders: the same mean as without a guide, the same bits whatever the threads, waves and crop, less noise where
-// light is hard to find.
+// Guided renders: the same mean as without a guide, the same bits whatever the threads, waves and crop, less noise
+// where light is hard to find.
 #include "core/error.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/render_testing.h"
@@ -12,7 +12,7 @@ namespace sheaf {
 namespace {
 
 /// All comparisons of means of this file together fail with probability kSignificance if guiding is sound.
-const double kLevel = significance_of_each(24);
+const double kLevel = significance_of_each(30);
 
 /// Two rooms of which one has a lamp, and a gap between them; seen from the other one. Every pixel sees one point.
 Description two_rooms(int samples) {
@@ -22,10 +22,11 @@ Description two_rooms(int samples) {
   look_at_point(d, {-0.6f, 0.1f, 0.2f}, {-0.9f, 0.2f, -1}, {0, 1, 0});
   const MaterialId wall = add_two_sided(d, add_diffuse_rgb(d, 0.7f, 0.6f, 0.5f));
   add_shape(d, CubeShape{}, Transform::scale({2, 1, 1}), wall);
-  add_rectangle(d, Transform::translate({0, 0, -0.2f}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({0.8f, 1, 1}),
-                wall);
-  emit(add_rectangle(d, Transform::translate({1.5f, 0.99f, 0}) * Transform::rotate({1, 0, 0}, 90) *
-                            Transform::scale({0.3f, 0.3f, 1}),
+  add_rectangle(
+      d, Transform::translate({0, 0, -0.2f}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({0.8f, 1, 1}), wall);
+  emit(add_rectangle(d,
+                     Transform::translate({1.5f, 0.99f, 0}) * Transform::rotate({1, 0, 0}, 90) *
+                         Transform::scale({0.3f, 0.3f, 1}),
                      add_diffuse(d, 0)),
        20);
   return d;
@@ -91,6 +92,22 @@ TEST_CASE("guiding: without light sampling, with several candidates, and in both
   }
 }
 
+TEST_CASE("guiding: light sampling and the guide share what both find") {
+  // A wall that shines, as likely to be found by one as by the other.
+  Description d = picture_of_one_point(64);
+  d.film.width = d.film.height = 16;
+  look_at_point(d, {0, 2, 0.5f}, {0, 0, 0}, {0, 0, 1});
+  add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}), add_diffuse(d, 0.8f));
+  add_area_light_rectangle(
+      d, Transform::translate({1, 1, 0}) * Transform::rotate({0, 1, 0}, -90) * Transform::scale({2, 1, 1}), 1);
+  for (const int candidates : {1, 4}) {
+    d.integrator.candidates = candidates;
+    check_means(d);
+  }
+  d.camera.medium = add_medium(d, fog(0.2f, 0.9f));
+  check_means(d);
+}
+
 TEST_CASE("guiding: blends, coats, glass, two sides and roulette") {
   Description d = two_rooms(64);
   d.integrator.max_depth = -1;
@@ -117,9 +134,8 @@ TEST_CASE("guiding: media") {
     MediumDescription medium = fog(1, 0.9f);
     medium.phase = add_phase(d, 0.5f);
     if (grid)
-      medium.density = vol(
-          write_vol(folder / "v.vol", 4, 1, [](Vec3f p, int) { return 0.3f + p.y; }),
-          Transform::translate({-2, -1, -1}) * Transform::scale({4, 2, 2}));
+      medium.density = vol(write_vol(folder / "v.vol", 4, 1, [](Vec3f p, int) { return 0.3f + p.y; }),
+                           Transform::translate({-2, -1, -1}) * Transform::scale({4, 2, 2}));
     d.camera.medium = add_medium(d, medium);
     check_means(d);
     check_means(d, ColorMode::kSpectral);
