@@ -217,6 +217,13 @@ std::string to_json(const RenderReport& report) {
         {"stored", report.photons.stored},
         {"trace_seconds", report.photons.trace_seconds},
         {"index_seconds", report.photons.index_seconds}}},
+      {"guiding",
+       {{"passes", report.guiding.passes},
+        {"samples", report.guiding.samples},
+        {"records", report.guiding.records},
+        {"places", report.guiding.places},
+        {"trace_seconds", report.guiding.trace_seconds},
+        {"fit_seconds", report.guiding.fit_seconds}}},
       {"peak_rss_bytes", report.peak_rss_bytes},
       {"peak_private_bytes", report.peak_private_bytes},
       {"samples", report.stats.samples},
@@ -247,6 +254,10 @@ std::string to_table(const RenderReport& report) {
   if (const RenderReport::Photons& photons = report.photons; photons.emitted > 0)
     fmt::format_to(out, "{} photons emitted in {:.3f} s, {} put into maps in {:.3f} s\n", photons.emitted,
                    photons.trace_seconds, photons.stored, photons.index_seconds);
+  if (const RenderReport::Guiding& guiding = report.guiding; guiding.passes > 0)
+    fmt::format_to(
+        out, "guide: {} samples in {} passes in {:.3f} s, {} places learned from {} directions in {:.3f} s\n",
+        guiding.samples, guiding.passes, guiding.trace_seconds, guiding.places, guiding.records, guiding.fit_seconds);
   fmt::format_to(
       out, "{} samples, {} rays (camera {}, light {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
       stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.light, stats.rays.scatter, stats.rays.shadow,

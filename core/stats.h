@@ -142,6 +142,13 @@ struct RenderReport {
     double trace_seconds = 0;  ///< following photons from the lights
     double index_seconds = 0;  ///< putting them into maps
   } photons;
+  /// What a guide was trained with, and how long it took. The stages' times include its passes.
+  struct Guiding {
+    std::uint64_t passes = 0, samples = 0;  ///< training passes, and their camera samples
+    std::uint64_t records = 0, places = 0;  ///< directions that brought light, and places that learned from them
+    double trace_seconds = 0;               ///< following paths
+    double fit_seconds = 0;                 ///< learning from them
+  } guiding;
   std::uint64_t peak_rss_bytes = 0, peak_private_bytes = 0;
   std::vector<std::string_view> stage_names;  ///< of all stages, in the order of Stats::stages
   std::vector<std::string> light_places;      ///< "file:line" of each light that Stats::lights tells, or empty

@@ -44,7 +44,7 @@ struct RenderArguments {
   std::optional<float> scale;
   std::optional<float> step_size;
   int threads = 0, wave_size = 0, spectral_bins = 0, replicates = 0;
-  bool no_timestamps = false, quiet = false, watertight = false;
+  bool no_timestamps = false, quiet = false, watertight = false, guiding = false;
   ReadArguments read;
 };
 
@@ -257,6 +257,7 @@ int render_scene(const RenderArguments& arguments) {
   options.wave_size = arguments.wave_size;
   options.spectral_bins = arguments.spectral_bins;
   options.replicates = arguments.replicates;
+  options.guiding = arguments.guiding;
   options.crop = crop;
   const InterruptGuard guard;
   RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet);
@@ -338,6 +339,11 @@ void add_transport_options(Command& command, RenderArguments& arguments) {
                   "Lights sampled per vertex, of which resampling keeps one for a shadow ray. Default: the "
                   "scene's, else 1; 8 for path_ris")
       .in_range(1, kMaxCandidates);
+  command.add_flag(
+      "--guiding", arguments.guiding,
+      "Learn where light comes from in passes before the picture, and send paths there. Helps where light "
+      "is hard to find, as through a gap; the whole frame is learned, whatever --crop. For path, direct and "
+      "the other integrators of paths from the camera");
   command.add_option("--medium-estimator", arguments.medium_estimator,
                      "How light in media is tracked: null_mis (by all wavelengths), delta, ratio (by one wavelength), "
                      "marching (equal steps; biased). Default: the scene's, else null_mis");

@@ -19,6 +19,7 @@ template <class L> void run_path_pass(const StageContext& context, Wave& wave) {
     surface_inputs<L>(context, wave);
     textures<L>(context, wave);
     gather<L>(context, wave);
+    guide<L>(context, wave);
     for (int candidate = 0; candidate < context.transport.candidates; ++candidate) {
       light_candidates<L>(context, wave, candidate);
       resample<L>(context, wave, candidate);
@@ -26,6 +27,7 @@ template <class L> void run_path_pass(const StageContext& context, Wave& wave) {
     if (context.scene.has_transparency) transmittance<L>(context, wave);
     else shadow<L>(context, wave);
     scatter<L>(context, wave);
+    learn<L>(context, wave);
     accumulate<L>(context, wave);
     assert(wave.free.size() + wave.active.size() == wave.capacity);
   }

@@ -4,6 +4,7 @@
 #include "kernels/media/medium_tracking.h"
 #include "kernels/passes/passes.h"
 #include "kernels/passes/photon_mapping.h"
+#include "kernels/passes/train_guiding.h"
 #include "kernels/passes/worker.h"
 #include "kernels/stages/stage_list.h"
 
@@ -105,9 +106,17 @@ std::uint32_t default_samples(const Scene& scene) {
   return scene.sampler().sample_count;
 }
 
+void check_guiding(const IntegratorDescription& integrator) {
+  if (integrator.kind == IntegratorKind::kPath && !integrator.ends_at_diffuse) return;
+  throw Error(ExitCode::kUsage, "guiding needs an integrator that follows paths from the camera, such as path; " +
+                                    integrator_name(integrator) + " is none");
+}
+
 /// The scene's own settings, and what its integrator makes of them.
-StageContext context_of(const Scene& scene) {
+StageContext context_of(const Scene& scene, const RenderOptions& options) {
   StageContext context(scene);
+  if (options.guiding) check_guiding(context.transport);
+  context.guides = options.guiding;
   // Hidden lights must let photons' rays to the camera pass.
   if (context.transport.kind == IntegratorKind::kLightTracer && context.transport.hide_emitters)
     context.scene.has_transparency = true;
@@ -119,7 +128,7 @@ class Renderer {
  public:
   Renderer(const Scene& scene, const RenderOptions& options)
       : scene_(scene),
-        context_(context_of(scene)),
+        context_(context_of(scene, options)),
         needs_(WaveNeeds::of(context_)),
         options_(options),
         spp_(rounded_sample_count(scene.sampler().kind, options.samples_per_pixel.value_or(default_samples(scene)))),
@@ -145,6 +154,9 @@ class Renderer {
     context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed),
                                     replicate_samples_, static_cast<std::uint32_t>(frame_.row_length()));
     total_ = static_cast<std::uint64_t>(wanted_.width()) * static_cast<std::uint64_t>(wanted_.height()) * spp_;
+    context_.guide = guide_.view();
+    if (options.guiding) training_passes_ = training_passes(film_.width(), film_.height(), spp_);
+    total_ += training_samples(film_.width(), film_.height(), training_passes_);
     if (maps_photons) {
       photon_mapping_.emplace(context_, spp_, std::max(film_.width(), film_.height()));
       total_ += photon_mapping_->wanted();
@@ -162,6 +174,7 @@ class Renderer {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_));
     tbb::task_arena arena(threads_);
     arena.execute([this] {
+      if (!training_passes_.empty()) train();
       for (std::uint32_t first = 0, count = 0; first < spp_ && !stopped(); first += count) {
         count = std::min({kPassSamples, spp_ - first, replicate_samples_ - first % replicate_samples_});
         if (photon_mapping_) {
@@ -197,6 +210,11 @@ class Renderer {
   }
 
   bool stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
+
+  void train() {
+    guide_ = train_guide(context_, workers_, film_.width(), film_.height(), training_passes_, guide_training_);
+    context_.guide = guide_.view();
+  }
 
   void run_pass(std::uint32_t first_sample, std::uint32_t sample_count) {
     int side = 8;
@@ -312,6 +330,7 @@ class Renderer {
     result.splats = std::move(splats_);
     result.photons = photons_done_;
     report.photons = photon_tracing_.report;
+    report.guiding = guide_training_.report;
     return result;
   }
 
@@ -338,6 +357,9 @@ class Renderer {
   std::optional<SplatFilm> splats_;
   std::optional<PhotonMapping> photon_mapping_;
   PhotonTracing photon_tracing_{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};
+  GuideField guide_;
+  std::vector<TrainingPass> training_passes_;
+  GuideTraining guide_training_{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};
   std::uint64_t photons_ = 0, photons_done_ = 0;  ///< light tracing: to be emitted, and whose splats are on the film
   std::uint64_t total_ = 0;
   std::atomic<std::uint64_t> done_{0};

@@ -27,6 +27,7 @@ struct RenderOptions {
   /// anyway and count in one pixel. 0: 8 where samples are independent, which costs nothing; else 1 below 32 samples
   /// per pixel, 2 below 128, 4 below 512, 8 from there on.
   int replicates = 0;
+  bool guiding = false;  ///< directions are sampled from what passes before the picture have learned
   std::optional<PixelRect> crop;                   ///< default: the scene's, else the whole frame
   /// Called by workers after each task, several at a time, with samples done and in all.
   std::function<void(std::uint64_t done, std::uint64_t total)> on_progress;
@@ -51,8 +52,8 @@ struct RenderResult {
 inline constexpr int kMaxWaveSize = 32768;
 
 /// Renders. The picture's bits depend on scene, seed and sample count alone, not on threads, wave size or crop.
-/// Throws Error (usage) if the crop leaves the frame, a number is out of range, or spectral bins are asked for where
-/// there are no wavelengths.
+/// Throws Error (usage) if the crop leaves the frame, a number is out of range, spectral bins are asked for where there
+/// are no wavelengths, or guiding is where there are no paths to be guided.
 RenderResult render(const Scene& scene, const RenderOptions& options);
 
 }  // namespace sheaf

@@ -4,6 +4,7 @@
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_tile.h"
 #include "kernels/film/light_task.h"
+#include "kernels/guiding/guide_record.h"
 #include "kernels/wave/wave.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -19,6 +20,7 @@ struct Worker {
   CameraTask camera;
   FilmTile tile;
   LightTask photons;
+  GuideLog guide;
 };
 using Workers = tbb::enumerable_thread_specific<Worker>;
 

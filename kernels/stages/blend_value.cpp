@@ -92,7 +92,7 @@ template <class L> struct BlendSum {
   const BlendPoint<L>& at;
   Mask<L> lanes;
   bool behind;
-  BlendValue<L> sum{Spectrum<L>(F(0.0f)), F(0.0f), Spectrum<L>(F(0.0f)), F(0.0f)};
+  BlendValue<L> sum{Spectrum<L>(F(0.0f)), F(0.0f), Spectrum<L>(F(0.0f)), F(0.0f), F(0.0f)};
   F there = F(0.0f);  ///< share of all parts but nothing
 
   void add(std::uint32_t row, F share) {
@@ -129,6 +129,7 @@ template <class L> struct BlendSum {
         if (kDisperses<Bsdf<L>>) return;
         sum.mixed_f_cos = sum.mixed_f_cos + value.f_cos * share;
         sum.mixed_pdf = sum.mixed_pdf + value.pdf_solid_angle * share;
+        sum.guided_share = sum.guided_share + share;
       }
     });
   }
@@ -153,7 +154,7 @@ BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, con
                    {}};
   at.query = {at.y.uv, hit.shape, hit.primitive, hit.u, hit.v, at.y.p};
   const auto behind = dot(at.y.ng, ray.direction) > F(0.0f);
-  BlendValue<L> out{Spectrum<L>(F(0.0f)), F(0.0f), Spectrum<L>(F(0.0f)), F(0.0f)};
+  BlendValue<L> out{Spectrum<L>(F(0.0f)), F(0.0f), Spectrum<L>(F(0.0f)), F(0.0f), F(0.0f)};
   alignas(kSimdAlignment) std::uint32_t roots[L::width];
   store(roots, shape.material);
   with_color_mode(scene, [&]<ColorMode Mode>() { at.lambda = shading_wavelengths<L, Mode>(wave, slots); });
@@ -168,6 +169,7 @@ BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, con
     out.pdf_solid_angle = select(same, blend.sum.pdf_solid_angle * scale, out.pdf_solid_angle);
     out.mixed_f_cos = select<L>(same, blend.sum.mixed_f_cos * scale, out.mixed_f_cos);
     out.mixed_pdf = select(same, blend.sum.mixed_pdf * scale, out.mixed_pdf);
+    out.guided_share = select(same, blend.sum.guided_share * scale, out.guided_share);
     lanes = lanes & !same;
   }
   return out;

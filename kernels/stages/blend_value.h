@@ -20,6 +20,7 @@ template <class L> struct BlendValue {
   /// The same without the parts that disperse: where one of these is chosen, wavelengths are lost, so it counts alone.
   Spectrum<L> mixed_f_cos;
   typename L::Float mixed_pdf;
+  typename L::Float guided_share;  ///< of the parts that neither are specular nor disperse
 };
 
 /// Whether the vertices of a kind may be on parts of blends.

@@ -16,7 +16,7 @@
 // is as above, but the transmittance stage gets f and applies w_l.
 #include "kernels/bsdf/all.h"
 #include "kernels/lights/light_weight.h"
-#include "kernels/stages/blend_value.h"
+#include "kernels/stages/guided.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shading_frame.h"
@@ -42,8 +42,8 @@ template <class L> struct WeighedCandidate {
 
 template <class L, template <class> class Bsdf>
 SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& wave, const Slot* slots, int column,
-                                       const VertexItem<L>& item, const LightCandidate<L>& light, Spectrum<L> beta,
-                                       bool mapped, bool parts, int candidates) {
+                                       int count, const VertexItem<L>& item, const LightCandidate<L>& light,
+                                       Spectrum<L> beta, bool mapped, bool parts, int candidates) {
   using F = Float<L>;
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
   const Vec3<L> wi = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_local(light.direction);
@@ -53,12 +53,19 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
     value.f_cos = value.f_cos * shadow_terminator<L>(t.ns_unmapped, t.terminator, light.direction, wi.z);
   }
   const auto usable = light.pdf_solid_angle > F(0.0f);
+  GuideValue<L> guide;
+  if (context.guides) {
+    const auto asked = usable & (Mask<L>(parts) | !is_black(value.f_cos)) & L::first(count);
+    guide = guide_value<L>(context, wave, column, asked, light.direction);
+  }
+  if (context.guides && kIsGuided<Bsdf<L>>) value.pdf_solid_angle = guide.mixed(value.pdf_solid_angle);
   if (parts) {
     const auto lanes = usable & on_part<L>(context.scene, wave, slots);
     if (any(lanes)) {
       const BlendValue<L> blend = evaluate_blends<L>(context, wave, slots, lanes, light.direction);
       value.f_cos = select<L>(lanes, blend.f_cos, value.f_cos);
-      value.pdf_solid_angle = select(lanes, blend.pdf_solid_angle, value.pdf_solid_angle);
+      const F pdf = context.guides ? whole_pdf<L>(guide, blend) : blend.pdf_solid_angle;
+      value.pdf_solid_angle = select(lanes, pdf, value.pdf_solid_angle);
     }
   }
   const F pdf = select(usable, light.pdf_solid_angle, F(1.0f));
@@ -116,7 +123,7 @@ SHEAF_INLINE void resample_tile(const StageContext& context, Wave& wave, const S
   const ThroughputState<L> path = wave.throughput.gather<L>(slots);
   constexpr bool kInMedium = kIsPhaseFunction<Bsdf<L>>;
   const WeighedCandidate<L> weighed =
-      weigh<L, Bsdf>(context, wave, slots, column, item, light, path.beta, mapped, parts, candidate.count);
+      weigh<L, Bsdf>(context, wave, slots, column, count, item, light, path.beta, mapped, parts, candidate.count);
   if (candidate.count == 1)
     return push_shadow_ray<L>(context.scene, wave, slots, count, item,
                               {light.target, weighed.pdf_ratio, light.light, light.target_medium}, weighed.contribution,

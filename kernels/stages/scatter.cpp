@@ -1,15 +1,13 @@
-// Stage: scatter. Samples the BSDF, plays Russian roulette and writes the next ray.
+// Stage: scatter. Samples the BSDF or the guide, plays Russian roulette and writes the next ray.
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
 #include "kernels/film/light_task.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/adjoint.h"
-#include "kernels/stages/blend_value.h"
 #include "kernels/stages/continue_ray.h"
+#include "kernels/stages/guided.h"
 #include "kernels/stages/normal_map.h"
-#include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stages.h"
-#include "kernels/wave/lane_mean.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/tables/shape.h"
@@ -95,19 +93,26 @@ Float<L> leave_vertex(const SceneView& scene, Wave& wave, const Slot* slots, int
 }
 
 /// Sampled directions of parts of blends count as the whole blend sends light there; see kernels/stages/blend_value.h.
-/// Returns where that is so. `Disperses`: what was sampled, which then counts alone.
+/// Returns where that is so. `Disperses`: what was sampled, which then counts alone. The sample's density
+/// had the BSDF alone been sampled becomes the blend's.
 template <class L, bool Disperses>
 SHEAF_INLINE Mask<L> weigh_as_blend(const StageContext& context, const Wave& wave, const Slot* slots, Mask<L> lanes,
-                                    Vec3<L> direction, BsdfSample<L>& s) {
+                                    GuidedSample<L>& sample) {
   using F = Float<L>;
+  BsdfSample<L>& s = sample.bsdf;
+  const bool guides = context.guides;
   lanes = lanes & s.valid & (s.pdf_solid_angle > F(0.0f)) & on_part<L>(context.scene, wave, slots);
   if (!any(lanes)) return Mask<L>(false);
-  const BlendValue<L> blend = evaluate_blends<L>(context, wave, slots, lanes, direction);
-  lanes = lanes & (blend.pdf_solid_angle > F(0.0f));
-  s.pdf_solid_angle = select(lanes, blend.pdf_solid_angle, s.pdf_solid_angle);
+  const BlendValue<L> blend = evaluate_blends<L>(context, wave, slots, lanes, sample.direction);
+  const F pdf = guides ? whole_pdf<L>(sample.guide, blend) : blend.pdf_solid_angle;
+  const F mixed_pdf = guides ? guided_pdf<L>(sample.guide, blend) : blend.mixed_pdf;
+  lanes = lanes & (pdf > F(0.0f));
+  s.pdf_solid_angle = select(lanes, pdf, s.pdf_solid_angle);
+  sample.bsdf_pdf = select(lanes, blend.pdf_solid_angle, sample.bsdf_pdf);
   if (Disperses) return Mask<L>(false);
-  lanes = lanes & (blend.mixed_pdf > F(0.0f));
-  s.weight = select<L>(lanes, blend.mixed_f_cos * (F(1.0f) / select(lanes, blend.mixed_pdf, F(1.0f))), s.weight);
+  lanes = lanes & (mixed_pdf > F(0.0f));
+  if (guides) sample.crowding = select(lanes, crowding<L>(mixed_pdf, blend.mixed_pdf), sample.crowding);
+  s.weight = select<L>(lanes, blend.mixed_f_cos * (F(1.0f) / select(lanes, mixed_pdf, F(1.0f))), s.weight);
   return lanes;
 }
 
@@ -120,13 +125,26 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
   ThroughputState<L> path = wave.throughput.gather<L>(slots);
   const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kScatter);
-  BsdfSample<L> s = bsdf.sample(item.wo, u);
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
-  const Vec3<L> direction = frame.to_world(s.wi);
+  GuidedSample<L> sample{};
+  if (kIsGuided<Bsdf<L>> && context.guides) {
+    sample = sample_guided<L>(context, wave, column, count, bsdf, item, u);
+  } else {
+    sample.bsdf = bsdf.sample(item.wo, u);
+    sample.direction = frame.to_world(sample.bsdf.wi);
+    if (parts && context.guides)
+      sample.guide = guide_value<L>(context, wave, column, sample.bsdf.valid & L::first(count), sample.direction);
+  }
+  BsdfSample<L>& s = sample.bsdf;
+  const Vec3<L> direction = sample.direction;
 
   Mask<L> blended(false);
   if (parts && context.photons == nullptr)
-    blended = weigh_as_blend<L, kDisperses<Bsdf<L>>>(context, wave, slots, L::first(count), direction, s);
+    blended = weigh_as_blend<L, kDisperses<Bsdf<L>>>(context, wave, slots, L::first(count), sample);
+  if (kIsGuided<Bsdf<L>> && context.training != nullptr)
+    note_directions<L>(context, wave, slots, column,
+                       mask_bits(s.valid & (s.pdf_solid_angle > F(0.0f)) & L::first(count)), item, path, direction,
+                       sample.bsdf_pdf);
   if constexpr (NotReciprocal<Bsdf<L>, Vec3<L>>) {
     const Mask<L> usable = s.valid & (s.pdf_solid_angle > F(0.0f));
     if (context.photons != nullptr)
@@ -144,7 +162,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
       const F terminator = shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);
       path.beta = path.beta * select(blended, F(1.0f), terminator);
     }
-    path.eta_scale = path.eta_scale * s.eta_scale;
+    path.eta_scale = path.eta_scale * s.eta_scale * sample.crowding;
   } else if constexpr (!kIsPhaseFunction<Bsdf<L>>) {
     const Vec3<L> arriving = frame.to_world(item.wo);
     path.beta = path.beta * (adjoint_cosines<L>(item, arriving, direction, s.wi.z) * s.eta_scale);

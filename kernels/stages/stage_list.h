@@ -19,6 +19,8 @@ enum class StageUse {
   kBinary,
   kTransmission,     ///< of those, with it
   kPath,             ///< of the path pass
+  kGuiding,          ///< of the path pass, where there is a guide
+  kLearning,         ///< of the path pass, where a guide learns
   kGathering,        ///< of the path pass, where there are photon maps
   kGatheringMedia,   ///< of the path pass, where there is a volume photon map
   kScatteringMedia,  ///< of passes that transport light, but for that one
@@ -82,6 +84,7 @@ template <class L> inline constexpr auto kStages = [] {
       {S::kStorePhotons, "store_photons", {Q::kSorted, Q::kVertices}, {}, U::kStoring, store_photons<L>},
       {S::kTextures, "textures", {Q::kVertices}, {Q::kVertices}, U::kLight, textures<L>},
       {S::kGather, "gather", {Q::kSorted, Q::kVertices}, {}, U::kGathering, gather<L>},
+      {S::kGuide, "guide", {Q::kSorted, Q::kVertices}, {}, U::kGuiding, guide<L>},
       {S::kLightCandidates,
        "light_candidates",
        {Q::kVertices},
@@ -104,6 +107,7 @@ template <class L> inline constexpr auto kStages = [] {
       {S::kTransmittance, "transmittance", {Q::kShadows}, {}, U::kTransmission, transmittance<L>},
       {S::kSplat, "splat", {Q::kSorted}, {}, U::kSplats, splat<L>},
       {S::kScatter, "scatter", {Q::kSorted, Q::kVertices}, {Q::kActive, Q::kFinished}, U::kLight, scatter<L>},
+      {S::kLearn, "learn", {}, {}, U::kLearning, learn<L>},
       {S::kAccumulate, "accumulate", {Q::kFinished}, {Q::kFree}, U::kCamera, accumulate<L>},
       {S::kRetire, "retire", {Q::kMiss, Q::kEmitter, Q::kFinished}, {Q::kFree}, U::kPhotons, retire<L>},
   }};
@@ -130,6 +134,10 @@ inline bool takes_part(const StageContext& context, StageUse use, bool light) {
     case StageUse::kLight: return light;
     case StageUse::kPath:
       return light && !photons;
+    case StageUse::kGuiding:
+      return light && context.guides;
+    case StageUse::kLearning:
+      return light && context.training != nullptr;
     case StageUse::kGathering:
       return light && context.maps != nullptr;
     case StageUse::kGatheringMedia:

@@ -41,6 +41,9 @@ template <class L> void surface_inputs(const StageContext& context, Wave& wave) 
 /// Looks up textures: replaces closure parameters, and turns shading normals by maps.
 template <class L> void textures(const StageContext& context, Wave& wave) noexcept;
 
+/// Finds out where the guide knows of vertices, for light sampling and scattering. Reads ray state.
+template <class L> void guide(const StageContext& context, Wave& wave) noexcept;
+
 /// Samples one light per vertex: the candidate of that index, below IntegratorDescription::candidates. Reads
 /// throughput.
 template <class L> void light_candidates(const StageContext& context, Wave& wave, int candidate) noexcept;
@@ -55,8 +58,12 @@ template <class L> void shadow(const StageContext& context, Wave& wave) noexcept
 /// As shadow(), where light passes media and surfaces on its way, weakened.
 template <class L> void transmittance(const StageContext& context, Wave& wave) noexcept;
 
-/// Samples the BSDF, plays roulette and writes the next ray. Reads and writes throughput; writes ray state.
+/// Samples the BSDF or the guide, plays roulette and writes the next ray. Reads and writes throughput; writes ray
+/// state.
 template <class L> void scatter(const StageContext& context, Wave& wave) noexcept;
+
+/// Tells the guide what finished paths have found. Reads radiance.
+template <class L> void learn(const StageContext& context, Wave& wave) noexcept;
 
 /// Moves finished paths' radiance to the task's samples and frees their slots. Samples that are not finite or negative
 /// are dropped and counted.
@@ -102,6 +109,7 @@ enum class Stage : std::uint32_t {
   kStorePhotons,
   kTextures,
   kGather,
+  kGuide,
   kLightCandidates,
   kResample,
   kCameraConnections,
@@ -109,6 +117,7 @@ enum class Stage : std::uint32_t {
   kTransmittance,
   kSplat,
   kScatter,
+  kLearn,
   kAccumulate,
   kRetire,
   kCount

@@ -1,11 +1,13 @@
 // What stages see besides their wave.
 #pragma once
 
+#include "kernels/guiding/guide_view.h"
 #include "scene/tables/scene.h"
 
 namespace sheaf {
 
 class CameraTask;
+class GuideLog;
 class LightTask;
 struct PhotonMaps;
 
@@ -20,6 +22,9 @@ struct StageContext {
   const PhotonMaps* maps = nullptr;  ///< of passes from the camera that gather photons, else null
   float wavelength_sample = -1;  ///< the number in [0, 1) that all paths' wavelengths are made of; -1: each has its own
   LightTask* photons = nullptr;      ///< of passes that start at the lights, else null: the photons to emit
+  bool guides = false;               ///< of the path pass: directions are sampled from `guide` as well
+  GuideView guide;
+  GuideLog* training = nullptr;  ///< of passes from which the guide is to learn, else null: what they tell
 
   StageContext() = default;
   /// The scene's own settings.

@@ -150,6 +150,13 @@ template <class L> struct FilmPlace {
   static constexpr auto fields(auto& s) { return std::tie(s.x, s.y); }
 };
 
+/// Where the guide knows of a vertex; stands where its VertexItem stands.
+template <class L> struct GuidePlace {
+  typename L::Uint row;   ///< of GuideView::mixtures
+  typename L::Uint side;  ///< see guide_side()
+  static constexpr auto fields(auto& s) { return std::tie(s.row, s.side); }
+};
+
 /// A ray towards a light, or from a photon's vertex towards the camera, with what it brings if nothing is in between.
 template <class L> struct ShadowItem {
   Vec3<L> origin, direction;  ///< world space; direction not normalised: the light lies at distance 1

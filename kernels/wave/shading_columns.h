@@ -25,6 +25,7 @@ struct ShadingColumns {
   Soa<ReservoirItem> reservoirs;  ///< WaveNeeds::reservoirs
   Soa<LightTreeTop> light_tops;   ///< WaveNeeds::light_tops
   Soa<FilmPlace> film_places;     ///< WaveNeeds::film_places
+  Soa<GuidePlace> guide_places;   ///< WaveNeeds::guides
   Soa<ShadowItem> shadows;
   Soa<TransmittanceItem> transmittances;  ///< WaveNeeds::transparency
   int shadow_count = 0;                   ///< rows of the last two
@@ -43,6 +44,7 @@ struct ShadingColumns {
     f(c.reservoirs, rows, all(needs.reservoirs, kLeafCount<ReservoirItem>));
     f(c.light_tops, rows, all(needs.light_tops, kLeafCount<LightTreeTop>));
     f(c.film_places, rows, all(needs.film_places, kLeafCount<FilmPlace>));
+    f(c.guide_places, rows, all(needs.guides, kLeafCount<GuidePlace>));
     f(c.shadows, paths, kLeafCount<ShadowItem>);
     f(c.transmittances, paths, all(needs.transparency, kLeafCount<TransmittanceItem>));
   }

@@ -67,6 +67,7 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   needs.light_tops = needs.candidates && context.transport.candidates >= kLeastCandidates &&
                      scene.light_selector == LightSelector::kBvh && scene.bounded_light_count >= kLeastLights;
   needs.film_places = !needs.candidates;
+  needs.guides = context.guides;
   for (const std::uint32_t flags : scene.kind_flags)
     needs.textures = needs.textures || (flags & (kTextured | kMapped)) != 0;
   needs.counted_lights = std::min(scene.light_count, kToldLights);

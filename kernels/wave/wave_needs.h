@@ -16,6 +16,7 @@ struct WaveNeeds {
   bool light_tops = true;    ///< upper turns in the light tree, which many candidates have in common
   bool film_places = true;   ///< where photons are seen by the camera
   std::uint32_t counted_lights = 0;      ///< whose shadow rays are counted apart
+  bool guides = true;                    ///< places of the guide
   int closure_words = kMaxClosureWords;  ///< longest parameters of a closure
 
   static WaveNeeds of(const StageContext& context);

@@ -1,5 +1,6 @@
 // The stages at the ends of a path: camera rays, intersection, debugging pictures and the sample buffer; and all
 // stages in registers against one path at a time.
+#include "kernels/guiding/guide_record.h"
 #include "kernels/passes/passes.h"
 #include "kernels/photons/photon_maps.h"
 #include "tests/support/stages_testing.h"
@@ -265,16 +266,20 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
   const VolumePhotonMap volume({{photon}}, 1, 10, PhotonKernel::kDisc);
   struct Case {
     IntegratorKind kind;
-    bool from_lights, with_volume;
+    bool from_lights, with_volume, guided = false;
   };
-  for (const auto& [kind, from_lights, with_volume] :
-       {Case{IntegratorKind::kPath, false, false}, Case{IntegratorKind::kNormals, false, false},
-        Case{IntegratorKind::kVisibility, false, false}, Case{IntegratorKind::kPhotonMapper, false, false},
-        Case{IntegratorKind::kPhotonMapper, false, true}, Case{IntegratorKind::kPhotonMapper, true, false},
-        Case{IntegratorKind::kLightTracer, true, false}}) {
+  const GuideMixture mixture;
+  GuideLog log;
+  log.begin(512);
+  for (const auto& [kind, from_lights, with_volume, guided] :
+       {Case{IntegratorKind::kPath, false, false}, Case{IntegratorKind::kPath, false, false, true},
+        Case{IntegratorKind::kNormals, false, false}, Case{IntegratorKind::kVisibility, false, false},
+        Case{IntegratorKind::kPhotonMapper, false, false}, Case{IntegratorKind::kPhotonMapper, false, true},
+        Case{IntegratorKind::kPhotonMapper, true, false}, Case{IntegratorKind::kLightTracer, true, false}}) {
     CAPTURE(static_cast<int>(kind));
     CAPTURE(from_lights);
     CAPTURE(with_volume);
+    CAPTURE(guided);
     const PhotonMaps maps{map.view(),
                           {},
                           with_volume ? PhotonGathering::kIndirect : PhotonGathering::kAll,
@@ -287,6 +292,11 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
     test.begin({0, 0, 16, 16}, 0, 2, 16);
     StageContext context = from_lights ? test.photon_context(*scene, 1000) : test.context(*scene);
     if (kind == IntegratorKind::kPhotonMapper && !from_lights) context.maps = &maps;
+    if (guided) {
+      context.guides = true;
+      context.guide.mixtures = &mixture;
+      context.training = &log;
+    }
     std::set<Stage> worked;
     for (int step = 0; step < 20; ++step)
       for (const StageEntry& stage : kStages<L>) {

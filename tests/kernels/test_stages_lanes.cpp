@@ -1,5 +1,6 @@
 // Every stage of the passes that transport light in registers against the same stage one path at a time, from the same
 // wave.
+#include "kernels/guiding/fit_mixture.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/wave_snapshot.h"
 #include "scene/data/glasses.h"
@@ -54,15 +55,26 @@ TEST_CASE("stages: registers do what single paths do, stage by stage, in both co
   DielectricDescription glass;
   glass.int_dispersion = *find_dispersion("diamond");
   add_sphere(d, {0.3f, 0.7f, 3}, 0.3f, add_material(d, glass));
-  for (const auto& [hide_emitters, color] :
-       {std::pair{false, ColorMode::kRgb}, std::pair{true, ColorMode::kRgb}, std::pair{true, ColorMode::kSpectral}}) {
+  const GuideMixture mixture = first_mixture({0, 0, 0});
+  struct Case {
+    bool hide_emitters, guided;
+    ColorMode color;
+  };
+  for (const auto& [hide_emitters, guided, color] :
+       {Case{false, false, ColorMode::kRgb}, Case{true, false, ColorMode::kRgb}, Case{false, true, ColorMode::kRgb},
+        Case{true, false, ColorMode::kSpectral}, Case{true, true, ColorMode::kSpectral}}) {
+    CAPTURE(guided);
     d.integrator.hide_emitters = hide_emitters;
     const auto scene = compile_scene(d, {false, color});
     for (const int paths : {kWidth - 1, kWidth + 1, 250}) {
       TestWave wide(paths, 0), scalar(paths, 0);
       wide.begin({0, 0, 16, 16}, 0, 2, 16);
       scalar.begin({0, 0, 16, 16}, 0, 2, 16);
-      const StageContext wide_context = wide.context(*scene), scalar_context = scalar.context(*scene);
+      StageContext wide_context = wide.context(*scene), scalar_context = scalar.context(*scene);
+      for (StageContext* context : {&wide_context, &scalar_context}) {
+        context->guides = guided;
+        context->guide.mixtures = &mixture;
+      }
       for (int bounce = 0; bounce < 12; ++bounce)
         for (std::size_t i = 0; i < kStageCount; ++i) {
           if (!takes_part(wide_context, kStages<Wide>[i].use, true)) continue;

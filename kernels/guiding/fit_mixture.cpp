@@ -1,0 +1,188 @@
+#include "kernels/guiding/fit_mixture.h"
+
+#include "core/octahedral.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Rounds of expectation and maximisation per pass.
+constexpr int kRounds = 3;
+/// Share of the earlier passes' effective samples that counts on.
+constexpr float kMemory = 0.5f;
+/// No record counts more than this share of all.
+constexpr double kLargestPart = 0.01;
+/// Priors, in effective samples: of each lobe's share, of each lobe being even, and of the BSDF and the lobes having
+/// the same share.
+constexpr float kSharePrior = 0.05f, kEvenPrior = 0.1f, kBsdfPrior = 4;
+/// Bounds of the BSDF's share: lobes may have missed light, and the BSDF may hardly ever find it.
+constexpr float kLeastBsdf = 0.3f, kMostBsdf = 0.95f;
+/// Concentration of the first lobes: that of even ones over half a sphere, about.
+constexpr float kFirstKappa = 8;
+
+/// A register of records.
+struct alignas(64) Samples {
+  float x[kWidth] = {}, y[kWidth] = {}, z[kWidth] = {};
+  float weight[kWidth] = {};  ///< effective number
+  float bsdf_pdf[kWidth] = {};
+};
+
+/// Factor on weights that makes them effective numbers: their sum is that of as many equal ones as would be as noisy
+/// (Kish 1965). `largest`: a weight may not be above.
+float weight_scale(std::span<const GuideRecord> records, float& largest) {
+  double sum = 0, squares = 0;
+  for (const GuideRecord& r : records) sum += double{r.weight};
+  largest = static_cast<float>(sum * kLargestPart);
+  sum = 0;
+  for (const GuideRecord& r : records) {
+    const double w = std::min(r.weight, largest);
+    sum += w;
+    squares += w * w;
+  }
+  return squares > 0 ? static_cast<float>(sum / squares) : 0.0f;
+}
+
+std::vector<Samples> samples_of(std::span<const GuideRecord> records) {
+  float largest = 0;
+  const float scale = weight_scale(records, largest);
+  std::vector<Samples> out((records.size() + kWidth - 1) / kWidth);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    Samples& to = out[i / kWidth];
+    const std::size_t lane = i % kWidth;
+    const Vec3f d = decode_octahedral<Scalar>(records[i].direction);
+    to.x[lane] = d.x, to.y[lane] = d.y, to.z[lane] = d.z;
+    to.weight[lane] = std::min(records[i].weight, largest) * scale;
+    to.bsdf_pdf[lane] = records[i].bsdf_pdf;
+  }
+  return out;
+}
+
+/// GuideSums in registers.
+struct WideSums {
+  static constexpr int kRegisters = kGuideLobes / kWidth;
+  WideFloat count[kRegisters], x[kRegisters], y[kRegisters], z[kRegisters];
+
+  SHEAF_INLINE void add(const float (&parts)[kGuideLobes], float weight, Vec3f d) {
+    for (int k = 0; k < kRegisters; ++k) {
+      WideFloat part;
+      load(parts + k * kWidth, part);
+      part *= WideFloat(weight);
+      count[k] += part;
+      x[k] = fma(part, WideFloat(d.x), x[k]);
+      y[k] = fma(part, WideFloat(d.y), y[k]);
+      z[k] = fma(part, WideFloat(d.z), z[k]);
+    }
+  }
+  GuideSums rows() const {
+    GuideSums out;
+    for (int k = 0; k < kRegisters; ++k) {
+      store(out.count + k * kWidth, count[k]);
+      store(out.x + k * kWidth, x[k]), store(out.y + k * kWidth, y[k]), store(out.z + k * kWidth, z[k]);
+    }
+    return out;
+  }
+};
+
+/// Adds up how far the samples belong to each lobe, and to the BSDF.
+GuideSums expectation(const GuideMixture& mixture, const std::vector<Samples>& samples) {
+  WideSums sums;
+  WideFloat of_bsdf;
+  const float a = mixture.bsdf_share;
+  for (const Samples& s : samples) {
+    alignas(64) float parts[kWidth][kGuideLobes], factor[kWidth];
+    for (int lane = 0; lane < kWidth; ++lane) lobe_parts(mixture, {s.x[lane], s.y[lane], s.z[lane]}, parts[lane]);
+    WideFloat bsdf_pdf, weight;
+    load(s.bsdf_pdf, bsdf_pdf), load(s.weight, weight);
+    const WideFloat bsdf = bsdf_pdf * WideFloat(a);
+    const WideFloat pdf = fma(sum_parts<Wide>(parts), WideFloat(1 - a), bsdf);
+    const WideFloat per_pdf = weight / max(pdf, WideFloat(1e-20f));
+    of_bsdf += bsdf * per_pdf;
+    store(factor, per_pdf * WideFloat(1 - a));
+    for (int lane = 0; lane < kWidth; ++lane) sums.add(parts[lane], factor[lane], {s.x[lane], s.y[lane], s.z[lane]});
+  }
+  GuideSums out = sums.rows();
+  alignas(64) float bsdf[kWidth];
+  store(bsdf, of_bsdf);
+  for (const float b : bsdf) out.bsdf += b;
+  return out;
+}
+
+/// `out` = `a` times `share` + `b`.
+GuideSums weighted_sum(const GuideSums& a, float share, const GuideSums& b) {
+  GuideSums out;
+  for (int k = 0; k < kGuideLobes; ++k) {
+    out.count[k] = a.count[k] * share + b.count[k];
+    out.x[k] = a.x[k] * share + b.x[k];
+    out.y[k] = a.y[k] * share + b.y[k];
+    out.z[k] = a.z[k] * share + b.z[k];
+  }
+  out.bsdf = a.bsdf * share + b.bsdf;
+  return out;
+}
+
+/// Sets peaks and sums of shares.
+void set_shares(GuideMixture& mixture, const float (&shares)[kGuideLobes]) {
+  double sum = 0, below = 0;
+  for (const float s : shares) sum += double{s};
+  for (int k = 0; k < kGuideLobes; ++k) {
+    const double share = double{shares[k]} / sum;
+    below += share;
+    mixture.peak[k] = static_cast<float>(share) * lobe_peak(mixture.kappa[k]);
+    mixture.below[k] = static_cast<float>(below);
+  }
+  mixture.below[kGuideLobes - 1] = 1;
+}
+
+/// The mixture that makes samples with these sums most likely. The concentration is that of Banerjee et al.,
+/// "Clustering on the Unit Hypersphere using von Mises-Fisher Distributions", 2005, equation 4.4.
+void maximisation(const GuideSums& sums, GuideMixture& mixture) {
+  float shares[kGuideLobes], lobes = 0;
+  for (int k = 0; k < kGuideLobes; ++k) {
+    lobes += sums.count[k];
+    shares[k] = sums.count[k] + kSharePrior;
+    const Vec3f sum{sums.x[k], sums.y[k], sums.z[k]};
+    const float along = length(sum);
+    if (!(along > 1e-6f)) continue;
+    mixture.x[k] = sum.x / along, mixture.y[k] = sum.y / along, mixture.z[k] = sum.z / along;
+    const float mean = std::min(along / (sums.count[k] + kEvenPrior), 0.99999f);
+    mixture.kappa[k] = clamp(mean * (3 - mean * mean) / (1 - mean * mean), kLeastKappa, kMostKappa);
+  }
+  set_shares(mixture, shares);
+  mixture.bsdf_share = clamp((sums.bsdf + kBsdfPrior) / (sums.bsdf + lobes + 2 * kBsdfPrior), kLeastBsdf, kMostBsdf);
+}
+
+}  // namespace
+
+GuideMixture first_mixture(Vec3f axis) {
+  const bool half = length(axis) > 0;
+  const Frame<Scalar> frame = Frame<Scalar>::from_normal(half ? axis : Vec3f{0, 0, 1});
+  GuideMixture out;
+  float shares[kGuideLobes];
+  for (int k = 0; k < kGuideLobes; ++k) {
+    // A spiral of even density (Vogel 1979).
+    const float u = (static_cast<float>(k) + 0.5f) / kGuideLobes, z = half ? 1 - u : 1 - 2 * u;
+    const float turn = 0.61803398875f * static_cast<float>(k), r = std::sqrt(1 - z * z);
+    const auto angle = sincos_2pi<Scalar>(turn - std::floor(turn));
+    const Vec3f d = frame.to_world({r * angle.cos, r * angle.sin, z});
+    out.x[k] = d.x, out.y[k] = d.y, out.z[k] = d.z;
+    out.kappa[k] = half ? kFirstKappa : 0.5f * kFirstKappa;
+    shares[k] = 1;
+  }
+  set_shares(out, shares);
+  out.bsdf_share = 0.5f;
+  return out;
+}
+
+void fit_mixture(std::span<const GuideRecord> records, GuideMixture& mixture, GuideSums& sums) {
+  const std::vector<Samples> samples = samples_of(records);
+  GuideSums found;
+  for (int round = 0; round < kRounds; ++round) {
+    found = weighted_sum(sums, kMemory, expectation(mixture, samples));
+    maximisation(found, mixture);
+  }
+  sums = found;
+}
+
+void halve(GuideSums& sums) { sums = weighted_sum(sums, 0.5f, {}); }
+
+}  // namespace sheaf

@@ -1,0 +1,40 @@
+#include "kernels/guiding/guide_record.h"
+
+namespace sheaf {
+
+namespace {
+
+/// 0 where something is not a number, or the sum of rounding errors.
+float usable(float weight) { return weight > 0 && weight < 1e30f ? weight : 0.0f; }
+
+}  // namespace
+
+/// Each path's are in order already.
+std::vector<GuideLog::Open> GuideLog::sorted() const {
+  std::vector<std::uint32_t> begin(radiance_.size() + 1);
+  for (const Open& open : open_) ++begin[open.vertex.path + 1];
+  for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
+  std::vector<Open> sorted(open_.size());
+  for (const Open& open : open_) sorted[begin[open.vertex.path]++] = open;
+  return sorted;
+}
+
+std::vector<GuideRecord> GuideLog::records(const GuideView& guide, std::span<const float> means) const {
+  const std::vector<Open> vertices = sorted();
+  std::vector<GuideRecord> out(vertices.size());
+  float mean_ahead = -1;  // of the vertex behind
+  for (std::size_t i = vertices.size(); i-- > 0;) {
+    const auto& [v, before] = vertices[i];
+    const float found = usable((radiance_[v.path] - before) * v.over_beta);
+    const std::uint32_t row = guide_row<Scalar>(guide, v.side, guide_code<Scalar>(guide, v.p));
+    out[i] = {v.p, v.direction, found, v.bsdf_pdf, row << 3 | v.side, found};
+    if (i + 1 < vertices.size() && vertices[i + 1].vertex.path == v.path && mean_ahead >= 0) {
+      const auto& [next, next_before] = vertices[i + 1];
+      out[i].weight = usable((next_before - before) * v.over_beta + v.over_beta / next.over_beta * mean_ahead);
+    }
+    mean_ahead = row < means.size() ? means[row] : -1;
+  }
+  return out;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,71 @@
+// The guide as kernels see it: mixtures, and the tree that tells which of them is for a place.
+//
+// Each of the sides that surfaces may face, and media, have a tree of their own over one cube. A tree halves the cube
+// along x, y and z in turn, so that the way down is the place's Morton code; its first kGuideTopBits levels are a
+// table.
+#pragma once
+
+#include "kernels/guiding/guide_mixture.h"
+
+namespace sheaf {
+
+/// Which tree: surfaces by the axis that their normal is nearest to, or media.
+inline constexpr std::uint32_t kGuideMedia = 6, kGuideSides = 7;
+/// Levels of a tree in all, and of its table.
+inline constexpr int kGuideBits = 30, kGuideTopBits = 12;
+/// Bit of a node: it is a leaf, and the rest is its mixture's row.
+inline constexpr std::uint32_t kGuideLeaf = 0x80000000u;
+
+/// Row 0 of `mixtures` knows nothing: all is left to the BSDF.
+struct GuideView {
+  const GuideMixture* mixtures = nullptr;
+  const std::uint32_t* roots = nullptr;     ///< of each side 2^kGuideTopBits nodes; null: nothing was learned
+  const std::uint32_t* children = nullptr;  ///< two nodes for each that is no leaf
+  Vec3f low{};                              ///< corner of the cube
+  float scale = 0;                          ///< cells of the finest level per metre
+};
+
+/// The side of a surface whose normal, towards the viewer, is `n`.
+template <class L> SHEAF_INLINE Uint<L> guide_side(Vec3<L> n) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const Vec3<L> a = abs(n);
+  const auto x = (a.x >= a.y) & (a.x >= a.z), y = a.y >= a.z;
+  const F along = select(x, n.x, select(y, n.y, n.z));
+  return select(x, U(0u), select(y, U(2u), U(4u))) + select(along < F(0.0f), U(1u), U(0u));
+}
+
+/// The lower 10 bits of `x`, two zeros between each.
+template <class U> SHEAF_INLINE U spread_bits(U x) {
+  x = (x | (x << 16)) & U(0x030000ffu);
+  x = (x | (x << 8)) & U(0x0300f00fu);
+  x = (x | (x << 4)) & U(0x030c30c3u);
+  return (x | (x << 2)) & U(0x09249249u);
+}
+
+/// The Morton code of a place, kGuideBits long.
+template <class L> SHEAF_INLINE Uint<L> guide_code(const GuideView& guide, Vec3<L> p) {
+  using F = Float<L>;
+  const auto cell = [&guide](F v, float low) SHEAF_LAMBDA_INLINE {
+    constexpr float kCells = 1 << (kGuideBits / 3);
+    return spread_bits(to_uint(clamp((v - F(low)) * F(guide.scale), F(0.0f), F(kCells - 1))));
+  };
+  return (cell(p.x, guide.low.x) << 2) | (cell(p.y, guide.low.y) << 1) | cell(p.z, guide.low.z);
+}
+
+/// The row of the mixture for a place with this code.
+template <class L> SHEAF_INLINE Uint<L> guide_row(const GuideView& guide, Uint<L> side, Uint<L> code) {
+  using U = Uint<L>;
+  if (guide.roots == nullptr) return U(0u);
+  U node = gather(guide.roots, (side << kGuideTopBits) + (code >> (kGuideBits - kGuideTopBits)));
+  U way = code << (32 - kGuideBits + kGuideTopBits);
+  for (;;) {
+    const auto inner = (node & U(kGuideLeaf)) == U(0u);
+    if (!any(inner)) return node & U(~kGuideLeaf);
+    const U child = gather(guide.children, select(inner, (node << 1) + (way >> 31), U(0u)));
+    node = select(inner, child, node);
+    way = way << 1;
+  }
+}
+
+}  // namespace sheaf

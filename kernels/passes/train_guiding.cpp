@@ -1,0 +1,141 @@
+#include "kernels/passes/train_guiding.h"
+
+#include "core/rng.h"
+#include "kernels/film/film_layout.h"
+#include "kernels/passes/passes.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// Share of a render's samples that training may add, and samples per pixel beyond which it has learned enough.
+constexpr double kTrainingShare = 0.125;
+constexpr std::uint32_t kMostTraining = 16;
+/// Camera samples of the longest pass: their records stay in memory until the guide has learned.
+constexpr std::uint64_t kPassSamples = 1 << 20;
+/// Camera samples per task.
+constexpr int kTaskSamples = 4096;
+/// Records by which a place is halved: this many times the square root of a pass's number over that of the first.
+constexpr double kSplitRecords = 1000;
+
+double seconds_since(std::uint64_t start) { return static_cast<double>(timestamp() - start) * seconds_per_tick(); }
+
+int strided(int size, int stride) { return (size + stride - 1) / stride; }
+
+/// The pixels of a pass, row by row, cut into tasks.
+std::vector<std::vector<PixelSamples>> tasks_of(const SampledFrame& frame, int height, const TrainingPass& pass) {
+  // A part of a pass has other pixels than the part before it.
+  const auto stride = static_cast<std::uint32_t>(pass.stride);
+  std::uint32_t x = pass.first_sample, y = stride, z = 0, w = 0;
+  hash4(x, y, z, w);
+  const int side = std::max(4, static_cast<int>(std::sqrt(kTaskSamples / static_cast<double>(pass.sample_count))));
+  const int columns = strided(frame.width, pass.stride), rows = strided(height, pass.stride);
+  std::vector<std::vector<PixelSamples>> tasks;
+  for (int y0 = 0; y0 < rows; y0 += side)
+    for (int x0 = 0; x0 < columns; x0 += side) {
+      std::vector<PixelSamples>& task = tasks.emplace_back();
+      for (int row = y0; row < std::min(y0 + side, rows); ++row)
+        for (int column = x0; column < std::min(x0 + side, columns); ++column) {
+          const int px = std::min(column * pass.stride + static_cast<int>(x % stride), frame.width - 1);
+          const int py = std::min(row * pass.stride + static_cast<int>(y % stride), height - 1);
+          task.push_back({frame.pixel(px, py), pass.first_sample, pass.sample_count});
+        }
+    }
+  return tasks;
+}
+
+/// Random numbers that no sample of the picture has.
+SamplerView training_sampler(const SamplerView& of_picture) {
+  std::uint32_t x = of_picture.seed, y = 0x6775u, z = 0x6964u, w = 0x65u;
+  hash4(x, y, z, w);
+  return make_sampler(SamplerKind::kSobol, x, 1);
+}
+
+/// What all tasks of a pass have told, each task's in order.
+std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Workers& workers, int width, int height,
+                                               const TrainingPass& pass, std::span<const float> means,
+                                               const GuideTraining& training) {
+  const SampledFrame frame{width};
+  const std::vector<std::vector<PixelSamples>> tasks = tasks_of(frame, height, pass);
+  std::vector<std::vector<GuideRecord>> told(tasks.size());
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, tasks.size(), 1),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t i = range.begin(); i < range.end() && !training.stopped(); ++i) {
+          const FlushDenormals flush;
+          Worker& worker = workers.local();
+          worker.camera.begin(tasks[i], frame, kBeautyChannels);
+          worker.guide.begin(worker.camera.total());
+          StageContext of_task = context;
+          of_task.camera = &worker.camera;
+          of_task.training = &worker.guide;
+          run_path_pass<Wide>(of_task, worker.wave);
+          told[i] = worker.guide.records(context.guide, means);
+          training.on_samples(static_cast<std::uint64_t>(worker.camera.total()));
+        }
+      },
+      tbb::simple_partitioner());
+  return told;
+}
+
+}  // namespace
+
+std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples) {
+  const double pixels = static_cast<double>(width) * height;
+  const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / static_cast<double>(kPassSamples)))));
+  // Of one sample per pixel that takes part.
+  const double unit = static_cast<double>(strided(width, stride)) * strided(height, stride);
+  const double most = std::min(kTrainingShare * samples, static_cast<double>(kMostTraining)) * pixels / unit;
+  const auto longest = static_cast<std::uint32_t>(std::max(1.0, static_cast<double>(kPassSamples) / unit));
+  std::vector<TrainingPass> passes;
+  std::uint32_t first = 0, count = 1;
+  while (first + count <= most) {
+    passes.push_back({first, count, stride});
+    first += count;
+    if (passes.size() > 1) count = std::min(2 * count, longest);
+    // What is left over would make a pass too short to be one of its own.
+    if (first + 2 * count > most && first + count <= most && most - first <= longest)
+      count = static_cast<std::uint32_t>(most - first);
+  }
+  return passes;
+}
+
+std::uint64_t training_samples(int width, int height, std::span<const TrainingPass> passes) {
+  std::uint64_t sum = 0;
+  for (const TrainingPass& pass : passes)
+    sum += static_cast<std::uint64_t>(strided(width, pass.stride)) *
+           static_cast<std::uint64_t>(strided(height, pass.stride)) * pass.sample_count;
+  return sum;
+}
+
+GuideField train_guide(const StageContext& context, Workers& workers, int width, int height,
+                       std::span<const TrainingPass> passes, GuideTraining& training) {
+  GuideField field;
+  StageContext of_passes = context;
+  of_passes.sampler = training_sampler(context.sampler);
+  for (const TrainingPass& pass : passes) {
+    if (training.stopped()) break;
+    std::uint64_t start = timestamp();
+    of_passes.guide = field.view();
+    const auto told = run_pass(of_passes, workers, width, height, pass, field.means(), training);
+    training.report.trace_seconds += seconds_since(start);
+    start = timestamp();
+    for (const auto& task : told) training.report.records += task.size();
+    field.learn(told, static_cast<std::size_t>(kSplitRecords * std::sqrt(pass.sample_count)));
+    training.report.fit_seconds += seconds_since(start);
+    ++training.report.passes;
+  }
+  training.report.samples = training_samples(width, height, passes);
+  training.report.places = field.places();
+  // Only samples of the picture count as such.
+  for (Worker& worker : workers) worker.wave.stats.samples = 0;
+  return field;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,41 @@
+// Stage: guide. Finds the place of every vertex in the guide. Which side of a surface it is on is told by the geometric
+// normal, which all parts of a blend share.
+#include "kernels/stages/guided.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/stage_timer.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Not a template over the closure: one copy of the code serves all kinds.
+template <class L> void guide_run(const StageContext& context, Wave& wave, const VertexRun& run, bool in_medium) {
+  using U = Uint<L>;
+  for_tiles<L>(run.count, [&](int i, int) {
+    const int column = run.column_begin + i;
+    const auto item = wave.vertices.load<L>(column);
+    U side(kGuideMedia);
+    if (!in_medium) {
+      const RayState<L> ray = wave.rays.gather<L>(wave.sorted.data() + run.slot_begin + i);
+      side = guide_side<L>(select<L>(dot(item.ng, ray.direction) > Float<L>(0.0f), -item.ng, item.ng));
+    }
+    wave.guide_places.store<L>(column, {guide_row<L>(context.guide, side, guide_code<L>(context.guide, item.p)), side});
+  });
+}
+
+}  // namespace
+
+template <class L> void guide(const StageContext& context, Wave& wave) noexcept {
+  if (!context.guides) return;
+  StageTimer timer(wave.stats, Stage::kGuide);
+  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
+    if (!kIsGuided<Bsdf<L>> && !has_parts(context.scene, kind)) return;
+    const VertexRun& run = wave.runs[static_cast<int>(kind)];
+    timer.count(run.count, L::width);
+    guide_run<L>(context, wave, run, kIsPhaseFunction<Bsdf<L>>);
+  });
+}
+
+SHEAF_INSTANTIATE_STAGE(guide);
+
+}  // namespace sheaf

@@ -1,0 +1,136 @@
+// Vertices that sample directions from the guide as well as from their BSDF.
+//
+// A direction has density p = a p_b + (1 - a) p_g, with p_b that of the BSDF, p_g that of the guide and a the share of
+// the former; and the weight f cos / p, whichever of the two it was sampled from (one-sample model with the balance
+// heuristic, Veach 1997, section 9.2.4). Light sampling is weighted against p. Delta lobes are out of the guide's
+// reach: where the BSDF has sampled one, its weight is divided by a. Closures that are nothing else, and those that
+// disperse, whose wavelengths part where they were sampled, are left alone.
+//
+// On blends p_b is that of all parts that are guided and p_g counts with their share, as any of them may have asked it.
+#pragma once
+
+#include "core/octahedral.h"
+#include "kernels/bsdf/all.h"
+#include "kernels/guiding/guide_record.h"
+#include "kernels/guiding/guide_sample.h"
+#include "kernels/stages/blend_value.h"
+#include "kernels/stages/shading_frame.h"
+#include "kernels/wave/lane_mean.h"
+
+#include <bit>
+
+namespace sheaf {
+
+/// Whether vertices of this closure may sample the guide.
+template <class Bsdf> inline constexpr bool kIsGuided = !Bsdf::kIsSpecular && !kDisperses<Bsdf>;
+
+/// The guide towards a direction, for those of the vertices in the columns from `column` on that are set in `lanes`.
+template <class L>
+SHEAF_INLINE GuideValue<L> guide_value(const StageContext& context, const Wave& wave, int column, Mask<L> lanes,
+                                       Vec3<L> direction) {
+  return evaluate_guide<L>(context.guide, wave.guide_places.load<L>(column).row, mask_bits(lanes), direction);
+}
+
+/// The density of a blend's guided parts, and of all of its parts.
+template <class L> SHEAF_INLINE Float<L> guided_pdf(const GuideValue<L>& guide, const BlendValue<L>& blend) {
+  return guide.mixed(blend.mixed_pdf, blend.guided_share);
+}
+template <class L> SHEAF_INLINE Float<L> whole_pdf(const GuideValue<L>& guide, const BlendValue<L>& blend) {
+  return guided_pdf<L>(guide, blend) + (blend.pdf_solid_angle - blend.mixed_pdf);
+}
+
+/// Whether the BSDF refracts from one side to the other and changes the unit of radiance.
+template <class L, template <class> class Bsdf>
+SHEAF_INLINE Float<L> eta_scale_of(const Bsdf<L>& bsdf, Vec3<L> wo, Vec3<L> wi) {
+  using F = Float<L>;
+  if constexpr (requires { bsdf.squared_index(wo); })
+    return select(wo.z * wi.z < F(0.0f), bsdf.squared_index(wo), F(1.0f));
+  else
+    return F(1.0f);
+}
+
+/// GuidedSample::crowding of a direction that was sampled with density `pdf`; bounded, as BSDFs may hardly ever sample
+/// some directions.
+template <class L> SHEAF_INLINE Float<L> crowding(Float<L> pdf, Float<L> bsdf_pdf) {
+  using F = Float<L>;
+  return min(pdf / max(bsdf_pdf, F(1e-10f)), F(1e4f));
+}
+
+/// A sampled direction, and the guide towards it.
+template <class L> struct GuidedSample {
+  BsdfSample<L> bsdf;  ///< as one of the BSDF and the guide together
+  Vec3<L> direction;   ///< world space
+  GuideValue<L> guide;
+  typename L::Float bsdf_pdf;  ///< density had the BSDF alone been sampled; 0: delta lobe
+  /// Density over that of the BSDF alone. Roulette must not see it: throughput is low where many paths are sent, which
+  /// is where they are needed.
+  typename L::Float crowding = typename L::Float(1.0f);
+};
+
+/// Samples a direction at the vertices in the columns from `column` on.
+template <class L, template <class> class Bsdf>
+[[gnu::noinline]] GuidedSample<L> sample_guided(const StageContext& context, const Wave& wave, int column, int count,
+                                                const Bsdf<L>& bsdf, const VertexItem<L>& item, Random4<L> u) {
+  using F = Float<L>;
+  const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
+  const GuideSample<L> of_guide = sample_guide<L>(context.guide, wave.guide_places.load<L>(column).row, count, u);
+  u.x = of_guide.bsdf_u;
+  GuidedSample<L> out;
+  BsdfSample<L>& s = out.bsdf;
+  s = bsdf.sample(item.wo, u);
+  out.direction = frame.to_world(s.wi);
+  Spectrum<L> f_cos = s.weight * s.pdf_solid_angle;
+  if (any(of_guide.taken)) {
+    const Vec3<L> wi = frame.to_local(of_guide.direction);
+    const BsdfValue<L> value = bsdf.evaluate(item.wo, wi);
+    out.direction = select<L>(of_guide.taken, of_guide.direction, out.direction);
+    s.wi = select<L>(of_guide.taken, wi, s.wi);
+    f_cos = select<L>(of_guide.taken, value.f_cos, f_cos);
+    s.pdf_solid_angle = select(of_guide.taken, value.pdf_solid_angle, s.pdf_solid_angle);
+    s.eta_scale = select(of_guide.taken, eta_scale_of<L>(bsdf, item.wo, wi), s.eta_scale);
+    s.valid = s.valid | of_guide.taken;
+  }
+  out.bsdf_pdf = s.pdf_solid_angle;
+  const auto smooth = of_guide.taken | (s.valid & (s.pdf_solid_angle > F(0.0f)));
+  // A delta lobe's weight needs the share all the same.
+  out.guide = guide_value<L>(context, wave, column, s.valid & L::first(count), out.direction);
+  const F pdf = out.guide.mixed(s.pdf_solid_angle);
+  s.valid = s.valid & ((!smooth) | (pdf > F(0.0f)));
+  s.weight = select<L>(smooth, f_cos * (F(1.0f) / select(pdf > F(0.0f), pdf, F(1.0f))),
+                       s.weight * (F(1.0f) / out.guide.bsdf_share));
+  out.crowding = select(smooth, crowding<L>(pdf, out.bsdf_pdf), out.guide.bsdf_share);
+  s.pdf_solid_angle = select(smooth, pdf, F(0.0f));
+  return out;
+}
+
+/// Writes down what the vertices of `lanes` have sampled. Comes before their throughput and probabilities change.
+template <class L>
+void note_directions(const StageContext& context, const Wave& wave, const Slot* slots, int column, std::uint32_t lanes,
+                     const VertexItem<L>& item, const ThroughputState<L>& path, Vec3<L> direction, Float<L> bsdf_pdf) {
+  using F = Float<L>;
+  F divisor(1.0f);
+  if (context.scene.has_transparency)
+    divisor = lane_mean<L>(context.scene.color, wave.probabilities.gather<L>(slots).r_u);
+  alignas(kSimdAlignment) float px[L::width], py[L::width], pz[L::width], pdf[L::width], over[L::width];
+  alignas(kSimdAlignment) std::uint32_t bits[L::width], side[L::width], event[L::width];
+  store(px, item.p.x), store(py, item.p.y), store(pz, item.p.z);
+  store(pdf, bsdf_pdf);
+  store(over, divisor / total(path.beta));
+  store(bits, encode_octahedral<L>(direction));
+  store(side, wave.guide_places.load<L>(column).side);
+  store(event, path.event());
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    if (event[lane] >= GuideLog::kMostVertices) continue;
+    const RadianceState<Scalar>& row = wave.radiance.row(slots[lane]);
+    context.training->add({{px[lane], py[lane], pz[lane]},
+                           bits[lane],
+                           over[lane],
+                           pdf[lane],
+                           side[lane],
+                           row.task_sample & ~kTransparent},
+                          total(row.radiance));
+  }
+}
+
+}  // namespace sheaf

@@ -1,0 +1,21 @@
+// Stage: learn. What finished paths have found goes to the log of the training pass; their vertices are there already,
+// by the scatter stage.
+#include "kernels/guiding/guide_record.h"
+#include "kernels/stages/stages.h"
+#include "kernels/wave/stage_timer.h"
+
+namespace sheaf {
+
+template <class L> void learn(const StageContext& context, Wave& wave) noexcept {
+  if (context.training == nullptr) return;
+  StageTimer timer(wave.stats, Stage::kLearn);
+  timer.count(wave.finished.size(), 1);
+  for (const Slot slot : wave.finished.span()) {
+    const RadianceState<Scalar>& row = wave.radiance.row(slot);
+    context.training->finish(row.task_sample & ~kTransparent, total(row.radiance));
+  }
+}
+
+SHEAF_INSTANTIATE_STAGE(learn);
+
+}  // namespace sheaf

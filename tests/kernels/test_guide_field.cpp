@@ -1,0 +1,251 @@
+// The guide: what its mixtures sample against their densities, what they learn, and which of them is for which place.
+#include "core/octahedral.h"
+#include "kernels/guiding/guide_field.h"
+#include "kernels/guiding/guide_sample.h"
+#include "tests/support/chi_square.h"
+#include "tests/support/lanes_testing.h"
+
+#include <doctest/doctest.h>
+#include <tbb/global_control.h>
+
+#include <cstring>
+#include <random>
+
+namespace sheaf {
+
+namespace {
+
+constexpr int kTests = 8;  // that share the significance level
+
+/// Uniform in [0, 1).
+float uniform(std::mt19937& random) { return unit_float(static_cast<std::uint32_t>(random())); }
+
+Vec3f uniform_direction(std::mt19937& random) {
+  const float u = uniform(random), v = uniform(random);
+  return square_to_sphere<Scalar>(u, v);
+}
+
+/// Directions that the integrand `of`, per steradian, was sampled in evenly over the sphere; so is the BSDF.
+template <class F> std::vector<GuideRecord> records_of(int count, F&& of, Vec3f p = {0, 0, 0}) {
+  std::mt19937 random(3);
+  std::vector<GuideRecord> records;
+  for (int i = 0; i < count; ++i) {
+    const Vec3f d = uniform_direction(random);
+    const float weight = of(d) / kUniformSpherePdf;
+    records.push_back({p, encode_octahedral<Scalar>(d), weight, kUniformSpherePdf, 4u, weight});
+  }
+  return records;
+}
+
+/// A lobe of exponent `kappa` around `middle`, its peak at 1.
+float lobe(Vec3f d, Vec3f middle, float kappa) { return std::exp(kappa * (dot(d, middle) - 1)); }
+
+const Vec3f kFirst = normalize(Vec3f{1, 2, 2}), kSecond = normalize(Vec3f{-2, 1, 1});
+
+GuideMixture two_lobes() {
+  GuideMixture mixture = first_mixture({0, 0, 0});
+  GuideSums sums;
+  const auto records = records_of(40000, [](Vec3f d) { return lobe(d, kFirst, 60) + 0.5f * lobe(d, kSecond, 15); });
+  for (int pass = 0; pass < 4; ++pass) fit_mixture(records, mixture, sums);
+  return mixture;
+}
+
+GuideView view_of(const GuideMixture& mixture) {
+  GuideView view;
+  view.mixtures = &mixture;
+  return view;
+}
+
+/// A direction of the guide alone, or none where the BSDF was to be sampled.
+std::optional<Vec3f> guided(const GuideView& view, const Random4<Scalar>& u) {
+  const auto s = sample_guide<Scalar>(view, 0u, 1, u);
+  return s.taken ? std::optional(s.direction) : std::nullopt;
+}
+
+void check_sampling(const GuideMixture& mixture) {
+  const GuideView view = view_of(mixture);
+  const auto pdf = [&view](Vec3f d) -> double {
+    const GuideValue<Scalar> value = evaluate_guide<Scalar>(view, 0u, 1u, d);
+    return double{value.pdf_solid_angle} * (1 - double{value.bsdf_share});
+  };
+  const ChiSquare result = chi_square_sphere([&view](const Random4<Scalar>& u) { return guided(view, u); }, pdf);
+  CHECK(result.integral == doctest::Approx(1 - mixture.bsdf_share).epsilon(1e-3));
+  CHECK(result.p_value > significance_of_each(kTests));
+}
+
+}  // namespace
+
+TEST_CASE("guiding: directions are distributed as their density says, which integrates to one") {
+  check_sampling(first_mixture({0, 0, 0}));
+  check_sampling(first_mixture({0, -1, 0}));
+  check_sampling(two_lobes());
+}
+
+TEST_CASE("guiding: lobes from nearly even to the narrowest integrate to one") {
+  for (const float kappa : {kLeastKappa, 1.0f, 100.0f, kMostKappa}) {
+    CAPTURE(kappa);
+    // In steps of the cosine's logarithm: the density depends on the angle to the middle alone.
+    const double peak = double{lobe_peak(kappa)}, k = double{kappa};
+    CHECK(2 * 3.141592653589793 * peak * -std::expm1(-2 * k) / k == doctest::Approx(1).epsilon(1e-5));
+    const Vec3f d = sample_lobe<Scalar>(kFirst, kappa, 0.5f, 0.3f);
+    CHECK(length(d) == doctest::Approx(1).epsilon(1e-5));
+    // Half of all directions lie within the median angle.
+    const double median = -std::log(0.5 + 0.5 * std::exp(-2 * k)) / k;
+    CHECK(1 - double{dot(d, kFirst)} == doctest::Approx(median).epsilon(0.01));
+  }
+}
+
+TEST_CASE("guiding: registers do what single paths do, and lanes do not see each other") {
+  std::mt19937 random(5);
+  const std::vector<GuideMixture> mixtures = {GuideMixture(), two_lobes(), first_mixture({1, 0, 0})};
+  GuideView view;
+  view.mixtures = mixtures.data();
+  for (int round = 0; round < 50; ++round) {
+    const WideUint rows = wide_uints([&](int) { return static_cast<std::uint32_t>(random() % mixtures.size()); });
+    const auto numbers = [&] { return wide_floats([&](int) { return uniform(random); }); };
+    const Random4<Wide> u{numbers(), numbers(), numbers(), numbers()};
+    const auto sampled = sample_guide<Wide>(view, rows, kWidth, u);
+    const Vec3<Wide> d = square_to_sphere<Wide>(u.y, u.z);
+    const auto value = evaluate_guide<Wide>(view, rows, ~0u, d);
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const auto s = sample_guide<Scalar>(view, rows[lane], 1, {u.x[lane], u.y[lane], u.z[lane], u.w[lane]});
+      CHECK(s.taken == lane_of(sampled.taken, lane));
+      CHECK(s.bsdf_u == sampled.bsdf_u[lane]);
+      if (s.taken) {
+        const Vec3f at{sampled.direction.x[lane], sampled.direction.y[lane], sampled.direction.z[lane]};
+        CHECK(length(s.direction - at) < 1e-5f);
+      }
+      const auto v = evaluate_guide<Scalar>(view, rows[lane], 1, {d.x[lane], d.y[lane], d.z[lane]});
+      CHECK(v.bsdf_share == value.bsdf_share[lane]);
+      CHECK(v.pdf_solid_angle == value.pdf_solid_angle[lane]);
+    }
+  }
+}
+
+TEST_CASE("guiding: a mixture comes near to what it is told of") {
+  const GuideMixture mixture = two_lobes();
+  const GuideView view = view_of(mixture);
+  // Shares of the lobes in the integrand, by their integrals: 2 pi (1 - exp(-2 kappa)) / kappa.
+  const double first = 1.0 / 60, second = 0.5 / 15, a = double{mixture.bsdf_share};
+  const auto density = [&](Vec3f d) {
+    const auto v = evaluate_guide<Scalar>(view, 0u, 1u, d);
+    return a * double{kUniformSpherePdf} + (1 - a) * double{v.pdf_solid_angle};
+  };
+  const double turn = 2 * 3.141592653589793;
+  CHECK(density(kFirst) == doctest::Approx(1 / (turn * (first + second))).epsilon(0.25));
+  CHECK(density(kSecond) == doctest::Approx(0.5 / (turn * (first + second))).epsilon(0.25));
+  CHECK(density(-kFirst) < 0.05);
+  CHECK(a < 0.35);  // the BSDF, which is even, explains nothing
+
+  // Nothing to be learned: what the BSDF samples is as good as can be.
+  GuideMixture even = first_mixture({0, 0, 0});
+  GuideSums sums;
+  const auto records = records_of(20000, [](Vec3f) { return 1.0f; });
+  const float before = even.bsdf_share;
+  for (int pass = 0; pass < 4; ++pass) fit_mixture(records, even, sums);
+  CHECK(even.bsdf_share >= 0.9f * before);
+  for (const Vec3f d : {kFirst, kSecond, -kFirst})
+    CHECK(evaluate_guide<Scalar>(view_of(even), 0u, 1, d).mixed(kUniformSpherePdf) ==
+          doctest::Approx(double{kUniformSpherePdf}).epsilon(0.3));
+}
+
+TEST_CASE("guiding: records without light are no harm") {
+  GuideMixture mixture = first_mixture({0, 0, 1});
+  GuideSums sums;
+  const auto records = records_of(100, [](Vec3f) { return 0.0f; });
+  fit_mixture(records, mixture, sums);
+  const auto v = evaluate_guide<Scalar>(view_of(mixture), 0u, 1, kFirst);
+  CHECK(is_finite(v.pdf_solid_angle));
+  CHECK(v.bsdf_share > 0);
+}
+
+TEST_CASE("guiding: places are the smaller the more is told of them, and the same for any number of threads") {
+  std::mt19937 random(8);
+  std::vector<std::vector<GuideRecord>> tasks(7);
+  for (std::size_t task = 0; task < tasks.size(); ++task)
+    for (int i = 0; i < 3000; ++i) {
+      const Vec3f p{uniform(random) * (i % 2 == 0 ? 0.01f : 8.0f), uniform(random), uniform(random)};
+      const Vec3f to = normalize((p.x < 4 ? Vec3f{4, 0, 9} : Vec3f{4, 9, 0}) - p);
+      const Vec3f d = uniform_direction(random);
+      const float weight = lobe(d, to, 30);
+      tasks[task].push_back({p, encode_octahedral<Scalar>(d), weight, kUniformSpherePdf,
+                             static_cast<std::uint32_t>(i % 3 == 0 ? kGuideMedia : 4u), weight});
+    }
+  std::vector<std::byte> expected;
+  for (const std::size_t threads : {1u, 2u, 7u}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    GuideField field;
+    for (int pass = 0; pass < 3; ++pass) {
+      auto told = tasks;
+      for (auto& task : told)
+        for (GuideRecord& r : task)
+          r.row_and_side |= guide_row<Scalar>(field.view(), r.side(), guide_code<Scalar>(field.view(), r.p)) << 3;
+      field.learn(told, 400);
+    }
+    const GuideView view = field.view();
+    CHECK(field.places() > 40);
+    std::vector<std::byte> bytes((field.places() + 1) * sizeof(GuideMixture));
+    std::memcpy(bytes.data(), view.mixtures, bytes.size());
+    if (expected.empty()) expected = bytes;
+    CHECK(bytes == expected);
+
+    const auto row = [&view](std::uint32_t side, Vec3f p) {
+      return guide_row<Scalar>(view, side, guide_code<Scalar>(view, p));
+    };
+    // Where half of the records are, places are small.
+    CHECK(row(4, {0.001f, 0.2f, 0.2f}) != row(4, {0.001f, 0.8f, 0.2f}));
+    CHECK(row(4, {1, 0.5f, 0.5f}) != row(kGuideMedia, {1, 0.5f, 0.5f}));
+    CHECK(row(4, {7, 0.5f, 0.5f}) != row(4, {1, 0.5f, 0.5f}));
+    // Anywhere, and what is no place at all, there is some row.
+    for (const float x : {-1e9f, 1e9f, -kInfinity, std::nanf("")}) CHECK(row(3, {x, 0, 0}) <= field.places());
+    // Registers find the same rows.
+    for (int round = 0; round < 20; ++round) {
+      const auto numbers = [&](float scale) { return wide_floats([&](int) { return scale * uniform(random); }); };
+      const Vec3<Wide> p{numbers(8), numbers(1), numbers(1)};
+      const WideUint side = wide_uints([&](int) { return static_cast<std::uint32_t>(random() % kGuideSides); });
+      const WideUint rows = guide_row<Wide>(view, side, guide_code<Wide>(view, p));
+      for (int lane = 0; lane < kWidth; ++lane) CHECK(rows[lane] == row(side[lane], {p.x[lane], p.y[lane], p.z[lane]}));
+    }
+    // Light is looked for where it was told to come from.
+    const auto density = [&](Vec3f p, Vec3f to) {
+      return evaluate_guide<Scalar>(view, row(4, p), 1u, normalize(to - p)).pdf_solid_angle;
+    };
+    CHECK(density({1, 0.5f, 0.5f}, {4, 0, 9}) > 5 * density({1, 0.5f, 0.5f}, {4, 9, 0}));
+    CHECK(density({7, 0.5f, 0.5f}, {4, 9, 0}) > 5 * density({7, 0.5f, 0.5f}, {4, 0, 9}));
+  }
+}
+
+TEST_CASE("guiding: a log tells paths in order, with what they have found from each vertex on") {
+  const auto vertex = [](std::uint32_t path, float over_beta) {
+    return GuideVertex{{static_cast<float>(path), over_beta, 0}, 0, over_beta, 1, 4, path};
+  };
+  GuideLog log;
+  log.begin(3);
+  log.add(vertex(2, 1), 0);
+  log.add(vertex(0, 1), 0.25f);
+  log.add(vertex(2, 2), 0.5f);
+  log.add(vertex(1, 1), 0);
+  log.add(vertex(2, 4), 0.5f);
+  log.finish(2, 1.5f);
+  log.finish(0, 1);
+  log.finish(1, std::nanf(""));
+  const GuideMixture mixture;
+  const auto records = log.records(view_of(mixture), {});
+  REQUIRE(records.size() == 5);
+  const float found[] = {0.75f, 0, 1.5f, 2, 4}, paths[] = {0, 1, 2, 2, 2};
+  for (std::size_t i = 0; i < 5; ++i) {
+    CHECK(records[i].found == found[i]);
+    CHECK(records[i].weight == found[i]);
+    CHECK(records[i].p.x == paths[i]);
+  }
+  // With a mean of 3 for what vertices find: light found at the next vertex, and the mean times what is left of it.
+  const float means[] = {3.0f};
+  const auto smooth = log.records(view_of(mixture), means);
+  const float weights[] = {0.75f, 0, 0.5f + 0.5f * 3, 0 + 0.5f * 3, 4};
+  for (std::size_t i = 0; i < 5; ++i) {
+    CHECK(smooth[i].found == found[i]);
+    CHECK(smooth[i].weight == weights[i]);
+  }
+}
+
+}  // namespace sheaf

@@ -1,0 +1,198 @@
+// Guided renders: the same mean as without a guide, the same bits whatever the threads, waves and crop, less noise
+// where light is hard to find.
+#include "core/error.h"
+#include "tests/support/media_testing.h"
+#include "tests/support/render_testing.h"
+#include "tests/support/temporary_folder.h"
+
+#include <cstring>
+
+namespace sheaf {
+
+namespace {
+
+/// All comparisons of means of this file together fail with probability kSignificance if guiding is sound.
+const double kLevel = significance_of_each(30);
+
+/// Two rooms of which one has a lamp, and a gap between them; seen from the other one. Every pixel sees one point.
+Description two_rooms(int samples) {
+  Description d = picture_of_one_point(samples);
+  d.film.width = d.film.height = 16;
+  d.integrator.max_depth = 6;
+  look_at_point(d, {-0.6f, 0.1f, 0.2f}, {-0.9f, 0.2f, -1}, {0, 1, 0});
+  const MaterialId wall = add_two_sided(d, add_diffuse_rgb(d, 0.7f, 0.6f, 0.5f));
+  add_shape(d, CubeShape{}, Transform::scale({2, 1, 1}), wall);
+  add_rectangle(
+      d, Transform::translate({0, 0, -0.2f}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({0.8f, 1, 1}), wall);
+  emit(add_rectangle(d,
+                     Transform::translate({1.5f, 0.99f, 0}) * Transform::rotate({1, 0, 0}, 90) *
+                         Transform::scale({0.3f, 0.3f, 1}),
+                     add_diffuse(d, 0)),
+       20);
+  return d;
+}
+
+struct Guided {
+  MeanVariance off, on;  ///< of green
+};
+
+Guided both_ways(const Description& d, ColorMode color = ColorMode::kRgb) {
+  Guided means;
+  const auto scene = compile_scene(d, {false, color});
+  for (const bool guiding : {false, true}) {
+    RenderOptions options;
+    options.guiding = guiding;
+    options.seed = guiding ? 6 : 5;
+    const RenderResult result = render(*scene, options);
+    CHECK(result.report.guiding.passes == (guiding ? 4 : 0));
+    const Image image = result.film.to_image();
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) (guiding ? means.on : means.off).add(image.at(x, y, 1));
+  }
+  return means;
+}
+
+void check_means(const Description& d, ColorMode color = ColorMode::kRgb) {
+  const Guided means = both_ways(d, color);
+  check_same_mean(means.off, means.on, kLevel, 16 * 16);
+}
+
+MaterialId add_rough_glass(Description& d) {
+  DielectricDescription glass;
+  glass.roughness = RoughnessDescription{RoughnessDescription::Distribution::kGgx, 0.4f, 0.4f};
+  return add_material(d, glass);
+}
+
+}  // namespace
+
+TEST_CASE("guiding: the mean is that of unguided paths, with less noise") {
+  for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kLightOnly}) {
+    Description d = two_rooms(64);
+    d.integrator.strategy = strategy;
+    const Guided means = both_ways(d);
+    check_same_mean(means.off, means.on, kLevel, 16 * 16);
+    CHECK(means.on.variance() < 0.6 * means.off.variance());
+  }
+}
+
+TEST_CASE("guiding: without light sampling, with several candidates, and in both colour modes") {
+  for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
+    Description d = two_rooms(64);
+    d.integrator.candidates = 4;
+    add_point_light(d, {1.5f, -0.9f, 0.5f}, 1);
+    check_means(d, color);
+    d.integrator.strategy = LightStrategy::kBsdfOnly;
+    d.lights.clear();
+    add_constant_light(d, 1);
+    d.shapes[0].geometry = RectangleShape{};
+    d.shapes[0].to_world =
+        Transform::translate({0, -1, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({2, 2, 1});
+    look_at_point(d, {-0.6f, 0.1f, 0.2f}, {-0.5f, -1, 0}, {0, 1, 0});
+    check_means(d, color);
+  }
+}
+
+TEST_CASE("guiding: light sampling and the guide share what both find") {
+  // A wall that shines, as likely to be found by one as by the other.
+  Description d = picture_of_one_point(64);
+  d.film.width = d.film.height = 16;
+  look_at_point(d, {0, 2, 0.5f}, {0, 0, 0}, {0, 0, 1});
+  add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}), add_diffuse(d, 0.8f));
+  add_area_light_rectangle(
+      d, Transform::translate({1, 1, 0}) * Transform::rotate({0, 1, 0}, -90) * Transform::scale({2, 1, 1}), 1);
+  for (const int candidates : {1, 4}) {
+    d.integrator.candidates = candidates;
+    check_means(d);
+  }
+  d.camera.medium = add_medium(d, fog(0.2f, 0.9f));
+  check_means(d);
+}
+
+TEST_CASE("guiding: blends, coats, glass, two sides and roulette") {
+  Description d = two_rooms(64);
+  d.integrator.max_depth = -1;
+  d.integrator.rr_depth = 3;
+  PlasticDescription plastic;
+  const MaterialId shiny = add_material(d, plastic), rough = add_rough_glass(d);
+  const MaterialId blend = add_material(d, BlendDescription{0.4f, {add_diffuse(d, 0.6f), add_mirror(d, 0.8f)}});
+  add_sphere(d, {-1.2f, -0.5f, -0.4f}, 0.4f, blend);
+  add_sphere(d, {-1.5f, 0.5f, -0.5f}, 0.3f, rough);
+  add_sphere(d, {-0.4f, -0.6f, 0.4f}, 0.3f, shiny);
+  check_means(d);
+  // Looks at the blend itself, and at the plastic.
+  look_at_point(d, {-0.6f, 0.1f, 0.2f}, {-1.2f, -0.5f, -0.4f}, {0, 1, 0});
+  check_means(d);
+  look_at_point(d, {-0.6f, 0.1f, 0.2f}, {-0.4f, -0.6f, 0.4f}, {0, 1, 0});
+  check_means(d);
+}
+
+TEST_CASE("guiding: media") {
+  const TemporaryFolder folder;
+  for (const bool grid : {false, true}) {
+    CAPTURE(grid);
+    Description d = two_rooms(64);
+    MediumDescription medium = fog(1, 0.9f);
+    medium.phase = add_phase(d, 0.5f);
+    if (grid)
+      medium.density = vol(write_vol(folder / "v.vol", 4, 1, [](Vec3f p, int) { return 0.3f + p.y; }),
+                           Transform::translate({-2, -1, -1}) * Transform::scale({4, 2, 2}));
+    d.camera.medium = add_medium(d, medium);
+    check_means(d);
+    check_means(d, ColorMode::kSpectral);
+  }
+}
+
+TEST_CASE("guiding: the same bits for all threads, waves and crops") {
+  Description d = two_rooms(32);
+  d.film.width = 40, d.film.height = 30;
+  look_at(d, {-0.6f, 0.1f, 0.8f}, {-0.9f, 0, -1}, {0, 1, 0}, 70);
+  MediumDescription medium = fog(0.3f, 0.9f);
+  d.camera.medium = add_medium(d, medium);
+  const auto scene = compile_scene(d);
+  RenderOptions options;
+  options.guiding = true;
+  options.threads = 1;
+  options.wave_size = 256;
+  const Image whole = render(*scene, options).film.to_image();
+  for (const auto& [threads, wave_size] : {std::pair{2, 1024}, {7, 1600}, {2, 65}, {1, 1}}) {
+    CAPTURE(threads);
+    CAPTURE(wave_size);
+    options.threads = threads, options.wave_size = wave_size;
+    const Image same = render(*scene, options).film.to_image();
+    CHECK(std::memcmp(same.data.data(), whole.data.data(), whole.data.size() * sizeof(float)) == 0);
+  }
+  options.crop = PixelRect{7, 5, 31, 22};
+  const Image part = render(*scene, options).film.to_image();
+  bool equal = true;
+  for (int y = 0; y < part.height; ++y)
+    for (int x = 0; x < part.width; ++x)
+      for (int c = 0; c < 3; ++c)
+        equal = equal && part.at(x, y, c) == whole.at(x + 7, y + 5, c) && part.at(x, y, c) > 0;
+  CHECK(equal);
+  options.crop.reset();
+  options.guiding = false;
+  const Image unguided = render(*scene, options).film.to_image();
+  CHECK(std::memcmp(unguided.data.data(), whole.data.data(), whole.data.size() * sizeof(float)) != 0);
+}
+
+TEST_CASE("guiding: integrators without paths to be guided are a usage error") {
+  RenderOptions options;
+  options.guiding = true;
+  for (const IntegratorKind kind : {IntegratorKind::kPhotonMapper, IntegratorKind::kLightTracer,
+                                    IntegratorKind::kNormals, IntegratorKind::kVisibility}) {
+    Description d = two_rooms(1);
+    d.integrator.kind = kind;
+    try {
+      render(*compile_scene(d), options);
+      FAIL("no error");
+    } catch (const Error& error) {
+      CHECK(error.code() == ExitCode::kUsage);
+      CHECK(std::string(error.what()).find("guiding needs an integrator") != std::string::npos);
+    }
+  }
+  Description d = two_rooms(1);
+  d.integrator.ends_at_diffuse = true;
+  CHECK_THROWS_AS(render(*compile_scene(d), options), Error);
+}
+
+}  // namespace sheaf
