@@ -31,10 +31,10 @@ template <class F> void for_each_parallel(std::size_t count, std::size_t grain, 
 
 }  // namespace
 
-GuideField::GuideField() : mixtures_(1) {}
+GuideField::GuideField() : mixtures_(1), means_(1, -1.0f) {}
 
 GuideView GuideField::view() const {
-  return {mixtures_.data(), roots_.empty() ? nullptr : roots_.data(), children_.data(), low_, scale_};
+  return {mixtures_.data(), roots_.empty() ? nullptr : roots_.data(), children_.data(), means_.data(), low_, scale_};
 }
 
 /// The cube around all that was met by the first pass, and a place for each side.

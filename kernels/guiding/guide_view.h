@@ -21,6 +21,8 @@ struct GuideView {
   const GuideMixture* mixtures = nullptr;
   const std::uint32_t* roots = nullptr;     ///< of each side 2^kGuideTopBits nodes; null: nothing was learned
   const std::uint32_t* children = nullptr;  ///< two nodes for each that is no leaf
+  /// Of each mixture the light that vertices of its places scatter on, per throughput; -1: not known.
+  const float* means = nullptr;
   Vec3f low{};                              ///< corner of the cube
   float scale = 0;                          ///< cells of the finest level per metre
 };

@@ -112,6 +112,8 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   ray.flags = U(flags);
   if (keeps_distance_since_vertex(context))
     for (int lane = 0; lane < count; ++lane) wave.distance_since_vertex[slots[lane]] = 0.0f;
+  if (context.guides)
+    for (int lane = 0; lane < count; ++lane) wave.guide_references[slots[lane]] = 0.0f;
   if (context.scene.has_transparency) ray.flags |= start_in_medium<L>(context, wave, slots, count, throughput);
 
   radiance.scatter_pdf = F(0.0f);

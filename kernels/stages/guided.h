@@ -103,6 +103,31 @@ template <class L, template <class> class Bsdf>
   return out;
 }
 
+/// Roulette by what is expected (Vorba and Krivanek, "Adjoint-Driven Russian Roulette and Splitting in Light Transport
+/// Simulation", 2016; roulette alone). A vertex of throughput b at a place that scatters on the light M is expected to
+/// bring b M; paths that are expected to bring less than half of what they were at their first vertex are played for.
+/// Returns the probabilities of going on, `otherwise` where there is nothing to compare. `sum`: the lanes of the
+/// throughput, added up.
+template <class L>
+Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
+                           Uint<L> depth, Float<L> sum, Float<L> otherwise) {
+  using F = Float<L>;
+  constexpr float kPlayedBelow = 0.5f, kLeast = 0.1f, kMostLate = 0.95f;
+  const F mean = gather(context.guide.means, wave.guide_places.load<L>(column).row);
+  alignas(kSimdAlignment) float references[L::width], expected[L::width];
+  for (int lane = 0; lane < L::width; ++lane) references[lane] = wave.guide_references[slots[lane]];
+  store(expected, sum * mean);
+  for (int lane = 0; lane < count; ++lane)
+    if (references[lane] == 0.0f && expected[lane] > 0.0f)
+      references[lane] = wave.guide_references[slots[lane]] = expected[lane];
+  F reference;
+  load(references, reference);
+  const auto known = (mean >= F(0.0f)) & (reference > F(0.0f));
+  const F ratio = sum * mean / select(known, reference * F(kPlayedBelow), F(1.0f));
+  const F most = select(depth < Uint<L>(static_cast<std::uint32_t>(context.transport.rr_depth)), F(1.0f), F(kMostLate));
+  return select(known, clamp(ratio, F(kLeast), most), otherwise);
+}
+
 /// Writes down what the vertices of `lanes` have sampled. Comes before their throughput and probabilities change.
 template <class L>
 void note_directions(const StageContext& context, const Wave& wave, const Slot* slots, int column, std::uint32_t lanes,

@@ -19,18 +19,22 @@ namespace {
 /// Roulette keeps at most this share, so that paths between perfect mirrors end.
 constexpr float kLargestSurvival = 0.95f;
 
-/// Paths at depth rr_depth and beyond survive with the probability of their throughput over `divisor`, squared index of
-/// refraction taken out, and are weighted by its inverse. Returns who survives.
+/// The probability with which paths survive: from depth rr_depth on that of their throughput over `divisor`, what
+/// eta_scale holds taken out.
 template <class L>
-SHEAF_INLINE Mask<L> roulette(const IntegratorDescription& settings, ThroughputState<L>& path, Float<L> divisor,
-                              Float<L> u) {
+SHEAF_INLINE Float<L> survival_by_throughput(const IntegratorDescription& settings, const ThroughputState<L>& path,
+                                             Float<L> divisor) {
   using F = Float<L>;
-  using U = Uint<L>;
-  const auto exempt = path.depth() < U(static_cast<std::uint32_t>(settings.rr_depth));
+  const auto exempt = path.depth() < Uint<L>(static_cast<std::uint32_t>(settings.rr_depth));
   const F survival = min(max_component(path.beta) * path.eta_scale / divisor, F(kLargestSurvival));
-  const auto survives = exempt | (u < survival);
-  const F factor = select(exempt | !survives, F(1.0f), F(1.0f) / survival);
-  path.beta = path.beta * factor;
+  return select(exempt, F(1.0f), survival);
+}
+
+/// Returns who survives with these probabilities; they are weighted by the inverse.
+template <class L> SHEAF_INLINE Mask<L> roulette(ThroughputState<L>& path, Float<L> survival, Float<L> u) {
+  using F = Float<L>;
+  const auto survives = u < survival;
+  path.beta = path.beta * select(survives, F(1.0f) / survival, F(1.0f));
   return survives;
 }
 
@@ -150,6 +154,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
     if (context.photons != nullptr)
       s.weight = adjoint_f_cos<L>(bsdf, item.wo, s.wi) * (F(1.0f) / select(usable, s.pdf_solid_angle, F(1.0f)));
   }
+  const F arrived = total(path.beta);
   path.beta = path.beta * s.weight;
   Mask<L> single(false);
   if constexpr (kDisperses<Bsdf<L>>) {
@@ -210,7 +215,10 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   if (context.scene.has_transparency)
     divisor = leave_vertex<L>(context.scene, wave, slots, count, item.ng, kIsPhaseFunction<Bsdf<L>>, single,
                               null_transmittance, ray);
-  alive = alive & roulette<L>(context.transport, path, divisor, u.w);
+  F survival = survival_by_throughput<L>(context.transport, path, divisor);
+  if (kIsGuided<Bsdf<L>> && context.guides)
+    survival = expected_survival<L>(context, wave, slots, column, count, path.depth(), arrived / divisor, survival);
+  alive = alive & roulette<L>(path, survival, u.w);
   wave.rays.scatter<L>(slots, count, ray);
   wave.throughput.scatter<L>(slots, count, path);
   const std::uint32_t scattered = mask_bits(L::first(count) & (null_transmittance == F(0.0f)));

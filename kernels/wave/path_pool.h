@@ -34,6 +34,8 @@ struct PathPool {
   /// Spectral mode: what the wavelengths are made of, one word per slot; see kernels/wave/path_wavelengths.h.
   float* wavelength_samples = nullptr;
   float* distance_since_vertex = nullptr;  ///< WaveNeeds::distance: from the last vertex to the ray's origin
+  /// WaveNeeds::guides: what the path's first guided vertex was expected to bring, lanes added up; 0: there was none.
+  float* guide_references = nullptr;
 
   // Named by Queue.
   SlotList free;       ///< no path
@@ -60,6 +62,7 @@ struct PathPool {
     f(pool.probabilities, needs.transparency);
     f(pool.wavelength_samples, needs.spectral);
     f(pool.distance_since_vertex, needs.distance);
+    f(pool.guide_references, needs.guides);
   }
 };
 static_assert(std::size(PathPool::kLists) == kSlotLists);

@@ -269,6 +269,7 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
     bool from_lights, with_volume, guided = false;
   };
   const GuideMixture mixture;
+  const float unknown = -1;
   GuideLog log;
   log.begin(512);
   for (const auto& [kind, from_lights, with_volume, guided] :
@@ -295,6 +296,7 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
     if (guided) {
       context.guides = true;
       context.guide.mixtures = &mixture;
+      context.guide.means = &unknown;
       context.training = &log;
     }
     std::set<Stage> worked;

@@ -74,6 +74,7 @@ TEST_CASE("stages: registers do what single paths do, stage by stage, in both co
       for (StageContext* context : {&wide_context, &scalar_context}) {
         context->guides = guided;
         context->guide.mixtures = &mixture;
+        context->guide.means = &unknown;
       }
       for (int bounce = 0; bounce < 12; ++bounce)
         for (std::size_t i = 0; i < kStageCount; ++i) {
