@@ -56,6 +56,7 @@ TEST_CASE("stages: registers do what single paths do, stage by stage, in both co
   glass.int_dispersion = *find_dispersion("diamond");
   add_sphere(d, {0.3f, 0.7f, 3}, 0.3f, add_material(d, glass));
   const GuideMixture mixture = first_mixture({0, 0, 0});
+  const float unknown = -1;
   struct Case {
     bool hide_emitters, guided;
     ColorMode color;

@@ -126,6 +126,18 @@ TEST_CASE("guiding: blends, coats, glass, two sides and roulette") {
   check_means(d);
 }
 
+TEST_CASE("guiding: roulette by what is expected spares the paths that reach the light") {
+  // By throughput, most paths would end in the dark room.
+  Description d = two_rooms(64);
+  d.integrator.max_depth = -1;
+  for (const int rr_depth : {2, 5}) {
+    d.integrator.rr_depth = rr_depth;
+    const Guided means = both_ways(d);
+    check_same_mean(means.off, means.on, kLevel, 16 * 16);
+    CHECK(means.on.variance() < 0.3 * means.off.variance());
+  }
+}
+
 TEST_CASE("guiding: media") {
   const TemporaryFolder folder;
   for (const bool grid : {false, true}) {
