@@ -112,7 +112,7 @@ template <class L>
 Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
                            Uint<L> depth, Float<L> sum, Float<L> otherwise) {
   using F = Float<L>;
-  constexpr float kPlayedBelow = 0.5f, kLeast = 0.1f, kMostLate = 0.95f;
+  constexpr float kPlayedBelow = 0.5f, kLeast = 0.5f, kMostLate = 0.95f;
   const F mean = gather(context.guide.means, wave.guide_places.load<L>(column).row);
   alignas(kSimdAlignment) float references[L::width], expected[L::width];
   for (int lane = 0; lane < L::width; ++lane) references[lane] = wave.guide_references[slots[lane]];
