@@ -44,9 +44,9 @@ std::string describe_integrator(const IntegratorDescription& integrator) {
   if (integrator.kind == IntegratorKind::kPhotonMapper)
     return describe_photon_mapping(integrator.photons) + ", max depth " + depth;
   if (integrator.kind == IntegratorKind::kLightTracer)
-    return fmt::format("ptracer, max depth {}, roulette from depth {}{}", depth, integrator.rr_depth,
+    return fmt::format("ptracer, max depth {}, roulette from depth {}{}", depth, integrator.roulette_depth(),
                        integrator.hide_emitters ? ", emitters hidden" : "");
-  return fmt::format("path, {}, max depth {}, roulette from depth {}{}", strategy, depth, integrator.rr_depth,
+  return fmt::format("path, {}, max depth {}, roulette from depth {}{}", strategy, depth, integrator.roulette_depth(),
                      integrator.hide_emitters ? ", emitters hidden" : "");
 }
 

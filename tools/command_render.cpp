@@ -38,7 +38,7 @@ struct RenderArguments {
   std::string scene;
   std::vector<std::string> outputs;
   std::optional<std::uint32_t> spp, seed;
-  std::optional<int> max_depth, candidates;
+  std::optional<int> max_depth, rr_depth, candidates;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
   std::string color = "rgb", integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size;
   std::optional<float> scale;
@@ -94,6 +94,7 @@ void apply_integrator(const RenderArguments& arguments, IntegratorDescription& i
   if (!arguments.integrator.empty()) integrator = integrator_from_name(arguments.integrator, integrator);
   if (arguments.spp) integrator.photons.max_passes = 0;
   if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
+  if (arguments.rr_depth) integrator.rr_depth = *arguments.rr_depth;
   if (arguments.candidates) integrator.candidates = *arguments.candidates;
   if (!arguments.light_sampler.empty()) integrator.light_selector = light_selector_from_name(arguments.light_sampler);
   if (!arguments.medium_estimator.empty())
@@ -355,6 +356,11 @@ void add_transport_options(Command& command, RenderArguments& arguments) {
       .add_option("--max-depth", arguments.max_depth,
                   "Longest path in segments: -1 unlimited, 1 emission only, 2 direct light. Default: the scene's")
       .in_range(-1, 1'000'000);
+  command
+      .add_option("--rr-depth", arguments.rr_depth,
+                  "Depth from which on Russian roulette ends paths that carry little. Default: the scene's, else 2; 5 "
+                  "for ptracer and photonmapper")
+      .in_range(1, 1'000'000);
 }
 
 /// What part of the scene is rendered, and how the run goes.

@@ -124,7 +124,8 @@ Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* 
   load(references, reference);
   const auto known = (mean >= F(0.0f)) & (reference > F(0.0f));
   const F ratio = sum * mean / select(known, reference * F(kPlayedBelow), F(1.0f));
-  const F most = select(depth < Uint<L>(static_cast<std::uint32_t>(context.transport.rr_depth)), F(1.0f), F(kMostLate));
+  const F most =
+      select(depth < Uint<L>(static_cast<std::uint32_t>(context.transport.roulette_depth())), F(1.0f), F(kMostLate));
   return select(known, clamp(ratio, F(kLeast), most), otherwise);
 }
 

@@ -25,7 +25,7 @@ template <class L>
 SHEAF_INLINE Float<L> survival_by_throughput(const IntegratorDescription& settings, const ThroughputState<L>& path,
                                              Float<L> divisor) {
   using F = Float<L>;
-  const auto exempt = path.depth() < Uint<L>(static_cast<std::uint32_t>(settings.rr_depth));
+  const auto exempt = path.depth() < Uint<L>(static_cast<std::uint32_t>(settings.roulette_depth()));
   const F survival = min(max_component(path.beta) * path.eta_scale / divisor, F(kLargestSurvival));
   return select(exempt, F(1.0f), survival);
 }

@@ -30,7 +30,7 @@ void read_photon_maps(Properties& p, IntegratorDescription& integrator) {
 
 void read_path_like(Properties& p, const NamedIntegrator& named, IntegratorDescription& integrator) {
   integrator.max_depth = p.integer("max_depth", usual_depth(p.type()), -1, kMaxDepth);
-  integrator.rr_depth = p.integer("rr_depth", integrator.rr_depth, 1, kMaxDepth);
+  if (p.has("rr_depth")) integrator.rr_depth = p.integer("rr_depth", 0, 1, kMaxDepth);
   integrator.hide_emitters = p.boolean("hide_emitters", false);
   apply(named, integrator);
   read_light_sampling(p, integrator);

@@ -115,7 +115,7 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
   if (transports_light(named->kind)) {
     if (!named->direct) {
       integrator.max_depth = p.integer("maxDepth", -1, -1, 1'000'000);
-      integrator.rr_depth = p.integer("rrDepth", 5, 1, 1'000'000);
+      if (p.has("rrDepth")) integrator.rr_depth = p.integer("rrDepth", 0, 1, 1'000'000);
     }
     integrator.hide_emitters = p.boolean("hideEmitters", false);
     read_light_sampling(p, integrator);

@@ -49,7 +49,7 @@ TEST_CASE("Mitsuba: defaults") {
   CHECK(d.camera.far_clip == 10'000);
   CHECK(d.camera.aperture_radius == 0);
   CHECK(d.integrator.max_depth == -1);
-  CHECK(d.integrator.rr_depth == 5);
+  CHECK(d.integrator.roulette_depth() == 2);
   // A 50 mm lens, measured along the diagonal of 36 mm x 24 mm film.
   CHECK(d.camera.fov_axis == CameraDescription::FovAxis::kDiagonal);
   CHECK(d.camera.fov == doctest::Approx(46.7930));

@@ -45,6 +45,8 @@ SCRIPTS = {
                                "--reference-spp", "2", "--steps", "0.1"],
     "bench/compare_photons.py": ["--sheaf", "{build}/sheaf", "--seconds", "0.01", "--width", "24", "--seeds", "1",
                                  "--reference-spp", "1", "--photons", "0.01"],
+    "bench/compare_roulette.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--scale", "0.03", "--seeds", "2", "--depths",
+                                  "5", "2", "--scenes", "scenes/cornell/cornell.xml"],
     "bench/compare_samplers.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--scale", "0.05"],
     "tools/compare_builds.py": ["{build}/sheaf", "{build}/sheaf", "--spp", "1", "--only", "cornell"],
     "tools/fit_rgb_basis.py": ["--step", "20"],

@@ -296,7 +296,7 @@ inline std::string dump(const Description& d) {
   out << "sampler " << static_cast<int>(d.sampler.kind) << ' ' << d.sampler.sample_count << ' ' << d.sampler.seed
       << '\n';
   out << "integrator " << static_cast<int>(d.integrator.kind) << ' ' << static_cast<int>(d.integrator.strategy) << ' '
-      << d.integrator.max_depth << ' ' << d.integrator.rr_depth << ' ' << d.integrator.hide_emitters << '\n';
+      << d.integrator.max_depth << ' ' << d.integrator.roulette_depth() << ' ' << d.integrator.hide_emitters << '\n';
   for (const auto& texture : d.textures) out << dump(texture) << '\n';
   for (const auto& material : d.materials) out << dump(material) << '\n';
   for (const auto& shape : d.shapes) out << dump(shape) << '\n';
