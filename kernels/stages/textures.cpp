@@ -9,6 +9,8 @@
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
+#include <algorithm>
+
 namespace sheaf {
 
 namespace {
@@ -21,17 +23,36 @@ template <class L> struct TextureTile {
   SHEAF_INLINE Mask<L> lanes() const { return L::first(last) & !L::first(first); }
 };
 
+template <class L> SHEAF_INLINE Vec2<L> load_uv(const Wave& wave, int column) {
+  const auto& columns = wave.textured.columns().uv;
+  Vec2<L> uv;
+  load(columns.x + column, uv.x);
+  load(columns.y + column, uv.y);
+  return uv;
+}
+
 template <class L>
 SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, const Slot* slots, const TexturedItem<L>& t, Vec3<L> p) {
   const HitState<L> hit = wave.hits.gather<L>(slots);
   return {t.uv, hit.shape, hit.primitive, hit.u, hit.v, p};
 }
 
+/// Whether uv coordinates are all that the textures of a material's words ask for.
+bool needs_only_uv(const SceneView& scene, const MaterialRow& material) {
+  const auto is_flat = [&](const TextureBinding& binding) {
+    const TextureKind kind = scene.textures.rows[binding.texture].kind;
+    return kind == TextureKind::kBitmap || kind == TextureKind::kConstant;
+  };
+  const TextureBinding* const first = scene.bindings + material.first_binding;
+  return std::all_of(first, first + material.binding_count, is_flat);
+}
+
 template <class L, ColorMode Mode>
 void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
   using F = Float<L>;
-  const auto query =
-      make_query<L>(wave, tile.slots, wave.textured.load<L>(tile.column), wave.vertices.load<L>(tile.column).p);
+  TextureQuery<L> query{load_uv<L>(wave, tile.column), {}, {}, {}, {}};
+  if (!needs_only_uv(scene, material))
+    query = make_query<L>(wave, tile.slots, wave.textured.load<L>(tile.column), wave.vertices.load<L>(tile.column).p);
   const auto lanes = tile.lanes();
   const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, tile.slots);
   for (std::uint32_t b = 0; b < material.binding_count; ++b) {
@@ -107,11 +128,8 @@ struct MaterialRun {
 template <class L>
 void prefetch_run(const SceneView& scene, const Wave& wave, const VertexRun& run, const MaterialRun& part) {
   const MaterialRow& material = *part.material;
-  const auto& columns = wave.textured.columns().uv;
   for (int at = part.first / L::width * L::width; at < part.last; at += L::width) {
-    Vec2<L> uv;
-    load(columns.x + run.column_begin + at, uv.x);
-    load(columns.y + run.column_begin + at, uv.y);
+    const Vec2<L> uv = load_uv<L>(wave, run.column_begin + at);
     for (std::uint32_t b = 0; b < material.binding_count; ++b)
       prefetch_texture<L>(scene.textures, scene.bindings[material.first_binding + b].texture, uv);
     if (material.flags & kMapped) prefetch_texture<L>(scene.textures, scene.normal_maps[material.map].texture, uv);
