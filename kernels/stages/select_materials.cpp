@@ -61,7 +61,7 @@ SHEAF_INLINE KnownShares<L> shares_of_masks(const SceneView& scene, const FirstC
                        gather_element<L>(rows, &MaterialRow::choice, 1, composite)};
   const auto second_passes = choice[1] == nothing;
   const U other = select(second_passes, choice[0], choice[1]);
-  auto known = lanes & (second_passes | (choice[0] == nothing)) & (other != nothing);
+  Mask<L> known = lanes & (second_passes | (choice[0] == nothing)) & (other != nothing);
   const U flags = gather_member<L>(rows, &MaterialRow::flags, side_of(select(known, other, zero)));
   known = known & ((flags & U(kComposite)) == zero) & (side_of(select(lanes, material, zero)) == first.row);
   return {select(second_passes, first.share, F(1.0f) - first.share), known};
