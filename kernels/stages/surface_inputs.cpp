@@ -24,8 +24,8 @@ struct KindInputs {
   ClosureSpectra spectra;  ///< among the parameters
 };
 
-/// Copies the closure's parameters from the material table. Vertices are sorted by material: most often all lanes have
-/// the same.
+/// Copies the closure's parameters from the material table, by four words. Vertices are sorted by material: most often
+/// all lanes have the same.
 template <class L>
 SHEAF_INLINE void closure_words(const SceneView& scene, Wave& wave, Uint<L> material, int words, int column) {
   float* const* closure = wave.closures.columns().words;
@@ -33,7 +33,7 @@ SHEAF_INLINE void closure_words(const SceneView& scene, Wave& wave, Uint<L> mate
     const std::uint32_t first = material[0];
     if (all(material == Uint<L>(first))) {
       const float* const row = scene.materials[first].words;
-      for (int k = 0; k < words; ++k) store(closure[k] + column, Float<L>(row[k]));
+      for (int k = 0; k < (words + 3) / 4 * 4; ++k) store(closure[k] + column, Float<L>(row[k]));
       return;
     }
   }
