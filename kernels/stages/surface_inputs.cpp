@@ -24,19 +24,10 @@ struct KindInputs {
   ClosureSpectra spectra;  ///< among the parameters
 };
 
-/// Copies the closure's parameters from the material table, by four words. Vertices are sorted by material: most often
-/// all lanes have the same.
+/// Copies the closure's parameters from the material table.
 template <class L>
 SHEAF_INLINE void closure_words(const SceneView& scene, Wave& wave, Uint<L> material, int words, int column) {
   float* const* closure = wave.closures.columns().words;
-  if constexpr (L::width > 1) {
-    const std::uint32_t first = material[0];
-    if (all(material == Uint<L>(first))) {
-      const float* const row = scene.materials[first].words;
-      for (int k = 0; k < (words + 3) / 4 * 4; ++k) store(closure[k] + column, Float<L>(row[k]));
-      return;
-    }
-  }
   for (int k = 0; k < words; k += 4) {
     Float<L> quad[4];
     gather_four<L>(scene.materials, &MaterialRow::words, k, material, quad);
