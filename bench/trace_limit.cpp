@@ -2,6 +2,7 @@
 #include "bench/trace_limit.h"
 
 #include "core/error.h"
+#include "core/large_pages.h"
 #include "kernels/passes/render.h"
 #include "kernels/stages/stages.h"
 #include "scene/compile/compile.h"
@@ -53,7 +54,9 @@ std::unique_ptr<Scene> load(const Arguments& arguments) {
   }
   Description description = read_scene(arguments.scene, options);
   if (arguments.photons > 0) store_photons_alone(description, arguments.photons);
-  return compile_scene(description);
+  std::unique_ptr<Scene> scene = compile_scene(description);
+  move_to_large_pages();
+  return scene;
 }
 
 /// Samples per pixel whose rays fit the memory: those asked for, or fewer.

@@ -1,6 +1,7 @@
 // sheaf render: reads a scene, renders it with a progress bar, writes every picture asked for.
 #include "core/error.h"
 #include "core/exr.h"
+#include "core/large_pages.h"
 #include "core/output_file.h"
 #include "core/progress.h"
 #include "kernels/passes/render.h"
@@ -245,6 +246,7 @@ int render_scene(const RenderArguments& arguments) {
   const std::unique_ptr<Scene> scene = arguments.read.lenient
                                            ? compile_leniently(description, {arguments.watertight, color})
                                            : compile_scene(description, {arguments.watertight, color});
+  move_to_large_pages();
   const double build_end = Progress::steady_seconds();
   if (!arguments.quiet) {
     for (const std::string& note : description.notes) print_message(note);

@@ -33,22 +33,62 @@ Float<L> share_of(const SceneView& scene, Mask<L> lanes, Uint<L> row, const Text
   return share;
 }
 
+/// What the first choices of a tile's paths were between.
+template <class L> struct FirstChoice {
+  typename L::Uint row;     ///< the composite material
+  typename L::Float share;  ///< of its second choice
+};
+
+/// The shares of light that pass where passing was one of a material's two choices, and the other is no choice itself:
+/// as passing_share() has them, without looking textures up again.
+template <class L> struct KnownShares {
+  typename L::Float share;
+  typename L::Mask known;
+};
+
+template <class L>
+SHEAF_INLINE KnownShares<L> shares_of_masks(const SceneView& scene, const FirstChoice<L>& first, Uint<L> material,
+                                            Mask<L> behind, Mask<L> lanes) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const MaterialRow* const rows = scene.materials;
+  const U nothing(MaterialRow::kNothing), zero(0u);
+  const auto side_of = [&](U row) SHEAF_LAMBDA_INLINE {
+    return select(behind, gather_member<L>(rows, &MaterialRow::back, row), row);
+  };
+  const U composite = select(lanes, first.row, zero);
+  const U choice[2] = {gather_element<L>(rows, &MaterialRow::choice, 0, composite),
+                       gather_element<L>(rows, &MaterialRow::choice, 1, composite)};
+  const auto second_passes = choice[1] == nothing;
+  const U other = select(second_passes, choice[0], choice[1]);
+  Mask<L> known = lanes & (second_passes | (choice[0] == nothing)) & (other != nothing);
+  const U flags = gather_member<L>(rows, &MaterialRow::flags, side_of(select(known, other, zero)));
+  known = known & ((flags & U(kComposite)) == zero) & (side_of(select(lanes, material, zero)) == first.row);
+  return {select(second_passes, first.share, F(1.0f) - first.share), known};
+}
+
 /// Light sampling passes the surface with certainty, and the light is weakened; the paths of `lanes` have passed with
 /// the probability that is the weakening.
 template <class L>
 SHEAF_INLINE void note_passing(const SceneView& scene, Wave& wave, const Slot* slots, std::uint32_t lanes,
-                               const TextureQuery<L>& query, Uint<L> material, Mask<L> behind) {
-  alignas(kSimdAlignment) float uv[4][L::width], p[3][L::width];
+                               const TextureQuery<L>& query, Uint<L> material, Mask<L> behind,
+                               const KnownShares<L>& masks) {
+  alignas(kSimdAlignment) float uv[4][L::width], p[3][L::width], shares[L::width];
   alignas(kSimdAlignment) std::uint32_t words[3][L::width];
-  store(uv[0], query.uv.x), store(uv[1], query.uv.y), store(uv[2], query.b1), store(uv[3], query.b2);
-  store(p[0], query.p.x), store(p[1], query.p.y), store(p[2], query.p.z);
-  store(words[0], query.shape), store(words[1], query.primitive), store(words[2], material);
-  const std::uint32_t from_behind = mask_bits(behind);
+  const std::uint32_t known = mask_bits(masks.known), from_behind = mask_bits(behind);
+  store(shares, masks.share);
+  if ((lanes & ~known) != 0) {
+    store(uv[0], query.uv.x), store(uv[1], query.uv.y), store(uv[2], query.b1), store(uv[3], query.b2);
+    store(p[0], query.p.x), store(p[1], query.p.y), store(p[2], query.p.z);
+    store(words[0], query.shape), store(words[1], query.primitive), store(words[2], material);
+  }
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = std::countr_zero(lanes);
-    const float share = passing_share(
-        scene, words[2][i], (from_behind >> i & 1u) != 0,
-        {{uv[0][i], uv[1][i]}, words[0][i], words[1][i], uv[2][i], uv[3][i], {p[0][i], p[1][i], p[2][i]}});
+    float share = shares[i];
+    if ((known >> i & 1u) == 0)
+      share = passing_share(
+          scene, words[2][i], (from_behind >> i & 1u) != 0,
+          {{uv[0][i], uv[1][i]}, words[0][i], words[1][i], uv[2][i], uv[3][i], {p[0][i], p[1][i], p[2][i]}});
     if (share == 1.0f) continue;
     Spectrum4& r_l = wave.probabilities.row(slots[i]).r_l;
     const float divisor = max(share, 1e-20f);
@@ -73,13 +113,15 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
   U row = hit.material;
   const U nothing(MaterialRow::kNothing);
   auto open = L::first(count);
-  for (;;) {
+  FirstChoice<L> first{row, F(0.0f)};
+  for (bool is_first = true;; is_first = false) {
     const U safe = select(open, row, U(0u));
     const U flags = gather_member<L>(context.scene.materials, &MaterialRow::flags, safe);
     open = open & ((flags & U(kComposite)) != U(0u));
     if (!any(open)) break;
     // What is left of the random number after a choice is as good as new.
     const F share = clamp(share_of<L>(context.scene, open, safe, query), F(0.0f), F(1.0f));
+    if (is_first) first.share = share;
     const auto second = u < share;
     u = select(second, u / max(share, F(1e-20f)), (u - share) / max(F(1.0f) - share, F(1e-20f)));
     u = clamp(u, F(0.0f), F(0.99999994f));
@@ -97,7 +139,9 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
   const std::uint32_t all_bits = (1u << count) - 1u;
   const std::uint32_t pass = mask_bits(passing & L::first(count));
   route_vertices<L>(context, wave, slots, all_bits & ~pass, select(passing, U(0u), row), ray.flags);
-  if (pass != 0) note_passing<L>(context.scene, wave, slots, pass, query, shape.material, behind);
+  if (pass != 0)
+    note_passing<L>(context.scene, wave, slots, pass, query, shape.material, behind,
+                    shares_of_masks<L>(context.scene, first, shape.material, behind, passing & L::first(count)));
   continue_rays<L>(context.scene, wave, slots, count, passing, y, shape.boundary, hit.t, ray, path);
 }
 

@@ -9,6 +9,8 @@
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
+#include <algorithm>
+
 namespace sheaf {
 
 namespace {
@@ -21,17 +23,36 @@ template <class L> struct TextureTile {
   SHEAF_INLINE Mask<L> lanes() const { return L::first(last) & !L::first(first); }
 };
 
+template <class L> SHEAF_INLINE Vec2<L> load_uv(const Wave& wave, int column) {
+  const auto& columns = wave.textured.columns().uv;
+  Vec2<L> uv;
+  load(columns.x + column, uv.x);
+  load(columns.y + column, uv.y);
+  return uv;
+}
+
 template <class L>
 SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, const Slot* slots, const TexturedItem<L>& t, Vec3<L> p) {
   const HitState<L> hit = wave.hits.gather<L>(slots);
   return {t.uv, hit.shape, hit.primitive, hit.u, hit.v, p};
 }
 
+/// Whether uv coordinates are all that the textures of a material's words ask for.
+bool needs_only_uv(const SceneView& scene, const MaterialRow& material) {
+  const auto is_flat = [&](const TextureBinding& binding) {
+    const TextureKind kind = scene.textures.rows[binding.texture].kind;
+    return kind == TextureKind::kBitmap || kind == TextureKind::kConstant;
+  };
+  const TextureBinding* const first = scene.bindings + material.first_binding;
+  return std::all_of(first, first + material.binding_count, is_flat);
+}
+
 template <class L, ColorMode Mode>
 void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
   using F = Float<L>;
-  const auto query =
-      make_query<L>(wave, tile.slots, wave.textured.load<L>(tile.column), wave.vertices.load<L>(tile.column).p);
+  TextureQuery<L> query{load_uv<L>(wave, tile.column), {}, {}, {}, {}};
+  if (!needs_only_uv(scene, material))
+    query = make_query<L>(wave, tile.slots, wave.textured.load<L>(tile.column), wave.vertices.load<L>(tile.column).p);
   const auto lanes = tile.lanes();
   const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, tile.slots);
   for (std::uint32_t b = 0; b < material.binding_count; ++b) {
@@ -98,35 +119,60 @@ void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& ma
 }
 
 /// Items [first, last) of a run, all of one material.
+struct MaterialRun {
+  const MaterialRow* material = nullptr;
+  int first = 0, last = 0;
+};
+
+/// Asks for the texels that the items will look up.
+template <class L>
+void prefetch_run(const SceneView& scene, const Wave& wave, const VertexRun& run, const MaterialRun& part) {
+  const MaterialRow& material = *part.material;
+  for (int at = part.first / L::width * L::width; at < part.last; at += L::width) {
+    const Vec2<L> uv = load_uv<L>(wave, run.column_begin + at);
+    for (std::uint32_t b = 0; b < material.binding_count; ++b)
+      prefetch_texture<L>(scene.textures, scene.bindings[material.first_binding + b].texture, uv);
+    if (material.flags & kMapped) prefetch_texture<L>(scene.textures, scene.normal_maps[material.map].texture, uv);
+  }
+}
+
 template <class L, bool WithTangent>
-void texture_run(const StageContext& context, Wave& wave, const VertexRun& run, const MaterialRow& material, int first,
-                 int last) {
+void texture_run(const StageContext& context, Wave& wave, const VertexRun& run, const MaterialRun& part) {
   const SceneView& scene = context.scene;
+  const MaterialRow& material = *part.material;
   const Slot* slots = wave.sorted.data() + run.slot_begin;
-  for (int at = first / L::width * L::width; at < last; at += L::width) {
-    const TextureTile<L> tile{slots + at, run.column_begin + at, std::max(first - at, 0),
-                              std::min(last - at, int{L::width})};
+  for (int at = part.first / L::width * L::width; at < part.last; at += L::width) {
+    const TextureTile<L> tile{slots + at, run.column_begin + at, std::max(part.first - at, 0),
+                              std::min(part.last - at, int{L::width})};
     if (material.binding_count > 0)
       with_color_mode(scene, [&]<ColorMode Mode>() { texture_words<L, Mode>(scene, wave, material, tile); });
     if (material.flags & kMapped) turn_normals<L, WithTangent>(context, wave, material, tile);
   }
 }
 
+/// Texels are asked for a few registers before they are looked up: by then most have come from memory.
 template <class L, bool WithTangent> int texture_kind(const StageContext& context, Wave& wave, const VertexRun& run) {
+  constexpr int kTilesAhead = 4;
   const SceneView& scene = context.scene;
   const Slot* slots = wave.sorted.data() + run.slot_begin;
   const auto material_of = [&](int i) { return wave.hits.row(slots[i]).material; };
   int textured = 0;
+  MaterialRun asked;
   for (int first = 0; first < run.count;) {
     const std::uint32_t material = material_of(first);
+    const int end = std::min(run.count, (first / L::width + kTilesAhead) * L::width);
     int last = first + 1;
-    while (last < run.count && material_of(last) == material) ++last;
+    while (last < end && material_of(last) == material) ++last;
     if (scene.materials[material].flags & kTextured) {
-      texture_run<L, WithTangent>(context, wave, run, scene.materials[material], first, last);
+      const MaterialRun next{&scene.materials[material], first, last};
+      prefetch_run<L>(scene, wave, run, next);
+      if (asked.material != nullptr) texture_run<L, WithTangent>(context, wave, run, asked);
+      asked = next;
       textured += last - first;
     }
     first = last;
   }
+  if (asked.material != nullptr) texture_run<L, WithTangent>(context, wave, run, asked);
   return textured;
 }
 

@@ -2,6 +2,7 @@
 #include "scene/compile/compile_textures.h"
 
 #include "core/color.h"
+#include "core/large_pages.h"
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/load_volume.h"
 #include "scene/compile/texture_image.h"
@@ -214,6 +215,7 @@ class TextureCompiler {
     if (count >= std::size_t{1} << 32) throw SceneError("the scene's textures take more than 256 GiB");
     out_.tile_count = count + 1;
     out_.tiles = std::make_unique_for_overwrite<TexelTile[]>(out_.tile_count);
+    prefer_large_pages(out_.tiles.get(), out_.tile_count * sizeof(TexelTile));
     for (std::size_t i = 0; i < images_.size(); ++i) {
       std::copy(images_[i].tiles.begin(), images_[i].tiles.end(), &out_.tiles[first[i]]);
       images_[i].tiles = {};

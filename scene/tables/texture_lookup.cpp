@@ -1,5 +1,6 @@
 #include "scene/tables/texture_lookup.h"
 
+#include "core/prefetch.h"
 #include "scene/tables/brick_grid_lookup.h"
 
 #include <type_traits>
@@ -180,6 +181,23 @@ SHEAF_INLINE Vec2<L> bitmap_slopes(const TextureView& view, const BitmapRow& bit
           lerp(patch.tx, corner[2] - corner[0], corner[3] - corner[1])};
 }
 
+/// Asks for the tiles of two opposite corners of the patch, which are nearly always all that it touches.
+template <class L, TexelFormat Format>
+SHEAF_INLINE void prefetch_patch(const TextureView& view, const BitmapRow& bitmap, Vec2<L> uv) {
+  const TexelPair<L> x = texel_pair<L>(bitmap.wrap_u, uv.x, bitmap.width);
+  const TexelPair<L> y = texel_pair<L>(bitmap.wrap_v, uv.y, bitmap.height);
+  constexpr int kShift = tile_shift(Format);
+  const typename L::Uint per_row(bitmap.tiles_per_row);
+  alignas(kSimdAlignment) std::uint32_t tiles[2][L::width];
+  store(tiles[0], (y.first >> kShift) * per_row + (x.first >> kShift));
+  store(tiles[1], (y.second >> kShift) * per_row + (x.second >> kShift));
+  const TexelTile* const first = view.tiles + bitmap.first_tile;
+  for (int lane = 0; lane < L::width; ++lane) {
+    prefetch(first + tiles[0][lane]);
+    prefetch(first + tiles[1][lane]);
+  }
+}
+
 /// Calls f with the format as a template argument.
 template <class F> SHEAF_INLINE auto with_format(TexelFormat format, F&& f) {
   switch (format) {
@@ -284,6 +302,29 @@ SHEAF_INLINE typename L::Float wireframe_share(const TextureView& view, const Wi
 }
 
 }  // namespace detail
+
+template <class L> void prefetch_texture(const TextureView& view, std::uint32_t texture, Vec2<L> uv) noexcept {
+  const TextureRow& row = view.rows[texture];
+  switch (row.kind) {
+    case TextureKind::kBitmap:
+      return detail::with_format(row.bitmap.format, [&]<TexelFormat Format>() SHEAF_LAMBDA_INLINE {
+        detail::prefetch_patch<L, Format>(view, row.bitmap, detail::texture_uv<L>(row, uv));
+      });
+    case TextureKind::kMix:
+      prefetch_texture<L>(view, row.mix.amount, uv);
+      for (const std::uint32_t child : row.mix.child) prefetch_texture<L>(view, child, uv);
+      return;
+    case TextureKind::kCheckerboard:
+    case TextureKind::kGrid:
+      for (const std::uint32_t child : row.checkerboard.child) prefetch_texture<L>(view, child, uv);
+      return;
+    case TextureKind::kWireframe:
+      for (const std::uint32_t child : row.wireframe.child) prefetch_texture<L>(view, child, uv);
+      return;
+    default:
+      return;
+  }
+}
 
 template <class L>
 Float<L> lookup_scalar(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept;
@@ -396,6 +437,8 @@ Vec2<L> lookup_scalar_gradient(const TextureView& view, std::uint32_t texture, c
   });
 }
 
+template void prefetch_texture(const TextureView&, std::uint32_t, Vec2<Wide>) noexcept;
+template void prefetch_texture(const TextureView&, std::uint32_t, Vec2<Scalar>) noexcept;
 template Spectrum<Wide> lookup_texture(const TextureView&, std::uint32_t, const TextureQuery<Wide>&) noexcept;
 template Float<Wide> lookup_scalar(const TextureView&, std::uint32_t, const TextureQuery<Wide>&) noexcept;
 template Vec2<Wide> lookup_scalar_gradient(const TextureView&, std::uint32_t, const TextureQuery<Wide>&) noexcept;

@@ -47,6 +47,10 @@ Float<L> lookup_scalar(const TextureView& view, std::uint32_t texture, const Tex
 template <class L>
 Vec2<L> lookup_scalar_gradient(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept;
 
+/// Starts to fetch the texels that a lookup at `uv` will read; of other textures than pictures and what is made of
+/// them, nothing.
+template <class L> void prefetch_texture(const TextureView& view, std::uint32_t texture, Vec2<L> uv) noexcept;
+
 /// What a binding's texture puts into the closure's words: binding.words of the result's lanes, from the first on.
 template <class L>
 SHEAF_INLINE Spectrum<L> lookup_binding(const TextureView& view, const TextureBinding& binding,
