@@ -13,6 +13,7 @@
 #include "scene/xml/xml.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
+#include "tools/picture_files.h"
 #include "tools/read_options.h"
 
 #include <fmt/chrono.h>
@@ -20,7 +21,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -48,12 +48,6 @@ struct RenderArguments {
   ReadArguments read;
 };
 
-std::string extension_of(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
-
 /// Throws Error (exit code 2) if two of the files to write are one, or one of them is among `sources`, of which the
 /// scene is made.
 void check_overwriting(const std::vector<fs::path>& outputs, const std::string& stats,
@@ -78,12 +72,7 @@ void check_overwriting(const std::vector<fs::path>& outputs, const std::string& 
 std::vector<fs::path> check_outputs(const RenderArguments& arguments) {
   std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
   if (outputs.empty()) outputs.push_back(fs::path(arguments.scene).stem().string() + ".exr");
-  for (const fs::path& output : outputs) {
-    const std::string extension = extension_of(output);
-    if (extension != ".exr" && extension != ".png") {
-      throw Error(ExitCode::kUsage, "the name of the picture '" + output.string() + "' must end in .exr or .png");
-    }
-  }
+  for (const fs::path& output : outputs) check_picture_name(output);
   check_overwriting(outputs, arguments.stats, {arguments.scene});
   for (const fs::path& output : outputs) check_writable(output);
   if (!arguments.stats.empty()) check_writable(arguments.stats);
