@@ -7,8 +7,6 @@
 #include "tools/picture_files.h"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <chrono>
 #include <cstdio>
@@ -41,22 +39,14 @@ std::vector<fs::path> check_outputs(const DenoiseArguments& arguments) {
   return outputs;
 }
 
-/// denoise() on the threads asked for.
-DenoiseResult denoise_on(int threads, const Image& image, Denoiser denoiser) {
-  if (threads == 0) return denoise(image, denoiser);
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  tbb::task_arena arena(threads);
-  return arena.execute([&] { return denoise(image, denoiser); });
-}
-
 int denoise_picture(const DenoiseArguments& arguments) {
   const std::vector<fs::path> outputs = check_outputs(arguments);
-  const Denoiser denoiser = arguments.method == "oidn" ? Denoiser::kOidn : Denoiser::kNlMeans;
+  const Denoiser denoiser = denoiser_from_name(arguments.method);
   check_denoiser(denoiser);
   const Image image = read_exr(arguments.input);
   ExrMetadata metadata = read_exr_metadata(arguments.input);
   const auto start = std::chrono::steady_clock::now();
-  const DenoiseResult result = denoise_on(arguments.threads, image, denoiser);
+  const DenoiseResult result = denoise(image, denoiser, arguments.threads);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   add_denoise_attribute(metadata, result);
   for (const fs::path& output : outputs)

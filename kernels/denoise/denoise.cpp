@@ -7,7 +7,9 @@
 #include "kernels/denoise/select_filters.h"
 #include "kernels/denoise/smooth.h"
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +19,9 @@ namespace sheaf {
 namespace {
 
 /// Half the side of the squares over which variances are smoothed: those of few replicates are as noisy as the picture.
-constexpr int kVarianceRadius = 3;
+constexpr int kVarianceRadius = 1;
+/// Share of its own variance, before smoothing, that a pixel has at least.
+constexpr float kOwnVariance = 0.3f;
 /// Differences that never matter, in units of the picture's mean.
 constexpr float kLeastDifference = 1e-3f;
 
@@ -46,6 +50,14 @@ double mean_of(const Planes3& color) {
   return sum / (3.0 * color[0].width() * color[0].height());
 }
 
+/// ", features albedo N Z", for those that there are.
+std::string describe_features(const Image& image) {
+  std::string text;
+  for (const auto& [name, channel] : {std::pair{"albedo", "albedo.R"}, {"N", "N.X"}, {"Z", "Z"}})
+    if (image.find_channel(channel) >= 0) text += std::string(text.empty() ? ", features " : " ") + name;
+  return text.empty() ? ", no features" : text;
+}
+
 Planes3 denoise_nl_means(const Image& image, std::string& description) {
   Planes3 color = find_colors(image, ""), variance = find_colors(image, "variance.");
   if (variance[0].is_empty())
@@ -71,17 +83,18 @@ Planes3 denoise_nl_means(const Image& image, std::string& description) {
     remove_fireflies(color, variance, nullptr);
     input.half[0] = color;
   }
+  const Planes3 own_variance = variance;
   for (std::size_t c = 0; c < 3; ++c) variance[c] = box_mean(variance[c], kVarianceRadius);
   input.variance = variance;
-  if (dual) combine(input.variance, variance, [](float v, float) { return 2 * v; });
+  combine(input.variance, own_variance, [](float v, float own) { return std::max(v, kOwnVariance * own); });
+  if (dual) combine(input.variance, input.variance, [](float v, float) { return 2 * v; });
   for (Planes3& half : input.half)
     if (!half[0].is_empty())
       for (Plane& plane : half) plane.extend();
   for (Plane& plane : input.variance) plane.extend();
   input.features = find_features(image);
   input.epsilon = sqr(kLeastDifference * static_cast<float>(mean_of(color))) + 1e-20f;
-  description = std::string("nlm: ") + (dual ? "two halves" : "one buffer") + ", " +
-                std::to_string(input.features.size()) + " features";
+  description = std::string("nlm: ") + (dual ? "two halves" : "one buffer") + describe_features(image);
   return select_filters(nl_means(input, NlMeansSettings{}), color, variance);
 }
 
@@ -117,7 +130,14 @@ void check_denoiser(Denoiser denoiser) {
   if (denoiser == Denoiser::kOidn) check_oidn();
 }
 
-DenoiseResult denoise(const Image& image, Denoiser denoiser) {
+Denoiser denoiser_from_name(const std::string& name) { return name == "oidn" ? Denoiser::kOidn : Denoiser::kNlMeans; }
+
+DenoiseResult denoise(const Image& image, Denoiser denoiser, int threads) {
+  if (threads > 0) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    tbb::task_arena arena(threads);
+    return arena.execute([&] { return denoise(image, denoiser); });
+  }
   for (const char* name : kColorNames)
     if (image.find_channel(name) < 0)
       throw Error(ExitCode::kUsage, std::string("the picture has no channel ") + name + " to be denoised");

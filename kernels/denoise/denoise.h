@@ -23,8 +23,11 @@ struct DenoiseResult {
 /// Denoises R, G and B. What other channels there are makes it better: half.R/G/B, the mean of one half of the samples;
 /// albedo.R/G/B, N.X/Y/Z and Z, features of the surfaces seen; and the variances of features. Non-local means need
 /// variance.R/G/B. Throws Error (exit code 2) if a channel is missing that is needed, (exit code 1) if the method is
-/// not there. Uses threads; with kNlMeans the same bits for any number of them.
-DenoiseResult denoise(const Image& image, Denoiser denoiser);
+/// not there. `threads`: 0 for one on each logical core; with kNlMeans the same bits for any number of them.
+DenoiseResult denoise(const Image& image, Denoiser denoiser, int threads = 0);
+
+/// The method called "nlm" or "oidn".
+Denoiser denoiser_from_name(const std::string& name);
 
 /// Throws Error (exit code 1) if the method cannot be used on this machine.
 void check_denoiser(Denoiser denoiser);

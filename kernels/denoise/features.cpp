@@ -13,7 +13,7 @@ namespace {
 
 /// Differences of features that count as one, in units of the larger of their noise, their change from pixel to pixel,
 /// and a least difference.
-constexpr float kFeatureK = 0.6f;
+constexpr float kFeatureK = 1.2f;
 /// Least squared differences: of colours and directions, and of depth over depth.
 constexpr float kLeastSquare = 2e-3f, kLeastDepthSquare = 1e-3f;
 /// How features are denoised before they are used.

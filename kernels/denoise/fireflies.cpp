@@ -11,7 +11,7 @@ namespace sheaf {
 namespace {
 
 /// How many times as bright as its second brightest neighbour a firefly is at least.
-constexpr float kExcess = 1.5f;
+constexpr float kExcess = 4.0f;
 /// Share of the excess that other samples must have seen for it to be believed.
 constexpr float kConfirmed = 0.4f;
 /// Variances of the mean that a believed excess is at least, squared: three standard deviations.

@@ -50,7 +50,8 @@ template <class L, int kHalves> class TileFilter {
   }
 
  private:
-  static constexpr int kPatchSums = kSums * kHalves, kAllSums = 2 * kPatchSums + kSums;
+  static constexpr int kPatchSums = kSums * kHalves, kFeatureSums = kPatchSums * kFeatureOnly,
+                       kAllSums = kFeatureSums + kSums;
 
   struct SumRow {
     alignas(kSimdAlignment) float values[kRowSize];
@@ -123,7 +124,7 @@ template <class L, int kHalves> class TileFilter {
   void measure_features(int y, int dx, int dy) {
     for (int x = 0; x < kTileWidth; ++x) {
       const int other = tile_.x0 + x + dx;
-      feature_.values[x] = other >= 0 && other < in_.width ? 0.0f : 1e30f;
+      *feature_.at(x) = *outside_.at(x) = other >= 0 && other < in_.width ? 0.0f : 1e30f;
     }
     for (const Feature& feature : in_.features) {
       if (!feature.slope_x.is_empty()) {
@@ -154,7 +155,7 @@ template <class L, int kHalves> class TileFilter {
         }
         square = fma(d, d, square);
       }
-      store_at(feature_.values + x, max(load_at<L>(feature_.values + x), square * load_at<L>(scale + x)));
+      store_at(feature_.at(x), max(load_at<L>(feature_.at(x)), square * load_at<L>(scale + x)));
     }
   }
 
@@ -165,21 +166,24 @@ template <class L, int kHalves> class TileFilter {
     for (int h = 0; h < kHalves; ++h)
       for (int c = 0; c < 3; ++c) q[h][c] = in_.half[h][static_cast<std::size_t>(c)].row(y + dy) + tile_.x0 + dx;
     for (int x = 0; x < width(); x += L::width) {
-      const F feature = load_at<L>(feature_.values + x);
+      const F feature = load_at<L>(feature_.at(x));
       F color[kHalves][3];
       for (int h = 0; h < kHalves; ++h)
         for (int c = 0; c < 3; ++c) color[h][c] = load_at<L>(q[h][c] + x);
       for (int h = 0; h < kHalves; ++h) {
         constexpr int kOther = kHalves - 1;  // each half is weighed by the other
-        const F small = falloff(max(patch_distance<1>(small_[h], x, y), feature));
-        const F large = falloff(max(patch_distance<kPatch>(large_[h], x, y), feature));
-        add_weighted(y, kSums * (h ^ kOther), x, small, color[h ^ kOther]);
-        add_weighted(y, kPatchSums + kSums * (h ^ kOther), x, large, color[h ^ kOther]);
+        const F* const other = color[h ^ kOther];
+        const int first = kSums * (h ^ kOther);
+        const F distance = patch_distance<kPatch>(large_[h], x, y);
+        add_weighted(y, first, x, falloff(max(patch_distance<1>(small_[h], x, y), feature)), other);
+        add_weighted(y, kPatchSums * kLargePatch + first, x, falloff(max(distance, feature)), other);
+        if (!with_features_) continue;
+        add_weighted(y, kPatchSums * kColorOnly + first, x, falloff(max(distance, load_at<L>(outside_.at(x)))), other);
       }
       if (!with_features_) continue;
       for (int h = 1; h < kHalves; ++h)
         for (int c = 0; c < 3; ++c) color[0][c] += color[h][c];
-      add_weighted(y, 2 * kPatchSums, x, falloff(feature), color[0]);
+      add_weighted(y, kFeatureSums, x, falloff(feature), color[0]);
     }
   }
 
@@ -196,7 +200,7 @@ template <class L, int kHalves> class TileFilter {
 
   void write_row(int y, std::vector<FilteredPlanes>& out) {
     for (int x = 0; x < width(); ++x) {
-      for (int filter = 0; filter < kFeatureOnly; ++filter) {
+      for (int filter = 0; filter < (with_features_ ? kFeatureOnly : kColorOnly); ++filter) {
         FilteredPlanes& planes = out[static_cast<std::size_t>(filter)];
         float color[3] = {}, self = 0;
         for (int h = 0; h < kHalves; ++h) {
@@ -208,9 +212,9 @@ template <class L, int kHalves> class TileFilter {
         write(planes, x, y, color, self);
       }
       if (!with_features_) continue;
-      const float self = 1 / sums(y, 2 * kPatchSums + 3)[x];
+      const float self = 1 / sums(y, kFeatureSums + 3)[x];
       float color[3];
-      for (int c = 0; c < 3; ++c) color[c] = sums(y, 2 * kPatchSums + c)[x] * (self / kHalves);
+      for (int c = 0; c < 3; ++c) color[c] = sums(y, kFeatureSums + c)[x] * (self / kHalves);
       write(out[kFeatureOnly], x, y, color, self);
     }
   }
@@ -226,13 +230,13 @@ template <class L, int kHalves> class TileFilter {
   const bool with_features_;
   LargeTable<float> sums_;  ///< rows of the tile, each with all its sums one after the other
   SumRow small_[kHalves][kRing], large_[kHalves][kRing];  ///< rows of distances summed over 3 and 7 pixels
-  SumRow feature_;
+  SumRow feature_, outside_;  ///< distance by features; 0, or beyond all bounds where the other pixel is none
 };
 
 }  // namespace
 
 std::vector<FilteredPlanes> make_filtered_planes(const NlMeansInput& input) {
-  std::vector<FilteredPlanes> out(input.features.empty() ? kFeatureOnly : kMostFilters);
+  std::vector<FilteredPlanes> out(input.features.empty() ? kColorOnly : kMostFilters);
   for (FilteredPlanes& planes : out) {
     for (Plane& plane : planes.color) plane = Plane(input.width, input.height);
     planes.self_weight = Plane(input.width, input.height);

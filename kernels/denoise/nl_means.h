@@ -39,6 +39,7 @@ struct NlMeansInput {
 enum NlMeansFilter : int {
   kSmallPatch,   ///< by patches of 3 x 3 pixels, and features
   kLargePatch,   ///< by patches of 7 x 7 pixels, and features
+  kColorOnly,    ///< by patches of 7 x 7 pixels alone: what is seen in mirrors and glass; only where there are features
   kFeatureOnly,  ///< by features alone; only where there are any
   kMostFilters
 };
@@ -46,7 +47,7 @@ enum NlMeansFilter : int {
 /// How strongly filters smooth.
 struct NlMeansSettings {
   int radius = 10;        ///< pixels up to which a pixel's neighbours are looked at, each way; at most kMostRadius
-  float color_k = 0.45f;  ///< differences in units of the noise's standard deviation that count as one
+  float color_k = 0.55f;  ///< differences in units of the noise's standard deviation that count as one
 };
 inline constexpr int kMostRadius = 12;
 
@@ -56,7 +57,7 @@ struct FilteredPlanes {
   Plane self_weight;  ///< the share of its result that a pixel has itself
 };
 
-/// Runs all filters that the input allows: two without features, else three. Uses threads; the same bits for any number
+/// Runs all filters that the input allows: two without features, else four. Uses threads; the same bits for any number
 /// of them.
 std::vector<FilteredPlanes> nl_means(const NlMeansInput& input, const NlMeansSettings& settings);
 
