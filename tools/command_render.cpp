@@ -241,6 +241,18 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, boo
   return result;
 }
 
+/// What there is to be said once everything is written.
+void print_end(const RenderResult& result, const std::vector<fs::path>& written, std::size_t stand_ins) {
+  for (const std::string& warning : result.warnings) print_message("warning: " + warning);
+  std::fputs(to_table(result.report).c_str(), stderr);
+  for (const fs::path& output : written) print_message("wrote " + output.string());
+  if (stand_ins > 0)
+    print_message(
+        fmt::format("warning: {} thing{} of the scene could not be read and {} left out or replaced; see "
+                    "the warnings above",
+                    stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
+}
+
 int render_scene(const RenderArguments& arguments) {
   const std::vector<fs::path> outputs = check_outputs(arguments);
   if (!arguments.denoiser.empty()) check_denoiser(denoiser_from_name(arguments.denoiser));
@@ -294,16 +306,7 @@ int render_scene(const RenderArguments& arguments) {
   result.report.peak_private_bytes = peak_private_bytes();
   if (!arguments.stats.empty())
     complete &= try_to_write([&] { write_text_file(arguments.stats, to_json(result.report)); });
-  if (!arguments.quiet) {
-    for (const std::string& warning : result.warnings) print_message("warning: " + warning);
-    std::fputs(to_table(result.report).c_str(), stderr);
-    for (const fs::path& output : written) print_message("wrote " + output.string());
-    if (const std::size_t count = description.stand_ins.size(); count > 0)
-      print_message(
-          fmt::format("warning: {} thing{} of the scene could not be read and {} left out or replaced; see "
-                      "the warnings above",
-                      count, count == 1 ? "" : "s", count == 1 ? "was" : "were"));
-  }
+  if (!arguments.quiet) print_end(result, written, description.stand_ins.size());
   if (!complete) return static_cast<int>(ExitCode::kOutput);
   if (!denoised) return static_cast<int>(ExitCode::kRuntime);
   return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
