@@ -129,7 +129,8 @@ TEST_CASE("non-local means are what their definition says, each half weighed by 
           expected += sum / weights / halves;
           self += 1 / weights / halves;
         }
-        CAPTURE(halves, filter, px, py);
+        CAPTURE(halves);
+        CAPTURE(filter);
         CHECK(filtered[filter].color[1].at(px, py) == doctest::Approx(expected).epsilon(1e-4));
         CHECK(filtered[filter].self_weight.at(px, py) == doctest::Approx(self).epsilon(1e-3));
       }
@@ -149,21 +150,21 @@ TEST_CASE("non-local means have the same bits in registers as one pixel at a tim
 }
 
 TEST_CASE("a denoised picture is nearer to the truth, with halves and features more so, and no darker") {
-  constexpr int kWidth = 96, kHeight = 64;
+  constexpr int kColumns = 96, kRows = 64;
   double before = 0, errors[2][2];
   for (const bool halves : {false, true})
     for (const bool normals : {false, true}) {
-      const Image noisy = noisy_picture(kWidth, kHeight, halves, normals);
+      const Image noisy = noisy_picture(kColumns, kRows, halves, normals);
       const Image image = denoise(noisy, Denoiser::kNlMeans).image;
-      before = squared_error(noisy, "", 0, kWidth);
-      errors[halves][normals] = squared_error(image, "denoised.", 0, kWidth);
+      before = squared_error(noisy, "", 0, kColumns);
+      errors[halves][normals] = squared_error(image, "denoised.", 0, kColumns);
       double sum = 0, expected = 0;
-      for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) {
+      for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < kColumns; ++x) {
           sum += image.at(x, y, image.find_channel("denoised.G"));
-          expected += true_value(x, y, kWidth);
+          expected += true_value(x, y, kColumns);
         }
-      CHECK(std::abs(sum / expected - 1) < 5 * kNoise / std::sqrt(kWidth * kHeight));
+      CHECK(std::abs(sum / expected - 1) < 5 * kNoise / std::sqrt(kColumns * kRows));
     }
   CHECK(before == doctest::Approx(sqr(kNoise)).epsilon(0.1));
   CHECK(errors[0][0] < before / 5);
@@ -172,11 +173,11 @@ TEST_CASE("a denoised picture is nearer to the truth, with halves and features m
 }
 
 TEST_CASE("a step lower than the noise stays sharp where normals tell it") {
-  constexpr int kWidth = 96, kHeight = 48;
-  const Image with = denoise(noisy_picture(kWidth, kHeight, true, true), Denoiser::kNlMeans).image;
-  const Image without = denoise(noisy_picture(kWidth, kHeight, true, false), Denoiser::kNlMeans).image;
-  const double sharp = squared_error(with, "denoised.", kWidth / 2 - 2, kWidth / 2 + 2);
-  CHECK(sharp < squared_error(without, "denoised.", kWidth / 2 - 2, kWidth / 2 + 2) / 2);
+  constexpr int kColumns = 96, kRows = 48;
+  const Image with = denoise(noisy_picture(kColumns, kRows, true, true), Denoiser::kNlMeans).image;
+  const Image without = denoise(noisy_picture(kColumns, kRows, true, false), Denoiser::kNlMeans).image;
+  const double sharp = squared_error(with, "denoised.", kColumns / 2 - 2, kColumns / 2 + 2);
+  CHECK(sharp < squared_error(without, "denoised.", kColumns / 2 - 2, kColumns / 2 + 2) / 2);
   CHECK(sharp < sqr(kNoise) / 10);
 }
 
