@@ -108,7 +108,12 @@ class Scene:
 
 
 def read_colors(file):
-    """R, G and B of an .exr file as the program writes it: floats, blocks of 16 lines packed by zlib."""
+    """R, G and B of an .exr file."""
+    return read_channels(file, "RGB")
+
+
+def read_channels(file, wanted):
+    """Channels of an .exr file as the program writes it: floats, blocks of 16 lines packed by zlib."""
     data = file.read_bytes()
     header, at = {}, 8
     while data[at]:
@@ -132,7 +137,7 @@ def read_colors(file):
             block = np.empty_like(packed)
             block[0::2], block[1::2] = packed[:half], packed[half:]
         lines[...] = block.view("<f4").reshape(lines.shape)
-    return picture[:, [names.index(c) for c in "RGB"]].transpose(0, 2, 1).astype(float)
+    return picture[:, [names.index(c) for c in wanted]].transpose(0, 2, 1).astype(float)
 
 
 def errors(pictures, references):

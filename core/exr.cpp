@@ -230,4 +230,29 @@ std::vector<ExrMetadata::Attribute> read_exr_attributes(const fs::path& path) {
   return attributes;
 }
 
+ExrMetadata read_exr_metadata(const fs::path& path) {
+  ExrMetadata metadata;
+  metadata.attributes = read_exr_attributes(path);
+  std::erase_if(metadata.attributes, [&](const ExrMetadata::Attribute& attribute) {
+    const auto* text = std::get_if<std::string>(&attribute.value);
+    if (text != nullptr && attribute.name == "Software") metadata.software = *text;
+    if (text != nullptr && attribute.name == "capDate") metadata.capture_date = *text;
+    const auto& name = attribute.name;  // what the library writes by itself
+    return name == "Software" || name == "capDate" || name == "type" || name == "name" || name == "chunkCount" ||
+           name == "pixelAspectRatio" || name == "screenWindowWidth";
+  });
+  with_first_part(path, [&](Imf::MultiPartInputFile& file) {
+    const Imf::Header& header = file.header(0);
+    if (const auto* matrix = header.findTypedAttribute<Imf::M44fAttribute>("worldToCamera")) {
+      Matrix4& to = metadata.world_to_camera.emplace();
+      for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column)
+          to.m[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)] = matrix->value()[column][row];
+    }
+    for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel)
+      if (channel.channel().type == Imf::HALF) metadata.half_channels.emplace_back(channel.name());
+  });
+  return metadata;
+}
+
 }  // namespace sheaf

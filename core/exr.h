@@ -40,4 +40,8 @@ Image read_exr(const std::filesystem::path& path);
 /// The string, integer and float attributes of the first part, in the file's order. Throws as read_exr() does.
 std::vector<ExrMetadata::Attribute> read_exr_attributes(const std::filesystem::path& path);
 
+/// All of what write_exr() writes besides pixels, for files that are written anew with other channels. Throws as
+/// read_exr() does.
+ExrMetadata read_exr_metadata(const std::filesystem::path& path);
+
 }  // namespace sheaf

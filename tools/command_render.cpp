@@ -4,6 +4,7 @@
 #include "core/large_pages.h"
 #include "core/output_file.h"
 #include "core/progress.h"
+#include "kernels/denoise/denoise.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/integrator_name.h"
@@ -14,6 +15,7 @@
 #include "scene/xml/xml.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
+#include "tools/picture_files.h"
 #include "tools/read_options.h"
 
 #include <fmt/chrono.h>
@@ -21,7 +23,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -34,6 +35,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// From how many samples per pixel on they are cut into four sets for a denoiser, below into two.
+constexpr std::uint32_t kDenoisedSamples = 16;
+
 /// The options as given.
 struct RenderArguments {
   std::string scene;
@@ -41,19 +45,13 @@ struct RenderArguments {
   std::optional<std::uint32_t> spp, seed;
   std::optional<int> max_depth, rr_depth, candidates;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
-  std::string color = "rgb", integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size;
+  std::string color = "rgb", integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size, denoiser;
   std::optional<float> scale;
   std::optional<float> step_size;
   int threads = 0, wave_size = 0, spectral_bins = 0, replicates = 0;
   bool no_timestamps = false, quiet = false, watertight = false, guiding = false;
   ReadArguments read;
 };
-
-std::string extension_of(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
 
 /// Throws Error (exit code 2) if two of the files to write are one, or one of them is among `sources`, of which the
 /// scene is made.
@@ -79,12 +77,7 @@ void check_overwriting(const std::vector<fs::path>& outputs, const std::string& 
 std::vector<fs::path> check_outputs(const RenderArguments& arguments) {
   std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
   if (outputs.empty()) outputs.push_back(fs::path(arguments.scene).stem().string() + ".exr");
-  for (const fs::path& output : outputs) {
-    const std::string extension = extension_of(output);
-    if (extension != ".exr" && extension != ".png") {
-      throw Error(ExitCode::kUsage, "the name of the picture '" + output.string() + "' must end in .exr or .png");
-    }
-  }
+  for (const fs::path& output : outputs) check_picture_name(output);
   check_overwriting(outputs, arguments.stats, {arguments.scene});
   for (const fs::path& output : outputs) check_writable(output);
   if (!arguments.stats.empty()) check_writable(arguments.stats);
@@ -154,6 +147,15 @@ PixelRect choose_crop(const RenderArguments& arguments, const FilmDescription& f
   return crop;
 }
 
+/// Sets of samples: as asked for, but several where a denoiser is to know the noise.
+int choose_replicates(const RenderArguments& arguments, const SamplerDescription& sampler) {
+  if (arguments.denoiser != "nlm") return arguments.replicates;
+  if (sampler.sample_count < 2 || arguments.replicates == 1)
+    throw Error(ExitCode::kUsage, "--denoise nlm needs at least two samples per pixel, and --replicates above 1");
+  if (arguments.replicates != 0 || sampler.kind == SamplerKind::kIndependent) return arguments.replicates;
+  return sampler.sample_count < kDenoisedSamples ? 2 : 4;
+}
+
 /// World to OpenEXR's camera space, which looks along -z with x to the right; ours looks along +z with x to the left.
 std::optional<Matrix4> world_to_camera(const CameraDescription& camera) {
   Matrix4 half_turn;
@@ -196,13 +198,27 @@ template <class Write> bool try_to_write(Write&& write) {
   }
 }
 
-/// Returns those that are written.
+/// Adds the denoised picture, if one is asked for. Says what went wrong if there is none: the noisy one is still to be
+/// written.
+bool add_denoised(const RenderArguments& arguments, Image& image, ExrMetadata& metadata) {
+  if (arguments.denoiser.empty()) return true;
+  return try_to_write([&] {
+    DenoiseResult result = denoise(image, denoiser_from_name(arguments.denoiser), arguments.threads);
+    add_denoise_attribute(metadata, result);
+    image = std::move(result.image);
+  });
+}
+
+/// Returns those that are written. PNG files show the denoised picture where there is one.
 std::vector<fs::path> write_pictures(const std::vector<fs::path>& outputs, const Image& image,
                                      const ExrMetadata& metadata) {
   std::vector<fs::path> written;
+  const bool denoised = image.find_channel("denoised.R") >= 0;
   for (const fs::path& output : outputs) {
     const bool is_png = extension_of(output) == ".png";
-    if (try_to_write([&] { is_png ? write_png(output, image) : write_exr(output, image, metadata); }))
+    if (try_to_write([&] {
+          is_png ? write_png(output, denoised ? denoised_only(image) : image) : write_exr(output, image, metadata);
+        }))
       written.push_back(output);
   }
   return written;
@@ -227,8 +243,21 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, boo
   return result;
 }
 
+/// What there is to be said once everything is written.
+void print_end(const RenderResult& result, const std::vector<fs::path>& written, std::size_t stand_ins) {
+  for (const std::string& warning : result.warnings) print_message("warning: " + warning);
+  std::fputs(to_table(result.report).c_str(), stderr);
+  for (const fs::path& output : written) print_message("wrote " + output.string());
+  if (stand_ins > 0)
+    print_message(
+        fmt::format("warning: {} thing{} of the scene could not be read and {} left out or replaced; see "
+                    "the warnings above",
+                    stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
+}
+
 int render_scene(const RenderArguments& arguments) {
   const std::vector<fs::path> outputs = check_outputs(arguments);
+  if (!arguments.denoiser.empty()) check_denoiser(denoiser_from_name(arguments.denoiser));
   if (arguments.spectral_bins > 0 && arguments.color != "spectral")
     throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
   const double load_start = Progress::steady_seconds();
@@ -240,6 +269,8 @@ int render_scene(const RenderArguments& arguments) {
   if (!arguments.filter_mode.empty())
     description.film.filter_mode =
         arguments.filter_mode == "importance" ? FilterMode::kImportance : FilterMode::kWeighted;
+  else if (!arguments.denoiser.empty())
+    description.film.filter_mode = FilterMode::kImportance;
   const PixelRect crop = choose_crop(arguments, description.film);
   const ColorMode color = arguments.color == "spectral" ? ColorMode::kSpectral : ColorMode::kRgb;
   const double build_start = Progress::steady_seconds();
@@ -259,7 +290,7 @@ int render_scene(const RenderArguments& arguments) {
   options.threads = arguments.threads;
   options.wave_size = arguments.wave_size;
   options.spectral_bins = arguments.spectral_bins;
-  options.replicates = arguments.replicates;
+  options.replicates = choose_replicates(arguments, description.sampler);
   options.guiding = arguments.guiding;
   options.crop = crop;
   const InterruptGuard guard;
@@ -268,26 +299,19 @@ int render_scene(const RenderArguments& arguments) {
   result.report.color = arguments.color;
   result.report.load_seconds = build_start - load_start;
   result.report.build_seconds = build_end - build_start;
-  const Image image = result.to_image();
+  Image image = result.to_image();
   result.film = Film();  // its memory is needed for writing
-  const std::vector<fs::path> written =
-      write_pictures(outputs, image, make_metadata(arguments, result.report, description));
+  ExrMetadata metadata = make_metadata(arguments, result.report, description);
+  const bool denoised = add_denoised(arguments, image, metadata);
+  const std::vector<fs::path> written = write_pictures(outputs, image, metadata);
   bool complete = written.size() == outputs.size();
   result.report.peak_rss_bytes = peak_rss_bytes();
   result.report.peak_private_bytes = peak_private_bytes();
   if (!arguments.stats.empty())
     complete &= try_to_write([&] { write_text_file(arguments.stats, to_json(result.report)); });
-  if (!arguments.quiet) {
-    for (const std::string& warning : result.warnings) print_message("warning: " + warning);
-    std::fputs(to_table(result.report).c_str(), stderr);
-    for (const fs::path& output : written) print_message("wrote " + output.string());
-    if (const std::size_t count = description.stand_ins.size(); count > 0)
-      print_message(
-          fmt::format("warning: {} thing{} of the scene could not be read and {} left out or replaced; see "
-                      "the warnings above",
-                      count, count == 1 ? "" : "s", count == 1 ? "was" : "were"));
-  }
+  if (!arguments.quiet) print_end(result, written, description.stand_ins.size());
   if (!complete) return static_cast<int>(ExitCode::kOutput);
+  if (!denoised) return static_cast<int>(ExitCode::kRuntime);
   return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
 }
 
@@ -297,6 +321,13 @@ void add_picture_options(Command& command, RenderArguments& arguments) {
   command.add_option("-o,--output", arguments.outputs,
                      "Picture to write, .exr (linear floats, all layers) or .png (8 bits, sRGB); may be repeated. "
                      "Default: the scene's name with .exr, in the current folder");
+  command
+      .add_option(
+          "--denoise", arguments.denoiser,
+          "Take the noise out of the finished picture, into the layers denoised.R/G/B of .exr and into .png: nlm "
+          "(non-local means) or oidn (Open Image Denoise, if it is installed). Makes --filter-mode importance "
+          "the default, and with nlm --replicates 4, 2 below 16 samples per pixel")
+      .one_of({"nlm", "oidn"});
   command.add_flag("--watertight", arguments.watertight,
                    "Let no ray slip between triangles that share an edge; slower by up to a third in small scenes");
   command.add_option("--spp", arguments.spp, "Samples per pixel. Default: the scene's").in_range(1u, 1u << 24);

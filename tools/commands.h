@@ -13,6 +13,8 @@ void add_render_command(Command& program, int& exit_code);
 void add_info_command(Command& program, int& exit_code);
 /// sheaf compare: measures how far two pictures are apart.
 void add_compare_command(Command& program, int& exit_code);
+/// sheaf denoise: takes the noise out of a rendered picture.
+void add_denoise_command(Command& program, int& exit_code);
 
 /// Prints a line to the standard error stream, after "sheaf: ".
 void print_message(std::string_view message);

@@ -38,6 +38,8 @@ MAKERS = {
 # The shortest arguments of the other scripts. {build} is the build folder, {out} an empty one.
 SCRIPTS = {
     "bench/compare_color.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--seeds", "2", "--crop", "100,100,132,132"],
+    "bench/compare_denoise.py": ["--sheaf", "{build}/sheaf", "--spp", "4", "--width", "24", "--reference-spp", "4",
+                                 "--scenes", "scenes/cornell/cornell.xml"],
     "bench/compare_guiding.py": ["--sheaf", "{build}/sheaf", "--spp", "4", "--width", "24", "--seeds", "2", "--scenes",
                                  "scenes/gap/gap.xml"],
     "bench/compare_lights.py": ["--sheaf", "{build}/sheaf", "--seconds", "0.01", "--width", "48", "--reference-spp", "4"],

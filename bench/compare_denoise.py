@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+"""Measures what denoising brings: mean squared error of a picture before and after, against one of many samples. Needs
+Python with numpy and a build.
+
+  bench/compare_denoise.py [--scenes scenes/cornell/cornell.xml ...] [--spp 64] [--width 400] [--reference-spp 2048]
+
+Prints for each scene: the error of a plain picture (no denoising, samples as even as can be) with `--spp` and with eight
+times as many samples; that of the picture made for the denoiser (noise that differs from pixel to pixel); that of the
+denoised one; `gain`, the last but one over the last; and the seconds of CPU time that denoising took. `relative`: the same
+of the relative squared error, that over the pixel's squared mean.
+"""
+
+import argparse
+import resource
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from compare_guiding import frame_options
+from compare_photons import read_channels
+from rendering import ROOT, render
+
+SCENES = ["scenes/cornell/cornell.xml", "scenes/material_room/material_room.xml", "scenes/media/cloud_box.xml"]
+LAYERS = ["denoised.R", "denoised.G", "denoised.B"]
+
+
+def cpu_seconds(command):
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    subprocess.run(command, check=True)
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+
+
+def errors(picture, reference):
+    square = (picture - reference)**2
+    return square.mean(), (square / (reference**2 + 0.01)).mean()
+
+
+def compare(arguments, scene, folder):
+    options = frame_options(scene, arguments.width)
+    noisy, plain, out = (Path(folder) / name for name in ("noisy.exr", "plain.exr", "out.exr"))
+    render(arguments.sheaf, scene, plain, arguments.reference_spp, 9, *options)
+    reference = read_channels(plain, "RGB")
+    plains = []
+    for spp in (arguments.spp, 8 * arguments.spp):
+        render(arguments.sheaf, scene, plain, spp, 1, *options)
+        plains.append(errors(read_channels(plain, "RGB"), reference))
+    render(arguments.sheaf, scene, noisy, arguments.spp, 1, "--filter-mode", "importance", "--replicates", "4",
+           *options, *arguments.arguments.split())
+    seconds = cpu_seconds([str(arguments.sheaf), "denoise", str(noisy), "-o", str(out), "--quiet", "--method",
+                           arguments.method])
+    before, after = (errors(read_channels(out, names), reference) for names in ("RGB", LAYERS))
+    for i, name in enumerate((Path(scene).stem, "  relative")):
+        print(f"{name:16} {plains[0][i]:10.3e} {plains[1][i]:10.3e} {before[i]:10.3e} {after[i]:10.3e}"
+              f" {before[i] / after[i]:6.1f}" + (f" {seconds:8.2f}" if i == 0 else ""), flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
+    parser.add_argument("--scenes", nargs="+", default=[ROOT / scene for scene in SCENES])
+    parser.add_argument("--spp", type=int, default=64)
+    parser.add_argument("--width", type=int, default=400)
+    parser.add_argument("--reference-spp", type=int, default=2048)
+    parser.add_argument("--method", default="nlm")
+    parser.add_argument("--arguments", default="", help="further arguments of sheaf render for the noisy picture")
+    arguments = parser.parse_args()
+    print(f"{'':16} {'plain':>10} {'8 x':>10} {'noisy':>10} {'denoised':>10} {'gain':>6} {'cpu s':>8}")
+    with tempfile.TemporaryDirectory() as folder:
+        for scene in arguments.scenes:
+            compare(arguments, scene, folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,145 @@
+#include "kernels/denoise/features.h"
+
+#include "kernels/denoise/smooth.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// Differences of features that count as one, in units of the larger of their noise, their change from pixel to pixel,
+/// and a least difference.
+constexpr float kFeatureK = 1.2f;
+/// Least squared differences: of colours and directions, and of depth over depth.
+constexpr float kLeastSquare = 2e-3f, kLeastDepthSquare = 1e-3f;
+/// How features are denoised before they are used.
+constexpr NlMeansSettings kPrefilter{5, 1.0f};
+/// Values beyond this are none.
+constexpr float kMost = 1e15f;
+
+/// The smaller change, to one side or the other: steps do not count.
+float gentle_slope(float before, float here, float after) {
+  const float a = here - before, b = after - here;
+  return std::abs(a) < std::abs(b) ? a : b;
+}
+
+/// Changes to the right or downwards, extended.
+Plane slope_of(const Plane& plane, int dx, int dy) {
+  Plane slope(plane.width(), plane.height());
+  tbb::parallel_for(0, plane.height(), [&](int y) {
+    for (int x = 0; x < plane.width(); ++x)
+      slope.at(x, y) = gentle_slope(plane.at(x - dx, y - dy), plane.at(x, y), plane.at(x + dx, y + dy));
+  });
+  slope.extend();
+  return slope;
+}
+
+/// The variances of channels, without noise of their own; empty if the picture has none.
+std::vector<Plane> find_variances(const Image& image, std::vector<std::string> names) {
+  for (std::string& name : names) name.insert(0, "variance.");
+  std::vector<Plane> planes = find_planes(image, names);
+  for (Plane& plane : planes) plane = box_mean(plane, 2);
+  return planes;
+}
+
+/// Denoises a feature of three channels. What is left of its variance is taken to be none.
+void prefilter(std::vector<Plane>& channels, std::vector<Plane> variances) {
+  NlMeansInput input;
+  input.width = channels[0].width();
+  input.height = channels[0].height();
+  input.epsilon = 1e-6f;
+  for (std::size_t c = 0; c < 3; ++c) {
+    input.half[0][c] = std::move(channels[c]);
+    input.variance[c] = std::move(variances[c]);
+  }
+  std::vector<FilteredPlanes> filtered = nl_means(input, kPrefilter);
+  for (std::size_t c = 0; c < 3; ++c) {
+    channels[c] = std::move(filtered[kLargePatch].color[c]);
+    channels[c].extend();
+  }
+}
+
+/// Colours or directions: they differ by more than their change from pixel to pixel.
+Feature make_feature(std::vector<Plane> channels) {
+  Feature feature;
+  const int width = channels[0].width(), height = channels[0].height();
+  feature.scale = Plane(width, height);
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      float square = 0;
+      for (const Plane& plane : channels) {
+        const float here = plane.at(x, y);
+        square += sqr(gentle_slope(plane.at(x - 1, y), here, plane.at(x + 1, y))) +
+                  sqr(gentle_slope(plane.at(x, y - 1), here, plane.at(x, y + 1)));
+      }
+      feature.scale.at(x, y) = 1 / (sqr(kFeatureK) * std::max(square, kLeastSquare));
+    }
+  });
+  feature.channels = std::move(channels);
+  return feature;
+}
+
+/// Depth as its inverse, which is linear across the picture of a plane: only what lies off the plane through a pixel
+/// and its neighbours differs. Where nothing is hit the inverse is 0.
+Feature make_depth_feature(const Plane& depth) {
+  const int width = depth.width(), height = depth.height();
+  Plane inverse(width, height);
+  double sum = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const float z = depth.at(x, y);
+      inverse.at(x, y) = z > 0 ? 1 / z : 0.0f;
+      sum += inverse.at(x, y);
+    }
+  inverse.extend();
+  Feature feature;
+  feature.scale = Plane(width, height);
+  feature.slope_x = slope_of(inverse, 1, 0);
+  feature.slope_y = slope_of(inverse, 0, 1);
+  const float least = 0.1f * static_cast<float>(sum / (static_cast<double>(width) * height)) + 1e-12f;
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x)
+      feature.scale.at(x, y) = 1 / (sqr(kFeatureK) * kLeastDepthSquare * sqr(std::max(inverse.at(x, y), least)));
+  });
+  feature.channels.push_back(std::move(inverse));
+  return feature;
+}
+
+}  // namespace
+
+std::vector<Plane> find_planes(const Image& image, const std::vector<std::string>& names) {
+  std::vector<Plane> planes;
+  for (const std::string& name : names) {
+    const int c = image.find_channel(name);
+    if (c < 0) return {};
+    Plane& plane = planes.emplace_back(image.width, image.height);
+    tbb::parallel_for(0, image.height, [&](int y) {
+      for (int x = 0; x < image.width; ++x) {
+        const float value = image.at(x, y, c);
+        plane.at(x, y) = std::abs(value) <= kMost ? value : 0.0f;
+      }
+    });
+    plane.extend();
+  }
+  return planes;
+}
+
+std::vector<Feature> find_features(const Image& image) {
+  std::vector<Feature> features;
+  for (const auto& names : {std::vector<std::string>{"albedo.R", "albedo.G", "albedo.B"}, {"N.X", "N.Y", "N.Z"}}) {
+    std::vector<Plane> channels = find_planes(image, names);
+    if (channels.empty()) continue;
+    if (std::vector<Plane> variances = find_variances(image, names); !variances.empty())
+      prefilter(channels, std::move(variances));
+    features.push_back(make_feature(std::move(channels)));
+  }
+  if (const std::vector<Plane> depth = find_planes(image, {"Z"}); !depth.empty())
+    features.push_back(make_depth_feature(depth[0]));
+  return features;
+}
+
+}  // namespace sheaf

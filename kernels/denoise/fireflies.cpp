@@ -1,0 +1,68 @@
+#include "kernels/denoise/fireflies.h"
+
+#include "core/color.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+/// How many times as bright as its second brightest neighbour a firefly is at least.
+constexpr float kExcess = 4.0f;
+/// Share of the excess that other samples must have seen for it to be believed.
+constexpr float kConfirmed = 0.4f;
+/// Variances of the mean that a believed excess is at least, squared: three standard deviations.
+constexpr float kCertain = 9.0f;
+
+Plane luminance_of(const Planes3& color) {
+  Plane plane(color[0].width(), color[0].height());
+  for (int y = 0; y < plane.height(); ++y)
+    for (int x = 0; x < plane.width(); ++x)
+      plane.at(x, y) = luminance({color[0].at(x, y), color[1].at(x, y), color[2].at(x, y)});
+  return plane;
+}
+
+/// A pixel's neighbours, by luminance.
+struct Neighbours {
+  struct Pixel {
+    float luminance;
+    int x, y;
+  };
+  Pixel pixels[8];
+  int count = 0;
+
+  Neighbours(const Plane& plane, int x, int y) {
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, plane.height() - 1); ++j)
+      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, plane.width() - 1); ++i)
+        if (i != x || j != y) pixels[count++] = {plane.at(i, j), i, j};
+    std::stable_sort(pixels, pixels + count, [](const Pixel& a, const Pixel& b) { return a.luminance < b.luminance; });
+  }
+};
+
+}  // namespace
+
+void remove_fireflies(Planes3& color, Planes3& variance, const Planes3* other) {
+  const Planes3 color_before = color, variance_before = variance;
+  const Plane light = luminance_of(color), other_light = other != nullptr ? luminance_of(*other) : Plane();
+  const Plane& spread = variance_before[1];
+  tbb::parallel_for(0, light.height(), [&](int y) {
+    for (int x = 0; x < light.width(); ++x) {
+      const Neighbours near(light, x, y);
+      if (near.count < 2 || !(light.at(x, y) > kExcess * near.pixels[near.count - 2].luminance)) continue;
+      const Neighbours::Pixel& median = near.pixels[near.count / 2];
+      const float excess = light.at(x, y) - median.luminance;
+      const bool certain = other != nullptr ? other_light.at(x, y) - median.luminance > kConfirmed * excess
+                                            : excess * excess > kCertain * spread.at(x, y);
+      if (certain) continue;
+      for (std::size_t c = 0; c < 3; ++c) {
+        color[c].at(x, y) = color_before[c].at(median.x, median.y);
+        variance[c].at(x, y) = variance_before[c].at(median.x, median.y);
+      }
+    }
+  });
+}
+
+}  // namespace sheaf

@@ -1,0 +1,142 @@
+// The only file that knows the library's C interface, versions 1.4 to 2, of which it declares what it calls.
+#include "kernels/denoise/oidn.h"
+
+#include "core/error.h"
+#include "kernels/denoise/features.h"
+
+#include <dlfcn.h>
+
+#include <cstddef>
+#include <memory>
+
+namespace sheaf {
+
+namespace {
+
+struct DeviceHandle;
+struct FilterHandle;
+using Device = DeviceHandle*;
+using Filter = FilterHandle*;
+
+/// Values of the library's enumerations.
+constexpr int kCpuDevice = 1, kFloat3 = 3;
+
+/// What is called of the library.
+struct Library {
+  Device (*new_device)(int type);
+  void (*commit_device)(Device);
+  void (*release_device)(Device);
+  int (*get_device_error)(Device, const char** message);
+  Filter (*new_filter)(Device, const char* type);
+  void (*set_shared_filter_image)(Filter, const char* name, void* values, int format, std::size_t width,
+                                  std::size_t height, std::size_t offset, std::size_t pixel_bytes,
+                                  std::size_t row_bytes);
+  void (*set_filter_bool)(Filter, const char* name, bool value);
+  void (*commit_filter)(Filter);
+  void (*execute_filter)(Filter);
+  void (*release_filter)(Filter);
+};
+
+Error no_library(const std::string& why) {
+  return Error(ExitCode::kRuntime,
+               "Open Image Denoise cannot be used: " + why +
+                   ". Install it so that the linker finds libOpenImageDenoise.so (or set LD_LIBRARY_PATH to its "
+                   "folder), or denoise with nlm, which needs nothing");
+}
+
+template <class Function> void find_function(void* handle, const char* name, const char* older, Function& function) {
+  void* symbol = dlsym(handle, name);
+  if (symbol == nullptr && older != nullptr) symbol = dlsym(handle, older);
+  if (symbol == nullptr) throw no_library(std::string("it has no function ") + name);
+  function = reinterpret_cast<Function>(symbol);
+}
+
+/// The library, loaded at the first call and kept. Throws Error.
+const Library& library() {
+  static const Library loaded = [] {
+    void* handle = nullptr;
+    for (const char* name : {"libOpenImageDenoise.so.2", "libOpenImageDenoise.so", "libOpenImageDenoise.so.0"})
+      if (handle = dlopen(name, RTLD_NOW | RTLD_LOCAL); handle != nullptr) break;
+    if (handle == nullptr) throw no_library("there is no library libOpenImageDenoise.so");
+    Library found{};
+    find_function(handle, "oidnNewDevice", nullptr, found.new_device);
+    find_function(handle, "oidnCommitDevice", nullptr, found.commit_device);
+    find_function(handle, "oidnReleaseDevice", nullptr, found.release_device);
+    find_function(handle, "oidnGetDeviceError", nullptr, found.get_device_error);
+    find_function(handle, "oidnNewFilter", nullptr, found.new_filter);
+    find_function(handle, "oidnSetSharedFilterImage", nullptr, found.set_shared_filter_image);
+    find_function(handle, "oidnSetFilterBool", "oidnSetFilter1b", found.set_filter_bool);
+    find_function(handle, "oidnCommitFilter", nullptr, found.commit_filter);
+    find_function(handle, "oidnExecuteFilter", nullptr, found.execute_filter);
+    find_function(handle, "oidnReleaseFilter", nullptr, found.release_filter);
+    return found;
+  }();
+  return loaded;
+}
+
+/// Three planes with their pixels one after the other.
+std::vector<float> interleave(const std::vector<Plane>& planes) {
+  std::vector<float> values;
+  for (int y = 0; y < planes[0].height(); ++y)
+    for (int x = 0; x < planes[0].width(); ++x)
+      for (const Plane& plane : planes) values.push_back(plane.at(x, y));
+  return values;
+}
+
+/// Runs the library's filter for path-traced pictures on linear colours of any brightness. Features may be empty.
+void run_filter(int width, int height, std::vector<float>& color, std::vector<float>& albedo,
+                std::vector<float>& normal, std::vector<float>& output) {
+  const Library& oidn = library();
+  const auto check = [&oidn](Device device) {
+    const char* message = nullptr;
+    if (oidn.get_device_error(device, &message) != 0)
+      throw Error(ExitCode::kRuntime, std::string("Open Image Denoise: ") + (message != nullptr ? message : "failed"));
+  };
+  const std::unique_ptr<DeviceHandle, void (*)(Device)> device(oidn.new_device(kCpuDevice), oidn.release_device);
+  if (!device) check(nullptr);
+  oidn.commit_device(device.get());
+  check(device.get());
+  const std::unique_ptr<FilterHandle, void (*)(Filter)> filter(oidn.new_filter(device.get(), "RT"),
+                                                               oidn.release_filter);
+  check(device.get());
+  const auto set_image = [&](const char* name, std::vector<float>& values) {
+    if (values.empty()) return;
+    oidn.set_shared_filter_image(filter.get(), name, values.data(), kFloat3, static_cast<std::size_t>(width),
+                                 static_cast<std::size_t>(height), 0, 0, 0);
+  };
+  set_image("color", color);
+  set_image("albedo", albedo);
+  set_image("normal", normal);
+  set_image("output", output);
+  oidn.set_filter_bool(filter.get(), "hdr", true);
+  oidn.commit_filter(filter.get());
+  check(device.get());
+  oidn.execute_filter(filter.get());
+  check(device.get());
+}
+
+}  // namespace
+
+void check_oidn() { library(); }
+
+Planes3 denoise_oidn(const Image& image, std::string& description) {
+  const std::vector<Plane> albedo = find_planes(image, {"albedo.R", "albedo.G", "albedo.B"});
+  const std::vector<Plane> normal = find_planes(image, {"N.X", "N.Y", "N.Z"});
+  std::vector<float> color_values = interleave(find_planes(image, {"R", "G", "B"})), output(color_values.size());
+  std::vector<float> albedo_values, normal_values;
+  if (!albedo.empty()) albedo_values = interleave(albedo);
+  if (!albedo.empty() && !normal.empty()) normal_values = interleave(normal);  // the library takes none without albedo
+  run_filter(image.width, image.height, color_values, albedo_values, normal_values, output);
+  description = std::string("oidn: ") + (albedo.empty()   ? "no features"
+                                         : normal.empty() ? "features albedo"
+                                                          : "features albedo N");
+  Planes3 planes;
+  std::size_t i = 0;
+  for (Plane& plane : planes) plane = Plane(image.width, image.height);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (Plane& plane : planes) plane.at(x, y) = output[i++];
+  return planes;
+}
+
+}  // namespace sheaf

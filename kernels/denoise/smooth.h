@@ -1,0 +1,12 @@
+// Means over squares of pixels.
+#pragma once
+
+#include "kernels/denoise/plane.h"
+
+namespace sheaf {
+
+/// The mean over the square of 2 * radius + 1 pixels around each pixel, of those that are in the picture. The result is
+/// extended.
+Plane box_mean(const Plane& plane, int radius);
+
+}  // namespace sheaf

@@ -1,0 +1,280 @@
+// Denoising: non-local means against their definition, fireflies, features, and what becomes of a picture's channels.
+#include "core/error.h"
+#include "core/rng.h"
+#include "kernels/denoise/denoise.h"
+#include "kernels/denoise/fireflies.h"
+#include "kernels/denoise/nl_means.h"
+#include "kernels/denoise/select_filters.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace sheaf {
+
+namespace {
+
+/// A number of mean 0 and variance 1.
+float normal_number(std::uint32_t pixel, std::uint32_t what) {
+  const auto u = random4<Scalar>(7, pixel, what, 0);
+  return std::sqrt(-2 * std::log(u.x + 1e-9f)) * std::cos(2 * kPi * u.y);
+}
+
+/// What a noisy picture is of: a slope, and a step at the middle column that normals know of.
+float true_value(int x, int y, int width) {
+  return 0.5f + 0.004f * static_cast<float>(y) + (x < width / 2 ? 0.f : 0.1f);
+}
+
+constexpr float kNoise = 0.1f;  // standard deviation of the mean of all samples
+
+/// A picture with noise of known variance, with halves and normals or without.
+Image noisy_picture(int width, int height, bool halves, bool normals) {
+  std::vector<std::string> names = {"R", "G", "B", "variance.R", "variance.G", "variance.B", "other"};
+  if (halves) names.insert(names.end(), {"half.R", "half.G", "half.B"});
+  if (normals) names.insert(names.end(), {"N.X", "N.Y", "N.Z"});
+  Image image(width, height, names);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const auto pixel = static_cast<std::uint32_t>(y * width + x);
+      for (int c = 0; c < 3; ++c) {
+        const auto what = static_cast<std::uint32_t>(2 * c);
+        const float a = normal_number(pixel, what) * kNoise * std::sqrt(2.f);
+        const float b = normal_number(pixel, what + 1) * kNoise * std::sqrt(2.f);
+        image.at(x, y, c) = true_value(x, y, width) + (a + b) / 2;
+        image.at(x, y, 3 + c) = sqr(kNoise);
+        if (halves) image.at(x, y, 7 + c) = true_value(x, y, width) + a;
+      }
+      image.at(x, y, 6) = static_cast<float>(pixel);
+      if (normals) image.at(x, y, image.find_channel(x < width / 2 ? "N.X" : "N.Y")) = 1;
+    }
+  return image;
+}
+
+/// Mean squared error of `prefix`R, G and B, over columns [x0, x1).
+double squared_error(const Image& image, const std::string& prefix, int x0, int x1) {
+  double sum = 0;
+  for (const char* color : {"R", "G", "B"}) {
+    const int c = image.find_channel(prefix + color);
+    REQUIRE(c >= 0);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = x0; x < x1; ++x) sum += sqr(image.at(x, y, c) - true_value(x, y, image.width));
+  }
+  return sum / (3.0 * image.height * (x1 - x0));
+}
+
+/// An input of noise around 1, with a feature that changes at a column.
+NlMeansInput noisy_input(int width, int height, int halves) {
+  NlMeansInput input;
+  input.width = width;
+  input.height = height;
+  input.halves = halves;
+  std::uint32_t what = 0;
+  const auto fill = [&](Plane& plane, auto value) {
+    plane = Plane(width, height);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        plane.at(x, y) = value(x, normal_number(static_cast<std::uint32_t>(y * width + x), what));
+    plane.extend();
+    ++what;
+  };
+  for (int h = 0; h < halves; ++h)
+    for (Plane& plane : input.half[h])
+      fill(plane, [](int x, float n) { return 1 + 0.01f * static_cast<float>(x) + 0.1f * n; });
+  for (Plane& plane : input.variance) fill(plane, [](int, float n) { return 0.01f * (1 + 0.3f * std::abs(n)); });
+  Feature& feature = input.features.emplace_back();
+  fill(feature.channels.emplace_back(), [&](int x, float) { return x < width / 3 ? 0.f : 1.f; });
+  fill(feature.scale, [](int, float) { return 3.f; });
+  return input;
+}
+
+/// The weight of pixel q for p by patches of a half, by the definition, in double precision. Patches beyond the picture
+/// repeat its border.
+double patch_weight(const NlMeansInput& in, int half, float color_k, int px, int py, int qx, int qy, int radius) {
+  double sum = 0;
+  for (int j = -radius; j <= radius; ++j)
+    for (int i = -radius; i <= radius; ++i)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double d = in.half[half][c].at(px + i, py + j) - in.half[half][c].at(qx + i, qy + j);
+        const double a = in.variance[c].at(px + i, py + j), b = in.variance[c].at(qx + i, qy + j);
+        sum += (d * d - (a + std::min(a, b))) / (in.epsilon + color_k * color_k * (a + b));
+      }
+  const int side = 2 * radius + 1;
+  const double f = in.features[0].channels[0].at(px, py) - in.features[0].channels[0].at(qx, qy);
+  const double distance = std::max({0.0, sum / (3 * side * side), f * f * in.features[0].scale.at(px, py)});
+  return std::pow(std::max(1 - distance / 16, 0.0), 16);
+}
+
+}  // namespace
+
+TEST_CASE("non-local means are what their definition says, each half weighed by the other") {
+  const NlMeansSettings settings{4, 0.5f};
+  for (const int halves : {1, 2}) {
+    const NlMeansInput input = noisy_input(21, 13, halves);
+    const std::vector<FilteredPlanes> filtered = nl_means(input, settings);
+    REQUIRE(filtered.size() == kMostFilters);
+    for (const NlMeansFilter filter : {kSmallPatch, kLargePatch})
+      for (const auto& [px, py] : {std::pair{0, 0}, {6, 5}, {7, 6}, {20, 12}}) {
+        double expected = 0, self = 0;
+        for (int h = 0; h < halves; ++h) {
+          double sum = 0, weights = 0;
+          for (int qy = std::max(py - 4, 0); qy <= std::min(py + 4, 12); ++qy)
+            for (int qx = std::max(px - 4, 0); qx <= std::min(px + 4, 20); ++qx) {
+              const int by = halves == 2 ? 1 - h : 0;
+              const double w = patch_weight(input, by, 0.5f, px, py, qx, qy, filter == kSmallPatch ? 1 : 3);
+              sum += w * input.half[h][1].at(qx, qy);
+              weights += w;
+            }
+          expected += sum / weights / halves;
+          self += 1 / weights / halves;
+        }
+        CAPTURE(halves);
+        CAPTURE(filter);
+        CHECK(filtered[filter].color[1].at(px, py) == doctest::Approx(expected).epsilon(1e-4));
+        CHECK(filtered[filter].self_weight.at(px, py) == doctest::Approx(self).epsilon(1e-3));
+      }
+  }
+}
+
+TEST_CASE("non-local means have the same bits in registers as one pixel at a time") {
+  const NlMeansInput input = noisy_input(37, 19, 2);
+  const NlMeansSettings settings{3, 0.45f};
+  std::vector<FilteredPlanes> wide = make_filtered_planes(input), scalar = make_filtered_planes(input);
+  nl_means_tile<Wide>(input, settings, {0, 0, 37, 19}, wide);
+  nl_means_tile<Scalar>(input, settings, {0, 0, 37, 19}, scalar);
+  for (std::size_t filter = 0; filter < wide.size(); ++filter)
+    for (std::size_t c = 0; c < 3; ++c)
+      for (int y = 0; y < 19; ++y)
+        CHECK(std::memcmp(wide[filter].color[c].row(y), scalar[filter].color[c].row(y), 37 * sizeof(float)) == 0);
+}
+
+TEST_CASE("a denoised picture is nearer to the truth, with halves and features more so, and no darker") {
+  constexpr int kColumns = 96, kRows = 64;
+  double before = 0, errors[2][2];
+  for (const bool halves : {false, true})
+    for (const bool normals : {false, true}) {
+      const Image noisy = noisy_picture(kColumns, kRows, halves, normals);
+      const Image image = denoise(noisy, Denoiser::kNlMeans).image;
+      before = squared_error(noisy, "", 0, kColumns);
+      errors[halves][normals] = squared_error(image, "denoised.", 0, kColumns);
+      double sum = 0, expected = 0;
+      for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < kColumns; ++x) {
+          sum += image.at(x, y, image.find_channel("denoised.G"));
+          expected += true_value(x, y, kColumns);
+        }
+      CHECK(std::abs(sum / expected - 1) < 5 * kNoise / std::sqrt(kColumns * kRows));
+    }
+  CHECK(before == doctest::Approx(sqr(kNoise)).epsilon(0.1));
+  CHECK(errors[0][0] < before / 5);
+  CHECK(errors[1][0] < before / 8);
+  CHECK(errors[1][1] < before / 20);
+}
+
+TEST_CASE("a step lower than the noise stays sharp where normals tell it") {
+  constexpr int kColumns = 96, kRows = 48;
+  const Image with = denoise(noisy_picture(kColumns, kRows, true, true), Denoiser::kNlMeans).image;
+  const Image without = denoise(noisy_picture(kColumns, kRows, true, false), Denoiser::kNlMeans).image;
+  const double sharp = squared_error(with, "denoised.", kColumns / 2 - 2, kColumns / 2 + 2);
+  CHECK(sharp < squared_error(without, "denoised.", kColumns / 2 - 2, kColumns / 2 + 2) / 2);
+  CHECK(sharp < sqr(kNoise) / 10);
+}
+
+TEST_CASE("fireflies neither survive nor leave blotches; what other samples have seen too stays") {
+  constexpr int kSize = 48;
+  const Image quiet = noisy_picture(kSize, kSize, true, false);
+  Image spiked = quiet;
+  for (int c = 0; c < 3; ++c) {
+    spiked.at(20, 20, c) += 500;  // in one half
+    spiked.at(20, 20, 7 + c) += 1000;
+    spiked.at(20, 20, 3 + c) = 250000;
+    spiked.at(35, 30, c) = spiked.at(35, 30, 7 + c) = 50;  // in both
+  }
+  const Image image = denoise(spiked, Denoiser::kNlMeans).image, expected = denoise(quiet, Denoiser::kNlMeans).image;
+  for (int c = 0; c < 3; ++c) {
+    const int out = image.find_channel(std::string("denoised.") + "RGB"[c]);
+    for (int y = 8; y < 26; ++y)  // out of reach of the other
+      for (int x = 8; x < 24; ++x) CHECK(std::abs(image.at(x, y, out) - expected.at(x, y, out)) < 0.1f);
+    CHECK(image.at(35, 30, out) == doctest::Approx(50).epsilon(0.02));
+  }
+}
+
+TEST_CASE("without halves a firefly is known by its variance") {
+  Planes3 color, variance;
+  for (std::size_t c = 0; c < 3; ++c) {
+    color[c] = Plane(9, 9);
+    variance[c] = Plane(9, 9);
+    for (int y = 0; y < 9; ++y)
+      for (int x = 0; x < 9; ++x) color[c].at(x, y) = 1, variance[c].at(x, y) = 0.01f;
+    color[c].at(2, 2) = color[c].at(6, 6) = 100;
+    variance[c].at(2, 2) = 99 * 99;
+    variance[c].at(6, 6) = 1;
+  }
+  remove_fireflies(color, variance, nullptr);
+  CHECK(color[0].at(2, 2) == 1);
+  CHECK(variance[0].at(2, 2) == 0.01f);
+  CHECK(color[0].at(6, 6) == 100);
+}
+
+TEST_CASE("of several filters the one of least error is taken") {
+  constexpr int kSize = 40;
+  Planes3 color, variance;
+  std::vector<FilteredPlanes> filters(2);
+  for (std::size_t c = 0; c < 3; ++c) {
+    color[c] = variance[c] = filters[0].color[c] = filters[1].color[c] = Plane(kSize, kSize);
+    filters[0].self_weight = filters[1].self_weight = Plane(kSize, kSize);
+    for (int y = 0; y < kSize; ++y)
+      for (int x = 0; x < kSize; ++x) {
+        const float truth = x < kSize / 2 ? 1.f : 2.f;
+        color[c].at(x, y) = truth + kNoise * normal_number(static_cast<std::uint32_t>(y * kSize + x), 20);
+        variance[c].at(x, y) = sqr(kNoise);
+        filters[0].color[c].at(x, y) = color[c].at(x, y);  // does nothing
+        filters[0].self_weight.at(x, y) = 1;
+        filters[1].color[c].at(x, y) = 1;  // right on the left, wrong on the right
+      }
+  }
+  const Planes3 mixed = select_filters(filters, color, variance);
+  for (int y = 0; y < kSize; ++y) {
+    CHECK(mixed[1].at(3, y) == doctest::Approx(1));
+    CHECK(mixed[1].at(kSize - 4, y) == doctest::Approx(color[1].at(kSize - 4, y)));
+  }
+}
+
+TEST_CASE("denoising has the same bits on any number of threads, and leaves all other channels as they are") {
+  const Image noisy = noisy_picture(150, 50, true, true);
+  const DenoiseResult one = denoise(noisy, Denoiser::kNlMeans, 1), seven = denoise(noisy, Denoiser::kNlMeans, 7);
+  CHECK(one.image.data.size() == seven.image.data.size());
+  CHECK(std::memcmp(one.image.data.data(), seven.image.data.data(), one.image.data.size() * sizeof(float)) == 0);
+  CHECK(one.description == "nlm: two halves, features N");
+  for (std::size_t c = 0; c < noisy.channels.size(); ++c) CHECK(one.image.channels[c] == noisy.channels[c]);
+  for (int y = 0; y < noisy.height; ++y)
+    for (int x = 0; x < noisy.width; ++x)
+      CHECK(std::memcmp(&one.image.data[static_cast<std::size_t>(y * 150 + x) * one.image.channels.size()],
+                        &noisy.data[static_cast<std::size_t>(y * 150 + x) * noisy.channels.size()],
+                        noisy.channels.size() * sizeof(float)) == 0);
+  const DenoiseResult again = denoise(one.image, Denoiser::kNlMeans);
+  CHECK(again.image.channels == one.image.channels);
+  const Image shown = denoised_only(one.image);
+  CHECK(shown.channels == std::vector<std::string>{"R", "G", "B"});
+  CHECK(shown.at(5, 5, 1) == one.image.at(5, 5, one.image.find_channel("denoised.G")));
+}
+
+TEST_CASE("values that are not finite, pictures of one pixel, and missing variances") {
+  Image noisy = noisy_picture(40, 20, true, true);
+  noisy.at(10, 10, 0) = std::numeric_limits<float>::infinity();
+  noisy.at(11, 10, 4) = std::numeric_limits<float>::quiet_NaN();
+  noisy.at(12, 10, 8) = -std::numeric_limits<float>::infinity();
+  const Image image = denoise(noisy, Denoiser::kNlMeans).image;
+  for (int c = 0; c < 3; ++c) {
+    const int out = image.find_channel(std::string("denoised.") + "RGB"[c]);
+    for (int y = 0; y < 20; ++y)
+      for (int x = 0; x < 40; ++x) CHECK(std::isfinite(image.at(x, y, out)));
+  }
+  const Image tiny = noisy_picture(1, 1, true, true);
+  CHECK(denoise(tiny, Denoiser::kNlMeans).image.at(0, 0, tiny.find_channel("R")) == tiny.at(0, 0, 0));
+  const Image bare(4, 4, {"R", "G", "B"});
+  CHECK_THROWS_WITH_AS(denoise(bare, Denoiser::kNlMeans), doctest::Contains("--replicates"), Error);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,86 @@
+// sheaf denoise: reads a rendered picture, denoises it, writes it to every file asked for.
+#include "core/error.h"
+#include "core/exr.h"
+#include "core/output_file.h"
+#include "kernels/denoise/denoise.h"
+#include "tools/commands.h"
+#include "tools/picture_files.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+namespace sheaf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct DenoiseArguments {
+  std::string input, method = "nlm";
+  std::vector<std::string> outputs;
+  int threads = 0;
+  bool quiet = false;
+};
+
+std::vector<fs::path> check_outputs(const DenoiseArguments& arguments) {
+  const std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    check_picture_name(outputs[i]);
+    for (std::size_t k = 0; k < i; ++k)
+      if (is_same_file(outputs[i], outputs[k]))
+        throw Error(ExitCode::kUsage, "two of the pictures to write are the same file, '" + outputs[i].string() + "'");
+    if (is_same_file(outputs[i], arguments.input))
+      throw Error(ExitCode::kUsage, "the picture '" + outputs[i].string() + "' would overwrite the one that is read");
+  }
+  for (const fs::path& output : outputs) check_writable(output);
+  return outputs;
+}
+
+int denoise_picture(const DenoiseArguments& arguments) {
+  const std::vector<fs::path> outputs = check_outputs(arguments);
+  const Denoiser denoiser = denoiser_from_name(arguments.method);
+  check_denoiser(denoiser);
+  const Image image = read_exr(arguments.input);
+  ExrMetadata metadata = read_exr_metadata(arguments.input);
+  const auto start = std::chrono::steady_clock::now();
+  const DenoiseResult result = denoise(image, denoiser, arguments.threads);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  add_denoise_attribute(metadata, result);
+  for (const fs::path& output : outputs)
+    extension_of(output) == ".png" ? write_png(output, denoised_only(result.image))
+                                   : write_exr(output, result.image, metadata);
+  if (!arguments.quiet) {
+    print_message(fmt::format("denoised in {:.2f} s ({})", elapsed.count(), result.description));
+    for (const fs::path& output : outputs) print_message("wrote " + output.string());
+  }
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+void add_denoise_command(Command& program, int& exit_code) {
+  const auto arguments = std::make_shared<DenoiseArguments>();
+  Command command = program.add_command(
+      "denoise",
+      "Take the noise out of a rendered picture. Needs the layers variance.R/G/B; half.R/G/B, albedo.R/G/B, N.X/Y/Z "
+      "and Z make it better.");
+  command.add_option("picture", arguments->input, "Picture, .exr").required();
+  command
+      .add_option("-o,--output", arguments->outputs,
+                  "Picture to write: .exr (everything that was read, and the layers denoised.R/G/B) or .png (the "
+                  "denoised picture alone); may be repeated")
+      .required();
+  command
+      .add_option("--method", arguments->method,
+                  "nlm (default): non-local means; oidn: Open Image Denoise, if it is installed")
+      .one_of({"nlm", "oidn"});
+  command.add_option("--threads", arguments->threads, "Worker threads. Default: 0, one for each logical core")
+      .in_range(0, 4096);
+  command.add_flag("--quiet", arguments->quiet, "Print nothing but errors");
+  command.on_call([arguments, &exit_code] { exit_code = denoise_picture(*arguments); });
+}
+
+}  // namespace sheaf
