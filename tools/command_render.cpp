@@ -40,11 +40,12 @@ struct RenderArguments {
   std::optional<std::uint32_t> spp, seed;
   std::optional<int> max_depth, candidates;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
-  std::string color = "rgb", integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size;
+  std::string color = "rgb", integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size, aovs;
   std::optional<float> scale;
   std::optional<float> step_size;
   int threads = 0, wave_size = 0, spectral_bins = 0, replicates = 0;
-  bool no_timestamps = false, quiet = false, watertight = false, guiding = false;
+  bool no_timestamps = false, quiet = false, watertight = false, guiding = false, light_groups = false,
+       full_floats = false;
   ReadArguments read;
 };
 
@@ -159,7 +160,8 @@ std::optional<Matrix4> world_to_camera(const CameraDescription& camera) {
   return half_turn * camera.to_world.inverse_matrix();
 }
 
-ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& report, const Description& scene) {
+ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& report, const Description& scene,
+                          const Image& image) {
   ExrMetadata metadata;
   metadata.software = "Sheaf " SHEAF_VERSION;
   metadata.world_to_camera = world_to_camera(scene.camera);
@@ -176,6 +178,7 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
     metadata.attributes.push_back({"spectralLayoutVersion", std::string("1.0")});
     metadata.attributes.push_back({"emissiveUnits", std::string("W.m^-2.sr^-1")});
   }
+  if (!arguments.full_floats) metadata.half_channels = half_channels(image.channels);
   if (!arguments.no_timestamps) {
     metadata.capture_date = fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
   }
@@ -226,6 +229,7 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, boo
 }
 
 int render_scene(const RenderArguments& arguments) {
+  const AovSet aovs = aovs_from_names(arguments.aovs);
   const std::vector<fs::path> outputs = check_outputs(arguments);
   if (arguments.spectral_bins > 0 && arguments.color != "spectral")
     throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
@@ -258,6 +262,8 @@ int render_scene(const RenderArguments& arguments) {
   options.spectral_bins = arguments.spectral_bins;
   options.replicates = arguments.replicates;
   options.guiding = arguments.guiding;
+  options.aovs = aovs;
+  options.light_groups = arguments.light_groups;
   options.crop = crop;
   const InterruptGuard guard;
   RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet);
@@ -268,7 +274,7 @@ int render_scene(const RenderArguments& arguments) {
   const Image image = result.to_image();
   result.film = Film();  // its memory is needed for writing
   const std::vector<fs::path> written =
-      write_pictures(outputs, image, make_metadata(arguments, result.report, description));
+      write_pictures(outputs, image, make_metadata(arguments, result.report, description, image));
   bool complete = written.size() == outputs.size();
   result.report.peak_rss_bytes = peak_rss_bytes();
   result.report.peak_private_bytes = peak_private_bytes();
@@ -307,6 +313,18 @@ void add_picture_options(Command& command, RenderArguments& arguments) {
                   "Also write the spectrum of each pixel to .exr, in this many equal bins from 360 to 830 nm: "
                   "layers S0.<wavelength>nm. Needs --color spectral")
       .in_range(1, kMaxSpectralBins);
+}
+
+/// Which layers there are besides the colours.
+void add_layer_options(Command& command, RenderArguments& arguments) {
+  std::string names;
+  for (const AovEntry& entry : kAovs) names += std::string(entry.name) + ", ";
+  command.add_option("--aov", arguments.aovs,
+                     "Further layers of .exr files, with commas between: " + names + "or all; see docs/layers.md");
+  command.add_flag("--light-groups", arguments.light_groups,
+                   "Write the light of each of the scene's lights to a layer of its own, light_<id of the light>");
+  command.add_flag("--float", arguments.full_floats,
+                   "Store all layers with 32 bits, also those whose values are small enough for 16");
 }
 
 /// How light is followed.
@@ -384,6 +402,7 @@ void add_render_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();
   Command command = program.add_command("render", "Render a scene file (Mitsuba or Nori XML) to pictures.");
   add_picture_options(command, *arguments);
+  add_layer_options(command, *arguments);
   add_transport_options(command, *arguments);
   add_run_options(command, *arguments);
   command.on_call([arguments, &exit_code] { exit_code = render_scene(*arguments); });

@@ -53,13 +53,17 @@ class Film {
   /// Ends a replicate: what was added since the last one, or since the beginning. Nothing where samples are the units.
   void end_replicate();
 
+  /// Ends the first half of the samples, whose means the picture is to have besides.
+  void end_first_half();
+
   /// How many samples were taken in the pixel (x, y) of the frame, inside the crop, and not dropped.
   std::uint64_t count(int x, int y) const { return counts_[pixel_index(x, y)]; }
 
   /// The picture over the crop: the mean of each channel, the variances of these means (zero below two units, and in
-  /// replicates that have not ended) and sampleCount. Pixels without samples are zero. A film with bins has the mean
-  /// spectral radiance over each of them besides, in channels as of Fichet, Pacanowski and Wilkie, "An OpenEXR Layout
-  /// for Spectral Images" (2021): the name of the bin around 550 nm is "S0.550,000000nm".
+  /// replicates that have not ended), sampleCount, and the means of
+  /// the first half of the samples (zero before that has ended). Pixels without samples are zero. A film with bins has
+  /// the mean spectral radiance over each of them besides, in channels as of Fichet, Pacanowski and Wilkie, "An OpenEXR
+  /// Layout for Spectral Images" (2021): the name of the bin around 550 nm is "S0.550,000000nm".
   Image to_image() const;
 
   /// How noisy the picture is: the standard error of a pixel's luminance over its value, root of the mean square over
@@ -87,6 +91,8 @@ class Film {
   std::vector<double> sums_;           ///< per pixel a row; its second group is of the units that have ended
   /// Of the replicate that has not ended, per pixel: the sum of weights and, for each channel with a variance, its sum.
   std::vector<double> open_;
+  /// Of the first half, per pixel: the sum of weights and, for each channel with FilmChannel::has_half, its sum.
+  std::vector<double> half_;
 };
 
 }  // namespace sheaf

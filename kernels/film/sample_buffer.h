@@ -1,6 +1,7 @@
 // Finished camera samples on their way to the film.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -30,6 +31,9 @@ class SampleBuffer {
     offsets_.resize(static_cast<std::size_t>(samples));
     spectra_.resize(spectral ? static_cast<std::size_t>(samples) : 0);
   }
+
+  /// Sets all channels of all samples to zero.
+  void clear() { std::fill(values_.begin(), values_.end(), 0.0f); }
 
   int channels() const { return channels_; }
   /// The channels of a sample.
