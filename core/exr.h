@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/image.h"
+#include "core/pixel_rect.h"
 #include "core/transform.h"
 
 #include <filesystem>
@@ -39,5 +40,19 @@ Image read_exr(const std::filesystem::path& path);
 
 /// The string, integer and float attributes of the first part, in the file's order. Throws as read_exr() does.
 std::vector<ExrMetadata::Attribute> read_exr_attributes(const std::filesystem::path& path);
+
+/// What the header of a file's first part says.
+struct ExrHeader {
+  struct Channel {
+    std::string name;
+    const char* type;  ///< "half", "float" or "uint"
+  };
+  PixelRect frame, window;  ///< display window and data window, in the file's coordinates
+  std::vector<Channel> channels;
+  std::vector<ExrMetadata::Attribute> attributes;  ///< strings, integers and floats, in the file's order
+};
+
+/// Throws as read_exr() does, but for what lies behind the header.
+ExrHeader read_exr_header(const std::filesystem::path& path);
 
 }  // namespace sheaf

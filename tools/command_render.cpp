@@ -3,6 +3,7 @@
 #include "core/exr.h"
 #include "core/output_file.h"
 #include "core/progress.h"
+#include "kernels/film/cryptomatte.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/integrator_name.h"
@@ -161,7 +162,7 @@ std::optional<Matrix4> world_to_camera(const CameraDescription& camera) {
 }
 
 ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& report, const Description& scene,
-                          const Image& image) {
+                          const SceneNames& names, const Image& image) {
   ExrMetadata metadata;
   metadata.software = "Sheaf " SHEAF_VERSION;
   metadata.world_to_camera = world_to_camera(scene.camera);
@@ -178,6 +179,8 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
     metadata.attributes.push_back({"spectralLayoutVersion", std::string("1.0")});
     metadata.attributes.push_back({"emissiveUnits", std::string("W.m^-2.sr^-1")});
   }
+  for (auto& [name, value] : cryptomatte_attributes(aovs_from_names(arguments.aovs), names))
+    metadata.attributes.push_back({name, value});
   if (!arguments.full_floats) metadata.half_channels = half_channels(image.channels);
   if (!arguments.no_timestamps) {
     metadata.capture_date = fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
@@ -274,7 +277,7 @@ int render_scene(const RenderArguments& arguments) {
   const Image image = result.to_image();
   result.film = Film();  // its memory is needed for writing
   const std::vector<fs::path> written =
-      write_pictures(outputs, image, make_metadata(arguments, result.report, description, image));
+      write_pictures(outputs, image, make_metadata(arguments, result.report, description, scene->names(), image));
   bool complete = written.size() == outputs.size();
   result.report.peak_rss_bytes = peak_rss_bytes();
   result.report.peak_private_bytes = peak_private_bytes();

@@ -65,7 +65,7 @@ FilmLayout film_layout(AovSet aovs, bool with_variances, const std::vector<std::
   return FilmLayout(std::move(channels));
 }
 
-AovChannels::AovChannels(const FilmLayout& layout) {
+AovChannels::AovChannels(const FilmLayout& layout, AovSet aovs) : surfaces(aovs.contains(AovSource::kSurfaceId)) {
   const auto first = [&](Aov aov) { return layout.find(kAovs[static_cast<std::size_t>(aov)].channels[0]); };
   albedo = first(Aov::kAlbedo);
   normal = first(Aov::kNormal);

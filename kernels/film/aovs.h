@@ -17,6 +17,10 @@ enum class Aov : std::uint32_t {
   kPosition,
   kDepth,
   kUv,
+  kMaterialId,
+  kObjectId,
+  kCryptomatteMaterial,
+  kCryptomatteObject,
   kSampleCount,
   kVariance,
   kHalf,
@@ -26,8 +30,9 @@ inline constexpr std::size_t kAovCount = static_cast<std::size_t>(Aov::kCount);
 
 /// Where a layer comes from.
 enum class AovSource : std::uint8_t {
-  kVertex,  ///< the first surface of each path from the camera: a mean over samples, as colours are
-  kFilm,    ///< what the film knows of its samples
+  kVertex,     ///< the first surface of each path from the camera: a mean over samples, as colours are
+  kSurfaceId,  ///< which surfaces those are: not a mean, see kernels/film/cryptomatte.h
+  kFilm,       ///< what the film knows of its samples
 };
 
 /// How a channel is stored in a file.
@@ -37,16 +42,11 @@ enum class PixelType : std::uint8_t { kHalf, kFloat };
 struct AovEntry {
   Aov aov;
   std::string_view name;                     ///< as it is asked for
-  std::array<std::string_view, 3> channels;  ///< in the picture; empty ones are none
+  /// In the picture; empty ones are none. Of Cryptomatte the first of several.
+  std::array<std::string_view, 3> channels;
   AovSource source;
   PixelType type;
   bool has_variance;  ///< with Aov::kVariance its channels have variances too
-
-  constexpr int channel_count() const {
-    int count = 0;
-    for (const std::string_view channel : channels) count += channel.empty() ? 0 : 1;
-    return count;
-  }
 };
 
 /// The list, in the order of Aov. What is in [-1, 1] is stored with 16 bits; what may be large, or small as variances
@@ -58,6 +58,20 @@ inline constexpr std::array<AovEntry, kAovCount> kAovs = {{
     {Aov::kPosition, "position", {"P.X", "P.Y", "P.Z"}, AovSource::kVertex, PixelType::kFloat, false},
     {Aov::kDepth, "depth", {"Z"}, AovSource::kVertex, PixelType::kFloat, true},
     {Aov::kUv, "uv", {"uv.U", "uv.V"}, AovSource::kVertex, PixelType::kFloat, false},
+    {Aov::kMaterialId, "material_id", {"materialId"}, AovSource::kSurfaceId, PixelType::kFloat, false},
+    {Aov::kObjectId, "object_id", {"objectId"}, AovSource::kSurfaceId, PixelType::kFloat, false},
+    {Aov::kCryptomatteMaterial,
+     "cryptomatte_material",
+     {"CryptoMaterial00.r"},
+     AovSource::kSurfaceId,
+     PixelType::kFloat,
+     false},
+    {Aov::kCryptomatteObject,
+     "cryptomatte_object",
+     {"CryptoObject00.r"},
+     AovSource::kSurfaceId,
+     PixelType::kFloat,
+     false},
     {Aov::kSampleCount, "sample_count", {"sampleCount"}, AovSource::kFilm, PixelType::kFloat, false},
     {Aov::kVariance,
      "variance",
@@ -106,12 +120,13 @@ FilmLayout film_layout(AovSet aovs, bool with_variances, const std::vector<std::
 /// Where a sample has the layers of AovSource::kVertex: for each its first channel, -1 where it is not there.
 struct AovChannels {
   int albedo = -1, normal = -1, geometric_normal = -1, position = -1, depth = -1, uv = -1;
+  bool surfaces = false;  ///< samples have SurfaceSamples
 
   AovChannels() = default;
-  explicit AovChannels(const FilmLayout& layout);
+  AovChannels(const FilmLayout& layout, AovSet aovs);
   /// Whether there are any.
   bool any() const {
-    return albedo >= 0 || normal >= 0 || geometric_normal >= 0 || position >= 0 || depth >= 0 || uv >= 0;
+    return surfaces || albedo >= 0 || normal >= 0 || geometric_normal >= 0 || position >= 0 || depth >= 0 || uv >= 0;
   }
 };
 

@@ -63,7 +63,7 @@ class CameraTask {
     for (const PixelSamples& p : pixels) total_ += static_cast<int>(p.sample_count);
     cursor = {};
     enter();
-    samples.resize(total_, channels, spectral_bins > 0);
+    samples.resize(total_, channels, spectral_bins > 0, aovs.surfaces);
     // Paths that meet no surface, or no light of a group, leave their layers as they are.
     if (channels > kBeautyChannels) samples.clear();
   }

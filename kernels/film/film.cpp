@@ -40,7 +40,8 @@ constexpr int kBand = 32;
 
 }  // namespace
 
-Film::Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout, int spectral_bins, VarianceUnit unit)
+Film::Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout, int spectral_bins, VarianceUnit unit,
+           bool tells_surfaces)
     : frame_width_(frame_width),
       frame_height_(frame_height),
       crop_(crop),
@@ -50,7 +51,8 @@ Film::Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout,
       counts_(static_cast<std::size_t>(crop.width()) * static_cast<std::size_t>(crop.height())),
       sums_(counts_.size() * row_.film_size()),
       open_(unit == VarianceUnit::kReplicate && row_.variances > 0 ? counts_.size() * (1 + row_.variances) : 0),
-      half_(layout_.half_count() > 0 ? counts_.size() * (1 + static_cast<std::size_t>(layout_.half_count())) : 0) {}
+      half_(layout_.half_count() > 0 ? counts_.size() * (1 + static_cast<std::size_t>(layout_.half_count())) : 0),
+      coverage_(tells_surfaces ? counts_.size() : 0) {}
 
 void Film::add(int x, int y, const double* sums) {
   const std::size_t pixel = pixel_index(x, y);
@@ -72,6 +74,7 @@ void Film::add(const FilmTile& tile) {
     for (int x = tile.own().x0; x < tile.own().x1; ++x) {
       counts_[pixel_index(x, y)] += tile.count(x, y);
       add(x, y, tile.row(x, y));
+      if (tells_surfaces()) coverage_[pixel_index(x, y)].add(tile.coverage(x, y));
     }
 }
 
@@ -86,8 +89,11 @@ void Film::add(std::span<const FilmBorder> borders) {
         for (int y = pixels.y0; y < pixels.y1; ++y) {
           const auto line = static_cast<std::size_t>(y - strip.pixels.y0) *
                             static_cast<std::size_t>(strip.pixels.width()) * row_.size();
-          for (int x = pixels.x0; x < pixels.x1; ++x)
-            add(x, y, strip.sums.data() + line + static_cast<std::size_t>(x - strip.pixels.x0) * row_.size());
+          for (int x = pixels.x0; x < pixels.x1; ++x) {
+            const std::size_t at = line + static_cast<std::size_t>(x - strip.pixels.x0) * row_.size();
+            add(x, y, strip.sums.data() + at);
+            if (tells_surfaces()) coverage_[pixel_index(x, y)].add(strip.coverage[at / row_.size()]);
+          }
         }
       }
   });

@@ -93,6 +93,15 @@ FilmLayout read_layout(Reader& in) {
   return FilmLayout(std::move(channels));
 }
 
+void read_coverage(Reader& in, std::size_t pixels, std::vector<IdCoverage>& coverage) {
+  coverage.resize(pixels);
+  for (IdCoverage& pixel : coverage)
+    for (auto left = in.get<std::uint32_t>(); left > 0; --left) {
+      const auto shape = in.get<std::uint32_t>();
+      pixel.add(shape, in.get<double>());
+    }
+}
+
 }  // namespace
 
 void write_film(const std::filesystem::path& file, const Film& film) {
@@ -110,6 +119,14 @@ void write_film(const std::filesystem::path& file, const Film& film) {
   out.put(film.sums_);
   out.put(film.open_);
   out.put(film.half_);
+  out.put(static_cast<std::uint8_t>(film.tells_surfaces()));
+  for (const IdCoverage& pixel : film.coverage_) {
+    out.put(static_cast<std::uint32_t>(pixel.entries().size()));
+    for (const IdCoverage::Entry& entry : pixel.entries()) {
+      out.put(entry.shape);
+      out.put(entry.weight);
+    }
+  }
   const std::uint32_t check = check_sum(out.bytes());
   out.put(check);
   write_text_file(file, std::string(kFirstLine) + out.bytes());
@@ -141,12 +158,15 @@ Film read_film(const std::filesystem::path& file) {
   const auto halves = static_cast<std::size_t>(layout.half_count());
   const std::size_t half_numbers = halves > 0 ? 1 + halves : 0;
   const std::size_t numbers_per_pixel = 1 + FilmRow(layout, bins).film_size() + open_numbers + half_numbers;
-  if (in.left() != pixels * numbers_per_pixel * sizeof(double)) in.fail("has another size than its header claims");
+  constexpr const char* kWrongSize = "has another size than its header claims";
+  if (in.left() <= pixels * numbers_per_pixel * sizeof(double)) in.fail(kWrongSize);
   Film film(width, height, {x0, y0, x1, y1}, std::move(layout), bins, static_cast<VarianceUnit>(unit));
   in.get(film.counts_);
   in.get(film.sums_);
   in.get(film.open_);
   in.get(film.half_);
+  if (in.get<std::uint8_t>() != 0) read_coverage(in, pixels, film.coverage_);
+  if (in.left() > 0) in.fail(kWrongSize);
   return film;
 }
 

@@ -1,6 +1,7 @@
 #include "kernels/passes/render.h"
 
 #include "core/error.h"
+#include "kernels/film/cryptomatte.h"
 #include "kernels/media/medium_tracking.h"
 #include "kernels/passes/passes.h"
 #include "kernels/passes/photon_mapping.h"
@@ -213,7 +214,8 @@ class Renderer {
     half_samples_ = by_samples ? spp_ / 2 : made / 2 * replicate_samples_;
     film_ = Film(film.width, film.height, crop,
                  film_layout(options_.aovs, by_samples || replicate_samples_ < spp_, group_lights(scene.names())),
-                 options_.spectral_bins, by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate);
+                 options_.spectral_bins, by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate,
+                 options_.aovs.contains(AovSource::kSurfaceId));
   }
 
   bool stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
@@ -242,7 +244,7 @@ class Renderer {
 
   /// Throws Error (usage) for layers that the render cannot make.
   void check_layers() const {
-    const bool of_paths = options_.light_groups || options_.aovs.contains(AovSource::kVertex);
+    const bool of_paths = options_.light_groups || of_surfaces();
     const IntegratorKind kind = context_.transport.kind;
     const bool follows_paths = kind == IntegratorKind::kPath || kind == IntegratorKind::kPhotonMapper;
     if (of_paths && !follows_paths)
@@ -250,10 +252,13 @@ class Renderer {
                   "layers of surfaces and of lights need an integrator that follows light from the "
                   "camera, such as path; " +
                       integrator_name(context_.transport) + " is none");
-    if (options_.aovs.contains(AovSource::kVertex) && context_.transport.max_depth == 1)
+    if (of_surfaces() && context_.transport.max_depth == 1)
       throw Error(ExitCode::kUsage, "layers of surfaces need paths that may be scattered: a max depth of 2 or more");
     if (wants_halves() && spp_ < 2)
       throw Error(ExitCode::kUsage, "the layers variance and half need two samples per pixel or more");
+  }
+  bool of_surfaces() const {
+    return options_.aovs.contains(AovSource::kVertex) || options_.aovs.contains(AovSource::kSurfaceId);
   }
   /// Layers that come from replicates.
   bool wants_halves() const { return options_.aovs.contains(Aov::kVariance) || options_.aovs.contains(Aov::kHalf); }
@@ -295,7 +300,8 @@ class Renderer {
     const FlushDenormals flush;
     Worker& worker = workers_.local();
     const std::vector<PixelSamples> pixels = samples_of(tile.wanted, frame_, first_sample, sample_count);
-    worker.camera.begin(pixels, frame_, film_.layout().size(), film_.spectral_bins(), AovChannels(film_.layout()));
+    worker.camera.begin(pixels, frame_, film_.layout().size(), film_.spectral_bins(),
+                        AovChannels(film_.layout(), options_.aovs));
     worker.wave.light_groups = group_sink(worker.camera);
     StageContext context = context_;
     context.camera = &worker.camera;
@@ -381,6 +387,8 @@ class Renderer {
     for (const SourceLocation& place : scene_.light_places())
       report.light_places.push_back(place.line > 0 ? place.file + ":" + std::to_string(place.line) : std::string());
     result.film = std::move(film_);
+    result.aovs = options_.aovs;
+    if (result.film.tells_surfaces()) result.names = scene_.names();
     result.splats = std::move(splats_);
     result.photons = photons_done_;
     report.photons = photon_tracing_.report;
@@ -429,6 +437,7 @@ class Renderer {
 Image RenderResult::to_image() const {
   Image image = film.to_image();
   if (splats) splats->add_to(image, photons);
+  add_id_layers(aovs, names, film, image);
   return image;
 }
 

@@ -43,11 +43,13 @@ struct RenderResult {
   Film film;
   std::optional<SplatFilm> splats;  ///< light tracing: what photons have added
   std::uint64_t photons = 0;        ///< that were emitted
+  AovSet aovs;                      ///< that were asked for
+  SceneNames names;                 ///< where the film tells surfaces, what they are called
   RenderReport report;  ///< without scene file and load times, which the caller knows
   bool interrupted = false;
   std::vector<std::string> warnings;
 
-  /// The picture: Film::to_image(), and what photons have added.
+  /// The picture: Film::to_image(), what photons have added, and which surfaces cover its pixels.
   Image to_image() const;
 };
 

@@ -17,10 +17,11 @@ namespace {
 /// Lanes of a tile whose paths are at their first surface, and where their samples are.
 template <class L> struct SampleLanes {
   std::uint32_t lanes;
+  typename L::Float weight;  ///< the filter's
   float* sample[L::width];
 
   /// Puts values times the filter's weight into the channels from `first` on; values that are not finite become zero.
-  template <std::size_t N> SHEAF_INLINE void put(int first, const Float<L> (&values)[N], Float<L> weight) const {
+  template <std::size_t N> SHEAF_INLINE void put_words(int first, const Float<L> (&values)[N]) const {
     for (std::size_t k = 0; k < N; ++k) {
       alignas(kSimdAlignment) float words[L::width];
       const Float<L> value = values[k] * weight;
@@ -31,16 +32,29 @@ template <class L> struct SampleLanes {
       }
     }
   }
-  SHEAF_INLINE void put(int first, const Vec3<L>& value, Float<L> weight) const {
-    if (first >= 0) put(first, {value.x, value.y, value.z}, weight);
+  SHEAF_INLINE void put(int first, const Vec3<L>& value) const {
+    if (first >= 0) put_words(first, {value.x, value.y, value.z});
   }
 };
+
+/// Which surfaces the samples are on.
+template <class L>
+SHEAF_INLINE void put_surfaces(SampleBuffer& samples, std::uint32_t lanes, Uint<L> task_sample, Uint<L> shape) {
+  alignas(kSimdAlignment) std::uint32_t index[L::width], shapes[L::width];
+  store(index, task_sample & Uint<L>(~kTransparent));
+  store(shapes, shape);
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    samples.surface(index[lane]).shape = shapes[lane];
+  }
+}
 
 /// The samples of the lanes whose paths come straight from the camera.
 template <class L>
 SHEAF_INLINE SampleLanes<L> first_surfaces(SampleBuffer& samples, const RadianceState<L>& radiance, Uint<L> flags,
                                            int count) {
   SampleLanes<L> out;
+  out.weight = radiance.weight;
   out.lanes = mask_bits(((flags & Uint<L>(kRayFromCamera)) != Uint<L>(0u)) & L::first(count));
   alignas(kSimdAlignment) std::uint32_t index[L::width];
   store(index, radiance.task_sample & Uint<L>(~kTransparent));
@@ -75,43 +89,51 @@ SHEAF_INLINE Float<L> depth_of(const SceneView& scene, const CameraTask& task, U
 
 template <class L>
 SHEAF_INLINE void put_uv(const SceneView& scene, const Wave& wave, const Slot* slots, const RayState<L>& ray,
-                         int channel, const SampleLanes<L>& out, Float<L> weight) {
+                         int channel, const SampleLanes<L>& out) {
   const HitState<L> hit = wave.hits.gather<L>(slots);
   const ShapeRecord<L> shape = gather_rows<L>(scene.shapes, hit.shape);
   const auto y = surface_point<L, true>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
                                         hit.instance);
-  out.put(channel, {y.uv.x, y.uv.y}, weight);
+  out.put_words(channel, {y.uv.x, y.uv.y});
 }
 
-template <class L, template <class> class Bsdf>
-SHEAF_INLINE void aov_tile(const StageContext& context, Wave& wave, const Slot* slots, int column, int count) {
+/// All layers but the albedo, whatever the BSDF. Returns where the albedo is to go.
+template <class L>
+[[gnu::noinline]] SampleLanes<L> aov_tile(const StageContext& context, Wave& wave, const Slot* slots, int column,
+                                          int count) {
   using F = Float<L>;
   const SceneView& scene = context.scene;
   CameraTask& task = *context.camera;
   const AovChannels& channels = task.aovs();
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const RadianceState<L> radiance = wave.radiance.gather<L>(slots);
-  const SampleLanes<L> out = first_surfaces<L>(task.samples, radiance, ray.flags, count);
-  if (out.lanes == 0) return;
+  SampleLanes<L> out = first_surfaces<L>(task.samples, radiance, ray.flags, count);
+  if (out.lanes == 0) return out;
   const VertexItem<L> item = wave.vertices.load<L>(column);
-  const F weight = radiance.weight;
   const Vec3<L> ng = select<L>(dot(item.ng, ray.direction) > F(0.0f), -item.ng, item.ng);
-  out.put(channels.normal, select<L>(dot(item.ns, ng) < F(0.0f), -item.ns, item.ns), weight);
-  out.put(channels.geometric_normal, ng, weight);
-  out.put(channels.position, item.p, weight);
+  out.put(channels.normal, select<L>(dot(item.ns, ng) < F(0.0f), -item.ns, item.ns));
+  out.put(channels.geometric_normal, ng);
+  out.put(channels.position, item.p);
   if (channels.depth >= 0) {
     const Uint<L> pixel = wave.throughput.gather<L>(slots).pixel;
-    out.put(channels.depth, {depth_of<L>(scene, task, pixel, item.p)}, weight);
+    out.put_words(channels.depth, {depth_of<L>(scene, task, pixel, item.p)});
   }
-  if (channels.uv >= 0) put_uv<L>(scene, wave, slots, ray, channels.uv, out, weight);
-  if (channels.albedo < 0) return;
-  const Spectrum<L> albedo = directional_albedo<L>(load_bsdf<L, Bsdf>(scene, wave, column), item.wo);
+  if (channels.uv >= 0) put_uv<L>(scene, wave, slots, ray, channels.uv, out);
+  if (channels.surfaces)
+    put_surfaces<L>(task.samples, out.lanes, radiance.task_sample, wave.hits.gather<L>(slots).shape);
+  return out;
+}
+
+template <class L>
+[[gnu::noinline]] void put_albedo(const StageContext& context, const Wave& wave, const Slot* slots,
+                                  const SampleLanes<L>& out, const Spectrum<L>& albedo) {
+  using F = Float<L>;
   Vec3<L> rgb{albedo.c0, albedo.c1, albedo.c2};
-  if (scene.color == ColorMode::kSpectral)
-    rgb = reflectance_to_rgb<L>(scene.spectral, sample_wavelengths<L>(abs(gather_wavelength_samples<L>(wave, slots))),
-                                albedo);
+  if (context.scene.color == ColorMode::kSpectral)
+    rgb = reflectance_to_rgb<L>(context.scene.spectral,
+                                sample_wavelengths<L>(abs(gather_wavelength_samples<L>(wave, slots))), albedo);
   const auto unit = [](F value) SHEAF_LAMBDA_INLINE { return clamp(value, F(0.0f), F(1.0f)); };
-  out.put(channels.albedo, Vec3<L>{unit(rgb.x), unit(rgb.y), unit(rgb.z)}, weight);
+  out.put(context.camera->aovs().albedo, Vec3<L>{unit(rgb.x), unit(rgb.y), unit(rgb.z)});
 }
 
 }  // namespace
@@ -124,7 +146,13 @@ template <class L> void aovs(const StageContext& context, Wave& wave) noexcept {
       const VertexRun& run = wave.runs[static_cast<int>(kind)];
       timer.count(run.count, L::width);
       for_tiles<L>(run.count, [&](int i, int count) {
-        aov_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count);
+        const Slot* slots = wave.sorted.data() + run.slot_begin + i;
+        const int column = run.column_begin + i;
+        const SampleLanes<L> out = aov_tile<L>(context, wave, slots, column, count);
+        if (out.lanes == 0 || context.camera->aovs().albedo < 0) return;
+        const Vec3<L> wo = wave.vertices.load<L>(column).wo;
+        put_albedo<L>(context, wave, slots, out,
+                      directional_albedo<L>(load_bsdf<L, Bsdf>(context.scene, wave, column), wo));
       });
     }
   });

@@ -6,28 +6,37 @@
 #include "core/spectral_sensor.h"
 #include "kernels/bsdf/all.h"
 
+#include <array>
+
 namespace sheaf {
 
-/// The integral of f |cos| over all directions, reflected and refracted, by a rule of a few points that are the same
-/// everywhere: without noise, and exact for Lambertian surfaces, mirrors and smooth glass.
-template <class L, class Bsdf> SHEAF_INLINE Spectrum<L> directional_albedo(const Bsdf& bsdf, const Vec3<L>& wo) {
-  using F = Float<L>;
-  constexpr int kPoints = 16;
-  /// Points of Halton's sequence.
-  constexpr auto radical_inverse = [](int i, int base) {
+/// Points of a rule for the integral over a BSDF's numbers: Hammersley's.
+inline constexpr int kAlbedoPoints = 16;
+inline constexpr auto kAlbedoRule = [] {
+  std::array<std::array<float, 3>, kAlbedoPoints> points{};
+  const auto radical_inverse = [](int i, int base) {
     double value = 0, digit = 1;
     for (; i > 0; i /= base) value += (digit /= base) * (i % base);
     return static_cast<float>(value);
   };
+  for (int i = 0; i < kAlbedoPoints; ++i)
+    points[static_cast<std::size_t>(i)] = {(static_cast<float>(i) + 0.5f) / kAlbedoPoints, radical_inverse(i + 1, 2),
+                                           radical_inverse(i + 1, 3)};
+  return points;
+}();
+
+/// The integral of f |cos| over all directions, reflected and refracted, by a rule of a few points that are the same
+/// everywhere: without noise, and exact for Lambertian surfaces, mirrors and smooth glass.
+template <class L, class Bsdf> [[gnu::noinline]] Spectrum<L> directional_albedo(const Bsdf& bsdf, const Vec3<L>& wo) {
+  using F = Float<L>;
   Spectrum<L> sum(F(0.0f));
-  for (int i = 0; i < kPoints; ++i) {
-    const float lobe = (static_cast<float>(i) + 0.5f) / kPoints;
-    const BsdfSample<L> s =
-        bsdf.sample(wo, {F(lobe), F(radical_inverse(i + 1, 2)), F(radical_inverse(i + 1, 3)), F(0.5f)});
+#pragma GCC unroll 1
+  for (const std::array<float, 3>& point : kAlbedoRule) {
+    const BsdfSample<L> s = bsdf.sample(wo, {F(point[0]), F(point[1]), F(point[2]), F(0.5f)});
     // Refraction into a denser medium squeezes light together, which says nothing of how much there is.
     sum = sum + select<L>(s.valid, s.weight * s.eta_scale, Spectrum<L>(F(0.0f)));
   }
-  return sum * F(1.0f / kPoints);
+  return sum * F(1.0f / kAlbedoPoints);
 }
 
 /// A linear map of colours, lane by lane.
