@@ -321,7 +321,7 @@ void add_picture_options(Command& command, RenderArguments& arguments) {
 /// Which layers there are besides the colours.
 void add_layer_options(Command& command, RenderArguments& arguments) {
   std::string names;
-  for (const AovEntry& entry : kAovs) names += std::string(entry.name) + ", ";
+  for (const AovEntry& entry : kAovList) names += std::string(entry.name) + ", ";
   command.add_option("--aov", arguments.aovs,
                      "Further layers of .exr files, with commas between: " + names + "or all; see docs/layers.md");
   command.add_flag("--light-groups", arguments.light_groups,

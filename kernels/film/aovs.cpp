@@ -12,14 +12,14 @@ constexpr std::string_view kAll = "all";
 
 std::vector<std::string> aov_names() {
   std::vector<std::string> names;
-  for (const AovEntry& entry : kAovs) names.emplace_back(entry.name);
+  for (const AovEntry& entry : kAovList) names.emplace_back(entry.name);
   names.emplace_back(kAll);
   return names;
 }
 
 void insert_named(std::string_view name, AovSet& aovs) {
   bool known = name == kAll;
-  for (const AovEntry& entry : kAovs) {
+  for (const AovEntry& entry : kAovList) {
     if (name != entry.name && name != kAll) continue;
     aovs.insert(entry.aov);
     known = true;
@@ -54,7 +54,7 @@ FilmLayout film_layout(AovSet aovs, bool with_variances, const std::vector<std::
   std::vector<FilmChannel> channels = FilmLayout::beauty(with_variances).channels();
   if (aovs.contains(Aov::kHalf))
     for (const int channel : {kRed, kGreen, kBlue}) channels[static_cast<std::size_t>(channel)].has_half = true;
-  for (const AovEntry& entry : kAovs) {
+  for (const AovEntry& entry : kAovList) {
     if (entry.source != AovSource::kVertex || !aovs.contains(entry.aov)) continue;
     const bool has_variance = with_variances && entry.has_variance && aovs.contains(Aov::kVariance);
     for (const std::string_view channel : entry.channels)
@@ -66,7 +66,7 @@ FilmLayout film_layout(AovSet aovs, bool with_variances, const std::vector<std::
 }
 
 AovChannels::AovChannels(const FilmLayout& layout, AovSet aovs) : surfaces(aovs.contains(AovSource::kSurfaceId)) {
-  const auto first = [&](Aov aov) { return layout.find(kAovs[static_cast<std::size_t>(aov)].channels[0]); };
+  const auto first = [&](Aov aov) { return layout.find(kAovList[static_cast<std::size_t>(aov)].channels[0]); };
   albedo = first(Aov::kAlbedo);
   normal = first(Aov::kNormal);
   geometric_normal = first(Aov::kGeometricNormal);
@@ -78,7 +78,7 @@ AovChannels::AovChannels(const FilmLayout& layout, AovSet aovs) : surfaces(aovs.
 std::vector<std::string> half_channels(const std::vector<std::string>& channels) {
   std::vector<std::string> halves;
   for (const std::string& name : channels)
-    for (const AovEntry& entry : kAovs)
+    for (const AovEntry& entry : kAovList)
       if (entry.type == PixelType::kHalf &&
           std::find(entry.channels.begin(), entry.channels.end(), name) != entry.channels.end())
         halves.push_back(name);

@@ -51,7 +51,7 @@ struct AovEntry {
 
 /// The list, in the order of Aov. What is in [-1, 1] is stored with 16 bits; what may be large, or small as variances
 /// are, with 32.
-inline constexpr std::array<AovEntry, kAovCount> kAovs = {{
+inline constexpr std::array<AovEntry, kAovCount> kAovList = {{
     {Aov::kAlbedo, "albedo", {"albedo.R", "albedo.G", "albedo.B"}, AovSource::kVertex, PixelType::kHalf, true},
     {Aov::kNormal, "normal", {"N.X", "N.Y", "N.Z"}, AovSource::kVertex, PixelType::kHalf, true},
     {Aov::kGeometricNormal, "geometric_normal", {"Ng.X", "Ng.Y", "Ng.Z"}, AovSource::kVertex, PixelType::kHalf, false},
@@ -84,7 +84,7 @@ inline constexpr std::array<AovEntry, kAovCount> kAovs = {{
 static_assert(
     [] {
       for (std::size_t i = 0; i < kAovCount; ++i)
-        if (static_cast<std::size_t>(kAovs[i].aov) != i || kAovs[i].name.empty()) return false;
+        if (static_cast<std::size_t>(kAovList[i].aov) != i || kAovList[i].name.empty()) return false;
       return true;
     }(),
     "the list follows the enumeration");
@@ -101,7 +101,7 @@ class AovSet {
   constexpr bool operator==(const AovSet&) const = default;
   /// Whether any comes from there.
   constexpr bool contains(AovSource source) const {
-    for (const AovEntry& entry : kAovs)
+    for (const AovEntry& entry : kAovList)
       if (entry.source == source && contains(entry.aov)) return true;
     return false;
   }

@@ -177,7 +177,7 @@ void add_id_layers(AovSet aovs, const SceneNames& names, const Film& film, Image
   std::vector<int> first;
   for (const NameLayers& kind : kNameLayers) {
     first.push_back(first_new + static_cast<int>(more.size()));
-    const AovEntry& number = kAovs[static_cast<std::size_t>(kind.number)];
+    const AovEntry& number = kAovList[static_cast<std::size_t>(kind.number)];
     if (aovs.contains(kind.number)) more.emplace_back(number.channels[0]);
     if (!aovs.contains(kind.cryptomatte)) continue;
     for (int i = 0; i < 2 * kCryptomatteRanks; ++i)

@@ -9,10 +9,10 @@
 namespace sheaf {
 
 TEST_CASE("docs/layers.md lists every layer with its channels and how they are stored") {
-  std::ifstream file(SHEAF_SOURCE_FOLDER "/docs/layers.md");
+  std::ifstream file(SHEAF_SOURCE_DIR "/docs/layers.md");
   REQUIRE(file);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  for (const AovEntry& entry : kAovs) {
+  for (const AovEntry& entry : kAovList) {
     CAPTURE(std::string(entry.name));
     std::string line = "\n| `" + std::string(entry.name) + "` | ";
     for (const std::string_view channel : entry.channels)
