@@ -140,9 +140,10 @@ void Film::write_pixel(std::size_t pixel, float* out) const {
   for (std::size_t bin = 0; bin < row_.bins; ++bin)
     out[row_.channels + row_.variances + 1 + bin] =
         static_cast<float>(row[row_.film_bins_at() + bin] / (weight * bin_width(spectral_bins())));
-  const auto halves = static_cast<std::size_t>(layout_.half_count());
+  if (half_.empty()) return;
+  const std::size_t halves = half_.size() / counts_.size() - 1;
   const double* const half = half_.data() + pixel * (1 + halves);
-  if (halves == 0 || !(half[0] > 0.0)) return;
+  if (!(half[0] > 0.0)) return;
   for (std::size_t k = 0; k < halves; ++k)
     out[row_.channels + row_.variances + 1 + row_.bins + k] = static_cast<float>(half[1 + k] / half[0]);
 }

@@ -254,6 +254,9 @@ class Renderer {
                       integrator_name(context_.transport) + " is none");
     if (of_surfaces() && context_.transport.max_depth == 1)
       throw Error(ExitCode::kUsage, "layers of surfaces need paths that may be scattered: a max depth of 2 or more");
+    if (options_.aovs.contains(Aov::kHalf) && kind == IntegratorKind::kLightTracer)
+      throw Error(ExitCode::kUsage,
+                  "the layer half is of samples from the camera, and ptracer follows light the other way");
     if (wants_halves() && spp_ < 2)
       throw Error(ExitCode::kUsage, "the layers variance and half need two samples per pixel or more");
   }

@@ -244,6 +244,8 @@ TEST_CASE("layers: errors for what there are no layers of") {
   d.integrator.max_depth = 1;
   CHECK(fails(with({Aov::kNormal})));
   CHECK_FALSE(fails(with({Aov::kVariance})));
+  d.integrator.kind = IntegratorKind::kLightTracer;
+  CHECK(fails(with({Aov::kHalf})));
   CHECK_THROWS_WITH(aovs_from_names("albedo,normals"), doctest::Contains("did you mean 'normal'? (known: albedo"));
   CHECK(aovs_from_names("depth,uv,depth") == AovSet{Aov::kUv, Aov::kDepth});
   CHECK(aovs_from_names("all").contains(Aov::kHalf));
