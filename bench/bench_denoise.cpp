@@ -1,5 +1,5 @@
-// Non-local means over a picture of 1280 x 720 pixels, with two halves and three features and without; "cpu" is the CPU time
-// of all threads, in seconds.
+// Non-local means over a picture of 1280 x 720 pixels, with two halves and three features and without; "cpu" is the CPU
+// time of all threads, in seconds.
 #include "core/rng.h"
 #include "kernels/denoise/denoise.h"
 
@@ -14,8 +14,8 @@ namespace {
 Image noisy_picture(int width, int height, bool complete) {
   std::vector<std::string> names = {"R", "G", "B", "variance.R", "variance.G", "variance.B"};
   if (complete)
-    names.insert(names.end(), {"half.R", "half.G", "half.B", "albedo.R", "albedo.G", "albedo.B", "N.X", "N.Y", "N.Z",
-                               "Z"});
+    names.insert(names.end(),
+                 {"half.R", "half.G", "half.B", "albedo.R", "albedo.G", "albedo.B", "N.X", "N.Y", "N.Z", "Z"});
   Image image(width, height, names);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
@@ -30,8 +30,8 @@ void denoise_picture(benchmark::State& state, bool complete) {
   const Image image = noisy_picture(1280, 720, complete);
   const std::clock_t start = std::clock();
   for (auto _ : state) benchmark::DoNotOptimize(denoise(image, Denoiser::kNlMeans));
-  state.counters["cpu"] = benchmark::Counter(
-      static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, benchmark::Counter::kAvgIterations);
+  state.counters["cpu"] = benchmark::Counter(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC,
+                                             benchmark::Counter::kAvgIterations);
 }
 
 BENCHMARK_CAPTURE(denoise_picture, halves_and_features, true)->Unit(benchmark::kMillisecond);

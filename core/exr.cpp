@@ -213,21 +213,34 @@ Image read_exr(const fs::path& path) {
 }
 
 std::vector<ExrMetadata::Attribute> read_exr_attributes(const fs::path& path) {
-  std::vector<ExrMetadata::Attribute> attributes;
+  return read_exr_header(path).attributes;
+}
+
+ExrHeader read_exr_header(const fs::path& path) {
+  ExrHeader out;
   with_first_part(path, [&](Imf::MultiPartInputFile& file) {
     const Imf::Header& header = file.header(0);
+    const auto rect = [](const Imath::Box2i& box) {
+      return PixelRect{box.min.x, box.min.y, box.max.x + 1, box.max.y + 1};
+    };
+    out.frame = rect(header.displayWindow());
+    out.window = rect(header.dataWindow());
+    for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+      const Imf::PixelType type = channel.channel().type;
+      out.channels.push_back({channel.name(), type == Imf::HALF ? "half" : type == Imf::UINT ? "uint" : "float"});
+    }
     for (auto item = header.begin(); item != header.end(); ++item) {
       const Imf::Attribute& attribute = item.attribute();
       if (const auto* i = dynamic_cast<const Imf::IntAttribute*>(&attribute)) {
-        attributes.push_back({item.name(), i->value()});
+        out.attributes.push_back({item.name(), i->value()});
       } else if (const auto* f = dynamic_cast<const Imf::FloatAttribute*>(&attribute)) {
-        attributes.push_back({item.name(), f->value()});
+        out.attributes.push_back({item.name(), f->value()});
       } else if (const auto* s = dynamic_cast<const Imf::StringAttribute*>(&attribute)) {
-        attributes.push_back({item.name(), s->value()});
+        out.attributes.push_back({item.name(), s->value()});
       }
     }
   });
-  return attributes;
+  return out;
 }
 
 ExrMetadata read_exr_metadata(const fs::path& path) {

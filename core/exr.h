@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/image.h"
+#include "core/pixel_rect.h"
 #include "core/transform.h"
 
 #include <filesystem>
@@ -43,5 +44,18 @@ std::vector<ExrMetadata::Attribute> read_exr_attributes(const std::filesystem::p
 /// All of what write_exr() writes besides pixels, for files that are written anew with other channels. Throws as
 /// read_exr() does.
 ExrMetadata read_exr_metadata(const std::filesystem::path& path);
+/// What the header of a file's first part says.
+struct ExrHeader {
+  struct Channel {
+    std::string name;
+    const char* type;  ///< "half", "float" or "uint"
+  };
+  PixelRect frame, window;  ///< display window and data window, in the file's coordinates
+  std::vector<Channel> channels;
+  std::vector<ExrMetadata::Attribute> attributes;  ///< strings, integers and floats, in the file's order
+};
+
+/// Throws as read_exr() does, but for what lies behind the header.
+ExrHeader read_exr_header(const std::filesystem::path& path);
 
 }  // namespace sheaf

@@ -19,7 +19,7 @@ namespace sheaf {
 /// A stage of a pass, as an index. Which there are is for kernels/stages/stage_list.h to say.
 enum class Stage : std::uint32_t;
 /// More stages than there ever are.
-inline constexpr std::size_t kMaxStages = 24;
+inline constexpr std::size_t kMaxStages = 32;
 
 /// A fast time stamp in ticks of unspecified length. Monotonic on one thread; costs a few nanoseconds.
 inline std::uint64_t timestamp() {

@@ -1,4 +1,5 @@
 // sheaf info: what a scene file holds, its bounds and the memory it takes.
+#include "core/exr.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/read_scene.h"
 #include "scene/dialects/sampler_name.h"
@@ -91,14 +92,66 @@ std::string describe(const Description& description, const Scene& scene) {
   return text;
 }
 
+/// Names of the manifest's objects: the strings before colons.
+std::vector<std::string> manifest_names(const std::string& manifest) {
+  std::vector<std::string> names;
+  std::string word;
+  bool inside = false;
+  for (std::size_t i = 0; i < manifest.size(); ++i) {
+    const char c = manifest[i];
+    if (inside && c == '\\' && i + 1 < manifest.size()) {
+      word += manifest[++i];
+    } else if (c == '"') {
+      inside = !inside;
+      if (inside) word.clear();
+    } else if (inside) {
+      word += c;
+    } else if (c == ':') {
+      names.push_back(word);
+    }
+  }
+  return names;
+}
+
+std::string describe(const ExrHeader& header, const std::string& file) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  const auto window = [&](const PixelRect& r) { return fmt::format("{},{},{},{}", r.x0, r.y0, r.x1, r.y1); };
+  fmt::format_to(out, "file        {}\n", file);
+  fmt::format_to(out, "picture     {} x {} pixels, {} channels\n", header.window.width(), header.window.height(),
+                 header.channels.size());
+  fmt::format_to(out, "windows     data {}, display {}\n", window(header.window), window(header.frame));
+  for (const ExrHeader::Channel& channel : header.channels)
+    fmt::format_to(out, "channel     {} ({})\n", channel.name, channel.type);
+  for (const ExrMetadata::Attribute& attribute : header.attributes) {
+    const auto* words = std::get_if<std::string>(&attribute.value);
+    const bool manifest = attribute.name.starts_with("cryptomatte/") && attribute.name.ends_with("/manifest");
+    if (manifest && words != nullptr) {
+      const std::vector<std::string> names = manifest_names(*words);
+      fmt::format_to(out, "names       {}: {} of them\n", attribute.name, names.size());
+      for (const std::string& name : names) fmt::format_to(out, "name        {}\n", name);
+      continue;
+    }
+    fmt::format_to(out, "attribute   {} = ", attribute.name);
+    std::visit([&](const auto& value) { fmt::format_to(out, "{}\n", value); }, attribute.value);
+  }
+  return text;
+}
+
 }  // namespace
 
 void add_info_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<InfoArguments>();
-  Command command = program.add_command("info", "Say what a scene file holds, its bounds and its memory.");
-  command.add_option("scene", arguments->scene, "Scene file").required();
+  Command command = program.add_command(
+      "info", "Say what a scene file holds, its bounds and its memory; or what is in an OpenEXR file.");
+  command.add_option("scene", arguments->scene, "Scene file, or picture (.exr)").required();
   add_read_options(command, arguments->read);
   command.on_call([arguments, &exit_code] {
+    if (std::filesystem::is_regular_file(arguments->scene) && is_exr(arguments->scene)) {
+      std::fputs(describe(read_exr_header(arguments->scene), arguments->scene).c_str(), stdout);
+      exit_code = 0;
+      return;
+    }
     Description description = read_scene(arguments->scene, read_options(arguments->scene, arguments->read));
     const std::unique_ptr<Scene> scene =
         arguments->read.lenient ? compile_leniently(description) : compile_scene(description);

@@ -5,6 +5,7 @@
 #include "core/output_file.h"
 #include "core/progress.h"
 #include "kernels/denoise/denoise.h"
+#include "kernels/film/cryptomatte.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/integrator_name.h"
@@ -45,11 +46,13 @@ struct RenderArguments {
   std::optional<std::uint32_t> spp, seed;
   std::optional<int> max_depth, rr_depth, candidates;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
-  std::string color = "rgb", integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size, denoiser;
+  std::string color = "rgb", integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size, aovs,
+              denoiser;
   std::optional<float> scale;
   std::optional<float> step_size;
   int threads = 0, wave_size = 0, spectral_bins = 0, replicates = 0;
-  bool no_timestamps = false, quiet = false, watertight = false, guiding = false;
+  bool no_timestamps = false, quiet = false, watertight = false, guiding = false, light_groups = false,
+       full_floats = false;
   ReadArguments read;
 };
 
@@ -156,6 +159,16 @@ int choose_replicates(const RenderArguments& arguments, const SamplerDescription
   return sampler.sample_count < kDenoisedSamples ? 2 : 4;
 }
 
+/// The layers asked for, and those that denoising looks at.
+AovSet wanted_aovs(const RenderArguments& arguments) {
+  AovSet aovs = aovs_from_names(arguments.aovs);
+  if (arguments.denoiser.empty()) return aovs;
+  for (const Aov aov : {Aov::kAlbedo, Aov::kNormal, Aov::kDepth}) aovs.insert(aov);
+  if (arguments.denoiser == "nlm")
+    for (const Aov aov : {Aov::kVariance, Aov::kHalf}) aovs.insert(aov);
+  return aovs;
+}
+
 /// World to OpenEXR's camera space, which looks along -z with x to the right; ours looks along +z with x to the left.
 std::optional<Matrix4> world_to_camera(const CameraDescription& camera) {
   Matrix4 half_turn;
@@ -163,7 +176,8 @@ std::optional<Matrix4> world_to_camera(const CameraDescription& camera) {
   return half_turn * camera.to_world.inverse_matrix();
 }
 
-ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& report, const Description& scene) {
+ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& report, const Description& scene,
+                          const SceneNames& names, const Image& image) {
   ExrMetadata metadata;
   metadata.software = "Sheaf " SHEAF_VERSION;
   metadata.world_to_camera = world_to_camera(scene.camera);
@@ -180,6 +194,9 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
     metadata.attributes.push_back({"spectralLayoutVersion", std::string("1.0")});
     metadata.attributes.push_back({"emissiveUnits", std::string("W.m^-2.sr^-1")});
   }
+  for (auto& [name, value] : cryptomatte_attributes(wanted_aovs(arguments), names))
+    metadata.attributes.push_back({name, value});
+  if (!arguments.full_floats) metadata.half_channels = half_channels(image.channels);
   if (!arguments.no_timestamps) {
     metadata.capture_date = fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
   }
@@ -256,6 +273,7 @@ void print_end(const RenderResult& result, const std::vector<fs::path>& written,
 }
 
 int render_scene(const RenderArguments& arguments) {
+  const AovSet aovs = wanted_aovs(arguments);
   const std::vector<fs::path> outputs = check_outputs(arguments);
   if (!arguments.denoiser.empty()) check_denoiser(denoiser_from_name(arguments.denoiser));
   if (arguments.spectral_bins > 0 && arguments.color != "spectral")
@@ -292,6 +310,8 @@ int render_scene(const RenderArguments& arguments) {
   options.spectral_bins = arguments.spectral_bins;
   options.replicates = choose_replicates(arguments, description.sampler);
   options.guiding = arguments.guiding;
+  options.aovs = aovs;
+  options.light_groups = arguments.light_groups;
   options.crop = crop;
   const InterruptGuard guard;
   RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet);
@@ -301,7 +321,7 @@ int render_scene(const RenderArguments& arguments) {
   result.report.build_seconds = build_end - build_start;
   Image image = result.to_image();
   result.film = Film();  // its memory is needed for writing
-  ExrMetadata metadata = make_metadata(arguments, result.report, description);
+  ExrMetadata metadata = make_metadata(arguments, result.report, description, scene->names(), image);
   const bool denoised = add_denoised(arguments, image, metadata);
   const std::vector<fs::path> written = write_pictures(outputs, image, metadata);
   bool complete = written.size() == outputs.size();
@@ -341,6 +361,18 @@ void add_picture_options(Command& command, RenderArguments& arguments) {
                   "Also write the spectrum of each pixel to .exr, in this many equal bins from 360 to 830 nm: "
                   "layers S0.<wavelength>nm. Needs --color spectral")
       .in_range(1, kMaxSpectralBins);
+}
+
+/// Which layers there are besides the colours.
+void add_layer_options(Command& command, RenderArguments& arguments) {
+  std::string names;
+  for (const AovEntry& entry : kAovList) names += std::string(entry.name) + ", ";
+  command.add_option("--aov", arguments.aovs,
+                     "Further layers of .exr files, with commas between: " + names + "or all; see docs/layers.md");
+  command.add_flag("--light-groups", arguments.light_groups,
+                   "Write the light of each of the scene's lights to a layer of its own, light_<id of the light>");
+  command.add_flag("--float", arguments.full_floats,
+                   "Store all layers with 32 bits, also those whose values are small enough for 16");
 }
 
 /// How light is followed.
@@ -423,6 +455,7 @@ void add_render_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();
   Command command = program.add_command("render", "Render a scene file (Mitsuba or Nori XML) to pictures.");
   add_picture_options(command, *arguments);
+  add_layer_options(command, *arguments);
   add_transport_options(command, *arguments);
   add_run_options(command, *arguments);
   command.on_call([arguments, &exit_code] { exit_code = render_scene(*arguments); });

@@ -196,7 +196,9 @@ template <class L, int kHalves> class TileFilter {
     store_at(sum, weight + load_at<L>(sum));
   }
 
-  SHEAF_INLINE static void store_at(float* p, F value) { std::memcpy(p, static_cast<const void*>(&value), sizeof(float) * L::width); }
+  SHEAF_INLINE static void store_at(float* p, F value) {
+    std::memcpy(p, static_cast<const void*>(&value), sizeof(float) * L::width);
+  }
 
   void write_row(int y, std::vector<FilteredPlanes>& out) {
     for (int x = 0; x < width(); ++x) {

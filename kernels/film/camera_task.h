@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/pixel_rect.h"
+#include "kernels/film/aovs.h"
 #include "kernels/film/sample_buffer.h"
 
 #include <cassert>
@@ -50,21 +51,27 @@ class CameraTask {
     int x = 0, y = 0;          ///< the entry's pixel in the frame
   };
 
-  /// Begins a list, which must outlive the work on it. `channels`: of a sample; `spectral_bins`: of the film.
-  void begin(std::span<const PixelSamples> pixels, SampledFrame frame, int channels, int spectral_bins = 0) {
+  /// Begins a list, which must outlive the work on it. `channels`: of a sample; `spectral_bins`: of the film; `aovs`:
+  /// where among the channels layers are that come from the first surface.
+  void begin(std::span<const PixelSamples> pixels, SampledFrame frame, int channels, int spectral_bins = 0,
+             const AovChannels& aovs = {}) {
     pixels_ = pixels;
     frame_ = frame;
     spectral_bins_ = spectral_bins;
+    aovs_ = aovs;
     total_ = 0;
     for (const PixelSamples& p : pixels) total_ += static_cast<int>(p.sample_count);
     cursor = {};
     enter();
-    samples.resize(total_, channels, spectral_bins > 0);
+    samples.resize(total_, channels, spectral_bins > 0, aovs.surfaces);
+    // Paths that meet no surface, or no light of a group, leave their layers as they are.
+    if (channels > kBeautyChannels) samples.clear();
   }
 
   std::span<const PixelSamples> pixels() const { return pixels_; }
   const SampledFrame& frame() const { return frame_; }
   int spectral_bins() const { return spectral_bins_; }
+  const AovChannels& aovs() const { return aovs_; }
   int total() const { return total_; }       ///< samples
   int left() const { return total_ - cursor.index; }  ///< samples that were not started yet
 
@@ -96,6 +103,7 @@ class CameraTask {
   std::span<const PixelSamples> pixels_;
   SampledFrame frame_;
   int spectral_bins_ = 0, total_ = 0;
+  AovChannels aovs_;
 };
 
 }  // namespace sheaf

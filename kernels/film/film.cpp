@@ -40,7 +40,8 @@ constexpr int kBand = 32;
 
 }  // namespace
 
-Film::Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout, int spectral_bins, VarianceUnit unit)
+Film::Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout, int spectral_bins, VarianceUnit unit,
+           bool tells_surfaces)
     : frame_width_(frame_width),
       frame_height_(frame_height),
       crop_(crop),
@@ -49,7 +50,9 @@ Film::Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout,
       row_(layout_, spectral_bins),
       counts_(static_cast<std::size_t>(crop.width()) * static_cast<std::size_t>(crop.height())),
       sums_(counts_.size() * row_.film_size()),
-      open_(unit == VarianceUnit::kReplicate && row_.variances > 0 ? counts_.size() * (1 + row_.variances) : 0) {}
+      open_(unit == VarianceUnit::kReplicate && row_.variances > 0 ? counts_.size() * (1 + row_.variances) : 0),
+      half_(layout_.half_count() > 0 ? counts_.size() * (1 + static_cast<std::size_t>(layout_.half_count())) : 0),
+      coverage_(tells_surfaces ? counts_.size() : 0) {}
 
 void Film::add(int x, int y, const double* sums) {
   const std::size_t pixel = pixel_index(x, y);
@@ -71,6 +74,7 @@ void Film::add(const FilmTile& tile) {
     for (int x = tile.own().x0; x < tile.own().x1; ++x) {
       counts_[pixel_index(x, y)] += tile.count(x, y);
       add(x, y, tile.row(x, y));
+      if (tells_surfaces()) coverage_[pixel_index(x, y)].add(tile.coverage(x, y));
     }
 }
 
@@ -85,8 +89,11 @@ void Film::add(std::span<const FilmBorder> borders) {
         for (int y = pixels.y0; y < pixels.y1; ++y) {
           const auto line = static_cast<std::size_t>(y - strip.pixels.y0) *
                             static_cast<std::size_t>(strip.pixels.width()) * row_.size();
-          for (int x = pixels.x0; x < pixels.x1; ++x)
-            add(x, y, strip.sums.data() + line + static_cast<std::size_t>(x - strip.pixels.x0) * row_.size());
+          for (int x = pixels.x0; x < pixels.x1; ++x) {
+            const std::size_t at = line + static_cast<std::size_t>(x - strip.pixels.x0) * row_.size();
+            add(x, y, strip.sums.data() + at);
+            if (tells_surfaces()) coverage_[pixel_index(x, y)].add(strip.coverage[at / row_.size()]);
+          }
         }
       }
   });
@@ -107,6 +114,17 @@ void Film::end_replicate() {
   std::fill(open_.begin(), open_.end(), 0.0);
 }
 
+void Film::end_first_half() {
+  if (half_.empty()) return;
+  double* half = half_.data();
+  for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel) {
+    const double* const row = sums_.data() + pixel * row_.film_size();
+    *half++ = row[FilmRow::kWeight];
+    for (std::size_t c = 0; c < row_.channels; ++c)
+      if (layout_.channels()[c].has_half) *half++ = row[FilmRow::kSums + c];
+  }
+}
+
 /// `out`: the picture's channels in their order.
 void Film::write_pixel(std::size_t pixel, float* out) const {
   const double* const row = sums_.data() + pixel * row_.film_size();
@@ -122,13 +140,20 @@ void Film::write_pixel(std::size_t pixel, float* out) const {
   for (std::size_t bin = 0; bin < row_.bins; ++bin)
     out[row_.channels + row_.variances + 1 + bin] =
         static_cast<float>(row[row_.film_bins_at() + bin] / (weight * bin_width(spectral_bins())));
+  if (half_.empty()) return;
+  const std::size_t halves = half_.size() / counts_.size() - 1;
+  const double* const half = half_.data() + pixel * (1 + halves);
+  if (!(half[0] > 0.0)) return;
+  for (std::size_t k = 0; k < halves; ++k)
+    out[row_.channels + row_.variances + 1 + row_.bins + k] = static_cast<float>(half[1 + k] / half[0]);
 }
 
 std::optional<double> Film::noise() const {
   constexpr std::size_t kComponents = 3;
   constexpr double kLuminance[kComponents] = {0.2126, 0.7152, 0.0722}, kDark = 0.1, kWorst = 1e-3;
   if (row_.variances < kComponents || row_.with_variance[kComponents - 1] != kBlue) return std::nullopt;
-  std::vector<float> channels(row_.channels + row_.variances + 1 + row_.bins);
+  std::vector<float> channels(row_.channels + row_.variances + 1 + row_.bins +
+                              static_cast<std::size_t>(layout_.half_count()));
   std::vector<double> values, relative;
   double mean = 0;
   for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel) {
@@ -160,6 +185,8 @@ Image Film::to_image() const {
     if (channel.has_variance) names.push_back("variance." + channel.name);
   names.emplace_back("sampleCount");
   for (int bin = 0; bin < spectral_bins(); ++bin) names.push_back(bin_channel(bin, spectral_bins()));
+  for (const FilmChannel& channel : layout_.channels())
+    if (channel.has_half) names.push_back("half." + channel.name);
   Image image(crop_.width(), crop_.height(), std::move(names));
   image.x0 = crop_.x0;
   image.y0 = crop_.y0;

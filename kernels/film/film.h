@@ -32,8 +32,9 @@ class Film {
  public:
   Film() = default;
   /// `crop` must lie inside the frame. `spectral_bins`: of equal width from 360 to 830 nm, at most kMaxSpectralBins.
+  /// `tells_surfaces`: whether samples have SurfaceSamples.
   Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout = FilmLayout::beauty(),
-       int spectral_bins = 0, VarianceUnit unit = VarianceUnit::kSample);
+       int spectral_bins = 0, VarianceUnit unit = VarianceUnit::kSample, bool tells_surfaces = false);
 
   int width() const { return frame_width_; }
   int height() const { return frame_height_; }
@@ -44,7 +45,7 @@ class Film {
 
   /// Begins a tile of this film; see FilmTile::begin().
   void begin(FilmTile& tile, const PixelRect& own, const FilterWeights* weights) const {
-    tile.begin(row_, weights, unit_ == VarianceUnit::kSample, own, crop_);
+    tile.begin(row_, weights, unit_ == VarianceUnit::kSample, own, crop_, tells_surfaces());
   }
   /// Adds the tile's own pixels. Different tiles may be added by different threads at once.
   void add(const FilmTile& tile);
@@ -53,11 +54,19 @@ class Film {
   /// Ends a replicate: what was added since the last one, or since the beginning. Nothing where samples are the units.
   void end_replicate();
 
+  /// Ends the first half of the samples, whose means the picture is to have besides.
+  void end_first_half();
+
   /// How many samples were taken in the pixel (x, y) of the frame, inside the crop, and not dropped.
   std::uint64_t count(int x, int y) const { return counts_[pixel_index(x, y)]; }
 
-  /// The picture over the crop: the mean of each channel, the variances of these means (zero below two units, and in
-  /// replicates that have not ended) and sampleCount. Pixels without samples are zero. A film with bins has the mean
+  bool tells_surfaces() const { return !coverage_.empty(); }
+  /// What the weights of samples on surfaces add up to. Only where they are told.
+  const IdCoverage& coverage(int x, int y) const { return coverage_[pixel_index(x, y)]; }
+
+  /// The picture over the crop, without the layers of AovSource::kSurfaceId: the mean of each channel, the variances of
+  /// these means (zero below two units, and in replicates that have not ended), sampleCount, and the means of the first
+  /// half of the samples (zero before that has ended). Pixels without samples are zero. A film with bins has the mean
   /// spectral radiance over each of them besides, in channels as of Fichet, Pacanowski and Wilkie, "An OpenEXR Layout
   /// for Spectral Images" (2021): the name of the bin around 550 nm is "S0.550,000000nm".
   Image to_image() const;
@@ -87,6 +96,9 @@ class Film {
   std::vector<double> sums_;           ///< per pixel a row; its second group is of the units that have ended
   /// Of the replicate that has not ended, per pixel: the sum of weights and, for each channel with a variance, its sum.
   std::vector<double> open_;
+  /// Of the first half, per pixel: the sum of weights and, for each channel with FilmChannel::has_half, its sum.
+  std::vector<double> half_;
+  std::vector<IdCoverage> coverage_;  ///< per pixel, where surfaces are told
 };
 
 }  // namespace sheaf

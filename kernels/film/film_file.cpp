@@ -16,7 +16,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::string_view kFirstLine = "sheaf film 2\n";
+constexpr std::string_view kFirstLine = "sheaf film 3\n";
 /// Longest name of a channel, and most of them: far beyond any film, far below what would exhaust memory.
 constexpr std::uint32_t kMaxName = 1024, kMaxChannels = 4096;
 
@@ -87,9 +87,19 @@ FilmLayout read_layout(Reader& in) {
   std::vector<FilmChannel> channels;
   for (std::uint32_t i = 0; i < count; ++i) {
     std::string name = in.get_text();
-    channels.push_back({std::move(name), in.get<std::uint8_t>() != 0});
+    const bool has_variance = in.get<std::uint8_t>() != 0;
+    channels.push_back({std::move(name), has_variance, in.get<std::uint8_t>() != 0});
   }
   return FilmLayout(std::move(channels));
+}
+
+void read_coverage(Reader& in, std::size_t pixels, std::vector<IdCoverage>& coverage) {
+  coverage.resize(pixels);
+  for (IdCoverage& pixel : coverage)
+    for (auto left = in.get<std::uint32_t>(); left > 0; --left) {
+      const auto shape = in.get<std::uint32_t>();
+      pixel.add(shape, in.get<double>());
+    }
 }
 
 }  // namespace
@@ -103,10 +113,20 @@ void write_film(const std::filesystem::path& file, const Film& film) {
   for (const FilmChannel& channel : film.layout_.channels()) {
     out.put(std::string_view(channel.name));
     out.put(static_cast<std::uint8_t>(channel.has_variance));
+    out.put(static_cast<std::uint8_t>(channel.has_half));
   }
   out.put(film.counts_);
   out.put(film.sums_);
   out.put(film.open_);
+  out.put(film.half_);
+  out.put(static_cast<std::uint8_t>(film.tells_surfaces()));
+  for (const IdCoverage& pixel : film.coverage_) {
+    out.put(static_cast<std::uint32_t>(pixel.entries().size()));
+    for (const IdCoverage::Entry& entry : pixel.entries()) {
+      out.put(entry.shape);
+      out.put(entry.weight);
+    }
+  }
   const std::uint32_t check = check_sum(out.bytes());
   out.put(check);
   write_text_file(file, std::string(kFirstLine) + out.bytes());
@@ -135,12 +155,18 @@ Film read_film(const std::filesystem::path& file) {
   const auto pixels = static_cast<std::size_t>(x1 - x0) * static_cast<std::size_t>(y1 - y0);
   const bool has_open = unit == static_cast<int>(VarianceUnit::kReplicate) && layout.variance_count() > 0;
   const std::size_t open_numbers = has_open ? 1 + static_cast<std::size_t>(layout.variance_count()) : 0;
-  const std::size_t numbers_per_pixel = 1 + FilmRow(layout, bins).film_size() + open_numbers;
-  if (in.left() != pixels * numbers_per_pixel * sizeof(double)) in.fail("has another size than its header claims");
+  const auto halves = static_cast<std::size_t>(layout.half_count());
+  const std::size_t half_numbers = halves > 0 ? 1 + halves : 0;
+  const std::size_t numbers_per_pixel = 1 + FilmRow(layout, bins).film_size() + open_numbers + half_numbers;
+  constexpr const char* kWrongSize = "has another size than its header claims";
+  if (in.left() <= pixels * numbers_per_pixel * sizeof(double)) in.fail(kWrongSize);
   Film film(width, height, {x0, y0, x1, y1}, std::move(layout), bins, static_cast<VarianceUnit>(unit));
   in.get(film.counts_);
   in.get(film.sums_);
   in.get(film.open_);
+  in.get(film.half_);
+  if (in.get<std::uint8_t>() != 0) read_coverage(in, pixels, film.coverage_);
+  if (in.left() > 0) in.fail(kWrongSize);
   return film;
 }
 

@@ -12,6 +12,10 @@ int FilmLayout::variance_count() const {
   return static_cast<int>(std::count_if(channels_.begin(), channels_.end(), [](auto& c) { return c.has_variance; }));
 }
 
+int FilmLayout::half_count() const {
+  return static_cast<int>(std::count_if(channels_.begin(), channels_.end(), [](auto& c) { return c.has_half; }));
+}
+
 int FilmLayout::find(std::string_view name) const {
   const auto found = std::find_if(channels_.begin(), channels_.end(), [name](auto& c) { return c.name == name; });
   return found == channels_.end() ? -1 : static_cast<int>(found - channels_.begin());

@@ -11,6 +11,7 @@ namespace sheaf {
 struct FilmChannel {
   std::string name;           ///< as in the picture, e.g. "R" or "albedo.G"; each once
   bool has_variance = false;  ///< the picture has the variance of its mean too, in the channel "variance." + name
+  bool has_half = false;      ///< and the mean of the first half of the samples, in the channel "half." + name
 };
 
 /// The channels of a sample in their order.
@@ -26,6 +27,8 @@ class FilmLayout {
   int size() const { return static_cast<int>(channels_.size()); }
   /// How many channels have a variance.
   int variance_count() const;
+  /// How many have the mean of the first half of the samples.
+  int half_count() const;
   /// The channel's index, or -1 if there is none of this name.
   int find(std::string_view name) const;
 

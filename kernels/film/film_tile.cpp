@@ -30,7 +30,7 @@ void weigh(const FilterWeights& filter, int at, float offset, int begin, int end
 }  // namespace
 
 void FilmTile::begin(const FilmRow& row, const FilterWeights* weights, bool sums_squares, const PixelRect& own,
-                     const PixelRect& crop) {
+                     const PixelRect& crop, bool tells_surfaces) {
   row_ = row;
   weights_ = weights;
   sums_squares_ = sums_squares && row.variances > 0;
@@ -39,6 +39,7 @@ void FilmTile::begin(const FilmRow& row, const FilterWeights* weights, bool sums
   const auto pixels = static_cast<std::size_t>(outer_.width()) * static_cast<std::size_t>(outer_.height());
   sums_.assign(pixels * row_.size(), 0.0);
   counts_.assign(pixels, 0);
+  coverage_.assign(tells_surfaces ? pixels : 0, {});
   terms_.assign(row_.bins_at, 0.0);
 }
 
@@ -67,6 +68,10 @@ void FilmTile::add_weighted(double* row, double weight) const {
   if (sums_squares_) add(row + first, terms_.data() + first, row_.bins_at - first, weight * weight);
 }
 
+void FilmTile::cover(int x, int y, const SurfaceSample& surface, double weight) {
+  coverage_[index(x, y)].add(surface.shape, weights_ != nullptr ? weight : static_cast<double>(surface.weight));
+}
+
 void FilmTile::add(int x, int y, const SampleBuffer& samples, std::size_t index_of_sample) {
   if (samples.is_dropped(index_of_sample)) return;
   const bool is_own = x >= own_.x0 && x < own_.x1 && y >= own_.y0 && y < own_.y1;
@@ -75,6 +80,7 @@ void FilmTile::add(int x, int y, const SampleBuffer& samples, std::size_t index_
   const auto add_to = [&](int to_x, int to_y, double weight) {
     double* const row = sums_.data() + index(to_x, to_y) * row_.size();
     add_weighted(row, weight);
+    if (tells_surfaces()) cover(to_x, to_y, samples.surface(index_of_sample), weight);
     if (row_.bins == 0) return;
     const SpectralSample& spectrum = samples.spectrum(index_of_sample);
     for (int k = 0; k < 4; ++k) row[row_.bins_at + spectrum.bin[k]] += weight * static_cast<double>(spectrum.value[k]);
@@ -98,7 +104,9 @@ FilmBorder FilmTile::border() const {
   FilmBorder border;
   const auto add_strip = [&](const PixelRect& pixels) {
     if (pixels.is_empty()) return;
-    FilmBorder::Strip strip{pixels, {}};
+    FilmBorder::Strip strip{pixels, {}, {}};
+    for (int y = pixels.y0; y < pixels.y1; ++y)
+      for (int x = pixels.x0; x < pixels.x1 && tells_surfaces(); ++x) strip.coverage.push_back(coverage(x, y));
     for (int y = pixels.y0; y < pixels.y1; ++y)
       strip.sums.insert(strip.sums.end(), row(pixels.x0, y),
                         row(pixels.x0, y) + static_cast<std::size_t>(pixels.width()) * row_.size());

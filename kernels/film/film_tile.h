@@ -3,6 +3,7 @@
 
 #include "core/pixel_rect.h"
 #include "kernels/film/film_row.h"
+#include "kernels/film/id_coverage.h"
 #include "scene/tables/filter.h"
 
 #include <cstdint>
@@ -16,6 +17,7 @@ struct FilmBorder {
   struct Strip {
     PixelRect pixels;
     std::vector<double> sums;
+    std::vector<IdCoverage> coverage;  ///< of each pixel, where the film has it
   };
   std::vector<Strip> strips;  ///< disjoint
 };
@@ -25,9 +27,9 @@ class FilmTile {
  public:
   /// Begins the tile `own`. Pixels outside `crop` are left out; the samples of the tile need not all lie inside.
   /// `weights`: null where samples count in their own pixel alone. `sums_squares`: whether the row's second group is
-  /// summed up.
+  /// summed up. `tells_surfaces`: whether samples have SurfaceSamples, which are summed up.
   void begin(const FilmRow& row, const FilterWeights* weights, bool sums_squares, const PixelRect& own,
-             const PixelRect& crop);
+             const PixelRect& crop, bool tells_surfaces = false);
 
   /// Adds sample `index` of a buffer with the film's layout, which was taken in the tile's pixel (x, y); nothing if it
   /// was dropped.
@@ -36,6 +38,9 @@ class FilmTile {
   const PixelRect& own() const { return own_; }  ///< the tile's pixels inside the crop
   /// The row of a pixel within reach, inside the crop.
   const double* row(int x, int y) const { return sums_.data() + index(x, y) * row_.size(); }
+  /// Which surfaces cover a pixel within reach, inside the crop. Only where they are told.
+  const IdCoverage& coverage(int x, int y) const { return coverage_[index(x, y)]; }
+  bool tells_surfaces() const { return !coverage_.empty(); }
   /// How many samples were taken in one of the own pixels, and not dropped.
   std::uint32_t count(int x, int y) const { return counts_[index(x, y)]; }
   /// The sums of all pixels that are not the tile's own.
@@ -48,6 +53,7 @@ class FilmTile {
   }
   void add_weighted(double* row, double weight) const;
   void take(const float* sample);
+  void cover(int x, int y, const SurfaceSample& surface, double weight);
 
   FilmRow row_;
   const FilterWeights* weights_ = nullptr;
@@ -55,6 +61,7 @@ class FilmTile {
   PixelRect own_, outer_;
   std::vector<double> sums_;
   std::vector<std::uint32_t> counts_;
+  std::vector<IdCoverage> coverage_;  ///< per pixel, where surfaces are told
   std::vector<double> terms_;  ///< of the sample that is added: what its weight, and its square, are multiplied by
 };
 

@@ -1,6 +1,9 @@
 // Finished camera samples on their way to the film.
 #pragma once
 
+#include "kernels/film/id_coverage.h"
+
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -19,17 +22,28 @@ struct SampleOffset {
   float x = 0, y = 0;
 };
 
+/// The first surface of a finished camera sample.
+struct SurfaceSample {
+  std::uint32_t shape = IdCoverage::kNothing;  ///< row of SceneView::shapes
+  float weight = 1;                            ///< the filter's
+};
+
 /// The samples of a task, each with all channels of the film's layout next to each other. Where a sample counts in its
 /// own pixel alone, the filter's weight is included.
 class SampleBuffer {
  public:
-  /// Room for `samples` samples of `channels` channels, at least one; `spectral`: with SpectralSamples as well.
-  void resize(int samples, int channels, bool spectral) {
+  /// Room for `samples` samples of `channels` channels, at least one; `spectral`: with SpectralSamples as well;
+  /// `surfaces`: with SurfaceSamples, of no surface yet.
+  void resize(int samples, int channels, bool spectral, bool surfaces = false) {
     channels_ = channels;
     values_.resize(static_cast<std::size_t>(samples) * static_cast<std::size_t>(channels));
     offsets_.resize(static_cast<std::size_t>(samples));
     spectra_.resize(spectral ? static_cast<std::size_t>(samples) : 0);
+    surfaces_.assign(surfaces ? static_cast<std::size_t>(samples) : 0, {});
   }
+
+  /// Sets all channels of all samples to zero.
+  void clear() { std::fill(values_.begin(), values_.end(), 0.0f); }
 
   int channels() const { return channels_; }
   /// The channels of a sample.
@@ -42,6 +56,9 @@ class SampleBuffer {
   bool has_spectra() const { return !spectra_.empty(); }
   SpectralSample& spectrum(std::size_t sample) { return spectra_[sample]; }
   const SpectralSample& spectrum(std::size_t sample) const { return spectra_[sample]; }
+  bool has_surfaces() const { return !surfaces_.empty(); }
+  SurfaceSample& surface(std::size_t sample) { return surfaces_[sample]; }
+  const SurfaceSample& surface(std::size_t sample) const { return surfaces_[sample]; }
 
   /// Marks a sample that must not reach the film.
   void drop(std::size_t sample) { (*this)[sample][0] = std::numeric_limits<float>::quiet_NaN(); }
@@ -52,6 +69,7 @@ class SampleBuffer {
   std::vector<float> values_;
   std::vector<SampleOffset> offsets_;
   std::vector<SpectralSample> spectra_;
+  std::vector<SurfaceSample> surfaces_;
 };
 
 }  // namespace sheaf

@@ -18,6 +18,7 @@ template <class L> void run_path_pass(const StageContext& context, Wave& wave) {
     sort_surfaces<L>(context, wave);
     surface_inputs<L>(context, wave);
     textures<L>(context, wave);
+    aovs<L>(context, wave);
     gather<L>(context, wave);
     guide<L>(context, wave);
     for (int candidate = 0; candidate < context.transport.candidates; ++candidate) {

@@ -1,6 +1,7 @@
 #include "kernels/passes/render.h"
 
 #include "core/error.h"
+#include "kernels/film/cryptomatte.h"
 #include "kernels/media/medium_tracking.h"
 #include "kernels/passes/passes.h"
 #include "kernels/passes/photon_mapping.h"
@@ -177,12 +178,14 @@ class Renderer {
       if (!training_passes_.empty()) train();
       for (std::uint32_t first = 0, count = 0; first < spp_ && !stopped(); first += count) {
         count = std::min({kPassSamples, spp_ - first, replicate_samples_ - first % replicate_samples_});
+        if (options_.aovs.contains(Aov::kHalf) && first < half_samples_) count = std::min(count, half_samples_ - first);
         if (photon_mapping_) {
           count = photon_mapping_->samples_alike(count);
           photon_mapping_->prepare(first, workers_, photon_tracing_, context_);
         }
         run_pass(first, count);
         if ((first + count) % replicate_samples_ == 0) film_.end_replicate();
+        if (first + count == half_samples_) film_.end_first_half();
       }
       film_.end_replicate();
       while (photons_done_ < photons_ && !stopped()) run_photons();
@@ -200,13 +203,19 @@ class Renderer {
     frame_ = {film.width, film.sample_border ? reach : 0};
     wanted_ = crop.grown(reach).intersection(PixelRect{0, 0, film.width, film.height}.grown(frame_.border));
     const bool independent = scene.sampler().kind == SamplerKind::kIndependent;
-    const std::uint32_t replicates = options_.replicates > 0 ? static_cast<std::uint32_t>(options_.replicates)
-                                     : independent           ? kFreeReplicates
-                                                             : default_replicates(spp_);
+    check_layers();
+    std::uint32_t replicates = options_.replicates > 0 ? static_cast<std::uint32_t>(options_.replicates)
+                               : independent           ? kFreeReplicates
+                                                       : default_replicates(spp_);
+    if (wants_halves()) replicates = std::max(replicates, 2u);
     const bool by_samples = independent && reach == 0;
     replicate_samples_ = by_samples ? spp_ : (spp_ + replicates - 1) / replicates;
-    film_ = Film(film.width, film.height, crop, FilmLayout::beauty(by_samples || replicate_samples_ < spp_),
-                 options_.spectral_bins, by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate);
+    const std::uint32_t made = (spp_ + replicate_samples_ - 1) / replicate_samples_;
+    half_samples_ = by_samples ? spp_ / 2 : made / 2 * replicate_samples_;
+    film_ = Film(film.width, film.height, crop,
+                 film_layout(options_.aovs, by_samples || replicate_samples_ < spp_, group_lights(scene.names())),
+                 options_.spectral_bins, by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate,
+                 options_.aovs.contains(AovSource::kSurfaceId));
   }
 
   bool stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
@@ -233,6 +242,57 @@ class Renderer {
     film_.add(borders);
   }
 
+  /// Throws Error (usage) for layers that the render cannot make.
+  void check_layers() const {
+    const bool of_paths = options_.light_groups || of_surfaces();
+    const IntegratorKind kind = context_.transport.kind;
+    const bool follows_paths = kind == IntegratorKind::kPath || kind == IntegratorKind::kPhotonMapper;
+    if (of_paths && !follows_paths)
+      throw Error(ExitCode::kUsage,
+                  "layers of surfaces and of lights need an integrator that follows light from the "
+                  "camera, such as path; " +
+                      integrator_name(context_.transport) + " is none");
+    if (of_surfaces() && context_.transport.max_depth == 1)
+      throw Error(ExitCode::kUsage, "layers of surfaces need paths that may be scattered: a max depth of 2 or more");
+    if (options_.aovs.contains(Aov::kHalf) && kind == IntegratorKind::kLightTracer)
+      throw Error(ExitCode::kUsage,
+                  "the layer half is of samples from the camera, and ptracer follows light the other way");
+    if (wants_halves() && spp_ < 2)
+      throw Error(ExitCode::kUsage, "the layers variance and half need two samples per pixel or more");
+  }
+  bool of_surfaces() const {
+    return options_.aovs.contains(AovSource::kVertex) || options_.aovs.contains(AovSource::kSurfaceId);
+  }
+  /// Layers that come from replicates.
+  bool wants_halves() const { return options_.aovs.contains(Aov::kVariance) || options_.aovs.contains(Aov::kHalf); }
+
+  /// The groups of lights, where they have layers.
+  std::vector<std::string> group_lights(const SceneNames& names) {
+    if (!options_.light_groups) return {};
+    std::vector<std::string> groups = names.lights;
+    // The light that photon maps hold is mixed.
+    if (names.has_other_light || context_.transport.kind == IntegratorKind::kPhotonMapper) groups.emplace_back("other");
+    if (groups.size() > kMaxLightGroups)
+      throw Error(ExitCode::kUsage,
+                  "the scene has " + std::to_string(groups.size()) +
+                      " lights with names of their own, "
+                      "expected at most " +
+                      std::to_string(kMaxLightGroups) +
+                      " for light groups: those of the same id are one group, and those without an id");
+    for (const std::uint32_t light : names.light_of_row) group_of_light_.push_back(static_cast<std::uint16_t>(light));
+    light_groups_ = groups.size();
+    return groups;
+  }
+
+  /// Where the light of groups goes from the worker's task.
+  LightGroupSink group_sink(CameraTask& task) const {
+    if (light_groups_ == 0) return {};
+    const auto channels = static_cast<std::size_t>(film_.layout().size());
+    const bool spectral = context_.scene.color == ColorMode::kSpectral;
+    return {task.samples[0] + channels - 3 * light_groups_, channels, group_of_light_.data(),
+            static_cast<std::uint16_t>(light_groups_ - 1), spectral ? context_.scene.spectral.sensor : nullptr};
+  }
+
   void report_done(std::uint64_t more) {
     const std::uint64_t done = done_.fetch_add(more, std::memory_order_relaxed) + more;
     if (options_.on_progress) options_.on_progress(done, total_);
@@ -243,13 +303,16 @@ class Renderer {
     const FlushDenormals flush;
     Worker& worker = workers_.local();
     const std::vector<PixelSamples> pixels = samples_of(tile.wanted, frame_, first_sample, sample_count);
-    worker.camera.begin(pixels, frame_, film_.layout().size(), film_.spectral_bins());
+    worker.camera.begin(pixels, frame_, film_.layout().size(), film_.spectral_bins(),
+                        AovChannels(film_.layout(), options_.aovs));
+    worker.wave.light_groups = group_sink(worker.camera);
     StageContext context = context_;
     context.camera = &worker.camera;
     context.sampler = sampler_of_replicate(context.sampler, first_sample / replicate_samples_, replicate_samples_);
     // What photons cannot find is light that reaches the camera without having been scattered.
     if (context.transport.kind == IntegratorKind::kLightTracer) context.transport.max_depth = 1;
     camera_pass_of<Wide>(context.transport.kind)(context, worker.wave);
+    worker.wave.light_groups = {};
     film_.begin(worker.tile, tile.pixels, context.scene.filter_weights);
     reduce(worker.camera, worker.tile);
     film_.add(worker.tile);
@@ -327,6 +390,8 @@ class Renderer {
     for (const SourceLocation& place : scene_.light_places())
       report.light_places.push_back(place.line > 0 ? place.file + ":" + std::to_string(place.line) : std::string());
     result.film = std::move(film_);
+    result.aovs = options_.aovs;
+    if (result.film.tells_surfaces()) result.names = scene_.names();
     result.splats = std::move(splats_);
     result.photons = photons_done_;
     report.photons = photon_tracing_.report;
@@ -354,6 +419,9 @@ class Renderer {
   SampledFrame frame_;
   PixelRect wanted_;  ///< pixels that are sampled: the crop, and those around from which samples reach into it
   std::uint32_t replicate_samples_ = 0;  ///< per pixel, of each replicate
+  std::uint32_t half_samples_ = 0;       ///< per pixel, of the first half
+  std::size_t light_groups_ = 0;         ///< that have layers
+  std::vector<std::uint16_t> group_of_light_;
   std::optional<SplatFilm> splats_;
   std::optional<PhotonMapping> photon_mapping_;
   PhotonTracing photon_tracing_{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};
@@ -372,6 +440,7 @@ class Renderer {
 Image RenderResult::to_image() const {
   Image image = film.to_image();
   if (splats) splats->add_to(image, photons);
+  add_id_layers(aovs, names, film, image);
   return image;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/stats.h"
+#include "kernels/film/aovs.h"
 #include "kernels/film/film.h"
 #include "kernels/film/splat.h"
 #include "scene/tables/scene.h"
@@ -27,6 +28,8 @@ struct RenderOptions {
   /// anyway and count in one pixel. 0: 8 where samples are independent, which costs nothing; else 1 below 32 samples
   /// per pixel, 2 below 128, 4 below 512, 8 from there on.
   int replicates = 0;
+  AovSet aovs;                ///< further layers; Aov::kVariance and kHalf make at least two replicates
+  bool light_groups = false;  ///< layers of the light that comes from each of SceneNames::lights
   bool guiding = false;  ///< directions are sampled from what passes before the picture have learned
   std::optional<PixelRect> crop;                   ///< default: the scene's, else the whole frame
   /// Called by workers after each task, several at a time, with samples done and in all.
@@ -40,20 +43,25 @@ struct RenderResult {
   Film film;
   std::optional<SplatFilm> splats;  ///< light tracing: what photons have added
   std::uint64_t photons = 0;        ///< that were emitted
+  AovSet aovs;                      ///< that were asked for
+  SceneNames names;                 ///< where the film tells surfaces, what they are called
   RenderReport report;  ///< without scene file and load times, which the caller knows
   bool interrupted = false;
   std::vector<std::string> warnings;
 
-  /// The picture: Film::to_image(), and what photons have added.
+  /// The picture: Film::to_image(), what photons have added, and which surfaces cover its pixels.
   Image to_image() const;
 };
+
+/// Most groups of lights that have layers.
+inline constexpr std::size_t kMaxLightGroups = 64;
 
 /// Largest value of RenderOptions::wave_size: slots are 16-bit.
 inline constexpr int kMaxWaveSize = 32768;
 
 /// Renders. The picture's bits depend on scene, seed and sample count alone, not on threads, wave size or crop.
 /// Throws Error (usage) if the crop leaves the frame, a number is out of range, spectral bins are asked for where there
-/// are no wavelengths, or guiding is where there are no paths to be guided.
+/// are no wavelengths, guiding where there are no paths to be guided, or layers where there are none.
 RenderResult render(const Scene& scene, const RenderOptions& options);
 
 }  // namespace sheaf

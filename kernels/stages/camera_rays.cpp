@@ -69,6 +69,15 @@ SHEAF_INLINE void remember_offsets(CameraTask& task, Uint<L> sample, int count, 
   for (int lane = 0; lane < count; ++lane) task.samples.offset(index[lane]) = {xs[lane], ys[lane]};
 }
 
+/// The filter's weights, for the surfaces that samples will meet.
+template <class L> SHEAF_INLINE void remember_weights(CameraTask& task, Uint<L> sample, int count, Float<L> weight) {
+  alignas(kSimdAlignment) std::uint32_t index[L::width];
+  alignas(kSimdAlignment) float weights[L::width];
+  store(index, sample);
+  store(weights, weight);
+  for (int lane = 0; lane < count; ++lane) task.samples.surface(index[lane]).weight = weights[lane];
+}
+
 template <class L>
 SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot* slots, int count,
                              std::uint32_t flags) {
@@ -119,6 +128,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   radiance.scatter_pdf = F(0.0f);
   radiance.normal = U(0u);
   radiance.weight = dx.weight * dy.weight;
+  if (task.samples.has_surfaces()) remember_weights<L>(task, radiance.task_sample, count, radiance.weight);
   wave.rays.scatter<L>(slots, count, ray);
   wave.throughput.scatter<L>(slots, count, throughput);
   wave.radiance.scatter<L>(slots, count, radiance);

@@ -1,6 +1,7 @@
 // The one list of stages, from which statistics, tests and benchmarks derive.
 #pragma once
 
+#include "kernels/film/camera_task.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/stages.h"
 
@@ -19,6 +20,7 @@ enum class StageUse {
   kBinary,
   kTransmission,     ///< of those, with it
   kPath,             ///< of the path pass
+  kAovs,             ///< of the path pass, where there are layers of first surfaces
   kGuiding,          ///< of the path pass, where there is a guide
   kLearning,         ///< of the path pass, where a guide learns
   kGathering,        ///< of the path pass, where there are photon maps
@@ -83,6 +85,7 @@ template <class L> inline constexpr auto kStages = [] {
       {S::kSurfaceInputs, "surface_inputs", {Q::kSorted}, {Q::kVertices}, U::kLight, surface_inputs<L>},
       {S::kStorePhotons, "store_photons", {Q::kSorted, Q::kVertices}, {}, U::kStoring, store_photons<L>},
       {S::kTextures, "textures", {Q::kVertices}, {Q::kVertices}, U::kLight, textures<L>},
+      {S::kAovs, "aovs", {Q::kSorted, Q::kVertices}, {}, U::kAovs, aovs<L>},
       {S::kGather, "gather", {Q::kSorted, Q::kVertices}, {}, U::kGathering, gather<L>},
       {S::kGuide, "guide", {Q::kSorted, Q::kVertices}, {}, U::kGuiding, guide<L>},
       {S::kLightCandidates,
@@ -134,6 +137,8 @@ inline bool takes_part(const StageContext& context, StageUse use, bool light) {
     case StageUse::kLight: return light;
     case StageUse::kPath:
       return light && !photons;
+    case StageUse::kAovs:
+      return light && context.camera != nullptr && context.camera->aovs().any();
     case StageUse::kGuiding:
       return light && context.guides;
     case StageUse::kLearning:

@@ -41,6 +41,10 @@ template <class L> void surface_inputs(const StageContext& context, Wave& wave) 
 /// Looks up textures: replaces closure parameters, and turns shading normals by maps.
 template <class L> void textures(const StageContext& context, Wave& wave) noexcept;
 
+/// Puts what the first surfaces of camera paths are like into the task's samples, for the layers that ask for it. Reads
+/// ray, hit and radiance state.
+template <class L> void aovs(const StageContext& context, Wave& wave) noexcept;
+
 /// Finds out where the guide knows of vertices, for light sampling and scattering. Reads ray state.
 template <class L> void guide(const StageContext& context, Wave& wave) noexcept;
 
@@ -108,6 +112,7 @@ enum class Stage : std::uint32_t {
   kSurfaceInputs,
   kStorePhotons,
   kTextures,
+  kAovs,
   kGather,
   kGuide,
   kLightCandidates,

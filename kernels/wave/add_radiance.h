@@ -8,9 +8,12 @@
 
 namespace sheaf {
 
-/// Adds what one path has found, per spectral lane, to its radiance. `light`: the row of the light that it comes from.
-/// What else may matter of the path (its depth, where its ray came from) is to be found by its slot.
-SHEAF_INLINE void add_radiance(Wave& wave, Slot slot, Quad found, [[maybe_unused]] std::uint32_t light) {
+/// Adds what one path has found, per spectral lane, to its radiance, and to its light's group where these are told
+/// apart. `light`: the row of the light that it comes from, or kNone. What else may matter of the path (its depth,
+/// where its ray came from) is to be found by its slot.
+SHEAF_INLINE void add_radiance(Wave& wave, Slot slot, Quad found, std::uint32_t light) {
+  if (wave.light_groups.first != nullptr) [[unlikely]]
+    add_to_light_group(wave, slot, found, light);
   Spectrum4& radiance = wave.radiance.row(slot).radiance;
   radiance = to_spectrum(Quad(radiance) + found);
 }

@@ -1,8 +1,10 @@
 // A wave: the paths one worker has in flight, in memory that fits its L2 cache and that no other worker touches.
 #pragma once
 
+#include "core/quad.h"
 #include "core/stats.h"
 #include "kernels/photons/volume_photon_map.h"
+#include "kernels/wave/light_groups.h"
 #include "kernels/wave/path_pool.h"
 #include "kernels/wave/shading_columns.h"
 
@@ -40,6 +42,10 @@ struct Wave : PathPool, ShadingColumns {
   } first_dropped;
   RayRecorder* recorder = nullptr;
   BeamScratch beam;
+  LightGroupSink light_groups;
 };
+
+/// add_radiance() for light groups alone.
+void add_to_light_group(Wave& wave, Slot slot, const Quad& found, std::uint32_t light) noexcept;
 
 }  // namespace sheaf

@@ -61,6 +61,7 @@ void SceneCompiler::add_materials() {
   }
   std::vector<PhaseDescription> phases = in_.phases;
   if (!in_.media.empty()) phases.push_back({IsotropicPhaseDescription{}, {}});
+  naming_.add_materials(in_.materials);
   CompiledMaterials materials = compile_materials(in_.materials, spectra(), phases);
   row_of_phase_ = std::move(materials.row_of_phase);
   for (const MaterialSpectra& rows : materials.spectra)
@@ -137,6 +138,8 @@ void SceneCompiler::finish_tables() {
   if (out_->light_frames_.empty()) out_->light_frames_.emplace_back();
   if (out_->light_uvs_.empty()) out_->light_uvs_.emplace_back();
   if (out_->light_spectra_.empty()) out_->light_spectra_.emplace_back();
+  for (const MediumRow& medium : out_->media_)
+    if ((medium.flags & kMediumEmits) != 0 && medium.light == kNone) out_->names_.has_other_light = true;
   if (spectra_) out_->spectrum_tables_ = spectra_->samples();
   select_lights();
   const AccelInput input{out_->shapes_.data(),         ungrouped_shapes_,

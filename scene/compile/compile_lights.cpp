@@ -52,7 +52,7 @@ void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, 
     light.row.radiance = light.row.radiance * factor;
     spectrum.scale *= factor;
   }
-  add_light_row(light.row, spectrum, emitter.where);
+  add_light_row(light.row, spectrum, emitter.where, emitter.name);
   out_->has_textured_lights_ = out_->has_textured_lights_ || light.row.texture != kNone;
   out_->triangle_alias_.insert(out_->triangle_alias_.end(), light.alias.begin(), light.alias.end());
   out_->light_triangles_.insert(out_->light_triangles_.end(), light.triangles.begin(), light.triangles.end());
@@ -69,44 +69,46 @@ void SceneCompiler::add_volume_lights() {
     const auto light = make_volume_light(out_->view(), i, medium_boxes_[i], first_cell);
     if (!light) continue;
     out_->media_[i].light = static_cast<std::uint32_t>(out_->lights_.size());
-    add_light_row(light->row, {}, {});
+    add_light_row(light->row, {}, {}, in_.media.at(i).id);
     out_->triangle_alias_.insert(out_->triangle_alias_.end(), light->alias.begin(), light->alias.end());
   }
 }
 
 void SceneCompiler::add_lights() {
   LightContext context = light_context();
-  std::vector<std::pair<PlacedLight, SourceLocation>> placed;
+  std::vector<std::pair<PlacedLight, const LightDescription*>> placed;
   for (const LightDescription& light : in_.lights) {
     const auto place = [&]<class D>(const D& d) { return place_light(LightToPlace<D>{d, light.where, context}); };
     try {
-      if (auto row = std::visit(place, light.model)) placed.emplace_back(std::move(*row), light.where);
+      if (auto row = std::visit(place, light.model)) placed.emplace_back(std::move(*row), &light);
     } catch (const SceneError& error) { throw at_place(light.where, error); }
   }
   for (const bool infinite : {false, true}) {
-    for (const auto& [light, where] : placed)
-      if (is_infinite(light.row) == infinite) push_light(light, where);
+    for (const auto& [light, from] : placed)
+      if (is_infinite(light.row) == infinite) push_light(light, *from);
     if (!infinite) add_volume_lights();
     if (!infinite) out_->bounded_light_count_ = static_cast<std::uint32_t>(out_->lights_.size());
   }
   out_->counts_.lights = out_->lights_.size();
 }
 
-void SceneCompiler::push_light(PlacedLight light, const SourceLocation& where) {
+void SceneCompiler::push_light(PlacedLight light, const LightDescription& from) {
   if (!(max_component(emitted_rgb(light.row)) > 0.0f)) return;
   if (light_compiler_of(light.row).reach == LightReach::kEnvironment) {
-    if (out_->environment_ != kNone) throw SceneError(where, "a scene may have only one environment light");
+    if (out_->environment_ != kNone) throw SceneError(from.where, "a scene may have only one environment light");
     out_->environment_ = static_cast<std::uint32_t>(out_->lights_.size());
   }
   if (light.frame) {
     light.row.detail = static_cast<std::uint32_t>(out_->light_frames_.size());
     out_->light_frames_.push_back(*light.frame);
   }
-  add_light_row(light.row, light.spectrum, where);
+  add_light_row(light.row, light.spectrum, from.where, from.id);
 }
 
-void SceneCompiler::add_light_row(const LightRow& row, const SpectrumRow& spectrum, const SourceLocation& where) {
+void SceneCompiler::add_light_row(const LightRow& row, const SpectrumRow& spectrum, const SourceLocation& where,
+                                  const std::string& name) {
   out_->lights_.push_back(row);
+  naming_.add_light(static_cast<LightKind>(row.kind), name);
   out_->light_spectra_.push_back(spectrum);
   if (out_->light_places_.size() < kToldLights) out_->light_places_.push_back(where);
 }

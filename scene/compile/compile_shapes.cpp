@@ -142,13 +142,14 @@ void SceneCompiler::push_shape(ShapeRow row, const ShapeDescription& shape, cons
   if (const std::optional<AreaEmission> emission = emission_of(shape)) {
     if (group_emitters_ != nullptr) {
       row.light = static_cast<std::uint32_t>(group_emitters_->size());
-      group_emitters_->push_back({index, *emission, shape.where});
+      group_emitters_->push_back({index, *emission, shape.where, emitter_name(shape)});
     } else {
       row.light = static_cast<std::uint32_t>(out_->lights_.size());
-      add_area_light(row, {index, *emission, shape.where}, nullptr);
+      add_area_light(row, {index, *emission, shape.where, emitter_name(shape)}, nullptr);
     }
   }
   out_->shapes_.push_back(row);
+  naming_.add_shape(shape, group_name_);
 }
 
 SceneCompiler::GroupContents SceneCompiler::add_group(const ShapeGroup& group) {
@@ -159,8 +160,10 @@ SceneCompiler::GroupContents SceneCompiler::add_group(const ShapeGroup& group) {
   upper_ = {-kInfinity, -kInfinity, -kInfinity};
   std::vector<Emitter> emitters;
   group_emitters_ = &emitters;
+  group_name_ = group.id;
   for (const ShapeDescription& shape : group.shapes) add_shape(shape);
   group_emitters_ = nullptr;
+  group_name_.clear();
   const ShapeRange range{first, static_cast<std::uint32_t>(out_->shapes_.size()) - first};
   GroupContents contents{range, static_cast<std::uint32_t>(group_ranges_.size()),
                          out_->counts_.triangles - triangles, lower_, upper_, std::move(emitters)};

@@ -4,6 +4,7 @@
 #include "scene/compile/compile.h"
 #include "scene/compile/compile_textures.h"
 #include "scene/compile/lights/area_light.h"
+#include "scene/compile/scene_naming.h"
 #include "scene/compile/spectra.h"
 #include "scene/formats/mesh.h"
 
@@ -33,7 +34,7 @@ class SceneCompiler {
  public:
   /// Both must outlive the compiler.
   SceneCompiler(const Description& description, const CompileOptions& options)
-      : in_(description), options_(options), out_(std::make_unique<Scene>()) {}
+      : in_(description), options_(options), out_(std::make_unique<Scene>()), naming_(out_->names_) {}
 
   /// Takes all steps in their order. To be called once.
   std::unique_ptr<Scene> run();
@@ -47,6 +48,7 @@ class SceneCompiler {
     std::uint32_t shape;
     AreaEmission emission;
     SourceLocation where;
+    std::string name;  ///< may be empty
   };
 
   /// What a group holds, for its instances.
@@ -95,9 +97,11 @@ class SceneCompiler {
   /// Media that glow become lights, where lights are sampled and the estimator can weigh them.
   void add_volume_lights();
   void add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance);
-  /// Adds a light unless it is black. Throws at `where` for a second environment.
-  void push_light(PlacedLight light, const SourceLocation& where);
-  void add_light_row(const LightRow& row, const SpectrumRow& spectrum, const SourceLocation& where);
+  /// Adds a light unless it is black. Throws where it stands for a second environment.
+  void push_light(PlacedLight light, const LightDescription& from);
+  /// `name`: may be empty.
+  void add_light_row(const LightRow& row, const SpectrumRow& spectrum, const SourceLocation& where,
+                     const std::string& name);
   /// What a shape emits, or nothing if that is black.
   std::optional<AreaEmission> emission_of(const ShapeDescription& shape);
   /// The tables that choose lights, once textures can be looked up.
@@ -119,6 +123,7 @@ class SceneCompiler {
   const Description& in_;
   const CompileOptions& options_;
   std::unique_ptr<Scene> out_;
+  SceneNaming naming_;
   std::vector<std::uint32_t> row_of_material_;
   std::uint32_t default_material_ = 0;
   std::optional<SpectrumSet> spectra_;        ///< in spectral mode
@@ -130,6 +135,7 @@ class SceneCompiler {
   std::uint32_t ungrouped_shapes_ = 0;
   std::vector<ShapeRange> group_ranges_;
   std::vector<Emitter>* group_emitters_ = nullptr;  ///< of the group whose shapes are being added
+  std::string group_name_;                          ///< its name; may be empty
   Vec3f lower_{kInfinity, kInfinity, kInfinity}, upper_{-kInfinity, -kInfinity, -kInfinity};
 };
 

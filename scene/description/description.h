@@ -514,6 +514,7 @@ struct ShapeDescription {
   std::optional<MediumId> interior, exterior;
   bool exterior_is_surrounding = false;  ///< outside is what holds the shape; no `exterior` then
   SourceLocation where;
+  std::string id = {}, emitter_id = {};  ///< names of the shape and of its area light in files; may be empty
 };
 
 /// Shapes that are seen only through instances; their transforms lead to the group's space. Every instance of a shape
@@ -678,6 +679,7 @@ struct LightDescription {
                BeamDescription>
       model;
   SourceLocation where;
+  std::string id = {};  ///< name in files; may be empty
 };
 
 /// A pixel reconstruction filter; sizes in pixels.

@@ -95,6 +95,8 @@ void read_emitter(const XmlElement& element, Reader& reader) {
   p.accept({"sampling_weight"});
   p.objects("medium");  // that it is in: found from the shapes around
   p.finish();
+  if (const std::string* id = element.find_attribute("id"))
+    for (LightDescription& each : lights) each.id = *id;
   std::vector<LightDescription>& all = reader.context.description.lights;
   std::move(lights.begin(), lights.end(), std::back_inserter(all));
 }

@@ -57,6 +57,7 @@ void read_shape(const XmlElement& element, Reader& reader) {
   Properties p(element, reader.context);
   ShapeDescription shape;
   shape.where = element.where;
+  if (const std::string* id = element.find_attribute("id")) shape.id = *id;
   const std::vector<Transform> ellipsoids = read_many_ellipsoids(p);
   if (!ellipsoids.empty()) {
     shape.geometry = SphereShape{};

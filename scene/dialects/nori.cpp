@@ -169,6 +169,7 @@ void read_mesh(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   ShapeDescription shape;
   shape.where = element.where;
+  if (const std::string* id = element.find_attribute("id")) shape.id = *id;
   if (p.type() == "parallelogram") {
     shape.geometry = RectangleShape{};
     shape.to_world = read_parallelogram(p);

@@ -111,6 +111,7 @@ void read_emitter(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   LightDescription light;
   light.where = element.where;
+  if (const std::string* id = element.find_attribute("id")) light.id = *id;
   if (p.type() == "point") {
     light.model = read_point_light(p);
   } else if (p.type() == "spot") {

@@ -40,6 +40,7 @@ bool read_shared_emitter(Properties& p, LightDescription& light) {
 void read_area_emitter(const XmlElement& element, ReadContext& context, ShapeDescription& shape,
                        std::initializer_list<const char*> ignored) {
   Properties p(element, context);
+  if (const std::string* id = element.find_attribute("id")) shape.emitter_id = *id;
   shape.emits_along_normal = p.type() == "directionalarea";
   // Some name it after the shape that it is on.
   const bool is_area = p.type() == "area" || p.type().ends_with("_emitter");

@@ -15,6 +15,7 @@
 #include "scene/tables/majorant_grid.h"
 #include "scene/tables/material.h"
 #include "scene/tables/medium.h"
+#include "scene/tables/scene_names.h"
 #include "scene/tables/shape_rows.h"
 #include "scene/tables/texture.h"
 
@@ -130,6 +131,8 @@ class Scene {
   const IntegratorDescription& integrator() const { return integrator_; }
   /// Where the scene speaks of its lights, by row; only of the first kToldLights.
   const std::vector<SourceLocation>& light_places() const { return light_places_; }
+  /// What files call the scene's parts.
+  const SceneNames& names() const { return names_; }
   /// Remarks on what was repaired or left out.
   const std::vector<std::string>& warnings() const { return warnings_; }
   ColorMode color() const { return color_; }
@@ -172,6 +175,7 @@ class Scene {
   std::vector<LightUvRow> light_uvs_;
   std::vector<Vec3f> light_powers_;
   std::vector<SourceLocation> light_places_;
+  SceneNames names_;
   Envmap envmap_;
   bool has_textured_lights_ = false;
   std::uint32_t bucket_count_ = 1;

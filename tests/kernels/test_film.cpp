@@ -1,5 +1,6 @@
 // The film of named channels: means, variances and counts; and films as files.
 #include "core/error.h"
+#include "kernels/film/cryptomatte.h"
 #include "kernels/film/film.h"
 #include "kernels/film/film_file.h"
 #include "tests/support/temporary_folder.h"
@@ -125,6 +126,59 @@ TEST_CASE("a film that was written and read goes on as if it had not been") {
     write_film(folder / "c.film", film);
     CHECK(bytes_of(folder / "b.film") == bytes_of(folder / "c.film"));
   }
+}
+
+TEST_CASE("surfaces cover pixels by the weights of their samples, and halves and they survive in files") {
+  const TemporaryFolder folder;
+  FilterDescription gaussian;
+  gaussian.kind = FilterDescription::Kind::kGaussian;
+  const FilterWeights weights(gaussian);
+  const AovSet aovs{Aov::kHalf, Aov::kObjectId, Aov::kCryptomatteObject};
+  Film film(16, 8, {0, 0, 16, 8}, film_layout(aovs, false), 0, VarianceUnit::kReplicate, true);
+  SampleBuffer samples;
+  samples.resize(1, film.layout().size(), false, true);
+  std::vector<FilmBorder> borders;
+  // One sample in the middle of each pixel: surface 0 to the left, 1 to the right, nothing at the far right.
+  for (const int x0 : {0, 8}) {
+    FilmTile tile;
+    film.begin(tile, {x0, 0, x0 + 8, 8}, &weights);
+    for (int y = 0; y < 8; ++y)
+      for (int x = x0; x < x0 + 8; ++x) {
+        std::fill_n(samples[0], 4, static_cast<float>(x));
+        samples.surface(0) = {x < 8 ? 0u : x < 14 ? 1u : IdCoverage::kNothing, 1};
+        tile.add(x, y, samples, 0);
+      }
+    film.add(tile);
+    borders.push_back(tile.border());
+  }
+  film.add(borders);
+  film.end_first_half();
+  write_film(folder / "a.film", film);
+  const Film read = read_film(folder / "a.film");
+  SceneNames names;
+  names.objects = {"left", "right"};
+  names.object_of_shape = {0, 1};
+  Image image = film.to_image(), again = read.to_image();
+  add_id_layers(aovs, names, film, image);
+  add_id_layers(aovs, names, read, again);
+  CHECK(same_pictures(image, again));
+  CHECK(image.at(5, 4, image.find_channel("half.G")) == image.at(5, 4, kGreen));
+  const int id = image.find_channel("CryptoObject00.r"), number = image.find_channel("objectId");
+  REQUIRE(id == number + 1);
+  CHECK(image.at(3, 4, number) == 1);
+  CHECK(image.at(12, 4, number) == 2);
+  CHECK(image.at(15, 4, number) == 0);
+  CHECK(image.at(3, 4, id + 1) == doctest::Approx(1));
+  CHECK(image.at(3, 4, id) == bits_float(cryptomatte_id("left")));
+  // On both sides of the edge the neighbour has the same share.
+  CHECK(image.at(7, 4, id) == bits_float(cryptomatte_id("left")));
+  CHECK(image.at(8, 4, id) == bits_float(cryptomatte_id("right")));
+  CHECK(image.at(7, 4, id + 2) == bits_float(cryptomatte_id("right")));
+  CHECK(image.at(7, 4, id + 1) + image.at(7, 4, id + 3) == doctest::Approx(1));
+  CHECK(image.at(7, 4, id + 3) == doctest::Approx(double{image.at(8, 4, id + 3)}));
+  CHECK(image.at(7, 4, id + 3) > 0.05f);
+  CHECK(image.at(13, 4, id + 1) < 0.95f);
+  CHECK(image.at(13, 4, id + 3) == 0);
 }
 
 TEST_CASE("films that are cut off, damaged or something else are refused, with exit code 5") {

@@ -146,6 +146,17 @@ def check_scenes(arguments, folder, failures):
                 failures.add(f"render {name} --color {color}", output)
             elif any(json.loads(stats.read_text())["dropped"].values()):
                 failures.add(f"render {name} --color {color}", "samples were dropped:\n" + stats.read_text())
+    check_layers(sheaf, picture, folder, failures)
+
+
+def check_layers(sheaf, picture, folder, failures):
+    """One scene with all further layers, and what `info` says of them."""
+    for color in ("rgb", "spectral"):
+        good, output = run([sheaf, "render", "scenes/cornell/cornell.xml", "-o", picture, "--spp", "2", "--color", color,
+                            "--scale", "0.05", "--aov", "all", "--light-groups", "--quiet"], folder)
+        good_info, told = run([sheaf, "info", picture], folder)
+        if not good or not good_info or "albedo.R (half)" not in told or "CryptoObject02.a (float)" not in told:
+            failures.add(f"render with all layers --color {color}", output + told)
 
 
 def missing_packages(script):

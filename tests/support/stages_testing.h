@@ -34,10 +34,12 @@ class TestWave {
     begin({0, 0, paths, 1}, 0, 1, paths);
   }
 
-  /// Begins a task of samples of all pixels of a rectangle.
-  void begin(const PixelRect& rectangle, std::uint32_t first_sample, std::uint32_t sample_count, int frame_width) {
+  /// Begins a task of samples of all pixels of a rectangle, with further layers.
+  void begin(const PixelRect& rectangle, std::uint32_t first_sample, std::uint32_t sample_count, int frame_width,
+             AovSet aovs = {}) {
     pixels_ = samples_of(rectangle, {frame_width}, first_sample, sample_count);
-    task.begin(pixels_, {frame_width}, kBeautyChannels);
+    const FilmLayout layout = film_layout(aovs, false);
+    task.begin(pixels_, {frame_width}, layout.size(), 0, AovChannels(layout, aovs));
   }
 
   /// What stages get to see of a scene besides the wave.

@@ -1,0 +1,88 @@
+#include "kernels/film/aovs.h"
+
+#include "core/error.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+constexpr std::string_view kAll = "all";
+
+std::vector<std::string> aov_names() {
+  std::vector<std::string> names;
+  for (const AovEntry& entry : kAovList) names.emplace_back(entry.name);
+  names.emplace_back(kAll);
+  return names;
+}
+
+void insert_named(std::string_view name, AovSet& aovs) {
+  bool known = name == kAll;
+  for (const AovEntry& entry : kAovList) {
+    if (name != entry.name && name != kAll) continue;
+    aovs.insert(entry.aov);
+    known = true;
+  }
+  if (known) return;
+  const std::vector<std::string> names = aov_names();
+  std::string list;
+  for (const std::string& each : names) list += (list.empty() ? "" : ", ") + each;
+  throw Error(ExitCode::kUsage,
+              "unknown layer '" + std::string(name) + "'" + did_you_mean(name, names) + " (known: " + list + ")");
+}
+
+/// Dots divide layers from their channels.
+std::string light_group_layer(std::string name) {
+  std::replace(name.begin(), name.end(), '.', '_');
+  return "light_" + name;
+}
+
+}  // namespace
+
+AovSet aovs_from_names(std::string_view names) {
+  AovSet aovs;
+  while (!names.empty()) {
+    const std::size_t end = std::min(names.find(','), names.size());
+    insert_named(names.substr(0, end), aovs);
+    names.remove_prefix(std::min(end + 1, names.size()));
+  }
+  return aovs;
+}
+
+FilmLayout film_layout(AovSet aovs, bool with_variances, const std::vector<std::string>& light_groups) {
+  std::vector<FilmChannel> channels = FilmLayout::beauty(with_variances).channels();
+  if (aovs.contains(Aov::kHalf))
+    for (const int channel : {kRed, kGreen, kBlue}) channels[static_cast<std::size_t>(channel)].has_half = true;
+  for (const AovEntry& entry : kAovList) {
+    if (entry.source != AovSource::kVertex || !aovs.contains(entry.aov)) continue;
+    const bool has_variance = with_variances && entry.has_variance && aovs.contains(Aov::kVariance);
+    for (const std::string_view channel : entry.channels)
+      if (!channel.empty()) channels.push_back({std::string(channel), has_variance});
+  }
+  for (const std::string& group : light_groups)
+    for (const char* component : {".R", ".G", ".B"}) channels.push_back({light_group_layer(group) + component});
+  return FilmLayout(std::move(channels));
+}
+
+AovChannels::AovChannels(const FilmLayout& layout, AovSet aovs) : surfaces(aovs.contains(AovSource::kSurfaceId)) {
+  const auto first = [&](Aov aov) { return layout.find(kAovList[static_cast<std::size_t>(aov)].channels[0]); };
+  albedo = first(Aov::kAlbedo);
+  normal = first(Aov::kNormal);
+  geometric_normal = first(Aov::kGeometricNormal);
+  position = first(Aov::kPosition);
+  depth = first(Aov::kDepth);
+  uv = first(Aov::kUv);
+}
+
+std::vector<std::string> half_channels(const std::vector<std::string>& channels) {
+  std::vector<std::string> halves;
+  for (const std::string& name : channels)
+    for (const AovEntry& entry : kAovList)
+      if (entry.type == PixelType::kHalf &&
+          std::find(entry.channels.begin(), entry.channels.end(), name) != entry.channels.end())
+        halves.push_back(name);
+  return halves;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,85 @@
+#include "scene/compile/scene_naming.h"
+
+#include "scene/compile/scene_compiler.h"
+
+namespace sheaf {
+
+namespace {
+
+/// What shapes without a name are called by.
+std::string kind_of(const ShapeDescription& shape) {
+  return std::visit(Overloaded{
+                        [](const MeshFileShape& mesh) { return mesh.file.stem().string(); },
+                        [](const Mesh&) { return std::string("mesh"); },
+                        [](const SphereShape&) { return std::string("sphere"); },
+                        [](const RectangleShape&) { return std::string("rectangle"); },
+                        [](const CubeShape&) { return std::string("cube"); },
+                        [](const DiskShape&) { return std::string("disk"); },
+                        [](const CylinderShape&) { return std::string("cylinder"); },
+                        [](const Curves&) { return std::string("curves"); },
+                        [](const SdfGrid&) { return std::string("sdfgrid"); },
+                        [](const HeightFieldShape&) { return std::string("heightfield"); },
+                    },
+                    shape.geometry);
+}
+
+/// The same of lights.
+const char* kind_of(LightKind kind) {
+  switch (kind) {
+    case LightKind::kMesh:
+    case LightKind::kSphere:
+    case LightKind::kQuadric:
+      return "area";
+    case LightKind::kPoint:
+      return "point";
+    case LightKind::kSpot:
+    case LightKind::kSmoothSpot:
+      return "spot";
+    case LightKind::kGoniometric:
+      return "goniometric";
+    case LightKind::kProjector:
+      return "projector";
+    case LightKind::kBeam:
+      return "collimated";
+    case LightKind::kDirectional:
+      return "directional";
+    case LightKind::kSun:
+      return "sun";
+    case LightKind::kConstant:
+    case LightKind::kEnvmap:
+      return "environment";
+    case LightKind::kVolume:
+      break;
+  }
+  return "medium";
+}
+
+}  // namespace
+
+std::uint32_t SceneNaming::index_of(const std::string& name, Index& index, std::vector<std::string>& names) {
+  const auto [known, added] = index.try_emplace(name, static_cast<std::uint32_t>(names.size()));
+  if (added) names.push_back(name);
+  return known->second;
+}
+
+void SceneNaming::add_materials(const std::vector<MaterialDescription>& materials) {
+  for (const MaterialDescription& material : materials)
+    names_.materials.push_back(material.id.empty() ? "material_" + std::to_string(names_.materials.size() + 1)
+                                                   : material.id);
+  names_.materials.emplace_back("default");
+}
+
+void SceneNaming::add_shape(const ShapeDescription& shape, const std::string& group) {
+  const std::string& given = shape.id.empty() ? group : shape.id;
+  const std::string name = given.empty() ? kind_of(shape) + "_" + std::to_string(names_.objects.size() + 1) : given;
+  names_.object_of_shape.push_back(index_of(name, objects_, names_.objects));
+  const std::size_t no_material = names_.materials.size() - 1;
+  const std::size_t material = shape.material ? static_cast<std::size_t>(*shape.material) : no_material;
+  names_.material_of_shape.push_back(static_cast<std::uint32_t>(std::min(material, no_material)));
+}
+
+void SceneNaming::add_light(LightKind kind, const std::string& name) {
+  names_.light_of_row.push_back(index_of(name.empty() ? kind_of(kind) : name, lights_, names_.lights));
+}
+
+}  // namespace sheaf

@@ -1,0 +1,36 @@
+// Fills SceneNames.
+#pragma once
+
+#include "scene/description/description.h"
+#include "scene/tables/scene_names.h"
+
+#include <unordered_map>
+
+namespace sheaf {
+
+/// Names rows as they are added.
+class SceneNaming {
+ public:
+  explicit SceneNaming(SceneNames& names) : names_(names) {}
+
+  /// Names for all materials of a description.
+  void add_materials(const std::vector<MaterialDescription>& materials);
+  /// The next row of shapes. `group`: the name of the group that it is in; may be empty.
+  void add_shape(const ShapeDescription& shape, const std::string& group);
+  /// The next row of lights, of this kind; `name` may be empty.
+  void add_light(LightKind kind, const std::string& name);
+
+ private:
+  using Index = std::unordered_map<std::string, std::uint32_t>;
+  static std::uint32_t index_of(const std::string& name, Index& index, std::vector<std::string>& names);
+
+  SceneNames& names_;
+  Index objects_, lights_;
+};
+
+/// The name of a shape's area light; may be empty.
+inline const std::string& emitter_name(const ShapeDescription& shape) {
+  return shape.emitter_id.empty() ? shape.id : shape.emitter_id;
+}
+
+}  // namespace sheaf

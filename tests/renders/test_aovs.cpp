@@ -1,0 +1,255 @@
+// Layers of the first surface against what is known of planes, maps and materials; halves of the samples; groups of
+// lights.
+#include "core/error.h"
+#include "tests/support/media_testing.h"
+#include "tests/support/render_testing.h"
+
+#include <memory>
+
+namespace sheaf {
+
+namespace {
+
+const AovSet kSurfaces{Aov::kAlbedo, Aov::kNormal, Aov::kGeometricNormal, Aov::kPosition, Aov::kDepth, Aov::kUv};
+
+Image picture(const Description& d, const RenderOptions& options, ColorMode color = ColorMode::kRgb) {
+  CompileOptions compile;
+  compile.color = color;
+  return render(*compile_scene(d, compile), options).to_image();
+}
+
+RenderOptions with(AovSet aovs, std::uint32_t samples = 4) {
+  RenderOptions options;
+  options.aovs = aovs;
+  options.samples_per_pixel = samples;
+  return options;
+}
+
+float value(const Image& image, int x, int y, const char* channel) {
+  const int c = image.find_channel(channel);
+  REQUIRE(c >= 0);
+  return image.at(x, y, c);
+}
+
+Vec3f vector(const Image& image, int x, int y, const std::string& layer, const char* components = "XYZ") {
+  const auto one = [&](int i) { return value(image, x, y, (layer + "." + components[i]).c_str()); };
+  return {one(0), one(1), one(2)};
+}
+
+void check_vector(Vec3f found, Vec3f expected, double epsilon = 1e-5) {
+  CHECK(found.x == doctest::Approx(expected.x).epsilon(epsilon));
+  CHECK(found.y == doctest::Approx(expected.y).epsilon(epsilon));
+  CHECK(found.z == doctest::Approx(expected.z).epsilon(epsilon));
+}
+
+/// A wall of 20 by 20 at z = 4 across the camera's axis.
+Description wall(MaterialId (*add)(Description&)) {
+  Description d = empty_scene(8, 8);
+  add_rectangle(d, Transform::translate({0, 0, 4}) * Transform::rotate({0, 1, 0}, 180) * Transform::scale({10, 10, 1}),
+                add(d));
+  add_constant_light(d, 1);
+  return d;
+}
+
+MaterialId coloured(Description& d) { return add_diffuse_rgb(d, 0.2f, 0.4f, 0.6f); }
+
+/// The wall is turned about y, so that world and texture run against each other along x.
+void check_wall(const Image& image, int x, int y) {
+  check_vector(vector(image, x, y, "N"), {0, 0, -1});
+  check_vector(vector(image, x, y, "Ng"), {0, 0, -1});
+  CHECK(value(image, x, y, "Z") == doctest::Approx(4));
+  const Vec3f p = vector(image, x, y, "P");
+  CHECK(p.z == doctest::Approx(4));
+  CHECK(value(image, x, y, "uv.U") == doctest::Approx(0.5 - 0.05 * double{p.x}));
+  CHECK(value(image, x, y, "uv.V") == doctest::Approx(0.5 + 0.05 * double{p.y}));
+}
+
+}  // namespace
+
+TEST_CASE("layers: a wall at a known place, in both colour modes and both ways of filtering") {
+  for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral})
+    for (const FilterMode mode : {FilterMode::kWeighted, FilterMode::kImportance})
+      for (const bool wide : {false, true}) {
+        CAPTURE(static_cast<int>(color));
+        CAPTURE(static_cast<int>(mode));
+        Description d = wall(coloured);
+        d.film.filter_mode = mode;
+        if (wide) d.film.filter.kind = FilterDescription::Kind::kGaussian;
+        const Image image = picture(d, with(kSurfaces, 64), color);
+        for (const auto& [x, y] : {std::pair{0, 0}, {3, 5}, {7, 7}}) {
+          // Weights of the samples of importance are not all one: neither are their means exact.
+          if (mode == FilterMode::kWeighted || !wide) check_wall(image, x, y);
+          const Vec3f p = vector(image, x, y, "P");
+          const float width = wide ? 0.3f : 0.1f;
+          CHECK(std::fabs(p.x - (3.5f - static_cast<float>(x))) < width);
+          CHECK(std::fabs(p.y - (3.5f - static_cast<float>(y))) < width);
+        }
+        check_vector(vector(image, 4, 4, "albedo", "RGB"), {0.2f, 0.4f, 0.6f}, color == ColorMode::kRgb ? 1e-5 : 0.02);
+      }
+}
+
+TEST_CASE("layers: depth runs along the camera's axis, wherever that is and however it is scaled") {
+  Description d = wall(coloured);
+  d.camera.to_world = Transform::translate({1, 0.5f, -2}) * Transform::scale({3, 3, 3});
+  const Image image = picture(d, with(kSurfaces));
+  CHECK(value(image, 0, 0, "Z") == doctest::Approx(6));
+  CHECK(value(image, 7, 3, "Z") == doctest::Approx(6));
+  // A panorama has no axis.
+  d.camera.projection = CameraDescription::Projection::kSpherical;
+  d.camera.to_world = Transform();
+  const Image around = picture(d, with(kSurfaces, 1));
+  for (int x = 0; x < 8; ++x) {
+    const Vec3f p = vector(around, x, 4, "P");
+    CHECK(value(around, x, 4, "Z") == doctest::Approx(length(p)));
+  }
+}
+
+TEST_CASE("layers: what meets nothing is zero, and counts as such in means") {
+  Description d = wall(coloured);
+  // Half of every pixel's samples at x = 4 pass by.
+  d.shapes[0].to_world =
+      Transform::translate({1.5f, 0, 4}) * Transform::rotate({0, 1, 0}, 180) * Transform::scale({2, 10, 1});
+  const Image image = picture(d, with(kSurfaces, 256));
+  CHECK(value(image, 7, 2, "Z") == 0);
+  check_vector(vector(image, 7, 2, "albedo", "RGB"), {0, 0, 0});
+  check_vector(vector(image, 4, 2, "N"), {0, 0, -0.5f}, 0.01);
+  CHECK(value(image, 4, 2, "Z") == doctest::Approx(2).epsilon(0.01));
+}
+
+TEST_CASE("layers: normals are those of maps, and face the camera") {
+  Description d = empty_scene(4, 4);
+  const Vec3f n = normalize(Vec3f{0.3f, 0.2f, 0.9f});
+  Image normals(1, 1, {"R", "G", "B"});
+  normals.data = {0.5f * n.x + 0.5f, 0.5f * n.y + 0.5f, 0.5f * n.z + 0.5f};
+  BitmapDescription map;
+  map.raw = true;
+  map.made = std::make_shared<const Image>(normals);
+  d.textures.emplace_back().model = map;
+  const MaterialId mapped = add_material(d, NormalMapDescription{TextureId{0}, false, add_diffuse(d, 0.5f)});
+  const Transform place = Transform::translate({0, 0, 4}) * Transform::scale({10, 10, 1});
+  add_rectangle(d, place * Transform::rotate({0, 1, 0}, 180), mapped);
+  Image image = picture(d, with(kSurfaces));
+  check_vector(vector(image, 1, 2, "N"), {-n.x, n.y, -n.z}, 1e-3);
+  check_vector(vector(image, 1, 2, "Ng"), {0, 0, -1});
+  // From behind, one-sided.
+  d.shapes[0].to_world = place;
+  d.shapes[0].material = add_diffuse(d, 0.5f);
+  image = picture(d, with(kSurfaces));
+  check_vector(vector(image, 1, 2, "N"), {0, 0, -1});
+  check_vector(vector(image, 1, 2, "Ng"), {0, 0, -1});
+}
+
+TEST_CASE("layers: the albedo is what an even surrounding makes surfaces send back") {
+  struct Variant {
+    const char* name;
+    MaterialId (*add)(Description&);
+    double allowed;
+  };
+  const Variant variants[] = {
+      {"diffuse", coloured, 1e-4},
+      {"mirror", [](Description& d) { return add_mirror(d, 0.9f); }, 1e-4},
+      {"plastic", [](Description& d) { return add_material(d, PlasticDescription{}); }, 0.02},
+      {"rough metal",
+       [](Description& d) {
+         ConductorDescription metal;
+         metal.specular_reflectance = SpectrumDescription::rgb(0.9f, 0.6f, 0.3f);
+         metal.roughness = RoughnessDescription{};
+         return add_material(d, metal);
+       },
+       0.02},
+      {"principled", [](Description& d) { return add_material(d, PrincipledDescription{}); }, 0.04},
+  };
+  for (const Variant& variant : variants) {
+    CAPTURE(std::string(variant.name));
+    Description d = wall(variant.add);
+    // One surface, lit from all sides by 1.
+    d.integrator.max_depth = 2;
+    d.sampler.kind = SamplerKind::kIndependent;
+    const Image image = picture(d, with({Aov::kAlbedo}, 1024));
+    Vec3f light{}, albedo{};
+    for (int y = 0; y < 8; ++y)
+      for (int x = 0; x < 8; ++x) {
+        light = light + Vec3f{image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)} * (1.0f / 64);
+        albedo = albedo + vector(image, x, y, "albedo", "RGB") * (1.0f / 64);
+      }
+    CHECK(std::fabs(albedo.x - light.x) < variant.allowed);
+    CHECK(std::fabs(albedo.y - light.y) < variant.allowed);
+    CHECK(std::fabs(albedo.z - light.z) < variant.allowed);
+  }
+}
+
+TEST_CASE("layers: the albedo of glass is one") {
+  const Image image = picture(wall([](Description& d) { return add_glass(d); }), with(kSurfaces));
+  check_vector(vector(image, 4, 4, "albedo", "RGB"), {1, 1, 1});
+}
+
+TEST_CASE("layers: the first half is the picture of half the samples, and features have variances") {
+  Description d = wall(coloured);
+  add_sphere(d, {0.3f, 0.2f, 3}, 1, add_mirror(d));
+  add_point_light(d, {1, 2, 0}, 10);
+  const Image image = picture(d, with({Aov::kHalf, Aov::kVariance, Aov::kNormal, Aov::kDepth}, 32));
+  RenderOptions half_options;
+  half_options.samples_per_pixel = 16;
+  const Image half = picture(d, half_options);
+  bool same = true, differs = false;
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 8; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const float first = image.at(x, y, image.find_channel("half.R") + c);
+        same = same && first == half.at(x, y, c);
+        differs = differs || first != image.at(x, y, c);
+      }
+  CHECK(same);
+  CHECK(differs);
+  CHECK(value(image, 0, 0, "variance.Z") < 1e-9);
+  double largest = 0;
+  for (int x = 0; x < 8; ++x) largest = std::max(largest, double{value(image, x, 4, "variance.N.X")});
+  CHECK(largest > 1e-6);
+  for (const char* name : {"variance.N.Y", "variance.R", "variance.B"}) CHECK(image.find_channel(name) >= 0);
+  // Where samples are independent, halves are cut from one set.
+  d.sampler.kind = SamplerKind::kIndependent;
+  const Image independent = picture(d, with({Aov::kHalf}, 32));
+  half_options.seed = 0;
+  const Image first = picture(d, half_options);
+  CHECK(value(independent, 3, 3, "half.G") == first.at(3, 3, 1));
+}
+
+TEST_CASE("layers: media and masks are no surfaces, what is behind them is") {
+  Description d = wall(coloured);
+  MediumDescription thin = fog(0.1f, 0.9f);
+  fill(d, add_sphere(d, {0, 0, 2}, 1, add_material(d, NullDescription{})), add_medium(d, thin));
+  Image image = picture(d, with(kSurfaces, 1024));
+  // exp(-0.1 x length) of the samples in the middle pass the ball, which is about 2 long there.
+  CHECK(value(image, 4, 4, "Z") == doctest::Approx(4 * std::exp(-0.1 * 1.85)).epsilon(0.03));
+  CHECK(value(image, 0, 0, "Z") == doctest::Approx(4));
+  d = wall(coloured);
+  add_rectangle(d, Transform::translate({0, 0, 2}) * Transform::scale({10, 10, 1}),
+                add_material(d, MaskDescription{0.25f, add_diffuse(d, 1)}));
+  image = picture(d, with(kSurfaces, 1024));
+  CHECK(value(image, 4, 4, "Z") == doctest::Approx(0.25 * 2 + 0.75 * 4).epsilon(0.02));
+}
+
+TEST_CASE("layers: errors for what there are no layers of") {
+  Description d = wall(coloured);
+  const auto fails = [&](const RenderOptions& options) {
+    try {
+      picture(d, options);
+    } catch (const Error& error) { return error.code() == ExitCode::kUsage; }
+    return false;
+  };
+  CHECK(fails(with({Aov::kHalf}, 1)));
+  d.integrator.kind = IntegratorKind::kNormals;
+  CHECK(fails(with({Aov::kNormal})));
+  d.integrator.kind = IntegratorKind::kPath;
+  d.integrator.max_depth = 1;
+  CHECK(fails(with({Aov::kNormal})));
+  CHECK_FALSE(fails(with({Aov::kVariance})));
+  d.integrator.kind = IntegratorKind::kLightTracer;
+  CHECK(fails(with({Aov::kHalf})));
+  CHECK_THROWS_WITH(aovs_from_names("albedo,normals"), doctest::Contains("did you mean 'normal'? (known: albedo"));
+  CHECK(aovs_from_names("depth,uv,depth") == AovSet{Aov::kUv, Aov::kDepth});
+  CHECK(aovs_from_names("all").contains(Aov::kHalf));
+  CHECK(aovs_from_names("") == AovSet());
+}
+
+}  // namespace sheaf

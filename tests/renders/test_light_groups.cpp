@@ -1,0 +1,131 @@
+// Layers that tell the light of one light from that of another.
+#include "core/error.h"
+#include "tests/support/media_testing.h"
+#include "tests/support/render_testing.h"
+
+namespace sheaf {
+
+namespace {
+
+/// A ball on a floor under lights of several kinds, in fog.
+Description lit_scene() {
+  Description d = empty_scene(12, 10);
+  look_at(d, {0, 1.2f, -3}, {0, 0.4f, 0}, {0, 1, 0}, 50);
+  d.film.filter.kind = FilterDescription::Kind::kGaussian;
+  d.sampler.sample_count = 8;
+  add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}),
+                add_diffuse_rgb(d, 0.8f, 0.5f, 0.3f));
+  add_sphere(d, {0, 0.5f, 0}, 0.5f, add_glass(d));
+  add_area_light_sphere(d, {1, 1.5f, 0.5f}, 0.3f, 5).emitter_id = "lamp.left";
+  add_area_light_sphere(d, {-1, 1.5f, 0.5f}, 0.2f, 3);
+  add_point_light(d, {0, 2, -1}, 2);
+  d.lights.back().id = "key";
+  add_constant_light(d, 0.2f);
+  d.camera.medium = add_medium(d, fog(0.1f, 0.8f));
+  return d;
+}
+
+Image picture(const Description& d, ColorMode color = ColorMode::kRgb, FilterMode mode = FilterMode::kWeighted) {
+  Description filtered = d;
+  filtered.film.filter_mode = mode;
+  CompileOptions compile;
+  compile.color = color;
+  RenderOptions options;
+  options.light_groups = true;
+  return render(*compile_scene(filtered, compile), options).to_image();
+}
+
+/// Groups by the names of their red channels.
+std::vector<int> groups_of(const Image& image) {
+  std::vector<int> groups;
+  for (std::size_t c = 0; c < image.channels.size(); ++c)
+    if (image.channels[c].starts_with("light_") && image.channels[c].ends_with(".R"))
+      groups.push_back(static_cast<int>(c));
+  return groups;
+}
+
+/// Largest difference between the sum of the groups and the picture, over the picture's value.
+double difference_of_sum(const Image& image) {
+  const std::vector<int> groups = groups_of(image);
+  double worst = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        double sum = 0, size = 1e-3;
+        for (const int group : groups) {
+          sum += image.at(x, y, group + c);
+          size += std::fabs(image.at(x, y, group + c));
+        }
+        worst = std::max(worst, std::fabs(sum - double{image.at(x, y, c)}) / size);
+      }
+  return worst;
+}
+
+double sum_of(const Image& image, const char* channel) {
+  const int c = image.find_channel(channel);
+  REQUIRE(c >= 0);
+  double sum = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) sum += double{image.at(x, y, c)};
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("light groups: they add up to the picture, in both colour modes, with any filter, and with photon maps") {
+  for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral})
+    for (const FilterMode mode : {FilterMode::kWeighted, FilterMode::kImportance}) {
+      const Image image = picture(lit_scene(), color, mode);
+      CHECK(groups_of(image).size() == 4);
+      CHECK(difference_of_sum(image) < 2e-5);
+      for (const char* group : {"light_lamp_left.R", "light_area.R", "light_key.R", "light_environment.R"}) {
+        CAPTURE(std::string(group));
+        CHECK(sum_of(image, group) > 0);
+        CHECK(sum_of(image, group) < 0.9 * sum_of(image, "R"));
+      }
+    }
+  Description mapped = lit_scene();
+  mapped.integrator.kind = IntegratorKind::kPhotonMapper;
+  mapped.integrator.photons.global.count = 500;
+  mapped.integrator.photons.caustic.count = 200;
+  mapped.integrator.photons.volume.count = 200;
+  const Image image = picture(mapped);
+  CHECK(difference_of_sum(image) < 2e-5);
+  CHECK(sum_of(image, "light_other.G") > 0);
+}
+
+TEST_CASE("light groups: each holds the light of its own lamp alone") {
+  // Two rooms with a lamp each.
+  Description d = empty_scene(8, 8);
+  d.sampler.sample_count = 16;
+  const MaterialId grey = add_two_sided(d, add_diffuse(d, 0.5f));
+  add_rectangle(d, Transform::translate({0, 0, 4}) * Transform::scale({10, 10, 1}), grey);
+  add_rectangle(d, Transform::rotate({0, 1, 0}, 90) * Transform::scale({20, 20, 1}), grey);
+  d.camera.to_world = Transform::translate({0, 0, -1});
+  for (const float x : {2.0f, -2.0f}) {
+    add_point_light(d, {x, 0, 2}, 10);
+    d.lights.back().id = x > 0 ? "left" : "right";
+  }
+  const Image image = picture(d);
+  const int left = image.find_channel("light_left.R"), right = image.find_channel("light_right.R");
+  for (int y = 0; y < 8; ++y) {
+    CHECK(image.at(1, y, left) > 0);
+    CHECK(image.at(1, y, right) == 0);
+    CHECK(image.at(6, y, left) == 0);
+    CHECK(image.at(6, y, right) > 0);
+  }
+}
+
+TEST_CASE("light groups: too many are refused, those without names are one") {
+  Description d = empty_scene(2, 2);
+  for (std::size_t i = 0; i <= kMaxLightGroups; ++i) add_point_light(d, {0, 0, 1}, 1);
+  CHECK(groups_of(picture(d)).size() == 1);
+  for (std::size_t i = 0; i < d.lights.size(); ++i) d.lights[i].id = std::to_string(i);
+  CHECK_THROWS_WITH(picture(d), doctest::Contains("expected at most 64"));
+  d.lights.pop_back();
+  CHECK(groups_of(picture(d)).size() == kMaxLightGroups);
+  d.integrator.kind = IntegratorKind::kLightTracer;
+  CHECK_THROWS_AS(picture(d), Error);
+}
+
+}  // namespace sheaf
