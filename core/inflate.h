@@ -30,7 +30,8 @@ class Inflater {
   std::unique_ptr<State> state_;
 };
 
-/// The CRC-32 of some bytes (RFC 1952, section 8), which tells whether they were damaged by accident.
-std::uint32_t check_sum(std::string_view bytes);
+/// The CRC-32 of some bytes (RFC 1952, section 8), which tells whether they were damaged by accident. `before`: that of
+/// what comes before them.
+std::uint32_t check_sum(std::string_view bytes, std::uint32_t before = 0);
 
 }  // namespace sheaf

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 
 namespace sheaf {
 
@@ -10,6 +11,8 @@ struct PixelRect {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
   int width() const { return x1 - x0; }
   int height() const { return y1 - y0; }
+  /// Pixels; of a rectangle that is not turned inside out.
+  std::uint64_t area() const { return static_cast<std::uint64_t>(width()) * static_cast<std::uint64_t>(height()); }
   bool is_empty() const { return x1 <= x0 || y1 <= y0; }
 
   /// With `border` more pixels on each side.
@@ -20,6 +23,7 @@ struct PixelRect {
                          std::min(y1, other.y1)};
     return both.is_empty() ? PixelRect{} : both;
   }
+  bool operator==(const PixelRect&) const = default;
 };
 
 }  // namespace sheaf

@@ -14,6 +14,7 @@
 #include "scene/dialects/read_scene.h"
 #include "scene/dialects/sampler_name.h"
 #include "scene/xml/xml.h"
+#include "tools/checkpointing.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
 #include "tools/picture_files.h"
@@ -53,21 +54,29 @@ struct RenderArguments {
   int threads = 0, wave_size = 0, spectral_bins = 0, replicates = 0;
   bool no_timestamps = false, quiet = false, watertight = false, guiding = false, light_groups = false,
        full_floats = false;
+  CheckpointArguments checkpoint;
   ReadArguments read;
 };
 
 /// Throws Error (exit code 2) if two of the files to write are one, or one of them is among `sources`, of which the
 /// scene is made.
-void check_overwriting(const std::vector<fs::path>& outputs, const std::string& stats,
+void check_overwriting(const std::vector<fs::path>& outputs, const RenderArguments& arguments,
                        const std::vector<fs::path>& sources) {
   std::vector<fs::path> written = outputs;
-  if (!stats.empty()) written.emplace_back(stats);
+  std::vector<std::string> names(outputs.size(), "the picture");
+  const auto add = [&](const char* name, const std::string& file) {
+    if (file.empty()) return;
+    written.emplace_back(file);
+    names.emplace_back(name);
+  };
+  add("--stats", arguments.stats);
+  add("--checkpoint", arguments.checkpoint.file);
   const auto quoted = [](const fs::path& path) { return in_quotes(path.string()); };
   for (std::size_t i = 0; i < written.size(); ++i) {
-    const std::string what = (i < outputs.size() ? "the picture " : "--stats ") + quoted(written[i]);
+    const std::string what = names[i] + " " + quoted(written[i]);
     for (std::size_t k = 0; k < i; ++k)
       if (is_same_file(written[i], written[k]))
-        throw Error(ExitCode::kUsage, what + " would overwrite the picture " + quoted(written[k]));
+        throw Error(ExitCode::kUsage, what + " would overwrite " + names[k] + " " + quoted(written[k]));
     std::error_code error;
     if (!fs::exists(written[i], error)) continue;
     for (const fs::path& source : sources)
@@ -81,7 +90,8 @@ std::vector<fs::path> check_outputs(const RenderArguments& arguments) {
   std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
   if (outputs.empty()) outputs.push_back(fs::path(arguments.scene).stem().string() + ".exr");
   for (const fs::path& output : outputs) check_picture_name(output);
-  check_overwriting(outputs, arguments.stats, {arguments.scene});
+  check_overwriting(outputs, arguments, {arguments.scene});
+  check_checkpoint(arguments.checkpoint);
   for (const fs::path& output : outputs) check_writable(output);
   if (!arguments.stats.empty()) check_writable(arguments.stats);
   return outputs;
@@ -246,8 +256,22 @@ Progress::Mode progress_mode(bool quiet) {
   return isatty(STDERR_FILENO) != 0 ? Progress::Mode::kBar : Progress::Mode::kLines;
 }
 
-/// Renders with signals caught and progress shown.
-RenderResult render_with_progress(const Scene& scene, RenderOptions options, bool quiet) {
+/// What the picture looks like so far.
+Image preview_of(const Scene& scene, const RenderState& state, AovSet aovs) {
+  RenderResult so_far;
+  so_far.film = state.film;
+  so_far.film.add(state.borders);
+  so_far.splats = state.splats;
+  so_far.photons = state.photons;
+  so_far.aovs = aovs;
+  so_far.names = scene.names();
+  return so_far.to_image();
+}
+
+/// Renders with signals caught and progress shown, and saves checkpoints. `show` is given what there is so far whenever
+/// somebody wants to see it.
+RenderResult render_with_progress(const Scene& scene, RenderOptions options, bool quiet, Checkpointer& checkpointer,
+                                  const std::function<void(const RenderState&)>& show) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(options.crop->width()) *
                                static_cast<std::uint64_t>(options.crop->height());
   Progress progress(progress_mode(quiet), pixels * scene.sampler().sample_count, [](std::string_view text) {
@@ -255,6 +279,13 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, boo
   });
   options.on_progress = [&progress](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
   options.stop = &InterruptGuard::stop();
+  options.wants_pause = [&checkpointer] { return InterruptGuard::wants_preview() || checkpointer.is_due(); };
+  options.on_pause = [&](const RenderState& state) {
+    checkpointer.save(state);
+    if (!InterruptGuard::wants_preview()) return;
+    InterruptGuard::end_preview();
+    show(state);
+  };
   RenderResult result = render(scene, options);
   progress.finish(!result.interrupted);
   return result;
@@ -272,7 +303,7 @@ void print_end(const RenderResult& result, const std::vector<fs::path>& written,
                     stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
 }
 
-int render_scene(const RenderArguments& arguments) {
+int render_scene(const RenderArguments& arguments, const std::vector<std::pair<std::string, std::string>>& given) {
   const AovSet aovs = wanted_aovs(arguments);
   const std::vector<fs::path> outputs = check_outputs(arguments);
   if (!arguments.denoiser.empty()) check_denoiser(denoiser_from_name(arguments.denoiser));
@@ -280,7 +311,7 @@ int render_scene(const RenderArguments& arguments) {
     throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
   const double load_start = Progress::steady_seconds();
   Description description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
-  check_overwriting(outputs, arguments.stats, description.files);
+  check_overwriting(outputs, arguments, description.files);
   apply_integrator(arguments, description.integrator);
   apply_sampler(arguments, description);
   apply_size(arguments, description.film);
@@ -291,6 +322,10 @@ int render_scene(const RenderArguments& arguments) {
     description.film.filter_mode = FilterMode::kImportance;
   const PixelRect crop = choose_crop(arguments, description.film);
   const ColorMode color = arguments.color == "spectral" ? ColorMode::kSpectral : ColorMode::kRgb;
+  Checkpointer checkpointer(arguments.checkpoint, arguments.checkpoint.file.empty()
+                                                      ? RenderSettings{}
+                                                      : render_settings(given, description.files));
+  std::optional<RenderState> resumed = checkpointer.resumed(description.film.filter);
   const double build_start = Progress::steady_seconds();
   const std::unique_ptr<Scene> scene = arguments.read.lenient
                                            ? compile_leniently(description, {arguments.watertight, color})
@@ -313,8 +348,18 @@ int render_scene(const RenderArguments& arguments) {
   options.aovs = aovs;
   options.light_groups = arguments.light_groups;
   options.crop = crop;
+  options.resume = resumed ? &*resumed : nullptr;
   const InterruptGuard guard;
-  RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet);
+  const auto show = [&](const RenderState& state) {
+    RenderReport report;
+    report.isa = kIsaName;
+    report.color = arguments.color;
+    const Image image = preview_of(*scene, state, aovs);
+    for (const fs::path& file :
+         write_pictures(outputs, image, make_metadata(arguments, report, description, scene->names(), image)))
+      print_message("wrote what there is to " + file.string());
+  };
+  RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet, checkpointer, show);
   result.report.scene = arguments.scene;
   result.report.color = arguments.color;
   result.report.load_seconds = build_start - load_start;
@@ -324,7 +369,7 @@ int render_scene(const RenderArguments& arguments) {
   ExrMetadata metadata = make_metadata(arguments, result.report, description, scene->names(), image);
   const bool denoised = add_denoised(arguments, image, metadata);
   const std::vector<fs::path> written = write_pictures(outputs, image, metadata);
-  bool complete = written.size() == outputs.size();
+  bool complete = written.size() == outputs.size() && checkpointer.is_saved();
   result.report.peak_rss_bytes = peak_rss_bytes();
   result.report.peak_private_bytes = peak_private_bytes();
   if (!arguments.stats.empty())
@@ -458,7 +503,8 @@ void add_render_command(Command& program, int& exit_code) {
   add_layer_options(command, *arguments);
   add_transport_options(command, *arguments);
   add_run_options(command, *arguments);
-  command.on_call([arguments, &exit_code] { exit_code = render_scene(*arguments); });
+  add_checkpoint_options(command, arguments->checkpoint);
+  command.on_call([arguments, command, &exit_code] { exit_code = render_scene(*arguments, command.given()); });
 }
 
 }  // namespace sheaf

@@ -9,6 +9,7 @@ constexpr std::array<int, 3> kCaught{SIGINT, SIGTERM, SIGHUP};
 
 std::atomic<bool> stop_requested{false};
 std::atomic<int> received_signal{0};
+std::atomic<bool> preview_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
 /// The next SIGINT or SIGTERM ends the program, whatever it is doing. SIGHUP does not: a terminal that is closed may
@@ -20,6 +21,8 @@ extern "C" void handle_interrupt(int number) {
   std::signal(SIGTERM, SIG_DFL);
   std::signal(SIGHUP, SIG_IGN);
 }
+
+extern "C" void handle_preview(int) { preview_requested.store(true); }
 
 }  // namespace
 
@@ -37,16 +40,24 @@ InterruptGuard::InterruptGuard() {
   }
   struct sigaction ignore {};
   ignore.sa_handler = SIG_IGN;
-  sigaction(SIGPIPE, &ignore, &old_.back());
+  sigaction(SIGPIPE, &ignore, &old_[kCaught.size()]);
+  preview_requested = false;
+  action.sa_handler = handle_preview;
+  sigaction(SIGUSR1, &action, &old_[kCaught.size() + 1]);
 }
 
 InterruptGuard::~InterruptGuard() {
   for (std::size_t i = 0; i < kCaught.size(); ++i) sigaction(kCaught[i], &old_[i], nullptr);
-  sigaction(SIGPIPE, &old_.back(), nullptr);
+  sigaction(SIGPIPE, &old_[kCaught.size()], nullptr);
+  sigaction(SIGUSR1, &old_[kCaught.size() + 1], nullptr);
 }
 
 const std::atomic<bool>& InterruptGuard::stop() { return stop_requested; }
 
 int InterruptGuard::signal() { return received_signal.load(); }
+
+bool InterruptGuard::wants_preview() { return preview_requested.load(std::memory_order_relaxed); }
+
+void InterruptGuard::end_preview() { preview_requested = false; }
 
 }  // namespace sheaf

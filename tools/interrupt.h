@@ -1,4 +1,5 @@
-// SIGINT, SIGTERM and SIGHUP: the first asks the program to stop and save, another SIGINT or SIGTERM ends it at once.
+// SIGUSR1 asks the program to show what there is so far. SIGINT, SIGTERM and SIGHUP: the first asks the program to stop
+// and save, another SIGINT or SIGTERM ends it at once.
 #pragma once
 
 #include <array>
@@ -20,9 +21,12 @@ class InterruptGuard {
   static const std::atomic<bool>& stop();
   /// The signal that arrived, or 0.
   static int signal();
+  /// Whether SIGUSR1 has arrived since end_preview().
+  static bool wants_preview();
+  static void end_preview();
 
  private:
-  std::array<struct sigaction, 4> old_{};
+  std::array<struct sigaction, 5> old_{};
 };
 
 }  // namespace sheaf

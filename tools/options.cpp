@@ -68,6 +68,18 @@ Command Command::add_command(const std::string& name, const std::string& help) {
   return Command(*command_->add_subcommand(name, help));
 }
 
+std::vector<std::pair<std::string, std::string>> Command::given() const {
+  std::vector<std::pair<std::string, std::string>> options;
+  for (const CLI::Option* option : command_->get_options()) {
+    if (option->count() == 0) continue;
+    const std::string name = option->get_lnames().empty() ? option->get_name() : option->get_lnames().front();
+    std::string values;
+    for (const std::string& value : option->results()) values += (values.empty() ? "" : ",") + value;
+    options.emplace_back(name, values);
+  }
+  return options;
+}
+
 void Command::on_call(std::function<void()> action) { command_->callback(std::move(action)); }
 
 Program::Program(const std::string& name, const std::string& help)

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace CLI {
@@ -53,6 +54,9 @@ class Command {
   void add_flag(const std::string& names, bool& value, const std::string& help);
   /// A subcommand.
   Command add_command(const std::string& name, const std::string& help);
+  /// The options that were given, their longest name without dashes and their values with commas between, in the order
+  /// in which they were added. To be called once the options are set.
+  std::vector<std::pair<std::string, std::string>> given() const;
   /// What to do once the options are set. What it throws comes out of Program::parse().
   void on_call(std::function<void()> action);
 

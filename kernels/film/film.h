@@ -9,6 +9,9 @@
 
 namespace sheaf {
 
+class BinaryInput;
+class BinaryOutput;
+
 /// Most bins: one for every nm from 360 to 830.
 inline constexpr int kMaxSpectralBins = 471;
 
@@ -40,6 +43,8 @@ class Film {
   int height() const { return frame_height_; }
   const PixelRect& crop() const { return crop_; }
   const FilmLayout& layout() const { return layout_; }
+  /// Numbers per pixel of a tile.
+  std::size_t tile_row_size() const { return row_.size(); }
   int spectral_bins() const { return static_cast<int>(row_.bins); }
   VarianceUnit variance_unit() const { return unit_; }
 
@@ -77,8 +82,8 @@ class Film {
   std::optional<double> noise() const;
 
  private:
-  friend void write_film(const std::filesystem::path& file, const Film& film);
-  friend Film read_film(const std::filesystem::path& file);
+  friend void put_film(BinaryOutput& out, const Film& film);
+  friend Film get_film(BinaryInput& in);
 
   std::size_t pixel_index(int x, int y) const {
     return static_cast<std::size_t>(y - crop_.y0) * static_cast<std::size_t>(crop_.width()) +

@@ -1,18 +1,22 @@
-// Films as files: all sums and counts as they are, so that what is read goes on as if it had never been written.
-//
-// A file is one line of text, then binary data in the byte order of little-endian machines: the layout, the counts and
-// the sums as the film holds them, and a check sum of all of that at the end. Not a format to exchange: the version in
-// the first line changes whenever Film does.
+// Films in files: all sums and counts as they are, so that what is read goes on as if it had never been written.
 #pragma once
 
+#include "core/binary_file.h"
 #include "kernels/film/film.h"
+#include "kernels/film/splat.h"
 
 namespace sheaf {
 
-/// Writes a film; the file appears whole or not at all. Throws Error (exit code 4).
-void write_film(const std::filesystem::path& file, const Film& film);
+void put_film(BinaryOutput& out, const Film& film);
+/// Throws Error (exit code 5) for what cannot be a film.
+Film get_film(BinaryInput& in);
 
-/// Reads a film. Throws Error (exit code 5) for a file that cannot be read, is none of this version, or is damaged.
-Film read_film(const std::filesystem::path& file);
+/// What tiles bring to each other; `in`: to the film that they are of.
+void put_borders(BinaryOutput& out, const std::vector<FilmBorder>& borders);
+std::vector<FilmBorder> get_borders(BinaryInput& in, const Film& film);
+
+/// The sums of splats; `film`: one of the same crop and filter.
+void put_splats(BinaryOutput& out, const SplatFilm& film);
+void get_splats(BinaryInput& in, SplatFilm& film);
 
 }  // namespace sheaf

@@ -12,6 +12,7 @@ struct FilmChannel {
   std::string name;           ///< as in the picture, e.g. "R" or "albedo.G"; each once
   bool has_variance = false;  ///< the picture has the variance of its mean too, in the channel "variance." + name
   bool has_half = false;      ///< and the mean of the first half of the samples, in the channel "half." + name
+  bool operator==(const FilmChannel&) const = default;
 };
 
 /// The channels of a sample in their order.
@@ -31,6 +32,7 @@ class FilmLayout {
   int half_count() const;
   /// The channel's index, or -1 if there is none of this name.
   int find(std::string_view name) const;
+  bool operator==(const FilmLayout&) const = default;
 
  private:
   std::vector<FilmChannel> channels_;

@@ -27,6 +27,8 @@ class IdCoverage {
   void add(const IdCoverage& other) {
     for (const Entry& entry : other.entries_) add(entry.shape, entry.weight);
   }
+  /// One of a surface that is not there yet.
+  void append(const Entry& entry) { entries_.push_back(entry); }
   /// In the order in which they were met first.
   const std::vector<Entry>& entries() const { return entries_; }
 

@@ -10,6 +10,9 @@
 
 namespace sheaf {
 
+class BinaryInput;
+class BinaryOutput;
+
 /// What one vertex of a photon sends to the camera.
 struct Splat {
   float x = 0, y = 0;       ///< film position, pixels from the frame's upper left corner
@@ -35,6 +38,9 @@ class SplatFilm {
   void add_to(Image& image, std::uint64_t photons) const;
 
  private:
+  friend void put_splats(BinaryOutput& out, const SplatFilm& film);
+  friend void get_splats(BinaryInput& in, SplatFilm& film);
+
   void add_row(int y, const Splat& splat);
 
   PixelRect crop_;

@@ -103,16 +103,15 @@ void PhotonMapping::prepare(std::uint32_t sample, Workers& workers, PhotonTracin
     const float u = offset_ + radical_inverse(set);
     context.wavelength_sample = u < 1.0f ? u : u - 1.0f;
   }
-  if (settings_.progressive && sample > 0) {
-    // Knaus and Zwicker 2011, equation 10.
-    const double pass = sample;
-    shrunk_ *= (pass + static_cast<double>(settings_.alpha)) / (pass + 1);
-  }
+  // Knaus and Zwicker 2011, equation 10.
+  for (; settings_.progressive && pass_ < sample; ++pass_)
+    shrunk_ *= (pass_ + 1.0 + static_cast<double>(settings_.alpha)) / (pass_ + 2.0);
   if (made_.empty()) made_.resize(settings_.progressive ? 1 : sets_);
   Set& at = made_[settings_.progressive ? 0 : set];
-  if (settings_.progressive || sample < sets_) {
+  if (settings_.progressive || !at.is_made) {
     at = {};
     make(set, at, workers, tracing, context);
+    at.is_made = true;
   }
   context.maps = &at.maps;
 }

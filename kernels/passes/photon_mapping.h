@@ -24,7 +24,7 @@ class PhotonMapping {
   /// How many of the next `most` samples ask the same set.
   std::uint32_t samples_alike(std::uint32_t most) const { return sets_ == 1 ? most : 1u; }
   /// Makes the maps that sample `sample` asks where they are not there yet, and tells `context` of them. They live as
-  /// long as this, or until they are made for another sample. Samples come in order.
+  /// long as this, or until they are made for another sample. Samples come in order, the first being any.
   void prepare(std::uint32_t sample, Workers& workers, PhotonTracing& tracing, StageContext& context);
   /// Photons that are to be stored in all, for progress.
   std::uint64_t wanted() const {
@@ -36,6 +36,7 @@ class PhotonMapping {
     PhotonMap global, caustic;
     VolumePhotonMaps volume;
     PhotonMaps maps;
+    bool is_made = false;
   };
 
   /// Photons of one set.
@@ -49,6 +50,7 @@ class PhotonMapping {
   std::uint64_t sets_ = 1;
   float scene_radius_, pixel_;  ///< of the scene's bounding sphere; a pixel's share of it
   float offset_ = -1;           ///< in [0, 1), of the numbers that wavelengths are made of; -1: RGB mode
+  std::uint32_t pass_ = 0;      ///< that radii are shrunk for
   double shrunk_ = 1;           ///< square of the radius over what it was in the first pass; the radius of beams itself
   std::vector<Set> made_;
 };

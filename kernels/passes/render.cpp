@@ -154,20 +154,16 @@ class Renderer {
     set_film(scene, crop);
     context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed),
                                     replicate_samples_, static_cast<std::uint32_t>(frame_.row_length()));
-    total_ = static_cast<std::uint64_t>(wanted_.width()) * static_cast<std::uint64_t>(wanted_.height()) * spp_;
+    total_ = wanted_.area() * spp_;
     context_.guide = guide_.view();
-    if (options.guiding) training_passes_ = training_passes(film_.width(), film_.height(), spp_);
-    total_ += training_samples(film_.width(), film_.height(), training_passes_);
+    if (options.guiding) training_passes_ = training_passes(state_.film.width(), state_.film.height(), spp_);
+    total_ += training_samples(state_.film.width(), state_.film.height(), training_passes_);
     if (maps_photons) {
-      photon_mapping_.emplace(context_, spp_, std::max(film_.width(), film_.height()));
+      photon_mapping_.emplace(context_, spp_, std::max(state_.film.width(), state_.film.height()));
       total_ += photon_mapping_->wanted();
     }
-    if (context_.transport.kind != IntegratorKind::kLightTracer) return;
-    // As many as a picture of the whole frame has samples, so that a crop has the same.
-    photons_ = static_cast<std::uint64_t>(film_.width()) * static_cast<std::uint64_t>(film_.height()) * spp_;
-    if (context_.transport.max_depth == 1 || context_.scene.light_count == 0) photons_ = 0;
-    total_ += photons_;
-    splats_.emplace(crop, scene.film().filter);
+    if (context_.transport.kind == IntegratorKind::kLightTracer) set_photons(scene, crop);
+    if (options.resume != nullptr) resume(*options.resume);
   }
 
   RenderResult run() {
@@ -175,26 +171,32 @@ class Renderer {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_));
     tbb::task_arena arena(threads_);
     arena.execute([this] {
-      if (!training_passes_.empty()) train();
-      for (std::uint32_t first = 0, count = 0; first < spp_ && !stopped(); first += count) {
-        count = std::min({kPassSamples, spp_ - first, replicate_samples_ - first % replicate_samples_});
-        if (options_.aovs.contains(Aov::kHalf) && first < half_samples_) count = std::min(count, half_samples_ - first);
-        if (photon_mapping_) {
-          count = photon_mapping_->samples_alike(count);
-          photon_mapping_->prepare(first, workers_, photon_tracing_, context_);
-        }
-        run_pass(first, count);
-        if ((first + count) % replicate_samples_ == 0) film_.end_replicate();
-        if (first + count == half_samples_) film_.end_first_half();
+      if (state_.first_sample < spp_ && !training_passes_.empty()) train();
+      while (state_.first_sample < spp_ && !stopped()) take_samples();
+      while (state_.photons < photons_ && !stopped()) {
+        run_photons();
+        if (pauses()) pause();
       }
-      film_.end_replicate();
-      while (photons_done_ < photons_ && !stopped()) run_photons();
+      pause();
+      // A render that was stopped shows what there is.
+      state_.film.add(state_.borders);
+      state_.film.end_replicate();
     });
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     return finish(elapsed.count());
   }
 
  private:
+  /// What photons there are to be, and where they are summed up.
+  void set_photons(const Scene& scene, const PixelRect& crop) {
+    // As many as a picture of the whole frame has samples, so that a crop has the same.
+    photons_ =
+        static_cast<std::uint64_t>(state_.film.width()) * static_cast<std::uint64_t>(state_.film.height()) * spp_;
+    if (context_.transport.max_depth == 1 || context_.scene.light_count == 0) photons_ = 0;
+    total_ += photons_;
+    state_.splats.emplace(crop, scene.film().filter);
+  }
+
   /// What is sampled, in how many replicates, and where it is summed up.
   void set_film(const Scene& scene, const PixelRect& crop) {
     const FilmDescription& film = scene.film();
@@ -212,34 +214,116 @@ class Renderer {
     replicate_samples_ = by_samples ? spp_ : (spp_ + replicates - 1) / replicates;
     const std::uint32_t made = (spp_ + replicate_samples_ - 1) / replicate_samples_;
     half_samples_ = by_samples ? spp_ / 2 : made / 2 * replicate_samples_;
-    film_ = Film(film.width, film.height, crop,
-                 film_layout(options_.aovs, by_samples || replicate_samples_ < spp_, group_lights(scene.names())),
-                 options_.spectral_bins, by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate,
-                 options_.aovs.contains(AovSource::kSurfaceId));
+    state_.film = Film(film.width, film.height, crop,
+                       film_layout(options_.aovs, by_samples || replicate_samples_ < spp_, group_lights(scene.names())),
+                       options_.spectral_bins, by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate,
+                       options_.aovs.contains(AovSource::kSurfaceId));
   }
 
   bool stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
 
   void train() {
-    guide_ = train_guide(context_, workers_, film_.width(), film_.height(), training_passes_, guide_training_);
+    guide_ =
+        train_guide(context_, workers_, state_.film.width(), state_.film.height(), training_passes_, guide_training_);
     context_.guide = guide_.view();
   }
 
-  void run_pass(std::uint32_t first_sample, std::uint32_t sample_count) {
+  /// Takes up where another render has paused.
+  void resume(RenderState& from) {
+    const bool same = from.film.width() == state_.film.width() && from.film.height() == state_.film.height() &&
+                      from.film.crop() == state_.film.crop() && from.film.layout() == state_.film.layout() &&
+                      from.film.spectral_bins() == state_.film.spectral_bins() &&
+                      from.film.variance_unit() == state_.film.variance_unit() &&
+                      from.film.tells_surfaces() == state_.film.tells_surfaces() &&
+                      from.splats.has_value() == state_.splats.has_value() && from.first_sample <= spp_ &&
+                      from.photons <= photons_;
+    if (!same) throw Error(ExitCode::kCheckpoint, "the checkpoint is of another render");
+    state_ = std::move(from);
+    done_ = wanted_.area() * state_.first_sample + state_.photons;
+  }
+
+  /// The next pass, or what is left of it.
+  void take_samples() {
+    const std::uint32_t first = state_.first_sample;
+    std::uint32_t count = std::min({kPassSamples, spp_ - first, replicate_samples_ - first % replicate_samples_});
+    if (options_.aovs.contains(Aov::kHalf) && first < half_samples_) count = std::min(count, half_samples_ - first);
+    if (photon_mapping_) {
+      count = photon_mapping_->samples_alike(count);
+      photon_mapping_->prepare(first, workers_, photon_tracing_, context_);
+    }
+    if (!run_pass(first, count)) return;
+    if ((first + count) % replicate_samples_ == 0) state_.film.end_replicate();
+    if (first + count == half_samples_) state_.film.end_first_half();
+    state_.first_sample = first + count;
+  }
+
+  /// Whether the workers are to take no more tasks for now.
+  bool pauses() {
+    if (!pausing_ && options_.wants_pause && options_.wants_pause()) pausing_ = true;
+    return pausing_;
+  }
+  /// Tells what there is; all workers have ended their tasks.
+  void pause() {
+    pausing_ = false;
+    if (!options_.on_pause) return;
+    const Stats::Dropped before = state_.dropped;
+    state_.dropped = dropped();
+    options_.on_pause(state_);
+    state_.dropped = before;
+  }
+  /// In this render and those that it goes on from.
+  Stats::Dropped dropped() const {
+    Stats::Dropped all = state_.dropped;
+    for (const Worker& worker : workers_) {
+      all.rays += worker.wave.stats.dropped.rays;
+      all.samples += worker.wave.stats.dropped.samples;
+    }
+    return all;
+  }
+
+  /// Returns whether all tiles of the pass are done: not if the render was stopped.
+  bool run_pass(std::uint32_t first_sample, std::uint32_t sample_count) {
     int side = 8;
     while (side < 64 && 4 * side * side * static_cast<int>(sample_count) <= kTaskSamples) side *= 2;
     const std::vector<Tile> tiles = make_tiles(wanted_, side);
-    std::vector<FilmBorder> borders(context_.scene.filter_weights != nullptr ? tiles.size() : 0);
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-          for (std::size_t i = range.begin(); i < range.end() && !stopped(); ++i) {
-            const FilmTile& tile = run_task(tiles[i], first_sample, sample_count);
-            if (!borders.empty()) borders[i] = tile.border();
-          }
-        },
-        tbb::simple_partitioner());
-    film_.add(borders);
+    begin_pass(tiles, sample_count);
+    std::vector<std::uint8_t>& done = state_.tiles;
+    while (std::find(done.begin(), done.end(), 0) != done.end()) {
+      if (stopped()) return false;
+      tbb::parallel_for(
+          tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
+          [&](const tbb::blocked_range<std::size_t>& range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+              if (done[i] != 0 || stopped() || pauses()) continue;
+              const FilmTile& tile = run_task(tiles[i], first_sample, sample_count);
+              if (!state_.borders.empty()) state_.borders[i] = tile.border();
+              done[i] = 1;
+            }
+          },
+          tbb::simple_partitioner());
+      if (pausing_) pause();
+    }
+    state_.film.add(state_.borders);
+    state_.tiles.clear();
+    state_.borders.clear();
+    return true;
+  }
+
+  /// Nothing of the pass is done yet, or as much as the render goes on from, which is told as progress.
+  void begin_pass(const std::vector<Tile>& tiles, std::uint32_t sample_count) {
+    const std::size_t borders = context_.scene.filter_weights != nullptr ? tiles.size() : 0;
+    if (state_.tiles.empty()) {
+      state_.tiles.assign(tiles.size(), 0);
+      state_.borders.assign(borders, {});
+    }
+    if (state_.tiles.size() != tiles.size() || state_.borders.size() != borders)
+      throw Error(ExitCode::kCheckpoint, "the checkpoint is of another render");
+    if (options_.resume == nullptr || told_resumed_) return;
+    told_resumed_ = true;
+    std::uint64_t samples = 0;
+    for (std::size_t i = 0; i < tiles.size(); ++i)
+      if (state_.tiles[i] != 0) samples += tiles[i].wanted.area() * sample_count;
+    report_done(samples);
   }
 
   /// Throws Error (usage) for layers that the render cannot make.
@@ -287,7 +371,7 @@ class Renderer {
   /// Where the light of groups goes from the worker's task.
   LightGroupSink group_sink(CameraTask& task) const {
     if (light_groups_ == 0) return {};
-    const auto channels = static_cast<std::size_t>(film_.layout().size());
+    const auto channels = static_cast<std::size_t>(state_.film.layout().size());
     const bool spectral = context_.scene.color == ColorMode::kSpectral;
     return {task.samples[0] + channels - 3 * light_groups_, channels, group_of_light_.data(),
             static_cast<std::uint16_t>(light_groups_ - 1), spectral ? context_.scene.spectral.sensor : nullptr};
@@ -303,8 +387,8 @@ class Renderer {
     const FlushDenormals flush;
     Worker& worker = workers_.local();
     const std::vector<PixelSamples> pixels = samples_of(tile.wanted, frame_, first_sample, sample_count);
-    worker.camera.begin(pixels, frame_, film_.layout().size(), film_.spectral_bins(),
-                        AovChannels(film_.layout(), options_.aovs));
+    worker.camera.begin(pixels, frame_, state_.film.layout().size(), state_.film.spectral_bins(),
+                        AovChannels(state_.film.layout(), options_.aovs));
     worker.wave.light_groups = group_sink(worker.camera);
     StageContext context = context_;
     context.camera = &worker.camera;
@@ -313,16 +397,16 @@ class Renderer {
     if (context.transport.kind == IntegratorKind::kLightTracer) context.transport.max_depth = 1;
     camera_pass_of<Wide>(context.transport.kind)(context, worker.wave);
     worker.wave.light_groups = {};
-    film_.begin(worker.tile, tile.pixels, context.scene.filter_weights);
+    state_.film.begin(worker.tile, tile.pixels, context.scene.filter_weights);
     reduce(worker.camera, worker.tile);
-    film_.add(worker.tile);
+    state_.film.add(worker.tile);
     report_done(static_cast<std::uint64_t>(worker.camera.total()));
     return worker.tile;
   }
 
   /// The next tasks of photons, whose splats are added to the film when all of them have ended.
   void run_photons() {
-    const std::uint64_t left = photons_ - photons_done_;
+    const std::uint64_t left = photons_ - state_.photons;
     const std::uint64_t taken = std::min<std::uint64_t>(left, std::uint64_t{kTaskPhotons} * kRoundTasks);
     std::vector<std::vector<Splat>> splats((taken + kTaskPhotons - 1) / kTaskPhotons);
     std::atomic<bool> whole{true};
@@ -335,21 +419,21 @@ class Renderer {
               return;
             }
             const std::uint64_t first = i * kTaskPhotons;
-            run_photon_task(photons_done_ + first,
+            run_photon_task(state_.photons + first,
                             static_cast<int>(std::min<std::uint64_t>(kTaskPhotons, taken - first)), splats[i]);
           }
         },
         tbb::simple_partitioner());
     // A round that was cut short says nothing of how many photons there were.
     if (!whole) return;
-    splats_->add(splats);
-    photons_done_ += taken;
+    state_.splats->add(splats);
+    state_.photons += taken;
   }
 
   void run_photon_task(std::uint64_t first, int count, std::vector<Splat>& splats) {
     const FlushDenormals flush;
     Worker& worker = workers_.local();
-    worker.photons.begin(first, count, film_.crop(), splats_->reach());
+    worker.photons.begin(first, count, state_.film.crop(), state_.splats->reach());
     StageContext context = context_;
     context.photons = &worker.photons;
     context.sampler = without_frame(context.sampler);
@@ -361,12 +445,12 @@ class Renderer {
 
   RenderResult finish(double seconds) {
     RenderResult result;
-    result.interrupted = done_.load() < total_;
+    result.interrupted = state_.first_sample < spp_ || state_.photons < photons_;
     RenderReport& report = result.report;
     report.integrator = integrator_name(context_.transport);
     report.isa = kIsaName;
-    report.width = film_.width();
-    report.height = film_.height();
+    report.width = state_.film.width();
+    report.height = state_.film.height();
     report.spp = spp_;
     report.seed = context_.sampler.seed;
     report.threads = threads_;
@@ -382,18 +466,19 @@ class Renderer {
     report.peak_rss_bytes = peak_rss_bytes();
     report.peak_private_bytes = peak_private_bytes();
     result.warnings = photon_tracing_.warnings;
+    report.stats.dropped = dropped();
     if (first) result.warnings.push_back(dropped_message(report.stats.dropped, *first));
     if (const std::uint64_t abandoned = report.stats.collisions.abandoned; abandoned > 0)
       result.warnings.push_back(std::to_string(abandoned) + " rays were given up in a medium after " +
                                 std::to_string(kMostCollisions) + " collisions each: its voxels differ too much");
-    report.noise = film_.noise();
+    report.noise = state_.film.noise();
     for (const SourceLocation& place : scene_.light_places())
       report.light_places.push_back(place.line > 0 ? place.file + ":" + std::to_string(place.line) : std::string());
-    result.film = std::move(film_);
+    result.film = std::move(state_.film);
     result.aovs = options_.aovs;
     if (result.film.tells_surfaces()) result.names = scene_.names();
-    result.splats = std::move(splats_);
-    result.photons = photons_done_;
+    result.splats = std::move(state_.splats);
+    result.photons = state_.photons;
     report.photons = photon_tracing_.report;
     report.guiding = guide_training_.report;
     return result;
@@ -415,20 +500,21 @@ class Renderer {
   const RenderOptions& options_;
   std::uint32_t spp_;
   int threads_, wave_size_;
-  Film film_;
+  RenderState state_;
   SampledFrame frame_;
   PixelRect wanted_;  ///< pixels that are sampled: the crop, and those around from which samples reach into it
   std::uint32_t replicate_samples_ = 0;  ///< per pixel, of each replicate
   std::uint32_t half_samples_ = 0;       ///< per pixel, of the first half
   std::size_t light_groups_ = 0;         ///< that have layers
   std::vector<std::uint16_t> group_of_light_;
-  std::optional<SplatFilm> splats_;
   std::optional<PhotonMapping> photon_mapping_;
   PhotonTracing photon_tracing_{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};
   GuideField guide_;
   std::vector<TrainingPass> training_passes_;
   GuideTraining guide_training_{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};
-  std::uint64_t photons_ = 0, photons_done_ = 0;  ///< light tracing: to be emitted, and whose splats are on the film
+  std::uint64_t photons_ = 0;  ///< light tracing: to be emitted
+  std::atomic<bool> pausing_{false};
+  bool told_resumed_ = false;  ///< the tiles that were done already count as progress
   std::uint64_t total_ = 0;
   std::atomic<std::uint64_t> done_{0};
   Workers workers_{

@@ -3,8 +3,7 @@
 
 #include "core/stats.h"
 #include "kernels/film/aovs.h"
-#include "kernels/film/film.h"
-#include "kernels/film/splat.h"
+#include "kernels/passes/render_state.h"
 #include "scene/tables/scene.h"
 
 #include <atomic>
@@ -37,6 +36,13 @@ struct RenderOptions {
   /// Called once by each worker, several at a time, for what Wave::recorder is to be; for benchmarks.
   std::function<RayRecorder*()> make_recorder;
   const std::atomic<bool>* stop = nullptr;  ///< polled between tasks; true ends the render with what there is
+  /// What the render goes on from, and takes: of one of the same scene and options, threads and waves apart. Null: it
+  /// begins.
+  RenderState* resume = nullptr;
+  /// Polled between tasks by workers, several at a time; true pauses them all, for on_pause.
+  std::function<bool()> wants_pause;
+  /// Called while all workers pause, and once at the end, whether all is done or the render was stopped.
+  std::function<void(const RenderState&)> on_pause;
 };
 
 struct RenderResult {

@@ -9,8 +9,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 
 namespace sheaf {
 
@@ -52,13 +50,19 @@ SampleBuffer some_samples(int spectral_bins) {
   return samples;
 }
 
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+constexpr std::string_view kFirstLine = "a film\n";
+
+void write_film(const std::filesystem::path& file, const Film& film) {
+  BinaryOutput out(file, kFirstLine);
+  put_film(out, film);
+  out.commit();
 }
 
-void put_bytes(const std::filesystem::path& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+Film read_film(const std::filesystem::path& file) {
+  BinaryInput in(file, kFirstLine);
+  Film film = get_film(in);
+  CHECK(in.left() == 0);
+  return film;
 }
 
 bool same_pictures(const Image& a, const Image& b) {
@@ -124,7 +128,7 @@ TEST_CASE("a film that was written and read goes on as if it had not been") {
     CHECK(same_pictures(film.to_image(), read.to_image()));
     write_film(folder / "b.film", read);
     write_film(folder / "c.film", film);
-    CHECK(bytes_of(folder / "b.film") == bytes_of(folder / "c.film"));
+    CHECK(read_bytes(folder / "b.film") == read_bytes(folder / "c.film"));
   }
 }
 
@@ -185,9 +189,9 @@ TEST_CASE("films that are cut off, damaged or something else are refused, with e
   const TemporaryFolder folder;
   const auto file = folder / "a.film";
   write_film(file, some_film(3));
-  const std::string good = bytes_of(file);
+  const std::string good = read_bytes(file);
   const auto refused = [&](const std::string& bytes) {
-    put_bytes(file, bytes);
+    write_bytes(file, bytes);
     try {
       read_film(file);
     } catch (const Error& error) {

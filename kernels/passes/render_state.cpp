@@ -1,0 +1,99 @@
+#include "kernels/passes/render_state.h"
+
+#include "kernels/film/film_file.h"
+
+namespace sheaf {
+
+namespace {
+
+constexpr std::string_view kFirstLine = "sheaf checkpoint 1\n";
+/// Most settings: far beyond any command line.
+constexpr std::uint32_t kMaxSettings = 100'000;
+/// Differences that a message names.
+constexpr std::size_t kMostTold = 5;
+
+RenderSettings get_settings(BinaryInput& in) {
+  const auto count = in.get<std::uint32_t>();
+  if (count > kMaxSettings) in.fail("has " + std::to_string(count) + " settings: damaged");
+  RenderSettings settings;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::string name = in.get_text();
+    settings.emplace_back(std::move(name), in.get_text());
+  }
+  return settings;
+}
+
+const std::string* find(const RenderSettings& settings, const std::string& name) {
+  for (const auto& [each, value] : settings)
+    if (each == name) return &value;
+  return nullptr;
+}
+
+/// One line for each difference, at most kMostTold.
+std::vector<std::string> differences(const RenderSettings& here, const RenderSettings& there) {
+  std::vector<std::string> found;
+  for (const auto& [name, value] : here) {
+    const std::string* other = find(there, name);
+    if (other == nullptr)
+      found.push_back(name + " is '" + value + "' now, and was not given then");
+    else if (*other != value)
+      found.push_back(name + " is '" + value + "' now, and was '" + *other + "' then");
+  }
+  for (const auto& [name, value] : there)
+    if (find(here, name) == nullptr) found.push_back(name + " is not given now, and was '" + value + "' then");
+  if (found.size() <= kMostTold) return found;
+  const std::string more = "and " + std::to_string(found.size() - kMostTold) + " more";
+  found.resize(kMostTold);
+  found.push_back(more);
+  return found;
+}
+
+void check_settings(const BinaryInput& in, const RenderSettings& here, const RenderSettings& there) {
+  std::string text;
+  for (const std::string& difference : differences(here, there)) text += (text.empty() ? "" : "; ") + difference;
+  if (!text.empty()) in.fail("is a checkpoint of another render: " + text);
+}
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& file, const RenderSettings& settings, const RenderState& state) {
+  BinaryOutput out(file, kFirstLine);
+  out.put(static_cast<std::uint32_t>(settings.size()));
+  for (const auto& [name, value] : settings) {
+    out.put(std::string_view(name));
+    out.put(std::string_view(value));
+  }
+  put_film(out, state.film);
+  out.put(state.first_sample);
+  out.put(static_cast<std::uint64_t>(state.tiles.size()));
+  out.put(state.tiles);
+  put_borders(out, state.borders);
+  out.put(static_cast<std::uint8_t>(state.splats.has_value()));
+  if (state.splats) put_splats(out, *state.splats);
+  out.put(state.photons);
+  out.put(state.dropped.rays);
+  out.put(state.dropped.samples);
+  out.commit();
+}
+
+RenderState read_checkpoint(const std::filesystem::path& file, const RenderSettings& settings,
+                            const FilterDescription& filter) {
+  BinaryInput in(file, kFirstLine);
+  check_settings(in, settings, get_settings(in));
+  RenderState state;
+  state.film = get_film(in);
+  state.first_sample = in.get<std::uint32_t>();
+  state.tiles = in.get_vector<std::uint8_t>(in.get<std::uint64_t>());
+  state.borders = get_borders(in, state.film);
+  if (in.get<std::uint8_t>() != 0) {
+    state.splats.emplace(state.film.crop(), filter);
+    get_splats(in, *state.splats);
+  }
+  state.photons = in.get<std::uint64_t>();
+  state.dropped.rays = in.get<std::uint64_t>();
+  state.dropped.samples = in.get<std::uint64_t>();
+  if (in.left() > 0) in.fail("goes on behind its end: damaged");
+  return state;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,180 @@
+// Renders that pause, are written down, read again and gone on with: the same bits as without.
+#include "core/error.h"
+#include "kernels/passes/render.h"
+#include "scene/compile/compile.h"
+#include "tests/support/render_testing.h"
+#include "tests/support/temporary_folder.h"
+
+#include <cstring>
+
+namespace sheaf {
+
+namespace {
+
+const RenderSettings kSettings{{"--spp", "8"}, {"scene.xml", "1 bytes"}};
+
+/// A lit box with a ball in it, under a filter that reaches beyond tiles.
+Description small_box(int samples) {
+  Description d = empty_scene(40, 30);
+  look_at(d, {0, 0.3f, -3}, {0, 0, 0}, {0, 1, 0}, 50);
+  d.sampler.sample_count = static_cast<std::uint32_t>(samples);
+  d.sampler.kind = SamplerKind::kSobol;
+  d.film.filter.kind = FilterDescription::Kind::kGaussian;
+  const MaterialId white = add_diffuse(d, 0.7f);
+  add_rectangle(d, Transform::translate({0, -1, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({3, 3, 1}),
+                white);
+  add_rectangle(d, Transform::translate({0, 0, 1}) * Transform::rotate({0, 1, 0}, 180) * Transform::scale({2, 2, 1}),
+                white);
+  add_sphere(d, {0.2f, -0.6f, 0}, 0.4f, add_glass(d));
+  emit(add_rectangle(d, Transform::translate({0, 1.5f, 0}) * Transform::rotate({1, 0, 0}, 90), add_diffuse(d, 0)), 4);
+  return d;
+}
+
+/// A kind of render, and how it is to go.
+struct Case {
+  const char* name;
+  Description scene;
+  RenderOptions options;
+  ColorMode color = ColorMode::kRgb;
+};
+
+std::vector<Case> all_cases() {
+  std::vector<Case> cases;
+  const auto add = [&](const char* name, int samples = 8) -> Case& {
+    return cases.emplace_back(Case{name, small_box(samples), {}});
+  };
+  Case& layers = add("replicates and layers");
+  layers.options.replicates = 2;
+  layers.options.aovs = {Aov::kAlbedo, Aov::kDepth, Aov::kObjectId, Aov::kVariance, Aov::kHalf};
+  add("more than one pass", 300).scene.film.width = 12;
+  add("independent").scene.sampler.kind = SamplerKind::kIndependent;
+  Case& importance = add("importance");
+  importance.scene.film.filter_mode = FilterMode::kImportance;
+  Case& spectral = add("spectral bins");
+  spectral.color = ColorMode::kSpectral;
+  spectral.options.spectral_bins = 5;
+  add("guiding", 32).options.guiding = true;
+  add("light tracing").scene.integrator.kind = IntegratorKind::kLightTracer;
+  for (const bool progressive : {false, true}) {
+    Case& photons = add(progressive ? "progressive photon mapping" : "photon mapping");
+    photons.scene.integrator.kind = IntegratorKind::kPhotonMapper;
+    photons.scene.integrator.photons.progressive = progressive;
+    photons.scene.integrator.photons.global.count = 2000;
+    if (!progressive) photons.color = ColorMode::kSpectral;
+  }
+  return cases;
+}
+
+bool same_pictures(const Image& a, const Image& b) {
+  return a.channels == b.channels && a.data.size() == b.data.size() &&
+         std::memcmp(a.data.data(), b.data.data(), a.data.size() * sizeof(float)) == 0;
+}
+
+/// Renders until `tasks` tasks have been taken, and writes a checkpoint. Returns whether the render was cut off.
+bool render_part(const Scene& scene, RenderOptions options, int tasks, const std::filesystem::path& file) {
+  std::atomic<int> asked{0};
+  std::atomic<bool> stop{false};
+  options.stop = &stop;
+  options.wants_pause = [&] {
+    if (asked.fetch_add(1) < tasks) return false;
+    stop = true;
+    return true;
+  };
+  options.on_pause = [&](const RenderState& state) { write_checkpoint(file, kSettings, state); };
+  return render(scene, options).interrupted;
+}
+
+}  // namespace
+
+TEST_CASE("a render that goes on from a checkpoint has the same bytes as one without") {
+  const TemporaryFolder folder;
+  const auto file = folder / "render.checkpoint";
+  for (const Case& c : all_cases()) {
+    CAPTURE(std::string(c.name));
+    const auto scene = compile_scene(c.scene, {false, c.color});
+    RenderOptions options = c.options;
+    options.threads = 2;
+    const Image whole = render(*scene, options).to_image();
+    int parts = 0;
+    for (int tasks = 3; parts < 3; tasks += 4) {
+      options.threads = 1 + parts % 2;
+      options.wave_size = 256 + 64 * parts;
+      std::optional<RenderState> state;
+      if (parts > 0) state = read_checkpoint(file, kSettings, c.scene.film.filter);
+      options.resume = state ? &*state : nullptr;
+      const bool interrupted = render_part(*scene, options, tasks, file);
+      if (parts == 0) CHECK(interrupted);
+      ++parts;
+    }
+    for (const bool again : {false, true}) {  // to the end, and from there
+      CAPTURE(again);
+      RenderState state = read_checkpoint(file, kSettings, c.scene.film.filter);
+      options.resume = &state;
+      options.on_pause = [&](const RenderState& end) { write_checkpoint(file, kSettings, end); };
+      const RenderResult result = render(*scene, options);
+      CHECK_FALSE(result.interrupted);
+      CHECK(same_pictures(result.to_image(), whole));
+    }
+  }
+}
+
+TEST_CASE("pauses change nothing") {
+  const auto scene = compile_scene(small_box(16));
+  RenderOptions options;
+  const Image whole = render(*scene, options).to_image();
+  std::atomic<int> asked{0};
+  int pauses = 0;
+  options.wants_pause = [&] { return asked.fetch_add(1) % 5 == 4; };
+  options.on_pause = [&](const RenderState& state) {
+    ++pauses;
+    CHECK(state.film.width() == 40);
+  };
+  CHECK(same_pictures(render(*scene, options).to_image(), whole));
+  CHECK(pauses > 2);
+}
+
+TEST_CASE("checkpoints of other renders, and damaged ones, are refused with exit code 5") {
+  const TemporaryFolder folder;
+  const auto file = folder / "render.checkpoint";
+  const auto scene = compile_scene(small_box(8));
+  REQUIRE(render_part(*scene, {}, 2, file));
+  const auto message_of = [&](const RenderSettings& settings) {
+    try {
+      read_checkpoint(file, settings, scene->film().filter);
+    } catch (const Error& error) {
+      CHECK(error.code() == ExitCode::kCheckpoint);
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const auto contains = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  CHECK(message_of(kSettings).empty());
+  CHECK(contains(message_of({{"--spp", "9"}, {"scene.xml", "1 bytes"}}), "--spp is '9' now, and was '8' then"));
+  CHECK(contains(message_of({{"--spp", "8"}}), "scene.xml is not given now"));
+  CHECK(contains(message_of({{"--spp", "8"}, {"scene.xml", "1 bytes"}, {"--seed", "2"}}), "--seed is '2' now"));
+
+  const std::string good = read_bytes(file);
+  for (std::size_t size = 0; size < good.size(); size += good.size() / 50 + 1) {
+    write_bytes(file, good.substr(0, size));
+    CHECK_FALSE(message_of(kSettings).empty());
+    std::string bytes = good;
+    bytes[size] = static_cast<char>(bytes[size] ^ 4);
+    write_bytes(file, bytes);
+    CHECK_FALSE(message_of(kSettings).empty());
+  }
+  write_bytes(file, good);
+  // One of another frame, by whatever way its settings came to be the same.
+  const auto other = compile_scene(small_box(4));
+  Description wide = small_box(8);
+  wide.film.width = 41;
+  const auto wider = compile_scene(wide);
+  for (const Scene* each : {other.get(), wider.get()}) {
+    RenderState state = read_checkpoint(file, kSettings, scene->film().filter);
+    state.first_sample = each == other.get() ? 5 : state.first_sample;
+    RenderOptions options;
+    options.resume = &state;
+    CHECK_THROWS_AS(render(*each, options), Error);
+  }
+}
+
+}  // namespace sheaf

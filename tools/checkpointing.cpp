@@ -1,0 +1,100 @@
+#include "tools/checkpointing.h"
+
+#include "core/error.h"
+#include "core/inflate.h"
+#include "core/output_file.h"
+#include "core/progress.h"
+#include "core/simd.h"
+#include "tools/commands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+
+namespace sheaf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Options that leave the picture's bits as they are.
+constexpr std::array<std::string_view, 10> kOfTheRun = {
+    "scene", "output", "stats",      "threads",          "wave-size",
+    "quiet", "resume", "checkpoint", "checkpoint-every", "no-timestamps"};
+
+/// Size and check sum of a file.
+std::string fingerprint(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::vector<char> piece(std::size_t{1} << 20);
+  std::uint32_t sum = 0;
+  std::uint64_t size = 0;
+  while (stream) {
+    stream.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    const auto read = static_cast<std::size_t>(stream.gcount());
+    sum = check_sum({piece.data(), read}, sum);
+    size += read;
+  }
+  return fmt::format("{} bytes, {:08x}", size, sum);
+}
+
+}  // namespace
+
+void add_checkpoint_options(Command& command, CheckpointArguments& arguments) {
+  command.add_option("--checkpoint", arguments.file,
+                     "File that the render's state is saved in while it runs, when it is interrupted and when it ends; "
+                     "with --resume it goes on from there");
+  command.add_option("--checkpoint-every", arguments.every, "Seconds between checkpoints. Default: 60").positive();
+  command.add_flag("--resume", arguments.resume,
+                   "Go on from the file given with --checkpoint; begin, if it is not there. The picture is the same to "
+                   "the byte as that of a render that was never interrupted");
+}
+
+void check_checkpoint(const CheckpointArguments& arguments) {
+  if (arguments.file.empty()) {
+    if (arguments.resume) throw Error(ExitCode::kUsage, "--resume needs --checkpoint FILE");
+    return;
+  }
+  if (!arguments.resume && fs::exists(arguments.file))
+    throw Error(ExitCode::kUsage,
+                "the checkpoint '" + arguments.file + "' is there already: go on from it with --resume, or remove it");
+  check_writable(arguments.file);
+}
+
+RenderSettings render_settings(const std::vector<std::pair<std::string, std::string>>& given,
+                               const std::vector<fs::path>& files) {
+  RenderSettings settings{{"Sheaf's version", SHEAF_VERSION}, {"the instruction set", kIsaName}};
+  for (const auto& [name, value] : given)
+    if (std::find(kOfTheRun.begin(), kOfTheRun.end(), name) == kOfTheRun.end())
+      settings.emplace_back("--" + name, value);
+  for (const fs::path& file : files) settings.emplace_back(file.filename().string(), fingerprint(file));
+  return settings;
+}
+
+Checkpointer::Checkpointer(const CheckpointArguments& arguments, RenderSettings settings)
+    : arguments_(arguments), settings_(std::move(settings)), last_(Progress::steady_seconds()) {}
+
+std::optional<RenderState> Checkpointer::resumed(const FilterDescription& filter) const {
+  if (!arguments_.resume || !fs::exists(arguments_.file)) return std::nullopt;
+  return read_checkpoint(arguments_.file, settings_, filter);
+}
+
+bool Checkpointer::is_due() const {
+  return !arguments_.file.empty() &&
+         Progress::steady_seconds() - last_.load(std::memory_order_relaxed) >= arguments_.every;
+}
+
+void Checkpointer::save(const RenderState& state) {
+  if (arguments_.file.empty()) return;
+  try {
+    write_checkpoint(arguments_.file, settings_, state);
+    is_saved_ = true;
+  } catch (const std::exception& error) {
+    print_message(error.what());
+    is_saved_ = false;
+  }
+  last_ = Progress::steady_seconds();
+}
+
+}  // namespace sheaf
