@@ -291,6 +291,28 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, boo
   return result;
 }
 
+RenderOptions render_options(const RenderArguments& arguments, const SamplerDescription& sampler, AovSet aovs,
+                             const PixelRect& crop) {
+  RenderOptions options;
+  options.seed = arguments.seed;
+  options.threads = arguments.threads;
+  options.wave_size = arguments.wave_size;
+  options.spectral_bins = arguments.spectral_bins;
+  options.replicates = choose_replicates(arguments, sampler);
+  options.guiding = arguments.guiding;
+  options.aovs = aovs;
+  options.light_groups = arguments.light_groups;
+  options.crop = crop;
+  return options;
+}
+
+/// What is to be said before a render.
+void print_start(const Description& description, const Scene& scene) {
+  for (const std::string& note : description.notes) print_message(note);
+  for (const std::string& stand_in : description.stand_ins) print_message("warning: " + stand_in);
+  for (const std::string& warning : scene.warnings()) print_message("warning: " + warning);
+}
+
 /// What there is to be said once everything is written.
 void print_end(const RenderResult& result, const std::vector<fs::path>& written, std::size_t stand_ins) {
   for (const std::string& warning : result.warnings) print_message("warning: " + warning);
@@ -332,22 +354,9 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
                                            : compile_scene(description, {arguments.watertight, color});
   move_to_large_pages();
   const double build_end = Progress::steady_seconds();
-  if (!arguments.quiet) {
-    for (const std::string& note : description.notes) print_message(note);
-    for (const std::string& stand_in : description.stand_ins) print_message("warning: " + stand_in);
-    for (const std::string& warning : scene->warnings()) print_message("warning: " + warning);
-  }
+  if (!arguments.quiet) print_start(description, *scene);
 
-  RenderOptions options;
-  options.seed = arguments.seed;
-  options.threads = arguments.threads;
-  options.wave_size = arguments.wave_size;
-  options.spectral_bins = arguments.spectral_bins;
-  options.replicates = choose_replicates(arguments, description.sampler);
-  options.guiding = arguments.guiding;
-  options.aovs = aovs;
-  options.light_groups = arguments.light_groups;
-  options.crop = crop;
+  RenderOptions options = render_options(arguments, description.sampler, aovs, crop);
   options.resume = resumed ? &*resumed : nullptr;
   const InterruptGuard guard;
   const auto show = [&](const RenderState& state) {
