@@ -14,7 +14,7 @@ namespace {
 constexpr float kExcess = 4.0f;
 /// Share of the excess that other samples must have seen for it to be believed.
 constexpr float kConfirmed = 0.4f;
-/// Variances of the mean that a believed excess is at least, squared: three standard deviations.
+/// Variances of the mean that the square of a believed excess exceeds: three standard deviations.
 constexpr float kCertain = 9.0f;
 
 Plane luminance_of(const Planes3& color) {

@@ -44,7 +44,8 @@ template <class L, int kHalves> class TileFilter {
     const int r = settings_.radius;
     for (int dy = -r; dy <= r; ++dy) {
       if (tile_.y1 + dy <= 0 || tile_.y0 + dy >= in_.height) continue;
-      for (int dx = -r; dx <= r; ++dx) add_offset(dx, dy);
+      for (int dx = -r; dx <= r; ++dx)
+        if (dx * dx + dy * dy <= r * (r + 1)) add_offset(dx, dy);
     }
     for (int y = tile_.y0; y < tile_.y1; ++y) write_row(y, out);
   }
@@ -66,6 +67,10 @@ template <class L, int kHalves> class TileFilter {
   }
 
   void add_offset(int dx, int dy) {
+    for (int x = 0; x < kTileWidth; ++x) {
+      const int other = tile_.x0 + x + dx;
+      *outside_.at(x) = other >= 0 && other < in_.width ? 0.0f : 1e30f;
+    }
     for (int y = tile_.y0 - kPatch; y < tile_.y1 + kPatch; ++y) {
       add_distance_row(y, dx, dy);
       const int done = y - kPatch;
@@ -122,10 +127,7 @@ template <class L, int kHalves> class TileFilter {
 
   /// By how much features tell pixels apart, at least 0, and beyond all bounds where the other pixel is none.
   void measure_features(int y, int dx, int dy) {
-    for (int x = 0; x < kTileWidth; ++x) {
-      const int other = tile_.x0 + x + dx;
-      *feature_.at(x) = *outside_.at(x) = other >= 0 && other < in_.width ? 0.0f : 1e30f;
-    }
+    std::copy(outside_.at(0), outside_.at(kTileWidth), feature_.at(0));
     for (const Feature& feature : in_.features) {
       if (!feature.slope_x.is_empty()) {
         measure_feature<1, true>(feature, y, dx, dy);

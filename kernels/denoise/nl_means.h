@@ -46,7 +46,7 @@ enum NlMeansFilter : int {
 
 /// How strongly filters smooth.
 struct NlMeansSettings {
-  int radius = 10;        ///< pixels up to which a pixel's neighbours are looked at, each way; at most kMostRadius
+  int radius = 10;        ///< of the disc around a pixel in which it looks for others like it; at most kMostRadius
   float color_k = 0.55f;  ///< differences in units of the noise's standard deviation that count as one
 };
 inline constexpr int kMostRadius = 12;

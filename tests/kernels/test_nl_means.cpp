@@ -121,6 +121,7 @@ TEST_CASE("non-local means are what their definition says, each half weighed by 
           double sum = 0, weights = 0;
           for (int qy = std::max(py - 4, 0); qy <= std::min(py + 4, 12); ++qy)
             for (int qx = std::max(px - 4, 0); qx <= std::min(px + 4, 20); ++qx) {
+              if (sqr(qx - px) + sqr(qy - py) > 4 * 5) continue;  // a disc
               const int by = halves == 2 ? 1 - h : 0;
               const double w = patch_weight(input, by, 0.5f, px, py, qx, qy, filter == kSmallPatch ? 1 : 3);
               sum += w * input.half[h][1].at(qx, qy);
