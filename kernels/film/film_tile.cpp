@@ -27,6 +27,16 @@ void weigh(const FilterWeights& filter, int at, float offset, int begin, int end
     out.weights[static_cast<std::size_t>(i)] = filter.at(static_cast<float>(out.first + i - at) - offset);
 }
 
+/// Adds one register of terms to the rows of pixels side by side, of one register each.
+void add_line(double* __restrict sums, const double* __restrict terms, const Span& across, float weight) {
+  double term[FilmRow::kRegister];
+  for (std::size_t k = 0; k < FilmRow::kRegister; ++k) term[k] = terms[k];
+  for (int i = 0; i < across.count; ++i, sums += FilmRow::kRegister) {
+    const auto factor = static_cast<double>(across.weights[static_cast<std::size_t>(i)] * weight);
+    for (std::size_t k = 0; k < FilmRow::kRegister; ++k) sums[k] += factor * term[k];
+  }
+}
+
 }  // namespace
 
 void FilmTile::begin(const FilmRow& row, const FilterWeights* weights, bool sums_squares, const PixelRect& own,
@@ -93,6 +103,13 @@ void FilmTile::add(int x, int y, const SampleBuffer& samples, std::size_t index_
   Span across, down;
   weigh(*weights_, x, offset.x, outer_.x0, outer_.x1, across);
   weigh(*weights_, y, offset.y, outer_.y0, outer_.y1, down);
+  if (across.count == 0) return;
+  if (row_.size() == FilmRow::kRegister && !tells_surfaces()) {
+    for (int j = 0; j < down.count; ++j)
+      add_line(sums_.data() + index(across.first, down.first + j) * FilmRow::kRegister, terms_.data(), across,
+               down.weights[static_cast<std::size_t>(j)]);
+    return;
+  }
   for (int j = 0; j < down.count; ++j)
     for (int i = 0; i < across.count; ++i)
       add_to(

@@ -164,7 +164,8 @@ TEST_CASE("instancing: no path is lost in a closed room that is an instance") {
       CAPTURE(scale);
       Description d = empty_scene(32, 32), inside;
       d.sampler.sample_count = 16;
-      d.integrator.max_depth = d.integrator.rr_depth = kDepth;
+      d.integrator.max_depth = kDepth;
+      d.integrator.rr_depth = kDepth;
       d.integrator.strategy = LightStrategy::kBsdfOnly;
       look_at(d, {0, 0, 0}, Vec3f{0.7f, 0.2f, 0.4f} * scale);
       if (box) {

@@ -77,7 +77,12 @@ Estimate read_reference(const std::string& name) {
 /// Renders batches with seeds 1, 2, ... and averages squares of `side` pixels; the variance is that between batches.
 Estimate render_batches(const fs::path& file, int batches, int batch_samples, int side,
                         ColorMode color = ColorMode::kRgb) {
-  const auto scene = compile_scene(read_scene(file), {false, color});
+  Description description = read_scene(file);
+  // Where the references' roulette starts that their scenes don't speak of: samples of other variance could not be
+  // judged by that of theirs.
+  IntegratorDescription& integrator = description.integrator;
+  if (!integrator.rr_depth) integrator.rr_depth = kOtherRouletteDepth;
+  const auto scene = compile_scene(description, {false, color});
   std::vector<Image> images;
   for (int i = 0; i < batches; ++i) {
     RenderOptions options;

@@ -437,7 +437,7 @@ TEST_CASE("an interrupted render writes what there is and says so") {
 TEST_CASE("a second signal ends a render that does not come to a stop") {
   const TemporaryFolder folder;
   // Where it is empty rays meet millions of null collisions before they are given up.
-  write_vol(folder / "slow.vol", 2, 1, [](Vec3f p, int) { return p.x < 0.5f ? 1e30f : 0.0f; });
+  write_vol(folder / "slow.vol", 2, 3, [](Vec3f p, int) { return p.x < 0.5f ? 1e30f : 0.0f; });
   std::string scene = kScene;
   scene.replace(scene.find("<shape"), scene.npos, R"(<emitter type="constant"/>
     <shape type="cube"><bsdf type="null"/><medium name="interior" type="heterogeneous"><volume name="sigma_t"
@@ -469,9 +469,9 @@ TEST_CASE("a render that was killed or interrupted goes on from its checkpoint, 
   };
   REQUIRE(run_script(render + "-o whole.exr\n") == 0);
   const std::string part = render + "-o part.exr --checkpoint part.state --checkpoint-every 0.02 --resume --threads 1";
-  for (const char* delay : {"0.1", "0.3", "0.2"})
+  for (const char* delay : {"0.6", "0.9", "0.7"})
     run_script("timeout -s KILL " + std::string(delay) + " " + part + "\n");
-  run_script("timeout -s INT 0.2 " + part + "\n");
+  run_script("timeout -s INT 1 " + part + "\n");
   REQUIRE(std::filesystem::exists(folder / "part.state"));
   CHECK(run(folder, "render scene.xml -D size=64 --spp 2999 --checkpoint part.state --resume").code == 5);
   CHECK(contains(run(folder, "render scene.xml -D size=64 --spp 2999 --checkpoint part.state --resume").err,
