@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 namespace sheaf {
 
@@ -27,13 +28,17 @@ void weigh(const FilterWeights& filter, int at, float offset, int begin, int end
     out.weights[static_cast<std::size_t>(i)] = filter.at(static_cast<float>(out.first + i - at) - offset);
 }
 
+/// One register of a row. Compilers that are left alone with loops over these numbers put pixels across registers.
+using RowRegister [[gnu::vector_size(FilmRow::kRegister * sizeof(double))]] = double;
+
 /// Adds one register of terms to the rows of pixels side by side, of one register each.
-void add_line(double* __restrict sums, const double* __restrict terms, const Span& across, float weight) {
-  double term[FilmRow::kRegister];
-  for (std::size_t k = 0; k < FilmRow::kRegister; ++k) term[k] = terms[k];
+void add_line(double* sums, const double* terms, const Span& across, float weight) {
+  RowRegister term, sum;
+  std::memcpy(&term, terms, sizeof term);
   for (int i = 0; i < across.count; ++i, sums += FilmRow::kRegister) {
-    const auto factor = static_cast<double>(across.weights[static_cast<std::size_t>(i)] * weight);
-    for (std::size_t k = 0; k < FilmRow::kRegister; ++k) sums[k] += factor * term[k];
+    std::memcpy(&sum, sums, sizeof sum);
+    sum += static_cast<double>(across.weights[static_cast<std::size_t>(i)] * weight) * term;
+    std::memcpy(sums, &sum, sizeof sum);
   }
 }
 

@@ -164,7 +164,8 @@ TEST_CASE("layers: the albedo is what an even surrounding makes surfaces send ba
     Description d = wall(variant.add);
     // One surface, lit from all sides by 1.
     d.integrator.max_depth = 2;
-    d.integrator.rr_depth = 3;  // without noise
+    d.integrator.rr_depth = 3;
+    d.integrator.strategy = LightStrategy::kBsdfOnly;  // without noise where the BSDF is sampled exactly
     d.sampler.kind = SamplerKind::kIndependent;
     const Image image = picture(d, with({Aov::kAlbedo}, 1024));
     Vec3f light{}, albedo{};

@@ -100,16 +100,15 @@ TEST_CASE("light groups: each holds the light of its own lamp alone") {
   d.sampler.sample_count = 16;
   const MaterialId grey = add_two_sided(d, add_diffuse(d, 0.5f));
   add_rectangle(d, Transform::translate({0, 0, 4}) * Transform::scale({10, 10, 1}), grey);
-  add_rectangle(d, Transform::rotate({0, 1, 0}, 90) * Transform::scale({20, 20, 1}), grey);
+  add_rectangle(d, Transform::translate({0, 0, 9}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({10, 10, 1}),
+                grey);
   d.camera.to_world = Transform::translate({0, 0, -1});
   for (const float x : {2.0f, -2.0f}) {
-    add_point_light(d, {x, 0, 2}, x > 0 ? 30 : 10);
+    add_point_light(d, {x, 0, 2}, 10);
     d.lights.back().id = x > 0 ? "left" : "right";
   }
   const Image image = picture(d);
   const int left = image.find_channel("light_left.R"), right = image.find_channel("light_right.R");
-  MESSAGE(image.at(1, 4, 0) << ' ' << image.at(6, 4, 0) << ' ' << image.at(1, 4, left) << ' ' << image.at(1, 4, right)
-                            << ' ' << image.at(6, 4, left) << ' ' << image.at(6, 4, right));
   for (int y = 0; y < 8; ++y) {
     CHECK(image.at(1, y, left) > 0);
     CHECK(image.at(1, y, right) == 0);
