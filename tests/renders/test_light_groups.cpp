@@ -100,8 +100,8 @@ TEST_CASE("light groups: each holds the light of its own lamp alone") {
   d.sampler.sample_count = 16;
   const MaterialId grey = add_two_sided(d, add_diffuse(d, 0.5f));
   add_rectangle(d, Transform::translate({0, 0, 4}) * Transform::scale({10, 10, 1}), grey);
-  add_rectangle(d, Transform::translate({0, 0, 9}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({10, 10, 1}),
-                grey);
+  add_rectangle(
+      d, Transform::translate({0, 0, 10.5f}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({10, 10, 1}), grey);
   d.camera.to_world = Transform::translate({0, 0, -1});
   for (const float x : {2.0f, -2.0f}) {
     add_point_light(d, {x, 0, 2}, 10);
