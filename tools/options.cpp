@@ -4,7 +4,44 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cmath>
+#include <iostream>
+#include <type_traits>
+
 namespace sheaf {
+
+namespace {
+
+/// Numbers that comparisons say nothing of are in no range.
+CLI::Validator finite() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        double value = 0;
+        const bool is_number = CLI::detail::lexical_cast(text, value);
+        return is_number && std::isfinite(value) ? std::string() : "'" + text + "' is not a finite number";
+      },
+      "");
+}
+
+/// What is said of arguments that nobody knows: the first of them, and what may have been meant.
+std::string unknown_argument(const CLI::App& program, const std::vector<std::string>& rest) {
+  const CLI::App* command = &program;
+  for (const CLI::App* each : program.get_subcommands()) command = each;
+  std::vector<std::string> options, commands;
+  for (const CLI::Option* option : command->get_options())
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  for (const CLI::App* each : command->get_subcommands({})) commands.push_back(each->get_name());
+  for (const std::string& argument : rest)
+    if (argument.starts_with("-"))
+      return "unknown option '" + argument + "'" + did_you_mean(argument.substr(0, argument.find('=')), options);
+  const std::string& word = rest.front();
+  if (commands.empty()) return "unexpected argument '" + word + "'";
+  std::string known;
+  for (const std::string& name : commands) known += (known.empty() ? "" : ", ") + name;
+  return "unknown command '" + word + "'" + did_you_mean(word, commands) + " (" + known + ")";
+}
+
+}  // namespace
 
 Option& Option::required() {
   option_->required();
@@ -12,6 +49,7 @@ Option& Option::required() {
 }
 
 template <class T> Option& Option::in_range(T low, T high) {
+  if constexpr (std::is_floating_point_v<T>) option_->check(finite());
   option_->check(CLI::Range(low, high));
   return *this;
 }
@@ -22,7 +60,7 @@ template Option& Option::in_range(double, double);
 template Option& Option::in_range(float, float);
 
 Option& Option::positive() {
-  option_->check(CLI::PositiveNumber);
+  option_->check(finite())->check(CLI::PositiveNumber);
   return *this;
 }
 
@@ -97,7 +135,17 @@ std::optional<int> Program::parse(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
     return std::nullopt;
-  } catch (const CLI::ParseError& problem) { return app_->exit(problem) == 0 ? 0 : static_cast<int>(ExitCode::kUsage); }
+  } catch (const CLI::CallForHelp& help) { return app_->exit(help); } catch (const CLI::ParseError& problem) {
+    // A word that is no command is told as a command that is missing.
+    const std::vector<std::string> rest = app_->remaining(true);
+    const bool about_them = dynamic_cast<const CLI::ExtrasError*>(&problem) != nullptr ||
+                            (dynamic_cast<const CLI::RequiredError*>(&problem) != nullptr && !rest.empty());
+    if (about_them && !rest.empty()) {
+      std::cerr << unknown_argument(*app_, rest) << "\nRun with --help for more information.\n";
+      return static_cast<int>(ExitCode::kUsage);
+    }
+    return app_->exit(problem) == 0 ? 0 : static_cast<int>(ExitCode::kUsage);
+  }
 }
 
 }  // namespace sheaf

@@ -86,6 +86,29 @@ TEST_CASE("wrong usage is exit code 2") {
   CHECK(folder.entry_count() == 1);
 }
 
+TEST_CASE("what is not known is told with what may have been meant") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  for (const auto& [arguments, message] :
+       {std::pair{"rendr scene.xml", "unknown command 'rendr', did you mean 'render'?"},
+        {"render scene.xml --sp 4", "unknown option '--sp', did you mean '--spp'?"},
+        {"render scene.xml other.xml", "unexpected argument 'other.xml'"},
+        {"render scene.xml --step-size nan", "'nan' is not a finite number"},
+        {"render scene.xml --scale inf", "'inf' is not a finite number"}}) {
+    const Outcome outcome = run(folder, arguments);
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, message));
+  }
+}
+
+TEST_CASE("a scene without lights is told of") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "dark.xml", R"(<scene version="3.0.0"><sensor type="perspective"><film type="hdrfilm">
+    <integer name="width" value="4"/><integer name="height" value="4"/></film></sensor><shape type="sphere"/></scene>)");
+  CHECK(contains(run(folder, "render dark.xml -o out.exr").err, "the scene has no lights"));
+  CHECK_FALSE(contains(run(folder, "render dark.xml --integrator normals -o out.exr").err, "no lights"));
+}
+
 TEST_CASE("spectral mode is rendered, and the picture says so") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
