@@ -171,6 +171,18 @@ TEST_CASE("Mitsuba: sensors with a lens and without perspective") {
   CHECK(parallel.camera.far_clip == 10'000);
 }
 
+TEST_CASE("Mitsuba: roulette starts later in scenes with media") {
+  const std::string ball = "<shape type='sphere'><medium name='interior' type='homogeneous'/>";
+  for (const bool media : {false, true})
+    for (const bool said : {false, true}) {
+      const Description d =
+          read_text("<scene version='3.0.0'><integrator type='volpath'>" +
+                    std::string(said ? "<integer name='rr_depth' value='4'/>" : "") + "</integrator>" +
+                    (media ? ball + "</shape>" : "<shape type='sphere'/>") + "</scene>");
+      CHECK(d.integrator.roulette_depth() == (said ? 4 : media ? 5 : 2));
+    }
+}
+
 TEST_CASE("Mitsuba: integrators") {
   const Description d = with_integrator(
       "<integrator type='moment'><integrator type='aov'><string name='aovs' value='d:depth'/><integrator type='path'>"
