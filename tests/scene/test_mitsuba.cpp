@@ -175,10 +175,10 @@ TEST_CASE("Mitsuba: roulette starts later in scenes with media") {
   const std::string ball = "<shape type='sphere'><medium name='interior' type='homogeneous'/>";
   for (const bool media : {false, true})
     for (const bool said : {false, true}) {
-      const Description d =
-          read_text("<scene version='3.0.0'><integrator type='volpath'>" +
-                    std::string(said ? "<integer name='rr_depth' value='4'/>" : "") + "</integrator>" +
-                    (media ? ball + "</shape>" : "<shape type='sphere'/>") + "</scene>");
+      const std::string integrator = std::string("<integrator type='volpath'>") +
+                                     (said ? "<integer name='rr_depth' value='4'/>" : "") + "</integrator>";
+      const Description d = read_text(mitsuba_scene(media ? ball + "</shape>" : "<shape type='sphere'/>",
+                                                    "<sensor type='perspective'/>", integrator));
       CHECK(d.integrator.roulette_depth() == (said ? 4 : media ? 5 : 2));
     }
 }
