@@ -64,7 +64,7 @@ def main():
     parser.add_argument("--width", type=int, default=400)
     parser.add_argument("--reference-spp", type=int, default=2048)
     parser.add_argument("--method", default="nlm")
-    parser.add_argument("--arguments", default="--aov albedo,normal,depth,variance,half",
+    parser.add_argument("--arguments", default="--aov albedo,normal,depth,variance,half --float",
                         help="further arguments of sheaf render for the noisy picture; default: %(default)s")
     arguments = parser.parse_args()
     print(f"{'':16} {'plain':>10} {'8 x':>10} {'noisy':>10} {'denoised':>10} {'gain':>6} {'cpu s':>8}")
