@@ -31,11 +31,11 @@ void weigh(const FilterWeights& filter, int at, float offset, int begin, int end
 /// One register of a row. Compilers that are left alone with loops over these numbers put pixels across registers.
 using RowRegister [[gnu::vector_size(FilmRow::kRegister * sizeof(double))]] = double;
 
-/// Adds one register of terms to the rows of pixels side by side, of one register each.
-void add_line(double* sums, const double* terms, const Span& across, float weight) {
+/// Adds one register of terms to the rows of pixels side by side, which lie `stride` numbers apart.
+void add_line(double* sums, std::size_t stride, const double* terms, const Span& across, float weight) {
   RowRegister term, sum;
   std::memcpy(&term, terms, sizeof term);
-  for (int i = 0; i < across.count; ++i, sums += FilmRow::kRegister) {
+  for (int i = 0; i < across.count; ++i, sums += stride) {
     std::memcpy(&sum, sums, sizeof sum);
     sum += static_cast<double>(across.weights[static_cast<std::size_t>(i)] * weight) * term;
     std::memcpy(sums, &sum, sizeof sum);
@@ -109,9 +109,9 @@ void FilmTile::add(int x, int y, const SampleBuffer& samples, std::size_t index_
   weigh(*weights_, x, offset.x, outer_.x0, outer_.x1, across);
   weigh(*weights_, y, offset.y, outer_.y0, outer_.y1, down);
   if (across.count == 0) return;
-  if (row_.size() == FilmRow::kRegister && !tells_surfaces()) {
+  if (row_.weight_squared == FilmRow::kRegister && !sums_squares_ && row_.bins == 0 && !tells_surfaces()) {
     for (int j = 0; j < down.count; ++j)
-      add_line(sums_.data() + index(across.first, down.first + j) * FilmRow::kRegister, terms_.data(), across,
+      add_line(sums_.data() + index(across.first, down.first + j) * row_.size(), row_.size(), terms_.data(), across,
                down.weights[static_cast<std::size_t>(j)]);
     return;
   }
