@@ -3,8 +3,7 @@
 //
 // The measure of importance is that of Pharr et al., "Physically Based Rendering", 4th ed., section 12.6.3, after Conty
 // Estevez and Kulla (HPG 2018), equation 3: power, over squared distance, times the largest cosines that any light of
-// the node can have at either end. All angles stay cosines and sines, times the distance: no arc functions, and
-// differences of angles are compared with zero by the sign of their sine.
+// the node can have at either end, or somewhat larger ones that cost less to find.
 #pragma once
 
 #include "scene/tables/light_tree.h"
@@ -35,13 +34,20 @@ inline constexpr float kNearSquared = 1e-18f, kFarSquared = 1e18f;
 /// Where light is wanted.
 template <class L> struct Receiver {
   Vec3<L> p;
-  Vec3<L> n;                ///< unit length
-  typename L::Mask facing;  ///< whether `n` means anything
+  Vec3<L> n;                    ///< unit length, or zero
+  typename L::Float all_sides;  ///< 1 where there is no normal, else 0
 };
 
 template <class L> SHEAF_INLINE Receiver<L> make_receiver(Vec3<L> p, Vec3<L> n, Mask<L> has_normal) {
   const Mask<L> facing = has_normal & (dot(n, n) > Float<L>(0.0f));
-  return {p, n, facing};
+  const Float<L> zero(0.0f);
+  return {p, select(facing, n, Vec3<L>{zero, zero, zero}), select(facing, zero, Float<L>(1.0f))};
+}
+
+/// The power of two which brings a positive x to [1, 2). A division would take longer.
+template <class L> SHEAF_INLINE Float<L> reciprocal_power_of_two(typename L::Float x) {
+  using U = Uint<L>;
+  return bits_float(U(0x7f000000u) - (float_bits(x) & U(0x7f800000u)));
 }
 
 /// What a node may contribute: `weight` / `divisor`, up to a factor that its sibling shares.
@@ -58,10 +64,12 @@ template <class L> SHEAF_INLINE NodePair<L> load_pair(const LightTreeView& tree,
   const float* rows[L::width];
   for (int lane = 0; lane < L::width; ++lane) rows[lane] = reinterpret_cast<const float*>(tree.nodes + lanes[lane]);
   constexpr int kWords = kLeafCount<LightNode>, kRowWords = sizeof(LightNodeRow) / sizeof(float);
-  typename L::Float words[2][kWords];
+  constexpr int kLoaded = (kWords + 3) / 4 * 4;
+  static_assert(kLoaded <= kRowWords);
+  typename L::Float words[2][kLoaded];
   for (auto& child : words)
     for (int k = 0; k < kRowWords; k += 4) {
-      if (k < kWords) load_rows4(rows, child + k);
+      if (k < kLoaded) load_rows4(rows, child + k);
       for (int lane = 0; lane < L::width; ++lane) rows[lane] += 4;
     }
   return {record_of_words<L, LightNode>(words[0]), record_of_words<L, LightNode>(words[1])};
@@ -72,98 +80,93 @@ template <class L> SHEAF_INLINE LightNode<L> broadcast(const LightNodeRow& row) 
   using F = Float<L>;
   return {{F(row.center.x), F(row.center.y), F(row.center.z)},
           F(row.radius),
-          {F(row.axis.x), F(row.axis.y), F(row.axis.z)},
+          {F(row.tilt.x), F(row.tilt.y), F(row.tilt.z)},
+          F(row.spread),
           F(row.share),
-          F(row.cos_theta_o),
-          F(row.sin_theta_o),
           F(row.cos_theta_e),
           Uint<L>(row.link)};
 }
 
+/// Bounds of cosines instead of the largest ones: for a sphere of radius r around a point at distance D, under an angle
+/// i, no direction to it has a larger cosine than cos i + r / D, as cos(i - b) <= cos i + sin b; and the same with the
+/// cone of normals at the other end. All is times D here, which takes one square root.
 template <class L> SHEAF_INLINE Importance<L> importance(const LightNode<L>& node, const Receiver<L>& at) {
   using F = Float<L>;
   using U = Uint<L>;
-  const F zero(0.0f), radius = node.radius;
   const Vec3<L> d = node.center - at.p;
-  const F squared = clamp(dot(d, d), F(kNearSquared), F(kFarSquared));
-  const F radius_squared = radius * radius;
-  const auto inside = squared <= max(radius_squared, F(kNearSquared));
-  // The angle b under which the sphere around the lights is seen: cosine, sine x distance = to_edge, radius.
-  const F to_edge = safe_sqrt(squared - radius_squared);
-
-  // At the light: the angle w from the axis, less that of the cone, less b.
+  const F squared = clamp(dot(d, d), F(kNearSquared), F(kFarSquared)), distance = sqrt(squared);
+  // At the light; two sides have two axes.
   const U keep_sign = U(0xffffffffu) ^ ((node.link & U(kLightTwoSided)) << 1);
-  const F cos_w = bits_float(float_bits(-dot(node.axis, d)) & keep_sign);
-  const F sin_w = safe_sqrt(fma(-cos_w, cos_w, squared));
-  const F cos_x = fma(cos_w, node.cos_theta_o, sin_w * node.sin_theta_o),
-          sin_x = fma(sin_w, node.cos_theta_o, -(cos_w * node.sin_theta_o));
-  const auto in_cone = inside | (sin_x <= zero) | (sin_x * to_edge <= cos_x * radius);
-  const F cos_light = select(in_cone, squared, fma(cos_x, to_edge, sin_x * radius));
-
-  // At the receiver: the angle i from the normal, on the side where the light is, less b.
-  const F cos_i = abs(dot(at.n, d)), sin_i = safe_sqrt(fma(-cos_i, cos_i, squared));
-  const auto overhead = inside | (!at.facing) | (sin_i * to_edge <= cos_i * radius);
-  const F cos_receiver = select(overhead, squared, fma(cos_i, to_edge, sin_i * radius));
-
-  // Both cosines are times the squared distance here. A power of two close to its inverse brings them near 1: a
-  // division would take longer, and squares of the distance might not be finite.
-  const F scale = bits_float(U(0x7f000000u) - (float_bits(squared) & U(0x7f800000u)));
-  const F one = squared * scale, least = one * F(kLeastCosine);
-  const F weight = node.share * max(cos_light * scale, least) * max(cos_receiver * scale, least);
-  return {select(cos_light > node.cos_theta_e * squared, weight, zero),
-          one * one * min(max(squared, radius_squared), F(kFarSquared))};
+  const F cos_w = bits_float(float_bits(-dot(node.tilt, d)) & keep_sign);
+  const F cos_light = fma(node.spread, distance, cos_w) + node.radius;
+  // At the receiver, on the side of its normal where the light is.
+  const F cos_receiver = fma(at.all_sides, distance, abs(dot(at.n, d))) + node.radius;
+  // Powers of the distance itself might not be finite.
+  const F scale = reciprocal_power_of_two<L>(distance);
+  const F one = distance * scale, least = one * F(kLeastCosine);
+  const F weight = node.share * clamp(cos_light * scale, least, one) * clamp(cos_receiver * scale, least, one);
+  return {select(cos_light > node.cos_theta_e * distance, weight, F(0.0f)),
+          one * one * clamp(node.radius * node.radius, squared, F(kFarSquared))};
 }
 
-/// The way on from a node.
+/// The way on from a node, as weights of which only the ratio counts.
 template <class L> struct Turn {
-  typename L::Float first, second;  ///< probabilities of the children
-  typename L::Mask possible;        ///< whether any light below may contribute
+  typename L::Float first, second;
+
+  SHEAF_INLINE Float<L> sum() const { return first + second; }
 };
 
 template <class L> SHEAF_INLINE Turn<L> turn(const NodePair<L>& pair, const Receiver<L>& at) {
   using F = Float<L>;
-  const F zero(0.0f), one(1.0f);
+  const F zero(0.0f), least(kLeastTurn);
   const Importance<L> a = importance<L>(pair.first, at), b = importance<L>(pair.second, at);
   const F to_first = a.weight * b.divisor, to_second = b.weight * a.divisor;
-  const F sum = to_first + to_second;
-  const auto possible = sum > zero;
-  const F least = select(to_first > zero, F(kLeastTurn), zero);
-  const F most = select(to_second > zero, F(1.0f - kLeastTurn), one);
-  const F first = min(max(to_first / select(possible, sum, one), least), most);
-  return {first, one - first, possible};
+  return {select(to_first > zero, max(to_first, to_second * least), zero),
+          select(to_second > zero, max(to_second, to_first * least), zero)};
 }
 
-/// Where a draw stands: u lies in [begin, begin + width), and width is the probability of having come here.
+/// Where a draw stands: `rest` / `whole` of the node's share of u lies before it, and `chosen` / `offered` is the
+/// probability of having come here. No division until the end: a walk waits for each of its steps.
 template <class L> struct Descent {
-  typename L::Float begin, width;
+  typename L::Float rest, whole, chosen, offered;
+
+  static SHEAF_INLINE Descent at_root(typename L::Float u) {
+    return {u, Float<L>(1.0f), Float<L>(1.0f), Float<L>(1.0f)};
+  }
+  SHEAF_INLINE Mask<L> possible() const { return chosen > Float<L>(0.0f); }
 
   /// Takes a turn; whether it leads to the first child.
-  SHEAF_INLINE Mask<L> take(const Turn<L>& way, Mask<L> active, Float<L> u) {
-    const Float<L> border = fma(width, way.first, begin);
-    const auto goes_first = u < border;
-    const Float<L> taken = select(way.possible, select(goes_first, way.first, way.second), Float<L>(0.0f));
-    begin = select(active & !goes_first, border, begin);
-    width = select(active, width * taken, width);
+  SHEAF_INLINE Mask<L> take(const Turn<L>& way, Mask<L> active) {
+    using F = Float<L>;
+    const F sum = way.sum(), here = rest * sum, border = whole * way.first;
+    const auto goes_first = here < border;
+    const F taken = select(goes_first, way.first, way.second), part = whole * taken;
+    const F scale = reciprocal_power_of_two<L>(part), scale_sum = reciprocal_power_of_two<L>(sum);
+    rest = select(active, select(goes_first, here, here - border) * scale, rest);
+    whole = select(active, part * scale, whole);
+    chosen = select(active, chosen * (taken * scale_sum), chosen);
+    offered = select(active, offered * (sum * scale_sum), offered);
     return goes_first;
   }
 };
 
 /// Goes on from `node` in the lanes of `active`, to a leaf, whose link is kept in `link`.
 template <class L>
-SHEAF_INLINE LightTreeSample<L> descend(const LightTreeView& tree, const Receiver<L>& at, typename L::Float u,
-                                        Descent<L> way, typename L::Uint link) {
+SHEAF_INLINE LightTreeSample<L> descend(const LightTreeView& tree, const Receiver<L>& at, Descent<L> way,
+                                        typename L::Uint link) {
   using F = Float<L>;
   using U = Uint<L>;
-  auto active = ((link & U(kLightLeaf)) == U(0u)) & (way.width > F(0.0f));
+  auto active = ((link & U(kLightLeaf)) == U(0u)) & way.possible();
   while (any(active)) {
     const NodePair<L> pair = load_pair<L>(tree, select(active, link & U(kLightIndex), U(0u)));
-    const auto goes_first = way.take(turn<L>(pair, at), active, u);
+    const auto goes_first = way.take(turn<L>(pair, at), active);
     link = select(active, select(goes_first, pair.first.link, pair.second.link), link);
-    active = active & ((link & U(kLightLeaf)) == U(0u)) & (way.width > F(0.0f));
+    active = active & ((link & U(kLightLeaf)) == U(0u)) & way.possible();
   }
-  const auto valid = way.width > F(0.0f);
-  const F remapped = clamp((u - way.begin) / select(valid, way.width, F(1.0f)), F(0.0f), F(kOneMinusEpsilon));
-  return {select(valid, link & U(kLightIndex), U(0u)), way.width, remapped, valid};
+  const auto valid = way.possible();
+  const F remapped = clamp(way.rest / select(valid, way.whole, F(1.0f)), F(0.0f), F(kOneMinusEpsilon));
+  return {select(valid, link & U(kLightIndex), U(0u)), select(valid, way.chosen / way.offered, F(0.0f)), remapped,
+          valid};
 }
 
 }  // namespace light_tree_detail
@@ -177,7 +180,7 @@ SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, Vec
   using namespace light_tree_detail;
   using F = Float<L>;
   if (tree.node_count == 0) return {Uint<L>(0u), F(0.0f), u, Mask<L>(false)};
-  return descend<L>(tree, make_receiver<L>(p, n, has_normal), u, {F(0.0f), F(1.0f)}, Uint<L>(0u));
+  return descend<L>(tree, make_receiver<L>(p, n, has_normal), Descent<L>::at_root(u), Uint<L>(0u));
 }
 
 /// The upper turns for one receiver, which all its candidates have in common.
@@ -203,19 +206,21 @@ SHEAF_INLINE LightTreeTop<L> light_tree_top(const LightTreeView& tree, Vec3<L> p
     if ((link & kLightLeaf) != 0) continue;
     const LightNodeRow* const rows = tree.nodes + (link & kLightIndex);
     const Turn<L> way = turn<L>({broadcast<L>(rows[0]), broadcast<L>(rows[1])}, at);
-    top.first[pair] = select(way.possible, way.first, F(LightTreeTop<L>::kNoTurn));
+    const F sum = way.sum();
+    const auto possible = sum > F(0.0f);
+    top.first[pair] = select(possible, way.first / select(possible, sum, F(1.0f)), F(LightTreeTop<L>::kNoTurn));
   }
   return top;
 }
 
-/// Draws what sample_light_tree() draws for the same point, of which `top` was made.
+/// Draws what sample_light_tree() draws for the same point, of which `top` was made, to rounding.
 template <class L>
 SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, const LightTreeTop<L>& top, Vec3<L> p,
                                                   Vec3<L> n, Mask<L> has_normal, typename L::Float u) {
   using namespace light_tree_detail;
   using F = Float<L>;
   using U = Uint<L>;
-  Descent<L> way{F(0.0f), F(1.0f)};
+  Descent<L> way = Descent<L>::at_root(u);
   U node(0u);
   Mask<L> turns[kLightTopLevels];
   for (int level = 0; level < kLightTopLevels; ++level) {
@@ -226,12 +231,13 @@ SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, con
     for (int bit = 0; bit < level; ++bit)
       for (int k = 0; k < count >> (bit + 1); ++k)
         candidates[k] = select(turns[bit], candidates[k], candidates[k + (count >> (bit + 1))]);
-    const F first = candidates[0];
-    const F in_range = min(max(first, F(0.0f)), F(1.0f));
-    turns[level] = way.take({in_range, F(1.0f) - in_range, first >= F(0.0f)}, first <= F(1.0f), u) | (first > F(1.0f));
+    const F first = candidates[0], one(1.0f), zero(0.0f);
+    const auto known = (first >= zero) & (first <= one);
+    turns[level] =
+        way.take({select(known, first, zero), select(known, one - first, zero)}, first <= one) | (first > one);
     node = (node << 1) + select(turns[level], U(1u), U(2u));
   }
-  return descend<L>(tree, make_receiver<L>(p, n, has_normal), u, way, gather(tree.top, node));
+  return descend<L>(tree, make_receiver<L>(p, n, has_normal), way, gather(tree.top, node));
 }
 
 /// The probability with which sample_light_tree() draws `light` for the same point and normal; 0 in lanes that are not
@@ -246,19 +252,20 @@ SHEAF_INLINE Float<L> light_tree_probability(const LightTreeView& tree, Vec3<L> 
   const Receiver<L> at = make_receiver<L>(p, n, has_normal);
   U trail = gather(tree.trails, select(active, light, U(0u)));
   U node(0u);
-  F probability = select(active, F(1.0f), F(0.0f));
+  F chosen = select(active, F(1.0f), F(0.0f)), offered(1.0f);
   while (any(active)) {
     const NodePair<L> pair = load_pair<L>(tree, node);
     const Turn<L> way = turn<L>(pair, at);
     const auto goes_first = (trail & U(1u)) == U(0u);
-    const F taken = select(way.possible, select(goes_first, way.first, way.second), F(0.0f));
-    probability = select(active, probability * taken, probability);
+    const F sum = way.sum(), scale = reciprocal_power_of_two<L>(sum);
+    chosen = select(active, chosen * (select(goes_first, way.first, way.second) * scale), chosen);
+    offered = select(active, offered * (sum * scale), offered);
     const U link = select(goes_first, pair.first.link, pair.second.link);
-    active = active & ((link & U(kLightLeaf)) == U(0u)) & (probability > F(0.0f));
+    active = active & ((link & U(kLightLeaf)) == U(0u)) & (chosen > F(0.0f));
     trail = trail >> 1;
     node = select(active, link & U(kLightIndex), U(0u));
   }
-  return probability;
+  return select(chosen > F(0.0f), chosen / offered, F(0.0f));
 }
 
 }  // namespace sheaf

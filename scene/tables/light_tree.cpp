@@ -78,20 +78,20 @@ Cluster make_cluster(const LightBounds& light) {
 LightNodeRow make_row(const Cluster& cluster, double pair_power, std::uint32_t link) {
   LightNodeRow row{};
   float* const centers[3] = {&row.center.x, &row.center.y, &row.center.z};
-  float* const axes[3] = {&row.axis.x, &row.axis.y, &row.axis.z};
+  float* const tilts[3] = {&row.tilt.x, &row.tilt.y, &row.tilt.z};
+  const double cos_theta_o = std::max(cluster.cone.cos_theta, 0.0);
   double squared = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     const double center = 0.5 * (cluster.lower[c] + cluster.upper[c]);
     *centers[c] = static_cast<float>(center);
-    *axes[c] = static_cast<float>(cluster.cone.axis[c]);
+    *tilts[c] = static_cast<float>(cluster.cone.axis[c] * cos_theta_o);
     const double reach = std::max(cluster.upper[c] - *centers[c], *centers[c] - cluster.lower[c]);
     squared += reach * reach;
   }
   constexpr double kOutwards = 1.0 + 0x1p-21;
   row.radius = static_cast<float>(std::min(std::sqrt(squared) * kOutwards, 3e38));
   row.share = cluster.power > 0.0 ? std::max(static_cast<float>(cluster.power / pair_power), kLeastShare) : 0.0f;
-  row.cos_theta_o = static_cast<float>(cluster.cone.cos_theta);
-  row.sin_theta_o = static_cast<float>(cluster.cone.sin_theta);
+  row.spread = static_cast<float>(cos_theta_o > 0.0 ? cluster.cone.sin_theta : 1.0);
   constexpr double kCosineError = 1e-6;
   row.cos_theta_e = static_cast<float>(std::cos(std::acos(cluster.cos_theta_e) + kLightConeSlack) - kCosineError);
   row.link = link | (cluster.two_sided ? kLightTwoSided : 0u);

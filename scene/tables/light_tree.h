@@ -31,16 +31,15 @@ struct LightBounds {
 template <class L> struct LightNode {
   Vec3<L> center;               ///< of the sphere around the node's box
   typename L::Float radius{};   ///< of that sphere; contains all lights of the node whatever the rounding
-  Vec3<L> axis;                 ///< of the cone of normals
+  Vec3<L> tilt;                 ///< axis of the cone of normals times cos_theta_o; zero if that is negative
+  typename L::Float spread{};   ///< sine of the half angle of that cone; 1 if it is more than pi / 2
   typename L::Float
       share{};  ///< power over the power of the node and its sibling; 0 if there is none, else >= kLeastShare
-  typename L::Float cos_theta_o{};  ///< see LightBounds
-  typename L::Float sin_theta_o{};
   typename L::Float cos_theta_e{};  ///< see LightBounds; wider by kLightConeSlack
   typename L::Uint link{};      ///< index of the first child, or kLightLeaf and the light; with kLightTwoSided
 
   static constexpr auto fields(auto& s) {
-    return std::tie(s.center, s.radius, s.axis, s.share, s.cos_theta_o, s.sin_theta_o, s.cos_theta_e, s.link);
+    return std::tie(s.center, s.radius, s.tilt, s.spread, s.share, s.cos_theta_e, s.link);
   }
 };
 
@@ -49,7 +48,7 @@ template <class L> struct LightNode {
 struct alignas(64) LightNodeRow : LightNode<Scalar> {
   float power = 0;  ///< of all lights of the node; for people and tests, as the next two
   std::uint32_t light_count = 0;
-  std::uint32_t unused[2] = {};
+  std::uint32_t unused[3] = {};
 };
 static_assert(sizeof(LightNodeRow) == 64);
 
@@ -59,13 +58,13 @@ inline constexpr std::uint32_t kLightLeaf = 0x80000000u, kLightTwoSided = 0x4000
 inline constexpr int kMaxLightTreeDepth = 32;
 /// The smallest share of a light that has any power: far above what would underflow.
 inline constexpr float kLeastShare = 1e-9f;
-/// By how much cones of emission are widened, in radians: more than single precision errs in the angles of
-/// kernels/lights/light_tree.h (two square roots of differences, each good to a few times 2^-12).
+/// By how much cones of emission are widened, in radians: more than single precision errs in the cosines of
+/// kernels/lights/light_tree.h, where these graze.
 inline constexpr double kLightConeSlack = 2e-3;
 
 /// The upper levels of a tree, which many candidates of a vertex may share, and the nodes at their ends: node h of a
 /// complete tree has the children 2 h + 1 and 2 h + 2.
-inline constexpr int kLightTopLevels = 4, kLightTopPairs = (1 << kLightTopLevels) - 1;
+inline constexpr int kLightTopLevels = 5, kLightTopPairs = (1 << kLightTopLevels) - 1;
 inline constexpr int kLightTopNodes = 2 * kLightTopPairs + 1;
 
 /// What kernels see of a light tree.
