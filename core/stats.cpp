@@ -168,10 +168,28 @@ std::string lights_table(const RenderReport& report) {
   return fmt::format("{:<28}{:>11}{:>11}{:>13}\n", "light", "shadow rays", "arrive", "of their sum") + text;
 }
 
+/// What adaptive sampling has come to.
+std::string adaptive_line(const RenderReport& report) {
+  if (!report.adaptive) return {};
+  const RenderReport::Adaptive& a = *report.adaptive;
+  std::string text = fmt::format("{:.1f} spp on average, {} to {}", a.mean_samples, a.least_samples, a.most_samples);
+  if (a.noise_target > 0)
+    text += fmt::format("; {} of {} tiles are down to a noise of {:.2g} %", a.reached, a.tiles, a.noise_target * 100);
+  return text + "\n";
+}
+
+nlohmann::ordered_json adaptive_json(const RenderReport& report) {
+  if (!report.adaptive) return {};
+  const RenderReport::Adaptive& a = *report.adaptive;
+  return {{"noise_target", a.noise_target}, {"mean_spp", a.mean_samples}, {"least_spp", a.least_samples},
+          {"most_spp", a.most_samples},     {"tiles", a.tiles},           {"tiles_reached", a.reached}};
+}
+
 /// How noisy the picture is, and what it would take to halve that, and to bring it to one per cent.
 std::string noise_line(const RenderReport& report) {
   if (!report.noise || !(*report.noise > 0)) return {};
   std::string text = fmt::format("noise {:.2f} % of a pixel's value (rms)", *report.noise * 100);
+  if (report.adaptive) return text + "\n";
   for (const double target : {*report.noise / 2, 0.01}) {
     const double factor = report.samples_factor(target);
     if (factor < 1.5) continue;
@@ -232,6 +250,7 @@ std::string to_json(const RenderReport& report) {
       {"trace_share", report.trace_share()},
       {"noise", report.noise ? Json(*report.noise) : Json()},
       {"seconds_to_one_percent", report.noise ? Json(report.render_seconds * report.samples_factor(0.01)) : Json()},
+      {"adaptive", adaptive_json(report)},
       {"stages", stages},
       {"lights", lights_json(report)},
       {"collisions",
@@ -271,7 +290,7 @@ std::string to_table(const RenderReport& report) {
                    stage.items, stage.calls, stage.seconds(), stage.ns_per_item(), stage.lane_fill() * 100);
   }
   text += lights_table(report);
-  text += noise_line(report);
+  text += adaptive_line(report) + noise_line(report);
   if (const Stats::Collisions& c = stats.collisions; c.real + c.null + c.shadow > 0)
     fmt::format_to(out, "collisions with media: {} real, {} null ({:.2f} per real one), {} of shadow rays\n", c.real,
                    c.null, ratio(static_cast<double>(c.null), static_cast<double>(c.real)), c.shadow);

@@ -149,6 +149,14 @@ struct RenderReport {
     double trace_seconds = 0;               ///< following paths
     double fit_seconds = 0;                 ///< learning from them
   } guiding;
+  /// Adaptive sampling: how many samples there are.
+  struct Adaptive {
+    double noise_target = 0;  ///< of each tile; 0: none
+    double mean_samples = 0;  ///< per pixel, of those that are used
+    std::uint32_t least_samples = 0, most_samples = 0;
+    std::uint64_t tiles = 0, reached = 0;  ///< of the picture, and those that are no noisier than they are to be
+  };
+  std::optional<Adaptive> adaptive;
   std::uint64_t peak_rss_bytes = 0, peak_private_bytes = 0;
   std::vector<std::string_view> stage_names;  ///< of all stages, in the order of Stats::stages
   std::vector<std::string> light_places;      ///< "file:line" of each light that Stats::lights tells, or empty

@@ -49,7 +49,7 @@ struct RenderArguments {
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
   std::string color = "rgb", integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size, aovs,
               denoiser;
-  std::optional<float> scale;
+  std::optional<float> scale, noise_target, time_limit;
   std::optional<float> step_size;
   int threads = 0, wave_size = 0, spectral_bins = 0, replicates = 0;
   bool no_timestamps = false, quiet = false, watertight = false, guiding = false, light_groups = false,
@@ -109,6 +109,11 @@ void apply_integrator(const RenderArguments& arguments, IntegratorDescription& i
   if (arguments.step_size) integrator.step_size = *arguments.step_size;
 }
 
+/// Most samples per pixel where noise or time decide, unless told otherwise.
+constexpr std::uint32_t kAdaptiveSamples = 1 << 16;
+
+bool is_adaptive(const RenderArguments& arguments) { return arguments.noise_target || arguments.time_limit; }
+
 /// Sets the sampler asked for, and the samples per pixel that it will take; notes where these are others than the
 /// scene's.
 void apply_sampler(const RenderArguments& arguments, Description& scene) {
@@ -122,7 +127,7 @@ void apply_sampler(const RenderArguments& arguments, Description& scene) {
   } else {
     sampler.kind = sampler_from_name(arguments.sampler);
   }
-  const std::uint32_t wanted = arguments.spp.value_or(sampler.sample_count);
+  const std::uint32_t wanted = arguments.spp.value_or(is_adaptive(arguments) ? kAdaptiveSamples : sampler.sample_count);
   sampler.sample_count = rounded_sample_count(sampler.kind, wanted);
   note(rounding_note(sampler.kind, wanted));
 }
@@ -198,8 +203,11 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
                          {"sheaf/sampler", std::string(sampler_name(scene.sampler.kind))},
                          {"sheaf/seed", std::to_string(report.seed)},
                          {"sheaf/samplesPerPixel", static_cast<int>(report.spp)},
+                         {"sheaf/noise", report.noise ? fmt::format("{:.6g}", *report.noise) : std::string("unknown")},
                          {"sheaf/droppedRays", std::to_string(report.stats.dropped.rays)},
                          {"sheaf/droppedSamples", std::to_string(report.stats.dropped.samples)}};
+  if (arguments.noise_target)
+    metadata.attributes.push_back({"sheaf/noiseTarget", fmt::format("{:.6g}", *arguments.noise_target)});
   if (arguments.spectral_bins > 0) {
     metadata.attributes.push_back({"spectralLayoutVersion", std::string("1.0")});
     metadata.attributes.push_back({"emissiveUnits", std::string("W.m^-2.sr^-1")});
@@ -300,6 +308,8 @@ RenderOptions render_options(const RenderArguments& arguments, const SamplerDesc
   options.spectral_bins = arguments.spectral_bins;
   options.replicates = choose_replicates(arguments, sampler);
   options.guiding = arguments.guiding;
+  options.noise_target = static_cast<double>(arguments.noise_target.value_or(0.0f));
+  options.time_limit = static_cast<double>(arguments.time_limit.value_or(0.0f));
   options.aovs = aovs;
   options.light_groups = arguments.light_groups;
   options.crop = crop;
@@ -407,6 +417,17 @@ void add_picture_options(Command& command, RenderArguments& arguments) {
   command.add_flag("--watertight", arguments.watertight,
                    "Let no ray slip between triangles that share an edge; slower by up to a third in small scenes");
   command.add_option("--spp", arguments.spp, "Samples per pixel. Default: the scene's").in_range(1u, 1u << 24);
+  command
+      .add_option("--noise-target", arguments.noise_target,
+                  "Take samples, tile by tile, until the standard error of a tile's pixels is this share of their "
+                  "values (0.01: one per cent), or there are --spp of them (then 65536 by default). For paths from "
+                  "the camera, with the samplers sobol and independent")
+      .positive();
+  command
+      .add_option("--time-limit", arguments.time_limit,
+                  "Begin no more samples after this many seconds of rendering, once there is a picture: with "
+                  "--noise-target or up to --spp")
+      .positive();
   command.add_option("--seed", arguments.seed, "Seed of the random numbers, 0 to 4294967295. Default: the scene's");
   command.add_option("--threads", arguments.threads, "Worker threads. Default: 0, one for each logical core")
       .in_range(0, 4096);

@@ -1,6 +1,7 @@
 #include "kernels/film/film.h"
 
 #include "core/color.h"
+#include "kernels/film/noise.h"
 
 #include <tbb/parallel_for.h>
 
@@ -24,15 +25,6 @@ std::string bin_channel(int bin, int bins) {
   std::string centre = std::to_string(static_cast<double>(kWavelengthMin) + (bin + 0.5) * bin_width(bins));
   std::replace(centre.begin(), centre.end(), '.', ',');
   return "S0." + centre + "nm";
-}
-
-/// See Film; `square` is the sum of S_u^2, `cross` that of S_u W_u.
-float variance_of_mean(double mean, double weight, double weight_squared, double square, double cross) {
-  const double total = weight * weight, rest = 1.0 - weight_squared / total;
-  // A single unit leaves nothing but rounding.
-  if (!(rest > 1e-9)) return 0.0f;
-  const double scatter = square - 2.0 * mean * cross + mean * mean * weight_squared;
-  return static_cast<float>(std::min(std::max(0.0, scatter) / (total * rest), kLargest));
 }
 
 /// Rows of pixels that one thread adds borders to at a time.
@@ -135,8 +127,10 @@ void Film::write_pixel(std::size_t pixel, float* out) const {
   for (std::size_t c = 0; c < row_.channels; ++c) out[c] = static_cast<float>(row[FilmRow::kSums + c] / weight);
   const double* const squares = row + row_.film_squares_at();
   for (std::size_t k = 0; k < row_.variances; ++k)
-    out[row_.channels + k] = variance_of_mean(row[FilmRow::kSums + row_.with_variance[k]] / weight, weight, squares[0],
-                                              squares[1 + 2 * k], squares[2 + 2 * k]);
+    out[row_.channels + k] =
+        static_cast<float>(std::min(variance_of_mean(row[FilmRow::kSums + row_.with_variance[k]] / weight, weight,
+                                                     squares[0], squares[1 + 2 * k], squares[2 + 2 * k]),
+                                    kLargest));
   for (std::size_t bin = 0; bin < row_.bins; ++bin)
     out[row_.channels + row_.variances + 1 + bin] =
         static_cast<float>(row[row_.film_bins_at() + bin] / (weight * bin_width(spectral_bins())));
@@ -150,7 +144,6 @@ void Film::write_pixel(std::size_t pixel, float* out) const {
 
 std::optional<double> Film::noise() const {
   constexpr std::size_t kComponents = 3;
-  constexpr double kLuminance[kComponents] = {0.2126, 0.7152, 0.0722}, kDark = 0.1, kWorst = 1e-3;
   if (row_.variances < kComponents || row_.with_variance[kComponents - 1] != kBlue) return std::nullopt;
   std::vector<float> channels(row_.channels + row_.variances + 1 + row_.bins +
                               static_cast<std::size_t>(layout_.half_count()));
@@ -170,12 +163,14 @@ std::optional<double> Film::noise() const {
   }
   mean /= static_cast<double>(std::max<std::size_t>(counts_.size(), 1));
   for (std::size_t pixel = 0; pixel < values.size(); ++pixel)
-    relative[pixel] /= values[pixel] * values[pixel] + kDark * mean * (kDark * mean) + 1e-30;
-  const auto kept = static_cast<std::size_t>(static_cast<double>(values.size()) * (1 - kWorst));
-  std::nth_element(relative.begin(), relative.begin() + static_cast<std::ptrdiff_t>(kept), relative.end());
-  double sum = 0;
-  for (std::size_t i = 0; i < kept; ++i) sum += relative[i];
-  return kept > 0 ? std::sqrt(sum / static_cast<double>(kept)) : 0.0;
+    relative[pixel] = relative_square(values[pixel], relative[pixel], mean);
+  return std::sqrt(mean_but_worst(relative));
+}
+
+void Film::clear() {
+  std::fill(counts_.begin(), counts_.end(), 0);
+  for (std::vector<double>* const numbers : {&sums_, &open_, &half_}) std::fill(numbers->begin(), numbers->end(), 0.0);
+  std::fill(coverage_.begin(), coverage_.end(), IdCoverage());
 }
 
 Image Film::to_image() const {

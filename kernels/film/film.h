@@ -59,6 +59,9 @@ class Film {
   /// Ends a replicate: what was added since the last one, or since the beginning. Nothing where samples are the units.
   void end_replicate();
 
+  /// Takes all samples out again.
+  void clear();
+
   /// Ends the first half of the samples, whose means the picture is to have besides.
   void end_first_half();
 
@@ -84,6 +87,7 @@ class Film {
  private:
   friend void put_film(BinaryOutput& out, const Film& film);
   friend Film get_film(BinaryInput& in);
+  friend class AdaptiveFilm;
 
   std::size_t pixel_index(int x, int y) const {
     return static_cast<std::size_t>(y - crop_.y0) * static_cast<std::size_t>(crop_.width()) +

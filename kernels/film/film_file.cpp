@@ -7,6 +7,9 @@ namespace {
 /// Most channels: far beyond any film, far below what would exhaust memory.
 constexpr std::uint32_t kMaxChannels = 4096;
 
+/// Pixels around the frame that tiles may lie in, and that samples may reach: far beyond any filter.
+constexpr int kMaxReach = 4096;
+
 void put_rect(BinaryOutput& out, const PixelRect& rect) {
   for (const int value : {rect.x0, rect.y0, rect.x1, rect.y1}) out.put(static_cast<std::int32_t>(value));
 }
@@ -129,6 +132,83 @@ std::vector<FilmBorder> get_borders(BinaryInput& in, const Film& film) {
       get_coverage(in, strip.coverage);
     }
   return borders;
+}
+
+void put_adaptive(BinaryOutput& out, const AdaptiveFilm& film) {
+  out.put(film.goal_.noise);
+  out.put(film.goal_.max_samples);
+  out.put(static_cast<std::int32_t>(film.reach_));
+  out.put(static_cast<std::uint64_t>(film.tiles_.size()));
+  for (const AdaptiveFilm::Tile& tile : film.tiles_) put_rect(out, tile.square);
+  for (const AdaptiveFilm::Tile& tile : film.tiles_) {
+    out.put(tile.units);
+    for (const AdaptiveFilm::Half& half : tile.halves) {
+      out.put(half.samples);
+      out.put(half.used);
+      out.put(half.used_squares);
+      out.put(static_cast<std::uint8_t>(half.content));
+      out.put(half.sums);
+      out.put(half.counts);
+      put_coverage(out, half.coverage);
+      out.put(half.luminance);
+    }
+  }
+  out.put(static_cast<std::uint64_t>(film.units_.size()));
+  for (const AdaptiveUnit& unit : film.units_) {
+    out.put(unit.tile);
+    out.put(unit.samples);
+    out.put(unit.number);
+    out.put(unit.half);
+    out.put(unit.done);
+  }
+  out.put(film.rounds_);
+  out.put(film.expected_);
+}
+
+AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
+  const auto noise = in.get<double>();
+  const AdaptiveGoal goal{noise, in.get<std::uint32_t>()};
+  const auto reach = in.get<std::int32_t>();
+  const auto count = in.get<std::uint64_t>();
+  if (reach < 0 || reach > kMaxReach || count > in.left() / sizeof(PixelRect))
+    in.fail("has tiles that cannot be: damaged");
+  const PixelRect around = PixelRect{0, 0, of.width(), of.height()}.grown(kMaxReach);
+  std::vector<PixelRect> squares;
+  std::uint64_t pixels = 0;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    squares.push_back(get_rect(in, around));
+    pixels += squares.back().grown(reach).intersection(of.crop()).area();
+  }
+  if (pixels > in.left() / (2 * sizeof(double) * static_cast<std::uint64_t>(of.layout().size())))
+    in.fail("ends too early: cut off");
+  AdaptiveFilm film(of, squares, reach, goal);
+  for (AdaptiveFilm::Tile& tile : film.tiles_) {
+    tile.units = in.get<std::uint32_t>();
+    for (AdaptiveFilm::Half& half : tile.halves) {
+      half.samples = in.get<std::uint32_t>();
+      half.used = in.get<std::uint32_t>();
+      half.used_squares = in.get<double>();
+      half.content = in.get<std::uint8_t>() != 0;
+      in.get(half.sums);
+      in.get(half.counts);
+      get_coverage(in, half.coverage);
+      in.get(half.luminance);
+    }
+  }
+  const auto units = in.get<std::uint64_t>();
+  if (units > 2 * film.tiles_.size()) in.fail("has more units than tiles: damaged");
+  film.units_.resize(static_cast<std::size_t>(units));
+  for (AdaptiveUnit& unit : film.units_) {
+    unit.tile = in.get<std::uint32_t>();
+    unit.samples = in.get<std::uint32_t>();
+    unit.number = in.get<std::uint32_t>();
+    unit.half = in.get<std::uint8_t>();
+    unit.done = in.get<std::uint8_t>();
+    if (unit.tile >= film.tiles_.size() || unit.half > 1) in.fail("has a unit of no tile: damaged");
+  }
+  film.rounds_ = in.get<std::uint32_t>();
+  in.get(film.expected_);
+  return film;
 }
 
 void put_splats(BinaryOutput& out, const SplatFilm& film) {

@@ -2,12 +2,12 @@
 
 #include "core/error.h"
 #include "kernels/film/cryptomatte.h"
-#include "kernels/media/medium_tracking.h"
 #include "kernels/passes/passes.h"
 #include "kernels/passes/photon_mapping.h"
+#include "kernels/passes/render_report.h"
+#include "kernels/passes/tiles.h"
 #include "kernels/passes/train_guiding.h"
 #include "kernels/passes/worker.h"
-#include "kernels/stages/stage_list.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
@@ -27,6 +27,10 @@ constexpr int kTaskSamples = 16384;
 /// Most samples per pixel and pass; passes are separated by a barrier, within one a tile has one owner.
 constexpr std::uint32_t kPassSamples = 256;
 
+/// Side of the tiles of adaptive sampling, pixels, and their samples per pixel and task.
+constexpr int kAdaptiveSide = 32;
+constexpr std::uint32_t kUnitSamples = 16;
+
 /// Replicates where they cost nothing.
 constexpr std::uint32_t kFreeReplicates = 8;
 
@@ -41,18 +45,6 @@ constexpr std::uint32_t kMostSamples = 1 << 24;
 /// Photons per task, and tasks whose splats are kept until they are added to the film.
 constexpr int kTaskPhotons = 16384, kRoundTasks = 64;
 
-std::string integrator_name(const IntegratorDescription& integrator) {
-  if (integrator.kind == IntegratorKind::kNormals) return "normals";
-  if (integrator.kind == IntegratorKind::kDepth) return "depth";
-  if (integrator.kind == IntegratorKind::kVisibility) return "av";
-  if (integrator.kind == IntegratorKind::kLightTracer) return "ptracer";
-  if (integrator.kind == IntegratorKind::kPhotonMapper) return integrator.photons.progressive ? "sppm" : "photonmapper";
-  if (integrator.ends_at_diffuse) return "whitted";
-  if (integrator.strategy == LightStrategy::kBsdfOnly) return "path_mats";
-  if (integrator.strategy == LightStrategy::kLightOnly) return "path_ems";
-  return integrator.max_depth == 2 ? "direct" : "path";
-}
-
 PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
   const FilmDescription& film = scene.film();
   const PixelRect whole{0, 0, film.width, film.height};
@@ -62,23 +54,6 @@ PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
     throw Error(ExitCode::kUsage, "crop must be a rectangle inside the frame of " + std::to_string(film.width) + " x " +
                                       std::to_string(film.height) + " pixels");
   return crop;
-}
-
-/// A square of pixels of the frame, and those of them whose samples are wanted.
-struct Tile {
-  PixelRect pixels, wanted;
-};
-
-/// Squares of `side` pixels, counted from the frame's corner, that hold any of the `wanted` pixels, row by row.
-std::vector<Tile> make_tiles(const PixelRect& wanted, int side) {
-  std::vector<Tile> tiles;
-  const auto tile_begin = [side](int at) { return (at >= 0 ? at / side : -((side - 1 - at) / side)) * side; };
-  for (int y = tile_begin(wanted.y0); y < wanted.y1; y += side)
-    for (int x = tile_begin(wanted.x0); x < wanted.x1; x += side) {
-      const PixelRect pixels{x, y, x + side, y + side};
-      tiles.push_back({pixels, pixels.intersection(wanted)});
-    }
-  return tiles;
 }
 
 /// Adds a finished task's samples to its tile, every pixel's in order.
@@ -152,6 +127,7 @@ class Renderer {
     const PixelRect crop = checked_crop(scene, options);
     check_spectral_bins(scene, options.spectral_bins);
     set_film(scene, crop);
+    set_adaptive(scene);
     context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed),
                                     replicate_samples_, static_cast<std::uint32_t>(frame_.row_length()));
     total_ = wanted_.area() * spp_;
@@ -163,6 +139,7 @@ class Renderer {
       total_ += photon_mapping_->wanted();
     }
     if (context_.transport.kind == IntegratorKind::kLightTracer) set_photons(scene, crop);
+    adaptive_before_ = total_ - wanted_.area() * spp_;
     if (options.resume != nullptr) resume(*options.resume);
   }
 
@@ -170,17 +147,22 @@ class Renderer {
     const auto start = std::chrono::steady_clock::now();
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_));
     tbb::task_arena arena(threads_);
-    arena.execute([this] {
+    arena.execute([this, start] {
       if (state_.first_sample < spp_ && !training_passes_.empty()) train();
-      while (state_.first_sample < spp_ && !stopped()) take_samples();
+      if (state_.adaptive)
+        take_adaptive_samples(start);
+      else
+        while (state_.first_sample < spp_ && !stopped()) take_samples();
       while (state_.photons < photons_ && !stopped()) {
         run_photons();
         if (pauses()) pause();
       }
       pause();
       // A render that was stopped shows what there is.
-      state_.film.add(state_.borders);
-      state_.film.end_replicate();
+      if (!state_.adaptive) {
+        state_.film.add(state_.borders);
+        state_.film.end_replicate();
+      }
     });
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     return finish(elapsed.count());
@@ -204,20 +186,43 @@ class Renderer {
     const int reach = weights != nullptr ? weights->reach() : 0;
     frame_ = {film.width, film.sample_border ? reach : 0};
     wanted_ = crop.grown(reach).intersection(PixelRect{0, 0, film.width, film.height}.grown(frame_.border));
+    const bool adapts = options_.noise_target > 0 || options_.time_limit > 0;
     const bool independent = scene.sampler().kind == SamplerKind::kIndependent;
     check_layers();
     std::uint32_t replicates = options_.replicates > 0 ? static_cast<std::uint32_t>(options_.replicates)
                                : independent           ? kFreeReplicates
                                                        : default_replicates(spp_);
     if (wants_halves()) replicates = std::max(replicates, 2u);
-    const bool by_samples = independent && reach == 0;
+    const bool by_samples = independent && reach == 0 && !adapts;
     replicate_samples_ = by_samples ? spp_ : (spp_ + replicates - 1) / replicates;
     const std::uint32_t made = (spp_ + replicate_samples_ - 1) / replicate_samples_;
     half_samples_ = by_samples ? spp_ / 2 : made / 2 * replicate_samples_;
-    state_.film = Film(film.width, film.height, crop,
-                       film_layout(options_.aovs, by_samples || replicate_samples_ < spp_, group_lights(scene.names())),
-                       options_.spectral_bins, by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate,
-                       options_.aovs.contains(AovSource::kSurfaceId));
+    state_.film =
+        Film(film.width, film.height, crop,
+             film_layout(options_.aovs, by_samples || adapts || replicate_samples_ < spp_, group_lights(scene.names())),
+             options_.spectral_bins, by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate,
+             options_.aovs.contains(AovSource::kSurfaceId));
+  }
+
+  /// Begins the sums of an adaptive render, if it is one.
+  void set_adaptive(const Scene& scene) {
+    if (options_.noise_target <= 0 && options_.time_limit <= 0) return;
+    const SamplerKind kind = scene.sampler().kind;
+    if (kind != SamplerKind::kSobol && kind != SamplerKind::kIndependent)
+      throw Error(ExitCode::kUsage,
+                  "a noise target or a time limit needs a sampler that may be ended anywhere: sobol or independent");
+    if (context_.transport.kind != IntegratorKind::kPath)
+      throw Error(ExitCode::kUsage,
+                  "a noise target or a time limit needs an integrator that follows paths from the "
+                  "camera, such as path; " +
+                      integrator_name(context_.transport) + " is none");
+    if (spp_ < 2) throw Error(ExitCode::kUsage, "a noise target or a time limit needs two samples per pixel or more");
+    adaptive_tiles_ = make_tiles(wanted_, kAdaptiveSide);
+    std::vector<PixelRect> squares;
+    for (const Tile& tile : adaptive_tiles_) squares.push_back(tile.pixels);
+    const FilterWeights* weights = context_.scene.filter_weights;
+    state_.adaptive.emplace(state_.film, squares, weights != nullptr ? weights->reach() : 0,
+                            AdaptiveGoal{options_.noise_target, spp_});
   }
 
   bool stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
@@ -235,11 +240,63 @@ class Renderer {
                       from.film.spectral_bins() == state_.film.spectral_bins() &&
                       from.film.variance_unit() == state_.film.variance_unit() &&
                       from.film.tells_surfaces() == state_.film.tells_surfaces() &&
-                      from.splats.has_value() == state_.splats.has_value() && from.first_sample <= spp_ &&
+                      from.splats.has_value() == state_.splats.has_value() &&
+                      from.adaptive.has_value() == state_.adaptive.has_value() && from.first_sample <= spp_ &&
                       from.photons <= photons_;
     if (!same) throw Error(ExitCode::kCheckpoint, "the checkpoint is of another render");
     state_ = std::move(from);
     done_ = wanted_.area() * state_.first_sample + state_.photons;
+    for (std::size_t i = 0; i < adaptive_tiles_.size(); ++i)
+      done_ += adaptive_tiles_[i].wanted.area() * state_.adaptive->taken_samples(i);
+  }
+
+  /// Whether there are samples or photons to be taken yet.
+  bool is_left() const {
+    return state_.adaptive ? !adaptive_done_ : state_.first_sample < spp_ || state_.photons < photons_;
+  }
+
+  /// Rounds until all tiles are content, or the time is up.
+  void take_adaptive_samples(std::chrono::steady_clock::time_point start) {
+    AdaptiveFilm& film = *state_.adaptive;
+    const auto is_late = [&] {
+      const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+      return options_.time_limit > 0 && film.has_picture() && elapsed.count() >= options_.time_limit;
+    };
+    while (!stopped() && !is_late()) {
+      if (!film.begin_round()) break;
+      expect_adaptive();
+      tbb::parallel_for(
+          tbb::blocked_range<std::size_t>(0, film.units().size(), 1),
+          [&](const tbb::blocked_range<std::size_t>& range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i)
+              if (film.units()[i].done == 0 && !stopped() && !is_late() && !pauses()) take_unit(i);
+          },
+          tbb::simple_partitioner());
+      if (pausing_) pause();
+    }
+    adaptive_done_ = !stopped() || !film.begin_round();
+    film.assemble(state_.film);
+  }
+
+  /// The samples of a unit, of which the buffers hold a few per pixel at a time.
+  void take_unit(std::size_t index) {
+    AdaptiveFilm& film = *state_.adaptive;
+    const AdaptiveUnit& unit = film.units()[index];
+    const Tile& tile = adaptive_tiles_[unit.tile];
+    Worker& worker = workers_.local();
+    state_.film.begin(worker.tile, tile.pixels, context_.scene.filter_weights);
+    const SamplerView sampler = sampler_of_replicate(context_.sampler, unit.number, 0);
+    for (std::uint32_t first = 0; first < unit.samples; first += kUnitSamples)
+      run_samples(tile, sampler, first, std::min(kUnitSamples, unit.samples - first));
+    film.add(index, worker.tile);
+  }
+
+  /// How much there is to be done, as far as is known.
+  void expect_adaptive() {
+    double samples = 0;
+    for (std::size_t i = 0; i < adaptive_tiles_.size(); ++i)
+      samples += state_.adaptive->expected_samples(i) * static_cast<double>(adaptive_tiles_[i].wanted.area());
+    total_ = static_cast<std::uint64_t>(samples) + adaptive_before_;
   }
 
   /// The next pass, or what is left of it.
@@ -266,6 +323,7 @@ class Renderer {
   void pause() {
     pausing_ = false;
     if (!options_.on_pause) return;
+    if (state_.adaptive) state_.adaptive->assemble(state_.film);
     const Stats::Dropped before = state_.dropped;
     state_.dropped = dropped();
     options_.on_pause(state_);
@@ -384,6 +442,17 @@ class Renderer {
 
   /// Takes samples of a tile, and adds its own pixels to the film. The tile that is returned is the worker's.
   const FilmTile& run_task(const Tile& tile, std::uint32_t first_sample, std::uint32_t sample_count) {
+    Worker& worker = workers_.local();
+    state_.film.begin(worker.tile, tile.pixels, context_.scene.filter_weights);
+    run_samples(tile, sampler_of_replicate(context_.sampler, first_sample / replicate_samples_, replicate_samples_),
+                first_sample, sample_count);
+    state_.film.add(worker.tile);
+    return worker.tile;
+  }
+
+  /// Takes samples, and adds them to the worker's tile.
+  void run_samples(const Tile& tile, const SamplerView& sampler, std::uint32_t first_sample,
+                   std::uint32_t sample_count) {
     const FlushDenormals flush;
     Worker& worker = workers_.local();
     const std::vector<PixelSamples> pixels = samples_of(tile.wanted, frame_, first_sample, sample_count);
@@ -392,16 +461,13 @@ class Renderer {
     worker.wave.light_groups = group_sink(worker.camera);
     StageContext context = context_;
     context.camera = &worker.camera;
-    context.sampler = sampler_of_replicate(context.sampler, first_sample / replicate_samples_, replicate_samples_);
+    context.sampler = sampler;
     // What photons cannot find is light that reaches the camera without having been scattered.
     if (context.transport.kind == IntegratorKind::kLightTracer) context.transport.max_depth = 1;
     camera_pass_of<Wide>(context.transport.kind)(context, worker.wave);
     worker.wave.light_groups = {};
-    state_.film.begin(worker.tile, tile.pixels, context.scene.filter_weights);
     reduce(worker.camera, worker.tile);
-    state_.film.add(worker.tile);
     report_done(static_cast<std::uint64_t>(worker.camera.total()));
-    return worker.tile;
   }
 
   /// The next tasks of photons, whose splats are added to the film when all of them have ended.
@@ -445,7 +511,7 @@ class Renderer {
 
   RenderResult finish(double seconds) {
     RenderResult result;
-    result.interrupted = state_.first_sample < spp_ || state_.photons < photons_;
+    result.interrupted = stopped() && is_left();
     RenderReport& report = result.report;
     report.integrator = integrator_name(context_.transport);
     report.isa = kIsaName;
@@ -456,22 +522,15 @@ class Renderer {
     report.threads = threads_;
     report.wave_size = wave_size_;
     report.render_seconds = seconds;
-    for (const StageEntry& stage : kStages<Wide>) report.stage_names.push_back(stage.name);
-    const Wave::Dropped* first = nullptr;
-    for (const Worker& worker : workers_) {
-      report.stats += worker.wave.stats;
-      const Wave::Dropped& dropped = worker.wave.first_dropped;
-      if (dropped.any && (!first || dropped.pixel < first->pixel)) first = &dropped;
-    }
-    report.peak_rss_bytes = peak_rss_bytes();
-    report.peak_private_bytes = peak_private_bytes();
-    result.warnings = photon_tracing_.warnings;
-    report.stats.dropped = dropped();
-    if (first) result.warnings.push_back(dropped_message(report.stats.dropped, *first));
-    if (const std::uint64_t abandoned = report.stats.collisions.abandoned; abandoned > 0)
-      result.warnings.push_back(std::to_string(abandoned) + " rays were given up in a medium after " +
-                                std::to_string(kMostCollisions) + " collisions each: its voxels differ too much");
     report.noise = state_.film.noise();
+    if (state_.adaptive) {
+      report.adaptive = state_.adaptive->summary();
+      report.spp = static_cast<std::uint32_t>(std::lround(report.adaptive->mean_samples));
+    }
+    report.photons = photon_tracing_.report;
+    report.guiding = guide_training_.report;
+    result.warnings = photon_tracing_.warnings;
+    add_workers(workers_, frame_, dropped(), report, result.warnings);
     for (const SourceLocation& place : scene_.light_places())
       report.light_places.push_back(place.line > 0 ? place.file + ":" + std::to_string(place.line) : std::string());
     result.film = std::move(state_.film);
@@ -479,19 +538,7 @@ class Renderer {
     if (result.film.tells_surfaces()) result.names = scene_.names();
     result.splats = std::move(state_.splats);
     result.photons = state_.photons;
-    report.photons = photon_tracing_.report;
-    report.guiding = guide_training_.report;
     return result;
-  }
-
-  std::string dropped_message(const Stats::Dropped& dropped, const Wave::Dropped& first) const {
-    const std::string what = "dropped " + std::to_string(dropped.rays) + " rays that were not finite and " +
-                             std::to_string(dropped.samples) +
-                             " samples that were not finite or negative; one of them ";
-    if (first.pixel >= kPhotonPixel)
-      return what + "of photon " + std::to_string(std::uint64_t{first.pixel - kPhotonPixel} << 32 | first.sample);
-    return what + "at pixel (" + std::to_string(frame_.x(first.pixel)) + ", " + std::to_string(frame_.y(first.pixel)) +
-           "), sample " + std::to_string(first.sample);
   }
 
   const Scene& scene_;
@@ -507,6 +554,9 @@ class Renderer {
   std::uint32_t half_samples_ = 0;       ///< per pixel, of the first half
   std::size_t light_groups_ = 0;         ///< that have layers
   std::vector<std::uint16_t> group_of_light_;
+  std::vector<Tile> adaptive_tiles_;
+  std::uint64_t adaptive_before_ = 0;  ///< samples and photons besides those of the picture
+  bool adaptive_done_ = false;
   std::optional<PhotonMapping> photon_mapping_;
   PhotonTracing photon_tracing_{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};
   GuideField guide_;

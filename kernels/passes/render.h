@@ -27,6 +27,12 @@ struct RenderOptions {
   /// anyway and count in one pixel. 0: 8 where samples are independent, which costs nothing; else 1 below 32 samples
   /// per pixel, 2 below 128, 4 below 512, 8 from there on.
   int replicates = 0;
+  /// Adaptive sampling: samples are taken until the noise of every tile is this, as AdaptiveGoal has it, or there are
+  /// samples_per_pixel of them. 0: all pixels get as many.
+  double noise_target = 0;
+  /// Seconds after which no more samples are begun, once every tile has some. 0: no limit. The picture then depends on
+  /// the machine.
+  double time_limit = 0;
   AovSet aovs;                ///< further layers; Aov::kVariance and kHalf make at least two replicates
   bool light_groups = false;  ///< layers of the light that comes from each of SceneNames::lights
   bool guiding = false;  ///< directions are sampled from what passes before the picture have learned

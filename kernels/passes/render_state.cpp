@@ -6,7 +6,7 @@ namespace sheaf {
 
 namespace {
 
-constexpr std::string_view kFirstLine = "sheaf checkpoint 1\n";
+constexpr std::string_view kFirstLine = "sheaf checkpoint 2\n";
 /// Most settings: far beyond any command line.
 constexpr std::uint32_t kMaxSettings = 100'000;
 /// Differences that a message names.
@@ -68,6 +68,8 @@ void write_checkpoint(const std::filesystem::path& file, const RenderSettings& s
   out.put(static_cast<std::uint64_t>(state.tiles.size()));
   out.put(state.tiles);
   put_borders(out, state.borders);
+  out.put(static_cast<std::uint8_t>(state.adaptive.has_value()));
+  if (state.adaptive) put_adaptive(out, *state.adaptive);
   out.put(static_cast<std::uint8_t>(state.splats.has_value()));
   if (state.splats) put_splats(out, *state.splats);
   out.put(state.photons);
@@ -85,6 +87,7 @@ RenderState read_checkpoint(const std::filesystem::path& file, const RenderSetti
   state.first_sample = in.get<std::uint32_t>();
   state.tiles = in.get_vector<std::uint8_t>(in.get<std::uint64_t>());
   state.borders = get_borders(in, state.film);
+  if (in.get<std::uint8_t>() != 0) state.adaptive = get_adaptive(in, state.film);
   if (in.get<std::uint8_t>() != 0) {
     state.splats.emplace(state.film.crop(), filter);
     get_splats(in, *state.splats);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/stats.h"
-#include "kernels/film/film.h"
+#include "kernels/film/adaptive_film.h"
 #include "kernels/film/splat.h"
 
 #include <filesystem>
@@ -19,6 +19,7 @@ struct RenderState {
   std::uint32_t first_sample = 0;   ///< per pixel, of the pass at work; where there is none, of the next one
   std::vector<std::uint8_t> tiles;  ///< of that pass: 1 for those that are done; empty: it has not begun
   std::vector<FilmBorder> borders;  ///< of these tiles
+  std::optional<AdaptiveFilm> adaptive;  ///< adaptive sampling: the sums of tiles, of which `film` is the picture
   std::optional<SplatFilm> splats;  ///< light tracing: what photons have added
   std::uint64_t photons = 0;        ///< that were emitted
   Stats::Dropped dropped;           ///< up to the last time that the render was taken up
