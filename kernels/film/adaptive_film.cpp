@@ -4,21 +4,26 @@
 
 #include <algorithm>
 #include <bit>
+#include <map>
 
 namespace sheaf {
 
 namespace {
 
-/// Samples of a half, per pixel, below which no tile is content: fewer do not tell noise.
-constexpr std::uint32_t kLeastSamples = 16;
+/// Samples of a set, per pixel, below which no tile is content: fewer do not tell noise.
+constexpr std::uint32_t kLeastSamples = 8;
 constexpr std::uint32_t kFirstSamples = 2;
+/// Up to here samples are doubled, from here on half as many more at most.
+constexpr std::uint32_t kDoubledSamples = 16;
 
-/// How many samples come next: units of powers of two, which samplers spread best, and several of similar size, which
-/// tell the variance.
-std::uint32_t next_samples(std::uint32_t taken) { return std::max(kFirstSamples, std::bit_floor(taken / 2)); }
+/// How many samples of a set come next: sets are to have powers of two, which samplers spread best, and one and a half.
+std::uint32_t next_samples(std::uint32_t taken) {
+  if (taken < kDoubledSamples) return std::max(kFirstSamples, taken);
+  return std::bit_floor(taken / 2);
+}
 
-/// Numbers of a pixel's luminance: sums of W_u, Y_u, W_u^2, Y_u^2 and W_u Y_u over the units.
-constexpr std::size_t kLuminanceSums = 5;
+/// Pixels around one whose mean tells its value.
+constexpr int kValueReach = 2;
 
 std::size_t index_in(const PixelRect& rect, int x, int y) {
   return static_cast<std::size_t>(y - rect.y0) * static_cast<std::size_t>(rect.width()) +
@@ -42,11 +47,11 @@ AdaptiveFilm::AdaptiveFilm(const Film& film, const std::vector<PixelRect>& tiles
     tile.square = tiles[i];
     tile.own = tiles[i].intersection(film.crop());
     tile.outer = tiles[i].grown(reach).intersection(film.crop());
-    for (Half& half : tile.halves) {
-      half.sums.resize(tile.outer.area() * row_size());
-      half.counts.resize(tile.own.area());
-      if (film.tells_surfaces()) half.coverage.resize(tile.outer.area());
-      half.luminance.resize(tile.judged().area() * kLuminanceSums);
+    for (Set& set : tile.sets) {
+      set.sums.resize(tile.outer.area() * row_size());
+      set.counts.resize(tile.own.area());
+      if (film.tells_surfaces()) set.coverage.resize(tile.outer.area());
+      set.luminance.resize(tile.judged().area() * 2);
     }
   }
 }
@@ -56,146 +61,188 @@ bool AdaptiveFilm::begin_round() {
   if (std::any_of(units_.begin(), units_.end(), is_left)) return true;
   if (!units_.empty()) ++rounds_;
   units_.clear();
-  const std::uint32_t most = goal_.max_samples / 2;
-  const double means[2] = {mean_luminance(0), mean_luminance(1)}, wanted = 2 * goal_.noise * goal_.noise;
+  const std::uint32_t most = goal_.max_samples / kSets;
+  // The variance of the mean of two halves is half of that of one.
+  const double wanted = 2 * goal_.noise * goal_.noise;
+  const std::vector<double> noise[2] = {spread_noise(0), spread_noise(1)};
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     Tile& tile = tiles_[i];
+    const std::uint32_t taken = tile.sets[0].samples;
     if (tile.is_content()) continue;
-    const std::uint32_t taken = tile.halves[0].samples, next = std::min(next_samples(taken), most - taken);
-    double expected = 0;
-    for (int h = 0; h < 2; ++h) {
-      Half& half = tile.halves[h];
-      const double noise = wanted > 0 && taken >= kLeastSamples ? noise_squared(half, means[h]) : -1;
-      half.content = half.content || taken >= most || (noise >= 0 && noise <= wanted);
-      expected += std::clamp(noise >= 0 ? taken * noise / wanted : double(most), double(taken), double(most));
+    double expected = most;
+    for (int half = 0; half < 2; ++half) {
+      const bool is_known = wanted > 0 && taken >= kLeastSamples;
+      tile.content[half] = tile.content[half] || taken >= most || (is_known && noise[half][i] <= wanted);
+      if (is_known) expected = std::clamp(taken * noise[half][i] / wanted, 1.0 * taken, 1.0 * most);
     }
-    expected_[i] = tile.is_content() ? 2.0 * taken : std::max(expected, 2.0 * (taken + next));
+    const std::uint32_t next = tile.is_content() ? 0 : std::min(next_samples(taken), most - taken);
+    expected_[i] = kSets * (tile.is_content() ? taken : std::max(expected, 1.0 * (taken + next)));
     if (tile.is_content()) continue;
-    for (std::uint8_t h = 0; h < 2; ++h) units_.push_back({static_cast<std::uint32_t>(i), next, tile.units++, h, 0});
+    for (std::uint8_t set = 0; set < kSets; ++set)
+      units_.push_back({static_cast<std::uint32_t>(i), taken, next, set, 0});
   }
   return !units_.empty();
+}
+
+std::uint64_t AdaptiveFilm::taken_samples(std::size_t tile) const {
+  std::uint64_t samples = 0;
+  for (const Set& set : tiles_[tile].sets) samples += set.samples;
+  return samples;
 }
 
 void AdaptiveFilm::add(std::size_t unit, const FilmTile& samples) {
   AdaptiveUnit& u = units_[unit];
   Tile& tile = tiles_[u.tile];
-  Half& half = tile.halves[u.half];
-  if (!tile.halves[1 - u.half].content) add_sums(tile, half, u, samples);
-  if (!half.content) add_luminance(tile, half, samples);
-  half.samples += u.samples;
+  Set& set = tile.sets[u.set];
+  const int half = half_of(u.set);
+  if (!tile.content[1 - half]) {
+    add_sums(tile, set, samples);
+    set.used += u.samples;
+  }
+  if (!tile.content[half]) add_luminance(tile, set, samples);
+  set.samples += u.samples;
   u.done = 1;
 }
 
-void AdaptiveFilm::add_sums(const Tile& tile, Half& half, const AdaptiveUnit& unit, const FilmTile& samples) const {
-  const double n = unit.samples;
+void AdaptiveFilm::add_sums(const Tile& tile, Set& set, const FilmTile& samples) const {
   for_each_pixel(tile.outer, [&](int x, int y) {
     const double* const from = samples.row(x, y);
     const std::size_t pixel = index_in(tile.outer, x, y);
-    double* to = half.sums.data() + pixel * row_size();
-    const double w = from[FilmRow::kWeight];
-    *to++ += w;
-    for (std::size_t c = 0; c < row_.channels; ++c) *to++ += from[FilmRow::kSums + c];
-    *to++ += w * w;
-    *to++ += w * n;
-    for (const std::size_t c : row_.with_variance) {
-      const double s = from[FilmRow::kSums + c];
-      *to++ += s * s;
-      *to++ += s * w;
-      *to++ += s * n;
-    }
-    for (std::size_t bin = 0; bin < row_.bins; ++bin) *to++ += from[row_.bins_at + bin];
-    if (!half.coverage.empty()) half.coverage[pixel].add(samples.coverage(x, y));
+    double* const to = set.sums.data() + pixel * row_size();
+    for (std::size_t k = 0; k < bins_at(); ++k) to[k] += from[k];
+    for (std::size_t bin = 0; bin < row_.bins; ++bin) to[bins_at() + bin] += from[row_.bins_at + bin];
+    if (!set.coverage.empty()) set.coverage[pixel].add(samples.coverage(x, y));
   });
-  for_each_pixel(tile.own, [&](int x, int y) { half.counts[index_in(tile.own, x, y)] += samples.count(x, y); });
-  half.used += unit.samples;
-  half.used_squares += n * n;
+  for_each_pixel(tile.own, [&](int x, int y) { set.counts[index_in(tile.own, x, y)] += samples.count(x, y); });
 }
 
-void AdaptiveFilm::add_luminance(const Tile& tile, Half& half, const FilmTile& samples) {
-  double* to = half.luminance.data();
+void AdaptiveFilm::add_luminance(const Tile& tile, Set& set, const FilmTile& samples) {
+  double* to = set.luminance.data();
   for_each_pixel(tile.judged(), [&](int x, int y) {
     const double* const from = samples.row(x, y);
-    const double w = from[FilmRow::kWeight], value = luminance_of(from + FilmRow::kSums);
-    for (const double term : {w, value, w * w, value * value, w * value}) *to++ += term;
+    *to++ += from[FilmRow::kWeight];
+    *to++ += luminance_of(from + FilmRow::kSums);
   });
 }
 
 double AdaptiveFilm::mean_luminance(int half) const {
   double weight = 0, value = 0;
-  for (const Tile& tile : tiles_) {
-    const Half& h = tile.halves[half];
-    if (h.samples == 0) continue;
-    for (std::size_t i = 0; i < h.luminance.size(); i += kLuminanceSums) {
-      weight += h.luminance[i] / h.samples;
-      value += h.luminance[i + 1] / h.samples;
+  for (const Tile& tile : tiles_)
+    for (int s = 2 * half; s < 2 * half + 2; ++s) {
+      const Set& set = tile.sets[s];
+      if (set.samples == 0) continue;
+      for (std::size_t i = 0; i < set.luminance.size(); i += 2) {
+        weight += set.luminance[i] / set.samples;
+        value += set.luminance[i + 1] / set.samples;
+      }
     }
-  }
   return weight > 0 ? value / weight : 0.0;
 }
 
-double AdaptiveFilm::noise_squared(const Half& half, double mean_luminance) {
+std::optional<double> AdaptiveFilm::noise_squared(const Tile& tile, int half, double mean_luminance) {
+  const std::vector<double>&a = tile.sets[2 * half].luminance, &b = tile.sets[2 * half + 1].luminance;
+  const PixelRect& pixels = tile.judged();
   std::vector<double> relative;
-  for (std::size_t i = 0; i < half.luminance.size(); i += kLuminanceSums) {
-    const double* const s = half.luminance.data() + i;
-    if (!(s[0] > 0)) continue;
-    const double mean = s[1] / s[0];
-    relative.push_back(relative_square(mean, variance_of_mean(mean, s[0], s[2], s[3], s[4]), mean_luminance));
-  }
+  for_each_pixel(pixels, [&](int x, int y) {
+    const std::size_t i = 2 * index_in(pixels, x, y);
+    if (!(a[i] > 0) || !(b[i] > 0)) return;
+    // The pixel's own mean would hide a bright sample that only one set has found, where both have found what is
+    // brighter than all around.
+    double weight = 0, value = 0;
+    const PixelRect around = PixelRect{x, y, x + 1, y + 1}.grown(kValueReach).intersection(pixels);
+    for_each_pixel(around, [&](int u, int v) {
+      const std::size_t k = 2 * index_in(pixels, u, v);
+      weight += a[k] + b[k];
+      value += a[k + 1] + b[k + 1];
+    });
+    const double first = a[i + 1] / a[i], second = b[i + 1] / b[i], apart = first - second;
+    const double level = std::max(weight > 0 ? value / weight : 0.0, std::min(first, second));
+    relative.push_back(relative_square(level, apart * apart / 4, mean_luminance));
+  });
+  if (relative.empty()) return std::nullopt;
   return mean_but_worst(relative);
+}
+
+std::vector<double> AdaptiveFilm::spread_noise(int half) const {
+  const double mean = mean_luminance(half);
+  std::vector<double> own(tiles_.size());
+  std::map<std::pair<int, int>, double> known;
+  for (std::size_t i = 0; i < tiles_.size(); ++i)
+    if (const auto noise = noise_squared(tiles_[i], half, mean)) {
+      own[i] = *noise;
+      known[{tiles_[i].square.x0, tiles_[i].square.y0}] = *noise;
+    }
+  std::vector<double> spread = own;
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    const PixelRect& square = tiles_[i].square;
+    double sum = 0, count = 0;
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        const auto at = known.find({square.x0 + dx * square.width(), square.y0 + dy * square.height()});
+        if (at == known.end()) continue;
+        sum += at->second;
+        count += 1;
+      }
+    if (count > 0) spread[i] = std::max(own[i], sum / count);
+  }
+  return spread;
 }
 
 void AdaptiveFilm::assemble(Film& film) const {
   film.clear();
-  const auto scale_of = [](const Half& half) { return 1.0 / half.used; };
   for (const Tile& tile : tiles_)
-    for (int h = 0; h < 2; ++h) {
-      const Half& half = tile.halves[h];
-      if (half.used == 0) continue;
-      const double scale = scale_of(half);
+    for (int s = 0; s < kSets; ++s) {
+      const Set& set = tile.sets[s];
+      if (set.used == 0) continue;
+      const double scale = 1.0 / set.used;
       for_each_pixel(tile.outer, [&](int x, int y) {
         const std::size_t from = index_in(tile.outer, x, y), pixel = film.pixel_index(x, y);
-        const double* const sums = half.sums.data() + from * row_size();
+        const double* const sums = set.sums.data() + from * row_size();
         double* const row = film.sums_.data() + pixel * row_.film_size();
-        for (std::size_t k = 0; k < squares_at(); ++k) row[k] += scale * sums[k];
+        for (std::size_t k = 0; k < bins_at(); ++k) row[k] += scale * sums[k];
         for (std::size_t bin = 0; bin < row_.bins; ++bin)
           row[row_.film_bins_at() + bin] += scale * sums[bins_at() + bin];
-        if (!half.coverage.empty())
-          for (const IdCoverage::Entry& entry : half.coverage[from].entries())
+        if (!set.coverage.empty())
+          for (const IdCoverage::Entry& entry : set.coverage[from].entries())
             film.coverage_[pixel].add(entry.shape, scale * entry.weight);
-        if (h != 0 || film.half_.empty()) return;
+        if (half_of(s) != 0 || film.half_.empty()) return;
         double* to = film.half_.data() + pixel * (1 + halved_.size());
         *to++ += scale * sums[0];
         for (const std::size_t c : halved_) *to++ += scale * sums[1 + c];
       });
       for_each_pixel(tile.own, [&](int x, int y) {
-        film.counts_[film.pixel_index(x, y)] += half.counts[index_in(tile.own, x, y)];
+        film.counts_[film.pixel_index(x, y)] += set.counts[index_in(tile.own, x, y)];
       });
     }
-  // With D_u = S_u - m W_u for a unit of n_u samples, m the pixel's mean: the variance of what a half of a tile brings
-  // to the pixel is the scatter of D_u about its own mean n_u (sum of D_u) / n, as tiles see different parts of the
-  // pixel.
-  for (const Tile& tile : tiles_)
-    for (const Half& half : tile.halves) {
-      const double n = half.used, rest = 1 - half.used_squares / (n * n);
-      if (half.used == 0 || !(rest > 1e-9)) continue;
-      const double scale = scale_of(half);
-      for_each_pixel(tile.outer, [&](int x, int y) {
-        const double* const sums = half.sums.data() + index_in(tile.outer, x, y) * row_size();
-        double* const row = film.sums_.data() + film.pixel_index(x, y) * row_.film_size();
-        if (!(row[0] > 0)) return;
-        const double* const squares = sums + squares_at();
-        for (std::size_t k = 0; k < row_.variances; ++k) {
-          const std::size_t c = 1 + row_.with_variance[k];
-          const double m = row[c] / row[0], mean = (sums[c] - m * sums[0]) / n;
-          const double* const of_channel = squares + 2 + 3 * k;
-          const double square = of_channel[0] - 2 * m * of_channel[1] + m * m * squares[0];
-          const double cross = of_channel[2] - m * squares[1];
-          const double scatter = square - 2 * mean * cross + mean * mean * half.used_squares;
-          // The film's formula with nothing but a sum of squares.
-          row[row_.film_squares_at() + 1 + 2 * k] += scale * scale * std::max(0.0, scatter) / rest;
-        }
-      });
+  for (const Tile& tile : tiles_) add_variances(tile, film);
+}
+
+/// With m a pixel's mean, D_s = (S_s - m W_s) / n_s of a set of n_s samples: the mean of D_s is the same for all sets
+/// of a tile, though not zero where the pixel sees other tiles too. So the sum of D_s has the variance k / (k - 1) sum
+/// of (D_s - mean of D_s)^2, k the number of sets.
+void AdaptiveFilm::add_variances(const Tile& tile, Film& film) const {
+  double sets = 0;
+  for (const Set& set : tile.sets) sets += set.used > 0 ? 1 : 0;
+  if (sets < 2) return;
+  for_each_pixel(tile.outer, [&](int x, int y) {
+    const std::size_t pixel = index_in(tile.outer, x, y);
+    double* const row = film.sums_.data() + film.pixel_index(x, y) * row_.film_size();
+    if (!(row[FilmRow::kWeight] > 0)) return;
+    for (std::size_t k = 0; k < row_.variances; ++k) {
+      const std::size_t c = FilmRow::kSums + row_.with_variance[k];
+      const double m = row[c] / row[FilmRow::kWeight];
+      double sum = 0, squares = 0;
+      for (const Set& set : tile.sets) {
+        if (set.used == 0) continue;
+        const double* const sums = set.sums.data() + pixel * row_size();
+        const double d = (sums[c] - m * sums[FilmRow::kWeight]) / set.used;
+        sum += d;
+        squares += d * d;
+      }
+      // The film's formula with nothing but a sum of squares.
+      row[row_.film_squares_at() + 1 + 2 * k] += std::max(0.0, squares - sum * sum / sets) * sets / (sets - 1);
     }
+  });
 }
 
 RenderReport::Adaptive AdaptiveFilm::summary() const {
@@ -204,11 +251,12 @@ RenderReport::Adaptive AdaptiveFilm::summary() const {
   double pixels = 0, samples = 0;
   for (const Tile& tile : tiles_) {
     if (tile.own.area() == 0) continue;
-    const std::uint32_t used = tile.halves[0].used + tile.halves[1].used;
+    std::uint32_t used = 0;
+    for (const Set& set : tile.sets) used += set.used;
     summary.least_samples = summary.tiles == 0 ? used : std::min(summary.least_samples, used);
     summary.most_samples = std::max(summary.most_samples, used);
     ++summary.tiles;
-    summary.reached += tile.is_content() && tile.halves[0].samples < goal_.max_samples / 2 ? 1u : 0u;
+    summary.reached += tile.is_content() && tile.sets[0].samples < goal_.max_samples / kSets ? 1u : 0u;
     pixels += static_cast<double>(tile.own.area());
     samples += static_cast<double>(tile.own.area()) * used;
   }

@@ -141,24 +141,22 @@ void put_adaptive(BinaryOutput& out, const AdaptiveFilm& film) {
   out.put(static_cast<std::uint64_t>(film.tiles_.size()));
   for (const AdaptiveFilm::Tile& tile : film.tiles_) put_rect(out, tile.square);
   for (const AdaptiveFilm::Tile& tile : film.tiles_) {
-    out.put(tile.units);
-    for (const AdaptiveFilm::Half& half : tile.halves) {
-      out.put(half.samples);
-      out.put(half.used);
-      out.put(half.used_squares);
-      out.put(static_cast<std::uint8_t>(half.content));
-      out.put(half.sums);
-      out.put(half.counts);
-      put_coverage(out, half.coverage);
-      out.put(half.luminance);
+    for (const bool content : tile.content) out.put(static_cast<std::uint8_t>(content));
+    for (const AdaptiveFilm::Set& set : tile.sets) {
+      out.put(set.samples);
+      out.put(set.used);
+      out.put(set.sums);
+      out.put(set.counts);
+      put_coverage(out, set.coverage);
+      out.put(set.luminance);
     }
   }
   out.put(static_cast<std::uint64_t>(film.units_.size()));
   for (const AdaptiveUnit& unit : film.units_) {
     out.put(unit.tile);
+    out.put(unit.first_sample);
     out.put(unit.samples);
-    out.put(unit.number);
-    out.put(unit.half);
+    out.put(unit.set);
     out.put(unit.done);
   }
   out.put(film.rounds_);
@@ -179,32 +177,30 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
     squares.push_back(get_rect(in, around));
     pixels += squares.back().grown(reach).intersection(of.crop()).area();
   }
-  if (pixels > in.left() / (2 * sizeof(double) * static_cast<std::uint64_t>(of.layout().size())))
+  if (pixels > in.left() / (AdaptiveFilm::kSets * sizeof(double) * static_cast<std::uint64_t>(of.layout().size())))
     in.fail("ends too early: cut off");
   AdaptiveFilm film(of, squares, reach, goal);
   for (AdaptiveFilm::Tile& tile : film.tiles_) {
-    tile.units = in.get<std::uint32_t>();
-    for (AdaptiveFilm::Half& half : tile.halves) {
-      half.samples = in.get<std::uint32_t>();
-      half.used = in.get<std::uint32_t>();
-      half.used_squares = in.get<double>();
-      half.content = in.get<std::uint8_t>() != 0;
-      in.get(half.sums);
-      in.get(half.counts);
-      get_coverage(in, half.coverage);
-      in.get(half.luminance);
+    for (bool& content : tile.content) content = in.get<std::uint8_t>() != 0;
+    for (AdaptiveFilm::Set& set : tile.sets) {
+      set.samples = in.get<std::uint32_t>();
+      set.used = in.get<std::uint32_t>();
+      in.get(set.sums);
+      in.get(set.counts);
+      get_coverage(in, set.coverage);
+      in.get(set.luminance);
     }
   }
   const auto units = in.get<std::uint64_t>();
-  if (units > 2 * film.tiles_.size()) in.fail("has more units than tiles: damaged");
+  if (units > AdaptiveFilm::kSets * film.tiles_.size()) in.fail("has more units than tiles: damaged");
   film.units_.resize(static_cast<std::size_t>(units));
   for (AdaptiveUnit& unit : film.units_) {
     unit.tile = in.get<std::uint32_t>();
+    unit.first_sample = in.get<std::uint32_t>();
     unit.samples = in.get<std::uint32_t>();
-    unit.number = in.get<std::uint32_t>();
-    unit.half = in.get<std::uint8_t>();
+    unit.set = in.get<std::uint8_t>();
     unit.done = in.get<std::uint8_t>();
-    if (unit.tile >= film.tiles_.size() || unit.half > 1) in.fail("has a unit of no tile: damaged");
+    if (unit.tile >= film.tiles_.size() || unit.set >= AdaptiveFilm::kSets) in.fail("has a unit of no tile: damaged");
   }
   film.rounds_ = in.get<std::uint32_t>();
   in.get(film.expected_);

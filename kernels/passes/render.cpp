@@ -216,7 +216,8 @@ class Renderer {
                   "a noise target or a time limit needs an integrator that follows paths from the "
                   "camera, such as path; " +
                       integrator_name(context_.transport) + " is none");
-    if (spp_ < 2) throw Error(ExitCode::kUsage, "a noise target or a time limit needs two samples per pixel or more");
+    if (spp_ < AdaptiveFilm::kSets)
+      throw Error(ExitCode::kUsage, "a noise target or a time limit needs four samples per pixel or more");
     adaptive_tiles_ = make_tiles(wanted_, kAdaptiveSide);
     std::vector<PixelRect> squares;
     for (const Tile& tile : adaptive_tiles_) squares.push_back(tile.pixels);
@@ -285,9 +286,9 @@ class Renderer {
     const Tile& tile = adaptive_tiles_[unit.tile];
     Worker& worker = workers_.local();
     state_.film.begin(worker.tile, tile.pixels, context_.scene.filter_weights);
-    const SamplerView sampler = sampler_of_replicate(context_.sampler, unit.number, 0);
-    for (std::uint32_t first = 0; first < unit.samples; first += kUnitSamples)
-      run_samples(tile, sampler, first, std::min(kUnitSamples, unit.samples - first));
+    const SamplerView sampler = sampler_of_replicate(context_.sampler, unit.set, 0);
+    for (std::uint32_t taken = 0; taken < unit.samples; taken += kUnitSamples)
+      run_samples(tile, sampler, unit.first_sample + taken, std::min(kUnitSamples, unit.samples - taken));
     film.add(index, worker.tile);
   }
 

@@ -37,6 +37,8 @@ MAKERS = {
 
 # The shortest arguments of the other scripts. {build} is the build folder, {out} an empty one.
 SCRIPTS = {
+    "bench/compare_adaptive.py": ["--sheaf", "{build}/sheaf", "--target", "0.5", "--max-spp", "64", "--width", "32",
+                                  "--seeds", "2", "--scenes", "scenes/cornell/cornell.xml"],
     "bench/compare_color.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--seeds", "2", "--crop", "100,100,132,132"],
     "bench/compare_denoise.py": ["--sheaf", "{build}/sheaf", "--spp", "4", "--width", "24", "--reference-spp", "4",
                                  "--scenes", "scenes/cornell/cornell.xml"],

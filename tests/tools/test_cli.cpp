@@ -579,6 +579,26 @@ TEST_CASE("--lenient renders what strict reading refuses, warns of each thing an
   CHECK(contains(run(folder, "info scene.xml --lenient").out, "unknown shape plugin 'torus'"));
 }
 
+TEST_CASE("a render ends at the noise asked for, or when the time is up") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  const Outcome clean = run(folder, "render scene.xml --noise-target 0.5 -o a.exr --stats a.json --no-timestamps");
+  CHECK(clean.code == 0);
+  CHECK(contains(clean.err, "tiles are down to a noise of 50 %"));
+  CHECK(contains(read_bytes(folder / "a.json"), "\"noise_target\": 0.5"));
+  const std::string header = run(folder, "info a.exr").out;
+  CHECK(contains(header, "sheaf/noiseTarget = 0.5"));
+  CHECK(contains(header, "sheaf/noise = "));
+  CHECK(contains(header, "variance.R"));
+  CHECK(run(folder, "render scene.xml --time-limit 0.1 --checkpoint b.state -o b.exr").code == 0);
+  CHECK(run(folder, "render scene.xml --time-limit 0.2 --checkpoint b.state --resume -o b.exr").code == 0);
+  for (const char* wrong : {"--noise-target 0", "--noise-target nan", "--time-limit -1", "--noise-target 0.1 --spp 3",
+                            "--noise-target 0.1 --sampler stratified", "--time-limit 1 --integrator normals"}) {
+    CAPTURE(std::string(wrong));
+    CHECK(run(folder, std::string("render scene.xml -o c.exr ") + wrong).code == 2);
+  }
+}
+
 TEST_CASE("a picture is denoised while it is rendered and afterwards") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);

@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""Measures what adaptive sampling brings: the time that it takes to a given noise, over that of as many samples for all
+pixels. Needs Python with numpy and a build.
+
+  bench/compare_adaptive.py [--scenes scenes/hall/hall.xml ...] [--target 0.05] [--max-spp 16384] [--width 240] [--seeds 3]
+
+For each scene it renders with --noise-target, and then with as many samples per pixel as that took on average, and prints
+for both: samples per pixel; seconds of CPU time of the whole program; the noise over the frame (root of the mean square
+of the error over the pixel's value) and that of the noisiest twentieth of the tiles. `time` is the time of adaptive
+sampling over that of uniform sampling to the same noise, as if squared noise went with the inverse of time: once by the
+noisy tiles, which a noise target is about, once over the frame.
+
+Errors need no reference: half the squared difference of two renders with different seeds is an unbiased estimate of that
+of each. Tiles are 32 pixels wide, and the worst thousandth of a tile's pixels does not count.
+"""
+
+import argparse
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from compare_guiding import frame_options
+from compare_photons import read_colors
+from rendering import ROOT, render
+
+SCENES = ["scenes/hall/hall.xml", "scenes/caustics/ring.xml", "scenes/caustics/cornell_glass.xml",
+          "scenes/material_room/material_room.xml"]
+TILE = 32
+
+
+def tile_errors(pictures):
+    """The mean squared relative error of each tile, over all pairs of neighbours among the pictures."""
+    light = [picture @ np.array([0.2126, 0.7152, 0.0722]) for picture in pictures]
+    mean = np.mean(light, 0)
+    scale = mean**2 + (0.1 * mean.mean())**2
+    square = np.mean([(a - b)**2 / 2 for a, b in zip(light, light[1:])], 0) / scale
+    tiles = []
+    for y in range(0, square.shape[0], TILE):
+        for x in range(0, square.shape[1], TILE):
+            values = np.sort(square[y:y + TILE, x:x + TILE].ravel())
+            tiles.append(values[:int(len(values) * 0.999)].mean())
+    return np.array(tiles)
+
+
+def measure(arguments, scene, spp, options, folder):
+    """Seconds, samples per pixel, and squared noise: over the frame, and of the noisiest twentieth of the tiles."""
+    seconds, samples, pictures = [], [], []
+    for seed in range(1, arguments.seeds + 1):
+        report = render(arguments.sheaf, scene, Path(folder) / "picture.exr", spp, seed, *options)
+        seconds.append(report["cpu_seconds"])
+        samples.append(report["spp"])
+        pictures.append(read_colors(Path(folder) / "picture.exr"))
+    errors = tile_errors(pictures)
+    return np.mean(seconds), round(np.mean(samples)), errors.mean(), np.quantile(errors, 0.95)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
+    parser.add_argument("--scenes", nargs="+", default=[str(ROOT / scene) for scene in SCENES])
+    parser.add_argument("--target", type=float, default=0.05)
+    parser.add_argument("--max-spp", type=int, default=16384)
+    parser.add_argument("--width", type=int, default=240)
+    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--arguments", default="", help="more options of `sheaf render`, for both")
+    arguments = parser.parse_args()
+    print(f"{'scene':16s} {'sampling':9s} {'spp':>6s} {'seconds':>8s} {'noise':>7s} {'noisy tiles':>12s}   time: tiles   frame")
+    with tempfile.TemporaryDirectory() as folder:
+        for scene in arguments.scenes:
+            options = frame_options(scene, arguments.width) + arguments.arguments.split()
+            adaptive = measure(arguments, scene, arguments.max_spp, options + ["--noise-target", str(arguments.target)],
+                               folder)
+            uniform = measure(arguments, scene, adaptive[1], options, folder)
+            for name, (seconds, spp, frame, worst) in (("adaptive", adaptive), ("uniform", uniform)):
+                line = f"{Path(scene).stem:16s} {name:9s} {spp:6d} {seconds:8.2f} {frame**0.5:7.4f} {worst**0.5:12.4f}"
+                if name == "adaptive":
+                    tiles, whole = (adaptive[0] * adaptive[k] / (uniform[0] * uniform[k]) for k in (3, 2))
+                    line += f"   {tiles:11.2f} {whole:7.2f}"
+                print(line, flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,261 @@
+// Adaptive sampling: unbiased, with honest variances, down to the noise that was asked for, and the same bits always.
+#include "core/error.h"
+#include "kernels/film/adaptive_film.h"
+#include "kernels/film/noise.h"
+#include "kernels/passes/render.h"
+#include "scene/compile/compile.h"
+#include "tests/support/statistics.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/tiny_scenes.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+
+namespace sheaf {
+
+namespace {
+
+/// A floor below a lamp, and a ball; the lamp is larger, and its light is found by chance alone, if `by_chance`.
+Description lamp_scene(int width, int height, bool by_chance) {
+  const float size = by_chance ? 0.3f : 0.15f;
+  Description d = empty_scene(width, height);
+  look_at(d, {0, 1.2f, -3}, {0, 0.3f, 0}, {0, 1, 0}, 50);
+  d.sampler.kind = SamplerKind::kSobol;
+  d.integrator.max_depth = 3;
+  if (by_chance) {
+    d.integrator.max_depth = 2;
+    d.integrator.strategy = LightStrategy::kBsdfOnly;
+  }
+  add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}), add_diffuse(d, 0.6f));
+  add_sphere(d, {0.3f, 0.5f, 0}, 0.5f, add_diffuse_rgb(d, 0.7f, 0.5f, 0.3f));
+  emit(add_rectangle(
+           d, Transform::translate({0, 2, 0}) * Transform::rotate({1, 0, 0}, 90) * Transform::scale({size, size, 1}),
+           add_diffuse(d, 0)),
+       20);
+  return d;
+}
+
+RenderOptions adaptive_options(double noise, std::uint32_t samples) {
+  RenderOptions options;
+  options.noise_target = noise;
+  options.samples_per_pixel = samples;
+  return options;
+}
+
+double mean_of(const Image& image, const std::string& channel) {
+  const auto c = static_cast<std::size_t>(image.find_channel(channel));
+  double sum = 0;
+  for (std::size_t i = 0; i < image.pixel_count(); ++i)
+    sum += static_cast<double>(image.data[i * image.channels.size() + c]);
+  return sum / static_cast<double>(image.pixel_count());
+}
+
+bool same_bits(const Image& a, const Image& b) {
+  return a.channels == b.channels && a.data.size() == b.data.size() &&
+         std::memcmp(a.data.data(), b.data.data(), a.data.size() * sizeof(float)) == 0;
+}
+
+}  // namespace
+
+TEST_CASE("adaptive sampling: pictures are right on average, however few pixels judge when to end") {
+  // Sixteen pixels, whose light comes in rare bright samples: a tile that ended by its own noise would be too dark.
+  for (const auto filter : {FilterDescription::Kind::kBox, FilterDescription::Kind::kGaussian}) {
+    CAPTURE(static_cast<int>(filter));
+    Description d = lamp_scene(4, 4, true);
+    d.film.filter.kind = filter;
+    const auto scene = compile_scene(d);
+    RenderOptions uniform;
+    uniform.samples_per_pixel = 1 << 17;
+    const double expected = mean_of(render(*scene, uniform).film.to_image(), "R");
+    RenderOptions options = adaptive_options(0.25, 2048);
+    options.threads = 1;
+    MeanVariance means, samples;
+    for (std::uint32_t seed = 0; seed < 1000; ++seed) {
+      options.seed = 1000 + seed;
+      const RenderResult result = render(*scene, options);
+      means.add(mean_of(result.film.to_image(), "R"));
+      samples.add(result.report.adaptive->mean_samples);
+    }
+    INFO("mean " << means.mean() << " of " << expected << ", deviation " << std::sqrt(means.variance()) << ", "
+                 << samples.mean() << " samples, deviation " << std::sqrt(samples.variance()));
+    CHECK(samples.mean() > 40);
+    CHECK(samples.mean() < 1500);
+    CHECK(samples.variance() > 100);  // it did adapt
+    CHECK(means.p_value(expected) > significance_of_each(2));
+  }
+}
+
+TEST_CASE("adaptive sampling: where no tile ends early, the picture is that of four replicates") {
+  Description d = lamp_scene(70, 50, false);
+  d.film.filter.kind = FilterDescription::Kind::kMitchell;
+  for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
+    CAPTURE(static_cast<int>(color));
+    const auto scene = compile_scene(d, {false, color});
+    RenderOptions options = adaptive_options(1e-9, 64);
+    options.aovs = {Aov::kAlbedo, Aov::kDepth, Aov::kVariance, Aov::kHalf, Aov::kObjectId, Aov::kCryptomatteObject};
+    options.light_groups = true;
+    options.spectral_bins = color == ColorMode::kSpectral ? 3 : 0;
+    const Image found = render(*scene, options).to_image();
+    options.noise_target = 0;
+    options.replicates = 4;
+    const Image expected = render(*scene, options).to_image();
+    REQUIRE(found.channels == expected.channels);
+    // Seen from four tiles, a pixel's variance is the sum of theirs, and not the same estimate.
+    double worst = 0, worst_variance = 0;
+    for (int y = 0; y < 50; ++y)
+      for (int x = 0; x < 70; ++x)
+        for (std::size_t c = 0; c < found.channels.size(); ++c) {
+          const bool is_variance = found.channels[c].starts_with("variance.");
+          const bool is_inner = x % 32 > 2 && x % 32 < 29 && y % 32 > 2 && y % 32 < 29;
+          if (is_variance && !is_inner) continue;
+          const double a = found.at(x, y, static_cast<int>(c)), b = expected.at(x, y, static_cast<int>(c));
+          double& most = is_variance ? worst_variance : worst;
+          most = std::max(most, std::fabs(a - b) / (std::fabs(b) + (is_variance ? 1e-6 : 1e-3)));
+        }
+    CHECK(worst < 1e-4);
+    CHECK(worst_variance < 0.02);
+  }
+}
+
+TEST_CASE("adaptive sampling: variances are those of the means over many seeds, on either side of tiles") {
+  constexpr int kSide = 40, kSeeds = 60;
+  Description d = lamp_scene(kSide, kSide, false);
+  d.film.filter.kind = FilterDescription::Kind::kGaussian;
+  d.integrator.max_depth = 2;
+  const auto scene = compile_scene(d);
+  std::vector<MeanVariance> values(kSide * kSide), told(kSide * kSide);
+  RenderOptions options = adaptive_options(0.04, 256);
+  for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
+    options.seed = 7000 + seed;
+    const Image image = render(*scene, options).film.to_image();
+    const int variance = image.find_channel("variance.G");
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const auto i = static_cast<std::size_t>(y * kSide + x);
+        values[i].add(image.at(x, y, kGreen));
+        told[i].add(image.at(x, y, variance));
+      }
+  }
+  // Between the tiles, where variances are of several of them, and elsewhere.
+  for (const bool between : {false, true}) {
+    CAPTURE(between);
+    // Each pixel's difference over what it can be, so that few bright pixels do not rule.
+    MeanVariance differences;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const auto i = static_cast<std::size_t>(y * kSide + x);
+        const double sum = told[i].mean() + values[i].variance();
+        if (((x >= 30 && x < 34) || (y >= 30 && y < 34)) == between && sum > 0)
+          differences.add((told[i].mean() - values[i].variance()) / sum);
+      }
+    INFO("mean difference " << differences.mean());
+    CHECK(std::fabs(differences.mean()) < 0.03);
+  }
+}
+
+TEST_CASE("adaptive sampling: tiles end at the noise asked for, or at the most samples") {
+  constexpr int kColumns = 96, kRows = 64;
+  Description d = lamp_scene(kColumns, kRows, false);
+  d.integrator.max_depth = 2;
+  d.film.filter.kind = FilterDescription::Kind::kGaussian;
+  const auto scene = compile_scene(d);
+  RenderOptions options;
+  options.samples_per_pixel = 1 << 12;
+  const Image truth = render(*scene, options).film.to_image();
+  const double mean = mean_of(truth, "R");
+  for (const double target : {0.01, 0.03}) {
+    CAPTURE(target);
+    const RenderResult result = render(*scene, adaptive_options(target, 4096));
+    const Image image = result.film.to_image();
+    CHECK(result.report.adaptive->reached == 6);
+    CHECK(result.report.adaptive->least_samples < result.report.adaptive->most_samples);
+    for (int ty = 0; ty < 2; ++ty)
+      for (int tx = 0; tx < 3; ++tx) {
+        std::vector<double> squares;
+        for (int y = 32 * ty; y < 32 * ty + 32; ++y)
+          for (int x = 32 * tx; x < 32 * tx + 32; ++x) {
+            const double error = image.at(x, y, 0) - truth.at(x, y, 0);
+            squares.push_back(relative_square(truth.at(x, y, 0), error * error, mean));
+          }
+        CAPTURE(tx);
+        CAPTURE(ty);
+        CHECK(std::sqrt(mean_but_worst(squares)) < 1.5 * target);
+      }
+  }
+  const RenderResult most = render(*scene, adaptive_options(1e-6, 40));
+  CHECK(most.report.adaptive->reached == 0);
+  CHECK(most.report.adaptive->mean_samples == 40);
+}
+
+TEST_CASE("adaptive sampling: the same bits for any number of threads and wave size, and after checkpoints") {
+  const TemporaryFolder folder;
+  const auto file = folder / "render.checkpoint";
+  Description d = lamp_scene(70, 50, false);
+  d.film.filter.kind = FilterDescription::Kind::kGaussian;
+  const auto scene = compile_scene(d);
+  RenderOptions options = adaptive_options(0.015, 256);
+  options.aovs = {Aov::kNormal, Aov::kHalf, Aov::kObjectId};
+  options.threads = 1;
+  const RenderResult whole = render(*scene, options);
+  CHECK(whole.report.adaptive->least_samples < whole.report.adaptive->most_samples);
+  options.threads = 7;
+  options.wave_size = 333;
+  CHECK(same_bits(render(*scene, options).to_image(), whole.to_image()));
+  bool interrupted = true;
+  for (int part = 0; interrupted; ++part) {
+    REQUIRE(part < 100);
+    RenderOptions again = options;
+    std::optional<RenderState> state;
+    if (part > 0) state = read_checkpoint(file, {}, d.film.filter);
+    again.resume = state ? &*state : nullptr;
+    std::atomic<int> asked{0};
+    std::atomic<bool> stop{false};
+    again.stop = &stop;
+    again.wants_pause = [&] {
+      if (asked.fetch_add(1) < 23) return false;
+      stop = true;
+      return true;
+    };
+    again.on_pause = [&](const RenderState& so_far) { write_checkpoint(file, {}, so_far); };
+    const RenderResult result = render(*scene, again);
+    interrupted = result.interrupted;
+    if (part == 0) CHECK(interrupted);
+    if (!interrupted) CHECK(same_bits(result.to_image(), whole.to_image()));
+  }
+}
+
+TEST_CASE("adaptive sampling: a time limit ends it with a picture") {
+  Description d = lamp_scene(64, 64, false);
+  const auto scene = compile_scene(d);
+  RenderOptions options;
+  options.time_limit = 0.3;
+  options.samples_per_pixel = 1 << 20;
+  const RenderResult result = render(*scene, options);
+  CHECK_FALSE(result.interrupted);
+  CHECK(result.report.render_seconds < 30);
+  CHECK(result.report.adaptive->least_samples >= 8);
+  CHECK(result.report.adaptive->most_samples < 1 << 20);
+  CHECK(mean_of(result.film.to_image(), "A") > 0);
+}
+
+TEST_CASE("adaptive sampling: what it cannot do is refused") {
+  Description d = lamp_scene(8, 8, false);
+  const auto fails = [&](RenderOptions options) {
+    try {
+      render(*compile_scene(d), options);
+      return false;
+    } catch (const Error& error) { return error.code() == ExitCode::kUsage; }
+  };
+  CHECK(fails(adaptive_options(0.1, 3)));
+  CHECK_FALSE(fails(adaptive_options(0.1, 4)));
+  d.sampler.kind = SamplerKind::kStratified;
+  CHECK(fails(adaptive_options(0.1, 64)));
+  d.sampler.kind = SamplerKind::kIndependent;
+  CHECK_FALSE(fails(adaptive_options(0.1, 64)));
+  d.integrator.kind = IntegratorKind::kLightTracer;
+  CHECK(fails(adaptive_options(0.1, 64)));
+}
+
+}  // namespace sheaf
