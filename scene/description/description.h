@@ -766,6 +766,14 @@ struct IntegratorDescription {
 
 /// A whole scene. `notes` are remarks for the user about what was mapped or ignored.
 struct Description {
+  // Compiled once: it takes compilers long.
+  Description();
+  Description(const Description& other);
+  Description(Description&& other) noexcept;
+  Description& operator=(const Description& other);
+  Description& operator=(Description&& other) noexcept;
+  ~Description();
+
   CameraDescription camera;
   std::vector<CameraDescription> more_cameras;  ///< the film is cut into as many columns of equal width as cameras
   FilmDescription film;
