@@ -17,6 +17,7 @@
 #include "tools/checkpointing.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
+#include "tools/parts.h"
 #include "tools/picture_files.h"
 #include "tools/read_options.h"
 
@@ -48,7 +49,7 @@ struct RenderArguments {
   std::optional<int> max_depth, rr_depth, candidates;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
   std::string color = "rgb", integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size, aovs,
-              denoiser;
+              denoiser, samples;
   std::optional<float> scale, noise_target, time_limit;
   std::optional<float> step_size;
   int threads = 0, wave_size = 0, spectral_bins = 0, replicates = 0;
@@ -214,6 +215,9 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
   }
   for (auto& [name, value] : cryptomatte_attributes(wanted_aovs(arguments), names))
     metadata.attributes.push_back({name, value});
+  if (!arguments.samples.empty())
+    for (auto& [name, value] : part_id_attributes(wanted_aovs(arguments), names))
+      metadata.attributes.push_back({name, value});
   if (!arguments.full_floats) metadata.half_channels = half_channels(image.channels);
   if (!arguments.no_timestamps) {
     metadata.capture_date = fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
@@ -313,6 +317,7 @@ RenderOptions render_options(const RenderArguments& arguments, const SamplerDesc
   options.aovs = aovs;
   options.light_groups = arguments.light_groups;
   options.crop = crop;
+  if (!arguments.samples.empty()) options.samples = parse_samples(arguments.samples);
   return options;
 }
 
@@ -359,6 +364,9 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   Checkpointer checkpointer(arguments.checkpoint, arguments.checkpoint.file.empty()
                                                       ? RenderSettings{}
                                                       : render_settings(given, description.files));
+  const std::string part = arguments.samples.empty() && arguments.crop.empty()
+                               ? ""
+                               : part_settings(render_settings(given, description.files));
   std::optional<RenderState> resumed = checkpointer.resumed(description.film.filter);
   const double build_start = Progress::steady_seconds();
   const std::unique_ptr<Scene> scene = arguments.read.lenient
@@ -388,6 +396,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   Image image = result.to_image();
   result.film = Film();  // its memory is needed for writing
   ExrMetadata metadata = make_metadata(arguments, result.report, description, scene->names(), image);
+  if (!part.empty()) add_part_attributes(metadata, part, result.samples, result.interrupted);
   const bool denoised = add_denoised(arguments, image, metadata);
   const std::vector<fs::path> written = write_pictures(outputs, image, metadata);
   bool complete = written.size() == outputs.size() && checkpointer.is_saved();
@@ -511,6 +520,10 @@ void add_run_options(Command& command, RenderArguments& arguments) {
       .add_option("--crop", arguments.crop,
                   "Part of the frame to render, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the scene's")
       .list(',', 4);
+  command.add_option(
+      "--samples", arguments.samples,
+      "Of the samples per pixel those to render, FIRST:COUNT (counted from 0), for 'sheaf merge' to join "
+      "with the others. They begin and end where sets of samples do (--replicates). Default: all");
   command.add_option("--size", arguments.size, "Size of the frame in pixels, WxH. Default: the scene's");
   command
       .add_option("--scale", arguments.scale,
