@@ -20,6 +20,7 @@
 #include "tools/parts.h"
 #include "tools/picture_files.h"
 #include "tools/read_options.h"
+#include "tools/render_plan.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -539,16 +540,59 @@ void add_run_options(Command& command, RenderArguments& arguments) {
   command.add_flag("--quiet", arguments.quiet, "Print nothing but errors");
 }
 
+/// The command, without what it is to do.
+Command make_command(Command& program, RenderArguments& arguments) {
+  Command command = program.add_command("render", "Render a scene file (Mitsuba or Nori XML) to pictures.");
+  add_picture_options(command, arguments);
+  add_layer_options(command, arguments);
+  add_transport_options(command, arguments);
+  add_run_options(command, arguments);
+  add_checkpoint_options(command, arguments.checkpoint);
+  return command;
+}
+
 }  // namespace
+
+RenderPlan plan_render(const std::vector<std::string>& words) {
+  Program program("sheaf", "");
+  RenderArguments arguments;
+  Command command = make_command(program, arguments);
+  RenderPlan plan;
+  command.on_call([&] {
+    for (const auto& [name, value] : command.given()) plan.given.push_back(name);
+  });
+  std::vector<std::string> line{"sheaf", "render"};
+  line.insert(line.end(), words.begin(), words.end());
+  std::vector<char*> pointers;
+  for (std::string& word : line) pointers.push_back(word.data());
+  if (program.parse(static_cast<int>(pointers.size()), pointers.data()))
+    throw Error(ExitCode::kUsage, "these are no options of 'sheaf render'");
+  const AovSet aovs = wanted_aovs(arguments);
+  Description scene = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  apply_integrator(arguments, scene.integrator);
+  apply_sampler(arguments, scene);
+  apply_size(arguments, scene.film);
+  plan.integrator = scene.integrator.kind;
+  plan.frame_width = scene.film.width;
+  plan.frame_height = scene.film.height;
+  plan.crop = choose_crop(arguments, scene.film);
+  const PhotonMappingDescription& photons = scene.integrator.photons;
+  const bool maps = plan.integrator == IntegratorKind::kPhotonMapper;
+  plan.samples = maps && photons.progressive && photons.max_passes > 0
+                     ? rounded_sample_count(scene.sampler.kind, static_cast<std::uint32_t>(photons.max_passes))
+                     : scene.sampler.sample_count;
+  if (maps && photons.gathering == PhotonGathering::kFinal)
+    plan.gather_rays = static_cast<std::uint32_t>(photons.gather_rays);
+  plan.sets_given = arguments.replicates > 0;
+  plan.sets = plan.sets_given ? static_cast<std::uint32_t>(arguments.replicates)
+                              : default_replicates(plan.samples * plan.gather_rays);
+  if (aovs.contains(Aov::kVariance) || aovs.contains(Aov::kHalf)) plan.sets = std::max(plan.sets, 2u);
+  return plan;
+}
 
 void add_render_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();
-  Command command = program.add_command("render", "Render a scene file (Mitsuba or Nori XML) to pictures.");
-  add_picture_options(command, *arguments);
-  add_layer_options(command, *arguments);
-  add_transport_options(command, *arguments);
-  add_run_options(command, *arguments);
-  add_checkpoint_options(command, arguments->checkpoint);
+  Command command = make_command(program, *arguments);
   command.on_call([arguments, command, &exit_code] { exit_code = render_scene(*arguments, command.given()); });
 }
 

@@ -34,12 +34,6 @@ constexpr std::uint32_t kUnitSamples = 16;
 /// Replicates where they cost nothing.
 constexpr std::uint32_t kFreeReplicates = 8;
 
-/// Replicates that are worth what they cost: none where samples are few.
-std::uint32_t default_replicates(std::uint32_t spp) {
-  if (spp < 32) return 1;
-  return spp < 128 ? 2 : spp < 512 ? 4 : 8;
-}
-
 /// Most samples per pixel that gather rays may make.
 constexpr std::uint32_t kMostSamples = 1 << 24;
 /// Photons per task, and tasks whose splats are kept until they are added to the film.
@@ -604,6 +598,11 @@ class Renderer {
 };
 
 }  // namespace
+
+std::uint32_t default_replicates(std::uint32_t samples) {
+  if (samples < 32) return 1;
+  return samples < 128 ? 2 : samples < 512 ? 4 : 8;
+}
 
 Image RenderResult::to_image() const {
   Image image = film.to_image();
