@@ -397,6 +397,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   Image image = result.to_image();
   result.film = Film();  // its memory is needed for writing
   ExrMetadata metadata = make_metadata(arguments, result.report, description, scene->names(), image);
+  if (result.samples) result.report.spp = result.samples->count;  // the header has those of the whole
   if (!part.empty()) add_part_attributes(metadata, part, result.samples, result.interrupted);
   const bool denoised = add_denoised(arguments, image, metadata);
   const std::vector<fs::path> written = write_pictures(outputs, image, metadata);

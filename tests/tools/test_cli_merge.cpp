@@ -27,9 +27,17 @@ constexpr const char* kScene = R"(<scene version="3.0.0">
   <emitter type="point" id="lamp"><point name="position" x="2" y="3" z="4"/><rgb name="intensity" value="20"/></emitter>
 </scene>)";
 
+constexpr std::string_view kIntegrator =
+    R"(<integrator type="path"><integer name="max_depth" value="5"/></integrator>)";
+
 /// A folder with the scene.
 struct Scene {
-  Scene() { write_bytes(folder / "scene.xml", kScene); }
+  /// `integrator`: in place of the scene's, if it is not empty.
+  explicit Scene(const std::string& integrator = "") {
+    std::string text = kScene;
+    if (!integrator.empty()) text.replace(text.find(kIntegrator), kIntegrator.size(), integrator);
+    write_bytes(folder / "scene.xml", text);
+  }
   /// Renders to a file.
   void render(const std::string& file, const std::string& options) const {
     const Outcome outcome = run(folder, "render scene.xml --quiet --no-timestamps -o " + file + " " + options);
@@ -81,10 +89,23 @@ TEST_CASE("tiles are joined to the bytes of the whole") {
 }
 
 TEST_CASE("ranges of samples are joined to the whole but for rounding, and mixed with tiles") {
-  const Scene scene;
-  for (const std::string more : {"", "-D filter=box", "-D filter=box --sampler independent", "--filter-mode importance",
-                                 "--guiding", "--integrator photonmapper --spp 32", "-D filter=mitchell --spp 8"}) {
+  const std::string few = R"(<integer name="globalPhotons" value="4000"/><integer name="causticPhotons" value="0"/>)"
+                          R"(<integer name="volumePhotons" value="0"/></integrator>)";
+  const std::pair<std::string, std::string> variants[] = {
+      {"", ""},
+      {"-D filter=box", ""},
+      {"-D filter=box --sampler independent", ""},
+      {"--filter-mode importance", ""},
+      {"--guiding", ""},
+      {"-D filter=mitchell --spp 8", ""},
+      {"--spp 32", R"(<integrator type="photonmapper"><boolean name="finalGather" value="true"/>)"
+                   R"(<integer name="numGatherRays" value="3"/>)" +
+                       few},
+      {"--spp 8", R"(<integrator type="sppm">)" + few}};
+  for (const auto& [more, integrator] : variants) {
+    const Scene scene(integrator);
     CAPTURE(more);
+    CAPTURE(integrator);
     const std::string options = kAll + more;
     const int spp = contains(more, "--spp 8") ? 8 : 32, quarter = spp / 4;
     const auto samples = [&](int first, int count) {
@@ -145,6 +166,11 @@ TEST_CASE("parts that do not belong together are refused, and which is said") {
   const Scene scene;
   const std::string common = "--spp 16 --replicates 4 ";
   scene.render("a.exr", common + "--samples 0:8");
+  scene.render("b.exr", common + "--samples 8:8 --aov cryptomatte_object");
+  const Outcome info = run(scene.folder, "info b.exr");
+  CHECK(contains(info.out, "\nsetting     --replicates 4\n"));
+  CHECK(contains(info.out, "\nattribute   sheaf/samples = 8:8\n"));
+  CHECK(contains(info.out, "\nids         sheaf/ids/CryptoObject: 2 of them\n"));
   scene.render("b.exr", common + "--samples 8:8");
   REQUIRE(run(scene.folder, "merge a.exr b.exr -o whole.exr").code == 0);
   CHECK(contains(scene.refused("a.exr"), "the pixels 0,0,27,18 lack the samples 8:8 of 16"));
