@@ -132,6 +132,16 @@ std::string describe(const ExrHeader& header, const std::string& file) {
       for (const std::string& name : names) fmt::format_to(out, "name        {}\n", name);
       continue;
     }
+    // What joining parts needs: lines, and ids of all names.
+    if (words != nullptr && attribute.name == "sheaf/settings") {
+      for (std::size_t at = 0; at < words->size(); at = std::min(words->find('\n', at), words->size()) + 1)
+        fmt::format_to(out, "setting     {}\n", words->substr(at, words->find('\n', at) - at));
+      continue;
+    }
+    if (words != nullptr && attribute.name.starts_with("sheaf/ids/")) {
+      fmt::format_to(out, "ids         {}: {} of them\n", attribute.name, words->size() / 8);
+      continue;
+    }
     fmt::format_to(out, "attribute   {} = ", attribute.name);
     std::visit([&](const auto& value) { fmt::format_to(out, "{}\n", value); }, attribute.value);
   }

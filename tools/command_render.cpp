@@ -17,8 +17,10 @@
 #include "tools/checkpointing.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
+#include "tools/parts.h"
 #include "tools/picture_files.h"
 #include "tools/read_options.h"
+#include "tools/render_plan.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -48,7 +50,7 @@ struct RenderArguments {
   std::optional<int> max_depth, rr_depth, candidates;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
   std::string color = "rgb", integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size, aovs,
-              denoiser;
+              denoiser, samples;
   std::optional<float> scale, noise_target, time_limit;
   std::optional<float> step_size;
   int threads = 0, wave_size = 0, spectral_bins = 0, replicates = 0;
@@ -214,6 +216,9 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
   }
   for (auto& [name, value] : cryptomatte_attributes(wanted_aovs(arguments), names))
     metadata.attributes.push_back({name, value});
+  if (!arguments.samples.empty())
+    for (auto& [name, value] : part_id_attributes(wanted_aovs(arguments), names))
+      metadata.attributes.push_back({name, value});
   if (!arguments.full_floats) metadata.half_channels = half_channels(image.channels);
   if (!arguments.no_timestamps) {
     metadata.capture_date = fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
@@ -313,6 +318,7 @@ RenderOptions render_options(const RenderArguments& arguments, const SamplerDesc
   options.aovs = aovs;
   options.light_groups = arguments.light_groups;
   options.crop = crop;
+  if (!arguments.samples.empty()) options.samples = parse_samples(arguments.samples);
   return options;
 }
 
@@ -359,6 +365,9 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   Checkpointer checkpointer(arguments.checkpoint, arguments.checkpoint.file.empty()
                                                       ? RenderSettings{}
                                                       : render_settings(given, description.files));
+  const std::string part = arguments.samples.empty() && arguments.crop.empty()
+                               ? ""
+                               : part_settings(render_settings(given, description.files));
   std::optional<RenderState> resumed = checkpointer.resumed(description.film.filter);
   const double build_start = Progress::steady_seconds();
   const std::unique_ptr<Scene> scene = arguments.read.lenient
@@ -388,6 +397,8 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   Image image = result.to_image();
   result.film = Film();  // its memory is needed for writing
   ExrMetadata metadata = make_metadata(arguments, result.report, description, scene->names(), image);
+  if (result.samples) result.report.spp = result.samples->count;  // the header has those of the whole
+  if (!part.empty()) add_part_attributes(metadata, part, result.samples, result.interrupted);
   const bool denoised = add_denoised(arguments, image, metadata);
   const std::vector<fs::path> written = write_pictures(outputs, image, metadata);
   bool complete = written.size() == outputs.size() && checkpointer.is_saved();
@@ -511,6 +522,10 @@ void add_run_options(Command& command, RenderArguments& arguments) {
       .add_option("--crop", arguments.crop,
                   "Part of the frame to render, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the scene's")
       .list(',', 4);
+  command.add_option(
+      "--samples", arguments.samples,
+      "Of the samples per pixel those to render, FIRST:COUNT (counted from 0), for 'sheaf merge' to join "
+      "with the others. They begin and end where sets of samples do (--replicates). Default: all");
   command.add_option("--size", arguments.size, "Size of the frame in pixels, WxH. Default: the scene's");
   command
       .add_option("--scale", arguments.scale,
@@ -526,16 +541,59 @@ void add_run_options(Command& command, RenderArguments& arguments) {
   command.add_flag("--quiet", arguments.quiet, "Print nothing but errors");
 }
 
+/// The command, without what it is to do.
+Command make_command(Command& program, RenderArguments& arguments) {
+  Command command = program.add_command("render", "Render a scene file (Mitsuba or Nori XML) to pictures.");
+  add_picture_options(command, arguments);
+  add_layer_options(command, arguments);
+  add_transport_options(command, arguments);
+  add_run_options(command, arguments);
+  add_checkpoint_options(command, arguments.checkpoint);
+  return command;
+}
+
 }  // namespace
+
+RenderPlan plan_render(const std::vector<std::string>& words) {
+  Program program("sheaf", "");
+  RenderArguments arguments;
+  Command command = make_command(program, arguments);
+  RenderPlan plan;
+  command.on_call([&] {
+    for (const auto& [name, value] : command.given()) plan.given.push_back(name);
+  });
+  std::vector<std::string> line{"sheaf", "render"};
+  line.insert(line.end(), words.begin(), words.end());
+  std::vector<char*> pointers;
+  for (std::string& word : line) pointers.push_back(word.data());
+  if (program.parse(static_cast<int>(pointers.size()), pointers.data()))
+    throw Error(ExitCode::kUsage, "these are no options of 'sheaf render'");
+  const AovSet aovs = wanted_aovs(arguments);
+  Description scene = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  apply_integrator(arguments, scene.integrator);
+  apply_sampler(arguments, scene);
+  apply_size(arguments, scene.film);
+  plan.integrator = scene.integrator.kind;
+  plan.frame_width = scene.film.width;
+  plan.frame_height = scene.film.height;
+  plan.crop = choose_crop(arguments, scene.film);
+  const PhotonMappingDescription& photons = scene.integrator.photons;
+  const bool maps = plan.integrator == IntegratorKind::kPhotonMapper;
+  plan.samples = maps && photons.progressive && photons.max_passes > 0
+                     ? rounded_sample_count(scene.sampler.kind, static_cast<std::uint32_t>(photons.max_passes))
+                     : scene.sampler.sample_count;
+  if (maps && photons.gathering == PhotonGathering::kFinal)
+    plan.gather_rays = static_cast<std::uint32_t>(photons.gather_rays);
+  plan.sets_given = arguments.replicates > 0;
+  plan.sets = plan.sets_given ? static_cast<std::uint32_t>(arguments.replicates)
+                              : default_replicates(plan.samples * plan.gather_rays);
+  if (aovs.contains(Aov::kVariance) || aovs.contains(Aov::kHalf)) plan.sets = std::max(plan.sets, 2u);
+  return plan;
+}
 
 void add_render_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();
-  Command command = program.add_command("render", "Render a scene file (Mitsuba or Nori XML) to pictures.");
-  add_picture_options(command, *arguments);
-  add_layer_options(command, *arguments);
-  add_transport_options(command, *arguments);
-  add_run_options(command, *arguments);
-  add_checkpoint_options(command, arguments->checkpoint);
+  Command command = make_command(program, *arguments);
   command.on_call([arguments, command, &exit_code] { exit_code = render_scene(*arguments, command.given()); });
 }
 

@@ -15,6 +15,10 @@ void add_info_command(Command& program, int& exit_code);
 void add_compare_command(Command& program, int& exit_code);
 /// sheaf denoise: takes the noise out of a rendered picture.
 void add_denoise_command(Command& program, int& exit_code);
+/// sheaf merge: joins parts of a picture.
+void add_merge_command(Command& program, int& exit_code);
+/// sheaf farm: has parts of pictures rendered by the jobs of a cluster.
+void add_farm_command(Command& program, int& exit_code);
 
 /// Prints a line to the standard error stream, after "sheaf: ".
 void print_message(std::string_view message);

@@ -98,6 +98,10 @@ Option Command::add_option(const std::string& names, std::vector<std::string>& v
   return Option(*command_->add_option(names, values, help)->allow_extra_args(false));
 }
 
+Option Command::add_arguments(const std::string& name, std::vector<std::string>& values, const std::string& help) {
+  return Option(*command_->add_option(name, values, help));
+}
+
 void Command::add_flag(const std::string& names, bool& value, const std::string& help) {
   command_->add_flag(names, value, help);
 }

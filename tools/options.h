@@ -50,6 +50,8 @@ class Command {
   template <class T> Option add_option(const std::string& names, T& value, const std::string& help);
   /// An option that may be repeated and takes one value each time.
   Option add_option(const std::string& names, std::vector<std::string>& values, const std::string& help);
+  /// Arguments that are known by their place, as many as there are.
+  Option add_arguments(const std::string& name, std::vector<std::string>& values, const std::string& help);
   /// An option without a value, which sets `value` to true.
   void add_flag(const std::string& names, bool& value, const std::string& help);
   /// A subcommand.

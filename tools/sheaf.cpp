@@ -33,6 +33,8 @@ int main(int argc, char** argv) {
     sheaf::add_info_command(program, exit_code);
     sheaf::add_compare_command(program, exit_code);
     sheaf::add_denoise_command(program, exit_code);
+    sheaf::add_merge_command(program, exit_code);
+    sheaf::add_farm_command(program, exit_code);
     return program.parse(argc, argv).value_or(exit_code);
   } catch (const sheaf::Error& error) {
     sheaf::print_message(error.what());

@@ -1,9 +1,12 @@
 #include "kernels/film/cryptomatte.h"
 
 #include "core/lanes.h"
+#include "kernels/film/more_channels.h"
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
+#include <cmath>
 #include <cstring>
 #include <map>
 
@@ -15,13 +18,15 @@ namespace {
 struct NameLayers {
   Aov number, cryptomatte;
   const char* layer;  ///< of Cryptomatte
+  const char* part;   ///< how the layers of add_part_ids() begin
   const std::vector<std::string> SceneNames::*names;
   const std::vector<std::uint32_t> SceneNames::*of_shape;
 };
-constexpr NameLayers kNameLayers[] = {
-    {Aov::kObjectId, Aov::kCryptomatteObject, "CryptoObject", &SceneNames::objects, &SceneNames::object_of_shape},
-    {Aov::kMaterialId, Aov::kCryptomatteMaterial, "CryptoMaterial", &SceneNames::materials,
-     &SceneNames::material_of_shape}};
+constexpr NameLayers kNameLayers[] = {{Aov::kObjectId, Aov::kCryptomatteObject, "CryptoObject", "part.object.",
+                                       &SceneNames::objects, &SceneNames::object_of_shape},
+                                      {Aov::kMaterialId, Aov::kCryptomatteMaterial, "CryptoMaterial", "part.material.",
+                                       &SceneNames::materials, &SceneNames::material_of_shape}};
+static_assert(std::size(kNameLayers) == kNameKinds);
 
 /// So many digits in base 16.
 std::string hexadecimal(std::uint32_t value, int digits) {
@@ -56,7 +61,8 @@ struct PixelNames {
   double nothing = 0;            ///< weight of those on no surface
 };
 
-PixelNames names_of(const IdCoverage& pixel, const std::vector<std::uint32_t>& of_shape) {
+/// `index_of`: of the name of an entry that is something.
+template <class IndexOf> PixelNames names_of(const IdCoverage& pixel, IndexOf&& index_of) {
   std::vector<IdCoverage::Entry> entries = pixel.entries();
   std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.shape < b.shape; });
   std::map<std::uint32_t, double> weights;
@@ -66,7 +72,7 @@ PixelNames names_of(const IdCoverage& pixel, const std::vector<std::uint32_t>& o
     if (entry.shape == IdCoverage::kNothing)
       names.nothing = entry.weight;
     else
-      weights[of_shape.at(entry.shape)] += entry.weight;
+      weights[index_of(entry.shape)] += entry.weight;
   }
   // Negative lobes of filters may leave less than nothing.
   for (const auto& [index, weight] : weights)
@@ -82,22 +88,6 @@ float number_of(const PixelNames& names) {
   return static_cast<float>(names.ranked[0].index + 1);
 }
 
-/// The picture with room for more channels.
-Image with_channels(const Image& image, const std::vector<std::string>& more) {
-  std::vector<std::string> names = image.channels;
-  names.insert(names.end(), more.begin(), more.end());
-  Image out(image.width, image.height, std::move(names));
-  out.x0 = image.x0;
-  out.y0 = image.y0;
-  out.frame_width = image.frame_width;
-  out.frame_height = image.frame_height;
-  const std::size_t from = image.channels.size(), to = out.channels.size();
-  for (std::size_t pixel = 0; pixel < image.pixel_count(); ++pixel)
-    std::copy_n(image.data.begin() + static_cast<std::ptrdiff_t>(pixel * from), from,
-                out.data.begin() + static_cast<std::ptrdiff_t>(pixel * to));
-  return out;
-}
-
 /// The material of materials that share a name: the first of them.
 std::vector<std::uint32_t> first_of_name(const std::vector<std::string>& names) {
   std::map<std::string_view, std::uint32_t> first;
@@ -106,25 +96,52 @@ std::vector<std::uint32_t> first_of_name(const std::vector<std::string>& names) 
   return out;
 }
 
-void fill(const NameLayers& kind, AovSet aovs, const SceneNames& names, const Film& film, int channel, Image& image) {
-  const std::vector<std::string>& words = names.*kind.names;
-  const std::vector<std::uint32_t> first = first_of_name(words);
+/// The numbers of the names that rows of shapes have.
+std::vector<std::uint32_t> names_of_shapes(const NameLayers& kind, const SceneNames& names) {
+  const std::vector<std::uint32_t> first = first_of_name(names.*kind.names);
   std::vector<std::uint32_t> of_shape = names.*kind.of_shape;
   for (std::uint32_t& index : of_shape) index = first[index];
+  return of_shape;
+}
+
+std::vector<float> ids_of(const std::vector<std::string>& words) {
   std::vector<float> ids;
   for (const std::string& word : words) ids.push_back(bits_float(cryptomatte_id(word)));
+  return ids;
+}
+
+void put_names(const PixelNames& pixel, const IdChannels& channels, std::span<const float> ids, float* out) {
+  if (channels.number >= 0) out[channels.number] = number_of(pixel);
+  if (channels.ranks[0] < 0) return;
+  const auto count = std::min(pixel.ranked.size(), static_cast<std::size_t>(kCryptomatteRanks));
+  for (std::size_t i = 0; i < count; ++i) {
+    out[channels.ranks[2 * i]] = ids[pixel.ranked[i].index];
+    out[channels.ranks[2 * i + 1]] = static_cast<float>(pixel.ranked[i].weight / pixel.total);
+  }
+}
+
+void fill(const NameLayers& kind, const SceneNames& names, const Film& film, const IdChannels& channels, Image& image) {
+  const std::vector<std::uint32_t> of_shape = names_of_shapes(kind, names);
+  const std::vector<float> ids = ids_of(names.*kind.names);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
-      const PixelNames pixel = names_of(film.coverage(x + image.x0, y + image.y0), of_shape);
-      int at = channel;
-      if (aovs.contains(kind.number)) image.at(x, y, at++) = number_of(pixel);
-      if (!aovs.contains(kind.cryptomatte)) continue;
-      const auto count = std::min(pixel.ranked.size(), static_cast<std::size_t>(kCryptomatteRanks));
-      for (std::size_t i = 0; i < count; ++i) {
-        image.at(x, y, at++) = ids[pixel.ranked[i].index];
-        image.at(x, y, at++) = static_cast<float>(pixel.ranked[i].weight / pixel.total);
-      }
+      const PixelNames pixel =
+          names_of(film.coverage(x + image.x0, y + image.y0), [&](std::uint32_t shape) { return of_shape.at(shape); });
+      put_names(pixel, channels, ids, &image.at(x, y, 0));
     }
+}
+
+/// The channels of one rank of Cryptomatte, those of its id and of its share.
+std::string rank_channel(const NameLayers& kind, int i) {
+  return kind.layer + ("0" + std::to_string(i / 4)) + "." + "rgba"[i % 4];
+}
+
+/// The layers of add_part_ids(): weight on nothing, then for each rank a number, counted from 1, and a weight.
+std::vector<std::string> part_channels(const NameLayers& kind) {
+  std::vector<std::string> channels{kind.part + std::string("nothing")};
+  for (int i = 0; i < kPartRanks; ++i)
+    for (const char* const what : {"number", "weight"}) channels.push_back(kind.part + (what + std::to_string(i)));
+  return channels;
 }
 
 }  // namespace
@@ -172,22 +189,97 @@ std::vector<std::pair<std::string, std::string>> cryptomatte_attributes(AovSet a
 
 void add_id_layers(AovSet aovs, const SceneNames& names, const Film& film, Image& image) {
   if (!aovs.contains(AovSource::kSurfaceId)) return;
-  const auto first_new = static_cast<int>(image.channels.size());
   std::vector<std::string> more;
-  std::vector<int> first;
   for (const NameLayers& kind : kNameLayers) {
-    first.push_back(first_new + static_cast<int>(more.size()));
-    const AovEntry& number = kAovList[static_cast<std::size_t>(kind.number)];
-    if (aovs.contains(kind.number)) more.emplace_back(number.channels[0]);
-    if (!aovs.contains(kind.cryptomatte)) continue;
-    for (int i = 0; i < 2 * kCryptomatteRanks; ++i)
-      more.push_back(kind.layer + ("0" + std::to_string(i / 4)) + "." + "rgba"[i % 4]);
+    if (aovs.contains(kind.number)) more.emplace_back(kAovList[static_cast<std::size_t>(kind.number)].channels[0]);
+    for (int i = 0; i < 2 * kCryptomatteRanks && aovs.contains(kind.cryptomatte); ++i)
+      more.push_back(rank_channel(kind, i));
   }
   image = with_channels(image, more);
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    const NameLayers& kind = kNameLayers[i];
-    if (aovs.contains(kind.number) || aovs.contains(kind.cryptomatte)) fill(kind, aovs, names, film, first[i], image);
+  for (std::size_t i = 0; i < kNameKinds; ++i)
+    if (const IdChannels channels(image, i); channels.any()) fill(kNameLayers[i], names, film, channels, image);
+}
+
+IdChannels::IdChannels(const Image& image, std::size_t kind) {
+  const NameLayers& layers = kNameLayers[kind];
+  number = image.find_channel(kAovList[static_cast<std::size_t>(layers.number)].channels[0]);
+  for (int i = 0; i < 2 * kCryptomatteRanks; ++i)
+    ranks[static_cast<std::size_t>(i)] = image.find_channel(rank_channel(layers, i));
+  // Some of them alone are none.
+  if (std::find(ranks.begin(), ranks.end(), -1) != ranks.end()) ranks.fill(-1);
+}
+
+void add_part_ids(AovSet aovs, const SceneNames& names, const Film& film, Image& image) {
+  for (const NameLayers& kind : kNameLayers) {
+    if (!aovs.contains(kind.number) && !aovs.contains(kind.cryptomatte)) continue;
+    const std::size_t first = image.channels.size();
+    image = with_channels(image, part_channels(kind));
+    const std::vector<std::uint32_t> of_shape = names_of_shapes(kind, names);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) {
+        std::map<std::uint32_t, double> weights;
+        float* out = &image.at(x, y, static_cast<int>(first));
+        for (const IdCoverage::Entry& entry : film.coverage(x + image.x0, y + image.y0).entries())
+          entry.shape == IdCoverage::kNothing ? void(*out = static_cast<float>(entry.weight))
+                                              : void(weights[of_shape.at(entry.shape)] += entry.weight);
+        std::vector<Covering> ranked;
+        for (const auto& [index, weight] : weights) ranked.push_back({index, weight});
+        std::stable_sort(ranked.begin(), ranked.end(),
+                         [](const auto& a, const auto& b) { return std::abs(a.weight) > std::abs(b.weight); });
+        ranked.resize(std::min(ranked.size(), static_cast<std::size_t>(kPartRanks)));
+        for (const Covering& name : ranked) {
+          *++out = static_cast<float>(name.index + 1);
+          *++out = static_cast<float>(name.weight);
+        }
+      }
   }
+}
+
+PartIds::PartIds(const Image& image, std::size_t kind) {
+  for (const std::string& name : part_channels(kNameLayers[kind])) channels_.push_back(image.find_channel(name));
+  if (std::find(channels_.begin(), channels_.end(), -1) != channels_.end()) channels_.clear();
+}
+
+bool PartIds::add(const float* pixel, IdCoverage& names) const {
+  if (const auto nothing = static_cast<double>(pixel[channels_[0]]); nothing != 0.0)
+    names.add(IdCoverage::kNothing, nothing);
+  for (std::size_t i = 1; i < channels_.size(); i += 2) {
+    const float number = pixel[channels_[i]];
+    if (number == 0.0f) break;
+    if (!(number >= 1.0f && number <= kMostNames && number == std::floor(number))) return false;
+    names.add(static_cast<std::uint32_t>(number) - 1, static_cast<double>(pixel[channels_[i + 1]]));
+  }
+  return true;
+}
+
+bool put_ids(const IdCoverage& names, const IdChannels& channels, std::span<const float> ids, float* pixel) {
+  const PixelNames ranked = names_of(names, [](std::uint32_t index) { return index; });
+  const auto is_known = [&](const Covering& name) { return name.index < ids.size(); };
+  if (channels.ranks[0] >= 0 && !std::all_of(ranked.ranked.begin(), ranked.ranked.end(), is_known)) return false;
+  put_names(ranked, channels, ids, pixel);
+  return true;
+}
+
+std::vector<std::pair<std::string, std::string>> part_id_attributes(AovSet aovs, const SceneNames& names) {
+  std::vector<std::pair<std::string, std::string>> attributes;
+  for (std::size_t i = 0; i < kNameKinds; ++i) {
+    if (!aovs.contains(kNameLayers[i].cryptomatte)) continue;
+    std::string& ids = attributes.emplace_back(part_id_attribute(i), "").second;
+    for (const std::string& name : names.*kNameLayers[i].names) ids += hexadecimal(cryptomatte_id(name), 8);
+  }
+  return attributes;
+}
+
+std::string part_id_attribute(std::size_t kind) { return std::string("sheaf/ids/") + kNameLayers[kind].layer; }
+
+std::optional<std::vector<float>> ids_from_attribute(std::string_view text) {
+  std::vector<float> ids;
+  for (; text.size() >= 8; text.remove_prefix(8)) {
+    std::uint32_t id = 0;
+    if (std::from_chars(text.data(), text.data() + 8, id, 16).ptr != text.data() + 8) return std::nullopt;
+    ids.push_back(bits_float(id));
+  }
+  return text.empty() ? std::optional(std::move(ids)) : std::nullopt;
 }
 
 }  // namespace sheaf

@@ -1,6 +1,7 @@
 #include "kernels/film/film.h"
 
 #include "core/color.h"
+#include "kernels/film/more_channels.h"
 #include "kernels/film/noise.h"
 
 #include <tbb/parallel_for.h>
@@ -147,24 +148,13 @@ std::optional<double> Film::noise() const {
   if (row_.variances < kComponents || row_.with_variance[kComponents - 1] != kBlue) return std::nullopt;
   std::vector<float> channels(row_.channels + row_.variances + 1 + row_.bins +
                               static_cast<std::size_t>(layout_.half_count()));
-  std::vector<double> values, relative;
-  double mean = 0;
+  PictureNoise noise;
   for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel) {
+    std::fill(channels.begin(), channels.end(), 0.0f);
     write_pixel(pixel, channels.data());
-    double value = 0, variance = 0;
-    for (std::size_t c = 0; c < kComponents; ++c) {
-      value += kLuminance[c] * static_cast<double>(channels[c]);
-      // As if the components' errors went together, which they do unless light is much coloured.
-      variance += kLuminance[c] * std::sqrt(static_cast<double>(channels[row_.channels + c]));
-    }
-    values.push_back(value);
-    relative.push_back(variance * variance);
-    mean += value;
+    noise.add(channels.data(), channels.data() + row_.channels);
   }
-  mean /= static_cast<double>(std::max<std::size_t>(counts_.size(), 1));
-  for (std::size_t pixel = 0; pixel < values.size(); ++pixel)
-    relative[pixel] = relative_square(values[pixel], relative[pixel], mean);
-  return std::sqrt(mean_but_worst(relative));
+  return noise.noise();
 }
 
 void Film::clear() {
@@ -190,6 +180,47 @@ Image Film::to_image() const {
   for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel)
     write_pixel(pixel, image.data.data() + pixel * image.channels.size());
   return image;
+}
+
+void Film::add_part_layers(Image& image) const {
+  std::vector<std::string> names{"part.weight"};
+  if (row_.variances > 0) names.emplace_back("part.weightSquared");
+  for (const std::size_t c : row_.with_variance)
+    for (const char* const kind : {"part.scatter.", "part.cross."}) names.push_back(kind + layout_.channels()[c].name);
+  if (!half_.empty()) names.emplace_back("part.halfWeight");
+  const std::size_t first = image.channels.size();
+  image = with_channels(image, names);
+  const std::size_t first_half = row_.channels + row_.variances + 1 + row_.bins;
+  for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel) {
+    const double* const row = sums_.data() + pixel * row_.film_size();
+    const double weight = row[FilmRow::kWeight];
+    float* const means = image.data.data() + pixel * image.channels.size();
+    float* out = means + first;
+    *out++ = static_cast<float>(weight);
+    if (weight < 0.0) {
+      for (std::size_t c = 0; c < row_.channels; ++c) means[c] = static_cast<float>(row[FilmRow::kSums + c] / weight);
+      for (std::size_t bin = 0; bin < row_.bins; ++bin)
+        means[row_.channels + row_.variances + 1 + bin] =
+            static_cast<float>(row[row_.film_bins_at() + bin] / (weight * bin_width(spectral_bins())));
+    }
+    const double* square = row + row_.film_squares_at();
+    const double weight_squared = row_.variances > 0 ? *square++ : 0.0;
+    if (row_.variances > 0) *out++ = static_cast<float>(weight_squared);
+    for (const std::size_t c : row_.with_variance) {
+      // The mean as it is stored, so that sums of squares are found again from it whatever it was rounded to.
+      const auto mean = static_cast<double>(means[c]);
+      const double scatter = square[0] - 2.0 * mean * square[1] + mean * mean * weight_squared;
+      *out++ = static_cast<float>(std::clamp(scatter, 0.0, kLargest));
+      *out++ = static_cast<float>(std::clamp(square[1] - mean * weight_squared, -kLargest, kLargest));
+      square += 2;
+    }
+    if (half_.empty()) continue;
+    const auto halves = static_cast<std::size_t>(layout_.half_count());
+    const double* const half = half_.data() + pixel * (1 + halves);
+    *out = static_cast<float>(half[0]);
+    for (std::size_t k = 0; k < halves && half[0] != 0.0; ++k)
+      means[first_half + k] = static_cast<float>(half[1 + k] / half[0]);
+  }
 }
 
 }  // namespace sheaf

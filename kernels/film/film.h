@@ -79,6 +79,13 @@ class Film {
   /// for Spectral Images" (2021): the name of the bin around 550 nm is "S0.550,000000nm".
   Image to_image() const;
 
+  /// Appends to this picture, of some of the samples, what joining it with those of the others needs (see merge.h): the
+  /// layers "part.weight", the sum W of weights; with variances "part.weightSquared", Q = sum of W_u^2, and with m for
+  /// the channel's mean as it is stored "part.scatter." + channel, sum of (S_u - m W_u)^2, and "part.cross." + channel,
+  /// sum of (S_u - m W_u) W_u; with a first half "part.halfWeight", its sum of weights. Here means are those of weights
+  /// below zero too, which negative lobes of a filter may leave where samples are few.
+  void add_part_layers(Image& image) const;
+
   /// How noisy the picture is: the standard error of a pixel's luminance over its value, root of the mean square over
   /// the pixels without the worst thousandth. Dark pixels count as if they had a tenth of the picture's mean. Nothing
   /// where R, G and B have no variances.

@@ -13,4 +13,44 @@ double mean_but_worst(std::vector<double>& values) {
   return std::accumulate(values.begin(), values.begin() + kept, 0.0) / static_cast<double>(kept);
 }
 
+void PictureNoise::add(const float* value, const float* variance) {
+  double of_value = 0, of_variance = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    of_value += kLuminance[c] * static_cast<double>(value[c]);
+    // As if the components' errors went together, which they do unless light is much coloured.
+    of_variance += kLuminance[c] * std::sqrt(static_cast<double>(variance[c]));
+  }
+  values_.push_back(of_value);
+  relative_.push_back(of_variance * of_variance);
+  sum_ += of_value;
+}
+
+double PictureNoise::noise() {
+  const double mean = sum_ / static_cast<double>(std::max<std::size_t>(values_.size(), 1));
+  for (std::size_t pixel = 0; pixel < values_.size(); ++pixel)
+    relative_[pixel] = relative_square(values_[pixel], relative_[pixel], mean);
+  return std::sqrt(mean_but_worst(relative_));
+}
+
+std::optional<double> picture_noise(const Image& image) {
+  constexpr const char* kNames[] = {"R", "G", "B"};
+  int values[3], variances[3];
+  for (std::size_t c = 0; c < 3; ++c) {
+    values[c] = image.find_channel(kNames[c]);
+    variances[c] = image.find_channel(std::string("variance.") + kNames[c]);
+    if (values[c] < 0 || variances[c] < 0) return std::nullopt;
+  }
+  PictureNoise noise;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      float value[3], variance[3];
+      for (std::size_t c = 0; c < 3; ++c) {
+        value[c] = image.at(x, y, values[c]);
+        variance[c] = image.at(x, y, variances[c]);
+      }
+      noise.add(value, variance);
+    }
+  return noise.noise();
+}
+
 }  // namespace sheaf

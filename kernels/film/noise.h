@@ -1,7 +1,10 @@
 // How noisy pixels are: the variance of their means, and that over their values.
 #pragma once
 
+#include "core/image.h"
+
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace sheaf {
@@ -29,7 +32,22 @@ inline double relative_square(double value, double variance, double mean) {
   return variance / (value * value + kDark * mean * (kDark * mean) + 1e-30);
 }
 
+/// How noisy a picture is, from its layers, as Film::noise() says; nothing where R, G and B have no variances.
+std::optional<double> picture_noise(const Image& image);
+
 /// The mean without the largest thousandth; 0 of nothing. Reorders `values`.
 double mean_but_worst(std::vector<double>& values);
+
+/// Adds up Film::noise(), pixel by pixel.
+class PictureNoise {
+ public:
+  /// Both of R, G and B.
+  void add(const float* value, const float* variance);
+  double noise();
+
+ private:
+  std::vector<double> values_, relative_;
+  double sum_ = 0;
+};
 
 }  // namespace sheaf

@@ -34,12 +34,6 @@ constexpr std::uint32_t kUnitSamples = 16;
 /// Replicates where they cost nothing.
 constexpr std::uint32_t kFreeReplicates = 8;
 
-/// Replicates that are worth what they cost: none where samples are few.
-std::uint32_t default_replicates(std::uint32_t spp) {
-  if (spp < 32) return 1;
-  return spp < 128 ? 2 : spp < 512 ? 4 : 8;
-}
-
 /// Most samples per pixel that gather rays may make.
 constexpr std::uint32_t kMostSamples = 1 << 24;
 /// Photons per task, and tasks whose splats are kept until they are added to the film.
@@ -120,6 +114,7 @@ class Renderer {
         throw Error(ExitCode::kUsage,
                     "samples per pixel times gather rays must be at most " + std::to_string(kMostSamples));
       spp_ *= rays;
+      rays_ = rays;
     }
     if (spp_ == 0) throw Error(ExitCode::kUsage, "samples per pixel must be at least 1");
     if (wave_size_ > kMaxWaveSize)
@@ -128,9 +123,10 @@ class Renderer {
     check_spectral_bins(scene, options.spectral_bins);
     set_film(scene, crop);
     set_adaptive(scene);
+    set_range();
     context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed),
                                     replicate_samples_, static_cast<std::uint32_t>(frame_.row_length()));
-    total_ = wanted_.area() * spp_;
+    total_ = wanted_.area() * range_.count;
     context_.guide = guide_.view();
     if (options.guiding) training_passes_ = training_passes(state_.film.width(), state_.film.height(), spp_);
     total_ += training_samples(state_.film.width(), state_.film.height(), training_passes_);
@@ -139,7 +135,7 @@ class Renderer {
       total_ += photon_mapping_->wanted();
     }
     if (context_.transport.kind == IntegratorKind::kLightTracer) set_photons(scene, crop);
-    adaptive_before_ = total_ - wanted_.area() * spp_;
+    adaptive_before_ = total_ - wanted_.area() * range_.count;
     if (options.resume != nullptr) resume(*options.resume);
   }
 
@@ -148,11 +144,12 @@ class Renderer {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_));
     tbb::task_arena arena(threads_);
     arena.execute([this, start] {
-      if (state_.first_sample < spp_ && !training_passes_.empty()) train();
+      if (state_.first_sample < range_.end() && !training_passes_.empty()) train();
       if (state_.adaptive)
         take_adaptive_samples(start);
       else
-        while (state_.first_sample < spp_ && !stopped()) take_samples();
+        while (state_.first_sample < range_.end() && !stopped()) take_samples();
+      if (state_.first_sample == range_.end() && range_.end() < half_samples_) state_.film.end_first_half();
       while (state_.photons < photons_ && !stopped()) {
         run_photons();
         if (pauses()) pause();
@@ -226,6 +223,31 @@ class Renderer {
                             AdaptiveGoal{options_.noise_target, spp_});
   }
 
+  /// Which samples are taken. Throws Error (usage) for those that cannot be taken alone.
+  void set_range() {
+    range_ = {0, spp_};
+    if (!options_.samples) return;
+    const auto fail = [](const std::string& text) { throw Error(ExitCode::kUsage, text); };
+    const SampleRange& asked = *options_.samples;
+    if (asked.count == 0 || asked.first >= spp_ / rays_ || asked.count > spp_ / rays_ - asked.first)
+      fail("the samples " + std::to_string(asked.first) + ":" + std::to_string(asked.count) + " are none of the " +
+           std::to_string(spp_ / rays_) + " samples per pixel, which count from 0");
+    if (context_.transport.kind == IntegratorKind::kLightTracer)
+      fail("some of the samples can be taken alone where they come from the camera; " +
+           integrator_name(context_.transport) + " follows light the other way");
+    if (state_.adaptive) fail("a noise target or a time limit cannot judge some of the samples alone");
+    range_ = {asked.first * rays_, asked.count * rays_};
+    state_.first_sample = range_.first;
+    if (range_.first % replicate_samples_ == 0 && (range_.end() % replicate_samples_ == 0 || range_.end() == spp_))
+      return;
+    if (replicate_samples_ == spp_) return;  // one set, which may be cut anywhere
+    const std::uint32_t sets = (spp_ + replicate_samples_ - 1) / replicate_samples_;
+    const std::string size = std::to_string(replicate_samples_);
+    fail("the samples " + std::to_string(asked.first) + ":" + std::to_string(asked.count) + " cut through one of the " +
+         std::to_string(sets) + " sets of " + size + " samples that tell the variance: they must begin and end at " +
+         "multiples of " + size + (rays_ > 1 ? " gather rays" : "") + ", or --replicates make other sets");
+  }
+
   bool stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
 
   void train() {
@@ -242,18 +264,18 @@ class Renderer {
                       from.film.variance_unit() == state_.film.variance_unit() &&
                       from.film.tells_surfaces() == state_.film.tells_surfaces() &&
                       from.splats.has_value() == state_.splats.has_value() &&
-                      from.adaptive.has_value() == state_.adaptive.has_value() && from.first_sample <= spp_ &&
-                      from.photons <= photons_;
+                      from.adaptive.has_value() == state_.adaptive.has_value() && from.first_sample >= range_.first &&
+                      from.first_sample <= range_.end() && from.photons <= photons_;
     if (!same) throw Error(ExitCode::kCheckpoint, "the checkpoint is of another render");
     state_ = std::move(from);
-    done_ = wanted_.area() * state_.first_sample + state_.photons;
+    done_ = wanted_.area() * (state_.first_sample - range_.first) + state_.photons;
     for (std::size_t i = 0; i < adaptive_tiles_.size(); ++i)
       done_ += adaptive_tiles_[i].wanted.area() * state_.adaptive->taken_samples(i);
   }
 
   /// Whether there are samples or photons to be taken yet.
   bool is_left() const {
-    return state_.adaptive ? !adaptive_done_ : state_.first_sample < spp_ || state_.photons < photons_;
+    return state_.adaptive ? !adaptive_done_ : state_.first_sample < range_.end() || state_.photons < photons_;
   }
 
   /// Rounds until all tiles are content, or the time is up.
@@ -303,7 +325,8 @@ class Renderer {
   /// The next pass, or what is left of it.
   void take_samples() {
     const std::uint32_t first = state_.first_sample;
-    std::uint32_t count = std::min({kPassSamples, spp_ - first, replicate_samples_ - first % replicate_samples_});
+    std::uint32_t count =
+        std::min({kPassSamples, range_.end() - first, replicate_samples_ - first % replicate_samples_});
     if (options_.aovs.contains(Aov::kHalf) && first < half_samples_) count = std::min(count, half_samples_ - first);
     if (photon_mapping_) {
       count = photon_mapping_->samples_alike(count);
@@ -539,6 +562,7 @@ class Renderer {
     if (result.film.tells_surfaces()) result.names = scene_.names();
     result.splats = std::move(state_.splats);
     result.photons = state_.photons;
+    if (options_.samples) result.samples = range_;
     return result;
   }
 
@@ -552,6 +576,8 @@ class Renderer {
   SampledFrame frame_;
   PixelRect wanted_;  ///< pixels that are sampled: the crop, and those around from which samples reach into it
   std::uint32_t replicate_samples_ = 0;  ///< per pixel, of each replicate
+  SampleRange range_;                    ///< of spp_ samples, those that are taken
+  std::uint32_t rays_ = 1;               ///< samples that each one is made of
   std::uint32_t half_samples_ = 0;       ///< per pixel, of the first half
   std::size_t light_groups_ = 0;         ///< that have layers
   std::vector<std::uint16_t> group_of_light_;
@@ -574,10 +600,17 @@ class Renderer {
 
 }  // namespace
 
+std::uint32_t default_replicates(std::uint32_t samples) {
+  if (samples < 32) return 1;
+  return samples < 128 ? 2 : samples < 512 ? 4 : 8;
+}
+
 Image RenderResult::to_image() const {
   Image image = film.to_image();
+  if (samples) film.add_part_layers(image);
   if (splats) splats->add_to(image, photons);
   add_id_layers(aovs, names, film, image);
+  if (samples) add_part_ids(aovs, names, film, image);
   return image;
 }
 

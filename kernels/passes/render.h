@@ -3,6 +3,7 @@
 
 #include "core/stats.h"
 #include "kernels/film/aovs.h"
+#include "kernels/film/sample_range.h"
 #include "kernels/passes/render_state.h"
 #include "scene/tables/scene.h"
 
@@ -33,6 +34,9 @@ struct RenderOptions {
   /// Seconds after which no more samples are begun, once every tile has some. 0: no limit. The picture then depends on
   /// the machine.
   double time_limit = 0;
+  /// Of the samples those that are taken; all others are as if they were, too: joining the parts' pictures gives that
+  /// of all samples. Default: all.
+  std::optional<SampleRange> samples;
   AovSet aovs;                ///< further layers; Aov::kVariance and kHalf make at least two replicates
   bool light_groups = false;  ///< layers of the light that comes from each of SceneNames::lights
   bool guiding = false;  ///< directions are sampled from what passes before the picture have learned
@@ -57,11 +61,13 @@ struct RenderResult {
   std::uint64_t photons = 0;        ///< that were emitted
   AovSet aovs;                      ///< that were asked for
   SceneNames names;                 ///< where the film tells surfaces, what they are called
+  std::optional<SampleRange> samples;  ///< where some of the samples were asked for, those, of RenderReport::spp
   RenderReport report;  ///< without scene file and load times, which the caller knows
   bool interrupted = false;
   std::vector<std::string> warnings;
 
-  /// The picture: Film::to_image(), what photons have added, and which surfaces cover its pixels.
+  /// The picture: Film::to_image(), what photons have added, and which surfaces cover its pixels. Of some of the
+  /// samples what joining it with the others needs (see kernels/film/merge.h).
   Image to_image() const;
 };
 
@@ -70,6 +76,10 @@ inline constexpr std::size_t kMaxLightGroups = 64;
 
 /// Largest value of RenderOptions::wave_size: slots are 16-bit.
 inline constexpr int kMaxWaveSize = 32768;
+
+/// Replicates that are worth what they cost where samples are not independent of each other: see
+/// RenderOptions::replicates.
+std::uint32_t default_replicates(std::uint32_t samples);
 
 /// Renders. The picture's bits depend on scene, seed and sample count alone, not on threads, wave size or crop.
 /// Throws Error (usage) if the crop leaves the frame, a number is out of range, spectral bins are asked for where there

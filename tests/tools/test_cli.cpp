@@ -1,7 +1,7 @@
 // The command line, run as a user runs it: exit codes, messages, files.
 #include "core/exr.h"
 #include "tests/support/media_testing.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/program_testing.h"
 
 #include <doctest/doctest.h>
 
@@ -29,29 +29,6 @@ constexpr const char* kScene = R"(<scene version="3.0.0">
   <shape type="sphere"><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>
   <emitter type="constant"><rgb name="radiance" value="1"/></emitter>
 </scene>)";
-
-struct Outcome {
-  int code = -1;
-  std::string out, err;
-};
-
-/// Runs the program with these arguments (words for the shell) in the folder, after `before`, other commands.
-Outcome run(const TemporaryFolder& folder, const std::string& arguments, const std::string& before = "") {
-  const std::string streams = " >'" + (folder / "out.txt").string() + "' 2>'" + (folder / "err.txt").string() + "'";
-  const std::string command =
-      "cd '" + folder.path().string() + "' && " + before + "'" SHEAF_EXECUTABLE "' " + arguments + streams +
-      " </dev/null";
-  const int status = std::system(command.c_str());
-  Outcome outcome;
-  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  outcome.out = read_bytes(folder / "out.txt");
-  outcome.err = read_bytes(folder / "err.txt");
-  std::filesystem::remove(folder / "out.txt");
-  std::filesystem::remove(folder / "err.txt");
-  return outcome;
-}
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

@@ -1,0 +1,35 @@
+// The command line, run as a user runs it.
+#pragma once
+
+#include "tests/support/temporary_folder.h"
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+
+namespace sheaf {
+
+/// What became of a run: its exit code, -1 if a signal ended it, and what it wrote to both streams.
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+/// Runs the program with these arguments (words for the shell) in the folder, after `before`, other commands.
+inline Outcome run(const TemporaryFolder& folder, const std::string& arguments, const std::string& before = "") {
+  const std::string streams = " >'" + (folder / "out.txt").string() + "' 2>'" + (folder / "err.txt").string() + "'";
+  const std::string command = "cd '" + folder.path().string() + "' && " + before + "'" SHEAF_EXECUTABLE "' " +
+                              arguments + streams + " </dev/null";
+  const int status = std::system(command.c_str());
+  Outcome outcome;
+  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  outcome.out = read_bytes(folder / "out.txt");
+  outcome.err = read_bytes(folder / "err.txt");
+  std::filesystem::remove(folder / "out.txt");
+  std::filesystem::remove(folder / "err.txt");
+  return outcome;
+}
+
+inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace sheaf

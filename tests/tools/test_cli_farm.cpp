@@ -1,0 +1,169 @@
+// The jobs that sheaf farm writes, run by a stand-in for sbatch that runs each at once; test_slurm.cpp has the real
+// one.
+#include "core/exr.h"
+#include "tests/support/parts_testing.h"
+#include "tests/support/program_testing.h"
+
+#include <doctest/doctest.h>
+
+using namespace sheaf;
+
+namespace {
+
+constexpr const char* kScene = R"(<scene version="3.0.0">
+  <default name="frame" value="0"/>
+  <integrator type="path"/>
+  <sensor type="perspective">
+    <float name="fov" value="40"/>
+    <transform name="to_world"><lookat origin="$frame,0,5" target="0,0,0" up="0,1,0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film>
+    <sampler type="independent"><integer name="sample_count" value="64"/></sampler>
+  </sensor>
+  <shape type="sphere"><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>
+  <emitter type="constant"><rgb name="radiance" value="1"/></emitter>
+</scene>)";
+
+/// Understands --parsable, --array=0-N and --dependency=..., and says what else it was given to a file.
+constexpr const char* kSbatch = R"sh(#!/usr/bin/env bash
+printf '%s\n' "$*" >>"$SBATCH_LOG"
+last=0
+while [[ $1 == --* ]]; do
+  [[ $1 == --array=0-* ]] && last=${1#--array=0-}
+  shift
+done
+export SLURM_ARRAY_JOB_ID=7 SLURM_CPUS_PER_TASK=1
+for ((SLURM_ARRAY_TASK_ID = 0; SLURM_ARRAY_TASK_ID <= last; ++SLURM_ARRAY_TASK_ID)); do
+  export SLURM_ARRAY_TASK_ID
+  bash "$@" </dev/null >/dev/null || exit
+done
+echo '7;cluster'
+)sh";
+
+/// A folder with a name that scripts must quote, a scene, and a sbatch.
+struct FarmFolder {
+  FarmFolder() {
+    std::filesystem::create_directories(folder / "bin");
+    std::filesystem::create_directories(here);
+    write_bytes(here / kSceneName, kScene);
+    write_bytes(folder / "bin/sbatch", kSbatch);
+    std::filesystem::permissions(folder / "bin/sbatch", std::filesystem::perms::owner_all);
+  }
+  /// Runs the program in the folder; `arguments` are words for the shell.
+  Outcome sheaf(const std::string& arguments) const {
+    return run(folder, arguments,
+               "cd ./*here* && export PATH='" + (folder / "bin").string() + "':\"$PATH\" SBATCH_LOG='" +
+                   (folder / "sbatch.log").string() + "' && ");
+  }
+  TemporaryFolder folder;
+  std::filesystem::path here = folder / "it's \"here\"\n$(touch gone) %j \\";
+  static constexpr const char* kSceneName = "a scene's $frame;`x`.xml";
+};
+
+constexpr const char* kQuotedScene = "\"a scene's \\$frame;\\`x\\`.xml\"";
+
+}  // namespace
+
+TEST_CASE("farm: frames are rendered part by part and joined, whatever files are called") {
+  const FarmFolder farm;
+  const std::string scene = kQuotedScene, options = "--spp 60 --no-timestamps --float";
+  struct Cut {
+    const char* parts;
+    const char* of_part;
+  };
+  for (const Cut& cut : {Cut{"--parts 3", "--samples"}, Cut{"--parts 5 --tiles", "--crop"}}) {
+    CAPTURE(cut.parts);
+    const Outcome made =
+        farm.sheaf("farm " + scene + " --frames 9:10 --folder 'its jobs' -o 'o %a####.exr' -o 'p'\\''.png' " +
+                   cut.parts + " --submit --time 1:00 --partition 'a b' -- " + options);
+    INFO(made.err);
+    REQUIRE(made.code == 0);
+    CHECK(contains(made.out, "frame 9: parts are job 7, joining them is job 7"));
+    for (const std::string frame : {"9", "10"}) {
+      const std::string number = frame == "9" ? "0009" : "0010";
+      REQUIRE(farm.sheaf("render " + scene + " --quiet -o whole.exr -o whole.png --replicates 3 -D frame=" + frame +
+                         " " + "--spp 60 --no-timestamps --float")
+                  .code == 0);
+      const auto found = farm.here / ("o %a" + number + ".exr");
+      REQUIRE(std::filesystem::exists(found));
+      if (std::string(cut.of_part) == "--samples") check_near(read_exr(found), read_exr(farm.here / "whole.exr"));
+      CHECK(std::filesystem::exists(farm.here / ("p'_" + number + ".png")));
+      CHECK(std::filesystem::exists(farm.here / "its jobs/parts" / number / "2.exr"));
+      CHECK(!std::filesystem::exists(farm.here / "its jobs/parts" / number / "2.state"));
+      std::filesystem::remove(found);
+    }
+    CHECK(contains(read_bytes(farm.here / "its jobs/render.sh"), cut.of_part));
+    std::filesystem::remove_all(farm.here / "its jobs");
+  }
+  const std::string log = read_bytes(farm.folder / "sbatch.log");
+  CHECK(contains(log, "--parsable --array=0-2 "));
+  for (const char* option : {"--requeue", "--signal=B:TERM@60", "--time=1:00", "--partition=a b", "--cpus-per-task=1",
+                             "--dependency=afterok:7 --kill-on-invalid-dep=yes"})
+    CHECK(contains(log, option));
+  CHECK(!std::filesystem::exists(farm.here / "gone"));
+}
+
+TEST_CASE("farm: tiles of one picture are the bytes of the whole") {
+  const FarmFolder farm;
+  const std::string scene = kQuotedScene;
+  const Outcome made =
+      farm.sheaf("farm " + scene + " --parts 4 --tiles -o joined.exr --submit -- --spp 5 --no-timestamps");
+  INFO(made.err);
+  REQUIRE(made.code == 0);
+  REQUIRE(farm.sheaf("render " + scene + " --quiet -o whole.exr --spp 5 --no-timestamps").code == 0);
+  CHECK(read_bytes(farm.here / "joined.exr") == read_bytes(farm.here / "whole.exr"));
+}
+
+TEST_CASE("farm: how samples are cut") {
+  const FarmFolder farm;
+  const std::string scene = kQuotedScene;
+  const auto script = [&](const std::string& options) {
+    const Outcome made = farm.sheaf("farm " + scene + " --folder jobs " + options);
+    INFO(made.err);
+    CHECK(made.code == 0);
+    return read_bytes(farm.here / "jobs/render.sh");
+  };
+  // Below 32 samples there is one set, which may be cut anywhere.
+  std::string text = script("--parts 3 -- --spp 16");
+  CHECK(contains(text, "values=('0:5' '5:5' '10:6')"));
+  CHECK(contains(text, "'--replicates' '1'"));
+  // Sets become a multiple of the parts.
+  text = script("--parts 3 -- --spp 128");
+  CHECK(contains(text, "values=('0:44' '44:44' '88:40')"));
+  CHECK(contains(text, "'--replicates' '6'"));
+  text = script("--parts 3 -- --spp 16 --aov variance");
+  CHECK(contains(text, "'--replicates' '3'"));
+  // Those that are asked for stay.
+  text = script("--parts 3 -- --spp 128 --replicates 4");
+  CHECK(contains(text, "values=('0:32' '32:32' '64:64')"));
+  CHECK(!contains(text, "'--replicates' '6'"));
+  CHECK(contains(script("--parts 1 -- --crop 1,2,10,12"), "values=('0:64')"));
+  CHECK(contains(read_bytes(farm.here / "jobs/merge.sh"), "options=('--crop' '1,2,10,12')"));
+}
+
+TEST_CASE("farm: what cannot be is a usage error, and nothing is written") {
+  const FarmFolder farm;
+  const std::string scene = kQuotedScene;
+  const auto error = [&](const std::string& options, int code = 2) {
+    CAPTURE(options);
+    const Outcome made = farm.sheaf("farm " + scene + " --folder jobs " + options);
+    CHECK(made.code == code);
+    CHECK(!std::filesystem::exists(farm.here / "jobs"));
+    return made.err;
+  };
+  CHECK(contains(error("--parts 65"), "64 samples per pixel cannot be cut into 65 parts"));
+  CHECK(contains(error("--parts 5 -- --replicates 4"), "4 sets"));
+  CHECK(contains(error("--parts 17 --tiles"), "16 rows"));
+  for (const char* frames : {"1", "1:", "5:1", "-1:2", "1:2:3", "a:b", "1:99999999"})
+    CHECK(contains(error("--parts 2 --frames=" + std::string(frames)), "FIRST:LAST"));
+  CHECK(contains(error("--parts 2 -- --threads 3"), "--cpus"));
+  CHECK(contains(error("--parts 2 -- --denoise nlm"), "sheaf denoise"));
+  CHECK(contains(error("--parts 2 -- --noise-target 0.1"), "each part would judge itself"));
+  CHECK(contains(error("--parts 2 -- -o x.exr"), "--output of its own"));
+  CHECK(contains(error("--parts 2 -- --integrator ptracer"), "ptracer"));
+  CHECK(contains(error("--parts 2 -- --sppp 3"), "--sppp"));
+  CHECK(contains(error("--parts 2 -- -D no=1", 3), "no"));
+  CHECK(contains(error("--parts 2 -o none/x.exr", 4), "none"));
+  error("");
+  error("--parts 0");
+  CHECK(contains(error("--parts 2 -o x.tiff"), ".exr or .png"));
+}

@@ -1,0 +1,254 @@
+// sheaf farm: writes the jobs with which a Slurm cluster renders pictures part by part, and submits them.
+#include "core/error.h"
+#include "core/output_file.h"
+#include "tools/commands.h"
+#include "tools/farm_scripts.h"
+#include "tools/picture_files.h"
+#include "tools/render_plan.h"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <memory>
+
+namespace sheaf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct FarmArguments {
+  std::string scene, frames, folder, partition, time, memory;
+  std::vector<std::string> outputs, sbatch, options;
+  int parts = 0, cpus = 1, grace = 60;
+  bool tiles = false, submit = false, quiet = false;
+};
+
+/// What farm decides by itself, or what parts alone cannot do.
+constexpr std::pair<const char*, const char*> kNotForParts[] = {
+    {"output", "farm has an --output of its own"},
+    {"samples", "farm chooses it"},
+    {"checkpoint", "farm chooses it"},
+    {"resume", "farm chooses it"},
+    {"threads", "farm has --cpus"},
+    {"stats", "every part would write the same file"},
+    {"denoise", "'sheaf denoise' takes the noise out of the joined picture"},
+    {"noise-target", "each part would judge itself alone"},
+    {"time-limit", "each part would judge itself alone"}};
+
+/// First and last of "A:B". Throws Error (exit code 2).
+std::pair<int, int> parse_frames(const std::string& text) {
+  constexpr int kLast = 9'999'999;
+  int first = -1, last = -1;
+  const char* const end = text.data() + text.size();
+  const auto a = std::from_chars(text.data(), end, first);
+  if (a.ec == std::errc() && a.ptr != end && *a.ptr == ':') {
+    const auto b = std::from_chars(a.ptr + 1, end, last);
+    if (b.ec == std::errc() && b.ptr == end && first >= 0 && last >= first && last <= kLast) return {first, last};
+  }
+  throw Error(ExitCode::kUsage, "--frames '" + text + "' is not of the form FIRST:LAST, such as 1:240");
+}
+
+/// The place of the frame's number in the name of a picture: instead of ####, or before the extension.
+std::pair<std::string, std::string> split_output(const fs::path& output, bool has_frames) {
+  const std::string name = fs::absolute(output).string();
+  if (!has_frames) return {name, ""};
+  if (const auto place = name.rfind("####"); place != std::string::npos)
+    return {name.substr(0, place), name.substr(place + 4)};
+  const std::string extension = output.extension().string();
+  return {name.substr(0, name.size() - extension.size()) + "_", extension};
+}
+
+/// Into how many sets the samples are to be cut so that they can be given to `parts`.
+std::uint32_t choose_sets(const RenderPlan& plan, std::uint32_t parts) {
+  if (plan.sets == 1 || plan.sets_given) return plan.sets;
+  return (plan.sets + parts - 1) / parts * parts;
+}
+
+/// FIRST:COUNT of each part. Throws Error (exit code 2) if the samples cannot be cut into so many.
+std::vector<std::string> sample_ranges(const RenderPlan& plan, std::uint32_t sets, std::uint32_t parts) {
+  const std::string tiles = "; --tiles cuts the frame instead";
+  if (plan.samples < parts)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} samples per pixel cannot be cut into {} parts", plan.samples, parts) + tiles);
+  const std::uint64_t total = std::uint64_t{plan.samples} * plan.gather_rays;
+  // As in renders: all sets have as many samples, but for the last.
+  const std::uint64_t size = sets == 1 ? plan.gather_rays : (total + sets - 1) / sets;
+  const std::uint64_t made = (total + size - 1) / size;
+  if (made < parts)
+    throw Error(ExitCode::kUsage,
+                fmt::format("the {} sets of samples (--replicates) cannot be given to {} parts", made, parts) + tiles);
+  std::vector<std::string> ranges;
+  std::uint64_t first = 0;
+  for (std::uint64_t part = 1; part <= parts; ++part) {
+    const std::uint64_t end = std::min(part * made / parts * size, total);
+    if (end % plan.gather_rays != 0)
+      throw Error(ExitCode::kUsage,
+                  fmt::format("sets of {} gather rays are no whole number of samples, of {} rays each: --replicates or "
+                              "--spp must be others",
+                              size, plan.gather_rays) +
+                      tiles);
+    ranges.push_back(fmt::format("{}:{}", first / plan.gather_rays, (end - first) / plan.gather_rays));
+    first = end;
+  }
+  return ranges;
+}
+
+/// x0,y0,x1,y1 of strips of rows. Throws Error (exit code 2) if there are too few rows.
+std::vector<std::string> strips(const PixelRect& crop, int parts) {
+  if (crop.height() < parts)
+    throw Error(ExitCode::kUsage, fmt::format("{} rows of pixels cannot be cut into {} parts", crop.height(), parts));
+  std::vector<std::string> values;
+  for (int part = 0; part < parts; ++part)
+    values.push_back(fmt::format("{},{},{},{}", crop.x0, crop.y0 + crop.height() * part / parts, crop.x1,
+                                 crop.y0 + crop.height() * (part + 1) / parts));
+  return values;
+}
+
+/// What the parts are, and how they are joined.
+void cut(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
+  const PixelRect& crop = plan.crop;
+  const std::string rect = fmt::format("{},{},{},{}", crop.x0, crop.y0, crop.x1, crop.y1);
+  farm.merge_options = {"--crop", rect};
+  const auto is_given = [&](const char* name) {
+    return std::find(plan.given.begin(), plan.given.end(), name) != plan.given.end();
+  };
+  if (is_given("float")) farm.merge_options.emplace_back("--float");
+  if (arguments.tiles) {
+    if (is_given("crop"))
+      throw Error(ExitCode::kUsage, "--crop and --tiles cannot be given together: the frame is cut once");
+    farm.part_option = "--crop";
+    farm.part_values = strips(crop, arguments.parts);
+    return;
+  }
+  if (plan.integrator == IntegratorKind::kLightTracer)
+    throw Error(ExitCode::kUsage,
+                "the samples of ptracer cannot be rendered in parts, and its tiles take as long as "
+                "the frame: a farm can render its frames, with --parts 1 --tiles");
+  const auto parts = static_cast<std::uint32_t>(arguments.parts);
+  const std::uint32_t sets = choose_sets(plan, parts);
+  farm.part_option = "--samples";
+  farm.part_values = sample_ranges(plan, sets, parts);
+  if (!plan.sets_given) {
+    farm.options.emplace_back("--replicates");
+    farm.options.push_back(std::to_string(sets));
+  }
+}
+
+std::vector<std::string> sbatch_options(const FarmArguments& arguments) {
+  std::vector<std::string> options{"--job-name=sheaf", "--requeue", "--open-mode=append", "--output=/dev/null"};
+  if (!arguments.partition.empty()) options.push_back("--partition=" + arguments.partition);
+  if (!arguments.memory.empty()) options.push_back("--mem=" + arguments.memory);
+  options.insert(options.end(), arguments.sbatch.begin(), arguments.sbatch.end());
+  return options;
+}
+
+Farm plan_farm(const FarmArguments& arguments) {
+  Farm farm;
+  farm.has_frames = !arguments.frames.empty();
+  if (farm.has_frames) std::tie(farm.first_frame, farm.last_frame) = parse_frames(arguments.frames);
+  std::vector<std::string> words{arguments.scene};
+  words.insert(words.end(), arguments.options.begin(), arguments.options.end());
+  if (farm.has_frames) {
+    words.emplace_back("--define");
+    words.push_back("frame=" + std::to_string(farm.first_frame));
+  }
+  const RenderPlan plan = plan_render(words);
+  for (const auto& [name, why] : kNotForParts)
+    if (std::find(plan.given.begin(), plan.given.end(), name) != plan.given.end())
+      throw Error(ExitCode::kUsage, fmt::format("--{} is not for the parts of a farm: {}", name, why));
+  farm.program = fs::read_symlink("/proc/self/exe").string();
+  farm.working_folder = fs::current_path().string();
+  farm.scene = fs::absolute(arguments.scene).string();
+  const std::string stem = fs::path(arguments.scene).stem().string();
+  farm.folder = fs::absolute(arguments.folder.empty() ? fs::path(stem + "_farm") : fs::path(arguments.folder)).string();
+  farm.options = arguments.options;
+  cut(arguments, plan, farm);
+  std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
+  if (outputs.empty()) outputs.emplace_back(stem + ".exr");
+  for (const fs::path& output : outputs) {
+    check_picture_name(output);
+    check_writable(output);
+    farm.outputs.push_back(split_output(output, farm.has_frames));
+  }
+  farm.sbatch_merge_options = farm.sbatch_options = sbatch_options(arguments);
+  farm.sbatch_options.push_back(fmt::format("--cpus-per-task={}", arguments.cpus));
+  farm.sbatch_options.push_back(fmt::format("--signal=B:TERM@{}", arguments.grace));
+  if (!arguments.time.empty()) farm.sbatch_options.push_back("--time=" + arguments.time);
+  return farm;
+}
+
+int make_farm(const FarmArguments& arguments) {
+  const Farm farm = plan_farm(arguments);
+  std::error_code error;
+  fs::create_directories(farm.folder, error);
+  const fs::path folder = farm.folder, render = folder / "render.sh", merge = folder / "merge.sh",
+                 submit = folder / "submit.sh";
+  write_text_file(render, render_script(farm));
+  write_text_file(merge, merge_script(farm));
+  write_text_file(submit, submit_script(farm, render.string(), merge.string()));
+  if (!arguments.quiet)
+    print_message(
+        fmt::format("wrote render.sh, merge.sh and submit.sh to {}: {} with {} part{}, the first of which is {} {}",
+                    farm.folder, farm.has_frames ? "frames" : "one picture", farm.part_values.size(),
+                    farm.part_values.size() == 1 ? "" : "s", farm.part_option, farm.part_values.front()));
+  if (!arguments.submit) {
+    if (!arguments.quiet) print_message("to submit the jobs: bash " + shell_quoted(submit.string()));
+    return static_cast<int>(ExitCode::kDone);
+  }
+  const int status = std::system(("bash " + shell_quoted(submit.string())).c_str());
+  if (status == -1 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw Error(ExitCode::kRuntime, "not all jobs could be submitted; '" + submit.string() + "' does it");
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+void add_farm_command(Command& program, int& exit_code) {
+  const auto arguments = std::make_shared<FarmArguments>();
+  Command command =
+      program.add_command("farm",
+                          "Have pictures rendered part by part by the jobs of a Slurm cluster: writes an array of jobs "
+                          "per frame, and a job "
+                          "that joins its parts. Options of 'sheaf render' come last, behind --. See docs/farm.md.");
+  command.add_option("scene", arguments->scene, "Scene file, in a folder that all machines see").required();
+  command.add_arguments("options", arguments->options, "Options of 'sheaf render', the same for all parts; behind --");
+  command
+      .add_option("--parts", arguments->parts,
+                  "Parts that each picture is cut into: ranges of its samples, or with --tiles of its rows")
+      .required()
+      .in_range(1, 1000);
+  command.add_option(
+      "--frames", arguments->frames,
+      "FIRST:LAST, both included: the scene is rendered with -D frame=K for each K. Default: one picture, "
+      "without -D");
+  command.add_option(
+      "-o,--output", arguments->outputs,
+      "Picture to write, .exr or .png; may be repeated. With --frames the number, of four digits, takes the "
+      "place of #### or stands before the extension. Default: the scene's name with .exr");
+  command.add_option(
+      "--folder", arguments->folder,
+      "Where scripts, parts, checkpoints and logs go; all machines must see it. Default: the scene's name "
+      "with _farm, in the current folder");
+  command.add_flag("--tiles", arguments->tiles, "Cut the frame into strips of rows instead of the samples into ranges");
+  command.add_flag("--submit", arguments->submit, "Submit the jobs, by sbatch");
+  command.add_option("--partition", arguments->partition, "Slurm's partition");
+  command.add_option("--time", arguments->time,
+                     "Time limit of a part as Slurm writes it, such as 2:00:00. What is not done by then is run again, "
+                     "and goes on");
+  command
+      .add_option("--grace", arguments->grace,
+                  "Seconds before the time limit at which a part saves its checkpoint and ends. Default: 60")
+      .in_range(1, 65535);
+  command.add_option("--cpus", arguments->cpus, "Cores, and threads, of a part. Default: 1").in_range(1, 4096);
+  command.add_option("--memory", arguments->memory, "Memory of a part as Slurm writes it, such as 8G");
+  command.add_option("--sbatch", arguments->sbatch,
+                     "A further option of sbatch, such as --sbatch=--constraint=avx512; may be repeated");
+  command.add_flag("--quiet", arguments->quiet, "Print nothing but errors and the jobs' numbers");
+  command.on_call([arguments, &exit_code] { exit_code = make_farm(*arguments); });
+}
+
+}  // namespace sheaf

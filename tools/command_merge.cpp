@@ -1,0 +1,161 @@
+// sheaf merge: joins parts of a picture, tiles and ranges of samples, to the whole.
+#include "core/error.h"
+#include "core/output_file.h"
+#include "kernels/film/noise.h"
+#include "tools/commands.h"
+#include "tools/parts.h"
+#include "tools/picture_files.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+namespace sheaf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct MergeArguments {
+  std::vector<std::string> parts, outputs;
+  std::vector<int> crop;  ///< empty or x0, y0, x1, y1
+  bool incomplete = false, full_floats = false, quiet = false;
+};
+
+std::vector<fs::path> check_outputs(const MergeArguments& arguments) {
+  const std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    check_picture_name(outputs[i]);
+    for (std::size_t k = 0; k < i; ++k)
+      if (is_same_file(outputs[i], outputs[k]))
+        throw Error(ExitCode::kUsage, "two of the pictures to write are the same file, '" + outputs[i].string() + "'");
+    for (const std::string& part : arguments.parts)
+      if (is_same_file(outputs[i], part))
+        throw Error(ExitCode::kUsage, "the picture '" + outputs[i].string() + "' would overwrite one of its parts");
+  }
+  for (const fs::path& output : outputs) check_writable(output);
+  return outputs;
+}
+
+/// The pixels of the picture: what is asked for, the frame, or of an incomplete one those that hold all parts.
+PixelRect choose_whole(const MergeArguments& arguments, const std::vector<PartFile>& files) {
+  const PixelRect frame{0, 0, files.front().frame_width, files.front().frame_height};
+  if (arguments.crop.empty()) {
+    if (!arguments.incomplete) return frame;
+    PixelRect around = files.front().part.pixels;
+    for (const PartFile& file : files) {
+      const PixelRect& p = file.part.pixels;
+      around = {std::min(around.x0, p.x0), std::min(around.y0, p.y0), std::max(around.x1, p.x1),
+                std::max(around.y1, p.y1)};
+    }
+    return around;
+  }
+  const PixelRect crop{arguments.crop[0], arguments.crop[1], arguments.crop[2], arguments.crop[3]};
+  if (crop.is_empty() || !(crop.intersection(frame) == crop))
+    throw Error(ExitCode::kUsage, fmt::format("--crop {},{},{},{} is empty or reaches beyond the frame of {} x {} "
+                                              "pixels",
+                                              crop.x0, crop.y0, crop.x1, crop.y1, frame.x1, frame.y1));
+  return crop;
+}
+
+/// Throws SceneError if something is missing that is to be there.
+void check_complete(const MergeArguments& arguments, const std::vector<PartFile>& files,
+                    const std::vector<PicturePart>& parts, const PixelRect& whole) {
+  if (arguments.incomplete) return;
+  for (const PartFile& file : files)
+    if (file.interrupted)
+      throw SceneError({file.part.name, 0}, "was interrupted before it was done (--incomplete takes what there is)");
+  const std::uint32_t samples = files.front().samples_per_pixel;
+  if (const auto gap = find_gap(parts, whole, samples))
+    throw SceneError(fmt::format(
+        "the parts are not the whole: the pixels {},{},{},{} lack {} (--incomplete takes what there is, --crop a part)",
+        gap->pixels.x0, gap->pixels.y0, gap->pixels.x1, gap->pixels.y1,
+        gap->samples == SampleRange{0, samples}
+            ? "all samples"
+            : fmt::format("the samples {}:{} of {}", gap->samples.first, gap->samples.count, samples)));
+}
+
+/// Cryptomatte's ids by number, as one of the headers says them.
+std::array<std::vector<float>, kNameKinds> find_ids(const std::vector<PartFile>& files) {
+  std::array<std::vector<float>, kNameKinds> ids;
+  for (std::size_t kind = 0; kind < kNameKinds; ++kind)
+    for (const PartFile& file : files)
+      if (ids[kind].empty()) {
+        const auto found = ids_from_attribute(file.text(part_id_attribute(kind)));
+        if (!found) throw SceneError({file.part.name, 0}, "has a header whose list of ids is damaged");
+        ids[kind] = *found;
+      }
+  return ids;
+}
+
+int merge_pictures(const MergeArguments& arguments) {
+  const std::vector<fs::path> outputs = check_outputs(arguments);
+  std::vector<PartFile> files;
+  std::vector<PicturePart> parts;
+  bool has_denoised = false, interrupted = false;
+  for (const std::string& path : arguments.parts) {
+    files.push_back(read_part_header(path));
+    check_same_picture(files.front(), files.back());
+    parts.push_back(files.back().part);
+    has_denoised |= files.back().has_denoised;
+    interrupted |= files.back().interrupted;
+  }
+  const PixelRect whole = choose_whole(arguments, files);
+  const PartFile& first = files.front();
+  check_overlaps(parts);
+  check_complete(arguments, files, parts, whole);
+  if (whole.area() * first.channels.size() * sizeof(float) > kMaxImageBytes)
+    throw SceneError({first.part.name, 0}, "is part of a picture that is too large");
+  PictureMerger merger(first.frame_width, first.frame_height, whole, first.channels, first.samples_per_pixel,
+                       find_ids(files));
+  for (const PicturePart& part : parts) merger.add(part, read_exr(part.name));
+  ExrMetadata metadata = whole_metadata(files);
+  if (arguments.full_floats) metadata.half_channels.clear();
+  const Image image = merger.finish();
+  const std::optional<double> noise = picture_noise(image);
+  for (ExrMetadata::Attribute& attribute : metadata.attributes)
+    if (attribute.name == "sheaf/noise") attribute.value = noise ? fmt::format("{:.6g}", *noise) : "unknown";
+  const double share = covered_share(parts, whole, first.samples_per_pixel);
+  if (interrupted || share < 1.0)
+    metadata.attributes.push_back(
+        {"sheaf/incomplete", fmt::format("{:.6g} of the samples{}", share, interrupted ? ", some interrupted" : "")});
+  for (const fs::path& output : outputs)
+    extension_of(output) == ".png" ? write_png(output, image) : write_exr(output, image, metadata);
+  if (arguments.quiet) return static_cast<int>(ExitCode::kDone);
+  if (has_denoised)
+    print_message("the parts' layers denoised.R/G/B are left out; 'sheaf denoise' makes them of the whole picture");
+  if (interrupted || share < 1.0)
+    print_message(fmt::format("warning: the picture is incomplete: {:.4g} % of the samples{}", share * 100,
+                              interrupted ? ", and parts that were interrupted" : ""));
+  print_message(fmt::format("joined {} parts", parts.size()));
+  for (const fs::path& output : outputs) print_message("wrote " + output.string());
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+void add_merge_command(Command& program, int& exit_code) {
+  const auto arguments = std::make_shared<MergeArguments>();
+  Command command = program.add_command(
+      "merge",
+      "Join parts of a picture, rendered with --crop and --samples, to the whole. Tiles give the bytes of the whole's "
+      "file, ranges of samples the same numbers but for rounding. See docs/farm.md.");
+  command.add_arguments("parts", arguments->parts, "Parts, .exr, in any order").required();
+  command
+      .add_option("-o,--output", arguments->outputs,
+                  "Picture to write: .exr (all layers) or .png (8 bits, sRGB); may be repeated")
+      .required();
+  command
+      .add_option("--crop", arguments->crop,
+                  "Part of the frame that the whole is, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the frame")
+      .list(',', 4);
+  command.add_flag("--incomplete", arguments->incomplete,
+                   "Join what there is, though pixels or samples are missing; the header then says so");
+  command.add_flag("--float", arguments->full_floats,
+                   "Store all layers with 32 bits. Default: as the parts do, or for ranges of samples 16 bits where "
+                   "values are small enough");
+  command.add_flag("--quiet", arguments->quiet, "Print nothing but errors");
+  command.on_call([arguments, &exit_code] { exit_code = merge_pictures(*arguments); });
+}
+
+}  // namespace sheaf

@@ -1,0 +1,105 @@
+#include "tools/farm_scripts.h"
+
+#include <fmt/format.h>
+
+namespace sheaf {
+
+namespace {
+
+/// name=('first word' 'second word')
+std::string shell_array(std::string_view name, const std::vector<std::string>& words) {
+  std::string text = std::string(name) + "=(";
+  for (const std::string& word : words) text += (text.back() == '(' ? "" : " ") + shell_quoted(word);
+  return text + ")\n";
+}
+
+std::string shell_variable(std::string_view name, std::string_view value) {
+  return std::string(name) + "=" + shell_quoted(value) + "\n";
+}
+
+/// What both jobs begin with.
+std::string job_start(const Farm& farm, const char* what) {
+  return fmt::format("#!/usr/bin/env bash\n# Written by sheaf farm. {}\nset -u\n", what) +
+         shell_variable("sheaf", farm.program) + shell_variable("folder", farm.folder) + "frame=$1\n" +
+         (farm.has_frames ? "parts=$folder/parts/$(printf %04d \"$frame\")\n" : "parts=$folder/parts\n") +
+         "mkdir -p -- \"$parts\" || exit 1\n";
+}
+
+}  // namespace
+
+std::string shell_quoted(std::string_view word) {
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string render_script(const Farm& farm) {
+  std::string text = job_start(farm, "Renders part SLURM_ARRAY_TASK_ID of the frame $1.");
+  text += "part=${SLURM_ARRAY_TASK_ID:?}\nexec >>\"$parts/$part.log\" 2>&1\n";
+  text += "cd -- " + shell_quoted(farm.working_folder) + " || exit 1\n";
+  text += shell_variable("scene", farm.scene) + shell_array("options", farm.options) +
+          shell_array("values", farm.part_values);
+  if (farm.has_frames) text += "options+=(--define \"frame=$frame\")\n";
+  text += fmt::format("most_restarts={}\n", farm.most_restarts);
+  text += "options+=(" + farm.part_option + R"sh( "${values[part]}" --threads "${SLURM_CPUS_PER_TASK:-1}")
+options+=(--output "$parts/$part.exr" --checkpoint "$parts/$part.state" --resume)
+# Slurm tells this shell alone that the time is nearly up; then the checkpoint is to be saved.
+child=
+trap 'kill -TERM "$child" 2>/dev/null' TERM
+"$sheaf" render "$scene" "${options[@]}" &
+child=$!
+wait "$child"
+code=$?
+while kill -0 "$child" 2>/dev/null; do
+  wait "$child"
+  code=$?
+done
+# A wait that a signal has cut short tells of that signal.
+wait "$child" 2>/dev/null
+again=$?
+((again == 127)) || code=$again
+((code > 128)) || exit "$code"
+# Stopped or killed. Where Slurm itself has ended the job, to cancel it or to run it again, there is nothing to be done.
+job=${SLURM_ARRAY_JOB_ID}_$part
+echo "sheaf farm: part $part of frame $frame was ended by signal $((code - 128)), at its start ${SLURM_RESTART_COUNT:-0}"
+if [[ $(squeue --noheader --jobs="$job" --format=%T) == RUNNING ]] && ((${SLURM_RESTART_COUNT:-0} < most_restarts)); then
+  scontrol requeue "$job" && sleep 600
+fi
+exit "$code"
+)sh";
+  return text;
+}
+
+std::string merge_script(const Farm& farm) {
+  std::string text = job_start(farm, "Joins the parts of the frame $1.");
+  text += "exec >>\"$parts/merge.log\" 2>&1\n";
+  text += "cd -- " + shell_quoted(farm.working_folder) + " || exit 1\n";
+  text += fmt::format("files=()\nfor ((part = 0; part < {}; ++part)); do files+=(\"$parts/$part.exr\"); done\n",
+                      farm.part_values.size());
+  text += shell_array("options", farm.merge_options);
+  for (const auto& [before, after] : farm.outputs)
+    text += farm.has_frames ? "options+=(--output " + shell_quoted(before) + "\"$(printf %04d \"$frame\")\"" +
+                                  shell_quoted(after) + ")\n"
+                            : "options+=(--output " + shell_quoted(before + after) + ")\n";
+  // Checkpoints are needed until the parts are joined: a part that is run once more is done at once.
+  text += "\"$sheaf\" merge \"${options[@]}\" -- \"${files[@]}\" || exit\nrm -f -- \"$parts\"/*.state\n";
+  return text;
+}
+
+std::string submit_script(const Farm& farm, const std::string& render, const std::string& merge) {
+  std::string text =
+      "#!/usr/bin/env bash\n# Written by sheaf farm. Submits the jobs; again, if some have failed: they go on.\n";
+  text += "set -euo pipefail\n" + shell_variable("render", render) + shell_variable("merge", merge) +
+          shell_array("options", farm.sbatch_options) + shell_array("merge_options", farm.sbatch_merge_options);
+  text += fmt::format("for ((frame = {}; frame <= {}; ++frame)); do\n", farm.first_frame, farm.last_frame);
+  text += fmt::format("  job=$(sbatch --parsable --array=0-{} \"${{options[@]}}\" \"$render\" \"$frame\")\n",
+                      farm.part_values.size() - 1);
+  text += R"sh(  job=${job%%;*}
+  joining=$(sbatch --parsable --dependency="afterok:$job" --kill-on-invalid-dep=yes "${merge_options[@]}" "$merge" "$frame")
+)sh";
+  text += farm.has_frames ? "  echo \"frame $frame: parts are job $job, joining them is job ${joining%%;*}\"\n"
+                          : "  echo \"parts are job $job, joining them is job ${joining%%;*}\"\n";
+  return text + "done\n";
+}
+
+}  // namespace sheaf

@@ -1,0 +1,217 @@
+#include "tools/parts.h"
+
+#include "core/error.h"
+#include "core/inflate.h"
+#include "kernels/film/aovs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+namespace sheaf {
+
+namespace {
+
+constexpr const char* kSettings = "sheaf/settings";
+constexpr const char* kSamples = "sheaf/samples";
+constexpr const char* kInterrupted = "sheaf/interrupted";
+constexpr const char* kSamplesPerPixel = "sheaf/samplesPerPixel";
+constexpr const char* kIsa = "sheaf/isa";
+constexpr std::uint32_t kMostSamples = 1u << 24;
+
+/// Of one render these are the same in all parts.
+constexpr std::array<std::pair<const char*, const char*>, 5> kSame = {{{"sheaf/version", "Sheaf's version"},
+                                                                       {"sheaf/seed", "the seed"},
+                                                                       {"sheaf/integrator", "the integrator"},
+                                                                       {"sheaf/sampler", "the sampler"},
+                                                                       {"sheaf/color", "the colour mode"}}};
+/// These are sums.
+constexpr std::array<const char*, 2> kSums = {"sheaf/droppedRays", "sheaf/droppedSamples"};
+
+std::optional<SampleRange> samples_from_text(std::string_view text) {
+  SampleRange samples;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, samples.first);
+  if (first.ec != std::errc() || first.ptr == end || *first.ptr != ':') return std::nullopt;
+  const auto count = std::from_chars(first.ptr + 1, end, samples.count);
+  if (count.ec != std::errc() || count.ptr != end || samples.count == 0) return std::nullopt;
+  if (samples.first > kMostSamples || samples.count > kMostSamples) return std::nullopt;
+  return samples;
+}
+
+std::vector<std::string> lines_of(std::string_view text) {
+  std::vector<std::string> lines;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    lines.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
+/// The first line of `a` that `b` has not; an empty string if there is none.
+std::string first_only_in(const std::vector<std::string>& a, const std::vector<std::string>& b) {
+  for (const std::string& line : a)
+    if (std::find(b.begin(), b.end(), line) == b.end()) return line;
+  return "";
+}
+
+void set(ExrMetadata& metadata, const std::string& name, std::string value) {
+  for (ExrMetadata::Attribute& attribute : metadata.attributes)
+    if (attribute.name == name) {
+      attribute.value = std::move(value);
+      return;
+    }
+  metadata.attributes.push_back({name, std::move(value)});
+}
+
+}  // namespace
+
+SampleRange parse_samples(const std::string& text) {
+  if (const auto samples = samples_from_text(text)) return *samples;
+  throw Error(ExitCode::kUsage, "--samples '" + text + "' is not of the form FIRST:COUNT, such as 64:32");
+}
+
+std::string part_settings(const RenderSettings& settings) {
+  /// Files that are named one by one.
+  constexpr std::size_t kMostFiles = 16;
+  std::string options, files;
+  std::size_t count = 0;
+  for (const auto& [name, value] : settings) {
+    if (name == "Sheaf's version" || name == "the instruction set" || name == "--samples" || name == "--crop") continue;
+    const bool is_option = name.starts_with("--");
+    (is_option ? options : files) += name + (is_option ? " " : ": ") + value + "\n";
+    count += is_option ? 0 : 1;
+  }
+  if (count > kMostFiles) {
+    const std::uint32_t sum = check_sum({files.data(), files.size()}, 0);
+    files = fmt::format("{} files of the scene: {:08x}\n", count, sum);
+  }
+  return options + files;
+}
+
+void add_part_attributes(ExrMetadata& metadata, const std::string& settings, const std::optional<SampleRange>& samples,
+                         bool interrupted) {
+  metadata.attributes.push_back({kSettings, settings});
+  if (interrupted) metadata.attributes.push_back({kInterrupted, std::string("true")});
+  if (!samples) return;
+  metadata.attributes.push_back({kSamples, fmt::format("{}:{}", samples->first, samples->count)});
+  metadata.half_channels.clear();
+}
+
+std::string PartFile::text(std::string_view name) const {
+  for (const ExrMetadata::Attribute& attribute : metadata.attributes)
+    if (attribute.name == name)
+      if (const auto* value = std::get_if<std::string>(&attribute.value)) return *value;
+  return "";
+}
+
+PartFile read_part_header(const std::filesystem::path& path) {
+  const SourceLocation where{path.string(), 0};
+  const ExrHeader header = read_exr_header(path);
+  PartFile file;
+  file.metadata = read_exr_metadata(path);
+  if (file.text(kSettings).empty())
+    throw SceneError(where, "is no part of a picture: only those rendered with --samples or --crop say what of");
+  const PixelRect& frame = header.frame;
+  const PixelRect& window = header.window;
+  const auto beyond = [](const PixelRect& rect) {
+    return std::abs(static_cast<long long>(rect.x0)) > kMaxImageSide ||
+           std::abs(static_cast<long long>(rect.y0)) > kMaxImageSide || rect.x1 < rect.x0 || rect.y1 < rect.y0 ||
+           static_cast<long long>(rect.x1) - rect.x0 > kMaxImageSide ||
+           static_cast<long long>(rect.y1) - rect.y0 > kMaxImageSide;
+  };
+  if (beyond(frame) || beyond(window) || window.is_empty() || !(window.intersection(frame) == window))
+    throw SceneError(where, "has a window that does not lie in its frame, or is too large");
+  file.frame_width = frame.width();
+  file.frame_height = frame.height();
+  file.part.name = path.string();
+  file.part.pixels = {window.x0 - frame.x0, window.y0 - frame.y0, window.x1 - frame.x0, window.y1 - frame.y0};
+  for (const ExrMetadata::Attribute& attribute : file.metadata.attributes)
+    if (const int* count = std::get_if<int>(&attribute.value); count != nullptr && attribute.name == kSamplesPerPixel)
+      if (*count > 0 && *count <= static_cast<int>(kMostSamples))
+        file.samples_per_pixel = static_cast<std::uint32_t>(*count);
+  if (file.samples_per_pixel == 0) throw SceneError(where, "does not say how many samples per pixel it has");
+  file.part.samples = {0, file.samples_per_pixel};
+  file.interrupted = !file.text(kInterrupted).empty();
+  if (const std::string text = file.text(kSamples); !text.empty()) {
+    const std::optional<SampleRange> samples = samples_from_text(text);
+    if (!samples || samples->end() > file.samples_per_pixel)
+      throw SceneError(
+          where, fmt::format("says that it has the samples '{}' of {}, which cannot be", text, file.samples_per_pixel));
+    file.part.samples = *samples;
+    file.some_samples = true;
+  }
+  bool counts = false;
+  for (const ExrHeader::Channel& channel : header.channels) {
+    counts |= channel.name == "sampleCount";
+    file.has_denoised |= channel.name.starts_with("denoised.");
+    if (!is_left_out(channel.name)) file.channels.push_back(channel.name);
+  }
+  if (!counts) throw SceneError(where, "has no layer sampleCount, which joining parts needs");
+  return file;
+}
+
+void check_same_picture(const PartFile& first, const PartFile& other) {
+  const SourceLocation where{other.part.name, 0};
+  const auto fail = [&](const std::string& what, const std::string& here, const std::string& there) {
+    throw SceneError(where, fmt::format("is no part of the same picture as '{}': {} is '{}' here and '{}' there",
+                                        first.part.name, what, here, there));
+  };
+  for (const auto& [name, what] : kSame)
+    if (first.text(name) != other.text(name)) fail(what, other.text(name), first.text(name));
+  const auto size = [](const PartFile& file) { return fmt::format("{}x{}", file.frame_width, file.frame_height); };
+  if (size(first) != size(other)) fail("the size of the frame", size(other), size(first));
+  if (first.samples_per_pixel != other.samples_per_pixel)
+    fail("the number of samples per pixel", std::to_string(other.samples_per_pixel),
+         std::to_string(first.samples_per_pixel));
+  const std::vector<std::string> here = lines_of(other.text(kSettings)), there = lines_of(first.text(kSettings));
+  if (here != there) {
+    const std::string only_here = first_only_in(here, there), only_there = first_only_in(there, here);
+    fail("a setting", only_here.empty() ? "not given" : only_here, only_there.empty() ? "not given" : only_there);
+  }
+  if (first.channels == other.channels) return;
+  const std::string more = first_only_in(other.channels, first.channels);
+  throw SceneError(where, fmt::format("is no part of the same picture as '{}': the layer '{}' is {}", first.part.name,
+                                      more.empty() ? first_only_in(first.channels, other.channels) : more,
+                                      more.empty() ? "there alone" : "here alone"));
+}
+
+ExrMetadata whole_metadata(const std::vector<PartFile>& parts) {
+  // A part of all samples has the types that the whole is to have.
+  const auto typed = std::find_if(parts.begin(), parts.end(), [](auto& part) { return !part.some_samples; });
+  ExrMetadata whole = typed != parts.end() ? typed->metadata : parts.front().metadata;
+  if (typed == parts.end()) whole.half_channels = half_channels(parts.front().channels);
+  std::erase_if(whole.half_channels, [](const std::string& channel) { return is_left_out(channel); });
+  std::erase_if(whole.attributes, [](const ExrMetadata::Attribute& attribute) {
+    const std::string& name = attribute.name;
+    return name == kSettings || name == kSamples || name == kInterrupted || name == "sheaf/denoiser" ||
+           name.starts_with("sheaf/ids/");
+  });
+  std::vector<std::string> isas;
+  for (const PartFile& part : parts) {
+    // As dates are written, later ones are larger.
+    if (part.metadata.capture_date && whole.capture_date)
+      whole.capture_date = std::max(*whole.capture_date, *part.metadata.capture_date);
+    const std::string isa = part.text(kIsa);
+    if (std::find(isas.begin(), isas.end(), isa) == isas.end()) isas.push_back(isa);
+  }
+  std::sort(isas.begin(), isas.end());
+  set(whole, kIsa, fmt::format("{}", fmt::join(isas, ", ")));
+  for (const char* const name : kSums) {
+    std::uint64_t sum = 0;
+    for (const PartFile& part : parts) {
+      const std::string text = part.text(name);
+      std::uint64_t value = 0;
+      if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc())
+        throw SceneError({part.part.name, 0}, fmt::format("has a header whose '{}' is no number", name));
+      sum += value;
+    }
+    set(whole, name, std::to_string(sum));
+  }
+  return whole;
+}
+
+}  // namespace sheaf
