@@ -3,6 +3,7 @@
 
 #include "tools/options.h"
 
+#include <functional>
 #include <string_view>
 
 namespace sheaf {
@@ -16,7 +17,9 @@ void add_compare_command(Command& program, int& exit_code);
 /// sheaf denoise: takes the noise out of a rendered picture.
 void add_denoise_command(Command& program, int& exit_code);
 
-/// Prints a line to the standard error stream, after "sheaf: ".
+/// Prints a line to the standard error stream, after "sheaf: ". May be called by several threads at once.
 void print_message(std::string_view message);
+/// From now on `listener` is told of each message too, by one thread at a time; none if it is empty.
+void listen_to_messages(std::function<void(std::string_view)> listener);
 
 }  // namespace sheaf

@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-tools/install_packages.sh python3 python3-numpy python3-scipy python3-matplotlib
+tools/install_packages.sh python3 python3-numpy python3-scipy python3-matplotlib chromium
 for preset in asan release; do
   echo "test: configuring $preset"
   cmake --preset "$preset" >/dev/null
