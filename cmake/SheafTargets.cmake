@@ -47,3 +47,14 @@ function(sheaf_program name)
     set_property(GLOBAL APPEND PROPERTY SHEAF_PROGRAMS ${name})
   endif()
 endfunction()
+
+# sheaf_embed(<target> <file> <name>): the text of a file as the constant sheaf::<name>, for the target's sources to
+# include as the header of the file's path, with .h in place of its extension.
+function(sheaf_embed target file name)
+  file(READ "${PROJECT_SOURCE_DIR}/${file}" SHEAF_EMBEDDED_TEXT)
+  set(SHEAF_EMBEDDED_NAME ${name})
+  cmake_path(REPLACE_EXTENSION file LAST_ONLY .h OUTPUT_VARIABLE header)
+  configure_file("${PROJECT_SOURCE_DIR}/cmake/embedded.h.in" "${PROJECT_BINARY_DIR}/embedded/${header}" @ONLY)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${file}")
+  target_include_directories(${target} PRIVATE "${PROJECT_BINARY_DIR}/embedded")
+endfunction()

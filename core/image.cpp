@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/exr.h"
 #include "core/output_file.h"
+#include "core/png.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -133,11 +134,10 @@ void check_image_size(const fs::path& file, long long width, long long height, s
   }
 }
 
-void write_png(const fs::path& path, const Image& image) {
+std::vector<unsigned char> encode_png(const Image& image, int level) {
   quiet_library();
-  OutputFile file(path);
-  const auto fail = [&path](const std::string& why) {
-    return Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + why);
+  const auto fail = [](const std::string& why) {
+    return Error(ExitCode::kRuntime, "cannot encode a PNG file: " + why);
   };
   if (image.pixel_count() == 0 || image.channels.empty()) throw fail("the image is empty");
   const PngChannels chosen = choose_channels(image);
@@ -147,14 +147,26 @@ void write_png(const fs::path& path, const Image& image) {
   spec.alpha_channel = chosen.alpha >= 0 ? count - 1 : -1;
   spec.attribute("oiio:UnassociatedAlpha", 1);
   spec.attribute("oiio:ColorSpace", "sRGB");
+  spec.attribute("png:compressionLevel", level);
   const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
   if (!output) throw fail(OIIO::geterror());
   OIIO::Filesystem::IOVecOutput encoded;  // the library does not look whether a file is closed without errors
   if (!output->set_ioproxy(&encoded)) throw fail("this build of OpenImageIO cannot write PNG files to memory");
-  if (!output->open(path.filename().string(), spec)) throw fail(output->geterror());
+  if (!output->open("picture.png", spec)) throw fail(output->geterror());
   const bool written = output->write_image(OIIO::TypeDesc::UINT8, bytes.data());
   if (!output->close() || !written) throw fail(output->geterror());
-  const std::vector<unsigned char>& png = encoded.buffer();
+  return encoded.buffer();
+}
+
+void write_png(const fs::path& path, const Image& image) {
+  OutputFile file(path);
+  const std::vector<unsigned char> png = [&] {
+    try {
+      return encode_png(image);
+    } catch (const Error& error) {
+      throw Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + error.what());
+    }
+  }();
   file.stream().write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
   file.commit();
 }

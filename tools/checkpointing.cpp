@@ -20,9 +20,9 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Options that leave the picture's bits as they are.
-constexpr std::array<std::string_view, 11> kOfTheRun = {
-    "scene",      "output",           "stats",         "threads",   "wave-size", "quiet", "resume",
-    "checkpoint", "checkpoint-every", "no-timestamps", "time-limit"};
+constexpr std::array<std::string_view, 13> kOfTheRun = {
+    "scene",      "output",           "stats",         "threads",    "wave-size", "quiet", "resume",
+    "checkpoint", "checkpoint-every", "no-timestamps", "time-limit", "tev",       "serve"};
 
 /// Size and check sum of a file.
 std::string fingerprint(const fs::path& file) {

@@ -19,6 +19,7 @@
 #include "tools/interrupt.h"
 #include "tools/parts.h"
 #include "tools/picture_files.h"
+#include "tools/preview.h"
 #include "tools/read_options.h"
 #include "tools/render_plan.h"
 
@@ -57,6 +58,7 @@ struct RenderArguments {
   bool no_timestamps = false, quiet = false, watertight = false, guiding = false, light_groups = false,
        full_floats = false;
   CheckpointArguments checkpoint;
+  PreviewArguments preview;
   ReadArguments read;
 };
 
@@ -284,7 +286,7 @@ Image preview_of(const Scene& scene, const RenderState& state, AovSet aovs) {
 /// Renders with signals caught and progress shown, and saves checkpoints. `show` is given what there is so far whenever
 /// somebody wants to see it.
 RenderResult render_with_progress(const Scene& scene, RenderOptions options, bool quiet, Checkpointer& checkpointer,
-                                  const std::function<void(const RenderState&)>& show) {
+                                  Preview& preview, const std::function<void(const RenderState&)>& show) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(options.crop->width()) *
                                static_cast<std::uint64_t>(options.crop->height());
   Progress progress(progress_mode(quiet), pixels * scene.sampler().sample_count, [](std::string_view text) {
@@ -299,6 +301,7 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, boo
     InterruptGuard::end_preview();
     show(state);
   };
+  preview.watch(options);
   RenderResult result = render(scene, options);
   progress.finish(!result.interrupted);
   return result;
@@ -349,6 +352,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   if (!arguments.denoiser.empty()) check_denoiser(denoiser_from_name(arguments.denoiser));
   if (arguments.spectral_bins > 0 && arguments.color != "spectral")
     throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
+  Preview preview(arguments.preview, arguments.scene, outputs.front().string(), arguments.quiet);
   const double load_start = Progress::steady_seconds();
   Description description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
   check_overwriting(outputs, arguments, description.files);
@@ -389,7 +393,8 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
          write_pictures(outputs, image, make_metadata(arguments, report, description, scene->names(), image)))
       print_message("wrote what there is to " + file.string());
   };
-  RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet, checkpointer, show);
+  RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet, checkpointer, preview, show);
+  preview.begin_writing();
   result.report.scene = arguments.scene;
   result.report.color = arguments.color;
   result.report.load_seconds = build_start - load_start;
@@ -407,6 +412,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   if (!arguments.stats.empty())
     complete &= try_to_write([&] { write_text_file(arguments.stats, to_json(result.report)); });
   if (!arguments.quiet) print_end(result, written, description.stand_ins.size());
+  preview.finish(!complete || !denoised ? "failed" : result.interrupted ? "interrupted" : "done", image, result.report);
   if (!complete) return static_cast<int>(ExitCode::kOutput);
   if (!denoised) return static_cast<int>(ExitCode::kRuntime);
   return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
@@ -549,6 +555,7 @@ Command make_command(Command& program, RenderArguments& arguments) {
   add_transport_options(command, arguments);
   add_run_options(command, arguments);
   add_checkpoint_options(command, arguments.checkpoint);
+  add_preview_options(command, arguments.preview);
   return command;
 }
 

@@ -3,6 +3,7 @@
 
 #include "tools/options.h"
 
+#include <functional>
 #include <string_view>
 
 namespace sheaf {
@@ -20,7 +21,9 @@ void add_merge_command(Command& program, int& exit_code);
 /// sheaf farm: has parts of pictures rendered by the jobs of a cluster.
 void add_farm_command(Command& program, int& exit_code);
 
-/// Prints a line to the standard error stream, after "sheaf: ".
+/// Prints a line to the standard error stream, after "sheaf: ". May be called by several threads at once.
 void print_message(std::string_view message);
+/// From now on `listener` is told of each message too, by one thread at a time; none if it is empty.
+void listen_to_messages(std::function<void(std::string_view)> listener);
 
 }  // namespace sheaf

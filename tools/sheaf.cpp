@@ -4,16 +4,31 @@
 
 #include <csignal>
 #include <cstdio>
+#include <mutex>
 #include <new>
 #include <string>
 
 namespace sheaf {
+
+namespace {
+
+std::mutex listening;
+std::function<void(std::string_view)> message_listener;  ///< guarded by `listening`
+
+}  // namespace
 
 void print_message(std::string_view message) {
   std::string shown(message);
   for (char& c : shown)  // names of files may hold anything, also what terminals obey
     if ((static_cast<unsigned char>(c) < 32 && c != '\n' && c != '\t') || c == 127) c = '?';
   std::fprintf(stderr, "sheaf: %s\n", shown.c_str());
+  const std::lock_guard lock(listening);
+  if (message_listener) message_listener(shown);
+}
+
+void listen_to_messages(std::function<void(std::string_view)> listener) {
+  const std::lock_guard lock(listening);
+  message_listener = std::move(listener);
 }
 
 }  // namespace sheaf

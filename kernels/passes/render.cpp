@@ -140,13 +140,13 @@ class Renderer {
   }
 
   RenderResult run() {
-    const auto start = std::chrono::steady_clock::now();
+    start_ = std::chrono::steady_clock::now();
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_));
     tbb::task_arena arena(threads_);
-    arena.execute([this, start] {
+    arena.execute([this] {
       if (state_.first_sample < range_.end() && !training_passes_.empty()) train();
       if (state_.adaptive)
-        take_adaptive_samples(start);
+        take_adaptive_samples();
       else
         while (state_.first_sample < range_.end() && !stopped()) take_samples();
       if (state_.first_sample == range_.end() && range_.end() < half_samples_) state_.film.end_first_half();
@@ -161,8 +161,7 @@ class Renderer {
         state_.film.end_replicate();
       }
     });
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    return finish(elapsed.count());
+    return finish();
   }
 
  private:
@@ -279,10 +278,10 @@ class Renderer {
   }
 
   /// Rounds until all tiles are content, or the time is up.
-  void take_adaptive_samples(std::chrono::steady_clock::time_point start) {
+  void take_adaptive_samples() {
     AdaptiveFilm& film = *state_.adaptive;
     const auto is_late = [&] {
-      const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+      const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
       return options_.time_limit > 0 && film.has_picture() && elapsed.count() >= options_.time_limit;
     };
     while (!stopped() && !is_late()) {
@@ -346,6 +345,10 @@ class Renderer {
   /// Tells what there is; all workers have ended their tasks.
   void pause() {
     pausing_ = false;
+    if (options_.on_report) {
+      std::vector<std::string> warnings;
+      options_.on_report(make_report(warnings));
+    }
     if (!options_.on_pause) return;
     if (state_.adaptive) state_.adaptive->assemble(state_.film);
     const Stats::Dropped before = state_.dropped;
@@ -533,10 +536,10 @@ class Renderer {
     report_done(static_cast<std::uint64_t>(count));
   }
 
-  RenderResult finish(double seconds) {
-    RenderResult result;
-    result.interrupted = stopped() && is_left();
-    RenderReport& report = result.report;
+  /// What there is to be told, but for the picture's noise. Adds to `warnings`.
+  RenderReport make_report(std::vector<std::string>& warnings) {
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+    RenderReport report;
     report.integrator = integrator_name(context_.transport);
     report.isa = kIsaName;
     report.width = state_.film.width();
@@ -545,18 +548,25 @@ class Renderer {
     report.seed = context_.sampler.seed;
     report.threads = threads_;
     report.wave_size = wave_size_;
-    report.render_seconds = seconds;
-    report.noise = state_.film.noise();
+    report.render_seconds = elapsed.count();
     if (state_.adaptive) {
       report.adaptive = state_.adaptive->summary();
       report.spp = static_cast<std::uint32_t>(std::lround(report.adaptive->mean_samples));
     }
     report.photons = photon_tracing_.report;
     report.guiding = guide_training_.report;
-    result.warnings = photon_tracing_.warnings;
-    add_workers(workers_, frame_, dropped(), report, result.warnings);
+    add_workers(workers_, frame_, dropped(), report, warnings);
     for (const SourceLocation& place : scene_.light_places())
       report.light_places.push_back(place.line > 0 ? place.file + ":" + std::to_string(place.line) : std::string());
+    return report;
+  }
+
+  RenderResult finish() {
+    RenderResult result;
+    result.interrupted = stopped() && is_left();
+    result.warnings = photon_tracing_.warnings;
+    result.report = make_report(result.warnings);
+    result.report.noise = state_.film.noise();
     result.film = std::move(state_.film);
     result.aovs = options_.aovs;
     if (result.film.tells_surfaces()) result.names = scene_.names();
@@ -591,6 +601,7 @@ class Renderer {
   GuideTraining guide_training_{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};
   std::uint64_t photons_ = 0;  ///< light tracing: to be emitted
   std::atomic<bool> pausing_{false};
+  std::chrono::steady_clock::time_point start_;
   bool told_resumed_ = false;  ///< the tiles that were done already count as progress
   std::uint64_t total_ = 0;
   std::atomic<std::uint64_t> done_{0};

@@ -53,6 +53,9 @@ struct RenderOptions {
   std::function<bool()> wants_pause;
   /// Called while all workers pause, and once at the end, whether all is done or the render was stopped.
   std::function<void(const RenderState&)> on_pause;
+  /// Called before on_pause, with what has been counted since the render began or was taken up; without its noise,
+  /// which takes longer to tell.
+  std::function<void(const RenderReport&)> on_report;
 };
 
 struct RenderResult {

@@ -3,12 +3,13 @@
 
 #include "core/stats.h"
 #include "kernels/passes/worker.h"
-#include "scene/description/description.h"
 
 #include <string>
 #include <vector>
 
 namespace sheaf {
+
+struct IntegratorDescription;
 
 /// What people call the integrator, e.g. "path_mats".
 std::string integrator_name(const IntegratorDescription& integrator);

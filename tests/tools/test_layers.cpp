@@ -51,6 +51,7 @@ const std::vector<Wrapped> kWrapped = {
     {"NanoVDB", {"nanovdb/"}, "scene/formats/nanovdb"},
     {"zlib", {"zlib.h"}, ""},
     {"CLI11", {"CLI/"}, "tools/options"},
+    {"libmicrohttpd", {"microhttpd.h"}, "tools/http_server"},
 };
 
 std::string without_extension(const fs::path& path) { return fs::path(path).replace_extension().generic_string(); }

@@ -1,0 +1,14 @@
+// PNG files in memory; core/image.cpp makes them, as it makes those on the disk.
+#pragma once
+
+#include "core/image.h"
+
+#include <vector>
+
+namespace sheaf {
+
+/// What write_png() writes. `level`: of compression, 1 (fast) to 9 (small). Throws Error (exit code 1) for an empty
+/// image.
+std::vector<unsigned char> encode_png(const Image& image, int level = 6);
+
+}  // namespace sheaf

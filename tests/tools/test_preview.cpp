@@ -1,0 +1,404 @@
+// What can be seen of a render while it runs: --serve as browsers and others see it, --tev as the viewer does.
+#include "core/exr.h"
+#include "core/progress.h"
+#include "tests/support/loopback.h"
+#include "tests/support/temporary_folder.h"
+
+#include <doctest/doctest.h>
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <thread>
+
+using namespace sheaf;
+
+namespace {
+
+constexpr const char* kScene = R"(<scene version="3.0.0">
+  <integrator type="path"><integer name="max_depth" value="6"/></integrator>
+  <sensor type="perspective">
+    <float name="fov" value="40"/>
+    <transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
+    <film type="hdrfilm">
+      <integer name="width" value="48"/><integer name="height" value="32"/><rfilter type="gaussian"/>
+    </film>
+    <sampler type="independent"/>
+  </sensor>
+  <shape type="sphere"><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>
+  <emitter type="constant"><rgb name="radiance" value="0.2, 0.5, 1.5"/></emitter>
+</scene>)";
+/// So many that no test waits for them.
+constexpr const char* kEndless = " --spp 16000000";
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+void pause_for(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
+
+/// The program at work on kScene in a folder of its own.
+class Render {
+ public:
+  explicit Render(const std::string& arguments) {
+    write_bytes(folder_ / "scene.xml", kScene);
+    write_bytes(folder_ / "go.sh", "exec '" SHEAF_EXECUTABLE "' render scene.xml -o out.exr -o out.png " + arguments);
+    process_ = fork();
+    if (process_ != 0) return;
+    const int log = open((folder_ / "log.txt").c_str(), O_WRONLY | O_CREAT, 0600);
+    if (chdir(folder_.path().c_str()) == 0 && dup2(log, STDERR_FILENO) >= 0)
+      execlp("bash", "bash", "go.sh", static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  ~Render() {
+    if (process_ > 0) end(SIGKILL);
+  }
+  Render(const Render&) = delete;
+
+  std::string log() const { return read_bytes(folder_ / "log.txt"); }
+  std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+
+  /// The port of --serve 0; 0 if none is told within ten seconds.
+  int port() const {
+    for (int i = 0; i < 200; ++i, pause_for(0.05)) {
+      const std::string text = log(), before = "http://127.0.0.1:";
+      const std::size_t at = text.find(before);
+      if (at != std::string::npos && text.find('\n', at) != std::string::npos)
+        return std::atoi(text.c_str() + at + before.size());
+    }
+    return 0;
+  }
+
+  /// Sends a signal, if any, and waits for the end. The exit code, or 128 and the signal that ended it.
+  int end(int signal = 0) {
+    if (signal != 0) kill(process_, signal);
+    int status = 0;
+    waitpid(process_, &status, 0);
+    process_ = 0;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+
+ private:
+  TemporaryFolder folder_;
+  pid_t process_ = 0;
+};
+
+/// All that a server answers to these bytes, until it ends the connection; empty if there is no server.
+std::string ask(int port, const std::string& request) {
+  const LoopbackSocket socket = LoopbackSocket::connect_to(port);
+  if (!socket.is_open()) return {};
+  socket.send(request);  // it may be answered before all of it is sent
+  return socket.receive();
+}
+
+std::string get(int port, const std::string& path, const std::string& host = "127.0.0.1") {
+  return ask(port, "GET " + path + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n");
+}
+
+int status_of(const std::string& answer) { return answer.starts_with("HTTP/1.1 ") ? std::atoi(answer.c_str() + 9) : 0; }
+
+std::string body_of(const std::string& answer) {
+  const std::size_t end = answer.find("\r\n\r\n");
+  return end == std::string::npos ? std::string() : answer.substr(end + 4);
+}
+
+nlohmann::json status(int port) { return nlohmann::json::parse(body_of(get(port, "/status.json")), nullptr, false); }
+
+/// Looks as a browser does until there is a picture of at least this number. Returns the status then.
+nlohmann::json wait_for_picture(int port, int number) {
+  nlohmann::json now;
+  for (int i = 0; i < 600; ++i, pause_for(0.05)) {
+    now = status(port);
+    if (now.is_discarded() || now["picture"] >= number) break;
+    get(port, "/picture.png");
+  }
+  return now;
+}
+
+}  // namespace
+
+TEST_CASE("addresses that are none are usage errors, and a port that is taken ends the program before it reads") {
+  for (const char* arguments :
+       {"--serve 65536", "--serve -1", "--serve x", "--serve 127.0.0.1:", "--serve :80", "--serve ::1:80",
+        "--serve [1.2.3.4]:80", "--tev 14158", "--tev localhost", "--tev localhost:0", "--tev localhost:1x"}) {
+    CAPTURE(std::string(arguments));
+    Render render(arguments);
+    CHECK(render.end() == 2);
+    CHECK(contains(render.log(), "PORT"));
+  }
+  const LoopbackSocket taken = LoopbackSocket::listen();
+  Render render("--serve " + std::to_string(taken.port()));
+  CHECK(render.end() == 1);
+  CHECK(contains(render.log(), "cannot listen at 127.0.0.1:" + std::to_string(taken.port())));
+  CHECK_FALSE(std::filesystem::exists(render.file("out.exr")));
+}
+
+TEST_CASE("a render is served: the page, its status, its picture, and nothing else") {
+  Render render("--serve 0" + std::string(kEndless));
+  const int port = render.port();
+  REQUIRE(port > 0);
+  const std::string page = get(port, "/");
+  CHECK(status_of(page) == 200);
+  CHECK(contains(page, "Content-Type: text/html"));
+  CHECK(contains(page, "</html>"));
+  for (const char* elsewhere : {"http://", "https://", "<link rel=\"stylesheet", "<script src"})
+    CHECK_FALSE(contains(body_of(page), elsewhere));
+
+  const nlohmann::json first = wait_for_picture(port, 1), second = wait_for_picture(port, 2);
+  REQUIRE(second.is_object());
+  CHECK(second["state"] == "rendering");
+  CHECK(second["scene"] == "scene.xml");
+  CHECK(second["done"] > first["done"]);
+  CHECK(second["fraction"] < 1);
+  CHECK(second["left_seconds"] > 0);
+  CHECK(contains(second["messages"][0].get<std::string>(), "rendered with 'sobol'"));
+  CHECK(second["report"]["stages"][0]["name"] == "camera_rays");
+  CHECK(second["report"]["stages"][0]["items"] > first["report"]["stages"][0]["items"]);
+  const std::string picture = get(port, "/picture.png");
+  CHECK(contains(picture, "Content-Type: image/png"));
+  write_bytes(render.file("seen.png"), body_of(picture));
+  const Image seen = read_image(render.file("seen.png"));
+  CHECK(seen.width == 48);
+  CHECK(seen.height == 32);
+
+  CHECK(status_of(get(port, "/picture.exr")) == 404);
+  CHECK(status_of(get(port, "/../scene.xml")) == 404);
+  CHECK(status_of(get(port, "/status.json?a=b")) == 200);
+  CHECK(status_of(get(port, "/", "localhost:" + std::to_string(port))) == 200);
+  CHECK(status_of(get(port, "/status.json", "pages.example")) == 403);
+  for (const char* method : {"POST", "PUT", "DELETE", "HEAD", "OPTIONS", "PAINT"}) {
+    const std::string answer =
+        ask(port, std::string(method) + " / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\n\r\nabcd");
+    CHECK(status_of(answer) == 405);
+    CHECK(contains(answer, "Allow: GET"));
+  }
+  CHECK(render.end(SIGINT) == 130);
+  CHECK_FALSE(LoopbackSocket::connect_to(port).is_open());
+}
+
+TEST_CASE("clients that are slow, silent, or talk nonsense hold up neither the render nor other clients") {
+  Render render("--serve 0" + std::string(kEndless));
+  const int port = render.port();
+  REQUIRE(port > 0);
+  std::vector<LoopbackSocket> slow;
+  for (const char* beginning : {"", "G", "GET / HTTP/1.1\r\n", "GET / HTTP/1.1\r\nHost: localhost\r\nX: ",
+                                "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000000\r\n\r\n"})
+    for (int i = 0; i < 3; ++i) {
+      slow.push_back(LoopbackSocket::connect_to(port));
+      REQUIRE(slow.back().is_open());
+      slow.back().send(beginning);
+    }
+  slow.back().send(std::string("\0\xff nonsense\r\n\r\n", 14));
+  CHECK(status_of(ask(port, "GET /%00%ff%zz HTTP/1.1\r\nHost: [\r\n\r\n")) > 0);
+  // Refused: what is no request, and more than a request may have.
+  const std::string endless(std::size_t{4} << 20, 'x');
+  for (const std::string& nonsense :
+       {"GET /" + endless, "GET / HTTP/1.1\r\nX: " + endless, std::string("GET / HTTP/9.9\r\n\r\n")})
+    CHECK(status_of(ask(port, nonsense)) >= 400);
+  const nlohmann::json before = wait_for_picture(port, 1), after = wait_for_picture(port, 3);
+  REQUIRE(after.is_object());
+  CHECK(after["done"] > before["done"]);
+  const double start = Progress::steady_seconds();
+  CHECK(render.end(SIGTERM) == 143);
+  CHECK(Progress::steady_seconds() - start < 8);
+}
+
+TEST_CASE("who looks gets the finished picture, and its bytes are those of a render that nobody looks at") {
+  const std::string arguments = " --spp 10000 --no-timestamps";
+  Render alone(arguments);
+  REQUIRE(alone.end() == 0);
+  Render render("--serve 0" + arguments);
+  const int port = render.port();
+  REQUIRE(port > 0);
+  nlohmann::json last;
+  std::string picture;
+  int pictures = 0;
+  for (int i = 0; i < 6000; ++i, pause_for(0.02)) {
+    const nlohmann::json now = status(port);
+    if (now.is_discarded() || !now.is_object()) break;
+    if (now["picture"] != (last.is_object() ? last["picture"] : nlohmann::json(0))) {
+      picture = body_of(get(port, "/picture.png"));
+      ++pictures;
+    }
+    last = now;
+  }
+  CHECK(render.end() == 0);
+  CHECK(last["state"] == "done");
+  CHECK(last["fraction"] == 1.0);
+  CHECK(last["report"]["samples"] == 48 * 32 * 10000);
+  CHECK(pictures >= 2);
+  write_bytes(render.file("seen.png"), picture);
+  CHECK(read_image(render.file("seen.png")).data == read_image(render.file("out.png")).data);
+  CHECK(read_bytes(render.file("out.exr")) == read_bytes(alone.file("out.exr")));
+  CHECK(read_bytes(render.file("out.png")) == read_bytes(alone.file("out.png")));
+}
+
+namespace {
+
+/// What the viewer knows after some packets.
+struct Viewer {
+  std::string name;
+  int width = 0, height = 0, updates = 0;
+  std::vector<std::string> channels;
+  std::vector<float> pixels;  ///< interleaved, of the whole frame
+  bool is_sound = true;       ///< all packets were what the protocol wants
+
+  /// Takes packets, one after the other, each with its length before it.
+  void take(std::string_view bytes) {
+    while (is_sound && !bytes.empty()) {
+      const std::uint32_t size = bytes.size() >= 4 ? peek<std::uint32_t>(bytes) : 0;
+      is_sound = size > 5 && size <= bytes.size();
+      if (!is_sound) return;
+      std::string_view packet = bytes.substr(4, size - 4);
+      bytes.remove_prefix(size);
+      take_packet(packet);
+    }
+  }
+
+ private:
+  template <class T> static T peek(std::string_view bytes) {
+    T value{};
+    std::memcpy(&value, bytes.data(), sizeof value);
+    return value;
+  }
+  template <class T> static T pop(std::string_view& bytes) {
+    const T value = peek<T>(bytes);
+    bytes.remove_prefix(sizeof value);
+    return value;
+  }
+  static std::string pop_text(std::string_view& bytes) {
+    const std::string text(bytes.data());
+    bytes.remove_prefix(text.size() + 1);
+    return text;
+  }
+  static std::vector<std::string> pop_names(std::string_view& bytes, int count) {
+    std::vector<std::string> names;
+    for (int i = 0; i < count; ++i) names.push_back(pop_text(bytes));
+    return names;
+  }
+
+  void take_packet(std::string_view packet) {
+    const int type = pop<std::uint8_t>(packet);
+    pop<std::uint8_t>(packet);
+    const std::string of = pop_text(packet);
+    if (type == 4) {
+      name = of;
+      width = pop<std::int32_t>(packet);
+      height = pop<std::int32_t>(packet);
+      channels = pop_names(packet, pop<std::int32_t>(packet));
+      pixels.assign(static_cast<std::size_t>(width * height) * channels.size(), 0.0f);
+      is_sound = packet.empty();
+      return;
+    }
+    const int count = pop<std::int32_t>(packet);
+    is_sound = type == 6 && of == name && pop_names(packet, count) == channels;
+    if (!is_sound) return;
+    const int x0 = pop<std::int32_t>(packet), y0 = pop<std::int32_t>(packet);
+    const int columns = pop<std::int32_t>(packet), rows = pop<std::int32_t>(packet);
+    std::vector<std::int64_t> offsets, strides;
+    for (int c = 0; c < count; ++c) offsets.push_back(pop<std::int64_t>(packet));
+    for (int c = 0; c < count; ++c) strides.push_back(pop<std::int64_t>(packet));
+    is_sound = x0 >= 0 && y0 >= 0 && x0 + columns <= width && y0 + rows <= height &&
+               packet.size() == static_cast<std::size_t>(columns * rows * count) * sizeof(float);
+    for (int i = 0; is_sound && i < columns * rows; ++i)
+      for (int c = 0; c < count; ++c) {
+        const auto from =
+            static_cast<std::size_t>(offsets[static_cast<std::size_t>(c)] + i * strides[static_cast<std::size_t>(c)]);
+        const int to = ((y0 + i / columns) * width + x0 + i % columns) * count + c;
+        pixels[static_cast<std::size_t>(to)] = peek<float>(packet.substr(from * sizeof(float)));
+      }
+    ++updates;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("tev gets the picture while it is rendered, and in the end the pixels of the file") {
+  for (const char* crop : {"", " --crop 3,5,40,31"}) {
+    const LoopbackSocket server = LoopbackSocket::listen();
+    Render render("--tev 127.0.0.1:" + std::to_string(server.port()) + " --spp 12000 --float" + crop);
+    const LoopbackSocket connection = server.accept();
+    REQUIRE(connection.is_open());
+    Viewer viewer;
+    viewer.take(connection.receive());
+    CHECK(render.end() == 0);
+    CHECK(viewer.is_sound);
+    CHECK(viewer.updates >= 2);
+    CHECK(viewer.name == "out.exr");
+    CHECK(viewer.channels == std::vector<std::string>{"R", "G", "B", "A"});
+    const Image image = read_exr(render.file("out.exr"));
+    REQUIRE(viewer.width == image.frame_width);
+    REQUIRE(viewer.height == image.frame_height);
+    std::size_t different = 0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (int c = 0; c < 4; ++c) {
+          const int at = ((image.y0 + y) * viewer.width + image.x0 + x) * 4 + c;
+          const int channel = image.find_channel(viewer.channels[static_cast<std::size_t>(c)]);
+          different += viewer.pixels[static_cast<std::size_t>(at)] != image.at(x, y, channel) ? 1u : 0u;
+        }
+    CHECK(different == 0);
+  }
+}
+
+TEST_CASE("tev may be away, come late, be gone again, or take nothing: the render goes on and ends") {
+  {
+    int port = 0;
+    {
+      const LoopbackSocket nobody = LoopbackSocket::listen();
+      port = nobody.port();
+    }
+    Render render("--spp 16 --tev 127.0.0.1:" + std::to_string(port));
+    CHECK(render.end() == 0);
+    CHECK(contains(render.log(), "no tev viewer at 127.0.0.1"));
+  }
+  {
+    const LoopbackSocket server = LoopbackSocket::listen();
+    Render render("--tev 127.0.0.1:" + std::to_string(server.port()) + std::string(kEndless));
+    { const LoopbackSocket first = server.accept(); }  // gone at once
+    const LoopbackSocket second = server.accept();
+    REQUIRE(second.is_open());
+    pause_for(2);
+    CHECK(render.end(SIGINT) == 130);
+    Viewer viewer;
+    viewer.take(second.receive());
+    CHECK(viewer.is_sound);
+    CHECK(viewer.updates >= 1);
+  }
+  {
+    const LoopbackSocket server = LoopbackSocket::listen();  // never accepts, never reads
+    Render render("--tev 127.0.0.1:" + std::to_string(server.port()) + " --size 1024x1024 --spp 4");
+    const double start = Progress::steady_seconds();
+    CHECK(render.end() == 0);
+    CHECK(Progress::steady_seconds() - start < 60);
+    CHECK(std::filesystem::exists(render.file("out.exr")));
+  }
+}
+
+TEST_CASE("a browser shows the render") {
+  if (std::system("command -v chromium >/dev/null") != 0) {
+    MESSAGE("skipped: there is no chromium (Debian's package chromium)");
+    return;
+  }
+  Render render("--serve 0" + std::string(kEndless));
+  const int port = render.port();
+  REQUIRE(port > 0);
+  const std::string command = "timeout -s KILL 60 chromium --headless --no-sandbox --disable-gpu --user-data-dir='" +
+                              render.file("browser").string() +
+                              "' --virtual-time-budget=4000 --dump-dom http://127.0.0.1:" + std::to_string(port) +
+                              "/ >'" + render.file("page.html").string() + "' 2>/dev/null";
+  std::string page;
+  for (int i = 0; i < 10 && !contains(page, "data-number="); ++i, pause_for(1)) {
+    REQUIRE(std::system(command.c_str()) == 0);
+    page = read_bytes(render.file("page.html"));
+  }
+  CHECK(contains(page, "data-state=\"rendering\""));
+  CHECK(contains(page, "<span id=\"scene\">scene.xml</span>"));
+  CHECK(contains(page, "data-number="));  // a picture was loaded
+  CHECK(contains(page, "<td>camera_rays</td>"));
+  CHECK(render.end(SIGINT) == 130);
+}

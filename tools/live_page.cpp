@@ -1,0 +1,146 @@
+#include "tools/live_page.h"
+
+#include "core/png.h"
+#include "core/progress.h"
+#include "tools/preview_page.h"
+
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+namespace sheaf {
+
+namespace {
+
+constexpr std::size_t kMostMessages = 200, kMostMessageBytes = 4000;
+/// A browser that has not asked for so long looks no more; the page asks every second.
+constexpr double kLookSeconds = 4;
+/// How long pages in several windows have to ask once more.
+constexpr double kOthersSeconds = 1.3;
+/// Compression of pictures: fast, since they are sent once.
+constexpr int kPngLevel = 1;
+
+std::shared_ptr<const std::string> shared_text(std::string text) {
+  return std::make_shared<const std::string>(std::move(text));
+}
+
+}  // namespace
+
+LivePage::LivePage(const Endpoint& endpoint, std::string scene)
+    : scene_(std::move(scene)),
+      run_(std::to_string(std::time(nullptr)) + "-" + std::to_string(getpid())),
+      server_(endpoint, [this](std::string_view path) { return answer(path); }) {}
+
+void LivePage::begin_render() {
+  const std::lock_guard lock(mutex_);
+  start_ = Progress::steady_seconds();
+  state_ = "rendering";
+}
+
+void LivePage::update(std::uint64_t done, std::uint64_t total) {
+  total_.store(total, std::memory_order_relaxed);
+  std::uint64_t seen = done_.load(std::memory_order_relaxed);
+  while (seen < done && !done_.compare_exchange_weak(seen, done, std::memory_order_relaxed)) {}
+}
+
+void LivePage::set_state(const std::string& state) {
+  const std::lock_guard lock(mutex_);
+  if (end_ == 0) end_ = Progress::steady_seconds();
+  state_ = state;
+  state_seen_ = false;
+}
+
+void LivePage::set_report(const std::string& json) {
+  const std::lock_guard lock(mutex_);
+  report_ = json;
+}
+
+void LivePage::set_picture(std::shared_ptr<const Image> picture) {
+  const std::lock_guard lock(mutex_);
+  picture_ = std::move(picture);
+  encoded_ = nullptr;
+  ++picture_number_;
+  picture_seen_ = false;
+}
+
+void LivePage::add_message(std::string_view message) {
+  const std::lock_guard lock(mutex_);
+  messages_.emplace_back(message.substr(0, kMostMessageBytes));
+  if (messages_.size() > kMostMessages) messages_.pop_front();
+}
+
+bool LivePage::is_watched() const { return Progress::steady_seconds() - looked_ < kLookSeconds; }
+
+bool LivePage::wants_picture() const { return picture_seen_.load(std::memory_order_relaxed) && is_watched(); }
+
+void LivePage::wait_until_seen(double seconds) {
+  if (!is_watched()) return;
+  const double start = Progress::steady_seconds();
+  std::unique_lock lock(mutex_);
+  const bool seen = seen_.wait_for(lock, std::chrono::duration<double>(seconds),
+                                   [this] { return state_seen_ && sent_number_ == picture_number_; });
+  const double left = std::min(kOthersSeconds, seconds) - (Progress::steady_seconds() - start);
+  if (seen && left > 0) seen_.wait_for(lock, std::chrono::duration<double>(left), [] { return false; });
+}
+
+HttpResponse LivePage::answer(std::string_view path) {
+  if (path == "/") return {200, "text/html; charset=utf-8", shared_text(kPreviewPage)};
+  if (path == "/status.json") return status();
+  if (path == "/picture.png") return picture();
+  return {404, HttpResponse().type, nullptr};
+}
+
+HttpResponse LivePage::status() {
+  using Json = nlohmann::ordered_json;
+  const double now = Progress::steady_seconds();
+  looked_ = now;
+  const std::lock_guard lock(mutex_);
+  const auto done = static_cast<double>(done_.load()), total = static_cast<double>(total_.load());
+  const double fraction = state_ == "done" ? 1.0 : total > 0 ? std::min(done / total, 0.9999) : 0.0;
+  const double elapsed = start_ > 0 ? (end_ > 0 ? end_ : now) - start_ : 0.0;
+  const bool can_tell = state_ == "rendering" && fraction > 0;
+  const Json json{{"run", run_},
+                  {"scene", scene_},
+                  {"state", state_},
+                  {"done", done_.load()},
+                  {"total", total_.load()},
+                  {"fraction", fraction},
+                  {"elapsed_seconds", elapsed},
+                  {"left_seconds", can_tell ? Json(elapsed * (1 - fraction) / fraction) : Json()},
+                  {"picture", picture_number_},
+                  {"messages", messages_},
+                  {"report", Json::parse(report_)}};
+  state_seen_ = true;
+  seen_.notify_all();
+  return {200, "application/json", shared_text(json.dump(-1, ' ', false, Json::error_handler_t::replace))};
+}
+
+HttpResponse LivePage::picture() {
+  std::unique_lock lock(mutex_);
+  if (!picture_) return {404, HttpResponse().type, nullptr};
+  const int number = picture_number_;
+  std::shared_ptr<const std::string> encoded = encoded_;
+  if (!encoded) {  // only the server's thread encodes
+    const std::shared_ptr<const Image> image = picture_;
+    lock.unlock();
+    const double start = Progress::steady_seconds();
+    const std::vector<unsigned char> png = encode_png(*image, kPngLevel);
+    encoded = std::make_shared<const std::string>(png.begin(), png.end());
+    encoding_seconds_ = Progress::steady_seconds() - start;
+    lock.lock();
+    if (number == picture_number_) encoded_ = encoded;
+  }
+  if (number == picture_number_) picture_seen_ = true;
+  // The server lets go of it when it is sent.
+  const auto sent = [this, encoded, number](const std::string*) {
+    const std::lock_guard guard(mutex_);
+    sent_number_ = std::max(sent_number_, number);
+    seen_.notify_all();
+  };
+  return {200, "image/png", std::shared_ptr<const std::string>(encoded.get(), sent)};
+}
+
+}  // namespace sheaf

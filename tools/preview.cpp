@@ -1,0 +1,126 @@
+#include "tools/preview.h"
+
+#include "core/progress.h"
+#include "kernels/denoise/denoise.h"
+#include "kernels/passes/render.h"
+#include "tools/commands.h"
+#include "tools/live_page.h"
+#include "tools/tev.h"
+
+#include <algorithm>
+#include <array>
+#include <thread>
+#include <utility>
+
+namespace sheaf {
+
+namespace {
+
+/// Between two pictures lie at least this many seconds, and this many times what the first has cost.
+constexpr double kLeastInterval = 1, kCostFactor = 50;
+constexpr double kTevSeconds = 5, kPageSeconds = 3;
+
+/// The colours and alpha alone, in the order of their names.
+std::shared_ptr<const Image> beauty_of(const Image& image) {
+  const auto beauty = std::make_shared<Image>(image.width, image.height, std::vector<std::string>{});
+  std::vector<std::size_t> sources;
+  for (const char* name : {"R", "G", "B", "A"}) {
+    const int channel = image.find_channel(name);
+    if (channel < 0) continue;
+    beauty->channels.emplace_back(name);
+    sources.push_back(static_cast<std::size_t>(channel));
+  }
+  beauty->x0 = image.x0;
+  beauty->y0 = image.y0;
+  beauty->frame_width = image.frame_width;
+  beauty->frame_height = image.frame_height;
+  beauty->data.reserve(image.pixel_count() * sources.size());
+  for (std::size_t i = 0; i < image.pixel_count(); ++i)
+    for (const std::size_t source : sources) beauty->data.push_back(image.data[i * image.channels.size() + source]);
+  return beauty;
+}
+
+}  // namespace
+
+void add_preview_options(Command& command, PreviewArguments& arguments) {
+  command.add_option("--tev", arguments.tev,
+                     "HOST:PORT of the viewer tev, usually 127.0.0.1:14158, which shows the picture while it is "
+                     "rendered. The viewer may be started later and restarted");
+  command.add_option("--serve", arguments.serve,
+                     "Show picture, progress, stage times and messages to browsers, at PORT of this machine alone, or "
+                     "at ADDRESS:PORT (0.0.0.0: of all its addresses; there is no password). Port 0: any that is free. "
+                     "The page ends with the render; a browser that looks gets the finished picture first, within "
+                     "seconds. See docs/preview.md");
+}
+
+Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool quiet) {
+  if (!arguments.tev.empty())
+    tev_ = std::make_unique<TevViewer>(parse_endpoint("--tev", arguments.tev, "", 1), name,
+                                       [quiet](const std::string& text) {
+                                         if (!quiet) print_message(text);
+                                       });
+  if (arguments.serve.empty()) return;
+  page_ = std::make_unique<LivePage>(parse_endpoint("--serve", arguments.serve, "127.0.0.1", 0), scene);
+  if (!quiet) print_message("the render can be seen at " + page_->url());
+  listen_to_messages([this](std::string_view message) { page_->add_message(message); });
+}
+
+Preview::~Preview() { listen_to_messages(nullptr); }
+
+void Preview::watch(RenderOptions& options) {
+  if (!page_ && !tev_) return;
+  if (page_) {
+    page_->begin_render();
+    options.on_progress = [this, before = std::move(options.on_progress)](std::uint64_t done, std::uint64_t total) {
+      if (before) before(done, total);
+      page_->update(done, total);
+    };
+    options.on_report = [this](const RenderReport& report) { page_->set_report(to_json(report)); };
+  }
+  options.wants_pause = [this, before = std::move(options.wants_pause)] { return (before && before()) || is_due(); };
+  options.on_pause = [this, before = std::move(options.on_pause)](const RenderState& state) {
+    if (before) before(state);
+    if (asked_ > 0) show(state);
+  };
+}
+
+bool Preview::is_due() {
+  const double now = Progress::steady_seconds();
+  if (now < next_.load(std::memory_order_relaxed)) return false;
+  const bool looked_at = (page_ && page_->wants_picture()) || (tev_ && tev_->is_ready());
+  double never = 0;
+  if (looked_at) asked_.compare_exchange_strong(never, now, std::memory_order_relaxed);
+  return looked_at;
+}
+
+void Preview::show(const RenderState& state) {
+  Image image = state.film.to_image();
+  if (state.splats && state.photons > 0) state.splats->add_to(image, state.photons);
+  const std::shared_ptr<const Image> picture = beauty_of(image);
+  if (page_) page_->set_picture(picture);
+  if (tev_ && tev_->is_ready()) tev_->show(picture);
+  const double now = Progress::steady_seconds();
+  double cost = now - asked_;
+  // Made beside the render, on one of its processors.
+  if (page_) cost += page_->encoding_seconds() / std::max(1u, std::thread::hardware_concurrency());
+  next_ = now + std::max(kLeastInterval, kCostFactor * cost);
+  asked_ = 0;
+}
+
+void Preview::begin_writing() {
+  if (page_) page_->set_state("writing");
+}
+
+void Preview::finish(const std::string& state, const Image& picture, const RenderReport& report) {
+  if (!page_ && !tev_) return;
+  if (tev_) tev_->show(beauty_of(picture));
+  if (page_) {
+    page_->set_report(to_json(report));
+    page_->set_picture(beauty_of(picture.find_channel("denoised.R") >= 0 ? denoised_only(picture) : picture));
+    page_->set_state(state);
+  }
+  if (tev_) tev_->finish(kTevSeconds);
+  if (page_) page_->wait_until_seen(kPageSeconds);
+}
+
+}  // namespace sheaf
