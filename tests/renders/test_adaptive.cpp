@@ -59,7 +59,8 @@ bool same_bits(const Image& a, const Image& b) {
 
 }  // namespace
 
-TEST_CASE("adaptive sampling: pictures are right on average, however few pixels judge when to end") {
+TEST_CASE("adaptive sampling: pictures are right on average, however few pixels judge when to end" *
+          doctest::test_suite("slow")) {
   // Sixteen pixels, whose light comes in rare bright samples: a tile that ended by its own noise would be too dark.
   for (const auto filter : {FilterDescription::Kind::kBox, FilterDescription::Kind::kGaussian}) {
     CAPTURE(static_cast<int>(filter));
@@ -119,7 +120,8 @@ TEST_CASE("adaptive sampling: where no tile ends early, the picture is that of f
   }
 }
 
-TEST_CASE("adaptive sampling: variances are those of the means over many seeds, on either side of tiles") {
+TEST_CASE("adaptive sampling: variances are those of the means over many seeds, on either side of tiles" *
+          doctest::test_suite("slow")) {
   constexpr int kSide = 40, kSeeds = 60;
   Description d = lamp_scene(kSide, kSide, false);
   d.film.filter.kind = FilterDescription::Kind::kGaussian;
@@ -155,7 +157,7 @@ TEST_CASE("adaptive sampling: variances are those of the means over many seeds, 
   }
 }
 
-TEST_CASE("adaptive sampling: tiles end at the noise asked for, or at the most samples") {
+TEST_CASE("adaptive sampling: tiles end at the noise asked for, or at the most samples" * doctest::test_suite("slow")) {
   constexpr int kColumns = 96, kRows = 64;
   Description d = lamp_scene(kColumns, kRows, false);
   d.integrator.max_depth = 2;
