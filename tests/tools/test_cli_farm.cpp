@@ -132,6 +132,14 @@ TEST_CASE("farm: how samples are cut") {
   CHECK(contains(text, "'--replicates' '6'"));
   text = script("--parts 3 -- --spp 16 --aov variance");
   CHECK(contains(text, "'--replicates' '3'"));
+  // Where that many sets would leave parts without any, they are made smaller.
+  text = script("--parts 16 -- --spp 36");
+  CHECK(contains(text, "values=('0:2' '2:2' '4:2' '6:2' '8:2' '10:2' '12:2' '14:4' '18:2'"));
+  CHECK(contains(text, "'32:4')"));
+  CHECK(contains(text, "'--replicates' '18'"));
+  text = script("--parts 3 -- --spp 16 --sampler independent");
+  CHECK(contains(text, "values=('0:4' '4:6' '10:6')"));
+  CHECK(contains(text, "'--replicates' '9'"));
   // Those that are asked for stay.
   text = script("--parts 3 -- --spp 128 --replicates 4");
   CHECK(contains(text, "values=('0:32' '32:32' '64:64')"));
