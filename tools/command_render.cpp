@@ -574,8 +574,6 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
   apply_sampler(arguments, scene);
   apply_size(arguments, scene.film);
   plan.integrator = scene.integrator.kind;
-  plan.frame_width = scene.film.width;
-  plan.frame_height = scene.film.height;
   plan.crop = choose_crop(arguments, scene.film);
   const PhotonMappingDescription& photons = scene.integrator.photons;
   const bool maps = plan.integrator == IntegratorKind::kPhotonMapper;

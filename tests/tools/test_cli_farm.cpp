@@ -161,6 +161,7 @@ TEST_CASE("farm: what cannot be is a usage error, and nothing is written") {
   CHECK(contains(error("--parts 65"), "64 samples per pixel cannot be cut into 65 parts"));
   CHECK(contains(error("--parts 5 -- --replicates 4"), "4 sets"));
   CHECK(contains(error("--parts 17 --tiles"), "16 rows"));
+  CHECK(contains(error("--parts 900 -- --spp 1700"), "1700 sets (--replicates), at most 1024"));
   for (const char* frames : {"1", "1:", "5:1", "-1:2", "1:2:3", "a:b", "1:99999999"})
     CHECK(contains(error("--parts 2 --frames=" + std::string(frames)), "FIRST:LAST"));
   CHECK(contains(error("--parts 2 -- --threads 3"), "--cpus"));
