@@ -9,13 +9,17 @@ set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.c
 
 # Tests that take long, the longest first: ctest starts them in this order, so that none is left alone at the end.
 set(SHEAF_LONG_TESTS
-  cli preview smoke_scripts references photon_mapping photon_media light_tracing adaptive smoke_scenes media_estimators smoke_benchmarks
+  cli preview cli_merge slurm smoke_scripts references photon_mapping photon_media light_tracing adaptive smoke_scenes
+  media_estimators smoke_benchmarks
   uplift nanovdb light_emit bsdf_list bsdf_principled media_tracking estimators light_estimators spectral_render
   instancing_render determinism)
 
 # Tests in which libraries leak in functions of others that have no frame pointers: cmake/lsan.supp knows them by the
 # whole stack alone.
 set(SHEAF_WHOLE_STACK_TESTS image)
+
+# Tests that are left out where a program is missing, and then say "left out: ".
+set(SHEAF_OPTIONAL_TESTS slurm)
 
 # sheaf_test_support(DEPENDS <target>...): the library sheaf_test_support, which all programs of tests are linked with:
 # main(), and the precompiled headers of tests. Also the target sheaf_tests, which builds all of those programs.
@@ -84,6 +88,9 @@ function(sheaf_tests folder)
     add_test(NAME ${unit} COMMAND ${program} ${filter} --no-intro --no-version WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
     sheaf_test_cost(${unit})
     set_tests_properties(${unit} PROPERTIES LABELS ${folder})
+    if(unit IN_LIST SHEAF_OPTIONAL_TESTS)
+      set_tests_properties(${unit} PROPERTIES SKIP_REGULAR_EXPRESSION "left out: ")
+    endif()
     if(unit IN_LIST SHEAF_WHOLE_STACK_TESTS)
       set_tests_properties(${unit} PROPERTIES ENVIRONMENT "ASAN_OPTIONS=fast_unwind_on_malloc=0")
     endif()

@@ -62,18 +62,23 @@ std::pair<std::string, std::string> split_output(const fs::path& output, bool ha
   return {name.substr(0, name.size() - extension.size()) + "_", extension};
 }
 
-/// Into how many sets the samples are to be cut so that they can be given to `parts`.
+/// Into how many sets the samples are to be cut so that they can be given to `parts`, at most as many as samples.
 std::uint32_t choose_sets(const RenderPlan& plan, std::uint32_t parts) {
   if (plan.sets == 1 || plan.sets_given) return plan.sets;
-  return (plan.sets + parts - 1) / parts * parts;
+  const std::uint32_t sets = (plan.sets + parts - 1) / parts * parts;
+  const auto made = [&](std::uint32_t wanted) {
+    const std::uint32_t size = (plan.samples + wanted - 1) / wanted;
+    return (plan.samples + size - 1) / size;
+  };
+  if (sets <= plan.samples && made(sets) >= parts) return sets;
+  // Fewer samples in each.
+  const std::uint32_t size = plan.samples / parts;
+  return (plan.samples + size - 1) / size;
 }
 
 /// FIRST:COUNT of each part. Throws Error (exit code 2) if the samples cannot be cut into so many.
 std::vector<std::string> sample_ranges(const RenderPlan& plan, std::uint32_t sets, std::uint32_t parts) {
   const std::string tiles = "; --tiles cuts the frame instead";
-  if (plan.samples < parts)
-    throw Error(ExitCode::kUsage,
-                fmt::format("{} samples per pixel cannot be cut into {} parts", plan.samples, parts) + tiles);
   const std::uint64_t total = std::uint64_t{plan.samples} * plan.gather_rays;
   // As in renders: all sets have as many samples, but for the last.
   const std::uint64_t size = sets == 1 ? plan.gather_rays : (total + sets - 1) / sets;
@@ -129,7 +134,18 @@ void cut(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
                 "the samples of ptracer cannot be rendered in parts, and its tiles take as long as "
                 "the frame: a farm can render its frames, with --parts 1 --tiles");
   const auto parts = static_cast<std::uint32_t>(arguments.parts);
+  if (plan.samples < parts)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} samples per pixel cannot be cut into {} parts; --tiles cuts the frame "
+                            "instead",
+                            plan.samples, parts));
   const std::uint32_t sets = choose_sets(plan, parts);
+  constexpr std::uint32_t kMostSets = 1024;  // of --replicates
+  if (sets > kMostSets)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} samples in {} parts would be {} sets (--replicates), at most {} are possible; "
+                            "--replicates 1 makes one, without layers of variance",
+                            plan.samples, parts, sets, kMostSets));
   farm.part_option = "--samples";
   farm.part_values = sample_ranges(plan, sets, parts);
   if (!plan.sets_given) {

@@ -581,8 +581,6 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
   apply_sampler(arguments, scene);
   apply_size(arguments, scene.film);
   plan.integrator = scene.integrator.kind;
-  plan.frame_width = scene.film.width;
-  plan.frame_height = scene.film.height;
   plan.crop = choose_crop(arguments, scene.film);
   const PhotonMappingDescription& photons = scene.integrator.photons;
   const bool maps = plan.integrator == IntegratorKind::kPhotonMapper;
@@ -593,7 +591,7 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
     plan.gather_rays = static_cast<std::uint32_t>(photons.gather_rays);
   plan.sets_given = arguments.replicates > 0;
   plan.sets = plan.sets_given ? static_cast<std::uint32_t>(arguments.replicates)
-                              : default_replicates(plan.samples * plan.gather_rays);
+                              : default_replicates(scene.sampler.kind, std::uint64_t{plan.samples} * plan.gather_rays);
   if (aovs.contains(Aov::kVariance) || aovs.contains(Aov::kHalf)) plan.sets = std::max(plan.sets, 2u);
   return plan;
 }

@@ -12,7 +12,6 @@ namespace sheaf {
 struct RenderPlan {
   std::vector<std::string> given;  ///< options that are given, without dashes
   IntegratorKind integrator = IntegratorKind::kPath;
-  int frame_width = 0, frame_height = 0;
   PixelRect crop;                 ///< pixels that are rendered
   std::uint32_t samples = 0;      ///< per pixel
   std::uint32_t gather_rays = 1;  ///< that each of them is made of

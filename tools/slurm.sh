@@ -8,6 +8,7 @@
 #
 # Exit code 77: the packages are not there, or nobody but root may start daemons that run jobs.
 set -euo pipefail
+PATH=$PATH:/usr/sbin:/sbin
 
 fail() { echo "slurm: $2" >&2; exit "$1"; }
 

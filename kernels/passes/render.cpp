@@ -186,8 +186,7 @@ class Renderer {
     const bool independent = scene.sampler().kind == SamplerKind::kIndependent;
     check_layers();
     std::uint32_t replicates = options_.replicates > 0 ? static_cast<std::uint32_t>(options_.replicates)
-                               : independent           ? kFreeReplicates
-                                                       : default_replicates(spp_);
+                                                       : default_replicates(scene.sampler().kind, spp_);
     if (wants_halves()) replicates = std::max(replicates, 2u);
     const bool by_samples = independent && reach == 0 && !adapts;
     replicate_samples_ = by_samples ? spp_ : (spp_ + replicates - 1) / replicates;
@@ -611,7 +610,8 @@ class Renderer {
 
 }  // namespace
 
-std::uint32_t default_replicates(std::uint32_t samples) {
+std::uint32_t default_replicates(SamplerKind kind, std::uint64_t samples) {
+  if (kind == SamplerKind::kIndependent) return kFreeReplicates;
   if (samples < 32) return 1;
   return samples < 128 ? 2 : samples < 512 ? 4 : 8;
 }

@@ -80,9 +80,8 @@ inline constexpr std::size_t kMaxLightGroups = 64;
 /// Largest value of RenderOptions::wave_size: slots are 16-bit.
 inline constexpr int kMaxWaveSize = 32768;
 
-/// Replicates that are worth what they cost where samples are not independent of each other: see
-/// RenderOptions::replicates.
-std::uint32_t default_replicates(std::uint32_t samples);
+/// The replicates of so many samples per pixel where none are asked for: see RenderOptions::replicates.
+std::uint32_t default_replicates(SamplerKind kind, std::uint64_t samples);
 
 /// Renders. The picture's bits depend on scene, seed and sample count alone, not on threads, wave size or crop.
 /// Throws Error (usage) if the crop leaves the frame, a number is out of range, spectral bins are asked for where there

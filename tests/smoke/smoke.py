@@ -82,6 +82,7 @@ EXEMPT = {
     "tools/check_debian13.sh": "needs root, debootstrap and a mirror",
     "tools/install_packages.sh": "needs root; .ci/run runs it by way of the two below",
     "tools/quickstart.sh": "builds; .ci/run runs it",
+    "tools/slurm.sh": "needs root and Slurm; the test slurm runs it",
     "tools/test.sh": "builds, and runs this test; .ci/run runs it",
     "tools/scene_text.py": "a module, which other scripts import",
     "bench/rendering.py": "a module, which other scripts import",

@@ -132,6 +132,14 @@ TEST_CASE("farm: how samples are cut") {
   CHECK(contains(text, "'--replicates' '6'"));
   text = script("--parts 3 -- --spp 16 --aov variance");
   CHECK(contains(text, "'--replicates' '3'"));
+  // Where that many sets would leave parts without any, they are made smaller.
+  text = script("--parts 16 -- --spp 36");
+  CHECK(contains(text, "values=('0:2' '2:2' '4:2' '6:2' '8:2' '10:2' '12:2' '14:4' '18:2'"));
+  CHECK(contains(text, "'32:4')"));
+  CHECK(contains(text, "'--replicates' '18'"));
+  text = script("--parts 3 -- --spp 16 --sampler independent");
+  CHECK(contains(text, "values=('0:4' '4:6' '10:6')"));
+  CHECK(contains(text, "'--replicates' '9'"));
   // Those that are asked for stay.
   text = script("--parts 3 -- --spp 128 --replicates 4");
   CHECK(contains(text, "values=('0:32' '32:32' '64:64')"));
@@ -153,6 +161,7 @@ TEST_CASE("farm: what cannot be is a usage error, and nothing is written") {
   CHECK(contains(error("--parts 65"), "64 samples per pixel cannot be cut into 65 parts"));
   CHECK(contains(error("--parts 5 -- --replicates 4"), "4 sets"));
   CHECK(contains(error("--parts 17 --tiles"), "16 rows"));
+  CHECK(contains(error("--parts 900 -- --spp 1700"), "1700 sets (--replicates), at most 1024"));
   for (const char* frames : {"1", "1:", "5:1", "-1:2", "1:2:3", "a:b", "1:99999999"})
     CHECK(contains(error("--parts 2 --frames=" + std::string(frames)), "FIRST:LAST"));
   CHECK(contains(error("--parts 2 -- --threads 3"), "--cpus"));

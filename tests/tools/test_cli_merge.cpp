@@ -224,8 +224,10 @@ TEST_CASE("what is missing is refused unless it may be, and then the header says
   CHECK(crop.frame_width == 27);
   CHECK(crop.data == tile.data);
   // An interrupted part says so itself.
-  write_bytes(scene.folder / "go.sh", "timeout -s INT 1 " SHEAF_EXECUTABLE
-                                      " render scene.xml -o cut.exr --spp 16000000 --crop 0,0,27,18 --quiet\n");
+  write_bytes(scene.folder / "go.sh", SHEAF_EXECUTABLE
+              " render scene.xml -o cut.exr --spp 16000000 --crop 0,0,27,18 --quiet --checkpoint cut.state "
+              "--checkpoint-every 0.05 &\n"
+              "until [[ -e cut.state ]]; do sleep 0.05; done\nkill -TERM $!\nwait $!\n");
   REQUIRE(std::system(("cd '" + scene.folder.path().string() + "' && bash go.sh").c_str()) != 0);
   CHECK(contains(scene.refused("cut.exr"), "cut.exr: was interrupted"));
   CHECK(run(scene.folder, "merge cut.exr -o cut_whole.exr --incomplete").code == 0);
