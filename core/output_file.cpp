@@ -4,11 +4,16 @@
 #include "core/error.h"
 
 #include <fcntl.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
+#include <ctime>
 #include <string>
 #include <system_error>
 
@@ -17,6 +22,9 @@ namespace sheaf {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// A younger file may be one that its writer is about to lock.
+constexpr std::time_t kLeftOverSeconds = 10;
 
 Error cannot_write(const fs::path& path, const std::string& why) {
   return Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + why);
@@ -27,6 +35,51 @@ fs::path final_target(const fs::path& path) {
   std::error_code error;
   const fs::path resolved = fs::is_symlink(path, error) ? fs::weakly_canonical(path, error) : path;
   return error ? path : resolved;
+}
+
+/// A descriptor of the file, locked; -1 if it is locked already, or cannot be. The lock goes with the process, however
+/// it ends, and holds for other machines too where the file system tells them.
+int lock_file(const fs::path& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (file < 0 || flock(file, LOCK_EX | LOCK_NB) == 0) return file;
+  close(file);
+  return -1;
+}
+
+/// The process in a name that temporary_name() has made for `target`; 0 for other names.
+long writer_of(const std::string& name, const fs::path& target) {
+  const std::string before = "." + target.filename().string() + ".", after = ".tmp";
+  if (!name.starts_with(before) || !name.ends_with(after) || name.size() < before.size() + after.size()) return 0;
+  long process = 0;
+  unsigned number = 0;
+  const char* const begin = name.data() + before.size();
+  const char* const end = name.data() + name.size() - after.size();
+  const auto [dot, failure] = std::from_chars(begin, end, process);
+  if (failure != std::errc() || dot == end || *dot != '.') return 0;
+  const auto [last, other_failure] = std::from_chars(dot + 1, end, number);
+  return other_failure == std::errc() && last == end && process > 0 ? process : 0;
+}
+
+/// Whether a temporary file is left over from a process that is gone; see check_writable().
+bool is_left_over(const fs::path& path, long process) {
+  struct stat found {};
+  if (lstat(path.c_str(), &found) != 0 || !S_ISREG(found.st_mode) || found.st_uid != geteuid()) return false;
+  if (std::time(nullptr) - found.st_mtime < kLeftOverSeconds) return false;
+  return kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
+}
+
+void remove_left_over(const fs::path& target) {
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const long process = writer_of(entry->path().filename().string(), target);
+    if (process == 0 || !is_left_over(entry->path(), process)) continue;
+    const int lock = lock_file(entry->path());
+    if (lock < 0) continue;
+    std::error_code ignored;
+    fs::remove(entry->path(), ignored);
+    close(lock);
+  }
 }
 
 fs::path temporary_name(const fs::path& target) {
@@ -71,12 +124,14 @@ OutputFile::OutputFile(const fs::path& path) : target_(final_target(path)) {
   errno = 0;
   stream_.open(temporary_, std::ios::binary);
   if (!stream_) throw cannot_write(path, std::strerror(errno));
+  lock_ = lock_file(temporary_);
 }
 
 OutputFile::~OutputFile() {
   stream_.close();
   std::error_code error;
   fs::remove(temporary_, error);
+  if (lock_ >= 0) close(lock_);
 }
 
 void OutputFile::commit() {
@@ -92,7 +147,10 @@ void OutputFile::commit() {
   if (error) throw cannot_write(target_, error.message());
 }
 
-void check_writable(const fs::path& path) { const OutputFile probe(path); }
+void check_writable(const fs::path& path) {
+  const OutputFile probe(path);
+  remove_left_over(final_target(path));
+}
 
 void write_text_file(const fs::path& path, std::string_view text) {
   OutputFile file(path);

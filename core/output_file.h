@@ -8,8 +8,10 @@
 namespace sheaf {
 
 /// Checks that a file could be written at `path`, by creating and removing a temporary file beside it; `path` itself is
-/// not touched. Throws Error (exit code 4) if not: no such directory, no permission, or something other than a file is
-/// there.
+/// not touched. Removes what programs that were killed while they wrote this file have left of it beside it: temporary
+/// files of this user for `path` that are older than ten seconds, whose process does not run here, and that nobody on
+/// any machine holds open for writing. Throws Error (exit code 4) if not: no such directory, no permission, or
+/// something other than a file is there.
 void check_writable(const std::filesystem::path& path);
 
 /// Whether two names mean the same file, by whatever way they lead there, and whether it is there yet or not.
@@ -33,6 +35,8 @@ class OutputFile {
  private:
   std::filesystem::path target_, temporary_;
   std::ofstream stream_;
+  int lock_ =
+      -1;  ///< a descriptor whose lock tells others that temporary_ is being written; -1: there are no locks here
 };
 
 /// Writes a text file whole. Throws Error (exit code 4).

@@ -15,40 +15,9 @@ if ((EUID != 0)); then
 fi
 command -v debootstrap >/dev/null || { echo "debian13: install the package debootstrap first" >&2; exit 1; }
 
-host_mirror() {
-  apt-get indextargets --format '$(ORIGIN) $(CODENAME) $(REPO_URI)' 'Created-By: Packages' |
-    awk '$1 == "Debian" && $2 !~ /-/ { print $3; exit }'
-}
-
-make_root() {
-  local mirror=${SHEAF_DEBIAN_MIRROR:-$(host_mirror)}
-  [[ -n $mirror ]] || { echo "debian13: no Debian mirror in apt's sources; set SHEAF_DEBIAN_MIRROR" >&2; exit 1; }
-  echo "debian13: making $root"
-  rm -rf "$root"
-  mkdir -p "$root"
-  debootstrap --variant=minbase trixie "$root" "$mirror" >"$root.log" 2>&1 || { tail -n 20 "$root.log" >&2; exit 1; }
-  apt-config dump | grep -E '^Acquire::(Check-|https?::Proxy)' >"$root/etc/apt/apt.conf.d/90host" || true
-  touch "$root/.complete"
-}
-
-in_root() {
-  chroot "$root" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 "$@"
-}
-
-[[ -e $root/.complete ]] || make_root
-cp /etc/resolv.conf /etc/hosts "$root/etc/"
-mounted=()
-unmount_all() {
-  for folder in "${mounted[@]}"; do umount "$folder"; done
-}
-trap unmount_all EXIT
-for kind in proc sysfs; do
-  folder=$root/${kind%fs}
-  if ! mountpoint -q "$folder"; then
-    mount -t "$kind" "$kind" "$folder"
-    mounted+=("$folder")
-  fi
-done
+source "$repository/tools/debian_root.sh"
+make_debian_root "$root" trixie
+open_debian_root "$root"
 
 echo "debian13: copying the working tree"
 mkdir -p "$root$source_in_root"

@@ -31,6 +31,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <limits>
 #include <memory>
 #include <tuple>
 
@@ -445,7 +446,8 @@ void add_picture_options(Command& command, RenderArguments& arguments) {
                   "Begin no more samples after this many seconds of rendering, once there is a picture: with "
                   "--noise-target or up to --spp")
       .positive();
-  command.add_option("--seed", arguments.seed, "Seed of the random numbers, 0 to 4294967295. Default: the scene's");
+  command.add_option("--seed", arguments.seed, "Seed of the random numbers. Default: the scene's")
+      .in_range(0u, std::numeric_limits<std::uint32_t>::max());
   command.add_option("--threads", arguments.threads, "Worker threads. Default: 0, one for each logical core")
       .in_range(0, 4096);
   command.add_option("--color", arguments.color, "Colour mode: rgb (default), or spectral: four wavelengths per path")

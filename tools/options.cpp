@@ -60,7 +60,12 @@ template Option& Option::in_range(double, double);
 template Option& Option::in_range(float, float);
 
 Option& Option::positive() {
-  option_->check(finite())->check(CLI::PositiveNumber);
+  const auto above_zero = [](const std::string& text) {
+    double value = 0;
+    const bool is_positive = CLI::detail::lexical_cast(text, value) && value > 0;
+    return is_positive ? std::string() : "'" + text + "' is not a number above 0";
+  };
+  option_->check(finite())->check(CLI::Validator(above_zero, "POSITIVE"));
   return *this;
 }
 

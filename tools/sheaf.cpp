@@ -1,5 +1,6 @@
 // The program: subcommands, and what becomes of errors.
 #include "core/error.h"
+#include "core/simd.h"
 #include "tools/commands.h"
 
 #include <csignal>
@@ -41,7 +42,7 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done, 1 runtime error, 2 usage, 3 scene or asset, 4 output not writable,\n"
       "5 checkpoint mismatch; 129, 130, 143: stopped by SIGHUP, SIGINT, SIGTERM, after saving what there is\n"
       "(a second SIGINT or SIGTERM ends the program at once).");
-  program.set_version("sheaf " SHEAF_VERSION);
+  program.set_version(std::string("sheaf " SHEAF_VERSION " ") + sheaf::kIsaName);
   program.require_command();
   try {
     sheaf::add_render_command(program, exit_code);

@@ -1,5 +1,7 @@
 #include "scene/dialects/integrator_name.h"
 
+#include "scene/dialects/known_names.h"
+
 #include <algorithm>
 #include <iterator>
 #include <string>
@@ -126,8 +128,8 @@ void apply(const NamedIntegrator& named, IntegratorDescription& integrator) {
 IntegratorDescription integrator_from_name(std::string_view name, const IntegratorDescription& base) {
   const NamedIntegrator* named = find_integrator(name);
   if (named == nullptr)
-    throw Error(ExitCode::kUsage,
-                "unknown integrator '" + std::string(name) + "'" + did_you_mean(name, integrator_names()));
+    throw Error(ExitCode::kUsage, "unknown integrator '" + std::string(name) + "'" +
+                                      did_you_mean(name, integrator_names()) + known_names(integrator_names()));
   IntegratorDescription integrator = base;
   apply(*named, integrator);
   return integrator;

@@ -35,7 +35,7 @@ void apply(const NamedIntegrator& named, IntegratorDescription& integrator);
 /// `base` with kind, strategy and, where the name fixes them, depth and candidates as `name` says: path, path_mis,
 /// path_mats, path_ems, path_ris, direct, direct_mis, direct_mats, direct_ems, direct_ris, whitted, ptracer,
 /// photonmapper, ppm, sppm, normals, depth, names of path with `vol` or `medium` in them, and Mitsuba's integrators of
-/// the same expectation. Throws Error (usage) for an unknown name, with the nearest known one.
+/// the same expectation. Throws Error (usage) for an unknown name, with the nearest known one and all others.
 IntegratorDescription integrator_from_name(std::string_view name, const IntegratorDescription& base);
 
 }  // namespace sheaf

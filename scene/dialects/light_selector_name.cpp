@@ -1,5 +1,7 @@
 #include "scene/dialects/light_selector_name.h"
 
+#include "scene/dialects/known_names.h"
+
 namespace sheaf {
 
 namespace {
@@ -33,8 +35,8 @@ const char* light_selector_name(LightSelector selector) {
 
 LightSelector light_selector_from_name(std::string_view name) {
   if (const auto selector = find_light_selector(name)) return *selector;
-  throw Error(ExitCode::kUsage,
-              "unknown light sampler '" + std::string(name) + "'" + did_you_mean(name, light_selector_names()));
+  throw Error(ExitCode::kUsage, "unknown light sampler '" + std::string(name) + "'" +
+                                    did_you_mean(name, light_selector_names()) + known_names(light_selector_names()));
 }
 
 void read_light_sampling(Properties& p, IntegratorDescription& integrator) {
@@ -43,7 +45,8 @@ void read_light_sampling(Properties& p, IntegratorDescription& integrator) {
   if (!name) return;
   const auto selector = find_light_selector(*name);
   if (!selector)
-    p.fail_at("light_sampler", "is '" + *name + "'" + did_you_mean(*name, light_selector_names()));
+    p.fail_at("light_sampler",
+              "is '" + *name + "'" + did_you_mean(*name, light_selector_names()) + known_names(light_selector_names()));
   integrator.light_selector = *selector;
 }
 

@@ -17,7 +17,7 @@ std::vector<std::string> light_selector_names();
 /// The name of a selector.
 const char* light_selector_name(LightSelector selector);
 
-/// The selector of this name. Throws Error (usage) for an unknown one, with the nearest known one.
+/// The selector of this name. Throws Error (usage) for an unknown one, with the nearest known one and all others.
 LightSelector light_selector_from_name(std::string_view name);
 
 /// Reads `light_sampler` (a name) and `candidates` (lights per vertex, of which resampling keeps one). Throws

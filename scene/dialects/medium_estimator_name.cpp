@@ -1,5 +1,7 @@
 #include "scene/dialects/medium_estimator_name.h"
 
+#include "scene/dialects/known_names.h"
+
 namespace sheaf {
 
 namespace {
@@ -35,8 +37,9 @@ const char* medium_estimator_name(MediumEstimator estimator) {
 
 MediumEstimator medium_estimator_from_name(std::string_view name) {
   if (const auto estimator = find_medium_estimator(name)) return *estimator;
-  throw Error(ExitCode::kUsage,
-              "unknown medium estimator '" + std::string(name) + "'" + did_you_mean(name, medium_estimator_names()));
+  throw Error(ExitCode::kUsage, "unknown medium estimator '" + std::string(name) + "'" +
+                                    did_you_mean(name, medium_estimator_names()) +
+                                    known_names(medium_estimator_names()));
 }
 
 void read_medium_estimation(Properties& p, IntegratorDescription& integrator) {

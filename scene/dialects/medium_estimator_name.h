@@ -17,7 +17,7 @@ std::vector<std::string> medium_estimator_names();
 /// The name of an estimator.
 const char* medium_estimator_name(MediumEstimator estimator);
 
-/// The estimator of this name. Throws Error (usage) for an unknown one, with the nearest known one.
+/// The estimator of this name. Throws Error (usage) for an unknown one, with the nearest known one and all others.
 MediumEstimator medium_estimator_from_name(std::string_view name);
 
 /// Reads `medium_estimator` (a name) and `step_size` (metres, positive). Throws SceneError.

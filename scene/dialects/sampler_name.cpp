@@ -1,6 +1,7 @@
 #include "scene/dialects/sampler_name.h"
 
 #include "core/error.h"
+#include "scene/dialects/known_names.h"
 
 namespace sheaf {
 
@@ -38,7 +39,8 @@ const char* sampler_name(SamplerKind kind) {
 SamplerKind sampler_from_name(std::string_view name) {
   const NamedSampler* named = find_sampler(name);
   if (named == nullptr)
-    throw Error(ExitCode::kUsage, "unknown sampler '" + std::string(name) + "'" + did_you_mean(name, sampler_names()));
+    throw Error(ExitCode::kUsage, "unknown sampler '" + std::string(name) + "'" + did_you_mean(name, sampler_names()) +
+                                      known_names(sampler_names()));
   return named->kind;
 }
 

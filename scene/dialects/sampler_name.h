@@ -26,7 +26,7 @@ std::vector<std::string> sampler_names();
 const char* sampler_name(SamplerKind kind);
 
 /// The kind that `name` stands for: independent, stratified, multijitter, sobol, zsobol, and Mitsuba's other samplers,
-/// for which sobol stands in. Throws Error (usage) for an unknown name, with the nearest known one.
+/// for which sobol stands in. Throws Error (usage) for an unknown name, with the nearest known one and all others.
 SamplerKind sampler_from_name(std::string_view name);
 
 /// The kind with which to render a scene whose file names `named`, unless the user asks for it. Exporters write

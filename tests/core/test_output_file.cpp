@@ -9,8 +9,13 @@
 
 #include <doctest/doctest.h>
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <functional>
 
@@ -104,4 +109,59 @@ TEST_CASE("output file: names that mean the same file") {
   CHECK(is_same_file("not_there_at_all", std::filesystem::current_path() / "not_there_at_all"));
   CHECK_FALSE(is_same_file(folder / "real/not_there", folder / "not_there"));
   CHECK_FALSE(is_same_file(folder / "real", folder / "real/there"));
+}
+
+TEST_CASE("what killed writers have left is removed, and nothing else") {
+  const TemporaryFolder folder;
+  const std::filesystem::path target = folder / "out.exr";
+  const auto aged = [&](const std::string& name, int seconds) {
+    write_bytes(folder / name, "half");
+    std::filesystem::last_write_time(folder / name,
+                                     std::filesystem::file_time_type::clock::now() - std::chrono::seconds(seconds));
+  };
+  // A process that ended: this one's child.
+  const pid_t child = fork();
+  if (child == 0) _exit(0);
+  waitpid(child, nullptr, 0);
+  const std::string gone = std::to_string(child), own = std::to_string(getpid());
+  const std::string left = ".out.exr." + gone + ".0.tmp";
+  const std::vector<std::string> kept = {".out.exr." + gone + ".1.tmp",  // locked, see below
+                                         ".out.exr." + gone + ".2.tmp",  // young
+                                         ".out.exr." + own + ".77.tmp",  // its process runs
+                                         ".out.png." + gone + ".0.tmp",  // of another file
+                                         ".out.exr." + gone + ".tmp",   ".out.exr." + gone + ".x.tmp",
+                                         ".out.exr.-1.0.tmp",           ".out.exr.0.0.tmp",
+                                         "out.exr." + gone + ".0.tmp",  ".out.exr." + gone + ".0.tmp.bak"};
+  aged(left, 60);
+  for (const std::string& name : kept) aged(name, name == kept[1] ? 0 : 60);
+  std::filesystem::create_directory(folder / (".out.exr." + gone + ".3.tmp"));
+  std::filesystem::create_symlink("no", folder / (".out.exr." + gone + ".4.tmp"));
+  const int lock = open((folder / kept[0]).c_str(), O_RDONLY | O_CLOEXEC);
+  REQUIRE(flock(lock, LOCK_EX | LOCK_NB) == 0);
+  check_writable(target);
+  CHECK_FALSE(std::filesystem::exists(folder / left));
+  for (const std::string& name : kept) {
+    CAPTURE(name);
+    CHECK(std::filesystem::exists(folder / name));
+  }
+  CHECK(folder.entry_count() == kept.size() + 2);
+  close(lock);
+  check_writable(target);
+  CHECK_FALSE(std::filesystem::exists(folder / kept[0]));
+}
+
+TEST_CASE("a file that is being written is locked, until it is there") {
+  const TemporaryFolder folder;
+  const auto is_locked = [](const std::filesystem::path& path) {
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const bool locked = flock(file, LOCK_EX | LOCK_NB) != 0;
+    close(file);
+    return locked;
+  };
+  {
+    OutputFile file(folder / "out.txt");
+    CHECK(is_locked(std::filesystem::directory_iterator(folder.path())->path()));
+    file.commit();
+  }
+  CHECK_FALSE(is_locked(folder / "out.txt"));
 }

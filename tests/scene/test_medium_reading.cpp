@@ -352,7 +352,9 @@ TEST_CASE("media: integrators that name them, and how they are estimated") {
     }
     CHECK(medium_estimator_name(medium_estimator_from_name(name)) == name);
   }
-  CHECK_THROWS_WITH_AS(medium_estimator_from_name("deltas"), "unknown medium estimator 'deltas', did you mean 'delta'?",
+  CHECK_THROWS_WITH_AS(medium_estimator_from_name("deltas"),
+                       "unknown medium estimator 'deltas', did you mean 'delta'? (known: null_mis, delta, ratio, "
+                       "marching)",
                        Error);
   CHECK(contains(error_of_volumes(nori_scene("", integrator("path", "rati"))),
                  "expected null_mis, delta, ratio or marching, did you mean 'ratio'?"));

@@ -56,6 +56,7 @@ SCRIPTS = {
     "tools/fit_rgb_basis.py": ["--step", "20"],
     "tools/fit_wavelengths.py": ["--colours", "2", "--iterations", "1"],
     "tools/make_cloudy_sky.py": ["{out}/sky.hdr", "--width", "64"],
+    "tools/make_manual.py": ["--sheaf", "{build}/sheaf", "--output", "{out}/manual"],
     "tools/plot_samplers.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-spp", "4",
                                "--output", "{out}/samplers.png"],
     "tools/plot_progressive.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-passes",
@@ -80,6 +81,8 @@ PROGRAMS = {
 # What isn't run here, and why.
 EXEMPT = {
     "tools/check_debian13.sh": "needs root, debootstrap and a mirror",
+    "tools/debian_root.sh": "functions, which other scripts use",
+    "tools/make_package.sh": "builds twice; tests/package/check_package.sh tests what comes of it",
     "tools/install_packages.sh": "needs root; .ci/run runs it by way of the two below",
     "tools/quickstart.sh": "builds; .ci/run runs it",
     "tools/slurm.sh": "needs root and Slurm; the test slurm runs it",

@@ -37,6 +37,12 @@ TEST_CASE("version and help") {
   const Outcome version = run(folder, "--version");
   CHECK(version.code == 0);
   CHECK(contains(version.out, "sheaf "));
+  // And the instruction set, as pictures tell it.
+  write_bytes(folder / "scene.xml", kScene);
+  REQUIRE(run(folder, "render scene.xml --quiet -o out.exr").code == 0);
+  for (const auto& attribute : read_exr_attributes(folder / "out.exr"))
+    if (attribute.name == "sheaf/isa")
+      CHECK(contains(version.out, " " + std::get<std::string>(attribute.value) + "\n"));
   const Outcome help = run(folder, "render --help");
   CHECK(help.code == 0);
   CHECK(contains(run(folder, "--help").out, "129, 130, 143"));
@@ -71,6 +77,11 @@ TEST_CASE("what is not known is told with what may have been meant") {
         {"render scene.xml --sp 4", "unknown option '--sp', did you mean '--spp'?"},
         {"render scene.xml other.xml", "unexpected argument 'other.xml'"},
         {"render scene.xml --step-size nan", "'nan' is not a finite number"},
+        {"render scene.xml --scale -1", "--scale: '-1' is not a number above 0"},
+        {"render scene.xml --sampler foo", "(known: independent, stratified, multijitter, sobol, zsobol, "},
+        {"render scene.xml --light-sampler foo", "(known: uniform, power, bvh)"},
+        {"render scene.xml --integrator foo", "direct_ris, "},
+        {"render scene.xml --seed -1", "--seed: Value -1 not in range 0 to 4294967295"},
         {"render scene.xml --scale inf", "'inf' is not a finite number"}}) {
     const Outcome outcome = run(folder, arguments);
     CHECK(outcome.code == 2);

@@ -1,0 +1,71 @@
+# What is installed, and the Debian package that is made of it; see tools/make_package.sh.
+
+set(SHEAF_PACKAGED_BUILDS "" CACHE STRING
+  "Folders with a built program each, named after its -march: installed in place of this one, with a launcher that \
+chooses")
+
+# sheaf_install(): the program, its manual pages and completion, both made from its help, documentation, and the example
+# scenes beside the scripts that make the larger ones, laid out as in this repository.
+function(sheaf_install)
+  include(GNUInstallDirs)
+  if(SHEAF_PACKAGED_BUILDS)
+    add_executable(sheaf_launcher EXCLUDE_FROM_ALL tools/launch.cpp)
+    target_compile_options(sheaf_launcher PRIVATE -Wall -Wextra -Wshadow -Werror)
+    install(PROGRAMS "$<TARGET_FILE:sheaf_launcher>" DESTINATION bin RENAME sheaf)
+    foreach(build IN LISTS SHEAF_PACKAGED_BUILDS)
+      cmake_path(GET build FILENAME level)
+      install(PROGRAMS "${build}/sheaf" DESTINATION lib/sheaf/${level})
+    endforeach()
+  else()
+    install(TARGETS sheaf RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  endif()
+
+  find_program(SHEAF_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Python with Debian's packages")
+  find_program(SHEAF_PYTHON NAMES python3)
+  if(SHEAF_PYTHON)
+    set(manual "${PROJECT_BINARY_DIR}/manual")
+    add_custom_command(OUTPUT "${manual}/sheaf.bash" DEPENDS sheaf "${PROJECT_SOURCE_DIR}/tools/make_manual.py"
+      COMMAND "${SHEAF_PYTHON}" "${PROJECT_SOURCE_DIR}/tools/make_manual.py" --sheaf "$<TARGET_FILE:sheaf>"
+        --output "${manual}"
+      COMMENT "Writing manual pages and completion" VERBATIM)
+    # Not where running the program tells of leaks in libraries.
+    set(always "")
+    if(CMAKE_BUILD_TYPE MATCHES "^Rel")
+      set(always ALL)
+    endif()
+    add_custom_target(sheaf_manual ${always} DEPENDS "${manual}/sheaf.bash")
+    install(DIRECTORY "${manual}/" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" FILES_MATCHING PATTERN "*.1")
+    install(FILES "${manual}/sheaf.bash" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions"
+      RENAME sheaf OPTIONAL)
+  else()
+    message(STATUS "No python3: neither manual pages nor completion are made")
+  endif()
+
+  set(documentation "${CMAKE_INSTALL_DATADIR}/doc/sheaf")
+  install(FILES LICENSE DESTINATION "${documentation}" RENAME copyright)
+  install(FILES README.md DESTINATION "${documentation}")
+  install(DIRECTORY docs DESTINATION "${documentation}")
+  set(examples "${CMAKE_INSTALL_DATADIR}/sheaf")
+  install(DIRECTORY scenes DESTINATION "${examples}" PATTERN generated EXCLUDE)
+  file(GLOB makers CONFIGURE_DEPENDS tools/make_*.py)
+  list(FILTER makers EXCLUDE REGEX make_manual)
+  install(PROGRAMS ${makers} tools/scene_text.py DESTINATION "${examples}/tools")
+
+  set(CPACK_GENERATOR DEB)
+  set(CPACK_PACKAGE_NAME sheaf)
+  set(CPACK_PACKAGE_VENDOR "The authors of Sheaf")
+  set(CPACK_PACKAGE_CONTACT "The authors of Sheaf <sheaf@localhost>")
+  set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "physically based renderer for scenes of Mitsuba, Nori and pbrt")
+  set(CPACK_PACKAGE_DESCRIPTION "Sheaf is a data-oriented wavefront path tracer for the CPU. It renders scenes and \
+models to OpenEXR and PNG pictures, on the command line.
+The package holds the program for processors with AVX2 and once more for those with AVX-512; which one is used is \
+chosen when it starts.")
+  set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+  set(CPACK_STRIP_FILES ON)
+  set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PACKAGE_SUGGESTS "bash-completion, python3")
+  set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+  set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+  include(CPack)
+endfunction()

@@ -1,0 +1,16 @@
+// What error messages tell of names that are known.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace sheaf {
+
+/// " (known: a, b, c)".
+inline std::string known_names(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? " (known: " : ", ") + name;
+  return text + ")";
+}
+
+}  // namespace sheaf

@@ -1,0 +1,51 @@
+// The program `sheaf` of a package: starts the build of the whole program that suits the processor. Compiled for any
+// processor of the architecture, so that it can say what is missing.
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <string>
+
+namespace {
+
+/// A build, by the level of instructions that it needs; see the psABI of x86-64.
+struct Build {
+  const char* level;
+  bool runs;  ///< on this processor
+};
+
+int fail(const std::string& message) {
+  std::fprintf(stderr, "sheaf: %s\n", message.c_str());
+  return 1;
+}
+
+}  // namespace
+
+int main(int, char** argv) {
+  namespace fs = std::filesystem;
+  __builtin_cpu_init();
+  const std::array<Build, 2> builds{{{"x86-64-v4", __builtin_cpu_supports("x86-64-v4") != 0},
+                                     {"x86-64-v3", __builtin_cpu_supports("x86-64-v3") != 0}}};
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  if (error) return fail("cannot tell where the program lies: " + error.message());
+  const char* const wanted = std::getenv("SHEAF_ISA");
+  bool known = false;
+  for (const Build& build : builds) {
+    if (wanted != nullptr && *wanted != '\0' && std::strcmp(wanted, build.level) != 0) continue;
+    known = true;
+    if (!build.runs) continue;
+    const fs::path program = self.parent_path().parent_path() / "lib" / "sheaf" / build.level / "sheaf";
+    execv(program.c_str(), argv);
+    return fail("cannot start '" + program.string() + "': " + std::strerror(errno));
+  }
+  if (!known) return fail("SHEAF_ISA is '" + std::string(wanted) + "': expected x86-64-v4, x86-64-v3 or nothing");
+  return fail(wanted != nullptr && *wanted != '\0'
+                  ? "this processor has not all instructions of " + std::string(wanted) + ", which SHEAF_ISA asks for"
+                  : "this processor is older than the package can use: it needs the instructions of x86-64-v3 (AVX2, "
+                    "FMA, BMI; about 2013). Built from its source Sheaf runs on older ones");
+}
