@@ -89,20 +89,22 @@ template <class L> SHEAF_INLINE LightNode<L> broadcast(const LightNodeRow& row) 
 
 /// Bounds of cosines instead of the largest ones: for a sphere of radius r around a point at distance D, under an angle
 /// i, no direction to it has a larger cosine than cos i + r / D, as cos(i - b) <= cos i + sin b; and the same with the
-/// cone of normals at the other end. All is times D here, which takes one square root.
+/// cone of normals at the other end, where the sine of the angle w from its axis is at most 1 - (cos w)^2 / 2. All is
+/// times D here, which takes one square root.
 template <class L> SHEAF_INLINE Importance<L> importance(const LightNode<L>& node, const Receiver<L>& at) {
   using F = Float<L>;
   using U = Uint<L>;
   const Vec3<L> d = node.center - at.p;
   const F squared = clamp(dot(d, d), F(kNearSquared), F(kFarSquared)), distance = sqrt(squared);
+  // Brings the distance near 1. Powers of the distance itself might not be finite.
+  const F scale = reciprocal_power_of_two<L>(distance);
   // At the light; two sides have two axes.
   const U keep_sign = U(0xffffffffu) ^ ((node.link & U(kLightTwoSided)) << 1);
   const F cos_w = bits_float(float_bits(-dot(node.tilt, d)) & keep_sign);
-  const F cos_light = fma(node.spread, distance, cos_w) + node.radius;
+  const F sin_w = fma(cos_w * cos_w, scale * F(-0.25f), distance);
+  const F cos_light = fma(node.spread, sin_w, cos_w) + node.radius;
   // At the receiver, on the side of its normal where the light is.
   const F cos_receiver = fma(at.all_sides, distance, abs(dot(at.n, d))) + node.radius;
-  // Powers of the distance itself might not be finite.
-  const F scale = reciprocal_power_of_two<L>(distance);
   const F one = distance * scale, least = one * F(kLeastCosine);
   const F weight = node.share * clamp(cos_light * scale, least, one) * clamp(cos_receiver * scale, least, one);
   return {select(cos_light > node.cos_theta_e * distance, weight, F(0.0f)),

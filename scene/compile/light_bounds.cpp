@@ -19,9 +19,11 @@ LightBounds point_light_bounds(Vec3f position, float intensity) {
 LightBounds spot_light_bounds(Vec3f position, Vec3f axis, float cos_total, float intensity) {
   LightBounds out = point_light_bounds(position, intensity);
   out.axis = axis;
-  // The light does not fade with the angle from a normal: the cone of "normals" is the cone of light.
-  out.cos_theta_o = cos_total;
-  out.cos_theta_e = 1;
+  // As if it shone from the axis alone, and from a cone around it as far as the light reaches behind: the light does
+  // not fade with the angle, but where it ends is told exactly up to a right angle.
+  const double angle = std::acos(std::clamp(double(cos_total), -1.0, 1.0)), right = 0.5 * double(kPi);
+  out.cos_theta_o = static_cast<float>(std::cos(std::max(angle - right, 0.0)));
+  out.cos_theta_e = static_cast<float>(std::cos(std::min(angle, right)));
   return out;
 }
 

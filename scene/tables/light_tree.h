@@ -19,7 +19,7 @@ namespace sheaf {
 struct LightBounds {
   Vec3f lower{}, upper{};       ///< box around the light; world space, metres
   Vec3f axis{0, 0, 1};          ///< of the cone of normals; unit length
-  float cos_theta_o = -1;       ///< half angle of that cone, in [0, pi]; for a spot: of its cone of light
+  float cos_theta_o = -1;       ///< half angle of that cone, in [0, pi]
   float cos_theta_e = 0;        ///< how far from a normal the light still shines: half angle in [0, pi/2]
   /// pi times the radiant intensity (W / sr) in the brightest direction, averaged over R, G and B: so a flat emitter's
   /// power in W, a quarter of that of a point light, and comparable among all kinds of light. 0: never chosen.
