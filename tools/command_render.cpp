@@ -14,13 +14,12 @@
 #include "scene/dialects/read_scene.h"
 #include "scene/dialects/sampler_name.h"
 #include "scene/xml/xml.h"
-#include "tools/checkpointing.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
 #include "tools/parts.h"
 #include "tools/picture_files.h"
 #include "tools/preview.h"
-#include "tools/read_options.h"
+#include "tools/render_arguments.h"
 #include "tools/render_plan.h"
 
 #include <fmt/chrono.h>
@@ -43,25 +42,6 @@ namespace {
 
 /// From how many samples per pixel on they are cut into four sets for a denoiser, below into two.
 constexpr std::uint32_t kDenoisedSamples = 16;
-
-/// The options as given.
-struct RenderArguments {
-  std::string scene;
-  std::vector<std::string> outputs;
-  std::optional<std::uint32_t> spp, seed;
-  std::optional<int> max_depth, rr_depth, candidates;
-  std::vector<int> crop;  ///< empty or x0, y0, x1, y1
-  std::string color = "rgb", integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size, aovs,
-              denoiser, samples;
-  std::optional<float> scale, noise_target, time_limit;
-  std::optional<float> step_size;
-  int threads = 0, wave_size = 0, spectral_bins = 0, replicates = 0;
-  bool no_timestamps = false, quiet = false, watertight = false, guiding = false, light_groups = false,
-       full_floats = false;
-  CheckpointArguments checkpoint;
-  PreviewArguments preview;
-  ReadArguments read;
-};
 
 /// Throws Error (exit code 2) if two of the files to write are one, or one of them is among `sources`, of which the
 /// scene is made.
@@ -419,154 +399,12 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
 }
 
-/// What to read and what to write, and how finely.
-void add_picture_options(Command& command, RenderArguments& arguments) {
-  command.add_option("scene", arguments.scene, "Scene file").required();
-  command.add_option("-o,--output", arguments.outputs,
-                     "Picture to write, .exr (linear floats, all layers) or .png (8 bits, sRGB); may be repeated. "
-                     "Default: the scene's name with .exr, in the current folder");
-  command
-      .add_option(
-          "--denoise", arguments.denoiser,
-          "Take the noise out of the finished picture, into the layers denoised.R/G/B of .exr and into .png: nlm "
-          "(non-local means) or oidn (Open Image Denoise, if it is installed). Makes --filter-mode importance "
-          "the default, and with nlm --replicates 4, 2 below 16 samples per pixel")
-      .one_of({"nlm", "oidn"});
-  command.add_flag("--watertight", arguments.watertight,
-                   "Let no ray slip between triangles that share an edge; slower by up to a third in small scenes");
-  command.add_option("--spp", arguments.spp, "Samples per pixel. Default: the scene's").in_range(1u, 1u << 24);
-  command
-      .add_option("--noise-target", arguments.noise_target,
-                  "Take samples, tile by tile, until the standard error of a tile's pixels is this share of their "
-                  "values (0.01: one per cent), or there are --spp of them (then 65536 by default). For paths from "
-                  "the camera, with the samplers sobol and independent")
-      .positive();
-  command
-      .add_option("--time-limit", arguments.time_limit,
-                  "Begin no more samples after this many seconds of rendering, once there is a picture: with "
-                  "--noise-target or up to --spp")
-      .positive();
-  command.add_option("--seed", arguments.seed, "Seed of the random numbers. Default: the scene's")
-      .in_range(0u, std::numeric_limits<std::uint32_t>::max());
-  command.add_option("--threads", arguments.threads, "Worker threads. Default: 0, one for each logical core")
-      .in_range(0, 4096);
-  command.add_option("--color", arguments.color, "Colour mode: rgb (default), or spectral: four wavelengths per path")
-      .one_of({"rgb", "spectral"});
-  command
-      .add_option("--spectral-bins", arguments.spectral_bins,
-                  "Also write the spectrum of each pixel to .exr, in this many equal bins from 360 to 830 nm: "
-                  "layers S0.<wavelength>nm. Needs --color spectral")
-      .in_range(1, kMaxSpectralBins);
-}
-
-/// Which layers there are besides the colours.
-void add_layer_options(Command& command, RenderArguments& arguments) {
-  std::string names;
-  for (const AovEntry& entry : kAovList) names += std::string(entry.name) + ", ";
-  command.add_option("--aov", arguments.aovs,
-                     "Further layers of .exr files, with commas between: " + names + "or all; see docs/layers.md");
-  command.add_flag("--light-groups", arguments.light_groups,
-                   "Write the light of each of the scene's lights to a layer of its own, light_<id of the light>");
-  command.add_flag("--float", arguments.full_floats,
-                   "Store all layers with 32 bits, also those whose values are small enough for 16");
-}
-
-/// How light is followed.
-void add_transport_options(Command& command, RenderArguments& arguments) {
-  command.add_option("--integrator", arguments.integrator,
-                     "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "
-                     "path_ris, ptracer, photonmapper, sppm, normals, depth. Default: the scene's");
-  command.add_option("--sampler", arguments.sampler,
-                     "How samples are spread: sobol (Owen-scrambled), zsobol (over pixels too; rounds --spp up to a "
-                     "power of two), independent, stratified, multijitter (these two round it up to a grid). Default: "
-                     "the scene's, but sobol for independent");
-  command
-      .add_option("--filter-mode", arguments.filter_mode,
-                  "How samples come under the reconstruction filter: weighted (default): each counts in every pixel "
-                  "that the filter reaches; importance: each is placed by the filter and counts in one pixel, which "
-                  "leaves more noise, but noise that differs from pixel to pixel")
-      .one_of({"weighted", "importance"});
-  command
-      .add_option("--replicates", arguments.replicates,
-                  "Cut the samples into this many sets that are independent of each other, from whose spread the "
-                  "layers variance.R/G/B are made: 4 to 16 tell it well, and cost some of the evenness of the samples. "
-                  "Default: 8 with the sampler independent; else 1 (no such layers) below 32 samples per pixel, 2 below "
-                  "128, 4 below 512, then 8")
-      .in_range(1, 1024);
-  command.add_option("--light-sampler", arguments.light_sampler,
-                     "How the light that a surface looks to is chosen: bvh (by what it may bring there), power, "
-                     "uniform. Default: the scene's, else bvh");
-  command
-      .add_option("--candidates", arguments.candidates,
-                  "Lights sampled per vertex, of which resampling keeps one for a shadow ray. Default: the "
-                  "scene's, else 1; 8 for path_ris")
-      .in_range(1, kMaxCandidates);
-  command.add_flag(
-      "--guiding", arguments.guiding,
-      "Learn where light comes from in passes before the picture, and send paths there. Helps where light "
-      "is hard to find, as through a gap; the whole frame is learned, whatever --crop. For path, direct and "
-      "the other integrators of paths from the camera");
-  command.add_option("--medium-estimator", arguments.medium_estimator,
-                     "How light in media is tracked: null_mis (by all wavelengths), delta, ratio (by one wavelength), "
-                     "marching (equal steps; biased). Default: the scene's, else null_mis");
-  command
-      .add_option("--step-size", arguments.step_size,
-                  "Metres per step of marching. Default: the scene's, else a hundredth of the medium's diagonal")
-      .positive();
-  command
-      .add_option("--max-depth", arguments.max_depth,
-                  "Longest path in segments: -1 unlimited, 1 emission only, 2 direct light. Default: the scene's")
-      .in_range(-1, 1'000'000);
-  command
-      .add_option("--rr-depth", arguments.rr_depth,
-                  "Depth from which on Russian roulette ends paths that carry little. Default: the scene's, else 2; 5 "
-                  "in scenes with media, and for ptracer and photonmapper")
-      .in_range(1, 1'000'000);
-}
-
-/// What part of the scene is rendered, and how the run goes.
-void add_run_options(Command& command, RenderArguments& arguments) {
-  command
-      .add_option("--crop", arguments.crop,
-                  "Part of the frame to render, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the scene's")
-      .list(',', 4);
-  command.add_option(
-      "--samples", arguments.samples,
-      "Of the samples per pixel those to render, FIRST:COUNT (counted from 0), for 'sheaf merge' to join "
-      "with the others. They begin and end where sets of samples do (--replicates). Default: all");
-  command.add_option("--size", arguments.size, "Size of the frame in pixels, WxH. Default: the scene's");
-  command
-      .add_option("--scale", arguments.scale,
-                  "Factor on the frame's width and height, e.g. 0.25 for a first look. Default: 1")
-      .positive();
-  add_read_options(command, arguments.read);
-  command.add_option("--stats", arguments.stats, "Write times and counters to this file, as JSON");
-  command
-      .add_option("--wave-size", arguments.wave_size,
-                  "Paths in flight per worker; changes speed, not results. Default: 0, from the L2 cache's size")
-      .in_range(0, kMaxWaveSize);
-  command.add_flag("--no-timestamps", arguments.no_timestamps, "Leave the date out of the files: same bytes each time");
-  command.add_flag("--quiet", arguments.quiet, "Print nothing but errors");
-}
-
-/// The command, without what it is to do.
-Command make_command(Command& program, RenderArguments& arguments) {
-  Command command = program.add_command("render", "Render a scene file (Mitsuba or Nori XML) to pictures.");
-  add_picture_options(command, arguments);
-  add_layer_options(command, arguments);
-  add_transport_options(command, arguments);
-  add_run_options(command, arguments);
-  add_checkpoint_options(command, arguments.checkpoint);
-  add_preview_options(command, arguments.preview);
-  return command;
-}
-
 }  // namespace
 
 RenderPlan plan_render(const std::vector<std::string>& words) {
   Program program("sheaf", "");
   RenderArguments arguments;
-  Command command = make_command(program, arguments);
+  Command command = add_render_options(program, arguments);
   RenderPlan plan;
   command.on_call([&] {
     for (const auto& [name, value] : command.given()) plan.given.push_back(name);
@@ -600,7 +438,7 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
 
 void add_render_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();
-  Command command = make_command(program, *arguments);
+  Command command = add_render_options(program, *arguments);
   command.on_call([arguments, command, &exit_code] { exit_code = render_scene(*arguments, command.given()); });
 }
 

@@ -5,6 +5,7 @@
 #include "kernels/passes/passes.h"
 #include "kernels/passes/photon_mapping.h"
 #include "kernels/passes/render_report.h"
+#include "kernels/passes/sample_plan.h"
 #include "kernels/passes/tiles.h"
 #include "kernels/passes/train_guiding.h"
 #include "kernels/passes/worker.h"
@@ -31,24 +32,8 @@ constexpr std::uint32_t kPassSamples = 256;
 constexpr int kAdaptiveSide = 32;
 constexpr std::uint32_t kUnitSamples = 16;
 
-/// Replicates where they cost nothing.
-constexpr std::uint32_t kFreeReplicates = 8;
-
-/// Most samples per pixel that gather rays may make.
-constexpr std::uint32_t kMostSamples = 1 << 24;
 /// Photons per task, and tasks whose splats are kept until they are added to the film.
 constexpr int kTaskPhotons = 16384, kRoundTasks = 64;
-
-PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
-  const FilmDescription& film = scene.film();
-  const PixelRect whole{0, 0, film.width, film.height};
-  const PixelRect crop = options.crop ? *options.crop : film.crop ? *film.crop : whole;
-  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.width() <= 0 ||
-      crop.height() <= 0)
-    throw Error(ExitCode::kUsage, "crop must be a rectangle inside the frame of " + std::to_string(film.width) + " x " +
-                                      std::to_string(film.height) + " pixels");
-  return crop;
-}
 
 /// Adds a finished task's samples to its tile, every pixel's in order.
 void reduce(const CameraTask& task, FilmTile& tile) {
@@ -57,23 +42,6 @@ void reduce(const CameraTask& task, FilmTile& tile) {
     const int x = task.frame().x(p.pixel), y = task.frame().y(p.pixel);
     for (std::uint32_t i = 0; i < p.sample_count; ++i, ++sample) tile.add(x, y, task.samples, sample);
   }
-}
-
-void check_spectral_bins(const Scene& scene, int bins) {
-  if (bins == 0) return;
-  if (bins < 0 || bins > kMaxSpectralBins)
-    throw Error(ExitCode::kUsage, "spectral bins must be from 1 to " + std::to_string(kMaxSpectralBins));
-  if (scene.color() != ColorMode::kSpectral || scene.integrator().kind != IntegratorKind::kPath)
-    throw Error(ExitCode::kUsage,
-                "spectral bins need spectral mode and an integrator that follows light from the camera");
-}
-
-/// Samples per pixel unless told otherwise.
-std::uint32_t default_samples(const Scene& scene) {
-  const IntegratorDescription& integrator = scene.integrator();
-  const bool passes = integrator.kind == IntegratorKind::kPhotonMapper && integrator.photons.progressive;
-  if (passes && integrator.photons.max_passes > 0) return static_cast<std::uint32_t>(integrator.photons.max_passes);
-  return scene.sampler().sample_count;
 }
 
 void check_guiding(const IntegratorDescription& integrator) {
@@ -101,41 +69,30 @@ class Renderer {
         context_(context_of(scene, options)),
         needs_(WaveNeeds::of(context_)),
         options_(options),
-        spp_(rounded_sample_count(scene.sampler().kind, options.samples_per_pixel.value_or(default_samples(scene)))),
+        plan_(make_sample_plan(scene, options, context_.transport)),
         threads_(options.threads > 0 ? options.threads
                                      : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
         wave_size_(options.wave_size > 0 ? options.wave_size : Wave::default_capacity(needs_)) {
-    const bool maps_photons = context_.transport.kind == IntegratorKind::kPhotonMapper;
-    if (maps_photons) {
-      const PhotonMappingDescription& mapping = context_.transport.photons;
-      const auto rays =
-          static_cast<std::uint32_t>(mapping.gathering == PhotonGathering::kFinal ? mapping.gather_rays : 1);
-      if (spp_ > kMostSamples / rays)
-        throw Error(ExitCode::kUsage,
-                    "samples per pixel times gather rays must be at most " + std::to_string(kMostSamples));
-      spp_ *= rays;
-      rays_ = rays;
-    }
-    if (spp_ == 0) throw Error(ExitCode::kUsage, "samples per pixel must be at least 1");
     if (wave_size_ > kMaxWaveSize)
       throw Error(ExitCode::kUsage, "wave size must be at most " + std::to_string(kMaxWaveSize));
-    const PixelRect crop = checked_crop(scene, options);
-    check_spectral_bins(scene, options.spectral_bins);
-    set_film(scene, crop);
-    set_adaptive(scene);
-    set_range();
+    state_.film = plan_.make_film(scene, options);
+    state_.first_sample = plan_.range.first;
+    if (!plan_.light_groups.empty())
+      for (const std::uint32_t light : scene.names().light_of_row)
+        group_of_light_.push_back(static_cast<std::uint16_t>(light));
+    set_adaptive();
     context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed),
-                                    replicate_samples_, static_cast<std::uint32_t>(frame_.row_length()));
-    total_ = wanted_.area() * range_.count;
+                                    plan_.replicate_samples, static_cast<std::uint32_t>(plan_.frame.row_length()));
+    total_ = plan_.wanted.area() * plan_.range.count;
     context_.guide = guide_.view();
-    if (options.guiding) training_passes_ = training_passes(state_.film.width(), state_.film.height(), spp_);
+    if (options.guiding) training_passes_ = training_passes(state_.film.width(), state_.film.height(), plan_.spp);
     total_ += training_samples(state_.film.width(), state_.film.height(), training_passes_);
-    if (maps_photons) {
-      photon_mapping_.emplace(context_, spp_, std::max(state_.film.width(), state_.film.height()));
+    if (context_.transport.kind == IntegratorKind::kPhotonMapper) {
+      photon_mapping_.emplace(context_, plan_.spp, std::max(state_.film.width(), state_.film.height()));
       total_ += photon_mapping_->wanted();
     }
-    if (context_.transport.kind == IntegratorKind::kLightTracer) set_photons(scene, crop);
-    adaptive_before_ = total_ - wanted_.area() * range_.count;
+    if (context_.transport.kind == IntegratorKind::kLightTracer) set_photons(scene);
+    adaptive_before_ = total_ - plan_.wanted.area() * plan_.range.count;
     if (options.resume != nullptr) resume(*options.resume);
   }
 
@@ -144,12 +101,13 @@ class Renderer {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads_));
     tbb::task_arena arena(threads_);
     arena.execute([this] {
-      if (state_.first_sample < range_.end() && !training_passes_.empty()) train();
+      if (state_.first_sample < plan_.range.end() && !training_passes_.empty()) train();
       if (state_.adaptive)
         take_adaptive_samples();
       else
-        while (state_.first_sample < range_.end() && !stopped()) take_samples();
-      if (state_.first_sample == range_.end() && range_.end() < half_samples_) state_.film.end_first_half();
+        while (state_.first_sample < plan_.range.end() && !stopped()) take_samples();
+      if (state_.first_sample == plan_.range.end() && plan_.range.end() < plan_.half_samples)
+        state_.film.end_first_half();
       while (state_.photons < photons_ && !stopped()) {
         run_photons();
         if (pauses()) pause();
@@ -166,84 +124,22 @@ class Renderer {
 
  private:
   /// What photons there are to be, and where they are summed up.
-  void set_photons(const Scene& scene, const PixelRect& crop) {
+  void set_photons(const Scene& scene) {
     // As many as a picture of the whole frame has samples, so that a crop has the same.
     photons_ =
-        static_cast<std::uint64_t>(state_.film.width()) * static_cast<std::uint64_t>(state_.film.height()) * spp_;
+        static_cast<std::uint64_t>(state_.film.width()) * static_cast<std::uint64_t>(state_.film.height()) * plan_.spp;
     if (context_.transport.max_depth == 1 || context_.scene.light_count == 0) photons_ = 0;
     total_ += photons_;
-    state_.splats.emplace(crop, scene.film().filter);
-  }
-
-  /// What is sampled, in how many replicates, and where it is summed up.
-  void set_film(const Scene& scene, const PixelRect& crop) {
-    const FilmDescription& film = scene.film();
-    const FilterWeights* weights = context_.scene.filter_weights;
-    const int reach = weights != nullptr ? weights->reach() : 0;
-    frame_ = {film.width, film.sample_border ? reach : 0};
-    wanted_ = crop.grown(reach).intersection(PixelRect{0, 0, film.width, film.height}.grown(frame_.border));
-    const bool adapts = options_.noise_target > 0 || options_.time_limit > 0;
-    const bool independent = scene.sampler().kind == SamplerKind::kIndependent;
-    check_layers();
-    std::uint32_t replicates = options_.replicates > 0 ? static_cast<std::uint32_t>(options_.replicates)
-                                                       : default_replicates(scene.sampler().kind, spp_);
-    if (wants_halves()) replicates = std::max(replicates, 2u);
-    const bool by_samples = independent && reach == 0 && !adapts;
-    replicate_samples_ = by_samples ? spp_ : (spp_ + replicates - 1) / replicates;
-    const std::uint32_t made = (spp_ + replicate_samples_ - 1) / replicate_samples_;
-    half_samples_ = by_samples ? spp_ / 2 : made / 2 * replicate_samples_;
-    state_.film =
-        Film(film.width, film.height, crop,
-             film_layout(options_.aovs, by_samples || adapts || replicate_samples_ < spp_, group_lights(scene.names())),
-             options_.spectral_bins, by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate,
-             options_.aovs.contains(AovSource::kSurfaceId));
+    state_.splats.emplace(plan_.crop, scene.film().filter);
   }
 
   /// Begins the sums of an adaptive render, if it is one.
-  void set_adaptive(const Scene& scene) {
-    if (options_.noise_target <= 0 && options_.time_limit <= 0) return;
-    const SamplerKind kind = scene.sampler().kind;
-    if (kind != SamplerKind::kSobol && kind != SamplerKind::kIndependent)
-      throw Error(ExitCode::kUsage,
-                  "a noise target or a time limit needs a sampler that may be ended anywhere: sobol or independent");
-    if (context_.transport.kind != IntegratorKind::kPath)
-      throw Error(ExitCode::kUsage,
-                  "a noise target or a time limit needs an integrator that follows paths from the "
-                  "camera, such as path; " +
-                      integrator_name(context_.transport) + " is none");
-    if (spp_ < AdaptiveFilm::kSets)
-      throw Error(ExitCode::kUsage, "a noise target or a time limit needs four samples per pixel or more");
-    adaptive_tiles_ = make_tiles(wanted_, kAdaptiveSide);
+  void set_adaptive() {
+    if (!plan_.adapts) return;
+    adaptive_tiles_ = make_tiles(plan_.wanted, kAdaptiveSide);
     std::vector<PixelRect> squares;
     for (const Tile& tile : adaptive_tiles_) squares.push_back(tile.pixels);
-    const FilterWeights* weights = context_.scene.filter_weights;
-    state_.adaptive.emplace(state_.film, squares, weights != nullptr ? weights->reach() : 0,
-                            AdaptiveGoal{options_.noise_target, spp_});
-  }
-
-  /// Which samples are taken. Throws Error (usage) for those that cannot be taken alone.
-  void set_range() {
-    range_ = {0, spp_};
-    if (!options_.samples) return;
-    const auto fail = [](const std::string& text) { throw Error(ExitCode::kUsage, text); };
-    const SampleRange& asked = *options_.samples;
-    if (asked.count == 0 || asked.first >= spp_ / rays_ || asked.count > spp_ / rays_ - asked.first)
-      fail("the samples " + std::to_string(asked.first) + ":" + std::to_string(asked.count) + " are none of the " +
-           std::to_string(spp_ / rays_) + " samples per pixel, which count from 0");
-    if (context_.transport.kind == IntegratorKind::kLightTracer)
-      fail("some of the samples can be taken alone where they come from the camera; " +
-           integrator_name(context_.transport) + " follows light the other way");
-    if (state_.adaptive) fail("a noise target or a time limit cannot judge some of the samples alone");
-    range_ = {asked.first * rays_, asked.count * rays_};
-    state_.first_sample = range_.first;
-    if (range_.first % replicate_samples_ == 0 && (range_.end() % replicate_samples_ == 0 || range_.end() == spp_))
-      return;
-    if (replicate_samples_ == spp_) return;  // one set, which may be cut anywhere
-    const std::uint32_t sets = (spp_ + replicate_samples_ - 1) / replicate_samples_;
-    const std::string size = std::to_string(replicate_samples_);
-    fail("the samples " + std::to_string(asked.first) + ":" + std::to_string(asked.count) + " cut through one of the " +
-         std::to_string(sets) + " sets of " + size + " samples that tell the variance: they must begin and end at " +
-         "multiples of " + size + (rays_ > 1 ? " gather rays" : "") + ", or --replicates make other sets");
+    state_.adaptive.emplace(state_.film, squares, plan_.reach, AdaptiveGoal{options_.noise_target, plan_.spp});
   }
 
   bool stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
@@ -262,18 +158,19 @@ class Renderer {
                       from.film.variance_unit() == state_.film.variance_unit() &&
                       from.film.tells_surfaces() == state_.film.tells_surfaces() &&
                       from.splats.has_value() == state_.splats.has_value() &&
-                      from.adaptive.has_value() == state_.adaptive.has_value() && from.first_sample >= range_.first &&
-                      from.first_sample <= range_.end() && from.photons <= photons_;
+                      from.adaptive.has_value() == state_.adaptive.has_value() &&
+                      from.first_sample >= plan_.range.first && from.first_sample <= plan_.range.end() &&
+                      from.photons <= photons_;
     if (!same) throw Error(ExitCode::kCheckpoint, "the checkpoint is of another render");
     state_ = std::move(from);
-    done_ = wanted_.area() * (state_.first_sample - range_.first) + state_.photons;
+    done_ = plan_.wanted.area() * (state_.first_sample - plan_.range.first) + state_.photons;
     for (std::size_t i = 0; i < adaptive_tiles_.size(); ++i)
       done_ += adaptive_tiles_[i].wanted.area() * state_.adaptive->taken_samples(i);
   }
 
   /// Whether there are samples or photons to be taken yet.
   bool is_left() const {
-    return state_.adaptive ? !adaptive_done_ : state_.first_sample < range_.end() || state_.photons < photons_;
+    return state_.adaptive ? !adaptive_done_ : state_.first_sample < plan_.range.end() || state_.photons < photons_;
   }
 
   /// Rounds until all tiles are content, or the time is up.
@@ -324,15 +221,16 @@ class Renderer {
   void take_samples() {
     const std::uint32_t first = state_.first_sample;
     std::uint32_t count =
-        std::min({kPassSamples, range_.end() - first, replicate_samples_ - first % replicate_samples_});
-    if (options_.aovs.contains(Aov::kHalf) && first < half_samples_) count = std::min(count, half_samples_ - first);
+        std::min({kPassSamples, plan_.range.end() - first, plan_.replicate_samples - first % plan_.replicate_samples});
+    if (options_.aovs.contains(Aov::kHalf) && first < plan_.half_samples)
+      count = std::min(count, plan_.half_samples - first);
     if (photon_mapping_) {
       count = photon_mapping_->samples_alike(count);
       photon_mapping_->prepare(first, workers_, photon_tracing_, context_);
     }
     if (!run_pass(first, count)) return;
-    if ((first + count) % replicate_samples_ == 0) state_.film.end_replicate();
-    if (first + count == half_samples_) state_.film.end_first_half();
+    if ((first + count) % plan_.replicate_samples == 0) state_.film.end_replicate();
+    if (first + count == plan_.half_samples) state_.film.end_first_half();
     state_.first_sample = first + count;
   }
 
@@ -369,7 +267,7 @@ class Renderer {
   bool run_pass(std::uint32_t first_sample, std::uint32_t sample_count) {
     int side = 8;
     while (side < 64 && 4 * side * side * static_cast<int>(sample_count) <= kTaskSamples) side *= 2;
-    const std::vector<Tile> tiles = make_tiles(wanted_, side);
+    const std::vector<Tile> tiles = make_tiles(plan_.wanted, side);
     begin_pass(tiles, sample_count);
     std::vector<std::uint8_t>& done = state_.tiles;
     while (std::find(done.begin(), done.end(), 0) != done.end()) {
@@ -410,55 +308,14 @@ class Renderer {
     report_done(samples);
   }
 
-  /// Throws Error (usage) for layers that the render cannot make.
-  void check_layers() const {
-    const bool of_paths = options_.light_groups || of_surfaces();
-    const IntegratorKind kind = context_.transport.kind;
-    const bool follows_paths = kind == IntegratorKind::kPath || kind == IntegratorKind::kPhotonMapper;
-    if (of_paths && !follows_paths)
-      throw Error(ExitCode::kUsage,
-                  "layers of surfaces and of lights need an integrator that follows light from the "
-                  "camera, such as path; " +
-                      integrator_name(context_.transport) + " is none");
-    if (of_surfaces() && context_.transport.max_depth == 1)
-      throw Error(ExitCode::kUsage, "layers of surfaces need paths that may be scattered: a max depth of 2 or more");
-    if (options_.aovs.contains(Aov::kHalf) && kind == IntegratorKind::kLightTracer)
-      throw Error(ExitCode::kUsage,
-                  "the layer half is of samples from the camera, and ptracer follows light the other way");
-    if (wants_halves() && spp_ < 2)
-      throw Error(ExitCode::kUsage, "the layers variance and half need two samples per pixel or more");
-  }
-  bool of_surfaces() const {
-    return options_.aovs.contains(AovSource::kVertex) || options_.aovs.contains(AovSource::kSurfaceId);
-  }
-  /// Layers that come from replicates.
-  bool wants_halves() const { return options_.aovs.contains(Aov::kVariance) || options_.aovs.contains(Aov::kHalf); }
-
-  /// The groups of lights, where they have layers.
-  std::vector<std::string> group_lights(const SceneNames& names) {
-    if (!options_.light_groups) return {};
-    std::vector<std::string> groups = names.lights;
-    // The light that photon maps hold is mixed.
-    if (names.has_other_light || context_.transport.kind == IntegratorKind::kPhotonMapper) groups.emplace_back("other");
-    if (groups.size() > kMaxLightGroups)
-      throw Error(ExitCode::kUsage,
-                  "the scene has " + std::to_string(groups.size()) +
-                      " lights with names of their own, "
-                      "expected at most " +
-                      std::to_string(kMaxLightGroups) +
-                      " for light groups: those of the same id are one group, and those without an id");
-    for (const std::uint32_t light : names.light_of_row) group_of_light_.push_back(static_cast<std::uint16_t>(light));
-    light_groups_ = groups.size();
-    return groups;
-  }
-
   /// Where the light of groups goes from the worker's task.
   LightGroupSink group_sink(CameraTask& task) const {
-    if (light_groups_ == 0) return {};
+    if (plan_.light_groups.empty()) return {};
     const auto channels = static_cast<std::size_t>(state_.film.layout().size());
     const bool spectral = context_.scene.color == ColorMode::kSpectral;
-    return {task.samples[0] + channels - 3 * light_groups_, channels, group_of_light_.data(),
-            static_cast<std::uint16_t>(light_groups_ - 1), spectral ? context_.scene.spectral.sensor : nullptr};
+    return {task.samples[0] + channels - 3 * plan_.light_groups.size(), channels, group_of_light_.data(),
+            static_cast<std::uint16_t>(plan_.light_groups.size() - 1),
+            spectral ? context_.scene.spectral.sensor : nullptr};
   }
 
   void report_done(std::uint64_t more) {
@@ -470,7 +327,8 @@ class Renderer {
   const FilmTile& run_task(const Tile& tile, std::uint32_t first_sample, std::uint32_t sample_count) {
     Worker& worker = workers_.local();
     state_.film.begin(worker.tile, tile.pixels, context_.scene.filter_weights);
-    run_samples(tile, sampler_of_replicate(context_.sampler, first_sample / replicate_samples_, replicate_samples_),
+    run_samples(tile,
+                sampler_of_replicate(context_.sampler, first_sample / plan_.replicate_samples, plan_.replicate_samples),
                 first_sample, sample_count);
     state_.film.add(worker.tile);
     return worker.tile;
@@ -481,8 +339,8 @@ class Renderer {
                    std::uint32_t sample_count) {
     const FlushDenormals flush;
     Worker& worker = workers_.local();
-    const std::vector<PixelSamples> pixels = samples_of(tile.wanted, frame_, first_sample, sample_count);
-    worker.camera.begin(pixels, frame_, state_.film.layout().size(), state_.film.spectral_bins(),
+    const std::vector<PixelSamples> pixels = samples_of(tile.wanted, plan_.frame, first_sample, sample_count);
+    worker.camera.begin(pixels, plan_.frame, state_.film.layout().size(), state_.film.spectral_bins(),
                         AovChannels(state_.film.layout(), options_.aovs));
     worker.wave.light_groups = group_sink(worker.camera);
     StageContext context = context_;
@@ -543,7 +401,7 @@ class Renderer {
     report.isa = kIsaName;
     report.width = state_.film.width();
     report.height = state_.film.height();
-    report.spp = spp_;
+    report.spp = plan_.spp;
     report.seed = context_.sampler.seed;
     report.threads = threads_;
     report.wave_size = wave_size_;
@@ -554,7 +412,7 @@ class Renderer {
     }
     report.photons = photon_tracing_.report;
     report.guiding = guide_training_.report;
-    add_workers(workers_, frame_, dropped(), report, warnings);
+    add_workers(workers_, plan_.frame, dropped(), report, warnings);
     for (const SourceLocation& place : scene_.light_places())
       report.light_places.push_back(place.line > 0 ? place.file + ":" + std::to_string(place.line) : std::string());
     return report;
@@ -571,7 +429,7 @@ class Renderer {
     if (result.film.tells_surfaces()) result.names = scene_.names();
     result.splats = std::move(state_.splats);
     result.photons = state_.photons;
-    if (options_.samples) result.samples = range_;
+    if (options_.samples) result.samples = plan_.range;
     return result;
   }
 
@@ -579,16 +437,9 @@ class Renderer {
   StageContext context_;
   WaveNeeds needs_;
   const RenderOptions& options_;
-  std::uint32_t spp_;
+  SamplePlan plan_;
   int threads_, wave_size_;
   RenderState state_;
-  SampledFrame frame_;
-  PixelRect wanted_;  ///< pixels that are sampled: the crop, and those around from which samples reach into it
-  std::uint32_t replicate_samples_ = 0;  ///< per pixel, of each replicate
-  SampleRange range_;                    ///< of spp_ samples, those that are taken
-  std::uint32_t rays_ = 1;               ///< samples that each one is made of
-  std::uint32_t half_samples_ = 0;       ///< per pixel, of the first half
-  std::size_t light_groups_ = 0;         ///< that have layers
   std::vector<std::uint16_t> group_of_light_;
   std::vector<Tile> adaptive_tiles_;
   std::uint64_t adaptive_before_ = 0;  ///< samples and photons besides those of the picture
@@ -609,12 +460,6 @@ class Renderer {
 };
 
 }  // namespace
-
-std::uint32_t default_replicates(SamplerKind kind, std::uint64_t samples) {
-  if (kind == SamplerKind::kIndependent) return kFreeReplicates;
-  if (samples < 32) return 1;
-  return samples < 128 ? 2 : samples < 512 ? 4 : 8;
-}
 
 Image RenderResult::to_image() const {
   Image image = film.to_image();

@@ -1,0 +1,161 @@
+#include "kernels/passes/sample_plan.h"
+
+#include "core/error.h"
+#include "kernels/passes/render_report.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+/// Replicates where they cost nothing.
+constexpr std::uint32_t kFreeReplicates = 8;
+
+/// Most samples per pixel that gather rays may make.
+constexpr std::uint32_t kMostSamples = 1 << 24;
+[[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::kUsage, text); }
+
+PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
+  const FilmDescription& film = scene.film();
+  const PixelRect whole{0, 0, film.width, film.height};
+  const PixelRect crop = options.crop ? *options.crop : film.crop ? *film.crop : whole;
+  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.width() <= 0 ||
+      crop.height() <= 0)
+    throw Error(ExitCode::kUsage, "crop must be a rectangle inside the frame of " + std::to_string(film.width) + " x " +
+                                      std::to_string(film.height) + " pixels");
+  return crop;
+}
+
+void check_spectral_bins(const Scene& scene, int bins) {
+  if (bins == 0) return;
+  if (bins < 0 || bins > kMaxSpectralBins)
+    throw Error(ExitCode::kUsage, "spectral bins must be from 1 to " + std::to_string(kMaxSpectralBins));
+  if (scene.color() != ColorMode::kSpectral || scene.integrator().kind != IntegratorKind::kPath)
+    throw Error(ExitCode::kUsage,
+                "spectral bins need spectral mode and an integrator that follows light from the camera");
+}
+
+/// Samples per pixel unless told otherwise.
+std::uint32_t default_samples(const Scene& scene) {
+  const IntegratorDescription& integrator = scene.integrator();
+  const bool passes = integrator.kind == IntegratorKind::kPhotonMapper && integrator.photons.progressive;
+  if (passes && integrator.photons.max_passes > 0) return static_cast<std::uint32_t>(integrator.photons.max_passes);
+  return scene.sampler().sample_count;
+}
+
+/// Layers that come from replicates.
+bool wants_halves(const RenderOptions& options) {
+  return options.aovs.contains(Aov::kVariance) || options.aovs.contains(Aov::kHalf);
+}
+
+void check_layers(const RenderOptions& options, const IntegratorDescription& transport, std::uint32_t spp) {
+  const bool of_surfaces = options.aovs.contains(AovSource::kVertex) || options.aovs.contains(AovSource::kSurfaceId);
+  const bool follows_paths = transport.kind == IntegratorKind::kPath || transport.kind == IntegratorKind::kPhotonMapper;
+  if ((options.light_groups || of_surfaces) && !follows_paths)
+    refuse("layers of surfaces and of lights need an integrator that follows light from the camera, such as path; " +
+           integrator_name(transport) + " is none");
+  if (of_surfaces && transport.max_depth == 1)
+    refuse("layers of surfaces need paths that may be scattered: a max depth of 2 or more");
+  if (options.aovs.contains(Aov::kHalf) && transport.kind == IntegratorKind::kLightTracer)
+    refuse("the layer half is of samples from the camera, and ptracer follows light the other way");
+  if (wants_halves(options) && spp < 2) refuse("the layers variance and half need two samples per pixel or more");
+}
+
+void check_adaptive(SamplerKind sampler, const IntegratorDescription& transport, std::uint32_t spp) {
+  if (sampler != SamplerKind::kSobol && sampler != SamplerKind::kIndependent)
+    refuse("a noise target or a time limit needs a sampler that may be ended anywhere: sobol or independent");
+  if (transport.kind != IntegratorKind::kPath)
+    refuse("a noise target or a time limit needs an integrator that follows paths from the camera, such as path; " +
+           integrator_name(transport) + " is none");
+  if (spp < AdaptiveFilm::kSets) refuse("a noise target or a time limit needs four samples per pixel or more");
+}
+
+/// The groups of lights that have layers.
+std::vector<std::string> group_lights(const SceneNames& names, const IntegratorDescription& transport) {
+  std::vector<std::string> groups = names.lights;
+  // The light that photon maps hold is mixed.
+  if (names.has_other_light || transport.kind == IntegratorKind::kPhotonMapper) groups.emplace_back("other");
+  if (groups.size() > kMaxLightGroups)
+    refuse("the scene has " + std::to_string(groups.size()) + " lights with names of their own, expected at most " +
+           std::to_string(kMaxLightGroups) +
+           " for light groups: those of the same id are one group, and those without an id");
+  return groups;
+}
+
+/// In how many sets the samples are taken.
+void plan_sets(const RenderOptions& options, SamplerKind sampler, SamplePlan& plan) {
+  std::uint32_t replicates =
+      options.replicates > 0 ? static_cast<std::uint32_t>(options.replicates) : default_replicates(sampler, plan.spp);
+  if (wants_halves(options)) replicates = std::max(replicates, 2u);
+  const bool by_samples = sampler == SamplerKind::kIndependent && plan.reach == 0 && !plan.adapts;
+  plan.replicate_samples = by_samples ? plan.spp : (plan.spp + replicates - 1) / replicates;
+  const std::uint32_t made = (plan.spp + plan.replicate_samples - 1) / plan.replicate_samples;
+  plan.half_samples = by_samples ? plan.spp / 2 : made / 2 * plan.replicate_samples;
+  plan.unit = by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate;
+  plan.has_variances = by_samples || plan.adapts || plan.replicate_samples < plan.spp;
+}
+
+/// The samples that are taken, where some were asked for that can be taken alone.
+SampleRange plan_range(const SampleRange& asked, const SamplePlan& plan, const IntegratorDescription& transport) {
+  const std::string name = std::to_string(asked.first) + ":" + std::to_string(asked.count);
+  const std::uint32_t samples = plan.spp / plan.rays;
+  if (asked.count == 0 || asked.first >= samples || asked.count > samples - asked.first)
+    refuse("the samples " + name + " are none of the " + std::to_string(samples) +
+           " samples per pixel, which count from 0");
+  if (transport.kind == IntegratorKind::kLightTracer)
+    refuse("some of the samples can be taken alone where they come from the camera; " + integrator_name(transport) +
+           " follows light the other way");
+  if (plan.adapts) refuse("a noise target or a time limit cannot judge some of the samples alone");
+  const SampleRange range{asked.first * plan.rays, asked.count * plan.rays};
+  const std::uint32_t set = plan.replicate_samples;
+  const bool is_whole = range.first % set == 0 && (range.end() % set == 0 || range.end() == plan.spp);
+  if (is_whole || set == plan.spp) return range;  // one set may be cut anywhere
+  const std::string size = std::to_string(set);
+  refuse("the samples " + name + " cut through one of the " + std::to_string((plan.spp + set - 1) / set) + " sets of " +
+         size + " samples that tell the variance: they must begin and end at multiples of " + size +
+         (plan.rays > 1 ? " gather rays" : "") + ", or --replicates make other sets");
+}
+
+}  // namespace
+
+std::uint32_t default_replicates(SamplerKind kind, std::uint64_t samples) {
+  if (kind == SamplerKind::kIndependent) return kFreeReplicates;
+  if (samples < 32) return 1;
+  return samples < 128 ? 2 : samples < 512 ? 4 : 8;
+}
+
+SamplePlan make_sample_plan(const Scene& scene, const RenderOptions& options, const IntegratorDescription& transport) {
+  SamplePlan plan;
+  const SamplerKind sampler = scene.sampler().kind;
+  plan.spp = rounded_sample_count(sampler, options.samples_per_pixel.value_or(default_samples(scene)));
+  if (transport.kind == IntegratorKind::kPhotonMapper && transport.photons.gathering == PhotonGathering::kFinal)
+    plan.rays = static_cast<std::uint32_t>(transport.photons.gather_rays);
+  if (plan.spp > kMostSamples / plan.rays)
+    refuse("samples per pixel times gather rays must be at most " + std::to_string(kMostSamples));
+  plan.spp *= plan.rays;
+  if (plan.spp == 0) refuse("samples per pixel must be at least 1");
+  plan.crop = checked_crop(scene, options);
+  check_spectral_bins(scene, options.spectral_bins);
+  check_layers(options, transport, plan.spp);
+  plan.adapts = options.noise_target > 0 || options.time_limit > 0;
+  if (plan.adapts) check_adaptive(sampler, transport, plan.spp);
+
+  const FilmDescription& film = scene.film();
+  const FilterWeights* const weights = scene.view().filter_weights;
+  plan.reach = weights != nullptr ? weights->reach() : 0;
+  plan.frame = {film.width, film.sample_border ? plan.reach : 0};
+  const PixelRect sampled = PixelRect{0, 0, film.width, film.height}.grown(plan.frame.border);
+  plan.wanted = plan.crop.grown(plan.reach).intersection(sampled);
+  plan_sets(options, sampler, plan);
+  plan.range = options.samples ? plan_range(*options.samples, plan, transport) : SampleRange{0, plan.spp};
+  if (options.light_groups) plan.light_groups = group_lights(scene.names(), transport);
+  return plan;
+}
+
+Film SamplePlan::make_film(const Scene& scene, const RenderOptions& options) const {
+  return Film(scene.film().width, scene.film().height, crop, film_layout(options.aovs, has_variances, light_groups),
+              options.spectral_bins, unit, options.aovs.contains(AovSource::kSurfaceId));
+}
+
+}  // namespace sheaf
