@@ -80,10 +80,16 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh m
   check_mesh(mesh, shape.where);
   if (face_normals) mesh.normals.clear();
   transform_mesh(mesh, shape.to_world);
+  // Of rectangles everybody knows that they are open.
+  const bool should_close = shape.interior != shape.exterior && !std::holds_alternative<RectangleShape>(shape.geometry);
+  const std::size_t open_edges = should_close ? count_open_edges(mesh) : 0;
   const std::size_t dropped = drop_degenerate_triangles(mesh);
   if (file && file->smooth_normals && !face_normals && mesh.normals.empty()) compute_vertex_normals(mesh);
   if (shape.flip_normals) flip_mesh(mesh);
   if (dropped > 0) warn(shape, std::to_string(dropped) + " degenerate or non-finite triangles left out");
+  if (open_edges > 0)
+    warn(shape, "the mesh bounds a medium and has " + std::to_string(open_edges) +
+                    " open edges: where nothing else closes it, paths get into the medium and out of it unnoticed");
   if (mesh.triangles.empty()) {
     warn(shape, shape.radiance ? "shape has no area: neither seen nor emitting" : "shape has no area: left out");
     return;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <tuple>
 
 namespace sheaf {
 
@@ -253,6 +255,41 @@ std::vector<float> edge_distances(const Mesh& mesh, bool relative) {
   const float scale = relative && sum > 0 ? static_cast<float>(10.0 * static_cast<double>(heights.size()) / sum) : 1.0f;
   for (float& height : heights) height *= scale;
   return heights;
+}
+
+std::size_t count_open_edges(const Mesh& mesh) {
+  // The first vertex of each place stands for all of them.
+  std::vector<std::uint32_t> order(mesh.positions.size()), same(mesh.positions.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto place = [&](std::uint32_t vertex) {
+    const Vec3f& p = mesh.positions[vertex];
+    return std::tuple(p.x + 0.0f, p.y + 0.0f, p.z + 0.0f);  // -0 is 0
+  };
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return place(a) != place(b) ? place(a) < place(b) : a < b; });
+  for (std::size_t i = 0; i < order.size(); ++i)
+    same[order[i]] = i > 0 && place(order[i]) == place(order[i - 1]) ? same[order[i - 1]] : order[i];
+
+  struct Edge {
+    std::uint64_t ends;
+    int way;
+  };
+  std::vector<Edge> edges;
+  edges.reserve(3 * mesh.triangles.size());
+  for (const auto& triangle : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint64_t a = same[triangle[k]], b = same[triangle[(k + 1) % 3]];
+      if (a != b) edges.push_back({std::min(a, b) << 32 | std::max(a, b), a < b ? 1 : -1});
+    }
+  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.ends < b.ends; });
+  std::size_t open = 0;
+  for (std::size_t i = 0; i < edges.size();) {
+    int balance = 0;
+    const std::uint64_t ends = edges[i].ends;
+    for (; i < edges.size() && edges[i].ends == ends; ++i) balance += edges[i].way;
+    open += balance != 0;
+  }
+  return open;
 }
 
 }  // namespace sheaf

@@ -57,4 +57,8 @@ std::vector<std::uint32_t> usable_triangles(const Mesh& mesh);
 /// leave as well.
 std::size_t drop_degenerate_triangles(Mesh& mesh);
 
+/// How many edges have a triangle on one side alone, vertices in one place being one: 0 for a closed surface, however
+/// its vertices are split. In O(n log n).
+std::size_t count_open_edges(const Mesh& mesh);
+
 }  // namespace sheaf

@@ -1,5 +1,6 @@
 // Which medium the camera's rays start in.
 #include "scene/compile/compile.h"
+#include "scene/formats/mesh.h"
 #include "tests/support/media_testing.h"
 
 #include <doctest/doctest.h>
@@ -64,6 +65,23 @@ TEST_CASE("camera medium: a lens across a boundary is told") {
   // Whoever names the medium knows.
   d.camera.medium = MediumId{0};
   check(d, 1, false);
+}
+
+TEST_CASE("boundaries of media: meshes that are open are told") {
+  const auto warns = [](const Mesh& mesh, bool bounds) {
+    Description d = empty_scene(4, 4);
+    ShapeDescription& shape = add_shape(d, mesh, Transform::translate({0, 0, 5}));
+    if (bounds) fill(d, shape, add_medium(d, fog(1, 0.5f)));
+    bool found = false;
+    const auto scene = compile_scene(d);
+    for (const std::string& warning : scene->warnings()) found |= warning.find("3 open edges") != warning.npos;
+    return found;
+  };
+  Mesh lidless = cube_mesh();
+  lidless.triangles.pop_back();
+  CHECK(warns(lidless, true));
+  CHECK_FALSE(warns(lidless, false));
+  CHECK_FALSE(warns(cube_mesh(), true));
 }
 
 }  // namespace sheaf

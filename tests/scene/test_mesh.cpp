@@ -269,6 +269,23 @@ TEST_CASE("mesh: attributes stay with their vertices and triangles") {
   CHECK(contains(error_of([&] { check_mesh(mesh, {}); }), "'vertex_place' has 12 values, expected 1 for each of 4"));
 }
 
+TEST_CASE("mesh: open edges are counted, whatever vertices are split") {
+  CHECK(count_open_edges(cube_mesh()) == 0);  // each face has vertices of its own
+  CHECK(count_open_edges(rectangle_mesh()) == 4);
+  Mesh lidless = cube_mesh();
+  lidless.triangles.pop_back();
+  CHECK(count_open_edges(lidless) == 3);
+  Mesh flipped = cube_mesh();
+  flip_mesh(flipped);
+  CHECK(count_open_edges(flipped) == 0);
+  flip_mesh(lidless);
+  CHECK(count_open_edges(lidless) == 3);
+  Mesh zeros = cube_mesh();
+  for (Vec3f& p : zeros.positions) p.z = p.z < 0 ? p.x * -0.0f : p.z;
+  CHECK(count_open_edges(zeros) == 0);
+  CHECK(count_open_edges(Mesh{}) == 0);
+}
+
 TEST_CASE("mesh: some triangles alone") {
   const Mesh cube = cube_mesh();
   const Mesh part = extract_triangles(cube, {7, 2});
