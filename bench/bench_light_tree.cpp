@@ -65,11 +65,9 @@ template <class L> Vec3<L> load_vector(const float (&columns)[3][kItems], int i)
 
 int depth_of(const LightTree& tree, std::uint32_t light) {
   int depth = 0;
-  for (std::uint32_t node = 0;; ++depth) {
-    const std::uint32_t link = tree.nodes[node + (tree.trails[light] >> depth & 1u)].link;
-    if ((link & kLightLeaf) != 0) return depth + 1;
-    node = link & kLightIndex;
-  }
+  for (std::uint32_t place = 0; (place & kLightLeaf) == 0; ++depth)
+    place = light_tree_child(tree.nodes[place], place, tree.trails[light] >> 2 * depth & 3u);
+  return depth;
 }
 
 void report(benchmark::State& state, const LightTree& tree, const std::uint32_t* lights) {

@@ -26,6 +26,8 @@ struct Arguments {
   std::uint32_t spp = 4;
   int threads = 0, runs = 5, wave_size = 0, megabytes = 1024, photons = 0;
   bool scaling = false, null_hypothesis = false;
+  std::string filter_mode;
+  std::optional<int> rr_depth;
 };
 
 /// Rounds of one number of threads, one value each.
@@ -54,6 +56,8 @@ std::unique_ptr<Scene> load(const Arguments& arguments) {
   }
   Description description = read_scene(arguments.scene, options);
   if (arguments.photons > 0) store_photons_alone(description, arguments.photons);
+  if (arguments.rr_depth) description.integrator.rr_depth = *arguments.rr_depth;
+  if (arguments.filter_mode == "importance") description.film.filter_mode = FilterMode::kImportance;
   std::unique_ptr<Scene> scene = compile_scene(description);
   move_to_large_pages();
   return scene;
@@ -163,6 +167,8 @@ void add_options(Command& program, Arguments& arguments) {
       .add_option("--photons", arguments.photons,
                   "Measure instead how photons are stored: so many in a photon map, and a picture of one pixel")
       .in_range(0, 1'000'000'000);
+  program.add_option("--filter-mode", arguments.filter_mode, "As in sheaf render").one_of({"weighted", "importance"});
+  program.add_option("--rr-depth", arguments.rr_depth, "As in sheaf render").in_range(1, 1 << 20);
   program.add_flag("--scaling", arguments.scaling, "Measure one thread as well");
   program.add_flag("--null", arguments.null_hypothesis,
                    "Measure scalar and wide kernels, path by path and in waves, on one thread instead");

@@ -25,7 +25,7 @@ namespace light_tree_detail {
 
 /// The least cosine that a light in view is given at either end: what single precision takes for grazing may not be.
 inline constexpr float kLeastCosine = 1e-3f;
-/// Where both children may contribute, either is drawn with at least this probability. Uniform numbers of 24 bits can
+/// Where several children may contribute, each is drawn with at least this probability. Uniform numbers of 24 bits can
 /// still choose it, and products over many levels do not underflow.
 inline constexpr float kLeastTurn = 0x1p-20f;
 /// Squared distances are kept in this range, which keeps their products finite.
@@ -35,13 +35,13 @@ inline constexpr float kNearSquared = 1e-18f, kFarSquared = 1e18f;
 template <class L> struct Receiver {
   Vec3<L> p;
   Vec3<L> n;                    ///< unit length, or zero
-  typename L::Float all_sides;  ///< 1 where there is no normal, else 0
+  typename L::Float least;      ///< cosine that is added: 1 where there is no normal, else kLeastCosine
 };
 
 template <class L> SHEAF_INLINE Receiver<L> make_receiver(Vec3<L> p, Vec3<L> n, Mask<L> has_normal) {
   const Mask<L> facing = has_normal & (dot(n, n) > Float<L>(0.0f));
   const Float<L> zero(0.0f);
-  return {p, select(facing, n, Vec3<L>{zero, zero, zero}), select(facing, zero, Float<L>(1.0f))};
+  return {p, select(facing, n, Vec3<L>{zero, zero, zero}), select(facing, Float<L>(kLeastCosine), Float<L>(1.0f))};
 }
 
 /// The power of two which brings a positive x to [1, 2). A division would take longer.
@@ -50,81 +50,106 @@ template <class L> SHEAF_INLINE Float<L> reciprocal_power_of_two(typename L::Flo
   return bits_float(U(0x7f000000u) - (float_bits(x) & U(0x7f800000u)));
 }
 
-/// What a node may contribute: `weight` / `divisor`, up to a factor that its sibling shares.
-template <class L> struct Importance { typename L::Float weight, divisor; };
+/// A node in registers, as its words, whose middle is told from the receiver.
+template <class L> struct NodeWords {
+  typename L::Float words[LightNodeRow::kWordCount];
 
-/// The two children of a node.
-template <class L> struct NodePair {
-  LightNode<L> first, second;
+  SHEAF_INLINE void move_to(const Receiver<L>& at) {
+    words[LightNodeRow::kMiddle] = words[LightNodeRow::kMiddle] - at.p.x;
+    words[LightNodeRow::kMiddle + 1] = words[LightNodeRow::kMiddle + 1] - at.p.y;
+    words[LightNodeRow::kMiddle + 2] = words[LightNodeRow::kMiddle + 2] - at.p.z;
+  }
+  SHEAF_INLINE Uint<L> link() const { return float_bits(words[LightNodeRow::kLink]); }
 };
 
-template <class L> SHEAF_INLINE NodePair<L> load_pair(const LightTreeView& tree, typename L::Uint first) {
+template <class L>
+SHEAF_INLINE NodeWords<L> load_node(const LightTreeView& tree, typename L::Uint index, const Receiver<L>& at) {
   alignas(kSimdAlignment) std::uint32_t lanes[L::width];
-  store(lanes, first);
+  store(lanes, index);
   const float* rows[L::width];
-  for (int lane = 0; lane < L::width; ++lane) rows[lane] = reinterpret_cast<const float*>(tree.nodes + lanes[lane]);
-  constexpr int kWords = kLeafCount<LightNode>, kRowWords = sizeof(LightNodeRow) / sizeof(float);
-  constexpr int kLoaded = (kWords + 3) / 4 * 4;
-  static_assert(kLoaded <= kRowWords);
-  typename L::Float words[2][kLoaded];
-  for (auto& child : words)
-    for (int k = 0; k < kRowWords; k += 4) {
-      if (k < kLoaded) load_rows4(rows, child + k);
-      for (int lane = 0; lane < L::width; ++lane) rows[lane] += 4;
-    }
-  return {record_of_words<L, LightNode>(words[0]), record_of_words<L, LightNode>(words[1])};
+  for (int lane = 0; lane < L::width; ++lane)
+    rows[lane] = reinterpret_cast<const float*>(tree.nodes[lanes[lane]].words);
+  NodeWords<L> node;
+  for (int k = 0; k < LightNodeRow::kWordCount; k += 4) {
+    load_rows4(rows, node.words + k);
+    for (int lane = 0; lane < L::width; ++lane) rows[lane] += 4;
+  }
+  node.move_to(at);
+  return node;
 }
 
 /// The same node in all lanes.
-template <class L> SHEAF_INLINE LightNode<L> broadcast(const LightNodeRow& row) {
+template <class L> SHEAF_INLINE NodeWords<L> broadcast(const LightNodeRow& row, const Receiver<L>& at) {
+  NodeWords<L> node;
+  for (int k = 0; k < LightNodeRow::kWordCount; ++k) node.words[k] = Float<L>(bits_float(row.words[k]));
+  node.move_to(at);
+  return node;
+}
+
+/// 1 / sqrt(x) for positive x that is far from the ends of the range, with an error below 1e-5 of it; the same in all
+/// lanes. Two of Newton's steps from a guess by the exponent; a square root and a division would take longer.
+template <class L> SHEAF_INLINE Float<L> inverse_sqrt(typename L::Float x) {
   using F = Float<L>;
-  return {{F(row.center.x), F(row.center.y), F(row.center.z)},
-          F(row.radius),
-          {F(row.tilt.x), F(row.tilt.y), F(row.tilt.z)},
-          F(row.spread),
-          F(row.share),
-          F(row.cos_theta_e),
-          Uint<L>(row.link)};
+  const F minus_half = x * F(-0.5f);
+  F y = bits_float(Uint<L>(0x5f375a86u) - (float_bits(x) >> 1));
+  y = y * fma(minus_half * y, y, F(1.5f));
+  return y * fma(minus_half * y, y, F(1.5f));
 }
 
 /// Bounds of cosines instead of the largest ones: for a sphere of radius r around a point at distance D, under an angle
 /// i, no direction to it has a larger cosine than cos i + r / D, as cos(i - b) <= cos i + sin b; and the same with the
-/// cone of normals at the other end, where the sine of the angle w from its axis is at most 1 - (cos w)^2 / 2. All is
-/// times D here, which takes one square root.
-template <class L> SHEAF_INLINE Importance<L> importance(const LightNode<L>& node, const Receiver<L>& at) {
+/// cone of normals at the other end, where the sine of the angle w from its axis is at most 1 - (cos w)^2 / 2.
+/// `child.center`: from the receiver.
+template <class L> SHEAF_INLINE Float<L> importance(const LightChild<L>& child, const Receiver<L>& at) {
   using F = Float<L>;
-  using U = Uint<L>;
-  const Vec3<L> d = node.center - at.p;
-  const F squared = clamp(dot(d, d), F(kNearSquared), F(kFarSquared)), distance = sqrt(squared);
-  // Brings the distance near 1. Powers of the distance itself might not be finite.
-  const F scale = reciprocal_power_of_two<L>(distance);
+  const Vec3<L> d = child.center;
+  const F squared = clamp(dot(d, d), F(kNearSquared), F(kFarSquared)), inverse = inverse_sqrt<L>(squared);
+  const F one(1.0f), least(kLeastCosine);
   // At the light; two sides have two axes.
-  const U keep_sign = U(0xffffffffu) ^ ((node.link & U(kLightTwoSided)) << 1);
-  const F cos_w = bits_float(float_bits(-dot(node.tilt, d)) & keep_sign);
-  const F sin_w = fma(cos_w * cos_w, scale * F(-0.25f), distance);
-  const F cos_light = fma(node.spread, sin_w, cos_w) + node.radius;
+  const F cos_w = bits_float(float_bits(dot(child.tilt, d) * (inverse * F(1.0f / kLightFixedPoint))) & child.keep_sign);
+  const F sin_w = fma(cos_w * F(-0.5f), cos_w, one);
+  const F cos_light = fma(child.radius, inverse, fma(child.spread, sin_w, cos_w));
   // At the receiver, on the side of its normal where the light is.
-  const F cos_receiver = fma(at.all_sides, distance, abs(dot(at.n, d))) + node.radius;
-  const F one = distance * scale, least = one * F(kLeastCosine);
-  const F weight = node.share * clamp(cos_light * scale, least, one) * clamp(cos_receiver * scale, least, one);
-  return {select(cos_light > node.cos_theta_e * distance, weight, F(0.0f)),
-          one * one * clamp(node.radius * node.radius, squared, F(kFarSquared))};
+  const F cos_receiver = fma(abs(dot(at.n, d)) + child.radius, inverse, at.least);
+  // Distances count as the radius at least, of which the inverse need not be exact: 1 / r to a twentieth, up to 1e10.
+  using U = Uint<L>;
+  const F nearest = min(inverse, bits_float(U(0x7ef311c7u) - min(float_bits(child.radius), U(0x501502f9u))));
+  const F weight = child.share * (nearest * nearest) * (clamp(cos_light, least, one) * min(cos_receiver, one));
+  return select(cos_light + child.reach > one, weight, F(0.0f));
 }
 
-/// The way on from a node, as weights of which only the ratio counts.
+/// The ways on from a node, as weights of which only the ratio counts.
 template <class L> struct Turn {
-  typename L::Float first, second;
+  typename L::Float weights[kLightChildren];
 
-  SHEAF_INLINE Float<L> sum() const { return first + second; }
+  SHEAF_INLINE Float<L> sum() const { return (weights[0] + weights[1]) + (weights[2] + weights[3]); }
 };
 
-template <class L> SHEAF_INLINE Turn<L> turn(const NodePair<L>& pair, const Receiver<L>& at) {
+template <class L> SHEAF_INLINE Turn<L> turn(const NodeWords<L>& node, const Receiver<L>& at) {
   using F = Float<L>;
-  const F zero(0.0f), least(kLeastTurn);
-  const Importance<L> a = importance<L>(pair.first, at), b = importance<L>(pair.second, at);
-  const F to_first = a.weight * b.divisor, to_second = b.weight * a.divisor;
-  return {select(to_first > zero, max(to_first, to_second * least), zero),
-          select(to_second > zero, max(to_second, to_first * least), zero)};
+  const F zero(0.0f);
+  Turn<L> way{{importance<L>(unpack_light_child<L, 0>(node.words), at),
+               importance<L>(unpack_light_child<L, 1>(node.words), at),
+               importance<L>(unpack_light_child<L, 2>(node.words), at),
+               importance<L>(unpack_light_child<L, 3>(node.words), at)}};
+  const F least = way.sum() * F(kLeastTurn);
+  for (F& weight : way.weights) weight = select(weight > zero, max(weight, least), zero);
+  return way;
+}
+
+/// values[child], which is below 4.
+template <class L> SHEAF_INLINE Float<L> pick(const typename L::Float* values, typename L::Uint child) {
+  using U = Uint<L>;
+  const auto is_odd = (child & U(1u)) != U(0u), is_upper = (child & U(2u)) != U(0u);
+  return select(is_upper, select(is_odd, values[3], values[2]), select(is_odd, values[1], values[0]));
+}
+
+/// The place of a child of node `index`; see light_tree_child().
+template <class L>
+SHEAF_INLINE Uint<L> place_of_child(const NodeWords<L>& node, typename L::Uint index, typename L::Uint child) {
+  using U = Uint<L>;
+  const U link = node.link();
+  return select(child < (link >> 28), (link & U(kLightNodeIndex)) + child, U(kLightLeaf) | (index << 2) | child);
 }
 
 /// Where a draw stands: `rest` / `whole` of the node's share of u lies before it, and `chosen` / `offered` is the
@@ -137,38 +162,52 @@ template <class L> struct Descent {
   }
   SHEAF_INLINE Mask<L> possible() const { return chosen > Float<L>(0.0f); }
 
-  /// Takes a turn; whether it leads to the first child.
-  SHEAF_INLINE Mask<L> take(const Turn<L>& way, Mask<L> active) {
+  /// Takes a turn; to which child.
+  SHEAF_INLINE Uint<L> take(const Turn<L>& way, Mask<L> active) {
     using F = Float<L>;
-    const F sum = way.sum(), here = rest * sum, border = whole * way.first;
-    const auto goes_first = here < border;
-    const F taken = select(goes_first, way.first, way.second), part = whole * taken;
+    using U = Uint<L>;
+    const auto& w = way.weights;
+    const F zero(0.0f), sum = way.sum(), here = rest * sum;
+    const F first = w[0], two = first + w[1], three = two + w[2];
+    const F borders[3] = {whole * first, whole * two, whole * three};
+    F border(0.0f), taken = first;
+    U child(0u);
+    for (std::uint32_t k = 1; k < kLightChildren; ++k) {
+      const auto beyond = (here >= borders[k - 1]) & (w[k] > zero);
+      border = select(beyond, borders[k - 1], border);
+      taken = select(beyond, w[k], taken);
+      child = select(beyond, U(k), child);
+    }
+    const F part = whole * taken;
     const F scale = reciprocal_power_of_two<L>(part), scale_sum = reciprocal_power_of_two<L>(sum);
-    rest = select(active, select(goes_first, here, here - border) * scale, rest);
+    rest = select(active, (here - border) * scale, rest);
     whole = select(active, part * scale, whole);
     chosen = select(active, chosen * (taken * scale_sum), chosen);
     offered = select(active, offered * (sum * scale_sum), offered);
-    return goes_first;
+    return child;
   }
 };
 
-/// Goes on from `node` in the lanes of `active`, to a leaf, whose link is kept in `link`.
+/// Goes on from `place` in the lanes of `active`, to a leaf.
 template <class L>
 SHEAF_INLINE LightTreeSample<L> descend(const LightTreeView& tree, const Receiver<L>& at, Descent<L> way,
-                                        typename L::Uint link) {
+                                        typename L::Uint place) {
   using F = Float<L>;
   using U = Uint<L>;
-  auto active = ((link & U(kLightLeaf)) == U(0u)) & way.possible();
+  auto active = ((place & U(kLightLeaf)) == U(0u)) & way.possible();
   while (any(active)) {
-    const NodePair<L> pair = load_pair<L>(tree, select(active, link & U(kLightIndex), U(0u)));
-    const auto goes_first = way.take(turn<L>(pair, at), active);
-    link = select(active, select(goes_first, pair.first.link, pair.second.link), link);
-    active = active & ((link & U(kLightLeaf)) == U(0u)) & way.possible();
+    const U index = select(active, place, U(0u));
+    const NodeWords<L> node = load_node<L>(tree, index, at);
+    const U child = way.take(turn<L>(node, at), active);
+    place = select(active, place_of_child<L>(node, index, child), place);
+    active = active & ((place & U(kLightLeaf)) == U(0u)) & way.possible();
   }
   const auto valid = way.possible();
   const F remapped = clamp(way.rest / select(valid, way.whole, F(1.0f)), F(0.0f), F(kOneMinusEpsilon));
-  return {select(valid, link & U(kLightIndex), U(0u)), select(valid, way.chosen / way.offered, F(0.0f)), remapped,
-          valid};
+  constexpr std::uint32_t kRowWords = sizeof(LightNodeRow) / sizeof(std::uint32_t);
+  const U leaf = select(valid, place & U(~kLightLeaf), U(0u));
+  const U light = gather(tree.nodes->lights, (leaf >> 2) * U(kRowWords) + (leaf & U(3u)));
+  return {select(valid, light, U(0u)), select(valid, way.chosen / way.offered, F(0.0f)), remapped, valid};
 }
 
 }  // namespace light_tree_detail
@@ -187,12 +226,12 @@ SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, Vec
 
 /// The upper turns for one receiver, which all its candidates have in common.
 template <class L> struct LightTreeTop {
-  /// For each upper pair the probability of its first child. kAlwaysFirst where there is no pair, as a leaf lies above
-  /// it, and kNoTurn where none of its lights can contribute.
-  typename L::Float first[kLightTopPairs];
+  /// For each upper node the probabilities that its child is one of the first one, two and three. kAlwaysFirst where
+  /// there is no node, as a leaf lies above it, and kNoTurn where none of its lights can contribute.
+  typename L::Float below[(kLightChildren - 1) * kLightTopTurns];
 
   static constexpr float kAlwaysFirst = 2, kNoTurn = -1;
-  static constexpr auto fields(auto& s) { return std::tie(s.first); }
+  static constexpr auto fields(auto& s) { return std::tie(s.below); }
 };
 
 /// The upper turns at a point; see sample_light_tree(). The tree must have lights.
@@ -202,15 +241,20 @@ SHEAF_INLINE LightTreeTop<L> light_tree_top(const LightTreeView& tree, Vec3<L> p
   using F = Float<L>;
   const Receiver<L> at = make_receiver<L>(p, n, has_normal);
   LightTreeTop<L> top;
-  for (int pair = 0; pair < kLightTopPairs; ++pair) {
-    const std::uint32_t link = tree.top[pair];
-    top.first[pair] = F(LightTreeTop<L>::kAlwaysFirst);
-    if ((link & kLightLeaf) != 0) continue;
-    const LightNodeRow* const rows = tree.nodes + (link & kLightIndex);
-    const Turn<L> way = turn<L>({broadcast<L>(rows[0]), broadcast<L>(rows[1])}, at);
+  for (int node = 0; node < kLightTopTurns; ++node) {
+    F* const below = top.below + (kLightChildren - 1) * node;
+    for (int k = 0; k + 1 < kLightChildren; ++k) below[k] = F(LightTreeTop<L>::kAlwaysFirst);
+    const std::uint32_t place = tree.top[node];
+    if ((place & kLightLeaf) != 0) continue;
+    const Turn<L> way = turn<L>(broadcast<L>(tree.nodes[place], at), at);
     const F sum = way.sum();
     const auto possible = sum > F(0.0f);
-    top.first[pair] = select(possible, way.first / select(possible, sum, F(1.0f)), F(LightTreeTop<L>::kNoTurn));
+    const F inverse = F(1.0f) / select(possible, sum, F(1.0f));
+    F before(0.0f);
+    for (int k = 0; k + 1 < kLightChildren; ++k) {
+      before = before + way.weights[k];
+      below[k] = select(possible, min(before * inverse, F(1.0f)), F(LightTreeTop<L>::kNoTurn));
+    }
   }
   return top;
 }
@@ -222,24 +266,26 @@ SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, con
   using namespace light_tree_detail;
   using F = Float<L>;
   using U = Uint<L>;
+  static_assert(kLightTopLevels == 2);
+  constexpr int kBorders = kLightChildren - 1;
+  const F zero(0.0f), one(1.0f);
   Descent<L> way = Descent<L>::at_root(u);
-  U node(0u);
-  Mask<L> turns[kLightTopLevels];
-  for (int level = 0; level < kLightTopLevels; ++level) {
-    // The pair that the turns so far lead to, of 2^level.
-    F candidates[1 << (kLightTopLevels - 1)];
-    const int count = 1 << level;
-    for (int k = 0; k < count; ++k) candidates[k] = top.first[count - 1 + k];
-    for (int bit = 0; bit < level; ++bit)
-      for (int k = 0; k < count >> (bit + 1); ++k)
-        candidates[k] = select(turns[bit], candidates[k], candidates[k + (count >> (bit + 1))]);
-    const F first = candidates[0], one(1.0f), zero(0.0f);
-    const auto known = (first >= zero) & (first <= one);
-    turns[level] =
-        way.take({select(known, first, zero), select(known, one - first, zero)}, first <= one) | (first > one);
-    node = (node << 1) + select(turns[level], U(1u), U(2u));
+  const auto take = [&](const F* below) SHEAF_LAMBDA_INLINE {
+    const auto known = (below[0] >= zero) & (below[0] <= one);
+    const Turn<L> turn{{select(known, below[0], zero), select(known, below[1] - below[0], zero),
+                        select(known, below[2] - below[1], zero), select(known, one - below[2], zero)}};
+    return select(below[0] > one, U(0u), way.take(turn, below[0] <= one));
+  };
+  const U first = take(top.below);
+  F below[kBorders];
+  for (int k = 0; k < kBorders; ++k) {
+    const F of_children[kLightChildren] = {top.below[kBorders + k], top.below[2 * kBorders + k],
+                                           top.below[3 * kBorders + k], top.below[4 * kBorders + k]};
+    below[k] = pick<L>(of_children, first);
   }
-  return descend<L>(tree, make_receiver<L>(p, n, has_normal), way, gather(tree.top, node));
+  const U second = take(below);
+  const U place = gather(tree.top, (first << 2) + second + U(kLightTopTurns));
+  return descend<L>(tree, make_receiver<L>(p, n, has_normal), way, place);
 }
 
 /// The probability with which sample_light_tree() draws `light` for the same point and normal; 0 in lanes that are not
@@ -253,19 +299,19 @@ SHEAF_INLINE Float<L> light_tree_probability(const LightTreeView& tree, Vec3<L> 
   if (tree.node_count == 0) return F(0.0f);
   const Receiver<L> at = make_receiver<L>(p, n, has_normal);
   U trail = gather(tree.trails, select(active, light, U(0u)));
-  U node(0u);
+  U index(0u);
   F chosen = select(active, F(1.0f), F(0.0f)), offered(1.0f);
   while (any(active)) {
-    const NodePair<L> pair = load_pair<L>(tree, node);
-    const Turn<L> way = turn<L>(pair, at);
-    const auto goes_first = (trail & U(1u)) == U(0u);
+    const NodeWords<L> node = load_node<L>(tree, index, at);
+    const Turn<L> way = turn<L>(node, at);
+    const U child = trail & U(3u);
     const F sum = way.sum(), scale = reciprocal_power_of_two<L>(sum);
-    chosen = select(active, chosen * (select(goes_first, way.first, way.second) * scale), chosen);
+    chosen = select(active, chosen * (pick<L>(way.weights, child) * scale), chosen);
     offered = select(active, offered * (sum * scale), offered);
-    const U link = select(goes_first, pair.first.link, pair.second.link);
-    active = active & ((link & U(kLightLeaf)) == U(0u)) & (chosen > F(0.0f));
-    trail = trail >> 1;
-    node = select(active, link & U(kLightIndex), U(0u));
+    const U place = place_of_child<L>(node, index, child);
+    active = active & ((place & U(kLightLeaf)) == U(0u)) & (chosen > F(0.0f));
+    trail = trail >> 2;
+    index = select(active, place, U(0u));
   }
   return select(chosen > F(0.0f), chosen / offered, F(0.0f));
 }

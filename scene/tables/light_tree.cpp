@@ -1,7 +1,7 @@
 #include "scene/tables/light_tree.h"
 
 #include "core/error.h"
-#include "scene/tables/light_cone.h"
+#include "scene/tables/light_cluster.h"
 
 #include <algorithm>
 #include <bit>
@@ -16,33 +16,11 @@ namespace sheaf {
 namespace {
 
 constexpr int kBuckets = 12;
-constexpr double kLargest = std::numeric_limits<double>::max();
-
-/// Bounds of some lights, in double precision. No lights: a box inside out.
-struct Cluster {
-  Vec3d lower{kLargest, kLargest, kLargest}, upper{-kLargest, -kLargest, -kLargest};
-  DirectionCone cone;
-  double cos_theta_e = 1, power = 0;
-  std::uint32_t count = 0;
-  bool two_sided = false;
-
-  void add(const Cluster& other) {
-    if (other.count == 0) return;
-    cone = count == 0 ? other.cone : join(cone, other.cone);
-    for (std::size_t c = 0; c < 3; ++c) {
-      lower[c] = std::min(lower[c], other.lower[c]);
-      upper[c] = std::max(upper[c], other.upper[c]);
-    }
-    cos_theta_e = std::min(cos_theta_e, other.cos_theta_e);
-    power += other.power;
-    count += other.count;
-    two_sided = two_sided || other.two_sided;
-  }
-};
+constexpr double kLargest = LightCluster::kLargest;
 
 /// What a cluster costs in expectation: power x area x solid angle (Conty Estevez and Kulla 2018, section 4.4). The
 /// square of the diagonal joins the area with a small weight, which tells clusters along a line apart.
-double cluster_cost(const Cluster& cluster) {
+double cluster_cost(const LightCluster& cluster) {
   constexpr double kDiagonalWeight = 1e-3, kLeastPower = 1e-30;
   if (cluster.count == 0) return 0;
   const double x = cluster.upper[0] - cluster.lower[0], y = cluster.upper[1] - cluster.lower[1];
@@ -58,8 +36,8 @@ bool is_sound(const LightBounds& light) {
          is_finite(light.cos_theta_o) && is_finite(light.cos_theta_e);
 }
 
-Cluster make_cluster(const LightBounds& light) {
-  Cluster cluster;
+LightCluster make_cluster(const LightBounds& light) {
+  LightCluster cluster;
   const float lower[3] = {light.lower.x, light.lower.y, light.lower.z};
   const float upper[3] = {light.upper.x, light.upper.y, light.upper.z};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -74,37 +52,17 @@ Cluster make_cluster(const LightBounds& light) {
   return cluster;
 }
 
-/// The row for a cluster; `pair_power`: of it and its sibling.
-LightNodeRow make_row(const Cluster& cluster, double pair_power, std::uint32_t link) {
-  LightNodeRow row{};
-  float* const centers[3] = {&row.center.x, &row.center.y, &row.center.z};
-  float* const tilts[3] = {&row.tilt.x, &row.tilt.y, &row.tilt.z};
-  const double cos_theta_o = std::max(cluster.cone.cos_theta, 0.0);
-  double squared = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double center = 0.5 * (cluster.lower[c] + cluster.upper[c]);
-    *centers[c] = static_cast<float>(center);
-    *tilts[c] = static_cast<float>(cluster.cone.axis[c] * cos_theta_o);
-    const double reach = std::max(cluster.upper[c] - *centers[c], *centers[c] - cluster.lower[c]);
-    squared += reach * reach;
-  }
-  constexpr double kOutwards = 1.0 + 0x1p-21;
-  row.radius = static_cast<float>(std::min(std::sqrt(squared) * kOutwards, 3e38));
-  row.share = cluster.power > 0.0 ? std::max(static_cast<float>(cluster.power / pair_power), kLeastShare) : 0.0f;
-  row.spread = static_cast<float>(cos_theta_o > 0.0 ? cluster.cone.sin_theta : 1.0);
-  constexpr double kCosineError = 1e-6;
-  row.cos_theta_e = static_cast<float>(std::cos(std::acos(cluster.cos_theta_e) + kLightConeSlack) - kCosineError);
-  row.link = link | (cluster.two_sided ? kLightTwoSided : 0u);
-  row.power = static_cast<float>(std::min(cluster.power, 3e38));
-  row.light_count = cluster.count;
-  return row;
-}
-
 /// A plane across one axis; lights of bucket <= `bucket` go to the first child.
 struct Split {
   std::size_t axis = 0;
   int bucket = 0;
   double cost = kLargest;
+};
+
+/// Lights next to each other in an order.
+struct Range {
+  std::size_t begin = 0, end = 0;
+  std::size_t size() const { return end - begin; }
 };
 
 /// Divides ranges of `order_` from the root down; bounds come back up.
@@ -125,14 +83,10 @@ class Builder {
 
   LightTree build() {
     const std::size_t n = order_.size();
-    tree_.nodes.reserve(2 * n);
-    if (n == 1) {
-      tree_.nodes.push_back(make_row(clusters_[0], clusters_[0].power, kLightLeaf));
-      tree_.nodes.push_back(LightNodeRow{});
-      tree_.nodes.back().link = kLightLeaf;
-      tree_.depth = 1;
-    } else if (n > 1) {
-      build_children(0, n, 0, 0);
+    if (n > 0) {
+      tree_.nodes.reserve(n / 2 + 1);
+      tree_.nodes.resize(1);
+      build_node(0, {0, n}, 0, 0);
     }
     return std::move(tree_);
   }
@@ -142,36 +96,54 @@ class Builder {
     return 0.5 * (clusters_[light].lower[axis] + clusters_[light].upper[axis]);
   }
 
-  /// Divides lights [begin, end) of the order, two or more, into a pair of nodes at `level`. Their bounds, joined.
-  Cluster build_children(std::size_t begin, std::size_t end, int level, std::uint32_t trail) {
-    const std::size_t first = tree_.nodes.size(), middle = split(begin, end, level);
-    tree_.nodes.resize(first + 2);
+  /// Makes node `index` at `level` of some lights. Their bounds, joined.
+  LightCluster build_node(std::uint32_t index, const Range& lights, int level, std::uint32_t trail) {
+    const std::vector<Range> ranges = divide(lights, level);
+    const auto first_node = static_cast<std::uint32_t>(tree_.nodes.size());
+    const auto node_count = static_cast<std::uint32_t>(
+        std::count_if(ranges.begin(), ranges.end(), [](const Range& range) { return range.size() > 1; }));
+    tree_.nodes.resize(first_node + node_count);
     tree_.depth = std::max(tree_.depth, level + 1);
-    const std::size_t bounds[3] = {begin, middle, end};
-    Cluster children[2];
-    std::uint32_t links[2];
-    for (std::size_t side = 0; side < 2; ++side) {
-      const std::uint32_t turned = trail | static_cast<std::uint32_t>(side) << level;
-      if (bounds[side + 1] - bounds[side] == 1) {
-        const std::uint32_t light = order_[bounds[side]];
-        tree_.trails[light] = turned;
-        children[side] = clusters_[light];
-        links[side] = kLightLeaf | light;
+    LightCluster children[kLightChildren], whole;
+    std::uint32_t leaves[kLightChildren] = {};
+    for (std::uint32_t k = 0; k < ranges.size(); ++k) {
+      const std::uint32_t turned = trail | k << 2 * level;
+      if (k < node_count) {
+        children[k] = build_node(first_node + k, ranges[k], level + 1, turned);
       } else {
-        links[side] = static_cast<std::uint32_t>(tree_.nodes.size());
-        children[side] = build_children(bounds[side], bounds[side + 1], level + 1, turned);
+        leaves[k] = order_[ranges[k].begin];
+        tree_.trails[leaves[k]] = turned;
+        children[k] = clusters_[leaves[k]];
       }
+      whole.add(children[k]);
     }
-    const double power = children[0].power + children[1].power;
-    for (std::size_t side = 0; side < 2; ++side)
-      tree_.nodes[first + side] = make_row(children[side], power, links[side]);
-    children[0].add(children[1]);
-    return children[0];
+    tree_.nodes[index] = pack_light_node(children, first_node, node_count, leaves);
+    return whole;
+  }
+
+  /// Divides lights of a node at `level` into those of four children, or into single ones; the ranges of more than one
+  /// come first.
+  std::vector<Range> divide(const Range& lights, int level) {
+    // Quartering from here on still reaches single lights in time; one more uneven division might not leave that room.
+    const int quarterings = (std::bit_width(lights.size() - 1) + 1) / 2;
+    const bool may_be_uneven = level + quarterings < kMaxLightTreeDepth;
+    std::vector<Range> ranges{lights};
+    while (ranges.size() < kLightChildren) {
+      const auto largest = std::max_element(ranges.begin(), ranges.end(),
+                                            [](const Range& a, const Range& b) { return a.size() < b.size(); });
+      if (largest->size() == 1) break;
+      const std::size_t middle = split(largest->begin, largest->end, may_be_uneven);
+      const Range second{middle, largest->end};
+      largest->end = middle;
+      ranges.insert(largest + 1, second);
+    }
+    std::stable_partition(ranges.begin(), ranges.end(), [](const Range& range) { return range.size() > 1; });
+    return ranges;
   }
 
   /// Puts the lights of the first child before those of the second, both in order of their index. Where the second
   /// begins.
-  std::size_t split(std::size_t begin, std::size_t end, int level) {
+  std::size_t split(std::size_t begin, std::size_t end, bool may_be_uneven) {
     Vec3d low{kLargest, kLargest, kLargest}, high{-kLargest, -kLargest, -kLargest};
     for (std::size_t i = begin; i < end; ++i)
       for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -179,9 +151,7 @@ class Builder {
         low[axis] = std::min(low[axis], c);
         high[axis] = std::max(high[axis], c);
       }
-    // Halving from here on still reaches single lights in time; one more uneven split might not leave that room.
-    const int halvings = std::bit_width(end - begin - 1);
-    if (level + halvings < kMaxLightTreeDepth)
+    if (may_be_uneven)
       if (const std::optional<Split> best = best_split(begin, end, low, high)) {
         const double base = low[best->axis], scale = kBuckets / (high[best->axis] - base);
         return partition(begin, end, [&](std::uint32_t light) {
@@ -203,11 +173,11 @@ class Builder {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double extent = high[axis] - low[axis], scale = kBuckets / extent;
       if (!(extent > 0.0) || !std::isfinite(scale)) continue;
-      Cluster buckets[kBuckets];
+      LightCluster buckets[kBuckets];
       for (std::size_t i = begin; i < end; ++i)
         buckets[bucket_of(centroid(order_[i], axis), low[axis], scale)].add(clusters_[order_[i]]);
       double cost_after[kBuckets] = {};
-      Cluster after, before;
+      LightCluster after, before;
       for (int k = kBuckets - 1; k > 0; --k) {
         after.add(buckets[k]);
         cost_after[k - 1] = cluster_cost(after);
@@ -255,27 +225,41 @@ class Builder {
     return first;
   }
 
-  std::vector<Cluster> clusters_;
+  std::vector<LightCluster> clusters_;
   std::vector<std::uint32_t> order_, scratch_;
   LightTree tree_;
 };
 
 }  // namespace
 
+void LightCluster::add(const LightCluster& other) {
+  if (other.count == 0) return;
+  cone = count == 0 ? other.cone : join(cone, other.cone);
+  for (std::size_t c = 0; c < 3; ++c) {
+    lower[c] = std::min(lower[c], other.lower[c]);
+    upper[c] = std::max(upper[c], other.upper[c]);
+  }
+  cos_theta_e = std::min(cos_theta_e, other.cos_theta_e);
+  power += other.power;
+  count += other.count;
+  two_sided = two_sided || other.two_sided;
+}
+
 LightTreeView LightTree::view() const {
   LightTreeView v{nodes.data(), trails.data(), static_cast<std::uint32_t>(nodes.size()), {}};
   if (nodes.empty()) return v;
-  for (std::size_t pair = 0; pair < kLightTopPairs; ++pair)
-    for (std::size_t side = 0; side < 2; ++side) {
-      const std::uint32_t link = v.top[pair];
-      v.top[2 * pair + 1 + side] = (link & kLightLeaf) != 0 ? link : nodes[(link & kLightIndex) + side].link;
+  for (std::size_t turn = 0; turn < kLightTopTurns; ++turn)
+    for (std::uint32_t k = 0; k < kLightChildren; ++k) {
+      const std::uint32_t place = v.top[turn];
+      v.top[kLightChildren * turn + 1 + k] =
+          (place & kLightLeaf) != 0 ? place : light_tree_child(nodes[place], place, k);
     }
   return v;
 }
 
 LightTree build_light_tree(std::span<const LightBounds> lights) {
-  if (lights.size() > kLightIndex)
-    throw SceneError(std::to_string(lights.size()) + " lights, expected at most " + std::to_string(kLightIndex));
+  if (lights.size() > kLightNodeIndex)
+    throw SceneError(std::to_string(lights.size()) + " lights, expected at most " + std::to_string(kLightNodeIndex));
   return Builder(lights).build();
 }
 
