@@ -25,10 +25,12 @@
 #include <half.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <fstream>
 #include <memory>
 
 namespace sheaf {
@@ -130,11 +132,39 @@ void write_pixels(ExrStream& stream, const Image& image, const ExrMetadata& meta
 }
 
 /// Calls `read` with the file's first part and turns the library's exceptions into ours.
+/// Throws SceneError for a header with an attribute that is larger than the rest of the file: the library would take
+/// memory for it before it reads what is not there.
+void check_attributes(const fs::path& path) {
+  constexpr std::size_t kVersion = 4;
+  constexpr char kMultiPart = 0x10;  // in the second byte of the version
+  std::ifstream stream(path, std::ios::binary);
+  const auto size = static_cast<std::int64_t>(fs::file_size(path));
+  std::array<char, 8> start{};
+  stream.read(start.data(), start.size());
+  const bool multi_part = (start[kVersion + 1] & kMultiPart) != 0;
+  std::string name, type;
+  for (bool first = true; std::getline(stream, name, '\0'); first = false) {
+    if (name.empty() && (first || !multi_part)) return;  // the end of the header, or of all headers
+    if (name.empty()) {
+      first = true;
+      continue;
+    }
+    std::int32_t bytes = 0;
+    std::getline(stream, type, '\0');
+    stream.read(reinterpret_cast<char*>(&bytes), sizeof bytes);
+    if (!stream) return;  // the library tells of files that end too early
+    if (bytes < 0 || bytes > size - static_cast<std::int64_t>(stream.tellg()))
+      throw SceneError({path.string(), 0}, "the image's header has an attribute that is larger than the file");
+    stream.seekg(bytes, std::ios::cur);
+  }
+}
+
 template <class Read> void with_first_part(const fs::path& path, Read read) {
   const SourceLocation where{path.string(), 0};
   std::error_code error;
   if (!fs::is_regular_file(path, error)) throw SceneError(where, "there is no such image file");
   if (!is_exr(path)) throw SceneError(where, "this is not an OpenEXR file");
+  check_attributes(path);
   Imf::setGlobalThreadCount(0);
   try {
     Imf::MultiPartInputFile file(path.string().c_str(), 0);
@@ -149,6 +179,14 @@ template <class Read> void with_first_part(const fs::path& path, Read read) {
 }
 
 /// An image of the file's size, in its place in the frame, without values yet. Throws SceneError.
+/// Throws SceneError for windows of which sizes cannot be computed.
+void check_windows(const fs::path& path, const Imf::Header& header) {
+  for (const Imath::Box2i& window : {header.dataWindow(), header.displayWindow()})
+    for (const int corner : {window.min.x, window.min.y, window.max.x, window.max.y})
+      if (std::abs(static_cast<long long>(corner)) > (1 << 24))
+        throw SceneError({path.string(), 0}, "a window of the image lies too far from the origin");
+}
+
 Image prepare_image(const fs::path& path, const Imf::Header& header) {
   const SourceLocation where{path.string(), 0};
   if (header.hasType() && Imf::isDeepData(header.type())) throw SceneError(where, "deep images are not supported");
@@ -161,12 +199,9 @@ Image prepare_image(const fs::path& path, const Imf::Header& header) {
   }
   const Imath::Box2i window = header.dataWindow(), frame = header.displayWindow();
   const auto extent = [](int low, int high) { return static_cast<long long>(high) - low + 1; };
-  const auto too_far = [](int v) { return std::abs(static_cast<long long>(v)) > (1 << 24); };
   const long long width = extent(window.min.x, window.max.x), height = extent(window.min.y, window.max.y);
   check_image_size(path, width, height, names.size(), fs::file_size(path));
-  for (const int corner : {window.min.x, window.min.y, frame.min.x, frame.min.y, frame.max.x, frame.max.y}) {
-    if (too_far(corner)) throw SceneError(where, "a window of the image lies too far from the origin");
-  }
+  check_windows(path, header);
   Image image(static_cast<int>(width), static_cast<int>(height), std::move(names));
   image.x0 = window.min.x - frame.min.x;
   image.y0 = window.min.y - frame.min.y;
@@ -220,6 +255,7 @@ ExrHeader read_exr_header(const fs::path& path) {
   ExrHeader out;
   with_first_part(path, [&](Imf::MultiPartInputFile& file) {
     const Imf::Header& header = file.header(0);
+    check_windows(path, header);
     const auto rect = [](const Imath::Box2i& box) {
       return PixelRect{box.min.x, box.min.y, box.max.x + 1, box.max.y + 1};
     };
