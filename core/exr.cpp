@@ -3,6 +3,7 @@
 
 #include "core/color.h"
 #include "core/error.h"
+#include "core/exr_check.h"
 #include "core/output_file.h"
 
 #include <ImathBox.h>
@@ -25,12 +26,10 @@
 #include <half.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <memory>
 
 namespace sheaf {
@@ -132,39 +131,12 @@ void write_pixels(ExrStream& stream, const Image& image, const ExrMetadata& meta
 }
 
 /// Calls `read` with the file's first part and turns the library's exceptions into ours.
-/// Throws SceneError for a header with an attribute that is larger than the rest of the file: the library would take
-/// memory for it before it reads what is not there.
-void check_attributes(const fs::path& path) {
-  constexpr std::size_t kVersion = 4;
-  constexpr char kMultiPart = 0x10;  // in the second byte of the version
-  std::ifstream stream(path, std::ios::binary);
-  const auto size = static_cast<std::int64_t>(fs::file_size(path));
-  std::array<char, 8> start{};
-  stream.read(start.data(), start.size());
-  const bool multi_part = (start[kVersion + 1] & kMultiPart) != 0;
-  std::string name, type;
-  for (bool first = true; std::getline(stream, name, '\0'); first = false) {
-    if (name.empty() && (first || !multi_part)) return;  // the end of the header, or of all headers
-    if (name.empty()) {
-      first = true;
-      continue;
-    }
-    std::int32_t bytes = 0;
-    std::getline(stream, type, '\0');
-    stream.read(reinterpret_cast<char*>(&bytes), sizeof bytes);
-    if (!stream) return;  // the library tells of files that end too early
-    if (bytes < 0 || bytes > size - static_cast<std::int64_t>(stream.tellg()))
-      throw SceneError({path.string(), 0}, "the image's header has an attribute that is larger than the file");
-    stream.seekg(bytes, std::ios::cur);
-  }
-}
-
 template <class Read> void with_first_part(const fs::path& path, Read read) {
   const SourceLocation where{path.string(), 0};
   std::error_code error;
   if (!fs::is_regular_file(path, error)) throw SceneError(where, "there is no such image file");
   if (!is_exr(path)) throw SceneError(where, "this is not an OpenEXR file");
-  check_attributes(path);
+  check_exr_headers(path);
   Imf::setGlobalThreadCount(0);
   try {
     Imf::MultiPartInputFile file(path.string().c_str(), 0);
