@@ -23,5 +23,6 @@ options=(-rss_limit_mb=2048 -malloc_limit_mb=1024 -timeout=10 -print_final_stats
 [[ ! -s $TMPDIR/seeds/$target.dict ]] || options+=("-dict=$TMPDIR/seeds/$target.dict")
 for argument in "$@"; do [[ ! -f $argument ]] || alone=1; done
 [[ -n ${alone:-} ]] || options+=("$corpus" "$TMPDIR/seeds/$target")
-export LSAN_OPTIONS="suppressions=$root/cmake/lsan.supp:print_suppressions=0"
+# Short memories of where memory came from and went: half the time of each input.
+export ASAN_OPTIONS=quarantine_size_mb=16:malloc_context_size=6 LSAN_OPTIONS="suppressions=$root/cmake/lsan.supp:print_suppressions=0"
 "$build/fuzz_$target" "${options[@]}" "$@"

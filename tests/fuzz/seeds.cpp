@@ -279,13 +279,16 @@ void add_pictures(Seeds& seeds) {
   write_bytes(path("pfm"), "PF\n3 2\n-1.0\n" + raw(std::vector<float>(18, 0.5f)));
   for (std::size_t i = 0; i < std::size(kImageExtensions); ++i)
     seeds.add("image", static_cast<char>(i) + read_bytes(path(kImageExtensions[i])));
-  write_exr(path("exr"), image, {.software = "seeds", .half_channels = {"R"}});
+  ExrMetadata metadata;
+  metadata.software = "seeds";
+  metadata.half_channels = {"R"};
+  write_exr(path("exr"), image, metadata);
   seeds.add("exr", read_bytes(path("exr")));
   Image part(3, 2, {"R", "sampleCount"});
   part.x0 = 1;
   part.frame_width = 6;
   part.frame_height = 4;
-  ExrMetadata metadata;
+  metadata.half_channels.clear();
   metadata.attributes = {{"sheaf/samplesPerPixel", 8}, {"sheaf/droppedRays", "0"}, {"sheaf/droppedSamples", "0"}};
   add_part_attributes(metadata, "--spp 8\n", std::nullopt, false);
   write_exr(path("exr"), part, metadata);
