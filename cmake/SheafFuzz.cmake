@@ -30,7 +30,7 @@ function(sheaf_fuzz_targets)
     target_link_options(${target} PRIVATE -fsanitize=fuzzer)
     string(REPLACE fuzz_ "" name ${target})
     # The same inputs each time: what the test says depends on the code alone, but for where time ends it.
-    add_test(NAME ${target} COMMAND tests/fuzz/run.sh "${PROJECT_BINARY_DIR}" ${name} -seed=1 -max_total_time=2
+    add_test(NAME ${target} COMMAND tests/fuzz/run.sh "${PROJECT_BINARY_DIR}" ${name} -seed=1 -max_total_time=1
       WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
     set_tests_properties(${target} PROPERTIES LABELS fuzz TIMEOUT 300)
   endforeach()
