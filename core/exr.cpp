@@ -151,14 +151,6 @@ template <class Read> void with_first_part(const fs::path& path, Read read) {
 }
 
 /// An image of the file's size, in its place in the frame, without values yet. Throws SceneError.
-/// Throws SceneError for windows of which sizes cannot be computed.
-void check_windows(const fs::path& path, const Imf::Header& header) {
-  for (const Imath::Box2i& window : {header.dataWindow(), header.displayWindow()})
-    for (const int corner : {window.min.x, window.min.y, window.max.x, window.max.y})
-      if (std::abs(static_cast<long long>(corner)) > (1 << 24))
-        throw SceneError({path.string(), 0}, "a window of the image lies too far from the origin");
-}
-
 Image prepare_image(const fs::path& path, const Imf::Header& header) {
   const SourceLocation where{path.string(), 0};
   if (header.hasType() && Imf::isDeepData(header.type())) throw SceneError(where, "deep images are not supported");
@@ -171,9 +163,12 @@ Image prepare_image(const fs::path& path, const Imf::Header& header) {
   }
   const Imath::Box2i window = header.dataWindow(), frame = header.displayWindow();
   const auto extent = [](int low, int high) { return static_cast<long long>(high) - low + 1; };
+  const auto too_far = [](int v) { return std::abs(static_cast<long long>(v)) > (1 << 24); };
   const long long width = extent(window.min.x, window.max.x), height = extent(window.min.y, window.max.y);
   check_image_size(path, width, height, names.size(), fs::file_size(path));
-  check_windows(path, header);
+  for (const int corner : {window.min.x, window.min.y, frame.min.x, frame.min.y, frame.max.x, frame.max.y}) {
+    if (too_far(corner)) throw SceneError(where, "a window of the image lies too far from the origin");
+  }
   Image image(static_cast<int>(width), static_cast<int>(height), std::move(names));
   image.x0 = window.min.x - frame.min.x;
   image.y0 = window.min.y - frame.min.y;
@@ -227,7 +222,6 @@ ExrHeader read_exr_header(const fs::path& path) {
   ExrHeader out;
   with_first_part(path, [&](Imf::MultiPartInputFile& file) {
     const Imf::Header& header = file.header(0);
-    check_windows(path, header);
     const auto rect = [](const Imath::Box2i& box) {
       return PixelRect{box.min.x, box.min.y, box.max.x + 1, box.max.y + 1};
     };
