@@ -5,18 +5,21 @@ set(SHEAF_FUZZ_SCENE scene/data/*.cpp scene/description/*.cpp scene/dialects/*.c
   scene/tables/filter.cpp)
 set(SHEAF_FUZZ_KERNELS kernels/film/*.cpp kernels/passes/render_state.cpp)
 
-# sheaf_fuzz_targets(): a program for each tests/fuzz/fuzz_*.cpp, and an entry of ctest that runs it for a short time.
-function(sheaf_fuzz_targets)
+# sheaf_find_fuzzer(): sets SHEAF_HAS_FUZZER; where there is none, adds the entry of ctest that says so.
+function(sheaf_find_fuzzer)
   include(CheckCXXSourceCompiles)
   set(CMAKE_REQUIRED_FLAGS -fsanitize=fuzzer)
   check_cxx_source_compiles("#include <cstddef>
     extern \"C\" int LLVMFuzzerTestOneInput(const unsigned char*, std::size_t) { return 0; }" SHEAF_HAS_FUZZER)
-  unset(CMAKE_REQUIRED_FLAGS)
   if(NOT SHEAF_HAS_FUZZER)
-    add_test(NAME fuzz COMMAND "${CMAKE_COMMAND}" -E echo "left out: no clang++ with libFuzzer (packages clang, libclang-rt-dev)")
+    add_test(NAME fuzz
+      COMMAND "${CMAKE_COMMAND}" -E echo "left out: no clang++ with libFuzzer (packages clang, libclang-rt-dev)")
     set_tests_properties(fuzz PROPERTIES LABELS fuzz SKIP_REGULAR_EXPRESSION "left out: ")
-    return()
   endif()
+endfunction()
+
+# sheaf_fuzz_targets(): a program for each tests/fuzz/fuzz_*.cpp, and an entry of ctest that runs it for a short time.
+function(sheaf_fuzz_targets)
   # The nearest of many names is sought for every other message; comparing letters there tells the fuzzer nothing.
   set_source_files_properties("${PROJECT_SOURCE_DIR}/core/error.cpp" PROPERTIES
     COMPILE_OPTIONS -fno-sanitize-coverage=trace-cmp)
