@@ -55,7 +55,7 @@ BinaryInput::BinaryInput(const std::filesystem::path& file, std::string_view fir
 /// Reads the whole file once; `size_of_rest`: all but the sum.
 void BinaryInput::check(std::uint64_t size_of_rest) {
   stream_.seekg(0);
-  std::vector<char> piece(std::size_t{1} << 20);
+  std::vector<char> piece(static_cast<std::size_t>(std::min<std::uint64_t>(size_of_rest, std::uint64_t{1} << 20)));
   std::uint32_t sum = 0, expected = 0;
   for (std::uint64_t rest = size_of_rest; rest > 0;) {
     const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(rest, piece.size()));

@@ -3,6 +3,7 @@
 
 #include "core/color.h"
 #include "core/error.h"
+#include "core/exr_check.h"
 #include "core/output_file.h"
 
 #include <ImathBox.h>
@@ -135,6 +136,7 @@ template <class Read> void with_first_part(const fs::path& path, Read read) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) throw SceneError(where, "there is no such image file");
   if (!is_exr(path)) throw SceneError(where, "this is not an OpenEXR file");
+  check_exr_headers(path);
   Imf::setGlobalThreadCount(0);
   try {
     Imf::MultiPartInputFile file(path.string().c_str(), 0);

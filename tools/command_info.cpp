@@ -158,14 +158,14 @@ void add_info_command(Command& program, int& exit_code) {
   add_read_options(command, arguments->read);
   command.on_call([arguments, &exit_code] {
     if (std::filesystem::is_regular_file(arguments->scene) && is_exr(arguments->scene)) {
-      std::fputs(describe(read_exr_header(arguments->scene), arguments->scene).c_str(), stdout);
+      std::fputs(printable(describe(read_exr_header(arguments->scene), arguments->scene)).c_str(), stdout);
       exit_code = 0;
       return;
     }
     Description description = read_scene(arguments->scene, read_options(arguments->scene, arguments->read));
     const std::unique_ptr<Scene> scene =
         arguments->read.lenient ? compile_leniently(description) : compile_scene(description);
-    std::fputs(describe(description, *scene).c_str(), stdout);
+    std::fputs(printable(describe(description, *scene)).c_str(), stdout);
     exit_code = 0;
   });
 }

@@ -4,6 +4,7 @@
 #include "tools/options.h"
 
 #include <functional>
+#include <string>
 #include <string_view>
 
 namespace sheaf {
@@ -21,6 +22,8 @@ void add_merge_command(Command& program, int& exit_code);
 /// sheaf farm: has parts of pictures rendered by the jobs of a cluster.
 void add_farm_command(Command& program, int& exit_code);
 
+/// A text with '?' for what terminals obey: names in files, and names of files, may hold anything.
+std::string printable(std::string_view text);
 /// Prints a line to the standard error stream, after "sheaf: ". May be called by several threads at once.
 void print_message(std::string_view message);
 /// From now on `listener` is told of each message too, by one thread at a time; none if it is empty.

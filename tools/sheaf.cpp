@@ -18,10 +18,15 @@ std::function<void(std::string_view)> message_listener;  ///< guarded by `listen
 
 }  // namespace
 
-void print_message(std::string_view message) {
-  std::string shown(message);
-  for (char& c : shown)  // names of files may hold anything, also what terminals obey
+std::string printable(std::string_view text) {
+  std::string shown(text);
+  for (char& c : shown)
     if ((static_cast<unsigned char>(c) < 32 && c != '\n' && c != '\t') || c == 127) c = '?';
+  return shown;
+}
+
+void print_message(std::string_view message) {
+  const std::string shown = printable(message);
   std::fprintf(stderr, "sheaf: %s\n", shown.c_str());
   const std::lock_guard lock(listening);
   if (message_listener) message_listener(shown);

@@ -59,7 +59,8 @@ class Directory {
     const char* const entry = bytes_.data() + end + static_cast<std::uint64_t>(index) * width;
     const std::uint64_t offset =
         version == kVersion4 ? little_endian<std::uint64_t>(entry) : little_endian<std::uint32_t>(entry);
-    if (offset >= end) fail("mesh " + std::to_string(index) + " is said to lie behind the end of the file");
+    if (end < kHeaderSize || offset > end - kHeaderSize)
+      fail("mesh " + std::to_string(index) + " is said to lie behind the end of the file");
     check_header(offset);
     return bytes_.substr(offset, end - offset);
   }

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 
@@ -178,6 +179,38 @@ TEST_CASE("a header that claims a huge image is refused without taking the memor
     write_bytes(folder / "claim.exr", claim);
     CHECK_THROWS_AS(read_exr(folder / "claim.exr"), SceneError);
   }
+}
+
+TEST_CASE("a header with an attribute of a size that cannot be is refused before the library reads it") {
+  const TemporaryFolder folder;
+  ExrMetadata metadata;
+  metadata.software = "test";
+  write_exr(folder / "small.exr", make_noise(4, 4, {"R"}), metadata);
+  const std::string bytes = read_bytes(folder / "small.exr");
+  const auto error_with = [&](const std::string& attribute, const std::string& size) {
+    std::string claim = bytes;
+    claim.replace(claim.find(attribute) + attribute.size(), size.size(), size);
+    write_bytes(folder / "claim.exr", claim);
+    std::string messages;
+    for (const auto& read : std::vector<std::function<void(const std::filesystem::path&)>>{
+             [](auto& path) { read_exr(path); }, [](auto& path) { read_exr_header(path); },
+             [](auto& path) { read_exr_metadata(path); }}) {
+      try {
+        read(folder / "claim.exr");
+        messages += "(none)";
+      } catch (const SceneError& error) { messages += error.what(); }
+    }
+    const std::string expected = "has a size that cannot be";
+    std::size_t found = 0;
+    for (auto at = messages.find(expected); at != std::string::npos; at = messages.find(expected, at + 1)) ++found;
+    CAPTURE(messages);
+    CHECK(found == 3);
+  };
+  using namespace std::string_literals;
+  error_with("Software\0string\0"s, "\xff\xff\xff\x7f"s);
+  error_with("Software\0string\0"s, "\xff\xff\xff\xff"s);
+  error_with("channels\0chlist\0"s, "\x10"s);
+  error_with("compression\0compression\0"s, "\x05"s);
 }
 
 TEST_CASE("what cannot be an EXR is refused with the file's name") {

@@ -132,6 +132,10 @@ TEST_CASE("serialized: headers and dictionaries that are wrong") {
   CHECK(contains(error_in(headless + raw(std::uint64_t{1} << 62) + raw(2u), 1), "behind the end"));
   CHECK(contains(error_in(headless + raw(std::uint64_t{valid.size() - 20}) + raw(2u), 1), "behind the end"));
   CHECK(contains(error_in(headless + raw(std::uint64_t{5}) + raw(2u), 1), "at byte 5"));
+  // A mesh whose header reaches into the dictionary, the number 4 there being its version.
+  const std::string first = Written{}.bytes();
+  const std::string short_header = first + "\x1c\x04" + raw(std::uint64_t{4}) + raw(std::uint64_t{first.size()});
+  CHECK(contains(error_in(short_header + raw(2u), 1), "behind the end"));
   CHECK(contains(error_in(raw(std::uint16_t{0x041c}) + raw(std::uint16_t{4}) + raw(2u), 1), "truncated"));
 }
 

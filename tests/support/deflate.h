@@ -7,12 +7,12 @@
 
 namespace sheaf::test {
 
-/// `bytes` as one zlib stream.
-inline std::string deflated(const std::string& bytes) {
+/// `bytes` as one zlib stream; level 0 stores them as they are.
+inline std::string deflated(const std::string& bytes, int level = 9) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::string stream(size, '\0');
   compress2(reinterpret_cast<Bytef*>(stream.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
-            static_cast<uLong>(bytes.size()), 9);
+            static_cast<uLong>(bytes.size()), level);
   stream.resize(size);
   return stream;
 }

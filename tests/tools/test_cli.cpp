@@ -418,6 +418,22 @@ TEST_CASE("compare fails by each of its thresholds") {
   CHECK(contains(run(folder, "compare a.exr b.exr").out, "0.000 %"));
 }
 
+TEST_CASE("what files are called and hold cannot command the terminal") {
+  const TemporaryFolder folder;
+  Image image(2, 2, {"R\x1b[31m"});
+  ExrMetadata metadata;
+  metadata.attributes = {{"ke\x07y", std::string("\x1b]0;title\x07")}};
+  write_exr(folder / "a.exr", image, metadata);
+  const Outcome outcome = run(folder, "info a.exr");
+  CHECK(outcome.code == 0);
+  CHECK(contains(outcome.out, "channel     R?[31m (float)\n"));
+  CHECK(contains(outcome.out, "attribute   ke?y = ?]0;title?\n"));
+  write_bytes(folder / "scene.xml", "<scene version=\"3.0.0\"><shape type=\"\x1b[2J\"/></scene>");
+  const Outcome refused = run(folder, "info scene.xml");
+  CHECK(refused.code == 3);
+  CHECK(refused.err.find('\x1b') == std::string::npos);
+}
+
 TEST_CASE("info says what a scene holds") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);

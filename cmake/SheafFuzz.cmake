@@ -1,0 +1,40 @@
+# Fuzz targets: programs of libFuzzer, see tests/fuzz/README.md. Clang alone has it.
+
+# What reads files, of each layer; nothing else is built.
+set(SHEAF_FUZZ_SCENE scene/data/*.cpp scene/description/*.cpp scene/dialects/*.cpp scene/formats/*.cpp scene/xml/*.cpp
+  scene/tables/filter.cpp)
+set(SHEAF_FUZZ_KERNELS kernels/film/*.cpp kernels/passes/render_state.cpp)
+
+# sheaf_find_fuzzer(): sets SHEAF_HAS_FUZZER; where there is none, adds the entry of ctest that says so.
+function(sheaf_find_fuzzer)
+  include(CheckCXXSourceCompiles)
+  set(CMAKE_REQUIRED_FLAGS -fsanitize=fuzzer)
+  check_cxx_source_compiles("#include <cstddef>
+    extern \"C\" int LLVMFuzzerTestOneInput(const unsigned char*, std::size_t) { return 0; }" SHEAF_HAS_FUZZER)
+  if(NOT SHEAF_HAS_FUZZER)
+    add_test(NAME fuzz
+      COMMAND "${CMAKE_COMMAND}" -E echo "left out: no clang++ with libFuzzer (packages clang, libclang-rt-dev)")
+    set_tests_properties(fuzz PROPERTIES LABELS fuzz SKIP_REGULAR_EXPRESSION "left out: ")
+  endif()
+endfunction()
+
+# sheaf_fuzz_targets(): a program for each tests/fuzz/fuzz_*.cpp, and an entry of ctest that runs it for a short time.
+function(sheaf_fuzz_targets)
+  # The nearest of many names is sought for every other message; comparing letters there tells the fuzzer nothing.
+  set_source_files_properties("${PROJECT_SOURCE_DIR}/core/error.cpp" PROPERTIES
+    COMPILE_OPTIONS -fno-sanitize-coverage=trace-cmp)
+  sheaf_layer(fuzz SOURCES tests/fuzz/fuzz.cpp tools/parts.cpp DEPENDS sheaf_kernels)
+  target_compile_definitions(sheaf_fuzz PUBLIC SHEAF_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  sheaf_program(sheaf_fuzz_seeds SOURCES tests/fuzz/seeds.cpp DEPENDS sheaf_fuzz)
+  sheaf_sources(sources tests/fuzz/fuzz_*.cpp)
+  foreach(source IN LISTS sources)
+    cmake_path(GET source STEM target)
+    sheaf_program(${target} SOURCES tests/fuzz/${target}.cpp DEPENDS sheaf_fuzz)
+    target_link_options(${target} PRIVATE -fsanitize=fuzzer)
+    string(REPLACE fuzz_ "" name ${target})
+    # The same inputs each time: what the test says depends on the code alone, but for where time ends it.
+    add_test(NAME ${target} COMMAND tests/fuzz/run.sh "${PROJECT_BINARY_DIR}" ${name} -seed=1 -max_total_time=1
+      WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+    set_tests_properties(${target} PROPERTIES LABELS fuzz TIMEOUT 300)
+  endforeach()
+endfunction()

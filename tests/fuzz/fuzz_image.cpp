@@ -1,0 +1,44 @@
+// Pictures. The first byte chooses the extension, by which a format is tried first. Check sums in PNG files are put
+// right: else nearly none would be read.
+#include "core/image.h"
+#include "core/inflate.h"
+#include "scene/formats/height_field.h"
+#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/image_extensions.h"
+
+namespace sheaf::fuzz {
+
+namespace {
+
+std::uint32_t big_endian(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+/// Chunks of a PNG file are a length, four letters, as many bytes, and a check sum of letters and bytes.
+void put_check_sums(std::string& png) {
+  constexpr std::size_t kSignature = 8, kAround = 12;
+  for (std::size_t at = kSignature; at + kAround <= png.size();) {
+    const std::size_t length = big_endian(png, at), sum_at = at + 8 + length;
+    if (length > png.size() - at - kAround) return;
+    const std::uint32_t sum = check_sum(std::string_view(png).substr(at + 4, 4 + length));
+    for (std::size_t i = 0; i < 4; ++i) png[sum_at + i] = static_cast<char>(sum >> (24 - 8 * i));
+    at += kAround + length;
+  }
+}
+
+}  // namespace
+
+void try_input(std::string_view input) {
+  const unsigned choice = take_choice(input);
+  const std::string extension(kImageExtensions[choice % std::size(kImageExtensions)]);
+  std::string bytes(input);
+  if (extension == "png") put_check_sums(bytes);
+  const auto file = make_file("picture." + extension, bytes);
+  if (!reads([&] { (void)read_picture(file); })) return;
+  reads([&] { (void)read_image(file); });
+  reads([&] { (void)read_height_field(file, 1, true, false); });
+}
+
+}  // namespace sheaf::fuzz

@@ -1,0 +1,13 @@
+// Stanford PLY, as a mesh and as ellipsoids.
+#include "scene/formats/ellipsoids.h"
+#include "tests/fuzz/fuzz_mesh.h"
+
+namespace sheaf::fuzz {
+
+void try_input(std::string_view input) {
+  const auto file = make_file("mesh.ply", input);
+  reads([&] { try_mesh(read_ply(file, true)); });
+  reads([&] { (void)read_ellipsoids(file, 2); });
+}
+
+}  // namespace sheaf::fuzz

@@ -1,0 +1,20 @@
+// Mitsuba's serialized meshes. The first byte says whether the rest is a file, or what a mesh of version 3 or 4 holds
+// before it is deflated: mutants of a deflated stream hardly ever are one.
+#include "scene/formats/serialized.h"
+#include "tests/fuzz/fuzz_mesh.h"
+#include "tests/support/deflate.h"
+
+namespace sheaf::fuzz {
+
+void try_input(std::string_view input) {
+  const unsigned choice = take_choice(input);
+  std::string bytes(input);
+  if (choice % 4 >= 2) {
+    const char version = choice % 2 == 0 ? '\3' : '\4';
+    bytes = std::string{'\x1c', '\x04', version, '\0'} + test::deflated(bytes, 0);
+  }
+  const auto file = make_file("mesh.serialized", bytes);
+  reads([&] { try_mesh(read_serialized(file, static_cast<int>(choice / 4 % 4))); });
+}
+
+}  // namespace sheaf::fuzz

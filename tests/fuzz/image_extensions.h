@@ -1,0 +1,10 @@
+// The formats of pictures that are tried.
+#pragma once
+
+#include <string_view>
+
+namespace sheaf::fuzz {
+
+inline constexpr std::string_view kImageExtensions[] = {"png", "jpg", "tif", "hdr", "bmp", "tga", "pgm", "ppm", "pfm"};
+
+}  // namespace sheaf::fuzz
