@@ -22,6 +22,8 @@ std::unique_ptr<Scene> SceneCompiler::run() {
   out_->warnings_ = out_->textures_.warnings;
   attributes_.emplace(out_->textures_.attribute_names);
   add_materials();
+  for (std::string& warning : clamped_texel_warnings(in_.textures, out_->textures_, out_->bindings_))
+    out_->warnings_.push_back(std::move(warning));
   for (const ShapeDescription& shape : in_.shapes) add_shape(shape);
   ungrouped_shapes_ = static_cast<std::uint32_t>(out_->shapes_.size());
   std::vector<GroupContents> groups;
@@ -64,6 +66,7 @@ void SceneCompiler::add_materials() {
   naming_.add_materials(in_.materials);
   CompiledMaterials materials = compile_materials(in_.materials, spectra(), phases);
   row_of_phase_ = std::move(materials.row_of_phase);
+  out_->warnings_.insert(out_->warnings_.end(), materials.warnings.begin(), materials.warnings.end());
   for (const MaterialSpectra& rows : materials.spectra)
     out_->material_spectra_.insert(out_->material_spectra_.end(), rows.begin(), rows.end());
   out_->materials_ = std::move(materials.rows);

@@ -124,7 +124,7 @@ class TextureCompiler {
       out_.grids.push_back(load_volume(volume.grid, texture.where));
     } catch (const SceneError& problem) { throw at_place(texture.where, problem); }
     if (out_.grids.back().is_empty()) out_.warnings.push_back(volume.grid.file.string() + ": the grid is empty");
-    grids_of_.push_back(&volume.grid);
+    grids_of_.push_back(&texture);
   }
 
   /// The row of a colour, which for constants is made here.
@@ -228,12 +228,14 @@ class TextureCompiler {
 
   /// Once no more grids are added: their rows point into them.
   void place_grids() {
-    for (std::size_t i = 0; i < out_.grids.size(); ++i)
-      out_.grid_rows.push_back(make_brick_grid_row(out_.grids[i], grids_of_[i]->to_world, grids_of_[i]->filter));
+    for (std::size_t i = 0; i < out_.grids.size(); ++i) {
+      const GridVolumeDescription& from = std::get<VolumeTextureDescription>(grids_of_[i]->model).grid;
+      out_.grid_rows.push_back(place_grid(out_.grids[i], from.to_world, from, grids_of_[i]->where));
+    }
   }
 
   const std::vector<TextureDescription>& textures_;
-  std::vector<const GridVolumeDescription*> grids_of_;  ///< of each grid
+  std::vector<const TextureDescription*> grids_of_;  ///< of each grid
   std::vector<int> depths_;
   std::vector<TiledImage> images_;
   std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::Change>, std::size_t> index_of_;

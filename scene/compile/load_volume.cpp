@@ -88,4 +88,14 @@ BrickGrid load_volume(const GridVolumeDescription& description, const SourceLoca
   } catch (const SceneError& error) { throw SceneError(where, error.what()); }
 }
 
+BrickGridRow place_grid(const BrickGrid& grid, const Transform& to_world, const GridVolumeDescription& description,
+                        const SourceLocation& where) {
+  try {
+    return make_brick_grid_row(grid, to_world, description.filter);
+  } catch (const SceneError& error) {
+    const std::string file = description.file.string();
+    throw SceneError(where, (file.empty() ? "" : file + ": ") + error.what());
+  }
+}
+
 }  // namespace sheaf

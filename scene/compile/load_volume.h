@@ -12,6 +12,11 @@ namespace sheaf {
 /// make_majorant_grid().
 BrickGrid load_volume(const GridVolumeDescription& description, const SourceLocation& where);
 
+/// The row of a grid that load_volume() made of the description, in its place. Throws SceneError at `where` if the
+/// transform from the world is beyond 32-bit floats.
+BrickGridRow place_grid(const BrickGrid& grid, const Transform& to_world, const GridVolumeDescription& description,
+                        const SourceLocation& where);
+
 /// What is outside of a dense grid.
 GridBorder border_of(GridVolumeDescription::Wrap wrap);
 
