@@ -168,6 +168,35 @@ TEST_CASE("messages: environment maps that cannot be read are errors at their li
   }
 }
 
+TEST_CASE("messages: a missing file is told with what makes it, where a text beside its folder says so") {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& file) {
+    return compile_error(folder, "scene.xml",
+                         mitsuba_scene("<shape type='ply'><string name='filename' value='" + file + "'/></shape>"));
+  };
+  const std::string missing = "scene.xml:4: file 'made/deep/knot.ply' not found in '" + folder.path().string() + "'";
+  CHECK(error("made/deep/knot.ply") == missing);
+  write_below(folder, "made.txt", "make_knot.py makes these\nand more\n");
+  CHECK(error("made/deep/knot.ply") == missing + " (made.txt: make_knot.py makes these)");
+  write_below(folder, "made/deep.txt", "the nearest counts");
+  CHECK(error("made/deep/knot.ply") == missing + " (made/deep.txt: the nearest counts)");
+  CHECK(contains(
+      compile_error(folder, "scene.pbrt", "WorldBegin\nShape \"plymesh\" \"string filename\" \"made/deep/knot.ply\"\n"),
+      "scene.pbrt:2: file 'made/deep/knot.ply' not found in '"));
+  CHECK(contains(
+      compile_error(folder, "scene.pbrt", "WorldBegin\nShape \"plymesh\" \"string filename\" \"made/knot.ply\"\n"),
+      " (made.txt: make_knot.py makes these)"));
+  // Names that lead elsewhere, and texts that say nothing or a lot.
+  for (const char* name : {"knot.ply", "/made/knot.ply", "../made/knot.ply", "made//", "..", "/"})
+    CHECK_FALSE(contains(error(name), "make_knot"));
+  write_below(folder, "many.txt", std::string(100000, 'x'));
+  CHECK(error("many/knot.ply").ends_with("many.txt: " + std::string(200, 'x') + ")"));
+  write_below(folder, "none.txt", "");
+  CHECK(error("none/knot.ply").ends_with("'"));
+  std::filesystem::create_directory(folder / "folder.txt");
+  CHECK(error("folder/knot.ply").ends_with("'"));
+}
+
 TEST_CASE("messages: texels that no reflectance can have are counted, once for each texture") {
   const TemporaryFolder folder;
   write_exr(folder / "beyond.exr", beyond_one());
