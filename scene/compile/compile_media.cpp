@@ -78,6 +78,7 @@ class MediaCompiler {
     for (std::size_t i = 0; i < out.grids.size(); ++i) {
       const Placement& at = placements_[i];
       out.grid_rows.push_back(place_grid(out.grids[i], at.to_world, *at.description, at.where));
+      out.places.push_back(describe_grid(out.grids[i], at.to_world, *at.description, at.where));
     }
     for (std::size_t i = 0; i < out.majorants.size(); ++i) {
       const std::size_t of = majorant_of_[i];

@@ -1,6 +1,7 @@
 // Volumes from files of any kind.
 #pragma once
 
+#include "scene/compile/compile.h"
 #include "scene/tables/brick_grid.h"
 
 namespace sheaf {
@@ -16,6 +17,10 @@ BrickGrid load_volume(const GridVolumeDescription& description, const SourceLoca
 /// transform from the world is beyond 32-bit floats.
 BrickGridRow place_grid(const BrickGrid& grid, const Transform& to_world, const GridVolumeDescription& description,
                         const SourceLocation& where);
+
+/// What people are told of such a grid.
+PlacedGrid describe_grid(const BrickGrid& grid, const Transform& to_world, const GridVolumeDescription& description,
+                         const SourceLocation& where);
 
 /// What is outside of a dense grid.
 GridBorder border_of(GridVolumeDescription::Wrap wrap);
