@@ -144,7 +144,7 @@ template <class Read> void with_first_part(const fs::path& path, Read read) {
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {
-    throw SceneError(where, "there is not enough memory for this image");
+    throw Error(ExitCode::kRuntime, where, "there is not enough memory for this image");
   } catch (const std::exception& problem) {
     throw SceneError(where, std::string("cannot read the image: ") + problem.what());
   }
@@ -169,6 +169,7 @@ Image prepare_image(const fs::path& path, const Imf::Header& header) {
   for (const int corner : {window.min.x, window.min.y, frame.min.x, frame.min.y, frame.max.x, frame.max.y}) {
     if (too_far(corner)) throw SceneError(where, "a window of the image lies too far from the origin");
   }
+  check_image_memory(path, width, height, names.size(), sizeof(float));
   Image image(static_cast<int>(width), static_cast<int>(height), std::move(names));
   image.x0 = window.min.x - frame.min.x;
   image.y0 = window.min.y - frame.min.y;
@@ -200,7 +201,8 @@ Image read_exr(const fs::path& path) {
     const Imf::Header& header = file.header(0);
     image = prepare_image(path, header);
     Imf::InputPart part(file, 0);
-    Image placed = image;  // slices are addressed in the file's coordinates, not in the frame's
+    Image placed;  // without values: slices are addressed in the file's coordinates, not in the frame's
+    placed.width = image.width;
     placed.x0 = header.dataWindow().min.x;
     placed.y0 = header.dataWindow().min.y;
     Imf::FrameBuffer buffer;

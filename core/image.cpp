@@ -4,6 +4,7 @@
 #include "core/color.h"
 #include "core/error.h"
 #include "core/exr.h"
+#include "core/memory.h"
 #include "core/output_file.h"
 #include "core/png.h"
 
@@ -13,6 +14,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <fstream>
 #include <mutex>
 
 namespace sheaf {
@@ -76,10 +79,22 @@ void check_file(const fs::path& path) {
   if (!fs::is_regular_file(path, error)) throw SceneError({path.string(), 0}, "there is no such image file");
 }
 
-/// Opens a picture that is not OpenEXR, and checks its header.
-std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& path) {
+/// The library reads all of a PNM file to look at its header, copies it once more, and ends the program if it cannot.
+void check_pnm_memory(const fs::path& path) {
+  constexpr double kCopies = 3;
+  char head[2] = {};
+  std::ifstream(path, std::ios::binary).read(head, 2);
+  if (head[0] != 'P' || std::strchr("1234567Ff", head[1]) == nullptr) return;
+  const MemoryUse copies{"copies of the file", kCopies * static_cast<double>(fs::file_size(path)),
+                         "Files of other formats take less"};
+  check_memory("reading the image '" + path.string() + "'", {&copies, 1});
+}
+
+/// Opens a picture that is not OpenEXR, and checks its header. `keeps_bytes`: 8-bit data is read as it is.
+std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& path, bool keeps_bytes) {
   const SourceLocation where{path.string(), 0};
   quiet_library();
+  check_pnm_memory(path);
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
   std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string(), &config);
@@ -87,6 +102,8 @@ std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& path) {
   const OIIO::ImageSpec& spec = input->spec();
   check_image_size(path, spec.width, spec.height, static_cast<std::size_t>(std::max(spec.nchannels, 0)),
                    fs::file_size(path));
+  check_image_memory(path, spec.width, spec.height, static_cast<std::size_t>(spec.nchannels),
+                     keeps_bytes && spec.format == OIIO::TypeDesc::UINT8 ? 1 : sizeof(float));
   if (spec.depth > 1 || spec.deep) throw SceneError(where, "volume and deep images are not supported");
   if (spec.channelnames.size() != static_cast<std::size_t>(spec.nchannels)) {
     throw SceneError(where, "the image's channels have no names");
@@ -134,6 +151,15 @@ void check_image_size(const fs::path& file, long long width, long long height, s
   }
 }
 
+void check_image_memory(const fs::path& file, long long width, long long height, std::size_t channels,
+                        std::size_t value_bytes) {
+  const double values = static_cast<double>(width) * static_cast<double>(height) * static_cast<double>(channels);
+  const MemoryUse pixels{"its pixels", values * static_cast<double>(value_bytes), "A smaller picture takes less"};
+  check_memory("the image '" + file.string() + "' of " + std::to_string(width) + " x " + std::to_string(height) +
+                   " pixels with " + std::to_string(channels) + " channels",
+               {&pixels, 1});
+}
+
 std::vector<unsigned char> encode_png(const Image& image, int level) {
   quiet_library();
   const auto fail = [](const std::string& why) {
@@ -174,7 +200,7 @@ void write_png(const fs::path& path, const Image& image) {
 Image read_image(const fs::path& path) {
   check_file(path);
   if (is_exr(path)) return read_exr(path);
-  const std::unique_ptr<OIIO::ImageInput> input = open_picture(path);
+  const std::unique_ptr<OIIO::ImageInput> input = open_picture(path, false);
   const OIIO::ImageSpec& spec = input->spec();
   Image image(spec.width, spec.height, spec.channelnames);
   read_pixels(*input, OIIO::TypeDesc::FLOAT, image.data.data(), path);
@@ -192,7 +218,7 @@ Picture read_picture(const fs::path& path) {
     picture.floats = std::move(image.data);
     return picture;
   }
-  const std::unique_ptr<OIIO::ImageInput> input = open_picture(path);
+  const std::unique_ptr<OIIO::ImageInput> input = open_picture(path, true);
   const OIIO::ImageSpec& spec = input->spec();
   picture.width = spec.width;
   picture.height = spec.height;

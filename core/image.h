@@ -54,6 +54,10 @@ inline constexpr std::size_t kMaxImageBytes = std::size_t{1} << 34;
 void check_image_size(const std::filesystem::path& file, long long width, long long height, std::size_t channels,
                       std::size_t file_bytes);
 
+/// Throws Error (exit code 1) if there is not the memory for an image whose values take `value_bytes` bytes each.
+void check_image_memory(const std::filesystem::path& file, long long width, long long height, std::size_t channels,
+                        std::size_t value_bytes);
+
 /// Writes the channels R, G and B (or the first channel as grey, if there is no R) as an 8-bit PNG with the sRGB curve.
 /// Values are clamped to [0, 1] and rounded to nearest; NaN becomes 0. Alpha is kept if there is an A that is not 1
 /// everywhere; colours are then taken as premultiplied. Only the pixels that are there are written, not the frame.

@@ -6,6 +6,7 @@
 
 #if defined(__linux__)
 #include <sys/mman.h>
+#include <unistd.h>
 #endif
 
 namespace sheaf {
@@ -77,6 +78,15 @@ void prefer_large_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::siz
   const std::size_t begin = (address + kPageBytes - 1) / kPageBytes * kPageBytes;
   const std::size_t end = (address + bytes) / kPageBytes * kPageBytes;
   if (begin < end) madvise(static_cast<char*>(memory) + (begin - address), end - begin, MADV_HUGEPAGE);
+#endif
+}
+
+void release_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
+#if defined(__linux__)
+  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const auto address = reinterpret_cast<std::size_t>(memory);
+  const std::size_t begin = (address + page - 1) / page * page, end = (address + bytes) / page * page;
+  if (begin < end) madvise(static_cast<char*>(memory) + (begin - address), end - begin, MADV_DONTNEED);
 #endif
 }
 

@@ -20,6 +20,9 @@ std::vector<MemoryRange> ranges_for_large_pages(std::istream& smaps);
 /// Asks for large pages for memory that is about to be written for the first time.
 void prefer_large_pages(void* memory, std::size_t bytes) noexcept;
 
+/// Gives memory back to the system that its owner keeps: what lies on whole pages of it is lost, and reads as zero.
+void release_pages(void* memory, std::size_t bytes) noexcept;
+
 /// Moves what the process has in memory now to large pages, as far as the system has them. Scenes are read in no order
 /// while they are rendered: Embree's hierarchy, vertices, texels. On small pages nearly every such read waits for its
 /// page to be looked up too. Nothing changes but time.

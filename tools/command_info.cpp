@@ -1,5 +1,8 @@
-// sheaf info: what a scene file holds, its bounds and the memory it takes.
+// sheaf info: what a scene file holds, its bounds, and the memory that it and a render of it take.
 #include "core/exr.h"
+#include "core/memory.h"
+#include "core/stats.h"
+#include "kernels/passes/render_memory.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/read_scene.h"
 #include "scene/dialects/sampler_name.h"
@@ -51,7 +54,43 @@ std::string describe_integrator(const IntegratorDescription& integrator) {
                      integrator.hide_emitters ? ", emitters hidden" : "");
 }
 
-std::string describe(const Description& description, const Scene& scene) {
+std::string describe(Vec3f v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z); }
+
+/// Where each grid lies, and the environment map.
+std::string describe(const CompileReport& report) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  for (const PlacedGrid& grid : report.grids) {
+    const std::string name = grid.name.empty() ? fmt::format("of {}:{}", grid.where.file, grid.where.line) : grid.name;
+    if (grid.size[0] == 0) {
+      fmt::format_to(out, "grid        {}: empty\n", name);
+      continue;
+    }
+    fmt::format_to(out, "grid        {}: {} to {}, {} x {} x {} voxels{}, {:.3f} MB\n", name, describe(grid.box.min),
+                   describe(grid.box.max), grid.size[0], grid.size[1], grid.size[2],
+                   grid.channels == 1 ? "" : fmt::format(" of {} numbers", grid.channels),
+                   static_cast<double>(grid.bytes) * 1e-6);
+  }
+  if (report.envmap_width > 0)
+    fmt::format_to(out, "environment {} x {} pixels, {:.3f} MB\n", report.envmap_width, report.envmap_height,
+                   static_cast<double>(report.envmap_bytes) * 1e-6);
+  return text;
+}
+
+/// The most memory that the program has had until now, and that rendering the scene as it is would take.
+std::string describe_peaks(const Scene& scene) {
+  const double now = resident_memory(), loading = static_cast<double>(peak_rss_bytes());
+  double rendering = 0;
+  std::string parts;
+  for (const MemoryUse& use : render_memory(scene, {})) {
+    rendering += use.bytes;
+    parts += ", " + format_bytes(use.bytes) + " for " + use.what;
+  }
+  return fmt::format("peak        {} while loading; {} while rendering is to be expected: {} with the scene loaded{}\n",
+                     format_bytes(loading), format_bytes(now + rendering), format_bytes(now), parts);
+}
+
+std::string describe(const Description& description, const Scene& scene, const CompileReport& report) {
   const SceneInfo info = scene.info();
   const FilmDescription& film = description.film;
   std::string text;
@@ -80,12 +119,12 @@ std::string describe(const Description& description, const Scene& scene) {
   if (!description.media.empty()) fmt::format_to(out, "media       {}\n", description.media.size());
   fmt::format_to(out, "lights      {}\n", info.lights);
   if (info.shapes > 0) {
-    const Vec3f &low = info.bounds_min, &high = info.bounds_max;
-    fmt::format_to(out, "bounds      ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})\n", low.x, low.y, low.z,
-                   high.x, high.y, high.z);
+    fmt::format_to(out, "bounds      {} to {}\n", describe(info.bounds_min), describe(info.bounds_max));
   }
+  text += describe(report);
   fmt::format_to(out, "memory      {:.3f} MB of tables, {:.3f} MB of acceleration structure\n",
                  megabytes(info.table_bytes), megabytes(info.accel_bytes));
+  text += describe_peaks(scene);
   for (const std::string& note : description.notes) fmt::format_to(out, "note        {}\n", note);
   for (const std::string& stand_in : description.stand_ins) fmt::format_to(out, "warning     {}\n", stand_in);
   for (const std::string& warning : scene.warnings()) fmt::format_to(out, "warning     {}\n", warning);
@@ -153,7 +192,9 @@ std::string describe(const ExrHeader& header, const std::string& file) {
 void add_info_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<InfoArguments>();
   Command command = program.add_command(
-      "info", "Say what a scene file holds, its bounds and its memory; or what is in an OpenEXR file.");
+      "info",
+      "Say what a scene file holds, its bounds, where its grids lie, and how much memory it takes to load and to "
+      "render; or what is in an OpenEXR file.");
   command.add_option("scene", arguments->scene, "Scene file, or picture (.exr)").required();
   add_read_options(command, arguments->read);
   command.on_call([arguments, &exit_code] {
@@ -163,9 +204,12 @@ void add_info_command(Command& program, int& exit_code) {
       return;
     }
     Description description = read_scene(arguments->scene, read_options(arguments->scene, arguments->read));
+    CompileReport report;
+    CompileOptions options;
+    options.report = &report;
     const std::unique_ptr<Scene> scene =
-        arguments->read.lenient ? compile_leniently(description) : compile_scene(description);
-    std::fputs(printable(describe(description, *scene)).c_str(), stdout);
+        arguments->read.lenient ? compile_leniently(description, options) : compile_scene(description, options);
+    std::fputs(printable(describe(description, *scene, report)).c_str(), stdout);
     exit_code = 0;
   });
 }

@@ -4,6 +4,7 @@
 #include "kernels/film/cryptomatte.h"
 #include "kernels/passes/passes.h"
 #include "kernels/passes/photon_mapping.h"
+#include "kernels/passes/render_memory.h"
 #include "kernels/passes/render_report.h"
 #include "kernels/passes/sample_plan.h"
 #include "kernels/passes/tiles.h"
@@ -17,19 +18,13 @@
 
 #include <chrono>
 #include <cmath>
-#include <thread>
+#include <new>
 
 namespace sheaf {
 
 namespace {
 
-/// Camera samples per task: enough that refilling dwarfs draining, few enough that the buffer stays in the caches.
-constexpr int kTaskSamples = 16384;
-/// Most samples per pixel and pass; passes are separated by a barrier, within one a tile has one owner.
-constexpr std::uint32_t kPassSamples = 256;
-
-/// Side of the tiles of adaptive sampling, pixels, and their samples per pixel and task.
-constexpr int kAdaptiveSide = 32;
+/// Samples per pixel and task of adaptive sampling.
 constexpr std::uint32_t kUnitSamples = 16;
 
 /// Photons per task, and tasks whose splats are kept until they are added to the film.
@@ -70,9 +65,8 @@ class Renderer {
         needs_(WaveNeeds::of(context_)),
         options_(options),
         plan_(make_sample_plan(scene, options, context_.transport)),
-        threads_(options.threads > 0 ? options.threads
-                                     : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
-        wave_size_(options.wave_size > 0 ? options.wave_size : Wave::default_capacity(needs_)) {
+        threads_(threads_of(options)),
+        wave_size_(wave_size_of(options, needs_)) {
     if (wave_size_ > kMaxWaveSize)
       throw Error(ExitCode::kUsage, "wave size must be at most " + std::to_string(kMaxWaveSize));
     state_.film = plan_.make_film(scene, options);
@@ -265,9 +259,7 @@ class Renderer {
 
   /// Returns whether all tiles of the pass are done: not if the render was stopped.
   bool run_pass(std::uint32_t first_sample, std::uint32_t sample_count) {
-    int side = 8;
-    while (side < 64 && 4 * side * side * static_cast<int>(sample_count) <= kTaskSamples) side *= 2;
-    const std::vector<Tile> tiles = make_tiles(plan_.wanted, side);
+    const std::vector<Tile> tiles = make_tiles(plan_.wanted, tile_side(sample_count));
     begin_pass(tiles, sample_count);
     std::vector<std::uint8_t>& done = state_.tiles;
     while (std::find(done.begin(), done.end(), 0) != done.end()) {
@@ -470,6 +462,16 @@ Image RenderResult::to_image() const {
   return image;
 }
 
-RenderResult render(const Scene& scene, const RenderOptions& options) { return Renderer(scene, options).run(); }
+RenderResult render(const Scene& scene, const RenderOptions& options) {
+  const std::vector<MemoryUse> memory = render_memory(scene, options);
+  const PixelRect whole{0, 0, scene.film().width, scene.film().height};
+  const PixelRect crop = options.crop.value_or(scene.film().crop.value_or(whole));
+  const std::string task =
+      "a picture of " + std::to_string(crop.width()) + " x " + std::to_string(crop.height()) + " pixels";
+  check_memory(task, memory);
+  try {
+    return Renderer(scene, options).run();
+  } catch (const std::bad_alloc&) { throw not_enough_memory(task, memory); }
+}
 
 }  // namespace sheaf

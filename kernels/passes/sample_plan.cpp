@@ -4,6 +4,7 @@
 #include "kernels/passes/render_report.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace sheaf {
 
@@ -25,6 +26,14 @@ PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
     throw Error(ExitCode::kUsage, "crop must be a rectangle inside the frame of " + std::to_string(film.width) + " x " +
                                       std::to_string(film.height) + " pixels");
   return crop;
+}
+
+/// Pixels of the frame and of the border around it are numbered.
+void check_frame(const FilmDescription& film, const SampledFrame& frame) {
+  constexpr std::int64_t kMostPixels = std::numeric_limits<std::int32_t>::max();
+  if (std::int64_t{frame.row_length()} * (film.height + 2 * frame.border) <= kMostPixels) return;
+  refuse("a frame of " + std::to_string(film.width) + " x " + std::to_string(film.height) +
+         " pixels is too large: expected 2^31 pixels at most, also where a part of them is rendered");
 }
 
 void check_spectral_bins(const Scene& scene, int bins) {
@@ -145,6 +154,7 @@ SamplePlan make_sample_plan(const Scene& scene, const RenderOptions& options, co
   const FilterWeights* const weights = scene.view().filter_weights;
   plan.reach = weights != nullptr ? weights->reach() : 0;
   plan.frame = {film.width, film.sample_border ? plan.reach : 0};
+  check_frame(film, plan.frame);
   const PixelRect sampled = PixelRect{0, 0, film.width, film.height}.grown(plan.frame.border);
   plan.wanted = plan.crop.grown(plan.reach).intersection(sampled);
   plan_sets(options, sampler, plan);

@@ -3,9 +3,24 @@
 
 #include "core/pixel_rect.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace sheaf {
+
+/// Camera samples per task: enough that refilling dwarfs draining, few enough that the buffer stays in the caches.
+inline constexpr int kTaskSamples = 16384;
+/// Most samples per pixel and pass; passes are separated by a barrier, within one a tile has one owner.
+inline constexpr std::uint32_t kPassSamples = 256;
+/// Side of the tiles of adaptive sampling, pixels.
+inline constexpr int kAdaptiveSide = 32;
+
+/// Side of the tiles of a pass of so many samples per pixel, pixels.
+inline int tile_side(std::uint32_t samples) {
+  int side = 8;
+  while (side < 64 && 4 * side * side * static_cast<int>(samples) <= kTaskSamples) side *= 2;
+  return side;
+}
 
 /// A square of pixels of the frame, and those of them whose samples are wanted.
 struct Tile {

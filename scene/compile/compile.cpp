@@ -1,12 +1,28 @@
 // The order in which a scene is compiled, its materials, its bounds, and what comes once all tables are there.
 #include "scene/compile/compile.h"
 
+#include "core/memory.h"
 #include "scene/compile/compile_materials.h"
+#include "scene/compile/load_volume.h"
 #include "scene/compile/scene_compiler.h"
 
 #include <algorithm>
+#include <new>
 
 namespace sheaf {
+
+namespace {
+
+constexpr const char* kFewerTriangles = "Fewer triangles take less, or instances in place of copies";
+
+/// Does a step of which it is told what it takes memory for, and how that would be less, where there is not enough.
+template <class Step> void with_memory_for(const char* what, const char* advice, Step&& step) {
+  try {
+    step();
+  } catch (const std::bad_alloc&) { throw out_of_memory("the scene's " + std::string(what), advice); }
+}
+
+}  // namespace
 
 std::unique_ptr<Scene> SceneCompiler::run() {
   out_->color_ = options_.color;
@@ -18,21 +34,41 @@ std::unique_ptr<Scene> SceneCompiler::run() {
   const bool weighted = in_.film.filter_mode == FilterMode::kWeighted;
   out_->filter_ = weighted ? make_placement_table(in_.film.filter) : make_filter_table(in_.film.filter);
   if (weighted) out_->filter_weights_.emplace(in_.film.filter);
-  out_->textures_ = compile_textures(in_.textures);
+  with_memory_for("textures", "Smaller pictures take less", [&] { out_->textures_ = compile_textures(in_.textures); });
   out_->warnings_ = out_->textures_.warnings;
   attributes_.emplace(out_->textures_.attribute_names);
   add_materials();
-  for (const ShapeDescription& shape : in_.shapes) add_shape(shape);
-  ungrouped_shapes_ = static_cast<std::uint32_t>(out_->shapes_.size());
-  std::vector<GroupContents> groups;
-  for (const ShapeGroup& group : in_.groups) groups.push_back(add_group(group));
-  add_instances(groups);
+  for (std::string& warning : clamped_texel_warnings(in_.textures, out_->textures_, out_->bindings_))
+    out_->warnings_.push_back(std::move(warning));
+  with_memory_for("meshes and instances", kFewerTriangles, [&] {
+    for (const ShapeDescription& shape : in_.shapes) add_shape(shape);
+    ungrouped_shapes_ = static_cast<std::uint32_t>(out_->shapes_.size());
+    std::vector<GroupContents> groups;
+    for (const ShapeGroup& group : in_.groups) groups.push_back(add_group(group));
+    add_instances(groups);
+  });
   set_bounds();
-  add_media();
-  add_lights();
+  with_memory_for("grids of media", "Coarser grids take less", [&] { add_media(); });
+  with_memory_for("lights and environment map", "A smaller environment map takes less", [&] { add_lights(); });
   end_media();
-  finish_tables();
+  with_memory_for("acceleration structure", kFewerTriangles, [&] { finish_tables(); });
+  if (options_.report != nullptr) *options_.report = report();
   return std::move(out_);
+}
+
+CompileReport SceneCompiler::report() const {
+  CompileReport report;
+  report.grids = places_of_grids_;
+  std::size_t grid = 0;
+  for (const TextureDescription& texture : in_.textures)
+    if (const auto* volume = std::get_if<VolumeTextureDescription>(&texture.model))
+      report.grids.push_back(
+          describe_grid(out_->textures_.grids[grid++], volume->grid.to_world, volume->grid, texture.where));
+  report.envmap_width = out_->envmap_.width;
+  report.envmap_height = out_->envmap_.height;
+  report.envmap_bytes = out_->envmap_.bytes();
+  report.texture_bytes = out_->textures_.tile_count * sizeof(TexelTile);
+  return report;
 }
 
 void SceneCompiler::add_cameras() {
@@ -64,6 +100,7 @@ void SceneCompiler::add_materials() {
   naming_.add_materials(in_.materials);
   CompiledMaterials materials = compile_materials(in_.materials, spectra(), phases);
   row_of_phase_ = std::move(materials.row_of_phase);
+  out_->warnings_.insert(out_->warnings_.end(), materials.warnings.begin(), materials.warnings.end());
   for (const MaterialSpectra& rows : materials.spectra)
     out_->material_spectra_.insert(out_->material_spectra_.end(), rows.begin(), rows.end());
   out_->materials_ = std::move(materials.rows);

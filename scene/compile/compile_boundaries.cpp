@@ -62,6 +62,7 @@ void SceneCompiler::add_media() {
   out_->majorant_grids_ = std::move(media.majorants);
   out_->majorant_rows_ = std::move(media.majorant_rows);
   out_->warnings_.insert(out_->warnings_.end(), media.warnings.begin(), media.warnings.end());
+  places_of_grids_ = std::move(media.places);
   check_media(out_->view(), in_.media, out_->grids_, out_->majorant_grids_);
   if (in_.camera.medium) out_->camera_medium_ = static_cast<std::uint32_t>(*in_.camera.medium) + 1;
 }

@@ -3,6 +3,7 @@
 #include "core/color.h"
 #include "core/image.h"
 #include "core/lanes.h"
+#include "core/large_pages.h"
 #include "core/uplift.h"
 #include "scene/compile/texture_image.h"
 
@@ -55,19 +56,32 @@ float value_of(const Envmap& map, std::size_t row, std::size_t column, std::size
   return envmap_value<Scalar>(at.radiance[last ? 3 + c : c]);
 }
 
-/// Radiance to the nodes; a picture of one row becomes two equal ones.
-void fill_radiance(Envmap& map, const EnvmapPicture& picture, float scale) {
+/// Radiance to the nodes; a picture of one row becomes two equal ones. Rows of the table come to be, and those of the
+/// picture go, a few at a time.
+void fill_radiance(Envmap& map, EnvmapPicture& picture, float scale) {
+  constexpr std::size_t kBlockBytes = std::size_t{32} << 20;
   map.unit = unit_of(picture, scale);
   const float factor = scale / map.unit;
-  tbb::parallel_for(std::size_t{0}, std::size_t{map.height} - 1, [&](std::size_t j) {
-    for (std::size_t i = 0; i <= map.width; ++i)
-      for (std::size_t k = 0; k < 6; ++k) {
-        const std::size_t row = std::min<std::size_t>(j + k / 3, picture.height - 1);
-        const std::size_t column = i < map.width ? i : 0;
-        const float value = picture.rgb[3 * (row * map.width + column) + k % 3] * factor;
-        map.columns[j * (map.width + 1) + i].radiance[k] = is_usable(value) ? envmap_code(value) : std::uint16_t{0};
-      }
-  });
+  const std::size_t rows = map.height - 1, row_length = std::size_t{map.width} + 1;
+  const std::size_t block = std::max<std::size_t>(kBlockBytes / (row_length * sizeof(EnvmapColumn)), 16);
+  map.columns.reserve(rows * row_length);
+  for (std::size_t first = 0; first < rows; first += block) {
+    const std::size_t end = std::min(first + block, rows);
+    map.columns.resize(end * row_length);
+    tbb::parallel_for(first, end, [&](std::size_t j) {
+      for (std::size_t i = 0; i <= map.width; ++i)
+        for (std::size_t k = 0; k < 6; ++k) {
+          const std::size_t row = std::min<std::size_t>(j + k / 3, picture.height - 1);
+          const std::size_t column = i < map.width ? i : 0;
+          const float value = picture.rgb[3 * (row * map.width + column) + k % 3] * factor;
+          map.columns[j * row_length + i].radiance[k] = is_usable(value) ? envmap_code(value) : std::uint16_t{0};
+        }
+    });
+    // The next block begins with the row that this one ends with.
+    const std::size_t done = std::min<std::size_t>(end, picture.height - 1) * map.width * 3;
+    release_pages(picture.rgb.data(), done * sizeof(float));
+  }
+  picture.rgb = {};
 }
 
 /// The mean radiance of all directions; of node values, since the integral of hat functions is exact.
@@ -156,7 +170,7 @@ double node_solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t he
   return hat * mean_sine(row, height) * (kPiDouble / (height - 1)) * (2 * kPiDouble / width);
 }
 
-Envmap make_envmap(const EnvmapPicture& picture, float scale, bool mis_compensation) {
+Envmap make_envmap(EnvmapPicture picture, float scale, bool mis_compensation) {
   if (std::size_t{picture.width} * picture.height > kMaxEnvmapPixels)
     throw SceneError("a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
                      " pixels is too large for an environment map, of 2^28 at most");
@@ -168,7 +182,6 @@ Envmap make_envmap(const EnvmapPicture& picture, float scale, bool mis_compensat
   map.width = picture.width;
   map.height = std::max(picture.height, 2u);
   map.to_map[0] = map.to_map[4] = map.to_map[8] = 1.0f;
-  map.columns.resize(std::size_t{map.width + 1} * (map.height - 1));
   fill_radiance(map, picture, scale);
   set_mean(map);
   map.offset = mis_compensation ? luminance(map.mean) / map.unit : 0.0f;
@@ -205,7 +218,7 @@ void uplift_nodes(Envmap& map) {
 
 EnvmapPicture read_envmap_picture(const std::filesystem::path& file) {
   const SourceLocation where{file.string(), 0};
-  const Picture picture = read_picture(file);
+  Picture picture = read_picture(file);
   const std::vector<std::size_t> channels = texture_channels(picture.channels, where);
   const std::size_t stride = picture.channels.size();
   const bool bytes = !picture.bytes.empty(), encoded = bytes || picture.integers;
@@ -216,10 +229,23 @@ EnvmapPicture read_envmap_picture(const std::filesystem::path& file) {
   EnvmapPicture out;
   out.width = static_cast<std::uint32_t>(picture.width);
   out.height = static_cast<std::uint32_t>(picture.height);
-  out.rgb.resize(3 * std::size_t{out.width} * out.height);
-  for (std::size_t pixel = 0; 3 * pixel < out.rgb.size(); ++pixel)
-    for (std::size_t c = 0; c < 3; ++c)
-      out.rgb[3 * pixel + c] = value(pixel * stride + channels[std::min(c, channels.size() - 1)]);
+  const std::size_t pixels = std::size_t{out.width} * out.height;
+  // Where pixels don't get longer, the picture's own memory holds them: what is written has been read.
+  const bool in_place = !bytes && stride >= 3;
+  if (!in_place) out.rgb.resize(3 * pixels);
+  std::vector<float>& to = in_place ? picture.floats : out.rgb;
+  for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+    const auto channel = [&](std::size_t c) {
+      return value(pixel * stride + channels[std::min(c, channels.size() - 1)]);
+    };
+    const float rgb[3] = {channel(0), channel(1), channel(2)};
+    std::copy(std::begin(rgb), std::end(rgb), &to[3 * pixel]);
+  }
+  if (in_place) {
+    release_pages(&to[3 * pixels - 1] + 1, (to.size() - 3 * pixels) * sizeof(float));
+    to.resize(3 * pixels);
+    out.rgb = std::move(to);
+  }
   return out;
 }
 

@@ -20,8 +20,9 @@ struct EnvmapPicture {
 
 /// Builds the tables. `mis_compensation` takes the mean brightness off the density, so that directions of less than it
 /// are not sampled at all and left to BSDF sampling (Karlik et al., "MIS Compensation", 2019). Values that are negative
-/// or not finite become 0. to_map is left at identity. Throws SceneError for pictures of more than 2^28 pixels.
-Envmap make_envmap(const EnvmapPicture& picture, float scale, bool mis_compensation);
+/// or not finite become 0. to_map is left at identity. Gives the picture's memory back while it goes along, so that it
+/// takes hardly more than the larger of the two. Throws SceneError for pictures of more than 2^28 pixels.
+Envmap make_envmap(EnvmapPicture picture, float scale, bool mis_compensation);
 
 /// The solid angle that a node of row `row` stands for, in a map of `width` by `height` nodes.
 double node_solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t height);

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <set>
+#include <utility>
 
 namespace sheaf {
 
@@ -37,6 +39,7 @@ class Flattener {
   std::vector<TextureBinding> bindings;
   std::vector<NormalMapRow> maps;
   ClosureTables tables;
+  std::vector<std::string> warnings;
 
   /// The row of a material within `around`.
   std::uint32_t flatten(MaterialId id, Surroundings around) {
@@ -84,8 +87,12 @@ class Flattener {
   /// The row of a material that combines no others, or its row under a coat.
   MaterialRow make(const MaterialDescription& m, const MaterialDescription* coat = nullptr) {
     try {
-      return coat == nullptr ? make_material_row(m, context_)
-                             : make_coated_row(std::get<CoatDescription>(coat->model), m, context_);
+      const MaterialRow row = coat == nullptr ? make_material_row(m, context_)
+                                              : make_coated_row(std::get<CoatDescription>(coat->model), m, context_);
+      const float largest = std::exchange(context_.largest_reflectance, 0.0f);
+      if (largest > 1 && clamped_.insert(&m).second)
+        warnings.push_back(SceneError(m.where, clamped_reflectance(largest)).what());
+      return row;
     } catch (const SceneError& error) { throw SceneError(m.where, error.what()); }
   }
 
@@ -197,6 +204,7 @@ class Flattener {
 
   RowContext context_;
   const std::vector<MaterialDescription>& materials_;
+  std::set<const MaterialDescription*> clamped_;  ///< that have been warned of
   std::map<std::tuple<std::size_t, bool, std::uint32_t, const MaterialDescription*, bool>, std::uint32_t> known_;
 };
 
@@ -257,6 +265,7 @@ CompiledMaterials compile_materials(const std::vector<MaterialDescription>& mate
   out.bindings = std::move(flat.bindings);
   out.normal_maps = std::move(flat.maps);
   out.tables = flat.tables.take();
+  out.warnings = std::move(flat.warnings);
   return out;
 }
 

@@ -19,6 +19,7 @@ struct CompiledMaterials {
   std::vector<float> tables;           ///< SceneView::closure_tables
   std::vector<std::uint32_t> row_of;   ///< per material of the description
   std::vector<std::uint32_t> row_of_phase;  ///< per phase function of the description
+  std::vector<std::string> warnings;        ///< of reflectances above 1, once for each material
   std::uint32_t default_row = 0;       ///< what shapes without a material get: diffuse, reflectance 0.5
   std::uint32_t bucket_count = 1;
   std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
@@ -36,6 +37,8 @@ CompiledMaterials compile_materials(const std::vector<MaterialDescription>& mate
 Vec3f emission_rgb(const SpectrumDescription& spectrum);
 /// Linear Rec.709 of a reflectance or transmittance; clamped to [0, 1].
 Vec3f reflectance_rgb(const SpectrumDescription& spectrum);
+/// What is said of a reflectance whose largest value is above 1.
+std::string clamped_reflectance(float largest);
 /// Linear Rec.709 of an index of refraction and other quantities without an upper bound.
 Vec3f unbounded_rgb(const SpectrumDescription& spectrum);
 

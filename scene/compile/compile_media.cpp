@@ -75,15 +75,18 @@ class MediaCompiler {
     if (set_ != nullptr)
       for (std::size_t i = 0; i < out.grids.size(); ++i)
         if (out.grids[i].channels > 1 && !placements_[i].matrices) uplift_grid(out.grids[i]);
-    for (std::size_t i = 0; i < out.grids.size(); ++i)
-      out.grid_rows.push_back(make_brick_grid_row(out.grids[i], placements_[i].to_world, placements_[i].filter));
+    for (std::size_t i = 0; i < out.grids.size(); ++i) {
+      const Placement& at = placements_[i];
+      out.grid_rows.push_back(place_grid(out.grids[i], at.to_world, *at.description, at.where));
+      out.places.push_back(describe_grid(out.grids[i], at.to_world, *at.description, at.where));
+    }
     for (std::size_t i = 0; i < out.majorants.size(); ++i) {
       const std::size_t of = majorant_of_[i];
       if (of == kConstant) {
         out.majorant_rows.emplace_back().outside = 1;
       } else {
         out.majorant_rows.push_back(make_majorant_grid_row(out.majorants[i], out.grids[of], placements_[of].to_world,
-                                                           placements_[of].filter));
+                                                           placements_[of].description->filter));
       }
     }
   }
@@ -98,7 +101,8 @@ class MediaCompiler {
   /// Where a grid lies.
   struct Placement {
     Transform to_world;
-    GridVolumeDescription::Filter filter;
+    const GridVolumeDescription* description;
+    SourceLocation where;
     bool matrices = false;  ///< no colours
   };
 
@@ -134,7 +138,7 @@ class MediaCompiler {
     if (loaded.is_empty()) out.warnings.push_back(description.file.string() + ": the grid is empty");
     const Transform to_world = description.fit_to_shape && !loaded.is_empty() ? stretch(loaded.voxel_box(), box)
                                                                               : description.to_world;
-    placements_.push_back({to_world, description.filter});
+    placements_.push_back({to_world, &description, where});
     out.grids.push_back(std::move(loaded));
     return static_cast<std::uint32_t>(out.grids.size() - 1);
   }
@@ -174,7 +178,7 @@ class MediaCompiler {
     FlakeGrids grids = load_flakes(volume, where);
     row.flake_grids = static_cast<std::uint32_t>(out.grids.size());
     row.most_flakes = grids.most;
-    placements_.insert(placements_.end(), 2, {volume.to_world, volume.filter, true});
+    placements_.insert(placements_.end(), 2, {volume.to_world, &volume, where, true});
     out.grids.push_back(std::move(grids.diagonal));
     out.grids.push_back(std::move(grids.others));
   }
@@ -247,8 +251,8 @@ class MediaCompiler {
       }
       // What glows is seen by collisions with the majorant: there are to be some.
       const bool emits = (row.flags & kMediumEmits) != 0, single = (row.flags & kMediumSingleGrid) != 0;
-      majorants =
-          make_majorant_grid(sources, placements_[of].filter, {voxel_thickness(row, of), single && !emits, !emits});
+      majorants = make_majorant_grid(sources, placements_[of].description->filter,
+                                     {voxel_thickness(row, of), single && !emits, !emits});
       majorants.outside = 0;  // see kMediumBoxed
       if (!std::isfinite(majorants.max_value())) throw SceneError(where, "the medium's extinction is not finite");
     }

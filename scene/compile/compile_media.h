@@ -1,6 +1,7 @@
 // Media of a description as rows of tables.
 #pragma once
 
+#include "scene/compile/compile.h"
 #include "scene/compile/spectra.h"
 #include "scene/tables/scene.h"
 
@@ -25,6 +26,7 @@ struct CompiledMedia {
   std::vector<BrickGridRow> grid_rows;
   std::vector<MajorantGrid> majorants;
   std::vector<MajorantGridRow> majorant_rows;
+  std::vector<PlacedGrid> places;  ///< of each grid
   std::vector<std::string> warnings;
 };
 

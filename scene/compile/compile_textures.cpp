@@ -124,7 +124,7 @@ class TextureCompiler {
       out_.grids.push_back(load_volume(volume.grid, texture.where));
     } catch (const SceneError& problem) { throw at_place(texture.where, problem); }
     if (out_.grids.back().is_empty()) out_.warnings.push_back(volume.grid.file.string() + ": the grid is empty");
-    grids_of_.push_back(&volume.grid);
+    grids_of_.push_back(&texture);
   }
 
   /// The row of a colour, which for constants is made here.
@@ -204,6 +204,17 @@ class TextureCompiler {
                  "more than " + std::to_string(kMaxTextureDepth) + " checkerboards and mixes in each other");
   }
 
+  /// Copies tiles and gives their memory back on the way, so that they are never there twice.
+  static void move_tiles(std::vector<TexelTile>& from, TexelTile* to) {
+    constexpr std::size_t kBlock = std::size_t{32} << 14;  // tiles, 32 MiB
+    for (std::size_t begin = 0; begin < from.size(); begin += kBlock) {
+      const std::size_t count = std::min(kBlock, from.size() - begin);
+      std::copy_n(&from[begin], count, to + begin);
+      release_pages(&from[begin], count * sizeof(TexelTile));
+    }
+    from = {};
+  }
+
   /// One table of all tiles; rows' first_tile, so far the picture's index, becomes the index of its first.
   void join_images() {
     std::vector<std::size_t> first(images_.size());
@@ -216,10 +227,7 @@ class TextureCompiler {
     out_.tile_count = count + 1;
     out_.tiles = std::make_unique_for_overwrite<TexelTile[]>(out_.tile_count);
     prefer_large_pages(out_.tiles.get(), out_.tile_count * sizeof(TexelTile));
-    for (std::size_t i = 0; i < images_.size(); ++i) {
-      std::copy(images_[i].tiles.begin(), images_[i].tiles.end(), &out_.tiles[first[i]]);
-      images_[i].tiles = {};
-    }
+    for (std::size_t i = 0; i < images_.size(); ++i) { move_tiles(images_[i].tiles, &out_.tiles[first[i]]); }
     out_.tiles[count] = {};
     for (TextureRow& row : out_.rows)
       if (row.kind == TextureKind::kBitmap)
@@ -228,12 +236,14 @@ class TextureCompiler {
 
   /// Once no more grids are added: their rows point into them.
   void place_grids() {
-    for (std::size_t i = 0; i < out_.grids.size(); ++i)
-      out_.grid_rows.push_back(make_brick_grid_row(out_.grids[i], grids_of_[i]->to_world, grids_of_[i]->filter));
+    for (std::size_t i = 0; i < out_.grids.size(); ++i) {
+      const GridVolumeDescription& from = std::get<VolumeTextureDescription>(grids_of_[i]->model).grid;
+      out_.grid_rows.push_back(place_grid(out_.grids[i], from.to_world, from, grids_of_[i]->where));
+    }
   }
 
   const std::vector<TextureDescription>& textures_;
-  std::vector<const GridVolumeDescription*> grids_of_;  ///< of each grid
+  std::vector<const TextureDescription*> grids_of_;  ///< of each grid
   std::vector<int> depths_;
   std::vector<TiledImage> images_;
   std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::Change>, std::size_t> index_of_;

@@ -4,6 +4,7 @@
 #include "scene/tables/texture.h"
 
 #include <map>
+#include <span>
 
 namespace sheaf {
 
@@ -12,6 +13,12 @@ namespace sheaf {
 /// values that are not finite; for checkerboards nested too deep or in each other; and for a transform that is not
 /// finite; and for grids as load_volume() does.
 CompiledTextures compile_textures(const std::vector<TextureDescription>& textures);
+
+/// A warning for each texture some of whose texels or colours are above 1 or below 0 and are taken for reflectances by
+/// one of the bindings: its place, the picture, how many texels, and their range. Of mixed textures nothing is said.
+std::vector<std::string> clamped_texel_warnings(const std::vector<TextureDescription>& descriptions,
+                                                const CompiledTextures& textures,
+                                                std::span<const TextureBinding> bindings);
 
 /// Names of what wireframes read, which no file can give an attribute: see WireframeRow::first_entry.
 inline constexpr const char *kEdgeDistances = "face_ edge distances",

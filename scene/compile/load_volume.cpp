@@ -88,4 +88,38 @@ BrickGrid load_volume(const GridVolumeDescription& description, const SourceLoca
   } catch (const SceneError& error) { throw SceneError(where, error.what()); }
 }
 
+BrickGridRow place_grid(const BrickGrid& grid, const Transform& to_world, const GridVolumeDescription& description,
+                        const SourceLocation& where) {
+  try {
+    return make_brick_grid_row(grid, to_world, description.filter);
+  } catch (const SceneError& error) {
+    const std::string file = description.file.string();
+    throw SceneError(where, (file.empty() ? "" : file + ": ") + error.what());
+  }
+}
+
+PlacedGrid describe_grid(const BrickGrid& grid, const Transform& to_world, const GridVolumeDescription& description,
+                         const SourceLocation& where) {
+  PlacedGrid placed;
+  placed.name = description.file.string();
+  if (!description.grid.empty()) placed.name += ", " + description.grid;
+  placed.where = where;
+  placed.channels = grid.channels;
+  placed.bytes = grid.bytes();
+  if (grid.is_empty()) return placed;
+  for (std::size_t axis = 0; axis < 3; ++axis) placed.size[axis] = grid.voxel_max[axis] - grid.voxel_min[axis] + 1;
+  const GridBox local = grid.voxel_box();
+  placed.box = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3f p =
+        to_world.point({(corner & 1) != 0 ? local.max.x : local.min.x, (corner & 2) != 0 ? local.max.y : local.min.y,
+                        (corner & 4) != 0 ? local.max.z : local.min.z});
+    placed.box.min = {std::min(placed.box.min.x, p.x), std::min(placed.box.min.y, p.y),
+                      std::min(placed.box.min.z, p.z)};
+    placed.box.max = {std::max(placed.box.max.x, p.x), std::max(placed.box.max.y, p.y),
+                      std::max(placed.box.max.z, p.z)};
+  }
+  return placed;
+}
+
 }  // namespace sheaf

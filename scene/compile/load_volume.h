@@ -1,6 +1,7 @@
 // Volumes from files of any kind.
 #pragma once
 
+#include "scene/compile/compile.h"
 #include "scene/tables/brick_grid.h"
 
 namespace sheaf {
@@ -11,6 +12,15 @@ namespace sheaf {
 /// GridVolumeDescription::format names; the description's filter is left to make_brick_grid_row() and
 /// make_majorant_grid().
 BrickGrid load_volume(const GridVolumeDescription& description, const SourceLocation& where);
+
+/// The row of a grid that load_volume() made of the description, in its place. Throws SceneError at `where` if the
+/// transform from the world is beyond 32-bit floats.
+BrickGridRow place_grid(const BrickGrid& grid, const Transform& to_world, const GridVolumeDescription& description,
+                        const SourceLocation& where);
+
+/// What people are told of such a grid.
+PlacedGrid describe_grid(const BrickGrid& grid, const Transform& to_world, const GridVolumeDescription& description,
+                         const SourceLocation& where);
 
 /// What is outside of a dense grid.
 GridBorder border_of(GridVolumeDescription::Wrap wrap);

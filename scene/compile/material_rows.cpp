@@ -6,6 +6,7 @@
 #include "scene/data/rgb_basis.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <utility>
 
 namespace sheaf {
@@ -24,6 +25,15 @@ Vec3f to_rgb(const SpectrumDescription& spectrum, TableToRgb table_to_rgb) {
   return {std::max(rgb.x, 0.0f), std::max(rgb.y, 0.0f), std::max(rgb.z, 0.0f)};
 }
 
+/// The largest number that the file gives; 0 for blackbodies, which are no reflectances.
+float largest_value(const SpectrumDescription& spectrum) {
+  using S = SpectrumDescription;
+  if (const auto* c = std::get_if<S::Constant>(&spectrum.value)) return c->value;
+  if (const auto* c = std::get_if<S::Rgb>(&spectrum.value)) return max_component(c->value);
+  const auto* t = std::get_if<S::Table>(&spectrum.value);
+  return t != nullptr && !t->values.empty() ? *std::max_element(t->values.begin(), t->values.end()) : 0.0f;
+}
+
 /// Parameters on their way into a row: constants go to their place, textures become bindings of that place.
 template <template <class> class Parameters> struct RowMaker {
   RowContext& context;
@@ -38,6 +48,7 @@ template <template <class> class Parameters> struct RowMaker {
   void set(Spectrum4& spectrum, const SpectrumInput& input, TextureRole role = TextureRole::kReflectance) {
     if (const auto* value = std::get_if<SpectrumDescription>(&input)) {
       const bool reflectance = role == TextureRole::kReflectance;
+      if (reflectance) context.largest_reflectance = std::max(context.largest_reflectance, largest_value(*value));
       const Vec3f rgb = reflectance ? reflectance_rgb(*value) : unbounded_rgb(*value);
       spectrum = {rgb.x, rgb.y, rgb.z, 0.0f};
       if (context.set != nullptr)
@@ -430,6 +441,12 @@ Vec3f emission_rgb(const SpectrumDescription& spectrum) { return to_rgb(spectrum
 Vec3f reflectance_rgb(const SpectrumDescription& spectrum) {
   const Vec3f rgb = to_rgb(spectrum, reflectance_table_to_rgb);
   return {std::min(rgb.x, 1.0f), std::min(rgb.y, 1.0f), std::min(rgb.z, 1.0f)};
+}
+
+std::string clamped_reflectance(float largest) {
+  char text[128];
+  std::snprintf(text, sizeof(text), "a reflectance of %g is clamped to 1", static_cast<double>(largest));
+  return text;
 }
 
 Vec3f unbounded_rgb(const SpectrumDescription& spectrum) { return to_rgb(spectrum, unbounded_table_to_rgb); }

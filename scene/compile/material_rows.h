@@ -12,6 +12,7 @@ struct RowContext {
   ClosureTables& tables;                  ///< likewise
   SpectrumSet* set = nullptr;             ///< spectral mode: what makes rows
   MaterialSpectra rows = {};              ///< spectral mode: those of the row made last
+  float largest_reflectance = 0;          ///< of all constants set so far, before they are clamped
 };
 
 /// The row of a material that is neither composite nor two-sided nor mapped. `back`, `bucket` and the choices are left

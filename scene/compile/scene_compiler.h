@@ -69,6 +69,8 @@ class SceneCompiler {
   /// Once all shapes and instances are there.
   void set_bounds();
   void finish_tables();
+  /// What memory is taken by, once all tables are there.
+  CompileReport report() const;
   void warn(const ShapeDescription& shape, const std::string& message);
 
   // compile_shapes.cpp
@@ -131,6 +133,7 @@ class SceneCompiler {
   std::vector<std::uint32_t> vertex_counts_;
   std::vector<std::uint32_t> row_of_phase_;         ///< the last: isotropic
   std::vector<std::vector<GridBox>> medium_boxes_;  ///< around the shapes that hold each medium
+  std::vector<PlacedGrid> places_of_grids_;         ///< of the grids of media
   std::vector<std::uint32_t> surrounded_shapes_;    ///< whose exterior is yet to be found
   std::uint32_t ungrouped_shapes_ = 0;
   std::vector<ShapeRange> group_ranges_;

@@ -3,6 +3,7 @@
 
 #include "core/color.h"
 #include "core/image.h"
+#include "core/memory.h"
 
 #include <algorithm>
 #include <cmath>
@@ -112,6 +113,10 @@ TiledImage tile_picture(Picture picture, bool raw, const BitmapDescription::Chan
                                 " pixels is too large for a texture, of " + std::to_string(kMaxTexels) +
                                 " texels at most");
   }
+  const MemoryUse texels{"its texels", static_cast<double>(tiles) * sizeof(TexelTile), "A smaller picture takes less"};
+  check_memory((where.file.empty() ? "a texture" : "the texture '" + where.file + "'") + " of " +
+                   std::to_string(picture.width) + " x " + std::to_string(picture.height) + " pixels",
+               {&texels, 1});
   image.tiles.resize(tiles);
   if (bytes) {
     fill_tiles(image, picture.bytes, picture.channels.size(), channels);

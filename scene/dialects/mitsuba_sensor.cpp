@@ -1,4 +1,5 @@
 // The Mitsuba dialect: sensor, film, pixel filter, sampler.
+#include "scene/description/filter_check.h"
 #include "scene/dialects/mitsuba.h"
 #include "scene/dialects/read_camera.h"
 
@@ -41,6 +42,7 @@ FilterDescription read_filter(const XmlElement& element, ReadContext& context) {
     p.fail_plugin({"box", "catmullrom", "gaussian", "lanczos", "mitchell", "tent"});
   }
   p.finish();
+  check_filter_radius(static_cast<double>(filter.radius), p.where());
   return filter;
 }
 

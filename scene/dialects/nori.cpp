@@ -1,6 +1,7 @@
 // The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator, rfilter; camelCase names; no references.
 #include "scene/dialects/nori.h"
 
+#include "scene/description/filter_check.h"
 #include "scene/dialects/frame_scene.h"
 #include "scene/dialects/integrator_name.h"
 #include "scene/dialects/light_selector_name.h"
@@ -46,6 +47,7 @@ FilterDescription read_filter(const XmlElement& element, ReadContext& context) {
     p.fail_plugin({"box", "gaussian", "mitchell", "tent"});
   }
   p.finish();
+  check_filter_radius(static_cast<double>(filter.radius), p.where());
   return filter;
 }
 

@@ -1,4 +1,5 @@
 // The pbrt dialect: camera, film, pixel filter.
+#include "scene/description/filter_check.h"
 #include "scene/dialects/dialects.h"
 #include "scene/dialects/pbrt.h"
 
@@ -164,6 +165,7 @@ void read_filter(Reader& reader, Entity entity) {
     throw SceneError(entity.where, "unknown filter '" + type + "'" + did_you_mean(type, known));
   }
   p.finish();
+  check_filter_radius(static_cast<double>(filter.radius), entity.where);
 }
 
 void read_camera(Reader& reader, Entity entity, const Transform& world_from_camera, const std::string& outside) {

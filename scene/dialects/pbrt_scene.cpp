@@ -4,6 +4,7 @@
 #include "scene/description/instance_transform.h"
 #include "scene/dialects/dialects.h"
 #include "scene/formats/mesh_io.h"
+#include "scene/xml/missing_file.h"
 
 #include <algorithm>
 
@@ -49,7 +50,7 @@ fs::path Reader::find_file(const std::string& name, const SourceLocation& where)
     if (std::find(files.begin(), files.end(), candidate) == files.end()) files.push_back(candidate);
     return candidate;
   }
-  throw SceneError(where, "file '" + name + "' not found in '" + (folder.empty() ? "." : folder.string()) + "'");
+  throw SceneError(where, missing_file(name, {folder}));
 }
 
 SceneBuilder::SceneBuilder(Description& description, bool lenient) : reader_{description, lenient, {}, {}} {}

@@ -19,6 +19,7 @@
 #include <cmath>
 #include <cstring>
 #include <deque>
+#include <new>
 #include <vector>
 
 namespace sheaf {
@@ -247,8 +248,9 @@ void EmbreeScene::start(bool watertight) {
 }
 
 void EmbreeScene::check() const {
-  if (rtcGetDeviceError(device) != RTC_ERROR_NONE)
-    throw Error(ExitCode::kRuntime, "Embree could not build the acceleration structure");
+  const RTCError error = rtcGetDeviceError(device);
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (error != RTC_ERROR_NONE) throw Error(ExitCode::kRuntime, "Embree could not build the acceleration structure");
 }
 
 void attach(RTCScene scene, RTCGeometry geometry, std::uint32_t id) {

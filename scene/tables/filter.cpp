@@ -1,5 +1,7 @@
 #include "scene/tables/filter.h"
 
+#include "scene/description/filter_check.h"
+
 #include <cmath>
 #include <vector>
 
@@ -19,8 +21,7 @@ double cubic(double x, double b, double c) {
 
 double checked_radius(const FilterDescription& filter) {
   const double radius = filter_radius(filter);
-  if (!(radius > 0 && radius <= 64))
-    throw SceneError("reconstruction filter must be wider than 0 and at most 64 pixels in radius");
+  check_filter_radius(radius, {});
   return radius;
 }
 

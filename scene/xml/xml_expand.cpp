@@ -1,6 +1,8 @@
 // Expansion of a scene file: includes, parameters, search paths, ids.
 #include "scene/xml/xml_expand.h"
 
+#include "scene/xml/missing_file.h"
+
 #include <algorithm>
 #include <map>
 #include <set>
@@ -40,17 +42,14 @@ fs::path find_existing(const std::string& name, const std::vector<fs::path>& sea
   if (name.empty()) throw SceneError(where, "empty file name");
   if (fs::path(name).is_absolute()) {
     if (fs::path found = existing({}, name); !found.empty()) return found;
-    throw SceneError(where, "file " + in_quotes(name) + " not found");
+    throw SceneError(where, missing_file(name, {}));
   }
   std::vector<fs::path> folders = search;
   if (fs::path own = fs::path(where.file).parent_path(); std::find(search.begin(), search.end(), own) == search.end())
     folders.push_back(own);
-  std::string looked;
-  for (const fs::path& folder : folders) {
+  for (const fs::path& folder : folders)
     if (fs::path found = existing(folder, name); !found.empty()) return found;
-    looked += (looked.empty() ? "" : ", ") + in_quotes(folder.empty() ? "." : folder.string());
-  }
-  throw SceneError(where, "file " + in_quotes(name) + " not found in " + looked);
+  throw SceneError(where, missing_file(name, folders));
 }
 
 }  // namespace

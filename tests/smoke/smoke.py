@@ -129,8 +129,21 @@ def make_scenes(arguments, folder, failures):
             failures.add(script, output)
 
 
+def check_origins(arguments, folder, failures):
+    """Scenes whose files are yet to be made say which script does: those that need any, and one at the least."""
+    needy = [f for f in sorted((folder / "scenes").rglob("*.xml")) if "generated/" in f.read_text()]
+    for scene in needy:
+        good, output = run([arguments.build / "sheaf", "info", scene], folder)
+        named = re.search(r"generated\.txt: (tools/\w+\.py) ", output)
+        if good or not named or named[1] not in MAKERS or not (folder / named[1]).exists():
+            failures.add(f"info {scene.relative_to(folder)}", f"should name the script that makes its files: {output}")
+    if not needy:
+        failures.add("scenes", "none needs a script")
+
+
 def check_scenes(arguments, folder, failures):
     """Every scene, a few pixels in the middle, in both colour modes; those with photon maps with few photons."""
+    check_origins(arguments, folder, failures)
     make_scenes(arguments, folder, failures)
     sheaf, picture, stats = arguments.build / "sheaf", folder / "picture.exr", folder / "stats.json"
     for scene in sorted(f for kind in ("*.xml", "*.pbrt") for f in (folder / "scenes").rglob(kind)):

@@ -6,6 +6,7 @@
 #include "scene/compile/square_envmap.h"
 
 #include "core/frame.h"
+#include "core/memory.h"
 
 #include <algorithm>
 
@@ -61,7 +62,14 @@ std::optional<PlacedLight> place_light(const LightToPlace<EnvmapDescription>& l)
   if (const std::size_t bad = count_unusable(picture); bad > 0)
     context.warnings.push_back(light.file.string() + ": " + std::to_string(bad) +
                                " values that are negative or not finite count as 0");
-  Envmap map = make_envmap(picture, light.scale, light.mis_compensation && can_compensate(context.description));
+  const double nodes = static_cast<double>(picture.width) * picture.height;
+  const MemoryUse uses[] = {{"its tables", nodes * sizeof(EnvmapColumn), "A smaller map takes less"},
+                            {"its spectra", context.spectra != nullptr ? nodes * 4 * sizeof(float) : 0, {}}};
+  check_memory("the environment map '" + light.file.string() + "' of " + std::to_string(picture.width) + " x " +
+                   std::to_string(picture.height) + " pixels",
+               uses);
+  Envmap map =
+      make_envmap(std::move(picture), light.scale, light.mis_compensation && can_compensate(context.description));
   set_rotation(map, light.to_world, l.where);
   return place_map(std::move(map), context, light.file.string() + ": the environment map", l.where);
 }

@@ -1,0 +1,140 @@
+#include "core/memory.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+namespace sheaf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+/// The first number of a file; infinite if there is none, as where a control group's limit is "max".
+double number_in(const fs::path& file) {
+  std::ifstream stream(file);
+  double number = 0;
+  return stream >> number ? number : kNoLimit;
+}
+
+/// The number behind a word of a file whose lines begin with words; `missing` if there is no such line.
+double number_after(const fs::path& file, const std::string& word, double missing) {
+  std::ifstream stream(file);
+  std::string found;
+  double number = 0;
+  while (stream >> found) {
+    if (found == word && stream >> number) return number;
+    stream.clear();
+    stream.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  return missing;
+}
+
+double free_in_system() {
+  const fs::path file = "/proc/meminfo";
+  const double kilobytes = number_after(file, "MemAvailable:", kNoLimit) + number_after(file, "SwapFree:", 0);
+  return kilobytes * 1024;
+}
+
+/// What a control group and those around it leave. Pages of files give way to others.
+double free_in_group(const fs::path& root, const std::string& group, const char* limit, const char* usage) {
+  double least = kNoLimit;
+  std::error_code error;
+  for (fs::path folder = root / fs::path(group).relative_path();; folder = folder.parent_path()) {
+    const double most = number_in(folder / limit);
+    if (most < 1e18) {  // the older kind's way to say that there is none
+      const double files = number_after(folder / "memory.stat", "inactive_file", 0) +
+                           number_after(folder / "memory.stat", "active_file", 0);
+      const double used = number_in(folder / usage);
+      if (used < kNoLimit) least = std::min(least, most - std::max(used - files, 0.0));
+    }
+    if (folder == root || !folder.has_relative_path()) break;
+  }
+  return least;
+}
+
+/// "4:memory:/user" of the older kind of control groups, "0::/user" of the newer.
+double free_in_groups() {
+  std::ifstream stream("/proc/self/cgroup");
+  double least = kNoLimit;
+  for (std::string line; std::getline(stream, line);) {
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (first == line.npos || second == line.npos) continue;
+    const std::string kind = line.substr(first + 1, second - first - 1), group = line.substr(second + 1);
+    if (kind.empty()) {
+      least = std::min(least, free_in_group("/sys/fs/cgroup", group, "memory.max", "memory.current"));
+    } else if (("," + kind + ",").find(",memory,") != std::string::npos) {
+      least = std::min(least,
+                       free_in_group("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes"));
+    }
+  }
+  return least;
+}
+
+/// Entry `index` of /proc/self/statm, which counts pages; 0 where there is none.
+double pages_in_statm(int index) {
+  std::ifstream stream("/proc/self/statm");
+  double pages = 0;
+  for (int i = 0; i <= index; ++i)
+    if (!(stream >> pages)) return 0;
+  return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+double free_in_address_space() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kNoLimit;
+  return static_cast<double>(limit.rlim_cur) - pages_in_statm(0);
+}
+
+}  // namespace
+
+double available_memory() {
+  return std::max(0.0, std::min({free_in_system(), free_in_groups(), free_in_address_space()}));
+}
+
+double resident_memory() { return pages_in_statm(1); }
+
+std::string format_bytes(double bytes) {
+  char text[64];
+  if (bytes >= 1e8)
+    std::snprintf(text, sizeof(text), bytes < 1e10 ? "%.2f GB" : "%.1f GB", bytes * 1e-9);
+  else
+    std::snprintf(text, sizeof(text), "%.3g MB", bytes * 1e-6);
+  return text;
+}
+
+Error not_enough_memory(const std::string& task, std::span<const MemoryUse> uses) {
+  double sum = 0;
+  std::string list;
+  const MemoryUse* largest = nullptr;
+  for (const MemoryUse& use : uses) {
+    sum += use.bytes;
+    if (use.bytes >= 1e6) list += (list.empty() ? "" : ", ") + format_bytes(use.bytes) + " for " + use.what;
+    if (largest == nullptr || use.bytes > largest->bytes) largest = &use;
+  }
+  std::string message = "not enough memory for " + task + ": it takes " + format_bytes(sum) +
+                        (uses.size() > 1 ? " (" + list + ")" : "") + ", and " + format_bytes(available_memory()) +
+                        " are free";
+  if (largest != nullptr && !largest->advice.empty()) message += ". " + largest->advice;
+  return {ExitCode::kRuntime, message};
+}
+
+Error out_of_memory(const std::string& task, const std::string& advice) {
+  return {ExitCode::kRuntime, "not enough memory for " + task + ": the program has " + format_bytes(resident_memory()) +
+                                  " already, and " + format_bytes(available_memory()) + " are free. " + advice};
+}
+
+void check_memory(const std::string& task, std::span<const MemoryUse> uses) {
+  double sum = 0;
+  for (const MemoryUse& use : uses) sum += use.bytes;
+  if (sum > available_memory()) throw not_enough_memory(task, uses);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,122 @@
+#include "kernels/passes/render_memory.h"
+
+#include "kernels/film/cryptomatte.h"
+#include "kernels/passes/sample_plan.h"
+#include "kernels/passes/tiles.h"
+#include "kernels/photons/photon.h"
+#include "kernels/photons/photon_beam.h"
+#include "kernels/wave/wave.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+namespace sheaf {
+
+namespace {
+
+/// Bytes that IdCoverage takes for a pixel: itself, and a block of the heap for one surface or two.
+constexpr double kCoverageBytes = sizeof(IdCoverage) + 48.0;
+
+double area_of(const PixelRect& rect) { return static_cast<double>(rect.width()) * static_cast<double>(rect.height()); }
+
+/// Numbers per pixel, and what there is of them.
+struct FilmSize {
+  FilmLayout layout;
+  FilmRow row;
+  double pixels, numbers;  ///< numbers of 8 bytes per pixel
+  double coverage;         ///< bytes per pixel
+};
+
+FilmSize film_size(const SamplePlan& plan, const RenderOptions& options) {
+  const FilmLayout layout = film_layout(options.aovs, plan.has_variances, plan.light_groups);
+  const FilmRow row(layout, options.spectral_bins);
+  const auto variances = static_cast<double>(row.variances);
+  double numbers = 1 + static_cast<double>(row.film_size());
+  if (plan.unit == VarianceUnit::kReplicate && variances > 0) numbers += 1 + variances;
+  if (layout.half_count() > 0) numbers += 1 + layout.half_count();
+  const double coverage = options.aovs.contains(AovSource::kSurfaceId) ? kCoverageBytes : 0;
+  return {layout, row, area_of(plan.crop), numbers, coverage};
+}
+
+/// Of a square of `side` pixels that samples within `reach` of it count in: all pixels over its own.
+double spread_of(int side, int reach) { return std::pow(1 + 2.0 * reach / side, 2); }
+
+/// Per pixel, what the tiles of a pass bring to each other, which are all kept until it ends.
+double border_bytes(const FilmSize& film, const SamplePlan& plan) {
+  if (plan.reach == 0) return 0;
+  const int side = tile_side(std::min({kPassSamples, plan.range.count, plan.replicate_samples}));
+  return (spread_of(side, plan.reach) - 1) * (8 * static_cast<double>(film.row.size()) + film.coverage);
+}
+
+/// Per pixel, the sums of adaptive sampling.
+double adaptive_bytes(const FilmSize& film, const SamplePlan& plan) {
+  const double sums = 8 * static_cast<double>(1 + film.row.channels + film.row.bins) + film.coverage;
+  return AdaptiveFilm::kSets * (sums * spread_of(kAdaptiveSide, plan.reach) + 8 + 16);
+}
+
+/// Per pixel, the picture that is made of the film, and what it was before the last layers were added.
+double picture_bytes(const FilmSize& film, const RenderOptions& options) {
+  const double channels =
+      film.layout.size() + static_cast<double>(film.row.variances + film.row.bins) + film.layout.half_count() + 1;
+  double ids = 0;
+  for (const Aov aov : {Aov::kObjectId, Aov::kMaterialId}) ids += options.aovs.contains(aov) ? 1 : 0;
+  for (const Aov aov : {Aov::kCryptomatteObject, Aov::kCryptomatteMaterial})
+    ids += options.aovs.contains(aov) ? 2 * kCryptomatteRanks : 0;
+  return 4 * (ids > 0 ? 2 * channels + ids : channels);
+}
+
+double photon_bytes(const IntegratorDescription& transport) {
+  if (transport.kind != IntegratorKind::kPhotonMapper) return 0;
+  const PhotonMappingDescription& photons = transport.photons;
+  // As they come from the tasks, and sorted into columns.
+  constexpr double kEach = sizeof(Photon) + 9 * sizeof(float);
+  const auto count = [](const PhotonMapDescription& map) { return static_cast<double>(map.count); };
+  double bytes = kEach * count(photons.global);
+  if (photons.gathering != PhotonGathering::kAll) bytes += kEach * count(photons.caustic);
+  return bytes + (photons.uses_beams() ? 2.0 * sizeof(PhotonBeam) : kEach) * count(photons.volume);
+}
+
+/// What each thread has: its wave, and the samples of its task with what they add up to.
+double worker_bytes(const FilmSize& film, const SamplePlan& plan, const WaveNeeds& needs, int wave_size) {
+  const double sample = 4.0 * film.layout.size() + sizeof(SampleOffset) +
+                        (film.row.bins > 0 ? sizeof(SpectralSample) : 0) +
+                        (film.coverage > 0 ? sizeof(SurfaceSample) : 0);
+  const double side = plan.adapts ? kAdaptiveSide : 64;
+  const double tile = std::pow(side + 2.0 * plan.reach, 2) * (8 * static_cast<double>(film.row.size()) + film.coverage);
+  return static_cast<double>(Wave::bytes_per_path(needs)) * wave_size + kTaskSamples * sample + tile;
+}
+
+}  // namespace
+
+int threads_of(const RenderOptions& options) {
+  return options.threads > 0 ? options.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+int wave_size_of(const RenderOptions& options, const WaveNeeds& needs) {
+  return options.wave_size > 0 ? options.wave_size : Wave::default_capacity(needs);
+}
+
+std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options) {
+  StageContext context(scene);
+  context.guides = options.guiding;
+  const WaveNeeds needs = WaveNeeds::of(context);
+  const SamplePlan plan = make_sample_plan(scene, options, context.transport);
+  const FilmSize film = film_size(plan, options);
+  const bool traces_light = context.transport.kind == IntegratorKind::kLightTracer;
+  const std::string parts = "Parts of it take less: --crop, and 'sheaf merge' joins them";
+  std::vector<MemoryUse> uses{{"the film", film.pixels * (8 * film.numbers + film.coverage + (traces_light ? 48 : 0)),
+                               parts + "; so do fewer layers"}};
+  // The picture is made when all tiles have ended, but what is as small as their borders stays with the heap.
+  const double edges = plan.adapts ? adaptive_bytes(film, plan) : border_bytes(film, plan);
+  uses.push_back({plan.adapts ? "the sums of adaptive sampling" : "what tiles add to each other", film.pixels * edges,
+                  parts + "; so do fewer layers"});
+  uses.push_back({"the picture", film.pixels * picture_bytes(film, options), parts + "; so do fewer layers"});
+  if (const double photons = photon_bytes(context.transport); photons > 0)
+    uses.push_back({"photon maps", photons, "Fewer photons take less"});
+  uses.push_back({"rays", threads_of(options) * worker_bytes(film, plan, needs, wave_size_of(options, needs)),
+                  "Fewer --threads and smaller waves (--wave-size) take less"});
+  return uses;
+}
+
+}  // namespace sheaf

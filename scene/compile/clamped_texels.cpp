@@ -1,0 +1,131 @@
+// Pictures whose values no reflectance can have. Kernels clamp them, which changes the picture that was meant.
+#include "scene/compile/compile_materials.h"
+#include "scene/compile/compile_textures.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <span>
+
+namespace sheaf {
+
+namespace {
+
+/// What a picture holds beyond [0, 1].
+struct Beyond {
+  std::size_t texels = 0;  ///< that have such a value
+  float smallest = 0, largest = 0;
+
+  void add(const Beyond& other) {
+    texels += other.texels;
+    smallest = std::min(smallest, other.smallest);
+    largest = std::max(largest, other.largest);
+  }
+};
+
+/// Of tiles with texels of `Values` floats. Padding and fourth values are zero, which is within.
+template <std::size_t Values> Beyond beyond_in(std::span<const TexelTile> tiles) {
+  using Range = tbb::blocked_range<std::size_t>;
+  const auto add = [&](const Range& range, Beyond sum) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const auto* values = reinterpret_cast<const float*>(tiles[i].bytes);
+      for (std::size_t t = 0; t < sizeof(TexelTile) / sizeof(float); t += Values) {
+        float low = values[t], high = low;
+        for (std::size_t k = 1; k < Values; ++k)
+          low = std::min(low, values[t + k]), high = std::max(high, values[t + k]);
+        sum.texels += low < 0.0f || high > 1.0f ? 1 : 0;
+        sum.smallest = std::min(sum.smallest, low);
+        sum.largest = std::max(sum.largest, high);
+      }
+    }
+    return sum;
+  };
+  return tbb::parallel_reduce(Range(0, tiles.size(), 1 << 12), Beyond{}, add, [](Beyond a, const Beyond& b) {
+    a.add(b);
+    return a;
+  });
+}
+
+Beyond beyond_in(const BitmapRow& picture, const TexelTile* tiles) {
+  if (holds_bytes(picture.format)) return {};
+  const std::uint32_t shift = static_cast<std::uint32_t>(tile_shift(picture.format));
+  const std::size_t rows = (picture.height + (1u << shift) - 1) >> shift;
+  const std::span<const TexelTile> own(tiles + picture.first_tile, rows * picture.tiles_per_row);
+  return picture.format == TexelFormat::kFloat1 ? beyond_in<1>(own) : beyond_in<4>(own);
+}
+
+/// The rows of which a texture shows one here and the other there.
+std::span<const std::uint32_t> shown_in_turn(const TextureRow& texture) {
+  switch (texture.kind) {
+    case TextureKind::kCheckerboard:
+    case TextureKind::kGrid:
+      return texture.checkerboard.child;
+    case TextureKind::kWireframe:
+      return texture.wireframe.child;
+    default:
+      return {};
+  }
+}
+
+/// Marks the textures of which texels become reflectances as they are: those bound as such and what they show in turns.
+/// What is mixed is clamped once it is mixed, so nothing can be told of it here.
+void mark(const CompiledTextures& textures, std::uint32_t row, std::vector<bool>& marked) {
+  if (marked[row]) return;
+  marked[row] = true;
+  const TextureRow& texture = textures.rows[row];
+  for (const std::uint32_t child : shown_in_turn(texture)) mark(textures, child, marked);
+}
+
+std::string warning(const TextureDescription& texture, const std::string& message) {
+  return SceneError(texture.where, (texture.id.empty() ? "texture: " : "texture '" + texture.id + "': ") + message)
+      .what();
+}
+
+std::string warning(const TextureDescription& texture, const BitmapRow& picture, const Beyond& beyond) {
+  const auto all = static_cast<double>(picture.width) * static_cast<double>(picture.height);
+  const double share = 100 * static_cast<double>(beyond.texels) / all;
+  char text[256];
+  std::snprintf(
+      text, sizeof(text),
+      "%zu of %.0f texels (%.3g %%) are above 1 or below 0, from %g to %g: as reflectances they are clamped to "
+      "[0, 1]",
+      beyond.texels, all, share, static_cast<double>(beyond.smallest), static_cast<double>(beyond.largest));
+  const std::string file = std::get<BitmapDescription>(texture.model).file.string();
+  return warning(texture, (file.empty() ? "" : file + ": ") + text);
+}
+
+/// The largest of the colours that a texture has of its own, beside other textures.
+float largest_color(const CompiledTextures& textures, const TextureRow& texture) {
+  float largest = 0;
+  for (const std::uint32_t child : shown_in_turn(texture))
+    if (textures.rows[child].kind == TextureKind::kConstant)
+      for (const float value : textures.rows[child].constant.rgb) largest = std::max(largest, value);
+  return largest;
+}
+
+}  // namespace
+
+std::vector<std::string> clamped_texel_warnings(const std::vector<TextureDescription>& descriptions,
+                                                const CompiledTextures& textures,
+                                                std::span<const TextureBinding> bindings) {
+  std::vector<bool> marked(textures.rows.size());
+  for (const TextureBinding& binding : bindings)
+    if (binding.role == TextureRole::kReflectance) mark(textures, binding.texture, marked);
+  std::vector<std::string> warnings;
+  std::map<std::uint32_t, Beyond> known;  // by the first tile: pictures are shared
+  for (std::size_t i = 0; i < descriptions.size(); ++i) {
+    if (!marked[i]) continue;
+    if (const float largest = largest_color(textures, textures.rows[i]); largest > 1)
+      warnings.push_back(warning(descriptions[i], clamped_reflectance(largest)));
+    if (textures.rows[i].kind != TextureKind::kBitmap) continue;
+    const BitmapRow& picture = textures.rows[i].bitmap;
+    const auto [place, is_new] = known.try_emplace(picture.first_tile);
+    if (is_new) place->second = beyond_in(picture, textures.tiles.get());
+    if (place->second.texels > 0) warnings.push_back(warning(descriptions[i], picture, place->second));
+  }
+  return warnings;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,46 @@
+#include "scene/xml/missing_file.h"
+
+#include "scene/xml/xml.h"
+
+#include <fstream>
+
+namespace sheaf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The first line of a text file, as far as messages go; empty if it cannot be read.
+std::string first_line(const fs::path& file) {
+  constexpr std::size_t kLongest = 200;
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return {};
+  std::ifstream stream(file);
+  std::string line(kLongest, '\0');
+  stream.read(line.data(), static_cast<std::streamsize>(line.size()));
+  line.resize(static_cast<std::size_t>(stream.gcount()));
+  return line.substr(0, line.find_first_of("\r\n"));
+}
+
+/// What the text file beside one of the folders that `name` leads through says.
+std::string origin_of(const fs::path& base, const std::string& name) {
+  for (fs::path way = fs::path(name).parent_path(); way.has_filename(); way = way.parent_path()) {
+    const fs::path file = base / (way.string() + ".txt");
+    if (const std::string line = first_line(file); !line.empty()) return " (" + file.string() + ": " + line + ")";
+    if (way == way.parent_path()) break;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string missing_file(const std::string& name, const std::vector<fs::path>& folders) {
+  std::string message = "file " + in_quotes(name) + " not found", origin;
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    message += (i == 0 ? " in " : ", ") + in_quotes(folders[i].empty() ? "." : folders[i].string());
+    if (origin.empty()) origin = origin_of(folders[i], name);
+  }
+  return message + origin;
+}
+
+}  // namespace sheaf

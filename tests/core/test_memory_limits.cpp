@@ -1,0 +1,60 @@
+// How much memory there is, and what is said where it does not do.
+#include "core/memory.h"
+
+#include <doctest/doctest.h>
+
+#include <sys/resource.h>
+
+#include <string>
+#include <vector>
+
+using namespace sheaf;
+
+namespace {
+
+std::string message_of(const std::string& task, const std::vector<MemoryUse>& uses) {
+  try {
+    check_memory(task, uses);
+  } catch (const Error& error) { return error.code() == ExitCode::kRuntime ? error.what() : "another exit code"; }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("memory: sizes as people read them") {
+  CHECK(format_bytes(0) == "0 MB");
+  CHECK(format_bytes(45.06e6) == "45.1 MB");
+  CHECK(format_bytes(1e8) == "0.10 GB");
+  CHECK(format_bytes(12.34e9) == "12.3 GB");
+}
+
+TEST_CASE("memory: what there is, is less with a limit of addresses") {
+  const double before = available_memory();
+  CHECK(before > 1e6);
+  CHECK(before < 1e15);
+  CHECK(resident_memory() > 1e6);
+  CHECK(resident_memory() < 1e12);
+  rlimit old{};
+  getrlimit(RLIMIT_AS, &old);
+  const rlimit low{rlim_t{1} << 20, old.rlim_max};  // less than the program has
+  setrlimit(RLIMIT_AS, &low);
+  const double none = available_memory();
+  setrlimit(RLIMIT_AS, &old);
+  CHECK(none == 0);
+}
+
+TEST_CASE("memory: what is more than there is, is told with what it is for and what helps") {
+  CHECK(message_of("nothing", {}).empty());
+  CHECK(message_of("a bit", {{"the film", 1000, "Help"}}).empty());
+  const std::string one = message_of("a map", {{"its tables", 5e15, "A smaller map takes less"}});
+  CHECK(one.starts_with("not enough memory for a map: it takes 5000000.0 GB, and "));
+  CHECK(one.ends_with(" are free. A smaller map takes less"));
+  const std::string two =
+      message_of("a picture", {{"the film", 2e15, "Crop"}, {"rays", 3e15, "Threads"}, {"dust", 1000, "Sweep"}});
+  CHECK(two.find("it takes 5000000.0 GB (2000000.0 GB for the film, 3000000.0 GB for rays), and ") != two.npos);
+  CHECK(two.ends_with(". Threads"));
+  // Each fits, but not both.
+  const double half = 0.7 * available_memory();
+  CHECK(message_of("one", {{"film", half, ""}}).empty());
+  CHECK_FALSE(message_of("two", {{"film", half, ""}, {"map", half, ""}}).empty());
+}

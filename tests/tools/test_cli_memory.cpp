@@ -1,0 +1,160 @@
+// Memory, from the command line: what is expected, what a render has taken, and what is said where there is not enough.
+#include "core/exr.h"
+#include "core/rng.h"
+#include "tests/support/program_testing.h"
+
+#include <doctest/doctest.h>
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <regex>
+
+using namespace sheaf;
+
+namespace {
+
+std::string scene(int width, int height, const std::string& inside = "<emitter type='constant'/>") {
+  return "<scene version='3.0.0'><integrator type='path'/><sensor type='perspective'><film type='hdrfilm'>"
+         "<integer name='width' value='" +
+         std::to_string(width) + "'/><integer name='height' value='" + std::to_string(height) +
+         "'/></film><sampler type='independent'><integer name='sample_count' value='1'/>"
+         "</sampler></sensor>\n<shape type='sphere'/>\n" +
+         inside + "</scene>";
+}
+
+std::string envmap(const char* file) {
+  return "<emitter type='envmap'><string name='filename' value='" + std::string(file) + "'/></emitter>";
+}
+
+void write_map(const std::filesystem::path& file, int width, int height) {
+  Image map(width, height, {"B", "G", "R"});
+  for (std::size_t i = 0; i < map.data.size(); ++i)
+    map.data[i] = random4<Scalar>(3, static_cast<std::uint32_t>(i / 1024), 0, 0).x;
+  write_exr(file, map);
+}
+
+/// Bytes of a number and a unit, as of the first match.
+double bytes_in(const std::string& text, const char* pattern) {
+  std::smatch match;
+  if (!std::regex_search(text, match, std::regex(std::string("([0-9.]+) (MB|GB)") + pattern))) return 0;
+  return std::stod(match[1]) * (match[2] == "GB" ? 1e9 : 1e6);
+}
+
+/// The highest peak that `info` expects, over the one that `render` has had.
+double expected_over_real(const TemporaryFolder& folder) {
+  const Outcome info = run(folder, "info scene.xml");
+  CAPTURE(info.out);
+  const double loading = bytes_in(info.out, " while loading"), rendering = bytes_in(info.out, " while rendering");
+  CHECK(loading > 0);
+  CHECK(rendering > 0);
+  REQUIRE(run(folder, "render scene.xml -o out.exr --stats stats.json --quiet").code == 0);
+  std::smatch peak;
+  const std::string stats = read_bytes(folder / "stats.json");
+  REQUIRE(std::regex_search(stats, peak, std::regex("\"peak_rss_bytes\": ([0-9]+)")));
+  return std::max(loading, rendering) / std::stod(peak[1]);
+}
+
+}  // namespace
+
+TEST_CASE("memory: info expects what a render of a large environment map takes") {
+  const TemporaryFolder folder;
+  constexpr int kWidth = 4096, kHeight = 2048;
+  write_map(folder / "sky.exr", kWidth, kHeight);
+  write_bytes(folder / "scene.xml", scene(64, 48, envmap("sky.exr")));
+  const double ratio = expected_over_real(folder);
+  CHECK(ratio > 0.8);
+  CHECK(ratio < 1.2);
+  const std::string info = run(folder, "info scene.xml").out;
+  CHECK(contains(info, "environment 4096 x 2048 pixels, 13"));
+  // The picture (12 bytes per pixel) goes while the tables (16, and those of rows and columns) come.
+  write_map(folder / "dot.exr", 4, 2);
+  write_bytes(folder / "scene.xml", scene(64, 48, envmap("dot.exr")));
+  const double with = bytes_in(info, " while loading"),
+               without = bytes_in(run(folder, "info scene.xml").out, " while loading");
+  CHECK(with - without > 0.9 * 16 * kWidth * kHeight);
+  CHECK(with - without < 1.4 * 16 * kWidth * kHeight);
+}
+
+TEST_CASE("memory: info expects what a render of a large film takes") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", scene(2400, 1600));
+  const double ratio = expected_over_real(folder);
+  CHECK(ratio > 0.8);
+  CHECK(ratio < 1.2);
+}
+
+TEST_CASE("memory: info says where grids lie") {
+  const TemporaryFolder folder;
+  const auto word = [](auto value) { return std::string(reinterpret_cast<const char*>(&value), 4); };
+  std::string vol = "VOL\x03";
+  for (const int number : {1, 3, 2, 5, 1}) vol += word(number);
+  for (int i = 0; i < 6; ++i) vol += word(static_cast<float>(i / 3));
+  for (int i = 0; i < 30; ++i) vol += word(0.5f);
+  write_bytes(folder / "smoke.vol", vol);
+  const std::string grid = "type='gridvolume'><string name='filename' value='smoke.vol'/>";
+  write_bytes(folder / "scene.xml",
+              scene(4, 4,
+                    "<medium id='m' type='heterogeneous'><volume name='sigma_t' " + grid +
+                        "<transform name='to_world'><scale x='2' y='3' z='4'/><translate x='10'/></transform>"
+                        "</volume></medium><shape type='cube'><ref name='interior' id='m'/></shape>"
+                        "<shape type='sphere'><bsdf type='diffuse'><texture name='reflectance' type='volume'>"
+                        "<volume name='volume' " +
+                        grid + "</volume></texture></bsdf></shape>"));
+  const std::string info = run(folder, "info scene.xml").out;
+  CAPTURE(info);
+  CHECK(contains(info, "grid        smoke.vol: (10, 0, 0) to (12, 3, 4), 3 x 2 x 5 voxels, "));
+  CHECK(contains(info, "grid        smoke.vol: (0, 0, 0) to (1, 1, 1), 3 x 2 x 5 voxels, "));
+  CHECK_FALSE(contains(info, "environment "));
+}
+
+TEST_CASE("memory: what does not fit is exit code 1, says for what, and leaves nothing behind") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", scene(24, 16));
+  const std::string whole = "render scene.xml --quiet -o out.exr --size 46000x46000";
+  const Outcome film = run(folder, whole);
+  CHECK(film.code == 1);
+  CHECK(contains(film.err, "not enough memory for a picture of 46000 x 46000 pixels: it takes "));
+  CHECK(contains(film.err, " GB for the film, "));
+  CHECK(contains(film.err, "--crop"));
+  CHECK(folder.entry_count() == 1);
+  // Which parts of it do. More pixels have no numbers.
+  CHECK(run(folder, whole + " --crop 45984,45984,46000,46000").code == 0);
+  std::filesystem::remove(folder / "out.exr");
+  const Outcome frame = run(folder, "render scene.xml --quiet -o out.exr --size 200000x200000 --crop 0,0,16,16");
+  CHECK(frame.code == 2);
+  CHECK(contains(frame.err, "a frame of 200000 x 200000 pixels is too large"));
+  CHECK(folder.entry_count() == 1);
+}
+
+TEST_CASE("memory: with a limit of addresses, what does not fit is told") {
+  rlimit limit{};
+  getrlimit(RLIMIT_AS, &limit);
+  const TemporaryFolder folder;
+  write_map(folder / "sky.exr", 4096, 2048);
+  write_bytes(folder / "scene.xml", scene(24, 16, envmap("sky.exr")));
+  write_bytes(folder / "picture.xml",
+              scene(24, 16,
+                    "<shape type='sphere'><bsdf type='diffuse'><texture type='bitmap' name='reflectance'>"
+                    "<string name='filename' value='sky.exr'/></texture></bsdf></shape>"));
+  write_bytes(folder / "small.xml", scene(24, 16));
+  // Libraries take addresses that depend on the system: the least limit under which a small scene is rendered.
+  const auto limited = [](int megabytes) { return "ulimit -v " + std::to_string(megabytes * 1024) + "; "; };
+  int megabytes = 400;
+  while (megabytes < 8000 && run(folder, "render small.xml --quiet -o out.exr", limited(megabytes)).code != 0)
+    megabytes += 100;
+  if (megabytes >= 8000) {
+    MESSAGE("left out: nothing is rendered under a limit of addresses");
+    return;
+  }
+  for (const char* name : {"scene.xml", "picture.xml"}) {
+    CAPTURE(std::string(name));
+    const Outcome outcome = run(folder, "render " + std::string(name) + " --quiet -o big.exr", limited(megabytes));
+    CAPTURE(outcome.err);
+    CHECK(outcome.code == 1);
+    CHECK(contains(outcome.err, "sky.exr"));
+    CHECK(contains(outcome.err, "not enough memory for "));
+    CHECK_FALSE(std::filesystem::exists(folder / "big.exr"));
+  }
+  CHECK(folder.entry_count() == 5);
+}
