@@ -21,6 +21,12 @@ function(sheaf_precompile target)
   endif()
 endfunction()
 
+# sheaf_unite(<target>): with SHEAF_UNITY, its sources several at a time, for targets of many small files: what those
+# include is most of the work. Two of them that stand together can't give one name to different things.
+function(sheaf_unite target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SHEAF_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+endfunction()
+
 # sheaf_layer(<name> SOURCES <pattern>... DEPENDS <target>...): the static library sheaf_<name>, or headers alone.
 function(sheaf_layer name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS")

@@ -105,8 +105,9 @@ function(sheaf_test_cost test)
   set_tests_properties(${test} PROPERTIES COST ${cost} TIMEOUT 900)
 endfunction()
 
-# sheaf_smoke_tests(): benchmarks, scripts and example scenes, each run once with the shortest settings. What there is
-# to run is found by tests/smoke/smoke.py, which fails for a script or program that it doesn't know how to run.
+# sheaf_smoke_tests(<kind>...): benchmarks, scripts or scenes (the examples), each run once with the shortest settings.
+# What there is to run is found by tests/smoke/smoke.py, which fails for a script or program that it doesn't know how to
+# run.
 function(sheaf_smoke_tests)
   find_program(SHEAF_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Python with Debian's packages")
   find_program(SHEAF_PYTHON NAMES python3)
@@ -115,7 +116,7 @@ function(sheaf_smoke_tests)
     return()
   endif()
   get_property(programs GLOBAL PROPERTY SHEAF_PROGRAMS)
-  foreach(kind IN ITEMS scenes scripts benchmarks)
+  foreach(kind IN LISTS ARGN)
     add_test(NAME smoke_${kind} COMMAND "${SHEAF_PYTHON}" tests/smoke/smoke.py ${kind} --build "${PROJECT_BINARY_DIR}"
       --programs ${programs} WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
     sheaf_test_cost(smoke_${kind})

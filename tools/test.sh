@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # From a clean checkout on Debian 12 or 13 to the results of all tests. Can be run again.
-# The tests run twice: with sanitizers (all but the slow ones, which aren't built either), then optimised, benchmarks,
-# scripts and example scenes included; ctest's summary comes last. Between them everything that reads files is fuzzed
-# for a short time (tests/fuzz/README.md).
+# The tests run twice: with sanitizers (those of units that aren't slow, and one picture of each example scene), then
+# optimised, benchmarks, scripts and whole pictures included; ctest's summary comes last. Between them everything that
+# reads files is fuzzed for a short time (tests/fuzz/README.md).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

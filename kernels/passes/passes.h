@@ -22,6 +22,11 @@ template <class L> void run_photon_pass(const StageContext& context, Wave& wave)
 /// Pictures of the first surface, for debugging.
 template <class L> void run_debug_pass(const StageContext& context, Wave& wave);
 
+/// Seconds from a timestamp() to now.
+inline double seconds_since(std::uint64_t start) {
+  return static_cast<double>(timestamp() - start) * seconds_per_tick();
+}
+
 /// The pass from the camera that an integrator asks for.
 template <class L> Pass camera_pass_of(IntegratorKind kind) {
   return transports_light(kind) ? run_path_pass<L> : run_debug_pass<L>;

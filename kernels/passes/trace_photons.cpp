@@ -65,8 +65,6 @@ std::vector<StoredPhotons> trace_round(const StageContext& camera, Workers& work
   return stored;
 }
 
-double seconds_since(std::uint64_t start) { return static_cast<double>(timestamp() - start) * seconds_per_tick(); }
-
 /// How many tasks are traced before their photons are counted: a few for each thread; once it is known what a task
 /// stores, as many as are still needed.
 std::size_t round_size(std::size_t done, std::uint64_t stored, std::uint64_t wanted) {

@@ -24,8 +24,6 @@ constexpr int kTaskSamples = 4096;
 /// Records by which a place is halved: this many times the square root of a pass's number over that of the first.
 constexpr double kSplitRecords = 1000;
 
-double seconds_since(std::uint64_t start) { return static_cast<double>(timestamp() - start) * seconds_per_tick(); }
-
 int strided(int size, int stride) { return (size + stride - 1) / stride; }
 
 /// The pixels of a pass, row by row, cut into tasks.

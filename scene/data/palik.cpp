@@ -50,10 +50,10 @@ constexpr MetalSample kCopperTwoOxide[] = {{350.0f, 2.24f, 1.03f}, {399.9f, 2.34
                                            {649.8f, 2.72f, 0.4f},  {700.1f, 2.88f, 0.31f}, {750.0f, 2.97f, 0.22f},
                                            {799.9f, 2.94f, 0.11f}, {849.8f, 2.81f, 0.04f}};
 /// Diamond.
-constexpr MetalSample kDiamond[] = {{346.7f, 2.495f, 0.0f}, {404.6f, 2.463f, 0.0f}, {467.8f, 2.441f, 0.0f},
-                                    {486.1f, 2.435f, 0.0f}, {508.6f, 2.431f, 0.0f}, {546.0f, 2.424f, 0.0f},
-                                    {589.0f, 2.417f, 0.0f}, {643.8f, 2.411f, 0.0f}, {656.3f, 2.41f, 0.0f},
-                                    {830.0f, 2.41f, 0.0f}};
+constexpr MetalSample kCubicCarbon[] = {{346.7f, 2.495f, 0.0f}, {404.6f, 2.463f, 0.0f}, {467.8f, 2.441f, 0.0f},
+                                        {486.1f, 2.435f, 0.0f}, {508.6f, 2.431f, 0.0f}, {546.0f, 2.424f, 0.0f},
+                                        {589.0f, 2.417f, 0.0f}, {643.8f, 2.411f, 0.0f}, {656.3f, 2.41f, 0.0f},
+                                        {830.0f, 2.41f, 0.0f}};
 /// Mercury telluride.
 constexpr MetalSample kMercuryTelluride[] = {
     {359.2f, 2.489f, 1.69f},  {377.0f, 2.525f, 1.73f},  {394.2f, 2.578f, 1.78f},  {410.8f, 2.651f, 1.83f},
@@ -162,35 +162,35 @@ constexpr MetalSample kVanadiumCarbide[] = {{354.2f, 2.59f, 2.12f}, {413.3f, 2.7
 constexpr MetalSample kVanadiumNitride[] = {{354.2f, 2.18f, 1.58f}, {413.3f, 2.13f, 1.7f},  {495.9f, 2.17f, 1.98f},
                                             {619.9f, 2.35f, 2.47f}, {826.5f, 2.73f, 2.92f}, {830.0f, 2.73f, 2.92f}};
 
-constexpr NamedMetal kMetals[] = {{"a-C", kAmorphousCarbon},
-                                  {"AlAs", kAluminiumArsenide},
-                                  {"AlSb", kAluminiumAntimonide},
-                                  {"Be", kBeryllium},
-                                  {"CsI", kCaesiumIodide},
-                                  {"Cu2O", kCopperOneOxide},
-                                  {"CuO", kCopperTwoOxide},
-                                  {"d-C", kDiamond},
-                                  {"HgTe", kMercuryTelluride},
-                                  {"K", kPotassium},
-                                  {"Li", kLithium},
-                                  {"MgO", kMagnesiumOxide},
-                                  {"Mo", kMolybdenum},
-                                  {"Na", kSodium},
-                                  {"Nb", kNiobium},
-                                  {"Rh", kRhodium},
-                                  {"Se", kSelenium},
-                                  {"SiC", kSiliconCarbide},
-                                  {"SnTe", kTinTelluride},
-                                  {"Ta", kTantalum},
-                                  {"Te", kTellurium},
-                                  {"ThF4", kThoriumFluoride},
-                                  {"TiC", kTitaniumCarbide},
-                                  {"TiO2", kTitaniumDioxide},
-                                  {"VC", kVanadiumCarbide},
-                                  {"VN", kVanadiumNitride}};
+constexpr NamedMetal kPalikMetals[] = {{"a-C", kAmorphousCarbon},
+                                       {"AlAs", kAluminiumArsenide},
+                                       {"AlSb", kAluminiumAntimonide},
+                                       {"Be", kBeryllium},
+                                       {"CsI", kCaesiumIodide},
+                                       {"Cu2O", kCopperOneOxide},
+                                       {"CuO", kCopperTwoOxide},
+                                       {"d-C", kCubicCarbon},
+                                       {"HgTe", kMercuryTelluride},
+                                       {"K", kPotassium},
+                                       {"Li", kLithium},
+                                       {"MgO", kMagnesiumOxide},
+                                       {"Mo", kMolybdenum},
+                                       {"Na", kSodium},
+                                       {"Nb", kNiobium},
+                                       {"Rh", kRhodium},
+                                       {"Se", kSelenium},
+                                       {"SiC", kSiliconCarbide},
+                                       {"SnTe", kTinTelluride},
+                                       {"Ta", kTantalum},
+                                       {"Te", kTellurium},
+                                       {"ThF4", kThoriumFluoride},
+                                       {"TiC", kTitaniumCarbide},
+                                       {"TiO2", kTitaniumDioxide},
+                                       {"VC", kVanadiumCarbide},
+                                       {"VN", kVanadiumNitride}};
 
 }  // namespace
 
-std::span<const NamedMetal> palik_metals() { return kMetals; }
+std::span<const NamedMetal> palik_metals() { return kPalikMetals; }
 
 }  // namespace sheaf

@@ -23,7 +23,7 @@ void check_radius(Properties& p, const FilterDescription& filter) {
                                     " pixels; the given radius is not used");
 }
 
-FilterDescription read_filter(const XmlElement& element, ReadContext& context) {
+FilterDescription read_nori_filter(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   FilterDescription filter;
   if (p.type() == "box") {
@@ -91,7 +91,7 @@ void read_camera(const XmlElement& element, ReadContext& context) {
   check_frame(film.width, film.height, element.where);
   film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
   if (const XmlElement* filter = p.object("rfilter"))
-    read_or_as(*filter, context, "gaussian", [&] { film.filter = read_filter(*filter, context); });
+    read_or_as(*filter, context, "gaussian", [&] { film.filter = read_nori_filter(*filter, context); });
   p.finish();
 }
 

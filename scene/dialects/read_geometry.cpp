@@ -41,7 +41,7 @@ CylinderShape read_cylinder(Properties& p) {
   return cylinder;
 }
 
-Curves read_hair(Properties& p) {
+Curves read_hair_curves(Properties& p) {
   HairReading reading;
   reading.radius = p.number("radius", reading.radius, kPositive);
   // Radii grow as lengths along z do.
@@ -123,7 +123,7 @@ bool read_shared_geometry(Properties& p, bool flips_obj, ShapeDescription& shape
     const auto basis = type == "linearcurve" ? Curves::Basis::kLinear : Curves::Basis::kBspline;
     shape.geometry = read_curve_file(p.file("filename"), basis);
   } else if (type == "hair") {
-    shape.geometry = read_hair(p);
+    shape.geometry = read_hair_curves(p);
   } else if (type == "heightfield") {
     read_height_field_shape(p, shape);
   } else if (type == "sdfgrid") {

@@ -23,7 +23,7 @@ std::optional<Choice> find_choice(Properties& p, std::initializer_list<const cha
   return found;
 }
 
-BitmapDescription::Filter read_filter(Properties& p) {
+BitmapDescription::Filter read_bitmap_filter(Properties& p) {
   const std::optional<Choice> filter = find_choice(p, {"filter_type", "filter", "interpolation"});
   if (!filter || filter->value == "bilinear") return BitmapDescription::Filter::kBilinear;
   if (filter->value == "nearest") return BitmapDescription::Filter::kNearest;
@@ -114,7 +114,7 @@ MeshAttributeDescription read_mesh_attribute(Properties& p) {
 BitmapDescription read_bitmap(Properties& p) {
   BitmapDescription bitmap;
   bitmap.file = p.file("filename");
-  bitmap.filter = read_filter(p);
+  bitmap.filter = read_bitmap_filter(p);
   const BitmapDescription::Wrap both = read_wrap(p, {"wrap_mode", "wrap"}, BitmapDescription::Wrap::kRepeat);
   bitmap.wrap_u = read_wrap(p, {"wrap_mode_u"}, both);
   bitmap.wrap_v = read_wrap(p, {"wrap_mode_v"}, both);

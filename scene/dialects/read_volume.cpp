@@ -41,7 +41,7 @@ Grid::Format format_of(Properties& p, const std::filesystem::path& file) {
                             ", which is neither a .vol nor a .nvdb file by its name or its first bytes");
 }
 
-Grid::Filter read_filter(Properties& p) {
+Grid::Filter read_grid_filter(Properties& p) {
   const std::string filter = p.find_string("filter_type").value_or("trilinear");
   if (filter == "trilinear") return Grid::Filter::kTrilinear;
   if (filter == "nearest") return Grid::Filter::kNearest;
@@ -112,7 +112,7 @@ GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std
   if (!grid.grid.empty() && grid.format == Grid::Format::kVol)
     p.fail_at("grid_name", "is given for a .vol file, whose one grid has no name");
   read_placement(p, dialect, grid);
-  grid.filter = read_filter(p);
+  grid.filter = read_grid_filter(p);
   grid.wrap = read_wrap(p);
   grid.raw = p.boolean("raw", false);
   p.accept({"accel", "send_data"});

@@ -3,6 +3,7 @@
 #include "scene/formats/mtl.h"
 
 #include "scene/formats/mesh_io.h"
+#include "scene/formats/text.h"
 
 #include <algorithm>
 #include <array>
@@ -15,21 +16,9 @@ namespace sheaf {
 
 namespace {
 
-constexpr std::string_view kBlanks = " \t";
-
-std::string quoted(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
-  return "'" + std::string(text.substr(0, kLongest)) + (text.size() > kLongest ? "...'" : "'");
-}
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(kBlanks), last = text.find_last_not_of(kBlanks);
-  return first == std::string_view::npos ? std::string_view() : text.substr(first, last - first + 1);
-}
-
 /// Takes the first word off `text`, which then begins with the next.
 std::string_view take_word(std::string_view& text) {
-  const std::size_t end = std::min(text.find_first_of(kBlanks), text.size());
+  const std::size_t end = std::min(text.find_first_of(" \t"), text.size());
   const std::string_view word = text.substr(0, end);
   text = trimmed(text.substr(end));
   return word;

@@ -1,4 +1,5 @@
 #include "scene/formats/number_lines.h"
+#include "scene/formats/text.h"
 
 #include <charconv>
 #include <cmath>
@@ -9,18 +10,12 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\v\f";
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
 }  // namespace
 
 bool NumberLines::next() {
   if (rest_.empty()) return false;
   const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
-  line_ = trimmed(rest_.substr(0, end));
+  line_ = trimmed(rest_.substr(0, end), kBlanks);
   const std::size_t ending = rest_.substr(end).starts_with("\r\n") ? 2 : 1;
   rest_.remove_prefix(std::min(end + ending, rest_.size()));
   ++number_;
@@ -37,7 +32,7 @@ void NumberLines::read(std::span<float> numbers, const char* what) const {
   std::string_view rest = line_;
   for (float& number : numbers) {
     std::string_view word = rest.substr(0, std::min(rest.find_first_of(kBlanks), rest.size()));
-    rest = trimmed(rest.substr(word.size()));
+    rest = trimmed(rest.substr(word.size()), kBlanks);
     if (word.starts_with('+')) word.remove_prefix(1);
     double value = 0;
     const char* const end = word.data() + word.size();

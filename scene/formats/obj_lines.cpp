@@ -1,5 +1,6 @@
 // The grammar of the OBJ lines that matter.
 #include "scene/formats/obj_lines.h"
+#include "scene/formats/text.h"
 
 #include <algorithm>
 
@@ -9,11 +10,6 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-std::string quoted(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
-  return "'" + std::string(text.substr(0, kLongest)) + (text.size() > kLongest ? "...'" : "'");
-}
 
 const char* skip_digits(const char* p, const char* end) { return std::find_if_not(p, end, is_digit); }
 
@@ -74,11 +70,6 @@ bool is_corner(std::string_view token) {
   const bool has_uv = second > slash + 1, has_normal = second < token.size();
   return is_index(token.substr(0, slash)) && (!has_uv || is_index(token.substr(slash + 1, second - slash - 1))) &&
          (!has_normal || is_index(token.substr(second + 1)));
-}
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == std::string_view::npos ? std::string_view() : text.substr(first, last - first + 1);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "scene/formats/serialized.h"
 
 #include "core/inflate.h"
+#include "scene/formats/little_endian.h"
 
 #include <algorithm>
 #include <array>
@@ -16,7 +17,7 @@ namespace sheaf {
 
 namespace {
 
-constexpr std::uint16_t kMagic = 0x041c;
+constexpr std::uint16_t kSerializedMagic = 0x041c;
 constexpr std::uint16_t kVersion3 = 3;  ///< no name; the dictionary has offsets of 32 bits
 constexpr std::uint16_t kVersion4 = 4;
 
@@ -27,12 +28,6 @@ enum Flag : std::uint32_t {
   kFaceNormals = 0x0010,
   kDoublePrecision = 0x2000,
 };
-
-template <std::unsigned_integral T> T little_endian(const char* bytes) {
-  T value = 0;
-  for (std::size_t i = sizeof(T); i-- > 0;) value = static_cast<T>(value << 8 | static_cast<unsigned char>(bytes[i]));
-  return value;
-}
 
 std::string plural(std::uint64_t count, const char* what) { return std::to_string(count) + " " + what; }
 
@@ -71,7 +66,8 @@ class Directory {
   [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_}, message); }
 
   std::uint16_t check_header(std::uint64_t offset) const {
-    if (bytes_.size() - offset < kHeaderSize || little_endian<std::uint16_t>(bytes_.data() + offset) != kMagic) {
+    if (bytes_.size() - offset < kHeaderSize ||
+        little_endian<std::uint16_t>(bytes_.data() + offset) != kSerializedMagic) {
       fail("expected a serialized mesh, which begins with the bytes 1c 04" +
            (offset > 0 ? ", at byte " + std::to_string(offset) : std::string()));
     }

@@ -1,5 +1,6 @@
 #include "scene/formats/tensor_file.h"
 
+#include "scene/formats/little_endian.h"
 #include "scene/formats/mesh_io.h"
 
 #include <bit>
@@ -11,19 +12,13 @@ namespace sheaf {
 
 namespace {
 
-constexpr std::string_view kMagic("tensor_file\0", 12);
+constexpr std::string_view kTensorMagic("tensor_file\0", 12);
 constexpr std::uint8_t kTypeSizes[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 2, 4, 8};
 
 std::string type_name(std::uint8_t type) {
   static constexpr const char* kNames[] = {"nothing", "uint8",  "int8",  "uint16",  "int16",   "uint32",
                                            "int32",   "uint64", "int64", "float16", "float32", "float64"};
   return kNames[type];
-}
-
-template <std::unsigned_integral T> T little_endian(const char* bytes) {
-  T value = 0;
-  for (std::size_t i = sizeof(T); i-- > 0;) value = static_cast<T>(value << 8 | static_cast<unsigned char>(bytes[i]));
-  return value;
 }
 
 }  // namespace
@@ -40,9 +35,9 @@ class TensorFile::Reader {
   explicit Reader(TensorFile& file) : file_(file) {}
 
   void read() {
-    if (!std::string_view(file_.content_).starts_with(kMagic))
+    if (!std::string_view(file_.content_).starts_with(kTensorMagic))
       file_.fail("expected a tensor file, which begins with the word tensor_file and a zero byte");
-    at_ = kMagic.size();
+    at_ = kTensorMagic.size();
     const int major = number<std::uint8_t>(), minor = number<std::uint8_t>();
     if (major != 1 || minor != 0)
       file_.fail("expected version 1.0 of the format, found " + std::to_string(major) + "." + std::to_string(minor));

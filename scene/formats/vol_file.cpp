@@ -1,5 +1,6 @@
 #include "scene/formats/vol_file.h"
 
+#include "scene/formats/little_endian.h"
 #include "scene/formats/mesh_io.h"
 
 #include <bit>
@@ -15,12 +16,6 @@ namespace {
 enum Encoding : std::int32_t { kFloat32 = 1, kFloat16 = 2, kUint8 = 3 };
 
 constexpr std::size_t kHeaderSize = 48;
-
-template <std::unsigned_integral T> T little_endian(const char* bytes) {
-  T value = 0;
-  for (std::size_t i = sizeof(T); i-- > 0;) value = static_cast<T>(value << 8 | static_cast<unsigned char>(bytes[i]));
-  return value;
-}
 
 std::int32_t int_at(const char* bytes) { return static_cast<std::int32_t>(little_endian<std::uint32_t>(bytes)); }
 float float_at(const char* bytes) { return std::bit_cast<float>(little_endian<std::uint32_t>(bytes)); }

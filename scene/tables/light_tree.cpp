@@ -60,7 +60,7 @@ struct Split {
 };
 
 /// Lights next to each other in an order.
-struct Range {
+struct LightRange {
   std::size_t begin = 0, end = 0;
   std::size_t size() const { return end - begin; }
 };
@@ -97,11 +97,11 @@ class Builder {
   }
 
   /// Makes node `index` at `level` of some lights. Their bounds, joined.
-  LightCluster build_node(std::uint32_t index, const Range& lights, int level, std::uint32_t trail) {
-    const std::vector<Range> ranges = divide(lights, level);
+  LightCluster build_node(std::uint32_t index, const LightRange& lights, int level, std::uint32_t trail) {
+    const std::vector<LightRange> ranges = divide(lights, level);
     const auto first_node = static_cast<std::uint32_t>(tree_.nodes.size());
     const auto node_count = static_cast<std::uint32_t>(
-        std::count_if(ranges.begin(), ranges.end(), [](const Range& range) { return range.size() > 1; }));
+        std::count_if(ranges.begin(), ranges.end(), [](const LightRange& range) { return range.size() > 1; }));
     tree_.nodes.resize(first_node + node_count);
     tree_.depth = std::max(tree_.depth, level + 1);
     LightCluster children[kLightChildren], whole;
@@ -123,21 +123,21 @@ class Builder {
 
   /// Divides lights of a node at `level` into those of four children, or into single ones; the ranges of more than one
   /// come first.
-  std::vector<Range> divide(const Range& lights, int level) {
+  std::vector<LightRange> divide(const LightRange& lights, int level) {
     // Quartering from here on still reaches single lights in time; one more uneven division might not leave that room.
     const int quarterings = (std::bit_width(lights.size() - 1) + 1) / 2;
     const bool may_be_uneven = level + quarterings < kMaxLightTreeDepth;
-    std::vector<Range> ranges{lights};
+    std::vector<LightRange> ranges{lights};
     while (ranges.size() < kLightChildren) {
-      const auto largest = std::max_element(ranges.begin(), ranges.end(),
-                                            [](const Range& a, const Range& b) { return a.size() < b.size(); });
+      const auto largest = std::max_element(
+          ranges.begin(), ranges.end(), [](const LightRange& a, const LightRange& b) { return a.size() < b.size(); });
       if (largest->size() == 1) break;
       const std::size_t middle = split(largest->begin, largest->end, may_be_uneven);
-      const Range second{middle, largest->end};
+      const LightRange second{middle, largest->end};
       largest->end = middle;
       ranges.insert(largest + 1, second);
     }
-    std::stable_partition(ranges.begin(), ranges.end(), [](const Range& range) { return range.size() > 1; });
+    std::stable_partition(ranges.begin(), ranges.end(), [](const LightRange& range) { return range.size() > 1; });
     return ranges;
   }
 

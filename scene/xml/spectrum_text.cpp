@@ -1,6 +1,7 @@
 // Parsing of spectra and colours.
 #include "scene/xml/spectrum_text.h"
 
+#include "core/color.h"
 #include "scene/xml/xml_values.h"
 
 #include <algorithm>
@@ -11,11 +12,6 @@
 namespace sheaf {
 
 namespace {
-
-/// IEC 61966-2-1.
-float srgb_to_linear(float v) {
-  return v <= 0.04045f ? v / 12.92f : static_cast<float>(std::pow((double(v) + 0.055) / 1.055, 2.4));
-}
 
 std::string_view trim(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
@@ -87,7 +83,7 @@ Vec3f parse_srgb(std::string_view text, const SourceLocation& where) {
   for (float c : {v.x, v.y, v.z})
     if (!(c >= 0 && c <= 1))
       throw SceneError(where, "sRGB colour is " + in_quotes(text) + ", expected values in [0, 1]");
-  return {srgb_to_linear(v.x), srgb_to_linear(v.y), srgb_to_linear(v.z)};
+  return srgb_to_linear(v);
 }
 
 Vec3f parse_rgb(std::string_view text, const SourceLocation& where) {

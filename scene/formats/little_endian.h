@@ -1,0 +1,16 @@
+// Numbers in binary files.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+
+namespace sheaf {
+
+/// Of sizeof(T) bytes, the lowest first.
+template <std::unsigned_integral T> T little_endian(const char* bytes) {
+  T value = 0;
+  for (std::size_t i = sizeof(T); i-- > 0;) value = static_cast<T>(value << 8 | static_cast<unsigned char>(bytes[i]));
+  return value;
+}
+
+}  // namespace sheaf

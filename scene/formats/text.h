@@ -1,0 +1,22 @@
+// Words in text files, and texts in messages.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace sheaf {
+
+/// Without the characters of `blanks` at either end.
+inline std::string_view trimmed(std::string_view text, std::string_view blanks = " \t") {
+  const std::size_t first = text.find_first_not_of(blanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+/// In quotation marks, cut off behind 40 characters.
+inline std::string quoted(std::string_view text) {
+  constexpr std::size_t kLongest = 40;
+  return "'" + std::string(text.substr(0, kLongest)) + (text.size() > kLongest ? "...'" : "'");
+}
+
+}  // namespace sheaf
