@@ -66,9 +66,9 @@ struct LightRange {
 };
 
 /// Divides ranges of `order_` from the root down; bounds come back up.
-class Builder {
+class TreeBuilder {
  public:
-  explicit Builder(std::span<const LightBounds> lights) {
+  explicit TreeBuilder(std::span<const LightBounds> lights) {
     clusters_.reserve(lights.size());
     order_.resize(lights.size());
     scratch_.resize(lights.size());
@@ -260,7 +260,7 @@ LightTreeView LightTree::view() const {
 LightTree build_light_tree(std::span<const LightBounds> lights) {
   if (lights.size() > kLightNodeIndex)
     throw SceneError(std::to_string(lights.size()) + " lights, expected at most " + std::to_string(kLightNodeIndex));
-  return Builder(lights).build();
+  return TreeBuilder(lights).build();
 }
 
 }  // namespace sheaf
