@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <regex>
 #include <vector>
 
 using namespace sheaf;
@@ -119,6 +120,20 @@ void check_refused(const Workplace& place, const Written& written, const Outcome
 }
 
 }  // namespace
+
+TEST_CASE("outputs: nothing but core/output_file opens files to write to them") {
+  const std::regex opens("std::ofstream|\\bfopen\\(|O_WRONLY|O_RDWR|O_CREAT|\\bcreat\\(");
+  int files = 0;
+  for (const char* layer : {"core", "scene", "kernels", "tools"})
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(SHEAF_SOURCE_DIR) / layer)) {
+      const std::string extension = entry.path().extension().string();
+      if ((extension != ".cpp" && extension != ".h") || entry.path().stem() == "output_file") continue;
+      ++files;
+      CAPTURE(entry.path().string());
+      CHECK_FALSE(std::regex_search(read_bytes(entry.path()), opens));
+    }
+  CHECK(files > 300);
+}
 
 TEST_CASE("outputs: a folder that is not there") {
   Workplace place;
