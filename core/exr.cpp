@@ -190,6 +190,7 @@ void write_exr(const fs::path& path, const Image& image, const ExrMetadata& meta
     ExrStream stream(file.stream(), path.string());
     write_pixels(stream, image, metadata);
   } catch (const std::exception& problem) {
+    if (!file.stream()) file.commit();  // knows better why
     throw Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + problem.what());
   }
   file.commit();

@@ -113,14 +113,15 @@ std::string format_bytes(double bytes) {
 Error not_enough_memory(const std::string& task, std::span<const MemoryUse> uses) {
   double sum = 0;
   std::string list;
+  int listed = 0;
   const MemoryUse* largest = nullptr;
   for (const MemoryUse& use : uses) {
     sum += use.bytes;
-    if (use.bytes >= 1e6) list += (list.empty() ? "" : ", ") + format_bytes(use.bytes) + " for " + use.what;
+    if (use.bytes >= 1e6) list += (listed++ == 0 ? "" : ", ") + format_bytes(use.bytes) + " for " + use.what;
     if (largest == nullptr || use.bytes > largest->bytes) largest = &use;
   }
   std::string message = "not enough memory for " + task + ": it takes " + format_bytes(sum) +
-                        (uses.size() > 1 ? " (" + list + ")" : "") + ", and " + format_bytes(available_memory()) +
+                        (listed > 1 ? " (" + list + ")" : "") + ", and " + format_bytes(available_memory()) +
                         " are free";
   if (largest != nullptr && !largest->advice.empty()) message += ". " + largest->advice;
   return {ExitCode::kRuntime, message};

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <charconv>
@@ -30,11 +31,18 @@ Error cannot_write(const fs::path& path, const std::string& why) {
   return Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + why);
 }
 
-/// The path with symbolic links to files resolved, so that the rename replaces the file and not the link.
+/// The path with symbolic links resolved, so that the rename replaces the file and not the link; also where there is no
+/// such file yet. Throws Error (exit code 4) for links that lead round in circles.
 fs::path final_target(const fs::path& path) {
-  std::error_code error;
-  const fs::path resolved = fs::is_symlink(path, error) ? fs::weakly_canonical(path, error) : path;
-  return error ? path : resolved;
+  constexpr int kMostLinks = 40;
+  fs::path target = path;
+  for (int links = 0; links < kMostLinks; ++links) {
+    std::error_code error;
+    const fs::path next = fs::read_symlink(target, error);  // an error where there is none
+    if (error) return target;
+    target = target.parent_path() / next;
+  }
+  throw cannot_write(path, std::strerror(ELOOP));
 }
 
 /// A descriptor of the file, locked; -1 if it is locked already, or cannot be. The lock goes with the process, however
@@ -97,6 +105,19 @@ int sync_file(const fs::path& path) {
   return reason == EINVAL || reason == ENOSYS || reason == EROFS ? 0 : reason;  // nothing to be synchronised there
 }
 
+/// Why writing to the file fails, which streams don't tell: what one more try says. An errno, or 0.
+int ask_for_reason(const fs::path& path) {
+  const int file = open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  if (file < 0) return errno;
+  const std::array<char, 65536> zeros{};  // more than is left of a page that the file has already
+  const ssize_t written = write(file, zeros.data(), zeros.size());
+  int reason = written < 0 ? errno : 0;
+  if (written >= 0 && static_cast<std::size_t>(written) < zeros.size())
+    reason = write(file, zeros.data(), zeros.size()) < 0 ? errno : 0;
+  close(file);
+  return reason;
+}
+
 }  // namespace
 
 bool is_same_file(const fs::path& a, const fs::path& b) {
@@ -118,6 +139,9 @@ OutputFile::OutputFile(const fs::path& path) : target_(final_target(path)) {
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     throw cannot_write(path, fs::is_directory(status) ? "it is a folder" : "it is not a regular file");
   }
+  // Renaming asks for leave to write to the folder alone: a file that is protected would be lost.
+  if (fs::exists(status) && faccessat(AT_FDCWD, target_.c_str(), W_OK, AT_EACCESS) != 0)
+    throw cannot_write(path, std::strerror(errno));
   const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
   if (!fs::is_directory(folder, error)) throw cannot_write(path, "there is no folder '" + folder.string() + "'");
   temporary_ = temporary_name(target_);
@@ -138,11 +162,14 @@ void OutputFile::commit() {
   const bool was_good = stream_.good();
   errno = 0;
   stream_.close();  // what is still in its buffer is written now
-  const int reason = errno;
-  const bool is_known = was_good && reason != 0;
-  if (!stream_) throw cannot_write(target_, is_known ? std::strerror(reason) : "not all of it could be written");
+  if (!stream_) {
+    const int reason = was_good && errno != 0 ? errno : ask_for_reason(temporary_);
+    throw cannot_write(target_, reason != 0 ? std::strerror(reason) : "not all of it could be written");
+  }
   if (const int failure = sync_file(temporary_); failure != 0) throw cannot_write(target_, std::strerror(failure));
   std::error_code error;
+  if (const fs::file_status old = fs::status(target_, error); fs::is_regular_file(old))
+    fs::permissions(temporary_, old.permissions(), error);  // who may read it stays as it was
   fs::rename(temporary_, target_, error);
   if (error) throw cannot_write(target_, error.message());
 }

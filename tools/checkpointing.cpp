@@ -59,7 +59,6 @@ void check_checkpoint(const CheckpointArguments& arguments) {
   if (!arguments.resume && fs::exists(arguments.file))
     throw Error(ExitCode::kUsage,
                 "the checkpoint '" + arguments.file + "' is there already: go on from it with --resume, or remove it");
-  check_writable(arguments.file);
 }
 
 RenderSettings render_settings(const std::vector<std::pair<std::string, std::string>>& given,

@@ -17,8 +17,8 @@ struct CheckpointArguments {
 
 void add_checkpoint_options(Command& command, CheckpointArguments& arguments);
 
-/// Throws Error (exit codes 2 and 4) where the options make no sense together, where the file is there and is not to be
-/// resumed from, and where it cannot be written.
+/// Throws Error (exit code 2) where the options make no sense together, and where the file is there and is not to be
+/// resumed from.
 void check_checkpoint(const CheckpointArguments& arguments);
 
 /// All that decides over a picture's bits: the options given, but for those that say how the run goes and where its

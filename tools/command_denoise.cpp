@@ -26,17 +26,11 @@ struct DenoiseArguments {
 };
 
 std::vector<fs::path> check_outputs(const DenoiseArguments& arguments) {
-  const std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    check_picture_name(outputs[i]);
-    for (std::size_t k = 0; k < i; ++k)
-      if (is_same_file(outputs[i], outputs[k]))
-        throw Error(ExitCode::kUsage, "two of the pictures to write are the same file, '" + outputs[i].string() + "'");
-    if (is_same_file(outputs[i], arguments.input))
-      throw Error(ExitCode::kUsage, "the picture '" + outputs[i].string() + "' would overwrite the one that is read");
-  }
-  for (const fs::path& output : outputs) check_writable(output);
-  return outputs;
+  const NamedFile input{"the one that is read,", arguments.input};
+  const std::vector<NamedFile> outputs = named_pictures(arguments.outputs);
+  check_overwriting(outputs, {&input, 1});
+  check_all_writable(outputs);
+  return {arguments.outputs.begin(), arguments.outputs.end()};
 }
 
 int denoise_picture(const DenoiseArguments& arguments) {
@@ -49,14 +43,12 @@ int denoise_picture(const DenoiseArguments& arguments) {
   const DenoiseResult result = denoise(image, denoiser, arguments.threads);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   add_denoise_attribute(metadata, result);
-  for (const fs::path& output : outputs)
-    extension_of(output) == ".png" ? write_png(output, denoised_only(result.image))
-                                   : write_exr(output, result.image, metadata);
+  const std::vector<fs::path> written = write_pictures(outputs, result.image, metadata);
   if (!arguments.quiet) {
     print_message(fmt::format("denoised in {:.2f} s ({})", elapsed.count(), result.description));
-    for (const fs::path& output : outputs) print_message("wrote " + output.string());
+    for (const fs::path& output : written) print_message("wrote " + output.string());
   }
-  return static_cast<int>(ExitCode::kDone);
+  return static_cast<int>(written.size() == outputs.size() ? ExitCode::kDone : ExitCode::kOutput);
 }
 
 }  // namespace

@@ -201,8 +201,10 @@ int make_farm(const FarmArguments& arguments) {
   const Farm farm = plan_farm(arguments);
   std::error_code error;
   fs::create_directories(farm.folder, error);
+  if (error) throw Error(ExitCode::kOutput, "cannot make the folder '" + farm.folder + "': " + error.message());
   const fs::path folder = farm.folder, render = folder / "render.sh", merge = folder / "merge.sh",
                  submit = folder / "submit.sh";
+  for (const fs::path& script : {render, merge, submit}) check_writable(script);  // all of them or none
   write_text_file(render, render_script(farm));
   write_text_file(merge, merge_script(farm));
   write_text_file(submit, submit_script(farm, render.string(), merge.string()));

@@ -79,15 +79,23 @@ std::string describe(const CompileReport& report) {
 
 /// The most memory that the program has had until now, and that rendering the scene as it is would take.
 std::string describe_peaks(const Scene& scene) {
-  const double now = resident_memory(), loading = static_cast<double>(peak_rss_bytes());
+  const double now = resident_memory();
+  const std::string loading = format_bytes(static_cast<double>(peak_rss_bytes()));
+  std::vector<MemoryUse> uses;
+  try {
+    uses = render_memory(scene, {});
+  } catch (const Error& error) {
+    return fmt::format("peak        {} while loading; as it is the scene cannot be rendered: {}\n", loading,
+                       error.what());
+  }
   double rendering = 0;
   std::string parts;
-  for (const MemoryUse& use : render_memory(scene, {})) {
+  for (const MemoryUse& use : uses) {
     rendering += use.bytes;
     parts += ", " + format_bytes(use.bytes) + " for " + use.what;
   }
   return fmt::format("peak        {} while loading; {} while rendering is to be expected: {} with the scene loaded{}\n",
-                     format_bytes(loading), format_bytes(now + rendering), format_bytes(now), parts);
+                     loading, format_bytes(now + rendering), format_bytes(now), parts);
 }
 
 std::string describe(const Description& description, const Scene& scene, const CompileReport& report) {

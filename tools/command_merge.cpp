@@ -23,18 +23,12 @@ struct MergeArguments {
 };
 
 std::vector<fs::path> check_outputs(const MergeArguments& arguments) {
-  const std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    check_picture_name(outputs[i]);
-    for (std::size_t k = 0; k < i; ++k)
-      if (is_same_file(outputs[i], outputs[k]))
-        throw Error(ExitCode::kUsage, "two of the pictures to write are the same file, '" + outputs[i].string() + "'");
-    for (const std::string& part : arguments.parts)
-      if (is_same_file(outputs[i], part))
-        throw Error(ExitCode::kUsage, "the picture '" + outputs[i].string() + "' would overwrite one of its parts");
-  }
-  for (const fs::path& output : outputs) check_writable(output);
-  return outputs;
+  std::vector<NamedFile> parts;
+  for (const std::string& part : arguments.parts) parts.push_back({"one of its parts,", part});
+  const std::vector<NamedFile> outputs = named_pictures(arguments.outputs);
+  check_overwriting(outputs, parts);
+  check_all_writable(outputs);
+  return {arguments.outputs.begin(), arguments.outputs.end()};
 }
 
 /// The pixels of the picture: what is asked for, the frame, or of an incomplete one those that hold all parts.
@@ -119,17 +113,17 @@ int merge_pictures(const MergeArguments& arguments) {
   if (interrupted || share < 1.0)
     metadata.attributes.push_back(
         {"sheaf/incomplete", fmt::format("{:.6g} of the samples{}", share, interrupted ? ", some interrupted" : "")});
-  for (const fs::path& output : outputs)
-    extension_of(output) == ".png" ? write_png(output, image) : write_exr(output, image, metadata);
-  if (arguments.quiet) return static_cast<int>(ExitCode::kDone);
+  const std::vector<fs::path> written = write_pictures(outputs, image, metadata);
+  const int exit_code = static_cast<int>(written.size() == outputs.size() ? ExitCode::kDone : ExitCode::kOutput);
+  if (arguments.quiet) return exit_code;
   if (has_denoised)
     print_message("the parts' layers denoised.R/G/B are left out; 'sheaf denoise' makes them of the whole picture");
   if (interrupted || share < 1.0)
     print_message(fmt::format("warning: the picture is incomplete: {:.4g} % of the samples{}", share * 100,
                               interrupted ? ", and parts that were interrupted" : ""));
   print_message(fmt::format("joined {} parts", parts.size()));
-  for (const fs::path& output : outputs) print_message("wrote " + output.string());
-  return static_cast<int>(ExitCode::kDone);
+  for (const fs::path& output : written) print_message("wrote " + output.string());
+  return exit_code;
 }
 
 }  // namespace

@@ -43,43 +43,26 @@ namespace {
 /// From how many samples per pixel on they are cut into four sets for a denoiser, below into two.
 constexpr std::uint32_t kDenoisedSamples = 16;
 
-/// Throws Error (exit code 2) if two of the files to write are one, or one of them is among `sources`, of which the
-/// scene is made.
-void check_overwriting(const std::vector<fs::path>& outputs, const RenderArguments& arguments,
-                       const std::vector<fs::path>& sources) {
-  std::vector<fs::path> written = outputs;
-  std::vector<std::string> names(outputs.size(), "the picture");
-  const auto add = [&](const char* name, const std::string& file) {
-    if (file.empty()) return;
-    written.emplace_back(file);
-    names.emplace_back(name);
-  };
-  add("--stats", arguments.stats);
-  add("--checkpoint", arguments.checkpoint.file);
-  const auto quoted = [](const fs::path& path) { return in_quotes(path.string()); };
-  for (std::size_t i = 0; i < written.size(); ++i) {
-    const std::string what = names[i] + " " + quoted(written[i]);
-    for (std::size_t k = 0; k < i; ++k)
-      if (is_same_file(written[i], written[k]))
-        throw Error(ExitCode::kUsage, what + " would overwrite " + names[k] + " " + quoted(written[k]));
-    std::error_code error;
-    if (!fs::exists(written[i], error)) continue;
-    for (const fs::path& source : sources)
-      if (is_same_file(written[i], source))
-        throw Error(ExitCode::kUsage, what + " would overwrite " + quoted(source) + ", of which the scene is made");
-  }
+/// All files that the render writes, checked: known formats, names that don't meet, places that can be written to. The
+/// pictures come first. Throws Error.
+std::vector<NamedFile> check_outputs(const RenderArguments& arguments) {
+  std::vector<std::string> pictures = arguments.outputs;
+  if (pictures.empty()) pictures.push_back(fs::path(arguments.scene).stem().string() + ".exr");
+  std::vector<NamedFile> outputs = named_pictures(pictures);
+  if (!arguments.stats.empty()) outputs.push_back({"--stats", arguments.stats});
+  if (!arguments.checkpoint.file.empty()) outputs.push_back({"--checkpoint", arguments.checkpoint.file});
+  const NamedFile scene{"the scene", arguments.scene};
+  check_overwriting(outputs, {&scene, 1});
+  check_checkpoint(arguments.checkpoint);
+  check_all_writable(outputs);
+  return outputs;
 }
 
-/// The pictures to write, checked: known formats, places that can be written to. Throws Error.
-std::vector<fs::path> check_outputs(const RenderArguments& arguments) {
-  std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
-  if (outputs.empty()) outputs.push_back(fs::path(arguments.scene).stem().string() + ".exr");
-  for (const fs::path& output : outputs) check_picture_name(output);
-  check_overwriting(outputs, arguments, {arguments.scene});
-  check_checkpoint(arguments.checkpoint);
-  for (const fs::path& output : outputs) check_writable(output);
-  if (!arguments.stats.empty()) check_writable(arguments.stats);
-  return outputs;
+/// Throws Error (exit code 2) if one of the files that the scene is made of would be overwritten.
+void check_sources(const std::vector<NamedFile>& outputs, const std::vector<fs::path>& files) {
+  std::vector<NamedFile> sources;
+  for (const fs::path& file : files) sources.push_back({"what the scene is made of,", file});
+  check_overwriting(outputs, sources);
 }
 
 void apply_integrator(const RenderArguments& arguments, IntegratorDescription& integrator) {
@@ -209,18 +192,6 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
   return metadata;
 }
 
-/// Calls write(), and says what went wrong if it throws. Returns whether it did not: what else there is to be saved is
-/// to be tried all the same.
-template <class Write> bool try_to_write(Write&& write) {
-  try {
-    write();
-    return true;
-  } catch (const std::exception& error) {
-    print_message(error.what());
-    return false;
-  }
-}
-
 /// Adds the denoised picture, if one is asked for. Says what went wrong if there is none: the noisy one is still to be
 /// written.
 bool add_denoised(const RenderArguments& arguments, Image& image, ExrMetadata& metadata) {
@@ -230,21 +201,6 @@ bool add_denoised(const RenderArguments& arguments, Image& image, ExrMetadata& m
     add_denoise_attribute(metadata, result);
     image = std::move(result.image);
   });
-}
-
-/// Returns those that are written. PNG files show the denoised picture where there is one.
-std::vector<fs::path> write_pictures(const std::vector<fs::path>& outputs, const Image& image,
-                                     const ExrMetadata& metadata) {
-  std::vector<fs::path> written;
-  const bool denoised = image.find_channel("denoised.R") >= 0;
-  for (const fs::path& output : outputs) {
-    const bool is_png = extension_of(output) == ".png";
-    if (try_to_write([&] {
-          is_png ? write_png(output, denoised ? denoised_only(image) : image) : write_exr(output, image, metadata);
-        }))
-      written.push_back(output);
-  }
-  return written;
 }
 
 Progress::Mode progress_mode(bool quiet) {
@@ -329,14 +285,17 @@ void print_end(const RenderResult& result, const std::vector<fs::path>& written,
 
 int render_scene(const RenderArguments& arguments, const std::vector<std::pair<std::string, std::string>>& given) {
   const AovSet aovs = wanted_aovs(arguments);
-  const std::vector<fs::path> outputs = check_outputs(arguments);
+  const std::vector<NamedFile> all_outputs = check_outputs(arguments);
+  std::vector<fs::path> outputs;
+  for (std::size_t i = 0; i < std::max<std::size_t>(arguments.outputs.size(), 1); ++i)
+    outputs.push_back(all_outputs[i].file);
   if (!arguments.denoiser.empty()) check_denoiser(denoiser_from_name(arguments.denoiser));
   if (arguments.spectral_bins > 0 && arguments.color != "spectral")
     throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
   Preview preview(arguments.preview, arguments.scene, outputs.front().string(), arguments.quiet);
   const double load_start = Progress::steady_seconds();
   Description description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
-  check_overwriting(outputs, arguments, description.files);
+  check_sources(all_outputs, description.files);
   apply_integrator(arguments, description.integrator);
   apply_sampler(arguments, description);
   apply_size(arguments, description.film);

@@ -1,21 +1,77 @@
 #include "tools/picture_files.h"
 
 #include "core/error.h"
+#include "core/output_file.h"
+#include "kernels/denoise/denoise.h"
+#include "tools/commands.h"
 
 #include <cctype>
 
 namespace sheaf {
 
-std::string extension_of(const std::filesystem::path& path) {
+namespace fs = std::filesystem;
+
+std::string extension_of(const fs::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return extension;
 }
 
-void check_picture_name(const std::filesystem::path& path) {
+void check_picture_name(const fs::path& path) {
   const std::string extension = extension_of(path);
   if (extension != ".exr" && extension != ".png")
     throw Error(ExitCode::kUsage, "the name of the picture '" + path.string() + "' must end in .exr or .png");
+}
+
+std::vector<NamedFile> named_pictures(const std::vector<std::string>& files) {
+  std::vector<NamedFile> pictures;
+  for (const std::string& file : files) {
+    check_picture_name(file);
+    pictures.push_back({"the picture", file});
+  }
+  return pictures;
+}
+
+void check_overwriting(std::span<const NamedFile> written, std::span<const NamedFile> sources) {
+  const auto shown = [](const NamedFile& file) { return file.what + " '" + file.file.string() + "'"; };
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k)
+      if (is_same_file(written[i].file, written[k].file))
+        throw Error(ExitCode::kUsage, shown(written[i]) + " would overwrite " + shown(written[k]));
+    std::error_code error;
+    if (!fs::exists(written[i].file, error)) continue;
+    for (const NamedFile& source : sources)
+      if (is_same_file(written[i].file, source.file))
+        throw Error(ExitCode::kUsage, shown(written[i]) + " would overwrite " + shown(source));
+  }
+}
+
+void check_all_writable(std::span<const NamedFile> written) {
+  for (const NamedFile& output : written) check_writable(output.file);
+}
+
+bool try_to_write(const std::function<void()>& write) {
+  try {
+    write();
+    return true;
+  } catch (const std::exception& error) {
+    print_message(error.what());
+    return false;
+  }
+}
+
+std::vector<fs::path> write_pictures(const std::vector<fs::path>& files, const Image& image,
+                                     const ExrMetadata& metadata) {
+  std::vector<fs::path> written;
+  const bool denoised = image.find_channel("denoised.R") >= 0;
+  for (const fs::path& file : files) {
+    const bool is_png = extension_of(file) == ".png";
+    if (try_to_write([&] {
+          is_png ? write_png(file, denoised ? denoised_only(image) : image) : write_exr(file, image, metadata);
+        }))
+      written.push_back(file);
+  }
+  return written;
 }
 
 }  // namespace sheaf

@@ -1,7 +1,14 @@
-// Names of pictures on the command line: which formats there are, and what may not be overwritten.
+// The files that commands write: what may stand on the command line, what must not be overwritten, and how pictures get
+// there.
 #pragma once
 
+#include "core/exr.h"
+
 #include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace sheaf {
 
@@ -10,5 +17,29 @@ std::string extension_of(const std::filesystem::path& path);
 
 /// Throws Error (exit code 2) unless the name ends in .exr or .png.
 void check_picture_name(const std::filesystem::path& path);
+
+/// A file that a command writes or reads, and what it is to people: "the picture", "--stats".
+struct NamedFile {
+  std::string what;
+  std::filesystem::path file;
+};
+
+/// The pictures of a command line as such files, checked by check_picture_name().
+std::vector<NamedFile> named_pictures(const std::vector<std::string>& files);
+
+/// Throws Error (exit code 2) if two of the files to write are one, or one of them is among `sources`.
+void check_overwriting(std::span<const NamedFile> written, std::span<const NamedFile> sources);
+
+/// Throws Error (exit code 4) unless all of them can be written; see check_writable().
+void check_all_writable(std::span<const NamedFile> written);
+
+/// Calls write(), and says what went wrong if it throws. Returns whether it did not: what else there is to be saved is
+/// to be tried all the same.
+bool try_to_write(const std::function<void()>& write);
+
+/// Writes the picture to each of the files, whatever becomes of the others, and returns those that are written. PNG
+/// files show the denoised picture where there is one.
+std::vector<std::filesystem::path> write_pictures(const std::vector<std::filesystem::path>& files, const Image& image,
+                                                  const ExrMetadata& metadata);
 
 }  // namespace sheaf

@@ -18,16 +18,6 @@ constexpr std::uint32_t kMostPasses = 1 << 22;
 /// The radius of a progressive map's first pass, in pixels' shares of the scene's radius.
 constexpr float kFirstRadius = 5;
 
-/// Whether any medium scatters.
-bool has_phase_functions(const SceneView& scene) {
-  bool any = false;
-  for_each_closure([&](auto closure) {
-    const int kind = static_cast<int>(closure.kKind);
-    any = any || (closure.is_phase && scene.bucket_begin[kind + 1] > scene.bucket_begin[kind]);
-  });
-  return any;
-}
-
 /// Van der Corput's sequence: any stretch of it from 0 on is spread evenly over [0, 1).
 float radical_inverse(std::uint32_t i) {
   i = i << 16 | i >> 16;
@@ -39,6 +29,15 @@ float radical_inverse(std::uint32_t i) {
 }
 
 }  // namespace
+
+bool has_phase_functions(const SceneView& scene) {
+  bool any = false;
+  for_each_closure([&](auto closure) {
+    const int kind = static_cast<int>(closure.kKind);
+    any = any || (closure.is_phase && scene.bucket_begin[kind + 1] > scene.bucket_begin[kind]);
+  });
+  return any;
+}
 
 PhotonMapping::PhotonMapping(const StageContext& context, std::uint32_t samples, int film_side)
     : settings_(context.transport.photons),

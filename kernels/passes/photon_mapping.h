@@ -15,6 +15,9 @@
 
 namespace sheaf {
 
+/// Whether any medium scatters, so that there may be photons in it.
+bool has_phase_functions(const SceneView& scene);
+
 class PhotonMapping {
  public:
   /// For a render of `samples` samples per pixel (camera samples times gather rays). `context`: of the camera pass;

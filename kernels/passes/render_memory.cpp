@@ -1,6 +1,7 @@
 #include "kernels/passes/render_memory.h"
 
 #include "kernels/film/cryptomatte.h"
+#include "kernels/passes/photon_mapping.h"
 #include "kernels/passes/sample_plan.h"
 #include "kernels/passes/tiles.h"
 #include "kernels/photons/photon.h"
@@ -66,15 +67,25 @@ double picture_bytes(const FilmSize& film, const RenderOptions& options) {
   return 4 * (ids > 0 ? 2 * channels + ids : channels);
 }
 
-double photon_bytes(const IntegratorDescription& transport) {
-  if (transport.kind != IntegratorKind::kPhotonMapper) return 0;
-  const PhotonMappingDescription& photons = transport.photons;
-  // As they come from the tasks, and sorted into columns.
-  constexpr double kEach = sizeof(Photon) + 9 * sizeof(float);
-  const auto count = [](const PhotonMapDescription& map) { return static_cast<double>(map.count); };
-  double bytes = kEach * count(photons.global);
-  if (photons.gathering != PhotonGathering::kAll) bytes += kEach * count(photons.caustic);
-  return bytes + (photons.uses_beams() ? 2.0 * sizeof(PhotonBeam) : kEach) * count(photons.volume);
+/// Photons as they come from the tasks of one map at a time, and those of all maps sorted into columns.
+double photon_bytes(const StageContext& context) {
+  if (context.transport.kind != IntegratorKind::kPhotonMapper) return 0;
+  const PhotonMappingDescription& photons = context.transport.photons;
+  constexpr double kSorted = 9 * sizeof(float);
+  double traced = 0, sorted = 0;
+  const auto add = [&](const PhotonMapDescription& map, double of_traced, double of_sorted) {
+    traced = std::max(traced, of_traced * static_cast<double>(map.count));
+    sorted += of_sorted * static_cast<double>(map.count);
+  };
+  add(photons.global, sizeof(Photon), kSorted);
+  if (photons.gathering != PhotonGathering::kAll) add(photons.caustic, sizeof(Photon), kSorted);
+  if (has_phase_functions(context.scene)) {
+    if (photons.uses_beams())
+      add(photons.volume, sizeof(PhotonBeam), sizeof(PhotonBeam));
+    else
+      add(photons.volume, sizeof(Photon), kSorted);
+  }
+  return traced + sorted;
 }
 
 /// What each thread has: its wave, and the samples of its task with what they add up to.
@@ -112,7 +123,7 @@ std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& op
   uses.push_back({plan.adapts ? "the sums of adaptive sampling" : "what tiles add to each other", film.pixels * edges,
                   parts + "; so do fewer layers"});
   uses.push_back({"the picture", film.pixels * picture_bytes(film, options), parts + "; so do fewer layers"});
-  if (const double photons = photon_bytes(context.transport); photons > 0)
+  if (const double photons = photon_bytes(context); photons > 0)
     uses.push_back({"photon maps", photons, "Fewer photons take less"});
   uses.push_back({"rays", threads_of(options) * worker_bytes(film, plan, needs, wave_size_of(options, needs)),
                   "Fewer --threads and smaller waves (--wave-size) take less"});

@@ -46,7 +46,7 @@ TEST_CASE("memory: what there is, is less with a limit of addresses") {
 TEST_CASE("memory: what is more than there is, is told with what it is for and what helps") {
   CHECK(message_of("nothing", {}).empty());
   CHECK(message_of("a bit", {{"the film", 1000, "Help"}}).empty());
-  const std::string one = message_of("a map", {{"its tables", 5e15, "A smaller map takes less"}});
+  const std::string one = message_of("a map", {{"its tables", 5e15, "A smaller map takes less"}, {"dust", 0, ""}});
   CHECK(one.starts_with("not enough memory for a map: it takes 5000000.0 GB, and "));
   CHECK(one.ends_with(" are free. A smaller map takes less"));
   const std::string two =

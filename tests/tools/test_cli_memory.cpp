@@ -124,6 +124,17 @@ TEST_CASE("memory: what does not fit is exit code 1, says for what, and leaves n
   const Outcome frame = run(folder, "render scene.xml --quiet -o out.exr --size 200000x200000 --crop 0,0,16,16");
   CHECK(frame.code == 2);
   CHECK(contains(frame.err, "a frame of 200000 x 200000 pixels is too large"));
+  // What cannot be rendered can be looked at.
+  std::string text = scene(24, 16);
+  text.replace(text.find("sample_count' value='1'"), 23, "sample_count' value='1024'");
+  text.replace(text.find("<integrator type='path'/>"), 25,
+               "<integrator type='photonmapper'><boolean name='final_gather' value='true'/>"
+               "<integer name='num_gather_rays' value='65536'/></integrator>");
+  write_bytes(folder / "scene.xml", text);
+  CHECK(run(folder, "render scene.xml --quiet -o out.exr").code == 2);
+  const Outcome info = run(folder, "info scene.xml");
+  CHECK(info.code == 0);
+  CHECK(contains(info.out, "while loading; as it is the scene cannot be rendered: samples per pixel"));
   CHECK(folder.entry_count() == 1);
 }
 

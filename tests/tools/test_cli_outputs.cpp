@@ -1,0 +1,303 @@
+// Everything that the program writes, to places of every bad kind: nothing is lost, and it is said why.
+#include "tests/support/program_testing.h"
+
+#include <doctest/doctest.h>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <optional>
+#include <regex>
+#include <vector>
+
+using namespace sheaf;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kScene = R"(<scene version="3.0.0">
+  <integrator type="path"/>
+  <sensor type="perspective">
+    <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film>
+    <sampler type="independent"><integer name="sample_count" value="4"/></sampler>
+  </sensor>
+  <shape type="sphere"/>
+  <emitter type="constant"/>
+</scene>)";
+
+/// A kind of file that the program writes: the name of the file, and the arguments that write it, TO standing for it.
+struct Written {
+  const char* what;
+  const char* name;
+  const char* arguments;
+  bool is_whole_folder = false;  ///< TO stands for the file's folder, which is made
+};
+
+/// All of them.
+const std::vector<Written> kWritten = {
+    {"picture.exr", "x.exr", "render scene.xml --quiet --spp 2 -o TO"},
+    {"picture.png", "x.png", "render scene.xml --quiet --spp 2 -o TO"},
+    {"statistics", "x.json", "render scene.xml --quiet --spp 2 -o /tmp/sheaf_test_none.exr --stats TO"},
+    {"checkpoint", "x.state", "render scene.xml --quiet --spp 2 -o /tmp/sheaf_test_none.exr --checkpoint TO --resume"},
+    {"denoised.exr", "x.exr", "denoise noisy.exr --quiet -o TO"},
+    {"denoised.png", "x.png", "denoise noisy.exr --quiet -o TO"},
+    {"merged.exr", "x.exr", "merge left.exr right.exr --quiet -o TO"},
+    {"merged.png", "x.png", "merge left.exr right.exr --quiet -o TO"},
+    {"farm", "render.sh", "farm scene.xml --parts 2 --quiet --folder TO", true},
+    {"farm", "merge.sh", "farm scene.xml --parts 2 --quiet --folder TO", true},
+    {"farm", "submit.sh", "farm scene.xml --parts 2 --quiet --folder TO", true}};
+
+/// A folder with what the commands read, and "place", where they write.
+class Workplace {
+ public:
+  Workplace() {
+    write_bytes(folder / "scene.xml", kScene);
+    const std::string render = "render scene.xml --quiet --spp 4 --no-timestamps ";
+    REQUIRE(run(folder, render + "-o noisy.exr --aov albedo,normal,depth,variance,half").code == 0);
+    REQUIRE(run(folder, render + "--crop 0,0,12,16 -o left.exr").code == 0);
+    REQUIRE(run(folder, render + "--crop 12,0,24,16 -o right.exr").code == 0);
+    REQUIRE(run(folder, "render scene.xml --quiet --spp 2 -o noisy2.exr --checkpoint saved.state").code == 0);
+    fs::permissions(folder.path(), fs::perms::all);
+    for (const auto& entry : fs::directory_iterator(folder.path())) inputs.push_back(entry.path().filename());
+  }
+
+  /// Empties "place", and puts the file there as it was before, if `with_old`.
+  fs::path prepare(const Written& written, bool with_old) {
+    for (const char* name : {"place", "other"}) {
+      std::error_code error;
+      if (fs::exists(folder / name)) fs::permissions(folder / name, fs::perms::all);
+      fs::remove_all(folder / name, error);
+      fs::create_directory(folder / name);
+      fs::permissions(folder / name, fs::perms::all);
+    }
+    const fs::path file = folder / ("place/" + std::string(written.name));
+    if (with_old) write_bytes(file, old_of(written));
+    return file;
+  }
+  /// A checkpoint is gone on from: it must be one.
+  std::string old_of(const Written& written) const {
+    return written.what == std::string("checkpoint") ? read_bytes(folder / "saved.state") : "old";
+  }
+
+  /// Runs the command with `to` in its place, as somebody who is not allowed everything if `before` says so.
+  Outcome write(const Written& written, const std::string& to = "place", const std::string& before = "") const {
+    std::string arguments = written.arguments;
+    const std::string file = written.is_whole_folder ? to : to + "/" + written.name;
+    arguments.replace(arguments.find("TO"), 2, file);
+    const std::size_t other = arguments.find("/tmp/sheaf_test_none.exr");
+    if (other != std::string::npos) arguments.replace(other, 24, "other/other.exr");
+    return run(folder, arguments, before);
+  }
+
+  /// Names of temporary files, wherever they are.
+  std::string left_over() const {
+    std::string names;
+    for (const auto& entry : fs::recursive_directory_iterator(folder.path()))
+      if (entry.path().extension() == ".tmp") names += entry.path().string() + " ";
+    return names;
+  }
+
+  TemporaryFolder folder;
+  std::vector<fs::path> inputs;
+};
+
+/// What comes before a command that is not allowed everything; nothing if that cannot be done here.
+std::optional<std::string> as_nobody() {
+  if (geteuid() != 0) return "";
+  const std::string nobody = "setpriv --reuid=65534 --regid=65534 --clear-groups ";
+  if (std::system((nobody + "true >/dev/null 2>&1").c_str()) == 0) return nobody;
+  MESSAGE("left out: setpriv is missing");
+  return std::nullopt;
+}
+
+void check_refused(const Workplace& place, const Written& written, const Outcome& outcome, const std::string& reason) {
+  CAPTURE(outcome.err);
+  CHECK(outcome.code == 4);
+  CHECK(contains(outcome.err, reason));
+  CHECK(contains(outcome.err, written.is_whole_folder ? "place" : written.name));
+  CHECK(place.left_over().empty());
+}
+
+}  // namespace
+
+TEST_CASE("outputs: nothing but core/output_file opens files to write to them") {
+  const std::regex opens("std::ofstream|\\bfopen\\(|O_WRONLY|O_RDWR|O_CREAT|\\bcreat\\(");
+  int files = 0;
+  for (const char* layer : {"core", "scene", "kernels", "tools"})
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(SHEAF_SOURCE_DIR) / layer)) {
+      const std::string extension = entry.path().extension().string();
+      if ((extension != ".cpp" && extension != ".h") || entry.path().stem() == "output_file") continue;
+      ++files;
+      CAPTURE(entry.path().string());
+      CHECK_FALSE(std::regex_search(read_bytes(entry.path()), opens));
+    }
+  CHECK(files > 300);
+}
+
+TEST_CASE("outputs: a folder that is not there") {
+  Workplace place;
+  for (const Written& written : kWritten) {
+    CAPTURE(std::string(written.what));
+    place.prepare(written, false);
+    // The farm makes its folder, unless a file is in the way.
+    write_bytes(place.folder / "place/file", "");
+    if (written.is_whole_folder)
+      check_refused(place, written, place.write(written, "place/file/farm"), "Not a directory");
+    else
+      check_refused(place, written, place.write(written, "place/gone"), "there is no folder 'place/gone'");
+  }
+}
+
+TEST_CASE("outputs: a folder that must not be written to") {
+  const auto nobody = as_nobody();
+  if (!nobody) return;
+  Workplace place;
+  for (const Written& written : kWritten) {
+    CAPTURE(std::string(written.what));
+    for (const bool with_old : {false, true}) {
+      const fs::path file = place.prepare(written, with_old);
+      if (with_old) fs::permissions(file, fs::perms(0666));
+      fs::permissions(place.folder / "place", fs::perms(0555));
+      check_refused(place, written, place.write(written, "place", *nobody), "Permission denied");
+      CHECK(read_bytes(file) == (with_old ? place.old_of(written) : ""));
+    }
+  }
+  place.prepare(kWritten[0], false);
+}
+
+TEST_CASE("outputs: a file that must not be written to, also by way of a link") {
+  const auto nobody = as_nobody();
+  if (!nobody) return;
+  Workplace place;
+  for (const Written& written : kWritten) {
+    CAPTURE(std::string(written.what));
+    const fs::path file = place.prepare(written, true), real = place.folder / "place/real";
+    fs::permissions(file, fs::perms(0444));
+    check_refused(place, written, place.write(written, "place", *nobody), "Permission denied");
+    CHECK(read_bytes(file) == place.old_of(written));
+    fs::rename(file, real);
+    fs::create_symlink("real", file);
+    check_refused(place, written, place.write(written, "place", *nobody), "Permission denied");
+    CHECK(read_bytes(real) == place.old_of(written));
+    CHECK(fs::is_symlink(file));
+    CHECK((fs::status(real).permissions() & fs::perms::all) == fs::perms(0444));
+  }
+}
+
+TEST_CASE("outputs: links are followed, wherever they lead") {
+  Workplace place;
+  const fs::path far = fs::path("/dev/shm") / ("sheaf_test_" + std::to_string(getpid()));
+  const bool has_far = fs::is_directory("/dev/shm") && access("/dev/shm", W_OK) == 0;
+  if (!has_far) MESSAGE("left out: there is no other file system to write to");
+  for (const Written& written : kWritten) {
+    CAPTURE(std::string(written.what));
+    for (const bool is_there : {true, false})
+      for (const fs::path& target : {fs::path("real"), place.folder / "place/real", far}) {
+        CAPTURE(target.string());
+        if (target == far && !has_far) continue;
+        const fs::path file = place.prepare(written, false);
+        const fs::path real = target.is_absolute() ? target : place.folder / "place/real";
+        fs::remove(real);
+        if (is_there) write_bytes(real, place.old_of(written)), fs::permissions(real, fs::perms(0640));
+        // A link to a link.
+        fs::create_symlink(target, place.folder / "place/between");
+        fs::create_symlink("between", file);
+        const Outcome outcome = place.write(written);
+        CAPTURE(outcome.err);
+        CHECK(outcome.code == 0);
+        CHECK(fs::is_symlink(file));
+        CHECK(fs::is_regular_file(fs::symlink_status(real)));
+        CHECK(read_bytes(real).size() > 10);
+        CHECK(read_bytes(real) != "old");
+        if (is_there) CHECK((fs::status(real).permissions() & fs::perms::all) == fs::perms(0640));
+        CHECK(place.left_over().empty());
+      }
+    fs::remove(far);
+    // Links that lead nowhere.
+    const fs::path file = place.prepare(written, false);
+    fs::create_symlink("gone/real", file);
+    check_refused(place, written, place.write(written), "place/gone'");
+    CHECK(fs::is_symlink(file));
+    fs::remove(file);
+    fs::create_symlink(written.name, file);
+    check_refused(place, written, place.write(written), "Too many levels of symbolic links");
+    CHECK(fs::is_symlink(file));
+    // What is no file stays what it is.
+    fs::remove(file);
+    fs::create_symlink("/dev/full", file);
+    check_refused(place, written, place.write(written), "it is not a regular file");
+    CHECK(fs::is_symlink(file));
+    fs::remove(file);
+    fs::create_directory(file);
+    check_refused(place, written, place.write(written), "it is a folder");
+  }
+}
+
+TEST_CASE("outputs: a disk that is full") {
+  Workplace place;
+  // One page, which the old file takes.
+  write_bytes(place.folder / "full.sh", R"sh(set -e
+mount -t tmpfs -o size=4k none place
+cp old "place/$1" && shift
+rc=0; "$@" || rc=$?
+ls -A place >place.txt
+cp place/* kept
+exit $rc
+)sh");
+  const std::string tried =
+      "cd '" + place.folder.path().string() + "' && mkdir -p place && unshare -m mount -t tmpfs none place";
+  if (std::system((tried + " >/dev/null 2>&1").c_str()) != 0) {
+    MESSAGE("left out: file systems cannot be mounted here");
+    return;
+  }
+  for (const Written& written : kWritten) {
+    CAPTURE(std::string(written.what));
+    place.prepare(written, false);
+    const std::string old = place.old_of(written).substr(0, 4096);
+    if (written.what == std::string("checkpoint")) continue;  // takes more than a page: see below
+    write_bytes(place.folder / "old", old);
+    const Outcome outcome = place.write(written, "place", "unshare -m sh ./full.sh " + std::string(written.name) + " ");
+    check_refused(place, written, outcome, "No space left on device");
+    CHECK(read_bytes(place.folder / "kept") == old);
+    CHECK(read_bytes(place.folder / "place.txt") == std::string(written.name) + "\n");
+  }
+  // Files end at a kilobyte.
+  for (const Written& written : kWritten) {
+    CAPTURE(std::string(written.what));
+    if (written.is_whole_folder || written.name == std::string("x.png")) continue;  // shorter
+    const fs::path file = place.prepare(written, true);
+    const Outcome outcome = place.write(written, "place", "ulimit -f 2 && ");
+    check_refused(place, written, outcome, "cannot write 'place/" + std::string(written.name) + "'");
+    CHECK(read_bytes(file) == place.old_of(written));
+  }
+}
+
+TEST_CASE("outputs: what else there is to write is written, and what is shown on the way says what is wrong") {
+  Workplace place;
+  place.prepare(kWritten[0], false);
+  const std::string small = "ulimit -f 2 && ";
+  for (const char* command : {"denoise noisy.exr", "merge left.exr right.exr"}) {
+    const Outcome outcome = run(place.folder, std::string(command) + " -o place/a.exr -o place/b.png", small);
+    CAPTURE(outcome.err);
+    CHECK(outcome.code == 4);
+    CHECK(contains(outcome.err, "cannot write 'place/a.exr'"));
+    CHECK(contains(outcome.err, "wrote place/b.png"));
+    CHECK(fs::exists(place.folder / "place/b.png"));
+    CHECK(place.left_over().empty());
+    place.prepare(kWritten[0], false);
+  }
+  // The folder goes while it is rendered: a preview is told of, and the render goes on.
+  write_bytes(place.folder / "go.sh", R"sh("$@" 2>log.txt & pid=$!
+sleep 1; rm -rf place; kill -USR1 $pid
+for i in $(seq 100); do grep -q 'cannot write' log.txt && break; sleep 0.1; done
+mkdir place; kill -TERM $pid; wait $pid
+)sh");
+  const Outcome outcome =
+      run(place.folder, "render scene.xml --spp 16000000 --size 96x64 -o place/a.exr", "sh ./go.sh ");
+  const std::string log = read_bytes(place.folder / "log.txt");
+  CAPTURE(log);
+  CHECK(contains(log, "cannot write 'place/a.exr': there is no folder 'place'"));
+  CHECK(outcome.code == 143);
+  CHECK(fs::exists(place.folder / "place/a.exr"));
+}
