@@ -11,8 +11,10 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <fstream>
 #include <mutex>
 
 namespace sheaf {
@@ -26,6 +28,9 @@ void quiet_library() {
   std::call_once(once, [] {
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", -1);
+    // Else what no reader of its name's format understands goes to all of them, those of films and of medicine
+    // included.
+    OIIO::attribute("try_all_readers", 0);
   });
 }
 
@@ -76,14 +81,44 @@ void check_file(const fs::path& path) {
   if (!fs::is_regular_file(path, error)) throw SceneError({path.string(), 0}, "there is no such image file");
 }
 
-/// Opens a picture that is not OpenEXR, and checks its header.
+/// The format of a file by how it begins, for those whose name does not tell; empty for what is not known.
+std::string format_by_content(const fs::path& path) {
+  struct Beginning {
+    std::string_view bytes, format;
+  };
+  using namespace std::string_view_literals;
+  constexpr Beginning kBeginnings[] = {{"\x89PNG"sv, "png"}, {"\xff\xd8\xff"sv, "jpeg"},
+                                       {"II*\0"sv, "tiff"},  {"MM\0*"sv, "tiff"},
+                                       {"#?"sv, "hdr"},      {"BM"sv, "bmp"},
+                                       {"GIF8"sv, "gif"},    {"RIFF"sv, "webp"},
+                                       {"8BPS"sv, "psd"},    {"DDS "sv, "dds"},
+                                       {"SDPX"sv, "dpx"},    {"XPDS"sv, "dpx"},
+                                       {"P1"sv, "pnm"},      {"P2"sv, "pnm"},
+                                       {"P3"sv, "pnm"},      {"P4"sv, "pnm"},
+                                       {"P5"sv, "pnm"},      {"P6"sv, "pnm"},
+                                       {"Pf"sv, "pnm"},      {"PF"sv, "pnm"}};
+  std::array<char, 4> bytes{};
+  std::ifstream(path, std::ios::binary).read(bytes.data(), bytes.size());
+  for (const Beginning& known : kBeginnings)
+    if (std::string_view(bytes.data(), bytes.size()).starts_with(known.bytes)) return std::string(known.format);
+  return "";
+}
+
+/// Opens a picture that is not OpenEXR, and checks its header. The format is that of the name's extension; of files
+/// that are none of it the common ones are known by how they begin.
 std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& path) {
   const SourceLocation where{path.string(), 0};
   quiet_library();
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
   std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string(), &config);
-  if (!input) throw SceneError(where, "cannot read the image: " + OIIO::geterror());
+  if (!input) {
+    const std::string problem = OIIO::geterror(), format = format_by_content(path);
+    if (!format.empty()) input = OIIO::ImageInput::create(format);
+    OIIO::ImageSpec found;
+    if (!input || !input->open(path.string(), found, config))
+      throw SceneError(where, "cannot read the image: " + problem);
+  }
   const OIIO::ImageSpec& spec = input->spec();
   check_image_size(path, spec.width, spec.height, static_cast<std::size_t>(std::max(spec.nchannels, 0)),
                    fs::file_size(path));

@@ -4,7 +4,7 @@
 #include "core/color.h"
 #include "core/error.h"
 #include "core/output_file.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/picture_files.h"
 
 #include <doctest/doctest.h>
 
@@ -110,6 +110,31 @@ TEST_CASE("a truncated or damaged PNG is an error, not a crash") {
   CHECK_THROWS_AS(read_image(folder / "text.png"), SceneError);
   CHECK_THROWS_AS(read_image(folder / "missing.png"), SceneError);
   CHECK_THROWS_AS(read_image(folder.path()), SceneError);
+}
+
+TEST_CASE("common formats are known by how they begin, others by the name's extension alone") {
+  const TemporaryFolder folder;
+  const std::vector<int> rgb = {0, 1, 2, 50, 51, 52, 100, 101, 102, 150, 151, 152, 200, 201, 202, 250, 251, 252};
+  write_png(folder / "a.png", make_ramp());
+  write_jpeg(folder / "a.jpg", 200);
+  write_tiff(folder / "a.tif", 3, 2, 3, 16, rgb);
+  write_hdr(folder / "a.hdr", 3, 2, rgb);
+  write_bmp(folder / "a.bmp", 3, 2, rgb);
+  write_pnm(folder / "a.ppm", 3, 2, 3, 255, rgb);
+  for (const char* const name : {"a.png", "a.jpg", "a.tif", "a.hdr", "a.bmp", "a.ppm"}) {
+    CAPTURE(std::string(name));
+    const Image image = read_image(folder / name);
+    CHECK(image.pixel_count() >= 6);
+    for (const char* const other : {"b.tga", "b.gif", "b.xyz", "b"}) {
+      CAPTURE(std::string(other));
+      write_bytes(folder / other, read_bytes(folder / name));
+      CHECK(read_image(folder / other).data == image.data);
+    }
+  }
+  write_tga(folder / "a.tga", 3, 2, 3, rgb);
+  CHECK(read_image(folder / "a.tga").width == 3);
+  write_tga(folder / "tga.png", 3, 2, 3, rgb);
+  CHECK_THROWS_AS(read_image(folder / "tga.png"), SceneError);
 }
 
 TEST_CASE("sizes that a file cannot hold are refused before memory is taken") {
