@@ -181,8 +181,8 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
     squares.push_back(get_rect(in, around));
     pixels += squares.back().grown(reach).intersection(of.crop()).area();
   }
-  if (pixels >
-      in.left() / (AdaptiveFilm::kSets * sizeof(double) * (1 + static_cast<std::uint64_t>(of.layout().size()))))
+  if (pixels > in.left() / (AdaptiveFilm::kSets * sizeof(double) *
+                            static_cast<std::uint64_t>(1 + of.layout().size() + of.spectral_bins())))
     in.fail("ends too early: cut off");
   AdaptiveFilm film(of, squares, reach, goal);
   for (AdaptiveFilm::Tile& tile : film.tiles_) {
