@@ -122,6 +122,11 @@ std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& path) {
   const OIIO::ImageSpec& spec = input->spec();
   check_image_size(path, spec.width, spec.height, static_cast<std::size_t>(std::max(spec.nchannels, 0)),
                    fs::file_size(path));
+  // The library takes memory for a whole strip, also where that is higher than the image.
+  constexpr std::uint64_t kMostOfStrip = std::uint64_t{1} << 30;
+  const auto rows = static_cast<std::uint64_t>(std::max(spec.get_int_attribute("tiff:RowsPerStrip"), 0));
+  if (rows > static_cast<std::uint64_t>(spec.height) && rows * spec.scanline_bytes() > kMostOfStrip)
+    throw SceneError(where, "the image has strips of " + std::to_string(rows) + " rows, more than the image itself");
   if (spec.depth > 1 || spec.deep) throw SceneError(where, "volume and deep images are not supported");
   if (spec.channelnames.size() != static_cast<std::size_t>(spec.nchannels)) {
     throw SceneError(where, "the image's channels have no names");

@@ -21,7 +21,7 @@ trap 'rm -rf "$TMPDIR"' EXIT
 corpus=${SHEAF_FUZZ_CORPUS:-$TMPDIR/corpus}/$target
 mkdir -p "$corpus" "$build/found"
 # Without -entropic=0 scenes take twice as long: there is much to be reached, and all of it is weighed each time.
-options=(-rss_limit_mb=2048 -timeout=10 -entropic=0 -print_final_stats=1 "-artifact_prefix=$build/found/$target-")
+options=(-rss_limit_mb=2048 -timeout=30 -entropic=0 -print_final_stats=1 "-artifact_prefix=$build/found/$target-")
 [[ ! -s $TMPDIR/seeds/$target.dict ]] || options+=("-dict=$TMPDIR/seeds/$target.dict")
 for argument in "$@"; do [[ ! -f $argument ]] || alone=1; done
 [[ -n ${alone:-} ]] || options+=("$corpus" "$TMPDIR/seeds/$target")
