@@ -12,6 +12,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -29,6 +30,9 @@ void quiet_library() {
   std::call_once(once, [] {
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", -1);
+    // Else what no reader of its name's format understands goes to all of them, those of films and of medicine
+    // included.
+    OIIO::attribute("try_all_readers", 0);
   });
 }
 
@@ -90,7 +94,31 @@ void check_pnm_memory(const fs::path& path) {
   check_memory("reading the image '" + path.string() + "'", {&copies, 1});
 }
 
-/// Opens a picture that is not OpenEXR, and checks its header. `keeps_bytes`: 8-bit data is read as it is.
+/// The format of a file by how it begins, for those whose name does not tell; empty for what is not known.
+std::string format_by_content(const fs::path& path) {
+  struct Beginning {
+    std::string_view bytes, format;
+  };
+  using namespace std::string_view_literals;
+  constexpr Beginning kBeginnings[] = {{"\x89PNG"sv, "png"}, {"\xff\xd8\xff"sv, "jpeg"},
+                                       {"II*\0"sv, "tiff"},  {"MM\0*"sv, "tiff"},
+                                       {"#?"sv, "hdr"},      {"BM"sv, "bmp"},
+                                       {"GIF8"sv, "gif"},    {"RIFF"sv, "webp"},
+                                       {"8BPS"sv, "psd"},    {"DDS "sv, "dds"},
+                                       {"SDPX"sv, "dpx"},    {"XPDS"sv, "dpx"},
+                                       {"P1"sv, "pnm"},      {"P2"sv, "pnm"},
+                                       {"P3"sv, "pnm"},      {"P4"sv, "pnm"},
+                                       {"P5"sv, "pnm"},      {"P6"sv, "pnm"},
+                                       {"Pf"sv, "pnm"},      {"PF"sv, "pnm"}};
+  std::array<char, 4> bytes{};
+  std::ifstream(path, std::ios::binary).read(bytes.data(), bytes.size());
+  for (const Beginning& known : kBeginnings)
+    if (std::string_view(bytes.data(), bytes.size()).starts_with(known.bytes)) return std::string(known.format);
+  return "";
+}
+
+/// Opens a picture that is not OpenEXR, and checks its header. The format is that of the name's extension; of files
+/// that are none of it the common ones are known by how they begin. `keeps_bytes`: 8-bit data is read as it is.
 std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& path, bool keeps_bytes) {
   const SourceLocation where{path.string(), 0};
   quiet_library();
@@ -98,12 +126,23 @@ std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& path, bool keeps_
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
   std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string(), &config);
-  if (!input) throw SceneError(where, "cannot read the image: " + OIIO::geterror());
+  if (!input) {
+    const std::string problem = OIIO::geterror(), format = format_by_content(path);
+    if (!format.empty()) input = OIIO::ImageInput::create(format);
+    OIIO::ImageSpec found;
+    if (!input || !input->open(path.string(), found, config))
+      throw SceneError(where, "cannot read the image: " + problem);
+  }
   const OIIO::ImageSpec& spec = input->spec();
   check_image_size(path, spec.width, spec.height, static_cast<std::size_t>(std::max(spec.nchannels, 0)),
                    fs::file_size(path));
   check_image_memory(path, spec.width, spec.height, static_cast<std::size_t>(spec.nchannels),
                      keeps_bytes && spec.format == OIIO::TypeDesc::UINT8 ? 1 : sizeof(float));
+  // The library takes memory for a whole strip, also where that is higher than the image.
+  constexpr std::uint64_t kMostOfStrip = std::uint64_t{1} << 30;
+  const auto rows = static_cast<std::uint64_t>(std::max(spec.get_int_attribute("tiff:RowsPerStrip"), 0));
+  if (rows > static_cast<std::uint64_t>(spec.height) && rows * spec.scanline_bytes() > kMostOfStrip)
+    throw SceneError(where, "the image has strips of " + std::to_string(rows) + " rows, more than the image itself");
   if (spec.depth > 1 || spec.deep) throw SceneError(where, "volume and deep images are not supported");
   if (spec.channelnames.size() != static_cast<std::size_t>(spec.nchannels)) {
     throw SceneError(where, "the image's channels have no names");

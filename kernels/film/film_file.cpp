@@ -10,6 +10,9 @@ constexpr std::uint32_t kMaxChannels = 4096;
 /// Pixels around the frame that tiles may lie in, and that samples may reach: far beyond any filter.
 constexpr int kMaxReach = 4096;
 
+/// Most pixels along a frame's side: as many as a frame may have in all.
+constexpr int kMaxFrameSide = 1'000'000'000;
+
 void put_rect(BinaryOutput& out, const PixelRect& rect) {
   for (const int value : {rect.x0, rect.y0, rect.x1, rect.y1}) out.put(static_cast<std::int32_t>(value));
 }
@@ -82,6 +85,7 @@ void put_film(BinaryOutput& out, const Film& film) {
 
 Film get_film(BinaryInput& in) {
   const auto width = in.get<std::int32_t>(), height = in.get<std::int32_t>();
+  if (width > kMaxFrameSide || height > kMaxFrameSide) in.fail("has a frame that cannot be: damaged");
   const PixelRect crop = get_rect(in, {0, 0, width, height});
   const auto bins = in.get<std::int32_t>();
   const auto unit = in.get<std::uint8_t>();
@@ -177,7 +181,8 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
     squares.push_back(get_rect(in, around));
     pixels += squares.back().grown(reach).intersection(of.crop()).area();
   }
-  if (pixels > in.left() / (AdaptiveFilm::kSets * sizeof(double) * static_cast<std::uint64_t>(of.layout().size())))
+  if (pixels > in.left() / (AdaptiveFilm::kSets * sizeof(double) *
+                            static_cast<std::uint64_t>(1 + of.layout().size() + of.spectral_bins())))
     in.fail("ends too early: cut off");
   AdaptiveFilm film(of, squares, reach, goal);
   for (AdaptiveFilm::Tile& tile : film.tiles_) {

@@ -4,7 +4,7 @@
 #include "core/color.h"
 #include "core/error.h"
 #include "core/output_file.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/picture_files.h"
 
 #include <doctest/doctest.h>
 
@@ -110,6 +110,46 @@ TEST_CASE("a truncated or damaged PNG is an error, not a crash") {
   CHECK_THROWS_AS(read_image(folder / "text.png"), SceneError);
   CHECK_THROWS_AS(read_image(folder / "missing.png"), SceneError);
   CHECK_THROWS_AS(read_image(folder.path()), SceneError);
+}
+
+TEST_CASE("common formats are known by how they begin, others by the name's extension alone") {
+  const TemporaryFolder folder;
+  const std::vector<int> rgb = {0, 1, 2, 50, 51, 52, 100, 101, 102, 150, 151, 152, 200, 201, 202, 250, 251, 252};
+  write_png(folder / "a.png", make_ramp());
+  write_jpeg(folder / "a.jpg", 200);
+  write_tiff(folder / "a.tif", 3, 2, 3, 16, rgb);
+  write_hdr(folder / "a.hdr", 3, 2, rgb);
+  write_bmp(folder / "a.bmp", 3, 2, rgb);
+  write_pnm(folder / "a.ppm", 3, 2, 3, 255, rgb);
+  for (const char* const name : {"a.png", "a.jpg", "a.tif", "a.hdr", "a.bmp", "a.ppm"}) {
+    CAPTURE(std::string(name));
+    const Image image = read_image(folder / name);
+    CHECK(image.pixel_count() >= 6);
+    for (const char* const other : {"b.tga", "b.gif", "b.xyz", "b"}) {
+      CAPTURE(std::string(other));
+      write_bytes(folder / other, read_bytes(folder / name));
+      CHECK(read_image(folder / other).data == image.data);
+    }
+  }
+  write_tga(folder / "a.tga", 3, 2, 3, rgb);
+  CHECK(read_image(folder / "a.tga").width == 3);
+  write_tga(folder / "tga.png", 3, 2, 3, rgb);
+  CHECK_THROWS_AS(read_image(folder / "tga.png"), SceneError);
+}
+
+TEST_CASE("a TIFF with strips far higher than the image is refused before memory is taken for one") {
+  const TemporaryFolder folder;
+  write_tiff(folder / "a.tif", 3, 2, 3, 16, std::vector<int>(18, 7));
+  std::string bytes = read_bytes(folder / "a.tif");
+  const std::size_t rows = bytes.find(std::string("\x16\x01\x04\0\x01\0\0\0", 8)) + 8;  // tag 278, one number
+  bytes.replace(rows, 4, std::string("\x10\0\0\0", 4));
+  write_bytes(folder / "high.tif", bytes);
+  CHECK(read_image(folder / "high.tif").height == 2);
+  bytes.replace(rows, 4, std::string("\xff\xff\x7f\x2d", 4));
+  const std::size_t compression = bytes.find(std::string("\x03\x01\x03\0\x01\0\0\0", 8)) + 8;
+  bytes[compression] = 8;  // deflated: else the library sees from the number of bytes what cannot be
+  write_bytes(folder / "far.tif", bytes);
+  CHECK_THROWS_WITH_AS(read_image(folder / "far.tif"), doctest::Contains("strips of 763363327 rows"), SceneError);
 }
 
 TEST_CASE("sizes that a file cannot hold are refused before memory is taken") {

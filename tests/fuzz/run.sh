@@ -11,15 +11,17 @@ shift 2
 root=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../..")
 
 # Each input becomes a file: in memory where that is possible.
-[[ -n ${TMPDIR:-} || ! -w /dev/shm ]] || TMPDIR=/dev/shm
-TMPDIR=$(mktemp -d -t sheaf_fuzz_XXXXXX)
+memory=/dev/shm
+[[ -w $memory ]] || memory=/tmp
+TMPDIR=$(mktemp -d -p "${TMPDIR:-$memory}" sheaf_fuzz_XXXXXX)
 export TMPDIR
 trap 'rm -rf "$TMPDIR"' EXIT
 
 "$build/sheaf_fuzz_seeds" "$TMPDIR/seeds"
 corpus=${SHEAF_FUZZ_CORPUS:-$TMPDIR/corpus}/$target
 mkdir -p "$corpus" "$build/found"
-options=(-rss_limit_mb=2048 -malloc_limit_mb=1024 -timeout=10 -print_final_stats=1 "-artifact_prefix=$build/found/$target-")
+# Without -entropic=0 scenes take twice as long: there is much to be reached, and all of it is weighed each time.
+options=(-rss_limit_mb=2048 -timeout=30 -entropic=0 -print_final_stats=1 "-artifact_prefix=$build/found/$target-")
 [[ ! -s $TMPDIR/seeds/$target.dict ]] || options+=("-dict=$TMPDIR/seeds/$target.dict")
 for argument in "$@"; do [[ ! -f $argument ]] || alone=1; done
 [[ -n ${alone:-} ]] || options+=("$corpus" "$TMPDIR/seeds/$target")

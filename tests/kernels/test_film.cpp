@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace sheaf {
 
@@ -209,6 +210,28 @@ TEST_CASE("films that are cut off, damaged or something else are refused, with e
   CHECK(refused(good + "x"));
   CHECK(refused("v/1\x01 no film at all"));
   CHECK_THROWS_AS(read_film(folder / "absent.film"), Error);
+}
+
+TEST_CASE("films without channels are read with the sums of their tiles, frames that cannot be are refused") {
+  const TemporaryFolder folder;
+  const auto file = folder / "a.film";
+  constexpr std::string_view kLine = "a film and its tiles\n";
+  const auto write = [&](const Film& film) {
+    BinaryOutput out(file, kLine);
+    put_film(out, film);
+    put_adaptive(out, AdaptiveFilm(film, {{0, 0, 4, 4}, {4, 0, 7, 4}}, 1, {0.5, 16}));
+    out.commit();
+  };
+  write(Film(7, 5, {2, 1, 5, 3}, FilmLayout()));
+  BinaryInput in(file, kLine);
+  const Film film = get_film(in);
+  CHECK(film.layout().size() == 0);
+  CHECK(get_adaptive(in, film).taken_samples(1) == 0);
+  CHECK(in.left() == 0);
+
+  write(Film(std::numeric_limits<int>::max(), 5, {2, 1, 5, 3}, kLayout));
+  BinaryInput wide(file, kLine);
+  CHECK_THROWS_WITH_AS(get_film(wide), doctest::Contains("has a frame that cannot be"), Error);
 }
 
 }  // namespace sheaf
