@@ -25,6 +25,10 @@ endfunction()
 # include is most of the work. Two of them that stand together can't give one name to different things.
 function(sheaf_unite target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${SHEAF_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+  if(SHEAF_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # What is told of headers would be told of all sources but the first.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
 endfunction()
 
 # sheaf_layer(<name> SOURCES <pattern>... DEPENDS <target>...): the static library sheaf_<name>, or headers alone.
