@@ -119,7 +119,7 @@ TEST_CASE("light bounds: a spot is chosen inside of its cone alone") {
       const bool chosen = light_tree_probability<Scalar>(tree.view(), p, {}, false, 0, true) > 0;
       inside += lit;
       missed += lit && !chosen;
-      // Beyond a right angle the end of the cone is told less exactly; at one, 1 - cosine has just got a bit less.
+      // Beyond a right angle the end of the cone is told less exactly, and at one 1 - cosine is rounded most.
       const float slack = cos_total < 0 ? 0.1f : cos_total == 0 ? 0.01f : 0.005f;
       wasted += chosen && std::acos(dot(w, axis)) > std::acos(cos_total) + slack;
     }
