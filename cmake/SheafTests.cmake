@@ -69,6 +69,7 @@ function(sheaf_tests folder)
 
   set(program sheaf_tests_${folder})
   add_executable(${program} ${sources})
+  sheaf_unite(${program})
   target_link_libraries(${program} PRIVATE sheaf_test_support ${arg_DEPENDS} sheaf_flags)
   target_compile_options(${program} PRIVATE ${SHEAF_TEST_OPTIMISATION})
   target_compile_definitions(${program} PRIVATE SHEAF_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

@@ -15,9 +15,6 @@ namespace sheaf {
 
 namespace {
 
-/// Variances of very bright pixels stay finite in single precision.
-constexpr double kLargest = std::numeric_limits<float>::max();
-
 /// Width of a bin, nm.
 double bin_width(int bins) { return static_cast<double>(kWavelengthMax - kWavelengthMin) / bins; }
 
@@ -131,7 +128,7 @@ void Film::write_pixel(std::size_t pixel, float* out) const {
     out[row_.channels + k] =
         static_cast<float>(std::min(variance_of_mean(row[FilmRow::kSums + row_.with_variance[k]] / weight, weight,
                                                      squares[0], squares[1 + 2 * k], squares[2 + 2 * k]),
-                                    kLargest));
+                                    kLargestVariance));
   for (std::size_t bin = 0; bin < row_.bins; ++bin)
     out[row_.channels + row_.variances + 1 + bin] =
         static_cast<float>(row[row_.film_bins_at() + bin] / (weight * bin_width(spectral_bins())));
@@ -210,8 +207,8 @@ void Film::add_part_layers(Image& image) const {
       // The mean as it is stored, so that sums of squares are found again from it whatever it was rounded to.
       const auto mean = static_cast<double>(means[c]);
       const double scatter = square[0] - 2.0 * mean * square[1] + mean * mean * weight_squared;
-      *out++ = static_cast<float>(std::clamp(scatter, 0.0, kLargest));
-      *out++ = static_cast<float>(std::clamp(square[1] - mean * weight_squared, -kLargest, kLargest));
+      *out++ = static_cast<float>(std::clamp(scatter, 0.0, kLargestVariance));
+      *out++ = static_cast<float>(std::clamp(square[1] - mean * weight_squared, -kLargestVariance, kLargestVariance));
       square += 2;
     }
     if (half_.empty()) continue;

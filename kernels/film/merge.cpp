@@ -12,7 +12,6 @@ namespace sheaf {
 namespace {
 
 constexpr std::string_view kVariancePrefix = "variance.", kHalfPrefix = "half.", kCountChannel = "sampleCount";
-constexpr double kLargest = std::numeric_limits<float>::max();
 
 /// Where sums of a pixel's row stand that all channels share.
 enum Shared : std::size_t { kWeight, kWeightSquared, kHalfWeight, kShared };
@@ -244,9 +243,10 @@ void PictureMerger::finish_pixel(const double* row, float* out) const {
         break;
       case Rule::kVariance: {
         const double mean = row[channels_[channels_[c].mean].sum] / weight;
-        out[c] = weight > 0.0 ? static_cast<float>(std::min(
-                                    variance_of_mean(mean, weight, row[kWeightSquared], sum[0], sum[1]), kLargest))
-                              : 0.0f;
+        out[c] = weight > 0.0
+                     ? static_cast<float>(std::min(variance_of_mean(mean, weight, row[kWeightSquared], sum[0], sum[1]),
+                                                   kLargestVariance))
+                     : 0.0f;
         break;
       }
       case Rule::kId:

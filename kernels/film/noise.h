@@ -4,6 +4,7 @@
 #include "core/image.h"
 
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -18,6 +19,9 @@ inline double variance_of_mean(double mean, double weight, double weight_squared
   const double scatter = square - 2.0 * mean * cross + mean * mean * weight_squared;
   return (scatter > 0.0 ? scatter : 0.0) / (total * rest);
 }
+
+/// Variances of very bright pixels stay finite in single precision.
+inline constexpr double kLargestVariance = std::numeric_limits<float>::max();
 
 inline constexpr double kLuminance[3] = {0.2126, 0.7152, 0.0722};  ///< of linear Rec.709
 

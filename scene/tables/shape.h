@@ -141,14 +141,14 @@ SHEAF_INLINE void place_instance(const InstancePlacement<L>& placed, Mask<L> ins
   }
 }
 
-/// The surface at hits of shapes, in the space in which they were compiled: world space, or a group's.
+/// The surface at hits of shapes that aren't all triangles, in the space in which they were compiled: world space, or a
+/// group's.
 template <class L, bool WithUv>
-SHEAF_INLINE SurfacePoint<L> shape_point(const SceneView& scene, const ShapeRecord<L>& shape, Uint<L> primitive,
-                                         Float<L> u, Float<L> v, Vec3<L> hit_point) {
+[[gnu::noinline]] SurfacePoint<L> mixed_point(const SceneView& scene, const ShapeRecord<L>& shape, Uint<L> primitive,
+                                              Float<L> u, Float<L> v, Vec3<L> hit_point) {
   const auto is = [&](ShapeKind kind)
                       SHEAF_LAMBDA_INLINE { return shape.kind == typename L::Uint(static_cast<std::uint32_t>(kind)); };
   const auto mesh = is(ShapeKind::kMesh);
-  if (all(mesh)) return triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v);
   const auto curve = is(ShapeKind::kLinearCurves) | is(ShapeKind::kBsplineCurves), field = is(ShapeKind::kSdfGrid);
   const auto quadric = !(mesh | curve | field);
   SurfacePoint<L> out;
@@ -170,12 +170,19 @@ SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeRe
                                            Float<L> u, Float<L> v, Vec3<L> hit_point, Uint<L> instance) {
   using U = typename L::Uint;
   const auto instanced = instance != U(kNone);
-  if (scene.instances == nullptr || !any(instanced))
-    return shape_point<L, WithUv>(scene, shape, primitive, u, v, hit_point);
-  const InstancePlacement<L> placed(gather_rows<L>(scene.instances, select(instanced, instance, U(0u))));
-  const Vec3<L> object_hit = select<L>(instanced, placed.object_point(hit_point), hit_point);
-  SurfacePoint<L> out = shape_point<L, WithUv>(scene, shape, primitive, u, v, object_hit);
-  place_instance<L, WithUv>(placed, instanced, out);
+  const bool any_placed = scene.instances != nullptr && any(instanced);
+  const auto placement = [&]() SHEAF_LAMBDA_INLINE {
+    return InstancePlacement<L>(gather_rows<L>(scene.instances, select(instanced, instance, U(0u))));
+  };
+  const auto mesh = shape.kind == U(static_cast<std::uint32_t>(ShapeKind::kMesh));
+  SurfacePoint<L> out;
+  if (all(mesh)) {
+    out = triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v);
+  } else {
+    if (any_placed) hit_point = select<L>(instanced, placement().object_point(hit_point), hit_point);
+    out = mixed_point<L, WithUv>(scene, shape, primitive, u, v, hit_point);
+  }
+  if (any_placed) place_instance<L, WithUv>(placement(), instanced, out);
   return out;
 }
 

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-namespace sheaf {
+namespace sheaf::test_arena {
 
 TEST_CASE("arena: blocks are aligned, in order, apart and zero") {
   Arena arena(1000);
@@ -33,4 +33,4 @@ TEST_CASE("arena: taking nothing costs nothing, moving keeps the block") {
   CHECK(p[15] == 42);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_arena

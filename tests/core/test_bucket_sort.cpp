@@ -9,7 +9,7 @@
 #include <functional>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_bucket_sort {
 
 namespace {
 
@@ -59,4 +59,4 @@ TEST_CASE("bucket sort: stable and complete at every size and number of buckets"
     }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_bucket_sort

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-using namespace sheaf;
+namespace sheaf::test_color {
 
 namespace {
 
@@ -141,3 +141,5 @@ TEST_CASE("malformed tables are refused") {
   CHECK_THROWS_AS(unbounded_table_to_rgb(std::vector<float>{500, 600},
                                          std::vector<float>{1, std::numeric_limits<float>::infinity()}), SceneError);
 }
+
+}  // namespace sheaf::test_color

@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-namespace sheaf {
+namespace sheaf::test_contraction {
 
 namespace {
 
@@ -49,4 +49,4 @@ TEST_CASE("fma() is rounded once") {
 }
 #endif
 
-}  // namespace sheaf
+}  // namespace sheaf::test_contraction

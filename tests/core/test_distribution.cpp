@@ -9,7 +9,7 @@
 
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_distribution {
 
 namespace {
 
@@ -259,4 +259,4 @@ TEST_CASE("Distribution2D: samples follow the values, u chooses the column and v
   CHECK(corner.pdf<Scalar>({1.0f, 0.0f}) == doctest::Approx(6.0));
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_distribution

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-namespace sheaf {
+namespace sheaf::test_error {
 
 TEST_CASE("error: messages begin with their place") {
   CHECK(std::string(Error(ExitCode::kUsage, "no input").what()) == "no input");
@@ -46,4 +46,4 @@ TEST_CASE("error: nothing is suggested for what resembles nothing") {
   CHECK(did_you_mean("difuse", names) == ", did you mean 'diffuse'?");
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_error

@@ -12,7 +12,7 @@
 #include <limits>
 #include <random>
 
-using namespace sheaf;
+namespace sheaf::test_exr {
 
 namespace {
 
@@ -228,3 +228,5 @@ TEST_CASE("what cannot be an EXR is refused with the file's name") {
   CHECK_THROWS_AS(write_exr(folder / "no/folder.exr", make_noise(2, 2, {"R"})), Error);
   CHECK(folder.entry_count() == 1);
 }
+
+}  // namespace sheaf::test_exr

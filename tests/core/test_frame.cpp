@@ -9,7 +9,7 @@
 
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_frame {
 
 namespace {
 std::vector<Vec3f> normals() {
@@ -78,4 +78,4 @@ TEST_CASE("frame: registers agree with single lanes") {
   CHECK(worst < 2e-6);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_frame

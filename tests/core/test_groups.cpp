@@ -11,7 +11,7 @@
 #include <numeric>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_groups {
 
 namespace {
 
@@ -204,4 +204,4 @@ TEST_CASE("groups: a padded list of any length gathers and scatters every row on
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_groups

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-using namespace sheaf;
+namespace sheaf::test_image {
 
 namespace {
 
@@ -198,3 +198,5 @@ TEST_CASE("an output file replaces its target only when committed") {
   CHECK(std::filesystem::is_symlink(folder / "link.txt"));
   CHECK(read_bytes(folder / "a.txt") == "through the link");
 }
+
+}  // namespace sheaf::test_image

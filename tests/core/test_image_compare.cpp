@@ -10,7 +10,7 @@
 #include <limits>
 #include <random>
 
-using namespace sheaf;
+namespace sheaf::test_image_compare {
 
 namespace {
 
@@ -143,3 +143,5 @@ TEST_CASE("variance layers become an image") {
   CHECK(variance->at(1, 0, 0) == 5);
   CHECK(variance->x0 == 7);
 }
+
+}  // namespace sheaf::test_image_compare

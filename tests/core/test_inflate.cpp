@@ -8,8 +8,9 @@
 #include <random>
 #include <string>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_inflate {
+
+using namespace test;
 
 namespace {
 
@@ -74,3 +75,5 @@ TEST_CASE("inflate: truncated streams end early, corrupt ones throw") {
   }
   CHECK(errors > 100);
 }
+
+}  // namespace sheaf::test_inflate

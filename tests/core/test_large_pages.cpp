@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-namespace sheaf {
+namespace sheaf::test_large_pages {
 
 namespace {
 
@@ -50,4 +50,4 @@ TEST_CASE("large pages: other memory stays where it is") {
   CHECK(ranges("Rss: 12 kB\nnonsense\n7f00-\n").empty());
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_large_pages

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-using namespace sheaf;
+namespace sheaf::test_memory_limits {
 
 namespace {
 
@@ -61,3 +61,5 @@ TEST_CASE("memory: what is more than there is, is told with what it is for and w
   CHECK(message_of("one", {{"film", half, ""}}).empty());
   CHECK_FALSE(message_of("two", {{"film", half, ""}, {"map", half, ""}}).empty());
 }
+
+}  // namespace sheaf::test_memory_limits

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-namespace sheaf {
+namespace sheaf::test_octahedral {
 
 TEST_CASE("octahedral: a vector comes back to within 1e-4, axes exactly, registers as single values") {
   double worst = 0;
@@ -32,4 +32,4 @@ TEST_CASE("octahedral: any bits are a unit vector") {
     CHECK(length(decode_octahedral<Scalar>(bits)) == doctest::Approx(1.0f));
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_octahedral

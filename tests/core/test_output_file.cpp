@@ -19,7 +19,7 @@
 #include <csignal>
 #include <functional>
 
-using namespace sheaf;
+namespace sheaf::test_output_file {
 
 namespace {
 
@@ -165,3 +165,5 @@ TEST_CASE("a file that is being written is locked, until it is there") {
   }
   CHECK_FALSE(is_locked(folder / "out.txt"));
 }
+
+}  // namespace sheaf::test_output_file

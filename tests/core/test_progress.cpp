@@ -1,5 +1,6 @@
 // Progress: what is shown and when, with a clock of the test's own.
 #include "core/progress.h"
+#include "tests/support/contains.h"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +8,9 @@
 #include <thread>
 #include <vector>
 
-using namespace sheaf;
+namespace sheaf::test_progress {
+
+using test::contains;
 
 namespace {
 
@@ -21,8 +24,6 @@ struct Recorder {
     return [this] { return now; };
   }
 };
-
-bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 
@@ -126,3 +127,5 @@ TEST_CASE("updates from many threads, out of order, count the most that was done
   progress.finish(false);
   CHECK(contains(recorder.texts.back(), " 49 %"));
 }
+
+}  // namespace sheaf::test_progress

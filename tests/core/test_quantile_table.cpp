@@ -13,7 +13,7 @@
 #include <functional>
 #include <numeric>
 
-namespace sheaf {
+namespace sheaf::test_quantile_table {
 
 namespace {
 
@@ -165,4 +165,4 @@ TEST_CASE("large table: begins with a cache line, whatever its size, and keeps w
   CHECK(table[9] == copy[9]);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_quantile_table

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_record_table {
 
 namespace {
 
@@ -89,4 +89,4 @@ TEST_CASE("triples of a table arrive in the lanes that ask for them") {
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_record_table

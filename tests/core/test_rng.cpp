@@ -11,7 +11,7 @@
 #include <unordered_set>
 #include <utility>
 
-namespace sheaf {
+namespace sheaf::test_rng {
 
 namespace {
 
@@ -205,4 +205,4 @@ TEST_CASE("rng: hash4 maps different counters to different words") {
   CHECK(seen.size() == 1u << 18);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_rng

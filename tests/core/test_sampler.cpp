@@ -12,7 +12,7 @@
 #include <unordered_set>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_sampler {
 
 namespace {
 
@@ -423,4 +423,4 @@ TEST_CASE("sampler: blocks and events never share numbers") {
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_sampler

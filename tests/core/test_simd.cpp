@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_simd {
 
 namespace {
 
@@ -296,4 +296,4 @@ TEST_CASE("lanes: small helpers agree") {
   CHECK(safe_sqrt(-1e-9f) == 0.0f);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_simd

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_slot_list {
 
 namespace {
 struct Fixture {
@@ -85,4 +85,4 @@ TEST_CASE("for_tiles: covers every item once, with a partial tile at the end") {
   CHECK(calls == 5);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_slot_list

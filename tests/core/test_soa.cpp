@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_soa {
 
 namespace {
 
@@ -169,4 +169,4 @@ TEST_CASE("soa: a compaction loop over any number of rows keeps exactly the chos
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_soa

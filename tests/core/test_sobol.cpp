@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_sobol {
 
 namespace {
 
@@ -168,4 +168,4 @@ TEST_CASE("sobol: the first 2^k samples fill every elementary interval, in every
   CHECK(wrong == 0);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_sobol

@@ -13,7 +13,7 @@
 
 #include <cmath>
 
-using namespace sheaf;
+namespace sheaf::test_spectral_sensor {
 
 namespace {
 
@@ -124,3 +124,5 @@ TEST_CASE("sensor: registers agree with single paths") {
     CHECK(difference(rgb.z[lane], one.z) < 1e-5);
   }
 }
+
+}  // namespace sheaf::test_spectral_sensor

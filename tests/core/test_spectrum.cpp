@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-namespace sheaf {
+namespace sheaf::test_spectrum {
 
 namespace {
 Spectrum4 spectrum(int i) {
@@ -109,4 +109,4 @@ TEST_CASE("vec: registers agree with single lanes") {
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_spectrum

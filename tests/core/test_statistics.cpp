@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-namespace sheaf {
+namespace sheaf::test_statistics {
 
 TEST_CASE("gamma_q agrees with closed forms") {
   for (const double x : {1e-6, 0.1, 0.9, 1.0, 2.5, 7.0, 30.0, 200.0}) {
@@ -86,4 +86,4 @@ TEST_CASE("chi_square_plane tells a wrong density and a wrong mass from the righ
   CHECK(chi_square_plane(squared, ramp, unit).integral == doctest::Approx(1.0));
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_statistics

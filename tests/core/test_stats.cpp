@@ -2,17 +2,18 @@
 #include "core/stats.h"
 
 #include "core/simd.h"
+#include "tests/support/contains.h"
 
 #include <doctest/doctest.h>
 
 #include <thread>
 #include <vector>
 
-using namespace sheaf;
+namespace sheaf::test_stats {
+
+using test::contains;
 
 namespace {
-
-bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
 Stats make_stats(std::uint64_t factor) {
   Stats stats;
@@ -147,3 +148,5 @@ TEST_CASE("a report says how long a picture of less noise would take") {
   CHECK(contains(table, "1 % would take about 1024 spp, 160 s"));
   CHECK(contains(to_json(report), "\"seconds_to_one_percent\": 160.0"));
 }
+
+}  // namespace sheaf::test_stats

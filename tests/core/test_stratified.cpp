@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_stratified {
 
 namespace {
 
@@ -116,4 +116,4 @@ TEST_CASE("stratified: registers hold the numbers of their lanes, bit by bit") {
   CHECK(wrong == 0);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_stratified

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_transform {
 
 namespace {
 
@@ -162,4 +162,4 @@ TEST_CASE("transform: inversion pivots") {
     for (int j = 0; j < 4; ++j) CHECK(product.m[i][j] == doctest::Approx(i == j ? 1.0 : 0.0));
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_transform

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-using namespace sheaf;
+namespace sheaf::test_uplift {
 
 namespace {
 
@@ -187,3 +187,5 @@ TEST_CASE("uplift: registers agree with single colours") {
     }
   }
 }
+
+}  // namespace sheaf::test_uplift

@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-namespace sheaf {
+namespace sheaf::test_warp {
 
 namespace {
 
@@ -177,4 +177,4 @@ TEST_CASE("warp: square_to_triangle is uniform") {
   CHECK(chi_square_plane(warp, density, {0, 1, 0, 1, 20, 20}).p_value > significance_of_each(kTests));
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_warp

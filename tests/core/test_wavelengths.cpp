@@ -12,7 +12,7 @@
 #include <cmath>
 #include <vector>
 
-using namespace sheaf;
+namespace sheaf::test_wavelengths {
 
 namespace {
 
@@ -137,3 +137,5 @@ TEST_CASE("wavelengths: the balance over the four counts each path once") {
   const float by_second = hero_balance(Spectrum4(1, p / q, 1, p / q)) / q;
   CHECK(0.5f * (p * by_first + q * by_second) == doctest::Approx(1));
 }
+
+}  // namespace sheaf::test_wavelengths

@@ -3,7 +3,7 @@
 
 #include "tests/support/bsdf_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_bsdf {
 
 namespace {
 
@@ -151,4 +151,4 @@ TEST_CASE("bsdf: registers equal single values") {
       [&](int lane) { return dielectric(0.5f + 1.5f * share(lane, 0), share(lane, 1), share(lane, 2)); });
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_bsdf

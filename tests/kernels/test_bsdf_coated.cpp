@@ -5,7 +5,7 @@
 #include "tests/support/any_bsdf.h"
 #include "tests/support/bsdf_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_bsdf_coated {
 
 namespace {
 
@@ -155,4 +155,4 @@ TEST_CASE("coats: registers of different closures equal single values") {
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_bsdf_coated

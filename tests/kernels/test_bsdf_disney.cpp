@@ -3,7 +3,7 @@
 
 #include "tests/support/bsdf_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_bsdf_disney {
 
 namespace {
 
@@ -143,4 +143,4 @@ TEST_CASE("disney: registers equal single values") {
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_bsdf_disney

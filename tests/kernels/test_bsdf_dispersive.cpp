@@ -8,7 +8,7 @@
 
 #include "tests/support/bsdf_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_bsdf_dispersive {
 
 namespace {
 
@@ -140,4 +140,4 @@ TEST_CASE("dispersion: registers give what single values give") {
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_bsdf_dispersive

@@ -4,7 +4,7 @@
 #include "kernels/stages/adjoint.h"
 #include "tests/support/bsdf_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_bsdf_hair {
 
 namespace {
 
@@ -204,4 +204,4 @@ TEST_CASE("hair: absorption follows from the colour of much hair") {
   CHECK(std::fabs(bsdf.evaluate(wo, wi).f_cos.c2 / expected - 1) > 0.01f);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_bsdf_hair

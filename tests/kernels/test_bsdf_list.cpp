@@ -5,7 +5,7 @@
 #include <set>
 #include <string_view>
 
-namespace sheaf {
+namespace sheaf::test_bsdf_list {
 
 namespace {
 
@@ -106,4 +106,4 @@ TEST_CASE("all bsdfs: kinds have names of their own") {
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_bsdf_list

@@ -8,7 +8,7 @@
 
 #include "tests/support/bsdf_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_bsdf_lobes {
 
 namespace {
 
@@ -242,4 +242,4 @@ TEST_CASE("hanrahan krueger: the integral over the depth of the vertex") {
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_bsdf_lobes

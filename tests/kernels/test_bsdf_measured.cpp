@@ -6,7 +6,7 @@
 #include "tests/support/bsdf_testing.h"
 #include "tests/support/measured_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_bsdf_measured {
 
 namespace {
 
@@ -215,4 +215,4 @@ TEST_CASE("measured: words that refer to no table scatter nothing, and other lan
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_bsdf_measured

@@ -5,7 +5,7 @@
 
 #include "tests/support/bsdf_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_bsdf_plastic {
 
 namespace {
 
@@ -208,4 +208,4 @@ TEST_CASE("plastics: registers equal single values") {
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_bsdf_plastic

@@ -4,7 +4,7 @@
 
 #include "tests/support/bsdf_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_bsdf_principled {
 
 namespace {
 
@@ -337,4 +337,4 @@ TEST_CASE("principled: registers equal single values") {
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_bsdf_principled

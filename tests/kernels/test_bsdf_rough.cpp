@@ -6,7 +6,7 @@
 
 #include "tests/support/bsdf_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_bsdf_rough {
 
 namespace {
 
@@ -180,4 +180,4 @@ TEST_CASE("rough bsdfs: registers equal single values") {
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_bsdf_rough

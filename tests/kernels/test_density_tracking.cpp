@@ -9,8 +9,9 @@
 
 #include <memory>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_density_tracking {
+
+using namespace test;
 
 namespace {
 
@@ -181,3 +182,5 @@ TEST_CASE("density tracking: rays whose steps vanish against the distance are gi
     CHECK(end.nulls == kMostCollisions);
   }
 }
+
+}  // namespace sheaf::test_density_tracking

@@ -11,7 +11,7 @@
 #include <cstring>
 #include <limits>
 
-namespace sheaf {
+namespace sheaf::test_film {
 
 namespace {
 
@@ -234,4 +234,4 @@ TEST_CASE("films without channels are read with the sums of their tiles, frames 
   CHECK_THROWS_WITH_AS(get_film(wide), doctest::Contains("has a frame that cannot be"), Error);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_film

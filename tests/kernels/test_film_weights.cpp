@@ -8,7 +8,7 @@
 #include <cstring>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_film_weights {
 
 namespace {
 
@@ -169,4 +169,4 @@ TEST_CASE("weighted film: dropped samples count nowhere") {
   CHECK(image.at(2, 0, 0) == 4);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_film_weights

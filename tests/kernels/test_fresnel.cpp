@@ -9,7 +9,7 @@
 #include <complex>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_fresnel {
 
 namespace {
 
@@ -157,4 +157,4 @@ TEST_CASE("fresnel: registers equal single values") {
   CHECK(worst < 2e-4);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_fresnel

@@ -11,7 +11,7 @@
 #include <cstring>
 #include <random>
 
-namespace sheaf {
+namespace sheaf::test_guide_field {
 
 namespace {
 
@@ -248,4 +248,4 @@ TEST_CASE("guiding: a log tells paths in order, with what they have found from e
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_guide_field

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <random>
 
-namespace sheaf {
+namespace sheaf::test_light_choice {
 
 namespace {
 
@@ -91,4 +91,4 @@ TEST_CASE("choice of lights: the weights of light and BSDF sampling add up to on
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_light_choice

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_light_emit {
 
 namespace {
 
@@ -684,4 +684,4 @@ TEST_CASE("light emission: registers equal single values, lights mixed") {
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_light_emit

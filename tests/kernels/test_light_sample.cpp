@@ -17,7 +17,7 @@
 #include <functional>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_light_sample {
 
 namespace {
 
@@ -468,4 +468,4 @@ TEST_CASE("light sampling: the power heuristic") {
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_light_sample

@@ -7,8 +7,9 @@
 
 #include <limits>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_majorant_walk {
+
+using namespace test;
 
 namespace {
 
@@ -448,3 +449,5 @@ TEST_CASE("majorant walk: no ray goes on for ever") {
   CHECK(most > 1);
   CHECK(most <= 4 + 3 + 2 + 2);
 }
+
+}  // namespace sheaf::test_majorant_walk

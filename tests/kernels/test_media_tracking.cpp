@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace sheaf {
+namespace sheaf::test_media_tracking {
 
 namespace {
 
@@ -228,4 +228,4 @@ TEST_CASE("media tracking: coefficients beyond the range of floats are errors at
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_media_tracking

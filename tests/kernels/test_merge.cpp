@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace sheaf {
+namespace sheaf::test_merge {
 
 namespace {
 
@@ -215,4 +215,4 @@ TEST_CASE("merge: parts that lack layers or say what cannot be are refused") {
   CHECK(ids_from_attribute("3f800000bf800000") == std::vector<float>{1, -1});
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_merge

@@ -4,7 +4,7 @@
 
 #include "tests/support/bsdf_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_microfacet {
 
 namespace {
 
@@ -180,4 +180,4 @@ TEST_CASE("microfacet: the short exponential, logarithm and shadowing are close 
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_microfacet

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace sheaf {
+namespace sheaf::test_nl_means {
 
 namespace {
 
@@ -278,4 +278,4 @@ TEST_CASE("values that are not finite, pictures of one pixel, and missing varian
   CHECK_THROWS_WITH_AS(denoise(bare, Denoiser::kNlMeans), doctest::Contains("--replicates"), Error);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_nl_means

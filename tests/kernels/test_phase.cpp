@@ -6,7 +6,7 @@
 #include "scene/compile/closure_tables.h"
 #include "tests/support/bsdf_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_phase {
 
 namespace {
 
@@ -235,4 +235,4 @@ TEST_CASE("phase: the phase functions are the only BSDFs that say they are") {
   CHECK(kIsPhaseFunction<SggxBsdf<Scalar>>);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_phase

@@ -7,7 +7,7 @@
 #include <array>
 #include <utility>
 
-namespace sheaf {
+namespace sheaf::test_phase_sggx {
 
 namespace {
 
@@ -123,4 +123,4 @@ TEST_CASE("sggx: registers equal single values") {
   });
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_phase_sggx

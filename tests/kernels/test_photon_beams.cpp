@@ -13,7 +13,7 @@
 #include <map>
 #include <random>
 
-namespace sheaf {
+namespace sheaf::test_photon_beams {
 
 namespace {
 
@@ -270,4 +270,4 @@ TEST_CASE("gather volume: beams in homogeneous media, points in grids and where 
   CHECK(found(grid, MediumPhotons::kBeams, kBoth) > 0.3 * by_point);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_photon_beams

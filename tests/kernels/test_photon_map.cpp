@@ -14,7 +14,7 @@
 #include <random>
 #include <set>
 
-namespace sheaf {
+namespace sheaf::test_photon_map {
 
 namespace {
 
@@ -167,4 +167,4 @@ TEST_CASE("gather: registers do what single photons do, and the sum is that over
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_photon_map

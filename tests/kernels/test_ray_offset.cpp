@@ -10,7 +10,7 @@
 #include <cmath>
 #include <random>
 
-using namespace sheaf;
+namespace sheaf::test_ray_offset {
 
 namespace {
 
@@ -290,3 +290,5 @@ TEST_CASE("a sphere in an environment reflects light once at every scale and pla
       CHECK(image.at(8, 8, 0) == doctest::Approx(0.5));
     }
 }
+
+}  // namespace sheaf::test_ray_offset

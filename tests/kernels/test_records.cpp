@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_records {
 
 namespace {
 
@@ -67,4 +67,4 @@ TEST_CASE("records: quadrics arrive in the lanes that ask for them") {
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_records

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-namespace sheaf {
+namespace sheaf::test_resample {
 
 namespace {
 
@@ -152,4 +152,4 @@ TEST_CASE("resample: weights of one or of all candidates are unbiased, those of 
   CHECK(kept.p_value(kIntegral) < 1e-9);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_resample

@@ -11,7 +11,7 @@
 #include <limits>
 #include <set>
 
-namespace sheaf {
+namespace sheaf::test_stages {
 
 TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within its pixel", L, Wide, Scalar) {
   Description d = empty_scene(40, 30);
@@ -446,4 +446,4 @@ TEST_CASE_TEMPLATE("stages: the samples of a task do not depend on the size of t
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_stages

@@ -6,7 +6,7 @@
 #include "scene/data/glasses.h"
 #include "tests/support/stages_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_stages_lanes {
 
 namespace {
 
@@ -149,4 +149,4 @@ TEST_CASE("stages: registers do what single photons do, stage by stage, in both 
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_stages_lanes

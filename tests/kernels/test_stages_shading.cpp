@@ -8,7 +8,7 @@
 #include <cmath>
 #include <map>
 
-namespace sheaf {
+namespace sheaf::test_stages_shading {
 
 namespace {
 
@@ -460,4 +460,4 @@ TEST_CASE_TEMPLATE("emission: area lights shine from their front, weighted again
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_stages_shading

@@ -15,7 +15,7 @@
 #include <random>
 #include <set>
 
-namespace sheaf {
+namespace sheaf::test_volume_photons {
 
 namespace {
 
@@ -192,4 +192,4 @@ TEST_CASE("gather volume: in a grid, transmittance is right in the mean, up to e
   CHECK(left.p_value(std::exp(-depth(1))) >= level);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_volume_photons

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace sheaf {
+namespace sheaf::test_adaptive {
 
 namespace {
 
@@ -260,4 +260,4 @@ TEST_CASE("adaptive sampling: what it cannot do is refused") {
   CHECK(fails(adaptive_options(0.1, 64)));
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_adaptive

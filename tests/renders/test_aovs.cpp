@@ -6,7 +6,7 @@
 
 #include <memory>
 
-namespace sheaf {
+namespace sheaf::test_aovs {
 
 namespace {
 
@@ -254,4 +254,4 @@ TEST_CASE("layers: errors for what there are no layers of") {
   CHECK(aovs_from_names("") == AovSet());
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_aovs

@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-namespace sheaf {
+namespace sheaf::test_blends {
 
 namespace {
 
@@ -217,4 +217,4 @@ TEST_CASE("blends: a mask around one lets through what it does not cover") {
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_blends

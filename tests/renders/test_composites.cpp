@@ -9,7 +9,7 @@
 
 #include <doctest/doctest.h>
 
-using namespace sheaf;
+namespace sheaf::test_composites {
 
 namespace {
 
@@ -270,3 +270,5 @@ TEST_CASE("normal maps: normals that face away from the viewer are turned back")
 }
 
 TEST_SUITE_END();
+
+}  // namespace sheaf::test_composites

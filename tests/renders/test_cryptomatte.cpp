@@ -5,7 +5,7 @@
 #include <cstring>
 #include <map>
 
-namespace sheaf {
+namespace sheaf::test_cryptomatte {
 
 namespace {
 
@@ -152,4 +152,4 @@ TEST_CASE("layers of all kinds: the same bits for all threads, wave sizes and cr
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_cryptomatte

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-using namespace sheaf;
+namespace sheaf::test_curve_renders {
 
 namespace {
 
@@ -110,3 +110,5 @@ TEST_CASE("curves: photons off hair make the picture that paths make") {
   d.integrator.kind = IntegratorKind::kLightTracer;
   CHECK(pixel_means(d)[1].mean() == doctest::Approx(expected).epsilon(1e-2));
 }
+
+}  // namespace sheaf::test_curve_renders

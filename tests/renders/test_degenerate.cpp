@@ -10,7 +10,7 @@
 #include <functional>
 #include <limits>
 
-using namespace sheaf;
+namespace sheaf::test_degenerate {
 
 namespace {
 
@@ -293,3 +293,5 @@ TEST_CASE("a render that is stopped says so") {
   CHECK(result.interrupted);
   CHECK(result.report.stats.samples == 0);
 }
+
+}  // namespace sheaf::test_degenerate

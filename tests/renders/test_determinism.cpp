@@ -16,7 +16,7 @@
 #include <cstdlib>
 #include <cstring>
 
-using namespace sheaf;
+namespace sheaf::test_determinism {
 
 namespace {
 
@@ -328,3 +328,5 @@ TEST_CASE("files without time stamps are the same bytes") {
     CHECK(bytes == expected);
   }
 }
+
+}  // namespace sheaf::test_determinism

@@ -11,7 +11,7 @@
 #include <complex>
 #include <functional>
 
-using namespace sheaf;
+namespace sheaf::test_estimators {
 
 namespace {
 
@@ -498,3 +498,5 @@ TEST_CASE("a straight edge shows the integral of every filter") {
 }
 
 TEST_SUITE_END();
+
+}  // namespace sheaf::test_estimators

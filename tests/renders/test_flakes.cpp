@@ -10,7 +10,7 @@
 #include <array>
 #include <cmath>
 
-namespace sheaf {
+namespace sheaf::test_flakes {
 
 namespace {
 
@@ -171,4 +171,4 @@ TEST_CASE("flakes: paths from the lights make the same picture as paths from the
   check_equal(path, scene(IntegratorKind::kPath, MediumEstimator::kRatio, kMis), 256);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_flakes

@@ -5,7 +5,7 @@
 #include "tests/support/render_testing.h"
 #include "tests/support/temporary_folder.h"
 
-namespace sheaf {
+namespace sheaf::test_fog_lights {
 
 namespace {
 
@@ -97,4 +97,4 @@ TEST_CASE("fog lights: a medium behind a mask and a pane") {
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_fog_lights

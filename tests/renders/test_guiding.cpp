@@ -7,7 +7,7 @@
 
 #include <cstring>
 
-namespace sheaf {
+namespace sheaf::test_guiding {
 
 namespace {
 
@@ -207,4 +207,4 @@ TEST_CASE("guiding: integrators without paths to be guided are a usage error") {
   CHECK_THROWS_AS(render(*compile_scene(d), options), Error);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_guiding

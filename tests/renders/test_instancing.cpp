@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-using namespace sheaf;
+namespace sheaf::test_instancing {
 
 namespace {
 
@@ -221,3 +221,5 @@ TEST_CASE("instancing: bounds, groups of nothing, and what cannot be") {
   CHECK(without->info().instances == 0);
   CHECK(without->warnings().size() == 3);
 }
+
+}  // namespace sheaf::test_instancing

@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-using namespace sheaf;
+namespace sheaf::test_instancing_render {
 
 namespace {
 
@@ -183,3 +183,5 @@ TEST_CASE("instancing: no path is lost in a closed room that is an instance") {
       CHECK(result.report.stats.rays.scatter == 32 * 32 * 16 * (kDepth - 1));
     }
 }
+
+}  // namespace sheaf::test_instancing_render

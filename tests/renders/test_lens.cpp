@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace sheaf {
+namespace sheaf::test_lens {
 
 namespace {
 
@@ -114,4 +114,4 @@ TEST_CASE("lens: a small white light out of focus is a round disk without colour
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_lens

@@ -14,7 +14,7 @@
 #include <functional>
 #include <string>
 
-namespace sheaf {
+namespace sheaf::test_light_estimators {
 
 namespace {
 
@@ -194,4 +194,4 @@ TEST_SUITE("slow") {
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_light_estimators

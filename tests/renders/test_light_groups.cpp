@@ -3,7 +3,7 @@
 #include "tests/support/media_testing.h"
 #include "tests/support/render_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_light_groups {
 
 namespace {
 
@@ -129,4 +129,4 @@ TEST_CASE("light groups: too many are refused, those without names are one") {
   CHECK_THROWS_AS(picture(d), Error);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_light_groups

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_light_tracing {
 
 namespace {
 
@@ -560,4 +560,4 @@ TEST_CASE("camera: the view of a point is the ray that meets it, and its importa
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_light_tracing

@@ -11,7 +11,7 @@
 #include <array>
 #include <cmath>
 
-namespace sheaf {
+namespace sheaf::test_media_estimators {
 
 namespace {
 
@@ -437,4 +437,4 @@ TEST_CASE("media: what glows and scatters has the same mean by every strategy an
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_media_estimators

@@ -5,7 +5,7 @@
 #include "tests/support/render_testing.h"
 #include "tests/support/temporary_folder.h"
 
-namespace sheaf {
+namespace sheaf::test_medium_passages {
 
 namespace {
 
@@ -121,4 +121,4 @@ TEST_CASE("medium passages: a common factor taken out of a path's weights means 
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_medium_passages

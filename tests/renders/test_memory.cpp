@@ -6,7 +6,7 @@
 
 #include <cstdlib>
 
-using namespace sheaf;
+namespace sheaf::test_memory {
 
 namespace {
 
@@ -37,3 +37,5 @@ TEST_SUITE("slow") {
     CHECK(peak_bytes(1, 16) < 130e6);
   }
 }
+
+}  // namespace sheaf::test_memory

@@ -12,7 +12,7 @@
 #include <array>
 #include <cmath>
 
-namespace sheaf {
+namespace sheaf::test_passing {
 
 namespace {
 
@@ -201,4 +201,4 @@ TEST_CASE("passing: what loses nothing vanishes in a medium without an end") {
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_passing

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_passing_estimators {
 
 namespace {
 
@@ -177,4 +177,4 @@ TEST_CASE("passing estimators: a mask whose opacity is a grid in the world") {
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_passing_estimators

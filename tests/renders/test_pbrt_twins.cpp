@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-using namespace sheaf;
+namespace sheaf::test_pbrt_twins {
 
 namespace {
 
@@ -96,3 +96,5 @@ TEST_SUITE("pbrt twins") {
     CHECK(difference(picture(mirrored, ColorMode::kRgb), twin).share > 0.3);
   }
 }
+
+}  // namespace sheaf::test_pbrt_twins

@@ -16,7 +16,7 @@
 #include <set>
 #include <string>
 
-namespace sheaf {
+namespace sheaf::test_photon_mapping {
 
 namespace {
 
@@ -333,4 +333,4 @@ TEST_CASE("photon mapping: spectral maps agree with spectral paths, dispersion i
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_photon_mapping

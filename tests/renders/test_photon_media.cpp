@@ -15,7 +15,7 @@
 #include <set>
 #include <string>
 
-namespace sheaf {
+namespace sheaf::test_photon_media {
 
 namespace {
 
@@ -323,4 +323,4 @@ TEST_CASE("photon beams: in spectral mode, seen directly and through a slab that
 
 TEST_SUITE_END();
 
-}  // namespace sheaf
+}  // namespace sheaf::test_photon_media

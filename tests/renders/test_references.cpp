@@ -19,7 +19,8 @@
 #include <string>
 #include <vector>
 
-using namespace sheaf;
+namespace sheaf::test_references {
+
 namespace fs = std::filesystem;
 
 namespace {
@@ -244,3 +245,5 @@ TEST_SUITE("slow") {
     CHECK(judge(patched, reference).block_share < 1);
   }
 }
+
+}  // namespace sheaf::test_references

@@ -7,7 +7,7 @@
 
 #include <cstring>
 
-namespace sheaf {
+namespace sheaf::test_resume {
 
 namespace {
 
@@ -177,4 +177,4 @@ TEST_CASE("checkpoints of other renders, and damaged ones, are refused with exit
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_resume

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-using namespace sheaf;
+namespace sheaf::test_sdf_renders {
 
 namespace {
 
@@ -52,3 +52,5 @@ TEST_CASE("sdf grid: pictures of it have Mitsuba's mean") {
   cloud.shapes[0].interior = add_medium(cloud, fog(2, 0.8f));
   check(cloud, 0.181574);
 }
+
+}  // namespace sheaf::test_sdf_renders

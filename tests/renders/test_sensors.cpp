@@ -1,7 +1,7 @@
 // Sensors without a picture and cameras side by side, against closed forms; and lights that photons alone can tell.
 #include "tests/support/render_testing.h"
 
-namespace sheaf {
+namespace sheaf::test_sensors {
 
 namespace {
 
@@ -129,4 +129,4 @@ TEST_CASE("sensors: photons show light that goes in single directions, and paths
   CHECK(mean(square, IntegratorKind::kPath) == 0);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_sensors

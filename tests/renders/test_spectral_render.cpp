@@ -14,7 +14,7 @@
 #include <array>
 #include <cmath>
 
-namespace sheaf {
+namespace sheaf::test_spectral_render {
 
 namespace {
 
@@ -313,4 +313,4 @@ TEST_CASE("spectral: bins of the spectrum integrate to the picture, whatever the
   CHECK_THROWS_AS(render(*compile_scene(d, CompileOptions{}), options), Error);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_spectral_render

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_variance_channels {
 
 namespace {
 
@@ -128,4 +128,4 @@ TEST_CASE("variance channels: there are none where nothing tells them") {
   CHECK(has_variance());
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_variance_channels

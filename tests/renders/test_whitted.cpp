@@ -9,8 +9,9 @@
 #include <cmath>
 #include <numbers>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_whitted {
+
+using namespace test;
 
 namespace {
 
@@ -82,3 +83,5 @@ TEST_CASE("av: a floor below a ceiling sees what is further than the length, and
   // Along the gap there is nothing.
   CHECK(mean_of(scene("2, 0.5, 0", "2.5")) == 1.0);
 }
+
+}  // namespace sheaf::test_whitted

@@ -3,8 +3,9 @@
 
 #include <limits>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_brick_grid {
+
+using namespace test;
 
 namespace {
 
@@ -148,3 +149,5 @@ TEST_CASE("brick grid: sizes that cannot be are errors") {
   CHECK_THROWS_AS(sparse({0, 0, 0}, {1 << 28, 0, 0}), SceneError);
   CHECK_NOTHROW(sparse({0, 0, 0}, {100, 0, 0}));
 }
+
+}  // namespace sheaf::test_brick_grid

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_build_quality {
 
 namespace {
 
@@ -77,4 +77,4 @@ TEST_CASE("wasted boxes: a fine mesh is not worth splitting, needles across it a
   CHECK(crossed > smooth + 5);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_build_quality

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sheaf {
+namespace sheaf::test_camera {
 
 namespace {
 
@@ -381,4 +381,4 @@ TEST_CASE("camera: registers equal single values") {
   CHECK(worst < 1e-6);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_camera

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-namespace sheaf {
+namespace sheaf::test_camera_medium {
 
 namespace {
 
@@ -84,4 +84,4 @@ TEST_CASE("boundaries of media: meshes that are open are told") {
   CHECK_FALSE(warns(cube_mesh(), true));
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_camera_medium

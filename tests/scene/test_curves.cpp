@@ -13,8 +13,9 @@
 #include <bit>
 #include <cmath>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_curves {
+
+using namespace test;
 
 namespace {
 
@@ -393,3 +394,5 @@ TEST_CASE("curves: segments without a surface are left out") {
   curves.points.resize(2);
   CHECK(lone(curves)->info().shapes == 0);
 }
+
+}  // namespace sheaf::test_curves

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace sheaf {
+namespace sheaf::test_daylight {
 
 namespace {
 
@@ -215,4 +215,4 @@ TEST_CASE("daylight: skies of several suns are averaged, and without the sun the
   CHECK(lone(sun)->view().light_count == 0);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_daylight

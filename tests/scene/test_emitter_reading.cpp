@@ -3,8 +3,9 @@
 
 #include <doctest/doctest.h>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_emitter_reading {
+
+using namespace test;
 
 namespace {
 
@@ -250,3 +251,5 @@ TEST_CASE("emitters of Nori: directional and environment map") {
   CHECK(near(map.to_world.vector({0, 0, 1}), {1, 0, 0}));
   CHECK(contains(nori_error("envmapp", kPicture), "did you mean 'envmap'"));
 }
+
+}  // namespace sheaf::test_emitter_reading

@@ -22,7 +22,7 @@
 #include <functional>
 #include <numbers>
 
-namespace sheaf {
+namespace sheaf::test_envmap {
 
 namespace {
 
@@ -615,4 +615,4 @@ TEST_CASE("environment map: a small sun costs far fewer samples than by chance")
   CHECK(uniform.variance() > 1000 * sampled.variance());
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_envmap

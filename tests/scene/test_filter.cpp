@@ -12,7 +12,7 @@
 #include <limits>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_filter {
 
 namespace {
 
@@ -242,4 +242,4 @@ TEST_CASE("filter: sizes that are not positive and finite are refused") {
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_filter

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-using namespace sheaf;
+namespace sheaf::test_glasses {
 
 namespace {
 
@@ -94,3 +94,5 @@ TEST_CASE("glasses: rows and registers agree with the formulas") {
     }
   }
 }
+
+}  // namespace sheaf::test_glasses

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-using namespace sheaf;
+namespace sheaf::test_instancing_reading {
 
 namespace {
 
@@ -84,3 +84,5 @@ TEST_CASE("instancing: errors name the line") {
     CHECK(test::contains(found, expected));
   }
 }
+
+}  // namespace sheaf::test_instancing_reading

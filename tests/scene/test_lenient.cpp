@@ -6,8 +6,9 @@
 
 #include <algorithm>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_lenient {
+
+using namespace test;
 
 namespace {
 
@@ -185,3 +186,5 @@ TEST_CASE("lenient: Nori") {
   CHECK(d.integrator.kind == IntegratorKind::kPath);
   for (const char* what : {"fisheye", "magic", "dice", "<wizard>", "velvet", "gone.obj"}) CHECK(says(d, what));
 }
+
+}  // namespace sheaf::test_lenient

@@ -14,7 +14,7 @@
 #include <memory>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_light_bounds {
 
 namespace {
 
@@ -139,4 +139,4 @@ TEST_CASE("light bounds: awkward lights") {
   CHECK(tree.nodes.size() == 1);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_light_bounds

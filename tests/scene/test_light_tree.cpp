@@ -16,7 +16,7 @@
 #include <set>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_light_tree {
 
 namespace {
 
@@ -511,4 +511,4 @@ TEST_CASE("light tree: awkward lights") {
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_light_tree

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace sheaf {
+namespace sheaf::test_lights {
 
 namespace {
 
@@ -491,4 +491,4 @@ TEST_CASE("lights: what cannot be is said where it stands") {
   CHECK(message(spot).find("does not exist") != std::string::npos);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_lights

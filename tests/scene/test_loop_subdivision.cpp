@@ -8,7 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
-using namespace sheaf;
+namespace sheaf::test_loop_subdivision {
+
 using doctest::Approx;
 
 namespace {
@@ -121,3 +122,5 @@ TEST_CASE("subdivision: what is no surface is told") {
   CHECK(message({{0, 1, 1}}).find("twice") != std::string::npos);
   CHECK_THROWS_AS(subdivide(icosahedron(), 12), SceneError);
 }
+
+}  // namespace sheaf::test_loop_subdivision

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <functional>
 
-namespace sheaf {
+namespace sheaf::test_measured_file {
 
 namespace {
 
@@ -170,4 +170,4 @@ TEST_CASE("measured files: scenes have a table for each file, and say where a br
                        "scene.xml:4: bsdf 'measured' needs the string 'filename'"));
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_measured_file

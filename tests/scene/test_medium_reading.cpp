@@ -5,8 +5,9 @@
 #include "scene/dialects/medium_estimator_name.h"
 #include "tests/support/scene_files.h"
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_medium_reading {
+
+using namespace test;
 
 namespace {
 
@@ -514,3 +515,5 @@ TEST_CASE("media: before Mitsuba 2 a boundary without a material is not noticed,
   CHECK(std::holds_alternative<NullDescription>(model("")));
   CHECK(std::holds_alternative<DiffuseDescription>(model("<emitter type='area'/>")));
 }
+
+}  // namespace sheaf::test_medium_reading

@@ -6,8 +6,9 @@
 
 #include <limits>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_mesh {
+
+using namespace test;
 
 namespace {
 
@@ -298,3 +299,5 @@ TEST_CASE("mesh: some triangles alone") {
   CHECK(area_normal(part, 1) == area_normal(cube, 2));
   CHECK(extract_triangles(cube, {}).positions.empty());
 }
+
+}  // namespace sheaf::test_mesh

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-using namespace sheaf;
+namespace sheaf::test_metals {
 
 namespace {
 
@@ -93,3 +93,5 @@ TEST_CASE("dielectrics by name") {
   CHECK(ior_names().size() == 23);
   for (const std::string& name : ior_names()) CHECK(find_ior(name).value() >= 1);
 }
+
+}  // namespace sheaf::test_metals

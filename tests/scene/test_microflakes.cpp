@@ -9,7 +9,7 @@
 
 #include <limits>
 
-namespace sheaf {
+namespace sheaf::test_microflakes {
 
 namespace {
 
@@ -79,4 +79,4 @@ TEST_CASE("microflakes: what such media cannot be") {
   CHECK_THROWS_WITH_AS(compile_scene(mapped), doctest::Contains("cannot be gathered"), SceneError);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_microflakes

@@ -7,8 +7,9 @@
 #include <cmath>
 #include <numbers>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_mitsuba {
+
+using namespace test;
 
 namespace {
 
@@ -488,3 +489,5 @@ TEST_CASE("Mitsuba: names of its first versions") {
   CHECK(std::holds_alternative<DiffuseDescription>(
       d.materials.at(static_cast<std::size_t>(d.shapes.at(0).material.value())).model));
 }
+
+}  // namespace sheaf::test_mitsuba

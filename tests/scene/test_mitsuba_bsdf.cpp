@@ -7,8 +7,9 @@
 #include <array>
 #include <cmath>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_mitsuba_bsdf {
+
+using namespace test;
 
 namespace {
 
@@ -563,3 +564,5 @@ TEST_CASE("Mitsuba materials: polarisers let half of the light pass, and say so"
   const Description d = read_text(mitsuba_scene("<bsdf type='pplastic'><float name='alpha' value='0.2'/></bsdf>"));
   CHECK(std::get<PlasticDescription>(d.materials.back().model).roughness.has_value());
 }
+
+}  // namespace sheaf::test_mitsuba_bsdf

@@ -3,8 +3,9 @@
 
 #include "tests/support/scene_files.h"
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_mitsuba_errors {
+
+using namespace test;
 
 TEST_CASE("Mitsuba: errors name line, fault and the nearest name") {
   auto sensor = [](const std::string& inside) {
@@ -106,3 +107,5 @@ TEST_CASE("Mitsuba: errors name line, fault and the nearest name") {
     CHECK(message.starts_with("scene.xml:"));
   }
 }
+
+}  // namespace sheaf::test_mitsuba_errors

@@ -6,8 +6,9 @@
 
 #include <cmath>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_model {
+
+using namespace test;
 
 namespace {
 
@@ -62,3 +63,5 @@ TEST_CASE("model: a broken file is an error with its line") {
   const std::string message = error_of(write_below(folder, "model.obj", "v 0 0 0\nf 1 2 3\n"));
   CHECK(contains(message, "model.obj"));
 }
+
+}  // namespace sheaf::test_model

@@ -10,8 +10,9 @@
 #include <limits>
 #include <random>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_mtl {
+
+using namespace test;
 
 namespace {
 
@@ -430,3 +431,5 @@ TEST_CASE("obj materials: errors name the scene, the file and the line") {
   CHECK(contains(message, "scene.xml:7: "));
   CHECK(contains(message, "mesh.obj:12: a face refers to vertex 9"));
 }
+
+}  // namespace sheaf::test_mtl

@@ -9,8 +9,9 @@
 #include <limits>
 #include <random>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_nanovdb {
+
+using namespace test;
 
 namespace {
 
@@ -292,3 +293,5 @@ TEST_CASE("nanovdb: stray tiles in a small file don't take memory by the gigabyt
     if (((i & 7) + (i >> 3 & 7) + (i >> 6)) % 2 == 1) checkers.push_back({i & 7, i >> 3 & 7, i >> 6});
   CHECK(contains(error_in(tile_file(checkers)), "stray tiles"));
 }
+
+}  // namespace sheaf::test_nanovdb

@@ -5,8 +5,9 @@
 
 #include <numbers>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_nori {
+
+using namespace test;
 
 namespace {
 
@@ -413,3 +414,5 @@ TEST_CASE("Nori: spellings of the course's projects") {
   const auto& intensity = std::get<SpectrumDescription::Rgb>(spot.intensity.value);
   CHECK(intensity.value.x == doctest::Approx(8 / std::numbers::pi));
 }
+
+}  // namespace sheaf::test_nori

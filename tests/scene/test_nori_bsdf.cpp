@@ -6,8 +6,9 @@
 #include <array>
 #include <cmath>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_nori_bsdf {
+
+using namespace test;
 
 namespace {
 
@@ -194,3 +195,5 @@ TEST_CASE("Nori materials and textures: errors name line, fault and the nearest 
     CHECK(message.starts_with("scene.xml:"));
   }
 }
+
+}  // namespace sheaf::test_nori_bsdf

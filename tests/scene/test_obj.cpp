@@ -9,8 +9,9 @@
 #include <random>
 #include <sstream>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_obj {
+
+using namespace test;
 
 namespace {
 
@@ -291,3 +292,5 @@ TEST_CASE("obj: materials of the triangles, and libraries") {
   CHECK(obj.libraries[1].names == "c.mtl");
   CHECK(are_equal(obj.file.mesh, read_obj(file.path(), false).mesh));
 }
+
+}  // namespace sheaf::test_obj

@@ -6,8 +6,9 @@
 
 #include <map>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_old_bsdf {
+
+using namespace test;
 
 namespace {
 
@@ -202,3 +203,5 @@ TEST_CASE("mixtures: shares are the weights, and what they leave is black") {
   refused("0, 0, 0", three, "add up to 0");
   refused("", "", "holds 0 nested <bsdf>");
 }
+
+}  // namespace sheaf::test_old_bsdf

@@ -8,9 +8,10 @@
 
 #include <cmath>
 
-using namespace sheaf;
-using namespace sheaf::test;
-using namespace sheaf::pbrt;
+namespace sheaf::test_pbrt {
+
+using namespace test;
+using namespace pbrt;
 using doctest::Approx;
 
 namespace {
@@ -567,3 +568,5 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK(contains(error_of(write_below(folder, "scene.pbrt", "Include \"part0.pbrt\"\n")), "more than 10000 files"));
   }
 }
+
+}  // namespace sheaf::test_pbrt

@@ -9,8 +9,9 @@
 
 #include <cmath>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_pbrt_lights {
+
+using namespace test;
 using doctest::Approx;
 
 namespace {
@@ -142,3 +143,5 @@ TEST_CASE("pbrt cameras: panoramas look where pbrt's do, with +y upwards") {
   CHECK(length(lens.camera.to_world.vector({lens.camera.aperture_radius, 0, 0})) == Approx(0.5));
   CHECK(lens.camera.focus_distance == 7);
 }
+
+}  // namespace sheaf::test_pbrt_lights

@@ -12,8 +12,9 @@
 #include <algorithm>
 #include <cmath>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_pbrt_media {
+
+using namespace test;
 using doctest::Approx;
 
 namespace {
@@ -178,3 +179,5 @@ TEST_CASE("pbrt media: what is wrong with grids is told") {
   check("\"rgbgrid\"", "needs 'sigma_a' or 'sigma_s'");
   check("\"rgbgrid\" \"float sigma_a\" 1", "is of the type float, expected rgb");
 }
+
+}  // namespace sheaf::test_pbrt_media

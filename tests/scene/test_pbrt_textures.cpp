@@ -9,8 +9,9 @@
 #include <algorithm>
 #include <cmath>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_pbrt_textures {
+
+using namespace test;
 using doctest::Approx;
 
 namespace {
@@ -113,3 +114,5 @@ TEST_CASE("pbrt textures: powers of encoded values") {
                                      "\"string filename\" \"scene.pbrt\""),
                  "expected sRGB, linear, or gamma and an exponent"));
 }
+
+}  // namespace sheaf::test_pbrt_textures

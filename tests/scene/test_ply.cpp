@@ -12,8 +12,9 @@
 #include <sstream>
 #include <tuple>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_ply {
+
+using namespace test;
 
 namespace {
 
@@ -408,3 +409,5 @@ TEST_CASE("ply: attributes of polygons go to their triangles") {
           (strips_first ? std::vector<float>{0, 0, 9} : std::vector<float>{9, 0, 0}));
   }
 }
+
+}  // namespace sheaf::test_ply

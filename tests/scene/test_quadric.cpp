@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-namespace sheaf {
+namespace sheaf::test_quadric {
 
 namespace {
 
@@ -219,4 +219,4 @@ TEST_CASE("quadric: rows know similarities from other transforms") {
   CHECK_THROWS_AS(make_quadric(ShapeKind::kSphere, Transform(projective), false), SceneError);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_quadric

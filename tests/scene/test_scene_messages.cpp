@@ -7,8 +7,9 @@
 
 #include <algorithm>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_scene_messages {
+
+using namespace test;
 
 namespace {
 
@@ -251,3 +252,5 @@ TEST_CASE("messages: texels that no reflectance can have are counted, once for e
             .size() == 1);
   CHECK(warnings(bitmap("", "beyond.exr", "unused") + sphere_of("")).empty());
 }
+
+}  // namespace sheaf::test_scene_messages

@@ -13,8 +13,9 @@
 #include <cmath>
 #include <functional>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_sdf_grid {
+
+using namespace test;
 
 namespace {
 
@@ -398,3 +399,5 @@ TEST_CASE("sdf grid: what it cannot be is an error, and without a surface it is 
   CHECK(nothing->info().shapes == 0);
   CHECK(lone(good)->info().sdf_cells == 8);
 }
+
+}  // namespace sheaf::test_sdf_grid

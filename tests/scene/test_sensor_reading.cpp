@@ -3,8 +3,9 @@
 
 #include <doctest/doctest.h>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_sensor_reading {
+
+using namespace test;
 
 namespace {
 
@@ -117,3 +118,5 @@ TEST_CASE("sensors: batches share a film, and films for spectra are films") {
   CHECK(contains(sensor_error("perspective", "<film type='specfilm'><float name='widht' value='2'/></film>"),
                  "did you mean 'width'"));
 }
+
+}  // namespace sheaf::test_sensor_reading

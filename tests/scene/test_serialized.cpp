@@ -9,8 +9,9 @@
 #include <limits>
 #include <random>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_serialized {
+
+using namespace test;
 
 namespace {
 
@@ -182,3 +183,5 @@ TEST_CASE("serialized: every truncation is an error, random edits a mesh or an e
     error_of([&] { read(raw(std::uint16_t{0x041c}) + raw(std::uint16_t{4}) + deflated(content)); });
   }
 }
+
+}  // namespace sheaf::test_serialized

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <functional>
 
-namespace sheaf {
+namespace sheaf::test_shape {
 
 namespace {
 
@@ -321,4 +321,4 @@ TEST_CASE("shape: light sampling covers meshes evenly by area") {
             .p_value > kSignificance);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_shape

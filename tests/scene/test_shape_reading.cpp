@@ -7,8 +7,9 @@
 
 #include <cmath>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_shape_reading {
+
+using namespace test;
 
 namespace {
 
@@ -263,3 +264,5 @@ TEST_CASE("Mitsuba: textures of version 0.6") {
   CHECK(contains(files.error("<bsdf type='diffuse'><texture name='reflectance' type='scale'/></bsdf>"),
                  "needs a nested <texture>"));
 }
+
+}  // namespace sheaf::test_shape_reading

@@ -12,7 +12,7 @@
 
 #include <cmath>
 
-using namespace sheaf;
+namespace sheaf::test_spectra {
 
 namespace {
 
@@ -191,3 +191,5 @@ TEST_CASE("illuminants: published chromaticities and unit luminance") {
   CHECK_FALSE(find_illuminant("").has_value());
   CHECK(illuminant_names().size() == 6);
 }
+
+}  // namespace sheaf::test_spectra

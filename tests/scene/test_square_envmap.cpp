@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-using namespace sheaf;
+namespace sheaf::test_square_envmap {
 
 namespace {
 
@@ -83,3 +83,5 @@ TEST_SUITE("square environment maps") {
     CHECK_THROWS_AS(lat_long_of_octahedral({4, 2, std::vector<float>(24, 1.0f)}, "sky.exr"), SceneError);
   }
 }
+
+}  // namespace sheaf::test_square_envmap

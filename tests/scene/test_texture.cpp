@@ -5,6 +5,7 @@
 #include "core/color.h"
 #include "core/exr.h"
 #include "scene/compile/texture_image.h"
+#include "tests/support/contains.h"
 #include "tests/support/picture_files.h"
 
 #include <doctest/doctest.h>
@@ -14,7 +15,9 @@
 #include <functional>
 #include <limits>
 
-namespace sheaf {
+namespace sheaf::test_texture {
+
+using test::contains;
 
 namespace {
 
@@ -76,7 +79,6 @@ std::string message_of(const std::function<void()>& f) {
 std::string compile_error(const std::vector<TextureDescription>& textures) {
   return message_of([&] { compile_textures(textures); });
 }
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 
@@ -369,4 +371,4 @@ TEST_CASE("texture: attributes that make no sense are errors at the shape's plac
   CHECK(contains(compile_error({texture}), "'color' is no mesh attribute"));
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_texture

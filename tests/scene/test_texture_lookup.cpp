@@ -19,7 +19,7 @@
 #include <functional>
 #include <limits>
 
-namespace sheaf {
+namespace sheaf::test_texture_lookup {
 
 namespace {
 
@@ -552,4 +552,4 @@ TEST_CASE("texture lookup: bindings make numbers, reflectances and unbounded col
   CHECK(bound(4, TextureRole::kUnbounded).c0 == 3.0f);
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_texture_lookup

@@ -7,8 +7,9 @@
 #include <limits>
 #include <random>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_vol_file {
+
+using namespace test;
 
 namespace {
 
@@ -173,3 +174,5 @@ TEST_CASE("vol: random edits give a grid or an error") {
     });
   }
 }
+
+}  // namespace sheaf::test_vol_file

@@ -5,8 +5,9 @@
 
 #include <doctest/doctest.h>
 
-using namespace sheaf;
-using namespace sheaf::test;
+namespace sheaf::test_xml {
+
+using namespace test;
 
 namespace {
 
@@ -253,3 +254,5 @@ TEST_CASE("values: numbers") {
   CHECK_THROWS_AS(parse_boolean("1", where, "x"), SceneError);
   CHECK_THROWS_AS(parse_boolean("truefalse", where, "x"), SceneError);
 }
+
+}  // namespace sheaf::test_xml

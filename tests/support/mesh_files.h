@@ -3,10 +3,12 @@
 
 #include "core/error.h"
 #include "scene/description/description.h"
+#include "tests/support/contains.h"
 #include "tests/support/temporary_folder.h"
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -27,7 +29,7 @@ class TemporaryFile {
 };
 
 /// The message of the SceneError that `call` throws; empty if it throws none.
-template <class Call> std::string error_of(Call&& call) {
+template <std::invocable Call> std::string error_of(Call&& call) {
   try {
     call();
   } catch (const SceneError& error) {
@@ -35,8 +37,6 @@ template <class Call> std::string error_of(Call&& call) {
   }
   return {};
 }
-
-inline bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
 /// (b - a) x (c - a) of a triangle.
 inline Vec3f area_normal(const Mesh& mesh, std::size_t triangle) {

@@ -1,6 +1,7 @@
 // The command line, run as a user runs it.
 #pragma once
 
+#include "tests/support/contains.h"
 #include "tests/support/temporary_folder.h"
 
 #include <sys/wait.h>
@@ -30,6 +31,6 @@ inline Outcome run(const TemporaryFolder& folder, const std::string& arguments, 
   return outcome;
 }
 
-inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+using test::contains;
 
 }  // namespace sheaf

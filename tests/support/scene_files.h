@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/dialects/read_scene.h"
+#include "tests/support/contains.h"
 #include "tests/support/temporary_folder.h"
 
 #include <filesystem>
@@ -52,8 +53,6 @@ inline std::string mitsuba_scene(const std::string& inside, const std::string& s
                                  const std::string& version = "3.0.0") {
   return "<scene version='" + version + "'>\n" + sensor + "\n" + integrator + "\n" + inside + "\n</scene>\n";
 }
-
-inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 template <class... Fs> struct Overloaded : Fs... { using Fs::operator()...; };
 template <class... Fs> Overloaded(Fs...) -> Overloaded<Fs...>;

@@ -11,7 +11,7 @@
 #include <limits>
 #include <utility>
 
-using namespace sheaf;
+namespace sheaf::test_cli {
 
 namespace {
 
@@ -649,3 +649,5 @@ TEST_CASE("what cannot be denoised, and why") {
   const Outcome oidn = run(folder, "denoise bare.exr -o out.exr --method oidn");
   CHECK((oidn.code == 0 || (oidn.code == 1 && contains(oidn.err, "libOpenImageDenoise.so"))));
 }
+
+}  // namespace sheaf::test_cli

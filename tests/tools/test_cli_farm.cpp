@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-using namespace sheaf;
+namespace sheaf::test_cli_farm {
 
 namespace {
 
@@ -176,3 +176,5 @@ TEST_CASE("farm: what cannot be is a usage error, and nothing is written") {
   error("--parts 0");
   CHECK(contains(error("--parts 2 -o x.tiff"), ".exr or .png"));
 }
+
+}  // namespace sheaf::test_cli_farm

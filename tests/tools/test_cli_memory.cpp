@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <regex>
 
-using namespace sheaf;
+namespace sheaf::test_cli_memory {
 
 namespace {
 
@@ -169,3 +169,5 @@ TEST_CASE("memory: with a limit of addresses, what does not fit is told") {
   }
   CHECK(folder.entry_count() == 5);
 }
+
+}  // namespace sheaf::test_cli_memory

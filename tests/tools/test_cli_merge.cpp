@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-using namespace sheaf;
+namespace sheaf::test_cli_merge {
 
 namespace {
 
@@ -273,3 +273,5 @@ TEST_CASE("parts whose files are damaged or lie are errors") {
     scene.refused("a.exr bad.exr");
   }
 }
+
+}  // namespace sheaf::test_cli_merge

@@ -11,7 +11,8 @@
 #include <regex>
 #include <vector>
 
-using namespace sheaf;
+namespace sheaf::test_cli_outputs {
+
 namespace fs = std::filesystem;
 
 namespace {
@@ -301,3 +302,5 @@ mkdir place; kill -TERM $pid; wait $pid
   CHECK(outcome.code == 143);
   CHECK(fs::exists(place.folder / "place/a.exr"));
 }
+
+}  // namespace sheaf::test_cli_outputs

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <iterator>
 
-namespace sheaf {
+namespace sheaf::test_layer_docs {
 
 TEST_CASE("docs/layers.md lists every layer with its channels and how they are stored") {
   std::ifstream file(SHEAF_SOURCE_DIR "/docs/layers.md");
@@ -23,4 +23,4 @@ TEST_CASE("docs/layers.md lists every layer with its channels and how they are s
   }
 }
 
-}  // namespace sheaf
+}  // namespace sheaf::test_layer_docs

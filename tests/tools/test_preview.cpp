@@ -1,6 +1,7 @@
 // What can be seen of a render while it runs: --serve as browsers and others see it, --tev as the viewer does.
 #include "core/exr.h"
 #include "core/progress.h"
+#include "tests/support/contains.h"
 #include "tests/support/loopback.h"
 #include "tests/support/temporary_folder.h"
 
@@ -17,7 +18,9 @@
 #include <cstring>
 #include <thread>
 
-using namespace sheaf;
+namespace sheaf::test_preview {
+
+using test::contains;
 
 namespace {
 
@@ -36,8 +39,6 @@ constexpr const char* kScene = R"(<scene version="3.0.0">
 </scene>)";
 /// So many that no test waits for them.
 constexpr const char* kEndless = " --spp 16000000";
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 void pause_for(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
@@ -402,3 +403,5 @@ TEST_CASE("a browser shows the render") {
   CHECK(contains(page, "<td>camera_rays</td>"));
   CHECK(render.end(SIGINT) == 130);
 }
+
+}  // namespace sheaf::test_preview

@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-using namespace sheaf;
+namespace sheaf::test_slurm {
 
 namespace {
 
@@ -93,3 +93,5 @@ TEST_SUITE("slow") {
     }
   }
 }
+
+}  // namespace sheaf::test_slurm

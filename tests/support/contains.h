@@ -1,0 +1,10 @@
+// Whether a message says something.
+#pragma once
+
+#include <string_view>
+
+namespace sheaf::test {
+
+inline bool contains(std::string_view text, std::string_view part) { return text.find(part) != text.npos; }
+
+}  // namespace sheaf::test
