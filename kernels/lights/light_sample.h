@@ -64,6 +64,19 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const LightSample<L>& a, L
   into.valid = select(m, a.valid, into.valid);
 }
 
+/// sample_given_light() of lights that aren't all meshes: called, not inlined, as all kinds together are much code.
+template <class L, ColorMode Mode>
+[[gnu::noinline]] LightSample<L> sample_mixed_lights(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
+                                                     const Random4<L>& u, const Spectrum<L>& lambda,
+                                                     TextureQuery<L>& query) {
+  LightSample<L> s{};
+  Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
+    const auto active = light.is(Kind::kKind);
+    if (any(active)) merge<L>(active, sample_kind<L, Mode, Kind>(scene, from, light, active, u, lambda, query), s);
+  });
+  return s;
+}
+
 }  // namespace light_detail
 
 /// Samples a direction towards given lights by u.y, u.z and u.w. Densities don't know how the lights were selected. In
@@ -72,17 +85,10 @@ template <class L, ColorMode Mode = ColorMode::kRgb>
 SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                                const Random4<L>& u, const Spectrum<L>& lambda = {}) {
   using namespace light_detail;
-  LightSample<L> s{};
   TextureQuery<L> query{};
   const auto mesh = light.is(LightKind::kMesh);
-  if (all(mesh)) {
-    s = sample_kind<L, Mode, MeshLight>(scene, from, light, mesh, u, lambda, query);
-  } else {
-    Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
-      const auto active = light.is(Kind::kKind);
-      if (any(active)) merge<L>(active, sample_kind<L, Mode, Kind>(scene, from, light, active, u, lambda, query), s);
-    });
-  }
+  LightSample<L> s = all(mesh) ? sample_kind<L, Mode, MeshLight>(scene, from, light, mesh, u, lambda, query)
+                               : sample_mixed_lights<L, Mode>(scene, from, light, u, lambda, query);
   s.target_medium = select(light.is(LightKind::kVolume), light.medium() + Uint<L>(1u), Uint<L>(kNone));
   const auto textured = s.valid & (light.texture != Uint<L>(kNone));
   if (any(textured))
