@@ -45,6 +45,18 @@ function(sheaf_layer name)
   endif()
 endfunction()
 
+# sheaf_module(<name> SOURCES <pattern>... DEPENDS <target>...): <name>.so in the build folder, for programs there to load
+# while they run. It is not fuzzed: what would count its branches is no part of it.
+function(sheaf_module name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS")
+  sheaf_sources(sources ${arg_SOURCES})
+  add_library(${name} MODULE ${sources})
+  set_target_properties(${name} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden)
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Fuzz>:-fno-sanitize=all>)
+  target_link_options(${name} PRIVATE $<$<CONFIG:Fuzz>:-fno-sanitize=all>)
+  target_link_libraries(${name} PRIVATE ${arg_DEPENDS} sheaf_flags)
+endfunction()
+
 # sheaf_program(<name> SOURCES <pattern>... DEPENDS <target>...): the program <name>, in the build folder itself.
 # Nothing is added if no file matches. The property SHEAF_PROGRAMS lists what was added.
 function(sheaf_program name)

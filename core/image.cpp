@@ -1,4 +1,4 @@
-// Reading pictures and writing PNG. The only file that includes OpenImageIO.
+// Reading pictures and writing PNG, by the library behind core/picture_library.h.
 #include "core/image.h"
 
 #include "core/color.h"
@@ -6,10 +6,8 @@
 #include "core/exr.h"
 #include "core/memory.h"
 #include "core/output_file.h"
+#include "core/picture_library.h"
 #include "core/png.h"
-
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <array>
@@ -17,24 +15,12 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
-#include <mutex>
 
 namespace sheaf {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-void quiet_library() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    OIIO::attribute("threads", 1);
-    OIIO::attribute("exr_threads", -1);
-    // Else what no reader of its name's format understands goes to all of them, those of films and of medicine
-    // included.
-    OIIO::attribute("try_all_readers", 0);
-  });
-}
 
 std::uint8_t quantize(float value) {
   if (!(value > 0)) return 0;
@@ -119,41 +105,33 @@ std::string format_by_content(const fs::path& path) {
 
 /// Opens a picture that is not OpenEXR, and checks its header. The format is that of the name's extension; of files
 /// that are none of it the common ones are known by how they begin. `keeps_bytes`: 8-bit data is read as it is.
-std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& path, bool keeps_bytes) {
+std::unique_ptr<PictureReader> open_picture(const fs::path& path, bool keeps_bytes) {
   const SourceLocation where{path.string(), 0};
-  quiet_library();
   check_pnm_memory(path);
-  OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string(), &config);
-  if (!input) {
-    const std::string problem = OIIO::geterror(), format = format_by_content(path);
-    if (!format.empty()) input = OIIO::ImageInput::create(format);
-    OIIO::ImageSpec found;
-    if (!input || !input->open(path.string(), found, config))
-      throw SceneError(where, "cannot read the image: " + problem);
-  }
-  const OIIO::ImageSpec& spec = input->spec();
-  check_image_size(path, spec.width, spec.height, static_cast<std::size_t>(std::max(spec.nchannels, 0)),
+  std::string problem;
+  std::unique_ptr<PictureReader> reader = picture_library().open(path.string(), format_by_content(path), problem);
+  if (!reader) throw SceneError(where, "cannot read the image: " + problem);
+  const PictureHeader& header = reader->header();
+  check_image_size(path, header.width, header.height, static_cast<std::size_t>(std::max(header.channel_count, 0)),
                    fs::file_size(path));
-  check_image_memory(path, spec.width, spec.height, static_cast<std::size_t>(spec.nchannels),
-                     keeps_bytes && spec.format == OIIO::TypeDesc::UINT8 ? 1 : sizeof(float));
+  check_image_memory(path, header.width, header.height, static_cast<std::size_t>(header.channel_count),
+                     keeps_bytes && header.holds_bytes ? 1 : sizeof(float));
   // The library takes memory for a whole strip, also where that is higher than the image.
   constexpr std::uint64_t kMostOfStrip = std::uint64_t{1} << 30;
-  const auto rows = static_cast<std::uint64_t>(std::max(spec.get_int_attribute("tiff:RowsPerStrip"), 0));
-  if (rows > static_cast<std::uint64_t>(spec.height) && rows * spec.scanline_bytes() > kMostOfStrip)
+  const auto rows = static_cast<std::uint64_t>(std::max<std::int64_t>(header.strip_rows, 0));
+  if (rows > static_cast<std::uint64_t>(header.height) && rows * header.row_bytes > kMostOfStrip)
     throw SceneError(where, "the image has strips of " + std::to_string(rows) + " rows, more than the image itself");
-  if (spec.depth > 1 || spec.deep) throw SceneError(where, "volume and deep images are not supported");
-  if (spec.channelnames.size() != static_cast<std::size_t>(spec.nchannels)) {
+  if (header.depth > 1 || header.deep) throw SceneError(where, "volume and deep images are not supported");
+  if (header.channels.size() != static_cast<std::size_t>(header.channel_count)) {
     throw SceneError(where, "the image's channels have no names");
   }
-  return input;
+  return reader;
 }
 
 /// Reads all pixels. JPEG files that end early are read without complaint but for a remark; their lower part is grey.
-void read_pixels(OIIO::ImageInput& input, OIIO::TypeDesc type, void* out, const fs::path& path) {
-  const bool complete = input.read_image(0, 0, 0, input.spec().nchannels, type, out);
-  const std::string remark = input.geterror();
+template <class Value> void read_pixels(PictureReader& reader, Value* out, const fs::path& path) {
+  std::string remark;
+  const bool complete = reader.read(out, remark);
   if (complete && remark.find("remature end") == std::string::npos) return;
   throw SceneError({path.string(), 0},
                    "cannot read the image: " + (remark.empty() ? "the file is damaged or ends too early" : remark));
@@ -200,27 +178,19 @@ void check_image_memory(const fs::path& file, long long width, long long height,
 }
 
 std::vector<unsigned char> encode_png(const Image& image, int level) {
-  quiet_library();
   const auto fail = [](const std::string& why) {
     return Error(ExitCode::kRuntime, "cannot encode a PNG file: " + why);
   };
   if (image.pixel_count() == 0 || image.channels.empty()) throw fail("the image is empty");
   const PngChannels chosen = choose_channels(image);
   const std::vector<std::uint8_t> bytes = encode(image, chosen);
-  const int count = static_cast<int>(chosen.color.size()) + (chosen.alpha >= 0 ? 1 : 0);
-  OIIO::ImageSpec spec(image.width, image.height, count, OIIO::TypeDesc::UINT8);
-  spec.alpha_channel = chosen.alpha >= 0 ? count - 1 : -1;
-  spec.attribute("oiio:UnassociatedAlpha", 1);
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  spec.attribute("png:compressionLevel", level);
-  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
-  if (!output) throw fail(OIIO::geterror());
-  OIIO::Filesystem::IOVecOutput encoded;  // the library does not look whether a file is closed without errors
-  if (!output->set_ioproxy(&encoded)) throw fail("this build of OpenImageIO cannot write PNG files to memory");
-  if (!output->open("picture.png", spec)) throw fail(output->geterror());
-  const bool written = output->write_image(OIIO::TypeDesc::UINT8, bytes.data());
-  if (!output->close() || !written) throw fail(output->geterror());
-  return encoded.buffer();
+  const bool has_alpha = chosen.alpha >= 0;
+  const int count = static_cast<int>(chosen.color.size()) + (has_alpha ? 1 : 0);
+  std::string problem;
+  std::vector<unsigned char> png =
+      picture_library().encode_png({image.width, image.height, count, has_alpha, bytes.data()}, level, problem);
+  if (png.empty()) throw fail(problem);
+  return png;
 }
 
 void write_png(const fs::path& path, const Image& image) {
@@ -239,10 +209,10 @@ void write_png(const fs::path& path, const Image& image) {
 Image read_image(const fs::path& path) {
   check_file(path);
   if (is_exr(path)) return read_exr(path);
-  const std::unique_ptr<OIIO::ImageInput> input = open_picture(path, false);
-  const OIIO::ImageSpec& spec = input->spec();
-  Image image(spec.width, spec.height, spec.channelnames);
-  read_pixels(*input, OIIO::TypeDesc::FLOAT, image.data.data(), path);
+  const std::unique_ptr<PictureReader> reader = open_picture(path, false);
+  const PictureHeader& header = reader->header();
+  Image image(header.width, header.height, header.channels);
+  read_pixels(*reader, image.data.data(), path);
   return image;
 }
 
@@ -257,20 +227,20 @@ Picture read_picture(const fs::path& path) {
     picture.floats = std::move(image.data);
     return picture;
   }
-  const std::unique_ptr<OIIO::ImageInput> input = open_picture(path, true);
-  const OIIO::ImageSpec& spec = input->spec();
-  picture.width = spec.width;
-  picture.height = spec.height;
-  picture.channels = spec.channelnames;
-  picture.integers = !spec.format.is_floating_point();
+  const std::unique_ptr<PictureReader> reader = open_picture(path, true);
+  const PictureHeader& header = reader->header();
+  picture.width = header.width;
+  picture.height = header.height;
+  picture.channels = header.channels;
+  picture.integers = header.holds_integers;
   const std::size_t values =
-      static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) * spec.channelnames.size();
-  if (spec.format == OIIO::TypeDesc::UINT8) {
+      static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height) * header.channels.size();
+  if (header.holds_bytes) {
     picture.bytes.resize(values);
-    read_pixels(*input, OIIO::TypeDesc::UINT8, picture.bytes.data(), path);
+    read_pixels(*reader, picture.bytes.data(), path);
   } else {
     picture.floats.resize(values);
-    read_pixels(*input, OIIO::TypeDesc::FLOAT, picture.floats.data(), path);
+    read_pixels(*reader, picture.floats.data(), path);
   }
   return picture;
 }

@@ -1,5 +1,6 @@
 #include "tools/live_page.h"
 
+#include "core/picture_library.h"
 #include "core/png.h"
 #include "core/progress.h"
 #include "tools/preview_page.h"
@@ -32,7 +33,9 @@ std::shared_ptr<const std::string> shared_text(std::string text) {
 LivePage::LivePage(const Endpoint& endpoint, std::string scene)
     : scene_(std::move(scene)),
       run_(std::to_string(std::time(nullptr)) + "-" + std::to_string(getpid())),
-      server_(endpoint, [this](std::string_view path) { return answer(path); }) {}
+      server_(endpoint, [this](std::string_view path) { return answer(path); }) {
+  picture_library();  // else loading it would count as the time that the first picture takes
+}
 
 void LivePage::begin_render() {
   const std::lock_guard lock(mutex_);

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/output_file.h"
+#include "core/picture_library.h"
 #include "kernels/denoise/denoise.h"
 #include "tools/commands.h"
 
@@ -47,7 +48,10 @@ void check_overwriting(std::span<const NamedFile> written, std::span<const Named
 }
 
 void check_all_writable(std::span<const NamedFile> written) {
-  for (const NamedFile& output : written) check_writable(output.file);
+  for (const NamedFile& output : written) {
+    check_writable(output.file);
+    if (extension_of(output.file) == ".png") picture_library();
+  }
 }
 
 bool try_to_write(const std::function<void()>& write) {

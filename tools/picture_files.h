@@ -30,7 +30,8 @@ std::vector<NamedFile> named_pictures(const std::vector<std::string>& files);
 /// Throws Error (exit code 2) if two of the files to write are one, or one of them is among `sources`.
 void check_overwriting(std::span<const NamedFile> written, std::span<const NamedFile> sources);
 
-/// Throws Error (exit code 4) unless all of them can be written; see check_writable().
+/// Throws Error unless all of them can be written: exit code 4, see check_writable(), or 1 for a .png where there is no
+/// library for it.
 void check_all_writable(std::span<const NamedFile> written);
 
 /// Calls write(), and says what went wrong if it throws. Returns whether it did not: what else there is to be saved is

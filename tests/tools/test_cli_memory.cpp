@@ -151,9 +151,9 @@ TEST_CASE("memory: with a limit of addresses, what does not fit is told") {
   write_bytes(folder / "small.xml", scene(24, 16));
   // Libraries take addresses that depend on the system: the least limit under which a small scene is rendered.
   const auto limited = [](int megabytes) { return "ulimit -v " + std::to_string(megabytes * 1024) + "; "; };
-  int megabytes = 400;
+  int megabytes = 60;
   while (megabytes < 8000 && run(folder, "render small.xml --quiet -o out.exr", limited(megabytes)).code != 0)
-    megabytes += 100;
+    megabytes += 20;
   if (megabytes >= 8000) {
     MESSAGE("left out: nothing is rendered under a limit of addresses");
     return;

@@ -45,7 +45,7 @@ const std::vector<Wrapped> kWrapped = {
     {"xsimd", {"xsimd/"}, "core/simd"},
     {"Embree", {"embree3/", "embree4/"}, "scene/tables/accel"},
     {"OpenEXR and Imath", {"OpenEXR/", "Imf", "Imath"}, ""},
-    {"OpenImageIO", {"OpenImageIO/"}, ""},
+    {"OpenImageIO", {"OpenImageIO/"}, "core/pictures/openimageio"},
     {"tinyobjloader", {"tiny_obj_loader.h"}, ""},
     {"pugixml", {"pugixml.hpp"}, ""},
     {"NanoVDB", {"nanovdb/"}, "scene/formats/nanovdb"},

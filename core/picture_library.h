@@ -1,0 +1,62 @@
+// What core/image.cpp asks of OpenImageIO, which is loaded when the first picture is read or written: with the 250
+// libraries that it brings it takes 0.2 s and 130 MB to start, which renders without pictures need not wait for.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace sheaf {
+
+/// What a picture's file says of it.
+struct PictureHeader {
+  int width = 0, height = 0, depth = 0;  ///< pixels
+  int channel_count = 0;
+  std::vector<std::string> channels;  ///< names
+  bool deep = false;                  ///< any number of samples in a pixel
+  bool holds_bytes = false;           ///< 8 bits without sign for each value
+  bool holds_integers = false;
+  std::int64_t strip_rows = 0;  ///< of TIFF files: rows that are packed together; 0 if nothing is said
+  std::uint64_t row_bytes = 0;  ///< of the file's values, unpacked
+};
+
+/// An open picture.
+class PictureReader {
+ public:
+  virtual ~PictureReader() = default;
+  virtual const PictureHeader& header() const = 0;
+  /// Reads all values, interleaved, row by row from the top: as bytes, or as floats, integers in [0, 1]. Returns what
+  /// the library has to say, and whether it has read everything.
+  virtual bool read(std::uint8_t* out, std::string& remark) = 0;
+  virtual bool read(float* out, std::string& remark) = 0;
+};
+
+/// Pixels for a PNG file.
+struct PngPixels {
+  int width, height, channels;
+  bool has_alpha;             ///< the last channel is alpha; colours are not multiplied by it
+  const std::uint8_t* bytes;  ///< interleaved, row by row from the top, sRGB
+};
+
+/// The library, behind functions that need nothing of its headers.
+class PictureLibrary {
+ public:
+  virtual ~PictureLibrary() = default;
+  /// Opens a picture in the format of its name's extension or, if it is not of that, in `format`, unless that is empty.
+  /// Nothing if it cannot, and `problem` says why.
+  virtual std::unique_ptr<PictureReader> open(const std::string& path, const std::string& format,
+                                              std::string& problem) const = 0;
+  /// A PNG file's bytes, packed at `level` (0 to 9); none if that fails, and `problem` says why.
+  virtual std::vector<unsigned char> encode_png(const PngPixels& pixels, int level, std::string& problem) const = 0;
+};
+
+/// The library, from the file sheaf_pictures.so beside the program or, where that is installed, in ../lib/sheaf. Loaded
+/// at the first call and kept. Throws Error (exit code 1) if there is none.
+const PictureLibrary& picture_library();
+
+/// What sheaf_pictures.so has: the library.
+using PictureLibraryFunction = const PictureLibrary*();
+inline constexpr char kPictureLibraryFunction[] = "sheaf_picture_library";
+
+}  // namespace sheaf

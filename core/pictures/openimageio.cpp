@@ -1,0 +1,96 @@
+// Reading pictures and encoding PNG: the only file that includes OpenImageIO, and all of sheaf_pictures.so.
+#include "core/picture_library.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+class Reader final : public PictureReader {
+ public:
+  explicit Reader(std::unique_ptr<OIIO::ImageInput> input) : input_(std::move(input)) {
+    const OIIO::ImageSpec& spec = input_->spec();
+    header_ = {spec.width,
+               spec.height,
+               spec.depth,
+               spec.nchannels,
+               spec.channelnames,
+               spec.deep,
+               spec.format == OIIO::TypeDesc::UINT8,
+               !spec.format.is_floating_point(),
+               spec.get_int_attribute("tiff:RowsPerStrip"),
+               spec.scanline_bytes()};
+  }
+
+  const PictureHeader& header() const override { return header_; }
+  bool read(std::uint8_t* out, std::string& remark) override { return read(OIIO::TypeDesc::UINT8, out, remark); }
+  bool read(float* out, std::string& remark) override { return read(OIIO::TypeDesc::FLOAT, out, remark); }
+
+ private:
+  bool read(OIIO::TypeDesc type, void* out, std::string& remark) {
+    const bool complete = input_->read_image(0, 0, 0, input_->spec().nchannels, type, out);
+    remark = input_->geterror();
+    return complete;
+  }
+
+  std::unique_ptr<OIIO::ImageInput> input_;
+  PictureHeader header_;
+};
+
+class Library final : public PictureLibrary {
+ public:
+  Library() {
+    OIIO::attribute("threads", 1);
+    OIIO::attribute("exr_threads", -1);
+    // Else what no reader of its name's format understands goes to all of them, those of films and of medicine
+    // included.
+    OIIO::attribute("try_all_readers", 0);
+  }
+
+  std::unique_ptr<PictureReader> open(const std::string& path, const std::string& format,
+                                      std::string& problem) const override {
+    OIIO::ImageSpec config;
+    config.attribute("oiio:UnassociatedAlpha", 1);
+    std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path, &config);
+    if (!input) {
+      problem = OIIO::geterror();
+      if (!format.empty()) input = OIIO::ImageInput::create(format);
+      OIIO::ImageSpec found;
+      if (!input || !input->open(path, found, config)) return nullptr;
+    }
+    return std::make_unique<Reader>(std::move(input));
+  }
+
+  std::vector<unsigned char> encode_png(const PngPixels& pixels, int level, std::string& problem) const override {
+    OIIO::ImageSpec spec(pixels.width, pixels.height, pixels.channels, OIIO::TypeDesc::UINT8);
+    spec.alpha_channel = pixels.has_alpha ? pixels.channels - 1 : -1;
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    spec.attribute("png:compressionLevel", level);
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
+    const auto fail = [&](const std::string& why) {
+      problem = why;
+      return std::vector<unsigned char>();
+    };
+    if (!output) return fail(OIIO::geterror());
+    OIIO::Filesystem::IOVecOutput encoded;  // the library does not look whether a file is closed without errors
+    if (!output->set_ioproxy(&encoded)) return fail("this build of OpenImageIO cannot write PNG files to memory");
+    if (!output->open("picture.png", spec)) return fail(output->geterror());
+    const bool written = output->write_image(OIIO::TypeDesc::UINT8, pixels.bytes);
+    if (!output->close() || !written) return fail(output->geterror());
+    return encoded.buffer();
+  }
+};
+
+}  // namespace
+
+extern "C" [[gnu::visibility("default")]] const PictureLibrary* sheaf_picture_library() {
+  static const Library library;
+  return &library;
+}
+
+}  // namespace sheaf
