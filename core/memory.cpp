@@ -87,16 +87,16 @@ double pages_in_statm(int index) {
   return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-double free_in_address_space() {
+}  // namespace
+
+double available_addresses() {
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kNoLimit;
   return static_cast<double>(limit.rlim_cur) - pages_in_statm(0);
 }
 
-}  // namespace
-
 double available_memory() {
-  return std::max(0.0, std::min({free_in_system(), free_in_groups(), free_in_address_space()}));
+  return std::max(0.0, std::min({free_in_system(), free_in_groups(), available_addresses()}));
 }
 
 double resident_memory() { return pages_in_statm(1); }

@@ -20,6 +20,9 @@ struct MemoryUse {
 /// its control groups leave, and of what its own limit of address space does. Infinite where the system tells nothing.
 double available_memory();
 
+/// Bytes that this process may still map under its own limit of address space (`ulimit -v`); infinite if it has none.
+double available_addresses();
+
 /// Bytes that the process has in memory now; 0 where the system does not tell.
 double resident_memory();
 

@@ -1,6 +1,7 @@
 #include "scene/tables/accel.h"
 
 #include "core/error.h"
+#include "core/memory.h"
 #include "scene/tables/build_quality.h"
 #include "scene/tables/instance.h"
 #include "scene/tables/quadric.h"
@@ -240,7 +241,16 @@ RTCScene make_scene(RTCDevice device, bool watertight) {
   return scene;
 }
 
+/// Embree, whose threads wait for each other for ever where there are too few addresses for their stacks and heaps.
+void check_addresses() {
+  constexpr double kEmbreeAddresses = 160e6;
+  if (available_addresses() >= kEmbreeAddresses) return;
+  const MemoryUse embree{"addresses of Embree and its threads", kEmbreeAddresses, "Raise the limit, see `ulimit -v`"};
+  throw not_enough_memory("building the acceleration structure", {&embree, 1});
+}
+
 void EmbreeScene::start(bool watertight) {
+  check_addresses();
   device = rtcNewDevice(nullptr);
   if (!device) throw Error(ExitCode::kRuntime, "Embree cannot be started on this machine");
   rtcSetDeviceMemoryMonitorFunction(device, count_memory, &bytes);

@@ -25,7 +25,7 @@ class Copied {
     std::filesystem::copy_file(SHEAF_EXECUTABLE, folder / name);
   }
   Outcome run(const std::string& arguments) const {
-    return sheaf::run(folder_, "--version >version.txt", "'./" + name_ + "' " + arguments + " && ");
+    return sheaf::run(folder_, "", "copied() { './" + name_ + "' " + arguments + "; }; copied ");
   }
 
  private:
