@@ -241,7 +241,8 @@ RTCScene make_scene(RTCDevice device, bool watertight) {
   return scene;
 }
 
-/// Embree, whose threads wait for each other for ever where there are too few addresses for their stacks and heaps.
+/// Throws Error (exit code 1) where a limit of address space leaves too little for the stacks and heaps of Embree's
+/// threads, which else wait for each other for ever.
 void check_addresses() {
   constexpr double kEmbreeAddresses = 160e6;
   if (available_addresses() >= kEmbreeAddresses) return;
