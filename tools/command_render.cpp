@@ -302,7 +302,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   if (!arguments.filter_mode.empty())
     description.film.filter_mode =
         arguments.filter_mode == "importance" ? FilterMode::kImportance : FilterMode::kWeighted;
-  else if (!arguments.denoiser.empty())
+  else if (arguments.denoiser == "oidn")
     description.film.filter_mode = FilterMode::kImportance;
   const PixelRect crop = choose_crop(arguments, description.film);
   const ColorMode color = arguments.color == "spectral" ? ColorMode::kSpectral : ColorMode::kRgb;

@@ -22,8 +22,8 @@ void add_picture_options(Command& command, RenderArguments& arguments) {
       .add_option(
           "--denoise", arguments.denoiser,
           "Take the noise out of the finished picture, into the layers denoised.R/G/B of .exr and into .png: nlm "
-          "(non-local means) or oidn (Open Image Denoise, if it is installed). Makes --filter-mode importance "
-          "the default, and with nlm --replicates 4, 2 below 16 samples per pixel")
+          "(non-local means) or oidn (Open Image Denoise, if it is installed). nlm makes --replicates 4 the default, 2 "
+          "below 16 samples per pixel; oidn --filter-mode importance, as it takes what neighbours share for detail")
       .one_of({"nlm", "oidn"});
   command.add_flag("--watertight", arguments.watertight,
                    "Let no ray slip between triangles that share an edge; slower by up to a third in small scenes");

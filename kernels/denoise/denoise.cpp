@@ -5,7 +5,7 @@
 #include "kernels/denoise/fireflies.h"
 #include "kernels/denoise/oidn.h"
 #include "kernels/denoise/select_filters.h"
-#include "kernels/denoise/smooth.h"
+#include "kernels/denoise/smooth_variance.h"
 
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -18,10 +18,6 @@ namespace sheaf {
 
 namespace {
 
-/// Half the side of the squares over which variances are smoothed: those of few replicates are as noisy as the picture.
-constexpr int kVarianceRadius = 1;
-/// Share of its own variance, before smoothing, that a pixel has at least.
-constexpr float kOwnVariance = 0.3f;
 /// Differences that never matter, in units of the picture's mean.
 constexpr float kLeastDifference = 1e-3f;
 
@@ -83,16 +79,14 @@ Planes3 denoise_nl_means(const Image& image, std::string& description) {
     remove_fireflies(color, variance, nullptr);
     input.half[0] = color;
   }
-  const Planes3 own_variance = variance;
-  for (std::size_t c = 0; c < 3; ++c) variance[c] = box_mean(variance[c], kVarianceRadius);
-  input.variance = variance;
-  combine(input.variance, own_variance, [](float v, float own) { return std::max(v, kOwnVariance * own); });
+  input.variance = smooth_variance(variance, dual ? input.half : nullptr);
   if (dual) combine(input.variance, input.variance, [](float v, float) { return 2 * v; });
+  for (Plane& plane : input.variance) plane.extend();
   for (Planes3& half : input.half)
     if (!half[0].is_empty())
       for (Plane& plane : half) plane.extend();
-  for (Plane& plane : input.variance) plane.extend();
-  input.features = find_features(image);
+  if (dual) input.correlation = NoiseCorrelation(input.half[0], input.half[1], input.variance);
+  input.features = find_features(image, input.correlation);
   input.epsilon = sqr(kLeastDifference * static_cast<float>(mean_of(color))) + 1e-20f;
   description = std::string("nlm: ") + (dual ? "two halves" : "one buffer") + describe_features(image);
   return select_filters(nl_means(input, NlMeansSettings{}), color, variance);

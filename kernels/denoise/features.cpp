@@ -47,11 +47,12 @@ std::vector<Plane> find_variances(const Image& image, std::vector<std::string> n
 }
 
 /// Denoises a feature of three channels. What is left of its variance is taken to be none.
-void prefilter(std::vector<Plane>& channels, std::vector<Plane> variances) {
+void prefilter(std::vector<Plane>& channels, std::vector<Plane> variances, const NoiseCorrelation& correlation) {
   NlMeansInput input;
   input.width = channels[0].width();
   input.height = channels[0].height();
   input.epsilon = 1e-6f;
+  input.correlation = correlation;
   for (std::size_t c = 0; c < 3; ++c) {
     input.half[0][c] = std::move(channels[c]);
     input.variance[c] = std::move(variances[c]);
@@ -128,13 +129,13 @@ std::vector<Plane> find_planes(const Image& image, const std::vector<std::string
   return planes;
 }
 
-std::vector<Feature> find_features(const Image& image) {
+std::vector<Feature> find_features(const Image& image, const NoiseCorrelation& correlation) {
   std::vector<Feature> features;
   for (const auto& names : {std::vector<std::string>{"albedo.R", "albedo.G", "albedo.B"}, {"N.X", "N.Y", "N.Z"}}) {
     std::vector<Plane> channels = find_planes(image, names);
     if (channels.empty()) continue;
     if (std::vector<Plane> variances = find_variances(image, names); !variances.empty())
-      prefilter(channels, std::move(variances));
+      prefilter(channels, std::move(variances), correlation);
     features.push_back(make_feature(std::move(channels)));
   }
   if (const std::vector<Plane> depth = find_planes(image, {"Z"}); !depth.empty())

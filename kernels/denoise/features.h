@@ -8,8 +8,8 @@ namespace sheaf {
 
 /// The features that a picture has: albedo.R/G/B, N.X/Y/Z and Z, of which any may be missing. Those with a variance
 /// (variance.albedo.R and so on) are denoised first, each by non-local means of its own (Rousselle et al. 2013,
-/// section 5.1).
-std::vector<Feature> find_features(const Image& image);
+/// section 5.1). `correlation` is that of the noise.
+std::vector<Feature> find_features(const Image& image, const NoiseCorrelation& correlation);
 
 /// The channels of a picture of these names as planes, extended; values that are not finite are 0. Empty if one is
 /// missing.

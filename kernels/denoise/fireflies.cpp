@@ -1,6 +1,6 @@
 #include "kernels/denoise/fireflies.h"
 
-#include "core/color.h"
+#include "kernels/denoise/smooth.h"
 
 #include <tbb/parallel_for.h>
 
@@ -16,14 +16,6 @@ constexpr float kExcess = 4.0f;
 constexpr float kConfirmed = 0.4f;
 /// Variances of the mean that the square of a believed excess exceeds: three standard deviations.
 constexpr float kCertain = 9.0f;
-
-Plane luminance_of(const Planes3& color) {
-  Plane plane(color[0].width(), color[0].height());
-  for (int y = 0; y < plane.height(); ++y)
-    for (int x = 0; x < plane.width(); ++x)
-      plane.at(x, y) = luminance({color[0].at(x, y), color[1].at(x, y), color[2].at(x, y)});
-  return plane;
-}
 
 /// A pixel's neighbours, by luminance.
 struct Neighbours {

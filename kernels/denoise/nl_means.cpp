@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace sheaf {
 
@@ -17,8 +18,21 @@ constexpr int kPatch = 3;
 constexpr int kRing = 8;
 /// Floats of a row of sums: in front of the first pixel as many as a cache line holds, and room for whole registers.
 constexpr int kRowStart = 16, kRowSize = kRowStart + kTileWidth + 48;
-/// Numbers that are summed per filter and half: the weighted colour and the weights.
-constexpr int kSums = 4;
+/// Offsets along a row that are added up at once, so that sums are loaded and stored once for all of them.
+constexpr int kGroup = 4;
+/// Numbers that are summed per filter and half for a mean: the weighted colour, and the weights; and for a plane,
+/// fitted to the weighted pixels, besides: the weights' moments x, y, xx, xy, yy, and those x, y of each colour.
+constexpr int kMeanSums = 4, kPlaneSums = 15;
+/// The same of weights times the noise that a pixel shares with the one at the offset: the sum, and its moments x, y.
+constexpr int kMeanShared = 1, kPlaneShared = 3;
+/// How much weight times squared distance speaks for no slope, so that few pixels don't tilt a plane.
+constexpr float kLevel = 3.0f;
+
+/// Factor on distances by patches where features decide.
+constexpr float kGently = 0.1f;
+
+/// Whether a filter fits planes. Where it is by colours or features alone that made no picture better.
+constexpr bool fits_plane(int filter) { return filter == kSmallPatch || filter == kLargePatch; }
 
 /// exp(-x) for 0 <= x, but exactly 0 from 16 on: (1 - x / 16)^16.
 template <class F> SHEAF_INLINE F falloff(F x) {
@@ -38,50 +52,74 @@ template <class L, int kHalves> class TileFilter {
         settings_(settings),
         tile_(tile),
         with_features_(!input.features.empty()),
-        sums_(static_cast<std::size_t>(kTileHeight) * kAllSums * kTileWidth) {}
+        sums_(static_cast<std::size_t>(kTileHeight) * kAllSums * kTileWidth),
+        shared_(static_cast<std::size_t>(kTileHeight) * kAllShared * kTileWidth) {}
 
   void run(std::vector<FilteredPlanes>& out) {
     const int r = settings_.radius;
     for (int dy = -r; dy <= r; ++dy) {
       if (tile_.y1 + dy <= 0 || tile_.y0 + dy >= in_.height) continue;
-      for (int dx = -r; dx <= r; ++dx)
-        if (dx * dx + dy * dy <= r * (r + 1)) add_offset(dx, dy);
+      int reach = r;
+      while (reach * reach + dy * dy > r * (r + 1)) --reach;
+      for (int dx = -reach; dx <= reach; dx += kGroup) add_offsets(dx, dy, std::min(kGroup, reach - dx + 1));
     }
     for (int y = tile_.y0; y < tile_.y1; ++y) write_row(y, out);
   }
 
  private:
-  static constexpr int kPatchSums = kSums * kHalves, kFeatureSums = kPatchSums * kFeatureOnly,
-                       kAllSums = kFeatureSums + kSums;
-
   struct SumRow {
     alignas(kSimdAlignment) float values[kRowSize];
     float* at(int x) { return values + kRowStart + x; }
     const float* at(int x) const { return values + kRowStart + x; }
   };
 
+  /// What one offset keeps of the rows that it is at.
+  struct Offset {
+    SumRow small[kHalves][kRing], large[kHalves][kRing];  ///< rows of distances summed over 3 and 7 pixels
+    SumRow small_distance[kHalves], large_distance[kHalves], gentle;
+    SumRow feature, outside;  ///< distance by features; 0, or beyond all bounds where the other pixel is none
+  };
+
+  /// Halves that a filter keeps apart.
+  static constexpr int halves_of(int filter) { return filter == kMostlyFeatures ? 1 : kHalves; }
+  /// Where in a row the sums of a filter begin, or those of what is shared.
+  static constexpr int first_sum(int filter, int half, int mean_sums, int plane_sums) {
+    int first = 0;
+    for (int f = 0; f < filter; ++f) first += halves_of(f) * (fits_plane(f) ? plane_sums : mean_sums);
+    return first + half * (fits_plane(filter) ? plane_sums : mean_sums);
+  }
+  static constexpr int kAllSums = first_sum(kMostFilters, 0, kMeanSums, kPlaneSums),
+                       kAllShared = first_sum(kMostFilters, 0, kMeanShared, kPlaneShared);
+
   int width() const { return tile_.width(); }
-  float* sums(int y, int k) {
-    return sums_.data() +
-           (static_cast<std::size_t>(y - tile_.y0) * kAllSums + static_cast<std::size_t>(k)) * kTileWidth;
+  float* sums(int y, int filter, int half) {
+    const int row = (y - tile_.y0) * kAllSums + first_sum(filter, half, kMeanSums, kPlaneSums);
+    return sums_.data() + static_cast<std::ptrdiff_t>(row) * kTileWidth;
+  }
+  float* shared(int y, int filter, int half) {
+    const int row = (y - tile_.y0) * kAllShared + first_sum(filter, half, kMeanShared, kPlaneShared);
+    return shared_.data() + static_cast<std::ptrdiff_t>(row) * kTileWidth;
   }
 
-  void add_offset(int dx, int dy) {
-    for (int x = 0; x < kTileWidth; ++x) {
-      const int other = tile_.x0 + x + dx;
-      *outside_.at(x) = other >= 0 && other < in_.width ? 0.0f : 1e30f;
-    }
+  /// The offsets (dx, dy) ... (dx + count - 1, dy).
+  void add_offsets(int dx, int dy, int count) {
+    for (int i = 0; i < count; ++i)
+      for (int x = 0; x < kTileWidth; ++x) {
+        const int other = tile_.x0 + x + dx + i;
+        *offsets_[i].outside.at(x) = other >= 0 && other < in_.width ? 0.0f : 1e30f;
+      }
     for (int y = tile_.y0 - kPatch; y < tile_.y1 + kPatch; ++y) {
-      add_distance_row(y, dx, dy);
+      for (int i = 0; i < count; ++i) add_distance_row(offsets_[i], y, dx + i, dy);
       const int done = y - kPatch;
-      if (done >= tile_.y0 && done + dy >= 0 && done + dy < in_.height) add_row(done, dx, dy);
+      if (done >= tile_.y0 && done + dy >= 0 && done + dy < in_.height) add_row(done, dx, dy, count);
     }
   }
 
   /// The distances of a row of pixels, summed over 3 and 7 pixels of the row.
-  void add_distance_row(int y, int dx, int dy) {
+  void add_distance_row(Offset& offset, int y, int dx, int dy) {
     const std::ptrdiff_t start = tile_.x0 - kPatch;
     const float k2 = sqr(settings_.color_k);
+    const F apart(1.0f - in_.correlation(dx, dy));
     SumRow raw[kHalves];
     const float *p[kHalves][3], *q[kHalves][3], *vp[3], *vq[3];
     for (int c = 0; c < 3; ++c) {
@@ -98,7 +136,7 @@ template <class L, int kHalves> class TileFilter {
       for (int h = 0; h < kHalves; ++h) distance[h] = F(0.0f);
       for (int c = 0; c < 3; ++c) {
         const F a = load_at<L>(vp[c] + x), b = load_at<L>(vq[c] + x);
-        const F noise = a + min(a, b);
+        const F noise = (a + min(a, b)) * apart;
         const F unit = F(1.0f) / fma(F(k2), a + b, F(in_.epsilon));
         for (int h = 0; h < kHalves; ++h) {
           const F d = load_at<L>(p[h][c] + x) - load_at<L>(q[h][c] + x);
@@ -107,7 +145,8 @@ template <class L, int kHalves> class TileFilter {
       }
       for (int h = 0; h < kHalves; ++h) store_at(raw[h].at(x - kPatch), distance[h]);
     }
-    for (int h = 0; h < kHalves; ++h) sum_row(raw[h], small_[h][y & (kRing - 1)], large_[h][y & (kRing - 1)]);
+    for (int h = 0; h < kHalves; ++h)
+      sum_row(raw[h], offset.small[h][y & (kRing - 1)], offset.large[h][y & (kRing - 1)]);
   }
 
   void sum_row(const SumRow& raw, SumRow& small, SumRow& large) {
@@ -117,28 +156,31 @@ template <class L, int kHalves> class TileFilter {
       store_at(large.at(x), load_at<L>(small.at(x - 2)) + load_at<L>(raw.at(x)) + load_at<L>(small.at(x + 2)));
   }
 
-  /// The mean distance of the patches around a pixel.
-  template <int kRadius> SHEAF_INLINE F patch_distance(const SumRow (&rows)[kRing], int x, int y) const {
-    F sum = load_at<L>(rows[(y - kRadius) & (kRing - 1)].at(x));
-    for (int i = 1 - kRadius; i <= kRadius; ++i) sum += load_at<L>(rows[(y + i) & (kRing - 1)].at(x));
+  /// The mean distances of the patches around the pixels of a row.
+  template <int kRadius> void patch_distances(const SumRow (&rows)[kRing], int y, SumRow& out) const {
     constexpr int kSide = 2 * kRadius + 1;
-    return sum * F(1.0f / (3 * kSide * kSide));
+    for (int x = 0; x < width(); x += L::width) {
+      F sum = load_at<L>(rows[(y - kRadius) & (kRing - 1)].at(x));
+      for (int i = 1 - kRadius; i <= kRadius; ++i) sum += load_at<L>(rows[(y + i) & (kRing - 1)].at(x));
+      store_at(out.at(x), sum * F(1.0f / (3 * kSide * kSide)));
+    }
   }
 
   /// By how much features tell pixels apart, at least 0, and beyond all bounds where the other pixel is none.
-  void measure_features(int y, int dx, int dy) {
-    std::copy(outside_.at(0), outside_.at(kTileWidth), feature_.at(0));
+  void measure_features(Offset& offset, int y, int dx, int dy) {
+    std::copy(offset.outside.at(0), offset.outside.at(kTileWidth), offset.feature.at(0));
     for (const Feature& feature : in_.features) {
       if (!feature.slope_x.is_empty()) {
-        measure_feature<1, true>(feature, y, dx, dy);
+        measure_feature<1, true>(offset.feature, feature, y, dx, dy);
       } else {
-        feature.channels.size() == 1 ? measure_feature<1, false>(feature, y, dx, dy)
-                                     : measure_feature<3, false>(feature, y, dx, dy);
+        feature.channels.size() == 1 ? measure_feature<1, false>(offset.feature, feature, y, dx, dy)
+                                     : measure_feature<3, false>(offset.feature, feature, y, dx, dy);
       }
     }
   }
 
-  template <int kChannels, bool kSloped> void measure_feature(const Feature& feature, int y, int dx, int dy) {
+  template <int kChannels, bool kSloped>
+  void measure_feature(SumRow& out, const Feature& feature, int y, int dx, int dy) {
     const float *p[kChannels], *q[kChannels], *const scale = feature.scale.row(y) + tile_.x0;
     for (int c = 0; c < kChannels; ++c) {
       const Plane& plane = feature.channels[static_cast<std::size_t>(c)];
@@ -157,45 +199,95 @@ template <class L, int kHalves> class TileFilter {
         }
         square = fma(d, d, square);
       }
-      store_at(feature_.at(x), max(load_at<L>(feature_.at(x)), square * load_at<L>(scale + x)));
+      store_at(out.at(x), max(load_at<L>(out.at(x)), square * load_at<L>(scale + x)));
     }
   }
 
-  /// What the offset adds to a row of results.
-  void add_row(int y, int dx, int dy) {
-    measure_features(y, dx, dy);
-    const float* q[kHalves][3];
-    for (int h = 0; h < kHalves; ++h)
-      for (int c = 0; c < 3; ++c) q[h][c] = in_.half[h][static_cast<std::size_t>(c)].row(y + dy) + tile_.x0 + dx;
-    for (int x = 0; x < width(); x += L::width) {
-      const F feature = load_at<L>(feature_.at(x));
-      F color[kHalves][3];
-      for (int h = 0; h < kHalves; ++h)
-        for (int c = 0; c < 3; ++c) color[h][c] = load_at<L>(q[h][c] + x);
+  /// What the offsets add to a row of results.
+  void add_row(int y, int dx, int dy, int count) {
+    for (int i = 0; i < count; ++i) {
+      Offset& offset = offsets_[i];
+      measure_features(offset, y, dx + i, dy);
       for (int h = 0; h < kHalves; ++h) {
-        constexpr int kOther = kHalves - 1;  // each half is weighed by the other
-        const F* const other = color[h ^ kOther];
-        const int first = kSums * (h ^ kOther);
-        const F distance = patch_distance<kPatch>(large_[h], x, y);
-        add_weighted(y, first, x, falloff(max(patch_distance<1>(small_[h], x, y), feature)), other);
-        add_weighted(y, kPatchSums * kLargePatch + first, x, falloff(max(distance, feature)), other);
-        if (!with_features_) continue;
-        add_weighted(y, kPatchSums * kColorOnly + first, x, falloff(max(distance, load_at<L>(outside_.at(x)))), other);
+        patch_distances<1>(offset.small[h], y, offset.small_distance[h]);
+        patch_distances<kPatch>(offset.large[h], y, offset.large_distance[h]);
       }
-      if (!with_features_) continue;
-      for (int h = 1; h < kHalves; ++h)
-        for (int c = 0; c < 3; ++c) color[0][c] += color[h][c];
-      add_weighted(y, kFeatureSums, x, falloff(feature), color[0]);
+    }
+    for (int h = 0; h < kHalves; ++h) {
+      constexpr int kOther = kHalves - 1;  // each half is weighed by the other
+      const int other = h ^ kOther;
+      add_weighted<kSmallPatch>(y, other, dx, dy, count, [=](Offset& o) { return &o.small_distance[h]; });
+      add_weighted<kLargePatch>(y, other, dx, dy, count, [=](Offset& o) { return &o.large_distance[h]; });
+      if (with_features_)
+        add_weighted<kColorOnly>(y, other, dx, dy, count, [=](Offset& o) { return &o.large_distance[h]; });
+    }
+    if (!with_features_) return;
+    for (int i = 0; i < count; ++i) measure_gently(offsets_[i]);
+    add_weighted<kMostlyFeatures>(y, 0, dx, dy, count, [](Offset& o) { return &o.gentle; });
+  }
+
+  /// The mean of both halves' distances, for the filter that heeds them least.
+  static void measure_gently(Offset& offset) {
+    for (int x = 0; x < kTileWidth; x += L::width) {
+      F sum(0.0f);
+      for (const SumRow& row : offset.large_distance) sum += load_at<L>(row.at(x));
+      store_at(offset.gentle.at(x), sum * F(kGently / kHalves));
     }
   }
 
-  SHEAF_INLINE void add_weighted(int y, int first, int x, F weight, const F* color) {
-    for (int c = 0; c < 3; ++c) {
-      float* const sum = sums(y, first + c) + x;
-      store_at(sum, fma(weight, color[c], load_at<L>(sum)));
+  /// What the offsets add to the sums of a filter, for one half; `distance` is called with each offset.
+  template <int kFilter, class Distance>
+  SHEAF_INLINE void add_weighted(int y, int half, int dx, int dy, int count, Distance distance) {
+    constexpr bool kPlane = fits_plane(kFilter);
+    constexpr int kCount = kPlane ? kPlaneSums : kMeanSums;
+    const float *color[kGroup][3], *distances[kGroup], *limits[kGroup];
+    for (int i = 0; i < count; ++i) {
+      for (int c = 0; c < 3; ++c)
+        color[i][c] = in_.half[half][static_cast<std::size_t>(c)].row(y + dy) + tile_.x0 + dx + i;
+      Offset& offset = offsets_[i];
+      distances[i] = distance(offset)->at(0);
+      limits[i] = (kFilter == kColorOnly ? offset.outside : offset.feature).at(0);
     }
-    float* const sum = sums(y, first + 3) + x;
-    store_at(sum, weight + load_at<L>(sum));
+    float* const sums_row = sums(y, kFilter, half);
+    for (int x = 0; x < width(); x += L::width) {
+      F sum[kCount];
+      for (int k = 0; k < kCount; ++k) sum[k] = load_at<L>(sums_row + k * kTileWidth + x);
+      for (int i = 0; i < count; ++i) {
+        const F weight = falloff(max(load_at<L>(distances[i] + x), load_at<L>(limits[i] + x)));
+        F value[3];
+        for (int c = 0; c < 3; ++c) {
+          value[c] = load_at<L>(color[i][c] + x);
+          if constexpr (kFilter == kMostlyFeatures && kHalves == 2)
+            value[c] += load_at<L>(in_.half[1][static_cast<std::size_t>(c)].row(y + dy) + tile_.x0 + dx + i + x);
+          sum[c] = fma(weight, value[c], sum[c]);
+        }
+        sum[3] += weight;
+        if constexpr (kPlane) {
+          const F offset_x(static_cast<float>(dx + i)), offset_y(static_cast<float>(dy));
+          const F wx = weight * offset_x, wy = weight * offset_y;
+          sum[4] += wx;
+          sum[5] += wy;
+          sum[6] = fma(wx, offset_x, sum[6]);
+          sum[7] = fma(wx, offset_y, sum[7]);
+          sum[8] = fma(wy, offset_y, sum[8]);
+          for (int c = 0; c < 3; ++c) {
+            sum[9 + c] = fma(wx, value[c], sum[9 + c]);
+            sum[12 + c] = fma(wy, value[c], sum[12 + c]);
+          }
+        }
+        if (const float correlation = in_.correlation(dx + i, dy); correlation != 0)
+          add_shared<kPlane>(shared(y, kFilter, half) + x, weight * F(correlation), dx + i, dy);
+      }
+      for (int k = 0; k < kCount; ++k) store_at(sums_row + k * kTileWidth + x, sum[k]);
+    }
+  }
+
+  template <bool kPlane> SHEAF_INLINE static void add_shared(float* sums, F weight, int dx, int dy) {
+    const float factors[] = {1.0f, static_cast<float>(dx), static_cast<float>(dy)};
+    for (int k = 0; k < (kPlane ? kPlaneShared : kMeanShared); ++k) {
+      float* const sum = sums + k * kTileWidth;
+      store_at(sum, fma(weight, F(factors[k]), load_at<L>(sum)));
+    }
   }
 
   SHEAF_INLINE static void store_at(float* p, F value) {
@@ -203,38 +295,55 @@ template <class L, int kHalves> class TileFilter {
   }
 
   void write_row(int y, std::vector<FilteredPlanes>& out) {
-    for (int x = 0; x < width(); ++x) {
-      for (int filter = 0; filter < (with_features_ ? kFeatureOnly : kColorOnly); ++filter) {
-        FilteredPlanes& planes = out[static_cast<std::size_t>(filter)];
-        float color[3] = {}, self = 0;
-        for (int h = 0; h < kHalves; ++h) {
-          const int first = filter * kPatchSums + kSums * h;
-          const float share = 1 / (sums(y, first + 3)[x] * kHalves);
-          for (int c = 0; c < 3; ++c) color[c] += sums(y, first + c)[x] * share;
-          self += share;
-        }
-        write(planes, x, y, color, self);
+    for (int filter = 0; filter < (with_features_ ? kMostFilters : kColorOnly); ++filter) {
+      FilteredPlanes& planes = out[static_cast<std::size_t>(filter)];
+      for (int x = 0; x < width(); ++x) {
+        Result result;
+        for (int h = 0; h < halves_of(filter); ++h) add_result(y, x, filter, h, result);
+        for (std::size_t c = 0; c < 3; ++c) planes.color[c].at(tile_.x0 + x, y) = result.color[c] / kHalves;
+        planes.self_weight.at(tile_.x0 + x, y) = result.self / static_cast<float>(halves_of(filter));
       }
-      if (!with_features_) continue;
-      const float self = 1 / sums(y, kFeatureSums + 3)[x];
-      float color[3];
-      for (int c = 0; c < 3; ++c) color[c] = sums(y, kFeatureSums + c)[x] * (self / kHalves);
-      write(out[kFeatureOnly], x, y, color, self);
     }
   }
 
-  void write(FilteredPlanes& planes, int x, int y, const float* color, float self) {
-    for (std::size_t c = 0; c < 3; ++c) planes.color[c].at(tile_.x0 + x, y) = color[c];
-    planes.self_weight.at(tile_.x0 + x, y) = self;
+  struct Result {
+    float color[3] = {}, self = 0;
+  };
+
+  /// Adds the value at offset 0 of the mean, or of the plane of least weighted squares: what the weights' centre has,
+  /// and from there along the plane's slope. `across` is that step, measured in the weights' covariance. The step is
+  /// at most as large as the mean: planes through few pixels are steep.
+  void add_result(int y, int x, int filter, int half, Result& result) {
+    const float *const sum = sums(y, filter, half) + x, *const own = shared(y, filter, half) + x;
+    const auto at = [](const float* row, int k) { return row[k * kTileWidth]; };
+    const float share = 1 / at(sum, 3);
+    float color[3], self = at(own, 0) * share;
+    for (int c = 0; c < 3; ++c) color[c] = at(sum, c) * share;
+    if (fits_plane(filter)) {
+      const float center_x = at(sum, 4) * share, center_y = at(sum, 5) * share;
+      const float xx = at(sum, 6) - center_x * at(sum, 4) + kLevel, xy = at(sum, 7) - center_x * at(sum, 5),
+                  yy = at(sum, 8) - center_y * at(sum, 5) + kLevel;
+      const float determinant = xx * yy - xy * xy;
+      const float across_x = (yy * center_x - xy * center_y) / determinant,
+                  across_y = (xx * center_y - xy * center_x) / determinant;
+      for (int c = 0; c < 3; ++c) {
+        const float step =
+            across_x * (at(sum, 9 + c) - center_x * at(sum, c)) + across_y * (at(sum, 12 + c) - center_y * at(sum, c));
+        color[c] -= std::clamp(step, -std::abs(color[c]), std::abs(color[c]));
+      }
+      self -= across_x * (at(own, 1) - center_x * at(own, 0)) + across_y * (at(own, 2) - center_y * at(own, 0));
+    }
+    for (int c = 0; c < 3; ++c) result.color[c] += color[c];
+    result.self += self;
   }
 
   const NlMeansInput& in_;
   const NlMeansSettings& settings_;
   const PixelRect tile_;
   const bool with_features_;
-  LargeTable<float> sums_;  ///< rows of the tile, each with all its sums one after the other
-  SumRow small_[kHalves][kRing], large_[kHalves][kRing];  ///< rows of distances summed over 3 and 7 pixels
-  SumRow feature_, outside_;  ///< distance by features; 0, or beyond all bounds where the other pixel is none
+  LargeTable<float> sums_;    ///< rows of the tile, each with all its sums one after the other
+  LargeTable<float> shared_;  ///< as sums_, of weights times the noise that pixels share
+  Offset offsets_[kGroup];
 };
 
 }  // namespace

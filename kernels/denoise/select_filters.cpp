@@ -11,7 +11,7 @@ namespace sheaf {
 namespace {
 
 /// Half the side of the squares over which errors are smoothed, and after that the choice.
-constexpr int kErrorRadius = 4, kChoiceRadius = 2;
+constexpr int kErrorRadius = 2, kChoiceRadius = 4;
 
 /// Stein's estimate per pixel, relative to the pixel's brightness so that bright pixels do not decide for others.
 Plane estimate_error(const FilteredPlanes& filter, const Planes3& color, const Planes3& variance) {

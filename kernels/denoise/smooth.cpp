@@ -1,5 +1,7 @@
 #include "kernels/denoise/smooth.h"
 
+#include "core/color.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -30,6 +32,15 @@ Plane box_mean(const Plane& plane, int radius) {
   });
   mean.extend();
   return mean;
+}
+
+Plane luminance_of(const Planes3& color) {
+  Plane plane(color[0].width(), color[0].height());
+  tbb::parallel_for(0, plane.height(), [&](int y) {
+    for (int x = 0; x < plane.width(); ++x)
+      plane.at(x, y) = luminance({color[0].at(x, y), color[1].at(x, y), color[2].at(x, y)});
+  });
+  return plane;
 }
 
 }  // namespace sheaf

@@ -1,4 +1,4 @@
-// Means over squares of pixels.
+// Means over squares of pixels, and of colours.
 #pragma once
 
 #include "kernels/denoise/plane.h"
@@ -8,5 +8,8 @@ namespace sheaf {
 /// The mean over the square of 2 * radius + 1 pixels around each pixel, of those that are in the picture. The result is
 /// extended.
 Plane box_mean(const Plane& plane, int radius);
+
+/// The luminance of linear sRGB colours.
+Plane luminance_of(const Planes3& color);
 
 }  // namespace sheaf

@@ -4,13 +4,16 @@
 #include "kernels/denoise/denoise.h"
 #include "kernels/denoise/fireflies.h"
 #include "kernels/denoise/nl_means.h"
+#include "kernels/denoise/noise_correlation.h"
 #include "kernels/denoise/select_filters.h"
+#include "kernels/denoise/smooth_variance.h"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <vector>
 
 namespace sheaf::test_nl_means {
 
@@ -89,53 +92,218 @@ NlMeansInput noisy_input(int width, int height, int halves) {
   return input;
 }
 
-/// The weight of pixel q for p by patches of a half, by the definition, in double precision. Patches beyond the picture
+/// Noise of variance 1 that a pixel shares with its neighbours, of white noise weighed 1 2 1 in rows and in columns:
+/// its correlation is 2 / 3 to the next pixel and 1 / 6 to the one behind.
+Plane correlated_noise(int width, int height, std::uint32_t what) {
+  const double weights[] = {1 / std::sqrt(6.0), 2 / std::sqrt(6.0), 1 / std::sqrt(6.0)};
+  Plane plane(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int j = 0; j < 3; ++j)
+        for (int i = 0; i < 3; ++i)
+          plane.at(x, y) += static_cast<float>(weights[i] * weights[j]) *
+                            normal_number(static_cast<std::uint32_t>((y + j) * (width + 2) + x + i), what);
+  plane.extend();
+  return plane;
+}
+
+/// What two halves with such noise show.
+NoiseCorrelation find_correlation(int width, int height) {
+  Planes3 half[2], variance;
+  for (std::size_t c = 0; c < 3; ++c) {
+    variance[c] = Plane(width, height);
+    for (int y = 0; y < height; ++y) std::fill_n(variance[c].row(y), width, 1.0f);
+    for (std::uint32_t h = 0; h < 2; ++h)
+      half[h][c] = correlated_noise(width, height, 40 + 3 * h + static_cast<std::uint32_t>(c));
+  }
+  return NoiseCorrelation(half[0], half[1], variance);
+}
+
+/// A pixel p and another, q.
+struct Pair {
+  int px, py, qx, qy;
+};
+
+/// The distance of two pixels by patches of a half, by the definition, in double precision. Patches beyond the picture
 /// repeat its border.
-double patch_weight(const NlMeansInput& in, int half, float color_k, int px, int py, int qx, int qy, int radius) {
+double patch_distance(const NlMeansInput& in, int half, float color_k, const Pair& pair, int radius) {
+  const auto [px, py, qx, qy] = pair;
   double sum = 0;
   for (int j = -radius; j <= radius; ++j)
     for (int i = -radius; i <= radius; ++i)
       for (std::size_t c = 0; c < 3; ++c) {
         const double d = in.half[half][c].at(px + i, py + j) - in.half[half][c].at(qx + i, qy + j);
         const double a = in.variance[c].at(px + i, py + j), b = in.variance[c].at(qx + i, qy + j);
-        sum += (d * d - (a + std::min(a, b))) / (in.epsilon + color_k * color_k * (a + b));
+        const double noise = (a + std::min(a, b)) * (1 - in.correlation(qx - px, qy - py));
+        sum += (d * d - noise) / (in.epsilon + color_k * color_k * (a + b));
       }
   const int side = 2 * radius + 1;
-  const double f = in.features[0].channels[0].at(px, py) - in.features[0].channels[0].at(qx, qy);
-  const double distance = std::max({0.0, sum / (3 * side * side), f * f * in.features[0].scale.at(px, py)});
-  return std::pow(std::max(1 - distance / 16, 0.0), 16);
+  return sum / (3 * side * side);
+}
+
+/// The weight that a filter gives q for p, where the given half is weighed.
+double pair_weight(const NlMeansInput& in, NlMeansFilter filter, int half, const Pair& pair) {
+  const double f = in.features[0].channels[0].at(pair.px, pair.py) - in.features[0].channels[0].at(pair.qx, pair.qy);
+  const double feature = f * f * in.features[0].scale.at(pair.px, pair.py);
+  const auto distance = [&](int h) { return patch_distance(in, h, 0.5f, pair, filter == kSmallPatch ? 1 : 3); };
+  const int by = in.halves == 2 ? 1 - half : 0;
+  double most = std::max(0.0, distance(by));
+  if (filter == kMostlyFeatures)
+    most = std::max(0.0, 0.1 * (in.halves == 2 ? (distance(0) + distance(1)) / 2 : distance(0)));
+  if (filter != kColorOnly) most = std::max(most, feature);
+  return std::pow(std::max(1 - most / 16, 0.0), 16);
+}
+
+/// What one half gives a pixel, and the pixel's share in it.
+struct Expected {
+  double value, self;
+};
+
+/// By the definition: the mean, or the plane of least weighted squares (with slopes held back by 3 pixels squared), as
+/// numbers that each pixel's value is multiplied by.
+Expected expected_result(const NlMeansInput& in, NlMeansFilter filter, int half, int px, int py) {
+  struct Pixel {
+    double dx, dy, weight, value, correlation;
+  };
+  std::vector<Pixel> pixels;
+  for (int qy = std::max(py - 4, 0); qy <= std::min(py + 4, in.height - 1); ++qy)
+    for (int qx = std::max(px - 4, 0); qx <= std::min(px + 4, in.width - 1); ++qx) {
+      if (sqr(qx - px) + sqr(qy - py) > 4 * 5) continue;  // a disc
+      pixels.push_back({static_cast<double>(qx - px), static_cast<double>(qy - py),
+                        pair_weight(in, filter, half, {px, py, qx, qy}), in.half[half][1].at(qx, qy),
+                        in.correlation(qx - px, qy - py)});
+    }
+  // Gauss's elimination of the normal equations of 1, x and y; their right sides are the first column of the unit
+  // matrix.
+  double m[3][4] = {{0, 0, 0, 1}, {0, 3, 0, 0}, {0, 0, 3, 0}};
+  for (const Pixel& q : pixels) {
+    const double terms[] = {1, q.dx, q.dy};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) m[i][j] += q.weight * terms[i] * terms[j];
+  }
+  if (filter == kColorOnly || filter == kMostlyFeatures) m[0][1] = m[0][2] = m[1][0] = m[2][0] = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int row = 0; row < 3; ++row) {
+      if (row == i) continue;
+      const double factor = m[row][i] / m[i][i];
+      for (int j = 0; j < 4; ++j) m[row][j] -= factor * m[i][j];
+    }
+  Expected expected{0, 0};
+  for (const Pixel& q : pixels) {
+    const double share = q.weight * (m[0][3] / m[0][0] + q.dx * m[1][3] / m[1][1] + q.dy * m[2][3] / m[2][2]);
+    expected.value += share * q.value;
+    expected.self += share * q.correlation;
+  }
+  return expected;
 }
 
 }  // namespace
 
 TEST_CASE("non-local means are what their definition says, each half weighed by the other") {
   const NlMeansSettings settings{4, 0.5f};
-  for (const int halves : {1, 2}) {
-    const NlMeansInput input = noisy_input(21, 13, halves);
-    const std::vector<FilteredPlanes> filtered = nl_means(input, settings);
-    REQUIRE(filtered.size() == kMostFilters);
-    for (const NlMeansFilter filter : {kSmallPatch, kLargePatch})
-      for (const auto& [px, py] : {std::pair{0, 0}, {6, 5}, {7, 6}, {20, 12}}) {
-        double expected = 0, self = 0;
-        for (int h = 0; h < halves; ++h) {
-          double sum = 0, weights = 0;
-          for (int qy = std::max(py - 4, 0); qy <= std::min(py + 4, 12); ++qy)
-            for (int qx = std::max(px - 4, 0); qx <= std::min(px + 4, 20); ++qx) {
-              if (sqr(qx - px) + sqr(qy - py) > 4 * 5) continue;  // a disc
-              const int by = halves == 2 ? 1 - h : 0;
-              const double w = patch_weight(input, by, 0.5f, px, py, qx, qy, filter == kSmallPatch ? 1 : 3);
-              sum += w * input.half[h][1].at(qx, qy);
-              weights += w;
-            }
-          expected += sum / weights / halves;
-          self += 1 / weights / halves;
+  for (const bool correlated : {false, true})
+    for (const int halves : {1, 2}) {
+      NlMeansInput input = noisy_input(21, 13, halves);
+      if (correlated) input.correlation = find_correlation(64, 64);
+      const std::vector<FilteredPlanes> filtered = nl_means(input, settings);
+      REQUIRE(filtered.size() == kMostFilters);
+      for (const NlMeansFilter filter : {kSmallPatch, kLargePatch, kColorOnly, kMostlyFeatures})
+        for (const auto& [px, py] : {std::pair{0, 0}, {6, 5}, {7, 6}, {20, 12}}) {
+          double value = 0, self = 0;
+          for (int h = 0; h < halves; ++h) {
+            const Expected half = expected_result(input, filter, h, px, py);
+            value += half.value / halves;
+            self += half.self / halves;
+          }
+          CAPTURE(correlated);
+          CAPTURE(halves);
+          CAPTURE(filter);
+          CHECK(filtered[filter].color[1].at(px, py) == doctest::Approx(value).epsilon(1e-4));
+          CHECK(filtered[filter].self_weight.at(px, py) == doctest::Approx(self).epsilon(1e-3));
         }
-        CAPTURE(halves);
-        CAPTURE(filter);
-        CHECK(filtered[filter].color[1].at(px, py) == doctest::Approx(expected).epsilon(1e-4));
-        CHECK(filtered[filter].self_weight.at(px, py) == doctest::Approx(self).epsilon(1e-3));
-      }
+    }
+}
+
+TEST_CASE("what noise pixels share is found from halves, and nothing where they share none") {
+  const NoiseCorrelation found = find_correlation(200, 150);
+  const double expected[] = {1, 2 / 3.0, 1 / 6.0, 0};
+  for (int dy = -3; dy <= 3; ++dy)
+    for (int dx = -3; dx <= 3; ++dx) {
+      CAPTURE(dx);
+      CAPTURE(dy);
+      CHECK(std::abs(found(dx, dy) - expected[std::abs(dx)] * expected[std::abs(dy)]) < 0.03);
+    }
+  CHECK(found(4, 0) == 0);
+  const NlMeansInput white = noisy_input(200, 150, 2);
+  const NoiseCorrelation none(white.half[0], white.half[1], white.variance);
+  CHECK(none(0, 0) == 1);
+  CHECK(std::abs(none(1, 0)) < 0.03);
+  CHECK(none(-1, 1) == 0);
+}
+
+TEST_CASE("planes keep slopes that means would level") {
+  // A picture of a slope without noise, seen through variances that make all pixels alike.
+  NlMeansInput input = noisy_input(40, 30, 2);
+  for (Planes3& half : input.half)
+    for (Plane& plane : half) {
+      for (int y = 0; y < 30; ++y)
+        for (int x = 0; x < 40; ++x) plane.at(x, y) = static_cast<float>(x + 2 * y);
+      plane.extend();
+    }
+  for (Plane& plane : input.variance) {
+    for (int y = 0; y < 30; ++y) std::fill_n(plane.row(y), 40, 1e6f);
+    plane.extend();
   }
+  input.features[0].scale = Plane(40, 30);  // they tell nothing apart
+  const std::vector<FilteredPlanes> filtered = nl_means(input, NlMeansSettings{4, 0.5f});
+  for (const auto& [x, y] : {std::pair{20, 15}, {0, 15}, {39, 0}, {20, 29}})
+    for (const NlMeansFilter filter : {kSmallPatch, kLargePatch})
+      CHECK(filtered[filter].color[0].at(x, y) == doctest::Approx(x + 2 * y).epsilon(2e-2));
+  CHECK(filtered[kColorOnly].color[0].at(20, 15) == doctest::Approx(50));
+  CHECK(filtered[kColorOnly].color[0].at(0, 15) > 31);
+}
+
+TEST_CASE("planes through few pixels neither take all light away nor double it twice") {
+  NlMeansInput input = noisy_input(40, 30, 2);
+  for (Planes3& half : input.half)
+    for (Plane& plane : half) {
+      for (int y = 0; y < 30; ++y)
+        for (int x = 0; x < 40; ++x) plane.at(x, y) = x < 8 ? 0.0f : static_cast<float>(sqr(x - 7));
+      plane.extend();
+    }
+  for (Plane& plane : input.variance) {
+    for (int y = 0; y < 30; ++y) std::fill_n(plane.row(y), 40, 1e9f);
+    plane.extend();
+  }
+  input.features[0].scale = Plane(40, 30);
+  const std::vector<FilteredPlanes> filtered = nl_means(input, NlMeansSettings{10, 0.5f});
+  for (int x = 0; x < 40; ++x) {
+    const float mean = filtered[kColorOnly].color[0].at(x, 15), plane = filtered[kLargePatch].color[0].at(x, 15);
+    CAPTURE(x);
+    CHECK(plane >= 0);
+    CHECK(plane <= 2.0001f * mean);
+  }
+}
+
+TEST_CASE("a lamp's noise is no measure of that of the pixels around it, but a firefly's is") {
+  Planes3 variance, halves[2];
+  for (std::size_t c = 0; c < 3; ++c) {
+    variance[c] = halves[0][c] = halves[1][c] = Plane(20, 9);
+    for (int y = 0; y < 9; ++y)
+      for (int x = 0; x < 20; ++x) {
+        variance[c].at(x, y) = 0.01f;
+        halves[0][c].at(x, y) = halves[1][c].at(x, y) = 1;
+      }
+    variance[c].at(4, 4) = variance[c].at(15, 4) = 9;
+    halves[0][c].at(4, 4) = halves[1][c].at(4, 4) = 10;  // a lamp
+    halves[0][c].at(15, 4) = 10;                         // in one half alone
+  }
+  const Planes3 smooth = smooth_variance(variance, halves);
+  CHECK(smooth[1].at(3, 4) == doctest::Approx(0.01));
+  CHECK(smooth[1].at(4, 4) == doctest::Approx(0.3 * 9));
+  CHECK(smooth[1].at(14, 4) == doctest::Approx((9 + 8 * 0.01) / 9));
+  CHECK(smooth[1].at(0, 0) == doctest::Approx(0.01));
+  CHECK(smooth_variance(variance, nullptr)[1].at(3, 4) == doctest::Approx((9 + 8 * 0.01) / 9));
 }
 
 TEST_CASE("non-local means have the same bits in registers as one pixel at a time") {

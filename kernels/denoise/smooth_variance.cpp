@@ -1,0 +1,73 @@
+#include "kernels/denoise/smooth_variance.h"
+
+#include "kernels/denoise/smooth.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+/// Half the side of the squares.
+constexpr int kRadius = 1;
+/// Share of its own variance that a pixel has at least.
+constexpr float kOwnShare = 0.3f;
+/// How many times as bright another thing is.
+constexpr float kBrighter = 2.0f;
+
+/// The lesser and the greater luminance of both halves, per pixel.
+struct LuminanceRange {
+  Plane least, most;
+
+  explicit LuminanceRange(const Planes3* halves) : least(luminance_of(halves[0])), most(luminance_of(halves[1])) {
+    tbb::parallel_for(0, least.height(), [&](int y) {
+      for (int x = 0; x < least.width(); ++x) {
+        const auto [low, high] = std::minmax({least.at(x, y), most.at(x, y)});
+        least.at(x, y) = low;
+        most.at(x, y) = high;
+      }
+    });
+  }
+
+  bool is_brighter(int x, int y, int than_x, int than_y) const {
+    return least.at(x, y) > kBrighter * most.at(than_x, than_y);
+  }
+};
+
+void smooth_pixel(const Planes3& variance, const LuminanceRange& range, int x, int y, Planes3& out) {
+  float sums[3] = {}, count = 0;
+  for (int j = std::max(y - kRadius, 0); j <= std::min(y + kRadius, range.least.height() - 1); ++j)
+    for (int i = std::max(x - kRadius, 0); i <= std::min(x + kRadius, range.least.width() - 1); ++i) {
+      if (range.is_brighter(i, j, x, y)) continue;
+      for (std::size_t c = 0; c < 3; ++c) sums[c] += variance[c].at(i, j);
+      ++count;
+    }
+  for (std::size_t c = 0; c < 3; ++c) out[c].at(x, y) = sums[c] / std::max(count, 1.0f);
+}
+
+}  // namespace
+
+Planes3 smooth_variance(const Planes3& variance, const Planes3* halves) {
+  const int width = variance[0].width(), height = variance[0].height();
+  Planes3 out;
+  if (halves == nullptr) {
+    for (std::size_t c = 0; c < 3; ++c) out[c] = box_mean(variance[c], kRadius);
+  } else {
+    const LuminanceRange range(halves);
+    for (Plane& plane : out) plane = Plane(width, height);
+    tbb::parallel_for(0, height, [&](int y) {
+      for (int x = 0; x < width; ++x) smooth_pixel(variance, range, x, y, out);
+    });
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    tbb::parallel_for(0, height, [&](int y) {
+      for (int x = 0; x < width; ++x) out[c].at(x, y) = std::max(out[c].at(x, y), kOwnShare * variance[c].at(x, y));
+    });
+    out[c].extend();
+  }
+  return out;
+}
+
+}  // namespace sheaf
