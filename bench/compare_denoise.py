@@ -5,7 +5,7 @@ Python with numpy and a build.
   bench/compare_denoise.py [--scenes scenes/cornell/cornell.xml ...] [--spp 64] [--width 400] [--reference-spp 2048]
 
 Prints for each scene: the error of a plain picture (no denoising, samples as even as can be) with `--spp` and with eight
-times as many samples; that of the picture made for the denoiser (noise that differs from pixel to pixel); that of the
+times as many samples; that of the picture made for the denoiser (its samples cut into four sets); that of the
 denoised one; `gain`, the last but one over the last; and the seconds of CPU time that denoising took. `relative`: the same
 of the relative squared error, that over the pixel's squared mean.
 """
@@ -46,8 +46,7 @@ def compare(arguments, scene, folder):
     for spp in (arguments.spp, 8 * arguments.spp):
         render(arguments.sheaf, scene, plain, spp, 1, *options)
         plains.append(errors(read_channels(plain, "RGB"), reference))
-    render(arguments.sheaf, scene, noisy, arguments.spp, 1, "--filter-mode", "importance", "--replicates", "4",
-           *options, *arguments.arguments.split())
+    render(arguments.sheaf, scene, noisy, arguments.spp, 1, "--replicates", "4", *options, *arguments.arguments.split())
     seconds = cpu_seconds([str(arguments.sheaf), "denoise", str(noisy), "-o", str(out), "--quiet", "--method",
                            arguments.method])
     before, after = (errors(read_channels(out, names), reference) for names in ("RGB", LAYERS))

@@ -17,6 +17,18 @@ constexpr float kConfirmed = 0.4f;
 /// Variances of the mean that the square of a believed excess exceeds: three standard deviations.
 constexpr float kCertain = 9.0f;
 
+/// Of a pixel's neighbours, the luminance of the second brightest; 0 if there are fewer than two.
+float second_brightest(const Plane& plane, int x, int y) {
+  float most = 0, second = 0;
+  for (int j = std::max(y - 1, 0); j <= std::min(y + 1, plane.height() - 1); ++j)
+    for (int i = std::max(x - 1, 0); i <= std::min(x + 1, plane.width() - 1); ++i) {
+      if (i == x && j == y) continue;
+      second = std::max(second, std::min(plane.at(i, j), most));
+      most = std::max(most, plane.at(i, j));
+    }
+  return second;
+}
+
 /// A pixel's neighbours, by luminance.
 struct Neighbours {
   struct Pixel {
@@ -42,8 +54,9 @@ void remove_fireflies(Planes3& color, Planes3& variance, const Planes3* other) {
   const Plane& spread = variance_before[1];
   tbb::parallel_for(0, light.height(), [&](int y) {
     for (int x = 0; x < light.width(); ++x) {
+      if (!(light.at(x, y) > kExcess * second_brightest(light, x, y))) continue;
       const Neighbours near(light, x, y);
-      if (near.count < 2 || !(light.at(x, y) > kExcess * near.pixels[near.count - 2].luminance)) continue;
+      if (near.count < 2) continue;
       const Neighbours::Pixel& median = near.pixels[near.count / 2];
       const float excess = light.at(x, y) - median.luminance;
       const bool certain = other != nullptr ? other_light.at(x, y) - median.luminance > kConfirmed * excess

@@ -11,7 +11,7 @@ namespace sheaf {
 namespace {
 
 /// Pixels of a tile: what one offset reads and adds to fits the L2 cache.
-constexpr int kTileWidth = 128, kTileHeight = 40;
+constexpr int kTileWidth = 128, kTileHeight = 24;
 /// Half the side of the larger patch.
 constexpr int kPatch = 3;
 /// Rows of sums that are kept: a power of two, not less than the larger patch.
@@ -19,7 +19,7 @@ constexpr int kRing = 8;
 /// Floats of a row of sums: in front of the first pixel as many as a cache line holds, and room for whole registers.
 constexpr int kRowStart = 16, kRowSize = kRowStart + kTileWidth + 48;
 /// Offsets along a row that are added up at once, so that sums are loaded and stored once for all of them.
-constexpr int kGroup = 4;
+constexpr int kGroup = 7;
 /// Numbers that are summed per filter and half for a mean: the weighted colour, and the weights; and for a plane,
 /// fitted to the weighted pixels, besides: the weights' moments x, y, xx, xy, yy, and those x, y of each colour.
 constexpr int kMeanSums = 4, kPlaneSums = 15;
@@ -239,54 +239,72 @@ template <class L, int kHalves> class TileFilter {
   template <int kFilter, class Distance>
   SHEAF_INLINE void add_weighted(int y, int half, int dx, int dy, int count, Distance distance) {
     constexpr bool kPlane = fits_plane(kFilter);
-    constexpr int kCount = kPlane ? kPlaneSums : kMeanSums;
-    const float *color[kGroup][3], *distances[kGroup], *limits[kGroup];
+    const float *color[kGroup][3], *second[kGroup][3], *distances[kGroup], *limits[kGroup];
     for (int i = 0; i < count; ++i) {
-      for (int c = 0; c < 3; ++c)
-        color[i][c] = in_.half[half][static_cast<std::size_t>(c)].row(y + dy) + tile_.x0 + dx + i;
+      for (std::size_t c = 0; c < 3; ++c) {
+        color[i][c] = in_.half[half][c].row(y + dy) + tile_.x0 + dx + i;
+        if constexpr (kFilter == kMostlyFeatures && kHalves == 2)
+          second[i][c] = in_.half[1][c].row(y + dy) + tile_.x0 + dx + i;
+      }
       Offset& offset = offsets_[i];
       distances[i] = distance(offset)->at(0);
       limits[i] = (kFilter == kColorOnly ? offset.outside : offset.feature).at(0);
     }
+    const F offset_y(static_cast<float>(dy));
     float* const sums_row = sums(y, kFilter, half);
     for (int x = 0; x < width(); x += L::width) {
-      F sum[kCount];
-      for (int k = 0; k < kCount; ++k) sum[k] = load_at<L>(sums_row + k * kTileWidth + x);
+      // Of this group alone: the weighted colour, the weights, and for planes their moments x and xx, and x of the
+      // colour.
+      F sum[kPlane ? 9 : 4];
+      for (F& value : sum) value = F(0.0f);
       for (int i = 0; i < count; ++i) {
         const F weight = falloff(max(load_at<L>(distances[i] + x), load_at<L>(limits[i] + x)));
-        F value[3];
-        for (int c = 0; c < 3; ++c) {
-          value[c] = load_at<L>(color[i][c] + x);
-          if constexpr (kFilter == kMostlyFeatures && kHalves == 2)
-            value[c] += load_at<L>(in_.half[1][static_cast<std::size_t>(c)].row(y + dy) + tile_.x0 + dx + i + x);
-          sum[c] = fma(weight, value[c], sum[c]);
-        }
+        const F offset_x(static_cast<float>(dx + i)), weight_x = weight * offset_x;
         sum[3] += weight;
         if constexpr (kPlane) {
-          const F offset_x(static_cast<float>(dx + i)), offset_y(static_cast<float>(dy));
-          const F wx = weight * offset_x, wy = weight * offset_y;
-          sum[4] += wx;
-          sum[5] += wy;
-          sum[6] = fma(wx, offset_x, sum[6]);
-          sum[7] = fma(wx, offset_y, sum[7]);
-          sum[8] = fma(wy, offset_y, sum[8]);
-          for (int c = 0; c < 3; ++c) {
-            sum[9 + c] = fma(wx, value[c], sum[9 + c]);
-            sum[12 + c] = fma(wy, value[c], sum[12 + c]);
-          }
+          sum[4] += weight_x;
+          sum[5] = fma(weight_x, offset_x, sum[5]);
         }
-        if (const float correlation = in_.correlation(dx + i, dy); correlation != 0)
-          add_shared<kPlane>(shared(y, kFilter, half) + x, weight * F(correlation), dx + i, dy);
+        for (int c = 0; c < 3; ++c) {
+          F value = load_at<L>(color[i][c] + x);
+          if constexpr (kFilter == kMostlyFeatures && kHalves == 2) value += load_at<L>(second[i][c] + x);
+          sum[c] = fma(weight, value, sum[c]);
+          if constexpr (kPlane) sum[6 + c] = fma(weight_x, value, sum[6 + c]);
+        }
       }
-      for (int k = 0; k < kCount; ++k) store_at(sums_row + k * kTileWidth + x, sum[k]);
+      const auto add = [&](int k, F value) {
+        float* const at = sums_row + k * kTileWidth + x;
+        store_at(at, value + load_at<L>(at));
+      };
+      for (int k = 0; k < kMeanSums; ++k) add(k, sum[k]);
+      if constexpr (kPlane) {
+        const F weight_y = sum[3] * offset_y;
+        add(4, sum[4]);
+        add(5, weight_y);
+        add(6, sum[5]);
+        add(7, sum[4] * offset_y);
+        add(8, weight_y * offset_y);
+        for (int c = 0; c < 3; ++c) {
+          add(9 + c, sum[6 + c]);
+          add(12 + c, sum[c] * offset_y);
+        }
+      }
     }
+    for (int i = 0; i < count; ++i)
+      if (const float correlation = in_.correlation(dx + i, dy); correlation != 0)
+        add_shared<kFilter>(shared(y, kFilter, half), correlation, dx + i, dy, distances[i], limits[i]);
   }
 
-  template <bool kPlane> SHEAF_INLINE static void add_shared(float* sums, F weight, int dx, int dy) {
-    const float factors[] = {1.0f, static_cast<float>(dx), static_cast<float>(dy)};
-    for (int k = 0; k < (kPlane ? kPlaneShared : kMeanShared); ++k) {
-      float* const sum = sums + k * kTileWidth;
-      store_at(sum, fma(weight, F(factors[k]), load_at<L>(sum)));
+  /// What an offset adds to what pixels share with others.
+  template <int kFilter>
+  void add_shared(float* sums_row, float correlation, int dx, int dy, const float* distances, const float* limits) {
+    const float factors[] = {correlation, correlation * static_cast<float>(dx), correlation * static_cast<float>(dy)};
+    for (int x = 0; x < width(); x += L::width) {
+      const F weight = falloff(max(load_at<L>(distances + x), load_at<L>(limits + x)));
+      for (int k = 0; k < (fits_plane(kFilter) ? kPlaneShared : kMeanShared); ++k) {
+        float* const at = sums_row + k * kTileWidth + x;
+        store_at(at, fma(weight, F(factors[k]), load_at<L>(at)));
+      }
     }
   }
 
