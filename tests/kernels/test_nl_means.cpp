@@ -92,9 +92,9 @@ NlMeansInput noisy_input(int width, int height, int halves) {
   return input;
 }
 
-/// Noise of variance 1 that a pixel shares with its neighbours, of white noise weighed 1 2 1 in rows and 1 1 in
-/// columns: its correlation is 2 / 3 to the next pixel of the row and 1 / 6 to the one behind, 1 / 2 to the next of the
-/// column.
+/// Noise of variance 1 that a pixel shares with its neighbours: white noise weighed 1 2 1 in rows, of two rows, the
+/// lower one from a column further to the right. Its correlation is 2 / 3 to the next pixel of the row and 1 / 6 to the
+/// one behind, and half of that from the pixel to the right of the one below.
 Plane correlated_noise(int width, int height, std::uint32_t what) {
   const double weights[] = {1 / std::sqrt(12.0), 2 / std::sqrt(12.0), 1 / std::sqrt(12.0)};
   Plane plane(width, height);
@@ -103,7 +103,7 @@ Plane correlated_noise(int width, int height, std::uint32_t what) {
       for (int j = 0; j < 2; ++j)
         for (int i = 0; i < 3; ++i)
           plane.at(x, y) += static_cast<float>(weights[i]) *
-                            normal_number(static_cast<std::uint32_t>((y + j) * (width + 2) + x + i), what);
+                            normal_number(static_cast<std::uint32_t>((y + j) * (width + 3) + x + i + j), what);
   plane.extend();
   return plane;
 }
@@ -227,12 +227,15 @@ TEST_CASE("non-local means are what their definition says, each half weighed by 
 
 TEST_CASE("what noise pixels share is found from halves, and nothing where they share none") {
   const NoiseCorrelation found = find_correlation(200, 150);
-  const double in_row[] = {1, 2 / 3.0, 1 / 6.0, 0}, in_column[] = {1, 0.5, 0, 0};
+  const auto in_row = [](int dx) {
+    return dx == 0 ? 1 : std::abs(dx) == 1 ? 2 / 3.0 : std::abs(dx) == 2 ? 1 / 6.0 : 0;
+  };
   for (int dy = -3; dy <= 3; ++dy)
     for (int dx = -3; dx <= 3; ++dx) {
       CAPTURE(dx);
       CAPTURE(dy);
-      CHECK(std::abs(found(dx, dy) - in_row[std::abs(dx)] * in_column[std::abs(dy)]) < 0.03);
+      const double expected = dy == 0 ? in_row(dx) : std::abs(dy) == 1 ? 0.5 * in_row(dx - dy) : 0;
+      CHECK(std::abs(found(dx, dy) - expected) < 0.03);
     }
   CHECK(found(4, 0) == 0);
   const NlMeansInput white = noisy_input(200, 150, 2);
