@@ -110,7 +110,7 @@ TEST_CASE("environment map: nodes lie where the definition says") {
   CHECK(seam.c0 == doctest::Approx(expected).epsilon(1e-4));
 }
 
-TEST_CASE("environment map: directions are distributed as their density says") {
+TEST_CASE("environment map: directions are distributed as their density says" * doctest::test_suite("slow")) {
   SUBCASE("as it lies") {
     CHECK(check_sampling(make_envmap(uneven_picture(), 1, false)).p_value > significance_of_each(kTests));
   }
