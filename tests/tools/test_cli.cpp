@@ -630,6 +630,18 @@ TEST_CASE("a picture is denoised while it is rendered and afterwards") {
   CHECK(now.world_to_camera->m == before.world_to_camera->m);
 }
 
+TEST_CASE("with --denoise nlm the picture itself is what it is without") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  CHECK(run(folder, "render scene.xml --replicates 4 -o plain.exr").code == 0);
+  CHECK(run(folder, "render scene.xml --replicates 4 --denoise nlm -o denoised.exr").code == 0);
+  const Image plain = read_exr(folder / "plain.exr"), denoised = read_exr(folder / "denoised.exr");
+  for (const char* name : {"R", "G", "B"})
+    for (int y = 0; y < plain.height; ++y)
+      for (int x = 0; x < plain.width; ++x)
+        CHECK(denoised.at(x, y, denoised.find_channel(name)) == plain.at(x, y, plain.find_channel(name)));
+}
+
 TEST_CASE("what cannot be denoised, and why") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
