@@ -27,7 +27,6 @@ constexpr int kMeanSums = 4, kPlaneSums = 15;
 constexpr int kMeanShared = 1, kPlaneShared = 3;
 /// How much weight times squared distance speaks for no slope, so that few pixels don't tilt a plane.
 constexpr float kLevel = 3.0f;
-
 /// Factor on distances by patches where features decide.
 constexpr float kGently = 0.1f;
 
@@ -227,8 +226,8 @@ template <class L, int kHalves> class TileFilter {
   }
 
   /// The mean of both halves' distances, for the filter that heeds them least.
-  static void measure_gently(Offset& offset) {
-    for (int x = 0; x < kTileWidth; x += L::width) {
+  void measure_gently(Offset& offset) const {
+    for (int x = 0; x < width(); x += L::width) {
       F sum(0.0f);
       for (const SumRow& row : offset.large_distance) sum += load_at<L>(row.at(x));
       store_at(offset.gentle.at(x), sum * F(kGently / kHalves));

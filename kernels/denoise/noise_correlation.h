@@ -20,13 +20,14 @@ class NoiseCorrelation {
   /// Every pixel has noise of its own.
   NoiseCorrelation() { values_[index(0, 0)] = 1; }
   /// What two halves of the samples show: their difference is noise alone. `variance` is that of the mean of one half,
-  /// above 0 wherever halves differ. All are extended. Values that are within what three standard deviations of the
-  /// estimate make of 0 are 0.
+  /// above 0 wherever halves differ. All are extended. What lies within three standard deviations of its estimate
+  /// from 0 is 0.
   NoiseCorrelation(const Planes3& half, const Planes3& other, const Planes3& variance);
 
-  bool reaches(int dx, int dy) const { return std::abs(dx) <= kReach && std::abs(dy) <= kReach; }
   /// Between -1 and 1.
-  float operator()(int dx, int dy) const { return reaches(dx, dy) ? values_[index(dx, dy)] : 0.0f; }
+  float operator()(int dx, int dy) const {
+    return std::abs(dx) <= kReach && std::abs(dy) <= kReach ? values_[index(dx, dy)] : 0.0f;
+  }
 
  private:
   static constexpr int kSide = 2 * kReach + 1;
