@@ -39,8 +39,11 @@ template <class L> struct DensityRay {
   Vec3<L> origin, direction;  ///< world space; unit length
   Float<L> length;            ///< metres
   Float<L> extinction;        ///< of the hero lane where the density is 1
-  MediumNumbers<L> numbers;
-  static constexpr auto fields(auto& s) { return std::tie(s.origin, s.direction, s.length, s.extinction, s.numbers); }
+  Float<L> first;             ///< in [0, 1): how far its first collision is
+  MediumNumbers<L> numbers;   ///< all the rest
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.origin, s.direction, s.length, s.extinction, s.first, s.numbers);
+  }
 };
 
 /// How a ray has ended.
@@ -129,7 +132,7 @@ SHEAF_INLINE DensityStart<L> start_density_ray(const DensityMedium& medium, cons
   start.walk = start_leaf_walk<L>(medium.majorants, ray.origin, ray.direction, Float<L>(0.0f), ray.length, hits);
   start.extinction = ray.extinction;
   start.numbers = MediumNumbers<L>::start(ray.numbers.x, ray.numbers.y, ray.numbers.z, ray.numbers.w);
-  start.depth = exponential<L>(start.numbers.at(Uint<L>(0u)).x);
+  start.depth = exponential<L>(ray.first);
   start.outcome = Uint<L>(static_cast<std::uint32_t>(DensityOutcome::kWalking));
   set_where<L>(!hits, DensityOutcome::kPassed, start.outcome);
   return start;

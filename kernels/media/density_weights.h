@@ -13,6 +13,7 @@
 // tracking light sampling meets collisions as paths do.
 #pragma once
 
+#include "core/sampler.h"
 #include "kernels/media/density_tracking.h"
 #include "kernels/media/medium_tracking.h"
 
@@ -62,10 +63,14 @@ inline void weigh_transmittance(const MediumRay& ray, const DensityEnd<Scalar>& 
   path.r_l = path.r_l * ray.odds(delta ? odds.by_path : odds.by_light);
 }
 
-/// Rays of several media that wait to be tracked.
+/// Rays of several media that wait to be tracked. How far their first collisions are is spread over a pixel's samples
+/// by the sampler: a number of SampleBlock::kSelect, of which paths and shadow rays have one each.
 class DensityQueue {
  public:
   static constexpr int kCapacity = kDensityRows;
+
+  /// `sampler` must outlive the queue.
+  DensityQueue(const SamplerView& sampler, MediumStream use) : sampler_(sampler), use_(use) {}
 
   bool is_full() const { return size_ == kCapacity; }
   int size() const { return size_; }
@@ -73,10 +78,11 @@ class DensityQueue {
   const MediumRay& ray(int i) const { return *rays_[static_cast<std::size_t>(i)]; }
   const DensityEnd<Scalar>& end(int i) const { return ends_[static_cast<std::size_t>(i)]; }
 
-  /// `numbers`: pixel, sample, event and key of the ray's random numbers.
-  void add(const MediumRay& ray, const MediumNumbers<Scalar>& numbers) {
+  /// `pixel`, `sample` and `event`: of the ray's random numbers.
+  void add(const MediumRay& ray, std::uint32_t pixel, std::uint32_t sample, std::uint32_t event) {
     rays_[static_cast<std::size_t>(size_)].emplace(ray);
-    numbers_[static_cast<std::size_t>(size_++)] = numbers;
+    numbers_[static_cast<std::size_t>(size_++)] = {pixel, sample, event,
+                                                   MediumNumbers<Scalar>::key(sampler_.seed, use_)};
   }
 
   /// Finds all end()s.
@@ -100,16 +106,24 @@ class DensityQueue {
       is_tracked[static_cast<std::size_t>(i)] = true;
       index[static_cast<std::size_t>(count)] = i;
       const MediumRay& r = ray(i);
-      rows.template store<Scalar>(count++, {r.origin, r.direction, r.length, majorant_spectrum(r, 1.0f)[r.hero],
+      rows.template store<Scalar>(count++, {r.origin, r.direction, r.length, majorant_spectrum(r, 1.0f)[r.hero], 0.0f,
                                             numbers_[static_cast<std::size_t>(i)]});
     }
     for (int i = count; i % L::width != 0; ++i) rows.template store<Scalar>(i, {});
+    for (int i = 0; i < count; i += L::width) {
+      DensityRay<L> row = rows.template load<L>(i);
+      const Random4<L> u = draw<L>(sampler_, row.numbers.x, row.numbers.y, row.numbers.z, SampleBlock::kSelect);
+      row.first = use_ == MediumStream::kPath ? u.y : u.z;
+      rows.template store<L>(i, row);
+    }
     const std::uint32_t grid = medium.density != kNone ? medium.density : medium.first_grid;
     track_densities<L, kWhat>({scene.majorant_grids[medium.majorants], scene.grids.rows[grid]}, rows, count, ends);
     for (int i = 0; i < count; ++i)
       ends_[static_cast<std::size_t>(index[static_cast<std::size_t>(i)])] = ends.template load<Scalar>(i);
   }
 
+  const SamplerView& sampler_;
+  MediumStream use_;
   int size_ = 0;
   std::array<std::optional<MediumRay>, kCapacity> rays_;
   std::array<MediumNumbers<Scalar>, kCapacity> numbers_;

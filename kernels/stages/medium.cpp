@@ -237,12 +237,11 @@ void medium_path(const StageContext& context, Wave& wave, MediumPath& path, cons
 class DensityPaths {
  public:
   DensityPaths(const StageContext& context, Wave& wave, TrackingCounts& counts)
-      : context_(context), wave_(wave), counts_(counts) {}
+      : context_(context), wave_(wave), counts_(counts), queue_(context.sampler, MediumStream::kPath) {}
 
   template <class L> void add(const MediumPath& path, const MediumRay& ray) {
     slots_[static_cast<std::size_t>(queue_.size())] = path.slot;
-    queue_.add(ray, {path.throughput.pixel, path.throughput.sample, path.throughput.event(),
-                     MediumNumbers<Scalar>::key(context_.sampler.seed, MediumStream::kPath)});
+    queue_.add(ray, path.throughput.pixel, path.throughput.sample, path.throughput.event());
     if (queue_.is_full()) finish<L>();
   }
 
@@ -285,15 +284,19 @@ template <class L> void medium(const StageContext& context, Wave& wave) noexcept
   DensityPaths by_density(context, wave, counts);
   for_tiles<L>(paths, [&](int i, int count) {
     const Slot* slots = wave.medium.data() + i;
-    const ThroughputState<L> state = wave.throughput.gather<L>(slots);
     alignas(kSimdAlignment) float u[L::width];
-    store(u, draw<L>(context.sampler, state.pixel, state.sample, state.event(), SampleBlock::kSelect).y);
+    bool is_drawn = false;
     for (int lane = 0; lane < count; ++lane) {
       MediumPath path = load_path(wave, slots[lane]);
       const MediumRay ray = ray_of(context, wave, path);
       if (is_tracked_by_density(ray, context.transport.medium_estimator) && !ray.has(kMediumEmits)) {
         by_density.add<L>(path, ray);
       } else {
+        if (!is_drawn) {
+          const ThroughputState<L> state = wave.throughput.gather<L>(slots);
+          store(u, draw<L>(context.sampler, state.pixel, state.sample, state.event(), SampleBlock::kSelect).y);
+          is_drawn = true;
+        }
         medium_path(context, wave, path, ray, u[lane], counts);
       }
     }

@@ -37,11 +37,9 @@ void store_ray(Wave& wave, int i, const ShadowRay& ray) {
   wave.transmittances.store<Scalar>(i, ray.state);
 }
 
-/// Where a ray's random numbers come from: one stream for each stretch between surfaces.
-MediumNumbers<Scalar> numbers_of(const StageContext& context, const Wave& wave, const ShadowRay& ray, int round) {
-  const auto path = wave.throughput.get(static_cast<Slot>(ray.item.slot));
-  return {path.pixel, path.sample, path.event() | static_cast<std::uint32_t>(round) << 16,
-          MediumNumbers<Scalar>::key(context.sampler.seed, MediumStream::kShadow)};
+/// The event of a path's random numbers in a round: each stretch between surfaces has its own.
+std::uint32_t event_of(const ThroughputState<Scalar>& path, int round) {
+  return path.event() | static_cast<std::uint32_t>(round) << 16;
 }
 
 /// The part `t` of the ray, in its medium; nothing where there is none. `to_end`: it is the last one.
@@ -73,8 +71,7 @@ bool pass_medium(const StageContext& context, Wave& wave, const MediumRay& stret
   PathWeights weights{Quad(1.0f), Quad(1.0f), Quad(1.0f)};
   const MediumEstimator estimator = context.transport.medium_estimator;
   const auto path = wave.throughput.get(static_cast<Slot>(ray.item.slot));
-  MediumRandom random(context.sampler.seed, path.pixel, path.sample,
-                      path.event() | static_cast<std::uint32_t>(round) << 16, MediumStream::kShadow);
+  MediumRandom random(context.sampler.seed, path.pixel, path.sample, event_of(path, round), MediumStream::kShadow);
   bool open = true;
   if (stretch.has(kMediumHomogeneous)) {
     pass_homogeneous(stretch, to_end && ray.state.target_medium != kNone, weights);
@@ -145,7 +142,8 @@ void pay(const StageContext& context, Wave& wave, const ShadowRay& ray) {
 /// then. Stretches that are tracked many at a time wait for each other.
 template <class L> class Round {
  public:
-  Round(const StageContext& context, Wave& wave, int round) : context_(context), wave_(wave), round_(round) {}
+  Round(const StageContext& context, Wave& wave, int round)
+      : context_(context), wave_(wave), round_(round), queue_(context.sampler, MediumStream::kShadow) {}
 
   /// Follows ray `i`, which lane `at` of the packet has traced.
   void follow(const RayPacket& packet, int at, int i) {
@@ -158,7 +156,8 @@ template <class L> class Round {
     int place = kAlone;
     if (stretch && is_tracked_by_density(*stretch, context_.transport.medium_estimator)) {
       place = queue_.size();
-      queue_.add(*stretch, numbers_of(context_, wave_, ray, round_));
+      const auto path = wave_.throughput.get(static_cast<Slot>(ray.item.slot));
+      queue_.add(*stretch, path.pixel, path.sample, event_of(path, round_));
     } else {
       if (stretch && !pass_medium(context_, wave_, *stretch, to_end, round_, behind)) return;
       if (to_end) return pay(context_, wave_, behind);
