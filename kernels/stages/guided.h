@@ -14,6 +14,7 @@
 #include "kernels/guiding/guide_record.h"
 #include "kernels/guiding/guide_sample.h"
 #include "kernels/stages/blend_value.h"
+#include "kernels/stages/roulette.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/wave/lane_mean.h"
 
@@ -112,7 +113,7 @@ template <class L>
 Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
                            Uint<L> depth, Float<L> sum, Float<L> otherwise) {
   using F = Float<L>;
-  constexpr float kPlayedBelow = 0.5f, kLeast = 0.5f, kMostLate = 0.95f;
+  constexpr float kLeast = 0.5f;
   const F mean = gather(context.guide.means, wave.guide_places.load<L>(column).row);
   alignas(kSimdAlignment) float references[L::width], expected[L::width];
   for (int lane = 0; lane < L::width; ++lane) references[lane] = wave.guide_references[slots[lane]];
@@ -124,8 +125,8 @@ Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* 
   load(references, reference);
   const auto known = (mean >= F(0.0f)) & (reference > F(0.0f));
   const F ratio = sum * mean / select(known, reference * F(kPlayedBelow), F(1.0f));
-  const F most =
-      select(depth < Uint<L>(static_cast<std::uint32_t>(context.transport.roulette_depth())), F(1.0f), F(kMostLate));
+  const F most = select(depth < Uint<L>(static_cast<std::uint32_t>(context.transport.roulette_depth())), F(1.0f),
+                        F(kLargestSurvival));
   return select(known, clamp(ratio, F(kLeast), most), otherwise);
 }
 

@@ -7,6 +7,7 @@
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/guided.h"
 #include "kernels/stages/normal_map.h"
+#include "kernels/stages/roulette.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
@@ -15,28 +16,6 @@
 namespace sheaf {
 
 namespace {
-
-/// Roulette keeps at most this share, so that paths between perfect mirrors end.
-constexpr float kLargestSurvival = 0.95f;
-
-/// The probability with which paths survive: from depth rr_depth on that of their throughput over `divisor`, what
-/// eta_scale holds taken out.
-template <class L>
-SHEAF_INLINE Float<L> survival_by_throughput(const IntegratorDescription& settings, const ThroughputState<L>& path,
-                                             Float<L> divisor) {
-  using F = Float<L>;
-  const auto exempt = path.depth() < Uint<L>(static_cast<std::uint32_t>(settings.roulette_depth()));
-  const F survival = min(max_component(path.beta) * path.eta_scale / divisor, F(kLargestSurvival));
-  return select(exempt, F(1.0f), survival);
-}
-
-/// Returns who survives with these probabilities; they are weighted by the inverse.
-template <class L> SHEAF_INLINE Mask<L> roulette(ThroughputState<L>& path, Float<L> survival, Float<L> u) {
-  using F = Float<L>;
-  const auto survives = u < survival;
-  path.beta = path.beta * select(survives, F(1.0f) / survival, F(1.0f));
-  return survives;
-}
 
 /// What emission needs in order to weigh the light that the new ray finds.
 template <class L>
@@ -215,7 +194,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   if (context.scene.has_transparency)
     divisor = leave_vertex<L>(context.scene, wave, slots, count, item.ng, kIsPhaseFunction<Bsdf<L>>, single,
                               null_transmittance, ray);
-  F survival = survival_by_throughput<L>(context.transport, path, divisor);
+  F survival = survival_by_throughput<L>(context, path, divisor);
   if (kIsGuided<Bsdf<L>> && context.guides)
     survival = expected_survival<L>(context, wave, slots, column, count, path.depth(), arrived / divisor, survival);
   alive = alive & roulette<L>(path, survival, u.w);

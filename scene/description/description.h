@@ -739,8 +739,7 @@ enum class MediumEstimator {
 /// Most light candidates per vertex.
 inline constexpr int kMaxCandidates = 1024;
 
-/// Where roulette starts if nothing else is said. Paths that start so early are noisier each, and bring more in the
-/// same time: error times rays is 0.55 to 1.03 of that of 5 (bench/README.md).
+/// Where roulette starts if nothing else is said: see bench/README.md.
 inline constexpr int kPathRouletteDepth = 2, kOtherRouletteDepth = 5;
 
 struct IntegratorDescription {

@@ -50,6 +50,9 @@ struct Noise {
   }
 };
 
+/// A number for DensityRay::first, independent of the ray's others.
+float first_of(const MediumNumbers<Scalar>& n) { return MediumNumbers<Scalar>::start(n.x, n.y, n.z, n.w).at(0).x; }
+
 /// The same ray again and again, with numbers of its own each time.
 template <class L, DensityTracking kWhat>
 std::vector<DensityEnd<Scalar>> track(const Noise& medium, Vec3f o, Vec3f d, float length, float extinction, int rays) {
@@ -57,7 +60,10 @@ std::vector<DensityEnd<Scalar>> track(const Noise& medium, Vec3f o, Vec3f d, flo
   auto ends = std::make_unique<DensityEnds>();
   std::vector<DensityEnd<Scalar>> found;
   for (std::uint32_t next = 0; found.size() < static_cast<std::size_t>(rays);) {
-    for (int i = 0; i < kDensityRows; ++i) rows->store<Scalar>(i, {o, d, length, extinction, {next++, 7, 3, 11}});
+    for (int i = 0; i < kDensityRows; ++i) {
+      const MediumNumbers<Scalar> numbers{next++, 7, 3, 11};
+      rows->store<Scalar>(i, {o, d, length, extinction, first_of(numbers), numbers});
+    }
     const int count = std::min(kDensityRows, rays - static_cast<int>(found.size()));
     track_densities<L, kWhat>({medium.bounds, medium.density}, *rows, count, *ends);
     for (int i = 0; i < count; ++i) found.push_back(ends->load<Scalar>(i));
@@ -143,7 +149,9 @@ TEST_CASE("density tracking: a ray ends as it would alone, and registers do what
     const auto k = static_cast<std::uint32_t>(i);
     const Vec3f o = Vec3f{noise(k, 1), noise(k, 2), noise(k, 3)} * 40 - Vec3f{8, 8, 8};
     const Vec3f target = Vec3f{noise(k, 4), noise(k, 5), noise(k, 6)} * 24;
-    rows->store<Scalar>(i, {o, normalize(target - o), 30 * noise(k, 7), 2 * noise(k, 8) * noise(k, 8), {k, 1, 2, 3}});
+    const MediumNumbers<Scalar> numbers{k, 1, 2, 3};
+    rows->store<Scalar>(
+        i, {o, normalize(target - o), 30 * noise(k, 7), 2 * noise(k, 8) * noise(k, 8), first_of(numbers), numbers});
   }
   const auto compare = [&]<DensityTracking kWhat>() {
     track_densities<Wide, kWhat>({medium.bounds, medium.density}, *rows, kDensityRows, *ends);

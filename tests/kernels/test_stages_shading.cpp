@@ -346,30 +346,37 @@ TEST_CASE_TEMPLATE("scatter: roulette ends paths by their throughput and pays th
   d.integrator.rr_depth = 3;
   const auto scene = compile_scene(d);
   constexpr int kPaths = 4000;
-  for (const std::uint32_t depth : {1u, 2u})
-    for (const float beta : {0.8f, 40.0f}) {
-      ShadedWave<L> test(*scene, kPaths, [](int) { return static_cast<int>(kLightGrey); });
-      Wave& wave = test.wave;
-      for (const auto& [slot, square] : test.square_of_slot) {
-        auto path = wave.throughput.get(slot);
-        path.beta = {0.1f * beta, beta, 0.5f * beta, 0};
-        path.eta_scale = 0.5f;
-        path.progress = depth;
-        wave.throughput.set(slot, path);
-      }
-      scatter<L>(test.context(*scene), wave);
-      check_conservation(wave);
-      // Depth counts the vertex that is left: at 2 the path is at depth 3 and plays.
-      const double survival = depth < 2 ? 1 : std::min(0.75 * beta * 0.5, 0.95);
-      const double error = std::sqrt(kPaths * survival * (1 - survival));
-      CHECK(std::fabs(wave.active.size() - kPaths * survival) <=
-            student_t_threshold(significance_of_each(4), kPaths) * error);
-      for (const Slot slot : wave.active.span()) {
-        const auto path = wave.throughput.get(slot);
-        CHECK(path.beta.c1 == doctest::Approx(0.75 * beta / survival).epsilon(1e-5));
-        CHECK(path.beta.c0 == doctest::Approx(0.075 * beta / survival).epsilon(1e-5));
-      }
+  struct Case {
+    std::uint32_t depth;
+    float beta;
+    bool is_photon;
+  };
+  constexpr Case kCases[] = {{1, 0.8f, false},  {1, 40.0f, false}, {2, 0.8f, false}, {2, 2.0f, false},
+                             {2, 40.0f, false}, {2, 0.8f, true},   {2, 2.0f, true}};
+  for (const auto& [depth, beta, is_photon] : kCases) {
+    ShadedWave<L> test(*scene, kPaths, [](int) { return static_cast<int>(kLightGrey); });
+    Wave& wave = test.wave;
+    for (const auto& [slot, square] : test.square_of_slot) {
+      auto path = wave.throughput.get(slot);
+      path.beta = {0.1f * beta, beta, 0.5f * beta, 0};
+      path.eta_scale = 0.5f;
+      path.progress = depth;
+      wave.throughput.set(slot, path);
     }
+    scatter<L>(is_photon ? test.photon_context(*scene, kPaths) : test.context(*scene), wave);
+    check_conservation(wave);
+    // Depth counts the vertex that is left: at 2 the path is at depth 3 and plays, for what it has of a half; photons
+    // of a whole.
+    const double survival = depth < 2 ? 1 : std::min(0.75 * beta * 0.5 / (is_photon ? 1 : 0.5), 0.99);
+    const double error = std::sqrt(kPaths * survival * (1 - survival));
+    CHECK(std::fabs(wave.active.size() - kPaths * survival) <=
+          student_t_threshold(significance_of_each(static_cast<int>(std::size(kCases))), kPaths) * error);
+    for (const Slot slot : wave.active.span()) {
+      const auto path = wave.throughput.get(slot);
+      CHECK(path.beta.c1 == doctest::Approx(0.75 * beta / survival).epsilon(1e-5));
+      CHECK(path.beta.c0 == doctest::Approx(0.075 * beta / survival).epsilon(1e-5));
+    }
+  }
 }
 
 namespace {
