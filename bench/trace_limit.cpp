@@ -7,6 +7,7 @@
 #include "kernels/stages/stages.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/read_scene.h"
+#include "scene/dialects/sampler_name.h"
 #include "tools/options.h"
 
 #include <fmt/format.h>
@@ -56,6 +57,7 @@ std::unique_ptr<Scene> load(const Arguments& arguments) {
   }
   Description description = read_scene(arguments.scene, options);
   if (arguments.photons > 0) store_photons_alone(description, arguments.photons);
+  description.sampler.kind = rendered_sampler(description.sampler.kind);
   if (arguments.rr_depth) description.integrator.rr_depth = *arguments.rr_depth;
   if (arguments.filter_mode == "importance") description.film.filter_mode = FilterMode::kImportance;
   std::unique_ptr<Scene> scene = compile_scene(description);

@@ -37,7 +37,7 @@ Film::Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout,
       crop_(crop),
       layout_(std::move(layout)),
       unit_(unit),
-      row_(layout_, spectral_bins),
+      row_(layout_, spectral_bins, unit == VarianceUnit::kSample),
       counts_(static_cast<std::size_t>(crop.width()) * static_cast<std::size_t>(crop.height())),
       sums_(counts_.size() * row_.film_size()),
       open_(unit == VarianceUnit::kReplicate && row_.variances > 0 ? counts_.size() * (1 + row_.variances) : 0),
@@ -51,7 +51,8 @@ void Film::add(int x, int y, const double* sums) {
     for (std::size_t k = 0; k < count; ++k) *row++ += sums[from + k];
   };
   add_group(0, row_.film_squares_at());
-  add_group(row_.weight_squared, row_.squares());
+  add_group(row_.weight_squared, row_.tile_squares);
+  row += row_.squares() - row_.tile_squares;
   add_group(row_.bins_at, row_.bins);
   if (open_.empty()) return;
   double* open = open_.data() + pixel * (1 + row_.variances);

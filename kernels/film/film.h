@@ -50,7 +50,7 @@ class Film {
 
   /// Begins a tile of this film; see FilmTile::begin().
   void begin(FilmTile& tile, const PixelRect& own, const FilterWeights* weights) const {
-    tile.begin(row_, weights, unit_ == VarianceUnit::kSample, own, crop_, tells_surfaces());
+    tile.begin(row_, weights, own, crop_, tells_surfaces());
   }
   /// Adds the tile's own pixels. Different tiles may be added by different threads at once.
   void add(const FilmTile& tile);

@@ -94,7 +94,7 @@ Film get_film(BinaryInput& in) {
     in.fail("has bins or variances that cannot be: damaged");
   FilmLayout layout = get_layout(in);
   // Every pixel has its count and its row at least: no memory is taken for pixels that the file cannot hold.
-  const std::uint64_t least = (1 + FilmRow(layout, bins).film_size()) * sizeof(double);
+  const std::uint64_t least = (1 + FilmRow(layout, bins, false).film_size()) * sizeof(double);
   if (crop.area() > in.left() / least) in.fail("ends too early: cut off");
   Film film(width, height, crop, std::move(layout), bins, static_cast<VarianceUnit>(unit), tells_surfaces);
   in.get(film.counts_);

@@ -10,12 +10,13 @@ constexpr std::size_t padded(std::size_t count) {
 
 }  // namespace
 
-FilmRow::FilmRow(const FilmLayout& layout, int spectral_bins)
+FilmRow::FilmRow(const FilmLayout& layout, int spectral_bins, bool tiles_have_squares)
     : channels(static_cast<std::size_t>(layout.size())),
       variances(static_cast<std::size_t>(layout.variance_count())),
       bins(static_cast<std::size_t>(spectral_bins)),
       weight_squared(padded(kSums + channels)),
-      bins_at(weight_squared + padded(squares())) {
+      tile_squares(tiles_have_squares ? squares() : 0),
+      bins_at(weight_squared + padded(tile_squares)) {
   for (std::size_t c = 0; c < channels; ++c)
     if (layout.channels()[c].has_variance) with_variance.push_back(c);
 }

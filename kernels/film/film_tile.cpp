@@ -1,5 +1,7 @@
 #include "kernels/film/film_tile.h"
 
+#include "core/simd.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,13 +11,12 @@ namespace sheaf {
 
 namespace {
 
-/// Most pixels along an axis that a filter reaches from one sample: those of a radius of 64 (make_filter_table()).
-constexpr int kMostPixels = 2 * 64 + 1;
-
 /// The pixels along an axis in which a sample counts, and how much.
 struct Span {
   int first = 0, count = 0;
-  std::array<float, kMostPixels> weights;  // not initialised: only `count` of them are used
+  const double* weights = nullptr;
+  // Not initialised: only `count` of them, from `weights` on, are used.
+  std::array<double, FilterWeights::kMostPixels> all;
 };
 
 /// `at`: the sample's pixel; `offset`: from its centre; [begin, end): pixels that are of interest.
@@ -24,31 +25,44 @@ void weigh(const FilterWeights& filter, int at, float offset, int begin, int end
   const int after = std::min(static_cast<int>(std::floor(offset + filter.radius())), filter.reach());
   out.first = std::max(at + before, begin);
   out.count = std::max(std::min(at + after + 1, end) - out.first, 0);
-  for (int i = 0; i < out.count; ++i)
-    out.weights[static_cast<std::size_t>(i)] = filter.at(static_cast<float>(out.first + i - at) - offset);
+  if (out.count == 0) return;
+  filter.across(offset, out.all.data());
+  out.weights = out.all.data() + (out.first - at + filter.reach());
 }
 
 /// One register of a row. Compilers that are left alone with loops over these numbers put pixels across registers.
 using RowRegister [[gnu::vector_size(FilmRow::kRegister * sizeof(double))]] = double;
 
-/// Adds one register of terms to the rows of pixels side by side, which lie `stride` numbers apart.
-void add_line(double* sums, std::size_t stride, const double* terms, const Span& across, float weight) {
-  RowRegister term, sum;
+/// Adds one register of terms to the rows of all pixels that a sample reaches, of which each is one register, and a
+/// line of pixels `stride` of them.
+void add_register(double* __restrict sums, std::size_t stride, const double* __restrict terms, const Span& across,
+                  const Span& down) {
+  const int width = across.count, height = down.count;
+  const double* __restrict const weights = across.weights;
+  const double* __restrict const line_weights = down.weights;
+  RowRegister term;
   std::memcpy(&term, terms, sizeof term);
-  for (int i = 0; i < across.count; ++i, sums += stride) {
-    std::memcpy(&sum, sums, sizeof sum);
-    sum += static_cast<double>(across.weights[static_cast<std::size_t>(i)] * weight) * term;
-    std::memcpy(sums, &sum, sizeof sum);
+  for (int j = 0; j < height; ++j, sums += stride * FilmRow::kRegister) {
+    const RowRegister of_line = term * line_weights[j];
+    const auto add = [&](int i) SHEAF_LAMBDA_INLINE {
+      double* const at = sums + static_cast<std::size_t>(i) * FilmRow::kRegister;
+      RowRegister sum;
+      std::memcpy(&sum, at, sizeof sum);
+      sum += weights[i] * of_line;
+      std::memcpy(at, &sum, sizeof sum);
+    };
+    int i = 0;
+    for (; i + 4 <= width; i += 4) add(i), add(i + 1), add(i + 2), add(i + 3);
+    for (; i < width; ++i) add(i);
   }
 }
 
 }  // namespace
 
-void FilmTile::begin(const FilmRow& row, const FilterWeights* weights, bool sums_squares, const PixelRect& own,
-                     const PixelRect& crop, bool tells_surfaces) {
+void FilmTile::begin(const FilmRow& row, const FilterWeights* weights, const PixelRect& own, const PixelRect& crop,
+                     bool tells_surfaces) {
   row_ = row;
   weights_ = weights;
-  sums_squares_ = sums_squares && row.variances > 0;
   own_ = own.intersection(crop);
   outer_ = own.grown(weights != nullptr ? weights->reach() : 0).intersection(crop);
   const auto pixels = static_cast<std::size_t>(outer_.width()) * static_cast<std::size_t>(outer_.height());
@@ -62,7 +76,7 @@ void FilmTile::begin(const FilmRow& row, const FilterWeights* weights, bool sums
 void FilmTile::take(const float* sample) {
   terms_[FilmRow::kWeight] = 1.0;
   for (std::size_t c = 0; c < row_.channels; ++c) terms_[FilmRow::kSums + c] = sample[c];
-  if (!sums_squares_) return;
+  if (row_.tile_squares == 0) return;
   double* square = terms_.data() + row_.weight_squared;
   *square++ = 1.0;
   for (const std::size_t c : row_.with_variance) {
@@ -80,7 +94,7 @@ void FilmTile::add_weighted(double* row, double weight) const {
   };
   const std::size_t first = row_.weight_squared;
   add(row, terms_.data(), first, weight);
-  if (sums_squares_) add(row + first, terms_.data() + first, row_.bins_at - first, weight * weight);
+  add(row + first, terms_.data() + first, row_.bins_at - first, weight * weight);
 }
 
 void FilmTile::cover(int x, int y, const SurfaceSample& surface, double weight) {
@@ -108,18 +122,15 @@ void FilmTile::add(int x, int y, const SampleBuffer& samples, std::size_t index_
   Span across, down;
   weigh(*weights_, x, offset.x, outer_.x0, outer_.x1, across);
   weigh(*weights_, y, offset.y, outer_.y0, outer_.y1, down);
-  if (across.count == 0) return;
-  if (row_.weight_squared == FilmRow::kRegister && !sums_squares_ && row_.bins == 0 && !tells_surfaces()) {
-    for (int j = 0; j < down.count; ++j)
-      add_line(sums_.data() + index(across.first, down.first + j) * row_.size(), row_.size(), terms_.data(), across,
-               down.weights[static_cast<std::size_t>(j)]);
+  if (across.count == 0 || down.count == 0) return;
+  if (row_.size() == FilmRow::kRegister && !tells_surfaces()) {
+    add_register(sums_.data() + index(across.first, down.first) * FilmRow::kRegister,
+                 static_cast<std::size_t>(outer_.width()), terms_.data(), across, down);
     return;
   }
   for (int j = 0; j < down.count; ++j)
     for (int i = 0; i < across.count; ++i)
-      add_to(
-          across.first + i, down.first + j,
-          static_cast<double>(across.weights[static_cast<std::size_t>(i)] * down.weights[static_cast<std::size_t>(j)]));
+      add_to(across.first + i, down.first + j, across.weights[i] * down.weights[j]);
 }
 
 FilmBorder FilmTile::border() const {

@@ -1,6 +1,7 @@
 // The sums of a tile's samples: over its own pixels, and over those around that its samples reach.
 #pragma once
 
+#include "core/large_table.h"
 #include "core/pixel_rect.h"
 #include "kernels/film/film_row.h"
 #include "kernels/film/id_coverage.h"
@@ -26,10 +27,10 @@ struct FilmBorder {
 class FilmTile {
  public:
   /// Begins the tile `own`. Pixels outside `crop` are left out; the samples of the tile need not all lie inside.
-  /// `weights`: null where samples count in their own pixel alone. `sums_squares`: whether the row's second group is
-  /// summed up. `tells_surfaces`: whether samples have SurfaceSamples, which are summed up.
-  void begin(const FilmRow& row, const FilterWeights* weights, bool sums_squares, const PixelRect& own,
-             const PixelRect& crop, bool tells_surfaces = false);
+  /// `weights`: null where samples count in their own pixel alone. `tells_surfaces`: whether samples have
+  /// SurfaceSamples, which are summed up.
+  void begin(const FilmRow& row, const FilterWeights* weights, const PixelRect& own, const PixelRect& crop,
+             bool tells_surfaces = false);
 
   /// Adds sample `index` of a buffer with the film's layout, which was taken in the tile's pixel (x, y); nothing if it
   /// was dropped.
@@ -57,12 +58,11 @@ class FilmTile {
 
   FilmRow row_;
   const FilterWeights* weights_ = nullptr;
-  bool sums_squares_ = false;
   PixelRect own_, outer_;
-  std::vector<double> sums_;
+  LargeTable<double> sums_;  ///< aligned to registers, unless there are bins
   std::vector<std::uint32_t> counts_;
   std::vector<IdCoverage> coverage_;  ///< per pixel, where surfaces are told
-  std::vector<double> terms_;  ///< of the sample that is added: what its weight, and its square, are multiplied by
+  LargeTable<double> terms_;  ///< of the sample that is added: what its weight, and its square, are multiplied by
 };
 
 }  // namespace sheaf

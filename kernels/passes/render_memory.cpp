@@ -31,7 +31,7 @@ struct FilmSize {
 
 FilmSize film_size(const SamplePlan& plan, const RenderOptions& options) {
   const FilmLayout layout = film_layout(options.aovs, plan.has_variances, plan.light_groups);
-  const FilmRow row(layout, options.spectral_bins);
+  const FilmRow row(layout, options.spectral_bins, plan.unit == VarianceUnit::kSample);
   const auto variances = static_cast<double>(row.variances);
   double numbers = 1 + static_cast<double>(row.film_size());
   if (plan.unit == VarianceUnit::kReplicate && variances > 0) numbers += 1 + variances;

@@ -98,10 +98,14 @@ FilterTable make_placement_table(const FilterDescription& filter) {
 FilterWeights::FilterWeights(const FilterDescription& filter) {
   const double radius = checked_radius(filter), middle = evaluate_filter(filter, 0);
   radius_ = static_cast<float>(radius);
-  steps_per_pixel_ = static_cast<float>(kSteps / radius);
-  for (int i = 0; i <= kSteps; ++i)
-    values_[i] = static_cast<float>(evaluate_filter(filter, radius * i / kSteps) / middle);
   reach_ = std::max(0, static_cast<int>(std::ceil(radius - 0.5)));
+  length_ = (2 * reach_ + kRegister) / kRegister * kRegister;
+  for (int step = 0; step <= kSteps; ++step)
+    for (int k = 0; k < length_; ++k) {
+      // As far as the radius: where values jump to zero, those before are not to be mixed with it.
+      const double x = std::fabs(k - reach_ + 0.5 - static_cast<double>(step) / kSteps);
+      values_.push_back(static_cast<float>(evaluate_filter(filter, std::min(x, radius)) / middle));
+    }
 }
 
 }  // namespace sheaf

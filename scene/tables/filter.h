@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <vector>
 
 namespace sheaf {
 
@@ -49,27 +51,43 @@ FilterTable make_placement_table(const FilterDescription& filter);
 /// A filter's values along one axis, for samples that weigh in every pixel within reach.
 class FilterWeights {
  public:
+  /// Most numbers that across() writes: those of the largest radius of make_filter_table(), 64.
+  static constexpr int kMostPixels = 136;
+
   FilterWeights() = default;
+  /// Throws like make_filter_table().
   explicit FilterWeights(const FilterDescription& filter);
 
   /// How many pixels further, along each axis, a sample may still count than in its own.
   int reach() const { return reach_; }
   /// Half of the filter's width in pixels.
   float radius() const { return radius_; }
-  /// The filter at distance `x`, at most the radius, from a pixel's centre; linear between kSteps values. The value in
-  /// the middle is 1.
-  float at(float x) const {
-    const float place = std::fabs(x) * steps_per_pixel_;
+  /// What a sample at `offset`, in [-1/2, 1/2], from its pixel's centre counts in the pixel k - reach() further, for
+  /// each `out`[k], k in [0, 2 reach()]; of those whose centres are farther away than the radius, and behind them up to
+  /// kMostPixels, anything. Linear between kSteps values per pixel. The filter's value in the middle is 1.
+  void across(float offset, double* out) const {
+    const float place = std::clamp(offset + 0.5f, 0.0f, 1.0f) * kSteps;
     const int step = std::min(static_cast<int>(place), kSteps - 1);
-    const float below = values_[static_cast<std::size_t>(step)], above = values_[static_cast<std::size_t>(step) + 1];
-    return below + std::min(place - static_cast<float>(step), 1.0f) * (above - below);
+    const float* const below = values_.data() + static_cast<std::size_t>(step) * static_cast<std::size_t>(length_);
+    const float t = place - static_cast<float>(step);
+    for (int k = 0; k < length_; k += kRegister) {
+      Floats a, b;
+      std::memcpy(&a, below + k, sizeof a);
+      std::memcpy(&b, below + length_ + k, sizeof b);
+      const Doubles values = __builtin_convertvector(a + t * (b - a), Doubles);
+      std::memcpy(out + k, &values, sizeof values);
+    }
   }
 
  private:
-  static constexpr int kSteps = 1024;
-  std::array<float, kSteps + 1> values_{};
-  float radius_ = 0, steps_per_pixel_ = 0;
-  int reach_ = 0;
+  static constexpr int kSteps = 256, kRegister = 8;
+  using Floats [[gnu::vector_size(kRegister * sizeof(float))]] = float;
+  using Doubles [[gnu::vector_size(kRegister * sizeof(double))]] = double;
+
+  /// kSteps + 1 rows of `length_` numbers: row i is that of the offset i / kSteps - 1/2.
+  std::vector<float> values_;
+  float radius_ = 0;
+  int reach_ = 0, length_ = 0;
 };
 
 }  // namespace sheaf
