@@ -107,10 +107,12 @@ function(sheaf_test_cost test)
   set_tests_properties(${test} PROPERTIES COST ${cost} TIMEOUT 900)
 endfunction()
 
-# sheaf_smoke_tests(<kind>...): benchmarks, scripts or scenes (the examples), each run once with the shortest settings.
+# sheaf_smoke_tests(<kind>... [OPTIONS <option>...]): benchmarks, scripts or scenes (the examples), each run once with the
+# shortest settings. OPTIONS: of tests/smoke/smoke.py.
 # What there is to run is found by tests/smoke/smoke.py, which fails for a script or program that it doesn't know how to
 # run.
 function(sheaf_smoke_tests)
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "OPTIONS")
   find_program(SHEAF_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Python with Debian's packages")
   find_program(SHEAF_PYTHON NAMES python3)
   if(NOT SHEAF_PYTHON)
@@ -118,9 +120,9 @@ function(sheaf_smoke_tests)
     return()
   endif()
   get_property(programs GLOBAL PROPERTY SHEAF_PROGRAMS)
-  foreach(kind IN LISTS ARGN)
+  foreach(kind IN LISTS arg_UNPARSED_ARGUMENTS)
     add_test(NAME smoke_${kind} COMMAND "${SHEAF_PYTHON}" tests/smoke/smoke.py ${kind} --build "${PROJECT_BINARY_DIR}"
-      --programs ${programs} WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+      ${arg_OPTIONS} --programs ${programs} WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
     sheaf_test_cost(smoke_${kind})
     set_tests_properties(smoke_${kind} PROPERTIES LABELS smoke)
   endforeach()

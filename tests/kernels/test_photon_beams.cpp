@@ -185,7 +185,7 @@ TEST_CASE("gather volume: registers do what single beams do; the sum is that ove
       slots.push_back(add_ray_in_medium(wide, {-1.5f + 0.15f * static_cast<float>(i), 0.3f, 2.5f}));
     WaveSnapshot(wide.wave).restore(scalar.wave);
     gather_volume<Wide>(context, wide.wave);
-    gather_volume<Scalar>(context, scalar.wave);
+    gather_volume<Single>(context, scalar.wave);
     CHECK(wide.wave.medium.empty());
     Double3 sigma;
     for (std::size_t c = 0; c < 3; ++c) sigma[c] = static_cast<double>(extinction[c]);

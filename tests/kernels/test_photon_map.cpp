@@ -118,7 +118,7 @@ TEST_CASE("gather: registers do what single photons do, and the sum is that over
       kStages<Wide>[static_cast<std::size_t>(stage)].run(context, wide.wave);
     WaveSnapshot(wide.wave).restore(scalar.wave);
     gather<Wide>(context, wide.wave);
-    gather<Scalar>(context, scalar.wave);
+    gather<Single>(context, scalar.wave);
     int lit = 0;
     for (const Slot slot : wide.wave.sorted.span()) {
       const Spectrum4 a = wide.wave.radiance.row(slot).radiance, b = scalar.wave.radiance.row(slot).radiance;

@@ -67,7 +67,8 @@ template <class L> MeanVariance sampled_radiance(const Description& d) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("resample: the same mean for any number of candidates, with less and less spread", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("resample: the same mean for any number of candidates, with less and less spread", L,
+                   SHEAF_STAGE_LANES) {
   constexpr int kTests = 3 * 4 * 2;
   for (const LightSelector selector : {LightSelector::kUniform, LightSelector::kPower, LightSelector::kBvh}) {
     double spread = kInfinity;

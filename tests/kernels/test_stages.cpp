@@ -13,7 +13,7 @@
 
 namespace sheaf::test_stages {
 
-TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within its pixel", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within its pixel", L, SHEAF_STAGE_LANES) {
   Description d = empty_scene(40, 30);
   look_at(d, {1, 2, 3}, {-1, 0, 4});
   const auto scene = compile_scene(d);
@@ -69,7 +69,8 @@ TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within
   }
 }
 
-TEST_CASE_TEMPLATE("camera rays: partial tiles leave other slots alone, and a crop changes no ray", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("camera rays: partial tiles leave other slots alone, and a crop changes no ray", L,
+                   SHEAF_STAGE_LANES) {
   Description d = empty_scene(64, 64);
   d.film.filter.kind = FilterDescription::Kind::kLanczos;
   d.integrator.max_depth = 1;
@@ -108,7 +109,7 @@ const Vec3f kForward{0, 0, 1};
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("intersect: paths go where their rays lead", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("intersect: paths go where their rays lead", L, SHEAF_STAGE_LANES) {
   const auto scene = two_squares();
   for (const int paths : kTailSizes) {
     TestWave test(paths);
@@ -146,7 +147,7 @@ TEST_CASE_TEMPLATE("intersect: paths go where their rays lead", L, Wide, Scalar)
   }
 }
 
-TEST_CASE_TEMPLATE("intersect: each side of a surface has its own material", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("intersect: each side of a surface has its own material", L, SHEAF_STAGE_LANES) {
   const auto scene = two_squares();
   const SceneView view = scene->view();
   TestWave test(2);
@@ -159,7 +160,7 @@ TEST_CASE_TEMPLATE("intersect: each side of a surface has its own material", L, 
 }
 
 TEST_CASE_TEMPLATE("intersect: rays that are not finite are dropped, counted and reported, their neighbours traced", L,
-                   Wide, Scalar) {
+                   SHEAF_STAGE_LANES) {
   const auto scene = two_squares();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<std::pair<Vec3f, Vec3f>> bad = {
@@ -189,7 +190,7 @@ TEST_CASE_TEMPLATE("intersect: rays that are not finite are dropped, counted and
   }
 }
 
-TEST_CASE_TEMPLATE("intersect: hidden lights are left to emission", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("intersect: hidden lights are left to emission", L, SHEAF_STAGE_LANES) {
   const auto scene = two_squares(true);
   TestWave test(3);
   Wave& wave = test.wave;
@@ -218,7 +219,7 @@ TEST_CASE_TEMPLATE("intersect: hidden lights are left to emission", L, Wide, Sca
   CHECK((wave.radiance.get(seen).task_sample & kTransparent) == 0);
 }
 
-TEST_CASE_TEMPLATE("camera rays: a list of pixels with samples of their own each", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("camera rays: a list of pixels with samples of their own each", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(empty_scene(10, 10));
   const std::vector<PixelSamples> pixels = {{0, 3, 0}, {57, 2, 5}, {3, 0, 1}, {98, 7, 0}, {12, 1, 40}, {99, 0, 0}};
   TestWave test(20);
@@ -240,7 +241,7 @@ TEST_CASE_TEMPLATE("camera rays: a list of pixels with samples of their own each
   CHECK(started == expected);
 }
 
-TEST_CASE_TEMPLATE("stages: empty queues are no work", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("stages: empty queues are no work", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(mixed_scene());
   TestWave test(9);
   Wave& wave = test.wave;
@@ -257,7 +258,7 @@ TEST_CASE_TEMPLATE("stages: empty queues are no work", L, Wide, Scalar) {
 }
 
 TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists that it consumes are empty after it",
-                   L, Wide, Scalar) {
+                   L, SHEAF_STAGE_LANES) {
   Description d = mixed_scene();
   add_media_and_masks(d);
   Photon photon;
@@ -331,7 +332,7 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
   }
 }
 
-TEST_CASE_TEMPLATE("debug view: normals and depth of the first surface", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("debug view: normals and depth of the first surface", L, SHEAF_STAGE_LANES) {
   Description d = empty_scene(4, 4);
   add_sphere(d, {0, 0, 5}, 2);
   for (const IntegratorKind kind : {IntegratorKind::kNormals, IntegratorKind::kDepth}) {
@@ -359,7 +360,7 @@ TEST_CASE_TEMPLATE("debug view: normals and depth of the first surface", L, Wide
   }
 }
 
-TEST_CASE_TEMPLATE("accumulate: finished paths reach their own samples, weighted", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("accumulate: finished paths reach their own samples, weighted", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(empty_scene(4, 4));
   for (const int paths : kTailSizes) {
     TestWave test(paths);
@@ -388,7 +389,8 @@ TEST_CASE_TEMPLATE("accumulate: finished paths reach their own samples, weighted
   }
 }
 
-TEST_CASE_TEMPLATE("accumulate: samples that are not finite or negative are dropped and reported", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("accumulate: samples that are not finite or negative are dropped and reported", L,
+                   SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(empty_scene(4, 4));
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<Spectrum4> bad = {{nan, 0, 0, 0}, {0, nan, 0, 0}, {0, 0, nan, 0}, {kInfinity, 0, 0, 0},
@@ -411,7 +413,7 @@ TEST_CASE_TEMPLATE("accumulate: samples that are not finite or negative are drop
   CHECK(wave.free.size() == wave.capacity);
 }
 
-TEST_CASE_TEMPLATE("stages: a recorder sees every ray", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("stages: a recorder sees every ray", L, SHEAF_STAGE_LANES) {
   struct Counter : RayRecorder {
     int nearest = 0, any = 0;
     void record(const RayPacket&, int count, Query query) override {
@@ -431,7 +433,7 @@ TEST_CASE_TEMPLATE("stages: a recorder sees every ray", L, Wide, Scalar) {
   CHECK(test.wave.free.size() == test.wave.capacity);
 }
 
-TEST_CASE_TEMPLATE("stages: the samples of a task do not depend on the size of the wave", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("stages: the samples of a task do not depend on the size of the wave", L, SHEAF_STAGE_LANES) {
   Description d = mixed_scene();
   d.integrator.max_depth = 12;
   const auto scene = compile_scene(d);

@@ -86,7 +86,7 @@ TEST_CASE("stages: registers do what single paths do, stage by stage, in both co
           WaveSnapshot(wide.wave).restore(scalar.wave);
           scalar.task.cursor = wide.task.cursor;
           kStages<Wide>[i].run(wide_context, wide.wave);
-          kStages<Scalar>[i].run(scalar_context, scalar.wave);
+          kStages<Single>[i].run(scalar_context, scalar.wave);
           CHECK(wave_difference(wide.wave, scalar.wave) < 2e-4);
         }
       double worst = 0;
@@ -130,7 +130,7 @@ TEST_CASE("stages: registers do what single photons do, stage by stage, in both 
           CAPTURE(bounce);
           WaveSnapshot(wide.wave).restore(scalar.wave);
           kStages<Wide>[i].run(wide_context, wide.wave);
-          kStages<Scalar>[i].run(scalar_context, scalar.wave);
+          kStages<Single>[i].run(scalar_context, scalar.wave);
           CHECK(wave_difference(wide.wave, scalar.wave) < 2e-4);
           CHECK(wide.photons.left() == scalar.photons.left());
         }

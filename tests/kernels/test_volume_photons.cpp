@@ -109,7 +109,7 @@ TEST_CASE("gather volume: registers do what single photons do; the sum is that o
       slots.push_back(add_ray_in_medium(wide, {-1.5f + 0.15f * static_cast<float>(i), 0.3f, 2.5f}));
     WaveSnapshot(wide.wave).restore(scalar.wave);
     gather_volume<Wide>(context, wide.wave);
-    gather_volume<Scalar>(context, scalar.wave);
+    gather_volume<Single>(context, scalar.wave);
     CHECK(wide.wave.medium.empty());
     const auto extinction = std::array{0.1, 0.2, 0.05};
     for (const Slot slot : slots) {

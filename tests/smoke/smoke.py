@@ -142,13 +142,14 @@ def check_origins(arguments, folder, failures):
 
 
 def check_scenes(arguments, folder, failures):
-    """Every scene, a few pixels in the middle, in both colour modes; those with photon maps with few photons."""
+    """Every scene, a few pixels in the middle, in both colour modes, or in turns in one; those with photon maps with few
+    photons."""
     check_origins(arguments, folder, failures)
     make_scenes(arguments, folder, failures)
     sheaf, picture, stats = arguments.build / "sheaf", folder / "picture.exr", folder / "stats.json"
-    for scene in sorted(f for kind in ("*.xml", "*.pbrt") for f in (folder / "scenes").rglob(kind)):
-        if "generated" in scene.parts:
-            continue
+    scenes = sorted(f for kind in ("*.xml", "*.pbrt") for f in (folder / "scenes").rglob(kind)
+                    if "generated" not in f.parts)
+    for i, scene in enumerate(scenes):
         name = str(scene.relative_to(folder))
         good, output = run([sheaf, "info", scene], folder)
         size = re.search(r"(\d+) x (\d+) pixels", output)
@@ -158,7 +159,7 @@ def check_scenes(arguments, folder, failures):
         x, y = int(size[1]) // 2, int(size[2]) // 2
         few = [f"-D{count}=1000" for count in ("photons", "caustic_photons", "volume_photons")
                if f'"${count}"' in scene.read_text()]
-        for color in ("rgb", "spectral"):
+        for color in [("rgb", "spectral")[i % 2]] if arguments.one_color else ("rgb", "spectral"):
             good, output = run([sheaf, "render", scene, "-o", picture, "--spp", "1", "--color", color, "--crop",
                                 f"{x - 12},{y - 8},{x + 12},{y + 8}", "--stats", stats, "--quiet", *few], folder)
             if not good:
@@ -269,6 +270,7 @@ def main():
     kinds = {"scenes": check_scenes, "scripts": check_scripts, "benchmarks": check_benchmarks}
     parser.add_argument("kind", choices=kinds)
     parser.add_argument("--build", type=lambda p: Path(p).resolve(), default=ROOT / "build/release")
+    parser.add_argument("--one-color", action="store_true", help="scenes in RGB and spectral mode in turns, not in both")
     parser.add_argument("--programs", nargs="*", default=[], help="what is built besides tests")
     arguments = parser.parse_args()
     failures = Failures()

@@ -8,6 +8,7 @@
 #include "scene/compile/compile.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/records_testing.h"
+#include "tests/support/stage_lanes.h"
 #include "tests/support/tiny_scenes.h"
 
 #include <doctest/doctest.h>

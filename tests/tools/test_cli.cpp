@@ -450,7 +450,8 @@ TEST_CASE("an interrupted render writes what there is and says so") {
   for (const auto& [name, code] : {std::pair{"INT", 130}, std::pair{"TERM", 143}, std::pair{"HUP", 129}}) {
     CAPTURE(std::string(name));
     const std::string kill = "(sleep 2; kill -" + std::string(name) + " $$) & exec ";
-    write_bytes(folder / "go.sh", kill + SHEAF_EXECUTABLE " render scene.xml -o out.exr -D size=512 --spp 16000000\n");
+    write_bytes(folder / "go.sh",
+                kill + SHEAF_EXECUTABLE " render scene.xml -o out.exr -D size=512 --spp 16000000 --threads 1\n");
     // The script becomes the renderer, since shells start background jobs with SIGINT ignored.
     const int status = std::system(("cd '" + folder.path().string() + "' && bash go.sh >log.txt 2>&1").c_str());
     REQUIRE(WIFEXITED(status));
@@ -474,7 +475,8 @@ TEST_CASE("a second signal ends a render that does not come to a stop") {
   for (const auto& [first, second, code] : {Signals{"TERM", "TERM", 143}, {"INT", "TERM", 143}, {"HUP", "INT", 130}}) {
     CAPTURE(std::string(first));
     write_bytes(folder / "go.sh", "(sleep 1.5; kill -" + std::string(first) + " $$; sleep 0.5; kill -" + second +
-                                      " $$) & exec " SHEAF_EXECUTABLE " render scene.xml -o out.exr --spp 65536\n");
+                                      " $$) & exec " SHEAF_EXECUTABLE
+                                      " render scene.xml -o out.exr --spp 65536 --threads 1\n");
     const int status = std::system(("cd '" + folder.path().string() +
                                     "' && timeout -s KILL 60 bash go.sh >log.txt 2>&1; exit $?").c_str());
     REQUIRE(WIFEXITED(status));

@@ -37,8 +37,8 @@ constexpr const char* kScene = R"(<scene version="3.0.0">
   <shape type="sphere"><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>
   <emitter type="constant"><rgb name="radiance" value="0.2, 0.5, 1.5"/></emitter>
 </scene>)";
-/// So many that no test waits for them.
-constexpr const char* kEndless = " --spp 16000000";
+/// So many that no test waits for them; other tests run beside.
+constexpr const char* kEndless = " --spp 16000000 --threads 1";
 
 void pause_for(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
@@ -209,7 +209,7 @@ TEST_CASE("clients that are slow, silent, or talk nonsense hold up neither the r
 }
 
 TEST_CASE("who looks gets the finished picture, and its bytes are those of a render that nobody looks at") {
-  const std::string arguments = " --spp 10000 --no-timestamps";
+  const std::string arguments = " --spp 5000 --threads 1 --no-timestamps";
   Render alone(arguments);
   REQUIRE(alone.end() == 0);
   Render render("--serve 0" + arguments);
@@ -230,7 +230,7 @@ TEST_CASE("who looks gets the finished picture, and its bytes are those of a ren
   CHECK(render.end() == 0);
   CHECK(last["state"] == "done");
   CHECK(last["fraction"] == 1.0);
-  CHECK(last["report"]["samples"] == 48 * 32 * 10000);
+  CHECK(last["report"]["samples"] == 48 * 32 * 5000);
   CHECK(pictures >= 2);
   write_bytes(render.file("seen.png"), picture);
   CHECK(read_image(render.file("seen.png")).data == read_image(render.file("out.png")).data);
@@ -321,7 +321,7 @@ struct Viewer {
 TEST_CASE("tev gets the picture while it is rendered, and in the end the pixels of the file") {
   for (const char* crop : {"", " --crop 3,5,40,31"}) {
     const LoopbackSocket server = LoopbackSocket::listen();
-    Render render("--tev 127.0.0.1:" + std::to_string(server.port()) + " --spp 12000 --float" + crop);
+    Render render("--tev 127.0.0.1:" + std::to_string(server.port()) + " --spp 6000 --threads 1 --float" + crop);
     const LoopbackSocket connection = server.accept();
     REQUIRE(connection.is_open());
     Viewer viewer;
