@@ -114,7 +114,7 @@ void add_transport_options(Command& command, RenderArguments& arguments) {
   command
       .add_option("--rr-depth", arguments.rr_depth,
                   "Depth from which on Russian roulette ends paths that carry little. Default: the scene's, else 2; 5 "
-                  "for ptracer and photonmapper")
+                  "in scenes with media, and for ptracer and photonmapper")
       .in_range(1, 1'000'000);
 }
 

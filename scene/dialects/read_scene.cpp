@@ -65,7 +65,9 @@ void check_frame(int width, int height, const SourceLocation& where) {
                                 " pixels, expected at most 10^9");
 }
 
-Description read_scene(const std::filesystem::path& file, const ReadOptions& options) {
+namespace {
+
+Description read_format(const std::filesystem::path& file, const ReadOptions& options) {
   if (const auto format = model_format(file)) return read_model(file, *format, options.view);
   if (file.extension() == ".pbrt" || file.string().ends_with(".pbrt.gz")) {
     if (!options.defines.empty())
@@ -100,6 +102,17 @@ Description read_scene(const std::filesystem::path& file, const ReadOptions& opt
   expand_obj_materials(description, options.lenient);
   if (context.frames_scene) frame_box(read_bounds(description, options.lenient), options.view, description);
   if (options.lenient) light_what_is_dark(description);
+  return description;
+}
+
+}  // namespace
+
+Description read_scene(const std::filesystem::path& file, const ReadOptions& options) {
+  Description description = read_format(file, options);
+  // Early roulette was found to pay among surfaces. In media that take much light at every vertex it makes rare samples
+  // that are worth many.
+  std::optional<int>& rr_depth = description.integrator.rr_depth;
+  if (!description.media.empty() && !rr_depth) rr_depth = kOtherRouletteDepth;
   return description;
 }
 

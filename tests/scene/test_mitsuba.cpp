@@ -172,6 +172,18 @@ TEST_CASE("Mitsuba: sensors with a lens and without perspective") {
   CHECK(parallel.camera.far_clip == 10'000);
 }
 
+TEST_CASE("Mitsuba: roulette starts later in scenes with media") {
+  const std::string ball = "<shape type='sphere'><medium name='interior' type='homogeneous'/>";
+  for (const bool media : {false, true})
+    for (const bool said : {false, true}) {
+      const std::string integrator = std::string("<integrator type='volpath'>") +
+                                     (said ? "<integer name='rr_depth' value='4'/>" : "") + "</integrator>";
+      const Description d = read_text(mitsuba_scene(media ? ball + "</shape>" : "<shape type='sphere'/>",
+                                                    "<sensor type='perspective'/>", integrator));
+      CHECK(d.integrator.roulette_depth() == (said ? 4 : media ? 5 : 2));
+    }
+}
+
 TEST_CASE("Mitsuba: integrators") {
   const Description d = with_integrator(
       "<integrator type='moment'><integrator type='aov'><string name='aovs' value='d:depth'/><integrator type='path'>"
