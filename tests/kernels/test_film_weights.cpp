@@ -37,9 +37,10 @@ Drawn draw_sample(int x, int y, std::uint32_t sample) {
 
 const FilmLayout kLayout({{"R", true}, {"G", false}});
 
-/// All samples of all replicates, a replicate after the other, by squares of `side` pixels.
-Film film_by_tiles(const FilterWeights& weights, const PixelRect& crop, int side, VarianceUnit unit) {
-  Film film(kFrameWidth, kFrameHeight, crop, kLayout, 3, unit);
+/// All samples of all replicates, a replicate after the other, by squares of `side` pixels. `bins`: spectral ones, 3 or
+/// none; pixels without are added in another way.
+Film film_by_tiles(const FilterWeights& weights, const PixelRect& crop, int side, VarianceUnit unit, int bins = 3) {
+  Film film(kFrameWidth, kFrameHeight, crop, kLayout, bins, unit);
   const PixelRect wanted = crop.grown(weights.reach()).intersection({0, 0, kFrameWidth, kFrameHeight});
   for (std::uint32_t replicate = 0; replicate < kReplicates; ++replicate) {
     std::vector<FilmBorder> borders;
@@ -49,14 +50,14 @@ Film film_by_tiles(const FilterWeights& weights, const PixelRect& crop, int side
         FilmTile tile;
         film.begin(tile, own, &weights);
         SampleBuffer samples;
-        samples.resize(kPerReplicate, kLayout.size(), true);
+        samples.resize(kPerReplicate, kLayout.size(), bins > 0);
         for (int y = pixels.y0; y < pixels.y1; ++y)
           for (int x = pixels.x0; x < pixels.x1; ++x)
             for (std::uint32_t i = 0; i < kPerReplicate; ++i) {
               const Drawn drawn = draw_sample(x, y, replicate * kPerReplicate + i);
               samples.offset(i) = drawn.offset;
               std::memcpy(samples[i], drawn.values, sizeof drawn.values);
-              samples.spectrum(i) = {{0, 1, 1, 2}, {drawn.values[0], 0.5f, 0.25f, drawn.values[1]}};
+              if (bins > 0) samples.spectrum(i) = {{0, 1, 1, 2}, {drawn.values[0], 0.5f, 0.25f, drawn.values[1]}};
               tile.add(x, y, samples, i);
             }
         film.add(tile);
@@ -109,9 +110,11 @@ TEST_CASE("weighted film: means and variances are those of all samples under the
   for (const FilterDescription& filter : filters) {
     CAPTURE(static_cast<int>(filter.kind));
     const FilterWeights weights(filter);
-    for (const VarianceUnit unit : {VarianceUnit::kSample, VarianceUnit::kReplicate}) {
-      const Image image = film_by_tiles(weights, {0, 0, kFrameWidth, kFrameHeight}, 8, unit).to_image();
-      REQUIRE(image.channels.size() == 4 + 3);
+    for (const auto& [unit, bins] :
+         {std::pair{VarianceUnit::kSample, 3}, {VarianceUnit::kReplicate, 3}, {VarianceUnit::kReplicate, 0}}) {
+      CAPTURE(bins);
+      const Image image = film_by_tiles(weights, {0, 0, kFrameWidth, kFrameHeight}, 8, unit, bins).to_image();
+      REQUIRE(image.channels.size() == static_cast<std::size_t>(4 + bins));
       for (const auto& [x, y] : {std::pair{0, 0}, {7, 7}, {8, 8}, {22, 16}, {15, 3}, {10, 16}}) {
         const Expected expected = expected_at(filter, x, y, unit);
         CHECK(image.at(x, y, 0) == doctest::Approx(expected.means[0]).epsilon(1e-4));
@@ -119,7 +122,7 @@ TEST_CASE("weighted film: means and variances are those of all samples under the
         CHECK(image.at(x, y, 2) == doctest::Approx(expected.variance).epsilon(1e-3));
         CHECK(image.at(x, y, 3) == kReplicates * kPerReplicate);
         // The second bin has 0.5 + 0.25 of every sample, and a width of 470 / 3 nm.
-        CHECK(image.at(x, y, 5) == doctest::Approx(0.75 / (470.0 / 3)).epsilon(1e-5));
+        if (bins > 0) CHECK(image.at(x, y, 5) == doctest::Approx(0.75 / (470.0 / 3)).epsilon(1e-5));
       }
     }
   }
