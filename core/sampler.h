@@ -8,10 +8,12 @@ namespace sheaf {
 
 /// Blocks of four dimensions. Camera comes once per path, the others once per path event (interaction).
 enum class SampleBlock : std::uint32_t {
-  kCamera,    ///< x, y: position in the pixel; z, w: position on the lens, without which z: the wavelengths
-  kLight,     ///< x: which light; y, z: point on it; w: which part of it
-  kScatter,   ///< x: which lobe; y, z: direction; w: roulette
-  kSelect,    ///< x: which part of a composite material, spread together with kScatter by kSobol and kZSobol
+  kCamera,   ///< x, y: position in the pixel; z, w: position on the lens, without which z: the wavelengths
+  kLight,    ///< x: which light; y, z: point on it; w: which part of it
+  kScatter,  ///< x: which lobe; y, z: direction; w: roulette
+  /// x: which part of a composite material, spread together with kScatter by kSobol and kZSobol; y: how far the path
+  /// goes in a medium, or to its first collision there; z: the same of a shadow ray
+  kSelect,
   kResample,  ///< x: which of several light candidates
   kCount,
   /// x: the wavelengths with a lens; once per path, at event 0: what kCamera would have at event 1.
