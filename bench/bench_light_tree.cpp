@@ -97,7 +97,7 @@ template <class L> void sample(benchmark::State& state, std::uint32_t count) {
   report(state, tree, items.light);
 }
 
-/// Many candidates for each point, as resampling asks for, which share the upper turns; per candidate.
+/// Many candidates for each point, as resampling asks for, which share the upper turns and walk in twos; per candidate.
 template <class L> void candidates(benchmark::State& state, std::uint32_t count) {
   constexpr int kCandidates = 32;
   const LightTree tree = build_light_tree(room_lights(count));
@@ -107,12 +107,19 @@ template <class L> void candidates(benchmark::State& state, std::uint32_t count)
     for (int i = 0; i < kItems / kCandidates; i += L::width) {
       const Vec3<L> p = load_vector<L>(items.p, i), n = load_vector<L>(items.n, i);
       const auto top = light_tree_top<L>(view, p, n, Mask<L>(true));
-      for (int k = i * kCandidates; k < (i + L::width) * kCandidates; k += L::width) {
-        Float<L> u;
-        load(items.u + k, u);
-        const auto choice = sample_light_tree<L>(view, top, p, n, Mask<L>(true), u);
-        store(items.out + k, choice.probability);
-        store(items.light + k, choice.light);
+      for (int k = i * kCandidates; k < (i + L::width) * kCandidates; k += 2 * L::width) {
+        LightTreeWalk<L> walks[2];
+        for (int j = 0; j < 2; ++j) {
+          Float<L> u;
+          load(items.u + k + j * L::width, u);
+          walks[j] = begin_light_walk<L>(view, top, p, n, Mask<L>(true), u);
+        }
+        LightTreeSample<L> choices[2];
+        end_light_walks<L>(view, walks, choices);
+        for (int j = 0; j < 2; ++j) {
+          store(items.out + k + j * L::width, choices[j].probability);
+          store(items.light + k + j * L::width, choices[j].light);
+        }
       }
     }
     benchmark::ClobberMemory();

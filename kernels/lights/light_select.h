@@ -32,29 +32,39 @@ inline float infinite_light_share(const SceneView& scene) {
 
 namespace light_select_detail {
 
-template <class L>
-SHEAF_INLINE LightChoice<L> choose_by_bvh(const SceneView& scene, const LightReceiver<L>& at, typename L::Float u,
-                                          const LightTreeTop<L>* top) {
+template <class L, int N>
+SHEAF_INLINE void choose_by_bvh(const SceneView& scene, const LightReceiver<L> (&at)[N],
+                                const typename L::Float (&u)[N], const LightTreeTop<L>* tops,
+                                LightChoice<L> (&choices)[N]) {
   using F = typename L::Float;
   using U = typename L::Uint;
-  const auto in_tree = [&](F number) SHEAF_LAMBDA_INLINE -> LightTreeSample<L> {
-    if (top != nullptr) return sample_light_tree<L>(scene.light_tree, *top, at.p, at.n, Mask<L>(true), number);
-    return sample_light_tree<L>(scene.light_tree, at.p, at.n, Mask<L>(true), number);
-  };
   const std::uint32_t infinite = infinite_light_count(scene);
-  if (infinite == 0) {
-    const auto s = in_tree(u);
-    return {s.light, s.probability};
-  }
   const float share = infinite_light_share(scene);
   const auto count = static_cast<float>(infinite);
-  const U far = U(scene.bounded_light_count) + min(to_uint(u * F(count / share)), U(infinite - 1));
-  const F far_probability(share / count);
-  if (scene.bounded_light_count == 0) return {far, far_probability};
-  const auto is_far = u < F(share);
-  const F rest = clamp((u - F(share)) * F(1.0f / (1.0f - share)), F(0.0f), F(kOneMinusEpsilon));
-  const auto near = in_tree(rest);
-  return {select(is_far, far, near.light), select(is_far, far_probability, near.probability * F(1.0f - share))};
+  const F far_probability(infinite > 0 ? share / count : 0.0f);
+  const auto far = [&](F number) SHEAF_LAMBDA_INLINE {
+    return U(scene.bounded_light_count) + min(to_uint(number * F(count / share)), U(infinite - 1));
+  };
+  if (scene.bounded_light_count == 0) {
+    for (int i = 0; i < N; ++i) choices[i] = {far(u[i]), far_probability};
+    return;
+  }
+  LightTreeWalk<L> walks[N];
+  for (int i = 0; i < N; ++i) {
+    const F number =
+        infinite == 0 ? u[i] : clamp((u[i] - F(share)) * F(1.0f / (1.0f - share)), F(0.0f), F(kOneMinusEpsilon));
+    walks[i] = tops != nullptr ? begin_light_walk<L>(scene.light_tree, tops[i], at[i].p, at[i].n, Mask<L>(true), number)
+                               : begin_light_walk<L>(at[i].p, at[i].n, Mask<L>(true), number);
+  }
+  LightTreeSample<L> near[N];
+  end_light_walks<L>(scene.light_tree, walks, near);
+  for (int i = 0; i < N; ++i) {
+    choices[i] = {near[i].light, near[i].probability};
+    if (infinite == 0) continue;
+    const auto is_far = u[i] < F(share);
+    choices[i] = {select(is_far, far(u[i]), near[i].light),
+                  select(is_far, far_probability, near[i].probability * F(1.0f - share))};
+  }
 }
 
 template <class L>
@@ -78,22 +88,39 @@ template <class L> SHEAF_INLINE LightChoice<L> choose_light_by_power(const Scene
   return {entry.index, entry.pdf};
 }
 
-/// Chooses a light by u in [0, 1), as SceneView::light_selector says. The scene must have lights. `top`: what
-/// light_tree_top() says of the receiver, if that is known already; the choice is the same.
-template <class L>
-SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightReceiver<L>& at, typename L::Float u,
-                                         const LightTreeTop<L>* top = nullptr) {
+/// Whether the choice depends on the receiver.
+inline bool chooses_by_place(const SceneView& scene) {
+  return scene.light_count > 1 && scene.light_selector == LightSelector::kBvh;
+}
+
+/// Chooses a light for each receiver by its u in [0, 1), as SceneView::light_selector says. The scene must have lights.
+/// Receivers may be anything unless chooses_by_place(). `tops`: what light_tree_top() says of them, if that is known
+/// already, or null; the choice is the same.
+/// Several choices at once cost less than one after the other.
+template <class L, int N>
+SHEAF_INLINE void choose_lights(const SceneView& scene, const LightReceiver<L> (&at)[N],
+                                const typename L::Float (&u)[N], const LightTreeTop<L>* tops,
+                                LightChoice<L> (&choices)[N]) {
   using F = typename L::Float;
   using U = typename L::Uint;
-  if (scene.light_count == 1) return {U(0u), F(1.0f)};
   const auto count = static_cast<float>(scene.light_count);
-  switch (scene.light_selector) {
-    case LightSelector::kUniform:
-      return {min(to_uint(u * F(count)), U(scene.light_count - 1)), F(1.0f / count)};
-    case LightSelector::kPower: return choose_light_by_power<L>(scene, u);
-    case LightSelector::kBvh: break;
+  if (chooses_by_place(scene)) return light_select_detail::choose_by_bvh<L>(scene, at, u, tops, choices);
+  for (int i = 0; i < N; ++i) {
+    if (scene.light_count == 1)
+      choices[i] = {U(0u), F(1.0f)};
+    else if (scene.light_selector == LightSelector::kPower)
+      choices[i] = choose_light_by_power<L>(scene, u[i]);
+    else
+      choices[i] = {min(to_uint(u[i] * F(count)), U(scene.light_count - 1)), F(1.0f / count)};
   }
-  return light_select_detail::choose_by_bvh<L>(scene, at, u, top);
+}
+
+/// Chooses a light for one receiver.
+template <class L>
+SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightReceiver<L>& at, typename L::Float u) {
+  LightChoice<L> choice[1];
+  choose_lights<L, 1>(scene, {at}, {u}, nullptr, choice);
+  return choice[0];
 }
 
 /// The probability with which choose_light finds `light`.

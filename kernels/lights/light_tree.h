@@ -28,6 +28,8 @@ inline constexpr float kLeastCosine = 1e-3f;
 /// Where several children may contribute, each is drawn with at least this probability. Uniform numbers of 24 bits can
 /// still choose it, and products over many levels do not underflow.
 inline constexpr float kLeastTurn = 0x1p-20f;
+/// Draws keep this far from the end of what there is to draw from.
+inline constexpr float kLast = 1.0f - 0x1p-22f;
 /// Squared distances are kept in this range, which keeps their products finite.
 inline constexpr float kNearSquared = 1e-18f, kFarSquared = 1e18f;
 
@@ -86,21 +88,26 @@ template <class L> SHEAF_INLINE NodeWords<L> broadcast(const LightNodeRow& row, 
   return node;
 }
 
-/// 1 / sqrt(x) for positive x that is far from the ends of the range, with an error below 1e-5 of it; the same in all
-/// lanes. Two of Newton's steps from a guess by the exponent; a square root and a division would take longer.
+/// 1 / sqrt(x) for positive x that is far from the ends of the range, with an error below 1.7e-5 of it; the same in all
+/// lanes. A guess g by the exponent times a polynomial in x g^2, the one with the least error in the worst place. A
+/// square root and a division would take longer, and so would two of Newton's steps.
 template <class L> SHEAF_INLINE Float<L> inverse_sqrt(typename L::Float x) {
   using F = Float<L>;
-  const F minus_half = x * F(-0.5f);
-  F y = bits_float(Uint<L>(0x5f375a86u) - (float_bits(x) >> 1));
-  y = y * fma(minus_half * y, y, F(1.5f));
-  return y * fma(minus_half * y, y, F(1.5f));
+  const F guess = bits_float(Uint<L>(0x5f200000u) - (float_bits(x) >> 1)), r = x * guess * guess;
+  return guess * fma(fma(F(0.6630861f), r, F(-1.76082021f)), r, F(2.10231116f));
 }
+
+/// What a child may contribute.
+template <class L> struct Importance {
+  typename L::Float weight;  ///< 0 unless it shines
+  Mask<L> shines;            ///< whether it may contribute at all
+};
 
 /// Bounds of cosines instead of the largest ones: for a sphere of radius r around a point at distance D, under an angle
 /// i, no direction to it has a larger cosine than cos i + r / D, as cos(i - b) <= cos i + sin b; and the same with the
 /// cone of normals at the other end, where the sine of the angle w from its axis is at most 1 - (cos w)^2 / 2.
 /// `child.center`: from the receiver.
-template <class L> SHEAF_INLINE Float<L> importance(const LightChild<L>& child, const Receiver<L>& at) {
+template <class L> SHEAF_INLINE Importance<L> importance(const LightChild<L>& child, const Receiver<L>& at) {
   using F = Float<L>;
   const Vec3<L> d = child.center;
   const F squared = clamp(dot(d, d), F(kNearSquared), F(kFarSquared)), inverse = inverse_sqrt<L>(squared);
@@ -115,7 +122,8 @@ template <class L> SHEAF_INLINE Float<L> importance(const LightChild<L>& child, 
   using U = Uint<L>;
   const F nearest = min(inverse, bits_float(U(0x7ef311c7u) - min(float_bits(child.radius), U(0x501502f9u))));
   const F weight = child.share * (nearest * nearest) * (clamp(cos_light, least, one) * min(cos_receiver, one));
-  return select(cos_light + child.reach > one, weight, F(0.0f));
+  const auto shines = cos_light + child.reach > one;
+  return {select(shines, weight, F(0.0f)), shines};
 }
 
 /// The ways on from a node, as weights of which only the ratio counts.
@@ -127,13 +135,14 @@ template <class L> struct Turn {
 
 template <class L> SHEAF_INLINE Turn<L> turn(const NodeWords<L>& node, const Receiver<L>& at) {
   using F = Float<L>;
-  const F zero(0.0f);
-  Turn<L> way{{importance<L>(unpack_light_child<L, 0>(node.words), at),
-               importance<L>(unpack_light_child<L, 1>(node.words), at),
-               importance<L>(unpack_light_child<L, 2>(node.words), at),
-               importance<L>(unpack_light_child<L, 3>(node.words), at)}};
-  const F least = way.sum() * F(kLeastTurn);
-  for (F& weight : way.weights) weight = select(weight > zero, max(weight, least), zero);
+  const Importance<L> children[kLightChildren] = {
+      importance<L>(unpack_light_child<L, 0>(node.words), at), importance<L>(unpack_light_child<L, 1>(node.words), at),
+      importance<L>(unpack_light_child<L, 2>(node.words), at), importance<L>(unpack_light_child<L, 3>(node.words), at)};
+  const F least =
+      ((children[0].weight + children[1].weight) + (children[2].weight + children[3].weight)) * F(kLeastTurn);
+  Turn<L> way;
+  for (int k = 0; k < kLightChildren; ++k)
+    way.weights[k] = select(children[k].shines, max(children[k].weight, least), F(0.0f));
   return way;
 }
 
@@ -167,13 +176,14 @@ template <class L> struct Descent {
     using F = Float<L>;
     using U = Uint<L>;
     const auto& w = way.weights;
-    const F zero(0.0f), sum = way.sum(), here = rest * sum;
-    const F first = w[0], two = first + w[1], three = two + w[2];
+    const F sum = way.sum(), first = w[0], two = first + w[1], three = two + w[2];
     const F borders[3] = {whole * first, whole * two, whole * three};
+    // Before the end, whatever the rounding: so a child without weight is always passed over for a later one.
+    const F here = min(rest, whole * F(kLast)) * sum;
     F border(0.0f), taken = first;
     U child(0u);
     for (std::uint32_t k = 1; k < kLightChildren; ++k) {
-      const auto beyond = (here >= borders[k - 1]) & (w[k] > zero);
+      const auto beyond = here >= borders[k - 1];
       border = select(beyond, borders[k - 1], border);
       taken = select(beyond, w[k], taken);
       child = select(beyond, U(k), child);
@@ -188,29 +198,59 @@ template <class L> struct Descent {
   }
 };
 
-/// Goes on from `place` in the lanes of `active`, to a leaf.
-template <class L>
-SHEAF_INLINE LightTreeSample<L> descend(const LightTreeView& tree, const Receiver<L>& at, Descent<L> way,
-                                        typename L::Uint place) {
+}  // namespace light_tree_detail
+
+/// A draw that is on its way down a light tree; see end_light_walks().
+template <class L> struct LightTreeWalk {
+  light_tree_detail::Receiver<L> at;
+  light_tree_detail::Descent<L> way;
+  typename L::Uint place;  ///< where it stands
+};
+
+/// Walks to the ends, all of them together: a walk waits for each of its steps, and meanwhile the others go on. The
+/// tree must have lights.
+template <class L, int N>
+SHEAF_INLINE void end_light_walks(const LightTreeView& tree, LightTreeWalk<L> (&walks)[N],
+                                  LightTreeSample<L> (&samples)[N]) {
+  using namespace light_tree_detail;
   using F = Float<L>;
   using U = Uint<L>;
-  auto active = ((place & U(kLightLeaf)) == U(0u)) & way.possible();
-  while (any(active)) {
-    const U index = select(active, place, U(0u));
-    const NodeWords<L> node = load_node<L>(tree, index, at);
-    const U child = way.take(turn<L>(node, at), active);
-    place = select(active, place_of_child<L>(node, index, child), place);
-    active = active & ((place & U(kLightLeaf)) == U(0u)) & way.possible();
+  const auto goes_on = [](const LightTreeWalk<L>& walk) SHEAF_LAMBDA_INLINE {
+    return ((walk.place & U(kLightLeaf)) == U(0u)) & walk.way.possible();
+  };
+  Mask<L> active[N];
+  const auto goes_any_on = [&]() SHEAF_LAMBDA_INLINE {
+    for (int i = 0; i < N; ++i) active[i] = goes_on(walks[i]);
+    Mask<L> all = active[0];
+    for (int i = 1; i < N; ++i) all = all | active[i];
+    return any(all);
+  };
+  while (goes_any_on()) {
+    for (int i = 0; i < N; ++i) {
+      LightTreeWalk<L>& walk = walks[i];
+      const U index = select(active[i], walk.place, U(0u));
+      const NodeWords<L> node = load_node<L>(tree, index, walk.at);
+      const U child = walk.way.take(turn<L>(node, walk.at), active[i]);
+      walk.place = select(active[i], place_of_child<L>(node, index, child), walk.place);
+    }
   }
-  const auto valid = way.possible();
-  const F remapped = clamp(way.rest / select(valid, way.whole, F(1.0f)), F(0.0f), F(kOneMinusEpsilon));
   constexpr std::uint32_t kRowWords = sizeof(LightNodeRow) / sizeof(std::uint32_t);
-  const U leaf = select(valid, place & U(~kLightLeaf), U(0u));
-  const U light = gather(tree.nodes->lights, (leaf >> 2) * U(kRowWords) + (leaf & U(3u)));
-  return {select(valid, light, U(0u)), select(valid, way.chosen / way.offered, F(0.0f)), remapped, valid};
+  for (int i = 0; i < N; ++i) {
+    const Descent<L>& way = walks[i].way;
+    const auto valid = way.possible();
+    const F remapped = clamp(way.rest / select(valid, way.whole, F(1.0f)), F(0.0f), F(kOneMinusEpsilon));
+    const U leaf = select(valid, walks[i].place & U(~kLightLeaf), U(0u));
+    const U light = gather(tree.nodes->lights, (leaf >> 2) * U(kRowWords) + (leaf & U(3u)));
+    samples[i] = {select(valid, light, U(0u)), select(valid, way.chosen / way.offered, F(0.0f)), remapped, valid};
+  }
 }
 
-}  // namespace light_tree_detail
+/// Begins the draw of sample_light_tree().
+template <class L>
+SHEAF_INLINE LightTreeWalk<L> begin_light_walk(Vec3<L> p, Vec3<L> n, Mask<L> has_normal, typename L::Float u) {
+  using namespace light_tree_detail;
+  return {make_receiver<L>(p, n, has_normal), Descent<L>::at_root(u), Uint<L>(0u)};
+}
 
 /// Draws a light for the point `p` by `u` in [0, 1). `n`: unit normal for shading; light on either side of it counts.
 /// A zero `n` or `has_normal` false stands for a point in a medium. Every light that can shine on `p` has a positive
@@ -218,10 +258,11 @@ SHEAF_INLINE LightTreeSample<L> descend(const LightTreeView& tree, const Receive
 template <class L>
 SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, Vec3<L> p, Vec3<L> n, Mask<L> has_normal,
                                                   typename L::Float u) {
-  using namespace light_tree_detail;
-  using F = Float<L>;
-  if (tree.node_count == 0) return {Uint<L>(0u), F(0.0f), u, Mask<L>(false)};
-  return descend<L>(tree, make_receiver<L>(p, n, has_normal), Descent<L>::at_root(u), Uint<L>(0u));
+  if (tree.node_count == 0) return {Uint<L>(0u), Float<L>(0.0f), u, Mask<L>(false)};
+  LightTreeWalk<L> walk[1] = {begin_light_walk<L>(p, n, has_normal, u)};
+  LightTreeSample<L> sample[1];
+  end_light_walks<L>(tree, walk, sample);
+  return sample[0];
 }
 
 /// The upper turns for one receiver, which all its candidates have in common.
@@ -259,10 +300,10 @@ SHEAF_INLINE LightTreeTop<L> light_tree_top(const LightTreeView& tree, Vec3<L> p
   return top;
 }
 
-/// Draws what sample_light_tree() draws for the same point, of which `top` was made, to rounding.
+/// The same as without `top`, to rounding, which was made of the same point.
 template <class L>
-SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, const LightTreeTop<L>& top, Vec3<L> p,
-                                                  Vec3<L> n, Mask<L> has_normal, typename L::Float u) {
+SHEAF_INLINE LightTreeWalk<L> begin_light_walk(const LightTreeView& tree, const LightTreeTop<L>& top, Vec3<L> p,
+                                               Vec3<L> n, Mask<L> has_normal, typename L::Float u) {
   using namespace light_tree_detail;
   using F = Float<L>;
   using U = Uint<L>;
@@ -285,7 +326,7 @@ SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, con
   }
   const U second = take(below);
   const U place = gather(tree.top, (first << 2) + second + U(kLightTopTurns));
-  return descend<L>(tree, make_receiver<L>(p, n, has_normal), way, place);
+  return {make_receiver<L>(p, n, has_normal), way, place};
 }
 
 /// The probability with which sample_light_tree() draws `light` for the same point and normal; 0 in lanes that are not

@@ -13,36 +13,56 @@ namespace sheaf {
 
 namespace {
 
-/// The upper turns in the light tree, which a vertex' first candidate leaves to the others.
+/// How many registers of vertices choose their lights together.
+constexpr int kTogether = 2;
+
+/// What a register of vertices needs for one candidate each.
+template <class L> struct CandidateTile {
+  const Slot* slots;
+  int column;
+  Random4<L> u;
+};
+
+/// The lights of tiles side by side. A vertex' first candidate leaves the upper turns in the light tree to the others.
 template <class L>
-SHEAF_INLINE LightTreeTop<L> shared_turns(const StageContext& context, Wave& wave, int column,
-                                          const LightReceiver<L>& at, bool is_first) {
-  if (!is_first) return wave.light_tops.load<L>(column);
-  const auto top = light_tree_top<L>(context.scene.light_tree, at.p, at.n, Mask<L>(true));
-  wave.light_tops.store<L>(column, top);
-  return top;
+SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const CandidateTile<L> (&tiles)[kTogether],
+                             bool is_first, bool in_medium, bool mapped_parts, LightChoice<L> (&choices)[kTogether]) {
+  LightReceiver<L> at[kTogether];
+  LightTreeTop<L> tops[kTogether];
+  Float<L> u[kTogether];
+  for (int i = 0; i < kTogether; ++i) {
+    u[i] = tiles[i].u.x;
+    if (!chooses_by_place(context.scene)) continue;
+    const int column = tiles[i].column;
+    const auto item = wave.vertices.load<L>(column);
+    const Vec3<L> ns =
+        mapped_parts ? receiver_normal<L>(context.scene, wave, tiles[i].slots, column, item.ns) : item.ns;
+    at[i] = in_medium ? LightReceiver<L>{item.p, {}} : surface_receiver<L>(item.p, ns);
+    if (!wave.needs.light_tops) continue;
+    if (!is_first) {
+      tops[i] = wave.light_tops.load<L>(column);
+    } else {
+      tops[i] = light_tree_top<L>(context.scene.light_tree, at[i].p, at[i].n, Mask<L>(true));
+      wave.light_tops.store<L>(column, tops[i]);
+    }
+  }
+  choose_lights<L>(context.scene, at, u, wave.needs.light_tops ? tops : nullptr, choices);
 }
 
 /// `in_medium`: the vertices scatter to all sides and have no normal.
 template <class L, ColorMode Mode>
-SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const Slot* slots, int column,
-                                 const Random4<L>& u, bool is_first, bool in_medium, bool mapped_parts) {
+SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const CandidateTile<L>& tile,
+                                 const LightChoice<L>& choice, bool in_medium) {
   using F = Float<L>;
-  const auto item = wave.vertices.load<L>(column);
-  const Vec3<L> ns = mapped_parts ? receiver_normal<L>(context.scene, wave, slots, column, item.ns) : item.ns;
-  const LightReceiver<L> at = in_medium ? LightReceiver<L>{item.p, {}} : surface_receiver<L>(item.p, ns);
-  LightTreeTop<L> top;
-  if (wave.needs.light_tops) top = shared_turns<L>(context, wave, column, at, is_first);
-  const LightChoice<L> choice = choose_light<L>(context.scene, at, u.x, wave.needs.light_tops ? &top : nullptr);
-  const LightSample<L> light =
-      sample_light<L, Mode>(context.scene, item.p, choice, u, shading_wavelengths<L, Mode>(wave, slots));
+  const LightSample<L> light = sample_light<L, Mode>(context.scene, wave.vertices.load<L>(tile.column).p, choice,
+                                                     tile.u, shading_wavelengths<L, Mode>(wave, tile.slots));
   LightCandidate<L> out;
   out.direction = light.direction;
   out.target = light.target;
   out.radiance = light.radiance;
   out.pdf_solid_angle = select(light.valid & (choice.probability > F(0.0f)), light.pdf_solid_angle, F(0.0f));
   if (context.maps != nullptr) {
-    const auto ends = context.maps->ends_at<L>(wave.rays.gather<L>(slots).flags, in_medium);
+    const auto ends = context.maps->ends_at<L>(wave.rays.gather<L>(tile.slots).flags, in_medium);
     out.pdf_solid_angle = select(ends, F(0.0f), out.pdf_solid_angle);
     // With a volume map all of a ray finds what media emit.
     if (context.maps->volume != nullptr && context.transport.strategy == LightStrategy::kMis)
@@ -51,7 +71,7 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
   out.delta = select(light.delta, F(1.0f), F(0.0f));
   out.light = choice.light;
   out.target_medium = light.target_medium;
-  wave.candidates.store<L>(column, out);
+  wave.candidates.store<L>(tile.column, out);
 }
 
 template <class L>
@@ -61,7 +81,7 @@ SHEAF_INLINE Random4<L> numbers_of(const StageContext& context, Wave& wave, cons
 }
 
 /// Not a template over the closure: one copy of the code serves all kinds. Where an environment map is most of the
-/// light, two registers ahead of each tile its tables, and one ahead its nodes, are on their way from memory.
+/// light, two groups of tiles ahead of each its tables, and one ahead its nodes, are on their way from memory.
 template <class L>
 void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run, SampleSet set, bool in_medium,
                    bool mapped_parts) {
@@ -69,19 +89,27 @@ void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run
   const bool fetches = scene.envmap.columns != nullptr && scene.bounded_light_count == 0;
   const Slot* const slots = wave.sorted.data() + run.slot_begin;
   const int ahead = fetches ? 2 : 0, tiles = (run.count + L::width - 1) / L::width;
-  Random4<L> numbers[4];
+  const int groups = (tiles + kTogether - 1) / kTogether;
+  // The last tile may be its own neighbour.
+  const auto tile_of = [tiles](int group, int i) { return std::min(group * kTogether + i, tiles - 1); };
+  CandidateTile<L> ring[4][kTogether];
+  LightChoice<L> choices[kTogether];
   with_color_mode(scene, [&]<ColorMode Mode>() {
-    for (int tile = -ahead; tile < tiles; ++tile) {
-      if (tile + ahead < tiles) {
-        Random4<L>& u = numbers[(tile + ahead) & 3];
-        u = numbers_of<L>(context, wave, slots + (tile + ahead) * L::width, set);
-        if (fetches) prefetch_envmap_columns<L>(scene.envmap, u.y, u.z);
+    for (int group = -ahead; group < groups; ++group) {
+      for (int i = 0; i < kTogether && group + ahead < groups; ++i) {
+        const int begin = tile_of(group + ahead, i) * L::width;
+        CandidateTile<L>& tile = ring[(group + ahead) & 3][i];
+        tile = {slots + begin, run.column_begin + begin, numbers_of<L>(context, wave, slots + begin, set)};
+        if (fetches) prefetch_envmap_columns<L>(scene.envmap, tile.u.y, tile.u.z);
       }
-      if (fetches && tile + 1 >= 0 && tile + 1 < tiles)
-        prefetch_envmap_nodes<L>(scene.envmap, numbers[(tile + 1) & 3].y, numbers[(tile + 1) & 3].z);
-      if (tile >= 0)
-        candidate_tile<L, Mode>(context, wave, slots + tile * L::width, run.column_begin + tile * L::width,
-                                numbers[tile & 3], set.index == 0, in_medium, mapped_parts);
+      if (fetches && group + 1 >= 0 && group + 1 < groups)
+        for (const CandidateTile<L>& tile : ring[(group + 1) & 3])
+          prefetch_envmap_nodes<L>(scene.envmap, tile.u.y, tile.u.z);
+      if (group < 0) continue;
+      const CandidateTile<L>(&now)[kTogether] = ring[group & 3];
+      choose_for<L>(context, wave, now, set.index == 0, in_medium, mapped_parts, choices);
+      for (int i = 0; i < kTogether && group * kTogether + i < tiles; ++i)
+        candidate_tile<L, Mode>(context, wave, now[i], choices[i], in_medium);
     }
   });
 }

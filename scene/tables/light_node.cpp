@@ -14,30 +14,49 @@ namespace {
 
 using Row = LightNodeRow;
 
-/// The bfloat16 number next to a finite one.
-std::uint32_t nearest_bfloat(double x) {
-  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(std::clamp(x, -3e38, 3e38)));
-  return (bits + 0x7fffu + (bits >> 16 & 1u)) >> 16;
-}
-/// `x`: not negative.
-std::uint32_t bfloat_above(double x) {
-  auto rounded = static_cast<float>(x);
-  if (double(rounded) < x) rounded = std::nextafter(rounded, std::numeric_limits<float>::infinity());
-  return (std::bit_cast<std::uint32_t>(rounded) + 0xffffu) >> 16;
-}
-double value_of(std::uint32_t bfloat) { return double(std::bit_cast<float>(bfloat << 16)); }
+constexpr std::uint32_t kHalf = 0xffffu;
 
-/// Writes one half of a word; the lower one first.
-void set_half(Row& row, int word, std::size_t child, std::uint32_t bits) {
-  std::uint32_t& both = row.words[static_cast<std::size_t>(word) + child / 2];
-  both = child % 2 == 0 ? bits : both | bits << 16;
+/// One of the halves of a row's words: those of even children are the lower ones, and are to be written first.
+struct Half {
+  std::uint32_t& word;
+  bool is_upper;
+
+  Half(Row& row, int first, std::size_t child)
+      : word(row.words[static_cast<std::size_t>(first) + child / 2]), is_upper(child % 2 != 0) {}
+
+  void set(std::uint32_t bits) const { word = is_upper ? (word & kHalf) | bits << 16 : bits; }
+  /// What kernels read if the half is `bits`, of a bfloat16 number.
+  float value(std::uint32_t bits) const { return std::bit_cast<float>(bits << 16 | (is_upper ? word & kHalf : 0u)); }
+};
+
+/// Writes the number next to a finite one, which it returns.
+double set_nearest(const Half& half, double x) {
+  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(std::clamp(x, -3e38, 3e38))) >> 16;
+  std::uint32_t best = bits;
+  // Rounded towards zero: the half may be too small by one, or what the lower half adds may be too much.
+  for (const std::uint32_t other : {bits + 1, bits - 1}) {
+    if ((other ^ bits) >> 15 != 0 || !std::isfinite(half.value(other))) continue;
+    if (std::fabs(double(half.value(other)) - x) < std::fabs(double(half.value(best)) - x)) best = other;
+  }
+  half.set(best);
+  return double(half.value(best));
+}
+
+/// The bits of the smallest number that is not below `x`, which is not negative. No denormal one, which would be slow
+/// to multiply.
+std::uint32_t bits_above(const Half& half, double x) {
+  if (half.is_upper) x = std::max(x, double(std::numeric_limits<float>::min()));
+  std::uint32_t bits = std::bit_cast<std::uint32_t>(static_cast<float>(x)) >> 16;
+  while (double(half.value(bits)) < x) ++bits;
+  return bits;
 }
 
 /// A number in [-1, 1], to a multiple of 2^-15. The upper half of a word takes over what the lower adds to it.
 void set_fixed_point(Row& row, int word, std::size_t child, double x) {
-  const double lower = child % 2 == 0 ? 0.0 : row.words[static_cast<std::size_t>(word) + child / 2] / 65536.0;
+  const Half half(row, word, child);
+  const double lower = half.is_upper ? half.word / 65536.0 : 0.0;
   const double rounded = std::clamp(std::nearbyint(x * 32768.0 - lower), -32768.0, 32767.0);
-  set_half(row, word, child, static_cast<std::uint32_t>(static_cast<std::int32_t>(rounded)) & 0xffffu);
+  half.set(static_cast<std::uint32_t>(static_cast<std::int32_t>(rounded)) & kHalf);
 }
 
 Vec3d center_of(const LightCluster& cluster) {
@@ -79,11 +98,11 @@ double reach_of(const LightCluster& cluster) {
   return 1.0 - std::cos(std::acos(cluster.cos_theta_e) + kLightConeSlack) + kCosineError;
 }
 
-std::uint32_t spread_of(const LightCluster& cluster) {
+void set_spread(const Half& half, const LightCluster& cluster) {
   constexpr std::uint32_t kNan = 0x7fc0, kSign = 0x8000;
-  if (!(cluster.power > 0.0)) return kNan;
-  const std::uint32_t spread = bfloat_above(cluster.cone.cos_theta > 0.0 ? cluster.cone.sin_theta : 1.0);
-  return cluster.two_sided ? spread : spread | kSign;
+  if (!(cluster.power > 0.0)) return half.set(kNan);
+  const std::uint32_t spread = bits_above(half, cluster.cone.cos_theta > 0.0 ? cluster.cone.sin_theta : 1.0);
+  half.set(cluster.two_sided ? spread : spread | kSign);
 }
 
 }  // namespace
@@ -106,16 +125,15 @@ LightNodeRow pack_light_node(const LightCluster (&children)[kLightChildren], std
       const auto axis = static_cast<std::size_t>(c);
       // The words of children 2 and 3 come after all three of 0 and 1.
       const int skipped = k < 2 ? c : c + 2;
-      const std::uint32_t offset = nearest_bfloat(wanted[axis] - middle[axis]);
-      center[axis] = middle[axis] + value_of(offset);
-      set_half(row, Row::kOffset + skipped, k, offset);
+      center[axis] = middle[axis] + set_nearest({row, Row::kOffset + skipped, k}, wanted[axis] - middle[axis]);
       set_fixed_point(row, Row::kTilt + skipped, k, -child.cone.axis[axis] * cos_theta_o);
     }
-    set_half(row, Row::kRadius, k, has_lights ? bfloat_above(radius_around(child, center)) : 0u);
-    set_half(row, Row::kSpread, k, spread_of(child));
+    const Half radius(row, Row::kRadius, k), reach(row, Row::kReach, k);
+    radius.set(has_lights ? bits_above(radius, radius_around(child, center)) : 0u);
+    reach.set(bits_above(reach, reach_of(child)));
+    set_spread({row, Row::kSpread, k}, child);
     const double share = child.power > 0.0 ? child.power / power : 1.0;
-    set_half(row, Row::kShare, k, nearest_bfloat(std::max(share, double(kLeastLightShare))));
-    set_half(row, Row::kReach, k, bfloat_above(reach_of(child)));
+    set_nearest({row, Row::kShare, k}, std::max(share, double(kLeastLightShare)));
     row.lights[k] = lights[k];
   }
   row.words[Row::kLink] = first_node | node_count << 28;

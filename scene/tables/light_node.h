@@ -36,8 +36,8 @@ inline constexpr double kLightConeSlack = 2e-3;
 inline constexpr float kLeastLightShare = 1e-9f;
 
 /// A row of the table of nodes. Most words are two halves, for children 0 and 1, or, in the word after the last one for
-/// these, for 2 and 3; the even child's is the lower half. Halves are bfloat16 numbers, or fixed-point numbers, of
-/// which the upper is to be read with the lower as its fraction.
+/// these, for 2 and 3; the even child's is the lower half. Halves are bfloat16 numbers, or fixed-point numbers. The
+/// upper half is to be read with the lower one as more of its digits.
 struct alignas(64) LightNodeRow {
   enum Word {
     kMiddle = 0,            ///< x, y, z of a place in the middle of the children; single precision
@@ -75,7 +75,7 @@ template <class L, int k> SHEAF_INLINE LightChild<L> unpack_light_child(const ty
   constexpr bool kIsLower = k % 2 == 0;
   const auto bfloat = [words](int word) SHEAF_LAMBDA_INLINE {
     const U bits = float_bits(words[word]);
-    return bits_float(kIsLower ? bits << 16 : bits & U(0xffff0000u));
+    return bits_float(kIsLower ? bits << 16 : bits);
   };
   const auto fixed_point = [words](int word) SHEAF_LAMBDA_INLINE {
     const U bits = float_bits(words[word]);
