@@ -29,8 +29,7 @@ void add_samples(benchmark::State& state, FilterDescription::Kind kind, Variance
     film.begin(tile, {0, 0, kSide, kSide}, kind == FilterDescription::Kind::kBox ? nullptr : &weights);
     std::size_t sample = 0;
     for (int y = 0; y < kSide; ++y)
-      for (int x = 0; x < kSide; ++x)
-        for (std::uint32_t i = 0; i < kSamples; ++i) tile.add(x, y, samples, sample++);
+      for (int x = 0; x < kSide; ++x, sample += kSamples) tile.add(x, y, samples, sample, kSamples);
     benchmark::DoNotOptimize(tile.row(3, 3));
   }
   state.counters["per_item"] = benchmark::Counter(static_cast<double>(state.iterations()) * kSide * kSide * kSamples,

@@ -11,50 +11,64 @@ namespace sheaf {
 
 namespace {
 
-/// The pixels along an axis in which a sample counts, and how much.
+/// Samples that are added at once, where that is possible.
+constexpr std::size_t kTogether = 16;
+
+/// The pixels along an axis that a sample reaches, of those in [begin, end), and its weights in all within reach.
 struct Span {
   int first = 0, count = 0;
-  const double* weights = nullptr;
-  // Not initialised: only `count` of them, from `weights` on, are used.
-  std::array<double, FilterWeights::kMostPixels> all;
+  int skipped = 0;  ///< how many pixels within reach come before the first
+  /// Not initialised: only length() of the filter are used.
+  std::array<double, FilterWeights::kMostPixels> weights;
+
+  Span(const FilterWeights& filter, int at, float offset, int begin, int end)
+      : first(std::max(at - filter.reach(), begin)),
+        count(std::max(std::min(at + filter.reach() + 1, end) - first, 0)),
+        skipped(first - (at - filter.reach())) {
+    filter.across(offset, weights.data());
+  }
+  double weight(int i) const { return weights[static_cast<std::size_t>(skipped + i)]; }
 };
 
-/// `at`: the sample's pixel; `offset`: from its centre; [begin, end): pixels that are of interest.
-void weigh(const FilterWeights& filter, int at, float offset, int begin, int end, Span& out) {
-  const int before = std::max(static_cast<int>(std::ceil(offset - filter.radius())), -filter.reach());
-  const int after = std::min(static_cast<int>(std::floor(offset + filter.radius())), filter.reach());
-  out.first = std::max(at + before, begin);
-  out.count = std::max(std::min(at + after + 1, end) - out.first, 0);
-  if (out.count == 0) return;
-  filter.across(offset, out.all.data());
-  out.weights = out.all.data() + (out.first - at + filter.reach());
-}
+constexpr std::size_t kRegister = FilmRow::kRegister;
+static_assert(kRegister == FilterWeights::kRegister);
 
 /// One register of a row. Compilers that are left alone with loops over these numbers put pixels across registers.
-using RowRegister [[gnu::vector_size(FilmRow::kRegister * sizeof(double))]] = double;
+using RowRegister [[gnu::vector_size(kRegister * sizeof(double))]] = double;
 
-/// Adds one register of terms to the rows of all pixels that a sample reaches, of which each is one register, and a
-/// line of pixels `stride` of them.
-void add_register(double* __restrict sums, std::size_t stride, const double* __restrict terms, const Span& across,
-                  const Span& down) {
-  const int width = across.count, height = down.count;
-  const double* __restrict const weights = across.weights;
-  const double* __restrict const line_weights = down.weights;
-  RowRegister term;
-  std::memcpy(&term, terms, sizeof term);
-  for (int j = 0; j < height; ++j, sums += stride * FilmRow::kRegister) {
-    const RowRegister of_line = term * line_weights[j];
-    const auto add = [&](int i) SHEAF_LAMBDA_INLINE {
-      double* const at = sums + static_cast<std::size_t>(i) * FilmRow::kRegister;
-      RowRegister sum;
-      std::memcpy(&sum, at, sizeof sum);
-      sum += weights[i] * of_line;
-      std::memcpy(at, &sum, sizeof sum);
-    };
-    int i = 0;
-    for (; i + 4 <= width; i += 4) add(i), add(i + 1), add(i + 2), add(i + 3);
-    for (; i < width; ++i) add(i);
+/// One register of the terms of samples, with a row of weights along each axis.
+struct Weighed {
+  const double* terms;   ///< of the first sample; those of the next are `stride` further
+  const double* across;  ///< of the first sample; those of the next are kRegister further
+  const double* down;    ///< likewise
+  std::size_t stride, count;
+};
+
+/// Adds samples to kPixels pixels side by side, whose sums stay in registers meanwhile.
+template <std::size_t kPixels> SHEAF_INLINE void add_to_pixels(const Weighed& samples, double* sums) {
+  RowRegister sum[kPixels];
+  for (std::size_t i = 0; i < kPixels; ++i) std::memcpy(&sum[i], sums + i * samples.stride, sizeof sum[i]);
+  const double* terms = samples.terms;
+  const double* across = samples.across;
+  const double* down = samples.down;
+  for (std::size_t k = 0; k < samples.count; ++k, terms += samples.stride, across += kRegister, down += kRegister) {
+    RowRegister term;
+    std::memcpy(&term, terms, sizeof term);
+    term *= *down;
+    for (std::size_t i = 0; i < kPixels; ++i) sum[i] = across[i] * term + sum[i];
   }
+  for (std::size_t i = 0; i < kPixels; ++i) std::memcpy(sums + i * samples.stride, &sum[i], sizeof sum[i]);
+}
+
+/// The same for any number of pixels.
+void add_to_line(Weighed samples, double* sums, int pixels) {
+  constexpr int kMost = 5;  // what filters of radius 2 reach
+  for (; pixels >= kMost; pixels -= kMost, samples.across += kMost, sums += kMost * samples.stride)
+    add_to_pixels<kMost>(samples, sums);
+  if (pixels == 4) return add_to_pixels<4>(samples, sums);
+  if (pixels == 3) return add_to_pixels<3>(samples, sums);
+  if (pixels == 2) return add_to_pixels<2>(samples, sums);
+  if (pixels == 1) return add_to_pixels<1>(samples, sums);
 }
 
 }  // namespace
@@ -69,15 +83,14 @@ void FilmTile::begin(const FilmRow& row, const FilterWeights* weights, const Pix
   sums_.assign(pixels * row_.size(), 0.0);
   counts_.assign(pixels, 0);
   coverage_.assign(tells_surfaces ? pixels : 0, {});
-  terms_.assign(row_.bins_at, 0.0);
+  terms_.assign(kTogether * row_.bins_at, 0.0);
 }
 
-/// Fills terms_.
-void FilmTile::take(const float* sample) {
-  terms_[FilmRow::kWeight] = 1.0;
-  for (std::size_t c = 0; c < row_.channels; ++c) terms_[FilmRow::kSums + c] = sample[c];
+void FilmTile::take(const float* sample, double* terms) const {
+  terms[FilmRow::kWeight] = 1.0;
+  for (std::size_t c = 0; c < row_.channels; ++c) terms[FilmRow::kSums + c] = sample[c];
   if (row_.tile_squares == 0) return;
-  double* square = terms_.data() + row_.weight_squared;
+  double* square = terms + row_.weight_squared;
   *square++ = 1.0;
   for (const std::size_t c : row_.with_variance) {
     const double value = sample[c];
@@ -101,36 +114,61 @@ void FilmTile::cover(int x, int y, const SurfaceSample& surface, double weight) 
   coverage_[index(x, y)].add(surface.shape, weights_ != nullptr ? weight : static_cast<double>(surface.weight));
 }
 
-void FilmTile::add(int x, int y, const SampleBuffer& samples, std::size_t index_of_sample) {
-  if (samples.is_dropped(index_of_sample)) return;
-  const bool is_own = x >= own_.x0 && x < own_.x1 && y >= own_.y0 && y < own_.y1;
-  if (is_own) ++counts_[index(x, y)];
-  take(samples[index_of_sample]);
+void FilmTile::add(int x, int y, const SampleBuffer& samples, std::size_t first, std::size_t count) {
+  const bool has_sums_alone = row_.bins == 0 && row_.tile_squares == 0 && !tells_surfaces();
+  if (weights_ != nullptr && has_sums_alone && weights_->length() == static_cast<int>(kRegister)) {
+    for (std::size_t k = 0; k < count; k += kTogether)
+      add_together(x, y, samples, first + k, std::min(kTogether, count - k));
+    return;
+  }
+  for (std::size_t k = 0; k < count; ++k)
+    if (!samples.is_dropped(first + k)) add_alone(x, y, samples, first + k);
+}
+
+void FilmTile::add_together(int x, int y, const SampleBuffer& samples, std::size_t first, std::size_t count) {
+  const int reach = weights_->reach();
+  const PixelRect reached = PixelRect{x - reach, y - reach, x + reach + 1, y + reach + 1}.intersection(outer_);
+  if (reached.is_empty()) return;
+  // Not initialised, which would take as long as all else.
+  alignas(kSimdAlignment) double across[kTogether * kRegister], down[kTogether * kRegister];
+  const std::size_t stride = row_.size();
+  std::size_t taken = 0;
+  for (std::size_t k = first; k < first + count; ++k) {
+    if (samples.is_dropped(k)) continue;
+    const SampleOffset offset = samples.offset(k);
+    weights_->across(offset.x, across + taken * kRegister);
+    weights_->across(offset.y, down + taken * kRegister);
+    take(samples[k], terms_.data() + taken * stride);
+    ++taken;
+  }
+  if (is_own(x, y)) counts_[index(x, y)] += static_cast<std::uint32_t>(taken);
+  for (std::size_t part = 0; part < stride; part += kRegister)
+    for (int to_y = reached.y0; to_y < reached.y1; ++to_y)
+      add_to_line({terms_.data() + part, across + (reached.x0 - x + reach), down + (to_y - y + reach), stride, taken},
+                  sums_.data() + index(reached.x0, to_y) * stride + part, reached.width());
+}
+
+void FilmTile::add_alone(int x, int y, const SampleBuffer& samples, std::size_t sample) {
+  if (is_own(x, y)) ++counts_[index(x, y)];
+  take(samples[sample], terms_.data());
   const auto add_to = [&](int to_x, int to_y, double weight) {
     double* const row = sums_.data() + index(to_x, to_y) * row_.size();
     add_weighted(row, weight);
-    if (tells_surfaces()) cover(to_x, to_y, samples.surface(index_of_sample), weight);
+    if (tells_surfaces()) cover(to_x, to_y, samples.surface(sample), weight);
     if (row_.bins == 0) return;
-    const SpectralSample& spectrum = samples.spectrum(index_of_sample);
+    const SpectralSample& spectrum = samples.spectrum(sample);
     for (int k = 0; k < 4; ++k) row[row_.bins_at + spectrum.bin[k]] += weight * static_cast<double>(spectrum.value[k]);
   };
   if (weights_ == nullptr) {
-    if (is_own) add_to(x, y, 1.0);
+    if (is_own(x, y)) add_to(x, y, 1.0);
     return;
   }
-  const SampleOffset offset = samples.offset(index_of_sample);
-  Span across, down;
-  weigh(*weights_, x, offset.x, outer_.x0, outer_.x1, across);
-  weigh(*weights_, y, offset.y, outer_.y0, outer_.y1, down);
-  if (across.count == 0 || down.count == 0) return;
-  if (row_.size() == FilmRow::kRegister && !tells_surfaces()) {
-    add_register(sums_.data() + index(across.first, down.first) * FilmRow::kRegister,
-                 static_cast<std::size_t>(outer_.width()), terms_.data(), across, down);
-    return;
-  }
+  const SampleOffset offset = samples.offset(sample);
+  const Span across(*weights_, x, offset.x, outer_.x0, outer_.x1), down(*weights_, y, offset.y, outer_.y0, outer_.y1);
   for (int j = 0; j < down.count; ++j)
     for (int i = 0; i < across.count; ++i)
-      add_to(across.first + i, down.first + j, across.weights[i] * down.weights[j]);
+      if (const double weight = across.weight(i) * down.weight(j); weight != 0.0)
+        add_to(across.first + i, down.first + j, weight);
 }
 
 FilmBorder FilmTile::border() const {

@@ -32,9 +32,9 @@ class FilmTile {
   void begin(const FilmRow& row, const FilterWeights* weights, const PixelRect& own, const PixelRect& crop,
              bool tells_surfaces = false);
 
-  /// Adds sample `index` of a buffer with the film's layout, which was taken in the tile's pixel (x, y); nothing if it
-  /// was dropped.
-  void add(int x, int y, const SampleBuffer& samples, std::size_t index);
+  /// Adds `count` samples of a buffer with the film's layout, from `first` on, which were taken in the tile's pixel
+  /// (x, y); nothing of those that were dropped.
+  void add(int x, int y, const SampleBuffer& samples, std::size_t first, std::size_t count);
 
   const PixelRect& own() const { return own_; }  ///< the tile's pixels inside the crop
   /// The row of a pixel within reach, inside the crop.
@@ -52,9 +52,13 @@ class FilmTile {
     return static_cast<std::size_t>(y - outer_.y0) * static_cast<std::size_t>(outer_.width()) +
            static_cast<std::size_t>(x - outer_.x0);
   }
+  /// What the weights of a sample are multiplied by, and their squares: a row's first two groups.
+  void take(const float* sample, double* terms) const;
+  void add_alone(int x, int y, const SampleBuffer& samples, std::size_t sample);
+  void add_together(int x, int y, const SampleBuffer& samples, std::size_t first, std::size_t count);
   void add_weighted(double* row, double weight) const;
-  void take(const float* sample);
   void cover(int x, int y, const SurfaceSample& surface, double weight);
+  bool is_own(int x, int y) const { return x >= own_.x0 && x < own_.x1 && y >= own_.y0 && y < own_.y1; }
 
   FilmRow row_;
   const FilterWeights* weights_ = nullptr;
@@ -62,7 +66,7 @@ class FilmTile {
   LargeTable<double> sums_;  ///< aligned to registers, unless there are bins
   std::vector<std::uint32_t> counts_;
   std::vector<IdCoverage> coverage_;  ///< per pixel, where surfaces are told
-  LargeTable<double> terms_;  ///< of the sample that is added: what its weight, and its square, are multiplied by
+  LargeTable<double> terms_;          ///< of the samples that are added; see take()
 };
 
 }  // namespace sheaf

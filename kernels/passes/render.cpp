@@ -35,7 +35,8 @@ void reduce(const CameraTask& task, FilmTile& tile) {
   std::size_t sample = 0;
   for (const PixelSamples& p : task.pixels()) {
     const int x = task.frame().x(p.pixel), y = task.frame().y(p.pixel);
-    for (std::uint32_t i = 0; i < p.sample_count; ++i, ++sample) tile.add(x, y, task.samples, sample);
+    tile.add(x, y, task.samples, sample, p.sample_count);
+    sample += p.sample_count;
   }
 }
 

@@ -63,6 +63,11 @@ double evaluate_filter(const FilterDescription& f, double x) {
 
 FilterTable make_filter_table(const FilterDescription& filter) {
   const double radius = checked_radius(filter);
+  FilterTable table;
+  if (filter.kind == FilterDescription::Kind::kBox) {
+    table.box_radius = static_cast<float>(radius);
+    return table;
+  }
   constexpr int kSteps = FilterTable::kBins * 64;
   const auto position = [radius](double i) { return radius * (2.0 * i / kSteps - 1.0); };
   std::vector<double> cumulative(kSteps + 1, 0.0), signed_cumulative(kSteps + 1, 0.0);
@@ -72,7 +77,6 @@ FilterTable make_filter_table(const FilterDescription& filter) {
     signed_cumulative[i + 1] = signed_cumulative[i] + f;
   }
   const double total = cumulative[kSteps], integral = signed_cumulative[kSteps];
-  FilterTable table;
   int step = 0;
   double previous = 0;  // signed integral up to the last edge
   for (int bin = 0; bin <= FilterTable::kBins; ++bin) {

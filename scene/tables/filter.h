@@ -20,9 +20,10 @@ double evaluate_filter(const FilterDescription& filter, double x);
 /// Half of the filter's width in pixels.
 double filter_radius(const FilterDescription& filter);
 
-/// The inverse cumulative distribution of |f| along one axis, as bins of equal probability.
+/// The inverse cumulative distribution of |f| along one axis, as bins of equal probability; boxes need none.
 struct FilterTable {
   static constexpr int kBins = 2048;
+  float box_radius = 0;                  ///< of a box filter, otherwise 0
   std::array<float, kBins + 1> edges{};  ///< offsets from the pixel's centre, ascending
   std::array<float, kBins> weight{};     ///< per axis: (mean sign of f in the bin) (integral of |f|) / (integral of f)
 
@@ -33,6 +34,7 @@ struct FilterTable {
   /// Offset along one axis for a uniform number u in [0, 1).
   template <class L> SHEAF_INLINE Offset<L> sample(typename L::Float u) const {
     using F = typename L::Float;
+    if (box_radius > 0.0f) return {fma(u, F(2.0f * box_radius), F(-box_radius)), F(1.0f)};
     const F scaled = u * F(static_cast<float>(kBins));
     const auto bin = to_uint(scaled);
     const F t = scaled - to_float(bin);
@@ -60,27 +62,31 @@ class FilterWeights {
 
   /// How many pixels further, along each axis, a sample may still count than in its own.
   int reach() const { return reach_; }
-  /// Half of the filter's width in pixels.
-  float radius() const { return radius_; }
+  /// How many numbers across() writes: at least 2 reach() + 1, a multiple of kRegister.
+  int length() const { return length_; }
   /// What a sample at `offset`, in [-1/2, 1/2], from its pixel's centre counts in the pixel k - reach() further, for
-  /// each `out`[k], k in [0, 2 reach()]; of those whose centres are farther away than the radius, and behind them up to
-  /// kMostPixels, anything. Linear between kSteps values per pixel. The filter's value in the middle is 1.
+  /// each `out`[k], k in [0, length()); 0 where the pixel's centre is farther away than the filter's radius. Linear
+  /// between kSteps values per pixel. The filter's value in the middle is 1.
   void across(float offset, double* out) const {
     const float place = std::clamp(offset + 0.5f, 0.0f, 1.0f) * kSteps;
     const int step = std::min(static_cast<int>(place), kSteps - 1);
     const float* const below = values_.data() + static_cast<std::size_t>(step) * static_cast<std::size_t>(length_);
     const float t = place - static_cast<float>(step);
-    for (int k = 0; k < length_; k += kRegister) {
+    Floats away = Floats{0, 1, 2, 3, 4, 5, 6, 7} - (static_cast<float>(reach_) + offset);
+    for (int k = 0; k < length_; k += kRegister, away += static_cast<float>(kRegister)) {
       Floats a, b;
       std::memcpy(&a, below + k, sizeof a);
       std::memcpy(&b, below + length_ + k, sizeof b);
-      const Doubles values = __builtin_convertvector(a + t * (b - a), Doubles);
+      const Floats value = (away <= radius_) & (away >= -radius_) ? a + t * (b - a) : Floats{};
+      const Doubles values = __builtin_convertvector(value, Doubles);
       std::memcpy(out + k, &values, sizeof values);
     }
   }
 
+  static constexpr int kRegister = 8;
+
  private:
-  static constexpr int kSteps = 256, kRegister = 8;
+  static constexpr int kSteps = 256;
   using Floats [[gnu::vector_size(kRegister * sizeof(float))]] = float;
   using Doubles [[gnu::vector_size(kRegister * sizeof(double))]] = double;
 

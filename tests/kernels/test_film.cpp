@@ -21,7 +21,7 @@ const FilmLayout kLayout({{"R", true}, {"depth", false}, {"albedo.G", true}});
 void add_samples(Film& film, int x, int y, const SampleBuffer& samples, std::size_t count) {
   FilmTile tile;
   film.begin(tile, {x, y, x + 1, y + 1}, nullptr);
-  for (std::size_t i = 0; i < count; ++i) tile.add(x, y, samples, i);
+  tile.add(x, y, samples, 0, count);
   film.add(tile);
 }
 
@@ -151,7 +151,7 @@ TEST_CASE("surfaces cover pixels by the weights of their samples, and halves and
       for (int x = x0; x < x0 + 8; ++x) {
         std::fill_n(samples[0], 4, static_cast<float>(x));
         samples.surface(0) = {x < 8 ? 0u : x < 14 ? 1u : IdCoverage::kNothing, 1};
-        tile.add(x, y, samples, 0);
+        tile.add(x, y, samples, 0, 1);
       }
     film.add(tile);
     borders.push_back(tile.border());

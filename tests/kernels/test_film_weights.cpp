@@ -52,14 +52,15 @@ Film film_by_tiles(const FilterWeights& weights, const PixelRect& crop, int side
         SampleBuffer samples;
         samples.resize(kPerReplicate, kLayout.size(), bins > 0);
         for (int y = pixels.y0; y < pixels.y1; ++y)
-          for (int x = pixels.x0; x < pixels.x1; ++x)
+          for (int x = pixels.x0; x < pixels.x1; ++x) {
             for (std::uint32_t i = 0; i < kPerReplicate; ++i) {
               const Drawn drawn = draw_sample(x, y, replicate * kPerReplicate + i);
               samples.offset(i) = drawn.offset;
               std::memcpy(samples[i], drawn.values, sizeof drawn.values);
               if (bins > 0) samples.spectrum(i) = {{0, 1, 1, 2}, {drawn.values[0], 0.5f, 0.25f, drawn.values[1]}};
-              tile.add(x, y, samples, i);
             }
+            tile.add(x, y, samples, 0, kPerReplicate);
+          }
         film.add(tile);
         borders.push_back(tile.border());
       }
@@ -153,23 +154,32 @@ TEST_CASE("weighted film: tiles narrower than the filter's reach") {
 
 TEST_CASE("weighted film: dropped samples count nowhere") {
   const FilterWeights weights(filter_of(Kind::kGaussian));
-  Film film(3, 1, {0, 0, 3, 1}, kLayout);
-  FilmTile tile;
-  film.begin(tile, {0, 0, 8, 8}, &weights);
-  SampleBuffer samples;
-  samples.resize(1, kLayout.size(), false);
-  samples.offset(0) = {0.1f, 0.2f};
-  samples[0][0] = samples[0][1] = 4;
-  tile.add(0, 0, samples, 0);
-  samples.drop(0);
-  tile.add(1, 0, samples, 0);
-  film.add(tile);
-  const Image image = film.to_image();
-  CHECK(film.count(0, 0) == 1);
-  CHECK(film.count(1, 0) == 0);
-  CHECK(image.at(1, 0, 0) == 4);  // by the neighbour's sample
-  CHECK(image.at(1, 0, 2) == 0);  // of which there is one
-  CHECK(image.at(2, 0, 0) == 4);
+  // With replicates, samples of a pixel are added several at a time.
+  for (const VarianceUnit unit : {VarianceUnit::kSample, VarianceUnit::kReplicate}) {
+    Film film(3, 1, {0, 0, 3, 1}, kLayout, 0, unit);
+    FilmTile tile;
+    film.begin(tile, {0, 0, 8, 8}, &weights);
+    constexpr std::size_t kCount = 50;
+    SampleBuffer samples;
+    samples.resize(kCount, kLayout.size(), false);
+    for (std::size_t i = 0; i < kCount; ++i) {
+      samples.offset(i) = {0.1f, 0.2f};
+      samples[i][0] = 4;
+      samples[i][1] = i == 20 ? 1.0f : 0.0f;
+      if (i % 3 == 1) samples.drop(i);
+    }
+    tile.add(0, 0, samples, 0, kCount);
+    for (std::size_t i = 0; i < kCount; ++i) samples.drop(i);
+    tile.add(1, 0, samples, 0, kCount);
+    film.add(tile);
+    film.end_replicate();
+    const Image image = film.to_image();
+    CHECK(film.count(0, 0) == 33);
+    CHECK(film.count(1, 0) == 0);
+    CHECK(image.at(1, 0, 0) == doctest::Approx(4));  // by the neighbour's samples
+    CHECK(image.at(2, 0, 0) == doctest::Approx(4));
+    CHECK(image.at(0, 0, 1) == doctest::Approx(1.0 / 33));
+  }
 }
 
 }  // namespace sheaf::test_film_weights

@@ -54,7 +54,7 @@ Image picture_of(const FilterWeights* weights, const PixelRect& crop, const Samp
           drawn.spectrum(0) = {{0, 1, 1, 2}, {u.z, 0.5f, 0.25f, v.x}};
           const auto shape = static_cast<std::uint32_t>(v.z * (kShapes + 1));
           drawn.surface(0) = {shape < kShapes ? shape : IdCoverage::kNothing, 1};
-          tile.add(x, y, drawn, 0);
+          tile.add(x, y, drawn, 0, 1);
         }
     film.add(tile);
     film.add(std::vector<FilmBorder>{tile.border()});
