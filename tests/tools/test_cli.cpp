@@ -2,35 +2,15 @@
 #include "core/exr.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/program_testing.h"
+#include "tests/tools/cli_scene.h"
 
 #include <doctest/doctest.h>
 
-#include <sys/wait.h>
-
-#include <cstdlib>
-#include <limits>
 #include <utility>
 
 namespace sheaf::test_cli {
 
-namespace {
-
-constexpr const char* kScene = R"(<scene version="3.0.0">
-  <default name="size" value="24"/>
-  <integrator type="path"><integer name="max_depth" value="6"/></integrator>
-  <sensor type="perspective">
-    <float name="fov" value="40"/>
-    <transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
-    <film type="hdrfilm">
-      <integer name="width" value="$size"/><integer name="height" value="16"/><rfilter type="box"/>
-    </film>
-    <sampler type="independent"><integer name="sample_count" value="16"/></sampler>
-  </sensor>
-  <shape type="sphere"><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>
-  <emitter type="constant"><rgb name="radiance" value="1"/></emitter>
-</scene>)";
-
-}  // namespace
+using test::kScene;
 
 TEST_CASE("version and help") {
   const TemporaryFolder folder;
@@ -444,99 +424,6 @@ TEST_CASE("info says what a scene holds") {
   CHECK(contains(outcome.out, "(-1, -1, -1) to (1, 1, 1)"));
 }
 
-TEST_CASE("an interrupted render writes what there is and says so") {
-  const TemporaryFolder folder;
-  write_bytes(folder / "scene.xml", kScene);
-  for (const auto& [name, code] : {std::pair{"INT", 130}, std::pair{"TERM", 143}, std::pair{"HUP", 129}}) {
-    CAPTURE(std::string(name));
-    const std::string kill = "(sleep 2; kill -" + std::string(name) + " $$) & exec ";
-    write_bytes(folder / "go.sh",
-                kill + SHEAF_EXECUTABLE " render scene.xml -o out.exr -D size=512 --spp 16000000 --threads 1\n");
-    // The script becomes the renderer, since shells start background jobs with SIGINT ignored.
-    const int status = std::system(("cd '" + folder.path().string() + "' && bash go.sh >log.txt 2>&1").c_str());
-    REQUIRE(WIFEXITED(status));
-    CHECK(WEXITSTATUS(status) == code);
-    CHECK(read_exr(folder / "out.exr").width == 512);
-    CHECK(contains(read_bytes(folder / "log.txt"), "interrupted"));
-    std::filesystem::remove(folder / "out.exr");
-  }
-}
-
-TEST_CASE("a second signal ends a render that does not come to a stop") {
-  const TemporaryFolder folder;
-  // Paths in a closed white ball, without roulette, are as long as paths can be.
-  write_bytes(folder / "scene.xml", R"(<scene version="3.0.0">
-    <integrator type="path"><integer name="rr_depth" value="1000000"/></integrator>
-    <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/>
-      </film></sensor>
-    <shape type="sphere"><boolean name="flip_normals" value="true"/>
-      <bsdf type="diffuse"><rgb name="reflectance" value="1"/></bsdf></shape></scene>)");
-  using Signals = std::tuple<const char*, const char*, int>;
-  for (const auto& [first, second, code] : {Signals{"TERM", "TERM", 143}, {"INT", "TERM", 143}, {"HUP", "INT", 130}}) {
-    CAPTURE(std::string(first));
-    write_bytes(folder / "go.sh", "(sleep 1.5; kill -" + std::string(first) + " $$; sleep 0.5; kill -" + second +
-                                      " $$) & exec " SHEAF_EXECUTABLE
-                                      " render scene.xml -o out.exr --spp 65536 --threads 1\n");
-    const int status = std::system(("cd '" + folder.path().string() +
-                                    "' && timeout -s KILL 60 bash go.sh >log.txt 2>&1; exit $?").c_str());
-    REQUIRE(WIFEXITED(status));
-    CHECK(WEXITSTATUS(status) == code);
-    CHECK_FALSE(std::filesystem::exists(folder / "out.exr"));
-  }
-}
-
-TEST_CASE("a render that was killed or interrupted goes on from its checkpoint, to the same bytes") {
-  const TemporaryFolder folder;
-  write_bytes(folder / "scene.xml", kScene);
-  const std::string render = SHEAF_EXECUTABLE " render scene.xml -D size=64 --spp 3000 --quiet --no-timestamps ";
-  const auto run_script = [&](const std::string& script) {
-    write_bytes(folder / "go.sh", script);
-    const int status = std::system(("cd '" + folder.path().string() + "' && bash go.sh >log.txt 2>&1").c_str());
-    REQUIRE(WIFEXITED(status));
-    return WEXITSTATUS(status);
-  };
-  REQUIRE(run_script(render + "-o whole.exr\n") == 0);
-  const std::string part = render + "-o part.exr --checkpoint part.state --checkpoint-every 0.02 --resume --threads 1";
-  for (const char* delay : {"0.6", "0.9", "0.7"})
-    run_script("timeout -s KILL " + std::string(delay) + " " + part + "\n");
-  run_script("timeout -s INT 1 " + part + "\n");
-  REQUIRE(std::filesystem::exists(folder / "part.state"));
-  CHECK(run(folder, "render scene.xml -D size=64 --spp 2999 --checkpoint part.state --resume").code == 5);
-  CHECK(contains(run(folder, "render scene.xml -D size=64 --spp 2999 --checkpoint part.state --resume").err,
-                 "--spp is '2999' now, and was '3000' then"));
-  CHECK(run(folder, "render scene.xml -D size=64 --spp 3000 --checkpoint part.state").code == 2);
-  CHECK(run(folder, "render scene.xml --resume").code == 2);
-  CHECK(run(folder, "render scene.xml --checkpoint scene.xml --resume").code == 2);
-  CHECK(run(folder, "render scene.xml --checkpoint no/such.state").code == 4);
-  for (const bool again : {false, true}) {
-    CAPTURE(again);
-    std::filesystem::remove(folder / "part.exr");
-    REQUIRE(run_script(part + "\n") == 0);
-    CHECK(read_bytes(folder / "part.exr") == read_bytes(folder / "whole.exr"));
-  }
-  // A scene that has changed.
-  std::string scene = kScene;
-  write_bytes(folder / "scene.xml", scene + " ");
-  CHECK(run_script(part + "\n") == 5);
-}
-
-TEST_CASE("SIGUSR1 shows what there is, and the render goes on") {
-  const TemporaryFolder folder;
-  write_bytes(folder / "scene.xml", kScene);
-  write_bytes(folder / "go.sh",
-              "(sleep 1; kill -USR1 $$; sleep 1; cp out.exr preview.exr; kill -INT $$) & "
-              "exec " SHEAF_EXECUTABLE " render scene.xml -o out.exr -D size=128 --spp 16000000\n");
-  const int status = std::system(("cd '" + folder.path().string() + "' && bash go.sh >log.txt 2>&1").c_str());
-  REQUIRE(WIFEXITED(status));
-  CHECK(WEXITSTATUS(status) == 130);
-  CHECK(contains(read_bytes(folder / "log.txt"), "wrote what there is to out.exr"));
-  const Image preview = read_exr(folder / "preview.exr"), end = read_exr(folder / "out.exr");
-  CHECK(preview.width == 128);
-  const int count = preview.find_channel("sampleCount");
-  CHECK(preview.at(5, 5, count) > 0);
-  CHECK(end.at(5, 5, count) > preview.at(5, 5, count));
-}
-
 TEST_CASE("--size and --scale override the film") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
@@ -583,85 +470,6 @@ TEST_CASE("--lenient renders what strict reading refuses, warns of each thing an
   CHECK(contains(outcome.err, "unknown shape plugin 'torus'"));
   CHECK(contains(outcome.err, "2 things of the scene could not be read"));
   CHECK(contains(run(folder, "info scene.xml --lenient").out, "unknown shape plugin 'torus'"));
-}
-
-TEST_CASE("a render ends at the noise asked for, or when the time is up") {
-  const TemporaryFolder folder;
-  write_bytes(folder / "scene.xml", kScene);
-  const Outcome clean = run(folder, "render scene.xml --noise-target 0.5 -o a.exr --stats a.json --no-timestamps");
-  CHECK(clean.code == 0);
-  CHECK(contains(clean.err, "tiles are down to a noise of 50 %"));
-  CHECK(contains(read_bytes(folder / "a.json"), "\"noise_target\": 0.5"));
-  const std::string header = run(folder, "info a.exr").out;
-  CHECK(contains(header, "sheaf/noiseTarget = 0.5"));
-  CHECK(contains(header, "sheaf/noise = "));
-  CHECK(contains(header, "variance.R"));
-  CHECK(run(folder, "render scene.xml --time-limit 0.1 --checkpoint b.state -o b.exr").code == 0);
-  CHECK(run(folder, "render scene.xml --time-limit 0.2 --checkpoint b.state --resume -o b.exr").code == 0);
-  for (const char* wrong : {"--noise-target 0", "--noise-target nan", "--time-limit -1", "--noise-target 0.1 --spp 3",
-                            "--noise-target 0.1 --sampler stratified", "--time-limit 1 --integrator normals"}) {
-    CAPTURE(std::string(wrong));
-    CHECK(run(folder, std::string("render scene.xml -o c.exr ") + wrong).code == 2);
-  }
-}
-
-TEST_CASE("a picture is denoised while it is rendered and afterwards") {
-  const TemporaryFolder folder;
-  write_bytes(folder / "scene.xml", kScene);
-  const Outcome rendered = run(folder, "render scene.xml --denoise nlm -o a.exr -o a.png --no-timestamps");
-  CHECK(rendered.code == 0);
-  const Image a = read_exr(folder / "a.exr");
-  CHECK(a.find_channel("denoised.R") >= 0);
-  CHECK(std::filesystem::exists(folder / "a.png"));
-  CHECK(contains(run(folder, "info a.exr").out + read_bytes(folder / "a.exr"), "sheaf/denoiser"));
-  CHECK(run(folder, "render scene.xml --replicates 4 --filter-mode importance -o noisy.exr --no-timestamps").code == 0);
-  const Outcome after = run(folder, "denoise noisy.exr -o b.exr -o b.png");
-  CHECK(after.code == 0);
-  CHECK(contains(after.err, "nlm: "));
-  const Image noisy = read_exr(folder / "noisy.exr"), b = read_exr(folder / "b.exr");
-  for (std::size_t c = 0; c < noisy.channels.size(); ++c) {
-    const int in_b = b.find_channel(noisy.channels[c]);
-    REQUIRE(in_b >= 0);
-    for (int y = 0; y < b.height; ++y)
-      for (int x = 0; x < b.width; ++x) CHECK(b.at(x, y, in_b) == noisy.at(x, y, static_cast<int>(c)));
-  }
-  const ExrMetadata before = read_exr_metadata(folder / "noisy.exr"), now = read_exr_metadata(folder / "b.exr");
-  CHECK(now.attributes.size() == before.attributes.size() + 1);
-  CHECK(now.software == before.software);
-  REQUIRE(now.world_to_camera.has_value());
-  CHECK(now.world_to_camera->m == before.world_to_camera->m);
-}
-
-TEST_CASE("with --denoise nlm the picture itself is what it is without") {
-  const TemporaryFolder folder;
-  write_bytes(folder / "scene.xml", kScene);
-  CHECK(run(folder, "render scene.xml --replicates 4 -o plain.exr").code == 0);
-  CHECK(run(folder, "render scene.xml --replicates 4 --denoise nlm -o denoised.exr").code == 0);
-  const Image plain = read_exr(folder / "plain.exr"), denoised = read_exr(folder / "denoised.exr");
-  for (const char* name : {"R", "G", "B"})
-    for (int y = 0; y < plain.height; ++y)
-      for (int x = 0; x < plain.width; ++x)
-        CHECK(denoised.at(x, y, denoised.find_channel(name)) == plain.at(x, y, plain.find_channel(name)));
-}
-
-TEST_CASE("what cannot be denoised, and why") {
-  const TemporaryFolder folder;
-  write_bytes(folder / "scene.xml", kScene);
-  CHECK(run(folder, "render scene.xml --sampler sobol --spp 4 -o bare.exr").code == 0);
-  const Outcome bare = run(folder, "denoise bare.exr -o out.exr");
-  CHECK(bare.code == 2);
-  CHECK(contains(bare.err, "--replicates"));
-  CHECK_FALSE(std::filesystem::exists(folder / "out.exr"));
-  CHECK(run(folder, "denoise bare.exr").code == 2);
-  CHECK(run(folder, "denoise bare.exr -o bare.exr").code == 2);
-  CHECK(run(folder, "denoise bare.exr -o out.jpeg").code == 2);
-  CHECK(run(folder, "denoise none.exr -o out.exr").code == 3);
-  CHECK(run(folder, "denoise bare.exr -o none/out.exr").code == 4);
-  CHECK(run(folder, "denoise bare.exr -o out.exr --method blur").code == 2);
-  CHECK(run(folder, "render scene.xml --denoise nlm --spp 1 -o out.exr").code == 2);
-  CHECK(run(folder, "render scene.xml --denoise nlm --replicates 1 -o out.exr").code == 2);
-  const Outcome oidn = run(folder, "denoise bare.exr -o out.exr --method oidn");
-  CHECK((oidn.code == 0 || (oidn.code == 1 && contains(oidn.err, "libOpenImageDenoise.so"))));
 }
 
 }  // namespace sheaf::test_cli
