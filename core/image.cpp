@@ -116,11 +116,6 @@ std::unique_ptr<PictureReader> open_picture(const fs::path& path, bool keeps_byt
                    fs::file_size(path));
   check_image_memory(path, header.width, header.height, static_cast<std::size_t>(header.channel_count),
                      keeps_bytes && header.holds_bytes ? 1 : sizeof(float));
-  // The library takes memory for a whole strip, also where that is higher than the image.
-  constexpr std::uint64_t kMostOfStrip = std::uint64_t{1} << 30;
-  const auto rows = static_cast<std::uint64_t>(std::max<std::int64_t>(header.strip_rows, 0));
-  if (rows > static_cast<std::uint64_t>(header.height) && rows * header.row_bytes > kMostOfStrip)
-    throw SceneError(where, "the image has strips of " + std::to_string(rows) + " rows, more than the image itself");
   if (header.depth > 1 || header.deep) throw SceneError(where, "volume and deep images are not supported");
   if (header.channels.size() != static_cast<std::size_t>(header.channel_count)) {
     throw SceneError(where, "the image's channels have no names");

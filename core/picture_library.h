@@ -17,8 +17,6 @@ struct PictureHeader {
   bool deep = false;                  ///< any number of samples in a pixel
   bool holds_bytes = false;           ///< 8 bits without sign for each value
   bool holds_integers = false;
-  std::int64_t strip_rows = 0;  ///< of TIFF files: rows that are packed together; 0 if nothing is said
-  std::uint64_t row_bytes = 0;  ///< of the file's values, unpacked
 };
 
 /// An open picture.

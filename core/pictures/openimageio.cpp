@@ -21,9 +21,7 @@ class Reader final : public PictureReader {
                spec.channelnames,
                spec.deep,
                spec.format == OIIO::TypeDesc::UINT8,
-               !spec.format.is_floating_point(),
-               spec.get_int_attribute("tiff:RowsPerStrip"),
-               spec.scanline_bytes()};
+               !spec.format.is_floating_point()};
   }
 
   const PictureHeader& header() const override { return header_; }
@@ -31,10 +29,21 @@ class Reader final : public PictureReader {
   bool read(float* out, std::string& remark) override { return read(OIIO::TypeDesc::FLOAT, out, remark); }
 
  private:
-  bool read(OIIO::TypeDesc type, void* out, std::string& remark) {
-    const bool complete = input_->read_image(0, 0, 0, input_->spec().nchannels, type, out);
+  template <class Value> bool read(OIIO::TypeDesc type, Value* out, std::string& remark) {
+    const bool complete = read_all(type, out);
     remark = input_->geterror();
     return complete;
+  }
+
+  template <class Value> bool read_all(OIIO::TypeDesc type, Value* out) {
+    const OIIO::ImageSpec& spec = input_->spec();
+    if (spec.get_int_attribute("tiff:RowsPerStrip") <= spec.height)
+      return input_->read_image(0, 0, 0, spec.nchannels, type, out);
+    // The library would take memory for a whole strip, of which the file may claim any height.
+    const auto row = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels);
+    for (int y = 0; y < spec.height; ++y, out += row)
+      if (!input_->read_scanline(spec.y + y, spec.z, type, out)) return false;
+    return true;
   }
 
   std::unique_ptr<OIIO::ImageInput> input_;
