@@ -95,8 +95,7 @@ inline bool chooses_by_place(const SceneView& scene) {
 
 /// Chooses a light for each receiver by its u in [0, 1), as SceneView::light_selector says. The scene must have lights.
 /// Receivers may be anything unless chooses_by_place(). `tops`: what light_tree_top() says of them, if that is known
-/// already, or null; the choice is the same.
-/// Several choices at once cost less than one after the other.
+/// already, or null; the choice is the same. Several choices at once cost less than one after the other.
 template <class L, int N>
 SHEAF_INLINE void choose_lights(const SceneView& scene, const LightReceiver<L> (&at)[N],
                                 const typename L::Float (&u)[N], const LightTreeTop<L>* tops,

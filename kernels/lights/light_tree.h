@@ -28,8 +28,8 @@ inline constexpr float kLeastCosine = 1e-3f;
 /// Where several children may contribute, each is drawn with at least this probability. Uniform numbers of 24 bits can
 /// still choose it, and products over many levels do not underflow.
 inline constexpr float kLeastTurn = 0x1p-20f;
-/// Draws keep this far from the end of what there is to draw from.
-inline constexpr float kLast = 1.0f - 0x1p-22f;
+/// How far a draw may go into what there is to draw from.
+inline constexpr float kFarthest = 1.0f - 0x1p-22f;
 /// Squared distances are kept in this range, which keeps their products finite.
 inline constexpr float kNearSquared = 1e-18f, kFarSquared = 1e18f;
 
@@ -179,7 +179,7 @@ template <class L> struct Descent {
     const F sum = way.sum(), first = w[0], two = first + w[1], three = two + w[2];
     const F borders[3] = {whole * first, whole * two, whole * three};
     // Before the end, whatever the rounding: so a child without weight is always passed over for a later one.
-    const F here = min(rest, whole * F(kLast)) * sum;
+    const F here = min(rest, whole * F(kFarthest)) * sum;
     F border(0.0f), taken = first;
     U child(0u);
     for (std::uint32_t k = 1; k < kLightChildren; ++k) {
