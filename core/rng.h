@@ -10,6 +10,9 @@ template <class L> struct Random4 {
   typename L::Float x, y, z, w;
 };
 
+/// Numbers of a Random4, as bits.
+enum RandomNumbers : unsigned { kNumberX = 1, kNumberY = 2, kNumberZ = 4, kNumberW = 8, kAllNumbers = 15 };
+
 /// Uniform in [0, 1) from the upper 24 bits.
 template <class U> SHEAF_INLINE auto unit_float(U bits) { return to_float(bits >> 8) * 5.9604644775390625e-8f; }
 

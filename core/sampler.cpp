@@ -61,15 +61,15 @@ SHEAF_INLINE SobolPoint<L> sobol_point(const SamplerView& sampler, Uint<L> pixel
 }
 
 template <class L>
-SHEAF_INLINE Random4<L> numbers(const SamplerView& sampler, Uint<L> pixel, Uint<L> sample, Uint<L> block,
-                                SampleSet set) {
+SHEAF_INLINE Random4<L> numbers(const SamplerView& sampler, Uint<L> pixel, Uint<L> sample, Uint<L> block, SampleSet set,
+                                unsigned wanted) {
   const std::uint32_t seed = sampler.seed + set.index * kGoldenRatio;
   switch (sampler.kind) {
     case SamplerKind::kStratified: return stratified_random4<L>(seed, sampler.grid, false, pixel, sample, block);
     case SamplerKind::kMultijitter: return stratified_random4<L>(seed, sampler.grid, true, pixel, sample, block);
     case SamplerKind::kSobol:
     case SamplerKind::kZSobol:
-      return sobol_random4<L>(sobol_point<L>(sampler, pixel, sample, set), block);
+      return sobol_random4<L>(sobol_point<L>(sampler, pixel, sample, set), block, wanted);
     case SamplerKind::kIndependent: break;
   }
   return random4<L>(seed, pixel, sample, block);
@@ -109,24 +109,35 @@ std::uint32_t rounded_sample_count(SamplerKind kind, std::uint32_t sample_count)
 
 template <class L>
 Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::Uint sample, typename L::Uint event,
-                SampleBlock block, SampleSet set) noexcept {
+                SampleBlock block, SampleSet set, unsigned wanted) noexcept {
   using U = typename L::Uint;
   const U number = sample - U(sampler.first_sample);
   const auto block_of = [&](SampleBlock of) SHEAF_LAMBDA_INLINE {
     return event * U(static_cast<std::uint32_t>(SampleBlock::kCount)) + U(static_cast<std::uint32_t>(of));
   };
-  const Random4<L> u = numbers<L>(sampler, pixel, number, block_of(block), set);
-  if (block == SampleBlock::kCamera) return u;
-  if (block == SampleBlock::kSelect && is_sobol(sampler.kind))
-    return {sobol_random_fifth<L>(sobol_point<L>(sampler, pixel, number, set), block_of(SampleBlock::kScatter),
-                                  block_of(block)),
-            u.x, u.y, u.w};
+  const auto four = [&](unsigned of_them) SHEAF_LAMBDA_INLINE {
+    return numbers<L>(sampler, pixel, number, block_of(block), set, of_them);
+  };
+  if (block == SampleBlock::kCamera) return four(wanted);
+  // x is the third of the four, behind y and z.
+  const unsigned but_x = (wanted & kNumberW) | (wanted & (kNumberY | kNumberZ)) >> 1;
+  if (block == SampleBlock::kSelect && is_sobol(sampler.kind)) {
+    const Float<L> any(0.0f);
+    Random4<L> u{any, any, any, any};
+    if (but_x != 0) u = four(but_x);
+    const Float<L> fifth = (wanted & kNumberX) == 0
+                               ? any
+                               : sobol_random_fifth<L>(sobol_point<L>(sampler, pixel, number, set),
+                                                       block_of(SampleBlock::kScatter), block_of(block));
+    return {fifth, u.x, u.y, u.w};
+  }
+  const Random4<L> u = four(but_x | (wanted & kNumberX) << 2);
   return {u.z, u.x, u.y, u.w};
 }
 
 template Random4<Scalar> draw<Scalar>(const SamplerView&, Uint<Scalar>, Uint<Scalar>, Uint<Scalar>, SampleBlock,
-                                      SampleSet) noexcept;
-template Random4<Wide> draw<Wide>(const SamplerView&, Uint<Wide>, Uint<Wide>, Uint<Wide>, SampleBlock,
-                                  SampleSet) noexcept;
+                                      SampleSet, unsigned) noexcept;
+template Random4<Wide> draw<Wide>(const SamplerView&, Uint<Wide>, Uint<Wide>, Uint<Wide>, SampleBlock, SampleSet,
+                                  unsigned) noexcept;
 
 }  // namespace sheaf

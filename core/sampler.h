@@ -68,9 +68,10 @@ struct SampleSet {
 };
 
 /// The numbers of `block` at a path's event `event` (0 for the camera): a pure function of its arguments. The plane
-/// that is spread best is (x, y) for the camera and (y, z) elsewhere.
+/// that is spread best is (x, y) for the camera and (y, z) elsewhere. `wanted`: which RandomNumbers are asked for; the
+/// others may be anything, and cost less.
 template <class L>
 Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::Uint sample, typename L::Uint event,
-                SampleBlock block, SampleSet set = {}) noexcept;
+                SampleBlock block, SampleSet set = {}, unsigned wanted = kAllNumbers) noexcept;
 
 }  // namespace sheaf

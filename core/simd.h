@@ -140,17 +140,24 @@ template <class U> SHEAF_INLINE U reverse_bits_stepwise(U x) {
   x = ((x >> 2) & U(0x33333333u)) | ((x & U(0x33333333u)) << 2);
   return ((x >> 1) & U(0x55555555u)) | ((x & U(0x55555555u)) << 1);
 }
-/// The 32 bits in reverse order: half bytes by table, then whole bytes, where the machine shuffles bytes.
+/// The 32 bits in reverse order: those of bytes, by a product or half bytes by table, then bytes, where the machine
+/// shuffles bytes.
 SHEAF_INLINE WideUint reverse_bits(WideUint a) {
 #if defined(__AVX512BW__)
+  const __m512i bytes = _mm512_broadcast_i32x4(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+#if defined(__GFNI__)
+  // Row i of this matrix over GF(2) takes bit 7 - i.
+  const __m512i mirror = _mm512_set1_epi64(static_cast<long long>(0x8040201008040201u));
+  return UintBatch(_mm512_shuffle_epi8(_mm512_gf2p8affine_epi64_epi8(a.v, mirror, 0), bytes));
+#else
   const __m512i half = _mm512_set1_epi8(0x0f);
   const __m512i upper =
       _mm512_broadcast_i32x4(_mm_setr_epi8(0, -128, 64, -64, 32, -96, 96, -32, 16, -112, 80, -48, 48, -80, 112, -16));
   const __m512i lower = _mm512_and_si512(_mm512_srli_epi32(upper, 4), half);
-  const __m512i bytes = _mm512_broadcast_i32x4(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
   const __m512i turned = _mm512_or_si512(_mm512_shuffle_epi8(upper, _mm512_and_si512(a.v, half)),
                                          _mm512_shuffle_epi8(lower, _mm512_and_si512(_mm512_srli_epi32(a.v, 4), half)));
   return UintBatch(_mm512_shuffle_epi8(turned, bytes));
+#endif
 #elif defined(__AVX2__)
   const __m256i half = _mm256_set1_epi8(0x0f);
   const __m256i upper = _mm256_broadcastsi128_si256(

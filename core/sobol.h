@@ -51,8 +51,10 @@ template <int s, class U> SHEAF_INLINE U divide_by_4(U i) {
 }  // namespace sobol_detail
 
 /// Point `index` of the Sobol sequence with the direction numbers of Joe and Kuo, "Constructing Sobol Sequences with
-/// Better Two-Dimensional Projections", 2008; dimensions 1 to 4, as bit-reversed fractions.
-template <class L> SHEAF_INLINE void sobol4(typename L::Uint index, typename L::Uint out[4]) {
+/// Better Two-Dimensional Projections", 2008; dimensions 1 to 4, as bit-reversed fractions. Of the last two those that
+/// `wanted` (RandomNumbers) asks for.
+template <class L>
+SHEAF_INLINE void sobol4(typename L::Uint index, typename L::Uint out[4], unsigned wanted = kAllNumbers) {
   using U = typename L::Uint;
   using namespace sobol_detail;
   U a = index, b = index, c = index;
@@ -69,11 +71,15 @@ template <class L> SHEAF_INLINE void sobol4(typename L::Uint index, typename L::
   }
   out[0] = index;
   out[1] = divide_by_1<1>(divide_by_1<2>(divide_by_1<4>(a)));
-  b = divide_by_2<1>(divide_by_2<2>(b));
-  c = divide_by_3<1>(divide_by_3<2>(c));
   // Initial direction numbers 1/2, 3/4 and 1/2, 3/4, 1/8.
-  out[2] = b ^ ((b >> 1) & U(part_mask(2, 1, 0, 0)));
-  out[3] = c ^ ((c >> 1) & U(part_mask(3, 1, 0, 0)));
+  if ((wanted & kNumberZ) != 0) {
+    b = divide_by_2<1>(divide_by_2<2>(b));
+    out[2] = b ^ ((b >> 1) & U(part_mask(2, 1, 0, 0)));
+  }
+  if ((wanted & kNumberW) != 0) {
+    c = divide_by_3<1>(divide_by_3<2>(c));
+    out[3] = c ^ ((c >> 1) & U(part_mask(3, 1, 0, 0)));
+  }
 }
 
 /// The fifth dimension of the same.
@@ -142,14 +148,20 @@ template <class U> SHEAF_INLINE auto scrambled_float(U fraction, U key) {
 }  // namespace sobol_detail
 
 /// Four numbers of a point. The first 2^k points of a sequence put one in each of the 2^k intervals of any dimension
-/// and rectangles of (x, y).
-template <class L> SHEAF_INLINE Random4<L> sobol_random4(const SobolPoint<L>& at, typename L::Uint block) {
+/// and rectangles of (x, y). Those that are not `wanted` (RandomNumbers) may be anything.
+template <class L>
+SHEAF_INLINE Random4<L> sobol_random4(const SobolPoint<L>& at, typename L::Uint block, unsigned wanted = kAllNumbers) {
   using namespace sobol_detail;
   const Keys<L> keys(at, block);
   typename L::Uint point[4];
-  sobol4<L>(keys.shuffle(at.index), point);
-  return {scrambled_float(point[0], keys.scramble[0]), scrambled_float(point[1], keys.scramble[1]),
-          scrambled_float(point[2], keys.scramble[2]), scrambled_float(point[3], keys.scramble[3])};
+  sobol4<L>(keys.shuffle(at.index), point, wanted);
+  const typename L::Float any(0.0f);
+  Random4<L> u{any, any, any, any};
+  if ((wanted & kNumberX) != 0) u.x = scrambled_float(point[0], keys.scramble[0]);
+  if ((wanted & kNumberY) != 0) u.y = scrambled_float(point[1], keys.scramble[1]);
+  if ((wanted & kNumberZ) != 0) u.z = scrambled_float(point[2], keys.scramble[2]);
+  if ((wanted & kNumberW) != 0) u.w = scrambled_float(point[3], keys.scramble[3]);
+  return u;
 }
 
 /// A fifth number that belongs to the four of `block`: points among which it hardly differs are spread well in them.

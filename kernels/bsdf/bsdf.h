@@ -11,6 +11,7 @@
 //                      along wi
 //   evaluate(wo, wi)   f times |cos(wi)| and the density with which sample() returns wi; delta lobes left out
 //   sample(wo, u)      a direction; u.x chooses the lobe, u.y and u.z the direction
+//   kNumbers           only if sample() makes no use of some of them need it be there: RandomNumbers of u
 // Directions are unit vectors in the shading frame, pointing away from the surface. Large ones have both functions in a
 // .cpp beside the header, compiled once for Wide and Scalar: every stage that goes over all BSDFs would hold a copy.
 //
@@ -34,6 +35,12 @@ namespace sheaf {
 
 /// Whether a BSDF has kDisperses.
 template <class Bsdf> inline constexpr bool kDisperses = requires { Bsdf::kDisperses; };
+
+/// Which RandomNumbers a BSDF's sample() uses.
+template <class Bsdf> constexpr unsigned numbers_of() {
+  if constexpr (requires { Bsdf::kNumbers; }) return Bsdf::kNumbers;
+  return kNumberX | kNumberY | kNumberZ;
+}
 
 /// Whether a BSDF is a phase function.
 template <class Bsdf> inline constexpr bool kIsPhaseFunction = closure_info(Bsdf::kKind).is_phase;

@@ -10,6 +10,7 @@ namespace sheaf {
 template <class L> struct ConductorBsdf : ConductorParameters<L> {
   static constexpr auto kKind = ClosureKind::kConductor;
   static constexpr bool kIsSpecular = true, kIsAnisotropic = false;
+  static constexpr unsigned kNumbers = 0;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
 

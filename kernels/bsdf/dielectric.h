@@ -11,6 +11,7 @@ namespace sheaf {
 template <class L> struct DielectricBsdf : DielectricParameters<L> {
   static constexpr auto kKind = ClosureKind::kDielectric;
   static constexpr bool kIsSpecular = true, kIsAnisotropic = false;
+  static constexpr unsigned kNumbers = kNumberX;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
 

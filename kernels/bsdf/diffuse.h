@@ -10,6 +10,7 @@ namespace sheaf {
 template <class L> struct DiffuseBsdf : DiffuseParameters<L> {
   static constexpr auto kKind = ClosureKind::kDiffuse;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
+  static constexpr unsigned kNumbers = kNumberY | kNumberZ;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
     const Float<L> pdf = select(wo.z > Float<L>(0.0f), cosine_hemisphere_pdf_solid_angle(wi.z), Float<L>(0.0f));

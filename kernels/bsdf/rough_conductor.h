@@ -12,6 +12,7 @@ namespace sheaf {
 /// Distribution: GgxDistribution or BeckmannDistribution.
 template <class L, template <class> class Distribution> struct RoughConductorModel : RoughConductorParameters<L> {
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
+  static constexpr unsigned kNumbers = kNumberY | kNumberZ;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
     const auto r = evaluate_reflection(facets(), wo, wi);

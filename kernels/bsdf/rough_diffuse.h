@@ -16,6 +16,7 @@ namespace sheaf {
 template <class L> struct RoughDiffuseBsdf : RoughDiffuseParameters<L> {
   static constexpr auto kKind = ClosureKind::kRoughDiffuse;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
+  static constexpr unsigned kNumbers = kNumberY | kNumberZ;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
     using F = Float<L>;

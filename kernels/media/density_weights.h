@@ -110,10 +110,12 @@ class DensityQueue {
                                             numbers_[static_cast<std::size_t>(i)]});
     }
     for (int i = count; i % L::width != 0; ++i) rows.template store<Scalar>(i, {});
+    const bool is_path = use_ == MediumStream::kPath;
     for (int i = 0; i < count; i += L::width) {
       DensityRay<L> row = rows.template load<L>(i);
-      const Random4<L> u = draw<L>(sampler_, row.numbers.x, row.numbers.y, row.numbers.z, SampleBlock::kSelect);
-      row.first = use_ == MediumStream::kPath ? u.y : u.z;
+      const Random4<L> u = draw<L>(sampler_, row.numbers.x, row.numbers.y, row.numbers.z, SampleBlock::kSelect, {},
+                                   is_path ? kNumberY : kNumberZ);
+      row.first = is_path ? u.y : u.z;
       rows.template store<L>(i, row);
     }
     const std::uint32_t grid = medium.density != kNone ? medium.density : medium.first_grid;

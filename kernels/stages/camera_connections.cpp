@@ -26,7 +26,8 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
   const F flux = wave.radiance.gather<L>(slots).weight;
   Vec2<L> lens{F(0.0f), F(0.0f)};
   if (context.scene.camera.has_lens()) {
-    const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kLight);
+    const auto u =
+        draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kLight, {}, kNumberY | kNumberZ);
     lens = square_to_disk<L>(u.y, u.z);
   }
   const CameraView<L> view = context.scene.camera.view<L>(item.p, lens.x, lens.y);

@@ -9,18 +9,23 @@ namespace sheaf {
 
 namespace {
 
+/// Whether one of the cameras has a lens, as far as it is known.
+bool has_lens(const SceneView& scene) { return scene.camera.has_lens() || scene.more_camera_count > 0; }
+
 /// A pinhole leaves a number of the camera's block free, which is spread together with the place in the pixel: then
 /// colour noise is low where the pixel's parts differ.
 template <class L>
 SHEAF_INLINE void start_wavelengths(const StageContext& context, Wave& wave, const Slot* slots, int count,
                                     const ThroughputState<L>& path, const Random4<L>& camera) {
-  const bool lens = context.scene.camera.has_lens() || context.scene.more_camera_count > 0;
+  const bool lens = has_lens(context.scene);
   alignas(kSimdAlignment) float u[L::width];
   if (context.wavelength_sample >= 0.0f)
     store(u, Float<L>(context.wavelength_sample));
   else
     store(u,
-          lens ? draw<L>(context.sampler, path.pixel, path.sample, Uint<L>(0u), SampleBlock::kWavelength).x : camera.z);
+          lens
+              ? draw<L>(context.sampler, path.pixel, path.sample, Uint<L>(0u), SampleBlock::kWavelength, {}, kNumberX).x
+              : camera.z);
   for (int lane = 0; lane < count; ++lane) wave.wavelength_samples[slots[lane]] = u[lane];
 }
 
@@ -54,7 +59,7 @@ SHEAF_INLINE Uint<L> start_in_medium(const StageContext& context, Wave& wave, co
   wave.probabilities.scatter<L>(slots, count, {Spectrum<L>(F(1.0f)), Spectrum<L>(F(1.0f))});
   const U medium(context.scene.camera_medium << kRayMediumShift);
   if (context.scene.color == ColorMode::kSpectral) return medium;
-  const F u = draw<L>(context.sampler, path.pixel, path.sample, U(0u), SampleBlock::kWavelength).x;
+  const F u = draw<L>(context.sampler, path.pixel, path.sample, U(0u), SampleBlock::kWavelength, {}, kNumberX).x;
   return medium | (min(to_uint(u * F(3.0f)), U(2u)) << kRayHeroShift);
 }
 
@@ -108,7 +113,9 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   throughput.eta_scale = F(1.0f);
   throughput.progress = U(0u);
 
-  const auto u = draw<L>(context.sampler, throughput.pixel, throughput.sample, U(0u), SampleBlock::kCamera);
+  const bool spreads_z = has_lens(context.scene) || context.scene.color == ColorMode::kSpectral;
+  const auto u = draw<L>(context.sampler, throughput.pixel, throughput.sample, U(0u), SampleBlock::kCamera, {},
+                         spreads_z ? kAllNumbers : kNumberX | kNumberY);
   if (context.scene.color == ColorMode::kSpectral) start_wavelengths<L>(context, wave, slots, count, throughput, u);
   const auto dx = context.scene.filter->sample<L>(u.x), dy = context.scene.filter->sample<L>(u.y);
   remember_offsets<L>(task, radiance.task_sample, count, dx.position, dy.position);

@@ -77,7 +77,8 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
 template <class L>
 SHEAF_INLINE Random4<L> numbers_of(const StageContext& context, Wave& wave, const Slot* slots, SampleSet set) {
   const ThroughputState<L> path = wave.throughput.gather<L>(slots);
-  return draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kLight, set);
+  return draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kLight, set,
+                 context.scene.light_count > 1 ? kAllNumbers : kAllNumbers & ~kNumberX);
 }
 
 /// Not a template over the closure: one copy of the code serves all kinds. Where an environment map is most of the

@@ -294,7 +294,9 @@ template <class L> void medium(const StageContext& context, Wave& wave) noexcept
       } else {
         if (!is_drawn) {
           const ThroughputState<L> state = wave.throughput.gather<L>(slots);
-          store(u, draw<L>(context.sampler, state.pixel, state.sample, state.event(), SampleBlock::kSelect).y);
+          store(
+              u,
+              draw<L>(context.sampler, state.pixel, state.sample, state.event(), SampleBlock::kSelect, {}, kNumberY).y);
           is_drawn = true;
         }
         medium_path(context, wave, path, ray, u[lane], counts);

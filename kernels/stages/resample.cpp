@@ -89,7 +89,7 @@ SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, 
   const F weight = total(candidate.contribution) * candidate.mis_weight;
   ReservoirItem<L> r;
   if (is_first) {
-    r.u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kResample).x;
+    r.u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kResample, {}, kNumberX).x;
     r.target = light.target;
     r.contribution = candidate.contribution;
     r.weight = r.sum = weight;

@@ -107,7 +107,8 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   const auto item = wave.vertices.load<L>(column);
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
   ThroughputState<L> path = wave.throughput.gather<L>(slots);
-  const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kScatter);
+  const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kScatter, {},
+                         context.guides ? kAllNumbers : numbers_of<Bsdf<L>>() | kNumberW);
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
   GuidedSample<L> sample{};
   if (kIsGuided<Bsdf<L>> && context.guides) {

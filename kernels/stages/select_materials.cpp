@@ -108,7 +108,7 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
                                         ray.origin + ray.direction * hit.t, hit.instance);
   const TextureQuery<L> query{y.uv, hit.shape, hit.primitive, hit.u, hit.v, y.p};
   const auto behind = dot(y.ng, ray.direction) > F(0.0f);
-  F u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kSelect).x;
+  F u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kSelect, {}, kNumberX).x;
 
   U row = hit.material;
   const U nothing(MaterialRow::kNothing);

@@ -79,7 +79,8 @@ Mask<L> choose_normal(const StageContext& context, Wave& wave, const TextureTile
   const auto choice = may_choose & (probability > F(0.0f));
   const auto mirrored =
       choice &
-      (draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kResample).x < probability);
+      (draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kResample, {}, kNumberX).x <
+       probability);
   const F of_this = select(choice, select(mirrored, probability, F(1.0f) - probability), F(1.0f));
   path.beta = path.beta * (F(1.0f) / of_this);
   wave.throughput.scatter<L>(tile.slots, tile.last, path);

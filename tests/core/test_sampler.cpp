@@ -411,6 +411,26 @@ TEST_CASE("sampler: registers hold the numbers of their lanes, bit by bit, all i
   CHECK(wrong == 0);
 }
 
+TEST_CASE("sampler: numbers are the same whichever others are wanted") {
+  int wrong = 0;
+  for (const SamplerKind kind : kKinds)
+    for (const SampleBlock block : kBlocks)
+      for (unsigned wanted = 1; wanted < kAllNumbers; ++wanted)
+        for (U i = 0; i < 50; ++i) {
+          const SamplerView sampler = sampler_of(kind, i, 16);
+          // More than 65536 samples go all the way through the sequence.
+          const U pixel = 977 * i, sample = i * i * 131, event = i % 5;
+          const SampleSet set{i % 3, 3};
+          const auto one = draw<Scalar>(sampler, pixel, sample, event, block, set, wanted);
+          const auto wide = draw<Wide>(sampler, WideUint(pixel), WideUint(sample), WideUint(event), block, set, wanted);
+          const Numbers all = numbers(sampler, pixel, sample, event, block, set);
+          const Numbers found = {one.x, one.y, one.z, one.w}, in_lane = {wide.x[3], wide.y[3], wide.z[3], wide.w[3]};
+          for (unsigned k = 0; k < 4; ++k)
+            if ((wanted >> k & 1) != 0) wrong += found[k] != all[k] || in_lane[k] != all[k];
+        }
+  CHECK(wrong == 0);
+}
+
 TEST_CASE("sampler: blocks and events never share numbers") {
   for (const SamplerKind kind : kKinds) {
     std::unordered_set<std::uint64_t> seen;

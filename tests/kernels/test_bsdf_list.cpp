@@ -53,6 +53,25 @@ TEST_CASE("all bsdfs: values are finite whatever the directions") {
   for_each_variant([](const auto& bsdf) { check_bsdf_finite(bsdf); });
 }
 
+TEST_CASE("all bsdfs: samples depend on no numbers but those that are said") {
+  for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
+    constexpr unsigned kUsed = numbers_of<Bsdf>();
+    int wrong = 0;
+    for (std::uint32_t i = 0; i < 200; ++i) {
+      const Vec3f wo = random_direction(15, i);
+      const auto u = lane_random(16, i, 0), other = lane_random(17, i, 0);
+      const Random4<Scalar> changed{(kUsed & kNumberX) != 0 ? u.x : other.x, (kUsed & kNumberY) != 0 ? u.y : other.y,
+                                    (kUsed & kNumberZ) != 0 ? u.z : other.z, other.w};
+      const auto a = bsdf.sample(wo, u), b = bsdf.sample(wo, changed);
+      wrong += a.valid != b.valid || a.eta_scale != b.eta_scale || a.pdf_solid_angle != b.pdf_solid_angle;
+      if (!a.valid) continue;
+      wrong += a.wi.x != b.wi.x || a.wi.y != b.wi.y || a.wi.z != b.wi.z;
+      wrong += a.weight.c0 != b.weight.c0 || a.weight.c1 != b.weight.c1 || a.weight.c2 != b.weight.c2;
+    }
+    CHECK(wrong == 0);
+  });
+}
+
 TEST_CASE("all bsdfs: specular ones have no density") {
   for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
     if constexpr (Bsdf::kIsSpecular)
