@@ -9,10 +9,10 @@ set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.c
 
 # Tests that take long, the longest first: ctest starts them in this order, so that none is left alone at the end.
 set(SHEAF_LONG_TESTS
-  preview cli cli_outputs cli_merge cli_memory slurm smoke_scripts references photon_mapping photon_media
+  preview cli_signals cli cli_outputs cli_merge cli_memory slurm smoke_scripts references photon_mapping photon_media
   light_tracing adaptive smoke_scenes
   media_estimators smoke_benchmarks
-  uplift nanovdb light_emit bsdf_list bsdf_principled media_tracking estimators light_estimators spectral_render
+  uplift nanovdb envmap light_emit bsdf_list bsdf_principled media_tracking estimators light_estimators spectral_render
   instancing_render determinism)
 
 # Tests in which libraries leak in functions of others that have no frame pointers: cmake/lsan.supp knows them by the
