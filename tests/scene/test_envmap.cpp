@@ -6,8 +6,8 @@
 #include "core/frame.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
-#include "scene/compile/compile_envmap.h"
 #include "tests/support/chi_square.h"
+#include "tests/support/envmap_testing.h"
 #include "tests/support/lanes_testing.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/picture_files.h"
@@ -19,36 +19,17 @@
 
 #include <array>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 namespace sheaf::test_envmap {
+
+using test::picture_of;
+using test::uneven_picture;
 
 namespace {
 
 constexpr double kPiD = std::numbers::pi;
 constexpr int kTests = 9;  // chi-square tests in this file
-
-EnvmapPicture picture_of(std::uint32_t width, std::uint32_t height,
-                         const std::function<Vec3f(std::uint32_t, std::uint32_t)>& f) {
-  EnvmapPicture p{width, height, std::vector<float>(3 * std::size_t{width} * height)};
-  for (std::uint32_t i = 0; i < width * height; ++i) {
-    const Vec3f v = f(i % width, i / width);
-    p.rgb[3 * i] = v.x;
-    p.rgb[3 * i + 1] = v.y;
-    p.rgb[3 * i + 2] = v.z;
-  }
-  return p;
-}
-
-/// Uneven, with dark parts and a bright one.
-EnvmapPicture uneven_picture() {
-  return picture_of(11, 7, [](std::uint32_t x, std::uint32_t y) {
-    if (x >= 3 && x <= 6 && y >= 2 && y <= 4) return Vec3f{0, 0, 0};
-    if (x == 9 && y == 4) return Vec3f{40, 35, 20};
-    return Vec3f{0.1f + 0.2f * static_cast<float>(x % 3), 0.5f, 0.05f * static_cast<float>(y * y)};
-  });
-}
 
 /// The direction of a place in the unit square, by the definition in scene/tables/envmap.h.
 Vec3f direction_of(double u, double v) {
@@ -415,186 +396,6 @@ TEST_CASE("environment map: pictures in files, usable or not") {
   Description stretched = scene_with("plain.hdr");
   std::get<EnvmapDescription>(stretched.lights[0].model).to_world = Transform::scale({1, 2, 1});
   CHECK_THROWS_AS(compile_scene(stretched), SceneError);
-}
-
-namespace {
-
-/// Irradiance of a floor under a map, by an even grid of directions over its hemisphere around `n`.
-double irradiance(const EnvmapView& map, Vec3f n) {
-  const auto frame = Frame<Scalar>::from_normal(n);
-  double sum = 0;
-  constexpr std::uint32_t kSide = 1500;
-  for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
-    const Vec3f w = square_to_cosine_hemisphere<Scalar>((static_cast<float>(i % kSide) + 0.5f) / kSide,
-                                                        (static_cast<float>(i / kSide) + 0.5f) / kSide);
-    sum += lookup_envmap<Scalar>(map, frame.to_world(w)).radiance.c1;
-  }
-  return kPiD * sum / (double(kSide) * kSide);
-}
-
-}  // namespace
-
-TEST_CASE("environment map: every strategy finds the light of a diffuse floor" * doctest::test_suite("slow")) {
-  const TemporaryFolder folder;
-  const EnvmapPicture picture = uneven_picture();
-  Image image(11, 7, {"R", "G", "B"});
-  image.data = picture.rgb;
-  write_exr(folder / "map.exr", image, {});
-  for (const bool compensated : {false, true}) {
-    Description d = empty_scene(32, 32);
-    d.sampler.sample_count = 256;
-    d.integrator.max_depth = 2;
-    look_at(d, {1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 0.01f);
-    add_rectangle(d, Transform::rotate({1, 0.3f, 0}, -60), add_diffuse(d, 0.5f));
-    const Transform turn = Transform::rotate({1, 2, 3}, 70);
-    d.lights.push_back({EnvmapDescription{folder / "map.exr", 1, turn, compensated}, {}});
-    const Vec3f normal = Transform::rotate({1, 0.3f, 0}, -60).vector({0, 0, 1});
-    const double expected = 0.5 / kPiD * irradiance(compile_scene(d)->view().envmap, normal);
-    for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
-      d.integrator.strategy = strategy;
-      const Image out = render(*compile_scene(d), {}).film.to_image();
-      MeanVariance statistics;
-      for (int y = 0; y < 32; ++y)
-        for (int x = 0; x < 32; ++x) statistics.add(out.at(x, y, 1));
-      CAPTURE(compensated);
-      CAPTURE(static_cast<int>(strategy));
-      CAPTURE(statistics.mean());
-      CAPTURE(expected);
-      constexpr double kGridError = 3e-4;
-      const double off = std::fabs(statistics.mean() - expected);
-      CHECK(off < kGridError * expected + 4.5 * std::sqrt(statistics.variance() / 1024));
-      CHECK(std::sqrt(statistics.variance() / 1024) < 0.01 * expected);
-    }
-  }
-}
-
-namespace {
-
-/// Means of R, G and B of pictures with seeds 1, 2, ... of a diffuse floor under a map, and what they vary by.
-std::array<MeanVariance, 3> floor_means(const std::filesystem::path& map, ColorMode color, LightStrategy strategy) {
-  Description d = empty_scene(8, 8);
-  d.integrator.max_depth = 2;
-  d.integrator.strategy = strategy;
-  look_at(d, {1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 0.01f);
-  add_rectangle(d, Transform::rotate({1, 0.3f, 0}, -60), add_diffuse(d, 0.5f));
-  d.lights.push_back({EnvmapDescription{map, 1, Transform::rotate({1, 2, 3}, 70), false}, {}});
-  const auto scene = compile_scene(d, {false, color});
-  std::array<MeanVariance, 3> means;
-  for (std::uint32_t seed = 1; seed <= 24; ++seed) {
-    RenderOptions options;
-    options.samples_per_pixel = 512;
-    options.seed = seed;
-    const Image out = render(*scene, options).film.to_image();
-    for (int c = 0; c < 3; ++c) {
-      double sum = 0;
-      for (int i = 0; i < 64; ++i) sum += static_cast<double>(out.at(i % 8, i / 8, c));
-      means[static_cast<std::size_t>(c)].add(sum / 64);
-    }
-  }
-  return means;
-}
-
-/// Student's t of two means of 24 each, where `systematic` is the part of the mean that they may differ by.
-void check_agree(const std::array<MeanVariance, 3>& a, const std::array<MeanVariance, 3>& b, double systematic) {
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double error = std::sqrt((a[c].variance() + b[c].variance()) / 24);
-    const double off = std::fabs(a[c].mean() - b[c].mean()) - systematic * b[c].mean();
-    CAPTURE(c);
-    CAPTURE(a[c].mean());
-    CAPTURE(b[c].mean());
-    CHECK(student_t_p_value(std::max(off, 0.0) / error, 23) > significance_of_each(9));
-    CHECK(error < 0.005 * b[c].mean());
-  }
-}
-
-void write_map(const std::filesystem::path& file, const EnvmapPicture& picture) {
-  Image image(static_cast<int>(picture.width), static_cast<int>(picture.height), {"R", "G", "B"});
-  image.data = picture.rgb;
-  write_exr(file, image, {});
-}
-
-}  // namespace
-
-TEST_CASE("environment map: spectral mode shows a smooth map as RGB mode does" * doctest::test_suite("slow")) {
-  const TemporaryFolder folder;
-  write_map(folder / "smooth.exr", picture_of(64, 32, [](std::uint32_t x, std::uint32_t y) {
-    const float turn = std::sin(kPi * static_cast<float>(x) / 32), polar = std::cos(kPi * static_cast<float>(y) / 31);
-    return Vec3f{1 + 0.6f * turn, 0.9f + 0.4f * polar, 1.2f - 0.5f * turn * polar};
-  }));
-  // What the uplift's table is off by, and what the two kinds of mixing differ by.
-  constexpr double kSystematic = 0.004;
-  check_agree(floor_means(folder / "smooth.exr", kSpectral, LightStrategy::kMis),
-              floor_means(folder / "smooth.exr", ColorMode::kRgb, LightStrategy::kMis), kSystematic);
-}
-
-TEST_CASE("environment map: spectral mode, every strategy finds the same light" * doctest::test_suite("slow")) {
-  const TemporaryFolder folder;
-  write_map(folder / "uneven.exr", uneven_picture());
-  const auto found = floor_means(folder / "uneven.exr", kSpectral, LightStrategy::kLightOnly);
-  check_agree(floor_means(folder / "uneven.exr", kSpectral, LightStrategy::kBsdfOnly), found, 0);
-  check_agree(floor_means(folder / "uneven.exr", kSpectral, LightStrategy::kMis), found, 0);
-}
-
-namespace {
-
-/// A glossy ball in a box of fog over a diffuse floor, under a map.
-Description foggy_scene(const std::filesystem::path& map, bool compensated) {
-  Description d = empty_scene(8, 8);
-  d.sampler.sample_count = 128;
-  look_at(d, {1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 40);
-  add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({2, 2, 2}), add_diffuse(d, 0.5f));
-  ConductorDescription metal;
-  metal.roughness = RoughnessDescription{};
-  add_sphere(d, {0, 0.5f, 0}, 0.5f, add_material(d, metal));
-  fill(d, add_sphere(d, {0, 0.5f, 0}, 1.4f, MaterialId{0}), add_medium(d, fog(0.5f, 0.8f)));
-  d.lights.push_back({EnvmapDescription{map, 1, Transform::rotate({1, 2, 3}, 70), compensated}, {}});
-  return d;
-}
-
-std::array<MeanVariance, 3> means_of_seeds(const Scene& scene) {
-  std::array<MeanVariance, 3> means;
-  for (std::uint32_t seed = 1; seed <= 24; ++seed) {
-    RenderOptions options;
-    options.seed = seed;
-    const Image out = render(scene, options).film.to_image();
-    for (int c = 0; c < 3; ++c) {
-      double sum = 0;
-      for (int i = 0; i < 64; ++i) sum += static_cast<double>(out.at(i % 8, i / 8, c));
-      means[static_cast<std::size_t>(c)].add(sum / 64);
-    }
-  }
-  return means;
-}
-
-}  // namespace
-
-TEST_CASE("environment map: compensation leaves the light of surfaces and fog as it is") {
-  const TemporaryFolder folder;
-  write_map(folder / "uneven.exr", uneven_picture());
-  const auto plain = compile_scene(foggy_scene(folder / "uneven.exr", false));
-  const auto compensated = compile_scene(foggy_scene(folder / "uneven.exr", true));
-  const auto expected = means_of_seeds(*plain), found = means_of_seeds(*compensated);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double error = std::sqrt((expected[c].variance() + found[c].variance()) / 24);
-    const double off = std::fabs(expected[c].mean() - found[c].mean());
-    CHECK(student_t_p_value(off / error, 23) > significance_of_each(3));
-    CHECK(error < 0.005 * expected[c].mean());
-  }
-}
-
-TEST_CASE("environment map: compensation is for integrators in which something else finds the dark parts") {
-  const TemporaryFolder folder;
-  write_map(folder / "uneven.exr", uneven_picture());
-  const auto is_compensated = [&](auto&& change) {
-    Description d = foggy_scene(folder / "uneven.exr", true);
-    change(d.integrator);
-    return compile_scene(d)->view().envmap.offset > 0;
-  };
-  CHECK(is_compensated([](IntegratorDescription&) {}));
-  CHECK(!is_compensated([](IntegratorDescription& i) { i.strategy = LightStrategy::kLightOnly; }));
-  CHECK(!is_compensated([](IntegratorDescription& i) { i.kind = IntegratorKind::kLightTracer; }));
-  CHECK(!is_compensated([](IntegratorDescription& i) { i.kind = IntegratorKind::kPhotonMapper; }));
-  CHECK(!is_compensated([](IntegratorDescription& i) { i.ends_at_diffuse = true; }));
 }
 
 TEST_CASE("environment map: a small sun costs far fewer samples than by chance") {
