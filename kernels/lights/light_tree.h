@@ -158,7 +158,7 @@ template <class L>
 SHEAF_INLINE Uint<L> place_of_child(const NodeWords<L>& node, typename L::Uint index, typename L::Uint child) {
   using U = Uint<L>;
   const U link = node.link();
-  return select(child < (link >> 28), (link & U(kLightNodeIndex)) + child, U(kLightLeaf) | (index << 2) | child);
+  return select(child < (link >> kLightNodeBits), (link & U(kLightNodeIndex)) + child, U(kLightLeaf) | (index << 2) | child);
 }
 
 /// Where a draw stands: `rest` / `whole` of the node's share of u lies before it, and `chosen` / `offered` is the

@@ -136,7 +136,7 @@ LightNodeRow pack_light_node(const LightCluster (&children)[kLightChildren], std
     set_nearest({row, Row::kShare, k}, std::max(share, double(kLeastLightShare)));
     row.lights[k] = lights[k];
   }
-  row.words[Row::kLink] = first_node | node_count << 28;
+  row.words[Row::kLink] = first_node | node_count << kLightNodeBits;
   return row;
 }
 

@@ -16,6 +16,10 @@ struct LightCluster;
 
 inline constexpr int kLightChildren = 4;
 
+/// A node's link: so many bits of an index, and a number of children above.
+inline constexpr int kLightNodeBits = 28;
+inline constexpr std::uint32_t kLightNodeIndex = (1u << kLightNodeBits) - 1;
+
 /// What kernels know of one child.
 template <class L> struct LightChild {
   Vec3<L> center;              ///< of the sphere around the child's box; relative to what the node's middle is
@@ -55,11 +59,9 @@ struct alignas(64) LightNodeRow {
   std::uint32_t unused[4] = {};
 
   /// Children that are nodes come first, and lie side by side.
-  std::uint32_t node_count() const { return words[kLink] >> 28; }
+  std::uint32_t node_count() const { return words[kLink] >> kLightNodeBits; }
 };
 static_assert(sizeof(LightNodeRow) == 128 && LightNodeRow::kWordCount % 4 == 0);
-
-inline constexpr std::uint32_t kLightNodeIndex = 0x0fffffffu;
 
 /// Packs four children, of which the last ones may be without lights. `first_node`: the index of the first child that
 /// is a node, of `node_count`. `lights`: see LightNodeRow.
