@@ -8,6 +8,7 @@
 #include "tests/support/media_testing.h"
 #include "tests/support/spectral_testing.h"
 #include "tests/support/statistics.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_scenes.h"
 
 #include <doctest/doctest.h>

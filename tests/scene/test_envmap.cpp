@@ -3,13 +3,10 @@
 #include "kernels/lights/envmap.h"
 
 #include "core/exr.h"
-#include "core/frame.h"
-#include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/envmap_testing.h"
 #include "tests/support/lanes_testing.h"
-#include "tests/support/media_testing.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/spectral_testing.h"
 #include "tests/support/statistics.h"
