@@ -2,12 +2,15 @@
 """Measures what denoising brings: mean squared error of a picture before and after, against one of many samples. Needs
 Python with numpy and a build.
 
-  bench/compare_denoise.py [--scenes scenes/cornell/cornell.xml ...] [--spp 64] [--width 400] [--reference-spp 2048]
+  bench/compare_denoise.py [--scenes scenes/cornell/cornell.xml ...] [--spp 64] [--width 400] [--reference-spp 1024]
 
-Prints for each scene: the error of a plain picture (no denoising, samples as even as can be) with `--spp` and with eight
+Frames are --width pixels wide; 0: as wide as the scene says. Prints for each scene: the error of a plain picture (no denoising, samples as even as can be) with `--spp` and with eight
 times as many samples; that of the picture made for the denoiser (its samples cut into four sets); that of the
 denoised one; `gain`, the last but one over the last; and the seconds of CPU time that denoising took. `relative`: the same
 of the relative squared error, that over the pixel's squared mean.
+
+There are two references of --reference-spp samples each, with different seeds. With a and b a picture's differences from
+them, the mean of a b is the squared error without that of the references.
 """
 
 import argparse
@@ -32,24 +35,26 @@ def cpu_seconds(command):
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
 
 
-def errors(picture, reference):
-    square = (picture - reference)**2
-    return square.mean(), (square / (reference**2 + 0.01)).mean()
+def errors(picture, references):
+    square = (picture - references[0]) * (picture - references[1])
+    mean = (references[0] + references[1]) / 2
+    return square.mean(), (square / (mean**2 + 0.01)).mean()
 
 
 def compare(arguments, scene, folder):
-    options = frame_options(scene, arguments.width)
+    options = frame_options(scene, arguments.width) if arguments.width > 0 else []
     noisy, plain, out = (Path(folder) / name for name in ("noisy.exr", "plain.exr", "out.exr"))
-    render(arguments.sheaf, scene, plain, arguments.reference_spp, 9, *options)
-    reference = read_channels(plain, "RGB")
-    plains = []
+    references, plains = [], []
+    for seed in (9, 10):
+        render(arguments.sheaf, scene, plain, arguments.reference_spp, seed, *options)
+        references.append(read_channels(plain, "RGB"))
     for spp in (arguments.spp, 8 * arguments.spp):
         render(arguments.sheaf, scene, plain, spp, 1, *options)
-        plains.append(errors(read_channels(plain, "RGB"), reference))
+        plains.append(errors(read_channels(plain, "RGB"), references))
     render(arguments.sheaf, scene, noisy, arguments.spp, 1, "--replicates", "4", *options, *arguments.arguments.split())
     seconds = cpu_seconds([str(arguments.sheaf), "denoise", str(noisy), "-o", str(out), "--quiet", "--method",
                            arguments.method])
-    before, after = (errors(read_channels(out, names), reference) for names in ("RGB", LAYERS))
+    before, after = (errors(read_channels(out, names), references) for names in ("RGB", LAYERS))
     for i, name in enumerate((Path(scene).stem, "  relative")):
         print(f"{name:16} {plains[0][i]:10.3e} {plains[1][i]:10.3e} {before[i]:10.3e} {after[i]:10.3e}"
               f" {before[i] / after[i]:6.1f}" + (f" {seconds:8.2f}" if i == 0 else ""), flush=True)
@@ -61,7 +66,7 @@ def main():
     parser.add_argument("--scenes", nargs="+", default=[ROOT / scene for scene in SCENES])
     parser.add_argument("--spp", type=int, default=64)
     parser.add_argument("--width", type=int, default=400)
-    parser.add_argument("--reference-spp", type=int, default=2048)
+    parser.add_argument("--reference-spp", type=int, default=1024)
     parser.add_argument("--method", default="nlm")
     parser.add_argument("--arguments", default="--aov albedo,normal,depth,variance,half --float",
                         help="further arguments of sheaf render for the noisy picture; default: %(default)s")

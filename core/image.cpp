@@ -103,6 +103,13 @@ std::string format_by_content(const fs::path& path) {
   return "";
 }
 
+[[noreturn]] void refuse_image(const fs::path& path, const std::string& why) {
+  throw SceneError({path.string(), 0}, "cannot read the image: " + why);
+}
+
+/// Of what the library says: it may say it of every row.
+std::string first_line(const std::string& remark) { return remark.substr(0, remark.find('\n')); }
+
 /// Opens a picture that is not OpenEXR, and checks its header. The format is that of the name's extension; of files
 /// that are none of it the common ones are known by how they begin. `keeps_bytes`: 8-bit data is read as it is.
 std::unique_ptr<PictureReader> open_picture(const fs::path& path, bool keeps_bytes) {
@@ -110,7 +117,7 @@ std::unique_ptr<PictureReader> open_picture(const fs::path& path, bool keeps_byt
   check_pnm_memory(path);
   std::string problem;
   std::unique_ptr<PictureReader> reader = picture_library().open(path.string(), format_by_content(path), problem);
-  if (!reader) throw SceneError(where, "cannot read the image: " + problem);
+  if (!reader) refuse_image(path, first_line(problem));
   const PictureHeader& header = reader->header();
   check_image_size(path, header.width, header.height, static_cast<std::size_t>(std::max(header.channel_count, 0)),
                    fs::file_size(path));
@@ -128,8 +135,7 @@ template <class Value> void read_pixels(PictureReader& reader, Value* out, const
   std::string remark;
   const bool complete = reader.read(out, remark);
   if (complete && remark.find("remature end") == std::string::npos) return;
-  throw SceneError({path.string(), 0},
-                   "cannot read the image: " + (remark.empty() ? "the file is damaged or ends too early" : remark));
+  refuse_image(path, remark.empty() ? "the file is damaged or ends too early" : first_line(remark));
 }
 
 }  // namespace

@@ -92,6 +92,8 @@ def main():
     if arguments.meshes_only:
         return
     generated = FOLDER / "generated"
+    if not Path(arguments.make_cloud).is_file():
+        parser.error(f"no program {arguments.make_cloud}: build it, or say --make-cloud where it is")
     generated.mkdir(exist_ok=True)
     for options in (["cloud.nvdb", "--resolution", "160"],
                     ["fire.nvdb", "--kind", "smoke", "--temperature", "--resolution", "128"]):

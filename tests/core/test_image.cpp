@@ -157,6 +157,23 @@ TEST_CASE("a TIFF with strips far higher than the image is read without memory f
   CHECK_THROWS_WITH_AS(read_image(folder / "far.tif"), doctest::Contains("cannot read the image"), SceneError);
 }
 
+TEST_CASE("a message about an image has one line, however many rows fail") {
+  const TemporaryFolder folder;
+  write_bmp(folder / "a.bmp", 1, 200, std::vector<int>(600, 7));
+  std::string bytes = read_bytes(folder / "a.bmp");
+  bytes.replace(10, 4, std::string("\0\0\xdf\x28", 4));  // where pixels begin
+  write_bytes(folder / "far.bmp", bytes);
+  try {
+    (void)read_image(folder / "far.bmp");
+    FAIL("the file has no pixels");
+  } catch (const SceneError& problem) {
+    const std::string text = problem.what();
+    CAPTURE(text);
+    CHECK(text.find("cannot read the image: ") != std::string::npos);
+    CHECK(text.find('\n') == std::string::npos);
+  }
+}
+
 TEST_CASE("sizes that a file cannot hold are refused before memory is taken") {
   CHECK_THROWS_AS(check_image_size("x", 60000, 60000, 4, 1000), SceneError);
   CHECK_THROWS_AS(check_image_size("x", 70000, 1, 1, 1 << 30), SceneError);
