@@ -41,8 +41,7 @@ struct PngPixels {
 class PictureLibrary {
  public:
   virtual ~PictureLibrary() = default;
-  /// Opens a picture in the format of its name's extension or, if it is not of that, in `format`, unless that is empty.
-  /// Nothing if it cannot, and `problem` says why.
+  /// Opens a picture of `format` (the library's name for it). Nothing if it cannot, and `problem` says why.
   virtual std::unique_ptr<PictureReader> open(const std::string& path, const std::string& format,
                                               std::string& problem) const = 0;
   /// A PNG file's bytes, packed at `level` (0 to 9); none if that fails, and `problem` says why.

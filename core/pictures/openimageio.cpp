@@ -55,21 +55,20 @@ class Library final : public PictureLibrary {
   Library() {
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", -1);
-    // Else what no reader of its name's format understands goes to all of them, those of films and of medicine
-    // included.
-    OIIO::attribute("try_all_readers", 0);
   }
 
   std::unique_ptr<PictureReader> open(const std::string& path, const std::string& format,
                                       std::string& problem) const override {
-    OIIO::ImageSpec config;
+    OIIO::ImageSpec config, found;
     config.attribute("oiio:UnassociatedAlpha", 1);
-    std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path, &config);
+    std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format);
     if (!input) {
       problem = OIIO::geterror();
-      if (!format.empty()) input = OIIO::ImageInput::create(format);
-      OIIO::ImageSpec found;
-      if (!input || !input->open(path, found, config)) return nullptr;
+      return nullptr;
+    }
+    if (!input->open(path, found, config)) {
+      problem = input->geterror();
+      return nullptr;
     }
     return std::make_unique<Reader>(std::move(input));
   }
