@@ -10,7 +10,6 @@
 #include "core/png.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -71,29 +70,6 @@ void check_file(const fs::path& path) {
 
 [[noreturn]] void refuse_image(const fs::path& path, const std::string& why) {
   throw SceneError({path.string(), 0}, "cannot read the image: " + why);
-}
-
-/// The library's name for the format of a picture: by how the file begins, and TGA, which begins in no way of its own,
-/// by its name. Its other formats, among them those of films and of medicine, are closed to files from outside.
-std::string picture_format(const fs::path& path) {
-  struct Beginning {
-    std::string_view bytes, format;
-  };
-  using namespace std::string_view_literals;
-  constexpr Beginning kBeginnings[] = {{"\x89PNG"sv, "png"}, {"\xff\xd8\xff"sv, "jpeg"},
-                                       {"II*\0"sv, "tiff"},  {"MM\0*"sv, "tiff"},
-                                       {"II+\0"sv, "tiff"},  {"MM\0+"sv, "tiff"},
-                                       {"#?"sv, "hdr"},      {"BM"sv, "bmp"},
-                                       {"P1"sv, "pnm"},      {"P2"sv, "pnm"},
-                                       {"P3"sv, "pnm"},      {"P4"sv, "pnm"},
-                                       {"P5"sv, "pnm"},      {"P6"sv, "pnm"},
-                                       {"Pf"sv, "pnm"},      {"PF"sv, "pnm"}};
-  std::array<char, 4> bytes{};
-  std::ifstream(path, std::ios::binary).read(bytes.data(), bytes.size());
-  for (const Beginning& known : kBeginnings)
-    if (std::string_view(bytes.data(), bytes.size()).starts_with(known.bytes)) return std::string(known.format);
-  if (const fs::path extension = path.extension(); extension == ".tga" || extension == ".TGA") return "targa";
-  refuse_image(path, "expected a file of OpenEXR, PNG, JPEG, TIFF, Radiance (.hdr), BMP, PFM, PGM, PPM or TGA");
 }
 
 /// The library reads all of a PNM file to look at its header, copies it once more, and ends the program if it cannot.

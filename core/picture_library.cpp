@@ -4,7 +4,10 @@
 
 #include <dlfcn.h>
 
+#include <array>
 #include <filesystem>
+#include <fstream>
+#include <string_view>
 
 namespace sheaf {
 
@@ -37,6 +40,29 @@ const PictureLibrary* load() {
 const PictureLibrary& picture_library() {
   static const PictureLibrary* const library = load();
   return *library;
+}
+
+std::string picture_format(const fs::path& path) {
+  struct Beginning {
+    std::string_view bytes, format;
+  };
+  using namespace std::string_view_literals;
+  constexpr Beginning kBeginnings[] = {{"\x89PNG"sv, "png"}, {"\xff\xd8\xff"sv, "jpeg"},
+                                       {"II*\0"sv, "tiff"},  {"MM\0*"sv, "tiff"},
+                                       {"II+\0"sv, "tiff"},  {"MM\0+"sv, "tiff"},
+                                       {"#?"sv, "hdr"},      {"BM"sv, "bmp"},
+                                       {"P1"sv, "pnm"},      {"P2"sv, "pnm"},
+                                       {"P3"sv, "pnm"},      {"P4"sv, "pnm"},
+                                       {"P5"sv, "pnm"},      {"P6"sv, "pnm"},
+                                       {"Pf"sv, "pnm"},      {"PF"sv, "pnm"}};
+  std::array<char, 4> bytes{};
+  std::ifstream(path, std::ios::binary).read(bytes.data(), bytes.size());
+  for (const Beginning& known : kBeginnings)
+    if (std::string_view(bytes.data(), bytes.size()).starts_with(known.bytes)) return std::string(known.format);
+  if (const fs::path extension = path.extension(); extension == ".tga" || extension == ".TGA") return "targa";
+  throw SceneError({path.string(), 0},
+                   "cannot read the image: expected a file of OpenEXR, PNG, JPEG, TIFF, "
+                   "Radiance (.hdr), BMP, PFM, PGM, PPM or TGA");
 }
 
 }  // namespace sheaf

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -51,6 +52,11 @@ class PictureLibrary {
 /// The library, from the file sheaf_pictures.so beside the program or, where that is installed, in ../lib/sheaf. Loaded
 /// at the first call and kept. Throws Error (exit code 1) if there is none.
 const PictureLibrary& picture_library();
+
+/// The library's name for the format of a picture: by how the file begins, and TGA, which begins in no way of its own,
+/// by its name. Its other formats, among them those of films and of medicine, are closed to files from outside. Throws
+/// SceneError for all that are not read.
+std::string picture_format(const std::filesystem::path& file);
 
 /// What sheaf_pictures.so has: the library.
 using PictureLibraryFunction = const PictureLibrary*();
