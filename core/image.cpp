@@ -72,22 +72,13 @@ void check_file(const fs::path& path) {
   throw SceneError({path.string(), 0}, "cannot read the image: " + why);
 }
 
-/// The library reads all of a PNM file to look at its header, copies it once more, and ends the program if it cannot.
-void check_pnm_memory(const fs::path& path) {
-  constexpr double kCopies = 3;
-  const MemoryUse copies{"copies of the file", kCopies * static_cast<double>(fs::file_size(path)),
-                         "Files of other formats take less"};
-  check_memory("reading the image '" + path.string() + "'", {&copies, 1});
-}
-
 /// Of what the library says: it may say it of every row.
 std::string first_line(const std::string& remark) { return remark.substr(0, remark.find('\n')); }
 
 /// Opens a picture that is not OpenEXR, and checks its header. `keeps_bytes`: 8-bit data is read as it is.
 std::unique_ptr<PictureReader> open_picture(const fs::path& path, bool keeps_bytes) {
   const SourceLocation where{path.string(), 0};
-  const std::string format = picture_format(path);
-  if (format == "pnm") check_pnm_memory(path);
+  const std::string format = checked_picture_format(path);
   std::string problem;
   std::unique_ptr<PictureReader> reader = picture_library().open(path.string(), format, problem);
   if (!reader) refuse_image(path, first_line(problem));

@@ -64,8 +64,8 @@ void check_image_memory(const std::filesystem::path& file, long long width, long
 /// Throws Error (exit code 4).
 void write_png(const std::filesystem::path& path, const Image& image);
 
-/// Reads a picture file of one of the formats of picture_format() or of OpenEXR, which goes through read_exr(); the
-/// first picture if there are several. Integers come out in [0, 1] as stored, not linearised; alpha as stored.
+/// Reads a picture file of one of the formats of checked_picture_format() or of OpenEXR, which goes through read_exr();
+/// the first picture if there are several. Integers come out in [0, 1] as stored, not linearised; alpha as stored.
 /// Throws SceneError if the file is missing, malformed, or beyond the limits.
 Image read_image(const std::filesystem::path& path);
 

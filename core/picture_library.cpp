@@ -1,10 +1,13 @@
 #include "core/picture_library.h"
 
 #include "core/error.h"
+#include "core/memory.h"
 
 #include <dlfcn.h>
 
 #include <array>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
@@ -35,14 +38,11 @@ const PictureLibrary* load() {
   return reinterpret_cast<PictureLibraryFunction*>(function)();
 }
 
-}  // namespace
-
-const PictureLibrary& picture_library() {
-  static const PictureLibrary* const library = load();
-  return *library;
+[[noreturn]] void refuse_image(const fs::path& path, const std::string& why) {
+  throw SceneError({path.string(), 0}, "cannot read the image: " + why);
 }
 
-std::string picture_format(const fs::path& path) {
+std::string format_of(const fs::path& path) {
   struct Beginning {
     std::string_view bytes, format;
   };
@@ -63,6 +63,46 @@ std::string picture_format(const fs::path& path) {
   throw SceneError({path.string(), 0},
                    "cannot read the image: expected a file of OpenEXR, PNG, JPEG, TIFF, "
                    "Radiance (.hdr), BMP, PFM, PGM, PPM or TGA");
+}
+
+/// The library reads all of a PNM file to look at its header, copies it once more, and ends the program if it cannot.
+void check_pnm(const fs::path& path) {
+  constexpr double kCopies = 3;
+  const MemoryUse copies{"copies of the file", kCopies * static_cast<double>(fs::file_size(path)),
+                         "Files of other formats take less"};
+  check_memory("reading the image '" + path.string() + "'", {&copies, 1});
+}
+
+/// The library takes as much memory for a chunk as its length says, up to 2 GB. Chunks are a length, four letters, as
+/// many bytes, and a check sum.
+void check_png(const fs::path& path) {
+  constexpr std::uint64_t kSignature = 8, kAround = 12;
+  const std::uint64_t size = fs::file_size(path);
+  std::ifstream file(path, std::ios::binary);
+  for (std::uint64_t at = kSignature; at + kAround <= size;) {
+    std::array<unsigned char, 8> head{};
+    file.seekg(static_cast<std::streamoff>(at));
+    file.read(reinterpret_cast<char*>(head.data()), head.size());
+    std::uint32_t length = 0;
+    for (std::size_t i = 0; i < 4; ++i) length = length << 8 | head[i];
+    if (length > size - at - kAround) refuse_image(path, "the file is damaged or ends too early");
+    if (std::memcmp(&head[4], "IEND", 4) == 0) return;
+    at += kAround + length;
+  }
+}
+
+}  // namespace
+
+const PictureLibrary& picture_library() {
+  static const PictureLibrary* const library = load();
+  return *library;
+}
+
+std::string checked_picture_format(const fs::path& path) {
+  std::string format = format_of(path);
+  if (format == "pnm") check_pnm(path);
+  if (format == "png") check_png(path);
+  return format;
 }
 
 }  // namespace sheaf

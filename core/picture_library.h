@@ -55,8 +55,9 @@ const PictureLibrary& picture_library();
 
 /// The library's name for the format of a picture: by how the file begins, and TGA, which begins in no way of its own,
 /// by its name. Its other formats, among them those of films and of medicine, are closed to files from outside. Throws
-/// SceneError for all that are not read.
-std::string picture_format(const std::filesystem::path& file);
+/// SceneError for all that are not read, and Error (exit code 1 or SceneError) for files that would have the library
+/// take more memory for opening them than there is, or far more than they need.
+std::string checked_picture_format(const std::filesystem::path& file);
 
 /// What sheaf_pictures.so has: the library.
 using PictureLibraryFunction = const PictureLibrary*();

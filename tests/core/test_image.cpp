@@ -4,6 +4,7 @@
 #include "core/color.h"
 #include "core/error.h"
 #include "core/output_file.h"
+#include "core/picture_library.h"
 #include "tests/support/picture_files.h"
 
 #include <doctest/doctest.h>
@@ -110,6 +111,27 @@ TEST_CASE("a truncated or damaged PNG is an error, not a crash") {
   CHECK_THROWS_AS(read_image(folder / "text.png"), SceneError);
   CHECK_THROWS_AS(read_image(folder / "missing.png"), SceneError);
   CHECK_THROWS_AS(read_image(folder.path()), SceneError);
+}
+
+TEST_CASE("a PNG whose chunks claim more than the file has is refused before the library takes memory for them") {
+  const TemporaryFolder folder;
+  write_png(folder / "whole.png", make_ramp());
+  std::string bytes = read_bytes(folder / "whole.png");
+  const std::size_t end = bytes.find("IEND") - 4;
+  const std::string text("\0\0\0\5tEXta\0b c\0\0\0\0", 17);
+  bytes.insert(end, text);  // its check sum is wrong, which does no harm: it can be done without
+  write_bytes(folder / "text.png", bytes);
+  CHECK(read_image(folder / "text.png").width == 256);
+  bytes[end] = 0x6c;
+  write_bytes(folder / "much.png", bytes);
+  const auto ends_early = doctest::Contains("ends too early");
+  CHECK_THROWS_WITH_AS((void)checked_picture_format(folder / "much.png"), ends_early, SceneError);
+  bytes.replace(end, 4, std::string("\0\0\0\x12", 4));  // one byte more than there is
+  write_bytes(folder / "more.png", bytes);
+  CHECK_THROWS_WITH_AS((void)checked_picture_format(folder / "more.png"), ends_early, SceneError);
+  bytes = read_bytes(folder / "whole.png") + std::string("\x7f\0\0\0tEXt", 8) + std::string(8, 'x');
+  write_bytes(folder / "after.png", bytes);  // what follows the end is nothing to a reader
+  CHECK(read_image(folder / "after.png").width == 256);
 }
 
 TEST_CASE("pictures are known by how they begin, TGA by its name, and others are refused") {

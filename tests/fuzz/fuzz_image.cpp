@@ -34,7 +34,7 @@ void put_check_sums(std::string& png) {
 bool claims_much(const std::filesystem::path& file) {
   constexpr double kFew = 1 << 13;
   std::string format, problem;
-  if (!reads([&] { format = picture_format(file); })) return false;
+  if (!reads([&] { format = checked_picture_format(file); })) return false;
   const std::unique_ptr<PictureReader> reader = picture_library().open(file.string(), format, problem);
   if (!reader) return false;
   const PictureHeader& header = reader->header();
