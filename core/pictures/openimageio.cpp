@@ -37,9 +37,9 @@ class Reader final : public PictureReader {
 
   template <class Value> bool read_all(OIIO::TypeDesc type, Value* out) {
     const OIIO::ImageSpec& spec = input_->spec();
-    if (spec.get_int_attribute("tiff:RowsPerStrip") <= spec.height)
-      return input_->read_image(0, 0, 0, spec.nchannels, type, out);
-    // The library would take memory for a whole strip, of which the file may claim any height.
+    if (spec.tile_width > 0) return input_->read_image(0, 0, 0, spec.nchannels, type, out);
+    // Several rows at once are read by way of 64 MB, or of a whole strip of a TIFF, of which the file may claim any
+    // height.
     const auto row = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels);
     for (int y = 0; y < spec.height; ++y, out += row)
       if (!input_->read_scanline(spec.y + y, spec.z, type, out)) return false;
