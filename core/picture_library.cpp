@@ -1,12 +1,14 @@
 #include "core/picture_library.h"
 
 #include "core/error.h"
+#include "core/image.h"
 #include "core/memory.h"
 
 #include <dlfcn.h>
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -60,9 +62,25 @@ std::string format_of(const fs::path& path) {
   for (const Beginning& known : kBeginnings)
     if (std::string_view(bytes.data(), bytes.size()).starts_with(known.bytes)) return std::string(known.format);
   if (const fs::path extension = path.extension(); extension == ".tga" || extension == ".TGA") return "targa";
-  throw SceneError({path.string(), 0},
-                   "cannot read the image: expected a file of OpenEXR, PNG, JPEG, TIFF, "
-                   "Radiance (.hdr), BMP, PFM, PGM, PPM or TGA");
+  refuse_image(path, "expected a file of OpenEXR, PNG, JPEG, TIFF, Radiance (.hdr), BMP, PFM, PGM, PPM or TGA");
+}
+
+/// The library takes memory for the pixels of packed BMP files when it opens them.
+void check_bmp(const fs::path& path) {
+  constexpr std::size_t kKind = 14, kSize = 18, kEnd = 26;
+  constexpr std::uint32_t kOldKind = 12;  // sizes of 16 bits
+  std::array<unsigned char, kEnd> head{};
+  std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(head.data()), head.size());
+  const auto number = [&](std::size_t at, std::size_t bytes) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < bytes; ++i) value |= std::uint32_t{head[at + i]} << (8 * i);
+    return value;
+  };
+  const auto side = [&](std::size_t axis) -> long long {
+    if (number(kKind, 4) == kOldKind) return number(kSize + 2 * axis, 2);
+    return static_cast<std::int32_t>(number(kSize + 4 * axis, 4));
+  };
+  check_image_size(path, side(0), std::abs(side(1)), 3, fs::file_size(path));  // a height below zero: from the top
 }
 
 /// The library reads all of a PNM file to look at its header, copies it once more, and ends the program if it cannot.
@@ -100,6 +118,7 @@ const PictureLibrary& picture_library() {
 
 std::string checked_picture_format(const fs::path& path) {
   std::string format = format_of(path);
+  if (format == "bmp") check_bmp(path);
   if (format == "pnm") check_pnm(path);
   if (format == "png") check_png(path);
   return format;

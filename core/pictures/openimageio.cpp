@@ -5,6 +5,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace sheaf {
 
@@ -30,9 +31,14 @@ class Reader final : public PictureReader {
 
  private:
   template <class Value> bool read(OIIO::TypeDesc type, Value* out, std::string& remark) {
-    const bool complete = read_all(type, out);
-    remark = input_->geterror();
-    return complete;
+    try {
+      const bool complete = read_all(type, out);
+      remark = input_->geterror();
+      return complete;
+    } catch (const std::logic_error& error) {
+      remark = error.what();
+      return false;
+    }
   }
 
   template <class Value> bool read_all(OIIO::TypeDesc type, Value* out) {
@@ -66,8 +72,13 @@ class Library final : public PictureLibrary {
       problem = OIIO::geterror();
       return nullptr;
     }
-    if (!input->open(path, found, config)) {
-      problem = input->geterror();
+    try {
+      if (!input->open(path, found, config)) {
+        problem = input->geterror();
+        return nullptr;
+      }
+    } catch (const std::logic_error& error) {  // such as a container of less than no elements
+      problem = error.what();
       return nullptr;
     }
     return std::make_unique<Reader>(std::move(input));

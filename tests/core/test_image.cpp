@@ -134,6 +134,33 @@ TEST_CASE("a PNG whose chunks claim more than the file has is refused before the
   CHECK(read_image(folder / "after.png").width == 256);
 }
 
+TEST_CASE("a BMP of a size that the file cannot hold is refused before the library takes memory for it") {
+  const TemporaryFolder folder;
+  std::vector<int> values(600);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<int>(i % 256);
+  write_bmp(folder / "a.bmp", 10, 20, values);
+  const std::string bytes = read_bytes(folder / "a.bmp");
+  const auto refused = [&](std::size_t at, std::string_view number) {
+    std::string changed = bytes;
+    changed.replace(at, number.size(), number);
+    changed[28] = 8;  // bits of a pixel, packed
+    changed[30] = 1;
+    write_bytes(folder / "changed.bmp", changed);
+    CHECK_THROWS_AS((void)checked_picture_format(folder / "changed.bmp"), SceneError);
+  };
+  using namespace std::string_view_literals;
+  refused(18, "\xff\xff\xff\x7f"sv);
+  refused(18, "\xf6\xff\xff\xff"sv);
+  refused(22, "\1\0\1\0"sv);
+  refused(22, "\xff\xff\xfe\xff"sv);
+  std::string upright = bytes;
+  upright.replace(22, 4, "\xec\xff\xff\xff"sv);  // -20 rows: the first one is the uppermost
+  write_bytes(folder / "upright.bmp", upright);
+  const Image image = read_image(folder / "a.bmp"), turned = read_image(folder / "upright.bmp");
+  CHECK(turned.height == 20);
+  CHECK(turned.at(3, 4, 1) == image.at(3, 15, 1));
+}
+
 TEST_CASE("pictures are known by how they begin, TGA by its name, and others are refused") {
   const TemporaryFolder folder;
   const std::vector<int> rgb = {0, 1, 2, 50, 51, 52, 100, 101, 102, 150, 151, 152, 200, 201, 202, 250, 251, 252};
