@@ -75,6 +75,20 @@ void check_file(const fs::path& path) {
 /// Of what the library says: it may say it of every row.
 std::string first_line(const std::string& remark) { return remark.substr(0, remark.find('\n')); }
 
+/// The library takes memory for a whole row of tiles, and a file may claim tiles of any size for a small picture.
+void check_tiles(const fs::path& path, const PictureHeader& header) {
+  constexpr double kFewValues = 1 << 25, kMostRatio = 4;
+  if (header.tile_width == 0 && header.tile_height == 0) return;
+  const auto whole_tiles = [](double side, double tile) { return std::ceil(side / tile) * tile; };
+  const double channels = header.channel_count, width = header.width, height = header.height;
+  const double covered = whole_tiles(width, header.tile_width) * whole_tiles(height, header.tile_height) * channels;
+  const double most = std::max(kFewValues, kMostRatio * width * height * channels);
+  if (header.tile_width > 0 && header.tile_height > 0 && covered <= most) return;
+  const auto size = [](int x, int y) { return std::to_string(x) + " x " + std::to_string(y) + " pixels"; };
+  throw SceneError({path.string(), 0}, "the header claims tiles of " + size(header.tile_width, header.tile_height) +
+                                           " for an image of " + size(header.width, header.height));
+}
+
 /// Opens a picture that is not OpenEXR, and checks its header. `keeps_bytes`: 8-bit data is read as it is.
 std::unique_ptr<PictureReader> open_picture(const fs::path& path, bool keeps_bytes) {
   const SourceLocation where{path.string(), 0};
@@ -87,6 +101,7 @@ std::unique_ptr<PictureReader> open_picture(const fs::path& path, bool keeps_byt
                    fs::file_size(path));
   check_image_memory(path, header.width, header.height, static_cast<std::size_t>(header.channel_count),
                      keeps_bytes && header.holds_bytes ? 1 : sizeof(float));
+  check_tiles(path, header);
   if (header.depth > 1 || header.deep) throw SceneError(where, "volume and deep images are not supported");
   if (header.channels.size() != static_cast<std::size_t>(header.channel_count)) {
     throw SceneError(where, "the image's channels have no names");

@@ -18,6 +18,7 @@ struct PictureHeader {
   bool deep = false;                  ///< any number of samples in a pixel
   bool holds_bytes = false;           ///< 8 bits without sign for each value
   bool holds_integers = false;
+  int tile_width = 0, tile_height = 0;  ///< pixels, of any size the file claims; 0: pixels lie in rows
 };
 
 /// An open picture.

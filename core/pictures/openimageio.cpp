@@ -22,7 +22,9 @@ class Reader final : public PictureReader {
                spec.channelnames,
                spec.deep,
                spec.format == OIIO::TypeDesc::UINT8,
-               !spec.format.is_floating_point()};
+               !spec.format.is_floating_point(),
+               spec.tile_width,
+               spec.tile_height};
   }
 
   const PictureHeader& header() const override { return header_; }

@@ -212,6 +212,25 @@ TEST_CASE("a TIFF with strips far higher than the image is read without memory f
   CHECK_THROWS_WITH_AS(read_image(folder / "far.tif"), doctest::Contains("cannot read the image"), SceneError);
 }
 
+TEST_CASE("a TIFF with tiles far larger than the image is refused before the library takes memory for them") {
+  const TemporaryFolder folder;
+  const std::vector<int> values = {0, 51, 102, 153, 204, 255};
+  write_tiled_tiff(folder / "tiled.tif", 3, 2, values);
+  const Image image = read_image(folder / "tiled.tif");
+  REQUIRE(image.data.size() == values.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    CHECK(image.data[i] == doctest::Approx(static_cast<float>(values[i]) / 255.0f));
+  const std::uint32_t claims[][2] = {
+      {65536, 40000}, {16, 1u << 22}, {1u << 22, 16}, {0x80000000u, 16}, {16, 0xfffffff0u}};
+  for (const auto& [width, height] : claims) {
+    CAPTURE(width);
+    CAPTURE(height);
+    write_tiled_tiff(folder / "large.tif", 3, 2, values, width, height);
+    CHECK_THROWS_WITH_AS(read_image(folder / "large.tif"), doctest::Contains("the header claims tiles of"), SceneError);
+    CHECK_THROWS_AS(read_picture(folder / "large.tif"), SceneError);
+  }
+}
+
 TEST_CASE("a message about an image has one line, however many rows fail") {
   const TemporaryFolder folder;
   write_bmp(folder / "a.bmp", 1, 200, std::vector<int>(600, 7));

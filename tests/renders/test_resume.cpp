@@ -45,7 +45,7 @@ std::vector<Case> all_cases() {
   };
   Case& layers = add("replicates and layers");
   layers.options.replicates = 2;
-  layers.options.aovs = {Aov::kAlbedo, Aov::kDepth, Aov::kObjectId, Aov::kVariance, Aov::kHalf};
+  layers.options.aovs = {Aov::kAlbedo, Aov::kDepth, Aov::kCryptomatteObject, Aov::kVariance, Aov::kHalf};
   add("more than one pass", 300);
   add("independent").scene.sampler.kind = SamplerKind::kIndependent;
   Case& importance = add("importance");
@@ -54,7 +54,9 @@ std::vector<Case> all_cases() {
   spectral.color = ColorMode::kSpectral;
   spectral.options.spectral_bins = 5;
   add("guiding", 32).options.guiding = true;
-  add("light tracing").scene.integrator.kind = IntegratorKind::kLightTracer;
+  Case& light = add("light tracing");
+  light.scene.integrator.kind = IntegratorKind::kLightTracer;
+  light.options.aovs = {Aov::kVariance};
   for (const bool progressive : {false, true}) {
     Case& photons = add(progressive ? "progressive photon mapping" : "photon mapping");
     photons.scene.integrator.kind = IntegratorKind::kPhotonMapper;
@@ -131,6 +133,42 @@ TEST_CASE("pauses change nothing") {
   };
   CHECK(same_pictures(render(*scene, options).to_image(), whole));
   CHECK(pauses > 2);
+}
+
+TEST_CASE("a checkpoint keeps what is only told of a render") {
+  const TemporaryFolder folder;
+  const auto file = folder / "render.checkpoint";
+  const auto scene = compile_scene(small_box(64));
+  const FilterDescription& filter = scene->film().filter;
+  RenderState counted;
+  counted.film = Film(2, 1, {0, 0, 2, 1});
+  counted.photons = 7;
+  counted.dropped = {3, 5};
+  write_checkpoint(file, kSettings, counted);
+  const RenderState back = read_checkpoint(file, kSettings, filter);
+  CHECK(back.photons == 7);
+  CHECK(back.dropped.rays == 3);
+  CHECK(back.dropped.samples == 5);
+
+  RenderOptions options;
+  options.noise_target = 0.01;
+  options.samples_per_pixel = 64;
+  std::atomic<int> asked{0};
+  options.wants_pause = [&] { return asked.fetch_add(1) % 3 == 2; };
+  int with_picture = 0, without = 0;
+  options.on_pause = [&](const RenderState& state) {
+    REQUIRE(state.adaptive.has_value());
+    write_checkpoint(file, kSettings, state);
+    const RenderState again = read_checkpoint(file, kSettings, filter);
+    REQUIRE(again.adaptive.has_value());
+    CHECK(again.adaptive->has_picture() == state.adaptive->has_picture());
+    ++(state.adaptive->has_picture() ? with_picture : without);
+    for (const std::size_t tile : {0u, 1u})
+      CHECK(again.adaptive->expected_samples(tile) == state.adaptive->expected_samples(tile));
+  };
+  render(*scene, options);
+  CHECK(with_picture > 0);
+  CHECK(without > 0);
 }
 
 TEST_CASE("checkpoints of other renders, and damaged ones, are refused with exit code 5") {

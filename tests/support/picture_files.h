@@ -73,6 +73,23 @@ inline void write_hdr(const std::filesystem::path& path, int width, int height, 
   write_bytes(path, bytes);
 }
 
+/// One number or, with a place in the file for `value`, several of them in a TIFF's directory.
+struct TiffEntry {
+  std::uint32_t tag, type, count, value;  ///< type 3: 16 bits, 4: 32 bits
+};
+
+/// Appends the directory of a TIFF of which `bytes` is what comes before.
+inline void append_tiff_directory(std::string& bytes, const std::vector<TiffEntry>& entries) {
+  append_little(bytes, static_cast<std::uint32_t>(entries.size()), 2);
+  for (const auto& [tag, type, count, value] : entries) {
+    append_little(bytes, tag, 2);
+    append_little(bytes, type, 2);
+    append_little(bytes, count, 4);
+    append_little(bytes, value, 4);
+  }
+  append_little(bytes, 0, 4);
+}
+
 /// TIFF with one strip of 8- or 16-bit grey or RGB samples from the upper left on.
 inline void write_tiff(const std::filesystem::path& path, int width, int height, int channels, int bits,
                        const std::vector<int>& values) {
@@ -87,23 +104,42 @@ inline void write_tiff(const std::filesystem::path& path, int width, int height,
   bytes += data;
   for (std::uint32_t c = 0; c < samples; ++c) append_little(bytes, static_cast<std::uint32_t>(bits), 2);
   const std::uint32_t size = static_cast<std::uint32_t>(values.size()) * static_cast<std::uint32_t>(bits / 8);
-  const std::uint32_t entries[][4] = {{256, 4, 1, static_cast<std::uint32_t>(width)},
-                                      {257, 4, 1, static_cast<std::uint32_t>(height)},
-                                      {258, 3, samples, samples == 1 ? static_cast<std::uint32_t>(bits) : bits_at},
-                                      {259, 3, 1, 1},
-                                      {262, 3, 1, samples == 1 ? 1u : 2u},
-                                      {273, 4, 1, 8},
-                                      {277, 3, 1, samples},
-                                      {278, 4, 1, static_cast<std::uint32_t>(height)},
-                                      {279, 4, 1, size}};
-  append_little(bytes, static_cast<std::uint32_t>(std::size(entries)), 2);
-  for (const auto& [tag, type, count, value] : entries) {
-    append_little(bytes, tag, 2);
-    append_little(bytes, type, 2);
-    append_little(bytes, count, 4);
-    append_little(bytes, value, 4);
+  append_tiff_directory(bytes, {{256, 4, 1, static_cast<std::uint32_t>(width)},
+                                {257, 4, 1, static_cast<std::uint32_t>(height)},
+                                {258, 3, samples, samples == 1 ? static_cast<std::uint32_t>(bits) : bits_at},
+                                {259, 3, 1, 1},
+                                {262, 3, 1, samples == 1 ? 1u : 2u},
+                                {273, 4, 1, 8},
+                                {277, 3, 1, samples},
+                                {278, 4, 1, static_cast<std::uint32_t>(height)},
+                                {279, 4, 1, size}});
+  write_bytes(path, bytes);
+}
+
+/// TIFF of 8-bit grey with one tile of 16 x 16 pixels, `values` of which, at most 16 in a row, are the image: from its
+/// upper left on. `claimed_width` and `claimed_height` are what the file says of the tile.
+inline void write_tiled_tiff(const std::filesystem::path& path, int width, int height, const std::vector<int>& values,
+                             std::uint32_t claimed_width = 16, std::uint32_t claimed_height = 16) {
+  constexpr std::uint32_t kTileBytes = 256;
+  std::string tile(kTileBytes, '\0');
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto columns = static_cast<std::size_t>(width);
+    tile[i / columns * 16 + i % columns] = static_cast<char>(values[i]);
   }
-  append_little(bytes, 0, 4);
+  std::string bytes = "II";
+  append_little(bytes, 42, 2);
+  append_little(bytes, 8 + kTileBytes, 4);
+  bytes += tile;
+  append_tiff_directory(bytes, {{256, 4, 1, static_cast<std::uint32_t>(width)},
+                                {257, 4, 1, static_cast<std::uint32_t>(height)},
+                                {258, 3, 1, 8},
+                                {259, 3, 1, 1},
+                                {262, 3, 1, 1},
+                                {277, 3, 1, 1},
+                                {322, 4, 1, claimed_width},
+                                {323, 4, 1, claimed_height},
+                                {324, 4, 1, 8},
+                                {325, 4, 1, kTileBytes}});
   write_bytes(path, bytes);
 }
 
