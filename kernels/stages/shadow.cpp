@@ -10,10 +10,10 @@ namespace sheaf {
 namespace {
 
 /// Adds the contribution of item `i` to its path.
-SHEAF_INLINE void pay(Wave& wave, int i) {
+SHEAF_INLINE void pay(Wave& wave, int i, LightTally& tally) {
   const ShadowItem<Columns>& c = wave.shadows.columns();
   const Spectrum4 found{c.contribution.c0[i], c.contribution.c1[i], c.contribution.c2[i], c.contribution.c3[i]};
-  count_arrival(wave, c.light[i], Quad(found));
+  tally.arrive(c.light[i], found);
   add_radiance(wave, static_cast<Slot>(c.slot[i]), Quad(found), c.light[i]);
 }
 
@@ -25,6 +25,7 @@ template <class L> void shadow(const StageContext& context, Wave& wave) noexcept
   StageTimer timer(wave.stats, Stage::kShadow);
   timer.count(rays, kPacketWidth);
   count_shadow_rays(wave);
+  LightTally tally(wave.stats);
   trace_packets(
       context.scene, wave, rays, RayRecorder::Query::kAny,
       [&](int first, int count, RayPacket& packet) {
@@ -32,7 +33,7 @@ template <class L> void shadow(const StageContext& context, Wave& wave) noexcept
       },
       [&](int first, int count, const RayPacket& packet) {
         for (int i = 0; i < count; ++i)
-          if (packet.t_far[i] >= 0.0f) pay(wave, first + i);
+          if (packet.t_far[i] >= 0.0f) pay(wave, first + i, tally);
       });
   wave.shadow_count = 0;
 }

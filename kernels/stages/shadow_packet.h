@@ -27,21 +27,50 @@ template <class L> SHEAF_INLINE void pack_shadow_rays(const Wave& wave, int i, R
   store(packet.t_far + at, Float<L>(kShadowEnd));
 }
 
+/// Counts what is spent on lights and what they bring. Numbers of rays to one light, one after the other, are kept at
+/// hand until another light's turn comes.
+class LightTally {
+ public:
+  explicit LightTally(Stats& stats) : stats_(stats) {}
+  ~LightTally() { put_down(); }
+  LightTally(const LightTally&) = delete;
+  LightTally& operator=(const LightTally&) = delete;
+
+  /// A shadow ray is about to be traced.
+  SHEAF_INLINE void spend(std::uint32_t light) {
+    turn_to(light);
+    ++counted_.rays;
+  }
+  /// One has arrived.
+  SHEAF_INLINE void arrive(std::uint32_t light, const Spectrum4& found) {
+    turn_to(light);
+    ++counted_.arrived;
+    counted_.radiance += static_cast<double>((found.c0 + found.c1) + (found.c2 + found.c3));
+  }
+
+ private:
+  SHEAF_INLINE void turn_to(std::uint32_t light) {
+    if (light == light_) [[likely]]
+      return;
+    put_down();
+    light_ = light;
+    counted_ = {};
+  }
+  void put_down() {
+    if (light_ < stats_.lights.size()) stats_.lights[light_] += counted_;
+  }
+
+  Stats& stats_;
+  std::uint32_t light_ = kNone;
+  LightStats counted_;
+};
+
 /// Counts the shadow rays that are about to be traced.
 inline void count_shadow_rays(Wave& wave) {
-  Stats& stats = wave.stats;
-  stats.rays.shadow += static_cast<std::uint64_t>(wave.shadow_count);
+  wave.stats.rays.shadow += static_cast<std::uint64_t>(wave.shadow_count);
+  LightTally tally(wave.stats);
   const std::uint32_t* const light = wave.shadows.columns().light;
-  for (int i = 0; i < wave.shadow_count; ++i)
-    if (light[i] < stats.lights.size()) ++stats.lights[light[i]].rays;
-}
-
-/// Counts what a shadow ray has brought from a light.
-SHEAF_INLINE void count_arrival(Wave& wave, std::uint32_t light, Quad found) {
-  if (light >= wave.stats.lights.size()) return;
-  LightStats& stats = wave.stats.lights[light];
-  ++stats.arrived;
-  stats.radiance += static_cast<double>(found[0] + found[1] + found[2] + found[3]);
+  for (int i = 0; i < wave.shadow_count; ++i) tally.spend(light[i]);
 }
 
 }  // namespace sheaf

@@ -134,7 +134,7 @@ void pay(const StageContext& context, Wave& wave, const ShadowRay& ray) {
   const float by_light = lane_mean(context.scene, Quad(ray.state.r_l)),
               by_path = lane_mean(context.scene, r_u) * ray.state.pdf_ratio;
   const Quad found = Quad(ray.item.contribution) * (power_heuristic(by_light, by_path) / by_light);
-  count_arrival(wave, ray.item.light, found);
+  LightTally(wave.stats).arrive(ray.item.light, to_spectrum(found));
   add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light);
 }
 
