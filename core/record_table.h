@@ -79,6 +79,15 @@ SHEAF_INLINE Record<L> gather_rows(const Record<Scalar>* table, Uint<L> index) {
   return record_of_words<L, Record>(words);
 }
 
+/// One row for all lanes.
+template <class L, template <class> class Record> SHEAF_INLINE Record<L> spread_row(const Record<Scalar>& row) {
+  static_assert(record_table_detail::kIsRow<Record>);
+  const auto* const first = reinterpret_cast<const float*>(&row);
+  Float<L> words[kLeafCount<Record>];
+  for (int k = 0; k < kLeafCount<Record>; ++k) words[k] = Float<L>(first[k]);
+  return record_of_words<L, Record>(words);
+}
+
 /// table[index].*member, one for each lane: a number, an enumeration's number, or a record such as Vec3.
 template <class L, class Row, class T> requires(!HasFields<T>)
 SHEAF_INLINE auto gather_member(const Row* table, T Row::*member, Uint<L> index) {

@@ -34,7 +34,7 @@ enum class LightMeeting {
 
 /// The rows lights[light], one for each lane.
 template <class L> SHEAF_INLINE LightRecord<L> load_lights(const SceneView& scene, typename L::Uint light) {
-  return gather_rows<L>(scene.lights, light);
+  return scene.light_count == 1 ? spread_row<L>(scene.lights[0]) : gather_rows<L>(scene.lights, light);
 }
 
 /// Lights that are asked, one for each lane.
