@@ -35,6 +35,11 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   endif()
 endif()
 
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+  # Masks of one lane are bool, and what is written once for one lane and for many combines masks by & and |.
+  target_compile_options(sheaf_flags INTERFACE -Wno-unknown-warning-option -Wno-bitwise-instead-of-logical)
+endif()
+
 # Registers that g++ keeps in memory are copied by pieces of 16 bytes unless told otherwise; a whole-register load behind
 # such a copy waits for the cache (measured: light_candidates 44 against 22 ns per item).
 if(SHEAF_HAS_MOVE_MAX)

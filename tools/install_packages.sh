@@ -4,7 +4,7 @@
 set -euo pipefail
 
 packages=(
-  g++ cmake ninja-build
+  clang g++ cmake ninja-build
   libembree-dev libtbb-dev
   libopenexr-dev libimath-dev libopenimageio-dev zlib1g-dev
   libpugixml-dev libtinyobjloader-dev libnanovdb-dev

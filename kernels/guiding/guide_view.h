@@ -32,7 +32,7 @@ template <class L> SHEAF_INLINE Uint<L> guide_side(Vec3<L> n) {
   using F = Float<L>;
   using U = Uint<L>;
   const Vec3<L> a = abs(n);
-  const auto x = (a.x >= a.y) & (a.x >= a.z), y = a.y >= a.z;
+  const Mask<L> x = (a.x >= a.y) & (a.x >= a.z), y = a.y >= a.z;
   const F along = select(x, n.x, select(y, n.y, n.z));
   return select(x, U(0u), select(y, U(2u), U(4u))) + select(along < F(0.0f), U(1u), U(0u));
 }

@@ -392,7 +392,8 @@ MaterialRow make_row(const HairDescription& d, RowContext& context) {
 template <template <class> class Parameters>
 void set_nested(RowMaker<Parameters>& m, const MaterialRow& nested, const MaterialSpectra& spectra) {
   const std::uint32_t base = m.word_of(m.p.nested_spectra[0].c0);
-  float words[4 * kCoatableSpectra + kCoatableNumbers] = {};
+  constexpr std::size_t kNestedWords = 4 * kCoatableSpectra + kCoatableNumbers;
+  float words[kNestedWords] = {};
   for_each_closure([&]<ClosureKind Kind, template <class> class P, class D>(ClosureEntry<Kind, P, D>) {
     if (Kind != nested.kind) return;
     for (int k = 0; k < kLeafCount<P>; ++k) words[coated_word<P>(k)] = nested.words[k];
@@ -406,7 +407,7 @@ void set_nested(RowMaker<Parameters>& m, const MaterialRow& nested, const Materi
     constexpr auto kFirst = static_cast<std::size_t>(kLeafCount<CoatedParameters>) - sizeof...(I);
     ((std::get<kFirst + I>(to) = words[I]), ...);
   }
-  (std::make_index_sequence<std::size(words)>{});
+  (std::make_index_sequence<kNestedWords>{});
   for (std::size_t i = 0; i < kCoatableSpectra; ++i) m.row_of(m.p.nested_spectra[i]) = spectra[i];
   m.p.nested_kind = static_cast<float>(nested.kind);
   m.first_binding = nested.first_binding;

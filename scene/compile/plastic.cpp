@@ -135,16 +135,16 @@ class Coat {
 };
 
 constexpr int kSamples = 28;  // of the transmittance
-constexpr int kCoefficients = kTransmittanceTerms - 1;
+constexpr int kTransmittanceCoefficients = kTransmittanceTerms - 1;
 
 /// A polynomial through samples in the least-squares sense, and the largest deviation.
 struct Fit {
-  std::array<double, kCoefficients> coefficients{};
+  std::array<double, kTransmittanceCoefficients> coefficients{};
   double error = 0;
 };
 
 Fit fit_polynomial(const std::array<double, kSamples>& x, const std::array<double, kSamples>& y) {
-  constexpr int n = kCoefficients;
+  constexpr int n = kTransmittanceCoefficients;
   double matrix[n][n + 1] = {};  // the normal equations
   for (std::size_t s = 0; s < kSamples; ++s)
     for (int i = 0; i < n; ++i) {

@@ -22,8 +22,8 @@ constexpr std::uint16_t kVersion3 = 3;  ///< no name; the dictionary has offsets
 constexpr std::uint16_t kVersion4 = 4;
 
 enum Flag : std::uint32_t {
-  kHasNormals = 0x0001,
-  kHasUvs = 0x0002,
+  kFileHasNormals = 0x0001,
+  kFileHasUvs = 0x0002,
   kHasColors = 0x0008,
   kFaceNormals = 0x0010,
   kDoublePrecision = 0x2000,
@@ -169,16 +169,16 @@ MeshFile read_stream(MeshStream& stream, std::uint16_t version) {
   const auto vertices = stream.number<std::uint64_t>(), triangles = stream.number<std::uint64_t>();
   const bool is_double = (flags & kDoublePrecision) != 0;
   const auto columns = [&](Flag flag, std::uint64_t count) { return (flags & flag) != 0 ? count : 0; };
-  const std::uint64_t floats = 3 + columns(kHasNormals, 3) + columns(kHasUvs, 2) + columns(kHasColors, 3);
+  const std::uint64_t floats = 3 + columns(kFileHasNormals, 3) + columns(kFileHasUvs, 2) + columns(kHasColors, 3);
   stream.require(vertices, floats * (is_double ? 8 : 4), "vertices");
   stream.require(triangles, 12, "triangles");
   if (triangles == 0) stream.fail("the mesh holds no triangles");
   mesh.positions = to_vectors(stream.floats(vertices * 3, is_double));
-  if ((flags & kHasNormals) != 0) {
+  if ((flags & kFileHasNormals) != 0) {
     mesh.normals = to_vectors(stream.floats(vertices * 3, is_double));
     for (Vec3f& n : mesh.normals) n = is_finite(n) ? n : Vec3f{0, 0, 0};
   }
-  if ((flags & kHasUvs) != 0) {
+  if ((flags & kFileHasUvs) != 0) {
     const std::vector<float> values = stream.floats(vertices * 2, is_double);
     mesh.uvs.resize(vertices);
     for (std::size_t i = 0; i < vertices; ++i) {

@@ -18,7 +18,7 @@ Vec3f upper_of(Vec3f a, Vec3f b) { return {std::max(a.x, b.x), std::max(a.y, b.y
 }  // namespace
 
 double wasted_boxes(const AccelInput& in, ShapeRange shapes) {
-  Vec3f lower(kInfinity, kInfinity, kInfinity), upper(-kInfinity, -kInfinity, -kInfinity);
+  Vec3f lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
   double boxes = 0, triangles = 0;
   for (std::uint32_t i = shapes.first_shape; i < shapes.first_shape + shapes.shape_count; ++i) {
     const ShapeRow& shape = in.shapes[i];

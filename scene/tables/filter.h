@@ -77,7 +77,7 @@ class FilterWeights {
       Floats a, b;
       std::memcpy(&a, below + k, sizeof a);
       std::memcpy(&b, below + length_ + k, sizeof b);
-      const Floats value = (away <= radius_) & (away >= -radius_) ? a + t * (b - a) : Floats{};
+      const Floats value = ((away <= radius_) & (away >= -radius_)) ? a + t * (b - a) : Floats{};
       const Doubles values = __builtin_convertvector(value, Doubles);
       std::memcpy(out + k, &values, sizeof values);
     }

@@ -149,7 +149,7 @@ template <class L, bool WithUv>
   const auto is = [&](ShapeKind kind)
                       SHEAF_LAMBDA_INLINE { return shape.kind == typename L::Uint(static_cast<std::uint32_t>(kind)); };
   const auto mesh = is(ShapeKind::kMesh);
-  const auto curve = is(ShapeKind::kLinearCurves) | is(ShapeKind::kBsplineCurves), field = is(ShapeKind::kSdfGrid);
+  const Mask<L> curve = is(ShapeKind::kLinearCurves) | is(ShapeKind::kBsplineCurves), field = is(ShapeKind::kSdfGrid);
   const auto quadric = !(mesh | curve | field);
   SurfacePoint<L> out;
   if (any(quadric)) out = quadric_point<L, WithUv>(scene, shape, quadric, hit_point);

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/output_file.h"
 #include "core/picture_library.h"
+#include "tests/support/capture.h"
 #include "tests/support/picture_files.h"
 
 #include <doctest/doctest.h>
@@ -223,8 +224,8 @@ TEST_CASE("a TIFF with tiles far larger than the image is refused before the lib
   const std::uint32_t claims[][2] = {
       {65536, 40000}, {16, 1u << 22}, {1u << 22, 16}, {0x80000000u, 16}, {16, 0xfffffff0u}};
   for (const auto& [width, height] : claims) {
-    CAPTURE(width);
-    CAPTURE(height);
+    CAPTURE_BINDING(width);
+    CAPTURE_BINDING(height);
     write_tiled_tiff(folder / "large.tif", 3, 2, values, width, height);
     CHECK_THROWS_WITH_AS(read_image(folder / "large.tif"), doctest::Contains("the header claims tiles of"), SceneError);
     CHECK_THROWS_AS(read_picture(folder / "large.tif"), SceneError);

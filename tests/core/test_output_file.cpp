@@ -73,8 +73,10 @@ TEST_CASE("output file: what does not fit on the disk is an error, and what was 
         {"a.exr", [&](const auto& path) { write_exr(path, image); }},
         {"a.png", [&](const auto& path) { write_png(path, image); }},
         {"a.txt", [&](const auto& path) { write_text_file(path, std::string(10000, 'x')); }}};
-    for (const auto& [name, write] : kinds) {
-      CAPTURE(std::string(name));
+    for (const auto& kind : kinds) {
+      const std::string name = kind.first;
+      const auto& write = kind.second;
+      CAPTURE(name);
       write(folder / name);
       const std::size_t whole = read_bytes(folder / name).size();
       REQUIRE(whole > 700);

@@ -141,7 +141,7 @@ inline SpotLightDescription spot_of(Falloff falloff, const Transform& to_world, 
 }
 
 inline std::vector<Case> spot_cases() {
-  using enum Falloff;
+  using enum SpotLightDescription::Falloff;
   const Transform stretched = kTilt * Transform::scale({-2, 0.6f, 1});
   std::vector<Case> cases = {placed_case("spot", spot_of(kLinear, kTilt, 50, 20)),
                              placed_case("narrow spot", spot_of(kLinear, kTilt * Transform::scale({2, 2, 2}), 5, 3)),

@@ -3,6 +3,7 @@
 
 #include "kernels/stages/adjoint.h"
 #include "tests/support/bsdf_testing.h"
+#include "tests/support/capture.h"
 
 namespace sheaf::test_bsdf_hair {
 
@@ -87,7 +88,7 @@ TEST_CASE("hair: azimuthal lobes integrate to one, are periodic, and are sampled
 
 TEST_CASE("hair: samples follow their density for rough and for smooth fibres") {
   for (const auto& [longitudinal, azimuthal] : {std::pair{0.9f, 0.6f}, {0.3f, 0.3f}}) {
-    CAPTURE(longitudinal);
+    CAPTURE_BINDING(longitudinal);
     check_bsdf_sampling(hair(longitudinal, azimuthal, 0.4f), kTests);
     check_bsdf_weights(hair(longitudinal, azimuthal, 0.4f), 1e-3);
   }

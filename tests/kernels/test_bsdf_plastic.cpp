@@ -4,6 +4,7 @@
 #include "scene/compile/plastic.h"
 
 #include "tests/support/bsdf_testing.h"
+#include "tests/support/capture.h"
 
 namespace sheaf::test_bsdf_plastic {
 
@@ -50,7 +51,7 @@ constexpr int kSamplingTests = 5 * 2 + 5 * 2 * 3;
 
 template <template <class> class Bsdf> void check_rough() {
   for (const auto& [eta, alpha] : {std::pair{1.5f, 0.15f}, std::pair{1.1f, 0.5f}, std::pair{2.4f, 1.0f}}) {
-    CAPTURE(alpha);
+    CAPTURE_BINDING(alpha);
     const auto bsdf = rough_plastic<Bsdf>(eta, alpha, 0.7f, 0.8f, 1);
     check_bsdf_sampling_with_edges(bsdf, kSamplingTests);
     check_bsdf_weights(bsdf);

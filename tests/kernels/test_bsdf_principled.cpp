@@ -195,7 +195,8 @@ TEST_SUITE_BEGIN("slow");
 
 TEST_CASE("principled: values equal Mitsuba's") {
   for (const auto& [parameters, wo, wi, expected] : kPrincipledReferences) {
-    CAPTURE(expected.c0);
+    const float first = expected.c0;
+    CAPTURE(first);
     CHECK(reference_difference(principled(parameters).evaluate(wo, wi).f_cos, expected) < 2e-4);
     CHECK(principled(parameters).evaluate(wo, wi).pdf_solid_angle > 0.0f);
   }
@@ -203,7 +204,8 @@ TEST_CASE("principled: values equal Mitsuba's") {
 
 TEST_CASE("principled thin: values equal Mitsuba's") {
   for (const auto& [parameters, wo, wi, expected] : kThinReferences) {
-    CAPTURE(expected.c0);
+    const float first = expected.c0;
+    CAPTURE(first);
     CHECK(reference_difference(thin(parameters).evaluate(wo, wi).f_cos, expected) < 2e-4);
     CHECK(thin(parameters).evaluate(wo, wi).pdf_solid_angle > 0.0f);
   }

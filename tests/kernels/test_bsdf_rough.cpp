@@ -5,6 +5,7 @@
 #include "kernels/bsdf/thin_dielectric.h"
 
 #include "tests/support/bsdf_testing.h"
+#include "tests/support/capture.h"
 
 namespace sheaf::test_bsdf_rough {
 
@@ -35,7 +36,7 @@ constexpr int kSamplingTests = 5 * 2 * 3 + 10 * 2 * 4 + 5 * 4;  // directions, d
 
 template <template <class> class Bsdf> void check_metal() {
   for (const auto& [u, v] : {std::pair{0.15f, 0.15f}, std::pair{0.2f, 0.5f}, std::pair{1.0f, 1.0f}}) {
-    CAPTURE(u);
+    CAPTURE_BINDING(u);
     check_bsdf_sampling_with_edges(metal<Bsdf>(u, v), kSamplingTests);
   }
   for (const auto& [u, v] : {std::pair{0.05f, 0.05f}, std::pair{0.1f, 0.4f}, std::pair{1.0f, 1.0f}}) {
@@ -147,7 +148,7 @@ TEST_CASE("thin dielectric: what is not mirrored goes straight on, and all order
 TEST_CASE("nori microfacet: sampling, weights, reciprocity, energy") {
   for (const auto& [kd, alpha] :
        {std::pair{0.5f, 0.15f}, std::pair{0.2f, 0.6f}, std::pair{0.0f, 0.3f}, std::pair{1.0f, 0.3f}}) {
-    CAPTURE(kd);
+    CAPTURE_BINDING(kd);
     check_bsdf_sampling_with_edges(nori(kd, alpha), kSamplingTests);
     check_bsdf_weights(nori(kd, alpha));
     check_bsdf_reciprocity(nori(kd, alpha));

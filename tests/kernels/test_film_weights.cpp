@@ -1,6 +1,7 @@
 // Samples that count in every pixel under the filter: sums by tiles with borders against sums over all samples.
 #include "core/rng.h"
 #include "kernels/film/film.h"
+#include "tests/support/capture.h"
 
 #include <doctest/doctest.h>
 
@@ -113,7 +114,7 @@ TEST_CASE("weighted film: means and variances are those of all samples under the
     const FilterWeights weights(filter);
     for (const auto& [unit, bins] :
          {std::pair{VarianceUnit::kSample, 3}, {VarianceUnit::kReplicate, 3}, {VarianceUnit::kReplicate, 0}}) {
-      CAPTURE(bins);
+      CAPTURE_BINDING(bins);
       const Image image = film_by_tiles(weights, {0, 0, kFrameWidth, kFrameHeight}, 8, unit, bins).to_image();
       REQUIRE(image.channels.size() == static_cast<std::size_t>(4 + bins));
       for (const auto& [x, y] : {std::pair{0, 0}, {7, 7}, {8, 8}, {22, 16}, {15, 3}, {10, 16}}) {

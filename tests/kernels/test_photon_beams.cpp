@@ -2,6 +2,7 @@
 #include "core/octahedral.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/wave/wave_snapshot.h"
+#include "tests/support/capture.h"
 #include "tests/support/gathering_testing.h"
 #include "tests/support/stages_testing.h"
 #include "tests/support/temporary_folder.h"
@@ -161,7 +162,7 @@ TEST_CASE("gather volume: registers do what single beams do; the sum is that ove
        {Case{{0.2f, 0.2f, 0.2f}, 0.0f, PhotonKernel::kDisc, -1, MediumEstimator::kNullMis},
         Case{{0.3f, 0.6f, 0.1f}, 0.7f, PhotonKernel::kCone, 4, MediumEstimator::kNullMis},
         Case{{0.3f, 0.6f, 0.1f}, -0.4f, PhotonKernel::kEpanechnikov, 3, MediumEstimator::kRatio}}) {
-    CAPTURE(g);
+    CAPTURE_BINDING(g);
     const Double3 albedo = {0.8, 0.6, 0.9};
     MediumDescription medium;
     medium.coefficients =

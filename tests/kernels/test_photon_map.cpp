@@ -4,6 +4,7 @@
 #include "core/octahedral.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/wave/wave_snapshot.h"
+#include "tests/support/capture.h"
 #include "tests/support/stages_testing.h"
 
 #include <doctest/doctest.h>
@@ -106,8 +107,8 @@ TEST_CASE("gather: registers do what single photons do, and the sum is that over
   for (const auto& [kernel, lookup_size] :
        {std::pair{PhotonKernel::kDisc, 0}, std::pair{PhotonKernel::kCone, 0}, std::pair{PhotonKernel::kEpanechnikov, 0},
         std::pair{PhotonKernel::kDisc, 20}, std::pair{PhotonKernel::kCone, 5}}) {
-    CAPTURE(static_cast<int>(kernel));
-    CAPTURE(lookup_size);
+    CAPTURE_BINDING(kernel);
+    CAPTURE_BINDING(lookup_size);
     const PhotonMap map(tasks, 1000, 0.4f, kernel, lookup_size);
     const PhotonMaps maps{map.view(), {}, PhotonGathering::kAll};
     TestWave wide(120, 0), scalar(120, 0);

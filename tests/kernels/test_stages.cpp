@@ -3,6 +3,7 @@
 #include "kernels/guiding/guide_record.h"
 #include "kernels/passes/passes.h"
 #include "kernels/photons/photon_maps.h"
+#include "tests/support/capture.h"
 #include "tests/support/stages_testing.h"
 #include "tests/support/trace_testing.h"
 
@@ -278,10 +279,10 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
         Case{IntegratorKind::kNormals, false, false}, Case{IntegratorKind::kVisibility, false, false},
         Case{IntegratorKind::kPhotonMapper, false, false}, Case{IntegratorKind::kPhotonMapper, false, true},
         Case{IntegratorKind::kPhotonMapper, true, false}, Case{IntegratorKind::kLightTracer, true, false}}) {
-    CAPTURE(static_cast<int>(kind));
-    CAPTURE(from_lights);
-    CAPTURE(with_volume);
-    CAPTURE(guided);
+    CAPTURE_BINDING(kind);
+    CAPTURE_BINDING(from_lights);
+    CAPTURE_BINDING(with_volume);
+    CAPTURE_BINDING(guided);
     const PhotonMaps maps{map.view(),
                           {},
                           with_volume ? PhotonGathering::kIndirect : PhotonGathering::kAll,

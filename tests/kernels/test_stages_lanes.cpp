@@ -4,6 +4,7 @@
 #include "kernels/stages/stages.h"
 #include "kernels/wave/wave_snapshot.h"
 #include "scene/data/glasses.h"
+#include "tests/support/capture.h"
 #include "tests/support/stages_testing.h"
 
 namespace sheaf::test_stages_lanes {
@@ -64,7 +65,7 @@ TEST_CASE("stages: registers do what single paths do, stage by stage, in both co
   for (const auto& [hide_emitters, guided, color] :
        {Case{false, false, ColorMode::kRgb}, Case{true, false, ColorMode::kRgb}, Case{false, true, ColorMode::kRgb},
         Case{true, false, ColorMode::kSpectral}, Case{true, true, ColorMode::kSpectral}}) {
-    CAPTURE(guided);
+    CAPTURE_BINDING(guided);
     d.integrator.hide_emitters = hide_emitters;
     const auto scene = compile_scene(d, {false, color});
     for (const int paths : {kWidth - 1, kWidth + 1, 250}) {

@@ -4,6 +4,7 @@
 #include "core/octahedral.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/wave/wave_snapshot.h"
+#include "tests/support/capture.h"
 #include "tests/support/gathering_testing.h"
 #include "tests/support/stages_testing.h"
 #include "tests/support/statistics.h"
@@ -93,7 +94,7 @@ TEST_CASE("gather volume: registers do what single photons do; the sum is that o
   for (const auto& [g, kernel, max_depth] :
        {std::tuple{0.0f, PhotonKernel::kDisc, -1}, std::tuple{0.7f, PhotonKernel::kCone, 4},
         std::tuple{-0.4f, PhotonKernel::kEpanechnikov, 3}}) {
-    CAPTURE(g);
+    CAPTURE_BINDING(g);
     Description d = filled_box(medium);
     d.integrator.max_depth = max_depth;
     d.media[0].phase = add_phase(d, g);

@@ -1,5 +1,6 @@
 // Blends: light is sampled for all parts, whichever was chosen, and scattering counts as that of all together.
 #include "core/exr.h"
+#include "tests/support/capture.h"
 #include "tests/support/measured_testing.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/temporary_folder.h"
@@ -190,7 +191,7 @@ TEST_CASE("blends: photons are stored by the light that comes, whatever part the
   const double whole = 0.5 / pi * 8 * pi * 2 * (1 - cosine) / (radius * radius);
   for (const auto& [add, share] : {std::pair{kGrey, 1.0}, std::pair{masked, 0.4},
                                    std::pair{blend_of(kMirror, blend_of(kGrey, kGrey, 0.5f), 0.7f), 0.7}}) {
-    CAPTURE(share);
+    CAPTURE_BINDING(share);
     Description d = floor_of(add);
     d.integrator.kind = IntegratorKind::kPhotonMapper;
     d.integrator.photons.global = {50'000, static_cast<float>(radius), 0};

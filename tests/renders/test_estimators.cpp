@@ -2,6 +2,7 @@
 // that Student's t-test on the pixels judges the mean.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
+#include "tests/support/capture.h"
 #include "tests/support/statistics.h"
 #include "tests/support/tiny_scenes.h"
 
@@ -120,7 +121,7 @@ TEST_SUITE_BEGIN("slow");
 
 TEST_CASE("a disk light on a facing floor") {
   for (const auto& [radius, height] : {std::pair{1.0, 1.0}, {0.3, 2.0}, {4.0, 1.0}}) {
-    CAPTURE(radius);
+    CAPTURE_BINDING(radius);
     Description d = receiver();
     add_disk_light(d, {0, 0, static_cast<float>(height)}, static_cast<float>(radius), 3);
     if (radius > 2) aim(d, {8, 0, 0.5f}, {0, 0, 0});
@@ -311,7 +312,7 @@ TEST_CASE("a glass slab in front of a light") {
     const double r = fresnel(cosine, 1.5), t = (1 - r) * (1 - r);
     for (const auto& [depth, expected] :
          {std::pair{2, 0.0}, {3, 2 * t}, {5, 2 * t * (1 + r * r)}, {-1, 2 * (1 - r) / (1 + r)}}) {
-      CAPTURE(depth);
+      CAPTURE_BINDING(depth);
       d.integrator.max_depth = depth;
       check_strategies(d, expected);
     }

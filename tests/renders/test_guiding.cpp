@@ -1,6 +1,7 @@
 // Guided renders: the same mean as without a guide, the same bits whatever the threads, waves and crop, less noise
 // where light is hard to find.
 #include "core/error.h"
+#include "tests/support/capture.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/temporary_folder.h"
@@ -168,8 +169,8 @@ TEST_CASE("guiding: the same bits for all threads, waves and crops") {
   options.wave_size = 256;
   const Image whole = render(*scene, options).film.to_image();
   for (const auto& [threads, wave_size] : {std::pair{2, 1024}, {7, 1600}, {2, 65}, {1, 1}}) {
-    CAPTURE(threads);
-    CAPTURE(wave_size);
+    CAPTURE_BINDING(threads);
+    CAPTURE_BINDING(wave_size);
     options.threads = threads, options.wave_size = wave_size;
     const Image same = render(*scene, options).film.to_image();
     CHECK(std::memcmp(same.data.data(), whole.data.data(), whole.data.size() * sizeof(float)) == 0);

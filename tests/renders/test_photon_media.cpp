@@ -4,6 +4,7 @@
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "scene/data/glasses.h"
+#include "tests/support/capture.h"
 #include "tests/support/photon_testing.h"
 #include "tests/support/temporary_folder.h"
 
@@ -181,7 +182,7 @@ TEST_CASE("volume photons: what media scatter has the path tracer's mean, howeve
     for (const auto& [gathering, checked] :
          {std::pair{PhotonGathering::kAll, fog || what == kForward},
           std::pair{PhotonGathering::kIndirect, fog || glowing}, std::pair{PhotonGathering::kFinal, fog || glowing}}) {
-      CAPTURE(static_cast<int>(gathering));
+      CAPTURE_BINDING(gathering);
       d.integrator.photons.gathering = gathering;
       if (checked) check_close(mean_of(d), path, gathering == PhotonGathering::kAll ? 0.02 : 0.01);
     }

@@ -1,5 +1,6 @@
 // The Mitsuba dialect: what each plugin becomes, spellings of all releases, errors, and agreement with the Nori
 // dialect.
+#include "tests/support/capture.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -427,7 +428,7 @@ TEST_CASE("Mitsuba: transforms") {
         {"<translate value='1,2,3' x='1'/>", "<translate> has no attribute 'x'"},
         {"<translate x='1e60'/>", "expected a number in the range of a float"},
         {"<scale value='1e-300'/>", "scene.xml:6: "}}) {
-    CAPTURE(std::string(step));
+    CAPTURE_BINDING(step);
     const std::string message = error_of_text(mitsuba_scene(element + step + "</transform></shape>"));
     CHECK_MESSAGE(contains(message, expected), message);
   }

@@ -1,4 +1,5 @@
 // The Nori dialect: what each element becomes, defaults, errors.
+#include "tests/support/capture.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -174,7 +175,7 @@ TEST_CASE("Nori: photon mapping") {
         std::pair{"<float name='photonRadius' value='-1'/>", "photonRadius"},
         std::pair{"<integer name='lookupSize' value='5000'/>", "lookupSize"},
         std::pair{"<float name='alpha' value='0.5'/>", "alpha"}}) {
-    CAPTURE(std::string(properties));
+    CAPTURE_BINDING(properties);
     try {
       read(properties);
       FAIL("no error");

@@ -1,4 +1,5 @@
 // The Nori dialect: materials and textures.
+#include "tests/support/capture.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -98,7 +99,7 @@ TEST_CASE("Nori materials: textures for every parameter that can have one") {
         {"disney",
          "baseColor metallic subsurface specular specularTint roughness anisotropic sheen sheenTint clearcoat "
          "clearcoatGloss"}}) {
-    CAPTURE(std::string(type));
+    CAPTURE_BINDING(type);
     std::istringstream names(parameters);
     std::string inside;
     int count = 0;

@@ -3,6 +3,7 @@
 
 #include "core/color.h"
 #include "scene/dialects/pbrt.h"
+#include "tests/support/capture.h"
 #include "tests/support/deflate.h"
 #include "tests/support/scene_files.h"
 
@@ -86,7 +87,7 @@ TEST_SUITE("pbrt") {
         {Kind::kWord, "-2.5e1"}, {Kind::kClose, "]"},         {Kind::kWord, "true"}, {Kind::kString, "x"}};
     int index = 0;
     for (const auto& [kind, text] : expected) {
-      CAPTURE(text);
+      CAPTURE_BINDING(text);
       CHECK(tokens.current().kind == kind);
       CHECK(tokens.current().text == text);
       CHECK(tokens.where().line == (index++ < 2 ? 1 : 2));

@@ -5,6 +5,7 @@
 #include "core/color.h"
 #include "core/exr.h"
 #include "scene/compile/texture_image.h"
+#include "tests/support/capture.h"
 #include "tests/support/contains.h"
 #include "tests/support/picture_files.h"
 
@@ -85,8 +86,8 @@ std::string compile_error(const std::vector<TextureDescription>& textures) {
 TEST_CASE("texture: 8-bit pictures stay bytes, in tiles from the lower left") {
   const TemporaryFolder folder;
   for (const auto& [width, height] : {std::pair{1, 1}, {4, 4}, {9, 6}, {8, 17}, {30, 3}, {257, 2}}) {
-    CAPTURE(width);
-    CAPTURE(height);
+    CAPTURE_BINDING(width);
+    CAPTURE_BINDING(height);
     const std::vector<int> grey = ramp(width * height), color = ramp(3 * width * height);
     write_pnm(folder / "grey.pgm", width, height, 1, 255, grey);
     write_pnm(folder / "color.ppm", width, height, 3, 255, color);

@@ -7,6 +7,7 @@
 #include "scene/compile/compile.h"
 #include "scene/compile/compile_textures.h"
 #include "scene/formats/mesh.h"
+#include "tests/support/capture.h"
 #include "tests/support/lanes_testing.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/picture_files.h"
@@ -247,9 +248,9 @@ TEST_CASE("texture lookup: every format, wrap and filter agrees with the referen
             const CompiledTextures compiled = compile_textures({texture});
             const TextureView view = view_of(compiled);
             const Errors errors = measure(texture, p, view, 60);
-            CAPTURE(channels);
-            CAPTURE(bits);
-            CAPTURE(width);
+            CAPTURE_BINDING(channels);
+            CAPTURE_BINDING(bits);
+            CAPTURE_BINDING(width);
             CAPTURE(static_cast<int>(filter));
             CAPTURE(static_cast<int>(wrap_u));
             CAPTURE(static_cast<int>(wrap_v));

@@ -1,5 +1,6 @@
 // Parts of pictures, rendered and joined by the command line.
 #include "core/exr.h"
+#include "tests/support/capture.h"
 #include "tests/support/parts_testing.h"
 #include "tests/support/program_testing.h"
 
@@ -104,8 +105,8 @@ TEST_CASE("ranges of samples are joined to the whole but for rounding, and mixed
       {"--spp 8", R"(<integrator type="sppm">)" + few}};
   for (const auto& [more, integrator] : variants) {
     const Scene scene(integrator);
-    CAPTURE(more);
-    CAPTURE(integrator);
+    CAPTURE_BINDING(more);
+    CAPTURE_BINDING(integrator);
     const std::string options = kAll + more;
     const int spp = contains(more, "--spp 8") ? 8 : 32, quarter = spp / 4;
     const auto samples = [&](int first, int count) {

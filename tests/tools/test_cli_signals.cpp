@@ -1,5 +1,6 @@
 // What ends a render early, and how it goes on: signals and checkpoints.
 #include "core/exr.h"
+#include "tests/support/capture.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"
 
@@ -19,7 +20,7 @@ TEST_CASE("an interrupted render writes what there is and says so") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   for (const auto& [name, code] : {std::pair{"INT", 130}, std::pair{"TERM", 143}, std::pair{"HUP", 129}}) {
-    CAPTURE(std::string(name));
+    CAPTURE_BINDING(name);
     const std::string kill = "(sleep 2; kill -" + std::string(name) + " $$) & exec ";
     write_bytes(folder / "go.sh",
                 kill + SHEAF_EXECUTABLE " render scene.xml -o out.exr -D size=512 --spp 16000000 --threads 1\n");
@@ -44,7 +45,7 @@ TEST_CASE("a second signal ends a render that does not come to a stop") {
       <bsdf type="diffuse"><rgb name="reflectance" value="1"/></bsdf></shape></scene>)");
   using Signals = std::tuple<const char*, const char*, int>;
   for (const auto& [first, second, code] : {Signals{"TERM", "TERM", 143}, {"INT", "TERM", 143}, {"HUP", "INT", 130}}) {
-    CAPTURE(std::string(first));
+    CAPTURE_BINDING(first);
     write_bytes(folder / "go.sh", "(sleep 1.5; kill -" + std::string(first) + " $$; sleep 0.5; kill -" + second +
                                       " $$) & exec " SHEAF_EXECUTABLE
                                       " render scene.xml -o out.exr --spp 65536 --threads 1\n");
