@@ -451,6 +451,27 @@ SHEAF_INLINE void compress_store(std::uint32_t* p, WideUint a, std::uint32_t bit
 SHEAF_INLINE void compress_store(float* p, float a, std::uint32_t bits) { if (bits & 1u) *p = a; }
 SHEAF_INLINE void compress_store(std::uint32_t* p, std::uint32_t a, std::uint32_t bits) { if (bits & 1u) *p = a; }
 
+/// Copies from[lane] for each lane set in `bits` next to each other, in lane order. Reads kWidth values at `from` and
+/// writes up to kWidth at `to` (no alignment needed), of which the first popcount(bits) are meant.
+SHEAF_INLINE void compress_copy(std::uint16_t* to, const std::uint16_t* from, std::uint32_t bits) {
+#if defined(__AVX512VBMI2__) && defined(__AVX512VL__)
+  const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm256_maskz_compress_epi16(static_cast<__mmask16>(bits), all));
+#elif defined(__AVX512F__)
+  const __m512i all = _mm512_cvtepu16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)));
+  const __m512i chosen = _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), all);
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm512_cvtepi32_epi16(chosen));
+#elif defined(__AVX2__)
+  const __m256i all = _mm256_cvtepu16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from)));
+  const __m256i lanes = _mm256_load_si256(reinterpret_cast<const __m256i*>(kCompressTable.lanes[bits]));
+  const __m256i chosen = _mm256_permutevar8x32_epi32(all, lanes);
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(to),
+                   _mm_packus_epi32(_mm256_castsi256_si128(chosen), _mm256_extracti128_si256(chosen, 1)));
+#else
+  for (; bits != 0; bits &= bits - 1) *to++ = from[std::countr_zero(bits)];
+#endif
+}
+
 /// The instruction set that Wide compiles to.
 inline constexpr const char* kIsaName =
 #if defined(__AVX512F__)

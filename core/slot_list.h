@@ -4,7 +4,7 @@
 #include "core/arena.h"
 #include "core/lanes.h"
 
-#include <cstring>
+#include <bit>
 #include <span>
 
 namespace sheaf {
@@ -30,19 +30,17 @@ class SlotList {
     slots_[size_++] = slot;
   }
 
-  /// Pushes slots[lane] for every lane set in `bits`, in lane order.
+  /// Pushes slots[lane] for every lane set in `bits`, in lane order. Where more than the first may be set, kWidth slots
+  /// must be readable.
   SHEAF_INLINE void push(const Slot* slots, std::uint32_t bits) {
-    constexpr std::uint32_t kAll = (std::uint64_t{1} << kWidth) - 1;
-    if (bits == kAll) {
-      assert(size_ + kWidth <= capacity_);
-      std::memcpy(slots_ + size_, slots, kWidth * sizeof(Slot));
-      size_ += kWidth;
+    assert(size_ + std::popcount(bits) <= capacity_);
+    if (bits <= 1) {
+      slots_[size_] = slots[0];
+      size_ += static_cast<int>(bits);
       return;
     }
-    while (bits != 0) {
-      push(slots[std::countr_zero(bits)]);
-      bits &= bits - 1;
-    }
+    compress_copy(slots_ + size_, slots, bits);
+    size_ += std::popcount(bits);
   }
 
   Slot pop() {

@@ -25,12 +25,16 @@ SHEAF_INLINE void remember_scattering(Wave& wave, const Slot* slots, std::uint32
   alignas(kSimdAlignment) std::uint32_t normal[L::width];
   store(pdf, pdf_solid_angle);
   store(normal, encode_octahedral<L>(ns));
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const int lane = std::countr_zero(lanes);
+  const auto remember = [&](int lane) SHEAF_LAMBDA_INLINE {
     RadianceState<Scalar>& row = wave.radiance.row(slots[lane]);
     row.scatter_pdf = pdf[lane];
     row.normal = normal[lane];
+  };
+  if (lanes == (1u << L::width) - 1u) {
+    for (int lane = 0; lane < L::width; ++lane) remember(lane);
+    return;
   }
+  for (; lanes != 0; lanes &= lanes - 1) remember(std::countr_zero(lanes));
 }
 
 /// Paths that a dispersing surface let through have one wavelength left.

@@ -5,6 +5,8 @@
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/stage_timer.h"
 
+#include <bit>
+
 namespace sheaf {
 
 namespace {
@@ -32,8 +34,13 @@ template <class L> void shadow(const StageContext& context, Wave& wave) noexcept
         for_tiles<L>(count, [&](int at, int) { pack_shadow_rays<L>(wave, first + at, packet, at); });
       },
       [&](int first, int count, const RayPacket& packet) {
-        for (int i = 0; i < count; ++i)
-          if (packet.t_far[i] >= 0.0f) pay(wave, first + i, tally);
+        std::uint32_t arrived = 0;
+        for_tiles<L>(count, [&](int at, int lanes) {
+          Float<L> t_far;
+          load(packet.t_far + at, t_far);
+          arrived |= mask_bits((t_far >= Float<L>(0.0f)) & L::first(lanes)) << at;
+        });
+        for (; arrived != 0; arrived &= arrived - 1) pay(wave, first + std::countr_zero(arrived), tally);
       });
   wave.shadow_count = 0;
 }

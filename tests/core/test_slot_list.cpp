@@ -33,19 +33,30 @@ TEST_CASE_FIXTURE(Fixture, "slot list: push, pop, resize and clear") {
   CHECK(list.empty());
 }
 
-TEST_CASE_FIXTURE(Fixture, "slot list: a masked push keeps lane order, for every mask of eight lanes") {
-  const Slot slots[8] = {10, 21, 32, 43, 54, 65, 76, 87};
+TEST_CASE_FIXTURE(Fixture, "slot list: a masked push keeps lane order, for every mask of a register's lanes") {
+  Slot slots[kWidth];
+  for (int lane = 0; lane < kWidth; ++lane) slots[lane] = static_cast<Slot>(65521 - 4095 * lane);
   int wrong = 0;
-  for (std::uint32_t bits = 0; bits < 256; ++bits) {
+  for (std::uint32_t bits = 0; bits < (std::uint64_t{1} << kWidth); ++bits) {
     list.clear();
     list.push(1);
     list.push(slots, bits);
+    list.push(2);
     std::vector<Slot> expected{1};
-    for (int lane = 0; lane < 8; ++lane)
+    for (int lane = 0; lane < kWidth; ++lane)
       if (bits >> lane & 1u) expected.push_back(slots[lane]);
+    expected.push_back(2);
     wrong += contents(list) != expected;
   }
   CHECK(wrong == 0);
+}
+
+TEST_CASE_FIXTURE(Fixture, "slot list: a masked push of one lane reads no further") {
+  const std::vector<Slot> one{7};
+  list.push(one.data(), 0);
+  CHECK(list.empty());
+  list.push(one.data(), 1);
+  CHECK(contents(list) == std::vector<Slot>{7});
 }
 
 TEST_CASE_FIXTURE(Fixture, "slot list: padding repeats the last slot and is not part of the list") {
