@@ -166,29 +166,44 @@ template <class L, class Row> SHEAF_INLINE void prefetch(const Row* rows, typena
 
 }  // namespace detail
 
-/// Starts to fetch what sample_envmap() will read of the tables of columns for u and v.
-template <class L> SHEAF_INLINE void prefetch_envmap_columns(const EnvmapView& map, Float<L> u, Float<L> v) {
-  const auto row = to_uint(v * Float<L>(static_cast<float>(kQuantiles)));
-  detail::prefetch<L>(map.quantiles, gather(map.tables, row) + to_uint(u * Float<L>(static_cast<float>(kQuantiles))),
-                      false);
+/// A cell drawn from a map, in two steps, each of which reads what the one before it has told: who draws for many
+/// paths asks for what the next step reads, goes on with other paths, and comes back when it is there.
+template <class L> struct EnvmapDraw {
+  QuantileDraw<L> row, column;
+  typename L::Uint table;  ///< of the row's columns, into EnvmapView::quantiles
+};
+
+/// The first step: a row by v in [0, 1), which chooses the polar angle.
+template <class L> SHEAF_INLINE EnvmapDraw<L> draw_envmap_row(const EnvmapView& map, Float<L> v) {
+  EnvmapDraw<L> drawn;
+  drawn.row = draw_quantile<L>(map.quantiles, Uint<L>(0u), v);
+  drawn.table = gather(map.tables, drawn.row.quantile);
+  return drawn;
 }
 
-/// Starts to fetch the nodes that sample_envmap() will read for u and v.
-template <class L> SHEAF_INLINE void prefetch_envmap_nodes(const EnvmapView& map, Float<L> u, Float<L> v) {
-  const auto row = draw_quantile<L>(map.quantiles, Uint<L>(0u), v);
-  const auto column = draw_quantile<L>(map.quantiles, gather(map.tables, row.quantile), u);
-  detail::prefetch<L>(map.columns, row.index * Uint<L>(map.width + 1) + column.index, true);
+/// The second: a column by u in [0, 1), which chooses the longitude.
+template <class L> SHEAF_INLINE void draw_envmap_column(const EnvmapView& map, Float<L> u, EnvmapDraw<L>& drawn) {
+  drawn.column = draw_quantile<L>(map.quantiles, drawn.table, u);
 }
 
-/// A direction by u, v in [0, 1): u chooses the longitude, v the polar angle, each by inversion, so that what is
+/// Starts to fetch what draw_envmap_column() will read.
+template <class L>
+SHEAF_INLINE void prefetch_envmap_column(const EnvmapView& map, Float<L> u, const EnvmapDraw<L>& drawn) {
+  detail::prefetch<L>(map.quantiles, drawn.table + to_uint(u * Float<L>(static_cast<float>(kQuantiles))), false);
+}
+
+/// Starts to fetch the nodes that sample_envmap() will read.
+template <class L> SHEAF_INLINE void prefetch_envmap_nodes(const EnvmapView& map, const EnvmapDraw<L>& drawn) {
+  detail::prefetch<L>(map.columns, drawn.row.index * Uint<L>(map.width + 1) + drawn.column.index, true);
+}
+
+/// A direction in the cell that was drawn by u and v, by what they have left: both are inverted, so that what is
 /// stratified stays so. Spectral mode: radiance at `lambda`.
 template <class L, ColorMode Mode = ColorMode::kRgb>
-SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, Float<L> u, Float<L> v,
+SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, const EnvmapDraw<L>& drawn,
                                            const Spectrum<L>& lambda = {}) {
   using F = Float<L>;
-  using U = Uint<L>;
-  const auto row = draw_quantile<L>(map.quantiles, U(0u), v);
-  const auto column = draw_quantile<L>(map.quantiles, gather(map.tables, row.quantile), u);
+  const QuantileDraw<L>&row = drawn.row, &column = drawn.column;
   const detail::EnvmapCell<L> cell{column.index, row.index};
   const auto nodes = detail::load_nodes<L>(map, cell);
   const F* const b = nodes.brightness;
@@ -213,6 +228,15 @@ SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, Float<L> u, Fl
   out.radiance = detail::radiance_at<L, Mode>(map, nodes, cell, at, lambda);
   out.pdf_solid_angle = detail::envmap_solid_angle_pdf(detail::density_at<L>(nodes, at), sin_theta);
   return out;
+}
+
+/// The same by u and v themselves.
+template <class L, ColorMode Mode = ColorMode::kRgb>
+SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, Float<L> u, Float<L> v,
+                                           const Spectrum<L>& lambda = {}) {
+  EnvmapDraw<L> drawn = draw_envmap_row<L>(map, v);
+  draw_envmap_column<L>(map, u, drawn);
+  return sample_envmap<L, Mode>(map, drawn, lambda);
 }
 
 }  // namespace sheaf

@@ -12,7 +12,9 @@ struct EnvmapLight {
   template <class L, ColorMode Mode>
   static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>&) {
-    const auto found = sample_envmap<L, Mode>(lights.scene.envmap, u.y, u.z, lights.lambda);
+    const EnvmapView& map = lights.scene.envmap;
+    const auto found = lights.drawn != nullptr ? sample_envmap<L, Mode>(map, *lights.drawn, lights.lambda)
+                                               : sample_envmap<L, Mode>(map, u.y, u.z, lights.lambda);
     LightSample<L> s;
     s.direction = found.direction;
     s.target = beyond_scene<L>(lights.scene, from, s.direction);

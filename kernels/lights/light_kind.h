@@ -43,6 +43,8 @@ template <class L> struct LightsAsked {
   const LightRecord<L>& light;  ///< spectral mode: with its radiance at `lambda`
   Mask<L> active;               ///< lanes whose light is of the kind that is asked
   const Spectrum<L>& lambda;    ///< spectral mode: wavelengths, nm
+  /// What u.y and u.z have drawn from the environment map, if that is known already, or null.
+  const EnvmapDraw<L>* drawn = nullptr;
 };
 
 /// Light that arrives at a reference point from a sampled direction.

@@ -49,8 +49,8 @@ namespace light_detail {
 template <class L, ColorMode Mode, class Kind>
 SHEAF_INLINE LightSample<L> sample_kind(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                         Mask<L> active, const Random4<L>& u, const Spectrum<L>& lambda,
-                                        TextureQuery<L>& texture) {
-  LightSample<L> s = Kind::template sample<L, Mode>({scene, light, active, lambda}, from, u, texture);
+                                        const EnvmapDraw<L>* drawn, TextureQuery<L>& texture) {
+  LightSample<L> s = Kind::template sample<L, Mode>({scene, light, active, lambda, drawn}, from, u, texture);
   s.delta = Mask<L>(Kind::kMeeting == LightMeeting::kNever);
   return s;
 }
@@ -68,11 +68,11 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const LightSample<L>& a, L
 template <class L, ColorMode Mode>
 [[gnu::noinline]] LightSample<L> sample_mixed_lights(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                                      const Random4<L>& u, const Spectrum<L>& lambda,
-                                                     TextureQuery<L>& query) {
+                                                     const EnvmapDraw<L>* drawn, TextureQuery<L>& query) {
   LightSample<L> s{};
   Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
     const auto active = light.is(Kind::kKind);
-    if (any(active)) merge<L>(active, sample_kind<L, Mode, Kind>(scene, from, light, active, u, lambda, query), s);
+    if (any(active)) merge<L>(active, sample_kind<L, Mode, Kind>(scene, from, light, active, u, lambda, drawn, query), s);
   });
   return s;
 }
@@ -80,15 +80,16 @@ template <class L, ColorMode Mode>
 }  // namespace light_detail
 
 /// Samples a direction towards given lights by u.y, u.z and u.w. Densities don't know how the lights were selected. In
-/// spectral mode light.radiance is light_spectra() at `lambda`.
+/// spectral mode light.radiance is light_spectra() at `lambda`. `drawn`: see LightsAsked.
 template <class L, ColorMode Mode = ColorMode::kRgb>
 SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
-                                               const Random4<L>& u, const Spectrum<L>& lambda = {}) {
+                                               const Random4<L>& u, const Spectrum<L>& lambda = {},
+                                               const EnvmapDraw<L>* drawn = nullptr) {
   using namespace light_detail;
   TextureQuery<L> query{};
   const auto mesh = light.is(LightKind::kMesh);
-  LightSample<L> s = all(mesh) ? sample_kind<L, Mode, MeshLight>(scene, from, light, mesh, u, lambda, query)
-                               : sample_mixed_lights<L, Mode>(scene, from, light, u, lambda, query);
+  LightSample<L> s = all(mesh) ? sample_kind<L, Mode, MeshLight>(scene, from, light, mesh, u, lambda, drawn, query)
+                               : sample_mixed_lights<L, Mode>(scene, from, light, u, lambda, drawn, query);
   s.target_medium = select(light.is(LightKind::kVolume), light.medium() + Uint<L>(1u), Uint<L>(kNone));
   const auto textured = s.valid & (light.texture != Uint<L>(kNone));
   if (any(textured))
@@ -97,13 +98,14 @@ SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> f
 }
 
 /// A direction from `from` towards lights that were chosen, and its density, the choice included. `lambda`: the
-/// wavelengths in spectral mode.
+/// wavelengths in spectral mode. `drawn`: see LightsAsked.
 template <class L, ColorMode Mode = ColorMode::kRgb>
 SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, const LightChoice<L>& choice,
-                                         const Random4<L>& u, const Spectrum<L>& lambda = {}) {
+                                         const Random4<L>& u, const Spectrum<L>& lambda = {},
+                                         const EnvmapDraw<L>* drawn = nullptr) {
   LightRecord<L> light = load_lights<L>(scene, choice.light);
   if constexpr (Mode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, choice.light, lambda);
-  LightSample<L> s = sample_given_light<L, Mode>(scene, from, light, u, lambda);
+  LightSample<L> s = sample_given_light<L, Mode>(scene, from, light, u, lambda, drawn);
   s.pdf_solid_angle = s.pdf_solid_angle * choice.probability;
   return s;
 }

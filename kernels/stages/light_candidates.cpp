@@ -9,6 +9,8 @@
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
+#include <bit>
+
 namespace sheaf {
 
 namespace {
@@ -49,13 +51,13 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
   choose_lights<L>(context.scene, at, u, wave.needs.light_tops ? tops : nullptr, choices);
 }
 
-/// `in_medium`: the vertices scatter to all sides and have no normal.
+/// `in_medium`: the vertices scatter to all sides and have no normal. `drawn`: see LightsAsked.
 template <class L, ColorMode Mode>
 SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const CandidateTile<L>& tile,
-                                 const LightChoice<L>& choice, bool in_medium) {
+                                 const LightChoice<L>& choice, bool in_medium, const EnvmapDraw<L>* drawn) {
   using F = Float<L>;
   const LightSample<L> light = sample_light<L, Mode>(context.scene, wave.vertices.load<L>(tile.column).p, choice,
-                                                     tile.u, shading_wavelengths<L, Mode>(wave, tile.slots));
+                                                     tile.u, shading_wavelengths<L, Mode>(wave, tile.slots), drawn);
   LightCandidate<L> out;
   out.direction = light.direction;
   out.target = light.target;
@@ -81,36 +83,47 @@ SHEAF_INLINE Random4<L> numbers_of(const StageContext& context, Wave& wave, cons
                  context.scene.light_count > 1 ? kAllNumbers : kAllNumbers & ~kNumberX);
 }
 
-/// Not a template over the closure: one copy of the code serves all kinds. Where an environment map is most of the
-/// light, two groups of tiles ahead of each its tables, and one ahead its nodes, are on their way from memory.
-template <class L>
+/// Steps by which tiles become candidates, in groups of kTogether: while a group is at the last of them, those behind it
+/// in the run are at the others, so that nobody waits for what the step before has asked for.
+enum CandidateStep { kCandidates, kColumns, kRows, kNumbers };
+
+/// Not a template over the closure: one copy of the code serves all kinds. `DrawsMap`: an environment map is most of the
+/// light; its rows and columns are drawn in steps of their own.
+template <class L, bool DrawsMap>
 void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run, SampleSet set, bool in_medium,
                    bool mapped_parts) {
   const SceneView& scene = context.scene;
-  const bool fetches = scene.envmap.columns != nullptr && scene.bounded_light_count == 0;
+  constexpr int kAhead = DrawsMap ? kNumbers : 1, kRing = std::bit_ceil(kAhead + 1u);
   const Slot* const slots = wave.sorted.data() + run.slot_begin;
-  const int ahead = fetches ? 2 : 0, tiles = (run.count + L::width - 1) / L::width;
-  const int groups = (tiles + kTogether - 1) / kTogether;
-  // The last tile may be its own neighbour.
-  const auto tile_of = [tiles](int group, int i) { return std::min(group * kTogether + i, tiles - 1); };
-  CandidateTile<L> ring[4][kTogether];
+  const int tiles = (run.count + L::width - 1) / L::width, groups = (tiles + kTogether - 1) / kTogether;
+  CandidateTile<L> ring[kRing][kTogether];
+  EnvmapDraw<L> drawn[DrawsMap ? kRing : 1][kTogether];
   LightChoice<L> choices[kTogether];
+  const auto has = [groups](int group) { return group >= 0 && group < groups; };
   with_color_mode(scene, [&]<ColorMode Mode>() {
-    for (int group = -ahead; group < groups; ++group) {
-      for (int i = 0; i < kTogether && group + ahead < groups; ++i) {
-        const int begin = tile_of(group + ahead, i) * L::width;
-        CandidateTile<L>& tile = ring[(group + ahead) & 3][i];
-        tile = {slots + begin, run.column_begin + begin, numbers_of<L>(context, wave, slots + begin, set)};
-        if (fetches) prefetch_envmap_columns<L>(scene.envmap, tile.u.y, tile.u.z);
+    for (int group = -kAhead; group < groups; ++group) {
+      const int numbers = group + kAhead, rows = group + kRows, columns = group + kColumns;
+      for (int i = 0; i < kTogether && has(numbers); ++i) {
+        // The last tile may be its own neighbour.
+        const int begin = std::min(numbers * kTogether + i, tiles - 1) * L::width;
+        ring[numbers % kRing][i] = {slots + begin, run.column_begin + begin,
+                                    numbers_of<L>(context, wave, slots + begin, set)};
       }
-      if (fetches && group + 1 >= 0 && group + 1 < groups)
-        for (const CandidateTile<L>& tile : ring[(group + 1) & 3])
-          prefetch_envmap_nodes<L>(scene.envmap, tile.u.y, tile.u.z);
+      for (int i = 0; i < kTogether && DrawsMap && has(rows); ++i) {
+        const Random4<L>& u = ring[rows % kRing][i].u;
+        drawn[rows % kRing][i] = draw_envmap_row<L>(scene.envmap, u.z);
+        prefetch_envmap_column<L>(scene.envmap, u.y, drawn[rows % kRing][i]);
+      }
+      for (int i = 0; i < kTogether && DrawsMap && has(columns); ++i) {
+        draw_envmap_column<L>(scene.envmap, ring[columns % kRing][i].u.y, drawn[columns % kRing][i]);
+        prefetch_envmap_nodes<L>(scene.envmap, drawn[columns % kRing][i]);
+      }
       if (group < 0) continue;
-      const CandidateTile<L>(&now)[kTogether] = ring[group & 3];
+      const CandidateTile<L>(&now)[kTogether] = ring[group % kRing];
       choose_for<L>(context, wave, now, set.index == 0, in_medium, mapped_parts, choices);
       for (int i = 0; i < kTogether && group * kTogether + i < tiles; ++i)
-        candidate_tile<L, Mode>(context, wave, now[i], choices[i], in_medium);
+        candidate_tile<L, Mode>(context, wave, now[i], choices[i], in_medium,
+                                DrawsMap ? &drawn[group % kRing][i] : nullptr);
     }
   });
 }
@@ -122,11 +135,13 @@ template <class L> void light_candidates(const StageContext& context, Wave& wave
   StageTimer timer(wave.stats, Stage::kLightCandidates);
   const SampleSet set{static_cast<std::uint32_t>(candidate),
                       static_cast<std::uint32_t>(context.transport.candidates)};
+  const bool draws_map = context.scene.envmap.columns != nullptr && context.scene.bounded_light_count == 0;
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if (Bsdf<L>::kIsSpecular && !has_parts(context.scene, kind)) return;
     const VertexRun& run = wave.runs[static_cast<int>(kind)];
     timer.count(run.count, L::width);
-    candidate_run<L>(context, wave, run, set, kIsPhaseFunction<Bsdf<L>>, has_mapped_parts(context.scene, kind));
+    const auto work = draws_map ? candidate_run<L, true> : candidate_run<L, false>;
+    work(context, wave, run, set, kIsPhaseFunction<Bsdf<L>>, has_mapped_parts(context.scene, kind));
   });
 }
 
