@@ -72,7 +72,8 @@ template <class L, ColorMode Mode>
   LightSample<L> s{};
   Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
     const auto active = light.is(Kind::kKind);
-    if (any(active)) merge<L>(active, sample_kind<L, Mode, Kind>(scene, from, light, active, u, lambda, drawn, query), s);
+    if (any(active))
+      merge<L>(active, sample_kind<L, Mode, Kind>(scene, from, light, active, u, lambda, drawn, query), s);
   });
   return s;
 }

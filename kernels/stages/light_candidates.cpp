@@ -83,12 +83,12 @@ SHEAF_INLINE Random4<L> numbers_of(const StageContext& context, Wave& wave, cons
                  context.scene.light_count > 1 ? kAllNumbers : kAllNumbers & ~kNumberX);
 }
 
-/// Steps by which tiles become candidates, in groups of kTogether: while a group is at the last of them, those behind it
-/// in the run are at the others, so that nobody waits for what the step before has asked for.
+/// Steps by which tiles become candidates, in groups of kTogether: while a group is at the last of them, those behind
+/// it in the run are at the others, so that nobody waits for what the step before has asked for.
 enum CandidateStep { kCandidates, kColumns, kRows, kNumbers };
 
-/// Not a template over the closure: one copy of the code serves all kinds. `DrawsMap`: an environment map is most of the
-/// light; its rows and columns are drawn in steps of their own.
+/// Not a template over the closure: one copy of the code serves all kinds. `DrawsMap`: an environment map is most of
+/// the light; its rows and columns are drawn in steps of their own.
 template <class L, bool DrawsMap>
 void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run, SampleSet set, bool in_medium,
                    bool mapped_parts) {

@@ -10,14 +10,17 @@ namespace sheaf {
 
 /// A value as messages show it: characters as text, enumerations as numbers.
 template <class T> auto shown(const T& value) {
-  if constexpr (std::is_convertible_v<T, const char*>) return std::string(value);
-  else if constexpr (std::is_enum_v<T>) return static_cast<int>(value);
-  else return value;
+  if constexpr (std::is_convertible_v<T, const char*>)
+    return std::string(value);
+  else if constexpr (std::is_enum_v<T>)
+    return static_cast<int>(value);
+  else
+    return value;
 }
 
 }  // namespace sheaf
 
 /// Tells the value of the structured binding `name` with each failure until the end of the scope.
-#define CAPTURE_BINDING(name)                         \
+#define CAPTURE_BINDING(name)                        \
   const auto captured_##name = ::sheaf::shown(name); \
   INFO(#name " := ", captured_##name)
