@@ -42,6 +42,33 @@ double irradiance(const EnvmapView& map, Vec3f n) {
 
 }  // namespace
 
+TEST_CASE("environment map: the same bits whoever shares the registers in which directions are drawn ahead") {
+  const TemporaryFolder folder;
+  write_map(folder / "map.exr", uneven_picture());
+  Description d = empty_scene(40, 30);
+  d.sampler.sample_count = 4;
+  look_at(d, {0, 1, 4}, {0, 0, 0}, {0, 1, 0}, 45);
+  add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({3, 3, 1}), add_diffuse(d, 0.7f));
+  add_sphere(d, {0.3f, 0.6f, 0}, 0.6f, add_diffuse(d, 0.4f));
+  d.lights.push_back({EnvmapDescription{folder / "map.exr", 1, Transform(), true}, {}});
+  for (const int candidates : {1, 3}) {
+    d.integrator.candidates = candidates;
+    const auto scene = compile_scene(d);
+    RenderOptions options;
+    options.threads = 1;
+    options.wave_size = 1;
+    const Image expected = render(*scene, options).film.to_image();
+    REQUIRE(expected.at(20, 25, 1) > 0.0f);
+    for (const int wave_size : {17, 64, 256, 1024}) {
+      CAPTURE(candidates);
+      CAPTURE(wave_size);
+      options.threads = wave_size == 64 ? 2 : 1;
+      options.wave_size = wave_size;
+      CHECK(render(*scene, options).film.to_image().data == expected.data);
+    }
+  }
+}
+
 TEST_CASE("environment map: every strategy finds the light of a diffuse floor" * doctest::test_suite("slow")) {
   const TemporaryFolder folder;
   write_map(folder / "map.exr", uneven_picture());
