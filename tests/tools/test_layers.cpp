@@ -111,7 +111,7 @@ std::vector<std::string> find_breaches(const std::vector<Include>& includes) {
   for (const Wrapped& wrapped : kWrapped) {
     std::set<std::string> users;
     for (const auto& [file, header] : includes) {
-      const auto begins = [&header = header](std::string_view prefix) { return header.starts_with(prefix); };
+      const auto begins = [&included = header](std::string_view prefix) { return included.starts_with(prefix); };
       if (std::any_of(wrapped.prefixes.begin(), wrapped.prefixes.end(), begins)) users.insert(without_extension(file));
     }
     if (!wrapped.wrapper.empty()) users.insert(std::string(wrapped.wrapper));
