@@ -24,7 +24,7 @@ constexpr std::uint16_t kVersion4 = 4;
 enum Flag : std::uint32_t {
   kFileHasNormals = 0x0001,
   kFileHasUvs = 0x0002,
-  kHasColors = 0x0008,
+  kFileHasColors = 0x0008,
   kFaceNormals = 0x0010,
   kDoublePrecision = 0x2000,
 };
@@ -169,7 +169,7 @@ MeshFile read_stream(MeshStream& stream, std::uint16_t version) {
   const auto vertices = stream.number<std::uint64_t>(), triangles = stream.number<std::uint64_t>();
   const bool is_double = (flags & kDoublePrecision) != 0;
   const auto columns = [&](Flag flag, std::uint64_t count) { return (flags & flag) != 0 ? count : 0; };
-  const std::uint64_t floats = 3 + columns(kFileHasNormals, 3) + columns(kFileHasUvs, 2) + columns(kHasColors, 3);
+  const std::uint64_t floats = 3 + columns(kFileHasNormals, 3) + columns(kFileHasUvs, 2) + columns(kFileHasColors, 3);
   stream.require(vertices, floats * (is_double ? 8 : 4), "vertices");
   stream.require(triangles, 12, "triangles");
   if (triangles == 0) stream.fail("the mesh holds no triangles");
@@ -186,7 +186,7 @@ MeshFile read_stream(MeshStream& stream, std::uint16_t version) {
       mesh.uvs[i] = is_uv ? Vec2f{values[2 * i], values[2 * i + 1]} : Vec2f{0, 0};
     }
   }
-  if ((flags & kHasColors) != 0) {
+  if ((flags & kFileHasColors) != 0) {
     mesh.attributes.push_back({"vertex_color", 3, stream.floats(vertices * 3, is_double)});
     for (float& value : mesh.attributes[0].values) value = std::isfinite(value) ? value : 0.0f;
   }
