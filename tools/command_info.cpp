@@ -4,6 +4,7 @@
 #include "core/stats.h"
 #include "kernels/passes/render_memory.h"
 #include "scene/compile/compile.h"
+#include "scene/dialects/native_color.h"
 #include "scene/dialects/read_scene.h"
 #include "scene/dialects/sampler_name.h"
 #include "tools/commands.h"
@@ -215,6 +216,7 @@ void add_info_command(Command& program, int& exit_code) {
     CompileReport report;
     CompileOptions options;
     options.report = &report;
+    options.color = native_color(arguments->scene);
     const std::unique_ptr<Scene> scene =
         arguments->read.lenient ? compile_leniently(description, options) : compile_scene(description, options);
     std::fputs(printable(describe(description, *scene, report)).c_str(), stdout);

@@ -11,6 +11,7 @@
 #include "scene/dialects/integrator_name.h"
 #include "scene/dialects/light_selector_name.h"
 #include "scene/dialects/medium_estimator_name.h"
+#include "scene/dialects/native_color.h"
 #include "scene/dialects/read_scene.h"
 #include "scene/dialects/sampler_name.h"
 #include "scene/xml/xml.h"
@@ -283,6 +284,20 @@ void print_end(const RenderResult& result, const std::vector<fs::path>& written,
                     stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
 }
 
+/// The colour mode asked for, else that of the scene's dialect, with a note.
+ColorMode choose_color(const RenderArguments& arguments, Description& description) {
+  const ColorMode native = native_color(arguments.scene);
+  if (arguments.color.empty() && native == ColorMode::kSpectral)
+    description.notes.push_back(arguments.scene +
+                                ": rendered with --color spectral, as pbrt does; --color rgb is faster");
+  const ColorMode color = arguments.color.empty()         ? native
+                          : arguments.color == "spectral" ? ColorMode::kSpectral
+                                                          : ColorMode::kRgb;
+  if (arguments.spectral_bins > 0 && color != ColorMode::kSpectral)
+    throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
+  return color;
+}
+
 int render_scene(const RenderArguments& arguments, const std::vector<std::pair<std::string, std::string>>& given) {
   const AovSet aovs = wanted_aovs(arguments);
   const std::vector<NamedFile> all_outputs = check_outputs(arguments);
@@ -290,12 +305,12 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   for (std::size_t i = 0; i < std::max<std::size_t>(arguments.outputs.size(), 1); ++i)
     outputs.push_back(all_outputs[i].file);
   if (!arguments.denoiser.empty()) check_denoiser(denoiser_from_name(arguments.denoiser));
-  if (arguments.spectral_bins > 0 && arguments.color != "spectral")
-    throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
   Preview preview(arguments.preview, arguments.scene, outputs.front().string(), arguments.quiet);
   const double load_start = Progress::steady_seconds();
   Description description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
   check_sources(all_outputs, description.files);
+  const ColorMode color = choose_color(arguments, description);
+  const char* const color_name = color == ColorMode::kSpectral ? "spectral" : "rgb";
   apply_integrator(arguments, description.integrator);
   apply_sampler(arguments, description);
   apply_size(arguments, description.film);
@@ -305,7 +320,6 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   else if (arguments.denoiser == "oidn")
     description.film.filter_mode = FilterMode::kImportance;
   const PixelRect crop = choose_crop(arguments, description.film);
-  const ColorMode color = arguments.color == "spectral" ? ColorMode::kSpectral : ColorMode::kRgb;
   Checkpointer checkpointer(arguments.checkpoint, arguments.checkpoint.file.empty()
                                                       ? RenderSettings{}
                                                       : render_settings(given, description.files));
@@ -327,7 +341,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   const auto show = [&](const RenderState& state) {
     RenderReport report;
     report.isa = kIsaName;
-    report.color = arguments.color;
+    report.color = color_name;
     const Image image = preview_of(*scene, state, aovs);
     for (const fs::path& file :
          write_pictures(outputs, image, make_metadata(arguments, report, description, scene->names(), image)))
@@ -336,7 +350,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet, checkpointer, preview, show);
   preview.begin_writing();
   result.report.scene = arguments.scene;
-  result.report.color = arguments.color;
+  result.report.color = color_name;
   result.report.load_seconds = build_start - load_start;
   result.report.build_seconds = build_end - build_start;
   Image image = result.to_image();

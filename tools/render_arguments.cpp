@@ -43,7 +43,9 @@ void add_picture_options(Command& command, RenderArguments& arguments) {
       .in_range(0u, std::numeric_limits<std::uint32_t>::max());
   command.add_option("--threads", arguments.threads, "Worker threads. Default: 0, one for each logical core")
       .in_range(0, 4096);
-  command.add_option("--color", arguments.color, "Colour mode: rgb (default), or spectral: four wavelengths per path")
+  command
+      .add_option("--color", arguments.color,
+                  "Colour mode: rgb, or spectral: four wavelengths per path. Default: rgb, for scenes of pbrt spectral")
       .one_of({"rgb", "spectral"});
   command
       .add_option("--spectral-bins", arguments.spectral_bins,

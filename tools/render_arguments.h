@@ -20,8 +20,8 @@ struct RenderArguments {
   std::optional<std::uint32_t> spp, seed;
   std::optional<int> max_depth, rr_depth, candidates;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
-  std::string color = "rgb", integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size, aovs,
-              denoiser, samples;
+  std::string color, integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size, aovs, denoiser,
+      samples;
   std::optional<float> scale, noise_target, time_limit;
   std::optional<float> step_size;
   int threads = 0, wave_size = 0, spectral_bins = 0, replicates = 0;

@@ -3,6 +3,7 @@
 
 #include "scene/dialects/dialects.h"
 #include "scene/dialects/frame_scene.h"
+#include "scene/dialects/native_color.h"
 #include "scene/dialects/obj_materials.h"
 #include "scene/dialects/read_model.h"
 #include "scene/dialects/read_spectrum.h"
@@ -53,6 +54,14 @@ void light_what_is_dark(Description& description) {
 
 }  // namespace
 
+bool is_pbrt_scene(const std::filesystem::path& file) {
+  return file.extension() == ".pbrt" || file.string().ends_with(".pbrt.gz");
+}
+
+ColorMode native_color(const std::filesystem::path& file) {
+  return is_pbrt_scene(file) ? ColorMode::kSpectral : ColorMode::kRgb;
+}
+
 MaterialId add_material(ReadContext& context, MaterialDescription material) {
   context.description.materials.push_back(std::move(material));
   return static_cast<MaterialId>(context.description.materials.size() - 1);
@@ -69,7 +78,7 @@ namespace {
 
 Description read_format(const std::filesystem::path& file, const ReadOptions& options) {
   if (const auto format = model_format(file)) return read_model(file, *format, options.view);
-  if (file.extension() == ".pbrt" || file.string().ends_with(".pbrt.gz")) {
+  if (is_pbrt_scene(file)) {
     if (!options.defines.empty())
       throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": scenes of pbrt have no parameters");
     Description description;

@@ -87,6 +87,36 @@ TEST_CASE("spectral mode is rendered, and the picture says so") {
   CHECK(color == "spectral");
 }
 
+TEST_CASE("scenes of pbrt are rendered spectrally, with a note, unless --color rgb is given") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  // A red that is far from grey: twice reflected it differs between the modes.
+  write_bytes(folder / "scene.pbrt", R"(Film "rgb" "integer xresolution" 8 "integer yresolution" 8
+Sampler "independent" "integer pixelsamples" 4
+WorldBegin
+LightSource "infinite"
+Material "diffuse" "rgb reflectance" [0.8 0.1 0.1]
+Translate 0 0 3 Shape "sphere")");
+  const auto render = [&](const std::string& scene, const std::string& options) {
+    const Outcome outcome = run(folder, "render " + scene + " --no-timestamps -o out.exr " + options);
+    REQUIRE(outcome.code == 0);
+    std::string color;
+    for (const auto& attribute : read_exr_attributes(folder / "out.exr"))
+      if (attribute.name == "sheaf/color") color = std::get<std::string>(attribute.value);
+    return std::pair{color, contains(outcome.err, "rendered with --color spectral, as pbrt does")};
+  };
+  CHECK(render("scene.xml", "") == std::pair{std::string("rgb"), false});
+  CHECK(render("scene.pbrt", "--color rgb") == std::pair{std::string("rgb"), false});
+  const std::string rgb = read_bytes(folder / "out.exr");
+  CHECK(render("scene.pbrt", "--color spectral") == std::pair{std::string("spectral"), false});
+  const std::string spectral = read_bytes(folder / "out.exr");
+  CHECK(render("scene.pbrt", "") == std::pair{std::string("spectral"), true});
+  CHECK(read_bytes(folder / "out.exr") == spectral);
+  CHECK(spectral != rgb);
+  CHECK(render("scene.pbrt", "--spectral-bins 4").first == "spectral");
+  CHECK(run(folder, "render scene.pbrt --color rgb --spectral-bins 4 -o out.exr").code == 2);
+}
+
 TEST_CASE("spectral bins are written as layers of the published layout") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
