@@ -15,6 +15,20 @@ constexpr float square(float a) { return a * a; }
 /// Schott N-BK7, borosilicate crown. Schott AG, optical glass catalogue, January 2017.
 constexpr Dispersion kBk7{
     Form::kSellmeier, 1, {{{1.03961212f, 0.00600069867f}, {0.231792344f, 0.0200179144f}, {1.01046945f, 103.560653f}}}};
+/// Schott N-BAF10, barium flint. As above.
+constexpr Dispersion kBaf10{
+    Form::kSellmeier, 1, {{{1.5851495f, 0.00926681282f}, {0.143559385f, 0.0424489805f}, {1.08521269f, 105.613573f}}}};
+/// Schott N-FK51A, fluorite crown. As above.
+constexpr Dispersion kFk51a{
+    Form::kSellmeier, 1, {{{0.971247817f, 0.00472301995f}, {0.216901417f, 0.0153575612f}, {0.904651666f, 168.68133f}}}};
+/// Schott N-LASF9, lanthanum flint. As above.
+constexpr Dispersion kLasf9{
+    Form::kSellmeier, 1, {{{2.00029547f, 0.0121426017f}, {0.298926886f, 0.0538736236f}, {1.80691843f, 156.530829f}}}};
+/// Schott SF5 and SF10, flints with lead. As above.
+constexpr Dispersion kSf5{
+    Form::kSellmeier, 1, {{{1.52481889f, 0.011254756f}, {0.187085527f, 0.0588995392f}, {1.42729015f, 129.141675f}}}};
+constexpr Dispersion kSf10{
+    Form::kSellmeier, 1, {{{1.62153902f, 0.0122241457f}, {0.256287842f, 0.0595736775f}, {1.64447552f, 147.468793f}}}};
 /// Schott SF11, a dense flint with lead. As above.
 constexpr Dispersion kSf11{
     Form::kSellmeier, 1, {{{1.73848403f, 0.0136068604f}, {0.311168974f, 0.0615960463f}, {1.17490871f, 121.922711f}}}};
@@ -69,12 +83,25 @@ struct NamedDispersion {
   const char* name;
   const Dispersion* dispersion;
 };
-constexpr NamedDispersion kNamed[] = {
-    {"acetone", &kAcetone},          {"acrylic glass", &kAcrylicGlass}, {"benzene", &kBenzene},
-    {"bk7", &kBk7},                  {"diamond", &kDiamond},            {"ethanol", &kEthanol},
-    {"fused quartz", &kFusedSilica}, {"fused silica", &kFusedSilica},   {"n-sf11", &kNSf11},
-    {"sapphire", &kSapphire},        {"sf11", &kSf11},                  {"sodium chloride", &kSodiumChloride},
-    {"water", &kWater},              {"water ice", &kIce}};
+constexpr NamedDispersion kNamed[] = {{"acetone", &kAcetone},
+                                      {"acrylic glass", &kAcrylicGlass},
+                                      {"baf10", &kBaf10},
+                                      {"benzene", &kBenzene},
+                                      {"bk7", &kBk7},
+                                      {"diamond", &kDiamond},
+                                      {"ethanol", &kEthanol},
+                                      {"fk51a", &kFk51a},
+                                      {"fused quartz", &kFusedSilica},
+                                      {"fused silica", &kFusedSilica},
+                                      {"lasf9", &kLasf9},
+                                      {"n-sf11", &kNSf11},
+                                      {"sapphire", &kSapphire},
+                                      {"sf10", &kSf10},
+                                      {"sf11", &kSf11},
+                                      {"sf5", &kSf5},
+                                      {"sodium chloride", &kSodiumChloride},
+                                      {"water", &kWater},
+                                      {"water ice", &kIce}};
 
 }  // namespace
 

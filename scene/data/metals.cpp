@@ -1,5 +1,6 @@
-// Optical constants of metals from publications, at the wavelengths at which they were published. Those of Johnson and
-// Christy are taken from the database of M. N. Polyanskiy, refractiveindex.info, which is in the public domain (CC0).
+// Optical constants of metals from publications, at the wavelengths at which they were published: those that Palik's
+// handbook (palik.cpp) does not have or others measured. Those of Johnson and Christy and of Querry are taken from the
+// database of M. N. Polyanskiy, refractiveindex.info, which is in the public domain (CC0).
 #include "scene/data/metals.h"
 
 #include "scene/data/palik.h"
@@ -10,41 +11,21 @@ namespace sheaf {
 
 namespace {
 
-/// Silver. P. B. Johnson and R. W. Christy, "Optical constants of the noble metals", Phys. Rev. B 6, 1972.
-constexpr MetalSample kSilver[] = {
-    {354.2f, 0.1f, 1.419f}, {367.9f, 0.07f, 1.657f}, {381.5f, 0.05f, 1.864f}, {397.4f, 0.05f, 2.07f},
-    {413.3f, 0.05f, 2.275f}, {430.5f, 0.04f, 2.462f}, {450.9f, 0.04f, 2.657f}, {471.4f, 0.05f, 2.869f},
-    {495.9f, 0.05f, 3.093f}, {520.9f, 0.05f, 3.324f}, {548.6f, 0.06f, 3.586f}, {582.1f, 0.05f, 3.858f},
-    {616.8f, 0.06f, 4.152f}, {659.5f, 0.05f, 4.483f}, {704.5f, 0.04f, 4.838f}, {756.0f, 0.03f, 5.242f},
-    {821.1f, 0.04f, 5.727f}, {892.0f, 0.04f, 6.312f}};
-/// Aluminium. A. D. Rakic, "Algorithm for the determination of intrinsic optical constants of metal films:
-/// application to aluminum", Appl. Opt. 34, 1995.
-constexpr MetalSample kAluminium[] = {
-    {326.28f, 0.31474f, 3.9165f}, {364.66f, 0.39877f, 4.3957f}, {413.28f, 0.52135f, 5.0008f},
-    {442.8f, 0.6079f, 5.3676f}, {476.87f, 0.7278f, 5.7781f}, {516.6f, 0.8734f, 6.2418f}, {563.57f, 1.0728f, 6.7839f},
-    {619.93f, 1.366f, 7.4052f}, {652.25f, 1.5724f, 7.7354f}, {688.81f, 1.8301f, 8.0601f}, {729.32f, 2.1606f, 8.3565f},
-    {774.91f, 2.6154f, 8.4914f}, {794.78f, 2.7675f, 8.3866f}, {815.69f, 2.7668f, 8.2573f}, {837.74f, 2.6945f, 8.1878f}};
-/// Gold. P. B. Johnson and R. W. Christy, "Optical constants of the noble metals", Phys. Rev. B 6, 1972.
-constexpr MetalSample kGold[] = {
-    {354.2f, 1.5f, 1.866f}, {367.9f, 1.48f, 1.895f}, {381.5f, 1.46f, 1.933f}, {397.4f, 1.47f, 1.952f},
-    {413.3f, 1.46f, 1.958f}, {430.5f, 1.45f, 1.948f}, {450.9f, 1.38f, 1.914f}, {471.4f, 1.31f, 1.849f},
-    {495.9f, 1.04f, 1.833f}, {520.9f, 0.62f, 2.081f}, {548.6f, 0.43f, 2.455f}, {582.1f, 0.29f, 2.863f},
-    {616.8f, 0.21f, 3.272f}, {659.5f, 0.14f, 3.697f}, {704.5f, 0.13f, 4.103f}, {756.0f, 0.14f, 4.542f},
-    {821.1f, 0.16f, 5.083f}, {892.0f, 0.17f, 5.663f}};
-/// Chromium. P. B. Johnson and R. W. Christy, "Optical constants of transition metals", Phys. Rev. B 9, 1974.
-constexpr MetalSample kChromium[] = {
-    {354.0f, 1.84f, 2.64f}, {368.0f, 1.87f, 2.69f}, {381.0f, 1.92f, 2.74f}, {397.0f, 2.0f, 2.83f},
-    {413.0f, 2.08f, 2.93f}, {431.0f, 2.19f, 3.04f}, {451.0f, 2.33f, 3.14f}, {471.0f, 2.51f, 3.24f},
-    {496.0f, 2.75f, 3.3f}, {521.0f, 2.94f, 3.33f}, {549.0f, 3.18f, 3.33f}, {582.0f, 3.22f, 3.3f},
-    {617.0f, 3.17f, 3.3f}, {659.0f, 3.09f, 3.34f}, {704.0f, 3.05f, 3.39f}, {756.0f, 3.08f, 3.42f},
-    {821.0f, 3.2f, 3.48f}, {892.0f, 3.3f, 3.52f}};
-/// Copper. P. B. Johnson and R. W. Christy, "Optical constants of the noble metals", Phys. Rev. B 6, 1972.
-constexpr MetalSample kCopper[] = {
-    {354.2f, 1.37f, 1.916f}, {367.9f, 1.36f, 1.975f}, {381.5f, 1.33f, 2.045f}, {397.4f, 1.32f, 2.116f},
-    {413.3f, 1.28f, 2.207f}, {430.5f, 1.25f, 2.305f}, {450.9f, 1.24f, 2.397f}, {471.4f, 1.25f, 2.483f},
-    {495.9f, 1.22f, 2.564f}, {520.9f, 1.18f, 2.608f}, {548.6f, 1.02f, 2.577f}, {582.1f, 0.7f, 2.704f},
-    {616.8f, 0.3f, 3.205f}, {659.5f, 0.22f, 3.747f}, {704.5f, 0.21f, 4.205f}, {756.0f, 0.24f, 4.665f},
-    {821.1f, 0.26f, 5.18f}, {892.0f, 0.3f, 5.768f}};
+/// Brass, 70 % copper and 30 % zinc. M. R. Querry, "Optical constants", Contractor Report CRDC-CR-85034, 1985.
+constexpr MetalSample kBrass[] = {
+    {350.0f, 1.504f, 1.815f}, {360.0f, 1.503f, 1.815f}, {370.0f, 1.497f, 1.818f}, {380.0f, 1.487f, 1.818f},
+    {390.0f, 1.471f, 1.813f}, {400.0f, 1.445f, 1.805f}, {410.0f, 1.405f, 1.794f}, {420.0f, 1.35f, 1.786f},
+    {430.0f, 1.278f, 1.784f}, {440.0f, 1.191f, 1.797f}, {450.0f, 1.094f, 1.829f}, {460.0f, 0.994f, 1.883f},
+    {470.0f, 0.9f, 1.957f},   {480.0f, 0.816f, 2.046f}, {490.0f, 0.745f, 2.145f}, {500.0f, 0.686f, 2.25f},
+    {510.0f, 0.639f, 2.358f}, {520.0f, 0.602f, 2.464f}, {530.0f, 0.573f, 2.568f}, {540.0f, 0.549f, 2.668f},
+    {550.0f, 0.527f, 2.765f}, {560.0f, 0.505f, 2.86f},  {570.0f, 0.484f, 2.958f}, {580.0f, 0.468f, 3.059f},
+    {590.0f, 0.46f, 3.159f},  {600.0f, 0.45f, 3.253f},  {610.0f, 0.452f, 3.345f}, {620.0f, 0.449f, 3.434f},
+    {630.0f, 0.445f, 3.522f}, {640.0f, 0.444f, 3.609f}, {650.0f, 0.444f, 3.695f}, {660.0f, 0.445f, 3.778f},
+    {670.0f, 0.444f, 3.86f},  {680.0f, 0.444f, 3.943f}, {690.0f, 0.445f, 4.025f}, {700.0f, 0.446f, 4.106f},
+    {710.0f, 0.448f, 4.186f}, {720.0f, 0.45f, 4.266f},  {730.0f, 0.452f, 4.346f}, {740.0f, 0.455f, 4.424f},
+    {750.0f, 0.457f, 4.501f}, {760.0f, 0.458f, 4.579f}, {770.0f, 0.46f, 4.657f},  {780.0f, 0.464f, 4.737f},
+    {790.0f, 0.469f, 4.814f}, {800.0f, 0.473f, 4.89f},  {810.0f, 0.478f, 4.965f}, {820.0f, 0.481f, 5.039f},
+    {830.0f, 0.483f, 5.115f}, {840.0f, 0.486f, 5.192f}};
 /// Iron. P. B. Johnson and R. W. Christy, "Optical constants of transition metals", Phys. Rev. B 9, 1974.
 constexpr MetalSample kIron[] = {
     {354.0f, 1.93f, 2.35f}, {368.0f, 2.02f, 2.43f}, {381.0f, 2.12f, 2.5f}, {397.0f, 2.24f, 2.58f},
@@ -62,19 +43,12 @@ constexpr MetalSample kMercury[] = {
 /// Iridium. J. H. Weaver, C. G. Olson and D. W. Lynch, "Optical investigation of the electronic structure of bulk Rh
 /// and Ir", Phys. Rev. B 15, 1977, as in Palik 1991.
 constexpr MetalSample kIridium[] = {
-    {354.2f, 1.5f, 2.93f}, {364.7f, 1.53f, 3.05f}, {375.7f, 1.57f, 3.15f}, {387.5f, 1.62f, 3.26f},
+    {354.2f, 1.5f, 2.93f},  {364.7f, 1.53f, 3.05f}, {375.7f, 1.57f, 3.15f}, {387.5f, 1.62f, 3.26f},
     {399.9f, 1.68f, 3.35f}, {413.3f, 1.73f, 3.43f}, {427.5f, 1.77f, 3.51f}, {442.8f, 1.81f, 3.61f},
-    {459.2f, 1.85f, 3.73f}, {476.9f, 1.91f, 3.86f}, {495.9f, 1.98f, 4.0f}, {516.6f, 2.07f, 4.14f},
-    {539.1f, 2.18f, 4.26f}, {563.6f, 2.29f, 4.38f}, {590.4f, 2.4f, 4.48f}, {619.9f, 2.5f, 4.57f},
+    {459.2f, 1.85f, 3.73f}, {476.9f, 1.91f, 3.86f}, {495.9f, 1.98f, 4.0f},  {516.6f, 2.07f, 4.14f},
+    {539.1f, 2.18f, 4.26f}, {563.6f, 2.29f, 4.38f}, {590.4f, 2.4f, 4.48f},  {619.9f, 2.5f, 4.57f},
     {652.5f, 2.57f, 4.68f}, {688.8f, 2.64f, 4.81f}, {729.3f, 2.69f, 4.92f}, {774.9f, 2.68f, 5.08f},
     {826.6f, 2.65f, 5.39f}, {885.6f, 2.72f, 5.74f}};
-/// Nickel. P. B. Johnson and R. W. Christy, "Optical constants of transition metals", Phys. Rev. B 9, 1974.
-constexpr MetalSample kNickel[] = {
-    {354.0f, 1.74f, 2.32f}, {368.0f, 1.7f, 2.4f}, {381.0f, 1.72f, 2.48f}, {397.0f, 1.72f, 2.57f},
-    {413.0f, 1.7f, 2.69f}, {431.0f, 1.71f, 2.82f}, {451.0f, 1.73f, 2.95f}, {471.0f, 1.78f, 3.09f},
-    {496.0f, 1.82f, 3.25f}, {521.0f, 1.85f, 3.42f}, {549.0f, 1.92f, 3.61f}, {582.0f, 1.96f, 3.8f},
-    {617.0f, 1.99f, 4.02f}, {659.0f, 1.99f, 4.26f}, {704.0f, 2.06f, 4.5f}, {756.0f, 2.13f, 4.73f},
-    {821.0f, 2.26f, 4.97f}, {892.0f, 2.4f, 5.23f}};
 /// Platinum. A. D. Rakic et al., "Optical properties of metallic films for vertical-cavity optoelectronic devices",
 /// Appl. Opt. 37, 1998: Lorentz-Drude model fitted to measurements.
 constexpr MetalSample kPlatinum[] = {
@@ -94,35 +68,17 @@ constexpr MetalSample kTitanium[] = {
     {821.0f, 3.21f, 4.01f}, {892.0f, 3.29f, 3.96f}};
 /// Titanium nitride. J. Pflueger et al., "Dielectric properties of TiCx, TiNx, VCx, and VNx from 1.5 to 40 eV
 /// determined by electron-energy-loss spectroscopy", Phys. Rev. B 30, 1984.
-constexpr MetalSample kTitaniumNitride[] = {
-    {354.2f, 2.14f, 1.06f}, {413.3f, 1.74f, 1.04f}, {495.9f, 1.2f, 1.65f}, {619.9f, 1.32f, 2.69f},
-    {826.6f, 1.82f, 3.81f}, {1239.9f, 2.69f, 5.04f}};
-/// Vanadium. P. B. Johnson and R. W. Christy, "Optical constants of transition metals", Phys. Rev. B 9, 1974.
-constexpr MetalSample kVanadium[] = {
-    {354.0f, 2.51f, 3.34f}, {368.0f, 2.68f, 3.4f}, {381.0f, 2.87f, 3.45f}, {397.0f, 3.07f, 3.48f},
-    {413.0f, 3.31f, 3.49f}, {431.0f, 3.52f, 3.49f}, {451.0f, 3.59f, 3.46f}, {471.0f, 3.81f, 3.38f},
-    {496.0f, 3.92f, 3.26f}, {521.0f, 3.86f, 3.18f}, {549.0f, 4.0f, 3.04f}, {582.0f, 3.83f, 3.0f},
-    {617.0f, 3.54f, 3.02f}, {659.0f, 3.25f, 3.09f}, {704.0f, 3.18f, 3.15f}, {756.0f, 3.2f, 3.2f},
-    {821.0f, 3.16f, 3.25f}, {892.0f, 3.12f, 3.34f}};
-/// Tungsten. J. H. Weaver, C. G. Olson and D. W. Lynch, "Optical properties of crystalline tungsten", Phys. Rev. B 12,
-/// 1975.
-constexpr MetalSample kTungsten[] = {
-    {357.5f, 3.27f, 2.705f}, {366.2f, 3.373f, 2.677f}, {376.6f, 3.454f, 2.579f}, {386.6f, 3.458f, 2.49f},
-    {400.2f, 3.406f, 2.415f}, {411.5f, 3.379f, 2.416f}, {425.3f, 3.346f, 2.439f}, {442.6f, 3.317f, 2.489f},
-    {465.0f, 3.325f, 2.574f}, {492.1f, 3.38f, 2.664f}, {511.1f, 3.433f, 2.7f}, {529.8f, 3.49f, 2.716f},
-    {548.9f, 3.522f, 2.739f}, {570.5f, 3.524f, 2.787f}, {599.7f, 3.557f, 2.86f}, {626.0f, 3.607f, 2.906f},
-    {652.4f, 3.68f, 2.937f}, {671.2f, 3.746f, 2.937f}, {684.9f, 3.818f, 2.904f}, {700.8f, 3.871f, 2.879f},
-    {717.3f, 3.896f, 2.85f}, {731.4f, 3.891f, 2.828f}, {752.8f, 3.862f, 2.788f}, {777.8f, 3.789f, 2.737f},
-    {795.8f, 3.694f, 2.735f}, {814.7f, 3.596f, 2.757f}, {832.7f, 3.492f, 2.801f}};
+constexpr MetalSample kTitaniumNitride[] = {{354.2f, 2.14f, 1.06f}, {413.3f, 1.74f, 1.04f}, {495.9f, 1.2f, 1.65f},
+                                            {619.9f, 1.32f, 2.69f}, {826.6f, 1.82f, 3.81f}, {1239.9f, 2.69f, 5.04f}};
 
-const NamedMetal kMetals[] = {{"Ag", kSilver},  {"Al", kAluminium}, {"Au", kGold},     {"Cr", kChromium},
-                              {"Cu", kCopper},  {"Fe", kIron},      {"Hg", kMercury},  {"Ir", kIridium},
-                              {"Ni", kNickel},  {"Pt", kPlatinum},  {"Ti", kTitanium}, {"TiN", kTitaniumNitride},
-                              {"V", kVanadium}, {"W", kTungsten}};
+const NamedMetal kMetals[] = {{"CuZn", kBrass},  {"Fe", kIron},     {"Hg", kMercury},         {"Ir", kIridium},
+                              {"Pt", kPlatinum}, {"Ti", kTitanium}, {"TiN", kTitaniumNitride}};
 
 }  // namespace
 
 std::span<const MetalSample> find_metal(std::string_view name) {
+  for (const NamedMetal& metal : palik_metals())
+    if (name == metal.name) return metal.samples;
   constexpr std::string_view kSuffix = "_palik";
   if (name.ends_with(kSuffix)) name.remove_suffix(kSuffix.size());
   for (const NamedMetal& metal : kMetals)

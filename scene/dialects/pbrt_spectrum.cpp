@@ -126,6 +126,8 @@ Index read_index(Parameters& p, const char* name, float otherwise) {
     std::string glass = parameter->strings[0];
     for (char& c : glass) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
     if (glass.starts_with("glass-")) glass.erase(0, 6);
+    // pbrt's names of Schott's SF5, SF10 and SF11.
+    if (glass == "f5" || glass == "f10" || glass == "f11") glass.insert(0, 1, 's');
     if (const Dispersion* found = find_dispersion(glass)) return {ior<Scalar>(*found, kCatalogueWavelength), *found};
     p.unsupported("'" + std::string(name) + "' is '" + parameter->strings[0] +
                       "', of which no formula is known (known: " + list_of(dispersion_names()) + ")",

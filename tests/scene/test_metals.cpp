@@ -51,11 +51,51 @@ TEST_CASE("metals: tables are in order, positive and cover the visible range") {
 TEST_CASE("metals: names") {
   for (const char* name : {"Ag", "Al", "Au", "Cr", "Cu", "Fe", "Hg", "Ir", "Ni", "Pt", "Ti", "TiN", "V", "W"})
     CHECK_FALSE(find_metal(name).empty());
+  // All that Mitsuba has, and pbrt.
+  for (const char* name :
+       {"Ag",         "Al",        "AlAs",       "AlAs_palik", "AlSb",         "AlSb_palik", "Au",         "Be",
+        "Be_palik",   "Cr",        "CsI",        "CsI_palik",  "Cu",           "Cu2O",       "Cu2O_palik", "CuO",
+        "CuO_palik",  "Cu_palik",  "Hg",         "HgTe",       "HgTe_palik",   "Hg_palik",   "Ir",         "Ir_palik",
+        "K",          "K_palik",   "Li",         "Li_palik",   "MgO",          "MgO_palik",  "Mo",         "Mo_palik",
+        "Na_palik",   "Nb",        "Nb_palik",   "Ni_palik",   "Rh",           "Rh_palik",   "Se",         "Se-e",
+        "Se-e_palik", "Se_palik",  "SiC",        "SiC_palik",  "SnTe",         "SnTe_palik", "Ta",         "Ta_palik",
+        "Te",         "Te-e",      "Te-e_palik", "Te_palik",   "ThF4",         "ThF4_palik", "TiC",        "TiC_palik",
+        "TiN",        "TiN_palik", "TiO2",       "TiO2-e",     "TiO2-e_palik", "TiO2_palik", "VC",         "VC_palik",
+        "VN",         "VN_palik",  "V_palik",    "W",          "a-C",          "d-C",        "d-C_palik",  "CuZn"}) {
+    CAPTURE(std::string(name));
+    CHECK_FALSE(find_metal(name).empty());
+  }
+  CHECK(find_metal("Cu_palik").data() != find_metal("Cu").data());
   CHECK(find_metal("Ni_palik").data() == find_metal("Ni").data());
   CHECK(find_metal("none").empty());
   CHECK(find_metal("").empty());
   CHECK(find_metal("_palik").empty());
   CHECK(find_metal("au").empty());
+}
+
+TEST_CASE("metals: values of the handbook") {
+  // Palik 1985 and 1991, and Querry 1985 for brass.
+  struct Case {
+    const char* name;
+    float wavelength, eta, k;
+  };
+  for (const Case& c : {Case{"Ag", 619.92f, 0.131f, 3.88f},
+                        {"Ag", 413.28f, 0.173f, 2.11f},
+                        {"Al", 619.92f, 1.3f, 7.48f},
+                        {"Au", 619.92f, 0.194f, 3.06f},
+                        {"Au", 495.94f, 0.916f, 1.84f},
+                        {"Cu", 619.92f, 0.272f, 3.24f},
+                        {"a-C", 619.9f, 2.43f, 0.75f},
+                        {"CuZn", 550, 0.527f, 2.765f}}) {
+    CAPTURE(std::string(c.name));
+    const auto samples = find_metal(c.name);
+    const auto found = std::find_if(samples.begin(), samples.end(), [&](const MetalSample& s) {
+      return std::abs(s.wavelength - c.wavelength) < 0.02f;
+    });
+    REQUIRE(found != samples.end());
+    CHECK(found->eta == doctest::Approx(c.eta));
+    CHECK(found->k == doctest::Approx(c.k).epsilon(0.02));
+  }
 }
 
 TEST_CASE("metals: reflectance of clean surfaces at normal incidence") {

@@ -231,6 +231,19 @@ Shape "disk")");
     const Description glass = read_world("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"\nShape \"sphere\"");
     CHECK(only_material<DielectricDescription>(glass)->int_ior == Approx(1.5168).epsilon(1e-4));
     CHECK(only_material<DielectricDescription>(glass)->int_dispersion);
+    // Between the neighbours of 588 nm in the tables of pbrt.
+    for (const auto& [name, low, high] : {std::tuple{"BAF10", 1.6686f, 1.6702f},
+                                          {"FK51A", 1.4862f, 1.4869f},
+                                          {"LASF9", 1.8481f, 1.8509f},
+                                          {"F5", 1.6710f, 1.6732f},
+                                          {"F10", 1.7277f, 1.7306f},
+                                          {"F11", 1.7823f, 1.7855f},
+                                          {"SF11", 1.7823f, 1.7855f}}) {
+      const Description flint =
+          read_world("Material \"dielectric\" \"spectrum eta\" \"glass-" + std::string(name) + "\"\nShape \"sphere\"");
+      CHECK(only_material<DielectricDescription>(flint)->int_ior > low);
+      CHECK(only_material<DielectricDescription>(flint)->int_ior < high);
+    }
     const Description mirror = read_world("Material \"conductor\" \"rgb reflectance\" [ 0.5 0.8 0 ]\nShape \"sphere\"");
     CHECK(rgb_of(std::get<SpectrumDescription>(only_material<ConductorDescription>(mirror)->ior->k)).x == 2);
     CHECK(rgb_of(std::get<SpectrumDescription>(only_material<ConductorDescription>(mirror)->ior->k)).y == Approx(4));
