@@ -3,6 +3,7 @@
 
 #include "core/image.h"
 #include "core/transform.h"
+#include "scene/dialects/pbrt_coat.h"
 #include "scene/dialects/pbrt_parameters.h"
 #include "scene/dialects/read_spectrum.h"
 
@@ -71,6 +72,10 @@ struct Reader {
   std::map<std::string, MediumId, std::less<>> media = {};
   std::map<std::string, Object, std::less<>> objects = {};
   std::optional<Material> standard_material = {};  ///< of shapes without one, once there was such a shape
+  /// Pictures below coats, so that materials share them.
+  std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::Change, LayeredBase>,
+           std::shared_ptr<const Image>>
+      base_pictures = {};
   Object* object = nullptr;   ///< that is being defined
   bool used_texture = false;  ///< since it was last reset
   std::set<std::string, std::less<>> noted = {};  ///< by note_once()
@@ -123,7 +128,9 @@ SpectrumDescription with_unit_luminance(SpectrumDescription spectrum, const Para
 /// Texture: appends it to the description and remembers it by name.
 void read_texture(Reader& reader, const std::string& name, const std::string& kind, Entity entity);
 /// The texture with all values multiplied by a number; nothing if tables cannot say that.
-std::optional<SpectrumInput> scaled_input(Reader& reader, const SpectrumInput& input, float by, int depth = 0);
+std::optional<SpectrumInput> scaled_input(Reader& reader, const SpectrumInput& input, float by);
+/// The albedo of the base below a coat; nothing if tables cannot say that.
+std::optional<SpectrumInput> base_input(Reader& reader, const SpectrumInput& input, const LayeredBase& base);
 /// The texture with the square roots of its values; nothing if tables cannot say that.
 std::optional<ScalarInput> root_of(Reader& reader, const ScalarInput& input);
 /// A texture by the parameters of its kind.
@@ -132,6 +139,16 @@ TextureId append(Reader& reader, TextureDescription texture);
 TextureId add_picture(Reader& reader, BitmapDescription picture, const SourceLocation& where);
 
 // pbrt_picture.cpp
+/// Whether pbrt's reader of PNG takes the file, by the name. Only there an encoding may be chosen.
+bool is_png(const std::filesystem::path& file);
+/// Whether the file may hold integers: not by the names of OpenEXR, PFM and Radiance files.
+bool may_hold_integers(const std::filesystem::path& file);
+/// The picture, with its changes, as albedos of the base below a coat. Null if its file cannot be read, which is an
+/// error when textures are compiled.
+std::shared_ptr<const Image> base_picture(const BitmapDescription& picture, const LayeredBase& base);
+/// What pbrt takes for the numbers of a coloured picture: the alpha of PNG and OpenEXR files that is not 1 everywhere,
+/// else the mean of red, green and blue, decoded. Null for pictures of one channel, and for files that cannot be read.
+std::shared_ptr<const Image> number_picture(const BitmapDescription& picture);
 /// The file of a picture in linear values, R, G and B, decoded unless `raw`. Throws SceneError at `where`.
 Image read_linear_picture(const std::filesystem::path& file, bool raw, const SourceLocation& where);
 /// The mean of f(x, y) times the luminance at the middle of each pixel, x to the right and y downwards in [0, 1].

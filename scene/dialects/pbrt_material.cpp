@@ -92,14 +92,26 @@ ConductorDescription conductor(Parameters& p, const std::string& prefix, float a
   return metal;
 }
 
-/// What a layer may hold besides its two surfaces.
-void expect_clear_layer(Parameters& p) {
+/// The layer between coat and base.
+struct Layer {
+  float thickness;
+  int max_depth;
+};
+
+/// A layer holds nothing that scatters.
+Layer read_clear_layer(Parameters& p) {
   const auto albedo = find_spectrum_input(p, "albedo", Use::kReflectance);
   const SpectrumDescription* constant = albedo ? std::get_if<SpectrumDescription>(&*albedo) : nullptr;
   const auto* rgb = constant != nullptr ? std::get_if<SpectrumDescription::Rgb>(&constant->value) : nullptr;
   if (albedo && !(rgb != nullptr && rgb->value == Vec3f{0, 0, 0}))
     p.unsupported("scattering between the layers ('albedo')", "there is none");
-  p.accept({"thickness", "g", "maxdepth", "nsamples"});
+  p.accept({"g", "nsamples"});
+  constexpr float kDefaultThickness = 0.01f;
+  const ScalarInput thickness = find_scalar_input(p, "thickness").value_or(kDefaultThickness);
+  const float* number = std::get_if<float>(&thickness);
+  if (number == nullptr)
+    p.reader().note(p.where(), p.title() + ": 'thickness' is a texture, expected a number; 0.01 is taken");
+  return {number != nullptr ? std::max(*number, 0.0f) : kDefaultThickness, p.integer("maxdepth", 10, 0, 1 << 20)};
 }
 
 Model coated_diffuse(Parameters& p, bool remap) {
@@ -120,7 +132,12 @@ Model coated_diffuse(Parameters& p, bool remap) {
       *u = *v = 0.5f * (*u + *v);
     }
   }
-  expect_clear_layer(p);
+  const Layer layer = read_clear_layer(p);
+  const double alpha = plastic.roughness ? double{std::get<float>(plastic.roughness->alpha_u)} : 0.0;
+  const LayeredBase base(alpha, double{plastic.int_ior}, double{layer.thickness}, layer.max_depth);
+  const std::optional<SpectrumInput> reflectance = base_input(p.reader(), plastic.diffuse_reflectance, base);
+  if (!reflectance) p.fail("has a texture of 'reflectance' that cannot be changed");
+  plastic.diffuse_reflectance = *reflectance;
   return plastic;
 }
 
@@ -131,9 +148,17 @@ Model coated_conductor(Parameters& p, bool remap, const SourceLocation& where) {
   ConductorDescription metal = conductor(p, "conductor.", eta), coat;
   metal.roughness = read_roughness(p, "conductor.", remap);
   coat.roughness = read_roughness(p, "interface.", remap);
-  expect_clear_layer(p);
+  const Layer layer = read_clear_layer(p);
   p.reader().note(where, p.title() + " is shown as a blend of the metal and of what the coat reflects at right angles");
   const float at_right_angles = (eta - 1) * (eta - 1) / ((eta + 1) * (eta + 1));
+  // The metal is seen through the coat twice and through the absorbing layer, here under 45 degrees; what the coat
+  // sends back to it, a metal that reflects 0.8 reflects again.
+  constexpr float kTypicalReflectance = 0.8f;
+  const float cosine = std::sqrt(1 - 0.5f / std::max(eta * eta, 0.5f));
+  const float through = std::exp(-2 * layer.thickness / std::max(cosine, 0.1f));
+  const float share = (1 - at_right_angles) * through / (1 - at_right_angles * through * kTypicalReflectance);
+  const std::optional<SpectrumInput> seen = scaled_input(p.reader(), metal.specular_reflectance, share);
+  if (seen) metal.specular_reflectance = *seen;
   return BlendDescription{at_right_angles, {add(p.reader(), metal, where), add(p.reader(), coat, where)}};
 }
 
@@ -245,7 +270,10 @@ MaterialId mapped(Parameters& p, MaterialId nested, const SourceLocation& where)
     if (displacement) p.fail("has both 'displacement' and 'normalmap', expected one");
     BitmapDescription picture;
     picture.file = p.file("normalmap");
-    picture.raw = true;
+    // Linear in PNG files alone: see read_encoding() of textures.
+    picture.raw = is_png(picture.file);
+    if (!picture.raw && may_hold_integers(picture.file))
+      p.reader().note(where, p.title() + ": pbrt takes normal maps other than PNG, OpenEXR and PFM files for sRGB");
     p.reader().used_texture = true;
     return add(p.reader(), NormalMapDescription{add_picture(p.reader(), std::move(picture), where), false, nested},
                where);

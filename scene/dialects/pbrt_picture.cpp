@@ -2,9 +2,78 @@
 #include "core/color.h"
 #include "scene/dialects/pbrt.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace sheaf::pbrt {
+
+namespace {
+
+/// Whether the file's extension ends with `end`, in lower case, as pbrt compares it.
+bool has_extension(const std::filesystem::path& file, std::string_view end) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  return extension.ends_with(end);
+}
+
+}  // namespace
+
+bool is_png(const std::filesystem::path& file) { return has_extension(file, "png"); }
+
+bool may_hold_integers(const std::filesystem::path& file) {
+  return !has_extension(file, "exr") && !has_extension(file, "pfm") && !has_extension(file, "hdr");
+}
+
+std::shared_ptr<const Image> base_picture(const BitmapDescription& picture, const LayeredBase& base) {
+  auto out = std::make_shared<Image>();
+  try {
+    *out = picture.made ? *picture.made : read_linear_picture(picture.file, picture.raw, {});
+  } catch (const SceneError&) { return nullptr; }
+  // Albedos are looked up in a table, finer than what 8 bits tell apart.
+  constexpr int kSteps = 1024;
+  std::array<float, kSteps + 2> table;
+  for (int i = 0; i < kSteps + 2; ++i) table[static_cast<std::size_t>(i)] = base.albedo(static_cast<float>(i) / kSteps);
+  const BitmapDescription::Change& change = picture.change;
+  for (float& value : out->data) {
+    value *= change.scale;
+    if (change.invert) value = 1 - value;
+    value = std::clamp(value, 0.0f, 1.0f);
+    if (change.exponent != 1.0f) value = std::pow(value, change.exponent);
+    const float at = value * kSteps;
+    const auto cell = static_cast<std::size_t>(at);
+    value = std::lerp(table[cell], table[cell + 1], at - static_cast<float>(cell));
+  }
+  return out;
+}
+
+std::shared_ptr<const Image> number_picture(const BitmapDescription& picture) {
+  Picture pixels;
+  try {
+    pixels = read_picture(picture.file);
+  } catch (const SceneError&) { return nullptr; }
+  const auto channel = [&](const char* name) {
+    return std::find(pixels.channels.begin(), pixels.channels.end(), name) - pixels.channels.begin();
+  };
+  const auto count = static_cast<std::ptrdiff_t>(pixels.channels.size());
+  const std::ptrdiff_t r = channel("R"), g = channel("G"), b = channel("B"), a = channel("A");
+  if (r == count || g == count || b == count) return nullptr;
+  const bool decode = !picture.raw && (pixels.integers || !pixels.bytes.empty());
+  const auto stored = [&](std::size_t pixel, std::ptrdiff_t c) {
+    const std::size_t at = pixel * pixels.channels.size() + static_cast<std::size_t>(c);
+    return pixels.bytes.empty() ? pixels.floats[at] : static_cast<float>(pixels.bytes[at]) / 255;
+  };
+  const auto linear = [&](std::size_t pixel, std::ptrdiff_t c) {
+    return decode ? srgb_to_linear(stored(pixel, c)) : stored(pixel, c);
+  };
+  auto out = std::make_shared<Image>(pixels.width, pixels.height, std::vector<std::string>{"Y"});
+  const bool has_alpha = a < count && (is_png(picture.file) || has_extension(picture.file, "exr"));
+  bool uses_alpha = false;
+  for (std::size_t i = 0; has_alpha && !uses_alpha && i < out->pixel_count(); ++i) uses_alpha = stored(i, a) != 1;
+  for (std::size_t i = 0; i < out->pixel_count(); ++i)
+    out->data[i] = uses_alpha ? linear(i, a) : (linear(i, r) + linear(i, g) + linear(i, b)) / 3;
+  return out;
+}
 
 Image read_linear_picture(const std::filesystem::path& file, bool raw, const SourceLocation& where) {
   try {

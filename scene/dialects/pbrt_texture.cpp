@@ -57,16 +57,21 @@ std::array<float, 6> read_mapping(Parameters& p) {
   return {p.number("uscale", 1), 0, p.number("udelta", 0), 0, p.number("vscale", 1), p.number("vdelta", 0)};
 }
 
-/// How the values of a picture are encoded: "sRGB", "linear" or "gamma" and an exponent.
+/// How the values of a picture are encoded: "sRGB", "linear" or "gamma" and an exponent. pbrt lets files choose for PNG
+/// alone; what its other readers of integers load is sRGB.
 void read_encoding(Parameters& p, BitmapDescription& picture) {
-  const std::filesystem::path extension = picture.file.extension();
-  const std::string encoding = p.string("encoding", extension == ".png" ? "sRGB" : "linear");
-  picture.raw = encoding == "linear" && extension != ".jpg" && extension != ".jpeg";
-  if (encoding == "linear" || encoding == "sRGB") return;
+  const bool png = is_png(picture.file);
+  const std::string encoding = p.string("encoding", "sRGB");
+  picture.raw = png && encoding == "linear";
+  if (encoding == "sRGB") return;
+  if (!png && may_hold_integers(picture.file))
+    p.reader().note(p.where(), p.title() + ": pbrt takes 'encoding' for PNG files alone, and others for sRGB");
+  if (encoding == "linear") return;
   const bool is_gamma = encoding.starts_with("gamma ");
   const float gamma = is_gamma ? std::strtof(encoding.c_str() + std::string_view("gamma ").size(), nullptr) : 0.0f;
   if (!(gamma > 0.0f && std::isfinite(gamma)))
     p.fail_at("encoding", "is '" + encoding + "', expected sRGB, linear, or gamma and an exponent");
+  if (!png) return;
   if (picture.change.invert) return p.unsupported("'invert' of a picture of another encoding", "sRGB is taken");
   // The factor is taken into the power.
   picture.raw = true;
@@ -81,7 +86,7 @@ BitmapDescription::Wrap read_wrap(Parameters& p) {
   return BitmapDescription::Wrap::kClamp;
 }
 
-SpectrumInput read_image(Parameters& p) {
+SpectrumInput read_image(Parameters& p, bool colours) {
   BitmapDescription picture;
   picture.file = p.file("filename");
   picture.wrap_u = picture.wrap_v = read_wrap(p);
@@ -90,6 +95,7 @@ SpectrumInput read_image(Parameters& p) {
   read_encoding(p, picture);
   if (p.string("filter", "bilinear") == "point") picture.filter = BitmapDescription::Filter::kNearest;
   p.accept({"maxanisotropy"});
+  if (!colours) picture.made = number_picture(picture);
   TextureDescription texture;
   texture.model = std::move(picture);
   texture.to_uv = read_mapping(p);
@@ -237,7 +243,7 @@ std::optional<SpectrumInput> read_stand_in(Parameters& p, const std::string& typ
 
 SpectrumInput read_model(Parameters& p, const std::string& type, const Source& source) {
   if (type == "constant") return source.find("value", 1);
-  if (type == "imagemap") return read_image(p);
+  if (type == "imagemap") return read_image(p, source.colours);
   if (type == "checkerboard") return read_checkerboard(p, source);
   if (type == "scale") return read_scale(p, source);
   if (type == "mix") return read_mix(p, source);
@@ -248,6 +254,34 @@ SpectrumInput read_model(Parameters& p, const std::string& type, const Source& s
                                           "fbm",    "imagemap",     "marble",   "mix",          "ptex",
                                           "scale",  "windy",        "wrinkled"};
   throw SceneError(p.where(), "unknown texture class '" + type + "'" + did_you_mean(type, known));
+}
+
+/// The input with its constants and pictures changed, wherever they stand in checkerboards and mixes; nothing if there
+/// is something else, or `change_picture` returns false.
+template <class ChangeConstant, class ChangePicture>
+std::optional<SpectrumInput> changed_input(Reader& reader, const SpectrumInput& input,
+                                           const ChangeConstant& change_constant, const ChangePicture& change_picture,
+                                           int depth) {
+  if (const SpectrumDescription* constant = constant_of(input)) return change_constant(*constant);
+  TextureDescription copy = texture_at(reader, std::get<TextureId>(input));
+  if (depth > kMaxDepth) throw SceneError(copy.where, "textures are nested too deep");
+  const auto change = [&](const SpectrumInput& nested) {
+    return changed_input(reader, nested, change_constant, change_picture, depth + 1);
+  };
+  if (auto* picture = std::get_if<BitmapDescription>(&copy.model)) {
+    if (!change_picture(*picture)) return std::nullopt;
+  } else if (auto* board = std::get_if<CheckerboardDescription>(&copy.model)) {
+    const auto first = change(board->color0), second = change(board->color1);
+    if (!first || !second) return std::nullopt;
+    *board = {*first, *second};
+  } else if (auto* mix = std::get_if<MixTextureDescription>(&copy.model)) {
+    const auto first = change(mix->color0), second = change(mix->color1);
+    if (!first || !second) return std::nullopt;
+    *mix = {*first, *second, mix->amount};
+  } else {
+    return std::nullopt;
+  }
+  return append(reader, std::move(copy));
 }
 
 }  // namespace
@@ -264,28 +298,40 @@ TextureId add_picture(Reader& reader, BitmapDescription picture, const SourceLoc
   return append(reader, std::move(texture));
 }
 
-std::optional<SpectrumInput> scaled_input(Reader& reader, const SpectrumInput& input, float by, int depth) {
-  if (const SpectrumDescription* constant = constant_of(input)) return scaled(*constant, by);
+std::optional<SpectrumInput> scaled_input(Reader& reader, const SpectrumInput& input, float by) {
   if (by == 1.0f) return input;
-  TextureDescription copy = texture_at(reader, std::get<TextureId>(input));
-  if (depth > kMaxDepth) throw SceneError(copy.where, "textures are nested too deep");
-  if (auto* picture = std::get_if<BitmapDescription>(&copy.model)) {
-    if (picture->change.invert || picture->change.exponent != 1.0f || by < 0.0f) return std::nullopt;
-    picture->change.scale *= by;
-  } else if (auto* board = std::get_if<CheckerboardDescription>(&copy.model)) {
-    const auto first = scaled_input(reader, board->color0, by, depth + 1);
-    const auto second = scaled_input(reader, board->color1, by, depth + 1);
-    if (!first || !second) return std::nullopt;
-    *board = {*first, *second};
-  } else if (auto* mix = std::get_if<MixTextureDescription>(&copy.model)) {
-    const auto first = scaled_input(reader, mix->color0, by, depth + 1);
-    const auto second = scaled_input(reader, mix->color1, by, depth + 1);
-    if (!first || !second) return std::nullopt;
-    *mix = {*first, *second, mix->amount};
-  } else {
-    return std::nullopt;
-  }
-  return append(reader, std::move(copy));
+  const auto scale_picture = [by](BitmapDescription& picture) {
+    if (picture.change.invert || picture.change.exponent != 1.0f || by < 0.0f) return false;
+    picture.change.scale *= by;
+    return true;
+  };
+  return changed_input(
+      reader, input, [by](const SpectrumDescription& constant) { return scaled(constant, by); }, scale_picture, 0);
+}
+
+std::optional<SpectrumInput> base_input(Reader& reader, const SpectrumInput& input, const LayeredBase& base) {
+  const auto change_constant = [&](const SpectrumDescription& constant) {
+    using S = SpectrumDescription;
+    S out = constant;
+    const auto change = [&](float& value) { value = base.albedo(value); };
+    if (auto* grey = std::get_if<S::Constant>(&out.value)) change(grey->value);
+    if (auto* rgb = std::get_if<S::Rgb>(&out.value)) change(rgb->value.x), change(rgb->value.y), change(rgb->value.z);
+    if (auto* table = std::get_if<S::Table>(&out.value))
+      std::for_each(table->values.begin(), table->values.end(), change);
+    return out;
+  };
+  const auto change_picture = [&](BitmapDescription& picture) {
+    if (picture.made) {
+      picture.made = base_picture(picture, base);
+    } else {
+      std::shared_ptr<const Image>& known = reader.base_pictures[{picture.file, picture.raw, picture.change, base}];
+      if (!known) known = base_picture(picture, base);
+      picture.made = known;
+    }
+    if (picture.made) picture.change = {};
+    return true;
+  };
+  return changed_input(reader, input, change_constant, change_picture, 0);
 }
 
 std::optional<ScalarInput> root_of(Reader& reader, const ScalarInput& input) {

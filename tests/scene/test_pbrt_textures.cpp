@@ -1,4 +1,6 @@
 // Textures of pbrt's format that are made of others, at places where their formulas say what is seen.
+#include "core/exr.h"
+#include "core/image.h"
 #include "scene/compile/compile_textures.h"
 #include "scene/dialects/pbrt_noise.h"
 #include "scene/tables/texture_lookup.h"
@@ -24,6 +26,9 @@ struct Seen {
   explicit Seen(const std::string& text) {
     const TemporaryFolder folder;
     write_pnm(folder / "picture.ppm", 2, 1, 3, 255, {255, 255, 255, 0, 0, 0});
+    Image white(1, 1, {"Y"});
+    white.data = {1};
+    write_png(folder / "white.png", white);
     const Description d = read_scene(write_below(
         folder, "scene.pbrt",
         "WorldBegin\n" + text + "\nMaterial \"diffuse\" \"texture reflectance\" \"x\"\nShape \"sphere\"\n"));
@@ -107,12 +112,109 @@ TEST_CASE("pbrt textures: dots lie where noise says") {
 }
 
 TEST_CASE("pbrt textures: powers of encoded values") {
-  const Seen seen(R"(Texture "x" "spectrum" "imagemap" "string filename" "picture.ppm" "string encoding" "gamma 2"
+  const Seen seen(R"(Texture "x" "spectrum" "imagemap" "string filename" "white.png" "string encoding" "gamma 2"
   "float scale" 0.25)");
   CHECK(seen.at(0.25f, 0.5f).x == Approx(0.25));
   CHECK(contains(error_of_pbrt_world("Texture \"x\" \"spectrum\" \"imagemap\" \"string encoding\" \"gamma\" "
                                      "\"string filename\" \"scene.pbrt\""),
                  "expected sRGB, linear, or gamma and an exponent"));
+}
+
+TEST_CASE("pbrt textures: integers are sRGB, and PNG files alone may be told otherwise") {
+  const TemporaryFolder folder;
+  const std::vector<int> grey(8 * 8 * 3, 128);
+  write_tga(folder / "p.tga", 8, 8, 3, grey);
+  write_tga(folder / "p4.TGA", 1, 1, 4, {128, 128, 128, 7});
+  write_bmp(folder / "p.bmp", 8, 8, grey);
+  write_pnm(folder / "p.ppm", 8, 8, 3, 255, grey);
+  write_pnm(folder / "p.pgm", 1, 1, 1, 255, {128});
+  write_pnm(folder / "p16.ppm", 1, 1, 3, 65535, {32896, 32896, 32896});
+  write_jpeg(folder / "p.jpg", 248);
+  write_hdr(folder / "p.hdr", 8, 8, grey);
+  Image exact(1, 1, {"R", "G", "B"});
+  exact.data = {0.215861f, 0.215861f, 0.215861f};
+  write_png(folder / "p.png", exact);
+  std::filesystem::copy_file(folder / "p.png", folder / "upper.PNG");
+  const double decoded = 0.21586050, stored = 128.0 / 255, bright = 0.93868573;  // of 128 and of 248
+  struct Case {
+    const char *file, *encoding;
+    double expected;
+  };
+  for (const Case& c : {Case{"p.tga", "", decoded},
+                        {"p.tga", "linear", decoded},
+                        {"p.tga", "gamma 2", decoded},
+                        {"p4.TGA", "", decoded},
+                        {"p.bmp", "", decoded},
+                        {"p.bmp", "linear", decoded},
+                        {"p.ppm", "", decoded},
+                        {"p.pgm", "", decoded},
+                        {"p16.ppm", "", decoded},
+                        {"p.jpg", "", bright},
+                        {"p.jpg", "linear", bright},
+                        {"p.hdr", "", 128},
+                        {"p.hdr", "sRGB", 128},
+                        {"p.png", "", decoded},
+                        {"upper.PNG", "", decoded},
+                        {"p.png", "linear", stored},
+                        {"p.png", "gamma 2", stored * stored}})
+    for (const char* kind : {"spectrum", "float"}) {
+      CAPTURE(std::string(c.file));
+      CAPTURE(std::string(c.encoding));
+      CAPTURE(std::string(kind));
+      std::string text = std::string("WorldBegin\nTexture \"x\" \"") + kind + "\" \"imagemap\" \"string filename\" \"" +
+                         c.file + "\" ";
+      if (*c.encoding != 0) text += std::string("\"string encoding\" \"") + c.encoding + "\"";
+      const Description d = read_scene(write_below(folder, "scene.pbrt", text + "\n"));
+      const CompiledTextures textures = compile_textures(d.textures);
+      TextureView view;
+      view.rows = textures.rows.data();
+      view.tiles = textures.tiles.get();
+      CHECK(lookup_scalar<Scalar>(view, 0, {{0.5f, 0.5f}, 0, 0, 0, 0}) == Approx(c.expected).epsilon(1e-3));
+      // What has no effect is told.
+      const bool told = std::any_of(d.notes.begin(), d.notes.end(),
+                                    [](const std::string& note) { return contains(note, "for PNG files alone"); });
+      const std::string name = c.file;
+      CHECK(told == (*c.encoding != 0 && std::string_view(c.encoding) != "sRGB" && !name.ends_with("png")));
+    }
+}
+
+TEST_CASE("pbrt textures: numbers are the alpha of a picture or the mean of its colours") {
+  const TemporaryFolder folder;
+  Image picture(1, 1, {"R", "G", "B", "A"});
+  const auto seen = [&](const std::string& file, float alpha) {
+    picture.data = {0.2f, 0.4f, 0.9f, alpha};
+    if (file.ends_with("exr"))
+      write_exr(folder / file, picture, {});
+    else
+      write_tga(folder / file, 1, 1, 4, {255, 0, 0, static_cast<int>(alpha * 255)});
+    const Description d = read_scene(
+        write_below(folder, "scene.pbrt",
+                    "WorldBegin\nTexture \"x\" \"float\" \"imagemap\" \"string filename\" \"" + file + "\"\n"));
+    const CompiledTextures textures = compile_textures(d.textures);
+    TextureView view;
+    view.rows = textures.rows.data();
+    view.tiles = textures.tiles.get();
+    return lookup_scalar<Scalar>(view, 0, {{0.5f, 0.5f}, 0, 0, 0, 0});
+  };
+  CHECK(seen("a.exr", 0.25f) == Approx(0.25));
+  CHECK(seen("b.exr", 1) == Approx(0.5));  // red, green and blue count alike
+  CHECK(seen("c.tga", 0.25f) == Approx(1 / 3.0));
+}
+
+TEST_CASE("pbrt textures: normal maps are linear in PNG files, and sRGB in others, with a note") {
+  for (const bool png : {true, false}) {
+    const TemporaryFolder folder;
+    Image flat(1, 1, {"R", "G", "B"});
+    flat.data = {0.5f, 0.5f, 1};
+    write_png(folder / "n.png", flat);
+    write_tga(folder / "n.tga", 1, 1, 3, {128, 128, 255});
+    const Description d =
+        read_scene(write_below(folder, "scene.pbrt",
+                               std::string("WorldBegin\nMaterial \"diffuse\" \"string normalmap\" \"n.") +
+                                   (png ? "png" : "tga") + "\"\nShape \"sphere\"\n"));
+    CHECK(std::get<BitmapDescription>(d.textures.at(0).model).raw == png);
+    CHECK(d.notes.empty() == png);
+  }
 }
 
 }  // namespace sheaf::test_pbrt_textures

@@ -1,0 +1,110 @@
+// The pbrt dialect: the energy that layered materials lose in pbrt's random walk (Pharr et al. 2023, section 14.3), as
+// an albedo of the base for which our closed form of a clear coat reflects as much.
+//
+// pbrt fills the layer with an absorbing medium of extinction 1 unless the material has an 'albedo', so that light
+// loses a share on each way through, and ends each walk after `maxdepth` interfaces. With the transmittance t of one
+// way, the share m that the coat sends back to the base, absorption included, and K reflections off a base of albedo a,
+//   X = t^2 a (1 + a m + ... + (a m)^(K - 1))
+// leaves the base for unit transmittance of the coat. Our closed form has X = b / (1 - b r), where r is m without
+// absorption: the base becomes b = X / (1 + X r).
+#include "scene/dialects/pbrt_coat.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf::pbrt {
+
+namespace {
+
+/// Fresnel reflectance where light with this cosine meets the relative index `eta`.
+double fresnel_reflectance(double cosine, double eta) {
+  const double cos2 = 1 - (1 - cosine * cosine) / (eta * eta);
+  if (cos2 <= 0) return 1;
+  const double cos_t = std::sqrt(cos2);
+  const double parallel = (eta * cosine - cos_t) / (eta * cosine + cos_t);
+  const double perpendicular = (cosine - eta * cos_t) / (cosine + eta * cos_t);
+  return 0.5 * (parallel * parallel + perpendicular * perpendicular);
+}
+
+/// Diffuse light from the base, shared out by the coat; with and without absorption on the way.
+struct Shares {
+  double returned = 0, returned_absorbed = 0, leaving = 0, leaving_absorbed = 0;
+
+  void add_reflection(double weight, double cosine, double reflected, double thickness) {
+    returned += weight;
+    returned_absorbed += weight * std::exp(-thickness / cosine - thickness / reflected);
+  }
+  void add_transmission(double weight, double cosine, double thickness) {
+    leaving += weight;
+    leaving_absorbed += weight * std::exp(-thickness / cosine);
+  }
+};
+
+/// The middle of stratum `i` of `count` in [0, 1].
+double middle(int i, int count) { return (i + 0.5) / count; }
+
+Shares smooth_shares(double eta, double thickness) {
+  constexpr int kDirections = 1024;
+  Shares shares;
+  for (int i = 0; i < kDirections; ++i) {
+    const double cosine = middle(i, kDirections), reflectance = fresnel_reflectance(cosine, 1 / eta);
+    const double weight = 2 * cosine / kDirections;
+    shares.add_reflection(weight * reflectance, cosine, cosine, thickness);
+    shares.add_transmission(weight * (1 - reflectance), cosine, thickness);
+  }
+  return shares;
+}
+
+/// Single scattering at visible facets of GGX (sampled as by Dupuy and Benyoub 2023).
+Shares rough_shares(double alpha, double eta, double thickness) {
+  constexpr int kDirections = 32, kDepths = 16, kAzimuths = 16;
+  constexpr double kWeight = 1.0 / (kDirections * kDepths * kAzimuths);
+  const auto shadowing = [&](double cosine) {
+    return 2 * cosine / (cosine + std::sqrt(cosine * cosine + alpha * alpha * (1 - cosine * cosine)));
+  };
+  Shares shares;
+  for (int i = 0; i < kDirections; ++i) {
+    const double cosine = std::sqrt(middle(i, kDirections)), sine = std::sqrt(1 - cosine * cosine);
+    const double stretched = std::hypot(alpha * sine, cosine), wx = alpha * sine / stretched, wz = cosine / stretched;
+    for (int j = 0; j < kDepths; ++j)
+      for (int k = 0; k < kAzimuths; ++k) {
+        const double depth = middle(j, kDepths) * (1 + wz), r = std::sqrt(depth * (2 - depth));
+        const double angle = 3.14159265358979 * middle(k, kAzimuths);  // the other half is its mirror image
+        const double x = alpha * (r * std::cos(angle) + wx), y = alpha * r * std::sin(angle), z = 1 - depth + wz;
+        const double length = std::sqrt(x * x + y * y + z * z), c = (x * sine + z * cosine) / length, mz = z / length;
+        if (!(c > 0)) continue;
+        const double reflectance = fresnel_reflectance(std::min(c, 1.0), 1 / eta), reflected = 2 * c * mz - cosine;
+        if (reflected > 0)
+          shares.add_reflection(kWeight * reflectance * shadowing(std::min(reflected, 1.0)), cosine, reflected,
+                                thickness);
+        if (reflectance >= 1) continue;
+        const double refracted = cosine * eta - mz * (c * eta - std::sqrt(1 - (1 - c * c) * eta * eta));
+        if (refracted > 0)
+          shares.add_transmission(kWeight * (1 - reflectance) * shadowing(std::min(refracted, 1.0)), cosine, thickness);
+      }
+  }
+  return shares;
+}
+
+}  // namespace
+
+LayeredBase::LayeredBase(double alpha, double eta, double thickness, int max_depth)
+    : reflections_((max_depth + 1) / 2) {
+  const Shares shares = alpha > 0 ? rough_shares(alpha, eta, thickness) : smooth_shares(eta, thickness);
+  internal_reflectance_ = shares.returned;
+  round_trip_ = shares.returned_absorbed;
+  transmittance_ = shares.leaving > 0 ? shares.leaving_absorbed / shares.leaving : 1;
+}
+
+float LayeredBase::albedo(float base) const {
+  const double a = std::clamp(double{base}, 0.0, 1.0);
+  double series = 0;
+  for (int i = 0; i < reflections_; ++i) {
+    series = 1 + a * round_trip_ * series;
+    if (i > 1000) break;  // converged
+  }
+  const double x = transmittance_ * transmittance_ * a * series;
+  return static_cast<float>(x / (1 + x * internal_reflectance_));
+}
+
+}  // namespace sheaf::pbrt
