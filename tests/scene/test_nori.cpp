@@ -416,4 +416,21 @@ TEST_CASE("Nori: spellings of the course's projects") {
   CHECK(intensity.value.x == doctest::Approx(8 / std::numbers::pi));
 }
 
+TEST_CASE("Nori: the power of a spot counts its falloff") {
+  const Description d =
+      read_text(scene_with("<emitter type='spot'><color name='power' value='8'/><float name='falloffStart' value='20'/>"
+                           "<float name='totalWidth' value='70'/></emitter>"));
+  const auto& spot = std::get<SpotLightDescription>(d.lights.at(0).model);
+  const auto& intensity = std::get<SpectrumDescription::Rgb>(spot.intensity.value);
+  // A smooth step in the cosine from 70 to 20 degrees, integrated over directions.
+  const double end = std::cos(70 * std::numbers::pi / 180), start = std::cos(20 * std::numbers::pi / 180);
+  constexpr int kSteps = 20000;
+  double sum = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double t = std::clamp(((i + 0.5) / kSteps - end) / (start - end), 0.0, 1.0);
+    sum += t * t * (3 - 2 * t) / kSteps;
+  }
+  CHECK(double{intensity.value.x} * 2 * std::numbers::pi * sum == doctest::Approx(8).epsilon(1e-3));
+}
+
 }  // namespace sheaf::test_nori

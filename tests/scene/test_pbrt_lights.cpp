@@ -3,6 +3,7 @@
 #include "core/image.h"
 #include "scene/compile/compile.h"
 #include "scene/compile/light.h"
+#include "tests/support/light_testing.h"
 #include "tests/support/pbrt_testing.h"
 
 #include <doctest/doctest.h>
@@ -55,6 +56,26 @@ TEST_CASE("pbrt lights: the power of area lights is what the file says, of each 
   const std::string uv = " \"point2 uv\" [ 0 0  1 0  1 1  0 1 ]";
   CHECK(power_of(picture + "Shape \"trianglemesh\"" + kSquare + uv) == Approx(2 * 60).epsilon(5e-3));
   CHECK(power_of(picture + "Shape \"disk\"") == Approx(60).epsilon(0.1));
+}
+
+TEST_CASE("pbrt lights: the power of a spot counts its falloff") {
+  for (const std::string cone : {"\"float coneangle\" 60 \"float conedeltaangle\" 40", "",
+                                 "\"float coneangle\" 90 \"float conedeltaangle\" 90"}) {
+    CAPTURE(cone);
+    const TemporaryFolder folder;
+    const auto scene = compile_scene(
+        read_scene(write_below(folder, "scene.pbrt", "WorldBegin\nLightSource \"spot\" \"float power\" 50 " + cone)),
+        {});
+    // The intensity, integrated over directions: 2 pi times the integral over the cosine.
+    constexpr int kSteps = 20000;
+    double sum = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const float z = (static_cast<float>(i) + 0.5f) / kSteps;
+      const auto s = sample_any_light<Scalar>(scene->view(), {std::sqrt(1 - z * z), 0, z}, {0.5f, 0.5f, 0.5f, 0.5f});
+      if (s.valid) sum += double{s.radiance.c1};
+    }
+    CHECK(2 * 3.14159265 * sum / kSteps == Approx(50).epsilon(1e-3));
+  }
 }
 
 TEST_CASE("pbrt lights: a projection spreads its picture evenly over directions, and keeps its power") {

@@ -106,6 +106,40 @@ TEST_CASE("pbrt media: colours of absorption and scattering by voxel, and what b
   CHECK(length(absorbing.sigma_s - Vec3f{1, 1, 1}) < 1e-5f);
 }
 
+TEST_CASE("pbrt media: colours by voxel end at their box, towards which they fall to nothing") {
+  Filled grid(
+      "\"rgbgrid\" \"integer nx\" 2 \"point3 p0\" [ 1 0 0 ] \"point3 p1\" [ 5 1 1 ] \"rgb sigma_a\" [ 1 2 3  4 4 4 ] "
+      "\"rgb sigma_s\" [ 2 0 4  8 8 8 ] \"rgb Le\" [ 1 1 1  2 2 2 ]");
+  const auto glow_at = [&](float x, float y) { return grid.look({x, y, 0.5f}), grid.emission.y; };
+  const float inside = glow_at(4, 0.5f);
+  CHECK(inside > 0);
+  CHECK(glow_at(2, 0.5f) == Approx(inside / 2));
+  // Half of the weight lies in the voxel at the border, where the other half is outside.
+  CHECK(glow_at(5 - 1e-4f, 0.5f) == Approx(inside / 2).epsilon(1e-3));
+  CHECK(length(grid.sigma_a - Vec3f{2, 2, 2}) < 1e-2f);
+  CHECK(length(grid.sigma_s - Vec3f{4, 4, 4}) < 1e-2f);
+  CHECK(glow_at(4, 1e-4f) == Approx(inside / 2).epsilon(1e-3));
+  glow_at(1 + 1e-4f, 0.5f);
+  CHECK(length(grid.sigma_a - Vec3f{0.5f, 1, 1.5f}) < 1e-2f);
+  CHECK(length(grid.sigma_s - Vec3f{1, 0, 2}) < 1e-2f);
+  for (const float x : {0.99f, 5.01f}) {
+    grid.look({x, 0.5f, 0.5f});  // nothing absorbs there, so nothing glows
+    CHECK(max_component(grid.sigma_a + grid.sigma_s) == 0);
+  }
+}
+
+TEST_CASE("pbrt media: Lescale and the exposure multiply what homogeneous media emit") {
+  const auto emission = [](const std::string& parameters) {
+    Filled glow("\"homogeneous\" \"rgb sigma_a\" [ 2 2 2 ] " + parameters);
+    glow.look({0, 0, 0});
+    return glow.emission;
+  };
+  CHECK(length(emission("\"rgb Le\" [ 1 2 3 ]") - Vec3f{1, 2, 3}) < 1e-5f);
+  CHECK(length(emission("\"rgb Le\" [ 1 2 3 ] \"float Lescale\" 2.5") - Vec3f{2.5f, 5, 7.5f}) < 1e-5f);
+  // Other spectra have a luminance of 1 before.
+  CHECK(double{luminance(emission("\"blackbody Le\" 4000 \"float Lescale\" 3"))} == Approx(3).epsilon(2e-3));
+}
+
 TEST_CASE("pbrt media: fire is as bright as its temperature says, whose black body has a largest value of 1") {
   for (const std::string medium :
        {"\"nanovdb\" \"string filename\" \"fire.nvdb\" \"float LeScale\" 0.5 \"float temperaturescale\" 2 "
