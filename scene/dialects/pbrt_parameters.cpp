@@ -162,8 +162,8 @@ float Parameters::number(const char* name, float otherwise, NumberRange range) {
 
 int Parameters::integer(const char* name, int otherwise, int low, int high) {
   if (!has(name)) return otherwise;
-  const double value = expect(name, {"integer"}, 1).numbers[0];
-  if (value < low || value > high)
+  const double value = expect(name, {"integer", "float"}, 1).numbers[0];
+  if (value < low || value > high || value != std::floor(value))
     fail_at(name, "is " + std::to_string(value) + ", expected a whole number from " + std::to_string(low) + " to " +
                       std::to_string(high));
   return static_cast<int>(value);

@@ -43,6 +43,7 @@ class Parameters {
   bool has(const char* name);
   std::optional<float> find_number(const char* name, NumberRange range = kAnyNumber);
   float number(const char* name, float otherwise, NumberRange range = kAnyNumber);
+  /// Also a float of integral value.
   int integer(const char* name, int otherwise, int low, int high);
   bool boolean(const char* name, bool otherwise);
   std::optional<std::string> find_string(const char* name);

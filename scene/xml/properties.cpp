@@ -13,10 +13,9 @@ namespace {
 const std::vector<std::string> kPropertyTags = {"float",     "integer",   "boolean", "string", "point",
                                                 "vector",    "rgb",       "srgb",    "color",  "spectrum",
                                                 "blackbody", "transform", "texture", "point2", "vector2"};
-const std::vector<std::string> kObjectTags = {"sensor",     "camera", "film",   "sampler",    "rfilter",
-                                              "integrator", "shape",  "mesh",   "bsdf",       "emitter",
-                                              "medium",     "phase",  "volume", "subsurface", "test",
-                                              "phasefunction"};
+const std::vector<std::string> kObjectTags = {"sensor", "camera",     "film", "sampler",      "rfilter", "integrator",
+                                              "shape",  "mesh",       "bsdf", "emitter",      "medium",  "phase",
+                                              "volume", "subsurface", "test", "phasefunction"};
 constexpr std::size_t kMaxNesting = 100;
 
 bool contains(const std::vector<std::string>& list, const std::string& name) {
@@ -191,7 +190,7 @@ float Properties::number(const char* name, float otherwise, NumberRange range) {
 }
 
 int Properties::integer(const char* name, int otherwise, int low, int high) {
-  const std::string* text = value(name, {"integer"});
+  const std::string* text = value(name, {"integer", "float"});
   if (text == nullptr) return otherwise;
   const Entry& entry = *find(name);
   const std::int64_t number =
@@ -225,7 +224,7 @@ std::optional<Vec2f> Properties::find_vec2(const char* name) {
   const Entry* entry = use(name);
   if (entry == nullptr) return std::nullopt;
   const XmlElement& target = *entry->target;
-  if (target.name == "float") {
+  if (target.name == "float" || target.name == "integer") {
     const float number = *find_number(name);
     return Vec2f{number, number};
   }

@@ -46,11 +46,11 @@ struct ReadContext {
   Description& description;
   bool lenient = false;  ///< what cannot be read is left out or replaced
   ElementReaders readers = {};
-  bool exchanges_checkerboards = false;   ///< see scalar_texture()
+  bool exchanges_checkerboards = false;                      ///< see scalar_texture()
   std::map<const XmlElement*, SpectrumInput> textures = {};  ///< read so far
   std::map<TextureId, TextureId> scalar_textures = {};       ///< made so far
-  std::set<const XmlElement*> open = {};  ///< objects being read, to find references that go in circles
-  std::map<const XmlElement*, MediumId> media = {};        ///< read so far
+  std::set<const XmlElement*> open = {};             ///< objects being read, to find references that go in circles
+  std::map<const XmlElement*, MediumId> media = {};  ///< read so far
   std::map<const XmlElement*, std::uint32_t> groups = {};  ///< shape groups read so far, into Description::groups
   bool mirrors_nori_camera = true;                         ///< as ETH's course has it; see docs/scene-format.md
   bool frames_scene = false;                               ///< the camera is yet to be put where it sees the scene
@@ -133,6 +133,7 @@ class Properties {
   bool has(const char* name);
   std::optional<float> find_number(const char* name, NumberRange range = kAnyNumber);
   float number(const char* name, float otherwise, NumberRange range = kAnyNumber);
+  /// Also a <float> of integral value.
   int integer(const char* name, int otherwise, int low, int high);
   bool boolean(const char* name, bool otherwise);
   std::optional<std::string> find_string(const char* name);
@@ -215,8 +216,8 @@ class Properties {
   ReadContext& context_;
   std::string type_;
   std::vector<Entry> entries_;
-  std::vector<std::string> asked_;        ///< property names, as the code spells them
-  std::vector<std::string> asked_kinds_;  ///< kinds of nested objects
+  std::vector<std::string> asked_;                                 ///< property names, as the code spells them
+  std::vector<std::string> asked_kinds_;                           ///< kinds of nested objects
   std::map<std::string, std::vector<std::string>> asked_objects_;  ///< names of nested objects, by kind
 };
 

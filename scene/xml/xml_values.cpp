@@ -116,11 +116,19 @@ float parse_float(std::string_view text, const SourceLocation& where, std::strin
 std::int64_t parse_integer(std::string_view text, const SourceLocation& where, std::string_view what) {
   std::string_view digits = trimmed(text);
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  const char* const last = digits.data() + digits.size();
   std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error == std::errc::result_out_of_range) fail_value(text, where, what, "an integer of at most 64 bits");
-  if (error != std::errc() || end != digits.data() + digits.size()) fail_value(text, where, what, "an integer");
-  return value;
+  const auto integer = std::from_chars(digits.data(), last, value);
+  if (integer.ec == std::errc::result_out_of_range) fail_value(text, where, what, "an integer of at most 64 bits");
+  if (integer.ec == std::errc() && integer.ptr == last) return value;
+  // A float of integral value: "64.0", "1e6".
+  constexpr double kMaxExactInteger = 9007199254740992.0;  // 2^53
+  double number = 0;
+  const auto decimal = std::from_chars(digits.data(), last, number);
+  const bool is_number = decimal.ec == std::errc() && decimal.ptr == last;
+  if (!is_number || !(std::fabs(number) <= kMaxExactInteger) || number != std::floor(number))
+    fail_value(text, where, what, "an integer");
+  return static_cast<std::int64_t>(number);
 }
 
 bool parse_boolean(std::string_view text, const SourceLocation& where, std::string_view what) {

@@ -16,6 +16,7 @@ std::vector<std::string_view> split_list(std::string_view text);
 
 /// A finite number that fits a float. `what` names the value in messages ("float 'fov'").
 float parse_float(std::string_view text, const SourceLocation& where, std::string_view what);
+/// An integer, or a float of integral value ("64.0", "1e6") of at most 2^53.
 std::int64_t parse_integer(std::string_view text, const SourceLocation& where, std::string_view what);
 /// true or false, in any case of letters.
 bool parse_boolean(std::string_view text, const SourceLocation& where, std::string_view what);

@@ -42,6 +42,21 @@ TEST_CASE("Nori: defaults") {
   CHECK(d.notes.empty());
 }
 
+TEST_CASE("Nori: integers may be written as floats of integral value") {
+  const Description d = read_text(
+      scene_with("<sampler type='independent'><float name='sampleCount' value='16'/></sampler>",
+                 "<camera type='perspective'><float name='width' value='40.0'/><integer name='height' value='3e1'/>"
+                 "</camera>",
+                 "<integrator type='photonmapper'><float name='photonCount' value='2e5'/>"
+                 "<float name='maxDepth' value='7'/><float name='rrDepth' value='3'/></integrator>"));
+  CHECK(d.sampler.sample_count == 16);
+  CHECK(d.film.width == 40);
+  CHECK(d.film.height == 30);
+  CHECK(d.integrator.photons.global.count == 200'000);
+  CHECK(d.integrator.max_depth == 7);
+  CHECK(d.integrator.rr_depth == 3);
+}
+
 TEST_CASE("Nori: camera, filters and sampler") {
   auto camera = [](const std::string& inside) {
     return read_text(scene_with("", "<camera type='perspective'>" + inside + "</camera>"));
@@ -300,8 +315,8 @@ TEST_CASE("Nori: errors name line, fault and the nearest name") {
        "100000 x 100000 pixels, expected at most 10^9"},
       {scene_with("<sampler type='independent'><integer name='sampleCount' value='99999999999'/></sampler>"),
        "property 'sampleCount' of sampler 'independent' is '99999999999'"},
-      {scene_with("<sampler type='independent'><float name='sampleCount' value='4'/></sampler>"),
-       "is given as <float>, expected integer"},
+      {scene_with("<sampler type='independent'><float name='sampleCount' value='4.5'/></sampler>"),
+       "property 'sampleCount' is '4.5', expected an integer"},
       {scene_with("", "<camera type='perspective'><float name='fov' value='nan'/></camera>"),
        "property 'fov' is 'nan', expected a finite number"},
       {scene_with("<test type='chi2test'/>"), "unknown element <test> in a Nori scene"},

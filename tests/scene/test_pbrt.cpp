@@ -126,6 +126,16 @@ TEST_SUITE("pbrt") {
     CHECK(d.integrator.max_depth == 6);
   }
 
+  TEST_CASE("Integers may be written as floats of integral value") {
+    const Description d = read_world("Shape \"sphere\"", false,
+                                     "Integrator \"path\" \"float maxdepth\" 7\nSampler \"sobol\" "
+                                     "\"integer pixelsamples\" 16.0");
+    CHECK(d.integrator.max_depth == 8);
+    CHECK(d.sampler.sample_count == 16);
+    CHECK(contains(error_of_world("Shape \"sphere\"", "Integrator \"path\" \"float maxdepth\" 7.5"),
+                   "'maxdepth' is 7.500000, expected a whole number"));
+  }
+
   TEST_CASE("Samplers are pbrt's, or others of their purpose") {
     const auto kind = [](const std::string& name) {
       return read_world("", false, "Sampler \"" + name + "\"").sampler.kind;

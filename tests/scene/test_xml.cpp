@@ -240,6 +240,10 @@ TEST_CASE("values: numbers") {
   CHECK(parse_float(" +1.5e3 ", where, "x") == 1500.0f);
   CHECK(parse_float("-.5", where, "x") == -0.5f);
   CHECK(parse_integer("-12", where, "x") == -12);
+  CHECK(parse_integer("64.0", where, "x") == 64);
+  CHECK(parse_integer("1e6", where, "x") == 1'000'000);
+  CHECK(parse_integer("-2.5e1", where, "x") == -25);
+  CHECK(parse_integer("9223372036854775807", where, "x") == 9223372036854775807);
   CHECK(parse_boolean("True", where, "x"));
   CHECK_FALSE(parse_boolean("false", where, "x"));
   CHECK(parse_floats("1, 2 3,,4\n5", where, "x") == std::vector<float>{1, 2, 3, 4, 5});
@@ -247,7 +251,7 @@ TEST_CASE("values: numbers") {
     CAPTURE(std::string(bad));
     CHECK_THROWS_AS(parse_float(bad, where, "x"), SceneError);
   }
-  for (const char* bad : {"", "1.5", "99999999999999999999", "1e3", "one"}) {
+  for (const char* bad : {"", "1.5", "99999999999999999999", "1e-3", "1e17", "1e999", "nan", "inf", "1.0x", "one"}) {
     CAPTURE(std::string(bad));
     CHECK_THROWS_AS(parse_integer(bad, where, "x"), SceneError);
   }
