@@ -9,10 +9,11 @@
 
 namespace sheaf {
 
-/// Reduced scattering and absorption, per millimetre, linear Rec.709.
+/// Reduced scattering and absorption, per millimetre, linear Rec.709, and the index of refraction.
 struct MeasuredMedium {
   const char* name;
   Vec3f sigma_s, sigma_a;
+  float eta = 1.3f;
 };
 
 /// The material of this name, in any case of letters, or null.

@@ -20,16 +20,10 @@ void expect_referenced(const XmlElement& element, const char* place, const ReadC
                      "<" + element.name + "> at the top level, which nothing refers to; it belongs " + place);
 }
 
-[[noreturn]] void fail_unsupported(const XmlElement& element) {
-  throw SceneError(element.where,
-                   "unknown " + element.name + " plugin " + in_quotes(element.attribute("type")) + " (known: none)");
-}
-
 [[noreturn]] void fail_unknown(const XmlElement& element) {
-  const std::vector<std::string> known = {"sensor",  "shape",   "bsdf",     "texture", "emitter",
-                                          "integrator", "film", "sampler",  "rfilter", "spectrum",
-                                          "rgb",     "default", "include",  "path",    "alias",
-                                          "medium",  "phase",   "volume"};
+  const std::vector<std::string> known = {
+      "sensor", "shape",   "bsdf",    "texture", "emitter", "integrator", "film",  "sampler", "rfilter",   "spectrum",
+      "rgb",    "default", "include", "path",    "alias",   "medium",     "phase", "volume",  "subsurface"};
   throw SceneError(element.where,
                    "unknown element <" + element.name + "> in a Mitsuba scene" + did_you_mean(element.name, known));
 }
@@ -79,7 +73,7 @@ void read_child(const XmlElement& child, mitsuba::Reader& reader, Last& last) {
   } else if (kind == "phase" || kind == "volume") {
     expect_referenced(child, "inside a <medium>", context);
   } else if (kind == "subsurface") {
-    fail_unsupported(child);
+    expect_referenced(child, "inside a <shape>", context);
   } else if (kind == "ref") {
     throw SceneError(child.where, "<ref> at the top level: the object it refers to is in the scene already");
   } else {
@@ -105,7 +99,8 @@ void read_mitsuba(ReadContext& context) {
     read_or_as(*last.sensor, context, "perspective", [&] { mitsuba::read_sensor(*last.sensor, reader); });
   } else if (!reader.shape_sensors.empty()) {
     const XmlElement& sensor = *reader.shape_sensors[0].element;
-    read_or_as(sensor, context, "irradiancemeter", [&] { mitsuba::read_shape_sensor(reader.shape_sensors[0], reader); });
+    read_or_as(sensor, context, "irradiancemeter",
+               [&] { mitsuba::read_shape_sensor(reader.shape_sensors[0], reader); });
   } else {
     stand_in_camera(root, "<sensor>", context);
   }

@@ -1,7 +1,9 @@
 // Inside the Mitsuba dialect: what its readers call of each other.
 #pragma once
 
+#include "scene/data/measured_media.h"
 #include "scene/dialects/dialects.h"
+#include "scene/dialects/read_volume.h"
 
 #include <map>
 #include <optional>
@@ -15,13 +17,20 @@ struct ShapeSensor {
   Transform to_world;
 };
 
+/// The medium behind a boundary with subsurface scattering, and the boundary's indices of refraction.
+struct Subsurface {
+  MediumId medium{};
+  float int_ior = 1, ext_ior = 1;
+};
+
 /// A Mitsuba scene while it is read.
 struct Reader {
   ReadContext& context;
   bool before_version_2 = false;
-  std::map<const XmlElement*, MaterialId> materials = {};  ///< read so far
-  std::vector<ShapeSensor> shape_sensors = {};             ///< read so far
-  std::optional<MaterialId> null = std::nullopt;   ///< a boundary that is not noticed, once one was read
+  std::map<const XmlElement*, MaterialId> materials = {};    ///< read so far
+  std::map<const XmlElement*, Subsurface> subsurfaces = {};  ///< read so far
+  std::vector<ShapeSensor> shape_sensors = {};               ///< read so far
+  std::optional<MaterialId> null = std::nullopt;             ///< a boundary that is not noticed, once one was read
   std::optional<MaterialId> black = std::nullopt;  ///< the material of light sources that name none, once one was read
 };
 
@@ -29,6 +38,13 @@ struct Reader {
 MaterialId material_of(const XmlElement& bsdf, Reader& reader);
 /// The medium of a <medium>; each element is read once, however often it is referred to.
 MediumId medium_of(const XmlElement& element, Reader& reader);
+/// The preset that `material` names, skin1 by default (Mitsuba 0.6). Throws SceneError for unknown names.
+const MeasuredMedium& read_measured_medium(Properties& p);
+/// Coefficients of Mitsuba 0.6: given one by one, or those of the preset. Throws SceneError if both are there.
+void read_measured_coefficients(Properties& p, const VolumeDialect& dialect, MediumDescription& medium);
+/// <subsurface type="dipole"> of Mitsuba 0.6: turns the shape into a dielectric around a scattering medium, as rough as
+/// its bsdf. Throws SceneError.
+void read_subsurface(const XmlElement& element, Reader& reader, ShapeDescription& shape);
 /// A TextureReader.
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context);
 /// Appends a shape with its material, area light and media.

@@ -5,10 +5,7 @@
 
 namespace sheaf::mitsuba {
 
-namespace {
-
-/// A measured material, of Mitsuba before 2.
-AbsorptionScatteringDescription read_material(Properties& p) {
+const MeasuredMedium& read_measured_medium(Properties& p) {
   const std::string name = p.find_string("material").value_or("skin1");
   const MeasuredMedium* found = find_measured_medium(name);
   if (found == nullptr) {
@@ -18,16 +15,26 @@ AbsorptionScatteringDescription read_material(Properties& p) {
                               did_you_mean(name, measured_medium_names()) + " (known: " + list +
                               "); others can be given by 'sigma_s' and 'sigma_a'");
   }
-  const auto rgb = [](Vec3f v) { return SpectrumDescription{SpectrumDescription::Rgb{v}}; };
-  return {rgb(found->sigma_a), rgb(found->sigma_s)};
+  return *found;
 }
 
+void read_measured_coefficients(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
+  if (read_coefficients(p, dialect, medium)) {
+    if (p.has("material")) p.fail_at("material", "is given beside coefficients, expected one or the other");
+    return;
+  }
+  const MeasuredMedium& measured = read_measured_medium(p);
+  const auto rgb = [](Vec3f v) { return SpectrumDescription{SpectrumDescription::Rgb{v}}; };
+  medium.coefficients = AbsorptionScatteringDescription{rgb(measured.sigma_a), rgb(measured.sigma_s)};
+}
+
+namespace {
+
 void read_homogeneous(Properties& p, const VolumeDialect& dialect, bool before_version_2, MediumDescription& medium) {
-  const bool given = read_coefficients(p, dialect, medium);
   if (before_version_2) {
-    if (given && p.has("material"))
-      p.fail_at("material", "is given beside coefficients, expected one or the other");
-    if (!given) medium.coefficients = read_material(p);
+    read_measured_coefficients(p, dialect, medium);
+  } else {
+    read_coefficients(p, dialect, medium);
   }
   read_medium_rest(p, dialect, medium);
   expect_homogeneous(p, medium);

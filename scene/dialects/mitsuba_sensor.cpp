@@ -82,6 +82,10 @@ void read_film(const XmlElement& element, ReadContext& context) {
   film.sample_border = p.boolean("sample_border", false);
   if (const XmlElement* filter = p.object("rfilter"))
     read_or_as(*filter, context, "gaussian", [&] { film.filter = read_filter(*filter, context); });
+  if (p.accept_prefixed("label[")) context.note(p.where(), "labels are not drawn on the image");
+  if (p.accept_prefixed("metadata[")) context.note(p.where(), "'metadata' is not written to the image");
+  if (p.find_string("channel_names"))
+    context.note(p.where(), "'channelNames' is ignored: the image has the layers that --aov asks for");
   p.accept({"file_format", "pixel_format", "component_format", "banner", "high_quality_edges", "compensate", "gamma",
             "exposure", "key", "burn", "tonemap_method", "attach_log", "digits", "variable", "fprec"});
   p.finish();

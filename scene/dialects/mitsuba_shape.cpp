@@ -77,6 +77,10 @@ void read_shape(const XmlElement& element, Reader& reader) {
     reader.shape_sensors.push_back({sensor, p.type(), shape.to_world * turned});
   }
   read_media(p, reader, shape);
+  if (const XmlElement* subsurface = p.object("subsurface")) {
+    if (shape.interior) p.fail("has an interior medium and a <subsurface>, expected one or the other");
+    read_subsurface(*subsurface, reader, shape);
+  }
   if (shape.radiance && !shape.material) shape.material = black_material(reader);
   if (reader.before_version_2 && !shape.material && (shape.interior || shape.exterior))
     shape.material = null_material(reader);

@@ -9,13 +9,14 @@ ConstantLightDescription read_constant(Properties& p) {
   return {p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission)};
 }
 
-/// `filename`, `scale` (1), `to_world` and `mis_compensation` (true).
+/// `filename`, `scale` (1), `to_world`, `mis_compensation` (true); ignores `cache` of Mitsuba 0.6.
 EnvmapDescription read_envmap(Properties& p) {
   EnvmapDescription map;
   map.file = p.file("filename");
   map.scale = p.number("scale", 1, kNotNegative);
   map.to_world = p.transform("to_world");
   map.mis_compensation = p.boolean("mis_compensation", true);
+  p.accept({"cache"});
   return map;
 }
 

@@ -374,6 +374,16 @@ void Properties::accept(std::initializer_list<const char*> names) {
   for (const char* name : names) use(name);
 }
 
+bool Properties::accept_prefixed(const char* prefix) {
+  const std::string key = spelling_key(prefix);
+  bool any = false;
+  for (Entry& entry : entries_) {
+    if (!entry.key.starts_with(key)) continue;
+    entry.used = any = true;
+  }
+  return any;
+}
+
 void Properties::accept_all() {
   for (Entry& entry : entries_) entry.used = true;
 }

@@ -172,6 +172,8 @@ class Properties {
 
   /// Properties that are documented and mean nothing here: any value is accepted.
   void accept(std::initializer_list<const char*> names);
+  /// The same for all properties whose names begin with `prefix`; returns whether there are any.
+  bool accept_prefixed(const char* prefix);
   /// Whatever is left, of an object whose parameters mean nothing here.
   void accept_all();
   /// Throws SceneError for what nobody asked for; unknown properties are notes instead if the context is lenient.

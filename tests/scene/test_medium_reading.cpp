@@ -438,7 +438,7 @@ TEST_CASE("media: errors of Mitsuba's dialect") {
       {mitsuba_scene("<phase type='hg'/>"),
        "<phase> at the top level, which nothing refers to; it belongs inside a <medium>"},
       {mitsuba_scene("<volume type='constvolume'/>"), "<volume> at the top level, which nothing refers to"},
-      {mitsuba_scene("<subsurface type='dipole'/>"), "unknown subsurface plugin 'dipole'"},
+      {mitsuba_scene("<subsurface type='dipole'/>"), "<subsurface> at the top level, which nothing refers to"},
       {mitsuba_scene("<shape type='sphere'><medium type='homogeneous' name='inside'/></shape>"),
        "shape 'sphere' takes no nested <medium> of the name 'inside' (known: interior, exterior)"},
       {mitsuba_scene("<shape type='sphere'><medium type='homogeneous' name='interior'/>"

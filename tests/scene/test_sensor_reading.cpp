@@ -47,6 +47,26 @@ TEST_CASE("sensors: spherical, distorted and telecentric cameras") {
   CHECK(with_sensor("telecentric", "").camera.aperture_radius == 0);
 }
 
+TEST_CASE("sensors: films of Mitsuba 0.6 may have labels, metadata and names of channels") {
+  const auto film = [](const std::string& inside) {
+    return with_sensor("perspective", "<film type='hdrfilm'>" + inside + "</film>", "0.6.0").notes;
+  };
+  const auto notes_about = [&](const std::string& inside, const char* expected) {
+    const std::vector<std::string> notes = film(inside);
+    REQUIRE(notes.size() == 1);
+    CHECK(contains(notes[0], expected));
+  };
+  notes_about("<string name='label[10, 10]' value='Hello'/><string name='label[0, 0]' value='x'/>",
+              "labels are not drawn");
+  notes_about("<string name=\"metadata['key']\" value='Hello'/><float name=\"metadata['n']\" value='1'/>",
+              "'metadata' is not written");
+  notes_about("<string name='pixelFormat' value='rgb, rgb'/><string name='channelNames' value='color, position'/>",
+              "'channelNames' is ignored");
+  CHECK(film("<string name='pixelFormat' value='rgba'/>").empty());
+  CHECK(contains(sensor_error("perspective", "<film type='hdrfilm'><string name='labels' value='x'/></film>"),
+                 "unknown property 'labels'"));
+}
+
 TEST_CASE("sensors: meters") {
   const CameraDescription aimed = with_sensor("radiancemeter", "<point name='origin' value='1,2,3'/>"
                                                                "<vector name='direction' value='0,4,3'/>" + kPixel).camera;
