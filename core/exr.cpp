@@ -130,8 +130,8 @@ void write_pixels(ExrStream& stream, const Image& image, const ExrMetadata& meta
   file.writePixels(image.height);
 }
 
-/// Calls `read` with the file's first part and turns the library's exceptions into ours.
-template <class Read> void with_first_part(const fs::path& path, Read read) {
+/// Calls `read` with the file and turns the library's exceptions into ours.
+template <class Read> void with_exr_file(const fs::path& path, Read read) {
   const SourceLocation where{path.string(), 0};
   std::error_code error;
   if (!fs::is_regular_file(path, error)) throw SceneError(where, "there is no such image file");
@@ -141,25 +141,32 @@ template <class Read> void with_first_part(const fs::path& path, Read read) {
   try {
     Imf::MultiPartInputFile file(path.string().c_str(), 0);
     read(file);
-  } catch (const Error&) {
-    throw;
-  } catch (const std::bad_alloc&) {
+  } catch (const Error&) { throw; } catch (const std::bad_alloc&) {
     throw Error(ExitCode::kRuntime, where, "there is not enough memory for this image");
   } catch (const std::exception& problem) {
     throw SceneError(where, std::string("cannot read the image: ") + problem.what());
   }
 }
 
-/// An image of the file's size, in its place in the frame, without values yet. Throws SceneError.
-Image prepare_image(const fs::path& path, const Imf::Header& header) {
-  const SourceLocation where{path.string(), 0};
-  if (header.hasType() && Imf::isDeepData(header.type())) throw SceneError(where, "deep images are not supported");
+bool is_deep(const Imf::Header& header) { return header.hasType() && Imf::isDeepData(header.type()); }
+
+std::vector<std::string> channel_names(const Imf::Header& header) {
   std::vector<std::string> names;
-  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
-    if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1) {
-      throw SceneError(where, std::string("channel '") + channel.name() + "' is subsampled, which is not supported");
-    }
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel)
     names.emplace_back(channel.name());
+  return names;
+}
+
+/// An image of a part's size, in its place in the frame, with channels `names`, without values yet. Throws SceneError.
+Image prepare_image(const fs::path& path, const Imf::Header& header, std::vector<std::string> names) {
+  const SourceLocation where{path.string(), 0};
+  if (is_deep(header)) throw SceneError(where, "deep images are not supported");
+  for (const std::string& name : names) {
+    const Imf::Channel* channel = header.channels().findChannel(name.c_str());
+    if (channel == nullptr) throw SceneError(where, "the image has no channel '" + name + "'");
+    if (channel->xSampling != 1 || channel->ySampling != 1) {
+      throw SceneError(where, "channel '" + name + "' is subsampled, which is not supported");
+    }
   }
   const Imath::Box2i window = header.dataWindow(), frame = header.displayWindow();
   const auto extent = [](int low, int high) { return static_cast<long long>(high) - low + 1; };
@@ -175,6 +182,24 @@ Image prepare_image(const fs::path& path, const Imf::Header& header) {
   image.y0 = window.min.y - frame.min.y;
   image.frame_width = static_cast<int>(extent(frame.min.x, frame.max.x));
   image.frame_height = static_cast<int>(extent(frame.min.y, frame.max.y));
+  return image;
+}
+
+Image read_part(const fs::path& path, Imf::MultiPartInputFile& file, int index, std::vector<std::string> names) {
+  const Imf::Header& header = file.header(index);
+  Image image = prepare_image(path, header, std::move(names));
+  Imf::InputPart part(file, index);
+  Image placed;  // without values: slices are addressed in the file's coordinates, not in the frame's
+  placed.width = image.width;
+  placed.x0 = header.dataWindow().min.x;
+  placed.y0 = header.dataWindow().min.y;
+  Imf::FrameBuffer buffer;
+  for (std::size_t c = 0; c < image.channels.size(); ++c) {
+    buffer.insert(image.channels[c],
+                  make_slice(Imf::FLOAT, image.data.data() + c, sizeof(float), placed, image.channels.size()));
+  }
+  part.setFrameBuffer(buffer);
+  part.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
   return image;
 }
 
@@ -198,21 +223,36 @@ void write_exr(const fs::path& path, const Image& image, const ExrMetadata& meta
 
 Image read_exr(const fs::path& path) {
   Image image;
-  with_first_part(path, [&](Imf::MultiPartInputFile& file) {
-    const Imf::Header& header = file.header(0);
-    image = prepare_image(path, header);
-    Imf::InputPart part(file, 0);
-    Image placed;  // without values: slices are addressed in the file's coordinates, not in the frame's
-    placed.width = image.width;
-    placed.x0 = header.dataWindow().min.x;
-    placed.y0 = header.dataWindow().min.y;
-    Imf::FrameBuffer buffer;
-    for (std::size_t c = 0; c < image.channels.size(); ++c) {
-      buffer.insert(image.channels[c], make_slice(Imf::FLOAT, image.data.data() + c, sizeof(float), placed,
-                                                  image.channels.size()));
+  with_exr_file(
+      path, [&](Imf::MultiPartInputFile& file) { image = read_part(path, file, 0, channel_names(file.header(0))); });
+  return image;
+}
+
+std::vector<ExrPart> read_exr_parts(const fs::path& path) {
+  std::vector<ExrPart> parts;
+  with_exr_file(path, [&](Imf::MultiPartInputFile& file) {
+    for (int i = 0; i < file.parts(); ++i) {
+      const Imf::Header& header = file.header(i);
+      ExrPart& part = parts.emplace_back();
+      if (header.hasName()) part.name = header.name();
+      part.deep = is_deep(header);
+      part.channels = channel_names(header);
+      const auto* attribute = header.findTypedAttribute<Imf::ChromaticitiesAttribute>("chromaticities");
+      if (attribute == nullptr) continue;
+      const auto xy = [](const Imath::V2f& v) {
+        return Chromaticity{static_cast<double>(v.x), static_cast<double>(v.y)};
+      };
+      const Imf::Chromaticities& c = attribute->value();
+      part.chromaticities = {xy(c.red), xy(c.green), xy(c.blue), xy(c.white)};
     }
-    part.setFrameBuffer(buffer);
-    part.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
+  });
+  return parts;
+}
+
+Image read_exr_channels(const fs::path& path, std::size_t part, std::vector<std::string> channels) {
+  Image image;
+  with_exr_file(path, [&](Imf::MultiPartInputFile& file) {
+    image = read_part(path, file, static_cast<int>(part), std::move(channels));
   });
   return image;
 }
@@ -223,7 +263,7 @@ std::vector<ExrMetadata::Attribute> read_exr_attributes(const fs::path& path) {
 
 ExrHeader read_exr_header(const fs::path& path) {
   ExrHeader out;
-  with_first_part(path, [&](Imf::MultiPartInputFile& file) {
+  with_exr_file(path, [&](Imf::MultiPartInputFile& file) {
     const Imf::Header& header = file.header(0);
     const auto rect = [](const Imath::Box2i& box) {
       return PixelRect{box.min.x, box.min.y, box.max.x + 1, box.max.y + 1};
@@ -259,7 +299,7 @@ ExrMetadata read_exr_metadata(const fs::path& path) {
     return name == "Software" || name == "capDate" || name == "type" || name == "name" || name == "chunkCount" ||
            name == "pixelAspectRatio" || name == "screenWindowWidth";
   });
-  with_first_part(path, [&](Imf::MultiPartInputFile& file) {
+  with_exr_file(path, [&](Imf::MultiPartInputFile& file) {
     const Imf::Header& header = file.header(0);
     if (const auto* matrix = header.findTypedAttribute<Imf::M44fAttribute>("worldToCamera")) {
       Matrix4& to = metadata.world_to_camera.emplace();

@@ -1,6 +1,7 @@
 // OpenEXR files: writing rendered layers with their metadata, reading any flat image.
 #pragma once
 
+#include "core/color_space.h"
 #include "core/image.h"
 #include "core/pixel_rect.h"
 #include "core/transform.h"
@@ -19,11 +20,11 @@ struct ExrMetadata {
     std::string name;  ///< e.g. "sheaf/seed"
     std::variant<int, float, std::string> value;
   };
-  std::vector<Attribute> attributes;         ///< written as given; each name once
-  std::string software;                      ///< the Software attribute; left out if empty
-  std::optional<Matrix4> world_to_camera;    ///< points are columns; camera space as in OpenEXR: looks along -z, +y up
-  std::vector<std::string> half_channels;    ///< channels stored with 16 bits; all others are 32-bit float
-  std::optional<std::string> capture_date;   ///< "YYYY:MM:DD hh:mm:ss" local time; left out if not given
+  std::vector<Attribute> attributes;        ///< written as given; each name once
+  std::string software;                     ///< the Software attribute; left out if empty
+  std::optional<Matrix4> world_to_camera;   ///< points are columns; camera space as in OpenEXR: looks along -z, +y up
+  std::vector<std::string> half_channels;   ///< channels stored with 16 bits; all others are 32-bit float
+  std::optional<std::string> capture_date;  ///< "YYYY:MM:DD hh:mm:ss" local time; left out if not given
 };
 
 /// Whether the file starts as an OpenEXR file does. False if it cannot be read.
@@ -38,12 +39,27 @@ void write_exr(const std::filesystem::path& path, const Image& image, const ExrM
 /// malformed, truncated, deep, subsampled or beyond the limits of core/image.h.
 Image read_exr(const std::filesystem::path& path);
 
+/// What a file says of one of its parts.
+struct ExrPart {
+  std::string name;                   ///< may be empty
+  bool deep = false;                  ///< any number of samples in a pixel
+  std::vector<std::string> channels;  ///< in the file's order
+  std::optional<RgbChromaticities> chromaticities;
+};
+
+/// All parts, at least one. Throws as read_exr() does.
+std::vector<ExrPart> read_exr_parts(const std::filesystem::path& path);
+
+/// Reads some channels of a part, in the order of `channels`, which must be there. Throws as read_exr() does.
+Image read_exr_channels(const std::filesystem::path& path, std::size_t part, std::vector<std::string> channels);
+
 /// The string, integer and float attributes of the first part, in the file's order. Throws as read_exr() does.
 std::vector<ExrMetadata::Attribute> read_exr_attributes(const std::filesystem::path& path);
 
 /// All of what write_exr() writes besides pixels, for files that are written anew with other channels. Throws as
 /// read_exr() does.
 ExrMetadata read_exr_metadata(const std::filesystem::path& path);
+
 /// What the header of a file's first part says.
 struct ExrHeader {
   struct Channel {

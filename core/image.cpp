@@ -2,10 +2,13 @@
 #include "core/image.h"
 
 #include "core/color.h"
+#include "core/color_space.h"
 #include "core/error.h"
 #include "core/exr.h"
+#include "core/exr_picture.h"
 #include "core/memory.h"
 #include "core/output_file.h"
+#include "core/picture_corrections.h"
 #include "core/picture_library.h"
 #include "core/png.h"
 
@@ -89,38 +92,57 @@ void check_tiles(const fs::path& path, const PictureHeader& header) {
                                            " for an image of " + size(header.width, header.height));
 }
 
-/// Opens a picture that is not OpenEXR, and checks its header. `keeps_bytes`: 8-bit data is read as it is.
-std::unique_ptr<PictureReader> open_picture(const fs::path& path, bool keeps_bytes) {
+/// A picture that is not OpenEXR, with a header that can be.
+struct OpenPicture {
+  std::unique_ptr<PictureReader> reader;
+  int orientation;  ///< of PictureCorrections
+  bool xyz;
+};
+
+/// Opens a picture and checks its header. `keeps_bytes`: 8-bit data is read as it is.
+OpenPicture open_picture(const fs::path& path, bool keeps_bytes) {
   const SourceLocation where{path.string(), 0};
   const std::string format = checked_picture_format(path);
+  PictureCorrections corrections = find_corrections(path, format);
   std::string problem;
-  std::unique_ptr<PictureReader> reader = picture_library().open(path.string(), format, problem);
+  std::unique_ptr<PictureReader> reader =
+      picture_library().open(path.string(), format, problem, std::move(corrections.bytes));
   if (!reader) refuse_image(path, first_line(problem));
   const PictureHeader& header = reader->header();
   check_image_size(path, header.width, header.height, static_cast<std::size_t>(std::max(header.channel_count, 0)),
                    fs::file_size(path));
+  const std::size_t copies = corrections.orientation == 1 ? 1 : 2;
   check_image_memory(path, header.width, header.height, static_cast<std::size_t>(header.channel_count),
-                     keeps_bytes && header.holds_bytes ? 1 : sizeof(float));
+                     copies * (keeps_bytes && header.holds_bytes ? 1 : sizeof(float)));
   check_tiles(path, header);
   if (header.depth > 1 || header.deep) throw SceneError(where, "volume and deep images are not supported");
   if (header.channels.size() != static_cast<std::size_t>(header.channel_count)) {
     throw SceneError(where, "the image's channels have no names");
   }
-  return reader;
+  return {std::move(reader), corrections.orientation, corrections.xyz};
 }
 
-/// Reads all pixels. JPEG files that end early are read without complaint but for a remark; their lower part is grey.
-template <class Value> void read_pixels(PictureReader& reader, Value* out, const fs::path& path) {
+/// Reads all pixels, in rows from the top. JPEG files that end early are read without complaint but for a remark; their
+/// lower part is grey.
+template <class Value> std::vector<Value> read_pixels(const OpenPicture& picture, const fs::path& path) {
+  const PictureHeader& header = picture.reader->header();
+  const auto width = static_cast<std::size_t>(header.width), height = static_cast<std::size_t>(header.height);
+  std::vector<Value> values(width * height * header.channels.size());
   std::string remark;
-  const bool complete = reader.read(out, remark);
-  if (complete && remark.find("remature end") == std::string::npos) return;
-  refuse_image(path, remark.empty() ? "the file is damaged or ends too early" : first_line(remark));
+  const bool complete = picture.reader->read(values.data(), remark);
+  if (!complete || remark.find("remature end") != std::string::npos)
+    refuse_image(path, remark.empty() ? "the file is damaged or ends too early" : first_line(remark));
+  if (picture.orientation == 1) return values;
+  return oriented(values, width, height, header.channels.size(), picture.orientation);
 }
 
 }  // namespace
 
 Image::Image(int image_width, int image_height, std::vector<std::string> names)
-    : width(image_width), height(image_height), channels(std::move(names)), frame_width(image_width),
+    : width(image_width),
+      height(image_height),
+      channels(std::move(names)),
+      frame_width(image_width),
       frame_height(image_height) {
   data.resize(pixel_count() * channels.size());
 }
@@ -134,8 +156,8 @@ void check_image_size(const fs::path& file, long long width, long long height, s
                       std::size_t file_bytes) {
   constexpr std::size_t kBestRatio = 2048, kSlack = std::size_t{1} << 20;
   const SourceLocation where{file.string(), 0};
-  const std::string size = std::to_string(width) + " x " + std::to_string(height) + " pixels with " +
-                           std::to_string(channels) + " channels";
+  const std::string size =
+      std::to_string(width) + " x " + std::to_string(height) + " pixels with " + std::to_string(channels) + " channels";
   if (width <= 0 || height <= 0 || channels == 0) throw SceneError(where, "the image is empty: " + size);
   if (width > kMaxImageSide || height > kMaxImageSide || channels > 4096) {
     throw SceneError(where, "the image is too large: " + size);
@@ -143,8 +165,8 @@ void check_image_size(const fs::path& file, long long width, long long height, s
   const std::size_t values = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channels;
   if (values > kMaxImageBytes / sizeof(float)) throw SceneError(where, "the image is too large: " + size);
   if (file_bytes < kMaxImageBytes / kBestRatio && values > file_bytes * kBestRatio + kSlack) {
-    throw SceneError(where, "the header claims " + size + ", but the file has only " + std::to_string(file_bytes) +
-                                " bytes");
+    throw SceneError(where,
+                     "the header claims " + size + ", but the file has only " + std::to_string(file_bytes) + " bytes");
   }
 }
 
@@ -189,39 +211,33 @@ void write_png(const fs::path& path, const Image& image) {
 Image read_image(const fs::path& path) {
   check_file(path);
   if (is_exr(path)) return read_exr(path);
-  const std::unique_ptr<PictureReader> reader = open_picture(path, false);
-  const PictureHeader& header = reader->header();
-  Image image(header.width, header.height, header.channels);
-  read_pixels(*reader, image.data.data(), path);
+  const OpenPicture picture = open_picture(path, false);
+  const PictureHeader& header = picture.reader->header();
+  Image image;
+  image.width = image.frame_width = is_transposed(picture.orientation) ? header.height : header.width;
+  image.height = image.frame_height = is_transposed(picture.orientation) ? header.width : header.height;
+  image.channels = header.channels;
+  image.data = read_pixels<float>(picture, path);
   return image;
 }
 
-Picture read_picture(const fs::path& path) {
-  Picture picture;
+Picture read_picture(const fs::path& path, bool raw) {
   check_file(path);
-  if (is_exr(path)) {
-    Image image = read_exr(path);
-    picture.width = image.width;
-    picture.height = image.height;
-    picture.channels = std::move(image.channels);
-    picture.floats = std::move(image.data);
-    return picture;
-  }
-  const std::unique_ptr<PictureReader> reader = open_picture(path, true);
-  const PictureHeader& header = reader->header();
-  picture.width = header.width;
-  picture.height = header.height;
+  if (is_exr(path)) return read_exr_picture(path, raw);
+  const OpenPicture open = open_picture(path, true);
+  const PictureHeader& header = open.reader->header();
+  Picture picture;
+  picture.width = is_transposed(open.orientation) ? header.height : header.width;
+  picture.height = is_transposed(open.orientation) ? header.width : header.height;
   picture.channels = header.channels;
   picture.integers = header.holds_integers;
-  const std::size_t values =
-      static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height) * header.channels.size();
   if (header.holds_bytes) {
-    picture.bytes.resize(values);
-    read_pixels(*reader, picture.bytes.data(), path);
+    picture.bytes = read_pixels<std::uint8_t>(open, path);
   } else {
-    picture.floats.resize(values);
-    read_pixels(*reader, picture.floats.data(), path);
+    picture.floats = read_pixels<float>(open, path);
   }
+  if (open.xyz && !raw && header.channels.size() >= 3)
+    convert_to_rec709(picture.floats, kXyzSpace, header.channels.size());
   return picture;
 }
 

@@ -12,10 +12,10 @@ namespace sheaf {
 
 /// A rectangle of pixels with named channels, part of a frame that may be larger.
 struct Image {
-  int width = 0, height = 0;          ///< pixels that are there
-  std::vector<std::string> channels;  ///< names, e.g. "R" or "variance.G"; each once
-  std::vector<float> data;            ///< interleaved, row by row from the top: height * width * channels values
-  int x0 = 0, y0 = 0;                 ///< where the upper left pixel lies in the frame
+  int width = 0, height = 0;              ///< pixels that are there
+  std::vector<std::string> channels;      ///< names, e.g. "R" or "variance.G"; each once
+  std::vector<float> data;                ///< interleaved, row by row from the top: height * width * channels values
+  int x0 = 0, y0 = 0;                     ///< where the upper left pixel lies in the frame
   int frame_width = 0, frame_height = 0;  ///< the whole picture; equal to width and height if nothing was cropped
 
   Image() = default;
@@ -32,7 +32,8 @@ struct Image {
  private:
   std::size_t offset(int x, int y, int c) const {
     return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
-               channels.size() + static_cast<std::size_t>(c);
+               channels.size() +
+           static_cast<std::size_t>(c);
   }
 };
 
@@ -66,10 +67,13 @@ void write_png(const std::filesystem::path& path, const Image& image);
 
 /// Reads a picture file of one of the formats of checked_picture_format() or of OpenEXR, which goes through read_exr();
 /// the first picture if there are several. Integers come out in [0, 1] as stored, not linearised; alpha as stored.
-/// Throws SceneError if the file is missing, malformed, or beyond the limits.
+/// Radiance and TIFF files are turned the way up that they say. Throws SceneError if the file is missing, malformed, or
+/// beyond the limits.
 Image read_image(const std::filesystem::path& path);
 
-/// Reads the same files with 8-bit data kept as bytes. Throws as read_image() does.
-Picture read_picture(const std::filesystem::path& path);
+/// Reads the same files for their colours: 8-bit data are kept as bytes, and OpenEXR files go through
+/// read_exr_picture(). Floats in other spaces than linear Rec.709 are converted to it unless `raw`. Throws as
+/// read_image() does.
+Picture read_picture(const std::filesystem::path& path, bool raw = false);
 
 }  // namespace sheaf

@@ -43,9 +43,10 @@ struct PngPixels {
 class PictureLibrary {
  public:
   virtual ~PictureLibrary() = default;
-  /// Opens a picture of `format` (the library's name for it). Nothing if it cannot, and `problem` says why.
-  virtual std::unique_ptr<PictureReader> open(const std::string& path, const std::string& format,
-                                              std::string& problem) const = 0;
+  /// Opens a picture of `format` (the library's name for it). Nothing if it cannot, and `problem` says why. `bytes`, if
+  /// there are any, are read in place of the file; the reader keeps them.
+  virtual std::unique_ptr<PictureReader> open(const std::string& path, const std::string& format, std::string& problem,
+                                              std::vector<std::uint8_t> bytes = {}) const = 0;
   /// A PNG file's bytes, packed at `level` (0 to 9); none if that fails, and `problem` says why.
   virtual std::vector<unsigned char> encode_png(const PngPixels& pixels, int level, std::string& problem) const = 0;
 };

@@ -6,14 +6,24 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace sheaf {
 
 namespace {
 
+/// The bytes of a file, as the library reads them.
+struct MemoryFile {
+  explicit MemoryFile(std::vector<std::uint8_t> all) : bytes(std::move(all)), proxy(bytes.data(), bytes.size()) {}
+
+  std::vector<std::uint8_t> bytes;
+  OIIO::Filesystem::IOMemReader proxy;
+};
+
 class Reader final : public PictureReader {
  public:
-  explicit Reader(std::unique_ptr<OIIO::ImageInput> input) : input_(std::move(input)) {
+  Reader(std::unique_ptr<OIIO::ImageInput> input, std::unique_ptr<MemoryFile> file)
+      : file_(std::move(file)), input_(std::move(input)) {
     const OIIO::ImageSpec& spec = input_->spec();
     header_ = {spec.width,
                spec.height,
@@ -54,6 +64,7 @@ class Reader final : public PictureReader {
     return true;
   }
 
+  std::unique_ptr<MemoryFile> file_;  ///< what input_ reads; null: a file on the disk
   std::unique_ptr<OIIO::ImageInput> input_;
   PictureHeader header_;
 };
@@ -65,14 +76,22 @@ class Library final : public PictureLibrary {
     OIIO::attribute("exr_threads", -1);
   }
 
-  std::unique_ptr<PictureReader> open(const std::string& path, const std::string& format,
-                                      std::string& problem) const override {
+  std::unique_ptr<PictureReader> open(const std::string& path, const std::string& format, std::string& problem,
+                                      std::vector<std::uint8_t> bytes) const override {
     OIIO::ImageSpec config, found;
     config.attribute("oiio:UnassociatedAlpha", 1);
     std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format);
     if (!input) {
       problem = OIIO::geterror();
       return nullptr;
+    }
+    std::unique_ptr<MemoryFile> file;
+    if (!bytes.empty()) {
+      file = std::make_unique<MemoryFile>(std::move(bytes));
+      if (!input->set_ioproxy(&file->proxy)) {
+        problem = "this build of OpenImageIO cannot read files of '" + format + "' from memory";
+        return nullptr;
+      }
     }
     try {
       if (!input->open(path, found, config)) {
@@ -83,7 +102,7 @@ class Library final : public PictureLibrary {
       problem = error.what();
       return nullptr;
     }
-    return std::make_unique<Reader>(std::move(input));
+    return std::make_unique<Reader>(std::move(input), std::move(file));
   }
 
   std::vector<unsigned char> encode_png(const PngPixels& pixels, int level, std::string& problem) const override {

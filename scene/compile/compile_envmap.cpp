@@ -4,8 +4,8 @@
 #include "core/image.h"
 #include "core/lanes.h"
 #include "core/large_pages.h"
+#include "core/picture_channels.h"
 #include "core/uplift.h"
-#include "scene/compile/texture_image.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -219,7 +219,7 @@ void uplift_nodes(Envmap& map) {
 EnvmapPicture read_envmap_picture(const std::filesystem::path& file) {
   const SourceLocation where{file.string(), 0};
   Picture picture = read_picture(file);
-  const std::vector<std::size_t> channels = texture_channels(picture.channels, where);
+  const std::vector<std::size_t> channels = find_color_channels(picture.channels, where).channels;
   const std::size_t stride = picture.channels.size();
   const bool bytes = !picture.bytes.empty(), encoded = bytes || picture.integers;
   const auto value = [&](std::size_t index) {
@@ -249,9 +249,15 @@ EnvmapPicture read_envmap_picture(const std::filesystem::path& file) {
   return out;
 }
 
-std::size_t count_unusable(const EnvmapPicture& picture) {
-  return static_cast<std::size_t>(
-      std::count_if(picture.rgb.begin(), picture.rgb.end(), [](float value) { return !is_usable(value); }));
+UnusableValues replace_unusable(EnvmapPicture& picture) {
+  UnusableValues counts;
+  for (float& value : picture.rgb) {
+    if (is_usable(value)) continue;
+    const bool infinite = value > 0.0f;
+    ++(infinite ? counts.infinite : counts.dark);
+    value = infinite ? kInfiniteTexel : 0.0f;
+  }
+  return counts;
 }
 
 }  // namespace sheaf

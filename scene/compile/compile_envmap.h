@@ -38,7 +38,17 @@ EnvmapPicture read_envmap_picture(const std::filesystem::path& file);
 /// stretches.
 void set_rotation(Envmap& map, const Transform& to_world, const SourceLocation& where);
 
-/// How many values of the picture are negative or not finite.
-std::size_t count_unusable(const EnvmapPicture& picture);
+/// What an infinite value of an environment map counts as: the largest number of 16 bits, the brightest that most files
+/// can hold.
+inline constexpr float kInfiniteTexel = 65504;
+
+/// Values that no radiance can have.
+struct UnusableValues {
+  std::size_t infinite = 0;  ///< count as kInfiniteTexel
+  std::size_t dark = 0;      ///< negative, or NaN: count as 0
+};
+
+/// Replaces them, and returns how many there were.
+UnusableValues replace_unusable(EnvmapPicture& picture);
 
 }  // namespace sheaf

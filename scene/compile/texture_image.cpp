@@ -4,6 +4,7 @@
 #include "core/color.h"
 #include "core/image.h"
 #include "core/memory.h"
+#include "core/picture_channels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,32 +72,10 @@ void change_values(Picture& picture, bool raw, const BitmapDescription::Change& 
   }
 }
 
-}  // namespace
-
-std::vector<std::size_t> texture_channels(const std::vector<std::string>& names, const SourceLocation& where) {
-  std::vector<std::size_t> color;
-  for (const char* name : {"R", "G", "B"}) {
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found != names.end()) color.push_back(static_cast<std::size_t>(found - names.begin()));
-  }
-  if (color.size() == 3) return color;
-  std::vector<std::size_t> others;
-  for (std::size_t c = 0; c < names.size(); ++c) {
-    if (names[c] == "Y") return {c};
-    if (names[c] != "A" || names.size() == 1) others.push_back(c);
-  }
-  if (others.size() == 1) return others;
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  throw SceneError(where, "the picture has the channels " + list + ", where R, G, B or Y (and A) are expected");
-}
-
-namespace {
-
 TiledImage tile_picture(Picture picture, bool raw, const BitmapDescription::Change& change,
                         const SourceLocation& where) {
   if (change != BitmapDescription::Change{}) change_values(picture, raw, change);
-  const std::vector<std::size_t> channels = texture_channels(picture.channels, where);
+  const std::vector<std::size_t> channels = find_color_channels(picture.channels, where).channels;
   const bool bytes = !picture.bytes.empty(), grey = channels.size() == 1;
 
   TiledImage image;
@@ -130,7 +109,7 @@ TiledImage tile_picture(Picture picture, bool raw, const BitmapDescription::Chan
 }  // namespace
 
 TiledImage load_tiled_image(const std::filesystem::path& file, bool raw, const BitmapDescription::Change& change) {
-  return tile_picture(read_picture(file), raw, change, {file.string(), 0});
+  return tile_picture(read_picture(file, raw), raw, change, {file.string(), 0});
 }
 
 TiledImage tile_image(const Image& made, const BitmapDescription::Change& change, const SourceLocation& where) {

@@ -13,12 +13,10 @@ struct TiledImage {
   std::vector<TexelTile> tiles;
 };
 
-/// The channels that make a texel, of a picture's: one index or three. Throws SceneError at `where` if it has none.
-std::vector<std::size_t> texture_channels(const std::vector<std::string>& names, const SourceLocation& where);
-
 /// Reads a picture: grey (with or without alpha) becomes one channel, colours four, of which the last is zero; alpha is
 /// dropped and nothing is multiplied by it. 8-bit data stays as it is, so that `raw` makes no difference; integers of
-/// 16 bits and more become floats, which unless `raw` are decoded by the sRGB curve. Floats mean linear values. With a
+/// 16 bits and more become floats, which unless `raw` are decoded by the sRGB curve. Floats mean linear values, which
+/// unless `raw` are converted to Rec.709 where the file says that they are colours of another space. With a
 /// `change` all data become floats, decoded unless `raw`, and changed. Throws SceneError if the picture is missing,
 /// broken or too large, has channels without a meaning, or values that are not finite.
 TiledImage load_tiled_image(const std::filesystem::path& file, bool raw, const BitmapDescription::Change& change = {});

@@ -1,4 +1,5 @@
 // The pbrt dialect: colours in other spaces than Rec.709.
+#include "core/color_space.h"
 #include "scene/dialects/pbrt.h"
 
 #include <algorithm>
@@ -8,66 +9,16 @@ namespace sheaf::pbrt {
 
 namespace {
 
-using Matrix3 = std::array<std::array<double, 3>, 3>;
-struct Chromaticity {
-  double x, y;
-};
-
-/// Chromaticities of the primaries and of white.
 struct RgbSpace {
   const char* name;
-  Chromaticity red, green, blue, white;
+  RgbChromaticities chromaticities;
 };
 constexpr Chromaticity kD65 = {0.3127, 0.3290};
 /// ITU-R BT.709; the primaries of SMPTE RP 431-2 with D65; ITU-R BT.2020; SMPTE ST 2065-1.
-constexpr RgbSpace kSpaces[] = {{"srgb", {0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}, kD65},
-                                {"dci-p3", {0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}, kD65},
-                                {"rec2020", {0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}, kD65},
-                                {"aces2065-1", {0.7347, 0.2653}, {0, 1}, {0.0001, -0.0770}, {0.32168, 0.33767}}};
-
-Matrix3 operator*(const Matrix3& a, const Matrix3& b) {
-  Matrix3 out{};
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j)
-      for (std::size_t k = 0; k < 3; ++k) out[i][j] += a[i][k] * b[k][j];
-  return out;
-}
-
-std::array<double, 3> operator*(const Matrix3& a, const std::array<double, 3>& v) {
-  return {a[0][0] * v[0] + a[0][1] * v[1] + a[0][2] * v[2], a[1][0] * v[0] + a[1][1] * v[1] + a[1][2] * v[2],
-          a[2][0] * v[0] + a[2][1] * v[1] + a[2][2] * v[2]};
-}
-
-Matrix3 inverse(const Matrix3& m) {
-  Matrix3 out;
-  double determinant = 0;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j) {
-      const std::size_t a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
-      out[j][i] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
-      if (i == 0) determinant += m[0][j] * out[j][0];
-    }
-  for (auto& row : out)
-    for (double& entry : row) entry /= determinant;
-  return out;
-}
-
-/// XYZ of luminance 1.
-std::array<double, 3> xyz_of(const Chromaticity& c) { return {c.x / c.y, 1, (1 - c.x - c.y) / c.y}; }
-
-/// The matrix from a space's colours to XYZ, white having a luminance of 1 (SMPTE RP 177).
-Matrix3 to_xyz(const RgbSpace& space) {
-  Matrix3 primaries;
-  const Chromaticity* const columns[3] = {&space.red, &space.green, &space.blue};
-  for (std::size_t j = 0; j < 3; ++j) {
-    const Chromaticity& c = *columns[j];
-    primaries[0][j] = c.x, primaries[1][j] = c.y, primaries[2][j] = 1 - c.x - c.y;
-  }
-  const std::array<double, 3> amounts = inverse(primaries) * xyz_of(space.white);
-  for (auto& row : primaries)
-    for (std::size_t j = 0; j < 3; ++j) row[j] *= amounts[j];
-  return primaries;
-}
+constexpr RgbSpace kSpaces[] = {{"srgb", kRec709Space},
+                                {"dci-p3", {{0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}, kD65}},
+                                {"rec2020", {{0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}, kD65}},
+                                {"aces2065-1", {{0.7347, 0.2653}, {0, 1}, {0.0001, -0.0770}, {0.32168, 0.33767}}}};
 
 /// What is white in `from` becomes white in `to`, as eyes adapt (Lam 1985, the Bradford transform).
 Matrix3 adaptation(const Chromaticity& from, const Chromaticity& to) {
@@ -92,10 +43,10 @@ Vec3f to_rec709(Parameters& p, Vec3f rgb, Use use) {
   const std::size_t index = p.reader().attributes.color_space;
   if (index == 0) return rgb;
   const RgbSpace& space = kSpaces[index];
-  Matrix3 matrix = to_xyz(space);
-  if (use != Use::kLight) matrix = adaptation(space.white, kSpaces[0].white) * matrix;
+  Matrix3 matrix = rgb_to_xyz(space.chromaticities);
+  if (use != Use::kLight) matrix = adaptation(space.chromaticities.white, kRec709Space.white) * matrix;
   const std::array<double, 3> v =
-      inverse(to_xyz(kSpaces[0])) * (matrix * std::array<double, 3>{double{rgb.x}, double{rgb.y}, double{rgb.z}});
+      inverse(rgb_to_xyz(kRec709Space)) * (matrix * std::array<double, 3>{double{rgb.x}, double{rgb.y}, double{rgb.z}});
   // White need not come out as 1 to the last bit.
   constexpr double kRounding = 1e-6;
   const double most = use == Use::kReflectance ? 1 : std::numeric_limits<double>::max();

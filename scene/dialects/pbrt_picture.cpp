@@ -1,5 +1,6 @@
 // The pbrt dialect: what must be known of pictures before they are used.
 #include "core/color.h"
+#include "core/picture_channels.h"
 #include "scene/dialects/pbrt.h"
 
 #include <algorithm>
@@ -81,13 +82,10 @@ Image read_linear_picture(const std::filesystem::path& file, bool raw, const Sou
     Image out(picture.width, picture.height, {"R", "G", "B"});
     const bool decode = !raw && (picture.integers || !picture.bytes.empty());
     const std::size_t stride = picture.channels.size();
-    const bool coloured = stride >= 3;
+    const std::vector<std::size_t> channels = find_color_channels(picture.channels, {file.string(), 0}).channels;
     for (std::size_t pixel = 0; pixel < out.pixel_count(); ++pixel)
       for (std::size_t c = 0; c < 3; ++c) {
-        std::size_t from = coloured ? c : 0;
-        for (std::size_t k = 0; coloured && k < stride; ++k)
-          if (picture.channels[k] == out.channels[c]) from = k;
-        const std::size_t at = pixel * stride + from;
+        const std::size_t at = pixel * stride + channels[std::min(c, channels.size() - 1)];
         const float value = picture.bytes.empty() ? picture.floats[at] : static_cast<float>(picture.bytes[at]) / 255;
         if (!std::isfinite(value)) throw SceneError({file.string(), 0}, "a pixel is not a finite number");
         out.data[3 * pixel + c] = decode ? srgb_to_linear(value) : value;

@@ -2,6 +2,7 @@
 
 #include "core/color.h"
 #include "core/image.h"
+#include "core/picture_channels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,33 +11,20 @@ namespace sheaf {
 
 namespace {
 
-/// The channels that make a pixel's luminance: R, G and B, or one alone.
-std::vector<int> luminance_channels(const Picture& picture, const SourceLocation& where) {
-  const auto find = [&](const char* name) {
-    const auto found = std::find(picture.channels.begin(), picture.channels.end(), name);
-    return found == picture.channels.end() ? -1 : static_cast<int>(found - picture.channels.begin());
-  };
-  if (find("R") >= 0 && find("G") >= 0 && find("B") >= 0) return {find("R"), find("G"), find("B")};
-  if (find("Y") >= 0) return {find("Y")};
-  const std::size_t others = picture.channels.size() - (find("A") >= 0 ? 1 : 0);
-  if (others != 1) throw SceneError(where, "expected a picture with the channels R, G and B, or with one channel");
-  return {find("A") == 0 ? 1 : 0};
-}
-
 Heights read_heights(const std::filesystem::path& file, float scale, bool raw) {
   const SourceLocation where{file.string(), 0};
-  const Picture picture = read_picture(file);
+  const Picture picture = read_picture(file, raw);
   Heights out{static_cast<std::size_t>(picture.width), static_cast<std::size_t>(picture.height), {}};
   if (out.width < 2 || out.height < 2 || out.width * out.height > kMaxHeights)
     throw SceneError(where, "a picture of " + std::to_string(out.width) + " x " + std::to_string(out.height) +
                                 " pixels, expected 2 x 2 at least and " + std::to_string(kMaxHeights) + " at most");
-  const std::vector<int> channels = luminance_channels(picture, where);
+  const std::vector<std::size_t> channels = find_color_channels(picture.channels, where).channels;
   const bool bytes = !picture.bytes.empty(), decode = !raw && (bytes || picture.integers);
   out.z.resize(out.width * out.height);
   for (std::size_t i = 0; i < out.z.size(); ++i) {
     float value[3] = {};
     for (std::size_t k = 0; k < channels.size(); ++k) {
-      const std::size_t at = i * picture.channels.size() + static_cast<std::size_t>(channels[k]);
+      const std::size_t at = i * picture.channels.size() + channels[k];
       value[k] = bytes ? static_cast<float>(picture.bytes[at]) / 255.0f : picture.floats[at];
       if (decode) value[k] = srgb_to_linear(value[k]);
     }

@@ -283,8 +283,8 @@ TEST_CASE("environment map: spectral mode, shapes are mixed, and scales are mixe
     }
   }
   // Not the spectrum of the mixed colour.
-  const auto half = lookup_envmap<Scalar, kSpectral>(two_colors(red, {1, 1, 1}).view(), direction_of(0.5, 0.4),
-                                                     kSomeWavelengths);
+  const auto half =
+      lookup_envmap<Scalar, kSpectral>(two_colors(red, {1, 1, 1}).view(), direction_of(0.5, 0.4), kSomeWavelengths);
   CHECK(half.radiance.c3 < 0.97f * evaluate(fit_unbounded({2.5f, 1, 1}), kSomeWavelengths).c3);
 }
 
@@ -378,11 +378,18 @@ TEST_CASE("environment map: pictures in files, usable or not") {
   CHECK(black->warnings().size() == 1);
   const auto repaired = compile_scene(scene_with("bad.exr"));
   REQUIRE(repaired->warnings().size() == 1);
-  CHECK(repaired->warnings()[0].find("3 values") != std::string::npos);
+  CHECK(repaired->warnings()[0].find("3 values that are negative or not finite: 2 count as 0, 1 infinite as 65504") !=
+        std::string::npos);
+  EnvmapPicture values = read_envmap_picture(folder / "bad.exr");
+  const UnusableValues counts = replace_unusable(values);
+  CHECK(counts.infinite == 1);
+  CHECK(counts.dark == 2);
+  CHECK(values.rgb == std::vector<float>{1, 1, 1, 0, 1, 1, 0, 1, 1, 1, 65504, 1});
   for (std::uint32_t i = 0; i < 500; ++i) {
     const auto u = random4<Scalar>(6, i, 0, 0);
     const auto s = sample_envmap<Scalar>(repaired->view().envmap, u.x, u.y);
-    CHECK((is_finite(s.pdf_solid_angle) && is_finite(s.direction) && s.radiance.c0 >= 0 && s.radiance.c1 <= 1.001f));
+    CHECK((is_finite(s.pdf_solid_angle) && is_finite(s.direction) && s.radiance.c0 >= 0 && s.radiance.c1 <= 65536 &&
+           s.radiance.c2 <= 1.001f));
   }
   CHECK_THROWS_AS(compile_scene(scene_with("broken.exr")), SceneError);
   CHECK_THROWS_AS(compile_scene(scene_with("missing.exr")), SceneError);

@@ -58,10 +58,18 @@ std::optional<PlacedLight> place_light(const LightToPlace<EnvmapDescription>& l)
   const EnvmapDescription& light = l.light;
   LightContext& context = l.context;
   EnvmapPicture picture = read_envmap_picture(light.file);
+  const UnusableValues unusable = replace_unusable(picture);
+  if (const std::size_t bad = unusable.dark + unusable.infinite; bad > 0) {
+    std::string text = light.file.string() + ": " + std::to_string(bad) + " values that are negative or not finite";
+    if (unusable.infinite == 0) {
+      text += " count as 0";
+    } else {
+      text += ": " + std::to_string(unusable.dark) + " count as 0, " + std::to_string(unusable.infinite) +
+              " infinite as " + std::to_string(static_cast<int>(kInfiniteTexel));
+    }
+    context.warnings.push_back(std::move(text));
+  }
   if (light.layout == EnvmapDescription::Layout::kOctahedral) picture = lat_long_of_octahedral(picture, light.file);
-  if (const std::size_t bad = count_unusable(picture); bad > 0)
-    context.warnings.push_back(light.file.string() + ": " + std::to_string(bad) +
-                               " values that are negative or not finite count as 0");
   const double nodes = static_cast<double>(picture.width) * picture.height;
   const MemoryUse uses[] = {{"its tables", nodes * sizeof(EnvmapColumn), "A smaller map takes less"},
                             {"its spectra", context.spectra != nullptr ? nodes * 4 * sizeof(float) : 0, {}}};

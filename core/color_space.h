@@ -1,0 +1,45 @@
+// RGB colour spaces by the chromaticities of their primaries and of white (SMPTE RP 177).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+namespace sheaf {
+
+/// A 3 x 3 matrix, row by row.
+using Matrix3 = std::array<std::array<double, 3>, 3>;
+Matrix3 operator*(const Matrix3& a, const Matrix3& b);
+std::array<double, 3> operator*(const Matrix3& a, const std::array<double, 3>& v);
+/// Entries are infinite or NaN if the matrix is singular.
+Matrix3 inverse(const Matrix3& m);
+
+/// CIE xy.
+struct Chromaticity {
+  double x = 0, y = 0;
+};
+
+/// The primaries and white of an RGB space.
+struct RgbChromaticities {
+  Chromaticity red, green, blue, white;
+};
+inline constexpr RgbChromaticities kRec709Space{{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}, {0.3127, 0.3290}};
+/// CIE XYZ as an RGB space, with illuminant E for white.
+inline constexpr RgbChromaticities kXyzSpace{{1, 0}, {0, 1}, {0, 0}, {1.0 / 3, 1.0 / 3}};
+
+/// The XYZ of a chromaticity, of Y = 1.
+std::array<double, 3> xyz_of(const Chromaticity& c);
+
+/// The matrix from linear colours of a space to XYZ; white (1, 1, 1) gets Y = 1.
+Matrix3 rgb_to_xyz(const RgbChromaticities& space);
+
+/// The matrix from linear colours of a space to linear Rec.709, without chromatic adaptation: white keeps its
+/// chromaticity. Nothing if no such matrix exists: the primaries lie on a line, or a number is not finite.
+std::optional<Matrix3> rgb_to_rec709(const RgbChromaticities& space);
+
+/// Converts pixels of `stride` values, of which the first three are colours, from a space to linear Rec.709, but for
+/// pixels with infinities or NaN. Returns false if there is no rgb_to_rec709() of the space.
+bool convert_to_rec709(std::span<float> rgb, const RgbChromaticities& space, std::size_t stride = 3);
+
+}  // namespace sheaf
