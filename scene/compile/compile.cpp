@@ -47,6 +47,7 @@ std::unique_ptr<Scene> SceneCompiler::run() {
     for (const ShapeGroup& group : in_.groups) groups.push_back(add_group(group));
     add_instances(groups);
   });
+  check_attributes();
   set_bounds();
   with_memory_for("grids of media", "Coarser grids take less", [&] { add_media(); });
   with_memory_for("lights and environment map", "A smaller environment map takes less", [&] { add_lights(); });

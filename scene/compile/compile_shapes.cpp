@@ -3,6 +3,7 @@
 #include "scene/compile/sample_height_field.h"
 #include "scene/compile/scene_compiler.h"
 #include "scene/formats/mesh_io.h"
+#include "scene/formats/smooth_normals.h"
 #include "scene/tables/instance.h"
 #include "scene/tables/quadric.h"
 
@@ -56,7 +57,7 @@ void SceneCompiler::add_shape(const ShapeDescription& shape) {
                    [&](const MeshFileShape& s) {
                      MeshFile file = read_mesh(s);
                      for (const std::string& w : file.warnings) out_->warnings_.push_back(s.file.string() + ": " + w);
-                     add_mesh(row, shape, std::move(file.mesh), shape.face_normals || file.face_normals);
+                     add_mesh(row, shape, std::move(file.mesh), shape.face_normals || file.face_normals, file.is_split);
                    },
                    [&](const Mesh& mesh) { add_mesh(row, shape, mesh, shape.face_normals); },
                    [&](const RectangleShape&) { add_mesh(row, shape, rectangle_mesh(), shape.face_normals); },
@@ -75,7 +76,7 @@ void SceneCompiler::add_shape(const ShapeDescription& shape) {
   } catch (const SceneError& error) { throw at_place(shape.where, error); }
 }
 
-void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh, bool face_normals) {
+void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh, bool face_normals, bool is_split) {
   const auto* file = std::get_if<MeshFileShape>(&shape.geometry);
   check_mesh(mesh, shape.where);
   if (face_normals) mesh.normals.clear();
@@ -84,7 +85,13 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh m
   const bool should_close = shape.interior != shape.exterior && !std::holds_alternative<RectangleShape>(shape.geometry);
   const std::size_t open_edges = should_close ? count_open_edges(mesh) : 0;
   const std::size_t dropped = drop_degenerate_triangles(mesh);
-  if (file && file->smooth_normals && !face_normals && mesh.normals.empty()) compute_vertex_normals(mesh);
+  if (file && file->smooth_normals && !face_normals && mesh.normals.empty()) {
+    if (is_split) {
+      compute_welded_normals(mesh);
+    } else {
+      compute_vertex_normals(mesh);
+    }
+  }
   if (shape.flip_normals) flip_mesh(mesh);
   if (dropped > 0) warn(shape, std::to_string(dropped) + " degenerate or non-finite triangles left out");
   if (open_edges > 0)
@@ -108,10 +115,12 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh m
   for (const auto& t : mesh.triangles)
     for (std::uint32_t vertex : t) grow_box(box.min, box.max, mesh.positions[vertex], mesh.positions[vertex]);
   grow(box.min, box.max);
-  for (const Mesh::Attribute& attribute : mesh.attributes)
+  for (const Mesh::Attribute& attribute : mesh.attributes) {
+    known_attributes_.insert(attribute.name);
     if (attributes_->wants(attribute.name))
       attributes_->add(static_cast<std::uint32_t>(out_->shapes_.size()), row.first_triangle, row.triangle_count,
                        static_cast<std::uint32_t>(mesh.positions.size()), attribute, shape.where);
+  }
   for (const char* name : {kEdgeDistances, kRelativeEdgeDistances})
     if (attributes_->wants(name))
       attributes_->add(static_cast<std::uint32_t>(out_->shapes_.size()), row.first_triangle, row.triangle_count,
@@ -145,6 +154,9 @@ void SceneCompiler::push_shape(ShapeRow row, const ShapeDescription& shape, cons
     out_->boundaries_.push_back({hold(shape.interior, shape, box), hold(shape.exterior, shape, box)});
     if (shape.exterior_is_surrounding) surrounded_shapes_.push_back(index);
   }
+  if (shape.radiance)
+    if (const auto* texture = std::get_if<TextureId>(&*shape.radiance))
+      emission_textures_.emplace_back(index, static_cast<std::uint32_t>(*texture));
   if (const std::optional<AreaEmission> emission = emission_of(shape)) {
     if (group_emitters_ != nullptr) {
       row.light = static_cast<std::uint32_t>(group_emitters_->size());
@@ -171,8 +183,12 @@ SceneCompiler::GroupContents SceneCompiler::add_group(const ShapeGroup& group) {
   group_emitters_ = nullptr;
   group_name_.clear();
   const ShapeRange range{first, static_cast<std::uint32_t>(out_->shapes_.size()) - first};
-  GroupContents contents{range, static_cast<std::uint32_t>(group_ranges_.size()),
-                         out_->counts_.triangles - triangles, lower_, upper_, std::move(emitters)};
+  GroupContents contents{range,
+                         static_cast<std::uint32_t>(group_ranges_.size()),
+                         out_->counts_.triangles - triangles,
+                         lower_,
+                         upper_,
+                         std::move(emitters)};
   if (range.shape_count > 0) group_ranges_.push_back(range);
   lower_ = lower;
   upper_ = upper;
@@ -199,8 +215,7 @@ void SceneCompiler::add_instances(const std::vector<GroupContents>& groups) {
   }
   if (too_large > 0)
     out_->warnings_.push_back(std::to_string(too_large) + " instances too large for single precision: left out");
-  if (out_->shapes_.size() + out_->instances_.size() >= kNone)
-    throw SceneError("more than 2^32 shapes and instances");
+  if (out_->shapes_.size() + out_->instances_.size() >= kNone) throw SceneError("more than 2^32 shapes and instances");
   out_->counts_.groups = group_ranges_.size();
   out_->counts_.instances = out_->instances_.size();
 }

@@ -167,21 +167,6 @@ class TextureCompiler {
     return known->second;
   }
 
-  /// The rows that a row refers to.
-  static std::vector<std::uint32_t> children_of(const TextureRow& row) {
-    switch (row.kind) {
-      case TextureKind::kCheckerboard:
-      case TextureKind::kGrid:
-        return {row.checkerboard.child[0], row.checkerboard.child[1]};
-      case TextureKind::kWireframe:
-        return {row.wireframe.child[0], row.wireframe.child[1]};
-      case TextureKind::kMix:
-        return {row.mix.child[0], row.mix.child[1], row.mix.amount};
-      default:
-        return {};
-    }
-  }
-
   /// How many checkerboards and mixes lie in each other here, inside of `outside` others.
   int depth(std::size_t i, int outside = 0) {
     const std::vector<std::uint32_t> children = children_of(out_.rows[i]);
@@ -255,6 +240,20 @@ class TextureCompiler {
 
 CompiledTextures compile_textures(const std::vector<TextureDescription>& textures) {
   return TextureCompiler(textures).run();
+}
+
+std::vector<std::uint32_t> children_of(const TextureRow& row) {
+  switch (row.kind) {
+    case TextureKind::kCheckerboard:
+    case TextureKind::kGrid:
+      return {row.checkerboard.child[0], row.checkerboard.child[1]};
+    case TextureKind::kWireframe:
+      return {row.wireframe.child[0], row.wireframe.child[1]};
+    case TextureKind::kMix:
+      return {row.mix.child[0], row.mix.child[1], row.mix.amount};
+    default:
+      return {};
+  }
 }
 
 bool AttributeTable::wants(const std::string& name) const {

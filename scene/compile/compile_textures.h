@@ -24,6 +24,9 @@ std::vector<std::string> clamped_texel_warnings(const std::vector<TextureDescrip
 inline constexpr const char *kEdgeDistances = "face_ edge distances",
                             *kRelativeEdgeDistances = "face_ relative edge distances";
 
+/// The rows that a texture shows parts of: of a checkerboard its colours.
+std::vector<std::uint32_t> children_of(const TextureRow& row);
+
 /// Gathers the attributes of all meshes that some texture reads.
 class AttributeTable {
  public:
@@ -32,6 +35,8 @@ class AttributeTable {
 
   /// Whether a texture reads this attribute.
   bool wants(const std::string& name) const;
+  /// Whether the attribute, by its index in `names`, was added for the shape.
+  bool has(std::uint32_t shape, std::uint32_t name) const { return added_.count({name, shape}) > 0; }
 
   /// Adds an attribute of the shape, whose triangles are [first_triangle, first_triangle + triangle_count) of
   /// SceneView::triangles; in any order. Face attributes must have been left with as many values as triangles are.

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
 namespace sheaf {
 
@@ -56,7 +57,7 @@ class SceneCompiler {
     ShapeRange range;
     std::uint32_t index;  ///< among the groups that are not empty
     std::size_t triangles;
-    Vec3f lower, upper;   ///< bounds in the group's space
+    Vec3f lower, upper;  ///< bounds in the group's space
     std::vector<Emitter> emitters;
   };
 
@@ -76,7 +77,8 @@ class SceneCompiler {
   // compile_shapes.cpp
   void add_shape(const ShapeDescription& shape);
   /// The order of the steps is explained in scene/formats/mesh.h.
-  void add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh, bool face_normals);
+  /// `is_split`: as MeshFile has it.
+  void add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh, bool face_normals, bool is_split = false);
   void add_quadric(ShapeRow row, const ShapeDescription& shape, const QuadricRow& quadric);
   /// Adds the row of a shape within `box`. If it emits, a light, which for shapes of groups waits for the instances.
   void push_shape(ShapeRow row, const ShapeDescription& shape, const GridBox& box);
@@ -85,6 +87,10 @@ class SceneCompiler {
   void add_instances(const std::vector<GroupContents>& groups);
   /// Lets the bounds hold the box [lower, upper].
   void grow(Vec3f lower, Vec3f upper);
+
+  // check_attributes.cpp
+  /// Throws where a texture shows an attribute that no mesh with its material has; once all shapes are there.
+  void check_attributes();
 
   // compile_curves.cpp
   void add_curves(ShapeRow row, const ShapeDescription& shape, const Curves& curves);
@@ -130,6 +136,8 @@ class SceneCompiler {
   std::uint32_t default_material_ = 0;
   std::optional<SpectrumSet> spectra_;        ///< in spectral mode
   std::optional<AttributeTable> attributes_;  ///< once textures are known
+  std::set<std::string> known_attributes_;    ///< that meshes have, whether or not a texture shows them
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> emission_textures_;  ///< shapes, and what they emit
   std::vector<std::uint32_t> vertex_counts_;
   std::vector<std::uint32_t> row_of_phase_;         ///< the last: isotropic
   std::vector<std::vector<GridBox>> medium_boxes_;  ///< around the shapes that hold each medium

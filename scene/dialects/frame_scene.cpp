@@ -2,6 +2,7 @@
 
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"
+#include "scene/formats/smooth_normals.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +38,13 @@ void load(ShapeDescription& shape, const MeshFileShape& from, Description& descr
   if (shape.face_normals) file.mesh.normals.clear();
   transform_mesh(file.mesh, shape.to_world);
   drop_degenerate_triangles(file.mesh);
-  if (from.smooth_normals && !shape.face_normals && file.mesh.normals.empty()) compute_vertex_normals(file.mesh);
+  if (from.smooth_normals && !shape.face_normals && file.mesh.normals.empty()) {
+    if (file.is_split) {
+      compute_welded_normals(file.mesh);
+    } else {
+      compute_vertex_normals(file.mesh);
+    }
+  }
   shape.to_world = Transform();
   shape.geometry = std::move(file.mesh);
 }

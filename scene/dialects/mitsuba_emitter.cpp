@@ -2,6 +2,7 @@
 #include "scene/dialects/mitsuba.h"
 #include "scene/dialects/read_daylight.h"
 #include "scene/dialects/read_emitter.h"
+#include "scene/dialects/read_texture.h"
 
 #include <algorithm>
 #include <iterator>
@@ -28,11 +29,9 @@ SpotLightDescription read_spot_light(Properties& p) {
   light.beam_width = p.number("beam_width", 0.75f * light.cutoff_angle, {0, light.cutoff_angle, false});
   const std::optional<SpectrumInput> texture = p.find_spectrum_input("texture", SpectrumRole::kEmission);
   if (!texture) return light;
-  const auto* id = std::get_if<TextureId>(&*texture);
-  if (id == nullptr) p.fail_at("texture", "is the same everywhere, expected a picture: 'intensity' sets the colour");
   if (!(light.cutoff_angle < 90))
     p.fail_at("cutoff_angle", "is not below 90 degrees, as a spot with a texture needs it");
-  light.texture = *id;
+  light.texture = texture_showing(*texture, p.where(), p.context());
   return light;
 }
 

@@ -52,7 +52,7 @@ SpectrumInput scaled_input(Properties& p, const SpectrumInput& input, float by, 
 /// A texture times a number.
 SpectrumInput read_scaled(Properties& p) {
   const float by = p.number("scale", 1, kNotNegative);
-  const XmlElement* nested = p.any_texture();
+  const XmlElement* nested = p.any_texture_or_color();
   if (nested == nullptr) p.fail("needs a nested <texture>");
   const SpectrumInput result = scaled_input(p, texture_of(*nested, p.context()), by);
   p.finish();
@@ -64,6 +64,7 @@ SpectrumInput read_scaled(Properties& p) {
 
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   if (const SpectrumInput* known = find_read_texture(element, context)) return *known;
+  if (element.name != "texture") return read_spectrum(element, context);
   const std::vector<std::string>& plain = spectrum_plugins();
   if (std::find(plain.begin(), plain.end(), element.attribute("type")) != plain.end())
     return read_spectrum(element, context);

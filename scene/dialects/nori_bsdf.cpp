@@ -1,6 +1,7 @@
 // The Nori dialect: materials of its own; all others are those of Mitsuba.
 #include "scene/dialects/nori.h"
 #include "scene/dialects/read_bsdf.h"
+#include "scene/dialects/read_texture.h"
 #include "scene/dialects/stand_in_bsdf.h"
 
 #include <algorithm>
@@ -66,13 +67,12 @@ void read_absorption(Properties& p, std::optional<SpectrumDescription>& absorpti
 MaterialId with_normal_map(Properties& p, MaterialId nested) {
   if (!p.is_texture("normal")) return nested;
   const std::optional<SpectrumInput> map = p.find_spectrum_input("normal", SpectrumRole::kIor);
-  const auto* texture = std::get_if<TextureId>(&*map);
-  if (texture == nullptr) p.fail_at("normal", "is the same everywhere, expected a picture");
+  const TextureId texture = texture_showing(*map, p.where(), p.context());
   if (auto* bitmap =
-          std::get_if<BitmapDescription>(&p.context().description.textures[static_cast<std::size_t>(*texture)].model))
+          std::get_if<BitmapDescription>(&p.context().description.textures[static_cast<std::size_t>(texture)].model))
     bitmap->raw = true;
   MaterialDescription mapped;
-  mapped.model = NormalMapDescription{*texture, false, nested};
+  mapped.model = NormalMapDescription{texture, false, nested};
   mapped.where = p.where();
   return add_material(p.context(), std::move(mapped));
 }

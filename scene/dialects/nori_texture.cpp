@@ -47,6 +47,9 @@ SpectrumInput read_constant(Properties& p) {
 
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   if (const SpectrumInput* known = find_read_texture(element, context)) return *known;
+  const std::vector<std::string>& plain = spectrum_plugins();
+  if (element.name != "texture" || std::find(plain.begin(), plain.end(), element.attribute("type")) != plain.end())
+    return read_spectrum(element, context);
   Properties p(element, context);
   TextureDescription texture;
   if (p.type() == "constant_color" || p.type() == "constant_float") return read_constant(p);
@@ -58,6 +61,7 @@ SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
     read_turn(p);
   } else if (!read_shared_texture(p, PictureOrigin::kLowerLeft, texture)) {
     std::vector<std::string> known = shared_texture_names();
+    known.insert(known.end(), plain.begin(), plain.end());
     known.insert(known.end(), {"checkerboard_color", "checkerboard_float", "constant_color", "constant_float", "image",
                                "imagetexture", "normaltexture", "png_texture"});
     std::sort(known.begin(), known.end());

@@ -3,6 +3,8 @@
 
 #include "scene/formats/mesh.h"
 #include "scene/formats/obj.h"
+#include "scene/formats/smooth_normals.h"
+#include "scene/formats/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -167,24 +169,23 @@ class MaterialBuilder {
 /// Whether an OBJ file may use materials: a quick look. Files that cannot be read may not: who reads them says why.
 bool may_use_materials(const std::filesystem::path& file) {
   try {
-    const std::string bytes = read_mesh_bytes(file, "OBJ file");
+    const std::string bytes = read_mesh_text(file, "OBJ file");
     return bytes.find("mtllib") != bytes.npos && bytes.find("usemtl") != bytes.npos;
-  } catch (const SceneError&) {
-    return false;
-  }
+  } catch (const SceneError&) { return false; }
 }
 
 /// Materials of the libraries of OBJ files, each read and added once.
 class MaterialLibraries {
  public:
-  explicit MaterialLibraries(Description& description) : description_(description) {}
+  MaterialLibraries(Description& description, bool lenient) : description_(description), lenient_(lenient) {}
 
-  /// The libraries that exist, in the order of the file. Notes the others.
-  std::vector<const MtlLibrary*> find(const std::vector<ObjLibrary>& named) {
+  /// The libraries that exist, in the order of the file. Notes the others, and sets `complete` if there are none.
+  std::vector<const MtlLibrary*> find(const std::vector<ObjLibrary>& named, bool& complete) {
     std::vector<const MtlLibrary*> found;
+    complete = true;
     for (const ObjLibrary& line : named) {
       const std::filesystem::path folder = std::filesystem::path(line.where.file).parent_path();
-      if (const auto whole = find_file(folder, line.names)) {
+      if (const auto whole = find_file(folder, std::string(unquoted(line.names)))) {
         found.push_back(&read(*whole));
         continue;
       }
@@ -193,6 +194,7 @@ class MaterialLibraries {
           found.push_back(&read(*file));
         } else {
           note(line.where, "material library '" + name + "' not found, its materials become diffuse");
+          complete = false;
         }
       }
     }
@@ -208,6 +210,12 @@ class MaterialLibraries {
   void note(const SourceLocation& where, const std::string& message) {
     description_.notes.push_back(SceneError(where, message).what());
   }
+  /// Throws unless lenient, when a diffuse material stands in.
+  void fail(const SourceLocation& where, const std::string& message) {
+    const SceneError error(where, message);
+    if (!lenient_) throw error;
+    description_.stand_ins.push_back(std::string(error.what()) + " (a diffuse surface stands in)");
+  }
 
  private:
   static std::optional<std::filesystem::path> find_file(const std::filesystem::path& folder, std::string name) {
@@ -218,11 +226,14 @@ class MaterialLibraries {
     return file;
   }
 
+  /// Words, or texts in quotation marks.
   static std::vector<std::string> split(const std::string& names) {
     std::vector<std::string> words;
     for (std::size_t at = names.find_first_not_of(" \t"); at != names.npos;) {
-      const std::size_t end = std::min(names.find_first_of(" \t", at), names.size());
-      words.push_back(names.substr(at, end - at));
+      const bool quoted = names[at] == '"' && names.find('"', at + 1) != names.npos;
+      const std::size_t end =
+          quoted ? names.find('"', at + 1) + 1 : std::min(names.find_first_of(" \t", at), names.size());
+      words.emplace_back(unquoted(std::string_view(names).substr(at, end - at)));
       at = names.find_first_not_of(" \t", end);
     }
     return words;
@@ -239,6 +250,7 @@ class MaterialLibraries {
   }
 
   Description& description_;
+  bool lenient_;
   std::map<std::filesystem::path, MtlLibrary> libraries_;
   std::map<std::pair<const MtlMaterial*, bool>, MaterialId> ids_;
 };
@@ -255,24 +267,31 @@ const MtlMaterial* find_material(const std::vector<const MtlLibrary*>& libraries
 /// For each name that faces use its material, or null.
 std::vector<const MtlMaterial*> find_materials(const ObjFile& obj, const std::string& file,
                                                MaterialLibraries& libraries) {
-  const std::vector<const MtlLibrary*> read = libraries.find(obj.libraries);
+  bool complete = false;
+  const std::vector<const MtlLibrary*> read = libraries.find(obj.libraries, complete);
   std::vector<std::string> names;
   for (const MtlLibrary* library : read) {
     for (const MtlMaterial& material : library->materials) names.push_back(material.name);
   }
   std::vector<const MtlMaterial*> found;
-  for (const std::string& name : obj.materials) {
+  for (std::size_t i = 0; i < obj.materials.size(); ++i) {
+    const std::string& name = obj.materials[i];
     found.push_back(find_material(read, name));
     if (found.back() != nullptr || name.empty() || read.empty()) continue;
-    libraries.note({file}, "material '" + name + "' is in no material library, it becomes diffuse" +
-                               did_you_mean(name, names));
+    const SourceLocation where{file, obj.material_lines[i]};
+    const std::string similar = did_you_mean(name, names);
+    if (complete) {
+      libraries.fail(where, "material '" + name + "' is in no material library of the file" + similar);
+    } else {
+      libraries.note(where, "material '" + name + "' is in no material library, it becomes diffuse" + similar);
+    }
   }
   return found;
 }
 
 /// The steps that scene/formats/mesh.h lists, up to the normals of vertices, on the uncut mesh: so no cut shows.
 /// Returns how many triangles are left out.
-std::size_t place(ObjFile& obj, const ShapeDescription& shape, bool smooth_normals) {
+std::size_t place(ObjFile& obj, const ShapeDescription& shape, bool smooth_normals, bool creased) {
   Mesh& mesh = obj.file.mesh;
   check_mesh(mesh, shape.where);
   if (shape.face_normals) mesh.normals.clear();
@@ -282,20 +301,29 @@ std::size_t place(ObjFile& obj, const ShapeDescription& shape, bool smooth_norma
   if (usable.size() < before) {
     mesh = extract_triangles(mesh, usable);
     for (std::size_t i = 0; i < usable.size(); ++i) obj.material_of[i] = obj.material_of[usable[i]];
+    if (!obj.smoothing_of.empty())
+      for (std::size_t i = 0; i < usable.size(); ++i) obj.smoothing_of[i] = obj.smoothing_of[usable[i]];
+    if (!obj.smoothing_of.empty()) obj.smoothing_of.resize(usable.size());
   }
-  if (smooth_normals && !shape.face_normals && mesh.normals.empty()) compute_vertex_normals(mesh);
+  if (!smooth_normals || shape.face_normals || !mesh.normals.empty()) return before - usable.size();
+  if (creased) {
+    compute_creased_normals(mesh, obj.smoothing_of);
+  } else {
+    compute_vertex_normals(mesh);
+  }
   return before - usable.size();
 }
 
 /// The shapes that `shape` becomes; empty if it stays as it is.
-std::vector<ShapeDescription> cut(const ShapeDescription& shape, MaterialLibraries& libraries) {
+std::vector<ShapeDescription> cut(const ShapeDescription& shape, MaterialLibraries& libraries, bool creased) {
   const auto& geometry = std::get<MeshFileShape>(shape.geometry);
   ObjFile obj = read_obj_with_materials(geometry.file, geometry.flip_tex_coords);
   const std::vector<const MtlMaterial*> materials = find_materials(obj, geometry.file.string(), libraries);
   std::vector<ShapeDescription> parts;
-  if (std::all_of(materials.begin(), materials.end(), [](const MtlMaterial* m) { return m == nullptr; })) return parts;
+  const bool plain = std::all_of(materials.begin(), materials.end(), [](const MtlMaterial* m) { return m == nullptr; });
+  if (plain && !creased) return parts;
   for (const std::string& warning : obj.file.warnings) libraries.note({geometry.file.string()}, warning);
-  const std::size_t dropped = place(obj, shape, geometry.smooth_normals);
+  const std::size_t dropped = place(obj, shape, geometry.smooth_normals, creased);
   if (dropped > 0) {
     libraries.note(shape.where, std::to_string(dropped) + " degenerate or non-finite triangles left out");
   }
@@ -316,18 +344,20 @@ std::vector<ShapeDescription> cut(const ShapeDescription& shape, MaterialLibrari
   return parts;
 }
 
-void expand(std::vector<ShapeDescription>& shapes, MaterialLibraries& libraries, std::vector<std::string>* left_out) {
+void expand(std::vector<ShapeDescription>& shapes, MaterialLibraries& libraries, std::vector<std::string>* left_out,
+            bool creased) {
   std::vector<ShapeDescription> expanded;
   expanded.reserve(shapes.size());
   for (ShapeDescription& shape : shapes) {
     const auto* file = std::get_if<MeshFileShape>(&shape.geometry);
     std::vector<ShapeDescription> parts;
     if (file != nullptr && file->format == MeshFileShape::Format::kObj && !shape.material &&
-        may_use_materials(file->file)) {
+        (creased || may_use_materials(file->file))) {
       try {
-        parts = cut(shape, libraries);
+        parts = cut(shape, libraries, creased);
       } catch (const SceneError& error) {
-        const SceneError placed(shape.where, error.what());
+        // A model that is no part of a scene stands in no line; the error names its file.
+        const SceneError placed = shape.where.line > 0 ? SceneError(shape.where, error.what()) : error;
         if (left_out == nullptr) throw placed;
         left_out->push_back(std::string(placed.what()) + " (shape left out)");
         continue;
@@ -345,11 +375,11 @@ MaterialId add_mtl_material(const MtlMaterial& material, bool flip_tex_coords, D
   return MaterialBuilder(material, flip_tex_coords, description).build();
 }
 
-void expand_obj_materials(Description& description, bool lenient) {
-  MaterialLibraries libraries(description);
+void expand_obj_materials(Description& description, bool lenient, bool creased) {
+  MaterialLibraries libraries(description, lenient);
   std::vector<std::string>* left_out = lenient ? &description.stand_ins : nullptr;
-  expand(description.shapes, libraries, left_out);
-  for (ShapeGroup& group : description.groups) expand(group.shapes, libraries, left_out);
+  expand(description.shapes, libraries, left_out, creased);
+  for (ShapeGroup& group : description.groups) expand(group.shapes, libraries, left_out, creased);
 }
 
 }  // namespace sheaf

@@ -8,10 +8,13 @@ namespace sheaf {
 
 /// Replaces every shape that is an OBJ file, has no material and whose faces use materials of an MTL file by one shape
 /// for each material, a mesh in memory with the same transform, flags and radiance. Faces without a material of the
-/// library have none. Normals of vertices are the same as without the cut. Materials and textures are added to the
-/// description, and notes for what is not supported or not found. A shape without radiance gets the radiance Ke of its
-/// material. Throws SceneError for malformed OBJ and MTL files; `lenient`: leaves such shapes out, and says so.
-void expand_obj_materials(Description& description, bool lenient = false);
+/// library have none. Normals of vertices are the same as without the cut; `creased`: where the file has none, they are
+/// those of compute_creased_normals(), and files without materials become meshes in memory, too. Materials and textures
+/// are added to the description, and notes for what is not supported and for libraries that are not found. A shape
+/// without radiance gets the radiance Ke of its material. Throws SceneError for malformed OBJ and MTL files, and for
+/// materials that none of the libraries has, all being there; `lenient`: leaves such shapes out, or gives them no
+/// material, and says so.
+void expand_obj_materials(Description& description, bool lenient = false, bool creased = false);
 
 /// Adds what `material` looks like to the description, with its textures. `flip_tex_coords`: as read_obj() had it. The
 /// first of these that fits:

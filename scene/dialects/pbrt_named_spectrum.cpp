@@ -47,7 +47,7 @@ std::string known_names() {
 
 /// Wavelengths and values in turn, with comments after #.
 SpectrumDescription read_spectrum_file(const std::filesystem::path& file) {
-  Tokens tokens(read_mesh_bytes(file, "spectrum file"), file.string());
+  Tokens tokens(read_mesh_text(file, "spectrum file"), file.string());
   SpectrumDescription::Table table;
   bool value = false;
   for (; tokens.current().kind != Token::Kind::kEnd; tokens.advance(), value = !value) {

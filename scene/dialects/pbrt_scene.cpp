@@ -135,7 +135,7 @@ void SceneBuilder::read_file(const fs::path& file, const SourceLocation& where) 
   if (++included_ > kMaxIncludes)
     throw SceneError(where, "more than " + std::to_string(kMaxIncludes) + " files are included");
   open_.push_back(file);
-  Tokens tokens(read_mesh_bytes(file, "scene file"), file.string());
+  Tokens tokens(read_mesh_text(file, "scene file"), file.string());
   while (tokens.current().kind != Token::Kind::kEnd) read_directive(tokens);
   open_.pop_back();
 }

@@ -105,7 +105,7 @@ Geometry read_disk(Parameters& p, ShapeDescription& shape, bool textured) {
 
 /// What a PLY file's header says of it.
 Geometry ply_geometry(const std::filesystem::path& file) {
-  const std::string bytes = read_mesh_bytes(file, "PLY file");
+  const std::string bytes = read_mesh_text(file, "PLY file");
   Geometry geometry{0, false, true};
   for (const PlyElement& element : parse_ply_header(bytes, file.string()).elements) {
     if (element.name == "face") geometry.lights = element.count;

@@ -1,6 +1,7 @@
 // Materials that both dialects spell alike and that hold others: two-sided, masks, blends, bump and normal maps.
 #include "scene/dialects/dialects.h"
 #include "scene/dialects/read_bsdf.h"
+#include "scene/dialects/read_texture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,16 +41,13 @@ MaterialId only_child(Properties& p, const BsdfDialect& dialect) {
 }
 
 const XmlElement& only_texture(Properties& p) {
-  const XmlElement* texture = p.any_texture();
+  const XmlElement* texture = p.any_texture_or_color();
   if (texture == nullptr) p.fail("holds no <texture>, expected one");
   return *texture;
 }
 
 TextureId read_map(const XmlElement& texture, ReadContext& context) {
-  const SpectrumInput input = context.readers.texture(texture, context);
-  if (const auto* id = std::get_if<TextureId>(&input)) return *id;
-  throw SceneError(texture.where, "a map is expected to vary, texture " + in_quotes(texture.attribute("type")) +
-                                      " is the same everywhere");
+  return texture_showing(context.readers.texture(texture, context), texture.where, context);
 }
 
 struct WeightedMaterial {
@@ -79,7 +77,8 @@ BlendDescription halves(Properties& p, std::span<const WeightedMaterial> parts) 
 
 /// The displacement of a bump map. Before version 2 of Mitsuba, a texture of type `scale` around it holds its factor.
 BumpMapDescription read_displacement(const XmlElement& texture, ReadContext& context) {
-  if (texture.attribute("type") != "scale") return {read_map(texture, context), 1, {}};
+  const std::string* type = texture.find_attribute("type");
+  if (type == nullptr || *type != "scale") return {read_map(texture, context), 1, {}};
   Properties p(texture, context);
   const float scale = p.number("scale", 1);
   BumpMapDescription result = read_displacement(only_texture(p), context);

@@ -3,6 +3,9 @@
 #include "core/frame.h"
 #include "scene/dialects/frame_scene.h"
 #include "scene/dialects/obj_materials.h"
+#include "scene/formats/mesh.h"
+#include "scene/formats/mesh_io.h"
+#include "scene/formats/smooth_normals.h"
 
 #include <algorithm>
 #include <cctype>
@@ -35,15 +38,19 @@ ShapeDescription make_floor(const std::array<Vec3f, 2>& box, Vec3f up, MaterialI
   return floor;
 }
 
-MaterialId add_diffuse(Description& description, Vec3f reflectance) {
+MaterialId add_two_sided(Description& description, DiffuseDescription diffuse) {
   MaterialDescription material;
-  material.model = DiffuseDescription{SpectrumDescription{SpectrumDescription::Rgb{reflectance}}};
+  material.model = std::move(diffuse);
   MaterialDescription both;
   description.materials.push_back(std::move(material));
   const auto id = static_cast<MaterialId>(description.materials.size() - 1);
   both.model = TwoSidedDescription{id, id};
   description.materials.push_back(std::move(both));
   return static_cast<MaterialId>(description.materials.size() - 1);
+}
+
+MaterialId add_diffuse(Description& description, Vec3f reflectance) {
+  return add_two_sided(description, {SpectrumDescription{SpectrumDescription::Rgb{reflectance}}});
 }
 
 /// A sky that is the same everywhere, and a sun over the viewer's left shoulder.
@@ -63,6 +70,57 @@ void add_sky(Description& description, const ModelView& view, const std::array<V
   description.lights.push_back({std::move(sun), {}});
 }
 
+/// A diffuse material that shows a texture on both sides.
+MaterialId add_textured(Description& description, TextureDescription texture, const std::filesystem::path& file) {
+  texture.where = {file.string(), 0};
+  description.textures.push_back(std::move(texture));
+  const auto id = static_cast<TextureId>(description.textures.size() - 1);
+  return add_two_sided(description, DiffuseDescription{id});
+}
+
+/// The material that a model's picture or its colours make, if it has any.
+std::optional<MaterialId> color_material(const MeshFile& model, const std::filesystem::path& file,
+                                         Description& description) {
+  TextureDescription texture;
+  if (!model.texture.empty() && !model.mesh.uvs.empty()) {
+    std::string name = model.texture;
+    std::replace(name.begin(), name.end(), '\\', '/');
+    const std::filesystem::path picture = file.parent_path() / name;
+    std::error_code failure;
+    if (std::filesystem::is_regular_file(picture, failure)) {
+      BitmapDescription bitmap;
+      bitmap.file = picture;
+      description.files.push_back(picture);
+      texture.model = std::move(bitmap);
+      return add_textured(description, std::move(texture), file);
+    }
+    description.notes.push_back(SceneError({file.string(), 0}, "texture '" + name + "' not found").what());
+  }
+  for (const char* name : {"vertex_color", "face_color"})
+    for (const Mesh::Attribute& attribute : model.mesh.attributes) {
+      if (attribute.name != name || attribute.channels != 3) continue;
+      texture.model = MeshAttributeDescription{name};
+      return add_textured(description, std::move(texture), file);
+    }
+  return std::nullopt;
+}
+
+/// Reads the file of a shape into memory, with creases where it has no normals, and gives it its colours.
+void load(ShapeDescription& shape, const MeshFileShape& from, Description& description) {
+  MeshFile model = read_mesh(from);
+  Mesh& mesh = model.mesh;
+  for (const std::string& w : model.warnings) description.notes.push_back(from.file.string() + ": " + w);
+  check_mesh(mesh, shape.where);
+  shape.face_normals = model.face_normals;
+  const std::size_t dropped = drop_degenerate_triangles(mesh);
+  if (dropped > 0)
+    description.notes.push_back(from.file.string() + ": " + std::to_string(dropped) +
+                                " degenerate or non-finite triangles left out");
+  if (!shape.face_normals && mesh.normals.empty()) compute_creased_normals(mesh, {});
+  shape.material = color_material(model, from.file, description);
+  shape.geometry = std::move(mesh);
+}
+
 }  // namespace
 
 std::optional<MeshFileShape::Format> model_format(const std::filesystem::path& file) {
@@ -79,10 +137,13 @@ Description read_model(const std::filesystem::path& file, MeshFileShape::Format 
   description.file = file;
   description.files = {file};
   ShapeDescription shape;
-  shape.geometry = MeshFileShape{file, format, format == MeshFileShape::Format::kObj, true, 0};
+  // Pictures stand upright: v counts upwards.
+  shape.geometry = MeshFileShape{file, format, format != MeshFileShape::Format::kSerialized, true, 0};
   shape.where = {file.string(), 0};
   description.shapes.push_back(std::move(shape));
-  expand_obj_materials(description);
+  expand_obj_materials(description, false, true);
+  for (ShapeDescription& part : description.shapes)
+    if (const auto* from = std::get_if<MeshFileShape>(&part.geometry)) load(part, MeshFileShape(*from), description);
   const std::array<Vec3f, 2> box = read_bounds(description, false);
   frame_box(box, view, description);
   const MaterialId grey = add_diffuse(description, {0.6f, 0.6f, 0.6f});

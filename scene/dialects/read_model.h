@@ -8,8 +8,9 @@ namespace sheaf {
 /// The format of a model by its file's extension (.obj, .ply, .serialized, in any case), or nothing for other files.
 std::optional<MeshFileShape::Format> model_format(const std::filesystem::path& file);
 
-/// A scene around a model, with the materials of its MTL files if it is an OBJ file; other models are grey. Throws
-/// SceneError.
+/// A scene around a model, with the materials of its MTL files if it is an OBJ file, or with the picture that a PLY
+/// file names (scene/formats/ply_header.h), or with the colours of its vertices or faces; models without are grey.
+/// Where it has no normals, they are those of compute_creased_normals(). Throws SceneError.
 Description read_model(const std::filesystem::path& file, MeshFileShape::Format format, const ModelView& view);
 
 }  // namespace sheaf

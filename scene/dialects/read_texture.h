@@ -24,6 +24,9 @@ TextureId add_texture(Properties& p, TextureDescription texture);
 /// checkerboard with its two values exchanged, as those renderers look numbers up.
 TextureId scalar_texture(TextureId texture, ReadContext& context);
 
+/// The texture of an input; for a constant, a new texture that shows it everywhere.
+TextureId texture_showing(const SpectrumInput& input, const SourceLocation& where, ReadContext& context);
+
 /// The file, filter and wrapping of a picture.
 BitmapDescription read_bitmap(Properties& p);
 /// Turns a map of uv into one to a picture whose v axis points down.

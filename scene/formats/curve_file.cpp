@@ -18,7 +18,7 @@ void end_curve(const Curves& curves, const NumberLines& lines) {
 }  // namespace
 
 Curves read_curve_file(const std::filesystem::path& file, Curves::Basis basis) {
-  const std::string name = file.string(), text = read_mesh_bytes(file, "file of curves");
+  const std::string name = file.string(), text = read_mesh_text(file, "file of curves");
   NumberLines lines(text, name);
   Curves curves;
   curves.basis = basis;

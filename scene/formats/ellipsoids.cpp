@@ -59,7 +59,7 @@ bool is_usable(const Row& row) {
 }  // namespace
 
 std::vector<Transform> read_ellipsoids(const std::filesystem::path& file, float scale) {
-  const std::string name = file.string(), bytes = read_mesh_bytes(file, "PLY file");
+  const std::string name = file.string(), bytes = read_mesh_text(file, "PLY file");
   const PlyHeader header = parse_ply_header(bytes, name);
   if (header.elements.empty() || header.elements[0].count == 0)
     throw SceneError({name}, "the file holds no ellipsoids");

@@ -100,7 +100,7 @@ void read_binary(std::string_view bytes, const std::string& file, HairBuilder& h
 }  // namespace
 
 Curves read_hair_file(const std::filesystem::path& file, const HairReading& reading) {
-  const std::string name = file.string(), bytes = read_mesh_bytes(file, "file of hair");
+  const std::string name = file.string(), bytes = read_mesh_text(file, "file of hair");
   HairBuilder hairs(reading);
   if (bytes.starts_with(kBinary)) {
     read_binary(bytes, name, hairs);

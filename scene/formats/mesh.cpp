@@ -157,8 +157,8 @@ void check_mesh(const Mesh& mesh, const SourceLocation& where) {
   const std::size_t count = mesh.positions.size();
   const auto check_length = [&](std::size_t length, const char* what) {
     if (length == 0 || length == count) return;
-    throw SceneError(where, "a mesh has " + std::to_string(length) + " " + what + " for " + std::to_string(count) +
-                                " vertices");
+    throw SceneError(
+        where, "a mesh has " + std::to_string(length) + " " + what + " for " + std::to_string(count) + " vertices");
   };
   check_length(mesh.normals.size(), "normals");
   check_length(mesh.uvs.size(), "texture coordinates");
@@ -197,6 +197,18 @@ void flip_mesh(Mesh& mesh) {
 void compute_vertex_normals(Mesh& mesh) {
   mesh.normals.assign(mesh.positions.size(), Vec3f{0, 0, 0});
   fill_zero_normals(mesh);
+}
+
+void append_vertex_copies(Mesh& mesh, const std::vector<std::uint32_t>& sources) {
+  const auto append = [&](auto& values, std::size_t width) {
+    const auto copies = select_rows(values, sources, width);
+    values.insert(values.end(), copies.begin(), copies.end());
+  };
+  append(mesh.positions, 1);
+  append(mesh.normals, 1);
+  append(mesh.uvs, 1);
+  for (Mesh::Attribute& attribute : mesh.attributes)
+    if (is_per_vertex(attribute)) append(attribute.values, static_cast<std::size_t>(attribute.channels));
 }
 
 Mesh extract_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
@@ -257,8 +269,7 @@ std::vector<float> edge_distances(const Mesh& mesh, bool relative) {
   return heights;
 }
 
-std::size_t count_open_edges(const Mesh& mesh) {
-  // The first vertex of each place stands for all of them.
+std::vector<std::uint32_t> same_places(const Mesh& mesh) {
   std::vector<std::uint32_t> order(mesh.positions.size()), same(mesh.positions.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto place = [&](std::uint32_t vertex) {
@@ -269,7 +280,11 @@ std::size_t count_open_edges(const Mesh& mesh) {
             [&](std::uint32_t a, std::uint32_t b) { return place(a) != place(b) ? place(a) < place(b) : a < b; });
   for (std::size_t i = 0; i < order.size(); ++i)
     same[order[i]] = i > 0 && place(order[i]) == place(order[i - 1]) ? same[order[i - 1]] : order[i];
+  return same;
+}
 
+std::size_t count_open_edges(const Mesh& mesh) {
+  const std::vector<std::uint32_t> same = same_places(mesh);
   struct Edge {
     std::uint64_t ends;
     int way;

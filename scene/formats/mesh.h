@@ -44,6 +44,9 @@ std::vector<float> edge_distances(const Mesh& mesh, bool relative);
 /// Wuethrich 1998). Vertices without a triangle get +z.
 void compute_vertex_normals(Mesh& mesh);
 
+/// Appends copies of vertices, by their indices, with all that they have.
+void append_vertex_copies(Mesh& mesh, const std::vector<std::uint32_t>& sources);
+
 /// The given triangles alone, in the given order, with the vertices that they need and their attributes. Vertices come
 /// in the order of first use. `triangles` and the indices of these triangles must be in range.
 Mesh extract_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& triangles);
@@ -56,6 +59,9 @@ std::vector<std::uint32_t> usable_triangles(const Mesh& mesh);
 /// Removes the triangles that are not usable; returns how many. If any is, vertices that nothing refers to any more
 /// leave as well.
 std::size_t drop_degenerate_triangles(Mesh& mesh);
+
+/// For each vertex the first one at the same place.
+std::vector<std::uint32_t> same_places(const Mesh& mesh);
 
 /// How many edges have a triangle on one side alone, vertices in one place being one: 0 for a closed surface, however
 /// its vertices are split. In O(n log n).

@@ -1,6 +1,7 @@
 // What the readers of mesh files share.
 #include "scene/formats/mesh_io.h"
 
+#include "core/byte_order_mark.h"
 #include "core/inflate.h"
 #include "scene/formats/serialized.h"
 
@@ -54,11 +55,20 @@ std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view 
   return bytes;
 }
 
+std::string read_mesh_text(const std::filesystem::path& file, std::string_view what) {
+  std::string text = read_mesh_bytes(file, what);
+  remove_byte_order_mark(text, file.string());
+  return text;
+}
+
 MeshFile read_mesh(const MeshFileShape& shape) {
   switch (shape.format) {
-    case MeshFileShape::Format::kPly: return read_ply(shape.file, shape.flip_tex_coords);
-    case MeshFileShape::Format::kSerialized: return read_serialized(shape.file, shape.shape_index);
-    default: return read_obj(shape.file, shape.flip_tex_coords);
+    case MeshFileShape::Format::kPly:
+      return read_ply(shape.file, shape.flip_tex_coords);
+    case MeshFileShape::Format::kSerialized:
+      return read_serialized(shape.file, shape.shape_index);
+    default:
+      return read_obj(shape.file, shape.flip_tex_coords);
   }
 }
 

@@ -14,6 +14,8 @@ namespace sheaf {
 struct MeshFile {
   Mesh mesh;  ///< at least one triangle; all indices in range; see the readers for normals and uvs
   std::vector<std::string> warnings;  ///< for the user, without the file's name
+  bool is_split = false;     ///< vertices at one place differ in their texture coordinates alone: normals are one there
+  std::string texture = {};  ///< the picture that a PLY file's comment names; may be empty
   bool face_normals = false;  ///< the file itself wants to be shown faceted, as ShapeDescription::face_normals says
 };
 
@@ -30,8 +32,9 @@ struct MeshFile {
 MeshFile read_obj(const std::filesystem::path& file, bool flip_tex_coords);
 
 /// Stanford PLY: ASCII and binary in both byte orders, polygons and triangle strips. Texture coordinates may be called
-/// u v, s t, texture_u texture_v or texture_s texture_t. scene/formats/ply_attributes.h tells which properties are
-/// attributes; other elements and properties are skipped.
+/// u v, s t, texture_u texture_v or texture_s texture_t, or be those of the faces' corners, in a list texcoord, which
+/// then count; vertices whose corners differ are split. scene/formats/ply_attributes.h tells which properties are
+/// attributes; other elements and properties are skipped, with warnings.
 MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords = false);
 
 /// read_obj(), read_ply() or read_serialized() (scene/formats/serialized.h), as the shape says.
@@ -40,5 +43,9 @@ MeshFile read_mesh(const MeshFileShape& shape);
 /// The bytes of a regular file, uncompressed if its name ends in .gz. Throws SceneError, naming `what` is sought ("OBJ
 /// file"), if it can't be read.
 std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view what);
+
+/// The same of a file that begins with text: without the byte order mark of UTF-8. Throws SceneError for text in UTF-16
+/// or UTF-32, too.
+std::string read_mesh_text(const std::filesystem::path& file, std::string_view what);
 
 }  // namespace sheaf

@@ -68,8 +68,16 @@ constexpr std::array<Keyword<Texture>, 10> kTextures{{{"map_Kd", &MtlMaterial::m
 /// Keywords that mean nothing to a path tracer, or that every exporter writes.
 constexpr std::array<std::string_view, 5> kSilent{"Ka", "map_Ka", "sharpness", "map_aat", "anisor"};
 /// Keywords that are known and not supported.
-constexpr std::array<std::string_view, 8> kUnsupported{"map_Ke", "map_Ns",   "disp", "map_disp",
-                                                       "map_Disp", "decal", "refl", "map_refl"};
+constexpr std::array<std::string_view, 8> kUnsupported{"map_Ke",   "map_Ns", "disp", "map_disp",
+                                                       "map_Disp", "decal",  "refl", "map_refl"};
+
+/// Options of textures.
+constexpr std::array<std::string_view, 14> kOptions{"-s",          "-o",       "-clamp",  "-bm",    "-mm",
+                                                    "-t",          "-blendu",  "-blendv", "-boost", "-cc",
+                                                    "-colorspace", "-imfchan", "-texres", "-type"};
+bool is_known_option(std::string_view word) {
+  return std::find(kOptions.begin(), kOptions.end(), word) != kOptions.end();
+}
 
 template <class Keywords> auto find_keyword(const Keywords& keywords, std::string_view name) {
   return std::find_if(keywords.begin(), keywords.end(), [&](const auto& k) { return k.name == name; });
@@ -102,7 +110,7 @@ class MtlReader {
     if (keyword == "newmtl") {
       if (line.empty()) fail("expected a material's name after 'newmtl'");
       library_.materials.push_back({});
-      material().name = line;
+      material().name = unquoted(line);
       material().where = where_;
       has_dissolve_ = false;
       return;
@@ -158,21 +166,59 @@ class MtlReader {
     color->z = take_number(keyword, arguments);
   }
 
+  /// Options stand in front of the picture's name or behind it. The name may have quotation marks around it, and blanks
+  /// in it: without quotation marks it goes as far as a file is found, or to the first option behind it.
   void read_texture(std::string_view keyword, std::string_view arguments, std::optional<MtlTexture>& slot) {
     MtlTexture texture;
     texture.where = where_;
-    while (arguments.starts_with('-')) read_option(keyword, arguments, texture);
-    if (arguments.empty()) fail("expected the name of a picture after '" + std::string(keyword) + "'");
-    texture.file = find_picture(arguments);
+    while (is_option(arguments)) read_option(keyword, arguments, texture, false);
+    const std::string_view name = take_picture_name(arguments);
+    if (name.empty()) fail("expected the name of a picture after '" + std::string(keyword) + "'");
+    while (is_option(arguments)) read_option(keyword, arguments, texture, true);
+    if (!arguments.empty() && arguments.front() != '#')
+      fail("expected nothing or an option after the name of a picture, found " + quoted(arguments));
+    texture.file = find_picture(name);
     slot = std::move(texture);
   }
 
-  void read_option(std::string_view keyword, std::string_view& arguments, MtlTexture& texture) {
+  /// Whether the text begins with a minus and a letter: names may begin with a minus alone or a number.
+  static bool is_option(std::string_view text) {
+    return text.size() > 1 && text[0] == '-' &&
+           ((text[1] >= 'a' && text[1] <= 'z') || (text[1] >= 'A' && text[1] <= 'Z'));
+  }
+
+  std::string_view take_picture_name(std::string_view& arguments) const {
+    if (arguments.starts_with('"')) {
+      const std::size_t end = arguments.find('"', 1);
+      if (end == arguments.npos) fail("a name in quotation marks has no closing one");
+      const std::string_view name = arguments.substr(1, end - 1);
+      arguments = trimmed(arguments.substr(end + 1));
+      return name;
+    }
+    std::size_t end = arguments.size();
+    std::error_code failure;
+    if (!std::filesystem::exists(find_picture(arguments), failure))
+      for (std::size_t blank = arguments.find_first_of(" \t"); blank != arguments.npos;) {
+        const std::size_t word = arguments.find_first_not_of(" \t", blank);  // there is one: the text is trimmed
+        const std::size_t next = std::min(arguments.find_first_of(" \t", word), arguments.size());
+        if (arguments[word] == '#' || is_known_option(arguments.substr(word, next - word))) {
+          end = blank;
+          break;
+        }
+        blank = arguments.find_first_of(" \t", word);
+      }
+    const std::string_view name = trimmed(arguments.substr(0, end));
+    arguments = trimmed(arguments.substr(end));
+    return name;
+  }
+
+  /// `behind`: the picture's name is in front of it.
+  void read_option(std::string_view keyword, std::string_view& arguments, MtlTexture& texture, bool behind) {
     const std::string_view option = take_word(arguments);
     if (option == "-s") {
-      texture.scale = take_numbers(keyword, arguments, {1, 1});
+      texture.scale = take_numbers(keyword, arguments, {1, 1}, behind);
     } else if (option == "-o") {
-      texture.offset = take_numbers(keyword, arguments, {0, 0});
+      texture.offset = take_numbers(keyword, arguments, {0, 0}, behind);
     } else if (option == "-clamp") {
       texture.clamp = take_word(arguments) == "on";
     } else if (option == "-bm") {
@@ -182,25 +228,24 @@ class MtlReader {
       take_number(keyword, arguments);
       note_unused(option);
     } else if (option == "-t") {
-      take_numbers(keyword, arguments, {0, 0});
+      take_numbers(keyword, arguments, {0, 0}, behind);
       note_unused(option);
-    } else if (option == "-blendu" || option == "-blendv" || option == "-boost" || option == "-cc" ||
-               option == "-colorspace" || option == "-imfchan" || option == "-texres" || option == "-type") {
+    } else if (is_known_option(option)) {
       take_word(arguments);
     } else {
       fail("unknown option " + quoted(option) + " of '" + std::string(keyword) + "'" +
-           did_you_mean(option, {"-s", "-o", "-clamp", "-bm", "-mm", "-t", "-blendu", "-blendv", "-boost", "-cc",
-                                 "-colorspace", "-imfchan", "-texres", "-type"}));
+           did_you_mean(option, {kOptions.begin(), kOptions.end()}));
     }
   }
 
-  /// One to three numbers, of which two count; those that are missing are as in `otherwise`.
-  Vec2f take_numbers(std::string_view keyword, std::string_view& arguments, Vec2f otherwise) const {
+  /// One to three numbers, of which two count; those that are missing are as in `otherwise`. `last`: nothing has to
+  /// follow, else the last word is the picture's name.
+  Vec2f take_numbers(std::string_view keyword, std::string_view& arguments, Vec2f otherwise, bool last) const {
     Vec2f taken{take_number(keyword, arguments), otherwise.y};
     for (int i = 1; i < 3; ++i) {
       std::string_view rest = arguments;
       const auto next = to_number(take_word(rest));
-      if (!next || rest.empty()) break;  // the last word is the picture's name
+      if (!next || (rest.empty() && !last)) break;
       arguments = rest;
       if (i == 1) taken.y = *next;
     }
@@ -221,8 +266,8 @@ class MtlReader {
   /// Once for each keyword or option.
   void note_unused(std::string_view keyword) {
     if (!noted_.insert(std::string(keyword.substr(0, 64))).second) return;
-    const bool is_known = keyword.front() == '-' ||
-                          std::find(kUnsupported.begin(), kUnsupported.end(), keyword) != kUnsupported.end();
+    const bool is_known =
+        keyword.front() == '-' || std::find(kUnsupported.begin(), kUnsupported.end(), keyword) != kUnsupported.end();
     if (is_known) {
       note(quoted(keyword) + " is not supported: ignored");
       return;
@@ -247,7 +292,7 @@ class MtlReader {
 }  // namespace
 
 MtlLibrary read_mtl(const std::filesystem::path& file) {
-  const std::string text = read_mesh_bytes(file, "MTL file");
+  const std::string text = read_mesh_text(file, "MTL file");
   return MtlReader(text, file).read();
 }
 

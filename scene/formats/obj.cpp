@@ -2,6 +2,7 @@
 #include "scene/formats/obj.h"
 
 #include "scene/formats/polygon.h"
+#include "scene/formats/text.h"
 
 #include <tiny_obj_loader.h>
 
@@ -72,18 +73,24 @@ struct ObjContent {
   AttributeList<Vec3f> positions{"vertex", {}};
   AttributeList<Vec2f> uvs{"texture coordinate", {}};
   AttributeList<Vec3f> normals{"normal", {}};
-  std::vector<Corner> corners;         ///< of all faces, one after the other
-  std::vector<std::size_t> face_ends;  ///< where in `corners` each face ends
-  std::size_t short_faces = 0;         ///< with fewer than three corners, left out
-  std::vector<std::string> materials;  ///< names, in the order of first use
+  std::vector<Corner> corners;                ///< of all faces, one after the other
+  std::vector<std::size_t> face_ends;         ///< where in `corners` each face ends
+  std::size_t short_faces = 0;                ///< with fewer than three corners, left out
+  std::vector<std::string> materials;         ///< names, in the order of first use
+  std::vector<int> material_lines;            ///< of the 'usemtl' of each
   std::vector<std::uint32_t> face_materials;  ///< per face: index into `materials`
-  std::string material;  ///< of the faces that follow
-  std::optional<std::uint32_t> material_id;  ///< its index, once a face has used it
+  std::vector<std::uint32_t> face_smoothing;  ///< per face: smoothing group
+  std::string material;                       ///< of the faces that follow
+  int material_line = 0;                      ///< where the file says so
+  std::optional<std::uint32_t> material_id;   ///< its index, once a face has used it
 
   std::uint32_t id_of_material() {
     const auto next = static_cast<std::uint32_t>(materials.size());
     const auto [found, is_new] = ids_.try_emplace(material, next);
-    if (is_new) materials.push_back(material);
+    if (is_new) {
+      materials.push_back(material);
+      material_lines.push_back(material_line);
+    }
     return found->second;
   }
 
@@ -126,14 +133,14 @@ void add_face(void* user, tinyobj::index_t* indices, int count) {
   content.face_ends.push_back(content.corners.size());
   if (!content.material_id) content.material_id = content.id_of_material();
   content.face_materials.push_back(*content.material_id);
+  content.face_smoothing.push_back(content.lines.smoothing_group());
 }
 
 void use_material(void* user, const char* name, int) {
-  const std::string_view given(name);
-  const std::size_t first = given.find_first_not_of(" \t"), last = given.find_last_not_of(" \t");
   ObjContent& content = content_of(user);
   content.material_id.reset();
-  content.material = first == given.npos ? std::string_view() : given.substr(first, last - first + 1);
+  content.material = unquoted(trimmed(name));
+  content.material_line = content.lines.where().line;
 }
 
 void parse(ObjLines& lines, ObjContent& content) {
@@ -155,7 +162,9 @@ void parse(ObjLines& lines, ObjContent& content) {
 class VertexMerger {
  public:
   VertexMerger(const ObjContent& content, Mesh& mesh)
-      : content_(content), mesh_(mesh), has_uvs_(content.uvs.highest != kNone),
+      : content_(content),
+        mesh_(mesh),
+        has_uvs_(content.uvs.highest != kNone),
         has_normals_(content.normals.highest != kNone) {
     vertices_.reserve(content.positions.values.size());
   }
@@ -189,8 +198,11 @@ ObjFile build_mesh(ObjContent content) {
   polygons.corners.reserve(content.corners.size());
   for (const Corner& corner : content.corners) polygons.corners.push_back(merger.vertex(corner));
   result.material_of = append_polygons(polygons, file.mesh, file.warnings);
+  if (content.lines.has_smoothing_groups())
+    for (const std::uint32_t face : result.material_of) result.smoothing_of.push_back(content.face_smoothing[face]);
   for (std::uint32_t& source : result.material_of) source = content.face_materials[source];
   result.materials = std::move(content.materials);
+  result.material_lines = std::move(content.material_lines);
   result.libraries = content.lines.libraries();
   return result;
 }
@@ -199,7 +211,7 @@ ObjFile build_mesh(ObjContent content) {
 
 ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex_coords) {
   const std::string name = file.string();
-  std::string text = read_mesh_bytes(file, "OBJ file");
+  std::string text = read_mesh_text(file, "OBJ file");
   if (text.empty()) throw SceneError({name}, "expected an OBJ file, found an empty file");
   text.push_back('\n');
   ObjLines lines(text, name);

@@ -11,8 +11,11 @@ namespace sheaf {
 /// An OBJ file as one mesh, and the materials of its triangles.
 struct ObjFile {
   MeshFile file;
-  std::vector<std::string> materials;  ///< names, in the order of first use; empty: the faces before any 'usemtl'
+  std::vector<std::string> materials;      ///< names, in the order of first use; empty: the faces before any 'usemtl'
+  std::vector<int> material_lines;         ///< where a face uses each first: the line of 'usemtl'; 0 before any
   std::vector<std::uint32_t> material_of;  ///< per triangle: index into `materials`
+  /// Per triangle: smoothing group, 0 if it is flat; empty if the file says nothing of groups.
+  std::vector<std::uint32_t> smoothing_of;
   std::vector<ObjLibrary> libraries;
 };
 

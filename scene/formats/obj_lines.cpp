@@ -119,10 +119,30 @@ bool ObjLines::check(char* p, char* end) {
   } else if (is_keyword("mtllib")) {
     libraries_.push_back({std::string(trimmed(line.substr(6))), where()});
     return false;
+  } else if (is_keyword("s")) {
+    read_smoothing_group(p + 1, end);
+    return false;
   } else {
     return is_keyword("usemtl");
   }
   return true;
+}
+
+void ObjLines::read_smoothing_group(char* p, char* end) {
+  const std::string_view token = next_token(p, end);
+  std::string_view digits = token;
+  if (digits.starts_with('-') || digits.starts_with('+')) digits.remove_prefix(1);
+  has_smoothing_groups_ = true;
+  smoothing_group_ = 0;
+  if (token.empty() || token == "off") return;
+  if (token == "on") {
+    smoothing_group_ = 1;
+    return;
+  }
+  if (digits.empty() || !std::all_of(digits.begin(), digits.end(), is_digit)) {
+    throw SceneError(where(), "expected a smoothing group after 's', a number or 'off', found " + quoted(token));
+  }
+  for (const char digit : digits) smoothing_group_ = 10 * smoothing_group_ + static_cast<std::uint32_t>(digit - '0');
 }
 
 void ObjLines::check_numbers(char* p, char* end, int least, int most, const char* what) {

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 
+#include <cstdint>
 #include <streambuf>
 #include <string>
 #include <string_view>
@@ -28,6 +29,10 @@ class ObjLines : public std::streambuf {
   SourceLocation where() const { return {file_, line_}; }
   /// Whether that line has a NaN or an infinity among the numbers that count.
   bool line_is_non_finite() const { return non_finite_; }
+  /// The smoothing group of the faces that follow: 0 is flat, as 's off' says, and as it is before the first 's'.
+  std::uint32_t smoothing_group() const { return smoothing_group_; }
+  /// Whether there was a line 's' so far.
+  bool has_smoothing_groups() const { return has_smoothing_groups_; }
   /// The lines 'mtllib' so far.
   const std::vector<ObjLibrary>& libraries() const { return libraries_; }
 
@@ -43,12 +48,16 @@ class ObjLines : public std::streambuf {
   void check_numbers(char* p, char* end, int least, int most, const char* what);
   /// Corners are v, v/vt, v//vn or v/vt/vn. Slashes with nothing behind them ("1//") are blanked out.
   void check_face(char* p, char* end);
+  /// Behind 's': a number, 'on' or 'off'.
+  void read_smoothing_group(char* p, char* end);
 
   char* text_;
   char* const end_;
   const std::string& file_;
   int line_ = 0, next_line_ = 1;
   bool non_finite_ = false;
+  std::uint32_t smoothing_group_ = 0;
+  bool has_smoothing_groups_ = false;
   std::vector<ObjLibrary> libraries_;
 };
 

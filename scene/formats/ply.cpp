@@ -1,4 +1,5 @@
 // The bodies of PLY files: the rows of elements 'vertex', 'face' and 'tristrips', in ASCII or binary.
+#include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"
 #include "scene/formats/ply_attributes.h"
 #include "scene/formats/ply_source.h"
@@ -7,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <tuple>
 
 namespace sheaf {
 
@@ -16,6 +19,7 @@ namespace {
 struct PlyContent {
   Mesh mesh;
   PolygonList polygons;
+  std::vector<Vec2f> corner_uvs;  ///< of each of the polygons' corners, perhaps not of the last ones; may be empty
   std::vector<Mesh::Attribute> polygon_attributes;  ///< values for each polygon, perhaps not for the last ones
   std::vector<std::string> warnings;
 };
@@ -29,23 +33,37 @@ int slot_of(const PlyProperty& property) {
     std::string_view name;
     Slot slot;
   };
-  constexpr std::array<Meaning, 14> kMeanings{{{"x", kX}, {"y", kY}, {"z", kZ}, {"nx", kNormalX}, {"ny", kNormalY},
-                                               {"nz", kNormalZ}, {"u", kU}, {"v", kV}, {"s", kU}, {"t", kV},
-                                               {"texture_u", kU}, {"texture_v", kV}, {"texture_s", kU},
+  constexpr std::array<Meaning, 14> kMeanings{{{"x", kX},
+                                               {"y", kY},
+                                               {"z", kZ},
+                                               {"nx", kNormalX},
+                                               {"ny", kNormalY},
+                                               {"nz", kNormalZ},
+                                               {"u", kU},
+                                               {"v", kV},
+                                               {"s", kU},
+                                               {"t", kV},
+                                               {"texture_u", kU},
+                                               {"texture_v", kV},
+                                               {"texture_s", kU},
                                                {"texture_t", kV}}};
   if (property.count_type) return kUnwanted;
-  const auto found = std::find_if(kMeanings.begin(), kMeanings.end(),
-                                  [&](const Meaning& m) { return m.name == property.name; });
+  const auto found =
+      std::find_if(kMeanings.begin(), kMeanings.end(), [&](const Meaning& m) { return m.name == property.name; });
   return found == kMeanings.end() ? kUnwanted : found->slot;
 }
 
 /// The values of an element's attributes, gathered row by row.
 class AttributeRows {
  public:
-  /// The attributes begin with `rows_before` rows of zeros.
-  AttributeRows(const PlyElement& element, std::size_t rows_before, std::vector<std::string>& warnings)
+  /// The attributes begin with `rows_before` rows of zeros. A warning names the properties that are neither attributes
+  /// nor `is_known`, by their indices.
+  template <class IsKnown>
+  AttributeRows(const PlyElement& element, std::size_t rows_before, std::vector<std::string>& warnings,
+                IsKnown is_known)
       : element_(element), columns_(element.properties.size(), kUnwanted) {
-    for (const PlyAttribute& found : find_ply_attributes(element, warnings)) {
+    std::vector<std::size_t> left_out, unknown;
+    for (const PlyAttribute& found : find_ply_attributes(element, warnings, left_out)) {
       for (const std::size_t property : found.properties) {
         columns_[property] = static_cast<int>(row_.size());
         row_.push_back(0);
@@ -53,6 +71,10 @@ class AttributeRows {
       const std::size_t channels = found.properties.size();
       attributes_.push_back({found.name, static_cast<int>(channels), std::vector<float>(rows_before * channels)});
     }
+    for (std::size_t k = 0; k < columns_.size(); ++k)
+      if (columns_[k] == kUnwanted && !is_known(k) && std::find(left_out.begin(), left_out.end(), k) == left_out.end())
+        unknown.push_back(k);
+    if (!unknown.empty()) warnings.push_back(unknown_properties_warning(element, unknown));
   }
 
   /// Reads a property of the current row.
@@ -96,7 +118,7 @@ void read_vertices(Source& source, const PlyElement& element, Mesh& mesh, std::v
   mesh.positions.reserve(element.count);
   if (has_normals) mesh.normals.reserve(element.count);
   if (has_uvs) mesh.uvs.reserve(element.count);
-  AttributeRows attributes(element, 0, warnings);
+  AttributeRows attributes(element, 0, warnings, [&](std::size_t k) { return slots[k] != kUnwanted; });
   std::array<float, kSlots> values{};
   for (std::uint64_t row = 0; row < element.count; ++row) {
     source.enter_row(row);
@@ -173,9 +195,23 @@ template <class Source> std::size_t find_corner_list(const Source& source, const
   return static_cast<std::size_t>(list - element.properties.begin());
 }
 
+/// The place of the list of texture coordinates at a face's corners, u and v in turn; the number of properties if there
+/// is none.
+std::size_t find_corner_uvs(const PlyElement& element) {
+  const auto list = std::find_if(element.properties.begin(), element.properties.end(), [](const PlyProperty& p) {
+    return p.count_type && (p.name == "texcoord" || p.name == "texcoords" || p.name == "texture_coordinates");
+  });
+  return static_cast<std::size_t>(list - element.properties.begin());
+}
+
 template <class Source>
-void read_strips(Source& source, const PlyElement& element, std::uint64_t vertices, PolygonList& polygons) {
+void read_strips(Source& source, const PlyElement& element, std::uint64_t vertices, PlyContent& content) {
+  PolygonList& polygons = content.polygons;
   const std::size_t list = find_corner_list(source, element);
+  std::vector<std::size_t> unknown;
+  for (std::size_t k = 0; k < element.properties.size(); ++k)
+    if (k != list) unknown.push_back(k);
+  if (!unknown.empty()) content.warnings.push_back(unknown_properties_warning(element, unknown));
   for (std::uint64_t row = 0; row < element.count; ++row) {
     source.enter_row(row);
     for (std::size_t k = 0; k < element.properties.size(); ++k) {
@@ -188,23 +224,81 @@ void read_strips(Source& source, const PlyElement& element, std::uint64_t vertic
   }
 }
 
+/// Reads the texture coordinates at a face's corners into `uvs`; those that are not finite are 0.
+template <class Source> void read_corner_uvs(Source& source, const PlyProperty& list, std::vector<Vec2f>& uvs) {
+  const std::uint64_t length = list_length(source, list);
+  if (length % 2 != 0)
+    source.fail("list '" + list.name + "' has " + std::to_string(length) + " numbers, expected two for each corner");
+  uvs.clear();
+  for (std::uint64_t i = 0; i < length; i += 2) {
+    const auto u = static_cast<float>(source.number(list.type)), v = static_cast<float>(source.number(list.type));
+    uvs.push_back(std::isfinite(u) && std::isfinite(v) ? Vec2f{u, v} : Vec2f{0, 0});
+  }
+}
+
 template <class Source>
 void read_faces(Source& source, const PlyElement& element, std::uint64_t vertices, PlyContent& content) {
-  const std::size_t list = find_corner_list(source, element);
-  AttributeRows attributes(element, content.polygons.ends.size(), content.warnings);
+  const std::size_t list = find_corner_list(source, element), uv_list = find_corner_uvs(element);
+  AttributeRows attributes(element, content.polygons.ends.size(), content.warnings,
+                           [&](std::size_t k) { return k == list || k == uv_list; });
+  const bool has_uvs = uv_list < element.properties.size();
+  std::vector<Vec2f> uvs;
   for (std::uint64_t row = 0; row < element.count; ++row) {
     source.enter_row(row);
+    const std::size_t begin = content.polygons.corners.size();
     bool kept = false;
     for (std::size_t k = 0; k < element.properties.size(); ++k) {
       if (k == list) {
         kept = read_polygon(source, element.properties[k], vertices, content.polygons);
+      } else if (k == uv_list) {
+        read_corner_uvs(source, element.properties[k], uvs);
       } else {
         attributes.read(source, k);
       }
     }
-    if (kept) attributes.push_row();
+    if (!kept) continue;
+    attributes.push_row();
+    if (!has_uvs || (uvs.empty() && content.corner_uvs.empty())) continue;
+    const std::size_t corners = content.polygons.corners.size() - begin;
+    if (!uvs.empty() && uvs.size() != corners)
+      source.fail("list '" + element.properties[uv_list].name + "' has " + std::to_string(2 * uvs.size()) +
+                  " numbers, expected two for each of " + std::to_string(corners) + " corners");
+    content.corner_uvs.resize(begin);
+    uvs.resize(corners);
+    content.corner_uvs.insert(content.corner_uvs.end(), uvs.begin(), uvs.end());
   }
   content.polygon_attributes = attributes.take();
+}
+
+/// Gives the vertices the texture coordinates of their corners. A vertex whose corners differ is there several times:
+/// copies follow behind the other vertices.
+void split_by_corner_uvs(PlyContent& content) {
+  Mesh& mesh = content.mesh;
+  const std::size_t count = mesh.positions.size();
+  std::vector<std::uint32_t>& corners = content.polygons.corners;
+  content.corner_uvs.resize(corners.size());
+  std::vector<Vec2f> uvs(count);
+  std::vector<bool> has_uv(count);
+  std::vector<std::uint32_t> sources;
+  std::map<std::tuple<std::uint32_t, float, float>, std::uint32_t> copies;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec2f uv = content.corner_uvs[i];
+    const std::uint32_t vertex = corners[i];
+    if (!has_uv[vertex]) {
+      uvs[vertex] = uv;
+      has_uv[vertex] = true;
+    } else if (uvs[vertex].x != uv.x || uvs[vertex].y != uv.y) {
+      const auto next = static_cast<std::uint32_t>(count + sources.size());
+      const auto [found, is_new] = copies.try_emplace({vertex, uv.x, uv.y}, next);
+      if (is_new) {
+        sources.push_back(vertex);
+        uvs.push_back(uv);
+      }
+      corners[i] = found->second;
+    }
+  }
+  append_vertex_copies(mesh, sources);
+  mesh.uvs = std::move(uvs);
 }
 
 template <class Source>
@@ -221,8 +315,9 @@ PlyContent read_body(const std::string& bytes, const PlyHeader& header, std::uin
     } else if (element.name == "face") {
       read_faces(source, element, vertices, content);
     } else if (element.name == "tristrips") {
-      read_strips(source, element, vertices, content.polygons);
+      read_strips(source, element, vertices, content);
     } else {
+      content.warnings.push_back("element '" + element.name.substr(0, 40) + "' not understood: left out");
       for (std::uint64_t row = 0; row < element.count && !element.properties.empty(); ++row) {
         source.enter_row(row);
         for (const PlyProperty& property : element.properties) skip_property(source, property);
@@ -256,17 +351,23 @@ Mesh::Attribute spread(const Mesh::Attribute& polygons, const std::vector<std::u
 
 MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords) {
   const std::string name = file.string();
-  const std::string bytes = read_mesh_bytes(file, "PLY file");
+  const std::string bytes = read_mesh_text(file, "PLY file");
   const PlyHeader header = parse_ply_header(bytes, name);
   const std::uint64_t vertices = count_vertices(header, name);
   PlyContent content = header.encoding == PlyHeader::Encoding::kAscii
                            ? read_body<AsciiSource>(bytes, header, vertices, name)
                            : read_body<BinarySource>(bytes, header, vertices, name);
   if (content.polygons.ends.empty()) throw SceneError({name}, "the PLY file holds no faces");
+  const bool has_corner_uvs = !content.corner_uvs.empty();
+  if (content.mesh.positions.size() + content.polygons.corners.size() >= std::numeric_limits<std::uint32_t>::max())
+    throw SceneError({name}, "a mesh of more than 2^32 - 1 vertices and corners");
+  if (has_corner_uvs) split_by_corner_uvs(content);
   if (flip_tex_coords) {
     for (Vec2f& uv : content.mesh.uvs) uv.y = 1 - uv.y;
   }
   MeshFile result{std::move(content.mesh), std::move(content.warnings)};
+  result.is_split = has_corner_uvs;
+  result.texture = header.texture;
   const std::vector<std::uint32_t> sources = append_polygons(content.polygons, result.mesh, result.warnings);
   for (Mesh::Attribute& attribute : content.polygon_attributes) {
     attribute.values.resize(content.polygons.ends.size() * static_cast<std::size_t>(attribute.channels));

@@ -37,8 +37,8 @@ std::optional<SplitName> split_name(const PlyProperty& property) {
 
 class AttributeFinder {
  public:
-  AttributeFinder(const PlyElement& element, std::vector<std::string>& warnings)
-      : element_(element), warnings_(warnings) {}
+  AttributeFinder(const PlyElement& element, std::vector<std::string>& warnings, std::vector<std::size_t>& left_out)
+      : element_(element), warnings_(warnings), left_out_(left_out) {}
 
   std::vector<PlyAttribute> find() {
     find_color();
@@ -62,8 +62,8 @@ class AttributeFinder {
   std::size_t find_group(std::size_t begin) {
     const auto first = split_name(element_.properties[begin]);
     if (!first) return begin + 1;
-    const auto endings = std::find_if(kEndings.begin(), kEndings.end(),
-                                      [&](std::string_view e) { return e.front() == first->ending; });
+    const auto endings =
+        std::find_if(kEndings.begin(), kEndings.end(), [&](std::string_view e) { return e.front() == first->ending; });
     if (endings == kEndings.end()) return begin + 1;
     PlyAttribute attribute{element_.name + "_" + std::string(first->prefix), {}};
     if (*endings == kColorEndings) attribute.name += "_color";
@@ -79,6 +79,7 @@ class AttributeFinder {
 
   void add(PlyAttribute attribute) {
     const std::size_t channels = attribute.properties.size();
+    const std::size_t warnings = warnings_.size();
     if (channels != 1 && channels != 3) {
       warnings_.push_back("attribute '" + attribute.name + "' has " + std::to_string(channels) +
                           " channels, expected 1 or 3: left out");
@@ -88,30 +89,52 @@ class AttributeFinder {
     } else {
       attributes_.push_back(std::move(attribute));
     }
+    if (warnings_.size() > warnings)
+      left_out_.insert(left_out_.end(), attribute.properties.begin(), attribute.properties.end());
   }
 
   const PlyElement& element_;
   std::vector<std::string>& warnings_;
+  std::vector<std::size_t>& left_out_;
   std::vector<PlyAttribute> attributes_;
 };
 
 /// The largest value of an integer type, or 0 for the others.
 double largest_of(PlyType type) {
   switch (type) {
-    case PlyType::kInt8: return 127;
-    case PlyType::kUint8: return 255;
-    case PlyType::kInt16: return 32767;
-    case PlyType::kUint16: return 65535;
-    case PlyType::kInt32: return 2147483647;
-    case PlyType::kUint32: return 4294967295;
-    default: return 0;
+    case PlyType::kInt8:
+      return 127;
+    case PlyType::kUint8:
+      return 255;
+    case PlyType::kInt16:
+      return 32767;
+    case PlyType::kUint16:
+      return 65535;
+    case PlyType::kInt32:
+      return 2147483647;
+    case PlyType::kUint32:
+      return 4294967295;
+    default:
+      return 0;
   }
 }
 
 }  // namespace
 
-std::vector<PlyAttribute> find_ply_attributes(const PlyElement& element, std::vector<std::string>& warnings) {
-  return AttributeFinder(element, warnings).find();
+std::vector<PlyAttribute> find_ply_attributes(const PlyElement& element, std::vector<std::string>& warnings,
+                                              std::vector<std::size_t>& left_out) {
+  return AttributeFinder(element, warnings, left_out).find();
+}
+
+std::string unknown_properties_warning(const PlyElement& element, const std::vector<std::size_t>& properties) {
+  constexpr std::size_t kMaxNamed = 12, kMaxLength = 40;
+  if (properties.empty()) return {};
+  std::string names;
+  for (std::size_t i = 0; i < std::min(properties.size(), kMaxNamed); ++i)
+    names += (i == 0 ? "'" : ", '") + element.properties[properties[i]].name.substr(0, kMaxLength) + "'";
+  if (properties.size() > kMaxNamed) names += " and " + std::to_string(properties.size() - kMaxNamed) + " more";
+  return "element '" + element.name + "': " + (properties.size() == 1 ? "property " : "properties ") + names +
+         " not understood: left out";
 }
 
 float ply_attribute_value(PlyType type, double value) {

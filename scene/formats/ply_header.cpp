@@ -13,14 +13,22 @@ struct TypeName {
   std::string_view name;
   PlyType type;
 };
-constexpr std::array<TypeName, 16> kTypeNames{{{"char", PlyType::kInt8},      {"int8", PlyType::kInt8},
-                                               {"uchar", PlyType::kUint8},    {"uint8", PlyType::kUint8},
-                                               {"short", PlyType::kInt16},    {"int16", PlyType::kInt16},
-                                               {"ushort", PlyType::kUint16},  {"uint16", PlyType::kUint16},
-                                               {"int", PlyType::kInt32},      {"int32", PlyType::kInt32},
-                                               {"uint", PlyType::kUint32},    {"uint32", PlyType::kUint32},
-                                               {"float", PlyType::kFloat32},  {"float32", PlyType::kFloat32},
-                                               {"double", PlyType::kFloat64}, {"float64", PlyType::kFloat64}}};
+constexpr std::array<TypeName, 16> kTypeNames{{{"char", PlyType::kInt8},
+                                               {"int8", PlyType::kInt8},
+                                               {"uchar", PlyType::kUint8},
+                                               {"uint8", PlyType::kUint8},
+                                               {"short", PlyType::kInt16},
+                                               {"int16", PlyType::kInt16},
+                                               {"ushort", PlyType::kUint16},
+                                               {"uint16", PlyType::kUint16},
+                                               {"int", PlyType::kInt32},
+                                               {"int32", PlyType::kInt32},
+                                               {"uint", PlyType::kUint32},
+                                               {"uint32", PlyType::kUint32},
+                                               {"float", PlyType::kFloat32},
+                                               {"float32", PlyType::kFloat32},
+                                               {"double", PlyType::kFloat64},
+                                               {"float64", PlyType::kFloat64}}};
 
 std::string quote(std::string_view text) {
   constexpr std::size_t kLongest = 40;
@@ -46,7 +54,10 @@ class HeaderParser {
     read_magic();
     bool has_format = false;
     for (;;) {
-      const std::vector<std::string_view> words = split_words(next_line());
+      const std::string_view line = next_line();
+      const std::vector<std::string_view> words = split_words(line);
+      if (words.size() > 2 && words[0] == "comment" && words[1] == "TextureFile" && header_.texture.empty())
+        header_.texture = line.substr(static_cast<std::size_t>(words[2].data() - line.data()));
       if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
       if (words[0] == "end_header") break;
       if (words[0] == "format") {
@@ -181,11 +192,15 @@ class HeaderParser {
 std::size_t ply_type_size(PlyType type) {
   switch (type) {
     case PlyType::kInt8:
-    case PlyType::kUint8: return 1;
+    case PlyType::kUint8:
+      return 1;
     case PlyType::kInt16:
-    case PlyType::kUint16: return 2;
-    case PlyType::kFloat64: return 8;
-    default: return 4;
+    case PlyType::kUint16:
+      return 2;
+    case PlyType::kFloat64:
+      return 8;
+    default:
+      return 4;
   }
 }
 

@@ -35,6 +35,7 @@ struct PlyElement {
 struct PlyHeader {
   enum class Encoding { kAscii, kLittleEndian, kBigEndian } encoding = Encoding::kAscii;
   std::vector<PlyElement> elements;
+  std::string texture;   ///< NAME of the line "comment TextureFile NAME", as MeshLab writes it; may be empty
   std::size_t size = 0;  ///< bytes in front of the body
   int lines = 0;         ///< lines in front of the body
 };

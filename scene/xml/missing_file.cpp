@@ -19,6 +19,7 @@ std::string first_line(const fs::path& file) {
   std::string line(kLongest, '\0');
   stream.read(line.data(), static_cast<std::streamsize>(line.size()));
   line.resize(static_cast<std::size_t>(stream.gcount()));
+  if (line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);  // UTF-8's byte order mark
   return line.substr(0, line.find_first_of("\r\n"));
 }
 

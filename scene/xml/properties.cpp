@@ -315,6 +315,20 @@ const char* Properties::first_color() const {
   return nullptr;
 }
 
+const XmlElement* Properties::any_texture_or_color() {
+  if (const XmlElement* texture = any_texture()) return texture;
+  Entry* found = nullptr;
+  for (Entry& entry : entries_) {
+    const std::string& kind = entry.target->name;
+    if (entry.used || (kind != "rgb" && kind != "srgb" && kind != "color" && kind != "spectrum")) continue;
+    if (found != nullptr) throw ElementError(*entry.written, title() + " holds a second colour, expected one");
+    found = &entry;
+  }
+  if (found == nullptr) return nullptr;
+  found->used = true;
+  return found->target;
+}
+
 const XmlElement* Properties::any_texture() {
   Entry* found = nullptr;
   for (Entry& entry : entries_) {

@@ -160,6 +160,8 @@ class Properties {
   /// The one <texture> of an object that nobody has asked for, under whatever name or without one, or null. Throws
   /// SceneError if there are several.
   const XmlElement* any_texture();
+  /// The same, or else the one colour.
+  const XmlElement* any_texture_or_color();
   /// The file that a string property names, found and regular. Throws SceneError if it or the property is missing.
   std::filesystem::path file(const char* name);
   /// Nested objects of a kind ("bsdf"), in file order.

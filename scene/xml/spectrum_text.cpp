@@ -1,6 +1,7 @@
 // Parsing of spectra and colours.
 #include "scene/xml/spectrum_text.h"
 
+#include "core/byte_order_mark.h"
 #include "core/color.h"
 #include "scene/xml/xml_values.h"
 
@@ -62,7 +63,7 @@ SpectrumDescription::Table read_spd(const std::filesystem::path& file) {
   if (size > kMaxSize) throw SceneError(where, "spectrum file is larger than 64 MiB");
   SpectrumDescription::Table table;
   for (std::string line; std::getline(stream, line);) {
-    ++where.line;
+    if (++where.line == 1) remove_byte_order_mark(line, where.file);
     const auto parts = split_list(std::string_view(line).substr(0, line.find('#')));
     if (parts.empty()) continue;
     if (parts.size() != 2) throw SceneError(where, "expected a wavelength and a value, found " + in_quotes(line));

@@ -1,6 +1,8 @@
 // Wraps pugixml: parsing, byte offsets to line numbers, and limits on what a hostile file may hold.
 #include "scene/xml/xml.h"
 
+#include "core/byte_order_mark.h"
+
 #include <pugixml.hpp>
 
 #include <algorithm>
@@ -26,6 +28,7 @@ std::string read_text(const std::filesystem::path& file) {
   std::string text(static_cast<std::size_t>(size), '\0');
   std::ifstream stream(file, std::ios::binary);
   if (!stream.read(text.data(), static_cast<std::streamsize>(size))) throw SceneError(where, "cannot be read");
+  remove_byte_order_mark(text, file.string());
   return text;
 }
 

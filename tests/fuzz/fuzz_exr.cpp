@@ -1,4 +1,4 @@
-// OpenEXR files: their headers, their pixels, and parts of pictures as `sheaf merge` joins them.
+// OpenEXR files: their headers, their pixels, the same as pictures, and parts of pictures as `sheaf merge` joins them.
 #include "core/exr.h"
 #include "tests/fuzz/fuzz.h"
 #include "tools/parts.h"
@@ -29,6 +29,7 @@ void try_input(std::string_view input) {
   reads([&] { (void)read_exr_header(file); });
   reads([&] { (void)read_exr_metadata(file); });
   reads([&] { (void)read_exr(file); });
+  for (const bool raw : {false, true}) reads([&] { (void)read_picture(file, raw); });
   reads([&] { try_part(file); });
 }
 

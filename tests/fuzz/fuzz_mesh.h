@@ -5,6 +5,7 @@
 #include "scene/formats/loop_subdivision.h"
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"
+#include "scene/formats/smooth_normals.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace sheaf::fuzz {
@@ -15,7 +16,12 @@ inline void try_mesh(const MeshFile& file) {
   Mesh mesh = file.mesh;
   transform_mesh(mesh, Transform::scale({1, -2, 0.5f}));
   drop_degenerate_triangles(mesh);
-  if (mesh.normals.empty()) compute_vertex_normals(mesh);
+  if (mesh.normals.empty()) {
+    Mesh creased = mesh;
+    compute_creased_normals(creased, {});
+    check_mesh(creased, {"mesh"});
+    compute_vertex_normals(mesh);
+  }
   flip_mesh(mesh);
   check_mesh(mesh, {"mesh"});
   (void)count_open_edges(mesh);

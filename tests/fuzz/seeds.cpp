@@ -7,6 +7,7 @@
 #include "scene/formats/nanovdb.h"
 #include "tests/fuzz/image_extensions.h"
 #include "tests/support/deflate.h"
+#include "tests/support/exr_files.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/parts.h"
@@ -87,6 +88,9 @@ void add_meshes(Seeds& seeds) {
   seeds.add("obj",
             "mtllib model.mtl\nv 0 0 0 1\nv 1 0 0\nv 1 1 0\nv 0 1 0.5\nvn 0 0 1\nvt 0 0\nvt 1 1\n"
             "usemtl a\nf 1/1/1 2/2/1 3//1 \\\n4\nusemtl b\nf -1 -2 -3\ng other\nf 1 2 3 4 # cut\n");
+  seeds.add("obj",
+            "\xef\xbb\xbfmtllib \"model.mtl\"\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 1\ns 1\nusemtl \"a\"\nf 1 2 3\ns "
+            "off\nf 1 3 4\n");
   seeds.add_words("obj", {"scene/formats/obj"});
   seeds.add("mtl",
             "# two\nnewmtl a\nKd 0.5 0.25 1\nKs 0.1 0.1 0.1\nNs 30\nNi 1.5\nd 0.5\nillum 2\nmap_Kd -s 2 2 1 -o 0.5 "
@@ -94,6 +98,7 @@ void add_meshes(Seeds& seeds) {
   seeds.add("mtl",
             "newmtl a\r\nillum 7\r\nTf 1 1 0.5\r\nNi 1.33\r\nnewmtl b\r\nillum 3\r\nKs 1 1 1\r\nPs 0.5\r\nPc 1\r\n"
             "Pcr 0.1\r\naniso 0.7\r\nnorm picture.png\r\nmap_d picture.png\r\nnewmtl c\r\nillum 4\r\n");
+  seeds.add("mtl", "newmtl \"a b\"\nmap_Kd \"my picture.png\" -s 2 2 -clamp on # why\nmap_Ks picture.png -o 1\n");
   seeds.add_words("mtl", {"scene/formats/mtl"});
 }
 
@@ -126,6 +131,11 @@ void add_ply(Seeds& seeds) {
             "property float scale_0\nproperty float scale_1\nproperty float scale_2\nproperty float rot_0\n"
             "property float rot_1\nproperty float rot_2\nproperty float rot_3\nend_header\n"
             "0 0 1 -2 -1 0.5 1 0 0.5 0\n");
+  seeds.add("ply",
+            "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 3\nproperty float x\nproperty float y\n"
+            "property float z\nproperty float other\nelement face 2\nproperty list uchar int vertex_indices\n"
+            "property list uchar float texcoord\nend_header\n0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2 6 0 0 1 0 1 1\n"
+            "3 2 1 0 6 0.5 0 1 0 1 1\n");
   seeds.add_words("ply", {"scene/formats/ply", "scene/formats/ellipsoids"});
 }
 
@@ -299,6 +309,14 @@ void add_pictures(Seeds& seeds) {
   part.channels = {"R", "sampleCount", "part.weight"};
   part.data.resize(18, 1.0f);
   write_exr(path("exr"), part, metadata);
+  seeds.add("exr", read_bytes(path("exr")));
+  const std::vector<float> p3{0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f};
+  ExrTestPart window = exr_part(2, 2, {{"a.R", 1}, {"a.G", 2}, {"a.B", 3}, {"Z", 4}}, p3);
+  window.window = {1, 1, 2, 2};
+  write_exr_parts(path("exr"), {window});
+  seeds.add("exr", read_bytes(path("exr")));
+  write_exr_parts(path("exr"),
+                  {exr_part(1, 1, {{"Z", 1}}, {}, "a"), exr_part(1, 1, {{"X", 1}, {"Y", 1}, {"Z", 1}}, {}, "b")});
   seeds.add("exr", read_bytes(path("exr")));
   seeds.add_words("exr", {"tools/parts", "core/exr", "kernels/film/cryptomatte", "kernels/film/merge"});
 }

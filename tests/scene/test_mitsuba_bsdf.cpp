@@ -65,8 +65,8 @@ TEST_CASE("Mitsuba materials: defaults") {
   CHECK(material("roughplastic") == "plastic " + dump_all(1.49f, 1.000277f) + half + one + " 0" + rough);
   CHECK(material("principled") == "principled" + half + dump_all(" ", 0.5f).substr(1) + " 0x0p+0 0x0p+0 0x0p+0 0x0p+0" +
                                       " 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x1.8p+0");
-  CHECK(material("principledthin") == "principledthin" + half + " 0x1p-1 0x0p+0 0x0p+0 0x1.8p+0 0x0p+0 0x0p+0 0x0p+0" +
-                                          " 0x0p+0 0x0p+0");
+  CHECK(material("principledthin") ==
+        "principledthin" + half + " 0x1p-1 0x0p+0 0x0p+0 0x1.8p+0 0x0p+0 0x0p+0 0x0p+0" + " 0x0p+0 0x0p+0");
   CHECK(material("hair") == "hair melanin " + dump_all(1.3f, 0.2f, 0.3f, 0.3f, 2.0f, 1.55f, 1.000277f));
   CHECK(material("null") == "null");
   CHECK(material("mask", bsdf("diffuse")) == "mask 0x1p-1 0");
@@ -91,8 +91,10 @@ TEST_CASE("Mitsuba materials: names of its own table disperse where asked to, ot
   CHECK_FALSE(disperses(number("int_ior", "1.5")));
   // Nori has no names of its own: there they are all ours.
   const auto nori = [](const std::string& inside) {
-    const Description d = read_text("<scene><camera type='perspective'/><integrator type='path'/><mesh type='sphere'>"
-                                    "<bsdf type='dielectric'>" + inside + "</bsdf></mesh></scene>");
+    const Description d = read_text(
+        "<scene><camera type='perspective'/><integrator type='path'/><mesh type='sphere'>"
+        "<bsdf type='dielectric'>" +
+        inside + "</bsdf></mesh></scene>");
     return std::get<DielectricDescription>(d.materials.back().model).int_dispersion.has_value();
   };
   CHECK(nori(word("intIOR", "bk7")));
@@ -107,8 +109,8 @@ TEST_CASE("Mitsuba materials: every number, colour and switch in both styles of 
     const std::string speculars = number(name("specular_reflectance", "specularReflectance"), "0.25") +
                                   number(name("specular_transmittance", "specularTransmittance"), "0.75");
     const std::string along = number(name("alpha_u", "alphaU"), "0.5") + number(name("alpha_v", "alphaV"), "0.25");
-    const std::string visible = "<boolean name='" + std::string(name("sample_visible", "sampleVisible")) +
-                                "' value='false'/>";
+    const std::string visible =
+        "<boolean name='" + std::string(name("sample_visible", "sampleVisible")) + "' value='false'/>";
     const std::string base = number(name("base_color", "baseColor"), "0.5");
     CHECK(material("dielectric", iors + speculars) ==
           dump_all("dielectric", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 0 smooth"));
@@ -262,10 +264,10 @@ TEST_CASE("Mitsuba materials: textures for every parameter that can have one") {
 }
 
 TEST_CASE("Mitsuba materials: checkerboards change places where they are numbers, but not in scenes of version 0.6") {
-  const std::string text =
-      mitsuba_scene("<bsdf type='mask'><texture name='opacity' type='checkerboard' id='squares'>"
-                    "<float name='color0' value='0.25'/><texture name='color1' type='checkerboard'/></texture>"
-                    "<bsdf type='diffuse'><ref name='reflectance' id='squares'/></bsdf></bsdf>");
+  const std::string text = mitsuba_scene(
+      "<bsdf type='mask'><texture name='opacity' type='checkerboard' id='squares'>"
+      "<float name='color0' value='0.25'/><texture name='color1' type='checkerboard'/></texture>"
+      "<bsdf type='diffuse'><ref name='reflectance' id='squares'/></bsdf></bsdf>");
   const auto first = [](const Description& d, TextureId id) {
     const auto& squares = std::get<CheckerboardDescription>(d.textures.at(static_cast<std::size_t>(id)).model);
     const auto* value = std::get_if<SpectrumDescription>(&squares.color0);
@@ -359,8 +361,8 @@ TEST_CASE("Mitsuba materials: bump and normal maps") {
     CHECK_FALSE(contains(material(type, start), "keep_normals"));
   }
   // Before version 2, a texture around another one scales it.
-  const Description old = read_old(bsdf("bumpmap", bsdf("diffuse") + "<texture type='scale'>" + number("scale", "10") +
-                                                       named("") + "</texture>"));
+  const Description old = read_old(
+      bsdf("bumpmap", bsdf("diffuse") + "<texture type='scale'>" + number("scale", "10") + named("") + "</texture>"));
   CHECK(dump(old.materials.back()) == "bumpmap 0 0x1.4p+3 0");
   const Description referred = read_old("<texture type='scale' id='s'><float name='scale' value='2'/>" + named("") +
                                         "</texture>" + bsdf("bumpmap", bsdf("diffuse") + "<ref id='s'/>"));
@@ -415,10 +417,10 @@ TEST_CASE("Mitsuba textures: transforms of uv") {
   CHECK(near(apply(to_uv(transform("<scale x='2' y='3'/>")), 0.1f, 0.2f), 0.2f, 0.4f));
   CHECK(near(apply(to_uv(transform("<scale value='2'/><translate value='-.5,-.5,0'/>")), 0.5f, 0.25f), 0.5f, 1.0f));
   CHECK(near(apply(to_uv(transform("<rotate z='1' angle='90'/>")), 0.2f, 0.1f), -0.1f, 0.8f));
-  CHECK(near(apply(to_uv(number("uscale", "2") + number("vscale", "4") + number("uoffset", "0.5") +
-                         number("voffset", "0.25")),
-                   0.1f, 0.1f),
-             0.7f, 0.35f));
+  CHECK(near(
+      apply(to_uv(number("uscale", "2") + number("vscale", "4") + number("uoffset", "0.5") + number("voffset", "0.25")),
+            0.1f, 0.1f),
+      0.7f, 0.35f));
   CHECK(near(apply(to_uv(number("uvscale", "2")), 0.1f, 0.2f), 0.2f, 0.6f));
   // The squares of a checkerboard don't care which way is up.
   CHECK(near(apply(to_uv("", "checkerboard"), 0.25f, 0.125f), 0.25f, 0.125f));
@@ -445,7 +447,8 @@ TEST_CASE("Mitsuba textures: checkerboards, mesh attributes and spectra") {
 TEST_CASE("Mitsuba textures: one texture for all that refer to it") {
   const Description d = read_text(mitsuba_scene(
       "<bsdf type='diffuse'><ref name='reflectance' id='t'/></bsdf><texture type='mesh_attribute' id='t'>" +
-      word("name", "vertex_x") + "</texture>"
+      word("name", "vertex_x") +
+      "</texture>"
       "<bsdf type='principled'><ref name='base_color' id='t'/><ref name='roughness' id='t'/></bsdf>"
       "<texture type='mesh_attribute'><string name='name' value='vertex_color'/></texture>"));
   REQUIRE(d.textures.size() == 2);
@@ -509,8 +512,9 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
       {bsdf("bumpmap", bsdf("diffuse")), "bsdf 'bumpmap' holds no <texture>, expected one"},
       {bsdf("bumpmap", board), "holds 0 nested <bsdf>, expected one"},
       {bsdf("bumpmap", bsdf("diffuse") + board + board), "holds a second <texture>, expected one"},
-      {bsdf("normalmap", bsdf("diffuse") + "<texture type='uniform'/>"),
-       "a map is expected to vary, texture 'uniform' is the same everywhere"},
+      {bsdf("normalmap", bsdf("diffuse") + "<rgb value='1'/><rgb value='1'/>"), "needs an attribute 'name'"},
+      {bsdf("normalmap", bsdf("diffuse") + "<rgb name='a' value='1'/><rgb name='b' value='1'/>"),
+       "holds a second colour, expected one"},
       {bsdf("diffuse", board), "<texture> in bsdf 'diffuse' needs an attribute 'name'"},
       {"<bsdf type='mask' id='a'><ref id='a'/></bsdf>", "bsdf 'mask' refers to itself"},
       {"<texture type='checkerboard' id='a'><ref name='color0' id='a'/></texture>" +
@@ -542,10 +546,9 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
     CHECK_MESSAGE(contains(message, c.expected), message);
     CHECK(message.starts_with("scene.xml:"));
   }
-  const std::string old = error_of_text(
-      mitsuba_scene(bsdf("conductor", "<texture type='checkerboard' name='eta'/>" + number("k", "1") +
-                                          number("ext_eta", "1.5")),
-                    "<sensor type='perspective'/>", "", "0.6.0"));
+  const std::string old = error_of_text(mitsuba_scene(
+      bsdf("conductor", "<texture type='checkerboard' name='eta'/>" + number("k", "1") + number("ext_eta", "1.5")),
+      "<sensor type='perspective'/>", "", "0.6.0"));
   CHECK_MESSAGE(contains(old, "is given beside a texture of 'eta' or 'k'"), old);
 }
 

@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace sheaf::test_model {
@@ -62,6 +63,113 @@ TEST_CASE("model: a broken file is an error with its line") {
   const TemporaryFolder folder;
   const std::string message = error_of(write_below(folder, "model.obj", "v 0 0 0\nf 1 2 3\n"));
   CHECK(contains(message, "model.obj"));
+}
+
+namespace {
+
+const std::string kCube = "v -1 -1 -1\nv -1 -1 1\nv -1 1 -1\nv -1 1 1\nv 1 -1 -1\nv 1 -1 1\nv 1 1 -1\nv 1 1 1\n";
+const std::string kCubeFaces = "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n";
+
+/// The smallest cosine between a corner's normal and its triangle's.
+float smallest_cosine(const Mesh& mesh) {
+  float smallest = 1;
+  for (const auto& t : mesh.triangles) {
+    const Vec3f normal =
+        normalize(cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]));
+    for (const std::uint32_t v : t) smallest = std::min(smallest, dot(normal, mesh.normals.at(v)));
+  }
+  return smallest;
+}
+
+float smallest_cosine_of(const std::string& name, const std::string& text) {
+  const TemporaryFolder folder;
+  write_below(folder, "look.mtl", "newmtl red\nKd 1 0 0\n");
+  const Description d = read_scene(write_below(folder, name, text));
+  float smallest = 1;
+  for (std::size_t i = 0; i + 1 < d.shapes.size(); ++i)  // the last is the floor
+    smallest = std::min(smallest, smallest_cosine(std::get<Mesh>(d.shapes[i].geometry)));
+  return smallest;
+}
+
+/// A square as PLY, with properties of vertices and of faces.
+std::string square_ply(const std::string& comment, const std::string& vertex_properties, const std::string& vertex,
+                       const std::string& face_properties = "", const std::string& face = "") {
+  std::string text = "ply\nformat ascii 1.0\n" + comment +
+                     "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n" + vertex_properties +
+                     "element face 1\nproperty list uchar int vertex_indices\n" + face_properties + "end_header\n";
+  for (const char* place : {"0 0 0", "1 0 0", "1 1 0", "0 1 0"}) text += std::string(place) + " " + vertex + "\n";
+  return text + "4 0 1 2 3 " + face + "\n";
+}
+
+/// The texture of a model's first shape, or null if it is grey.
+const TextureDescription* texture_of(const Description& d) {
+  const auto& both =
+      std::get<TwoSidedDescription>(d.materials.at(static_cast<std::size_t>(*d.shapes.at(0).material)).model);
+  const auto& diffuse = std::get<DiffuseDescription>(d.materials.at(static_cast<std::size_t>(both.front)).model);
+  const auto* id = std::get_if<TextureId>(&diffuse.reflectance);
+  return id == nullptr ? nullptr : &d.textures.at(static_cast<std::size_t>(*id));
+}
+
+}  // namespace
+
+TEST_CASE("model: a cube has flat faces, whether its file says 's off' or nothing; in a group it is smooth") {
+  const float corner = 1 / std::sqrt(3.0f);
+  CHECK(smallest_cosine_of("a.obj", kCube + "s off\n" + kCubeFaces) == doctest::Approx(1));
+  CHECK(smallest_cosine_of("a.obj", kCube + "s 0\n" + kCubeFaces) == doctest::Approx(1));
+  CHECK(smallest_cosine_of("a.obj", kCube + kCubeFaces) == doctest::Approx(1));
+  CHECK(smallest_cosine_of("a.obj", kCube + "s 1\n" + kCubeFaces) == doctest::Approx(corner));
+  CHECK(smallest_cosine_of("a.obj", "mtllib look.mtl\n" + kCube + "usemtl red\ns off\n" + kCubeFaces) ==
+        doctest::Approx(1));
+  CHECK(smallest_cosine_of("a.obj", "mtllib look.mtl\n" + kCube +
+                                        "s 1\nf 1 2 4 3\nf 5 7 8 6\nusemtl red\nf 1 5 6 2\n"
+                                        "f 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\nf 1 1 2\n") == doctest::Approx(corner));
+  std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 6\nproperty list uchar int vertex_indices\nend_header\n";
+  for (std::size_t at = 0; at < kCube.size(); at = kCube.find('\n', at) + 1)
+    ply += kCube.substr(at + 2, kCube.find('\n', at) - at - 1);
+  ply += "4 0 1 3 2\n4 4 6 7 5\n4 0 4 5 1\n4 2 3 7 6\n4 0 2 6 4\n4 1 5 7 3\n";
+  CHECK(smallest_cosine_of("a.ply", ply) == doctest::Approx(1));
+}
+
+TEST_CASE("model: normals of the file stay") {
+  const std::string normals = "vn -1 -1 -1\nvn 1 1 1\n", faces = "f 1//1 2//2 4//2 3//1\ns off\nf 1//1 5//2 6//2\n";
+  CHECK(smallest_cosine_of("a.obj", kCube + normals + faces) < 0.6f);
+}
+
+TEST_CASE("model: colours of vertices and faces of PLY files are shown") {
+  const std::string floats = "property float red\nproperty float green\nproperty float blue\n";
+  const std::string bytes = "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+  const TemporaryFolder folder;
+  const auto check = [&](const std::string& text, const std::string& attribute) {
+    const Description d = read_scene(write_below(folder, "a.ply", text));
+    const TextureDescription* texture = texture_of(d);
+    REQUIRE(texture != nullptr);
+    CHECK(std::get<MeshAttributeDescription>(texture->model).name == attribute);
+    const auto scene = compile_scene(d);
+    CHECK(scene->warnings().empty());
+    CHECK(scene->view().textures.attribute_values[1] == doctest::Approx(0.21586).epsilon(1e-4));
+  };
+  check(square_ply("", bytes, "255 128 0 255"), "vertex_color");
+  check(square_ply("", floats, "1 0.21586 0"), "vertex_color");
+  check(square_ply("", "", "", floats, "1 0.21586 0"), "face_color");
+  check(square_ply("", floats, "1 0.21586 0", bytes, "0 0 0 0"), "vertex_color");
+  CHECK(texture_of(read_scene(write_below(folder, "a.ply", square_ply("", "", "")))) == nullptr);
+}
+
+TEST_CASE("model: the picture that a PLY file names is shown upright, if it is there") {
+  const TemporaryFolder folder;
+  const std::string uv = "property float u\nproperty float v\n", comment = "comment TextureFile skin.png\n";
+  const auto file = write_below(folder, "a.ply", square_ply(comment, uv, "0.25 0.25"));
+  const Description without = read_scene(file);
+  CHECK(texture_of(without) == nullptr);
+  CHECK(std::any_of(without.notes.begin(), without.notes.end(),
+                    [](const std::string& note) { return contains(note, "texture 'skin.png' not found"); }));
+  write_below(folder, "skin.png", "");
+  const Description d = read_scene(file);
+  REQUIRE(texture_of(d) != nullptr);
+  CHECK(std::get<BitmapDescription>(texture_of(d)->model).file.filename() == "skin.png");
+  CHECK(std::get<Mesh>(d.shapes[0].geometry).uvs[0].y == 0.75f);  // v counts upwards, rows downwards
 }
 
 }  // namespace sheaf::test_model

@@ -101,9 +101,10 @@ const std::string kRedAndBlue = "newmtl red\nKd 0.5 0.25 0.125\nnewmtl blue\nKd 
 }  // namespace
 
 TEST_CASE("mtl: what a file says, and what it leaves out") {
-  const MtlLibrary library = read("# comment\r\n\tnewmtl  red paint \r\nKd .5 +0.25 1e-1 # why\nKs 0.5\n Ns 100\n"
-                                  "Ni\t1.5\nd 0.25\nTr 0.5\nillum 7\nTf 1 .5 0\nKe 2 0 0\nnewmtl empty\rnewmtl pbr\n"
-                                  "Tr 0.25\nPr .1\nPm .2\nPs .3\nPc .4\nPcr .5\naniso .6\nanisor .7\nKa 1 1 1");
+  const MtlLibrary library = read(
+      "# comment\r\n\tnewmtl  red paint \r\nKd .5 +0.25 1e-1 # why\nKs 0.5\n Ns 100\n"
+      "Ni\t1.5\nd 0.25\nTr 0.5\nillum 7\nTf 1 .5 0\nKe 2 0 0\nnewmtl empty\rnewmtl pbr\n"
+      "Tr 0.25\nPr .1\nPm .2\nPs .3\nPc .4\nPcr .5\naniso .6\nanisor .7\nKa 1 1 1");
   CHECK(library.notes.empty());
   REQUIRE(library.materials.size() == 3);
   const MtlMaterial& red = library.materials[0];
@@ -132,8 +133,9 @@ TEST_CASE("mtl: what a file says, and what it leaves out") {
 }
 
 TEST_CASE("mtl: pictures, their options and their folders") {
-  const MtlMaterial m = one("map_Kd a picture.png\nmap_Ks -s 2 3 4 -o 0.5 -clamp on sub\\dir\\b.png\nmap_d -s 2 c.png\n"
-                            "map_Bump -bm 0.5 -mm 0 1 -imfchan l d.png\nnorm -o 1 2 3 4.png\nmap_Pr -s 1 1 5\n");
+  const MtlMaterial m =
+      one("map_Kd a picture.png\nmap_Ks -s 2 3 4 -o 0.5 -clamp on sub\\dir\\b.png\nmap_d -s 2 c.png\n"
+          "map_Bump -bm 0.5 -mm 0 1 -imfchan l d.png\nnorm -o 1 2 3 4.png\nmap_Pr -s 1 1 5\n");
   CHECK(m.map_diffuse->file.filename() == "a picture.png");
   CHECK(m.map_diffuse->where.line == 2);
   CHECK(contains(m.map_specular->file.string(), "/sub/dir/b.png"));
@@ -172,8 +174,9 @@ TEST_CASE("mtl: what is malformed is an error with a line") {
 }
 
 TEST_CASE("mtl: what is not supported is noted once") {
-  const MtlLibrary library = read("newmtl m\nmap_Kdd x.png\nrefl x.png\nrefl y.png\nKd xyz 1 1 1\n"
-                                  "map_Kd -mm 0 1 x.png\n");
+  const MtlLibrary library = read(
+      "newmtl m\nmap_Kdd x.png\nrefl x.png\nrefl y.png\nKd xyz 1 1 1\n"
+      "map_Kd -mm 0 1 x.png\n");
   REQUIRE(library.notes.size() == 4);
   CHECK(contains(library.notes[0], "lib.mtl:2: unknown keyword 'map_Kdd' ignored, did you mean 'map_Kd'?"));
   CHECK(contains(library.notes[1], "lib.mtl:3: 'refl' is not supported"));
@@ -391,9 +394,6 @@ TEST_CASE("obj materials: shapes that stay as they are") {
   ObjScene missing(tent("red", "blue"));
   check_uncut(missing);
   CHECK(missing.has_note("mesh.obj:1: material library 'lib.mtl' not found"));
-  ObjScene other(tent("rad", "x"), kRedAndBlue);
-  check_uncut(other);
-  CHECK(other.has_note("material 'rad' is in no material library, it becomes diffuse, did you mean 'red'?"));
 }
 
 TEST_CASE("obj materials: faces without a material, several libraries, names with blanks") {
@@ -408,6 +408,69 @@ TEST_CASE("obj materials: faces without a material, several libraries, names wit
   CHECK_FALSE(d.shapes[2].material);
   CHECK(scene.has_note("'no.mtl' not found"));
   CHECK(scene.has_note("material 'lost'"));
+}
+
+TEST_CASE("obj materials: a material that no library has is an error with file and line, leniently diffuse") {
+  const std::string obj = tent("red", "blu");
+  ObjScene scene(obj, kRedAndBlue);
+  const std::string message = error_of([&] { expand_obj_materials(scene.description); });
+  CHECK(contains(message, "mesh.obj:10: material 'blu' is in no material library of the file, did you mean 'blue'?"));
+  ObjScene lenient(obj, kRedAndBlue);
+  expand_obj_materials(lenient.description, true);
+  REQUIRE(lenient.description.shapes.size() == 2);
+  CHECK_FALSE(lenient.description.shapes[1].material);
+  REQUIRE(lenient.description.stand_ins.size() == 1);
+  CHECK(contains(lenient.description.stand_ins[0], "'blu'"));
+  CHECK(contains(lenient.description.stand_ins[0], "(a diffuse surface stands in)"));
+}
+
+TEST_CASE("obj materials: names in quotation marks") {
+  ObjScene scene("mtllib \"my lib.mtl\" lib.mtl\n" + tent("\"red paint\"", "blue", ""), kRedAndBlue);
+  write_bytes(scene.folder / "my lib.mtl", "newmtl \"red paint\"\nKd 1 0 0\n");
+  expand_obj_materials(scene.description);
+  const Description& d = scene.description;
+  REQUIRE(d.shapes.size() == 2);
+  CHECK(d.notes.empty());
+  CHECK(d.materials.at(static_cast<std::size_t>(*d.shapes[0].material)).id == "red paint");
+  CHECK(d.materials.at(static_cast<std::size_t>(*d.shapes[1].material)).id == "blue");
+}
+
+TEST_CASE("mtl: options behind the name of a picture, and names in quotation marks or with blanks") {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "my picture.png", "wood -s 2.png", "2.png"}) write_bytes(folder / name, "");
+  const auto texture = [&](const std::string& arguments) {
+    write_bytes(folder / "lib.mtl", "newmtl m\nmap_Kd " + arguments + "\n");
+    return read_mtl(folder / "lib.mtl").materials.at(0).map_diffuse.value();
+  };
+  const auto check = [&](const std::string& arguments, const std::string& name, Vec2f scale, Vec2f offset, bool clamp) {
+    CAPTURE(arguments);
+    const MtlTexture found = texture(arguments);
+    CHECK(found.file.filename() == name);
+    CHECK(found.scale.x == scale.x);
+    CHECK(found.scale.y == scale.y);
+    CHECK(found.offset.x == offset.x);
+    CHECK(found.offset.y == offset.y);
+    CHECK(found.clamp == clamp);
+  };
+  check("a.png -s 2 3 1", "a.png", {2, 3}, {0, 0}, false);
+  check("a.png -s 2", "a.png", {2, 1}, {0, 0}, false);
+  check("a.png -s 2 3", "a.png", {2, 3}, {0, 0}, false);
+  check("-s 2 3 a.png -o .5 .25 0 -clamp on", "a.png", {2, 3}, {0.5f, 0.25f}, true);
+  check("my picture.png -clamp on", "my picture.png", {1, 1}, {0, 0}, true);
+  check("\"my picture.png\"", "my picture.png", {1, 1}, {0, 0}, false);
+  check("-s 2 2 \"my picture.png\" -o 1 1", "my picture.png", {2, 2}, {1, 1}, false);
+  check("\"wood -s 2.png\" -clamp on", "wood -s 2.png", {1, 1}, {0, 0}, true);
+  check("wood -s 2.png", "wood -s 2.png", {1, 1}, {0, 0}, false);
+  check("-s 3 2.png", "2.png", {3, 1}, {0, 0}, false);
+  check("lost picture.png -s 2 2", "lost picture.png", {2, 2}, {0, 0}, false);
+  check("a.png # the wood", "a.png", {1, 1}, {0, 0}, false);
+  check("a.png -clamp on # the wood", "a.png", {1, 1}, {0, 0}, true);
+  CHECK(texture("a.png -bm 0.5").bump_multiplier == 0.5f);
+  CHECK(contains(error_in("newmtl m\nmap_Kd \"a.png\n"), "lib.mtl:2: a name in quotation marks has no closing one"));
+  CHECK(contains(error_in("newmtl m\nmap_Kd \"a.png\" b.png\n"), "expected nothing or an option after the name"));
+  CHECK(contains(error_in("newmtl m\nmap_Kd \"a.png\" -clmp on\n"), "unknown option '-clmp'"));
+  CHECK(contains(error_in("newmtl m\nmap_Kd a.png -s x\n"), "expected a number after 'map_Kd', found 'x'"));
+  CHECK(contains(error_in("newmtl m\nmap_Kd \"\"\n"), "expected the name of a picture after 'map_Kd'"));
 }
 
 TEST_CASE("obj materials: shapes of the same file share materials") {

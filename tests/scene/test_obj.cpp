@@ -122,8 +122,11 @@ TEST_CASE("obj: texture coordinates are flipped on demand and may have one or th
 }
 
 TEST_CASE("obj: objects, groups, materials, lines and points beside the faces") {
-  const Mesh mesh = read("# comment\nmtllib nowhere.mtl\no first\n" + with_square(
-      "g a b\nusemtl red\ns off\nf 1 2 3\nl 1 2\np 1\no second\ng\nusemtl\nf 1 3 4 # last\ncurv 0 1 1 2\n")).mesh;
+  const Mesh mesh =
+      read("# comment\nmtllib nowhere.mtl\no first\n" +
+           with_square(
+               "g a b\nusemtl red\ns off\nf 1 2 3\nl 1 2\np 1\no second\ng\nusemtl\nf 1 3 4 # last\ncurv 0 1 1 2\n"))
+          .mesh;
   CHECK(mesh.triangles.size() == 2);
   CHECK(mesh.positions.size() == 4);
 }
@@ -156,10 +159,10 @@ TEST_CASE("obj: convex polygons") {
 
 TEST_CASE("obj: concave polygons, both ways round and from every first corner") {
   const std::vector<std::vector<Vec2f>> outlines = {
-      {{-0.1f, 0}, {0, 9}, {0.1f, 0}, {0, 10}},                                  // its shorter diagonal lies outside
-      {{0, 0}, {4, 0}, {4, 4}, {3, 4}, {3, 1}, {1, 1}, {1, 4}, {0, 4}},          // U
-      {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}},                          // L
-      {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {1, 0.5f}, {0, 1}},                       // a corner on a straight line
+      {{-0.1f, 0}, {0, 9}, {0.1f, 0}, {0, 10}},                          // its shorter diagonal lies outside
+      {{0, 0}, {4, 0}, {4, 4}, {3, 4}, {3, 1}, {1, 1}, {1, 4}, {0, 4}},  // U
+      {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}},                  // L
+      {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {1, 0.5f}, {0, 1}},               // a corner on a straight line
       {{0, 0}, {5, 0}, {5, 5}, {1, 5}, {1, 2}, {3, 2}, {3, 3}, {2, 3}, {2, 4}, {4, 4}, {4, 1}, {0, 1}}};  // spiral
   for (std::vector<Vec2f> outline : outlines) {
     for (std::size_t first = 0; first < outline.size(); ++first) {
@@ -175,9 +178,7 @@ TEST_CASE("obj: concave polygons, both ways round and from every first corner") 
 
 TEST_CASE("obj: a comb of many teeth is cut exactly") {
   std::vector<Vec2f> comb;
-  for (int i = 0; i < 500; ++i) {
-    comb.push_back({float(i), i % 2 == 0 ? 1.0f : 8.0f});
-  }
+  for (int i = 0; i < 500; ++i) { comb.push_back({float(i), i % 2 == 0 ? 1.0f : 8.0f}); }
   comb.push_back({499, 0});
   comb.push_back({0, 0});
   check_covers(comb);
@@ -291,6 +292,21 @@ TEST_CASE("obj: materials of the triangles, and libraries") {
   CHECK(obj.libraries[0].where.line == 5);
   CHECK(obj.libraries[1].names == "c.mtl");
   CHECK(are_equal(obj.file.mesh, read_obj(file.path(), false).mesh));
+}
+
+TEST_CASE("obj: smoothing groups of triangles, flat before the first, and none in files that say nothing of them") {
+  const auto groups = [](const std::string& text) {
+    const TemporaryFile file("mesh.obj", with_square(text));
+    return read_obj_with_materials(file.path(), false).smoothing_of;
+  };
+  CHECK(groups("f 1 2 3 4\n").empty());
+  using Groups = std::vector<std::uint32_t>;
+  CHECK(groups("f 1 2 3\ns 1\nf 1 2 3 4\ns off\nf 1 2 3\ns 4294967295 # all\nf 1 2 3\ns 0\nf 1 2 3\n") ==
+        Groups{0, 1, 1, 0, 4294967295u, 0});
+  CHECK(groups("s on\nf 1 2 3\n\ts\t7\t\nf 1 2 3\ns\nf 1 2 3\n") == Groups{1, 7, 0});
+  CHECK(contains(error_in(with_square("s smooth\nf 1 2 3\n")),
+                 "mesh.obj:5: expected a smoothing group after 's', a number or 'off', found 'smooth'"));
+  CHECK(groups("s off\nusemtl a\nf 1 2 3\nshadow_obj x\n") == Groups{0});
 }
 
 }  // namespace sheaf::test_obj

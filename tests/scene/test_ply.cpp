@@ -82,22 +82,27 @@ std::string rich_file(Body::Encoding encoding) {
          "property list ushort int8 tags\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
          "property float s\nproperty float t\nproperty uint id\n"
          "element face 2\nproperty char flag\nproperty list int16 uint16 vertex_indices\n"
-         "property list uint8 float weights\nend_header\n" + body.text();
+         "property list uint8 float weights\nend_header\n" +
+         body.text();
 }
 
 std::string header(const std::string& elements, const std::string& format = "ascii") {
   return "ply\nformat " + format + " 1.0\n" + elements + "end_header\n";
 }
 
-const std::string kTriangle = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                              "element face 1\nproperty list uchar int vertex_indices\n";
+const std::string kTriangle =
+    "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 1\nproperty list uchar int vertex_indices\n";
 const std::string kTriangleBody = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 
 }  // namespace
 
 TEST_CASE("ply: all encodings give the same mesh, and it is the right one") {
   const MeshFile ascii = read(rich_file(Body::Encoding::kAscii));
-  CHECK(ascii.warnings.empty());
+  REQUIRE(ascii.warnings.size() == 3);
+  CHECK(contains(ascii.warnings[0], "element 'junk' not understood: left out"));
+  CHECK(contains(ascii.warnings[1], "element 'vertex': properties 'red', 'tags', 'id' not understood: left out"));
+  CHECK(contains(ascii.warnings[2], "element 'face': properties 'flag', 'weights' not understood: left out"));
   const Mesh& mesh = ascii.mesh;
   CHECK(mesh.positions == std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0.25f}, {-3, 0.5f, -2}});
   CHECK(mesh.normals == std::vector<Vec3f>(5, {0, 0, 1}));
@@ -117,9 +122,10 @@ TEST_CASE("ply: every number type as coordinate and as index") {
       for (const int c : {0, 0, 0, 100, 0, 0, 0, 100, 0}) body.put(static_cast<T>(c));
       body.put<std::uint8_t>(3).put(static_cast<T>(2)).put(static_cast<T>(0)).put(static_cast<T>(1));
       const std::string columns = "property " + type + " x\nproperty " + type + " y\nproperty " + type + " z\n";
-      const Mesh mesh = read("ply\n" + body.format() + "element vertex 3\n" + columns +
-                             "element face 1\nproperty list uchar " + type + " vertex_index\nend_header\n" +
-                             body.text()).mesh;
+      const Mesh mesh =
+          read("ply\n" + body.format() + "element vertex 3\n" + columns + "element face 1\nproperty list uchar " +
+               type + " vertex_index\nend_header\n" + body.text())
+              .mesh;
       CHECK_MESSAGE((mesh.positions[1] == Vec3f{100, 0, 0}), type);
       CHECK(mesh.triangles[0] == std::array<std::uint32_t, 3>{2, 0, 1});
     }
@@ -137,7 +143,8 @@ TEST_CASE("ply: every number type as coordinate and as index") {
 TEST_CASE("ply: faces in front of vertices") {
   const Mesh mesh = read(header("element face 1\nproperty list uchar int vertex_index\nelement vertex 3\n"
                                 "property float x\nproperty float y\nproperty float z\n") +
-                         "3 2 1 0\n0 0 0\n1 0 0\n0 1 0\n").mesh;
+                         "3 2 1 0\n0 0 0\n1 0 0\n0 1 0\n")
+                        .mesh;
   CHECK(mesh.triangles[0] == std::array<std::uint32_t, 3>{2, 1, 0});
 }
 
@@ -163,9 +170,11 @@ TEST_CASE("ply: half a normal is none, one that is not finite is missing") {
   const std::string position = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
   const std::string face = "element face 1\nproperty list uchar int vertex_indices\n";
   CHECK(read(header(position + "property float nx\nproperty float nz\n" + face) +
-             "0 0 0 1 1\n1 0 0 1 1\n0 1 0 1 1\n3 0 1 2\n").mesh.normals.empty());
+             "0 0 0 1 1\n1 0 0 1 1\n0 1 0 1 1\n3 0 1 2\n")
+            .mesh.normals.empty());
   const Mesh mesh = read(header(position + "property float nx\nproperty float ny\nproperty float nz\n" + face) +
-                         "0 0 0 0 0 1\n1 0 0 nan 0 0\n0 1 0 0 0 1\n3 0 1 2\n").mesh;
+                         "0 0 0 0 0 1\n1 0 0 nan 0 0\n0 1 0 0 0 1\n3 0 1 2\n")
+                        .mesh;
   CHECK(mesh.normals[1] == Vec3f{0, 0, 0});
 }
 
@@ -198,7 +207,8 @@ TEST_CASE("ply: concave polygons keep their area, short ones are left out") {
 TEST_CASE("ply: triangle strips turn every other triangle") {
   const Mesh mesh = read(header("element vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
                                 "element tristrips 1\nproperty list int int vertex_indices\n") +
-                         "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n10 0 1 2 3 4 -1 0 1 2 -1\n").mesh;
+                         "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n10 0 1 2 3 4 -1 0 1 2 -1\n")
+                        .mesh;
   REQUIRE(mesh.triangles.size() == 4);
   for (std::size_t i = 0; i < 4; ++i) CHECK(area_normal(mesh, i).z == 1.0f);
 }
@@ -236,23 +246,28 @@ TEST_CASE("ply: headers that are wrong") {
   CHECK(contains(in_header("element vertex 1\nproperty float x\nproperty float y\n"), "without 'x', 'y' and 'z'"));
   CHECK(contains(in_header("element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"), "no faces"));
   CHECK(contains(in_header("element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                           "element face 1\nproperty list uchar int corners\n"), "no list 'vertex_indices'"));
+                           "element face 1\nproperty list uchar int corners\n"),
+                 "no list 'vertex_indices'"));
 }
 
 TEST_CASE("ply: counts that the file cannot hold are errors, not allocations") {
   for (const std::string count : {"1000000000000000000", "18446744073709551615", "4000000000", "400"}) {
     for (const std::string format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
-      const std::string claims = "element vertex " + count + "\nproperty float x\nproperty float y\nproperty float z\n"
+      const std::string claims = "element vertex " + count +
+                                 "\nproperty float x\nproperty float y\nproperty float z\n"
                                  "element face 1\nproperty list uchar int vertex_indices\n";
       CHECK(contains(error_in(header(claims, format) + std::string(1000, ' ')), "claims " + count + " rows"));
-      const std::string faces = "element vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
-                                "element face " + count + "\nproperty list int int vertex_indices\n";
+      const std::string faces =
+          "element vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
+          "element face " +
+          count + "\nproperty list int int vertex_indices\n";
       CHECK_FALSE(error_in(header(faces, format) + std::string(1000, ' ')).empty());
     }
   }
   CHECK(read(header("element nothing 1000000000000000000\n" + kTriangle) + kTriangleBody).mesh.triangles.size() == 1);
-  const std::string list = "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-                           "element face 1\nproperty list int int vertex_indices\n";
+  const std::string list =
+      "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list int int vertex_indices\n";
   CHECK(contains(error_in(header(list) + "0 0 0\n2000000000 0 0 0\n"), "truncated"));
   CHECK(contains(error_in(header(list) + "0 0 0\n-1 0 0 0\n"), "impossible length"));
   CHECK(contains(error_in(header(list) + "0 0 0\n1.5 0 0 0\n"), "impossible length"));
@@ -352,7 +367,8 @@ TEST_CASE("ply: attributes of vertices and faces in every encoding") {
         columns("float", "b g") + columns("double", "r temperature_0") + "property list uchar int tags\n",
         std::tuple(0.75f, 0.5f, 0.25, 300.0, std::uint8_t{2}, 7, 8), columns("float", "q_x q_y q_z r g b"),
         std::tuple(1.0f, 2.0f, 3.0f, 0.125f, 0.25f, 0.5f), encoding);
-    CHECK(file.warnings.empty());
+    REQUIRE(file.warnings.size() == 1);
+    CHECK(contains(file.warnings[0], "element 'vertex': property 'tags' not understood: left out"));
     REQUIRE(file.mesh.attributes.size() == 4);
     CHECK(file.mesh.attributes[0].values == std::vector<float>{.25f, .5f, .75f, .25f, .5f, .75f, .25f, .5f, .75f});
     CHECK(file.mesh.attributes[1].name == "vertex_temperature");
@@ -408,6 +424,126 @@ TEST_CASE("ply: attributes of polygons go to their triangles") {
     CHECK(mixed.mesh.attributes.at(0).values ==
           (strips_first ? std::vector<float>{0, 0, 9} : std::vector<float>{9, 0, 0}));
   }
+}
+
+TEST_CASE("ply: properties that mean nothing are named in one warning for each element, a few of many") {
+  CHECK(read(header(kTriangle) + kTriangleBody).warnings.empty());
+  std::string elements = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n", row = "0 0 0";
+  for (int i = 0; i < 100; ++i) {
+    elements += "property float quality" + std::to_string(i) + std::string(200, 'q') + "\n";
+    row += " 1";
+  }
+  elements += "element face 1\nproperty list uchar int vertex_indices\n";
+  const MeshFile many = read(header(elements) + row + "\n" + row + "\n" + row + "\n3 0 1 2\n");
+  REQUIRE(many.warnings.size() == 1);
+  CHECK(contains(many.warnings[0], "'quality0qqq"));
+  CHECK(contains(many.warnings[0], " and 88 more not understood"));
+  CHECK(many.warnings[0].size() < 700);
+}
+
+namespace {
+
+const std::string kCornerUvs = "property list uchar float texcoord\n";
+
+/// A square of two triangles with the lists of texture coordinates `first` and `second` behind their corners.
+std::string square(const std::string& first, const std::string& second, const std::string& vertex_uvs = "") {
+  const bool has_uvs = !vertex_uvs.empty();
+  return header("element vertex 4\nproperty float x\nproperty float y\nproperty float z\n" +
+                (has_uvs ? std::string("property float u\nproperty float v\n") : "") +
+                "element face 2\nproperty list uchar int vertex_indices\n" + kCornerUvs) +
+         "0 0 0" + vertex_uvs + "\n1 0 0" + vertex_uvs + "\n1 1 0" + vertex_uvs + "\n0 1 0" + vertex_uvs +
+         "\n3 0 1 2 " + first + "\n3 0 2 3 " + second + "\n";
+}
+
+/// u and v of a triangle's corners.
+std::vector<float> corner_uvs(const Mesh& mesh, std::size_t triangle) {
+  std::vector<float> uvs;
+  for (const std::uint32_t vertex : mesh.triangles.at(triangle)) {
+    uvs.push_back(mesh.uvs.at(vertex).x);
+    uvs.push_back(mesh.uvs.at(vertex).y);
+  }
+  return uvs;
+}
+
+}  // namespace
+
+TEST_CASE("ply: texture coordinates of corners, shared where they agree and split where not") {
+  const MeshFile same = read(square("6 0 0 1 0 1 1", "6 0 0 1 1 0 1"));
+  CHECK(same.mesh.positions.size() == 4);
+  CHECK(corner_uvs(same.mesh, 0) == std::vector<float>{0, 0, 1, 0, 1, 1});
+  CHECK(corner_uvs(same.mesh, 1) == std::vector<float>{0, 0, 1, 1, 0, 1});
+  CHECK(same.warnings.empty());
+  const MeshFile seam = read(square("6 0 0 .5 0 .5 1", "6 .5 0 1 1 .5 1"), true);
+  CHECK(seam.mesh.positions.size() == 6);
+  CHECK(corner_uvs(seam.mesh, 0) == std::vector<float>{0, 1, 0.5f, 1, 0.5f, 0});
+  CHECK(corner_uvs(seam.mesh, 1) == std::vector<float>{0.5f, 1, 1, 0, 0.5f, 0});
+  CHECK(seam.is_split);
+  for (std::size_t t = 0; t < 2; ++t) CHECK(area_normal(seam.mesh, t) == Vec3f{0, 0, 1});
+  CHECK(seam.mesh.positions[seam.mesh.triangles[1][1]] == Vec3f{1, 1, 0});
+}
+
+TEST_CASE("ply: texture coordinates of corners win over those of vertices, but where no face has any") {
+  CHECK(corner_uvs(read(square("6 0 0 1 0 1 1", "0", " 7 7")).mesh, 1) == std::vector<float>(6, 0));
+  CHECK(corner_uvs(read(square("6 0 0 1 0 1 1", "0", " 7 7")).mesh, 0) == std::vector<float>{0, 0, 1, 0, 1, 1});
+  const MeshFile none = read(square("0", "0", " 7 7"));
+  CHECK(corner_uvs(none.mesh, 0) == std::vector<float>(6, 7));
+  CHECK_FALSE(none.is_split);
+  CHECK(read(square("0", "0")).mesh.uvs.empty());
+}
+
+TEST_CASE(
+    "ply: corners' texture coordinates in binary, in front of the corners, of quads, with attributes and strips") {
+  for (const Body::Encoding encoding : kEncodings) {
+    Body body(encoding);
+    for (const float c : {0.f, 0.f, 0.f, 10.f, 1.f, 0.f, 0.f, 11.f, 1.f, 1.f, 0.f, 12.f, 0.f, 1.f, 0.f, 13.f})
+      body.put(c);
+    body.put<std::uint8_t>(4).put(1).put(0).put(3).put(2);  // a strip
+    body.put<std::uint8_t>(8);
+    for (const double uv : {0., 0., 1., 0., 1., 1., 0., 1.}) body.put(uv);
+    body.put<std::uint8_t>(4).put(0).put(1).put(2).put(3);
+    body.put<std::uint8_t>(4);
+    for (const double uv : {9., 9., 9., 9.}) body.put(uv);
+    body.put<std::uint8_t>(2).put(0).put(1);  // too short: left out with its coordinates
+    body.put<std::uint8_t>(6);
+    for (const double uv : {0.25, 0., 1., 1., 0., 1.}) body.put(uv);
+    body.put<std::uint8_t>(3).put(0).put(2).put(3);
+    const MeshFile file = read(
+        "ply\n" + body.format() +
+        "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float id_0\n"
+        "element tristrips 1\nproperty list uchar int vertex_indices\n"
+        "element face 3\nproperty list uchar double texcoord\nproperty list uchar int vertex_indices\nend_header\n" +
+        body.text());
+    const Mesh& mesh = file.mesh;
+    REQUIRE(mesh.triangles.size() == 5);
+    CHECK(corner_uvs(mesh, 0) == std::vector<float>(6, 0));
+    CHECK(corner_uvs(mesh, 2) == std::vector<float>{0, 0, 1, 0, 1, 1});
+    CHECK(corner_uvs(mesh, 3) == std::vector<float>{0, 0, 1, 1, 0, 1});
+    CHECK(corner_uvs(mesh, 4) == std::vector<float>{0.25f, 0, 1, 1, 0, 1});
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+      const Vec3f p = mesh.positions[i];
+      const float id = p.y > 0 ? (p.x > 0 ? 12.0f : 13.0f) : (p.x > 0 ? 11.0f : 10.0f);
+      CHECK(mesh.attributes.at(0).values.at(i) == id);
+    }
+  }
+}
+
+TEST_CASE("ply: lists of texture coordinates of another length are errors, numbers that are none are 0") {
+  CHECK(contains(
+      error_in(square("6 0 0 1 0 1 1", "4 0 0 1 1")),
+      "mesh.ply:16: row 1 of element 'face' (2 rows): list 'texcoord' has 4 numbers, expected two for each of 3 "
+      "corners"));
+  CHECK(contains(error_in(square("5 0 0 1 0 1", "0")), "has 5 numbers, expected two for each corner"));
+  CHECK(contains(error_in(square("6 0 0 1 0 1 1", "200 0 0")), "truncated"));
+  CHECK(corner_uvs(read(square("6 0 0 nan 0 1 inf", "0")).mesh, 0) == std::vector<float>{0, 0, 0, 0, 0, 0});
+}
+
+TEST_CASE("ply: the comment TextureFile names a picture, blanks included") {
+  const auto texture = [](const std::string& comment) {
+    return read(header(comment + kTriangle) + kTriangleBody).texture;
+  };
+  CHECK(texture("comment TextureFile my picture.png\ncomment TextureFile other.png\n") == "my picture.png");
+  CHECK(texture("comment TextureFile\n").empty());
+  CHECK(texture("comment texture a.png\n").empty());
 }
 
 }  // namespace sheaf::test_ply

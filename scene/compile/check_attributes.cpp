@@ -1,0 +1,105 @@
+// Whether meshes have the attributes that textures on them show.
+#include "scene/compile/scene_compiler.h"
+
+#include <set>
+
+namespace sheaf {
+
+namespace {
+
+/// Finds the mesh attributes among the textures of materials.
+class AttributeFinder {
+ public:
+  AttributeFinder(const std::vector<MaterialRow>& materials, const std::vector<TextureBinding>& bindings,
+                  const std::vector<NormalMapRow>& maps, const std::vector<TextureRow>& textures)
+      : materials_(materials), bindings_(bindings), maps_(maps), textures_(textures) {}
+
+  /// The rows of mesh attributes that a material shows, those of the materials that it combines included.
+  std::set<std::uint32_t> of_material(std::uint32_t row) const {
+    std::set<std::uint32_t> found, visited;
+    add_material(row, visited, found);
+    return found;
+  }
+
+  /// The same for a texture.
+  std::set<std::uint32_t> of_texture(std::uint32_t row) const {
+    std::set<std::uint32_t> found;
+    add_texture(row, found);
+    return found;
+  }
+
+ private:
+  void add_material(std::uint32_t index, std::set<std::uint32_t>& visited, std::set<std::uint32_t>& found) const {
+    if (index == MaterialRow::kNothing || !visited.insert(index).second) return;
+    const MaterialRow& row = materials_[index];
+    for (std::uint32_t i = 0; i < row.binding_count; ++i) add_texture(bindings_[row.first_binding + i].texture, found);
+    if ((row.flags & kMapped) != 0) add_texture(maps_[row.map].texture, found);
+    add_material(row.back, visited, found);
+    if ((row.flags & kComposite) == 0) return;
+    for (const std::uint32_t choice : row.choice) add_material(choice, visited, found);
+  }
+
+  void add_texture(std::uint32_t index, std::set<std::uint32_t>& found) const {
+    const TextureRow& row = textures_[index];
+    if (row.kind == TextureKind::kMeshAttribute) found.insert(index);
+    for (const std::uint32_t child : children_of(row)) add_texture(child, found);
+  }
+
+  const std::vector<MaterialRow>& materials_;
+  const std::vector<TextureBinding>& bindings_;
+  const std::vector<NormalMapRow>& maps_;
+  const std::vector<TextureRow>& textures_;
+};
+
+std::string title(const TextureDescription& texture) {
+  return texture.id.empty() ? "texture" : "texture '" + texture.id + "'";
+}
+
+}  // namespace
+
+void SceneCompiler::check_attributes() {
+  if (out_->textures_.attribute_names.empty()) return;
+  const AttributeFinder finder(out_->materials_, out_->bindings_, out_->normal_maps_, out_->textures_.rows);
+  struct Use {
+    std::size_t with = 0, without = 0;  ///< shapes that have the attribute, and that don't
+  };
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Use> uses;  // by material and texture
+  std::map<std::uint32_t, std::set<std::uint32_t>> shown_by;
+  const auto has = [&](std::uint32_t shape, std::uint32_t texture) {
+    return attributes_->has(shape, out_->textures_.rows[texture].attribute.first_entry);
+  };
+  for (std::uint32_t shape = 0; shape < out_->shapes_.size(); ++shape) {
+    const std::uint32_t material = out_->shapes_[shape].material;
+    const auto [shown, is_new] = shown_by.try_emplace(material);
+    if (is_new) shown->second = finder.of_material(material);
+    for (const std::uint32_t texture : shown->second) {
+      Use& use = uses[{material, texture}];
+      ++(has(shape, texture) ? use.with : use.without);
+    }
+  }
+  const auto missing = [&](std::uint32_t texture, const char* who) {
+    const std::string& name = std::get<MeshAttributeDescription>(in_.textures[texture].model).name;
+    std::string known;
+    for (const std::string& other : known_attributes_) known += (known.empty() ? "" : ", ") + other;
+    return SceneError(in_.textures[texture].where,
+                      title(in_.textures[texture]) + ": " + who + " has the attribute '" + name + "' (" +
+                          (known.empty() ? "no mesh of the scene has any" : "the scene's meshes have " + known) + ")" +
+                          did_you_mean(name, {known_attributes_.begin(), known_attributes_.end()}));
+  };
+  for (const auto& [key, use] : uses) {
+    if (use.without == 0) continue;
+    if (use.with == 0) throw missing(key.second, "no mesh with this material");
+    const TextureDescription& texture = in_.textures[key.second];
+    out_->warnings_.push_back(SceneError(texture.where, title(texture) + ": " + std::to_string(use.without) + " of " +
+                                                            std::to_string(use.with + use.without) +
+                                                            " shapes with this material lack the attribute '" +
+                                                            std::get<MeshAttributeDescription>(texture.model).name +
+                                                            "', which is 0 there")
+                                  .what());
+  }
+  for (const auto& [shape, texture] : emission_textures_)
+    for (const std::uint32_t shown : finder.of_texture(texture))
+      if (!has(shape, shown)) throw missing(shown, "not the shape that emits it");
+}
+
+}  // namespace sheaf
