@@ -106,7 +106,7 @@ std::optional<MaterialId> color_material(const MeshFile& model, const std::files
 }
 
 /// Reads the file of a shape into memory, with creases where it has no normals, and gives it its colours.
-void load(ShapeDescription& shape, const MeshFileShape& from, Description& description) {
+void load_model(ShapeDescription& shape, const MeshFileShape& from, Description& description) {
   MeshFile model = read_mesh(from);
   Mesh& mesh = model.mesh;
   for (const std::string& w : model.warnings) description.notes.push_back(from.file.string() + ": " + w);
@@ -143,7 +143,8 @@ Description read_model(const std::filesystem::path& file, MeshFileShape::Format 
   description.shapes.push_back(std::move(shape));
   expand_obj_materials(description, false, true);
   for (ShapeDescription& part : description.shapes)
-    if (const auto* from = std::get_if<MeshFileShape>(&part.geometry)) load(part, MeshFileShape(*from), description);
+    if (const auto* from = std::get_if<MeshFileShape>(&part.geometry))
+      load_model(part, MeshFileShape(*from), description);
   const std::array<Vec3f, 2> box = read_bounds(description, false);
   frame_box(box, view, description);
   const MaterialId grey = add_diffuse(description, {0.6f, 0.6f, 0.6f});
