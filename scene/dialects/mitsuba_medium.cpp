@@ -65,6 +65,13 @@ void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumD
   read_medium_rest(p, dialect, medium);
 }
 
+/// Mitsuba from version 2 on: the medium ends at the box along the world's axes around the volume of its extinction,
+/// which for a constant, a number too, is the one around its unit cube.
+void end_at_bounds(Properties& p, MediumDescription& medium) {
+  if (const auto* pair = std::get_if<ExtinctionAlbedoDescription>(&medium.coefficients))
+    medium.density = find_volume_bounds(p, "sigma_t", pair->sigma_t);
+}
+
 }  // namespace
 
 MediumId medium_of(const XmlElement& element, Reader& reader) {
@@ -81,6 +88,7 @@ MediumId medium_of(const XmlElement& element, Reader& reader) {
       read_old_heterogeneous(p, dialect, medium);
     } else {
       read_coefficients(p, dialect, medium);
+      if (!reader.before_version_2) end_at_bounds(p, medium);
       read_medium_rest(p, dialect, medium);
     }
   } else {

@@ -1,10 +1,13 @@
 #include "scene/dialects/read_volume.h"
 
+#include "scene/description/voxels.h"
+#include "scene/formats/vol_file.h"
 #include "scene/xml/xml_values.h"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <fstream>
 
 namespace sheaf {
@@ -99,7 +102,58 @@ VolumeInput read_volume(const XmlElement& element, ReadContext& context, Spectru
   return volume;
 }
 
+/// The `to_world` of a constant volume, maybe in caches.
+Transform place_of_constant(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  const XmlElement* cached = p.object("volume");
+  return cached != nullptr ? place_of_constant(*cached, context) : p.transform("to_world");
+}
+
+/// Whether axes stay axes, up to rounding, in any order.
+bool keeps_axes(const Transform& t) {
+  const auto& m = t.matrix().m;
+  for (std::size_t column = 0; column < 3; ++column) {
+    double largest = 0, sum = 0;
+    for (std::size_t row = 0; row < 3; ++row) {
+      largest = std::max(largest, std::fabs(m[row][column]));
+      sum += std::fabs(m[row][column]);
+    }
+    if (sum - largest > 1e-6 * largest) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+Grid world_box(const Transform& to_world) {
+  // Along each axis the box reaches from the image of the cube's centre as far as the axes' images together.
+  const auto& m = to_world.matrix().m;
+  DenseVolume voxel;
+  voxel.size = {1, 1, 1};
+  voxel.values = {1};
+  Matrix4 box;
+  for (std::size_t row = 0; row < 3; ++row) {
+    box.m[row][row] = std::fabs(m[row][0]) + std::fabs(m[row][1]) + std::fabs(m[row][2]);
+    box.m[row][3] = m[row][3] + 0.5 * (m[row][0] + m[row][1] + m[row][2]);
+  }
+  voxel.grid_to_local = Transform(box);
+  Grid grid;
+  grid.format = Grid::Format::kMade;
+  grid.made = std::make_shared<const DenseVolume>(std::move(voxel));
+  return grid;
+}
+
+std::optional<Grid> find_volume_bounds(Properties& p, const char* name, const VolumeInput& volume) {
+  const auto* grid = std::get_if<Grid>(&volume);
+  if (grid == nullptr) {
+    const XmlElement* nested = p.named_object("volume", name);
+    return world_box(nested != nullptr ? place_of_constant(*nested, p.context()) : Transform());
+  }
+  if (grid->format != Grid::Format::kVol || keeps_axes(grid->to_world)) return std::nullopt;
+  Transform to_world = grid->to_world;
+  if (grid->use_grid_bbox) to_world = to_world * vol_box(grid->file);
+  return world_box(to_world);
+}
 
 GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std::optional<Grid::Format> format) {
   Grid grid;

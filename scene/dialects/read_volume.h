@@ -23,6 +23,15 @@ GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect,
 std::optional<VolumeInput> find_volume_input(Properties& p, const char* name, SpectrumRole role,
                                              const VolumeDialect& dialect);
 
+/// A grid of a single voxel of value 1 over a box along the world's axes: the one around the unit cube that `to_world`
+/// places. As the density of a medium it ends the medium there.
+GridVolumeDescription world_box(const Transform& to_world);
+
+/// The box along the world's axes in which Mitsuba from version 2 on evaluates a `heterogeneous` medium: around the
+/// volume `name`, whose value was read as `volume`. Nothing where the volume already ends there by itself, as grids do
+/// whose axes are the world's. A .vol file's own box is read for `use_grid_bbox`. Throws SceneError.
+std::optional<GridVolumeDescription> find_volume_bounds(Properties& p, const char* name, const VolumeInput& volume);
+
 /// As find_volume_input(), but the same everywhere. Throws SceneError for a grid.
 std::optional<SpectrumDescription> find_constant_volume(Properties& p, const char* name, SpectrumRole role,
                                                         const VolumeDialect& dialect);

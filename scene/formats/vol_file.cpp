@@ -67,9 +67,14 @@ class VolReader {
     const char* at = bytes_.data() + kHeaderSize;
     for (std::size_t i = 0; i < result.size(); ++i, at += h.value_size()) {
       switch (h.encoding) {
-        case kFloat32: result[i] = float_at(at); break;
-        case kFloat16: result[i] = half_to_float(little_endian<std::uint16_t>(at)); break;
-        default: result[i] = static_cast<float>(static_cast<unsigned char>(*at)) / 255.0f;
+        case kFloat32:
+          result[i] = float_at(at);
+          break;
+        case kFloat16:
+          result[i] = half_to_float(little_endian<std::uint16_t>(at));
+          break;
+        default:
+          result[i] = static_cast<float>(static_cast<unsigned char>(*at)) / 255.0f;
       }
       if (!std::isfinite(result[i])) fail_at(h, i);
     }
@@ -134,6 +139,15 @@ DenseVolume read_vol(const std::filesystem::path& file, bool use_grid_bbox, VolC
   volume.grid_to_local = reader.grid_to_local(header, use_grid_bbox);
   volume.values = reader.values(header);
   return volume;
+}
+
+Transform vol_box(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  const std::string bytes = read_mesh_bytes(file, "grid volume");
+  const VolReader reader(bytes, name);
+  VolHeader header = reader.header(VolChannels::kAny);
+  header.size = {1, 1, 1};
+  return reader.grid_to_local(header, true) * Transform::translate({-0.5f, -0.5f, -0.5f});
 }
 
 }  // namespace sheaf

@@ -21,4 +21,7 @@ enum class VolChannels {
 /// finite.
 DenseVolume read_vol(const std::filesystem::path& file, bool use_grid_bbox, VolChannels expected = VolChannels::kAny);
 
+/// The transform that places the unit cube where the file's box is. Throws SceneError as read_vol() does.
+Transform vol_box(const std::filesystem::path& file);
+
 }  // namespace sheaf

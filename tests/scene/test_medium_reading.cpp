@@ -1,9 +1,14 @@
 // Participating media in scene files of both dialects: what is read, and which message what is wrong gets.
 #include <doctest/doctest.h>
 
+#include "scene/description/voxels.h"
 #include "scene/dialects/integrator_name.h"
 #include "scene/dialects/medium_estimator_name.h"
 #include "tests/support/scene_files.h"
+
+#include <cstdint>
+#include <fstream>
+#include <numbers>
 
 namespace sheaf::test_medium_reading {
 
@@ -32,6 +37,15 @@ Description read_volumes(const std::string& text) { return read_scene(Volumes().
 std::string error_of_volumes(const std::string& text) {
   const Volumes volumes;
   return error_of(volumes.scene(text));
+}
+
+/// A grid of one voxel of value 1 with a box.
+void write_vol(const std::filesystem::path& path, Vec3f low, Vec3f high) {
+  std::ofstream out(path, std::ios::binary);
+  const auto put = [&](auto v) { out.write(reinterpret_cast<const char*>(&v), sizeof(v)); };
+  out.write("VOL\x03", 4);
+  for (const std::int32_t v : {1, 1, 1, 1, 1}) put(v);
+  for (const float v : {low.x, low.y, low.z, high.x, high.y, high.z, 1.0f}) put(v);
 }
 
 std::string old_scene(const std::string& inside) {
@@ -119,10 +133,65 @@ TEST_CASE("media: heterogeneous ones have grids, placed and filtered as told") {
   CHECK(emission.wrap == Grid::Wrap::kClamp);
 }
 
+TEST_CASE("media: Mitsuba's heterogeneous ones end at the box along the axes around the volume of their extinction") {
+  const auto box_of = [](const Description& d) {
+    REQUIRE(only_medium(d).density);
+    const Grid& grid = *only_medium(d).density;
+    REQUIRE(grid.made);
+    CHECK(grid.made->values == std::vector<float>{1});
+    CHECK(grid.wrap == Grid::Wrap::kClamp);
+    const Transform& t = grid.made->grid_to_local;
+    return std::pair{t.point({-0.5f, -0.5f, -0.5f}), t.point({0.5f, 0.5f, 0.5f})};
+  };
+  const auto check_box = [](std::pair<Vec3f, Vec3f> box, Vec3f low, Vec3f high) {
+    CHECK(length(box.first - low) == doctest::Approx(0));
+    CHECK(length(box.second - high) == doctest::Approx(0));
+  };
+  const auto constant_at = [&](const std::string& steps) {
+    const std::string place = "<transform name='to_world'>" + steps + "</transform>";
+    return read_volumes(mitsuba_scene(
+        medium("heterogeneous", volume("sigma_t", "constvolume", "<float name='value' value='2'/>" + place))));
+  };
+  check_box(box_of(read_volumes(mitsuba_scene(medium("heterogeneous", "")))), {0, 0, 0}, {1, 1, 1});
+  check_box(box_of(read_volumes(mitsuba_scene(medium("heterogeneous", "<float name='sigma_t' value='2'/>")))),
+            {0, 0, 0}, {1, 1, 1});
+  check_box(box_of(constant_at("<scale value='2, 3, -4'/><translate value='5, 0, 0'/>")), {5, 0, -4}, {7, 3, 0});
+  const float half = 0.5f * std::numbers::sqrt2_v<float>;
+  check_box(box_of(constant_at("<translate value='-0.5, -0.5, 0'/><rotate z='1' angle='45'/>")), {-half, -half, 0},
+            {half, half, 1});
+  check_box(box_of(read_volumes(mitsuba_scene(medium(
+                "heterogeneous", volume("sigma_t", "volcache",
+                                        "<volume type='constvolume'><float name='value' value='2'/>"
+                                        "<transform name='to_world'><translate x='3'/></transform></volume>"))))),
+            {3, 0, 0}, {4, 1, 1});
+  // Grids along the axes end by themselves; others go on up to the box.
+  const auto grid_at = [&](const std::string& steps, const std::string& more) {
+    const TemporaryFolder folder;
+    write_vol(folder / "box.vol", {-1, 0, 0}, {1, 1, 2});
+    return read_scene(
+        write_below(folder, "scene.xml",
+                    mitsuba_scene(medium("heterogeneous", volume("sigma_t", "gridvolume",
+                                                                 file("box.vol") + "<transform name='to_world'>" +
+                                                                     steps + "</transform>" + more)))));
+  };
+  CHECK_FALSE(only_medium(grid_at("<rotate y='1' angle='-90'/><scale value='2'/>", "")).density);
+  const std::string turned = "<translate value='-0.5, -0.5, 0'/><rotate z='1' angle='45'/>";
+  check_box(box_of(grid_at(turned, "")), {-half, -half, 0}, {half, half, 1});
+  check_box(box_of(grid_at("<rotate z='1' angle='45'/>", "<boolean name='use_grid_bbox' value='true'/>")),
+            {-half - half, -half, 0}, {half, half + half, 2});
+  // Neither homogeneous ones nor those of Nori or of versions before 2 do so.
+  CHECK_FALSE(only_medium(read_volumes(mitsuba_scene(medium(
+                              "homogeneous", volume("sigma_t", "constvolume", "<float name='value' value='2'/>")))))
+                  .density);
+  CHECK_FALSE(only_medium(read_volumes(old_scene(medium(
+                              "heterogeneous", volume("density", "constvolume", "<float name='value' value='2'/>")))))
+                  .density);
+}
+
 TEST_CASE("media: the format of a grid follows from its name, else from its first bytes") {
   const auto format = [](const std::string& name) {
-    const Description d = read_volumes(
-        mitsuba_scene(medium("heterogeneous", volume("sigma_t", "gridvolume", file(name)))));
+    const Description d =
+        read_volumes(mitsuba_scene(medium("heterogeneous", volume("sigma_t", "gridvolume", file(name)))));
     return std::get<Grid>(coefficients<Pair>(only_medium(d)).sigma_t).format;
   };
   CHECK(format("a.VOL") == Grid::Format::kVol);
@@ -195,9 +264,12 @@ TEST_CASE("media: mixtures of phase functions are blends of halves, and constant
   CHECK(rest.weight == doctest::Approx(0.625));
   CHECK(std::holds_alternative<IsotropicPhaseDescription>(d.phases.at(static_cast<std::size_t>(rest.nested[0])).model));
   const auto error = [](const std::string& weights) {
-    return error_of_text(mitsuba_scene("<medium type='homogeneous'><phase type='mixturephase'>"
-                                       "<string name='weights' value='" + weights + "'/>"
-                                       "<phase type='rayleigh'/><phase type='hg'/></phase></medium>"));
+    return error_of_text(
+        mitsuba_scene("<medium type='homogeneous'><phase type='mixturephase'>"
+                      "<string name='weights' value='" +
+                      weights +
+                      "'/>"
+                      "<phase type='rayleigh'/><phase type='hg'/></phase></medium>"));
   };
   CHECK(contains(error("1"), "holds 2 nested <phase> and 1 weights"));
   CHECK(contains(error("0.5, 0.2"), "expected 1"));
@@ -228,8 +300,8 @@ TEST_CASE("media: Mitsuba's shapes and sensors refer to media, each of which is 
 }
 
 TEST_CASE("media: Mitsuba before 2 names coefficients otherwise, has measured materials and boxes in its grids") {
-  const Description coeffs = read_volumes(old_scene(
-      medium("homogeneous", "<rgb name='sigmaS' value='1, 2, 3'/><spectrum name='sigmaA' value='0.5'/>")));
+  const Description coeffs = read_volumes(
+      old_scene(medium("homogeneous", "<rgb name='sigmaS' value='1, 2, 3'/><spectrum name='sigmaA' value='0.5'/>")));
   CHECK(text_of(coefficients<Coefficients>(only_medium(coeffs)).sigma_s) == rgb(1, 2, 3));
   CHECK(text_of(coefficients<Coefficients>(only_medium(coeffs)).sigma_a) == constant(0.5f));
 
@@ -259,10 +331,11 @@ TEST_CASE("media: Mitsuba before 2 names coefficients otherwise, has measured ma
 TEST_CASE("media: in Nori a mesh holds its medium, with what is around it outside") {
   for (const char* names : {"sigmaA sigmaS", "sigma_a sigma_s"}) {
     const std::string text = names, a = text.substr(0, 7 - (text[5] == 'A')), s = text.substr(text.find(' ') + 1);
-    const Description d = read_volumes(nori_mesh(medium(
-        "homogeneous", "<color name='" + a + "' value='1, 2, 3'/><color name='" + s + "' value='4, 5, 6'/>"
-                       "<float name='density' value='3'/><float name='scale' value='2'/>"
-                       "<phasefunction type='rayleigh'/>")));
+    const Description d = read_volumes(
+        nori_mesh(medium("homogeneous", "<color name='" + a + "' value='1, 2, 3'/><color name='" + s +
+                                            "' value='4, 5, 6'/>"
+                                            "<float name='density' value='3'/><float name='scale' value='2'/>"
+                                            "<phasefunction type='rayleigh'/>")));
     CHECK(text_of(coefficients<Coefficients>(only_medium(d)).sigma_a) == rgb(1, 2, 3));
     CHECK(text_of(coefficients<Coefficients>(only_medium(d)).sigma_s) == rgb(4, 5, 6));
     CHECK(only_medium(d).scale == 6);
@@ -317,8 +390,8 @@ TEST_CASE("media: Nori's scene may lie in a medium, and its glass may absorb") {
   CHECK_FALSE(placed.media[0].density->fit_to_shape);
 
   for (const char* type : {"dielectric", "roughdielectric", "null"}) {
-    const Description d = read_volumes(
-        nori_mesh("<bsdf type='" + std::string(type) + "'><color name='sigmaA' value='1, 2, 3'/></bsdf>"));
+    const Description d =
+        read_volumes(nori_mesh("<bsdf type='" + std::string(type) + "'><color name='sigmaA' value='1, 2, 3'/></bsdf>"));
     CHECK(text_of(coefficients<Coefficients>(only_medium(d)).sigma_a) == rgb(1, 2, 3));
     CHECK(text_of(coefficients<Coefficients>(only_medium(d)).sigma_s) == constant(0));
     CHECK(d.shapes[0].interior == MediumId{0});
