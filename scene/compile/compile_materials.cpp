@@ -22,11 +22,22 @@ constexpr std::uint32_t kNoMap = 0xffffffffu;
 /// What the materials around one impose on it.
 struct Surroundings {
   bool two_sided = false;
-  std::uint32_t map = kNoMap;  ///< index of NormalMapRow
+  std::uint32_t map = kNoMap;                 ///< index of NormalMapRow
   const MaterialDescription* coat = nullptr;  ///< with a CoatDescription
   bool part = false;                          ///< of a blend
   int depth = 0;
 };
+
+/// Whether nothing reflects specularly (kernels/bsdf/principled.h), although there is metal.
+bool is_black_metal(const MaterialDescription& m) {
+  const auto* principled = std::get_if<PrincipledDescription>(&m.model);
+  const ScalarInput nothing = 0.0f;
+  return principled != nullptr && principled->eta == 1.0f && principled->metallic != nothing &&
+         principled->spec_trans == nothing;
+}
+constexpr const char* kBlackMetal =
+    "the metallic part of this principled material is black: with 'specular' 0, an index of refraction of 1, nothing "
+    "reflects specularly, as in Mitsuba (expected 'specular' above 0 or another 'eta')";
 
 /// Makes the rows in the order of the description; rows of nested materials come before the row that refers to them.
 class Flattener {
@@ -92,6 +103,8 @@ class Flattener {
       const float largest = std::exchange(context_.largest_reflectance, 0.0f);
       if (largest > 1 && clamped_.insert(&m).second)
         warnings.push_back(SceneError(m.where, clamped_reflectance(largest)).what());
+      if (is_black_metal(m) && black_metals_.insert(&m).second)
+        warnings.push_back(SceneError(m.where, kBlackMetal).what());
       return row;
     } catch (const SceneError& error) { throw SceneError(m.where, error.what()); }
   }
@@ -204,7 +217,7 @@ class Flattener {
 
   RowContext context_;
   const std::vector<MaterialDescription>& materials_;
-  std::set<const MaterialDescription*> clamped_;  ///< that have been warned of
+  std::set<const MaterialDescription*> clamped_, black_metals_;  ///< that have been warned of
   std::map<std::tuple<std::size_t, bool, std::uint32_t, const MaterialDescription*, bool>, std::uint32_t> known_;
 };
 
@@ -228,8 +241,8 @@ void set_buckets(CompiledMaterials& out) {
   for (int kind = 0; kind <= kClosureKinds; ++kind) {
     const auto first = std::find_if(out.rows.begin(), shaded,
                                     [kind](const MaterialRow& r) { return static_cast<int>(r.kind) >= kind; });
-    out.bucket_begin[kind] = bucket_per_material ? static_cast<std::uint32_t>(first - out.rows.begin())
-                                                 : static_cast<std::uint32_t>(kind);
+    out.bucket_begin[kind] =
+        bucket_per_material ? static_cast<std::uint32_t>(first - out.rows.begin()) : static_cast<std::uint32_t>(kind);
   }
 }
 
@@ -253,8 +266,10 @@ CompiledMaterials compile_materials(const std::vector<MaterialDescription>& mate
   for (const std::uint32_t from : order) {
     MaterialRow row = flat.rows[from];
     row.back = position[row.back];
-    if (row.flags & kComposite) for (std::uint32_t& choice : row.choice) renumber(choice, position);
-    else out.kind_flags[static_cast<int>(row.kind)] |= row.flags;
+    if (row.flags & kComposite)
+      for (std::uint32_t& choice : row.choice) renumber(choice, position);
+    else
+      out.kind_flags[static_cast<int>(row.kind)] |= row.flags;
     out.rows.push_back(row);
     if (set != nullptr) out.spectra.push_back(flat.spectra[from]);
   }

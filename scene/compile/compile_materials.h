@@ -19,7 +19,7 @@ struct CompiledMaterials {
   std::vector<float> tables;           ///< SceneView::closure_tables
   std::vector<std::uint32_t> row_of;   ///< per material of the description
   std::vector<std::uint32_t> row_of_phase;  ///< per phase function of the description
-  std::vector<std::string> warnings;        ///< of reflectances above 1, once for each material
+  std::vector<std::string> warnings;        ///< of reflectances above 1 and black metals, once for each
   std::uint32_t default_row = 0;       ///< what shapes without a material get: diffuse, reflectance 0.5
   std::uint32_t bucket_count = 1;
   std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous

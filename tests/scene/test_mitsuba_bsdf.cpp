@@ -1,4 +1,5 @@
 // The Mitsuba dialect: materials and textures, in the spellings of all releases.
+#include "scene/compile/compile.h"
 #include "scene/compile/compile_materials.h"
 #include "tests/support/scene_files.h"
 
@@ -158,6 +159,26 @@ TEST_CASE("Mitsuba materials: specular of principled becomes an index of refract
     // The reflectance at normal incidence is 0.08 times as large.
     CHECK(std::pow((eta - 1) / (eta + 1), 2) == doctest::Approx(0.08 * specular));
   }
+}
+
+TEST_CASE("Mitsuba materials: a metal of principled that Mitsuba's rule for specular 0 makes black has a warning") {
+  const auto warnings = [](const std::string& inside) {
+    return compile_scene(read_text(mitsuba_scene("<shape type='sphere'>" + bsdf("principled", inside) + "</shape>" +
+                                                 "<shape type='disk'>" + bsdf("principled", "") + "</shape>")))
+        ->warnings();
+  };
+  const std::string metal = number("metallic", "1"), none = number("specular", "0");
+  for (const std::string& inside : {metal + none, number("metallic", "0.2") + none, metal + number("eta", "1")}) {
+    CAPTURE(inside);
+    const std::vector<std::string> found = warnings(inside);
+    REQUIRE(found.size() == 1);
+    CHECK(contains(found[0], "scene.xml:"));
+    CHECK(contains(found[0], "the metallic part of this principled material is black: with 'specular' 0"));
+  }
+  CHECK(warnings(metal).empty());
+  CHECK(warnings(none).empty());
+  CHECK(warnings(metal + number("specular", "0.01")).empty());
+  CHECK(warnings(metal + none + number("spec_trans", "0.5")).empty());
 }
 
 TEST_CASE("Mitsuba materials: hair by its pigments or by what it absorbs") {
