@@ -104,6 +104,24 @@ TEST_CASE("Mitsuba: film and filters") {
   CHECK(d.film.crop->width() == 20);
   CHECK(d.film.crop->height() == 45);
   CHECK(d.notes.empty());
+  // Each property of the crop window alone; what is left out is the rest of the film.
+  const auto check_crop = [](const char* name, PixelRect expected) {
+    CAPTURE(std::string(name));
+    const Description cropped =
+        with_film("<integer name='width' value='100'/><integer name='height' value='50'/><integer name='" +
+                  std::string(name) + "' value='10'/>");
+    REQUIRE(cropped.film.crop.has_value());
+    const PixelRect& crop = *cropped.film.crop;
+    CHECK(crop.x0 == expected.x0);
+    CHECK(crop.y0 == expected.y0);
+    CHECK(crop.x1 == expected.x1);
+    CHECK(crop.y1 == expected.y1);
+  };
+  check_crop("crop_offset_x", {10, 0, 100, 50});
+  check_crop("crop_offset_y", {0, 10, 100, 50});
+  check_crop("crop_width", {0, 0, 10, 50});
+  check_crop("crop_height", {0, 0, 100, 10});
+  CHECK_FALSE(with_film("").film.crop.has_value());
   using Kind = FilterDescription::Kind;
   struct Case {
     const char* text;
@@ -356,10 +374,12 @@ TEST_CASE("Mitsuba: spectra in every spelling") {
   CHECK(reflectance_of("<spectrum name='reflectance' value='0.25'/>") == "constant 0x1p-2");
   CHECK(reflectance_of("<spectrum name='reflectance' value='400:0.5, 700:0.25'/>") ==
         "table 0x1.9p+8:0x1p-1 0x1.5ep+9:0x1p-2");
-  CHECK(reflectance_of("<texture type='rawconstant' name='reflectance'><vector name='value' value='0.1,0.2,0.3'/></texture>") ==
+  CHECK(reflectance_of(
+            "<texture type='rawconstant' name='reflectance'><vector name='value' value='0.1,0.2,0.3'/></texture>") ==
         reflectance_of("<rgb name='reflectance' value='0.1,0.2,0.3'/>"));
-  CHECK(reflectance_of("<spectrum type='rawconstant' name='reflectance'><float name='value' value='0.25'/></spectrum>") ==
-        "constant 0x1p-2");
+  CHECK(
+      reflectance_of("<spectrum type='rawconstant' name='reflectance'><float name='value' value='0.25'/></spectrum>") ==
+      "constant 0x1p-2");
   CHECK(reflectance_of("<texture type='volume' name='reflectance'><volume name='volume' type='constvolume'>"
                        "<float name='value' value='0.25'/></volume></texture>") == "constant 0x1p-2");
   CHECK(reflectance_of("<spectrum type='uniform' name='reflectance'><float name='value' value='0.25'/></spectrum>") ==

@@ -2,12 +2,16 @@
 #include <doctest/doctest.h>
 
 #include "core/color.h"
+#include "scene/compile/compile.h"
 #include "scene/dialects/pbrt.h"
+#include "scene/tables/shape.h"
 #include "tests/support/capture.h"
 #include "tests/support/deflate.h"
 #include "tests/support/scene_files.h"
 
+#include <array>
 #include <cmath>
+#include <numbers>
 
 namespace sheaf::test_pbrt {
 
@@ -134,6 +138,34 @@ TEST_SUITE("pbrt") {
     CHECK(d.sampler.sample_count == 16);
     CHECK(contains(error_of_world("Shape \"sphere\"", "Integrator \"path\" \"float maxdepth\" 7.5"),
                    "'maxdepth' is 7.500000, expected a whole number"));
+  }
+
+  TEST_CASE("Crop windows between pixels are rounded up at both ends") {
+    const auto crop = [](const std::string& parameter) {
+      const Description d = read_world(
+          "Shape \"sphere\"", false, "Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 7 " + parameter);
+      REQUIRE(d.film.crop);
+      return std::array{d.film.crop->x0, d.film.crop->x1, d.film.crop->y0, d.film.crop->y1};
+    };
+    CHECK(crop("\"float cropwindow\" [ 0.21 0.58 0.33 0.9 ]") == std::array{3, 6, 3, 7});
+    CHECK(crop("\"float cropwindow\" [ 0.58 0.21 0.9 0.33 ]") == std::array{3, 6, 3, 7});
+    CHECK(crop("\"float cropwindow\" [ -1 0.51 0 2 ]") == std::array{0, 6, 0, 7});
+    CHECK(crop("\"integer pixelbounds\" [ 2 5 1 99 ]") == std::array{2, 5, 1, 7});
+  }
+
+  TEST_CASE("Whole spheres with a texture have pbrt's coordinates, v from the lower end up, and their outside") {
+    const Description d = read_world(R"(Texture "t" "spectrum" "checkerboard"
+Material "diffuse" "texture reflectance" "t" Translate 1 2 3 Shape "sphere" "float radius" 2)");
+    const auto scene = compile_scene(d);
+    const SceneView& view = scene->view();
+    for (const float polar : {0.3f, 1.2f, 2.0f, 2.9f})  // from +z
+      for (const float turn : {0.4f, 2.0f, 4.0f, 6.0f}) {
+        const Vec3f n{std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)};
+        const auto y = surface_point<Scalar, true>(view, view.shapes[0], 0, 0, 0, Vec3f{1, 2, 3} + n * 2.0f, kNone);
+        CHECK(y.uv.x == Approx(static_cast<double>(turn) / (2 * std::numbers::pi)).epsilon(1e-4));
+        CHECK(y.uv.y == Approx(1 - static_cast<double>(polar) / std::numbers::pi).epsilon(1e-4));
+        CHECK(length(y.ng - n) < 1e-4f);
+      }
   }
 
   TEST_CASE("Samplers are pbrt's, or others of their purpose") {

@@ -11,11 +11,12 @@ namespace {
 
 using Projection = CameraDescription::Projection;
 
-const std::string kPixel = "<film type='hdrfilm'><integer name='width' value='1'/><integer name='height' value='1'/></film>";
+const std::string kPixel =
+    "<film type='hdrfilm'><integer name='width' value='1'/><integer name='height' value='1'/></film>";
 
 Description with_sensor(const std::string& type, const std::string& inside, const std::string& version = "3.0.0") {
-  return read_text(mitsuba_scene("", "<sensor type='" + type + "'>" + inside + "</sensor>",
-                                 "<integrator type='path'/>", version));
+  return read_text(
+      mitsuba_scene("", "<sensor type='" + type + "'>" + inside + "</sensor>", "<integrator type='path'/>", version));
 }
 std::string sensor_error(const std::string& type, const std::string& inside) {
   return error_of_text(mitsuba_scene("", "<sensor type='" + type + "'>" + inside + "</sensor>"));
@@ -34,17 +35,33 @@ TEST_CASE("sensors: spherical, distorted and telecentric cameras") {
   CHECK(distorted.distortion == std::array{-0.1f, 0.02f});
   CHECK(distorted.fov == 30);
   CHECK(with_sensor("perspective_rdist", "").camera.distortion == std::array{0.0f, 0.0f});
-  CHECK(contains(sensor_error("perspective_rdist", "<string name='kc' value='1, 2, 3'/>"), "holds 3 numbers, expected two"));
+  CHECK(contains(sensor_error("perspective_rdist", "<string name='kc' value='1, 2, 3'/>"),
+                 "holds 3 numbers, expected two"));
   CHECK(contains(sensor_error("perspective", "<string name='kc' value='1, 2'/>"), "'kc'"));
   // Lengths of the world.
   const CameraDescription lens =
-      with_sensor("telecentric", "<transform name='toWorld'><scale value='4'/></transform>"
-                                 "<float name='apertureRadius' value='2'/><float name='focusDistance' value='20'/>",
-                  "0.6.0").camera;
+      with_sensor("telecentric",
+                  "<transform name='toWorld'><scale value='4'/></transform>"
+                  "<float name='apertureRadius' value='2'/><float name='focusDistance' value='20'/>",
+                  "0.6.0")
+          .camera;
   CHECK(lens.projection == Projection::kOrthographic);
   CHECK(lens.aperture_radius == doctest::Approx(0.5));
   CHECK(lens.focus_distance == doctest::Approx(5));
   CHECK(with_sensor("telecentric", "").camera.aperture_radius == 0);
+  // Where the camera is scaled unevenly, the lens has its radius along x, and the focus its distance along z.
+  const CameraDescription uneven =
+      with_sensor("telecentric",
+                  "<transform name='toWorld'><scale value='4, 2, 5'/><rotate y='1' angle='90'/></transform>"
+                  "<float name='apertureRadius' value='2'/><float name='focusDistance' value='20'/>")
+          .camera;
+  CHECK(uneven.aperture_radius == doctest::Approx(2.0 / 4));
+  CHECK(uneven.focus_distance == doctest::Approx(20.0 / 5));
+  const CameraDescription far = with_sensor("telecentric",
+                                            "<transform name='toWorld'><scale value='4, 2, 5'/></transform>"
+                                            "<float name='farClip' value='50'/>")
+                                    .camera;
+  CHECK(far.focus_distance == doctest::Approx(50.0 / 5));
 }
 
 TEST_CASE("sensors: films of Mitsuba 0.6 may have labels, metadata and names of channels") {
@@ -68,8 +85,11 @@ TEST_CASE("sensors: films of Mitsuba 0.6 may have labels, metadata and names of 
 }
 
 TEST_CASE("sensors: meters") {
-  const CameraDescription aimed = with_sensor("radiancemeter", "<point name='origin' value='1,2,3'/>"
-                                                               "<vector name='direction' value='0,4,3'/>" + kPixel).camera;
+  const CameraDescription aimed = with_sensor("radiancemeter",
+                                              "<point name='origin' value='1,2,3'/>"
+                                              "<vector name='direction' value='0,4,3'/>" +
+                                                  kPixel)
+                                      .camera;
   CHECK(aimed.projection == Projection::kRadianceMeter);
   CHECK(near(aimed.to_world.point({0, 0, 0}), {1, 2, 3}));
   CHECK(near(aimed.to_world.vector({0, 0, 1}), {0, 0.8f, 0.6f}));
@@ -89,13 +109,17 @@ TEST_CASE("sensors: meters") {
   CHECK(std::get<Vec3f>(point) == Vec3f{1, 2, 3});
   const auto target = [&](const std::string& type) {
     return std::get<CameraDescription::TargetArea>(
-        with_sensor("distant", down + "<shape type='" + type + "' name='target'><transform name='to_world'>"
-                                      "<translate x='5'/></transform></shape>" + kPixel).camera.target);
+        with_sensor("distant", down + "<shape type='" + type +
+                                   "' name='target'><transform name='to_world'>"
+                                   "<translate x='5'/></transform></shape>" +
+                                   kPixel)
+            .camera.target);
   };
   CHECK_FALSE(target("rectangle").round);
   CHECK(target("disk").round);
   CHECK(near(target("disk").to_world.point({0, 0, 0}), {5, 0, 0}));
-  CHECK(contains(sensor_error("distant", down + "<shape type='sphere'/>" + kPixel), "expected a 'rectangle' or a 'disk'"));
+  CHECK(contains(sensor_error("distant", down + "<shape type='sphere'/>" + kPixel),
+                 "expected a 'rectangle' or a 'disk'"));
   CHECK(contains(sensor_error("distant", "<vector name='direction' value='0,0,0'/>" + kPixel), "no length"));
 
   const std::string meter = "<sensor type='irradiancemeter'>" + kPixel + "</sensor>";
@@ -130,9 +154,10 @@ TEST_CASE("sensors: batches share a film, and films for spectra are films") {
   CHECK(contains(sensor_error("batch", "<sensor type='distant'/>"), "expected a camera that makes a picture"));
   CHECK(contains(sensor_error("bach", ""), "did you mean 'batch'"));
 
-  const Description spectra = with_sensor(
-      "perspective", "<film type='specfilm'><integer name='width' value='32'/><spectrum name='red' value='600:0, 700:1'/>"
-                     "</film>");
+  const Description spectra =
+      with_sensor("perspective",
+                  "<film type='specfilm'><integer name='width' value='32'/><spectrum name='red' value='600:0, 700:1'/>"
+                  "</film>");
   CHECK(spectra.film.width == 32);
   CHECK(spectra.notes.size() == 1);
   CHECK(contains(sensor_error("perspective", "<film type='specfilm'><float name='widht' value='2'/></film>"),
