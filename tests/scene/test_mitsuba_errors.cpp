@@ -32,7 +32,7 @@ TEST_CASE("Mitsuba: errors name line, fault and the nearest name") {
       {mitsuba_scene("<shape/>"), "scene.xml:4: <shape> needs an attribute 'type'"},
       {mitsuba_scene("<shape typ='sphere'/>"), "<shape> has no attribute 'typ', did you mean 'type'?"},
       {mitsuba_scene("<shape type='sphere'><integrator type='path'/></shape>"),
-       "shape 'sphere' takes no nested <integrator> (it takes: bsdf, emitter, sensor, medium)"},
+       "shape 'sphere' takes no nested <integrator> (it takes: bsdf, emitter, sensor, medium, subsurface)"},
       {mitsuba_scene("<shape type='sphere'><bsdf type='diffuse'/><bsdf type='diffuse'/></shape>"),
        "shape 'sphere' holds 2 nested <bsdf>, expected one"},
       {mitsuba_scene("<shape type='sphere'><emitter type='point'/></shape>"), "unknown emitter plugin 'point'"},
