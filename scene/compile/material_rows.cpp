@@ -20,7 +20,8 @@ Vec3f to_rgb(const SpectrumDescription& spectrum, TableToRgb table_to_rgb) {
   Vec3f rgb{};
   if (const auto* c = std::get_if<S::Constant>(&spectrum.value)) rgb = {c->value, c->value, c->value};
   if (const auto* c = std::get_if<S::Rgb>(&spectrum.value)) rgb = c->value;
-  if (const auto* t = std::get_if<S::Table>(&spectrum.value)) rgb = table_to_rgb(t->wavelengths, t->values);
+  if (const auto* t = std::get_if<S::Table>(&spectrum.value))
+    rgb = t->equal_energy ? emission_table_to_rgb(t->wavelengths, t->values) : table_to_rgb(t->wavelengths, t->values);
   if (const auto* b = std::get_if<S::Blackbody>(&spectrum.value)) rgb = blackbody_to_rgb(b->temperature, b->scale);
   return {std::max(rgb.x, 0.0f), std::max(rgb.y, 0.0f), std::max(rgb.z, 0.0f)};
 }

@@ -39,7 +39,10 @@ struct SpectrumDescription {
   /// Linear Rec.709; components may exceed 1 where the quantity may.
   struct Rgb { Vec3f value; };
   /// Piecewise linear over wavelength, zero outside. Wavelengths in nanometres, strictly increasing.
-  struct Table { std::vector<float> wavelengths, values; };
+  struct Table {
+    std::vector<float> wavelengths, values;
+    bool equal_energy = false;  ///< in RGB mode weighed by illuminant E instead of D65, as Mitsuba weighs named metals
+  };
   /// Planck's law, absolute, W / (m^2 sr nm), times `scale`.
   struct Blackbody { float temperature = 6500; float scale = 1; };
 

@@ -57,7 +57,7 @@ Shares smooth_shares(double eta, double thickness) {
 
 /// Single scattering at visible facets of GGX (sampled as by Dupuy and Benyoub 2023).
 Shares rough_shares(double alpha, double eta, double thickness) {
-  constexpr int kDirections = 32, kDepths = 16, kAzimuths = 16;
+  constexpr int kDirections = 128, kDepths = 8, kAzimuths = 8;  // the critical angle is a kink over directions
   constexpr double kWeight = 1.0 / (kDirections * kDepths * kAzimuths);
   const auto shadowing = [&](double cosine) {
     return 2 * cosine / (cosine + std::sqrt(cosine * cosine + alpha * alpha * (1 - cosine * cosine)));

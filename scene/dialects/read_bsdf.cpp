@@ -52,6 +52,7 @@ ConductorDescription::Ior named_metal(Properties& p, const std::string& name) {
     k.wavelengths.push_back(sample.wavelength);
     k.values.push_back(sample.k);
   }
+  eta.equal_energy = k.equal_energy = true;
   return {SpectrumDescription{std::move(eta)}, SpectrumDescription{std::move(k)}};
 }
 

@@ -1,6 +1,8 @@
 // Metals and dielectrics by name: ranges, order, and colours that everybody knows.
+#include "scene/compile/compile_materials.h"
 #include "scene/data/metals.h"
 #include "scene/data/named_ior.h"
+#include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
 
@@ -120,6 +122,30 @@ TEST_CASE("metals: reflectance of clean surfaces at normal incidence") {
   CHECK(reflectance_at("Au", 700) > 2.3 * reflectance_at("Au", 450));
   CHECK(reflectance_at("Cu", 650) > 1.5 * reflectance_at("Cu", 520));
   CHECK(std::abs(reflectance_at("Al", 650) - reflectance_at("Al", 450)) < 0.02);
+}
+
+TEST_CASE("metals: in RGB mode a Mitsuba scene has Mitsuba's eta and k") {
+  struct Case {
+    const char* name;
+    Vec3f eta, k;  // of Mitsuba 3.9.1, scalar_rgb
+  };
+  for (const Case& c : {Case{"a-C", {2.94405f, 2.22714f, 1.96816f}, {0.887465f, 0.799299f, 0.81529f}},
+                        {"Au", {0.143036f, 0.375307f, 1.44205f}, {3.983f, 2.38556f, 1.60336f}},
+                        {"Ag", {0.155276f, 0.116728f, 0.138388f}, {4.82835f, 3.12222f, 2.1469f}}}) {
+    CAPTURE(std::string(c.name));
+    const Description d = test::read_text(
+        "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere'><bsdf type='conductor'>"
+        "<string name='material' value='" +
+        std::string(c.name) + "'/></bsdf></shape></scene>");
+    for (const MaterialDescription& material : d.materials)
+      if (const auto* conductor = std::get_if<ConductorDescription>(&material.model)) {
+        const Vec3f eta = unbounded_rgb(std::get<SpectrumDescription>(conductor->ior->eta));
+        const Vec3f k = unbounded_rgb(std::get<SpectrumDescription>(conductor->ior->k));
+        CHECK(length(eta - c.eta) < 5e-3f * length(c.eta));
+        CHECK(length(k - c.k) < 5e-3f * length(c.k));
+      }
+    REQUIRE_FALSE(d.materials.empty());
+  }
 }
 
 TEST_CASE("dielectrics by name") {
