@@ -40,7 +40,13 @@ double largest_difference(const Image& a, const Image& b) {
   return largest;
 }
 
-double brightest(const Image& image) { return double{*std::max_element(image.data.begin(), image.data.end())}; }
+double brightest(const Image& image) {
+  const int red = image.find_channel("R");
+  double brightest = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) brightest = std::max(brightest, double{image.at(x, y, red)});
+  return brightest;
+}
 
 const std::string kSun = "<emitter type='directional'><vector name='direction' value='-1, 0, -1'/></emitter>";
 const std::string kDiffuse = "<bsdf type='diffuse'><rgb name='reflectance' value='0.5'/></bsdf>";

@@ -16,7 +16,6 @@ namespace sheaf::test_passing {
 
 namespace {
 
-constexpr double kPiD = 3.14159265358979323846;
 /// All comparisons of this file together fail with probability kSignificance if every estimator is sound.
 const double kLevel = significance_of_each(100);
 constexpr int kSide = 32;
