@@ -138,7 +138,7 @@ template <class L, DensityTracking kWhat> void tracking(benchmark::State& state,
     const auto k = static_cast<std::size_t>(i);
     const float first = (static_cast<float>(i) + 0.5f) / kDensityRows;
     rows->store<Scalar>(
-        i, {rays.origins[k], rays.directions[k], 1e6f, extinction, first, {static_cast<std::uint32_t>(i), 1, 2, 3}});
+        i, {rays.origins[k], rays.directions[k], 1e6f, extinction, extinction, first, {static_cast<std::uint32_t>(i), 1, 2, 3}});
   }
   for (auto _ : state) track_densities<L, kWhat>({bounds, density}, *rows, kDensityRows, *ends);
   std::size_t collisions = 0;

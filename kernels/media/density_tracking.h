@@ -28,8 +28,9 @@ enum class DensityTracking {
 /// against the distance in 32 bits, the ray would never arrive.
 inline constexpr std::uint32_t kMostCollisions = 1u << 20;
 
-/// Minorants count up to this optical thickness of the hero lane from the ray's start. Beyond it they are taken for
-/// zero: a ray that hardly any light passes meets enough collisions, then, to be given up at random.
+/// Minorants count up to this optical thickness, of the lane of the largest extinction, from the ray's start. Beyond it
+/// they are taken for zero: a ray that hardly any light passes meets enough collisions, then, to be given up at random.
+/// The place does not depend on the hero: with any hero a ray has the probabilities that r_l assumes for its lanes.
 inline constexpr float kMostControl = 2.3f;
 /// A shadow ray's light that is less than kLittle goes on with the probability kSurvival, and as much more weight.
 inline constexpr float kLittle = 0.1f, kSurvival = 0.25f;
@@ -39,10 +40,11 @@ template <class L> struct DensityRay {
   Vec3<L> origin, direction;  ///< world space; unit length
   Float<L> length;            ///< metres
   Float<L> extinction;        ///< of the hero lane where the density is 1
+  Float<L> largest;           ///< of all lanes' extinctions where the density is 1
   Float<L> first;             ///< in [0, 1): how far its first collision is
   MediumNumbers<L> numbers;   ///< all the rest
   static constexpr auto fields(auto& s) {
-    return std::tie(s.origin, s.direction, s.length, s.extinction, s.first, s.numbers);
+    return std::tie(s.origin, s.direction, s.length, s.extinction, s.largest, s.first, s.numbers);
   }
 };
 
@@ -86,10 +88,12 @@ namespace detail {
 /// A ray before its first step.
 template <class L> struct DensityStart {
   LeafWalk<L> walk;
-  Float<L> extinction, depth;
+  Float<L> extinction, largest, depth;
   MediumNumbers<L> numbers;
   Uint<L> outcome;
-  static constexpr auto fields(auto& s) { return std::tie(s.walk, s.extinction, s.depth, s.numbers, s.outcome); }
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.walk, s.extinction, s.largest, s.depth, s.numbers, s.outcome);
+  }
 };
 
 /// A ray on its way.
@@ -131,6 +135,7 @@ SHEAF_INLINE DensityStart<L> start_density_ray(const DensityMedium& medium, cons
   Mask<L> hits;
   start.walk = start_leaf_walk<L>(medium.majorants, ray.origin, ray.direction, Float<L>(0.0f), ray.length, hits);
   start.extinction = ray.extinction;
+  start.largest = ray.largest;
   start.numbers = MediumNumbers<L>::start(ray.numbers.x, ray.numbers.y, ray.numbers.z, ray.numbers.w);
   start.depth = exponential<L>(ray.first);
   start.outcome = Uint<L>(static_cast<std::uint32_t>(DensityOutcome::kWalking));
@@ -145,7 +150,7 @@ template <class L, DensityTracking kWhat> SHEAF_INLINE void step(const DensityMe
   DensityEnd<L>& sum = lane.end;
   const Mask<L> walking = is_at<L>(lane.start.outcome, DensityOutcome::kWalking);
   const MajorantLeaf<L> leaf = find_leaf<L>(medium.majorants, walk);
-  const F s = lane.start.extinction, most_control = F(kMostControl) / s;
+  const F s = lane.start.extinction, most_control = F(kMostControl) / lane.start.largest;
   const F majorant = leaf.majorant;
   const F minorant = select(sum.minorants < most_control, leaf.minorant, F(0.0f));
   const F leaf_end = min(leaf.t_end, walk.leave);

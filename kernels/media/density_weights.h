@@ -106,8 +106,9 @@ class DensityQueue {
       is_tracked[static_cast<std::size_t>(i)] = true;
       index[static_cast<std::size_t>(count)] = i;
       const MediumRay& r = ray(i);
-      rows.template store<Scalar>(count++, {r.origin, r.direction, r.length, majorant_spectrum(r, 1.0f)[r.hero], 0.0f,
-                                            numbers_[static_cast<std::size_t>(i)]});
+      const Quad extinction = majorant_spectrum(r, 1.0f);
+      rows.template store<Scalar>(count++, {r.origin, r.direction, r.length, extinction[r.hero],
+                                            max_component(extinction), 0.0f, numbers_[static_cast<std::size_t>(i)]});
     }
     for (int i = count; i % L::width != 0; ++i) rows.template store<Scalar>(i, {});
     const bool is_path = use_ == MediumStream::kPath;

@@ -62,7 +62,7 @@ std::vector<DensityEnd<Scalar>> track(const Noise& medium, Vec3f o, Vec3f d, flo
   for (std::uint32_t next = 0; found.size() < static_cast<std::size_t>(rays);) {
     for (int i = 0; i < kDensityRows; ++i) {
       const MediumNumbers<Scalar> numbers{next++, 7, 3, 11};
-      rows->store<Scalar>(i, {o, d, length, extinction, first_of(numbers), numbers});
+      rows->store<Scalar>(i, {o, d, length, extinction, extinction, first_of(numbers), numbers});
     }
     const int count = std::min(kDensityRows, rays - static_cast<int>(found.size()));
     track_densities<L, kWhat>({medium.bounds, medium.density}, *rows, count, *ends);
@@ -150,8 +150,9 @@ TEST_CASE("density tracking: a ray ends as it would alone, and registers do what
     const Vec3f o = Vec3f{noise(k, 1), noise(k, 2), noise(k, 3)} * 40 - Vec3f{8, 8, 8};
     const Vec3f target = Vec3f{noise(k, 4), noise(k, 5), noise(k, 6)} * 24;
     const MediumNumbers<Scalar> numbers{k, 1, 2, 3};
-    rows->store<Scalar>(
-        i, {o, normalize(target - o), 30 * noise(k, 7), 2 * noise(k, 8) * noise(k, 8), first_of(numbers), numbers});
+    const float extinction = 2 * noise(k, 8) * noise(k, 8);
+    rows->store<Scalar>(i, {o, normalize(target - o), 30 * noise(k, 7), extinction, extinction * (1 + noise(k, 9)),
+                            first_of(numbers), numbers});
   }
   const auto compare = [&]<DensityTracking kWhat>() {
     track_densities<Wide, kWhat>({medium.bounds, medium.density}, *rows, kDensityRows, *ends);
