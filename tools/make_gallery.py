@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the example scenes of scenes/materials and scenes/textures, and their pictures. Needs nothing but Python; the
-output never varies."""
+"""Writes the example scenes in scenes/materials and scenes/textures with their textures. Needs only Python; the output is
+deterministic."""
 
 import math
 import struct
@@ -16,7 +16,7 @@ PICTURES = TEXTURES / "pictures"
 
 
 def write_png(path, rows):
-    """8-bit RGB; rows of (r, g, b) in [0, 1], the upper one first."""
+    """Writes 8-bit RGB from rows of (r, g, b) in [0, 1], top row first."""
     height, width = len(rows), len(rows[0])
     raw = b"".join(b"\0" + bytes(round(255 * min(max(c, 0.0), 1.0)) for texel in row for c in texel) for row in rows)
 
@@ -30,14 +30,14 @@ def write_png(path, rows):
 
 
 def noise(x, y):
-    """A number in [0, 1) that looks random; the same for the same whole numbers."""
+    """Hash of integers: a pseudo-random number in [0, 1)."""
     n = (x * 374761393 + y * 668265263) & 0xFFFFFFFF
     n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
     return (n ^ (n >> 16)) / 2**32
 
 
 def brick_at(u, v):
-    """Height, and which brick, at a place of the wall; 4 bricks across, 8 courses, tileable."""
+    """Height and brick index at a point of the wall; 4 bricks across, 8 courses, tileable."""
     course = math.floor(8 * v)
     along = 4 * u + 0.5 * (course % 2)
     x, y = along % 1.0, (8 * v) % 1.0
@@ -47,7 +47,7 @@ def brick_at(u, v):
 
 
 def make_bricks(size=192):
-    """Colours and normals of a brick wall."""
+    """Writes the colour texture and the normal map of a brick wall."""
     heights = [[brick_at((x + 0.5) / size, 1 - (y + 0.5) / size)[0] for x in range(size)] for y in range(size)]
     colors, normals = [], []
     for y in range(size):
@@ -70,7 +70,7 @@ def make_bricks(size=192):
 
 
 def make_small_pictures():
-    """A pattern of a few texels, and a sheet with round holes."""
+    """Writes a pattern of a few texels and an opacity map with round holes."""
     palette = [(0.93, 0.76, 0.20), (0.16, 0.32, 0.58), (0.80, 0.25, 0.18), (0.92, 0.90, 0.84)]
     write_png(PICTURES / "quilt.png",
               [[palette[(x * y + x // 2 + y // 3) % 4] for x in range(8)] for y in range(8)])
@@ -89,7 +89,7 @@ def sensor(origin, target, fov, width, height):
 
 
 def studio(back=-4.0, size=12.0, top=7.0):
-    """A grey sweep, a large soft light from `top` above, a smaller one from the left, and a little from everywhere."""
+    """A grey backdrop, a large soft light at height `top`, a smaller one from the left, and dim ambient light."""
     return f"""  <emitter type="constant">
     <rgb name="radiance" value="0.35, 0.37, 0.40"/>
   </emitter>
@@ -144,7 +144,7 @@ def write_scene(path, title, *parts):
 
 
 def parameter_rows(bsdf_type, base, rows, title, path):
-    """A row of five balls for each parameter, from 0 on the left to 1 on the right."""
+    """One row of 5 balls per parameter, from 0 (left) to 1 (right)."""
     parts = []
     for r, (name, extra) in enumerate(rows):
         for i in range(5):
@@ -176,7 +176,7 @@ PARAMETER_ROWS = [
 def make_parameter_rows():
     base = {"base_color": "0.75, 0.16, 0.10"}
     parameter_rows("principled", base, PARAMETER_ROWS + [("spec_trans", {"roughness": 0.05})],
-                   "A row of balls for each parameter of the principled BSDF, 0 on the left to 1 on the right.",
+                   "Principled BSDF: one row of balls per parameter, from 0 (left) to 1 (right).",
                    MATERIALS / "principled.xml")
 
 
@@ -189,7 +189,7 @@ NORI_ROWS = [
 
 
 def make_disney_rows():
-    """The same for the BRDF of Burley 2012, in the Nori dialect, whose only shapes are meshes and spheres."""
+    """The same for the BRDF of Burley (2012), in the Nori dialect, which only has meshes and spheres."""
     parts = []
     for r, (name, extra) in enumerate(NORI_ROWS):
         for i in range(5):
@@ -212,7 +212,7 @@ def make_disney_rows():
 '''
     path = MATERIALS / "disney.xml"
     path.write_text(f'''<?xml version="1.0" encoding="utf-8"?>
-<!-- A row of balls for each parameter of Disney's BRDF, 0 on the left to 1 on the right, in the Nori dialect. Written by
+<!-- Disney BRDF in the Nori dialect: one row of balls per parameter, from 0 (left) to 1 (right). Written by
      tools/make_gallery.py. -->
 <scene>
   <integrator type="path_mis"/>
@@ -231,7 +231,7 @@ def make_disney_rows():
 
 
 def make_material_balls():
-    """Every kind of material once."""
+    """One ball per material type."""
     def simple(kind, inner=""):
         return f'    <bsdf type="{kind}">\n{inner}    </bsdf>\n'
 
@@ -266,13 +266,13 @@ def make_material_balls():
     ]
     parts = [ball(-3 + i % 7, 0.42 + (0.9 if i < 7 else 0), 0 if i >= 7 else -0.9, 0.42, k)
              for i, k in enumerate(kinds)]
-    write_scene(MATERIALS / "balls.xml", "Every kind of material once.",
+    write_scene(MATERIALS / "balls.xml", "One ball per material type.",
                 sensor("0, 3.0, 8.5", "0, 0.75, -0.3", 42, 800, 320), studio(-4, 20), *parts)
 
 
 def make_wall():
-    """A brick wall, left without and right with its normal map, lit from the upper left. In this dialect the first row
-    of a picture lies at v = 0, so that to_uv has to turn it over."""
+    """A brick wall without (left) and with (right) its normal map, lit from the upper left. In this dialect the first row
+    of a texture is at v = 0, so to_uv flips it."""
     def half(x, bsdf):
         return f"""  <shape type="rectangle">
     <transform name="to_world">
@@ -302,13 +302,13 @@ def make_wall():
   </shape>
   <emitter type="constant"><rgb name="radiance" value="0.08, 0.09, 0.11"/></emitter>
 """
-    write_scene(TEXTURES / "wall.xml", "A brick wall, on the left without and on the right with its normal map.",
+    write_scene(TEXTURES / "wall.xml", "A brick wall without (left) and with (right) its normal map.",
                 sensor("0.4, 0.3, 4.4", "0.1, 0, 0", 54, 640, 340), light, half(-1.02, f"      {diffuse}\n"),
                 half(1.02, mapped))
 
 
 def make_filters():
-    """The same small picture on cubes: nearest and bilinear; repeated, mirrored and clamped; and a sheet with holes."""
+    """A small texture on cubes: nearest and bilinear; repeated, mirrored and clamped; and a sheet with holes."""
     parts = []
     for i, (filtering, wrap) in enumerate([("nearest", "repeat"), ("bilinear", "repeat"), ("bilinear", "mirror"),
                                            ("bilinear", "clamp")]):
@@ -346,7 +346,7 @@ def make_filters():
   </shape>
 """)
     write_scene(TEXTURES / "filters.xml",
-                "One small picture: nearest, bilinear, mirrored and clamped; above, a sheet of copper with holes.",
+                "A small texture: nearest, bilinear, mirrored and clamped; above, a copper sheet with holes.",
                 sensor("0, 2.6, 7.5", "0, 1.2, 0", 52, 720, 360), studio(-3, 16), *parts)
 
 

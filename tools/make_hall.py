@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes scenes/hall/hall.xml: a hall with two rows of columns and a thousand small lamps whose powers differ by a
-factor of a thousand. Needs nothing but Python; the output never varies.
+"""Writes scenes/hall/hall.xml: a hall with two rows of columns and 1000 small lamps whose powers span a factor of 1000.
+Needs only Python; the output is deterministic.
 
   tools/make_hall.py
 """
@@ -14,7 +14,7 @@ from scene_text import camera
 FILE = Path(__file__).resolve().parent.parent / "scenes" / "hall" / "hall.xml"
 
 HEAD = """<?xml version="1.0" encoding="utf-8"?>
-<!-- A hall with a thousand small lamps of mixed power, for measuring how lights are chosen. Written by
+<!-- A hall with 1000 small lamps of mixed power, a benchmark for light sampling. Written by
      tools/make_hall.py. Lengths in metres; y is up, the camera looks along the hall. -->
 <scene version="3.0.0">
   <default name="spp" value="64"/>
@@ -74,7 +74,7 @@ def wall(material, size, turns, place):
 
 
 def furniture():
-    """Columns with a bronze ball on a plinth between them."""
+    """Columns, and between them bronze balls on plinths."""
     out = []
     for row in (-5, 5):
         for i in range(8):
@@ -93,7 +93,7 @@ def furniture():
 
 
 def color(rng):
-    """Something between candlelight and overcast sky."""
+    """A random colour between candlelight and overcast sky."""
     t = rng.random()
     return (1.0, 0.55 + 0.45 * t, 0.2 + 0.8 * t)
 
