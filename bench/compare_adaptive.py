@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Measures what adaptive sampling brings: the time that it takes to a given noise, over that of as many samples for all
-pixels. Needs Python with numpy and a build.
+"""Measures the gain from adaptive sampling: time to a given noise level over that of uniform sampling. Needs Python
+with numpy and a build.
 
   bench/compare_adaptive.py [--scenes scenes/hall/hall.xml ...] [--target 0.05] [--max-spp 16384] [--width 240] [--seeds 3]
 
-For each scene it renders with --noise-target, and then with as many samples per pixel as that took on average, and prints
-for both: samples per pixel; seconds of CPU time of the whole program; the noise over the frame (root of the mean square
-of the error over the pixel's value) and that of the noisiest twentieth of the tiles. `time` is the time of adaptive
-sampling over that of uniform sampling to the same noise, as if squared noise went with the inverse of time: once by the
-noisy tiles, which a noise target is about, once over the frame.
+Renders each scene with --noise-target, then uniformly with the mean number of samples that this took. Prints for both:
+samples per pixel; CPU seconds of the whole process; the noise of the frame (root mean square of the relative error);
+and the 95th percentile of the noise over tiles. `time` is the time of adaptive over uniform sampling to equal noise,
+assuming that squared noise is inversely proportional to time: by the noisy tiles, which a noise target controls, and by
+the frame.
 
-Errors need no reference: half the squared difference of two renders with different seeds is an unbiased estimate of that
-of each. Tiles are 32 pixels wide, and the worst thousandth of a tile's pixels does not count.
+No reference is needed: half the squared difference of two renders with different seeds is an unbiased estimate of the
+squared error of each. Tiles are 32 pixels wide; the worst 0.1 % of a tile's pixels are excluded.
 """
 
 import argparse
@@ -30,7 +30,7 @@ TILE = 32
 
 
 def tile_errors(pictures):
-    """The mean squared relative error of each tile, over all pairs of neighbours among the pictures."""
+    """Returns the mean squared relative error of each tile, averaged over consecutive pairs of pictures."""
     light = [picture @ np.array([0.2126, 0.7152, 0.0722]) for picture in pictures]
     mean = np.mean(light, 0)
     scale = mean**2 + (0.1 * mean.mean())**2
@@ -44,7 +44,7 @@ def tile_errors(pictures):
 
 
 def measure(arguments, scene, spp, options, folder):
-    """Seconds, samples per pixel, and squared noise: over the frame, and of the noisiest twentieth of the tiles."""
+    """Returns seconds, samples per pixel, and squared noise: mean over tiles and 95th percentile."""
     seconds, samples, pictures = [], [], []
     for seed in range(1, arguments.seeds + 1):
         report = render(arguments.sheaf, scene, Path(folder) / "picture.exr", spp, seed, *options)
@@ -63,7 +63,7 @@ def main():
     parser.add_argument("--max-spp", type=int, default=16384)
     parser.add_argument("--width", type=int, default=240)
     parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--arguments", default="", help="more options of `sheaf render`, for both")
+    parser.add_argument("--arguments", default="", help="further options of sheaf render, for both")
     arguments = parser.parse_args()
     print(f"{'scene':16s} {'sampling':9s} {'spp':>6s} {'seconds':>8s} {'noise':>7s} {'noisy tiles':>12s}   time: tiles   frame")
     with tempfile.TemporaryDirectory() as folder:

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Measures the noise of spectral mode: its mean squared error at equal samples per pixel over that of RGB mode. Needs
-nothing but Python and a build.
+"""Measures the noise of spectral mode: mean squared error over that of RGB mode at equal samples per pixel. Needs only
+Python and a build.
 
   bench/compare_color.py [--scenes scenes/cornell/cornell.xml ...] [--spp 64] [--seeds 4]
 
-Prints a table: scene, mean squared error over R, G and B in RGB mode and in spectral mode, and their ratio. A part in
-the middle of the picture is rendered, as many times as --seeds says, with the scene's own sampler; the error of one is
-half the mean square of the difference of two.
+Prints per scene: mean squared error over R, G and B in RGB mode and in spectral mode, and their ratio. Renders the
+window --crop --seeds times with the scene's own sampler; half the mean squared difference of two renders estimates
+the error of one.
 """
 
 import argparse

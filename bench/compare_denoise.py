@@ -1,16 +1,21 @@
 #!/usr/bin/env python3
-"""Measures what denoising brings: mean squared error of a picture before and after, against one of many samples. Needs
-Python with numpy and a build.
+"""Measures the gain from denoising: mean squared error before and after, against long renders. Needs Python with
+numpy and a build.
 
   bench/compare_denoise.py [--scenes scenes/cornell/cornell.xml ...] [--spp 64] [--width 400] [--reference-spp 1024]
 
-Frames are --width pixels wide; 0: as wide as the scene says. Prints for each scene: the error of a plain picture (no denoising, samples as even as can be) with `--spp` and with eight
-times as many samples; that of the picture made for the denoiser (its samples cut into four sets); that of the
-denoised one; `gain`, the last but one over the last; and the seconds of CPU time that denoising took. `relative`: the same
-of the relative squared error, that over the pixel's squared mean.
+Frames are --width pixels wide; 0 keeps the width of the scene. Prints for each scene the error of
 
-There are two references of --reference-spp samples each, with different seeds. With a and b a picture's differences from
-them, the mean of a b is the squared error without that of the references.
+  plain      a render with --spp samples in one set
+  8 x        the same with 8 times as many samples
+  noisy      a render for the denoiser, with its samples in 4 sets
+  denoised   `noisy` after `sheaf denoise`
+
+and `gain`, noisy over denoised, and the CPU seconds of denoising. `relative`: the same for the squared error over the
+squared mean of the pixel.
+
+There are two references of --reference-spp samples each, with different seeds. If a and b are the differences of a
+picture from them, the mean of a b is the squared error without the noise of the references.
 """
 
 import argparse
@@ -69,7 +74,7 @@ def main():
     parser.add_argument("--reference-spp", type=int, default=1024)
     parser.add_argument("--method", default="nlm")
     parser.add_argument("--arguments", default="--aov albedo,normal,depth,variance,half --float",
-                        help="further arguments of sheaf render for the noisy picture; default: %(default)s")
+                        help="further options of sheaf render for the noisy picture; default: %(default)s")
     arguments = parser.parse_args()
     print(f"{'':16} {'plain':>10} {'8 x':>10} {'noisy':>10} {'denoised':>10} {'gain':>6} {'cpu s':>8}")
     with tempfile.TemporaryDirectory() as folder:

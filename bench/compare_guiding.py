@@ -1,17 +1,16 @@
 #!/usr/bin/env python3
-"""Measures what a guide brings: time to equal error of paths with --guiding, over that of paths without. Needs Python
-with numpy and a build.
+"""Measures the gain from path guiding: time to equal error with --guiding over that without. Needs Python with numpy
+and a build.
 
   bench/compare_guiding.py [--scenes scenes/gap/gap.xml ...] [--spp 64 256] [--width 240] [--seeds 3] [--arguments "..."]
 
-Prints for each scene and number of samples per pixel, without and with the guide: seconds of CPU time of the whole
-program, training included; mean squared error; relative squared error, that over the pixel's squared mean, the worst
-0.1 % left out; and the mean. `ratio` is error times seconds with the guide over error times seconds without: below 1
-where guiding pays.
+Prints for each scene and number of samples per pixel, without and with guiding: CPU seconds of the whole process,
+training included; mean squared error; relative squared error (over the squared mean of the pixel, without the worst 0.1
+%); and the mean. `ratio` is error times seconds with guiding over that without; guiding pays off below 1.
 
-Errors need no reference: half the squared difference of two renders with different seeds is an unbiased estimate of
-that of each. Few very bright pixels rule the mean squared error: look at several seeds. Frames are --width pixels wide
-where the scene file has the variables "width" and "height" (or "resx" and "resy").
+No reference is needed: half the squared difference of two renders with different seeds is an unbiased estimate of the
+squared error of each. A few very bright pixels dominate the mean squared error, so use several seeds. Frames are
+--width pixels wide if the scene file has the variables "width" and "height" (or "resx" and "resy").
 """
 
 import argparse
@@ -28,7 +27,7 @@ SCENES = ["scenes/gap/gap.xml", "scenes/cornell/cornell.xml", "scenes/material_r
 
 
 def frame_options(scene, width):
-    """Options that make the frame `width` pixels wide and as high in proportion."""
+    """Returns options that set the frame width and keep its aspect ratio."""
     text = Path(scene).read_text(encoding="utf-8", errors="replace")
     for names in (("width", "height"), ("resx", "resy")):
         found = [re.search(rf'<default name="{name}" value="(\d+)"', text) for name in names]
@@ -39,7 +38,7 @@ def frame_options(scene, width):
 
 
 def errors(pictures):
-    """Mean squared error, relative squared error and mean, over all pairs of neighbours among the pictures."""
+    """Returns mean squared error, relative squared error and mean, averaged over consecutive pairs of pictures."""
     results = []
     for a, b in zip(pictures, pictures[1:]):
         square, mean = (a - b)**2 / 2, (a + b) / 2
@@ -76,8 +75,8 @@ def main():
     parser.add_argument("--scenes", nargs="+", default=[ROOT / scene for scene in SCENES])
     parser.add_argument("--spp", nargs="+", type=int, default=[64, 256])
     parser.add_argument("--width", type=int, default=240)
-    parser.add_argument("--seeds", type=int, default=3, help="pictures of each kind, at least 2")
-    parser.add_argument("--arguments", default="", help="further arguments of sheaf render")
+    parser.add_argument("--seeds", type=int, default=3, help="renders per configuration, at least 2")
+    parser.add_argument("--arguments", default="", help="further options of sheaf render")
     arguments = parser.parse_args()
     print(f"{'scene':22} {'':4} {'cpu s':>7} {'mse':>10} {'rel':>8} {'mean':>9}")
     with tempfile.TemporaryDirectory() as folder:

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Measures how light in clouds is best tracked: time and mean squared error of every medium estimator on a cloud. Needs
-nothing but Python and a build, and the cloud of tools/make_media_scenes.py.
+"""Compares medium estimators on a cloud: time and mean squared error. Needs only Python, a build, and the cloud of
+tools/make_media_scenes.py.
 
   bench/compare_media.py [--scene scenes/media/cloud_box.xml] [--spp 32] [--seeds 2] [--reference-spp 768]
 
-Prints a table: estimator; seconds of CPU time, less those of a render of one sample; mean squared error against a long
-render with null_mis; time to equal error over that of null_mis; null collisions (steps of marching) per real one; and
-nanoseconds of CPU time per collision in the medium stage.
+Prints a table: estimator; CPU seconds, minus those of a render with 1 spp; mean squared error against a long render
+with null_mis; time to equal error over that of null_mis; null collisions (for ray marching: steps) per real collision;
+and CPU nanoseconds per collision in the medium stage.
 """
 
 import argparse
@@ -17,14 +17,16 @@ from rendering import ROOT, mean_squared_error, render
 
 
 def render_media(arguments, output, options, spp, seed):
-    """The report of the renderer."""
+    """Renders and returns the statistics report."""
     return render(arguments.sheaf, arguments.scene, output, spp, seed, "--threads", str(arguments.threads), *options,
                   "-D", f"width={arguments.width}", "-D", f"height={arguments.width * 5 // 8}")
 
 
 def step_cost(report, seconds):
-    """CPU nanoseconds per collision of the medium stage, and null collisions per real one. The stages' clocks count
-    what other programs take as well, so only the stage's share of them is used."""
+    """Returns CPU nanoseconds per collision in the medium stage, and null collisions per real one.
+
+    The stages' timers include time taken by other programs, so only the stage's share of the total is used.
+    """
     stages = {stage["name"]: stage["seconds"] for stage in report["stages"]}
     collisions = report["collisions"]
     real, null = collisions["real"], collisions["null"]
@@ -40,7 +42,7 @@ def main():
     parser.add_argument("--spp", type=int, default=32)
     parser.add_argument("--seeds", type=int, default=2)
     parser.add_argument("--reference-spp", type=int, default=768)
-    parser.add_argument("--steps", type=float, nargs="+", default=[0.02, 0.08], help="metres per step of marching")
+    parser.add_argument("--steps", type=float, nargs="+", default=[0.02, 0.08], help="ray marching steps in metres")
     arguments = parser.parse_args()
     cases = [(name, ["--medium-estimator", name]) for name in ("null_mis", "delta", "ratio")]
     cases += [(f"marching {step:g}", ["--medium-estimator", "marching", "--step-size", str(step)])
@@ -57,7 +59,7 @@ def main():
                 report = render_media(arguments, picture, options, arguments.spp, seed)
                 seconds += (report["cpu_seconds"] - start) / arguments.seeds
                 error += mean_squared_error(arguments.sheaf, picture, reference) / arguments.seeds
-            cost = error * seconds  # error goes with the inverse of time
+            cost = error * seconds  # error is inversely proportional to time
             first = first or cost
             nanoseconds, null = step_cost(report, seconds)
             print(f"{name:14} {seconds:5.2f} {error:11.4g} {cost / first:6.2f} {null:10.2f} {nanoseconds:13.0f}", flush=True)

@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Measures what photon maps bring where light comes by mirrors and glass: time and error of path tracing, light tracing
-and photon mapping in several ways. Needs Python with numpy, a build, and the meshes of tools/make_caustic_scenes.py.
+"""Compares path tracing, light tracing and variants of photon mapping on caustics: time and error. Needs Python with
+numpy, a build, and the meshes of tools/make_caustic_scenes.py.
 
   bench/compare_photons.py [--scenes scenes/caustics/ring.xml ...] [--seconds 20] [--width 160] [--reference-spp 8192]
 
-Prints a table for each scene: samples per pixel; seconds of CPU time; peak memory in MB; and then for the whole picture
-and for the part of it where the caustic is: mean squared error, relative mean squared error, mean over that of the
-reference, and gain: the time that path tracing needs for the same mean squared error, which goes with the inverse of
-its time, over the time taken. There is no gain where light tracing does not see all there is. Ways without samples per
-pixel in METHODS take as many as fill --seconds of CPU time.
+Prints a table for each scene: samples per pixel; CPU seconds; peak memory in MB; and, for the whole picture and for the
+part with the caustic: mean squared error, relative mean squared error, mean over that of the reference, and gain. The
+gain is the time that path tracing needs for the same mean squared error (inversely proportional to time) over the time
+taken. It is omitted if light tracing misses some of the light. Methods without samples per pixel in METHODS take as
+many as fit into --seconds of CPU time.
 
-References are the mean of two renders, by paths; that of the part by light tracing where the camera sees nothing but
-diffuse surfaces there. Their own noise is not in the errors: these are means of (x - a) (x - b), for a picture x and
-renders a and b. "<" says that an error is less than twice its own uncertainty.
+References are two renders by path tracing; for the part, by light tracing if the camera sees only diffuse surfaces
+there. Errors exclude the noise of the references: they are means of (x - a) (x - b) for a picture x and renders a and
+b. "<" marks an error below twice its own uncertainty.
 """
 
 import argparse
@@ -27,8 +27,8 @@ import numpy as np
 
 from rendering import ROOT, render
 
-# The part with the caustic as shares of width and height, x0, y0, x1, y1, and what its reference is rendered with; the
-# radii of the maps, which other scenes have relative to their size.
+# The part with the caustic (x0, y0, x1, y1 as fractions of width and height), the integrator of its reference, and the
+# radii of the maps. Other scenes use the default radii, relative to the size of the scene.
 SCENES = {
     "ring": {"part": (0.245, 0.385, 0.42, 0.60), "part_reference": "ptracer", "radius": 0.08, "caustic_radius": 0.012},
     "pool": {"part": (0.25, 0.40, 0.75, 0.70), "part_reference": "path", "radius": 0.12, "caustic_radius": 0.02},
@@ -39,7 +39,7 @@ ALL_IN_RADIUS = {"lookupSize": 0}
 GLOBAL_MAP = ALL_IN_RADIUS | {"photonCount": 250000, "photonRadius": "radius"}
 CAUSTICS_MAP = {"causticPhotonCount": 500000, "causticRadius": "caustic_radius"}
 
-# Name, integrator, its properties, and samples per pixel. Strings stand for the scene's value of this name.
+# Name, integrator, properties, samples per pixel. A string value names an entry of the scene in SCENES.
 METHODS = [
     ("path", "path", {}, None),
     ("ptracer", "ptracer", {}, None),
@@ -50,7 +50,7 @@ METHODS = [
     ("sppm", "sppm", {"photonCount": 250000, "initialRadius": "caustic_radius", "alpha": 0.7}, None),
 ]
 
-# Properties of a scene's integrator that others understand as well.
+# Properties of a scene's integrator that are kept for the other integrators.
 KEPT = r'<\w+ name="(?:max_?depth|rr_?depth|hide_?emitters)"[^>]*/>'
 
 
@@ -65,7 +65,7 @@ def integrator_element(kind, properties, settings, kept):
 
 
 class Scene:
-    """A scene file whose integrator is replaced by others."""
+    """A scene file with a replaceable integrator."""
 
     def __init__(self, arguments, file, folder):
         self.sheaf, self.photons = arguments.sheaf, arguments.photons
@@ -82,7 +82,7 @@ class Scene:
         self.defines = ["-D", f"width={self.size[0]}", "-D", f"height={self.size[1]}"]
 
     def write(self, kind, properties):
-        """The scene with this integrator."""
+        """Writes the scene with this integrator and returns the file."""
         properties = {name: round(self.photons * value) if name.lower().endswith("photoncount") else value
                       for name, value in properties.items()}
         file = self.folder / "scene.xml"
@@ -90,13 +90,13 @@ class Scene:
         return file
 
     def objection(self, kind, properties):
-        """Why the program does not take this integrator, if so."""
+        """Returns the error message if Sheaf rejects this integrator, else None."""
         done = subprocess.run([self.sheaf, "info", self.write(kind, properties), *self.defines], check=False, text=True,
                               capture_output=True)
         return None if done.returncode == 0 else done.stderr.strip().split(" (known")[0]
 
     def render(self, kind, properties, spp, seed):
-        """The report, and the picture."""
+        """Returns the statistics report and the picture."""
         picture = self.folder / "picture.exr"
         report = render(self.sheaf, self.write(kind, properties), picture, spp, seed, *self.defines)
         return report, read_colors(picture)
@@ -108,12 +108,12 @@ class Scene:
 
 
 def read_colors(file):
-    """R, G and B of an .exr file."""
+    """Returns R, G and B of an EXR file."""
     return read_channels(file, "RGB")
 
 
 def read_channels(file, wanted):
-    """Channels of an .exr file as the program writes it: floats, blocks of 16 lines packed by zlib."""
+    """Returns channels of an EXR file written by Sheaf: 32-bit floats, ZIP compression in blocks of 16 lines."""
     data = file.read_bytes()
     header, at = {}, 8
     while data[at]:
@@ -141,7 +141,7 @@ def read_channels(file, wanted):
 
 
 def errors(pictures, references):
-    """Mean squared error, twice its uncertainty, relative mean squared error, and mean over that of the reference."""
+    """Returns mean squared error, twice its uncertainty, relative mean squared error, and mean over the reference's."""
     a, b = references
     middle = (a + b) / 2
     squares = np.mean([(picture - a) * (picture - b) for picture in pictures], 0)
@@ -151,7 +151,7 @@ def errors(pictures, references):
 
 
 def columns(measured, paths_cost, seconds):
-    """Text of what errors() returns, and of the gain over paths, whose cost is error times seconds, if there is one."""
+    """Formats the result of errors() and the gain over paths; `paths_cost` is their error times seconds, or None."""
     error, uncertainty, relative, mean = measured
     sign, error = ("<", uncertainty) if error < uncertainty else ("", error)
     gain = f"{'>' if sign else ''}{paths_cost / (error * seconds):.3g}" if paths_cost else "-"
@@ -159,7 +159,7 @@ def columns(measured, paths_cost, seconds):
 
 
 def samples_in(arguments, scene, kind, properties):
-    """How many samples per pixel take as long as --seconds says."""
+    """Returns the samples per pixel that fit into --seconds of CPU time."""
     spp = 4
     while True:
         seconds = scene.render(kind, properties, spp, 1)[0]["cpu_seconds"]
@@ -199,11 +199,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
     parser.add_argument("--scenes", nargs="+", default=[ROOT / "scenes/caustics" / f"{name}.xml" for name in SCENES])
-    parser.add_argument("--seconds", type=float, default=20, help="CPU time of pictures by ways that fill it")
+    parser.add_argument("--seconds", type=float, default=20, help="CPU time per picture of methods without a fixed spp")
     parser.add_argument("--width", type=int, default=160)
     parser.add_argument("--seeds", type=int, default=2)
     parser.add_argument("--reference-spp", type=int, default=8192)
-    parser.add_argument("--photons", type=float, default=1, help="this many times the photons of METHODS")
+    parser.add_argument("--photons", type=float, default=1, help="factor on the photon counts of METHODS")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         for scene in arguments.scenes:

@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
-"""Measures from which depth on roulette pays: error of the same samples per pixel, times what they cost. Needs Python
-with numpy and a build.
+"""Compares start depths of Russian roulette: error times cost at equal samples per pixel. Needs Python with numpy and a
+build.
 
   bench/compare_roulette.py [--scenes scenes/hall/hall.xml ...] [--depths 5 4 3 2] [--spp 16] [--scale 0.2] [--seeds 4]
 
-Prints for each scene and each --rr-depth the rays, the mean squared error and the relative squared error, that over the
-pixel's squared mean, the worst 0.1 % left out; all over those of the first depth. `mse x rays` and `rel x rays` are the
-products: below 1 where the depth pays. Rays stand for time, as they take most of it and are the same in every run.
+Prints for each scene and each --rr-depth the number of rays, the mean squared error and the relative squared error
+(over the squared mean of the pixel, without the worst 0.1 %), all relative to the first depth. `mse x rays` and `rel
+x rays` are the products; a depth pays off below 1. Rays stand in for time: they take most of it and are the same in
+every run.
 
-Errors need no reference: half the squared difference of two renders with different seeds is an unbiased estimate of
-that of each.
+No reference is needed: half the squared difference of two renders with different seeds is an unbiased estimate of the
+squared error of each.
 """
 
 import argparse
@@ -44,7 +45,7 @@ def main():
     parser.add_argument("--depths", nargs="+", type=int, default=[5, 4, 3, 2])
     parser.add_argument("--spp", type=int, default=16)
     parser.add_argument("--scale", type=float, default=0.2)
-    parser.add_argument("--seeds", type=int, default=4, help="pictures of each kind, at least 2")
+    parser.add_argument("--seeds", type=int, default=4, help="renders per configuration, at least 2")
     arguments = parser.parse_args()
     print(f"{'scene':16} {'depth':>5} {'rays':>6} {'mse':>6} {'rel':>6} {'mse x rays':>11} {'rel x rays':>11}")
     with tempfile.TemporaryDirectory() as folder:

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Measures how far each sampler's pictures are from the truth, at equal samples per pixel: as they are, and after a
-blur, as an eye or a denoiser sees them. Needs python3-numpy and a build.
+"""Compares samplers at equal samples per pixel: error as rendered and after a blur, as the eye or a denoiser sees it.
+Needs python3-numpy and a build.
 
   bench/compare_samplers.py [--scenes scenes/cornell/cornell.xml ...] [--samplers sobol zsobol ...] [--spp 16]
     [--scale 0.5] [--seeds 2] [--blur 1 2]
 
-Prints a table: scene, sampler, mean squared error over R, G and B, error relative to the pixel's brightness (the worst
-0.1 % of the values left out), and for every blur, a Gaussian of so many pixels, these two of the blurred picture; in
-brackets what that of the first sampler is of it: 2 is half the error. The error of one picture is half the mean square
-of the difference of two.
+Prints a table: scene, sampler, mean squared error over R, G and B, error relative to the pixel's brightness (without
+the worst 0.1 % of the values), and both for each blurred picture; --blur gives the standard deviations of the Gaussians
+in pixels. In brackets: error of the first sampler over that of the row, so 2 is half the error. Half the mean squared
+difference of two pictures estimates the error of one.
 """
 
 import argparse
@@ -27,8 +27,8 @@ SAMPLERS = ("independent", "stratified", "multijitter", "sobol", "zsobol")
 
 
 def read_header(file):
-    """{name: bytes} of an OpenEXR file with one part, which stands at its lines afterwards."""
-    assert file.read(8) == struct.pack("<II", 20000630, 2), "not a plain OpenEXR file"
+    """Returns {name: bytes} of a single-part EXR file, and leaves the file positioned after the header."""
+    assert file.read(8) == struct.pack("<II", 20000630, 2), "not a single-part scanline EXR file"
 
     def text():
         return b"".join(iter(lambda: file.read(1), b"\0")).decode()
@@ -41,7 +41,7 @@ def read_header(file):
 
 
 def read_rgb(path):
-    """The channels R, G and B, height x width x 3, of a picture that `sheaf render` wrote: lines packed by zlib."""
+    """Returns R, G and B of a ZIP-compressed EXR file of `sheaf render` as height x width x 3."""
     with open(path, "rb") as file:
         header = read_header(file)
         lines_per_block = {0: 1, 2: 1, 3: 16}[header["compression"][0]]
@@ -71,7 +71,7 @@ def read_rgb(path):
 
 
 def unpack(data):
-    """Undoes zlib, differences of neighbouring bytes, and odd bytes after even ones."""
+    """Decodes OpenEXR's ZIP compression: zlib, byte deltas, and even bytes stored before odd ones."""
     data = numpy.frombuffer(zlib.decompress(data), numpy.uint8).astype(numpy.int64)
     data[1:] -= 128
     data = numpy.cumsum(data).astype(numpy.uint8)
@@ -81,7 +81,7 @@ def unpack(data):
 
 
 def blurred(picture, sigma):
-    """By a Gaussian; what it would need from outside of the picture is left out."""
+    """Blurs by a Gaussian and crops the border that the kernel does not fully cover."""
     if sigma == 0:
         return picture
     reach = min(round(4 * sigma), (min(picture.shape[:2]) - 1) // 2)
@@ -94,7 +94,7 @@ def blurred(picture, sigma):
 
 
 def errors(a, b, sigma):
-    """Mean squared error, and that relative to brightness."""
+    """Returns the mean squared error and the squared error relative to brightness."""
     square, mean = blurred(a - b, sigma) ** 2 / 2, blurred(a + b, sigma) / 2
     relative = numpy.sort((square / (mean**2 + 0.01 * mean.mean() ** 2 + 1e-12)).ravel())
     return numpy.array([square.mean(), relative[:max(1, int(len(relative) * 0.999))].mean()])

@@ -1,4 +1,4 @@
-"""What the scripts that compare ways to render have in common: to render, and to measure how far a picture is off."""
+"""Helpers of the compare_*.py scripts: rendering and error measurement."""
 
 import json
 import re
@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def render(sheaf, scene, output, spp, seed, *options):
-    """The report of the renderer, with "cpu_seconds" that the whole program took, the system's left out."""
+    """Renders and returns the statistics report, plus "cpu_seconds": user CPU time of the whole process."""
     stats = Path(output).with_suffix(".json")
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     subprocess.run([str(sheaf), "render", str(scene), "-o", str(output), "--spp", str(spp), "--seed", str(seed),

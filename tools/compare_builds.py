@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Renders every example and reference scene with two builds of Sheaf, in both colour modes, and lists those whose
-pictures are not the same, byte by byte: for changes that must not change pictures. Needs nothing but Python.
+"""Renders every example and reference scene with two builds of Sheaf in both colour modes and lists the pictures that
+are not byte-identical. For changes that must not alter pictures. Needs only Python.
 
   tools/compare_builds.py OLD/sheaf NEW/sheaf [--spp 8] [--only SUBSTRING] [--list]
 
-Frames are rendered small: those that take a size as 160 x 100 pixels, of the others 160 x 120 in the middle. Scenes whose
-meshes or grids were not made yet (see README.md) are skipped and said. Exit status: 0 all the same, 1 some differ or
-fail with one build alone.
+Scenes with a configurable size are rendered at 160 x 100 pixels, other example scenes as a centred crop of 160 x 120.
+Scenes whose meshes or grids have not been generated (see README.md) are reported and skipped. Exit status: 0 if all
+pictures are identical, 1 if some differ or fail with only one of the builds.
 """
 
 import argparse
@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def scenes():
-    """All scene files, each with the options that make its picture small."""
+    """Yields each scene file with the options for a small picture."""
     for folder in (ROOT / "scenes", ROOT / "tests/references/scenes"):
         for file in sorted(folder.rglob("*.xml")):
             text = file.read_text()
@@ -38,7 +38,7 @@ def scenes():
 
 
 def render(sheaf, scene, options, picture):
-    """The picture's bytes, or the message why there is none."""
+    """Returns the bytes of the picture, or the error message."""
     done = subprocess.run([sheaf, "render", scene, "-o", picture, "--no-timestamps", "--quiet", "--threads", "1",
                            "--seed", "1", *options], check=False, capture_output=True, text=True)
     return picture.read_bytes() if done.returncode == 0 else done.stderr.strip()
@@ -49,8 +49,8 @@ def main():
     parser.add_argument("old", type=lambda p: Path(p).resolve())
     parser.add_argument("new", type=lambda p: Path(p).resolve())
     parser.add_argument("--spp", type=int, default=8)
-    parser.add_argument("--only", default="", help="scenes whose path holds this")
-    parser.add_argument("--list", action="store_true", help="say of every picture what was found, not only where they differ")
+    parser.add_argument("--only", default="", help="render only scenes whose path contains this")
+    parser.add_argument("--list", action="store_true", help="list the result of every picture, not only differences")
     arguments = parser.parse_args()
 
     def compare(job):

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Finds the spectra of which mixtures stand for linear Rec.709 colours: the table of scene/data/rgb_basis.cpp. Needs
-numpy and scipy.
+"""Fits the basis spectra that represent linear Rec.709 colours: the table in scene/data/rgb_basis.cpp. Needs numpy and
+scipy.
 
-The idea is Mallett and Yuksel's ("Spectral Primary Decomposition for Rendering with sRGB Reflectance", 2019): three
-spectra in [0, 1] that add up to 1 everywhere and that look pure red, green and blue under D65. Among all such, linear
-between knots, the smoothest are sought: those with the least sum of squared second differences.
+Follows Mallett and Yuksel ("Spectral Primary Decomposition for Rendering with sRGB Reflectance", 2019): three spectra
+in [0, 1] that sum to 1 at every wavelength and have the colours red, green and blue under D65. Among all piecewise
+linear solutions, the script finds the smoothest, which minimises the sum of squared second differences.
 
   tools/fit_rgb_basis.py [--step 10]
 """
@@ -23,13 +23,13 @@ TO_REC709 = np.array([[3.240479, -1.537150, -0.498535], [-0.969256, 1.875991, 0.
 
 
 def curve(name):
-    """One of the tables of core/color.cpp at WAVELENGTHS."""
+    """Returns a table of core/color.cpp, interpolated at WAVELENGTHS."""
     numbers = re.search(r"constexpr Curve " + name + r"\{(.*?)\};", SOURCE, re.DOTALL).group(1)
     return np.interp(WAVELENGTHS, np.arange(360, 831, 5), [float(n) for n in re.findall(r"[-\d.e]+(?=f)", numbers)])
 
 
 def basis(step):
-    """Knots, and at each the three spectra."""
+    """Returns the knots, the three spectra at the knots, and the colour of each hat function."""
     knots = np.arange(360, 831, step)
     n = len(knots)
     hats = np.array([np.interp(WAVELENGTHS, knots, row) for row in np.eye(n)])
@@ -52,7 +52,7 @@ def basis(step):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--step", type=int, default=10, help="nanometres between knots")
+    parser.add_argument("--step", type=int, default=10, help="knot spacing in nm")
     knots, spectra, seen = basis(parser.parse_args().step)
     print("colours of the spectra:\n", np.round(seen @ spectra.T, 5).T)
     print("least", spectra.min(), "largest sum", spectra.sum(0).max())

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Finds the density by which spectral mode draws wavelengths: the table of core/wavelengths.cpp. Needs numpy and scipy.
+"""Fits the wavelength density of spectral mode: the table in core/wavelengths.cpp. Needs numpy and scipy.
 
-What is minimised is the noise that colour alone makes: the variance of red, green and blue over the squared luminance
-when a path carries four wavelengths, a quarter apart in probability, summed over daylight (D65), a light bulb (A) and
-equal energy, and averaged over smooth reflectances: sigmoids of quadratic polynomials with random coefficients, as
-colours have. A hundredth of the same with a single wavelength is added, which is what is left behind dispersion.
+The objective is colour noise: the variance of red, green and blue over the squared luminance for paths with 4
+stratified wavelengths. It is summed over the illuminants D65, A and equal energy (E) and averaged over smooth
+reflectances, which are sigmoids of quadratic polynomials with random coefficients, as in spectral uplifting. The same
+variance for a single wavelength, the case after dispersion, is added with weight 0.01.
 
   tools/fit_wavelengths.py [--colours 24] [--iterations 100]
 """
@@ -24,7 +24,7 @@ TO_REC709 = np.array([[3.240479, -1.537150, -0.498535], [-0.969256, 1.875991, 0.
 
 
 def curve(name):
-    """One of the tables of core/color.cpp at WAVELENGTHS."""
+    """Returns a table of core/color.cpp, interpolated at WAVELENGTHS."""
     numbers = re.search(r"constexpr Curve " + name + r"\{(.*?)\};", SOURCE, re.DOTALL).group(1)
     return np.interp(WAVELENGTHS, np.arange(360, 831, 5), [float(n) for n in re.findall(r"[-\d.e]+(?=f)", numbers)])
 
@@ -35,7 +35,7 @@ LIGHTS = {"D65": curve("kD65"), "A": WAVELENGTHS**-5 / (np.exp(1.435e7 / (2848 *
 
 
 def reflectances(count, seed=1):
-    """White, and random colours that aren't all but black."""
+    """Returns white and random reflectances, without nearly black ones."""
     generator, found = np.random.default_rng(seed), [np.ones(2351)]
     t = (WAVELENGTHS - 360) / 470
     while len(found) < count:
@@ -48,7 +48,7 @@ def reflectances(count, seed=1):
 
 
 def noise(density, colours, count=512):
-    """Per light: variance with four wavelengths of white, mean of that over all colours, the same with one."""
+    """Returns, per illuminant: variance of white and mean over all colours with 4 wavelengths, and that mean with 1."""
     steps = (density[1:] + density[:-1]) / 2 * np.diff(WAVELENGTHS)
     cumulative = np.concatenate([[0], np.cumsum(steps)])
     drawn = np.interp((np.arange(count) + 0.5) / count * cumulative[-1], cumulative, WAVELENGTHS)
@@ -77,10 +77,10 @@ def show(name, density):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--colours", type=int, default=24, help="reflectances that noise is averaged over")
-    parser.add_argument("--iterations", type=int, default=100, help="most steps of the minimisation")
+    parser.add_argument("--colours", type=int, default=24, help="number of reflectances in the average")
+    parser.add_argument("--iterations", type=int, default=100, help="maximum number of iterations")
     arguments = parser.parse_args()
-    print("density, and per light the variance of white, the mean over colours, the mean with a single wavelength")
+    print("density; per illuminant: variance of white, mean over colours, mean with a single wavelength")
     for centre in (538, 520):
         show(f"1 / cosh^2 around {centre} nm", np.cosh(0.0072 * (WAVELENGTHS - centre)) ** -2)
     length = np.linalg.norm(RESPONSE, axis=0)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Makes the meshes of scenes/caustics (scenes/caustics/generated): a ring, and the surface of the water in a pool.
-Needs nothing but Python; the output never varies.
+"""Writes the meshes of scenes/caustics to scenes/caustics/generated: a ring and the water surface of a pool. Needs only
+Python; the output is deterministic.
 
   tools/make_caustic_scenes.py
 """
@@ -15,7 +15,7 @@ FOLDER = Path(__file__).resolve().parent.parent / "scenes" / "caustics" / "gener
 OUTER, INNER, HEIGHT = 1.0, 0.94, 0.42
 RING_SIDES = 360
 
-# The water: half of its size along x and z, cells along x and along z, and waves (length in metres, slope).
+# The water: half extents along x and z in metres, cells along x and z, and waves (length in metres, slope).
 HALF_X, HALF_Z = 2.02, 1.52
 CELLS_X, CELLS_Z = 268, 202
 WAVES = [(1.55, 0.030), (1.10, 0.035), (0.81, 0.050), (0.60, 0.060), (0.44, 0.050), (0.33, 0.035)]
@@ -23,7 +23,7 @@ DIRECTIONS_PER_WAVE = 3
 
 
 def write_obj(path, what, places, normals, faces):
-    """Faces are tuples of indices that count from 0; a vertex and its normal have the same."""
+    """Writes an OBJ file. Faces are tuples of 0-based indices, shared by positions and normals."""
     lines = [f"# {what}, written by tools/make_caustic_scenes.py."]
     lines += ["v {:.6g} {:.6g} {:.6g}".format(*p) for p in places]
     lines += ["vn {:.6f} {:.6f} {:.6f}".format(*n) for n in normals]
@@ -31,8 +31,8 @@ def write_obj(path, what, places, normals, faces):
     path.write_text("\n".join(lines) + "\n")
 
 
-# The ring's walls as radius and height of both ends and their normal, once around: up on the outside, down on the inside.
-# Its edges are sharp, so that no rounding mirrors the lamp to the camera.
+# Profile of the ring: per wall, radius and height of both ends and the normal, counter-clockwise from the outer wall.
+# The edges are sharp, so that the camera sees no reflection of the lamp in a rounded edge.
 RING_WALLS = [
     ((OUTER, 0), (OUTER, HEIGHT), (1, 0)),
     ((OUTER, HEIGHT), (INNER, HEIGHT), (0, 1)),
@@ -42,7 +42,7 @@ RING_WALLS = [
 
 
 def make_ring():
-    """A closed surface of revolution about +y that stands on y = 0, smooth around the axis."""
+    """Writes a closed surface of revolution about +y that stands on y = 0, with smooth normals around the axis."""
     places, normals, faces = [], [], []
     stride = 2 * len(RING_WALLS)
     for k in range(RING_SIDES):
@@ -57,7 +57,7 @@ def make_ring():
 
 
 def make_water():
-    """A sheet around y = 0 that is a sum of sines, normals upwards."""
+    """Writes a sheet near y = 0 displaced by a sum of sines, normals upwards."""
     numbers = random.Random(5)
     waves = []
     for length, slope in WAVES:

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Paints a large environment map for measurements: clouds of all sizes, a sun of its true size whose glare they share,
-and ground of uneven brightness. Needs nothing but Python; the output never varies. 4096 pixels take a minute.
+"""Writes a large environment map for benchmarks: fractal clouds, a sun of realistic size with glare, and ground of
+uneven brightness. Needs only Python; the output is deterministic. A width of 4096 pixels takes 1 min.
 
   tools/make_cloudy_sky.py sky.hdr [--width 4096]
 """
@@ -16,7 +16,7 @@ SUN_RADIUS = math.radians(0.2665)
 
 
 class Noise:
-    """Sums of random lattices, each twice as fine and half as strong as the last; goes round in x."""
+    """Fractal value noise, periodic in x: each octave doubles the frequency and halves the amplitude."""
 
     def __init__(self, seed, octaves, first=8):
         numbers = random.Random(seed)
@@ -27,7 +27,7 @@ class Noise:
             self.lattices.append((0.5 ** (octave + 1), columns, values))
 
     def row(self, v, width):
-        """Noise in [0, 1] at `width` places of the row at v in [0, 1]."""
+        """Returns noise in [0, 1] at `width` points of the row at v in [0, 1]."""
         total = [0.0] * width
         for weight, columns, values in self.lattices:
             y = v * columns / 2

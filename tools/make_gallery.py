@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the example scenes in scenes/materials and scenes/textures with their textures. Needs only Python; the output is
-deterministic."""
+"""Writes the example scenes in scenes/materials and scenes/textures with their textures. Needs only Python; the output
+is deterministic."""
 
 import math
 import struct
@@ -271,8 +271,8 @@ def make_material_balls():
 
 
 def make_wall():
-    """A brick wall without (left) and with (right) its normal map, lit from the upper left. In this dialect the first row
-    of a texture is at v = 0, so to_uv flips it."""
+    """A brick wall without (left) and with (right) its normal map, lit from the upper left. In this dialect the first
+    row of a texture is at v = 0, so to_uv flips it."""
     def half(x, bsdf):
         return f"""  <shape type="rectangle">
     <transform name="to_world">

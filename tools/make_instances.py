@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the instances of scenes/million: copies of one mesh of 100,000 triangles, scattered over a plane by a
-generator of fixed seed. Needs nothing but Python; the output (about 200 MB for a million) is not kept in the
-repository.
+"""Writes the mesh and the instances of scenes/million: copies of one mesh of 100,000 triangles, scattered over a plane
+with a fixed seed. Needs only Python. The output (about 200 MB for 1,000,000 instances) is not part of the repository.
 
   tools/make_instances.py [COUNT]   default: 1000000
 """
@@ -24,7 +23,7 @@ def make_mesh():
 
 
 def matrix(rng, spread):
-    """A random turn and size, standing somewhere on the plane y = 0."""
+    """Returns a random rotation, scale and position on the plane y = 0."""
     q = [rng.gauss(0, 1) for _ in range(4)]
     norm = math.sqrt(sum(c * c for c in q))
     w, x, y, z = (c / norm for c in q)

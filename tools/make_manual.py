@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Writes manual pages and the completion of bash, both from what `sheaf --help` and its subcommands print.
+"""Writes manual pages and a bash completion from the output of `sheaf --help` and `sheaf COMMAND --help`.
 
   tools/make_manual.py --sheaf build/release/sheaf --output build/release/manual
 
-Writes sheaf.1 and sheaf-COMMAND.1 for each subcommand, and sheaf.bash, into the output folder. Fails if the help is not
-understood. Needs nothing but Python.
+Writes sheaf.1, sheaf-COMMAND.1 for each subcommand, and sheaf.bash to the output folder. Fails if it cannot parse the
+help. Needs only Python.
 """
 
 import argparse
@@ -13,17 +13,17 @@ import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
 
-# What help shows of an option: its names, the kind of its value, limits, and how many values it takes.
+# An option in the help: names, value type, limits, and number of values.
 SPEC = re.compile(r"(?P<names>-[^ ]+|[A-Za-z][\w-]*)(?: (?P<value>[A-Z]+)(?P<limits>:\S+(?: in \[[^\]]*\])?)?)?"
                   r"(?P<count> x \d+)?(?P<rest>(?: \.\.\.| REQUIRED)*)$")
 
-# What sections of help are called in manual pages, other than in capitals.
+# Section titles of manual pages that are not just the capitalised title of the help.
 TITLES = {"Positionals": "ARGUMENTS", "Subcommands": "COMMANDS"}
 
 
 @dataclass
 class Entry:
-    """An option, an argument known by its place, or a subcommand."""
+    """An option, a positional argument or a subcommand."""
     names: list
     value: str = ""  # TEXT, INT ...; empty: none
     limits: str = ""  # e.g. ":{rgb,spectral}"
@@ -36,7 +36,7 @@ class Entry:
         return inside.group(1).split(",") if inside else []
 
     def takes_files(self):
-        """Texts that are no choice may be names of files; whether a text is one, help does not say."""
+        """Returns True for free text: the help does not distinguish file names from other text."""
         return self.value == "TEXT" and not self.choices()
 
 
@@ -51,7 +51,7 @@ class Help:
 def make_entry(spec):
     match = SPEC.fullmatch(spec)
     if not match:
-        raise SystemExit(f"make_manual: what is '{spec}'?")
+        raise SystemExit(f"make_manual: cannot parse '{spec}'")
     return Entry(match["names"].split(","), match["value"] or "", match["limits"] or "", match["count"] or "",
                  "..." in match["rest"])
 
@@ -67,7 +67,7 @@ def read_help(sheaf, command):
             section = page.sections.setdefault(line[:-1], [])
         elif section is not None and re.match(r"  \S", line):
             spec, _, text = line.strip().partition("  ")
-            # One space alone lies between the two where the name is just short enough.
+            # A name that just fits its column is followed by a single space.
             if not text and not SPEC.fullmatch(spec):
                 spec, text = line[:29].strip(), line[30:]
             entry = make_entry(spec)
@@ -84,12 +84,12 @@ def read_help(sheaf, command):
     for entries in page.sections.values():
         for each in entries:
             if not each.text:
-                raise SystemExit(f"make_manual: '{each.names[0]}' of '{' '.join(words)}' is without a text")
+                raise SystemExit(f"make_manual: '{each.names[0]}' of '{' '.join(words)}' has no description")
     return page
 
 
 def roff(text):
-    """Text for a line of its own."""
+    """Escapes text for a line of roff."""
     text = text.replace("\\", "\\e").replace("-", "\\-")
     return "\\&" + text if text.startswith((".", "'")) else text
 
@@ -129,9 +129,9 @@ def words_of(entries):
 
 
 def completion(program, pages):
-    """A function of bash. Words after options with a list of values are completed from it, numbers not at all, all else as
-    names of files."""
-    out = ["# Completion of sheaf for bash; made by tools/make_manual.py.",
+    """Returns a bash completion function. It completes option values from their list of choices, if there is one, and
+    other text as file names; it does not complete numbers."""
+    out = ["# bash completion for sheaf, written by tools/make_manual.py.",
            '_sheaf_words() { mapfile -t COMPREPLY < <(compgen -W "$1" -- "$word"); }',
            '_sheaf_files() { mapfile -t COMPREPLY < <(compgen -f -- "$word"); compopt -o filenames 2>/dev/null; }',
            "_sheaf() {",
@@ -162,15 +162,15 @@ def completion(program, pages):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--sheaf", required=True, help="the program")
-    parser.add_argument("--output", type=Path, required=True, help="folder, made if it is not there")
+    parser.add_argument("--sheaf", required=True, help="the sheaf executable")
+    parser.add_argument("--output", type=Path, required=True, help="output folder, created if missing")
     arguments = parser.parse_args()
     version = subprocess.run([arguments.sheaf, "--version"], check=True, capture_output=True, text=True).stdout
     version = " ".join(version.split()[:2])
     program = read_help(arguments.sheaf, "")
     commands = [entry.names[0] for entry in program.sections.get("Subcommands", [])]
     if not commands:
-        raise SystemExit("make_manual: there are no subcommands")
+        raise SystemExit("make_manual: the help lists no subcommands")
     pages = {command: read_help(arguments.sheaf, command) for command in commands}
     arguments.output.mkdir(parents=True, exist_ok=True)
     for command, page in {"": program, **pages}.items():

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Makes what the scenes of scenes/media need: a bowl and a staircase of glass (scenes/media/meshes), and the grids of
-cloud and fire (scenes/media/generated, by make_cloud). Needs nothing but Python and a build; the output never varies.
+"""Writes the assets of scenes/media: a glass bowl and glass steps (scenes/media/meshes), and the cloud and fire grids
+(scenes/media/generated, by make_cloud). Needs only Python and a build; the output is deterministic.
 
   tools/make_media_scenes.py [--make-cloud build/release/make_cloud] [--meshes-only]
 """
@@ -13,7 +13,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "scenes" / "media"
 
-# Radius and height of the bowl's outline, from the middle of the foot outwards, up, and back down on the inside.
+# Profile of the bowl as radius and height: from the centre of the foot outwards, up, and down on the inside.
 BOWL = [(0.0, 0.0), (0.34, 0.0), (0.36, 0.02), (0.34, 0.06), (0.27, 0.12), (0.30, 0.20), (0.46, 0.30), (0.62, 0.44),
         (0.72, 0.62), (0.76, 0.82), (0.77, 0.92), (0.755, 0.945), (0.735, 0.92), (0.71, 0.80), (0.65, 0.64),
         (0.53, 0.50), (0.36, 0.41), (0.18, 0.37), (0.0, 0.36)]
@@ -22,7 +22,7 @@ STEPS_PER_SPAN = 2
 
 
 def spline(points, t):
-    """Catmull and Rom's curve through the points; t counts them."""
+    """Evaluates the Catmull-Rom spline through the points; t is in units of points."""
     i = min(int(t), len(points) - 2)
     f = t - i
     p = [points[min(max(i + k, 0), len(points) - 1)] for k in (-1, 0, 1, 2)]
@@ -31,7 +31,7 @@ def spline(points, t):
 
 
 def make_bowl():
-    """A closed surface of revolution about +y, normals pointing out of the glass."""
+    """Returns a closed surface of revolution about +y, with normals pointing out of the glass."""
     count = (len(BOWL) - 1) * STEPS_PER_SPAN
     outline = [spline(BOWL, i / STEPS_PER_SPAN) for i in range(count + 1)]
     outline[0], outline[-1] = BOWL[0], BOWL[-1]
@@ -57,7 +57,7 @@ def make_bowl():
 
 
 def make_stairs(steps=5):
-    """One solid block seen along z whose thickness in z grows step by step, without inner faces; x from 0 to `steps`."""
+    """Returns a solid block without inner faces whose thickness in z grows in steps; x from 0 to `steps`."""
     vertices, faces = [], []
 
     def quad(*corners):

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Writes every mesh that the example and test scenes use. Needs nothing but Python; the output never varies.
+"""Writes the meshes of the example and test scenes. Needs only Python; the output is deterministic.
 
-  tools/make_meshes.py            the small meshes of scenes/cornell and tests/references (kept in the repository)
-                                  and the large ones of scenes/mesh_box and scenes/material_room (not kept: 3 MB)
-  tools/make_meshes.py large      only the large ones
+  tools/make_meshes.py            small meshes of scenes/cornell and tests/references (part of the repository) and
+                                  large meshes of scenes/mesh_box and scenes/material_room (3 MB, not part of it)
+  tools/make_meshes.py large      only the large meshes
 """
 
 import math
@@ -37,9 +37,9 @@ def number(x):
 
 
 def write_obj(path, title, positions, faces, normals=(), uvs=(), negative=False):
-    """Faces list vertex indices from 0; normals and uvs, where given, go with the vertex of the same index.
+    """Writes an OBJ file. Faces list 0-based vertex indices, shared by positions, normals and uvs.
 
-    With `negative` the faces count backwards from the last vertex, as OBJ allows.
+    With `negative`, faces use OBJ's negative indices, which count back from the last vertex.
     """
     lines = [f"# {title}"]
     lines += ["v " + " ".join(map(number, p)) for p in positions]
@@ -59,7 +59,7 @@ def write_obj(path, title, positions, faces, normals=(), uvs=(), negative=False)
 
 
 def write_ply(path, title, positions, triangles, normals=(), encoding="binary_little_endian", uvs=()):
-    """Vertices with float positions (and normals, and uvs), faces with a uchar count and int indices."""
+    """Writes a PLY file: float positions (and normals and uvs), faces with a uchar count and int indices."""
     header = ["ply", f"format {encoding} 1.0", f"comment {title}", f"element vertex {len(positions)}"]
     header += [f"property float {axis}" for axis in "xyz"]
     header += [f"property float n{axis}" for axis in "xyz"] if normals else []
@@ -80,9 +80,9 @@ def write_ply(path, title, positions, triangles, normals=(), encoding="binary_li
 
 
 def torus_surface(center_line, radius, rings, sides):
-    """A tube of `rings` x `sides` quads around a closed curve; returns positions, normals and triangles.
+    """Returns positions, normals and triangles of a tube of `rings` x `sides` quads around a closed curve.
 
-    center_line(t) and radius(t, angle) take t and angle in turns. The normals are the quads' averaged ones.
+    center_line(t) and radius(t, angle) take t and angle in turns. The normals are averaged over adjacent quads.
     """
     positions = []
     for i in range(rings):
@@ -126,14 +126,14 @@ def knot_line(p, q):
 
 
 def box_mesh(low, high):
-    """Eight corners and six outward quads of a box."""
+    """Returns the 8 corners and 6 outward-facing quads of a box."""
     corners = [(x, y, z) for z in (low[2], high[2]) for y in (low[1], high[1]) for x in (low[0], high[0])]
     quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
     return corners, quads
 
 
 def make_cornell():
-    """The room, the light and the block of scenes/cornell, for its Nori edition."""
+    """Writes the room, the light and the block of scenes/cornell for its Nori version."""
     w, h, d = 1.36, 2.0, 1.1
     walls = {
         "floor": [(-w, 0, d), (w, 0, d), (w, 0, -d), (-w, 0, -d)],
@@ -150,7 +150,7 @@ def make_cornell():
 
 
 def make_mesh_box():
-    """80,000 triangles: a torus knot with fluted, bumpy tubes."""
+    """Writes a torus knot of 80,000 triangles with fluted, bumpy tubes."""
     line = knot_line(2, 3)
 
     def radius(t, angle):
@@ -161,7 +161,7 @@ def make_mesh_box():
 
 
 def make_material_room():
-    """25,600 triangles with uv, which the scene uses eight times."""
+    """Writes a knot of 25,600 triangles with uvs, which the scene uses 8 times."""
     rings, sides = 256, 50
     positions, normals, triangles = torus_surface(
         knot_line(2, 3), lambda t, angle: 0.24 + 0.02 * math.cos(2 * math.pi * (5 * angle + 6 * t)), rings, sides)
@@ -170,7 +170,7 @@ def make_material_room():
 
 
 def octahedron_sphere(steps):
-    """A coarse sphere: latitude rings of quads between two fans of triangles; positions equal normals."""
+    """Returns a coarse sphere: latitude rings of quads between two triangle fans; positions equal normals."""
     positions = [(0.0, 0.0, 1.0)]
     around = 2 * steps
     for i in range(1, steps):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Paints scenes/lights/pictures/sky.hdr: a clear sky over dark ground, and a sun of one pixel, ten thousand times as
-bright as the sky. Needs nothing but Python; the output never varies.
+"""Writes scenes/lights/pictures/sky.hdr: a clear sky over dark ground, with a sun of 1 pixel that is 10,000 times as
+bright as the sky. Needs only Python; the output is deterministic.
 
   tools/make_sky.py
 """
@@ -24,7 +24,7 @@ def radiance(column, row):
 
 
 def rgbe(color):
-    """Ward's format: three mantissas and a shared exponent."""
+    """Encodes a colour as RGBE (Ward): three mantissas and a shared exponent."""
     mantissa, exponent = math.frexp(max(color))
     scale = mantissa * 256 / max(color)
     return bytes([*(int(c * scale) for c in color), exponent + 128])

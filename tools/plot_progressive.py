@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Plots how progressive photon mapping comes to the path tracer's picture, into docs/progressive.png. Needs
+"""Plots the convergence of progressive photon mapping to path tracing in docs/progressive.png. Needs
 python3-matplotlib.
 
   tools/plot_progressive.py [--sheaf build/release/sheaf] [--size 120] [--reference-spp 16384] [--max-passes 256]
     [--scene SCENE.xml]
 
-Renders scenes/cornell small with `sppm` for several alpha, with 1, 4, 16 ... passes and a few seeds each, and with
-`path` for as many samples per pixel, and measures with `sheaf compare` how far their means (the bias) and their pixels
-(the mean squared error) are from one long render with `path`. Prints the figures that it plots.
+Renders a small scenes/cornell with `sppm` for several values of alpha and 1, 4, 16 ... passes, and with `path` at the
+same numbers of samples, a few seeds each. `sheaf compare` measures the bias of the mean and the mean squared error
+against one long render with `path`. Prints the plotted figures.
 """
 
 import argparse
@@ -34,7 +34,7 @@ def render(arguments, scene, output, spp, seed):
 
 
 def compare(arguments, picture, reference):
-    """(mean squared error, relative bias of the mean)"""
+    """Returns the mean squared error and the relative bias of the mean."""
     out = subprocess.run([arguments.sheaf, "compare", picture, reference], check=False, text=True,
                          stdout=subprocess.PIPE).stdout
     value = {name: float(re.search(rf"^{name} +(\S+)", out, re.MULTILINE).group(1)) for name in ("MSE", "mean ratio")}
@@ -64,10 +64,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
     parser.add_argument("--scene", type=Path, default=ROOT / "scenes/cornell/cornell.xml",
-                        help="with $width, $height, and an <integrator/> without contents")
+                        help="scene file with $width, $height and an empty <integrator/>")
     parser.add_argument("--size", type=int, default=120, help="width of the picture")
-    parser.add_argument("--photons", type=int, default=20000, help="of each pass")
-    parser.add_argument("--radius", type=float, default=0.1, help="of the first pass, in the scene's units")
+    parser.add_argument("--photons", type=int, default=20000, help="photons per pass")
+    parser.add_argument("--radius", type=float, default=0.1, help="radius of the first pass, in scene units")
     parser.add_argument("--reference-spp", type=int, default=16384)
     parser.add_argument("--max-passes", type=int, default=256)
     parser.add_argument("--output", default=str(ROOT / "docs/progressive.png"))
@@ -77,7 +77,7 @@ def main():
     figure, panels = plt.subplots(1, 2, figsize=(10, 4.2))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        # Meshes are found where the scene's own are.
+        # Resolve meshes relative to the original scene file.
         for entry in arguments.scene.resolve().parent.iterdir():
             if entry.is_dir():
                 (folder / entry.name).symlink_to(entry)

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Plots the mean squared error of each sampler over samples per pixel, into docs/samplers.png. Needs
-python3-matplotlib.
+"""Plots the mean squared error of each sampler over samples per pixel in docs/samplers.png. Needs python3-matplotlib.
 
   tools/plot_samplers.py [--sheaf build/release/sheaf] [--size 200] [--reference-spp 65536] [--max-spp 1024]
     [--scene SCENE.xml]
 
-Renders scenes/cornell small, with every sampler and with 1, 4, 16 ... samples per pixel, each with a few seeds, and
-measures with `sheaf compare` how far they are from one long render. Prints the figures that it plots.
+Renders a small scenes/cornell with every sampler and 1, 4, 16 ... samples per pixel, a few seeds each, and measures the
+error against one long render with `sheaf compare`. Prints the plotted figures.
 """
 
 import argparse
@@ -39,7 +38,7 @@ def mean_squared_error(arguments, picture, reference):
 
 
 def measure(arguments, folder, max_depth):
-    """{sampler: [error for each of the numbers of samples]}"""
+    """Returns {sampler: [error per number of samples]}."""
     reference, picture = folder / "reference.exr", folder / "picture.exr"
     render(arguments, reference, "sobol", arguments.reference_spp, 1000, max_depth)
     errors = {}
@@ -75,7 +74,7 @@ def main():
     parser.add_argument("--size", type=int, default=200, help="width of the picture")
     parser.add_argument("--reference-spp", type=int, default=65536)
     parser.add_argument("--output", default=str(ROOT / "docs/samplers.png"))
-    parser.add_argument("--max-spp", type=int, default=1024, help="the largest number of samples per pixel")
+    parser.add_argument("--max-spp", type=int, default=1024, help="maximum number of samples per pixel")
     arguments = parser.parse_args()
     arguments.samples = [4**i for i in range(12) if 4**i <= arguments.max_spp]
     figure, panels = plt.subplots(1, len(PANELS), figsize=(10, 4.2))

@@ -1,8 +1,8 @@
-"""What the programs that write scenes have in common: elements of a scene file, as text."""
+"""Scene-file elements as text, shared by the scripts that write scenes."""
 
 
 def camera(origin, target, fov, width, height):
-    """A sensor with the y axis up that takes $spp samples per pixel."""
+    """Returns a perspective sensor with y up and $spp samples per pixel."""
     return f"""  <sensor type="perspective">
     <transform name="to_world">
       <lookat origin="{origin}" target="{target}" up="0, 1, 0"/>
