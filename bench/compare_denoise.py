@@ -6,7 +6,7 @@ numpy and a build.
 
 Frames are --width pixels wide; 0 keeps the width of the scene. Prints for each scene the error of
 
-  plain      a render with --spp samples in one set
+  plain      a render with --spp samples and default options
   8 x        the same with 8 times as many samples
   noisy      a render for the denoiser, with its samples in 4 sets
   denoised   `noisy` after `sheaf denoise`
