@@ -1,6 +1,7 @@
 #include "core/error.h"
 
 #include <algorithm>
+#include <cctype>
 #include <numeric>
 
 namespace sheaf {
@@ -13,21 +14,33 @@ std::string with_place(const SourceLocation& where, const std::string& message) 
   return where.file + ":" + std::to_string(where.line) + ": " + message;
 }
 
-/// Levenshtein distance: insertions, deletions and replacements cost one each.
+/// A name without its leading dashes, in lower case: what is compared.
+std::string comparable(std::string_view name) {
+  name.remove_prefix(std::min(name.find_first_not_of('-'), name.size()));
+  std::string lower(name);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower;
+}
+
+/// Optimal string alignment distance: insertions, deletions, replacements and swaps of neighbours cost one each.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
+  std::vector<std::size_t> before(b.size() + 1), row(b.size() + 1), next(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
+    next[0] = i;
     for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+      next[j] = std::min({row[j] + 1, next[j - 1] + 1, row[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        next[j] = std::min(next[j], before[j - 2] + 1);
     }
+    before.swap(row);
+    row.swap(next);
   }
   return row[b.size()];
 }
+
+/// Most edits of a name of this length that still resembles another: a third of its letters.
+std::size_t max_edits(std::size_t length) { return length < 2 ? 0 : std::max<std::size_t>(1, length / 3); }
 
 }  // namespace
 
@@ -41,17 +54,21 @@ SceneError at_place(const SourceLocation& where, const SceneError& error) {
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
   constexpr std::size_t kLongestCompared = 256;  // hostile files may hold names of any length
+  constexpr std::size_t kShortestBeginning = 3;
   if (name.size() > kLongestCompared) return {};
-  std::size_t best = std::max<std::size_t>(2, name.size() / 2) + 1;
-  std::string nearest;
+  const std::string wanted = comparable(name);
+  std::size_t best = max_edits(wanted.size()) + 1;
+  std::string nearest, continued;
   for (const std::string& candidate : candidates) {
-    const std::size_t distance = edit_distance(name, candidate);
+    const std::string known = comparable(candidate);
+    const std::size_t distance = edit_distance(wanted, known);
     if (distance < best) {
       best = distance;
       nearest = candidate;
     }
+    if (continued.empty() && wanted.size() >= kShortestBeginning && known.starts_with(wanted)) continued = candidate;
   }
-  return nearest;
+  return nearest.empty() ? continued : nearest;
 }
 
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates) {

@@ -35,12 +35,20 @@ TEST_CASE("error: the nearest name is the one with the fewest edits") {
   CHECK(nearest_name("conductor", names) == "conductor");
   CHECK(nearest_name("two-sided", names) == "twosided");
   CHECK(nearest_name("aera", names) == "area");
+  CHECK(nearest_name("DIFFUSE", names) == "diffuse");
+  CHECK(nearest_name("--ara", {"--area", "--are-you"}) == "--area");
+  // Nothing resembles it, but it is how one begins.
+  CHECK(nearest_name("conduc", names) == "conductor");
 }
 
 TEST_CASE("error: nothing is suggested for what resembles nothing") {
   const std::vector<std::string> names = {"diffuse", "area"};
   CHECK(nearest_name("xyzzyplugh", names).empty());
   CHECK(nearest_name("diffuse", {}).empty());
+  CHECK(nearest_name("", names).empty());
+  CHECK(nearest_name("--env", {"--aov", "--fov"}).empty());
+  CHECK(nearest_name("spot", {"hdr", "png", "point"}).empty());
+  CHECK(nearest_name("di", {"diffuse"}).empty());
   CHECK(nearest_name(std::string(1u << 20, 'a'), names).empty());
   CHECK(did_you_mean("xyzzyplugh", names).empty());
   CHECK(did_you_mean("difuse", names) == ", did you mean 'diffuse'?");
