@@ -1,0 +1,138 @@
+#include "core/file_format.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdint>
+#include <fstream>
+#include <string_view>
+
+namespace sheaf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Bytes that tell a format.
+constexpr std::size_t kBeginning = 4096;
+
+struct Known {
+  FileUse use;
+  const char* name;
+  std::array<std::string_view, 4> beginnings;  ///< empty ones are none
+  std::array<std::string_view, 7> extensions;  ///< likewise
+};
+
+using namespace std::string_view_literals;
+
+constexpr std::array kKnown = {
+    Known{FileUse::kModel, "a glTF model", {"glTF"sv}, {".glb", ".gltf"}},
+    Known{FileUse::kModel, "a USD scene", {"PXR-USDC"sv, "#usda"sv}, {".usd", ".usda", ".usdc", ".usdz"}},
+    Known{FileUse::kModel, "an STL model", {}, {".stl"}},
+    Known{FileUse::kModel, "an FBX model", {"Kaydara FBX Binary"sv, "; FBX"sv}, {".fbx"}},
+    Known{FileUse::kModel, "a COLLADA model", {}, {".dae"}},
+    Known{FileUse::kModel, "a Blender file", {"BLENDER"sv}, {".blend"}},
+    Known{FileUse::kModel, "an Alembic file", {"Ogawa"sv, "\x89HDF"sv}, {".abc"}},
+    Known{FileUse::kModel, "an OFF model", {"OFF\n"sv, "OFF\r"sv}, {".off"}},
+    Known{FileUse::kModel, "a 3D Studio model", {}, {".3ds", ".max"}},
+    Known{FileUse::kModel, "a Maya scene", {"//Maya ASCII"sv}, {".ma", ".mb"}},
+    Known{FileUse::kModel, "a Cinema 4D scene", {}, {".c4d"}},
+    Known{FileUse::kModel, "a LightWave model", {}, {".lwo", ".lws"}},
+    Known{FileUse::kModel, "an X3D scene", {"#VRML"sv, "#X3D"sv}, {".x3d", ".x3dv", ".wrl"}},
+    Known{FileUse::kModel, "a 3MF model", {}, {".3mf"}},
+    Known{FileUse::kModel, "a CAD model", {"ISO-10303-21"sv}, {".step", ".stp", ".iges", ".igs", ".skp", ".dxf"}},
+    Known{FileUse::kVolume, "an OpenVDB file", {" BDV\0\0\0\0"sv}, {".vdb"}},
+    Known{FileUse::kPicture, "an OpenEXR picture", {"v/1\x01"sv}, {".exr"}},
+    Known{FileUse::kPicture, "a PNG picture", {"\x89PNG"sv}, {".png"}},
+    Known{FileUse::kPicture, "a JPEG picture", {"\xff\xd8\xff"sv}, {".jpg", ".jpeg"}},
+    Known{FileUse::kPicture, "a Radiance picture", {"#?RADIANCE"sv, "#?RGBE"sv}, {".hdr", ".pic"}},
+    Known{FileUse::kPicture, "a TIFF picture", {"II*\0"sv, "MM\0*"sv}, {".tif", ".tiff"}},
+    Known{FileUse::kPicture, "a GIF picture", {"GIF8"sv}, {".gif"}},
+    Known{FileUse::kPicture, "a Photoshop picture", {"8BPS"sv}, {".psd"}},
+    Known{FileUse::kPicture, "a DirectDraw surface", {"DDS "sv}, {".dds"}},
+    Known{FileUse::kPicture, "a TGA picture", {}, {".tga"}},
+    Known{FileUse::kPicture, "a BMP picture", {}, {".bmp"}},
+    Known{FileUse::kPicture, "a WebP picture", {}, {".webp"}},
+    Known{FileUse::kPicture, "a picture", {}, {".pfm", ".ppm", ".pgm", ".pbm", ".heic", ".avif", ".jp2"}},
+    Known{FileUse::kScenePart, "a NanoVDB file", {"NanoVDB"sv}, {".nvdb"}},
+    Known{FileUse::kScenePart, "a grid of Mitsuba", {"VOL\x03"sv}, {".vol"}},
+    Known{FileUse::kScenePart, "a library of materials", {}, {".mtl"}},
+    Known{FileUse::kScenePart, "a spectrum", {}, {".spd"}},
+    Known{FileUse::kScenePart, "a measured material", {"tensor_file"sv}, {".bsdf"}},
+    Known{FileUse::kScenePart, "a file of hair", {"BINARY_HAIR"sv}, {".hair"}},
+    Known{FileUse::kArchive, "a ZIP archive", {"PK\x03\x04"sv}, {".zip"}},
+    Known{FileUse::kArchive, "an archive", {"7z\xbc\xaf"sv, "Rar!"sv}, {".7z", ".rar", ".tar", ".tgz"}},
+    Known{FileUse::kArchive,
+          "a compressed file",
+          {"\x28\xb5\x2f\xfd"sv, "BZh"sv,
+           "\xfd"
+           "7zXZ"sv,
+           "\x1f\x8b"sv},
+          {".gz", ".bz2", ".xz", ".zst"}},
+};
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::string read_beginning(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string bytes(kBeginning, '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
+}
+
+const Known* find_extension(const std::string& extension) {
+  if (extension.empty()) return nullptr;
+  for (const Known& known : kKnown)
+    if (std::find(known.extensions.begin(), known.extensions.end(), extension) != known.extensions.end()) return &known;
+  return nullptr;
+}
+
+/// Formats that no fixed bytes at the beginning tell. Returns their extension.
+const char* find_by_structure(std::string_view bytes, std::uintmax_t size) {
+  const auto has = [&](std::string_view text) { return bytes.find(text) != bytes.npos; };
+  const std::size_t first = std::min(bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf"), bytes.size());
+  if (bytes.substr(first).starts_with('<')) return has("<COLLADA") ? ".dae" : has("<X3D") ? ".x3d" : nullptr;
+  if (bytes.substr(first).starts_with('{')) return has("\"asset\"") || has("\"meshes\"") ? ".gltf" : nullptr;
+  if (bytes.starts_with("solid") && has("facet normal")) return ".stl";
+  if (bytes.starts_with("RIFF") && bytes.substr(8).starts_with("WEBP")) return ".webp";
+  // A binary STL file says how many triangles of 50 bytes follow its 84.
+  constexpr std::size_t kStlHeader = 84, kStlTriangle = 50;
+  if (bytes.size() < kStlHeader) return nullptr;
+  std::uint64_t triangles = 0;
+  for (std::size_t i = 4; i-- > 0;) triangles = triangles << 8 | static_cast<unsigned char>(bytes[80 + i]);
+  return triangles > 0 && size == kStlHeader + kStlTriangle * triangles ? ".stl" : nullptr;
+}
+
+}  // namespace
+
+FileFormat file_format(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return {};
+  const std::uintmax_t size = fs::file_size(file, error);
+  if (error) return {};
+  if (size == 0) return {FileUse::kEmpty, "empty", true};
+  const std::string bytes = read_beginning(file);
+  if (bytes.empty()) return {};
+  const std::string extension = lower(file.extension().string());
+  const Known* const named = find_extension(extension);
+  for (const Known& known : kKnown)
+    for (const std::string_view beginning : known.beginnings) {
+      if (beginning.empty() || !bytes.starts_with(beginning)) continue;
+      // Archives have names of their own where another format is packed in them.
+      if (known.use == FileUse::kArchive && named != nullptr) return {named->use, named->name, true};
+      return {known.use, known.name, true};
+    }
+  if (const char* found = find_by_structure(bytes, size)) {
+    const Known* const known = find_extension(found);
+    return {known->use, known->name, true};
+  }
+  const std::size_t first = std::min(bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf"), bytes.size());
+  if (named == nullptr || bytes.substr(first).starts_with('<')) return {};
+  return {named->use, named->name, false};
+}
+
+}  // namespace sheaf
