@@ -32,16 +32,20 @@ double Progress::steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-Progress::Progress(Mode mode, std::uint64_t samples, Write write, Clock clock)
-    : mode_(mode), samples_(static_cast<double>(samples)), write_(std::move(write)), clock_(std::move(clock)),
-      start_(clock_()), next_show_(start_ + (mode == Mode::kLines ? kLineInterval : 0.0)) {}
+Progress::Progress(Mode mode, std::uint64_t samples, Write write, Clock clock, Columns columns)
+    : mode_(mode),
+      samples_(static_cast<double>(samples)),
+      write_(std::move(write)),
+      clock_(std::move(clock)),
+      columns_(std::move(columns)),
+      start_(clock_()),
+      next_show_(start_ + (mode == Mode::kLines ? kLineInterval : 0.0)) {}
 
 void Progress::update(std::uint64_t done, std::uint64_t total) {
   if (mode_ == Mode::kQuiet) return;
   total_.store(total, std::memory_order_relaxed);
   std::uint64_t seen = done_.load(std::memory_order_relaxed);
-  while (seen < done && !done_.compare_exchange_weak(seen, done, std::memory_order_relaxed)) {
-  }
+  while (seen < done && !done_.compare_exchange_weak(seen, done, std::memory_order_relaxed)) {}
   const double now = clock_();
   if (now < next_show_.load(std::memory_order_relaxed)) return;
   const std::unique_lock lock(printing_, std::try_to_lock);
@@ -58,24 +62,31 @@ void Progress::finish(bool complete) {
   show(clock_(), true, complete);
 }
 
-std::string Progress::describe(double fraction, int percent, double now) const {
+std::string Progress::describe(double fraction, int percent, double now, const char* end) const {
   const double elapsed = now - start_;
   const double speed = elapsed > 0 ? fraction * samples_ / elapsed * 1e-6 : 0.0;
-  std::string text = fmt::format("{:3} %  {} elapsed", percent, format_duration(elapsed));
-  if (percent < 100) {
-    const double left = fraction > 0 ? elapsed * (1 - fraction) / fraction : -1.0;
-    text += fmt::format(", {} left", format_duration(left));
-  }
-  return text + fmt::format(", {:.2f} Msamples/s", speed);
+  const double left = fraction > 0 ? elapsed * (1 - fraction) / fraction : -1.0;
+  const std::string share = fmt::format("{:3} %", percent),
+                    time = fmt::format("  {} elapsed", format_duration(elapsed));
+  const std::string rest = percent < 100 ? fmt::format(", {} left", format_duration(left)) : std::string();
+  const std::string rate = fmt::format(", {:.2f} Msamples/s", speed);
+  if (mode_ != Mode::kBar) return share + time + rest + rate + end;
+  // A line that is as long as the terminal is wide would scroll it: what matters least is left out first.
+  const int columns = columns_ ? columns_() : 0;
+  const std::size_t room = columns > 0 ? static_cast<std::size_t>(columns) - 1 : std::string::npos;
+  for (const std::string& line :
+       {draw_bar(fraction) + share + time + rest + rate + end, share + time + rest + rate + end,
+        share + time + rest + end, share + rest + end, share + end})
+    if (line.size() <= room) return line;
+  return share.substr(0, room);
 }
 
 void Progress::show(double now, bool last, bool complete) {
   const auto done = static_cast<double>(done_.load()), total = static_cast<double>(total_.load());
   const double fraction = last && complete ? 1.0 : total > 0 ? std::min(done / total, 1.0) : 0.0;
   const int percent = last && complete ? 100 : std::min(static_cast<int>(100 * fraction), 99);
-  std::string text = describe(fraction, percent, now);
-  if (last && !complete) text += ", interrupted";
-  if (mode_ == Mode::kBar) text = "\r" + draw_bar(fraction) + text + "\x1b[K";
+  std::string text = describe(fraction, percent, now, last && !complete ? ", interrupted" : "");
+  if (mode_ == Mode::kBar) text = "\r" + text + "\x1b[K";
   if (mode_ == Mode::kLines || last) text += "\n";
   write_(text);
 }

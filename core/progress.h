@@ -26,9 +26,12 @@ class Progress {
   using Write = std::function<void(std::string_view)>;
   /// Seconds from any fixed moment on; thread-safe.
   using Clock = std::function<double()>;
+  /// How many characters a line of the terminal holds; 0: unknown. Called by one thread at a time.
+  using Columns = std::function<int()>;
 
-  /// `samples` is what all work together amounts to, for the speed shown. Time starts now.
-  Progress(Mode mode, std::uint64_t samples, Write write, Clock clock = steady_seconds);
+  /// `samples` is what all work together amounts to, for the speed shown. Time starts now. A bar is
+  /// kept shorter than `columns`.
+  Progress(Mode mode, std::uint64_t samples, Write write, Clock clock = steady_seconds, Columns columns = {});
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
@@ -41,13 +44,14 @@ class Progress {
   static double steady_seconds();
 
  private:
-  std::string describe(double fraction, int percent, double now) const;
+  std::string describe(double fraction, int percent, double now, const char* end) const;
   void show(double now, bool last, bool complete);
 
   const Mode mode_;
   const double samples_;
   const Write write_;
   const Clock clock_;
+  const Columns columns_;
   const double start_;
   std::atomic<std::uint64_t> done_{0}, total_{0};
   std::atomic<double> next_show_;

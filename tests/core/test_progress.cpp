@@ -57,6 +57,26 @@ TEST_CASE("a bar shows percentage, times and speed, at most ten times a second")
   CHECK(recorder.texts.size() == 2);
 }
 
+TEST_CASE("a bar is shorter than the terminal is wide, and says the share while there is room") {
+  for (int columns = 1; columns <= 120; ++columns)
+    for (const bool complete : {false, true}) {
+      CAPTURE(columns);
+      Recorder recorder;
+      Progress progress(Progress::Mode::kBar, 8'000'000, recorder.write(), recorder.clock(), [&] { return columns; });
+      recorder.now += 2;
+      progress.update(25, 100);
+      progress.finish(complete);
+      REQUIRE(recorder.texts.size() == 2);
+      for (std::string text : recorder.texts) {
+        text = text.substr(1, text.find('\x1b') - 1);
+        CHECK(static_cast<int>(text.size()) < columns);
+        CHECK((columns < 7 || contains(text, " %")));
+        CHECK((columns < 90 || contains(text, "[")));
+        CHECK((columns < 90 || contains(text, "Msamples/s")));
+      }
+    }
+}
+
 TEST_CASE("100 % is not shown before the end") {
   Recorder recorder;
   Progress progress(Progress::Mode::kBar, 1000, recorder.write(), recorder.clock());
