@@ -179,7 +179,7 @@ void check_image_memory(const fs::path& file, long long width, long long height,
                {&pixels, 1});
 }
 
-std::vector<unsigned char> encode_png(const Image& image, int level) {
+std::vector<unsigned char> encode_png(const Image& image, int level, const std::string& description) {
   const auto fail = [](const std::string& why) {
     return Error(ExitCode::kRuntime, "cannot encode a PNG file: " + why);
   };
@@ -189,17 +189,17 @@ std::vector<unsigned char> encode_png(const Image& image, int level) {
   const bool has_alpha = chosen.alpha >= 0;
   const int count = static_cast<int>(chosen.color.size()) + (has_alpha ? 1 : 0);
   std::string problem;
-  std::vector<unsigned char> png =
-      picture_library().encode_png({image.width, image.height, count, has_alpha, bytes.data()}, level, problem);
+  std::vector<unsigned char> png = picture_library().encode_png(
+      {image.width, image.height, count, has_alpha, bytes.data(), description}, level, problem);
   if (png.empty()) throw fail(problem);
   return png;
 }
 
-void write_png(const fs::path& path, const Image& image) {
+void write_png(const fs::path& path, const Image& image, const std::string& description) {
   OutputFile file(path);
   const std::vector<unsigned char> png = [&] {
     try {
-      return encode_png(image);
+      return encode_png(image, kPngCompression, description);
     } catch (const Error& error) {
       throw Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + error.what());
     }

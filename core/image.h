@@ -62,8 +62,8 @@ void check_image_memory(const std::filesystem::path& file, long long width, long
 /// Writes the channels R, G and B (or the first channel as grey, if there is no R) as an 8-bit PNG with the sRGB curve.
 /// Values are clamped to [0, 1] and rounded to nearest; NaN becomes 0. Alpha is kept if there is an A that is not 1
 /// everywhere; colours are then taken as premultiplied. Only the pixels that are there are written, not the frame.
-/// Throws Error (exit code 4).
-void write_png(const std::filesystem::path& path, const Image& image);
+/// `description`: text of the file's header. Throws Error (exit code 4).
+void write_png(const std::filesystem::path& path, const Image& image, const std::string& description = {});
 
 /// Reads a picture file of one of the formats of checked_picture_format() or of OpenEXR, which goes through read_exr();
 /// the first picture if there are several. Integers come out in [0, 1] as stored, not linearised; alpha as stored.

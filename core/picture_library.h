@@ -37,6 +37,7 @@ struct PngPixels {
   int width, height, channels;
   bool has_alpha;             ///< the last channel is alpha; colours are not multiplied by it
   const std::uint8_t* bytes;  ///< interleaved, row by row from the top, sRGB
+  std::string description;    ///< text chunk; empty: none
 };
 
 /// The library, behind functions that need nothing of its headers.

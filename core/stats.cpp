@@ -223,6 +223,8 @@ std::string to_json(const RenderReport& report) {
       {"width", report.width},
       {"height", report.height},
       {"spp", report.spp},
+      {"interrupted", report.interrupted},
+      {"mean_samples", report.mean_samples},
       {"threads", report.threads},
       {"isa", report.isa},
       {"wave_size", report.wave_size},
@@ -268,6 +270,8 @@ std::string to_table(const RenderReport& report) {
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "{}: {} x {}, {} spp, {} threads, {}, waves of {}\n", report.integrator, report.width,
                  report.height, report.spp, report.threads, report.isa, report.wave_size);
+  if (report.interrupted)
+    fmt::format_to(out, "interrupted: {:.4g} samples per pixel were taken\n", report.mean_samples);
   fmt::format_to(out, "load {:.3f} s, build {:.3f} s, render {:.3f} s, peak memory {:.1f} MB\n", report.load_seconds,
                  report.build_seconds, report.render_seconds, static_cast<double>(report.peak_rss_bytes) * 1e-6);
   if (const RenderReport::Photons& photons = report.photons; photons.emitted > 0)
@@ -286,8 +290,8 @@ std::string to_table(const RenderReport& report) {
   for (std::size_t i = 0; i < report.stage_names.size(); ++i) {
     const StageStats& stage = stats.stages[i];
     if (stage.items == 0) continue;
-    fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11.3f}{:>10.1f}{:>10.1f}%\n", report.stage_names[i],
-                   stage.items, stage.calls, stage.seconds(), stage.ns_per_item(), stage.lane_fill() * 100);
+    fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11.3f}{:>10.1f}{:>10.1f}%\n", report.stage_names[i], stage.items,
+                   stage.calls, stage.seconds(), stage.ns_per_item(), stage.lane_fill() * 100);
   }
   text += lights_table(report);
   text += adaptive_line(report) + noise_line(report);

@@ -96,9 +96,9 @@ struct alignas(64) Stats {
   } rays;
   /// Of tracking through media.
   struct Collisions {
-    std::uint64_t real = 0;    ///< of paths with the medium
-    std::uint64_t null = 0;    ///< of paths with what fills it up to the majorant; steps of ray marching
-    std::uint64_t shadow = 0;  ///< tentative collisions, or steps, of shadow rays
+    std::uint64_t real = 0;       ///< of paths with the medium
+    std::uint64_t null = 0;       ///< of paths with what fills it up to the majorant; steps of ray marching
+    std::uint64_t shadow = 0;     ///< tentative collisions, or steps, of shadow rays
     std::uint64_t abandoned = 0;  ///< rays that were given up, see kMostCollisions of kernels/media/density_tracking.h
     Collisions& operator+=(const Collisions& other) {
       real += other.real;
@@ -130,6 +130,10 @@ struct RenderReport {
   std::string isa;            ///< instruction set of the kernels, e.g. "avx2"
   int width = 0, height = 0;  ///< of the frame, pixels
   std::uint32_t spp = 0;      ///< samples per pixel
+  /// Stopped before all of them were taken; `mean_samples` is how many there are per pixel on average, and of photons
+  /// seen by the camera how many for each pixel of the frame.
+  bool interrupted = false;
+  double mean_samples = 0;
   std::uint32_t seed = 0;
   int threads = 0;
   int wave_size = 0;          ///< paths per wave

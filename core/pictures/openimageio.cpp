@@ -111,6 +111,7 @@ class Library final : public PictureLibrary {
     spec.attribute("oiio:UnassociatedAlpha", 1);
     spec.attribute("oiio:ColorSpace", "sRGB");
     spec.attribute("png:compressionLevel", level);
+    if (!pixels.description.empty()) spec.attribute("ImageDescription", pixels.description);
     const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
     const auto fail = [&](const std::string& why) {
       problem = why;
