@@ -3,13 +3,18 @@
 
 #include "core/error.h"
 #include "kernels/denoise/features.h"
+#include "kernels/denoise/find_oidn.h"
 
 #include <dlfcn.h>
 
 #include <cstddef>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
 
 namespace sheaf {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -40,8 +45,41 @@ struct Library {
 Error no_library(const std::string& why) {
   return Error(ExitCode::kRuntime,
                "Open Image Denoise cannot be used: " + why +
-                   ". Install it so that the linker finds libOpenImageDenoise.so (or set LD_LIBRARY_PATH to its "
-                   "folder), or denoise with nlm, which needs nothing");
+                   "; install it (pip install oidn), put libOpenImageDenoise.so beside the program or set "
+                   "LD_LIBRARY_PATH to its folder, or denoise with nlm, which needs nothing");
+}
+
+std::string environment_variable(const char* name) {
+  const char* const value = std::getenv(name);
+  return value != nullptr ? value : "";
+}
+
+/// The library from the first place that has one that can be loaded. Throws Error, which says where it looked.
+void* open_library() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const OidnFolders folders = oidn_folders(program, environment_variable);
+  std::string looked, refused;
+  const auto try_folders = [&](const std::vector<fs::path>& list) -> void* {
+    for (const fs::path& folder : list) {
+      looked += (looked.empty() ? "" : ", ") + folder.string();
+      for (const fs::path& file : oidn_files(folder)) {
+        if (void* const handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) return handle;
+        refused += "; " + std::string(dlerror());
+      }
+    }
+    return nullptr;
+  };
+  if (void* const handle = try_folders(folders.before)) return handle;
+  std::string names;
+  for (const std::string& name : oidn_names()) {
+    names += (names.empty() ? "" : ", ") + name;
+    if (void* const handle = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL)) return handle;
+  }
+  looked += (looked.empty() ? "" : ", ") + std::string("the dynamic linker's folders (") + names + ")";
+  if (void* const handle = try_folders(folders.behind)) return handle;
+  throw no_library((refused.empty() ? "there is no library libOpenImageDenoise.so in " : "looked in ") + looked +
+                   refused);
 }
 
 template <class Function> void find_function(void* handle, const char* name, const char* older, Function& function) {
@@ -54,10 +92,7 @@ template <class Function> void find_function(void* handle, const char* name, con
 /// The library, loaded at the first call and kept. Throws Error.
 const Library& library() {
   static const Library loaded = [] {
-    void* handle = nullptr;
-    for (const char* name : {"libOpenImageDenoise.so.2", "libOpenImageDenoise.so", "libOpenImageDenoise.so.0"})
-      if (handle = dlopen(name, RTLD_NOW | RTLD_LOCAL); handle != nullptr) break;
-    if (handle == nullptr) throw no_library("there is no library libOpenImageDenoise.so");
+    void* const handle = open_library();
     Library found{};
     find_function(handle, "oidnNewDevice", nullptr, found.new_device);
     find_function(handle, "oidnCommitDevice", nullptr, found.commit_device);
