@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <map>
 
 namespace sheaf {
@@ -223,7 +224,15 @@ void AdaptiveFilm::assemble(Film& film) const {
 void AdaptiveFilm::add_variances(const Tile& tile, Film& film) const {
   double sets = 0;
   for (const Set& set : tile.sets) sets += set.used > 0 ? 1 : 0;
-  if (sets < 2) return;
+  if (sets < 2) {
+    // Without a second set the variance is unknown, see Film::noise().
+    for_each_pixel(tile.own, [&](int x, int y) {
+      if (row_.variances == 0) return;
+      film.sums_[film.pixel_index(x, y) * row_.film_size() + row_.film_squares_at()] =
+          std::numeric_limits<double>::infinity();
+    });
+    return;
+  }
   for_each_pixel(tile.outer, [&](int x, int y) {
     const std::size_t pixel = index_in(tile.outer, x, y);
     double* const row = film.sums_.data() + film.pixel_index(x, y) * row_.film_size();

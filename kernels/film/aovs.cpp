@@ -3,6 +3,7 @@
 #include "core/error.h"
 
 #include <algorithm>
+#include <set>
 
 namespace sheaf {
 
@@ -32,13 +33,38 @@ void insert_named(std::string_view name, AovSet& aovs) {
               "unknown layer '" + std::string(name) + "'" + did_you_mean(name, names) + " (known: " + list + ")");
 }
 
-/// Dots divide layers from their channels.
-std::string light_group_layer(std::string name) {
-  std::replace(name.begin(), name.end(), '.', '_');
+/// Most bytes of a layer's name, so that channels and numbers behind it stay within OpenEXR's 255.
+constexpr std::size_t kMaxLayerName = 200;
+
+/// The name of a group as a layer's: dots divide layers from their channels, and bytes below space end names in some
+/// programs.
+std::string layer_name(std::string name) {
+  for (char& c : name)
+    if (c == '.' || static_cast<unsigned char>(c) < 32 || c == 127) c = '_';
+  std::size_t length = std::min(name.size(), kMaxLayerName);
+  // Not through the bytes of one character.
+  while (length < name.size() && length > 0 && (static_cast<unsigned char>(name[length]) & 0xc0u) == 0x80u) --length;
+  name.resize(length);
   return "light_" + name;
 }
 
 }  // namespace
+
+std::vector<std::string> light_group_layers(const std::vector<std::string>& light_groups) {
+  std::vector<std::string> layers;
+  std::set<std::string> taken;
+  // Names that need no change keep theirs, whatever comes before them.
+  for (const std::string& group : light_groups) layers.push_back(layer_name(group));
+  std::vector<bool> done(layers.size());
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    if (layers[i] == "light_" + light_groups[i]) done[i] = taken.insert(layers[i]).second;
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    if (done[i]) continue;
+    const std::string base = layers[i];
+    for (int number = 2; !taken.insert(layers[i]).second; ++number) layers[i] = base + "_" + std::to_string(number);
+  }
+  return layers;
+}
 
 AovSet aovs_from_names(std::string_view names) {
   AovSet aovs;
@@ -60,8 +86,8 @@ FilmLayout film_layout(AovSet aovs, bool with_variances, const std::vector<std::
     for (const std::string_view channel : entry.channels)
       if (!channel.empty()) channels.push_back({std::string(channel), has_variance});
   }
-  for (const std::string& group : light_groups)
-    for (const char* component : {".R", ".G", ".B"}) channels.push_back({light_group_layer(group) + component});
+  for (const std::string& layer : light_group_layers(light_groups))
+    for (const char* component : {".R", ".G", ".B"}) channels.push_back({layer + component});
   return FilmLayout(std::move(channels));
 }
 

@@ -113,8 +113,12 @@ class AovSet {
 /// The layers of a list of names with commas between; "all": all of them. Throws Error (usage) for an unknown name.
 AovSet aovs_from_names(std::string_view names);
 
-/// R, G, B and A and the layers; then for each group of lights "light_" + its name. `with_variances`: of R, G and B,
-/// and with Aov::kVariance of layers that can have some.
+/// The layers of groups of lights, each name once: "light_" + the group's name, without dots, and where that is taken
+/// with a number behind it. Names that need no change keep theirs.
+std::vector<std::string> light_group_layers(const std::vector<std::string>& light_groups);
+
+/// R, G, B and A and the layers; then for each group of lights its light_group_layers(). `with_variances`: of R, G and
+/// B, and with Aov::kVariance of layers that can have some.
 FilmLayout film_layout(AovSet aovs, bool with_variances, const std::vector<std::string>& light_groups = {});
 
 /// Where a sample has the layers of AovSource::kVertex: for each its first channel, -1 where it is not there.

@@ -147,12 +147,22 @@ std::optional<double> Film::noise() const {
   std::vector<float> channels(row_.channels + row_.variances + 1 + row_.bins +
                               static_cast<std::size_t>(layout_.half_count()));
   PictureNoise noise;
+  std::size_t unknown = 0;
   for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel) {
     std::fill(channels.begin(), channels.end(), 0.0f);
     write_pixel(pixel, channels.data());
     noise.add(channels.data(), channels.data() + row_.channels);
+    const double* const row = sums_.data() + pixel * row_.film_size();
+    if (counts_[pixel] == 0 || is_single_unit(row[FilmRow::kWeight], row[row_.film_squares_at()])) ++unknown;
   }
+  if (is_noise_unknown(unknown, counts_.size())) return std::nullopt;
   return noise.noise();
+}
+
+double Film::mean_samples() const {
+  double samples = 0;
+  for (const std::uint64_t count : counts_) samples += static_cast<double>(count);
+  return counts_.empty() ? 0.0 : samples / static_cast<double>(counts_.size());
 }
 
 void Film::clear() {

@@ -67,6 +67,8 @@ class Film {
 
   /// How many samples were taken in the pixel (x, y) of the frame, inside the crop, and not dropped.
   std::uint64_t count(int x, int y) const { return counts_[pixel_index(x, y)]; }
+  /// The mean of count() over the crop.
+  double mean_samples() const;
 
   bool tells_surfaces() const { return !coverage_.empty(); }
   /// What the weights of samples on surfaces add up to. Only where they are told.
@@ -88,7 +90,8 @@ class Film {
 
   /// How noisy the picture is: the standard error of a pixel's luminance over its value, root of the mean square over
   /// the pixels without the worst thousandth. Dark pixels count as if they had a tenth of the picture's mean. Nothing
-  /// where R, G and B have no variances.
+  /// where R, G and B have no variances, and where more than a thousandth of the pixels have fewer than two units to
+  /// estimate them from, as in a render that was interrupted early.
   std::optional<double> noise() const;
 
  private:

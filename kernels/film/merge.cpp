@@ -260,7 +260,9 @@ Image PictureMerger::finish() {
   for (std::size_t pixel = 0; pixel < summed_.size(); ++pixel) {
     if (summed_[pixel] == 0) continue;
     float* const out = image_.data.data() + pixel * image_.channels.size();
-    finish_pixel(sums_.data() + pixel * row_size_, out);
+    const double* const row = sums_.data() + pixel * row_size_;
+    finish_pixel(row, out);
+    if (is_single_unit(row[kWeight], row[kWeightSquared])) ++single_units_;
     for (std::size_t kind = 0; kind < kNameKinds; ++kind)
       if (!coverage_[kind].empty() && !put_ids(coverage_[kind][pixel], id_channels[kind], ids_[kind], out))
         throw SceneError("a part has a number of an object or a material for which headers have no id");

@@ -63,6 +63,8 @@ class PictureMerger {
 
   /// The picture: zero where there are no parts. To be called once.
   Image finish();
+  /// Pixels of the finished picture whose variances are of a single unit, and say nothing.
+  std::size_t pixels_without_variance() const { return single_units_; }
 
  private:
   /// How a channel of the picture comes about.
@@ -85,7 +87,8 @@ class PictureMerger {
   std::array<std::vector<float>, kNameKinds> ids_;
   std::vector<Channel> channels_;
   std::size_t row_size_ = 0;
-  std::vector<double> sums_;                                  ///< per pixel a row; empty until they are needed
+  std::vector<double> sums_;  ///< per pixel a row; empty until they are needed
+  std::size_t single_units_ = 0;
   std::vector<std::uint8_t> summed_;                          ///< per pixel: it is made of sums
   std::array<std::vector<IdCoverage>, kNameKinds> coverage_;  ///< per pixel, by number of name
 };

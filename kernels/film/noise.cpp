@@ -41,6 +41,8 @@ std::optional<double> picture_noise(const Image& image) {
     if (values[c] < 0 || variances[c] < 0) return std::nullopt;
   }
   PictureNoise noise;
+  const int count = image.find_channel("sampleCount");
+  std::size_t unknown = 0;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       float value[3], variance[3];
@@ -49,7 +51,9 @@ std::optional<double> picture_noise(const Image& image) {
         variance[c] = image.at(x, y, variances[c]);
       }
       noise.add(value, variance);
+      if (count >= 0 && image.at(x, y, count) < 2.0f) ++unknown;
     }
+  if (is_noise_unknown(unknown, image.pixel_count())) return std::nullopt;
   return noise.noise();
 }
 

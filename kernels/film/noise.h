@@ -20,6 +20,14 @@ inline double variance_of_mean(double mean, double weight, double weight_squared
   return (scatter > 0.0 ? scatter : 0.0) / (total * rest);
 }
 
+/// Whether there is but one unit, whose spread tells nothing.
+inline bool is_single_unit(double weight, double weight_squared) {
+  return weight > 0.0 && !(1.0 - weight_squared / (weight * weight) > 1e-9);
+}
+
+/// Whether so many of a picture's pixels are without a variance that its noise is unknown.
+inline bool is_noise_unknown(std::size_t unknown, std::size_t pixels) { return unknown > pixels / 1000; }
+
 /// Variances of very bright pixels stay finite in single precision.
 inline constexpr double kLargestVariance = std::numeric_limits<float>::max();
 
@@ -36,7 +44,8 @@ inline double relative_square(double value, double variance, double mean) {
   return variance / (value * value + kDark * mean * (kDark * mean) + 1e-30);
 }
 
-/// How noisy a picture is, from its layers, as Film::noise() says; nothing where R, G and B have no variances.
+/// How noisy a picture is, from its layers, as Film::noise() says; nothing where R, G and B have no variances, or where
+/// more than a thousandth of the pixels have fewer than two samples.
 std::optional<double> picture_noise(const Image& image);
 
 /// The mean without the largest thousandth; 0 of nothing. Reorders `values`.

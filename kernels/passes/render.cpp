@@ -1,7 +1,9 @@
 #include "kernels/passes/render.h"
 
 #include "core/error.h"
+#include "core/saturate.h"
 #include "kernels/film/cryptomatte.h"
+#include "kernels/film/noise.h"
 #include "kernels/passes/passes.h"
 #include "kernels/passes/photon_mapping.h"
 #include "kernels/passes/render_memory.h"
@@ -60,12 +62,12 @@ StageContext context_of(const Scene& scene, const RenderOptions& options) {
 /// One render in progress.
 class Renderer {
  public:
-  Renderer(const Scene& scene, const RenderOptions& options)
+  Renderer(const Scene& scene, const RenderOptions& options, SamplePlan plan)
       : scene_(scene),
         context_(context_of(scene, options)),
         needs_(WaveNeeds::of(context_)),
         options_(options),
-        plan_(make_sample_plan(scene, options, context_.transport)),
+        plan_(std::move(plan)),
         threads_(threads_of(options)),
         wave_size_(wave_size_of(options, needs_)) {
     if (wave_size_ > kMaxWaveSize)
@@ -118,6 +120,8 @@ class Renderer {
   }
 
  private:
+  double frame_pixels() const { return static_cast<double>(state_.film.width()) * state_.film.height(); }
+
   /// What photons there are to be, and where they are summed up.
   void set_photons(const Scene& scene) {
     // As many as a picture of the whole frame has samples, so that a crop has the same.
@@ -399,10 +403,13 @@ class Renderer {
     report.threads = threads_;
     report.wave_size = wave_size_;
     report.render_seconds = elapsed.count();
+    report.mean_samples = state_.film.mean_samples();
     if (state_.adaptive) {
       report.adaptive = state_.adaptive->summary();
-      report.spp = static_cast<std::uint32_t>(std::lround(report.adaptive->mean_samples));
+      report.mean_samples = report.adaptive->mean_samples;
+      report.spp = saturate<std::uint32_t>(std::round(report.mean_samples));
     }
+    if (state_.splats) report.mean_samples = static_cast<double>(state_.photons) / frame_pixels();
     report.photons = photon_tracing_.report;
     report.guiding = guide_training_.report;
     add_workers(workers_, plan_.frame, dropped(), report, warnings);
@@ -416,7 +423,8 @@ class Renderer {
     result.interrupted = stopped() && is_left();
     result.warnings = photon_tracing_.warnings;
     result.report = make_report(result.warnings);
-    result.report.noise = state_.film.noise();
+    result.report.interrupted = result.interrupted;
+    result.report.noise = noise_of(state_.film, state_.splats, state_.photons);
     result.film = std::move(state_.film);
     result.aovs = options_.aovs;
     if (result.film.tells_surfaces()) result.names = scene_.names();
@@ -454,6 +462,14 @@ class Renderer {
 
 }  // namespace
 
+std::optional<double> noise_of(const Film& film, const std::optional<SplatFilm>& splats, std::uint64_t photons) {
+  if (!splats) return film.noise();
+  if (photons == 0) return std::nullopt;
+  Image image = film.to_image();
+  splats->add_to(image, photons);
+  return picture_noise(image);
+}
+
 Image RenderResult::to_image() const {
   Image image = film.to_image();
   if (samples) film.add_part_layers(image);
@@ -464,14 +480,13 @@ Image RenderResult::to_image() const {
 }
 
 RenderResult render(const Scene& scene, const RenderOptions& options) {
-  const std::vector<MemoryUse> memory = render_memory(scene, options);
-  const PixelRect whole{0, 0, scene.film().width, scene.film().height};
-  const PixelRect crop = options.crop.value_or(scene.film().crop.value_or(whole));
+  SamplePlan plan = make_sample_plan(scene, options, scene.integrator());
+  const std::vector<MemoryUse> memory = render_memory(scene, options, plan);
   const std::string task =
-      "a picture of " + std::to_string(crop.width()) + " x " + std::to_string(crop.height()) + " pixels";
+      "a picture of " + std::to_string(plan.crop.width()) + " x " + std::to_string(plan.crop.height()) + " pixels";
   check_memory(task, memory);
   try {
-    return Renderer(scene, options).run();
+    return Renderer(scene, options, std::move(plan)).run();
   } catch (const std::bad_alloc&) { throw not_enough_memory(task, memory); }
 }
 

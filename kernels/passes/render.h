@@ -37,10 +37,10 @@ struct RenderOptions {
   /// Of the samples those that are taken; all others are as if they were, too: joining the parts' pictures gives that
   /// of all samples. Default: all.
   std::optional<SampleRange> samples;
-  AovSet aovs;                ///< further layers; Aov::kVariance and kHalf make at least two replicates
-  bool light_groups = false;  ///< layers of the light that comes from each of SceneNames::lights
-  bool guiding = false;  ///< directions are sampled from what passes before the picture have learned
-  std::optional<PixelRect> crop;                   ///< default: the scene's, else the whole frame
+  AovSet aovs;                    ///< further layers; Aov::kVariance and kHalf make at least two replicates
+  bool light_groups = false;      ///< layers of the light that comes from each of SceneNames::lights
+  bool guiding = false;           ///< directions are sampled from what passes before the picture have learned
+  std::optional<PixelRect> crop;  ///< default: the scene's, else the whole frame
   /// Called by workers after each task, several at a time, with samples done and in all.
   std::function<void(std::uint64_t done, std::uint64_t total)> on_progress;
   /// Called once by each worker, several at a time, for what Wave::recorder is to be; for benchmarks.
@@ -58,14 +58,18 @@ struct RenderOptions {
   std::function<void(const RenderReport&)> on_report;
 };
 
+/// How noisy a picture is: Film::noise(), or with photons that have reached it picture_noise(). Nothing before any
+/// photon was emitted.
+std::optional<double> noise_of(const Film& film, const std::optional<SplatFilm>& splats, std::uint64_t photons);
+
 struct RenderResult {
   Film film;
-  std::optional<SplatFilm> splats;  ///< light tracing: what photons have added
-  std::uint64_t photons = 0;        ///< that were emitted
-  AovSet aovs;                      ///< that were asked for
-  SceneNames names;                 ///< where the film tells surfaces, what they are called
+  std::optional<SplatFilm> splats;     ///< light tracing: what photons have added
+  std::uint64_t photons = 0;           ///< that were emitted
+  AovSet aovs;                         ///< that were asked for
+  SceneNames names;                    ///< where the film tells surfaces, what they are called
   std::optional<SampleRange> samples;  ///< where some of the samples were asked for, those, of RenderReport::spp
-  RenderReport report;  ///< without scene file and load times, which the caller knows
+  RenderReport report;                 ///< without scene file and load times, which the caller knows
   bool interrupted = false;
   std::vector<std::string> warnings;
 

@@ -109,10 +109,13 @@ int wave_size_of(const RenderOptions& options, const WaveNeeds& needs) {
 }
 
 std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options) {
+  return render_memory(scene, options, make_sample_plan(scene, options, scene.integrator()));
+}
+
+std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options, const SamplePlan& plan) {
   StageContext context(scene);
   context.guides = options.guiding;
   const WaveNeeds needs = WaveNeeds::of(context);
-  const SamplePlan plan = make_sample_plan(scene, options, context.transport);
   const FilmSize film = film_size(plan, options);
   const bool traces_light = context.transport.kind == IntegratorKind::kLightTracer;
   const std::string parts = "Parts of it take less: --crop, and 'sheaf merge' joins them";

@@ -9,6 +9,8 @@
 
 namespace sheaf {
 
+struct SamplePlan;
+
 /// Threads and paths in flight of a render with these options.
 int threads_of(const RenderOptions& options);
 int wave_size_of(const RenderOptions& options, const WaveNeeds& needs);
@@ -17,5 +19,8 @@ int wave_size_of(const RenderOptions& options, const WaveNeeds& needs);
 /// way, photons that are stored and surfaces behind a pixel, is estimated. Throws as render() does for options that
 /// cannot be.
 std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options);
+
+/// The same where the plan of these options is made already.
+std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options, const SamplePlan& plan);
 
 }  // namespace sheaf

@@ -79,7 +79,11 @@ void SceneNaming::add_shape(const ShapeDescription& shape, const std::string& gr
 }
 
 void SceneNaming::add_light(LightKind kind, const std::string& name) {
-  names_.light_of_row.push_back(index_of(name.empty() ? kind_of(kind) : name, lights_, names_.lights));
+  // A light that is called "point" is not one with those that have no name.
+  const std::string key = name.empty() ? std::string(1, '\0') + kind_of(kind) : name;
+  const auto [known, added] = lights_.try_emplace(key, static_cast<std::uint32_t>(names_.lights.size()));
+  if (added) names_.lights.push_back(name.empty() ? kind_of(kind) : name);
+  names_.light_of_row.push_back(known->second);
 }
 
 }  // namespace sheaf

@@ -94,6 +94,40 @@ TEST_CASE("a film's channels: means, variances of the mean where they are asked 
   for (int c = 0; c < 6; ++c) CHECK(image.at(2, 1, c) == 0);
 }
 
+TEST_CASE("a film's noise is unknown where more than a thousandth of its pixels have no two units to tell it from") {
+  const FilmLayout layout = FilmLayout::beauty();
+  SampleBuffer samples;
+  samples.resize(2, layout.size(), false);
+  // Of 2000 pixels `single` have one sample each, and `empty` none.
+  const auto noise_of_film = [&](int single, int empty, VarianceUnit unit) {
+    Film film(100, 20, {0, 0, 100, 20}, layout, 0, unit);
+    for (int set = 0; set < 2; ++set) {
+      for (int i = 0; i < 2000; ++i) {
+        if (i < empty || (set == 1 && i < empty + single)) continue;
+        for (std::size_t c = 0; c < 3; ++c) samples[0][c] = set == 0 ? 1.0f : 1.2f;
+        add_samples(film, i % 100, i / 100, samples, 1);
+      }
+      film.end_replicate();
+    }
+    return film.noise();
+  };
+  for (const VarianceUnit unit : {VarianceUnit::kSample, VarianceUnit::kReplicate}) {
+    // The standard error of the mean of 1 and 1.2 is 0.1; dark pixels count as if they had a tenth of the mean.
+    const double expected = 0.1 / std::sqrt(1.1 * 1.1 + 0.11 * 0.11);
+    CHECK(noise_of_film(0, 0, unit).value_or(-1) == doctest::Approx(expected).epsilon(1e-4));
+    CHECK(noise_of_film(1, 1, unit).value_or(-1) == doctest::Approx(expected).epsilon(0.01));
+    CHECK_FALSE(noise_of_film(3, 0, unit).has_value());
+    CHECK_FALSE(noise_of_film(0, 3, unit).has_value());
+    CHECK_FALSE(noise_of_film(2000, 0, unit).has_value());
+  }
+  Film film(2, 1, {0, 0, 2, 1}, layout);
+  CHECK(film.mean_samples() == 0);
+  add_samples(film, 0, 0, samples, 2);
+  CHECK(film.mean_samples() == 1);
+  add_samples(film, 1, 0, samples, 1);
+  CHECK(film.mean_samples() == 1.5);
+}
+
 TEST_CASE("dropped samples don't count") {
   Film film(1, 1, {0, 0, 1, 1}, kLayout);
   SampleBuffer samples;

@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/rng.h"
 #include "kernels/denoise/denoise.h"
+#include "kernels/denoise/features.h"
 #include "kernels/denoise/fireflies.h"
 #include "kernels/denoise/nl_means.h"
 #include "kernels/denoise/noise_correlation.h"
@@ -320,6 +321,61 @@ TEST_CASE("non-local means have the same bits in registers as one pixel at a tim
     for (std::size_t c = 0; c < 3; ++c)
       for (int y = 0; y < 19; ++y)
         CHECK(std::memcmp(wide[filter].color[c].row(y), scalar[filter].color[c].row(y), 37 * sizeof(float)) == 0);
+}
+
+TEST_CASE("features: what slants down the picture is treated as what slants across it") {
+  // The inverse of depth is linear; so are colours and directions here.
+  constexpr int kSide = 24;
+  const auto features_of = [&](float across, float down) {
+    Image image(kSide, kSide, {"albedo.R", "albedo.G", "albedo.B", "N.X", "N.Y", "N.Z", "Z"});
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const float slope = across * static_cast<float>(x) + down * static_cast<float>(y);
+        for (int c = 0; c < 3; ++c) image.at(x, y, c) = 3 * slope, image.at(x, y, 3 + c) = 2 * slope;
+        image.at(x, y, 6) = 1 / (0.5f + slope);
+      }
+    return find_features(image, NoiseCorrelation());
+  };
+  const float across = 0.03f, down = 0.01f;
+  const std::vector<Feature> features = features_of(across, down), turned = features_of(down, across);
+  REQUIRE(features.size() == 3);
+  for (int y = 1; y < kSide - 1; ++y)
+    for (int x = 1; x < kSide - 1; ++x) {
+      CHECK(features[2].slope_x.at(x, y) == doctest::Approx(across).epsilon(1e-3));
+      CHECK(features[2].slope_y.at(x, y) == doctest::Approx(down).epsilon(1e-3));
+      for (std::size_t i = 0; i < 3; ++i)
+        CHECK(features[i].scale.at(x, y) == doctest::Approx(turned[i].scale.at(y, x)).epsilon(1e-3));
+    }
+  // Change from pixel to pixel counts in both directions: three channels of 3 (across, down).
+  CHECK(features[0].scale.at(5, 5) ==
+        doctest::Approx(1 / (1.2 * 1.2 * 27 * double{across * across + down * down})).epsilon(1e-3));
+}
+
+TEST_CASE("a floor that slants down the picture is denoised as well as one that slants across it") {
+  constexpr int kSide = 48;
+  const auto error_of = [&](bool down) {
+    Image image(kSide, kSide, {"R", "G", "B", "variance.R", "variance.G", "variance.B", "Z"});
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        // The same noise, turned.
+        const auto pixel = static_cast<std::uint32_t>(down ? x * kSide + y : y * kSide + x);
+        for (int c = 0; c < 3; ++c) {
+          image.at(x, y, c) = 1 + 0.2f * normal_number(pixel, static_cast<std::uint32_t>(c));
+          image.at(x, y, 3 + c) = sqr(0.2f);
+        }
+        image.at(x, y, 6) = 1 / (0.2f + 0.05f * static_cast<float>(down ? y : x));
+      }
+    const Image denoised = denoise(image, Denoiser::kNlMeans).image;
+    double sum = 0;
+    for (const char* const name : {"denoised.R", "denoised.G", "denoised.B"})
+      for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) sum += sqr(double{denoised.at(x, y, denoised.find_channel(name))} - 1);
+    return sum / (3 * kSide * kSide);
+  };
+  const double across = error_of(false), down = error_of(true);
+  CHECK(down == doctest::Approx(across).epsilon(0.02));
+  // Of pixels on one plane depth tells nothing apart.
+  CHECK(down < sqr(0.2) / 50);
 }
 
 TEST_CASE("a denoised picture is nearer to the truth, with halves and features more so, and no darker") {

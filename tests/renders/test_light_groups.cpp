@@ -1,7 +1,11 @@
 // Layers that tell the light of one light from that of another.
 #include "core/error.h"
+#include "core/exr.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/render_testing.h"
+#include "tests/support/temporary_folder.h"
+
+#include <set>
 
 namespace sheaf::test_light_groups {
 
@@ -92,6 +96,67 @@ TEST_CASE("light groups: they add up to the picture, in both colour modes, with 
   const Image image = picture(mapped);
   CHECK(difference_of_sum(image) < 2e-5);
   CHECK(sum_of(image, "light_other.G") > 0);
+}
+
+TEST_CASE("light groups: layers have names of their own, and add up, whatever lights are called") {
+  const std::vector<std::string> hostile = {"a.b",
+                                            "a_b",
+                                            "a_b_2",
+                                            "point",
+                                            "other",
+                                            "",
+                                            "",
+                                            "area",
+                                            "R",
+                                            ".R",
+                                            "a.b.R",
+                                            "_",
+                                            ".",
+                                            "k\xc3\xb6y lamp",
+                                            "a\nb",
+                                            "a\x01"
+                                            "b",
+                                            "light",
+                                            "other_2",
+                                            "point_2",
+                                            std::string(300, 'x'),
+                                            std::string(299, 'x') + "y"};
+  Description d = empty_scene(6, 5);
+  d.sampler.sample_count = 16;
+  add_rectangle(d, Transform::translate({0, 0, 4}) * Transform::rotate({0, 1, 0}, 180) * Transform::scale({9, 9, 1}),
+                add_diffuse(d, 0.5f));
+  for (std::size_t i = 0; i < hostile.size(); ++i) {
+    add_point_light(d, {0.1f * static_cast<float>(i), 0, 1}, 1 + static_cast<float>(i));
+    d.lights.back().id = hostile[i];
+  }
+  add_constant_light(d, 0.3f);
+  d.lights.back().id = "point";
+  add_area_light_sphere(d, {1, 1, 2}, 0.3f, 5);
+  const Image image = picture(d);
+  // Both without a name are one, as are both that are called "point"; the area light has no name either.
+  CHECK(groups_of(image).size() == hostile.size());
+  CHECK(std::set<std::string>(image.channels.begin(), image.channels.end()).size() == image.channels.size());
+  for (const std::string& channel : image.channels) CHECK(channel.size() < 256);
+  CHECK(difference_of_sum(image) < 2e-5);
+  for (const int group : groups_of(image))
+    CHECK(sum_of(image, image.channels[static_cast<std::size_t>(group)].c_str()) > 0);
+  // Names that need no change keep theirs.
+  for (const char* const name : {"light_a_b.R", "light_a_b_2.R", "light_point.R", "light_other.R", "light_point_2.R"})
+    CHECK(image.find_channel(name) >= 0);
+  // They survive in a file.
+  const TemporaryFolder folder;
+  write_exr(folder / "groups.exr", image);
+  const Image back = read_exr(folder / "groups.exr");
+  REQUIRE(back.channels.size() == image.channels.size());
+  for (const std::string& channel : image.channels)
+    CHECK(sum_of(back, channel.c_str()) == sum_of(image, channel.c_str()));
+  // Light that photon maps hold has a layer besides that of a lamp called "other".
+  d.integrator.kind = IntegratorKind::kPhotonMapper;
+  d.integrator.photons.global.count = 500;
+  const Image mapped = picture(d);
+  CHECK(groups_of(mapped).size() == hostile.size() + 1);
+  CHECK(std::set<std::string>(mapped.channels.begin(), mapped.channels.end()).size() == mapped.channels.size());
+  CHECK(difference_of_sum(mapped) < 2e-5);
 }
 
 TEST_CASE("light groups: each holds the light of its own lamp alone") {

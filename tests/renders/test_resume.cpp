@@ -120,6 +120,47 @@ TEST_CASE("a render that goes on from a checkpoint has the same bytes as one wit
   }
 }
 
+TEST_CASE("a render that was interrupted says how many samples it has, and its noise where that is known") {
+  for (const bool traces_light : {false, true})
+    for (const bool adapts : {false, true}) {
+      if (traces_light && adapts) continue;
+      CAPTURE(traces_light);
+      CAPTURE(adapts);
+      Description d = small_box(64);
+      if (traces_light) d.integrator.kind = IntegratorKind::kLightTracer;
+      const auto scene = compile_scene(d);
+      RenderOptions options;
+      options.threads = 1;
+      options.replicates = 4;
+      if (adapts) options.noise_target = 1e-4;
+      const RenderResult whole = render(*scene, options);
+      CHECK_FALSE(whole.report.interrupted);
+      CHECK(whole.report.mean_samples == doctest::Approx(64));
+      CHECK(whole.report.noise.has_value());
+      // Cut off in the first of four sets, then in the last. Photons count by rounds, of which there is but one.
+      double taken = 0;
+      for (const double share : {0.2, 0.9}) {
+        std::atomic<bool> stop{false};
+        options.stop = &stop;
+        options.on_progress = [&](std::uint64_t done, std::uint64_t total) {
+          if (static_cast<double>(done) >= share * static_cast<double>(total)) stop = true;
+        };
+        const RenderResult part = render(*scene, options);
+        CHECK(part.interrupted);
+        CHECK(part.report.interrupted);
+        CHECK((part.report.mean_samples > taken || traces_light));
+        CHECK(part.report.mean_samples < 64);
+        taken = part.report.mean_samples;
+        if (!traces_light) CHECK(part.report.mean_samples == doctest::Approx(part.film.mean_samples()).epsilon(0.3));
+        if (!traces_light && !adapts) CHECK(part.report.noise.has_value() == (share > 0.5));
+        if (part.report.noise) {
+          CHECK(*part.report.noise > 0);
+          CHECK(*part.report.noise > 0.8 * *whole.report.noise);
+        }
+      }
+    }
+}
+
 TEST_CASE("pauses change nothing") {
   const auto scene = compile_scene(small_box(16));
   RenderOptions options;
