@@ -216,6 +216,49 @@ TEST_CASE("layers: the first half is the picture of half the samples, and featur
   CHECK(value(independent, 3, 3, "half.G") == first.at(3, 3, 1));
 }
 
+TEST_CASE("layers: of a batch of cameras each has the depth along its own axis") {
+  Description d = empty_scene(8, 4);
+  const MaterialId grey = add_two_sided(d, add_diffuse(d, 0.5f));
+  // Walls across the axes of both, at different distances, which each camera sees all over.
+  add_rectangle(d, Transform::translate({0, 0, 5}) * Transform::scale({50, 50, 1}), grey);
+  add_rectangle(
+      d, Transform::translate({-7, 0, -15}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({20, 50, 1}), grey);
+  CameraDescription second = d.camera;
+  second.to_world = Transform::look_at({2, 0, -6}, {-1, 0, -6}, {0, 1, 0});
+  d.more_cameras.push_back(second);
+  const Image image = picture(d, with({Aov::kDepth, Aov::kPosition}, 16));
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 0; x < 4; ++x) CHECK(value(image, x, y, "Z") == doctest::Approx(5).epsilon(1e-5));
+    for (const int x : {5, 6}) {
+      CHECK(value(image, x, y, "P.X") == doctest::Approx(-7).epsilon(1e-5));
+      CHECK(value(image, x, y, "Z") == doctest::Approx(9).epsilon(1e-5));
+    }
+  }
+}
+
+TEST_CASE("layers: of an odd number of sets the first half is the smaller one") {
+  Description d = wall(coloured);
+  add_point_light(d, {1, 2, 0}, 10);
+  add_sphere(d, {0.3f, 0.2f, 3}, 1, add_two_sided(d, add_diffuse(d, 0.7f)));
+  for (const int sets : {3, 5}) {
+    CAPTURE(sets);
+    RenderOptions options = with({Aov::kHalf}, static_cast<std::uint32_t>(8 * sets));
+    options.replicates = sets;
+    const Image image = picture(d, options);
+    // The samples of the sets alone that make the half.
+    options.samples = SampleRange{0, static_cast<std::uint32_t>(8 * (sets / 2))};
+    const Image part = picture(d, options);
+    double difference = 0;
+    for (int y = 0; y < 8; ++y)
+      for (int x = 0; x < 8; ++x)
+        for (int c = 0; c < 3; ++c) {
+          CHECK(image.at(x, y, image.find_channel("half.R") + c) == part.at(x, y, c));
+          difference += std::fabs(double{part.at(x, y, c)} - double{image.at(x, y, c)});
+        }
+    CHECK(difference > 1e-3);
+  }
+}
+
 TEST_CASE("layers: media and masks are no surfaces, what is behind them is") {
   Description d = wall(coloured);
   MediumDescription thin = fog(0.1f, 0.9f);

@@ -1,7 +1,9 @@
 // Numbers of objects and materials, and Cryptomatte as a program decodes it.
 #include "kernels/film/cryptomatte.h"
+#include "scene/tables/filter.h"
 #include "tests/support/render_testing.h"
 
+#include <algorithm>
 #include <cstring>
 #include <map>
 
@@ -98,6 +100,49 @@ TEST_CASE("cryptomatte: coverage adds up to what objects cover, with any filter"
       CHECK(image.at(15, 2, image.find_channel("objectId")) == 1);
       CHECK(image.at(0, 2, image.find_channel("objectId")) == 0);
     }
+}
+
+TEST_CASE("cryptomatte: samples placed by a filter with negative lobes count against what they see") {
+  // A wall that covers all to one side of an edge; of a pixel it covers the filter's integral up to there.
+  for (const auto kind :
+       {FilterDescription::Kind::kLanczos, FilterDescription::Kind::kCatmullRom, FilterDescription::Kind::kMitchell}) {
+    CAPTURE(static_cast<int>(kind));
+    Description d = empty_scene(9, 1);
+    d.film.filter.kind = kind;
+    d.film.filter_mode = FilterMode::kImportance;
+    d.sampler.sample_count = 16384;
+    d.film.sample_border = true;
+    // The camera's right is at -x: the wall's edge is in the middle of the fifth pixel.
+    add_rectangle(d,
+                  Transform::translate({40, 0, 4}) * Transform::rotate({0, 1, 0}, 180) * Transform::scale({40, 40, 1}),
+                  add_diffuse(d, 0.5f));
+    RenderOptions options;
+    options.aovs = kIds;
+    const Image image = picture(d, options);
+    double whole = 0;
+    std::vector<double> up_to;
+    constexpr int kSteps = 2000;
+    const double radius = filter_radius(d.film.filter), step = 2 * radius / kSteps;
+    for (int i = 0; i < kSteps; ++i) {
+      whole += evaluate_filter(d.film.filter, -radius + (i + 0.5) * step) * step;
+      up_to.push_back(whole);
+    }
+    double largest = 0;
+    for (int x = 0; x < 9; ++x) {
+      // From the pixel's centre the edge is so far to the right.
+      const double edge = 4.0 - x;
+      const int cell = std::clamp(static_cast<int>((edge + radius) / step), 0, kSteps);
+      const double expected = cell == 0 ? 0.0 : up_to[static_cast<std::size_t>(cell - 1)] / whole;
+      const Mattes mattes = decode(image, x, 0, "CryptoObject");
+      double share = 0;
+      for (const auto& [id, covered] : mattes) share += double{covered};
+      CAPTURE(x);
+      // Names that cover less than nothing are left out.
+      CHECK(share == doctest::Approx(std::max(expected, 0.0)).scale(1).epsilon(0.012));
+      largest = std::max(largest, expected);
+    }
+    CHECK(largest > 1.01);
+  }
 }
 
 TEST_CASE("cryptomatte: the header tells the layers and all names") {
