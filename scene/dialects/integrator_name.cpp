@@ -1,6 +1,7 @@
 #include "scene/dialects/integrator_name.h"
 
 #include "scene/dialects/known_names.h"
+#include "scene/dialects/visibility_integrators.h"
 
 #include <algorithm>
 #include <iterator>
@@ -48,7 +49,10 @@ constexpr NamedIntegrator kIntegrators[] = {
     {"medium_path", kPath, kMis, false},
     {"medium_path_mis", kPath, kMis, false},
     {"medium_path_mats", kPath, kMats, false},
+    {"simplepath", kPath, kMis, false},
+    {"simplevolpath", kPath, kMis, false},
     {"ptracer", IntegratorKind::kLightTracer, kMis, false},
+    {"lightpath", IntegratorKind::kLightTracer, kMis, false},
     {"photonmapper", kMaps, kMis, false},
     {"photonmap", kMaps, kMis, false},
     {"volumetricphotonmapper", kMaps, kMis, false},
@@ -71,6 +75,7 @@ constexpr const char* kLikePath[] = {
     "prb_projective",
     "prb_reparam",
     "pssmlt",
+    "randomwalk",
     "singlescatter",
     "vcm",
     "vpl",
@@ -106,6 +111,7 @@ std::vector<std::string> integrator_names() {
   for (const char* name : kLikePath) names.emplace_back(name);
   for (const char* name : kLikeDirect) names.emplace_back(name);
   for (const char* name : kLikeVolpath) names.emplace_back(name);
+  names.insert(names.end(), {"ambientocclusion", "ao", "av"});
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -125,14 +131,24 @@ void apply(const NamedIntegrator& named, IntegratorDescription& integrator) {
   if (named.direct) integrator.max_depth = 2;
 }
 
-IntegratorDescription integrator_from_name(std::string_view name, const IntegratorDescription& base) {
+std::string stand_in_note(std::string_view name) {
+  const char* same = same_expectation(name);
+  if (same == nullptr) return {};
+  return "integrator '" + std::string(name) + "' is rendered with '" + same + "', which has the same expectation";
+}
+
+void apply_integrator_name(std::string_view name, Description& description) {
+  if (is_visibility_integrator(name)) {
+    const float length = description.integrator.visibility_length;
+    apply_visibility_integrator(name, length, true, description);
+    return;
+  }
   const NamedIntegrator* named = find_integrator(name);
   if (named == nullptr)
     throw Error(ExitCode::kUsage, "unknown integrator '" + std::string(name) + "'" +
                                       did_you_mean(name, integrator_names()) + known_names(integrator_names()));
-  IntegratorDescription integrator = base;
-  apply(*named, integrator);
-  return integrator;
+  apply(*named, description.integrator);
+  if (std::string note = stand_in_note(name); !note.empty()) description.notes.push_back(std::move(note));
 }
 
 }  // namespace sheaf

@@ -12,10 +12,10 @@ struct NamedIntegrator {
   const char* name;
   IntegratorKind kind;
   LightStrategy strategy;
-  bool direct;  ///< light is scattered once: max_depth is 2
-  int candidates = 1;  ///< IntegratorDescription::candidates unless told
-  bool free_panes = false;  ///< IntegratorDescription::free_panes
-  bool progressive = false;  ///< PhotonMappingDescription::progressive
+  bool direct;                   ///< light is scattered once: max_depth is 2
+  int candidates = 1;            ///< IntegratorDescription::candidates unless told
+  bool free_panes = false;       ///< IntegratorDescription::free_panes
+  bool progressive = false;      ///< PhotonMappingDescription::progressive
   bool ends_at_diffuse = false;  ///< IntegratorDescription::ends_at_diffuse
 };
 
@@ -32,10 +32,12 @@ std::vector<std::string> integrator_names();
 /// them, candidates and depth.
 void apply(const NamedIntegrator& named, IntegratorDescription& integrator);
 
-/// `base` with kind, strategy and, where the name fixes them, depth and candidates as `name` says: path, path_mis,
-/// path_mats, path_ems, path_ris, direct, direct_mis, direct_mats, direct_ems, direct_ris, whitted, ptracer,
-/// photonmapper, ppm, sppm, normals, depth, names of path with `vol` or `medium` in them, and Mitsuba's integrators of
-/// the same expectation. Throws Error (usage) for an unknown name, with the nearest known one and all others.
-IntegratorDescription integrator_from_name(std::string_view name, const IntegratorDescription& base);
+/// What to tell the user if another integrator with the same expectation is rendered; else empty.
+std::string stand_in_note(std::string_view name);
+
+/// Gives the scene the integrator of this name: one of integrator_names(), which sets what apply() does, or one that
+/// looks at shapes alone (scene/dialects/visibility_integrators.h). Notes if another one stands in. Throws Error
+/// (usage) for an unknown name, with the nearest known one and all others.
+void apply_integrator_name(std::string_view name, Description& description);
 
 }  // namespace sheaf

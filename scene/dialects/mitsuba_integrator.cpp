@@ -4,6 +4,7 @@
 #include "scene/dialects/medium_estimator_name.h"
 #include "scene/dialects/mitsuba.h"
 #include "scene/dialects/read_photon_mapping.h"
+#include "scene/dialects/visibility_integrators.h"
 
 namespace sheaf::mitsuba {
 
@@ -48,8 +49,7 @@ void read_path_like(Properties& p, const NamedIntegrator& named, IntegratorDescr
 void read_stand_in(Properties& p, const NamedIntegrator& named, IntegratorDescription& integrator) {
   read_path_like(p, named, integrator);
   p.accept_all();
-  p.context().note(
-      p.where(), "integrator '" + p.type() + "' is rendered with '" + named.name + "', which has the same expectation");
+  p.context().note(p.where(), stand_in_note(p.type()));
 }
 
 /// Direct light. Several samples per strategy have the expectation of one; none switches the strategy off.
@@ -92,6 +92,12 @@ void read_plugin(const XmlElement& element, Reader& reader) {
   Properties p(element, reader.context);
   IntegratorDescription& integrator = reader.context.description.integrator;
   if (is_wrapper(p.type())) return read_wrapper(p, reader);
+  if (is_visibility_integrator(p.type())) {
+    const float length = p.number("length", kInfinity, kPositive);
+    p.accept({"samples_per_pass", "block_size", "timeout"});
+    p.finish();
+    return apply_visibility_integrator(p.type(), length, true, reader.context.description);
+  }
   const NamedIntegrator* named = find_integrator(p.type());
   if (named == nullptr) {
     std::vector<std::string> known = integrator_names();

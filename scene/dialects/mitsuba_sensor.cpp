@@ -177,7 +177,7 @@ void read_distant(Properties& p, CameraDescription& camera) {
 
 void read_camera(Properties& p, CameraDescription& camera) {
   camera.to_world = p.transform("to_world");
-  p.accept({"shutter_open", "shutter_close"});
+  read_shutter(p);
   if (p.type() == "radiancemeter") return read_radiance_meter(p, camera);
   if (p.type() == "distant") return read_distant(p, camera);
   if (p.type() == "spherical") {
@@ -244,7 +244,7 @@ void read_batch(Properties& p, Reader& reader) {
     child.finish();
   }
   if (cameras.empty()) p.fail("holds no <sensor>, expected one at least");
-  p.accept({"shutter_open", "shutter_close"});
+  read_shutter(p);
   description.camera = cameras.front();
   description.more_cameras.assign(cameras.begin() + 1, cameras.end());
 }
@@ -299,7 +299,7 @@ void read_shape_sensor(const ShapeSensor& sensor, Reader& reader) {
   camera.where = sensor.element->where;
   camera.projection = CameraDescription::Projection::kIrradianceMeter;
   camera.to_world = sensor.to_world;
-  p.accept({"shutter_open", "shutter_close"});
+  read_shutter(p);
   read_sensor_rest(p, reader, camera);
   p.finish();
 }

@@ -53,8 +53,7 @@ FilterDescription read_nori_filter(const XmlElement& element, ReadContext& conte
 
 /// The one of two names that the property goes by.
 std::optional<float> find_either(Properties& p, const char* name, const char* other, NumberRange range) {
-  if (p.has(name) && p.has(other))
-    p.fail("has both '" + std::string(name) + "' and '" + other + "', expected one");
+  if (p.has(name) && p.has(other)) p.fail("has both '" + std::string(name) + "' and '" + other + "', expected one");
   return p.has(name) ? p.find_number(name, range) : p.find_number(other, range);
 }
 
@@ -109,7 +108,7 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
   const NamedIntegrator* named = find_integrator(p.type());
   if (named == nullptr) {
     std::vector<std::string> known = integrator_names();
-    known.insert(known.end(), {"ao", "av", "simple"});
+    known.emplace_back("simple");
     p.fail_plugin(known);
   }
   IntegratorDescription& integrator = context.description.integrator;
@@ -127,8 +126,7 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
   }
   if (same_expectation(p.type()) != nullptr) {
     p.accept_all();
-    context.note(element.where, "integrator '" + p.type() + "' is rendered with '" + named->name +
-                                    "', which has the same expectation");
+    context.note(element.where, stand_in_note(p.type()));
   }
   p.finish();
 }

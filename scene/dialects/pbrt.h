@@ -65,6 +65,12 @@ struct Reader {
   std::filesystem::path folder;  ///< of the scene file, where relative names begin
 
   Attributes attributes;
+  /// An integrator that looks at shapes alone, and its reach in metres: applied once the world is read.
+  struct Visibility {
+    std::string name;
+    float length = 0;
+  };
+  std::optional<Visibility> visibility = {};
   float exposure = 1;  ///< what the film makes of a radiance of 1; once the world begins
   std::map<std::string, ScalarInput, std::less<>> float_textures = {};
   std::map<std::string, SpectrumInput, std::less<>> spectrum_textures = {};
@@ -76,8 +82,8 @@ struct Reader {
   std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::Change, LayeredBase>,
            std::shared_ptr<const Image>>
       base_pictures = {};
-  Object* object = nullptr;   ///< that is being defined
-  bool used_texture = false;  ///< since it was last reset
+  Object* object = nullptr;                       ///< that is being defined
+  bool used_texture = false;                      ///< since it was last reset
   std::set<std::string, std::less<>> noted = {};  ///< by note_once()
   bool noted_gamut = false;                       ///< that colours were clamped
 

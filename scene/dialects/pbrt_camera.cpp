@@ -1,4 +1,5 @@
 // The pbrt dialect: camera, film, pixel filter.
+#include "core/saturate.h"
 #include "scene/description/filter_check.h"
 #include "scene/dialects/dialects.h"
 #include "scene/dialects/pbrt.h"
@@ -88,7 +89,9 @@ void read_spherical(Parameters& p, CameraDescription& camera, const Transform& w
 PixelRect read_crop_window(Parameters& p, const FilmDescription& film, std::vector<float> c) {
   if (c.size() != 4) p.fail_at("cropwindow", "must be four numbers: x0, x1, y0, y1");
   const auto pixel = [](float share, int size) {
-    return static_cast<int>(std::ceil(std::clamp(share, 0.0f, 1.0f) * static_cast<float>(size)));
+    // In single precision, as pbrt does.
+    const float edge = std::ceil(std::clamp(share, 0.0f, 1.0f) * static_cast<float>(size));
+    return std::min(saturate<int>(static_cast<double>(edge)), size);
   };
   return {pixel(std::min(c[0], c[1]), film.width), pixel(std::min(c[2], c[3]), film.height),
           pixel(std::max(c[0], c[1]), film.width), pixel(std::max(c[2], c[3]), film.height)};
@@ -101,9 +104,7 @@ void read_crop(Parameters& p, FilmDescription& film) {
   if (!window.empty()) {
     crop = read_crop_window(p, film, window);
   } else {
-    const auto bounded = [](float v, int size) {
-      return static_cast<int>(std::clamp(v, 0.0f, static_cast<float>(size)));
-    };
+    const auto bounded = [](float v, int size) { return std::clamp(saturate<int>(static_cast<double>(v)), 0, size); };
     crop = {bounded(bounds[0], film.width), bounded(bounds[2], film.height), bounded(bounds[1], film.width),
             bounded(bounds[3], film.height)};
   }

@@ -3,8 +3,11 @@
 #include "scene/dialects/integrator_name.h"
 #include "scene/dialects/light_selector_name.h"
 #include "scene/dialects/pbrt.h"
+#include "scene/dialects/sampler_name.h"
+#include "scene/dialects/visibility_integrators.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sheaf::pbrt {
 
@@ -32,29 +35,50 @@ void read_progressive(Parameters& p, PhotonMappingDescription& photons) {
   p.accept({"seed"});
 }
 
+/// Ambient occlusion, under pbrt's name and ours, and average visibility: the scene is made white once it is read.
+void read_visibility(Parameters& p, const std::string& type, Reader& reader) {
+  const float length = p.number(type == "av" ? "length" : "maxdistance", kInfinity, kPositive);
+  if (type != "av" && std::isfinite(length))
+    p.unsupported("ambient occlusion within 'maxdistance'", "nothing is too far away to occlude");
+  p.accept({"cossample"});
+  reader.visibility = {type, length};
+}
+
+/// The integrator of this name in pbrt or in the other dialects. Throws SceneError for an unknown one.
+Counterpart find_counterpart(Parameters& p, const Entity& entity) {
+  const std::string& type = entity.type;
+  for (const Counterpart& c : kIntegrators)
+    if (type == c.name) return c;
+  if (type == "function") {
+    p.unsupported("integrators of this kind", "the light is rendered, by 'path'");
+    p.accept({"function", "filename", "skipbad"});
+    return kIntegrators[0];
+  }
+  if (const NamedIntegrator* named = find_integrator(type))
+    return {named->name, named->name, same_expectation(type) != nullptr};
+  std::vector<std::string> known = integrator_names();
+  known.emplace_back("function");
+  throw SceneError(entity.where, "unknown integrator '" + type + "'" + did_you_mean(type, known));
+}
+
 }  // namespace
 
 void read_integrator(Reader& reader, Entity entity) {
   Parameters p(reader, "Integrator '" + entity.type + "'", entity.where, std::move(entity.parameters));
-  IntegratorDescription& integrator = reader.description.integrator;
-  const auto* found = std::find_if(std::begin(kIntegrators), std::end(kIntegrators),
-                                   [&](const Counterpart& c) { return entity.type == c.name; });
-  if (found == std::end(kIntegrators)) {
-    std::vector<std::string> known = {"ambientocclusion", "function"};
-    for (const Counterpart& c : kIntegrators) known.emplace_back(c.name);
-    if (entity.type != "ambientocclusion" && entity.type != "function")
-      throw SceneError(entity.where, "unknown integrator '" + entity.type + "'" + did_you_mean(entity.type, known));
-    p.unsupported("integrators of this kind", "the light is rendered, by 'path'");
-    p.accept({"cossample", "maxdistance", "function", "filename", "skipbad"});
-    found = std::begin(kIntegrators);
+  if (is_visibility_integrator(entity.type)) {
+    read_visibility(p, entity.type, reader);
+    return p.finish();
   }
+  IntegratorDescription& integrator = reader.description.integrator;
+  const Counterpart found = find_counterpart(p, entity);
   // There 0 is emission only, here 1 is.
   integrator.max_depth = p.integer("maxdepth", 5, 0, kMaxDepth) + 1;
-  apply(*find_integrator(found->ours), integrator);
-  if (entity.type == "sppm") read_progressive(p, integrator.photons);
-  if (found->alike)
-    reader.note(entity.where,
-                "integrator '" + entity.type + "' is rendered with 'path', which has the same expectation");
+  apply(*find_integrator(found.ours), integrator);
+  if (integrator.kind == IntegratorKind::kPhotonMapper && integrator.photons.progressive)
+    read_progressive(p, integrator.photons);
+  if (found.alike)
+    reader.note(entity.where, "integrator '" + entity.type + "' is rendered with '" + found.ours +
+                                  "', which has the same expectation");
   const std::string selector = p.string("lightsampler", "bvh");
   if (selector == "uniform" || selector == "power")
     integrator.light_selector = selector == "power" ? LightSelector::kPower : LightSelector::kUniform;
@@ -75,12 +99,11 @@ void read_sampler(Reader& reader, Entity entity) {
     sampler.kind = SamplerKind::kStratified;
   } else if (type == "halton" || type == "paddedsobol" || type == "pmj02bn" || type == "sobol") {
     sampler.kind = SamplerKind::kSobol;
-  } else if (type == "zsobol") {
-    sampler.kind = SamplerKind::kZSobol;
+  } else if (const NamedSampler* named = find_sampler(type)) {
+    sampler.kind = named->kind;
+    if (const std::string note = stand_in_sampler_note(type); !note.empty()) reader.note(entity.where, note);
   } else {
-    const std::vector<std::string> known = {"halton", "independent", "paddedsobol", "pmj02bn",
-                                            "sobol",  "stratified",  "zsobol"};
-    throw SceneError(entity.where, "unknown sampler '" + type + "'" + did_you_mean(type, known));
+    throw SceneError(entity.where, "unknown sampler '" + type + "'" + did_you_mean(type, sampler_names()));
   }
   int count = 0;
   if (type == "stratified") {

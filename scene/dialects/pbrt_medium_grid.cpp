@@ -1,4 +1,5 @@
 // The pbrt dialect: media on grids that the scene file lists, and clouds of noise.
+#include "core/saturate.h"
 #include "scene/description/voxels.h"
 #include "scene/dialects/pbrt.h"
 #include "scene/dialects/pbrt_noise.h"
@@ -120,7 +121,8 @@ void read_cloud(Parameters& p, MediumDescription& medium) {
   const float sides[3] = {size.x, size.y, size.z}, longest = std::max({size.x, size.y, size.z});
   DenseVolume box;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    box.size[axis] = std::clamp(static_cast<int>(std::ceil(kCloudVoxels * sides[axis] / longest)), 1, kCloudVoxels);
+    box.size[axis] = std::clamp(saturate<int>(static_cast<double>(std::ceil(kCloudVoxels * sides[axis] / longest))), 1,
+                                kCloudVoxels);
   place_box(p, box);
   const auto nx = static_cast<std::size_t>(box.size[0]), ny = static_cast<std::size_t>(box.size[1]);
   std::vector<float> values(nx * ny * static_cast<std::size_t>(box.size[2]));

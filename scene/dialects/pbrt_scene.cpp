@@ -3,6 +3,7 @@
 
 #include "scene/description/instance_transform.h"
 #include "scene/dialects/dialects.h"
+#include "scene/dialects/visibility_integrators.h"
 #include "scene/formats/mesh_io.h"
 #include "scene/xml/missing_file.h"
 
@@ -161,6 +162,8 @@ void SceneBuilder::finish() {
     for (const auto& place : object.places) description.instances.push_back({place, group});
   }
   for (MediumDescription& medium : description.media) medium.emission_scale *= reader_.exposure;
+  if (reader_.visibility)
+    apply_visibility_integrator(reader_.visibility->name, reader_.visibility->length, true, description);
 }
 
 }  // namespace sheaf::pbrt

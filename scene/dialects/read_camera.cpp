@@ -8,9 +8,16 @@ void read_clip(Properties& p, CameraDescription& camera, float near_clip) {
   camera.near_clip = p.number("near_clip", near_clip, kPositive);
   camera.far_clip = p.number("far_clip", 10'000, kPositive);
   if (camera.near_clip < camera.far_clip) return;
-  p.fail_at(p.has("far_clip") ? "far_clip" : "near_clip",
-            "puts the far plane, at " + std::to_string(camera.far_clip) + ", not behind the near one, at " +
-                std::to_string(camera.near_clip));
+  p.fail_at(p.has("far_clip") ? "far_clip" : "near_clip", "puts the far plane, at " + std::to_string(camera.far_clip) +
+                                                              ", not behind the near one, at " +
+                                                              std::to_string(camera.near_clip));
+}
+
+void read_shutter(Properties& p) {
+  const bool is_given = p.has("shutter_open") || p.has("shutter_close");
+  const float open = p.number("shutter_open", 0), close = p.number("shutter_close", 0);
+  if (is_given && open != close)
+    p.context().note(p.where(), "'shutter_open' and 'shutter_close' are not used: there is no motion blur");
 }
 
 CameraDescription::FovAxis read_fov_axis(Properties& p) {
@@ -28,8 +35,7 @@ CameraDescription::FovAxis read_fov_axis(Properties& p) {
 SamplerKind read_sampler_kind(Properties& p) {
   const NamedSampler* named = find_sampler(p.type());
   if (named == nullptr) p.fail_plugin(sampler_names());
-  if (named->alike)
-    p.context().note(p.where(), "sampler '" + p.type() + "' is rendered with '" + sampler_name(named->kind) + "'");
+  if (const std::string note = stand_in_sampler_note(p.type()); !note.empty()) p.context().note(p.where(), note);
   return named->kind;
 }
 

@@ -1,6 +1,7 @@
 // Chooses the dialect of a scene file: pbrt's by its name, those in XML by their content.
 #include "scene/dialects/read_scene.h"
 
+#include "core/file_format.h"
 #include "scene/dialects/dialects.h"
 #include "scene/dialects/frame_scene.h"
 #include "scene/dialects/native_color.h"
@@ -76,7 +77,41 @@ void check_frame(int width, int height, const SourceLocation& where) {
 
 namespace {
 
+/// What to do with a file of this use, after a semicolon.
+std::string conversion(FileUse use) {
+  switch (use) {
+    case FileUse::kModel:
+      return "; import it into Blender and export OBJ or PLY, or a scene with the add-on for Mitsuba";
+    case FileUse::kVolume:
+      return "; vdb_to_nanovdb or nanovdb_convert makes a .nvdb file of it, which a scene names as a gridvolume";
+    case FileUse::kPicture:
+      return "; scenes name pictures as textures and environment maps";
+    case FileUse::kScenePart:
+      return "; scenes name such files";
+    case FileUse::kArchive:
+      return "; unpack it first";
+    case FileUse::kUnknown:
+    case FileUse::kEmpty:
+      break;
+  }
+  return "";
+}
+
+/// Throws SceneError for files of formats that are no scene's and no model's.
+void check_format(const std::filesystem::path& file) {
+  const FileFormat format = file_format(file);
+  if (format.use == FileUse::kUnknown || (format.use == FileUse::kArchive && is_pbrt_scene(file))) return;
+  // Of empty files whose names say what they are to be, readers know better what is missing.
+  const bool is_named = file.extension() == ".xml" || is_pbrt_scene(file) || model_format(file);
+  if (format.use == FileUse::kEmpty && is_named) return;
+  throw SceneError({file.string(), 0}, "is " + format.name +
+                                           ", expected a scene of Mitsuba or Nori (.xml) or of pbrt (.pbrt, .pbrt.gz), "
+                                           "or a model (.obj, .ply, .serialized)" +
+                                           conversion(format.use));
+}
+
 Description read_format(const std::filesystem::path& file, const ReadOptions& options) {
+  check_format(file);
   if (const auto format = model_format(file)) return read_model(file, *format, options.view);
   if (is_pbrt_scene(file)) {
     if (!options.defines.empty())

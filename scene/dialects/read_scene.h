@@ -29,10 +29,10 @@ struct ReadOptions {
   ModelView view;  ///< of models, and leniently of scenes without a camera
 };
 
-/// Reads a scene file: pbrt-v4 if its name ends in .pbrt or .pbrt.gz, else of a dialect chosen by content: Nori (`camera`, no version)
-/// or Mitsuba 0.6 to 3 (`sensor`, `version`); or a model (.obj, .ply, .serialized), which is put on a floor under a sky.
-/// Meshes are found, not read, but for models and OBJ files that bring materials for a shape without one
-/// (scene/dialects/obj_materials.h). Throws SceneError.
+/// Reads a scene file: pbrt-v4 if its name ends in .pbrt or .pbrt.gz, else of a dialect chosen by content: Nori
+/// (`camera`, no version) or Mitsuba 0.6 to 3 (`sensor`, `version`); or a model (.obj, .ply, .serialized), which is put
+/// on a floor under a sky. Meshes are found, not read, but for models and OBJ files that bring materials for a shape
+/// without one (scene/dialects/obj_materials.h). Throws SceneError.
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options = {});
 
 }  // namespace sheaf

@@ -9,11 +9,17 @@ namespace {
 
 /// The first name of a kind is its own.
 constexpr NamedSampler kSamplers[] = {
-    {"independent", SamplerKind::kIndependent, false}, {"stratified", SamplerKind::kStratified, false},
-    {"multijitter", SamplerKind::kMultijitter, false}, {"sobol", SamplerKind::kSobol, false},
-    {"zsobol", SamplerKind::kZSobol, false},           {"ldsampler", SamplerKind::kSobol, true},
-    {"orthogonal", SamplerKind::kSobol, true},         {"halton", SamplerKind::kSobol, true},
+    {"independent", SamplerKind::kIndependent, false},
+    {"stratified", SamplerKind::kStratified, false},
+    {"multijitter", SamplerKind::kMultijitter, false},
+    {"sobol", SamplerKind::kSobol, false},
+    {"zsobol", SamplerKind::kZSobol, false},
+    {"ldsampler", SamplerKind::kSobol, true},
+    {"orthogonal", SamplerKind::kSobol, true},
+    {"halton", SamplerKind::kSobol, true},
     {"hammersley", SamplerKind::kSobol, true},
+    {"paddedsobol", SamplerKind::kSobol, true},
+    {"pmj02bn", SamplerKind::kSobol, true},
 };
 
 }  // namespace
@@ -42,6 +48,12 @@ SamplerKind sampler_from_name(std::string_view name) {
     throw Error(ExitCode::kUsage, "unknown sampler '" + std::string(name) + "'" + did_you_mean(name, sampler_names()) +
                                       known_names(sampler_names()));
   return named->kind;
+}
+
+std::string stand_in_sampler_note(std::string_view name) {
+  const NamedSampler* named = find_sampler(name);
+  if (named == nullptr || !named->alike) return {};
+  return "sampler '" + std::string(name) + "' is rendered with '" + sampler_name(named->kind) + "'";
 }
 
 SamplerKind rendered_sampler(SamplerKind named) {

@@ -25,9 +25,13 @@ std::vector<std::string> sampler_names();
 /// The name of a kind.
 const char* sampler_name(SamplerKind kind);
 
-/// The kind that `name` stands for: independent, stratified, multijitter, sobol, zsobol, and Mitsuba's other samplers,
-/// for which sobol stands in. Throws Error (usage) for an unknown name, with the nearest known one and all others.
+/// The kind that `name` stands for: independent, stratified, multijitter, sobol, zsobol, and the other samplers of
+/// Mitsuba and pbrt, for which sobol stands in. Throws Error (usage) for an unknown name, with the nearest known one
+/// and all others.
 SamplerKind sampler_from_name(std::string_view name);
+
+/// What to tell the user if another sampler stands in for the one of this name; else empty.
+std::string stand_in_sampler_note(std::string_view name);
 
 /// The kind with which to render a scene whose file names `named`, unless the user asks for it. Exporters write
 /// `independent` because readers have it as default, not because somebody wants its noise: it becomes sobol.
