@@ -4,8 +4,9 @@ set(SHEAF_PACKAGED_BUILDS "" CACHE STRING
   "Folders with a built program each, named after its -march: installed in place of this one, with a launcher that \
 chooses")
 
-# sheaf_install(): the program, its manual pages and completion, both made from its help, documentation, and the example
-# scenes beside the scripts that make the larger ones, laid out as in this repository.
+# sheaf_install(): the program, its manual pages and completion, both made from its help, documentation, the example
+# scenes beside the scripts that make the larger ones, laid out as in this repository, and make_cloud, which one of
+# these scripts runs.
 function(sheaf_install)
   include(GNUInstallDirs)
   if(SHEAF_PACKAGED_BUILDS)
@@ -17,8 +18,11 @@ function(sheaf_install)
       install(PROGRAMS "${build}/sheaf" DESTINATION lib/sheaf/${level})
       install(FILES "${build}/sheaf_pictures.so" DESTINATION lib/sheaf/${level})
     endforeach()
+    # The first build runs on every machine that the package is for.
+    list(GET SHEAF_PACKAGED_BUILDS 0 build)
+    install(PROGRAMS "${build}/make_cloud" DESTINATION bin)
   else()
-    install(TARGETS sheaf RUNTIME DESTINATION bin)
+    install(TARGETS sheaf make_cloud RUNTIME DESTINATION bin)
     install(TARGETS sheaf_pictures LIBRARY DESTINATION lib/sheaf)
   endif()
 

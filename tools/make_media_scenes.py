@@ -2,11 +2,15 @@
 """Writes the assets of scenes/media: a glass bowl and glass steps (scenes/media/meshes), and the cloud and fire grids
 (scenes/media/generated, by make_cloud). Needs only Python and a build; the output is deterministic.
 
-  tools/make_media_scenes.py [--make-cloud build/release/make_cloud] [--meshes-only]
+  tools/make_media_scenes.py [--make-cloud PROGRAM] [--meshes-only]
+
+make_cloud is taken from build/release, where tools/quickstart.sh builds it, or else from PATH, where an installed
+package has it.
 """
 
 import argparse
 import math
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -81,9 +85,15 @@ def make_stairs(steps=5):
     return "# Steps of glass, written by tools/make_media_scenes.py.\n" + "\n".join(lines + faces) + "\n"
 
 
+def find_make_cloud():
+    """The program of a checkout's build, or else the one that PATH has."""
+    built = ROOT / "build/release/make_cloud"
+    return str(built) if built.is_file() else shutil.which("make_cloud") or str(built)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--make-cloud", default=str(ROOT / "build/release/make_cloud"))
+    parser.add_argument("--make-cloud", default=find_make_cloud())
     parser.add_argument("--meshes-only", action="store_true")
     arguments = parser.parse_args()
     (FOLDER / "meshes").mkdir(parents=True, exist_ok=True)

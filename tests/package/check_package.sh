@@ -33,7 +33,7 @@ apt() { in_root env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=
 apt purge --autoremove --yes sheaf || true  # not there in a new folder
 cp "$package" "$root/tmp/sheaf.deb"
 apt update || fail "apt-get update: $(tail -n 5 "$root.log")"
-apt install --yes --no-install-recommends /tmp/sheaf.deb man-db || fail "cannot be installed: $(tail -n 5 "$root.log")"
+apt install --yes --no-install-recommends /tmp/sheaf.deb man-db python3 || fail "cannot be installed: $(tail -n 5 "$root.log")"
 passed "installed with its dependencies"
 
 levels=()
@@ -66,6 +66,9 @@ as_user sheaf compare "$work/$best.exr" "$work/x86-64-v3.exr" "${limits[@]}" || 
 same=differ
 cmp -s "$root$work/x86-64-v3.png" "$root$work/$best.png" && same="are the same"
 passed "example rendered by x86-64-v3 and $best; the bytes of their PNG files $same"
+cp "$repository/tests/package/check_examples.py" "$root/tmp/check_examples.py"
+as_user python3 /tmp/check_examples.py /usr/share/sheaf /usr/share/doc/sheaf || fail "commands of the documentation"
+passed "every command of the gallery and the README"
 if as_user sheaf render "$work/scenes/no.xml" -o "$work/no.exr" 2>/dev/null; then fail "exit status of a missing scene"; fi
 
 for command in "" render info compare denoise; do

@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""Runs every command that an installed package's documentation has for its examples, as it stands there but for its
+size and number of samples: the makers of docs/gallery.md, every `sheaf` of docs/gallery.md and of README.md. Needs
+nothing but Python, and `sheaf` and `make_cloud` in PATH.
+
+  tests/package/check_examples.py EXAMPLES DOCUMENTATION      such as /usr/share/sheaf /usr/share/doc/sheaf
+
+EXAMPLES is copied to a temporary folder. Exit status: 0 done, 1 a command failed, or an example has no command.
+"""
+
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+SCENE = """<scene version="3.0.0">
+  <default name="turns" value="1"/>
+  <sensor type="perspective"><transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="1280"/><integer name="height" value="720"/></film>
+    <sampler type="independent"><integer name="sample_count" value="4"/></sampler></sensor>
+  <shape type="sphere"><transform name="to_world"><scale value="$turns"/></transform></shape>
+  <emitter type="constant"/></scene>
+"""
+MODEL = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
+# Commands of README.md that need more than a machine has, and why.
+LEFT_OUT = {"farm": "submits jobs to a Slurm cluster", "--serve": "shows a page until the render ends",
+            "--tev": "needs the viewer tev"}
+
+
+def commands_of(text):
+    """The lines of fenced blocks, without comments."""
+    lines = []
+    for block in re.findall(r"^```\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        lines += [line.split(" #")[0].strip() for line in block.splitlines()]
+    return [line for line in lines if line]
+
+
+def shortened(words):
+    """A render with few samples, of an example in a small size."""
+    if words[:2] != ["sheaf", "render"]:
+        return words
+    short = []
+    for word, before in zip(words, ["", *words]):
+        if before in ("--spp", "--noise-target", "--time-limit", "--size") or word in ("--noise-target", "--time-limit"):
+            continue
+        if word not in ("--spp", "--size"):
+            short.append(word)
+    short += ["--spp", "16" if "--denoise" in words or "--guiding" in words else "4", "--quiet"]
+    if words[2].startswith("scenes/"):
+        short += ["--size", "64x48"]
+    return short
+
+
+def run(words, folder):
+    done = subprocess.run(words, cwd=folder, check=False, text=True, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT)
+    if done.returncode != 0:
+        print(f"examples: FAILED: {shlex.join(words)}: exit status {done.returncode}\n{done.stdout}", flush=True)
+    return done.returncode == 0
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    examples, documentation = Path(sys.argv[1]), Path(sys.argv[2])
+    gallery = commands_of((documentation / "docs/gallery.md").read_text())
+    readme = commands_of((documentation / "README.md").read_text())
+    failed = 0
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary) / "examples"
+        shutil.copytree(examples, folder, ignore=shutil.ignore_patterns("generated", "__pycache__"))
+        (folder / "scene.xml").write_text(SCENE)
+        (folder / "model.obj").write_text(MODEL)
+        # What README.md denoises and compares has been rendered before.
+        for name in ("noisy.exr", "a.exr", "b.exr"):
+            failed += not run(["sheaf", "render", "scene.xml", "--spp", "4", "--scale", "0.05", "--replicates", "4",
+                               "--quiet", "-o", name], folder)
+        for command in gallery + [line for line in readme if line.startswith("sheaf ")]:
+            words = shlex.split(command)
+            if words[0] == "cp" or any(word in LEFT_OUT for word in words):
+                continue
+            if words[0].startswith("tools/"):
+                words = [sys.executable, *words]
+                if words[1] == "tools/make_instances.py":
+                    words.append("500")
+            elif words[0] != "sheaf":
+                print(f"examples: FAILED: no command that is known: {command}")
+                failed += 1
+                continue
+            failed += not run(shortened(words), folder)
+        for scene in sorted([*folder.glob("scenes/**/*.xml"), *folder.glob("scenes/**/*.pbrt")]):
+            name = str(scene.relative_to(folder))
+            if "generated" not in scene.parts and not any(name in command.split() for command in gallery):
+                print(f"examples: FAILED: docs/gallery.md has no command for {name}")
+                failed += 1
+    if failed:
+        sys.exit(1)
+    print("examples: all passed")
+
+
+if __name__ == "__main__":
+    main()
