@@ -45,7 +45,11 @@ void add_checkpoint_options(Command& command, CheckpointArguments& arguments) {
   command.add_option("--checkpoint", arguments.file,
                      "File that the render's state is saved in while it runs, when it is interrupted and when it ends; "
                      "with --resume it goes on from there");
-  command.add_option("--checkpoint-every", arguments.every, "Seconds between checkpoints. Default: 60").positive();
+  command
+      .add_option("--checkpoint-every", arguments.every,
+                  "Time between checkpoints: seconds, or with units, such as 10m. Default: 60")
+      .seconds()
+      .positive();
   command.add_flag("--resume", arguments.resume,
                    "Go on from the file given with --checkpoint; begin, if it is not there. The picture is the same to "
                    "the byte as that of a render that was never interrupted");

@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/image_compare.h"
 #include "tools/commands.h"
+#include "tools/picture_files.h"
 
 #include <fmt/format.h>
 
@@ -25,6 +26,7 @@ struct CompareArguments {
 /// The variance in a file of its own, of single samples if `spp` is above 1; else the picture's own layers.
 std::optional<Image> find_variance(const Image& image, const std::string& file, unsigned spp) {
   if (file.empty()) return variance_layers(image);
+  check_is_picture(file);
   Image variance = read_image(file);
   if (const std::optional<Image> layers = variance_layers(variance)) variance = *layers;
   for (float& value : variance.data) value /= static_cast<float>(spp);
@@ -47,8 +49,8 @@ std::string describe(const ImageComparison& result, const CompareOptions& option
   fmt::format_to(out,
                  "Z-test         {:.3f} % of {} values accepted at the level {:g} (noise alone: {:.3f} %), "
                  "mean z^2 {:.4f}, variances of {}\n",
-                 test.accepted_share() * 100, test.tests, test.significance,
-                 (1 - test.significance) * 100, test.mean_z_squared, source);
+                 test.accepted_share() * 100, test.tests, test.significance, (1 - test.significance) * 100,
+                 test.mean_z_squared, source);
   fmt::format_to(out, "equal means    p = {:.4g} (smallest of the channels, corrected for their number)\n",
                  test.corrected_mean_p());
   return text;
@@ -78,6 +80,7 @@ std::vector<std::string> find_failures(const ImageComparison& result, const Comp
 }
 
 int compare(const CompareArguments& arguments) {
+  for (const std::string& file : {arguments.a, arguments.b}) check_is_picture(file);
   const Image a = read_image(arguments.a), b = read_image(arguments.b);
   CompareOptions options;
   options.significance = arguments.significance;
@@ -116,8 +119,10 @@ void add_compare_command(Command& program, int& exit_code) {
   command.add_option("--max-mse", arguments->max_mse, "Limit of the mean squared error");
   command.add_option("--max-relmse", arguments->max_relative_mse,
                      "Limit of the relative mean squared error, mean of (a - b)^2 / (b^2 + 0.01)");
-  command.add_option("--max-mean-ratio-error", arguments->max_mean_ratio_error, "Limit of |mean(A) / mean(B) - 1|");
+  command.add_option("--max-mean-ratio-error", arguments->max_mean_ratio_error, "Limit of |mean(A) / mean(B) - 1|")
+      .share();
   command.add_option("--min-accepted", arguments->min_accepted, "Least share of values that the Z-test accepts, 0 to 1")
+      .share()
       .in_range(0.0, 1.0);
   command
       .add_option("--min-mean-p", arguments->min_mean_p,

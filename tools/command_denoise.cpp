@@ -37,6 +37,7 @@ int denoise_picture(const DenoiseArguments& arguments) {
   const std::vector<fs::path> outputs = check_outputs(arguments);
   const Denoiser denoiser = denoiser_from_name(arguments.method);
   check_denoiser(denoiser);
+  check_is_exr(arguments.input);
   const Image image = read_exr(arguments.input);
   ExrMetadata metadata = read_exr_metadata(arguments.input);
   const auto start = std::chrono::steady_clock::now();
@@ -45,6 +46,7 @@ int denoise_picture(const DenoiseArguments& arguments) {
   add_denoise_attribute(metadata, result);
   const std::vector<fs::path> written = write_pictures(outputs, result.image, metadata);
   if (!arguments.quiet) {
+    if (const std::string text = interruption(metadata.attributes); !text.empty()) print_message("warning: " + text);
     print_message(fmt::format("denoised in {:.2f} s ({})", elapsed.count(), result.description));
     for (const fs::path& output : written) print_message("wrote " + output.string());
   }

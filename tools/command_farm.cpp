@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
 #include <cstdlib>
 #include <memory>
 
@@ -107,9 +108,9 @@ std::vector<std::string> strips(const PixelRect& crop, int parts) {
   if (crop.height() < parts)
     throw Error(ExitCode::kUsage, fmt::format("{} rows of pixels cannot be cut into {} parts", crop.height(), parts));
   std::vector<std::string> values;
+  const auto row = [&](std::int64_t part) { return crop.y0 + crop.height() * part / parts; };
   for (int part = 0; part < parts; ++part)
-    values.push_back(fmt::format("{},{},{},{}", crop.x0, crop.y0 + crop.height() * part / parts, crop.x1,
-                                 crop.y0 + crop.height() * (part + 1) / parts));
+    values.push_back(fmt::format("{},{},{},{}", crop.x0, row(part), crop.x1, row(part + 1)));
   return values;
 }
 

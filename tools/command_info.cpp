@@ -8,6 +8,7 @@
 #include "scene/dialects/read_scene.h"
 #include "scene/dialects/sampler_name.h"
 #include "tools/commands.h"
+#include "tools/picture_files.h"
 #include "tools/read_options.h"
 
 #include <fmt/format.h>
@@ -168,6 +169,8 @@ std::string describe(const ExrHeader& header, const std::string& file) {
   fmt::format_to(out, "file        {}\n", file);
   fmt::format_to(out, "picture     {} x {} pixels, {} channels\n", header.window.width(), header.window.height(),
                  header.channels.size());
+  if (const std::string interrupted = interruption(header.attributes); !interrupted.empty())
+    fmt::format_to(out, "warning     {}\n", interrupted);
   fmt::format_to(out, "windows     data {}, display {}\n", window(header.window), window(header.frame));
   for (const ExrHeader::Channel& channel : header.channels)
     fmt::format_to(out, "channel     {} ({})\n", channel.name, channel.type);
@@ -207,6 +210,7 @@ void add_info_command(Command& program, int& exit_code) {
   command.add_option("scene", arguments->scene, "Scene file, or picture (.exr)").required();
   add_read_options(command, arguments->read);
   command.on_call([arguments, &exit_code] {
+    if (extension_of(arguments->scene) == ".exr") check_is_exr(arguments->scene);
     if (std::filesystem::is_regular_file(arguments->scene) && is_exr(arguments->scene)) {
       std::fputs(printable(describe(read_exr_header(arguments->scene), arguments->scene)).c_str(), stdout);
       exit_code = 0;

@@ -1,6 +1,7 @@
 // sheaf merge: joins parts of a picture, tiles and ranges of samples, to the whole.
 #include "core/error.h"
 #include "core/output_file.h"
+#include "core/saturate.h"
 #include "kernels/film/noise.h"
 #include "tools/commands.h"
 #include "tools/parts.h"
@@ -8,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 
 namespace sheaf {
@@ -82,12 +84,28 @@ std::array<std::vector<float>, kNameKinds> find_ids(const std::vector<PartFile>&
   return ids;
 }
 
+/// Samples per pixel on average.
+double mean_samples(const Image& image) {
+  const int count = image.find_channel("sampleCount");
+  double samples = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) samples += static_cast<double>(image.at(x, y, count));
+  return samples / static_cast<double>(image.pixel_count());
+}
+
+void mark_interrupted(ExrMetadata& metadata, double taken, std::uint32_t planned) {
+  for (ExrMetadata::Attribute& attribute : metadata.attributes)
+    if (attribute.name == "sheaf/samplesPerPixel") attribute.value = saturate<int>(std::round(taken));
+  add_interrupted_attributes(metadata, taken, planned);
+}
+
 int merge_pictures(const MergeArguments& arguments) {
   const std::vector<fs::path> outputs = check_outputs(arguments);
   std::vector<PartFile> files;
   std::vector<PicturePart> parts;
   bool has_denoised = false, interrupted = false;
   for (const std::string& path : arguments.parts) {
+    check_is_exr(path);
     files.push_back(read_part_header(path));
     check_same_picture(files.front(), files.back());
     parts.push_back(files.back().part);
@@ -106,10 +124,12 @@ int merge_pictures(const MergeArguments& arguments) {
   ExrMetadata metadata = whole_metadata(files);
   if (arguments.full_floats) metadata.half_channels.clear();
   const Image image = merger.finish();
-  const std::optional<double> noise = picture_noise(image);
+  const bool is_noise_known = !is_noise_unknown(merger.pixels_without_variance(), image.pixel_count());
+  const std::optional<double> noise = is_noise_known ? picture_noise(image) : std::nullopt;
   for (ExrMetadata::Attribute& attribute : metadata.attributes)
     if (attribute.name == "sheaf/noise") attribute.value = noise ? fmt::format("{:.6g}", *noise) : "unknown";
   const double share = covered_share(parts, whole, first.samples_per_pixel);
+  if (interrupted) mark_interrupted(metadata, mean_samples(image), first.samples_per_pixel);
   if (interrupted || share < 1.0)
     metadata.attributes.push_back(
         {"sheaf/incomplete", fmt::format("{:.6g} of the samples{}", share, interrupted ? ", some interrupted" : "")});
@@ -118,6 +138,7 @@ int merge_pictures(const MergeArguments& arguments) {
   if (arguments.quiet) return exit_code;
   if (has_denoised)
     print_message("the parts' layers denoised.R/G/B are left out; 'sheaf denoise' makes them of the whole picture");
+  if (const std::string text = interruption(metadata.attributes); !text.empty()) print_message("warning: " + text);
   if (interrupted || share < 1.0)
     print_message(fmt::format("warning: the picture is incomplete: {:.4g} % of the samples{}", share * 100,
                               interrupted ? ", and parts that were interrupted" : ""));

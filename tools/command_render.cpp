@@ -4,6 +4,7 @@
 #include "core/large_pages.h"
 #include "core/output_file.h"
 #include "core/progress.h"
+#include "core/saturate.h"
 #include "kernels/denoise/denoise.h"
 #include "kernels/film/cryptomatte.h"
 #include "kernels/passes/render.h"
@@ -25,6 +26,7 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -40,6 +42,9 @@ namespace sheaf {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// Most pixels along a side of the frame, as of scene files.
+constexpr int kMaxFrameSide = 1'000'000'000;
 
 /// From how many samples per pixel on they are cut into four sets for a denoiser, below into two.
 constexpr std::uint32_t kDenoisedSamples = 16;
@@ -66,8 +71,9 @@ void check_sources(const std::vector<NamedFile>& outputs, const std::vector<fs::
   check_overwriting(outputs, sources);
 }
 
-void apply_integrator(const RenderArguments& arguments, IntegratorDescription& integrator) {
-  if (!arguments.integrator.empty()) integrator = integrator_from_name(arguments.integrator, integrator);
+void apply_integrator(const RenderArguments& arguments, Description& scene) {
+  if (!arguments.integrator.empty()) apply_integrator_name(arguments.integrator, scene);
+  IntegratorDescription& integrator = scene.integrator;
   if (arguments.spp) integrator.photons.max_passes = 0;
   if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
   if (arguments.rr_depth) integrator.rr_depth = *arguments.rr_depth;
@@ -95,19 +101,25 @@ void apply_sampler(const RenderArguments& arguments, Description& scene) {
     sampler.kind = rendered_sampler(sampler.kind);
   } else {
     sampler.kind = sampler_from_name(arguments.sampler);
+    note(stand_in_sampler_note(arguments.sampler));
   }
   const std::uint32_t wanted = arguments.spp.value_or(is_adaptive(arguments) ? kAdaptiveSamples : sampler.sample_count);
   sampler.sample_count = rounded_sample_count(sampler.kind, wanted);
   note(rounding_note(sampler.kind, wanted));
 }
 
-/// Sets the size asked for; the scene's crop is that share of the frame that it was.
+/// Sets the size asked for; the scene's crop is that share of the frame that it was. Throws Error (exit code 2) for a
+/// frame that is too large.
 void apply_size(const RenderArguments& arguments, FilmDescription& film) {
   if (arguments.size.empty() && !arguments.scale) return;
   const FilmDescription before = film;
   if (!arguments.size.empty()) std::tie(film.width, film.height) = parse_size(arguments.size);
-  const float scale = arguments.scale.value_or(1.0f);
-  const auto scaled = [](int pixels, double factor) { return static_cast<int>(std::lround(pixels * factor)); };
+  const double scale = arguments.scale.value_or(1.0);
+  if (std::max(film.width, film.height) * scale > kMaxFrameSide)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--scale {:g} makes a frame of {:g} x {:g} pixels, expected at most {} along each side",
+                            scale, film.width * scale, film.height * scale, kMaxFrameSide));
+  const auto scaled = [](int pixels, double factor) { return saturate<int>(std::round(pixels * factor)); };
   film.width = std::max(scaled(film.width, scale), 1);
   film.height = std::max(scaled(film.height, scale), 1);
   if (!film.crop) return;
@@ -153,11 +165,29 @@ AovSet wanted_aovs(const RenderArguments& arguments) {
   return aovs;
 }
 
+/// Throws Error (exit code 2) where layers are asked for that no file would hold.
+void check_layers(const RenderArguments& arguments, const std::vector<fs::path>& outputs) {
+  const auto is_exr = [](const fs::path& file) { return extension_of(file) == ".exr"; };
+  if (std::any_of(outputs.begin(), outputs.end(), is_exr)) return;
+  const char* const option = !arguments.aovs.empty()        ? "--aov"
+                             : arguments.light_groups       ? "--light-groups"
+                             : arguments.spectral_bins != 0 ? "--spectral-bins"
+                                                            : nullptr;
+  if (option != nullptr)
+    throw Error(ExitCode::kUsage, std::string(option) + " asks for layers, which .exr files alone hold: add -o " +
+                                      fs::path(outputs.front()).replace_extension(".exr").string());
+}
+
 /// World to OpenEXR's camera space, which looks along -z with x to the right; ours looks along +z with x to the left.
 std::optional<Matrix4> world_to_camera(const CameraDescription& camera) {
   Matrix4 half_turn;
   half_turn.m[0][0] = half_turn.m[2][2] = -1;
   return half_turn * camera.to_world.inverse_matrix();
+}
+
+/// Samples per pixel that there are, rounded.
+int taken_samples(const RenderReport& report) {
+  return report.interrupted ? saturate<int>(std::round(report.mean_samples)) : saturate<int>(report.spp);
 }
 
 ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& report, const Description& scene,
@@ -171,10 +201,11 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
                          {"sheaf/color", report.color},
                          {"sheaf/sampler", std::string(sampler_name(scene.sampler.kind))},
                          {"sheaf/seed", std::to_string(report.seed)},
-                         {"sheaf/samplesPerPixel", static_cast<int>(report.spp)},
+                         {"sheaf/samplesPerPixel", taken_samples(report)},
                          {"sheaf/noise", report.noise ? fmt::format("{:.6g}", *report.noise) : std::string("unknown")},
                          {"sheaf/droppedRays", std::to_string(report.stats.dropped.rays)},
                          {"sheaf/droppedSamples", std::to_string(report.stats.dropped.samples)}};
+  if (report.interrupted) add_interrupted_attributes(metadata, report.mean_samples, report.spp);
   if (arguments.noise_target)
     metadata.attributes.push_back({"sheaf/noiseTarget", fmt::format("{:.6g}", *arguments.noise_target)});
   if (arguments.spectral_bins > 0) {
@@ -209,35 +240,47 @@ Progress::Mode progress_mode(bool quiet) {
   return isatty(STDERR_FILENO) != 0 ? Progress::Mode::kBar : Progress::Mode::kLines;
 }
 
+/// The columns of the terminal; 0 if they are unknown.
+int terminal_columns() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
+
 /// What the picture looks like so far.
-Image preview_of(const Scene& scene, const RenderState& state, AovSet aovs) {
+RenderResult preview_of(const Scene& scene, const RenderState& state, AovSet aovs) {
   RenderResult so_far;
   so_far.film = state.film;
-  so_far.film.add(state.borders);
+  if (!state.adaptive) {
+    so_far.film.add(state.borders);
+    so_far.film.end_replicate();
+  }
   so_far.splats = state.splats;
   so_far.photons = state.photons;
   so_far.aovs = aovs;
   so_far.names = scene.names();
-  return so_far.to_image();
+  return so_far;
 }
 
 /// Renders with signals caught and progress shown, and saves checkpoints. `show` is given what there is so far whenever
 /// somebody wants to see it.
 RenderResult render_with_progress(const Scene& scene, RenderOptions options, bool quiet, Checkpointer& checkpointer,
-                                  Preview& preview, const std::function<void(const RenderState&)>& show) {
-  const std::uint64_t pixels = static_cast<std::uint64_t>(options.crop->width()) *
-                               static_cast<std::uint64_t>(options.crop->height());
-  Progress progress(progress_mode(quiet), pixels * scene.sampler().sample_count, [](std::string_view text) {
-    std::fwrite(text.data(), 1, text.size(), stderr);
-  });
+                                  Preview& preview,
+                                  const std::function<void(const RenderState&, const RenderReport&)>& show) {
+  RenderReport report;
+  const std::uint64_t pixels =
+      static_cast<std::uint64_t>(options.crop->width()) * static_cast<std::uint64_t>(options.crop->height());
+  const auto write = [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); };
+  Progress progress(progress_mode(quiet), pixels * scene.sampler().sample_count, write, Progress::steady_seconds,
+                    terminal_columns);
   options.on_progress = [&progress](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
   options.stop = &InterruptGuard::stop();
   options.wants_pause = [&checkpointer] { return InterruptGuard::wants_preview() || checkpointer.is_due(); };
+  options.on_report = [&](const RenderReport& now) { report = now; };
   options.on_pause = [&](const RenderState& state) {
     checkpointer.save(state);
     if (!InterruptGuard::wants_preview()) return;
     InterruptGuard::end_preview();
-    show(state);
+    show(state, report);
   };
   preview.watch(options);
   RenderResult result = render(scene, options);
@@ -304,6 +347,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   std::vector<fs::path> outputs;
   for (std::size_t i = 0; i < std::max<std::size_t>(arguments.outputs.size(), 1); ++i)
     outputs.push_back(all_outputs[i].file);
+  check_layers(arguments, outputs);
   if (!arguments.denoiser.empty()) check_denoiser(denoiser_from_name(arguments.denoiser));
   Preview preview(arguments.preview, arguments.scene, outputs.front().string(), arguments.quiet);
   const double load_start = Progress::steady_seconds();
@@ -311,7 +355,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   check_sources(all_outputs, description.files);
   const ColorMode color = choose_color(arguments, description);
   const char* const color_name = color == ColorMode::kSpectral ? "spectral" : "rgb";
-  apply_integrator(arguments, description.integrator);
+  apply_integrator(arguments, description);
   apply_sampler(arguments, description);
   apply_size(arguments, description.film);
   if (!arguments.filter_mode.empty())
@@ -338,11 +382,12 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   RenderOptions options = render_options(arguments, description.sampler, aovs, crop);
   options.resume = resumed ? &*resumed : nullptr;
   const InterruptGuard guard;
-  const auto show = [&](const RenderState& state) {
-    RenderReport report;
-    report.isa = kIsaName;
+  const auto show = [&](const RenderState& state, RenderReport report) {
     report.color = color_name;
-    const Image image = preview_of(*scene, state, aovs);
+    report.interrupted = true;
+    const RenderResult so_far = preview_of(*scene, state, aovs);
+    report.noise = noise_of(so_far.film, so_far.splats, so_far.photons);
+    const Image image = so_far.to_image();
     for (const fs::path& file :
          write_pictures(outputs, image, make_metadata(arguments, report, description, scene->names(), image)))
       print_message("wrote what there is to " + file.string());
@@ -357,7 +402,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   result.film = Film();  // its memory is needed for writing
   ExrMetadata metadata = make_metadata(arguments, result.report, description, scene->names(), image);
   if (result.samples) result.report.spp = result.samples->count;  // the header has those of the whole
-  if (!part.empty()) add_part_attributes(metadata, part, result.samples, result.interrupted);
+  if (!part.empty()) add_part_attributes(metadata, part, result.samples);
   const bool denoised = add_denoised(arguments, image, metadata);
   const std::vector<fs::path> written = write_pictures(outputs, image, metadata);
   bool complete = written.size() == outputs.size() && checkpointer.is_saved();
@@ -390,7 +435,7 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
     throw Error(ExitCode::kUsage, "these are no options of 'sheaf render'");
   const AovSet aovs = wanted_aovs(arguments);
   Description scene = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
-  apply_integrator(arguments, scene.integrator);
+  apply_integrator(arguments, scene);
   apply_sampler(arguments, scene);
   apply_size(arguments, scene.film);
   plan.integrator = scene.integrator.kind;

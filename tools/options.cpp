@@ -4,42 +4,176 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <iostream>
+#include <iterator>
+#include <limits>
+#include <string_view>
 #include <type_traits>
 
 namespace sheaf {
 
 namespace {
 
+/// Reads a decimal number at the beginning of `text`, which then holds the rest. Returns nothing if there is none.
+std::optional<double> take_number(std::string_view& text) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, value);
+  if (read.ec == std::errc::invalid_argument) return std::nullopt;
+  // Numbers beyond the range of double are infinite here, which no option takes.
+  if (read.ec == std::errc::result_out_of_range) value = std::numeric_limits<double>::infinity();
+  text.remove_prefix(static_cast<std::size_t>(read.ptr - text.data()));
+  return value;
+}
+
+/// A whole decimal number.
+std::optional<double> number_of(std::string_view text) {
+  const std::optional<double> value = take_number(text);
+  return text.empty() ? value : std::nullopt;
+}
+
+/// As few digits as tell the number from all others.
+std::string shortest(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return std::string(text, end);
+}
+
 /// Numbers that comparisons say nothing of are in no range.
 CLI::Validator finite() {
   return CLI::Validator(
       [](const std::string& text) {
-        double value = 0;
-        const bool is_number = CLI::detail::lexical_cast(text, value);
-        return is_number && std::isfinite(value) ? std::string() : "'" + text + "' is not a finite number";
+        const std::optional<double> value = number_of(text);
+        return value && std::isfinite(*value) ? std::string() : "'" + text + "' is not a finite number";
       },
       "");
 }
 
-/// What is said of arguments that nobody knows: the first of them, and what may have been meant.
-std::string unknown_argument(const CLI::App& program, const std::vector<std::string>& rest) {
+/// Makes whole numbers out of those that are written in another way, such as 16.0 and 1e3; always decimal.
+std::string to_whole_number(std::string& text) {
+  constexpr double kExact = 9007199254740992.0;  // 2^53
+  const std::optional<double> value = number_of(text);
+  if (!value || !std::isfinite(*value)) return "'" + text + "' is not a number";
+  if (*value != std::floor(*value)) return "'" + text + "' is not a whole number";
+  if (std::fabs(*value) > kExact) return "'" + text + "' is too large";
+  text = std::to_string(static_cast<long long>(*value));
+  return {};
+}
+
+std::string to_number(std::string& text) { return number_of(text) ? std::string() : "'" + text + "' is not a number"; }
+
+/// Makes a share out of per cent.
+std::string to_share(std::string& text) {
+  std::string_view rest = text;
+  const std::optional<double> value = take_number(rest);
+  if (value && rest == "%") text = shortest(*value / 100);
+  return to_number(text);
+}
+
+/// Makes seconds out of times with units, such as 90s, 5m, 1.5h and 1h30m.
+std::string to_seconds(std::string& text) {
+  constexpr std::pair<std::string_view, double> kUnits[] = {{"ms", 1e-3},   {"s", 1},        {"sec", 1},
+                                                            {"m", 60},      {"min", 60},     {"h", 3600},
+                                                            {"hour", 3600}, {"hours", 3600}, {"d", 86400}};
+  if (number_of(text)) return {};
+  double seconds = 0;
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::optional<double> value = take_number(rest);
+    const std::string_view unit = rest.substr(0, rest.find_first_of("+-.0123456789 "));
+    const auto* const found =
+        std::find_if(std::begin(kUnits), std::end(kUnits), [&](const auto& each) { return each.first == unit; });
+    if (!value || *value < 0 || found == std::end(kUnits))
+      return "'" + text + "' is not a time: expected seconds, or a number with ms, s, m, h or d, such as 90s or 1h30m";
+    seconds += *value * found->second;
+    rest.remove_prefix(unit.size());
+  }
+  text = shortest(seconds);
+  return {};
+}
+
+CLI::Validator transform(std::string (*function)(std::string&)) { return CLI::Validator(function, ""); }
+
+/// The command that was called, or the program.
+const CLI::App& called_command(const CLI::App& program) {
   const CLI::App* command = &program;
   for (const CLI::App* each : program.get_subcommands()) command = each;
-  std::vector<std::string> options, commands;
-  for (const CLI::Option* option : command->get_options())
-    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
-  for (const CLI::App* each : command->get_subcommands({})) commands.push_back(each->get_name());
+  return *command;
+}
+
+std::vector<std::string> option_names(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+/// "sheaf render": what comes before the options.
+std::string full_name(const CLI::App& command) {
+  const CLI::App* parent = command.get_parent();
+  return (parent != nullptr ? full_name(*parent) + " " : "") + command.get_name();
+}
+
+/// What is said of an option that stands before the command that it belongs to. Empty if no command has it.
+std::string misplaced_option(const CLI::App& program, const std::string& option) {
+  const CLI::App& called = called_command(program);
+  std::vector<const CLI::App*> commands = program.get_subcommands({});
+  if (&called != &program) commands.insert(commands.begin(), &called);
+  for (const CLI::App* command : commands) {
+    const std::vector<std::string> names = option_names(*command);
+    if (std::find(names.begin(), names.end(), option) == names.end()) continue;
+    return "option '" + option + "' belongs behind its command: " + full_name(*command) + " " + option;
+  }
+  return {};
+}
+
+/// What is said of arguments that nobody knows: the first of them, and what may have been meant.
+std::string unknown_argument(const CLI::App& program) {
+  const CLI::App& command = called_command(program);
+  const auto name_of = [](const std::string& argument) { return argument.substr(0, argument.find('=')); };
+  for (const std::string& argument : program.remaining(false)) {
+    if (!argument.starts_with("-")) continue;
+    const std::string misplaced = misplaced_option(program, name_of(argument));
+    return misplaced.empty()
+               ? "unknown option '" + argument + "'" + did_you_mean(name_of(argument), option_names(program))
+               : misplaced;
+  }
+  const std::vector<std::string> rest = program.remaining(true);
   for (const std::string& argument : rest)
     if (argument.starts_with("-"))
-      return "unknown option '" + argument + "'" + did_you_mean(argument.substr(0, argument.find('=')), options);
+      return "unknown option '" + argument + "'" + did_you_mean(name_of(argument), option_names(command));
+  std::vector<std::string> commands;
+  for (const CLI::App* each : command.get_subcommands({})) commands.push_back(each->get_name());
   const std::string& word = rest.front();
   if (commands.empty()) return "unexpected argument '" + word + "'";
   std::string known;
   for (const std::string& name : commands) known += (known.empty() ? "" : ", ") + name;
   return "unknown command '" + word + "'" + did_you_mean(word, commands) + " (" + known + ")";
 }
+
+/// What is said of command lines that cannot be.
+std::string usage_message(const CLI::App& program, const CLI::ParseError& problem) {
+  // A word that is no command shows as a command that is missing.
+  const bool about_rest = dynamic_cast<const CLI::ExtrasError*>(&problem) != nullptr ||
+                          dynamic_cast<const CLI::RequiredError*>(&problem) != nullptr;
+  if (about_rest && !program.remaining(true).empty()) return unknown_argument(program);
+  if (dynamic_cast<const CLI::RequiredError*>(&problem) != nullptr && &called_command(program) == &program) {
+    std::string commands;
+    for (const CLI::App* each : program.get_subcommands({}))
+      commands += (commands.empty() ? "expected a command: " : ", ") + each->get_name();
+    if (!commands.empty()) return commands;
+  }
+  std::string message = problem.what();
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  return message;
+}
+
+/// Options whose values are numbers: one, an optional one or a list.
+template <class T> struct is_number : std::is_arithmetic<T> { static constexpr bool is_whole = std::is_integral_v<T>; };
+template <class T> struct is_number<std::optional<T>> : is_number<T> {};
+template <class T> struct is_number<std::vector<T>> : is_number<T> {};
 
 }  // namespace
 
@@ -61,11 +195,19 @@ template Option& Option::in_range(float, float);
 
 Option& Option::positive() {
   const auto above_zero = [](const std::string& text) {
-    double value = 0;
-    const bool is_positive = CLI::detail::lexical_cast(text, value) && value > 0;
-    return is_positive ? std::string() : "'" + text + "' is not a number above 0";
+    return number_of(text).value_or(0) > 0 ? std::string() : "'" + text + "' is not a number above 0";
   };
   option_->check(finite())->check(CLI::Validator(above_zero, "POSITIVE"));
+  return *this;
+}
+
+Option& Option::share() {
+  option_->transform(transform(to_share));
+  return *this;
+}
+
+Option& Option::seconds() {
+  option_->transform(transform(to_seconds));
   return *this;
 }
 
@@ -85,7 +227,9 @@ Option& Option::list(char delimiter, int count) {
 }
 
 template <class T> Option Command::add_option(const std::string& names, T& value, const std::string& help) {
-  return Option(*command_->add_option(names, value, help));
+  CLI::Option& option = *command_->add_option(names, value, help);
+  if constexpr (is_number<T>::value) option.transform(transform(is_number<T>::is_whole ? to_whole_number : to_number));
+  return Option(option);
 }
 
 template Option Command::add_option(const std::string&, std::string&, const std::string&);
@@ -144,16 +288,13 @@ std::optional<int> Program::parse(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
     return std::nullopt;
-  } catch (const CLI::CallForHelp& help) { return app_->exit(help); } catch (const CLI::ParseError& problem) {
-    // A word that is no command is told as a command that is missing.
-    const std::vector<std::string> rest = app_->remaining(true);
-    const bool about_them = dynamic_cast<const CLI::ExtrasError*>(&problem) != nullptr ||
-                            (dynamic_cast<const CLI::RequiredError*>(&problem) != nullptr && !rest.empty());
-    if (about_them && !rest.empty()) {
-      std::cerr << unknown_argument(*app_, rest) << "\nRun with --help for more information.\n";
-      return static_cast<int>(ExitCode::kUsage);
-    }
-    return app_->exit(problem) == 0 ? 0 : static_cast<int>(ExitCode::kUsage);
+  } catch (const CLI::ParseError& problem) {
+    if (problem.get_exit_code() == 0) return app_->exit(problem);  // --help and --version
+    std::string message = usage_message(*app_, problem);
+    for (char& c : message)
+      if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+    std::cerr << app_->get_name() << ": " << message << " (see '" << full_name(called_command(*app_)) << " --help')\n";
+    return static_cast<int>(ExitCode::kUsage);
   }
 }
 

@@ -28,6 +28,10 @@ class Option {
   template <class T> Option& in_range(T low, T high);
   /// Its value is a number above zero.
   Option& positive();
+  /// Its value is a share, which may be given in per cent: 2% for 0.02.
+  Option& share();
+  /// Its value is a time in seconds, which may be given with units: 90s, 5m, 1h30m.
+  Option& seconds();
   /// Its value is one of these words.
   Option& one_of(const std::vector<std::string>& words);
   /// Its value is one of these words, each of which stands for a number.
@@ -46,7 +50,8 @@ class Command {
   explicit Command(CLI::App& command) : command_(&command) {}
 
   /// An option that sets `value`. T: std::string, int, unsigned, double, an optional of int, unsigned, float or
-  /// double, or a vector of int or float (see Option::list).
+  /// double, or a vector of int or float (see Option::list). Numbers are decimal; whole ones may be written 16.0 or
+  /// 1e3.
   template <class T> Option add_option(const std::string& names, T& value, const std::string& help);
   /// An option that may be repeated and takes one value each time.
   Option add_option(const std::string& names, std::vector<std::string>& values, const std::string& help);
@@ -81,7 +86,7 @@ class Program : public Command {
   /// One subcommand must be given.
   void require_command();
   /// Sets the variables and calls the subcommand given. Returns an exit code if the program is to end there: after
-  /// --help and --version (0), and once a usage error is printed (2).
+  /// --help and --version (0), and once a usage error is printed (2), in one line that begins with the program's name.
   std::optional<int> parse(int argc, char** argv);
 
  private:

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/inflate.h"
 #include "kernels/film/aovs.h"
+#include "tools/picture_files.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +17,6 @@ namespace {
 
 constexpr const char* kSettings = "sheaf/settings";
 constexpr const char* kSamples = "sheaf/samples";
-constexpr const char* kInterrupted = "sheaf/interrupted";
 constexpr const char* kSamplesPerPixel = "sheaf/samplesPerPixel";
 constexpr const char* kIsa = "sheaf/isa";
 constexpr std::uint32_t kMostSamples = 1u << 24;
@@ -58,7 +58,7 @@ std::string first_only_in(const std::vector<std::string>& a, const std::vector<s
   return "";
 }
 
-void set(ExrMetadata& metadata, const std::string& name, std::string value) {
+template <class Value> void set(ExrMetadata& metadata, const std::string& name, Value value) {
   for (ExrMetadata::Attribute& attribute : metadata.attributes)
     if (attribute.name == name) {
       attribute.value = std::move(value);
@@ -92,10 +92,9 @@ std::string part_settings(const RenderSettings& settings) {
   return options + files;
 }
 
-void add_part_attributes(ExrMetadata& metadata, const std::string& settings, const std::optional<SampleRange>& samples,
-                         bool interrupted) {
+void add_part_attributes(ExrMetadata& metadata, const std::string& settings,
+                         const std::optional<SampleRange>& samples) {
   metadata.attributes.push_back({kSettings, settings});
-  if (interrupted) metadata.attributes.push_back({kInterrupted, std::string("true")});
   if (!samples) return;
   metadata.attributes.push_back({kSamples, fmt::format("{}:{}", samples->first, samples->count)});
   metadata.half_channels.clear();
@@ -129,13 +128,15 @@ PartFile read_part_header(const std::filesystem::path& path) {
   file.frame_height = frame.height();
   file.part.name = path.string();
   file.part.pixels = {window.x0 - frame.x0, window.y0 - frame.y0, window.x1 - frame.x0, window.y1 - frame.y0};
-  for (const ExrMetadata::Attribute& attribute : file.metadata.attributes)
-    if (const int* count = std::get_if<int>(&attribute.value); count != nullptr && attribute.name == kSamplesPerPixel)
-      if (*count > 0 && *count <= static_cast<int>(kMostSamples))
-        file.samples_per_pixel = static_cast<std::uint32_t>(*count);
+  // Of an interrupted part sheaf/samplesPerPixel says how many there are.
+  for (const char* const name : {kSamplesPerPixel, kSamplesPlannedAttribute})
+    for (const ExrMetadata::Attribute& attribute : file.metadata.attributes)
+      if (const int* count = std::get_if<int>(&attribute.value); count != nullptr && attribute.name == name)
+        if (*count > 0 && *count <= static_cast<int>(kMostSamples))
+          file.samples_per_pixel = static_cast<std::uint32_t>(*count);
   if (file.samples_per_pixel == 0) throw SceneError(where, "does not say how many samples per pixel it has");
   file.part.samples = {0, file.samples_per_pixel};
-  file.interrupted = !file.text(kInterrupted).empty();
+  file.interrupted = !interruption(file.metadata.attributes).empty();
   if (const std::string text = file.text(kSamples); !text.empty()) {
     const std::optional<SampleRange> samples = samples_from_text(text);
     if (!samples || samples->end() > file.samples_per_pixel)
@@ -187,9 +188,10 @@ ExrMetadata whole_metadata(const std::vector<PartFile>& parts) {
   std::erase_if(whole.half_channels, [](const std::string& channel) { return is_left_out(channel); });
   std::erase_if(whole.attributes, [](const ExrMetadata::Attribute& attribute) {
     const std::string& name = attribute.name;
-    return name == kSettings || name == kSamples || name == kInterrupted || name == "sheaf/denoiser" ||
-           name.starts_with("sheaf/ids/");
+    return name == kSettings || name == kSamples || name == kInterruptedAttribute || name == kSamplesTakenAttribute ||
+           name == kSamplesPlannedAttribute || name == "sheaf/denoiser" || name.starts_with("sheaf/ids/");
   });
+  set(whole, kSamplesPerPixel, static_cast<int>(parts.front().samples_per_pixel));
   std::vector<std::string> isas;
   for (const PartFile& part : parts) {
     // As dates are written, later ones are larger.

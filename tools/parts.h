@@ -17,15 +17,14 @@ SampleRange parse_samples(const std::string& text);
 std::string part_settings(const RenderSettings& settings);
 
 /// Notes in a file's header what it is a part of. `samples`: where these are not all, and then all layers are stored
-/// with 32 bits. `interrupted`: whether some of it is missing.
-void add_part_attributes(ExrMetadata& metadata, const std::string& settings, const std::optional<SampleRange>& samples,
-                         bool interrupted);
+/// with 32 bits.
+void add_part_attributes(ExrMetadata& metadata, const std::string& settings, const std::optional<SampleRange>& samples);
 
 /// The header of a part.
 struct PartFile {
   PicturePart part;
   int frame_width = 0, frame_height = 0;
-  std::uint32_t samples_per_pixel = 0;  ///< of the whole
+  std::uint32_t samples_per_pixel = 0;  ///< of the whole, whether they were taken or not
   bool interrupted = false;
   bool some_samples = false;          ///< the file is one of --samples, even if these are all
   std::vector<std::string> channels;  ///< without those that the whole is to do without; in the file's order
@@ -42,7 +41,8 @@ PartFile read_part_header(const std::filesystem::path& file);
 /// Throws SceneError, which says what differs, unless both are parts of one picture.
 void check_same_picture(const PartFile& first, const PartFile& other);
 
-/// The header of the whole: what parts have in common, and the sums of what was dropped.
+/// The header of the whole: what parts have in common, and the sums of what was dropped. Not whether parts were
+/// interrupted.
 ExrMetadata whole_metadata(const std::vector<PartFile>& parts);
 
 }  // namespace sheaf

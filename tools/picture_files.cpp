@@ -1,11 +1,16 @@
 #include "tools/picture_files.h"
 
 #include "core/error.h"
+#include "core/file_format.h"
 #include "core/output_file.h"
 #include "core/picture_library.h"
+#include "core/saturate.h"
 #include "kernels/denoise/denoise.h"
 #include "tools/commands.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cctype>
 
 namespace sheaf {
@@ -31,6 +36,57 @@ std::vector<NamedFile> named_pictures(const std::vector<std::string>& files) {
     pictures.push_back({"the picture", file});
   }
   return pictures;
+}
+
+void check_is_exr(const fs::path& file) {
+  if (!fs::is_regular_file(file) || is_exr(file)) return;
+  const FileFormat format = file_format(file);
+  const std::string expected = ", expected an OpenEXR picture, as 'sheaf render -o NAME.exr' writes it";
+  if (format.use == FileUse::kUnknown) throw SceneError({file.string(), 0}, "this is not an OpenEXR file" + expected);
+  if (extension_of(file) == ".exr" && !format.by_content)
+    throw SceneError({file.string(), 0}, "does not begin as an OpenEXR picture does: damaged, or of another format");
+  const bool loses = format.use == FileUse::kPicture;
+  throw SceneError({file.string(), 0},
+                   "is " + format.name + expected + (loses ? "; other formats lack the layers that this needs" : ""));
+}
+
+void check_is_picture(const fs::path& file) {
+  if (!fs::is_regular_file(file)) return;
+  const FileFormat format = file_format(file);
+  if (format.use == FileUse::kPicture) {
+    if (extension_of(file) == ".exr") check_is_exr(file);
+    return;
+  }
+  if (format.use == FileUse::kUnknown) return;
+  throw SceneError({file.string(), 0}, "is " + format.name +
+                                           ", expected a picture: OpenEXR, PNG, JPEG, Radiance HDR, "
+                                           "TIFF, TGA or BMP");
+}
+
+void add_interrupted_attributes(ExrMetadata& metadata, double taken, std::uint32_t planned) {
+  metadata.attributes.push_back({kInterruptedAttribute, 1});
+  metadata.attributes.push_back({kSamplesTakenAttribute, static_cast<float>(taken)});
+  metadata.attributes.push_back({kSamplesPlannedAttribute, saturate<int>(planned)});
+}
+
+std::string interruption(std::span<const ExrMetadata::Attribute> attributes) {
+  const auto find = [&](const char* name) -> const ExrMetadata::Attribute* {
+    const auto found =
+        std::find_if(attributes.begin(), attributes.end(), [&](auto& each) { return each.name == name; });
+    return found == attributes.end() ? nullptr : &*found;
+  };
+  if (find(kInterruptedAttribute) == nullptr) return {};
+  std::string text = "the render was interrupted";
+  const ExrMetadata::Attribute *taken = find(kSamplesTakenAttribute), *planned = find(kSamplesPlannedAttribute);
+  if (taken != nullptr && std::holds_alternative<float>(taken->value)) {
+    text += fmt::format(" after {:.4g}", std::get<float>(taken->value));
+    if (planned != nullptr && std::holds_alternative<int>(planned->value))
+      text += fmt::format(" of {}", std::get<int>(planned->value));
+    text += " samples per pixel";
+  }
+  if (const ExrMetadata::Attribute* noise = find("sheaf/noise"))
+    if (const auto* value = std::get_if<std::string>(&noise->value)) text += ", at a noise of " + *value;
+  return text;
 }
 
 void check_overwriting(std::span<const NamedFile> written, std::span<const NamedFile> sources) {
@@ -71,7 +127,8 @@ std::vector<fs::path> write_pictures(const std::vector<fs::path>& files, const I
   for (const fs::path& file : files) {
     const bool is_png = extension_of(file) == ".png";
     if (try_to_write([&] {
-          is_png ? write_png(file, denoised ? denoised_only(image) : image) : write_exr(file, image, metadata);
+          is_png ? write_png(file, denoised ? denoised_only(image) : image, interruption(metadata.attributes))
+                 : write_exr(file, image, metadata);
         }))
       written.push_back(file);
   }

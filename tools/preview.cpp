@@ -75,7 +75,10 @@ void Preview::watch(RenderOptions& options) {
       if (before) before(done, total);
       page_->update(done, total);
     };
-    options.on_report = [this](const RenderReport& report) { page_->set_report(to_json(report)); };
+    options.on_report = [this, before = std::move(options.on_report)](const RenderReport& report) {
+      if (before) before(report);
+      page_->set_report(to_json(report));
+    };
   }
   options.wants_pause = [this, before = std::move(options.wants_pause)] { return (before && before()) || is_due(); };
   options.on_pause = [this, before = std::move(options.on_pause)](const RenderState& state) {

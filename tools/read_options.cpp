@@ -4,6 +4,7 @@
 #include "scene/dialects/read_model.h"
 
 #include <charconv>
+#include <cmath>
 
 namespace sheaf {
 
@@ -48,6 +49,8 @@ ReadOptions read_options(const std::filesystem::path& file, const ReadArguments&
   if (!arguments.view.empty()) {
     view.azimuth = arguments.view[0];
     view.elevation = arguments.view[1];
+    if (!std::isfinite(view.azimuth))
+      throw Error(ExitCode::kUsage, "--view: the azimuth is a finite number of degrees");
     if (!(view.elevation >= -90 && view.elevation <= 90))
       throw Error(ExitCode::kUsage, "--view: the elevation lies between -90 and 90 degrees");
   }

@@ -31,13 +31,15 @@ void add_picture_options(Command& command, RenderArguments& arguments) {
   command
       .add_option("--noise-target", arguments.noise_target,
                   "Take samples, tile by tile, until the standard error of a tile's pixels is this share of their "
-                  "values (0.01: one per cent), or there are --spp of them (then 65536 by default). For paths from "
+                  "values (0.01 or 1%), or there are --spp of them (then 65536 by default). For paths from "
                   "the camera, with the samplers sobol and independent")
+      .share()
       .positive();
   command
       .add_option("--time-limit", arguments.time_limit,
-                  "Begin no more samples after this many seconds of rendering, once there is a picture: with "
-                  "--noise-target or up to --spp")
+                  "Begin no more samples after this time of rendering, once there is a picture: with --noise-target or "
+                  "up to --spp. Seconds, or with units: 90s, 5m, 1h30m")
+      .seconds()
       .positive();
   command.add_option("--seed", arguments.seed, "Seed of the random numbers. Default: the scene's")
       .in_range(0u, std::numeric_limits<std::uint32_t>::max());
@@ -61,7 +63,8 @@ void add_layer_options(Command& command, RenderArguments& arguments) {
   command.add_option("--aov", arguments.aovs,
                      "Further layers of .exr files, with commas between: " + names + "or all; see docs/layers.md");
   command.add_flag("--light-groups", arguments.light_groups,
-                   "Write the light of each of the scene's lights to a layer of its own, light_<id of the light>");
+                   "Write the light of each of the scene's lights to a layer of its own, light_<id of the light>; see "
+                   "docs/layers.md");
   command.add_flag("--float", arguments.full_floats,
                    "Store all layers with 32 bits, also those whose values are small enough for 16");
 }
@@ -70,7 +73,7 @@ void add_layer_options(Command& command, RenderArguments& arguments) {
 void add_transport_options(Command& command, RenderArguments& arguments) {
   command.add_option("--integrator", arguments.integrator,
                      "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "
-                     "path_ris, ptracer, photonmapper, sppm, normals, depth. Default: the scene's");
+                     "path_ris, whitted, ptracer, photonmapper, sppm, ao, av, normals, depth. Default: the scene's");
   command.add_option("--sampler", arguments.sampler,
                      "How samples are spread: sobol (Owen-scrambled), zsobol (over pixels too; rounds --spp up to a "
                      "power of two), independent, stratified, multijitter (these two round it up to a grid). Default: "
@@ -133,7 +136,8 @@ void add_run_options(Command& command, RenderArguments& arguments) {
   command.add_option("--size", arguments.size, "Size of the frame in pixels, WxH. Default: the scene's");
   command
       .add_option("--scale", arguments.scale,
-                  "Factor on the frame's width and height, e.g. 0.25 for a first look. Default: 1")
+                  "Factor on the frame's width and height, e.g. 0.25 or 25% for a first look. Default: 1")
+      .share()
       .positive();
   add_read_options(command, arguments.read);
   command.add_option("--stats", arguments.stats, "Write times and counters to this file, as JSON");
@@ -148,7 +152,8 @@ void add_run_options(Command& command, RenderArguments& arguments) {
 }  // namespace
 
 Command add_render_options(Command& program, RenderArguments& arguments) {
-  Command command = program.add_command("render", "Render a scene file (Mitsuba or Nori XML) to pictures.");
+  Command command = program.add_command(
+      "render", "Render a scene file (of Mitsuba, Nori or pbrt-v4) or a model (.obj, .ply, .serialized) to pictures.");
   add_picture_options(command, arguments);
   add_layer_options(command, arguments);
   add_transport_options(command, arguments);

@@ -3,8 +3,14 @@
 #include "core/simd.h"
 #include "tools/commands.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
+#include <iostream>
 #include <mutex>
 #include <new>
 #include <string>
@@ -37,35 +43,61 @@ void listen_to_messages(std::function<void(std::string_view)> listener) {
   message_listener = std::move(listener);
 }
 
-}  // namespace sheaf
+namespace {
 
-int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // files beyond the limit on their size are errors like a full disk
-  int exit_code = static_cast<int>(sheaf::ExitCode::kDone);
-  sheaf::Program program("sheaf", "Sheaf, a data-oriented wavefront path tracer for the CPU.");
+/// A file in place of each standard stream that is closed: the next file that is opened would take its number, and
+/// messages would be written into it. Writing to these fails.
+void fill_closed_streams() {
+  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream)
+    if (fcntl(stream, F_GETFD) == -1) static_cast<void>(open("/dev/null", O_RDONLY));
+}
+
+/// The exit code, which is 4 where the standard output could not be written; says why.
+int finish_output(int exit_code) {
+  errno = 0;
+  const bool written = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (written) return exit_code;
+  print_message(std::string("cannot write to the standard output") +
+                (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
+  return exit_code != 0 ? exit_code : static_cast<int>(ExitCode::kOutput);
+}
+
+/// Parses the command line and calls the command. Returns the exit code.
+int run(int argc, char** argv) {
+  int exit_code = static_cast<int>(ExitCode::kDone);
+  Program program("sheaf", "Sheaf, a data-oriented wavefront path tracer for the CPU.");
   program.set_footer(
       "Exit codes: 0 done, 1 runtime error, 2 usage, 3 scene or asset, 4 output not writable,\n"
       "5 checkpoint mismatch; 129, 130, 143: stopped by SIGHUP, SIGINT, SIGTERM, after saving what there is\n"
       "(a second SIGINT or SIGTERM ends the program at once).");
-  program.set_version(std::string("sheaf " SHEAF_VERSION " ") + sheaf::kIsaName);
+  program.set_version(std::string("sheaf " SHEAF_VERSION " ") + kIsaName);
   program.require_command();
   try {
-    sheaf::add_render_command(program, exit_code);
-    sheaf::add_info_command(program, exit_code);
-    sheaf::add_compare_command(program, exit_code);
-    sheaf::add_denoise_command(program, exit_code);
-    sheaf::add_merge_command(program, exit_code);
-    sheaf::add_farm_command(program, exit_code);
+    add_render_command(program, exit_code);
+    add_info_command(program, exit_code);
+    add_compare_command(program, exit_code);
+    add_denoise_command(program, exit_code);
+    add_merge_command(program, exit_code);
+    add_farm_command(program, exit_code);
     return program.parse(argc, argv).value_or(exit_code);
-  } catch (const sheaf::Error& error) {
-    sheaf::print_message(error.what());
+  } catch (const Error& error) {
+    print_message(error.what());
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
-    sheaf::print_message("there is not enough memory");
-    return static_cast<int>(sheaf::ExitCode::kRuntime);
+    print_message("there is not enough memory");
+    return static_cast<int>(ExitCode::kRuntime);
   } catch (const std::exception& error) {
-    sheaf::print_message(error.what());
-    return static_cast<int>(sheaf::ExitCode::kRuntime);
+    print_message(error.what());
+    return static_cast<int>(ExitCode::kRuntime);
   }
-  return exit_code;
+}
+
+}  // namespace
+
+}  // namespace sheaf
+
+int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // files beyond the limit on their size are errors like a full disk
+  sheaf::fill_closed_streams();
+  return sheaf::finish_output(sheaf::run(argc, argv));
 }

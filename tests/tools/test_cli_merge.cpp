@@ -235,6 +235,27 @@ TEST_CASE("what is missing is refused unless it may be, and then the header says
   CHECK(contains(note("cut_whole.exr"), "interrupted"));
 }
 
+TEST_CASE("what parts have dropped is added up") {
+  const Scene scene;
+  const char* const names[] = {"sheaf/droppedRays", "sheaf/droppedSamples"};
+  const std::vector<std::string> crops = {"0,0,9,18", "9,0,20,18", "20,0,27,18"};
+  // Each of the numbers differs, so that none can stand for another.
+  for (std::size_t i = 0; i < crops.size(); ++i) {
+    const std::string file = "part" + std::to_string(i) + ".exr";
+    scene.render(file, "--spp 2 --crop " + crops[i]);
+    const Image image = read_exr(scene.folder / file);
+    ExrMetadata metadata = read_exr_metadata(scene.folder / file);
+    for (ExrMetadata::Attribute& attribute : metadata.attributes)
+      for (std::size_t k = 0; k < 2; ++k)
+        if (attribute.name == names[k]) attribute.value = std::to_string((k == 0 ? 1 : 1000) << (2 * i));
+    write_exr(scene.folder / file, image, metadata);
+  }
+  REQUIRE(run(scene.folder, "merge part0.exr part1.exr part2.exr -o whole.exr").code == 0);
+  for (std::size_t k = 0; k < 2; ++k)
+    for (const ExrMetadata::Attribute& attribute : read_exr_attributes(scene.folder / "whole.exr"))
+      if (attribute.name == names[k]) CHECK(std::get<std::string>(attribute.value) == (k == 0 ? "21" : "21000"));
+}
+
 TEST_CASE("parts whose files are damaged or lie are errors") {
   const Scene scene;
   scene.render("a.exr", "--spp 16 --replicates 4 --samples 0:8 --aov all");

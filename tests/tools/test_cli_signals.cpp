@@ -8,13 +8,47 @@
 
 #include <sys/wait.h>
 
+#include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 namespace sheaf::test_cli_signals {
 
 using test::kScene;
+
+namespace {
+
+/// An attribute of a file; empty if it has none of the name and type.
+template <class T> std::optional<T> attribute(const std::filesystem::path& file, const std::string& name) {
+  for (const ExrMetadata::Attribute& each : read_exr_attributes(file))
+    if (each.name == name)
+      if (const T* value = std::get_if<T>(&each.value)) return *value;
+  return std::nullopt;
+}
+
+double mean_samples(const Image& image) {
+  const int count = image.find_channel("sampleCount");
+  double sum = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) sum += double{image.at(x, y, count)};
+  return sum / static_cast<double>(image.pixel_count());
+}
+
+/// The header says that the render was interrupted, and how many samples there are.
+void check_marked(const TemporaryFolder& folder, const std::string& file, const Image& image, int planned) {
+  const double taken = mean_samples(image);
+  CHECK(attribute<int>(folder / file, "sheaf/interrupted") == 1);
+  CHECK(double{attribute<float>(folder / file, "sheaf/samplesTaken").value_or(-1.0f)} ==
+        doctest::Approx(taken).epsilon(1e-5));
+  CHECK(attribute<int>(folder / file, "sheaf/samplesPlanned") == planned);
+  CHECK(attribute<int>(folder / file, "sheaf/samplesPerPixel") == static_cast<int>(std::lround(taken)));
+  CHECK(attribute<std::string>(folder / file, "sheaf/integrator") == "path");
+  CHECK(contains(run(folder, "info " + file).out, "warning     the render was interrupted after "));
+}
+
+}  // namespace
 
 TEST_CASE("an interrupted render writes what there is and says so") {
   const TemporaryFolder folder;
@@ -28,10 +62,62 @@ TEST_CASE("an interrupted render writes what there is and says so") {
     const int status = std::system(("cd '" + folder.path().string() + "' && bash go.sh >log.txt 2>&1").c_str());
     REQUIRE(WIFEXITED(status));
     CHECK(WEXITSTATUS(status) == code);
-    CHECK(read_exr(folder / "out.exr").width == 512);
+    const Image image = read_exr(folder / "out.exr");
+    CHECK(image.width == 512);
     CHECK(contains(read_bytes(folder / "log.txt"), "interrupted"));
+    check_marked(folder, "out.exr", image, 16'000'000);
     std::filesystem::remove(folder / "out.exr");
   }
+}
+
+TEST_CASE("an interrupted picture says so in every file, and to those who read it") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  // Stopped once there is a checkpoint, in the course of the second of four sets or later; the rest takes hours.
+  const auto render = [&](const std::string& options) {
+    std::filesystem::remove(folder / "c.state");
+    write_bytes(folder / "go.sh",
+                SHEAF_EXECUTABLE " render scene.xml --quiet --checkpoint c.state --checkpoint-every 0.2 " + options +
+                    " &\nuntil [[ -e c.state ]]; do sleep 0.05; done\nkill -TERM $!\nwait $!\n");
+    const int status = std::system(("cd '" + folder.path().string() + "' && bash go.sh >log.txt 2>&1").c_str());
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == 143);
+  };
+  const std::string layers = "--aov variance,half,albedo,normal,depth ";
+  render("-D size=64 --spp 16000000 --replicates 1000 --sampler independent --filter-mode importance " + layers +
+         "-o a.exr -o a.png --stats a.json");
+  const Image image = read_exr(folder / "a.exr");
+  check_marked(folder, "a.exr", image, 16'000'000);
+  // Samples are independent: the noise is known, though no set of samples has ended.
+  const double noise = std::stod(attribute<std::string>(folder / "a.exr", "sheaf/noise").value_or("-1"));
+  CHECK(noise > 0);
+  CHECK(noise < 1);
+  CHECK(contains(read_bytes(folder / "a.png"), "the render was interrupted after "));
+  const std::string stats = read_bytes(folder / "a.json");
+  CHECK(contains(stats, "\"interrupted\": true"));
+  CHECK(contains(stats, "\"mean_samples\": "));
+  const Outcome denoised = run(folder, "denoise a.exr -o b.exr -o b.png");
+  CHECK(denoised.code == 0);
+  CHECK(contains(denoised.err, "sheaf: warning: the render was interrupted after "));
+  CHECK(contains(denoised.err, " of 16000000 samples per pixel, at a noise of "));
+  check_marked(folder, "b.exr", image, 16'000'000);
+  CHECK(contains(read_bytes(folder / "b.png"), "the render was interrupted after "));
+  // Of sets of which none has ended nothing is known of the noise; a part says what it is a part of.
+  render("-D size=64 --spp 16000000 --replicates 2 --crop 0,0,64,8 -o part.exr");
+  CHECK(attribute<std::string>(folder / "part.exr", "sheaf/noise") == "unknown");
+  const Image part = read_exr(folder / "part.exr");
+  check_marked(folder, "part.exr", part, 16'000'000);
+  const Outcome merged = run(folder, "merge part.exr -o whole.exr --incomplete --crop 0,0,64,8");
+  CHECK(merged.code == 0);
+  CHECK(contains(merged.err, "sheaf: warning: the render was interrupted after "));
+  check_marked(folder, "whole.exr", part, 16'000'000);
+  // A render that ends says nothing of the kind.
+  REQUIRE(run(folder, "render scene.xml --spp 2 --quiet -o c.exr -o c.png --stats c.json").code == 0);
+  CHECK_FALSE(attribute<int>(folder / "c.exr", "sheaf/interrupted").has_value());
+  CHECK_FALSE(attribute<float>(folder / "c.exr", "sheaf/samplesTaken").has_value());
+  CHECK_FALSE(contains(read_bytes(folder / "c.png"), "interrupted"));
+  CHECK(contains(read_bytes(folder / "c.json"), "\"interrupted\": false"));
+  CHECK_FALSE(contains(run(folder, "info c.exr").out, "interrupted"));
 }
 
 TEST_CASE("a second signal ends a render that does not come to a stop") {
@@ -104,6 +190,8 @@ TEST_CASE("SIGUSR1 shows what there is, and the render goes on") {
   CHECK(contains(read_bytes(folder / "log.txt"), "wrote what there is to out.exr"));
   const Image preview = read_exr(folder / "preview.exr"), end = read_exr(folder / "out.exr");
   CHECK(preview.width == 128);
+  check_marked(folder, "preview.exr", preview, 16'000'000);
+  check_marked(folder, "out.exr", end, 16'000'000);
   const int count = preview.find_channel("sampleCount");
   CHECK(preview.at(5, 5, count) > 0);
   CHECK(end.at(5, 5, count) > preview.at(5, 5, count));

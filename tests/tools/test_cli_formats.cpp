@@ -1,0 +1,163 @@
+// Files of formats that are not read, and empty and broken ones, for every command that takes a file.
+#include "core/exr.h"
+#include "core/image.h"
+#include "tests/support/program_testing.h"
+#include "tests/tools/cli_scene.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+namespace sheaf::test_cli_formats {
+
+namespace {
+
+using namespace std::string_literals;
+
+/// A command that reads a scene or a picture, FILE standing for it, and what it expects.
+struct Reader {
+  const char* arguments;
+  const char* expected;
+};
+constexpr Reader kSceneReaders[] = {
+    {"render FILE --quiet -o out.exr",
+     "expected a scene of Mitsuba or Nori (.xml) or of pbrt (.pbrt, .pbrt.gz), or a model"},
+    {"render FILE --lenient --quiet -o out.exr", "expected a scene of Mitsuba or Nori"},
+    {"info FILE", "expected a scene of Mitsuba or Nori"},
+    {"farm FILE --parts 2 --quiet", "expected a scene of Mitsuba or Nori"}};
+constexpr Reader kPictureReaders[] = {{"denoise FILE --quiet -o out.exr", "expected an OpenEXR picture"},
+                                      {"merge FILE --quiet -o out.exr", "expected an OpenEXR picture"},
+                                      {"compare FILE FILE", "expected a picture"},
+                                      {"compare picture.exr FILE", "expected a picture"},
+                                      {"compare picture.exr picture.exr --variance-a FILE", "expected a picture"}};
+
+std::string with_file(const Reader& reader, const std::string& file) {
+  std::string arguments = reader.arguments;
+  for (std::size_t at = arguments.find("FILE"); at != arguments.npos; at = arguments.find("FILE", at))
+    arguments.replace(at, 4, file);
+  return arguments;
+}
+
+/// Files of other programs: whole beginnings, and the name in messages.
+struct Foreign {
+  const char* name;
+  std::string bytes;
+  const char* told;
+  const char* remedy;
+};
+const std::vector<Foreign>& foreign_files() {
+  static const std::vector<Foreign> files = {
+      {"a.glb", "glTF\x02\0\0\0\x10\0\0\0"s, "a glTF model", "Blender"},
+      {"a.gltf", "{\"asset\": {\"version\": \"2.0\"}}", "a glTF model", "Blender"},
+      {"a.usd", "PXR-USDC\0\x08"s, "a USD scene", "Blender"},
+      {"a.usda", "#usda 1.0\n", "a USD scene", "Blender"},
+      {"a.usdc", "PXR-USDC\0\x08"s, "a USD scene", "Blender"},
+      {"a.usdz", "PK\x03\x04\0"s, "a USD scene", "Blender"},
+      {"a.stl", "solid x\n facet normal 0 0 1\n", "an STL model", "Blender"},
+      {"a.fbx", "Kaydara FBX Binary  \0\x1a"s, "an FBX model", "Blender"},
+      {"a.dae", "<?xml version='1.0'?><COLLADA/>", "a COLLADA model", "Blender"},
+      {"a.blend", "BLENDER-v404", "a Blender file", "Blender"},
+      {"a.abc", "Ogawa\xff\0"s, "an Alembic file", "Blender"},
+      {"a.vdb", " BDV\0\0\0\0\xe0"s, "an OpenVDB file", "vdb_to_nanovdb"},
+      {"a.nvdb", "NanoVDB2", "a NanoVDB file", "scenes name"},
+      {"a.mtl", "newmtl x\n", "a library of materials", "scenes name"},
+      {"a.zip", "PK\x03\x04\0"s, "a ZIP archive", "unpack"}};
+  return files;
+}
+
+struct Workplace {
+  Workplace() {
+    write_bytes(folder / "scene.xml", test::kScene);
+    write_exr(folder / "picture.exr", Image(4, 4, {"R", "G", "B"}));
+    write_png(folder / "picture.png", Image(4, 4, {"R", "G", "B"}));
+  }
+  /// A message in one line that begins with the program's name and the file's.
+  void check_refused(const std::string& arguments, const std::string& file, const std::string& expected) const {
+    CAPTURE(arguments);
+    const Outcome outcome = run(folder, arguments);
+    CAPTURE(outcome.err);
+    CHECK(outcome.code == 3);
+    CHECK(outcome.err.starts_with("sheaf: " + file));
+    CHECK(contains(outcome.err, expected));
+    CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
+    CHECK_FALSE(std::filesystem::exists(folder / "out.exr"));
+  }
+  TemporaryFolder folder;
+};
+
+}  // namespace
+
+TEST_CASE("formats: files of other programs are told by name, with what is read and how to convert them") {
+  const Workplace place;
+  for (const Foreign& foreign : foreign_files()) {
+    const std::string file = foreign.name, told = std::string(": is ") + foreign.told + ", ";
+    write_bytes(place.folder / file, foreign.bytes);
+    place.check_refused(with_file(kSceneReaders[0], file), file, told);
+    place.check_refused(with_file(kSceneReaders[0], file), file, foreign.remedy);
+  }
+  // Every command, with one of each kind; also under another name, and broken.
+  write_bytes(place.folder / "model.xml", foreign_files()[0].bytes);
+  write_bytes(place.folder / "broken.glb", "nothing of the kind");
+  for (const char* const file : {"a.glb", "a.vdb", "a.nvdb", "a.zip", "model.xml", "broken.glb"}) {
+    for (const Reader& reader : kSceneReaders) place.check_refused(with_file(reader, file), file, reader.expected);
+    for (const Reader& reader : kPictureReaders) place.check_refused(with_file(reader, file), file, reader.expected);
+  }
+}
+
+TEST_CASE("formats: pictures are no scenes, and pictures without layers are neither denoised nor merged") {
+  const Workplace place;
+  for (const char* const file : {"picture.png", "picture.exr"})
+    for (const Reader& reader : kSceneReaders)
+      if (!std::string(reader.arguments).starts_with("info") || std::string(file) == "picture.png")
+        place.check_refused(with_file(reader, file), file, "picture, expected a scene of Mitsuba or Nori");
+  for (const Reader& reader : {kPictureReaders[0], kPictureReaders[1]})
+    place.check_refused(with_file(reader, "picture.png"), "picture.png",
+                        "is a PNG picture, expected an OpenEXR picture, as 'sheaf render -o NAME.exr' writes it; other "
+                        "formats lack the layers");
+  // Scenes are no pictures.
+  for (const Reader& reader : {kPictureReaders[0], kPictureReaders[1]})
+    place.check_refused(with_file(reader, "scene.xml"), "scene.xml",
+                        "this is not an OpenEXR file, expected an OpenEXR picture");
+}
+
+TEST_CASE("formats: empty and broken files") {
+  const Workplace place;
+  for (const char* const file : {"e.xml", "e.pbrt", "e.obj", "e.ply", "e.serialized", "e.exr", "e.png", "e.glb", "e"}) {
+    CAPTURE(std::string(file));
+    write_bytes(place.folder / file, "");
+    for (const Reader& reader : kSceneReaders) {
+      const bool is_picture = std::string(reader.arguments).starts_with("info") && std::string(file) == "e.exr";
+      // Where the name says what the file is to be, it is its reader that refuses it.
+      const bool is_named = std::set<std::string>{"e.xml", "e.pbrt", "e.obj", "e.ply", "e.serialized"}.count(file) > 0;
+      place.check_refused(with_file(reader, file), file, is_named ? "" : "is empty, expected ");
+      if (is_picture) place.check_refused(with_file(reader, file), file, "expected an OpenEXR picture");
+    }
+    for (const Reader& reader : kPictureReaders)
+      place.check_refused(with_file(reader, file), file, "is empty, expected ");
+  }
+  write_bytes(place.folder / "b.exr", "nothing of the kind");
+  place.check_refused("info b.exr", "b.exr", "does not begin as an OpenEXR picture does");
+  for (const Reader& reader : kPictureReaders)
+    place.check_refused(with_file(reader, "b.exr"), "b.exr", "does not begin as an OpenEXR picture does");
+  // Cut off anywhere.
+  const std::string whole = read_bytes(place.folder / "picture.exr");
+  for (std::size_t size = 4; size < whole.size(); size += whole.size() / 7) {
+    CAPTURE(size);
+    write_bytes(place.folder / "c.exr", whole.substr(0, size));
+    const Outcome info = run(place.folder, "info c.exr");
+    CHECK((info.code == 3 || info.code == 0));  // the header may be whole
+    if (info.code == 3) CHECK(info.err.starts_with("sheaf: c.exr: "));
+    for (const Reader& reader : kPictureReaders) {
+      const Outcome outcome = run(place.folder, with_file(reader, "c.exr"));
+      CHECK(outcome.code == 3);
+      CHECK(outcome.err.starts_with("sheaf: c.exr: "));
+    }
+  }
+  const std::string png = read_bytes(place.folder / "picture.png");
+  write_bytes(place.folder / "c.png", png.substr(0, png.size() / 2));
+  place.check_refused("compare c.png c.png", "c.png", "cannot read the image");
+}
+
+}  // namespace sheaf::test_cli_formats

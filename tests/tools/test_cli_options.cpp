@@ -1,0 +1,302 @@
+// How options are written: units, per cent, numbers beyond their range, names that are not known; and where messages
+// go.
+#include "core/exr.h"
+#include "tests/support/capture.h"
+#include "tests/support/program_testing.h"
+#include "tests/tools/cli_scene.h"
+
+#include <doctest/doctest.h>
+
+#include <cctype>
+#include <set>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+namespace sheaf::test_cli_options {
+
+using test::kScene;
+
+namespace {
+
+/// A folder with the scene, and what renders of it are.
+struct Workplace {
+  Workplace() { write_bytes(folder / "scene.xml", kScene); }
+  Outcome render(const std::string& options, const std::string& before = "") const {
+    return run(folder, "render scene.xml --no-timestamps --spp 1 -o out.exr " + options, before);
+  }
+  std::string attribute(const std::string& name, const std::string& file = "out.exr") const {
+    for (const ExrMetadata::Attribute& each : read_exr_attributes(folder / file))
+      if (each.name == name) {
+        std::ostringstream text;
+        std::visit([&](const auto& value) { text << value; }, each.value);
+        return text.str();
+      }
+    return "";
+  }
+  TemporaryFolder folder;
+};
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+}  // namespace
+
+TEST_CASE("options: whole numbers may be written as others, fractions of them are refused") {
+  const Workplace place;
+  for (const char* const spp : {"16", "16.0", "1.6e1", "016"}) {
+    CAPTURE(std::string(spp));
+    REQUIRE(run(place.folder, "render scene.xml --quiet -o out.exr --spp " + std::string(spp)).code == 0);
+    CHECK(place.attribute("sheaf/samplesPerPixel") == "16");
+  }
+  for (const auto& [options, message] : {std::pair{"--spp 16.5", "--spp: '16.5' is not a whole number"},
+                                         {"--spp many", "--spp: 'many' is not a number"},
+                                         {"--spp 0x10", "'0x10' is not a number"},
+                                         {"--spp 1e400", "'1e400' is not a number"},
+                                         {"--spp 16s", "'16s' is not a number"},
+                                         {"--spp 1e12", "not in range 1 to 16777216"},
+                                         {"--threads 1e30", "'1e30' is too large"},
+                                         {"--seed 4294967296", "not in range 0 to 4294967295"},
+                                         {"--crop 0,0,99999999999,4", "--crop"},
+                                         {"--crop 0,0,4.5,4", "'4.5' is not a whole number"},
+                                         {"--noise-target 2x", "'2x' is not a number"},
+                                         {"--size 99999999999x4", "--size 99999999999x4: expected WxH"}}) {
+    CAPTURE_BINDING(options);
+    const Outcome outcome = place.render(options);
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, message));
+    CHECK(lines_of(outcome.err).size() == 1);
+  }
+}
+
+TEST_CASE("options: times with units, shares in per cent") {
+  const Workplace place;
+  REQUIRE(run(place.folder, "render scene.xml --quiet -o out.exr --noise-target 40%").code == 0);
+  CHECK(place.attribute("sheaf/noiseTarget") == "0.4");
+  REQUIRE(run(place.folder, "render scene.xml --quiet -o out.exr --noise-target 0.4").code == 0);
+  CHECK(place.attribute("sheaf/noiseTarget") == "0.4");
+  REQUIRE(place.render("--quiet --scale 50%").code == 0);
+  CHECK(read_exr(place.folder / "out.exr").width == 12);
+  // Of units that meant something else these would take long, or be over before they begin.
+  for (const char* const limit : {"100ms", "0.1s", "0.001m", "1e-3min", "0.00003h", "0.000001d", "0h0.1s", "0.1"}) {
+    CAPTURE(std::string(limit));
+    const Outcome outcome =
+        run(place.folder, "render scene.xml --quiet -o out.exr --time-limit " + std::string(limit), "timeout 20 ");
+    CHECK(outcome.code == 0);
+  }
+  for (const char* const limit : {"5x", "m", "5m5", "5 m", "1h-3m", "-5m", "0s", "nan"}) {
+    CAPTURE(std::string(limit));
+    const Outcome outcome = run(place.folder, "render scene.xml -o out.exr --time-limit '" + std::string(limit) + "'");
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "--time-limit"));
+  }
+}
+
+TEST_CASE("options: frames beyond all bounds are refused, not rendered as something else") {
+  const Workplace place;
+  for (const auto& [options, message] :
+       {std::pair{"--scale 119304648", "--scale 1.19305e+08 makes a frame of 2.86331e+09 x 1.90887e+09 pixels"},
+        {"--scale 1e30", "expected at most 1000000000 along each side"},
+        {"--size 1000000x1000000 --scale 2148", "expected at most 1000000000"},
+        {"--scale 2e7", "too large: expected 2^31 pixels at most"},
+        {"--size 1000000x1000000", "too large: expected 2^31 pixels at most"},
+        {"--size 1000001x1", "each from 1 to 1000000"},
+        {"--crop -2147483648,0,2147483647,16", "reaches beyond the frame"},
+        {"--crop 0,0,2147483647,2147483647", "reaches beyond the frame"},
+        {"--samples 4294967295:4294967295", "4294967295:4294967295"},
+        {"--view nan,10", "--view"}}) {
+    CAPTURE_BINDING(options);
+    const Outcome outcome = place.render(options);
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, message));
+  }
+  CHECK(place.folder.entry_count() == 1);
+  // Of a scene whose own frame is as large as can be.
+  std::string scene = kScene;
+  scene.replace(scene.find("value=\"16\""), 10, "value=\"1\"");
+  write_bytes(place.folder / "scene.xml", scene);
+  const Outcome wide = run(place.folder, "farm scene.xml --parts 1000 --tiles -- -D size=1000000000");
+  CHECK(wide.code == 2);
+  CHECK(contains(wide.err, "1 rows of pixels cannot be cut into 1000 parts"));
+  scene = kScene;
+  scene.replace(scene.find("value=\"16\""), 10, "value=\"$size\"");
+  scene.replace(scene.find("value=\"$size\""), 13, "value=\"1\"");
+  write_bytes(place.folder / "scene.xml", scene);
+  REQUIRE(run(place.folder, "farm scene.xml --parts 1000 --tiles --quiet -- -D size=1000000000").code == 0);
+  const std::string script = read_bytes(place.folder / "scene_farm/render.sh");
+  CHECK(contains(script, "0,999000000,1,1000000000"));
+  CHECK_FALSE(contains(script, ",-"));
+}
+
+TEST_CASE("options: every message is a line that begins with the program's name") {
+  const Workplace place;
+  for (const char* const arguments :
+       {"", "paint", "--quiet", "--quiet render", "render", "render scene.xml --no-such-option",
+        "render scene.xml --spp 0", "render scene.xml --color cmyk", "render scene.xml --crop 1,2,3",
+        "render scene.xml other.xml", "compare a.exr", "merge", "info", "denoise", "farm scene.xml",
+        "render nowhere.xml", "render scene.xml --env 1"}) {
+    CAPTURE(std::string(arguments));
+    const Outcome outcome = run(place.folder, arguments);
+    CHECK((outcome.code == 2 || outcome.code == 3));
+    const std::vector<std::string> lines = lines_of(outcome.err);
+    REQUIRE(lines.size() == 1);
+    CHECK(lines[0].starts_with("sheaf: "));
+  }
+}
+
+TEST_CASE("options: those before the command are told where they belong, and far-fetched names are not suggested") {
+  const Workplace place;
+  for (const char* const arguments : {"--quiet render scene.xml", "--quiet", "--quiet=1 render"}) {
+    CAPTURE(std::string(arguments));
+    CHECK(contains(run(place.folder, arguments).err, "' belongs behind its command: sheaf "));
+  }
+  CHECK(contains(run(place.folder, "--quiet render scene.xml").err,
+                 "option '--quiet' belongs behind its command: sheaf render --quiet"));
+  CHECK(contains(run(place.folder, "--qiet render scene.xml").err, "unknown option '--qiet'"));
+  for (const char* const option : {"--env", "--fast", "--gpu", "--bounces", "--frobnicate"}) {
+    CAPTURE(std::string(option));
+    const Outcome outcome = place.render(option);
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "unknown option '" + std::string(option) + "'"));
+    CHECK_FALSE(contains(outcome.err, "did you mean"));
+  }
+  CHECK(contains(place.render("--noise 1").err, "did you mean '--noise-target'?"));
+  CHECK(contains(place.render("--sedd 1").err, "did you mean '--seed'?"));
+}
+
+TEST_CASE("options: integrators and samplers that others stand in for are noted") {
+  const Workplace place;
+  for (const auto& [options, note] :
+       {std::pair{"--integrator bdpt", "integrator 'bdpt' is rendered with 'path', which has the same expectation"},
+        {"--integrator mlt", "integrator 'mlt' is rendered with 'path'"},
+        {"--integrator randomwalk", "integrator 'randomwalk' is rendered with 'path'"},
+        {"--integrator direct_projective", "integrator 'direct_projective' is rendered with 'direct'"},
+        {"--sampler halton", "sampler 'halton' is rendered with 'sobol'"},
+        {"--sampler pmj02bn", "sampler 'pmj02bn' is rendered with 'sobol'"},
+        {"--sampler ldsampler", "sampler 'ldsampler' is rendered with 'sobol'"}}) {
+    CAPTURE_BINDING(options);
+    const Outcome outcome = place.render(options);
+    CHECK(outcome.code == 0);
+    CHECK(contains(outcome.err, note));
+  }
+  CHECK_FALSE(contains(place.render("--integrator path_mats --sampler sobol").err, "is rendered with"));
+}
+
+TEST_CASE("options: layers that no output would hold are refused") {
+  const Workplace place;
+  for (const char* const options : {"--aov depth", "--light-groups", "--color spectral --spectral-bins 4"}) {
+    CAPTURE(std::string(options));
+    const Outcome outcome = run(place.folder, "render scene.xml --spp 1 -o out.png " + std::string(options));
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "layers, which .exr files alone hold: add -o out.exr"));
+    CHECK(run(place.folder, "render scene.xml --spp 1 --quiet -o out.png -o out.exr " + std::string(options)).code ==
+          0);
+    std::filesystem::remove(place.folder / "out.png");
+  }
+}
+
+TEST_CASE("options: a standard output that cannot be written is exit code 4") {
+  const Workplace place;
+  REQUIRE(place.render("--quiet").code == 0);
+  for (const char* const arguments :
+       {"info scene.xml", "info out.exr", "compare out.exr out.exr", "--help", "--version", "render --help"}) {
+    CAPTURE(std::string(arguments));
+    for (const char* const stream : {" >/dev/full", " >&-"}) {
+      CAPTURE(std::string(stream));
+      // In a shell of its own, whose standard output goes where run() puts it.
+      const Outcome outcome = run(place.folder, "--version",
+                                  SHEAF_EXECUTABLE " " + std::string(arguments) + stream + " 2>said.txt; exit $?; ");
+      CHECK(outcome.code == 4);
+      CHECK(contains(read_bytes(place.folder / "said.txt"), "sheaf: cannot write to the standard output"));
+    }
+  }
+  // What prints nothing needs none, and its messages go to no other file.
+  const Outcome silent = run(place.folder, "--version",
+                             SHEAF_EXECUTABLE
+                             " render scene.xml -o b.exr --no-timestamps --spp 1 >&- 2>&- <&-; "
+                             "exit $?; ");
+  CHECK(silent.code == 0);
+  CHECK(read_bytes(place.folder / "b.exr") == read_bytes(place.folder / "out.exr"));
+}
+
+TEST_CASE("options: a render goes on from its checkpoint with the options that it was begun with, and no others") {
+  const Workplace place;
+  write_bytes(place.folder / "other.exr", "");
+  const std::string common = "render scene.xml --spp 4 --quiet ";
+  REQUIRE(run(place.folder, common + "-o out.exr --checkpoint a.state").code == 0);
+  const auto resume = [&](const std::string& options) {
+    return run(place.folder, common + "--checkpoint a.state --resume " + options);
+  };
+  // Each option that changes the picture, with a value that is not the standard.
+  const std::vector<std::pair<std::string, std::string>> changes = {{"seed", "7"},
+                                                                    {"color", "spectral"},
+                                                                    {"spectral-bins", "4"},
+                                                                    {"integrator", "direct"},
+                                                                    {"sampler", "stratified"},
+                                                                    {"filter-mode", "importance"},
+                                                                    {"replicates", "2"},
+                                                                    {"light-sampler", "uniform"},
+                                                                    {"candidates", "2"},
+                                                                    {"guiding", ""},
+                                                                    {"medium-estimator", "delta"},
+                                                                    {"step-size", "0.1"},
+                                                                    {"max-depth", "3"},
+                                                                    {"rr-depth", "3"},
+                                                                    {"crop", "0,0,4,4"},
+                                                                    {"samples", "0:2"},
+                                                                    {"size", "8x8"},
+                                                                    {"scale", "0.5"},
+                                                                    {"define", "size=8"},
+                                                                    {"aov", "depth"},
+                                                                    {"light-groups", ""},
+                                                                    {"denoise", "nlm"},
+                                                                    {"watertight", ""},
+                                                                    {"noise-target", "0.5"},
+                                                                    {"lenient", ""},
+                                                                    {"nori-camera", "upstream"},
+                                                                    {"float", ""},
+                                                                    {"spp", ""},
+                                                                    {"view", ""},
+                                                                    {"up", ""},
+                                                                    {"fov", ""}};
+  // Those of the run, with which the same picture comes out.
+  const std::vector<std::pair<std::string, std::string>> runs = {
+      {"threads", "1"},    {"wave-size", "256"}, {"no-timestamps", ""}, {"stats", "s.json"}, {"checkpoint-every", "5"},
+      {"output", "b.exr"}, {"time-limit", ""},   {"quiet", ""},         {"resume", ""},      {"checkpoint", ""},
+      {"serve", ""},       {"tev", ""},          {"help", ""}};
+  std::set<std::string> known;
+  for (const auto& [name, value] : changes) {
+    CAPTURE_BINDING(name);
+    known.insert(name);
+    // Not by themselves, or not for a scene.
+    if (name == "spp" || name == "view" || name == "up" || name == "fov") continue;
+    const std::string also = name == "spectral-bins" ? " --color spectral" : "";
+    const Outcome outcome = resume("-o out.exr --" + name + " " + value + also);
+    CHECK(outcome.code == 5);
+    CHECK(contains(outcome.err, "--" + name + " is '"));
+  }
+  CHECK(run(place.folder, "render scene.xml --spp 5 --quiet -o out.exr --checkpoint a.state --resume").code == 5);
+  for (const auto& [name, value] : runs) {
+    CAPTURE_BINDING(name);
+    known.insert(name);
+    if (value.empty() && name != "no-timestamps") continue;
+    CHECK(resume((name == "output" ? "" : "-o out.exr ") + ("--" + name) + " " + value).code == 0);
+  }
+  // There is no option that neither list knows.
+  std::istringstream help(run(place.folder, "render --help").out);
+  for (std::string word; help >> word;) {
+    const std::size_t at = word.find("--");
+    if (at == word.npos || (at > 0 && word[at - 1] != ',')) continue;
+    std::string name = word.substr(at + 2);
+    while (!name.empty() && std::isalnum(static_cast<unsigned char>(name.back())) == 0) name.pop_back();
+    if (name.empty()) continue;
+    CAPTURE_BINDING(name);
+    CHECK(known.count(name) == 1);
+  }
+}
+
+}  // namespace sheaf::test_cli_options
