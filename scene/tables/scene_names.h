@@ -12,7 +12,7 @@ namespace sheaf {
 struct SceneNames {
   std::vector<std::string> objects;    ///< each once
   std::vector<std::string> materials;  ///< by MaterialId, then "default"; some may be the same
-  std::vector<std::string> lights;     ///< each once
+  std::vector<std::string> lights;     ///< each once, but that a kind's name may be some light's too
   std::vector<std::uint32_t> object_of_shape, material_of_shape;  ///< by row of SceneView::shapes: index into the above
   std::vector<std::uint32_t> light_of_row;                        ///< by row of SceneView::lights
   bool has_other_light = false;                                   ///< a medium glows without being a row of lights
