@@ -40,7 +40,7 @@ class WarmWave {
       : context_(context_of(scene, &task_, photons ? &photons_ : nullptr)),
         wave_(Wave::default_capacity(WaveNeeds::of(context_)), WaveNeeds::of(context_)) {
     const FilmDescription& film = scene.film();
-    frame_ = {0, 0, film.width, film.height};
+    bounds_ = {-0.5f, -0.5f, static_cast<float>(film.width) + 0.5f, static_cast<float>(film.height) + 0.5f};
     const int x = std::max(0, (film.width - kSide) / 2), y = std::max(0, (film.height - kSide) / 2);
     pixels_ =
         samples_of({x, y, std::min(film.width, x + kSide), std::min(film.height, y + kSide)}, {film.width}, 0, kSpp);
@@ -61,7 +61,7 @@ class WarmWave {
   }
 
   /// Makes all photons new again, and forgets what they have sent.
-  void rewind_photons() { photons_.begin(0, kPhotons, frame_, 0.5f); }
+  void rewind_photons() { photons_.begin(0, kPhotons, bounds_); }
 
   const StageContext& context() const { return context_; }
   Wave& wave() { return wave_; }
@@ -73,7 +73,7 @@ class WarmWave {
 
   CameraTask task_;
   LightTask photons_;
-  PixelRect frame_;
+  SplatFilter::Bounds bounds_{};
   std::vector<PixelSamples> pixels_;
   StageContext context_;
   Wave wave_;
@@ -115,9 +115,7 @@ void run_stage(benchmark::State& state, const char* file, const StageEntry& stag
   state.counters["best_per_item"] = static_cast<double>(shortest) * seconds_per_tick() / items;
   state.counters["per_item"] =
       benchmark::Counter(items, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-} catch (const Error& error) {
-  state.SkipWithError(error.what());
-}
+} catch (const Error& error) { state.SkipWithError(error.what()); }
 
 template <class L> void add_stages(const std::string& scene, const char* file, const char* lane) {
   for (const StageEntry& stage : kStages<L>) {
@@ -133,8 +131,8 @@ bool add_scene(const std::string& name, const char* file) {
   return true;
 }
 
-[[maybe_unused]] const bool registered = add_scene("cornell", "scenes/cornell/cornell.xml") &&
-                                         add_scene("mesh_box", "scenes/mesh_box/mesh_box.xml");
+[[maybe_unused]] const bool registered =
+    add_scene("cornell", "scenes/cornell/cornell.xml") && add_scene("mesh_box", "scenes/mesh_box/mesh_box.xml");
 
 }  // namespace
 

@@ -78,9 +78,9 @@ RenderSettings render_settings(const std::vector<std::pair<std::string, std::str
 Checkpointer::Checkpointer(const CheckpointArguments& arguments, RenderSettings settings)
     : arguments_(arguments), settings_(std::move(settings)), last_(Progress::steady_seconds()) {}
 
-std::optional<RenderState> Checkpointer::resumed(const FilterDescription& filter) const {
+std::optional<RenderState> Checkpointer::resumed() const {
   if (!arguments_.resume || !fs::exists(arguments_.file)) return std::nullopt;
-  return read_checkpoint(arguments_.file, settings_, filter);
+  return read_checkpoint(arguments_.file, settings_);
 }
 
 bool Checkpointer::is_due() const {

@@ -32,7 +32,7 @@ class Checkpointer {
   Checkpointer(const CheckpointArguments& arguments, RenderSettings settings);
 
   /// What to go on from; nothing where the render is to begin. Throws Error (exit code 5).
-  std::optional<RenderState> resumed(const FilterDescription& filter) const;
+  std::optional<RenderState> resumed() const;
   /// Whether a checkpoint is due. May be called by several threads at once.
   bool is_due() const;
   /// Writes one, if there is to be one. Says what went wrong if it cannot be written: the render goes on.

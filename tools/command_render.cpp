@@ -370,7 +370,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   const std::string part = arguments.samples.empty() && arguments.crop.empty()
                                ? ""
                                : part_settings(render_settings(given, description.files));
-  std::optional<RenderState> resumed = checkpointer.resumed(description.film.filter);
+  std::optional<RenderState> resumed = checkpointer.resumed();
   const double build_start = Progress::steady_seconds();
   const std::unique_ptr<Scene> scene = arguments.read.lenient
                                            ? compile_leniently(description, {arguments.watertight, color})

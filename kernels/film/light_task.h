@@ -20,20 +20,18 @@ inline constexpr std::uint32_t kPhotonPixel = 0x80000000u;
 /// Photons that one worker emits in one go. The photon_rays stage is their source, splat or store_photons their sink.
 class LightTask {
  public:
-  /// Begins the photons [first, first + count). What lands farther than `margin` pixels outside of `pixels` is of no
-  /// use.
-  void begin(std::uint64_t first, int count, const PixelRect& pixels, float margin) {
+  /// Begins the photons [first, first + count). Film positions outside of `bounds` don't count.
+  void begin(std::uint64_t first, int count, const SplatFilter::Bounds& bounds) {
     first_ = first;
     total_ = count;
     emitted_ = 0;
     stores_ = false;
-    film_x0 = static_cast<float>(pixels.x0) - margin, film_x1 = static_cast<float>(pixels.x1) + margin;
-    film_y0 = static_cast<float>(pixels.y0) - margin, film_y1 = static_cast<float>(pixels.y1) + margin;
+    film_bounds = bounds;
     splats.clear();
   }
   /// Begins photons [first, first + count) that are to be stored.
   void begin(std::uint64_t first, int count, PhotonKind kind) {
-    begin(first, count, PixelRect{}, 0);
+    begin(first, count, SplatFilter::Bounds{});
     stores_ = true;
     kind_ = kind;
     arrived = 0;
@@ -58,7 +56,7 @@ class LightTask {
     std::sort(splats.begin(), splats.end(), [](const Splat& a, const Splat& b) { return a.order < b.order; });
   }
 
-  float film_x0 = 0, film_y0 = 0, film_x1 = 0, film_y1 = 0;  ///< film positions that matter
+  SplatFilter::Bounds film_bounds{};  ///< film positions that count
   std::vector<Splat> splats;
   std::vector<Photon> stored;
   std::vector<PhotonBeam> beams;

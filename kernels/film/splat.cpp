@@ -1,5 +1,7 @@
 #include "kernels/film/splat.h"
 
+#include "core/lanes.h"
+
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -11,56 +13,102 @@ namespace sheaf {
 
 namespace {
 
-/// The filter's integral along one axis, by the midpoint rule.
-double filter_integral(const FilterDescription& filter) {
-  constexpr int kSteps = 1 << 16;
-  const double radius = filter_radius(filter), width = 2.0 * radius / kSteps;
-  double sum = 0;
-  for (int i = 0; i < kSteps; ++i) sum += evaluate_filter(filter, (i + 0.5) * width - radius);
-  return sum * width;
-}
-
 /// Rows that one thread adds splats to at a time; each looks at all splats.
 constexpr int kBand = 64;
 
 }  // namespace
 
-SplatFilm::SplatFilm(PixelRect crop, const FilterDescription& filter)
+namespace {
+
+/// The integral of what FilterWeights::across() writes, over all offsets of a sample in its pixel. Its values are
+/// linear over each of the steps, which the midpoint rule integrates exactly, and end at the radius.
+std::vector<double> filter_integrals(const FilterWeights& weights, double radius) {
+  constexpr int kSteps = 1024;  // a multiple of those of FilterWeights
+  std::vector<double> integrals(static_cast<std::size_t>(2 * weights.reach() + 1));
+  std::array<double, FilterWeights::kMostPixels> values;
+  for (std::size_t k = 0; k < integrals.size(); ++k)
+    for (int step = 0; step < kSteps; ++step) {
+      const double center = static_cast<double>(k) - weights.reach();
+      const double begin = std::max(static_cast<double>(step) / kSteps - 0.5, center - radius);
+      const double end = std::min(static_cast<double>(step + 1) / kSteps - 0.5, center + radius);
+      if (!(begin < end)) continue;
+      weights.across(static_cast<float>(0.5 * (begin + end)), values.data());
+      integrals[k] += (end - begin) * values[k];
+    }
+  return integrals;
+}
+
+}  // namespace
+
+SplatFilter::SplatFilter(const FilterDescription& filter, FilterMode mode, const PixelRect& sampled, float turn)
+    : weights_(filter), sampled_(sampled), is_weighted_(mode == FilterMode::kWeighted), turn_(turn), cumulative_{0.0} {
+  for (const double integral : filter_integrals(weights_, filter_radius(filter)))
+    cumulative_.push_back(cumulative_.back() + integral);
+}
+
+SplatFilter::Bounds SplatFilter::bounds(const PixelRect& crop) const {
+  PixelRect pixels = crop.grown(weights_.reach());
+  if (is_weighted_) pixels = pixels.intersection(sampled_);
+  if (turn_ > 0) return {-kInfinity, static_cast<float>(pixels.y0), kInfinity, static_cast<float>(pixels.y1)};
+  return {static_cast<float>(pixels.x0), static_cast<float>(pixels.y0), static_cast<float>(pixels.x1),
+          static_cast<float>(pixels.y1)};
+}
+
+double SplatFilter::integral(int at, int sampled_begin, int sampled_end) const {
+  if (!is_weighted_) return cumulative_.back();
+  // The sampled pixels q see the pixel `at` at a distance of at - q pixels.
+  const int reach = weights_.reach();
+  const int first = std::clamp(at - (sampled_end - 1), -reach, reach + 1) + reach;
+  const int last = std::clamp(at - sampled_begin, -reach - 1, reach) + reach;
+  return cumulative_[static_cast<std::size_t>(last + 1)] - cumulative_[static_cast<std::size_t>(first)];
+}
+
+SplatFilter::Span SplatFilter::span(float at, int begin, int end, int sampled_begin, int sampled_end) const {
+  const int own = static_cast<int>(std::floor(at)), reach = weights_.reach();
+  Span out;
+  if (is_weighted_ && (own < sampled_begin || own >= sampled_end)) return out;
+  out.first = std::max(own - reach, begin);
+  out.count = std::max(std::min(own + reach + 1, end) - out.first, 0);
+  out.skipped = out.first - (own - reach);
+  weights_.across(at - static_cast<float>(own) - 0.5f, out.weights.data());
+  for (int i = 0; i < out.count; ++i)
+    out.weights[static_cast<std::size_t>(out.skipped + i)] /= integral(out.first + i, sampled_begin, sampled_end);
+  return out;
+}
+
+SplatFilm::SplatFilm(PixelRect crop)
     : crop_(crop),
-      filter_(filter),
-      radius_(filter_radius(filter)),
-      scale_(1.0 / filter_integral(filter)),
       sums_(3 * static_cast<std::size_t>(crop.width()) * static_cast<std::size_t>(crop.height())),
       squares_(sums_.size()) {}
 
-void SplatFilm::add_row(int y, const Splat& splat) {
-  const double weight_y = evaluate_filter(filter_, y + 0.5 - static_cast<double>(splat.y)) * scale_;
-  const double from = static_cast<double>(splat.x) - 0.5 - radius_, to = static_cast<double>(splat.x) - 0.5 + radius_;
-  const int x0 = std::max(crop_.x0, static_cast<int>(std::ceil(from)));
-  const int x1 = std::min(crop_.x1 - 1, static_cast<int>(std::floor(to)));
-  for (int x = x0; x <= x1; ++x) {
-    const double weight = weight_y * evaluate_filter(filter_, x + 0.5 - static_cast<double>(splat.x)) * scale_;
-    const std::size_t at = 3 * (static_cast<std::size_t>(y - crop_.y0) * static_cast<std::size_t>(crop_.width()) +
-                                static_cast<std::size_t>(x - crop_.x0));
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double value = weight * static_cast<double>(splat.rgb[c]);
-      sums_[at + c] += value;
-      squares_[at + c] += value * value;
-    }
-  }
-}
-
-void SplatFilm::add(std::span<const std::vector<Splat>> tasks) {
+void SplatFilm::add(std::span<const std::vector<Splat>> tasks, const SplatFilter& filter) {
+  const auto add_at = [&](const Splat& splat, float x, const SplatFilter::Span& down) {
+    const SplatFilter::Span across = filter.across(x, crop_.x0, crop_.x1);
+    for (int j = 0; j < down.count; ++j)
+      for (int i = 0; i < across.count; ++i) {
+        const double weight = across.weight(i) * down.weight(j);
+        const auto row = static_cast<std::size_t>(down.first + j - crop_.y0);
+        const auto column = static_cast<std::size_t>(across.first + i - crop_.x0);
+        const std::size_t at = 3 * (row * static_cast<std::size_t>(crop_.width()) + column);
+        for (std::size_t c = 0; c < 3; ++c) {
+          const double value = weight * static_cast<double>(splat.rgb[c]);
+          sums_[at + c] += value;
+          squares_[at + c] += value * value;
+        }
+      }
+  };
+  const auto add_splat = [&](const Splat& splat, int begin, int end) {
+    const SplatFilter::Span down = filter.down(splat.y, begin, end);
+    if (down.count == 0) return;
+    add_at(splat, splat.x, down);
+    for (int k = 1; k <= filter.turns(); ++k)
+      for (const int sign : {-1, 1}) add_at(splat, splat.x + static_cast<float>(sign * k) * filter.turn(), down);
+  };
   const int bands = (crop_.height() + kBand - 1) / kBand;
   tbb::parallel_for(tbb::blocked_range<int>(0, bands, 1), [&](const tbb::blocked_range<int>& range) {
-    const int first = crop_.y0 + range.begin() * kBand, last = std::min(crop_.y1, crop_.y0 + range.end() * kBand) - 1;
+    const int first = crop_.y0 + range.begin() * kBand, end = std::min(crop_.y1, crop_.y0 + range.end() * kBand);
     for (const std::vector<Splat>& task : tasks)
-      for (const Splat& splat : task) {
-        const double at = static_cast<double>(splat.y) - 0.5;
-        const int y0 = std::max(first, static_cast<int>(std::ceil(at - radius_)));
-        const int y1 = std::min(last, static_cast<int>(std::floor(at + radius_)));
-        for (int y = y0; y <= y1; ++y) add_row(y, splat);
-      }
+      for (const Splat& splat : task) add_splat(splat, first, end);
   });
 }
 

@@ -41,7 +41,7 @@ template <class L> SHEAF_INLINE Float<L> pdf_seen(Float<L> pdf_area, const Light
 
 /// Along the cosine from a point on an area light (Jensen, "Realistic Image Synthesis Using Photon Mapping", 2001,
 /// section 5.2), so that all photons of a light without texture and stretching carry the same flux; on either side
-/// if it shines on both; or along the normal, if the light emits there alone.
+/// if it shines on both; or along the normal or against it, if the light emits there alone.
 template <class L>
 SHEAF_INLINE PhotonEmission<L> emit_from(const LightPoint<L>& at, const LightRecord<L>& light, const Random4<L>& b) {
   using F = Float<L>;
@@ -53,8 +53,8 @@ SHEAF_INLINE PhotonEmission<L> emit_from(const LightPoint<L>& at, const LightRec
   e.origin = at.y.p + outwards * at.y.offset;
   e.direction = select<L>(parallel, outwards, Frame<L>::from_normal(outwards).to_world(local));
   e.pdf_position = at.pdf_area;
-  e.pdf_direction = select(parallel, F(1.0f), cosine_hemisphere_pdf_solid_angle(local.z) / sides);
-  e.flux = light.radiance * (select(parallel, F(1.0f), F(kPi) * sides) / at.pdf_area);
+  e.pdf_direction = select(parallel, F(1.0f), cosine_hemisphere_pdf_solid_angle(local.z)) / sides;
+  e.flux = light.radiance * (select(parallel, F(1.0f), F(kPi)) * sides / at.pdf_area);
   e.valid = parallel | (local.z > F(0.0f));
   return e;
 }

@@ -129,7 +129,11 @@ class Renderer {
         static_cast<std::uint64_t>(state_.film.width()) * static_cast<std::uint64_t>(state_.film.height()) * plan_.spp;
     if (context_.transport.max_depth == 1 || context_.scene.light_count == 0) photons_ = 0;
     total_ += photons_;
-    state_.splats.emplace(plan_.crop, scene.film().filter);
+    const PixelRect frame{0, 0, state_.film.width(), state_.film.height()};
+    const bool turns = context_.scene.camera.rays == CameraRays::kSpherical;
+    splat_filter_.emplace(scene.film().filter, scene.film().filter_mode, frame.grown(plan_.frame.border),
+                          turns ? static_cast<float>(frame.width()) : 0.0f);
+    state_.splats.emplace(plan_.crop);
   }
 
   /// Begins the sums of an adaptive render, if it is one.
@@ -373,14 +377,14 @@ class Renderer {
         tbb::simple_partitioner());
     // A round that was cut short says nothing of how many photons there were.
     if (!whole) return;
-    state_.splats->add(splats);
+    state_.splats->add(splats, *splat_filter_);
     state_.photons += taken;
   }
 
   void run_photon_task(std::uint64_t first, int count, std::vector<Splat>& splats) {
     const FlushDenormals flush;
     Worker& worker = workers_.local();
-    worker.photons.begin(first, count, state_.film.crop(), state_.splats->reach());
+    worker.photons.begin(first, count, splat_filter_->bounds(state_.film.crop()));
     StageContext context = context_;
     context.photons = &worker.photons;
     context.sampler = without_frame(context.sampler);
@@ -451,6 +455,7 @@ class Renderer {
   std::vector<TrainingPass> training_passes_;
   GuideTraining guide_training_{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};
   std::uint64_t photons_ = 0;  ///< light tracing: to be emitted
+  std::optional<SplatFilter> splat_filter_;
   std::atomic<bool> pausing_{false};
   std::chrono::steady_clock::time_point start_;
   bool told_resumed_ = false;  ///< the tiles that were done already count as progress

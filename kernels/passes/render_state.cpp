@@ -78,8 +78,7 @@ void write_checkpoint(const std::filesystem::path& file, const RenderSettings& s
   out.commit();
 }
 
-RenderState read_checkpoint(const std::filesystem::path& file, const RenderSettings& settings,
-                            const FilterDescription& filter) {
+RenderState read_checkpoint(const std::filesystem::path& file, const RenderSettings& settings) {
   BinaryInput in(file, kFirstLine);
   check_settings(in, settings, get_settings(in));
   RenderState state;
@@ -89,7 +88,7 @@ RenderState read_checkpoint(const std::filesystem::path& file, const RenderSetti
   state.borders = get_borders(in, state.film);
   if (in.get<std::uint8_t>() != 0) state.adaptive = get_adaptive(in, state.film);
   if (in.get<std::uint8_t>() != 0) {
-    state.splats.emplace(state.film.crop(), filter);
+    state.splats.emplace(state.film.crop());
     get_splats(in, *state.splats);
   }
   state.photons = in.get<std::uint64_t>();

@@ -33,7 +33,6 @@ void write_checkpoint(const std::filesystem::path& file, const RenderSettings& s
 
 /// Reads one. Throws Error (exit code 5) for a file that cannot be read, is damaged or none of this version, and where
 /// it was made with other settings: the message says which.
-RenderState read_checkpoint(const std::filesystem::path& file, const RenderSettings& settings,
-                            const FilterDescription& filter);
+RenderState read_checkpoint(const std::filesystem::path& file, const RenderSettings& settings);
 
 }  // namespace sheaf

@@ -31,9 +31,17 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
     lens = square_to_disk<L>(u.y, u.z);
   }
   const CameraView<L> view = context.scene.camera.view<L>(item.p, lens.x, lens.y);
-  const LightTask& task = *context.photons;
-  const auto seen = view.valid & (view.film_x > F(task.film_x0)) & (view.film_x < F(task.film_x1)) &
-                    (view.film_y > F(task.film_y0)) & (view.film_y < F(task.film_y1)) & L::first(count);
+  const SplatFilter::Bounds& film = context.photons->film_bounds;
+  auto seen = view.valid & (view.film_x > F(film.x0)) & (view.film_x < F(film.x1)) & (view.film_y > F(film.y0)) &
+              (view.film_y < F(film.y1)) & L::first(count);
+  Uint<L> shadow_flags(0u);
+  if (!kIsPhaseFunction<Bsdf<L>> && context.transport.hide_emitters) {
+    const auto on_light = wave.hits.gather<L>(slots).light != Uint<L>(kNone);
+    if (context.scene.has_open_panes)
+      shadow_flags = select(on_light, Uint<L>(kShadowFromHiddenLight), shadow_flags);
+    else
+      seen = seen & !on_light;
+  }
   if (!any(seen)) return;
   wave.film_places.store<L>(column, {view.film_x, view.film_y});
 
@@ -52,7 +60,8 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
     }
   }
   const Spectrum<L> out = path.beta * f_cos * (flux * view.importance);
-  push_shadow_ray<L>(context.scene, wave, slots, count, item, {view.target, F(0.0f), Uint<L>(kNone), Uint<L>(kNone)},
+  push_shadow_ray<L>(context.scene, wave, slots, count, item,
+                     {view.target, F(0.0f), Uint<L>(kNone), Uint<L>(kNone), shadow_flags},
                      select<L>(seen & is_finite(total(out)), out, Spectrum<L>(F(0.0f))), kIsPhaseFunction<Bsdf<L>>);
 }
 

@@ -7,11 +7,20 @@
 
 namespace sheaf {
 
+/// Further bits of TransmittanceItem::flags, in place of two that mean nothing to shadow rays: what a ray to the camera
+/// has met, where lights are hidden. Camera rays pass them until they meet an open pane, behind which they see them.
+enum ShadowFlags : std::uint32_t {
+  kShadowFromHiddenLight = kRayFromCamera,  ///< starts on one, and has passed no pane since
+  kShadowPassedHiddenLight = kRayLast,
+};
+inline constexpr std::uint32_t kShadowFlags = kShadowFromHiddenLight | kShadowPassedHiddenLight;
+
 /// Where a shadow ray goes; see TransmittanceItem.
 template <class L> struct ShadowEnd {
   Vec3<L> target;
   typename L::Float pdf_ratio;
   typename L::Uint light, medium;
+  typename L::Uint flags = typename L::Uint(0u);  ///< ShadowFlags
 };
 
 /// What the transmittance stage wants to know, for the shadow rays that push_shadow_ray() keeps.
@@ -31,6 +40,7 @@ void push_transmittance(const SceneView& scene, Wave& wave, const Slot* slots, c
     const U boundary = gather_member<L>(scene.shapes, &ShapeRow::boundary, wave.hits.gather<L>(slots).shape);
     out.flags = select(through, medium_behind<L>(scene, boundary, item.ng, shadow.direction, out.flags), out.flags);
   }
+  out.flags = (out.flags & U(~kShadowFlags)) | end.flags;
   wave.transmittances.compress<L>(wave.shadow_count, out, kept);
 }
 

@@ -9,6 +9,7 @@
 #include "kernels/media/medium_ray.h"
 #include "kernels/media/passing_share.h"
 #include "kernels/stages/continue_ray.h"
+#include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shadow_packet.h"
 #include "kernels/stages/stages.h"
 #include "kernels/stages/trace_packets.h"
@@ -91,8 +92,9 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   const Vec3f normal{packet.normal_x[at], packet.normal_y[at], packet.normal_z[at]};
   const bool behind = dot(normal, d) > 0.0f;
   const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.shapes, packet.shape[at]);
-  // The camera sees past hidden lights, and photons' shadow rays go to the camera.
+  // Photons' shadow rays go to the camera, which sees past hidden lights.
   const bool hidden = context.photons != nullptr && context.transport.hide_emitters && shape.light != kNone;
+  if (hidden && (ray.state.flags & kShadowFromHiddenLight) != 0) return false;
   if (!hidden && !may_pass(scene, shape.material, behind)) return false;
   const Vec3f target = ray.item.origin + d;
   const float u = packet.u[at], v = packet.v[at];
@@ -101,9 +103,13 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   PanePassage<Scalar> passage;
   if (hidden) {
     passage = {Spectrum4(1.0f), 1.0f};
+    ray.state.flags |= kShadowPassedHiddenLight;
   } else if ((scene.materials[shape.material].flags & kComposite) == 0) {
     const Spectrum4 lambda = lane_wavelengths(scene, wave, static_cast<Slot>(ray.item.slot));
     passage = pane_passage(scene, shape.material, dot(y.ns, d) / length(d), lambda);
+    // Behind a pane the camera sees lights, which then let nothing pass.
+    if ((ray.state.flags & kShadowPassedHiddenLight) != 0) return false;
+    ray.state.flags &= ~kShadowFromHiddenLight;
   } else {
     passage.probability =
         passing_share(scene, shape.material, behind, {y.uv, packet.shape[at], packet.primitive[at], u, v, y.p});
@@ -122,6 +128,7 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
 
 /// Adds what has arrived to its path.
 void pay(const StageContext& context, Wave& wave, const ShadowRay& ray) {
+  if ((ray.state.flags & kShadowFromHiddenLight) != 0) return;
   Quad r_u(ray.state.r_u);
   const std::uint32_t end = ray.state.target_medium;
   if (end != kNone) {

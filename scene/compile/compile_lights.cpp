@@ -116,9 +116,9 @@ void SceneCompiler::add_light_row(const LightRow& row, const SpectrumRow& spectr
 void SceneCompiler::select_lights() {
   const SceneView view = out_->view();
   std::vector<float> weights;
+  out_->light_powers_ = light_powers(view);
   for (std::uint32_t i = 0; i < view.light_count; ++i) {
-    const Vec3f power = light_power(view, i);
-    out_->light_powers_.push_back(power);
+    const Vec3f power = out_->light_powers_[i];
     // Much of what an environment sends through the bounding sphere meets nothing: at its full power it would take
     // the samples of lights inside.
     constexpr double kEnvironmentShare = 0.25;

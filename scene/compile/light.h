@@ -47,13 +47,25 @@ enum class LightReach {
   kEnvironment,  ///< outside of it, from all directions: there may be one
 };
 
+/// Who may use the integral in a light's power.
+enum class IntegralSharing {
+  kOne,   ///< nobody: it is 1
+  kAll,   ///< all lights of the same kind, texture and key
+  kNone,  ///< the light alone
+};
+
 /// A kind of light to who makes tables of lights.
 struct LightCompiler {
   LightReach reach;
-  /// See light_power().
+  /// See light_power(); without `integral`.
   Vec3f (*power)(const SceneView&, const LightRow&);
   /// See bounds_of_light(). Null unless bounded.
   LightBounds (*bounds)(const SceneView&, const LightRow&, double power);
+  /// A factor of light_power() that takes numerical integration, by about so many points, and is no part of `power`.
+  /// Null where nothing does.
+  Vec3f (*integral)(const SceneView&, const LightRow&, int points) = nullptr;
+  /// Appends what `integral` depends on besides the kind and the texture. Null where `integral` is.
+  IntegralSharing (*integral_key)(const SceneView&, const LightRow&, std::vector<std::uint32_t>& key) = nullptr;
 };
 
 /// A struct with the reach, the power and, if it is bounded, the bounds of a kind.
@@ -67,8 +79,12 @@ concept CompiledLight =
     };
 
 template <CompiledLight Kind> LightCompiler make_light_compiler() {
-  if constexpr (Kind::kReach == LightReach::kBounded) return {Kind::kReach, &Kind::power, &Kind::bounds};
-  else return {Kind::kReach, &Kind::power, nullptr};
+  if constexpr (requires { &Kind::integral; })
+    return {Kind::kReach, &Kind::power, &Kind::bounds, &Kind::integral, &Kind::integral_key};
+  else if constexpr (Kind::kReach == LightReach::kBounded)
+    return {Kind::kReach, &Kind::power, &Kind::bounds};
+  else
+    return {Kind::kReach, &Kind::power, nullptr};
 }
 
 #pragma GCC diagnostic push
@@ -100,7 +116,11 @@ const LightCompiler& light_compiler_of(const LightRow& light);
 bool is_infinite(const LightRow& light);
 
 /// The power that a light gives off, W in R, G and B. Of lights outside of the scene that which reaches the scene's
-/// bounding sphere. Textures are averaged over the surface by a few thousand points.
+/// bounding sphere. Textures are averaged by a few thousand points.
 Vec3f light_power(const SceneView& scene, std::uint32_t light);
+
+/// The same of all lights. Those of the same shape share integrals, and where hundreds are left, each is of fewer
+/// points, 256 at least.
+std::vector<Vec3f> light_powers(const SceneView& scene);
 
 }  // namespace sheaf

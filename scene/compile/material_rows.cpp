@@ -1,7 +1,6 @@
 #include "scene/compile/material_rows.h"
 
 #include "core/color.h"
-#include "scene/compile/plastic.h"
 #include "scene/data/glasses.h"
 #include "scene/data/rgb_basis.h"
 
@@ -233,7 +232,7 @@ MaterialRow make_row(const PlasticDescription& d, RowContext& context) {
   RowMaker<RoughPlasticParameters> m{context};
   set_plastic(m, d);
   m.set(m.p.alpha, d.roughness->alpha_u);
-  const RoughCoat coat = rough_coat(d.roughness->distribution, m.p.alpha, m.p.eta);
+  const RoughCoat coat = context.coats.coat(d.roughness->distribution, m.p.alpha, m.p.eta);
   m.p.internal_reflectance = coat.internal_reflectance;
   std::copy(coat.transmittance.begin(), coat.transmittance.end(), m.p.transmittance);
   return m.row(is_ggx(*d.roughness) ? ClosureKind::kRoughPlasticGgx : ClosureKind::kRoughPlasticBeckmann);
@@ -470,7 +469,7 @@ MaterialRow make_coated_row(const CoatDescription& coat, const MaterialDescripti
   }
   RowMaker<RoughCoatedParameters> m{context};
   m.set(m.p.coat_alpha, coat.roughness->alpha_u);
-  const RoughCoat rough = rough_coat(coat.roughness->distribution, m.p.coat_alpha, coat.int_ior / coat.ext_ior);
+  const RoughCoat rough = context.coats.coat(coat.roughness->distribution, m.p.coat_alpha, coat.int_ior / coat.ext_ior);
   std::copy(rough.transmittance.begin(), rough.transmittance.end(), m.p.transmittance);
   const bool ggx = is_ggx(*coat.roughness);
   return coated_row(ggx ? ClosureKind::kRoughCoatedGgx : ClosureKind::kRoughCoatedBeckmann, coat, below, m);

@@ -3,6 +3,7 @@
 
 #include "scene/compile/closure_tables.h"
 #include "scene/compile/compile_materials.h"
+#include "scene/compile/plastic.h"
 
 namespace sheaf {
 
@@ -13,6 +14,7 @@ struct RowContext {
   SpectrumSet* set = nullptr;             ///< spectral mode: what makes rows
   MaterialSpectra rows = {};              ///< spectral mode: those of the row made last
   float largest_reflectance = 0;          ///< of all constants set so far, before they are clamped
+  RoughCoats coats = {};
 };
 
 /// The row of a material that is neither composite nor two-sided nor mapped. `back`, `bucket` and the choices are left

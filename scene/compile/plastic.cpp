@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace sheaf {
@@ -63,10 +64,12 @@ class Coat {
   double internal_reflectance() const {
     const double critical = eta_ > 1 ? std::sqrt(1 - 1 / (eta_ * eta_)) : 0.5;
     double sum = 0;
-    for (const Node& n : gauss_legendre<kDirections>()) {
+    static const auto directions = gauss_legendre<kDirections>();
+    for (const Node& n : directions) {
       const double low = critical * n.x, high = critical + (1 - critical) * n.x;
-      sum += 2 * n.weight * (critical * low * shares(low, 1 / eta_).reflected +
-                             (1 - critical) * high * shares(high, 1 / eta_).reflected);
+      sum +=
+          2 * n.weight *
+          (critical * low * shares(low, 1 / eta_).reflected + (1 - critical) * high * shares(high, 1 / eta_).reflected);
     }
     return sum;
   }
@@ -96,17 +99,24 @@ class Coat {
 
   /// Facets by the mapping of Dupuy and Benyoub 2023, over half of the azimuths.
   Shares ggx_shares(double cosine, double sine, double eta) const {
+    struct Azimuth {
+      double cosine, sine, weight;
+    };
     static const auto depths = gauss_legendre<kAlong>();
-    static const auto azimuths = gauss_legendre<kAcross>();
+    static const auto azimuths = [] {
+      std::array<Azimuth, kAcross> all;
+      const auto nodes = gauss_legendre<kAcross>();
+      for (std::size_t i = 0; i < nodes.size(); ++i)
+        all[i] = {std::cos(std::numbers::pi * nodes[i].x), std::sin(std::numbers::pi * nodes[i].x), nodes[i].weight};
+      return all;
+    }();
     const double stretched = std::hypot(alpha_ * sine, cosine), wx = alpha_ * sine / stretched, wz = cosine / stretched;
     Shares shares;
     for (const Node& v : depths) {
       const double depth = v.x * (1 + wz), r = std::sqrt(depth * (2 - depth));
-      for (const Node& u : azimuths) {
-        const double angle = std::numbers::pi * u.x;
-        add(shares, u.weight * v.weight, alpha_ * (r * std::cos(angle) + wx), alpha_ * r * std::sin(angle),
-            1 - depth + wz, cosine, sine, eta);
-      }
+      for (const Azimuth& u : azimuths)
+        add(shares, u.weight * v.weight, alpha_ * (r * u.cosine + wx), alpha_ * r * u.sine, 1 - depth + wz, cosine,
+            sine, eta);
     }
     return shares;
   }
@@ -114,17 +124,21 @@ class Coat {
   /// Facets by their slopes, weighted by their visibility; over half of the slopes across.
   Shares beckmann_shares(double cosine, double sine, double eta) const {
     static const auto along = gauss_legendre<kAlong>();
-    static const auto across = gauss_legendre<kAcross>();
+    static const auto across = [] {  // slopes, with their weight under the Gaussian
+      auto nodes = gauss_legendre<kAcross>();
+      for (Node& u : nodes) u = {kMaxSlope * u.x, u.weight * std::exp(-kMaxSlope * u.x * kMaxSlope * u.x)};
+      return nodes;
+    }();
     const double end = std::min(cosine / std::max(alpha_ * sine, 1e-30), kMaxSlope);
     Shares shares;
     double total = 0;
     for (const Node& v : along) {
       const double x = -kMaxSlope + (end + kMaxSlope) * v.x;
+      const double line_weight = v.weight * (cosine - alpha_ * x * sine) * std::exp(-x * x);
       for (const Node& u : across) {
-        const double y = kMaxSlope * u.x;
-        const double weight = u.weight * v.weight * (cosine - alpha_ * x * sine) * std::exp(-x * x - y * y);
+        const double weight = u.weight * line_weight;
         total += weight;
-        add(shares, weight, -alpha_ * x, -alpha_ * y, 1, cosine, sine, eta);
+        add(shares, weight, -alpha_ * x, -alpha_ * u.x, 1, cosine, sine, eta);
       }
     }
     return {shares.reflected / total, shares.transmitted / total};
@@ -134,62 +148,101 @@ class Coat {
   double alpha_, eta_;
 };
 
-constexpr int kSamples = 28;  // of the transmittance
-constexpr int kTransmittanceCoefficients = kTransmittanceTerms - 1;
+constexpr std::size_t kSamples = RoughCoatSamples::kCosines;
+constexpr std::size_t kTransmittanceCoefficients = kTransmittanceTerms - 1;
 
-/// A polynomial through samples in the least-squares sense, and the largest deviation.
-struct Fit {
-  std::array<double, kTransmittanceCoefficients> coefficients{};
-  double error = 0;
-};
-
-Fit fit_polynomial(const std::array<double, kSamples>& x, const std::array<double, kSamples>& y) {
-  constexpr int n = kTransmittanceCoefficients;
-  double matrix[n][n + 1] = {};  // the normal equations
-  for (std::size_t s = 0; s < kSamples; ++s)
-    for (int i = 0; i < n; ++i) {
-      const double power = std::pow(x[s], i);
-      for (int j = 0; j < n; ++j) matrix[i][j] += power * std::pow(x[s], j);
-      matrix[i][n] += power * y[s];
-    }
-  for (int k = 0; k < n; ++k)  // positive definite: no pivoting
-    for (int i = k + 1; i < n; ++i) {
-      const double factor = matrix[i][k] / matrix[k][k];
-      for (int j = k; j <= n; ++j) matrix[i][j] -= factor * matrix[k][j];
-    }
-  Fit fit;
-  for (int i = n - 1; i >= 0; --i) {
-    double value = matrix[i][n];
-    for (int j = i + 1; j < n; ++j) value -= matrix[i][j] * fit.coefficients[static_cast<std::size_t>(j)];
-    fit.coefficients[static_cast<std::size_t>(i)] = value / matrix[i][i];
-  }
-  for (std::size_t s = 0; s < kSamples; ++s) {
-    double value = 0;
-    for (int i = n - 1; i >= 0; --i) value = value * x[s] + fit.coefficients[static_cast<std::size_t>(i)];
-    fit.error = std::max(fit.error, std::fabs(value - y[s]));
-  }
-  return fit;
+/// The cosines of the samples, which crowd at grazing directions.
+const std::array<double, kSamples>& sample_cosines() {
+  static const auto cosines = [] {
+    std::array<double, kSamples> all;
+    for (std::size_t s = 0; s < kSamples; ++s)
+      all[s] = std::pow(std::sin(0.5 * std::numbers::pi * (static_cast<double>(s) + 0.5) / kSamples), 4);
+    return all;
+  }();
+  return cosines;
 }
 
-/// Samples that crowd at grazing directions, and every width of the grazing part that is worth a try; the best wins.
-std::array<float, kTransmittanceTerms> fit_transmittance(const Coat& coat, double eta) {
-  std::array<double, kSamples> cosines, values, x;
-  for (std::size_t s = 0; s < kSamples; ++s) {
-    cosines[s] = std::pow(std::sin(0.5 * std::numbers::pi * (static_cast<double>(s) + 0.5) / kSamples), 4);
-    values[s] = coat.shares(cosines[s], eta).transmitted;
+/// Fits polynomials in (1 + width) cosine / (cosine + width) to the samples in the least-squares sense. All samples
+/// have the same cosines, so that the coefficients are a matrix times the values.
+class PolynomialFit {
+ public:
+  explicit PolynomialFit(double width) : width_(width) {
+    constexpr std::size_t n = kTransmittanceCoefficients;
+    double matrix[n][n + kSamples] = {};  // the normal equations; on their right side those of each sample
+    for (std::size_t s = 0; s < kSamples; ++s) {
+      x_[s] = (1 + width) * sample_cosines()[s] / (sample_cosines()[s] + width);
+      for (std::size_t i = 0; i < n; ++i) {
+        const double power = std::pow(x_[s], i);
+        for (std::size_t j = 0; j < n; ++j) matrix[i][j] += power * std::pow(x_[s], j);
+        matrix[i][n + s] = power;
+      }
+    }
+    for (std::size_t k = 0; k < n; ++k)  // positive definite: no pivoting
+      for (std::size_t i = 0; i < n; ++i) {
+        if (i == k) continue;
+        const double factor = matrix[i][k] / matrix[k][k];
+        for (std::size_t j = k; j < n + kSamples; ++j) matrix[i][j] -= factor * matrix[k][j];
+      }
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t s = 0; s < kSamples; ++s) solution_[i][s] = matrix[i][n + s] / matrix[i][i];
   }
+
+  double width() const { return width_; }
+  using Coefficients = std::array<double, kTransmittanceCoefficients>;
+  Coefficients coefficients(const std::array<double, kSamples>& values) const {
+    Coefficients out{};
+    for (std::size_t i = 0; i < out.size(); ++i)
+      for (std::size_t s = 0; s < kSamples; ++s) out[i] += solution_[i][s] * values[s];
+    return out;
+  }
+  /// The largest deviation from the samples.
+  double error(const Coefficients& coefficients, const std::array<double, kSamples>& values) const {
+    double error = 0;
+    for (std::size_t s = 0; s < kSamples; ++s) {
+      double value = 0;
+      for (std::size_t i = coefficients.size(); i-- > 0;) value = value * x_[s] + coefficients[i];
+      error = std::max(error, std::fabs(value - values[s]));
+    }
+    return error;
+  }
+
+ private:
+  double width_;
+  std::array<double, kSamples> x_;
+  double solution_[kTransmittanceCoefficients][kSamples];
+};
+
+/// Every width of the grazing part that is worth a try; the best wins.
+std::array<float, kTransmittanceTerms> fit_transmittance(const std::array<double, kSamples>& values) {
+  static const std::array fits{PolynomialFit(0.04), PolynomialFit(0.06), PolynomialFit(0.09),
+                               PolynomialFit(0.13), PolynomialFit(0.2),  PolynomialFit(0.3),
+                               PolynomialFit(0.5),  PolynomialFit(1.0),  PolynomialFit(3.0)};
   std::array<float, kTransmittanceTerms> best{};
   double best_error = std::numeric_limits<double>::infinity();
-  for (const double width : {0.04, 0.06, 0.09, 0.13, 0.2, 0.3, 0.5, 1.0, 3.0}) {
-    for (std::size_t s = 0; s < kSamples; ++s) x[s] = (1 + width) * cosines[s] / (cosines[s] + width);
-    const Fit fit = fit_polynomial(x, values);
-    if (!(fit.error < best_error)) continue;
-    best_error = fit.error;
-    best[0] = static_cast<float>(width);
-    std::copy(fit.coefficients.begin(), fit.coefficients.end(), best.begin() + 1);
+  for (const PolynomialFit& fit : fits) {
+    const PolynomialFit::Coefficients coefficients = fit.coefficients(values);
+    const double error = fit.error(coefficients, values);
+    if (!(error < best_error)) continue;
+    best_error = error;
+    best[0] = static_cast<float>(fit.width());
+    std::copy(coefficients.begin(), coefficients.end(), best.begin() + 1);
   }
   return best;
 }
+
+RoughCoat fit_coat(const RoughCoatSamples& samples) {
+  return {static_cast<float>(samples.internal_reflectance), fit_transmittance(samples.transmitted)};
+}
+
+RoughCoatSamples sample_coat(RoughnessDescription::Distribution distribution, double alpha, double eta) {
+  const Coat coat(distribution, alpha, eta);
+  RoughCoatSamples samples;
+  samples.internal_reflectance = coat.internal_reflectance();
+  for (std::size_t s = 0; s < kSamples; ++s) samples.transmitted[s] = coat.shares(sample_cosines()[s], eta).transmitted;
+  return samples;
+}
+
+double clamped_alpha(double alpha) { return std::clamp(alpha, 1e-4, 1e3); }
 
 }  // namespace
 
@@ -197,13 +250,40 @@ float smooth_coat_internal_reflectance(double eta) {
   // What comes in under a cosine and what gets out are the same up to eta^2, and the former has no kink for eta >= 1.
   double sum = 0;
   const double outside = eta >= 1 ? eta : 1 / eta;
-  for (const Node& n : gauss_legendre<64>()) sum += 2 * n.weight * n.x * fresnel_reflectance(n.x, outside);
+  static const auto nodes = gauss_legendre<64>();
+  for (const Node& n : nodes) sum += 2 * n.weight * n.x * fresnel_reflectance(n.x, outside);
   return static_cast<float>(eta >= 1 ? 1 - (1 - sum) / (eta * eta) : sum);
 }
 
 RoughCoat rough_coat(RoughnessDescription::Distribution distribution, double alpha, double eta) {
-  const Coat coat(distribution, std::clamp(alpha, 1e-4, 1e3), eta);
-  return {static_cast<float>(coat.internal_reflectance()), fit_transmittance(coat, eta)};
+  return fit_coat(sample_coat(distribution, clamped_alpha(alpha), eta));
+}
+
+RoughCoat RoughCoats::coat(RoughnessDescription::Distribution distribution, double alpha, double eta) {
+  alpha = clamped_alpha(alpha);
+  Family& family = families_[{distribution, eta}];
+  const auto known = family.exact.find(alpha);
+  if (known != family.exact.end()) return known->second;
+  if (family.exact.size() < kMaxExact)
+    return family.exact.emplace(alpha, rough_coat(distribution, alpha, eta)).first->second;
+
+  // Lagrange interpolation of the samples over the logarithm of alpha
+  constexpr int kNodes = 6;
+  constexpr double kNodesPerOctave = 4;
+  const double place = kNodesPerOctave * std::log2(alpha);
+  const int first = static_cast<int>(std::floor(place)) - kNodes / 2 + 1;
+  RoughCoatSamples samples;
+  for (int i = first; i < first + kNodes; ++i) {
+    auto node = family.nodes.find(i);
+    if (node == family.nodes.end())
+      node = family.nodes.emplace(i, sample_coat(distribution, std::exp2(i / kNodesPerOctave), eta)).first;
+    double weight = 1;
+    for (int j = first; j < first + kNodes; ++j)
+      if (j != i) weight *= (place - j) / (i - j);
+    samples.internal_reflectance += weight * node->second.internal_reflectance;
+    for (std::size_t s = 0; s < kSamples; ++s) samples.transmitted[s] += weight * node->second.transmitted[s];
+  }
+  return fit_coat(samples);
 }
 
 }  // namespace sheaf

@@ -8,14 +8,14 @@ namespace sheaf {
 
 namespace {
 
-constexpr std::string_view kBlanks = " \t\v\f";
+constexpr std::string_view kSeparators = " \t\v\f";
 
 }  // namespace
 
 bool NumberLines::next() {
   if (rest_.empty()) return false;
   const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
-  line_ = trimmed(rest_.substr(0, end), kBlanks);
+  line_ = trimmed(rest_.substr(0, end), kSeparators);
   const std::size_t ending = rest_.substr(end).starts_with("\r\n") ? 2 : 1;
   rest_.remove_prefix(std::min(end + ending, rest_.size()));
   ++number_;
@@ -31,8 +31,8 @@ void NumberLines::read(std::span<float> numbers, const char* what) const {
   };
   std::string_view rest = line_;
   for (float& number : numbers) {
-    std::string_view word = rest.substr(0, std::min(rest.find_first_of(kBlanks), rest.size()));
-    rest = trimmed(rest.substr(word.size()), kBlanks);
+    std::string_view word = rest.substr(0, std::min(rest.find_first_of(kSeparators), rest.size()));
+    rest = trimmed(rest.substr(word.size()), kSeparators);
     if (word.starts_with('+')) word.remove_prefix(1);
     double value = 0;
     const char* const end = word.data() + word.size();

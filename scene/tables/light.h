@@ -37,7 +37,7 @@ template <class L> struct LightRecord {
   F area{};    ///< area lights: of the world-space surface; kQuadric: of the canonical shape; kVolume: see extent();
                ///< kBeam: see beam()
   F radius{};  ///< kSphere; kSun: 1 less the cosine of the angle between its centre and its rim
-  F depth{};   ///< area lights: see is_along_normal() and is_two_sided()
+  F depth{};   ///< area lights: see set_sides()
   U texture = U(kNone);  ///< into SceneView::textures; kNone: the same everywhere
   U detail{};  ///< see frame(), first_uv(), least_offset() and cells()
 
@@ -58,7 +58,10 @@ template <class L> struct LightRecord {
   /// Area lights: whether they emit along their normal alone, radiance being radiant exitance (W / m^2).
   SHEAF_INLINE typename L::Mask is_along_normal() const { return depth > F(0.0f); }
   /// Area lights: whether they shine against their normals as well.
-  SHEAF_INLINE typename L::Mask is_two_sided() const { return depth < F(0.0f); }
+  SHEAF_INLINE typename L::Mask is_two_sided() const { return (depth < F(0.0f)) | (depth > F(1.0f)); }
+  void set_sides(bool along_normal, bool two_sided) {
+    depth = along_normal ? (two_sided ? 2.0f : 1.0f) : (two_sided ? -1.0f : 0.0f);
+  }
   void set_extent(Vec3<L> size) { area = size.x, radius = size.y, depth = size.z; }
   /// Spots, kGoniometric, kProjector: into SceneView::light_frames.
   SHEAF_INLINE U frame() const { return detail; }

@@ -27,7 +27,7 @@ void try_input(std::string_view input) {
   bytes.append(reinterpret_cast<const char*>(&sum), sizeof sum);
   const auto file = make_file("render.checkpoint", bytes);
   reads([&] {
-    const RenderState state = read_checkpoint(file, kSettings, {});
+    const RenderState state = read_checkpoint(file, kSettings);
     Film film = state.film;
     film.add(state.borders);
     (void)film.to_image();

@@ -266,7 +266,7 @@ void add_checkpoints(Seeds& seeds) {
   state.adaptive->begin_round();
   add(state);
   state.adaptive.reset();
-  state.splats.emplace(crop, FilterDescription());
+  state.splats.emplace(crop);
   add(state);
 }
 

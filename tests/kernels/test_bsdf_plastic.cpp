@@ -209,4 +209,26 @@ TEST_CASE("plastics: registers equal single values") {
 
 TEST_SUITE_END();
 
+TEST_CASE("plastic: the coats of a scene with many roughnesses are those of each alone") {
+  for (const Distribution distribution : {Distribution::kBeckmann, Distribution::kGgx})
+    for (const float eta : {1.5f}) {
+      CAPTURE(static_cast<int>(distribution));
+      CAPTURE(eta);
+      RoughCoats coats;
+      // More than are kept as they are, so that the last ones are interpolated.
+      for (std::size_t i = 0; i < RoughCoats::kMaxExact; ++i) coats.coat(distribution, 0.1 + 0.001 * double(i), eta);
+      for (const double alpha : {1e-5, 1.3e-3, 0.0123, 0.0517, 0.2, 0.347, 0.71, 1.0, 1.9, 2e3}) {
+        CAPTURE(alpha);
+        const RoughCoat alone = rough_coat(distribution, alpha, eta), among = coats.coat(distribution, alpha, eta);
+        CHECK(std::fabs(among.internal_reflectance - alone.internal_reflectance) < 2e-3f);
+        for (int k = 0; k <= 50; ++k)
+          CHECK(std::fabs(polynomial_transmittance(among, k / 50.0) - polynomial_transmittance(alone, k / 50.0)) <
+                2e-3);
+      }
+      const RoughCoat first = rough_coat(distribution, 0.1, eta), again = coats.coat(distribution, 0.1, eta);
+      CHECK(first.internal_reflectance == again.internal_reflectance);
+      CHECK(first.transmittance == again.transmittance);
+    }
+}
+
 }  // namespace sheaf::test_bsdf_plastic

@@ -30,9 +30,8 @@ const Spectrum4 kLambda{450, 520, 580, 640};
 PhotonEmission<Scalar> photon(const SceneView& scene, std::uint32_t i) {
   const auto choice = choose_light_by_power<Scalar>(scene, random4<Scalar>(61, i, 0, 0).x);
   const auto a = random4<Scalar>(61, i, 0, 1), b = random4<Scalar>(61, i, 0, 2);
-  return scene.color == ColorMode::kSpectral
-             ? emit_photon<Scalar, ColorMode::kSpectral>(scene, choice, a, b, kLambda)
-             : emit_photon<Scalar>(scene, choice, a, b);
+  return scene.color == ColorMode::kSpectral ? emit_photon<Scalar, ColorMode::kSpectral>(scene, choice, a, b, kLambda)
+                                             : emit_photon<Scalar>(scene, choice, a, b);
 }
 
 LightSample<Scalar> any_sample(const SceneView& scene, Vec3f from, const Random4<Scalar>& u) {
@@ -353,6 +352,39 @@ TEST_CASE("light emission: rays of light, and surfaces that emit along their nor
   }
 }
 
+TEST_CASE("light emission: surfaces that emit along their normals on both sides send twice the power, half each way") {
+  for (Case c : area_cases()) {
+    if (c.scene.shapes.empty()) continue;
+    CAPTURE(c.name);
+    ShapeDescription& shape = c.scene.shapes[0];
+    shape.emits_along_normal = true;
+    const double one_side = power_of(compile_scene(c.scene)->view());
+    shape.emits_on_both_sides = true;
+    const auto scene = compile_scene(c.scene);
+    const SceneView view = scene->view();
+    CHECK(power_of(view) == doctest::Approx(2 * one_side));
+    constexpr std::uint32_t kPhotons = 2000;
+    check_power(view, 20000, c.power_error, significance_of_each(20));
+    double front = 0;
+    for (std::uint32_t i = 0; i < kPhotons; ++i) {
+      const auto p = photon(view, i);
+      REQUIRE(p.valid);
+      CHECK(double{p.pdf_direction} == 0.5);
+      const auto below = trace_ray(view, p.origin, -p.direction);
+      if (!below) continue;
+      const float along = dot(surface_at(view, p.origin, -p.direction, *below).ng, p.direction);
+      CHECK(std::fabs(along) == doctest::Approx(1).epsilon(2e-3));
+      front += along > 0 ? 1 : 0;
+    }
+    // Binomial, within five standard deviations.
+    CHECK(front / kPhotons == doctest::Approx(0.5).epsilon(2 * 5 * 0.5 / std::sqrt(kPhotons)));
+    // As the surface of a lamp of a told power.
+    shape.power = 7.0f;
+    if (!std::holds_alternative<TextureId>(*shape.radiance))
+      CHECK(power_of(compile_scene(c.scene)->view()) == doctest::Approx(7 * (1 + 4 + 1.5)).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("light emission: lights are chosen by power, whatever the selector") {
   Description d = empty_scene(4, 4);
   d.integrator.light_selector = LightSelector::kUniform;
@@ -386,8 +418,8 @@ TEST_CASE("light emission: registers equal single values, lights mixed") {
     const auto wide = emit_photon<Wide>(view, {wide_uints([&](int lane) { return light_of(lane); }), WideFloat(0.25f)},
                                         wide_random(64, i), wide_random(65, i));
     for (int lane = 0; lane < kWidth; ++lane) {
-      const auto one = emit_photon<Scalar>(view, {light_of(lane), 0.25f}, lane_random(64, i, lane),
-                                           lane_random(65, i, lane));
+      const auto one =
+          emit_photon<Scalar>(view, {light_of(lane), 0.25f}, lane_random(64, i, lane), lane_random(65, i, lane));
       CAPTURE(light_of(lane));
       ++total;
       const double flux = weighed(one.flux), change = std::fabs(weighed(lane_record(wide.flux, lane)) - flux);

@@ -210,7 +210,7 @@ TEST_CASE("adaptive sampling: the same bits for any number of threads and wave s
     REQUIRE(part < 100);
     RenderOptions again = options;
     std::optional<RenderState> state;
-    if (part > 0) state = read_checkpoint(file, {}, d.film.filter);
+    if (part > 0) state = read_checkpoint(file, {});
     again.resume = state ? &*state : nullptr;
     std::atomic<int> asked{0};
     std::atomic<bool> stop{false};

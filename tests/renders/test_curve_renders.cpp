@@ -111,4 +111,47 @@ TEST_CASE("curves: photons off hair make the picture that paths make") {
   CHECK(pixel_means(d)[1].mean() == doctest::Approx(expected).epsilon(1e-2));
 }
 
+TEST_CASE("curves: off a lone fibre, photons bring what paths bring, from every side of it") {
+  // Parallel light and parallel rays: then it makes no difference that paths are scattered where the camera sees them,
+  // and photons where they enter. Light that passes off the middle must come out on the side where paths find it.
+  constexpr int kRepeats = 8;
+  constexpr double kLevelOfEach = kSignificance / 8;
+  for (const float azimuth : {10.0f, 65.0f, 90.0f, 115.0f, 150.0f, 178.0f, 240.0f, 290.0f}) {
+    CAPTURE(azimuth);
+    Description d = empty_scene(16, 16);
+    d.camera.projection = CameraDescription::Projection::kOrthographic;
+    d.sampler.sample_count = 128;
+    d.integrator.max_depth = 2;
+    HairDescription hair = dyed_hair();
+    hair.azimuthal_roughness = 0.2f;
+    Curves fibre;
+    fibre.basis = Curves::Basis::kLinear;
+    fibre.starts = {0};
+    fibre.points = {{{0, -2, 3}, 0.5f}, {{0, 2, 3}, 0.5f}};
+    add_shape(d, fibre, Transform(), add_material(d, hair));
+    const float angle = azimuth * kPi / 180;
+    d.lights.push_back({DirectionalLightDescription{normalize(Vec3f{std::sin(angle), 0.3f, std::cos(angle)}),
+                                                    SpectrumDescription::constant(1)},
+                        {}});
+    MeanVariance means[2];
+    for (const bool photons : {false, true}) {
+      d.integrator.kind = photons ? IntegratorKind::kLightTracer : IntegratorKind::kPath;
+      const auto scene = compile_scene(d);
+      for (std::uint32_t i = 0; i < kRepeats; ++i) {
+        RenderOptions options;
+        options.seed = 2 * i + (photons ? 1 : 0);
+        const Image image = render(*scene, options).to_image();
+        double sum = 0;
+        for (int y = 0; y < 16; ++y)
+          for (int x = 0; x < 16; ++x) sum += double{image.at(x, y, 0)};
+        means[photons ? 1 : 0].add(sum / 256);
+      }
+    }
+    const double error = std::sqrt((means[0].variance() + means[1].variance()) / kRepeats);
+    INFO("paths " << means[0].mean() << ", photons " << means[1].mean() << ", standard error " << error);
+    CHECK(error < 0.04 * means[0].mean());
+    CHECK(student_t_p_value((means[0].mean() - means[1].mean()) / error, 2 * kRepeats - 2) >= kLevelOfEach);
+  }
+}
+
 }  // namespace sheaf::test_curve_renders

@@ -1,11 +1,15 @@
 // Guided renders: the same mean as without a guide, the same bits whatever the threads, waves and crop, less noise
 // where light is hard to find.
 #include "core/error.h"
+#include "kernels/wave/wave.h"
+#include "scene/data/glasses.h"
 #include "tests/support/capture.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/temporary_folder.h"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 
 namespace sheaf::test_guiding {
@@ -13,7 +17,7 @@ namespace sheaf::test_guiding {
 namespace {
 
 /// All comparisons of means of this file together fail with probability kSignificance if guiding is sound.
-const double kLevel = significance_of_each(30);
+const double kLevel = significance_of_each(60);
 
 /// Two rooms of which one has a lamp, and a gap between them; seen from the other one. Every pixel sees one point.
 /// `share`: of their usual reflectance that walls have.
@@ -137,6 +141,122 @@ TEST_CASE("guiding: roulette by what is expected spares the paths that reach the
     const Guided means = both_ways(d);
     check_same_mean(means.off, means.on, kLevel, 16 * 16);
     CHECK(means.on.variance() < most * means.off.variance());
+  }
+}
+
+TEST_CASE("guiding: surfaces that send all light back do so through every lobe") {
+  // Under an even sky every direction brings the same: a white plastic shows 1, a diffuse base under a mirror.
+  const auto furnace = [](MaterialId (*material)(Description&), ColorMode color) {
+    Description d = picture_of_one_point(64);
+    d.film.width = d.film.height = 16;
+    d.integrator.max_depth = 2;
+    d.integrator.strategy = LightStrategy::kBsdfOnly;
+    look_at_point(d, {0, -2, 1.2f}, {0, 0, 0});
+    add_rectangle(d, Transform::scale({3, 3, 1}), material(d));
+    add_constant_light(d, 1);
+    return both_ways(d, color);
+  };
+  for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
+    const Guided plastic = furnace(
+        [](Description& d) {
+          PlasticDescription white;
+          white.int_ior = 2.2f;
+          white.diffuse_reflectance = SpectrumDescription::constant(1);
+          return add_material(d, white);
+        },
+        color);
+    check_same_mean(plastic.off, plastic.on, kLevel, 16 * 16);
+    const Guided blend = furnace(
+        [](Description& d) {
+          return add_material(d, BlendDescription{0.5f, {add_diffuse(d, 1), add_mirror(d, 1)}});
+        },
+        color);
+    check_mean(blend.on, 1, kLevel, 1e-3);
+  }
+}
+
+TEST_CASE("guiding: glossy, layered and dispersive surfaces that fill the image keep their mean") {
+  const std::vector<std::pair<const char*, MaterialId (*)(Description&)>> materials = {
+      {"plastic",
+       [](Description& d) {
+         PlasticDescription plastic;
+         plastic.int_ior = 1.9f;
+         return add_material(d, plastic);
+       }},
+      {"rough plastic",
+       [](Description& d) {
+         PlasticDescription plastic;
+         plastic.roughness = RoughnessDescription{RoughnessDescription::Distribution::kGgx, 0.2f, 0.2f};
+         return add_material(d, plastic);
+       }},
+      {"rough conductor",
+       [](Description& d) {
+         ConductorDescription metal;
+         metal.roughness = RoughnessDescription{RoughnessDescription::Distribution::kGgx, 0.2f, 0.2f};
+         return add_material(d, metal);
+       }},
+      {"rough glass", add_rough_glass},
+      {"blend with dispersive glass",
+       [](Description& d) {
+         DielectricDescription glass;
+         glass.int_dispersion = *find_dispersion("sf11");
+         glass.roughness = RoughnessDescription{RoughnessDescription::Distribution::kGgx, 0.4f, 0.4f};
+         return add_material(d, BlendDescription{0.6f, {add_diffuse(d, 0.6f), add_material(d, glass)}});
+       }},
+  };
+  for (const auto& [name, material] : materials)
+    for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kBsdfOnly}) {
+      CAPTURE_BINDING(name);
+      CAPTURE(static_cast<int>(strategy));
+      Description d = picture_of_one_point(64);
+      d.film.width = d.film.height = 16;
+      d.integrator.max_depth = 3;
+      d.integrator.strategy = strategy;
+      look_at_point(d, {0, -2, 1.2f}, {0, 0, 0});
+      add_rectangle(d, Transform::scale({3, 3, 1}), material(d));
+      // Lights as wide as lobes are: one that a mirror would show, one aside, one below.
+      add_area_light_rectangle(
+          d, Transform::translate({0, 2, 1.2f}) * Transform::rotate({1, 0, 0}, 90) * Transform::scale({1, 0.8f, 1}), 2);
+      add_area_light_sphere(d, {-1.5f, 0, 1}, 0.6f, 2);
+      add_area_light_sphere(d, {0, 1, -1.5f}, 0.7f, 1);
+      check_means(d, ColorMode::kSpectral);
+    }
+}
+
+namespace {
+
+/// Writes down the rays that look for the nearest surface.
+class NearestRays : public RayRecorder {
+ public:
+  explicit NearestRays(std::vector<std::array<float, 6>>& rays) : rays_(rays) {}
+  void record(const RayPacket& packet, int count, Query query) override {
+    for (int i = 0; i < count && query == Query::kNearest; ++i)
+      rays_.push_back({packet.origin_x[i], packet.origin_y[i], packet.origin_z[i], packet.direction_x[i],
+                       packet.direction_y[i], packet.direction_z[i]});
+  }
+
+ private:
+  std::vector<std::array<float, 6>>& rays_;
+};
+
+}  // namespace
+
+TEST_CASE("guiding: the paths of training are none of the image's") {
+  // The image's samples would not be independent of what guides them.
+  for (const SamplerKind kind : {SamplerKind::kSobol, SamplerKind::kIndependent}) {
+    Description d = two_rooms(16);
+    d.sampler.kind = kind;
+    look_at(d, {-0.6f, 0.1f, 0.8f}, {-0.9f, 0, -1}, {0, 1, 0}, 70);
+    std::vector<std::array<float, 6>> rays;
+    NearestRays recorder(rays);
+    RenderOptions options;
+    options.guiding = true;
+    options.threads = 1;
+    options.make_recorder = [&] { return &recorder; };
+    CHECK(render(*compile_scene(d), options).report.guiding.passes > 0);
+    CHECK(rays.size() > 16u * 16 * 18);
+    std::sort(rays.begin(), rays.end());
+    CHECK(std::adjacent_find(rays.begin(), rays.end()) == rays.end());
   }
 }
 

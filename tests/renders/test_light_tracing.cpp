@@ -524,6 +524,150 @@ TEST_CASE("light tracing: the variance channels say how far pictures of other se
   CHECK(claimed / found == doctest::Approx(1).epsilon(0.06));
 }
 
+TEST_CASE("light tracing: hidden lights and what they reflect do not show, unless behind a pane") {
+  // A wall, lit by a point light and by two lights that reflect and stand before it.
+  const auto wall = [] {
+    Description d = empty_scene(12, 12);
+    d.sampler.kind = SamplerKind::kIndependent;
+    d.sampler.sample_count = 64;
+    d.film.filter = {};
+    look_at(d, {0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 40);
+    d.integrator.max_depth = 4;
+    d.integrator.hide_emitters = true;
+    add_rectangle(d, Transform::scale({3, 3, 1}), add_diffuse_rgb(d, 0.8f, 0.5f, 0.2f));
+    const MaterialId grey = add_diffuse(d, 0.7f);
+    emit(add_rectangle(d, Transform::translate({0, 0, 1}) * Transform::scale({0.4f, 0.4f, 1}), grey), 3);
+    emit(add_sphere(d, {0.5f, 0.4f, 0.5f}, 0.3f, grey), 2);
+    add_point_light(d, {1, 1, 3}, 3);
+    return d;
+  };
+  const auto pane = [](Description& d, float z) {
+    DielectricDescription glass;
+    glass.thin = true;
+    glass.specular_reflectance = SpectrumDescription::constant(0);  // light tracing cannot see what it reflects
+    add_rectangle(d, Transform::translate({-0.2f, -0.2f, z}) * Transform::scale({0.5f, 0.5f, 1}),
+                  add_material(d, glass));
+    d.integrator.free_panes = true;
+  };
+  check_agree(wall());
+  // Before the lights, which then show, behind all of them, and between them.
+  for (const float z : {1.5f, 0.1f, 0.9f}) {
+    CAPTURE(z);
+    Description d = wall();
+    pane(d, z);
+    check_agree(d);
+  }
+  Description veiled = wall();
+  add_rectangle(veiled, Transform::translate({0, 0, 1.3f}) * Transform::scale({0.5f, 0.5f, 1}),
+                add_material(veiled, MaskDescription{0.4f, add_two_sided(veiled, add_diffuse(veiled, 0.7f))}));
+  veiled.camera.medium = add_medium(veiled, fog(0.1f, 0.8f));
+  check_agree(veiled);
+}
+
+TEST_CASE("light tracing: pixels at the frame's edge, also where geometry ends in them") {
+  using Kind = FilterDescription::Kind;
+  FilterDescription wide;
+  wide.kind = Kind::kGaussian;
+  FilterDescription mitchell, lanczos, box;
+  mitchell.kind = Kind::kMitchell, lanczos.kind = Kind::kLanczos, box.radius = 1.3f;
+  for (const FilterDescription& filter : {wide, mitchell, lanczos, box})
+    for (const FilterMode mode : {FilterMode::kWeighted, FilterMode::kImportance})
+      for (const bool border : {false, true}) {
+        CAPTURE(static_cast<int>(filter.kind));
+        CAPTURE(static_cast<int>(mode));
+        CAPTURE(border);
+        Description d = empty_scene(8, 8);
+        d.sampler.sample_count = 256;
+        d.film.filter = filter;
+        d.film.filter_mode = mode;
+        d.film.sample_border = border;
+        d.integrator.max_depth = 2;
+        look_at(d, {0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 40);
+        add_point_light(d, {0.5f, 0.2f, 1.5f}, 5);
+        // Ends inside of the outermost pixels on two sides of the frame, and beyond it on the others.
+        add_rectangle(d, Transform::translate({0.24f, 0.24f, 0}) * Transform::scale({0.9f, 0.9f, 1}),
+                      add_diffuse_rgb(d, 0.8f, 0.6f, 0.4f));
+        // The outermost pixels alone, each side's apart: red, green and blue of left, right, top and bottom, corners.
+        const auto edges = [&](IntegratorKind kind) {
+          Description of = d;
+          of.integrator.kind = kind;
+          const auto scene = compile_scene(of);
+          std::array<MeanVariance, 8> means;
+          for (std::uint32_t i = 0; i < kRepeats; ++i) {
+            RenderOptions options;
+            options.seed = 2 * i + (kind == IntegratorKind::kPath ? 0u : 1u);
+            const Image image = render(*scene, options).to_image();
+            const int last = image.width - 1;
+            double sums[4] = {};
+            for (int k = 1; k < last; ++k) {
+              sums[0] += double{image.at(0, k, 0)}, sums[1] += double{image.at(last, k, 0)};
+              sums[2] += double{image.at(k, 0, 0)}, sums[3] += double{image.at(k, last, 0)};
+            }
+            for (std::size_t k = 0; k < 4; ++k) {
+              means[k].add(sums[k]);
+              means[4 + k].add(double{image.at(k % 2 == 0 ? 0 : last, k / 2 == 0 ? 0 : last, 0)});
+            }
+          }
+          return means;
+        };
+        const auto path = edges(IntegratorKind::kPath), light = edges(IntegratorKind::kLightTracer);
+        for (std::size_t k = 0; k < path.size(); ++k) {
+          CAPTURE(k);
+          const double error = std::sqrt((path[k].variance() + light[k].variance()) / kRepeats);
+          INFO("path " << path[k].mean() << ", ptracer " << light[k].mean() << ", standard error " << error);
+          const double allowed = 1e-3 * std::fabs(path[k].mean()) + 1e-4;  // single precision, tables of filters
+          const double distance = std::max(0.0, std::fabs(path[k].mean() - light[k].mean()) - allowed);
+          if (distance > 0) CHECK(student_t_p_value(distance / error, 2 * kRepeats - 2) >= kLevel);
+        }
+      }
+}
+
+TEST_CASE("light tracing: at the sides of a panorama, filters reach around it") {
+  for (const FilterMode mode : {FilterMode::kWeighted, FilterMode::kImportance})
+    for (const bool border : {false, true}) {
+      CAPTURE(static_cast<int>(mode));
+      CAPTURE(border);
+      Description d = empty_scene(12, 6);
+      d.sampler.sample_count = 256;
+      d.film.filter.kind = FilterDescription::Kind::kGaussian;
+      d.film.filter_mode = mode;
+      d.film.sample_border = border;
+      d.integrator.max_depth = 2;
+      d.camera.projection = CameraDescription::Projection::kSpherical;
+      // The frame's sides meet at the dark half of a ball around the camera.
+      const TextureId board = add_board(d, {0.9f, 0.9f, 0.9f}, {0.1f, 0.1f, 0.1f});
+      d.textures.back().to_uv = {1, 0, 0.06f, 0, 1, 0};
+      add_shape(d, SphereShape{{0, 0, 0}, 2}, Transform::rotate({1, 0, 0}, -90),
+                add_two_sided(d, add_material(d, DiffuseDescription{board})));
+      add_point_light(d, {0.3f, 0.2f, -0.5f}, 5);
+      const auto sides = [&](IntegratorKind kind) {
+        d.integrator.kind = kind;
+        const auto scene = compile_scene(d);
+        std::array<MeanVariance, 4> means;
+        for (std::uint32_t i = 0; i < kRepeats; ++i) {
+          RenderOptions options;
+          options.seed = 2 * i + (kind == IntegratorKind::kPath ? 0u : 1u);
+          const Image image = render(*scene, options).to_image();
+          // Rows around the horizon: beyond the poles camera rays see the pole itself.
+          for (std::size_t k = 0; k < 4; ++k) {
+            const int x = k < 2 ? static_cast<int>(k) : image.width - 4 + static_cast<int>(k);
+            means[k].add(double{image.at(x, 2, 0)} + double{image.at(x, 3, 0)});
+          }
+        }
+        return means;
+      };
+      const auto path = sides(IntegratorKind::kPath), light = sides(IntegratorKind::kLightTracer);
+      for (std::size_t k = 0; k < path.size(); ++k) {
+        CAPTURE(k);
+        const double error = std::sqrt((path[k].variance() + light[k].variance()) / kRepeats);
+        INFO("path " << path[k].mean() << ", ptracer " << light[k].mean() << ", standard error " << error);
+        CHECK(error < 0.02 * path[k].mean());
+        const double distance = std::max(0.0, std::fabs(path[k].mean() - light[k].mean()) - 1e-3 * path[k].mean());
+        if (distance > 0) CHECK(student_t_p_value(distance / error, 2 * kRepeats - 2) >= kLevel);
+      }
+    }
+}
+
 TEST_CASE("camera: the view of a point is the ray that meets it, and its importance the film area of a patch there") {
   for (int kind = 0; kind < 3; ++kind) {
     CAPTURE(kind);

@@ -102,7 +102,7 @@ TEST_CASE("a render that goes on from a checkpoint has the same bytes as one wit
       options.threads = 1 + parts % 2;
       options.wave_size = 256 + 64 * parts;
       std::optional<RenderState> state;
-      if (parts > 0) state = read_checkpoint(file, kSettings, c.scene.film.filter);
+      if (parts > 0) state = read_checkpoint(file, kSettings);
       options.resume = state ? &*state : nullptr;
       const bool interrupted = render_part(*scene, options, tasks, file);
       if (parts == 0) CHECK(interrupted);
@@ -110,7 +110,7 @@ TEST_CASE("a render that goes on from a checkpoint has the same bytes as one wit
     }
     for (const bool again : {false, true}) {  // to the end, and from there
       CAPTURE(again);
-      RenderState state = read_checkpoint(file, kSettings, c.scene.film.filter);
+      RenderState state = read_checkpoint(file, kSettings);
       options.resume = &state;
       options.on_pause = [&](const RenderState& end) { write_checkpoint(file, kSettings, end); };
       const RenderResult result = render(*scene, options);
@@ -180,13 +180,12 @@ TEST_CASE("a checkpoint keeps what is only told of a render") {
   const TemporaryFolder folder;
   const auto file = folder / "render.checkpoint";
   const auto scene = compile_scene(small_box(64));
-  const FilterDescription& filter = scene->film().filter;
   RenderState counted;
   counted.film = Film(2, 1, {0, 0, 2, 1});
   counted.photons = 7;
   counted.dropped = {3, 5};
   write_checkpoint(file, kSettings, counted);
-  const RenderState back = read_checkpoint(file, kSettings, filter);
+  const RenderState back = read_checkpoint(file, kSettings);
   CHECK(back.photons == 7);
   CHECK(back.dropped.rays == 3);
   CHECK(back.dropped.samples == 5);
@@ -200,7 +199,7 @@ TEST_CASE("a checkpoint keeps what is only told of a render") {
   options.on_pause = [&](const RenderState& state) {
     REQUIRE(state.adaptive.has_value());
     write_checkpoint(file, kSettings, state);
-    const RenderState again = read_checkpoint(file, kSettings, filter);
+    const RenderState again = read_checkpoint(file, kSettings);
     REQUIRE(again.adaptive.has_value());
     CHECK(again.adaptive->has_picture() == state.adaptive->has_picture());
     ++(state.adaptive->has_picture() ? with_picture : without);
@@ -219,7 +218,7 @@ TEST_CASE("checkpoints of other renders, and damaged ones, are refused with exit
   REQUIRE(render_part(*scene, {}, 2, file));
   const auto message_of = [&](const RenderSettings& settings) {
     try {
-      read_checkpoint(file, settings, scene->film().filter);
+      read_checkpoint(file, settings);
     } catch (const Error& error) {
       CHECK(error.code() == ExitCode::kCheckpoint);
       return std::string(error.what());
@@ -248,7 +247,7 @@ TEST_CASE("checkpoints of other renders, and damaged ones, are refused with exit
   wide.film.width = 71;
   const auto wider = compile_scene(wide);
   for (const Scene* each : {other.get(), wider.get()}) {
-    RenderState state = read_checkpoint(file, kSettings, scene->film().filter);
+    RenderState state = read_checkpoint(file, kSettings);
     state.first_sample = each == other.get() ? 5 : state.first_sample;
     RenderOptions options;
     options.resume = &state;

@@ -197,6 +197,42 @@ TEST_CASE("daylight: the sun's irradiance depends neither on its size nor on how
   check_near(numbers(found), {1.5 * expected.x, 1.5 * expected.y, 1.5 * expected.z}, 0.02);
 }
 
+TEST_CASE("daylight: a sun between columns and rows of the map stays where it is, and as bright") {
+  const Vec3f front{0, 0, 1};
+  SkyDescription sky;
+  sky.scale = 0;
+  sky.sun_scale = 1;
+  sky.resolution = 64;
+  constexpr double kElevation = 0.7;
+  double brightness = 0;
+  for (const double column : {0.5, 7.25, 20.0, 33.5, 48.9, 63.4, 63.75, -0.2, 0.0}) {
+    CAPTURE(column);
+    // Node i lies at the longitude (i + 1/2) / 64 of a turn from -z.
+    const double turn = 2 * kPiD * (column + 0.5) / sky.resolution;
+    const Frame<Scalar> frame{cross(sky.up, front), sky.up, front};
+    const Vec3f sun = frame.to_world({static_cast<float>(std::sin(turn) * std::cos(kElevation)),
+                                      static_cast<float>(std::sin(kElevation)),
+                                      static_cast<float>(-std::cos(turn) * std::cos(kElevation))});
+    sky.suns = {sun};
+    const EnvmapPicture picture = sky_picture(sky, front);
+    double flux = 0, across = 0, down = 0;
+    for (std::uint32_t j = 0; j < picture.height; ++j)
+      for (std::uint32_t i = 0; i < picture.width; ++i) {
+        const double value =
+            double(picture.rgb[3 * (j * picture.width + i) + 1]) * node_solid_angle(j, picture.width, picture.height);
+        flux += value;
+        // Columns as far as half of the map away from the sun's
+        across += value * std::remainder(i - column, picture.width);
+        down += value * j;
+      }
+    REQUIRE(flux > 0);
+    if (brightness == 0) brightness = flux;
+    CHECK(flux == doctest::Approx(brightness).epsilon(1e-5));
+    CHECK(std::fabs(across / flux) < 1e-4);
+    CHECK(down / flux == doctest::Approx((0.5 - kElevation / kPiD) * (picture.height - 1)).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("daylight: skies of several suns are averaged, and without the sun there is none") {
   SkyDescription first = sky_with({1, 1, 0}), second = sky_with({-0.2f, 0.3f, 0.5f}), both = first;
   for (SkyDescription* sky : {&first, &second, &both}) sky->resolution = 64;

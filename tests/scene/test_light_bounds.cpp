@@ -32,10 +32,12 @@ Mesh roof() {
 struct Tally {
   int arriving = 0, missed = 0, outside = 0, unlit = 0;
 };
-template <class Geometry> Tally tally(Geometry geometry, const Transform& to_world, bool flip) {
+template <class Geometry>
+Tally tally(Geometry geometry, const Transform& to_world, bool flip, bool both_sides = false) {
   Description d = empty_scene(4, 4);
   ShapeDescription& shape = emit(add_shape(d, std::move(geometry), to_world), 1);
   shape.flip_normals = flip;
+  shape.emits_on_both_sides = both_sides;
   const std::unique_ptr<Scene> owner = compile_scene(d);
   const SceneView scene = owner->view();
   const LightBounds bounds = bounds_of_light(scene, 0, scene.light_powers[0].x);
@@ -63,7 +65,8 @@ template <class Geometry> Tally tally(Geometry geometry, const Transform& to_wor
 
 TEST_CASE("light bounds: light of every kind of shape arrives only where the tree expects it") {
   for (const bool flip : {false, true}) {
-    const Tally tallies[] = {tally(roof(), kTilt, flip), tally(SphereShape{}, kTilt, flip),
+    const Tally tallies[] = {tally(roof(), kTilt, flip),
+                             tally(SphereShape{}, kTilt, flip),
                              tally(SphereShape{}, kTilt * Transform::scale({1, 2, 0.3f}), flip),
                              tally(DiskShape{}, kTilt, flip),
                              tally(DiskShape{}, kTilt * Transform::scale({-1, 2, 0.3f}), flip),
@@ -77,6 +80,20 @@ TEST_CASE("light bounds: light of every kind of shape arrives only where the tre
     CHECK(tallies[0].unlit > 500);
     CHECK(tallies[3].unlit > 3000);
     CHECK(tallies[4].unlit > 3000);
+  }
+}
+
+TEST_CASE("light bounds: lights on both sides arrive from both, and the tree expects them there") {
+  const Tally tallies[] = {tally(roof(), kTilt, false, true),
+                           tally(RectangleShape{}, kTilt, false, true),
+                           tally(RectangleShape{}, kTilt, true, true),
+                           tally(DiskShape{}, kTilt * Transform::scale({-1, 2, 0.3f}), false, true),
+                           tally(SphereShape{}, kTilt * Transform::scale({1, 2, 0.3f}), false, true),
+                           tally(CylinderShape{}, kTilt, true, true)};
+  for (const Tally& t : tallies) {
+    CHECK(t.arriving > 15000);
+    CHECK(t.missed == 0);
+    CHECK(t.outside == 0);
   }
 }
 

@@ -2,6 +2,7 @@
 // against single values.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
+#include "scene/compile/light.h"
 #include "scene/tables/instance.h"
 #include "tests/support/lanes_testing.h"
 #include "tests/support/light_testing.h"
@@ -11,8 +12,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <numbers>
+#include <utility>
 
 namespace sheaf::test_lights {
 
@@ -489,6 +493,130 @@ TEST_CASE("lights: what cannot be is said where it stands") {
   spot = {};
   spot.texture = TextureId{3};
   CHECK(message(spot).find("does not exist") != std::string::npos);
+}
+
+namespace {
+
+/// Thousands of a kind of shape or light side by side.
+constexpr int kMany = 2000;
+
+Transform place_of(int i) { return Transform::translate({static_cast<float>(i % 50), static_cast<float>(i / 50), 0}); }
+
+/// Seconds of processor time that a description takes to become a scene, the least of three times.
+double compile_seconds(const Description& d) {
+  double least = 1e9;
+  for (int i = 0; i < 3; ++i) {
+    const std::clock_t start = std::clock();
+    compile_scene(d);
+    least = std::min(least, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+  }
+  return least;
+}
+
+}  // namespace
+
+TEST_CASE("lights: nothing is integrated for each of thousands of lights and materials") {
+  const auto many = [](auto&& add) {
+    Description d = empty_scene(4, 4);
+    for (int i = 0; i < kMany; ++i) add(d, i);
+    return d;
+  };
+  // Flat disks, whose area is a product.
+  const double disks = compile_seconds(many([](Description& d, int i) {
+    emit(add_shape(d, DiskShape{}, place_of(i) * Transform::scale({0.1f, 0.1f, 1})), 1);
+  }));
+  const std::pair<const char*, Description> others[] = {
+      {"spheres", many([](Description& d, int i) {
+         emit(add_shape(d, SphereShape{{0, 0, 0}, 0.1f}, place_of(i)), 1);
+       })},
+      {"ellipsoids, each of its own shape", many([](Description& d, int i) {
+         const float size = 0.1f + 1e-4f * static_cast<float>(i);
+         emit(add_shape(d, SphereShape{}, place_of(i) * Transform::scale({0.1f, size, 2 * size})), 1);
+       })},
+      {"cylinders, each of its own shape", many([](Description& d, int i) {
+         const float size = 0.1f + 1e-4f * static_cast<float>(i);
+         emit(add_shape(d, CylinderShape{}, place_of(i) * Transform::scale({0.1f, size, 2 * size})), 1);
+       })},
+      {"textured lights of one texture", many([](Description& d, int i) {
+         if (i == 0) add_board(d, {1, 2, 3}, {3, 2, 1});
+         if (i % 2 == 0)
+           add_shape(d, RectangleShape{}, place_of(i)).radiance = static_cast<TextureId>(0);
+         else
+           add_shape(d, SphereShape{}, place_of(i)).radiance = static_cast<TextureId>(0);
+       })},
+      {"spots", many([](Description& d, int i) {
+         SpotLightDescription spot;
+         spot.to_world = place_of(i);
+         d.lights.push_back({spot, {}});
+       })},
+      {"rough plastics, each of its own roughness", many([](Description& d, int i) {
+         PlasticDescription plastic;
+         const float alpha = 0.05f + 4e-4f * static_cast<float>(i);
+         plastic.roughness = RoughnessDescription{RoughnessDescription::Distribution::kGgx, alpha, alpha};
+         add_shape(d, DiskShape{}, place_of(i), add_material(d, plastic));
+       })},
+  };
+  for (const auto& other : others) {
+    const double seconds = compile_seconds(other.second);
+    INFO(other.first << ": " << seconds << " s, disks " << disks << " s");
+    // Integrals over each took from 20 to 200 times as long as disks.
+    CHECK(seconds < 6 * disks + 0.05);
+  }
+  // A texture of its own for each is looked up at hundreds of points and not at thousands.
+  const double textured = compile_seconds(many([](Description& d, int i) {
+    add_board(d, {1, 2, 3}, {3, static_cast<float>(i), 1});
+    add_shape(d, RectangleShape{}, place_of(i)).radiance = static_cast<TextureId>(i);
+  }));
+  INFO("textures: " << textured << " s, disks " << disks << " s");
+  CHECK(textured < 12 * disks + 0.1);
+}
+
+TEST_CASE("lights: powers of lights that share a texture's mean are those of each alone") {
+  Description d = empty_scene(4, 4);
+  const TextureId board = add_board(d, {8, 1, 0.5f}, {1, 3, 2});
+  const Transform maps[] = {Transform(), Transform::rotate({1, 2, 3}, 40) * Transform::scale({2, 2, 2}),
+                            Transform::scale({1, 1, 6}), Transform::scale({6, 1, 1}),
+                            Transform::rotate({1, 2, 3}, 40) * Transform::scale({1, 1, 6})};
+  for (const Transform& map : maps) {
+    add_shape(d, SphereShape{}, map).radiance = board;
+    add_shape(d, CylinderShape{}, map).radiance = board;
+    add_shape(d, DiskShape{}, map).radiance = board;
+    add_shape(d, RectangleShape{}, map).radiance = board;
+    add_shape(d, CubeShape{}, map).radiance = board;
+  }
+  // The same corners, other uv
+  Mesh half;
+  half.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  half.uvs = {{0, 0}, {0.4f, 0}, {0, 0.4f}};
+  half.triangles = {{0, 1, 2}};
+  Mesh other = half;
+  other.uvs = {{0.6f, 0}, {0.9f, 0}, {0.9f, 0.4f}};
+  add_shape(d, half, Transform()).radiance = board;
+  add_shape(d, other, Transform()).radiance = board;
+  // The same shape and texture, other values of the mesh
+  d.textures.push_back({MeshAttributeDescription{"face_color", 2}, {1, 0, 0, 0, 1, 0}, "", {}});
+  for (const float value : {1.0f, 5.0f}) {
+    half.attributes = {{"face_color", 3, {value, 0, 1}}};
+    add_shape(d, half, Transform()).radiance = static_cast<TextureId>(d.textures.size() - 1);
+  }
+  for (const float cutoff : {30.0f, 50.0f}) {
+    SpotLightDescription spot;
+    spot.cutoff_angle = cutoff;
+    spot.beam_width = 20;
+    d.lights.push_back({spot, {}});
+    spot.texture = board;
+    d.lights.push_back({spot, {}});
+  }
+  const auto scene = compile_scene(d);
+  const SceneView view = scene->view();
+  REQUIRE(view.light_count == 5 * std::size(maps) + 4 + 4);
+  for (std::uint32_t i = 0; i < view.light_count; ++i) {
+    CAPTURE(i);
+    const Vec3f alone = light_power(view, i), together = view.light_powers[i];
+    CHECK(together.x == doctest::Approx(alone.x).epsilon(2e-4));
+    CHECK(together.y == doctest::Approx(alone.y).epsilon(2e-4));
+    CHECK(together.z == doctest::Approx(alone.z).epsilon(2e-4));
+  }
 }
 
 }  // namespace sheaf::test_lights

@@ -172,10 +172,9 @@ TEST_CASE("quadric: bounds hold the shape and not much more") {
         upper = {max(upper.x, p.x), max(upper.y, p.y), max(upper.z, p.z)};
       }
       const float slack = 0.03f * max_component(upper - lower);
-      for (const auto& [low, least, most, high] :
-           {std::array{bounds.lower.x, lower.x, upper.x, bounds.upper.x},
-            std::array{bounds.lower.y, lower.y, upper.y, bounds.upper.y},
-            std::array{bounds.lower.z, lower.z, upper.z, bounds.upper.z}}) {
+      for (const auto& [low, least, most, high] : {std::array{bounds.lower.x, lower.x, upper.x, bounds.upper.x},
+                                                   std::array{bounds.lower.y, lower.y, upper.y, bounds.upper.y},
+                                                   std::array{bounds.lower.z, lower.z, upper.z, bounds.upper.z}}) {
         CHECK(low <= least);
         CHECK(high >= most);
         CHECK(low >= least - slack);
@@ -203,6 +202,40 @@ TEST_CASE("quadric: areas of balls, spheroids, disks and cylinders") {
   CHECK(area(ShapeKind::kSphere, {1, 1, 2}) == doctest::Approx(2 * kPiD * (1 + 2 / e * std::asin(e))).epsilon(1e-4));
   // Height times the perimeter of an ellipse, 4 a E(e) with the complete elliptic integral.
   CHECK(area(ShapeKind::kCylinder, {2, 1, 3}) == doctest::Approx(3 * 4 * 2 * std::comp_ellint_2(e)).epsilon(1e-4));
+}
+
+TEST_CASE("quadric: areas under any affine map are those of fine meshes, of flat and of long ones too") {
+  constexpr double kPiD = 3.14159265358979323846;
+  Matrix4 shear;
+  shear.m[0][1] = 0.8, shear.m[1][2] = -1.3, shear.m[2][0] = 0.4;
+  const Transform maps[] = {Transform(shear), Transform::rotate({1, 2, 3}, 70) * Transform::scale({1, 2, 3}),
+                            Transform::scale({0.5f, -2, 7}) * Transform(shear), Transform::scale({1, 1, 0.01f}),
+                            Transform::scale({3, 0.02f, 0.01f})};
+  for (const Transform& map : maps)
+    for (const ShapeKind kind : {ShapeKind::kSphere, ShapeKind::kCylinder, ShapeKind::kDisk}) {
+      CAPTURE(static_cast<int>(kind));
+      // Triangles between points of the canonical shape, from the poles on as fine as the shape is stretched.
+      constexpr int kRings = 200, kSegments = 400;
+      const auto point = [&](int i, int j) {
+        const double t = double(i) / kRings, phi = 2 * kPiD * j / kSegments;
+        const double z = kind == ShapeKind::kSphere ? std::cos(kPiD * t) : kind == ShapeKind::kCylinder ? t : 0;
+        const double r = kind == ShapeKind::kSphere ? std::sin(kPiD * t) : kind == ShapeKind::kCylinder ? 1 : t;
+        const auto& m = map.matrix().m;
+        std::array<double, 3> p;
+        for (std::size_t k = 0; k < 3; ++k)
+          p[k] = m[k][0] * r * std::cos(phi) + m[k][1] * r * std::sin(phi) + m[k][2] * z;
+        return p;
+      };
+      double expected = 0;
+      for (int i = 0; i < kRings; ++i)
+        for (int j = 0; j < kSegments; ++j) {
+          const auto a = point(i, j), b = point(i + 1, j), c = point(i + 1, j + 1), d = point(i, j + 1);
+          std::array<double, 3> u, v;  // the diagonals of a quadrangle, half of whose product is its area
+          for (std::size_t k = 0; k < 3; ++k) u[k] = c[k] - a[k], v[k] = d[k] - b[k];
+          expected += 0.5 * std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
+        }
+      CHECK(double(quadric_area(make_quadric(kind, map, false))) == doctest::Approx(expected).epsilon(2e-4));
+    }
 }
 
 TEST_CASE("quadric: rows know similarities from other transforms") {

@@ -47,7 +47,8 @@ class TestWave {
   StageContext context(const Scene& scene) { return StageContext(scene, &task); }
   /// The same for the light pass, with `count` photons to emit.
   StageContext photon_context(const Scene& scene, int count) {
-    photons.begin(7, count, {0, 0, scene.film().width, scene.film().height}, 0.5f);
+    const SplatFilter filter({}, FilterMode::kImportance, {});
+    photons.begin(7, count, filter.bounds({0, 0, scene.film().width, scene.film().height}));
     StageContext context(scene);
     context.photons = &photons;
     return context;

@@ -9,7 +9,7 @@ AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, cons
   AreaLight light;
   light.row.shape = shape_index;
   light.row.texture = emission.texture;
-  light.row.depth = emission.along_normal ? 1.0f : emission.two_sided ? -1.0f : 0.0f;
+  light.row.set_sides(emission.along_normal, emission.two_sided);
   light.row.radiance = {emission.radiance.x, emission.radiance.y, emission.radiance.z, 0.0f};
   if (static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh) {
     complete_mesh_light(light, shape, tables, places, instance);

@@ -21,11 +21,11 @@ struct LightPlaces {
 
 /// What an area light emits.
 struct AreaEmission {
-  Vec3f radiance;                 ///< with a texture what it is multiplied by
+  Vec3f radiance;  ///< with a texture what it is multiplied by
   std::uint32_t texture = kNone;
-  SpectrumRow spectrum = {};      ///< the same as `radiance`, in spectral mode
-  bool along_normal = false;      ///< see LightRecord::is_along_normal()
-  bool two_sided = false;         ///< see LightRecord::is_two_sided()
+  SpectrumRow spectrum = {};        ///< the same as `radiance`, in spectral mode
+  bool along_normal = false;        ///< see LightRecord::is_along_normal()
+  bool two_sided = false;           ///< see LightRecord::is_two_sided()
   std::optional<float> power = {};  ///< see ShapeDescription::power
 };
 
@@ -33,15 +33,15 @@ struct AreaEmission {
 inline float sides_of(const LightRow& light) { return light.is_two_sided() ? 2.0f : 1.0f; }
 
 /// The flux per area that an area light emits, over its radiance.
-inline float exitance_factor(const LightRow& light) { return light.is_along_normal() ? 1.0f : kPi * sides_of(light); }
+inline float exitance_factor(const LightRow& light) { return (light.is_along_normal() ? 1.0f : kPi) * sides_of(light); }
 
 /// An area light with its triangles and the alias table over them (meshes only).
 struct AreaLight {
   LightRow row;
   std::vector<AliasEntry> alias;
   std::vector<LightTriangleRow> triangles;
-  std::vector<LightUvRow> uvs;          ///< if it has a texture
-  std::optional<QuadricRow> quadric;    ///< in world space, for an instance
+  std::vector<LightUvRow> uvs;        ///< if it has a texture
+  std::optional<QuadricRow> quadric;  ///< in world space, for an instance
 };
 
 /// The light of a shape, of index `shape_index`, or of an instance of it if that is not null.

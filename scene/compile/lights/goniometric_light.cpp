@@ -11,21 +11,22 @@ namespace {
 struct GoniometricRows {
   static constexpr LightReach kReach = LightReach::kBounded;
 
-  static Vec3f power(const SceneView& scene, const LightRow& light) {
-    return emitted_rgb(light) * mean_of(scene, light) * (4 * kPi);
-  }
+  static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light) * (4 * kPi); }
 
   /// As of one that shines alike in all directions.
   static LightBounds bounds(const SceneView&, const LightRow& light, double power) {
     return point_light_bounds(light.position, static_cast<float>(power * (0.25 * double(kInvPi))));
   }
 
- private:
   /// The picture's mean over all directions, to which its parts of equal area count alike.
-  static Vec3f mean_of(const SceneView& scene, const LightRow& light) {
+  static Vec3f integral(const SceneView& scene, const LightRow& light, int points) {
     TextureMean mean(scene, light.texture);
-    for (int k = 0; k < kMeanPoints; ++k) mean.add({spread_point(k), 0, 0, 0, 0}, 1.0);
+    for (int k = 0; k < points; ++k) mean.add({spread_point(k), 0, 0, 0, 0}, 1.0);
     return mean.value();
+  }
+
+  static IntegralSharing integral_key(const SceneView&, const LightRow&, std::vector<std::uint32_t>&) {
+    return IntegralSharing::kAll;
   }
 };
 

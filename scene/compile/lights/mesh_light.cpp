@@ -71,8 +71,7 @@ TriangleWithArea make_triangle(const VertexRow* const (&corners)[3], const Insta
   TriangleWithArea out = make_triangle(q, instance->determinant < 0.0f ? -1.0 : 1.0);
   const LightTriangleRow own = make_triangle(p, 1.0).row;
   for (const VertexRow* corner : corners)
-    out.row.offset =
-        std::max(out.row.offset, instance_offset(*instance, corner->position, own.normal, own.offset));
+    out.row.offset = std::max(out.row.offset, instance_offset(*instance, corner->position, own.normal, own.offset));
   return out;
 }
 
@@ -126,9 +125,8 @@ class PeakSearch {
 struct MeshRows {
   static constexpr LightReach kReach = LightReach::kBounded;
 
-  static Vec3f power(const SceneView& scene, const LightRow& light) {
-    const Vec3f power = emitted_rgb(light) * (exitance_factor(light) * light.area);
-    return light.texture == kNone ? power : power * texture_mean(scene, light);
+  static Vec3f power(const SceneView&, const LightRow& light) {
+    return emitted_rgb(light) * (exitance_factor(light) * light.area);
   }
 
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
@@ -139,13 +137,13 @@ struct MeshRows {
     return out;
   }
 
- private:
-  static Vec3f texture_mean(const SceneView& scene, const LightRow& light) {
+  /// The mean of the texture.
+  static Vec3f integral(const SceneView& scene, const LightRow& light, int mean_points) {
     TextureMean mean(scene, light.texture);
     int next = 0;
     for (std::uint32_t i = 0; i < light.triangle_count; ++i) {
       const double share = scene.triangle_alias[light.first_triangle + i].pdf;
-      const int points = std::clamp(static_cast<int>(std::ceil(share * kMeanPoints)), 1, kMeanPoints);
+      const int points = std::clamp(static_cast<int>(std::ceil(share * mean_points)), 1, mean_points);
       const LightUvRow& uvs = scene.light_uvs[light.first_uv() + i];
       for (int k = 0; k < points; ++k) {
         const Vec2f u = spread_point(next++);
@@ -154,6 +152,20 @@ struct MeshRows {
       }
     }
     return mean.value();
+  }
+
+  /// The triangles' uv and shares of the area; of large meshes nothing, which would take longer to compare.
+  static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key) {
+    constexpr std::uint32_t kMaxTriangles = 64;
+    if (light.texture == kNone) return IntegralSharing::kOne;
+    if (light.triangle_count > kMaxTriangles) return IntegralSharing::kNone;
+    for (std::uint32_t i = 0; i < light.triangle_count; ++i) {
+      const LightUvRow& uvs = scene.light_uvs[light.first_uv() + i];
+      for (const Vec2f uv : {uvs.at(1, 0, 0), uvs.at(0, 1, 0), uvs.at(0, 0, 1)})
+        key.insert(key.end(), {float_bits(uv.x), float_bits(uv.y)});
+      key.push_back(rounded_share(scene.triangle_alias[light.first_triangle + i].pdf));
+    }
+    return IntegralSharing::kAll;
   }
 };
 

@@ -13,9 +13,7 @@ namespace {
 struct ProjectorRows {
   static constexpr LightReach kReach = LightReach::kBounded;
 
-  static Vec3f power(const SceneView& scene, const LightRow& light) {
-    return emitted_rgb(light) * integral(scene, light);
-  }
+  static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light); }
 
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
     const LightFrameRow& frame = scene.light_frames[light.frame()];
@@ -24,25 +22,31 @@ struct ProjectorRows {
     return frame_light_bounds(frame, light.position, 1.0 / std::sqrt(1.0 + tangent * tangent), power);
   }
 
- private:
   /// The integral of the intensity over all directions for LightRecord::radiance of 1: that of the picture over its
   /// rectangle at distance 1, times the cube of the cosine if it is even.
-  static Vec3f integral(const SceneView& scene, const LightRow& light) {
+  static Vec3f integral(const SceneView& scene, const LightRow& light, int points) {
     const Vec2f scale = scene.light_frames[light.frame()].picture_scale();
     const float area = 1.0f / (scale.x * scale.y);
     const LightFrameRow& frame = scene.light_frames[light.frame()];
     if (light.texture == kNone && !frame.is_even()) return {area, area, area};
     TextureMean mean(scene, light.texture);
     double weights = 0;
-    for (int k = 0; k < kMeanPoints; ++k) {
+    for (int k = 0; k < points; ++k) {
       const Vec2f at = spread_point(k);
       const double x = (0.5 - double{at.x}) / double{scale.x}, y = (0.5 - double{at.y}) / double{scale.y};
       const double weight = frame.is_even() ? std::pow(1 + x * x + y * y, -1.5) : 1.0;
       weights += weight;
       if (light.texture != kNone) mean.add({at, 0, 0, 0, 0}, weight);
     }
-    const float all = area * static_cast<float>(weights / kMeanPoints);
+    const float all = area * static_cast<float>(weights / points);
     return light.texture == kNone ? Vec3f{all, all, all} : mean.value() * all;
+  }
+
+  static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key) {
+    const LightFrameRow& frame = scene.light_frames[light.frame()];
+    const Vec2f scale = frame.picture_scale();
+    key.insert(key.end(), {float_bits(scale.x), float_bits(scale.y), frame.is_even() ? 1u : 0u});
+    return IntegralSharing::kAll;
   }
 };
 

@@ -42,8 +42,7 @@ struct QuadricRows {
   static constexpr LightReach kReach = LightReach::kBounded;
 
   static Vec3f power(const SceneView& scene, const LightRow& light) {
-    const Vec3f power = emitted_rgb(light) * (exitance_factor(light) * quadric_area(scene.quadrics[light.quadric()]));
-    return light.texture == kNone ? power : power * texture_mean(scene, light);
+    return emitted_rgb(light) * (exitance_factor(light) * quadric_area(scene.quadrics[light.quadric()]));
   }
 
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
@@ -54,11 +53,11 @@ struct QuadricRows {
     return out;
   }
 
- private:
-  static Vec3f texture_mean(const SceneView& scene, const LightRow& light) {
+  /// The mean of the texture.
+  static Vec3f integral(const SceneView& scene, const LightRow& light, int points) {
     const QuadricRow& row = scene.quadrics[light.quadric()];
     TextureMean mean(scene, light.texture);
-    for (int k = 0; k < kMeanPoints; ++k) {
+    for (int k = 0; k < points; ++k) {
       const Vec2f u = spread_point(k);
       Vec3f x = square_to_sphere<Scalar>(u.x, u.y), normal = x;
       if (row.kind == ShapeKind::kDisk) {
@@ -74,6 +73,23 @@ struct QuadricRows {
       mean.add({y.uv, light.shape, 0, 0, 0}, length(row.world_normal(normal)));
     }
     return mean.value();
+  }
+
+  /// The shape and, unless it is similar to the canonical one, the scalar products of its inverse's rows, by which
+  /// normals are stretched.
+  static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key) {
+    if (light.texture == kNone) return IntegralSharing::kOne;
+    const QuadricRow& row = scene.quadrics[light.quadric()];
+    key.push_back(static_cast<std::uint32_t>(row.kind));
+    if (row.uniform_scale > 0.0f) return IntegralSharing::kAll;
+    const auto product = [&](int i, int j) {
+      const float *a = row.to_object + 4 * i, *b = row.to_object + 4 * j;
+      return double{a[0]} * b[0] + double{a[1]} * b[1] + double{a[2]} * b[2];
+    };
+    const double trace = product(0, 0) + product(1, 1) + product(2, 2);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j <= i; ++j) key.push_back(rounded_share(static_cast<float>(product(i, j) / trace)));
+    return IntegralSharing::kAll;
   }
 };
 

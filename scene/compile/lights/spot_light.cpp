@@ -28,9 +28,7 @@ LightFrameRow frame_row(const Transform& to_world) {
 template <bool Linear> struct SpotRows {
   static constexpr LightReach kReach = LightReach::kBounded;
 
-  static Vec3f power(const SceneView& scene, const LightRow& light) {
-    return emitted_rgb(light) * integral(scene, light);
-  }
+  static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light); }
 
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
     const LightFrameRow& frame = scene.light_frames[light.frame()];
@@ -38,24 +36,17 @@ template <bool Linear> struct SpotRows {
     return frame_light_bounds(frame, light.position, cos_total, power);
   }
 
- private:
-  /// Share of the intensity that is kept at an angle from the axis.
-  static double falloff(const LightFrameRow& frame, double theta) {
-    if (Linear) return std::clamp((frame.cutoff - theta) * frame.slope, 0.0, 1.0);
-    const double t = std::clamp((std::cos(theta) - frame.cutoff) * frame.slope, 0.0, 1.0);
-    return t * t * (3.0 - 2.0 * t);
-  }
-
   /// Integral of the intensity over directions for an intensity of 1.
-  static Vec3f integral(const SceneView& scene, const LightRow& light) {
+  static Vec3f integral(const SceneView& scene, const LightRow& light, int points) {
     const LightFrameRow& frame = scene.light_frames[light.frame()];
     const double cutoff = Linear ? frame.cutoff : std::acos(std::clamp(double(frame.cutoff), -1.0, 1.0));
     TextureMean mean(scene, light.texture);
     double sum = 0;
-    constexpr int kRings = 512;
-    for (int i = 0; i < kRings; ++i) {
-      const double theta = (i + 0.5) / kRings * cutoff;
-      const double weight = falloff(frame, theta) * std::sin(theta) * cutoff / kRings;
+    // Without a texture rings are cheap.
+    const int rings = light.texture == kNone ? kMeanPoints / 8 : points / 8;
+    for (int i = 0; i < rings; ++i) {
+      const double theta = (i + 0.5) / rings * cutoff;
+      const double weight = falloff(frame, theta) * std::sin(theta) * cutoff / rings;
       sum += weight;
       if (light.texture == kNone) continue;
       constexpr int kAround = 32;
@@ -68,6 +59,20 @@ template <bool Linear> struct SpotRows {
     }
     const auto whole = static_cast<float>(2.0 * kPiDouble * sum);
     return light.texture == kNone ? Vec3f{whole, whole, whole} : mean.value() * whole;
+  }
+
+  static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key) {
+    const LightFrameRow& frame = scene.light_frames[light.frame()];
+    key.insert(key.end(), {float_bits(frame.cutoff), float_bits(frame.slope), float_bits(frame.cot_cutoff)});
+    return IntegralSharing::kAll;
+  }
+
+ private:
+  /// Share of the intensity that is kept at an angle from the axis.
+  static double falloff(const LightFrameRow& frame, double theta) {
+    if (Linear) return std::clamp((frame.cutoff - theta) * frame.slope, 0.0, 1.0);
+    const double t = std::clamp((std::cos(theta) - frame.cutoff) * frame.slope, 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
   }
 };
 

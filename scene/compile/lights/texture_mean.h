@@ -19,6 +19,9 @@ inline Vec2f spread_point(int i) {
   return {static_cast<float>(x - std::floor(x)), static_cast<float>(y - std::floor(y))};
 }
 
+/// A part of one as far as means depend on it: without what rounding has made of equal ones.
+inline std::uint32_t rounded_share(float share) { return static_cast<std::uint32_t>(std::lround(share * 0x1p16f)); }
+
 /// A weighed mean of texture values, as lights see them: not below 0.
 class TextureMean {
  public:

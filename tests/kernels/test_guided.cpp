@@ -1,0 +1,185 @@
+// Vertices that sample the guide as well as their BSDF: the one-sample mixture against densities and weights worked out
+// by hand, and against the BSDF alone.
+#include "kernels/stages/guided.h"
+
+#include "scene/compile/compile.h"
+#include "scene/compile/plastic.h"
+#include "tests/support/stages_testing.h"
+#include "tests/support/statistics.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace sheaf::test_guided {
+
+namespace {
+
+constexpr double kPiD = std::numbers::pi;
+/// All comparisons of means of this file together fail with probability kSignificance if guiding is sound.
+const double kLevel = significance_of_each(5 * 2 * 5);
+
+struct Lobe {
+  double share;
+  Vec3f middle;
+  float kappa;
+};
+const std::array<Lobe, 2> kLobes{
+    {{0.7, normalize(Vec3f{0.5f, 0.2f, 0.8f}), 9}, {0.3, normalize(Vec3f{-0.9f, 0.3f, -0.2f}), 2}}};
+
+GuideMixture mixture_of(float bsdf_share) {
+  GuideMixture mixture;
+  double below = 0;
+  for (std::size_t k = 0; k < kGuideLobes; ++k) {
+    const bool used = k < kLobes.size();
+    const Lobe lobe = used ? kLobes[k] : Lobe{0, {0, 0, 1}, 1};
+    mixture.x[k] = lobe.middle.x, mixture.y[k] = lobe.middle.y, mixture.z[k] = lobe.middle.z;
+    mixture.kappa[k] = lobe.kappa;
+    mixture.peak[k] = static_cast<float>(lobe.share) * lobe_peak(lobe.kappa);
+    below += lobe.share;
+    mixture.below[k] = k + 1 < kLobes.size() ? static_cast<float>(below) : 1.0f;
+  }
+  mixture.bsdf_share = bsdf_share;
+  return mixture;
+}
+
+/// The density of the guide's directions, per steradian (Fisher 1953).
+double guide_pdf(Vec3f direction) {
+  double sum = 0;
+  for (const Lobe& lobe : kLobes) {
+    const double kappa = double{lobe.kappa};
+    sum += lobe.share * kappa / (2 * kPiD * (1 - std::exp(-2 * kappa))) *
+           std::exp(kappa * (double{dot(direction, lobe.middle)} - 1));
+  }
+  return sum;
+}
+
+/// Means over sampled directions: of the weights of those that have a density, also times coordinates of the direction;
+/// and of the weights of delta lobes.
+struct Means {
+  std::array<MeanVariance, 4> smooth;
+  MeanVariance delta;
+
+  void add(const BsdfSample<Scalar>& s) {
+    const bool is_delta = s.pdf_solid_angle == 0.0f;
+    const double weight = s.valid ? double{s.weight.c0} : 0;
+    const double factors[] = {1, double{s.wi.x}, double{s.wi.y}, double{s.wi.z}};
+    for (std::size_t k = 0; k < smooth.size(); ++k) smooth[k].add(is_delta || weight == 0 ? 0 : weight * factors[k]);
+    delta.add(is_delta ? weight : 0);
+  }
+};
+
+void check_same(const MeanVariance& a, const MeanVariance& b, int samples) {
+  const double error = std::sqrt((a.variance() + b.variance()) / samples);
+  INFO("means " << a.mean() << " and " << b.mean() << ", standard error of the difference " << error);
+  if (error < 1e-9)
+    CHECK(a.mean() == doctest::Approx(b.mean()).epsilon(1e-5));
+  else
+    CHECK(student_t_p_value((a.mean() - b.mean()) / error, 2 * samples - 2) >= kLevel);
+}
+
+template <template <class> class Bsdf> void check_mixture(const Bsdf<Scalar>& bsdf, bool has_delta) {
+  constexpr int kSamples = 60000;
+  const auto scene = compile_scene(empty_scene(1, 1));
+  VertexItem<Scalar> item{};
+  item.ng = item.ns = normalize(Vec3f{0.3f, -0.2f, 1});
+  item.wo = normalize(Vec3f{0.6f, 0.3f, 0.7f});
+  item.tangent = {1, 0};
+  for (const float share : {0.25f, 0.8f}) {
+    CAPTURE(share);
+    const GuideMixture mixture = mixture_of(share);
+    TestWave test(1);
+    StageContext context = test.context(*scene);
+    context.guides = true;
+    context.guide.mixtures = &mixture;
+    test.wave.guide_places.store<Scalar>(0, {0u, 4u});
+    Means guided, alone;
+    int deltas = 0;
+    double pdf_error = 0, weight_error = 0, share_error = 0;
+    for (std::uint32_t i = 0; i < kSamples; ++i) {
+      const GuidedSample<Scalar> g = sample_guided<Scalar>(context, test.wave, 0, 1, bsdf, item, lane_random(1, i, 0));
+      guided.add(g.bsdf);
+      alone.add(bsdf.sample(item.wo, lane_random(2, i, 0)));
+      if (!g.bsdf.valid) continue;
+      if (g.bsdf.pdf_solid_angle == 0.0f) {
+        ++deltas;
+        CHECK(g.bsdf_pdf == 0.0f);
+        CHECK(g.crowding == share);
+        continue;
+      }
+      const BsdfValue<Scalar> value = bsdf.evaluate(item.wo, g.bsdf.wi);
+      const double a = double{share};
+      const double pdf = a * double{value.pdf_solid_angle} + (1 - a) * guide_pdf(g.direction);
+      const double weight = double{value.f_cos.c0} / pdf;
+      pdf_error = std::max(pdf_error, std::fabs(double{g.bsdf.pdf_solid_angle} / pdf - 1));
+      weight_error = std::max(weight_error, std::fabs(double{g.bsdf.weight.c0} - weight));
+      share_error = std::max(share_error, std::fabs(double{g.guide.bsdf_share} - a));
+    }
+    CHECK((deltas > 1000) == has_delta);
+    CHECK(pdf_error < 2e-3);
+    CHECK(weight_error < 2e-3);
+    CHECK(share_error == 0);
+    for (std::size_t k = 0; k < guided.smooth.size(); ++k) {
+      CAPTURE(k);
+      check_same(guided.smooth[k], alone.smooth[k], kSamples);
+    }
+    check_same(guided.delta, alone.delta, kSamples);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("guided vertices: the density is that of BSDF and guide together, and weights keep every lobe's mean") {
+  DiffuseBsdf<Scalar> diffuse;
+  diffuse.reflectance = Spectrum4(0.8f);
+  check_mixture<DiffuseBsdf>(diffuse, false);
+
+  // A mirror above a diffuse base
+  PlasticBsdf<Scalar> plastic;
+  plastic.eta = 1.9f;
+  plastic.diffuse = plastic.specular = Spectrum4(0.8f);
+  plastic.nonlinear = 0;
+  plastic.internal_reflectance = smooth_coat_internal_reflectance(1.9);
+  check_mixture<PlasticBsdf>(plastic, true);
+
+  const RoughCoat coat = rough_coat(RoughnessDescription::Distribution::kGgx, 0.2, 1.9);
+  RoughPlasticGgxBsdf<Scalar> rough_plastic;
+  rough_plastic.eta = 1.9f;
+  rough_plastic.diffuse = rough_plastic.specular = Spectrum4(0.8f);
+  rough_plastic.nonlinear = 0;
+  rough_plastic.internal_reflectance = coat.internal_reflectance;
+  rough_plastic.alpha = 0.2f;
+  std::copy(coat.transmittance.begin(), coat.transmittance.end(), rough_plastic.transmittance);
+  check_mixture<RoughPlasticGgxBsdf>(rough_plastic, false);
+
+  RoughDielectricGgxBsdf<Scalar> glass;
+  glass.eta = 1.5f;
+  glass.reflectance = glass.transmittance = Spectrum4(1.0f);
+  glass.alpha_u = glass.alpha_v = 0.4f;
+  check_mixture<RoughDielectricGgxBsdf>(glass, false);
+
+  RoughConductorGgxBsdf<Scalar> metal;
+  metal.eta = Spectrum4(0.2f);
+  metal.k = Spectrum4(3.5f);
+  metal.reflectance = Spectrum4(1.0f);
+  metal.alpha_u = 0.15f, metal.alpha_v = 0.4f;
+  check_mixture<RoughConductorGgxBsdf>(metal, false);
+}
+
+TEST_CASE("guided vertices: of blends, parts that disperse count with their own density, the guide with the others") {
+  // Shares: 0.5 diffuse, 0.2 mirror, 0.3 dispersive rough glass.
+  constexpr double kDiffusePdf = 0.21, kGlassPdf = 1.3, kGuidePdf = 2.2, kBsdfShare = 0.3;
+  const BlendValue<Scalar> blend{Spectrum4(0.4f), static_cast<float>(0.5 * kDiffusePdf + 0.3 * kGlassPdf),
+                                 Spectrum4(0.1f), static_cast<float>(0.5 * kDiffusePdf), 0.5f};
+  const GuideValue<Scalar> guide{static_cast<float>(kBsdfShare), static_cast<float>(kGuidePdf)};
+  // The diffuse part asks the guide, the glass never does.
+  const double mixed = 0.5 * (kBsdfShare * kDiffusePdf + (1 - kBsdfShare) * kGuidePdf);
+  CHECK(double{guided_pdf<Scalar>(guide, blend)} == doctest::Approx(mixed));
+  CHECK(double{whole_pdf<Scalar>(guide, blend)} == doctest::Approx(mixed + 0.3 * kGlassPdf));
+  const GuideValue<Scalar> none{1, 0};
+  CHECK(whole_pdf<Scalar>(none, blend) == doctest::Approx(blend.pdf_solid_angle));
+}
+
+}  // namespace sheaf::test_guided
