@@ -32,7 +32,8 @@ template <class Trace> auto traced(const Scene& scene, PhotonKind kind, float ra
   context.transport.photons.lookup_size = lookup_size;
   Workers workers([&] { return Worker(Wave::default_capacity(WaveNeeds::of(context)), WaveNeeds::of(context)); });
   PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
-  return trace(context, workers, PhotonRequest{kPhotons, radius, kind, 0}, tracing);
+  const std::uint64_t emitted = photons_to_emit(context, workers, kind, kPhotons, 64 * kPhotons, tracing);
+  return trace(context, workers, PhotonRequest{emitted, radius, kind, 0}, tracing);
 }
 
 /// A wave of camera rays, spread over the picture, that has come as far as a stage that gathers.

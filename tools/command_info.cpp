@@ -31,7 +31,8 @@ std::string describe_photon_mapping(const PhotonMappingDescription& photons) {
   if (photons.progressive) text += " a pass";
   if (photons.gathering == PhotonGathering::kIndirect) text += ", direct light sampled";
   if (photons.gathering == PhotonGathering::kFinal) text += ", final gathering";
-  if (photons.gathering != PhotonGathering::kAll) text += fmt::format(", {} caustic photons", photons.caustic.count);
+  if (photons.gathering != PhotonGathering::kAll || photons.caustic.count > 0)
+    text += fmt::format(", {} caustic photons", photons.caustic.count);
   if (photons.volume.count > 0)
     text += fmt::format(", {} volume photons{}", photons.volume.count,
                         photons.uses_beams() ? " as beams in homogeneous media" : "");

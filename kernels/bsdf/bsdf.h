@@ -4,7 +4,9 @@
 //   kKind              its ClosureKind
 //   kIsSpecular        only delta distributions: neither evaluated nor lit by light sampling
 //   kIsAnisotropic     directions must come in a frame whose x axis is the surface's tangent; else any frame will do
-//   kDisperses         only if true need it be there: light that it lets through keeps the first wavelength alone
+//   kDisperses         only if true need it be there: light that it lets through keeps the first wavelength alone,
+//                      unless the four indices, the member `eta`, are the same, as where a path has one wavelength
+//                      left; see loses_wavelengths()
 //   squared_index(wo)  only if it refracts and is not specular: that of the side across, relative to the side of wo
 //   tables             only if it reads some need it be there: the array that its words refer to
 //   adjoint_f_cos(wo, wi)  only if it isn't reciprocal: f times |cos(wi)| for a photon that comes from wo and leaves
@@ -35,6 +37,21 @@ namespace sheaf {
 
 /// Whether a BSDF has kDisperses.
 template <class Bsdf> inline constexpr bool kDisperses = requires { Bsdf::kDisperses; };
+
+/// Whether all four lanes are the same.
+template <class L> SHEAF_INLINE Mask<L> is_same_in_all(const Spectrum<L>& s) {
+  return (s.c1 == s.c0) & (s.c2 == s.c0) & (s.c3 == s.c0);
+}
+
+/// Where a BSDF that disperses keeps the first of four wavelengths alone, and lets it count for all: wi is across the
+/// surface, and the wavelengths have indices of their own, as those of a path that has only one left have not. Paths
+/// that meet there from both sides must count for all four once, not each.
+template <class L, class Bsdf> SHEAF_INLINE Mask<L> loses_wavelengths(const Bsdf& bsdf, Vec3<L> wo, Vec3<L> wi) {
+  if constexpr (kDisperses<Bsdf>)
+    return (wo.z * wi.z < Float<L>(0.0f)) & !is_same_in_all<L>(bsdf.eta);
+  else
+    return Mask<L>(false);
+}
 
 /// Which RandomNumbers a BSDF's sample() uses.
 template <class Bsdf> constexpr unsigned numbers_of() {
@@ -69,17 +86,17 @@ template <class L> struct BsdfValue {
 
 /// Light that goes straight on through a thin pane.
 template <class L> struct PanePassage {
-  Spectrum<L> share;               ///< of it passes
-  typename L::Float probability;   ///< with which sample() lets it pass
+  Spectrum<L> share;              ///< of it passes
+  typename L::Float probability;  ///< with which sample() lets it pass
 };
 
 /// A direction sampled from a BSDF.
 template <class L> struct BsdfSample {
   Vec3<L> wi;
-  Spectrum<L> weight;                  ///< f times |cos(wi)| over the density; specular: the scattered share
-  typename L::Float pdf_solid_angle;   ///< density; 0: specular
-  typename L::Float eta_scale;         ///< 1, or the squared relative index of refraction that was entered
-  typename L::Mask valid;              ///< false: absorbed
+  Spectrum<L> weight;                 ///< f times |cos(wi)| over the density; specular: the scattered share
+  typename L::Float pdf_solid_angle;  ///< density; 0: specular
+  typename L::Float eta_scale;        ///< 1, or the squared relative index of refraction that was entered
+  typename L::Mask valid;             ///< false: absorbed
 };
 
 }  // namespace sheaf

@@ -15,22 +15,21 @@ namespace sheaf {
 
 /// Fresnel terms of four indices.
 template <class L> struct DispersiveFresnel {
-  DielectricFresnel<L> first;      ///< at the first wavelength
+  DielectricFresnel<L> first;  ///< at the first wavelength
   Spectrum<L> reflectance;
-  typename L::Float probability;   ///< of choosing reflection: the mean of the reflectances
-  typename L::Mask single;         ///< all four are the same: the path has one wavelength only
+  typename L::Float probability;  ///< of choosing reflection: the mean of the reflectances
+  typename L::Mask single;        ///< all four indices are the same, as where the path has one wavelength only
 };
 
 /// As fresnel_dielectric(), for an index per wavelength.
 template <class L> SHEAF_INLINE DispersiveFresnel<L> fresnel_dispersive(Float<L> cos_incident, const Spectrum<L>& eta) {
-  const auto at = [&](Float<L> index) SHEAF_LAMBDA_INLINE {
-    return fresnel_dielectric<L>(cos_incident, index).reflectance;
-  };
+  const auto at = [&](Float<L> index)
+                      SHEAF_LAMBDA_INLINE { return fresnel_dielectric<L>(cos_incident, index).reflectance; };
   DispersiveFresnel<L> f;
   f.first = fresnel_dielectric<L>(cos_incident, eta.c0);
   f.reflectance = {f.first.reflectance, at(eta.c1), at(eta.c2), at(eta.c3)};
   f.probability = total(f.reflectance) * Float<L>(0.25f);
-  f.single = (eta.c1 == eta.c0) & (eta.c2 == eta.c0) & (eta.c3 == eta.c0);
+  f.single = is_same_in_all<L>(eta);
   return f;
 }
 
@@ -56,8 +55,8 @@ template <class L> struct DispersiveDielectricBsdf : DispersiveDielectricParamet
     const Spectrum<L> refracted =
         first_for_all<L>(f.single, (F(1.0f) - f.first.reflectance) * per_choice * (inverse_eta * inverse_eta));
     BsdfSample<L> s;
-    s.wi = select<L>(reflected, {-wo.x, -wo.y, wo.z},
-                     {-wo.x * inverse_eta, -wo.y * inverse_eta, f.first.cos_transmitted});
+    s.wi =
+        select<L>(reflected, {-wo.x, -wo.y, wo.z}, {-wo.x * inverse_eta, -wo.y * inverse_eta, f.first.cos_transmitted});
     s.weight = select<L>(reflected, this->reflectance * (f.reflectance * per_choice), this->transmittance * refracted);
     s.eta_scale = select(reflected, F(1.0f), f.first.eta * f.first.eta);
     s.pdf_solid_angle = F(0.0f);

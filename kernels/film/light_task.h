@@ -62,6 +62,8 @@ class LightTask {
   std::vector<PhotonBeam> beams;
   std::uint64_t arrived = 0;  ///< photons' vertices where one might have been stored, if only of another kind
 
+  /// Whether photons are stored, and not seen by the camera.
+  bool stores_photons() const { return stores_; }
   /// Whether photons are stored where media scatter them.
   bool stores_in_media() const { return stores_ && kind_ == PhotonKind::kVolume; }
   /// Whether photons are to be stored that come to a surface with this history, RayFlags.
@@ -70,6 +72,8 @@ class LightTask {
     switch (kind_) {
       case PhotonKind::kAll:
         return true;
+      case PhotonKind::kAllButCaustic:
+        return history != kRaySpecular;
       case PhotonKind::kIndirect:
         return history != 0;
       case PhotonKind::kDiffuse:

@@ -14,15 +14,22 @@ template <class L> SHEAF_INLINE Vec3<L> beyond_scene(const SceneView& scene, Vec
   return from + direction * Float<L>(2.1f * scene.radius);
 }
 
-/// A photon through the disk across `direction` that covers the bounding sphere (Pharr et al., 4th ed.,
-/// section 12.5.2). `radiance` comes along it, or irradiance if the direction is the only one. By a.y and a.z.
+/// The radius, metres, of the sphere around SceneView::center that photons from outside must cover: a medium without an
+/// end of its own reaches a little beyond the scene.
+inline float covered_radius(const SceneView& scene) {
+  return scene.outer_medium != 0 && scene.medium_radius < kInfinity ? scene.medium_radius : scene.radius;
+}
+
+/// A photon through the disk across `direction` that covers that sphere (Pharr et al., 4th ed., section 12.5.2).
+/// `radiance` comes along it, or irradiance if the direction is the only one. By a.y and a.z.
 template <class L>
 SHEAF_INLINE PhotonEmission<L> emit_from_infinity(const SceneView& scene, Vec3<L> direction,
                                                   const Spectrum<L>& radiance, Float<L> pdf_direction,
                                                   const Random4<L>& a) {
   using F = Float<L>;
   const Vec2<L> on_disk = square_to_disk<L>(a.y, a.z);
-  const F radius(scene.radius), area(kPi * scene.radius * scene.radius);
+  const float covered = covered_radius(scene);
+  const F radius(covered), area(kPi * covered * covered);
   PhotonEmission<L> e;
   e.direction = direction;
   e.origin = broadcast<L>(scene.center) +

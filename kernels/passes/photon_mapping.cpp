@@ -13,8 +13,9 @@ namespace {
 
 /// Sets of wavelengths that the photons of a map are shared among.
 constexpr std::uint32_t kWavelengthSets = 32;
-/// Most passes of progressive maps: photons are numbered through all of them.
-constexpr std::uint32_t kMostPasses = 1 << 22;
+/// Photons emitted at most for each one to be stored; and besides, that small maps are not left empty, for all sets
+/// together or for each pass of progressive maps.
+constexpr std::uint64_t kMaxEmittedPerStored = 64, kMoreEmitted = 1 << 18, kMoreEmittedPerPass = 1 << 16;
 /// The radius of a progressive map's first pass, in pixels' shares of the scene's radius.
 constexpr float kFirstRadius = 5;
 
@@ -44,12 +45,11 @@ PhotonMapping::PhotonMapping(const StageContext& context, std::uint32_t samples,
       scene_radius_(context.scene.radius),
       pixel_(context.scene.radius / static_cast<float>(film_side)) {
   if (settings_.progressive) {
-    if (samples > kMostPasses)
+    if (samples > kMaxPhotonSets)
       throw Error(ExitCode::kUsage, "progressive photon mapping has a pass for each sample per pixel, at most " +
-                                        std::to_string(kMostPasses));
+                                        std::to_string(kMaxPhotonSets));
     sets_ = samples;
   }
-  if (settings_.gathering == PhotonGathering::kAll) settings_.caustic.count = 0;
   if (!has_phase_functions(context.scene)) settings_.volume.count = 0;
   if (context.scene.color != ColorMode::kSpectral) return;
   if (!settings_.progressive) sets_ = std::min(samples, kWavelengthSets);
@@ -77,21 +77,50 @@ float PhotonMapping::beam_radius() const {
   return first_radius_of(settings_.volume) * static_cast<float>(shrunk_);
 }
 
+std::uint64_t PhotonMapping::emitted_for(const PhotonMapDescription& map, PhotonKind kind, Workers& workers,
+                                         PhotonTracing& tracing, const StageContext& context) const {
+  const std::uint64_t more = settings_.progressive ? kMoreEmittedPerPass : kMoreEmitted / sets_;
+  return photons_to_emit(context, workers, kind, count_of(map), kMaxEmittedPerStored * count_of(map) + more, tracing);
+}
+
+PhotonKind PhotonMapping::global_kind() const {
+  const bool caustics = settings_.caustic.count > 0;
+  switch (settings_.gathering) {
+    case PhotonGathering::kAll:
+      return caustics ? PhotonKind::kAllButCaustic : PhotonKind::kAll;
+    case PhotonGathering::kIndirect:
+      return caustics ? PhotonKind::kDiffuse : PhotonKind::kIndirect;
+    case PhotonGathering::kFinal:
+      return PhotonKind::kAll;
+  }
+  return PhotonKind::kAll;
+}
+
+void PhotonMapping::plan(Workers& workers, PhotonTracing& tracing, const StageContext& context) {
+  if (is_planned_) return;
+  is_planned_ = true;
+  const auto emitted = [&](const PhotonMapDescription& map, PhotonKind kind) {
+    return emitted_for(map, kind, workers, tracing, context);
+  };
+  global_emitted_ = emitted(settings_.global, global_kind());
+  caustic_emitted_ = emitted(settings_.caustic, PhotonKind::kCaustic);
+  volume_emitted_ = emitted(settings_.volume, PhotonKind::kVolume);
+}
+
 void PhotonMapping::make(std::uint32_t index, Set& set, Workers& workers, PhotonTracing& tracing,
                          const StageContext& context) {
-  const auto trace = [&](const PhotonMapDescription& map, PhotonKind kind) {
-    return trace_photons(context, workers, {count_of(map), radius_of(map), kind, index}, tracing);
+  const auto trace = [&](const PhotonMapDescription& map, std::uint64_t emitted, PhotonKind kind) {
+    return trace_photons(context, workers, {emitted, radius_of(map), kind, index, 0, count_of(map)}, tracing);
   };
-  const bool caustics = settings_.caustic.count > 0;
-  PhotonKind kind = PhotonKind::kAll;
-  if (settings_.gathering == PhotonGathering::kIndirect) kind = caustics ? PhotonKind::kDiffuse : PhotonKind::kIndirect;
-  set.global = trace(settings_.global, kind);
-  if (caustics) set.caustic = trace(settings_.caustic, PhotonKind::kCaustic);
+  plan(workers, tracing, context);
+  set.global = trace(settings_.global, global_emitted_, global_kind());
+  if (settings_.caustic.count > 0) set.caustic = trace(settings_.caustic, caustic_emitted_, PhotonKind::kCaustic);
   set.maps = {set.global.view(), set.caustic.view(), settings_.gathering};
   if (settings_.volume.count == 0) return;
-  set.volume = trace_volume_photons(
-      context, workers,
-      {count_of(settings_.volume), radius_of(settings_.volume), PhotonKind::kVolume, index, beam_radius()}, tracing);
+  set.volume = trace_volume_photons(context, workers,
+                                    {volume_emitted_, radius_of(settings_.volume), PhotonKind::kVolume, index,
+                                     beam_radius(), count_of(settings_.volume)},
+                                    tracing);
   set.maps.volume = &set.volume.points;
   if (settings_.uses_beams()) set.maps.beams = &set.volume.beams;
 }

@@ -42,11 +42,18 @@ class PhotonMapping {
     bool is_made = false;
   };
 
-  /// Photons of one set.
+  /// Photons to be stored for one set.
   std::uint64_t count_of(const PhotonMapDescription& map) const;
+  /// Photons to be emitted for one set, the same for all sets.
+  std::uint64_t emitted_for(const PhotonMapDescription& map, PhotonKind kind, Workers& workers, PhotonTracing& tracing,
+                            const StageContext& context) const;
   float first_radius_of(const PhotonMapDescription& map) const;
   float radius_of(const PhotonMapDescription& map) const;
   float beam_radius() const;
+  /// Which photons the global map holds.
+  PhotonKind global_kind() const;
+  /// Fixes how many photons each map emits.
+  void plan(Workers& workers, PhotonTracing& tracing, const StageContext& context);
   void make(std::uint32_t index, Set& set, Workers& workers, PhotonTracing& tracing, const StageContext& context);
 
   PhotonMappingDescription settings_;
@@ -55,6 +62,8 @@ class PhotonMapping {
   float offset_ = -1;           ///< in [0, 1), of the numbers that wavelengths are made of; -1: RGB mode
   std::uint32_t pass_ = 0;      ///< that radii are shrunk for
   double shrunk_ = 1;           ///< square of the radius over what it was in the first pass; the radius of beams itself
+  bool is_planned_ = false;
+  std::uint64_t global_emitted_ = 0, caustic_emitted_ = 0, volume_emitted_ = 0;  ///< photons, for each set
   std::vector<Set> made_;
 };
 

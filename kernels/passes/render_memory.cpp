@@ -78,7 +78,7 @@ double photon_bytes(const StageContext& context) {
     sorted += of_sorted * static_cast<double>(map.count);
   };
   add(photons.global, sizeof(Photon), kSorted);
-  if (photons.gathering != PhotonGathering::kAll) add(photons.caustic, sizeof(Photon), kSorted);
+  add(photons.caustic, sizeof(Photon), kSorted);
   if (has_phase_functions(context.scene)) {
     if (photons.uses_beams())
       add(photons.volume, sizeof(PhotonBeam), sizeof(PhotonBeam));

@@ -7,22 +7,25 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace sheaf {
 
 namespace {
 
-/// Tasks of the smallest maps.
-constexpr std::uint64_t kFewestTasks = 64;
-/// Photons emitted for each one asked for, and more for small maps, until it is taken for sure that hardly any arrive.
-constexpr std::uint64_t kMostPerStored = 64, kMostMore = 1 << 20;
+/// Photons per task, and tasks of the smaller maps.
+constexpr std::uint64_t kMinTaskPhotons = 64, kMaxTaskPhotons = 16384, kMinTasks = 64;
+/// The pilot emits so many photons, then twice as many in all, and so on, until it has stored enough to know the rate
+/// within a few percent, or has emitted the most.
+constexpr std::uint64_t kPilotPhotons = 4096, kMaxPilotPhotons = 1 << 18, kPilotStored = 2048;
 /// Which map of a set photons of a kind are in.
 int map_of(PhotonKind kind) { return kind == PhotonKind::kCaustic ? 1 : kind == PhotonKind::kVolume ? 2 : 0; }
 
-/// First numbers of photons, so that maps share no random numbers: more than kMostPerStored * kMaxPhotons apart.
-std::uint64_t first_photon(const PhotonRequest& request) {
+/// The first of the numbers that photons of a map have, so that maps share no random numbers. The pilot's set is
+/// kMaxPhotonSets.
+std::uint64_t first_photon(PhotonKind kind, std::uint32_t set) {
   constexpr int kMapBits = 37, kSetBits = 40;
-  return std::uint64_t{request.set} << kSetBits | static_cast<std::uint64_t>(map_of(request.kind)) << kMapBits;
+  return std::uint64_t{set} << kSetBits | static_cast<std::uint64_t>(map_of(kind)) << kMapBits;
 }
 
 /// Longest piece into which beams are cut, over the radius of the scene's bounding sphere.
@@ -37,18 +40,22 @@ struct StoredPhotons {
   std::uint64_t counted = 0;  ///< towards the number that is asked for
 };
 
-/// The next tasks' photons, each task's in order.
-std::vector<StoredPhotons> trace_round(const StageContext& camera, Workers& workers, PhotonKind kind,
-                                       std::uint64_t first, int task_photons, std::size_t tasks,
-                                       const PhotonTracing& tracing) {
+/// Photons [first, first + count) in tasks, each task's in order.
+std::vector<StoredPhotons> trace_tasks(const StageContext& camera, Workers& workers, PhotonKind kind,
+                                       std::uint64_t first, std::uint64_t count, PhotonTracing& tracing,
+                                       std::uint64_t expected) {
+  const std::uint64_t task_photons = std::clamp(count / kMinTasks, kMinTaskPhotons, kMaxTaskPhotons);
+  const std::uint64_t tasks = (count + task_photons - 1) / task_photons;
   std::vector<StoredPhotons> stored(tasks);
+  const auto progress = [&](std::uint64_t done) { return expected * done / tasks; };
   tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, stored.size(), 1),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t i = range.begin(); i < range.end() && !tracing.stopped(); ++i) {
+      tbb::blocked_range<std::uint64_t>(0, tasks, 1),
+      [&](const tbb::blocked_range<std::uint64_t>& range) {
+        for (std::uint64_t i = range.begin(); i < range.end() && !tracing.stopped(); ++i) {
           const FlushDenormals flush;
           Worker& worker = workers.local();
-          worker.photons.begin(first + i * static_cast<std::uint64_t>(task_photons), task_photons, kind);
+          const std::uint64_t before = i * task_photons;
+          worker.photons.begin(first + before, static_cast<int>(std::min(task_photons, count - before)), kind);
           StageContext context = camera;
           context.camera = nullptr;
           context.maps = nullptr;
@@ -59,22 +66,35 @@ std::vector<StoredPhotons> trace_round(const StageContext& camera, Workers& work
           stored[i].beams = worker.photons.sorted_beams();
           stored[i].counted =
               map_of(kind) == 0 ? worker.photons.arrived : stored[i].photons.size() + stored[i].beams.size();
+          tracing.on_stored(progress(i + 1) - progress(i));
         }
       },
       tbb::simple_partitioner());
   return stored;
 }
 
-/// How many tasks are traced before their photons are counted: a few for each thread; once it is known what a task
-/// stores, as many as are still needed.
-std::size_t round_size(std::size_t done, std::uint64_t stored, std::uint64_t wanted) {
-  const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
-  if (stored == 0) return 4 * threads;
-  const std::uint64_t needed = (wanted - stored) * done / stored + 1;
-  return std::min(needed, 64 * threads);
+/// How many photons the pilot has emitted, and how many of them were stored.
+struct PilotCount {
+  std::uint64_t emitted = 0, stored = 0;
+};
+
+PilotCount run_pilot(StageContext context, Workers& workers, PhotonKind kind, PhotonTracing& tracing) {
+  PilotCount count;
+  // All wavelengths: the number must not depend on the set of maps that happens to be made first.
+  context.wavelength_sample = -1.0f;
+  std::uint64_t next = kPilotPhotons;
+  while (count.stored < kPilotStored && count.emitted < kMaxPilotPhotons && context.scene.light_count > 0 &&
+         !tracing.stopped()) {
+    const std::uint64_t first = first_photon(kind, kMaxPhotonSets) + count.emitted;
+    for (const StoredPhotons& task : trace_tasks(context, workers, kind, first, next, tracing, 0))
+      count.stored += task.counted;
+    count.emitted += next;
+    next = count.emitted;
+  }
+  return count;
 }
 
-/// Tasks' photons until enough are stored, and how many were emitted for them; at least 1.
+/// Tasks' photons, and how many were emitted for them; at least 1.
 struct TracedPhotons {
   std::vector<std::vector<Photon>> tasks;
   std::vector<std::vector<PhotonBeam>> beams;
@@ -83,45 +103,42 @@ struct TracedPhotons {
 
 TracedPhotons trace(const StageContext& context, Workers& workers, const PhotonRequest& request,
                     PhotonTracing& tracing) {
-  const std::uint64_t start = timestamp(), wanted = request.count;
-  const int task_photons = static_cast<int>(std::clamp<std::uint64_t>(wanted / kFewestTasks, 64, 16384));
+  const std::uint64_t start = timestamp();
+  const std::uint64_t emitted = context.scene.light_count > 0 ? request.emitted : 0;
   TracedPhotons out;
-  std::uint64_t stored = 0;
-  // Once it is known that hardly any arrive, it is not tried that hard again.
-  bool& scarce = tracing.scarce[map_of(request.kind)];
-  const std::uint64_t most = scarce ? wanted : kMostPerStored * wanted + kMostMore;
-  const auto hopeless = [&] { return out.emitted >= most || (stored == 0 && out.emitted >= kMostMore); };
-  while (stored < wanted && !hopeless() && context.scene.light_count > 0 && !tracing.stopped()) {
-    auto round = trace_round(context, workers, request.kind, first_photon(request) + out.emitted, task_photons,
-                             round_size(out.tasks.size(), stored, wanted), tracing);
-    const std::uint64_t before = stored;
-    // Whole tasks, so that the number of photons emitted is known.
-    for (std::size_t i = 0; i < round.size() && stored < wanted; ++i) {
-      stored += round[i].counted;
-      out.emitted += static_cast<std::uint64_t>(task_photons);
-      out.tasks.push_back(std::move(round[i].photons));
-      out.beams.push_back(std::move(round[i].beams));
-    }
-    tracing.on_stored(std::min(stored, wanted) - std::min(before, wanted));
+  for (StoredPhotons& task : trace_tasks(context, workers, request.kind, first_photon(request.kind, request.set),
+                                         emitted, tracing, request.expected)) {
+    tracing.report.stored += task.photons.size() + task.beams.size();
+    out.tasks.push_back(std::move(task.photons));
+    out.beams.push_back(std::move(task.beams));
   }
-  if (stored < wanted && !tracing.stopped()) {
-    if (!scarce)
-      tracing.warnings.push_back("the " + std::string(kMapNames[map_of(request.kind)]) + " holds " +
-                                 std::to_string(stored) + " of the " + std::to_string(wanted) +
-                                 " photons that were asked for: of " + std::to_string(out.emitted) +
-                                 " emitted ones no more arrive where they are stored");
-    scarce = true;
-    tracing.on_stored(wanted - stored);
-  }
-  tracing.report.emitted += out.emitted;
-  for (const std::vector<Photon>& task : out.tasks) tracing.report.stored += task.size();
-  for (const std::vector<PhotonBeam>& task : out.beams) tracing.report.stored += task.size();
+  if (emitted == 0) tracing.on_stored(request.expected);
+  tracing.report.emitted += emitted;
   tracing.report.trace_seconds += seconds_since(start);
-  out.emitted = std::max<std::uint64_t>(out.emitted, 1);
+  out.emitted = std::max<std::uint64_t>(emitted, 1);
   return out;
 }
 
 }  // namespace
+
+std::uint64_t photons_to_emit(const StageContext& context, Workers& workers, PhotonKind kind, std::uint64_t count,
+                              std::uint64_t max_emitted, PhotonTracing& tracing) {
+  if (count == 0) return 0;
+  const std::uint64_t start = timestamp();
+  const PilotCount pilot = run_pilot(context, workers, kind, tracing);
+  tracing.report.trace_seconds += seconds_since(start);
+  const double rate =
+      static_cast<double>(pilot.stored) / static_cast<double>(std::max<std::uint64_t>(pilot.emitted, 1));
+  const double needed = rate > 0 ? std::ceil(static_cast<double>(count) / rate) : 0;
+  if (rate > 0 && needed <= static_cast<double>(max_emitted)) return static_cast<std::uint64_t>(needed);
+  const std::uint64_t emitted = rate > 0 ? max_emitted : count;
+  if (!tracing.stopped())
+    tracing.warnings.push_back("the " + std::string(kMapNames[map_of(kind)]) + " holds about " +
+                               std::to_string(std::llround(rate * static_cast<double>(emitted))) + " of the " +
+                               std::to_string(count) + " photons that were asked for: of " + std::to_string(emitted) +
+                               " emitted ones no more arrive where they are stored");
+  return emitted;
+}
 
 PhotonMap trace_photons(const StageContext& context, Workers& workers, const PhotonRequest& request,
                         PhotonTracing& tracing) {

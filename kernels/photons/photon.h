@@ -33,11 +33,12 @@ inline std::uint32_t photon_surface(std::uint32_t normal, std::uint32_t edges, b
 
 /// Which photons are kept, by the vertices between the light and the surface; those in media count as D.
 enum class PhotonKind {
-  kAll,       ///< L (S|D)* D
-  kIndirect,  ///< L (S|D)+ D
-  kDiffuse,   ///< L S* D (S|D)* D
-  kCaustic,   ///< L S+ D
-  kVolume,    ///< all, but where they are scattered in media
+  kAll,            ///< L (S|D)* D
+  kAllButCaustic,  ///< L D, and kDiffuse
+  kIndirect,       ///< L (S|D)+ D
+  kDiffuse,        ///< L S* D (S|D)* D
+  kCaustic,        ///< L S+ D
+  kVolume,         ///< all, but where they are scattered in media
 };
 
 /// Photon::surface of photons in media: the medium, 1 + its row, in place of a normal.

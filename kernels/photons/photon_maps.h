@@ -1,7 +1,8 @@
 // Which photon map is asked where; what belongs to maps, and what to the path itself.
 //
 // A path from the camera that meets its first vertex x on a surface that is not specular, all by E S* x:
-//     PhotonGathering::kAll       the global map at x holds all that x sends on, and the path ends there
+//     PhotonGathering::kAll       the global map at x holds all that x sends on, but for caustics where there is a
+//                                 caustic map; the path ends there
 //     PhotonGathering::kIndirect  light is sampled at x, and one ray goes on from it to find lights by the other
 //                                 strategy; all else is the maps' at x: caustics the caustic map's, where there is one
 //     PhotonGathering::kFinal     light is sampled at x, and one ray goes on from it, that meets surfaces by S* y: the
@@ -42,7 +43,7 @@ struct PhotonMaps {
     const bool behind = (flags & kRayDiffuse) != 0;
     switch (gathering) {
       case PhotonGathering::kAll:
-        return {&global, nullptr};
+        return {&global, &caustic};
       case PhotonGathering::kIndirect:
         if (behind) return {nullptr, nullptr};
         return {&global, &caustic};

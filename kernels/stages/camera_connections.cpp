@@ -62,7 +62,8 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
   const Spectrum<L> out = path.beta * f_cos * (flux * view.importance);
   push_shadow_ray<L>(context.scene, wave, slots, count, item,
                      {view.target, F(0.0f), Uint<L>(kNone), Uint<L>(kNone), shadow_flags},
-                     select<L>(seen & is_finite(total(out)), out, Spectrum<L>(F(0.0f))), kIsPhaseFunction<Bsdf<L>>);
+                     select<L>(seen & is_finite(total(out)), out, Spectrum<L>(F(0.0f))), kIsPhaseFunction<Bsdf<L>>,
+                     loses_wavelengths<L>(bsdf, item.wo, wi));
 }
 
 template <class L, template <class> class Bsdf>

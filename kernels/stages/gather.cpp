@@ -2,6 +2,12 @@
 // using Photon Maps", 1996, equation 8): L = sum of f Phi_i k(d_i), the kernel k over the disc of the radius.
 //
 // Vertices are taken one by one, and photons a register at a time. Which map a vertex asks is for PhotonMaps to say.
+//
+// In spectral mode the path, the vertex and the photon may each have kept the first of four wavelengths alone, and let
+// it count for all four: together they count so once. A path of four wavelengths has the density that is the mean over
+// all of them; where the first alone goes on, only its own density is left, as it is by that one that the path's
+// flights were sampled. Photons' are by any of the four (see kernels/stages/photon_rays.cpp): their mean holds for
+// each.
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
 #include "kernels/photons/photon_kernel.h"
@@ -34,6 +40,7 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
   typename L::Float terminator;
   typename L::Uint edges_left;  ///< most segments that a photon's path may have
   bool single_wavelength;       ///< of the path from the camera one wavelength is left
+  float first_ratio;            ///< the path's density over that of its first wavelength alone
 
   static GatheringVertex load(const StageContext& context, const Wave& wave, Slot slot, int column, bool mapped) {
     using F = Float<L>;
@@ -48,7 +55,12 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
     const auto most = static_cast<std::uint32_t>(context.transport.max_depth);  // -1: larger than any depth
     GatheringVertex out{
         item,    bsdf,    ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item), mapped,
-        item.ns, F(0.0f), Uint<L>(most > depth ? most - depth : 0u),      has_single_wavelength(context, wave, slot)};
+        item.ns, F(0.0f), Uint<L>(most > depth ? most - depth : 0u),      has_single_wavelength(context, wave, slot),
+        1.0f};
+    if (context.scene.color == ColorMode::kSpectral && context.scene.has_transparency) {
+      const Spectrum4& r_u = wave.probabilities.row(slot).r_u;
+      out.first_ratio = lane_mean<Scalar>(ColorMode::kSpectral, r_u) / r_u.c0;
+    }
     if (mapped) {
       const auto t = wave.textured.load<Scalar>(column);
       out.ns_unmapped = broadcast<L>(t.ns_unmapped);
@@ -91,17 +103,23 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
     // A photon's flux has met the geometric surface, whatever the shading normal.
     F factor = photon_kernel<L>(map.kernel, near.squared * F(1.0f / within)) / max(abs(dot(wi, item.ng)), F(1e-4f));
     if (mapped) factor = factor * shadow_terminator<L>(ns_unmapped, terminator, wi, local.z);
-    if (single_wavelength) {
-      // Both lost three wavelengths, and made up for them fourfold; once is enough.
-      Uint<L> surface;
-      load_column(map.surface + i, surface);
-      const auto both = (surface & Uint<L>(kPhotonSingleWavelength)) != Uint<L>(0u);
-      factor = select(both, factor * F(0.25f), factor);
-    }
+    if (kDisperses<Bsdf<L>> || single_wavelength || first_ratio != 1.0f) factor = factor * wavelengths(map, i, local);
     return select<L>(near.lanes, bsdf.evaluate(item.wo, local).f_cos * power * factor, Spectrum<L>(F(0.0f)));
   }
 
  private:
+  /// The factor by which photons [i, i + L::width) count where path, vertex or photon have lost wavelengths.
+  SHEAF_INLINE Float<L> wavelengths(const PhotonMapView& map, std::uint32_t i, Vec3<L> local) const {
+    using F = Float<L>;
+    Uint<L> surface;
+    load_column(map.surface + i, surface);
+    const auto by_photon = (surface & Uint<L>(kPhotonSingleWavelength)) != Uint<L>(0u);
+    const auto by_vertex = loses_wavelengths<L>(bsdf, item.wo, local);
+    const auto twice = by_photon & (by_vertex | Mask<L>(single_wavelength));
+    const F once = select(by_photon | by_vertex, F(first_ratio), F(1.0f));
+    return select(twice, once * F(0.25f), once);
+  }
+
   template <class T, class V> static SHEAF_INLINE void load_column(const T* from, V& to) { sheaf::load(from, to); }
 };
 

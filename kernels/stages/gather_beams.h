@@ -8,7 +8,7 @@
 // That a beam comes as far as s has the probability T(s), which is then what is left of its power: Phi stays that of
 // the start. Where lanes differ in extinction, each could have been the one by which the flight was sampled: Phi(s) is
 // Phi T(s) over the mean over the lanes of odds T(s), as the path's own r_u would have it for a photon that is
-// scattered there.
+// scattered there. That is right for each lane on its own, so also for rays that have lost the others.
 #pragma once
 
 #include "core/wavelengths.h"
@@ -50,21 +50,18 @@ class FlightShares {
  public:
   FlightShares(const StageContext& context, std::uint32_t flags, const GatheringRay& ray)
       : flight_(make_medium_ray(context, flags, ray.lambda, ray.seen.origin, ray.seen.direction, 0.0f)),
-        sigma_t_(medium_coefficients(flight_.medium, flight_.spectra).sigma_t),
-        single_wavelength_(ray.single_wavelength) {}
+        sigma_t_(medium_coefficients(flight_.medium, flight_.spectra).sigma_t) {}
 
   Quad operator()(const PhotonBeamMap::Record& beam, float along) const {
     // All lanes are at one wavelength.
     if ((beam.place & kPhotonSingleWavelength) != 0) return Quad(1.0f);
-    const Quad passed = transmittance(sigma_t_, along), odds = Quad(beam.odds) * flight_.odds(passed);
-    // Where the ray has but the first wavelength, no other lane makes up for those by which that one is found less.
-    return passed * (1.0f / (single_wavelength_ ? odds[0] : lane_mean(flight_.scene, odds)));
+    const Quad passed = transmittance(sigma_t_, along);
+    return passed * (1.0f / lane_mean(flight_.scene, Quad(beam.odds) * flight_.odds(passed)));
   }
 
  private:
   MediumRay flight_;
   Quad sigma_t_;
-  bool single_wavelength_;
 };
 
 /// The radiance that the beams bring. `flags`: RayState::flags of the ray.
@@ -76,7 +73,7 @@ Quad gather_beams(const StageContext& context, const PhotonBeamMap& map, std::ui
   if (found.empty()) return Quad();
   const MediumCoefficients c = medium_coefficients(ray.seen.medium, ray.seen.spectra);
   const Quad sigma_t = c.sigma_t;
-  const bool alike = ray.seen.has(kMediumGrey) && !ray.single_wavelength;
+  const bool alike = ray.seen.has(kMediumGrey);
   const FlightShares shares(context, flags, ray);
   Quad sum;
   for (std::size_t first = 0; first < found.size(); first += L::width) {

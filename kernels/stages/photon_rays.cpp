@@ -63,7 +63,8 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
     return draw<L>(context.sampler, path.pixel, path.sample, U(0u), block);
   };
   const Random4<L> a = number(SampleBlock::kLight), b = number(SampleBlock::kScatter);
-  const F one = number(SampleBlock::kWavelength).x;
+  const Random4<L> c = number(SampleBlock::kWavelength);
+  const F one = c.x;
   if constexpr (Mode == ColorMode::kSpectral) {
     alignas(kSimdAlignment) float words[L::width];
     store(words, context.wavelength_sample < 0.0f ? one : F(context.wavelength_sample));
@@ -88,6 +89,10 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
   if (scene.has_transparency) {
     wave.probabilities.scatter<L>(slots, count, {Spectrum<L>(F(1.0f)), Spectrum<L>(F(1.0f))});
     if (scene.color == ColorMode::kRgb) ray.flags = min(to_uint(one * F(3.0f)), U(2u)) << kRayHeroShift;
+    // Camera paths of the same four wavelengths sample their flights by the first. Photons that they meet must not do
+    // so too: the density of both would not be the product of what each has as the mean over the lanes.
+    else if (context.photons->stores_photons())
+      ray.flags = min(to_uint(c.y * F(4.0f)), U(3u)) << kRayHeroShift;
     const U medium = start_medium<L>(scene, wave, ray.origin, ray.direction, good);
     ray.flags |= medium << kRayMediumShift;
     // A point of a light that is a medium's box, but not in the medium.

@@ -23,15 +23,18 @@ template <class L> struct ShadowEnd {
   typename L::Uint flags = typename L::Uint(0u);  ///< ShadowFlags
 };
 
-/// What the transmittance stage wants to know, for the shadow rays that push_shadow_ray() keeps.
+/// What the transmittance stage wants to know, for the shadow rays that push_shadow_ray() keeps. `single`: where of
+/// four wavelengths the first alone goes this way; it counts by its own probabilities, of which the mean is made.
 template <class L>
 void push_transmittance(const SceneView& scene, Wave& wave, const Slot* slots, const VertexItem<L>& item,
-                        const ShadowItem<L>& shadow, const ShadowEnd<L>& end, bool in_medium, Mask<L> kept) {
+                        const ShadowItem<L>& shadow, const ShadowEnd<L>& end, bool in_medium, Mask<L> single,
+                        Mask<L> kept) {
   using F = Float<L>;
   using U = Uint<L>;
   const RayState<L> ray = wave.rays.gather<L>(slots);
   TransmittanceItem<L> out;
-  out.r_u = out.r_l = wave.probabilities.gather<L>(slots).r_u;
+  const Spectrum<L> r_u = wave.probabilities.gather<L>(slots).r_u;
+  out.r_u = out.r_l = select<L>(single, {r_u.c0 * F(4.0f), F(0.0f), F(0.0f), F(0.0f)}, r_u);
   out.pdf_ratio = end.pdf_ratio;
   out.target_medium = end.medium;
   out.flags = ray.flags;
@@ -47,7 +50,7 @@ void push_transmittance(const SceneView& scene, Wave& wave, const Slot* slots, c
 template <class L>
 SHEAF_INLINE void push_shadow_ray(const SceneView& scene, Wave& wave, const Slot* slots, int count,
                                   const VertexItem<L>& item, const ShadowEnd<L>& end, Spectrum<L> contribution,
-                                  bool in_medium) {
+                                  bool in_medium, Mask<L> single = Mask<L>(false)) {
   const Vec3<L> target = end.target;
   ShadowItem<L> out;
   out.origin = offset_origin<L>(item.p, item.ng, item.offset, target - item.p);
@@ -59,7 +62,7 @@ SHEAF_INLINE void push_shadow_ray(const SceneView& scene, Wave& wave, const Slot
   out.light = end.light;
   const auto kept =
       is_finite(out.direction) & is_finite(total(contribution)) & !is_black(contribution) & L::first(count);
-  if (scene.has_transparency) push_transmittance<L>(scene, wave, slots, item, out, end, in_medium, kept);
+  if (scene.has_transparency) push_transmittance<L>(scene, wave, slots, item, out, end, in_medium, single, kept);
   wave.shadow_count += wave.shadows.compress<L>(wave.shadow_count, out, kept);
 }
 

@@ -35,10 +35,22 @@ struct CandidateIndex {
 
 /// A candidate as a vertex sees it.
 template <class L> struct WeighedCandidate {
-  Spectrum<L> contribution;  ///< what it brings if unoccluded, over its density; 0 where it is of no use
+  Spectrum<L> contribution;      ///< what it brings if unoccluded, over its density; 0 where it is of no use
   typename L::Float mis_weight;  ///< w_l, which `contribution` holds already unless SceneView::has_transparency
   typename L::Float pdf_ratio;   ///< see TransmittanceItem
+  typename L::Mask single;       ///< of four wavelengths, the first alone goes to the light, and counts for all
 };
+
+/// What a blend sends where some part of it keeps the first of four wavelengths alone: that one of all parts, by which
+/// the path then counts. Returns where that is so.
+template <class L> SHEAF_INLINE Mask<L> keep_first_of_blend(const BlendValue<L>& blend, Spectrum<L>& f_cos) {
+  using F = Float<L>;
+  const Spectrum<L>&all = blend.f_cos, &mixed = blend.mixed_f_cos;
+  const auto single = (all.c0 > mixed.c0) & (all.c1 == mixed.c1) & (all.c2 == mixed.c2) & (all.c3 == mixed.c3);
+  // What is lost counts fourfold already.
+  f_cos = select<L>(single, {fma(F(3.0f), mixed.c0, all.c0), F(0.0f), F(0.0f), F(0.0f)}, f_cos);
+  return single;
+}
 
 template <class L, template <class> class Bsdf>
 SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& wave, const Slot* slots, int column,
@@ -53,6 +65,7 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
     value.f_cos = value.f_cos * shadow_terminator<L>(t.ns_unmapped, t.terminator, light.direction, wi.z);
   }
   const auto usable = light.pdf_solid_angle > F(0.0f);
+  Mask<L> single = loses_wavelengths<L>(bsdf, item.wo, wi);
   GuideValue<L> guide;
   if (context.guides) {
     const auto asked = usable & (Mask<L>(parts) | !is_black(value.f_cos)) & L::first(count);
@@ -66,6 +79,12 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
       value.f_cos = select<L>(lanes, blend.f_cos, value.f_cos);
       const F pdf = context.guides ? whole_pdf<L>(guide, blend) : blend.pdf_solid_angle;
       value.pdf_solid_angle = select(lanes, pdf, value.pdf_solid_angle);
+      single = single & !lanes;
+      if (context.scene.color == ColorMode::kSpectral && context.scene.has_transparency) {
+        Spectrum<L> first = value.f_cos;
+        single = single | (lanes & keep_first_of_blend<L>(blend, first));
+        value.f_cos = select<L>(lanes, first, value.f_cos);
+      }
     }
   }
   const F pdf = select(usable, light.pdf_solid_angle, F(1.0f));
@@ -77,7 +96,7 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
   // Points in a medium compete with the path's own collisions, whose density is not known yet.
   const auto in_volume = light.target_medium != Uint<L>(kNone);
   return {select<L>(usable & is_finite(total(out)), out, Spectrum<L>(F(0.0f))),
-          select(shared | in_volume, F(1.0f), mis_weight), pdf_ratio};
+          select(shared | in_volume, F(1.0f), mis_weight), pdf_ratio, single};
 }
 
 /// Adds a candidate to the reservoir in `column`; returns what is kept.
@@ -86,7 +105,9 @@ SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, 
                                        const ThroughputState<L>& path, const LightCandidate<L>& light,
                                        const WeighedCandidate<L>& candidate, bool is_first) {
   using F = Float<L>;
+  using U = Uint<L>;
   const F weight = total(candidate.contribution) * candidate.mis_weight;
+  const U single = select(candidate.single, U(1u), U(0u));
   ReservoirItem<L> r;
   if (is_first) {
     r.u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kResample, {}, kNumberX).x;
@@ -96,6 +117,7 @@ SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, 
     r.pdf_ratio = candidate.pdf_ratio;
     r.light = light.light;
     r.target_medium = light.target_medium;
+    r.single = single;
     return r;
   }
   r = wave.reservoirs.load<L>(column);
@@ -111,6 +133,7 @@ SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, 
   r.pdf_ratio = select(taken, candidate.pdf_ratio, r.pdf_ratio);
   r.light = select(taken, light.light, r.light);
   r.target_medium = select(taken, light.target_medium, r.target_medium);
+  r.single = select(taken, single, r.single);
   return r;
 }
 
@@ -127,12 +150,12 @@ SHEAF_INLINE void resample_tile(const StageContext& context, Wave& wave, const S
   if (candidate.count == 1)
     return push_shadow_ray<L>(context.scene, wave, slots, count, item,
                               {light.target, weighed.pdf_ratio, light.light, light.target_medium}, weighed.contribution,
-                              kInMedium);
+                              kInMedium, weighed.single);
   const ReservoirItem<L> r = keep_one<L>(context, wave, column, path, light, weighed, candidate.index == 0);
   if (!candidate.is_last()) return wave.reservoirs.store<L>(column, r);
   const F factor = r.sum / (max(r.weight, F(1e-37f)) * F(static_cast<float>(candidate.count)));
   push_shadow_ray<L>(context.scene, wave, slots, count, item, {r.target, r.pdf_ratio, r.light, r.target_medium},
-                     r.contribution * factor, kInMedium);
+                     r.contribution * factor, kInMedium, r.single != Uint<L>(0u));
 }
 
 template <class L, template <class> class Bsdf>

@@ -46,13 +46,15 @@ template <class L> SHEAF_INLINE void keep_first_wavelength(Wave& wave, const Slo
 }
 
 /// Scenes with media or surfaces that let shadow rays pass: the medium of the new ray, and ProbabilityState. Returns
-/// the mean of the latter, by which throughput is to be divided. `single`: where the first wavelength alone goes on.
+/// the mean of the latter, by which throughput is to be divided. `single`: where the first wavelength alone goes on. By
+/// that one flights were sampled so far, but those of photons that are stored by any of the four.
 /// `null_transmittance`: with which probability an open pane was passed, as shadow rays might have; 0: it was none.
 template <class L>
-Float<L> leave_vertex(const SceneView& scene, Wave& wave, const Slot* slots, int count, Vec3<L> ng, bool in_medium,
+Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots, int count, Vec3<L> ng, bool in_medium,
                       Mask<L> single, Float<L> null_transmittance, RayState<L>& ray) {
   using F = Float<L>;
   using U = Uint<L>;
+  const SceneView& scene = context.scene;
   const RayState<L> before = wave.rays.gather<L>(slots);
   F distance(0.0f);
   const auto passed = null_transmittance > F(0.0f);
@@ -69,7 +71,8 @@ Float<L> leave_vertex(const SceneView& scene, Wave& wave, const Slot* slots, int
   }
   ray.flags |= flags;
   ProbabilityState<L> r = wave.probabilities.gather<L>(slots);
-  r.r_u = select<L>(single, Spectrum<L>(r.r_u.c0), r.r_u);
+  const bool by_any = context.photons != nullptr && context.photons->stores_photons();
+  r.r_u = select<L>(single, Spectrum<L>(by_any ? lane_mean<L>(scene.color, r.r_u) : r.r_u.c0), r.r_u);
   r.r_l = select<L>(passed, r.r_l * (F(1.0f) / select(passed, null_transmittance, F(1.0f))), r.r_u);
   wave.probabilities.scatter<L>(slots, count, r);
   const std::uint32_t on = mask_bits(passed & L::first(count));
@@ -142,7 +145,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   path.beta = path.beta * s.weight;
   Mask<L> single(false);
   if constexpr (kDisperses<Bsdf<L>>) {
-    single = (item.wo.z * s.wi.z < F(0.0f)) & L::first(count);
+    single = loses_wavelengths<L>(bsdf, item.wo, s.wi) & L::first(count);
     keep_first_wavelength<L>(wave, slots, mask_bits(single));
   }
   if (context.photons == nullptr) {
@@ -197,7 +200,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
     alive = alive & ((s.pdf_solid_angle == F(0.0f)) | (null_transmittance > F(0.0f)));
   F divisor(1.0f);
   if (context.scene.has_transparency)
-    divisor = leave_vertex<L>(context.scene, wave, slots, count, item.ng, kIsPhaseFunction<Bsdf<L>>, single,
+    divisor = leave_vertex<L>(context, wave, slots, count, item.ng, kIsPhaseFunction<Bsdf<L>>, single,
                               null_transmittance, ray);
   F survival = survival_by_throughput<L>(context, path, divisor);
   if (kIsGuided<Bsdf<L>> && context.guides)

@@ -35,25 +35,6 @@ float storing_share(const SceneView& scene, const HitState<Scalar>& hit, const R
       [&scene](std::uint32_t row) { return row != MaterialRow::kNothing && !is_specular(scene.materials[row].kind); });
 }
 
-/// Whether rays of the camera may have lost all wavelengths but the first.
-bool some_rays_disperse(const SceneView& scene) {
-  bool any = false;
-  for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind k, BsdfTag<Bsdf>) {
-    const int kind = static_cast<int>(k);
-    if (kDisperses<Bsdf<Scalar>>) any = any || scene.bucket_begin[kind + 1] > scene.bucket_begin[kind];
-  });
-  return any;
-}
-
-/// Whether wavelengths stand for each other: each could have been the one by which the photon's flights were sampled.
-/// Then power over the mean of r_u is right for all four together, and not for the first alone, which is all that a ray
-/// asks for that has lost the others.
-bool lanes_are_mixed(const StageContext& context, const Spectrum4& r_u) {
-  if (context.scene.color != ColorMode::kSpectral || !context.scene.has_transparency) return false;
-  const bool alike = r_u.c0 == r_u.c1 && r_u.c0 == r_u.c2 && r_u.c0 == r_u.c3;
-  return !alike && some_rays_disperse(context.scene);
-}
-
 void store_path(const StageContext& context, Wave& wave, Slot slot, int column, bool in_medium) {
   LightTask& task = *context.photons;
   const RayState<Scalar> ray = wave.rays.get(slot);
@@ -71,13 +52,7 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
   photon.p = item.p;
   photon.power = path.beta * (row.weight / (divisor * max(share, 1e-20f)));
   photon.direction = encode_octahedral<Scalar>(-ray.direction);
-  bool single = has_single_wavelength(context, wave, slot);
-  if (!single && lanes_are_mixed(context, wave.probabilities.row(slot).r_u)) {
-    // The first wavelength alone, for rays of all kinds, as behind a surface that disperses.
-    const float first = wave.probabilities.row(slot).r_u.c0;
-    photon.power = {4.0f * path.beta.c0 * row.weight / (first * max(share, 1e-20f)), 0.0f, 0.0f, 0.0f};
-    single = true;
-  }
+  const bool single = has_single_wavelength(context, wave, slot);
   photon.surface = in_medium ? photon_place(ray.flags >> kRayMediumShift, path.depth() + 1, single)
                              : photon_surface(encode_octahedral<Scalar>(item.ng), path.depth() + 1, single);
   photon.order = row.task_sample << kVertexBits | path.event();

@@ -10,9 +10,9 @@ namespace sheaf {
 /// The ray to be traced next.
 template <class L> struct RayState {
   Vec3<L> origin;
-  typename L::Float t_max;   ///< farthest distance
-  Vec3<L> direction;         ///< normalised
-  typename L::Uint flags;    ///< RayFlags
+  typename L::Float t_max;  ///< farthest distance
+  Vec3<L> direction;        ///< normalised
+  typename L::Uint flags;   ///< RayFlags
   static constexpr auto fields(auto& s) { return std::tie(s.origin, s.t_max, s.direction, s.flags); }
 };
 
@@ -38,8 +38,8 @@ template <class L> struct HitState {
   typename L::Uint primitive;  ///< triangle of the shape
   typename L::Uint shape;
   typename L::Uint instance;
-  typename L::Uint material;   ///< row, the one for this side of the surface
-  typename L::Uint light;      ///< row; kNone: does not emit
+  typename L::Uint material;  ///< row, the one for this side of the surface
+  typename L::Uint light;     ///< row; kNone: does not emit
   static constexpr auto fields(auto& s) {
     return std::tie(s.t, s.u, s.v, s.primitive, s.shape, s.instance, s.material, s.light);
   }
@@ -47,11 +47,11 @@ template <class L> struct HitState {
 
 /// How much the path's next radiance counts, and which sample it belongs to.
 template <class L> struct ThroughputState {
-  Spectrum<L> beta;           ///< throughput over probability
+  Spectrum<L> beta;             ///< throughput over probability
   typename L::Float eta_scale;  ///< squared relative index of refraction along the path; roulette takes it out
-  typename L::Uint progress;  ///< depth (vertices that cost depth) in the lower, events in the upper 16 bits
-  typename L::Uint pixel;     ///< y * frame width + x
-  typename L::Uint sample;    ///< absolute sample index of the pixel
+  typename L::Uint progress;    ///< depth (vertices that cost depth) in the lower, events in the upper 16 bits
+  typename L::Uint pixel;       ///< y * frame width + x
+  typename L::Uint sample;      ///< absolute sample index of the pixel
   static constexpr auto fields(auto& s) { return std::tie(s.beta, s.eta_scale, s.progress, s.pixel, s.sample); }
 
   SHEAF_INLINE typename L::Uint depth() const { return progress & typename L::Uint(0xffffu); }
@@ -63,11 +63,11 @@ inline constexpr std::uint32_t kLongestPath = 0x7fffu;
 
 /// What the path has gathered.
 template <class L> struct RadianceState {
-  Spectrum<L> radiance;          ///< so far
+  Spectrum<L> radiance;           ///< so far
   typename L::Float scatter_pdf;  ///< solid-angle density of the current direction; 0: camera ray or specular
-  typename L::Uint normal;       ///< octahedral; shading normal where the ray was scattered, for the choice of lights
-  typename L::Float weight;      ///< reconstruction filter weight of the sample
-  typename L::Uint task_sample;  ///< index into the task's sample buffer, and kTransparent
+  typename L::Uint normal;        ///< octahedral; shading normal where the ray was scattered, for the choice of lights
+  typename L::Float weight;       ///< reconstruction filter weight of the sample
+  typename L::Uint task_sample;   ///< index into the task's sample buffer, and kTransparent
   static constexpr auto fields(auto& s) {
     return std::tie(s.radiance, s.scatter_pdf, s.normal, s.weight, s.task_sample);
   }
@@ -117,13 +117,13 @@ template <class L> struct ClosureItem {
 
 /// A light that may be worth a shadow ray; stands where its VertexItem stands.
 template <class L> struct LightCandidate {
-  Vec3<L> direction;     ///< towards the light, unit length
-  Vec3<L> target;        ///< where the shadow ray ends
-  Spectrum<L> radiance;  ///< see LightSample::radiance
+  Vec3<L> direction;                  ///< towards the light, unit length
+  Vec3<L> target;                     ///< where the shadow ray ends
+  Spectrum<L> radiance;               ///< see LightSample::radiance
   typename L::Float pdf_solid_angle;  ///< see LightSample::pdf_solid_angle; 0: nothing arrives
   typename L::Float delta;            ///< 1: BSDF sampling cannot find this light; else 0
   typename L::Uint light;             ///< row
-  typename L::Uint target_medium;               ///< see TransmittanceItem::target_medium
+  typename L::Uint target_medium;     ///< see TransmittanceItem::target_medium
   static constexpr auto fields(auto& s) {
     return std::tie(s.direction, s.target, s.radiance, s.pdf_solid_angle, s.delta, s.light, s.target_medium);
   }
@@ -131,16 +131,17 @@ template <class L> struct LightCandidate {
 
 /// What resampling has kept of the candidates so far; stands where its VertexItem stands.
 template <class L> struct ReservoirItem {
-  Vec3<L> target;             ///< of the candidate that was kept
-  Spectrum<L> contribution;   ///< what it brings if unoccluded, over its density
-  typename L::Float weight;   ///< that contribution's luminance: its resampling weight
-  typename L::Float sum;      ///< of the weights of all candidates
-  typename L::Float u;        ///< uniform in [0, 1), for the next choice
-  typename L::Float pdf_ratio;    ///< see TransmittanceItem::pdf_ratio
-  typename L::Uint light;     ///< row
-  typename L::Uint target_medium;       ///< see TransmittanceItem::target_medium
+  Vec3<L> target;                  ///< of the candidate that was kept
+  Spectrum<L> contribution;        ///< what it brings if unoccluded, over its density
+  typename L::Float weight;        ///< that contribution's luminance: its resampling weight
+  typename L::Float sum;           ///< of the weights of all candidates
+  typename L::Float u;             ///< uniform in [0, 1), for the next choice
+  typename L::Float pdf_ratio;     ///< see TransmittanceItem::pdf_ratio
+  typename L::Uint light;          ///< row
+  typename L::Uint target_medium;  ///< see TransmittanceItem::target_medium
+  typename L::Uint single;         ///< 1: of four wavelengths, the first alone goes to the target; else 0
   static constexpr auto fields(auto& s) {
-    return std::tie(s.target, s.contribution, s.weight, s.sum, s.u, s.pdf_ratio, s.light, s.target_medium);
+    return std::tie(s.target, s.contribution, s.weight, s.sum, s.u, s.pdf_ratio, s.light, s.target_medium, s.single);
   }
 };
 
@@ -169,9 +170,9 @@ template <class L> struct ShadowItem {
 /// What a shadow ray needs besides where there are media or surfaces that let it pass; stands where its ShadowItem
 /// stands, whose contribution is then without a weight against BSDF sampling.
 template <class L> struct TransmittanceItem {
-  Spectrum<L> r_u, r_l;      ///< as in ProbabilityState: by BSDF sampling, by light sampling
-  typename L::Float pdf_ratio;   ///< density of BSDF sampling over that of light sampling; 0: no contest
-  typename L::Uint flags;    ///< as RayState::flags: lane and medium at the origin
+  Spectrum<L> r_u, r_l;         ///< as in ProbabilityState: by BSDF sampling, by light sampling
+  typename L::Float pdf_ratio;  ///< density of BSDF sampling over that of light sampling; 0: no contest
+  typename L::Uint flags;       ///< as RayState::flags: lane and medium at the origin
   typename L::Uint
       target_medium;  ///< kNone; or the medium, 1 + its row, that the ray must end in, for light of its own
   static constexpr auto fields(auto& s) { return std::tie(s.r_u, s.r_l, s.pdf_ratio, s.flags, s.target_medium); }

@@ -28,7 +28,7 @@ enum class MediumPhotons {
 
 /// One photon map.
 struct PhotonMapDescription {
-  std::uint64_t count = 0;    ///< photons to be stored; 0: there is no such map
+  std::uint64_t count = 0;    ///< photons to be stored, about; 0: there is no such map
   float radius = 0;           ///< metres; 0: by `relative_radius`
   float relative_radius = 0;  ///< over the radius of the scene's bounding sphere; 0: five pixels' worth of it
 };
@@ -36,8 +36,8 @@ struct PhotonMapDescription {
 /// Settings of the integrators `photonmapper`, `ppm` and `sppm`.
 struct PhotonMappingDescription {
   PhotonMapDescription global{1'000'000, 0, 0.004f};
-  PhotonMapDescription caustic{0, 0, 0.0125f};  ///< not for kAll
-  PhotonMapDescription volume{0, 0, 0.01f};     ///< in media; 0 photons: paths are scattered there
+  PhotonMapDescription caustic{0, 0, 0.0125f};
+  PhotonMapDescription volume{0, 0, 0.01f};  ///< in media; 0 photons: paths are scattered there
   MediumPhotons medium_photons = MediumPhotons::kAuto;
   PhotonGathering gathering = PhotonGathering::kAll;
   int gather_rays = 1;  ///< of kFinal, per camera sample: each is a sample of its own

@@ -19,10 +19,14 @@ void read_map(Properties& p, const MapNames& names, PhotonMapDescription& map) {
     if (p.has(name)) map.relative_radius = p.number(name, 0, kPositive);
 }
 
-PhotonGathering read_gathering(Properties& p, PhotonGathering otherwise) {
-  const bool direct = p.boolean("sample_direct", otherwise != PhotonGathering::kAll);
-  if (p.boolean("final_gather", otherwise == PhotonGathering::kFinal)) return PhotonGathering::kFinal;
-  return direct ? PhotonGathering::kIndirect : PhotonGathering::kAll;
+/// Rays of final gathering ask for it, whatever else is said but that it is not wanted.
+void read_gathering(Properties& p, PhotonMappingDescription& mapping) {
+  constexpr int kMaxRays = 65536;
+  const bool direct = p.boolean("sample_direct", mapping.gathering != PhotonGathering::kAll);
+  const int rays = p.integer("num_gather_rays", 0, 0, kMaxRays);
+  mapping.gather_rays = std::max(rays, 1);
+  const bool is_final = p.boolean("final_gather", rays > 0 || mapping.gathering == PhotonGathering::kFinal);
+  mapping.gathering = is_final ? PhotonGathering::kFinal : direct ? PhotonGathering::kIndirect : PhotonGathering::kAll;
 }
 
 PhotonKernel read_kernel(Properties& p) {
@@ -45,6 +49,10 @@ MediumPhotons read_medium_photons(Properties& p) {
 }  // namespace
 
 void read_photon_mapping(Properties& p, PhotonMappingDescription& mapping) {
+  const bool counts_caustics = p.has("caustic_photon_count") || p.has("caustic_photons");
+  const bool counts_volume = p.has("volume_photon_count") || p.has("volume_photons");
+  const bool has_volume_radius =
+      p.has("volume_radius") || p.has("volume_lookup_radius") || p.has("volume_lookup_radius_relative");
   read_map(p,
            {"photon_count", "global_photons", "photon_radius", "global_lookup_radius", "global_lookup_radius_relative"},
            mapping.global);
@@ -57,17 +65,24 @@ void read_photon_mapping(Properties& p, PhotonMappingDescription& mapping) {
             "volume_lookup_radius_relative"},
            mapping.volume);
   mapping.medium_photons = read_medium_photons(p);
-  mapping.gathering = read_gathering(p, mapping.gathering);
-  constexpr int kMostRays = 65536, kMostPasses = 1 << 22;
-  mapping.gather_rays = p.integer("num_gather_rays", mapping.gather_rays, 1, kMostRays);
+  read_gathering(p, mapping);
+  // Where photons bring all light, a dialect's usual number of caustic photons means nothing.
+  if (mapping.gathering == PhotonGathering::kAll && !counts_caustics) mapping.caustic.count = 0;
   mapping.kernel = read_kernel(p);
   for (const char* name : {"lookup_size", "global_lookup_size"})
     if (p.has(name)) mapping.lookup_size = p.integer(name, 0, 0, kMaxLookupSize);
-  if (p.type() == "volumetricphotonmapper" && mapping.volume.count == 0) mapping.volume = mapping.global;
+  if (p.type() == "volumetricphotonmapper") {
+    if (!counts_volume) mapping.volume.count = mapping.global.count;
+    if (!has_volume_radius) {
+      mapping.volume.radius = mapping.global.radius;
+      mapping.volume.relative_radius = mapping.global.relative_radius;
+    }
+  }
   if (!mapping.progressive) return;
   mapping.global.radius = p.number("initial_radius", mapping.global.radius, kNotNegative);
   mapping.alpha = p.number("alpha", mapping.alpha, {0, 1, true});
-  mapping.max_passes = std::max(p.integer("max_passes", 0, -1, kMostPasses), 0);
+  constexpr int kMaxPasses = 1 << 22;
+  mapping.max_passes = std::max(p.integer("max_passes", 0, -1, kMaxPasses), 0);
 }
 
 }  // namespace sheaf

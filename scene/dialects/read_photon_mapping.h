@@ -10,7 +10,7 @@ namespace sheaf {
 /// sampleDirect, kernel, lookupSize; of progressive maps initialRadius, alpha, maxPasses) or of Mitsuba 0.6
 /// (globalPhotons, globalLookupRadius, causticPhotons, causticLookupRadius, volumePhotons, volumeLookupRadius: these
 /// radii, or their names with Relative at the end, are parts of the scene's). Radii are metres otherwise; 0: chosen by
-/// the scene's size. Throws SceneError.
+/// the scene's size. numGatherRays above 0 asks for final gathering by itself. Throws SceneError.
 void read_photon_mapping(Properties& p, PhotonMappingDescription& mapping);
 
 }  // namespace sheaf

@@ -51,9 +51,9 @@ TEST_CASE("volume photons: in a wide medium photons leave the light's power time
   }
 }
 
-TEST_CASE("volume photons: where camera rays may lose wavelengths, photons have one, with the power of all") {
-  // The total over all wavelengths is the same whichever way it is carried.
-  MeanVariance total[2];
+TEST_CASE("volume photons: the first wavelength alone has the power that all have together") {
+  // Rays of one wavelength ask for the first alone: its mean over sets is that of the others, dispersion or not.
+  MeanVariance total[2], first[2];
   for (const bool disperses : {false, true}) {
     Description d = empty_scene(4, 4);
     d.integrator.rr_depth = 3;
@@ -74,19 +74,78 @@ TEST_CASE("volume photons: where camera rays may lose wavelengths, photons have 
       PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
       const VolumePhotonMap map =
           trace_volume_photons(context, workers, {4000, 0.1f, PhotonKind::kVolume, 0}, tracing).points;
-      double sum = 0;
-      std::uint32_t single = 0;
+      double sum = 0, of_first = 0;
       for (std::uint32_t i = 0; i < map.size(); ++i) {
         const VolumePhotonMap::Record& photon = map.photon(i);
-        single += (photon.place & kPhotonSingleWavelength) != 0 ? 1u : 0u;
+        CHECK((photon.place & kPhotonSingleWavelength) == 0);
         sum += static_cast<double>(photon.power.c0 + photon.power.c1 + photon.power.c2 + photon.power.c3);
+        of_first += 4 * static_cast<double>(photon.power.c0);
       }
-      CHECK(single == (disperses ? map.size() : 0u));
       total[disperses ? 1 : 0].add(sum);
+      first[disperses ? 1 : 0].add(of_first);
     }
   }
   // Sets are spread evenly over the wavelengths, so the sums are far closer than sets among each other.
   CHECK(total[1].mean() == doctest::Approx(total[0].mean()).epsilon(0.03));
+  for (int i = 0; i < 2; ++i) CHECK(first[i].mean() == doctest::Approx(total[i].mean()).epsilon(0.03));
+}
+
+TEST_CASE("photons from outside reach all of a medium that has no end") {
+  // The medium ends at 1.01 of the scene's radius. What scatters first beyond the radius, in closed form.
+  constexpr double kSigma = 2, kPiD = 3.14159265358979;
+  Description d = empty_scene(4, 4);
+  d.camera.medium = add_medium(d, fog(static_cast<float>(kSigma), 1));
+  d.integrator.max_depth = 2;
+  for (const float z : {-1.0f, 1.0f}) add_sphere(d, {0, 0, z}, 0.001f, add_diffuse(d, 0));
+  for (const bool parallel : {true, false}) {
+    CAPTURE(parallel);
+    d.lights.clear();
+    if (parallel)
+      d.lights.push_back({DirectionalLightDescription{{0, 0, 1}, SpectrumDescription::constant(1)}, {}});
+    else
+      add_constant_light(d, 1);
+    const auto scene = compile_scene(d);
+    const double inner = static_cast<double>(scene->view().radius);
+    const double outer = static_cast<double>(scene->view().medium_radius);
+    CHECK(outer == doctest::Approx(1.01 * inner));
+    // Parallel light: rays farther than the radius from the axis. Light from all sides: points in the outer shell.
+    double expected = 0;
+    constexpr int kSteps = 400;
+    for (int i = 0; i < kSteps; ++i) {
+      const double r = inner + (outer - inner) * (i + 0.5) / kSteps, dr = (outer - inner) / kSteps;
+      if (parallel) {
+        expected += 2 * kPiD * r * dr * -std::expm1(-kSigma * 2 * std::sqrt(outer * outer - r * r));
+        continue;
+      }
+      double fluence = 0;
+      for (int k = 0; k < kSteps; ++k) {
+        const double mu = (k + 0.5) * 2 / kSteps - 1;
+        const double way = r * mu + std::sqrt(outer * outer - r * r * (1 - mu * mu));
+        fluence += 2 * kPiD * 2 / kSteps * std::exp(-kSigma * way);
+      }
+      expected += 4 * kPiD * r * r * dr * kSigma * fluence;
+    }
+    MeanVariance mean;
+    for (std::uint32_t seed = 0; seed < 16; ++seed) {
+      StageContext context(*scene);
+      context.sampler.seed = seed;
+      Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
+      PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
+      const VolumePhotonMap map =
+          trace_volume_photons(context, workers, {20000, 0.1f, PhotonKind::kVolume, 0}, tracing).points;
+      double sum = 0;
+      for (std::uint32_t i = 0; i < map.size(); ++i) {
+        const AccelPoint p = map.points().points()[i];
+        const double x = static_cast<double>(p.x), y = static_cast<double>(p.y), z = static_cast<double>(p.z);
+        const double distance = std::sqrt(x * x + y * y + (parallel ? 0 : z * z));
+        if (distance > inner) sum += static_cast<double>(map.photon(i).power.c1);
+      }
+      mean.add(sum);
+    }
+    INFO("power " << mean.mean() << ", expected " << expected << ", standard error "
+                  << std::sqrt(mean.variance() / 16));
+    CHECK(mean.p_value(expected) >= kLevel);
+  }
 }
 
 TEST_CASE("volume photons: a medium that glows without an end is warned of, one that ends is not") {

@@ -233,6 +233,15 @@ TEST_CASE("Mitsuba: integrators") {
   CHECK(mapper.integrator.photons.caustic.relative_radius == 0.5f);
   CHECK(mapper.integrator.photons.gathering == PhotonGathering::kIndirect);
   CHECK(mapper.integrator.photons.lookup_size == 120);
+  CHECK(with_integrator("<integrator type='photonmapper'><boolean name='sampleDirect' value='false'/></integrator>")
+            .integrator.photons.caustic.count == 0);
+  const PhotonMappingDescription volumetric =
+      with_integrator(
+          "<integrator type='volumetricphotonmapper'><integer name='photonCount' value='1000'/><float "
+          "name='photonRadius' value='0.25'/></integrator>")
+          .integrator.photons;
+  CHECK(volumetric.volume.count == 1000);
+  CHECK(volumetric.volume.radius == 0.25f);
   for (const char* name : {"ppm", "sppm"}) {
     const Description progressive = with_integrator(
         std::string("<integrator type='") + name +

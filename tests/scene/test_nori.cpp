@@ -182,6 +182,14 @@ TEST_CASE("Nori: photon mapping") {
   CHECK(p.lookup_size == 80);
   CHECK(p.uses_beams());
   CHECK(read("<boolean name='sampleDirect' value='true'/>").photons.gathering == PhotonGathering::kIndirect);
+  const auto gathering = [&](const std::string& properties) { return read(properties).photons.gathering; };
+  CHECK(gathering("<integer name='numGatherRays' value='16'/>") == PhotonGathering::kFinal);
+  CHECK(gathering("<integer name='numGatherRays' value='0'/>") == PhotonGathering::kAll);
+  CHECK(gathering("<integer name='numGatherRays' value='4'/><boolean name='finalGather' value='false'/>") ==
+        PhotonGathering::kAll);
+  CHECK(read("<boolean name='finalGather' value='true'/>").photons.gather_rays == 1);
+  CHECK(read("<integer name='causticPhotonCount' value='7'/>").photons.gathering == PhotonGathering::kAll);
+  CHECK(read("<integer name='causticPhotonCount' value='7'/>").photons.caustic.count == 7);
   for (const auto& [properties, message] :
        {std::pair{"<string name='kernel' value='cones'/>", "unknown kernel 'cones', did you mean 'cone'?"},
         std::pair{"<string name='mediumPhotons' value='point'/>",

@@ -1,0 +1,176 @@
+// Photon mapping as files ask for it, in the spelling of course renderers: what every property and every name of the
+// integrator does to the picture.
+#include "kernels/passes/render.h"
+#include "scene/compile/compile.h"
+#include "tests/support/scene_files.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace sheaf::test_photon_settings {
+
+using namespace test;
+
+namespace {
+
+/// A ball of glass on a floor below a lamp, in fog where `fog`.
+std::string scene_of(const std::string& integrator, bool fog) {
+  const std::string medium =
+      "<medium type='homogeneous'><color name='sigma_a' value='0.05,0.05,0.05'/>"
+      "<color name='sigma_s' value='0.3,0.3,0.3'/></medium>";
+  const std::string filled =
+      "<mesh type='sphere'><point name='center' value='0,1,0'/><float name='radius' value='8'/>"
+      "<bsdf type='null'/>" +
+      medium + "</mesh>";
+  return "<scene>" + integrator + (fog ? filled : "") +
+         "<camera type='perspective'><float name='fov' value='40'/><transform name='toWorld'>"
+         "<lookat origin='0,1,4' target='0,0.6,0' up='0,1,0'/></transform>"
+         "<integer name='width' value='32'/><integer name='height' value='24'/><rfilter type='box'/>" +
+         "</camera><sampler type='independent'><integer name='sampleCount' value='4'/></sampler>"
+         "<mesh type='sphere'><point name='center' value='0,0.6,0'/><float name='radius' value='0.5'/>"
+         "<bsdf type='dielectric'/></mesh>"
+         "<mesh type='parallelogram'><point name='origin' value='-2,0,2'/><vector name='u' value='4,0,0'/>"
+         "<vector name='v' value='0,0,-4'/><bsdf type='diffuse'><color name='albedo' value='0.6,0.6,0.6'/></bsdf>"
+         "</mesh><mesh type='sphere'><point name='center' value='0.6,3,0.3'/><float name='radius' value='0.15'/>"
+         "<emitter type='area'><color name='radiance' value='60,60,60'/></emitter></mesh></scene>";
+}
+
+std::string number(const std::string& name, const std::string& value) {
+  return "<float name='" + name + "' value='" + value + "'/>";
+}
+std::string integer(const std::string& name, const std::string& value) {
+  return "<integer name='" + name + "' value='" + value + "'/>";
+}
+std::string flag(const std::string& name) { return "<boolean name='" + name + "' value='true'/>"; }
+std::string word(const std::string& name, const std::string& value) {
+  return "<string name='" + name + "' value='" + value + "'/>";
+}
+
+struct Picture {
+  std::vector<float> data;
+  double mean = 0;
+  double roughness = 0;  ///< mean difference of neighbours over the mean
+  double peak = 0;       ///< brightest pixel of the floor
+  double stored = 0;     ///< photons
+  std::uint32_t spp = 0;
+};
+
+const std::string kFew = integer("photonCount", "4000") + number("photonRadius", "0.15");
+
+Picture picture(const std::string& properties, const std::string& type = "photonmapper", bool fog = false) {
+  const Description d = read_text(
+      scene_of("<integrator type='" + type + "'>" + properties + integer("maxDepth", "6") + "</integrator>", fog));
+  RenderOptions options;
+  options.seed = 3;
+  const RenderResult result = render(*compile_scene(d), options);
+  const Image image = result.film.to_image();
+  Picture out;
+  out.data = image.data;
+  out.stored = static_cast<double>(result.report.photons.stored);
+  out.spp = result.report.spp;
+  for (int y = 12; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const double v = static_cast<double>(image.at(x, y, 1));
+      out.mean += v / (12 * image.width);
+      out.peak = std::max(out.peak, v);
+      if (x > 0) out.roughness += std::fabs(v - static_cast<double>(image.at(x - 1, y, 1))) / (12 * image.width);
+    }
+  out.roughness /= out.mean;
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("course photon mapping: numbers of photons and radii") {
+  const Picture plain = picture(kFew);
+  const Picture more = picture(integer("photonCount", "16000") + number("photonRadius", "0.15"));
+  CHECK(more.stored == doctest::Approx(4 * plain.stored).epsilon(0.1));
+  CHECK(more.roughness < 0.9 * plain.roughness);
+  const Picture wide = picture(integer("photonCount", "4000") + number("photonRadius", "0.6"));
+  CHECK(wide.stored == plain.stored);
+  CHECK(wide.roughness < 0.6 * plain.roughness);
+  const Picture nearest = picture(kFew + integer("lookupSize", "4"));
+  CHECK(nearest.roughness > 1.3 * plain.roughness);
+  for (const char* kernel : {"cone", "epanechnikov"}) {
+    const Picture other = picture(kFew + word("kernel", kernel));
+    CHECK(other.data != plain.data);
+    CHECK(other.mean == doctest::Approx(plain.mean).epsilon(0.1));
+  }
+  CHECK(picture(kFew + word("kernel", "disc")).data == plain.data);
+}
+
+TEST_CASE("course photon mapping: numGatherRays alone means final gathering") {
+  const Picture plain = picture(kFew), path = picture("", "path_mis");
+  const Picture gathered = picture(kFew + integer("numGatherRays", "4"));
+  CHECK(gathered.data == picture(kFew + flag("finalGather") + integer("numGatherRays", "4")).data);
+  CHECK(gathered.spp == 4 * plain.spp);
+  CHECK(gathered.mean == doctest::Approx(path.mean).epsilon(0.1));
+  CHECK(picture(kFew + integer("numGatherRays", "1")).data == picture(kFew + flag("finalGather")).data);
+  CHECK(picture(kFew + integer("numGatherRays", "0")).data == plain.data);
+  // Told not to.
+  CHECK(picture(kFew + integer("numGatherRays", "4") + "<boolean name='finalGather' value='false'/>").data ==
+        plain.data);
+}
+
+TEST_CASE("course photon mapping: causticPhotonCount alone means a caustics map, of causticRadius") {
+  const Picture plain = picture(kFew), path = picture("", "path_mis");
+  const std::string caustics = integer("causticPhotonCount", "4000");
+  const Picture sharp = picture(kFew + caustics + number("causticRadius", "0.04"));
+  const Picture blurred = picture(kFew + caustics + number("causticRadius", "0.5"));
+  CHECK(sharp.stored > plain.stored + 3000);
+  CHECK(sharp.peak > 1.1 * plain.peak);
+  CHECK(blurred.peak < 0.8 * plain.peak);
+  CHECK(sharp.mean == doctest::Approx(path.mean).epsilon(0.1));
+  CHECK(picture(kFew + integer("causticPhotonCount", "0") + number("causticRadius", "0.04")).data == plain.data);
+  // Beside final gathering, and beside sampled lights.
+  const Picture both = picture(kFew + caustics + number("causticRadius", "0.04") + integer("numGatherRays", "4"));
+  CHECK(both.data != picture(kFew + integer("numGatherRays", "4")).data);
+  CHECK(both.mean == doctest::Approx(path.mean).epsilon(0.1));
+  const Picture sampled = picture(kFew + flag("sampleDirect"));
+  CHECK(sampled.stored < 0.7 * plain.stored);
+  CHECK(sampled.roughness < plain.roughness);
+  CHECK(picture(kFew + flag("sampleDirect") + caustics).data != sampled.data);
+}
+
+TEST_CASE("course photon mapping: photons in media") {
+  const auto in_fog = [](const std::string& properties, const std::string& type = "photonmapper") {
+    return picture(properties, type, true);
+  };
+  const Picture plain = in_fog(kFew), path = in_fog("", "path_mis");
+  const std::string volume = integer("volumePhotonCount", "3000");
+  const Picture points = in_fog(kFew + volume + number("volumeRadius", "0.1"));
+  CHECK(points.stored == doctest::Approx(plain.stored + 3000).epsilon(0.1));
+  CHECK(points.mean == doctest::Approx(path.mean).epsilon(0.15));
+  CHECK(in_fog(kFew + volume + number("volumeRadius", "0.4")).roughness < points.roughness);
+  const Picture beams = in_fog(kFew + volume + number("volumeRadius", "0.1") + word("mediumPhotons", "beams"));
+  CHECK(beams.data != points.data);
+  CHECK(beams.mean == doctest::Approx(path.mean).epsilon(0.15));
+  CHECK(in_fog(kFew + volume + number("volumeRadius", "0.1") + word("mediumPhotons", "points")).data == points.data);
+  // With photonCount alone as many photons in media, in the same radius; each may be said of its own.
+  const Picture both = in_fog(kFew, "volumetricphotonmapper");
+  CHECK(both.data == in_fog(kFew + integer("volumePhotonCount", "4000") + number("volumeRadius", "0.15")).data);
+  CHECK(in_fog(kFew + volume, "volumetricphotonmapper").data ==
+        in_fog(kFew + volume + number("volumeRadius", "0.15")).data);
+  CHECK(in_fog(kFew + number("volumeRadius", "0.3"), "volumetricphotonmapper").data ==
+        in_fog(kFew + integer("volumePhotonCount", "4000") + number("volumeRadius", "0.3")).data);
+}
+
+TEST_CASE("course photon mapping: names and progressive maps") {
+  const Picture plain = picture(kFew);
+  CHECK(picture(kFew, "photonmap").data == plain.data);
+  const std::string all = "<boolean name='sampleDirect' value='false'/>";
+  const std::string few = all + integer("photonCount", "2000") + number("initialRadius", "0.2");
+  const Picture progressive = picture(few, "sppm");
+  CHECK(picture(few, "ppm").data == progressive.data);
+  CHECK(progressive.stored == doctest::Approx(4 * 2000).epsilon(0.2));
+  CHECK(picture(few + integer("maxPasses", "7"), "sppm").spp == 7);
+  CHECK(picture(all + integer("photonCount", "2000") + number("initialRadius", "0.05"), "sppm").roughness >
+        1.2 * progressive.roughness);
+  CHECK(picture(few + number("alpha", "0.05"), "sppm").roughness >
+        picture(few + number("alpha", "0.95"), "sppm").roughness);
+}
+
+}  // namespace sheaf::test_photon_settings
