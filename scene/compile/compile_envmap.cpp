@@ -216,12 +216,12 @@ void uplift_nodes(Envmap& map) {
   });
 }
 
-EnvmapPicture read_envmap_picture(const std::filesystem::path& file) {
+EnvmapPicture read_envmap_picture(const std::filesystem::path& file, bool raw) {
   const SourceLocation where{file.string(), 0};
   Picture picture = read_picture(file);
   const std::vector<std::size_t> channels = find_color_channels(picture.channels, where).channels;
   const std::size_t stride = picture.channels.size();
-  const bool bytes = !picture.bytes.empty(), encoded = bytes || picture.integers;
+  const bool bytes = !picture.bytes.empty(), encoded = !raw && (bytes || picture.integers);
   const auto value = [&](std::size_t index) {
     const float stored = bytes ? static_cast<float>(picture.bytes[index]) / 255.0f : picture.floats[index];
     return encoded ? srgb_to_linear(stored) : stored;

@@ -30,9 +30,9 @@ double node_solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t he
 /// Fills `spectra` from the nodes' colours through UpliftTable, for spectral mode. Runs in parallel.
 void uplift_nodes(Envmap& map);
 
-/// Reads a picture: integers are decoded by the sRGB curve, grey stands for all channels, alpha is dropped. Throws
-/// SceneError if it is missing, broken, too large or has channels without a meaning.
-EnvmapPicture read_envmap_picture(const std::filesystem::path& file);
+/// Reads a picture: integers are decoded by the sRGB curve unless they are `raw`, grey stands for all channels, alpha
+/// is dropped. Throws SceneError if it is missing, broken, too large or has channels without a meaning.
+EnvmapPicture read_envmap_picture(const std::filesystem::path& file, bool raw = false);
 
 /// The part of the transform that turns directions from world space to the map's. Throws SceneError at `where` if it
 /// stretches.

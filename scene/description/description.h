@@ -620,6 +620,7 @@ struct EnvmapDescription {
   float scale = 1;
   Transform to_world;  ///< a rotation, which may mirror; its translation and size mean nothing
   bool mis_compensation = false;  ///< sample what is brighter than the mean (Karlik et al. 2019)
+  bool raw = false;               ///< integers of the file are linear values, not sRGB
   /// kOctahedral: a square picture of equal areas instead (Clarberg 2008), as pbrt-v4 has it, +z in its middle.
   enum class Layout { kLatLong, kOctahedral } layout = Layout::kLatLong;
 };

@@ -1,5 +1,7 @@
 #include "scene/dialects/read_emitter.h"
 
+#include "scene/dialects/read_texture.h"
+
 namespace sheaf {
 
 namespace {
@@ -9,13 +11,14 @@ ConstantLightDescription read_constant(Properties& p) {
   return {p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission)};
 }
 
-/// `filename`, `scale` (1), `to_world`, `mis_compensation` (true); ignores `cache` of Mitsuba 0.6.
+/// `filename`, `scale` (1), `to_world`, `mis_compensation` (true), `gamma` of Mitsuba 0.6, whose `cache` is ignored.
 EnvmapDescription read_envmap(Properties& p) {
   EnvmapDescription map;
   map.file = p.file("filename");
   map.scale = p.number("scale", 1, kNotNegative);
   map.to_world = p.transform("to_world");
   map.mis_compensation = p.boolean("mis_compensation", true);
+  map.raw = read_linear_gamma(p);
   p.accept({"cache"});
   return map;
 }

@@ -44,19 +44,12 @@ BitmapDescription::Wrap read_wrap(Properties& p, std::initializer_list<const cha
   p.fail_at(wrap->name.c_str(), "is " + in_quotes(wrap->value) + ", expected repeat, mirror or clamp");
 }
 
-/// Whether integers are numbers: `raw`, or the gamma of Mitsuba before 2, where 1 means linear and -1 sRGB.
+/// Whether integers are linear values: `raw`, or the gamma of Mitsuba before 2.
 bool read_raw(Properties& p) {
   const bool raw = p.boolean("raw", false);
-  const std::optional<float> gamma = p.find_number("gamma");
-  if (!gamma) return raw;
+  if (!p.has("gamma")) return raw;
   if (p.has("raw")) p.fail_at("gamma", "is given beside 'raw', expected one or the other");
-  constexpr float kLow = 2.15f, kHigh = 2.25f;
-  if (*gamma > kLow && *gamma < kHigh) {
-    p.context().note(p.where(), "texture '" + p.type() + "' has a gamma of 2.2; the curve of sRGB is used");
-  } else if (*gamma != 1 && *gamma != -1 && *gamma != 0) {
-    p.fail_at("gamma", "is " + std::to_string(*gamma) + ", expected 1 (linear) or -1 (sRGB)");
-  }
-  return *gamma == 1;
+  return read_linear_gamma(p);
 }
 
 std::array<float, 6> from_transform(const Transform& transform) {
@@ -126,6 +119,17 @@ BitmapDescription read_bitmap(Properties& p) {
 
 std::array<float, 6> flipped(const std::array<float, 6>& to_uv) {
   return {to_uv[0], to_uv[1], to_uv[2], -to_uv[3], -to_uv[4], 1 - to_uv[5]};
+}
+
+bool read_linear_gamma(Properties& p) {
+  const float gamma = p.number("gamma", -1);
+  constexpr float kLow = 2.15f, kHigh = 2.25f;
+  if (gamma > kLow && gamma < kHigh) {
+    p.context().note(p.where(), p.element().name + " '" + p.type() + "' has a gamma of 2.2; the curve of sRGB is used");
+  } else if (gamma != 1 && gamma != -1 && gamma != 0) {
+    p.fail_at("gamma", "is " + std::to_string(gamma) + ", expected 1 (linear) or -1 (sRGB)");
+  }
+  return gamma == 1;
 }
 
 const std::vector<std::string>& shared_texture_names() {

@@ -36,6 +36,23 @@ bool near(Vec3f a, Vec3f b) { return length(a - b) < 1e-5f; }
 
 }  // namespace
 
+TEST_CASE("emitters: gamma and cache of environment maps of Mitsuba 0.6") {
+  const auto envmap = [](const std::string& inside) {
+    return read_text(mitsuba_scene("<emitter type='envmap'>" + kPicture + inside + "</emitter>"));
+  };
+  const auto is_raw = [&](const std::string& gamma) {
+    const Description d = envmap("<float name='gamma' value='" + gamma + "'/><boolean name='cache' value='false'/>");
+    return std::get<EnvmapDescription>(d.lights.at(0).model).raw;
+  };
+  CHECK(is_raw("1"));
+  CHECK_FALSE(is_raw("-1"));
+  CHECK_FALSE(is_raw("0"));
+  CHECK_FALSE(is_raw("2.2"));
+  CHECK(contains(envmap("<float name='gamma' value='2.2'/>").notes.at(0),
+                 "emitter 'envmap' has a gamma of 2.2; the curve of sRGB is used"));
+  CHECK(contains(mitsuba_error("envmap", kPicture + "<float name='gamma' value='3'/>"), "expected 1 (linear) or -1"));
+}
+
 TEST_CASE("emitters of Mitsuba: spot") {
   const auto plain = std::get<SpotLightDescription>(mitsuba_light("spot").model);
   CHECK(plain.falloff == SpotLightDescription::Falloff::kLinear);

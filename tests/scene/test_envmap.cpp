@@ -2,6 +2,7 @@
 // brightness, spectral mode, and pictures that are degenerate.
 #include "kernels/lights/envmap.h"
 
+#include "core/color.h"
 #include "core/exr.h"
 #include "scene/compile/compile.h"
 #include "tests/support/chi_square.h"
@@ -372,6 +373,10 @@ TEST_CASE("environment map: pictures in files, usable or not") {
   CHECK(lookup_envmap<Scalar>(grey->view().envmap, direction_of(0.25, 0.3)).radiance.c0 == doctest::Approx(1));
   const auto darker = lookup_envmap<Scalar>(grey->view().envmap, direction_of(0.75, 0.3)).radiance;
   CHECK(darker.c2 == doctest::Approx(0.5029).epsilon(1e-3));
+  Description linear = scene_with("grey.pgm");
+  std::get<EnvmapDescription>(linear.lights.at(0).model).raw = true;
+  CHECK(lookup_envmap<Scalar>(compile_scene(linear)->view().envmap, direction_of(0.75, 0.3)).radiance.c2 ==
+        doctest::Approx(linear_to_srgb(0.5029f)).epsilon(1e-3));
   const auto black = compile_scene(scene_with("black.hdr"));
   CHECK(black->view().environment == kNone);
   CHECK(black->view().light_count == 0);

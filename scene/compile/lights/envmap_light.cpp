@@ -57,7 +57,7 @@ void set_rotation(Envmap& map, const Transform& to_world, const SourceLocation& 
 std::optional<PlacedLight> place_light(const LightToPlace<EnvmapDescription>& l) {
   const EnvmapDescription& light = l.light;
   LightContext& context = l.context;
-  EnvmapPicture picture = read_envmap_picture(light.file);
+  EnvmapPicture picture = read_envmap_picture(light.file, light.raw);
   const UnusableValues unusable = replace_unusable(picture);
   if (const std::size_t bad = unusable.dark + unusable.infinite; bad > 0) {
     std::string text = light.file.string() + ": " + std::to_string(bad) + " values that are negative or not finite";
