@@ -37,7 +37,8 @@ constexpr int kBlock = 8;
 constexpr double kFloor = 1e-4, kRelativeFloor = 1e-3;
 /// Share of pixel values that must be accepted; outliers among samples make pixel means less than normal.
 constexpr double kAcceptedShare = 0.9975;
-/// The mean of the picture may be off by this much, or by so many standard deviations of its noise.
+/// The mean may be off by this relative difference of the two renderers and by so many standard deviations of noise. Both
+/// are independent errors, so they add in quadrature.
 constexpr double kMeanFloor = 0.002, kMeanSigmas = 4;
 /// A batch may scatter this much more than the reference's samples.
 constexpr double kMostVarianceRatio = 4;
@@ -161,7 +162,7 @@ Verdict judge(const Estimate& picture, const Estimate& reference) {
   for (int c = 0; c < 3; ++c) {
     const double expected = mean_of(reference.mean, c);
     const double sigma = std::sqrt(mean_of(variance, c) / static_cast<double>(variance.pixel_count()));
-    const double allowed = std::max(kMeanFloor * expected, kMeanSigmas * sigma);
+    const double allowed = std::hypot(kMeanFloor * expected, kMeanSigmas * sigma);
     v.worst_mean_error = std::max(v.worst_mean_error, std::fabs(mean_of(picture.mean, c) - expected) / allowed);
     const double least = kFloor * kFloor;
     v.worst_variance_ratio = std::max(v.worst_variance_ratio, (mean_of(picture.variance, c) + least) /
