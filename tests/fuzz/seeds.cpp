@@ -300,11 +300,11 @@ void add_pictures(Seeds& seeds) {
   part.frame_height = 4;
   metadata.half_channels.clear();
   metadata.attributes = {{"sheaf/samplesPerPixel", 8}, {"sheaf/droppedRays", "0"}, {"sheaf/droppedSamples", "0"}};
-  add_part_attributes(metadata, "--spp 8\n", std::nullopt, false);
+  add_part_attributes(metadata, "--spp 8\n", std::nullopt);
   write_exr(path("exr"), part, metadata);
   seeds.add("exr", read_bytes(path("exr")));
   part.channels = {"R", "part.weight"};
-  add_part_attributes(metadata, "", SampleRange{0, 4}, true);
+  add_part_attributes(metadata, "", SampleRange{0, 4});
   metadata.attributes.push_back({"sheaf/ids/object", "00000001 00000002"});
   part.channels = {"R", "sampleCount", "part.weight"};
   part.data.resize(18, 1.0f);
