@@ -23,7 +23,7 @@ function(sheaf_fuzz_targets)
   # The nearest of many names is sought for every other message; comparing letters there tells the fuzzer nothing.
   set_source_files_properties("${PROJECT_SOURCE_DIR}/core/error.cpp" PROPERTIES
     COMPILE_OPTIONS -fno-sanitize-coverage=trace-cmp)
-  sheaf_layer(fuzz SOURCES tests/fuzz/fuzz.cpp tools/parts.cpp DEPENDS sheaf_kernels)
+  sheaf_layer(fuzz SOURCES tests/fuzz/fuzz.cpp tools/interrupted_image.cpp tools/parts.cpp DEPENDS sheaf_kernels)
   target_compile_definitions(sheaf_fuzz PUBLIC SHEAF_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   sheaf_program(sheaf_fuzz_seeds SOURCES tests/fuzz/seeds.cpp DEPENDS sheaf_fuzz)
   sheaf_sources(sources tests/fuzz/fuzz_*.cpp)

@@ -4,6 +4,7 @@
 #include "core/output_file.h"
 #include "kernels/denoise/denoise.h"
 #include "tools/commands.h"
+#include "tools/interrupted_image.h"
 #include "tools/picture_files.h"
 
 #include <fmt/format.h>

@@ -8,6 +8,7 @@
 #include "scene/dialects/read_scene.h"
 #include "scene/dialects/sampler_name.h"
 #include "tools/commands.h"
+#include "tools/interrupted_image.h"
 #include "tools/picture_files.h"
 #include "tools/read_options.h"
 

@@ -4,6 +4,7 @@
 #include "core/saturate.h"
 #include "kernels/film/noise.h"
 #include "tools/commands.h"
+#include "tools/interrupted_image.h"
 #include "tools/parts.h"
 #include "tools/picture_files.h"
 

@@ -18,6 +18,7 @@
 #include "scene/xml/xml.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
+#include "tools/interrupted_image.h"
 #include "tools/parts.h"
 #include "tools/picture_files.h"
 #include "tools/preview.h"

@@ -3,7 +3,7 @@
 #include "core/error.h"
 #include "core/inflate.h"
 #include "kernels/film/aovs.h"
-#include "tools/picture_files.h"
+#include "tools/interrupted_image.h"
 
 #include <fmt/format.h>
 

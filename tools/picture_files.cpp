@@ -4,11 +4,9 @@
 #include "core/file_format.h"
 #include "core/output_file.h"
 #include "core/picture_library.h"
-#include "core/saturate.h"
 #include "kernels/denoise/denoise.h"
 #include "tools/commands.h"
-
-#include <fmt/format.h>
+#include "tools/interrupted_image.h"
 
 #include <algorithm>
 #include <cctype>
@@ -61,32 +59,6 @@ void check_is_picture(const fs::path& file) {
   throw SceneError({file.string(), 0}, "is " + format.name +
                                            ", expected a picture: OpenEXR, PNG, JPEG, Radiance HDR, "
                                            "TIFF, TGA or BMP");
-}
-
-void add_interrupted_attributes(ExrMetadata& metadata, double taken, std::uint32_t planned) {
-  metadata.attributes.push_back({kInterruptedAttribute, 1});
-  metadata.attributes.push_back({kSamplesTakenAttribute, static_cast<float>(taken)});
-  metadata.attributes.push_back({kSamplesPlannedAttribute, saturate<int>(planned)});
-}
-
-std::string interruption(std::span<const ExrMetadata::Attribute> attributes) {
-  const auto find = [&](const char* name) -> const ExrMetadata::Attribute* {
-    const auto found =
-        std::find_if(attributes.begin(), attributes.end(), [&](auto& each) { return each.name == name; });
-    return found == attributes.end() ? nullptr : &*found;
-  };
-  if (find(kInterruptedAttribute) == nullptr) return {};
-  std::string text = "the render was interrupted";
-  const ExrMetadata::Attribute *taken = find(kSamplesTakenAttribute), *planned = find(kSamplesPlannedAttribute);
-  if (taken != nullptr && std::holds_alternative<float>(taken->value)) {
-    text += fmt::format(" after {:.4g}", std::get<float>(taken->value));
-    if (planned != nullptr && std::holds_alternative<int>(planned->value))
-      text += fmt::format(" of {}", std::get<int>(planned->value));
-    text += " samples per pixel";
-  }
-  if (const ExrMetadata::Attribute* noise = find("sheaf/noise"))
-    if (const auto* value = std::get_if<std::string>(&noise->value)) text += ", at a noise of " + *value;
-  return text;
 }
 
 void check_overwriting(std::span<const NamedFile> written, std::span<const NamedFile> sources) {

@@ -12,11 +12,6 @@
 
 namespace sheaf {
 
-/// Attributes of pictures whose render was interrupted, see add_interrupted_attributes().
-inline constexpr const char* kInterruptedAttribute = "sheaf/interrupted";
-inline constexpr const char* kSamplesTakenAttribute = "sheaf/samplesTaken";
-inline constexpr const char* kSamplesPlannedAttribute = "sheaf/samplesPlanned";
-
 /// The extension in lower case, with its dot.
 std::string extension_of(const std::filesystem::path& path);
 
@@ -38,13 +33,6 @@ void check_is_exr(const std::filesystem::path& file);
 
 /// The same for pictures of any format, as far as its name or beginning tells.
 void check_is_picture(const std::filesystem::path& file);
-
-/// Notes in a picture's header that its render was interrupted, with how many samples per pixel there are of how many
-/// that were planned: "sheaf/interrupted" = 1, "sheaf/samplesTaken" and "sheaf/samplesPlanned".
-void add_interrupted_attributes(ExrMetadata& metadata, double taken, std::uint32_t planned);
-
-/// What to tell the user of a picture whose header says that its render was interrupted; empty for other pictures.
-std::string interruption(std::span<const ExrMetadata::Attribute> attributes);
 
 /// Throws Error (exit code 2) if two of the files to write are one, or one of them is among `sources`.
 void check_overwriting(std::span<const NamedFile> written, std::span<const NamedFile> sources);
