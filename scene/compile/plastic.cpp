@@ -1,6 +1,8 @@
 // Quadrature over the facets of a coat, in double precision.
 #include "scene/compile/plastic.h"
 
+#include "core/fresnel.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -32,15 +34,6 @@ template <int n> std::array<Node, n> gauss_legendre() {
     nodes[static_cast<std::size_t>(i)] = {0.5 * (1 + x), 1 / ((1 - x * x) * derivative * derivative)};
   }
   return nodes;
-}
-
-double fresnel_reflectance(double cosine, double eta) {
-  const double cos2 = 1 - (1 - cosine * cosine) / (eta * eta);
-  if (cos2 <= 0) return 1;
-  const double cos_t = std::sqrt(cos2);
-  const double parallel = (eta * cosine - cos_t) / (eta * cosine + cos_t);
-  const double perpendicular = (cosine - eta * cos_t) / (cosine + eta * cos_t);
-  return 0.5 * (parallel * parallel + perpendicular * perpendicular);
 }
 
 /// Light from one direction, shared out by single scattering at the coat.

@@ -9,22 +9,14 @@
 // absorption: the base becomes b = X / (1 + X r).
 #include "scene/dialects/pbrt_coat.h"
 
+#include "core/fresnel.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace sheaf::pbrt {
 
 namespace {
-
-/// Fresnel reflectance where light with this cosine meets the relative index `eta`.
-double fresnel_reflectance(double cosine, double eta) {
-  const double cos2 = 1 - (1 - cosine * cosine) / (eta * eta);
-  if (cos2 <= 0) return 1;
-  const double cos_t = std::sqrt(cos2);
-  const double parallel = (eta * cosine - cos_t) / (eta * cosine + cos_t);
-  const double perpendicular = (cosine - eta * cos_t) / (cosine + eta * cos_t);
-  return 0.5 * (parallel * parallel + perpendicular * perpendicular);
-}
 
 /// Diffuse light from the base, shared out by the coat; with and without absorption on the way.
 struct Shares {
