@@ -78,8 +78,10 @@ void lookup(benchmark::State& state, const Case& c, int side, bool is_chain) {
       benchmark::DoNotOptimize(sum);
     }
   };
-  if (c.channels == 1) run([&](Vec3f p) { return lookup_grid(row, p); });
-  else run([&](Vec3f p) { return max_component(lookup_grid_color(row, p)); });
+  if (c.channels == 1)
+    run([&](Vec3f p) { return lookup_grid(row, p); });
+  else
+    run([&](Vec3f p) { return max_component(lookup_grid_color(row, p)); });
   count_items(state, kItems);
 }
 
@@ -137,8 +139,13 @@ template <class L, DensityTracking kWhat> void tracking(benchmark::State& state,
   for (int i = 0; i < kDensityRows; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const float first = (static_cast<float>(i) + 0.5f) / kDensityRows;
-    rows->store<Scalar>(
-        i, {rays.origins[k], rays.directions[k], 1e6f, extinction, extinction, first, {static_cast<std::uint32_t>(i), 1, 2, 3}});
+    rows->store<Scalar>(i, {rays.origins[k],
+                            rays.directions[k],
+                            1e6f,
+                            extinction,
+                            extinction,
+                            first,
+                            {static_cast<std::uint32_t>(i), 1, 2, 3}});
   }
   for (auto _ : state) track_densities<L, kWhat>({bounds, density}, *rows, kDensityRows, *ends);
   std::size_t collisions = 0;

@@ -19,7 +19,7 @@ constexpr std::size_t kBeginning = 4096;
 struct Known {
   FileUse use;
   const char* name;
-  std::array<std::string_view, 4> beginnings;  ///< empty ones are none
+  std::array<std::string_view, 4> beginnings;  ///< unused entries are empty
   std::array<std::string_view, 7> extensions;  ///< likewise
 };
 

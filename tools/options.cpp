@@ -17,7 +17,8 @@ namespace sheaf {
 
 namespace {
 
-/// Reads a decimal number at the beginning of `text`, which then holds the rest. Returns nothing if there is none.
+/// Reads a decimal number at the beginning of `text`, which then holds the rest. Returns nothing if `text` begins
+/// otherwise.
 std::optional<double> take_number(std::string_view& text) {
   double value = 0;
   const char* const end = text.data() + text.size();
@@ -116,7 +117,7 @@ std::string full_name(const CLI::App& command) {
   return (parent != nullptr ? full_name(*parent) + " " : "") + command.get_name();
 }
 
-/// What is said of an option that stands before the command that it belongs to. Empty if no command has it.
+/// The message for an option in front of its command. Empty if no command has the option.
 std::string misplaced_option(const CLI::App& program, const std::string& option) {
   const CLI::App& called = called_command(program);
   std::vector<const CLI::App*> commands = program.get_subcommands({});
@@ -129,7 +130,7 @@ std::string misplaced_option(const CLI::App& program, const std::string& option)
   return {};
 }
 
-/// What is said of arguments that nobody knows: the first of them, and what may have been meant.
+/// The message for unknown arguments: the first one and the most similar name.
 std::string unknown_argument(const CLI::App& program) {
   const CLI::App& command = called_command(program);
   const auto name_of = [](const std::string& argument) { return argument.substr(0, argument.find('=')); };
@@ -153,9 +154,9 @@ std::string unknown_argument(const CLI::App& program) {
   return "unknown command '" + word + "'" + did_you_mean(word, commands) + " (" + known + ")";
 }
 
-/// What is said of command lines that cannot be.
+/// The message for an invalid command line.
 std::string usage_message(const CLI::App& program, const CLI::ParseError& problem) {
-  // A word that is no command shows as a command that is missing.
+  // CLI11 reports an unknown command as a missing one.
   const bool about_rest = dynamic_cast<const CLI::ExtrasError*>(&problem) != nullptr ||
                           dynamic_cast<const CLI::RequiredError*>(&problem) != nullptr;
   if (about_rest && !program.remaining(true).empty()) return unknown_argument(program);

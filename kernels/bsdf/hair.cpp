@@ -7,9 +7,9 @@ template <class L> BsdfValue<L> HairBsdf<L>::evaluate(Vec3<L> wo, Vec3<L> wi) co
   return evaluate(Lobes(*this, wo), wi);
 }
 
-// A photon that passes counts as at the point opposite on the fibre, so that h stays the camera's. The points that light
-// reaches, each moved so where the camera doesn't see it, are those that the camera sees, once each: off a lone fibre
-// photons bring what paths bring. Shadows of other fibres tell the two points apart.
+// A photon that passes counts as at the point opposite on the fibre, so that h stays the camera's. The points that
+// light reaches, each moved so where the camera doesn't see it, are those that the camera sees, once each: off a lone
+// fibre photons bring what paths bring. Shadows of other fibres tell the two points apart.
 template <class L> Spectrum<L> HairBsdf<L>::adjoint_f_cos(Vec3<L> wo, Vec3<L> wi) const {
   const Mask<L> passes = (wo.z > F(0.0f)) & (wi.z < F(0.0f));
   const auto side = [&](Vec3<L> w) SHEAF_LAMBDA_INLINE {

@@ -12,15 +12,15 @@ namespace sheaf {
 using MaterialSpectra = std::array<SpectrumRow, kMaxClosureSpectra>;
 
 struct CompiledMaterials {
-  std::vector<MaterialRow> rows;       ///< sorted by kind, composite ones last
+  std::vector<MaterialRow> rows;         ///< sorted by kind, composite ones last
   std::vector<MaterialSpectra> spectra;  ///< of each row; empty in RGB mode
   std::vector<TextureBinding> bindings;
   std::vector<NormalMapRow> normal_maps;
-  std::vector<float> tables;           ///< SceneView::closure_tables
-  std::vector<std::uint32_t> row_of;   ///< per material of the description
+  std::vector<float> tables;                ///< SceneView::closure_tables
+  std::vector<std::uint32_t> row_of;        ///< per material of the description
   std::vector<std::uint32_t> row_of_phase;  ///< per phase function of the description
   std::vector<std::string> warnings;        ///< of reflectances above 1 and black metals, once for each
-  std::uint32_t default_row = 0;       ///< what shapes without a material get: diffuse, reflectance 0.5
+  std::uint32_t default_row = 0;            ///< what shapes without a material get: diffuse, reflectance 0.5
   std::uint32_t bucket_count = 1;
   std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
   std::uint32_t kind_flags[kClosureKinds] = {};        ///< MaterialFlags of all rows of a kind

@@ -70,13 +70,13 @@ struct LightCompiler {
 
 /// A struct with the reach, the power and, if it is bounded, the bounds of a kind.
 template <class Kind>
-concept CompiledLight =
-    requires(const SceneView& scene, const LightRow& light) {
-      { Kind::kReach } -> std::convertible_to<LightReach>;
-      { Kind::power(scene, light) } -> std::same_as<Vec3f>;
-    } && (Kind::kReach == LightReach::kBounded) == requires(const SceneView& scene, const LightRow& light) {
-      { Kind::bounds(scene, light, 1.0) } -> std::same_as<LightBounds>;
-    };
+concept CompiledLight = requires(const SceneView& scene, const LightRow& light) {
+  { Kind::kReach } -> std::convertible_to<LightReach>;
+  { Kind::power(scene, light) } -> std::same_as<Vec3f>;
+}
+&&(Kind::kReach == LightReach::kBounded) == requires(const SceneView& scene, const LightRow& light) {
+  { Kind::bounds(scene, light, 1.0) } -> std::same_as<LightBounds>;
+};
 
 template <CompiledLight Kind> LightCompiler make_light_compiler() {
   if constexpr (requires { &Kind::integral; })
@@ -94,9 +94,7 @@ template <CompiledLight Kind> LightCompiler make_light_compiler() {
 #endif
 
 /// Names a kind as a type.
-template <LightKind Kind> struct LightTag {
-  friend LightCompiler light_compiler(LightTag);
-};
+template <LightKind Kind> struct LightTag { friend LightCompiler light_compiler(LightTag); };
 
 /// A light of a description.
 template <class Description> struct LightToPlace {

@@ -41,8 +41,10 @@ template <template <class> class Parameters> struct RowMaker {
   std::uint32_t first_binding = static_cast<std::uint32_t>(context.bindings.size());
 
   void set(float& leaf, const ScalarInput& input) {
-    if (const float* value = std::get_if<float>(&input)) leaf = *value;
-    else bind(leaf, std::get<TextureId>(input), 1, TextureRole::kScalar);
+    if (const float* value = std::get_if<float>(&input))
+      leaf = *value;
+    else
+      bind(leaf, std::get<TextureId>(input), 1, TextureRole::kScalar);
   }
 
   void set(Spectrum4& spectrum, const SpectrumInput& input, TextureRole role = TextureRole::kReflectance) {
@@ -214,8 +216,7 @@ MaterialRow make_row(const DielectricDescription& d, RowContext& context) {
       *d.roughness);
 }
 
-template <template <class> class Parameters>
-void set_plastic(RowMaker<Parameters>& m, const PlasticDescription& d) {
+template <template <class> class Parameters> void set_plastic(RowMaker<Parameters>& m, const PlasticDescription& d) {
   m.p.eta = d.int_ior / d.ext_ior;
   m.set(m.p.diffuse, d.diffuse_reflectance);
   m.set(m.p.specular, d.specular_reflectance);
@@ -427,7 +428,8 @@ MaterialRow coated_row(ClosureKind kind, const CoatDescription& d, const Materia
 }
 
 /// Combinations of materials are no rows of their own; see compile_materials().
-template <class T, class... Of> concept OneOf = (std::is_same_v<T, Of> || ...);
+template <class T, class... Of>
+concept OneOf = (std::is_same_v<T, Of> || ...);
 template <OneOf<CoatDescription, NullDescription, TwoSidedDescription, MaskDescription, BlendDescription,
                 BumpMapDescription, NormalMapDescription>
               Combination>

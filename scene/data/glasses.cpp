@@ -38,7 +38,8 @@ constexpr Dispersion kNSf11{
 /// Fused silica. I. H. Malitson, "Interspecimen comparison of the refractive index of fused silica", J. Opt. Soc.
 /// Am. 55, 1965.
 constexpr Dispersion kFusedSilica{
-    Form::kSellmeier, 1,
+    Form::kSellmeier,
+    1,
     {{{0.6961663f, square(0.0684043f)}, {0.4079426f, square(0.1162414f)}, {0.8974794f, square(9.896161f)}}}};
 /// Diamond. F. Peter, "Ueber Brechungsindizes und Absorptionskonstanten des Diamanten zwischen 644 und 226 mmu", Z.
 /// Phys. 15, 1923.
@@ -47,20 +48,28 @@ constexpr Dispersion kDiamond{Form::kSellmeier, 1, {{{0.3306f, square(0.1750f)},
 /// J. Opt. Soc. Am. 62, 1972; the formula in M. J. Dodge, "Refractive index", Handbook of Laser Science and Technology
 /// IV, 1986.
 constexpr Dispersion kSapphire{
-    Form::kSellmeier, 1,
+    Form::kSellmeier,
+    1,
     {{{1.4313493f, square(0.0726631f)}, {0.65054713f, square(0.1193242f)}, {5.3414021f, square(18.028251f)}}}};
 /// Rock salt. H. H. Li, "Refractive index of alkali halides and its wavelength and temperature derivatives", J. Phys.
 /// Chem. Ref. Data 5, 1976.
-constexpr Dispersion kSodiumChloride{
-    Form::kSellmeier, 1.00055f,
-    {{{0.19800f, square(0.050f)}, {0.48398f, square(0.100f)}, {0.38696f, square(0.128f)}, {0.25998f, square(0.158f)},
-      {0.08796f, square(40.50f)}, {3.17064f, square(60.98f)}, {0.30038f, square(120.34f)}}}};
+constexpr Dispersion kSodiumChloride{Form::kSellmeier,
+                                     1.00055f,
+                                     {{{0.19800f, square(0.050f)},
+                                       {0.48398f, square(0.100f)},
+                                       {0.38696f, square(0.128f)},
+                                       {0.25998f, square(0.158f)},
+                                       {0.08796f, square(40.50f)},
+                                       {3.17064f, square(60.98f)},
+                                       {0.30038f, square(120.34f)}}}};
 /// Distilled water at 20 degrees Celsius. M. Daimon and A. Masumura, "Measurement of the refractive index of distilled
 /// water from the near-infrared region to the ultraviolet region", Appl. Opt. 46, 2007.
-constexpr Dispersion kWater{
-    Form::kSellmeier, 1,
-    {{{0.5684027565f, 0.005101829712f}, {0.1726177391f, 0.01821153936f}, {0.02086189578f, 0.02620722293f},
-      {0.1130748688f, 10.69792721f}}}};
+constexpr Dispersion kWater{Form::kSellmeier,
+                            1,
+                            {{{0.5684027565f, 0.005101829712f},
+                              {0.1726177391f, 0.01821153936f},
+                              {0.02086189578f, 0.02620722293f},
+                              {0.1130748688f, 10.69792721f}}}};
 /// Ice at -7 degrees Celsius. Fitted by us, within 8e-5, to the table from 350 to 830 nm of S. G. Warren and R. E.
 /// Brandt, "Optical constants of ice from the ultraviolet to the microwave: a revised compilation", J. Geophys. Res.
 /// 113, 2008.
@@ -68,11 +77,13 @@ constexpr Dispersion kIce{Form::kSellmeier, 1, {{{0.70041228f, 0.0091f}, {0.1116
 /// Poly(methyl methacrylate). G. Beadie et al., "Refractive index measurements of poly(methyl methacrylate) (PMMA) from
 /// 0.4-1.6 um", Appl. Opt. 54, 2015.
 constexpr Dispersion kAcrylicGlass{
-    Form::kSquarePowers, 2.1778f,
+    Form::kSquarePowers,
+    2.1778f,
     {{{6.1209e-3f, 2}, {-1.5004e-3f, 4}, {2.3678e-2f, -2}, {-4.2137e-3f, -4}, {7.3417e-4f, -6}, {-4.5042e-5f, -8}}}};
 /// Benzene at 27 degrees Celsius. K. Moutzouris et al., "Refractive, dispersive and thermo-optic properties of twelve
 /// organic solvents in the visible and near-infrared", Appl. Phys. B 116, 2013.
-constexpr Dispersion kBenzene{Form::kSquarePowers, 2.170184597f,
+constexpr Dispersion kBenzene{Form::kSquarePowers,
+                              2.170184597f,
                               {{{0.00059399f, 2}, {0.02303464f, -2}, {-0.000499485f, -4}, {0.000178796f, -6}}}};
 /// Ethanol and acetone at 20 degrees Celsius. J. Rheims, J. Koeser and T. Wriedt, "Refractive-index measurements in the
 /// near-IR using an Abbe refractometer", Meas. Sci. Technol. 8, 1997.

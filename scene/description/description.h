@@ -35,16 +35,23 @@ enum class PhaseId : std::uint32_t {};
 /// A spectral quantity as a file gives it. Its meaning (reflectance, radiance ...) comes from who holds it.
 struct SpectrumDescription {
   /// The same value at every wavelength; for emission relative to D65.
-  struct Constant { float value = 0; };
+  struct Constant {
+    float value = 0;
+  };
   /// Linear Rec.709; components may exceed 1 where the quantity may.
-  struct Rgb { Vec3f value; };
+  struct Rgb {
+    Vec3f value;
+  };
   /// Piecewise linear over wavelength, zero outside. Wavelengths in nanometres, strictly increasing.
   struct Table {
     std::vector<float> wavelengths, values;
     bool equal_energy = false;  ///< in RGB mode weighed by illuminant E instead of D65, as Mitsuba weighs named metals
   };
   /// Planck's law, absolute, W / (m^2 sr nm), times `scale`.
-  struct Blackbody { float temperature = 6500; float scale = 1; };
+  struct Blackbody {
+    float temperature = 6500;
+    float scale = 1;
+  };
 
   std::variant<Constant, Rgb, Table, Blackbody> value = Constant{};
 
@@ -160,7 +167,9 @@ struct ParameterName {
 /// those of what fields() ties, ScalarInputs and SpectrumInputs with their defaults. Reading it and making its row take
 /// no further code.
 template <class Model>
-concept PlainModel = requires(Model& model) { Model::kPlugin, Model::kParameters, Model::fields(model); };
+concept PlainModel = requires(Model& model) {
+  Model::kPlugin, Model::kParameters, Model::fields(model);
+};
 
 /// Lambertian reflection.
 struct DiffuseDescription {
@@ -173,7 +182,9 @@ struct DiffuseDescription {
 
 /// Reflection off a metal, smooth or rough. Without eta and k a perfect mirror.
 struct ConductorDescription {
-  struct Ior { SpectrumInput eta, k; };
+  struct Ior {
+    SpectrumInput eta, k;
+  };
   std::optional<Ior> ior;  ///< relative to the outside medium
   SpectrumInput specular_reflectance = SpectrumDescription::constant(1.0f);
   std::optional<RoughnessDescription> roughness;  ///< none: smooth
@@ -198,7 +209,7 @@ struct PlasticDescription {
   float int_ior = 1.49f, ext_ior = 1.000277f;
   SpectrumInput diffuse_reflectance = SpectrumDescription::constant(0.5f);
   SpectrumInput specular_reflectance = SpectrumDescription::constant(1.0f);
-  bool nonlinear = false;  ///< colour shifts by scattering between base and coat
+  bool nonlinear = false;                         ///< colour shifts by scattering between base and coat
   std::optional<RoughnessDescription> roughness;  ///< none: smooth
   bool transmits() const { return false; }
 };
@@ -330,7 +341,9 @@ struct NullDescription {
 };
 
 /// Shows `front` on the side of the normal and `back` on the other. Neither may transmit.
-struct TwoSidedDescription { MaterialId front{}, back{}; };
+struct TwoSidedDescription {
+  MaterialId front{}, back{};
+};
 
 /// `nested` where there is something, nothing elsewhere.
 struct MaskDescription {
@@ -340,10 +353,17 @@ struct MaskDescription {
 };
 
 /// (1 - weight) of the first, weight of the second.
-struct BlendDescription { ScalarInput weight = 0.5f; MaterialId nested[2]{}; };
+struct BlendDescription {
+  ScalarInput weight = 0.5f;
+  MaterialId nested[2]{};
+};
 
 /// Turns the shading normal as a displacement of the surface along it would.
-struct BumpMapDescription { TextureId displacement{}; float scale = 1; MaterialId nested{}; };
+struct BumpMapDescription {
+  TextureId displacement{};
+  float scale = 1;
+  MaterialId nested{};
+};
 
 /// Takes the shading normal from a texture, in the frame of the surface's tangent.
 struct NormalMapDescription {
@@ -378,7 +398,9 @@ using VolumeInput = std::variant<SpectrumDescription, GridVolumeDescription>;
 /// Scatters alike in all directions.
 struct IsotropicPhaseDescription {};
 /// Henyey and Greenstein 1941; g: mean cosine of the angle by which light turns, in (-1, 1), positive: forwards.
-struct HenyeyGreensteinDescription { float g = 0.8f; };
+struct HenyeyGreensteinDescription {
+  float g = 0.8f;
+};
 /// Scattering by particles far smaller than the wavelength.
 struct RayleighDescription {};
 /// Values of a phase function, up to a factor, where the cosine of the angle by which light turns is -1, ..., 1 in
@@ -392,7 +414,10 @@ struct SggxDescription {
   std::variant<std::array<float, 6>, GridVolumeDescription> matrix;
 };
 /// (1 - weight) of the first, weight of the second.
-struct BlendPhaseDescription { float weight = 0.5f; PhaseId nested[2]{}; };
+struct BlendPhaseDescription {
+  float weight = 0.5f;
+  PhaseId nested[2]{};
+};
 
 struct PhaseDescription {
   std::variant<IsotropicPhaseDescription, HenyeyGreensteinDescription, RayleighDescription, TabulatedPhaseDescription,
@@ -425,9 +450,9 @@ struct MediumDescription {
   std::optional<GridVolumeDescription> temperature;
   float temperature_scale = 1, temperature_offset = 0;
   bool unit_blackbodies = false;  ///< each is divided by its largest value over all wavelengths
-  float emission_scale = 1;      ///< multiplies the emission
-  std::optional<PhaseId> phase;  ///< default: isotropic
-  std::string id;                ///< name for messages; may be empty
+  float emission_scale = 1;       ///< multiplies the emission
+  std::optional<PhaseId> phase;   ///< default: isotropic
+  std::string id;                 ///< name for messages; may be empty
   SourceLocation where;
 };
 
@@ -439,8 +464,8 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices into the vertex arrays, all in range
   /// Values of a name for every vertex or every triangle.
   struct Attribute {
-    std::string name;  ///< begins with "vertex_" or "face_"
-    int channels = 1;  ///< 1 or 3
+    std::string name;           ///< begins with "vertex_" or "face_"
+    int channels = 1;           ///< 1 or 3
     std::vector<float> values;  ///< `channels` per vertex or per triangle
   };
   std::vector<Attribute> attributes = {};
@@ -455,7 +480,10 @@ struct MeshFileShape {
   int shape_index = 0;          ///< kSerialized: which of the file's meshes, counted from 0
 };
 /// Centre at `center`, before the shape's transform. Normals point outwards.
-struct SphereShape { Vec3f center{0, 0, 0}; float radius = 1; };
+struct SphereShape {
+  Vec3f center{0, 0, 0};
+  float radius = 1;
+};
 /// [-1, 1]^2 in the xy plane, normal +z, uv (0, 0) at (-1, -1).
 struct RectangleShape {};
 /// [-1, 1]^3, normals outwards, each face with its own uv square.
@@ -463,7 +491,10 @@ struct CubeShape {};
 /// Unit disk in the xy plane, normal +z; u is the radius, v the angle / 2 pi.
 struct DiskShape {};
 /// Open cylinder around the segment p0 p1; normals outwards; u is the angle / 2 pi, v runs from p0 to p1.
-struct CylinderShape { Vec3f p0{0, 0, 0}, p1{0, 0, 1}; float radius = 1; };
+struct CylinderShape {
+  Vec3f p0{0, 0, 0}, p1{0, 0, 1};
+  float radius = 1;
+};
 
 /// Round tubes, normals outwards; u is the angle / 2 pi, v runs along all segments, one after the other.
 struct Curves {
@@ -505,8 +536,8 @@ struct ShapeDescription {
       geometry;
   Transform to_world;
   bool flip_normals = false;
-  bool face_normals = false;  ///< meshes: ignore vertex normals
-  std::optional<MaterialId> material;           ///< default: diffuse, reflectance 0.5
+  bool face_normals = false;              ///< meshes: ignore vertex normals
+  std::optional<MaterialId> material;     ///< default: diffuse, reflectance 0.5
   std::optional<SpectrumInput> radiance;  ///< an area light, emitting on the side of the normal; W / (m^2 sr)
   /// The area light emits along its normal alone: `radiance` is radiant exitance, W / m^2. Only photons can tell.
   bool emits_along_normal = false;
@@ -531,7 +562,7 @@ struct ShapeGroup {
 /// A group's shapes, placed once more. Small, since there may be millions.
 struct InstanceDescription {
   std::array<float, 12> to_world{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  ///< rows of the 3x4 matrix; not singular
-  std::uint32_t group = 0;  ///< index into Description::groups
+  std::uint32_t group = 0;                                             ///< index into Description::groups
 };
 
 /// A camera with a pinhole or a thin lens, one whose rays are parallel, or a sensor without a picture.
@@ -549,8 +580,8 @@ struct CameraDescription {
   Transform to_world;
   float fov = 39.3077f;  ///< degrees, across the axis below; the default is a 50 mm lens on 35 mm film
   enum class FovAxis { kX, kY, kDiagonal, kSmaller, kLarger } fov_axis = FovAxis::kX;
-  float aperture_radius = 0;        ///< of the lens, in camera space; 0: a pinhole
-  float focus_distance = kInfinity; ///< z in camera space of the plane that is sharp
+  float aperture_radius = 0;         ///< of the lens, in camera space; 0: a pinhole
+  float focus_distance = kInfinity;  ///< z in camera space of the plane that is sharp
   /// Where on the film (0, 0, 1) is seen: shifted from the centre by these parts of its size, to the left and upwards.
   float principal_point_x = 0, principal_point_y = 0;
   float near_clip = 0, far_clip = kInfinity;  ///< z in camera space between which things are seen
@@ -574,7 +605,9 @@ struct PointLightDescription {
   SpectrumDescription intensity = SpectrumDescription::constant(1);
 };
 /// The same radiance (W / (m^2 sr)) from every direction outside the scene.
-struct ConstantLightDescription { SpectrumDescription radiance = SpectrumDescription::constant(1); };
+struct ConstantLightDescription {
+  SpectrumDescription radiance = SpectrumDescription::constant(1);
+};
 
 /// Emits from the origin of its space around +z: `intensity` (W / sr) within `beam_width`, nothing beyond
 /// `cutoff_angle`.
@@ -609,7 +642,7 @@ struct ProjectorDescription {
   SpectrumInput irradiance = SpectrumDescription::constant(1);
   float scale = 1;
   bool is_even = false;  ///< the intensity is scale * irradiance instead, W / sr, whatever the angle
-  float fov = 50;  ///< degrees
+  float fov = 50;        ///< degrees
   CameraDescription::FovAxis fov_axis = CameraDescription::FovAxis::kX;
 };
 
@@ -618,7 +651,7 @@ struct ProjectorDescription {
 struct EnvmapDescription {
   std::filesystem::path file;  ///< resolved
   float scale = 1;
-  Transform to_world;  ///< a rotation, which may mirror; its translation and size mean nothing
+  Transform to_world;             ///< a rotation, which may mirror; its translation and size mean nothing
   bool mis_compensation = false;  ///< sample what is brighter than the mean (Karlik et al. 2019)
   bool raw = false;               ///< integers of the file are linear values, not sRGB
   /// kOctahedral: a square picture of equal areas instead (Clarberg 2008), as pbrt-v4 has it, +z in its middle.
@@ -689,10 +722,10 @@ struct LightDescription {
 /// A pixel reconstruction filter; sizes in pixels.
 struct FilterDescription {
   enum class Kind { kBox, kTent, kGaussian, kMitchell, kCatmullRom, kLanczos } kind = Kind::kBox;
-  float radius = 0.5f;   ///< box, tent; the others derive it from what follows
-  float stddev = 0.5f;   ///< gaussian; cut off at 4 standard deviations
+  float radius = 0.5f;               ///< box, tent; the others derive it from what follows
+  float stddev = 0.5f;               ///< gaussian; cut off at 4 standard deviations
   float b = 1.0f / 3, c = 1.0f / 3;  ///< mitchell; radius 2
-  float lobes = 3;       ///< lanczos; equals the radius
+  float lobes = 3;                   ///< lanczos; equals the radius
 };
 
 /// How samples come under the filter; see scene/tables/filter.h.
@@ -749,17 +782,17 @@ inline constexpr int kPathRouletteDepth = 2, kOtherRouletteDepth = 5;
 struct IntegratorDescription {
   IntegratorKind kind = IntegratorKind::kPath;
   LightStrategy strategy = LightStrategy::kMis;
-  int max_depth = -1;  ///< -1 unlimited, 1 emission only, 2 direct light, ...
+  int max_depth = -1;           ///< -1 unlimited, 1 emission only, 2 direct light, ...
   std::optional<int> rr_depth;  ///< roulette_depth(), if the scene says so
   LightSelector light_selector = LightSelector::kBvh;
   int candidates = 1;  ///< lights sampled per vertex, of which one is kept by resampling; in [1, kMaxCandidates]
-  bool hide_emitters = false;  ///< directly visible lights are left out (alpha 0)
+  bool hide_emitters = false;    ///< directly visible lights are left out (alpha 0)
   bool ends_at_diffuse = false;  ///< paths go on from mirrors and smooth glass alone (Whitted 1980)
-  bool free_panes = false;     ///< light that passes a thin pane does not gain depth (Mitsuba's volpath)
+  bool free_panes = false;       ///< light that passes a thin pane does not gain depth (Mitsuba's volpath)
   MediumEstimator medium_estimator = MediumEstimator::kNullMis;
-  float step_size = 0;  ///< kMarching: metres; 0: a hundredth of the medium's bounding box' diagonal
+  float step_size = 0;                  ///< kMarching: metres; 0: a hundredth of the medium's bounding box' diagonal
   float visibility_length = kInfinity;  ///< kVisibility: metres within which something is in the way
-  PhotonMappingDescription photons;  ///< kPhotonMapper
+  PhotonMappingDescription photons;     ///< kPhotonMapper
 
   /// Depth from which on roulette is played.
   int roulette_depth() const {

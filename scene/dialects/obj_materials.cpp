@@ -179,7 +179,7 @@ class MaterialLibraries {
  public:
   MaterialLibraries(Description& description, bool lenient) : description_(description), lenient_(lenient) {}
 
-  /// The libraries that exist, in the order of the file. Notes the others, and sets `complete` if there are none.
+  /// The libraries that exist, in the order of the file. Notes the missing ones; sets `complete` if all exist.
   std::vector<const MtlLibrary*> find(const std::vector<ObjLibrary>& named, bool& complete) {
     std::vector<const MtlLibrary*> found;
     complete = true;
@@ -356,7 +356,7 @@ void expand(std::vector<ShapeDescription>& shapes, MaterialLibraries& libraries,
       try {
         parts = cut(shape, libraries, creased);
       } catch (const SceneError& error) {
-        // A model that is no part of a scene stands in no line; the error names its file.
+        // A bare model has no line in a scene file; the error names the model.
         const SceneError placed = shape.where.line > 0 ? SceneError(shape.where, error.what()) : error;
         if (left_out == nullptr) throw placed;
         left_out->push_back(std::string(placed.what()) + " (shape left out)");

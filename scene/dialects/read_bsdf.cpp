@@ -192,8 +192,10 @@ template <PlainModel Model> Model read_plain(Properties& p) {
   const auto read = [&]<class Input>(Input& input) {
     const ParameterName& names = Model::kParameters[k++];
     const char* name = names.also != nullptr && p.has(names.also) && !p.has(names.name) ? names.also : names.name;
-    if constexpr (std::is_same_v<Input, SpectrumInput>) input = read_reflectance(p, name, std::move(input));
-    else input = p.scalar_input(name, input, NumberRange{names.low, names.high});
+    if constexpr (std::is_same_v<Input, SpectrumInput>)
+      input = read_reflectance(p, name, std::move(input));
+    else
+      input = p.scalar_input(name, input, NumberRange{names.low, names.high});
   };
   auto inputs = Model::fields(model);
   static_assert(std::tuple_size_v<decltype(inputs)> == std::size(Model::kParameters));
@@ -238,8 +240,8 @@ float read_ior(Properties& p, const char* property, float otherwise) {
   std::vector<std::string> known = ior_names();
   const std::vector<std::string> dispersing = dispersion_names();
   known.insert(known.end(), dispersing.begin(), dispersing.end());
-  p.fail_at(property, "is " + in_quotes(name) + ", expected a number or the name of a material" +
-                          did_you_mean(name, known));
+  p.fail_at(property,
+            "is " + in_quotes(name) + ", expected a number or the name of a material" + did_you_mean(name, known));
 }
 
 ScalarInput read_alpha(Properties& p, const char* name, ScalarInput otherwise) {

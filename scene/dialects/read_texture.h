@@ -27,8 +27,8 @@ TextureId scalar_texture(TextureId texture, ReadContext& context);
 /// The texture of an input; for a constant, a new texture that shows it everywhere.
 TextureId texture_showing(const SpectrumInput& input, const SourceLocation& where, ReadContext& context);
 
-/// Whether `gamma` of Mitsuba 0.6 takes the integers of an image file as linear values (1), not as sRGB (-1, 0 and, with a
-/// note, 2.2). Throws SceneError for other values.
+/// Whether `gamma` of Mitsuba 0.6 takes the integers of an image file as linear values (1), not as sRGB (-1, 0 and,
+/// with a note, 2.2). Throws SceneError for other values.
 bool read_linear_gamma(Properties& p);
 
 /// The file, filter and wrapping of a picture.

@@ -195,8 +195,8 @@ template <class Source> std::size_t find_corner_list(const Source& source, const
   return static_cast<std::size_t>(list - element.properties.begin());
 }
 
-/// The place of the list of texture coordinates at a face's corners, u and v in turn; the number of properties if there
-/// is none.
+/// The index of the list of texture coordinates at a face's corners, u and v in turn; the number of properties if the
+/// element has no such list.
 std::size_t find_corner_uvs(const PlyElement& element) {
   const auto list = std::find_if(element.properties.begin(), element.properties.end(), [](const PlyProperty& p) {
     return p.count_type && (p.name == "texcoord" || p.name == "texcoords" || p.name == "texture_coordinates");

@@ -23,7 +23,7 @@ struct PlyAttribute {
 std::vector<PlyAttribute> find_ply_attributes(const PlyElement& element, std::vector<std::string>& warnings,
                                               std::vector<std::size_t>& left_out);
 
-/// A warning that names properties, by their indices, which mean nothing here; empty if there are none.
+/// A warning that names the properties with these indices, which are not understood; empty without indices.
 std::string unknown_properties_warning(const PlyElement& element, const std::vector<std::size_t>& properties);
 
 /// The value of an attribute's property as the renderer uses it: integers are fractions of the largest of their type,

@@ -21,7 +21,7 @@ template <class L> struct LightRecord {
   using F = typename L::Float;
   using U = typename L::Uint;
 
-  U kind{};  ///< LightKind; see is()
+  U kind{};            ///< LightKind; see is()
   U shape = U(kNone);  ///< area lights; kVolume: see medium()
   /// kMesh: of triangle_alias, light_triangles; kVolume: of triangle_alias, cells. kSphere, kQuadric: see quadric().
   U first_triangle{};
@@ -39,7 +39,7 @@ template <class L> struct LightRecord {
   F radius{};  ///< kSphere; kSun: 1 less the cosine of the angle between its centre and its rim
   F depth{};   ///< area lights: see set_sides()
   U texture = U(kNone);  ///< into SceneView::textures; kNone: the same everywhere
-  U detail{};  ///< see frame(), first_uv(), least_offset() and cells()
+  U detail{};            ///< see frame(), first_uv(), least_offset() and cells()
 
   static constexpr auto fields(auto& s) {
     return std::tie(s.kind, s.shape, s.first_triangle, s.triangle_count, s.radiance, s.position, s.area, s.radius,
@@ -150,9 +150,9 @@ template <class L> struct LightTriangleRecord {
   typename L::Float offset{};  ///< see SurfacePoint::offset; the largest on the triangle
   Vec3<L> edge1;               ///< second vertex less the first
   typename L::Float unused1{};
-  Vec3<L> edge2;               ///< third vertex less the first
+  Vec3<L> edge2;  ///< third vertex less the first
   typename L::Float unused2{};
-  Vec3<L> normal;              ///< geometric, unit length
+  Vec3<L> normal;  ///< geometric, unit length
   typename L::Float unused3{};
 
   static constexpr auto fields(auto& s) {

@@ -57,7 +57,7 @@ TEST_CASE("color space: pixels that are not finite stay, their neighbours are co
   CHECK(colors[3] == doctest::Approx(1.2049759));
 }
 
-TEST_CASE("color space: primaries on a line, white without luminance and numbers that are none are no space") {
+TEST_CASE("color space: collinear primaries, white without luminance and NaN are rejected") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const RgbChromaticities wrong[] = {{{0, 0}, {0, 0}, {0, 0}, {0.3, 0.3}},
                                      {{0.1, 0.1}, {0.2, 0.2}, {0.4, 0.4}, {0.3, 0.3}},

@@ -241,7 +241,7 @@ class NearestRays : public RayRecorder {
 
 }  // namespace
 
-TEST_CASE("guiding: the paths of training are none of the image's") {
+TEST_CASE("guiding: training paths use other random numbers than the image's") {
   // The image's samples would not be independent of what guides them.
   for (const SamplerKind kind : {SamplerKind::kSobol, SamplerKind::kIndependent}) {
     Description d = two_rooms(16);

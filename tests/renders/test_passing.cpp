@@ -78,9 +78,12 @@ TEST_CASE("passing: the far plane stays where it is") {
       const MaterialId black = add_diffuse(d, 0);
       for (const float z : {1.5f, 3.0f, 4.5f}) {
         ShapeDescription& shape = add_rectangle(d, facing_back(z), black);
-        if (what == 0) emit(shape, 2);
-        else if (what == 1) shape.material = add_material(d, NullDescription{});
-        else shape.material = add_material(d, MaskDescription{0.0f, black});
+        if (what == 0)
+          emit(shape, 2);
+        else if (what == 1)
+          shape.material = add_material(d, NullDescription{});
+        else
+          shape.material = add_material(d, MaskDescription{0.0f, black});
       }
       check_mean(means_of(render_image(d), 3), behind ? 1 : 0);
     }

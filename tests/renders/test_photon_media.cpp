@@ -22,6 +22,15 @@ namespace {
 
 const double kLevel = kPhotonLevel;
 
+/// A map of about 20,000 volume photons, stored as points.
+VolumePhotonMap volume_map(const Scene& scene, std::uint32_t seed) {
+  StageContext context(scene);
+  context.sampler.seed = seed;
+  Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
+  PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
+  return trace_volume_photons(context, workers, {20000, 0.1f, PhotonKind::kVolume, 0}, tracing).points;
+}
+
 }  // namespace
 
 TEST_CASE("volume photons: in a wide medium photons leave the light's power times the mean number of scatterings") {
@@ -35,12 +44,7 @@ TEST_CASE("volume photons: in a wide medium photons leave the light's power time
     const auto scene = compile_scene(d);
     MeanVariance mean;
     for (std::uint32_t seed = 0; seed < 12; ++seed) {
-      StageContext context(*scene);
-      context.sampler.seed = seed;
-      Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
-      PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
-      const VolumePhotonMap map =
-          trace_volume_photons(context, workers, {20000, 0.1f, PhotonKind::kVolume, 0}, tracing).points;
+      const VolumePhotonMap map = volume_map(*scene, seed);
       double sum = 0;
       for (std::uint32_t i = 0; i < map.size(); ++i) sum += static_cast<double>(map.photon(i).power.c1);
       mean.add(sum);
@@ -127,12 +131,7 @@ TEST_CASE("photons from outside reach all of a medium that has no end") {
     }
     MeanVariance mean;
     for (std::uint32_t seed = 0; seed < 16; ++seed) {
-      StageContext context(*scene);
-      context.sampler.seed = seed;
-      Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
-      PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
-      const VolumePhotonMap map =
-          trace_volume_photons(context, workers, {20000, 0.1f, PhotonKind::kVolume, 0}, tracing).points;
+      const VolumePhotonMap map = volume_map(*scene, seed);
       double sum = 0;
       for (std::uint32_t i = 0; i < map.size(); ++i) {
         const AccelPoint p = map.points().points()[i];

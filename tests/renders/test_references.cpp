@@ -37,16 +37,16 @@ constexpr int kBlock = 8;
 constexpr double kFloor = 1e-4, kRelativeFloor = 1e-3;
 /// Share of pixel values that must be accepted; outliers among samples make pixel means less than normal.
 constexpr double kAcceptedShare = 0.9975;
-/// The mean may be off by this relative difference of the two renderers and by so many standard deviations of noise. Both
-/// are independent errors, so they add in quadrature.
+/// The mean may be off by this relative difference of the two renderers and by so many standard deviations of noise.
+/// Both are independent errors, so they add in quadrature.
 constexpr double kMeanFloor = 0.002, kMeanSigmas = 4;
 /// A batch may scatter this much more than the reference's samples.
 constexpr double kMostVarianceRatio = 4;
 
 /// A picture with its noise.
 struct Estimate {
-  Image mean;       ///< R, G, B
-  Image variance;   ///< of one sample
+  Image mean;          ///< R, G, B
+  Image variance;      ///< of one sample
   double samples = 0;  ///< per pixel
 };
 
@@ -111,9 +111,9 @@ double mean_of(const Image& image, int channel) {
 
 /// How well a picture agrees with its reference.
 struct Verdict {
-  double pixel_share = 0;        ///< share of pixel values accepted by the Z-test
-  double block_share = 0;        ///< likewise of block means
-  double worst_mean_error = 0;   ///< largest deviation of a channel's mean, in units of what is allowed
+  double pixel_share = 0;           ///< share of pixel values accepted by the Z-test
+  double block_share = 0;           ///< likewise of block means
+  double worst_mean_error = 0;      ///< largest deviation of a channel's mean, in units of what is allowed
   double worst_variance_ratio = 0;  ///< largest ratio of a channel's variance to the reference's
   bool agrees() const { return pixel_share >= kAcceptedShare && block_share == 1 && worst_mean_error <= 1; }
 };
@@ -129,8 +129,8 @@ Image difference_variance(const Estimate& picture, const Estimate& reference) {
         const double block = theirs.at(x / kBlock, y / kBlock, c);
         const double excess = std::max(0.0, own.at(x / kBlock, y / kBlock, c) - block);
         const double of_sample = reference.variance.at(x, y, c);
-        out.at(x, y, c) = static_cast<float>((of_sample + excess) / picture.samples + of_sample / reference.samples +
-                                             floor * floor);
+        out.at(x, y, c) =
+            static_cast<float>((of_sample + excess) / picture.samples + of_sample / reference.samples + floor * floor);
       }
   return out;
 }
@@ -157,16 +157,16 @@ Verdict judge(const Estimate& picture, const Estimate& reference) {
         const int height = std::min(kBlock, variance.height - y * kBlock);
         block_variance.at(x, y, c) /= static_cast<float>(width * height);
       }
-  v.block_share = accepted_share(block_means(picture.mean, kBlock), block_means(reference.mean, kBlock),
-                                 block_variance, kSignificance);
+  v.block_share = accepted_share(block_means(picture.mean, kBlock), block_means(reference.mean, kBlock), block_variance,
+                                 kSignificance);
   for (int c = 0; c < 3; ++c) {
     const double expected = mean_of(reference.mean, c);
     const double sigma = std::sqrt(mean_of(variance, c) / static_cast<double>(variance.pixel_count()));
     const double allowed = std::hypot(kMeanFloor * expected, kMeanSigmas * sigma);
     v.worst_mean_error = std::max(v.worst_mean_error, std::fabs(mean_of(picture.mean, c) - expected) / allowed);
     const double least = kFloor * kFloor;
-    v.worst_variance_ratio = std::max(v.worst_variance_ratio, (mean_of(picture.variance, c) + least) /
-                                                                  (mean_of(reference.variance, c) + least));
+    v.worst_variance_ratio = std::max(
+        v.worst_variance_ratio, (mean_of(picture.variance, c) + least) / (mean_of(reference.variance, c) + least));
   }
   return v;
 }
@@ -201,9 +201,7 @@ TEST_SUITE("slow") {
       try {
         check(name, render_batches(kFolder / "scenes" / (name + ".xml"), kBatches, kBatchSamples, 1),
               read_reference(name));
-      } catch (const Error& error) {
-        FAIL_CHECK(name << ": " << error.what());
-      }
+      } catch (const Error& error) { FAIL_CHECK(name << ": " << error.what()); }
     }
   }
 

@@ -60,32 +60,35 @@ TEST_CASE("emitters of Mitsuba: spot") {
   CHECK(plain.beam_width == 15);
   CHECK_FALSE(plain.texture);
   const auto full = std::get<SpotLightDescription>(
-      mitsuba_light("spot", "<transform name='to_world'><lookat origin='1,2,3' target='1,2,9' up='0,1,0'/></transform>"
-                            "<rgb name='intensity' value='1,2,3'/><float name='cutoffAngle' value='40'/>"
-                            "<float name='beam_width' value='8'/><texture name='texture' type='bitmap'>" + kPicture +
-                            "</texture><float name='sampling_weight' value='2'/>").model);
+      mitsuba_light("spot",
+                    "<transform name='to_world'><lookat origin='1,2,3' target='1,2,9' up='0,1,0'/></transform>"
+                    "<rgb name='intensity' value='1,2,3'/><float name='cutoffAngle' value='40'/>"
+                    "<float name='beam_width' value='8'/><texture name='texture' type='bitmap'>" +
+                        kPicture + "</texture><float name='sampling_weight' value='2'/>")
+          .model);
   CHECK(full.to_world.point({0, 0, 0}) == Vec3f{1, 2, 3});
   CHECK(near(full.to_world.vector({0, 0, 1}), {0, 0, 1}));
   CHECK(dump(full.intensity) == "rgb 0x1p+0 0x1p+1 0x1.8p+1");
   CHECK(full.cutoff_angle == 40);
   CHECK(full.beam_width == 8);
   CHECK(full.texture == TextureId{0});
-  const auto usual = std::get<SpotLightDescription>(mitsuba_light("spot",
-      "<float name='cutoff_angle' value='60'/>").model);
+  const auto usual =
+      std::get<SpotLightDescription>(mitsuba_light("spot", "<float name='cutoff_angle' value='60'/>").model);
   CHECK(usual.beam_width == 45);
 
   CHECK(contains(mitsuba_error("spot", "<float name='cutof_angle' value='60'/>"), "did you mean 'cutoff_angle'"));
   CHECK(contains(mitsuba_error("spot", "<float name='beam_width' value='60'/>"), "scene.xml:4: "));
   CHECK(contains(mitsuba_error("spot", "<float name='cutoff_angle' value='181'/>"), "'cutoff_angle'"));
   CHECK(contains(mitsuba_error("spot", "<float name='cutoff_angle' value='90'/><texture name='texture' type='bitmap'>" +
-                                           kPicture + "</texture>"), "below 90"));
+                                           kPicture + "</texture>"),
+                 "below 90"));
   CHECK(mitsuba_error("spot", "<rgb name='texture' value='1,1,1'/>").empty());
 }
 
 TEST_CASE("emitters of Mitsuba: directional") {
   const auto by_direction = std::get<DirectionalLightDescription>(
-      mitsuba_light("directional",
-          "<vector name='direction' x='1' y='0' z='-1'/><rgb name='irradiance' value='3'/>").model);
+      mitsuba_light("directional", "<vector name='direction' x='1' y='0' z='-1'/><rgb name='irradiance' value='3'/>")
+          .model);
   CHECK(by_direction.direction == Vec3f{1, 0, -1});
   CHECK(dump(by_direction.irradiance) == "rgb 0x1.8p+1 0x1.8p+1 0x1.8p+1");
   const auto by_transform = std::get<DirectionalLightDescription>(
@@ -100,9 +103,11 @@ TEST_CASE("emitters of Mitsuba: directional") {
 
 TEST_CASE("emitters of Mitsuba: projector and environment map") {
   const auto projector = std::get<ProjectorDescription>(
-      mitsuba_light("projector", "<texture name='irradiance' type='bitmap'>" + kPicture + "</texture>"
-                                 "<float name='fov' value='30'/><string name='fov_axis' value='y'/>"
-                                 "<float name='scale' value='4'/>").model);
+      mitsuba_light("projector", "<texture name='irradiance' type='bitmap'>" + kPicture +
+                                     "</texture>"
+                                     "<float name='fov' value='30'/><string name='fov_axis' value='y'/>"
+                                     "<float name='scale' value='4'/>")
+          .model);
   CHECK(std::get<TextureId>(projector.irradiance) == TextureId{0});
   CHECK(projector.fov == 30);
   CHECK(projector.fov_axis == CameraDescription::FovAxis::kY);
@@ -212,13 +217,14 @@ TEST_CASE("emitters on shapes take textures, in shape groups as well") {
       "<emitter type='area'><texture name='radiance' type='bitmap'>" + kPicture + "</texture></emitter>";
   const Description d = read_text(mitsuba_scene("<shape type='shapegroup' id='g'><shape type='sphere'>" + area +
                                                 "</shape></shape><shape type='instance'><ref id='g'/></shape>"
-                                                "<shape type='rectangle'>" + area + "</shape>"));
+                                                "<shape type='rectangle'>" +
+                                                area + "</shape>"));
   REQUIRE(d.groups.size() == 1);
   CHECK(std::holds_alternative<TextureId>(d.groups[0].shapes.at(0).radiance.value()));
   CHECK(std::holds_alternative<TextureId>(d.shapes.at(0).radiance.value()));
-  const Description nori = read_text(nori_scene(
-      "<mesh type='sphere'><emitter type='area'><texture name='radiance' type='image'>" + kPicture +
-      "</texture></emitter></mesh>"));
+  const Description nori =
+      read_text(nori_scene("<mesh type='sphere'><emitter type='area'><texture name='radiance' type='image'>" +
+                           kPicture + "</texture></emitter></mesh>"));
   CHECK(std::holds_alternative<TextureId>(nori.shapes.at(0).radiance.value()));
 }
 
@@ -228,9 +234,11 @@ TEST_CASE("emitters of Nori: spot") {
   CHECK(plain.cutoff_angle == 30);
   CHECK(plain.beam_width == 25);
   const auto directed = std::get<SpotLightDescription>(
-      nori_light("spot", "<point name='position' value='1,2,3'/><vector name='direction' value='0,-2,0'/>"
-                         "<color name='intensity' value='1,2,3'/><float name='totalWidth' value='50'/>"
-                         "<float name='falloffStart' value='40'/>").model);
+      nori_light("spot",
+                 "<point name='position' value='1,2,3'/><vector name='direction' value='0,-2,0'/>"
+                 "<color name='intensity' value='1,2,3'/><float name='totalWidth' value='50'/>"
+                 "<float name='falloffStart' value='40'/>")
+          .model);
   CHECK(directed.to_world.point({0, 0, 0}) == Vec3f{1, 2, 3});
   CHECK(near(directed.to_world.vector({0, 0, 1}), {0, -1, 0}));
   CHECK(directed.cutoff_angle == 50);
@@ -251,16 +259,16 @@ TEST_CASE("emitters of Nori: spot") {
 
 TEST_CASE("emitters of Nori: directional and environment map") {
   const auto by_irradiance = std::get<DirectionalLightDescription>(
-      nori_light("directional",
-          "<vector name='direction' value='0,-1,1'/><color name='irradiance' value='1,2,3'/>").model);
+      nori_light("directional", "<vector name='direction' value='0,-1,1'/><color name='irradiance' value='1,2,3'/>")
+          .model);
   CHECK(by_irradiance.direction == Vec3f{0, -1, 1});
   CHECK(dump(by_irradiance.irradiance) == "rgb 0x1p+0 0x1p+1 0x1.8p+1");
   const auto by_intensity =
       std::get<DirectionalLightDescription>(nori_light("directional", "<color name='intensity' value='1,2,3'/>").model);
   CHECK(dump(by_intensity.irradiance) == "rgb 0x1p+0 0x1p+1 0x1.8p+1");
-  CHECK(contains(nori_error("directional",
-                 "<color name='intensity' value='1,2,3'/><color name='irradiance' value='1,2,3'/>"),
-                 "expected one"));
+  CHECK(contains(
+      nori_error("directional", "<color name='intensity' value='1,2,3'/><color name='irradiance' value='1,2,3'/>"),
+      "expected one"));
   const auto map = std::get<EnvmapDescription>(
       nori_light("envmap", kPicture + "<transform name='toWorld'><rotate axis='0,1,0' angle='90'/></transform>").model);
   CHECK(map.scale == 1);

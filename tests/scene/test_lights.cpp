@@ -470,9 +470,7 @@ TEST_CASE("lights: what cannot be is said where it stands") {
   const auto message = [](auto model) -> std::string {
     try {
       lone(model);
-    } catch (const SceneError& error) {
-      return error.what();
-    }
+    } catch (const SceneError& error) { return error.what(); }
     return "";
   };
   SpotLightDescription spot;

@@ -19,8 +19,8 @@ double reflectance(double eta, double k) { return ((eta - 1) * (eta - 1) + k * k
 /// Of a metal, linear between its samples.
 double reflectance_at(const char* name, float wavelength) {
   const auto samples = find_metal(name);
-  const auto above = std::find_if(samples.begin(), samples.end(),
-                                  [&](const MetalSample& s) { return s.wavelength >= wavelength; });
+  const auto above =
+      std::find_if(samples.begin(), samples.end(), [&](const MetalSample& s) { return s.wavelength >= wavelength; });
   const auto below = above - 1;
   const double t = (wavelength - below->wavelength) / (above->wavelength - below->wavelength);
   return reflectance(below->eta + t * (above->eta - below->eta), below->k + t * (above->k - below->k));

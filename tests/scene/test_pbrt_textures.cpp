@@ -170,7 +170,7 @@ TEST_CASE("pbrt textures: integers are sRGB, and PNG files alone may be told oth
       view.rows = textures.rows.data();
       view.tiles = textures.tiles.get();
       CHECK(lookup_scalar<Scalar>(view, 0, {{0.5f, 0.5f}, 0, 0, 0, 0}) == Approx(c.expected).epsilon(1e-3));
-      // What has no effect is told.
+      // A note names encodings without effect.
       const bool told = std::any_of(d.notes.begin(), d.notes.end(),
                                     [](const std::string& note) { return contains(note, "for PNG files alone"); });
       const std::string name = c.file;

@@ -527,7 +527,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("ply: lists of texture coordinates of another length are errors, numbers that are none are 0") {
+TEST_CASE("ply: lists of texture coordinates of another length are errors, NaN counts as 0") {
   CHECK(contains(
       error_in(square("6 0 0 1 0 1 1", "4 0 0 1 1")),
       "mesh.ply:16: row 1 of element 'face' (2 rows): list 'texcoord' has 4 numbers, expected two for each of 3 "

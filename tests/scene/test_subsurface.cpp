@@ -24,8 +24,7 @@ const MediumDescription& interior(const Description& d, std::size_t shape = 0) {
 }
 std::string coefficients(const Description& d) {
   const auto& pair = std::get<AbsorptionScatteringDescription>(interior(d).coefficients);
-  return dump(std::get<SpectrumDescription>(pair.sigma_a)) + " | " +
-         dump(std::get<SpectrumDescription>(pair.sigma_s));
+  return dump(std::get<SpectrumDescription>(pair.sigma_a)) + " | " + dump(std::get<SpectrumDescription>(pair.sigma_s));
 }
 std::string measured(Vec3f sigma_a, Vec3f sigma_s) {
   const auto rgb = [](Vec3f v) { return dump(SpectrumDescription::rgb(v.x, v.y, v.z)); };

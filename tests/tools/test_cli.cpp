@@ -37,10 +37,10 @@ TEST_CASE("wrong usage is exit code 2") {
   write_bytes(folder / "scene.xml", kScene);
   for (const char* arguments :
        {"", "paint", "render", "render scene.xml --no-such-option", "render scene.xml -o out.jpeg",
-        "render scene.xml --spp 0", "render scene.xml --spp many",
-        "render scene.xml --color cmyk", "render scene.xml --crop 0,0,100,16", "render scene.xml --crop 4,4,4,8",
-        "render scene.xml --crop 1,2,3", "render scene.xml -D novalue", "render scene.xml --integrator pathh",
-        "render scene.xml --max-depth -2", "compare one.exr"}) {
+        "render scene.xml --spp 0", "render scene.xml --spp many", "render scene.xml --color cmyk",
+        "render scene.xml --crop 0,0,100,16", "render scene.xml --crop 4,4,4,8", "render scene.xml --crop 1,2,3",
+        "render scene.xml -D novalue", "render scene.xml --integrator pathh", "render scene.xml --max-depth -2",
+        "compare one.exr"}) {
     CAPTURE(std::string(arguments));
     const Outcome outcome = run(folder, arguments);
     CHECK(outcome.code == 2);
@@ -217,8 +217,10 @@ TEST_CASE("nothing that is written may replace what the scene is made of, or wha
   write_vol(asset("smoke.vol"), 2, 1, [](Vec3f, int) { return 1.0f; });
   Image picture(4, 4, {"R", "G", "B"});
   for (const char* name : {"sky.exr", "mtl.png", "cloth.png"})
-    if (asset(name).extension() == ".exr") write_exr(asset(name), picture);
-    else write_png(asset(name), picture);
+    if (asset(name).extension() == ".exr")
+      write_exr(asset(name), picture);
+    else
+      write_png(asset(name), picture);
   const std::string text = R"(<include filename="assets/more.xml"/>
     <shape type="obj"><string name="filename" value="assets/plain.obj"/><bsdf type="diffuse">
       <texture name="reflectance" type="bitmap"><string name="filename" value="assets/cloth.png"/></texture>
@@ -274,8 +276,8 @@ TEST_CASE("media beyond the range of floats are errors with file and line") {
   const std::string above = scene.substr(0, scene.find("<medium"));
   const auto line = 1 + std::count(above.begin(), above.end(), '\n');
   for (const char* color : {"rgb", "spectral"}) {
-    const Outcome outcome = run(folder, "render scene.xml --quiet --spp 1 --color " + std::string(color),
-                                "timeout -s KILL 20 ");
+    const Outcome outcome =
+        run(folder, "render scene.xml --quiet --spp 1 --color " + std::string(color), "timeout -s KILL 20 ");
     CHECK(outcome.code == 3);
     CAPTURE(outcome.err);
     CHECK(contains(outcome.err, "scene.xml:" + std::to_string(line) + ": the medium's extinction is"));

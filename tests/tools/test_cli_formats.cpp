@@ -89,7 +89,7 @@ struct Workplace {
 
 }  // namespace
 
-TEST_CASE("formats: files of other programs are told by name, with what is read and how to convert them") {
+TEST_CASE("formats: messages name the format of foreign files, what is read, and how to convert") {
   const Workplace place;
   for (const Foreign& foreign : foreign_files()) {
     const std::string file = foreign.name, told = std::string(": is ") + foreign.told + ", ";

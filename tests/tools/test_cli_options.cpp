@@ -148,7 +148,7 @@ TEST_CASE("options: every message is a line that begins with the program's name"
   }
 }
 
-TEST_CASE("options: those before the command are told where they belong, and far-fetched names are not suggested") {
+TEST_CASE("options: messages say where a misplaced option belongs, and suggest only similar names") {
   const Workplace place;
   for (const char* const arguments : {"--quiet render scene.xml", "--quiet", "--quiet=1 render"}) {
     CAPTURE(std::string(arguments));
