@@ -140,6 +140,59 @@ TEST_CASE("density tracking: distances have the right distribution, and the weig
   CHECK(student_t_p_value((light.mean() - 1) / std::sqrt(light.variance() / n), n) >= kLevel);
 }
 
+TEST_CASE("density tracking: weights and densities of lanes with extinctions of their own, by hand") {
+  const SceneView scene{};
+  MediumRow medium;
+  medium.flags = kMediumSingleGrid | kMediumScatters;
+  const std::array<double, 4> s = {0.3, 0.8, 0.1, 0.5}, albedo = {0.9, 0.4, 0.6, 0.7};
+  MediumSpectra spectra;
+  spectra.first = Quad(Spectrum4{0.3f, 0.8f, 0.1f, 0.5f});
+  spectra.second = Quad(Spectrum4{0.9f, 0.4f, 0.6f, 0.7f});
+  const double majorants = 5, minorants = 2, ratio = 0.7, survival = 2;
+  for (const int hero : {0, 1, 3})
+    for (const bool weighted : {true, false})
+      for (const bool delta : {false, true})
+        for (const std::uint32_t nulls : {0u, 1u, 5u}) {
+          CAPTURE(hero);
+          CAPTURE(weighted);
+          CAPTURE(delta);
+          CAPTURE(nulls);
+          const MediumRay ray{scene, medium, spectra, {}, {}, {0, 0, 1}, 10, hero, weighted};
+          DensityEnd<Scalar> end{};
+          end.t = 4, end.majorants = 5, end.minorants = 2, end.ratio = 0.7f, end.survival = 2, end.nulls = nulls;
+          end.outcome = static_cast<std::uint32_t>(DensityOutcome::kPassed);
+          const double h = s[static_cast<std::size_t>(hero)];
+          PathWeights path{Quad(1.0f), Quad(1.0f), Quad(1.0f)}, light = path, scattered = path;
+          weigh_scattering(ray, end, delta, path);
+          weigh_transmittance(ray, end, delta, light);
+          end.outcome = static_cast<std::uint32_t>(DensityOutcome::kScattered);
+          weigh_scattering(ray, end, delta, scattered);
+          for (int lane = 0; lane < 4; ++lane) {
+            CAPTURE(lane);
+            // The lane that the densities are of: their own, or the hero's for all.
+            const auto l = static_cast<std::size_t>(lane), d = weighted ? l : static_cast<std::size_t>(hero);
+            const auto by_path = [&](double sigma) {
+              return std::pow(sigma / h, nulls) * std::exp((h - sigma) * majorants);
+            };
+            const auto by_light = [&](double sigma) {
+              return std::pow(sigma / h, nulls) * std::exp((h - sigma) * (majorants - minorants));
+            };
+            const auto check = [](float found, double expected) {
+              CHECK(double{found} / expected == doctest::Approx(1).epsilon(1e-4));
+            };
+            check(path.beta[lane], by_path(s[l]));
+            check(path.r_u[lane], by_path(s[d]));
+            check(path.r_l[lane], delta ? by_path(s[d]) : by_light(s[d]) * ratio * std::exp(h * minorants));
+            const double passed = delta ? 1 : ratio * std::exp(-h * minorants);
+            check(light.beta[lane], by_path(s[l]) * passed * survival);
+            check(light.r_u[lane], by_path(s[d]) * passed);
+            check(light.r_l[lane], delta ? by_path(s[d]) : by_light(s[d]));
+            check(scattered.beta[lane], by_path(s[l]) * s[l] * albedo[l] / h);
+            check(scattered.r_u[lane], by_path(s[d]) * s[d] / h);
+          }
+        }
+}
+
 TEST_CASE("density tracking: a ray ends as it would alone, and registers do what single rays do") {
   const Noise medium(0.3f, true, 0.2f);
   auto rows = std::make_unique<DensityRays>();
