@@ -161,6 +161,23 @@ TEST_CASE("nori microfacet: sampling, weights, reciprocity, energy") {
   CHECK(is_black(nori(0.5f, 0.1f).evaluate({0, 0, -1}, {0, 0, 1}).f_cos));
 }
 
+TEST_CASE("nori microfacet: shadowing of a mirror reflection, by Walter's approximation") {
+  constexpr double kPi = 3.14159265358979;
+  for (const double theta : {0.3, 0.9, 1.05, 1.3, 1.5})
+    for (const double alpha : {0.4, 0.6}) {
+      const double cosine = std::cos(theta), b = 1 / (alpha * std::tan(theta));
+      const double g1 = b < 1.6 ? (3.535 * b + 2.181 * b * b) / (1 + 2.276 * b + 2.577 * b * b) : 1;
+      const Vec3f wo{static_cast<float>(std::sin(theta)), 0, static_cast<float>(cosine)};
+      const double fresnel = static_cast<double>(fresnel_dielectric<Scalar>(wo.z, 1.5f).reflectance);
+      // Facets that all face up have the density 1 / (pi alpha^2).
+      const double expected = fresnel * g1 * g1 / (4 * kPi * alpha * alpha * cosine);
+      const float found = nori(0, static_cast<float>(alpha)).evaluate(wo, {-wo.x, 0, wo.z}).f_cos.c0;
+      CAPTURE(theta);
+      CAPTURE(alpha);
+      CHECK(static_cast<double>(found) == doctest::Approx(expected).epsilon(1e-4));
+    }
+}
+
 TEST_CASE("rough bsdfs: registers equal single values") {
   const auto share = [](int lane, int k) { return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4); };
   const auto alpha = [&](int lane) { return 0.15f + 0.8f * share(lane, 1); };

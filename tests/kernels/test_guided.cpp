@@ -182,4 +182,31 @@ TEST_CASE("guided vertices: of blends, parts that disperse count with their own 
   CHECK(whole_pdf<Scalar>(none, blend) == doctest::Approx(blend.pdf_solid_angle));
 }
 
+TEST_CASE("guide: what is noted of a direction is divided by the path's throughput over its density") {
+  Description d = mixed_scene();
+  fill(d, add_sphere(d, {0, 0, -9}, 1), add_medium(d, fog(1, 0.5f)));
+  const auto scene = compile_scene(d);
+  TestWave test(4, 0);
+  StageContext context = test.context(*scene);
+  GuideLog log;
+  log.begin(4);
+  context.training = &log;
+  const std::array<Spectrum4, 2> densities = {Spectrum4(1.0f), Spectrum4{1, 2, 6, 0}};  // means of 1 and 3
+  for (const Spectrum4& r_u : densities) {
+    const Slot slot = test.add({0, 0, 0}, {0, 0, 1});
+    test.wave.probabilities.row(slot) = {r_u, r_u};
+    ThroughputState<Scalar> path = test.wave.throughput.get(slot);
+    path.beta = {0.5f, 0.25f, 0.25f, 0};
+    test.wave.guide_places.store<Scalar>(0, {});
+    VertexItem<Scalar> item{};
+    note_directions<Scalar>(context, test.wave, &slot, 0, 1u, item, path, {0, 0, 1}, 0.5f);
+    log.finish(test.wave.radiance.row(slot).task_sample, 4);
+  }
+  GuideView guide;
+  const std::vector<GuideRecord> records = log.records(guide, {});
+  REQUIRE(records.size() == 2);
+  CHECK(records[0].found == doctest::Approx(4));
+  CHECK(records[1].found == doctest::Approx(3 * 4));
+}
+
 }  // namespace sheaf::test_guided

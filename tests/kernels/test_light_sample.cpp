@@ -4,6 +4,7 @@
 
 #include "kernels/lights/light_weight.h"
 #include "scene/compile/compile.h"
+#include "tests/support/capture.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/records_testing.h"
 #include "tests/support/statistics.h"
@@ -220,6 +221,28 @@ TEST_CASE("light sampling: a cube sends light from the faces that are seen") {
   const auto scene = lone_light(CubeShape{}, Transform::translate({0, 0, 4}) * Transform::rotate({1, 1, 0}, 35));
   check_directions(scene->view(), {0, 0, 0}, window({0, 0, 1}, 0.75), Use::kPart);
   check_samples(scene->view(), {0, 0, 0});
+}
+
+TEST_CASE("light sampling: a goniometric light shines towards -y as the first row of its picture says") {
+  Description d = empty_scene(4, 4);
+  auto picture = std::make_shared<Image>(8, 8, std::vector<std::string>{"Y"});
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 8; ++x) picture->at(x, y, 0) = (y < 4 ? 1.0f : 3.0f) * (x < 4 ? 1.0f : 5.0f);
+  TextureDescription texture;
+  BitmapDescription bitmap;
+  bitmap.made = picture;
+  texture.model = bitmap;
+  d.textures.push_back(texture);
+  d.lights.push_back({GoniometricLightDescription{}, {}});
+  const auto scene = compile_scene(d);
+  for (const auto& [x, y] :
+       {std::pair{-1.0f, -1.0f}, std::pair{1.0f, -1.0f}, std::pair{-1.0f, 1.0f}, std::pair{1.0f, 1.0f}}) {
+    CAPTURE_BINDING(x);
+    CAPTURE_BINDING(y);
+    const LightSample<Scalar> s = sample_any_light<Scalar>(scene->view(), {x, y, 0.2f}, {0.5f, 0.5f, 0.5f, 0.5f});
+    const double expected = (y < 0 ? 1 : 3) * (x < 0 ? 1 : 5) / 2.04;
+    CHECK(double{s.radiance.c0} == doctest::Approx(expected).epsilon(1e-4));
+  }
 }
 
 TEST_CASE("light sampling: disks, round and elliptic") {

@@ -255,6 +255,75 @@ TEST_CASE_TEMPLATE("photons in media say whether one wavelength is left, as poin
   }
 }
 
+TEST_CASE_TEMPLATE("photons on surfaces say whether one wavelength is left", L, SHEAF_STAGE_LANES) {
+  const auto scene = compile_scene(sheet_and_wall(), kSpectral);
+  TestWave test(60, 0);
+  StageContext context = test.photon_context(*scene, 60);
+  test.photons.begin(7, 60, PhotonKind::kAll);
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    const Slot slot = test.add_active({-1.9f + 0.06f * static_cast<float>(i), 0, 0}, {0, 0, 1});
+    test.wave.throughput.row(slot).pixel = kPhotonPixel;
+    test.wave.throughput.row(slot).sample = i;
+    test.wave.probabilities.row(slot) = {Spectrum4(1.0f), Spectrum4(1.0f)};
+    test.wave.distance_since_vertex[slot] = 0;
+    test.wave.wavelength_samples[slot] = 0.3f;
+    if (i % 3 == 0) keep_one_wavelength(test.wave, slot);
+  }
+  for (const Stage stage : {Stage::kIntersect, Stage::kSortSurfaces, Stage::kSurfaceInputs, Stage::kStorePhotons})
+    kStages<L>[static_cast<std::size_t>(stage)].run(context, test.wave);
+  REQUIRE(test.photons.stored.size() > 50);
+  for (const Photon& photon : test.photons.stored)
+    CHECK(((photon.surface & kPhotonSingleWavelength) != 0) == ((photon.order >> kVertexBits) % 3 == 0));
+}
+
+TEST_CASE_TEMPLATE("shadow rays through what disperses keep the density of the first wavelength alone", L,
+                   SHEAF_STAGE_LANES) {
+  for (const bool photons : {false, true})
+    for (const bool single_path : {false, true}) {
+      CAPTURE(photons);
+      CAPTURE(single_path);
+      Description d = sheet_and_wall();
+      for (const float z : {1.0f, 7.0f}) add_point_light(d, {-1, 0, z}, 1);
+      d.integrator.kind = photons ? IntegratorKind::kLightTracer : IntegratorKind::kPath;
+      const auto scene = compile_scene(d, kSpectral);
+      TestWave test(200, 0);
+      StageContext context = photons ? test.photon_context(*scene, 200) : test.context(*scene);
+      Wave& wave = test.wave;
+      for (int i = 0; i < 200; ++i) {
+        // Onto the sheet and the wall, every other one from behind.
+        const bool behind = i % 2 == 1;
+        const float x = -1.9f + 0.019f * static_cast<float>(i);
+        const Slot slot = test.add_active({x, 0.3f, behind ? 6.0f : 2.0f}, {0, 0, behind ? -1.0f : 1.0f});
+        wave.probabilities.row(slot) = {single_path ? Spectrum4(2.0f) : kUnequal, Spectrum4(1.0f)};
+        wave.distance_since_vertex[slot] = 0;
+        wave.wavelength_samples[slot] = 0.3f;
+        if (single_path) keep_one_wavelength(wave, slot);
+      }
+      const auto run = [&](Stage stage) { kStages<L>[static_cast<std::size_t>(stage)].run(context, wave); };
+      for (const Stage stage : {Stage::kIntersect, Stage::kSortSurfaces, Stage::kSurfaceInputs}) run(stage);
+      if (photons) {
+        run(Stage::kCameraConnections);
+      } else {
+        run(Stage::kLightCandidates);
+        run(Stage::kResample);
+      }
+      int count[2] = {0, 0};
+      for (int i = 0; i < wave.shadow_count; ++i) {
+        const ShadowItem<Scalar> ray = wave.shadows.template load<Scalar>(i);
+        const Spectrum4 r_u = wave.transmittances.template load<Scalar>(i).r_u;
+        const Vec3f along = wave.rays.get(static_cast<Slot>(ray.slot)).direction;
+        // Only the sheet lets light through.
+        const bool single = !single_path && along.z * ray.direction.z > 0;
+        const Spectrum4 before = single_path ? Spectrum4(2.0f) : kUnequal;
+        const Spectrum4 expected = single ? Spectrum4{4 * before.c0, 0, 0, 0} : before;
+        ++count[single ? 1 : 0];
+        CHECK(lanes(r_u) == lanes(expected));
+      }
+      CHECK(count[0] > 20);
+      CHECK((single_path ? count[1] == 0 : count[1] > 20));
+    }
+}
+
 TEST_CASE_TEMPLATE("photon rays: stored photons sample their flights by any lane, others by the first", L,
                    SHEAF_STAGE_LANES) {
   const auto lanes_of = [](ColorMode color, bool stored) {

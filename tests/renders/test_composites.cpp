@@ -116,14 +116,18 @@ TEST_CASE("compile materials: what cannot be combined is refused") {
       },
       "transmits");
   fails([](Description& d) { add_two_sided(d, add_two_sided(d, add_diffuse(d, 1))); }, "cannot hold another");
-  fails([](Description& d) {
-    const MaterialId inner = add_material(d, BumpMapDescription{TextureId{0}, 1, add_diffuse(d, 1)});
-    add_material(d, NormalMapDescription{TextureId{0}, false, inner});
-  }, "map cannot hold another");
-  fails([](Description& d) {
-    for (std::uint32_t i = 0; i < 20; ++i) add_material(d, MaskDescription{0.5f, MaterialId{i + 1}});
-    add_diffuse(d, 1);
-  }, "deep");
+  fails(
+      [](Description& d) {
+        const MaterialId inner = add_material(d, BumpMapDescription{TextureId{0}, 1, add_diffuse(d, 1)});
+        add_material(d, NormalMapDescription{TextureId{0}, false, inner});
+      },
+      "map cannot hold another");
+  fails(
+      [](Description& d) {
+        for (std::uint32_t i = 0; i < 20; ++i) add_material(d, MaskDescription{0.5f, MaterialId{i + 1}});
+        add_diffuse(d, 1);
+      },
+      "deep");
 }
 
 TEST_SUITE_BEGIN("slow");
@@ -171,7 +175,8 @@ TEST_CASE("textures: a picture's colours are the surface's") {
     Description d = picture();
     const auto grey = [](float v) { return std::vector<float>{v, v, v}; };
     std::vector<float> texels;
-    for (const float v : {0.3f, 0.4f, 0.1f, 0.2f}) for (const float c : grey(v)) texels.push_back(c);
+    for (const float v : {0.3f, 0.4f, 0.1f, 0.2f})
+      for (const float c : grey(v)) texels.push_back(c);
     const TextureId texture = add_bitmap(d, folder, "quarters.exr", 2, 2, texels);
     const float x = quarter % 2 == 0 ? -0.5f : 0.5f, y = quarter / 2 == 0 ? -0.5f : 0.5f;
     add_rectangle(d, Transform::translate({-x, -y, 0}), add_material(d, DiffuseDescription{texture}));
@@ -200,7 +205,7 @@ TEST_CASE("normal maps: turned normals catch the light of where they point") {
   const double lit = 0.5 / kPiD * cosine_degrees(40);
   const double tan2_turn = std::pow(std::tan(20 * kPiD / 180), 2), tan2_light = std::pow(std::tan(60 * kPiD / 180), 2);
   const double softened = lit * 2 / (1 + std::sqrt(1 + 0.125 * tan2_turn * tan2_light));
-  const auto scene = [&](bool soften, bool flip_green, float turn) {
+  const auto scene = [&](bool soften, bool flip_green, float turn, bool from_behind = false) {
     Description d = picture();
     // Turned by `turn` degrees about the floor's normal, against the texture's x axis.
     const float phi = turn * static_cast<float>(kPiD) / 180;
@@ -208,7 +213,13 @@ TEST_CASE("normal maps: turned normals catch the light of where they point") {
     const TextureId map = add_uniform(d, folder, "map.exr", 0.5f * n.x + 0.5f, 0.5f * n.y + 0.5f, 0.5f * n.z + 0.5f);
     const MaterialId m = add_material(d, NormalMapDescription{map, flip_green, add_diffuse(d, 0.5f)});
     d.materials.back().soften_terminator = soften;
-    add_rectangle(d, Transform::rotate({0, 0, 1}, flip_green ? turn : -turn), m);
+    if (from_behind) {
+      // From behind, the map is its mirror image at the floor.
+      add_rectangle(d, Transform::rotate({0, 0, 1}, flip_green ? -turn : turn) * Transform::rotate({1, 0, 0}, 180),
+                    add_two_sided(d, m));
+    } else {
+      add_rectangle(d, Transform::rotate({0, 0, 1}, flip_green ? turn : -turn), m);
+    }
     aim_at_floor(d);
     add_point_light(d, light * 1000.0f, 1e6f);
     return d;
@@ -217,6 +228,7 @@ TEST_CASE("normal maps: turned normals catch the light of where they point") {
   check_mean(scene(true, false, 0), softened);
   check_mean(scene(false, false, 70), lit);
   check_mean(scene(false, true, 70), lit);
+  for (const bool flip_green : {false, true}) check_mean(scene(false, flip_green, 70, true), lit);
 }
 
 TEST_CASE("normal maps: a map that says straight up changes nothing, nor does a level bump map") {

@@ -132,6 +132,10 @@ TEST_CASE("daylight: where the sun stands") {
   for (double hour = 11.5; hour < 12.5; hour += 0.01)
     highest = std::max(highest, sun_position({2010, 6, 21, hour, 0, 0, 23.4385, 0, 0})[2]);
   CHECK(highest > 1 - 1e-7);
+  // By a second implementation of the formulas, the parallax of the low sun included.
+  const auto low = sun_position({2024, 6, 1, 6.5, 0, 0, 50, 8, 2});
+  const double expected[3] = {0.8990178375158425, 0.4133479209249204, 0.1446043709414899};
+  for (std::size_t i = 0; i < 3; ++i) CHECK(std::fabs(low[i] - expected[i]) < 1e-8);
   CHECK(days_since_2000({2000, 1, 1, 12, 0, 0, 0, 0, 0}) == 0);
   CHECK(days_since_2000({2004, 3, 1, 18, 0, 0, 0, 0, 0}) == doctest::Approx(1521.25));
 }
@@ -231,6 +235,25 @@ TEST_CASE("daylight: a sun between columns and rows of the map stays where it is
     CHECK(std::fabs(across / flux) < 1e-4);
     CHECK(down / flux == doctest::Approx((0.5 - kElevation / kPiD) * (picture.height - 1)).epsilon(1e-4));
   }
+}
+
+TEST_CASE("daylight: a stretched sky moves the sun of its map away from the zenith") {
+  SkyDescription sky;
+  sky.scale = 0;
+  sky.sun_scale = 1;
+  sky.resolution = 64;
+  sky.stretch = 1.5f;
+  constexpr double kElevation = 0.9;
+  sky.suns = {{static_cast<float>(std::cos(kElevation)), static_cast<float>(std::sin(kElevation)), 0}};
+  const EnvmapPicture picture = sky_picture(sky, {0, 0, 1});
+  double flux = 0, down = 0;
+  for (std::uint32_t j = 0; j < picture.height; ++j)
+    for (std::uint32_t i = 0; i < picture.width; ++i) {
+      const double value =
+          double(picture.rgb[3 * (j * picture.width + i) + 1]) * node_solid_angle(j, picture.width, picture.height);
+      flux += value, down += value * j;
+    }
+  CHECK(down / flux == doctest::Approx(1.5 * (0.5 - kElevation / kPiD) * (picture.height - 1)).epsilon(1e-4));
 }
 
 TEST_CASE("daylight: skies of several suns are averaged, and without the sun there is none") {

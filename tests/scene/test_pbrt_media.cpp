@@ -182,6 +182,18 @@ TEST_CASE("pbrt media: clouds are noise in the space of the medium") {
   CHECK(cloud.sigma_s.x == 0);
 }
 
+TEST_CASE("pbrt media: clouds by a second implementation of pbrt's formula") {
+  struct Case {
+    pbrt::CloudShape cloud;
+    double x, y, z, density;
+  };
+  for (const Case& c :
+       {Case{{2, 0.5, 2}, 0.81, 0.6, 0.15, 0.07537690329922543},
+        Case{{0.7, 2, 4}, 0.37, 0.52, 0.66, 0.23470302532724308}, Case{{1, 1, 7}, 0.1, 0.55, 0.25, 0.5077235665925008},
+        Case{{1, 1, 7}, 0.6, 0.55, 0.85, 0.22320655249814503}})
+    CHECK(pbrt::cloud_density(c.cloud, c.x, c.y, c.z) == Approx(c.density).epsilon(1e-9));
+}
+
 TEST_CASE("pbrt media: noise is 0 where coordinates are whole, repeats itself and is not flat") {
   double sum = 0, squares = 0;
   for (int i = 0; i < 1000; ++i) {

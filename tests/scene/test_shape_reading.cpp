@@ -114,6 +114,19 @@ TEST_CASE("Mitsuba: height fields of textures that are no pictures are looked up
   const SceneView view = scene->view();
   REQUIRE(scene->info().shapes == 4);
   CHECK(scene->info().vertices == 3 * 24 + 256 * 256);
+  // Looked up at the centres of an image's pixels, they are the pixels.
+  const auto hills = [](const std::string& name) {
+    return "<texture " + name +
+           " type='bitmap'><string name='filename' value='hills.pgm'/>"
+           "<boolean name='raw' value='true'/></texture>";
+  };
+  const auto pixels = compile_scene(
+      files.read("<shape type='heightfield'><integer name='width' value='3'/><integer name='height' value='2'/>"
+                 "<texture type='checkerboard'>" +
+                 hills("name='color0'") + hills("name='color1'") + "</texture></shape><shape type='heightfield'>" +
+                 hills("") + "</shape>"));
+  for (int i = 0; i < 6; ++i)
+    CHECK(pixels->view().vertices[i].position.z == doctest::Approx(pixels->view().vertices[6 + i].position.z));
   for (std::uint32_t y = 0; y < 6; ++y)
     for (std::uint32_t x = 0; x < 4; ++x) {
       const bool first = (x < 2) == (y < 3);
