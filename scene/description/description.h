@@ -478,6 +478,8 @@ struct MeshFileShape {
   bool flip_tex_coords = true;  ///< v becomes 1 - v (Mitsuba's default for OBJ)
   bool smooth_normals = true;   ///< vertices without normals get smooth ones
   int shape_index = 0;          ///< kSerialized: which of the file's meshes, counted from 0
+  /// Faces that refer to vertices which the file lacks are errors, or left out with a warning.
+  enum class BadFaces { kError, kDrop } bad_faces = BadFaces::kError;
 };
 /// Centre at `center`, before the shape's transform. Normals point outwards.
 struct SphereShape {

@@ -317,7 +317,7 @@ std::size_t place(ObjFile& obj, const ShapeDescription& shape, bool smooth_norma
 /// The shapes that `shape` becomes; empty if it stays as it is.
 std::vector<ShapeDescription> cut(const ShapeDescription& shape, MaterialLibraries& libraries, bool creased) {
   const auto& geometry = std::get<MeshFileShape>(shape.geometry);
-  ObjFile obj = read_obj_with_materials(geometry.file, geometry.flip_tex_coords);
+  ObjFile obj = read_obj_with_materials(geometry.file, geometry.flip_tex_coords, geometry.bad_faces);
   const std::vector<const MtlMaterial*> materials = find_materials(obj, geometry.file.string(), libraries);
   std::vector<ShapeDescription> parts;
   const bool plain = std::all_of(materials.begin(), materials.end(), [](const MtlMaterial* m) { return m == nullptr; });

@@ -132,20 +132,24 @@ std::optional<MeshFileShape::Format> model_format(const std::filesystem::path& f
   return std::nullopt;
 }
 
-Description read_model(const std::filesystem::path& file, MeshFileShape::Format format, const ModelView& view) {
+Description read_model(const std::filesystem::path& file, MeshFileShape::Format format, const ModelView& view,
+                       bool lenient) {
   Description description;
   description.file = file;
   description.files = {file};
   ShapeDescription shape;
   // Pictures stand upright: v counts upwards.
-  shape.geometry = MeshFileShape{file, format, format != MeshFileShape::Format::kSerialized, true, 0};
+  MeshFileShape mesh{file, format, format != MeshFileShape::Format::kSerialized};
+  if (lenient) mesh.bad_faces = MeshFileShape::BadFaces::kDrop;
+  shape.geometry = std::move(mesh);
   shape.where = {file.string(), 0};
   description.shapes.push_back(std::move(shape));
-  expand_obj_materials(description, false, true);
+  expand_obj_materials(description, lenient, true);
+  if (description.shapes.empty()) throw SceneError(description.stand_ins.back());
   for (ShapeDescription& part : description.shapes)
     if (const auto* from = std::get_if<MeshFileShape>(&part.geometry))
       load_model(part, MeshFileShape(*from), description);
-  const std::array<Vec3f, 2> box = read_bounds(description, false);
+  const std::array<Vec3f, 2> box = read_bounds(description, lenient);
   frame_box(box, view, description);
   const MaterialId grey = add_diffuse(description, {0.6f, 0.6f, 0.6f});
   for (ShapeDescription& part : description.shapes)

@@ -110,15 +110,26 @@ void check_format(const std::filesystem::path& file) {
                                            conversion(format.use));
 }
 
+/// Lets meshes of files do without faces whose vertices the files lack.
+void drop_bad_faces(Description& description) {
+  const auto drop = [](std::vector<ShapeDescription>& shapes) {
+    for (ShapeDescription& shape : shapes)
+      if (auto* mesh = std::get_if<MeshFileShape>(&shape.geometry)) mesh->bad_faces = MeshFileShape::BadFaces::kDrop;
+  };
+  drop(description.shapes);
+  for (ShapeGroup& group : description.groups) drop(group.shapes);
+}
+
 Description read_format(const std::filesystem::path& file, const ReadOptions& options) {
   check_format(file);
-  if (const auto format = model_format(file)) return read_model(file, *format, options.view);
+  if (const auto format = model_format(file)) return read_model(file, *format, options.view, options.lenient);
   if (is_pbrt_scene(file)) {
     if (!options.defines.empty())
       throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": scenes of pbrt have no parameters");
     Description description;
     description.file = file;
     read_pbrt(file, description, options.lenient);
+    if (options.lenient) drop_bad_faces(description);
     return description;
   }
   ExpandedScene scene(file, options.defines, options.lenient);
@@ -143,6 +154,7 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
     read_mitsuba(context);
   }
   description.files = scene.files();
+  if (options.lenient) drop_bad_faces(description);
   expand_obj_materials(description, options.lenient);
   if (context.frames_scene) frame_box(read_bounds(description, options.lenient), options.view, description);
   if (options.lenient) light_what_is_dark(description);

@@ -64,11 +64,11 @@ std::string read_mesh_text(const std::filesystem::path& file, std::string_view w
 MeshFile read_mesh(const MeshFileShape& shape) {
   switch (shape.format) {
     case MeshFileShape::Format::kPly:
-      return read_ply(shape.file, shape.flip_tex_coords);
+      return read_ply(shape.file, shape.flip_tex_coords, shape.bad_faces);
     case MeshFileShape::Format::kSerialized:
-      return read_serialized(shape.file, shape.shape_index);
+      return read_serialized(shape.file, shape.shape_index, shape.bad_faces);
     default:
-      return read_obj(shape.file, shape.flip_tex_coords);
+      return read_obj(shape.file, shape.flip_tex_coords, shape.bad_faces);
   }
 }
 

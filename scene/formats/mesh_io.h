@@ -19,23 +19,28 @@ struct MeshFile {
   bool face_normals = false;  ///< the file itself wants to be shown faceted, as ShapeDescription::face_normals says
 };
 
+using BadFaces = MeshFileShape::BadFaces;
+
 // All readers throw SceneError, with the line where it is known, for files that are missing, empty, truncated or
-// malformed, and for indices out of range. Positions that are NaN or infinite are accepted as the file gives them
-// (drop_degenerate_triangles() removes what uses them). Normals are as long as the file has them; a vertex without a
-// usable one has (0, 0, 0) if others have theirs, and `normals` is empty if none has (compute_vertex_normals() and
-// transform_mesh() fill in). Vertices without a texture coordinate get (0, 0), and `uvs` is empty if none has one.
-// Polygons with more than three corners, convex or concave, are cut into triangles.
+// malformed, and for indices out of range. With BadFaces::kDrop faces whose vertices are out of range are left out and
+// other indices out of range ignored, with a warning; a file without any other face is an error all the same. Positions
+// that are NaN or infinite are accepted as the file gives them (drop_degenerate_triangles() removes what uses them).
+// Normals are as long as the file has them; a vertex without a usable one has (0, 0, 0) if others have theirs, and
+// `normals` is empty if none has (compute_vertex_normals() and transform_mesh() fill in). Vertices without a texture
+// coordinate get (0, 0), and `uvs` is empty if none has one. Polygons with more than three corners, convex or concave,
+// are cut into triangles.
 
 /// Wavefront OBJ. Objects and groups become one mesh; materials (scene/formats/obj.h has them), lines,
 /// points and curves are ignored. Corners that share position, normal and texture coordinate share a vertex.
 /// `flip_tex_coords`: v becomes 1 - v.
-MeshFile read_obj(const std::filesystem::path& file, bool flip_tex_coords);
+MeshFile read_obj(const std::filesystem::path& file, bool flip_tex_coords, BadFaces bad_faces = BadFaces::kError);
 
 /// Stanford PLY: ASCII and binary in both byte orders, polygons and triangle strips. Texture coordinates may be called
 /// u v, s t, texture_u texture_v or texture_s texture_t, or be those of the faces' corners, in a list texcoord, which
 /// then count; vertices whose corners differ are split. scene/formats/ply_attributes.h tells which properties are
 /// attributes; other elements and properties are skipped, with warnings.
-MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords = false);
+MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords = false,
+                  BadFaces bad_faces = BadFaces::kError);
 
 /// read_obj(), read_ply() or read_serialized() (scene/formats/serialized.h), as the shape says.
 MeshFile read_mesh(const MeshFileShape& shape);

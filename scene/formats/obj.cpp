@@ -15,7 +15,8 @@ namespace sheaf {
 
 namespace {
 
-constexpr int kNone = -1;  ///< a corner has no such attribute
+constexpr int kNone = -1;        ///< a corner has no such attribute
+constexpr int kOutOfRange = -2;  ///< the file says an index that it has nothing for
 
 /// One corner of a face: indices from 0 into the file's lists, or kNone.
 struct Corner {
@@ -41,12 +42,17 @@ template <class T> struct AttributeList {
   int highest = kNone;
   int line_of_highest = 0;
 
-  /// The index from 0 for one as the file gives it: from 1, or negative from the end; 0 for none.
-  int resolve(int index, const ObjLines& lines) {
+  /// The index from 0 for one as the file gives it: from 1, or negative from the end; 0 for none. Those from before
+  /// the first are errors, or kOutOfRange.
+  int resolve(int index, const ObjLines& lines, BadFaces bad_faces) {
     if (index == 0) return kNone;
     const auto count = static_cast<int>(values.size());
     const int resolved = index > 0 ? index - 1 : count + index;
-    if (resolved < 0) throw out_of_range(index, lines.where());
+    if (resolved < 0) {
+      if (bad_faces == BadFaces::kError) throw SceneError(lines.where(), out_of_range(index));
+      if (first_bad.empty()) first_bad = at_line(lines.where().line, index);
+      return kOutOfRange;
+    }
     if (resolved > highest) {
       highest = resolved;
       line_of_highest = lines.where().line;
@@ -54,22 +60,30 @@ template <class T> struct AttributeList {
     return resolved;
   }
   /// A face may come before what it refers to: so this is asked at the end.
-  void check_highest(const std::string& file) const {
-    if (highest >= static_cast<int>(values.size())) throw out_of_range(highest + 1, {file, line_of_highest});
+  void check_highest(const std::string& file, BadFaces bad_faces) {
+    if (highest < static_cast<int>(values.size())) return;
+    if (bad_faces == BadFaces::kError) throw SceneError({file, line_of_highest}, out_of_range(highest + 1));
+    if (first_bad.empty()) first_bad = at_line(line_of_highest, highest + 1);
   }
+  /// Whether there is a value of this index.
+  bool has(int index) const { return index >= 0 && index < static_cast<int>(values.size()); }
+
+  std::string first_bad = {};  ///< what is wrong with an index that is out of range, for the user
 
  private:
-  SceneError out_of_range(int index, const SourceLocation& where) const {
-    return {where, "a face refers to " + std::string(name) + " " + std::to_string(index) + ", but there are " +
-                       std::to_string(values.size())};
+  std::string out_of_range(int index) const {
+    return "a face refers to " + std::string(name) + " " + std::to_string(index) + ", but there are " +
+           std::to_string(values.size());
   }
+  std::string at_line(int line, int index) const { return "line " + std::to_string(line) + ": " + out_of_range(index); }
 };
 
 /// What the lines of the file say.
 struct ObjContent {
-  explicit ObjContent(const ObjLines& from) : lines(from) {}
+  ObjContent(const ObjLines& from, BadFaces on_bad_faces) : lines(from), bad_faces(on_bad_faces) {}
 
   const ObjLines& lines;
+  const BadFaces bad_faces;
   AttributeList<Vec3f> positions{"vertex", {}};
   AttributeList<Vec2f> uvs{"texture coordinate", {}};
   AttributeList<Vec3f> normals{"normal", {}};
@@ -126,9 +140,9 @@ void add_face(void* user, tinyobj::index_t* indices, int count) {
     return;
   }
   for (int i = 0; i < count; ++i) {
-    content.corners.push_back({content.positions.resolve(indices[i].vertex_index, content.lines),
-                               content.uvs.resolve(indices[i].texcoord_index, content.lines),
-                               content.normals.resolve(indices[i].normal_index, content.lines)});
+    content.corners.push_back({content.positions.resolve(indices[i].vertex_index, content.lines, content.bad_faces),
+                               content.uvs.resolve(indices[i].texcoord_index, content.lines, content.bad_faces),
+                               content.normals.resolve(indices[i].normal_index, content.lines, content.bad_faces)});
   }
   content.face_ends.push_back(content.corners.size());
   if (!content.material_id) content.material_id = content.id_of_material();
@@ -164,24 +178,26 @@ class VertexMerger {
   VertexMerger(const ObjContent& content, Mesh& mesh)
       : content_(content),
         mesh_(mesh),
-        has_uvs_(content.uvs.highest != kNone),
-        has_normals_(content.normals.highest != kNone) {
+        has_uvs_(content.uvs.highest != kNone && !content.uvs.values.empty()),
+        has_normals_(content.normals.highest != kNone && !content.normals.values.empty()) {
     vertices_.reserve(content.positions.values.size());
   }
 
+  /// kMissingVertex: the file has no such position.
   std::uint32_t vertex(const Corner& corner) {
+    if (!content_.positions.has(corner.position)) return kMissingVertex;
     const auto next = static_cast<std::uint32_t>(mesh_.positions.size());
     const auto [found, is_new] = vertices_.try_emplace(corner, next);
     if (!is_new) return found->second;
     mesh_.positions.push_back(content_.positions.values[static_cast<std::size_t>(corner.position)]);
-    if (has_uvs_) mesh_.uvs.push_back(value_or_zero(content_.uvs.values, corner.uv));
-    if (has_normals_) mesh_.normals.push_back(value_or_zero(content_.normals.values, corner.normal));
+    if (has_uvs_) mesh_.uvs.push_back(value_or_zero(content_.uvs, corner.uv));
+    if (has_normals_) mesh_.normals.push_back(value_or_zero(content_.normals, corner.normal));
     return next;
   }
 
  private:
-  template <class T> static T value_or_zero(const std::vector<T>& values, int index) {
-    return index == kNone ? T{} : values[static_cast<std::size_t>(index)];
+  template <class T> static T value_or_zero(const AttributeList<T>& list, int index) {
+    return list.has(index) ? list.values[static_cast<std::size_t>(index)] : T{};
   }
 
   const ObjContent& content_;
@@ -194,10 +210,12 @@ ObjFile build_mesh(ObjContent content) {
   ObjFile result;
   MeshFile& file = result.file;
   VertexMerger merger(content, file.mesh);
-  PolygonList polygons{{}, std::move(content.face_ends), content.short_faces};
+  PolygonList polygons{{}, std::move(content.face_ends), content.short_faces, content.positions.first_bad};
   polygons.corners.reserve(content.corners.size());
   for (const Corner& corner : content.corners) polygons.corners.push_back(merger.vertex(corner));
   result.material_of = append_polygons(polygons, file.mesh, file.warnings);
+  for (const std::string& bad : {content.uvs.first_bad, content.normals.first_bad})
+    if (!bad.empty()) file.warnings.push_back("indices out of range ignored: " + bad);
   if (content.lines.has_smoothing_groups())
     for (const std::uint32_t face : result.material_of) result.smoothing_of.push_back(content.face_smoothing[face]);
   for (std::uint32_t& source : result.material_of) source = content.face_materials[source];
@@ -209,26 +227,29 @@ ObjFile build_mesh(ObjContent content) {
 
 }  // namespace
 
-ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex_coords) {
+ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex_coords, BadFaces bad_faces) {
   const std::string name = file.string();
   std::string text = read_mesh_text(file, "OBJ file");
   if (text.empty()) throw SceneError({name}, "expected an OBJ file, found an empty file");
   text.push_back('\n');
   ObjLines lines(text, name);
-  ObjContent content(lines);
+  ObjContent content(lines, bad_faces);
   parse(lines, content);
   if (content.face_ends.empty()) throw SceneError({name}, "the OBJ file holds no faces");
-  content.positions.check_highest(name);
-  content.uvs.check_highest(name);
-  content.normals.check_highest(name);
+  content.positions.check_highest(name, bad_faces);
+  content.uvs.check_highest(name, bad_faces);
+  content.normals.check_highest(name, bad_faces);
   if (flip_tex_coords) {
     for (Vec2f& uv : content.uvs.values) uv.y = 1 - uv.y;
   }
-  return build_mesh(std::move(content));
+  const std::string first_bad = content.positions.first_bad;
+  ObjFile obj = build_mesh(std::move(content));
+  if (obj.file.mesh.triangles.empty()) throw SceneError({name}, "no face is whole: " + first_bad);
+  return obj;
 }
 
-MeshFile read_obj(const std::filesystem::path& file, bool flip_tex_coords) {
-  return read_obj_with_materials(file, flip_tex_coords).file;
+MeshFile read_obj(const std::filesystem::path& file, bool flip_tex_coords, BadFaces bad_faces) {
+  return read_obj_with_materials(file, flip_tex_coords, bad_faces).file;
 }
 
 }  // namespace sheaf

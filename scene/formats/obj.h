@@ -20,6 +20,7 @@ struct ObjFile {
 };
 
 /// As read_obj() in scene/formats/mesh_io.h, which throws the same errors.
-ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex_coords);
+ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex_coords,
+                                BadFaces bad_faces = BadFaces::kError);
 
 }  // namespace sheaf

@@ -15,6 +15,12 @@ namespace sheaf {
 
 namespace {
 
+/// What faces may refer to.
+struct PlyVertices {
+  std::uint64_t count;
+  BadFaces bad_faces;
+};
+
 /// What the body says. Faces may come before the vertices, so polygons are kept for later.
 struct PlyContent {
   Mesh mesh;
@@ -139,19 +145,26 @@ void read_vertices(Source& source, const PlyElement& element, Mesh& mesh, std::v
   mesh.attributes = attributes.take();
 }
 
-template <class Source> std::uint32_t check_index(const Source& source, double index, std::uint64_t vertices) {
-  if (index >= 0 && index < static_cast<double>(vertices) && index == std::floor(index)) {
+/// The vertex of a corner that is appended to `polygons`; kMissingVertex, or an error, if there is none.
+template <class Source>
+std::uint32_t check_index(const Source& source, double index, const PlyVertices& vertices, PolygonList& polygons) {
+  if (index >= 0 && index < static_cast<double>(vertices.count) && index == std::floor(index)) {
     return static_cast<std::uint32_t>(index);
   }
   constexpr double kMostExact = 1e15;
   const bool is_whole = std::abs(index) < kMostExact && index == std::floor(index);
-  source.fail("expected the index of one of " + std::to_string(vertices) + " vertices, found " +
-              (is_whole ? std::to_string(static_cast<std::int64_t>(index)) : std::to_string(index)));
+  const auto message = [&] {
+    return "expected the index of one of " + std::to_string(vertices.count) + " vertices, found " +
+           (is_whole ? std::to_string(static_cast<std::int64_t>(index)) : std::to_string(index));
+  };
+  if (vertices.bad_faces == BadFaces::kError) source.fail(message());
+  if (polygons.first_missing.empty()) polygons.first_missing = message();
+  return kMissingVertex;
 }
 
 /// A strip of triangles, each sharing an edge with the one before and turning the other way; -1 begins a new strip.
 template <class Source>
-void read_strip(Source& source, const PlyProperty& list, std::uint64_t vertices, PolygonList& polygons) {
+void read_strip(Source& source, const PlyProperty& list, const PlyVertices& vertices, PolygonList& polygons) {
   std::vector<std::uint32_t> strip;
   for (std::uint64_t left = list_length(source, list); left > 0; --left) {
     const double index = source.number(list.type);
@@ -159,7 +172,7 @@ void read_strip(Source& source, const PlyProperty& list, std::uint64_t vertices,
       strip.clear();
       continue;
     }
-    strip.push_back(check_index(source, index, vertices));
+    strip.push_back(check_index(source, index, vertices, polygons));
     const std::size_t n = strip.size();
     if (n < 3) continue;
     std::array<std::uint32_t, 3> triangle{strip[n - 3], strip[n - 2], strip[n - 1]};
@@ -171,11 +184,11 @@ void read_strip(Source& source, const PlyProperty& list, std::uint64_t vertices,
 
 /// Returns whether the polygon has enough corners to be kept.
 template <class Source>
-bool read_polygon(Source& source, const PlyProperty& list, std::uint64_t vertices, PolygonList& polygons) {
+bool read_polygon(Source& source, const PlyProperty& list, const PlyVertices& vertices, PolygonList& polygons) {
   const std::uint64_t length = list_length(source, list);
   const std::size_t begin = polygons.corners.size();
   for (std::uint64_t i = 0; i < length; ++i) {
-    polygons.corners.push_back(check_index(source, source.number(list.type), vertices));
+    polygons.corners.push_back(check_index(source, source.number(list.type), vertices, polygons));
   }
   if (length < 3) {
     polygons.corners.resize(begin);
@@ -205,7 +218,7 @@ std::size_t find_corner_uvs(const PlyElement& element) {
 }
 
 template <class Source>
-void read_strips(Source& source, const PlyElement& element, std::uint64_t vertices, PlyContent& content) {
+void read_strips(Source& source, const PlyElement& element, const PlyVertices& vertices, PlyContent& content) {
   PolygonList& polygons = content.polygons;
   const std::size_t list = find_corner_list(source, element);
   std::vector<std::size_t> unknown;
@@ -237,7 +250,7 @@ template <class Source> void read_corner_uvs(Source& source, const PlyProperty& 
 }
 
 template <class Source>
-void read_faces(Source& source, const PlyElement& element, std::uint64_t vertices, PlyContent& content) {
+void read_faces(Source& source, const PlyElement& element, const PlyVertices& vertices, PlyContent& content) {
   const std::size_t list = find_corner_list(source, element), uv_list = find_corner_uvs(element);
   AttributeRows attributes(element, content.polygons.ends.size(), content.warnings,
                            [&](std::size_t k) { return k == list || k == uv_list; });
@@ -284,6 +297,7 @@ void split_by_corner_uvs(PlyContent& content) {
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec2f uv = content.corner_uvs[i];
     const std::uint32_t vertex = corners[i];
+    if (vertex == kMissingVertex) continue;
     if (!has_uv[vertex]) {
       uvs[vertex] = uv;
       has_uv[vertex] = true;
@@ -302,7 +316,7 @@ void split_by_corner_uvs(PlyContent& content) {
 }
 
 template <class Source>
-PlyContent read_body(const std::string& bytes, const PlyHeader& header, std::uint64_t vertices,
+PlyContent read_body(const std::string& bytes, const PlyHeader& header, const PlyVertices& vertices,
                      const std::string& file) {
   Source source(bytes, header, file);
   PlyContent content;
@@ -349,11 +363,11 @@ Mesh::Attribute spread(const Mesh::Attribute& polygons, const std::vector<std::u
 
 }  // namespace
 
-MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords) {
+MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords, BadFaces bad_faces) {
   const std::string name = file.string();
   const std::string bytes = read_mesh_text(file, "PLY file");
   const PlyHeader header = parse_ply_header(bytes, name);
-  const std::uint64_t vertices = count_vertices(header, name);
+  const PlyVertices vertices{count_vertices(header, name), bad_faces};
   PlyContent content = header.encoding == PlyHeader::Encoding::kAscii
                            ? read_body<AsciiSource>(bytes, header, vertices, name)
                            : read_body<BinarySource>(bytes, header, vertices, name);
@@ -369,6 +383,7 @@ MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords) {
   result.is_split = has_corner_uvs;
   result.texture = header.texture;
   const std::vector<std::uint32_t> sources = append_polygons(content.polygons, result.mesh, result.warnings);
+  if (result.mesh.triangles.empty()) throw SceneError({name}, "no face is whole: " + content.polygons.first_missing);
   for (Mesh::Attribute& attribute : content.polygon_attributes) {
     attribute.values.resize(content.polygons.ends.size() * static_cast<std::size_t>(attribute.channels));
     result.mesh.attributes.push_back(spread(attribute, sources));

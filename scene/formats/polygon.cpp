@@ -1,6 +1,7 @@
 // Ear clipping in double precision, in the plane of the polygon's dominant axes.
 #include "scene/formats/polygon.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sheaf {
@@ -143,22 +144,28 @@ std::vector<std::uint32_t> append_polygons(const PolygonList& polygons, Mesh& me
   sources.reserve(most_triangles);
   std::vector<Vec3f> outline;
   std::vector<PolygonTriangle> triangles;
-  std::size_t begin = 0, crossed = 0;
+  std::size_t begin = 0, crossed = 0, incomplete = 0;
   for (std::size_t polygon = 0; polygon < polygons.ends.size(); ++polygon) {
     const std::size_t end = polygons.ends[polygon];
     const std::uint32_t* const vertices = &polygons.corners[begin];
     outline.resize(end - begin);
+    begin = end;
+    if (std::find(vertices, vertices + outline.size(), kMissingVertex) != vertices + outline.size()) {
+      ++incomplete;
+      continue;
+    }
     for (std::size_t i = 0; i < outline.size(); ++i) outline[i] = mesh.positions[vertices[i]];
     if (!triangulate_polygon(outline, triangles)) ++crossed;
     for (const PolygonTriangle& t : triangles) {
       mesh.triangles.push_back({vertices[t[0]], vertices[t[1]], vertices[t[2]]});
       sources.push_back(static_cast<std::uint32_t>(polygon));
     }
-    begin = end;
   }
   if (polygons.too_short > 0) {
     warnings.push_back(std::to_string(polygons.too_short) + " faces with fewer than three corners left out");
   }
+  if (incomplete > 0)
+    warnings.push_back("faces left out: " + std::to_string(incomplete) + " (" + polygons.first_missing + ")");
   if (crossed > 0) warnings.push_back(std::to_string(crossed) + " polygons that cross themselves are cut roughly");
   return sources;
 }

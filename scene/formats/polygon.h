@@ -12,14 +12,19 @@
 
 namespace sheaf {
 
+/// A corner whose vertex the file lacks.
+inline constexpr std::uint32_t kMissingVertex = 0xffffffffu;
+
 /// Polygons by their vertices, as a mesh file lists them.
 struct PolygonList {
   std::vector<std::uint32_t> corners;  ///< vertices of all polygons, one polygon after the other
   std::vector<std::size_t> ends;       ///< where in `corners` each polygon ends; all have three corners or more
   std::size_t too_short = 0;           ///< polygons with fewer corners, left out
+  std::string first_missing = {};      ///< what is wrong with the first kMissingVertex, for the user
 };
 
-/// Adds the polygons, cut into triangles, to a mesh that has their vertices. Adds a warning for each kind of polygon
+/// Adds the polygons, cut into triangles, to a mesh that has their vertices; those with a kMissingVertex are left out.
+/// Adds a warning for each kind of polygon
 /// that could not be used as it is. Returns for each new triangle the polygon, counted from 0, that it is a part of.
 std::vector<std::uint32_t> append_polygons(const PolygonList& polygons, Mesh& mesh, std::vector<std::string>& warnings);
 

@@ -133,9 +133,7 @@ class MeshStream {
     std::size_t found = 0;
     try {
       found = inflater_.read(out);
-    } catch (const Error& error) {
-      fail(error.what());
-    }
+    } catch (const Error& error) { fail(error.what()); }
     if (found < out.size()) fail("the file is truncated");
   }
 
@@ -149,19 +147,29 @@ std::vector<Vec3f> to_vectors(const std::vector<float>& values) {
   return vectors;
 }
 
-void read_triangles(MeshStream& stream, std::uint64_t vertices, std::uint64_t triangles, Mesh& mesh) {
+void read_triangles(MeshStream& stream, std::uint64_t vertices, std::uint64_t triangles, BadFaces bad_faces,
+                    MeshFile& file) {
+  Mesh& mesh = file.mesh;
   mesh.triangles.resize(triangles);
+  std::string first_bad;
   for (std::uint64_t i = 0; i < triangles; ++i) {
     for (std::uint32_t& vertex : mesh.triangles[i]) {
       vertex = stream.number<std::uint32_t>();
       if (vertex < vertices) continue;
-      stream.fail("triangle " + std::to_string(i) + " refers to vertex " + std::to_string(vertex) +
-                  " (counted from 0), but there are " + std::to_string(vertices));
+      if (first_bad.empty())
+        first_bad = "triangle " + std::to_string(i) + " refers to vertex " + std::to_string(vertex) +
+                    " (counted from 0), but there are " + std::to_string(vertices);
+      if (bad_faces == BadFaces::kError) stream.fail(first_bad);
     }
   }
+  const std::size_t dropped = std::erase_if(mesh.triangles, [vertices](const std::array<std::uint32_t, 3>& t) {
+    return t[0] >= vertices || t[1] >= vertices || t[2] >= vertices;
+  });
+  if (mesh.triangles.empty()) stream.fail("no triangle is whole: " + first_bad);
+  if (dropped > 0) file.warnings.push_back("faces left out: " + std::to_string(dropped) + " (" + first_bad + ")");
 }
 
-MeshFile read_stream(MeshStream& stream, std::uint16_t version) {
+MeshFile read_stream(MeshStream& stream, std::uint16_t version, BadFaces bad_faces) {
   MeshFile result;
   Mesh& mesh = result.mesh;
   const auto flags = stream.number<std::uint32_t>();
@@ -190,19 +198,19 @@ MeshFile read_stream(MeshStream& stream, std::uint16_t version) {
     mesh.attributes.push_back({"vertex_color", 3, stream.floats(vertices * 3, is_double)});
     for (float& value : mesh.attributes[0].values) value = std::isfinite(value) ? value : 0.0f;
   }
-  read_triangles(stream, vertices, triangles, mesh);
+  read_triangles(stream, vertices, triangles, bad_faces, result);
   result.face_normals = (flags & kFaceNormals) != 0;
   return result;
 }
 
 }  // namespace
 
-MeshFile read_serialized(const std::filesystem::path& file, int shape_index) {
+MeshFile read_serialized(const std::filesystem::path& file, int shape_index, BadFaces bad_faces) {
   const std::string name = file.string();
   const std::string bytes = read_mesh_bytes(file, "serialized mesh");
   const std::string_view found = Directory(bytes, name).find(shape_index);
   MeshStream stream(found.substr(Directory::kHeaderSize), name);
-  return read_stream(stream, little_endian<std::uint16_t>(found.data() + 2));
+  return read_stream(stream, little_endian<std::uint16_t>(found.data() + 2), bad_faces);
 }
 
 }  // namespace sheaf

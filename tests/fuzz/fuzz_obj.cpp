@@ -8,7 +8,8 @@ void try_input(std::string_view input) {
   static const auto library = make_file("model.mtl", "newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 1 0\nKs 1 1 1\nNs 10\n");
   if (library.empty() || leads_out(input)) return;
   const auto file = make_file("model.obj", input);
-  reads([&] { try_mesh(read_obj(file, true)); });
+  for (const BadFaces bad_faces : {BadFaces::kError, BadFaces::kDrop})
+    reads([&] { try_mesh(read_obj(file, true, bad_faces)); });
   try_scene(file);
 }
 

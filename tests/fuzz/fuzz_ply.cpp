@@ -7,7 +7,8 @@ namespace sheaf::fuzz {
 
 void try_input(std::string_view input) {
   const auto file = make_file("mesh.ply", input);
-  reads([&] { try_mesh(read_ply(file, true)); });
+  for (const BadFaces bad_faces : {BadFaces::kError, BadFaces::kDrop})
+    reads([&] { try_mesh(read_ply(file, true, bad_faces)); });
   reads([&] { (void)read_ellipsoids(file, 2); });
   if (!leads_out(input)) try_scene(file);
 }

@@ -65,6 +65,47 @@ TEST_CASE("model: a broken file is an error with its line") {
   CHECK(contains(message, "model.obj"));
 }
 
+TEST_CASE("model: leniently, faces with vertices that the file lacks are left out, other indices ignored") {
+  const TemporaryFolder folder;
+  ReadOptions leniently;
+  leniently.lenient = true;
+  const auto model_of = [&](const char* name, const std::string& text) {
+    Description d = read_scene(write_below(folder, name, text), leniently);
+    const auto* mesh = std::get_if<Mesh>(&d.shapes.at(0).geometry);
+    REQUIRE(mesh != nullptr);
+    CHECK(mesh->triangles.size() == 3);
+    compile_scene(d);
+    return d;
+  };
+  const auto notes = [](const Description& d, const char* text) {
+    return std::any_of(d.notes.begin(), d.notes.end(),
+                       [text](const std::string& note) { return contains(note, text); });
+  };
+  // Faces beyond the last vertex, before the first, and coordinates and normals that are not there.
+  const std::string obj =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nf 1 2 3\nf 1 2 5\nf 1/1 3/7 4/1\nf -9 1 2\nf 2//1 3//1 4//1\n";
+  CHECK(contains(error_of(write_below(folder, "model.obj", obj)), "refers to vertex -9, but there are 4"));
+  const Description by_obj = model_of("model.obj", obj);
+  CHECK(notes(by_obj, "faces left out: 2 (line 9: a face refers to vertex -9, but there are 4)"));
+  CHECK(notes(by_obj, "indices out of range ignored: line 8: a face refers to texture coordinate 7, but there are 1"));
+  CHECK(notes(by_obj, "indices out of range ignored: line 10: a face refers to normal 1, but there are 0"));
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 4\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+  const Description by_ply = model_of("model.ply", header +
+                                                       "3 0 1 2 6 0 0 1 0 0 1\n3 0 1 4 6 0 0 1 0 0 1\n"
+                                                       "3 0 2 3 6 0 1 1 0 0 1\n3 1 2 3 6 1 0 1 0 0 1\n");
+  CHECK(notes(by_ply, "faces left out: 1 (expected the index of one of 4 vertices, found 4)"));
+  // Materials that no file has.
+  CHECK_NOTHROW(read_scene(write_below(folder, "lost.obj", "mtllib lost.mtl\nusemtl a\n" + obj), leniently));
+  // Nothing is left.
+  write_below(folder, "none.obj", "v 0 0 0\nf 1 2 3\n");
+  CHECK_THROWS_WITH_AS(read_scene(folder.path() / "none.obj", leniently),
+                       doctest::Contains("no face is whole: line 2: a face refers to vertex 3, but there are 1"),
+                       SceneError);
+}
+
 namespace {
 
 const std::string kCube = "v -1 -1 -1\nv -1 -1 1\nv -1 1 -1\nv -1 1 1\nv 1 -1 -1\nv 1 -1 1\nv 1 1 -1\nv 1 1 1\n";

@@ -160,6 +160,15 @@ TEST_CASE("serialized: counts that the file cannot hold are errors, not allocati
   few.triangles = 2;
   few.indices = {0, 1, 2, 0, 2, 4};
   CHECK(contains(error_in(few.bytes()), "triangle 1 refers to vertex 4 (counted from 0), but there are 4"));
+  // Leniently such triangles are left out, unless none is left.
+  const TemporaryFile file("mesh.serialized", few.bytes());
+  const MeshFile whole = read_serialized(file.path(), 0, BadFaces::kDrop);
+  CHECK(whole.mesh.triangles == decltype(whole.mesh.triangles){{0, 1, 2}});
+  REQUIRE(whole.warnings.size() == 1);
+  CHECK(contains(whole.warnings[0], "faces left out: 1 (triangle 1 refers to vertex 4"));
+  few.indices = {9, 1, 2, 0, 2, 4};
+  const TemporaryFile none("mesh.serialized", few.bytes());
+  CHECK(contains(error_of([&] { read_serialized(none.path(), 0, BadFaces::kDrop); }), "no triangle is whole"));
   const std::string endless = raw(std::uint32_t{0}) + std::string(10'000'000, 'x');
   CHECK(contains(error_in(raw(std::uint16_t{0x041c}) + raw(std::uint16_t{4}) + deflated(endless)), "does not end"));
 }
