@@ -324,6 +324,42 @@ TEST_CASE_TEMPLATE("shadow rays through what disperses keep the density of the f
     }
 }
 
+TEST_CASE_TEMPLATE("scatter: where one wavelength goes on, its density does; of stored photons the mean of all", L,
+                   SHEAF_STAGE_LANES) {
+  enum class Who { kPath, kTracedPhoton, kStoredPhoton };
+  for (const Who who : {Who::kPath, Who::kTracedPhoton, Who::kStoredPhoton}) {
+    CAPTURE(static_cast<int>(who));
+    Description d = sheet_and_wall();
+    d.integrator.kind = who == Who::kPath           ? IntegratorKind::kPath
+                        : who == Who::kTracedPhoton ? IntegratorKind::kLightTracer
+                                                    : IntegratorKind::kPhotonMapper;
+    const auto scene = compile_scene(d, kSpectral);
+    TestWave test(200, 0);
+    StageContext context = who == Who::kPath ? test.context(*scene) : test.photon_context(*scene, 200);
+    if (who == Who::kStoredPhoton) test.photons.begin(7, 200, PhotonKind::kAll);
+    Wave& wave = test.wave;
+    std::vector<Slot> slots;
+    for (int i = 0; i < 200; ++i) {
+      slots.push_back(test.add_active({-1.9f + 0.019f * static_cast<float>(i), 0.3f, 2}, {0, 0, 1}));
+      wave.probabilities.row(slots.back()) = {kUnequal, Spectrum4(1.0f)};
+      wave.distance_since_vertex[slots.back()] = 0;
+      wave.wavelength_samples[slots.back()] = 0.3f;
+    }
+    for (const Stage stage : {Stage::kIntersect, Stage::kSortSurfaces, Stage::kSurfaceInputs, Stage::kScatter})
+      kStages<L>[static_cast<std::size_t>(stage)].run(context, wave);
+    int count[2] = {0, 0};
+    for (const Slot slot : slots) {
+      if (!contains(wave.active, slot)) continue;
+      const bool single = (float_bits(wave.wavelength_samples[slot]) & kSingleWavelength) != 0;
+      const Spectrum4 expected =
+          single ? Spectrum4(static_cast<float>(who == Who::kStoredPhoton ? kUnequalMean : kUnequalFirst)) : kUnequal;
+      CHECK(lanes(wave.probabilities.row(slot).r_u) == lanes(expected));
+      ++count[single ? 1 : 0];
+    }
+    CHECK(std::min(count[0], count[1]) > 20);
+  }
+}
+
 TEST_CASE_TEMPLATE("photon rays: stored photons sample their flights by any lane, others by the first", L,
                    SHEAF_STAGE_LANES) {
   const auto lanes_of = [](ColorMode color, bool stored) {
