@@ -3,8 +3,8 @@
 #include "core/bucket_sort.h"
 #include "core/distribution.h"
 #include "core/frame.h"
-#include "core/groups.h"
 #include "core/sampler.h"
+#include "core/slot_table.h"
 #include "core/spectrum.h"
 #include "core/warp.h"
 
@@ -117,8 +117,8 @@ BENCHMARK(bucket_sort_slots)
     ->Args({4096, 16});
 
 template <class L, template <class> class Record> static void groups_gather(benchmark::State& state) {
-  Arena arena(Groups<Record>::bytes(kItems));
-  Groups<Record> groups;
+  Arena arena(SlotTable<Record>::bytes(kItems));
+  SlotTable<Record> groups;
   groups.bind(arena, kItems);
   const std::vector<Slot> slots = shuffled_slots(kItems);
   for (auto _ : state)
@@ -153,8 +153,8 @@ BENCHMARK(column_gather<Row>)->Name("column_gather/words:8/wide");
 BENCHMARK(column_gather<LongRow>)->Name("column_gather/words:16/wide");
 
 template <class L, template <class> class Record> static void groups_scatter(benchmark::State& state) {
-  Arena arena(Groups<Record>::bytes(kItems));
-  Groups<Record> groups;
+  Arena arena(SlotTable<Record>::bytes(kItems));
+  SlotTable<Record> groups;
   groups.bind(arena, kItems);
   const std::vector<Slot> slots = shuffled_slots(kItems);
   Record<L> row{};

@@ -160,8 +160,9 @@ void build(benchmark::State& state, std::uint32_t count) {
     add("light_tree/probability" + lights + "/wide", [=](benchmark::State& s) { probability<Wide>(s, count); });
   }
   for (const std::uint32_t count : {1000u, 100000u})
-    add("light_tree/build/lights:" + std::to_string(count), [=](benchmark::State& s) { build(s, count); })
-        ->Unit(benchmark::kMillisecond);
+    add("light_tree/build/lights:" + std::to_string(count), [=](benchmark::State& s) {
+      build(s, count);
+    })->Unit(benchmark::kMillisecond);
   return true;
 }();
 

@@ -91,8 +91,10 @@ template <class L> void rows(benchmark::State& state, SpectrumUse use, bool tabl
   std::vector<SpectrumRow> list;
   for (std::uint32_t k = 0; k < 64; ++k) {
     const auto r = random4<Scalar>(9, k, 0, 0);
-    if (tables) list.push_back(set.row({SpectrumDescription::Table{{400, 500, 700}, {r.x, r.y, r.z}}}, use));
-    else list.push_back(set.row(SpectrumDescription::rgb(r.x, r.y, r.z), use));
+    if (tables)
+      list.push_back(set.row({SpectrumDescription::Table{{400, 500, 700}, {r.x, r.y, r.z}}}, use));
+    else
+      list.push_back(set.row(SpectrumDescription::rgb(r.x, r.y, r.z), use));
   }
   run<L>(state, 64, [&](const Paths& paths, int i, const Wavelengths<L>& w) {
     Uint<L> index;
@@ -126,8 +128,8 @@ void uplift_map(benchmark::State& state) {
     uplift_nodes(map);
     benchmark::DoNotOptimize(map.spectra.data());
   }
-  state.counters["per_item"] = benchmark::Counter(
-      2048 * 1024, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["per_item"] =
+      benchmark::Counter(2048 * 1024, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(uplift_map)->Name("spectra/uplift_map")->Unit(benchmark::kMillisecond)->UseRealTime();
 

@@ -28,7 +28,7 @@ namespace {
 StageContext context_of(const Scene& scene, CameraTask* camera, LightTask* photons) {
   StageContext context(scene, camera);
   context.photons = photons;
-  if (photons != nullptr) context.transport.kind = IntegratorKind::kLightTracer;
+  if (photons != nullptr) context.integrator.kind = IntegratorKind::kLightTracer;
   return context;
 }
 

@@ -135,7 +135,7 @@ template <class L, DensityTracking kWhat> void tracking(benchmark::State& state,
   const MajorantGridRow bounds = make_majorant_grid_row(majorants, grid, Transform(), Filter::kTrilinear);
   const Rays rays(static_cast<float>(side - 1));
   const auto rows = std::make_unique<DensityRays>();
-  const auto ends = std::make_unique<DensityEnds>();
+  const auto ends = std::make_unique<TrackResults>();
   for (int i = 0; i < kDensityRows; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const float first = (static_cast<float>(i) + 0.5f) / kDensityRows;
@@ -150,7 +150,7 @@ template <class L, DensityTracking kWhat> void tracking(benchmark::State& state,
   for (auto _ : state) track_densities<L, kWhat>({bounds, density}, *rows, kDensityRows, *ends);
   std::size_t collisions = 0;
   for (int i = 0; i < kDensityRows; ++i) {
-    const DensityEnd<Scalar> end = ends->load<Scalar>(i);
+    const TrackResult<Scalar> end = ends->load<Scalar>(i);
     collisions += end.nulls + (end.outcome == static_cast<std::uint32_t>(DensityOutcome::kScattered) ? 1u : 0u);
   }
   count_items(state, collisions);

@@ -70,14 +70,15 @@ std::unique_ptr<Scene> load(const Arguments& arguments) {
 std::uint32_t affordable_spp(const Scene& scene, const Arguments& arguments, RenderOptions options) {
   options.samples_per_pixel = 1;
   const Stats stats = render(scene, options).report.stats;
-  const std::uint64_t packets = stats[Stage::kIntersect].batches + stats[Stage::kShadow].batches +
-                                stats[Stage::kTransmittance].batches;
+  const std::uint64_t packets =
+      stats[Stage::kIntersect].batches + stats[Stage::kShadow].batches + stats[Stage::kTransmittance].batches;
   const std::uint64_t budget = static_cast<std::uint64_t>(arguments.megabytes) * 1'000'000 / sizeof(PacketRecord);
   // Samples differ in how many rays they need: a tenth is kept in reserve.
   const std::uint64_t spp = budget * 9 / 10 / std::max<std::uint64_t>(packets, 1);
   if (spp == 0)
     throw Error(ExitCode::kUsage, fmt::format("the rays of one sample per pixel do not fit into {} MB; raise --memory "
-                                              "or render a smaller picture", arguments.megabytes));
+                                              "or render a smaller picture",
+                                              arguments.megabytes));
   const std::uint32_t asked = arguments.photons > 0 ? 1 : arguments.spp;
   if (spp >= asked) return asked;
   fmt::print(stderr, "trace_limit: {} instead of {} samples per pixel, so that rays fit into {} MB\n", spp,
@@ -135,8 +136,8 @@ void measure(const Arguments& arguments) {
   const std::unique_ptr<Scene> scene = load(arguments);
   if (arguments.null_hypothesis) return print_null_hypothesis(*scene, arguments.runs);
   RenderOptions options;
-  options.threads = arguments.threads > 0 ? arguments.threads
-                                          : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  options.threads =
+      arguments.threads > 0 ? arguments.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   options.wave_size = arguments.wave_size;
   options.samples_per_pixel = affordable_spp(*scene, arguments, options);
   RayLog log(static_cast<std::size_t>(arguments.megabytes) * 1'000'000 / sizeof(PacketRecord));

@@ -67,9 +67,9 @@ class RayLog {
 struct LaneCost {
   const char* lane;  ///< "scalar" or "wide"
   int wave_size;
-  double ns_per_ray;          ///< everything
-  double trace_ns_per_ray;    ///< inside Embree
-  double stamps_ns_per_ray;   ///< spent on time stamps, which grow with the number of calls; an estimate
+  double ns_per_ray;         ///< everything
+  double trace_ns_per_ray;   ///< inside Embree
+  double stamps_ns_per_ray;  ///< spent on time stamps, which grow with the number of calls; an estimate
 };
 
 /// Runs the path pass path by path and wave by wave, with scalar and with wide kernels; medians of `runs` rounds.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kTileSide = 64, kTileSpp = 4;
 /// Tiles of the frame that are rendered, evenly spaced.
-constexpr std::size_t kMostTiles = 32;
+constexpr std::size_t kMaxTiles = 32;
 
 std::vector<std::vector<PixelSamples>> choose_tiles(const FilmDescription& film) {
   std::vector<PixelRect> all;
@@ -23,7 +23,7 @@ std::vector<std::vector<PixelSamples>> choose_tiles(const FilmDescription& film)
     for (int x = 0; x < film.width; x += kTileSide) {
       all.push_back({x, y, std::min(x + kTileSide, film.width), std::min(y + kTileSide, film.height)});
     }
-  const std::size_t count = std::min(all.size(), kMostTiles);
+  const std::size_t count = std::min(all.size(), kMaxTiles);
   std::vector<std::vector<PixelSamples>> chosen;
   for (std::size_t i = 0; i < count; ++i)
     chosen.push_back(samples_of(all[i * all.size() / count], {film.width}, 0, kTileSpp));

@@ -127,3 +127,9 @@ function(sheaf_smoke_tests)
     set_tests_properties(smoke_${kind} PROPERTIES LABELS smoke)
   endforeach()
 endfunction()
+
+# sheaf_format_test(): that clang-format leaves every C++ file as it is.
+function(sheaf_format_test)
+  add_test(NAME format COMMAND tools/check_format.sh WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+  set_tests_properties(format PROPERTIES LABELS format SKIP_REGULAR_EXPRESSION "left out: ")
+endfunction()

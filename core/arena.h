@@ -35,13 +35,13 @@ class Arena {
 
  private:
   struct Free {
-    void operator()(unsigned char* p) const { ::operator delete(p, std::align_val_t{kSimdAlignment}); }
+    void operator()(unsigned char* p) const { ::operator delete (p, std::align_val_t{kSimdAlignment}); }
   };
   static std::size_t round_up(std::size_t bytes) {
     return (bytes + kSimdAlignment - 1) / kSimdAlignment * kSimdAlignment;
   }
   static unsigned char* allocate(std::size_t bytes) {
-    auto* p = static_cast<unsigned char*>(::operator new(bytes, std::align_val_t{kSimdAlignment}));
+    auto* p = static_cast<unsigned char*>(::operator new (bytes, std::align_val_t{kSimdAlignment}));
     std::memset(p, 0, bytes);
     return p;
   }

@@ -10,8 +10,8 @@
 namespace sheaf {
 
 /// Rec.709 primaries and white point as CIE xy chromaticities: red, green, blue, white (D65).
-inline constexpr std::array<Vec2f, 4> kRec709Chromaticities{
-    Vec2f{0.64f, 0.33f}, Vec2f{0.30f, 0.60f}, Vec2f{0.15f, 0.06f}, Vec2f{0.3127f, 0.3290f}};
+inline constexpr std::array<Vec2f, 4> kRec709Chromaticities{Vec2f{0.64f, 0.33f}, Vec2f{0.30f, 0.60f},
+                                                            Vec2f{0.15f, 0.06f}, Vec2f{0.3127f, 0.3290f}};
 
 /// The sRGB curve (IEC 61966-2-1), linear to encoded; both in [0, 1]. Values beyond are encoded by the same formulas.
 float linear_to_srgb(float linear);

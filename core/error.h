@@ -10,7 +10,14 @@ namespace sheaf {
 
 /// Exit codes of the command line.
 enum class ExitCode : int {
-  kDone = 0, kRuntime = 1, kUsage = 2, kScene = 3, kOutput = 4, kCheckpoint = 5, kInterrupted = 130, kTerminated = 143
+  kDone = 0,
+  kRuntime = 1,
+  kUsage = 2,
+  kScene = 3,
+  kOutput = 4,
+  kCheckpoint = 5,
+  kInterrupted = 130,
+  kTerminated = 143
 };
 
 /// A place in a file. `line` counts from 1; 0 means the file as a whole.

@@ -80,12 +80,12 @@ std::string first_line(const std::string& remark) { return remark.substr(0, rema
 
 /// The library takes memory for a whole row of tiles, and a file may claim tiles of any size for a small picture.
 void check_tiles(const fs::path& path, const PictureHeader& header) {
-  constexpr double kFewValues = 1 << 25, kMostRatio = 4;
+  constexpr double kFewValues = 1 << 25, kMaxRatio = 4;
   if (header.tile_width == 0 && header.tile_height == 0) return;
   const auto whole_tiles = [](double side, double tile) { return std::ceil(side / tile) * tile; };
   const double channels = header.channel_count, width = header.width, height = header.height;
   const double covered = whole_tiles(width, header.tile_width) * whole_tiles(height, header.tile_height) * channels;
-  const double most = std::max(kFewValues, kMostRatio * width * height * channels);
+  const double most = std::max(kFewValues, kMaxRatio * width * height * channels);
   if (header.tile_width > 0 && header.tile_height > 0 && covered <= most) return;
   const auto size = [](int x, int y) { return std::to_string(x) + " x " + std::to_string(y) + " pixels"; };
   throw SceneError({path.string(), 0}, "the header claims tiles of " + size(header.tile_width, header.tile_height) +
@@ -94,7 +94,7 @@ void check_tiles(const fs::path& path, const PictureHeader& header) {
 
 /// A picture that is not OpenEXR, with a header that can be.
 struct OpenPicture {
-  std::unique_ptr<PictureReader> reader;
+  std::unique_ptr<ImageReader> reader;
   int orientation;  ///< of PictureCorrections
   bool xyz;
 };
@@ -105,7 +105,7 @@ OpenPicture open_picture(const fs::path& path, bool keeps_bytes) {
   const std::string format = checked_picture_format(path);
   PictureCorrections corrections = find_corrections(path, format);
   std::string problem;
-  std::unique_ptr<PictureReader> reader =
+  std::unique_ptr<ImageReader> reader =
       picture_library().open(path.string(), format, problem, std::move(corrections.bytes));
   if (!reader) refuse_image(path, first_line(problem));
   const PictureHeader& header = reader->header();

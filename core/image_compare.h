@@ -12,11 +12,11 @@ namespace sheaf {
 
 /// The Z-test: differences measured in standard deviations of the noise. Each value of each channel is one test.
 struct ZTest {
-  double significance = 0.01;      ///< level of each single test
+  double significance = 0.01;  ///< level of each single test
   std::size_t tests = 0;
-  std::size_t accepted = 0;        ///< tests whose p-value is at least the significance
-  double mean_z_squared = 0;       ///< 1 if the variances are right and the expectations equal
-  std::vector<double> mean_p;      ///< per channel: p-value of the test that the images' means are equal
+  std::size_t accepted = 0;    ///< tests whose p-value is at least the significance
+  double mean_z_squared = 0;   ///< 1 if the variances are right and the expectations equal
+  std::vector<double> mean_p;  ///< per channel: p-value of the test that the images' means are equal
   /// Share of tests accepted, in [0, 1]; noise alone gives 1 - significance. 1 without tests.
   double accepted_share() const;
   /// The smallest of mean_p after the Bonferroni correction, at most 1. 1 without channels.
@@ -26,9 +26,9 @@ struct ZTest {
 /// Figures over all values of the compared channels, in linear units. B is the reference.
 struct ImageComparison {
   std::vector<std::string> channels;
-  int width = 0, height = 0;    ///< pixels that both images have
-  double mse = 0;               ///< mean of (a - b)^2
-  double relative_mse = 0;      ///< mean of (a - b)^2 / (b^2 + 0.01) (Rousselle et al. 2011)
+  int width = 0, height = 0;  ///< pixels that both images have
+  double mse = 0;             ///< mean of (a - b)^2
+  double relative_mse = 0;    ///< mean of (a - b)^2 / (b^2 + 0.01) (Rousselle et al. 2011)
   double mean_a = 0, mean_b = 0;
   double mean_ratio = 1;        ///< mean_a / mean_b; 1 if both are 0
   std::size_t non_finite = 0;   ///< values left out because one image has NaN or infinity there

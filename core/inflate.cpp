@@ -50,8 +50,8 @@ std::size_t Inflater::read(std::span<char> out) {
     if (result == Z_STREAM_END) {
       state_->at_end = true;
     } else if (result != Z_OK) {
-      throw Error(ExitCode::kScene, std::string("corrupt compressed data: ") +
-                                        (stream.msg != nullptr ? stream.msg : "no zlib stream"));
+      throw Error(ExitCode::kScene,
+                  std::string("corrupt compressed data: ") + (stream.msg != nullptr ? stream.msg : "no zlib stream"));
     }
   }
   return written;

@@ -34,9 +34,9 @@ Error cannot_write(const fs::path& path, const std::string& why) {
 /// The path with symbolic links resolved, so that the rename replaces the file and not the link; also where there is no
 /// such file yet. Throws Error (exit code 4) for links that lead round in circles.
 fs::path final_target(const fs::path& path) {
-  constexpr int kMostLinks = 40;
+  constexpr int kMaxLinks = 40;
   fs::path target = path;
-  for (int links = 0; links < kMostLinks; ++links) {
+  for (int links = 0; links < kMaxLinks; ++links) {
     std::error_code error;
     const fs::path next = fs::read_symlink(target, error);  // an error where there is none
     if (error) return target;

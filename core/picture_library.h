@@ -22,9 +22,9 @@ struct PictureHeader {
 };
 
 /// An open picture.
-class PictureReader {
+class ImageReader {
  public:
-  virtual ~PictureReader() = default;
+  virtual ~ImageReader() = default;
   virtual const PictureHeader& header() const = 0;
   /// Reads all values, interleaved, row by row from the top: as bytes, or as floats, integers in [0, 1]. Returns what
   /// the library has to say, and whether it has read everything.
@@ -46,8 +46,8 @@ class PictureLibrary {
   virtual ~PictureLibrary() = default;
   /// Opens a picture of `format` (the library's name for it). Nothing if it cannot, and `problem` says why. `bytes`, if
   /// there are any, are read in place of the file; the reader keeps them.
-  virtual std::unique_ptr<PictureReader> open(const std::string& path, const std::string& format, std::string& problem,
-                                              std::vector<std::uint8_t> bytes = {}) const = 0;
+  virtual std::unique_ptr<ImageReader> open(const std::string& path, const std::string& format, std::string& problem,
+                                            std::vector<std::uint8_t> bytes = {}) const = 0;
   /// A PNG file's bytes, packed at `level` (0 to 9); none if that fails, and `problem` says why.
   virtual std::vector<unsigned char> encode_png(const PngPixels& pixels, int level, std::string& problem) const = 0;
 };

@@ -23,8 +23,8 @@ namespace record_table_detail {
 
 template <class L> SHEAF_INLINE void from_word(Float<L> word, Float<L>& leaf) { leaf = word; }
 template <class L> SHEAF_INLINE void from_word(Float<L> word, Uint<L>& leaf) { leaf = float_bits(word); }
-template <class L, class Enum> requires std::is_enum_v<Enum>
-SHEAF_INLINE void from_word(float word, Enum& leaf) {
+template <class L, class Enum>
+requires std::is_enum_v<Enum> SHEAF_INLINE void from_word(float word, Enum& leaf) {
   static_assert(sizeof(Enum) == sizeof(std::uint32_t));
   leaf = static_cast<Enum>(float_bits(word));
 }
@@ -89,8 +89,8 @@ template <class L, template <class> class Record> SHEAF_INLINE Record<L> spread_
 }
 
 /// table[index].*member, one for each lane: a number, an enumeration's number, or a record such as Vec3.
-template <class L, class Row, class T> requires(!HasFields<T>)
-SHEAF_INLINE auto gather_member(const Row* table, T Row::*member, Uint<L> index) {
+template <class L, class Row, class T>
+requires(!HasFields<T>) SHEAF_INLINE auto gather_member(const Row* table, T Row::*member, Uint<L> index) {
   static_assert(sizeof(T) == sizeof(float));
   using Word = std::conditional_t<std::is_enum_v<T>, std::uint32_t, T>;
   return gather(reinterpret_cast<const Word*>(&(table->*member)), record_table_detail::first_words<L, Row>(index));
@@ -119,8 +119,7 @@ SHEAF_INLINE void gather_four(const Row* table, float (Row::*member)[N], int k, 
 
 /// The numbers table[3 index], table[3 index + 1] and table[3 index + 2], for each lane. The table must be readable one
 /// number beyond its end.
-template <class L>
-SHEAF_INLINE std::array<Uint<L>, 3> gather_triple(const std::uint32_t* table, Uint<L> index) {
+template <class L> SHEAF_INLINE std::array<Uint<L>, 3> gather_triple(const std::uint32_t* table, Uint<L> index) {
   Float<L> words[4];
   gather_row4<L>(reinterpret_cast<const float*>(table), index * Uint<L>(3u), words);
   return {float_bits(words[0]), float_bits(words[1]), float_bits(words[2])};

@@ -6,9 +6,7 @@
 namespace sheaf {
 
 /// Four uniform numbers in [0, 1).
-template <class L> struct Random4 {
-  typename L::Float x, y, z, w;
-};
+template <class L> struct Random4 { typename L::Float x, y, z, w; };
 
 /// Numbers of a Random4, as bits.
 enum RandomNumbers : unsigned { kNumberX = 1, kNumberY = 2, kNumberZ = 4, kNumberW = 8, kAllNumbers = 15 };

@@ -65,12 +65,15 @@ SHEAF_INLINE Random4<L> numbers(const SamplerView& sampler, Uint<L> pixel, Uint<
                                 unsigned wanted) {
   const std::uint32_t seed = sampler.seed + set.index * kGoldenRatio;
   switch (sampler.kind) {
-    case SamplerKind::kStratified: return stratified_random4<L>(seed, sampler.grid, false, pixel, sample, block);
-    case SamplerKind::kMultijitter: return stratified_random4<L>(seed, sampler.grid, true, pixel, sample, block);
+    case SamplerKind::kStratified:
+      return stratified_random4<L>(seed, sampler.grid, false, pixel, sample, block);
+    case SamplerKind::kMultijitter:
+      return stratified_random4<L>(seed, sampler.grid, true, pixel, sample, block);
     case SamplerKind::kSobol:
     case SamplerKind::kZSobol:
       return sobol_random4<L>(sobol_point<L>(sampler, pixel, sample, set), block, wanted);
-    case SamplerKind::kIndependent: break;
+    case SamplerKind::kIndependent:
+      break;
   }
   return random4<L>(seed, pixel, sample, block);
 }
@@ -108,12 +111,12 @@ std::uint32_t rounded_sample_count(SamplerKind kind, std::uint32_t sample_count)
 }
 
 template <class L>
-Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::Uint sample, typename L::Uint event,
+Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::Uint sample, typename L::Uint dimension,
                 SampleBlock block, SampleSet set, unsigned wanted) noexcept {
   using U = typename L::Uint;
   const U number = sample - U(sampler.first_sample);
   const auto block_of = [&](SampleBlock of) SHEAF_LAMBDA_INLINE {
-    return event * U(static_cast<std::uint32_t>(SampleBlock::kCount)) + U(static_cast<std::uint32_t>(of));
+    return dimension * U(static_cast<std::uint32_t>(SampleBlock::kCount)) + U(static_cast<std::uint32_t>(of));
   };
   const auto four = [&](unsigned of_them) SHEAF_LAMBDA_INLINE {
     return numbers<L>(sampler, pixel, number, block_of(block), set, of_them);

@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-/// Blocks of four dimensions. Camera comes once per path, the others once per path event (interaction).
+/// Blocks of four dimensions. Camera comes once per path, the others once per interaction.
 enum class SampleBlock : std::uint32_t {
   kCamera,   ///< x, y: position in the pixel; z, w: position on the lens, without which z: the wavelengths
   kLight,    ///< x: which light; y, z: point on it; w: which part of it
@@ -16,7 +16,7 @@ enum class SampleBlock : std::uint32_t {
   kSelect,
   kResample,  ///< x: which of several light candidates
   kCount,
-  /// x: the wavelengths with a lens; once per path, at event 0: what kCamera would have at event 1.
+  /// x: the wavelengths with a lens; once per path, at dimension 0: what kCamera would have at dimension 1.
   kWavelength = kCount,
 };
 
@@ -36,7 +36,7 @@ enum class SamplerKind : std::uint32_t {
 struct SamplerView {
   SamplerKind kind = SamplerKind::kSobol;
   std::uint32_t seed = 0;
-  SampleGrid grid = {};  ///< kStratified, kMultijitter
+  SampleGrid grid = {};            ///< kStratified, kMultijitter
   std::uint32_t first_sample = 0;  ///< of each pixel, from which on samples are spread
   /// kZSobol: the frame's width, pixel / frame_width being the row; below 2^30. Pixels are below 2^31.
   std::uint32_t frame_width = 1;
@@ -67,11 +67,11 @@ struct SampleSet {
   std::uint32_t index = 0, count = 1;
 };
 
-/// The numbers of `block` at a path's event `event` (0 for the camera): a pure function of its arguments. The plane
-/// that is spread best is (x, y) for the camera and (y, z) elsewhere. `wanted`: which RandomNumbers are asked for; the
-/// others may be anything, and cost less.
+/// The numbers of `block` at a path's `dimension` (0 for the camera, then one for each interaction): a pure function of
+/// its arguments. The plane that is spread best is (x, y) for the camera and (y, z) elsewhere. `wanted`: which
+/// RandomNumbers are asked for; the others may be anything, and cost less.
 template <class L>
-Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::Uint sample, typename L::Uint event,
+Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::Uint sample, typename L::Uint dimension,
                 SampleBlock block, SampleSet set = {}, unsigned wanted = kAllNumbers) noexcept;
 
 }  // namespace sheaf

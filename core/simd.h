@@ -30,7 +30,7 @@ namespace sheaf {
 using FloatBatch = xsimd::batch<float>;
 using UintBatch = xsimd::batch<std::uint32_t>;
 using MaskBatch = xsimd::batch_bool<float>;
-/// Four floats, whatever the machine's width; see core/quad.h.
+/// Four floats, whatever the machine's width; see core/float4.h.
 using QuadBatch = xsimd::make_sized_batch_t<float, 4>;
 
 /// Lanes of one wide register of floats.
@@ -178,8 +178,7 @@ SHEAF_INLINE std::uint32_t reverse_bits(std::uint32_t a) { return reverse_bits_s
 /// Per lane: `m ? a : b`.
 SHEAF_INLINE WideFloat select(WideMask m, WideFloat a, WideFloat b) { return xsimd::select(m.v, a.v, b.v); }
 SHEAF_INLINE WideUint select(WideMask m, WideUint a, WideUint b) {
-  return cast_bits<UintBatch>(
-      xsimd::select(m.v, cast_bits<FloatBatch>(a.v), cast_bits<FloatBatch>(b.v)));
+  return cast_bits<UintBatch>(xsimd::select(m.v, cast_bits<FloatBatch>(a.v), cast_bits<FloatBatch>(b.v)));
 }
 SHEAF_INLINE WideMask select(WideMask m, WideMask a, WideMask b) { return (m & a) | ((!m) & b); }
 SHEAF_INLINE float select(bool m, float a, float b) { return m ? a : b; }
@@ -195,9 +194,7 @@ SHEAF_INLINE std::uint32_t float_bits(float a) { return std::bit_cast<std::uint3
 SHEAF_INLINE float bits_float(std::uint32_t a) { return std::bit_cast<float>(a); }
 
 /// Integer to float; exact below 2^24. Values must be below 2^31.
-SHEAF_INLINE WideFloat to_float(WideUint a) {
-  return xsimd::to_float(cast_bits<xsimd::batch<std::int32_t>>(a.v));
-}
+SHEAF_INLINE WideFloat to_float(WideUint a) { return xsimd::to_float(cast_bits<xsimd::batch<std::int32_t>>(a.v)); }
 SHEAF_INLINE float to_float(std::uint32_t a) { return static_cast<float>(static_cast<std::int32_t>(a)); }
 /// Float to integer, towards zero. The value must lie in [0, 2^31).
 SHEAF_INLINE WideUint to_uint(WideFloat a) { return cast_bits<UintBatch>(xsimd::to_int(a.v)); }
@@ -448,8 +445,12 @@ SHEAF_INLINE void compress_store(float* p, WideFloat a, std::uint32_t bits) {
 SHEAF_INLINE void compress_store(std::uint32_t* p, WideUint a, std::uint32_t bits) {
   compress_store(reinterpret_cast<float*>(p), bits_float(a), bits);
 }
-SHEAF_INLINE void compress_store(float* p, float a, std::uint32_t bits) { if (bits & 1u) *p = a; }
-SHEAF_INLINE void compress_store(std::uint32_t* p, std::uint32_t a, std::uint32_t bits) { if (bits & 1u) *p = a; }
+SHEAF_INLINE void compress_store(float* p, float a, std::uint32_t bits) {
+  if (bits & 1u) *p = a;
+}
+SHEAF_INLINE void compress_store(std::uint32_t* p, std::uint32_t a, std::uint32_t bits) {
+  if (bits & 1u) *p = a;
+}
 
 /// Copies from[lane] for each lane set in `bits` next to each other, in lane order. Reads kWidth values at `from` and
 /// writes up to kWidth at `to` (no alignment needed), of which the first popcount(bits) are meant.

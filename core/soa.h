@@ -14,14 +14,18 @@
 
 namespace sheaf {
 
-template <class T> concept HasFields = requires(T& t) { T::fields(t); };
+template <class T>
+concept HasFields = requires(T& t) {
+  T::fields(t);
+};
 
 /// References to all leaves of a record, in declaration order, as one flat tuple. Arrays count as their elements.
 template <class T> SHEAF_INLINE constexpr auto leaves(T& value) {
   if constexpr (std::is_array_v<T>) {
     return [&value]<std::size_t... I>(std::index_sequence<I...>) SHEAF_LAMBDA_INLINE {
       return std::tuple_cat(leaves(value[I])...);
-    }(std::make_index_sequence<std::extent_v<T>>{});
+    }
+    (std::make_index_sequence<std::extent_v<T>>{});
   } else if constexpr (HasFields<std::remove_const_t<T>>) {
     return std::apply([](auto&... field) SHEAF_LAMBDA_INLINE { return std::tuple_cat(leaves(field)...); },
                       std::remove_const_t<T>::fields(value));

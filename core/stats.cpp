@@ -128,8 +128,8 @@ namespace {
 
 /// What `sheaf render` prints for a light: where it stands in the file, else its row.
 std::string light_name(const RenderReport& report, std::size_t light) {
-  const bool known = light < report.light_places.size() && !report.light_places[light].empty();
-  return known ? report.light_places[light] : "light " + std::to_string(light);
+  const bool known = light < report.light_source_locations.size() && !report.light_source_locations[light].empty();
+  return known ? report.light_source_locations[light] : "light " + std::to_string(light);
 }
 
 double total_light_radiance(const Stats& stats) {
@@ -143,11 +143,12 @@ nlohmann::ordered_json lights_json(const RenderReport& report) {
   const double total = total_light_radiance(report.stats);
   for (const std::size_t i : costliest_lights(report.stats)) {
     const LightStats& light = report.stats.lights[i];
-    lights.push_back({{"light", i},
-                      {"where", i < report.light_places.size() ? report.light_places[i] : std::string()},
-                      {"shadow_rays", light.rays},
-                      {"arrived", light.arrived},
-                      {"radiance_share", ratio(light.radiance, total)}});
+    lights.push_back(
+        {{"light", i},
+         {"where", i < report.light_source_locations.size() ? report.light_source_locations[i] : std::string()},
+         {"shadow_rays", light.rays},
+         {"arrived", light.arrived},
+         {"radiance_share", ratio(light.radiance, total)}});
   }
   return lights;
 }

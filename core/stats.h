@@ -99,7 +99,7 @@ struct alignas(64) Stats {
     std::uint64_t real = 0;       ///< of paths with the medium
     std::uint64_t null = 0;       ///< of paths with what fills it up to the majorant; steps of ray marching
     std::uint64_t shadow = 0;     ///< tentative collisions, or steps, of shadow rays
-    std::uint64_t abandoned = 0;  ///< rays that were given up, see kMostCollisions of kernels/media/density_tracking.h
+    std::uint64_t abandoned = 0;  ///< rays that were given up, see kMaxCollisions of kernels/media/density_tracking.h
     Collisions& operator+=(const Collisions& other) {
       real += other.real;
       null += other.null;
@@ -162,8 +162,8 @@ struct RenderReport {
   };
   std::optional<Adaptive> adaptive;
   std::uint64_t peak_rss_bytes = 0, peak_private_bytes = 0;
-  std::vector<std::string_view> stage_names;  ///< of all stages, in the order of Stats::stages
-  std::vector<std::string> light_places;      ///< "file:line" of each light that Stats::lights tells, or empty
+  std::vector<std::string_view> stage_names;        ///< of all stages, in the order of Stats::stages
+  std::vector<std::string> light_source_locations;  ///< "file:line" of each light that Stats::lights tells, or empty
   /// Standard error of a pixel over its value, root of the mean square over the picture without the worst thousandth;
   /// absent where variances are.
   std::optional<double> noise;

@@ -31,9 +31,7 @@ template <class U> SHEAF_INLINE U permuted(U i, std::uint32_t count, U key) {
 }
 
 /// Quotient and remainder.
-template <class U> struct Division {
-  U quotient, remainder;
-};
+template <class U> struct Division { U quotient, remainder; };
 
 /// a / b; a is below 2^24.
 template <class U> SHEAF_INLINE Division<U> divide(U a, std::uint32_t b) {
@@ -46,9 +44,7 @@ template <class U> SHEAF_INLINE Division<U> divide(U a, std::uint32_t b) {
 
 namespace stratified_detail {
 
-template <class L> struct Pair {
-  typename L::Float x, y;
-};
+template <class L> struct Pair { typename L::Float x, y; };
 
 /// A point of `cell`, moved by the jitter (u, v) within it. Correlated: within the column, points lie in different rows
 /// of a finer grid, and so within the row; each of the finer rows and columns then holds one point.

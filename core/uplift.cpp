@@ -102,9 +102,8 @@ template <class L> SHEAF_INLINE void measure(const Quadrature& q, Vec3<L> target
 /// Solves d * step = off by Cramer's rule; zero where the matrix is singular.
 template <class L> SHEAF_INLINE void newton_step(const Trial<L>& a, typename L::Float (&step)[3]) {
   using F = typename L::Float;
-  const Vec3<L> column[3] = {{a.d[0][0], a.d[1][0], a.d[2][0]},
-                             {a.d[0][1], a.d[1][1], a.d[2][1]},
-                             {a.d[0][2], a.d[1][2], a.d[2][2]}};
+  const Vec3<L> column[3] = {
+      {a.d[0][0], a.d[1][0], a.d[2][0]}, {a.d[0][1], a.d[1][1], a.d[2][1]}, {a.d[0][2], a.d[1][2], a.d[2][2]}};
   const Vec3<L> off{a.off[0], a.off[1], a.off[2]};
   const F determinant = dot(column[0], cross(column[1], column[2]));
   const auto singular = abs(determinant) < F(1e-30f);
@@ -180,8 +179,10 @@ void fit_plane(const Quadrature& q, int largest, int second, float* nodes) {
     }
     Vec3<Wide> target;
     load(rgb[0], target.x), load(rgb[1], target.y), load(rgb[2], target.z);
-    if (cold) fit_from_grey<Wide>(q, target, trial);
-    else fit<Wide>(q, target, trial, 25);
+    if (cold)
+      fit_from_grey<Wide>(q, target, trial);
+    else
+      fit<Wide>(q, target, trial, 25);
     for (int k = 0; k < 3; ++k) store(c[k], trial.c[k]);
     for (int lane = 0; lane < kWidth; ++lane) {
       float* node = nodes + 4 * (((largest * kSize + z) * kSize + second) * kSize + x + lane);

@@ -78,7 +78,7 @@ SHEAF_INLINE SigmoidPolynomial<L> interpolate(const UpliftTable& table, typename
   const U first = (((largest * size + z) * size + y) * size + x) << 2;
   alignas(kSimdAlignment) std::uint32_t offset[L::width];
   store(offset, first);
-  const auto corner = [&](std::uint32_t by, F (&c)[4]) {
+  const auto corner = [&](std::uint32_t by, F(&c)[4]) {
     const float* rows[L::width];
     for (int lane = 0; lane < L::width; ++lane) rows[lane] = table.nodes.data() + offset[lane] + 4 * by;
     load_rows4(rows, c);

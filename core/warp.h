@@ -5,9 +5,7 @@
 
 namespace sheaf {
 
-template <class L> struct SinCos {
-  typename L::Float sin, cos;
-};
+template <class L> struct SinCos { typename L::Float sin, cos; };
 
 /// sin and cos of 2 pi u for u in [0, 1]; absolute error below 4e-7. The angle is folded into [-pi/4, pi/4] exactly,
 /// so that short polynomials suffice (minimax coefficients as in the Cephes library's sinf and cosf).

@@ -141,12 +141,12 @@ void cut(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
                             "instead",
                             plan.samples, parts));
   const std::uint32_t sets = choose_sets(plan, parts);
-  constexpr std::uint32_t kMostSets = 1024;  // of --replicates
-  if (sets > kMostSets)
+  constexpr std::uint32_t kMaxSets = 1024;  // of --replicates
+  if (sets > kMaxSets)
     throw Error(ExitCode::kUsage,
                 fmt::format("{} samples in {} parts would be {} sets (--replicates), at most {} are possible; "
                             "--replicates 1 makes one, without layers of variance",
-                            plan.samples, parts, sets, kMostSets));
+                            plan.samples, parts, sets, kMaxSets));
   farm.part_option = "--samples";
   farm.part_values = sample_ranges(plan, sets, parts);
   if (!plan.sets_given) {

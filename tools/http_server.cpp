@@ -12,8 +12,8 @@ namespace sheaf {
 
 namespace {
 
-constexpr unsigned kMostConnections = 64, kMostConnectionsByAddress = 32;
-constexpr unsigned kMostSilence = 10;             // seconds
+constexpr unsigned kMaxConnections = 64, kMaxConnectionsByAddress = 32;
+constexpr unsigned kMaxSilence = 10;              // seconds
 constexpr std::size_t kRequestBytes = 16 * 1024;  // of one connection: a request with all its headers
 
 /// Headers of every answer. The page is one file and needs nothing from elsewhere, so browsers are told to fetch
@@ -95,9 +95,9 @@ HttpServer::HttpServer(const Endpoint& endpoint, Answer answer) : answer_(std::m
   url_ = "http://" + Endpoint{endpoint.host, listening_port(socket)}.text() + "/";
   daemon_ =
       MHD_start_daemon(MHD_USE_AUTO | MHD_USE_INTERNAL_POLLING_THREAD, 0, nullptr, nullptr, on_request, this,
-                       MHD_OPTION_LISTEN_SOCKET, socket.descriptor(), MHD_OPTION_CONNECTION_LIMIT, kMostConnections,
-                       MHD_OPTION_PER_IP_CONNECTION_LIMIT, kMostConnectionsByAddress, MHD_OPTION_CONNECTION_TIMEOUT,
-                       kMostSilence, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kRequestBytes, MHD_OPTION_END);
+                       MHD_OPTION_LISTEN_SOCKET, socket.descriptor(), MHD_OPTION_CONNECTION_LIMIT, kMaxConnections,
+                       MHD_OPTION_PER_IP_CONNECTION_LIMIT, kMaxConnectionsByAddress, MHD_OPTION_CONNECTION_TIMEOUT,
+                       kMaxSilence, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kRequestBytes, MHD_OPTION_END);
   if (daemon_ == nullptr) throw Error(ExitCode::kRuntime, "cannot start a web server at " + endpoint.text());
   socket.release();
 }

@@ -18,16 +18,15 @@ struct Build {
   bool runs;  ///< on this processor
 };
 
-// Clang before 17 does not know levels by name. Of their instructions these are what it knows: processors that have them
-// have the rest (F16C, LZCNT, MOVBE) as well.
+// Clang before 17 does not know levels by name. Of their instructions these are what it knows: processors that have
+// them have the rest (F16C, LZCNT, MOVBE) as well.
 bool has_v3() {
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
          __builtin_cpu_supports("fma");
 }
 bool has_v4() {
   return has_v3() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-         __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
-         __builtin_cpu_supports("avx512vl");
+         __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
 }
 
 int fail(const std::string& message) {

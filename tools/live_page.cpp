@@ -16,7 +16,7 @@ namespace sheaf {
 
 namespace {
 
-constexpr std::size_t kMostMessages = 200, kMostMessageBytes = 4000;
+constexpr std::size_t kMaxMessages = 200, kMaxMessageBytes = 4000;
 /// A browser that has not asked for so long looks no more; the page asks every second.
 constexpr double kLookSeconds = 4;
 /// How long pages in several windows have to ask once more.
@@ -71,8 +71,8 @@ void LivePage::set_picture(std::shared_ptr<const Image> picture) {
 
 void LivePage::add_message(std::string_view message) {
   const std::lock_guard lock(mutex_);
-  messages_.emplace_back(message.substr(0, kMostMessageBytes));
-  if (messages_.size() > kMostMessages) messages_.pop_front();
+  messages_.emplace_back(message.substr(0, kMaxMessageBytes));
+  if (messages_.size() > kMaxMessages) messages_.pop_front();
 }
 
 bool LivePage::is_watched() const { return Progress::steady_seconds() - looked_ < kLookSeconds; }

@@ -178,7 +178,8 @@ std::unique_ptr<Model> make_model(int kind, std::uint32_t seed) {
       return std::make_unique<Ramp>();
     case kConstant:
       return std::make_unique<Constant>();
-    default: return std::make_unique<Cumulus>(seed);
+    default:
+      return std::make_unique<Cumulus>(seed);
   }
 }
 

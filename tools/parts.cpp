@@ -19,7 +19,7 @@ constexpr const char* kSettings = "sheaf/settings";
 constexpr const char* kSamples = "sheaf/samples";
 constexpr const char* kSamplesPerPixel = "sheaf/samplesPerPixel";
 constexpr const char* kIsa = "sheaf/isa";
-constexpr std::uint32_t kMostSamples = 1u << 24;
+constexpr std::uint32_t kMaxSamples = 1u << 24;
 
 /// Of one render these are the same in all parts.
 constexpr std::array<std::pair<const char*, const char*>, 5> kSame = {{{"sheaf/version", "Sheaf's version"},
@@ -37,7 +37,7 @@ std::optional<SampleRange> samples_from_text(std::string_view text) {
   if (first.ec != std::errc() || first.ptr == end || *first.ptr != ':') return std::nullopt;
   const auto count = std::from_chars(first.ptr + 1, end, samples.count);
   if (count.ec != std::errc() || count.ptr != end || samples.count == 0) return std::nullopt;
-  if (samples.first > kMostSamples || samples.count > kMostSamples) return std::nullopt;
+  if (samples.first > kMaxSamples || samples.count > kMaxSamples) return std::nullopt;
   return samples;
 }
 
@@ -76,7 +76,7 @@ SampleRange parse_samples(const std::string& text) {
 
 std::string part_settings(const RenderSettings& settings) {
   /// Files that are named one by one.
-  constexpr std::size_t kMostFiles = 16;
+  constexpr std::size_t kMaxFiles = 16;
   std::string options, files;
   std::size_t count = 0;
   for (const auto& [name, value] : settings) {
@@ -85,7 +85,7 @@ std::string part_settings(const RenderSettings& settings) {
     (is_option ? options : files) += name + (is_option ? " " : ": ") + value + "\n";
     count += is_option ? 0 : 1;
   }
-  if (count > kMostFiles) {
+  if (count > kMaxFiles) {
     const std::uint32_t sum = check_sum({files.data(), files.size()}, 0);
     files = fmt::format("{} files of the scene: {:08x}\n", count, sum);
   }
@@ -132,7 +132,7 @@ PartFile read_part_header(const std::filesystem::path& path) {
   for (const char* const name : {kSamplesPerPixel, kSamplesPlannedAttribute})
     for (const ExrMetadata::Attribute& attribute : file.metadata.attributes)
       if (const int* count = std::get_if<int>(&attribute.value); count != nullptr && attribute.name == name)
-        if (*count > 0 && *count <= static_cast<int>(kMostSamples))
+        if (*count > 0 && *count <= static_cast<int>(kMaxSamples))
           file.samples_per_pixel = static_cast<std::uint32_t>(*count);
   if (file.samples_per_pixel == 0) throw SceneError(where, "does not say how many samples per pixel it has");
   file.part.samples = {0, file.samples_per_pixel};

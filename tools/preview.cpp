@@ -17,7 +17,7 @@ namespace sheaf {
 namespace {
 
 /// Between two pictures lie at least this many seconds, and this many times what the first has cost.
-constexpr double kLeastInterval = 1, kCostFactor = 50;
+constexpr double kMinInterval = 1, kCostFactor = 50;
 constexpr double kTevSeconds = 5, kPageSeconds = 3;
 
 /// The colours and alpha alone, in the order of their names.
@@ -106,7 +106,7 @@ void Preview::show(const RenderState& state) {
   double cost = now - asked_;
   // Made beside the render, on one of its processors.
   if (page_) cost += page_->encoding_seconds() / std::max(1u, std::thread::hardware_concurrency());
-  next_ = now + std::max(kLeastInterval, kCostFactor * cost);
+  next_ = now + std::max(kMinInterval, kCostFactor * cost);
   asked_ = 0;
 }
 

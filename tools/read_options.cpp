@@ -60,14 +60,14 @@ ReadOptions read_options(const std::filesystem::path& file, const ReadArguments&
 }
 
 std::pair<int, int> parse_size(const std::string& text) {
-  constexpr int kMost = 1'000'000;
+  constexpr int kMax = 1'000'000;
   int size[2] = {0, 0};
   const char* const end = text.data() + text.size();
   const auto width = std::from_chars(text.data(), end, size[0]);
   if (width.ec == std::errc() && width.ptr != end && (*width.ptr == 'x' || *width.ptr == 'X')) {
     const auto height = std::from_chars(width.ptr + 1, end, size[1]);
-    if (height.ec == std::errc() && height.ptr == end && size[0] > 0 && size[1] > 0 && size[0] <= kMost &&
-        size[1] <= kMost)
+    if (height.ec == std::errc() && height.ptr == end && size[0] > 0 && size[1] > 0 && size[0] <= kMax &&
+        size[1] <= kMax)
       return {size[0], size[1]};
   }
   throw Error(ExitCode::kUsage, "--size " + text + ": expected WxH, e.g. 640x480, each from 1 to 1000000");

@@ -6,7 +6,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-tools/install_packages.sh python3 python3-numpy python3-scipy python3-matplotlib chromium libclang-rt-dev
+tools/install_packages.sh python3 python3-numpy python3-scipy python3-matplotlib chromium libclang-rt-dev clang-format
 # For `sheaf farm`, on a cluster of this machine alone; without them its test is left out.
 tools/slurm.sh install
 for preset in asan fuzz release; do

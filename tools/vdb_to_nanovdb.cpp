@@ -16,8 +16,10 @@ namespace {
 template <class Grid> VoxelBlocks to_blocks(const Grid& grid) {
   constexpr int kChannels = std::is_same_v<typename Grid::ValueType, float> ? 1 : 3;
   const auto set = [](const typename Grid::ValueType& value, float* out) {
-    if constexpr (kChannels == 1) *out = value;
-    else for (int c = 0; c < 3; ++c) out[c] = value[c];
+    if constexpr (kChannels == 1)
+      *out = value;
+    else
+      for (int c = 0; c < 3; ++c) out[c] = value[c];
   };
   std::array<float, 3> background{};
   set(grid.background(), background.data());

@@ -33,9 +33,7 @@
 namespace sheaf {
 
 /// Names a BSDF template as a value.
-template <template <class> class Bsdf> struct BsdfTag {
-  template <class L> using Type = Bsdf<L>;
-};
+template <template <class> class Bsdf> struct BsdfTag { template <class L> using Type = Bsdf<L>; };
 
 namespace bsdf_detail {
 
@@ -49,7 +47,7 @@ template <template <class> class Bsdf> consteval bool fits_its_closure() {
   for_each_closure([&]<ClosureKind Kind, template <class> class P, class D>(ClosureEntry<Kind, P, D> closure) {
     if (Kind != Bsdf<Scalar>::kKind) return;
     fits = std::is_base_of_v<P<Scalar>, Bsdf<Scalar>> && kLeafCount<P> == kLeafCount<Bsdf> &&
-           kLeafCount<P> <= kMaxClosureWords && closure.is_pane == has_passage<Bsdf>();
+           kLeafCount<P> <= kMaxClosureWords && closure.is_thin_dielectric == has_passage<Bsdf>();
   });
   return fits;
 }

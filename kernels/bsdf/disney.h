@@ -27,16 +27,18 @@ template <class L> struct DisneyBsdf : DisneyParameters<L> {
   /// All that depends on the parameters and the outgoing direction alone.
   struct View {
     Vec3<L> wo;
-    F weight_o;                    ///< Schlick's, of wo
+    F weight_o;  ///< Schlick's, of wo
     GgxDistribution<L> facets;
-    F span_o;                      ///< GgxTerms::span() of wo
-    Spectrum<L> hue;               ///< the base colour at a luminance of 1
-    Spectrum<L> specular;          ///< reflectance at normal incidence
-    Clearcoat<L> coat;             ///< only where p_coat > 0
+    F span_o;                         ///< GgxTerms::span() of wo
+    Spectrum<L> hue;                  ///< the base colour at a luminance of 1
+    Spectrum<L> specular;             ///< reflectance at normal incidence
+    Clearcoat<L> coat;                ///< only where p_coat > 0
     F p_diffuse, p_coat, p_specular;  ///< probabilities of sampling the lobes
 
     SHEAF_INLINE View(const DisneyParameters<L>& p, Vec3<L> direction)
-        : wo(direction), weight_o(schlick_weight(wo.z)), facets(burley_ggx<L>(p.roughness, p.anisotropic)),
+        : wo(direction),
+          weight_o(schlick_weight(wo.z)),
+          facets(burley_ggx<L>(p.roughness, p.anisotropic)),
           span_o(GgxTerms<L>::span(facets, wo)) {
       const F one(1.0f);
       const auto& c = p.base_color;

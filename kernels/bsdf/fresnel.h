@@ -7,9 +7,9 @@ namespace sheaf {
 
 /// What happens at a dielectric boundary.
 template <class L> struct DielectricFresnel {
-  typename L::Float reflectance;    ///< in [0, 1]; 1 at total internal reflection
+  typename L::Float reflectance;      ///< in [0, 1]; 1 at total internal reflection
   typename L::Float cos_transmitted;  ///< cosine of the refracted direction, with the opposite sign of cos_incident
-  typename L::Float eta;            ///< index of refraction of the far side over that of the near side
+  typename L::Float eta;              ///< index of refraction of the far side over that of the near side
 };
 
 /// `cos_incident`: cosine to the normal, positive outside; `eta`: inside over outside (Pharr et al. 2023, section

@@ -204,15 +204,15 @@ template <class L> struct HairBsdf : HairParameters<L> {
   /// v of the first lobe and s, by fits in which roughness from 0 to 1 looks even (Chiang 2016, equations 7 and 8).
   /// Smoother than a hundredth is more than single precision resolves.
   SHEAF_INLINE F longitudinal_variance() const {
-    const F b = max(this->longitudinal_roughness, F(kLeastRoughness));
+    const F b = max(this->longitudinal_roughness, F(kMinRoughness));
     return sqr(F(0.726f) * b + F(0.812f) * b * b + F(3.7f) * hair_detail::whole_power<20>(b));
   }
   SHEAF_INLINE F azimuthal_scale() const {
-    const F b = max(this->azimuthal_roughness, F(kLeastRoughness));
+    const F b = max(this->azimuthal_roughness, F(kMinRoughness));
     constexpr float kRootOfPiOver8 = 0.626657069f;
     return F(kRootOfPiOver8) * (F(0.265f) * b + F(1.194f) * b * b + F(5.372f) * hair_detail::whole_power<22>(b));
   }
-  static constexpr float kLeastRoughness = 0.01f;
+  static constexpr float kMinRoughness = 0.01f;
 };
 
 }  // namespace sheaf

@@ -75,8 +75,8 @@ template <class L> struct GgxDistribution : MicrofacetDistribution<L, GgxDistrib
     const F depth = u2 * (F(1.0f) + w.z);  // of the point on the cap, below the sphere's top
     const F r = safe_sqrt(depth * (F(2.0f) - depth));
     const auto angle = sincos_2pi<L>(u1);
-    return normalize<L>({this->alpha_u * fma(r, angle.cos, w.x), this->alpha_v * fma(r, angle.sin, w.y),
-                         F(1.0f) - depth + w.z});
+    return normalize<L>(
+        {this->alpha_u * fma(r, angle.cos, w.x), this->alpha_v * fma(r, angle.sin, w.y), F(1.0f) - depth + w.z});
   }
 };
 
@@ -86,8 +86,10 @@ template <class F, class... C> SHEAF_INLINE F polynomial(F x, C... c) {
   const float terms[8] = {c...};
   const F x2 = x * x;
   const auto pair = [&](int i) SHEAF_LAMBDA_INLINE { return fma(x, F(terms[i + 1]), F(terms[i])); };
-  if constexpr (sizeof...(c) <= 4) return fma(x2, pair(2), pair(0));
-  else return fma(x2 * x2, sizeof...(c) <= 6 ? pair(4) : fma(x2, pair(6), pair(4)), fma(x2, pair(2), pair(0)));
+  if constexpr (sizeof...(c) <= 4)
+    return fma(x2, pair(2), pair(0));
+  else
+    return fma(x2 * x2, sizeof...(c) <= 6 ? pair(4) : fma(x2, pair(6), pair(4)), fma(x2, pair(2), pair(0)));
 }
 
 /// exp(-x) for x >= 0, relative error below 1e-7 (1 + x); about 1e-38 from 87 on and where x is not a number.
@@ -143,8 +145,8 @@ template <class L> struct BeckmannDistribution : MicrofacetDistribution<L, Beckm
   }
 
  private:
-  static constexpr float kMinSine = 1e-10f;   ///< below it directions count as normal to the surface
-  static constexpr float kMaxSlope = 4.2f;    ///< beyond lie 3e-9 of the facets
+  static constexpr float kMinSine = 1e-10f;  ///< below it directions count as normal to the surface
+  static constexpr float kMaxSlope = 4.2f;   ///< beyond lie 3e-9 of the facets
   static constexpr float kSqrtPi = 1.77245385f;
   struct Ratio {
     F over, under;
@@ -156,9 +158,9 @@ template <class L> struct BeckmannDistribution : MicrofacetDistribution<L, Beckm
   /// ratio of polynomials holds up to 3.2, from where on G1 is 1 to 2e-7.
   static SHEAF_INLINE Ratio shadowing(F a) {
     const F t = min(a, F(3.2f));
-    return {select(a < F(3.2f), polynomial(t, 3.54491056f, 0.1430688f, 1.02810747f, 0.12289164f, 0.11172969f), F(1.0f)),
-            select(a < F(3.2f),
-                   polynomial(t, 1.0f, 1.81287994f, 1.36056347f, 0.59474668f, 0.20084562f, 0.10607205f), a)};
+    return {
+        select(a < F(3.2f), polynomial(t, 3.54491056f, 0.1430688f, 1.02810747f, 0.12289164f, 0.11172969f), F(1.0f)),
+        select(a < F(3.2f), polynomial(t, 1.0f, 1.81287994f, 1.36056347f, 0.59474668f, 0.20084562f, 0.10607205f), a)};
   }
 
   /// The x at which erf(x) is 2 u - 1, relative error below 2e-5; ends at u = 1.25e-8.
@@ -216,9 +218,7 @@ SHEAF_INLINE FacetReflection<L> evaluate_reflection(const Distribution<L>& facet
 }
 
 /// A direction reflected by a visible facet, and what evaluate_reflection() says of it.
-template <class L> struct FacetReflectionSample : FacetReflection<L> {
-  Vec3<L> wi;
-};
+template <class L> struct FacetReflectionSample : FacetReflection<L> { Vec3<L> wi; };
 
 /// For u1 and u2 in [0, 1). The density is 0 where wo is not above the surface or the reflected direction isn't.
 template <class L, template <class> class Distribution>

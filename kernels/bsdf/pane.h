@@ -29,7 +29,7 @@ inline PanePassage<Scalar> pane_passage(const SceneView& scene, std::uint32_t ro
                                         const Spectrum4& lambda) {
   PanePassage<Scalar> passage;
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
-    if constexpr (closure_info(Bsdf<Scalar>::kKind).is_pane)
+    if constexpr (closure_info(Bsdf<Scalar>::kKind).is_thin_dielectric)
       if (kind == scene.materials[row].kind)
         passage = pane_detail::load_pane<Bsdf>(scene, row, lambda).passage(cos_theta);
   });

@@ -51,10 +51,8 @@ template <class L> struct PlasticBsdf : PlasticParameters<L> {
     const Vec3<L> diffuse_wi = square_to_cosine_hemisphere<L>(u.y, u.z);
     BsdfSample<L> s;
     s.wi = select<L>(at_coat, {-wo.x, -wo.y, wo.z}, diffuse_wi);
-    s.weight = select<L>(at_coat, this->specular * (share / p_coat),
-                         base(share, diffuse_wi.z) * (F(1.0f) / p_base));
-    s.pdf_solid_angle =
-        select(at_coat, F(0.0f), cosine_hemisphere_pdf_solid_angle(diffuse_wi.z) * p_base);
+    s.weight = select<L>(at_coat, this->specular * (share / p_coat), base(share, diffuse_wi.z) * (F(1.0f) / p_base));
+    s.pdf_solid_angle = select(at_coat, F(0.0f), cosine_hemisphere_pdf_solid_angle(diffuse_wi.z) * p_base);
     s.eta_scale = F(1.0f);
     s.valid = (wo.z > F(0.0f)) & (s.wi.z > F(0.0f));
     return s;

@@ -31,27 +31,30 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
   /// All that depends on the parameters and the outgoing direction alone. Everything below is seen from above: for
   /// directions from within, space is inverted at the origin.
   struct View {
-    F side;                      ///< -1: from within
-    Mask<L> front;               ///< not from within
-    Vec3<L> wo;                  ///< z >= 0
-    F eta, inverse_eta;          ///< index of the far side over that of the near side
-    F weight_o;                  ///< Schlick's, of wo
+    F side;              ///< -1: from within
+    Mask<L> front;       ///< not from within
+    Vec3<L> wo;          ///< z >= 0
+    F eta, inverse_eta;  ///< index of the far side over that of the near side
+    F weight_o;          ///< Schlick's, of wo
     GgxDistribution<L> facets;
-    F span_o;                    ///< GgxTerms::span() of wo
-    F brdf, bsdf;                ///< shares of the diffuse base and of refraction
-    F sheen;                     ///< its share
-    Spectrum<L> hue;             ///< the base colour at a luminance of 1; only where a tint needs it
-    Spectrum<L> schlick_color;   ///< specular reflectance at normal incidence of what follows Schlick's approximation
-    F schlick_share;             ///< its share
-    F dielectric_share;          ///< of what follows Fresnel's equations
-    Spectrum<L> transmittance;   ///< square root of the base colour: light passes the surface twice
-    F max_transmittance;         ///< its largest component
-    Clearcoat<L> coat;           ///< only where p_coat > 0
+    F span_o;                   ///< GgxTerms::span() of wo
+    F brdf, bsdf;               ///< shares of the diffuse base and of refraction
+    F sheen;                    ///< its share
+    Spectrum<L> hue;            ///< the base colour at a luminance of 1; only where a tint needs it
+    Spectrum<L> schlick_color;  ///< specular reflectance at normal incidence of what follows Schlick's approximation
+    F schlick_share;            ///< its share
+    F dielectric_share;         ///< of what follows Fresnel's equations
+    Spectrum<L> transmittance;  ///< square root of the base colour: light passes the surface twice
+    F max_transmittance;        ///< its largest component
+    Clearcoat<L> coat;          ///< only where p_coat > 0
     F p_diffuse, p_coat, p_specular;  ///< probabilities of sampling the lobes
 
     SHEAF_INLINE View(const PrincipledParameters<L>& p, Vec3<L> direction)
-        : side(select(direction.z < F(0.0f), F(-1.0f), F(1.0f))), front(direction.z > F(0.0f)), wo(direction * side),
-          weight_o(schlick_weight(wo.z)), facets(burley_ggx<L>(p.roughness, p.anisotropic)),
+        : side(select(direction.z < F(0.0f), F(-1.0f), F(1.0f))),
+          front(direction.z > F(0.0f)),
+          wo(direction * side),
+          weight_o(schlick_weight(wo.z)),
+          facets(burley_ggx<L>(p.roughness, p.anisotropic)),
           span_o(GgxTerms<L>::span(facets, wo)) {
       const F one(1.0f), zero(0.0f);
       const F reciprocal = one / p.eta, dielectric = one - p.metallic;
@@ -91,11 +94,11 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
 
   /// What happens at a facet whose normal has the cosine `cos_d` > 0 to wo.
   struct Facet {
-    F cos_transmitted;        ///< of the refracted direction, positive; 0 at total internal reflection
-    F weight;                 ///< Schlick's, at the angle on the thinner side
-    Spectrum<L> reflected;    ///< share of light
-    F transmitted;            ///< share of light, before it is coloured
-    F reflects, transmits;    ///< the largest components of both: sampling chooses in proportion
+    F cos_transmitted;      ///< of the refracted direction, positive; 0 at total internal reflection
+    F weight;               ///< Schlick's, at the angle on the thinner side
+    Spectrum<L> reflected;  ///< share of light
+    F transmitted;          ///< share of light, before it is coloured
+    F reflects, transmits;  ///< the largest components of both: sampling chooses in proportion
 
     SHEAF_INLINE Facet(const View& view, F cos_d) {
       const F one(1.0f), zero(0.0f), eta = view.eta;
@@ -103,8 +106,8 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
       // Fresnel's equations as in fresnel_dielectric(), over a common denominator.
       const F s_difference = cos_d - eta * cos_transmitted, s_sum = cos_d + eta * cos_transmitted;
       const F p_difference = eta * cos_d - cos_transmitted, p_sum = eta * cos_d + cos_transmitted;
-      const F fresnel = F(0.5f) * (sqr(s_difference * p_sum) + sqr(p_difference * s_sum)) /
-                        max(sqr(s_sum * p_sum), F(1e-36f));
+      const F fresnel =
+          F(0.5f) * (sqr(s_difference * p_sum) + sqr(p_difference * s_sum)) / max(sqr(s_sum * p_sum), F(1e-36f));
       weight = schlick_weight(select(eta > one, cos_d, cos_transmitted));
       const F white = fma(view.dielectric_share, fresnel, view.schlick_share * weight);
       const Spectrum<L> color = view.schlick_color * (one - weight) + Spectrum<L>(white);
@@ -132,8 +135,8 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
     const F bend = select(possible, select(above, F(0.25f), cos_d * abs(cos_di) * sqr(inverse_length)), zero);
     const GgxTerms<L> facets(view.facets, h, view.span_o, GgxTerms<L>::span(view.facets, wi));
     BsdfValue<L> value;
-    value.f_cos = select<L>(above, facet.reflected, view.transmittance * facet.transmitted) *
-                  (facets.masked * bend * cos_i);
+    value.f_cos =
+        select<L>(above, facet.reflected, view.transmittance * facet.transmitted) * (facets.masked * bend * cos_i);
     const F chosen = select(above, facet.reflects, facet.transmits * sqr(view.eta)) /
                      max(facet.reflects + facet.transmits, F(1e-20f));
     value.pdf_solid_angle = view.p_specular * facets.density * bend * chosen;

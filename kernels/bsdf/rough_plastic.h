@@ -62,8 +62,7 @@ template <class L, template <class> class Distribution> struct RoughPlasticModel
     const auto coat = evaluate_reflection(facets(), wo, wi);
     const F fresnel = fresnel_dielectric<L>(min(coat.cos_facet, F(1.0f)), this->eta).reflectance;
     const F cosine_pdf = select(wo.z > F(0.0f), cosine_hemisphere_pdf_solid_angle(wi.z), F(0.0f));
-    const Spectrum<L> base =
-        coated_albedo<L>(this->diffuse, this->internal_reflectance, this->nonlinear, this->eta);
+    const Spectrum<L> base = coated_albedo<L>(this->diffuse, this->internal_reflectance, this->nonlinear, this->eta);
     return {this->specular * (fresnel * coat.pdf_solid_angle * coat.shadowing) +
                 base * (entering * coat_transmittance(wi.z) * cosine_pdf),
             lerp(coat_probability, cosine_pdf, coat.pdf_solid_angle)};

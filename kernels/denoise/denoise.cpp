@@ -19,7 +19,7 @@ namespace sheaf {
 namespace {
 
 /// Differences that never matter, in units of the picture's mean.
-constexpr float kLeastDifference = 1e-3f;
+constexpr float kMinDifference = 1e-3f;
 
 constexpr const char* kColorNames[] = {"R", "G", "B"};
 
@@ -87,7 +87,7 @@ Planes3 denoise_nl_means(const Image& image, std::string& description) {
       for (Plane& plane : half) plane.extend();
   if (dual) input.correlation = NoiseCorrelation(input.half[0], input.half[1], input.variance);
   input.features = find_features(image, input.correlation);
-  input.epsilon = sqr(kLeastDifference * static_cast<float>(mean_of(color))) + 1e-20f;
+  input.epsilon = sqr(kMinDifference * static_cast<float>(mean_of(color))) + 1e-20f;
   description = std::string("nlm: ") + (dual ? "two halves" : "one buffer") + describe_features(image);
   return select_filters(nl_means(input, NlMeansSettings{}), color, variance);
 }

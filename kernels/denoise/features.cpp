@@ -15,11 +15,11 @@ namespace {
 /// and a least difference.
 constexpr float kFeatureK = 1.2f;
 /// Least squared differences: of colours and directions, and of depth over depth.
-constexpr float kLeastSquare = 2e-3f, kLeastDepthSquare = 1e-3f;
+constexpr float kMinSquare = 2e-3f, kMinDepthSquare = 1e-3f;
 /// How features are denoised before they are used.
 constexpr NlMeansSettings kPrefilter{5, 1.0f};
 /// Values beyond this are none.
-constexpr float kMost = 1e15f;
+constexpr float kMax = 1e15f;
 
 /// The smaller change, to one side or the other: steps do not count.
 float gentle_slope(float before, float here, float after) {
@@ -77,7 +77,7 @@ Feature make_feature(std::vector<Plane> channels) {
         square += sqr(gentle_slope(plane.at(x - 1, y), here, plane.at(x + 1, y))) +
                   sqr(gentle_slope(plane.at(x, y - 1), here, plane.at(x, y + 1)));
       }
-      feature.scale.at(x, y) = 1 / (sqr(kFeatureK) * std::max(square, kLeastSquare));
+      feature.scale.at(x, y) = 1 / (sqr(kFeatureK) * std::max(square, kMinSquare));
     }
   });
   feature.channels = std::move(channels);
@@ -104,7 +104,7 @@ Feature make_depth_feature(const Plane& depth) {
   const float least = 0.1f * static_cast<float>(sum / (static_cast<double>(width) * height)) + 1e-12f;
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x)
-      feature.scale.at(x, y) = 1 / (sqr(kFeatureK) * kLeastDepthSquare * sqr(std::max(inverse.at(x, y), least)));
+      feature.scale.at(x, y) = 1 / (sqr(kFeatureK) * kMinDepthSquare * sqr(std::max(inverse.at(x, y), least)));
   });
   feature.channels.push_back(std::move(inverse));
   return feature;
@@ -121,7 +121,7 @@ std::vector<Plane> find_planes(const Image& image, const std::vector<std::string
     tbb::parallel_for(0, image.height, [&](int y) {
       for (int x = 0; x < image.width; ++x) {
         const float value = image.at(x, y, c);
-        plane.at(x, y) = std::abs(value) <= kMost ? value : 0.0f;
+        plane.at(x, y) = std::abs(value) <= kMax ? value : 0.0f;
       }
     });
     plane.extend();

@@ -87,8 +87,8 @@ template <class L, int kHalves> class TileFilter {
     for (int f = 0; f < filter; ++f) first += halves_of(f) * (fits_plane(f) ? plane_sums : mean_sums);
     return first + half * (fits_plane(filter) ? plane_sums : mean_sums);
   }
-  static constexpr int kAllSums = first_sum(kMostFilters, 0, kMeanSums, kPlaneSums),
-                       kAllShared = first_sum(kMostFilters, 0, kMeanShared, kPlaneShared);
+  static constexpr int kAllSums = first_sum(kMaxFilters, 0, kMeanSums, kPlaneSums),
+                       kAllShared = first_sum(kMaxFilters, 0, kMeanShared, kPlaneShared);
 
   int width() const { return tile_.width(); }
   float* sums(int y, int filter, int half) {
@@ -312,7 +312,7 @@ template <class L, int kHalves> class TileFilter {
   }
 
   void write_row(int y, std::vector<FilteredPlanes>& out) {
-    for (int filter = 0; filter < (with_features_ ? kMostFilters : kColorOnly); ++filter) {
+    for (int filter = 0; filter < (with_features_ ? kMaxFilters : kColorOnly); ++filter) {
       FilteredPlanes& planes = out[static_cast<std::size_t>(filter)];
       for (int x = 0; x < width(); ++x) {
         Result result;
@@ -366,7 +366,7 @@ template <class L, int kHalves> class TileFilter {
 }  // namespace
 
 std::vector<FilteredPlanes> make_filtered_planes(const NlMeansInput& input) {
-  std::vector<FilteredPlanes> out(input.features.empty() ? kColorOnly : kMostFilters);
+  std::vector<FilteredPlanes> out(input.features.empty() ? kColorOnly : kMaxFilters);
   for (FilteredPlanes& planes : out) {
     for (Plane& plane : planes.color) plane = Plane(input.width, input.height);
     planes.self_weight = Plane(input.width, input.height);

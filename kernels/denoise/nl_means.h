@@ -48,15 +48,15 @@ enum NlMeansFilter : int {
   /// By features, and by patches of 7 x 7 pixels far less strictly, so that no lamp is smeared; only where there are
   /// features.
   kMostlyFeatures,
-  kMostFilters
+  kMaxFilters
 };
 
 /// How strongly filters smooth.
 struct NlMeansSettings {
-  int radius = 10;        ///< of the disc around a pixel in which it looks for others like it; at most kMostRadius
-  float color_k = 0.7f;   ///< differences in units of the noise's standard deviation that count as one
+  int radius = 10;       ///< of the disc around a pixel in which it looks for others like it; at most kMaxRadius
+  float color_k = 0.7f;  ///< differences in units of the noise's standard deviation that count as one
 };
-inline constexpr int kMostRadius = 12;
+inline constexpr int kMaxRadius = 12;
 
 /// What one filter makes.
 struct FilteredPlanes {

@@ -11,7 +11,7 @@ namespace sheaf {
 namespace {
 
 /// Noise beyond this many standard deviations counts as so much: rare bright samples do not decide for all.
-constexpr float kMostDeviations = 3.0f;
+constexpr float kMaxDeviations = 3.0f;
 /// Correlations within this many standard deviations of their estimate from 0 are 0.
 constexpr double kSureDeviations = 3.0;
 
@@ -22,7 +22,7 @@ Plane normalized_noise(const Plane& half, const Plane& other, const Plane& varia
     for (int x = 0; x < half.width(); ++x) {
       const float deviation = std::sqrt(2 * variance.at(x, y));
       const float value = deviation > 0 ? (half.at(x, y) - other.at(x, y)) / deviation : 0.0f;
-      noise.at(x, y) = std::clamp(value, -kMostDeviations, kMostDeviations);
+      noise.at(x, y) = std::clamp(value, -kMaxDeviations, kMaxDeviations);
     }
   });
   return noise;

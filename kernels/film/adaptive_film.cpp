@@ -12,7 +12,7 @@ namespace sheaf {
 namespace {
 
 /// Samples of a set, per pixel, below which no tile is content: fewer do not tell noise.
-constexpr std::uint32_t kLeastSamples = 8;
+constexpr std::uint32_t kMinSamples = 8;
 constexpr std::uint32_t kFirstSamples = 2;
 /// Up to here samples are doubled, from here on half as many more at most.
 constexpr std::uint32_t kDoubledSamples = 16;
@@ -51,7 +51,7 @@ AdaptiveFilm::AdaptiveFilm(const Film& film, const std::vector<PixelRect>& tiles
     for (Set& set : tile.sets) {
       set.sums.resize(tile.outer.area() * row_size());
       set.counts.resize(tile.own.area());
-      if (film.tells_surfaces()) set.coverage.resize(tile.outer.area());
+      if (film.has_surface_ids()) set.coverage.resize(tile.outer.area());
       set.luminance.resize(tile.judged().area() * 2);
     }
   }
@@ -72,7 +72,7 @@ bool AdaptiveFilm::begin_round() {
     if (tile.is_content()) continue;
     double expected = most;
     for (int half = 0; half < 2; ++half) {
-      const bool is_known = wanted > 0 && taken >= kLeastSamples;
+      const bool is_known = wanted > 0 && taken >= kMinSamples;
       tile.content[half] = tile.content[half] || taken >= most || (is_known && noise[half][i] <= wanted);
       if (is_known) expected = std::clamp(taken * noise[half][i] / wanted, 1.0 * taken, 1.0 * most);
     }

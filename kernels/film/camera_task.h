@@ -72,7 +72,7 @@ class CameraTask {
   const SampledFrame& frame() const { return frame_; }
   int spectral_bins() const { return spectral_bins_; }
   const AovChannels& aovs() const { return aovs_; }
-  int total() const { return total_; }       ///< samples
+  int total() const { return total_; }                ///< samples
   int left() const { return total_ - cursor.index; }  ///< samples that were not started yet
 
   /// The pixel and the absolute index of the sample at the cursor. There must be one left.

@@ -246,7 +246,7 @@ bool PartIds::add(const float* pixel, IdCoverage& names) const {
   for (std::size_t i = 1; i < channels_.size(); i += 2) {
     const float number = pixel[channels_[i]];
     if (number == 0.0f) break;
-    if (!(number >= 1.0f && number <= kMostNames && number == std::floor(number))) return false;
+    if (!(number >= 1.0f && number <= kMaxNames && number == std::floor(number))) return false;
     names.add(static_cast<std::uint32_t>(number) - 1, static_cast<double>(pixel[channels_[i + 1]]));
   }
   return true;

@@ -46,7 +46,7 @@ struct IdChannels {
 /// Names of a pixel that a picture of some of its samples tells, at most.
 inline constexpr int kPartRanks = 8;
 /// Numbers of names are exact up to here.
-inline constexpr float kMostNames = 1 << 24;
+inline constexpr float kMaxNames = 1 << 24;
 
 /// Appends to a picture of some of the samples what joining it with those of the others needs: for each kind of name
 /// that `aovs` speak of the weight of samples on nothing, and the numbers and weights of names.

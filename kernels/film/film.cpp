@@ -31,7 +31,7 @@ constexpr int kBand = 32;
 }  // namespace
 
 Film::Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout, int spectral_bins, VarianceUnit unit,
-           bool tells_surfaces)
+           bool has_surface_ids)
     : frame_width_(frame_width),
       frame_height_(frame_height),
       crop_(crop),
@@ -42,7 +42,7 @@ Film::Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout,
       sums_(counts_.size() * row_.film_size()),
       open_(unit == VarianceUnit::kReplicate && row_.variances > 0 ? counts_.size() * (1 + row_.variances) : 0),
       half_(layout_.half_count() > 0 ? counts_.size() * (1 + static_cast<std::size_t>(layout_.half_count())) : 0),
-      coverage_(tells_surfaces ? counts_.size() : 0) {}
+      coverage_(has_surface_ids ? counts_.size() : 0) {}
 
 void Film::add(int x, int y, const double* sums) {
   const std::size_t pixel = pixel_index(x, y);
@@ -65,7 +65,7 @@ void Film::add(const FilmTile& tile) {
     for (int x = tile.own().x0; x < tile.own().x1; ++x) {
       counts_[pixel_index(x, y)] += tile.count(x, y);
       add(x, y, tile.row(x, y));
-      if (tells_surfaces()) coverage_[pixel_index(x, y)].add(tile.coverage(x, y));
+      if (has_surface_ids()) coverage_[pixel_index(x, y)].add(tile.coverage(x, y));
     }
 }
 
@@ -83,7 +83,7 @@ void Film::add(std::span<const FilmBorder> borders) {
           for (int x = pixels.x0; x < pixels.x1; ++x) {
             const std::size_t at = line + static_cast<std::size_t>(x - strip.pixels.x0) * row_.size();
             add(x, y, strip.sums.data() + at);
-            if (tells_surfaces()) coverage_[pixel_index(x, y)].add(strip.coverage[at / row_.size()]);
+            if (has_surface_ids()) coverage_[pixel_index(x, y)].add(strip.coverage[at / row_.size()]);
           }
         }
       }

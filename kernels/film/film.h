@@ -35,9 +35,9 @@ class Film {
  public:
   Film() = default;
   /// `crop` must lie inside the frame. `spectral_bins`: of equal width from 360 to 830 nm, at most kMaxSpectralBins.
-  /// `tells_surfaces`: whether samples have SurfaceSamples.
+  /// `has_surface_ids`: whether samples have SurfaceSamples.
   Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout = FilmLayout::beauty(),
-       int spectral_bins = 0, VarianceUnit unit = VarianceUnit::kSample, bool tells_surfaces = false);
+       int spectral_bins = 0, VarianceUnit unit = VarianceUnit::kSample, bool has_surface_ids = false);
 
   int width() const { return frame_width_; }
   int height() const { return frame_height_; }
@@ -50,7 +50,7 @@ class Film {
 
   /// Begins a tile of this film; see FilmTile::begin().
   void begin(FilmTile& tile, const PixelRect& own, const FilterWeights* weights) const {
-    tile.begin(row_, weights, own, crop_, tells_surfaces());
+    tile.begin(row_, weights, own, crop_, has_surface_ids());
   }
   /// Adds the tile's own pixels. Different tiles may be added by different threads at once.
   void add(const FilmTile& tile);
@@ -70,7 +70,7 @@ class Film {
   /// The mean of count() over the crop.
   double mean_samples() const;
 
-  bool tells_surfaces() const { return !coverage_.empty(); }
+  bool has_surface_ids() const { return !coverage_.empty(); }
   /// What the weights of samples on surfaces add up to. Only where they are told.
   const IdCoverage& coverage(int x, int y) const { return coverage_[pixel_index(x, y)]; }
 

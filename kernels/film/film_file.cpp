@@ -74,7 +74,7 @@ void put_film(BinaryOutput& out, const Film& film) {
   put_rect(out, film.crop_);
   out.put(static_cast<std::int32_t>(film.spectral_bins()));
   out.put(static_cast<std::uint8_t>(film.unit_));
-  out.put(static_cast<std::uint8_t>(film.tells_surfaces()));
+  out.put(static_cast<std::uint8_t>(film.has_surface_ids()));
   put_layout(out, film.layout_);
   out.put(film.counts_);
   out.put(film.sums_);
@@ -89,14 +89,14 @@ Film get_film(BinaryInput& in) {
   const PixelRect crop = get_rect(in, {0, 0, width, height});
   const auto bins = in.get<std::int32_t>();
   const auto unit = in.get<std::uint8_t>();
-  const bool tells_surfaces = in.get<std::uint8_t>() != 0;
+  const bool has_surface_ids = in.get<std::uint8_t>() != 0;
   if (bins < 0 || bins > kMaxSpectralBins || unit > static_cast<std::uint8_t>(VarianceUnit::kReplicate))
     in.fail("has bins or variances that cannot be: damaged");
   FilmLayout layout = get_layout(in);
   // Every pixel has its count and its row at least: no memory is taken for pixels that the file cannot hold.
   const std::uint64_t least = (1 + FilmRow(layout, bins, false).film_size()) * sizeof(double);
   if (crop.area() > in.left() / least) in.fail("ends too early: cut off");
-  Film film(width, height, crop, std::move(layout), bins, static_cast<VarianceUnit>(unit), tells_surfaces);
+  Film film(width, height, crop, std::move(layout), bins, static_cast<VarianceUnit>(unit), has_surface_ids);
   in.get(film.counts_);
   in.get(film.sums_);
   in.get(film.open_);
@@ -130,8 +130,8 @@ std::vector<FilmBorder> get_borders(BinaryInput& in, const Film& film) {
       const auto numbers = in.get<std::uint64_t>();
       if (numbers != strip.pixels.area() * film.tile_row_size()) in.fail("has a border of another size: damaged");
       strip.sums = in.get_vector<double>(numbers);
-      if ((in.get<std::uint8_t>() != 0) != film.tells_surfaces()) in.fail("has a border of another film: damaged");
-      if (!film.tells_surfaces()) continue;
+      if ((in.get<std::uint8_t>() != 0) != film.has_surface_ids()) in.fail("has a border of another film: damaged");
+      if (!film.has_surface_ids()) continue;
       strip.coverage.resize(strip.pixels.area());
       get_coverage(in, strip.coverage);
     }

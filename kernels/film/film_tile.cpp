@@ -18,7 +18,7 @@ struct Span {
   int first = 0, count = 0;
   int skipped = 0;  ///< how many pixels within reach come before the first
   /// Not initialised: only length() of the filter are used.
-  std::array<double, FilterWeights::kMostPixels> weights;
+  std::array<double, FilterWeights::kMaxPixels> weights;
 
   Span(const FilterWeights& filter, int at, float offset, int begin, int end)
       : first(std::max(at - filter.reach(), begin)),
@@ -61,9 +61,9 @@ template <std::size_t kPixels> SHEAF_INLINE void add_to_pixels(const Weighed& sa
 
 /// The same for any number of pixels.
 void add_to_line(Weighed samples, double* sums, int pixels) {
-  constexpr int kMost = 5;  // what filters of radius 2 reach
-  for (; pixels >= kMost; pixels -= kMost, samples.across += kMost, sums += kMost * samples.stride)
-    add_to_pixels<kMost>(samples, sums);
+  constexpr int kMax = 5;  // what filters of radius 2 reach
+  for (; pixels >= kMax; pixels -= kMax, samples.across += kMax, sums += kMax * samples.stride)
+    add_to_pixels<kMax>(samples, sums);
   if (pixels == 4) return add_to_pixels<4>(samples, sums);
   if (pixels == 3) return add_to_pixels<3>(samples, sums);
   if (pixels == 2) return add_to_pixels<2>(samples, sums);
@@ -73,7 +73,7 @@ void add_to_line(Weighed samples, double* sums, int pixels) {
 }  // namespace
 
 void FilmTile::begin(const FilmRow& row, const FilterWeights* weights, const PixelRect& own, const PixelRect& crop,
-                     bool tells_surfaces) {
+                     bool has_surface_ids) {
   row_ = row;
   weights_ = weights;
   own_ = own.intersection(crop);
@@ -81,7 +81,7 @@ void FilmTile::begin(const FilmRow& row, const FilterWeights* weights, const Pix
   const auto pixels = static_cast<std::size_t>(outer_.width()) * static_cast<std::size_t>(outer_.height());
   sums_.assign(pixels * row_.size(), 0.0);
   counts_.assign(pixels, 0);
-  coverage_.assign(tells_surfaces ? pixels : 0, {});
+  coverage_.assign(has_surface_ids ? pixels : 0, {});
   terms_.assign(kTogether * row_.bins_at, 0.0);
 }
 
@@ -114,7 +114,7 @@ void FilmTile::cover(int x, int y, const SurfaceSample& surface, double weight) 
 }
 
 void FilmTile::add(int x, int y, const SampleBuffer& samples, std::size_t first, std::size_t count) {
-  const bool has_sums_alone = row_.bins == 0 && row_.tile_squares == 0 && !tells_surfaces();
+  const bool has_sums_alone = row_.bins == 0 && row_.tile_squares == 0 && !has_surface_ids();
   if (weights_ != nullptr && has_sums_alone && weights_->length() == static_cast<int>(kRegister)) {
     for (std::size_t k = 0; k < count; k += kTogether)
       add_together(x, y, samples, first + k, std::min(kTogether, count - k));
@@ -153,7 +153,7 @@ void FilmTile::add_alone(int x, int y, const SampleBuffer& samples, std::size_t 
   const auto add_to = [&](int to_x, int to_y, double weight) {
     double* const row = sums_.data() + index(to_x, to_y) * row_.size();
     add_weighted(row, weight);
-    if (tells_surfaces()) cover(to_x, to_y, samples.surface(sample), weight);
+    if (has_surface_ids()) cover(to_x, to_y, samples.surface(sample), weight);
     if (row_.bins == 0) return;
     const SpectralSample& spectrum = samples.spectrum(sample);
     for (int k = 0; k < 4; ++k) row[row_.bins_at + spectrum.bin[k]] += weight * static_cast<double>(spectrum.value[k]);
@@ -176,7 +176,7 @@ FilmBorder FilmTile::border() const {
     if (pixels.is_empty()) return;
     FilmBorder::Strip strip{pixels, {}, {}};
     for (int y = pixels.y0; y < pixels.y1; ++y)
-      for (int x = pixels.x0; x < pixels.x1 && tells_surfaces(); ++x) strip.coverage.push_back(coverage(x, y));
+      for (int x = pixels.x0; x < pixels.x1 && has_surface_ids(); ++x) strip.coverage.push_back(coverage(x, y));
     for (int y = pixels.y0; y < pixels.y1; ++y)
       strip.sums.insert(strip.sums.end(), row(pixels.x0, y),
                         row(pixels.x0, y) + static_cast<std::size_t>(pixels.width()) * row_.size());

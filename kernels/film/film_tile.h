@@ -27,10 +27,10 @@ struct FilmBorder {
 class FilmTile {
  public:
   /// Begins the tile `own`. Pixels outside `crop` are left out; the samples of the tile need not all lie inside.
-  /// `weights`: null where samples count in their own pixel alone. `tells_surfaces`: whether samples have
+  /// `weights`: null where samples count in their own pixel alone. `has_surface_ids`: whether samples have
   /// SurfaceSamples, which are summed up.
   void begin(const FilmRow& row, const FilterWeights* weights, const PixelRect& own, const PixelRect& crop,
-             bool tells_surfaces = false);
+             bool has_surface_ids = false);
 
   /// Adds `count` samples of a buffer with the film's layout, from `first` on, which were taken in the tile's pixel
   /// (x, y); nothing of those that were dropped.
@@ -41,7 +41,7 @@ class FilmTile {
   const double* row(int x, int y) const { return sums_.data() + index(x, y) * row_.size(); }
   /// Which surfaces cover a pixel within reach, inside the crop. Only where they are told.
   const IdCoverage& coverage(int x, int y) const { return coverage_[index(x, y)]; }
-  bool tells_surfaces() const { return !coverage_.empty(); }
+  bool has_surface_ids() const { return !coverage_.empty(); }
   /// How many samples were taken in one of the own pixels, and not dropped.
   std::uint32_t count(int x, int y) const { return counts_[index(x, y)]; }
   /// The sums of all pixels that are not the tile's own.

@@ -13,7 +13,7 @@
 
 namespace sheaf {
 
-/// ThroughputState::pixel of photons, to which the upper half of a photon's number is added; the lower half is their
+/// PathState::pixel of photons, to which the upper half of a photon's number is added; the lower half is their
 /// sample. No pixel of a film has such a number.
 inline constexpr std::uint32_t kPhotonPixel = 0x80000000u;
 

@@ -25,7 +25,7 @@ namespace {
 std::vector<double> filter_integrals(const FilterWeights& weights, double radius) {
   constexpr int kSteps = 1024;  // a multiple of those of FilterWeights
   std::vector<double> integrals(static_cast<std::size_t>(2 * weights.reach() + 1));
-  std::array<double, FilterWeights::kMostPixels> values;
+  std::array<double, FilterWeights::kMaxPixels> values;
   for (std::size_t k = 0; k < integrals.size(); ++k)
     for (int step = 0; step < kSteps; ++step) {
       const double center = static_cast<double>(k) - weights.reach();

@@ -50,7 +50,7 @@ class SplatFilter {
     int first = 0, count = 0;
     int skipped = 0;  ///< how many pixels within reach come before the first
     /// Of all pixels within reach. Not initialised: only those of the filter's length are used.
-    std::array<double, FilterWeights::kMostPixels> weights;
+    std::array<double, FilterWeights::kMaxPixels> weights;
 
     double weight(int i) const { return weights[static_cast<std::size_t>(skipped + i)]; }
   };

@@ -16,7 +16,7 @@ constexpr double kLargestPart = 0.01;
 /// the same share.
 constexpr float kSharePrior = 0.05f, kEvenPrior = 0.1f, kBsdfPrior = 4;
 /// Bounds of the BSDF's share: lobes may have missed light, and the BSDF may hardly ever find it.
-constexpr float kLeastBsdf = 0.3f, kMostBsdf = 0.95f;
+constexpr float kMinBsdf = 0.3f, kMaxBsdf = 0.95f;
 /// Concentration of the first lobes: that of even ones over half a sphere, about.
 constexpr float kFirstKappa = 8;
 
@@ -145,10 +145,10 @@ void maximisation(const GuideSums& sums, GuideMixture& mixture) {
     if (!(along > 1e-6f)) continue;
     mixture.x[k] = sum.x / along, mixture.y[k] = sum.y / along, mixture.z[k] = sum.z / along;
     const float mean = std::min(along / (sums.count[k] + kEvenPrior), 0.99999f);
-    mixture.kappa[k] = clamp(mean * (3 - mean * mean) / (1 - mean * mean), kLeastKappa, kMostKappa);
+    mixture.kappa[k] = clamp(mean * (3 - mean * mean) / (1 - mean * mean), kMinKappa, kMaxKappa);
   }
   set_shares(mixture, shares);
-  mixture.bsdf_share = clamp((sums.bsdf + kBsdfPrior) / (sums.bsdf + lobes + 2 * kBsdfPrior), kLeastBsdf, kMostBsdf);
+  mixture.bsdf_share = clamp((sums.bsdf + kBsdfPrior) / (sums.bsdf + lobes + 2 * kBsdfPrior), kMinBsdf, kMaxBsdf);
 }
 
 }  // namespace

@@ -22,13 +22,13 @@ static_assert(kGuideLobes % kWidth == 0);
 /// A mixture as kernels read it.
 struct alignas(64) GuideMixture {
   float x[kGuideLobes] = {}, y[kGuideLobes] = {}, z[kGuideLobes] = {};  ///< middle of each lobe, unit length
-  float kappa[kGuideLobes] = {};                                        ///< concentration, in [kLeastKappa, kMostKappa]
+  float kappa[kGuideLobes] = {};                                        ///< concentration, in [kMinKappa, kMaxKappa]
   float peak[kGuideLobes] = {};   ///< density in the middle, per steradian, times the lobe's share
   float below[kGuideLobes] = {};  ///< shares of this lobe and those before it
   float bsdf_share = 1;  ///< probability by which directions are sampled from the BSDF and not from the lobes; above 0
 };
 
-inline constexpr float kLeastKappa = 0.01f, kMostKappa = 5000;
+inline constexpr float kMinKappa = 0.01f, kMaxKappa = 5000;
 
 /// The density of a lobe in its middle, per steradian.
 inline float lobe_peak(float kappa) { return kappa * (0.5f * kInvPi) / -std::expm1(-2 * kappa); }

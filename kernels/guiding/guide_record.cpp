@@ -10,7 +10,7 @@ float usable(float weight) { return weight > 0 && weight < 1e30f ? weight : 0.0f
 }  // namespace
 
 /// Each path's are in order already.
-std::vector<GuideLog::Open> GuideLog::sorted() const {
+std::vector<TrainingSamples::Open> TrainingSamples::sorted() const {
   std::vector<std::uint32_t> begin(radiance_.size() + 1);
   for (const Open& open : open_) ++begin[open.vertex.path + 1];
   for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
@@ -19,7 +19,7 @@ std::vector<GuideLog::Open> GuideLog::sorted() const {
   return sorted;
 }
 
-std::vector<GuideRecord> GuideLog::records(const GuideView& guide, std::span<const float> means) const {
+std::vector<GuideRecord> TrainingSamples::records(const GuideView& guide, std::span<const float> means) const {
   const std::vector<Open> vertices = sorted();
   std::vector<GuideRecord> out(vertices.size());
   float mean_ahead = -1;  // of the vertex behind

@@ -36,10 +36,10 @@ struct GuideRecord {
 };
 
 /// The vertices of one task's paths.
-class GuideLog {
+class TrainingSamples {
  public:
   /// Vertices of a path that are written down.
-  static constexpr std::uint32_t kMostVertices = 32;
+  static constexpr std::uint32_t kMaxVertices = 32;
 
   /// Begins a task of `paths` camera samples.
   void begin(int paths) {

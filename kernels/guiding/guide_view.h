@@ -23,8 +23,8 @@ struct GuideView {
   const std::uint32_t* children = nullptr;  ///< two nodes for each that is no leaf
   /// Of each mixture the light that vertices of its places scatter on, per throughput; -1: not known.
   const float* means = nullptr;
-  Vec3f low{};                              ///< corner of the cube
-  float scale = 0;                          ///< cells of the finest level per metre
+  Vec3f low{};      ///< corner of the cube
+  float scale = 0;  ///< cells of the finest level per metre
 };
 
 /// The side of a surface whose normal, towards the viewer, is `n`.

@@ -7,11 +7,11 @@ namespace sheaf {
 
 struct BeamLight {
   static constexpr LightKind kKind = LightKind::kBeam;
-  static constexpr LightMeeting kMeeting = LightMeeting::kNever;
+  static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
   /// No point but those on the ray sees it.
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>&,
+  static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>&) {
     LightSample<L> s = sample_position<L>(lights.light, from);
     s.valid = Mask<L>(false);
@@ -19,7 +19,7 @@ struct BeamLight {
   }
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>&, const Random4<L>&,
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>&,
                                              TextureQuery<L>&) {
     return emit_from_position<L>(lights.light, lights.light.beam(), Float<L>(1.0f));
   }

@@ -7,10 +7,10 @@ namespace sheaf {
 
 struct ConstantLight {
   static constexpr LightKind kKind = LightKind::kConstant;
-  static constexpr LightMeeting kMeeting = LightMeeting::kEscape;
+  static constexpr LightHitKind kHitKind = LightHitKind::kEscape;
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>& u,
+  static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>&) {
     LightSample<L> s;
     s.direction = square_to_sphere<L>(u.y, u.z);
@@ -28,7 +28,7 @@ struct ConstantLight {
   }
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>& a, const Random4<L>& b,
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>&) {
     return emit_from_infinity<L>(lights.scene, square_to_sphere<L>(b.x, b.y), lights.light.radiance,
                                  Float<L>(kUniformSpherePdf), a);

@@ -7,10 +7,10 @@ namespace sheaf {
 
 struct DirectionalLight {
   static constexpr LightKind kKind = LightKind::kDirectional;
-  static constexpr LightMeeting kMeeting = LightMeeting::kNever;
+  static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>&,
+  static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>&) {
     LightSample<L> s;
     s.direction = lights.light.position;
@@ -22,7 +22,7 @@ struct DirectionalLight {
   }
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>& a, const Random4<L>&,
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>&,
                                              TextureQuery<L>&) {
     return emit_from_infinity<L>(lights.scene, -lights.light.position, lights.light.radiance, Float<L>(1.0f), a);
   }

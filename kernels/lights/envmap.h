@@ -16,8 +16,8 @@ template <class L> struct EnvmapValue {
 
 /// A direction drawn from a map.
 template <class L> struct EnvmapSample {
-  Vec3<L> direction;     ///< world space, unit length
-  Spectrum<L> radiance;  ///< spectral mode: a factor on D65
+  Vec3<L> direction;                  ///< world space, unit length
+  Spectrum<L> radiance;               ///< spectral mode: a factor on D65
   typename L::Float pdf_solid_angle;  ///< 0: there is no such direction
 };
 

@@ -7,10 +7,10 @@ namespace sheaf {
 
 struct EnvmapLight {
   static constexpr LightKind kKind = LightKind::kEnvmap;
-  static constexpr LightMeeting kMeeting = LightMeeting::kEscape;
+  static constexpr LightHitKind kHitKind = LightHitKind::kEscape;
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>& u,
+  static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>&) {
     const EnvmapView& map = lights.scene.envmap;
     const auto found = lights.drawn != nullptr ? sample_envmap<L, Mode>(map, *lights.drawn, lights.lambda)
@@ -33,7 +33,7 @@ struct EnvmapLight {
 
   /// By the map's brightness, and for a part of the photons uniformly (balance heuristic).
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>& a, const Random4<L>& b,
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>&) {
     using F = Float<L>;
     const EnvmapView& map = lights.scene.envmap;

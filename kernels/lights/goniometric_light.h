@@ -8,10 +8,10 @@ namespace sheaf {
 
 struct GoniometricLight {
   static constexpr LightKind kKind = LightKind::kGoniometric;
-  static constexpr LightMeeting kMeeting = LightMeeting::kNever;
+  static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>&,
+  static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>& texture) {
     const LightFrameRecord<L> frame = load_frames<L>(lights);
     LightSample<L> s = sample_position<L>(lights.light, from);
@@ -21,7 +21,7 @@ struct GoniometricLight {
 
   /// Uniformly over all directions, weighed by the picture.
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>&, const Random4<L>& b,
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
     const LightFrameRecord<L> frame = load_frames<L>(lights);
     const Vec3<L> local = square_to_sphere<L>(b.x, b.y);

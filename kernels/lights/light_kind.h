@@ -25,7 +25,7 @@
 namespace sheaf {
 
 /// How paths meet lights by sampling BSDFs and phase functions.
-enum class LightMeeting {
+enum class LightHitKind {
   kNever,    ///< a single point or direction
   kSurface,  ///< by hitting a shape
   kEscape,   ///< by leaving the scene
@@ -38,7 +38,7 @@ template <class L> SHEAF_INLINE LightRecord<L> load_lights(const SceneView& scen
 }
 
 /// Lights that are asked, one for each lane.
-template <class L> struct LightsAsked {
+template <class L> struct LightQuery {
   const SceneView& scene;
   const LightRecord<L>& light;  ///< spectral mode: with its radiance at `lambda`
   Mask<L> active;               ///< lanes whose light is of the kind that is asked
@@ -49,14 +49,14 @@ template <class L> struct LightsAsked {
 
 /// Light that arrives at a reference point from a sampled direction.
 template <class L> struct LightSample {
-  Vec3<L> direction;            ///< from the reference point, unit length
-  Vec3<L> target;               ///< where the shadow ray ends: on the light, moved off its surface
-  Spectrum<L> radiance;         ///< incident radiance; point lights: intensity over squared distance
+  Vec3<L> direction;     ///< from the reference point, unit length
+  Vec3<L> target;        ///< where the shadow ray ends: on the light, moved off its surface
+  Spectrum<L> radiance;  ///< incident radiance; point lights: intensity over squared distance
   /// Where the light is a single direction, the probability: 1; in a volume, solid angle times length.
   typename L::Float pdf_solid_angle;
-  typename L::Mask delta;       ///< BSDF sampling cannot find this light; kinds leave it to who asks
-  typename L::Mask valid;       ///< false: nothing arrives
-  typename L::Uint target_medium;         ///< see TransmittanceItem::target_medium; kinds leave it to who asks
+  typename L::Mask delta;          ///< BSDF sampling cannot find this light; kinds leave it to who asks
+  typename L::Mask valid;          ///< false: nothing arrives
+  typename L::Uint target_medium;  ///< see TransmittanceItem::target_medium; kinds leave it to who asks
 };
 
 /// A point of an area light that a ray from a reference point has hit.
@@ -95,16 +95,16 @@ template <class L> SHEAF_INLINE void set_query(Mask<L> m, const TextureQuery<L>&
 namespace light_kind_detail {
 
 template <class Kind>
-concept Samples = requires(const LightsAsked<Scalar>& lights, Vec3f from, const Random4<Scalar>& u,
+concept Samples = requires(const LightQuery<Scalar>& lights, Vec3f from, const Random4<Scalar>& u,
                            TextureQuery<Scalar>& texture) {
   { Kind::kKind } -> std::convertible_to<LightKind>;
-  { Kind::kMeeting } -> std::convertible_to<LightMeeting>;
+  { Kind::kHitKind } -> std::convertible_to<LightHitKind>;
   { Kind::template sample<Scalar, ColorMode::kRgb>(lights, from, u, texture) } -> std::same_as<LightSample<Scalar>>;
   { Kind::template emit<Scalar, ColorMode::kRgb>(lights, u, u, texture) } -> std::same_as<PhotonEmission<Scalar>>;
 };
 
 template <class Kind>
-concept LiesOnSurface = requires(const LightsAsked<Scalar>& lights, const LightHit<Scalar>& hit) {
+concept LiesOnSurface = requires(const LightQuery<Scalar>& lights, const LightHit<Scalar>& hit) {
   { Kind::template pdf_solid_angle<Scalar>(lights, hit) } -> std::same_as<float>;
 };
 
@@ -113,7 +113,7 @@ concept SurroundsScene = requires(const SceneView& scene, const LightRow& light,
                                   Vec3f direction) {
   {
     Kind::template arriving<Scalar, ColorMode::kRgb>(scene, light, emitted, direction, emitted)
-  } -> std::same_as<EnvmapValue<Scalar>>;
+    } -> std::same_as<EnvmapValue<Scalar>>;
 };
 
 template <class Kind>
@@ -126,8 +126,8 @@ concept FillsVolume = requires(const SceneView& scene, std::uint32_t light, Vec3
 /// A kind that defines all that it must, and nothing that its way of being met has no use for.
 template <class Kind>
 concept LightModel = light_kind_detail::Samples<Kind> &&
-                     (Kind::kMeeting == LightMeeting::kSurface) == light_kind_detail::LiesOnSurface<Kind> &&
-                     (Kind::kMeeting == LightMeeting::kEscape) == light_kind_detail::SurroundsScene<Kind> &&
-                     (Kind::kMeeting == LightMeeting::kMedium) == light_kind_detail::FillsVolume<Kind>;
+                         (Kind::kHitKind == LightHitKind::kSurface) == light_kind_detail::LiesOnSurface<Kind> &&
+                     (Kind::kHitKind == LightHitKind::kEscape) == light_kind_detail::SurroundsScene<Kind> &&
+                     (Kind::kHitKind == LightHitKind::kMedium) == light_kind_detail::FillsVolume<Kind>;
 
 }  // namespace sheaf

@@ -51,7 +51,7 @@ SHEAF_INLINE LightSample<L> sample_kind(const SceneView& scene, Vec3<L> from, co
                                         Mask<L> active, const Random4<L>& u, const Spectrum<L>& lambda,
                                         const EnvmapDraw<L>* drawn, TextureQuery<L>& texture) {
   LightSample<L> s = Kind::template sample<L, Mode>({scene, light, active, lambda, drawn}, from, u, texture);
-  s.delta = Mask<L>(Kind::kMeeting == LightMeeting::kNever);
+  s.delta = Mask<L>(Kind::kHitKind == LightHitKind::kNever);
   return s;
 }
 
@@ -81,7 +81,7 @@ template <class L, ColorMode Mode>
 }  // namespace light_detail
 
 /// Samples a direction towards given lights by u.y, u.z and u.w. Densities don't know how the lights were selected. In
-/// spectral mode light.radiance is light_spectra() at `lambda`. `drawn`: see LightsAsked.
+/// spectral mode light.radiance is light_spectra() at `lambda`. `drawn`: see LightQuery.
 template <class L, ColorMode Mode = ColorMode::kRgb>
 SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                                const Random4<L>& u, const Spectrum<L>& lambda = {},
@@ -93,13 +93,12 @@ SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> f
                                : sample_mixed_lights<L, Mode>(scene, from, light, u, lambda, drawn, query);
   s.target_medium = select(light.is(LightKind::kVolume), light.medium() + Uint<L>(1u), Uint<L>(kNone));
   const auto textured = s.valid & (light.texture != Uint<L>(kNone));
-  if (any(textured))
-    s.radiance = s.radiance * light_textures<L, Mode>(scene, light.texture, textured, query, lambda);
+  if (any(textured)) s.radiance = s.radiance * light_textures<L, Mode>(scene, light.texture, textured, query, lambda);
   return s;
 }
 
 /// A direction from `from` towards lights that were chosen, and its density, the choice included. `lambda`: the
-/// wavelengths in spectral mode. `drawn`: see LightsAsked.
+/// wavelengths in spectral mode. `drawn`: see LightQuery.
 template <class L, ColorMode Mode = ColorMode::kRgb>
 SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, const LightChoice<L>& choice,
                                          const Random4<L>& u, const Spectrum<L>& lambda = {},
@@ -120,7 +119,7 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightR
   const Spectrum<L> no_lambda;
   Float<L> pdf(0.0f);
   Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
-    if constexpr (Kind::kMeeting == LightMeeting::kSurface) {
+    if constexpr (Kind::kHitKind == LightHitKind::kSurface) {
       const Mask<L> here = active & light.is(Kind::kKind);
       if (any(here)) pdf = select(here, Kind::template pdf_solid_angle<L>({scene, light, here, no_lambda}, hit), pdf);
     }
@@ -132,7 +131,7 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightR
 inline bool surrounds_scene(const SceneView& scene, std::uint32_t index) {
   bool surrounds = false;
   Lights::for_each([&]<class Kind>(Kind) {
-    if constexpr (Kind::kMeeting == LightMeeting::kEscape) surrounds = surrounds || scene.lights[index].is(Kind::kKind);
+    if constexpr (Kind::kHitKind == LightHitKind::kEscape) surrounds = surrounds || scene.lights[index].is(Kind::kKind);
   });
   return surrounds;
 }
@@ -149,7 +148,7 @@ SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, std::uint3
   if constexpr (Mode == ColorMode::kSpectral) emitted = light_spectra<L>(scene, Uint<L>(index), lambda);
   EnvmapValue<L> value{};
   Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
-    if constexpr (Kind::kMeeting == LightMeeting::kEscape)
+    if constexpr (Kind::kHitKind == LightHitKind::kEscape)
       if (light.is(Kind::kKind)) value = Kind::template arriving<L, Mode>(scene, light, emitted, direction, lambda);
   });
   return value;

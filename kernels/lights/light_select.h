@@ -14,9 +14,7 @@ template <class L> struct LightChoice {
 };
 
 /// Where light is wanted. `n` is the shading normal of a surface, and zero in media, where light counts from all sides.
-template <class L> struct LightReceiver {
-  Vec3<L> p, n;
-};
+template <class L> struct LightSampleContext { Vec3<L> p, n; };
 
 /// How many lights shine from outside of the scene: those behind SceneView::bounded_light_count.
 inline std::uint32_t infinite_light_count(const SceneView& scene) {
@@ -33,8 +31,8 @@ inline float infinite_light_share(const SceneView& scene) {
 namespace light_select_detail {
 
 template <class L, int N>
-SHEAF_INLINE void choose_by_bvh(const SceneView& scene, const LightReceiver<L> (&at)[N],
-                                const typename L::Float (&u)[N], const LightTreeTop<L>* tops,
+SHEAF_INLINE void choose_by_bvh(const SceneView& scene, const LightSampleContext<L> (&at)[N],
+                                const typename L::Float (&u)[N], const LightTreeCut<L>* tops,
                                 LightChoice<L> (&choices)[N]) {
   using F = typename L::Float;
   using U = typename L::Uint;
@@ -68,7 +66,7 @@ SHEAF_INLINE void choose_by_bvh(const SceneView& scene, const LightReceiver<L> (
 }
 
 template <class L>
-SHEAF_INLINE Float<L> bvh_probability(const SceneView& scene, const LightReceiver<L>& at, typename L::Uint light) {
+SHEAF_INLINE Float<L> bvh_probability(const SceneView& scene, const LightSampleContext<L>& at, typename L::Uint light) {
   using F = typename L::Float;
   using U = typename L::Uint;
   const std::uint32_t infinite = infinite_light_count(scene);
@@ -97,8 +95,8 @@ inline bool chooses_by_place(const SceneView& scene) {
 /// Receivers may be anything unless chooses_by_place(). `tops`: what light_tree_top() says of them, if that is known
 /// already, or null; the choice is the same. Several choices at once cost less than one after the other.
 template <class L, int N>
-SHEAF_INLINE void choose_lights(const SceneView& scene, const LightReceiver<L> (&at)[N],
-                                const typename L::Float (&u)[N], const LightTreeTop<L>* tops,
+SHEAF_INLINE void choose_lights(const SceneView& scene, const LightSampleContext<L> (&at)[N],
+                                const typename L::Float (&u)[N], const LightTreeCut<L>* tops,
                                 LightChoice<L> (&choices)[N]) {
   using F = typename L::Float;
   using U = typename L::Uint;
@@ -116,7 +114,7 @@ SHEAF_INLINE void choose_lights(const SceneView& scene, const LightReceiver<L> (
 
 /// Chooses a light for one receiver.
 template <class L>
-SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightReceiver<L>& at, typename L::Float u) {
+SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightSampleContext<L>& at, typename L::Float u) {
   LightChoice<L> choice[1];
   choose_lights<L, 1>(scene, {at}, {u}, nullptr, choice);
   return choice[0];
@@ -124,13 +122,17 @@ SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightRece
 
 /// The probability with which choose_light finds `light`.
 template <class L>
-SHEAF_INLINE Float<L> choice_probability(const SceneView& scene, const LightReceiver<L>& at, typename L::Uint light) {
+SHEAF_INLINE Float<L> choice_probability(const SceneView& scene, const LightSampleContext<L>& at,
+                                         typename L::Uint light) {
   using F = typename L::Float;
   if (scene.light_count == 1) return F(1.0f);
   switch (scene.light_selector) {
-    case LightSelector::kUniform: return F(1.0f / static_cast<float>(scene.light_count));
-    case LightSelector::kPower: return gather_member<L>(scene.light_alias, &AliasEntry::pdf, light);
-    case LightSelector::kBvh: break;
+    case LightSelector::kUniform:
+      return F(1.0f / static_cast<float>(scene.light_count));
+    case LightSelector::kPower:
+      return gather_member<L>(scene.light_alias, &AliasEntry::pdf, light);
+    case LightSelector::kBvh:
+      break;
   }
   return light_select_detail::bvh_probability<L>(scene, at, light);
 }

@@ -15,19 +15,19 @@ namespace sheaf {
 
 /// A light drawn from a light tree.
 template <class L> struct LightTreeSample {
-  typename L::Uint light;        ///< its index; 0 unless valid
-  typename L::Float probability; ///< that it is drawn; 0 unless valid
-  typename L::Float remapped;    ///< a fresh uniform number in [0, 1) from what is left of u
-  typename L::Mask valid;        ///< false: no light can shine here, or the tree is empty
+  typename L::Uint light;         ///< its index; 0 unless valid
+  typename L::Float probability;  ///< that it is drawn; 0 unless valid
+  typename L::Float remapped;     ///< a fresh uniform number in [0, 1) from what is left of u
+  typename L::Mask valid;         ///< false: no light can shine here, or the tree is empty
 };
 
 namespace light_tree_detail {
 
 /// The least cosine that a light in view is given at either end: what single precision takes for grazing may not be.
-inline constexpr float kLeastCosine = 1e-3f;
+inline constexpr float kMinCosine = 1e-3f;
 /// Where several children may contribute, each is drawn with at least this probability. Uniform numbers of 24 bits can
 /// still choose it, and products over many levels do not underflow.
-inline constexpr float kLeastTurn = 0x1p-20f;
+inline constexpr float kMinTurn = 0x1p-20f;
 /// How far a draw may go into what there is to draw from.
 inline constexpr float kFarthest = 1.0f - 0x1p-22f;
 /// Squared distances are kept in this range, which keeps their products finite.
@@ -36,14 +36,14 @@ inline constexpr float kNearSquared = 1e-18f, kFarSquared = 1e18f;
 /// Where light is wanted.
 template <class L> struct Receiver {
   Vec3<L> p;
-  Vec3<L> n;                    ///< unit length, or zero
-  typename L::Float least;      ///< cosine that is added: 1 where there is no normal, else kLeastCosine
+  Vec3<L> n;                ///< unit length, or zero
+  typename L::Float least;  ///< cosine that is added: 1 where there is no normal, else kMinCosine
 };
 
 template <class L> SHEAF_INLINE Receiver<L> make_receiver(Vec3<L> p, Vec3<L> n, Mask<L> has_normal) {
   const Mask<L> facing = has_normal & (dot(n, n) > Float<L>(0.0f));
   const Float<L> zero(0.0f);
-  return {p, select(facing, n, Vec3<L>{zero, zero, zero}), select(facing, Float<L>(kLeastCosine), Float<L>(1.0f))};
+  return {p, select(facing, n, Vec3<L>{zero, zero, zero}), select(facing, Float<L>(kMinCosine), Float<L>(1.0f))};
 }
 
 /// The power of two which brings a positive x to [1, 2). A division would take longer.
@@ -111,7 +111,7 @@ template <class L> SHEAF_INLINE Importance<L> importance(const LightChild<L>& ch
   using F = Float<L>;
   const Vec3<L> d = child.center;
   const F squared = clamp(dot(d, d), F(kNearSquared), F(kFarSquared)), inverse = inverse_sqrt<L>(squared);
-  const F one(1.0f), least(kLeastCosine);
+  const F one(1.0f), least(kMinCosine);
   // At the light; two sides have two axes.
   const F cos_w = bits_float(float_bits(dot(child.tilt, d) * (inverse * F(1.0f / kLightFixedPoint))) & child.keep_sign);
   const F sin_w = fma(cos_w * F(-0.5f), cos_w, one);
@@ -138,8 +138,7 @@ template <class L> SHEAF_INLINE Turn<L> turn(const NodeWords<L>& node, const Rec
   const Importance<L> children[kLightChildren] = {
       importance<L>(unpack_light_child<L, 0>(node.words), at), importance<L>(unpack_light_child<L, 1>(node.words), at),
       importance<L>(unpack_light_child<L, 2>(node.words), at), importance<L>(unpack_light_child<L, 3>(node.words), at)};
-  const F least =
-      ((children[0].weight + children[1].weight) + (children[2].weight + children[3].weight)) * F(kLeastTurn);
+  const F least = ((children[0].weight + children[1].weight) + (children[2].weight + children[3].weight)) * F(kMinTurn);
   Turn<L> way;
   for (int k = 0; k < kLightChildren; ++k)
     way.weights[k] = select(children[k].shines, max(children[k].weight, least), F(0.0f));
@@ -158,7 +157,8 @@ template <class L>
 SHEAF_INLINE Uint<L> place_of_child(const NodeWords<L>& node, typename L::Uint index, typename L::Uint child) {
   using U = Uint<L>;
   const U link = node.link();
-  return select(child < (link >> kLightNodeBits), (link & U(kLightNodeIndex)) + child, U(kLightLeaf) | (index << 2) | child);
+  return select(child < (link >> kLightNodeBits), (link & U(kLightNodeIndex)) + child,
+                U(kLightLeaf) | (index << 2) | child);
 }
 
 /// Where a draw stands: `rest` / `whole` of the node's share of u lies before it, and `chosen` / `offered` is the
@@ -266,7 +266,7 @@ SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, Vec
 }
 
 /// The upper turns for one receiver, which all its candidates have in common.
-template <class L> struct LightTreeTop {
+template <class L> struct LightTreeCut {
   /// For each upper node the probabilities that its child is one of the first one, two and three. kAlwaysFirst where
   /// there is no node, as a leaf lies above it, and kNoTurn where none of its lights can contribute.
   typename L::Float below[(kLightChildren - 1) * kLightTopTurns];
@@ -277,14 +277,14 @@ template <class L> struct LightTreeTop {
 
 /// The upper turns at a point; see sample_light_tree(). The tree must have lights.
 template <class L>
-SHEAF_INLINE LightTreeTop<L> light_tree_top(const LightTreeView& tree, Vec3<L> p, Vec3<L> n, Mask<L> has_normal) {
+SHEAF_INLINE LightTreeCut<L> light_tree_top(const LightTreeView& tree, Vec3<L> p, Vec3<L> n, Mask<L> has_normal) {
   using namespace light_tree_detail;
   using F = Float<L>;
   const Receiver<L> at = make_receiver<L>(p, n, has_normal);
-  LightTreeTop<L> top;
+  LightTreeCut<L> top;
   for (int node = 0; node < kLightTopTurns; ++node) {
     F* const below = top.below + (kLightChildren - 1) * node;
-    for (int k = 0; k + 1 < kLightChildren; ++k) below[k] = F(LightTreeTop<L>::kAlwaysFirst);
+    for (int k = 0; k + 1 < kLightChildren; ++k) below[k] = F(LightTreeCut<L>::kAlwaysFirst);
     const std::uint32_t place = tree.top[node];
     if ((place & kLightLeaf) != 0) continue;
     const Turn<L> way = turn<L>(broadcast<L>(tree.nodes[place], at), at);
@@ -294,7 +294,7 @@ SHEAF_INLINE LightTreeTop<L> light_tree_top(const LightTreeView& tree, Vec3<L> p
     F before(0.0f);
     for (int k = 0; k + 1 < kLightChildren; ++k) {
       before = before + way.weights[k];
-      below[k] = select(possible, min(before * inverse, F(1.0f)), F(LightTreeTop<L>::kNoTurn));
+      below[k] = select(possible, min(before * inverse, F(1.0f)), F(LightTreeCut<L>::kNoTurn));
     }
   }
   return top;
@@ -302,7 +302,7 @@ SHEAF_INLINE LightTreeTop<L> light_tree_top(const LightTreeView& tree, Vec3<L> p
 
 /// The same as without `top`, to rounding, which was made of the same point.
 template <class L>
-SHEAF_INLINE LightTreeWalk<L> begin_light_walk(const LightTreeView& tree, const LightTreeTop<L>& top, Vec3<L> p,
+SHEAF_INLINE LightTreeWalk<L> begin_light_walk(const LightTreeView& tree, const LightTreeCut<L>& top, Vec3<L> p,
                                                Vec3<L> n, Mask<L> has_normal, typename L::Float u) {
   using namespace light_tree_detail;
   using F = Float<L>;

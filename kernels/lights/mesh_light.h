@@ -8,21 +8,20 @@ namespace sheaf {
 
 struct MeshLight {
   static constexpr LightKind kKind = LightKind::kMesh;
-  static constexpr LightMeeting kMeeting = LightMeeting::kSurface;
+  static constexpr LightHitKind kHitKind = LightHitKind::kSurface;
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>& u,
+  static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>& texture) {
     return sample_towards<L>(from, point<L>(lights, u, texture), lights.light);
   }
 
-  template <class L>
-  static SHEAF_INLINE Float<L> pdf_solid_angle(const LightsAsked<L>& lights, const LightHit<L>& hit) {
+  template <class L> static SHEAF_INLINE Float<L> pdf_solid_angle(const LightQuery<L>& lights, const LightHit<L>& hit) {
     return pdf_seen<L>(Float<L>(1.0f) / lights.light.area, hit);
   }
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>& a, const Random4<L>& b,
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
     return emit_from<L>(point<L>(lights, a, texture), lights.light, b);
   }
@@ -30,7 +29,7 @@ struct MeshLight {
  private:
   /// By u.y, u.z and u.w.
   template <class L>
-  static SHEAF_INLINE LightPoint<L> point(const LightsAsked<L>& lights, const Random4<L>& u, TextureQuery<L>& texture) {
+  static SHEAF_INLINE LightPoint<L> point(const LightQuery<L>& lights, const Random4<L>& u, TextureQuery<L>& texture) {
     using F = Float<L>;
     using U = Uint<L>;
     const SceneView& scene = lights.scene;

@@ -37,16 +37,16 @@ SHEAF_INLINE PhotonEmission<L> emit_from_position(const LightRecord<L>& light, V
 
 struct PointLight {
   static constexpr LightKind kKind = LightKind::kPoint;
-  static constexpr LightMeeting kMeeting = LightMeeting::kNever;
+  static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>&,
+  static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>&) {
     return sample_position<L>(lights.light, from);
   }
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>&, const Random4<L>& b,
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>&) {
     return emit_from_position<L>(lights.light, square_to_sphere<L>(b.x, b.y), Float<L>(kUniformSpherePdf));
   }

@@ -7,10 +7,10 @@ namespace sheaf {
 
 struct ProjectorLight {
   static constexpr LightKind kKind = LightKind::kProjector;
-  static constexpr LightMeeting kMeeting = LightMeeting::kNever;
+  static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>&,
+  static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>& texture) {
     using F = Float<L>;
     using U = Uint<L>;
@@ -32,7 +32,7 @@ struct ProjectorLight {
   /// Uniformly over the picture. Unless it is even, the intensity goes with 1 / cos^3, and so does the density of
   /// directions.
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>&, const Random4<L>& b,
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
     using F = Float<L>;
     const LightFrameRecord<L> frame = load_frames<L>(lights);
@@ -40,8 +40,8 @@ struct ProjectorLight {
     const Vec3<L> local{(F(0.5f) - b.x) / scale.x, (F(0.5f) - b.y) / scale.y, F(1.0f)};
     const F distance = length(local), inverse_area = scale.x * scale.y;
     const F inverse_cosines = distance * distance * distance;
-    auto e = emit_from_position<L>(lights.light, normalize_any(frame.world_vector(local)),
-                                   inverse_area * inverse_cosines);
+    auto e =
+        emit_from_position<L>(lights.light, normalize_any(frame.world_vector(local)), inverse_area * inverse_cosines);
     e.flux = lights.light.radiance * (F(1.0f) / (inverse_area * select(frame.is_even(), inverse_cosines, F(1.0f))));
     set_query<L>(lights.active, {{b.x, b.y}, Uint<L>(0u), Uint<L>(0u), F(0.0f), F(0.0f)}, texture);
     return e;

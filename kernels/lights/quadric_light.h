@@ -16,7 +16,7 @@ void set_quadric_query(Mask<L> m, const QuadricRecord<L>& q, const LightRecord<L
 
 /// Uniform over the canonical shape of a quadric, spheres included, by u.y and u.z.
 template <class L>
-SHEAF_INLINE LightPoint<L> point_on_quadric(const LightsAsked<L>& lights, const Random4<L>& u,
+SHEAF_INLINE LightPoint<L> point_on_quadric(const LightQuery<L>& lights, const Random4<L>& u,
                                             TextureQuery<L>& texture) {
   using F = Float<L>;
   using U = Uint<L>;
@@ -44,16 +44,15 @@ SHEAF_INLINE LightPoint<L> point_on_quadric(const LightsAsked<L>& lights, const 
 
 struct QuadricLight {
   static constexpr LightKind kKind = LightKind::kQuadric;
-  static constexpr LightMeeting kMeeting = LightMeeting::kSurface;
+  static constexpr LightHitKind kHitKind = LightHitKind::kSurface;
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>& u,
+  static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>& texture) {
     return sample_towards<L>(from, point_on_quadric<L>(lights, u, texture), lights.light);
   }
 
-  template <class L>
-  static SHEAF_INLINE Float<L> pdf_solid_angle(const LightsAsked<L>& lights, const LightHit<L>& hit) {
+  template <class L> static SHEAF_INLINE Float<L> pdf_solid_angle(const LightQuery<L>& lights, const LightHit<L>& hit) {
     using F = Float<L>;
     const auto q = gather_rows<L>(lights.scene.quadrics, select(lights.active, lights.light.quadric(), Uint<L>(0u)));
     // |M^-T n| for the canonical unit normal n is 1 / |M^T ng|.
@@ -65,7 +64,7 @@ struct QuadricLight {
   }
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>& a, const Random4<L>& b,
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
     return emit_from<L>(point_on_quadric<L>(lights, a, texture), lights.light, b);
   }

@@ -14,10 +14,10 @@ template <class F> SHEAF_INLINE F sphere_one_minus_cos(F radius, F distance_squa
 
 struct SphereLight {
   static constexpr LightKind kKind = LightKind::kSphere;
-  static constexpr LightMeeting kMeeting = LightMeeting::kSurface;
+  static constexpr LightHitKind kHitKind = LightHitKind::kSurface;
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>& u,
+  static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>& texture) {
     using F = Float<L>;
     using U = Uint<L>;
@@ -50,8 +50,7 @@ struct SphereLight {
     return s;
   }
 
-  template <class L>
-  static SHEAF_INLINE Float<L> pdf_solid_angle(const LightsAsked<L>& lights, const LightHit<L>& hit) {
+  template <class L> static SHEAF_INLINE Float<L> pdf_solid_angle(const LightQuery<L>& lights, const LightHit<L>& hit) {
     using F = Float<L>;
     const Vec3<L> to_center = lights.light.position - hit.from;
     const F one_minus_cos_max = sphere_one_minus_cos(lights.light.radius, dot(to_center, to_center));
@@ -60,7 +59,7 @@ struct SphereLight {
   }
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>& a, const Random4<L>& b,
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
     return emit_from<L>(point_on_quadric<L>(lights, a, texture), lights.light, b);
   }

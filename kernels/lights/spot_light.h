@@ -7,17 +7,17 @@
 namespace sheaf {
 
 /// The frames of lights that have one.
-template <class L> SHEAF_INLINE LightFrameRecord<L> load_frames(const LightsAsked<L>& lights) {
+template <class L> SHEAF_INLINE LightFrameRecord<L> load_frames(const LightQuery<L>& lights) {
   return gather_rows<L>(lights.scene.light_frames, select(lights.active, lights.light.frame(), Uint<L>(0u)));
 }
 
 /// `Kind`: kSpot or kSmoothSpot.
 template <LightKind Kind> struct SpotLight {
   static constexpr LightKind kKind = Kind;
-  static constexpr LightMeeting kMeeting = LightMeeting::kNever;
+  static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>&,
+  static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>& texture) {
     const LightFrameRecord<L> frame = load_frames<L>(lights);
     const Float<L> share = falloff<L>(lights, frame, frame.local_point(from), texture);
@@ -29,7 +29,7 @@ template <LightKind Kind> struct SpotLight {
 
   /// Uniformly into the cone, weighed by the falloff.
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>&, const Random4<L>& b,
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
     using F = Float<L>;
     const LightFrameRecord<L> frame = load_frames<L>(lights);
@@ -51,7 +51,7 @@ template <LightKind Kind> struct SpotLight {
   /// The part of its intensity, in [0, 1] and without its texture, that a spot sends along `local`, a vector in its
   /// space.
   template <class L>
-  static SHEAF_INLINE Float<L> falloff(const LightsAsked<L>& lights, const LightFrameRecord<L>& frame, Vec3<L> local,
+  static SHEAF_INLINE Float<L> falloff(const LightQuery<L>& lights, const LightFrameRecord<L>& frame, Vec3<L> local,
                                        TextureQuery<L>& texture) {
     using F = Float<L>;
     using U = Uint<L>;

@@ -7,10 +7,10 @@ namespace sheaf {
 
 struct SunLight {
   static constexpr LightKind kKind = LightKind::kSun;
-  static constexpr LightMeeting kMeeting = LightMeeting::kEscape;
+  static constexpr LightHitKind kHitKind = LightHitKind::kEscape;
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>& u,
+  static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>&) {
     LightSample<L> s;
     s.direction = direction_of<L>(lights.light, u.y, u.z);
@@ -31,7 +31,7 @@ struct SunLight {
   }
 
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>& a, const Random4<L>& b,
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>&) {
     const LightRecord<L>& light = lights.light;
     return emit_from_infinity<L>(lights.scene, -direction_of<L>(light, b.x, b.y), light.radiance, pdf<L>(light.radius),

@@ -62,11 +62,11 @@ inline VolumePoint<Scalar> sample_volume_light(const SceneView& scene, std::uint
 
 struct VolumeLight {
   static constexpr LightKind kKind = LightKind::kVolume;
-  static constexpr LightMeeting kMeeting = LightMeeting::kMedium;
+  static constexpr LightHitKind kHitKind = LightHitKind::kMedium;
 
   /// `radiance`: per metre.
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE LightSample<L> sample(const LightsAsked<L>& lights, Vec3<L> from, const Random4<L>& u,
+  static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>&) {
     using F = Float<L>;
     const VolumePoint<L> point = points<L>(lights, u);
@@ -87,7 +87,7 @@ struct VolumeLight {
 
   /// To all sides alike.
   template <class L, ColorMode Mode>
-  static SHEAF_INLINE PhotonEmission<L> emit(const LightsAsked<L>& lights, const Random4<L>& a, const Random4<L>& b,
+  static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>&) {
     using F = Float<L>;
     const VolumePoint<L> point = points<L>(lights, a);
@@ -103,7 +103,7 @@ struct VolumeLight {
 
  private:
   /// One lane after the other; all zero in those that are not asked.
-  template <class L> static VolumePoint<L> points(const LightsAsked<L>& lights, const Random4<L>& u) {
+  template <class L> static VolumePoint<L> points(const LightQuery<L>& lights, const Random4<L>& u) {
     constexpr int kWords = kLeafCount<VolumePoint>;
     alignas(kSimdAlignment) float number[3][L::width], wavelength[4][L::width], out[kWords][L::width] = {};
     alignas(kSimdAlignment) std::uint32_t media[L::width];
@@ -116,10 +116,20 @@ struct VolumeLight {
       VolumePoint<Scalar> found = sample_volume_light(
           lights.scene, lights.scene.media[media[i]].light, {0.0f, number[0][i], number[1][i], number[2][i]},
           {wavelength[0][i], wavelength[1][i], wavelength[2][i], wavelength[3][i]});
-      std::apply([&](const auto&... leaf) { int k = 0; ((out[k++][i] = leaf), ...); }, leaves(found));
+      std::apply(
+          [&](const auto&... leaf) {
+            int k = 0;
+            ((out[k++][i] = leaf), ...);
+          },
+          leaves(found));
     }
     VolumePoint<L> point;
-    std::apply([&](auto&... leaf) { int k = 0; (load(out[k++], leaf), ...); }, leaves(point));
+    std::apply(
+        [&](auto&... leaf) {
+          int k = 0;
+          (load(out[k++], leaf), ...);
+        },
+        leaves(point));
     return point;
   }
 };

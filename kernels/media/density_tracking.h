@@ -26,14 +26,15 @@ enum class DensityTracking {
 /// A ray that has met this many tentative collisions goes no further, and brings nothing: a medium of such an optical
 /// thickness lets nothing pass, unless its majorants are far too large; and where they are so large that steps vanish
 /// against the distance in 32 bits, the ray would never arrive.
-inline constexpr std::uint32_t kMostCollisions = 1u << 20;
+inline constexpr std::uint32_t kMaxCollisions = 1u << 20;
 
 /// Minorants count up to this optical thickness, of the lane of the largest extinction, from the ray's start. Beyond it
 /// they are taken for zero: a ray that hardly any light passes meets enough collisions, then, to be given up at random.
 /// The place does not depend on the hero: with any hero a ray has the probabilities that r_l assumes for its lanes.
-inline constexpr float kMostControl = 2.3f;
-/// A shadow ray's light that is less than kLittle goes on with the probability kSurvival, and as much more weight.
-inline constexpr float kLittle = 0.1f, kSurvival = 0.25f;
+inline constexpr float kMaxControlDepth = 2.3f;
+/// A shadow ray's light that is less than kRouletteThreshold goes on with the probability kSurvival, and as much more
+/// weight.
+inline constexpr float kRouletteThreshold = 0.1f, kSurvival = 0.25f;
 
 /// A ray to be tracked.
 template <class L> struct DensityRay {
@@ -55,12 +56,12 @@ enum class DensityOutcome : std::uint32_t {
   kIdle,
   kPassed,
   kScattered,
-  kClosed,     ///< kTransmittance: nothing is left
-  kAbandoned,  ///< see kMostCollisions
+  kAbsorbed,   ///< kTransmittance: nothing is left
+  kAbandoned,  ///< see kMaxCollisions
 };
 
 /// What has become of a ray.
-template <class L> struct DensityEnd {
+template <class L> struct TrackResult {
   Float<L> t;                     ///< metres, where it scatters
   Float<L> majorants, minorants;  ///< integrals along the ray of what was taken for the bounds
   Float<L> ratio;                 ///< see density_weights.h
@@ -81,7 +82,7 @@ struct DensityMedium {
 /// Rows that are tracked at a time.
 inline constexpr int kDensityRows = 256;
 using DensityRays = ColumnTile<DensityRay, kDensityRows>;
-using DensityEnds = ColumnTile<DensityEnd, kDensityRows>;
+using TrackResults = ColumnTile<TrackResult, kDensityRows>;
 
 namespace detail {
 
@@ -99,7 +100,7 @@ template <class L> struct DensityStart {
 /// A ray on its way.
 template <class L> struct DensityLane {
   DensityStart<L> start;        ///< but that its walk, depth and outcome are those of now
-  DensityEnd<L> end;            ///< but for t and the outcome
+  TrackResult<L> end;           ///< but for t and the outcome
   Float<L> majorant, minorant;  ///< where it collides
   static constexpr auto fields(auto& s) { return std::tie(s.start, s.end, s.majorant, s.minorant); }
 };
@@ -147,10 +148,10 @@ SHEAF_INLINE DensityStart<L> start_density_ray(const DensityMedium& medium, cons
 template <class L, DensityTracking kWhat> SHEAF_INLINE void step(const DensityMedium& medium, DensityLane<L>& lane) {
   using F = Float<L>;
   LeafWalk<L>& walk = lane.start.walk;
-  DensityEnd<L>& sum = lane.end;
+  TrackResult<L>& sum = lane.end;
   const Mask<L> walking = is_at<L>(lane.start.outcome, DensityOutcome::kWalking);
   const MajorantLeaf<L> leaf = find_leaf<L>(medium.majorants, walk);
-  const F s = lane.start.extinction, most_control = F(kMostControl) / lane.start.largest;
+  const F s = lane.start.extinction, most_control = F(kMaxControlDepth) / lane.start.largest;
   const F majorant = leaf.majorant;
   const F minorant = select(sum.minorants < most_control, leaf.minorant, F(0.0f));
   const F leaf_end = min(leaf.t_end, walk.leave);
@@ -181,7 +182,7 @@ template <class L, DensityTracking kWhat> SHEAF_INLINE void collide(const Densit
   using F = Float<L>;
   using U = Uint<L>;
   const LeafWalk<L>& walk = lane.start.walk;
-  DensityEnd<L>& sum = lane.end;
+  TrackResult<L>& sum = lane.end;
   const Mask<L> colliding = is_at<L>(lane.start.outcome, DensityOutcome::kColliding);
   const Random4<L> u = lane.start.numbers.at(sum.nulls + U(1u));
   const Vec3<L> p{fma(walk.t, walk.direction.x, walk.origin.x), fma(walk.t, walk.direction.y, walk.origin.y),
@@ -199,20 +200,20 @@ template <class L, DensityTracking kWhat> SHEAF_INLINE void collide(const Densit
   } else {
     sum.ratio = select(colliding, sum.ratio * (null / residual), sum.ratio);
     const F passed = sum.ratio * exp(-(lane.start.extinction * sum.minorants)) * sum.survival;
-    const Mask<L> is_little = colliding & (passed < F(kLittle));
+    const Mask<L> is_little = colliding & (passed < F(kRouletteThreshold));
     sum.survival = select(is_little, sum.survival * F(1.0f / kSurvival), sum.survival);
     const Mask<L> is_closed = (is_little & (u.y >= F(kSurvival))) | (colliding & !(sum.ratio > F(0.0f)));
-    set_where<L>(is_closed, DensityOutcome::kClosed, lane.start.outcome);
+    set_where<L>(is_closed, DensityOutcome::kAbsorbed, lane.start.outcome);
   }
   sum.nulls = select(goes_on, sum.nulls + U(1u), sum.nulls);
   lane.start.depth = select(colliding, exponential<L>(u.x), lane.start.depth);
-  set_where<L>(goes_on & !(sum.nulls < U(kMostCollisions)), DensityOutcome::kAbandoned, lane.start.outcome);
+  set_where<L>(goes_on & !(sum.nulls < U(kMaxCollisions)), DensityOutcome::kAbandoned, lane.start.outcome);
 }
 
 /// Lanes in turn take rays, are followed, and give back how they have ended.
 template <class L, DensityTracking kWhat> class DensityTracker {
  public:
-  DensityTracker(const DensityMedium& medium, const DensityRays& rays, int count, DensityEnds& ends)
+  DensityTracker(const DensityMedium& medium, const DensityRays& rays, int count, TrackResults& ends)
       : medium_(medium), count_(count), ends_(ends) {
     for (int i = 0; i < count; i += L::width)
       starts_.template store<L>(i, start_density_ray<L>(medium, rays.load<L>(i)));
@@ -271,7 +272,7 @@ template <class L, DensityTracking kWhat> class DensityTracker {
 
   const DensityMedium& medium_;
   int count_, next_ = 0;
-  DensityEnds& ends_;
+  TrackResults& ends_;
   std::uint32_t idle_ = 0;
   int ray_[L::width] = {};
   ColumnTile<DensityStart, kDensityRows> starts_;
@@ -283,7 +284,7 @@ template <class L, DensityTracking kWhat> class DensityTracker {
 /// Tracks the first `count` rays; rows behind them, up to whole registers, must be set too. Each ray ends as it would
 /// alone.
 template <class L, DensityTracking kWhat>
-inline void track_densities(const DensityMedium& medium, const DensityRays& rays, int count, DensityEnds& ends) {
+inline void track_densities(const DensityMedium& medium, const DensityRays& rays, int count, TrackResults& ends) {
   detail::DensityTracker<L, kWhat>(medium, rays, count, ends).run();
 }
 

@@ -4,7 +4,7 @@
 // integrals of M and m along the ray, n collisions met nothing. Each of these brought the lanes' s (M - rho) over what
 // the hero's was sampled with, and each stretch its transmittance, so that with q = s / h all lanes have in common
 //     q^n exp((h - s) A)
-// and besides, DensityEnd::ratio being the product R of what follows over the n collisions:
+// and besides, TrackResult::ratio being the product R of what follows over the n collisions:
 //     paths, which were sampled with h (M - rho) exp(-h A): light sampling would have met them with s (M - m), so that
 //         r_l has q^n exp((h - s) (A - D)) exp(h D) R,  R = (M - m) / (M - rho);
 //     shadow rays, sampled with h (M - m) exp(-h (A - D)): beta and r_u have in common
@@ -28,20 +28,20 @@ inline bool is_tracked_by_density(const MediumRay& ray, MediumEstimator estimato
 
 /// The lanes' factors over the hero's.
 struct LaneOdds {
-  Quad by_path, by_light;
+  Float4 by_path, by_light;
 };
 
-inline LaneOdds lane_odds(const MediumRay& ray, const DensityEnd<Scalar>& end) {
-  if (ray.has(kMediumGrey)) return {Quad(1.0f), Quad(1.0f)};
-  const Quad s = majorant_spectrum(ray, 1.0f), more = Quad(s[ray.hero]) - s;
-  Quad power(1.0f), square = end.nulls > 0 ? s * (1.0f / s[ray.hero]) : power;
+inline LaneOdds lane_odds(const MediumRay& ray, const TrackResult<Scalar>& end) {
+  if (ray.has(kMediumGrey)) return {Float4(1.0f), Float4(1.0f)};
+  const Float4 s = majorant_spectrum(ray, 1.0f), more = Float4(s[ray.hero]) - s;
+  Float4 power(1.0f), square = end.nulls > 0 ? s * (1.0f / s[ray.hero]) : power;
   for (std::uint32_t n = end.nulls; n != 0; n >>= 1, square = square * square)
     if ((n & 1u) != 0) power = power * square;
   return {power * exp(more * end.majorants), power * exp(more * (end.majorants - end.minorants))};
 }
 
-/// After kScattering: the path has passed, or been scattered at DensityEnd::t.
-inline void weigh_scattering(const MediumRay& ray, const DensityEnd<Scalar>& end, bool delta, PathWeights& path) {
+/// After kScattering: the path has passed, or been scattered at TrackResult::t.
+inline void weigh_scattering(const MediumRay& ray, const TrackResult<Scalar>& end, bool delta, PathWeights& path) {
   const LaneOdds odds = lane_odds(ray, end);
   const float hero = majorant_spectrum(ray, 1.0f)[ray.hero];
   path.beta = path.beta * odds.by_path;
@@ -55,7 +55,7 @@ inline void weigh_scattering(const MediumRay& ray, const DensityEnd<Scalar>& end
 }
 
 /// After kTransmittance, or with `delta` kScattering: the light has passed.
-inline void weigh_transmittance(const MediumRay& ray, const DensityEnd<Scalar>& end, bool delta, PathWeights& path) {
+inline void weigh_transmittance(const MediumRay& ray, const TrackResult<Scalar>& end, bool delta, PathWeights& path) {
   const LaneOdds odds = lane_odds(ray, end);
   const float passed = delta ? 1.0f : end.ratio * std::exp(-majorant_spectrum(ray, 1.0f)[ray.hero] * end.minorants);
   path.beta = path.beta * odds.by_path * (passed * end.survival);
@@ -76,12 +76,12 @@ class DensityQueue {
   int size() const { return size_; }
   void clear() { size_ = 0; }
   const MediumRay& ray(int i) const { return *rays_[static_cast<std::size_t>(i)]; }
-  const DensityEnd<Scalar>& end(int i) const { return ends_[static_cast<std::size_t>(i)]; }
+  const TrackResult<Scalar>& end(int i) const { return ends_[static_cast<std::size_t>(i)]; }
 
-  /// `pixel`, `sample` and `event`: of the ray's random numbers.
-  void add(const MediumRay& ray, std::uint32_t pixel, std::uint32_t sample, std::uint32_t event) {
+  /// `pixel`, `sample` and `dimension`: of the ray's random numbers.
+  void add(const MediumRay& ray, std::uint32_t pixel, std::uint32_t sample, std::uint32_t dimension) {
     rays_[static_cast<std::size_t>(size_)].emplace(ray);
-    numbers_[static_cast<std::size_t>(size_++)] = {pixel, sample, event,
+    numbers_[static_cast<std::size_t>(size_++)] = {pixel, sample, dimension,
                                                    MediumNumbers<Scalar>::key(sampler_.seed, use_)};
   }
 
@@ -96,7 +96,7 @@ class DensityQueue {
   /// Those of the same medium as ray `first`, before which there are none left.
   template <class L, DensityTracking kWhat> void track_medium(int first, std::array<bool, kCapacity>& is_tracked) {
     DensityRays rows;
-    DensityEnds ends;
+    TrackResults ends;
     std::array<int, kCapacity> index;
     int count = 0;
     const MediumRow& medium = ray(first).medium;
@@ -106,7 +106,7 @@ class DensityQueue {
       is_tracked[static_cast<std::size_t>(i)] = true;
       index[static_cast<std::size_t>(count)] = i;
       const MediumRay& r = ray(i);
-      const Quad extinction = majorant_spectrum(r, 1.0f);
+      const Float4 extinction = majorant_spectrum(r, 1.0f);
       rows.template store<Scalar>(count++, {r.origin, r.direction, r.length, extinction[r.hero],
                                             max_component(extinction), 0.0f, numbers_[static_cast<std::size_t>(i)]});
     }
@@ -130,7 +130,7 @@ class DensityQueue {
   int size_ = 0;
   std::array<std::optional<MediumRay>, kCapacity> rays_;
   std::array<MediumNumbers<Scalar>, kCapacity> numbers_;
-  std::array<DensityEnd<Scalar>, kCapacity> ends_;
+  std::array<TrackResult<Scalar>, kCapacity> ends_;
 };
 
 }  // namespace sheaf

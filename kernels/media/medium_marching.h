@@ -10,9 +10,9 @@ namespace sheaf {
 /// Calls step(begin, length, coefficients, point) for each step along the ray until it returns false.
 template <class Step> SHEAF_INLINE void for_each_step(const MediumRay& ray, float jitter, Step&& step) {
   // A ray without an end is followed as far as this many steps.
-  constexpr float kMostSteps = 1e5f;
+  constexpr float kMaxSteps = 1e5f;
   const float size = max(ray.medium.step_size, 1e-7f);
-  const float end = min(ray.length, size * kMostSteps);
+  const float end = min(ray.length, size * kMaxSteps);
   for (float i = 0.0f; i * size < end; i += 1.0f) {
     const float begin = i * size, length = min(size, end - begin);
     const Vec3f p = ray.at(begin + jitter * length);
@@ -26,12 +26,12 @@ template <class MediumEmission>
 inline float march(const MediumRay& ray, float u, MediumRandom& random, TrackingCounts& counts, PathWeights& path,
                    MediumEmission& emission) {
   const float target = exponential_distance(1.0f, u);
-  Quad depth;
+  Float4 depth;
   float found = -1.0f;
   for_each_step(ray, random.next(), [&](float begin, float length, const MediumCoefficients& c, Vec3f p) {
-    const Quad sigma_t = c.sigma_t;
+    const Float4 sigma_t = c.sigma_t;
     const float before = depth[ray.hero], after = before + sigma_t[ray.hero] * length;
-    if (ray.has(kMediumEmits)) emission.add_step(path, exp(Quad() - depth), c, p, length);
+    if (ray.has(kMediumEmits)) emission.add_step(path, exp(Float4() - depth), c, p, length);
     ++counts.null;
     if (!(after > target) || !ray.has(kMediumScatters)) {
       depth = depth + sigma_t * length;
@@ -39,8 +39,8 @@ inline float march(const MediumRay& ray, float u, MediumRandom& random, Tracking
     }
     const float step = (target - before) / sigma_t[ray.hero];
     depth = depth + sigma_t * step;
-    const Quad passed = exp(Quad() - depth);
-    const Quad ratio = passed * (1.0f / (passed[ray.hero] * sigma_t[ray.hero]));
+    const Float4 passed = exp(Float4() - depth);
+    const Float4 ratio = passed * (1.0f / (passed[ray.hero] * sigma_t[ray.hero]));
     path.beta = path.beta * ratio * c.sigma_s;
     path.r_u = path.r_u * ray.odds(ratio * sigma_t);
     found = begin + step;
@@ -51,7 +51,7 @@ inline float march(const MediumRay& ray, float u, MediumRandom& random, Tracking
     --counts.null;
     return found;
   }
-  const Quad passed = exp(Quad() - depth);
+  const Float4 passed = exp(Float4() - depth);
   if (!ray.has(kMediumScatters)) {
     path.beta = path.beta * passed;
     return ray.length;
@@ -65,13 +65,13 @@ inline float march(const MediumRay& ray, float u, MediumRandom& random, Tracking
 
 /// Lets a shadow ray's light pass.
 inline void pass_by_marching(const MediumRay& ray, MediumRandom& random, TrackingCounts& counts, PathWeights& path) {
-  Quad depth;
+  Float4 depth;
   for_each_step(ray, random.next(), [&](float, float length, const MediumCoefficients& c, Vec3f) {
     depth = depth + c.sigma_t * length;
     ++counts.shadow;
     return true;
   });
-  const Quad passed = exp(Quad() - depth);
+  const Float4 passed = exp(Float4() - depth);
   path.beta = path.beta * passed;
   if (ray.has(kMediumScatters)) path.r_u = path.r_u * ray.odds(passed);
 }

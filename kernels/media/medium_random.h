@@ -10,13 +10,13 @@ namespace sheaf {
 /// What a stream is for: streams of different uses are independent of each other and of core/sampler.h's blocks.
 enum class MediumStream : std::uint32_t { kPath = 0x6d656469u, kShadow = 0x73686164u };
 
-/// Uniform numbers in [0, 1), a pure function of (seed, pixel, sample, event, use).
+/// Uniform numbers in [0, 1), a pure function of (seed, pixel, sample, dimension, use).
 class MediumRandom {
  public:
-  MediumRandom(std::uint32_t seed, std::uint32_t pixel, std::uint32_t sample, std::uint32_t event, MediumStream use)
+  MediumRandom(std::uint32_t seed, std::uint32_t pixel, std::uint32_t sample, std::uint32_t dimension, MediumStream use)
       : pixel_(pixel ^ (pixel >> 16)),
         sample_(sample),
-        event_(event),
+        dimension_(dimension),
         key_(seed ^ (seed >> 16) ^ static_cast<std::uint32_t>(use)) {}
 
   SHEAF_INLINE float next() {
@@ -26,7 +26,7 @@ class MediumRandom {
 
  private:
   void refill() {
-    std::uint32_t x = pixel_, y = sample_, z = event_, w = key_ + 0x9e3779b9u * counter_++;
+    std::uint32_t x = pixel_, y = sample_, z = dimension_, w = key_ + 0x9e3779b9u * counter_++;
     hash4(x, y, z, w);
     // Once more, with what the low bits of one word have not reached.
     x ^= x >> 15, y ^= y >> 15, z ^= z >> 15, w ^= w >> 15;
@@ -38,7 +38,7 @@ class MediumRandom {
     left_ = 4;
   }
 
-  std::uint32_t pixel_, sample_, event_, key_, counter_ = 0;
+  std::uint32_t pixel_, sample_, dimension_, key_, counter_ = 0;
   int left_ = 0;
   float numbers_[4];
 };
@@ -48,9 +48,9 @@ template <class L> struct MediumNumbers {
   Uint<L> x, y, z, w;
   static constexpr auto fields(auto& s) { return std::tie(s.x, s.y, s.z, s.w); }
 
-  /// `pixel`, `sample` and `event` as for MediumRandom.
-  static SHEAF_INLINE MediumNumbers start(Uint<L> pixel, Uint<L> sample, Uint<L> event, Uint<L> key) {
-    MediumNumbers n{pixel ^ (pixel >> 16), sample, event, key};
+  /// `pixel`, `sample` and `dimension` as for MediumRandom.
+  static SHEAF_INLINE MediumNumbers start(Uint<L> pixel, Uint<L> sample, Uint<L> dimension, Uint<L> key) {
+    MediumNumbers n{pixel ^ (pixel >> 16), sample, dimension, key};
     hash4(n.x, n.y, n.z, n.w);
     return n;
   }

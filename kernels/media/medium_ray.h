@@ -37,21 +37,20 @@ inline MediumRay make_medium_ray(const StageContext& context, std::uint32_t flag
   const MediumRow& medium = context.scene.media[(flags >> kRayMediumShift) - 1u];
   MediumSpectra spectra = medium_spectra(context.scene, medium, lambda);
   if ((medium.flags & kMediumFlakes) != 0) weigh_by_flakes(medium, direction, spectra);
-  const MediumEstimator estimator = context.transport.medium_estimator;
+  const MediumEstimator estimator = context.integrator.medium_estimator;
   const bool by_largest = (estimator == MediumEstimator::kDelta || estimator == MediumEstimator::kRatio) &&
                           (medium.flags & kMediumColored) == 0;
   int hero = hero_lane(flags);
   if (by_largest) {
-    const Quad most =
+    const Float4 most =
         (medium.flags & kMediumAbsorptionScattering) != 0 ? spectra.first + spectra.second : spectra.first;
     for (int lane = 0; lane < 4; ++lane)
       if (most[lane] > most[hero]) hero = lane;
   }
-  return {context.scene,  medium,    spectra,                      lambda,
-          origin, direction, min(length, kLongestStretch), hero, !by_largest};
+  return {context.scene, medium, spectra, lambda, origin, direction, min(length, kLongestStretch), hero, !by_largest};
 }
 
 /// lane_mean() in one register.
-inline float lane_mean(const SceneView& scene, Quad r) { return lane_mean<Scalar>(scene.color, to_spectrum(r)); }
+inline float lane_mean(const SceneView& scene, Float4 r) { return lane_mean<Scalar>(scene.color, to_spectrum(r)); }
 
 }  // namespace sheaf

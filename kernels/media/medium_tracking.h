@@ -14,9 +14,9 @@
 
 namespace sheaf {
 
-/// A path on its way: throughput and ProbabilityState in registers.
+/// A path on its way: throughput and RescaledPdfs in registers.
 struct PathWeights {
-  Quad beta, r_u, r_l;
+  Float4 beta, r_u, r_l;
 
   /// Takes out a common factor, which means nothing, before lanes far apart overflow.
   void rescale() {
@@ -37,12 +37,12 @@ inline constexpr float kLongestStretch = 1e18f;
 struct MediumRay {
   const SceneView& scene;
   const MediumRow& medium;
-  MediumSpectra spectra;  ///< along this ray, where the medium's extinction depends on the direction
-  Spectrum4 lambda;      ///< the path's wavelengths
+  MediumSpectra spectra;    ///< along this ray, where the medium's extinction depends on the direction
+  Spectrum4 lambda;         ///< the path's wavelengths
   Vec3f origin, direction;  ///< world space; unit length
-  float length;          ///< metres, at most kLongestStretch
-  int hero;              ///< lane by which distances are sampled
-  bool weighted;         ///< the other lanes have probabilities of their own
+  float length;             ///< metres, at most kLongestStretch
+  int hero;                 ///< lane by which distances are sampled
+  bool weighted;            ///< the other lanes have probabilities of their own
 
   Vec3f at(float t) const { return origin + direction * t; }
   bool has(std::uint32_t flag) const { return (medium.flags & flag) != 0; }
@@ -53,15 +53,15 @@ struct MediumRay {
     const float share = flake_share(scene, medium, p, direction);
     return {c.sigma_a * share, c.sigma_s * share, c.sigma_t * share};
   }
-  Quad emission(Vec3f p) const { return medium_emission(scene, medium, spectra, p, lambda); }
+  Float4 emission(Vec3f p) const { return medium_emission(scene, medium, spectra, p, lambda); }
   /// What the lanes' probabilities grow by where the throughput was divided by the hero's.
-  Quad odds(Quad ratio) const { return weighted ? ratio : Quad(ratio[hero]); }
+  Float4 odds(Float4 ratio) const { return weighted ? ratio : Float4(ratio[hero]); }
 };
 
 using TrackingCounts = Stats::Collisions;
 
 /// Transmittance over a distance in metres.
-SHEAF_INLINE Quad transmittance(Quad sigma_t, float distance) { return exp(sigma_t * -distance); }
+SHEAF_INLINE Float4 transmittance(Float4 sigma_t, float distance) { return exp(sigma_t * -distance); }
 
 /// A distance by the extinction `sigma` > 0 from u in [0, 1).
 SHEAF_INLINE float exponential_distance(float sigma, float u) { return -std::log1p(-u) / sigma; }
@@ -70,7 +70,7 @@ SHEAF_INLINE float exponential_distance(float sigma, float u) { return -std::log
 /// ray's length where it passes.
 inline float track_homogeneous(const MediumRay& ray, float u, PathWeights& path) {
   const MediumCoefficients c = medium_coefficients(ray.medium, ray.spectra);
-  const Quad sigma_t = c.sigma_t;
+  const Float4 sigma_t = c.sigma_t;
   if (!ray.has(kMediumScatters)) {
     path.beta = path.beta * transmittance(sigma_t, ray.length);
     return ray.length;
@@ -78,15 +78,15 @@ inline float track_homogeneous(const MediumRay& ray, float u, PathWeights& path)
   const float sigma = sigma_t[ray.hero];
   const float t = sigma > 0.0f ? exponential_distance(sigma, u) : kInfinity;
   if (t < ray.length) {
-    const Quad passed = transmittance(sigma_t, t);
-    const Quad ratio = passed * (1.0f / (passed[ray.hero] * sigma));
+    const Float4 passed = transmittance(sigma_t, t);
+    const Float4 ratio = passed * (1.0f / (passed[ray.hero] * sigma));
     path.beta = path.beta * ratio * c.sigma_s;
     path.r_u = path.r_u * ray.odds(ratio * sigma_t);
     return t;
   }
-  const Quad passed = transmittance(sigma_t, ray.length);
+  const Float4 passed = transmittance(sigma_t, ray.length);
   const float p = passed[ray.hero];
-  const Quad ratio = passed * (1.0f / p);
+  const Float4 ratio = passed * (1.0f / p);
   path.beta = path.beta * ratio;
   path.r_u = path.r_u * ray.odds(ratio);
   path.r_l = path.r_l * (1.0f / p);
@@ -94,8 +94,8 @@ inline float track_homogeneous(const MediumRay& ray, float u, PathWeights& path)
 }
 
 /// The majorant of all lanes where the grid's bound on what multiplies the medium's spectra is `bound`.
-SHEAF_INLINE Quad majorant_spectrum(const MediumRay& ray, float bound) {
-  const Quad most = ray.has(kMediumAbsorptionScattering) ? ray.spectra.first + ray.spectra.second : ray.spectra.first;
+SHEAF_INLINE Float4 majorant_spectrum(const MediumRay& ray, float bound) {
+  const Float4 most = ray.has(kMediumAbsorptionScattering) ? ray.spectra.first + ray.spectra.second : ray.spectra.first;
   return most * bound;
 }
 
@@ -109,38 +109,38 @@ inline float majorant_at(const MajorantGridRow& row, Vec3f p) {
 
 /// Each lane's density per metre of what MediumEmission counts as a collision at `p`, without the transmittance up to
 /// there.
-inline Quad collision_density(const MediumRay& ray, Vec3f p) {
+inline Float4 collision_density(const MediumRay& ray, Vec3f p) {
   if (ray.has(kMediumHomogeneous)) return ray.odds(medium_coefficients(ray.medium, ray.spectra).sigma_t);
   return ray.odds(majorant_spectrum(ray, majorant_at(ray.scene.majorant_grids[ray.medium.majorants], p)));
 }
 
 /// A tentative collision with a medium that is filled up to its majorant.
 struct Collision {
-  float t;         ///< metres from the ray's origin
-  Quad sigma_maj;  ///< the majorant there, per metre; the hero's is positive
-  Quad passed;     ///< transmittance of the majorant since the last collision, over the hero's
+  float t;           ///< metres from the ray's origin
+  Float4 sigma_maj;  ///< the majorant there, per metre; the hero's is positive
+  Float4 passed;     ///< transmittance of the majorant since the last collision, over the hero's
 };
 
 /// Calls collide(Collision) at each tentative collision, nearest first, until it returns false. Returns the
-/// transmittance of the majorant from the last collision to the ray's end, over the hero's; zero after kMostCollisions.
+/// transmittance of the majorant from the last collision to the ray's end, over the hero's; zero after kMaxCollisions.
 template <class Collide>
-SHEAF_INLINE Quad for_each_collision(const MediumRay& ray, MediumRandom& random, TrackingCounts& counts,
-                                     Collide&& collide) {
+SHEAF_INLINE Float4 for_each_collision(const MediumRay& ray, MediumRandom& random, TrackingCounts& counts,
+                                       Collide&& collide) {
   const bool grey = ray.has(kMediumGrey);
-  std::uint32_t collisions_left = kMostCollisions;
+  std::uint32_t collisions_left = kMaxCollisions;
   // The optical depth of the hero lane that is left until the next collision.
   float depth = detail::exponential<Scalar>(random.next());
   MajorantWalk walk(ray.scene.majorant_grids[ray.medium.majorants], ray.origin, ray.direction, 0.0f, ray.length);
   MajorantSegment segment;
-  Quad passed(1.0f);
+  Float4 passed(1.0f);
   while (walk.next(segment)) {
-    const Quad sigma_maj = majorant_spectrum(ray, segment.bound);
+    const Float4 sigma_maj = majorant_spectrum(ray, segment.bound);
     const float sigma = sigma_maj[ray.hero];
     for (float t = segment.t0;;) {
       const float left = segment.t1 - t;
       const bool collides = sigma * left > depth;
       const float step = collides ? depth / sigma : left;
-      if (!grey) passed = passed * exp((Quad(sigma) - sigma_maj) * step);
+      if (!grey) passed = passed * exp((Float4(sigma) - sigma_maj) * step);
       if (!collides) {
         depth -= sigma * left;
         break;
@@ -149,9 +149,9 @@ SHEAF_INLINE Quad for_each_collision(const MediumRay& ray, MediumRandom& random,
       if (!collide(Collision{t, sigma_maj, passed})) return passed;
       if (--collisions_left == 0) {
         ++counts.abandoned;
-        return Quad();
+        return Float4();
       }
-      passed = Quad(1.0f);
+      passed = Float4(1.0f);
       depth = detail::exponential<Scalar>(random.next());
     }
   }
@@ -165,24 +165,24 @@ template <class Emit>
 inline float track_null_collisions(const MediumRay& ray, MediumRandom& random, bool delta, TrackingCounts& counts,
                                    PathWeights& path, Emit&& emit) {
   float scattered_at = -1.0f;
-  const Quad rest = for_each_collision(ray, random, counts, [&](const Collision& at) {
+  const Float4 rest = for_each_collision(ray, random, counts, [&](const Collision& at) {
     const Vec3f p = ray.at(at.t);
     emit(at, p, path);
     const MediumCoefficients c = ray.coefficients(p);
     // Majorants hold up to rounding: more than them counts as them.
-    const Quad sigma_t = min(c.sigma_t, at.sigma_maj);
+    const Float4 sigma_t = min(c.sigma_t, at.sigma_maj);
     const float hero = sigma_t[ray.hero], majorant = at.sigma_maj[ray.hero];
     if (random.next() * majorant < hero) {
       ++counts.real;
-      const Quad ratio = at.passed * (1.0f / hero);
+      const Float4 ratio = at.passed * (1.0f / hero);
       path.beta = path.beta * ratio * c.sigma_s;
       path.r_u = path.r_u * ray.odds(ratio * sigma_t);
       scattered_at = at.t;
       return false;
     }
     ++counts.null;
-    const Quad sigma_n = at.sigma_maj - sigma_t;
-    const Quad ratio = at.passed * (1.0f / max(majorant - hero, 1e-30f));
+    const Float4 sigma_n = at.sigma_maj - sigma_t;
+    const Float4 ratio = at.passed * (1.0f / max(majorant - hero, 1e-30f));
     path.beta = path.beta * ratio * sigma_n;
     path.r_u = path.r_u * ray.odds(ratio * sigma_n);
     path.r_l = path.r_l * ray.odds(ratio * (delta ? sigma_n : at.sigma_maj));
@@ -199,7 +199,7 @@ inline float track_null_collisions(const MediumRay& ray, MediumRandom& random, b
 /// ray's end, so that a path has to collide there.
 inline void pass_homogeneous(const MediumRay& ray, bool from_within, PathWeights& path) {
   const MediumCoefficients c = medium_coefficients(ray.medium, ray.spectra);
-  const Quad passed = transmittance(c.sigma_t, ray.length);
+  const Float4 passed = transmittance(c.sigma_t, ray.length);
   path.beta = path.beta * passed;
   if (ray.has(kMediumScatters) || from_within) path.r_u = path.r_u * ray.odds(passed);
 }
@@ -209,26 +209,26 @@ inline void pass_homogeneous(const MediumRay& ray, bool from_within, PathWeights
 inline bool pass_null_collisions(const MediumRay& ray, MediumRandom& random, bool delta, TrackingCounts& counts,
                                  PathWeights& path) {
   bool open = true;
-  const Quad rest = for_each_collision(ray, random, counts, [&](const Collision& at) {
-    const Quad sigma_t = min(ray.coefficients(ray.at(at.t)).sigma_t, at.sigma_maj);
-    const Quad sigma_n = at.sigma_maj - sigma_t;
+  const Float4 rest = for_each_collision(ray, random, counts, [&](const Collision& at) {
+    const Float4 sigma_t = min(ray.coefficients(ray.at(at.t)).sigma_t, at.sigma_maj);
+    const Float4 sigma_n = at.sigma_maj - sigma_t;
     const float majorant = at.sigma_maj[ray.hero];
     ++counts.shadow;
     if (delta) {
       open = random.next() * majorant < sigma_n[ray.hero];
       if (!open) return false;
-      const Quad ratio = at.passed * sigma_n * (1.0f / sigma_n[ray.hero]);
+      const Float4 ratio = at.passed * sigma_n * (1.0f / sigma_n[ray.hero]);
       path.beta = path.beta * ratio;
       path.r_u = path.r_u * ray.odds(ratio);
       path.r_l = path.r_l * ray.odds(ratio);
       return true;
     }
-    const Quad ratio = at.passed * (1.0f / majorant);
+    const Float4 ratio = at.passed * (1.0f / majorant);
     path.beta = path.beta * ratio * sigma_n;
     path.r_u = path.r_u * ray.odds(ratio * sigma_n);
     path.r_l = path.r_l * ray.odds(ratio * at.sigma_maj);
     // Little light is worth little work: it goes on with a quarter of the probability and four times the weight.
-    if (max_component(path.beta) < kLittle * max_component(path.r_l)) {
+    if (max_component(path.beta) < kRouletteThreshold * max_component(path.r_l)) {
       open = random.next() < kSurvival;
       path.beta = path.beta * (1.0f / kSurvival);
     }

@@ -18,13 +18,13 @@ template <class L> void run_light_pass(const StageContext& context, Wave& wave) 
     surface_inputs<L>(context, wave);
     textures<L>(context, wave);
     camera_connections<L>(context, wave);
-    if (context.scene.has_transparency)
+    if (context.scene.needs_transmittance)
       transmittance<L>(context, wave);
     else
       shadow<L>(context, wave);
     splat<L>(context, wave);
     scatter<L>(context, wave);
-    retire<L>(context, wave);
+    free_photons<L>(context, wave);
     assert(wave.free.size() + wave.active.size() == wave.capacity);
   }
 }

@@ -21,14 +21,16 @@ template <class L> void run_path_pass(const StageContext& context, Wave& wave) {
     aovs<L>(context, wave);
     gather<L>(context, wave);
     guide<L>(context, wave);
-    for (int candidate = 0; candidate < context.transport.candidates; ++candidate) {
+    for (int candidate = 0; candidate < context.integrator.candidates; ++candidate) {
       light_candidates<L>(context, wave, candidate);
       resample<L>(context, wave, candidate);
     }
-    if (context.scene.has_transparency) transmittance<L>(context, wave);
-    else shadow<L>(context, wave);
+    if (context.scene.needs_transmittance)
+      transmittance<L>(context, wave);
+    else
+      shadow<L>(context, wave);
     scatter<L>(context, wave);
-    learn<L>(context, wave);
+    record_training<L>(context, wave);
     accumulate<L>(context, wave);
     assert(wave.free.size() + wave.active.size() == wave.capacity);
   }

@@ -17,7 +17,7 @@ template <class L> void run_photon_pass(const StageContext& context, Wave& wave)
     store_photons<L>(context, wave);
     textures<L>(context, wave);
     scatter<L>(context, wave);
-    retire<L>(context, wave);
+    free_photons<L>(context, wave);
     assert(wave.free.size() + wave.active.size() == wave.capacity);
   }
 }

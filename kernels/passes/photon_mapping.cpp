@@ -41,7 +41,7 @@ bool has_phase_functions(const SceneView& scene) {
 }
 
 PhotonMapping::PhotonMapping(const StageContext& context, std::uint32_t samples, int film_side)
-    : settings_(context.transport.photons),
+    : settings_(context.integrator.photons),
       scene_radius_(context.scene.radius),
       pixel_(context.scene.radius / static_cast<float>(film_side)) {
   if (settings_.progressive) {

@@ -51,11 +51,11 @@ void check_guiding(const IntegratorDescription& integrator) {
 /// The scene's own settings, and what its integrator makes of them.
 StageContext context_of(const Scene& scene, const RenderOptions& options) {
   StageContext context(scene);
-  if (options.guiding) check_guiding(context.transport);
+  if (options.guiding) check_guiding(context.integrator);
   context.guides = options.guiding;
   // Hidden lights must let photons' rays to the camera pass.
-  if (context.transport.kind == IntegratorKind::kLightTracer && context.transport.hide_emitters)
-    context.scene.has_transparency = true;
+  if (context.integrator.kind == IntegratorKind::kLightTracer && context.integrator.hide_emitters)
+    context.scene.needs_transmittance = true;
   return context;
 }
 
@@ -84,11 +84,11 @@ class Renderer {
     context_.guide = guide_.view();
     if (options.guiding) training_passes_ = training_passes(state_.film.width(), state_.film.height(), plan_.spp);
     total_ += training_samples(state_.film.width(), state_.film.height(), training_passes_);
-    if (context_.transport.kind == IntegratorKind::kPhotonMapper) {
+    if (context_.integrator.kind == IntegratorKind::kPhotonMapper) {
       photon_mapping_.emplace(context_, plan_.spp, std::max(state_.film.width(), state_.film.height()));
       total_ += photon_mapping_->wanted();
     }
-    if (context_.transport.kind == IntegratorKind::kLightTracer) set_photons(scene);
+    if (context_.integrator.kind == IntegratorKind::kLightTracer) set_photons(scene);
     adaptive_before_ = total_ - plan_.wanted.area() * plan_.range.count;
     if (options.resume != nullptr) resume(*options.resume);
   }
@@ -127,7 +127,7 @@ class Renderer {
     // As many as a picture of the whole frame has samples, so that a crop has the same.
     photons_ =
         static_cast<std::uint64_t>(state_.film.width()) * static_cast<std::uint64_t>(state_.film.height()) * plan_.spp;
-    if (context_.transport.max_depth == 1 || context_.scene.light_count == 0) photons_ = 0;
+    if (context_.integrator.max_depth == 1 || context_.scene.light_count == 0) photons_ = 0;
     total_ += photons_;
     const PixelRect frame{0, 0, state_.film.width(), state_.film.height()};
     const bool turns = context_.scene.camera.rays == CameraRays::kSpherical;
@@ -159,7 +159,7 @@ class Renderer {
                       from.film.crop() == state_.film.crop() && from.film.layout() == state_.film.layout() &&
                       from.film.spectral_bins() == state_.film.spectral_bins() &&
                       from.film.variance_unit() == state_.film.variance_unit() &&
-                      from.film.tells_surfaces() == state_.film.tells_surfaces() &&
+                      from.film.has_surface_ids() == state_.film.has_surface_ids() &&
                       from.splats.has_value() == state_.splats.has_value() &&
                       from.adaptive.has_value() == state_.adaptive.has_value() &&
                       from.first_sample >= plan_.range.first && from.first_sample <= plan_.range.end() &&
@@ -348,8 +348,8 @@ class Renderer {
     context.camera = &worker.camera;
     context.sampler = sampler;
     // What photons cannot find is light that reaches the camera without having been scattered.
-    if (context.transport.kind == IntegratorKind::kLightTracer) context.transport.max_depth = 1;
-    camera_pass_of<Wide>(context.transport.kind)(context, worker.wave);
+    if (context.integrator.kind == IntegratorKind::kLightTracer) context.integrator.max_depth = 1;
+    camera_pass_of<Wide>(context.integrator.kind)(context, worker.wave);
     worker.wave.light_groups = {};
     reduce(worker.camera, worker.tile);
     report_done(static_cast<std::uint64_t>(worker.camera.total()));
@@ -398,7 +398,7 @@ class Renderer {
   RenderReport make_report(std::vector<std::string>& warnings) {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
     RenderReport report;
-    report.integrator = integrator_name(context_.transport);
+    report.integrator = integrator_name(context_.integrator);
     report.isa = kIsaName;
     report.width = state_.film.width();
     report.height = state_.film.height();
@@ -417,8 +417,9 @@ class Renderer {
     report.photons = photon_tracing_.report;
     report.guiding = guide_training_.report;
     add_workers(workers_, plan_.frame, dropped(), report, warnings);
-    for (const SourceLocation& place : scene_.light_places())
-      report.light_places.push_back(place.line > 0 ? place.file + ":" + std::to_string(place.line) : std::string());
+    for (const SourceLocation& place : scene_.light_source_locations())
+      report.light_source_locations.push_back(place.line > 0 ? place.file + ":" + std::to_string(place.line)
+                                                             : std::string());
     return report;
   }
 
@@ -431,7 +432,7 @@ class Renderer {
     result.report.noise = noise_of(state_.film, state_.splats, state_.photons);
     result.film = std::move(state_.film);
     result.aovs = options_.aovs;
-    if (result.film.tells_surfaces()) result.names = scene_.names();
+    if (result.film.has_surface_ids()) result.names = scene_.names();
     result.splats = std::move(state_.splats);
     result.photons = state_.photons;
     if (options_.samples) result.samples = plan_.range;

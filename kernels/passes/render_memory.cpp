@@ -69,8 +69,8 @@ double picture_bytes(const FilmSize& film, const RenderOptions& options) {
 
 /// Photons as they come from the tasks of one map at a time, and those of all maps sorted into columns.
 double photon_bytes(const StageContext& context) {
-  if (context.transport.kind != IntegratorKind::kPhotonMapper) return 0;
-  const PhotonMappingDescription& photons = context.transport.photons;
+  if (context.integrator.kind != IntegratorKind::kPhotonMapper) return 0;
+  const PhotonMappingDescription& photons = context.integrator.photons;
   constexpr double kSorted = 9 * sizeof(float);
   double traced = 0, sorted = 0;
   const auto add = [&](const PhotonMapDescription& map, double of_traced, double of_sorted) {
@@ -117,7 +117,7 @@ std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& op
   context.guides = options.guiding;
   const WaveNeeds needs = WaveNeeds::of(context);
   const FilmSize film = film_size(plan, options);
-  const bool traces_light = context.transport.kind == IntegratorKind::kLightTracer;
+  const bool traces_light = context.integrator.kind == IntegratorKind::kLightTracer;
   const std::string parts = "Parts of it take less: --crop, and 'sheaf merge' joins them";
   std::vector<MemoryUse> uses{{"the film", film.pixels * (8 * film.numbers + film.coverage + (traces_light ? 48 : 0)),
                                parts + "; so do fewer layers"}};

@@ -45,7 +45,7 @@ void add_workers(const Workers& workers, const SampledFrame& frame, const Stats:
   if (first) warnings.push_back(dropped_message(dropped, *first, frame));
   if (const std::uint64_t abandoned = report.stats.collisions.abandoned; abandoned > 0)
     warnings.push_back(std::to_string(abandoned) + " rays were given up in a medium after " +
-                       std::to_string(kMostCollisions) + " collisions each: its voxels differ too much");
+                       std::to_string(kMaxCollisions) + " collisions each: its voxels differ too much");
 }
 
 }  // namespace sheaf

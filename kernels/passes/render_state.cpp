@@ -10,7 +10,7 @@ constexpr std::string_view kFirstLine = "sheaf checkpoint 2\n";
 /// Most settings: far beyond any command line.
 constexpr std::uint32_t kMaxSettings = 100'000;
 /// Differences that a message names.
-constexpr std::size_t kMostTold = 5;
+constexpr std::size_t kMaxTold = 5;
 
 RenderSettings get_settings(BinaryInput& in) {
   const auto count = in.get<std::uint32_t>();
@@ -29,7 +29,7 @@ const std::string* find(const RenderSettings& settings, const std::string& name)
   return nullptr;
 }
 
-/// One line for each difference, at most kMostTold.
+/// One line for each difference, at most kMaxTold.
 std::vector<std::string> differences(const RenderSettings& here, const RenderSettings& there) {
   std::vector<std::string> found;
   for (const auto& [name, value] : here) {
@@ -41,9 +41,9 @@ std::vector<std::string> differences(const RenderSettings& here, const RenderSet
   }
   for (const auto& [name, value] : there)
     if (find(here, name) == nullptr) found.push_back(name + " is not given now, and was '" + value + "' then");
-  if (found.size() <= kMostTold) return found;
-  const std::string more = "and " + std::to_string(found.size() - kMostTold) + " more";
-  found.resize(kMostTold);
+  if (found.size() <= kMaxTold) return found;
+  const std::string more = "and " + std::to_string(found.size() - kMaxTold) + " more";
+  found.resize(kMaxTold);
   found.push_back(more);
   return found;
 }

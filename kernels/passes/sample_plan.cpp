@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint32_t kFreeReplicates = 8;
 
 /// Most samples per pixel that gather rays may make.
-constexpr std::uint32_t kMostSamples = 1 << 24;
+constexpr std::uint32_t kMaxSamples = 1 << 24;
 [[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::kUsage, text); }
 
 PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
@@ -30,8 +30,8 @@ PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
 
 /// Pixels of the frame and of the border around it are numbered.
 void check_frame(const FilmDescription& film, const SampledFrame& frame) {
-  constexpr std::int64_t kMostPixels = std::numeric_limits<std::int32_t>::max();
-  if (std::int64_t{frame.row_length()} * (film.height + 2 * frame.border) <= kMostPixels) return;
+  constexpr std::int64_t kMaxPixels = std::numeric_limits<std::int32_t>::max();
+  if (std::int64_t{frame.row_length()} * (film.height + 2 * frame.border) <= kMaxPixels) return;
   refuse("a frame of " + std::to_string(film.width) + " x " + std::to_string(film.height) +
          " pixels is too large: expected 2^31 pixels at most, also where a part of them is rendered");
 }
@@ -140,8 +140,8 @@ SamplePlan make_sample_plan(const Scene& scene, const RenderOptions& options, co
   plan.spp = rounded_sample_count(sampler, options.samples_per_pixel.value_or(default_samples(scene)));
   if (transport.kind == IntegratorKind::kPhotonMapper && transport.photons.gathering == PhotonGathering::kFinal)
     plan.rays = static_cast<std::uint32_t>(transport.photons.gather_rays);
-  if (plan.spp > kMostSamples / plan.rays)
-    refuse("samples per pixel times gather rays must be at most " + std::to_string(kMostSamples));
+  if (plan.spp > kMaxSamples / plan.rays)
+    refuse("samples per pixel times gather rays must be at most " + std::to_string(kMaxSamples));
   plan.spp *= plan.rays;
   if (plan.spp == 0) refuse("samples per pixel must be at least 1");
   plan.crop = checked_crop(scene, options);

@@ -16,7 +16,7 @@ namespace {
 
 /// Share of a render's samples that training may add, and samples per pixel beyond which it has learned enough.
 constexpr double kTrainingShare = 0.125;
-constexpr std::uint32_t kMostTraining = 16;
+constexpr std::uint32_t kMaxTraining = 16;
 /// Camera samples of the longest pass: their records stay in memory until the guide has learned.
 constexpr std::uint64_t kPassSamples = 1 << 20;
 /// Camera samples per task.
@@ -89,7 +89,7 @@ std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t s
   const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / static_cast<double>(kPassSamples)))));
   // Of one sample per pixel that takes part.
   const double unit = static_cast<double>(strided(width, stride)) * strided(height, stride);
-  const double most = std::min(kTrainingShare * samples, static_cast<double>(kMostTraining)) * pixels / unit;
+  const double most = std::min(kTrainingShare * samples, static_cast<double>(kMaxTraining)) * pixels / unit;
   const auto longest = static_cast<std::uint32_t>(std::max(1.0, static_cast<double>(kPassSamples) / unit));
   std::vector<TrainingPass> passes;
   std::uint32_t first = 0, count = 1;

@@ -20,7 +20,7 @@ struct Worker {
   CameraTask camera;
   FilmTile tile;
   LightTask photons;
-  GuideLog guide;
+  TrainingSamples guide;
 };
 using Workers = tbb::enumerable_thread_specific<Worker>;
 

@@ -21,14 +21,14 @@ struct Photon {
 };
 
 /// Most segments of a path that photons count.
-inline constexpr std::uint32_t kMostPhotonEdges = 127;
+inline constexpr std::uint32_t kMaxPhotonEdges = 127;
 /// Bit of photon_surface(): one wavelength is left, see kernels/wave/path_wavelengths.h.
 inline constexpr std::uint32_t kPhotonSingleWavelength = 128;
 /// The octahedral normal of a photon's surface, its last eight bits taken by kPhotonSingleWavelength and the number of
-/// segments that its path, from the light, has had so far; only those that cost depth, and at most kMostPhotonEdges.
+/// segments that its path, from the light, has had so far; only those that cost depth, and at most kMaxPhotonEdges.
 inline std::uint32_t photon_surface(std::uint32_t normal, std::uint32_t edges, bool single_wavelength = false) {
-  return (normal & ~(kMostPhotonEdges | kPhotonSingleWavelength)) | (single_wavelength ? kPhotonSingleWavelength : 0u) |
-         (edges < kMostPhotonEdges ? edges : kMostPhotonEdges);
+  return (normal & ~(kMaxPhotonEdges | kPhotonSingleWavelength)) | (single_wavelength ? kPhotonSingleWavelength : 0u) |
+         (edges < kMaxPhotonEdges ? edges : kMaxPhotonEdges);
 }
 
 /// Which photons are kept, by the vertices between the light and the surface; those in media count as D.

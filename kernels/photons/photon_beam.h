@@ -16,7 +16,7 @@ struct PhotonBeam {
   Vec3f start, direction;   ///< world space; unit length
   float length = 0;         ///< metres
   Spectrum4 power;          ///< at the start; W, times the number of photons that were emitted
-  Spectrum4 odds;           ///< ProbabilityState::r_u at the start, over the mean of its lanes
+  Spectrum4 odds;           ///< RescaledPdfs::r_u at the start, over the mean of its lanes
   std::uint32_t place = 0;  ///< see photon_place()
   std::uint32_t order = 0;  ///< see Photon::order
 };

@@ -46,15 +46,15 @@ PhotonMap::PhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitt
   const float scale = 1.0f / static_cast<float>(emitted);
   in_parallel(size_, [&](std::size_t i) {
     const Photon& photon = photon_of(order[i]);
-    const float words[kMostColumns] = {photon.p.x,
-                                       photon.p.y,
-                                       photon.p.z,
-                                       bits_float(photon.direction),
-                                       bits_float(photon.surface),
-                                       photon.power.c0 * scale,
-                                       photon.power.c1 * scale,
-                                       photon.power.c2 * scale,
-                                       photon.power.c3 * scale};
+    const float words[kMaxColumns] = {photon.p.x,
+                                      photon.p.y,
+                                      photon.p.z,
+                                      bits_float(photon.direction),
+                                      bits_float(photon.surface),
+                                      photon.power.c0 * scale,
+                                      photon.power.c1 * scale,
+                                      photon.power.c2 * scale,
+                                      photon.power.c3 * scale};
     for (std::size_t c = 0; c < columns(); ++c) std::memcpy(first_ + c * stride_ + i, &words[c], sizeof(float));
   });
 }

@@ -67,9 +67,9 @@ class PhotonMap {
   std::size_t bytes() const { return memory_.size() * sizeof(float) + bucket_begin_.size() * sizeof(std::uint32_t); }
 
  private:
-  static constexpr std::size_t kMostColumns = 9;
+  static constexpr std::size_t kMaxColumns = 9;
 
-  std::size_t columns() const { return four_lanes_ ? kMostColumns : kMostColumns - 1; }
+  std::size_t columns() const { return four_lanes_ ? kMaxColumns : kMaxColumns - 1; }
   const float* column(std::size_t i) const { return first_ + i * stride_; }
 
   /// Makes bucket_begin_; returns the photons' numbers in the order of buckets.

@@ -67,7 +67,7 @@ struct PhotonMaps {
 template <class L> SHEAF_INLINE Mask<L> is_caustic(const StageContext& context, Uint<L> flags, Float<L> scatter_pdf) {
   using U = Uint<L>;
   if (context.maps == nullptr || !context.maps->hold_caustics()) return Mask<L>(false);
-  return ((flags & U(kRayDiffuse | kRayStrayed)) == U(kRayDiffuse)) & (scatter_pdf == Float<L>(0.0f));
+  return ((flags & U(kRayDiffuse | kRayScatteredInMedium)) == U(kRayDiffuse)) & (scatter_pdf == Float<L>(0.0f));
 }
 
 /// RayFlags that tell a path's history, behind a vertex that was met with `before`. `specular`: it was scattered as by
@@ -78,7 +78,7 @@ SHEAF_INLINE Uint<L> history_behind(const StageContext& context, Uint<L> before,
   const U kept = before & U(kRayHistory);
   if (context.photons != nullptr)
     return kept | (InMedium ? U(kRayDiffuse) : select(specular, U(kRaySpecular), U(kRayDiffuse)));
-  if (InMedium) return kept | U(kRayStrayed);
+  if (InMedium) return kept | U(kRayScatteredInMedium);
   return select(specular, kept, U(kRayDiffuse));
 }
 

@@ -20,8 +20,7 @@ namespace sheaf {
 namespace {
 
 /// Puts each wavelength into its bin, for films that have bins.
-template <class L>
-void bin_tile(CameraTask& task, int count, const RadianceState<L>& r, const Wavelengths<L>& w) {
+template <class L> void bin_tile(CameraTask& task, int count, const RadianceState<L>& r, const Wavelengths<L>& w) {
   const Spectrum<L> values[] = {w.lambda, w.pdf, r.radiance};
   alignas(kSimdAlignment) float words[3][4][L::width], weight[L::width];
   for (int j = 0; j < 3; ++j) {
@@ -44,7 +43,7 @@ void bin_tile(CameraTask& task, int count, const RadianceState<L>& r, const Wave
 
 /// What the film is to make of the radiances of `slots`: components of linear Rec.709 in RGB mode as in spectral mode.
 template <class L>
-SHEAF_INLINE void sense_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
+SHEAF_INLINE void spectrum_to_rgb(const StageContext& context, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;
   RadianceState<L> r = wave.radiance.gather<L>(slots);
   const F lowest = min(min(r.radiance.c0, r.radiance.c1), min(r.radiance.c2, r.radiance.c3));
@@ -55,7 +54,7 @@ SHEAF_INLINE void sense_tile(const StageContext& context, Wave& wave, const Slot
   wave.radiance.scatter<L>(slots, count, r);
 }
 
-/// Whether a sample may be added to the film. `r`: in spectral mode after sense_tile().
+/// Whether a sample may be added to the film. `r`: in spectral mode after spectrum_to_rgb().
 bool is_good(ColorMode color, const RadianceState<Scalar>& r) {
   const Spectrum4& c = r.radiance;
   if (!std::isfinite((c.c0 + c.c1 + c.c2) * r.weight)) return false;
@@ -71,7 +70,7 @@ template <class L> void accumulate(const StageContext& context, Wave& wave) noex
   timer.count(paths, 1);
   if (context.scene.color == ColorMode::kSpectral && context.transports_light) {
     wave.finished.pad();
-    for_tiles<L>(paths, [&](int i, int count) { sense_tile<L>(context, wave, wave.finished.data() + i, count); });
+    for_tiles<L>(paths, [&](int i, int count) { spectrum_to_rgb<L>(context, wave, wave.finished.data() + i, count); });
   }
   SampleBuffer& samples = context.camera->samples;
   for (int i = 0; i < paths; ++i) {
@@ -88,7 +87,7 @@ template <class L> void accumulate(const StageContext& context, Wave& wave) noex
     } else {
       samples.drop(sample);
       ++wave.stats.dropped.samples;
-      const ThroughputState<Scalar> path = wave.throughput.get(slot);
+      const PathState<Scalar> path = wave.paths.get(slot);
       if (!wave.first_dropped.any) wave.first_dropped = {true, path.pixel, path.sample};
     }
     wave.free.push(slot);

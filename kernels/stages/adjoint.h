@@ -20,7 +20,7 @@ SHEAF_INLINE Float<L> adjoint_cosines(const VertexItem<L>& item, Vec3<L> arrivin
 
 /// Normals that face away from the viewer are mirrored, and of a photon the viewer is where it goes, not where it comes
 /// from. So one of both normals is chosen before that is known, and a photon that then goes where the other one is seen
-/// ends. TexturedItem::fixed says which: 1 the normal as it is, -1 its mirror image, 0 there is no choice. Its
+/// ends. TexturedItem::normal_choice says which: 1 the normal as it is, -1 its mirror image, 0 there is no choice. Its
 /// probability:
 template <class F> SHEAF_INLINE F mirrored_probability(F cos_turn) {
   // About the part of the directions around the unturned normal from which the turned one is seen from behind.
@@ -28,12 +28,12 @@ template <class F> SHEAF_INLINE F mirrored_probability(F cos_turn) {
 }
 
 /// Whether a photon that leaves in direction `leaving` is seen with the normal that was chosen.
-template <class L> SHEAF_INLINE Mask<L> is_right_normal(const TexturedItem<L>& t, Vec3<L> ns, Vec3<L> leaving) {
+template <class L> SHEAF_INLINE Mask<L> matches_normal_choice(const TexturedItem<L>& t, Vec3<L> ns, Vec3<L> leaving) {
   using F = Float<L>;
-  const auto mirrored = t.fixed < F(0.0f);
+  const auto mirrored = t.normal_choice < F(0.0f);
   const Vec3<L> n = select<L>(mirrored, mirrored_normal<L>(ns, t.ns_unmapped), ns);
   const auto away = faces_away<L>(n, t.ns_unmapped, leaving);
-  return (t.fixed == F(0.0f)) | ((mirrored & away) | ((!mirrored) & (!away)));
+  return (t.normal_choice == F(0.0f)) | ((mirrored & away) | ((!mirrored) & (!away)));
 }
 
 /// shadow_terminator() of the direction that light comes from, which is the photon's own.

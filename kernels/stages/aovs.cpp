@@ -115,7 +115,7 @@ template <class L>
   out.put(channels.geometric_normal, ng);
   out.put(channels.position, item.p);
   if (channels.depth >= 0) {
-    const Uint<L> pixel = wave.throughput.gather<L>(slots).pixel;
+    const Uint<L> pixel = wave.paths.gather<L>(slots).pixel;
     out.put_words(channels.depth, {depth_of<L>(scene, task, pixel, item.p)});
   }
   if (channels.uv >= 0) put_uv<L>(scene, wave, slots, ray, channels.uv, out);

@@ -22,12 +22,12 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
                                bool mapped) {
   using F = Float<L>;
   const auto item = wave.vertices.load<L>(column);
-  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const PathState<L> path = wave.paths.gather<L>(slots);
   const F flux = wave.radiance.gather<L>(slots).weight;
   Vec2<L> lens{F(0.0f), F(0.0f)};
   if (context.scene.camera.has_lens()) {
-    const auto u =
-        draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kLight, {}, kNumberY | kNumberZ);
+    const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kLight, {},
+                           kNumberY | kNumberZ);
     lens = square_to_disk<L>(u.y, u.z);
   }
   const CameraView<L> view = context.scene.camera.view<L>(item.p, lens.x, lens.y);
@@ -35,7 +35,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
   auto seen = view.valid & (view.film_x > F(film.x0)) & (view.film_x < F(film.x1)) & (view.film_y > F(film.y0)) &
               (view.film_y < F(film.y1)) & L::first(count);
   Uint<L> shadow_flags(0u);
-  if (!kIsPhaseFunction<Bsdf<L>> && context.transport.hide_emitters) {
+  if (!kIsPhaseFunction<Bsdf<L>> && context.integrator.hide_emitters) {
     const auto on_light = wave.hits.gather<L>(slots).light != Uint<L>(kNone);
     if (context.scene.has_open_panes)
       shadow_flags = select(on_light, Uint<L>(kShadowFromHiddenLight), shadow_flags);
@@ -43,7 +43,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
       seen = seen & !on_light;
   }
   if (!any(seen)) return;
-  wave.film_places.store<L>(column, {view.film_x, view.film_y});
+  wave.raster_positions.store<L>(column, {view.film_x, view.film_y});
 
   const Vec3<L> towards = normalize(view.target - item.p);
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
@@ -56,7 +56,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
     if (mapped) {
       const TexturedItem<L> t = wave.textured.load<L>(column);
       f_cos = f_cos * adjoint_terminator<L>(t, arriving, item.wo.z);
-      f_cos = select<L>(is_right_normal<L>(t, item.ns, towards), f_cos, Spectrum<L>(F(0.0f)));
+      f_cos = select<L>(matches_normal_choice<L>(t, item.ns, towards), f_cos, Spectrum<L>(F(0.0f)));
     }
   }
   const Spectrum<L> out = path.beta * f_cos * (flux * view.importance);

@@ -16,7 +16,7 @@ bool has_lens(const SceneView& scene) { return scene.camera.has_lens() || scene.
 /// colour noise is low where the pixel's parts differ.
 template <class L>
 SHEAF_INLINE void start_wavelengths(const StageContext& context, Wave& wave, const Slot* slots, int count,
-                                    const ThroughputState<L>& path, const Random4<L>& camera) {
+                                    const PathState<L>& path, const Random4<L>& camera) {
   const bool lens = has_lens(context.scene);
   alignas(kSimdAlignment) float u[L::width];
   if (context.wavelength_sample >= 0.0f)
@@ -53,10 +53,10 @@ SHEAF_INLINE CameraRay<L> camera_ray(const SceneView& scene, Float<L> x, Float<L
 /// The state that only scenes with media or surfaces that let shadow rays pass have. Returns RayState::flags.
 template <class L>
 SHEAF_INLINE Uint<L> start_in_medium(const StageContext& context, Wave& wave, const Slot* slots, int count,
-                                     const ThroughputState<L>& path) {
+                                     const PathState<L>& path) {
   using F = typename L::Float;
   using U = typename L::Uint;
-  wave.probabilities.scatter<L>(slots, count, {Spectrum<L>(F(1.0f)), Spectrum<L>(F(1.0f))});
+  wave.rescaled_pdfs.scatter<L>(slots, count, {Spectrum<L>(F(1.0f)), Spectrum<L>(F(1.0f))});
   const U medium(context.scene.camera_medium << kRayMediumShift);
   if (context.scene.color == ColorMode::kSpectral) return medium;
   const F u = draw<L>(context.sampler, path.pixel, path.sample, U(0u), SampleBlock::kWavelength, {}, kNumberX).x;
@@ -102,21 +102,21 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
     if (lane < count) task.advance();
   }
   F px, py;
-  ThroughputState<L> throughput;
+  PathState<L> path;
   load(x, px);
   load(y, py);
-  load(sample, throughput.sample);
-  load(pixel, throughput.pixel);
+  load(sample, path.sample);
+  load(pixel, path.pixel);
   // The fourth lane is no colour in RGB mode: it starts at 0 and stays there, whatever BSDFs do to it.
   const F weight(context.scene.camera.weight);
-  throughput.beta = {weight, weight, weight, context.scene.color == ColorMode::kSpectral ? weight : F(0.0f)};
-  throughput.eta_scale = F(1.0f);
-  throughput.progress = U(0u);
+  path.beta = {weight, weight, weight, context.scene.color == ColorMode::kSpectral ? weight : F(0.0f)};
+  path.eta_scale = F(1.0f);
+  path.depth_and_dimension = U(0u);
 
   const bool spreads_z = has_lens(context.scene) || context.scene.color == ColorMode::kSpectral;
-  const auto u = draw<L>(context.sampler, throughput.pixel, throughput.sample, U(0u), SampleBlock::kCamera, {},
+  const auto u = draw<L>(context.sampler, path.pixel, path.sample, U(0u), SampleBlock::kCamera, {},
                          spreads_z ? kAllNumbers : kNumberX | kNumberY);
-  if (context.scene.color == ColorMode::kSpectral) start_wavelengths<L>(context, wave, slots, count, throughput, u);
+  if (context.scene.color == ColorMode::kSpectral) start_wavelengths<L>(context, wave, slots, count, path, u);
   const auto dx = context.scene.filter->sample<L>(u.x), dy = context.scene.filter->sample<L>(u.y);
   remember_offsets<L>(task, radiance.task_sample, count, dx.position, dy.position);
   const F film_x = px + F(0.5f) + dx.position, film_y = py + F(0.5f) + dy.position;
@@ -130,14 +130,14 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
     for (int lane = 0; lane < count; ++lane) wave.distance_since_vertex[slots[lane]] = 0.0f;
   if (context.guides)
     for (int lane = 0; lane < count; ++lane) wave.guide_references[slots[lane]] = 0.0f;
-  if (context.scene.has_transparency) ray.flags |= start_in_medium<L>(context, wave, slots, count, throughput);
+  if (context.scene.needs_transmittance) ray.flags |= start_in_medium<L>(context, wave, slots, count, path);
 
   radiance.scatter_pdf = F(0.0f);
   radiance.normal = U(0u);
   radiance.weight = dx.weight * dy.weight;
   if (task.samples.has_surfaces()) remember_weights<L>(task, radiance.task_sample, count, radiance.weight);
   wave.rays.scatter<L>(slots, count, ray);
-  wave.throughput.scatter<L>(slots, count, throughput);
+  wave.paths.scatter<L>(slots, count, path);
   wave.radiance.scatter<L>(slots, count, radiance);
 }
 
@@ -148,7 +148,7 @@ template <class L> void camera_rays(const StageContext& context, Wave& wave) noe
   if (starting <= 0) return;
   StageTimer timer(wave.stats, Stage::kCameraRays);
   timer.count(starting, L::width);
-  const std::uint32_t flags = kRayFromCamera | (context.transport.max_depth == 1 ? kRayLast : 0u);
+  const std::uint32_t flags = kRayFromCamera | (context.integrator.max_depth == 1 ? kRayLast : 0u);
   for_tiles<L>(starting, [&](int, int count) {
     Slot slots[L::width] = {};
     for (int lane = 0; lane < count; ++lane) slots[lane] = wave.free.pop();

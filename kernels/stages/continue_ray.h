@@ -26,7 +26,7 @@ SHEAF_INLINE RayBehind<L> ray_behind(const SceneView& scene, const SurfacePoint<
 
 /// Whether Wave::distance_since_vertex is kept.
 inline bool keeps_distance_since_vertex(const StageContext& context) {
-  return context.scene.has_transparency || context.transport.hide_emitters;
+  return context.scene.needs_transmittance || context.integrator.hide_emitters;
 }
 
 /// Words of Wave::distance_since_vertex.
@@ -55,7 +55,7 @@ SHEAF_INLINE void add_distance_since_vertex(Wave& wave, const Slot* slots, std::
 template <class L>
 SHEAF_INLINE void continue_rays(const SceneView& scene, Wave& wave, const Slot* slots, int count, Mask<L> passing,
                                 const SurfacePoint<L>& surface, Uint<L> boundary, Float<L> t, RayState<L> ray,
-                                ThroughputState<L> path) {
+                                PathState<L> path) {
   using F = Float<L>;
   using U = Uint<L>;
   const std::uint32_t pass = mask_bits(passing & L::first(count));
@@ -68,10 +68,10 @@ SHEAF_INLINE void continue_rays(const SceneView& scene, Wave& wave, const Slot* 
   add_distance_since_vertex<L>(wave, slots, pass, t);
   std::uint32_t going = pass;
   // Elsewhere nothing is drawn between one surface and the next.
-  if (scene.has_transparency) {
-    going &= mask_bits(path.event() < U(kLongestPath));
-    path.progress = select(passing, path.progress + U(kOneEvent), path.progress);
-    wave.throughput.scatter<L>(slots, count, path);
+  if (scene.needs_transmittance) {
+    going &= mask_bits(path.dimension() < U(kLongestPath));
+    path.depth_and_dimension = select(passing, path.depth_and_dimension + U(kOneDimension), path.depth_and_dimension);
+    wave.paths.scatter<L>(slots, count, path);
   }
   wave.stats.rays.scatter += static_cast<std::uint64_t>(std::popcount(going));
   wave.active.push(slots, going);

@@ -14,12 +14,11 @@ namespace sheaf {
 
 namespace {
 
-template <class L>
-SHEAF_INLINE void view_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
+template <class L> SHEAF_INLINE void view_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const HitState<L> hit = wave.hits.gather<L>(slots);
   RadianceState<L> out = wave.radiance.gather<L>(slots);
-  if (context.transport.kind == IntegratorKind::kDepth) {
+  if (context.integrator.kind == IntegratorKind::kDepth) {
     const Float<L> depth =
         keeps_distance_since_vertex(context) ? hit.t + gather_distance_since_vertex<L>(wave, slots) : hit.t;
     out.radiance = {depth, depth, depth, Float<L>(0.0f)};
@@ -41,14 +40,14 @@ SHEAF_INLINE void look_around_tile(const StageContext& context, Wave& wave, cons
   const SceneView& scene = context.scene;
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const HitState<L> hit = wave.hits.gather<L>(slots);
-  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const PathState<L> path = wave.paths.gather<L>(slots);
   const ShapeRecord<L> shape = gather_rows<L>(scene.shapes, hit.shape);
   const auto y =
       surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t, hit.instance);
-  const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kScatter);
+  const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kScatter);
   const Vec3<L> direction = Frame<L>::from_normal(y.ns).to_world(square_to_cone<L>(u.y, u.z, F(1.0f)));
   // Nothing is further away than the scene's bounding sphere is wide.
-  const F length(min(context.transport.visibility_length, 2.1f * scene.radius));
+  const F length(min(context.integrator.visibility_length, 2.1f * scene.radius));
   VertexItem<L> item{};
   item.p = y.p, item.ng = y.ng, item.offset = y.offset;
   push_shadow_ray<L>(scene, wave, slots, count, item, {y.p + direction * length, F(0.0f), U(kNone), U(kNone)},
@@ -60,10 +59,10 @@ SHEAF_INLINE void pass_hidden_tile(const SceneView& scene, Wave& wave, const Slo
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const HitState<L> hit = wave.hits.gather<L>(slots);
   const ShapeRecord<L> shape = gather_rows<L>(scene.shapes, hit.shape);
-  const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
-                                  hit.instance);
+  const auto y =
+      surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t, hit.instance);
   continue_rays<L>(scene, wave, slots, count, Mask<L>(true), y, shape.boundary, hit.t, ray,
-                   wave.throughput.gather<L>(slots));
+                   wave.paths.gather<L>(slots));
 }
 
 }  // namespace
@@ -74,7 +73,7 @@ template <class L> void debug_view(const StageContext& context, Wave& wave) noex
   StageTimer timer(wave.stats, Stage::kDebugView);
   timer.count(hits, L::width);
   wave.surface.pad();
-  const bool looks_around = context.transport.kind == IntegratorKind::kVisibility;
+  const bool looks_around = context.integrator.kind == IntegratorKind::kVisibility;
   for_tiles<L>(hits, [&](int i, int count) {
     if (looks_around)
       look_around_tile<L>(context, wave, wave.surface.data() + i, count);
@@ -90,7 +89,7 @@ template <class L> void debug_view(const StageContext& context, Wave& wave) noex
     wave.finished.push(wave.miss[i]);
   }
   // All rays come from the camera here: where lights are hidden at all, they stand on no other list.
-  if (context.transport.hide_emitters) {
+  if (context.integrator.hide_emitters) {
     wave.emitter.pad();
     for_tiles<L>(wave.emitter.size(),
                  [&](int i, int count) { pass_hidden_tile<L>(context.scene, wave, wave.emitter.data() + i, count); });

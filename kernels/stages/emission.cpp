@@ -4,7 +4,7 @@
 #include "kernels/lights/light_weight.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/continue_ray.h"
-#include "kernels/stages/light_receiver.h"
+#include "kernels/stages/light_sample_context.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/lane_mean.h"
@@ -28,16 +28,16 @@ SHEAF_INLINE Float<L> emission_weight(const IntegratorDescription& settings, Flo
 
 /// The vertex that a ray comes from, as light_candidates saw it, and what the ray has met since.
 template <class L> struct LightPath {
-  LightReceiver<L> receiver;
+  LightSampleContext<L> receiver;
   typename L::Float distance_since_vertex;  ///< from the vertex to the ray's origin
-  typename L::Float light_ratio;     ///< probability of light sampling to come this way over that of BSDF sampling
-  typename L::Float divisor;    ///< mean over the lanes of the path's probabilities
+  typename L::Float light_ratio;  ///< probability of light sampling to come this way over that of BSDF sampling
+  typename L::Float divisor;      ///< mean over the lanes of the path's probabilities
 };
 
-/// Scenes with media or surfaces that let shadow rays pass: see ProbabilityState.
+/// Scenes with media or surfaces that let shadow rays pass: see RescaledPdfs.
 template <class L>
 void follow_probabilities(const SceneView& scene, const Wave& wave, const Slot* slots, LightPath<L>& path) {
-  const ProbabilityState<L> r = wave.probabilities.gather<L>(slots);
+  const RescaledPdfs<L> r = wave.rescaled_pdfs.gather<L>(slots);
   path.divisor = lane_mean<L>(scene.color, r.r_u);
   path.light_ratio = lane_mean<L>(scene.color, r.r_l) / path.divisor;
   path.distance_since_vertex = gather_distance_since_vertex<L>(wave, slots);
@@ -48,8 +48,8 @@ SHEAF_INLINE LightPath<L> light_path(const SceneView& scene, const Wave& wave, c
                                      const RayState<L>& ray, const RadianceState<L>& radiance) {
   using F = Float<L>;
   LightPath<L> path{{}, F(0.0f), F(1.0f), F(1.0f)};
-  if (scene.has_transparency) follow_probabilities<L>(scene, wave, slots, path);
-  path.receiver = light_receiver<L>(ray, radiance.normal, path.distance_since_vertex);
+  if (scene.needs_transmittance) follow_probabilities<L>(scene, wave, slots, path);
+  path.receiver = light_sample_context<L>(ray, radiance.normal, path.distance_since_vertex);
   return path;
 }
 
@@ -70,12 +70,12 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
   const SceneView& scene = context.scene;
   const bool visible = has_surroundings(scene);
-  const auto shown = Mask<L>(visible) & !(from_camera & Mask<L>(context.transport.hide_emitters));
+  const auto shown = Mask<L>(visible) & !(from_camera & Mask<L>(context.integrator.hide_emitters));
   const std::uint32_t transparent = mask_bits(from_camera & !shown & L::first(count));
   for (std::uint32_t lanes = transparent; lanes != 0; lanes &= lanes - 1)
     mark_transparent(wave, slots[std::countr_zero(lanes)]);
   if (!visible) return;
-  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const PathState<L> path = wave.paths.gather<L>(slots);
   const LightPath<L> from = light_path<L>(scene, wave, slots, ray, radiance);
   const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, slots);
   const auto counts = shown & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf) & L::first(count);
@@ -83,8 +83,9 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
     if (!surrounds_scene(scene, light)) continue;
     const EnvmapValue<L> arriving = environment_value<L, Mode>(scene, light, ray.direction, lambda);
     const F probability = choice_probability<L>(scene, from.receiver, U(light));
-    const F weight = emission_weight<L>(context.transport, radiance.scatter_pdf,
-                                        probability * arriving.pdf_solid_angle * from.light_ratio) / from.divisor;
+    const F weight = emission_weight<L>(context.integrator, radiance.scatter_pdf,
+                                        probability * arriving.pdf_solid_angle * from.light_ratio) /
+                     from.divisor;
     add_radiance<L>(wave, slots, mask_bits(counts), path.beta * arriving.radiance * weight, U(light));
   }
 }
@@ -96,7 +97,7 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
   using U = Uint<L>;
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const HitState<L> hit = wave.hits.gather<L>(slots);
-  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const PathState<L> path = wave.paths.gather<L>(slots);
   const RadianceState<L> radiance = wave.radiance.gather<L>(slots);
   const ShapeRecord<L> shape = gather_rows<L>(context.scene.shapes, hit.shape);
   const auto y = surface_point<L, Textured>(context.scene, shape, hit.primitive, hit.u, hit.v,
@@ -109,7 +110,7 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
                                                               {y.uv, hit.shape, hit.primitive, hit.u, hit.v}, lambda);
 
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
-  const auto hidden = from_camera & Mask<L>(context.transport.hide_emitters);
+  const auto hidden = from_camera & Mask<L>(context.integrator.hide_emitters);
   const auto faces = (dot(ray.direction, y.ng) < F(0.0f)) | light.is_two_sided();
   const auto lit =
       faces & !light.is_along_normal() & (!hidden) & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf);
@@ -117,7 +118,7 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
   const F pdf = choice_probability<L>(context.scene, from.receiver, hit.light) *
                 light_pdf_solid_angle<L>(context.scene, light, Mask<L>(true), from.receiver.p, ray.direction,
                                          hit.t + from.distance_since_vertex, y.ng);
-  const F weight = emission_weight<L>(context.transport, radiance.scatter_pdf, pdf * from.light_ratio) / from.divisor;
+  const F weight = emission_weight<L>(context.integrator, radiance.scatter_pdf, pdf * from.light_ratio) / from.divisor;
   add_radiance<L>(wave, slots, mask_bits(lit & L::first(count)), path.beta * light.radiance * weight, hit.light);
   continue_rays<L>(context.scene, wave, slots, count, hidden, y, shape.boundary, hit.t, ray, path);
 }

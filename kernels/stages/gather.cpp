@@ -51,14 +51,14 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
     const auto bsdf =
         bsdf_of_words<Bsdf<L>>(context.scene.closure_tables, [words, column](int k, Float<L>& word)
                                                                  SHEAF_LAMBDA_INLINE { word = F(words[k][column]); });
-    const std::uint32_t depth = wave.throughput.get(slot).depth() + 1;
-    const auto most = static_cast<std::uint32_t>(context.transport.max_depth);  // -1: larger than any depth
+    const std::uint32_t depth = wave.paths.get(slot).depth() + 1;
+    const auto most = static_cast<std::uint32_t>(context.integrator.max_depth);  // -1: larger than any depth
     GatheringVertex out{
         item,    bsdf,    ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item), mapped,
         item.ns, F(0.0f), Uint<L>(most > depth ? most - depth : 0u),      has_single_wavelength(context, wave, slot),
         1.0f};
-    if (context.scene.color == ColorMode::kSpectral && context.scene.has_transparency) {
-      const Spectrum4& r_u = wave.probabilities.row(slot).r_u;
+    if (context.scene.color == ColorMode::kSpectral && context.scene.needs_transmittance) {
+      const Spectrum4& r_u = wave.rescaled_pdfs.row(slot).r_u;
       out.first_ratio = lane_mean<Scalar>(ColorMode::kSpectral, r_u) / r_u.c0;
     }
     if (mapped) {
@@ -84,7 +84,7 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
     Uint<L> surface;
     load_column(map.surface + i, surface);
     const Vec3<L> n = decode_octahedral<L>(surface);
-    near = near & (abs(dot(n, item.ng)) > Float<L>(kSameSide)) & !(edges_left < (surface & Uint<L>(kMostPhotonEdges)));
+    near = near & (abs(dot(n, item.ng)) > Float<L>(kSameSide)) & !(edges_left < (surface & Uint<L>(kMaxPhotonEdges)));
     return {near, squared};
   }
 
@@ -192,10 +192,10 @@ void gather_run(const StageContext& context, Wave& wave, const VertexRun& run) {
       if (map == nullptr || map->empty()) continue;
       const auto vertex = GatheringVertex<L, Bsdf>::load(context, wave, slot, run.column_begin + i, mapped);
       const Spectrum4 found = gather_at<L, Bsdf>(*map, wave.vertices.load<Scalar>(run.column_begin + i).p, vertex);
-      const float divisor = context.scene.has_transparency
-                                ? lane_mean<Scalar>(context.scene.color, wave.probabilities.row(slot).r_u)
+      const float divisor = context.scene.needs_transmittance
+                                ? lane_mean<Scalar>(context.scene.color, wave.rescaled_pdfs.row(slot).r_u)
                                 : 1.0f;
-      add_radiance(wave, slot, Quad(wave.throughput.row(slot).beta) * Quad(found) * (1.0f / divisor), kNone);
+      add_radiance(wave, slot, Float4(wave.paths.row(slot).beta) * Float4(found) * (1.0f / divisor), kNone);
     }
   }
 }

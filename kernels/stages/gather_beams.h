@@ -38,7 +38,7 @@ inline void find_beams(const PhotonBeamMap& map, const GatheringRay& ray, std::v
   map.lines().near_ray(ray.seen.origin, ray.seen.direction, ray.seen.length, found);
   const auto counts_not = [&](const NearLine& line) {
     const std::uint32_t place = map.beam(line.index).place;
-    return (place & kMostPhotonEdges) > ray.edges_left || place >> kPhotonMediumShift != ray.medium;
+    return (place & kMaxPhotonEdges) > ray.edges_left || place >> kPhotonMediumShift != ray.medium;
   };
   found.erase(std::remove_if(found.begin(), found.end(), counts_not), found.end());
   std::sort(found.begin(), found.end(),
@@ -52,30 +52,30 @@ class FlightShares {
       : flight_(make_medium_ray(context, flags, ray.lambda, ray.seen.origin, ray.seen.direction, 0.0f)),
         sigma_t_(medium_coefficients(flight_.medium, flight_.spectra).sigma_t) {}
 
-  Quad operator()(const PhotonBeamMap::Record& beam, float along) const {
+  Float4 operator()(const PhotonBeamMap::Record& beam, float along) const {
     // All lanes are at one wavelength.
-    if ((beam.place & kPhotonSingleWavelength) != 0) return Quad(1.0f);
-    const Quad passed = transmittance(sigma_t_, along);
-    return passed * (1.0f / lane_mean(flight_.scene, Quad(beam.odds) * flight_.odds(passed)));
+    if ((beam.place & kPhotonSingleWavelength) != 0) return Float4(1.0f);
+    const Float4 passed = transmittance(sigma_t_, along);
+    return passed * (1.0f / lane_mean(flight_.scene, Float4(beam.odds) * flight_.odds(passed)));
   }
 
  private:
   MediumRay flight_;
-  Quad sigma_t_;
+  Float4 sigma_t_;
 };
 
 /// The radiance that the beams bring. `flags`: RayState::flags of the ray.
 template <class L>
-Quad gather_beams(const StageContext& context, const PhotonBeamMap& map, std::uint32_t flags, const GatheringRay& ray,
-                  std::vector<NearLine>& found) {
+Float4 gather_beams(const StageContext& context, const PhotonBeamMap& map, std::uint32_t flags, const GatheringRay& ray,
+                    std::vector<NearLine>& found) {
   using F = Float<L>;
   find_beams(map, ray, found);
-  if (found.empty()) return Quad();
+  if (found.empty()) return Float4();
   const MediumCoefficients c = medium_coefficients(ray.seen.medium, ray.seen.spectra);
-  const Quad sigma_t = c.sigma_t;
+  const Float4 sigma_t = c.sigma_t;
   const bool alike = ray.seen.has(kMediumGrey);
   const FlightShares shares(context, flags, ray);
-  Quad sum;
+  Float4 sum;
   for (std::size_t first = 0; first < found.size(); first += L::width) {
     alignas(kSimdAlignment) float cosines[L::width] = {}, sines[L::width], squares[L::width] = {}, weights[L::width];
     std::fill_n(sines, L::width, 1.0f);
@@ -96,7 +96,7 @@ Quad gather_beams(const StageContext& context, const PhotonBeamMap& map, std::ui
       const PhotonBeamMap::Record& beam = map.beam(line.index);
       // Both lost three wavelengths, and made up for them fourfold; once is enough.
       const bool both = ray.single_wavelength && (beam.place & kPhotonSingleWavelength) != 0;
-      const Quad power = alike ? Quad(beam.power) : Quad(beam.power) * shares(beam, line.along);
+      const Float4 power = alike ? Float4(beam.power) : Float4(beam.power) * shares(beam, line.along);
       sum = sum + power * transmittance(sigma_t, line.t) * (both ? 0.25f * weights[i] : weights[i]);
     }
   }

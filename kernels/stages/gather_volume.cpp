@@ -34,7 +34,7 @@ void find_photons(const VolumePhotonMap& map, const MediumRay& ray, std::uint32_
   map.points().near_ray(ray.origin, ray.direction, ray.length, found);
   const auto counts = [&](const NearPoint& point) {
     const std::uint32_t place = map.photon(point.index).place;
-    return (place & kMostPhotonEdges) <= edges_left && place >> kPhotonMediumShift == medium;
+    return (place & kMaxPhotonEdges) <= edges_left && place >> kPhotonMediumShift == medium;
   };
   found.erase(std::remove_if(found.begin(), found.end(), [&](const NearPoint& point) { return !counts(point); }),
               found.end());
@@ -45,18 +45,18 @@ void find_photons(const VolumePhotonMap& map, const MediumRay& ray, std::uint32_
 
 /// Light that the medium itself sends along the ray, and how much of the light from behind it arrives.
 struct Passage {
-  Quad emitted, transmittance;
+  Float4 emitted, transmittance;
 };
 
 /// Finds the transmittance up to each photon.
 Passage pass_homogeneous_medium(const MediumRay& ray, std::vector<NearPhoton>& near) {
   const MediumCoefficients c = medium_coefficients(ray.medium, ray.spectra);
-  const Quad sigma_t = c.sigma_t;
+  const Float4 sigma_t = c.sigma_t;
   for (NearPhoton& photon : near) photon.transmittance = to_spectrum(transmittance(sigma_t, photon.point.t));
-  const Quad passed = transmittance(sigma_t, ray.length);
-  Quad emitted;
+  const Float4 passed = transmittance(sigma_t, ray.length);
+  Float4 emitted;
   if (ray.has(kMediumEmits)) {
-    const Quad absorbed = (Quad(1.0f) - passed) / max(sigma_t, Quad(1e-30f));
+    const Float4 absorbed = (Float4(1.0f) - passed) / max(sigma_t, Float4(1e-30f));
     // Where nothing is extinguished, nothing is emitted either.
     emitted = c.sigma_a * ray.spectra.emission * absorbed;
   }
@@ -67,10 +67,10 @@ Passage pass_homogeneous_medium(const MediumRay& ray, std::vector<NearPhoton>& n
 /// Tracking for Estimating Attenuation in Participating Media", 2014, section 3), which weighs each lane on its own.
 Passage pass_heterogeneous_medium(MediumRay ray, MediumRandom& random, TrackingCounts& counts,
                                   std::vector<NearPhoton>& near) {
-  const Quad most = majorant_spectrum(ray, 1.0f);
+  const Float4 most = majorant_spectrum(ray, 1.0f);
   for (int lane = 0; lane < 4; ++lane)
     if (most[lane] > most[ray.hero]) ray.hero = lane;
-  Quad passed(1.0f), emitted;
+  Float4 passed(1.0f), emitted;
   std::size_t next = 0;
   const auto reach = [&](float t) {
     for (; next < near.size() && near[next].point.t < t; ++next) near[next].transmittance = to_spectrum(passed);
@@ -79,25 +79,25 @@ Passage pass_heterogeneous_medium(MediumRay ray, MediumRandom& random, TrackingC
   for_each_collision(ray, random, counts, [&](const Collision& at) {
     reach(at.t);
     ++counts.shadow;
-    const Quad over = Quad(1.0f / at.sigma_maj[ray.hero]);
+    const Float4 over = Float4(1.0f / at.sigma_maj[ray.hero]);
     const Vec3f p = ray.at(at.t);
     const MediumCoefficients c = ray.coefficients(p);
     if (ray.has(kMediumEmits)) emitted = emitted + passed * c.sigma_a * ray.emission(p) * over;
-    passed = passed * max(Quad(1.0f) - c.sigma_t * over, Quad());
+    passed = passed * max(Float4(1.0f) - c.sigma_t * over, Float4());
     return max_component(passed) > 0.0f;
   });
-  if (counts.abandoned != abandoned) passed = Quad();
+  if (counts.abandoned != abandoned) passed = Float4();
   reach(kInfinity);
   return {emitted, passed};
 }
 
 /// Radiance that the photons bring.
 template <class L>
-Quad gather_points(const SceneView& scene, const VolumePhotonMap& map, const MediumRay& ray, bool single_wavelength,
-                   const std::vector<NearPhoton>& near) {
+Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const MediumRay& ray, bool single_wavelength,
+                     const std::vector<NearPhoton>& near) {
   using F = Float<L>;
   const Frame<L> frame = Frame<L>::from_normal(broadcast<L>(-ray.direction));
-  Quad sum;
+  Float4 sum;
   for (std::size_t first = 0; first < near.size(); first += L::width) {
     alignas(kSimdAlignment) std::uint32_t directions[L::width] = {};
     alignas(kSimdAlignment) float squared[L::width] = {}, weights[L::width];
@@ -117,7 +117,7 @@ Quad gather_points(const SceneView& scene, const VolumePhotonMap& map, const Med
       const VolumePhotonMap::Record& photon = map.photon(one.point.index);
       // Both lost three wavelengths, and made up for them fourfold; once is enough.
       const bool both = single_wavelength && (photon.place & kPhotonSingleWavelength) != 0;
-      sum = sum + Quad(photon.power) * Quad(one.transmittance) * (both ? 0.25f * weights[i] : weights[i]);
+      sum = sum + Float4(photon.power) * Float4(one.transmittance) * (both ? 0.25f * weights[i] : weights[i]);
     }
   }
   return sum * (kInvPi / (map.radius() * map.radius()));
@@ -125,7 +125,7 @@ Quad gather_points(const SceneView& scene, const VolumePhotonMap& map, const Med
 
 /// Whether the medium's own light along the path's ray is the path's to find.
 bool finds_emission(const StageContext& context, std::uint32_t flags, float scatter_pdf) {
-  if (scatter_pdf > 0.0f && context.transport.strategy == LightStrategy::kLightOnly) return false;
+  if (scatter_pdf > 0.0f && context.integrator.strategy == LightStrategy::kLightOnly) return false;
   return !is_caustic<Scalar>(context, flags, scatter_pdf);
 }
 
@@ -139,25 +139,25 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
   const SceneView& scene = context.scene;
   const RayState<Scalar> state = wave.rays.get(slot);
   const HitState<Scalar> hit = wave.hits.get(slot);
-  ThroughputState<Scalar>& path = wave.throughput.row(slot);
+  PathState<Scalar>& path = wave.paths.row(slot);
   const float end = hit.shape == kNone ? medium_end(scene, state.origin, state.direction) : kInfinity;
   const MediumRay ray = make_medium_ray(context, state.flags, lane_wavelengths(scene, wave, slot), state.origin,
                                         state.direction, min(hit.t, end));
-  const auto most = static_cast<std::uint32_t>(context.transport.max_depth);  // -1: larger than any depth
+  const auto most = static_cast<std::uint32_t>(context.integrator.max_depth);  // -1: larger than any depth
   const std::uint32_t depth = path.depth() + 1;
   const std::uint32_t edges_left = most > depth && context.maps->gathers_volume(state.flags) ? most - depth : 0u;
   const PhotonMaps& maps = *context.maps;
   const std::uint32_t medium = state.flags >> kRayMediumShift;
   const bool single = has_single_wavelength(context, wave, slot);
-  const bool beams = maps.beams != nullptr && keeps_beams(context.transport.photons, ray.medium);
+  const bool beams = maps.beams != nullptr && keeps_beams(context.integrator.photons, ray.medium);
   wave.beam.photons.clear();
   if (!beams) find_photons(*maps.volume, ray, medium, edges_left, wave.beam);
-  MediumRandom random(context.sampler.seed, path.pixel, path.sample, path.event(), MediumStream::kPath);
+  MediumRandom random(context.sampler.seed, path.pixel, path.sample, path.dimension(), MediumStream::kPath);
   const Passage passage = ray.has(kMediumHomogeneous)
                               ? pass_homogeneous_medium(ray, wave.beam.photons)
                               : pass_heterogeneous_medium(ray, random, counts, wave.beam.photons);
-  const Quad over = Quad(path.beta) * (1.0f / lane_mean<Scalar>(scene.color, wave.probabilities.row(slot).r_u));
-  const Quad scattered =
+  const Float4 over = Float4(path.beta) * (1.0f / lane_mean<Scalar>(scene.color, wave.rescaled_pdfs.row(slot).r_u));
+  const Float4 scattered =
       beams
           ? gather_beams<L>(context, *maps.beams, state.flags,
                             {ray, photon_wavelengths(context, wave, slot), single, medium, edges_left}, wave.beam.lines)

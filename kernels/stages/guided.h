@@ -29,7 +29,7 @@ template <class Bsdf> inline constexpr bool kIsGuided = !Bsdf::kIsSpecular && !k
 template <class L>
 SHEAF_INLINE GuideValue<L> guide_value(const StageContext& context, const Wave& wave, int column, Mask<L> lanes,
                                        Vec3<L> direction) {
-  return evaluate_guide<L>(context.guide, wave.guide_places.load<L>(column).row, mask_bits(lanes), direction);
+  return evaluate_guide<L>(context.guide, wave.guide_cells.load<L>(column).row, mask_bits(lanes), direction);
 }
 
 /// The density of a blend's guided parts, and of all of its parts.
@@ -50,9 +50,9 @@ SHEAF_INLINE Float<L> eta_scale_of(const Bsdf<L>& bsdf, Vec3<L> wo, Vec3<L> wi) 
     return F(1.0f);
 }
 
-/// GuidedSample::crowding of a direction that was sampled with density `pdf`; bounded, as BSDFs may hardly ever sample
-/// some directions.
-template <class L> SHEAF_INLINE Float<L> crowding(Float<L> pdf, Float<L> bsdf_pdf) {
+/// GuidedSample::guided_pdf_ratio of a direction that was sampled with density `pdf`; bounded, as BSDFs may hardly ever
+/// sample some directions.
+template <class L> SHEAF_INLINE Float<L> guided_pdf_ratio(Float<L> pdf, Float<L> bsdf_pdf) {
   using F = Float<L>;
   return min(pdf / max(bsdf_pdf, F(1e-10f)), F(1e4f));
 }
@@ -65,7 +65,7 @@ template <class L> struct GuidedSample {
   typename L::Float bsdf_pdf;  ///< density had the BSDF alone been sampled; 0: delta lobe
   /// Density over that of the BSDF alone. Roulette must not see it: throughput is low where many paths are sent, which
   /// is where they are needed.
-  typename L::Float crowding = typename L::Float(1.0f);
+  typename L::Float guided_pdf_ratio = typename L::Float(1.0f);
 };
 
 /// Samples a direction at the vertices in the columns from `column` on.
@@ -74,7 +74,7 @@ template <class L, template <class> class Bsdf>
                                                 const Bsdf<L>& bsdf, const VertexItem<L>& item, Random4<L> u) {
   using F = Float<L>;
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
-  const GuideSample<L> of_guide = sample_guide<L>(context.guide, wave.guide_places.load<L>(column).row, count, u);
+  const GuideSample<L> of_guide = sample_guide<L>(context.guide, wave.guide_cells.load<L>(column).row, count, u);
   u.x = of_guide.bsdf_u;
   GuidedSample<L> out;
   BsdfSample<L>& s = out.bsdf;
@@ -99,7 +99,7 @@ template <class L, template <class> class Bsdf>
   s.valid = s.valid & ((!smooth) | (pdf > F(0.0f)));
   s.weight = select<L>(smooth, f_cos * (F(1.0f) / select(pdf > F(0.0f), pdf, F(1.0f))),
                        s.weight * (F(1.0f) / out.guide.bsdf_share));
-  out.crowding = select(smooth, crowding<L>(pdf, out.bsdf_pdf), out.guide.bsdf_share);
+  out.guided_pdf_ratio = select(smooth, guided_pdf_ratio<L>(pdf, out.bsdf_pdf), out.guide.bsdf_share);
   s.pdf_solid_angle = select(smooth, pdf, F(0.0f));
   return out;
 }
@@ -107,14 +107,14 @@ template <class L, template <class> class Bsdf>
 /// Roulette by what is expected (Vorba and Krivanek, "Adjoint-Driven Russian Roulette and Splitting in Light Transport
 /// Simulation", 2016; roulette alone). A vertex of throughput b at a place that scatters on the light M is expected to
 /// bring b M; paths that are expected to bring less than half of what they were at their first vertex are played for.
-/// Returns the probabilities of going on, `otherwise` where there is nothing to compare. `sum`: the lanes of the
+/// Returns the probabilities of going on, `default_value` where there is nothing to compare. `sum`: the lanes of the
 /// throughput, added up.
 template <class L>
 Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
-                           Uint<L> depth, Float<L> sum, Float<L> otherwise) {
+                           Uint<L> depth, Float<L> sum, Float<L> default_value) {
   using F = Float<L>;
-  constexpr float kLeast = 0.5f;
-  const F mean = gather(context.guide.means, wave.guide_places.load<L>(column).row);
+  constexpr float kMin = 0.5f;
+  const F mean = gather(context.guide.means, wave.guide_cells.load<L>(column).row);
   alignas(kSimdAlignment) float references[L::width], expected[L::width];
   for (int lane = 0; lane < L::width; ++lane) references[lane] = wave.guide_references[slots[lane]];
   store(expected, sum * mean);
@@ -125,30 +125,30 @@ Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* 
   load(references, reference);
   const auto known = (mean >= F(0.0f)) & (reference > F(0.0f));
   const F ratio = sum * mean / select(known, reference * F(kPlayedBelow), F(1.0f));
-  const F most = select(depth < Uint<L>(static_cast<std::uint32_t>(context.transport.roulette_depth())), F(1.0f),
+  const F most = select(depth < Uint<L>(static_cast<std::uint32_t>(context.integrator.roulette_depth())), F(1.0f),
                         F(kLargestSurvival));
-  return select(known, clamp(ratio, F(kLeast), most), otherwise);
+  return select(known, clamp(ratio, F(kMin), most), default_value);
 }
 
 /// Writes down what the vertices of `lanes` have sampled. Comes before their throughput and probabilities change.
 template <class L>
 void note_directions(const StageContext& context, const Wave& wave, const Slot* slots, int column, std::uint32_t lanes,
-                     const VertexItem<L>& item, const ThroughputState<L>& path, Vec3<L> direction, Float<L> bsdf_pdf) {
+                     const VertexItem<L>& item, const PathState<L>& path, Vec3<L> direction, Float<L> bsdf_pdf) {
   using F = Float<L>;
   F divisor(1.0f);
-  if (context.scene.has_transparency)
-    divisor = lane_mean<L>(context.scene.color, wave.probabilities.gather<L>(slots).r_u);
+  if (context.scene.needs_transmittance)
+    divisor = lane_mean<L>(context.scene.color, wave.rescaled_pdfs.gather<L>(slots).r_u);
   alignas(kSimdAlignment) float px[L::width], py[L::width], pz[L::width], pdf[L::width], over[L::width];
-  alignas(kSimdAlignment) std::uint32_t bits[L::width], side[L::width], event[L::width];
+  alignas(kSimdAlignment) std::uint32_t bits[L::width], side[L::width], dimension[L::width];
   store(px, item.p.x), store(py, item.p.y), store(pz, item.p.z);
   store(pdf, bsdf_pdf);
   store(over, divisor / total(path.beta));
   store(bits, encode_octahedral<L>(direction));
-  store(side, wave.guide_places.load<L>(column).side);
-  store(event, path.event());
+  store(side, wave.guide_cells.load<L>(column).side);
+  store(dimension, path.dimension());
   for (; lanes != 0; lanes &= lanes - 1) {
     const int lane = std::countr_zero(lanes);
-    if (event[lane] >= GuideLog::kMostVertices) continue;
+    if (dimension[lane] >= TrainingSamples::kMaxVertices) continue;
     const RadianceState<Scalar>& row = wave.radiance.row(slots[lane]);
     context.training->add({{px[lane], py[lane], pz[lane]},
                            bits[lane],

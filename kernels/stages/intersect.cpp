@@ -83,7 +83,7 @@ SHEAF_INLINE void unpack(const StageContext& context, Wave& wave, const Slot* sl
   load(packet.id + at, flags);
   wave.finished.push(slots, ((1u << count) - 1u) & ~good);
   std::uint32_t in_vacuum = good;
-  if (context.scene.has_transparency && context.transports_light) {
+  if (context.scene.needs_transmittance && context.transports_light) {
     in_vacuum = good & mask_bits((flags >> kRayMediumShift) == U(0u));
     wave.medium.push(slots, good & ~in_vacuum);
   }
@@ -95,7 +95,7 @@ void report_dropped(Wave& wave, const Slot* slots, int count, std::uint32_t good
     if (good >> lane & 1u) continue;
     ++wave.stats.dropped.rays;
     if (wave.first_dropped.any) continue;
-    const ThroughputState<Scalar> state = wave.throughput.get(slots[lane]);
+    const PathState<Scalar> state = wave.paths.get(slots[lane]);
     wave.first_dropped = {true, state.pixel, state.sample};
   }
 }

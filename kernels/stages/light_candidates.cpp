@@ -4,7 +4,7 @@
 #include "kernels/lights/light_sample.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/blend_value.h"
-#include "kernels/stages/light_receiver.h"
+#include "kernels/stages/light_sample_context.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
@@ -29,8 +29,8 @@ template <class L> struct CandidateTile {
 template <class L>
 SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const CandidateTile<L> (&tiles)[kTogether],
                              bool is_first, bool in_medium, bool mapped_parts, LightChoice<L> (&choices)[kTogether]) {
-  LightReceiver<L> at[kTogether];
-  LightTreeTop<L> tops[kTogether];
+  LightSampleContext<L> at[kTogether];
+  LightTreeCut<L> tops[kTogether];
   Float<L> u[kTogether];
   for (int i = 0; i < kTogether; ++i) {
     u[i] = tiles[i].u.x;
@@ -39,7 +39,7 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
     const auto item = wave.vertices.load<L>(column);
     const Vec3<L> ns =
         mapped_parts ? receiver_normal<L>(context.scene, wave, tiles[i].slots, column, item.ns) : item.ns;
-    at[i] = in_medium ? LightReceiver<L>{item.p, {}} : surface_receiver<L>(item.p, ns);
+    at[i] = in_medium ? LightSampleContext<L>{item.p, {}} : surface_receiver<L>(item.p, ns);
     if (!wave.needs.light_tops) continue;
     if (!is_first) {
       tops[i] = wave.light_tops.load<L>(column);
@@ -51,7 +51,7 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
   choose_lights<L>(context.scene, at, u, wave.needs.light_tops ? tops : nullptr, choices);
 }
 
-/// `in_medium`: the vertices scatter to all sides and have no normal. `drawn`: see LightsAsked.
+/// `in_medium`: the vertices scatter to all sides and have no normal. `drawn`: see LightQuery.
 template <class L, ColorMode Mode>
 SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const CandidateTile<L>& tile,
                                  const LightChoice<L>& choice, bool in_medium, const EnvmapDraw<L>* drawn) {
@@ -67,7 +67,7 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
     const auto ends = context.maps->ends_at<L>(wave.rays.gather<L>(tile.slots).flags, in_medium);
     out.pdf_solid_angle = select(ends, F(0.0f), out.pdf_solid_angle);
     // With a volume map all of a ray finds what media emit.
-    if (context.maps->volume != nullptr && context.transport.strategy == LightStrategy::kMis)
+    if (context.maps->volume != nullptr && context.integrator.strategy == LightStrategy::kMis)
       out.pdf_solid_angle = select(light.target_medium == Uint<L>(kNone), out.pdf_solid_angle, F(0.0f));
   }
   out.delta = select(light.delta, F(1.0f), F(0.0f));
@@ -78,8 +78,8 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
 
 template <class L>
 SHEAF_INLINE Random4<L> numbers_of(const StageContext& context, Wave& wave, const Slot* slots, SampleSet set) {
-  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
-  return draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kLight, set,
+  const PathState<L> path = wave.paths.gather<L>(slots);
+  return draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kLight, set,
                  context.scene.light_count > 1 ? kAllNumbers : kAllNumbers & ~kNumberX);
 }
 
@@ -133,8 +133,7 @@ void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run
 template <class L> void light_candidates(const StageContext& context, Wave& wave, int candidate) noexcept {
   if (!samples_lights(context)) return;
   StageTimer timer(wave.stats, Stage::kLightCandidates);
-  const SampleSet set{static_cast<std::uint32_t>(candidate),
-                      static_cast<std::uint32_t>(context.transport.candidates)};
+  const SampleSet set{static_cast<std::uint32_t>(candidate), static_cast<std::uint32_t>(context.integrator.candidates)};
   const bool draws_map = context.scene.envmap.columns != nullptr && context.scene.bounded_light_count == 0;
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if (Bsdf<L>::kIsSpecular && !has_parts(context.scene, kind)) return;

@@ -11,7 +11,7 @@
 #include "kernels/media/medium_marching.h"
 #include "kernels/media/medium_ray.h"
 #include "kernels/photons/photon_maps.h"
-#include "kernels/stages/light_receiver.h"
+#include "kernels/stages/light_sample_context.h"
 #include "kernels/stages/route_hits.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/add_radiance.h"
@@ -26,7 +26,7 @@ struct MediumPath {
   Slot slot;
   RayState<Scalar> ray;
   HitState<Scalar> hit;
-  ThroughputState<Scalar> throughput;
+  PathState<Scalar> state;
   float scatter_pdf;
   float distance_since_vertex;  ///< see Wave::distance_since_vertex
 };
@@ -40,7 +40,7 @@ class MediumEmission {
  public:
   MediumEmission(const StageContext& context, const Wave& wave, const MediumPath& path, const MediumRay& ray)
       : scene_(context.scene), path_(path), ray_(ray) {
-    const LightStrategy strategy = context.transport.strategy;
+    const LightStrategy strategy = context.integrator.strategy;
     const bool free = path.scatter_pdf == 0.0f || ray.medium.light == kNone;
     contested_ = !free && strategy == LightStrategy::kMis;
     // Photons don't gather light, and a map may hold it.
@@ -49,20 +49,20 @@ class MediumEmission {
     if (hidden_) contested_ = false;
     if (!contested_) return;
     const auto from =
-        light_receiver<Scalar>(path.ray, wave.radiance.row(path.slot).normal, path.distance_since_vertex);
+        light_sample_context<Scalar>(path.ray, wave.radiance.row(path.slot).normal, path.distance_since_vertex);
     choice_ = choice_probability<Scalar>(context.scene, from, ray.medium.light) / path.scatter_pdf *
-              static_cast<float>(context.transport.candidates);
+              static_cast<float>(context.integrator.candidates);
   }
 
   /// Light sampling could have found what the path finds.
   bool contested() const { return contested_; }
-  Quad radiance() const { return radiance_; }
+  Float4 radiance() const { return radiance_; }
 
   /// Adds what is emitted at distance `t`, whose density is `pdf` in the hero lane: `passed` is the transmittance up to
   /// there since `path`, `collision` the lanes' densities of a collision there without it; both over the hero's.
-  void add(const PathWeights& path, float t, Vec3f p, Quad passed, Quad collision, float pdf) {
+  void add(const PathWeights& path, float t, Vec3f p, Float4 passed, Float4 collision, float pdf) {
     if (hidden_) return;
-    const Quad found = path.beta * passed * ray_.coefficients(p).sigma_a * ray_.emission(p) * (1.0f / pdf);
+    const Float4 found = path.beta * passed * ray_.coefficients(p).sigma_a * ray_.emission(p) * (1.0f / pdf);
     if (!(max_component(found) > 0.0f)) return;
     const float by_path = lane_mean(scene_, path.r_u * ray_.odds(passed * collision * (1.0f / pdf)));
     radiance_ = radiance_ + found * (weight(path, t, p, passed, by_path, pdf) / by_path);
@@ -70,11 +70,11 @@ class MediumEmission {
 
   /// Adds what a step of ray marching emits, which light sampling does not look for; `passed` is the transmittance up
   /// to the step.
-  void add_step(const PathWeights& path, Quad passed, const MediumCoefficients& c, Vec3f p, float length) {
+  void add_step(const PathWeights& path, Float4 passed, const MediumCoefficients& c, Vec3f p, float length) {
     if (hidden_) return;
-    const Quad sigma_t = c.sigma_t;
-    const Quad absorbed = (Quad(1.0f) - transmittance(sigma_t, length)) / max(sigma_t, Quad(1e-30f));
-    const Quad found = path.beta * passed * c.sigma_a * ray_.emission(p) * absorbed;
+    const Float4 sigma_t = c.sigma_t;
+    const Float4 absorbed = (Float4(1.0f) - transmittance(sigma_t, length)) / max(sigma_t, Float4(1e-30f));
+    const Float4 found = path.beta * passed * c.sigma_a * ray_.emission(p) * absorbed;
     radiance_ = radiance_ + found * (1.0f / lane_mean(scene_, path.r_u));
   }
 
@@ -82,17 +82,17 @@ class MediumEmission {
   void add_line(const PathWeights& path) {
     if (hidden_) return;
     const MediumCoefficients c = medium_coefficients(ray_.medium, ray_.spectra);
-    const Quad sigma_t = c.sigma_t;
-    const Quad absorbed = Quad(1.0f) - transmittance(sigma_t, ray_.length);
-    const Quad found = path.beta * c.sigma_a * ray_.spectra.emission * absorbed / max(sigma_t, Quad(1e-30f));
+    const Float4 sigma_t = c.sigma_t;
+    const Float4 absorbed = Float4(1.0f) - transmittance(sigma_t, ray_.length);
+    const Float4 found = path.beta * c.sigma_a * ray_.spectra.emission * absorbed / max(sigma_t, Float4(1e-30f));
     radiance_ = radiance_ + found * (1.0f / lane_mean(scene_, path.r_u));
   }
 
  private:
-  float weight(const PathWeights& path, float t, Vec3f p, Quad passed, float by_path, float pdf) const {
+  float weight(const PathWeights& path, float t, Vec3f p, Float4 passed, float by_path, float pdf) const {
     if (!contested_) return 1.0f;
     // Light sampling passes homogeneous media with probability one.
-    const Quad on_the_way = ray_.has(kMediumHomogeneous) ? Quad(1.0f / pdf) : ray_.odds(passed * (1.0f / pdf));
+    const Float4 on_the_way = ray_.has(kMediumHomogeneous) ? Float4(1.0f / pdf) : ray_.odds(passed * (1.0f / pdf));
     const float r = t + path_.distance_since_vertex;
     const float by_light =
         lane_mean(scene_, path.r_l * on_the_way) * choice_ * volume_light_pdf(scene_, ray_.medium.light, p) * r * r;
@@ -104,27 +104,27 @@ class MediumEmission {
   const MediumRay& ray_;
   bool contested_ = false, hidden_ = false;
   float choice_ = 0;  ///< of this light by light sampling, over the density of the path's direction
-  Quad radiance_;
+  Float4 radiance_;
 };
 
 /// Emission along a homogeneous ray: all of it where nothing else could have found it, else at one sampled point.
 void emit_homogeneous(const MediumRay& ray, MediumRandom& random, const PathWeights& weights,
                       MediumEmission& emission) {
   if (!emission.contested()) return emission.add_line(weights);
-  const Quad sigma_t = medium_coefficients(ray.medium, ray.spectra).sigma_t;
+  const Float4 sigma_t = medium_coefficients(ray.medium, ray.spectra).sigma_t;
   const float sigma = sigma_t[ray.hero];
   if (!(sigma > 0.0f)) return;
   const float t = exponential_distance(sigma, random.next());
   if (!(t < ray.length)) return;
-  const Quad passed = transmittance(sigma_t, t);
+  const Float4 passed = transmittance(sigma_t, t);
   emission.add(weights, t, ray.at(t), passed, sigma_t, sigma * passed[ray.hero]);
 }
 
 /// The distance at which the path scatters, or the ray's length.
-float track(const StageContext& context, const MediumRay& ray, float u, MediumRandom& random,
-            TrackingCounts& counts, PathWeights& weights, MediumEmission& emission) {
+float track(const StageContext& context, const MediumRay& ray, float u, MediumRandom& random, TrackingCounts& counts,
+            PathWeights& weights, MediumEmission& emission) {
   const bool emits = ray.has(kMediumEmits);
-  const MediumEstimator estimator = context.transport.medium_estimator;
+  const MediumEstimator estimator = context.integrator.medium_estimator;
   if (ray.has(kMediumHomogeneous)) {
     if (emits) emit_homogeneous(ray, random, weights, emission);
     const float t = track_homogeneous(ray, u, weights);
@@ -142,14 +142,14 @@ MediumPath load_path(const Wave& wave, Slot slot) {
   return {slot,
           wave.rays.get(slot),
           wave.hits.get(slot),
-          wave.throughput.get(slot),
+          wave.paths.get(slot),
           wave.radiance.row(slot).scatter_pdf,
           wave.distance_since_vertex[slot]};
 }
 
 void store_weights(Wave& wave, Slot slot, const PathWeights& weights) {
-  wave.throughput.row(slot).beta = to_spectrum(weights.beta);
-  wave.probabilities.row(slot) = {to_spectrum(weights.r_u), to_spectrum(weights.r_l)};
+  wave.paths.row(slot).beta = to_spectrum(weights.beta);
+  wave.rescaled_pdfs.row(slot) = {to_spectrum(weights.r_u), to_spectrum(weights.r_l)};
 }
 
 /// The path becomes a vertex in the medium, at distance `t`.
@@ -171,11 +171,11 @@ void store_beam(const StageContext& context, Wave& wave, const MediumPath& path,
   PhotonBeam beam;
   beam.start = ray.origin, beam.direction = ray.direction;
   beam.length = min(length, kLongestBeam);
-  beam.power = path.throughput.beta * (row.weight * over);
+  beam.power = path.state.beta * (row.weight * over);
   beam.odds = r_u * over;
-  beam.place = photon_place(path.ray.flags >> kRayMediumShift, path.throughput.depth() + 1,
+  beam.place = photon_place(path.ray.flags >> kRayMediumShift, path.state.depth() + 1,
                             has_single_wavelength(context, wave, path.slot));
-  beam.order = row.task_sample << kVertexBits | path.throughput.event();
+  beam.order = row.task_sample << kVertexBits | path.state.dimension();
   const Vec3f far = abs(beam.start);
   if (!(max(max(far.x, far.y), far.z) < kLongestBeam) || !(beam.length > 0.0f)) return;
   if (is_finite(max_component(beam.power)) && is_finite(max_component(beam.odds))) {
@@ -183,13 +183,13 @@ void store_beam(const StageContext& context, Wave& wave, const MediumPath& path,
     return;
   }
   ++wave.stats.dropped.samples;
-  if (!wave.first_dropped.any) wave.first_dropped = {true, path.throughput.pixel, path.throughput.sample};
+  if (!wave.first_dropped.any) wave.first_dropped = {true, path.state.pixel, path.state.sample};
 }
 
 /// Whether the path is a photon that leaves beams in the ray's medium, where something may still come of them.
 bool leaves_beam(const StageContext& context, const MediumRay& ray, std::uint32_t flags) {
   return context.photons != nullptr && context.photons->stores_in_media() && (flags & kRayLast) == 0 &&
-         ray.has(kMediumScatters) && keeps_beams(context.transport.photons, ray.medium);
+         ray.has(kMediumScatters) && keeps_beams(context.integrator.photons, ray.medium);
 }
 
 MediumRay ray_of(const StageContext& context, const Wave& wave, const MediumPath& path) {
@@ -200,15 +200,15 @@ MediumRay ray_of(const StageContext& context, const Wave& wave, const MediumPath
 }
 
 PathWeights load_weights(const Wave& wave, const MediumPath& path) {
-  const ProbabilityState<Scalar>& r = wave.probabilities.row(path.slot);
-  return {Quad(path.throughput.beta), Quad(r.r_u), Quad(r.r_l)};
+  const RescaledPdfs<Scalar>& r = wave.rescaled_pdfs.row(path.slot);
+  return {Float4(path.state.beta), Float4(r.r_u), Float4(r.r_l)};
 }
 
 /// Sends the path on, which has come as far as `t`.
 void finish_path(const StageContext& context, Wave& wave, MediumPath& path, const MediumRay& ray, float t,
                  PathWeights& weights) {
   if (leaves_beam(context, ray, path.ray.flags))
-    store_beam(context, wave, path, ray, wave.probabilities.row(path.slot).r_u, t);
+    store_beam(context, wave, path, ray, wave.rescaled_pdfs.row(path.slot).r_u, t);
   if (!(max_component(weights.beta) > 0.0f)) {
     wave.finished.push(path.slot);
     return;
@@ -224,7 +224,7 @@ void finish_path(const StageContext& context, Wave& wave, MediumPath& path, cons
 /// A path on its own.
 void medium_path(const StageContext& context, Wave& wave, MediumPath& path, const MediumRay& ray, float u,
                  TrackingCounts& counts) {
-  MediumRandom random(context.sampler.seed, path.throughput.pixel, path.throughput.sample, path.throughput.event(),
+  MediumRandom random(context.sampler.seed, path.state.pixel, path.state.sample, path.state.dimension(),
                       MediumStream::kPath);
   PathWeights weights = load_weights(wave, path);
   MediumEmission emission(context, wave, path, ray);
@@ -241,24 +241,24 @@ class DensityPaths {
 
   template <class L> void add(const MediumPath& path, const MediumRay& ray) {
     slots_[static_cast<std::size_t>(queue_.size())] = path.slot;
-    queue_.add(ray, path.throughput.pixel, path.throughput.sample, path.throughput.event());
+    queue_.add(ray, path.state.pixel, path.state.sample, path.state.dimension());
     if (queue_.is_full()) finish<L>();
   }
 
   /// Sends all on.
   template <class L> void finish() {
     queue_.track<L, DensityTracking::kScattering>();
-    const bool delta = context_.transport.medium_estimator == MediumEstimator::kDelta;
+    const bool delta = context_.integrator.medium_estimator == MediumEstimator::kDelta;
     for (int i = 0; i < queue_.size(); ++i) {
       const MediumRay& ray = queue_.ray(i);
-      const DensityEnd<Scalar>& end = queue_.end(i);
+      const TrackResult<Scalar>& end = queue_.end(i);
       MediumPath path = load_path(wave_, slots_[static_cast<std::size_t>(i)]);
       PathWeights weights = load_weights(wave_, path);
       weigh_scattering(ray, end, delta, weights);
       counts_.null += end.nulls;
       const auto outcome = static_cast<DensityOutcome>(end.outcome);
       if (outcome == DensityOutcome::kScattered) ++counts_.real;
-      if (outcome == DensityOutcome::kAbandoned) ++counts_.abandoned, weights.beta = Quad();
+      if (outcome == DensityOutcome::kAbandoned) ++counts_.abandoned, weights.beta = Float4();
       finish_path(context_, wave_, path, ray, outcome == DensityOutcome::kScattered ? end.t : ray.length, weights);
     }
     queue_.clear();
@@ -289,14 +289,14 @@ template <class L> void medium(const StageContext& context, Wave& wave) noexcept
     for (int lane = 0; lane < count; ++lane) {
       MediumPath path = load_path(wave, slots[lane]);
       const MediumRay ray = ray_of(context, wave, path);
-      if (is_tracked_by_density(ray, context.transport.medium_estimator) && !ray.has(kMediumEmits)) {
+      if (is_tracked_by_density(ray, context.integrator.medium_estimator) && !ray.has(kMediumEmits)) {
         by_density.add<L>(path, ray);
       } else {
         if (!is_drawn) {
-          const ThroughputState<L> state = wave.throughput.gather<L>(slots);
-          store(
-              u,
-              draw<L>(context.sampler, state.pixel, state.sample, state.event(), SampleBlock::kSelect, {}, kNumberY).y);
+          const PathState<L> state = wave.paths.gather<L>(slots);
+          store(u, draw<L>(context.sampler, state.pixel, state.sample, state.dimension(), SampleBlock::kSelect, {},
+                           kNumberY)
+                       .y);
           is_drawn = true;
         }
         medium_path(context, wave, path, ray, u[lane], counts);

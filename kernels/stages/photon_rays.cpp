@@ -54,11 +54,11 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
   using U = Uint<L>;
   const SceneView& scene = context.scene;
   const PhotonNumbers<L> numbers = take_numbers<L>(*context.photons, count);
-  ThroughputState<L> path;
+  PathState<L> path;
   path.pixel = U(kPhotonPixel) + numbers.high;
   path.sample = numbers.low;
   path.eta_scale = F(1.0f);
-  path.progress = U(kOneEvent);  // the light itself is the first
+  path.depth_and_dimension = U(kOneDimension);  // the light itself is the first
   const auto number = [&](SampleBlock block) {
     return draw<L>(context.sampler, path.pixel, path.sample, U(0u), block);
   };
@@ -86,8 +86,8 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
   ray.flags = U(0u);
   if (keeps_distance_since_vertex(context))
     for (int lane = 0; lane < count; ++lane) wave.distance_since_vertex[slots[lane]] = 0.0f;
-  if (scene.has_transparency) {
-    wave.probabilities.scatter<L>(slots, count, {Spectrum<L>(F(1.0f)), Spectrum<L>(F(1.0f))});
+  if (scene.needs_transmittance) {
+    wave.rescaled_pdfs.scatter<L>(slots, count, {Spectrum<L>(F(1.0f)), Spectrum<L>(F(1.0f))});
     if (scene.color == ColorMode::kRgb) ray.flags = min(to_uint(one * F(3.0f)), U(2u)) << kRayHeroShift;
     // Camera paths of the same four wavelengths sample their flights by the first. Photons that they meet must not do
     // so too: the density of both would not be the product of what each has as the mean over the lanes.
@@ -99,7 +99,7 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
     good = good & ((photon.medium == U(kNone)) | (photon.medium == medium));
   }
   wave.rays.scatter<L>(slots, count, ray);
-  wave.throughput.scatter<L>(slots, count, path);
+  wave.paths.scatter<L>(slots, count, path);
   wave.radiance.scatter<L>(slots, count, {Spectrum<L>(F(0.0f)), F(0.0f), U(0u), scale, numbers.in_task});
   return mask_bits(good);
 }

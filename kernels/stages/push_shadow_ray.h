@@ -33,7 +33,7 @@ void push_transmittance(const SceneView& scene, Wave& wave, const Slot* slots, c
   using U = Uint<L>;
   const RayState<L> ray = wave.rays.gather<L>(slots);
   TransmittanceItem<L> out;
-  const Spectrum<L> r_u = wave.probabilities.gather<L>(slots).r_u;
+  const Spectrum<L> r_u = wave.rescaled_pdfs.gather<L>(slots).r_u;
   out.r_u = out.r_l = select<L>(single, {r_u.c0 * F(4.0f), F(0.0f), F(0.0f), F(0.0f)}, r_u);
   out.pdf_ratio = end.pdf_ratio;
   out.target_medium = end.medium;
@@ -62,7 +62,7 @@ SHEAF_INLINE void push_shadow_ray(const SceneView& scene, Wave& wave, const Slot
   out.light = end.light;
   const auto kept =
       is_finite(out.direction) & is_finite(total(contribution)) & !is_black(contribution) & L::first(count);
-  if (scene.has_transparency) push_transmittance<L>(scene, wave, slots, item, out, end, in_medium, single, kept);
+  if (scene.needs_transmittance) push_transmittance<L>(scene, wave, slots, item, out, end, in_medium, single, kept);
   wave.shadow_count += wave.shadows.compress<L>(wave.shadow_count, out, kept);
 }
 

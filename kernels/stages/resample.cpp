@@ -36,7 +36,7 @@ struct CandidateIndex {
 /// A candidate as a vertex sees it.
 template <class L> struct WeighedCandidate {
   Spectrum<L> contribution;      ///< what it brings if unoccluded, over its density; 0 where it is of no use
-  typename L::Float mis_weight;  ///< w_l, which `contribution` holds already unless SceneView::has_transparency
+  typename L::Float mis_weight;  ///< w_l, which `contribution` holds already unless SceneView::needs_transmittance
   typename L::Float pdf_ratio;   ///< see TransmittanceItem
   typename L::Mask single;       ///< of four wavelengths, the first alone goes to the light, and counts for all
 };
@@ -80,7 +80,7 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
       const F pdf = context.guides ? whole_pdf<L>(guide, blend) : blend.pdf_solid_angle;
       value.pdf_solid_angle = select(lanes, pdf, value.pdf_solid_angle);
       single = single & !lanes;
-      if (context.scene.color == ColorMode::kSpectral && context.scene.has_transparency) {
+      if (context.scene.color == ColorMode::kSpectral && context.scene.needs_transmittance) {
         Spectrum<L> first = value.f_cos;
         single = single | (lanes & keep_first_of_blend<L>(blend, first));
         value.f_cos = select<L>(lanes, first, value.f_cos);
@@ -88,9 +88,9 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
     }
   }
   const F pdf = select(usable, light.pdf_solid_angle, F(1.0f));
-  const auto no_contest = (light.delta > F(0.0f)) | Mask<L>(context.transport.strategy == LightStrategy::kLightOnly);
+  const auto no_contest = (light.delta > F(0.0f)) | Mask<L>(context.integrator.strategy == LightStrategy::kLightOnly);
   const F mis_weight = select(no_contest, F(1.0f), light_weight(pdf, value.pdf_solid_angle, candidates));
-  const bool shared = !context.scene.has_transparency;
+  const bool shared = !context.scene.needs_transmittance;
   const Spectrum<L> out = beta * value.f_cos * light.radiance * ((shared ? mis_weight : F(1.0f)) / pdf);
   const F pdf_ratio = select(no_contest, F(0.0f), value.pdf_solid_angle / (pdf * F(static_cast<float>(candidates))));
   // Points in a medium compete with the path's own collisions, whose density is not known yet.
@@ -101,16 +101,16 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
 
 /// Adds a candidate to the reservoir in `column`; returns what is kept.
 template <class L>
-SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, int column,
-                                       const ThroughputState<L>& path, const LightCandidate<L>& light,
-                                       const WeighedCandidate<L>& candidate, bool is_first) {
+SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, int column, const PathState<L>& path,
+                                       const LightCandidate<L>& light, const WeighedCandidate<L>& candidate,
+                                       bool is_first) {
   using F = Float<L>;
   using U = Uint<L>;
   const F weight = total(candidate.contribution) * candidate.mis_weight;
   const U single = select(candidate.single, U(1u), U(0u));
   ReservoirItem<L> r;
   if (is_first) {
-    r.u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kResample, {}, kNumberX).x;
+    r.u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kResample, {}, kNumberX).x;
     r.target = light.target;
     r.contribution = candidate.contribution;
     r.weight = r.sum = weight;
@@ -143,7 +143,7 @@ SHEAF_INLINE void resample_tile(const StageContext& context, Wave& wave, const S
   using F = Float<L>;
   const auto item = wave.vertices.load<L>(column);
   const auto light = wave.candidates.load<L>(column);
-  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const PathState<L> path = wave.paths.gather<L>(slots);
   constexpr bool kInMedium = kIsPhaseFunction<Bsdf<L>>;
   const WeighedCandidate<L> weighed =
       weigh<L, Bsdf>(context, wave, slots, column, count, item, light, path.beta, mapped, parts, candidate.count);
@@ -177,7 +177,7 @@ template <class L> void resample(const StageContext& context, Wave& wave, int ca
     if (Bsdf<L>::kIsSpecular && !has_parts(context.scene, kind)) return;
     const VertexRun& run = wave.runs[static_cast<int>(kind)];
     timer.count(run.count, L::width);
-    resample_run<L, Bsdf>(context, wave, run, {candidate, context.transport.candidates});
+    resample_run<L, Bsdf>(context, wave, run, {candidate, context.integrator.candidates});
   });
 }
 

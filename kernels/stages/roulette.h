@@ -19,17 +19,16 @@ inline constexpr float kLargestSurvival = 0.99f;
 /// The probability with which paths survive: from depth rr_depth on by their throughput over `divisor`, what eta_scale
 /// holds taken out.
 template <class L>
-SHEAF_INLINE Float<L> survival_by_throughput(const StageContext& context, const ThroughputState<L>& path,
-                                             Float<L> divisor) {
+SHEAF_INLINE Float<L> survival_by_throughput(const StageContext& context, const PathState<L>& path, Float<L> divisor) {
   using F = Float<L>;
-  const auto exempt = path.depth() < Uint<L>(static_cast<std::uint32_t>(context.transport.roulette_depth()));
+  const auto exempt = path.depth() < Uint<L>(static_cast<std::uint32_t>(context.integrator.roulette_depth()));
   const F least(context.photons == nullptr ? kPlayedBelow : 1.0f);
   const F survival = min(max_component(path.beta) * path.eta_scale / (divisor * least), F(kLargestSurvival));
   return select(exempt, F(1.0f), survival);
 }
 
 /// Returns who survives with these probabilities; they are weighted by the inverse.
-template <class L> SHEAF_INLINE Mask<L> roulette(ThroughputState<L>& path, Float<L> survival, Float<L> u) {
+template <class L> SHEAF_INLINE Mask<L> roulette(PathState<L>& path, Float<L> survival, Float<L> u) {
   using F = Float<L>;
   const auto survives = u < survival;
   path.beta = path.beta * select(survives, F(1.0f) / survival, F(1.0f));

@@ -7,17 +7,17 @@ namespace sheaf {
 
 /// Rays of one tile at what they hit.
 template <class L> struct RoutedHits {
-  typename L::Mask found;      ///< false: the ray leaves the scene
+  typename L::Mask found;                   ///< false: the ray leaves the scene
   typename L::Uint light, material, flags;  ///< HitState::light and material, RayState::flags
 };
 
 /// Whether materials are thin panes.
-template <class L> SHEAF_INLINE Mask<L> is_pane(const SceneView& scene, typename L::Uint material) {
+template <class L> SHEAF_INLINE Mask<L> is_thin_dielectric(const SceneView& scene, typename L::Uint material) {
   using U = typename L::Uint;
   const U kind = gather_member<L>(scene.materials, &MaterialRow::kind, material);
   Mask<L> pane(false);
   for_each_closure([&](auto closure) SHEAF_LAMBDA_INLINE {
-    if (closure.is_pane) pane = pane | (kind == U(static_cast<std::uint32_t>(closure.kKind)));
+    if (closure.is_thin_dielectric) pane = pane | (kind == U(static_cast<std::uint32_t>(closure.kKind)));
   });
   return pane;
 }
@@ -30,7 +30,7 @@ SHEAF_INLINE void route_vertices(const StageContext& context, Wave& wave, const 
   using U = typename L::Uint;
   std::uint32_t last = mask_bits((flags & U(kRayLast)) != U(0u));
   // Panes that cost no depth are left to the scatter stage.
-  if (context.transport.free_panes) last &= ~mask_bits(is_pane<L>(context.scene, material));
+  if (context.integrator.thin_dielectrics_are_free) last &= ~mask_bits(is_thin_dielectric<L>(context.scene, material));
   std::uint32_t composite = 0;
   if (context.scene.has_composites) {
     const U material_flags = gather_member<L>(context.scene.materials, &MaterialRow::flags, material);
@@ -51,7 +51,7 @@ SHEAF_INLINE void route_hits(const StageContext& context, Wave& wave, const Slot
   const std::uint32_t lights = mask_bits(hit.light != U(kNone)) & good;
   const std::uint32_t from_camera = mask_bits((hit.flags & U(kRayFromCamera)) != U(0u));
   // Hidden lights are left to the emission stage, which sends the ray on behind them.
-  const std::uint32_t hidden = context.transport.hide_emitters ? lights & from_camera : 0u;
+  const std::uint32_t hidden = context.integrator.hide_emitters ? lights & from_camera : 0u;
   wave.miss.push(slots, good & ~hits);
   wave.emitter.push(slots, lights);
   route_vertices<L>(context, wave, slots, hits & ~hidden, select(hit.found, hit.material, U(0u)), hit.flags);

@@ -45,7 +45,7 @@ template <class L> SHEAF_INLINE void keep_first_wavelength(Wave& wave, const Slo
   }
 }
 
-/// Scenes with media or surfaces that let shadow rays pass: the medium of the new ray, and ProbabilityState. Returns
+/// Scenes with media or surfaces that let shadow rays pass: the medium of the new ray, and RescaledPdfs. Returns
 /// the mean of the latter, by which throughput is to be divided. `single`: where the first wavelength alone goes on. By
 /// that one flights were sampled so far, but those of photons that are stored by any of the four.
 /// `null_transmittance`: with which probability an open pane was passed, as shadow rays might have; 0: it was none.
@@ -70,11 +70,11 @@ Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots
     distance = hit.t;
   }
   ray.flags |= flags;
-  ProbabilityState<L> r = wave.probabilities.gather<L>(slots);
+  RescaledPdfs<L> r = wave.rescaled_pdfs.gather<L>(slots);
   const bool by_any = context.photons != nullptr && context.photons->stores_photons();
   r.r_u = select<L>(single, Spectrum<L>(by_any ? lane_mean<L>(scene.color, r.r_u) : r.r_u.c0), r.r_u);
   r.r_l = select<L>(passed, r.r_l * (F(1.0f) / select(passed, null_transmittance, F(1.0f))), r.r_u);
-  wave.probabilities.scatter<L>(slots, count, r);
+  wave.rescaled_pdfs.scatter<L>(slots, count, r);
   const std::uint32_t on = mask_bits(passed & L::first(count));
   add_distance_since_vertex<L>(wave, slots, on, distance);
   for (int lane = 0; lane < count; ++lane)
@@ -101,7 +101,8 @@ SHEAF_INLINE Mask<L> weigh_as_blend(const StageContext& context, const Wave& wav
   sample.bsdf_pdf = select(lanes, blend.pdf_solid_angle, sample.bsdf_pdf);
   if (Disperses) return Mask<L>(false);
   lanes = lanes & (mixed_pdf > F(0.0f));
-  if (guides) sample.crowding = select(lanes, crowding<L>(mixed_pdf, blend.mixed_pdf), sample.crowding);
+  if (guides)
+    sample.guided_pdf_ratio = select(lanes, guided_pdf_ratio<L>(mixed_pdf, blend.mixed_pdf), sample.guided_pdf_ratio);
   s.weight = select<L>(lanes, blend.mixed_f_cos * (F(1.0f) / select(lanes, mixed_pdf, F(1.0f))), s.weight);
   return lanes;
 }
@@ -113,8 +114,8 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   using U = Uint<L>;
   const auto item = wave.vertices.load<L>(column);
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
-  ThroughputState<L> path = wave.throughput.gather<L>(slots);
-  const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kScatter, {},
+  PathState<L> path = wave.paths.gather<L>(slots);
+  const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kScatter, {},
                          context.guides ? kAllNumbers : numbers_of<Bsdf<L>>() | kNumberW);
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
   GuidedSample<L> sample{};
@@ -154,23 +155,23 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
       const F terminator = shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);
       path.beta = path.beta * select(blended, F(1.0f), terminator);
     }
-    path.eta_scale = path.eta_scale * s.eta_scale * sample.crowding;
+    path.eta_scale = path.eta_scale * s.eta_scale * sample.guided_pdf_ratio;
   } else if constexpr (!kIsPhaseFunction<Bsdf<L>>) {
     const Vec3<L> arriving = frame.to_world(item.wo);
     path.beta = path.beta * (adjoint_cosines<L>(item, arriving, direction, s.wi.z) * s.eta_scale);
     if (mapped) {
       const TexturedItem<L> t = wave.textured.load<L>(column);
       path.beta = path.beta * adjoint_terminator<L>(t, arriving, item.wo.z);
-      path.beta = select<L>(is_right_normal<L>(t, item.ns, direction), path.beta, Spectrum<L>(F(0.0f)));
+      path.beta = select<L>(matches_normal_choice<L>(t, item.ns, direction), path.beta, Spectrum<L>(F(0.0f)));
     }
   }
   auto ended = Mask<L>(false);
   F null_transmittance(0.0f);
-  path.progress = path.progress + U(kOneDepth + kOneEvent);
-  if constexpr (closure_info(Bsdf<L>::kKind).is_pane) {
-    if (context.transport.free_panes) {
+  path.depth_and_dimension = path.depth_and_dimension + U(kOneDepth + kOneDimension);
+  if constexpr (closure_info(Bsdf<L>::kKind).is_thin_dielectric) {
+    if (context.integrator.thin_dielectrics_are_free) {
       const auto passes = item.wo.z * s.wi.z < F(0.0f);
-      path.progress = select(passes, path.progress - U(kOneDepth), path.progress);
+      path.depth_and_dimension = select(passes, path.depth_and_dimension - U(kOneDepth), path.depth_and_dimension);
       if (context.scene.has_open_panes)
         null_transmittance = select(passes, bsdf.passage(item.wo.z).probability, F(0.0f));
       ended = (!passes) & ((wave.rays.gather<L>(slots).flags & U(kRayLast)) != U(0u));
@@ -182,7 +183,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   ray.direction = direction;
   ray.origin = offset_origin<L>(item.p, item.ng, item.offset, ray.direction);
   ray.t_max = F(kInfinity);
-  const auto max_depth = static_cast<std::uint32_t>(context.transport.max_depth);  // -1: larger than any depth
+  const auto max_depth = static_cast<std::uint32_t>(context.integrator.max_depth);  // -1: larger than any depth
   ray.flags = select(path.depth() + U(1u) < U(max_depth), U(0u), U(kRayLast));
   if (context.maps != nullptr || context.photons != nullptr) {
     const U before = wave.rays.gather<L>(slots).flags;
@@ -196,10 +197,10 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
     if (context.photons != nullptr && context.photons->ends_at_scattering())
       alive = alive & (s.pdf_solid_angle == F(0.0f));
   }
-  if (context.transport.ends_at_diffuse)
+  if (context.integrator.ends_at_diffuse)
     alive = alive & ((s.pdf_solid_angle == F(0.0f)) | (null_transmittance > F(0.0f)));
   F divisor(1.0f);
-  if (context.scene.has_transparency)
+  if (context.scene.needs_transmittance)
     divisor = leave_vertex<L>(context, wave, slots, count, item.ng, kIsPhaseFunction<Bsdf<L>>, single,
                               null_transmittance, ray);
   F survival = survival_by_throughput<L>(context, path, divisor);
@@ -207,7 +208,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
     survival = expected_survival<L>(context, wave, slots, column, count, path.depth(), arrived / divisor, survival);
   alive = alive & roulette<L>(path, survival, u.w);
   wave.rays.scatter<L>(slots, count, ray);
-  wave.throughput.scatter<L>(slots, count, path);
+  wave.paths.scatter<L>(slots, count, path);
   const std::uint32_t scattered = mask_bits(L::first(count) & (null_transmittance == F(0.0f)));
   const bool mapped_parts = parts && mapped;
   const Vec3<L> ns = mapped_parts ? receiver_normal<L>(context.scene, wave, slots, column, item.ns) : item.ns;

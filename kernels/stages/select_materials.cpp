@@ -2,7 +2,7 @@
 // share. What is chosen says where a path goes on; what the other parts add to it is for blend_value.h to say. Where
 // nothing is chosen the ray goes on.
 #include "core/sampler.h"
-#include "kernels/media/passing_share.h"
+#include "kernels/media/pass_through_probability.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/route_hits.h"
 #include "kernels/stages/stages.h"
@@ -14,8 +14,7 @@ namespace sheaf {
 namespace {
 
 /// The second choice's share for lanes of different materials, one material after the other.
-template <class L>
-Float<L> share_of(const SceneView& scene, Mask<L> lanes, Uint<L> row, const TextureQuery<L>& query) {
+template <class L> Float<L> share_of(const SceneView& scene, Mask<L> lanes, Uint<L> row, const TextureQuery<L>& query) {
   using F = Float<L>;
   using U = Uint<L>;
   F share(0.0f);
@@ -40,7 +39,7 @@ template <class L> struct FirstChoice {
 };
 
 /// The shares of light that pass where passing was one of a material's two choices, and the other is no choice itself:
-/// as passing_share() has them, without looking textures up again.
+/// as pass_through_probability() has them, without looking textures up again.
 template <class L> struct KnownShares {
   typename L::Float share;
   typename L::Mask known;
@@ -86,11 +85,11 @@ SHEAF_INLINE void note_passing(const SceneView& scene, Wave& wave, const Slot* s
     const int i = std::countr_zero(lanes);
     float share = shares[i];
     if ((known >> i & 1u) == 0)
-      share = passing_share(
+      share = pass_through_probability(
           scene, words[2][i], (from_behind >> i & 1u) != 0,
           {{uv[0][i], uv[1][i]}, words[0][i], words[1][i], uv[2][i], uv[3][i], {p[0][i], p[1][i], p[2][i]}});
     if (share == 1.0f) continue;
-    Spectrum4& r_l = wave.probabilities.row(slots[i]).r_l;
+    Spectrum4& r_l = wave.rescaled_pdfs.row(slots[i]).r_l;
     const float divisor = max(share, 1e-20f);
     r_l = {r_l.c0 / divisor, r_l.c1 / divisor, r_l.c2 / divisor, r_l.c3 / divisor};
   }
@@ -102,13 +101,13 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
   using U = Uint<L>;
   const RayState<L> ray = wave.rays.gather<L>(slots);
   HitState<L> hit = wave.hits.gather<L>(slots);
-  const ThroughputState<L> path = wave.throughput.gather<L>(slots);
+  const PathState<L> path = wave.paths.gather<L>(slots);
   const ShapeRecord<L> shape = gather_rows<L>(context.scene.shapes, hit.shape);
   const auto y = surface_point<L, true>(context.scene, shape, hit.primitive, hit.u, hit.v,
                                         ray.origin + ray.direction * hit.t, hit.instance);
   const TextureQuery<L> query{y.uv, hit.shape, hit.primitive, hit.u, hit.v, y.p};
   const auto behind = dot(y.ng, ray.direction) > F(0.0f);
-  F u = draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kSelect, {}, kNumberX).x;
+  F u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kSelect, {}, kNumberX).x;
 
   U row = hit.material;
   const U nothing(MaterialRow::kNothing);

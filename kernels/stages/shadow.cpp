@@ -12,11 +12,11 @@ namespace sheaf {
 namespace {
 
 /// Adds the contribution of item `i` to its path.
-SHEAF_INLINE void pay(Wave& wave, int i, LightTally& tally) {
+SHEAF_INLINE void add_unoccluded(Wave& wave, int i, LightTally& tally) {
   const ShadowItem<Columns>& c = wave.shadows.columns();
   const Spectrum4 found{c.contribution.c0[i], c.contribution.c1[i], c.contribution.c2[i], c.contribution.c3[i]};
   tally.arrive(c.light[i], found);
-  add_radiance(wave, static_cast<Slot>(c.slot[i]), Quad(found), c.light[i]);
+  add_radiance(wave, static_cast<Slot>(c.slot[i]), Float4(found), c.light[i]);
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ template <class L> void shadow(const StageContext& context, Wave& wave) noexcept
           load(packet.t_far + at, t_far);
           arrived |= mask_bits((t_far >= Float<L>(0.0f)) & L::first(lanes)) << at;
         });
-        for (; arrived != 0; arrived &= arrived - 1) pay(wave, first + std::countr_zero(arrived), tally);
+        for (; arrived != 0; arrived &= arrived - 1) add_unoccluded(wave, first + std::countr_zero(arrived), tally);
       });
   wave.shadow_count = 0;
 }

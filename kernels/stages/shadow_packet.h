@@ -1,7 +1,7 @@
 // Shadow rays as Embree wants them: what the shadow and the transmittance stage share.
 #pragma once
 
-#include "core/quad.h"
+#include "core/float4.h"
 #include "kernels/wave/wave.h"
 
 namespace sheaf {

@@ -16,8 +16,7 @@ template <class L> void sort_surfaces(const StageContext& context, Wave& wave) n
   const HitState<Scalar>* states = &wave.hits.row(0);
   const MaterialRow* materials = context.scene.materials;
   std::uint8_t* keys = wave.sort_keys;
-  for (int i = 0; i < hits; ++i)
-    keys[i] = static_cast<std::uint8_t>(materials[states[slots[i]].material].bucket);
+  for (int i = 0; i < hits; ++i) keys[i] = static_cast<std::uint8_t>(materials[states[slots[i]].material].bucket);
   int begin[kMaxBuckets + 1];
   bucket_sort(wave.surface.data(), wave.sort_keys, hits, static_cast<int>(context.scene.bucket_count),
               wave.sorted.data(), begin);

@@ -28,9 +28,9 @@ bool sense(const SceneView& scene, const Wave& wave, Slot slot, const Spectrum4&
 void splat_path(const StageContext& context, Wave& wave, Slot slot, int column) {
   Spectrum4& radiance = wave.radiance.row(slot).radiance;
   if (radiance.c0 == 0.0f && radiance.c1 == 0.0f && radiance.c2 == 0.0f && radiance.c3 == 0.0f) return;
-  const FilmPlace<Scalar> place = wave.film_places.load<Scalar>(column);
-  const ThroughputState<Scalar> path = wave.throughput.get(slot);
-  Splat splat{place.x, place.y, {}, std::uint64_t{wave.radiance.row(slot).task_sample} << 16 | path.event()};
+  const RasterPosition<Scalar> place = wave.raster_positions.load<Scalar>(column);
+  const PathState<Scalar> path = wave.paths.get(slot);
+  Splat splat{place.x, place.y, {}, std::uint64_t{wave.radiance.row(slot).task_sample} << 16 | path.dimension()};
   const bool good = sense(context.scene, wave, slot, radiance, splat.rgb);
   radiance = Spectrum4(0.0f);
   if (good) {

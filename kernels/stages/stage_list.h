@@ -15,7 +15,7 @@ enum class StageUse {
   kAlways,  ///< of all passes
   kCamera,  ///< of passes that start at the camera
   kLight,   ///< of passes that transport light
-  /// Of those with shadow rays, where light passes or doesn't: without SceneView::has_transparency; and of the debug
+  /// Of those with shadow rays, where light passes or doesn't: without SceneView::needs_transmittance; and of the debug
   /// view that has them.
   kBinary,
   kTransmission,     ///< of those, with it
@@ -35,15 +35,16 @@ enum class StageUse {
 /// One stage, and what it does with queues.
 struct StageEntry {
   Stage stage;
-  std::string_view name;      ///< as reports and benchmarks write it, e.g. "light_candidates"
-  QueueSet consumes;          ///< queues that it empties, or whose rows it reads
-  QueueSet produces;          ///< queues that it pushes to
+  std::string_view name;  ///< as reports and benchmarks write it, e.g. "light_candidates"
+  QueueSet consumes;      ///< queues that it empties, or whose rows it reads
+  QueueSet produces;      ///< queues that it pushes to
   StageUse use;
   void (*run)(const StageContext&, Wave&) noexcept;  ///< those that work on a candidate: on the first
 };
 
 /// All stages, in the order of Stage.
-template <class L> inline constexpr auto kStages = [] {
+template <class L>
+inline constexpr auto kStages = [] {
   using S = Stage;
   using Q = Queue;
   using U = StageUse;
@@ -110,16 +111,23 @@ template <class L> inline constexpr auto kStages = [] {
       {S::kTransmittance, "transmittance", {Q::kShadows}, {}, U::kTransmission, transmittance<L>},
       {S::kSplat, "splat", {Q::kSorted}, {}, U::kSplats, splat<L>},
       {S::kScatter, "scatter", {Q::kSorted, Q::kVertices}, {Q::kActive, Q::kFinished}, U::kLight, scatter<L>},
-      {S::kLearn, "learn", {}, {}, U::kLearning, learn<L>},
+      {S::kRecordTraining, "record_training", {}, {}, U::kLearning, record_training<L>},
       {S::kAccumulate, "accumulate", {Q::kFinished}, {Q::kFree}, U::kCamera, accumulate<L>},
-      {S::kRetire, "retire", {Q::kMiss, Q::kEmitter, Q::kFinished}, {Q::kFree}, U::kPhotons, retire<L>},
+      {S::kFreePhotons,
+       "free_photons",
+       {Q::kMiss, Q::kEmitter, Q::kFinished},
+       {Q::kFree},
+       U::kPhotons,
+       free_photons<L>},
   }};
 }();
-static_assert([] {
-  for (std::size_t i = 0; i < kStageCount; ++i)
-    if (static_cast<std::size_t>(kStages<Wide>[i].stage) != i || kStages<Wide>[i].name.empty()) return false;
-  return true;
-}(), "the list follows the enumeration");
+static_assert(
+    [] {
+      for (std::size_t i = 0; i < kStageCount; ++i)
+        if (static_cast<std::size_t>(kStages<Wide>[i].stage) != i || kStages<Wide>[i].name.empty()) return false;
+      return true;
+    }(),
+    "the list follows the enumeration");
 
 /// The stage's name in reports.
 inline std::string_view stage_name(Stage stage) { return kStages<Wide>[static_cast<std::size_t>(stage)].name; }
@@ -128,13 +136,15 @@ inline std::string_view stage_name(Stage stage) { return kStages<Wide>[static_ca
 /// is the light pass or the photon pass where the context has photons, else the path pass.
 inline bool takes_part(const StageContext& context, StageUse use, bool light) {
   const bool photons = context.photons != nullptr;
-  const bool stores = photons && context.transport.kind != IntegratorKind::kLightTracer;
+  const bool stores = photons && context.integrator.kind != IntegratorKind::kLightTracer;
   const bool volume = context.maps != nullptr && context.maps->volume != nullptr;
   switch (use) {
-    case StageUse::kAlways: return true;
+    case StageUse::kAlways:
+      return true;
     case StageUse::kCamera:
       return !photons;
-    case StageUse::kLight: return light;
+    case StageUse::kLight:
+      return light;
     case StageUse::kPath:
       return light && !photons;
     case StageUse::kAovs:
@@ -156,10 +166,12 @@ inline bool takes_part(const StageContext& context, StageUse use, bool light) {
     case StageUse::kStoring:
       return stores;
     case StageUse::kBinary:
-      return light ? !stores && !context.scene.has_transparency : context.transport.kind == IntegratorKind::kVisibility;
+      return light ? !stores && !context.scene.needs_transmittance
+                   : context.integrator.kind == IntegratorKind::kVisibility;
     case StageUse::kTransmission:
-      return light && !stores && context.scene.has_transparency;
-    case StageUse::kDebug: return !light;
+      return light && !stores && context.scene.needs_transmittance;
+    case StageUse::kDebug:
+      return !light;
   }
   return false;
 }

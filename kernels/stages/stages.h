@@ -67,7 +67,7 @@ template <class L> void transmittance(const StageContext& context, Wave& wave) n
 template <class L> void scatter(const StageContext& context, Wave& wave) noexcept;
 
 /// Tells the guide what finished paths have found. Reads radiance.
-template <class L> void learn(const StageContext& context, Wave& wave) noexcept;
+template <class L> void record_training(const StageContext& context, Wave& wave) noexcept;
 
 /// Moves finished paths' radiance to the task's samples and frees their slots. Samples that are not finite or negative
 /// are dropped and counted.
@@ -96,7 +96,7 @@ template <class L> void gather_volume(const StageContext& context, Wave& wave) n
 template <class L> void store_photons(const StageContext& context, Wave& wave) noexcept;
 
 /// Frees the slots of photons that have ended or left the scene.
-template <class L> void retire(const StageContext& context, Wave& wave) noexcept;
+template <class L> void free_photons(const StageContext& context, Wave& wave) noexcept;
 
 /// Every stage, in the order of passes and of reports; kernels/stages/stage_list.h says more of each.
 enum class Stage : std::uint32_t {
@@ -122,9 +122,9 @@ enum class Stage : std::uint32_t {
   kTransmittance,
   kSplat,
   kScatter,
-  kLearn,
+  kRecordTraining,
   kAccumulate,
-  kRetire,
+  kFreePhotons,
   kCount
 };
 inline constexpr std::size_t kStageCount = static_cast<std::size_t>(Stage::kCount);

@@ -14,7 +14,7 @@ namespace sheaf {
 template <class L>
 Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L> direction, Mask<L> lanes) {
   /// Rays that cross more surfaces than this have lost their way.
-  constexpr int kMostCrossings = 1000;
+  constexpr int kMaxCrossings = 1000;
   using U = Uint<L>;
   if (scene.boundaries == nullptr) return U(scene.outer_medium);
   alignas(kSimdAlignment) float o[3][L::width], d[3][L::width];
@@ -24,7 +24,7 @@ Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L>
   store(medium, U(scene.outer_medium));
   int lane_of[L::width], going = 0;
   for (std::uint32_t left = mask_bits(lanes); left != 0; left &= left - 1) lane_of[going++] = std::countr_zero(left);
-  for (int round = 0; going > 0 && round < kMostCrossings; ++round) {
+  for (int round = 0; going > 0 && round < kMaxCrossings; ++round) {
     int next = 0;
     trace_packets(
         scene, wave, going, RayRecorder::Query::kNearest,

@@ -4,7 +4,7 @@
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
 #include "kernels/film/light_task.h"
-#include "kernels/media/passing_share.h"
+#include "kernels/media/pass_through_probability.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/lane_mean.h"
 #include "kernels/wave/path_wavelengths.h"
@@ -30,7 +30,7 @@ float storing_share(const SceneView& scene, const HitState<Scalar>& hit, const R
   if (shape.material == hit.material) return 1.0f;
   const auto y = surface_point<Scalar, true>(scene, shape, hit.primitive, hit.u, hit.v,
                                              ray.origin + ray.direction * hit.t, hit.instance);
-  return choice_share(
+  return mixture_probability(
       scene, shape.material, dot(y.ng, ray.direction) > 0.0f, {y.uv, hit.shape, hit.primitive, hit.u, hit.v, y.p},
       [&scene](std::uint32_t row) { return row != MaterialRow::kNothing && !is_specular(scene.materials[row].kind); });
 }
@@ -40,13 +40,14 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
   const RayState<Scalar> ray = wave.rays.get(slot);
   ++task.arrived;
   if (!in_medium && !task.stores(ray.flags)) return;
-  if (in_medium && keeps_beams(context.transport.photons, context.scene.media[(ray.flags >> kRayMediumShift) - 1u]))
+  if (in_medium && keeps_beams(context.integrator.photons, context.scene.media[(ray.flags >> kRayMediumShift) - 1u]))
     return;
-  const ThroughputState<Scalar> path = wave.throughput.get(slot);
+  const PathState<Scalar> path = wave.paths.get(slot);
   const RadianceState<Scalar>& row = wave.radiance.row(slot);
   const auto item = wave.vertices.load<Scalar>(column);
-  const float divisor =
-      context.scene.has_transparency ? lane_mean<Scalar>(context.scene.color, wave.probabilities.row(slot).r_u) : 1.0f;
+  const float divisor = context.scene.needs_transmittance
+                            ? lane_mean<Scalar>(context.scene.color, wave.rescaled_pdfs.row(slot).r_u)
+                            : 1.0f;
   const float share = in_medium ? 1.0f : storing_share(context.scene, wave.hits.get(slot), ray);
   Photon photon;
   photon.p = item.p;
@@ -55,7 +56,7 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
   const bool single = has_single_wavelength(context, wave, slot);
   photon.surface = in_medium ? photon_place(ray.flags >> kRayMediumShift, path.depth() + 1, single)
                              : photon_surface(encode_octahedral<Scalar>(item.ng), path.depth() + 1, single);
-  photon.order = row.task_sample << kVertexBits | path.event();
+  photon.order = row.task_sample << kVertexBits | path.dimension();
   if (is_finite(max_component(photon.power)) && is_finite(item.p)) {
     task.stored.push_back(photon);
     return;

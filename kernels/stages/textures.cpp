@@ -74,17 +74,17 @@ template <class L>
 Mask<L> choose_normal(const StageContext& context, Wave& wave, const TextureTile<L>& tile, Float<L> cos_turn,
                       Mask<L> may_choose, TexturedItem<L>& t) {
   using F = Float<L>;
-  ThroughputState<L> path = wave.throughput.gather<L>(tile.slots);
+  PathState<L> path = wave.paths.gather<L>(tile.slots);
   const F probability = mirrored_probability(cos_turn);
   const auto choice = may_choose & (probability > F(0.0f));
   const auto mirrored =
       choice &
-      (draw<L>(context.sampler, path.pixel, path.sample, path.event(), SampleBlock::kResample, {}, kNumberX).x <
+      (draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kResample, {}, kNumberX).x <
        probability);
   const F of_this = select(choice, select(mirrored, probability, F(1.0f) - probability), F(1.0f));
   path.beta = path.beta * (F(1.0f) / of_this);
-  wave.throughput.scatter<L>(tile.slots, tile.last, path);
-  t.fixed = select(choice, select(mirrored, F(-1.0f), F(1.0f)), t.fixed);
+  wave.paths.scatter<L>(tile.slots, tile.last, path);
+  t.normal_choice = select(choice, select(mirrored, F(-1.0f), F(1.0f)), t.normal_choice);
   return mirrored;
 }
 
@@ -164,7 +164,7 @@ template <class L, bool WithTangent> int texture_kind(const StageContext& contex
     const int end = std::min(run.count, (first / L::width + kTilesAhead) * L::width);
     int last = first + 1;
     while (last < end && material_of(last) == material) ++last;
-    if (scene.materials[material].flags & kTextured) {
+    if (scene.materials[material].flags & kNeedsUv) {
       const MaterialRun next{&scene.materials[material], first, last};
       prefetch_run<L>(scene, wave, run, next);
       if (asked.material != nullptr) texture_run<L, WithTangent>(context, wave, run, asked);
@@ -182,12 +182,12 @@ template <class L, bool WithTangent> int texture_kind(const StageContext& contex
 template <class L> void textures(const StageContext& context, Wave& wave) noexcept {
   bool any_textured = false;
   for (int kind = 0; kind < kClosureKinds; ++kind)
-    any_textured = any_textured || (wave.runs[kind].count > 0 && (context.scene.kind_flags[kind] & kTextured) != 0);
+    any_textured = any_textured || (wave.runs[kind].count > 0 && (context.scene.kind_flags[kind] & kNeedsUv) != 0);
   if (!any_textured) return;
   StageTimer timer(wave.stats, Stage::kTextures);
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     const auto k = static_cast<int>(kind);
-    if ((context.scene.kind_flags[k] & kTextured) == 0) return;
+    if ((context.scene.kind_flags[k] & kNeedsUv) == 0) return;
     timer.count(texture_kind<L, Bsdf<L>::kIsAnisotropic>(context, wave, wave.runs[k]), L::width);
   });
 }

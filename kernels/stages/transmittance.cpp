@@ -1,13 +1,13 @@
 // Stage: transmittance. Shadow rays where surfaces may let light pass and media weaken it: nearest hits instead of any,
 // sixteen rays at a time, again and again for those that go on. What is unblocked is paid with its weight against BSDF
-// sampling, which depends on what the ray met (see kernels/stages/resample.cpp and ProbabilityState):
+// sampling, which depends on what the ray met (see kernels/stages/resample.cpp and RescaledPdfs):
 //     w_l = P_l^2 / (P_l^2 + P_b^2),  P_l, P_b = means over the lanes of r_l, r_u times `pdf_ratio`.
 #include "kernels/bsdf/pane.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/media/density_weights.h"
 #include "kernels/media/medium_marching.h"
 #include "kernels/media/medium_ray.h"
-#include "kernels/media/passing_share.h"
+#include "kernels/media/pass_through_probability.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shadow_packet.h"
@@ -21,7 +21,7 @@ namespace sheaf {
 namespace {
 
 /// Rays that cross more surfaces than this are taken to be blocked.
-constexpr int kMostCrossings = 4096;
+constexpr int kMaxCrossings = 4096;
 
 /// One shadow ray on its way.
 struct ShadowRay {
@@ -38,9 +38,9 @@ void store_ray(Wave& wave, int i, const ShadowRay& ray) {
   wave.transmittances.store<Scalar>(i, ray.state);
 }
 
-/// The event of a path's random numbers in a round: each stretch between surfaces has its own.
-std::uint32_t event_of(const ThroughputState<Scalar>& path, int round) {
-  return path.event() | static_cast<std::uint32_t>(round) << 16;
+/// The dimension of a path's random numbers in a round: each stretch between surfaces has its own.
+std::uint32_t dimension_of(const PathState<Scalar>& path, int round) {
+  return path.dimension() | static_cast<std::uint32_t>(round) << 16;
 }
 
 /// The part `t` of the ray, in its medium; nothing where there is none. `to_end`: it is the last one.
@@ -57,9 +57,9 @@ std::optional<MediumRay> stretch_of(const StageContext& context, const Wave& wav
 }
 
 void apply(PathWeights& weights, ShadowRay& ray) {
-  weights.beta = weights.beta * Quad(ray.item.contribution);
-  weights.r_u = weights.r_u * Quad(ray.state.r_u);
-  weights.r_l = weights.r_l * Quad(ray.state.r_l);
+  weights.beta = weights.beta * Float4(ray.item.contribution);
+  weights.r_u = weights.r_u * Float4(ray.state.r_u);
+  weights.r_l = weights.r_l * Float4(ray.state.r_l);
   weights.rescale();
   ray.item.contribution = to_spectrum(weights.beta);
   ray.state.r_u = to_spectrum(weights.r_u);
@@ -69,10 +69,10 @@ void apply(PathWeights& weights, ShadowRay& ray) {
 /// Lets the light pass a stretch on its own. Returns false where nothing is left.
 bool pass_medium(const StageContext& context, Wave& wave, const MediumRay& stretch, bool to_end, int round,
                  ShadowRay& ray) {
-  PathWeights weights{Quad(1.0f), Quad(1.0f), Quad(1.0f)};
-  const MediumEstimator estimator = context.transport.medium_estimator;
-  const auto path = wave.throughput.get(static_cast<Slot>(ray.item.slot));
-  MediumRandom random(context.sampler.seed, path.pixel, path.sample, event_of(path, round), MediumStream::kShadow);
+  PathWeights weights{Float4(1.0f), Float4(1.0f), Float4(1.0f)};
+  const MediumEstimator estimator = context.integrator.medium_estimator;
+  const auto path = wave.paths.get(static_cast<Slot>(ray.item.slot));
+  MediumRandom random(context.sampler.seed, path.pixel, path.sample, dimension_of(path, round), MediumStream::kShadow);
   bool open = true;
   if (stretch.has(kMediumHomogeneous)) {
     pass_homogeneous(stretch, to_end && ray.state.target_medium != kNone, weights);
@@ -93,7 +93,7 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   const bool behind = dot(normal, d) > 0.0f;
   const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.shapes, packet.shape[at]);
   // Photons' shadow rays go to the camera, which sees past hidden lights.
-  const bool hidden = context.photons != nullptr && context.transport.hide_emitters && shape.light != kNone;
+  const bool hidden = context.photons != nullptr && context.integrator.hide_emitters && shape.light != kNone;
   if (hidden && (ray.state.flags & kShadowFromHiddenLight) != 0) return false;
   if (!hidden && !may_pass(scene, shape.material, behind)) return false;
   const Vec3f target = ray.item.origin + d;
@@ -111,8 +111,8 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
     if ((ray.state.flags & kShadowPassedHiddenLight) != 0) return false;
     ray.state.flags &= ~kShadowFromHiddenLight;
   } else {
-    passage.probability =
-        passing_share(scene, shape.material, behind, {y.uv, packet.shape[at], packet.primitive[at], u, v, y.p});
+    passage.probability = pass_through_probability(scene, shape.material, behind,
+                                                   {y.uv, packet.shape[at], packet.primitive[at], u, v, y.p});
     passage.share = Spectrum4(passage.probability);
   }
   if (!(passage.probability > 0.0f)) return false;
@@ -127,9 +127,9 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
 }
 
 /// Adds what has arrived to its path.
-void pay(const StageContext& context, Wave& wave, const ShadowRay& ray) {
+void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ray) {
   if ((ray.state.flags & kShadowFromHiddenLight) != 0) return;
-  Quad r_u(ray.state.r_u);
+  Float4 r_u(ray.state.r_u);
   const std::uint32_t end = ray.state.target_medium;
   if (end != kNone) {
     // A point in a medium: the path would have to collide there.
@@ -138,9 +138,9 @@ void pay(const StageContext& context, Wave& wave, const ShadowRay& ray) {
     const Vec3f p = ray.item.origin + ray.item.direction;
     r_u = r_u * collision_density(make_medium_ray(context, ray.state.flags, lambda, p, {0, 0, 1}, 0.0f), p);
   }
-  const float by_light = lane_mean(context.scene, Quad(ray.state.r_l)),
+  const float by_light = lane_mean(context.scene, Float4(ray.state.r_l)),
               by_path = lane_mean(context.scene, r_u) * ray.state.pdf_ratio;
-  const Quad found = Quad(ray.item.contribution) * (power_heuristic(by_light, by_path) / by_light);
+  const Float4 found = Float4(ray.item.contribution) * (power_heuristic(by_light, by_path) / by_light);
   LightTally(wave.stats).arrive(ray.item.light, to_spectrum(found));
   add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light);
 }
@@ -161,13 +161,13 @@ template <class L> class Round {
     if (!to_end && !pass_surface(context_, wave_, packet, at, behind)) return;
     const auto stretch = stretch_of(context_, wave_, ray, to_end ? 1.0f : packet.t_far[at], to_end);
     int place = kAlone;
-    if (stretch && is_tracked_by_density(*stretch, context_.transport.medium_estimator)) {
+    if (stretch && is_tracked_by_density(*stretch, context_.integrator.medium_estimator)) {
       place = queue_.size();
-      const auto path = wave_.throughput.get(static_cast<Slot>(ray.item.slot));
-      queue_.add(*stretch, path.pixel, path.sample, event_of(path, round_));
+      const auto path = wave_.paths.get(static_cast<Slot>(ray.item.slot));
+      queue_.add(*stretch, path.pixel, path.sample, dimension_of(path, round_));
     } else {
       if (stretch && !pass_medium(context_, wave_, *stretch, to_end, round_, behind)) return;
-      if (to_end) return pay(context_, wave_, behind);
+      if (to_end) return add_unoccluded(context_, wave_, behind);
     }
     store_ray(wave_, i, behind);
     waiting_[static_cast<std::size_t>(waiting_count_++)] = {i, place, to_end};
@@ -176,7 +176,7 @@ template <class L> class Round {
 
   /// Lets those that wait go on, in order: none is stored where another still waits.
   void finish() {
-    const bool delta = context_.transport.medium_estimator == MediumEstimator::kDelta;
+    const bool delta = context_.integrator.medium_estimator == MediumEstimator::kDelta;
     if (delta)
       queue_.track<L, DensityTracking::kScattering>();
     else
@@ -186,7 +186,7 @@ template <class L> class Round {
       ShadowRay ray = load_ray(wave_, waiting.ray);
       if (waiting.place != kAlone && !pass_densities(waiting.place, delta, ray)) continue;
       if (waiting.to_end)
-        pay(context_, wave_, ray);
+        add_unoccluded(context_, wave_, ray);
       else if (is_finite(ray.item.direction))
         store_ray(wave_, going_++, ray);
     }
@@ -208,16 +208,16 @@ template <class L> class Round {
 
   /// Lets the light pass the stretch at a place of the queue. Returns false where nothing is left.
   bool pass_densities(int place, bool delta, ShadowRay& ray) {
-    const DensityEnd<Scalar>& end = queue_.end(place);
+    const TrackResult<Scalar>& end = queue_.end(place);
     const auto outcome = static_cast<DensityOutcome>(end.outcome);
     TrackingCounts& counts = wave_.stats.collisions;
     counts.shadow += end.nulls + (outcome == DensityOutcome::kScattered ? 1u : 0u);
     if (outcome == DensityOutcome::kAbandoned) ++counts.abandoned;
     if (outcome != DensityOutcome::kPassed) return false;
-    PathWeights weights{Quad(1.0f), Quad(1.0f), Quad(1.0f)};
+    PathWeights weights{Float4(1.0f), Float4(1.0f), Float4(1.0f)};
     weigh_transmittance(queue_.ray(place), end, delta, weights);
     apply(weights, ray);
-    return max_component(Quad(ray.item.contribution)) > 0.0f;
+    return max_component(Float4(ray.item.contribution)) > 0.0f;
   }
 
   const StageContext& context_;
@@ -253,7 +253,7 @@ template <class L> void transmittance(const StageContext& context, Wave& wave) n
   timer.count(wave.shadow_count, kPacketWidth);
   count_shadow_rays(wave);
   int rays = wave.shadow_count;
-  for (int round = 0; rays > 0 && round < kMostCrossings; ++round) rays = follow<L>(context, wave, rays, round);
+  for (int round = 0; rays > 0 && round < kMaxCrossings; ++round) rays = follow<L>(context, wave, rays, round);
   wave.shadow_count = 0;
 }
 

@@ -1,7 +1,7 @@
 // The one way by which radiance gets into paths: whoever wants to tell light of one kind from another looks here.
 #pragma once
 
-#include "core/quad.h"
+#include "core/float4.h"
 #include "kernels/wave/wave.h"
 
 #include <bit>
@@ -11,11 +11,11 @@ namespace sheaf {
 /// Adds what one path has found, per spectral lane, to its radiance, and to its light's group where these are told
 /// apart. `light`: the row of the light that it comes from, or kNone. What else may matter of the path (its depth,
 /// where its ray came from) is to be found by its slot.
-SHEAF_INLINE void add_radiance(Wave& wave, Slot slot, Quad found, std::uint32_t light) {
+SHEAF_INLINE void add_radiance(Wave& wave, Slot slot, Float4 found, std::uint32_t light) {
   if (wave.light_groups.first != nullptr) [[unlikely]]
     add_to_light_group(wave, slot, found, light);
   Spectrum4& radiance = wave.radiance.row(slot).radiance;
-  radiance = to_spectrum(Quad(radiance) + found);
+  radiance = to_spectrum(Float4(radiance) + found);
 }
 
 /// The same for the lanes set in `lanes`.
@@ -31,13 +31,11 @@ SHEAF_INLINE void add_radiance(Wave& wave, const Slot* slots, std::uint32_t lane
   store(lights, light);
   for (; lanes != 0; lanes &= lanes - 1) {
     const int lane = std::countr_zero(lanes);
-    add_radiance(wave, slots[lane], Quad::load(values[lane]), lights[lane]);
+    add_radiance(wave, slots[lane], Float4::load(values[lane]), lights[lane]);
   }
 }
 
 /// The path's sample covers nothing: its ray left the scene with nothing to be seen there.
-SHEAF_INLINE void mark_transparent(Wave& wave, Slot slot) {
-  wave.radiance.row(slot).task_sample |= kTransparent;
-}
+SHEAF_INLINE void mark_transparent(Wave& wave, Slot slot) { wave.radiance.row(slot).task_sample |= kTransparent; }
 
 }  // namespace sheaf

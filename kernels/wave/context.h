@@ -7,7 +7,7 @@
 namespace sheaf {
 
 class CameraTask;
-class GuideLog;
+class TrainingSamples;
 class LightTask;
 struct PhotonMaps;
 
@@ -15,26 +15,26 @@ struct PhotonMaps;
 /// for what its pointers lead to.
 struct StageContext {
   SceneView scene;
-  IntegratorDescription transport;  ///< settings of the integrator
+  IntegratorDescription integrator;  ///< settings of the integrator
   SamplerView sampler;
-  bool transports_light = true;  ///< false: a debug view, whose paths carry plain numbers and see no media
-  CameraTask* camera = nullptr;  ///< of passes that start at the camera: the samples to take, and where they go
+  bool transports_light = true;      ///< false: a debug view, whose paths carry plain numbers and see no media
+  CameraTask* camera = nullptr;      ///< of passes that start at the camera: the samples to take, and where they go
   const PhotonMaps* maps = nullptr;  ///< of passes from the camera that gather photons, else null
   float wavelength_sample = -1;  ///< the number in [0, 1) that all paths' wavelengths are made of; -1: each has its own
-  LightTask* photons = nullptr;      ///< of passes that start at the lights, else null: the photons to emit
-  bool guides = false;               ///< of the path pass: directions are sampled from `guide` as well
+  LightTask* photons = nullptr;  ///< of passes that start at the lights, else null: the photons to emit
+  bool guides = false;           ///< of the path pass: directions are sampled from `guide` as well
   GuideView guide;
-  GuideLog* training = nullptr;  ///< of passes from which the guide is to learn, else null: what they tell
+  TrainingSamples* training = nullptr;  ///< of passes from which the guide is to learn, else null: what they tell
 
   StageContext() = default;
   /// The scene's own settings.
   explicit StageContext(const Scene& of, CameraTask* task = nullptr)
-      : scene(of.view()), transport(of.integrator()), sampler(of.sampler_view()), camera(task) {}
+      : scene(of.view()), integrator(of.integrator()), sampler(of.sampler_view()), camera(task) {}
 };
 
 /// Whether direct light is sampled at all.
 inline bool samples_lights(const StageContext& context) {
-  return context.scene.light_count > 0 && context.transport.strategy != LightStrategy::kBsdfOnly;
+  return context.scene.light_count > 0 && context.integrator.strategy != LightStrategy::kBsdfOnly;
 }
 
 }  // namespace sheaf

@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-void add_to_light_group(Wave& wave, Slot slot, const Quad& found, std::uint32_t light) noexcept {
+void add_to_light_group(Wave& wave, Slot slot, const Float4& found, std::uint32_t light) noexcept {
   const LightGroupSink& groups = wave.light_groups;
   const RadianceState<Scalar>& path = wave.radiance.row(slot);
   const std::size_t group = light == kNone ? groups.other : groups.group_of_light[light];

@@ -10,8 +10,18 @@ namespace sheaf {
 
 /// What stages hand to each other: the lists of slots, and rows of columns.
 enum class Queue : std::uint32_t {
-  kFree, kActive, kMedium, kMiss, kEmitter, kComposite, kSurface, kSorted, kFinished,  // lists of PathPool
-  kVertices, kCandidates, kShadows,  // rows of ShadingColumns
+  kFree,
+  kActive,
+  kMedium,
+  kMiss,
+  kEmitter,
+  kComposite,
+  kSurface,
+  kSorted,
+  kFinished,  // lists of PathPool
+  kVertices,
+  kCandidates,
+  kShadows,  // rows of ShadingColumns
 };
 inline constexpr int kSlotLists = static_cast<int>(Queue::kFinished) + 1;
 
@@ -26,11 +36,11 @@ struct QueueSet {
 /// Paths and lists of their slots. A slot stands in exactly one of the lists between stages, and may stand in `emitter`
 /// besides.
 struct PathPool {
-  Groups<RayState> rays;
-  Groups<HitState> hits;
-  Groups<ThroughputState> throughput;
-  Groups<RadianceState> radiance;
-  Groups<ProbabilityState> probabilities;  ///< WaveNeeds::transparency
+  SlotTable<RayState> rays;
+  SlotTable<HitState> hits;
+  SlotTable<PathState> paths;
+  SlotTable<RadianceState> radiance;
+  SlotTable<RescaledPdfs> rescaled_pdfs;  ///< WaveNeeds::transparency
   /// Spectral mode: what the wavelengths are made of, one word per slot; see kernels/wave/path_wavelengths.h.
   float* wavelength_samples = nullptr;
   float* distance_since_vertex = nullptr;  ///< WaveNeeds::distance: from the last vertex to the ray's origin
@@ -49,17 +59,17 @@ struct PathPool {
   SlotList finished;   ///< path has ended, radiance complete
 
   /// All lists, in the order of Queue.
-  static constexpr SlotList PathPool::*kLists[] = {
-      &PathPool::free,      &PathPool::active,  &PathPool::medium, &PathPool::miss,    &PathPool::emitter,
-      &PathPool::composite, &PathPool::surface, &PathPool::sorted, &PathPool::finished};
+  static constexpr SlotList PathPool::*kLists[] = {&PathPool::free,    &PathPool::active,  &PathPool::medium,
+                                                   &PathPool::miss,    &PathPool::emitter, &PathPool::composite,
+                                                   &PathPool::surface, &PathPool::sorted,  &PathPool::finished};
 
   /// Calls f(group or column, whether it is needed) for all that is reached by slot.
   template <class Pool, class F> static void for_each_state(Pool& pool, const WaveNeeds& needs, F&& f) {
     f(pool.rays, true);
     f(pool.hits, true);
-    f(pool.throughput, true);
+    f(pool.paths, true);
     f(pool.radiance, true);
-    f(pool.probabilities, needs.transparency);
+    f(pool.rescaled_pdfs, needs.transparency);
     f(pool.wavelength_samples, needs.spectral);
     f(pool.distance_since_vertex, needs.distance);
     f(pool.guide_references, needs.guides);

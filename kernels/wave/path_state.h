@@ -1,7 +1,7 @@
 // What a path carries from stage to stage: four records of 32 bytes, reached by slot.
 #pragma once
 
-#include "core/groups.h"
+#include "core/slot_table.h"
 #include "core/spectrum.h"
 #include "scene/tables/material.h"
 
@@ -25,9 +25,9 @@ enum RayFlags : std::uint32_t {
   // History, for photon maps.
   kRayDiffuse = 8,    ///< the path was scattered by a surface, and not as by a mirror; photons: or in a medium
   kRaySpecular = 64,  ///< photons: was scattered as by a mirror
-  kRayStrayed = 128,  ///< camera: was scattered in a medium since kRayDiffuse
+  kRayScatteredInMedium = 128,  ///< camera: was scattered in a medium since kRayDiffuse
 };
-inline constexpr std::uint32_t kRayHistory = kRayDiffuse | kRaySpecular | kRayStrayed;
+inline constexpr std::uint32_t kRayHistory = kRayDiffuse | kRaySpecular | kRayScatteredInMedium;
 inline constexpr int kRayHeroShift = 4, kRayMediumShift = 8;
 inline constexpr std::uint32_t kRayHeroMask = 3u << kRayHeroShift;
 
@@ -46,19 +46,23 @@ template <class L> struct HitState {
 };
 
 /// How much the path's next radiance counts, and which sample it belongs to.
-template <class L> struct ThroughputState {
-  Spectrum<L> beta;             ///< throughput over probability
-  typename L::Float eta_scale;  ///< squared relative index of refraction along the path; roulette takes it out
-  typename L::Uint progress;    ///< depth (vertices that cost depth) in the lower, events in the upper 16 bits
-  typename L::Uint pixel;       ///< y * frame width + x
-  typename L::Uint sample;      ///< absolute sample index of the pixel
-  static constexpr auto fields(auto& s) { return std::tie(s.beta, s.eta_scale, s.progress, s.pixel, s.sample); }
+template <class L> struct PathState {
+  Spectrum<L> beta;                      ///< throughput over probability
+  typename L::Float eta_scale;           ///< squared relative index of refraction along the path; roulette takes it out
+  typename L::Uint depth_and_dimension;  ///< depth in the lower, dimension() in the upper 16 bits
+  typename L::Uint pixel;                ///< y * frame width + x
+  typename L::Uint sample;               ///< absolute sample index of the pixel
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.beta, s.eta_scale, s.depth_and_dimension, s.pixel, s.sample);
+  }
 
-  SHEAF_INLINE typename L::Uint depth() const { return progress & typename L::Uint(0xffffu); }
-  SHEAF_INLINE typename L::Uint event() const { return progress >> 16; }
+  /// Vertices that cost depth.
+  SHEAF_INLINE typename L::Uint depth() const { return depth_and_dimension & typename L::Uint(0xffffu); }
+  /// Which random numbers come next: one more for each interaction.
+  SHEAF_INLINE typename L::Uint dimension() const { return depth_and_dimension >> 16; }
 };
-inline constexpr std::uint32_t kOneDepth = 1u, kOneEvent = 1u << 16;
-/// Depths and events stop counting here, so that neither runs into the other's bits; paths this long end.
+inline constexpr std::uint32_t kOneDepth = 1u, kOneDimension = 1u << 16;
+/// Depths and dimensions stop counting here, so that neither runs into the other's bits; paths this long end.
 inline constexpr std::uint32_t kLongestPath = 0x7fffu;
 
 /// What the path has gathered.
@@ -78,8 +82,8 @@ inline constexpr std::uint32_t kTransparent = 0x80000000u;
 /// Probabilities of the path so far, had each lane in turn been the one by which distances in media are sampled, over
 /// the probability by which the throughput was divided (Miller, Georgiev and Jarosz, "A Null-Scattering Path Integral
 /// Formulation of Light Transport", 2019; rescaled as in Pharr et al. 2023, section 14.2.1). Only where
-/// SceneView::has_transparency.
-template <class L> struct ProbabilityState {
+/// SceneView::needs_transmittance.
+template <class L> struct RescaledPdfs {
   Spectrum<L> r_u;  ///< sampled direction by direction
   Spectrum<L> r_l;  ///< the last vertex as r_u, what follows as light sampling goes about it
   static constexpr auto fields(auto& s) { return std::tie(s.r_u, s.r_l); }
@@ -96,16 +100,16 @@ template <class L> struct VertexItem {
   static constexpr auto fields(auto& s) { return std::tie(s.p, s.ng, s.ns, s.wo, s.offset, s.tangent); }
 };
 
-/// What textures need to know of a surface vertex. Only for materials with kTextured.
+/// What textures need to know of a surface vertex. Only for materials with kNeedsUv.
 template <class L> struct TexturedItem {
   Vec2<L> uv;
-  Vec3<L> dp_du, dp_dv;          ///< derivatives of the position
-  Vec3<L> ns_unmapped;           ///< VertexItem::ns before a map turned it
-  typename L::Float handedness;  ///< -1 where ns was turned towards the viewer, else 1
-  typename L::Float terminator;  ///< how much a map softens the edge of shadows; see shadow_terminator()
-  typename L::Float fixed;       ///< of photons; see is_right_normal()
+  Vec3<L> dp_du, dp_dv;             ///< derivatives of the position
+  Vec3<L> ns_unmapped;              ///< VertexItem::ns before a map turned it
+  typename L::Float handedness;     ///< -1 where ns was turned towards the viewer, else 1
+  typename L::Float terminator;     ///< how much a map softens the edge of shadows; see shadow_terminator()
+  typename L::Float normal_choice;  ///< of photons; see matches_normal_choice()
   static constexpr auto fields(auto& s) {
-    return std::tie(s.uv, s.dp_du, s.dp_dv, s.ns_unmapped, s.handedness, s.terminator, s.fixed);
+    return std::tie(s.uv, s.dp_du, s.dp_dv, s.ns_unmapped, s.handedness, s.terminator, s.normal_choice);
   }
 };
 
@@ -146,13 +150,13 @@ template <class L> struct ReservoirItem {
 };
 
 /// Where the camera sees a vertex of a photon; stands where its VertexItem stands.
-template <class L> struct FilmPlace {
+template <class L> struct RasterPosition {
   typename L::Float x, y;  ///< film position, pixels
   static constexpr auto fields(auto& s) { return std::tie(s.x, s.y); }
 };
 
 /// Where the guide knows of a vertex; stands where its VertexItem stands.
-template <class L> struct GuidePlace {
+template <class L> struct GuideCell {
   typename L::Uint row;   ///< of GuideView::mixtures
   typename L::Uint side;  ///< see guide_side()
   static constexpr auto fields(auto& s) { return std::tie(s.row, s.side); }
@@ -170,7 +174,7 @@ template <class L> struct ShadowItem {
 /// What a shadow ray needs besides where there are media or surfaces that let it pass; stands where its ShadowItem
 /// stands, whose contribution is then without a weight against BSDF sampling.
 template <class L> struct TransmittanceItem {
-  Spectrum<L> r_u, r_l;         ///< as in ProbabilityState: by BSDF sampling, by light sampling
+  Spectrum<L> r_u, r_l;         ///< as in RescaledPdfs: by BSDF sampling, by light sampling
   typename L::Float pdf_ratio;  ///< density of BSDF sampling over that of light sampling; 0: no contest
   typename L::Uint flags;       ///< as RayState::flags: lane and medium at the origin
   typename L::Uint

@@ -19,13 +19,13 @@ struct ShadingColumns {
   std::uint8_t* sort_keys = nullptr;
   VertexRun runs[kClosureKinds];
   Soa<VertexItem> vertices;
-  Soa<TexturedItem> textured;  ///< WaveNeeds::textures
-  Soa<ClosureItem> closures;   ///< as many words as WaveNeeds::closure_words
-  Soa<LightCandidate> candidates;  ///< WaveNeeds::candidates
-  Soa<ReservoirItem> reservoirs;  ///< WaveNeeds::reservoirs
-  Soa<LightTreeTop> light_tops;   ///< WaveNeeds::light_tops
-  Soa<FilmPlace> film_places;     ///< WaveNeeds::film_places
-  Soa<GuidePlace> guide_places;   ///< WaveNeeds::guides
+  Soa<TexturedItem> textured;            ///< WaveNeeds::textures
+  Soa<ClosureItem> closures;             ///< as many words as WaveNeeds::closure_words
+  Soa<LightCandidate> candidates;        ///< WaveNeeds::candidates
+  Soa<ReservoirItem> reservoirs;         ///< WaveNeeds::reservoirs
+  Soa<LightTreeCut> light_tops;          ///< WaveNeeds::light_tops
+  Soa<RasterPosition> raster_positions;  ///< WaveNeeds::raster_positions
+  Soa<GuideCell> guide_cells;            ///< WaveNeeds::guides
   Soa<ShadowItem> shadows;
   Soa<TransmittanceItem> transmittances;  ///< WaveNeeds::transparency
   int shadow_count = 0;                   ///< rows of the last two
@@ -42,9 +42,9 @@ struct ShadingColumns {
     f(c.closures, rows, needs.closure_words);
     f(c.candidates, rows, all(needs.candidates, kLeafCount<LightCandidate>));
     f(c.reservoirs, rows, all(needs.reservoirs, kLeafCount<ReservoirItem>));
-    f(c.light_tops, rows, all(needs.light_tops, kLeafCount<LightTreeTop>));
-    f(c.film_places, rows, all(needs.film_places, kLeafCount<FilmPlace>));
-    f(c.guide_places, rows, all(needs.guides, kLeafCount<GuidePlace>));
+    f(c.light_tops, rows, all(needs.light_tops, kLeafCount<LightTreeCut>));
+    f(c.raster_positions, rows, all(needs.raster_positions, kLeafCount<RasterPosition>));
+    f(c.guide_cells, rows, all(needs.guides, kLeafCount<GuideCell>));
     f(c.shadows, paths, kLeafCount<ShadowItem>);
     f(c.transmittances, paths, all(needs.transparency, kLeafCount<TransmittanceItem>));
   }

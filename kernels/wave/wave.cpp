@@ -10,14 +10,14 @@ namespace sheaf {
 
 namespace {
 
-template <template <class> class Record> std::size_t state_bytes(const Groups<Record>&, int paths) {
-  return Groups<Record>::bytes(paths);
+template <template <class> class Record> std::size_t state_bytes(const SlotTable<Record>&, int paths) {
+  return SlotTable<Record>::bytes(paths);
 }
 std::size_t state_bytes(const float*, int paths) {
   return static_cast<std::size_t>(paths) * sizeof(float) + kSimdAlignment;
 }
 
-template <template <class> class Record> void bind_state(Groups<Record>& rows, Arena& arena, int paths) {
+template <template <class> class Record> void bind_state(SlotTable<Record>& rows, Arena& arena, int paths) {
   rows.bind(arena, paths);
 }
 void bind_state(float*& words, Arena& arena, int paths) {
@@ -56,21 +56,21 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   const SceneView& scene = context.scene;
   WaveNeeds needs;
   needs.spectral = scene.color == ColorMode::kSpectral;
-  needs.transparency = scene.has_transparency;
-  needs.distance = needs.transparency || context.transport.hide_emitters;
+  needs.transparency = scene.needs_transmittance;
+  needs.distance = needs.transparency || context.integrator.hide_emitters;
   needs.textures = false;
-  needs.candidates = context.transport.kind != IntegratorKind::kLightTracer;
-  needs.reservoirs = needs.candidates && context.transport.candidates > 1;
+  needs.candidates = context.integrator.kind != IntegratorKind::kLightTracer;
+  needs.reservoirs = needs.candidates && context.integrator.candidates > 1;
   // From here on sharing saves more than it takes to find all upper turns.
-  constexpr int kLeastCandidates = 4;
-  constexpr std::uint32_t kLeastLights = 32;
-  needs.light_tops = needs.candidates && context.transport.candidates >= kLeastCandidates &&
-                     scene.light_selector == LightSelector::kBvh && scene.bounded_light_count >= kLeastLights;
-  needs.film_places = !needs.candidates;
+  constexpr int kMinCandidates = 4;
+  constexpr std::uint32_t kMinLights = 32;
+  needs.light_tops = needs.candidates && context.integrator.candidates >= kMinCandidates &&
+                     scene.light_selector == LightSelector::kBvh && scene.bounded_light_count >= kMinLights;
+  needs.raster_positions = !needs.candidates;
   needs.guides = context.guides;
   for (const std::uint32_t flags : scene.kind_flags)
-    needs.textures = needs.textures || (flags & (kTextured | kMapped)) != 0;
-  needs.counted_lights = std::min(scene.light_count, kToldLights);
+    needs.textures = needs.textures || (flags & (kNeedsUv | kMapped)) != 0;
+  needs.counted_lights = std::min(scene.light_count, kMaxReportedLights);
   needs.closure_words = longest_closure(scene);
   return needs;
 }

@@ -1,7 +1,7 @@
 // A wave: the paths one worker has in flight, in memory that fits its L2 cache and that no other worker touches.
 #pragma once
 
-#include "core/quad.h"
+#include "core/float4.h"
 #include "core/stats.h"
 #include "kernels/photons/volume_photon_map.h"
 #include "kernels/wave/light_groups.h"
@@ -46,6 +46,6 @@ struct Wave : PathPool, ShadingColumns {
 };
 
 /// add_radiance() for light groups alone.
-void add_to_light_group(Wave& wave, Slot slot, const Quad& found, std::uint32_t light) noexcept;
+void add_to_light_group(Wave& wave, Slot slot, const Float4& found, std::uint32_t light) noexcept;
 
 }  // namespace sheaf

@@ -10,7 +10,7 @@ namespace sheaf {
 
 namespace {
 
-bool is_finite(Quad v) {
+bool is_finite(Float4 v) {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]) && std::isfinite(v[3]);
 }
 
@@ -26,27 +26,29 @@ void check_at(const SceneView& scene, std::uint32_t index, const Spectrum4& lamb
   const MediumRow& medium = scene.media[index];
   const MediumSpectra spectra = medium_spectra(scene, medium, lambda);
   const bool by_albedo = (medium.flags & kMediumAbsorptionScattering) == 0;
-  const Quad sigma_t = (by_albedo ? spectra.first : spectra.first + spectra.second) * bound;
-  Quad albedo = spectra.second * largest_factor(grids, medium.second_grid);
-  if (scene.color == ColorMode::kRgb) albedo = min(albedo, Quad(1.0f));
+  const Float4 sigma_t = (by_albedo ? spectra.first : spectra.first + spectra.second) * bound;
+  Float4 albedo = spectra.second * largest_factor(grids, medium.second_grid);
+  if (scene.color == ColorMode::kRgb) albedo = min(albedo, Float4(1.0f));
   if (!is_finite(sigma_t) || !is_finite(spectra.second) || (by_albedo && !is_finite(sigma_t * albedo)))
-    throw SceneError(where, "the medium's extinction is too large for a number of 32 bits somewhere, expected values "
-                            "whose product with 'scale' and the grids' voxels is finite");
+    throw SceneError(where,
+                     "the medium's extinction is too large for a number of 32 bits somewhere, expected values "
+                     "whose product with 'scale' and the grids' voxels is finite");
   if ((medium.flags & kMediumEmits) == 0) return;
-  Quad emission = spectra.emission * largest_factor(grids, medium.emission_grid);
+  Float4 emission = spectra.emission * largest_factor(grids, medium.emission_grid);
   if (medium.temperature != kNone) {
     const float largest = largest_factor(grids, medium.temperature) - medium.temperature_offset;
     const float kelvin = largest * medium.temperature_scale;
     const bool of_one = (medium.flags & kMediumUnitBlackbodies) != 0;
     if (!std::isfinite(kelvin))
-      emission = Quad(kInfinity);
+      emission = Float4(kInfinity);
     else if (!of_one)
       emission = emission * blackbody_emission(scene, kelvin, lambda);
   }
   emission = emission * largest_factor(grids, medium.emission_factor);
   if (!is_finite(emission))
-    throw SceneError(where, "the medium's emission is too large for a number of 32 bits somewhere, expected values "
-                            "whose product with the scale and the grids' voxels is finite");
+    throw SceneError(where,
+                     "the medium's emission is too large for a number of 32 bits somewhere, expected values "
+                     "whose product with the scale and the grids' voxels is finite");
 }
 
 }  // namespace

@@ -121,22 +121,22 @@ void SceneCompiler::add_materials() {
   };
   out_->has_transparency_ =
       !in_.media.empty() || std::any_of(out_->materials_.begin(), out_->materials_.end(), lets_pass);
-  out_->has_open_panes_ = in_.integrator.free_panes && panes_can_be_open();
+  out_->has_open_panes_ = in_.integrator.thin_dielectrics_are_free && panes_can_be_open();
   out_->has_transparency_ = out_->has_transparency_ || out_->has_open_panes_;
   out_->counts_.materials = in_.materials.size();
 }
 
 bool SceneCompiler::panes_can_be_open() const {
   const std::vector<MaterialRow>& rows = out_->materials_;
-  const auto is_pane = [&](std::uint32_t row) {
-    return row != MaterialRow::kNothing && closure_info(rows[row].kind).is_pane;
+  const auto is_thin_dielectric = [&](std::uint32_t row) {
+    return row != MaterialRow::kNothing && closure_info(rows[row].kind).is_thin_dielectric;
   };
   bool any = false;
   for (const MaterialRow& row : rows) {
     const bool composite = (row.flags & kComposite) != 0;
-    if (composite && (is_pane(row.choice[0]) || is_pane(row.choice[1]))) return false;
-    if (composite || !closure_info(row.kind).is_pane) continue;
-    if ((row.flags & (kTextured | kMapped)) != 0 || row.binding_count > 0) return false;
+    if (composite && (is_thin_dielectric(row.choice[0]) || is_thin_dielectric(row.choice[1]))) return false;
+    if (composite || !closure_info(row.kind).is_thin_dielectric) continue;
+    if ((row.flags & (kNeedsUv | kMapped)) != 0 || row.binding_count > 0) return false;
     any = true;
   }
   return any;

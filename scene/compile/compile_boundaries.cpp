@@ -39,7 +39,7 @@ std::uint32_t SceneCompiler::hold(std::optional<MediumId> medium, const ShapeDes
 
 void SceneCompiler::add_media() {
   medium_boxes_.resize(in_.media.size());
-  if (in_.media.size() > kMostMedia) throw SceneError("more than " + std::to_string(kMostMedia) + " media");
+  if (in_.media.size() > kMaxMedia) throw SceneError("more than " + std::to_string(kMaxMedia) + " media");
   std::vector<PlacedMedium> placed;
   for (std::size_t i = 0; i < in_.media.size(); ++i) {
     const MediumDescription& m = in_.media[i];
@@ -82,9 +82,9 @@ void SceneCompiler::end_media() {
 }
 
 void SceneCompiler::probe_media() {
-  const std::uint32_t otherwise = out_->camera_medium_;
-  out_->outer_medium_ = otherwise;
-  if (!out_->boundaries_.empty()) probe_boundaries(otherwise);
+  const std::uint32_t default_value = out_->camera_medium_;
+  out_->outer_medium_ = default_value;
+  if (!out_->boundaries_.empty()) probe_boundaries(default_value);
   const IntegratorKind kind = in_.integrator.kind;
   const bool by_photons = kind == IntegratorKind::kLightTracer || kind == IntegratorKind::kPhotonMapper;
   const std::uint32_t outer = out_->outer_medium_;
@@ -95,12 +95,12 @@ void SceneCompiler::probe_media() {
                                   .what());
 }
 
-void SceneCompiler::probe_boundaries(std::uint32_t otherwise) {
+void SceneCompiler::probe_boundaries(std::uint32_t default_value) {
   for (const std::uint32_t shape : surrounded_shapes_) {
     const SceneView view = out_->view();
-    out_->boundaries_[out_->shapes_[shape].boundary].exterior = medium_around(view, shape, otherwise);
+    out_->boundaries_[out_->shapes_[shape].boundary].exterior = medium_around(view, shape, default_value);
   }
-  out_->outer_medium_ = medium_outside(out_->view(), otherwise);
+  out_->outer_medium_ = medium_outside(out_->view(), default_value);
   if (!in_.camera.medium) probe_camera();
 }
 
@@ -113,8 +113,10 @@ void SceneCompiler::probe_camera() {
   constexpr Vec2<Scalar> kLens[] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
   for (int place = 0; place < 9; ++place)
     for (const Vec2<Scalar> lens : std::span(kLens).first(camera.has_lens() ? 5 : 1)) {
-      const Vec3f start = camera.ray<Scalar>(0.5f * width * static_cast<float>(place % 3),
-                                             0.5f * height * static_cast<float>(place / 3), lens.x, lens.y).origin;
+      const Vec3f start = camera
+                              .ray<Scalar>(0.5f * width * static_cast<float>(place % 3),
+                                           0.5f * height * static_cast<float>(place / 3), lens.x, lens.y)
+                              .origin;
       if (start == middle || medium_at(view, start, kNone, 0) == out_->camera_medium_) continue;
       out_->warnings_.push_back(SceneError(in_.camera.where,
                                            "the camera's rays start in more than one medium; all of "

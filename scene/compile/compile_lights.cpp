@@ -76,7 +76,7 @@ void SceneCompiler::add_volume_lights() {
 
 void SceneCompiler::add_lights() {
   LightContext context = light_context();
-  std::vector<std::pair<PlacedLight, const LightDescription*>> placed;
+  std::vector<std::pair<CompiledLight, const LightDescription*>> placed;
   for (const LightDescription& light : in_.lights) {
     const auto place = [&]<class D>(const D& d) { return place_light(LightToPlace<D>{d, light.where, context}); };
     try {
@@ -92,9 +92,9 @@ void SceneCompiler::add_lights() {
   out_->counts_.lights = out_->lights_.size();
 }
 
-void SceneCompiler::push_light(PlacedLight light, const LightDescription& from) {
+void SceneCompiler::push_light(CompiledLight light, const LightDescription& from) {
   if (!(max_component(emitted_rgb(light.row)) > 0.0f)) return;
-  if (light_compiler_of(light.row).reach == LightReach::kEnvironment) {
+  if (light_compiler_of(light.row).domain == LightDomain::kEnvironment) {
     if (out_->environment_ != kNone) throw SceneError(from.where, "a scene may have only one environment light");
     out_->environment_ = static_cast<std::uint32_t>(out_->lights_.size());
   }
@@ -110,7 +110,7 @@ void SceneCompiler::add_light_row(const LightRow& row, const SpectrumRow& spectr
   out_->lights_.push_back(row);
   naming_.add_light(static_cast<LightKind>(row.kind), name);
   out_->light_spectra_.push_back(spectrum);
-  if (out_->light_places_.size() < kToldLights) out_->light_places_.push_back(where);
+  if (out_->light_places_.size() < kMaxReportedLights) out_->light_places_.push_back(where);
 }
 
 void SceneCompiler::select_lights() {

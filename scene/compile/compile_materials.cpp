@@ -20,7 +20,7 @@ constexpr std::size_t kMaxRows = std::size_t{1} << 24;
 constexpr std::uint32_t kNoMap = 0xffffffffu;
 
 /// What the materials around one impose on it.
-struct Surroundings {
+struct MaterialWrappers {
   bool two_sided = false;
   std::uint32_t map = kNoMap;                 ///< index of NormalMapRow
   const MaterialDescription* coat = nullptr;  ///< with a CoatDescription
@@ -53,7 +53,7 @@ class Flattener {
   std::vector<std::string> warnings;
 
   /// The row of a material within `around`.
-  std::uint32_t flatten(MaterialId id, Surroundings around) {
+  std::uint32_t flatten(MaterialId id, MaterialWrappers around) {
     const MaterialDescription& m = materials_.at(static_cast<std::size_t>(id));
     if (around.depth > kMaxMaterialDepth)
       throw SceneError(m.where, "materials are nested more than " + std::to_string(kMaxMaterialDepth) + " deep");
@@ -120,24 +120,24 @@ class Flattener {
 
  private:
   template <class Model>
-  std::uint32_t flatten_model(const MaterialDescription& m, const Model&, const Surroundings& around) {
+  std::uint32_t flatten_model(const MaterialDescription& m, const Model&, const MaterialWrappers& around) {
     MaterialRow row = make(m, around.coat);
     if (around.two_sided) row.flags |= kTwoSided;
     if (around.part) row.flags |= kPart;
     if (around.map != kNoMap) {
-      row.flags |= kTextured | kMapped;
+      row.flags |= kNeedsUv | kMapped;
       row.map = around.map;
     }
     return push(row);
   }
 
   std::uint32_t flatten_model(const MaterialDescription& m, const TwoSidedDescription& sides,
-                              const Surroundings& around) {
+                              const MaterialWrappers& around) {
     if (around.two_sided) throw SceneError(m.where, "a two-sided material cannot hold another one");
     for (const MaterialId side : {sides.front, sides.back})
       if (transmits(materials_, side))
         throw SceneError(m.where, "a two-sided material cannot hold one that transmits light");
-    Surroundings inside = around;
+    MaterialWrappers inside = around;
     inside.two_sided = true;
     const std::uint32_t front = flatten(sides.front, inside);
     if (sides.back == sides.front) return front;
@@ -147,41 +147,43 @@ class Flattener {
     return row;
   }
 
-  std::uint32_t flatten_model(const MaterialDescription&, const NullDescription&, const Surroundings&) {
+  std::uint32_t flatten_model(const MaterialDescription&, const NullDescription&, const MaterialWrappers&) {
     MaterialRow row;
     row.flags = kComposite;
     row.choice[0] = row.choice[1] = MaterialRow::kNothing;
     return push(row);
   }
 
-  std::uint32_t flatten_model(const MaterialDescription&, const MaskDescription& mask, const Surroundings& around) {
+  std::uint32_t flatten_model(const MaterialDescription&, const MaskDescription& mask, const MaterialWrappers& around) {
     return push_choice(MaterialRow::kNothing, flatten(mask.nested, around), mask.opacity);
   }
 
-  std::uint32_t flatten_model(const MaterialDescription&, const BlendDescription& blend, const Surroundings& around) {
-    Surroundings inside = around;
+  std::uint32_t flatten_model(const MaterialDescription&, const BlendDescription& blend,
+                              const MaterialWrappers& around) {
+    MaterialWrappers inside = around;
     inside.part = true;
     const std::uint32_t first = flatten(blend.nested[0], inside);
     return push_choice(first, flatten(blend.nested[1], inside), blend.weight);
   }
 
-  std::uint32_t flatten_model(const MaterialDescription& m, const CoatDescription& coat, const Surroundings& around) {
+  std::uint32_t flatten_model(const MaterialDescription& m, const CoatDescription& coat,
+                              const MaterialWrappers& around) {
     if (around.coat != nullptr) throw SceneError(m.where, "a coat cannot hold another one");
     if (transmits(materials_, coat.nested))
       throw SceneError(m.where, "a coat cannot hold a material that transmits light");
-    Surroundings inside = around;
+    MaterialWrappers inside = around;
     inside.coat = &m;
     return flatten(coat.nested, inside);
   }
 
   std::uint32_t flatten_model(const MaterialDescription& m, const BumpMapDescription& bump,
-                              const Surroundings& around) {
+                              const MaterialWrappers& around) {
     const std::uint32_t flags = NormalMapRow::kBump | options(m);
     return flatten_mapped(m, {static_cast<std::uint32_t>(bump.displacement), flags, bump.scale}, bump.nested, around);
   }
 
   std::uint32_t flatten_model(const MaterialDescription& m, const NormalMapDescription& map,
-                              const Surroundings& around) {
+                              const MaterialWrappers& around) {
     const std::uint32_t flags = (map.flip_green ? NormalMapRow::kFlipGreen : 0u) | options(m);
     return flatten_mapped(m, {static_cast<std::uint32_t>(map.normals), flags, 1.0f}, map.nested, around);
   }
@@ -192,9 +194,9 @@ class Flattener {
   }
 
   std::uint32_t flatten_mapped(const MaterialDescription& m, NormalMapRow map, MaterialId nested,
-                               const Surroundings& around) {
+                               const MaterialWrappers& around) {
     if (around.map != kNoMap) throw SceneError(m.where, "a normal or bump map cannot hold another one");
-    Surroundings inside = around;
+    MaterialWrappers inside = around;
     inside.map = static_cast<std::uint32_t>(maps.size());
     maps.push_back(map);
     return flatten(nested, inside);

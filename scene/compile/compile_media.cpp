@@ -96,7 +96,7 @@ class MediaCompiler {
  private:
   static constexpr std::size_t kConstant = static_cast<std::size_t>(-1);
   /// Largest number of values that registers look up by index.
-  static constexpr std::size_t kMostGathered = std::size_t{1} << 31;
+  static constexpr std::size_t kMaxGathered = std::size_t{1} << 31;
 
   /// Where a grid lies.
   struct Placement {
@@ -136,8 +136,8 @@ class MediaCompiler {
       throw SceneError(where, description.file.string() + ": the grid has " + std::to_string(loaded.channels) +
                                   " channels, expected " + std::to_string(channels));
     if (loaded.is_empty()) out.warnings.push_back(description.file.string() + ": the grid is empty");
-    const Transform to_world = description.fit_to_shape && !loaded.is_empty() ? stretch(loaded.voxel_box(), box)
-                                                                              : description.to_world;
+    const Transform to_world =
+        description.fit_to_shape && !loaded.is_empty() ? stretch(loaded.voxel_box(), box) : description.to_world;
     placements_.push_back({to_world, &description, where});
     out.grids.push_back(std::move(loaded));
     return static_cast<std::uint32_t>(out.grids.size() - 1);
@@ -207,7 +207,7 @@ class MediaCompiler {
   bool is_single_grid(const MediumRow& row, std::uint32_t of) const {
     if (of == kNone || row.flake_grids != kNone) return false;
     const BrickGrid& grid = out.grids[of];
-    if (grid.channels != 1 || grid.values.size() > kMostGathered) return false;
+    if (grid.channels != 1 || grid.values.size() > kMaxGathered) return false;
     if (grid.border != GridBorder::kBackground && grid.border != GridBorder::kClamp) return false;
     const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
     return (of == row.first_grid || row.first_grid == kNone) &&

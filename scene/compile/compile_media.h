@@ -12,10 +12,10 @@ namespace sheaf {
 /// A medium where it lies.
 struct PlacedMedium {
   const MediumDescription* description;
-  std::uint32_t phase = 0;       ///< row of the material that is its phase function
+  std::uint32_t phase = 0;                  ///< row of the material that is its phase function
   const SggxDescription* flakes = nullptr;  ///< that function, if it is this
-  std::vector<GridBox> boxes;    ///< around each of the shapes that hold it; world space, metres
-  GridBox scene;                 ///< around everything, for media that no shape holds
+  std::vector<GridBox> boxes;               ///< around each of the shapes that hold it; world space, metres
+  GridBox scene;                            ///< around everything, for media that no shape holds
 };
 
 /// The tables of all media.

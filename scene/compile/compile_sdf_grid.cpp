@@ -36,9 +36,9 @@ Transform grid_to_world(const ShapeDescription& shape, const SdfGrid& grid) {
 void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, const SdfGrid& grid) {
   check_sdf_grid(shape, grid);
   Scene& out = *out_;
-  constexpr std::size_t kMost = std::size_t{1} << 30;  // lanes reach them by indices of either sign
-  if (out.sdf_values_.size() + grid.values.size() > kMost)
-    throw SceneError("more than " + std::to_string(kMost) + " values of grids of distances in all");
+  constexpr std::size_t kMax = std::size_t{1} << 30;  // lanes reach them by indices of either sign
+  if (out.sdf_values_.size() + grid.values.size() > kMax)
+    throw SceneError("more than " + std::to_string(kMax) + " values of grids of distances in all");
   const QuadricRow placement = make_quadric(ShapeKind::kSdfGrid, grid_to_world(shape, grid), shape.flip_normals);
   const auto side = [&](std::size_t axis) { return static_cast<std::uint32_t>(grid.size[axis]); };
   SdfGridRow rows{};
@@ -63,8 +63,8 @@ void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, co
     warn(shape, "the grid of distances has no surface: nowhere do its values change sign; left out");
     return;
   }
-  if (out.sdf_cells_.size() + cells.size() > kMost)
-    throw SceneError("more than " + std::to_string(kMost / 2) + " cells with a surface in all");
+  if (out.sdf_cells_.size() + cells.size() > kMax)
+    throw SceneError("more than " + std::to_string(kMax / 2) + " cells with a surface in all");
   if (!is_traceable(box.min, box.max) || !(placement.determinant > 0.0f)) {
     warn(shape, "shape is degenerate or too large for single precision: left out");
     return;

@@ -231,8 +231,8 @@ class TextureCompiler {
   std::vector<const TextureDescription*> grids_of_;  ///< of each grid
   std::vector<int> depths_;
   std::vector<TiledImage> images_;
-  std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::Change>, std::size_t> index_of_;
-  std::map<std::pair<const Image*, BitmapDescription::Change>, std::size_t> index_of_made_;
+  std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::ColorTransform>, std::size_t> index_of_;
+  std::map<std::pair<const Image*, BitmapDescription::ColorTransform>, std::size_t> index_of_made_;
   CompiledTextures out_;
 };
 
@@ -282,8 +282,8 @@ void AttributeTable::add(std::uint32_t shape, std::uint32_t first_triangle, std:
   const auto found = std::find(names_.begin(), names_.end(), attribute.name);
   if (found == names_.end() || triangle_count == 0) return;
   const auto name = static_cast<std::uint32_t>(found - names_.begin());
-  constexpr std::size_t kMostValues = 0xffffffffu;
-  if (values_.size() > kMostValues - expected) throw fail("makes too many values in all");
+  constexpr std::size_t kMaxValues = 0xffffffffu;
+  if (values_.size() > kMaxValues - expected) throw fail("makes too many values in all");
   const AttributeEntry entry{static_cast<std::uint32_t>(values_.size()),
                              channels | (per_face ? AttributeEntry::kPerFace : 0u), first_triangle, triangle_count};
   if (!added_.insert({{name, shape}, entry}).second) throw fail("is there twice");
@@ -291,8 +291,8 @@ void AttributeTable::add(std::uint32_t shape, std::uint32_t first_triangle, std:
 }
 
 void AttributeTable::finish(std::uint32_t shape_count, CompiledTextures& textures) {
-  constexpr std::size_t kMostEntries = std::size_t{1} << 30;
-  if (names_.size() * shape_count > kMostEntries) throw SceneError("too many shapes for so many mesh attributes");
+  constexpr std::size_t kMaxEntries = std::size_t{1} << 30;
+  if (names_.size() * shape_count > kMaxEntries) throw SceneError("too many shapes for so many mesh attributes");
   entries_.assign(names_.size() * shape_count, {});
   for (const auto& [key, entry] : added_) entries_[std::size_t{key.first} * shape_count + key.second] = entry;
   values_.insert(values_.end(), 3, 0.0f);

@@ -30,7 +30,7 @@ namespace data = daylight_data;
 constexpr double kPiD = std::numbers::pi;
 constexpr double kFirstWavelength = 320, kWavelengthStep = 40;
 /// Skies that are averaged at most.
-constexpr std::size_t kMostSkies = 256;
+constexpr std::size_t kMaxSkies = 256;
 
 /// Tables for the turbidity below, and how much the one above counts.
 struct TurbidityPlace {
@@ -72,7 +72,7 @@ struct Skies {
   double share = 0;
 
   explicit Skies(const SkyDescription& sky) {
-    const std::size_t stride = (sky.suns.size() + kMostSkies - 1) / kMostSkies;
+    const std::size_t stride = (sky.suns.size() + kMaxSkies - 1) / kMaxSkies;
     std::size_t count = 0;
     for (std::size_t i = 0; i < sky.suns.size(); i += stride, ++count) {
       const double height = dot(sky.suns[i], sky.up);

@@ -108,7 +108,7 @@ const LightCompiler& light_compiler_of(const LightRow& light) {
   return kAll[light.kind];
 }
 
-bool is_infinite(const LightRow& light) { return light_compiler_of(light).reach != LightReach::kBounded; }
+bool is_infinite(const LightRow& light) { return light_compiler_of(light).domain != LightDomain::kBounded; }
 
 Vec3f light_power(const SceneView& scene, std::uint32_t light) {
   const LightRow& row = scene.lights[light];

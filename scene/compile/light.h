@@ -14,7 +14,7 @@
 namespace sheaf {
 
 /// A light that is not on a shape, with its frame if the kind has one.
-struct PlacedLight {
+struct CompiledLight {
   LightRow row;
   std::optional<LightFrameRow> frame;
   SpectrumRow spectrum = {};  ///< what LightRecord::radiance is, in spectral mode
@@ -41,7 +41,7 @@ LightRow make_light_row(LightKind kind, Vec3f radiance, Vec3f position);
 inline Vec3f emitted_rgb(const LightRow& light) { return {light.radiance.c0, light.radiance.c1, light.radiance.c2}; }
 
 /// Where a kind of light shines from.
-enum class LightReach {
+enum class LightDomain {
   kBounded,      ///< somewhere inside of the scene
   kDistant,      ///< outside of it
   kEnvironment,  ///< outside of it, from all directions: there may be one
@@ -56,7 +56,7 @@ enum class IntegralSharing {
 
 /// A kind of light to who makes tables of lights.
 struct LightCompiler {
-  LightReach reach;
+  LightDomain domain;
   /// See light_power(); without `integral`.
   Vec3f (*power)(const SceneView&, const LightRow&);
   /// See bounds_of_light(). Null unless bounded.
@@ -70,21 +70,21 @@ struct LightCompiler {
 
 /// A struct with the reach, the power and, if it is bounded, the bounds of a kind.
 template <class Kind>
-concept CompiledLight = requires(const SceneView& scene, const LightRow& light) {
-  { Kind::kReach } -> std::convertible_to<LightReach>;
+concept CompilableLight = requires(const SceneView& scene, const LightRow& light) {
+  { Kind::kDomain } -> std::convertible_to<LightDomain>;
   { Kind::power(scene, light) } -> std::same_as<Vec3f>;
 }
-&&(Kind::kReach == LightReach::kBounded) == requires(const SceneView& scene, const LightRow& light) {
+&&(Kind::kDomain == LightDomain::kBounded) == requires(const SceneView& scene, const LightRow& light) {
   { Kind::bounds(scene, light, 1.0) } -> std::same_as<LightBounds>;
 };
 
-template <CompiledLight Kind> LightCompiler make_light_compiler() {
+template <CompilableLight Kind> LightCompiler make_light_compiler() {
   if constexpr (requires { &Kind::integral; })
-    return {Kind::kReach, &Kind::power, &Kind::bounds, &Kind::integral, &Kind::integral_key};
-  else if constexpr (Kind::kReach == LightReach::kBounded)
-    return {Kind::kReach, &Kind::power, &Kind::bounds};
+    return {Kind::kDomain, &Kind::power, &Kind::bounds, &Kind::integral, &Kind::integral_key};
+  else if constexpr (Kind::kDomain == LightDomain::kBounded)
+    return {Kind::kDomain, &Kind::power, &Kind::bounds};
   else
-    return {Kind::kReach, &Kind::power, nullptr};
+    return {Kind::kDomain, &Kind::power, nullptr};
 }
 
 #pragma GCC diagnostic push
@@ -102,7 +102,7 @@ template <class Description> struct LightToPlace {
   const SourceLocation& where;
   LightContext& context;
   /// Its row and its spectrum, or nothing if it is black for sure. Throws SceneError.
-  friend std::optional<PlacedLight> place_light(const LightToPlace&);
+  friend std::optional<CompiledLight> place_light(const LightToPlace&);
 };
 
 #pragma GCC diagnostic pop

@@ -47,11 +47,11 @@ BrickGrid load_made(const GridVolumeDescription& description) {
 
 /// Tiles of a sparse file stand for any number of voxels, but bricks take memory for each 8^3: so much per byte of the
 /// file, on top of what any file may take, is far more than volumes need whose voxels are there.
-constexpr std::size_t kMostPerByte = 512, kAlways = std::size_t{64} << 20;
+constexpr std::size_t kMaxPerByte = 512, kAlways = std::size_t{64} << 20;
 
 BrickGrid load_nanovdb(const GridVolumeDescription& description) {
   const SparseVolume volume = read_nanovdb(description.file, description.grid);
-  BrickGrid grid = make_sparse_grid(volume.voxels, kAlways + kMostPerByte * volume.stored_bytes);
+  BrickGrid grid = make_sparse_grid(volume.voxels, kAlways + kMaxPerByte * volume.stored_bytes);
   grid.grid_to_local = volume.grid_to_local;
   return grid;
 }
@@ -74,7 +74,7 @@ BrickGrid load_volume(const GridVolumeDescription& description, const SourceLoca
   try {
     try {
       switch (description.format) {
-        case GridVolumeDescription::Format::kMade:
+        case GridVolumeDescription::Format::kInMemory:
           return load_made(description);
         case GridVolumeDescription::Format::kNanoVdb:
           return load_nanovdb(description);

@@ -35,7 +35,7 @@ float largest_value(const SpectrumDescription& spectrum) {
 }
 
 /// Parameters on their way into a row: constants go to their place, textures become bindings of that place.
-template <template <class> class Parameters> struct RowMaker {
+template <template <class> class Parameters> struct MaterialRowBuilder {
   RowContext& context;
   Parameters<Scalar> p{};
   std::uint32_t first_binding = static_cast<std::uint32_t>(context.bindings.size());
@@ -87,7 +87,7 @@ template <template <class> class Parameters> struct RowMaker {
     set_parameters<Parameters>(out, kind, p);
     out.first_binding = first_binding;
     out.binding_count = static_cast<std::uint16_t>(context.bindings.size() - first_binding);
-    if (out.binding_count > 0) out.flags |= kTextured;
+    if (out.binding_count > 0) out.flags |= kNeedsUv;
     return out;
   }
 
@@ -100,25 +100,25 @@ template <template <class> class Parameters> struct RowMaker {
 bool is_ggx(const RoughnessDescription& r) { return r.distribution == RoughnessDescription::Distribution::kGgx; }
 
 template <template <class> class Parameters>
-void set_roughness(RowMaker<Parameters>& m, const RoughnessDescription& roughness) {
+void set_roughness(MaterialRowBuilder<Parameters>& m, const RoughnessDescription& roughness) {
   m.set(m.p.alpha_u, roughness.alpha_u);
   m.set(m.p.alpha_v, roughness.alpha_v);
 }
 
 /// Only a surface that is smoother in one direction than in the other needs its tangent.
 MaterialRow with_tangent(MaterialRow row, const RoughnessDescription& roughness) {
-  if (roughness.alpha_u != roughness.alpha_v) row.flags |= kTextured;
+  if (roughness.alpha_u != roughness.alpha_v) row.flags |= kNeedsUv;
   return row;
 }
 MaterialRow with_tangent(MaterialRow row, const ScalarInput& anisotropic) {
-  if (anisotropic != ScalarInput(0.0f)) row.flags |= kTextured;
+  if (anisotropic != ScalarInput(0.0f)) row.flags |= kNeedsUv;
   return row;
 }
 
 /// Each of the parameters is what the file says.
-template <ClosureKind Kind, template <class> class Parameters, PlainModel Model>
+template <ClosureKind Kind, template <class> class Parameters, DeclarativeBsdf Model>
 MaterialRow make_plain_row(const Model& model, RowContext& context) {
-  RowMaker<Parameters> m{context};
+  MaterialRowBuilder<Parameters> m{context};
   const auto inputs = Model::fields(model);
   const auto set = [&]<std::size_t... I>(const auto& leaves_of_m, std::index_sequence<I...>) {
     (m.set(std::get<I>(leaves_of_m), std::get<I>(inputs)), ...);
@@ -130,7 +130,7 @@ MaterialRow make_plain_row(const Model& model, RowContext& context) {
   return m.row(Kind);
 }
 
-template <PlainModel Model> MaterialRow make_row(const Model& model, RowContext& context) {
+template <DeclarativeBsdf Model> MaterialRow make_row(const Model& model, RowContext& context) {
   static_assert(closures_of_description<Model>() == 1, "for_each_closure() must name a plain model exactly once");
   MaterialRow row;
   for_each_closure([&]<ClosureKind Kind, template <class> class P, class Of>(ClosureEntry<Kind, P, Of>) {
@@ -140,7 +140,7 @@ template <PlainModel Model> MaterialRow make_row(const Model& model, RowContext&
 }
 
 template <template <class> class Parameters>
-void set_conductor(RowMaker<Parameters>& m, const ConductorDescription& d) {
+void set_conductor(MaterialRowBuilder<Parameters>& m, const ConductorDescription& d) {
   const SpectrumInput none = SpectrumDescription::constant(0), mirror = SpectrumDescription::constant(1);
   m.set(m.p.eta, d.ior ? d.ior->eta : none, TextureRole::kUnbounded);
   m.set(m.p.k, d.ior ? d.ior->k : mirror, TextureRole::kUnbounded);
@@ -151,11 +151,11 @@ void set_conductor(RowMaker<Parameters>& m, const ConductorDescription& d) {
 
 MaterialRow make_row(const ConductorDescription& d, RowContext& context) {
   if (!d.roughness) {
-    RowMaker<ConductorParameters> m{context};
+    MaterialRowBuilder<ConductorParameters> m{context};
     set_conductor(m, d);
     return m.row(ClosureKind::kConductor);
   }
-  RowMaker<RoughConductorParameters> m{context};
+  MaterialRowBuilder<RoughConductorParameters> m{context};
   set_conductor(m, d);
   set_roughness(m, *d.roughness);
   return with_tangent(
@@ -182,11 +182,11 @@ MaterialRow make_dispersive_row(const DielectricDescription& d, RowContext& cont
     m.set(m.p.transmittance, d.specular_transmittance);
   };
   if (!d.roughness) {
-    RowMaker<DispersiveDielectricParameters> m{context};
+    MaterialRowBuilder<DispersiveDielectricParameters> m{context};
     make(m);
     return m.row(d.thin ? ClosureKind::kDispersiveThinDielectric : ClosureKind::kDispersiveDielectric);
   }
-  RowMaker<DispersiveRoughDielectricParameters> m{context};
+  MaterialRowBuilder<DispersiveRoughDielectricParameters> m{context};
   make(m);
   set_roughness(m, *d.roughness);
   return with_tangent(m.row(is_ggx(*d.roughness) ? ClosureKind::kDispersiveRoughDielectricGgx
@@ -195,7 +195,7 @@ MaterialRow make_dispersive_row(const DielectricDescription& d, RowContext& cont
 }
 
 template <template <class> class Parameters>
-void set_dielectric(RowMaker<Parameters>& m, const DielectricDescription& d) {
+void set_dielectric(MaterialRowBuilder<Parameters>& m, const DielectricDescription& d) {
   m.p.eta = d.int_ior / d.ext_ior;
   m.set(m.p.reflectance, d.specular_reflectance);
   m.set(m.p.transmittance, d.specular_transmittance);
@@ -204,11 +204,11 @@ void set_dielectric(RowMaker<Parameters>& m, const DielectricDescription& d) {
 MaterialRow make_row(const DielectricDescription& d, RowContext& context) {
   if (context.set != nullptr && (d.int_dispersion || d.ext_dispersion)) return make_dispersive_row(d, context);
   if (!d.roughness) {
-    RowMaker<DielectricParameters> m{context};
+    MaterialRowBuilder<DielectricParameters> m{context};
     set_dielectric(m, d);
     return m.row(d.thin ? ClosureKind::kThinDielectric : ClosureKind::kDielectric);
   }
-  RowMaker<RoughDielectricParameters> m{context};
+  MaterialRowBuilder<RoughDielectricParameters> m{context};
   set_dielectric(m, d);
   set_roughness(m, *d.roughness);
   return with_tangent(
@@ -216,7 +216,8 @@ MaterialRow make_row(const DielectricDescription& d, RowContext& context) {
       *d.roughness);
 }
 
-template <template <class> class Parameters> void set_plastic(RowMaker<Parameters>& m, const PlasticDescription& d) {
+template <template <class> class Parameters>
+void set_plastic(MaterialRowBuilder<Parameters>& m, const PlasticDescription& d) {
   m.p.eta = d.int_ior / d.ext_ior;
   m.set(m.p.diffuse, d.diffuse_reflectance);
   m.set(m.p.specular, d.specular_reflectance);
@@ -225,12 +226,12 @@ template <template <class> class Parameters> void set_plastic(RowMaker<Parameter
 
 MaterialRow make_row(const PlasticDescription& d, RowContext& context) {
   if (!d.roughness) {
-    RowMaker<PlasticParameters> m{context};
+    MaterialRowBuilder<PlasticParameters> m{context};
     set_plastic(m, d);
     m.p.internal_reflectance = smooth_coat_internal_reflectance(m.p.eta);
     return m.row(ClosureKind::kPlastic);
   }
-  RowMaker<RoughPlasticParameters> m{context};
+  MaterialRowBuilder<RoughPlasticParameters> m{context};
   set_plastic(m, d);
   m.set(m.p.alpha, d.roughness->alpha_u);
   const RoughCoat coat = context.coats.coat(d.roughness->distribution, m.p.alpha, m.p.eta);
@@ -242,7 +243,7 @@ MaterialRow make_row(const PlasticDescription& d, RowContext& context) {
 const ScalarInput kNoTint = 0.0f;
 
 MaterialRow make_row(const PrincipledDescription& d, RowContext& context) {
-  RowMaker<PrincipledParameters> m{context};
+  MaterialRowBuilder<PrincipledParameters> m{context};
   m.set(m.p.base_color, d.base_color);
   m.set(m.p.roughness, d.roughness);
   m.set(m.p.anisotropic, d.anisotropic);
@@ -255,16 +256,16 @@ MaterialRow make_row(const PrincipledDescription& d, RowContext& context) {
   m.set(m.p.clearcoat, d.clearcoat);
   m.set(m.p.clearcoat_gloss, d.clearcoat_gloss);
   // A matched boundary would transmit without bending, which has no density.
-  constexpr float kLeastTransmittingEta = 1.001f;
+  constexpr float kMinTransmittingEta = 1.001f;
   const bool matched = d.eta == 1.0f && d.spec_trans != ScalarInput(0.0f);
-  m.p.eta = matched ? kLeastTransmittingEta : d.eta;
+  m.p.eta = matched ? kMinTransmittingEta : d.eta;
   if (d.spec_tint != kNoTint || d.sheen_tint != kNoTint)
     m.set_luminance(m.p.base_luminance, m.p.base_color, d.base_color, TextureRole::kScalar);
   return with_tangent(m.row(ClosureKind::kPrincipled), d.anisotropic);
 }
 
 MaterialRow make_row(const PrincipledThinDescription& d, RowContext& context) {
-  RowMaker<PrincipledThinParameters> m{context};
+  MaterialRowBuilder<PrincipledThinParameters> m{context};
   m.set(m.p.base_color, d.base_color);
   m.set(m.p.roughness, d.roughness);
   m.set(m.p.anisotropic, d.anisotropic);
@@ -281,7 +282,7 @@ MaterialRow make_row(const PrincipledThinDescription& d, RowContext& context) {
 }
 
 MaterialRow make_row(const DisneyDescription& d, RowContext& context) {
-  RowMaker<DisneyParameters> m{context};
+  MaterialRowBuilder<DisneyParameters> m{context};
   m.set(m.p.base_color, d.base_color);
   m.set(m.p.metallic, d.metallic);
   m.set(m.p.subsurface, d.subsurface);
@@ -299,7 +300,7 @@ MaterialRow make_row(const DisneyDescription& d, RowContext& context) {
 }
 
 MaterialRow make_row(const NoriMicrofacetDescription& d, RowContext& context) {
-  RowMaker<NoriMicrofacetParameters> m{context};
+  MaterialRowBuilder<NoriMicrofacetParameters> m{context};
   m.set(m.p.kd, d.kd);
   m.set(m.p.alpha, d.alpha);
   m.p.eta = d.int_ior / d.ext_ior;
@@ -307,7 +308,7 @@ MaterialRow make_row(const NoriMicrofacetDescription& d, RowContext& context) {
 }
 
 MaterialRow make_row(const RoughDiffuseDescription& d, RowContext& context) {
-  RowMaker<RoughDiffuseParameters> m{context};
+  MaterialRowBuilder<RoughDiffuseParameters> m{context};
   m.set(m.p.reflectance, d.reflectance);
   m.set(m.p.alpha, d.alpha);
   m.p.fast = d.fast ? 1.0f : 0.0f;
@@ -315,19 +316,19 @@ MaterialRow make_row(const RoughDiffuseDescription& d, RowContext& context) {
 }
 
 MaterialRow make_row(const WardDescription& d, RowContext& context) {
-  RowMaker<WardParameters> m{context};
+  MaterialRowBuilder<WardParameters> m{context};
   m.set(m.p.diffuse, d.diffuse_reflectance);
   m.set(m.p.specular, d.specular_reflectance);
   m.set(m.p.alpha_u, d.alpha_u);
   m.set(m.p.alpha_v, d.alpha_v);
   m.p.variant = static_cast<float>(d.variant);
   MaterialRow row = m.row(ClosureKind::kWard);
-  if (d.alpha_u != d.alpha_v) row.flags |= kTextured;
+  if (d.alpha_u != d.alpha_v) row.flags |= kNeedsUv;
   return row;
 }
 
 MaterialRow make_row(const HanrahanKruegerDescription& d, RowContext& context) {
-  RowMaker<HanrahanKruegerParameters> m{context};
+  MaterialRowBuilder<HanrahanKruegerParameters> m{context};
   m.set(m.p.first, d.first, TextureRole::kUnbounded);
   m.set(m.p.second, d.second, d.by_albedo ? TextureRole::kReflectance : TextureRole::kUnbounded);
   m.p.by_albedo = d.by_albedo ? 1.0f : 0.0f;
@@ -339,16 +340,16 @@ MaterialRow make_row(const HanrahanKruegerDescription& d, RowContext& context) {
 MaterialRow make_row(const MeasuredDescription& d, RowContext& context) {
   const ClosureTables::Measured& measured = context.tables.measured(d.file, context.set != nullptr);
   const auto with_flags = [&](MaterialRow row) {
-    if (!measured.isotropic) row.flags |= kTextured;
+    if (!measured.isotropic) row.flags |= kNeedsUv;
     return row;
   };
   if (!measured.wavelengths.empty()) {
-    RowMaker<MeasuredSpectralParameters> m{context};
+    MaterialRowBuilder<MeasuredSpectralParameters> m{context};
     m.p.table = measured.table;
     m.row_of(m.p.place) = context.set->tabulate(places_of_wavelengths(measured.wavelengths));
     return with_flags(m.row(ClosureKind::kMeasuredSpectral));
   }
-  RowMaker<MeasuredParameters> m{context};
+  MaterialRowBuilder<MeasuredParameters> m{context};
   m.p.table = measured.table;
   m.p.red = {1, 0, 0, 0}, m.p.green = {0, 1, 0, 0}, m.p.blue = {0, 0, 1, 0};
   if (context.set != nullptr) {
@@ -364,7 +365,7 @@ const SpectrumDescription kEumelanin = SpectrumDescription::rgb(0.419f, 0.697f, 
 const SpectrumDescription kPheomelanin = SpectrumDescription::rgb(0.187f, 0.4f, 1.05f);
 
 MaterialRow make_row(const HairDescription& d, RowContext& context) {
-  RowMaker<HairParameters> m{context};
+  MaterialRowBuilder<HairParameters> m{context};
   if (const auto* by = std::get_if<HairDescription::Melanin>(&d.color)) {
     m.set(m.p.eumelanin_absorption, kEumelanin, TextureRole::kUnbounded);
     m.set(m.p.pheomelanin_absorption, kPheomelanin, TextureRole::kUnbounded);
@@ -385,13 +386,13 @@ MaterialRow make_row(const HairDescription& d, RowContext& context) {
   m.p.eta = d.int_ior / d.ext_ior;
   m.p.fourth = context.set != nullptr ? 1.0f : 0.0f;
   MaterialRow row = m.row(ClosureKind::kHair);
-  row.flags |= kTextured;  // the fibre runs along the tangent
+  row.flags |= kNeedsUv;  // the fibre runs along the tangent
   return row;
 }
 
 /// Moves the parameters of `nested`, the row made last, to their places behind a coat's own.
 template <template <class> class Parameters>
-void set_nested(RowMaker<Parameters>& m, const MaterialRow& nested, const MaterialSpectra& spectra) {
+void set_nested(MaterialRowBuilder<Parameters>& m, const MaterialRow& nested, const MaterialSpectra& spectra) {
   const std::uint32_t base = m.word_of(m.p.nested_spectra[0].c0);
   constexpr std::size_t kNestedWords = 4 * kCoatableSpectra + kCoatableNumbers;
   float words[kNestedWords] = {};
@@ -415,7 +416,8 @@ void set_nested(RowMaker<Parameters>& m, const MaterialRow& nested, const Materi
 }
 
 template <template <class> class Parameters>
-MaterialRow coated_row(ClosureKind kind, const CoatDescription& d, const MaterialRow& nested, RowMaker<Parameters>& m) {
+MaterialRow coated_row(ClosureKind kind, const CoatDescription& d, const MaterialRow& nested,
+                       MaterialRowBuilder<Parameters>& m) {
   const MaterialSpectra spectra = std::exchange(m.context.rows, {});
   set_nested(m, nested, spectra);
   m.p.coat_eta = d.int_ior / d.ext_ior;
@@ -466,10 +468,10 @@ MaterialRow make_coated_row(const CoatDescription& coat, const MaterialDescripti
   if (!closure_info(below.kind).is_coatable)
     throw SceneError(std::string(closure_info(below.kind).name) + " cannot be coated");
   if (!coat.roughness) {
-    RowMaker<CoatedParameters> m{context};
+    MaterialRowBuilder<CoatedParameters> m{context};
     return coated_row(ClosureKind::kCoated, coat, below, m);
   }
-  RowMaker<RoughCoatedParameters> m{context};
+  MaterialRowBuilder<RoughCoatedParameters> m{context};
   m.set(m.p.coat_alpha, coat.roughness->alpha_u);
   const RoughCoat rough = context.coats.coat(coat.roughness->distribution, m.p.coat_alpha, coat.int_ior / coat.ext_ior);
   std::copy(rough.transmittance.begin(), rough.transmittance.end(), m.p.transmittance);

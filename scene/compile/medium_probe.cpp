@@ -12,7 +12,7 @@ namespace sheaf {
 namespace {
 
 /// Rays that cross more surfaces than this have lost their way.
-constexpr int kMostCrossings = 1000;
+constexpr int kMaxCrossings = 1000;
 
 /// One ray that looks around.
 struct Probe {
@@ -26,9 +26,8 @@ void cross(const SceneView& scene, const RayPacket& packet, int i, std::uint32_t
   const std::uint32_t index = packet.shape[i];
   const ShapeRow& shape = scene.shapes[index];
   const Vec3f d = probe.direction;
-  const auto y =
-      surface_point<Scalar, false>(scene, shape, packet.primitive[i], packet.u[i], packet.v[i],
-                                   probe.origin + d * packet.t_far[i], packet.instance[i]);
+  const auto y = surface_point<Scalar, false>(scene, shape, packet.primitive[i], packet.u[i], packet.v[i],
+                                              probe.origin + d * packet.t_far[i], packet.instance[i]);
   probe.origin = offset_origin<Scalar>(y.p, y.ng, y.offset, d);
   if (shape.boundary == kNone || index == ignored) return;
   int& inside = probe.entered[{index, packet.instance[i]}];
@@ -61,13 +60,13 @@ std::uint32_t majority(std::vector<std::uint32_t> votes) {
 
 }  // namespace
 
-std::uint32_t medium_at(const SceneView& scene, Vec3f p, std::uint32_t ignored, std::uint32_t otherwise) {
+std::uint32_t medium_at(const SceneView& scene, Vec3f p, std::uint32_t ignored, std::uint32_t default_value) {
   std::vector<Probe> probes(kPacketWidth);
   for (int i = 0; i < kPacketWidth; ++i) {
     probes[static_cast<std::size_t>(i)].origin = p;
     probes[static_cast<std::size_t>(i)].direction = spread_direction(i);
   }
-  for (int round = 0; round < kMostCrossings; ++round) {
+  for (int round = 0; round < kMaxCrossings; ++round) {
     RayPacket packet;
     bool going = false;
     for (int i = 0; i < kPacketWidth; ++i) {
@@ -82,7 +81,7 @@ std::uint32_t medium_at(const SceneView& scene, Vec3f p, std::uint32_t ignored, 
       Probe& probe = probes[static_cast<std::size_t>(i)];
       if (probe.found) continue;
       if (packet.shape[i] == kNone) {
-        probe.found = otherwise;
+        probe.found = default_value;
       } else {
         cross(scene, packet, i, ignored, probe);
         going = going || !probe.found;
@@ -91,18 +90,18 @@ std::uint32_t medium_at(const SceneView& scene, Vec3f p, std::uint32_t ignored, 
     if (!going) break;
   }
   std::vector<std::uint32_t> votes;
-  for (const Probe& probe : probes) votes.push_back(probe.found.value_or(otherwise));
+  for (const Probe& probe : probes) votes.push_back(probe.found.value_or(default_value));
   return majority(std::move(votes));
 }
 
-std::uint32_t medium_outside(const SceneView& scene, std::uint32_t otherwise) {
+std::uint32_t medium_outside(const SceneView& scene, std::uint32_t default_value) {
   std::vector<std::uint32_t> votes;
   for (int i = 0; i < kPacketWidth; ++i) {
     const Vec3f from = scene.center + spread_direction(i) * (2.0f * scene.radius);
     const Vec3f to = scene.center + spread_direction((7 * i + 3) % kPacketWidth) * (0.5f * scene.radius);
     Vec3f origin = from;
     const Vec3f d = normalize(to - from);
-    for (int round = 0; round < kMostCrossings; ++round) {
+    for (int round = 0; round < kMaxCrossings; ++round) {
       RayPacket packet;
       packet.origin_x[0] = origin.x, packet.origin_y[0] = origin.y, packet.origin_z[0] = origin.z;
       packet.direction_x[0] = d.x, packet.direction_y[0] = d.y, packet.direction_z[0] = d.z;
@@ -121,10 +120,10 @@ std::uint32_t medium_outside(const SceneView& scene, std::uint32_t otherwise) {
       origin = offset_origin<Scalar>(y.p, y.ng, y.offset, d);
     }
   }
-  return votes.empty() ? otherwise : majority(std::move(votes));
+  return votes.empty() ? default_value : majority(std::move(votes));
 }
 
-std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::uint32_t otherwise) {
+std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::uint32_t default_value) {
   const ShapeRow& row = scene.shapes[shape];
   constexpr std::uint32_t kPlaces = 5;
   std::vector<std::uint32_t> votes;
@@ -147,7 +146,7 @@ std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::ui
       const Vec3f x = spread_direction(static_cast<int>(3 * i));
       y = surface_point<Scalar, false>(scene, row, 0, 0, 0, q.world_point(x), kNone);
     }
-    votes.push_back(medium_at(scene, y.p + y.ng * y.offset, shape, otherwise));
+    votes.push_back(medium_at(scene, y.p + y.ng * y.offset, shape, default_value));
   }
   return majority(std::move(votes));
 }

@@ -106,7 +106,7 @@ class SceneCompiler {
   void add_volume_lights();
   void add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance);
   /// Adds a light unless it is black. Throws where it stands for a second environment.
-  void push_light(PlacedLight light, const LightDescription& from);
+  void push_light(CompiledLight light, const LightDescription& from);
   /// `name`: may be empty.
   void add_light_row(const LightRow& row, const SpectrumRow& spectrum, const SourceLocation& where,
                      const std::string& name);
@@ -123,8 +123,8 @@ class SceneCompiler {
   void end_media();
   /// What only looking around can tell: media around shapes and around the camera.
   void probe_media();
-  /// The same for scenes with boundaries; `otherwise`: the medium where there is nothing around.
-  void probe_boundaries(std::uint32_t otherwise);
+  /// The same for scenes with boundaries; `default_value`: the medium where there is nothing around.
+  void probe_boundaries(std::uint32_t default_value);
   /// The medium that the camera's rays start in; a warning where they start in several.
   void probe_camera();
 

@@ -43,14 +43,17 @@ void check_finite(float value) {
 SpectrumRow color_row(Vec3f rgb, SpectrumUse use) {
   for (const float c : {rgb.x, rgb.y, rgb.z}) check_finite(c);
   switch (use) {
-    case SpectrumUse::kReflectance: return coloured(fit_reflectance(rgb));
-    case SpectrumUse::kIlluminant: return coloured(fit_unbounded(rgb), kDaylightTable);
+    case SpectrumUse::kReflectance:
+      return coloured(fit_reflectance(rgb));
+    case SpectrumUse::kIlluminant:
+      return coloured(fit_unbounded(rgb), kDaylightTable);
     case SpectrumUse::kUnbounded: {
       // Colours that a reflectance may have get its smoother spectrum, as in Mitsuba.
       const bool bounded = std::min({rgb.x, rgb.y, rgb.z}) >= 0.0f && std::max({rgb.x, rgb.y, rgb.z}) <= 1.0f;
       return coloured(bounded ? fit_reflectance(rgb) : fit_unbounded(rgb));
     }
-    case SpectrumUse::kRaw: break;
+    case SpectrumUse::kRaw:
+      break;
   }
   return flat(luminance(rgb));
 }
@@ -104,9 +107,7 @@ std::vector<float> resample(const SpectrumDescription::Table& table) {
   return samples;
 }
 
-SpectrumSet::SpectrumSet() : samples_(SpectrumTableView::kStride, 1.0f) {
-  tabulate(find_illuminant("d65")->values);
-}
+SpectrumSet::SpectrumSet() : samples_(SpectrumTableView::kStride, 1.0f) { tabulate(find_illuminant("d65")->values); }
 
 SpectrumRow SpectrumSet::tabulate(std::vector<float> samples) {
   samples.resize(SpectrumTableView::kSamples);

@@ -36,7 +36,7 @@ class SpectrumSet {
   const std::vector<float>& samples() const { return samples_; }
 
  private:
-  std::vector<float> samples_;                        ///< SpectrumTableView::kStride for each table
+  std::vector<float> samples_;                         ///< SpectrumTableView::kStride for each table
   std::map<std::vector<float>, std::uint32_t> known_;  ///< table of each list of samples
 };
 

@@ -56,7 +56,7 @@ void prepare_floats(Picture& picture, const std::vector<std::size_t>& channels, 
 }
 
 /// Makes floats of all values, decoded unless `raw`, and changes them.
-void change_values(Picture& picture, bool raw, const BitmapDescription::Change& change) {
+void change_values(Picture& picture, bool raw, const BitmapDescription::ColorTransform& change) {
   const bool decode = !raw && (picture.integers || !picture.bytes.empty());
   if (picture.floats.empty())
     for (const std::uint8_t byte : picture.bytes) picture.floats.push_back(static_cast<float>(byte) / 255.0f);
@@ -72,9 +72,9 @@ void change_values(Picture& picture, bool raw, const BitmapDescription::Change& 
   }
 }
 
-TiledImage tile_picture(Picture picture, bool raw, const BitmapDescription::Change& change,
+TiledImage tile_picture(Picture picture, bool raw, const BitmapDescription::ColorTransform& change,
                         const SourceLocation& where) {
-  if (change != BitmapDescription::Change{}) change_values(picture, raw, change);
+  if (change != BitmapDescription::ColorTransform{}) change_values(picture, raw, change);
   const std::vector<std::size_t> channels = find_color_channels(picture.channels, where).channels;
   const bool bytes = !picture.bytes.empty(), grey = channels.size() == 1;
 
@@ -108,11 +108,12 @@ TiledImage tile_picture(Picture picture, bool raw, const BitmapDescription::Chan
 
 }  // namespace
 
-TiledImage load_tiled_image(const std::filesystem::path& file, bool raw, const BitmapDescription::Change& change) {
+TiledImage load_tiled_image(const std::filesystem::path& file, bool raw,
+                            const BitmapDescription::ColorTransform& change) {
   return tile_picture(read_picture(file, raw), raw, change, {file.string(), 0});
 }
 
-TiledImage tile_image(const Image& made, const BitmapDescription::Change& change, const SourceLocation& where) {
+TiledImage tile_image(const Image& made, const BitmapDescription::ColorTransform& change, const SourceLocation& where) {
   Picture picture;
   picture.width = made.width;
   picture.height = made.height;

@@ -19,9 +19,10 @@ struct TiledImage {
 /// unless `raw` are converted to Rec.709 where the file says that they are colours of another space. With a
 /// `change` all data become floats, decoded unless `raw`, and changed. Throws SceneError if the picture is missing,
 /// broken or too large, has channels without a meaning, or values that are not finite.
-TiledImage load_tiled_image(const std::filesystem::path& file, bool raw, const BitmapDescription::Change& change = {});
+TiledImage load_tiled_image(const std::filesystem::path& file, bool raw,
+                            const BitmapDescription::ColorTransform& change = {});
 
 /// The same of a picture in memory, of linear values.
-TiledImage tile_image(const Image& made, const BitmapDescription::Change& change, const SourceLocation& where);
+TiledImage tile_image(const Image& made, const BitmapDescription::ColorTransform& change, const SourceLocation& where);
 
 }  // namespace sheaf

@@ -73,11 +73,11 @@ struct BitmapDescription {
   Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
   bool raw = false;  ///< numbers, not colours: integers are not decoded by the sRGB curve
   /// What is done to each value of the picture, once it is decoded.
-  struct Change {
+  struct ColorTransform {
     float scale = 1;      ///< first: multiplied by it
     bool invert = false;  ///< then: its difference from 1 instead; what is negative becomes 0
     float exponent = 1;   ///< last: raised to it
-    friend constexpr auto operator<=>(const Change&, const Change&) = default;
+    friend constexpr auto operator<=>(const ColorTransform&, const ColorTransform&) = default;
   } change = {};
   std::shared_ptr<const Image> made = {};  ///< instead of `file`: channels Y, or R, G and B, of linear values
 };
@@ -109,7 +109,7 @@ struct GridVolumeDescription {
   enum class Format {
     kVol,      ///< Mitsuba's: dense, one or three channels; fills the unit cube, or with `use_grid_bbox` the file's box
     kNanoVdb,  ///< sparse; lies where the file's own map says; zero outside
-    kMade,     ///< `made`; lies where it says
+    kInMemory,  ///< `made`; lies where it says
   };
   enum class Filter { kTrilinear, kNearest };
   /// kVol: what is outside of the grid.
@@ -123,7 +123,7 @@ struct GridVolumeDescription {
   Filter filter = Filter::kTrilinear;
   Wrap wrap = Wrap::kClamp;
   bool raw = false;                              ///< three channels are numbers, not colours
-  std::shared_ptr<const DenseVolume> made = {};  ///< kMade
+  std::shared_ptr<const DenseVolume> made = {};  ///< kInMemory
 };
 /// A grid on surfaces: its value where in the world they are.
 struct VolumeTextureDescription {
@@ -167,7 +167,7 @@ struct ParameterName {
 /// those of what fields() ties, ScalarInputs and SpectrumInputs with their defaults. Reading it and making its row take
 /// no further code.
 template <class Model>
-concept PlainModel = requires(Model& model) {
+concept DeclarativeBsdf = requires(Model& model) {
   Model::kPlugin, Model::kParameters, Model::fields(model);
 };
 
@@ -788,9 +788,9 @@ struct IntegratorDescription {
   std::optional<int> rr_depth;  ///< roulette_depth(), if the scene says so
   LightSelector light_selector = LightSelector::kBvh;
   int candidates = 1;  ///< lights sampled per vertex, of which one is kept by resampling; in [1, kMaxCandidates]
-  bool hide_emitters = false;    ///< directly visible lights are left out (alpha 0)
-  bool ends_at_diffuse = false;  ///< paths go on from mirrors and smooth glass alone (Whitted 1980)
-  bool free_panes = false;       ///< light that passes a thin pane does not gain depth (Mitsuba's volpath)
+  bool hide_emitters = false;              ///< directly visible lights are left out (alpha 0)
+  bool ends_at_diffuse = false;            ///< paths go on from mirrors and smooth glass alone (Whitted 1980)
+  bool thin_dielectrics_are_free = false;  ///< light that passes a thin pane does not gain depth (Mitsuba's volpath)
   MediumEstimator medium_estimator = MediumEstimator::kNullMis;
   float step_size = 0;                  ///< kMarching: metres; 0: a hundredth of the medium's bounding box' diagonal
   float visibility_length = kInfinity;  ///< kVisibility: metres within which something is in the way

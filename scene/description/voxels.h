@@ -16,7 +16,7 @@ inline constexpr int kMaxGridSide = 1 << 16;
 /// Voxels in blocks of 8^3. All else is background.
 class VoxelBlocks {
  public:
-  static constexpr int kSide = 8;                       ///< of a block, in voxels
+  static constexpr int kSide = 8;                        ///< of a block, in voxels
   static constexpr int kVoxels = kSide * kSide * kSide;  ///< of a block
   struct Block {
     std::array<int, 3> position;  ///< of the first voxel, over 8
@@ -55,10 +55,10 @@ struct SparseVolume {
 
 /// What a dense file holds.
 struct DenseVolume {
-  int channels = 1;            ///< 1, 3 or 6
-  std::array<int, 3> size{};   ///< voxels along each axis
-  std::vector<float> values;   ///< x fastest, channels next to each other
-  Transform grid_to_local;     ///< as SparseVolume's
+  int channels = 1;           ///< 1, 3 or 6
+  std::array<int, 3> size{};  ///< voxels along each axis
+  std::vector<float> values;  ///< x fastest, channels next to each other
+  Transform grid_to_local;    ///< as SparseVolume's
   /// Outermost voxels are interpolated towards zero, and half a voxel beyond them the volume ends.
   bool ends_at_zero = false;
 };

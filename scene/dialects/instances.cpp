@@ -20,7 +20,7 @@ std::uint32_t group_of(const XmlElement& element, ReadContext& context, const Sh
   context.in_group = true;
   for (const XmlElement* child : p.objects(element.name.c_str())) read_shape(*child);
   context.in_group = false;
-  p.finish();
+  p.reject_unused();
   std::move(shapes.begin() + first, shapes.end(), std::back_inserter(group.shapes));
   shapes.erase(shapes.begin() + first, shapes.end());
   context.description.groups.push_back(std::move(group));
@@ -53,7 +53,7 @@ void read_instance(const XmlElement& element, ReadContext& context, const ShapeR
   for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = static_cast<float>(to_world.matrix().m[i / 4][i % 4]);
   if (!is_usable_instance(instance.to_world))
     p.fail_at("to_world", "is singular or too extreme: it must scale by factors between 1e-9 and 1e9");
-  p.finish();
+  p.reject_unused();
   context.description.instances.push_back(instance);
 }
 

@@ -125,7 +125,7 @@ void apply(const NamedIntegrator& named, IntegratorDescription& integrator) {
   photons.progressive = named.progressive;
   integrator.kind = named.kind;
   integrator.strategy = named.strategy;
-  integrator.free_panes = named.free_panes;
+  integrator.thin_dielectrics_are_free = named.thin_dielectrics_are_free;
   integrator.ends_at_diffuse = named.ends_at_diffuse;
   if (named.candidates > 1) integrator.candidates = named.candidates;
   if (named.direct) integrator.max_depth = 2;

@@ -12,11 +12,11 @@ struct NamedIntegrator {
   const char* name;
   IntegratorKind kind;
   LightStrategy strategy;
-  bool direct;                   ///< light is scattered once: max_depth is 2
-  int candidates = 1;            ///< IntegratorDescription::candidates unless told
-  bool free_panes = false;       ///< IntegratorDescription::free_panes
-  bool progressive = false;      ///< PhotonMappingDescription::progressive
-  bool ends_at_diffuse = false;  ///< IntegratorDescription::ends_at_diffuse
+  bool direct;                             ///< light is scattered once: max_depth is 2
+  int candidates = 1;                      ///< IntegratorDescription::candidates unless told
+  bool thin_dielectrics_are_free = false;  ///< IntegratorDescription::thin_dielectrics_are_free
+  bool progressive = false;                ///< PhotonMappingDescription::progressive
+  bool ends_at_diffuse = false;            ///< IntegratorDescription::ends_at_diffuse
 };
 
 /// For the integrators of other renderers that compute the same picture in another way: the name of ours. Else null.
@@ -28,8 +28,8 @@ const NamedIntegrator* find_integrator(std::string_view name);
 /// All names.
 std::vector<std::string> integrator_names();
 
-/// Sets kind, strategy, free_panes, ends_at_diffuse, whether photon maps are progressive and, where the name fixes
-/// them, candidates and depth.
+/// Sets kind, strategy, thin_dielectrics_are_free, ends_at_diffuse, whether photon maps are progressive and, where the
+/// name fixes them, candidates and depth.
 void apply(const NamedIntegrator& named, IntegratorDescription& integrator);
 
 /// What to tell the user if another integrator with the same expectation is rendered; else empty.

@@ -1,7 +1,7 @@
 // The Mitsuba dialect (0.6, 2, 3): what stands at the top level of a scene.
 #include "scene/dialects/mitsuba.h"
 
-#include "scene/dialects/frame_scene.h"
+#include "scene/dialects/auto_camera.h"
 
 namespace sheaf {
 

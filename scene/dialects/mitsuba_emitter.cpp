@@ -90,10 +90,10 @@ void read_emitter(const XmlElement& element, Reader& reader) {
     std::sort(known.begin(), known.end());
     p.fail_plugin(known);
   }
-  if (p.type() == "constant") p.accept({"to_world"});
-  p.accept({"sampling_weight"});
+  if (p.type() == "constant") p.ignore({"to_world"});
+  p.ignore({"sampling_weight"});
   p.objects("medium");  // that it is in: found from the shapes around
-  p.finish();
+  p.reject_unused();
   if (const std::string* id = element.find_attribute("id"))
     for (LightDescription& each : lights) each.id = *id;
   std::vector<LightDescription>& all = reader.context.description.lights;

@@ -25,7 +25,7 @@ void read_photon_maps(Properties& p, IntegratorDescription& integrator) {
     photons.lookup_size = 120;
   }
   read_photon_mapping(p, photons);
-  p.accept({"direct_samples", "glossy_samples", "granularity", "cache_photons", "auto_cancel_gathering",
+  p.ignore({"direct_samples", "glossy_samples", "granularity", "cache_photons", "auto_cancel_gathering",
             "gather_locally", "max_specular_depth", "caustic_lookup_size", "volume_lookup_size"});
 }
 
@@ -36,30 +36,30 @@ void read_path_like(Properties& p, const NamedIntegrator& named, IntegratorDescr
   apply(named, integrator);
   read_light_sampling(p, integrator);
   read_medium_estimation(p, integrator);
-  p.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
+  p.ignore({"strict_normals", "samples_per_pass", "block_size", "timeout"});
   if (integrator.kind == IntegratorKind::kPhotonMapper) read_photon_maps(p, integrator);
-  if (p.type() == "ptracer") p.accept({"granularity", "brute_force", "samples_per_pass"});
-  if (p.type() == "volpathmis") p.accept({"use_spectral_mis"});
+  if (p.type() == "ptracer") p.ignore({"granularity", "brute_force", "samples_per_pass"});
+  if (p.type() == "volpathmis") p.ignore({"use_spectral_mis"});
   // Of renderers derived from Mitsuba: which of several ways to the same picture, and when to save it on the way.
-  if (p.type().starts_with("volpath")) p.accept({"version"});
-  if (integrator.photons.progressive) p.accept({"k_nn", "step_snapshot", "dual_buffer", "granularity"});
+  if (p.type().starts_with("volpath")) p.ignore({"version"});
+  if (integrator.photons.progressive) p.ignore({"k_nn", "step_snapshot", "dual_buffer", "granularity"});
 }
 
 /// Another renderer's way to the same expectation: its own properties mean nothing here.
 void read_stand_in(Properties& p, const NamedIntegrator& named, IntegratorDescription& integrator) {
   read_path_like(p, named, integrator);
-  p.accept_all();
+  p.ignore_all();
   p.context().note(p.where(), stand_in_note(p.type()));
 }
 
 /// Direct light. Several samples per strategy have the expectation of one; none switches the strategy off.
 void read_direct(Properties& p, IntegratorDescription& integrator) {
-  constexpr int kMost = 1'000'000;
+  constexpr int kMax = 1'000'000;
   integrator.max_depth = 2;
   integrator.hide_emitters = p.boolean("hide_emitters", false);
-  const int shading = p.integer("shading_samples", 1, 1, kMost);
-  const int lights = p.integer("emitter_samples", shading, 0, kMost);
-  const int bsdfs = p.integer("bsdf_samples", shading, 0, kMost);
+  const int shading = p.integer("shading_samples", 1, 1, kMax);
+  const int lights = p.integer("emitter_samples", shading, 0, kMax);
+  const int bsdfs = p.integer("bsdf_samples", shading, 0, kMax);
   if (lights + bsdfs == 0) p.fail("has neither emitter_samples nor bsdf_samples");
   if (bsdfs == 0) integrator.strategy = LightStrategy::kLightOnly;
   if (lights == 0) integrator.strategy = LightStrategy::kBsdfOnly;
@@ -67,7 +67,7 @@ void read_direct(Properties& p, IntegratorDescription& integrator) {
   read_medium_estimation(p, integrator);
   if (std::max(lights, bsdfs) > 1)
     p.context().note(p.where(), "direct light is sampled once per path; raise sample_count for less noise");
-  p.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
+  p.ignore({"strict_normals", "samples_per_pass", "block_size", "timeout"});
 }
 
 /// What is computed is what a nested integrator computes.
@@ -84,7 +84,7 @@ void read_wrapper(Properties& p, Reader& reader) {
   if (nested.empty()) p.fail("holds no nested <integrator>, expected one");
   if (nested.size() > 1 && p.type() != "multichannel")
     p.fail("holds " + std::to_string(nested.size()) + " nested <integrator>, expected one");
-  p.accept_all();
+  p.ignore_all();
   read_integrator(*nested[0], reader);
 }
 
@@ -94,8 +94,8 @@ void read_plugin(const XmlElement& element, Reader& reader) {
   if (is_wrapper(p.type())) return read_wrapper(p, reader);
   if (is_visibility_integrator(p.type())) {
     const float length = p.number("length", kInfinity, kPositive);
-    p.accept({"samples_per_pass", "block_size", "timeout"});
-    p.finish();
+    p.ignore({"samples_per_pass", "block_size", "timeout"});
+    p.reject_unused();
     return apply_visibility_integrator(p.type(), length, true, reader.context.description);
   }
   const NamedIntegrator* named = find_integrator(p.type());
@@ -110,12 +110,12 @@ void read_plugin(const XmlElement& element, Reader& reader) {
     read_direct(p, integrator);
   } else if (!transports_light(named->kind)) {
     integrator.kind = named->kind;
-    p.accept({"samples_per_pass", "block_size", "timeout"});
+    p.ignore({"samples_per_pass", "block_size", "timeout"});
   } else {
     read_path_like(p, *named, integrator);
     if (named->direct) integrator.max_depth = 2;
   }
-  p.finish();
+  p.reject_unused();
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumD
     p.fail_at("method", "is " + in_quotes(method) + ", expected woodcock or simpson" +
                             did_you_mean(method, {"woodcock", "simpson"}));
   }
-  p.accept({"step_size"});
+  p.ignore({"step_size"});
   read_medium_rest(p, dialect, medium);
 }
 
@@ -94,7 +94,7 @@ MediumId medium_of(const XmlElement& element, Reader& reader) {
   } else {
     p.fail_plugin({"heterogeneous", "homogeneous"});
   }
-  p.accept({"has_spectral_extinction", "sample_emitters", "majorant_grid", "majorant_factor",
+  p.ignore({"has_spectral_extinction", "sample_emitters", "majorant_grid", "majorant_factor",
             "majorant_resolution_factor", "accel"});
   return add_medium(p, std::move(medium));
 }

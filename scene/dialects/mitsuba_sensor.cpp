@@ -41,7 +41,7 @@ FilterDescription read_filter(const XmlElement& element, ReadContext& context) {
   } else {
     p.fail_plugin({"box", "catmullrom", "gaussian", "lanczos", "mitchell", "tent"});
   }
-  p.finish();
+  p.reject_unused();
   check_filter_radius(static_cast<double>(filter.radius), p.where());
   return filter;
 }
@@ -72,7 +72,7 @@ void read_film(const XmlElement& element, ReadContext& context) {
   if (p.type() == "specfilm") {
     context.note(p.where(), "the film is rendered as an 'hdrfilm': its bands are not told apart (see --spectral-bins)");
     for (const XmlElement& child : element.children)
-      if (child.name == "spectrum") p.accept({std::string(child.attribute("name")).c_str()});
+      if (child.name == "spectrum") p.ignore({std::string(child.attribute("name")).c_str()});
   } else if (p.type() != "hdrfilm" && p.type() != "ldrfilm" && p.type() != "mfilm" && p.type() != "tiledhdrfilm") {
     p.fail_plugin({"hdrfilm", "ldrfilm", "mfilm", "specfilm", "tiledhdrfilm"});
   }
@@ -82,13 +82,13 @@ void read_film(const XmlElement& element, ReadContext& context) {
   film.sample_border = p.boolean("sample_border", false);
   if (const XmlElement* filter = p.object("rfilter"))
     read_or_as(*filter, context, "gaussian", [&] { film.filter = read_filter(*filter, context); });
-  if (p.accept_prefixed("label[")) context.note(p.where(), "labels are not drawn on the image");
-  if (p.accept_prefixed("metadata[")) context.note(p.where(), "'metadata' is not written to the image");
+  if (p.ignore_prefixed("label[")) context.note(p.where(), "labels are not drawn on the image");
+  if (p.ignore_prefixed("metadata[")) context.note(p.where(), "'metadata' is not written to the image");
   if (p.find_string("channel_names"))
     context.note(p.where(), "'channelNames' is ignored: the image has the layers that --aov asks for");
-  p.accept({"file_format", "pixel_format", "component_format", "banner", "high_quality_edges", "compensate", "gamma",
+  p.ignore({"file_format", "pixel_format", "component_format", "banner", "high_quality_edges", "compensate", "gamma",
             "exposure", "key", "burn", "tonemap_method", "attach_log", "digits", "variable", "fprec"});
-  p.finish();
+  p.reject_unused();
 }
 
 void read_sampler(const XmlElement& element, ReadContext& context) {
@@ -97,8 +97,8 @@ void read_sampler(const XmlElement& element, ReadContext& context) {
   sampler.kind = read_sampler_kind(p);
   sampler.sample_count = static_cast<std::uint32_t>(p.integer("sample_count", 4, 1, kMaxSampleCount));
   sampler.seed = static_cast<std::uint32_t>(p.integer("seed", 0, 0, std::numeric_limits<int>::max()));
-  if (sampler.kind != SamplerKind::kIndependent) p.accept({"dimension", "scramble", "jitter", "strength"});
-  p.finish();
+  if (sampler.kind != SamplerKind::kIndependent) p.ignore({"dimension", "scramble", "jitter", "strength"});
+  p.reject_unused();
 }
 
 /// Millimetres out of "50mm" or "50".
@@ -143,7 +143,7 @@ void read_radiance_meter(Properties& p, CameraDescription& camera) {
   camera.projection = CameraDescription::Projection::kRadianceMeter;
   camera.near_clip = 0;
   const bool origin = p.has("origin"), direction = p.has("direction");
-  if (p.has("to_world")) return p.accept({"origin", "direction"});
+  if (p.has("to_world")) return p.ignore({"origin", "direction"});
   if (origin != direction) p.fail_at(origin ? "origin" : "direction", "is given without the other: expected both");
   if (origin) camera.to_world = aim(p.vec3("origin", {0, 0, 0}), read_sensor_direction(p));
 }
@@ -154,9 +154,9 @@ CameraDescription::TargetArea read_target(const XmlElement& element, ReadContext
   if (p.type() != "rectangle" && p.type() != "disk")
     p.fail("is the target of a sensor, expected a 'rectangle' or a 'disk'");
   CameraDescription::TargetArea target{p.transform("to_world"), p.type() == "disk"};
-  p.accept({"flip_normals"});
+  p.ignore({"flip_normals"});
   p.objects("bsdf");
-  p.finish();
+  p.reject_unused();
   return target;
 }
 
@@ -197,7 +197,7 @@ void read_camera(Properties& p, CameraDescription& camera) {
   if (p.type() == "perspective_rdist") camera.distortion = read_distortion(p);
   camera.principal_point_x = p.number("principal_point_offset_x", 0);
   camera.principal_point_y = p.number("principal_point_offset_y", 0);
-  p.accept({"focus_distance", "aperture_radius"});
+  p.ignore({"focus_distance", "aperture_radius"});
 }
 
 constexpr std::initializer_list<const char*> kCameras = {"distant",           "orthographic",  "perspective",
@@ -241,7 +241,7 @@ void read_batch(Properties& p, Reader& reader) {
     cameras.emplace_back().where = element->where;
     read_camera(child, cameras.back());
     child.objects("film"), child.objects("sampler");
-    child.finish();
+    child.reject_unused();
   }
   if (cameras.empty()) p.fail("holds no <sensor>, expected one at least");
   read_shutter(p);
@@ -286,7 +286,7 @@ void read_sensor(const XmlElement& element, Reader& reader) {
   }
   camera.where = element.where;
   read_sensor_rest(p, reader, camera);
-  p.finish();
+  p.reject_unused();
 }
 
 void read_shape_sensor(const ShapeSensor& sensor, Reader& reader) {
@@ -301,7 +301,7 @@ void read_shape_sensor(const ShapeSensor& sensor, Reader& reader) {
   camera.to_world = sensor.to_world;
   read_shutter(p);
   read_sensor_rest(p, reader, camera);
-  p.finish();
+  p.reject_unused();
 }
 
 }  // namespace sheaf::mitsuba

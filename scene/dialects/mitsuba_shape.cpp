@@ -30,7 +30,7 @@ bool read_merged(const XmlElement& element, Reader& reader) {
   if (type == nullptr || *type != "merge") return false;
   Properties p(element, reader.context);
   const std::vector<const XmlElement*> shapes = p.objects("shape");
-  p.finish();
+  p.reject_unused();
   for (const XmlElement* shape : shapes) read_or_leave_out(*shape, reader.context, [&] { read_shape(*shape, reader); });
   return true;
 }
@@ -84,10 +84,10 @@ void read_shape(const XmlElement& element, Reader& reader) {
   if (shape.radiance && !shape.material) shape.material = black_material(reader);
   if (reader.before_version_2 && !shape.material && (shape.interior || shape.exterior))
     shape.material = null_material(reader);
-  p.accept({"silhouette_sampling_weight"});
+  p.ignore({"silhouette_sampling_weight"});
   // Which shapes specular manifold sampling (Zeltner et al. 2020) makes caustics with: hints, no light.
-  p.accept({"caustic_caster_single", "caustic_caster_multi", "caustic_bouncer", "caustic_receiver"});
-  p.finish();
+  p.ignore({"caustic_caster_single", "caustic_caster_multi", "caustic_bouncer", "caustic_receiver"});
+  p.reject_unused();
   std::vector<ShapeDescription>& shapes = reader.context.description.shapes;
   if (ellipsoids.empty()) {
     shapes.push_back(std::move(shape));

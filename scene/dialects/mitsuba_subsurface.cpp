@@ -42,7 +42,7 @@ Subsurface read_dipole(const XmlElement& element, Reader& reader) {
     medium.phase = static_cast<PhaseId>(description.phases.size() - 1);
   }
   expect_homogeneous(p, medium);
-  p.accept({"irr_samples", "irr_indirect", "samples_per_pass", "quality", "sample_multiplier"});
+  p.ignore({"irr_samples", "irr_indirect", "samples_per_pass", "quality", "sample_multiplier"});
   subsurface.medium = add_medium(p, std::move(medium));
   reader.context.note(p.where(),
                       "'dipole' is rendered as a dielectric around a scattering medium, which replaces the bsdf: its "

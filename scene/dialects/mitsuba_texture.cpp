@@ -21,15 +21,15 @@ SpectrumInput read_volume_texture(Properties& p) {
     texture.model = VolumeTextureDescription{*grid};
     return add_texture(p, std::move(texture));
   }
-  p.finish();
+  p.reject_unused();
   return std::get<SpectrumDescription>(volume);
 }
 
 /// The texture, or a copy of it, with its values multiplied.
 SpectrumInput scaled_input(Properties& p, const SpectrumInput& input, float by, int depth = 0) {
   if (const auto* constant = std::get_if<SpectrumDescription>(&input)) return scaled(*constant, by);
-  constexpr int kMaxDepth = 8;
-  if (depth > kMaxDepth) p.fail("holds textures that are nested too deep");
+  constexpr int kMaxNesting = 8;
+  if (depth > kMaxNesting) p.fail("holds textures that are nested too deep");
   std::vector<TextureDescription>& textures = p.context().description.textures;
   TextureDescription copy = textures.at(static_cast<std::size_t>(std::get<TextureId>(input)));
   const auto scale_colors = [&](auto& model) {
@@ -55,7 +55,7 @@ SpectrumInput read_scaled(Properties& p) {
   const XmlElement* nested = p.any_texture_or_color();
   if (nested == nullptr) p.fail("needs a nested <texture>");
   const SpectrumInput result = scaled_input(p, texture_of(*nested, p.context()), by);
-  p.finish();
+  p.reject_unused();
   p.context().textures.emplace(&p.element(), result);
   return result;
 }

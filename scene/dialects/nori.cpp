@@ -2,7 +2,7 @@
 #include "scene/dialects/nori.h"
 
 #include "scene/description/filter_check.h"
-#include "scene/dialects/frame_scene.h"
+#include "scene/dialects/auto_camera.h"
 #include "scene/dialects/integrator_name.h"
 #include "scene/dialects/light_selector_name.h"
 #include "scene/dialects/medium_estimator_name.h"
@@ -46,7 +46,7 @@ FilterDescription read_nori_filter(const XmlElement& element, ReadContext& conte
   } else {
     p.fail_plugin({"box", "gaussian", "mitchell", "tent"});
   }
-  p.finish();
+  p.reject_unused();
   check_filter_radius(static_cast<double>(filter.radius), p.where());
   return filter;
 }
@@ -91,7 +91,7 @@ void read_camera(const XmlElement& element, ReadContext& context) {
   film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
   if (const XmlElement* filter = p.object("rfilter"))
     read_or_as(*filter, context, "gaussian", [&] { film.filter = read_nori_filter(*filter, context); });
-  p.finish();
+  p.reject_unused();
 }
 
 void read_sampler(const XmlElement& element, ReadContext& context) {
@@ -99,12 +99,12 @@ void read_sampler(const XmlElement& element, ReadContext& context) {
   SamplerDescription& sampler = context.description.sampler;
   sampler.kind = read_sampler_kind(p);
   sampler.sample_count = static_cast<std::uint32_t>(p.integer("sampleCount", 1, 1, kMaxSampleCount));
-  p.finish();
+  p.reject_unused();
 }
 
 void read_integrator(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  if (nori::read_exercise(p)) return p.finish();
+  if (nori::read_exercise(p)) return p.reject_unused();
   const NamedIntegrator* named = find_integrator(p.type());
   if (named == nullptr) {
     std::vector<std::string> known = integrator_names();
@@ -122,13 +122,13 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
     read_light_sampling(p, integrator);
     read_medium_estimation(p, integrator);
     if (named->kind == IntegratorKind::kPhotonMapper) read_photon_mapping(p, integrator.photons);
-    p.accept({"inmedium"});  // whether the camera is in a medium: found from the shapes around it
+    p.ignore({"inmedium"});  // whether the camera is in a medium: found from the shapes around it
   }
   if (same_expectation(p.type()) != nullptr) {
-    p.accept_all();
+    p.ignore_all();
     context.note(element.where, stand_in_note(p.type()));
   }
-  p.finish();
+  p.reject_unused();
 }
 
 /// A flat shape with a corner at `origin` and sides `u` and `v`; its normal is along u x v.
@@ -179,10 +179,10 @@ void read_mesh(const XmlElement& element, ReadContext& context) {
     p.fail_plugin(known);
   }
   shape.to_world = p.transform("toWorld") * shape.to_world;
-  p.accept({"name"});
+  p.ignore({"name"});
   read_inside(p, shape);
   if (const XmlElement* emitter = p.object("emitter")) read_area_emitter(*emitter, context, shape);
-  p.finish();
+  p.reject_unused();
   context.description.shapes.push_back(std::move(shape));
 }
 

@@ -23,9 +23,10 @@ const char* first_of(Properties& p, std::initializer_list<const char*> names) {
 }
 
 DiffuseDescription read_diffuse(Properties& p) {
-  const DiffuseDescription otherwise;
-  p.accept({"use_cosine"});  // how it is sampled
-  return {p.spectrum_input(first_of(p, {"albedo", "reflectance"}), otherwise.reflectance, SpectrumRole::kReflectance)};
+  const DiffuseDescription default_value;
+  p.ignore({"use_cosine"});  // how it is sampled
+  return {
+      p.spectrum_input(first_of(p, {"albedo", "reflectance"}), default_value.reflectance, SpectrumRole::kReflectance)};
 }
 
 NoriMicrofacetDescription read_microfacet(Properties& p) {
@@ -104,7 +105,7 @@ MaterialId read_plugin(const XmlElement& element, ReadContext& context,
   if (!mapped) return add_material_of(p, std::move(material));
   material.where = element.where;
   const MaterialId id = with_normal_map(p, add_material(context, std::move(material)));
-  p.finish();
+  p.reject_unused();
   return id;
 }
 

@@ -128,7 +128,7 @@ void read_emitter(const XmlElement& element, ReadContext& context) {
     std::sort(known.begin(), known.end());
     p.fail_plugin(known);
   }
-  p.finish();
+  p.reject_unused();
   context.description.lights.push_back(std::move(light));
 }
 

@@ -33,13 +33,13 @@ bool is_picture(const std::string& type) {
 /// `eulerAngles`: pictures are not turned here. `sphericalTexture`: spheres have spherical coordinates anyway.
 void read_turn(Properties& p) {
   if (p.vec3("eulerAngles", {0, 0, 0}) != Vec3f{0, 0, 0}) p.fail_at("eulerAngles", "is not zero, expected no turn");
-  p.accept({"sphericalTexture"});
+  p.ignore({"sphericalTexture"});
 }
 
 SpectrumInput read_constant(Properties& p) {
   SpectrumInput value = p.spectrum_input("value", SpectrumDescription::constant(0), SpectrumRole::kIor);
-  p.accept({"filename", "eulerAngles", "sphericalTexture"});  // of the picture that it is in place of
-  p.finish();
+  p.ignore({"filename", "eulerAngles", "sphericalTexture"});  // of the picture that it is in place of
+  p.reject_unused();
   return value;
 }
 

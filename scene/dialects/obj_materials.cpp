@@ -24,8 +24,8 @@ float largest(const std::optional<Vec3f>& color) { return color ? std::max({colo
 
 SpectrumDescription spectrum(Vec3f rgb) { return SpectrumDescription::rgb(rgb.x, rgb.y, rgb.z); }
 
-/// The principal index of refraction of a material, or `otherwise` where the file gives none that can be meant.
-float ior_or(const MtlMaterial& m, float otherwise) { return m.ior && *m.ior > 1.0f ? *m.ior : otherwise; }
+/// The principal index of refraction of a material, or `default_value` where the file gives none that can be meant.
+float ior_or(const MtlMaterial& m, float default_value) { return m.ior && *m.ior > 1.0f ? *m.ior : default_value; }
 
 /// Builds the descriptions of one material from the inside out.
 class MaterialBuilder {
@@ -76,13 +76,13 @@ class MaterialBuilder {
     return static_cast<TextureId>(out_.textures.size() - 1);
   }
 
-  SpectrumInput color(const std::optional<Vec3f>& value, const std::optional<MtlTexture>& map, float otherwise) {
+  SpectrumInput color(const std::optional<Vec3f>& value, const std::optional<MtlTexture>& map, float default_value) {
     if (map) return texture(*map, false);
-    return spectrum(value.value_or(Vec3f{otherwise, otherwise, otherwise}));
+    return spectrum(value.value_or(Vec3f{default_value, default_value, default_value}));
   }
-  ScalarInput number(const std::optional<float>& value, const std::optional<MtlTexture>& map, float otherwise) {
+  ScalarInput number(const std::optional<float>& value, const std::optional<MtlTexture>& map, float default_value) {
     if (map) return texture(*map, true);
-    return std::clamp(value.value_or(otherwise), 0.0f, 1.0f);
+    return std::clamp(value.value_or(default_value), 0.0f, 1.0f);
   }
   SpectrumInput diffuse_color() { return color(m_.diffuse, m_.map_diffuse, 0.5f); }
   SpectrumInput specular_color() { return color(m_.specular, m_.map_specular, 1.0f); }

@@ -79,7 +79,7 @@ struct Reader {
   std::map<std::string, Object, std::less<>> objects = {};
   std::optional<Material> standard_material = {};  ///< of shapes without one, once there was such a shape
   /// Pictures below coats, so that materials share them.
-  std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::Change, LayeredBase>,
+  std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::ColorTransform, LayeredBase>,
            std::shared_ptr<const Image>>
       base_pictures = {};
   Object* object = nullptr;                       ///< that is being defined
@@ -115,7 +115,7 @@ struct Index {
   float value;
   std::optional<Dispersion> dispersion;
 };
-Index read_index(Parameters& p, const char* name, float otherwise);
+Index read_index(Parameters& p, const char* name, float default_value);
 
 // pbrt_color_space.cpp
 /// Those that ColorSpace may name, the first of which is Rec.709's.

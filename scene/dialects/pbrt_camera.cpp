@@ -83,7 +83,7 @@ void read_spherical(Parameters& p, CameraDescription& camera, const Transform& w
   else
     axes.m[0] = {0, 0, -1, 0}, axes.m[2] = {1, 0, 0, 0};
   camera.to_world = world_from_camera * Transform(axes);
-  p.accept({"frameaspectratio", "screenwindow", "lensradius", "focaldistance"});
+  p.ignore({"frameaspectratio", "screenwindow", "lensradius", "focaldistance"});
 }
 
 PixelRect read_crop_window(Parameters& p, const FilmDescription& film, std::vector<float> c) {
@@ -130,11 +130,11 @@ void read_film(Reader& reader, Entity entity, float shutter) {
   if (p.number("whitebalance", 0, kNotNegative) != 0.0f) p.unsupported("'whitebalance'", "there is none");
   if (p.has("maxcomponentvalue")) {
     reader.note(entity.where, p.title() + ": 'maxcomponentvalue' is not used: samples are not clamped");
-    p.accept({"maxcomponentvalue"});
+    p.ignore({"maxcomponentvalue"});
   }
   reader.exposure = shutter * p.number("iso", 100, kPositive) / 100;
-  p.accept({"filename", "savefp16", "diagonal", "coordinatesystem", "lambdamin", "lambdamax", "nbuckets"});
-  p.finish();
+  p.ignore({"filename", "savefp16", "diagonal", "coordinatesystem", "lambdamin", "lambdamax", "nbuckets"});
+  p.reject_unused();
 }
 
 void read_filter(Reader& reader, Entity entity) {
@@ -165,7 +165,7 @@ void read_filter(Reader& reader, Entity entity) {
     const std::vector<std::string> known = {"box", "gaussian", "mitchell", "sinc", "triangle"};
     throw SceneError(entity.where, "unknown filter '" + type + "'" + did_you_mean(type, known));
   }
-  p.finish();
+  p.reject_unused();
   check_filter_radius(static_cast<double>(filter.radius), entity.where);
 }
 
@@ -176,7 +176,7 @@ void read_camera(Reader& reader, Entity entity, const Transform& world_from_came
   camera.medium = medium_of(reader, outside, entity.where);
   // +x is to the right there and to the left here.
   const Transform to_world = world_from_camera * Transform::scale({-1, 1, 1});
-  p.accept({"shutteropen", "shutterclose"});
+  p.ignore({"shutteropen", "shutterclose"});
   if (entity.type == "perspective") {
     read_perspective(p, camera, to_world);
   } else if (entity.type == "orthographic") {
@@ -185,14 +185,14 @@ void read_camera(Reader& reader, Entity entity, const Transform& world_from_came
     read_spherical(p, camera, world_from_camera);
   } else if (entity.type == "realistic") {
     p.unsupported("cameras of this kind", "a perspective one is taken");
-    p.accept({"lensfile", "aperturediameter", "focusdistance", "aperture"});
+    p.ignore({"lensfile", "aperturediameter", "focusdistance", "aperture"});
     read_perspective(p, camera, to_world);
     camera.fov = 40;
   } else {
     const std::vector<std::string> known = {"orthographic", "perspective", "realistic", "spherical"};
     throw SceneError(entity.where, "unknown camera '" + entity.type + "'" + did_you_mean(entity.type, known));
   }
-  p.finish();
+  p.reject_unused();
 }
 
 }  // namespace sheaf::pbrt

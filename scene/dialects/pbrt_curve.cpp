@@ -70,7 +70,7 @@ void read_type(Parameters& p) {
                           did_you_mean(type, {"flat", "ribbon", "cylinder"}));
   if (type != "cylinder")
     p.reader().note_once(p.where(), p.title() + " of type '" + type + "' is shown as a round tube of its width");
-  p.accept({"N", "splitdepth"});
+  p.ignore({"N", "splitdepth"});
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ void read_progressive(Parameters& p, PhotonMappingDescription& photons) {
   const int pixels = static_cast<int>(std::min(std::int64_t{film.width} * film.height, std::int64_t{100'000'000}));
   const int count = p.integer("photonsperiteration", -1, -1, 100'000'000);
   photons.global = {static_cast<std::uint64_t>(count > 0 ? count : pixels), p.number("radius", 1, kPositive), 0};
-  p.accept({"seed"});
+  p.ignore({"seed"});
 }
 
 /// Ambient occlusion, under pbrt's name and ours, and average visibility: the scene is made white once it is read.
@@ -40,7 +40,7 @@ void read_visibility(Parameters& p, const std::string& type, Reader& reader) {
   const float length = p.number(type == "av" ? "length" : "maxdistance", kInfinity, kPositive);
   if (type != "av" && std::isfinite(length))
     p.unsupported("ambient occlusion within 'maxdistance'", "nothing is too far away to occlude");
-  p.accept({"cossample"});
+  p.ignore({"cossample"});
   reader.visibility = {type, length};
 }
 
@@ -51,7 +51,7 @@ Counterpart find_counterpart(Parameters& p, const Entity& entity) {
     if (type == c.name) return c;
   if (type == "function") {
     p.unsupported("integrators of this kind", "the light is rendered, by 'path'");
-    p.accept({"function", "filename", "skipbad"});
+    p.ignore({"function", "filename", "skipbad"});
     return kIntegrators[0];
   }
   if (const NamedIntegrator* named = find_integrator(type))
@@ -67,7 +67,7 @@ void read_integrator(Reader& reader, Entity entity) {
   Parameters p(reader, "Integrator '" + entity.type + "'", entity.where, std::move(entity.parameters));
   if (is_visibility_integrator(entity.type)) {
     read_visibility(p, entity.type, reader);
-    return p.finish();
+    return p.reject_unused();
   }
   IntegratorDescription& integrator = reader.description.integrator;
   const Counterpart found = find_counterpart(p, entity);
@@ -84,9 +84,9 @@ void read_integrator(Reader& reader, Entity entity) {
     integrator.light_selector = selector == "power" ? LightSelector::kPower : LightSelector::kUniform;
   else if (selector != "bvh" && selector != "exhaustive")
     p.fail_at("lightsampler", "is '" + selector + "', expected bvh, exhaustive, power or uniform");
-  p.accept({"regularize", "samplebsdf", "samplelights", "visualizestrategies", "visualizeweights", "bootstrapsamples",
+  p.ignore({"regularize", "samplebsdf", "samplelights", "visualizestrategies", "visualizeweights", "bootstrapsamples",
             "chains", "mutationsperpixel", "largestepprobability", "sigma"});
-  p.finish();
+  p.reject_unused();
 }
 
 void read_sampler(Reader& reader, Entity entity) {
@@ -107,18 +107,18 @@ void read_sampler(Reader& reader, Entity entity) {
   }
   int count = 0;
   if (type == "stratified") {
-    constexpr int kMostPerSide = 1 << 12;
-    static_assert(kMostPerSide * kMostPerSide == kMaxSampleCount);
-    count = p.integer("xsamples", 4, 1, kMostPerSide) * p.integer("ysamples", 4, 1, kMostPerSide);
-    p.accept({"jitter"});
+    constexpr int kMaxPerSide = 1 << 12;
+    static_assert(kMaxPerSide * kMaxPerSide == kMaxSampleCount);
+    count = p.integer("xsamples", 4, 1, kMaxPerSide) * p.integer("ysamples", 4, 1, kMaxPerSide);
+    p.ignore({"jitter"});
   } else {
     count = p.integer("pixelsamples", 16, 1, kMaxSampleCount);
   }
   sampler.sample_count = static_cast<std::uint32_t>(count);
   if (p.has("seed"))
     sampler.seed = static_cast<std::uint32_t>(p.integer("seed", 0, 0, std::numeric_limits<int>::max()));
-  p.accept({"randomization"});
-  p.finish();
+  p.ignore({"randomization"});
+  p.reject_unused();
 }
 
 }  // namespace sheaf::pbrt

@@ -183,7 +183,7 @@ void read_light(Reader& reader, Entity entity) {
     const std::vector<std::string> known = {"distant", "goniometric", "infinite", "point", "projection", "spot"};
     throw SceneError(entity.where, "unknown light '" + entity.type + "'" + did_you_mean(entity.type, known));
   }
-  p.finish();
+  p.reject_unused();
   reader.description.lights.push_back(std::move(light));
 }
 
@@ -212,7 +212,7 @@ AreaLight read_area_light(Reader& reader, Entity entity) {
     light.radiance = scaled(read_emission(p, "L"), scale);
   }
   light.two_sided = p.boolean("twosided", false);
-  p.finish();
+  p.reject_unused();
   return light;
 }
 

@@ -15,10 +15,10 @@ using Model = decltype(MaterialDescription::model);
 constexpr float kMinAlpha = 1e-4f;
 constexpr float kSmoothAlpha = 1e-3f;  // below it pbrt's surfaces are smooth
 
-/// `parameter` or, where it is missing, `otherwise`: its slope by pbrt's rule.
-ScalarInput read_alpha(Parameters& p, const char* parameter, const char* otherwise, bool remap) {
+/// `parameter` or, where it is missing, `default_value`: its slope by pbrt's rule.
+ScalarInput read_alpha(Parameters& p, const char* parameter, const char* default_value, bool remap) {
   std::optional<ScalarInput> roughness = find_scalar_input(p, parameter);
-  if (!roughness) roughness = find_scalar_input(p, otherwise);
+  if (!roughness) roughness = find_scalar_input(p, default_value);
   if (!roughness) return 0.0f;
   if (remap) {
     if (std::optional<ScalarInput> root = root_of(p.reader(), *roughness)) return *root;
@@ -105,7 +105,7 @@ Layer read_clear_layer(Parameters& p) {
   const auto* rgb = constant != nullptr ? std::get_if<SpectrumDescription::Rgb>(&constant->value) : nullptr;
   if (albedo && !(rgb != nullptr && rgb->value == Vec3f{0, 0, 0}))
     p.unsupported("scattering between the layers ('albedo')", "there is none");
-  p.accept({"g", "nsamples"});
+  p.ignore({"g", "nsamples"});
   constexpr float kDefaultThickness = 0.01f;
   const ScalarInput thickness = find_scalar_input(p, "thickness").value_or(kDefaultThickness);
   const float* number = std::get_if<float>(&thickness);
@@ -174,8 +174,8 @@ Model dielectric(Parameters& p, bool thin, bool remap) {
 }
 
 /// A number in [0, 1] or a texture.
-ScalarInput hair_roughness(Parameters& p, const char* name, ScalarInput otherwise) {
-  const ScalarInput roughness = find_scalar_input(p, name).value_or(otherwise);
+ScalarInput hair_roughness(Parameters& p, const char* name, ScalarInput default_value) {
+  const ScalarInput roughness = find_scalar_input(p, name).value_or(default_value);
   if (const float* number = std::get_if<float>(&roughness); number != nullptr && !(*number >= 0 && *number <= 1))
     p.fail_at(name, "is " + std::to_string(*number) + ", expected a number from 0 to 1");
   return roughness;
@@ -294,7 +294,7 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
   Parameters p(reader, "Material '" + (name.empty() ? type : name) + "'", entity.where, std::move(entity.parameters));
   reader.used_texture = false;
   if (type == "interface" || type.empty() || type == "none") {
-    p.finish();
+    p.reject_unused();
     return {add(reader, NullDescription{}, entity.where), false, true};
   }
   const bool layered = type == "coateddiffuse" || type == "coatedconductor";
@@ -339,7 +339,7 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
   MaterialId id = mapped(p, add(reader, std::move(model), entity.where), entity.where);
   if (both_sides) id = add(reader, TwoSidedDescription{id, id}, entity.where);
   reader.description.materials.at(static_cast<std::size_t>(id)).id = name;
-  p.finish();
+  p.reject_unused();
   return {id, reader.used_texture, false, interior};
 }
 

@@ -7,8 +7,8 @@ namespace sheaf::pbrt {
 
 namespace {
 
-SpectrumDescription read_coefficient(Parameters& p, const char* name, SpectrumDescription otherwise) {
-  return find_spectrum(p, name, Use::kUnbounded).value_or(std::move(otherwise));
+SpectrumDescription read_coefficient(Parameters& p, const char* name, SpectrumDescription default_value) {
+  return find_spectrum(p, name, Use::kUnbounded).value_or(std::move(default_value));
 }
 
 /// g, as a phase function.
@@ -45,7 +45,7 @@ void read_nanovdb(Parameters& p, MediumDescription& medium) {
   } else {
     if (p.has("temperaturename") && scale > 0.0f)
       p.reader().note(p.where(), p.title() + " does not glow: its file has no grid '" + temperature.grid + "'");
-    p.accept({"temperaturescale", "temperatureoffset", "temperaturecutoff"});
+    p.ignore({"temperaturescale", "temperatureoffset", "temperaturecutoff"});
   }
 }
 
@@ -64,7 +64,7 @@ AbsorptionScatteringDescription read_coefficients(Parameters& p) {
         "sigma_a and sigma_s of 1 are taken");
     return {one, one};
   }
-  p.accept({"sigma_a", "sigma_s"});
+  p.ignore({"sigma_a", "sigma_s"});
   const auto rgb = [](Vec3f v) { return SpectrumDescription::rgb(v.x, v.y, v.z); };
   return {rgb(found->sigma_a), rgb(found->sigma_s)};
 }
@@ -75,7 +75,7 @@ void set_temperature(Parameters& p, MediumDescription& medium, GridVolumeDescrip
   medium.unit_blackbodies = true;
   medium.temperature_scale = p.number("temperaturescale", 1, kNotNegative);
   medium.temperature_offset = p.number(p.has("temperatureoffset") ? "temperatureoffset" : "temperaturecutoff", 0);
-  p.accept({"temperaturecutoff"});
+  p.ignore({"temperaturecutoff"});
   medium.emission_scale = scale * kLuminanceIntegral;
 }
 
@@ -102,7 +102,7 @@ void read_medium(Reader& reader, const std::string& name, Entity entity) {
            did_you_mean(type, known));
   }
   medium.phase = read_phase(p);
-  p.finish();
+  p.reject_unused();
   reader.description.media.push_back(std::move(medium));
   reader.media.emplace(name, static_cast<MediumId>(reader.description.media.size() - 1));
 }

@@ -37,7 +37,7 @@ GridVolumeDescription made_grid(Parameters& p, DenseVolume box, int channels, st
   box.channels = channels;
   box.values = std::move(values);
   GridVolumeDescription grid;
-  grid.format = GridVolumeDescription::Format::kMade;
+  grid.format = GridVolumeDescription::Format::kInMemory;
   grid.to_world = p.reader().attributes.transform;
   grid.made = std::make_shared<const DenseVolume>(std::move(box));
   return grid;
@@ -85,7 +85,7 @@ void read_uniform_grid(Parameters& p, MediumDescription& medium) {
   medium.emission_factor = find_grid(p, "Lescale", box, 1);
   if (temperature) return set_temperature(p, medium, std::move(*temperature), 1);
   if (light) medium.emission = std::move(*light);
-  p.accept({"temperaturescale", "temperatureoffset", "temperaturecutoff"});
+  p.ignore({"temperaturescale", "temperatureoffset", "temperaturecutoff"});
 }
 
 void read_rgb_grid(Parameters& p, MediumDescription& medium) {

@@ -60,7 +60,7 @@ Mesh read_vertices(Parameters& p) {
     if (size != 0 && size != mesh.positions.size())
       p.fail_at(name,
                 "is there for " + std::to_string(size) + " of " + std::to_string(mesh.positions.size()) + " vertices");
-  p.accept({"S", "faceIndices"});
+  p.ignore({"S", "faceIndices"});
   return mesh;
 }
 
@@ -128,10 +128,10 @@ Mesh read_triangle_mesh(Parameters& p, bool textured) {
 }
 
 Mesh read_subdivision(Parameters& p, bool textured) {
-  constexpr int kMostLevels = 12;
-  p.accept({"scheme"});
+  constexpr int kMaxLevels = 12;
+  p.ignore({"scheme"});
   const Mesh control = read_triangle_mesh(p, false);
-  const int levels = p.integer("levels", 3, 0, kMostLevels);
+  const int levels = p.integer("levels", 3, 0, kMaxLevels);
   try {
     Mesh mesh = subdivide({control.positions, {}, {}, control.triangles}, levels);
     return textured ? with_coordinates(mesh) : mesh;
@@ -141,7 +141,7 @@ Mesh read_subdivision(Parameters& p, bool textured) {
 Mesh read_bilinear_mesh(Parameters& p) {
   const Mesh corners = read_vertices(p);
   const bool own_normals = !corners.normals.empty();
-  p.accept({"emissionfilename"});  // by which light is sampled
+  p.ignore({"emissionfilename"});  // by which light is sampled
   const std::vector<std::uint32_t> indices = read_indices(p, corners.positions.size(), 4);
   Mesh mesh;
   bool flat = true;

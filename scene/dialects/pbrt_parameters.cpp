@@ -156,12 +156,12 @@ std::optional<float> Parameters::find_number(const char* name, NumberRange range
   return static_cast<float>(value);
 }
 
-float Parameters::number(const char* name, float otherwise, NumberRange range) {
-  return find_number(name, range).value_or(otherwise);
+float Parameters::number(const char* name, float default_value, NumberRange range) {
+  return find_number(name, range).value_or(default_value);
 }
 
-int Parameters::integer(const char* name, int otherwise, int low, int high) {
-  if (!has(name)) return otherwise;
+int Parameters::integer(const char* name, int default_value, int low, int high) {
+  if (!has(name)) return default_value;
   const double value = expect(name, {"integer", "float"}, 1).numbers[0];
   if (value < low || value > high || value != std::floor(value))
     fail_at(name, "is " + std::to_string(value) + ", expected a whole number from " + std::to_string(low) + " to " +
@@ -169,8 +169,8 @@ int Parameters::integer(const char* name, int otherwise, int low, int high) {
   return static_cast<int>(value);
 }
 
-bool Parameters::boolean(const char* name, bool otherwise) {
-  return has(name) ? expect(name, {"bool"}, 1).numbers[0] != 0 : otherwise;
+bool Parameters::boolean(const char* name, bool default_value) {
+  return has(name) ? expect(name, {"bool"}, 1).numbers[0] != 0 : default_value;
 }
 
 std::optional<std::string> Parameters::find_string(const char* name) {
@@ -178,12 +178,12 @@ std::optional<std::string> Parameters::find_string(const char* name) {
   return expect(name, {"string"}, 1).strings[0];
 }
 
-std::string Parameters::string(const char* name, const std::string& otherwise) {
-  return find_string(name).value_or(otherwise);
+std::string Parameters::string(const char* name, const std::string& default_value) {
+  return find_string(name).value_or(default_value);
 }
 
-Vec3f Parameters::vec3(const char* name, Vec3f otherwise) {
-  if (!has(name)) return otherwise;
+Vec3f Parameters::vec3(const char* name, Vec3f default_value) {
+  if (!has(name)) return default_value;
   const auto& n = expect(name, {"point3", "vector3", "normal3", "point", "vector", "normal"}, 3).numbers;
   return {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
 }
@@ -203,11 +203,11 @@ std::filesystem::path Parameters::file(const char* name) {
   return reader_.find_file(*text, look(name)->where);
 }
 
-void Parameters::accept(std::initializer_list<const char*> names) {
+void Parameters::ignore(std::initializer_list<const char*> names) {
   for (const char* name : names) find(name);
 }
 
-void Parameters::finish() {
+void Parameters::reject_unused() {
   for (const Parameter& parameter : list_) {
     if (parameter.used || parameter.optional) continue;
     const std::string message =

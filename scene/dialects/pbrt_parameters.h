@@ -42,22 +42,22 @@ class Parameters {
   const Parameter* find(const char* name);
   bool has(const char* name);
   std::optional<float> find_number(const char* name, NumberRange range = kAnyNumber);
-  float number(const char* name, float otherwise, NumberRange range = kAnyNumber);
+  float number(const char* name, float default_value, NumberRange range = kAnyNumber);
   /// Also a float of integral value.
-  int integer(const char* name, int otherwise, int low, int high);
-  bool boolean(const char* name, bool otherwise);
+  int integer(const char* name, int default_value, int low, int high);
+  bool boolean(const char* name, bool default_value);
   std::optional<std::string> find_string(const char* name);
-  std::string string(const char* name, const std::string& otherwise);
-  Vec3f vec3(const char* name, Vec3f otherwise);
+  std::string string(const char* name, const std::string& default_value);
+  Vec3f vec3(const char* name, Vec3f default_value);
   /// All numbers of a parameter, a multiple of `stride` of them; empty if it is absent.
   std::vector<float> numbers(const char* name, std::size_t stride);
   /// The file that a string names, found and regular. Throws SceneError if it or the parameter is missing.
   std::filesystem::path file(const char* name);
 
   /// Parameters that mean nothing here: any value is accepted.
-  void accept(std::initializer_list<const char*> names);
+  void ignore(std::initializer_list<const char*> names);
   /// Throws SceneError for what nobody asked for; notes it instead if the reader is lenient.
-  void finish();
+  void reject_unused();
 
   /// Throws SceneError at the object.
   [[noreturn]] void fail(const std::string& message) const;

@@ -35,7 +35,7 @@ std::shared_ptr<const Image> base_picture(const BitmapDescription& picture, cons
   constexpr int kSteps = 1024;
   std::array<float, kSteps + 2> table;
   for (int i = 0; i < kSteps + 2; ++i) table[static_cast<std::size_t>(i)] = base.albedo(static_cast<float>(i) / kSteps);
-  const BitmapDescription::Change& change = picture.change;
+  const BitmapDescription::ColorTransform& change = picture.change;
   for (float& value : out->data) {
     value *= change.scale;
     if (change.invert) value = 1 - value;

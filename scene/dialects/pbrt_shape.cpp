@@ -123,9 +123,9 @@ Geometry read_ply_shape(Parameters& p, ShapeDescription& shape) {
   mesh.smooth_normals = false;
   if (p.has("displacement")) {
     p.unsupported("displacement of its vertices", "there is none");
-    p.accept({"displacement"});
+    p.ignore({"displacement"});
   }
-  p.accept({"edgelength"});
+  p.ignore({"edgelength"});
   Geometry geometry{0, false, true};
   if (shape.to_world.swaps_handedness() || p.reader().attributes.area_light) geometry = ply_geometry(mesh.file);
   shape.geometry = std::move(mesh);
@@ -221,7 +221,7 @@ void read_shape(Reader& reader, Entity entity) {
   shape.flip_normals = !is_curve && reader.attributes.reverse_orientation != mirrored;
   add_emission(p, shape, geometry);
   add_media(p, shape);
-  p.finish();
+  p.reject_unused();
   auto& shapes = reader.object != nullptr ? reader.object->group.shapes : reader.description.shapes;
   // Hair comes as one shape for each; textures would see the difference.
   if (is_curve && !textured && append_curve(shapes, shape)) return;

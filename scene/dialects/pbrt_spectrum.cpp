@@ -118,10 +118,10 @@ std::optional<ScalarInput> find_scalar_input(Parameters& p, const char* name) {
   return p.number(name, 0);
 }
 
-Index read_index(Parameters& p, const char* name, float otherwise) {
+Index read_index(Parameters& p, const char* name, float default_value) {
   const Parameter* parameter = p.find(name);
-  if (parameter == nullptr) return {otherwise, std::nullopt};
-  if (parameter->type == "float") return {p.number(name, otherwise, kPositive), std::nullopt};
+  if (parameter == nullptr) return {default_value, std::nullopt};
+  if (parameter->type == "float") return {p.number(name, default_value, kPositive), std::nullopt};
   if (parameter->type == "spectrum" && parameter->strings.size() == 1) {
     std::string glass = parameter->strings[0];
     for (char& c : glass) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
@@ -131,8 +131,8 @@ Index read_index(Parameters& p, const char* name, float otherwise) {
     if (const Dispersion* found = find_dispersion(glass)) return {ior<Scalar>(*found, kCatalogueWavelength), *found};
     p.unsupported("'" + std::string(name) + "' is '" + parameter->strings[0] +
                       "', of which no formula is known (known: " + list_of(dispersion_names()) + ")",
-                  "an index of " + std::to_string(otherwise) + " is taken");
-    return {otherwise, std::nullopt};
+                  "an index of " + std::to_string(default_value) + " is taken");
+    return {default_value, std::nullopt};
   }
   if (parameter->type == "spectrum" && parameter->numbers.size() >= 2) {
     p.unsupported("'" + std::string(name) + "' is a table of indices by wavelength", "the first of them is taken");

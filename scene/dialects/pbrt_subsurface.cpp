@@ -54,7 +54,7 @@ void set_by_name(Parameters& p, MediumDescription& medium, const std::string& na
   }
   const auto rgb = [](Vec3f v) { return SpectrumDescription::rgb(v.x, v.y, v.z); };
   medium.coefficients = AbsorptionScatteringDescription{rgb(found->sigma_a), rgb(found->sigma_s)};
-  p.accept({"sigma_a", "sigma_s", "reflectance", "mfp"});
+  p.ignore({"sigma_a", "sigma_s", "reflectance", "mfp"});
 }
 
 void set_by_reflectance(Parameters& p, MediumDescription& medium, const SpectrumDescription& reflectance, float eta,

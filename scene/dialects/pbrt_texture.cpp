@@ -38,8 +38,8 @@ struct Source {
   Parameters& p;
   bool colours;
 
-  SpectrumInput find(const char* name, float otherwise) const {
-    const SpectrumInput standard = SpectrumDescription::constant(otherwise);
+  SpectrumInput find(const char* name, float default_value) const {
+    const SpectrumInput standard = SpectrumDescription::constant(default_value);
     if (colours) return find_spectrum_input(p, name, Use::kUnbounded).value_or(standard);
     const std::optional<ScalarInput> number = find_scalar_input(p, name);
     return number ? as_spectrum(*number) : standard;
@@ -51,7 +51,7 @@ std::array<float, 6> read_mapping(Parameters& p) {
   const std::string mapping = p.string("mapping", "uv");
   if (mapping != "uv") {
     p.unsupported("the mapping '" + mapping + "'", "the surface's own coordinates are taken");
-    p.accept({"v1", "v2", "udelta", "vdelta", "uscale", "vscale"});
+    p.ignore({"v1", "v2", "udelta", "vdelta", "uscale", "vscale"});
     return {1, 0, 0, 0, 1, 0};
   }
   return {p.number("uscale", 1), 0, p.number("udelta", 0), 0, p.number("vscale", 1), p.number("vdelta", 0)};
@@ -94,7 +94,7 @@ SpectrumInput read_image(Parameters& p, bool colours) {
   picture.change.invert = p.boolean("invert", false);
   read_encoding(p, picture);
   if (p.string("filter", "bilinear") == "point") picture.filter = BitmapDescription::Filter::kNearest;
-  p.accept({"maxanisotropy"});
+  p.ignore({"maxanisotropy"});
   if (!colours) picture.made = number_picture(picture);
   TextureDescription texture;
   texture.model = std::move(picture);
@@ -230,11 +230,11 @@ std::optional<SpectrumInput> read_stand_in(Parameters& p, const std::string& typ
   SpectrumInput stand_in = SpectrumDescription::constant(0.5f);
   if (type == "directionmix") {
     stand_in = source.find("tex1", 0);
-    p.accept({"tex2", "dir"});
+    p.ignore({"tex2", "dir"});
   } else if (type != "fbm" && type != "wrinkled" && type != "windy" && type != "marble" && type != "ptex") {
     return std::nullopt;
   }
-  p.accept({"octaves", "roughness", "scale", "variation", "filename", "encoding", "mapping", "uscale", "vscale",
+  p.ignore({"octaves", "roughness", "scale", "variation", "filename", "encoding", "mapping", "uscale", "vscale",
             "udelta", "vdelta", "v1", "v2"});
   p.unsupported("textures of this kind",
                 type == "directionmix" ? "the first of its textures is shown" : "a grey of 0.5 is shown");
@@ -358,7 +358,7 @@ void read_texture(Reader& reader, const std::string& name, const std::string& ki
     throw SceneError(entity.where, "a second texture '" + name + "' of the kind " + kind);
   const std::size_t first = reader.description.textures.size();
   const SpectrumInput input = read_model(p, entity.type, Source{p, colours});
-  p.finish();
+  p.reject_unused();
   for (std::size_t i = first; i < reader.description.textures.size(); ++i)
     if (reader.description.textures[i].id.empty()) reader.description.textures[i].id = name;
   if (colours)

@@ -17,8 +17,8 @@ namespace {
 constexpr float kMinAlpha = 1e-4f;
 const SpectrumDescription kOne = SpectrumDescription::constant(1);
 
-SpectrumInput read_reflectance(Properties& p, const char* name, SpectrumInput otherwise) {
-  return p.spectrum_input(name, std::move(otherwise), SpectrumRole::kReflectance);
+SpectrumInput read_reflectance(Properties& p, const char* name, SpectrumInput default_value) {
+  return p.spectrum_input(name, std::move(default_value), SpectrumRole::kReflectance);
 }
 
 /// `spectrum` divided by a number.
@@ -186,7 +186,7 @@ HairDescription read_hair(Properties& p) {
   return result;
 }
 
-template <PlainModel Model> Model read_plain(Properties& p) {
+template <DeclarativeBsdf Model> Model read_plain(Properties& p) {
   Model model;
   std::size_t k = 0;
   const auto read = [&]<class Input>(Input& input) {
@@ -206,7 +206,7 @@ template <PlainModel Model> Model read_plain(Properties& p) {
 /// Calls f(Model{}) for every plain model of a material.
 template <class F, class... Models> void for_each_plain_model(const std::variant<Models...>&, F&& f) {
   const auto visit = [&]<class Model>(Model model) {
-    if constexpr (PlainModel<Model>) f(std::move(model));
+    if constexpr (DeclarativeBsdf<Model>) f(std::move(model));
   };
   (visit(Models{}), ...);
 }
@@ -232,8 +232,8 @@ std::vector<float> read_numbers(Properties& p, const char* name) {
   return parse_floats(*p.find_string(name), p.where(), name);
 }
 
-float read_ior(Properties& p, const char* property, float otherwise) {
-  if (!p.is_string(property)) return p.number(property, otherwise, kPositive);
+float read_ior(Properties& p, const char* property, float default_value) {
+  if (!p.is_string(property)) return p.number(property, default_value, kPositive);
   const std::string name = *p.find_string(property);
   if (const std::optional<float> ior = find_ior(name)) return *ior;
   if (const Dispersion* dispersion = find_dispersion(name)) return catalogue_ior(*dispersion);
@@ -244,8 +244,8 @@ float read_ior(Properties& p, const char* property, float otherwise) {
             "is " + in_quotes(name) + ", expected a number or the name of a material" + did_you_mean(name, known));
 }
 
-ScalarInput read_alpha(Properties& p, const char* name, ScalarInput otherwise) {
-  ScalarInput alpha = p.scalar_input(name, otherwise, kNotNegative);
+ScalarInput read_alpha(Properties& p, const char* name, ScalarInput default_value) {
+  ScalarInput alpha = p.scalar_input(name, default_value, kNotNegative);
   if (float* constant = std::get_if<float>(&alpha)) *constant = std::max(*constant, kMinAlpha);
   return alpha;
 }
@@ -267,7 +267,7 @@ RoughnessDescription read_roughness(Properties& p) {
   if (along && p.has("alpha")) p.fail_at("alpha", "is given beside 'alpha_u' and 'alpha_v', expected one or the other");
   result.alpha_u = read_alpha(p, along ? "alpha_u" : "alpha", result.alpha_u);
   result.alpha_v = along ? read_alpha(p, "alpha_v", result.alpha_v) : result.alpha_u;
-  p.accept({"sample_visible"});
+  p.ignore({"sample_visible"});
   return result;
 }
 
@@ -369,7 +369,7 @@ bool read_shared_bsdf(Properties& p, const BsdfDialect& dialect, MaterialDescrip
 }
 
 MaterialId add_material_of(Properties& p, MaterialDescription material) {
-  p.finish();
+  p.reject_unused();
   material.where = p.where();
   if (const std::string* id = p.element().find_attribute("id")) material.id = *id;
   return add_material(p.context(), std::move(material));

@@ -28,9 +28,9 @@ const std::vector<std::string>& shared_bsdf_names();
 MaterialId add_material_of(Properties& p, MaterialDescription material);
 
 /// An index of refraction, as a number or as the name of a dielectric.
-float read_ior(Properties& p, const char* property, float otherwise);
+float read_ior(Properties& p, const char* property, float default_value);
 /// A roughness; numbers below 0.0001 are raised to it.
-ScalarInput read_alpha(Properties& p, const char* name, ScalarInput otherwise);
+ScalarInput read_alpha(Properties& p, const char* name, ScalarInput default_value);
 /// `distribution`, and `alpha` or both of `alpha_u` and `alpha_v`.
 RoughnessDescription read_roughness(Properties& p);
 /// The same, where it may be neither a texture nor different along and across.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMaxMixture = 256;
 /// Weights that are meant to add up to 1 may be rounded.
-constexpr float kMostWeight = 1.0001f;
+constexpr float kMaxWeight = 1.0001f;
 
 const MaterialDescription& material_at(MaterialId id, const Properties& p) {
   return p.context().description.materials[static_cast<std::size_t>(id)];
@@ -82,7 +82,7 @@ BumpMapDescription read_displacement(const XmlElement& texture, ReadContext& con
   Properties p(texture, context);
   const float scale = p.number("scale", 1);
   BumpMapDescription result = read_displacement(only_texture(p), context);
-  p.finish();
+  p.reject_unused();
   result.scale *= scale;
   return result;
 }
@@ -122,11 +122,11 @@ BlendDescription read_mixture(Properties& p, const BsdfDialect& dialect) {
   if (!(sum > 0.0f) || !std::isfinite(sum))
     p.fail_at("weights", "add up to " + std::to_string(sum) + ", expected more than 0");
   const bool conserves = p.boolean("ensure_energy_conservation", true);
-  if (sum > kMostWeight) {
+  if (sum > kMaxWeight) {
     if (!conserves) p.fail_at("weights", "add up to more than 1, which is not supported");
     p.context().note(p.where(), "its weights add up to " + std::to_string(sum) + " and are scaled down to 1");
   }
-  if (sum < 2.0f - kMostWeight || parts.size() == 1) {
+  if (sum < 2.0f - kMaxWeight || parts.size() == 1) {
     MaterialDescription black;
     black.model = DiffuseDescription{SpectrumDescription::constant(0)};
     black.where = p.where();

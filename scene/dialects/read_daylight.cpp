@@ -77,7 +77,7 @@ std::vector<Vec3f> read_suns(Properties& p, const DaylightSpace& space) {
   if (days < 0) p.fail_at("end_year", "makes the last day, " + std::to_string(-days) + " days before the first");
   const double first_hour = double(p.number("window_start_time", 7, {0, 24, false}));
   const double last_hour = double(p.number("window_end_time", 19, {first_hour, 24, false}));
-  p.accept({"shutter_open", "shutter_close"});
+  p.ignore({"shutter_open", "shutter_close"});
   std::vector<Vec3f> suns;
   const int first_day = begin.day;
   for (int i = 0; i < kSunPlaces; ++i) {

@@ -19,7 +19,7 @@ EnvmapDescription read_envmap(Properties& p) {
   map.to_world = p.transform("to_world");
   map.mis_compensation = p.boolean("mis_compensation", true);
   map.raw = read_linear_gamma(p);
-  p.accept({"cache"});
+  p.ignore({"cache"});
   return map;
 }
 
@@ -50,8 +50,8 @@ void read_area_emitter(const XmlElement& element, ReadContext& context, ShapeDes
   const bool is_area = p.type() == "area" || p.type().ends_with("_emitter");
   if (!is_area && !shape.emits_along_normal) p.fail_plugin({"area", "directionalarea"});
   shape.radiance = p.spectrum_input("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
-  p.accept(ignored);
-  p.finish();
+  p.ignore(ignored);
+  p.reject_unused();
 }
 
 Vec3f read_direction(Properties& p, const char* to_world) {

@@ -27,8 +27,8 @@ MeshFileShape read_mesh_file(Properties& p, bool flips_obj, ShapeDescription& sh
   }
   if (p.find_number("max_smooth_angle"))
     p.context().note(p.where(), "'max_smooth_angle' is not used: normals are as 'face_normals' and the file say");
-  p.accept({"collapse"});
-  if (mesh.format == Format::kPly) p.accept({"srgb"});
+  p.ignore({"collapse"});
+  if (mesh.format == Format::kPly) p.ignore({"srgb"});
   return mesh;
 }
 

@@ -65,7 +65,7 @@ std::optional<MediumId> find_read_medium(const XmlElement& element, const ReadCo
 }
 
 MediumId add_medium(Properties& p, MediumDescription medium) {
-  p.finish();
+  p.reject_unused();
   medium.where = p.where();
   if (const std::string* id = p.element().find_attribute("id")) medium.id = *id;
   std::vector<MediumDescription>& media = p.context().description.media;

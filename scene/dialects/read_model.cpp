@@ -1,7 +1,7 @@
 #include "scene/dialects/read_model.h"
 
 #include "core/frame.h"
-#include "scene/dialects/frame_scene.h"
+#include "scene/dialects/auto_camera.h"
 #include "scene/dialects/obj_materials.h"
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"

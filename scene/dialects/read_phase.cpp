@@ -101,14 +101,14 @@ PhaseId read_phase(const XmlElement& element, ReadContext& context) {
   phase.where = element.where;
   if (p.type() == "mixturephase") {
     const PhaseId mixture = read_mixture(p);
-    p.finish();
+    p.reject_unused();
     return mixture;
   }
   if (p.type() == "isotropic") {
     phase.model = IsotropicPhaseDescription{};
   } else if (p.type() == "hg") {
-    const HenyeyGreensteinDescription otherwise;
-    phase.model = HenyeyGreensteinDescription{p.number("g", otherwise.g, kMeanCosine)};
+    const HenyeyGreensteinDescription default_value;
+    phase.model = HenyeyGreensteinDescription{p.number("g", default_value.g, kMeanCosine)};
   } else if (p.type() == "rayleigh") {
     phase.model = RayleighDescription{};
   } else if (p.type() == "tabphase") {
@@ -120,7 +120,7 @@ PhaseId read_phase(const XmlElement& element, ReadContext& context) {
   } else {
     p.fail_plugin({"blend", "blendphase", "hg", "isotropic", "mixturephase", "rayleigh", "sggx", "tabphase"});
   }
-  p.finish();
+  p.reject_unused();
   std::vector<PhaseDescription>& phases = context.description.phases;
   phases.push_back(std::move(phase));
   return static_cast<PhaseId>(phases.size() - 1);

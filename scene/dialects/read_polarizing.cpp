@@ -26,7 +26,7 @@ float read_transmittance(Properties& p) {
 MaskDescription read_polarizer(Properties& p) {
   // Half of what is not polarised has the direction that passes.
   const float passing = p.type() == "retarder" ? 1.0f : 0.5f;
-  p.accept({"theta", "polarizing", "left_handed", "delta"});
+  p.ignore({"theta", "polarizing", "left_handed", "delta"});
   return straight_through(p, passing * read_transmittance(p));
 }
 

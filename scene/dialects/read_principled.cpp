@@ -34,7 +34,7 @@ PrincipledDescription read_principled(Properties& p) {
   // Burley 2015, "Extending the Disney BRDF to a BSDF with Integrated Subsurface Scattering": specular is the
   // reflectance at normal incidence over 0.08.
   if (specular) result.eta = 2.0f / (1.0f - std::sqrt(0.08f * *specular)) - 1.0f;
-  p.accept({"main_specular_sampling_rate", "clearcoat_sampling_rate", "diffuse_reflectance_sampling_rate"});
+  p.ignore({"main_specular_sampling_rate", "clearcoat_sampling_rate", "diffuse_reflectance_sampling_rate"});
   return result;
 }
 
@@ -50,7 +50,7 @@ PrincipledThinDescription read_principled_thin(Properties& p) {
   read_share(p, "flatness", result.flatness);
   result.eta = p.scalar_input("eta", result.eta, kPositive);
   result.diff_trans = p.scalar_input("diff_trans", result.diff_trans, {0, 2, false});
-  p.accept({"specular_reflectance_sampling_rate", "specular_transmittance_sampling_rate",
+  p.ignore({"specular_reflectance_sampling_rate", "specular_transmittance_sampling_rate",
             "diffuse_reflectance_sampling_rate", "diffuse_transmittance_sampling_rate"});
   return result;
 }

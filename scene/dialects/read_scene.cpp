@@ -2,8 +2,8 @@
 #include "scene/dialects/read_scene.h"
 
 #include "core/file_format.h"
+#include "scene/dialects/auto_camera.h"
 #include "scene/dialects/dialects.h"
-#include "scene/dialects/frame_scene.h"
 #include "scene/dialects/native_color.h"
 #include "scene/dialects/obj_materials.h"
 #include "scene/dialects/read_model.h"

@@ -49,7 +49,7 @@ SpectrumDescription read_spectrum_plugin(const XmlElement& element, ReadContext&
   SpectrumDescription result;
   if (p.type() == "uniform") {
     result = SpectrumDescription::constant(p.number("value", 1));
-    p.accept({"wavelength_min", "wavelength_max"});
+    p.ignore({"wavelength_min", "wavelength_max"});
   } else if (p.type() == "d65") {
     result = SpectrumDescription::constant(p.number("scale", 1, kNotNegative));
   } else if (p.type() == "rawconstant") {
@@ -62,7 +62,7 @@ SpectrumDescription read_spectrum_plugin(const XmlElement& element, ReadContext&
     const std::optional<float> temperature = p.find_number("temperature", kPositive);
     if (!temperature) p.fail("needs the float 'temperature' (kelvin)");
     result.value = SpectrumDescription::Blackbody{*temperature, p.number("scale", 1, kNotNegative)};
-    p.accept({"wavelength_min", "wavelength_max"});
+    p.ignore({"wavelength_min", "wavelength_max"});
   } else if (p.type() == "illuminant") {
     result = read_illuminant(p);
   } else if (p.type() == "irregular") {
@@ -79,7 +79,7 @@ SpectrumDescription read_spectrum_plugin(const XmlElement& element, ReadContext&
   } else {
     p.fail_plugin(spectrum_plugins());
   }
-  p.finish();
+  p.reject_unused();
   if (const auto* table = std::get_if<SpectrumDescription::Table>(&result.value)) check_table(*table, element.where);
   return result;
 }

@@ -35,9 +35,9 @@ BitmapDescription::Filter read_bitmap_filter(Properties& p) {
 }
 
 BitmapDescription::Wrap read_wrap(Properties& p, std::initializer_list<const char*> names,
-                                  BitmapDescription::Wrap otherwise) {
+                                  BitmapDescription::Wrap default_value) {
   const std::optional<Choice> wrap = find_choice(p, names);
-  if (!wrap) return otherwise;
+  if (!wrap) return default_value;
   if (wrap->value == "repeat") return BitmapDescription::Wrap::kRepeat;
   if (wrap->value == "mirror") return BitmapDescription::Wrap::kMirror;
   if (wrap->value == "clamp") return BitmapDescription::Wrap::kClamp;
@@ -113,7 +113,7 @@ BitmapDescription read_bitmap(Properties& p) {
   bitmap.wrap_v = read_wrap(p, {"wrap_mode_v"}, both);
   bitmap.raw = read_raw(p);
   if (p.has("channel")) p.fail_at("channel", "is not supported: a picture is read with all its channels");
-  p.accept({"format", "accel", "cache", "max_anisotropy"});
+  p.ignore({"format", "accel", "cache", "max_anisotropy"});
   return bitmap;
 }
 
@@ -167,7 +167,7 @@ const SpectrumInput* find_read_texture(const XmlElement& element, const ReadCont
 }
 
 TextureId add_texture(Properties& p, TextureDescription texture) {
-  p.finish();
+  p.reject_unused();
   texture.where = p.where();
   if (const std::string* id = p.element().find_attribute("id")) texture.id = *id;
   std::vector<TextureDescription>& textures = p.context().description.textures;

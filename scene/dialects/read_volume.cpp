@@ -83,7 +83,7 @@ VolumeInput read_volume(const XmlElement& element, ReadContext& context, Spectru
     const auto value = p.find_spectrum("value", role);
     if (!value) p.fail("has no 'value'");
     volume = *value;
-    p.accept({"to_world"});
+    p.ignore({"to_world"});
   } else if (p.type() == "gridvolume") {
     volume = read_grid(p, dialect);
   } else if (p.type() == "vol") {
@@ -91,14 +91,14 @@ VolumeInput read_volume(const XmlElement& element, ReadContext& context, Spectru
   } else if (p.type() == "nanovdb") {
     volume = read_grid(p, dialect, Grid::Format::kNanoVdb);
   } else if (p.type() == "volcache") {
-    p.accept({"block_size", "voxel_width", "memory_limit", "step_size_multiplier"});
+    p.ignore({"block_size", "voxel_width", "memory_limit", "step_size_multiplier"});
     const XmlElement* cached = p.object("volume");
     if (cached == nullptr) p.fail("holds no <volume>");
     volume = read_volume(*cached, context, role, dialect);
   } else {
     p.fail_plugin({"constvolume", "gridvolume", "nanovdb", "vol", "volcache"});
   }
-  p.finish();
+  p.reject_unused();
   return volume;
 }
 
@@ -138,7 +138,7 @@ Grid world_box(const Transform& to_world) {
   }
   voxel.grid_to_local = Transform(box);
   Grid grid;
-  grid.format = Grid::Format::kMade;
+  grid.format = Grid::Format::kInMemory;
   grid.made = std::make_shared<const DenseVolume>(std::move(voxel));
   return grid;
 }
@@ -169,7 +169,7 @@ GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std
   grid.filter = read_grid_filter(p);
   grid.wrap = read_wrap(p);
   grid.raw = p.boolean("raw", false);
-  p.accept({"accel", "send_data"});
+  p.ignore({"accel", "send_data"});
   return grid;
 }
 
@@ -204,13 +204,13 @@ std::variant<std::array<float, 6>, Grid> read_matrix_volume(const XmlElement& el
       p.fail_at("value", "holds " + std::to_string(numbers.size()) + " numbers, expected six: xx yy zz xy xz yz");
     std::copy(numbers.begin(), numbers.end(), matrix.begin());
     volume = matrix;
-    p.accept({"to_world"});
+    p.ignore({"to_world"});
   } else if (p.type() == "gridvolume" || p.type() == "vol") {
     volume = read_grid(p, dialect, Grid::Format::kVol);
   } else {
     p.fail_plugin({"constvolume", "gridvolume", "vol"});
   }
-  p.finish();
+  p.reject_unused();
   return volume;
 }
 

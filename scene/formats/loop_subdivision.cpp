@@ -174,8 +174,8 @@ Mesh subdivide(const Mesh& control, int levels) {
   std::vector<Point> points;
   for (const Vec3f p : control.positions) points.push_back({double{p.x}, double{p.y}, double{p.z}});
   std::vector<Triangle> triangles = control.triangles;
-  if (triangles.size() > kMostSubdivided >> (2 * levels))
-    throw SceneError("the surface would have more than " + std::to_string(kMostSubdivided) + " triangles");
+  if (triangles.size() > kMaxSubdivided >> (2 * levels))
+    throw SceneError("the surface would have more than " + std::to_string(kMaxSubdivided) + " triangles");
   for (int level = 0; level < levels; ++level) refine(points, triangles);
   const Neighbours neighbours(triangles, points.size());
   Mesh out;

@@ -10,9 +10,9 @@ namespace sheaf {
 /// boundary is the cubic B-spline of the control points along it (Hoppe et al., "Piecewise Smooth Surface
 /// Reconstruction", 1994). `control` is a mesh of positions and triangles alone, in range. Throws SceneError unless
 /// each edge has one or two triangles, oriented alike, and each vertex one fan of them; and for more than
-/// kMostSubdivided triangles.
+/// kMaxSubdivided triangles.
 Mesh subdivide(const Mesh& control, int levels);
 
-inline constexpr std::size_t kMostSubdivided = std::size_t{1} << 26;
+inline constexpr std::size_t kMaxSubdivided = std::size_t{1} << 26;
 
 }  // namespace sheaf

@@ -14,14 +14,14 @@ namespace {
 
 /// The content of a gzip file.
 std::string inflated(std::string_view bytes, const SourceLocation& where, std::string_view what) {
-  constexpr std::size_t kPiece = std::size_t{1} << 20, kMost = std::size_t{1} << 32;
+  constexpr std::size_t kPiece = std::size_t{1} << 20, kMax = std::size_t{1} << 32;
   if (!bytes.starts_with("\x1f\x8b")) throw SceneError(where, std::string(what) + " is no gzip file, as its name says");
   Inflater inflater(bytes);
   std::string out;
   try {
     for (std::size_t found = kPiece; found == kPiece;) {
       const std::size_t size = out.size();
-      if (size > kMost) throw SceneError(where, std::string(what) + " takes more than 4 GiB uncompressed");
+      if (size > kMax) throw SceneError(where, std::string(what) + " takes more than 4 GiB uncompressed");
       out.resize(size + kPiece);
       found = inflater.read(std::span(out).subspan(size));
       out.resize(size + found);

@@ -238,10 +238,10 @@ class MtlReader {
     }
   }
 
-  /// One to three numbers, of which two count; those that are missing are as in `otherwise`. `last`: nothing has to
+  /// One to three numbers, of which two count; those that are missing are as in `default_value`. `last`: nothing has to
   /// follow, else the last word is the picture's name.
-  Vec2f take_numbers(std::string_view keyword, std::string_view& arguments, Vec2f otherwise, bool last) const {
-    Vec2f taken{take_number(keyword, arguments), otherwise.y};
+  Vec2f take_numbers(std::string_view keyword, std::string_view& arguments, Vec2f default_value, bool last) const {
+    Vec2f taken{take_number(keyword, arguments), default_value.y};
     for (int i = 1; i < 3; ++i) {
       std::string_view rest = arguments;
       const auto next = to_number(take_word(rest));

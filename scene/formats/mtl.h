@@ -14,10 +14,10 @@ namespace sheaf {
 /// A picture that an MTL file names.
 struct MtlTexture {
   std::filesystem::path file;  ///< below the library's folder, unless absolute; '/' between folders
-  Vec2f scale{1, 1};   ///< -s
-  Vec2f offset{0, 0};  ///< -o; the picture's uv are scale * uv + offset
-  bool clamp = false;  ///< -clamp on
-  float bump_multiplier = 1;  ///< -bm
+  Vec2f scale{1, 1};           ///< -s
+  Vec2f offset{0, 0};          ///< -o; the picture's uv are scale * uv + offset
+  bool clamp = false;          ///< -clamp on
+  float bump_multiplier = 1;   ///< -bm
   SourceLocation where;
 };
 
@@ -26,10 +26,10 @@ struct MtlMaterial {
   std::string name;
   SourceLocation where;
   std::optional<Vec3f> diffuse, specular, transmission, emission;  ///< Kd, Ks, Tf, Ke: linear Rec.709
-  std::optional<float> shininess;  ///< Ns, the exponent of Phong's model
-  std::optional<float> ior;        ///< Ni
-  std::optional<float> dissolve;   ///< d, or 1 - Tr: 1 is opaque
-  std::optional<int> illum;        ///< illumination model, 0 to 10
+  std::optional<float> shininess;                                  ///< Ns, the exponent of Phong's model
+  std::optional<float> ior;                                        ///< Ni
+  std::optional<float> dissolve;                                   ///< d, or 1 - Tr: 1 is opaque
+  std::optional<int> illum;                                        ///< illumination model, 0 to 10
   /// Pr, Pm, Ps, Pc, Pcr, aniso; all from 0 to 1.
   std::optional<float> roughness, metallic, sheen, clearcoat, clearcoat_roughness, anisotropy;
   std::optional<MtlTexture> map_diffuse, map_specular, map_dissolve, map_roughness, map_metallic, map_sheen;

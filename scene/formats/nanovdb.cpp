@@ -62,14 +62,14 @@ class Directory {
     if (name.empty()) return entries_.front();
     for (const GridEntry& entry : entries_)
       if (entry.name == name) return entry;
-    constexpr std::size_t kMostListed = 16;
+    constexpr std::size_t kMaxListed = 16;
     std::vector<std::string> names;
     std::string list;
     for (const GridEntry& entry : entries_) {
       names.push_back(entry.name);
-      if (names.size() <= kMostListed) list += (list.empty() ? "'" : ", '") + shown(entry.name) + "'";
+      if (names.size() <= kMaxListed) list += (list.empty() ? "'" : ", '") + shown(entry.name) + "'";
     }
-    if (names.size() > kMostListed) list += " and others";
+    if (names.size() > kMaxListed) list += " and others";
     fail("no grid '" + name + "', the file holds " + list + did_you_mean(name, names));
   }
 
@@ -85,8 +85,9 @@ class Directory {
   void check_kind() const {
     constexpr std::string_view kOpenVdb("\x20\x42\x44\x56\0\0\0\0", 8);
     if (bytes_.starts_with(kOpenVdb)) {
-      fail("an OpenVDB file, where NanoVDB is expected; convert it with 'nanovdb_convert FILE.vdb FILE.nvdb', which "
-           "comes with OpenVDB, or with Sheaf's 'vdb_to_nanovdb FILE.vdb FILE.nvdb'");
+      fail(
+          "an OpenVDB file, where NanoVDB is expected; convert it with 'nanovdb_convert FILE.vdb FILE.nvdb', which "
+          "comes with OpenVDB, or with Sheaf's 'vdb_to_nanovdb FILE.vdb FILE.nvdb'");
     }
     if (bytes_.size() < 8 || !is_magic(bytes_.data())) {
       fail("expected a NanoVDB file, which begins with the letters NanoVDB0 or NanoVDB2");
@@ -134,10 +135,17 @@ class GridMemory {
  public:
   GridMemory(const GridEntry& entry, const std::string& file) : entry_(entry), file_(file) {
     switch (entry.codec) {
-      case 0: copy(); break;
-      case 1: inflate(); break;
-      case 2: decompress_blosc(); break;
-      default: fail("compressed with codec " + std::to_string(entry.codec) + ", of which nothing is known");
+      case 0:
+        copy();
+        break;
+      case 1:
+        inflate();
+        break;
+      case 2:
+        decompress_blosc();
+        break;
+      default:
+        fail("compressed with codec " + std::to_string(entry.codec) + ", of which nothing is known");
     }
   }
 
@@ -181,8 +189,8 @@ class GridMemory {
 
 #ifdef NANOVDB_USE_BLOSC
   void decompress_blosc() {
-    constexpr std::uint64_t kMostPerByte = 256, kChunk = std::uint64_t{1} << 30;
-    allocate(entry_.stored.size() * kMostPerByte);
+    constexpr std::uint64_t kMaxPerByte = 256, kChunk = std::uint64_t{1} << 30;
+    allocate(entry_.stored.size() * kMaxPerByte);
     std::string_view left = entry_.stored;
     for (std::uint64_t done = 0; done < entry_.size;) {
       const std::uint64_t chunk = std::min(entry_.size - done, kChunk);
@@ -199,8 +207,9 @@ class GridMemory {
   }
 #else
   void decompress_blosc() {
-    fail("compressed with Blosc, for which Sheaf was not built; write it with 'nanovdb_convert -z', or build Sheaf "
-         "where libblosc-dev is installed");
+    fail(
+        "compressed with Blosc, for which Sheaf was not built; write it with 'nanovdb_convert -z', or build Sheaf "
+        "where libblosc-dev is installed");
   }
 #endif
 
@@ -234,8 +243,10 @@ template <class BuildT> class TreeReader {
         if (origin[axis] % kRootTileSide != 0 || std::abs(std::int64_t{origin[axis]}) > (1 << 30)) fail();
         at[static_cast<std::size_t>(axis)] = origin[axis] / VoxelBlocks::kSide;
       }
-      if (tile.child == 0) add_tile(blocks, at, tile.value, kRootTileSide / VoxelBlocks::kSide);
-      else read_internal<Upper>(blocks, at, position + static_cast<std::uint64_t>(tile.child));
+      if (tile.child == 0)
+        add_tile(blocks, at, tile.value, kRootTileSide / VoxelBlocks::kSide);
+      else
+        read_internal<Upper>(blocks, at, position + static_cast<std::uint64_t>(tile.child));
     }
     return blocks;
   }
@@ -300,8 +311,10 @@ template <class BuildT> class TreeReader {
         continue;
       }
       const std::uint64_t child = position + static_cast<std::uint64_t>(entry.child);
-      if constexpr (kIsUpper) read_internal<Lower>(blocks, child_at, child);
-      else read_leaf(blocks, child_at, child);
+      if constexpr (kIsUpper)
+        read_internal<Lower>(blocks, child_at, child);
+      else
+        read_leaf(blocks, child_at, child);
     }
   }
 
@@ -309,9 +322,9 @@ template <class BuildT> class TreeReader {
     count_node(sizeof(Leaf), leaves_);
     const Leaf& leaf = *node<Leaf>(position);
     if constexpr (std::is_same_v<BuildT, nanovdb::FpN>) {  // its values lie behind it
-      constexpr int kMostLog = 4;
+      constexpr int kMaxLog = 4;
       const int log = leaf.mFlags >> 5;
-      if (log > kMostLog || memory_.size() - position - sizeof(Leaf) < std::uint64_t{64} << log) fail();
+      if (log > kMaxLog || memory_.size() - position - sizeof(Leaf) < std::uint64_t{64} << log) fail();
     }
     const std::span<float> values = blocks.add(at);
     for (std::uint32_t i = 0; i < VoxelBlocks::kVoxels; ++i) {  // z fastest
@@ -327,16 +340,23 @@ template <class BuildT> class TreeReader {
 
 VoxelBlocks read_tree(const GridMemory& memory, nanovdb::GridType type) {
   switch (type) {
-    case nanovdb::GridType::Float: return TreeReader<float>(memory).read();
-    case nanovdb::GridType::Fp4: return TreeReader<nanovdb::Fp4>(memory).read();
-    case nanovdb::GridType::Fp8: return TreeReader<nanovdb::Fp8>(memory).read();
-    case nanovdb::GridType::Fp16: return TreeReader<nanovdb::Fp16>(memory).read();
-    case nanovdb::GridType::FpN: return TreeReader<nanovdb::FpN>(memory).read();
-    case nanovdb::GridType::Vec3f: return TreeReader<nanovdb::Vec3f>(memory).read();
-    default: break;
+    case nanovdb::GridType::Float:
+      return TreeReader<float>(memory).read();
+    case nanovdb::GridType::Fp4:
+      return TreeReader<nanovdb::Fp4>(memory).read();
+    case nanovdb::GridType::Fp8:
+      return TreeReader<nanovdb::Fp8>(memory).read();
+    case nanovdb::GridType::Fp16:
+      return TreeReader<nanovdb::Fp16>(memory).read();
+    case nanovdb::GridType::FpN:
+      return TreeReader<nanovdb::FpN>(memory).read();
+    case nanovdb::GridType::Vec3f:
+      return TreeReader<nanovdb::Vec3f>(memory).read();
+    default:
+      break;
   }
-  const std::string name = type < nanovdb::GridType::End ? nanovdb::toStr(type)
-                                                         : std::to_string(static_cast<std::uint32_t>(type));
+  const std::string name =
+      type < nanovdb::GridType::End ? nanovdb::toStr(type) : std::to_string(static_cast<std::uint32_t>(type));
   memory.fail("expected values of type float, Fp4, Fp8, Fp16, FpN or Vec3f, found type " + name);
 }
 
@@ -344,12 +364,15 @@ SparseVolume read_volume(const GridMemory& memory) {
   const auto* const header = reinterpret_cast<const nanovdb::GridData*>(memory.data());
   if (std::memcmp(memory.data(), "NanoVDB", 7) != 0) memory.fail("the grid's memory is corrupt");
   switch (header->mGridClass) {
-    case nanovdb::GridClass::LevelSet: memory.fail("is a level set, where a fog volume is expected");
+    case nanovdb::GridClass::LevelSet:
+      memory.fail("is a level set, where a fog volume is expected");
     case nanovdb::GridClass::Unknown:
     case nanovdb::GridClass::FogVolume:
     case nanovdb::GridClass::Staggered:
-    case nanovdb::GridClass::VoxelVolume: break;
-    default: memory.fail("is no fog volume");
+    case nanovdb::GridClass::VoxelVolume:
+      break;
+    default:
+      memory.fail("is no fog volume");
   }
   Matrix4 m;
   for (std::size_t row = 0; row < 3; ++row) {
@@ -368,10 +391,12 @@ SparseVolume read_volume(const GridMemory& memory) {
 template <class ValueT, class BuildT> nanovdb::GridHandle<> build(const NanoVdbGrid& grid) {
   const VoxelBlocks& voxels = *grid.voxels;
   const auto to_value = [&](const float* v) {
-    if constexpr (std::is_same_v<ValueT, float>) return *v;
-    else return ValueT(v[0], v[1], v[2]);
+    if constexpr (std::is_same_v<ValueT, float>)
+      return *v;
+    else
+      return ValueT(v[0], v[1], v[2]);
   };
-  const auto kind = grid.is_level_set           ? nanovdb::GridClass::LevelSet
+  const auto kind = grid.is_level_set        ? nanovdb::GridClass::LevelSet
                     : voxels.channels() == 1 ? nanovdb::GridClass::FogVolume
                                              : nanovdb::GridClass::Unknown;
   const ValueT background = to_value(voxels.background().data());
@@ -387,7 +412,8 @@ template <class ValueT, class BuildT> nanovdb::GridHandle<> build(const NanoVdbG
               to_value(&voxels.values()[block.first_value + static_cast<std::size_t>(i * voxels.channels())]);
           if (value != background)
             accessor.setValue({block.position[0] * VoxelBlocks::kSide + x, block.position[1] * VoxelBlocks::kSide + y,
-                               block.position[2] * VoxelBlocks::kSide + z}, value);
+                               block.position[2] * VoxelBlocks::kSide + z},
+                              value);
         }
   }
   nanovdb::Map map{};
@@ -407,11 +433,16 @@ template <class ValueT, class BuildT> nanovdb::GridHandle<> build(const NanoVdbG
 nanovdb::GridHandle<> build_as(const NanoVdbGrid& grid) {
   if (grid.voxels->channels() == 3) return build<nanovdb::Vec3f, nanovdb::Vec3f>(grid);
   switch (grid.values) {
-    case NanoVdbGrid::Values::kFp4: return build<float, nanovdb::Fp4>(grid);
-    case NanoVdbGrid::Values::kFp8: return build<float, nanovdb::Fp8>(grid);
-    case NanoVdbGrid::Values::kFp16: return build<float, nanovdb::Fp16>(grid);
-    case NanoVdbGrid::Values::kFpN: return build<float, nanovdb::FpN>(grid);
-    default: return build<float, float>(grid);
+    case NanoVdbGrid::Values::kFp4:
+      return build<float, nanovdb::Fp4>(grid);
+    case NanoVdbGrid::Values::kFp8:
+      return build<float, nanovdb::Fp8>(grid);
+    case NanoVdbGrid::Values::kFp16:
+      return build<float, nanovdb::Fp16>(grid);
+    case NanoVdbGrid::Values::kFpN:
+      return build<float, nanovdb::FpN>(grid);
+    default:
+      return build<float, float>(grid);
   }
 }
 

@@ -15,7 +15,7 @@ const char* skip_digits(const char* p, const char* end) { return std::find_if_no
 
 /// Whether all of `token` is a decimal number that tinyobjloader reads as such.
 bool is_number(std::string_view token) {
-  constexpr std::ptrdiff_t kMostExponentDigits = 4;
+  constexpr std::ptrdiff_t kMaxExponentDigits = 4;
   const char *p = token.data(), *const end = p + token.size();
   if (p != end && (*p == '+' || *p == '-')) ++p;
   const char* const whole = p;
@@ -32,7 +32,7 @@ bool is_number(std::string_view token) {
   ++p;
   if (p != end && (*p == '+' || *p == '-')) ++p;
   const std::ptrdiff_t exponent_digits = end - p;
-  return exponent_digits > 0 && exponent_digits <= kMostExponentDigits && skip_digits(p, end) == end;
+  return exponent_digits > 0 && exponent_digits <= kMaxExponentDigits && skip_digits(p, end) == end;
 }
 
 /// Whether `token` is NaN or infinity as C libraries print them ("-nan", "inf", "1.#QNAN").

@@ -151,8 +151,8 @@ std::uint32_t check_index(const Source& source, double index, const PlyVertices&
   if (index >= 0 && index < static_cast<double>(vertices.count) && index == std::floor(index)) {
     return static_cast<std::uint32_t>(index);
   }
-  constexpr double kMostExact = 1e15;
-  const bool is_whole = std::abs(index) < kMostExact && index == std::floor(index);
+  constexpr double kMaxExact = 1e15;
+  const bool is_whole = std::abs(index) < kMaxExact && index == std::floor(index);
   const auto message = [&] {
     return "expected the index of one of " + std::to_string(vertices.count) + " vertices, found " +
            (is_whole ? std::to_string(static_cast<std::int64_t>(index)) : std::to_string(index));

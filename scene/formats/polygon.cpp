@@ -102,11 +102,11 @@ class Ring {
 };
 
 bool clip_ears(const std::vector<Point>& points, std::vector<PolygonTriangle>& out) {
-  constexpr std::size_t kMostWork = 100'000'000;  // corner tests: about 0.2 s, for outlines made to be slow
+  constexpr std::size_t kMaxWork = 100'000'000;  // corner tests: about 0.2 s, for outlines made to be slow
   Ring ring(points);
   std::size_t left = points.size(), since_last_ear = 0, work = 0;
   std::uint32_t i = 0;
-  while (left > 3 && since_last_ear <= left && work < kMostWork) {
+  while (left > 3 && since_last_ear <= left && work < kMaxWork) {
     ++since_last_ear;
     ++work;
     const double turned = ring.turn_at(i);

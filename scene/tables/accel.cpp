@@ -148,8 +148,8 @@ template <class Surface> void occluded_callback(const RTCOccludedFunctionNArgume
 
 RTCGeometry make_mesh(RTCDevice device, const AccelInput& in, const ShapeRow& shape, std::uint32_t vertex_count) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                             in.vertices + shape.first_vertex, 0, sizeof(VertexRow), vertex_count);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, in.vertices + shape.first_vertex,
+                             0, sizeof(VertexRow), vertex_count);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                              in.triangles + 3 * std::size_t(shape.first_triangle), 0, 12, shape.triangle_count);
   return geometry;
@@ -374,9 +374,7 @@ void Accel::occluded(RayPacket& packet, int count) const noexcept {
 }
 #endif
 
-std::size_t Accel::bytes() const {
-  return static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, impl_->bytes.load()));
-}
+std::size_t Accel::bytes() const { return static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, impl_->bytes.load())); }
 
 const char* Accel::library_version() { return RTC_VERSION_STRING; }
 
@@ -496,7 +494,7 @@ struct LineAccel::Impl : EmbreeScene {
 namespace {
 
 /// Pieces of a line at most.
-constexpr float kMostPieces = 64;
+constexpr float kMaxPieces = 64;
 /// Embree's curves are so much wider, for its rounding.
 constexpr float kWider = 1.02f;
 /// Square of the sine below which directions are parallel.
@@ -545,7 +543,7 @@ LineAccel::LineAccel(const std::vector<AccelLine>& lines, float radius, float pi
   in.lines.reserve(lines.size());
   for (std::uint32_t k = 0; k < lines.size(); ++k) {
     const AccelLine& line = lines[k];
-    const float pieces = clamp(std::ceil(line.length / piece), 1.0f, kMostPieces);
+    const float pieces = clamp(std::ceil(line.length / piece), 1.0f, kMaxPieces);
     in.lines.push_back({line.start, line.length, line.direction, pieces});
     for (std::uint32_t i = 0; static_cast<float>(i) <= pieces; ++i) {
       if (static_cast<float>(i) < pieces) {

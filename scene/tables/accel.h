@@ -29,8 +29,8 @@ struct alignas(64) RayPacket {
   float u[kPacketWidth], v[kPacketWidth];  ///< barycentric coordinates of the second and third vertex; of curves
                                            ///< u alone, along the segment
   std::uint32_t primitive[kPacketWidth];   ///< triangle, segment or cell of the shape
-  std::uint32_t shape[kPacketWidth];     ///< kNone: no hit. intersect() wants it to be kNone on entry
-  std::uint32_t instance[kPacketWidth];  ///< row of the instance that was hit; kNone: the shape is in no group
+  std::uint32_t shape[kPacketWidth];       ///< kNone: no hit. intersect() wants it to be kNone on entry
+  std::uint32_t instance[kPacketWidth];    ///< row of the instance that was hit; kNone: the shape is in no group
   std::uint32_t instance_primitive[kPacketWidth];
 
   /// Fills what does not change from packet to packet.
@@ -55,8 +55,8 @@ struct AccelInput {
   const float* sdf_values;
   const std::uint32_t* sdf_cells;
   const std::uint32_t* vertex_counts;  ///< per shape; of curves their points
-  bool watertight;  ///< see CompileOptions::watertight
-  const ShapeRange* groups;  ///< none of them empty
+  bool watertight;                     ///< see CompileOptions::watertight
+  const ShapeRange* groups;            ///< none of them empty
   std::uint32_t group_count;
   const InstanceRow* instances;
   std::uint32_t instance_count;

@@ -91,8 +91,8 @@ class BrickStore {
         grid_.maximum = std::max(grid_.maximum, scratch_[i + c]);
       }
     }
-    const std::size_t bytes = grid_.entries.size() * sizeof(std::uint32_t) +
-                              (grid_.values.size() + scratch_.size()) * sizeof(float);
+    const std::size_t bytes =
+        grid_.entries.size() * sizeof(std::uint32_t) + (grid_.values.size() + scratch_.size()) * sizeof(float);
     if (bytes > most_bytes_) fail_memory(grid_, bytes, most_bytes_);
     grid_.values.insert(grid_.values.end(), scratch_.begin(), scratch_.end());
     return count_++;
@@ -150,9 +150,7 @@ GridBox box_with_margin(const BrickGrid& grid, double margin) {
 /// Blocks by their place, and what surrounds them.
 class BlockTable {
  public:
-  explicit BlockTable(const VoxelBlocks& blocks) : blocks_(blocks), channels_(blocks.channels()) {
-    find_bounds();
-  }
+  explicit BlockTable(const VoxelBlocks& blocks) : blocks_(blocks), channels_(blocks.channels()) { find_bounds(); }
 
   bool is_empty() const { return voxel_max_[0] < voxel_min_[0]; }
   const std::array<int, 3>& voxel_min() const { return voxel_min_; }
@@ -186,8 +184,8 @@ class BlockTable {
   std::uint32_t store_brick(const std::array<int, 3>& b, BrickStore& store) const {
     std::array<const VoxelBlocks::Block*, 8> corner{};
     for (unsigned c = 0; c < 8; ++c)
-      corner[c] = block({b[0] + static_cast<int>(c & 1), b[1] + static_cast<int>(c >> 1 & 1),
-                         b[2] + static_cast<int>(c >> 2)});
+      corner[c] =
+          block({b[0] + static_cast<int>(c & 1), b[1] + static_cast<int>(c >> 1 & 1), b[2] + static_cast<int>(c >> 2)});
     if (const float* const value = common_value(corner)) return store.store_constant(value);
     for (unsigned c = 0; c < 8; ++c) copy(corner[c], c, store);
     return store.store();
@@ -196,7 +194,8 @@ class BlockTable {
  private:
   std::size_t offset(const std::array<int, 3>& at) const {
     return (static_cast<std::size_t>(at[2]) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(at[1])) *
-               static_cast<std::size_t>(size_[0]) + static_cast<std::size_t>(at[0]);
+               static_cast<std::size_t>(size_[0]) +
+           static_cast<std::size_t>(at[0]);
   }
 
   const VoxelBlocks::Block* block(const std::array<int, 3>& at) const {
@@ -259,11 +258,11 @@ class BlockTable {
     }
   }
 
-  static constexpr int kMost = std::numeric_limits<int>::max();
+  static constexpr int kMax = std::numeric_limits<int>::max();
   const VoxelBlocks& blocks_;
   int channels_;
   std::array<int, 3> first_{}, size_{};
-  std::array<int, 3> voxel_min_{kMost, kMost, kMost}, voxel_max_{-kMost, -kMost, -kMost};
+  std::array<int, 3> voxel_min_{kMax, kMax, kMax}, voxel_max_{-kMax, -kMax, -kMax};
   std::span<std::uint32_t> table_;  ///< the grid's entries
 };
 
@@ -314,8 +313,8 @@ BrickGrid make_sparse_grid(const VoxelBlocks& blocks, std::size_t most_bytes) {
     // The cell below the first voxel has its upper corner there; bricks keep to the blocks.
     const int first = floor_div8(grid.voxel_min[axis] - 1), last = floor_div8(grid.voxel_max[axis]);
     grid.first[axis] = first * kBrickSide;
-    cells[axis] = static_cast<int>(std::min<std::int64_t>((std::int64_t{last} - first + 1) * kBrickSide,
-                                                          std::numeric_limits<int>::max()));
+    cells[axis] = static_cast<int>(
+        std::min<std::int64_t>((std::int64_t{last} - first + 1) * kBrickSide, std::numeric_limits<int>::max()));
   }
   set_size(grid, cells, most_bytes);
   table.index(grid);

@@ -39,9 +39,9 @@ struct alignas(64) BrickGridRow {
   /// Columns of the 3x4 matrix from world space to the grid, four floats each, the last of which is zero. For lookups
   /// of the nearest voxel half a voxel is added, so that voxel i is all of [i, i + 1).
   float world_to_grid[16] = {};
-  const std::uint32_t* entries = nullptr;  ///< brick of each 8^3 cells, x fastest
-  const float* values = nullptr;           ///< bricks of kBrickVoxels voxels of one float or kColorVoxel floats
-  std::uint32_t cells[3] = {};             ///< lookups stay in [0, cells); without kBackground the number of voxels
+  const std::uint32_t* entries = nullptr;    ///< brick of each 8^3 cells, x fastest
+  const float* values = nullptr;             ///< bricks of kBrickVoxels voxels of one float or kColorVoxel floats
+  std::uint32_t cells[3] = {};               ///< lookups stay in [0, cells); without kBackground the number of voxels
   std::uint32_t stride_y = 0, stride_z = 0;  ///< of `entries`
   std::uint32_t channels = 1;                ///< 1 or 3
   GridBorder border = GridBorder::kBackground;
@@ -64,12 +64,12 @@ struct GridBox {
 struct BrickGrid {
   int channels = 1;  ///< 1 or 3
   GridBorder border = GridBorder::kBackground;
-  std::array<float, 3> background{};       ///< as many as channels; only for kBackground
-  std::array<int, 3> first{};              ///< voxel where the first brick begins
-  std::array<int, 3> voxel_min{};          ///< the first voxel that is not just background
+  std::array<float, 3> background{};         ///< as many as channels; only for kBackground
+  std::array<int, 3> first{};                ///< voxel where the first brick begins
+  std::array<int, 3> voxel_min{};            ///< the first voxel that is not just background
   std::array<int, 3> voxel_max{-1, -1, -1};  ///< the last such voxel
-  std::array<int, 3> cells{};              ///< BrickGridRow::cells
-  std::array<int, 3> bricks{};             ///< size of the table of bricks
+  std::array<int, 3> cells{};                ///< BrickGridRow::cells
+  std::array<int, 3> bricks{};               ///< size of the table of bricks
   std::vector<std::uint32_t> entries;
   std::vector<float> values;
   /// From index space to the space that GridVolumeDescription::to_world maps to world space.
@@ -83,9 +83,7 @@ struct BrickGrid {
   /// A lower bound on the same.
   float min_value() const { return minimum; }
   /// Memory held.
-  std::size_t bytes() const {
-    return entries.capacity() * sizeof(std::uint32_t) + values.capacity() * sizeof(float);
-  }
+  std::size_t bytes() const { return entries.capacity() * sizeof(std::uint32_t) + values.capacity() * sizeof(float); }
   /// Floats per brick.
   std::size_t brick_size() const { return std::size_t{kBrickVoxels} * (channels == 1 ? 1 : kColorVoxel); }
   /// Bounds in local space of the cubes of side 1 around the voxels; Mitsuba's .vol: the unit cube or the file's box.

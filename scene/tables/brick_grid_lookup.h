@@ -11,22 +11,22 @@ namespace sheaf {
 namespace detail {
 
 /// Four floats in a register.
-typedef float Float4 __attribute__((vector_size(16)));
+typedef float NativeFloat4 __attribute__((vector_size(16)));
 
-SHEAF_INLINE Float4 load_float4(const float* p) {
-  Float4 v;
+SHEAF_INLINE NativeFloat4 load_float4(const float* p) {
+  NativeFloat4 v;
   std::memcpy(&v, p, sizeof(v));
   return v;
 }
 /// Two floats from each place. As halves of a register of doubles: put together in memory, they would be waited for.
-SHEAF_INLINE Float4 load_pairs(const float* low, const float* high) {
+SHEAF_INLINE NativeFloat4 load_pairs(const float* low, const float* high) {
   typedef double Double2 __attribute__((vector_size(16)));
   double first, second;
   std::memcpy(&first, low, sizeof(first));
   std::memcpy(&second, high, sizeof(second));
-  return std::bit_cast<Float4>(Double2{first, second});
+  return std::bit_cast<NativeFloat4>(Double2{first, second});
 }
-SHEAF_INLINE Float4 lerp4(float t, Float4 a, Float4 b) { return (b - a) * t + a; }
+SHEAF_INLINE NativeFloat4 lerp4(float t, NativeFloat4 a, NativeFloat4 b) { return (b - a) * t + a; }
 
 /// A cell of a grid, and where in it a place lies.
 struct GridCell {
@@ -62,8 +62,9 @@ SHEAF_INLINE std::int32_t truncate(float x) {
 
 /// False: the place lies outside, where there is background.
 SHEAF_INLINE bool find_grid_cell(const BrickGridRow& row, Vec3f p, int floats_per_voxel, GridCell& cell) {
-  const Float4 g = load_float4(row.world_to_grid) * p.x + (load_float4(row.world_to_grid + 4) * p.y +
-                   (load_float4(row.world_to_grid + 8) * p.z + load_float4(row.world_to_grid + 12)));
+  const NativeFloat4 g = load_float4(row.world_to_grid) * p.x +
+                         (load_float4(row.world_to_grid + 4) * p.y +
+                          (load_float4(row.world_to_grid + 8) * p.z + load_float4(row.world_to_grid + 12)));
   float x = g[0], y = g[1], z = g[2];
   const bool is_bounded = row.border == GridBorder::kBackground;
   if (!is_bounded) {
@@ -106,7 +107,7 @@ SHEAF_INLINE float lookup_grid(const BrickGridRow& row, Vec3f p) {
   const float* const v = cell.voxel;
   if (row.nearest) return *v;
   constexpr int kY = kBrickStride, kZ = kBrickStride * kBrickStride;
-  const Float4 yx = lerp4(cell.tz, load_pairs(v, v + kY), load_pairs(v + kZ, v + kZ + kY));
+  const NativeFloat4 yx = lerp4(cell.tz, load_pairs(v, v + kY), load_pairs(v + kZ, v + kZ + kY));
   const float low = lerp(cell.ty, yx[0], yx[2]), high = lerp(cell.ty, yx[1], yx[3]);
   return lerp(cell.tx, low, high);
 }
@@ -151,7 +152,7 @@ SHEAF_INLINE Vec3f lookup_grid_color(const BrickGridRow& row, Vec3f p) {
     return lerp4(cell.tx, load_float4(v), load_float4(v + kColorVoxel));
   };
   constexpr int kY = kBrickStride, kZ = kBrickStride * kBrickStride;
-  const Float4 value =
+  const NativeFloat4 value =
       lerp4(cell.tz, lerp4(cell.ty, along_x(0), along_x(kY)), lerp4(cell.ty, along_x(kZ), along_x(kZ + kY)));
   return {value[0], value[1], value[2]};
 }

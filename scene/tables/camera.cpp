@@ -102,11 +102,16 @@ double half_width_of(float fov, CameraDescription::FovAxis axis, double width, d
   const double t = std::tan(0.5 * fov * (3.14159265358979323846 / 180.0));
   using Axis = CameraDescription::FovAxis;
   switch (axis) {
-    case Axis::kX: return t;
-    case Axis::kY: return t * width / height;
-    case Axis::kDiagonal: return t * width / std::hypot(width, height);
-    case Axis::kSmaller: return width <= height ? t : t * width / height;
-    case Axis::kLarger: return width >= height ? t : t * width / height;
+    case Axis::kX:
+      return t;
+    case Axis::kY:
+      return t * width / height;
+    case Axis::kDiagonal:
+      return t * width / std::hypot(width, height);
+    case Axis::kSmaller:
+      return width <= height ? t : t * width / height;
+    case Axis::kLarger:
+      return width >= height ? t : t * width / height;
   }
   return t;
 }
@@ -119,8 +124,7 @@ Camera make_camera(const CameraDescription& description, int width, int height) 
   if (!orthographic && description.projection != Projection::kPerspective)
     return make_meter(description, width, height);
   const double half =
-      orthographic ? 1.0
-                   : half_width_of(description.fov, description.fov_axis, width, height, description.where);
+      orthographic ? 1.0 : half_width_of(description.fov, description.fov_axis, width, height, description.where);
   const double step = 2.0 * half / width;
   const auto to_world = [&description](double x, double y, double z) {
     return description.to_world.vector({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});

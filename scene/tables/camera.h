@@ -10,9 +10,9 @@ namespace sheaf {
 
 /// A ray of a camera.
 template <class L> struct CameraRay {
-  Vec3<L> origin;             ///< world space, on the near plane
-  Vec3<L> direction;          ///< normalised
-  typename L::Float t_max;    ///< distance to the far plane
+  Vec3<L> origin;           ///< world space, on the near plane
+  Vec3<L> direction;        ///< normalised
+  typename L::Float t_max;  ///< distance to the far plane
 };
 
 /// Where a point is seen, and how much a camera makes of the light that it sends there.
@@ -38,13 +38,13 @@ enum class CameraRays {
 /// lens. What a kind of camera has no use for is zero. World space; film positions are in pixels, y downwards, (0, 0)
 /// the upper left corner of the frame.
 struct Camera {
-  Vec3f origin{};                         ///< where rays through the film's corner and the lens's centre pass z = 0
-  Vec3f origin_dx{}, origin_dy{};         ///< its change with the film position: orthographic cameras
-  Vec3f corner{};                         ///< step from z = 0 to z = 1 on the ray through the film's corner
-  Vec3f dx{}, dy{};                       ///< its change with the film position: perspective cameras
-  Vec3f lens_x{}, lens_y{};               ///< the lens's radii
-  Vec3f z_axis{};                         ///< z of a point is its product with what lies between `origin` and the point
-  float inverse_focus_distance = 0;       ///< of the plane, across z, in which the picture is sharp
+  Vec3f origin{};                    ///< where rays through the film's corner and the lens's centre pass z = 0
+  Vec3f origin_dx{}, origin_dy{};    ///< its change with the film position: orthographic cameras
+  Vec3f corner{};                    ///< step from z = 0 to z = 1 on the ray through the film's corner
+  Vec3f dx{}, dy{};                  ///< its change with the film position: perspective cameras
+  Vec3f lens_x{}, lens_y{};          ///< the lens's radii
+  Vec3f z_axis{};                    ///< z of a point is its product with what lies between `origin` and the point
+  float inverse_focus_distance = 0;  ///< of the plane, across z, in which the picture is sharp
   float near_clip = 0, clip_range = kInfinity;  ///< z of the near plane, and from there to the far plane
   CameraRays rays = CameraRays::kAffine;
   /// kDistorted: step from z = 0 to z = 1 along the axis. kSpherical: the direction at the middle of the film, of unit

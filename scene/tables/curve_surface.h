@@ -15,12 +15,13 @@ template <class L> struct CurveAxis {
   typename L::Float t, extent;  ///< the parameter; the largest coordinate of the segment
 };
 
-/// `a` over its length where it has one, else `otherwise`.
-template <class L> SHEAF_INLINE Vec3<L> normalize_or(Vec3<L> a, Vec3<L> otherwise) {
+/// `a` over its length where it has one, else `default_value`.
+template <class L> SHEAF_INLINE Vec3<L> normalize_or(Vec3<L> a, Vec3<L> default_value) {
   using F = typename L::Float;
   const F m = max_component(abs(a));
   const auto usable = m > F(1e-30f);
-  return select<L>(usable, normalize(select<L>(usable, a * (F(1.0f) / max(m, F(1e-30f))), otherwise)), otherwise);
+  return select<L>(usable, normalize(select<L>(usable, a * (F(1.0f) / max(m, F(1e-30f))), default_value)),
+                   default_value);
 }
 
 /// On a line where the sphere around it touches the cone at `hit`: there (hit - p(t)) . dp = -r(t) dr.

@@ -5,11 +5,11 @@
 namespace sheaf {
 
 std::uint16_t envmap_code(float value) {
-  constexpr std::uint32_t kHalfStep = 1u << 12, kLeast = 1u << 10, kMost = 0xffffu;
+  constexpr std::uint32_t kHalfStep = 1u << 12, kMin = 1u << 10, kMax = 0xffffu;
   // Ties go to the even code.
   const std::uint32_t bits = float_bits(std::min(value, 2.0f) * 0x1p-64f);
   const std::uint32_t code = (bits + kHalfStep - 1 + (bits >> 13 & 1u)) >> 13;
-  return static_cast<std::uint16_t>(code < kLeast ? 0u : std::min(code, kMost));
+  return static_cast<std::uint16_t>(code < kMin ? 0u : std::min(code, kMax));
 }
 
 EnvmapView Envmap::view() const {

@@ -33,11 +33,15 @@ double filter_radius(const FilterDescription& f) {
   using Kind = FilterDescription::Kind;
   switch (f.kind) {
     case Kind::kBox:
-    case Kind::kTent: return f.radius;
-    case Kind::kGaussian: return 4.0 * f.stddev;
+    case Kind::kTent:
+      return f.radius;
+    case Kind::kGaussian:
+      return 4.0 * f.stddev;
     case Kind::kMitchell:
-    case Kind::kCatmullRom: return 2.0;
-    case Kind::kLanczos: return f.lobes;
+    case Kind::kCatmullRom:
+      return 2.0;
+    case Kind::kLanczos:
+      return f.lobes;
   }
   return f.radius;
 }
@@ -48,15 +52,20 @@ double evaluate_filter(const FilterDescription& f, double x) {
   if (x > radius) return 0;
   using Kind = FilterDescription::Kind;
   switch (f.kind) {
-    case Kind::kBox: return 1;
-    case Kind::kTent: return 1 - x / radius;
+    case Kind::kBox:
+      return 1;
+    case Kind::kTent:
+      return 1 - x / radius;
     case Kind::kGaussian: {
       const double alpha = -0.5 / (double(f.stddev) * f.stddev);
       return std::max(0.0, std::exp(alpha * x * x) - std::exp(alpha * radius * radius));
     }
-    case Kind::kMitchell: return cubic(x, f.b, f.c);
-    case Kind::kCatmullRom: return cubic(x, 0, 0.5);
-    case Kind::kLanczos: return sinc(x) * sinc(x / radius);
+    case Kind::kMitchell:
+      return cubic(x, f.b, f.c);
+    case Kind::kCatmullRom:
+      return cubic(x, 0, 0.5);
+    case Kind::kLanczos:
+      return sinc(x) * sinc(x / radius);
   }
   return 0;
 }

@@ -27,9 +27,7 @@ struct FilterTable {
   std::array<float, kBins + 1> edges{};  ///< offsets from the pixel's centre, ascending
   std::array<float, kBins> weight{};     ///< per axis: (mean sign of f in the bin) (integral of |f|) / (integral of f)
 
-  template <class L> struct Offset {
-    typename L::Float position, weight;
-  };
+  template <class L> struct Offset { typename L::Float position, weight; };
 
   /// Offset along one axis for a uniform number u in [0, 1).
   template <class L> SHEAF_INLINE Offset<L> sample(typename L::Float u) const {
@@ -54,7 +52,7 @@ FilterTable make_placement_table(const FilterDescription& filter);
 class FilterWeights {
  public:
   /// Most numbers that across() writes: those of the largest radius of make_filter_table(), 64.
-  static constexpr int kMostPixels = 136;
+  static constexpr int kMaxPixels = 136;
 
   FilterWeights() = default;
   /// Throws like make_filter_table().

@@ -20,9 +20,9 @@ InstanceBounds instance_bounds(const InstanceRow& row, Vec3f lower, Vec3f upper)
 /// An instance's transform M with the cofactors of its linear part. The inverse is kept nowhere: the rows of cofactors
 /// over the determinant are the columns of it.
 template <class L> struct InstancePlacement {
-  Vec3<L> rows[3];           ///< of the linear part of M
+  Vec3<L> rows[3];  ///< of the linear part of M
   Vec3<L> translation;
-  Vec3<L> cofactors[3];      ///< rows of det(M) M^-T
+  Vec3<L> cofactors[3];  ///< rows of det(M) M^-T
   typename L::Float determinant;
 
   SHEAF_INLINE explicit InstancePlacement(const InstanceRecord<L>& row) : determinant(row.determinant) {

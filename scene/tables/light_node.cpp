@@ -133,7 +133,7 @@ LightNodeRow pack_light_node(const LightCluster (&children)[kLightChildren], std
     reach.set(bits_above(reach, reach_of(child)));
     set_spread({row, Row::kSpread, k}, child);
     const double share = child.power > 0.0 ? child.power / power : 1.0;
-    set_nearest({row, Row::kShare, k}, std::max(share, double(kLeastLightShare)));
+    set_nearest({row, Row::kShare, k}, std::max(share, double(kMinLightShare)));
     row.lights[k] = lights[k];
   }
   row.words[Row::kLink] = first_node | node_count << kLightNodeBits;

@@ -27,7 +27,7 @@ template <class L> struct LightChild {
   Vec3<L> tilt;                ///< axis of the cone of normals times minus cos_theta_o, times kLightFixedPoint
   typename L::Float spread;    ///< sine of the half angle of that cone, 1 if it is more than pi / 2; NaN without power
   typename L::Float reach;     ///< 1 - cos_theta_e, see LightBounds; wider by kLightConeSlack
-  typename L::Float share;     ///< power over the node's; >= kLeastLightShare
+  typename L::Float share;     ///< power over the node's; >= kMinLightShare
   typename L::Uint keep_sign;  ///< all bits but, where some light has two sides, the uppermost
 };
 
@@ -37,7 +37,7 @@ inline constexpr float kLightFixedPoint = 0x1p31f;
 /// kernels/lights/light_tree.h, where these graze.
 inline constexpr double kLightConeSlack = 2e-3;
 /// The smallest share of a light that has any power: far above what would underflow.
-inline constexpr float kLeastLightShare = 1e-9f;
+inline constexpr float kMinLightShare = 1e-9f;
 
 /// A row of the table of nodes. Most words are two halves, for children 0 and 1, or, in the word after the last one for
 /// these, for 2 and 3; the even child's is the lower half. Halves are bfloat16 numbers, or fixed-point numbers. The

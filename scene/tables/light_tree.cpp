@@ -21,13 +21,13 @@ constexpr double kLargest = LightCluster::kLargest;
 /// What a cluster costs in expectation: power x area x solid angle (Conty Estevez and Kulla 2018, section 4.4). The
 /// square of the diagonal joins the area with a small weight, which tells clusters along a line apart.
 double cluster_cost(const LightCluster& cluster) {
-  constexpr double kDiagonalWeight = 1e-3, kLeastPower = 1e-30;
+  constexpr double kDiagonalWeight = 1e-3, kMinPower = 1e-30;
   if (cluster.count == 0) return 0;
   const double x = cluster.upper[0] - cluster.lower[0], y = cluster.upper[1] - cluster.lower[1];
   const double z = cluster.upper[2] - cluster.lower[2];
   const double area = 2.0 * (x * y + y * z + z * x) + kDiagonalWeight * (x * x + y * y + z * z);
   const double measure = cone_measure(cluster.cone, std::acos(cluster.cos_theta_e));
-  return std::max(cluster.power, kLeastPower) * area * (cluster.two_sided ? 2.0 : 1.0) * measure;
+  return std::max(cluster.power, kMinPower) * area * (cluster.two_sided ? 2.0 : 1.0) * measure;
 }
 
 bool is_sound(const LightBounds& light) {

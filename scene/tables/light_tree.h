@@ -18,14 +18,14 @@ namespace sheaf {
 
 /// Where a light is, in which directions it shines, and how much (Conty Estevez and Kulla 2018, section 4.1).
 struct LightBounds {
-  Vec3f lower{}, upper{};       ///< box around the light; world space, metres
-  Vec3f axis{0, 0, 1};          ///< of the cone of normals; unit length
-  float cos_theta_o = -1;       ///< half angle of that cone, in [0, pi]
-  float cos_theta_e = 0;        ///< how far from a normal the light still shines: half angle in [0, pi/2]
+  Vec3f lower{}, upper{};  ///< box around the light; world space, metres
+  Vec3f axis{0, 0, 1};     ///< of the cone of normals; unit length
+  float cos_theta_o = -1;  ///< half angle of that cone, in [0, pi]
+  float cos_theta_e = 0;   ///< how far from a normal the light still shines: half angle in [0, pi/2]
   /// pi times the radiant intensity (W / sr) in the brightest direction, averaged over R, G and B: so a flat emitter's
   /// power in W, a quarter of that of a point light, and comparable among all kinds of light. 0: never chosen.
   float power = 0;
-  bool two_sided = false;       ///< shines against its normals as well
+  bool two_sided = false;  ///< shines against its normals as well
 };
 
 /// A place in the tree: the index of a node, or, with this bit, four times that and which of its children, a leaf.
@@ -47,9 +47,9 @@ inline std::uint32_t light_tree_child(const LightNodeRow& node, std::uint32_t in
 
 /// What kernels see of a light tree.
 struct LightTreeView {
-  const LightNodeRow* nodes = nullptr;      ///< the first is the root
-  const std::uint32_t* trails = nullptr;    ///< one per light: bits 2 k and 2 k + 1 are the turn at level k
-  std::uint32_t node_count = 0;             ///< 0: there are no lights
+  const LightNodeRow* nodes = nullptr;    ///< the first is the root
+  const std::uint32_t* trails = nullptr;  ///< one per light: bits 2 k and 2 k + 1 are the turn at level k
+  std::uint32_t node_count = 0;           ///< 0: there are no lights
   /// Places of the upper nodes; where there is none, since one above is a leaf, the place of that one.
   std::uint32_t top[kLightTopNodes] = {};
 };

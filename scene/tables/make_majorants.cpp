@@ -15,9 +15,9 @@ constexpr float kLookupCost = 4.0f;
 constexpr int kBrickLog2 = 3;
 static_assert(1 << kBrickLog2 == kBrickSide);
 /// A base cell is cut into at most this many leaves along each side.
-constexpr int kMostCut = 3;
+constexpr int kMaxCut = 3;
 /// Leaves are at most so many base cells wide.
-constexpr int kMostBaseCellsLog2 = 4;
+constexpr int kMaxBaseCellsLog2 = 4;
 
 /// The smallest and the largest of some values.
 struct Range {
@@ -205,7 +205,7 @@ class Builder {
   }
 
   void run() {
-    const int cube = is_uniform() ? 0 : kMostBaseCellsLog2, step = 1 << cube;
+    const int cube = is_uniform() ? 0 : kMaxBaseCellsLog2, step = 1 << cube;
     for (int z = 0; z < out_.cells[2]; z += step)
       for (int y = 0; y < out_.cells[1]; y += step)
         for (int x = 0; x < out_.cells[0]; x += step) add_cube({x, y, z}, cube);
@@ -339,7 +339,7 @@ MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, Filter 
     result.cells[axis] = ((grid.bricks[axis] - 1) >> (result.base_log2 - kBrickLog2)) + 1;
   std::size_t most_bytes = 1u << 16;
   for (const MajorantSource& source : sources) most_bytes = std::max(most_bytes, source.grid->bytes() / 2);
-  for (int most_cut = kMostCut; most_cut == kMostCut || (most_cut > 0 && result.bytes() > most_bytes); --most_cut)
+  for (int most_cut = kMaxCut; most_cut == kMaxCut || (most_cut > 0 && result.bytes() > most_bytes); --most_cut)
     Builder(sources, filter, needs, most_cut, result).run();
   return result;
 }

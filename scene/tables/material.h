@@ -70,16 +70,16 @@ template <class L> struct DielectricParameters {
 
 /// Parameters of reflection off a rough metal (kernels/bsdf/rough_conductor.h).
 template <class L> struct RoughConductorParameters {
-  Spectrum<L> eta, k, reflectance;  ///< as for ConductorParameters
+  Spectrum<L> eta, k, reflectance;     ///< as for ConductorParameters
   typename L::Float alpha_u, alpha_v;  ///< roughness along the tangent and across
   static constexpr auto fields(auto& s) { return std::tie(s.eta, s.k, s.reflectance, s.alpha_u, s.alpha_v); }
 };
 
 /// Parameters of a rough boundary between dielectrics (kernels/bsdf/rough_dielectric.h).
 template <class L> struct RoughDielectricParameters {
-  typename L::Float eta;                     ///< int / ext
-  Spectrum<L> reflectance, transmittance;    ///< as for DielectricParameters
-  typename L::Float alpha_u, alpha_v;        ///< roughness along the tangent and across
+  typename L::Float eta;                   ///< int / ext
+  Spectrum<L> reflectance, transmittance;  ///< as for DielectricParameters
+  typename L::Float alpha_u, alpha_v;      ///< roughness along the tangent and across
   static constexpr auto fields(auto& s) {
     return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v);
   }
@@ -103,9 +103,9 @@ template <class L> struct DispersiveRoughDielectricParameters {
 
 /// Parameters of a diffuse base under a smooth coat (kernels/bsdf/plastic.h).
 template <class L> struct PlasticParameters {
-  typename L::Float eta;        ///< int / ext
-  Spectrum<L> diffuse, specular;  ///< reflectance of the base; factor on the coat's reflection
-  typename L::Float nonlinear;  ///< 1: colour shifts by scattering between base and coat; else 0
+  typename L::Float eta;                   ///< int / ext
+  Spectrum<L> diffuse, specular;           ///< reflectance of the base; factor on the coat's reflection
+  typename L::Float nonlinear;             ///< 1: colour shifts by scattering between base and coat; else 0
   typename L::Float internal_reflectance;  ///< share of diffuse light from within that the coat sends back
   static constexpr auto fields(auto& s) {
     return std::tie(s.eta, s.diffuse, s.specular, s.nonlinear, s.internal_reflectance);
@@ -117,11 +117,11 @@ inline constexpr int kTransmittanceTerms = 8;
 
 /// Parameters of a diffuse base under a rough coat (kernels/bsdf/rough_plastic.h).
 template <class L> struct RoughPlasticParameters {
-  typename L::Float eta;        ///< int / ext
-  Spectrum<L> diffuse, specular;  ///< as for PlasticParameters
-  typename L::Float nonlinear;  ///< as for PlasticParameters
-  typename L::Float internal_reflectance;  ///< as for PlasticParameters
-  typename L::Float alpha;      ///< roughness
+  typename L::Float eta;                                 ///< int / ext
+  Spectrum<L> diffuse, specular;                         ///< as for PlasticParameters
+  typename L::Float nonlinear;                           ///< as for PlasticParameters
+  typename L::Float internal_reflectance;                ///< as for PlasticParameters
+  typename L::Float alpha;                               ///< roughness
   typename L::Float transmittance[kTransmittanceTerms];  ///< share of light that the coat lets in, over the cosine
   static constexpr auto fields(auto& s) {
     return std::tie(s.eta, s.diffuse, s.specular, s.nonlinear, s.internal_reflectance, s.alpha, s.transmittance);
@@ -299,11 +299,11 @@ template <class L> struct SggxParameters {
 template <ClosureKind Kind, template <class> class P, class D = void> struct ClosureEntry {
   static constexpr ClosureKind kKind = Kind;
   template <class L> using Parameters = P<L>;
-  using Description = D;  ///< the PlainModel that it is the BSDF of; void: rows of it are made otherwise
-  const char* name;       ///< in tables for people
-  bool is_pane = false;   ///< a thin pane, which only reflects and lets pass
-  bool is_phase = false;  ///< scatters in a medium; see kernels/bsdf/bsdf.h
-  bool is_coatable = false;  ///< opaque, and no coat itself; see kernels/bsdf/coated.h
+  using Description = D;            ///< the DeclarativeBsdf that it is the BSDF of; void: rows of it are made otherwise
+  const char* name;                 ///< in tables for people
+  bool is_thin_dielectric = false;  ///< a thin pane, which only reflects and lets pass
+  bool is_phase = false;            ///< scatters in a medium; see kernels/bsdf/bsdf.h
+  bool is_coatable = false;         ///< opaque, and no coat itself; see kernels/bsdf/coated.h
 };
 
 /// The list of all closures, in the order of ClosureKind: calls f(ClosureEntry) for each. What is listed here and has
@@ -313,7 +313,7 @@ template <class F> constexpr void for_each_closure(F&& f) {
   f(ClosureEntry<kDiffuse, DiffuseParameters, DiffuseDescription>{.name = "diffuse", .is_coatable = true});
   f(ClosureEntry<kConductor, ConductorParameters>{.name = "conductor", .is_coatable = true});
   f(ClosureEntry<kDielectric, DielectricParameters>{"dielectric"});
-  f(ClosureEntry<kThinDielectric, DielectricParameters>{.name = "thin_dielectric", .is_pane = true});
+  f(ClosureEntry<kThinDielectric, DielectricParameters>{.name = "thin_dielectric", .is_thin_dielectric = true});
   f(ClosureEntry<kPlastic, PlasticParameters>{.name = "plastic", .is_coatable = true});
   f(ClosureEntry<kRoughConductorBeckmann, RoughConductorParameters>{.name = "rough_conductor_beckmann",
                                                                     .is_coatable = true});
@@ -328,7 +328,7 @@ template <class F> constexpr void for_each_closure(F&& f) {
   f(ClosureEntry<kNoriMicrofacet, NoriMicrofacetParameters>{.name = "nori_microfacet", .is_coatable = true});
   f(ClosureEntry<kDispersiveDielectric, DispersiveDielectricParameters>{"dispersive_dielectric"});
   f(ClosureEntry<kDispersiveThinDielectric, DispersiveDielectricParameters>{.name = "dispersive_thin_dielectric",
-                                                                            .is_pane = true});
+                                                                            .is_thin_dielectric = true});
   f(ClosureEntry<kDispersiveRoughDielectricBeckmann, DispersiveRoughDielectricParameters>{
       "dispersive_rough_dielectric_beckmann"});
   f(ClosureEntry<kDispersiveRoughDielectricGgx, DispersiveRoughDielectricParameters>{
@@ -354,7 +354,7 @@ template <class F> constexpr void for_each_closure(F&& f) {
 /// What ClosureEntry says of a kind that is only known when the program runs.
 struct ClosureInfo {
   const char* name = nullptr;
-  bool is_pane = false, is_phase = false, is_coatable = false;
+  bool is_thin_dielectric = false, is_phase = false, is_coatable = false;
 };
 
 namespace material_detail {
@@ -364,7 +364,7 @@ consteval std::array<ClosureInfo, kClosureKinds> closure_infos() {
   std::size_t count = 0;
   for_each_closure([&](auto entry) {
     if (static_cast<std::size_t>(entry.kKind) != count) throw "the list must be in the order of ClosureKind";
-    infos[count++] = {entry.name, entry.is_pane, entry.is_phase, entry.is_coatable};
+    infos[count++] = {entry.name, entry.is_thin_dielectric, entry.is_phase, entry.is_coatable};
   });
   if (count != infos.size()) throw "a kind of closure is not in the list";
   return infos;
@@ -377,7 +377,7 @@ inline constexpr std::array<ClosureInfo, kClosureKinds> kClosureInfos = material
 
 constexpr const ClosureInfo& closure_info(ClosureKind kind) { return kClosureInfos[static_cast<std::size_t>(kind)]; }
 
-/// How many closures are the BSDF of a PlainModel.
+/// How many closures are the BSDF of a DeclarativeBsdf.
 template <class Description> consteval int closures_of_description() {
   int count = 0;
   for_each_closure([&]<ClosureKind K, template <class> class P, class D>(ClosureEntry<K, P, D>) {
@@ -413,7 +413,8 @@ template <template <class> class Parameters> constexpr ClosureSpectra closure_sp
   using Fields = decltype(Parameters<Scalar>::fields(std::declval<Parameters<Scalar>&>()));
   [&]<std::size_t... I>(std::index_sequence<I...>) {
     (visit(static_cast<const std::remove_reference_t<std::tuple_element_t<I, Fields>>*>(nullptr)), ...);
-  }(std::make_index_sequence<std::tuple_size_v<Fields>>{});
+  }
+  (std::make_index_sequence<std::tuple_size_v<Fields>>{});
   return found;
 }
 
@@ -431,7 +432,7 @@ template <template <class> class Parameters> constexpr int coated_word(int k) {
 /// Bits of MaterialRow::flags.
 enum MaterialFlags : std::uint32_t {
   kTwoSided = 1,   ///< the frame is turned towards the viewer
-  kTextured = 2,   ///< the uv coordinates matter: textures, maps, or a tangent
+  kNeedsUv = 2,    ///< the uv coordinates matter: textures, maps, or a tangent
   kMapped = 4,     ///< the shading normal comes from a map
   kComposite = 8,  ///< a choice between other rows, see MaterialRow::choice; never shaded itself
   kPart = 16,      ///< one of the rows between which a composite one chooses

@@ -35,7 +35,7 @@ struct MediumRow {
   float second[4] = {};                   ///< albedo, or sigma_s
   float emission[4] = {};                 ///< radiance: per metre sigma_a times as much is emitted
   // What multiplies them: rows of SceneView::grids; kNone: nothing does.
-  std::uint32_t density = 0xffffffffu;      ///< both coefficients; one channel
+  std::uint32_t density = 0xffffffffu;  ///< both coefficients; one channel
   std::uint32_t first_grid = 0xffffffffu;
   std::uint32_t second_grid = 0xffffffffu;
   std::uint32_t emission_grid = 0xffffffffu;
@@ -43,7 +43,7 @@ struct MediumRow {
   float temperature_scale = 1;              ///< on that grid, less temperature_offset
   float temperature_offset = 0;
   std::uint32_t emission_factor = 0xffffffffu;  ///< the emission; one channel
-  float step_size = 0;                      ///< MediumEstimator::kMarching: metres
+  float step_size = 0;                          ///< MediumEstimator::kMarching: metres
   // kMediumFlakes: the matrix of SggxDescription.
   float flakes[6] = {};                     ///< xx, yy, zz, xy, xz, yz, where it is the same everywhere
   std::uint32_t flake_grids = 0xffffffffu;  ///< else grids of xx, yy, zz and, the next row, of xy, xz, yz
@@ -51,7 +51,7 @@ struct MediumRow {
 };
 inline constexpr int kMediumSpectra = 3;
 /// Most media in a scene: as many as kernels/wave/path_state.h has bits for.
-inline constexpr std::uint32_t kMostMedia = 0xfffffeu;
+inline constexpr std::uint32_t kMaxMedia = 0xfffffeu;
 
 /// Linear Rec.709 of black bodies by temperature, for RGB mode.
 struct BlackbodyTable {

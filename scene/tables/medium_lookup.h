@@ -1,7 +1,7 @@
 // What a medium is made of at a point, at a path's wavelengths.
 #pragma once
 
-#include "core/quad.h"
+#include "core/float4.h"
 #include "scene/tables/scene.h"
 #include "scene/tables/spectral_grid.h"
 
@@ -12,28 +12,28 @@ namespace sheaf {
 
 /// The spectra of a medium's row at a path's wavelengths, before grids multiply them.
 struct MediumSpectra {
-  Quad first, second, emission;  ///< see MediumRow
+  Float4 first, second, emission;  ///< see MediumRow
 };
 
 /// `lambda`: the path's wavelengths, nm; not used in RGB mode.
 inline MediumSpectra medium_spectra(const SceneView& scene, const MediumRow& medium, const Spectrum4& lambda) {
   if (scene.color == ColorMode::kRgb)
-    return {Quad::load(medium.first), Quad::load(medium.second), Quad::load(medium.emission)};
+    return {Float4::load(medium.first), Float4::load(medium.second), Float4::load(medium.emission)};
   const auto row = static_cast<std::uint32_t>(&medium - scene.media) * std::uint32_t{kMediumSpectra};
   const auto at = [&](std::uint32_t k) {
-    return Quad(evaluate<Scalar>(scene.spectral.media, row + k, scene.spectral.tables, lambda));
+    return Float4(evaluate<Scalar>(scene.spectral.media, row + k, scene.spectral.tables, lambda));
   };
-  return {at(0), at(1), (medium.flags & kMediumEmits) != 0 ? at(2) : Quad()};
+  return {at(0), at(1), (medium.flags & kMediumEmits) != 0 ? at(2) : Float4()};
 }
 
 /// Absorption, scattering and extinction per metre.
 struct MediumCoefficients {
-  Quad sigma_a, sigma_s, sigma_t;
+  Float4 sigma_a, sigma_s, sigma_t;
 };
 
-SHEAF_INLINE MediumCoefficients medium_coefficients(const MediumRow& medium, Quad first, Quad second) {
+SHEAF_INLINE MediumCoefficients medium_coefficients(const MediumRow& medium, Float4 first, Float4 second) {
   if ((medium.flags & kMediumAbsorptionScattering) != 0) return {first, second, first + second};
-  return {max(first - first * second, Quad()), first * second, first};
+  return {max(first - first * second, Float4()), first * second, first};
 }
 
 /// Of a homogeneous medium.
@@ -42,11 +42,11 @@ SHEAF_INLINE MediumCoefficients medium_coefficients(const MediumRow& medium, con
 }
 
 /// A grid's value at a point as a factor for each lane.
-inline Quad grid_factor(const SceneView& scene, std::uint32_t grid, Vec3f p, const Spectrum4& lambda) {
-  if (scene.grids.rows[grid].channels == 1) return Quad(max(lookup_grid(scene.grids, grid, p), 0.0f));
+inline Float4 grid_factor(const SceneView& scene, std::uint32_t grid, Vec3f p, const Spectrum4& lambda) {
+  if (scene.grids.rows[grid].channels == 1) return Float4(max(lookup_grid(scene.grids, grid, p), 0.0f));
   if (scene.color == ColorMode::kSpectral) return lookup_grid_spectrum(scene.grids.rows[grid], p, lambda);
   const Vec3f rgb = lookup_grid_color(scene.grids, grid, p);
-  return Quad(Spectrum4{max(rgb.x, 0.0f), max(rgb.y, 0.0f), max(rgb.z, 0.0f), 0.0f});
+  return Float4(Spectrum4{max(rgb.x, 0.0f), max(rgb.y, 0.0f), max(rgb.z, 0.0f), 0.0f});
 }
 
 /// Whether `p` is in the box of the grid that a medium's extinction is made of.
@@ -63,12 +63,12 @@ inline bool is_in_box(const MajorantGridRow& row, Vec3f p) {
 inline MediumCoefficients medium_coefficients(const SceneView& scene, const MediumRow& medium,
                                               const MediumSpectra& spectra, Vec3f p, const Spectrum4& lambda) {
   if ((medium.flags & kMediumBoxed) != 0 && !is_in_box(scene.majorant_grids[medium.majorants], p)) return {};
-  Quad first = spectra.first, second = spectra.second;
+  Float4 first = spectra.first, second = spectra.second;
   const bool by_albedo = (medium.flags & kMediumAbsorptionScattering) == 0;
   if (medium.first_grid != kNone) first = first * grid_factor(scene, medium.first_grid, p, lambda);
   if (medium.second_grid != kNone) second = second * grid_factor(scene, medium.second_grid, p, lambda);
   // In spectral mode a saturated colour may be the spectrum of an albedo that exceeds 1 at some wavelengths.
-  if (by_albedo && scene.color == ColorMode::kRgb) second = min(second, Quad(1.0f));
+  if (by_albedo && scene.color == ColorMode::kRgb) second = min(second, Float4(1.0f));
   if (medium.density != kNone) {
     const float density = max(lookup_grid(scene.grids, medium.density, p), 0.0f);
     first = first * density;
@@ -80,10 +80,10 @@ inline MediumCoefficients medium_coefficients(const SceneView& scene, const Medi
 /// Of a medium of kMediumSingleGrid at point `p`, over the value of its grid there.
 inline MediumCoefficients coefficients_per_density(const SceneView& scene, const MediumRow& medium,
                                                    const MediumSpectra& spectra, Vec3f p, const Spectrum4& lambda) {
-  Quad second = spectra.second;
+  Float4 second = spectra.second;
   if (medium.second_grid != kNone) second = second * grid_factor(scene, medium.second_grid, p, lambda);
   const bool by_albedo = (medium.flags & kMediumAbsorptionScattering) == 0;
-  if (by_albedo && scene.color == ColorMode::kRgb) second = min(second, Quad(1.0f));
+  if (by_albedo && scene.color == ColorMode::kRgb) second = min(second, Float4(1.0f));
   return medium_coefficients(medium, spectra.first, second);
 }
 
@@ -130,18 +130,18 @@ inline float flake_share(const SceneView& scene, const MediumRow& medium, Vec3f 
 inline constexpr float kColdestGlow = 100;
 
 /// What a black body of a temperature in kelvin emits, in the lanes; see BlackbodyTable.
-inline Quad blackbody_emission(const SceneView& scene, float temperature, const Spectrum4& lambda) {
-  if (!(temperature > 0.0f)) return Quad();
+inline Float4 blackbody_emission(const SceneView& scene, float temperature, const Spectrum4& lambda) {
+  if (!(temperature > 0.0f)) return Float4();
   if (scene.color == ColorMode::kRgb) {
     const Vec3f rgb = scene.blackbodies->at(temperature);
-    return Quad(Spectrum4{rgb.x, rgb.y, rgb.z, 0.0f});
+    return Float4(Spectrum4{rgb.x, rgb.y, rgb.z, 0.0f});
   }
   // Planck's law in W / (m^2 sr nm) of nanometres and kelvin: 2 h c^2 and h c / k.
   constexpr float kFirst = 1.191042972e20f, kSecond = 1.438776877e7f;
-  const Quad l(lambda);
-  const Quad exponent = min(Quad(kSecond / temperature) / l, Quad(80.0f));
-  const Quad l2 = l * l;
-  return Quad(kFirst) / (l2 * l2 * l) / (exp(exponent) - Quad(1.0f));
+  const Float4 l(lambda);
+  const Float4 exponent = min(Float4(kSecond / temperature) / l, Float4(80.0f));
+  const Float4 l2 = l * l;
+  return Float4(kFirst) / (l2 * l2 * l) / (exp(exponent) - Float4(1.0f));
 }
 
 /// One over the largest value of Planck's law over all wavelengths, which grows with the fifth power of the temperature
@@ -153,16 +153,16 @@ inline float inverse_peak(float temperature) {
 }
 
 /// The radiance that the medium tends to where it is thick, at point `p` in world space.
-inline Quad medium_emission(const SceneView& scene, const MediumRow& medium, const MediumSpectra& spectra, Vec3f p,
-                            const Spectrum4& lambda) {
-  Quad emission = spectra.emission;
+inline Float4 medium_emission(const SceneView& scene, const MediumRow& medium, const MediumSpectra& spectra, Vec3f p,
+                              const Spectrum4& lambda) {
+  Float4 emission = spectra.emission;
   if (medium.emission_grid != kNone) emission = emission * grid_factor(scene, medium.emission_grid, p, lambda);
   if (medium.temperature != kNone) {
     const float found = lookup_grid(scene.grids, medium.temperature, p);
     const float kelvin = (found - medium.temperature_offset) * medium.temperature_scale;
     emission = emission * blackbody_emission(scene, kelvin, lambda);
     if ((medium.flags & kMediumUnitBlackbodies) != 0)
-      emission = kelvin > kColdestGlow ? emission * inverse_peak(kelvin) : Quad();
+      emission = kelvin > kColdestGlow ? emission * inverse_peak(kelvin) : Float4();
   }
   if (medium.emission_factor != kNone)
     emission = emission * max(lookup_grid(scene.grids, medium.emission_factor, p), 0.0f);

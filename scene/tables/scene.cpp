@@ -33,7 +33,7 @@ SceneView Scene::view() const {
   v.grids = {grid_rows_.data()};
   v.majorant_grids = majorant_rows_.data();
   v.blackbodies = blackbodies_ ? &*blackbodies_ : nullptr;
-  v.has_transparency = has_transparency_;
+  v.needs_transmittance = has_transparency_;
   v.has_open_panes = has_open_panes_;
   v.camera_medium = camera_medium_;
   v.outer_medium = outer_medium_;
@@ -69,8 +69,8 @@ SceneView Scene::view() const {
   v.accel = accel_.get();
   v.color = color_;
   if (color_ == ColorMode::kSpectral)
-    v.spectral = {{spectrum_tables_.data()}, material_spectra_.data(), light_spectra_.data(), medium_spectra_.data(),
-                  &UpliftTable::get(), &SensorCurves::get()};
+    v.spectral = {{spectrum_tables_.data()}, material_spectra_.data(), light_spectra_.data(),
+                  medium_spectra_.data(),    &UpliftTable::get(),      &SensorCurves::get()};
   return v;
 }
 

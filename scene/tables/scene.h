@@ -25,7 +25,6 @@
 
 namespace sheaf {
 
-
 /// What kernels read in spectral mode in place of the colours in other tables.
 struct SpectralView {
   SpectrumTableView tables;
@@ -49,7 +48,7 @@ struct SceneView {
   const SdfGridRow* sdf_grids = nullptr;
   const float* sdf_values = nullptr;
   const std::uint32_t* sdf_cells = nullptr;
-  const InstanceRow* instances = nullptr;    ///< null: there are none
+  const InstanceRow* instances = nullptr;  ///< null: there are none
   const MaterialRow* materials = nullptr;
   const TextureBinding* bindings = nullptr;
   const NormalMapRow* normal_maps = nullptr;
@@ -60,7 +59,7 @@ struct SceneView {
   BrickGridView grids;  ///< of the media
   const MajorantGridRow* majorant_grids = nullptr;
   const BlackbodyTable* blackbodies = nullptr;  ///< RGB mode, where a medium has a temperature
-  bool has_transparency = false;  ///< whether shadow rays may pass a surface, or there are media
+  bool needs_transmittance = false;             ///< whether shadow rays may pass a surface, or there are media
   /// Whether shadow rays pass thin panes: where passing costs no depth, and no pane has a texture or is part of a
   /// composite material.
   bool has_open_panes = false;
@@ -90,7 +89,7 @@ struct SceneView {
   Camera camera;                         ///< the first
   const Camera* more_cameras = nullptr;  ///< those that see the columns of the film behind the first's
   std::uint32_t more_camera_count = 0;
-  float column_width = 0;  ///< of the film of each camera, pixels, where there are several
+  float column_width = 0;                         ///< of the film of each camera, pixels, where there are several
   const FilterTable* filter = nullptr;            ///< where the samples of a pixel lie
   const FilterWeights* filter_weights = nullptr;  ///< of samples in all pixels; null: they count in their own alone
   LightSelector light_selector = LightSelector::kBvh;
@@ -110,7 +109,7 @@ struct SceneInfo {
 
 /// Lights that statistics tell apart: the first ones. Nobody reads of more, and their counters are to stay in the
 /// caches.
-inline constexpr std::uint32_t kToldLights = 1024;
+inline constexpr std::uint32_t kMaxReportedLights = 1024;
 
 /// Owns the tables. Neither copied nor moved: Embree points into them.
 class Scene {
@@ -129,8 +128,8 @@ class Scene {
     return make_sampler(sampler_.kind, sampler_.seed, sampler_.sample_count, static_cast<std::uint32_t>(film_.width));
   }
   const IntegratorDescription& integrator() const { return integrator_; }
-  /// Where the scene speaks of its lights, by row; only of the first kToldLights.
-  const std::vector<SourceLocation>& light_places() const { return light_places_; }
+  /// Where the scene speaks of its lights, by row; only of the first kMaxReportedLights.
+  const std::vector<SourceLocation>& light_source_locations() const { return light_places_; }
   /// What files call the scene's parts.
   const SceneNames& names() const { return names_; }
   /// Remarks on what was repaired or left out.

@@ -93,9 +93,9 @@ SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricRecord<L>& q, typename
     const Vec3<L> around = q.world_vector({-sin_angle * turning, cos_angle * turning, F(0.0f)});
     const Vec3<L> outward = q.world_vector({cos_angle, sin_angle, F(0.0f)});
     const F pi(kPi);
-    const Vec3<L> along = q.world_vector({select(sphere, cos_angle * x.z * pi, F(0.0f)),
-                                          select(sphere, sin_angle * x.z * pi, F(0.0f)),
-                                          select(sphere, -radius * pi, F(1.0f))});
+    const Vec3<L> along =
+        q.world_vector({select(sphere, cos_angle * x.z * pi, F(0.0f)), select(sphere, sin_angle * x.z * pi, F(0.0f)),
+                        select(sphere, -radius * pi, F(1.0f))});
     out.dp_du = select<L>(disk, outward, around);
     out.dp_dv = select<L>(disk, around, along);
   }

@@ -17,18 +17,18 @@ enum ShapeFlags : std::uint32_t {
 
 /// One shape. Those of shape groups follow the others, group by group, in the space of their group. Half a cache line.
 template <class L> struct ShapeRecord {
-  typename L::Uint kind{};            ///< ShapeKind
+  typename L::Uint kind{};  ///< ShapeKind
   /// Meshes: into SceneView::triangles; quadrics and grids of distances: into SceneView::quadrics; curves: into
   /// SceneView::curve_segments.
   typename L::Uint first_triangle{};
   /// Meshes: into SceneView::vertices; curves: into SceneView::curve_points; grids: into SceneView::sdf_grids.
   typename L::Uint first_vertex{};
-  typename L::Uint flags{};           ///< ShapeFlags
-  typename L::Uint material{};        ///< into SceneView::materials
+  typename L::Uint flags{};     ///< ShapeFlags
+  typename L::Uint material{};  ///< into SceneView::materials
   /// Into SceneView::lights, in groups counted from the instance's first; kNone: does not emit.
   typename L::Uint light{kNone};
   typename L::Uint triangle_count{};  ///< curves: of segments; grids: of cells that hold some of the surface
-  typename L::Uint boundary{kNone};  ///< into SceneView::boundaries; kNone: the same medium on both sides
+  typename L::Uint boundary{kNone};   ///< into SceneView::boundaries; kNone: the same medium on both sides
   static constexpr auto fields(auto& s) {
     return std::tie(s.kind, s.first_triangle, s.first_vertex, s.flags, s.material, s.light, s.triangle_count,
                     s.boundary);

@@ -4,7 +4,7 @@
 // spectral variants. Halfway between a bright and a dark colour this is not the spectrum of the colour halfway.
 #pragma once
 
-#include "core/quad.h"
+#include "core/float4.h"
 #include "core/uplift.h"
 #include "scene/tables/brick_grid_lookup.h"
 
@@ -37,26 +37,26 @@ inline void uplift_grid(BrickGrid& grid) {
 namespace detail {
 
 /// sigmoid() of core/sigmoid_polynomial.h at the wavelengths that `t` stands for.
-SHEAF_INLINE Quad shape_at(const float* voxel, Quad t) {
-  const Quad x = (Quad(voxel[0]) * t + Quad(voxel[1])) * t + Quad(voxel[2]);
-  return Quad(0.5f) + Quad(0.5f) * x / sqrt(x * x + Quad(1.0f));
+SHEAF_INLINE Float4 shape_at(const float* voxel, Float4 t) {
+  const Float4 x = (Float4(voxel[0]) * t + Float4(voxel[1])) * t + Float4(voxel[2]);
+  return Float4(0.5f) + Float4(0.5f) * x / sqrt(x * x + Float4(1.0f));
 }
 
 }  // namespace detail
 
 /// The value of a grid that uplift_grid() has changed, at a place in world space and at four wavelengths in nm.
-inline Quad lookup_grid_spectrum(const BrickGridRow& row, Vec3f p, const Spectrum4& lambda) {
+inline Float4 lookup_grid_spectrum(const BrickGridRow& row, Vec3f p, const Spectrum4& lambda) {
   using namespace detail;
-  const Quad t = (Quad(lambda) - Quad(kSigmoidCentre)) * (1.0f / kSigmoidHalfRange);
+  const Float4 t = (Float4(lambda) - Float4(kSigmoidCentre)) * (1.0f / kSigmoidHalfRange);
   GridCell cell;
   if (!find_grid_cell(row, p, kColorVoxel, cell)) {
     const Vec3f outside{row.background[0], row.background[1], row.background[2]};
-    if (!(max_component(outside) > 0.0f)) return Quad();
+    if (!(max_component(outside) > 0.0f)) return Float4();
     const VoxelSpectrum s = voxel_spectrum(UpliftTable::get(), outside);
     return shape_at(&s.c0, t) * s.scale;
   }
   if (row.nearest) return shape_at(cell.voxel, t) * cell.voxel[3];
-  Quad shape;
+  Float4 shape;
   float scale = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const bool x = (corner & 1) != 0, y = (corner & 2) != 0, z = (corner & 4) != 0;

@@ -121,9 +121,9 @@ static_assert(sizeof(AttributeEntry) == 16);
 
 /// What a textured parameter stands for, and so what is made of the texture's values.
 enum class TextureRole : std::uint32_t {
-  kScalar,       ///< a number
-  kReflectance,  ///< a colour, clamped to [0, 1]
-  kUnbounded,    ///< a colour without limits
+  kScalar,           ///< a number
+  kReflectance,      ///< a colour, clamped to [0, 1]
+  kUnbounded,        ///< a colour without limits
   kBurleyLuminance,  ///< a number, of colours 0.3 red + 0.6 green + 0.1 blue
 };
 

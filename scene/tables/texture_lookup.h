@@ -57,8 +57,7 @@ SHEAF_INLINE Spectrum<L> lookup_binding(const TextureView& view, const TextureBi
                                         const TextureQuery<L>& query) {
   using F = typename L::Float;
   const bool burley = binding.role == TextureRole::kBurleyLuminance;
-  if (binding.words == 1 && !burley)
-    return {lookup_scalar<L>(view, binding.texture, query), F(0.0f), F(0.0f), F(0.0f)};
+  if (binding.words == 1 && !burley) return {lookup_scalar<L>(view, binding.texture, query), F(0.0f), F(0.0f), F(0.0f)};
   const Spectrum<L> value = lookup_texture<L>(view, binding.texture, query);
   if (burley) return {value.c0 * F(0.3f) + value.c1 * F(0.6f) + value.c2 * F(0.1f), F(0.0f), F(0.0f), F(0.0f)};
   if (binding.role != TextureRole::kReflectance) return value;

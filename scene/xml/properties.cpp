@@ -185,13 +185,13 @@ std::optional<float> Properties::find_number(const char* name, NumberRange range
   return number;
 }
 
-float Properties::number(const char* name, float otherwise, NumberRange range) {
-  return find_number(name, range).value_or(otherwise);
+float Properties::number(const char* name, float default_value, NumberRange range) {
+  return find_number(name, range).value_or(default_value);
 }
 
-int Properties::integer(const char* name, int otherwise, int low, int high) {
+int Properties::integer(const char* name, int default_value, int low, int high) {
   const std::string* text = value(name, {"integer", "float"});
-  if (text == nullptr) return otherwise;
+  if (text == nullptr) return default_value;
   const Entry& entry = *find(name);
   const std::int64_t number =
       parsed(entry, [&] { return parse_integer(*text, entry.target->where, "property " + in_quotes(entry.name)); });
@@ -201,9 +201,9 @@ int Properties::integer(const char* name, int otherwise, int low, int high) {
   return static_cast<int>(number);
 }
 
-bool Properties::boolean(const char* name, bool otherwise) {
+bool Properties::boolean(const char* name, bool default_value) {
   const std::string* text = value(name, {"boolean"});
-  if (text == nullptr) return otherwise;
+  if (text == nullptr) return default_value;
   const Entry& entry = *find(name);
   return parsed(entry, [&] { return parse_boolean(*text, entry.target->where, "property " + in_quotes(entry.name)); });
 }
@@ -239,7 +239,7 @@ std::optional<Vec2f> Properties::find_vec2(const char* name) {
   return Vec2f{v[0], v[1]};
 }
 
-Vec3f Properties::vec3(const char* name, Vec3f otherwise) { return find_vec3(name).value_or(otherwise); }
+Vec3f Properties::vec3(const char* name, Vec3f default_value) { return find_vec3(name).value_or(default_value); }
 
 Transform Properties::transform(const char* name) {
   const Entry* entry = use(name);
@@ -262,9 +262,9 @@ std::optional<SpectrumDescription> Properties::find_spectrum(const char* name, S
   });
 }
 
-SpectrumDescription Properties::spectrum(const char* name, SpectrumDescription otherwise, SpectrumRole role) {
+SpectrumDescription Properties::spectrum(const char* name, SpectrumDescription default_value, SpectrumRole role) {
   std::optional<SpectrumDescription> found = find_spectrum(name, role);
-  return found ? *std::move(found) : std::move(otherwise);
+  return found ? *std::move(found) : std::move(default_value);
 }
 
 std::optional<SpectrumInput> Properties::find_spectrum_input(const char* name, SpectrumRole role) {
@@ -278,8 +278,8 @@ std::optional<SpectrumInput> Properties::find_spectrum_input(const char* name, S
   });
 }
 
-SpectrumInput Properties::spectrum_input(const char* name, SpectrumInput otherwise, SpectrumRole role) {
-  return find_spectrum_input(name, role).value_or(std::move(otherwise));
+SpectrumInput Properties::spectrum_input(const char* name, SpectrumInput default_value, SpectrumRole role) {
+  return find_spectrum_input(name, role).value_or(std::move(default_value));
 }
 
 std::optional<ScalarInput> Properties::find_scalar_input(const char* name, NumberRange range) {
@@ -304,8 +304,8 @@ std::optional<ScalarInput> Properties::find_scalar_input(const char* name, Numbe
   return number;
 }
 
-ScalarInput Properties::scalar_input(const char* name, ScalarInput otherwise, NumberRange range) {
-  return find_scalar_input(name, range).value_or(otherwise);
+ScalarInput Properties::scalar_input(const char* name, ScalarInput default_value, NumberRange range) {
+  return find_scalar_input(name, range).value_or(default_value);
 }
 
 const char* Properties::first_color() const {
@@ -384,11 +384,11 @@ const XmlElement* Properties::named_object(const char* kind, const char* name) {
   return found->target;
 }
 
-void Properties::accept(std::initializer_list<const char*> names) {
+void Properties::ignore(std::initializer_list<const char*> names) {
   for (const char* name : names) use(name);
 }
 
-bool Properties::accept_prefixed(const char* prefix) {
+bool Properties::ignore_prefixed(const char* prefix) {
   const std::string key = spelling_key(prefix);
   bool any = false;
   for (Entry& entry : entries_) {
@@ -398,11 +398,11 @@ bool Properties::accept_prefixed(const char* prefix) {
   return any;
 }
 
-void Properties::accept_all() {
+void Properties::ignore_all() {
   for (Entry& entry : entries_) entry.used = true;
 }
 
-void Properties::finish() {
+void Properties::reject_unused() {
   for (const Entry& entry : entries_) {
     if (entry.used) continue;
     const XmlElement& place = *entry.written;

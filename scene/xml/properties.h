@@ -132,10 +132,10 @@ class Properties {
   /// Whether the property is there. Counts as asking for its name, not as using it.
   bool has(const char* name);
   std::optional<float> find_number(const char* name, NumberRange range = kAnyNumber);
-  float number(const char* name, float otherwise, NumberRange range = kAnyNumber);
+  float number(const char* name, float default_value, NumberRange range = kAnyNumber);
   /// Also a <float> of integral value.
-  int integer(const char* name, int otherwise, int low, int high);
-  bool boolean(const char* name, bool otherwise);
+  int integer(const char* name, int default_value, int low, int high);
+  bool boolean(const char* name, bool default_value);
   std::optional<std::string> find_string(const char* name);
   /// Whether the property is there as a string, not as another type.
   bool is_string(const char* name);
@@ -144,17 +144,17 @@ class Properties {
   /// Two numbers, or one for both.
   std::optional<Vec2f> find_vec2(const char* name);
   std::optional<Vec3f> find_vec3(const char* name);
-  Vec3f vec3(const char* name, Vec3f otherwise);
+  Vec3f vec3(const char* name, Vec3f default_value);
   /// Identity if absent.
   Transform transform(const char* name);
   std::optional<SpectrumDescription> find_spectrum(const char* name, SpectrumRole role);
-  SpectrumDescription spectrum(const char* name, SpectrumDescription otherwise, SpectrumRole role);
+  SpectrumDescription spectrum(const char* name, SpectrumDescription default_value, SpectrumRole role);
   /// A colour or a texture. Values of pictures are not checked against the role here.
   std::optional<SpectrumInput> find_spectrum_input(const char* name, SpectrumRole role);
-  SpectrumInput spectrum_input(const char* name, SpectrumInput otherwise, SpectrumRole role);
+  SpectrumInput spectrum_input(const char* name, SpectrumInput default_value, SpectrumRole role);
   /// A number or a texture; the luminance of a colour. Values of textures are not checked against the range.
   std::optional<ScalarInput> find_scalar_input(const char* name, NumberRange range);
-  ScalarInput scalar_input(const char* name, ScalarInput otherwise, NumberRange range);
+  ScalarInput scalar_input(const char* name, ScalarInput default_value, NumberRange range);
   /// The name of the first property that is a colour or a texture, or null.
   const char* first_color() const;
   /// The one <texture> of an object that nobody has asked for, under whatever name or without one, or null. Throws
@@ -173,13 +173,13 @@ class Properties {
   const XmlElement* named_object(const char* kind, const char* name);
 
   /// Properties that are documented and mean nothing here: any value is accepted.
-  void accept(std::initializer_list<const char*> names);
+  void ignore(std::initializer_list<const char*> names);
   /// The same for all properties whose names begin with `prefix`; returns whether there are any.
-  bool accept_prefixed(const char* prefix);
+  bool ignore_prefixed(const char* prefix);
   /// Whatever is left, of an object whose parameters mean nothing here.
-  void accept_all();
+  void ignore_all();
   /// Throws SceneError for what nobody asked for; unknown properties are notes instead if the context is lenient.
-  void finish();
+  void reject_unused();
 
   /// Throws SceneError at the object, its kind and plugin named first.
   [[noreturn]] void fail(const std::string& message) const;

@@ -56,7 +56,7 @@ class ExpandedScene {
   XmlElement root_;
   bool lenient_ = false;
   std::vector<std::string> left_out_;
-  std::vector<std::filesystem::path> search_;  ///< in order of search
+  std::vector<std::filesystem::path> search_;         ///< in order of search
   mutable std::vector<std::filesystem::path> files_;  ///< see files(): a record, no part of what the scene means
   std::unordered_map<std::string, const XmlElement*> ids_;
   std::unordered_set<const XmlElement*> referenced_;

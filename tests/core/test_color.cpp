@@ -137,9 +137,11 @@ TEST_CASE("malformed tables are refused") {
   CHECK_THROWS_AS(emission_table_to_rgb(kList, std::vector<float>{1, 2}), SceneError);
   CHECK_THROWS_AS(emission_table_to_rgb(std::vector<float>{500, 500}, std::vector<float>{1, 2}), SceneError);
   CHECK_THROWS_AS(reflectance_table_to_rgb(std::vector<float>{500, std::numeric_limits<float>::quiet_NaN()},
-                                           std::vector<float>{1, 2}), SceneError);
+                                           std::vector<float>{1, 2}),
+                  SceneError);
   CHECK_THROWS_AS(unbounded_table_to_rgb(std::vector<float>{500, 600},
-                                         std::vector<float>{1, std::numeric_limits<float>::infinity()}), SceneError);
+                                         std::vector<float>{1, std::numeric_limits<float>::infinity()}),
+                  SceneError);
 }
 
 }  // namespace sheaf::test_color

@@ -161,9 +161,7 @@ TEST_CASE("an EXR with damaged bytes is read or refused, but never crashes") {
     write_bytes(folder / "damaged.exr", damaged);
     try {
       read_exr(folder / "damaged.exr");
-    } catch (const SceneError&) {
-      ++refused;
-    }
+    } catch (const SceneError&) { ++refused; }
   }
   CHECK(refused > 50);
 }
@@ -220,9 +218,7 @@ TEST_CASE("what cannot be an EXR is refused with the file's name") {
   try {
     read_exr(folder / "text.exr");
     FAIL("no error");
-  } catch (const SceneError& error) {
-    CHECK(std::string(error.what()).find("text.exr") != std::string::npos);
-  }
+  } catch (const SceneError& error) { CHECK(std::string(error.what()).find("text.exr") != std::string::npos); }
   CHECK_THROWS_AS(read_exr(folder / "missing.exr"), SceneError);
   CHECK_THROWS_AS(write_exr(folder / "empty.exr", Image()), Error);
   CHECK_THROWS_AS(write_exr(folder / "no/folder.exr", make_noise(2, 2, {"R"})), Error);

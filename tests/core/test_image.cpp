@@ -66,8 +66,8 @@ TEST_CASE("a PNG clamps, rounds to nearest and turns NaN into black") {
   const TemporaryFolder folder;
   Image image(6, 1, {"Y"});
   const float half_step = srgb_to_linear(100.499f / 255.0f), next_half = srgb_to_linear(100.501f / 255.0f);
-  image.data = {std::numeric_limits<float>::quiet_NaN(), -3, 1e30f, std::numeric_limits<float>::infinity(), half_step,
-                next_half};
+  image.data = {std::numeric_limits<float>::quiet_NaN(), -3,        1e30f,
+                std::numeric_limits<float>::infinity(),  half_step, next_half};
   write_png(folder / "grey.png", image);
   const Image back = read_image(folder / "grey.png");
   REQUIRE(back.channels.size() == 1);
@@ -263,9 +263,7 @@ TEST_CASE("writing to places that cannot be written to fails with the output cod
   const auto code_of = [](const std::filesystem::path& path) {
     try {
       check_writable(path);
-    } catch (const Error& error) {
-      return error.code();
-    }
+    } catch (const Error& error) { return error.code(); }
     return ExitCode::kDone;
   };
   CHECK(code_of(folder / "no/such/folder/out.exr") == ExitCode::kOutput);

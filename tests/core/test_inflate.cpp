@@ -69,9 +69,7 @@ TEST_CASE("inflate: truncated streams end early, corrupt ones throw") {
     broken[random() % broken.size()] = static_cast<char>(random());
     try {
       inflated(broken, text.size() + 1);
-    } catch (const Error&) {
-      ++errors;
-    }
+    } catch (const Error&) { ++errors; }
   }
   CHECK(errors > 100);
 }

@@ -33,8 +33,10 @@ std::vector<Row<Scalar>> make_table(std::uint32_t size) {
 }
 
 template <class T> auto lane_value(const T& value, int lane) {
-  if constexpr (requires { value[lane]; }) return value[lane];
-  else return value;
+  if constexpr (requires { value[lane]; })
+    return value[lane];
+  else
+    return value;
 }
 
 template <class L> void check_gathers() {

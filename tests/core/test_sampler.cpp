@@ -31,9 +31,9 @@ SamplerView sampler_of(SamplerKind kind, U seed, U sample_count) {
 constexpr SampleBlock kBlocks[] = {SampleBlock::kCamera, SampleBlock::kLight, SampleBlock::kScatter,
                                    SampleBlock::kSelect};
 
-Numbers numbers(const SamplerView& sampler, U pixel, U sample, U event = 0, SampleBlock block = SampleBlock::kCamera,
-                SampleSet set = {}) {
-  const Random4<Scalar> r = draw<Scalar>(sampler, pixel, sample, event, block, set);
+Numbers numbers(const SamplerView& sampler, U pixel, U sample, U dimension = 0,
+                SampleBlock block = SampleBlock::kCamera, SampleSet set = {}) {
+  const Random4<Scalar> r = draw<Scalar>(sampler, pixel, sample, dimension, block, set);
   return {r.x, r.y, r.z, r.w};
 }
 
@@ -398,11 +398,11 @@ TEST_CASE("sampler: registers hold the numbers of their lanes, bit by bit, all i
         sampler = sampler_of_replicate(sampler, i % 3, 7);
         const auto pixel = [i](int lane) { return i * 977u + static_cast<U>(lane); };
         const auto sample = [i](int lane) { return 14 + ((i * i) ^ static_cast<U>(lane * 5)); };
-        const auto event = [i](int lane) { return i % 7u + static_cast<U>(lane % 3); };
+        const auto dimension = [i](int lane) { return i % 7u + static_cast<U>(lane % 3); };
         const SampleSet set{i % 5, 1 + i % 5};
-        const auto wide = draw<Wide>(sampler, wide_uints(pixel), wide_uints(sample), wide_uints(event), block, set);
+        const auto wide = draw<Wide>(sampler, wide_uints(pixel), wide_uints(sample), wide_uints(dimension), block, set);
         for (int lane = 0; lane < kWidth; ++lane) {
-          const Numbers one = numbers(sampler, pixel(lane), sample(lane), event(lane), block, set);
+          const Numbers one = numbers(sampler, pixel(lane), sample(lane), dimension(lane), block, set);
           const Numbers found = {wide.x[lane], wide.y[lane], wide.z[lane], wide.w[lane]};
           wrong += found != one;
           for (const float x : found) wrong += !(x >= 0.0f && x < 1.0f);
@@ -419,11 +419,12 @@ TEST_CASE("sampler: numbers are the same whichever others are wanted") {
         for (U i = 0; i < 50; ++i) {
           const SamplerView sampler = sampler_of(kind, i, 16);
           // More than 65536 samples go all the way through the sequence.
-          const U pixel = 977 * i, sample = i * i * 131, event = i % 5;
+          const U pixel = 977 * i, sample = i * i * 131, dimension = i % 5;
           const SampleSet set{i % 3, 3};
-          const auto one = draw<Scalar>(sampler, pixel, sample, event, block, set, wanted);
-          const auto wide = draw<Wide>(sampler, WideUint(pixel), WideUint(sample), WideUint(event), block, set, wanted);
-          const Numbers all = numbers(sampler, pixel, sample, event, block, set);
+          const auto one = draw<Scalar>(sampler, pixel, sample, dimension, block, set, wanted);
+          const auto wide =
+              draw<Wide>(sampler, WideUint(pixel), WideUint(sample), WideUint(dimension), block, set, wanted);
+          const Numbers all = numbers(sampler, pixel, sample, dimension, block, set);
           const Numbers found = {one.x, one.y, one.z, one.w}, in_lane = {wide.x[3], wide.y[3], wide.z[3], wide.w[3]};
           for (unsigned k = 0; k < 4; ++k)
             if ((wanted >> k & 1) != 0) wrong += found[k] != all[k] || in_lane[k] != all[k];
@@ -434,9 +435,9 @@ TEST_CASE("sampler: numbers are the same whichever others are wanted") {
 TEST_CASE("sampler: blocks and events never share numbers") {
   for (const SamplerKind kind : kKinds) {
     std::unordered_set<std::uint64_t> seen;
-    for (U event = 0; event < 100; ++event)
+    for (U dimension = 0; dimension < 100; ++dimension)
       for (const SampleBlock block : kBlocks) {
-        const Numbers u = numbers(sampler_of(kind, 7, 16), 11, 13, event, block);
+        const Numbers u = numbers(sampler_of(kind, 7, 16), 11, 13, dimension, block);
         seen.insert(static_cast<std::uint64_t>(float_bits(u[1])) << 32 | float_bits(u[2]));
       }
     CHECK(seen.size() == 400);

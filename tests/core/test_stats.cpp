@@ -122,7 +122,7 @@ TEST_CASE("a report tells which lights cost most, and what they bring") {
   other.lights = {{100, 20, 10.0}, {0, 0, 0.0}, {300, 300, 60.0}};
   report.stats = one;
   report.stats += other;
-  report.light_places = {"room.xml:12"};
+  report.light_source_locations = {"room.xml:12"};
   CHECK(report.stats.lights[0].rays == 600);
   CHECK(costliest_lights(report.stats) == std::vector<std::size_t>{0, 2});
   CHECK(costliest_lights(report.stats, 1) == std::vector<std::size_t>{0});

@@ -35,7 +35,7 @@ bool claims_much(const std::filesystem::path& file) {
   constexpr double kFew = 1 << 13;
   std::string format, problem;
   if (!reads([&] { format = checked_picture_format(file); })) return false;
-  const std::unique_ptr<PictureReader> reader = picture_library().open(file.string(), format, problem);
+  const std::unique_ptr<ImageReader> reader = picture_library().open(file.string(), format, problem);
   if (!reader) return false;
   const PictureHeader& header = reader->header();
   return double(header.width) * double(header.height) * double(header.channel_count) > kFew;

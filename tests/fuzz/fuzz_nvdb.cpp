@@ -20,14 +20,14 @@ struct GridFile {
 
   /// Throws Error if the bytes are none.
   explicit GridFile(std::string_view bytes) {
-    constexpr std::size_t kSegment = 16, kEntry = 176, kNameSize = 136, kMost = std::size_t{1} << 20;
+    constexpr std::size_t kSegment = 16, kEntry = 176, kNameSize = 136, kMax = std::size_t{1} << 20;
     std::uint32_t name_size = 0;
     std::uint64_t size = 0;
     if (bytes.size() < kSegment + kEntry) throw Error(ExitCode::kRuntime, "too short");
     std::memcpy(&size, bytes.data() + kSegment, sizeof size);
     std::memcpy(&name_size, bytes.data() + kSegment + kNameSize, sizeof name_size);
     const std::size_t begin = kSegment + kEntry + name_size + sizeof size;
-    if (bytes.size() < begin || size > kMost) throw Error(ExitCode::kRuntime, "no grid");
+    if (bytes.size() < begin || size > kMax) throw Error(ExitCode::kRuntime, "no grid");
     head = bytes.substr(0, begin - sizeof size);
     grid.resize(size);
     grid.resize(Inflater(bytes.substr(begin)).read(grid));

@@ -135,9 +135,17 @@ TEST_CASE("disney: values are finite whatever the directions") {
 TEST_CASE("disney: registers equal single values") {
   const auto share = [](int lane, int k) { return static_cast<float>((lane * 5 + k * 3) % 8) / 7.0f; };
   check_bsdf_lanes<DisneyBsdf>([&](int lane) {
-    return disney({{share(lane, 0), share(lane, 1), share(lane, 2), 0}, share(lane, 3), share(lane, 4), share(lane, 5),
-                   share(lane, 6), 0.2f + 0.8f * share(lane, 7), share(lane, 8), share(lane, 9), share(lane, 10),
-                   share(lane, 11), 0.5f * share(lane, 12)});
+    return disney({{share(lane, 0), share(lane, 1), share(lane, 2), 0},
+                   share(lane, 3),
+                   share(lane, 4),
+                   share(lane, 5),
+                   share(lane, 6),
+                   0.2f + 0.8f * share(lane, 7),
+                   share(lane, 8),
+                   share(lane, 9),
+                   share(lane, 10),
+                   share(lane, 11),
+                   0.5f * share(lane, 12)});
   });
 }
 

@@ -86,7 +86,7 @@ TEST_CASE("all bsdfs: specular ones have no density") {
 
 TEST_CASE("all bsdfs: panes let pass what their samples let pass") {
   for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
-    if constexpr (closure_info(Bsdf::kKind).is_pane)
+    if constexpr (closure_info(Bsdf::kKind).is_thin_dielectric)
       for (const Vec3f wo : outgoing_directions()) {
         constexpr std::uint32_t kDraws = 20000;
         const PanePassage<Scalar> passage = bsdf.passage(wo.z);
@@ -118,8 +118,8 @@ TEST_CASE("all bsdfs: kinds have names of their own") {
   std::set<std::string_view> names;
   for (const ClosureInfo& info : kClosureInfos) names.insert(info.name);
   CHECK(names.size() == kClosureInfos.size());
-  CHECK(closure_info(ClosureKind::kThinDielectric).is_pane);
-  CHECK_FALSE(closure_info(ClosureKind::kDielectric).is_pane);
+  CHECK(closure_info(ClosureKind::kThinDielectric).is_thin_dielectric);
+  CHECK_FALSE(closure_info(ClosureKind::kDielectric).is_thin_dielectric);
   CHECK(closure_info(ClosureKind::kRayleigh).is_phase);
 }
 

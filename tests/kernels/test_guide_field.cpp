@@ -82,7 +82,7 @@ TEST_CASE("guiding: directions are distributed as their density says, which inte
 }
 
 TEST_CASE("guiding: lobes from nearly even to the narrowest integrate to one") {
-  for (const float kappa : {kLeastKappa, 1.0f, 100.0f, kMostKappa}) {
+  for (const float kappa : {kMinKappa, 1.0f, 100.0f, kMaxKappa}) {
     CAPTURE(kappa);
     // In steps of the cosine's logarithm: the density depends on the angle to the middle alone.
     const double peak = double{lobe_peak(kappa)}, k = double{kappa};
@@ -219,7 +219,7 @@ TEST_CASE("guiding: a log tells paths in order, with what they have found from e
   const auto vertex = [](std::uint32_t path, float over_beta) {
     return GuideVertex{{static_cast<float>(path), over_beta, 0}, 0, over_beta, 1, 4, path};
   };
-  GuideLog log;
+  TrainingSamples log;
   log.begin(3);
   log.add(vertex(2, 1), 0);
   log.add(vertex(0, 1), 0.25f);

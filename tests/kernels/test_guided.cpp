@@ -94,7 +94,7 @@ template <template <class> class Bsdf> void check_mixture(const Bsdf<Scalar>& bs
     StageContext context = test.context(*scene);
     context.guides = true;
     context.guide.mixtures = &mixture;
-    test.wave.guide_places.store<Scalar>(0, {0u, 4u});
+    test.wave.guide_cells.store<Scalar>(0, {0u, 4u});
     Means guided, alone;
     int deltas = 0;
     double pdf_error = 0, weight_error = 0, share_error = 0;
@@ -106,7 +106,7 @@ template <template <class> class Bsdf> void check_mixture(const Bsdf<Scalar>& bs
       if (g.bsdf.pdf_solid_angle == 0.0f) {
         ++deltas;
         CHECK(g.bsdf_pdf == 0.0f);
-        CHECK(g.crowding == share);
+        CHECK(g.guided_pdf_ratio == share);
         continue;
       }
       const BsdfValue<Scalar> value = bsdf.evaluate(item.wo, g.bsdf.wi);
@@ -188,16 +188,16 @@ TEST_CASE("guide: what is noted of a direction is divided by the path's throughp
   const auto scene = compile_scene(d);
   TestWave test(4, 0);
   StageContext context = test.context(*scene);
-  GuideLog log;
+  TrainingSamples log;
   log.begin(4);
   context.training = &log;
   const std::array<Spectrum4, 2> densities = {Spectrum4(1.0f), Spectrum4{1, 2, 6, 0}};  // means of 1 and 3
   for (const Spectrum4& r_u : densities) {
     const Slot slot = test.add({0, 0, 0}, {0, 0, 1});
-    test.wave.probabilities.row(slot) = {r_u, r_u};
-    ThroughputState<Scalar> path = test.wave.throughput.get(slot);
+    test.wave.rescaled_pdfs.row(slot) = {r_u, r_u};
+    PathState<Scalar> path = test.wave.paths.get(slot);
     path.beta = {0.5f, 0.25f, 0.25f, 0};
-    test.wave.guide_places.store<Scalar>(0, {});
+    test.wave.guide_cells.store<Scalar>(0, {});
     VertexItem<Scalar> item{};
     note_directions<Scalar>(context, test.wave, &slot, 0, 1u, item, path, {0, 0, 1}, 0.5f);
     log.finish(test.wave.radiance.row(slot).task_sample, 4);

@@ -1,6 +1,6 @@
 // The choice of a light as light sampling makes it against what paths that find the light take for its probability:
 // they know the vertex by their ray's origin and a rounded normal.
-#include "kernels/stages/light_receiver.h"
+#include "kernels/stages/light_sample_context.h"
 #include "scene/compile/compile.h"
 #include "scene/tables/shape.h"
 #include "tests/support/tiny_scenes.h"
@@ -18,9 +18,7 @@ class Vertices {
  public:
   Vec3f direction() { return normalize(Vec3f{normal_(random_), normal_(random_), normal_(random_)}); }
   float uniform(float low, float high) { return std::uniform_real_distribution<float>(low, high)(random_); }
-  Vec3f point(float extent) {
-    return {uniform(-extent, extent), uniform(-extent, extent), uniform(-extent, extent)};
-  }
+  Vec3f point(float extent) { return {uniform(-extent, extent), uniform(-extent, extent), uniform(-extent, extent)}; }
 
  private:
   std::mt19937 random_{5};
@@ -34,7 +32,8 @@ Description lamps(int count) {
   for (int i = 0; i < count; ++i) {
     const Vec3f at = v.point(5);
     const float size = std::exp(v.uniform(-5, 0)), radiance = std::exp(v.uniform(-4, 4));
-    if (i % 2 == 0) add_area_light_sphere(d, at, size, radiance);
+    if (i % 2 == 0)
+      add_area_light_sphere(d, at, size, radiance);
     else
       add_area_light_rectangle(d,
                                Transform::translate(at) * Transform::rotate(v.direction(), v.uniform(0, 180)) *
@@ -66,9 +65,9 @@ TEST_CASE("choice of lights: the weights of light and BSDF sampling add up to on
       const Vec3f p = v.point(5), ng = v.direction();
       const Vec3f ns = normalize(ng + v.direction() * 0.2f), wi = v.direction();
       const float offset = kOffsetUlps * (dot(abs(ng), abs(p)) + max_component(abs(p)));
-      const LightReceiver<Scalar> sampled = surface_receiver<Scalar>(p, ns);
+      const LightSampleContext<Scalar> sampled = surface_receiver<Scalar>(p, ns);
       const RayState<Scalar> ray{offset_origin<Scalar>(p, ng, offset, wi), kInfinity, wi, 0};
-      const auto found = light_receiver<Scalar>(ray, encode_octahedral<Scalar>(ns), 0.0f);
+      const auto found = light_sample_context<Scalar>(ray, encode_octahedral<Scalar>(ns), 0.0f);
       for (std::uint32_t light = 0; light < view.light_count; ++light) {
         if (!shines(view, light, p)) continue;
         const double a = choice_probability<Scalar>(view, sampled, light);

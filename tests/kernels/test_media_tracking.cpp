@@ -188,9 +188,8 @@ TEST_CASE("media tracking: coefficients beyond the range of floats are errors at
   const TemporaryFolder folder;
   const GridVolumeDescription large = vol(write_vol(folder / "large.vol", 2, 1, [](Vec3f, int) { return 3e38f; })),
                               one = vol(write_vol(folder / "one.vol", 2, 1, [](Vec3f, int) { return 1.0f; })),
-                              color = vol(write_vol(folder / "color.vol", 2, 3, [](Vec3f, int c) {
-                                return c == 1 ? 2e38f : 1.0f;
-                              }));
+                              color = vol(write_vol(folder / "color.vol", 2, 3,
+                                                    [](Vec3f, int c) { return c == 1 ? 2e38f : 1.0f; }));
   const SpectrumDescription huge = SpectrumDescription::constant(3e38f), unit = SpectrumDescription::constant(1);
   const auto error_of = [](const std::function<void(MediumDescription&)>& change, ColorMode mode) -> std::string {
     MediumDescription m = fog(1, 0.5f);
@@ -206,14 +205,28 @@ TEST_CASE("media tracking: coefficients beyond the range of floats are errors at
   using Pair = ExtinctionAlbedoDescription;
   using Coefficients = AbsorptionScatteringDescription;
   const std::function<void(MediumDescription&)> too_dense[] = {
-      [&](auto& m) { m.scale = 3, m.coefficients = Pair{huge, unit}; },
-      [&](auto& m) { m.scale = 3, m.coefficients = Pair{large, unit}; },
+      [&](auto& m) {
+        m.scale = 3, m.coefficients = Pair{huge, unit};
+      },
+      [&](auto& m) {
+        m.scale = 3, m.coefficients = Pair{large, unit};
+      },
       [&](auto& m) { m.scale = 3, m.density = large; },
-      [&](auto& m) { m.density = large, m.coefficients = Pair{large, unit}; },
-      [&](auto& m) { m.density = large, m.coefficients = Coefficients{unit, unit}; },
-      [&](auto& m) { m.coefficients = Coefficients{huge, huge}; },
-      [&](auto& m) { m.scale = 3, m.coefficients = Coefficients{unit, huge}; },
-      [&](auto& m) { m.scale = 2, m.coefficients = Pair{color, unit}; }};
+      [&](auto& m) {
+        m.density = large, m.coefficients = Pair{large, unit};
+      },
+      [&](auto& m) {
+        m.density = large, m.coefficients = Coefficients{unit, unit};
+      },
+      [&](auto& m) {
+        m.coefficients = Coefficients{huge, huge};
+      },
+      [&](auto& m) {
+        m.scale = 3, m.coefficients = Coefficients{unit, huge};
+      },
+      [&](auto& m) {
+        m.scale = 2, m.coefficients = Pair{color, unit};
+      }};
   const std::function<void(MediumDescription&)> too_bright[] = {
       [&](auto& m) { m.emission = huge, m.emission_scale = 3; },
       [&](auto& m) { m.emission = large, m.emission_scale = 3; },

@@ -208,7 +208,7 @@ TEST_CASE("non-local means are what their definition says, each half weighed by 
       NlMeansInput input = noisy_input(21, 13, halves);
       if (correlated) input.correlation = find_correlation(64, 64);
       const std::vector<FilteredPlanes> filtered = nl_means(input, settings);
-      REQUIRE(filtered.size() == kMostFilters);
+      REQUIRE(filtered.size() == kMaxFilters);
       for (const NlMeansFilter filter : {kSmallPatch, kLargePatch, kColorOnly, kMostlyFeatures})
         for (const auto& [px, py] : {std::pair{0, 0}, {6, 5}, {7, 6}, {20, 12}}) {
           double value = 0, self = 0;

@@ -195,7 +195,7 @@ TEST_CASE("gather volume: registers do what single beams do; the sum is that ove
       Double3 sum{};
       for (const PhotonBeam& beam : beams) {
         const Nearest n = nearest(origin, {0, 0, 1}, {beam.start, beam.direction, beam.length});
-        const auto edges = static_cast<int>(beam.place & kMostPhotonEdges);
+        const auto edges = static_cast<int>(beam.place & kMaxPhotonEdges);
         if (n.t <= 0 || n.t >= 7.5 || n.along < 0 || n.along >= static_cast<double>(beam.length) ||
             n.distance >= kRadius || (max_depth > 0 && edges > max_depth - 1) || beam.place >> 8 != 1)
           continue;
@@ -214,7 +214,7 @@ TEST_CASE("gather volume: registers do what single beams do; the sum is that ove
       CHECK(sum[0] > 0);
       const Double3 by_wide = colors(wide.wave.radiance.row(slot).radiance),
                     by_scalar = colors(scalar.wave.radiance.row(slot).radiance),
-                    left = colors(wide.wave.throughput.get(slot).beta);
+                    left = colors(wide.wave.paths.get(slot).beta);
       for (std::size_t c = 0; c < 3; ++c) {
         // Ratios: for small numbers Approx has a tolerance that is not relative.
         CHECK(by_wide[c] / sum[c] == doctest::Approx(1).epsilon(3e-3));

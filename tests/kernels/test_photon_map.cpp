@@ -139,7 +139,7 @@ TEST_CASE("gather: registers do what single photons do, and the sum is that over
       for (const auto& task : tasks)
         for (const Photon& photon : task) {
           const double distance = static_cast<double>(length(photon.p - item.p));
-          if (distance < 0.4 && std::fabs(item.ng.y) > 0.5f && (photon.surface & kMostPhotonEdges) <= 3)
+          if (distance < 0.4 && std::fabs(item.ng.y) > 0.5f && (photon.surface & kMaxPhotonEdges) <= 3)
             near.emplace_back(distance, &photon);
         }
       double radius = 0.4;

@@ -46,12 +46,24 @@ constexpr const char* kKindNames[] = {"sphere", "disk", "cylinder", "rectangle",
 
 void add_kind(Description& d, Kind kind, const Transform& t) {
   switch (kind) {
-    case Kind::kSphere: add_shape(d, SphereShape{}, t); break;
-    case Kind::kDisk: add_shape(d, DiskShape{}, t); break;
-    case Kind::kCylinder: add_shape(d, CylinderShape{{0, 0, -1}, {0, 0, 1}, 0.8f}, t); break;
-    case Kind::kRectangle: add_shape(d, RectangleShape{}, t); break;
-    case Kind::kCube: add_shape(d, CubeShape{}, t); break;
-    case Kind::kMesh: add_shape(d, faceted_ball(), t); break;
+    case Kind::kSphere:
+      add_shape(d, SphereShape{}, t);
+      break;
+    case Kind::kDisk:
+      add_shape(d, DiskShape{}, t);
+      break;
+    case Kind::kCylinder:
+      add_shape(d, CylinderShape{{0, 0, -1}, {0, 0, 1}, 0.8f}, t);
+      break;
+    case Kind::kRectangle:
+      add_shape(d, RectangleShape{}, t);
+      break;
+    case Kind::kCube:
+      add_shape(d, CubeShape{}, t);
+      break;
+    case Kind::kMesh:
+      add_shape(d, faceted_ball(), t);
+      break;
     case Kind::kTriangle: {
       Mesh mesh;
       mesh.positions = {{-1, -0.9f, 0.3f}, {1, -0.7f, -0.2f}, {0.1f, 0.9f, 0.1f}};
@@ -59,7 +71,8 @@ void add_kind(Description& d, Kind kind, const Transform& t) {
       add_shape(d, mesh, t);
       break;
     }
-    case Kind::kCount: break;
+    case Kind::kCount:
+      break;
   }
 }
 
@@ -94,9 +107,9 @@ RayPacket one_ray(Vec3f origin, Vec3f direction) {
 
 /// What became of rays from the surface.
 struct Tally {
-  int starts = 0;       ///< points on the surface
-  int self_hits = 0;    ///< rays to the outer side that met something
-  int early_hits = 0;   ///< rays through the surface that met it at once
+  int starts = 0;      ///< points on the surface
+  int self_hits = 0;   ///< rays to the outer side that met something
+  int early_hits = 0;  ///< rays through the surface that met it at once
 };
 
 /// Shoots at the shape from around `center`, at distances of some and of many radii, and from every hit shoots on: to
@@ -132,8 +145,8 @@ Tally shoot(const SceneView& scene, Vec3f center, float radius, int rays) {
       RayPacket in = one_ray(offset_origin<Scalar>(y.p, y.ng, y.offset, through), through);
       scene.accel->intersect(in, 1);
       const bool near = in.shape[0] != kNone && in.t_far[0] < 1e-3f * radius;
-      tally.early_hits += near && dot(Vec3f{in.normal_x[0], in.normal_y[0], in.normal_z[0]}, y.ng) > 0.999f *
-                          length(Vec3f{in.normal_x[0], in.normal_y[0], in.normal_z[0]});
+      tally.early_hits += near && dot(Vec3f{in.normal_x[0], in.normal_y[0], in.normal_z[0]}, y.ng) >
+                                      0.999f * length(Vec3f{in.normal_x[0], in.normal_y[0], in.normal_z[0]});
     }
   }
   return tally;
@@ -191,8 +204,9 @@ TEST_CASE("a ray that leaves a convex shape does not meet it again") {
         CAPTURE(away);
         const Vec3f center{away * scale, -0.7f * away * scale, 0.3f * away * scale};
         Description d = empty_scene(1, 1);
-        add_kind(d, static_cast<Kind>(kind), Transform::translate(center) * Transform::rotate({3, 1, 2}, 50) *
-                                                 Transform::scale({scale, 0.8f * scale, 0.9f * scale}));
+        add_kind(d, static_cast<Kind>(kind),
+                 Transform::translate(center) * Transform::rotate({3, 1, 2}, 50) *
+                     Transform::scale({scale, 0.8f * scale, 0.9f * scale}));
         const auto scene = compile_scene(d);
         const Tally tally = shoot(scene->view(), center, scale, 1500);
         CHECK(tally.starts > 200);

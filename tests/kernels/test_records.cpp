@@ -10,7 +10,7 @@ namespace sheaf::test_records {
 
 namespace {
 
-/// Whether leaf k of a record is its word k: as gather_rows() and Groups take for granted.
+/// Whether leaf k of a record is its word k: as gather_rows() and SlotTable take for granted.
 template <template <class> class Record> bool fields_in_order() {
   Record<Scalar> row{};
   const auto* next = reinterpret_cast<const unsigned char*>(&row);
@@ -33,9 +33,9 @@ TEST_CASE("records: fields stand in the order of their members") {
   CHECK(fields_in_order<AttributeRecord>());
   CHECK(fields_in_order<RayState>());
   CHECK(fields_in_order<HitState>());
-  CHECK(fields_in_order<ThroughputState>());
+  CHECK(fields_in_order<PathState>());
   CHECK(fields_in_order<RadianceState>());
-  CHECK(fields_in_order<ProbabilityState>());
+  CHECK(fields_in_order<RescaledPdfs>());
 }
 
 TEST_CASE("records: quadrics arrive in the lanes that ask for them") {

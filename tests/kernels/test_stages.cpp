@@ -33,7 +33,7 @@ TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within
       CHECK(wave.active.size() == std::min(room, total - started));
       check_conservation(wave);
       for (const Slot slot : wave.active.span()) {
-        const auto path = wave.throughput.get(slot);
+        const auto path = wave.paths.get(slot);
         const auto ray = wave.rays.get(slot);
         const auto radiance = wave.radiance.get(slot);
         const auto index = static_cast<std::uint32_t>(started++);
@@ -41,7 +41,7 @@ TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within
                             y = 11 + pixel / static_cast<std::uint32_t>(paths);
         CHECK(path.pixel == y * 64 + x);
         CHECK(path.sample == 4 + index % 3);
-        CHECK(path.progress == 0u);
+        CHECK(path.depth_and_dimension == 0u);
         CHECK(path.eta_scale == 1.0f);
         CHECK(record_difference<Spectrum>(path.beta, {1, 1, 1, 0}) == 0.0);
         CHECK(radiance.task_sample == index);
@@ -88,7 +88,7 @@ TEST_CASE_TEMPLATE("camera rays: partial tiles leave other slots alone, and a cr
       const Slot a = part.wave.active[i], b = whole.wave.active[20 * 64 + 9 + i];
       CHECK(part.wave.rays.get(a).direction == whole.wave.rays.get(b).direction);
       CHECK(part.wave.rays.get(a).flags == (kRayFromCamera | kRayLast));
-      CHECK(part.wave.throughput.get(a).pixel == whole.wave.throughput.get(b).pixel);
+      CHECK(part.wave.paths.get(a).pixel == whole.wave.paths.get(b).pixel);
       CHECK(part.wave.radiance.get(a).weight == whole.wave.radiance.get(b).weight);
     }
   }
@@ -234,7 +234,7 @@ TEST_CASE_TEMPLATE("camera rays: a list of pixels with samples of their own each
     camera_rays<L>(test.context(*scene), wave);
     for (const Slot slot : wave.active.span()) {
       CHECK(wave.radiance.get(slot).task_sample == started.size());
-      started.emplace_back(wave.throughput.get(slot).pixel, wave.throughput.get(slot).sample);
+      started.emplace_back(wave.paths.get(slot).pixel, wave.paths.get(slot).sample);
       wave.free.push(slot);
     }
     wave.active.clear();
@@ -272,7 +272,7 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
   };
   const GuideMixture mixture;
   const float unknown = -1;
-  GuideLog log;
+  TrainingSamples log;
   log.begin(512);
   for (const auto& [kind, from_lights, with_volume, guided] :
        {Case{IntegratorKind::kPath, false, false}, Case{IntegratorKind::kPath, false, false, true},
@@ -321,10 +321,13 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
           if (stage.produces.contains(queue)) continue;
           if (!stage.consumes.contains(queue))
             CHECK(std::equal(old.begin(), old.end(), list.span().begin(), list.span().end()));
-          else if (queue != Queue::kFree && queue != Queue::kSorted) CHECK(list.empty());
+          else if (queue != Queue::kFree && queue != Queue::kSorted)
+            CHECK(list.empty());
         }
-        if (stage.consumes.contains(Queue::kShadows)) CHECK(wave.shadow_count == 0);
-        else if (!stage.produces.contains(Queue::kShadows)) CHECK(wave.shadow_count == shadows);
+        if (stage.consumes.contains(Queue::kShadows))
+          CHECK(wave.shadow_count == 0);
+        else if (!stage.produces.contains(Queue::kShadows))
+          CHECK(wave.shadow_count == shadows);
       }
     for (const StageEntry& stage : kStages<L>) {
       CAPTURE(stage.name);
@@ -352,10 +355,12 @@ TEST_CASE_TEMPLATE("debug view: normals and depth of the first surface", L, SHEA
         const auto r = wave.radiance.get(slot);
         const bool missed = r.task_sample % 4 == 3;
         CHECK(((r.task_sample & kTransparent) != 0) == missed);
-        if (missed) CHECK(is_black(r.radiance));
+        if (missed)
+          CHECK(is_black(r.radiance));
         else if (kind == IntegratorKind::kDepth)
           CHECK(record_difference<Spectrum>(r.radiance, {3.4f, 3.4f, 3.4f, 0}) < 1e-5);
-        else CHECK(record_difference<Spectrum>(r.radiance, {0.6f, 0, 0.8f, 0}) < 1e-5);
+        else
+          CHECK(record_difference<Spectrum>(r.radiance, {0.6f, 0, 0.8f, 0}) < 1e-5);
       }
     }
   }
@@ -394,8 +399,8 @@ TEST_CASE_TEMPLATE("accumulate: samples that are not finite or negative are drop
                    SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(empty_scene(4, 4));
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const std::vector<Spectrum4> bad = {{nan, 0, 0, 0}, {0, nan, 0, 0}, {0, 0, nan, 0}, {kInfinity, 0, 0, 0},
-                                      {-1, 5, 5, 0},  {1, -1e-3f, 1, 0}, {1, 1, -1, 0}, {kInfinity, 0, -kInfinity, 0}};
+  const std::vector<Spectrum4> bad = {{nan, 0, 0, 0}, {0, nan, 0, 0},    {0, 0, nan, 0}, {kInfinity, 0, 0, 0},
+                                      {-1, 5, 5, 0},  {1, -1e-3f, 1, 0}, {1, 1, -1, 0},  {kInfinity, 0, -kInfinity, 0}};
   TestWave test(static_cast<int>(bad.size()) + 2);
   Wave& wave = test.wave;
   for (std::size_t i = 0; i < bad.size() + 2; ++i) {

@@ -24,7 +24,7 @@ double wave_difference(const Wave& a, const Wave& b) {
     for (const Slot slot : list->span())
       worst = std::max(
           {worst, record_difference<RayState>(a.rays.get(slot), b.rays.get(slot)),
-           record_difference<ThroughputState>(a.throughput.get(slot), b.throughput.get(slot)),
+           record_difference<PathState>(a.paths.get(slot), b.paths.get(slot)),
            record_difference<RadianceState>(a.radiance.get(slot), b.radiance.get(slot)),
            double{float_bits(a.wavelength_samples[slot]) == float_bits(b.wavelength_samples[slot]) ? 0.0f : 1.0f}});
   for (const SlotList* list : {&a.surface, &a.emitter})
@@ -35,14 +35,13 @@ double wave_difference(const Wave& a, const Wave& b) {
       return kInfinity;
     for (int i = 0; i < a.runs[kind].count; ++i) {
       const int column = a.runs[kind].column_begin + i;
-      worst =
-          std::max({worst,
-                    record_difference<VertexItem>(a.vertices.load<Scalar>(column), b.vertices.load<Scalar>(column)),
-                    record_difference<ClosureItem>(a.closures.load<Scalar>(column), b.closures.load<Scalar>(column))});
+      worst = std::max(
+          {worst, record_difference<VertexItem>(a.vertices.load<Scalar>(column), b.vertices.load<Scalar>(column)),
+           record_difference<ClosureItem>(a.closures.load<Scalar>(column), b.closures.load<Scalar>(column))});
     }
   }
   for (const Slot slot : a.active.span())
-    worst = std::max(worst, record_difference<ProbabilityState>(a.probabilities.get(slot), b.probabilities.get(slot)));
+    worst = std::max(worst, record_difference<RescaledPdfs>(a.rescaled_pdfs.get(slot), b.rescaled_pdfs.get(slot)));
   for (int i = 0; i < a.shadow_count; ++i)
     worst = std::max(worst, record_difference<ShadowItem>(a.shadows.load<Scalar>(i), b.shadows.load<Scalar>(i)));
   return worst;

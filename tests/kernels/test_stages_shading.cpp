@@ -89,7 +89,7 @@ TEST_CASE_TEMPLATE("sort: hits lie in runs by kind, then material, in their old 
     for_each_item(wave, [&](Slot slot, int, ClosureKind kind) {
       CHECK(kind == kind_of(test.square_of_slot[slot]));
       const std::uint32_t bucket = scene->view().materials[wave.hits.get(slot).material].bucket,
-                          pixel = wave.throughput.get(slot).pixel;
+                          pixel = wave.paths.get(slot).pixel;
       CHECK(bucket >= last_bucket);
       if (bucket == last_bucket) CHECK(pixel >= last_pixel);
       last_bucket = bucket;
@@ -140,7 +140,7 @@ TEST_CASE_TEMPLATE("surface inputs: places, frames and parameters of every hit",
 
 /// What the path pass does between surface inputs and shadow rays.
 template <class L> void sample_lights(const StageContext& context, Wave& wave) {
-  for (int candidate = 0; candidate < context.transport.candidates; ++candidate) {
+  for (int candidate = 0; candidate < context.integrator.candidates; ++candidate) {
     light_candidates<L>(context, wave, candidate);
     resample<L>(context, wave, candidate);
   }
@@ -153,9 +153,9 @@ TEST_CASE_TEMPLATE("light candidates: a point light in closed form, none for spe
     ShadedWave<L> test(*scene, paths, mixed);
     Wave& wave = test.wave;
     for (auto& [slot, square] : test.square_of_slot) {
-      auto path = wave.throughput.get(slot);
+      auto path = wave.paths.get(slot);
       path.beta = {0.5f, 0.25f, 2, 0};
-      wave.throughput.set(slot, path);
+      wave.paths.set(slot, path);
     }
     sample_lights<L>(test.context(*scene), wave);
     CHECK(wave.shadow_count == wave.runs[0].count);
@@ -272,9 +272,9 @@ TEST_CASE_TEMPLATE("scatter: every path goes on by its own closure", L, SHEAF_ST
     CHECK(wave.stats.rays.scatter == static_cast<std::uint64_t>(paths));
     for (const auto& [slot, square] : test.square_of_slot) {
       const auto ray = wave.rays.get(slot);
-      const auto path = wave.throughput.get(slot);
+      const auto path = wave.paths.get(slot);
       const Vec3f in = before[slot];
-      CHECK(path.progress == kOneDepth + kOneEvent);
+      CHECK(path.depth_and_dimension == kOneDepth + kOneDimension);
       CHECK(ray.flags == 0u);
       CHECK(ray.t_max == kInfinity);
       CHECK(length(ray.direction) == doctest::Approx(1).epsilon(1e-6));
@@ -309,9 +309,9 @@ TEST_CASE_TEMPLATE("scatter: absorbed paths and those of the greatest length end
   ShadedWave<L> test(*scene, 37, [](int i) { return i % 4; });
   Wave& wave = test.wave;
   for (const auto& [slot, square] : test.square_of_slot) {
-    auto path = wave.throughput.get(slot);
-    path.progress = square == kGlass ? kLongestPath - 1 : 0;
-    wave.throughput.set(slot, path);
+    auto path = wave.paths.get(slot);
+    path.depth_and_dimension = square == kGlass ? kLongestPath - 1 : 0;
+    wave.paths.set(slot, path);
   }
   scatter<L>(test.context(*scene), wave);
   check_conservation(wave);
@@ -330,9 +330,9 @@ TEST_CASE_TEMPLATE("scatter: the ray that reaches max_depth is the last", L, SHE
       const auto scene = compile_scene(d);
       ShadedWave<L> test(*scene, 5, mixed);
       for (const auto& [slot, square] : test.square_of_slot) {
-        auto path = test.wave.throughput.get(slot);
-        path.progress = depth * (kOneDepth + kOneEvent);
-        test.wave.throughput.set(slot, path);
+        auto path = test.wave.paths.get(slot);
+        path.depth_and_dimension = depth * (kOneDepth + kOneDimension);
+        test.wave.paths.set(slot, path);
       }
       scatter<L>(test.context(*scene), test.wave);
       // The next ray ends a path of depth + 2 edges, the one from the camera included.
@@ -357,11 +357,11 @@ TEST_CASE_TEMPLATE("scatter: roulette ends paths by their throughput and pays th
     ShadedWave<L> test(*scene, kPaths, [](int) { return static_cast<int>(kLightGrey); });
     Wave& wave = test.wave;
     for (const auto& [slot, square] : test.square_of_slot) {
-      auto path = wave.throughput.get(slot);
+      auto path = wave.paths.get(slot);
       path.beta = {0.1f * beta, beta, 0.5f * beta, 0};
       path.eta_scale = 0.5f;
-      path.progress = depth;
-      wave.throughput.set(slot, path);
+      path.depth_and_dimension = depth;
+      wave.paths.set(slot, path);
     }
     scatter<L>(is_photon ? test.photon_context(*scene, kPaths) : test.context(*scene), wave);
     check_conservation(wave);
@@ -372,7 +372,7 @@ TEST_CASE_TEMPLATE("scatter: roulette ends paths by their throughput and pays th
     CHECK(std::fabs(wave.active.size() - kPaths * survival) <=
           student_t_threshold(significance_of_each(static_cast<int>(std::size(kCases))), kPaths) * error);
     for (const Slot slot : wave.active.span()) {
-      const auto path = wave.throughput.get(slot);
+      const auto path = wave.paths.get(slot);
       CHECK(path.beta.c1 == doctest::Approx(0.75 * beta / survival).epsilon(1e-5));
       CHECK(path.beta.c0 == doctest::Approx(0.075 * beta / survival).epsilon(1e-5));
     }
@@ -409,9 +409,9 @@ TEST_CASE_TEMPLATE("emission: the environment, weighted against light sampling",
           r.radiance = Spectrum4(0.25f);
           r.scatter_pdf = i % 3 == 2 ? 0.3f : 0.0f;
           wave.radiance.set(slot, r);
-          auto path = wave.throughput.get(slot);
+          auto path = wave.paths.get(slot);
           path.beta = {1, 0.5f, static_cast<float>(i), 0};
-          wave.throughput.set(slot, path);
+          wave.paths.set(slot, path);
           wave.miss.push(slot);
         }
         emission<L>(test.context(*scene), wave);

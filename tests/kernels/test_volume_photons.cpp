@@ -120,7 +120,7 @@ TEST_CASE("gather volume: registers do what single photons do; the sum is that o
       for (const Photon& photon : photons) {
         const double x = static_cast<double>(photon.p.x - origin.x), y = static_cast<double>(photon.p.y - origin.y),
                      t = static_cast<double>(photon.p.z - origin.z), away = std::hypot(x, y) / 0.3;
-        const auto edges = static_cast<int>(photon.surface & kMostPhotonEdges);
+        const auto edges = static_cast<int>(photon.surface & kMaxPhotonEdges);
         if (t <= 0 || away >= 1 || (max_depth > 0 && edges > max_depth - 1) || photon.surface >> 8 != 1) continue;
         const double k = kernel == PhotonKernel::kDisc   ? 1
                          : kernel == PhotonKernel::kCone ? 3 * (1 - away)
@@ -135,7 +135,7 @@ TEST_CASE("gather volume: registers do what single photons do; the sum is that o
       }
       CHECK(sum[0] > 0);
       const float wide_found[3] = {a.c0, a.c1, a.c2}, scalar_found[3] = {b.c0, b.c1, b.c2};
-      const Spectrum4 beta = wide.wave.throughput.get(slot).beta;
+      const Spectrum4 beta = wide.wave.paths.get(slot).beta;
       const float left[3] = {beta.c0, beta.c1, beta.c2};
       for (std::size_t c = 0; c < 3; ++c) {
         CHECK(static_cast<double>(wide_found[c]) == doctest::Approx(sum[c]).epsilon(2e-3));
@@ -172,7 +172,7 @@ TEST_CASE("gather volume: in a grid, transmittance is right in the mean, up to e
     gather_volume<Wide>(context, test.wave);
     for (const Slot slot : slots) {
       found.add(static_cast<double>(test.wave.radiance.row(slot).radiance.c1));
-      left.add(static_cast<double>(test.wave.throughput.get(slot).beta.c0));
+      left.add(static_cast<double>(test.wave.paths.get(slot).beta.c0));
     }
   }
   // The integral of the density, linear in between and constant in the outer half voxels.

@@ -76,7 +76,7 @@ std::vector<Gathered> gather_at_sheet(const Scene& scene, const PhotonMap& map, 
   run(Stage::kIntersect);
   for (const Slot slot : test.wave.surface.span()) {
     if (single_path) keep_one_wavelength(test.wave, slot);
-    test.wave.probabilities.row(slot).r_u = r_u;
+    test.wave.rescaled_pdfs.row(slot).r_u = r_u;
   }
   run(Stage::kSortSurfaces);
   run(Stage::kSurfaceInputs);
@@ -189,7 +189,7 @@ template <class L> InMedium gather_in_medium(MediumPhotons kept, bool single_ray
   test.wave.wavelength_samples[slot] = 0.3f;
   if (single_ray) keep_one_wavelength(test.wave, slot);
   gather_volume<L>(context, test.wave);
-  InMedium out{lanes(test.wave.radiance.row(slot).radiance), lanes(test.wave.throughput.get(slot).beta)};
+  InMedium out{lanes(test.wave.radiance.row(slot).radiance), lanes(test.wave.paths.get(slot).beta)};
   for (double& passed : out.sigma_t) passed = -std::log(passed) / 8;
   return out;
 }
@@ -233,8 +233,8 @@ TEST_CASE_TEMPLATE("photons in media say whether one wavelength is left, as poin
     std::vector<bool> is_single(400);
     for (std::uint32_t i = 0; i < 400; ++i) {
       const Slot slot = add_ray_in_medium(test, {0, 0, 2});
-      test.wave.throughput.row(slot).pixel = kPhotonPixel;
-      test.wave.throughput.row(slot).sample = i;
+      test.wave.paths.row(slot).pixel = kPhotonPixel;
+      test.wave.paths.row(slot).sample = i;
       test.wave.wavelength_samples[slot] = 0.3f;
       is_single[i] = i % 3 == 0;
       if (is_single[i]) keep_one_wavelength(test.wave, slot);
@@ -262,9 +262,9 @@ TEST_CASE_TEMPLATE("photons on surfaces say whether one wavelength is left", L, 
   test.photons.begin(7, 60, PhotonKind::kAll);
   for (std::uint32_t i = 0; i < 60; ++i) {
     const Slot slot = test.add_active({-1.9f + 0.06f * static_cast<float>(i), 0, 0}, {0, 0, 1});
-    test.wave.throughput.row(slot).pixel = kPhotonPixel;
-    test.wave.throughput.row(slot).sample = i;
-    test.wave.probabilities.row(slot) = {Spectrum4(1.0f), Spectrum4(1.0f)};
+    test.wave.paths.row(slot).pixel = kPhotonPixel;
+    test.wave.paths.row(slot).sample = i;
+    test.wave.rescaled_pdfs.row(slot) = {Spectrum4(1.0f), Spectrum4(1.0f)};
     test.wave.distance_since_vertex[slot] = 0;
     test.wave.wavelength_samples[slot] = 0.3f;
     if (i % 3 == 0) keep_one_wavelength(test.wave, slot);
@@ -294,7 +294,7 @@ TEST_CASE_TEMPLATE("shadow rays through what disperses keep the density of the f
         const bool behind = i % 2 == 1;
         const float x = -1.9f + 0.019f * static_cast<float>(i);
         const Slot slot = test.add_active({x, 0.3f, behind ? 6.0f : 2.0f}, {0, 0, behind ? -1.0f : 1.0f});
-        wave.probabilities.row(slot) = {single_path ? Spectrum4(2.0f) : kUnequal, Spectrum4(1.0f)};
+        wave.rescaled_pdfs.row(slot) = {single_path ? Spectrum4(2.0f) : kUnequal, Spectrum4(1.0f)};
         wave.distance_since_vertex[slot] = 0;
         wave.wavelength_samples[slot] = 0.3f;
         if (single_path) keep_one_wavelength(wave, slot);
@@ -341,7 +341,7 @@ TEST_CASE_TEMPLATE("scatter: where one wavelength goes on, its density does; of 
     std::vector<Slot> slots;
     for (int i = 0; i < 200; ++i) {
       slots.push_back(test.add_active({-1.9f + 0.019f * static_cast<float>(i), 0.3f, 2}, {0, 0, 1}));
-      wave.probabilities.row(slots.back()) = {kUnequal, Spectrum4(1.0f)};
+      wave.rescaled_pdfs.row(slots.back()) = {kUnequal, Spectrum4(1.0f)};
       wave.distance_since_vertex[slots.back()] = 0;
       wave.wavelength_samples[slots.back()] = 0.3f;
     }
@@ -353,7 +353,7 @@ TEST_CASE_TEMPLATE("scatter: where one wavelength goes on, its density does; of 
       const bool single = (float_bits(wave.wavelength_samples[slot]) & kSingleWavelength) != 0;
       const Spectrum4 expected =
           single ? Spectrum4(static_cast<float>(who == Who::kStoredPhoton ? kUnequalMean : kUnequalFirst)) : kUnequal;
-      CHECK(lanes(wave.probabilities.row(slot).r_u) == lanes(expected));
+      CHECK(lanes(wave.rescaled_pdfs.row(slot).r_u) == lanes(expected));
       ++count[single ? 1 : 0];
     }
     CHECK(std::min(count[0], count[1]) > 20);

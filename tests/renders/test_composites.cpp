@@ -88,7 +88,7 @@ TEST_CASE("compile materials: textures become bindings of the right words") {
   const CompiledMaterials out = compile_materials(d.materials);
   const MaterialRow& row = out.rows.at(out.row_of[0]);
   CHECK(row.kind == ClosureKind::kRoughConductorGgx);
-  CHECK((row.flags & kTextured) != 0);
+  CHECK((row.flags & kNeedsUv) != 0);
   REQUIRE(row.binding_count == 2);
   const TextureBinding& k = out.bindings.at(row.first_binding);
   const TextureBinding& alpha = out.bindings.at(row.first_binding + 1);

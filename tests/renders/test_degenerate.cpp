@@ -183,9 +183,7 @@ TEST_CASE("shapes of extreme size and place") {
       }
       try {
         render_all(d);
-      } catch (const SceneError& error) {
-        CHECK(std::string(error.what()).size() > 10);
-      }
+      } catch (const SceneError& error) { CHECK(std::string(error.what()).size() > 10); }
     }
   }
 }
@@ -210,15 +208,21 @@ TEST_CASE("a camera inside of shapes and on their surfaces") {
       CHECK(render_all(d).report.stats.dropped.rays == 0);
     }
   };
-  SUBCASE("glass") { check_places([](Description& d) { add_sphere(d, {0, 0, 0}, 1, add_glass(d)); }); }
+  SUBCASE("glass") {
+    check_places([](Description& d) { add_sphere(d, {0, 0, 0}, 1, add_glass(d)); });
+  }
   SUBCASE("diffuse") {
     check_places([](Description& d) { add_sphere(d, {0, 0, 0}, 1, add_two_sided(d, add_diffuse(d, 0.5f))); });
   }
   SUBCASE("mirror") {
     check_places([](Description& d) { add_sphere(d, {0, 0, 0}, 1, add_two_sided(d, add_mirror(d))); });
   }
-  SUBCASE("light") { check_places([](Description& d) { emit(add_sphere(d, {0, 0, 0}, 1), 1).flip_normals = true; }); }
-  SUBCASE("cube") { check_places([](Description& d) { add_shape(d, CubeShape{}, Transform(), add_glass(d)); }); }
+  SUBCASE("light") {
+    check_places([](Description& d) { emit(add_sphere(d, {0, 0, 0}, 1), 1).flip_normals = true; });
+  }
+  SUBCASE("cube") {
+    check_places([](Description& d) { add_shape(d, CubeShape{}, Transform(), add_glass(d)); });
+  }
   SUBCASE("triangle") {
     check_places([](Description& d) { add_shape(d, one_triangle({-1, 0, 0}, {1, 0, 0}, {0, 0, 1}), Transform()); });
   }
@@ -265,8 +269,10 @@ TEST_CASE("more materials than there are sorting buckets") {
       const float albedo = static_cast<float>(y * kSide + x + 1) / (kSide * kSide + 1);
       const MaterialId material = (x + y) % 3 == 0 ? add_mirror(d, albedo) : add_diffuse(d, albedo);
       const Vec3f at{1 - (2 * static_cast<float>(x) + 1) / kSide, 1 - (2 * static_cast<float>(y) + 1) / kSide, 1};
-      add_rectangle(d, Transform::translate(at) * Transform::rotate({0, 1, 0}, 180) *
-                           Transform::scale({1.0f / kSide, 1.0f / kSide, 1}), material);
+      add_rectangle(d,
+                    Transform::translate(at) * Transform::rotate({0, 1, 0}, 180) *
+                        Transform::scale({1.0f / kSide, 1.0f / kSide, 1}),
+                    material);
     }
   REQUIRE(static_cast<int>(d.materials.size()) > kMaxBuckets);
   d.integrator.strategy = LightStrategy::kBsdfOnly;  // without noise: each sample is the albedo

@@ -40,11 +40,14 @@ Description room(int width, int height) {
   add_shape(d, curves, Transform(), red);
   curves.basis = Curves::Basis::kLinear;
   add_shape(d, curves, Transform::translate({0, -0.5f, 0.2f}), white);
-  emit(add_shape(d, DiskShape{}, Transform::translate({0, 0.98f, 0}) * Transform::rotate({1, 0, 0}, 90) *
-                                     Transform::scale({0.4f, 0.4f, 1})), 8);
+  emit(add_shape(
+           d, DiskShape{},
+           Transform::translate({0, 0.98f, 0}) * Transform::rotate({1, 0, 0}, 90) * Transform::scale({0.4f, 0.4f, 1})),
+       8);
   emit(add_sphere(d, {0.6f, 0.5f, 0.5f}, 0.15f), 4);
   emit(add_rectangle(d, Transform::translate({-0.95f, 0, 0}) * Transform::rotate({0, 1, 0}, 90) *
-                            Transform::scale({0.2f, 0.3f, 1})), 2);
+                            Transform::scale({0.2f, 0.3f, 1})),
+       2);
   add_point_light(d, {0, 0.2f, -1}, 0.5f);
   add_constant_light(d, 0.3f);
   return d;
@@ -166,8 +169,8 @@ bool is_picture(const std::vector<float>& data) {
 }
 
 int run_sheaf(const TemporaryFolder& folder, const std::string& arguments) {
-  const std::string command = "cd '" + folder.path().string() + "' && '" SHEAF_EXECUTABLE "' " + arguments +
-                              " >/dev/null 2>&1 </dev/null";
+  const std::string command =
+      "cd '" + folder.path().string() + "' && '" SHEAF_EXECUTABLE "' " + arguments + " >/dev/null 2>&1 </dev/null";
   return std::system(command.c_str());
 }
 
@@ -195,8 +198,8 @@ TEST_CASE("the same bits for all thread counts and wave sizes" * doctest::test_s
   }
 }
 
-TEST_CASE("the same bits where textured and plain materials share registers, and in media"
-          * doctest::test_suite("slow")) {
+TEST_CASE("the same bits where textured and plain materials share registers, and in media" *
+          doctest::test_suite("slow")) {
   const TemporaryFolder folder;
   for (const bool media : {false, true})
     for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
@@ -300,8 +303,8 @@ TEST_CASE("equal distances are told apart the same way in every build") {
   CHECK(same_bytes(build_and_render(d, 7, 1), expected));
 }
 
-TEST_CASE("rays aimed exactly at vertices and edges meet the same triangles in every build"
-          * doctest::test_suite("slow")) {
+TEST_CASE("rays aimed exactly at vertices and edges meet the same triangles in every build" *
+          doctest::test_suite("slow")) {
   Description d = ties(193, 0);
   d.film.filter.radius = 1e-6f;  // through the pixels' centres, which are half a cell of the grid apart
   look_at(d, {0, 0, 193.0f / 96}, {0, 0, 0});

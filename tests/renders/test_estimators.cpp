@@ -349,8 +349,8 @@ TEST_CASE("mirrors and metals") {
   }
   SUBCASE("metal") {
     using S = SpectrumDescription;
-    const ConductorDescription metal{ConductorDescription::Ior{S::constant(0.2f), S::constant(3.9f)},
-                                     S::constant(0.9f), std::nullopt};
+    const ConductorDescription metal{ConductorDescription::Ior{S::constant(0.2f), S::constant(3.9f)}, S::constant(0.9f),
+                                     std::nullopt};
     add_rectangle(d, Transform::scale({5, 5, 1}), add_material(d, metal));
     check_strategies(d, 2 * 0.9 * fresnel(std::sqrt(0.5), {0.2, 3.9}));
   }
@@ -398,9 +398,7 @@ TEST_CASE("hidden lights") {
     add_area_light_rectangle(d, facing_down({0, 0, 2}), 3);
     aim(d, {0, 0.1f, 0}, {0, 0, 2}, {0, 1, 0});
   }
-  SUBCASE("an environment") {
-    add_constant_light(d, 3);
-  }
+  SUBCASE("an environment") { add_constant_light(d, 3); }
   SUBCASE("area lights before a lit wall") {
     add_area_light_rectangle(d, Transform::translate({0, 0, 1}), 3);
     add_area_light_rectangle(d, facing_down({0, 0, 1.5f}), 0.25f);
@@ -482,8 +480,9 @@ TEST_CASE("a straight edge shows the integral of every filter") {
     d.sampler.sample_count = 128;
     d.film.filter = filter;
     const auto edge = static_cast<float>(1 - kEdge / 32);
-    add_area_light_rectangle(d, Transform::translate({edge + 50, 0, 1}) * Transform::rotate({0, 1, 0}, 180) *
-                                    Transform::scale({50, 50, 1}), 1);
+    add_area_light_rectangle(
+        d, Transform::translate({edge + 50, 0, 1}) * Transform::rotate({0, 1, 0}, 180) * Transform::scale({50, 50, 1}),
+        1);
     const Image image = render_image(d);
     for (int x = 0; x < image.width; ++x) {
       CAPTURE(x);

@@ -83,7 +83,7 @@ TEST_CASE("fog lights: a medium that glows between other lights, seen and on a f
 
 TEST_CASE("fog lights: a medium behind a mask and a pane") {
   Description d = ball_between_lights(fog(1, 0.9f), 0);
-  d.integrator.free_panes = true;
+  d.integrator.thin_dielectrics_are_free = true;
   // Between the medium and the lights above and behind it.
   const MaterialId half = add_material(d, MaskDescription{0.5f, add_diffuse(d, 0)});
   add_rectangle(d, Transform::translate({0, 0, 1.1f}) * Transform::scale({1.5f, 1.5f, 1}), half);

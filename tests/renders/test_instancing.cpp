@@ -28,9 +28,7 @@ double distance(Vec3f a, Vec3f b) { return length(a - b); }
 std::string message_of(const Description& d) {
   try {
     compile_scene(d);
-  } catch (const SceneError& error) {
-    return error.what();
-  }
+  } catch (const SceneError& error) { return error.what(); }
   return {};
 }
 

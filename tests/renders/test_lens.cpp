@@ -83,8 +83,8 @@ TEST_CASE("lens: a small white light out of focus is a round disk without colour
   Description d = edge_at(kDistance, true);
   d.film.height = kSide;
   d.sampler.sample_count = 512;
-  d.shapes.back().to_world = Transform::translate({0, 0, kDistance}) * Transform::rotate({0, 1, 0}, 180) *
-                             Transform::scale({0.03f, 0.03f, 1});
+  d.shapes.back().to_world =
+      Transform::translate({0, 0, kDistance}) * Transform::rotate({0, 1, 0}, 180) * Transform::scale({0.03f, 0.03f, 1});
   const double level = significance_of_each(2 * 3 + 2 * kSide);
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
     CAPTURE(static_cast<int>(color));

@@ -361,7 +361,7 @@ TEST_CASE("light tracing: every emitter in and around media has the path tracer'
                        add_material(d, pane));
          add_rectangle(d, Transform::translate({-0.5f, 0.5f, 0.9f}) * Transform::scale({0.6f, 0.6f, 1}),
                        add_material(d, MaskDescription{0.5f, add_two_sided(d, add_diffuse(d, 0.7f))}));
-         d.integrator.free_panes = true;
+         d.integrator.thin_dielectrics_are_free = true;
        }},
   };
   for (const Named& emitter : emitters())
@@ -547,7 +547,7 @@ TEST_CASE("light tracing: hidden lights and what they reflect do not show, unles
     glass.specular_reflectance = SpectrumDescription::constant(0);  // light tracing cannot see what it reflects
     add_rectangle(d, Transform::translate({-0.2f, -0.2f, z}) * Transform::scale({0.5f, 0.5f, 1}),
                   add_material(d, glass));
-    d.integrator.free_panes = true;
+    d.integrator.thin_dielectrics_are_free = true;
   };
   check_agree(wall());
   // Before the lights, which then show, behind all of them, and between them.

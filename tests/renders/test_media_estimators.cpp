@@ -135,8 +135,8 @@ Description furnace(const MediumDescription& medium, float g) {
 TEST_SUITE_BEGIN("slow");
 
 TEST_CASE("media: transmittance of a homogeneous slab, by paths and by shadow rays, colour by colour") {
-  for (const MediumEstimator estimator : {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio,
-                                          MediumEstimator::kMarching})
+  for (const MediumEstimator estimator :
+       {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio, MediumEstimator::kMarching})
     for (const float albedo : {0.0f, 0.6f}) {
       CAPTURE(static_cast<int>(estimator));
       CAPTURE(albedo);
@@ -356,8 +356,7 @@ TEST_CASE("media: homogeneous, as a grid, by every estimator and with colours th
     d.integrator.max_depth = 8;
     d.integrator.medium_estimator = estimator;
     add_area_light_sphere(d, {1.5f, 2, -1.5f}, 0.4f, 20);
-    add_rectangle(d,
-                  Transform::translate({0, -1, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}),
+    add_rectangle(d, Transform::translate({0, -1, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}),
                   add_diffuse_rgb(d, 0.7f, 0.5f, 0.3f));
     add_sphere(d, {0.2f, 0, 0}, 0.3f, add_glass(d));
     MediumDescription m = medium;
@@ -387,8 +386,9 @@ TEST_CASE("media: homogeneous, as a grid, by every estimator and with colours th
     }
 }
 
-TEST_CASE("media: what glows and scatters has the same mean by every strategy and estimator, "
-          "colours and grids alike") {
+TEST_CASE(
+    "media: what glows and scatters has the same mean by every strategy and estimator, "
+    "colours and grids alike") {
   const TemporaryFolder folder;
   const auto lumps = write_vol(folder / "lumps.vol", 16, 1, [](Vec3f p, int) {
     return 1 + std::sin(17 * p.x) * std::sin(13 * p.y + 1) * std::cos(11 * p.z);
@@ -411,7 +411,10 @@ TEST_CASE("media: what glows and scatters has the same mean by every strategy an
     return d;
   };
   for (const bool on_grid : {false, true}) {
-    const auto strip = [](Description d) { d.lights.clear(); return d; };
+    const auto strip = [](Description d) {
+      d.lights.clear();
+      return d;
+    };
     const Means reference = means_of(strip(scene(on_grid, LightStrategy::kMis, MediumEstimator::kNullMis)));
     const Means lit = means_of(scene(on_grid, LightStrategy::kMis, MediumEstimator::kNullMis));
     for (const MediumEstimator estimator : kUnbiased) {

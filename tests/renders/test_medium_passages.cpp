@@ -107,8 +107,8 @@ TEST_CASE("medium passages: glass that hardly disperses shows what is behind a c
 }
 
 TEST_CASE("medium passages: a common factor taken out of a path's weights means nothing") {
-  PathWeights path{Quad(Spectrum4{8e6f, 4e6f, 2e6f, 0}), Quad(Spectrum4{4e6f, 2e6f, 1e6f, 3e6f}),
-                   Quad(Spectrum4{2e6f, 1e6f, 8e6f, 1e6f})};
+  PathWeights path{Float4(Spectrum4{8e6f, 4e6f, 2e6f, 0}), Float4(Spectrum4{4e6f, 2e6f, 1e6f, 3e6f}),
+                   Float4(Spectrum4{2e6f, 1e6f, 8e6f, 1e6f})};
   const PathWeights before = path;
   path.rescale();
   CHECK(max_component(path.r_u) <= 1e6f);

@@ -14,10 +14,11 @@ namespace {
 /// ours to say.
 double peak_bytes(int samples, int threads) {
   const TemporaryFolder folder;
-  const std::string command = "cd '" + folder.path().string() + "' && '" SHEAF_EXECUTABLE "' render '" SHEAF_SOURCE_DIR
+  const std::string command = "cd '" + folder.path().string() +
+                              "' && '" SHEAF_EXECUTABLE "' render '" SHEAF_SOURCE_DIR
                               "/scenes/cornell/cornell.xml' -D width=800 -D height=600 -o out.exr -o out.png --quiet"
-                              " --stats stats.json --max-depth 2 --spp " + std::to_string(samples) +
-                              " --threads " + std::to_string(threads) + " >/dev/null 2>&1";
+                              " --stats stats.json --max-depth 2 --spp " +
+                              std::to_string(samples) + " --threads " + std::to_string(threads) + " >/dev/null 2>&1";
   REQUIRE(std::system(command.c_str()) == 0);
   const auto stats = nlohmann::json::parse(read_bytes(folder / "stats.json"));
   REQUIRE(stats.at("width") == 800);

@@ -62,7 +62,7 @@ Description floor_below(const std::vector<Screen>& screens) {
   Description d = picture_of_one_point(48);
   look_at_point(d, {0.5f, 0, 0.1f}, {0, 0, 0});
   d.integrator.max_depth = 2;
-  d.integrator.free_panes = true;
+  d.integrator.thin_dielectrics_are_free = true;
   add_rectangle(d, Transform::scale({100, 100, 1}), add_diffuse(d, kAlbedo));
   for (const Screen& screen : screens) add_screen(d, screen);
   return d;
@@ -145,9 +145,8 @@ TEST_CASE("passing estimators: lights behind a mask, a pane and a null boundary"
 }
 
 TEST_CASE("passing estimators: several lights of unequal power are found through screens as they are chosen") {
-  for (const std::vector<Screen>& screens :
-       {std::vector<Screen>{{Screen::kPane, 0.3f}, {Screen::kPane, 0.7f}},
-        std::vector<Screen>{{Screen::kNull, 0.2f}, {Screen::kMask, 0.8f}}}) {
+  for (const std::vector<Screen>& screens : {std::vector<Screen>{{Screen::kPane, 0.3f}, {Screen::kPane, 0.7f}},
+                                             std::vector<Screen>{{Screen::kNull, 0.2f}, {Screen::kMask, 0.8f}}}) {
     CAPTURE(static_cast<int>(screens[0].kind));
     Description d = floor_below(screens);
     cone_lights()[0].add(d);

@@ -360,7 +360,7 @@ TEST_CASE("photon mapping: surfaces in fog, behind panes and with plastic's coat
       pane.thin = true;
       add_rectangle(d, Transform::translate({0.3f, 0, 1.2f}) * Transform::scale({0.5f, 0.5f, 1}),
                     add_material(d, pane));
-      d.integrator.free_panes = true;
+      d.integrator.thin_dielectrics_are_free = true;
     } else {
       PlasticDescription plastic;
       add_sphere(d, {0.8f, 0.5f, 0.4f}, 0.4f, add_material(d, plastic));

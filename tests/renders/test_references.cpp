@@ -41,7 +41,7 @@ constexpr double kAcceptedShare = 0.9975;
 /// Both are independent errors, so they add in quadrature.
 constexpr double kMeanFloor = 0.002, kMeanSigmas = 4;
 /// A batch may scatter this much more than the reference's samples.
-constexpr double kMostVarianceRatio = 4;
+constexpr double kMaxVarianceRatio = 4;
 
 /// A picture with its noise.
 struct Estimate {
@@ -179,7 +179,7 @@ void check(const std::string& name, const Estimate& picture, const Estimate& ref
   CHECK(v.pixel_share >= kAcceptedShare);
   CHECK(v.block_share == 1);
   CHECK(v.worst_mean_error <= 1);
-  CHECK(v.worst_variance_ratio <= kMostVarianceRatio);
+  CHECK(v.worst_variance_ratio <= kMaxVarianceRatio);
 }
 
 std::vector<std::string> scene_names() {

@@ -38,7 +38,8 @@ TEST_CASE("sensors: irradiance") {
   Description parts = meter(Projection::kIrradianceMeter, Transform(), 1024);
   parts.film.width = 2;
   add_rectangle(parts, Transform(), add_diffuse(parts, 0));
-  add_rectangle(parts, Transform::translate({-0.6f, 0, 0.01f}) * Transform::scale({0.61f, 2, 1}), add_diffuse(parts, 0));
+  add_rectangle(parts, Transform::translate({-0.6f, 0, 0.01f}) * Transform::scale({0.61f, 2, 1}),
+                add_diffuse(parts, 0));
   add_constant_light(parts, 1);
   const Image image = render(*compile_scene(parts), {}).film.to_image();
   CHECK(image.at(0, 0, 0) < 0.1);
@@ -114,16 +115,21 @@ TEST_CASE("sensors: photons show light that goes in single directions, and paths
       for (int x = 0; x < 16; ++x) sum += double(image.at(x, y, 0)) / 256;
     return sum;
   };
-  // Of a ray of 3 W the mean over the 4 m^2 that are seen; of a square of half the side, 2 W/m^2, over a quarter of them.
+  // Of a ray of 3 W the mean over the 4 m^2 that are seen; of a square of half the side, 2 W/m^2, over a quarter of
+  // them.
   Description ray = d;
   ray.lights.push_back({BeamDescription{Transform::translate({0.3f, 0.2f, 2}) * Transform::rotate({1, 0, 0}, 180),
-                                        SpectrumDescription::constant(3)}, {}});
+                                        SpectrumDescription::constant(3)},
+                        {}});
   CHECK(mean(ray, IntegratorKind::kLightTracer) == doctest::Approx(3 * 0.5 / kPiD / 4).epsilon(1e-3));
   CHECK(mean(ray, IntegratorKind::kPath) == 0);
   Description square = d;
   look_at(square, {0, 0, 1}, {0, 0, 0}, {0, 1, 0});
-  ShapeDescription& light = emit(add_rectangle(square, Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180) *
-                                                   Transform::scale({0.5f, 0.5f, 1}), add_diffuse(square, 0)), 2);
+  ShapeDescription& light = emit(add_rectangle(square,
+                                               Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180) *
+                                                   Transform::scale({0.5f, 0.5f, 1}),
+                                               add_diffuse(square, 0)),
+                                 2);
   light.emits_along_normal = true;
   CHECK(mean(square, IntegratorKind::kLightTracer) == doctest::Approx(2 * 0.5 / kPiD / 4).epsilon(0.01));
   CHECK(mean(square, IntegratorKind::kPath) == 0);

@@ -249,9 +249,11 @@ TEST_CASE("spectral: tints are those of RGB mode, from constants and from textur
     TextureDescription board;
     board.model = CheckerboardDescription{red, red};
     d.textures.push_back(board);
-    std::visit([](auto& model) {
-      if constexpr (requires { model.base_color; }) model.base_color = TextureId{0};
-    }, d.materials.back().model);
+    std::visit(
+        [](auto& model) {
+          if constexpr (requires { model.base_color; }) model.base_color = TextureId{0};
+        },
+        d.materials.back().model);
     scenes.push_back(std::move(d));
   }
   constexpr int kBatches = 16;

@@ -114,8 +114,8 @@ TEST_CASE("brick grid: empty ones are background everywhere") {
 
 TEST_CASE("brick grid: no coordinate leads out of the table") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  const float extremes[] = {0,     -0.0f, 1e-40f, -1e-40f, 7.5f,   8,      -1,       0.49999997f,
-                            16.0f, 15.5f, 1e9f,   -1e9f,   3e38f,  -3e38f, kInfinity, -kInfinity, kNan};
+  const float extremes[] = {0,     -0.0f, 1e-40f, -1e-40f, 7.5f,   8,         -1,         0.49999997f, 16.0f,
+                            15.5f, 1e9f,  -1e9f,  3e38f,   -3e38f, kInfinity, -kInfinity, kNan};
   for (const GridFilter filter : kFilters) {
     std::vector<TestGrid> grids;
     for (const GridBorder border : kBorders) grids.push_back(make_test_grid(1, {16, 16, 16}, border));

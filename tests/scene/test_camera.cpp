@@ -116,8 +116,7 @@ TEST_CASE("camera: principal points shift the picture, by parts of its size to t
   d.principal_point_x = 0.1f;
   d.principal_point_y = -0.2f;
   const Camera shifted = make_camera(d, 200, 100), plain = make_camera(camera_with(40, Axis::kX), 200, 100);
-  for (const float x : {0.0f, 80.0f, 200.0f})
-    check_vector(direction(shifted, x, 30), direction(plain, x + 20, 10));
+  for (const float x : {0.0f, 80.0f, 200.0f}) check_vector(direction(shifted, x, 30), direction(plain, x + 20, 10));
   check_vector(direction(shifted, 80, 70), {0, 0, 1});
 }
 

@@ -51,8 +51,20 @@ TEST_CASE("camera medium: that of the middle of an orthographic camera's film") 
   Description d = beside_gas({0, 0, 0}, 2);
   d.camera.projection = CameraDescription::Projection::kOrthographic;
   check(d, 1, false);
-  check([&] { Description e = d; e.shapes[0].geometry = SphereShape{{0, 0, 0}, 0.5f}; return e; }(), 1, true);
-  check([&] { Description e = d; e.shapes[0].geometry = SphereShape{{1, 0.5f, 0}, 0.2f}; return e; }(), 0, true);
+  check(
+      [&] {
+        Description e = d;
+        e.shapes[0].geometry = SphereShape{{0, 0, 0}, 0.5f};
+        return e;
+      }(),
+      1, true);
+  check(
+      [&] {
+        Description e = d;
+        e.shapes[0].geometry = SphereShape{{1, 0.5f, 0}, 0.2f};
+        return e;
+      }(),
+      0, true);
 }
 
 TEST_CASE("camera medium: a lens across a boundary is told") {

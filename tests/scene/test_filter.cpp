@@ -106,7 +106,7 @@ TEST_CASE("filter: weights of samples in other pixels are the filter's values, a
     CAPTURE(static_cast<int>(f.kind));
     const FilterWeights weights(f);
     const double radius = filter_radius(f);
-    std::array<double, FilterWeights::kMostPixels> across{};
+    std::array<double, FilterWeights::kMaxPixels> across{};
     for (int i = -200; i <= 200; ++i) {
       const double offset = i / 400.0;
       weights.across(static_cast<float>(offset), across.data());

@@ -20,9 +20,7 @@ constexpr float kLineD = 587.5618f, kLineF = 486.1327f, kLineC = 656.2725f;
 double index(const char* name, float lambda) {
   return static_cast<double>(ior<Scalar>(*find_dispersion(name), lambda));
 }
-double abbe_number(const char* name) {
-  return (index(name, kLineD) - 1) / (index(name, kLineF) - index(name, kLineC));
-}
+double abbe_number(const char* name) { return (index(name, kLineD) - 1) / (index(name, kLineF) - index(name, kLineC)); }
 
 }  // namespace
 
@@ -32,12 +30,18 @@ TEST_CASE("glasses: published indices and Abbe numbers") {
     double n_d, n_tolerance, abbe, abbe_tolerance;
   };
   // Schott's data sheets for the glasses; the papers' own figures or the spread of handbooks for the others.
-  for (const Case& c : {Case{"bk7", 1.51680, 2e-5, 64.17, 0.02}, {"sf11", 1.78472, 2e-5, 25.76, 0.02},
-                        {"n-sf11", 1.78472, 2e-5, 25.68, 0.02}, {"fused silica", 1.45846, 2e-5, 67.82, 0.05},
-                        {"diamond", 2.4175, 5e-4, 55.3, 0.3}, {"water", 1.33340, 1e-4, 55.75, 0.2},
-                        {"sapphire", 1.7682, 2e-4, 72.3, 0.2}, {"sodium chloride", 1.54420, 2e-4, 42.8, 0.3},
-                        {"water ice", 1.3098, 2e-4, 53.2, 3.0}, {"acrylic glass", 1.4900, 3e-3, 58.0, 2.0},
-                        {"ethanol", 1.3617, 5e-4, 59.4, 3.0}, {"acetone", 1.3592, 5e-4, 54.5, 3.0},
+  for (const Case& c : {Case{"bk7", 1.51680, 2e-5, 64.17, 0.02},
+                        {"sf11", 1.78472, 2e-5, 25.76, 0.02},
+                        {"n-sf11", 1.78472, 2e-5, 25.68, 0.02},
+                        {"fused silica", 1.45846, 2e-5, 67.82, 0.05},
+                        {"diamond", 2.4175, 5e-4, 55.3, 0.3},
+                        {"water", 1.33340, 1e-4, 55.75, 0.2},
+                        {"sapphire", 1.7682, 2e-4, 72.3, 0.2},
+                        {"sodium chloride", 1.54420, 2e-4, 42.8, 0.3},
+                        {"water ice", 1.3098, 2e-4, 53.2, 3.0},
+                        {"acrylic glass", 1.4900, 3e-3, 58.0, 2.0},
+                        {"ethanol", 1.3617, 5e-4, 59.4, 3.0},
+                        {"acetone", 1.3592, 5e-4, 54.5, 3.0},
                         {"benzene", 1.4965, 3e-3, 30.5, 2.0}}) {
     CAPTURE(std::string(c.name));
     CHECK(std::abs(index(c.name, kLineD) - c.n_d) < c.n_tolerance);
@@ -47,15 +51,23 @@ TEST_CASE("glasses: published indices and Abbe numbers") {
 
 TEST_CASE("glasses: the fit for ice is within 1e-4 of the table that it was made for") {
   // Warren and Brandt 2008.
-  for (const auto& [lambda, n] : {std::pair{390.0f, 1.3203}, {450.0f, 1.3157}, {500.0f, 1.3130}, {550.0f, 1.3110},
-                                  {600.0f, 1.3094}, {700.0f, 1.3069}, {830.0f, 1.3044}})
+  for (const auto& [lambda, n] : {std::pair{390.0f, 1.3203},
+                                  {450.0f, 1.3157},
+                                  {500.0f, 1.3130},
+                                  {550.0f, 1.3110},
+                                  {600.0f, 1.3094},
+                                  {700.0f, 1.3069},
+                                  {830.0f, 1.3044}})
     CHECK(std::abs(index("water ice", lambda) - n) < 1e-4);
 }
 
 TEST_CASE("glasses: fused silica where Malitson tabulates it") {
   // Malitson 1965, table I: computed values at spectral lines.
-  for (const auto& [lambda, n] : {std::pair{404.656f, 1.469618}, {435.835f, 1.466693}, {546.074f, 1.460078},
-                                  {632.8f, 1.457018}, {706.520f, 1.455145}})
+  for (const auto& [lambda, n] : {std::pair{404.656f, 1.469618},
+                                  {435.835f, 1.466693},
+                                  {546.074f, 1.460078},
+                                  {632.8f, 1.457018},
+                                  {706.520f, 1.455145}})
     CHECK(index("fused silica", lambda) == doctest::Approx(n).epsilon(2e-6));
 }
 

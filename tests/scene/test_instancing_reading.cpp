@@ -32,8 +32,8 @@ TEST_CASE("instancing: Mitsuba scenes, group first or last") {
     CHECK(d.instances[0].group == 0);
     CHECK(d.instances[1].to_world == std::array<float, 12>{2, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1, 0});
   }
-  const Description nested = test::read_text(test::mitsuba_scene(
-      "<shape type='instance'><shape type='shapegroup'><shape type='sphere'/></shape></shape>"));
+  const Description nested = test::read_text(
+      test::mitsuba_scene("<shape type='instance'><shape type='shapegroup'><shape type='sphere'/></shape></shape>"));
   CHECK(nested.groups.size() == 1);
   CHECK(nested.instances.size() == 1);
   CHECK(nested.shapes.empty());

@@ -38,9 +38,9 @@ std::pair<float, float> largest_and_bound(const Scene& scene) {
   for (float nm = 360; nm <= 826; nm += 4) {
     const Spectrum4 lambda{nm, nm + 1, nm + 2, nm + 3};
     const MediumSpectra spectra = medium_spectra(view, medium, lambda);
-    const Quad found = medium_coefficients(view, medium, spectra, {0.5f, 0.5f, 0.5f}, lambda).sigma_t;
+    const Float4 found = medium_coefficients(view, medium, spectra, {0.5f, 0.5f, 0.5f}, lambda).sigma_t;
     const bool both = (medium.flags & kMediumAbsorptionScattering) != 0;
-    const Quad most = (both ? spectra.first + spectra.second : spectra.first) * bound;
+    const Float4 most = (both ? spectra.first + spectra.second : spectra.first) * bound;
     for (int lane = 0; lane < 4; ++lane) {
       largest = std::max(largest, found[lane]);
       worst = std::max(worst, found[lane] / most[lane]);

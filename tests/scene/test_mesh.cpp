@@ -32,8 +32,8 @@ Mesh sphere() {
   for (int j = 0; j <= kUp; ++j) {
     for (int i = 0; i <= kAround; ++i) {
       const double theta = 3.14159265358979 * j / kUp, phi = 2 * 3.14159265358979 * i / kAround;
-      mesh.positions.push_back({float(std::sin(theta) * std::cos(phi)), float(std::sin(theta) * std::sin(phi)),
-                                float(std::cos(theta))});
+      mesh.positions.push_back(
+          {float(std::sin(theta) * std::cos(phi)), float(std::sin(theta) * std::sin(phi)), float(std::cos(theta))});
     }
   }
   mesh.normals = mesh.positions;
@@ -193,7 +193,7 @@ TEST_CASE("mesh: degenerate triangles are dropped, however they came to be") {
                     {kNan, 0, 0}, {0, kInfinity, 0}, {0, 0, 1e13f}, {1, 1, 0}};
   mesh.uvs.resize(8);
   for (std::size_t i = 0; i < 8; ++i) mesh.uvs[i].x = float(i);
-  mesh.triangles = {{0, 1, 2}, {0, 1, 1}, {0, 1, 3}, {0, 1, 4},          {5, 1, 0},
+  mesh.triangles = {{0, 1, 2}, {0, 1, 1}, {0, 1, 3},           {0, 1, 4}, {5, 1, 0},
                     {0, 6, 1}, {0, 1, 8}, {0, 1, 4000000000u}, {7, 2, 1}};
   CHECK(drop_degenerate_triangles(mesh) == 7);
   REQUIRE(mesh.triangles.size() == 2);

@@ -210,7 +210,7 @@ TEST_CASE("compile materials: hair has what its colour is made of, and needs its
     const CompiledMaterials out = compile_materials(d.materials);
     const MaterialRow& row = out.rows.at(out.row_of[0]);
     CHECK(row.kind == ClosureKind::kHair);
-    CHECK((row.flags & kTextured) != 0);
+    CHECK((row.flags & kNeedsUv) != 0);
     HairParameters<Scalar> p;
     int k = 0;
     std::apply([&](auto&... leaf) { ((leaf = row.words[k++]), ...); }, leaves(p));

@@ -261,7 +261,7 @@ std::string tile_file(const std::vector<std::array<std::uint32_t, 3>>& tiles) {
   const std::uint64_t size = stream.size(), with_size = size + 8;
   std::memcpy(stored.data(), &size, 8);
   std::string head = bytes.substr(0, grid);
-  head[14] = 1;                                // the segment's codec: deflated
+  head[14] = 1;                                  // the segment's codec: deflated
   std::memcpy(head.data() + 24, &with_size, 8);  // of the grid in the file
   return head + stored + stream;
 }

@@ -52,8 +52,8 @@ TEST_CASE("Nori materials: defaults") {
   CHECK(material("dielectric") ==
         dump_all("dielectric", 1.5046f, 1.000277f, "constant 0x1p+0 constant 0x1p+0 0 smooth"));
   CHECK(material("microfacet") == dump_all("microfacet", 1.5046f, 1.000277f, 0.1f, "constant 0x1p-1"));
-  CHECK(material("disney") == dump_all("disney constant 0x1p-1", 0.0f, 0.0f, 0.5f, 0.0f, 0.5f, 0.0f, 0.0f, 0.5f, 0.0f,
-                                       1.0f));
+  CHECK(material("disney") ==
+        dump_all("disney constant 0x1p-1", 0.0f, 0.0f, 0.5f, 0.0f, 0.5f, 0.0f, 0.0f, 0.5f, 0.0f, 1.0f));
 }
 
 TEST_CASE("Nori materials: every parameter in both styles of names") {
@@ -137,8 +137,9 @@ TEST_CASE("Nori textures: checkerboards") {
 }
 
 TEST_CASE("Nori textures: constants") {
-  CHECK(material("diffuse", "<texture name='albedo' type='constant_color'><color name='value' value='0,0.5,1'/>"
-                            "</texture>") == "diffuse rgb 0x0p+0 0x1p-1 0x1p+0");
+  CHECK(material("diffuse",
+                 "<texture name='albedo' type='constant_color'><color name='value' value='0,0.5,1'/>"
+                 "</texture>") == "diffuse rgb 0x0p+0 0x1p-1 0x1p+0");
   CHECK(
       material("microfacet", "<texture name='alpha' type='constant_float'>" + number("value", "0.5") + "</texture>") ==
       dump_all("microfacet", 1.5046f, 1.000277f, 0.5f, "constant 0x1p-1"));

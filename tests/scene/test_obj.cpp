@@ -300,13 +300,13 @@ TEST_CASE("obj: smoothing groups of triangles, flat before the first, and none i
     return read_obj_with_materials(file.path(), false).smoothing_of;
   };
   CHECK(groups("f 1 2 3 4\n").empty());
-  using Groups = std::vector<std::uint32_t>;
+  using SlotTable = std::vector<std::uint32_t>;
   CHECK(groups("f 1 2 3\ns 1\nf 1 2 3 4\ns off\nf 1 2 3\ns 4294967295 # all\nf 1 2 3\ns 0\nf 1 2 3\n") ==
-        Groups{0, 1, 1, 0, 4294967295u, 0});
-  CHECK(groups("s on\nf 1 2 3\n\ts\t7\t\nf 1 2 3\ns\nf 1 2 3\n") == Groups{1, 7, 0});
+        SlotTable{0, 1, 1, 0, 4294967295u, 0});
+  CHECK(groups("s on\nf 1 2 3\n\ts\t7\t\nf 1 2 3\ns\nf 1 2 3\n") == SlotTable{1, 7, 0});
   CHECK(contains(error_in(with_square("s smooth\nf 1 2 3\n")),
                  "mesh.obj:5: expected a smoothing group after 's', a number or 'off', found 'smooth'"));
-  CHECK(groups("s off\nusemtl a\nf 1 2 3\nshadow_obj x\n") == Groups{0});
+  CHECK(groups("s off\nusemtl a\nf 1 2 3\nshadow_obj x\n") == SlotTable{0});
 }
 
 }  // namespace sheaf::test_obj

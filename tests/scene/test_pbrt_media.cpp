@@ -44,7 +44,7 @@ struct Filled {
   void look(Vec3f p) {
     const SceneView view = scene->view();
     const MediumCoefficients found = medium_coefficients(view, view.media[0], spectra, p, {});
-    const Quad glow = medium_emission(view, view.media[0], spectra, p, {});
+    const Float4 glow = medium_emission(view, view.media[0], spectra, p, {});
     sigma_a = {found.sigma_a[0], found.sigma_a[1], found.sigma_a[2]};
     sigma_s = {found.sigma_s[0], found.sigma_s[1], found.sigma_s[2]};
     emission = {glow[0], glow[1], glow[2]};
@@ -94,7 +94,7 @@ TEST_CASE("pbrt media: colours of absorption and scattering by voxel, and what b
   CHECK(length(fog.sigma_a - Vec3f{1, 0.5f, 1}) < 1e-5f);
   CHECK(length(fog.sigma_s - Vec3f{0.5f, 2.5f, 2}) < 1e-5f);
   const MajorantGridRow& row = fog.scene->view().majorant_grids[fog.scene->view().media[0].majorants];
-  const Quad most =
+  const Float4 most =
       (fog.spectra.first + fog.spectra.second) * row.bounds[row.entries[0] >> kMajorantSideBits].majorant();
   for (int i = 0; i <= 20; ++i) {
     fog.look({0.05f * static_cast<float>(i), 0.5f, 0.5f});

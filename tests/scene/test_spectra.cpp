@@ -110,7 +110,8 @@ TEST_CASE("spectrum rows: resampling keeps the power of lines and steps, whereve
     const Vec3f seen = emission_color(set, line) * 100.0f;  // outside the gamut, unlike what RGB mode makes of it
     check_close({std::max(seen.x, 0.0f), std::max(seen.y, 0.0f), std::max(seen.z, 0.0f)},
                 emission_table_to_rgb(std::vector<float>{centre - 0.02f, centre, centre + 0.02f},
-                                      std::vector<float>{0, 5000, 0}), 2e-2);
+                                      std::vector<float>{0, 5000, 0}),
+                2e-2);
   }
   // No wider than it must be.
   const auto sharp = set.row(table({499.99f, 500, 500.01f}, {0, 100, 0}), SpectrumUse::kIlluminant);
@@ -177,8 +178,12 @@ TEST_CASE("illuminants: published chromaticities and unit luminance") {
     const char* name;
     double x, y;  // CIE 15:2018, tables 3 and 11.1
   };
-  for (const Case& c : {Case{"a", 0.44758, 0.40745}, {"d50", 0.34567, 0.35851}, {"d55", 0.33243, 0.34744},
-                        {"d65", 0.31272, 0.32903}, {"d75", 0.29903, 0.31488}, {"e", 1.0 / 3, 1.0 / 3}}) {
+  for (const Case& c : {Case{"a", 0.44758, 0.40745},
+                        {"d50", 0.34567, 0.35851},
+                        {"d55", 0.33243, 0.34744},
+                        {"d65", 0.31272, 0.32903},
+                        {"d75", 0.29903, 0.31488},
+                        {"e", 1.0 / 3, 1.0 / 3}}) {
     CAPTURE(std::string(c.name));
     SpectrumSet set;
     const auto row = set.row({find_illuminant(c.name).value()}, SpectrumUse::kIlluminant);

@@ -86,6 +86,7 @@ EXEMPT = {
     "tools/install_packages.sh": "needs root; .ci/run runs it by way of the two below",
     "tools/quickstart.sh": "builds; .ci/run runs it",
     "tools/slurm.sh": "needs root and Slurm; the test slurm runs it",
+    "tools/check_format.sh": "a test of its own, format",
     "tools/test.sh": "builds, and runs this test; .ci/run runs it",
     "tools/scene_text.py": "a module, which other scripts import",
     "bench/rendering.py": "a module, which other scripts import",

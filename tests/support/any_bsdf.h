@@ -31,7 +31,8 @@ template <template <class> class Bsdf> Bsdf<Scalar> any_bsdf(std::uint32_t i) {
     word = 0.05f + 0.9f * number(static_cast<std::uint32_t>(k), 7);
   });
   const float eta = 1.3f + 0.4f * number(0, 8);
-  if constexpr (requires { bsdf.eta = 1.5f; }) bsdf.eta = eta;
+  if constexpr (requires { bsdf.eta = 1.5f; })
+    bsdf.eta = eta;
   else if constexpr (requires { bsdf.eta.c0, bsdf.transmittance.c0; })
     bsdf.eta = {eta, eta * 1.01f, eta * 1.02f, eta * 1.03f};
   if constexpr (requires { bsdf.transmittance[0] = 0.0f; }) {

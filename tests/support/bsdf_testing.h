@@ -199,8 +199,7 @@ template <class Bsdf> void check_bsdf_finite(const Bsdf& bsdf) {
     for (const float x : {0.0f, 0.3f, 0.7f, 0.99999994f})
       for (const float y : {0.0f, 0.99999994f}) {
         const auto s = bsdf.sample(wo, {x, 0.4f, y, 0.5f});
-        if (s.valid)
-          CHECK((is_finite(s.wi) && sound(s.weight.c0) && sound(s.weight.c3) && sound(s.pdf_solid_angle)));
+        if (s.valid) CHECK((is_finite(s.wi) && sound(s.weight.c0) && sound(s.weight.c3) && sound(s.pdf_solid_angle)));
       }
   }
 }

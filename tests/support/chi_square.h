@@ -115,7 +115,7 @@ ChiSquare chi_square_plane(Sample&& sample, Density&& density, const CellGrid& g
     expected[cell] = mass * samples;
   }
   constexpr double kIntegralError = 1e-4;  // of the numerical integration
-  constexpr double kNext = 1e-9;  // to nothing: empty draws within that error join the pool of rare cells
+  constexpr double kNext = 1e-9;           // to nothing: empty draws within that error join the pool of rare cells
   expected[cells] = (integral < 1.0 - kIntegralError ? 1.0 - integral : kNext) * samples;
   ChiSquare result = chi_square(observed, expected);
   result.integral = integral;

@@ -13,7 +13,7 @@ inline Slot add_ray_in_medium(TestWave& test, Vec3f origin) {
   hit.t = 10 - origin.z;
   hit.shape = 0, hit.instance = hit.light = kNone;
   wave.hits.set(slot, hit);
-  wave.probabilities.row(slot) = {Spectrum4(1.0f), Spectrum4(1.0f)};
+  wave.rescaled_pdfs.row(slot) = {Spectrum4(1.0f), Spectrum4(1.0f)};
   wave.distance_since_vertex[slot] = 0;
   wave.medium.push(slot);
   return slot;

@@ -17,8 +17,8 @@ inline MediumId add_medium(Description& d, MediumDescription medium) {
 /// A homogeneous medium of grey extinction per metre and albedo.
 inline MediumDescription fog(float sigma_t, float albedo) {
   MediumDescription m;
-  m.coefficients = ExtinctionAlbedoDescription{SpectrumDescription::constant(sigma_t),
-                                               SpectrumDescription::constant(albedo)};
+  m.coefficients =
+      ExtinctionAlbedoDescription{SpectrumDescription::constant(sigma_t), SpectrumDescription::constant(albedo)};
   return m;
 }
 

@@ -32,9 +32,7 @@ class TemporaryFile {
 template <std::invocable Call> std::string error_of(Call&& call) {
   try {
     call();
-  } catch (const SceneError& error) {
-    return error.what();
-  }
+  } catch (const SceneError& error) { return error.what(); }
   return {};
 }
 

@@ -24,8 +24,10 @@ template <template <class> class Record, class F> Record<Wide> wide_record(F&& f
   const auto get = [&](auto& leaf) {
     WideUint bits;
     load(words[k++], bits);
-    if constexpr (std::is_same_v<std::decay_t<decltype(leaf)>, WideFloat>) leaf = bits_float(bits);
-    else leaf = bits;
+    if constexpr (std::is_same_v<std::decay_t<decltype(leaf)>, WideFloat>)
+      leaf = bits_float(bits);
+    else
+      leaf = bits;
   };
   std::apply([&](auto&... leaf) { (get(leaf), ...); }, leaves(out));
   return out;
@@ -50,8 +52,10 @@ inline Random4<Scalar> lane_random(std::uint32_t seed, std::uint32_t first, int 
 template <template <class> class Record> double record_difference(const Record<Scalar>& a, const Record<Scalar>& b) {
   double worst = 0;
   zip_leaves(a, b, [&](const auto& x, const auto& y) {
-    if constexpr (std::is_same_v<std::decay_t<decltype(x)>, float>) worst = std::max(worst, difference(x, y));
-    else worst = std::max(worst, x == y ? 0.0 : std::numeric_limits<double>::infinity());
+    if constexpr (std::is_same_v<std::decay_t<decltype(x)>, float>)
+      worst = std::max(worst, difference(x, y));
+    else
+      worst = std::max(worst, x == y ? 0.0 : std::numeric_limits<double>::infinity());
   });
   return worst;
 }

@@ -19,9 +19,8 @@ struct NamedStrategy {
   LightStrategy strategy;
   const char* name;
 };
-inline constexpr NamedStrategy kLightStrategies[] = {{LightStrategy::kMis, "path"},
-                                                     {LightStrategy::kBsdfOnly, "path_mats"},
-                                                     {LightStrategy::kLightOnly, "path_ems"}};
+inline constexpr NamedStrategy kLightStrategies[] = {
+    {LightStrategy::kMis, "path"}, {LightStrategy::kBsdfOnly, "path_mats"}, {LightStrategy::kLightOnly, "path_ems"}};
 
 /// A picture of 32 x 32 pixels whose samples are independent.
 inline Description picture_of_one_point(int samples) {

@@ -107,8 +107,10 @@ template <class... T> std::string dump_all(const T&... values) {
   std::ostringstream out;
   out << std::hexfloat;
   auto one = [&](const auto& v) {
-    if constexpr (requires { dump(v); } && !std::is_arithmetic_v<std::decay_t<decltype(v)>>) out << ' ' << dump(v);
-    else out << ' ' << v;
+    if constexpr (requires { dump(v); } && !std::is_arithmetic_v<std::decay_t<decltype(v)>>)
+      out << ' ' << dump(v);
+    else
+      out << ' ' << v;
   };
   (one(values), ...);
   return out.str().substr(sizeof...(T) > 0 ? 1 : 0);
@@ -143,7 +145,7 @@ inline std::string dump(const TextureDescription& t) {
   return model + " to_uv " + dump(t.to_uv);
 }
 
-template <PlainModel Model> std::string dump(const Model& v) {
+template <DeclarativeBsdf Model> std::string dump(const Model& v) {
   return std::apply([](const auto&... input) { return dump_all(Model::kPlugin, input...); }, Model::fields(v));
 }
 inline std::string dump(const ConductorDescription& v) {

@@ -60,10 +60,10 @@ class TestWave {
     const Slot slot = wave.free.pop();
     const auto index = static_cast<std::uint32_t>(added_++);
     RayState<Scalar> ray{origin, kInfinity, direction, flags};
-    ThroughputState<Scalar> path{Spectrum4(1.0f), 1, 0, index, 0};
+    PathState<Scalar> path{Spectrum4(1.0f), 1, 0, index, 0};
     RadianceState<Scalar> radiance{Spectrum4(0.0f), 0, 1, 1, index};
     wave.rays.set(slot, ray);
-    wave.throughput.set(slot, path);
+    wave.paths.set(slot, path);
     wave.radiance.set(slot, radiance);
     return slot;
   }
@@ -95,7 +95,7 @@ class TestWave {
     const auto words = [slot](auto& group) { return reinterpret_cast<float*>(&group.row(slot)); };
     f(words(wave.rays));
     f(words(wave.hits));
-    f(words(wave.throughput));
+    f(words(wave.paths));
     f(words(wave.radiance));
   }
 

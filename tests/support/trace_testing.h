@@ -28,8 +28,7 @@ inline std::optional<TracedHit> trace_ray(const SceneView& scene, Vec3f origin, 
   packet.shape[0] = kNone;
   scene.accel->intersect(packet, 1);
   if (packet.shape[0] == kNone) return std::nullopt;
-  return TracedHit{packet.t_far[0], packet.u[0], packet.v[0], packet.primitive[0], packet.shape[0],
-                   packet.instance[0]};
+  return TracedHit{packet.t_far[0], packet.u[0], packet.v[0], packet.primitive[0], packet.shape[0], packet.instance[0]};
 }
 
 /// The surface at a hit of trace_ray().

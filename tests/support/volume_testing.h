@@ -123,8 +123,10 @@ inline TestGrid make_sparse_test_grid(int channels, const std::vector<std::array
       for (std::size_t k = 0; k < c; ++k) {
         const auto at = static_cast<std::size_t>((z * r.size[1] + y) * r.size[0] + x) * c + k;
         const float random = noise(number * 512 + static_cast<std::uint32_t>(i), 2 + static_cast<std::uint32_t>(k));
-        if (is_constant) r.values[at] = value[k];
-        else if (random < 0.7f) added[static_cast<std::size_t>(i) * c + k] = r.values[at] = random;
+        if (is_constant)
+          r.values[at] = value[k];
+        else if (random < 0.7f)
+          added[static_cast<std::size_t>(i) * c + k] = r.values[at] = random;
       }
     }
   }

@@ -45,7 +45,7 @@ const std::vector<Wrapped> kWrapped = {
     {"xsimd", {"xsimd/"}, "core/simd"},
     {"Embree", {"embree3/", "embree4/"}, "scene/tables/accel"},
     {"OpenEXR and Imath", {"OpenEXR/", "Imf", "Imath"}, ""},
-    {"OpenImageIO", {"OpenImageIO/"}, "core/pictures/openimageio"},
+    {"OpenImageIO", {"OpenImageIO/"}, "core/image_io/openimageio"},
     {"tinyobjloader", {"tiny_obj_loader.h"}, ""},
     {"pugixml", {"pugixml.hpp"}, ""},
     {"NanoVDB", {"nanovdb/"}, "scene/formats/nanovdb"},
@@ -169,7 +169,8 @@ TEST_CASE("breaches of the folders of scene/ are found") {
                        {"scene/compile/compile.cpp", "scene/tables/scene.h"},
                        {"scene/compile/lights/point_light.cpp", "scene/compile/light.h"},
                        {"kernels/stages/shadow.cpp", "scene/tables/scene.h"},
-                       {"tools/command_info.cpp", "scene/compile/compile.h"}}).empty());
+                       {"tools/command_info.cpp", "scene/compile/compile.h"}})
+            .empty());
   CHECK(find_breaches({{"scene/description/description.h", "scene/xml/xml.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/formats/obj.cpp", "scene/tables/shape.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/compile/spectra.cpp", "scene/dialects/read_spectrum.h"}}).size() == 1);

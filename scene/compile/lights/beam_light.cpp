@@ -9,7 +9,7 @@ namespace sheaf {
 namespace {
 
 struct BeamRows {
-  static constexpr LightReach kReach = LightReach::kBounded;
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
 
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light); }
 
@@ -23,12 +23,12 @@ struct BeamRows {
 
 LightCompiler light_compiler(LightTag<LightKind::kBeam>) { return make_light_compiler<BeamRows>(); }
 
-std::optional<PlacedLight> place_light(const LightToPlace<BeamDescription>& l) {
+std::optional<CompiledLight> place_light(const LightToPlace<BeamDescription>& l) {
   const Vec3f along = l.light.to_world.vector({0, 0, 1});
   const float length = sheaf::length(along);
   if (!(length > 0.0f) || !std::isfinite(length)) throw SceneError(l.where, "the direction of the beam has no length");
-  PlacedLight placed{make_light_row(LightKind::kBeam, emission_rgb(l.light.power), l.light.to_world.point({0, 0, 0})),
-                     std::nullopt, l.context.emission_row(l.light.power, l.where)};
+  CompiledLight placed{make_light_row(LightKind::kBeam, emission_rgb(l.light.power), l.light.to_world.point({0, 0, 0})),
+                       std::nullopt, l.context.emission_row(l.light.power, l.where)};
   placed.row.set_extent(along * (1.0f / length));
   return placed;
 }

@@ -7,7 +7,7 @@ namespace sheaf {
 namespace {
 
 struct ConstantRows {
-  static constexpr LightReach kReach = LightReach::kEnvironment;
+  static constexpr LightDomain kDomain = LightDomain::kEnvironment;
 
   static Vec3f power(const SceneView& scene, const LightRow& light) {
     const float disk = kPi * scene.radius * scene.radius;
@@ -19,9 +19,9 @@ struct ConstantRows {
 
 LightCompiler light_compiler(LightTag<LightKind::kConstant>) { return make_light_compiler<ConstantRows>(); }
 
-std::optional<PlacedLight> place_light(const LightToPlace<ConstantLightDescription>& l) {
-  return PlacedLight{make_light_row(LightKind::kConstant, emission_rgb(l.light.radiance), {0, 0, 0}), std::nullopt,
-                     l.context.emission_row(l.light.radiance, l.where)};
+std::optional<CompiledLight> place_light(const LightToPlace<ConstantLightDescription>& l) {
+  return CompiledLight{make_light_row(LightKind::kConstant, emission_rgb(l.light.radiance), {0, 0, 0}), std::nullopt,
+                       l.context.emission_row(l.light.radiance, l.where)};
 }
 
 }  // namespace sheaf

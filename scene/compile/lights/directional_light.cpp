@@ -9,7 +9,7 @@ namespace sheaf {
 namespace {
 
 struct DirectionalRows {
-  static constexpr LightReach kReach = LightReach::kDistant;
+  static constexpr LightDomain kDomain = LightDomain::kDistant;
 
   static Vec3f power(const SceneView& scene, const LightRow& light) {
     const float disk = kPi * scene.radius * scene.radius;
@@ -21,13 +21,12 @@ struct DirectionalRows {
 
 LightCompiler light_compiler(LightTag<LightKind::kDirectional>) { return make_light_compiler<DirectionalRows>(); }
 
-std::optional<PlacedLight> place_light(const LightToPlace<DirectionalLightDescription>& l) {
+std::optional<CompiledLight> place_light(const LightToPlace<DirectionalLightDescription>& l) {
   const float length = sheaf::length(l.light.direction);
-  if (!(length > 0.0f) || !std::isfinite(length))
-    throw SceneError(l.where, "the direction of the light has no length");
-  return PlacedLight{make_light_row(LightKind::kDirectional, emission_rgb(l.light.irradiance),
-                                    l.light.direction * (-1.0f / length)),
-                     std::nullopt, l.context.emission_row(l.light.irradiance, l.where)};
+  if (!(length > 0.0f) || !std::isfinite(length)) throw SceneError(l.where, "the direction of the light has no length");
+  return CompiledLight{
+      make_light_row(LightKind::kDirectional, emission_rgb(l.light.irradiance), l.light.direction * (-1.0f / length)),
+      std::nullopt, l.context.emission_row(l.light.irradiance, l.where)};
 }
 
 }  // namespace sheaf

@@ -3,7 +3,7 @@
 #include "scene/compile/daylight.h"
 #include "scene/compile/light.h"
 #include "scene/compile/lights/light_rotation.h"
-#include "scene/compile/square_envmap.h"
+#include "scene/compile/octahedral_envmap.h"
 
 #include "core/frame.h"
 #include "core/memory.h"
@@ -15,7 +15,7 @@ namespace sheaf {
 namespace {
 
 struct EnvmapRows {
-  static constexpr LightReach kReach = LightReach::kEnvironment;
+  static constexpr LightDomain kDomain = LightDomain::kEnvironment;
 
   static Vec3f power(const SceneView& scene, const LightRow& light) {
     const float disk = kPi * scene.radius * scene.radius;
@@ -32,15 +32,15 @@ bool can_compensate(const Description& description) {
 }
 
 /// Makes a map that is turned already the scene's. Nothing if it is black, with a warning of `what`.
-std::optional<PlacedLight> place_map(Envmap map, LightContext& context, const std::string& what,
-                                     const SourceLocation& where) {
+std::optional<CompiledLight> place_map(Envmap map, LightContext& context, const std::string& what,
+                                       const SourceLocation& where) {
   if (!(max_component(map.mean) > 0.0f)) {
     context.warnings.push_back(what + " is black");
     return std::nullopt;
   }
   if (context.spectra != nullptr) uplift_nodes(map);
-  PlacedLight placed{make_light_row(LightKind::kEnvmap, map.mean, {0, 0, 0}), std::nullopt,
-                     context.emission_row(SpectrumDescription::constant(1), where)};
+  CompiledLight placed{make_light_row(LightKind::kEnvmap, map.mean, {0, 0, 0}), std::nullopt,
+                       context.emission_row(SpectrumDescription::constant(1), where)};
   context.envmap = std::move(map);
   return placed;
 }
@@ -54,7 +54,7 @@ void set_rotation(Envmap& map, const Transform& to_world, const SourceLocation& 
   std::transform(rotation.begin(), rotation.end(), map.to_map, [](double v) { return static_cast<float>(v); });
 }
 
-std::optional<PlacedLight> place_light(const LightToPlace<EnvmapDescription>& l) {
+std::optional<CompiledLight> place_light(const LightToPlace<EnvmapDescription>& l) {
   const EnvmapDescription& light = l.light;
   LightContext& context = l.context;
   EnvmapPicture picture = read_envmap_picture(light.file, light.raw);
@@ -82,7 +82,7 @@ std::optional<PlacedLight> place_light(const LightToPlace<EnvmapDescription>& l)
   return place_map(std::move(map), context, light.file.string() + ": the environment map", l.where);
 }
 
-std::optional<PlacedLight> place_light(const LightToPlace<SkyDescription>& l) {
+std::optional<CompiledLight> place_light(const LightToPlace<SkyDescription>& l) {
   const SkyDescription& sky = l.light;
   const auto frame = Frame<Scalar>::from_normal(sky.up);
   Envmap map = make_envmap(sky_picture(sky, frame.s), 1, can_compensate(l.context.description));

@@ -9,7 +9,7 @@ namespace sheaf {
 namespace {
 
 struct GoniometricRows {
-  static constexpr LightReach kReach = LightReach::kBounded;
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
 
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light) * (4 * kPi); }
 
@@ -34,12 +34,12 @@ struct GoniometricRows {
 
 LightCompiler light_compiler(LightTag<LightKind::kGoniometric>) { return make_light_compiler<GoniometricRows>(); }
 
-std::optional<PlacedLight> place_light(const LightToPlace<GoniometricLightDescription>& l) {
+std::optional<CompiledLight> place_light(const LightToPlace<GoniometricLightDescription>& l) {
   const GoniometricLightDescription& source = l.light;
   const std::array<double, 9> rotation = rotation_of(source.to_world, "a goniometric light", l.where);
   const Vec3f origin = source.to_world.point({0, 0, 0});
-  PlacedLight light{make_light_row(LightKind::kGoniometric, emission_rgb(source.intensity), origin),
-                    frame_of(rotation, origin), l.context.emission_row(source.intensity, l.where)};
+  CompiledLight light{make_light_row(LightKind::kGoniometric, emission_rgb(source.intensity), origin),
+                      frame_of(rotation, origin), l.context.emission_row(source.intensity, l.where)};
   light.row.texture = l.context.texture_row(source.picture, l.where);
   return light;
 }

@@ -123,7 +123,7 @@ class PeakSearch {
 };
 
 struct MeshRows {
-  static constexpr LightReach kReach = LightReach::kBounded;
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
 
   static Vec3f power(const SceneView&, const LightRow& light) {
     return emitted_rgb(light) * (exitance_factor(light) * light.area);

@@ -7,7 +7,7 @@ namespace sheaf {
 namespace {
 
 struct PointRows {
-  static constexpr LightReach kReach = LightReach::kBounded;
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
 
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light) * (4 * kPi); }
 
@@ -20,9 +20,9 @@ struct PointRows {
 
 LightCompiler light_compiler(LightTag<LightKind::kPoint>) { return make_light_compiler<PointRows>(); }
 
-std::optional<PlacedLight> place_light(const LightToPlace<PointLightDescription>& l) {
-  return PlacedLight{make_light_row(LightKind::kPoint, emission_rgb(l.light.intensity), l.light.position),
-                     std::nullopt, l.context.emission_row(l.light.intensity, l.where)};
+std::optional<CompiledLight> place_light(const LightToPlace<PointLightDescription>& l) {
+  return CompiledLight{make_light_row(LightKind::kPoint, emission_rgb(l.light.intensity), l.light.position),
+                       std::nullopt, l.context.emission_row(l.light.intensity, l.where)};
 }
 
 }  // namespace sheaf

@@ -11,7 +11,7 @@ namespace sheaf {
 namespace {
 
 struct ProjectorRows {
-  static constexpr LightReach kReach = LightReach::kBounded;
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
 
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light); }
 
@@ -62,7 +62,7 @@ double aspect_of(const LightToPlace<ProjectorDescription>& l) {
 
 LightCompiler light_compiler(LightTag<LightKind::kProjector>) { return make_light_compiler<ProjectorRows>(); }
 
-std::optional<PlacedLight> place_light(const LightToPlace<ProjectorDescription>& l) {
+std::optional<CompiledLight> place_light(const LightToPlace<ProjectorDescription>& l) {
   const ProjectorDescription& projector = l.light;
   const double aspect = aspect_of(l);
   const std::array<double, 9> rotation = rotation_of(projector.to_world, "a projector", l.where);
@@ -70,7 +70,7 @@ std::optional<PlacedLight> place_light(const LightToPlace<ProjectorDescription>&
   const Vec3f color = constant != nullptr ? emission_rgb(*constant) : Vec3f{1, 1, 1};
   const Vec3f origin = projector.to_world.point({0, 0, 0});
   const float scale = projector.is_even ? projector.scale : kPi * projector.scale;
-  PlacedLight light{make_light_row(LightKind::kProjector, color * scale, origin), frame_of(rotation, origin)};
+  CompiledLight light{make_light_row(LightKind::kProjector, color * scale, origin), frame_of(rotation, origin)};
   if (constant == nullptr) light.row.texture = static_cast<std::uint32_t>(std::get<TextureId>(projector.irradiance));
   const double half_width = half_width_of(projector.fov, projector.fov_axis, aspect, 1.0, l.where);
   light.frame->set_picture_scale({static_cast<float>(0.5 / half_width), static_cast<float>(0.5 * aspect / half_width)});

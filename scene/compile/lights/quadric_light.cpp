@@ -39,7 +39,7 @@ QuadricRow place_quadric(const QuadricRow& own, const InstanceRow& instance) {
 
 /// Both of kSphere and kQuadric.
 struct QuadricRows {
-  static constexpr LightReach kReach = LightReach::kBounded;
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
 
   static Vec3f power(const SceneView& scene, const LightRow& light) {
     return emitted_rgb(light) * (exitance_factor(light) * quadric_area(scene.quadrics[light.quadric()]));

@@ -26,7 +26,7 @@ LightFrameRow frame_row(const Transform& to_world) {
 
 /// Linear, or a smooth step.
 template <bool Linear> struct SpotRows {
-  static constexpr LightReach kReach = LightReach::kBounded;
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
 
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light); }
 
@@ -93,7 +93,7 @@ void check_angles(const SpotLightDescription& spot, const SourceLocation& where)
 LightCompiler light_compiler(LightTag<LightKind::kSpot>) { return make_light_compiler<SpotRows<true>>(); }
 LightCompiler light_compiler(LightTag<LightKind::kSmoothSpot>) { return make_light_compiler<SpotRows<false>>(); }
 
-std::optional<PlacedLight> place_light(const LightToPlace<SpotLightDescription>& l) {
+std::optional<CompiledLight> place_light(const LightToPlace<SpotLightDescription>& l) {
   const SpotLightDescription& spot = l.light;
   const double cutoff = spot.cutoff_angle * kDegree, beam = spot.beam_width * kDegree;
   if (spot.texture) l.context.texture_row(*spot.texture, l.where);
@@ -101,15 +101,15 @@ std::optional<PlacedLight> place_light(const LightToPlace<SpotLightDescription>&
   const bool smooth = spot.falloff == SpotLightDescription::Falloff::kSmooth;
   LightFrameRow frame = frame_row(spot.to_world);
   // A step of no width is one of very little.
-  constexpr double kLeastWidth = 1e-7;
+  constexpr double kMinWidth = 1e-7;
   const double outer = smooth ? std::cos(cutoff) : cutoff;
   const double width = smooth ? std::cos(beam) - std::cos(cutoff) : cutoff - beam;
   frame.cutoff = static_cast<float>(outer);
-  frame.slope = static_cast<float>(1.0 / std::max(width, kLeastWidth));
+  frame.slope = static_cast<float>(1.0 / std::max(width, kMinWidth));
   frame.cot_cutoff = static_cast<float>(1.0 / std::tan(std::min(cutoff, 89.999 * kDegree)));
-  PlacedLight light{make_light_row(smooth ? LightKind::kSmoothSpot : LightKind::kSpot, emission_rgb(spot.intensity),
-                                   spot.to_world.point({0, 0, 0})),
-                    frame, l.context.emission_row(spot.intensity, l.where)};
+  CompiledLight light{make_light_row(smooth ? LightKind::kSmoothSpot : LightKind::kSpot, emission_rgb(spot.intensity),
+                                     spot.to_world.point({0, 0, 0})),
+                      frame, l.context.emission_row(spot.intensity, l.where)};
   if (spot.texture) light.row.texture = static_cast<std::uint32_t>(*spot.texture);
   return light;
 }

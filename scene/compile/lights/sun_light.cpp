@@ -9,7 +9,7 @@ namespace sheaf {
 namespace {
 
 struct SunRows {
-  static constexpr LightReach kReach = LightReach::kDistant;
+  static constexpr LightDomain kDomain = LightDomain::kDistant;
 
   static Vec3f power(const SceneView& scene, const LightRow& light) {
     const float disk = kPi * scene.radius * scene.radius;
@@ -27,7 +27,7 @@ double one_minus_cos(double degrees) {
 
 LightCompiler light_compiler(LightTag<LightKind::kSun>) { return make_light_compiler<SunRows>(); }
 
-std::optional<PlacedLight> place_light(const LightToPlace<SunDescription>& l) {
+std::optional<CompiledLight> place_light(const LightToPlace<SunDescription>& l) {
   const SunDescription& sun = l.light;
   const double height = dot(sun.up, sun.direction);
   if (!(height >= 0.0)) {
@@ -41,8 +41,8 @@ std::optional<PlacedLight> place_light(const LightToPlace<SunDescription>& l) {
   SpectrumDescription::Table spectrum = sun_spectrum(sun.turbidity, std::asin(std::min(height, 1.0)));
   for (float& value : spectrum.values) value = static_cast<float>(value * scale);
   const Vec3f direction = stretched(sun.direction, sun.up, sun.stretch);
-  PlacedLight placed{make_light_row(disk ? LightKind::kSun : LightKind::kDirectional, sun_rgb(spectrum), direction),
-                     std::nullopt, l.context.emission_row({SpectrumDescription{std::move(spectrum)}}, l.where)};
+  CompiledLight placed{make_light_row(disk ? LightKind::kSun : LightKind::kDirectional, sun_rgb(spectrum), direction),
+                       std::nullopt, l.context.emission_row({SpectrumDescription{std::move(spectrum)}}, l.where)};
   if (disk) placed.row.radius = static_cast<float>(seen);
   return placed;
 }

@@ -25,8 +25,8 @@ bool overlap(const GridBox& a, const GridBox& b) {
 
 /// What is emitted at a point, W / (m^3 sr).
 Vec3f emitted_at(const SceneView& scene, const MediumRow& medium, const MediumSpectra& spectra, Vec3f p) {
-  const Quad emitted = medium_coefficients(scene, medium, spectra, p, kSeen).sigma_a *
-                       medium_emission(scene, medium, spectra, p, kSeen);
+  const Float4 emitted =
+      medium_coefficients(scene, medium, spectra, p, kSeen).sigma_a * medium_emission(scene, medium, spectra, p, kSeen);
   return {emitted[0], emitted[1], emitted[2]};
 }
 
@@ -56,7 +56,7 @@ struct Cells {
 };
 
 struct VolumeRows {
-  static constexpr LightReach kReach = LightReach::kBounded;
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
 
   /// Of all that the box holds, of which the medium may fill a part only.
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light) * (4 * kPi); }
@@ -109,9 +109,9 @@ std::optional<MediumLight> make_volume_light(const SceneView& scene, std::uint32
   light.row.first_triangle = first_cell;
   light.row.triangle_count = static_cast<std::uint32_t>(weights.size());
   light.row.set_extent(all.max - all.min);
-  light.row.detail = volume_cells_word({static_cast<std::uint32_t>(cells.count[0]),
-                                        static_cast<std::uint32_t>(cells.count[1]),
-                                        static_cast<std::uint32_t>(cells.count[2])});
+  light.row.detail =
+      volume_cells_word({static_cast<std::uint32_t>(cells.count[0]), static_cast<std::uint32_t>(cells.count[1]),
+                         static_cast<std::uint32_t>(cells.count[2])});
   return light;
 }
 

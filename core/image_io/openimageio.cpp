@@ -20,7 +20,7 @@ struct MemoryFile {
   OIIO::Filesystem::IOMemReader proxy;
 };
 
-class Reader final : public PictureReader {
+class Reader final : public ImageReader {
  public:
   Reader(std::unique_ptr<OIIO::ImageInput> input, std::unique_ptr<MemoryFile> file)
       : file_(std::move(file)), input_(std::move(input)) {
@@ -76,8 +76,8 @@ class Library final : public PictureLibrary {
     OIIO::attribute("exr_threads", -1);
   }
 
-  std::unique_ptr<PictureReader> open(const std::string& path, const std::string& format, std::string& problem,
-                                      std::vector<std::uint8_t> bytes) const override {
+  std::unique_ptr<ImageReader> open(const std::string& path, const std::string& format, std::string& problem,
+                                    std::vector<std::uint8_t> bytes) const override {
     OIIO::ImageSpec config, found;
     config.attribute("oiio:UnassociatedAlpha", 1);
     std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format);

@@ -6,9 +6,9 @@
 
 namespace sheaf {
 
-template <class L> void learn(const StageContext& context, Wave& wave) noexcept {
+template <class L> void record_training(const StageContext& context, Wave& wave) noexcept {
   if (context.training == nullptr) return;
-  StageTimer timer(wave.stats, Stage::kLearn);
+  StageTimer timer(wave.stats, Stage::kRecordTraining);
   timer.count(wave.finished.size(), 1);
   for (const Slot slot : wave.finished.span()) {
     const RadianceState<Scalar>& row = wave.radiance.row(slot);
@@ -16,6 +16,6 @@ template <class L> void learn(const StageContext& context, Wave& wave) noexcept 
   }
 }
 
-SHEAF_INSTANTIATE_STAGE(learn);
+SHEAF_INSTANTIATE_STAGE(record_training);
 
 }  // namespace sheaf

@@ -1,5 +1,5 @@
 // Rows reached by slot: round trips through registers, partial tiles and untouched neighbours.
-#include "core/groups.h"
+#include "core/slot_table.h"
 
 #include "core/rng.h"
 #include "core/vec.h"
@@ -39,17 +39,17 @@ template <class AnyGroups> auto* bytes_of(AnyGroups& groups, int row) {
   return reinterpret_cast<Byte*>(&groups.row(static_cast<Slot>(row)));
 }
 
-template <template <class> class Record> void fill(Groups<Record>& groups, int rows) {
+template <template <class> class Record> void fill(SlotTable<Record>& groups, int rows) {
   for (int row = 0; row < rows; ++row)
-    for (int word = 0; word < Groups<Record>::kWords; ++word) {
+    for (int word = 0; word < SlotTable<Record>::kWords; ++word) {
       const std::uint32_t bits = word_of(row, word);
       std::memcpy(bytes_of(groups, row) + 4 * word, &bits, sizeof bits);
     }
 }
 
 /// Whether row `row` holds what fill() put into row `source`.
-template <template <class> class Record> bool holds(const Groups<Record>& groups, int row, int source) {
-  for (int word = 0; word < Groups<Record>::kWords; ++word) {
+template <template <class> class Record> bool holds(const SlotTable<Record>& groups, int row, int source) {
+  for (int word = 0; word < SlotTable<Record>::kWords; ++word) {
     const std::uint32_t expected = word_of(source, word);
     if (std::memcmp(bytes_of(groups, row) + 4 * word, &expected, sizeof expected) != 0) return false;
   }
@@ -67,8 +67,8 @@ std::vector<Slot> shuffled(int rows) {
 
 template <template <class> class Record> void gather_matches_rows() {
   constexpr int kRows = 5 * kWidth;
-  Arena arena(Groups<Record>::bytes(kRows));
-  Groups<Record> groups;
+  Arena arena(SlotTable<Record>::bytes(kRows));
+  SlotTable<Record> groups;
   groups.bind(arena, kRows);
   fill(groups, kRows);
   const std::vector<Slot> slots = shuffled(kRows);
@@ -96,8 +96,8 @@ template <template <class> class Record> void gather_matches_rows() {
 
 template <template <class> class Record> void scatter_touches_only_its_rows() {
   constexpr int kRows = 3 * kWidth;
-  Arena arena(2 * Groups<Record>::bytes(kRows));
-  Groups<Record> source, target;
+  Arena arena(2 * SlotTable<Record>::bytes(kRows));
+  SlotTable<Record> source, target;
   source.bind(arena, kRows);
   target.bind(arena, kRows);
   fill(source, kRows);
@@ -130,9 +130,9 @@ TEST_CASE("groups: scatter writes the rows of its first lanes, and nothing else"
 }
 
 TEST_CASE("groups: rows are aligned to their size") {
-  Arena arena(Groups<Whole>::bytes(3) + Groups<Half>::bytes(3));
-  Groups<Whole> whole;
-  Groups<Half> half;
+  Arena arena(SlotTable<Whole>::bytes(3) + SlotTable<Half>::bytes(3));
+  SlotTable<Whole> whole;
+  SlotTable<Half> half;
   whole.bind(arena, 3);
   half.bind(arena, 3);
   CHECK(reinterpret_cast<std::uintptr_t>(&whole.row(1)) % 64 == 0);
@@ -141,8 +141,8 @@ TEST_CASE("groups: rows are aligned to their size") {
 
 TEST_CASE("groups: get and set of one row") {
   constexpr int kRows = 4;
-  Arena arena(Groups<Half>::bytes(kRows));
-  Groups<Half> groups;
+  Arena arena(SlotTable<Half>::bytes(kRows));
+  SlotTable<Half> groups;
   groups.bind(arena, kRows);
   fill(groups, kRows);
   Half<Scalar> row = groups.get(2);
@@ -161,11 +161,11 @@ TEST_CASE("groups: get and set of one row") {
 
 TEST_CASE("groups: members of a row where it lies") {
   constexpr int kRows = 4;
-  Arena arena(Groups<Whole>::bytes(kRows));
-  Groups<Whole> groups;
+  Arena arena(SlotTable<Whole>::bytes(kRows));
+  SlotTable<Whole> groups;
   groups.bind(arena, kRows);
   fill(groups, kRows);
-  const Groups<Whole>& reader = groups;
+  const SlotTable<Whole>& reader = groups;
   CHECK(reader.row(2).second.direction.y == 32.0f + 12.0f);
   CHECK(reader.row(2).second.flags == word_of(2, 15));
   groups.row(2).second.flags = 7;
@@ -181,8 +181,8 @@ TEST_CASE("groups: a padded list of any length gathers and scatters every row on
   constexpr int kRows = 2 * kWidth + 3;
   for (const int count : {0, 1, kWidth - 1, kWidth, kWidth + 1, kRows}) {
     CAPTURE(count);
-    Arena arena(Groups<Half>::bytes(kRows) + SlotList::bytes(kRows));
-    Groups<Half> groups;
+    Arena arena(SlotTable<Half>::bytes(kRows) + SlotList::bytes(kRows));
+    SlotTable<Half> groups;
     groups.bind(arena, kRows);
     SlotList list;
     list.bind(arena, kRows);

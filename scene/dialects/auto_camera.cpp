@@ -1,4 +1,4 @@
-#include "scene/dialects/frame_scene.h"
+#include "scene/dialects/auto_camera.h"
 
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"

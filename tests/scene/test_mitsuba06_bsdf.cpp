@@ -138,7 +138,7 @@ TEST_CASE("compile materials: what lies below a coat, with its textures") {
   const CompiledMaterials out = compile_materials(d.materials);
   const MaterialRow& row = out.rows.at(out.row_of[1]);
   REQUIRE(row.kind == ClosureKind::kCoated);
-  CHECK((row.flags & kTextured) != 0);
+  CHECK((row.flags & kNeedsUv) != 0);
   CoatedParameters<Scalar> p;
   int k = 0;
   std::apply([&](auto&... leaf) { ((leaf = row.words[k++]), ...); }, leaves(p));

@@ -1,4 +1,4 @@
-#include "scene/compile/square_envmap.h"
+#include "scene/compile/octahedral_envmap.h"
 
 #include "core/lanes.h"
 #include "core/octahedral.h"

@@ -18,14 +18,14 @@ inline std::uint32_t side_of(const SceneView& scene, std::uint32_t row, bool beh
 /// `behind`: it is seen from behind the geometric normal.
 inline bool may_pass(const SceneView& scene, std::uint32_t row, bool behind) {
   const MaterialRow& m = scene.materials[passing_detail::side_of(scene, row, behind)];
-  return (m.flags & kComposite) != 0 || (scene.has_open_panes && closure_info(m.kind).is_pane);
+  return (m.flags & kComposite) != 0 || (scene.has_open_panes && closure_info(m.kind).is_thin_dielectric);
 }
 
 /// The probability, in [0, 1], with which the select_materials stage chooses a row for which `counts` is true;
 /// MaterialRow::kNothing is one of them.
 template <class F>
-float choice_share(const SceneView& scene, std::uint32_t row, bool behind, const TextureQuery<Scalar>& query,
-                   F&& counts) {
+float mixture_probability(const SceneView& scene, std::uint32_t row, bool behind, const TextureQuery<Scalar>& query,
+                          F&& counts) {
   if (row == MaterialRow::kNothing) return counts(row) ? 1.0f : 0.0f;
   row = passing_detail::side_of(scene, row, behind);
   const MaterialRow& m = scene.materials[row];
@@ -35,14 +35,16 @@ float choice_share(const SceneView& scene, std::uint32_t row, bool behind, const
     second = lookup_scalar<Scalar>(scene.textures, scene.bindings[m.first_binding].texture, query);
   second = clamp(second, 0.0f, 1.0f);
   float share = 0.0f;
-  if (second < 1.0f) share += (1.0f - second) * choice_share(scene, m.choice[0], behind, query, counts);
-  if (second > 0.0f) share += second * choice_share(scene, m.choice[1], behind, query, counts);
+  if (second < 1.0f) share += (1.0f - second) * mixture_probability(scene, m.choice[0], behind, query, counts);
+  if (second > 0.0f) share += second * mixture_probability(scene, m.choice[1], behind, query, counts);
   return share;
 }
 
 /// The share of light, in [0, 1], that passes: the probability with which the select_materials stage lets a path pass.
-inline float passing_share(const SceneView& scene, std::uint32_t row, bool behind, const TextureQuery<Scalar>& query) {
-  return choice_share(scene, row, behind, query, [](std::uint32_t chosen) { return chosen == MaterialRow::kNothing; });
+inline float pass_through_probability(const SceneView& scene, std::uint32_t row, bool behind,
+                                      const TextureQuery<Scalar>& query) {
+  return mixture_probability(scene, row, behind, query,
+                             [](std::uint32_t chosen) { return chosen == MaterialRow::kNothing; });
 }
 
 }  // namespace sheaf

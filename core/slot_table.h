@@ -10,7 +10,7 @@
 namespace sheaf {
 
 /// Rows of `Record`, which must have 8 or 16 leaves.
-template <template <class> class Record> class Groups {
+template <template <class> class Record> class SlotTable {
  public:
   using Row = Record<Scalar>;
   static constexpr int kWords = kLeafCount<Record>;

@@ -13,8 +13,8 @@ namespace {
 
 const SpectrumDescription kOne = SpectrumDescription::constant(1);
 
-SpectrumInput read_reflectance(Properties& p, const char* name, SpectrumInput otherwise) {
-  return p.spectrum_input(name, std::move(otherwise), SpectrumRole::kReflectance);
+SpectrumInput read_reflectance(Properties& p, const char* name, SpectrumInput default_value) {
+  return p.spectrum_input(name, std::move(default_value), SpectrumRole::kReflectance);
 }
 
 /// In linear Rec.709, or for a table three times its largest value.
@@ -71,9 +71,9 @@ void limit_energy(Properties& p, SpectrumInput& diffuse, SpectrumInput& specular
   const Vec3f sum = brightest(*d) + brightest(*s);
   const float most = std::max({sum.x, sum.y, sum.z});
   if (!(most > 1.0f)) return;
-  constexpr float kMost = 0.99f;
-  *d = scaled(std::move(*d), kMost / most);
-  *s = scaled(std::move(*s), kMost / most);
+  constexpr float kMax = 0.99f;
+  *d = scaled(std::move(*d), kMax / most);
+  *s = scaled(std::move(*s), kMax / most);
   p.context().note(p.where(), "reflects up to " + std::to_string(most) +
                                   " of the light; its reflectances are scaled down so that they add up to 0.99");
 }

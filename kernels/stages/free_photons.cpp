@@ -4,10 +4,10 @@
 
 namespace sheaf {
 
-template <class L> void retire(const StageContext& context, Wave& wave) noexcept {
+template <class L> void free_photons(const StageContext& context, Wave& wave) noexcept {
   if (context.photons == nullptr) return;
   const int photons = wave.miss.size() + wave.finished.size();
-  StageTimer timer(wave.stats, Stage::kRetire);
+  StageTimer timer(wave.stats, Stage::kFreePhotons);
   timer.count(photons, 1);
   for (const Slot slot : wave.miss.span()) wave.free.push(slot);
   for (const Slot slot : wave.finished.span()) wave.free.push(slot);
@@ -16,6 +16,6 @@ template <class L> void retire(const StageContext& context, Wave& wave) noexcept
   wave.emitter.clear();
 }
 
-SHEAF_INSTANTIATE_STAGE(retire);
+SHEAF_INSTANTIATE_STAGE(free_photons);
 
 }  // namespace sheaf
