@@ -1,5 +1,5 @@
-// What a vertex costs in each BSDF: one evaluation, as for light sampling, and one sample. Parameters differ from lane
-// to lane. "per_item" in seconds.
+// The cost of each BSDF at a vertex: one evaluation, as for light sampling, and one sample. Parameters differ between
+// lanes. "per_item" is in seconds.
 #include "tests/support/any_bsdf.h"
 
 #include <benchmark/benchmark.h>
@@ -12,14 +12,14 @@ namespace {
 
 constexpr int kItems = 512;
 
-/// What a surface item asks of a BSDF.
+/// The inputs of evaluation and sampling.
 template <class L> struct Query {
   Vec3<L> wo, wi;
   typename L::Float u, v, w;
   static constexpr auto fields(auto& s) { return std::tie(s.wo, s.wi, s.u, s.v, s.w); }
 };
 
-/// What comes out, so that nothing is optimised away.
+/// The results, stored so that the compiler does not remove their computation.
 template <class L> struct Answer {
   Spectrum<L> f_cos, weight;
   Vec3<L> wi;

@@ -1,5 +1,5 @@
-// What the primitives of core cost per item. Every benchmark reports "per_item" in seconds (1.5n is 1.5 nanoseconds)
-// over a wave's worth of items, which fits the L1 or L2 cache.
+// The cost of the primitives of core per item. Every benchmark reports "per_item" in seconds (1.5n is 1.5 nanoseconds)
+// for as many items as a wave has, which fit the L1 or L2 cache.
 #include "core/bucket_sort.h"
 #include "core/distribution.h"
 #include "core/frame.h"
@@ -28,7 +28,7 @@ void report(benchmark::State& state, int items = kItems) {
 
 float uniform(int i, std::uint32_t stream) { return random4<Scalar>(stream, static_cast<std::uint32_t>(i), 0, 0).x; }
 
-/// Slots 0 .. count - 1 as sorting leaves them: in no order.
+/// Slots 0 .. count - 1 in random order, as after sorting.
 std::vector<Slot> shuffled_slots(int count) {
   std::vector<Slot> slots(static_cast<std::size_t>(count));
   std::iota(slots.begin(), slots.end(), Slot{0});
@@ -60,7 +60,7 @@ struct Numbers {
   }
 };
 
-/// Keeps the compiler from turning a scalar loop into a wide one, so that the two can be compared.
+/// Prevents the compiler from vectorising a scalar loop, so that scalar and wide code can be compared.
 template <class L> SHEAF_INLINE void stay_scalar() {
   if constexpr (L::width == 1) benchmark::ClobberMemory();
 }
@@ -132,7 +132,7 @@ BENCHMARK(groups_gather<Scalar, Row>)->Name("groups_gather/words:8/scalar");
 BENCHMARK(groups_gather<Wide, Row>)->Name("groups_gather/words:8/wide");
 BENCHMARK(groups_gather<Wide, LongRow>)->Name("groups_gather/words:16/wide");
 
-/// The alternative to groups: one gather instruction per column.
+/// The alternative to SlotTable: one gather instruction per column.
 template <template <class> class Record> static void column_gather(benchmark::State& state) {
   Arena arena(Soa<Record>::bytes(kItems));
   Soa<Record> columns;

@@ -1,5 +1,5 @@
-// Non-local means over a picture of 1280 x 720 pixels, with two halves and three features and without; "cpu" is the CPU
-// time of all threads, in seconds.
+// Non-local means for an image of 1280 x 720 pixels, with two half buffers and three features, and without. "cpu" is
+// the CPU time of all threads in seconds.
 #include "core/rng.h"
 #include "kernels/denoise/denoise.h"
 

@@ -1,7 +1,6 @@
-// What environment maps cost per item: choosing a direction by brightness, radiance included, and looking one up, by
-// the size of the map and by what is in it. Under `sky` most directions go to a sun, under `noise` to all of the map
-// alike, so that each comes from memory. "per_item" is in seconds; `numbers`: what the random numbers of the others
-// take.
+// The cost of environment maps per item, by size and content of the map: sampling a direction with its radiance, and
+// looking one up. In `sky` most directions go to a sun. In `noise` they go to all of the map, so each lookup reads from
+// memory. "per_item" is in seconds. `numbers` is the cost of the random numbers alone.
 #include "core/rng.h"
 #include "core/warp.h"
 #include "kernels/lights/envmap.h"
@@ -25,7 +24,7 @@ float sky_brightness(double u, double v) {
   return static_cast<float>(v < 0.5 ? 0.2 + v + sun : 0.1);
 }
 
-/// One map at a time is kept.
+/// Keeps one map at a time.
 const Envmap& map_of(std::uint32_t width, bool sky) {
   static Envmap map;
   static bool map_is_sky = false;
@@ -43,10 +42,10 @@ const Envmap& map_of(std::uint32_t width, bool sky) {
   return map;
 }
 
-/// Runs f(random numbers) -> float over kItems items, other ones each time.
+/// Runs f(random numbers) -> float over kItems items, with new numbers in each iteration.
 template <class L, class F> void run(benchmark::State& state, F&& f) {
   alignas(kSimdAlignment) static float out[kItems];
-  float* seen = out;  // by others too, as far as the compiler knows
+  float* seen = out;  // the compiler must assume that others read it
   benchmark::DoNotOptimize(seen);
   std::uint32_t round = 0;
   for (auto _ : state) {

@@ -1,5 +1,5 @@
-// What it costs to add a sample to a tile of the film: in its own pixel alone, and in every pixel under a filter; with
-// the sums of squares that tell the scatter of samples, and without, as in replicates. "per_item" is in seconds.
+// The cost of adding a sample to a tile of the film: to its own pixel only, and to every pixel under a pixel filter;
+// with sums of squares for the variance of samples, and without them, as for replicates. "per_item" is in seconds.
 #include "core/rng.h"
 #include "kernels/film/film.h"
 

@@ -1,6 +1,6 @@
-// What choosing a light from a light tree costs per item, and telling the probability of one, by the number of lights:
-// one path at a time and in registers, at points anywhere among the lights. "per_item" is in seconds; "per_level"
-// divides it by the mean depth of the lights that are drawn. And what building the tree costs.
+// The cost per item of sampling a light from a light tree and of its probability, by the number of lights. Runs one
+// path at a time and in registers, at random points among the lights. "per_item" is in seconds; "per_level" divides it
+// by the mean depth of the sampled lights. Also the cost of building the tree.
 #include "core/rng.h"
 #include "core/warp.h"
 #include "kernels/lights/light_tree.h"
@@ -19,7 +19,7 @@ constexpr int kItems = 4096;
 
 Random4<Scalar> numbers(std::uint32_t stream, std::uint32_t i) { return random4<Scalar>(stream, i, 0, 0); }
 
-/// Small flat lights all around a room, and points.
+/// Small flat lights at random places in a room.
 std::vector<LightBounds> room_lights(std::uint32_t count) {
   std::vector<LightBounds> lights(count);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -97,7 +97,8 @@ template <class L> void sample(benchmark::State& state, std::uint32_t count) {
   report(state, tree, items.light);
 }
 
-/// Many candidates for each point, as resampling asks for, which share the upper turns and walk in twos; per candidate.
+/// Many candidates for each point, as for resampling. They share the upper levels of the tree and walk in pairs. The
+/// cost is per candidate.
 template <class L> void candidates(benchmark::State& state, std::uint32_t count) {
   constexpr int kCandidates = 32;
   const LightTree tree = build_light_tree(room_lights(count));

@@ -1,5 +1,5 @@
-// What photon maps cost: gathering around surface vertices and along rays in fog, and building. "per_item" is in
-// seconds per query (per photon where maps are built), "per_photon" per photon found, "photons" how many those are.
+// The cost of photon maps: gathering at surface vertices and along rays in fog, and building. "per_item" is in seconds
+// per query, or per photon for building. "per_photon" is per photon found, "photons" their number.
 #include "core/error.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
@@ -36,7 +36,7 @@ template <class Trace> auto traced(const Scene& scene, PhotonKind kind, float ra
   return trace(context, workers, PhotonRequest{emitted, radius, kind, 0}, tracing);
 }
 
-/// A wave of camera rays, spread over the picture, that has come as far as a stage that gathers.
+/// A wave of camera rays, spread over the image, that has reached a stage that gathers.
 class GatheringWave {
  public:
   GatheringWave(const Scene& scene, const PhotonMaps& maps, Stage end)
@@ -51,7 +51,7 @@ class GatheringWave {
       if (takes_part(context_, kStages<Wide>[i].use, true)) kStages<Wide>[i].run(context_, wave_);
   }
 
-  /// Times the stage by its own counter. `found`: photons that all queries together find.
+  /// Times the stage by its own counter. `found`: number of photons that all queries find.
   void run(benchmark::State& state, Stage stage, double found) {
     const WaveSnapshot snapshot(wave_);
     StageStats& stats = wave_.stats[stage];
@@ -119,7 +119,7 @@ void gather_along(benchmark::State& state, float radius) {
   gathering.run(state, Stage::kGatherVolume, static_cast<double>(found.size()));
 }
 
-/// Photons all over a square, as a floor gets them.
+/// Photons all over a square, as on a floor.
 std::vector<Photon> photons_on_floor() {
   std::vector<Photon> photons(kPhotons);
   for (std::uint32_t i = 0; i < kPhotons; ++i) {

@@ -1,6 +1,6 @@
-// What spectral mode's leaves cost per path, that is per four wavelengths, in registers and one path at a time:
-// making the wavelengths, evaluating rows of each kind, uplifting texels, environment maps, the sensor; and what the
-// uplift's table costs to make.
+// The cost of the primitives of spectral mode per path, that is per four wavelengths, in registers and one path at a
+// time: sampling wavelengths, evaluating rows of each kind, upsampling texels, environment maps, and the sensor. Also
+// the cost of computing the upsampling table.
 #include "core/rng.h"
 #include "core/spectral_sensor.h"
 #include "core/uplift.h"
@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kItems = 1024;
 
-/// Columns of hero numbers, colours, rows, and results.
+/// Columns of random numbers for wavelengths, colours, rows, and results.
 struct Paths {
   alignas(kSimdAlignment) float u[kItems], rgb[3][kItems], out[4][kItems];
   alignas(kSimdAlignment) std::uint32_t row[kItems];
@@ -39,7 +39,7 @@ struct Paths {
   }
 };
 
-/// Runs f(paths, index of the first item, wavelengths) -> Spectrum over all items. Includes making the wavelengths.
+/// Runs f(paths, index of the first item, wavelengths) -> Spectrum over all items. Includes sampling the wavelengths.
 template <class L, class F> void run(benchmark::State& state, std::uint32_t rows, F&& f) {
   Paths paths(rows);
   for (auto _ : state) {
@@ -103,7 +103,7 @@ template <class L> void rows(benchmark::State& state, SpectrumUse use, bool tabl
   });
 }
 
-/// Of random colours.
+/// A map of random colours.
 Envmap random_map(std::uint32_t width, std::uint32_t height) {
   EnvmapPicture picture{width, height, std::vector<float>(3 * std::size_t{width} * height)};
   for (std::uint32_t i = 0; i < picture.rgb.size(); ++i) picture.rgb[i] = random4<Scalar>(7, i, 0, 0).x;

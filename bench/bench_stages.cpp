@@ -1,6 +1,5 @@
-// What each stage of the path and the light pass costs per item, on waves as they are in the middle of a render. Every
-// benchmark reports "per_item" in seconds, "best_per_item" for the shortest call, and how many items the stage consumes
-// in one.
+// The cost per item of each stage of the path and light passes, on waves in the middle of a render. Every benchmark
+// reports "per_item" in seconds, "best_per_item" for the shortest call, and the number of items per call.
 #include "core/error.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
@@ -24,7 +23,7 @@ namespace sheaf {
 
 namespace {
 
-/// The scene's own settings; `photons`: for the light pass.
+/// The settings of the scene; with `photons` those of the light pass.
 StageContext context_of(const Scene& scene, CameraTask* camera, LightTask* photons) {
   StageContext context(scene, camera);
   context.photons = photons;
@@ -32,8 +31,8 @@ StageContext context_of(const Scene& scene, CameraTask* camera, LightTask* photo
   return context;
 }
 
-/// A wave that has rendered the middle of the picture for a while, so that it holds paths of all lengths; or one of the
-/// light pass.
+/// A wave that has rendered the middle of the image for a while, so that it holds paths of all lengths; or a wave of
+/// the light pass.
 class WarmWave {
  public:
   WarmWave(const Scene& scene, bool photons)
@@ -60,7 +59,7 @@ class WarmWave {
     }
   }
 
-  /// Makes all photons new again, and forgets what they have sent.
+  /// Restarts all photons, and discards what they have splatted.
   void rewind_photons() { photons_.begin(0, kPhotons, bounds_); }
 
   const StageContext& context() const { return context_; }
@@ -86,7 +85,7 @@ const Scene& load_scene(const char* file) {
   return *scene;
 }
 
-/// Times one stage by its own counter, so that putting the wave back is not counted.
+/// Times one stage by its own counter, which excludes restoring the wave.
 void run_stage(benchmark::State& state, const char* file, const StageEntry& stage) try {
   const FlushDenormals flush;
   WarmWave warm(load_scene(file), stage.use == StageUse::kPhotons);

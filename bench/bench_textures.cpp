@@ -1,5 +1,5 @@
-// What texture lookups cost per item: every format and filter, one path at a time and in registers, with places close
-// together (paths that see the same part of a surface) and anywhere in the picture. "per_item" is in seconds.
+// The cost of texture lookups per item: every format and filter, one path at a time and in registers. Positions are
+// close together (paths that see the same part of a surface) or anywhere in the image. "per_item" is in seconds.
 #include "core/rng.h"
 #include "scene/tables/texture_lookup.h"
 
@@ -16,7 +16,7 @@ constexpr int kItems = 1024;
 
 float uniform(std::uint32_t i, std::uint32_t stream) { return random4<Scalar>(stream, i, 0, 0).x; }
 
-/// A square picture of noise as texture 0, and a checkerboard of it as texture 1.
+/// A square image of noise as texture 0, and a checkerboard of it as texture 1.
 struct NoisePicture {
   std::vector<TexelTile> tiles;
   TextureRow rows[2];
@@ -42,7 +42,7 @@ struct NoisePicture {
   }
 };
 
-/// Columns of places and of results.
+/// Columns of texture coordinates and of results.
 struct Places {
   alignas(kSimdAlignment) float u[kItems], v[kItems], out[4][kItems];
 

@@ -1,6 +1,5 @@
-// What volumes cost: lookups in grids of bricks, each place hanging on the value before it (as in tracking, where one
-// decides on the next) or not, steps from leaf to leaf of a majorant grid, tracking, and making majorants. "per_item"
-// is in seconds.
+// The cost of volumes: lookups in brick grids, steps from leaf to leaf of a majorant grid, tracking, and construction
+// of majorants. In chains each lookup position depends on the previous value, as in tracking. "per_item" is in seconds.
 #include "core/rng.h"
 #include "kernels/media/density_tracking.h"
 #include "scene/tables/make_majorants.h"
@@ -59,7 +58,7 @@ constexpr Case kCases[] = {
     {"color/trilinear/clamp", 3, GridBorder::kClamp, Filter::kTrilinear},
 };
 
-/// Anywhere in a cube; `is_chain`: the next place is known only when the value is.
+/// Lookups anywhere in a cube. `is_chain`: the next position depends on the previous value.
 void lookup(benchmark::State& state, const Case& c, int side, bool is_chain) {
   const BrickGrid grid = noise_grid(side, c.channels, c.border);
   const BrickGridRow row = make_brick_grid_row(grid, Transform(), c.filter);
@@ -98,7 +97,7 @@ struct Rays {
   }
 };
 
-/// Rays through a grid of `cells`^3 cells, one at a time; an item is a segment, or with `per_ray` a ray.
+/// Rays through a grid of `cells`^3 cells, one at a time. An item is a segment, or with `per_ray` a ray.
 void walk(benchmark::State& state, int cells, bool per_ray) {
   const auto count = static_cast<std::size_t>(cells * cells * cells);
   const std::vector<MajorantBounds> bounds(count, MajorantBounds::around(0.0f, 1.0f));
@@ -126,7 +125,7 @@ void walk(benchmark::State& state, int cells, bool per_ray) {
   count_items(state, per_ray ? rays.origins.size() : segments);
 }
 
-/// Noise of voxels, tracked one ray or many at a time; an item is a collision. `nulls`: those per ray, in the mean.
+/// Tracking through voxels of noise, one ray or many at a time. An item is a collision. "per_ray": mean number per ray.
 template <class L, DensityTracking kWhat> void tracking(benchmark::State& state, int side) {
   const BrickGrid grid = noise_grid(side, 1, GridBorder::kBackground);
   const float extinction = 4.0f / static_cast<float>(side);
@@ -161,7 +160,7 @@ template <class L, DensityTracking kWhat> auto tracking_of(int side) {
   return [side](benchmark::State& state) { tracking<L, kWhat>(state, side); };
 }
 
-/// Makes majorants; an item is a voxel. `share`: their memory over the grid's.
+/// Builds majorants; an item is a voxel. "share": their memory over that of the grid.
 void make_majorants(benchmark::State& state, int side, float thickness) {
   const BrickGrid grid = noise_grid(side, 1, GridBorder::kBackground);
   std::size_t bytes = 0;

@@ -1,4 +1,5 @@
-// trace_limit: how close a render comes to the speed at which its rays can be traced at all. See bench/README.md.
+// trace_limit: compares the speed of a render with the speed at which Embree alone traces its rays. See
+// bench/README.md.
 #include "bench/trace_limit.h"
 
 #include "core/error.h"
@@ -31,13 +32,13 @@ struct Arguments {
   std::optional<int> rr_depth;
 };
 
-/// Rounds of one number of threads, one value each.
+/// Measurements with one number of threads, one value per round.
 struct Rounds {
   int threads;
   std::vector<double> render_mrays, limit_mrays, ratio, cpu_ratio, trace_share, cpu_ns;
 };
 
-/// Makes a scene whose render is hardly more than a photon map.
+/// Changes a scene so that its render does little but build a photon map.
 void store_photons_alone(Description& description, int photons) {
   description.integrator.kind = IntegratorKind::kPhotonMapper;
   description.integrator.photons = {};
@@ -66,14 +67,14 @@ std::unique_ptr<Scene> load(const Arguments& arguments) {
   return scene;
 }
 
-/// Samples per pixel whose rays fit the memory: those asked for, or fewer.
+/// The number of samples per pixel whose rays fit into memory, at most the requested number.
 std::uint32_t affordable_spp(const Scene& scene, const Arguments& arguments, RenderOptions options) {
   options.samples_per_pixel = 1;
   const Stats stats = render(scene, options).report.stats;
   const std::uint64_t packets =
       stats[Stage::kIntersect].batches + stats[Stage::kShadow].batches + stats[Stage::kTransmittance].batches;
   const std::uint64_t budget = static_cast<std::uint64_t>(arguments.megabytes) * 1'000'000 / sizeof(PacketRecord);
-  // Samples differ in how many rays they need: a tenth is kept in reserve.
+  // The number of rays differs between samples, so a tenth is kept in reserve.
   const std::uint64_t spp = budget * 9 / 10 / std::max<std::uint64_t>(packets, 1);
   if (spp == 0)
     throw Error(ExitCode::kUsage, fmt::format("the rays of one sample per pixel do not fit into {} MB; raise --memory "
@@ -98,7 +99,7 @@ void run_round(const Scene& scene, RenderOptions options, const RayLog& log, Rou
   const Stopwatch watch;
   const RenderReport report = render(scene, options).report;
   const double render_cpu = watch.elapsed().cpu_seconds;
-  // Of a photon map, what puts photons into it is not counted.
+  // For a photon map, the time to build the map does not count.
   const double seconds = report.photons.emitted > 0 ? report.photons.trace_seconds : report.render_seconds;
   const Duration limit = log.replay(*scene.view().accel, rounds.threads);
   rounds.render_mrays.push_back(1e-6 * report.rays_per_second() * report.render_seconds / seconds);

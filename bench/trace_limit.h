@@ -1,4 +1,4 @@
-// What trace_limit measures with: a log of rays, its replay, and the null hypothesis.
+// Tools of trace_limit: a log of rays, its replay, and the null hypothesis.
 #pragma once
 
 #include "kernels/wave/wave.h"
@@ -12,20 +12,20 @@
 
 namespace sheaf {
 
-/// Rays of one packet as they were before they were traced.
+/// The rays of one packet before they are traced.
 struct alignas(64) PacketRecord {
   float columns[7][kPacketWidth];  ///< origin x, y, z, direction x, y, z, t_far
   int count;                       ///< rays, from the first lane on
   RayRecorder::Query query;
 };
 
-/// How long something took.
+/// A duration.
 struct Duration {
-  double seconds = 0;      ///< by the clock on the wall
+  double seconds = 0;      ///< wall-clock time
   double cpu_seconds = 0;  ///< of all threads of the process
 };
 
-/// Measures from its construction on.
+/// Measures time from its construction on.
 class Stopwatch {
  public:
   Duration elapsed() const;
@@ -44,13 +44,13 @@ class RayLog {
 
   /// A recorder for one worker, valid as long as the log. May be called by many threads at once.
   RayRecorder* add_worker();
-  /// Whether nothing had to be left out.
+  /// Whether all rays were recorded.
   bool complete() const;
   std::size_t packets() const;
   std::size_t rays() const;
 
-  /// Traces all rays again, packet by packet as they were recorded. Threads take blocks of packets, as the renderer's
-  /// workers take tasks.
+  /// Traces all rays again in the recorded packets. Threads take blocks of packets, as the renderer's workers take
+  /// tasks.
   Duration replay(const Accel& accel, int threads) const;
 
  private:
@@ -63,19 +63,19 @@ class RayLog {
   bool complete_ = true;
 };
 
-/// The price of the same kernels at one lane policy and wave size, on one thread, in CPU time.
+/// The CPU time of the same kernels with one lane policy and wave size, on one thread.
 struct LaneCost {
   const char* lane;  ///< "scalar" or "wide"
   int wave_size;
-  double ns_per_ray;         ///< everything
+  double ns_per_ray;         ///< total
   double trace_ns_per_ray;   ///< inside Embree
-  double stamps_ns_per_ray;  ///< spent on time stamps, which grow with the number of calls; an estimate
+  double stamps_ns_per_ray;  ///< estimated cost of time stamps, which grows with the number of calls
 };
 
-/// Runs the path pass path by path and wave by wave, with scalar and with wide kernels; medians of `runs` rounds.
+/// Runs the path pass path by path and in waves, with scalar and with wide kernels. Returns medians of `runs` rounds.
 std::vector<LaneCost> measure_null_hypothesis(const Scene& scene, int runs);
 
-/// The middle one; the mean of the two in the middle if their number is even. `values` must not be empty.
+/// The median: the middle value, or the mean of the two middle values. `values` must not be empty.
 double median(std::vector<double> values);
 
 }  // namespace sheaf

@@ -1,5 +1,5 @@
-// The null hypothesis: that neither waves nor wide registers pay. The renderer's own kernels, run path by path and one
-// lane at a time, against the way in which they are meant to run.
+// The null hypothesis: neither waves nor wide registers pay. Compares the renderer's own kernels, run path by path and
+// one lane at a time, with their normal execution.
 #include "bench/trace_limit.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
@@ -14,7 +14,7 @@ namespace sheaf {
 namespace {
 
 constexpr int kTileSide = 64, kTileSpp = 4;
-/// Tiles of the frame that are rendered, evenly spaced.
+/// Maximum number of tiles that are rendered, evenly spaced in the frame.
 constexpr std::size_t kMaxTiles = 32;
 
 std::vector<std::vector<PixelSamples>> choose_tiles(const FilmDescription& film) {
@@ -30,7 +30,7 @@ std::vector<std::vector<PixelSamples>> choose_tiles(const FilmDescription& film)
   return chosen;
 }
 
-/// Seconds that one call of timestamp() takes.
+/// Duration of one call of timestamp() in seconds.
 double timestamp_cost() {
   constexpr int kCalls = 1 << 16;
   std::uint64_t shortest = std::numeric_limits<std::uint64_t>::max();
@@ -50,7 +50,7 @@ double stamps(const Stats& stats) {
   return 2.0 * static_cast<double>(pairs);
 }
 
-/// One way to run the kernels, and what was measured.
+/// One way to run the kernels, and its measurements.
 struct Contender {
   const char* lane;
   Pass run;

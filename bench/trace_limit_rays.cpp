@@ -1,4 +1,4 @@
-// Recording rays and tracing them again without the renderer around them.
+// Recording of rays, and tracing them again without the rest of the renderer.
 #include "bench/trace_limit.h"
 
 #include <tbb/blocked_range.h>
@@ -14,7 +14,7 @@ namespace sheaf {
 
 namespace {
 
-/// About as many rays as one of the renderer's tasks traces.
+/// Packets per block, with about as many rays as one task of the renderer traces.
 constexpr std::size_t kBlockPackets = 4096;
 
 template <class Packet> auto ray_columns(Packet& p) {

@@ -1,4 +1,4 @@
-# embree::embree, version 3 or 4. SHEAF_EMBREE_MAJOR says which one it is.
+# Finds Embree 3 or 4: target embree::embree. The definition SHEAF_EMBREE_MAJOR holds the major version.
 find_path(Embree_INCLUDE_DIR NAMES embree4/rtcore.h embree3/rtcore.h)
 find_library(Embree_LIBRARY NAMES embree4 embree3)
 mark_as_advanced(Embree_INCLUDE_DIR Embree_LIBRARY)

@@ -1,4 +1,4 @@
-# Microhttpd::Microhttpd, GNU libmicrohttpd: it comes without a package file for CMake.
+# Finds GNU libmicrohttpd, which ships no CMake package: target Microhttpd::Microhttpd.
 find_path(Microhttpd_INCLUDE_DIR microhttpd.h)
 find_library(Microhttpd_LIBRARY microhttpd)
 mark_as_advanced(Microhttpd_INCLUDE_DIR Microhttpd_LIBRARY)

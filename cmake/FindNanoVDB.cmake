@@ -1,4 +1,5 @@
-# nanovdb::nanovdb, headers only; with Blosc, which some files are compressed with, if that is there.
+# Finds NanoVDB (headers only): target nanovdb::nanovdb. Links Blosc if it is installed, because some files are
+# compressed with it.
 find_path(NanoVDB_INCLUDE_DIR nanovdb/NanoVDB.h)
 find_path(Blosc_INCLUDE_DIR blosc.h)
 find_library(Blosc_LIBRARY blosc)

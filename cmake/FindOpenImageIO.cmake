@@ -1,5 +1,5 @@
-# OpenImageIO::OpenImageIO. OpenImageIO's own package file can ask for its command-line programs and for libraries that
-# it was merely built with.
+# Finds OpenImageIO: target OpenImageIO::OpenImageIO. OpenImageIO's own CMake package may require its command-line
+# programs and libraries that only its build needs.
 find_path(OpenImageIO_INCLUDE_DIR OpenImageIO/imageio.h)
 find_library(OpenImageIO_LIBRARY OpenImageIO)
 find_library(OpenImageIO_UTIL_LIBRARY OpenImageIO_Util)

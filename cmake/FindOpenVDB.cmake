@@ -1,4 +1,4 @@
-# OpenVDB::openvdb. Its own module file looks for much that is not needed here.
+# Finds OpenVDB: target OpenVDB::openvdb. OpenVDB's own CMake module requires many libraries that Sheaf does not use.
 find_path(OpenVDB_INCLUDE_DIR openvdb/openvdb.h)
 find_library(OpenVDB_LIBRARY openvdb)
 mark_as_advanced(OpenVDB_INCLUDE_DIR OpenVDB_LIBRARY)

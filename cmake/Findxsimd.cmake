@@ -1,4 +1,4 @@
-# xsimd::xsimd, headers only. xsimd's own package file asks for a further library that Sheaf has no use for.
+# Finds xsimd (headers only): target xsimd::xsimd. xsimd's own CMake package requires a library that Sheaf does not use.
 find_path(xsimd_INCLUDE_DIR xsimd/xsimd.hpp)
 mark_as_advanced(xsimd_INCLUDE_DIR)
 include(FindPackageHandleStandardArgs)

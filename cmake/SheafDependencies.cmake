@@ -1,4 +1,4 @@
-# The libraries that Sheaf builds on, each as an imported target.
+# Dependencies of Sheaf, as imported targets.
 find_package(Threads REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(TBB CONFIG REQUIRED)

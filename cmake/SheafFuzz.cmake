@@ -1,11 +1,11 @@
-# Fuzz targets: programs of libFuzzer, see tests/fuzz/README.md. Clang alone has it.
+# Fuzz targets: libFuzzer programs, see tests/fuzz/README.md. They require Clang.
 
-# What reads files, of each layer; nothing else is built.
+# The sources of each layer that read files; fuzz builds contain nothing else.
 set(SHEAF_FUZZ_SCENE scene/data/*.cpp scene/description/*.cpp scene/dialects/*.cpp scene/formats/*.cpp scene/xml/*.cpp
   scene/tables/filter.cpp)
 set(SHEAF_FUZZ_KERNELS kernels/film/*.cpp kernels/passes/render_state.cpp)
 
-# sheaf_find_fuzzer(): sets SHEAF_HAS_FUZZER; where there is none, adds the entry of ctest that says so.
+# sheaf_find_fuzzer(): sets SHEAF_HAS_FUZZER. Without libFuzzer, adds a ctest entry that reports it.
 function(sheaf_find_fuzzer)
   include(CheckCXXSourceCompiles)
   set(CMAKE_REQUIRED_FLAGS -fsanitize=fuzzer)
@@ -18,9 +18,10 @@ function(sheaf_find_fuzzer)
   endif()
 endfunction()
 
-# sheaf_fuzz_targets(): a program for each tests/fuzz/fuzz_*.cpp, and an entry of ctest that runs it for a short time.
+# sheaf_fuzz_targets(): adds a program for each tests/fuzz/fuzz_*.cpp, and a ctest entry that runs it briefly.
 function(sheaf_fuzz_targets)
-  # The nearest of many names is sought for every other message; comparing letters there tells the fuzzer nothing.
+  # Many messages suggest the most similar of many names. Comparisons of letters in that search give the fuzzer no
+  # useful feedback.
   set_source_files_properties("${PROJECT_SOURCE_DIR}/core/error.cpp" PROPERTIES
     COMPILE_OPTIONS -fno-sanitize-coverage=trace-cmp)
   sheaf_layer(fuzz SOURCES tests/fuzz/fuzz.cpp tools/interrupted_image.cpp tools/parts.cpp DEPENDS sheaf_kernels)
@@ -32,7 +33,7 @@ function(sheaf_fuzz_targets)
     sheaf_program(${target} SOURCES tests/fuzz/${target}.cpp DEPENDS sheaf_fuzz)
     target_link_options(${target} PRIVATE -fsanitize=fuzzer)
     string(REPLACE fuzz_ "" name ${target})
-    # The same inputs each time: what the test says depends on the code alone, but for where time ends it.
+    # A fixed seed: apart from the time limit, the result depends on the code alone.
     add_test(NAME ${target} COMMAND tests/fuzz/run.sh "${PROJECT_BINARY_DIR}" ${name} -seed=1 -max_total_time=1
       WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
     set_tests_properties(${target} PROPERTIES LABELS fuzz TIMEOUT 300)

@@ -1,12 +1,12 @@
-# What is installed, and the Debian package that is made of it; see tools/make_package.sh.
+# Installation rules, and the Debian package made from them; see tools/make_package.sh.
 
 set(SHEAF_PACKAGED_BUILDS "" CACHE STRING
   "Folders with a built program each, named after its -march: installed in place of this one, with a launcher that \
 chooses")
 
-# sheaf_install(): the program, its manual pages and completion, both made from its help, documentation, the example
-# scenes beside the scripts that make the larger ones, laid out as in this repository, and make_cloud, which one of
-# these scripts runs.
+# sheaf_install(): installs the program; its manual pages and shell completion, generated from its help; the
+# documentation; the example scenes and the scripts that generate the larger ones, in the layout of this repository; and
+# make_cloud, which one of these scripts runs.
 function(sheaf_install)
   include(GNUInstallDirs)
   if(SHEAF_PACKAGED_BUILDS)
@@ -18,7 +18,7 @@ function(sheaf_install)
       install(PROGRAMS "${build}/sheaf" DESTINATION lib/sheaf/${level})
       install(FILES "${build}/sheaf_pictures.so" DESTINATION lib/sheaf/${level})
     endforeach()
-    # The first build runs on every machine that the package is for.
+    # The first build runs on every machine that the package supports.
     list(GET SHEAF_PACKAGED_BUILDS 0 build)
     install(PROGRAMS "${build}/make_cloud" DESTINATION bin)
   else()
@@ -34,7 +34,7 @@ function(sheaf_install)
       COMMAND "${SHEAF_PYTHON}" "${PROJECT_SOURCE_DIR}/tools/make_manual.py" --sheaf "$<TARGET_FILE:sheaf>"
         --output "${manual}"
       COMMENT "Writing manual pages and completion" VERBATIM)
-    # Not where running the program tells of leaks in libraries.
+    # Only release builds make the manual by default. In sanitizer builds the program would report leaks in libraries.
     set(always "")
     if(CMAKE_BUILD_TYPE MATCHES "^Rel")
       set(always ALL)

@@ -1,14 +1,14 @@
-# How a folder becomes a target. Sources are given as patterns; a new file is picked up by the next build.
+# Functions that turn folders into targets. Sources are given as patterns; the next build picks up new files.
 
-# sheaf_sources(<variable> <pattern>...): the files of this project that match.
+# sheaf_sources(<variable> <pattern>...): sets the variable to the matching files of this project.
 function(sheaf_sources variable)
   list(TRANSFORM ARGN PREPEND "${PROJECT_SOURCE_DIR}/")
   file(GLOB files CONFIGURE_DEPENDS ${ARGN})
   set(${variable} ${files} PARENT_SCOPE)
 endfunction()
 
-# sheaf_precompile(<target>): the headers that nearly every file includes are parsed once for core, and once, with the
-# description of scenes, for all targets after it.
+# sheaf_precompile(<target>): precompiles the headers that nearly every file includes: one set for core, and one with
+# the scene description that all later targets share.
 function(sheaf_precompile target)
   if(NOT SHEAF_PRECOMPILE)
     return()
@@ -21,17 +21,18 @@ function(sheaf_precompile target)
   endif()
 endfunction()
 
-# sheaf_unite(<target>): with SHEAF_UNITY, its sources several at a time, for targets of many small files: what those
-# include is most of the work. Two of them that stand together can't give one name to different things.
+# sheaf_unite(<target>): with SHEAF_UNITY, compiles several sources of the target at a time. This suits targets of many
+# small files, for which parsing headers dominates. Sources of one unit must not give the same name to different
+# entities.
 function(sheaf_unite target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${SHEAF_UNITY} UNITY_BUILD_BATCH_SIZE 8)
   if(SHEAF_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    # What is told of headers would be told of all sources but the first.
+    # In a unity build g++ would emit this warning, meant for headers, for all sources but the first.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
 endfunction()
 
-# sheaf_layer(<name> SOURCES <pattern>... DEPENDS <target>...): the static library sheaf_<name>, or headers alone.
+# sheaf_layer(<name> SOURCES <pattern>... DEPENDS <target>...): adds the static or header-only library sheaf_<name>.
 function(sheaf_layer name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS")
   sheaf_sources(sources ${arg_SOURCES})
@@ -45,8 +46,9 @@ function(sheaf_layer name)
   endif()
 endfunction()
 
-# sheaf_module(<name> SOURCES <pattern>... DEPENDS <target>...): <name>.so in the build folder, for programs there to load
-# while they run. It is not fuzzed: what would count its branches is no part of it.
+# sheaf_module(<name> SOURCES <pattern>... DEPENDS <target>...): adds the plugin <name>.so in the build folder, which
+# programs load at run time. It is never instrumented for fuzzing, because it does not link the runtime that counts
+# branches.
 function(sheaf_module name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS")
   sheaf_sources(sources ${arg_SOURCES})
@@ -57,8 +59,8 @@ function(sheaf_module name)
   target_link_libraries(${name} PRIVATE ${arg_DEPENDS} sheaf_flags)
 endfunction()
 
-# sheaf_program(<name> SOURCES <pattern>... DEPENDS <target>...): the program <name>, in the build folder itself.
-# Nothing is added if no file matches. The property SHEAF_PROGRAMS lists what was added.
+# sheaf_program(<name> SOURCES <pattern>... DEPENDS <target>...): adds the program <name>, at the top of the build
+# folder, unless no file matches. The property SHEAF_PROGRAMS lists all programs.
 function(sheaf_program name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS")
   sheaf_sources(sources ${arg_SOURCES})
@@ -70,8 +72,8 @@ function(sheaf_program name)
   endif()
 endfunction()
 
-# sheaf_embed(<target> <file> <name>): the text of a file as the constant sheaf::<name>, for the target's sources to
-# include as the header of the file's path, with .h in place of its extension.
+# sheaf_embed(<target> <file> <name>): embeds the text of a file as the constant sheaf::<name>. The target's sources
+# include it as a header with the path of the file and the extension .h.
 function(sheaf_embed target file name)
   file(READ "${PROJECT_SOURCE_DIR}/${file}" SHEAF_EMBEDDED_TEXT)
   set(SHEAF_EMBEDDED_NAME ${name})

@@ -1,13 +1,13 @@
-# Tests: a program for each folder of tests/, and an entry of ctest for each file.
+# Tests: one program per folder of tests/, and one ctest entry per file.
 
-# Tests are compiled with few optimisations, whatever the libraries are: most of them compile for longer than they run.
-# Results don't depend on it, see -ffp-contract in SheafFlags.cmake.
+# Optimised builds compile tests with -O1, because most tests compile for longer than they run. Their results do not
+# depend on it; see -ffp-contract in SheafFlags.cmake.
 set(SHEAF_TEST_OPTIMISATION $<$<CONFIG:Release,RelWithDebInfo,Check>:-O1>)
-# ... but this one looks for what compilers do when they optimise more.
+# This test looks for effects of stronger optimisation.
 set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.cpp" PROPERTIES
   COMPILE_OPTIONS -O3 SKIP_PRECOMPILE_HEADERS ON)
 
-# Tests that take long, the longest first: ctest starts them in this order, so that none is left alone at the end.
+# Long tests, the longest first. ctest starts them in this order, so that no long test runs alone at the end.
 set(SHEAF_LONG_TESTS
   preview cli_signals cli cli_outputs cli_merge cli_memory slurm smoke_scripts references photon_mapping photon_media
   light_tracing adaptive smoke_scenes
@@ -15,15 +15,15 @@ set(SHEAF_LONG_TESTS
   uplift nanovdb envmap_light light_emit bsdf_list bsdf_principled media_tracking estimators light_estimators spectral_render
   instancing_render determinism)
 
-# Tests in which libraries leak in functions of others that have no frame pointers: cmake/lsan.supp knows them by the
-# whole stack alone.
+# Tests with leaks of a library inside other libraries without frame pointers. cmake/lsan.supp matches these leaks only
+# with complete stack traces.
 set(SHEAF_WHOLE_STACK_TESTS image)
 
-# Tests that are left out where a program is missing, and then say "left out: ".
+# Tests that are skipped if a program is missing; they then print "left out: ".
 set(SHEAF_OPTIONAL_TESTS slurm)
 
-# sheaf_test_support(DEPENDS <target>...): the library sheaf_test_support, which all programs of tests are linked with:
-# main(), and the precompiled headers of tests. Also the target sheaf_tests, which builds all of those programs.
+# sheaf_test_support(DEPENDS <target>...): adds the library sheaf_test_support, which all test programs link: main() and
+# the precompiled headers. Also adds the target sheaf_tests, which builds all test programs.
 function(sheaf_test_support)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "DEPENDS")
   sheaf_sources(sources tests/support/*.cpp)
@@ -37,7 +37,7 @@ function(sheaf_test_support)
   add_custom_target(sheaf_tests)
 endfunction()
 
-# Whether a file holds slow tests alone: the suite "slow" begins before its first test.
+# Sets a variable to whether a file contains only slow tests: the suite "slow" begins before its first test.
 function(sheaf_is_slow variable source)
   file(STRINGS "${source}" first REGEX "^TEST_(CASE|SUITE)" LIMIT_COUNT 1)
   if(first MATCHES "^TEST_SUITE.*\"slow\"")
@@ -47,9 +47,9 @@ function(sheaf_is_slow variable source)
   endif()
 endfunction()
 
-# sheaf_tests(<folder> DEPENDS <target>... [RUNS <target>...]): the program sheaf_tests_<folder> of the files
-# tests/<folder>/*.cpp, and one entry of ctest for each file test_<unit>.cpp. RUNS: programs that the tests start.
-# With SHEAF_SKIP_SLOW_TESTS, files of slow tests are not even compiled.
+# sheaf_tests(<folder> DEPENDS <target>... [RUNS <target>...]): adds the program sheaf_tests_<folder> from the files
+# tests/<folder>/*.cpp, and one ctest entry per file test_<unit>.cpp. RUNS: programs that the tests start. With
+# SHEAF_SKIP_SLOW_TESTS, files of slow tests are not compiled.
 function(sheaf_tests folder)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS;RUNS")
   sheaf_sources(sources tests/${folder}/*.cpp)
@@ -99,7 +99,7 @@ function(sheaf_tests folder)
   endforeach()
 endfunction()
 
-# sheaf_test_cost(<test>): how early ctest starts it, and when it gives up.
+# sheaf_test_cost(<test>): sets the priority of a test in ctest's order, and its timeout.
 function(sheaf_test_cost test)
   list(REVERSE SHEAF_LONG_TESTS)
   list(FIND SHEAF_LONG_TESTS ${test} place)
@@ -107,10 +107,9 @@ function(sheaf_test_cost test)
   set_tests_properties(${test} PROPERTIES COST ${cost} TIMEOUT 900)
 endfunction()
 
-# sheaf_smoke_tests(<kind>... [OPTIONS <option>...]): benchmarks, scripts or scenes (the examples), each run once with the
-# shortest settings. OPTIONS: of tests/smoke/smoke.py.
-# What there is to run is found by tests/smoke/smoke.py, which fails for a script or program that it doesn't know how to
-# run.
+# sheaf_smoke_tests(<kind>... [OPTIONS <option>...]): runs each of the benchmarks, scripts or scenes (the examples) once
+# with the shortest settings. OPTIONS: passed to tests/smoke/smoke.py. That script finds what to run, and fails for
+# scripts and programs without a known command line.
 function(sheaf_smoke_tests)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "OPTIONS")
   find_program(SHEAF_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Python with Debian's packages")
@@ -128,7 +127,7 @@ function(sheaf_smoke_tests)
   endforeach()
 endfunction()
 
-# sheaf_format_test(): that clang-format leaves every C++ file as it is.
+# sheaf_format_test(): checks that clang-format leaves every C++ file unchanged.
 function(sheaf_format_test)
   add_test(NAME format COMMAND tools/check_format.sh WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
   set_tests_properties(format PROPERTIES LABELS format SKIP_REGULAR_EXPRESSION "left out: ")

@@ -1,4 +1,4 @@
-// One block of memory, handed out from front to back and freed as a whole.
+// An arena: one block of memory that is handed out from front to back and freed as a whole.
 #pragma once
 
 #include "core/simd.h"
@@ -11,13 +11,13 @@
 
 namespace sheaf {
 
-/// A bump allocator. Everything taken is aligned to kSimdAlignment and lives as long as the arena. The block is zeroed
-/// by the constructing thread, which so becomes the owner of its pages.
+/// A bump allocator. Every allocation is aligned to kSimdAlignment and lives as long as the arena. The constructing
+/// thread zeroes the block, so first touch places its pages in the memory of that thread.
 class Arena {
  public:
   explicit Arena(std::size_t bytes) : size_(round_up(bytes)), block_(allocate(size_)) {}
 
-  /// `count` values of a trivial type.
+  /// Allocates `count` values of a trivially destructible type. The arena must have room for them.
   template <class T> T* take(std::size_t count) {
     static_assert(std::is_trivially_destructible_v<T>);
     const std::size_t bytes = round_up(count * sizeof(T));
@@ -28,7 +28,7 @@ class Arena {
   }
 
   std::size_t size() const { return size_; }
-  /// All of the block, for copies of what it holds.
+  /// The whole block, for copying its contents.
   std::span<unsigned char> memory() { return {block_.get(), size_}; }
   std::span<const unsigned char> memory() const { return {block_.get(), size_}; }
   std::size_t used() const { return used_; }

@@ -1,3 +1,4 @@
+// Writing and reading of Sheaf's own binary files, with verification of their checksum.
 #include "core/binary_file.h"
 
 #include "core/error.h"
@@ -13,7 +14,7 @@ static_assert(std::endian::native == std::endian::little);
 
 namespace {
 
-/// Longest text: far beyond any name or setting, far below what would exhaust memory.
+/// Maximum length of a text in bytes: far longer than any name or setting, far too short to exhaust memory.
 constexpr std::uint32_t kMaxText = 1 << 20;
 
 }  // namespace
@@ -52,7 +53,7 @@ BinaryInput::BinaryInput(const std::filesystem::path& file, std::string_view fir
   stream_.seekg(static_cast<std::streamoff>(line.size()));
 }
 
-/// Reads the whole file once; `size_of_rest`: all but the sum.
+/// Verifies the checksum, for which it reads the whole file once. `size_of_rest`: bytes before the checksum.
 void BinaryInput::check(std::uint64_t size_of_rest) {
   stream_.seekg(0);
   std::vector<char> piece(static_cast<std::size_t>(std::min<std::uint64_t>(size_of_rest, std::uint64_t{1} << 20)));

@@ -1,5 +1,5 @@
-// Binary files of our own: a first line that says what the file is, numbers as little-endian machines have them in
-// memory, and a check sum at the end. Not to be exchanged: what is in them is known to the version that wrote them.
+// Sheaf's own binary files: a first line that identifies the file, numbers in the memory layout of little-endian
+// machines, and a CRC-32 at the end. Not an exchange format: only the version that wrote a file knows its contents.
 #pragma once
 
 #include "core/output_file.h"
@@ -13,24 +13,24 @@
 
 namespace sheaf {
 
-/// A file in the making, which appears whole or not at all.
+/// Writes a file atomically: it appears complete or not at all.
 class BinaryOutput {
  public:
-  /// Throws Error (exit code 4) if nothing can be written there.
+  /// Throws Error (exit code 4) if the file cannot be written.
   BinaryOutput(const std::filesystem::path& file, std::string_view first_line);
 
   template <class T> void put(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
     put_bytes(reinterpret_cast<const char*>(&value), sizeof(T));
   }
-  /// Its length, and the text.
+  /// Writes the length as 32 bits, then the text.
   void put(std::string_view text);
-  /// The values alone.
+  /// Writes the values without their number.
   template <class T> void put(const std::vector<T>& values) {
     static_assert(std::is_trivially_copyable_v<T>);
     put_bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
   }
-  /// Writes the check sum and gives the file its name. Throws Error (exit code 4).
+  /// Writes the checksum and gives the file its final name. Throws Error (exit code 4).
   void commit();
 
  private:
@@ -40,10 +40,10 @@ class BinaryOutput {
   std::uint32_t check_ = 0;
 };
 
-/// A file as BinaryOutput writes it. All that is wrong with it is an Error (exit code 5) that names the file.
+/// Reads a file of BinaryOutput. All failures throw Error (exit code 5) that names the file.
 class BinaryInput {
  public:
-  /// Throws if the file cannot be read, begins with another line, or has another check sum than it should.
+  /// Throws if the file cannot be read, begins with another line, or fails its checksum.
   BinaryInput(const std::filesystem::path& file, std::string_view first_line);
 
   template <class T> T get() {
@@ -52,18 +52,18 @@ class BinaryInput {
     return value;
   }
   std::string get_text();
-  /// As many values as the vector has.
+  /// Fills the vector, whose size is the number of values to read.
   template <class T> void get(std::vector<T>& values) {
     get_bytes(reinterpret_cast<char*>(values.data()), values.size() * sizeof(T));
   }
-  /// The vector of `count` values. Throws before it takes memory for more than the file holds.
+  /// Reads `count` values. Throws before it allocates memory for more values than the file holds.
   template <class T> std::vector<T> get_vector(std::uint64_t count) {
     if (count > left_ / sizeof(T)) fail("ends too early: cut off");
     std::vector<T> values(static_cast<std::size_t>(count));
     get(values);
     return values;
   }
-  /// Bytes that were not read yet, without the check sum.
+  /// Bytes left to read, without the checksum.
   std::uint64_t left() const { return left_; }
   [[noreturn]] void fail(const std::string& what) const;
 

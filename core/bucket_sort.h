@@ -8,16 +8,16 @@
 
 namespace sheaf {
 
-/// Most buckets that one pass distinguishes.
+/// Maximum number of buckets.
 inline constexpr int kMaxBuckets = 256;
 
-/// Stable sort of slots[0 .. count) by keys[i], the key of slots[i], which must be below `buckets` <= kMaxBuckets.
-/// sorted[] receives the result, of which [begin[b], begin[b + 1]) is bucket b; begin has buckets + 1 entries.
+/// Sorts slots[0 .. count) stably by keys[i], the key of slots[i]. Keys must be below `buckets` <= kMaxBuckets.
+/// sorted[] receives the result, in which bucket b is [begin[b], begin[b + 1]). begin has buckets + 1 entries.
 inline void bucket_sort(const Slot* slots, const std::uint8_t* keys, int count, int buckets, Slot* sorted,
                         int* begin) noexcept {
   assert(buckets <= kMaxBuckets);
-  // The list is sorted in kParts consecutive parts at once, each with counters of its own: with few buckets, or with
-  // long runs of equal keys, an item would otherwise wait for the store of the one before it.
+  // Sort kParts consecutive parts of the list at once, each with its own counters. With few buckets, or with long runs
+  // of equal keys, an item would otherwise wait for the store of the item before it.
   constexpr int kParts = 4;
   int next[kParts][kMaxBuckets];
   for (auto& counters : next) std::fill_n(counters, buckets, 0);
@@ -25,6 +25,7 @@ inline void bucket_sort(const Slot* slots, const std::uint8_t* keys, int count, 
   for (int i = 0; i < part; ++i)
     for (int p = 0; p < kParts; ++p) ++next[p][keys[p * part + i]];
   for (int i = kParts * part; i < count; ++i) ++next[kParts - 1][keys[i]];
+  // Turn the counts into the first index of each part of each bucket.
   int total = 0;
   for (int b = 0; b < buckets; ++b) {
     begin[b] = total;

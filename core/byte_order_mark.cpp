@@ -1,3 +1,4 @@
+// Detection of the byte order marks of UTF-8, UTF-16 and UTF-32.
 #include "core/byte_order_mark.h"
 
 #include <string_view>

@@ -1,4 +1,4 @@
-// The marks that some editors put in front of a text (Unicode 15, section 23.8).
+// Byte order marks at the beginning of text files (Unicode 15, section 23.8).
 #pragma once
 
 #include "core/error.h"
@@ -7,7 +7,8 @@
 
 namespace sheaf {
 
-/// Removes the mark of UTF-8, if there is one. Throws SceneError, at line 1, for the marks of UTF-16 and UTF-32.
+/// Removes a byte order mark of UTF-8, if present. Throws SceneError, at line 1, for byte order marks of UTF-16 and
+/// UTF-32.
 void remove_byte_order_mark(std::string& text, const std::string& file);
 
 }  // namespace sheaf

@@ -1,4 +1,4 @@
-// Colour conversions and the CIE tables they rest on.
+// Colour conversions and the CIE tables that they use.
 #include "core/color.h"
 
 #include "core/error.h"
@@ -85,7 +85,7 @@ double evaluate(const Curve& curve, double wavelength) {
 struct Table {
   std::span<const float> wavelengths, values;
 
-  /// At a wavelength inside segment `i`, which reaches from entry i to entry i + 1.
+  /// The value at a wavelength within segment `i`, between entries i and i + 1.
   double evaluate(std::size_t i, double wavelength) const {
     const double a = wavelengths[i], b = wavelengths[i + 1];
     const double t = (wavelength - a) / (b - a);
@@ -111,8 +111,8 @@ void check(const Table& table) {
 
 enum class Weight { kEqualEnergy, kDaylight };
 
-/// The integral over [a, b], within one segment of the table and one of the curves. The integrand is at most a cubic
-/// there, so Simpson's rule is exact.
+/// Adds the integral over [a, b], which must lie within one segment of the table and one of the curves. The integrand
+/// is at most a cubic there, so Simpson's rule is exact.
 void add_interval(const Table& table, std::size_t segment, double a, double b, Weight weight, Xyz& sum) {
   for (int k = 0; k < 3; ++k) {
     const double wavelength = k == 0 ? a : k == 1 ? 0.5 * (a + b) : b;
@@ -124,7 +124,7 @@ void add_interval(const Table& table, std::size_t segment, double a, double b, W
   }
 }
 
-/// The integral of the table times the weight times the colour matching functions.
+/// The integral of the product of table, weight and colour matching functions.
 Xyz integrate(const Table& table, Weight weight) {
   Xyz sum;
   for (std::size_t i = 0; i + 1 < table.values.size(); ++i) {

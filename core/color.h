@@ -1,5 +1,5 @@
-// Colour: the sRGB transfer curve, Rec.709 and CIE XYZ, and what tabulated spectra mean to a renderer that works in
-// linear Rec.709 with the white point D65.
+// Colour: the sRGB transfer curve, conversion between Rec.709 and CIE XYZ, and RGB colours of tabulated spectra in the
+// working space, linear Rec.709 with white D65.
 #pragma once
 
 #include "core/vec.h"
@@ -13,7 +13,8 @@ namespace sheaf {
 inline constexpr std::array<Vec2f, 4> kRec709Chromaticities{Vec2f{0.64f, 0.33f}, Vec2f{0.30f, 0.60f},
                                                             Vec2f{0.15f, 0.06f}, Vec2f{0.3127f, 0.3290f}};
 
-/// The sRGB curve (IEC 61966-2-1), linear to encoded; both in [0, 1]. Values beyond are encoded by the same formulas.
+/// The sRGB transfer curve (IEC 61966-2-1), linear to encoded; both in [0, 1]. Values outside are encoded by the same
+/// formulas.
 float linear_to_srgb(float linear);
 /// The inverse of linear_to_srgb.
 float srgb_to_linear(float encoded);
@@ -26,7 +27,7 @@ Vec3f xyz_to_rec709(Vec3f xyz);
 /// The Y component of rec709_to_xyz.
 float luminance(Vec3f rgb);
 
-/// The CIE tables' range in nanometres; they are tabulated every 5 nm and linear in between.
+/// Range of the CIE tables in nm. They have a value every 5 nm and are linear in between.
 inline constexpr float kWavelengthMin = 360.0f;
 inline constexpr float kWavelengthMax = 830.0f;
 /// CIE 1931 2-degree colour matching functions (x, y, z) at a wavelength in nanometres; zero outside the range.
@@ -40,18 +41,18 @@ float cie_d65(float wavelength);
 /// nanometres. Zero for temperatures that are not positive.
 double blackbody_radiance(double wavelength, double temperature);
 
-// The following take a spectrum as a table: wavelengths in nanometres, strictly increasing, and as many values, linear
-// in between and zero outside. They throw Error (exit code 3) if the sizes differ, wavelengths don't increase, or a
-// number is not finite. Components that come out negative (colours outside the gamut) are set to zero.
+// The following functions take a spectrum as a table: strictly increasing wavelengths in nm and one value for each. The
+// spectrum is linear in between and zero outside. They throw Error (exit code 3) if the sizes differ, the wavelengths
+// do not increase, or a number is not finite. Negative components (colours outside the gamut) are set to zero.
 
 /// The Rec.709 colour of a reflectance or transmittance: its colour under D65, with the perfect reflector at (1, 1, 1).
 /// Components are clamped to [0, 1].
 Vec3f reflectance_table_to_rgb(std::span<const float> wavelengths, std::span<const float> values);
 /// As reflectance_table_to_rgb, without the upper limit: for indices of refraction (eta, k) and scales.
 Vec3f unbounded_table_to_rgb(std::span<const float> wavelengths, std::span<const float> values);
-/// The Rec.709 colour of an emission spectrum in absolute units (W / (m^2 sr nm) and the like): XYZ divided by the
-/// integral of the y curve, so that a spectrum of 1 at every wavelength has Y = 1 and the colour of illuminant E, which
-/// is a little redder than (1, 1, 1).
+/// The Rec.709 colour of an emission spectrum in absolute units, such as W / (m^2 sr nm): XYZ divided by the integral
+/// of the y curve. A spectrum of 1 at every wavelength has Y = 1 and the colour of illuminant E, which is slightly
+/// redder than (1, 1, 1).
 Vec3f emission_table_to_rgb(std::span<const float> wavelengths, std::span<const float> values);
 /// emission_table_to_rgb of a black body's spectrum, times `scale`.
 Vec3f blackbody_to_rgb(float temperature, float scale);

@@ -1,3 +1,4 @@
+// Matrices of RGB colour spaces and conversion of pixels to linear Rec.709.
 #include "core/color_space.h"
 
 #include <cmath>
@@ -7,7 +8,7 @@ namespace sheaf {
 
 namespace {
 
-/// Whether two spaces agree to about four digits, as far as files round them.
+/// Whether two spaces agree within 2e-4 per coordinate, which covers the rounding in image files.
 bool same_space(const RgbChromaticities& a, const RgbChromaticities& b) {
   const auto same = [](const Chromaticity& p, const Chromaticity& q) {
     constexpr double kRounding = 2e-4;
@@ -61,7 +62,7 @@ Matrix3 rgb_to_xyz(const RgbChromaticities& space) {
 }
 
 std::optional<Matrix3> rgb_to_rec709(const RgbChromaticities& space) {
-  constexpr double kMaxEntry = 1e6;  // primaries that all but lie on a line
+  constexpr double kMaxEntry = 1e6;  // beyond it, the primaries lie almost on a line
   const Matrix3 matrix = inverse(rgb_to_xyz(kRec709Space)) * rgb_to_xyz(space);
   for (const auto& row : matrix)
     for (const double entry : row)

@@ -1,4 +1,4 @@
-// A few rows of a record as columns of their own, without an arena: scratch of a kernel, on the stack.
+// A small structure-of-arrays buffer of a record, without an arena: scratch memory of a kernel, on the stack.
 #pragma once
 
 #include "core/soa.h"
@@ -8,7 +8,7 @@ namespace sheaf {
 /// `kRows` rows, a multiple of kWidth. Columns are an odd number of cache lines apart, as in Soa.
 template <template <class> class Record, int kRows> class ColumnTile {
  public:
-  /// The rows [i, i + L::width). `i` must be a multiple of L::width.
+  /// Loads the rows [i, i + L::width). `i` must be a multiple of L::width.
   template <class L> SHEAF_INLINE Record<L> load(int i) const {
     Record<L> out;
     for_each_leaf(out, [&](auto& leaf, int k) SHEAF_LAMBDA_INLINE {

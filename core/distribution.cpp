@@ -28,8 +28,8 @@ void check_cdf_size(std::size_t entries) {
                      std::to_string(kMaxCdfEntries));
 }
 
-/// Writes the CDF of the values to cdf[0 .. values.size()], in multiples of 2^-24, of which every positive value gets
-/// one before the rest is shared in proportion. Values that are all 0 count as all equal.
+/// Writes the CDF of the values to cdf[0 .. values.size()], in multiples of 2^-24. Every positive value gets one step;
+/// the other steps are distributed in proportion to the values. If all values are 0, they count as equal.
 template <class T> void fill_cdf(std::span<const T> values, float* cdf) {
   constexpr double kSteps = 0x1p24;
   const double sum = std::accumulate(values.begin(), values.end(), 0.0);
@@ -54,7 +54,7 @@ std::vector<AliasEntry> build_alias_table(std::span<const float> weights) {
   const double sum = checked_sum(weights);
   if (weights.size() > 0x7fffffffu) throw SceneError("an alias table of more than 2^31 - 1 weights");
   const auto count = static_cast<std::uint32_t>(weights.size());
-  std::vector<double> share(count);  // of a row, 1 being the mean
+  std::vector<double> share(count);  // of each row; 1 is the mean
   std::vector<std::uint32_t> small, large;
   for (std::uint32_t i = 0; i < count; ++i) {
     share[i] = weights[i] / sum * count;
@@ -65,6 +65,7 @@ std::vector<AliasEntry> build_alias_table(std::span<const float> weights) {
   const auto set = [&](std::uint32_t i, double threshold, std::uint32_t alias) {
     table[i] = {static_cast<float>(threshold), alias, probability(i), probability(alias)};
   };
+  // Fill each row below the mean with an alias from a row above it.
   while (!small.empty() && !large.empty()) {
     const std::uint32_t low = small.back(), high = large.back();
     small.pop_back();
@@ -75,7 +76,7 @@ std::vector<AliasEntry> build_alias_table(std::span<const float> weights) {
       small.push_back(high);
     }
   }
-  // What rounding has left over has a share of 1, unless its weight is 0.
+  // Rows that rounding leaves over have a share of 1, unless their weight is 0.
   const auto heaviest = static_cast<std::uint32_t>(std::max_element(weights.begin(), weights.end()) - weights.begin());
   for (const std::uint32_t i : large) set(i, 1.0, i);
   for (const std::uint32_t i : small) set(i, weights[i] > 0.0f ? 1.0 : 0.0, weights[i] > 0.0f ? i : heaviest);

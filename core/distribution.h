@@ -1,5 +1,5 @@
-// Discrete and piecewise-constant distributions: alias tables for picking one of many, and CDFs over the unit interval
-// and the unit square for textured lights and environment maps.
+// Discrete and piecewise-constant distributions: alias tables for discrete choices, and CDFs over the unit interval and
+// the unit square for textured lights and environment maps.
 #pragma once
 
 #include "core/vec.h"
@@ -14,27 +14,27 @@ inline constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
 
 /// One row of an alias table; 16 bytes so that a row is one load.
 struct AliasEntry {
-  float threshold;      ///< share of this row, in [0, 1], that belongs to the entry itself; the rest is the alias's
-  std::uint32_t alias;  ///< the other entry, counted from the start of the same table part
+  float threshold;      ///< probability in [0, 1] that this row selects its own entry, not its alias
+  std::uint32_t alias;  ///< index of the alias, relative to the start of its part of the table
   float pdf;            ///< probability of this entry
   float alias_pdf;      ///< probability of the alias
 };
 static_assert(sizeof(AliasEntry) == 16);
 
-/// An alias table (Vose, "A Linear Algorithm for Generating Random Numbers with a Given Distribution", 1991) with one
-/// row per weight. Weights must be finite and non-negative with a positive sum, else throws SceneError. Probabilities
-/// are normalised in double precision.
+/// Builds an alias table with one row per weight (Vose, "A Linear Algorithm for Generating Random Numbers with a Given
+/// Distribution", 1991). Throws SceneError unless all weights are finite and non-negative and their sum is positive.
+/// Probabilities are normalised in double precision.
 std::vector<AliasEntry> build_alias_table(std::span<const float> weights);
 
-/// An entry drawn from an alias table.
+/// An entry sampled from an alias table.
 template <class L> struct AliasSample {
-  typename L::Uint index;      ///< the entry, counted from the start of the table part
+  typename L::Uint index;      ///< index of the entry, relative to the start of its part of the table
   typename L::Float pdf;       ///< its probability
-  typename L::Float remapped;  ///< a fresh uniform number in [0, 1) from what is left of u
+  typename L::Float remapped;  ///< a new uniform number in [0, 1) from the unused part of u
 };
 
-/// Draws from rows [offset, offset + count) of `table`, a part of its own in every lane, by u in [0, 1). Entries of
-/// zero weight are never drawn. `remapped` keeps about 24 - log2(count) random bits.
+/// Samples rows [offset, offset + count) of `table` with u in [0, 1). Each lane may use another part of the table.
+/// Entries of weight zero are never sampled. `remapped` keeps about 24 - log2(count) random bits.
 template <class L>
 SHEAF_INLINE AliasSample<L> sample_alias(const AliasEntry* table, typename L::Uint offset, typename L::Uint count,
                                          typename L::Float u) {
@@ -59,13 +59,13 @@ SHEAF_INLINE AliasSample<L> sample_alias(const AliasEntry* table, typename L::Ui
           min((rest - begin) / length, F(kOneMinusEpsilon))};
 }
 
-/// Most entries of one CDF. Keeps the cells of the unit interval apart in single precision.
+/// Maximum number of entries of a CDF. Single precision still separates this many cells of the unit interval.
 inline constexpr std::size_t kMaxCdfEntries = std::size_t{1} << 20;
 
-/// The cell of a CDF in which a uniform number falls.
+/// The cell of a CDF that contains a uniform number.
 template <class L> struct CdfCell {
   typename L::Uint index;
-  typename L::Float begin;        ///< of the CDF at the cell
+  typename L::Float begin;        ///< value of the CDF at the start of the cell
   typename L::Float probability;  ///< of the cell
 };
 
@@ -76,9 +76,9 @@ template <class L> SHEAF_INLINE CdfCell<L> cdf_cell(const float* cdf, typename L
   return {index, begin, gather(cdf, offset + index + U(1u)) - begin};
 }
 
-/// The cell with cdf[cell] <= u < cdf[cell + 1], for `count` cells whose count + 1 bounds begin at cdf[offset]; u in
-/// [0, 1). Binary search without branches: every lane takes the same number of steps. Cells of zero width are never
-/// found.
+/// Finds the cell with cdf[cell] <= u < cdf[cell + 1] among `count` cells, whose count + 1 bounds begin at cdf[offset].
+/// u is in [0, 1). Branchless binary search: every lane takes the same number of steps. Never returns cells of zero
+/// width.
 template <class L>
 SHEAF_INLINE CdfCell<L> find_cell(const float* cdf, typename L::Uint offset, std::uint32_t count, typename L::Float u) {
   using U = typename L::Uint;
@@ -90,8 +90,8 @@ SHEAF_INLINE CdfCell<L> find_cell(const float* cdf, typename L::Uint offset, std
   return cdf_cell<L>(cdf, offset, index);
 }
 
-/// Where u falls inside its cell, as a position in [0, 1) over all `count` cells. Stays far enough inside of the cell
-/// for cell_at() to find the same one again.
+/// Maps u within its cell to a position in [0, 1) over all `count` cells. Keeps a margin to the bounds of the cell, so
+/// that cell_at() finds the same cell again.
 template <class L>
 SHEAF_INLINE Float<L> position_in_cell(const CdfCell<L>& cell, std::uint32_t count, typename L::Float u) {
   using F = typename L::Float;
@@ -102,14 +102,14 @@ SHEAF_INLINE Float<L> position_in_cell(const CdfCell<L>& cell, std::uint32_t cou
          F(static_cast<float>(count));
 }
 
-/// The cell of `count` equal ones that holds x; x outside [0, 1) counts to the nearest cell.
+/// The index of the cell that contains x, among `count` equal cells of [0, 1). Clamps x outside to the nearest cell.
 template <class L> SHEAF_INLINE Uint<L> cell_at(typename L::Float x, std::uint32_t count) {
   using F = typename L::Float;
   const F last(static_cast<float>(count - 1));
   return to_uint(clamp(x * F(static_cast<float>(count)), F(0.0f), last));
 }
 
-/// A point drawn from a Distribution1D.
+/// A point sampled from a Distribution1D.
 template <class L> struct Sample1D {
   typename L::Float x;     ///< in [0, 1)
   typename L::Float pdf;   ///< density at x over [0, 1)
@@ -119,14 +119,14 @@ template <class L> struct Sample1D {
 /// A piecewise-constant density over [0, 1) in proportion to a list of values (Pharr et al., "Physically Based
 /// Rendering", 4th ed., A.4.7).
 ///
-/// Bounds of the CDF are multiples of 2^-24, like the random numbers, and every positive value owns at least one such
-/// step. So pdf() is exactly the density with which sample() draws, and no positive value is out of reach.
+/// The bounds of the CDF are multiples of 2^-24, like the random numbers. Every positive value gets at least one such
+/// step. So pdf() is exactly the density of sample(), and every positive value can be sampled.
 class Distribution1D {
  public:
-  /// At most kMaxCdfEntries values, finite and non-negative with a positive sum, else throws SceneError.
+  /// Takes 1 to kMaxCdfEntries values. Throws SceneError unless they are finite and non-negative with a positive sum.
   explicit Distribution1D(std::span<const float> values);
 
-  /// The point for u in [0, 1), monotonic in u. Never where the value is 0.
+  /// Samples a point with u in [0, 1). The point is monotonic in u and never lies where the value is 0.
   template <class L> SHEAF_INLINE Sample1D<L> sample(typename L::Float u) const {
     const CdfCell<L> cell = find_cell<L>(cdf_.data(), Uint<L>(0u), size(), u);
     return {position_in_cell(cell, size(), u), cell.probability * Float<L>(static_cast<float>(size())), cell.index};
@@ -148,22 +148,24 @@ class Distribution1D {
   double integral_ = 0;
 };
 
-/// A point drawn from a Distribution2D.
+/// A point sampled from a Distribution2D.
 template <class L> struct Sample2D {
   Vec2<L> p;                     ///< in [0, 1)^2
   typename L::Float pdf;         ///< density at p over the unit square
   typename L::Uint column, row;  ///< of the value at p
 };
 
-/// A piecewise-constant density over [0, 1)^2 in proportion to a grid of values: the marginal density of the rows,
-/// then the conditional one inside the row (Pharr et al., 4th ed., A.5.6). As exact as Distribution1D.
+/// A piecewise-constant density over [0, 1)^2 in proportion to a grid of values: the marginal density of the rows, then
+/// the conditional density within the row (Pharr et al., 4th ed., A.5.6). As exact as Distribution1D.
 class Distribution2D {
  public:
-  /// `values` row by row, row 0 at y = 0, `width` to a row. Throws SceneError unless width and height are in
-  /// [1, kMaxCdfEntries], match the number of values, and the values are finite and non-negative with a positive sum.
+  /// `values` are in row-major order, `width` to a row, with row 0 at y = 0. Throws SceneError unless width and height
+  /// are in [1, kMaxCdfEntries] and match the number of values, and the values are finite and non-negative with a
+  /// positive sum.
   Distribution2D(std::span<const float> values, std::size_t width, std::size_t height);
 
-  /// The point for u, v in [0, 1): u chooses the column, v the row. Never where the value is 0.
+  /// Samples a point with u and v in [0, 1): v selects the row, u the column. The point never lies where the value is
+  /// 0.
   template <class L> SHEAF_INLINE Sample2D<L> sample(typename L::Float u, typename L::Float v) const {
     const CdfCell<L> row = find_cell<L>(marginal_.data(), Uint<L>(0u), height(), v);
     const CdfCell<L> column = find_cell<L>(conditional_.data(), row_begin<L>(row.index), width_, u);

@@ -1,3 +1,4 @@
+// Messages with locations, and the search for similar names.
 #include "core/error.h"
 
 #include <algorithm>
@@ -14,7 +15,7 @@ std::string with_place(const SourceLocation& where, const std::string& message) 
   return where.file + ":" + std::to_string(where.line) + ": " + message;
 }
 
-/// A name without its leading dashes, in lower case: what is compared.
+/// The form of a name for comparisons: lower case, without leading dashes.
 std::string comparable(std::string_view name) {
   name.remove_prefix(std::min(name.find_first_not_of('-'), name.size()));
   std::string lower(name);
@@ -22,7 +23,8 @@ std::string comparable(std::string_view name) {
   return lower;
 }
 
-/// Optimal string alignment distance: insertions, deletions, replacements and swaps of neighbours cost one each.
+/// Optimal string alignment distance: insertions, deletions, substitutions and transpositions of neighbours cost 1
+/// each.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before(b.size() + 1), row(b.size() + 1), next(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -39,7 +41,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// Most edits of a name of this length that still resembles another: a third of its letters.
+/// Maximum number of edits at which a name of this length counts as similar: a third of its letters, but at least 1 for
+/// two letters or more.
 std::size_t max_edits(std::size_t length) { return length < 2 ? 0 : std::max<std::size_t>(1, length / 3); }
 
 }  // namespace
@@ -53,7 +56,7 @@ SceneError at_place(const SourceLocation& where, const SceneError& error) {
 }
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
-  constexpr std::size_t kLongestCompared = 256;  // hostile files may hold names of any length
+  constexpr std::size_t kLongestCompared = 256;  // malicious files may hold names of any length
   constexpr std::size_t kShortestBeginning = 3;
   if (name.size() > kLongestCompared) return {};
   const std::string wanted = comparable(name);

@@ -1,4 +1,4 @@
-// Errors that reach a user: what went wrong, where in which file, and the exit code it means.
+// Errors with a message for the user, a location in a file, and an exit code.
 #pragma once
 
 #include <stdexcept>
@@ -20,35 +20,36 @@ enum class ExitCode : int {
   kTerminated = 143
 };
 
-/// A place in a file. `line` counts from 1; 0 means the file as a whole.
+/// A location in a file. `line` counts from 1; 0 stands for the whole file.
 struct SourceLocation {
   std::string file;
   int line = 0;
 };
 
-/// An error with a message for the user. what() begins with "file:line: " where a place is known.
+/// An error with a message for the user. what() begins with "file:line: " if the location is known.
 class Error : public std::runtime_error {
  public:
   Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
   Error(ExitCode code, const SourceLocation& where, const std::string& message);
-  /// The process's exit code that this error calls for.
+  /// The exit code of the process for this error.
   ExitCode code() const { return code_; }
 
  private:
   ExitCode code_;
 };
 
-/// An error in a scene file or in an asset that it names (exit code 3).
+/// An error in a scene file or in one of its assets (exit code 3).
 class SceneError : public Error {
  public:
   explicit SceneError(const std::string& message) : Error(ExitCode::kScene, message) {}
   SceneError(const SourceLocation& where, const std::string& message) : Error(ExitCode::kScene, where, message) {}
 };
 
-/// The same error with a place before its message, unless it begins with that place.
+/// Prefixes the message of an error with a location, unless it already begins with that location.
 SceneError at_place(const SourceLocation& where, const SceneError& error);
 
-/// The candidate that is most like `name` (smallest edit distance), or an empty string if none is at all alike.
+/// The candidate most similar to `name` by edit distance, or else the first that begins with it. Returns an empty
+/// string if no candidate is similar.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
 /// ", did you mean 'x'?" for the nearest candidate, or an empty string.

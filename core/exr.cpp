@@ -52,7 +52,7 @@ Imf::Header make_header(const Image& image, const ExrMetadata& metadata) {
   if (!metadata.software.empty()) header.insert("Software", Imf::StringAttribute(metadata.software));
   if (metadata.capture_date) header.insert("capDate", Imf::StringAttribute(*metadata.capture_date));
   if (metadata.world_to_camera) {
-    Imath::M44f matrix;  // points are rows in Imath
+    Imath::M44f matrix;  // Imath multiplies row vectors
     for (int row = 0; row < 4; ++row) {
       for (int column = 0; column < 4; ++column) {
         const auto r = static_cast<std::size_t>(row), c = static_cast<std::size_t>(column);
@@ -70,7 +70,7 @@ Imf::Header make_header(const Image& image, const ExrMetadata& metadata) {
   return header;
 }
 
-/// A slice over interleaved values whose first value belongs to the window's upper left pixel.
+/// A frame buffer slice over interleaved values. `first` is the value of the upper left pixel of the window.
 Imf::Slice make_slice(Imf::PixelType type, void* first, std::size_t value_bytes, const Image& image,
                       std::size_t values_per_pixel) {
   const std::size_t pixel = value_bytes * values_per_pixel, row = pixel * static_cast<std::size_t>(image.width);
@@ -88,8 +88,8 @@ void check_image(const Image& image) {
   }
 }
 
-/// Where the library writes. It swallows errors at the end of a file, where it comes back to the table of lines: these
-/// are left to OutputFile::commit().
+/// Output stream of OpenEXR. The library swallows errors at the end of a file, when it goes back to write the line
+/// offset table. OutputFile::commit() reports those.
 class ExrStream : public Imf::OStream {
  public:
   ExrStream(std::ostream& stream, const std::string& name) : Imf::OStream(name.c_str()), stream_(stream) {}
@@ -111,7 +111,7 @@ void write_pixels(ExrStream& stream, const Image& image, const ExrMetadata& meta
   Imf::FrameBuffer buffer;
   std::vector<std::vector<half>> halves;
   halves.reserve(image.channels.size());
-  float* const values = const_cast<float*>(image.data.data());  // a frame buffer is for reading and writing alike
+  float* const values = const_cast<float*>(image.data.data());  // Imf::Slice has no const version
   for (std::size_t c = 0; c < image.channels.size(); ++c) {
     const std::string& name = image.channels[c];
     const auto& wanted = metadata.half_channels;
@@ -130,7 +130,7 @@ void write_pixels(ExrStream& stream, const Image& image, const ExrMetadata& meta
   file.writePixels(image.height);
 }
 
-/// Calls `read` with the file and turns the library's exceptions into ours.
+/// Calls `read` with the open file and converts the exceptions of the library to Error.
 template <class Read> void with_exr_file(const fs::path& path, Read read) {
   const SourceLocation where{path.string(), 0};
   std::error_code error;
@@ -157,7 +157,7 @@ std::vector<std::string> channel_names(const Imf::Header& header) {
   return names;
 }
 
-/// An image of a part's size, in its place in the frame, with channels `names`, without values yet. Throws SceneError.
+/// An image of zeros with the size and position of a part and the channels `names`. Throws SceneError.
 Image prepare_image(const fs::path& path, const Imf::Header& header, std::vector<std::string> names) {
   const SourceLocation where{path.string(), 0};
   if (is_deep(header)) throw SceneError(where, "deep images are not supported");
@@ -189,7 +189,7 @@ Image read_part(const fs::path& path, Imf::MultiPartInputFile& file, int index, 
   const Imf::Header& header = file.header(index);
   Image image = prepare_image(path, header, std::move(names));
   Imf::InputPart part(file, index);
-  Image placed;  // without values: slices are addressed in the file's coordinates, not in the frame's
+  Image placed;  // no values: slices use the coordinates of the file, not of the frame
   placed.width = image.width;
   placed.x0 = header.dataWindow().min.x;
   placed.y0 = header.dataWindow().min.y;
@@ -215,7 +215,7 @@ void write_exr(const fs::path& path, const Image& image, const ExrMetadata& meta
     ExrStream stream(file.stream(), path.string());
     write_pixels(stream, image, metadata);
   } catch (const std::exception& problem) {
-    if (!file.stream()) file.commit();  // knows better why
+    if (!file.stream()) file.commit();  // reports the actual reason
     throw Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + problem.what());
   }
   file.commit();
@@ -295,7 +295,7 @@ ExrMetadata read_exr_metadata(const fs::path& path) {
     const auto* text = std::get_if<std::string>(&attribute.value);
     if (text != nullptr && attribute.name == "Software") metadata.software = *text;
     if (text != nullptr && attribute.name == "capDate") metadata.capture_date = *text;
-    const auto& name = attribute.name;  // what the library writes by itself
+    const auto& name = attribute.name;  // copied above, or written by the library itself
     return name == "Software" || name == "capDate" || name == "type" || name == "name" || name == "chunkCount" ||
            name == "pixelAspectRatio" || name == "screenWindowWidth";
   });

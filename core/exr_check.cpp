@@ -1,6 +1,7 @@
-// After the Academy Software Foundation's "OpenEXR File Layout": a magic number, a version with flags, and attributes
-// up to an empty name, each a name, a type, the size of its value, and that. In files of many parts headers follow each
-// other up to an empty one.
+// A parser of OpenEXR headers (Academy Software Foundation, "OpenEXR File Layout"). A file begins with a magic number
+// and a version with flags. A header is a list of attributes that ends with an empty name. An attribute has a name, a
+// type, the size of its value, and the value. In multi-part files headers follow each other, and an empty header ends
+// the list.
 #include "core/exr_check.h"
 
 #include "core/error.h"
@@ -19,7 +20,7 @@ struct TypeSize {
   std::int32_t bytes;
 };
 
-/// Types whose values the library reads by what they are, not by the size that the file gives.
+/// Types of fixed size. The library reads their values by type and ignores the size in the file.
 constexpr TypeSize kSizes[] = {{"box2f", 16},      {"box2i", 16},   {"chromaticities", 32},
                                {"compression", 1}, {"double", 8},   {"envmap", 1},
                                {"float", 4},       {"int", 4},      {"keycode", 28},
@@ -53,7 +54,7 @@ class HeaderReader {
     stream_.read(reinterpret_cast<char*>(bytes), sizeof bytes);
     return bytes[0] | bytes[1] << 8 | bytes[2] << 16 | std::uint32_t{bytes[3]} << 24;
   }
-  /// Where the next byte lies; at the file's end if nothing more can be read.
+  /// Offset of the next byte; the size of the file if reading has failed.
   std::int64_t at() { return stream_ ? static_cast<std::int64_t>(stream_.tellg()) : size_; }
 
   void check_attribute() {
@@ -73,20 +74,20 @@ class HeaderReader {
     stream_.seekg(end);
   }
 
-  /// Names and sixteen bytes each, up to an empty name.
+  /// Skips channels: a name and 16 bytes each, up to an empty name.
   void skip_channels() {
     for (std::string channel; std::getline(stream_, channel, '\0') && !channel.empty();)
       stream_.seekg(16, std::ios::cur);
   }
 
-  /// Its sides and four bytes for each pixel.
+  /// Skips a preview image: width, height, and 4 bytes per pixel.
   void skip_preview() {
     const std::uint64_t width = number(), height = number();
     if (width != 0 && height > static_cast<std::uint64_t>(size_) / 4 / width) fail();
     stream_.seekg(static_cast<std::streamoff>(width * height * 4), std::ios::cur);
   }
 
-  /// Their lengths and letters.
+  /// Skips strings: a length and the characters each.
   void skip_strings(std::int64_t end) {
     while (stream_ && at() < end) {
       const std::uint32_t length = number();

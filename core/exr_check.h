@@ -1,13 +1,13 @@
-// The sizes that headers of OpenEXR files claim.
+// Validation of attribute sizes in the headers of OpenEXR files.
 #pragma once
 
 #include <filesystem>
 
 namespace sheaf {
 
-/// Throws SceneError unless each attribute of the file's headers has the size of its type, and lies in the file. The
-/// library takes memory for what an attribute claims, up to 2 GB, before it reads what is not there. Of headers that
-/// end too early it tells itself.
+/// Throws SceneError unless each attribute in the headers has the size of its type and lies within the file. The
+/// library would allocate the size that an attribute claims, up to 2 GB, before it reads the value. Truncated headers
+/// are accepted here, because the library reports them itself.
 void check_exr_headers(const std::filesystem::path& file);
 
 }  // namespace sheaf

@@ -1,3 +1,4 @@
+// Reading of the display window of OpenEXR files, and its conversion to linear Rec.709.
 #include "core/exr_picture.h"
 
 #include "core/color_space.h"
@@ -14,10 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A display window may be far larger than the pixels in the file: up to this it is believed.
+/// A display window may be far larger than the data window. Files count as at least this many bytes when their display
+/// window is checked by check_image_size().
 constexpr std::size_t kBelievedFileBytes = std::size_t{1} << 15;
 
-/// The pixels of the display window, from those of the data window.
+/// Copies the data window into the display window. Pixels outside the data window are 0.
 std::vector<float> pixels_of_frame(const fs::path& path, Image image) {
   const bool is_frame =
       image.x0 == 0 && image.y0 == 0 && image.width == image.frame_width && image.height == image.frame_height;
@@ -45,7 +47,7 @@ std::vector<float> pixels_of_frame(const fs::path& path, Image image) {
   return pixels;
 }
 
-/// The space of a part's colours; Rec.709 if the file says nothing.
+/// The colour space of a part; Rec.709 if the file specifies none.
 RgbChromaticities space_of(const ExrPart& part, bool xyz) {
   if (xyz) return kXyzSpace;
   return part.chromaticities.value_or(kRec709Space);

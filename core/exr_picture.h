@@ -1,15 +1,15 @@
-// OpenEXR files as pictures: the colours of the display window, whatever else a file holds.
+// Colours of OpenEXR files: the colour channels of the display window, without all other layers and parts.
 #pragma once
 
 #include "core/image.h"
 
 namespace sheaf {
 
-/// The channels that find_color_channels() finds, named R, G and B, or Y, and A; in linear Rec.709 unless `raw`:
-/// colours of the primaries that the part's attribute `chromaticities` gives, and CIE XYZ, are converted without
-/// chromatic adaptation, as Mitsuba does; pixels with infinities or NaN are left as they are. The picture is the
-/// display window: 0 where the data window does not reach. Throws SceneError as read_exr() does, for chromaticities
-/// that no colour space has, and where the two windows have no pixel in common.
+/// Reads the channels that find_color_channels() selects, named R, G and B, or Y, and A. Unless `raw`, converts R, G
+/// and B to linear Rec.709: from CIE XYZ, or from the primaries in the attribute `chromaticities` of the part. Like
+/// Mitsuba, it applies no chromatic adaptation. Pixels with infinities or NaN stay unchanged. The image covers the
+/// display window and is 0 outside the data window. Throws SceneError like read_exr(), for chromaticities that define
+/// no colour space, and if the two windows do not overlap.
 Picture read_exr_picture(const std::filesystem::path& path, bool raw);
 
 }  // namespace sheaf

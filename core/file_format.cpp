@@ -1,3 +1,4 @@
+// The table of known file formats, and their detection by magic numbers, structure and file extension.
 #include "core/file_format.h"
 
 #include <algorithm>
@@ -13,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Bytes that tell a format.
+/// Number of bytes at the beginning of a file that are examined.
 constexpr std::size_t kBeginning = 4096;
 
 struct Known {
@@ -91,7 +92,7 @@ const Known* find_extension(const std::string& extension) {
   return nullptr;
 }
 
-/// Formats that no fixed bytes at the beginning tell. Returns their extension.
+/// Detects formats that have no magic number. Returns their file extension, or null.
 const char* find_by_structure(std::string_view bytes, std::uintmax_t size) {
   const auto has = [&](std::string_view text) { return bytes.find(text) != bytes.npos; };
   const std::size_t first = std::min(bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf"), bytes.size());
@@ -99,7 +100,7 @@ const char* find_by_structure(std::string_view bytes, std::uintmax_t size) {
   if (bytes.substr(first).starts_with('{')) return has("\"asset\"") || has("\"meshes\"") ? ".gltf" : nullptr;
   if (bytes.starts_with("solid") && has("facet normal")) return ".stl";
   if (bytes.starts_with("RIFF") && bytes.substr(8).starts_with("WEBP")) return ".webp";
-  // A binary STL file says how many triangles of 50 bytes follow its 84.
+  // The header of a binary STL file has 84 bytes and ends with the number of triangles, of 50 bytes each.
   constexpr std::size_t kStlHeader = 84, kStlTriangle = 50;
   if (bytes.size() < kStlHeader) return nullptr;
   std::uint64_t triangles = 0;
@@ -122,7 +123,7 @@ FileFormat file_format(const fs::path& file) {
   for (const Known& known : kKnown)
     for (const std::string_view beginning : known.beginnings) {
       if (beginning.empty() || !bytes.starts_with(beginning)) continue;
-      // Archives have names of their own where another format is packed in them.
+      // Other formats that are archives inside, such as USDZ and 3MF, are named by their extension.
       if (known.use == FileUse::kArchive && named != nullptr) return {named->use, named->name, true};
       return {known.use, known.name, true};
     }

@@ -1,4 +1,4 @@
-// What a file is, by how it begins and by its name: for messages about files of formats that are not read.
+// Detection of file formats by content and file extension, for messages about unsupported files.
 #pragma once
 
 #include <filesystem>
@@ -6,25 +6,25 @@
 
 namespace sheaf {
 
-/// What files of a format are for.
+/// The purpose of a file format.
 enum class FileUse {
-  kUnknown,    ///< neither content nor name is known; scenes and models of Sheaf's own formats among them
+  kUnknown,    ///< neither content nor extension is known; includes scenes and models that Sheaf reads
   kEmpty,      ///< no bytes
-  kModel,      ///< a model or a scene of another program
-  kVolume,     ///< a grid of another program
-  kPicture,    ///< a picture, whether it is read or not
-  kScenePart,  ///< something that scenes name, but no scene
-  kArchive     ///< compressed
+  kModel,      ///< model or scene of another program
+  kVolume,     ///< density grid of another program
+  kPicture,    ///< image, supported or not
+  kScenePart,  ///< asset of a scene, not a scene itself
+  kArchive     ///< compressed file or archive
 };
 
 /// The format of a file.
 struct FileFormat {
   FileUse use = FileUse::kUnknown;
   std::string name;         ///< for messages, with its article: "a glTF model"
-  bool by_content = false;  ///< told by how the file begins, not by its name alone
+  bool by_content = false;  ///< recognised by its content, not by its extension alone
 };
 
-/// Looks at the first bytes, then at the extension. kUnknown for what is no regular file or cannot be read.
+/// Checks the first bytes, then the file extension. Returns kUnknown if `file` is not a regular file or cannot be read.
 FileFormat file_format(const std::filesystem::path& file);
 
 }  // namespace sheaf

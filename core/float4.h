@@ -1,4 +1,4 @@
-// Four spectral lanes in one register: for code whose paths go separate ways, such as tracking through media.
+// The four spectral lanes of one path in one register, for code in which paths diverge, such as tracking through media.
 #pragma once
 
 #include "core/spectrum.h"
@@ -13,7 +13,7 @@ struct Float4 {
   SHEAF_INLINE Float4(QuadBatch b) : v(b) {}
   SHEAF_INLINE explicit Float4(const Spectrum4& s) : v(load(&s.c0).v) {}
 
-  /// Four adjacent floats, anywhere.
+  /// Loads four consecutive floats. `p` needs no alignment.
   static SHEAF_INLINE Float4 load(const float* p) { return QuadBatch::load_unaligned(p); }
   SHEAF_INLINE void store(float* p) const { v.store_unaligned(p); }
   SHEAF_INLINE float operator[](int lane) const {
@@ -40,7 +40,7 @@ SHEAF_INLINE Float4 min(Float4 a, Float4 b) { return xsimd::min(a.v, b.v); }
 SHEAF_INLINE Float4 sqrt(Float4 a) { return xsimd::sqrt(a.v); }
 SHEAF_INLINE Float4 exp(Float4 a) { return xsimd::exp(a.v); }
 
-/// The sum of the four.
+/// The sum of all four lanes.
 SHEAF_INLINE float total(Float4 a) {
   float x[4];
   a.store(x);

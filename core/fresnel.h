@@ -1,12 +1,14 @@
-// Fresnel's equations in double precision, for tables that are made once; kernels have their own for lanes.
+// The Fresnel equations in double precision, for precomputed tables. Kernels have their own version, generic in the
+// lane.
 #pragma once
 
 #include <cmath>
 
 namespace sheaf {
 
-/// Unpolarized reflectance of a smooth dielectric boundary, in [0, 1]. `cosine`: of the angle of incidence, in (0, 1];
-/// `eta`: index behind the boundary over the index in front. 1 beyond the critical angle.
+/// Unpolarized reflectance of a smooth dielectric boundary, in [0, 1]. `cosine`: cosine of the angle of incidence, in
+/// (0, 1]. `eta`: index of refraction behind the boundary over the index in front of it. Returns 1 beyond the critical
+/// angle.
 inline double fresnel_reflectance(double cosine, double eta) {
   const double cos2 = 1 - (1 - cosine * cosine) / (eta * eta);
   if (cos2 <= 0) return 1;

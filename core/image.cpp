@@ -1,4 +1,4 @@
-// Reading pictures and writing PNG, by the library behind core/picture_library.h.
+// Reading of image files and writing of PNG, by the library behind core/picture_library.h.
 #include "core/image.h"
 
 #include "core/color.h"
@@ -29,7 +29,7 @@ std::uint8_t quantize(float value) {
   return static_cast<std::uint8_t>(std::lround(std::min(value, 1.0f) * 255.0f));
 }
 
-/// Source channels of a PNG: colour (one or three) and alpha, -1 if it is left out.
+/// Source channels of a PNG: one or three for colour, and one for alpha, or -1 without alpha.
 struct PngChannels {
   std::vector<int> color;
   int alpha = -1;
@@ -75,10 +75,11 @@ void check_file(const fs::path& path) {
   throw SceneError({path.string(), 0}, "cannot read the image: " + why);
 }
 
-/// Of what the library says: it may say it of every row.
+/// The first line of a message of the library, which may repeat it for every row.
 std::string first_line(const std::string& remark) { return remark.substr(0, remark.find('\n')); }
 
-/// The library takes memory for a whole row of tiles, and a file may claim tiles of any size for a small picture.
+/// Rejects oversized tiles. The library allocates a whole row of tiles, and a file may claim huge tiles for a small
+/// image.
 void check_tiles(const fs::path& path, const PictureHeader& header) {
   constexpr double kFewValues = 1 << 25, kMaxRatio = 4;
   if (header.tile_width == 0 && header.tile_height == 0) return;
@@ -92,14 +93,14 @@ void check_tiles(const fs::path& path, const PictureHeader& header) {
                                            " for an image of " + size(header.width, header.height));
 }
 
-/// A picture that is not OpenEXR, with a header that can be.
+/// An open image file, other than OpenEXR, with a valid header.
 struct OpenPicture {
   std::unique_ptr<ImageReader> reader;
-  int orientation;  ///< of PictureCorrections
+  int orientation;  ///< see PictureCorrections
   bool xyz;
 };
 
-/// Opens a picture and checks its header. `keeps_bytes`: 8-bit data is read as it is.
+/// Opens an image file and checks its header. `keeps_bytes`: 8-bit data will be read as bytes.
 OpenPicture open_picture(const fs::path& path, bool keeps_bytes) {
   const SourceLocation where{path.string(), 0};
   const std::string format = checked_picture_format(path);
@@ -122,8 +123,8 @@ OpenPicture open_picture(const fs::path& path, bool keeps_bytes) {
   return {std::move(reader), corrections.orientation, corrections.xyz};
 }
 
-/// Reads all pixels, in rows from the top. JPEG files that end early are read without complaint but for a remark; their
-/// lower part is grey.
+/// Reads all pixels, rows from the top. Rejects truncated JPEG files: the library fills their lower part with grey and
+/// only leaves a remark.
 template <class Value> std::vector<Value> read_pixels(const OpenPicture& picture, const fs::path& path) {
   const PictureHeader& header = picture.reader->header();
   const auto width = static_cast<std::size_t>(header.width), height = static_cast<std::size_t>(header.height);

@@ -1,4 +1,4 @@
-// The sums over pixels and what follows from them.
+// Sums over pixels, error metrics and the Z-test.
 #include "core/image_compare.h"
 
 #include "core/error.h"
@@ -10,7 +10,7 @@ namespace sheaf {
 
 namespace {
 
-/// The part of the frame that both images have, in frame coordinates; x1, y1 exclusive.
+/// The overlap of two images in frame coordinates; x1 and y1 are exclusive.
 struct Overlap {
   int x0, y0, x1, y1;
 };
@@ -54,7 +54,7 @@ double z_value(double difference, double variance, double magnitude) {
   return std::abs(difference) <= 1e-5 * magnitude ? 0.0 : std::copysign(1e9, difference);
 }
 
-/// Sums over one channel; further channels are added with add().
+/// Sums over one channel. add() adds another channel, without its variance.
 struct Sums {
   double squares = 0, relative = 0, a = 0, b = 0, variance = 0, z_squared = 0;
   std::size_t values = 0, accepted = 0, non_finite = 0;

@@ -1,4 +1,4 @@
-// How far two renderings of one scene are apart, and whether noise explains it.
+// Comparison of two renderings of a scene: error metrics, and a Z-test of whether noise explains the difference.
 #pragma once
 
 #include "core/image.h"
@@ -10,7 +10,7 @@
 
 namespace sheaf {
 
-/// The Z-test: differences measured in standard deviations of the noise. Each value of each channel is one test.
+/// The Z-test: differences in units of the standard deviation of the noise. Each value of each channel is one test.
 struct ZTest {
   double significance = 0.01;  ///< level of each single test
   std::size_t tests = 0;
@@ -31,11 +31,11 @@ struct ImageComparison {
   double relative_mse = 0;    ///< mean of (a - b)^2 / (b^2 + 0.01) (Rousselle et al. 2011)
   double mean_a = 0, mean_b = 0;
   double mean_ratio = 1;        ///< mean_a / mean_b; 1 if both are 0
-  std::size_t non_finite = 0;   ///< values left out because one image has NaN or infinity there
+  std::size_t non_finite = 0;   ///< values left out because they are NaN or infinite in one image
   std::optional<ZTest> z_test;  ///< if a variance was given
 };
 
-/// Variances of the mean, i.e. of the pixel values as they stand, in the channels R, G, B, with the images' windows.
+/// Variances of the pixel means, in the channels R, G and B, with the same windows as the images.
 struct CompareOptions {
   std::optional<Image> variance_a, variance_b;
   double significance = 0.01;  ///< of each single Z-test; in (0, 1)
@@ -44,9 +44,9 @@ struct CompareOptions {
 /// The variance.R, variance.G and variance.B layers as an image with the channels R, G, B; nothing if one is missing.
 std::optional<Image> variance_layers(const Image& image);
 
-/// Compares the channels R, G and B, or Y if neither image has R. Images of one frame with different crops are compared
-/// where they overlap. An image whose variance is missing counts as free of noise. Throws Error (exit code 2) if the
-/// frames differ in size, nothing overlaps, or a channel is missing.
+/// Compares the channels R, G and B, or Y if neither image has R. Different crops of the same frame are compared where
+/// they overlap. An image without variance counts as free of noise. Throws Error (exit code 2) if the frames differ in
+/// size, the crops do not overlap, a channel is missing, or a variance has another window than its image.
 ImageComparison compare_images(const Image& a, const Image& b, const CompareOptions& options = {});
 
 }  // namespace sheaf

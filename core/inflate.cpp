@@ -1,4 +1,4 @@
-// zlib takes its input and output in pieces whose sizes fit an unsigned int.
+// Decompression by zlib, which takes input and output in pieces whose sizes fit an unsigned int.
 #include "core/inflate.h"
 
 #include "core/error.h"
@@ -12,7 +12,7 @@ namespace sheaf {
 
 struct Inflater::State {
   z_stream stream{};
-  std::string_view input;  ///< what zlib has not been given
+  std::string_view input;  ///< input that zlib has not received yet
   bool at_end = false;
 };
 
@@ -24,7 +24,7 @@ constexpr std::size_t kLargestPiece = std::numeric_limits<uInt>::max();
 
 Inflater::Inflater(std::string_view deflated) : state_(std::make_unique<State>()) {
   state_->input = deflated;
-  constexpr int kWindow = 15, kZlibOrGzip = 32;  // bits; by the stream's header
+  constexpr int kWindow = 15, kZlibOrGzip = 32;  // window bits, plus a flag that detects zlib or gzip by the header
   if (inflateInit2(&state_->stream, kWindow + kZlibOrGzip) != Z_OK)
     throw Error(ExitCode::kRuntime, "zlib cannot be started");
 }
@@ -59,13 +59,13 @@ std::size_t Inflater::read(std::span<char> out) {
 
 std::uint64_t Inflater::most_left() const {
   constexpr std::uint64_t kLargestRatio = 1032;
-  constexpr std::uint64_t kPending = 65536;  // what zlib has read and not yet written: a match, a few bits
+  constexpr std::uint64_t kPending = 65536;  // input that zlib has read but not written yet: a match, a few bits
   if (state_->at_end) return 0;
   return (state_->input.size() + state_->stream.avail_in) * kLargestRatio + kPending;
 }
 
 std::uint32_t check_sum(std::string_view bytes, std::uint32_t before) {
-  if (bytes.empty()) return before;  // whose address may be null, which zlib takes for the wish to begin anew
+  if (bytes.empty()) return before;  // their address may be null, which makes zlib start anew
   return static_cast<std::uint32_t>(crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 

@@ -1,4 +1,5 @@
-// Decompression of zlib and gzip streams in memory (RFC 1950, 1952), and check sums. The only file that knows zlib.
+// Decompression of zlib and gzip streams in memory (RFC 1950, 1952), and CRC-32 checksums. Its source file is the only
+// one that includes zlib.
 #pragma once
 
 #include <cstddef>
@@ -9,20 +10,20 @@
 
 namespace sheaf {
 
-/// A zlib or gzip stream in memory, inflated piece by piece.
+/// A zlib or gzip stream in memory that is decompressed piece by piece.
 class Inflater {
  public:
-  /// `deflated` begins with the stream, may go on behind its end, and must outlive the object.
+  /// `deflated` begins with the stream, may contain more data behind it, and must outlive the object.
   explicit Inflater(std::string_view deflated);
   ~Inflater();
   Inflater(const Inflater&) = delete;
   Inflater& operator=(const Inflater&) = delete;
 
-  /// Fills `out` with the next bytes. Returns how many there were: fewer than asked for if the stream ends or is
-  /// truncated. Throws Error if the stream is corrupt.
+  /// Fills `out` with the next bytes. Returns their number, which is smaller than asked for if the stream ends or is
+  /// truncated. Throws Error (exit code 3) if the stream is corrupt.
   std::size_t read(std::span<char> out);
 
-  /// An upper bound on the bytes that read() can still return: deflate shrinks no input by more than 1032 to 1.
+  /// An upper bound on the bytes that read() can still return. Deflate compresses at most 1032 to 1.
   std::uint64_t most_left() const;
 
  private:
@@ -30,8 +31,8 @@ class Inflater {
   std::unique_ptr<State> state_;
 };
 
-/// The CRC-32 of some bytes (RFC 1952, section 8), which tells whether they were damaged by accident. `before`: that of
-/// what comes before them.
+/// The CRC-32 of `bytes` (RFC 1952, section 8), for detecting accidental damage. `before`: CRC-32 of the preceding
+/// bytes.
 std::uint32_t check_sum(std::string_view bytes, std::uint32_t before = 0);
 
 }  // namespace sheaf

@@ -1,7 +1,7 @@
-// Lane policies: the one parameter in which all mathematics is generic.
+// Lane policies: the template parameter `L` of all mathematics in Sheaf.
 //
-// `template <class L>` code uses L::Float, L::Uint and L::Mask and the functions of core/simd.h, and so compiles for
-// Scalar (one path; tests, scene compilation) and Wide (kWidth paths; kernels) from the same source.
+// Code that is generic in `L` uses L::Float, L::Uint, L::Mask and the functions of core/simd.h. So the same source
+// compiles for Scalar (one path; tests, scene compilation) and for Wide (kWidth paths; kernels).
 #pragma once
 
 #include "core/simd.h"
@@ -28,7 +28,7 @@ struct Wide {
   static SHEAF_INLINE Uint index() { return lane_index(); }
 };
 
-/// Storage: every field of a record is a pointer to a column. Loading takes Scalar or Wide values from it.
+/// Storage: every field of a record is a pointer to a column. Loads yield Scalar or Wide values.
 struct Columns {
   using Float = float*;
   using Uint = std::uint32_t*;

@@ -1,3 +1,4 @@
+// Large pages by madvise(), and the parser of /proc/self/smaps.
 #include "core/large_pages.h"
 
 #include <charconv>
@@ -15,14 +16,14 @@ namespace {
 
 constexpr std::size_t kPageBytes = std::size_t{2} << 20;
 
-/// One of the list's entries.
+/// One entry of the memory map.
 struct Mapping {
   MemoryRange range{};
   bool is_private_memory = false;
-  std::size_t resident = 0, large = 0;  ///< bytes in memory, and those of them on large pages
+  std::size_t resident = 0, large = 0;  ///< resident bytes, and those of them on large pages
 };
 
-/// "7f00-7fff rw-p 00000000 00:00 0  [heap]"; whether the line is of this kind, with which an entry begins.
+/// Parses the first line of an entry, such as "7f00-7fff rw-p 00000000 00:00 0 [heap]". Returns false for other lines.
 bool read_first_line(const std::string& line, Mapping& mapping) {
   const char* const end = line.data() + line.size();
   std::size_t first = 0, last = 0;
@@ -37,7 +38,7 @@ bool read_first_line(const std::string& line, Mapping& mapping) {
   return true;
 }
 
-/// "Rss:      94208 kB"
+/// Parses a line such as "Rss: 94208 kB", if it begins with `name`.
 void read_size(const std::string& line, const char* name, std::size_t& bytes) {
   if (!line.starts_with(name)) return;
   const std::size_t digit = line.find_first_of("0123456789");
@@ -92,19 +93,19 @@ void release_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t b
 
 void move_to_large_pages() noexcept {
 #if defined(__linux__)
-  // Linux 6.1 has a call that waits until it is done; before that the system does it when it finds time.
+  // MADV_COLLAPSE of Linux 6.1 waits until the pages are moved. Before 6.1, the system moves them in the background.
   constexpr int kCollapse = 25;
   try {
     std::ifstream smaps("/proc/self/smaps");
     for (const MemoryRange& range : ranges_for_large_pages(smaps)) {
-      // Memory of whose ends nothing is known but its address.
+      // Only the addresses of this memory are known.
       void* const begin = reinterpret_cast<void*>(range.begin);  // NOLINT(performance-no-int-to-ptr)
       const std::size_t bytes = range.end - range.begin;
       madvise(begin, bytes, MADV_HUGEPAGE);
       madvise(begin, bytes, kCollapse);
     }
   } catch (...) {
-    // Without memory for the list, memory stays where it is.
+    // If memory for the list runs out, all pages stay where they are.
   }
 #endif
 }

@@ -1,4 +1,4 @@
-// Large pages for memory whose owner cannot ask for them itself: other libraries' and that of ordinary containers.
+// Large pages for memory that other libraries and standard containers allocate, which do not request them.
 #pragma once
 
 #include <cstddef>
@@ -7,25 +7,26 @@
 
 namespace sheaf {
 
-/// Addresses from `begin` to below `end`.
+/// The addresses [begin, end).
 struct MemoryRange {
   std::size_t begin, end;
 };
 
-/// Of a list of a process's memory as Linux writes it in /proc/self/smaps: the whole large pages, of 2 MB, of memory
-/// that belongs to no file, may be written, and is in use nearly everywhere. What is less than two of them long is left
-/// out, and what lies on large pages already.
+/// Parses the memory map of a process in the format of /proc/self/smaps (Linux). Returns the whole large pages, of 2
+/// MB, of private writable memory without a file that is at least 7/8 resident. Omits ranges of fewer than two large
+/// pages, and ranges that are on large pages already.
 std::vector<MemoryRange> ranges_for_large_pages(std::istream& smaps);
 
-/// Asks for large pages for memory that is about to be written for the first time.
+/// Requests large pages for memory that is about to be written for the first time.
 void prefer_large_pages(void* memory, std::size_t bytes) noexcept;
 
-/// Gives memory back to the system that its owner keeps: what lies on whole pages of it is lost, and reads as zero.
+/// Returns whole pages of memory to the system while the owner keeps the addresses. Their contents are lost and read as
+/// zero.
 void release_pages(void* memory, std::size_t bytes) noexcept;
 
-/// Moves what the process has in memory now to large pages, as far as the system has them. Scenes are read in no order
-/// while they are rendered: Embree's hierarchy, vertices, texels. On small pages nearly every such read waits for its
-/// page to be looked up too. Nothing changes but time.
+/// Moves the resident memory of the process to large pages, if the system has any. Renders read scenes in random order:
+/// Embree's BVH, vertices, texels. On small pages nearly every such read also waits for address translation. Affects
+/// nothing but speed.
 void move_to_large_pages() noexcept;
 
 }  // namespace sheaf

@@ -1,5 +1,5 @@
-// Memory of tables that kernels read in no order: on large pages where the system has them, as else nearly every read
-// of a table of many megabytes would also wait for its page to be looked up.
+// Tables on large pages. Kernels read tables in random order, and with small pages nearly every read of a table of many
+// megabytes would also wait for address translation.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@
 
 namespace sheaf {
 
-/// An allocator for std::vector. From a few large pages on, memory begins with one, and the system is asked for more of
-/// them; whether it has any makes no difference but that of time.
+/// An allocator for std::vector. Blocks of at least two large pages (4 MB) are aligned to large pages, and large pages
+/// are requested for them. This affects nothing but speed.
 template <class T> struct LargePageAllocator {
   using value_type = T;
 
@@ -39,7 +39,7 @@ template <class T> struct LargePageAllocator {
   static constexpr std::size_t kPageBytes = std::size_t{2} << 20;
 
   static constexpr bool is_large(std::size_t bytes) { return bytes >= 2 * kPageBytes; }
-  /// Whole pages of what is large.
+  /// Rounds large blocks up to whole pages.
   static constexpr std::size_t size_of(std::size_t count) {
     const std::size_t bytes = count * sizeof(T);
     return is_large(bytes) ? (bytes + kPageBytes - 1) / kPageBytes * kPageBytes : bytes;
@@ -49,7 +49,7 @@ template <class T> struct LargePageAllocator {
   }
 };
 
-/// A table that kernels read in no order, and that may be large. It begins with a cache line.
+/// A table that may be large and that kernels read in random order. It begins at a cache line.
 template <class T> using LargeTable = std::vector<T, LargePageAllocator<T>>;
 
 }  // namespace sheaf

@@ -1,3 +1,4 @@
+// Memory limits of the system, of control groups and of the process (Linux), and the text of out-of-memory errors.
 #include "core/memory.h"
 
 #include <sys/resource.h>
@@ -17,14 +18,14 @@ namespace {
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
-/// The first number of a file; infinite if there is none, as where a control group's limit is "max".
+/// The first number in a file; infinite if there is no number, as for a control group whose limit is "max".
 double number_in(const fs::path& file) {
   std::ifstream stream(file);
   double number = 0;
   return stream >> number ? number : kNoLimit;
 }
 
-/// The number behind a word of a file whose lines begin with words; `missing` if there is no such line.
+/// The number behind `word` in a file whose lines begin with words; `missing` if there is no such line.
 double number_after(const fs::path& file, const std::string& word, double missing) {
   std::ifstream stream(file);
   std::string found;
@@ -43,13 +44,13 @@ double free_in_system() {
   return kilobytes * 1024;
 }
 
-/// What a control group and those around it leave. Pages of files give way to others.
+/// The memory that a control group and its ancestors leave. Cached file pages count as free.
 double free_in_group(const fs::path& root, const std::string& group, const char* limit, const char* usage) {
   double least = kNoLimit;
   std::error_code error;
   for (fs::path folder = root / fs::path(group).relative_path();; folder = folder.parent_path()) {
     const double most = number_in(folder / limit);
-    if (most < 1e18) {  // the older kind's way to say that there is none
+    if (most < 1e18) {  // version 1 of control groups stores a huge number for "no limit"
       const double files = number_after(folder / "memory.stat", "inactive_file", 0) +
                            number_after(folder / "memory.stat", "active_file", 0);
       const double used = number_in(folder / usage);
@@ -60,7 +61,7 @@ double free_in_group(const fs::path& root, const std::string& group, const char*
   return least;
 }
 
-/// "4:memory:/user" of the older kind of control groups, "0::/user" of the newer.
+/// The memory that all control groups leave. Lines are "4:memory:/user" in version 1 and "0::/user" in version 2.
 double free_in_groups() {
   std::ifstream stream("/proc/self/cgroup");
   double least = kNoLimit;
@@ -78,7 +79,7 @@ double free_in_groups() {
   return least;
 }
 
-/// Entry `index` of /proc/self/statm, which counts pages; 0 where there is none.
+/// Entry `index` of /proc/self/statm, converted from pages to bytes; 0 if missing.
 double pages_in_statm(int index) {
   std::ifstream stream("/proc/self/statm");
   double pages = 0;

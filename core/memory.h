@@ -1,5 +1,5 @@
-// How much memory there is, and what is said where it does not do. Systems hand out more than they have and kill the
-// programs that use it, so what is large is checked before it is asked for.
+// Available memory, and out-of-memory errors. Systems overcommit memory and kill the processes that use it, so large
+// allocations are checked in advance.
 #pragma once
 
 #include "core/error.h"
@@ -9,30 +9,31 @@
 
 namespace sheaf {
 
-/// Something that takes memory.
+/// One use of memory.
 struct MemoryUse {
   std::string what;  ///< e.g. "the film"
   double bytes = 0;
-  std::string advice;  ///< how it takes less, a sentence; may be empty
+  std::string advice;  ///< how to reduce it, a sentence; may be empty
 };
 
-/// Bytes that this process may take besides what it has: the least of what the system has free, of what the limits of
-/// its control groups leave, and of what its own limit of address space does. Infinite where the system tells nothing.
+/// Bytes that this process can still allocate: the minimum of the free memory of the system, the remainder of the
+/// limits of its control groups, and available_addresses(). Infinite if all are unknown.
 double available_memory();
 
-/// Bytes that this process may still map under its own limit of address space (`ulimit -v`); infinite if it has none.
+/// Bytes that this process can still map under its limit on address space (`ulimit -v`); infinite without a limit.
 double available_addresses();
 
-/// Bytes that the process has in memory now; 0 where the system does not tell.
+/// Resident bytes of the process; 0 if unknown.
 double resident_memory();
 
-/// "12.3 GB", or "45 MB" below a tenth of that unit.
+/// Formats bytes as "12.3 GB", or as "45 MB" below 0.1 GB.
 std::string format_bytes(double bytes);
 
-/// An error (exit code 1): `task` takes all this, so much is free, and what helps where most is needed.
+/// An error (exit code 1) with the memory that `task` needs in total and per use, the available memory, and the advice
+/// of the largest use.
 Error not_enough_memory(const std::string& task, std::span<const MemoryUse> uses);
 
-/// The same where nobody has told how much it takes: after an allocation that failed.
+/// The same error after a failed allocation of unknown size.
 Error out_of_memory(const std::string& task, const std::string& advice);
 
 /// Throws not_enough_memory() if the uses together are more than available_memory().

@@ -1,5 +1,5 @@
-// Maps of the octahedron: unit vectors in 32 bits (Cigolle et al., "A Survey of Efficient Representations for
-// Independent Unit Vectors", JCGT 2014), 16 bits an axis; and all directions as a square of equal areas.
+// Octahedral maps: unit vectors in 32 bits, 16 per axis (Cigolle et al., "A Survey of Efficient Representations for
+// Independent Unit Vectors", JCGT 2014), and the equal-area map between directions and the unit square.
 #pragma once
 
 #include "core/vec.h"
@@ -7,7 +7,7 @@
 
 namespace sheaf {
 
-/// A unit vector to within 1e-4 of its direction.
+/// Encodes a unit vector to within 1e-4 of its direction.
 template <class L> SHEAF_INLINE typename L::Uint encode_octahedral(Vec3<L> n) {
   using F = typename L::Float;
   const F inverse = F(1.0f) / (abs(n.x) + abs(n.y) + abs(n.z));
@@ -21,7 +21,7 @@ template <class L> SHEAF_INLINE typename L::Uint encode_octahedral(Vec3<L> n) {
   return quantize(folded_x) | (quantize(folded_y) << 16);
 }
 
-/// The vector of encode_octahedral, unit length; a unit vector for any 32 bits.
+/// Decodes the result of encode_octahedral() to unit length. Any 32 bits give a unit vector.
 template <class L> SHEAF_INLINE Vec3<L> decode_octahedral(typename L::Uint bits) {
   using F = typename L::Float;
   using U = typename L::Uint;
@@ -32,9 +32,9 @@ template <class L> SHEAF_INLINE Vec3<L> decode_octahedral(typename L::Uint bits)
   return normalize(Vec3<L>{x - copysign(fold, x), y - copysign(fold, y), z});
 }
 
-/// The place in the unit square of a unit direction: the map of the octahedron that keeps areas (Clarberg, "Fast
-/// Equal-Area Mapping of the (Hemi)Sphere using SIMD", JGT 2008). +z is the middle, -z all four corners, +x lies at
-/// (1, 1/2) and +y at (1/2, 1).
+/// Maps a unit direction to the unit square by the equal-area octahedral map (Clarberg, "Fast Equal-Area Mapping of the
+/// (Hemi)Sphere using SIMD", JGT 2008). +z maps to the centre, -z to all four corners, +x to (1, 1/2) and +y to (1/2,
+/// 1).
 template <class L> SHEAF_INLINE Vec2<L> equal_area_octahedral(Vec3<L> d) {
   using F = typename L::Float;
   const F radius = sqrt(max(F(1.0f) - abs(d.z), F(0.0f)));
@@ -45,7 +45,7 @@ template <class L> SHEAF_INLINE Vec2<L> equal_area_octahedral(Vec3<L> d) {
   return {F(0.5f) * (copysign(x, d.x) + F(1.0f)), F(0.5f) * (copysign(y, d.y) + F(1.0f))};
 }
 
-/// The direction of a place in the unit square, the inverse of equal_area_octahedral().
+/// The direction at a position in the unit square, the inverse of equal_area_octahedral().
 template <class L> SHEAF_INLINE Vec3<L> equal_area_direction(typename L::Float u, typename L::Float v) {
   using F = typename L::Float;
   const F x = F(2.0f) * u - F(1.0f), y = F(2.0f) * v - F(1.0f), along = abs(x), across = abs(y);

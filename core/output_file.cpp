@@ -1,4 +1,4 @@
-// Temporary names, the check for writability, and the rename at the end.
+// Temporary names, the check for writability, and the final rename.
 #include "core/output_file.h"
 
 #include "core/error.h"
@@ -24,29 +24,29 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A younger file may be one that its writer is about to lock.
+/// Minimum age of temporary files to remove: the writer of a younger file may not have locked it yet.
 constexpr std::time_t kLeftOverSeconds = 10;
 
 Error cannot_write(const fs::path& path, const std::string& why) {
   return Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + why);
 }
 
-/// The path with symbolic links resolved, so that the rename replaces the file and not the link; also where there is no
-/// such file yet. Throws Error (exit code 4) for links that lead round in circles.
+/// Resolves symbolic links, so that the rename replaces the file and not the link. The file need not exist. Throws
+/// Error (exit code 4) for circular links.
 fs::path final_target(const fs::path& path) {
   constexpr int kMaxLinks = 40;
   fs::path target = path;
   for (int links = 0; links < kMaxLinks; ++links) {
     std::error_code error;
-    const fs::path next = fs::read_symlink(target, error);  // an error where there is none
+    const fs::path next = fs::read_symlink(target, error);  // fails if it is not a link
     if (error) return target;
     target = target.parent_path() / next;
   }
   throw cannot_write(path, std::strerror(ELOOP));
 }
 
-/// A descriptor of the file, locked; -1 if it is locked already, or cannot be. The lock goes with the process, however
-/// it ends, and holds for other machines too where the file system tells them.
+/// Opens and locks a file. Returns its descriptor, or -1 if it is locked already or locking fails. The lock ends with
+/// the process, however it ends. It also holds for other machines if the file system supports that.
 int lock_file(const fs::path& path) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
   if (file < 0 || flock(file, LOCK_EX | LOCK_NB) == 0) return file;
@@ -54,7 +54,7 @@ int lock_file(const fs::path& path) {
   return -1;
 }
 
-/// The process in a name that temporary_name() has made for `target`; 0 for other names.
+/// The process id in a name that temporary_name() made for `target`; 0 for other names.
 long writer_of(const std::string& name, const fs::path& target) {
   const std::string before = "." + target.filename().string() + ".", after = ".tmp";
   if (!name.starts_with(before) || !name.ends_with(after) || name.size() < before.size() + after.size()) return 0;
@@ -68,7 +68,7 @@ long writer_of(const std::string& name, const fs::path& target) {
   return other_failure == std::errc() && last == end && process > 0 ? process : 0;
 }
 
-/// Whether a temporary file is left over from a process that is gone; see check_writable().
+/// Whether a temporary file was left by a process that no longer exists; see check_writable().
 bool is_left_over(const fs::path& path, long process) {
   struct stat found {};
   if (lstat(path.c_str(), &found) != 0 || !S_ISREG(found.st_mode) || found.st_uid != geteuid()) return false;
@@ -96,20 +96,21 @@ fs::path temporary_name(const fs::path& target) {
   return target.parent_path() / ("." + target.filename().string() + suffix);
 }
 
-/// Waits until the file is on the disk: some file systems say only then that there was no room. Returns an errno, or 0.
+/// Waits until the file is on the disk, because some file systems report a full disk only then. Returns an errno, or 0.
 int sync_file(const fs::path& path) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return errno;
   const int reason = fsync(file) == 0 ? 0 : errno;
   close(file);
-  return reason == EINVAL || reason == ENOSYS || reason == EROFS ? 0 : reason;  // nothing to be synchronised there
+  // the file system has nothing to synchronise
+  return reason == EINVAL || reason == ENOSYS || reason == EROFS ? 0 : reason;
 }
 
-/// Why writing to the file fails, which streams don't tell: what one more try says. An errno, or 0.
+/// Determines why writing fails, which streams do not report, by writing once more. Returns an errno, or 0.
 int ask_for_reason(const fs::path& path) {
   const int file = open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
   if (file < 0) return errno;
-  const std::array<char, 65536> zeros{};  // more than is left of a page that the file has already
+  const std::array<char, 65536> zeros{};  // more than the unused rest of the last page
   const ssize_t written = write(file, zeros.data(), zeros.size());
   int reason = written < 0 ? errno : 0;
   if (written >= 0 && static_cast<std::size_t>(written) < zeros.size())
@@ -139,7 +140,7 @@ OutputFile::OutputFile(const fs::path& path) : target_(final_target(path)) {
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     throw cannot_write(path, fs::is_directory(status) ? "it is a folder" : "it is not a regular file");
   }
-  // Renaming asks for leave to write to the folder alone: a file that is protected would be lost.
+  // A rename needs permission to write to the folder only, so it would replace a write-protected file.
   if (fs::exists(status) && faccessat(AT_FDCWD, target_.c_str(), W_OK, AT_EACCESS) != 0)
     throw cannot_write(path, std::strerror(errno));
   const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
@@ -161,7 +162,7 @@ OutputFile::~OutputFile() {
 void OutputFile::commit() {
   const bool was_good = stream_.good();
   errno = 0;
-  stream_.close();  // what is still in its buffer is written now
+  stream_.close();  // flushes the buffer
   if (!stream_) {
     const int reason = was_good && errno != 0 ? errno : ask_for_reason(temporary_);
     throw cannot_write(target_, reason != 0 ? std::strerror(reason) : "not all of it could be written");
@@ -169,7 +170,7 @@ void OutputFile::commit() {
   if (const int failure = sync_file(temporary_); failure != 0) throw cannot_write(target_, std::strerror(failure));
   std::error_code error;
   if (const fs::file_status old = fs::status(target_, error); fs::is_regular_file(old))
-    fs::permissions(temporary_, old.permissions(), error);  // who may read it stays as it was
+    fs::permissions(temporary_, old.permissions(), error);  // keep the permissions of the existing file
   fs::rename(temporary_, target_, error);
   if (error) throw cannot_write(target_, error.message());
 }

@@ -1,4 +1,4 @@
-// Files that appear whole or not at all: written under a temporary name beside the target, then renamed.
+// Atomic output files: written under a temporary name next to the target, then renamed.
 #pragma once
 
 #include <filesystem>
@@ -7,40 +7,39 @@
 
 namespace sheaf {
 
-/// Checks that a file could be written at `path`, by creating and removing a temporary file beside it; `path` itself is
-/// not touched. Removes what programs that were killed while they wrote this file have left of it beside it: temporary
-/// files of this user for `path` that are older than ten seconds, whose process does not run here, and that nobody on
-/// any machine holds open for writing. Throws Error (exit code 4) if not: no such directory, no permission, a file that
-/// must not be written to, or something other than a file is there.
+/// Checks that a file can be written at `path` by creating and removing a temporary file next to it; `path` itself is
+/// not touched. Also removes the temporary files that killed processes left for `path`. These belong to this user, are
+/// older than 10 s, their process no longer runs on this machine, and no process on any machine has them locked. Throws
+/// Error (exit code 4) if the folder is missing, permission is missing, the file is write-protected, or `path` is not a
+/// regular file.
 void check_writable(const std::filesystem::path& path);
 
-/// Whether two names mean the same file, by whatever way they lead there, and whether it is there yet or not.
+/// Whether two paths lead to the same file, through any links, whether or not the file exists.
 bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// A file in the making. Where a symbolic link is in its place, it is what that leads to, on whatever file system, and
-/// whether it is there yet or not; the link stays. Write to stream(), then commit(); without commit() nothing remains.
+/// A file that is written atomically. If `path` is a symbolic link, the link stays and its target is written, on any
+/// file system, whether or not it exists. Write to stream(), then call commit(); without commit() nothing remains.
 class OutputFile {
  public:
-  /// Throws as check_writable() does.
+  /// Throws like check_writable().
   explicit OutputFile(const std::filesystem::path& path);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// The file under its temporary name, in the target's folder. Its errors may be left to commit().
+  /// The temporary file in the folder of the target. Its errors may be left to commit().
   std::ostream& stream() { return stream_; }
-  /// Closes the file and gives it its final name, replacing what is there, whose permissions it takes. Throws Error
-  /// (exit code 4), and leaves what is there as it was, unless all that was written has arrived on the disk.
+  /// Closes the file and renames it to the target. It replaces an existing file and takes over its permissions. Throws
+  /// Error (exit code 4), and keeps the existing file, unless all data has reached the disk.
   void commit();
 
  private:
   std::filesystem::path target_, temporary_;
   std::ofstream stream_;
-  int lock_ =
-      -1;  ///< a descriptor whose lock tells others that temporary_ is being written; -1: there are no locks here
+  int lock_ = -1;  ///< descriptor whose lock marks temporary_ as being written; -1 without a lock
 };
 
-/// Writes a text file whole. Throws Error (exit code 4).
+/// Writes a text file atomically. Throws Error (exit code 4).
 void write_text_file(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace sheaf

@@ -1,3 +1,4 @@
+// The search for colour channels by name.
 #include "core/picture_channels.h"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ std::string lower(std::string_view text) {
   return out;
 }
 
-/// A channel's name in two parts, in small letters.
+/// A channel name, split into layer and channel, in lower case.
 struct SplitName {
   std::string layer, channel;
 };
@@ -25,13 +26,13 @@ SplitName split(std::string_view name) {
   return {lower(name.substr(0, dot)), lower(name.substr(dot + 1))};
 }
 
-/// Alpha, also that of single colours.
+/// Whether a channel is alpha, or the alpha of one colour.
 bool is_alpha(std::string_view channel) {
   constexpr std::array<std::string_view, 5> kNames{"a", "alpha", "ar", "ag", "ab"};
   return std::find(kNames.begin(), kNames.end(), channel) != kNames.end();
 }
 
-/// Whether a layer is the picture itself beside its further layers: by the last part of its name.
+/// Whether a layer holds the image itself, by the last part of its name.
 bool is_main(std::string_view layer) {
   constexpr std::array<std::string_view, 7> kNames{"beauty", "color", "colour", "combined", "main", "rgb", "rgba"};
   return std::find(kNames.begin(), kNames.end(), layer.substr(layer.rfind('.') + 1)) != kNames.end();
@@ -46,7 +47,7 @@ class Finder {
     }
   }
 
-  /// The colours, and the alpha of their layer.
+  /// Finds the colour channels, and the alpha channel of their layer.
   std::optional<ColorChannels> find() const {
     std::optional<ColorChannels> found = find_colors();
     if (!found) return found;
@@ -89,7 +90,7 @@ class Finder {
     return found;
   }
 
-  /// Of the one layer that has colours, or of the one that is the picture itself.
+  /// R, G and B of the main layer, or of the only layer that has them.
   std::optional<ColorChannels> in_layers() const {
     std::vector<ColorChannels> all;
     for (std::size_t part = 0; part < parts_.size(); ++part)
@@ -103,7 +104,8 @@ class Finder {
     return all[0];
   }
 
-  /// The only channel besides alpha: of the file, or outside of layers in the first part.
+  /// The only channel besides alpha in the file; or Y, if it is the only one outside of layers in the first part; or
+  /// alpha, if it is the only channel.
   std::optional<ColorChannels> grey() const {
     std::vector<ColorChannels> all, outside, alphas;
     for (std::size_t part = 0; part < parts_.size(); ++part)
@@ -122,7 +124,7 @@ class Finder {
   std::vector<std::vector<SplitName>> parts_;
 };
 
-/// All channels by name, cut off where they are many.
+/// Lists the names of all channels, truncated after about 600 characters.
 std::string list_of(std::span<const PictureChannels> parts) {
   constexpr std::size_t kMaxLength = 600;
   std::string list;

@@ -1,4 +1,4 @@
-// Which of a picture's channels are its colours.
+// Selection of the colour channels of an image file.
 #pragma once
 
 #include "core/error.h"
@@ -11,24 +11,25 @@
 
 namespace sheaf {
 
-/// A part of a picture file, by its channels. Only OpenEXR has files of several.
+/// The channels of one part of an image file. Only OpenEXR files have several parts.
 struct PictureChannels {
   std::string part;                ///< name; may be empty
-  std::vector<std::string> names;  ///< "layer.channel", or a channel of no layer
+  std::vector<std::string> names;  ///< "layer.channel", or "channel" outside of layers
 };
 
-/// The colours of a picture.
+/// The colour channels of an image.
 struct ColorChannels {
   std::size_t part = 0;
   std::vector<std::size_t> channels;  ///< indices into PictureChannels::names: red, green and blue, or one for grey
   bool xyz = false;                   ///< the three are CIE X, Y and Z
-  std::optional<std::size_t> alpha;   ///< of the same layer
+  std::optional<std::size_t> alpha;   ///< alpha channel of the same layer
 };
 
-/// Finds R, G and B (in capitals or small letters) outside of layers; else X, Y and Z there; else R, G and B of the one
-/// layer that has them, or of one called Combined, beauty, color, colour, main, rgb or rgba; else the only channel
-/// besides alpha, in the file or outside of layers. Of several parts the first one counts. Throws SceneError that lists
-/// the channels where that leaves none.
+/// Finds the colour channels. Names match in any case. The search order is: R, G and B, or red, green and blue, outside
+/// of layers; X, Y and Z outside of layers; R, G and B of a layer named Combined, beauty, color, colour, main, rgb or
+/// rgba, or of the only layer that has them; the only channel besides alpha in the file; Y, if no other channel besides
+/// alpha is outside of layers in the first part; alpha, if it is the only channel. Of several parts the first match
+/// counts. Throws SceneError that lists the channels if nothing matches.
 ColorChannels find_color_channels(std::span<const PictureChannels> parts, const SourceLocation& where);
 
 /// The same for a file of one part.

@@ -1,3 +1,4 @@
+// Parsers of Radiance headers and TIFF directories.
 #include "core/picture_corrections.h"
 
 #include <algorithm>
@@ -19,12 +20,12 @@ std::vector<std::uint8_t> read_all(const fs::path& file) {
   return bytes;
 }
 
-/// "+X", "-Y" and the like.
+/// One axis of a resolution string, such as "+X" or "-Y".
 struct Axis {
   char sign = 0, name = 0;
 };
 
-/// The axes of a resolution string: that along which rows follow each other, and that along which pixels do.
+/// Parses the axes of a resolution string: first the axis from row to row, then the axis along a row.
 std::optional<std::array<Axis, 2>> parse_resolution(std::string_view line) {
   std::array<Axis, 2> axes;
   for (Axis& axis : axes) {
@@ -41,7 +42,7 @@ std::optional<std::array<Axis, 2>> parse_resolution(std::string_view line) {
   return axes;
 }
 
-/// X counts to the right, Y upwards.
+/// The TIFF orientation for the axes of a resolution string. X points to the right, Y upwards.
 int orientation_of(const std::array<Axis, 2>& axes) {
   const bool columns = axes[0].name == 'X';
   const Axis x = axes[columns ? 0 : 1], y = axes[columns ? 1 : 0];
@@ -50,7 +51,7 @@ int orientation_of(const std::array<Axis, 2>& axes) {
   return from_right ? (from_bottom ? 3 : 2) : (from_bottom ? 4 : 1);
 }
 
-/// Lines up to an empty one, and the resolution string.
+/// Parses the header lines up to an empty line, and the resolution string behind it.
 PictureCorrections radiance_corrections(const fs::path& file) {
   constexpr std::size_t kMaxHeader = std::size_t{1} << 16;
   constexpr std::string_view kXyz = "FORMAT=32-bit_rle_xyze", kRgb = "FORMAT=32-bit_rle_rgbe";
@@ -73,6 +74,7 @@ PictureCorrections radiance_corrections(const fs::path& file) {
       found.orientation = orientation_of(*axes);
     break;
   }
+  // Let the library read XYZE as RGBE: the encoding is the same.
   if (found.xyz) {
     found.bytes = read_all(file);
     std::copy(kRgb.begin(), kRgb.end(), found.bytes.begin() + static_cast<std::ptrdiff_t>(format_at));
@@ -83,11 +85,11 @@ PictureCorrections radiance_corrections(const fs::path& file) {
 /// The first directory of a TIFF file, of either byte order, with offsets of 32 or of 64 bits.
 class TiffDirectory {
  public:
-  /// A directory entry, less its first two fields.
+  /// One entry of the directory.
   struct Entry {
     std::uint32_t tag = 0;
-    std::uint64_t value = 0;  ///< as a number of 16 bits
-    std::size_t at = 0;       ///< in the file
+    std::uint64_t value = 0;  ///< value field, read as a 16-bit number
+    std::size_t at = 0;       ///< offset of the entry in the file
   };
 
   explicit TiffDirectory(const fs::path& file) : file_(file), stream_(file, std::ios::binary) {
@@ -108,7 +110,7 @@ class TiffDirectory {
     valid_ = static_cast<bool>(stream_) && !entries_.empty();
   }
 
-  /// Whether it can be read; the library says what is wrong.
+  /// Whether the directory is readable. If it is not, the library reports the error.
   bool valid() const { return valid_; }
 
   const Entry* find(std::uint32_t tag) const {
@@ -117,7 +119,8 @@ class TiffDirectory {
     return nullptr;
   }
 
-  /// The file with a directory at its end in place of this one, which has one more entry: a number of 16 bits.
+  /// The data of the file with a new directory at its end that replaces this one. It has one more entry: a 16-bit
+  /// number.
   std::vector<std::uint8_t> with_entry(std::uint32_t tag, std::uint32_t value) const {
     std::vector<std::uint8_t> bytes = read_all(file_);
     if (bytes.size() % 2 != 0) bytes.push_back(0);
@@ -160,7 +163,7 @@ class TiffDirectory {
     bytes.resize(bytes.size() + count);
     put(bytes, bytes.size() - count, value, count);
   }
-  /// Numbers shorter than their field stand at its beginning.
+  /// Appends an entry. Numbers shorter than the value field are stored at its beginning.
   void append_entry(std::vector<std::uint8_t>& bytes, std::uint32_t tag, std::uint32_t value) const {
     constexpr std::uint32_t kShort = 3;
     append(bytes, tag, 2);

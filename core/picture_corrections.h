@@ -1,4 +1,4 @@
-// What the headers of Radiance and TIFF files say that OpenImageIO does not act upon, or gets wrong.
+// Header fields of Radiance and TIFF files that OpenImageIO ignores or misreads.
 #pragma once
 
 #include <cstdint>
@@ -8,31 +8,31 @@
 
 namespace sheaf {
 
-/// How to put right what the library reads of a file.
+/// Corrections to the data that OpenImageIO reads from a file.
 struct PictureCorrections {
-  /// Of TIFF and EXIF: where the first row and the first column of the stored pixels lie. 1 top and left, 2 top and
-  /// right, 3 bottom and right, 4 bottom and left; with columns for rows 5 left and top, 6 right and top, 7 right and
-  /// bottom, 8 left and bottom.
+  /// Orientation of TIFF and EXIF: the position of the first row and of the first column of the stored pixels. 1 top
+  /// and left, 2 top and right, 3 bottom and right, 4 bottom and left. With rows and columns exchanged: 5 left and top,
+  /// 6 right and top, 7 right and bottom, 8 left and bottom.
   int orientation = 1;
   bool xyz = false;                 ///< the colours are CIE XYZ
-  std::vector<std::uint8_t> bytes;  ///< what the library is to read in place of the file; empty: the file
+  std::vector<std::uint8_t> bytes;  ///< data that the library reads instead of the file; empty: reads the file
 };
 
-/// For a file of `format`, as checked_picture_format() names it. Of Radiance files the resolution string, such as
-/// "-Y 512 +X 1024", which has eight forms, and the format 32-bit_rle_xyze (Ward, "The RADIANCE Picture File Format").
-/// Of TIFF files (revision 6.0) Orientation, and BitsPerSample, which is 1 where it is missing.
+/// Finds the corrections for a file of `format`, as returned by checked_picture_format(). For Radiance files (Ward,
+/// "The RADIANCE Picture File Format"): the resolution string, such as "-Y 512 +X 1024", in its eight forms, and the
+/// format 32-bit_rle_xyze. For TIFF files (revision 6.0): Orientation, and BitsPerSample, which defaults to 1.
 PictureCorrections find_corrections(const std::filesystem::path& file, const std::string& format);
 
-/// Whether the orientation has columns for rows: width and height change places.
+/// Whether the orientation exchanges rows and columns, and so width and height.
 inline bool is_transposed(int orientation) { return orientation >= 5; }
 
-/// Puts `width` x `height` pixels of `channels` values, as stored, into rows from the top.
+/// Reorders `width` x `height` stored pixels of `channels` values into rows from the top.
 template <class Value>
 std::vector<Value> oriented(const std::vector<Value>& stored, std::size_t width, std::size_t height,
                             std::size_t channels, int orientation) {
   const bool transposed = is_transposed(orientation);
   const std::size_t out_width = transposed ? height : width, out_height = transposed ? width : height;
-  // Rows are counted from the far side where the first one lies at the bottom or to the right; so are columns.
+  // The stored rows are in reverse order if the first one lies at the bottom or to the right; likewise the columns.
   const bool reverse_rows = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
   const bool reverse_columns = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
   std::vector<Value> out;

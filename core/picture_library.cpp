@@ -1,3 +1,4 @@
+// Loading of sheaf_pictures.so, detection of image formats, and checks of headers that OpenImageIO trusts.
 #include "core/picture_library.h"
 
 #include "core/error.h"
@@ -65,10 +66,10 @@ std::string format_of(const fs::path& path) {
   refuse_image(path, "expected a file of OpenEXR, PNG, JPEG, TIFF, Radiance (.hdr), BMP, PFM, PGM, PPM or TGA");
 }
 
-/// The library takes memory for the pixels of packed BMP files when it opens them.
+/// Checks the size in a BMP header. The library allocates the pixels of compressed BMP files when it opens them.
 void check_bmp(const fs::path& path) {
   constexpr std::size_t kKind = 14, kSize = 18, kEnd = 26;
-  constexpr std::uint32_t kOldKind = 12;  // sizes of 16 bits
+  constexpr std::uint32_t kOldKind = 12;  // header with 16-bit sizes
   std::array<unsigned char, kEnd> head{};
   std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(head.data()), head.size());
   const auto number = [&](std::size_t at, std::size_t bytes) {
@@ -80,10 +81,12 @@ void check_bmp(const fs::path& path) {
     if (number(kKind, 4) == kOldKind) return number(kSize + 2 * axis, 2);
     return static_cast<std::int32_t>(number(kSize + 4 * axis, 4));
   };
-  check_image_size(path, side(0), std::abs(side(1)), 3, fs::file_size(path));  // a height below zero: from the top
+  // a negative height means rows from the top
+  check_image_size(path, side(0), std::abs(side(1)), 3, fs::file_size(path));
 }
 
-/// The library reads all of a PNM file to look at its header, copies it once more, and ends the program if it cannot.
+/// Checks the memory for a PNM file. The library reads the whole file for its header, copies it once more, and
+/// terminates the program if memory runs out.
 void check_pnm(const fs::path& path) {
   constexpr double kCopies = 3;
   const MemoryUse copies{"copies of the file", kCopies * static_cast<double>(fs::file_size(path)),
@@ -91,8 +94,8 @@ void check_pnm(const fs::path& path) {
   check_memory("reading the image '" + path.string() + "'", {&copies, 1});
 }
 
-/// The library takes as much memory for a chunk as its length says, up to 2 GB. Chunks are a length, four letters, as
-/// many bytes, and a check sum.
+/// Checks the lengths of the chunks of a PNG file. The library allocates the length of a chunk, up to 2 GB. A chunk has
+/// a length, four letters, the data, and a checksum.
 void check_png(const fs::path& path) {
   constexpr std::uint64_t kSignature = 8, kAround = 12;
   const std::uint64_t size = fs::file_size(path);

@@ -1,4 +1,4 @@
-// PNG files in memory; core/image.cpp makes them, as it makes those on the disk.
+// Encoding of PNG files in memory; implemented by core/image.cpp.
 #pragma once
 
 #include "core/image.h"
@@ -7,11 +7,11 @@
 
 namespace sheaf {
 
-/// Compression of write_png().
+/// Compression level of write_png().
 inline constexpr int kPngCompression = 6;
 
-/// What write_png() writes. `level`: of compression, 1 (fast) to 9 (small). `description`: text of the header. Throws
-/// Error (exit code 1) for an empty image.
+/// Encodes an image as write_png() does. `level`: compression, 1 (fast) to 9 (small). `description`: text in the
+/// header. Throws Error (exit code 1) if the image is empty or cannot be encoded.
 std::vector<unsigned char> encode_png(const Image& image, int level = kPngCompression,
                                       const std::string& description = {});
 

@@ -1,11 +1,11 @@
-// Asking for cache lines before they are needed.
+// Prefetching of cache lines.
 #pragma once
 
 #include "core/lanes.h"
 
 namespace sheaf {
 
-/// Starts to fetch the cache line at `address`, which may be any: what cannot be read is not.
+/// Prefetches the cache line at `address`. Any address is allowed; unreadable ones are ignored.
 SHEAF_INLINE void prefetch(const void* address) {
 #if defined(__GNUC__)
   __builtin_prefetch(address);

@@ -1,4 +1,4 @@
-// Counting, and the two ways of showing it.
+// Counting of work, and its display as a bar or as log lines.
 #include "core/progress.h"
 
 #include <fmt/format.h>
@@ -71,7 +71,7 @@ std::string Progress::describe(double fraction, int percent, double now, const c
   const std::string rest = percent < 100 ? fmt::format(", {} left", format_duration(left)) : std::string();
   const std::string rate = fmt::format(", {:.2f} Msamples/s", speed);
   if (mode_ != Mode::kBar) return share + time + rest + rate + end;
-  // A line that is as long as the terminal is wide would scroll it: what matters least is left out first.
+  // A line as long as the terminal is wide would scroll it. Leave out the least important parts first.
   const int columns = columns_ ? columns_() : 0;
   const std::size_t room = columns > 0 ? static_cast<std::size_t>(columns) - 1 : std::string::npos;
   for (const std::string& line :

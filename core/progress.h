@@ -1,4 +1,4 @@
-// The progress of a long computation: percentage, time spent, time left and speed, as a bar or as log lines.
+// Progress display of a long computation: percentage, elapsed time, remaining time and speed, as a bar or as log lines.
 #pragma once
 
 #include <atomic>
@@ -10,10 +10,10 @@
 
 namespace sheaf {
 
-/// Seconds as "m:ss", or "h:mm:ss" from one hour on. Negative or not finite: "?:??".
+/// Formats seconds as "m:ss", or as "h:mm:ss" from one hour on. Negative, non-finite and values over 1e9 give "?:??".
 std::string format_duration(double seconds);
 
-/// Counts work done by any number of threads and shows it now and then. It never shows 100 % before finish(true).
+/// Counts the work of any number of threads and displays it at intervals. It never shows 100 % before finish(true).
 class Progress {
  public:
   enum class Mode {
@@ -22,23 +22,24 @@ class Progress {
     kBar     ///< one line, redrawn ten times a second, for terminals
   };
 
-  /// Where the text goes; called by one thread at a time.
+  /// Output function; called by one thread at a time.
   using Write = std::function<void(std::string_view)>;
-  /// Seconds from any fixed moment on; thread-safe.
+  /// Seconds since a fixed moment; thread-safe.
   using Clock = std::function<double()>;
-  /// How many characters a line of the terminal holds; 0: unknown. Called by one thread at a time.
+  /// Width of the terminal in characters; 0: unknown. Called by one thread at a time.
   using Columns = std::function<int()>;
 
-  /// `samples` is what all work together amounts to, for the speed shown. Time starts now. A bar is
-  /// kept shorter than `columns`.
+  /// `samples`: number of samples of all the work, for the displayed speed. Time starts now. A bar is kept shorter than
+  /// `columns`.
   Progress(Mode mode, std::uint64_t samples, Write write, Clock clock = steady_seconds, Columns columns = {});
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `done` of `total` units of work are done. Thread-safe and cheap; calls may come out of order: the most counts.
+  /// Reports that `done` of `total` units of work are done. Thread-safe and cheap. Calls may come out of order; the
+  /// maximum counts.
   void update(std::uint64_t done, std::uint64_t total);
-  /// Shows the last state and ends the line. `complete`: all work is done; otherwise it was interrupted.
-  /// Later calls of any function do nothing.
+  /// Shows the final state and ends the line. `complete`: all work is done; otherwise it was interrupted. Later calls
+  /// of any function do nothing.
   void finish(bool complete);
 
   static double steady_seconds();

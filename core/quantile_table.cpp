@@ -1,3 +1,4 @@
+// Construction of tables of quantiles.
 #include "core/quantile_table.h"
 
 #include <algorithm>
@@ -7,19 +8,19 @@ namespace sheaf {
 
 namespace {
 
-/// A run of entries that share a quantile, or an entry with some.
+/// A run of entries that share one quantile, or one entry with its quantiles.
 struct Span {
   std::uint32_t first, run, quantiles;
   double weight;
 };
 
-/// What a run costs in variance if its entries are drawn alike, as a weight: n sum w^2 / sum w, the second moment of
-/// weight over probability, less that of drawing them in proportion.
+/// The variance that a run costs because its entries have equal probabilities, in units of weight: n sum w^2 / sum w,
+/// the second moment of weight over probability, minus that of proportional sampling.
 double cost_of_run(double n, double sum, double squares) { return n * squares / sum - sum; }
 
-/// The longest run from `first` on, whose weight is positive, that costs little. It ends at a positive weight.
+/// The longest run of low cost that begins at `first`, whose weight is positive. It ends at a positive weight.
 Span run_from(std::span<const double> weights, std::size_t first, double share) {
-  // The cost that a run may have, in quantiles' weights.
+  // Maximum cost of a run, as a fraction of the weight of a quantile.
   constexpr double kCost = 0.25;
   double sum = weights[first], squares = sum * sum;
   Span run{static_cast<std::uint32_t>(first), 1, 1, sum};
@@ -35,7 +36,7 @@ Span run_from(std::span<const double> weights, std::size_t first, double share) 
   return run;
 }
 
-/// Cuts weights into spans, with about `share` of weight for a quantile. Returns how many quantiles that takes.
+/// Cuts the weights into spans, with about `share` of weight per quantile. Returns the number of quantiles.
 std::size_t cut(std::span<const double> weights, double share, std::vector<Span>& spans) {
   spans.clear();
   std::size_t quantiles = 0;
@@ -51,10 +52,10 @@ std::size_t cut(std::span<const double> weights, double share, std::vector<Span>
   return quantiles;
 }
 
-/// The spans for the least share that kQuantiles allow, which is found by halving.
+/// Finds the spans for the smallest share that fits into kQuantiles, by bisection.
 std::vector<Span> cut_to_fit(std::span<const double> weights, double total) {
   std::vector<Span> spans, best;
-  // However uneven the weights, from some share on runs end at nothing but their greatest length.
+  // For any weights, runs above some share end only at their maximum length, so doubling ends.
   double fits = total / kQuantiles, too_small = 0;
   std::size_t quantiles = cut(weights, fits, spans);
   while (quantiles > kQuantiles) {
@@ -72,8 +73,8 @@ std::vector<Span> cut_to_fit(std::span<const double> weights, double total) {
   return best;
 }
 
-/// Gives what quantiles are left to the spans that have most weight for each of theirs: an entry gets one more, and a
-/// run becomes two.
+/// Distributes the remaining quantiles to the spans with the most weight per quantile: an entry gets one more, and a
+/// run is split in two.
 void give_rest(std::span<const double> weights, std::vector<Span>& spans) {
   std::size_t taken = 0;
   const auto less = [](const Span& a, const Span& b) { return a.weight * b.quantiles < b.weight * a.quantiles; };
@@ -86,7 +87,7 @@ void give_rest(std::span<const double> weights, std::vector<Span>& spans) {
     if (most.run == 1) {
       ++most.quantiles;
     } else {
-      // Runs begin and end with weight, so both halves have some.
+      // Runs begin and end at positive weights, so both halves have a positive weight.
       const std::uint32_t half = most.run / 2, middle = most.first + half;
       Span rest{middle, most.run - half, 1, 0};
       for (std::uint32_t i = middle; i < middle + rest.run; ++i) rest.weight += weights[i];
@@ -100,7 +101,7 @@ void give_rest(std::span<const double> weights, std::vector<Span>& spans) {
   std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.first < b.first; });
 }
 
-/// The quantiles of a span. Returns where the next ones begin.
+/// Writes the quantiles of a span. Returns the position of the next ones.
 Quantile* write(const Span& span, Quantile* table) {
   if (span.run > 1) {
     *table = Quantile::of_run(span.first, span.run);

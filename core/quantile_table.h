@@ -1,9 +1,8 @@
-// Discrete distributions as tables of quantiles: to draw from one is to read one row, without any search, and numbers
-// that are stratified stay so.
+// Discrete distributions as tables of quantiles. Sampling reads one row without a search and preserves stratification.
 //
-// Every row has the same probability. A row is a part of an entry that is likely, or a run of entries that are less so
-// and share it equally. What that takes from the proportions of the weights is chosen to be least where it would cost
-// variance, and probabilities are told as they are, not as they were wished for.
+// All rows have the same probability. A row is a part of a likely entry, or a run of less likely entries that share it
+// equally. Runs deviate from the proportions of the weights, and are chosen to deviate least where that would cost
+// variance. Probabilities are those with which entries are actually sampled.
 #pragma once
 
 #include "core/lanes.h"
@@ -13,37 +12,39 @@
 
 namespace sheaf {
 
-/// A quantile: a run of entries in equal shares, or one of the equal parts of an entry that has quantiles of its own.
-/// In bits: the first entry, 17; 1 for a run; its length, or the number of the part.
+/// A quantile: a run of entries with equal shares, or one of the equal parts of an entry that has quantiles of its own.
+/// Bits: 17 for the first entry, 1 that is set for a run, 14 for the length of the run or the number of the part.
 struct Quantile {
   std::uint32_t bits;
 
   static Quantile of_run(std::uint32_t first, std::uint32_t length) { return {first << 15 | 1u << 14 | length}; }
   static Quantile of_part(std::uint32_t entry, std::uint32_t number) { return {entry << 15 | number}; }
   std::uint32_t first() const { return bits >> 15; }
-  /// How many entries it has a share of.
+  /// Number of entries that share the quantile.
   std::uint32_t length() const { return (bits >> 14 & 1u) != 0 ? bits & 0x3fffu : 1u; }
 };
 
-/// Rows of a table of quantiles.
+/// Number of rows of a table.
 inline constexpr std::uint32_t kQuantiles = 1024;
-/// Most entries of a quantile. More would leave too few random bits for each.
+/// Maximum number of entries of a quantile. More would leave too few random bits for each.
 inline constexpr std::uint32_t kMaxQuantileRun = 256;
-/// Most entries of a distribution: runs of the greatest length and gaps between them take all quantiles.
+/// Maximum number of entries of a distribution: runs of maximum length and gaps between them then use all quantiles.
 inline constexpr std::uint32_t kMaxQuantileEntries = kQuantiles * kMaxQuantileRun / 2;
 
-/// Fills the kQuantiles rows at `table` for `weights`, at most kMaxQuantileEntries, which are finite and not negative,
-/// and sets the weights to probabilities: those with which draw_quantile() finds the entries, positive where weights
-/// are, and at times between two such places. Returns false, and changes nothing, without any positive weight.
+/// Fills the kQuantiles rows at `table` for at most kMaxQuantileEntries `weights`, which are finite and not negative.
+/// Replaces the weights by the probabilities with which draw_quantile() selects the entries. They are positive wherever
+/// weights are, and sometimes for entries of weight 0 in between. Returns false, and changes nothing, if no weight is
+/// positive.
 bool build_quantiles(std::span<double> weights, Quantile* table);
 
-/// An entry drawn from a table of quantiles.
+/// An entry sampled from a table of quantiles.
 template <class L> struct QuantileDraw {
   typename L::Uint index, quantile;
-  /// In a run the place in the entry, less 1: negative. Else that times the number of quantiles that the entry has.
+  /// In a run: the position within the entry, minus 1, so it is negative. Otherwise: the position within the entry,
+  /// times its number of quantiles.
   typename L::Float place;
 
-  /// What is left of u, a fresh uniform number in [0, 1). `probability`: of the entry.
+  /// A new uniform number in [0, 1) from the unused part of u. `probability`: that of the entry.
   SHEAF_INLINE Float<L> remapped(Float<L> probability) const {
     using F = Float<L>;
     const auto in_run = place < F(0.0f);
@@ -52,8 +53,8 @@ template <class L> struct QuantileDraw {
   }
 };
 
-/// Draws from the table that begins at row tables[table], one for each lane, by u in [0, 1). The index grows with u,
-/// and with it remapped() inside of an entry. That keeps about 24 - log2(1 / probability) random bits.
+/// Samples the table that begins at row tables[table], one for each lane, with u in [0, 1). The index is monotonic in
+/// u, and so is remapped() within an entry. remapped() keeps about 24 - log2(1 / probability) random bits.
 template <class L>
 SHEAF_INLINE QuantileDraw<L> draw_quantile(const Quantile* tables, typename L::Uint table, typename L::Float u) {
   using F = typename L::Float;

@@ -1,7 +1,7 @@
-// Tables that kernels gather from: arrays of a record's Scalar form, read a lane each.
+// Tables for gathers: arrays of a record's Scalar form, of which every lane reads one row.
 //
-// A record is declared once, as for queues (core/soa.h): `Record<Scalar>` is a row of the table, and what a kernel gets
-// of the rows that its lanes ask for is a `Record<L>`, or one named member of it.
+// A record is declared once, as for queues (core/soa.h). `Record<Scalar>` is a row of the table. A kernel gathers the
+// rows of its lanes as a `Record<L>`, or a named member of them.
 #pragma once
 
 #include "core/soa.h"
@@ -11,10 +11,10 @@
 
 namespace sheaf {
 
-/// A member that is an enumeration in a table and its number in registers.
+/// The type of a member: an enumeration in a table, its number in registers.
 template <class L, class Enum> using EnumIn = std::conditional_t<std::is_same_v<L, Scalar>, Enum, typename L::Uint>;
 
-/// For alignas of a record: `bytes` in a table, whatever it needs anyway in registers.
+/// The alignment of a record, for alignas: `bytes` in a table, its natural alignment in registers.
 template <class L> constexpr std::size_t row_alignment(std::size_t bytes) {
   return std::is_same_v<L, Scalar> ? bytes : alignof(typename L::Float);
 }
@@ -48,14 +48,14 @@ template <class L, class Row> SHEAF_INLINE Uint<L> first_words(Uint<L> index) {
   return index * Uint<L>(static_cast<std::uint32_t>(sizeof(Row) / sizeof(float)));
 }
 
-/// Whether a record's Scalar form is nothing but its leaves, one word each, in declaration order.
+/// Whether the Scalar form of a record consists of its leaves only, one word each, in declaration order.
 template <template <class> class Record>
 inline constexpr bool kIsRow = std::is_trivially_copyable_v<Record<Scalar>> &&
                                sizeof(Record<Scalar>) == sizeof(float) * std::size_t{kLeafCount<Record>};
 
 }  // namespace record_table_detail
 
-/// The record whose leaves are `words`, in declaration order.
+/// The record with the leaves `words`, in declaration order.
 template <class L, template <class> class Record> SHEAF_INLINE Record<L> record_of_words(const Float<L>* words) {
   Record<L> out;
   std::apply(
@@ -67,7 +67,7 @@ template <class L, template <class> class Record> SHEAF_INLINE Record<L> record_
   return out;
 }
 
-/// The rows table[index], one for each lane. Rows must be a whole number of four words long.
+/// Gathers the rows table[index], one for each lane. The size of a row must be a multiple of four words.
 template <class L, template <class> class Record>
 SHEAF_INLINE Record<L> gather_rows(const Record<Scalar>* table, Uint<L> index) {
   static_assert(record_table_detail::kIsRow<Record> && kLeafCount<Record> % 4 == 0);
@@ -79,7 +79,7 @@ SHEAF_INLINE Record<L> gather_rows(const Record<Scalar>* table, Uint<L> index) {
   return record_of_words<L, Record>(words);
 }
 
-/// One row for all lanes.
+/// Broadcasts one row to all lanes.
 template <class L, template <class> class Record> SHEAF_INLINE Record<L> spread_row(const Record<Scalar>& row) {
   static_assert(record_table_detail::kIsRow<Record>);
   const auto* const first = reinterpret_cast<const float*>(&row);
@@ -88,7 +88,7 @@ template <class L, template <class> class Record> SHEAF_INLINE Record<L> spread_
   return record_of_words<L, Record>(words);
 }
 
-/// table[index].*member, one for each lane: a number, an enumeration's number, or a record such as Vec3.
+/// Gathers table[index].*member, one for each lane: a number, the number of an enumeration, or a record such as Vec3.
 template <class L, class Row, class T>
 requires(!HasFields<T>) SHEAF_INLINE auto gather_member(const Row* table, T Row::*member, Uint<L> index) {
   static_assert(sizeof(T) == sizeof(float));
@@ -105,19 +105,19 @@ SHEAF_INLINE Record<L> gather_member(const Row* table, Record<Scalar> Row::*memb
   return record_of_words<L, Record>(words);
 }
 
-/// Element `k` of the array table[index].*member, one for each lane.
+/// Gathers element `k` of the array table[index].*member, one for each lane.
 template <class L, class Row, class T, std::size_t N>
 SHEAF_INLINE auto gather_element(const Row* table, T (Row::*member)[N], int k, Uint<L> index) {
   static_assert(sizeof(T) == sizeof(float));
   return gather(table->*member + k, record_table_detail::first_words<L, Row>(index));
 }
-/// Elements [k, k + 4) of it.
+/// Gathers elements [k, k + 4) of the array table[index].*member.
 template <class L, class Row, std::size_t N>
 SHEAF_INLINE void gather_four(const Row* table, float (Row::*member)[N], int k, Uint<L> index, Float<L>* out) {
   gather_row4<L>(table->*member + k, record_table_detail::first_words<L, Row>(index), out);
 }
 
-/// The numbers table[3 index], table[3 index + 1] and table[3 index + 2], for each lane. The table must be readable one
+/// Gathers table[3 index], table[3 index + 1] and table[3 index + 2] for each lane. The table must be readable one
 /// number beyond its end.
 template <class L> SHEAF_INLINE std::array<Uint<L>, 3> gather_triple(const std::uint32_t* table, Uint<L> index) {
   Float<L> words[4];

@@ -1,4 +1,4 @@
-// Counter-based random numbers: pure functions of (seed, pixel, sample, dimension), no state to carry.
+// Counter-based random numbers: pure functions of (seed, pixel, sample, dimension) without state.
 #pragma once
 
 #include "core/lanes.h"
@@ -8,14 +8,14 @@ namespace sheaf {
 /// Four uniform numbers in [0, 1).
 template <class L> struct Random4 { typename L::Float x, y, z, w; };
 
-/// Numbers of a Random4, as bits.
+/// Bit mask of the numbers of a Random4.
 enum RandomNumbers : unsigned { kNumberX = 1, kNumberY = 2, kNumberZ = 4, kNumberW = 8, kAllNumbers = 15 };
 
-/// Uniform in [0, 1) from the upper 24 bits.
+/// A uniform number in [0, 1) from the upper 24 bits.
 template <class U> SHEAF_INLINE auto unit_float(U bits) { return to_float(bits >> 8) * 5.9604644775390625e-8f; }
 
-/// Four independent 32-bit words from four: pcg4d of Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT
-/// 2020.
+/// Hashes four 32-bit words to four independent ones: pcg4d of Jarzynski and Olano, "Hash Functions for GPU Rendering",
+/// JCGT 2020.
 template <class U> SHEAF_INLINE void hash4(U& x, U& y, U& z, U& w) {
   x = x * U(1664525u) + U(1013904223u);
   y = y * U(1664525u) + U(1013904223u);
@@ -34,9 +34,9 @@ template <class U> SHEAF_INLINE void hash4(U& x, U& y, U& z, U& w) {
   }
 }
 
-/// Four uniform numbers for one block of dimensions (see core/sampler.h) of one sample of one pixel. hash4 carries
-/// changes upwards well but bits 25 to 31 of a word hardly reach the others: seeds and pixels, which may be large, are
-/// folded first. Samples and blocks should stay below 2^24.
+/// Four uniform numbers for one block of dimensions (see core/sampler.h) of one sample of one pixel. hash4 propagates
+/// changes well to higher bits, but bits 25 to 31 of a word hardly affect the others. So seeds and pixels, which may be
+/// large, are folded first. Samples and blocks should stay below 2^24.
 template <class L>
 SHEAF_INLINE Random4<L> random4(std::uint32_t seed, typename L::Uint pixel, typename L::Uint sample,
                                 typename L::Uint block) {

@@ -1,4 +1,4 @@
-// Samplers: the choice among them, once per register of paths.
+// Implementation of the samplers. Their kind is selected once per register of paths.
 #include "core/sampler.h"
 
 #include "core/sobol.h"
@@ -7,7 +7,7 @@ namespace sheaf {
 
 namespace {
 
-/// The smallest grid of `count` cells or more whose sides differ by a factor of two at most.
+/// The smallest grid of at least `count` cells whose sides differ by at most a factor of two.
 SampleGrid make_grid(std::uint32_t count) {
   for (std::uint32_t size = std::max(count, 1u);; ++size)
     for (auto rows = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(size))); 2 * rows * rows >= size; --rows)
@@ -20,16 +20,16 @@ bool is_sobol(SamplerKind kind) { return kind == SamplerKind::kSobol || kind == 
 
 constexpr std::uint32_t kGoldenRatio = 0x9e3779b9u;
 
-/// a / b for any a below 2^31, b below 2^30.
+/// a / b and its remainder for a below 2^31 and b below 2^30.
 template <class U> SHEAF_INLINE Division<U> divide_any(U a, std::uint32_t b) {
   using F = decltype(to_float(a));
-  // Too small by 2^-20 of itself at most, which is left to the second step.
+  // The guess is too small by at most 2^-20 of itself. The second step corrects that.
   const U guess = to_uint(to_float(a) * F(0x1.fffffp-1f / static_cast<float>(b)));
   const auto [more, remainder] = divide(a - guess * U(b), b);
   return {guess + more, remainder};
 }
 
-/// Spreads the lower 16 bits: bit i comes to 2 i.
+/// Spreads the lower 16 bits: bit i moves to bit 2 i.
 template <class U> SHEAF_INLINE U spread_bits(U x) {
   x = (x | (x << 8)) & U(0x00ff00ffu);
   x = (x | (x << 4)) & U(0x0f0f0f0fu);
@@ -37,17 +37,18 @@ template <class U> SHEAF_INLINE U spread_bits(U x) {
   return (x | (x << 1)) & U(0x55555555u);
 }
 
-/// The place of a sample in the sequence of kSobol or kZSobol. Ahmed and Wonka, "Screen-Space Blue-Noise Diffusion of
-/// Monte Carlo Sampling Error via Hierarchical Ordering of Pixels", 2020: a pixel's place in the sequence is its place
-/// on a Z-shaped curve, each square of which is turned about at random, which shuffling the sequence does.
+/// The index of a sample in the sequence of kSobol or kZSobol. kZSobol implements Ahmed and Wonka, "Screen-Space
+/// Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels", 2020. The index of a pixel
+/// in the sequence is its index on a Z-order (Morton) curve. Shuffling the sequence permutes the quadrants of each
+/// square of the curve.
 template <class L>
 SHEAF_INLINE SobolPoint<L> sobol_point(const SamplerView& sampler, Uint<L> pixel, Uint<L> sample, SampleSet set) {
   using U = Uint<L>;
   const U seed(sampler.seed);
   if (sampler.kind == SamplerKind::kSobol) return {seed, pixel, sample * U(set.count) + U(set.index)};
 
-  // A pixel has room for the sets of 2^sample_bits samples, a sequence for those of a square of pixels: the whole frame
-  // as a rule, but no more than 32 bits can count.
+  // A pixel reserves indices for the sets of 2^sample_bits samples. A sequence covers a square of pixels: usually the
+  // whole frame, but at most what 32 bits can count.
   const int sample_bits = std::bit_width(sampler.sample_count - 1);
   const int room_bits = std::bit_width((std::uint64_t{set.count} << sample_bits) - 1);
   const int side_bits = std::clamp((32 - room_bits) / 2, 0, 16);
@@ -122,7 +123,7 @@ Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::
     return numbers<L>(sampler, pixel, number, block_of(block), set, of_them);
   };
   if (block == SampleBlock::kCamera) return four(wanted);
-  // x is the third of the four, behind y and z.
+  // x is the third of the four numbers; y and z are the first two.
   const unsigned but_x = (wanted & kNumberW) | (wanted & (kNumberY | kNumberZ)) >> 1;
   if (block == SampleBlock::kSelect && is_sobol(sampler.kind)) {
     const Float<L> any(0.0f);

@@ -1,4 +1,4 @@
-// Numbers from outside made integers without overflow.
+// Conversion of untrusted numbers to integers without overflow.
 #pragma once
 
 #include <limits>
@@ -6,13 +6,13 @@
 
 namespace sheaf {
 
-/// The value without its fraction; beyond the range of To the nearest end of it, and 0 for NaN. Round it first where
-/// that is wanted. Casts of such values are undefined otherwise.
+/// Truncates the value and clamps it to the range of To; NaN becomes 0. Round the value first if needed. A plain cast
+/// of a value out of range is undefined.
 template <class To> constexpr To saturate(double value) {
   static_assert(std::is_integral_v<To>);
   using Limits = std::numeric_limits<To>;
   if (value != value) return 0;
-  // The largest integers of 64 bits have no double of their own: the next one is a power of two.
+  // The maximum of a 64-bit integer is no double; it converts to the next power of two.
   if (value >= static_cast<double>(Limits::max())) return Limits::max();
   if (value <= static_cast<double>(Limits::min())) return Limits::min();
   return static_cast<To>(value);

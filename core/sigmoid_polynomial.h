@@ -1,11 +1,11 @@
-// Smooth spectra between 0 and 1 that three numbers describe.
+// Sigmoid polynomials: smooth spectra between 0 and 1 with three coefficients.
 #pragma once
 
 #include "core/spectrum.h"
 
 namespace sheaf {
 
-/// Wavelengths are mapped to [-1, 1] before they enter a polynomial, which keeps its coefficients of one magnitude.
+/// Wavelengths are mapped from nm to [-1, 1] first, which keeps the coefficients of a polynomial at one magnitude.
 inline constexpr float kSigmoidCentre = 595.0f, kSigmoidHalfRange = 235.0f;
 
 /// The spectrum sigmoid(c0 t^2 + c1 t + c2) with t = (lambda - kSigmoidCentre) / kSigmoidHalfRange (Jakob and Hanika,
@@ -15,15 +15,15 @@ template <class L> struct SigmoidPolynomial {
   static constexpr auto fields(auto& s) { return std::tie(s.c0, s.c1, s.c2); }
 };
 
-/// 1/2 + x / (2 sqrt(1 + x^2)), in [0, 1], written without the cancellation that this suffers for x << 0. Infinity is
-/// allowed: it gives exactly 0 or 1.
+/// 1/2 + x / (2 sqrt(1 + x^2)), in [0, 1], without the cancellation of this formula for x << 0. Infinite x gives
+/// exactly 0 or 1.
 template <class F> SHEAF_INLINE F sigmoid(F x) {
   const F root = sqrt(fma(x, x, F(1.0f)));
   const F tail = F(0.5f) / (root * (root + abs(x)));
   return select(x < F(0.0f), tail, F(1.0f) - tail);
 }
 
-/// The argument at which sigmoid() is `value`, in [0, 1]; infinite at the ends.
+/// The inverse of sigmoid() for `value` in [0, 1]; infinite at both ends.
 template <class F> SHEAF_INLINE F inverse_sigmoid(F value) {
   return (value - F(0.5f)) / sqrt(value * (F(1.0f) - value));
 }

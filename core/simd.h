@@ -1,9 +1,9 @@
-// The SIMD layer: the only file that includes xsimd and knows its version.
+// The SIMD layer: the only file that includes xsimd and depends on its version.
 //
-// WideFloat, WideUint and WideMask hold kWidth lanes of the machine's widest vector. Every operation has a twin for
-// float, std::uint32_t and bool below it, so that code written once, generic in the lane (see core/lanes.h), compiles
-// for one path at a time and for kWidth paths at a time. xsimd 8.1 lacks some operations that xsimd 13 has (gather,
-// transpose); those are made here from intrinsics where that pays and from plain loops elsewhere.
+// WideFloat, WideUint and WideMask hold kWidth lanes of the widest vector of the machine. Every operation also exists
+// for float, std::uint32_t and bool. So code that is generic in the lane policy (core/lanes.h) compiles for one path at
+// a time and for kWidth paths at a time. xsimd 8.1 lacks some operations of xsimd 13 (gather, transpose). These are
+// implemented here, with intrinsics if they are faster and with plain loops otherwise.
 #pragma once
 
 #include <xsimd/xsimd.hpp>
@@ -15,8 +15,8 @@
 #include <cstring>
 #include <limits>
 
-// Leaf functions are inlined whatever the compiler thinks, except under sanitizers: there the checks inserted into
-// every copy would make the stages take ten minutes to compile.
+// Leaf functions are always inlined, except under sanitizers: with the checks in every copy, the stages would take ten
+// minutes to compile.
 #if defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define SHEAF_INLINE inline __attribute__((always_inline))
 #define SHEAF_LAMBDA_INLINE __attribute__((always_inline))
@@ -30,7 +30,7 @@ namespace sheaf {
 using FloatBatch = xsimd::batch<float>;
 using UintBatch = xsimd::batch<std::uint32_t>;
 using MaskBatch = xsimd::batch_bool<float>;
-/// Four floats, whatever the machine's width; see core/float4.h.
+/// Four floats on every machine; see core/float4.h.
 using QuadBatch = xsimd::make_sized_batch_t<float, 4>;
 
 /// Lanes of one wide register of floats.
@@ -72,7 +72,8 @@ struct WideUint {
   }
 };
 
-/// The same bits as another kind of batch. xsimd 8 names the batch, later versions its element.
+/// Reinterprets the bits as another kind of batch. xsimd 8 expects the type of the batch, later versions that of its
+/// element.
 template <class To, class From> SHEAF_INLINE To cast_bits(From a) {
 #if XSIMD_VERSION_MAJOR < 9
   return xsimd::bitwise_cast<To>(a);
@@ -96,7 +97,7 @@ SHEAF_INLINE WideMask operator<=(WideFloat a, WideFloat b) { return a.v <= b.v; 
 SHEAF_INLINE WideMask operator>(WideFloat a, WideFloat b) { return a.v > b.v; }
 SHEAF_INLINE WideMask operator>=(WideFloat a, WideFloat b) { return a.v >= b.v; }
 SHEAF_INLINE WideMask operator==(WideFloat a, WideFloat b) { return a.v == b.v; }
-/// True where a lane is not a number, as for float; xsimd 8.1's own comparison is false there on AVX.
+/// True for NaN, as for float. The comparison of xsimd 8.1 is false for NaN on AVX.
 SHEAF_INLINE WideMask operator!=(WideFloat a, WideFloat b) { return !(a.v == b.v); }
 
 // ---- WideMask -------------------------------------------------------------------------------------------------------
@@ -118,7 +119,7 @@ SHEAF_INLINE WideUint operator>>(WideUint a, int n) { return a.v >> n; }
 SHEAF_INLINE WideUint& operator+=(WideUint& a, WideUint b) { return a = a + b; }
 SHEAF_INLINE WideUint& operator^=(WideUint& a, WideUint b) { return a = a ^ b; }
 SHEAF_INLINE WideUint& operator|=(WideUint& a, WideUint b) { return a = a | b; }
-/// A comparison of integers as a mask of floats: both are the same register, but xsimd types them apart.
+/// Converts a comparison of integers to a mask of floats. Both are the same register, but xsimd has two types.
 SHEAF_INLINE WideMask float_mask(xsimd::batch_bool<std::uint32_t> m) {
 #if defined(__AVX512F__)
   return MaskBatch(static_cast<__mmask16>(m));
@@ -132,7 +133,7 @@ SHEAF_INLINE WideMask operator==(WideUint a, WideUint b) { return float_mask(a.v
 SHEAF_INLINE WideMask operator!=(WideUint a, WideUint b) { return float_mask(a.v != b.v); }
 SHEAF_INLINE WideMask operator<(WideUint a, WideUint b) { return float_mask(a.v < b.v); }
 
-/// The 32 bits in reverse order, by exchanging halves, then quarters, down to single bits.
+/// Reverses the 32 bits by exchanging halves, then quarters, down to single bits.
 template <class U> SHEAF_INLINE U reverse_bits_stepwise(U x) {
   x = (x >> 16) | (x << 16);
   x = ((x >> 8) & U(0x00ff00ffu)) | ((x & U(0x00ff00ffu)) << 8);
@@ -140,13 +141,13 @@ template <class U> SHEAF_INLINE U reverse_bits_stepwise(U x) {
   x = ((x >> 2) & U(0x33333333u)) | ((x & U(0x33333333u)) << 2);
   return ((x >> 1) & U(0x55555555u)) | ((x & U(0x55555555u)) << 1);
 }
-/// The 32 bits in reverse order: those of bytes, by a product or half bytes by table, then bytes, where the machine
-/// shuffles bytes.
+/// Reverses the 32 bits. On machines with byte shuffles, reverses the bits of each byte, by a matrix product or by
+/// tables of half bytes, and then the bytes.
 SHEAF_INLINE WideUint reverse_bits(WideUint a) {
 #if defined(__AVX512BW__)
   const __m512i bytes = _mm512_broadcast_i32x4(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
 #if defined(__GFNI__)
-  // Row i of this matrix over GF(2) takes bit 7 - i.
+  // Row i of this matrix over GF(2) selects bit 7 - i.
   const __m512i mirror = _mm512_set1_epi64(static_cast<long long>(0x8040201008040201u));
   return UintBatch(_mm512_shuffle_epi8(_mm512_gf2p8affine_epi64_epi8(a.v, mirror, 0), bytes));
 #else
@@ -215,7 +216,7 @@ SHEAF_INLINE WideFloat cos(WideFloat a) { return xsimd::cos(a.v); }
 SHEAF_INLINE WideFloat acos(WideFloat a) { return xsimd::acos(a.v); }
 SHEAF_INLINE WideFloat atan2(WideFloat y, WideFloat x) { return xsimd::atan2(y.v, x.v); }
 SHEAF_INLINE WideMask is_finite(WideFloat a) { return xsimd::abs(a.v) <= FloatBatch(3.4028234e38f); }
-/// a * b + c with one rounding where the machine has it.
+/// a * b + c, with one rounding if the machine has FMA.
 SHEAF_INLINE WideFloat fma(WideFloat a, WideFloat b, WideFloat c) {
 #if defined(__AVX512F__)
   return FloatBatch(_mm512_fmadd_ps(a.v, b.v, c.v));  // xsimd 8.1 rounds twice
@@ -326,8 +327,8 @@ SHEAF_INLINE std::uint32_t mask_bits(bool m) { return m ? 1u : 0u; }
 SHEAF_INLINE WideMask first_lanes(int count) { return lane_index() < WideUint(static_cast<std::uint32_t>(count)); }
 
 // ---- records of four words, one pointer per lane --------------------------------------------------------------------
-/// Reads four consecutive floats per lane, lane k from rows[k], and turns them so that out[j] holds word j of every
-/// lane. Rows need no alignment.
+/// Reads four consecutive floats per lane, lane k from rows[k], and transposes them: out[j] holds word j of every lane.
+/// Rows need no alignment.
 SHEAF_INLINE void load_rows4(const float* const* rows, WideFloat* out) {
 #if defined(__AVX512F__)
   __m512 quad[4];
@@ -414,7 +415,7 @@ SHEAF_INLINE void store_rows4(float* const* rows, const float* in, int count) {
 
 // ---- compaction -----------------------------------------------------------------------------------------------------
 #if defined(__AVX2__) && !defined(__AVX512F__)
-/// For each mask of eight lanes, the lane numbers that bring the set ones to the front.
+/// For each mask of eight lanes, the permutation that moves the set lanes to the front.
 struct CompressTable {
   alignas(kSimdAlignment) std::uint32_t lanes[256][8];
   constexpr CompressTable() : lanes{} {
@@ -427,10 +428,10 @@ inline constexpr CompressTable kCompressTable{};
 #endif
 
 /// Writes the lanes set in `bits` next to each other, in lane order. Writes up to kWidth values at `p` (no alignment
-/// needed), of which the first popcount(bits) are meant.
+/// needed), of which the first popcount(bits) are valid.
 SHEAF_INLINE void compress_store(float* p, WideFloat a, std::uint32_t bits) {
 #if defined(__AVX512F__)
-  // Compressing into memory is microcode on some machines; into a register it never is.
+  // Compressing to memory is microcoded on some machines; compressing to a register never is.
   _mm512_storeu_ps(p, _mm512_maskz_compress_ps(static_cast<__mmask16>(bits), a.v));
 #elif defined(__AVX2__)
   const __m256i lanes = _mm256_load_si256(reinterpret_cast<const __m256i*>(kCompressTable.lanes[bits]));
@@ -453,7 +454,7 @@ SHEAF_INLINE void compress_store(std::uint32_t* p, std::uint32_t a, std::uint32_
 }
 
 /// Copies from[lane] for each lane set in `bits` next to each other, in lane order. Reads kWidth values at `from` and
-/// writes up to kWidth at `to` (no alignment needed), of which the first popcount(bits) are meant.
+/// writes up to kWidth at `to` (no alignment needed), of which the first popcount(bits) are valid.
 SHEAF_INLINE void compress_copy(std::uint16_t* to, const std::uint16_t* from, std::uint32_t bits) {
 #if defined(__AVX512VBMI2__) && defined(__AVX512VL__)
   const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
@@ -491,7 +492,7 @@ inline constexpr const char* kIsaName =
     "generic";
 #endif
 
-/// While it lives, the thread flushes denormal numbers to zero: Embree asks for it, and so does speed.
+/// Flushes denormal numbers to zero on this thread during its lifetime. Embree requests this, and it is faster.
 class FlushDenormals {
  public:
 #if defined(__SSE__)

@@ -1,4 +1,4 @@
-// Lists of path slots: how stages hand paths to each other.
+// Lists of path slots, by which stages pass paths to each other.
 #pragma once
 
 #include "core/arena.h"
@@ -12,7 +12,7 @@ namespace sheaf {
 /// Index of a path in its wave.
 using Slot = std::uint16_t;
 
-/// A list of slots with room for a whole wave and one register more.
+/// A list of slots with room for a whole wave and one more register.
 class SlotList {
  public:
   static std::size_t bytes(int capacity) {
@@ -30,7 +30,7 @@ class SlotList {
     slots_[size_++] = slot;
   }
 
-  /// Pushes slots[lane] for every lane set in `bits`, in lane order. Where more than the first may be set, kWidth slots
+  /// Pushes slots[lane] for every lane set in `bits`, in lane order. If lanes beyond the first may be set, kWidth slots
   /// must be readable.
   SHEAF_INLINE void push(const Slot* slots, std::uint32_t bits) {
     assert(size_ + std::popcount(bits) <= capacity_);
@@ -48,7 +48,7 @@ class SlotList {
     return slots_[--size_];
   }
 
-  /// Repeats the last slot behind the end, so that a last, partial tile can be gathered in full.
+  /// Repeats the last slot behind the end, so that a partial last tile can be gathered as a whole.
   void pad() {
     if (size_ == 0) return;
     for (int i = size_; i < size_ + kWidth; ++i) slots_[i] = slots_[size_ - 1];

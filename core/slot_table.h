@@ -1,7 +1,7 @@
-// Storage that is reached by slot: one aligned row of 32 or 64 bytes per path, transposed on the way to registers.
+// Records that are accessed by slot: one aligned row of 32 or 64 bytes per path, transposed to and from registers.
 //
-// After sorting, the paths of a tile lie anywhere in the wave. Eight gathers from eight columns would touch eight cache
-// lines per path; a row touches one, and turning rows into registers costs a few shuffles (bench/bench_core.cpp).
+// After sorting, the paths of a tile lie anywhere in the wave. Gathering eight columns would touch eight cache lines
+// per path. A row touches one, and its transpose to registers costs a few shuffles (bench/bench_core.cpp).
 #pragma once
 
 #include "core/record_table.h"
@@ -21,7 +21,7 @@ template <template <class> class Record> class SlotTable {
 
   void bind(Arena& arena, int capacity) { rows_ = arena.take<Row>(static_cast<std::size_t>(capacity)); }
 
-  /// The rows of slots[0 .. L::width). All of them must be valid (see SlotList::pad).
+  /// Gathers the rows of slots[0 .. L::width). All slots must be valid (see SlotList::pad).
   template <class L> SHEAF_INLINE Record<L> gather(const Slot* slots) const {
     const float* rows[L::width];
     for (int lane = 0; lane < L::width; ++lane) rows[lane] = reinterpret_cast<const float*>(rows_ + slots[lane]);
@@ -46,10 +46,10 @@ template <template <class> class Record> class SlotTable {
     }
   }
 
-  /// One row where it lies, for scalar code that reads or writes some of its members.
+  /// A reference to one row, for scalar code that reads or writes some of its members.
   SHEAF_INLINE Row& row(Slot slot) { return rows_[slot]; }
   SHEAF_INLINE const Row& row(Slot slot) const { return rows_[slot]; }
-  /// A copy of a whole row, and its replacement.
+  /// Copies a whole row, and replaces it.
   Row get(Slot slot) const { return gather<Scalar>(&slot); }
   void set(Slot slot, const Row& in) { scatter<Scalar>(&slot, 1, in); }
 

@@ -1,8 +1,8 @@
-// Records declared once, stored as columns.
+// Structures of arrays (SoA) of records that are declared once.
 //
-// A record is a template over the lane with one fields() line. `Record<Wide>` is a register tile, `Record<Scalar>` a
-// row, and `Soa<Record>` the storage: one padded, aligned column per leaf. Leaves are found by walking fields(), so
-// records nest (Vec3, Spectrum) and there is no second list of members to keep in step.
+// A record is a template over the lane policy with one fields() function. `Record<Wide>` is a register tile,
+// `Record<Scalar>` a row, and `Soa<Record>` the storage: one padded, aligned column per leaf. Leaves are found by
+// walking fields(), so records can nest (Vec3, Spectrum) and there is no second list of members to maintain.
 #pragma once
 
 #include "core/arena.h"
@@ -48,8 +48,8 @@ template <class A, class B, class F> SHEAF_INLINE void zip_leaves(A& a, B& b, F&
   (std::make_index_sequence<std::tuple_size_v<decltype(ta)>>{});
 }
 
-/// Columns of a record in an arena. Capacity is rounded up to whole registers plus one, so that a tile may always be
-/// read and written in full. Columns are an odd number of cache lines apart: an even stride, a power of two above all,
+/// Columns of a record in an arena. Capacity is rounded up to whole registers plus one, so that whole tiles can always
+/// be read and written. Columns are an odd number of cache lines apart: an even stride, especially a power of two,
 /// would use only some of the cache's sets.
 template <template <class> class Record> class Soa {
  public:
@@ -58,7 +58,7 @@ template <template <class> class Record> class Soa {
     return static_cast<std::size_t>(columns) * stride(capacity) * sizeof(float) + kSimdAlignment;
   }
 
-  /// Only the first `columns` are there; loading and storing whole rows needs all.
+  /// Binds only the first `columns` columns. Loads and stores of whole rows need all.
   void bind(Arena& arena, int capacity, int columns = kLeafCount<Record>) {
     capacity_ = capacity;
     bound_ = columns;
@@ -72,7 +72,7 @@ template <template <class> class Record> class Soa {
     std::apply([&](auto&... column) { (assign(column), ...); }, leaves(columns_));
   }
 
-  /// The rows [i, i + L::width). `i` must be a multiple of L::width.
+  /// Loads the rows [i, i + L::width). `i` must be a multiple of L::width.
   template <class L> SHEAF_INLINE Record<L> load(int i) const {
     Record<L> out;
     zip_leaves(columns_, out, [i](auto* column, auto& leaf) SHEAF_LAMBDA_INLINE { sheaf::load(column + i, leaf); });
@@ -85,7 +85,7 @@ template <template <class> class Record> class Soa {
                [i](auto* column, const auto& leaf) SHEAF_LAMBDA_INLINE { sheaf::store(column + i, leaf); });
   }
 
-  /// Writes the lanes of `in` that `mask` selects to the rows from `i` on, without gaps; returns how many.
+  /// Writes the lanes of `in` that `mask` selects to consecutive rows, beginning at `i`. Returns their number.
   template <class L> SHEAF_INLINE int compress(int i, const Record<L>& in, typename L::Mask mask) {
     const std::uint32_t bits = mask_bits(mask);
     zip_leaves(columns_, in, [i, bits](auto* column, const auto& leaf) SHEAF_LAMBDA_INLINE {
@@ -94,7 +94,7 @@ template <template <class> class Record> class Soa {
     return std::popcount(bits);
   }
 
-  /// The columns themselves, for kernels that name the few that they touch.
+  /// The columns, for kernels that access only some of them.
   const Record<Columns>& columns() const { return columns_; }
   int capacity() const { return capacity_; }
   int bound_columns() const { return bound_; }

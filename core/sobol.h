@@ -1,13 +1,14 @@
 // The first five dimensions of the Sobol sequence with nested uniform (Owen) scrambling, without tables.
 //
-// A dimension with primitive polynomial p of degree e has direction numbers v_j with v_{j+e} + ... + v_j = v_j >> e,
-// the left side being p applied to the shift E: v_j -> v_{j+1} (Sobol 1967). So p(E)^k v_0 = v_0 >> ek. A point is
-// i(E) v_0, where i(t) is the index as a polynomial over GF(2), bit j the coefficient of t^j. Expanded in powers of p,
-// i = sum r_k p^k with deg r_k < e, it is sum (r_k(E) v_0) >> ek: digits r_k stand side by side and only the initial
-// direction numbers remain. The expansion takes a division with remainder by p^(2^k) = p(t^(2^k)) for each k, largest
-// first, for all digits at once: a few shifts, since p has few terms. With p = t + 1 that is the Pascal matrix.
+// A dimension with primitive polynomial p of degree e has direction numbers v_j with v_{j+e} + ... + v_j = v_j >> e.
+// The left side is p applied to the shift E: v_j -> v_{j+1} (Sobol 1967). So p(E)^k v_0 = v_0 >> ek. A point is i(E)
+// v_0, where i(t) is the index as a polynomial over GF(2), and bit j is the coefficient of t^j. Expanded in powers of
+// p, i is sum r_k p^k with deg r_k < e, and the point is sum (r_k(E) v_0) >> ek. The digits r_k stand side by side, and
+// only the initial direction numbers remain. The expansion divides by p^(2^k) = p(t^(2^k)) with remainder for each k,
+// largest first, for all digits at once. Each division is a few shifts, since p has few terms. For p = t + 1 the result
+// is the Pascal matrix.
 //
-// Words here are bit-reversed fractions: bit 0 is worth 1/2. That is the order in which Laine-Karras hashes scramble.
+// Words here are bit-reversed fractions: bit 0 is worth 1/2. Laine-Karras hashes scramble in this order.
 #pragma once
 
 #include "core/rng.h"
@@ -16,7 +17,7 @@ namespace sheaf {
 
 namespace sobol_detail {
 
-/// Ones in the parts `first` to `last` of each run of `parts` parts of `width` bits.
+/// A mask of ones in the parts `first` to `last` of each run of `parts` parts of `width` bits.
 constexpr std::uint32_t part_mask(int parts, int width, int first, int last) {
   std::uint32_t mask = 0;
   for (int bit = 0; bit < 32; ++bit) {
@@ -26,7 +27,7 @@ constexpr std::uint32_t part_mask(int parts, int width, int first, int last) {
   return mask;
 }
 
-/// Divides runs of 2 s bits by t^s + 1: quotient above, remainder below.
+/// Divides runs of 2 s bits by t^s + 1. The quotient is in the upper half, the remainder in the lower half.
 template <int s, class U> SHEAF_INLINE U divide_by_1(U i) { return i ^ ((i >> s) & U(part_mask(2, s, 0, 0))); }
 
 /// Divides runs of 4 s bits by t^2s + t^s + 1.
@@ -50,15 +51,15 @@ template <int s, class U> SHEAF_INLINE U divide_by_4(U i) {
 
 }  // namespace sobol_detail
 
-/// Point `index` of the Sobol sequence with the direction numbers of Joe and Kuo, "Constructing Sobol Sequences with
-/// Better Two-Dimensional Projections", 2008; dimensions 1 to 4, as bit-reversed fractions. Of the last two those that
-/// `wanted` (RandomNumbers) asks for.
+/// Point `index` of the Sobol sequence, dimensions 1 to 4, as bit-reversed fractions. The direction numbers are those
+/// of Joe and Kuo, "Constructing Sobol Sequences with Better Two-Dimensional Projections", 2008. Dimensions 3 and 4 are
+/// computed only if `wanted` (RandomNumbers) includes them.
 template <class L>
 SHEAF_INLINE void sobol4(typename L::Uint index, typename L::Uint out[4], unsigned wanted = kAllNumbers) {
   using U = typename L::Uint;
   using namespace sobol_detail;
   U a = index, b = index, c = index;
-  // Large divisors leave small indices as they are.
+  // Large divisors do not change small indices.
   if (any((index >> 8) != U(0u))) {
     if (any((index >> 16) != U(0u))) {
       a = divide_by_1<16>(a);
@@ -82,7 +83,7 @@ SHEAF_INLINE void sobol4(typename L::Uint index, typename L::Uint out[4], unsign
   }
 }
 
-/// The fifth dimension of the same.
+/// The fifth dimension of the same sequence.
 template <class L> SHEAF_INLINE typename L::Uint sobol_fifth(typename L::Uint index) {
   using U = typename L::Uint;
   using namespace sobol_detail;
@@ -94,7 +95,7 @@ template <class L> SHEAF_INLINE typename L::Uint sobol_fifth(typename L::Uint in
   return divide_by_4<1>(divide_by_4<2>(d));  // initial direction numbers 1/2, 1/4, 1/8
 }
 
-/// Nested uniform scrambling of a bit-reversed fraction: each bit is flipped or not depending on the seed and the bits
+/// Nested uniform scrambling of a bit-reversed fraction: whether a bit is flipped depends on the seed and the bits
 /// below it. Laine and Karras, "Stratified Sampling for Stochastic Transparency", EGSR 2011, in the improved form of
 /// Vegdahl, "Building a Better LK Hash", 2021.
 template <class U> SHEAF_INLINE U owen_scramble(U x, U seed) {
@@ -105,10 +106,10 @@ template <class U> SHEAF_INLINE U owen_scramble(U x, U seed) {
   return x ^ (x * U(0x53a22864u));
 }
 
-/// A nested uniform shuffle of an index: each bit is flipped or not depending on the keys and the bits above it, so
-/// that aligned runs of 2^k indices stay together. Leading zeros stay zeros: the first 2^k indices are shuffled among
-/// themselves, whatever follows them. That costs no randomness, since flipping a bit of all indices alike flips bits of
-/// all points alike, which their scrambling does anyway.
+/// A nested uniform shuffle of an index: whether a bit is flipped depends on the keys and the bits above it. So aligned
+/// runs of 2^k indices stay together. Leading zeros stay zeros: the first 2^k indices are shuffled among themselves,
+/// for any length of the sequence. This loses no randomness: flipping a bit of all indices flips bits of all points
+/// alike, which their scrambling does anyway.
 template <class U> SHEAF_INLINE U owen_shuffle(U index, U key0, U key1, U key2) {
   U x = reverse_bits(index);
   x = x ^ ((x << 1) & key1);
@@ -117,8 +118,8 @@ template <class U> SHEAF_INLINE U owen_shuffle(U index, U key0, U key1, U key2) 
   return reverse_bits(x * (key2 | U(1u)));
 }
 
-/// A point of one of many Sobol sequences, which are shuffled and scrambled independently (Burley, "Practical
-/// Hash-based Owen Scrambling", JCGT 2020) for each seed, `sequence` and block of dimensions.
+/// A point of one of many Sobol sequences, which are shuffled and scrambled independently for each seed, `sequence` and
+/// block of dimensions (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020).
 template <class L> struct SobolPoint { typename L::Uint seed, sequence, index; };
 
 namespace sobol_detail {
@@ -128,13 +129,14 @@ template <class L> struct Keys {
 
   SHEAF_INLINE Keys(const SobolPoint<L>& at, typename L::Uint block) {
     using U = typename L::Uint;
-    constexpr std::uint32_t kStream = 0x68bc21ebu;  // sets the keys apart from random4's numbers
+    constexpr std::uint32_t kStream = 0x68bc21ebu;  // keeps the keys distinct from the numbers of random4
     U k0 = at.sequence ^ (at.sequence >> 16), k1 = U(kStream), k2 = block, k3 = at.seed ^ (at.seed >> 16);
     hash4(k0, k1, k2, k3);
     const U keys[4] = {k0, k1, k2, k3};
     for (int i = 0; i < 4; ++i) scramble[i] = keys[i] ^ (keys[i] >> 16);  // scrambling needs good lower bits
   }
-  /// By bits of the keys that decide little in scrambling: the place in the sequence must tell nothing of that.
+  /// Shuffles by key bits that hardly affect scrambling: the scrambling must be independent of the index in the
+  /// sequence.
   SHEAF_INLINE typename L::Uint shuffle(typename L::Uint index) const {
     using U = typename L::Uint;
     return owen_shuffle(index, scramble[0] >> 8, (scramble[1] >> 8) | (scramble[3] & U(0xff000000u)), scramble[2] >> 8);
@@ -147,8 +149,9 @@ template <class U> SHEAF_INLINE auto scrambled_float(U fraction, U key) {
 
 }  // namespace sobol_detail
 
-/// Four numbers of a point. The first 2^k points of a sequence put one in each of the 2^k intervals of any dimension
-/// and rectangles of (x, y). Those that are not `wanted` (RandomNumbers) may be anything.
+/// Four numbers of a point. The first 2^k points of a sequence put one point into each of the 2^k equal intervals of
+/// any dimension, and into each of 2^k equal elementary rectangles of (x, y). Numbers that are not `wanted`
+/// (RandomNumbers) are undefined.
 template <class L>
 SHEAF_INLINE Random4<L> sobol_random4(const SobolPoint<L>& at, typename L::Uint block, unsigned wanted = kAllNumbers) {
   using namespace sobol_detail;
@@ -164,8 +167,8 @@ SHEAF_INLINE Random4<L> sobol_random4(const SobolPoint<L>& at, typename L::Uint 
   return u;
 }
 
-/// A fifth number that belongs to the four of `block`: points among which it hardly differs are spread well in them.
-/// `own_block`: what it is scrambled by, a block of its own.
+/// A fifth number that belongs to the four of `block`: points with similar fifth numbers are well stratified in the
+/// four. `own_block`: a block of its own, by which it is scrambled.
 template <class L>
 SHEAF_INLINE typename L::Float sobol_random_fifth(const SobolPoint<L>& at, typename L::Uint block,
                                                   typename L::Uint own_block) {

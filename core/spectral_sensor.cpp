@@ -1,4 +1,4 @@
-// The sensor's responses.
+// Tabulation of the responses of the sensor.
 #include "core/spectral_sensor.h"
 
 #include "core/color.h"
@@ -7,7 +7,7 @@ namespace sheaf {
 
 SensorCurves::SensorCurves() : rgb{} {
   constexpr float kStep = 5.0f;
-  double y = 0;  // y is linear between nodes and next to zero at both ends: the sum is its integral
+  double y = 0;  // y is linear between nodes, so the trapezoidal rule gives its integral
   for (int i = 0; i < kNodes; ++i) {
     const float lambda = kWavelengthMin + kStep * static_cast<float>(i);
     const double half = i == 0 || i == kNodes - 1 ? 0.5 : 1.0;

@@ -6,11 +6,12 @@
 
 namespace sheaf {
 
-/// The responses of Rec.709 to light of one wavelength: matrix times CIE 1931 curves over the integral of y, per nm, on
-/// the nodes of the CIE tables (every 5 nm from 360 nm), between which they are linear like those.
+/// The responses of the Rec.709 channels to light of one wavelength, per nm: the matrix from XYZ times the CIE 1931
+/// curves, over the integral of y. Tabulated at the nodes of the CIE tables (every 5 nm from 360 nm), and linear in
+/// between like these.
 struct SensorCurves {
   static constexpr int kNodes = 95;
-  float rgb[kNodes][4];  ///< red, green, blue, padding per node; negative where Rec.709 does not reach
+  float rgb[kNodes][4];  ///< red, green, blue, padding per node; negative outside the gamut of Rec.709
 
   SensorCurves();
   static const SensorCurves& get();
@@ -33,9 +34,9 @@ template <class L> SHEAF_INLINE Vec3<L> sensor_response(const SensorCurves& curv
   return {lerp(t, below[0], above[0]), lerp(t, below[1], above[1]), lerp(t, below[2], above[2])};
 }
 
-/// The estimate of a pixel's colour that a path with these wavelengths makes: the mean over them of radiance *
-/// response / density. Its expectation is what emission_table_to_rgb() gives for the spectrum, except that colours
-/// outside the gamut keep their negative components. `radiance` is as the path carries it, hero_balance() included.
+/// The estimate of a pixel's colour from one path: the mean of radiance * response / pdf over its wavelengths. The
+/// expectation is that of emission_table_to_rgb() for the spectrum, except that colours outside the gamut keep their
+/// negative components. `radiance`: as carried by the path, with hero_balance() included.
 template <class L>
 SHEAF_INLINE Vec3<L> radiance_to_rgb(const SensorCurves& curves, const Wavelengths<L>& w, const Spectrum<L>& radiance) {
   Vec3<L> sum;

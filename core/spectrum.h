@@ -5,13 +5,13 @@
 
 namespace sheaf {
 
-/// What the four lanes of a Spectrum are.
+/// The meaning of the four lanes of a Spectrum.
 enum class ColorMode : std::uint32_t {
-  kRgb,       ///< linear Rec.709 in three of them
-  kSpectral,  ///< four wavelengths, of each path its own
+  kRgb,       ///< linear Rec.709 in three lanes
+  kSpectral,  ///< four wavelengths, different for each path
 };
 
-/// Radiance, throughput, reflectance ... at four wavelengths.
+/// Radiance, throughput, reflectance etc. in four spectral lanes.
 template <class L> struct Spectrum {
   typename L::Float c0{}, c1{}, c2{}, c3{};
   static constexpr auto fields(auto& s) { return std::tie(s.c0, s.c1, s.c2, s.c3); }
@@ -19,7 +19,7 @@ template <class L> struct Spectrum {
   Spectrum() = default;
   SHEAF_INLINE Spectrum(typename L::Float a, typename L::Float b, typename L::Float c, typename L::Float d)
       : c0(a), c1(b), c2(c), c3(d) {}
-  /// The same value in all four.
+  /// The same value in all four lanes.
   SHEAF_INLINE explicit Spectrum(typename L::Float v) : c0(v), c1(v), c2(v), c3(v) {}
 };
 
@@ -38,7 +38,7 @@ template <class L> SHEAF_INLINE Float<L> max_component(Spectrum<L> a) { return m
 template <class L> SHEAF_INLINE Spectrum<L> select(Mask<L> m, Spectrum<L> a, Spectrum<L> b) {
   return {select(m, a.c0, b.c0), select(m, a.c1, b.c1), select(m, a.c2, b.c2), select(m, a.c3, b.c3)};
 }
-/// The sum of the four.
+/// The sum of all four lanes.
 template <class L> SHEAF_INLINE Float<L> total(Spectrum<L> a) { return (a.c0 + a.c1) + (a.c2 + a.c3); }
 template <class L> SHEAF_INLINE Mask<L> is_black(Spectrum<L> a) { return max_component(a) <= Float<L>(0.0f); }
 

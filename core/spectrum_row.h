@@ -1,4 +1,4 @@
-// Spectra as kernels read them: one row of 32 bytes, evaluated at the four wavelengths of every path without branches
+// Spectra in tables for kernels: one row of 32 bytes, evaluated at the four wavelengths of every path without branches
 // on the kind of spectrum.
 #pragma once
 
@@ -7,31 +7,32 @@
 
 namespace sheaf {
 
-/// scale * sigmoid polynomial * table, any of which may be one everywhere. A constant has an infinite c2, whose sigmoid
-/// is exactly 1; a tabulated spectrum has that too; an emitter given as a colour has a polynomial and the table of D65.
+/// The spectrum scale * sigmoid polynomial * table, in which each factor may be 1 everywhere. Constants and tabulated
+/// spectra have an infinite c2, whose sigmoid is exactly 1. An emitter given as a colour has a polynomial and the table
+/// of D65.
 struct alignas(32) SpectrumRow {
   float c0 = 0, c1 = 0, c2 = kInfinity;  ///< see SigmoidPolynomial
   float scale = 0;
-  std::uint32_t table = 0;  ///< which of SpectrumTables; 0 for none
+  std::uint32_t table = 0;  ///< index of the table; 0: none
   std::uint32_t padding[3] = {};
 
-  /// The same at every wavelength.
+  /// Whether the spectrum is constant.
   bool is_flat() const { return c0 == 0 && c1 == 0 && table == 0; }
   bool operator==(const SpectrumRow&) const = default;
 };
 
-/// What the rows' tables are read from: samples every nanometre from 360 to 830 nm, linear in between.
+/// The tables of SpectrumRow: samples every nanometre from 360 to 830 nm, linear in between.
 struct SpectrumTableView {
   static constexpr int kSamples = 471;
   /// Floats from one table to the next.
   static constexpr std::uint32_t kStride = 472;
-  /// Table 0 is one everywhere, table 1 the spectrum of D65 with Y = 1, for colours of light such as texels of
+  /// Table 0 is 1 everywhere. Table 1 is the spectrum of D65 with Y = 1, for emitted colours such as texels of
   /// environment maps.
   static constexpr std::uint32_t kNone = 0, kDaylight = 1;
   const float* samples = nullptr;
 };
 
-/// Sample `table` at `lambda` nm, in [360, 830].
+/// The value of table `table` at `lambda` nm, in [360, 830].
 template <class L>
 SHEAF_INLINE Float<L> evaluate_table(SpectrumTableView view, typename L::Uint table, typename L::Float lambda) {
   using F = typename L::Float;
@@ -49,7 +50,7 @@ SHEAF_INLINE Spectrum<L> evaluate_table(SpectrumTableView view, typename L::Uint
           evaluate_table<L>(view, table, lambda.c2), evaluate_table<L>(view, table, lambda.c3)};
 }
 
-/// A row per lane, as registers.
+/// One row per lane, in registers.
 template <class L> struct LoadedSpectrum {
   SigmoidPolynomial<L> shape;
   typename L::Float scale{};

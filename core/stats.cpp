@@ -1,4 +1,4 @@
-// Sums, ratios and printed forms of the counters. The only file that includes nlohmann-json.
+// Sums, ratios and printed forms of the counters. The only file of core that includes nlohmann-json.
 #include "core/stats.h"
 
 #include "core/simd.h"
@@ -36,7 +36,7 @@ double measure_seconds_per_tick() {
 #endif
 }
 
-/// A number of bytes that Linux tells of this process, such as "VmHWM"; 0 if there is no such line.
+/// The value of `key`, such as "VmHWM", in /proc/self/status, in bytes; 0 if missing.
 std::uint64_t process_status_bytes(std::string_view key) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)
@@ -53,7 +53,7 @@ double seconds_per_tick() {
 }
 
 std::uint64_t peak_rss_bytes() {
-  // The other way counts the program that this process was before, too.
+  // getrusage() also counts the program that this process ran before.
   if (const std::uint64_t bytes = process_status_bytes("VmHWM"); bytes != 0) return bytes;
 #if defined(__APPLE__)
   constexpr std::uint64_t kUnit = 1;
@@ -126,7 +126,7 @@ double RenderReport::samples_factor(double target) const { return noise ? (*nois
 
 namespace {
 
-/// What `sheaf render` prints for a light: where it stands in the file, else its row.
+/// The name of a light in the report: its location in the scene file, or else its row.
 std::string light_name(const RenderReport& report, std::size_t light) {
   const bool known = light < report.light_source_locations.size() && !report.light_source_locations[light].empty();
   return known ? report.light_source_locations[light] : "light " + std::to_string(light);
@@ -169,7 +169,7 @@ std::string lights_table(const RenderReport& report) {
   return fmt::format("{:<28}{:>11}{:>11}{:>13}\n", "light", "shadow rays", "arrive", "of their sum") + text;
 }
 
-/// What adaptive sampling has come to.
+/// The result of adaptive sampling.
 std::string adaptive_line(const RenderReport& report) {
   if (!report.adaptive) return {};
   const RenderReport::Adaptive& a = *report.adaptive;
@@ -186,7 +186,7 @@ nlohmann::ordered_json adaptive_json(const RenderReport& report) {
           {"most_spp", a.most_samples},     {"tiles", a.tiles},           {"tiles_reached", a.reached}};
 }
 
-/// How noisy the picture is, and what it would take to halve that, and to bring it to one per cent.
+/// The noise of the image, and the samples and time to halve it and to reduce it to 1 %.
 std::string noise_line(const RenderReport& report) {
   if (!report.noise || !(*report.noise > 0)) return {};
   std::string text = fmt::format("noise {:.2f} % of a pixel's value (rms)", *report.noise * 100);

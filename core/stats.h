@@ -1,4 +1,4 @@
-// What a render did and how long it took: counters per worker, their sum, and the report made of them.
+// Statistics of a render: counters per worker, their sum, and the report.
 #pragma once
 
 #include <array>
@@ -16,9 +16,9 @@
 
 namespace sheaf {
 
-/// A stage of a pass, as an index. Which there are is for kernels/stages/stage_list.h to say.
+/// Index of a stage of a pass, defined by kernels/stages/stage_list.h.
 enum class Stage : std::uint32_t;
-/// More stages than there ever are.
+/// Upper bound on the number of stages.
 inline constexpr std::size_t kMaxStages = 32;
 
 /// A fast time stamp in ticks of unspecified length. Monotonic on one thread; costs a few nanoseconds.
@@ -30,21 +30,21 @@ inline std::uint64_t timestamp() {
 #endif
 }
 
-/// The length of one tick of timestamp(). The first call measures it for some milliseconds; thread-safe.
+/// The length of one tick of timestamp() in seconds. The first call measures it for 5 ms; thread-safe.
 double seconds_per_tick();
 
-/// The highest resident set size of this process so far; 0 where the system does not tell.
+/// The peak resident set size of this process in bytes; 0 if unknown.
 std::uint64_t peak_rss_bytes();
 
-/// The same without what is resident of files now, mostly the libraries' code: what is left are heap, stacks, and data
-/// that libraries have written to. 0 where the system does not tell.
+/// The peak resident set size minus the file pages that are resident now, mostly code of libraries. Heap, stacks, and
+/// data that libraries have written to remain. In bytes; 0 if unknown.
 std::uint64_t peak_private_bytes();
 
-/// What one stage did.
+/// Counters of one stage.
 struct StageStats {
   std::uint64_t calls = 0;         ///< times the stage ran on a wave
   std::uint64_t items = 0;         ///< queue entries consumed
-  std::uint64_t batches = 0;       ///< SIMD registers' worth of work
+  std::uint64_t batches = 0;       ///< SIMD registers processed
   std::uint64_t active_lanes = 0;  ///< lanes of those registers that held an item; at most batches * kWidth
   std::uint64_t ticks = 0;         ///< of timestamp()
 
@@ -69,11 +69,11 @@ class ScopedTimer {
   std::uint64_t start_;
 };
 
-/// What light sampling spent on a light, and what that brought.
+/// Shadow rays of light sampling to one light, and the radiance that they contributed.
 struct LightStats {
   std::uint64_t rays = 0;     ///< shadow rays towards it
-  std::uint64_t arrived = 0;  ///< those of them that found nothing in between
-  double radiance = 0;        ///< that they brought to the picture, sum over samples and components
+  std::uint64_t arrived = 0;  ///< shadow rays that were not occluded
+  double radiance = 0;        ///< contributed to the image, sum over samples and components
 
   LightStats& operator+=(const LightStats& other) {
     rays += other.rays;
@@ -83,23 +83,23 @@ struct LightStats {
   }
 };
 
-/// Everything that one worker counts; the sum over workers describes a render. A cache line apart from its neighbours,
-/// so that an array of them, one per worker, shares no line.
+/// All counters of one worker; the sum over all workers describes a render. Aligned to cache lines, so that the
+/// workers' elements of an array share no line.
 struct alignas(64) Stats {
   std::array<StageStats, kMaxStages> stages;
   struct Rays {
     std::uint64_t camera = 0;   ///< from the camera
-    std::uint64_t light = 0;    ///< from lights: photons
+    std::uint64_t light = 0;    ///< photons from the lights
     std::uint64_t scatter = 0;  ///< continued after a surface or a medium
     std::uint64_t shadow = 0;   ///< visibility towards a light
     std::uint64_t total() const { return camera + light + scatter + shadow; }
   } rays;
-  /// Of tracking through media.
+  /// Collisions while tracking through media.
   struct Collisions {
-    std::uint64_t real = 0;       ///< of paths with the medium
-    std::uint64_t null = 0;       ///< of paths with what fills it up to the majorant; steps of ray marching
+    std::uint64_t real = 0;       ///< real collisions of paths
+    std::uint64_t null = 0;       ///< null collisions of paths, or steps of ray marching
     std::uint64_t shadow = 0;     ///< tentative collisions, or steps, of shadow rays
-    std::uint64_t abandoned = 0;  ///< rays that were given up, see kMaxCollisions of kernels/media/density_tracking.h
+    std::uint64_t abandoned = 0;  ///< rays that ended after kMaxCollisions of kernels/media/density_tracking.h
     Collisions& operator+=(const Collisions& other) {
       real += other.real;
       null += other.null;
@@ -111,18 +111,18 @@ struct alignas(64) Stats {
   std::uint64_t trace_ticks = 0;  ///< inside Embree, of timestamp()
   std::uint64_t samples = 0;      ///< camera samples that reached the film
   struct Dropped {
-    std::uint64_t rays = 0;     ///< not finite, never traced
+    std::uint64_t rays = 0;     ///< not finite, not traced
     std::uint64_t samples = 0;  ///< NaN, infinite or negative radiance
   } dropped;
 
-  std::vector<LightStats> lights;  ///< by row; lights beyond its end are not told apart
+  std::vector<LightStats> lights;  ///< by row; lights beyond its end are not counted separately
 
   StageStats& operator[](Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
   const StageStats& operator[](Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
   Stats& operator+=(const Stats& other);
 };
 
-/// What `--stats` writes: the render's settings, its times, and the counters of all workers together.
+/// The content of `--stats`: settings, times, and the counters of all workers together.
 struct RenderReport {
   std::string scene;          ///< the scene file, as given
   std::string integrator;     ///< "path", "normals" ...
@@ -130,8 +130,8 @@ struct RenderReport {
   std::string isa;            ///< instruction set of the kernels, e.g. "avx2"
   int width = 0, height = 0;  ///< of the frame, pixels
   std::uint32_t spp = 0;      ///< samples per pixel
-  /// Stopped before all of them were taken; `mean_samples` is how many there are per pixel on average, and of photons
-  /// seen by the camera how many for each pixel of the frame.
+  /// Stopped before all samples were taken. `mean_samples` is the mean number of samples per pixel, or for light
+  /// tracing the number of photons per pixel of the frame.
   bool interrupted = false;
   double mean_samples = 0;
   std::uint32_t seed = 0;
@@ -140,32 +140,32 @@ struct RenderReport {
   double load_seconds = 0;    ///< reading files
   double build_seconds = 0;   ///< compiling the scene, with its acceleration structure
   double render_seconds = 0;  ///< wall clock of the render alone
-  /// What photon maps were made of, and how long it took.
+  /// Number of photons in photon maps, and the time to make the maps.
   struct Photons {
     std::uint64_t emitted = 0, stored = 0;
-    double trace_seconds = 0;  ///< following photons from the lights
-    double index_seconds = 0;  ///< putting them into maps
+    double trace_seconds = 0;  ///< tracing photons from the lights
+    double index_seconds = 0;  ///< building the maps
   } photons;
-  /// What a guide was trained with, and how long it took. The stages' times include its passes.
+  /// Training of the guide, and its time. The times of the stages include its passes.
   struct Guiding {
     std::uint64_t passes = 0, samples = 0;  ///< training passes, and their camera samples
-    std::uint64_t records = 0, places = 0;  ///< directions that brought light, and places that learned from them
-    double trace_seconds = 0;               ///< following paths
-    double fit_seconds = 0;                 ///< learning from them
+    std::uint64_t records = 0, places = 0;  ///< training samples with light, and guide cells that learned from them
+    double trace_seconds = 0;               ///< tracing paths
+    double fit_seconds = 0;                 ///< fitting the guide to the training samples
   } guiding;
-  /// Adaptive sampling: how many samples there are.
+  /// Adaptive sampling: the number of samples.
   struct Adaptive {
-    double noise_target = 0;  ///< of each tile; 0: none
-    double mean_samples = 0;  ///< per pixel, of those that are used
+    double noise_target = 0;  ///< target noise of each tile; 0: none
+    double mean_samples = 0;  ///< per pixel, of the samples that are used
     std::uint32_t least_samples = 0, most_samples = 0;
-    std::uint64_t tiles = 0, reached = 0;  ///< of the picture, and those that are no noisier than they are to be
+    std::uint64_t tiles = 0, reached = 0;  ///< tiles of the image, and tiles that reached the target
   };
   std::optional<Adaptive> adaptive;
   std::uint64_t peak_rss_bytes = 0, peak_private_bytes = 0;
   std::vector<std::string_view> stage_names;        ///< of all stages, in the order of Stats::stages
-  std::vector<std::string> light_source_locations;  ///< "file:line" of each light that Stats::lights tells, or empty
-  /// Standard error of a pixel over its value, root of the mean square over the picture without the worst thousandth;
-  /// absent where variances are.
+  std::vector<std::string> light_source_locations;  ///< "file:line" of each light in Stats::lights, or empty
+  /// Relative standard error of a pixel: root mean square over the image without the worst 0.1 %. Absent if variances
+  /// are unknown.
   std::optional<double> noise;
   Stats stats;
 
@@ -173,19 +173,19 @@ struct RenderReport {
   double rays_per_second() const;
   /// Share of all workers' rendering time spent inside Embree: trace seconds / (render_seconds * threads).
   double trace_share() const;
-  /// How many times as many samples bring the noise to `target`; 0 where it is not known.
+  /// Factor on the number of samples that reduces the noise to `target`; 0 if the noise is unknown.
   double samples_factor(double target) const;
 };
 
-/// Lights that a report names.
+/// Maximum number of lights in a report.
 inline constexpr std::size_t kReportedLights = 10;
-/// Indices of the lights with the most shadow rays, most first, without those that have none.
+/// Indices of the lights with the most shadow rays, in descending order. Omits lights without shadow rays.
 std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t most = kReportedLights);
 
 /// The report as JSON text, one object with the keys that the command line's help lists.
 std::string to_json(const RenderReport& report);
 
-/// The report as a table for people, lines ending in '\n'. Stages without items are left out.
+/// The report as a human-readable table; lines end in '\n'. Omits stages without items.
 std::string to_table(const RenderReport& report);
 
 }  // namespace sheaf

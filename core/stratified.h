@@ -1,19 +1,19 @@
-// Stratified samples: a pixel's samples are spread over the cells of a grid in each pair of dimensions, and which
-// sample gets which cell is shuffled anew for each pixel, block and pair.
+// Stratified sampling: in each pair of dimensions, the samples of a pixel are distributed over the cells of a grid. The
+// assignment of samples to cells is shuffled for each pixel, block and pair.
 #pragma once
 
 #include "core/rng.h"
 
 namespace sheaf {
 
-/// The cells of a pair of dimensions, one for each sample.
+/// The grid of cells in a pair of dimensions, one cell for each sample.
 struct SampleGrid {
   std::uint32_t columns = 1, rows = 1;
   std::uint32_t size() const { return columns * rows; }
 };
 
-/// Element `i` of a permutation of 0 .. count - 1 that `key` selects; i is below count. Permutes the next power of two
-/// and follows the cycle until it is back below count (Kensler, "Correlated Multi-Jittered Sampling", 2013).
+/// Element `i` of the permutation of 0 .. count - 1 that `key` selects; i is below count. Permutes the next power of
+/// two and follows the cycle until the element is below count (Kensler, "Correlated Multi-Jittered Sampling", 2013).
 template <class U> SHEAF_INLINE U permuted(U i, std::uint32_t count, U key) {
   const int bits = static_cast<int>(std::bit_width(count - 1)), half = std::max(1, (bits + 1) / 2);
   const U mask((1u << bits) - 1u), end(count);
@@ -33,7 +33,7 @@ template <class U> SHEAF_INLINE U permuted(U i, std::uint32_t count, U key) {
 /// Quotient and remainder.
 template <class U> struct Division { U quotient, remainder; };
 
-/// a / b; a is below 2^24.
+/// a / b and its remainder for a below 2^24.
 template <class U> SHEAF_INLINE Division<U> divide(U a, std::uint32_t b) {
   using F = decltype(to_float(a));
   const U guess = to_uint(to_float(a) * F(1.0f / static_cast<float>(b)));  // off by one at most
@@ -46,8 +46,8 @@ namespace stratified_detail {
 
 template <class L> struct Pair { typename L::Float x, y; };
 
-/// A point of `cell`, moved by the jitter (u, v) within it. Correlated: within the column, points lie in different rows
-/// of a finer grid, and so within the row; each of the finer rows and columns then holds one point.
+/// A point in `cell`, jittered by (u, v). `correlated`: within a column, points lie in different rows of a finer grid,
+/// and likewise within a row. Each of the finer rows and columns then holds one point.
 template <class L>
 SHEAF_INLINE Pair<L> point_in_cell(SampleGrid grid, typename L::Uint cell, bool correlated, typename L::Uint key_x,
                                    typename L::Uint key_y, typename L::Float u, typename L::Float v) {
@@ -65,14 +65,14 @@ SHEAF_INLINE Pair<L> point_in_cell(SampleGrid grid, typename L::Uint cell, bool 
 
 }  // namespace stratified_detail
 
-/// Four numbers of a sample: (x, y) and (z, w) each lie in a cell of the grid of their own, and grid.size() consecutive
-/// samples, from a multiple of it on, fill all cells. `correlated`: correlated multi-jittered (Kensler 2013), else
+/// Four numbers of a sample. (x, y) and (z, w) each lie in a cell of a grid of their own. grid.size() consecutive
+/// samples, beginning at a multiple of it, fill all cells. `correlated`: correlated multi-jittered (Kensler 2013), else
 /// jittered. Samples are below 2^24.
 template <class L>
 SHEAF_INLINE Random4<L> stratified_random4(std::uint32_t seed, SampleGrid grid, bool correlated, typename L::Uint pixel,
                                            typename L::Uint sample, typename L::Uint block) {
   using U = typename L::Uint;
-  constexpr std::uint32_t kStream = 0xb5297a4du;  // sets the keys apart from random4's numbers
+  constexpr std::uint32_t kStream = 0xb5297a4du;  // keeps the keys distinct from the numbers of random4
   const Random4<L> jitter = random4<L>(seed, pixel, sample, block);
   const auto [round, i] = divide(sample, grid.size());
   stratified_detail::Pair<L> pairs[2];

@@ -1,3 +1,4 @@
+// Inversion of matrices, and construction and application of transforms.
 #include "core/transform.h"
 
 #include "core/error.h"
@@ -90,7 +91,7 @@ using Double3 = std::array<double, 3>;
 Double3 cross(const Double3& a, const Double3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-/// `v` with length 1; in double precision, so that scenes of any size that floats can express work.
+/// Normalises `v` in double precision, so that scenes of any size within the range of float work.
 Double3 unit(const Double3& v) {
   const double norm = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   if (!(norm > 0.0) || !std::isfinite(norm)) throw SceneError("lookat: origin, target and up must span a frame");

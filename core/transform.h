@@ -7,12 +7,12 @@
 
 namespace sheaf {
 
-/// A 4x4 matrix, row by row; points are columns.
+/// A 4x4 matrix in row-major order, for column vectors.
 struct Matrix4 {
   std::array<std::array<double, 4>, 4> m{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
 };
 Matrix4 operator*(const Matrix4& a, const Matrix4& b);
-/// The inverse, or false if the matrix is singular or not finite.
+/// Computes the inverse. Returns false if the matrix is singular or not finite.
 bool invert(const Matrix4& a, Matrix4& out);
 
 /// A transform with its inverse. Composition multiplies in double precision.
@@ -26,10 +26,11 @@ class Transform {
   static Transform translate(Vec3f by);
   /// Throws Error if a factor is zero or not finite.
   static Transform scale(Vec3f by);
-  /// Counter-clockwise about `axis` (any length but zero), in degrees.
+  /// A counter-clockwise rotation about `axis` (any length but zero), in degrees. Throws Error if the axis is zero or
+  /// not finite.
   static Transform rotate(Vec3f axis, double degrees);
-  /// Camera to world: +z looks from `origin` to `target`, +y is nearest to `up`, +x points to the left of the picture.
-  /// Throws Error if the directions coincide.
+  /// Camera to world: +z points from `origin` to `target`, +y is nearest to `up`, and +x points to the left of the
+  /// image. Throws Error if the directions coincide.
   static Transform look_at(Vec3f origin, Vec3f target, Vec3f up);
 
   Transform inverse() const;

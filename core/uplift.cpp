@@ -1,4 +1,4 @@
-// Fitting of sigmoid polynomials to colours.
+// Fitting of sigmoid polynomials to colours by Newton's method, and construction of the table (see core/uplift.h).
 #include "core/uplift.h"
 
 #include "core/color.h"
@@ -14,15 +14,15 @@ namespace sheaf {
 
 namespace {
 
-/// The integral that turns a reflectance into a colour, as a sum over the nodes of the CIE tables.
+/// The integral from reflectance to colour, as a sum over the nodes of the CIE tables.
 struct Quadrature {
   static constexpr int kNodes = 95;
   float t[kNodes];          ///< polynomial's argument at the node
-  float weight[3][kNodes];  ///< those of each channel sum to 1
+  float weight[3][kNodes];  ///< the weights of each channel sum to 1
   Quadrature();
 };
 
-/// Lagrange's polynomial that is 1 at `own` and 0 at the other integers from 0 to 3, at `x`.
+/// The Lagrange polynomial that is 1 at `own` and 0 at the other integers from 0 to 3, evaluated at `x`.
 double lagrange(int own, double x) {
   double product = 1;
   for (int other = 0; other < 4; ++other)
@@ -30,8 +30,8 @@ double lagrange(int own, double x) {
   return product;
 }
 
-/// Spectra are taken for cubics in each interval of the tables, through its ends and the nodes next to them; the tables
-/// are linear there. Four Gauss points integrate the product exactly.
+/// In each interval of the tables, spectra are approximated by cubics through its ends and the nodes next to them. The
+/// tables are linear there. Four-point Gauss quadrature integrates the product exactly.
 Quadrature::Quadrature() {
   constexpr double kStep = 5.0;
   constexpr std::pair<double, double> kGauss[] = {{-0.8611363115940526, 0.3478548451374538},
@@ -63,13 +63,13 @@ const Quadrature& quadrature() {
   return instance;
 }
 
-/// A trial: coefficients, how far the colour is off, and its derivatives.
+/// A trial of Newton's method: coefficients, error of the colour, and its derivatives.
 template <class L> struct Trial {
   using F = typename L::Float;
   F c[3];     ///< coefficients of 1, t, t^2
-  F off[3];   ///< colour less target
+  F off[3];   ///< colour minus target
   F d[3][3];  ///< d[channel][coefficient]
-  F error;    ///< largest of |off|
+  F error;    ///< maximum of |off|
 };
 
 template <class L> SHEAF_INLINE void measure(const Quadrature& q, Vec3<L> target, Trial<L>& trial) {
@@ -99,7 +99,7 @@ template <class L> SHEAF_INLINE void measure(const Quadrature& q, Vec3<L> target
   }
 }
 
-/// Solves d * step = off by Cramer's rule; zero where the matrix is singular.
+/// Solves d * step = off by Cramer's rule. The step is zero if the matrix is singular.
 template <class L> SHEAF_INLINE void newton_step(const Trial<L>& a, typename L::Float (&step)[3]) {
   using F = typename L::Float;
   const Vec3<L> column[3] = {
@@ -116,13 +116,14 @@ template <class L> SHEAF_INLINE void newton_step(const Trial<L>& a, typename L::
 constexpr float kTolerance = 2e-5f;
 constexpr float kLargestCoefficient = 1000.0f;
 
-/// Newton's method with steps that are shortened where they don't help. Starts from trial.c and leaves the best found.
+/// Newton's method with damped steps. Starts from best.c and keeps the best trial.
 template <class L> void fit(const Quadrature& q, Vec3<L> target, Trial<L>& best, int iterations) {
   using F = typename L::Float;
   measure<L>(q, target, best);
   F damping = F(1.0f);
   for (int i = 0; i < iterations; ++i) {
     if (all((best.error < F(kTolerance)) | (damping < F(1e-3f)))) return;
+    // Limit the length of the Newton step.
     F step[3];
     newton_step<L>(best, step);
     const F length = max(abs(step[0]), max(abs(step[1]), abs(step[2])));
@@ -133,6 +134,7 @@ template <class L> void fit(const Quadrature& q, Vec3<L> target, Trial<L>& best,
     for (int k = 0; k < 3; ++k)
       next.c[k] = clamp(best.c[k] - factor * step[k], F(-kLargestCoefficient), F(kLargestCoefficient));
     measure<L>(q, target, next);
+    // Keep improvements, and adapt the damping.
     const auto better = next.error < best.error;
     damping = select(better, min(F(1.0f), F(2.0f) * damping), F(0.25f) * damping);
     best.error = select(better, next.error, best.error);
@@ -144,7 +146,7 @@ template <class L> void fit(const Quadrature& q, Vec3<L> target, Trial<L>& best,
   }
 }
 
-/// Fits without a neighbour to start from: by way of greyer colours.
+/// Fits without the solution of a neighbour as initial value: moves from grey to the target in steps.
 template <class L> void fit_from_grey(const Quadrature& q, Vec3<L> target, Trial<L>& trial) {
   using F = typename L::Float;
   const F grey = clamp((target.x + target.y + target.z) * F(1.0f / 3.0f), F(0.02f), F(0.98f));
@@ -166,8 +168,8 @@ Vec3f node_color(int largest, int z, int second, int first) {
   return {rgb[0], rgb[1], rgb[2]};
 }
 
-/// Fits the nodes of one plane (largest, second), a register of `first` at a time: up and down from a brightness in the
-/// middle, each from its neighbour.
+/// Fits the nodes of one plane (largest, second), one register of `first` at a time. Proceeds up and down from a middle
+/// brightness, and starts each fit from the neighbouring solution.
 void fit_plane(const Quadrature& q, int largest, int second, float* nodes) {
   constexpr int kSize = UpliftTable::kSize, kStart = kSize / 4;
   static_assert(kSize % kWidth == 0);
@@ -201,7 +203,7 @@ void fit_plane(const Quadrature& q, int largest, int second, float* nodes) {
 
 bool is_grey(Vec3f rgb) { return rgb.x == rgb.y && rgb.y == rgb.z; }
 
-/// For a colour whose components lie in [0, 1].
+/// Fits a colour with components in [0, 1].
 SigmoidPolynomial<Scalar> fit_color(Vec3f rgb) {
   Trial<Scalar> trial;
   fit_from_grey<Scalar>(quadrature(), rgb, trial);
@@ -220,7 +222,7 @@ float UpliftTable::place_ratio(float place) {
 
 UpliftTable::UpliftTable() : nodes(std::size_t{4} * 3 * kSize * kSize * kSize) {
   const Quadrature& q = quadrature();
-  // Isolated: a thread that waits here must not take up a caller's task, which might ask for the table again.
+  // Isolated: a waiting thread must not run a task of the caller, which might request the table again.
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(0, 3 * kSize, [&](int plane) { fit_plane(q, plane / kSize, plane % kSize, nodes.data()); });
   });

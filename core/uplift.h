@@ -1,10 +1,10 @@
-// From a Rec.709 colour to a smooth spectrum that has this colour under D65: by a fit to the one colour, or through a
-// table for the texels of pictures.
+// Spectral upsampling: from a Rec.709 colour to a smooth spectrum that has this colour under D65. Single colours are
+// fitted; texels of images use a table.
 //
 // The spectra are those of Jakob and Hanika, "A Low-Dimensional Function Space for Efficient Spectral Upsampling"
-// (Eurographics 2019). Fitting and table are arranged differently: Newton's method on linear Rec.709, so fast in wide
-// registers that the table is made when a program first asks for it and never stored; and colours darker than
-// kUpliftDarkest are the spectra of that brightness, scaled, because there a sigmoid gains nothing over a factor.
+// (Eurographics 2019). Two things differ. The fit is Newton's method on linear Rec.709, which is so fast in wide
+// registers that the table is computed at first use and never stored. Colours darker than kUpliftDarkest are scaled
+// spectra of that brightness, because a sigmoid has no advantage over a factor there.
 #pragma once
 
 #include "core/sigmoid_polynomial.h"
@@ -24,26 +24,26 @@ template <class L> SHEAF_INLINE Spectrum<L> evaluate(const ScaledSigmoid<L>& s, 
   return evaluate(s.shape, lambda) * s.scale;
 }
 
-/// Largest component below which a reflectance is a scaled one of this brightness.
+/// Reflectances whose maximum component is smaller are scaled spectra of this brightness.
 inline constexpr float kUpliftDarkest = 0.25f;
-/// Largest component of the reflectance by which unbounded colours are represented.
+/// Maximum component of the reflectance that represents unbounded colours.
 inline constexpr float kUpliftUnbounded = 0.5f;
 
 /// Coefficients over the cube of colours.
 ///
-/// There is one grid for each choice of the largest component, whose value `z` is one axis; the other two axes are the
-/// ratios of the next and the next but one component (R, G, B, R, ...) to it. Nodes lie densely where the coefficients
+/// There is one grid for each choice of the largest component, whose value `z` is one axis. The other two axes are the
+/// ratios of the next two components (in the order R, G, B, R, ...) to it. Nodes are dense where the coefficients
 /// change fast: towards z = 1 and towards ratios of 0 and 1.
 struct UpliftTable {
   static constexpr int kSize = 32;  ///< nodes per axis
-  /// c0, c1, c2 and a word of padding per node, at ((largest * kSize + z) * kSize + second) * kSize + first.
+  /// c0, c1, c2 and one word of padding per node, at ((largest * kSize + z) * kSize + second) * kSize + first.
   std::vector<float> nodes;
 
   UpliftTable();
-  /// Made by the first call, in parallel. Depends on the instruction set in its last digits, not on threads.
+  /// Computed by the first call, in parallel. The last digits depend on the instruction set, but not on threads.
   static const UpliftTable& get();
 
-  /// Place of a ratio or of a brightness in [kUpliftDarkest, 1] on its axis, from 0 to kSize - 1, and the inverse.
+  /// Position on its axis, from 0 to kSize - 1, of a ratio or of a brightness in [kUpliftDarkest, 1]; and the inverse.
   template <class F> static F ratio_place(F ratio) {
     return (sqrt(ratio) + (F(1.0f) - safe_sqrt(F(1.0f) - ratio))) * F(0.5f * float(kSize - 1));
   }
@@ -56,16 +56,16 @@ struct UpliftTable {
   }
 };
 
-/// The spectrum of a reflectance or transmittance, fitted to this one colour: within 1e-4 of it per component.
-/// Components are clamped to [0, 1]; greys are exactly constant. Takes some 10 microseconds.
+/// Fits the spectrum of a reflectance or transmittance to within 1e-4 per component. Components are clamped to [0, 1];
+/// greys are exactly constant. Takes about 10 microseconds.
 ScaledSigmoid<Scalar> fit_reflectance(Vec3f rgb);
 
-/// The same for a quantity without upper limit; negative components count as 0.
+/// The same for a quantity without upper limit. Negative components count as 0.
 ScaledSigmoid<Scalar> fit_unbounded(Vec3f rgb);
 
 namespace detail {
 
-/// Bilinear in the ratios, linear in brightness; all arguments within the table.
+/// Bilinear in the ratios, linear in brightness. All arguments lie within the table.
 template <class L>
 SHEAF_INLINE SigmoidPolynomial<L> interpolate(const UpliftTable& table, typename L::Uint largest, Vec3<L> place) {
   using F = typename L::Float;
@@ -94,8 +94,7 @@ SHEAF_INLINE SigmoidPolynomial<L> interpolate(const UpliftTable& table, typename
   return {sum[0], sum[1], sum[2]};
 }
 
-/// The shape of the spectrum of a colour whose largest component is `largest`, made as bright as `z`, which lies in
-/// [kUpliftDarkest, 1].
+/// The shape of the spectrum of a colour with maximum component `largest`, at brightness `z` in [kUpliftDarkest, 1].
 template <class L>
 SHEAF_INLINE SigmoidPolynomial<L> look_up(const UpliftTable& table, Vec3<L> rgb, typename L::Float largest,
                                           typename L::Float z) {
@@ -111,7 +110,7 @@ SHEAF_INLINE SigmoidPolynomial<L> look_up(const UpliftTable& table, Vec3<L> rgb,
   return interpolate<L>(table, axis, {ratio(first), ratio(second), UpliftTable::brightness_place(z)});
 }
 
-/// Grey: sigmoid(c2) everywhere.
+/// In grey lanes, the constant sigmoid(c2).
 template <class L>
 SHEAF_INLINE SigmoidPolynomial<L> flat_where(Mask<L> grey, float c2, const SigmoidPolynomial<L>& other) {
   using F = typename L::Float;
@@ -120,8 +119,8 @@ SHEAF_INLINE SigmoidPolynomial<L> flat_where(Mask<L> grey, float c2, const Sigmo
 
 }  // namespace detail
 
-/// The spectrum of a reflectance by the table; components are clamped to [0, 1]. Greys are exactly constant, other
-/// colours within 0.005 per component of what was asked for.
+/// The spectrum of a reflectance from the table; components are clamped to [0, 1]. Greys are exactly constant. Other
+/// colours have an error below 0.005 per component.
 template <class L> SHEAF_INLINE ScaledSigmoid<L> uplift_reflectance(const UpliftTable& table, Vec3<L> rgb) {
   using F = typename L::Float;
   const auto bounded = [](F c) { return clamp(c, F(0.0f), F(1.0f)); };
@@ -134,8 +133,8 @@ template <class L> SHEAF_INLINE ScaledSigmoid<L> uplift_reflectance(const Uplift
 }
 
 /// The same for quantities without upper limit, such as the nodes of an environment map (to be multiplied by D65). The
-/// shape is that of the colour whose largest component is kUpliftUnbounded; of greys, black included, exactly that
-/// everywhere.
+/// shape is that of the colour with maximum component kUpliftUnbounded. For greys, including black, it is exactly
+/// kUpliftUnbounded everywhere.
 template <class L> SHEAF_INLINE ScaledSigmoid<L> uplift_unbounded(const UpliftTable& table, Vec3<L> rgb) {
   using F = typename L::Float;
   rgb = {max(rgb.x, F(0.0f)), max(rgb.y, F(0.0f)), max(rgb.z, F(0.0f))};

@@ -1,4 +1,4 @@
-// Warps: from uniform numbers in [0, 1)^2 to directions and surface points, each with its density.
+// Warps from uniform numbers in [0, 1)^2 to directions and points, with their pdfs.
 #pragma once
 
 #include "core/vec.h"
@@ -7,8 +7,8 @@ namespace sheaf {
 
 template <class L> struct SinCos { typename L::Float sin, cos; };
 
-/// sin and cos of 2 pi u for u in [0, 1]; absolute error below 4e-7. The angle is folded into [-pi/4, pi/4] exactly,
-/// so that short polynomials suffice (minimax coefficients as in the Cephes library's sinf and cosf).
+/// sin and cos of 2 pi u for u in [0, 1], with an absolute error below 4e-7. The angle is folded into [-pi/4, pi/4]
+/// exactly, so that short polynomials suffice (minimax coefficients of sinf and cosf in the Cephes library).
 template <class L> SHEAF_INLINE SinCos<L> sincos_2pi(typename L::Float u) {
   using F = typename L::Float;
   const F quarter = floor(u * F(4.0f) + F(0.5f));
@@ -25,7 +25,7 @@ template <class L> SHEAF_INLINE SinCos<L> sincos_2pi(typename L::Float u) {
   return {select(sin_negative, -a, a), select(cos_negative, -b, b)};
 }
 
-/// Concentric map from the square to the unit disk (Shirley and Chiu 1997), area-preserving; z is 0.
+/// Concentric map from the square to the unit disk (Shirley and Chiu 1997); preserves areas.
 template <class L> SHEAF_INLINE Vec2<L> square_to_disk(typename L::Float u, typename L::Float v) {
   using F = typename L::Float;
   const F a = F(2.0f) * u - F(1.0f), b = F(2.0f) * v - F(1.0f);
@@ -33,7 +33,7 @@ template <class L> SHEAF_INLINE Vec2<L> square_to_disk(typename L::Float u, type
   const F r = select(a_larger, a, b);
   const F other = select(a_larger, b, a);
   const F ratio = select(r == F(0.0f), F(0.0f), other / select(r == F(0.0f), F(1.0f), r));
-  // The angle is ratio * pi/4 from the larger axis: within the range of the polynomials of sincos_2pi.
+  // The angle from the larger axis is ratio * pi/4, which is within the range of the polynomials of sincos_2pi.
   const F x = ratio * F(0.78539816339f), x2 = x * x;
   const F s = x + x * x2 * (F(-1.6666654611e-1f) + x2 * (F(8.3321608736e-3f) + x2 * F(-1.9515295891e-4f)));
   const F c = F(1.0f) - F(0.5f) * x2 +
@@ -41,7 +41,7 @@ template <class L> SHEAF_INLINE Vec2<L> square_to_disk(typename L::Float u, type
   return {r * select(a_larger, c, s), r * select(a_larger, s, c)};
 }
 
-/// A direction in the upper hemisphere with density cos(theta) / pi per solid angle.
+/// A direction in the upper hemisphere with solid-angle pdf cos(theta) / pi.
 template <class L> SHEAF_INLINE Vec3<L> square_to_cosine_hemisphere(typename L::Float u, typename L::Float v) {
   using F = typename L::Float;
   const Vec2<L> d = square_to_disk<L>(u, v);
@@ -51,7 +51,7 @@ template <class F> SHEAF_INLINE F cosine_hemisphere_pdf_solid_angle(F cos_theta)
   return max(cos_theta, F(0.0f)) * F(kInvPi);
 }
 
-/// A direction on the unit sphere with density 1 / (4 pi) per solid angle.
+/// A direction on the unit sphere with solid-angle pdf 1 / (4 pi).
 template <class L> SHEAF_INLINE Vec3<L> square_to_sphere(typename L::Float u, typename L::Float v) {
   using F = typename L::Float;
   const F z = F(1.0f) - F(2.0f) * u;
@@ -61,8 +61,8 @@ template <class L> SHEAF_INLINE Vec3<L> square_to_sphere(typename L::Float u, ty
 }
 inline constexpr float kUniformSpherePdf = 0.25f * kInvPi;
 
-/// A direction around +z within the cone whose 1 - cos is `one_minus_cos_max`, with density
-/// 1 / (2 pi one_minus_cos_max) per solid angle. Stays exact for cones of any narrowness.
+/// A direction in a cone around +z, with solid-angle pdf 1 / (2 pi one_minus_cos_max). `one_minus_cos_max`: 1 - cos of
+/// the half angle of the cone. Stays exact for cones of any narrowness.
 template <class L>
 SHEAF_INLINE Vec3<L> square_to_cone(typename L::Float u, typename L::Float v, typename L::Float one_minus_cos_max) {
   using F = typename L::Float;

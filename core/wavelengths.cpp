@@ -1,4 +1,4 @@
-// The quantiles of the density of wavelengths.
+// Tabulation of the quantiles of the pdf of wavelengths.
 #include "core/wavelengths.h"
 
 #include "core/color.h"
@@ -9,7 +9,7 @@ namespace sheaf {
 
 namespace {
 
-/// The density at 360, 370, ... 830 nm, linear in between, not normalised; found by tools/fit_wavelengths.py.
+/// The pdf at 360, 370, ... 830 nm, linear in between, not normalised; computed by tools/fit_wavelengths.py.
 constexpr int kKnots = 48;
 constexpr std::array<float, kKnots> kDensity{
     0.0144f, 0.0147f, 0.0259f, 0.0565f, 0.2019f, 0.4095f, 0.7560f, 0.9349f, 1.0000f, 0.9842f, 0.8598f, 0.7469f,

@@ -1,25 +1,27 @@
-// Hero wavelengths: the four wavelengths that a path carries in spectral mode, all made from one uniform number.
+// Hero wavelength sampling (Wilkie et al. 2014): the four wavelengths of a path in spectral mode, from one uniform
+// number.
 #pragma once
 
 #include "core/spectrum.h"
 
 namespace sheaf {
 
-/// Four wavelengths and the density of each, which is the same function of wavelength for all four.
+/// Four wavelengths and the pdf of each. All four have the same pdf as a function of wavelength.
 template <class L> struct Wavelengths {
   Spectrum<L> lambda;  ///< nm, in [360, 830]
   Spectrum<L> pdf;     ///< per nm; positive
   static constexpr auto fields(auto& s) { return std::tie(s.lambda, s.pdf); }
 };
 
-/// The density of wavelengths, constant between its quantiles.
+/// The pdf of wavelengths, constant between its quantiles.
 ///
-/// For one wavelength per path, a density like the length of the sensor's response would leave the least noise in
-/// white. Of four, a quarter apart in probability, the mean takes away all but the harmonics of order 4, 8, ... of
-/// response over density; this one was found by making these small in three lights. bench/README.md compares.
+/// With one wavelength per path, a pdf like the length of the sensor's response would minimise the noise of white. Four
+/// wavelengths are a quarter of the probability apart. Their mean cancels all harmonics of response over pdf except
+/// those of order 4, 8, ... This pdf is optimised to make the remaining harmonics small for three lights.
+/// bench/README.md compares.
 struct WavelengthQuantiles {
   static constexpr int kCellBits = 6, kCells = 1 << kCellBits;  ///< per quarter
-  /// Row i: the quantiles, nm, of (i / kCells + k) / 4 for k = 0 ... 3.
+  /// Row i: the quantiles, in nm, of (i / kCells + k) / 4 for k = 0 ... 3.
   alignas(16) float nodes[kCells + 1][4];
 
   WavelengthQuantiles();
@@ -27,7 +29,7 @@ struct WavelengthQuantiles {
 extern const WavelengthQuantiles kWavelengthQuantiles;
 
 namespace detail {
-/// Moves the lanes `by` places towards the front, round the end; by in [0, 3].
+/// Rotates the lanes `by` positions, in [0, 3], towards the front.
 template <class L> SHEAF_INLINE Spectrum<L> rotate_lanes(const Spectrum<L>& s, typename L::Uint by) {
   using U = typename L::Uint;
   const auto odd = (by & U(1u)) != U(0u), high = (by & U(2u)) != U(0u);
@@ -36,10 +38,10 @@ template <class L> SHEAF_INLINE Spectrum<L> rotate_lanes(const Spectrum<L>& s, t
 }
 }  // namespace detail
 
-/// The wavelengths that belong to `u` in [0, 1). The first inverts the density's cumulative function at u, the others
-/// at u + k/4 modulo 1: each alone has the density, together they are spread over the whole range (Wilkie et al.,
-/// "Hero Wavelength Spectral Sampling", EGSR 2014, with the rotation before the inversion instead of after it). A
-/// path stores u alone and calls this wherever it needs the wavelengths.
+/// Samples the wavelengths with `u` in [0, 1). The first inverts the CDF at u, the others at u + k/4 modulo 1. Each by
+/// itself has the pdf; together they cover the whole range (Wilkie et al., "Hero Wavelength Spectral Sampling", EGSR
+/// 2014, but with the rotation before the inversion). A path stores u alone and calls this wherever it needs the
+/// wavelengths.
 template <class L> SHEAF_INLINE Wavelengths<L> sample_wavelengths(typename L::Float u) {
   using F = typename L::Float;
   using U = typename L::Uint;
@@ -66,10 +68,10 @@ template <class L> SHEAF_INLINE Wavelengths<L> sample_wavelengths(typename L::Fl
           detail::rotate_lanes<L>({pdf[0], pdf[1], pdf[2], pdf[3]}, turn)};
 }
 
-/// What a path's throughput is to be multiplied by when light is found: the balance heuristic over the four wavelengths
-/// as strategies (Wilkie et al. 2014). `relative` holds, for each wavelength, the density with which it would have made
-/// the path, over the density by which the throughput was divided (that of the first). One everywhere gives 1; where
-/// only the first could have made the path (refraction by a dispersing surface: 1, 0, 0, 0) it gives 4.
+/// Factor on a path's throughput when it finds light: the balance heuristic with the four wavelengths as strategies
+/// (Wilkie et al. 2014). `relative`: for each wavelength, the pdf with which it would have sampled the path, over the
+/// pdf by which the throughput was divided (that of the first). All ones give 1. If only the first wavelength can
+/// sample the path, as after refraction by a dispersive surface, `relative` is (1, 0, 0, 0) and the factor is 4.
 template <class L> SHEAF_INLINE Float<L> hero_balance(Spectrum<L> relative) {
   return Float<L>(4.0f) / ((relative.c0 + relative.c1) + (relative.c2 + relative.c3));
 }

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Builds and tests Sheaf on Debian 13, in a folder of its own that debootstrap makes and later runs use again.
+# Builds and tests Sheaf on Debian 13, in a root file system that debootstrap creates and that later runs reuse.
 #   tools/check_debian13.sh [FOLDER]      default: build/debian13
-# Needs root (or sudo) and the package debootstrap. The mirror is the one that apt on this machine uses;
-# SHEAF_DEBIAN_MIRROR names another. SHEAF_MARCH (default: native) is the instruction set to build for.
+# Needs root (or sudo) and the package debootstrap. The mirror is the one of apt on this machine; SHEAF_DEBIAN_MIRROR
+# overrides it. SHEAF_MARCH (default: native) is the instruction set to build for.
 set -euo pipefail
 
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Checks that clang-format of Debian 12 (version 14) would leave every C++ file as it is. Lists the lines that it would
+# Checks that clang-format of Debian 12 (version 14) would leave every C++ file unchanged. Lists the lines that it would
 # change, and fails if there are any. Other versions format differently, so they check nothing.
 #
 #   tools/check_format.sh [--fix]     --fix: format the files instead

@@ -19,12 +19,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Options that leave the picture's bits as they are.
+/// Options that do not affect the image's bits.
 constexpr std::array<std::string_view, 13> kOfTheRun = {
     "scene",      "output",           "stats",         "threads",    "wave-size", "quiet", "resume",
     "checkpoint", "checkpoint-every", "no-timestamps", "time-limit", "tev",       "serve"};
 
-/// Size and check sum of a file.
+/// Size and checksum of a file.
 std::string fingerprint(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::vector<char> piece(std::size_t{1} << 20);

@@ -1,4 +1,4 @@
-// Checkpoints of a render from the command line: when they are written, and what a render must be to go on from one.
+// Checkpoints of `sheaf render`: when to write them, and the settings that a resumed render must share with them.
 #pragma once
 
 #include "kernels/passes/render.h"
@@ -8,42 +8,41 @@
 
 namespace sheaf {
 
-/// The options.
+/// Command-line options for checkpoints.
 struct CheckpointArguments {
   std::string file;
-  double every = 60;  ///< seconds
+  double every = 60;  ///< interval, s
   bool resume = false;
 };
 
 void add_checkpoint_options(Command& command, CheckpointArguments& arguments);
 
-/// Throws Error (exit code 2) where the options make no sense together, and where the file is there and is not to be
-/// resumed from.
+/// Throws Error (exit code 2) if the options contradict each other, or if the file exists and --resume is not given.
 void check_checkpoint(const CheckpointArguments& arguments);
 
-/// All that decides over a picture's bits: the options given, but for those that say how the run goes and where its
-/// results are put; the files that the scene is made of; the version, and the instruction set.
+/// All settings that determine the image's bits: the options given, except those that only affect the run or the
+/// outputs; the files of the scene; Sheaf's version; and the instruction set.
 RenderSettings render_settings(const std::vector<std::pair<std::string, std::string>>& given,
                                const std::vector<std::filesystem::path>& files);
 
-/// Writes checkpoints of one render.
+/// Writes the checkpoints of one render.
 class Checkpointer {
  public:
   Checkpointer(const CheckpointArguments& arguments, RenderSettings settings);
 
-  /// What to go on from; nothing where the render is to begin. Throws Error (exit code 5).
+  /// State to resume from; nothing if the render starts anew. Throws Error (exit code 5).
   std::optional<RenderState> resumed() const;
-  /// Whether a checkpoint is due. May be called by several threads at once.
+  /// Whether a checkpoint is due. Thread-safe.
   bool is_due() const;
-  /// Writes one, if there is to be one. Says what went wrong if it cannot be written: the render goes on.
+  /// Writes a checkpoint if the user asked for them. If that fails, prints the error and lets the render continue.
   void save(const RenderState& state);
-  /// Whether the last one is written, or none is wanted.
+  /// Whether the last checkpoint was written, or none was requested.
   bool is_saved() const { return is_saved_; }
 
  private:
   CheckpointArguments arguments_;
   RenderSettings settings_;
-  std::atomic<double> last_;  ///< seconds on the steady clock
+  std::atomic<double> last_;  ///< time of the last checkpoint, s on the steady clock
   bool is_saved_ = true;
 };
 

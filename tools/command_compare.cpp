@@ -1,4 +1,4 @@
-// sheaf compare: differences between two pictures, with an exit status by thresholds.
+// sheaf compare: differences between two images, with an exit status that depends on thresholds.
 #include "core/error.h"
 #include "core/image_compare.h"
 #include "tools/commands.h"
@@ -23,7 +23,7 @@ struct CompareArguments {
   std::optional<double> max_mse, max_relative_mse, max_mean_ratio_error, min_accepted, min_mean_p;
 };
 
-/// The variance in a file of its own, of single samples if `spp` is above 1; else the picture's own layers.
+/// Variance of an image: from `file`, divided by `spp`, or from the image's own layers if `file` is empty.
 std::optional<Image> find_variance(const Image& image, const std::string& file, unsigned spp) {
   if (file.empty()) return variance_layers(image);
   check_is_picture(file);
@@ -56,7 +56,7 @@ std::string describe(const ImageComparison& result, const CompareOptions& option
   return text;
 }
 
-/// One line for each threshold that is exceeded.
+/// One line per exceeded threshold.
 std::vector<std::string> find_failures(const ImageComparison& result, const CompareArguments& limits) {
   std::vector<std::string> failures;
   const auto require = [&failures](bool holds, const char* name, double value, const std::optional<double>& limit) {

@@ -1,4 +1,4 @@
-// sheaf denoise: reads a rendered picture, denoises it, writes it to every file asked for.
+// sheaf denoise: reads a rendered image, denoises it and writes it to all outputs.
 #include "core/error.h"
 #include "core/exr.h"
 #include "core/output_file.h"

@@ -1,4 +1,4 @@
-// sheaf farm: writes the jobs with which a Slurm cluster renders pictures part by part, and submits them.
+// sheaf farm: writes and submits the jobs with which a Slurm cluster renders images in parts.
 #include "core/error.h"
 #include "core/output_file.h"
 #include "tools/commands.h"
@@ -28,7 +28,7 @@ struct FarmArguments {
   bool tiles = false, submit = false, quiet = false;
 };
 
-/// What farm decides by itself, or what parts alone cannot do.
+/// Options that farm sets itself, or that have no meaning for single parts.
 constexpr std::pair<const char*, const char*> kNotForParts[] = {
     {"output", "farm has an --output of its own"},
     {"samples", "farm chooses it"},
@@ -40,7 +40,7 @@ constexpr std::pair<const char*, const char*> kNotForParts[] = {
     {"noise-target", "each part would judge itself alone"},
     {"time-limit", "each part would judge itself alone"}};
 
-/// First and last of "A:B". Throws Error (exit code 2).
+/// Parses "FIRST:LAST". Throws Error (exit code 2).
 std::pair<int, int> parse_frames(const std::string& text) {
   constexpr int kLast = 9'999'999;
   int first = -1, last = -1;
@@ -53,7 +53,7 @@ std::pair<int, int> parse_frames(const std::string& text) {
   throw Error(ExitCode::kUsage, "--frames '" + text + "' is not of the form FIRST:LAST, such as 1:240");
 }
 
-/// The place of the frame's number in the name of a picture: instead of ####, or before the extension.
+/// Splits an output's name at the position of the frame number: at "####", otherwise before the file extension.
 std::pair<std::string, std::string> split_output(const fs::path& output, bool has_frames) {
   const std::string name = fs::absolute(output).string();
   if (!has_frames) return {name, ""};
@@ -63,7 +63,7 @@ std::pair<std::string, std::string> split_output(const fs::path& output, bool ha
   return {name.substr(0, name.size() - extension.size()) + "_", extension};
 }
 
-/// Into how many sets the samples are to be cut so that they can be given to `parts`, at most as many as samples.
+/// Number of sets of samples that can be distributed to `parts` parts; at most one set per sample.
 std::uint32_t choose_sets(const RenderPlan& plan, std::uint32_t parts) {
   if (plan.sets == 1 || plan.sets_given) return plan.sets;
   const std::uint32_t sets = (plan.sets + parts - 1) / parts * parts;
@@ -72,16 +72,16 @@ std::uint32_t choose_sets(const RenderPlan& plan, std::uint32_t parts) {
     return (plan.samples + size - 1) / size;
   };
   if (sets <= plan.samples && made(sets) >= parts) return sets;
-  // Fewer samples in each.
+  // Use smaller sets.
   const std::uint32_t size = plan.samples / parts;
   return (plan.samples + size - 1) / size;
 }
 
-/// FIRST:COUNT of each part. Throws Error (exit code 2) if the samples cannot be cut into so many.
+/// FIRST:COUNT of each part. Throws Error (exit code 2) if the samples cannot be divided into that many parts.
 std::vector<std::string> sample_ranges(const RenderPlan& plan, std::uint32_t sets, std::uint32_t parts) {
   const std::string tiles = "; --tiles cuts the frame instead";
   const std::uint64_t total = std::uint64_t{plan.samples} * plan.gather_rays;
-  // As in renders: all sets have as many samples, but for the last.
+  // As in renders, all sets but the last have the same number of samples.
   const std::uint64_t size = sets == 1 ? plan.gather_rays : (total + sets - 1) / sets;
   const std::uint64_t made = (total + size - 1) / size;
   if (made < parts)
@@ -103,7 +103,7 @@ std::vector<std::string> sample_ranges(const RenderPlan& plan, std::uint32_t set
   return ranges;
 }
 
-/// x0,y0,x1,y1 of strips of rows. Throws Error (exit code 2) if there are too few rows.
+/// Crop windows "x0,y0,x1,y1" of strips of rows. Throws Error (exit code 2) if there are fewer rows than parts.
 std::vector<std::string> strips(const PixelRect& crop, int parts) {
   if (crop.height() < parts)
     throw Error(ExitCode::kUsage, fmt::format("{} rows of pixels cannot be cut into {} parts", crop.height(), parts));
@@ -114,7 +114,7 @@ std::vector<std::string> strips(const PixelRect& crop, int parts) {
   return values;
 }
 
-/// What the parts are, and how they are joined.
+/// Defines the parts and the options for merging them.
 void cut(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
   const PixelRect& crop = plan.crop;
   const std::string rect = fmt::format("{},{},{},{}", crop.x0, crop.y0, crop.x1, crop.y1);
@@ -141,7 +141,7 @@ void cut(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
                             "instead",
                             plan.samples, parts));
   const std::uint32_t sets = choose_sets(plan, parts);
-  constexpr std::uint32_t kMaxSets = 1024;  // of --replicates
+  constexpr std::uint32_t kMaxSets = 1024;  // limit of --replicates
   if (sets > kMaxSets)
     throw Error(ExitCode::kUsage,
                 fmt::format("{} samples in {} parts would be {} sets (--replicates), at most {} are possible; "
@@ -164,6 +164,7 @@ std::vector<std::string> sbatch_options(const FarmArguments& arguments) {
 }
 
 Farm plan_farm(const FarmArguments& arguments) {
+  // Parse the frames and the options of the render.
   Farm farm;
   farm.has_frames = !arguments.frames.empty();
   if (farm.has_frames) std::tie(farm.first_frame, farm.last_frame) = parse_frames(arguments.frames);
@@ -177,6 +178,7 @@ Farm plan_farm(const FarmArguments& arguments) {
   for (const auto& [name, why] : kNotForParts)
     if (std::find(plan.given.begin(), plan.given.end(), name) != plan.given.end())
       throw Error(ExitCode::kUsage, fmt::format("--{} is not for the parts of a farm: {}", name, why));
+  // Fill in paths and parts.
   farm.program = fs::read_symlink("/proc/self/exe").string();
   farm.working_folder = fs::current_path().string();
   farm.scene = fs::absolute(arguments.scene).string();
@@ -184,6 +186,7 @@ Farm plan_farm(const FarmArguments& arguments) {
   farm.folder = fs::absolute(arguments.folder.empty() ? fs::path(stem + "_farm") : fs::path(arguments.folder)).string();
   farm.options = arguments.options;
   cut(arguments, plan, farm);
+  // Choose the outputs and the options of sbatch.
   std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
   if (outputs.empty()) outputs.emplace_back(stem + ".exr");
   for (const fs::path& output : outputs) {
@@ -205,7 +208,7 @@ int make_farm(const FarmArguments& arguments) {
   if (error) throw Error(ExitCode::kOutput, "cannot make the folder '" + farm.folder + "': " + error.message());
   const fs::path folder = farm.folder, render = folder / "render.sh", merge = folder / "merge.sh",
                  submit = folder / "submit.sh";
-  for (const fs::path& script : {render, merge, submit}) check_writable(script);  // all of them or none
+  for (const fs::path& script : {render, merge, submit}) check_writable(script);  // fail before writing any of them
   write_text_file(render, render_script(farm));
   write_text_file(merge, merge_script(farm));
   write_text_file(submit, submit_script(farm, render.string(), merge.string()));

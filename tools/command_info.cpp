@@ -1,4 +1,5 @@
-// sheaf info: what a scene file holds, its bounds, and the memory that it and a render of it take.
+// sheaf info: contents and bounds of a scene file, and the memory for loading and rendering it; or the header of an
+// OpenEXR file.
 #include "core/exr.h"
 #include "core/memory.h"
 #include "core/stats.h"
@@ -60,7 +61,7 @@ std::string describe_integrator(const IntegratorDescription& integrator) {
 
 std::string describe(Vec3f v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z); }
 
-/// Where each grid lies, and the environment map.
+/// The location of each grid, and the environment map.
 std::string describe(const CompileReport& report) {
   std::string text;
   const auto out = std::back_inserter(text);
@@ -81,7 +82,7 @@ std::string describe(const CompileReport& report) {
   return text;
 }
 
-/// The most memory that the program has had until now, and that rendering the scene as it is would take.
+/// Peak memory of the program so far, and the expected peak of rendering the scene.
 std::string describe_peaks(const Scene& scene) {
   const double now = resident_memory();
   const std::string loading = format_bytes(static_cast<double>(peak_rss_bytes()));
@@ -143,7 +144,7 @@ std::string describe(const Description& description, const Scene& scene, const C
   return text;
 }
 
-/// Names of the manifest's objects: the strings before colons.
+/// Object names of a Cryptomatte manifest: the strings before colons.
 std::vector<std::string> manifest_names(const std::string& manifest) {
   std::vector<std::string> names;
   std::string word;
@@ -185,7 +186,7 @@ std::string describe(const ExrHeader& header, const std::string& file) {
       for (const std::string& name : names) fmt::format_to(out, "name        {}\n", name);
       continue;
     }
-    // What joining parts needs: lines, and ids of all names.
+    // Attributes for merging parts: settings line by line, and the number of ids.
     if (words != nullptr && attribute.name == "sheaf/settings") {
       for (std::size_t at = 0; at < words->size(); at = std::min(words->find('\n', at), words->size()) + 1)
         fmt::format_to(out, "setting     {}\n", words->substr(at, words->find('\n', at) - at));

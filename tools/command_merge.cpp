@@ -1,4 +1,4 @@
-// sheaf merge: joins parts of a picture, tiles and ranges of samples, to the whole.
+// sheaf merge: merges parts of an image, which are tiles or ranges of samples.
 #include "core/error.h"
 #include "core/output_file.h"
 #include "core/saturate.h"
@@ -34,7 +34,8 @@ std::vector<fs::path> check_outputs(const MergeArguments& arguments) {
   return {arguments.outputs.begin(), arguments.outputs.end()};
 }
 
-/// The pixels of the picture: what is asked for, the frame, or of an incomplete one those that hold all parts.
+/// Pixels of the merged image: the crop window if given, otherwise the frame, or with --incomplete the bounds of all
+/// parts.
 PixelRect choose_whole(const MergeArguments& arguments, const std::vector<PartFile>& files) {
   const PixelRect frame{0, 0, files.front().frame_width, files.front().frame_height};
   if (arguments.crop.empty()) {
@@ -55,7 +56,7 @@ PixelRect choose_whole(const MergeArguments& arguments, const std::vector<PartFi
   return crop;
 }
 
-/// Throws SceneError if something is missing that is to be there.
+/// Throws SceneError if parts or samples are missing.
 void check_complete(const MergeArguments& arguments, const std::vector<PartFile>& files,
                     const std::vector<PicturePart>& parts, const PixelRect& whole) {
   if (arguments.incomplete) return;
@@ -72,7 +73,7 @@ void check_complete(const MergeArguments& arguments, const std::vector<PartFile>
             : fmt::format("the samples {}:{} of {}", gap->samples.first, gap->samples.count, samples)));
 }
 
-/// Cryptomatte's ids by number, as one of the headers says them.
+/// Cryptomatte ids by index of name, from the first header that has them.
 std::array<std::vector<float>, kNameKinds> find_ids(const std::vector<PartFile>& files) {
   std::array<std::vector<float>, kNameKinds> ids;
   for (std::size_t kind = 0; kind < kNameKinds; ++kind)
@@ -85,7 +86,7 @@ std::array<std::vector<float>, kNameKinds> find_ids(const std::vector<PartFile>&
   return ids;
 }
 
-/// Samples per pixel on average.
+/// Mean number of samples per pixel.
 double mean_samples(const Image& image) {
   const int count = image.find_channel("sampleCount");
   double samples = 0;
@@ -102,6 +103,7 @@ void mark_interrupted(ExrMetadata& metadata, double taken, std::uint32_t planned
 
 int merge_pictures(const MergeArguments& arguments) {
   const std::vector<fs::path> outputs = check_outputs(arguments);
+  // Read and check the headers of all parts.
   std::vector<PartFile> files;
   std::vector<PicturePart> parts;
   bool has_denoised = false, interrupted = false;
@@ -119,9 +121,11 @@ int merge_pictures(const MergeArguments& arguments) {
   check_complete(arguments, files, parts, whole);
   if (whole.area() * first.channels.size() * sizeof(float) > kMaxImageBytes)
     throw SceneError({first.part.name, 0}, "is part of a picture that is too large");
+  // Merge the parts.
   PictureMerger merger(first.frame_width, first.frame_height, whole, first.channels, first.samples_per_pixel,
                        find_ids(files));
   for (const PicturePart& part : parts) merger.add(part, read_exr(part.name));
+  // Make the metadata of the merged image.
   ExrMetadata metadata = whole_metadata(files);
   if (arguments.full_floats) metadata.half_channels.clear();
   const Image image = merger.finish();
@@ -134,6 +138,7 @@ int merge_pictures(const MergeArguments& arguments) {
   if (interrupted || share < 1.0)
     metadata.attributes.push_back(
         {"sheaf/incomplete", fmt::format("{:.6g} of the samples{}", share, interrupted ? ", some interrupted" : "")});
+  // Write the outputs and print messages.
   const std::vector<fs::path> written = write_pictures(outputs, image, metadata);
   const int exit_code = static_cast<int>(written.size() == outputs.size() ? ExitCode::kDone : ExitCode::kOutput);
   if (arguments.quiet) return exit_code;

@@ -1,4 +1,4 @@
-// sheaf render: reads a scene, renders it with a progress bar, writes every picture asked for.
+// sheaf render: reads a scene, renders it with a progress bar and writes all outputs.
 #include "core/error.h"
 #include "core/exr.h"
 #include "core/large_pages.h"
@@ -44,14 +44,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Most pixels along a side of the frame, as of scene files.
+/// Maximum pixels along a side of the frame, as in scene files.
 constexpr int kMaxFrameSide = 1'000'000'000;
 
-/// From how many samples per pixel on they are cut into four sets for a denoiser, below into two.
+/// With a denoiser, renders with at least this many samples per pixel use four sets of samples, others two.
 constexpr std::uint32_t kDenoisedSamples = 16;
 
-/// All files that the render writes, checked: known formats, names that don't meet, places that can be written to. The
-/// pictures come first. Throws Error.
+/// Returns all files that the render writes, the images first. Checks that the formats are known, the names are
+/// distinct and the locations are writable. Throws Error.
 std::vector<NamedFile> check_outputs(const RenderArguments& arguments) {
   std::vector<std::string> pictures = arguments.outputs;
   if (pictures.empty()) pictures.push_back(fs::path(arguments.scene).stem().string() + ".exr");
@@ -65,7 +65,7 @@ std::vector<NamedFile> check_outputs(const RenderArguments& arguments) {
   return outputs;
 }
 
-/// Throws Error (exit code 2) if one of the files that the scene is made of would be overwritten.
+/// Throws Error (exit code 2) if an output would overwrite a file of the scene.
 void check_sources(const std::vector<NamedFile>& outputs, const std::vector<fs::path>& files) {
   std::vector<NamedFile> sources;
   for (const fs::path& file : files) sources.push_back({"what the scene is made of,", file});
@@ -85,13 +85,12 @@ void apply_integrator(const RenderArguments& arguments, Description& scene) {
   if (arguments.step_size) integrator.step_size = *arguments.step_size;
 }
 
-/// Most samples per pixel where noise or time decide, unless told otherwise.
+/// Default maximum samples per pixel if a noise target or a time limit decides.
 constexpr std::uint32_t kAdaptiveSamples = 1 << 16;
 
 bool is_adaptive(const RenderArguments& arguments) { return arguments.noise_target || arguments.time_limit; }
 
-/// Sets the sampler asked for, and the samples per pixel that it will take; notes where these are others than the
-/// scene's.
+/// Sets the sampler and the samples per pixel. Adds a note if they differ from the scene's.
 void apply_sampler(const RenderArguments& arguments, Description& scene) {
   SamplerDescription& sampler = scene.sampler;
   const auto note = [&](std::string text) {
@@ -109,8 +108,8 @@ void apply_sampler(const RenderArguments& arguments, Description& scene) {
   note(rounding_note(sampler.kind, wanted));
 }
 
-/// Sets the size asked for; the scene's crop is that share of the frame that it was. Throws Error (exit code 2) for a
-/// frame that is too large.
+/// Sets the size of the frame. The scene's crop window keeps its relative position. Throws Error (exit code 2) if the
+/// frame is too large.
 void apply_size(const RenderArguments& arguments, FilmDescription& film) {
   if (arguments.size.empty() && !arguments.scale) return;
   const FilmDescription before = film;
@@ -134,7 +133,7 @@ void apply_size(const RenderArguments& arguments, FilmDescription& film) {
   film.crop = crop;
 }
 
-/// The rectangle to render. Throws Error (exit code 2) if the one given does not lie in the frame.
+/// The rectangle to render. Throws Error (exit code 2) if the given one does not lie inside the frame.
 PixelRect choose_crop(const RenderArguments& arguments, const FilmDescription& film) {
   if (arguments.crop.empty()) return film.crop.value_or(PixelRect{0, 0, film.width, film.height});
   const PixelRect crop{arguments.crop[0], arguments.crop[1], arguments.crop[2], arguments.crop[3]};
@@ -147,7 +146,8 @@ PixelRect choose_crop(const RenderArguments& arguments, const FilmDescription& f
   return crop;
 }
 
-/// Sets of samples: as asked for, but several where a denoiser is to know the noise.
+/// Number of sets of samples: as requested. By default several if non-local means need variances and the sampler's
+/// samples are not independent. Throws Error (exit code 2) if there would be a single set.
 int choose_replicates(const RenderArguments& arguments, const SamplerDescription& sampler) {
   if (arguments.denoiser != "nlm") return arguments.replicates;
   if (sampler.sample_count < 2 || arguments.replicates == 1)
@@ -156,7 +156,7 @@ int choose_replicates(const RenderArguments& arguments, const SamplerDescription
   return sampler.sample_count < kDenoisedSamples ? 2 : 4;
 }
 
-/// The layers asked for, and those that denoising looks at.
+/// The requested AOVs plus those that the denoiser uses.
 AovSet wanted_aovs(const RenderArguments& arguments) {
   AovSet aovs = aovs_from_names(arguments.aovs);
   if (arguments.denoiser.empty()) return aovs;
@@ -166,7 +166,7 @@ AovSet wanted_aovs(const RenderArguments& arguments) {
   return aovs;
 }
 
-/// Throws Error (exit code 2) where layers are asked for that no file would hold.
+/// Throws Error (exit code 2) if layers are requested but no output can store them.
 void check_layers(const RenderArguments& arguments, const std::vector<fs::path>& outputs) {
   const auto is_exr = [](const fs::path& file) { return extension_of(file) == ".exr"; };
   if (std::any_of(outputs.begin(), outputs.end(), is_exr)) return;
@@ -179,14 +179,15 @@ void check_layers(const RenderArguments& arguments, const std::vector<fs::path>&
                                       fs::path(outputs.front()).replace_extension(".exr").string());
 }
 
-/// World to OpenEXR's camera space, which looks along -z with x to the right; ours looks along +z with x to the left.
+/// World to OpenEXR's camera space, which looks along -z with x to the right. Sheaf's looks along +z with x to the
+/// left.
 std::optional<Matrix4> world_to_camera(const CameraDescription& camera) {
   Matrix4 half_turn;
   half_turn.m[0][0] = half_turn.m[2][2] = -1;
   return half_turn * camera.to_world.inverse_matrix();
 }
 
-/// Samples per pixel that there are, rounded.
+/// Samples per pixel taken so far, rounded.
 int taken_samples(const RenderReport& report) {
   return report.interrupted ? saturate<int>(std::round(report.mean_samples)) : saturate<int>(report.spp);
 }
@@ -225,8 +226,7 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
   return metadata;
 }
 
-/// Adds the denoised picture, if one is asked for. Says what went wrong if there is none: the noisy one is still to be
-/// written.
+/// Adds the denoised image if requested. If that fails, prints the error; the noisy image can still be written.
 bool add_denoised(const RenderArguments& arguments, Image& image, ExrMetadata& metadata) {
   if (arguments.denoiser.empty()) return true;
   return try_to_write([&] {
@@ -241,13 +241,13 @@ Progress::Mode progress_mode(bool quiet) {
   return isatty(STDERR_FILENO) != 0 ? Progress::Mode::kBar : Progress::Mode::kLines;
 }
 
-/// The columns of the terminal; 0 if they are unknown.
+/// Width of the terminal in columns; 0 if unknown.
 int terminal_columns() {
   winsize size{};
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
 
-/// What the picture looks like so far.
+/// The image so far.
 RenderResult preview_of(const Scene& scene, const RenderState& state, AovSet aovs) {
   RenderResult so_far;
   so_far.film = state.film;
@@ -262,8 +262,8 @@ RenderResult preview_of(const Scene& scene, const RenderState& state, AovSet aov
   return so_far;
 }
 
-/// Renders with signals caught and progress shown, and saves checkpoints. `show` is given what there is so far whenever
-/// somebody wants to see it.
+/// Renders with signal handling, progress display and checkpoints. `show` receives the current state whenever the user
+/// requests a preview by signal.
 RenderResult render_with_progress(const Scene& scene, RenderOptions options, bool quiet, Checkpointer& checkpointer,
                                   Preview& preview,
                                   const std::function<void(const RenderState&, const RenderReport&)>& show) {
@@ -307,7 +307,7 @@ RenderOptions render_options(const RenderArguments& arguments, const SamplerDesc
   return options;
 }
 
-/// What is to be said before a render.
+/// Prints notes and warnings before the render.
 void print_start(const Description& description, const Scene& scene) {
   for (const std::string& note : description.notes) print_message(note);
   for (const std::string& stand_in : description.stand_ins) print_message("warning: " + stand_in);
@@ -316,7 +316,7 @@ void print_start(const Description& description, const Scene& scene) {
     print_message("warning: the scene has no lights: its picture is black");
 }
 
-/// What there is to be said once everything is written.
+/// Prints warnings, statistics and the written files after the render.
 void print_end(const RenderResult& result, const std::vector<fs::path>& written, std::size_t stand_ins) {
   for (const std::string& warning : result.warnings) print_message("warning: " + warning);
   std::fputs(to_table(result.report).c_str(), stderr);
@@ -328,7 +328,7 @@ void print_end(const RenderResult& result, const std::vector<fs::path>& written,
                     stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
 }
 
-/// The colour mode asked for, else that of the scene's dialect, with a note.
+/// The requested color mode; otherwise that of the scene's dialect, with a note.
 ColorMode choose_color(const RenderArguments& arguments, Description& description) {
   const ColorMode native = native_color(arguments.scene);
   if (arguments.color.empty() && native == ColorMode::kSpectral)
@@ -343,6 +343,7 @@ ColorMode choose_color(const RenderArguments& arguments, Description& descriptio
 }
 
 int render_scene(const RenderArguments& arguments, const std::vector<std::pair<std::string, std::string>>& given) {
+  // Check the outputs before any work.
   const AovSet aovs = wanted_aovs(arguments);
   const std::vector<NamedFile> all_outputs = check_outputs(arguments);
   std::vector<fs::path> outputs;
@@ -351,6 +352,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   check_layers(arguments, outputs);
   if (!arguments.denoiser.empty()) check_denoiser(denoiser_from_name(arguments.denoiser));
   Preview preview(arguments.preview, arguments.scene, outputs.front().string(), arguments.quiet);
+  // Read the scene and apply the options.
   const double load_start = Progress::steady_seconds();
   Description description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
   check_sources(all_outputs, description.files);
@@ -365,6 +367,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   else if (arguments.denoiser == "oidn")
     description.film.filter_mode = FilterMode::kImportance;
   const PixelRect crop = choose_crop(arguments, description.film);
+  // Read the checkpoint.
   Checkpointer checkpointer(arguments.checkpoint, arguments.checkpoint.file.empty()
                                                       ? RenderSettings{}
                                                       : render_settings(given, description.files));
@@ -372,6 +375,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
                                ? ""
                                : part_settings(render_settings(given, description.files));
   std::optional<RenderState> resumed = checkpointer.resumed();
+  // Compile the scene.
   const double build_start = Progress::steady_seconds();
   const std::unique_ptr<Scene> scene = arguments.read.lenient
                                            ? compile_leniently(description, {arguments.watertight, color})
@@ -380,6 +384,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   const double build_end = Progress::steady_seconds();
   if (!arguments.quiet) print_start(description, *scene);
 
+  // Render.
   RenderOptions options = render_options(arguments, description.sampler, aovs, crop);
   options.resume = resumed ? &*resumed : nullptr;
   const InterruptGuard guard;
@@ -394,19 +399,21 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
       print_message("wrote what there is to " + file.string());
   };
   RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet, checkpointer, preview, show);
+  // Denoise and write the image.
   preview.begin_writing();
   result.report.scene = arguments.scene;
   result.report.color = color_name;
   result.report.load_seconds = build_start - load_start;
   result.report.build_seconds = build_end - build_start;
   Image image = result.to_image();
-  result.film = Film();  // its memory is needed for writing
+  result.film = Film();  // free its memory before writing
   ExrMetadata metadata = make_metadata(arguments, result.report, description, scene->names(), image);
-  if (result.samples) result.report.spp = result.samples->count;  // the header has those of the whole
+  if (result.samples) result.report.spp = result.samples->count;  // the header keeps the count of the whole render
   if (!part.empty()) add_part_attributes(metadata, part, result.samples);
   const bool denoised = add_denoised(arguments, image, metadata);
   const std::vector<fs::path> written = write_pictures(outputs, image, metadata);
   bool complete = written.size() == outputs.size() && checkpointer.is_saved();
+  // Write the statistics and finish.
   result.report.peak_rss_bytes = peak_rss_bytes();
   result.report.peak_private_bytes = peak_private_bytes();
   if (!arguments.stats.empty())
@@ -428,17 +435,20 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
   command.on_call([&] {
     for (const auto& [name, value] : command.given()) plan.given.push_back(name);
   });
+  // Parse the options as `sheaf render` does.
   std::vector<std::string> line{"sheaf", "render"};
   line.insert(line.end(), words.begin(), words.end());
   std::vector<char*> pointers;
   for (std::string& word : line) pointers.push_back(word.data());
   if (program.parse(static_cast<int>(pointers.size()), pointers.data()))
     throw Error(ExitCode::kUsage, "these are no options of 'sheaf render'");
+  // Read the scene and apply the options.
   const AovSet aovs = wanted_aovs(arguments);
   Description scene = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
   apply_integrator(arguments, scene);
   apply_sampler(arguments, scene);
   apply_size(arguments, scene.film);
+  // Fill in the plan.
   plan.integrator = scene.integrator.kind;
   plan.crop = choose_crop(arguments, scene.film);
   const PhotonMappingDescription& photons = scene.integrator.photons;

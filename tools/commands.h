@@ -1,4 +1,4 @@
-// The subcommands of the command line. Each adds itself, with its options, to the program.
+// The subcommands of the command line. Each function adds one subcommand with its options to the program.
 #pragma once
 
 #include "tools/options.h"
@@ -9,24 +9,24 @@
 
 namespace sheaf {
 
-/// sheaf render: renders a scene file to pictures.
+/// sheaf render: renders a scene file to images.
 void add_render_command(Command& program, int& exit_code);
-/// sheaf info: says what a scene file holds.
+/// sheaf info: prints the contents of a scene file or an image.
 void add_info_command(Command& program, int& exit_code);
-/// sheaf compare: measures how far two pictures are apart.
+/// sheaf compare: measures the differences between two images.
 void add_compare_command(Command& program, int& exit_code);
-/// sheaf denoise: takes the noise out of a rendered picture.
+/// sheaf denoise: denoises a rendered image.
 void add_denoise_command(Command& program, int& exit_code);
-/// sheaf merge: joins parts of a picture.
+/// sheaf merge: merges parts of an image.
 void add_merge_command(Command& program, int& exit_code);
-/// sheaf farm: has parts of pictures rendered by the jobs of a cluster.
+/// sheaf farm: renders parts of images in the jobs of a cluster.
 void add_farm_command(Command& program, int& exit_code);
 
-/// A text with '?' for what terminals obey: names in files, and names of files, may hold anything.
+/// Replaces control characters by '?': names from files and file names may contain terminal escape sequences.
 std::string printable(std::string_view text);
-/// Prints a line to the standard error stream, after "sheaf: ". May be called by several threads at once.
+/// Prints a line to standard error, prefixed with "sheaf: ". Thread-safe.
 void print_message(std::string_view message);
-/// From now on `listener` is told of each message too, by one thread at a time; none if it is empty.
+/// Passes each further message to `listener` too, from one thread at a time. An empty function removes the listener.
 void listen_to_messages(std::function<void(std::string_view)> listener);
 
 }  // namespace sheaf

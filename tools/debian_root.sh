@@ -1,7 +1,7 @@
-# Debian in a folder of its own, for scripts that source this file; as root, with the package debootstrap.
-# shellcheck shell=bash
+# Functions that run commands in a Debian root file system, for scripts that source this file. Needs root and the
+# package debootstrap.
 
-# The mirror that apt on this machine uses; SHEAF_DEBIAN_MIRROR names another.
+# Prints the mirror of apt on this machine; SHEAF_DEBIAN_MIRROR overrides it.
 debian_mirror() {
   if [[ -n ${SHEAF_DEBIAN_MIRROR:-} ]]; then
     echo "$SHEAF_DEBIAN_MIRROR"
@@ -11,7 +11,7 @@ debian_mirror() {
     awk '$1 == "Debian" && $2 !~ /-/ { print $3; exit }'
 }
 
-# make_debian_root FOLDER RELEASE: makes it, unless it is there already. A log lies beside it while it is made.
+# make_debian_root FOLDER RELEASE: creates it unless it exists. Meanwhile FOLDER.log holds the log.
 make_debian_root() {
   local root=$1 release=$2 mirror
   [[ ! -e $root/.complete ]] || return 0
@@ -25,7 +25,7 @@ make_debian_root() {
   touch "$root/.complete"
 }
 
-# open_debian_root FOLDER: what programs in it need of this machine; taken away again when the script ends.
+# open_debian_root FOLDER: copies the network settings and mounts proc and sysfs. Unmounts them when the script exits.
 open_debian_root() {
   debian_root=$1
   cp /etc/resolv.conf /etc/hosts "$debian_root/etc/"
@@ -45,7 +45,7 @@ close_debian_root() {
   for folder in "${debian_mounted[@]}"; do umount "$folder"; done
 }
 
-# in_root COMMAND...: runs it in the folder that was opened last.
+# in_root COMMAND...: runs a command in the folder that was opened last.
 in_root() {
   chroot "$debian_root" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 "$@"
 }

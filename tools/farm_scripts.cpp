@@ -6,7 +6,7 @@ namespace sheaf {
 
 namespace {
 
-/// name=('first word' 'second word')
+/// Assigns an array: name=('first word' 'second word').
 std::string shell_array(std::string_view name, const std::vector<std::string>& words) {
   std::string text = std::string(name) + "=(";
   for (const std::string& word : words) text += (text.back() == '(' ? "" : " ") + shell_quoted(word);
@@ -17,7 +17,7 @@ std::string shell_variable(std::string_view name, std::string_view value) {
   return std::string(name) + "=" + shell_quoted(value) + "\n";
 }
 
-/// What both jobs begin with.
+/// First lines of both job scripts.
 std::string job_start(const Farm& farm, const char* what) {
   return fmt::format("#!/usr/bin/env bash\n# Written by sheaf farm. {}\nset -u\n", what) +
          shell_variable("sheaf", farm.program) + shell_variable("folder", farm.folder) + "frame=$1\n" +
@@ -81,7 +81,7 @@ std::string merge_script(const Farm& farm) {
     text += farm.has_frames ? "options+=(--output " + shell_quoted(before) + "\"$(printf %04d \"$frame\")\"" +
                                   shell_quoted(after) + ")\n"
                             : "options+=(--output " + shell_quoted(before + after) + ")\n";
-  // Checkpoints are needed until the parts are joined: a part that is run once more is done at once.
+  // Keep the checkpoints until the parts are merged: with them a part that runs again finishes at once.
   text += "\"$sheaf\" merge \"${options[@]}\" -- \"${files[@]}\" || exit\nrm -f -- \"$parts\"/*.state\n";
   return text;
 }

@@ -1,4 +1,4 @@
-// The scripts that `sheaf farm` writes, for bash and Slurm.
+// The bash scripts for Slurm that `sheaf farm` writes.
 #pragma once
 
 #include <string>
@@ -8,33 +8,33 @@
 
 namespace sheaf {
 
-/// A picture, or an animation of several, that the jobs of a cluster render part by part. Paths are absolute.
+/// An image or an animation that the jobs of a cluster render in parts. Paths are absolute.
 struct Farm {
-  std::string program;         ///< sheaf
-  std::string working_folder;  ///< that names among the options are meant from
-  std::string folder;          ///< for scripts, and for what parts are made of
+  std::string program;         ///< the sheaf executable
+  std::string working_folder;  ///< base of relative paths in the options
+  std::string folder;          ///< for scripts, parts, checkpoints and logs
   std::string scene;
-  std::vector<std::string> options;  ///< of render, the same for all parts
-  std::string part_option;           ///< of render, which takes each of
+  std::vector<std::string> options;  ///< of `sheaf render`, the same for all parts
+  std::string part_option;           ///< option of `sheaf render` that takes each of part_values
   std::vector<std::string> part_values;
   std::vector<std::string> merge_options;
-  /// Names of pictures to write, what stands before the number of the frame and what stands behind it.
+  /// Names of the images to write, split into the text before and after the frame number.
   std::vector<std::pair<std::string, std::string>> outputs;
-  bool has_frames = false;  ///< else there is one picture
+  bool has_frames = false;  ///< false: a single image
   int first_frame = 0, last_frame = 0;
-  std::vector<std::string> sbatch_options;        ///< of parts
-  std::vector<std::string> sbatch_merge_options;  ///< of what joins them
+  std::vector<std::string> sbatch_options;        ///< for the parts
+  std::vector<std::string> sbatch_merge_options;  ///< for merging
   int most_restarts = 100;
 };
 
-/// A word that the shell takes as it is, whatever it holds.
+/// Quotes a word so that the shell takes it literally.
 std::string shell_quoted(std::string_view word);
 
-/// Renders the part SLURM_ARRAY_TASK_ID of the frame that is its argument, and goes on where it was stopped.
+/// Script that renders part SLURM_ARRAY_TASK_ID of the frame in its first argument, or resumes it.
 std::string render_script(const Farm& farm);
-/// Joins the parts of the frame that is its argument.
+/// Script that merges the parts of the frame in its first argument.
 std::string merge_script(const Farm& farm);
-/// Submits both: `render` and `merge` are their files.
+/// Script that submits both jobs. `render` and `merge` are the files of their scripts.
 std::string submit_script(const Farm& farm, const std::string& render, const std::string& merge);
 
 }  // namespace sheaf

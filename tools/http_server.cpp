@@ -13,11 +13,11 @@ namespace sheaf {
 namespace {
 
 constexpr unsigned kMaxConnections = 64, kMaxConnectionsByAddress = 32;
-constexpr unsigned kMaxSilence = 10;              // seconds
-constexpr std::size_t kRequestBytes = 16 * 1024;  // of one connection: a request with all its headers
+constexpr unsigned kMaxSilence = 10;              // s
+constexpr std::size_t kRequestBytes = 16 * 1024;  // per connection: a request with all its headers
 
-/// Headers of every answer. The page is one file and needs nothing from elsewhere, so browsers are told to fetch
-/// nothing.
+/// Headers of every response. The page is a single file that needs no other resources, so browsers may fetch nothing
+/// else.
 constexpr std::pair<const char*, const char*> kHeaders[] = {
     {"Cache-Control", "no-store"},
     {"X-Content-Type-Options", "nosniff"},
@@ -41,7 +41,8 @@ const char* meaning(int status) {
   }
 }
 
-/// Whether a Host header names this machine: by an address, which no page from elsewhere has, or as localhost.
+/// Whether a Host header names this machine: as localhost or by an IP address, which web pages from elsewhere cannot
+/// use.
 bool names_this_machine(std::string_view host) {
   if (host.starts_with("[")) return true;
   host = host.substr(0, host.find(':'));
@@ -49,10 +50,10 @@ bool names_this_machine(std::string_view host) {
   return !host.empty() && host.find_first_not_of("0123456789.") == std::string_view::npos;
 }
 
-/// Lets the program's work go before that of the calling thread.
+/// Gives the calling thread a lower priority than the render.
 bool lower_priority() {
   constexpr int kNice = 5;
-  return setpriority(PRIO_PROCESS, 0, kNice) == 0;  // on Linux, of the thread
+  return setpriority(PRIO_PROCESS, 0, kNice) == 0;  // on Linux, this affects the thread only
 }
 
 void release_body(void* body) { delete static_cast<std::shared_ptr<const std::string>*>(body); }
@@ -69,7 +70,7 @@ MHD_Result send_response(MHD_Connection* connection, HttpResponse response) {
   for (const auto& [name, value] : kHeaders) MHD_add_response_header(made, name, value);
   if (response.status == 405) {
     MHD_add_response_header(made, "Allow", "GET");
-    MHD_add_response_header(made, "Connection", "close");  // what else was sent is not read
+    MHD_add_response_header(made, "Connection", "close");  // the rest of the request is not read
   }
   const MHD_Result queued = MHD_queue_response(connection, static_cast<unsigned>(response.status), made);
   MHD_destroy_response(made);
@@ -82,7 +83,7 @@ MHD_Result on_request(void* server, MHD_Connection* connection, const char* url,
   try {
     const char* const host = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Host");
     return send_response(connection, static_cast<const HttpServer*>(server)->answer(url, method, host));
-  } catch (const std::exception&) {  // there is no memory for an answer
+  } catch (const std::exception&) {  // out of memory
     return MHD_NO;
   }
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that Sheaf builds from. Quick, and needs no network, when all are there already.
-# Further package names may be given as arguments.
+# Installs the Debian packages that Sheaf needs for building, and the packages in its arguments. If all are installed,
+# it is quick and needs no network.
 set -euo pipefail
 
 packages=(

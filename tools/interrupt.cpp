@@ -1,4 +1,4 @@
-// The signal handler and what it may touch: two lock-free atomics.
+// The signal handlers and the only state that they access: lock-free atomics.
 #include "tools/interrupt.h"
 
 namespace sheaf {
@@ -12,8 +12,8 @@ std::atomic<int> received_signal{0};
 std::atomic<bool> preview_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
-/// The next SIGINT or SIGTERM ends the program, whatever it is doing. SIGHUP does not: a terminal that is closed may
-/// send more than one.
+/// The next SIGINT or SIGTERM terminates the program. Further SIGHUPs are ignored, because closing a terminal may send
+/// more than one.
 extern "C" void handle_interrupt(int number) {
   received_signal.store(number);
   stop_requested.store(true);
@@ -33,7 +33,7 @@ InterruptGuard::InterruptGuard() {
   action.sa_handler = handle_interrupt;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
-  for (const int number : kCaught) sigaddset(&action.sa_mask, number);  // a second one waits for the handler's end
+  for (const int number : kCaught) sigaddset(&action.sa_mask, number);  // block the others while the handler runs
   for (std::size_t i = 0; i < kCaught.size(); ++i) {
     sigaction(kCaught[i], nullptr, &old_[i]);
     if (old_[i].sa_handler != SIG_IGN) sigaction(kCaught[i], &action, nullptr);

@@ -1,5 +1,5 @@
-// SIGUSR1 asks the program to show what there is so far. SIGINT, SIGTERM and SIGHUP: the first asks the program to stop
-// and save, another SIGINT or SIGTERM ends it at once.
+// Signal handling. SIGUSR1 requests a preview of the image so far. The first SIGINT, SIGTERM or SIGHUP requests that
+// the program saves its work and stops. A second SIGINT or SIGTERM terminates it immediately.
 #pragma once
 
 #include <array>
@@ -8,8 +8,9 @@
 
 namespace sheaf {
 
-/// Catches these signals while it lives, except those that the program was started to ignore; and ignores SIGPIPE, so
-/// that nobody needs to read the messages of a program that is to save its work. Only one may live at a time.
+/// Catches these signals during its lifetime, except those of stop requests that the program was started to ignore.
+/// Also ignores SIGPIPE, so that a closed message stream does not end a program that must save its work. Only one
+/// instance may exist at a time.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -17,11 +18,11 @@ class InterruptGuard {
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
-  /// Becomes true when a signal arrives.
+  /// Becomes true when a stop request arrives.
   static const std::atomic<bool>& stop();
-  /// The signal that arrived, or 0.
+  /// The signal of the stop request, or 0.
   static int signal();
-  /// Whether SIGUSR1 has arrived since end_preview().
+  /// Whether SIGUSR1 has arrived since the last end_preview().
   static bool wants_preview();
   static void end_preview();
 

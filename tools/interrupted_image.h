@@ -1,4 +1,4 @@
-// What the header of an image says of a render that was interrupted.
+// Attributes in the header of an interrupted render's image.
 #pragma once
 
 #include "core/exr.h"
@@ -9,16 +9,16 @@
 
 namespace sheaf {
 
-/// Attributes of pictures whose render was interrupted, see add_interrupted_attributes().
+/// Attributes of images of interrupted renders; see add_interrupted_attributes().
 inline constexpr const char* kInterruptedAttribute = "sheaf/interrupted";
 inline constexpr const char* kSamplesTakenAttribute = "sheaf/samplesTaken";
 inline constexpr const char* kSamplesPlannedAttribute = "sheaf/samplesPlanned";
 
-/// Notes in a picture's header that its render was interrupted, with how many samples per pixel there are of how many
-/// that were planned: "sheaf/interrupted" = 1, "sheaf/samplesTaken" and "sheaf/samplesPlanned".
+/// Marks an image as interrupted: sets "sheaf/interrupted" to 1, "sheaf/samplesTaken" to the mean samples per pixel
+/// taken, and "sheaf/samplesPlanned" to the number planned.
 void add_interrupted_attributes(ExrMetadata& metadata, double taken, std::uint32_t planned);
 
-/// What to tell the user of a picture whose header says that its render was interrupted; empty for other pictures.
+/// Message for the user if the header marks the image as interrupted; otherwise empty.
 std::string interruption(std::span<const ExrMetadata::Attribute> attributes);
 
 }  // namespace sheaf

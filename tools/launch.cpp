@@ -1,5 +1,5 @@
-// The program `sheaf` of a package: starts the build of the whole program that suits the processor. Compiled for any
-// processor of the architecture, so that it can say what is missing.
+// Launcher `sheaf` of the Debian package: starts the build of the program that suits the processor. It is compiled for
+// the baseline of the architecture, so that it can report missing instructions.
 #include <unistd.h>
 
 #include <array>
@@ -12,14 +12,14 @@
 
 namespace {
 
-/// A build, by the level of instructions that it needs; see the psABI of x86-64.
+/// A build, named after the microarchitecture level that it requires; see the x86-64 psABI.
 struct Build {
   const char* level;
   bool runs;  ///< on this processor
 };
 
-// Clang before 17 does not know levels by name. Of their instructions these are what it knows: processors that have
-// them have the rest (F16C, LZCNT, MOVBE) as well.
+// Clang before 17 does not know levels by name. These are the instructions of the levels that it can test. Processors
+// that have them also have the others (F16C, LZCNT, MOVBE).
 bool has_v3() {
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
          __builtin_cpu_supports("fma");
@@ -39,12 +39,14 @@ int fail(const std::string& message) {
 int main(int, char** argv) {
   namespace fs = std::filesystem;
   __builtin_cpu_init();
+  // Find the builds that this processor can run.
   const std::array<Build, 2> builds{{{"x86-64-v4", has_v4()}, {"x86-64-v3", has_v3()}}};
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
   if (error) return fail("cannot tell where the program lies: " + error.message());
   const char* const wanted = std::getenv("SHEAF_ISA");
   bool known = false;
+  // Start the best build, or the one that SHEAF_ISA requests.
   for (const Build& build : builds) {
     if (wanted != nullptr && *wanted != '\0' && std::strcmp(wanted, build.level) != 0) continue;
     known = true;

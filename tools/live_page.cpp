@@ -17,11 +17,11 @@ namespace sheaf {
 namespace {
 
 constexpr std::size_t kMaxMessages = 200, kMaxMessageBytes = 4000;
-/// A browser that has not asked for so long looks no more; the page asks every second.
+/// Time after its last request for which a browser counts as connected, s. The page sends a request every second.
 constexpr double kLookSeconds = 4;
-/// How long pages in several windows have to ask once more.
+/// Extra time for pages in other windows to send another request, s.
 constexpr double kOthersSeconds = 1.3;
-/// Compression of pictures: fast, since they are sent once.
+/// PNG compression level: fast, because each image is sent once.
 constexpr int kPngLevel = 1;
 
 std::shared_ptr<const std::string> shared_text(std::string text) {
@@ -34,7 +34,7 @@ LivePage::LivePage(const Endpoint& endpoint, std::string scene)
     : scene_(std::move(scene)),
       run_(std::to_string(std::time(nullptr)) + "-" + std::to_string(getpid())),
       server_(endpoint, [this](std::string_view path) { return answer(path); }) {
-  picture_library();  // else loading it would count as the time that the first picture takes
+  picture_library();  // load the library now, so that encoding_seconds() of the first image excludes it
 }
 
 void LivePage::begin_render() {
@@ -137,7 +137,7 @@ HttpResponse LivePage::picture() {
     if (number == picture_number_) encoded_ = encoded;
   }
   if (number == picture_number_) picture_seen_ = true;
-  // The server lets go of it when it is sent.
+  // The server releases the body once it is sent.
   const auto sent = [this, encoded, number](const std::string*) {
     const std::lock_guard guard(mutex_);
     sent_number_ = std::max(sent_number_, number);

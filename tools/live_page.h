@@ -1,4 +1,4 @@
-// A page for browsers that shows a render while it runs: what is told of it, and the server that tells it.
+// Live web page of a running render: its content, and the server that delivers it.
 #pragma once
 
 #include "core/image.h"
@@ -14,35 +14,35 @@
 
 namespace sheaf {
 
-/// Answers GET requests for "/" (the page, which needs nothing else), "/status.json" and "/picture.png". All functions
-/// may be called by any thread.
+/// Answers GET requests for "/" (the page, which is self-contained), "/status.json" and "/picture.png". All functions
+/// are thread-safe.
 class LivePage {
  public:
-  /// Begins to serve. Throws Error (exit code 1) if it cannot.
+  /// Starts the server. Throws Error (exit code 1) on failure.
   LivePage(const Endpoint& endpoint, std::string scene);
-  /// Ends all connections.
+  /// Closes all connections.
   ~LivePage() = default;
 
   const std::string& url() const { return server_.url(); }
 
-  /// Time starts now.
+  /// Starts the clock of the render.
   void begin_render();
-  /// How much is done of how much, as RenderOptions::on_progress has it. Cheap.
+  /// Sets the progress, in the units of RenderOptions::on_progress. Cheap.
   void update(std::uint64_t done, std::uint64_t total);
-  /// What the render is at: "reading", "rendering", "writing", "done" ...
+  /// Sets the state of the render: "reading", "rendering", "writing", "done" ...
   void set_state(const std::string& state);
-  /// The statistics so far, a JSON object.
+  /// Sets the statistics so far, a JSON object.
   void set_report(const std::string& json);
-  /// The picture so far; it is encoded when somebody asks for it.
+  /// Sets the image so far; it is encoded on the first request.
   void set_picture(std::shared_ptr<const Image> picture);
-  /// Adds a line to the log, of which the last 200 are told.
+  /// Adds a line to the log. The page shows the last 200 lines.
   void add_message(std::string_view message);
 
-  /// Whether a browser looks, and has asked for the last picture.
+  /// Whether a browser is connected and has requested the last image.
   bool wants_picture() const;
-  /// How long the last picture took to encode.
+  /// Time that encoding the last image took, s.
   double encoding_seconds() const { return encoding_seconds_.load(std::memory_order_relaxed); }
-  /// If a browser looks: waits until it has the last state and picture, but no longer than this.
+  /// If a browser is connected, waits until it has received the last state and image, at most `seconds`.
   void wait_until_seen(double seconds);
 
  private:
@@ -51,21 +51,22 @@ class LivePage {
   HttpResponse picture();
   bool is_watched() const;
 
-  const std::string scene_, run_;  ///< the scene file; what tells this render from others at the same port
+  /// The scene file; an id that distinguishes this render from others at the same port.
+  const std::string scene_, run_;
   std::atomic<std::uint64_t> done_{0}, total_{0};
-  std::atomic<double> looked_{-1e9};  ///< when somebody last asked for the status, on the steady clock
+  std::atomic<double> looked_{-1e9};  ///< time of the last status request, s on the steady clock
   std::atomic<double> encoding_seconds_{0};
-  std::atomic<bool> picture_seen_{true};  ///< somebody asked for the last one; true where there is none
-  mutable std::mutex mutex_;              ///< guards what follows
+  std::atomic<bool> picture_seen_{true};  ///< the last image was requested; true if there is no image
+  mutable std::mutex mutex_;              ///< guards the members below
   std::condition_variable seen_;
   std::string state_ = "reading", report_ = "null";
   bool state_seen_ = false;
-  double start_ = 0, end_ = 0;  ///< of the render, on the steady clock; 0: not yet
+  double start_ = 0, end_ = 0;  ///< of the render, s on the steady clock; 0: not yet
   std::deque<std::string> messages_;
   std::shared_ptr<const Image> picture_;
-  std::shared_ptr<const std::string> encoded_;  ///< picture_ as a PNG file; null: not made yet
-  int picture_number_ = 0, sent_number_ = 0;    ///< of the last picture, and of the last that was sent; 0: none
-  HttpServer server_;                           ///< the last member: what its thread uses is there, and it ends first
+  std::shared_ptr<const std::string> encoded_;  ///< picture_ as a PNG file; null: not encoded yet
+  int picture_number_ = 0, sent_number_ = 0;    ///< numbers of the last image and of the last image sent; 0: none
+  HttpServer server_;                           ///< last member: its thread uses the others and must end first
 };
 
 }  // namespace sheaf

@@ -1,5 +1,5 @@
-// make_cloud: writes procedural volumes as NanoVDB files, always the same for the same seed. Grids "density" and, if
-// asked for, "temperature" hold values from 0 to 1 in the cube [-1, 1]^3, +y being up.
+// make_cloud: writes procedural volumes as NanoVDB files; deterministic for a given seed. The grid "density" and the
+// optional grid "temperature" hold values from 0 to 1 in the cube [-1, 1]^3 with +y up.
 #include "core/error.h"
 #include "scene/formats/nanovdb.h"
 #include "tools/options.h"
@@ -22,7 +22,7 @@ float smooth_step(float lo, float hi, float x) {
 
 float mix(float t, float a, float b) { return a + t * (b - a); }
 
-/// Numbers that depend on nothing but a place on the lattice of whole numbers, a stream and the seed.
+/// Random values that depend only on integer coordinates, a stream and the seed.
 class Lattice {
  public:
   explicit Lattice(std::uint32_t seed) : seed_(seed * 0x9e3779b9u + 0x7f4a7c15u) {}
@@ -43,7 +43,7 @@ class Lattice {
   std::uint32_t seed_;
 };
 
-/// Noise made of values on a lattice, of mean 1/2, smooth in between.
+/// Value noise: smoothly interpolated lattice values, with mean 1/2.
 float value_noise(const Lattice& lattice, Vec3f p, std::uint32_t stream) {
   const float fx = std::floor(p.x), fy = std::floor(p.y), fz = std::floor(p.z);
   const int x = static_cast<int>(fx), y = static_cast<int>(fy), z = static_cast<int>(fz);
@@ -54,7 +54,7 @@ float value_noise(const Lattice& lattice, Vec3f p, std::uint32_t stream) {
   return mix(tz, mix(ty, along_x(0, 0), along_x(1, 0)), mix(ty, along_x(0, 1), along_x(1, 1)));
 }
 
-/// Round lumps: one less the distance to the nearest of scattered points, one in each cell (Worley 1996).
+/// Cellular noise of round lumps: 1 minus the distance to the nearest of jittered points, one per cell (Worley 1996).
 float lump_noise(const Lattice& lattice, Vec3f p, std::uint32_t stream) {
   const float fx = std::floor(p.x), fy = std::floor(p.y), fz = std::floor(p.z);
   const int x = static_cast<int>(fx), y = static_cast<int>(fy), z = static_cast<int>(fz);
@@ -71,7 +71,7 @@ float lump_noise(const Lattice& lattice, Vec3f p, std::uint32_t stream) {
   return std::max(0.0f, 1 - std::sqrt(nearest));
 }
 
-/// A sum of octaves, each half as large and strong as the one before; about 0 to 1.
+/// Sum of octaves, each with half the scale and amplitude of the previous one; roughly in [0, 1].
 template <class Noise> float octaves(Noise&& noise, const Lattice& lattice, Vec3f p, int count, std::uint32_t stream) {
   float sum = 0, weight = 0.5f, total = 0;
   for (int i = 0; i < count; ++i) {
@@ -87,14 +87,14 @@ struct Sample {
   float density = 0, temperature = 0;
 };
 
-/// A volume in [-1, 1]^3.
+/// A procedural volume in [-1, 1]^3.
 class Model {
  public:
   virtual ~Model() = default;
   virtual Sample at(Vec3f p) const = 0;
 };
 
-/// Towers of spheres over a flat base, their surface broken up by lumps and billows.
+/// Cumulus cloud: towers of spheres over a flat base, with a surface perturbed by lumps and billows.
 class Cumulus : public Model {
  public:
   explicit Cumulus(std::uint32_t seed) : lattice_(seed) {
@@ -108,7 +108,7 @@ class Cumulus : public Model {
   }
 
   Sample at(Vec3f p) const override {
-    float depth = -1;  // below the surface of the spheres
+    float depth = -1;  // depth below the surface of the spheres
     for (const Sphere& s : spheres_) depth = std::max(depth, s.radius - length(p - s.center));
     constexpr float kReach = 0.16f;
     if (depth < -kReach || p.y < kBase - 0.1f) return {};
@@ -131,13 +131,13 @@ class Cumulus : public Model {
   std::vector<Sphere> spheres_;
 };
 
-/// A plume that widens and meanders as it rises, hot near its foot.
+/// A plume of smoke that widens and meanders as it rises, hot near its base.
 class Smoke : public Model {
  public:
   explicit Smoke(std::uint32_t seed) : lattice_(seed) {}
 
   Sample at(Vec3f p) const override {
-    const float height = 0.5f * (p.y + 0.95f);  // 0 at the foot
+    const float height = 0.5f * (p.y + 0.95f);  // 0 at the base
     if (height < 0 || height > 0.97f) return {};
     const auto drift = [&](std::uint32_t stream) {
       return octaves(value_noise, lattice_, {1.7f * p.x, 2.2f * p.y, 1.7f * p.z}, 4, stream) - 0.5f;
@@ -157,7 +157,7 @@ class Smoke : public Model {
   Lattice lattice_;
 };
 
-/// Grows from 0 at x = -1 to 1 at x = 1.
+/// Density grows linearly from 0 at x = -1 to 1 at x = 1, and temperature likewise along y.
 class Ramp : public Model {
  public:
   Sample at(Vec3f p) const override { return {0.5f * (p.x + 1), 0.5f * (p.y + 1)}; }
@@ -183,7 +183,7 @@ std::unique_ptr<Model> make_model(int kind, std::uint32_t seed) {
   }
 }
 
-/// Fills the blocks that hold anything of `resolution`^3 voxels.
+/// Fills the non-empty blocks of a grid with `resolution`^3 voxels.
 void sample(const Model& model, int resolution, VoxelBlocks& density, VoxelBlocks& temperature) {
   const auto coordinate = [&](int i) { return (static_cast<float>(2 * i + 1) / static_cast<float>(resolution)) - 1; };
   const int blocks = (resolution + VoxelBlocks::kSide - 1) / VoxelBlocks::kSide;

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Makes a Debian package of Sheaf for this release of Debian: the program is built for x86-64-v3 and for x86-64-v4.
-#   tools/make_package.sh [FOLDER]      default: build/package; the package is put there too
-# Needs the packages of tools/install_packages.sh, and dpkg-dev, file and python3. Can be run again.
+# Makes a Debian package of Sheaf for this release of Debian, with the program built for x86-64-v3 and x86-64-v4.
+#   tools/make_package.sh [FOLDER]      default: build/package; receives the builds and the package
+# Needs the packages of tools/install_packages.sh, and dpkg-dev, file and python3. Can be rerun.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 folder=$(realpath -m "${1:-build/package}")
@@ -20,7 +20,7 @@ for level in "${levels[@]}"; do
 done
 
 echo "package: packing"
-# The manual is made by running the program, which every machine can that runs the first build.
+# Making the manual runs the program of the first build, which has the lowest level.
 cmake -B "$folder/${levels[0]}" -DSHEAF_PACKAGED_BUILDS="$(IFS=';'; echo "${builds[*]}")" >/dev/null
 cmake --build "$folder/${levels[0]}" --target sheaf_launcher sheaf_manual
 rm -f "$folder"/sheaf_*.deb

@@ -17,33 +17,32 @@ namespace sheaf {
 
 namespace {
 
-/// Reads a decimal number at the beginning of `text`, which then holds the rest. Returns nothing if `text` begins
-/// otherwise.
+/// Parses a decimal number at the start of `text` and removes it from `text`. Returns nothing if there is no number.
 std::optional<double> take_number(std::string_view& text) {
   double value = 0;
   const char* const end = text.data() + text.size();
   const auto read = std::from_chars(text.data(), end, value);
   if (read.ec == std::errc::invalid_argument) return std::nullopt;
-  // Numbers beyond the range of double are infinite here, which no option takes.
+  // Numbers beyond the range of double become infinite, which no option accepts.
   if (read.ec == std::errc::result_out_of_range) value = std::numeric_limits<double>::infinity();
   text.remove_prefix(static_cast<std::size_t>(read.ptr - text.data()));
   return value;
 }
 
-/// A whole decimal number.
+/// Parses a text that consists of one decimal number.
 std::optional<double> number_of(std::string_view text) {
   const std::optional<double> value = take_number(text);
   return text.empty() ? value : std::nullopt;
 }
 
-/// As few digits as tell the number from all others.
+/// The shortest text that represents the number exactly.
 std::string shortest(double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value).ptr;
   return std::string(text, end);
 }
 
-/// Numbers that comparisons say nothing of are in no range.
+/// Rejects infinities and NaN. Range checks do not reject NaN, because comparisons with it are false.
 CLI::Validator finite() {
   return CLI::Validator(
       [](const std::string& text) {
@@ -53,7 +52,7 @@ CLI::Validator finite() {
       "");
 }
 
-/// Makes whole numbers out of those that are written in another way, such as 16.0 and 1e3; always decimal.
+/// Normalizes integers such as 16.0 and 1e3 to decimal digits. Returns an error message or an empty string.
 std::string to_whole_number(std::string& text) {
   constexpr double kExact = 9007199254740992.0;  // 2^53
   const std::optional<double> value = number_of(text);
@@ -66,7 +65,7 @@ std::string to_whole_number(std::string& text) {
 
 std::string to_number(std::string& text) { return number_of(text) ? std::string() : "'" + text + "' is not a number"; }
 
-/// Makes a share out of per cent.
+/// Converts percentages to fractions.
 std::string to_share(std::string& text) {
   std::string_view rest = text;
   const std::optional<double> value = take_number(rest);
@@ -74,7 +73,7 @@ std::string to_share(std::string& text) {
   return to_number(text);
 }
 
-/// Makes seconds out of times with units, such as 90s, 5m, 1.5h and 1h30m.
+/// Converts times with units, such as 90s, 5m, 1.5h and 1h30m, to seconds.
 std::string to_seconds(std::string& text) {
   constexpr std::pair<std::string_view, double> kUnits[] = {{"ms", 1e-3},   {"s", 1},        {"sec", 1},
                                                             {"m", 60},      {"min", 60},     {"h", 3600},
@@ -97,7 +96,7 @@ std::string to_seconds(std::string& text) {
 
 CLI::Validator transform(std::string (*function)(std::string&)) { return CLI::Validator(function, ""); }
 
-/// The command that was called, or the program.
+/// The subcommand on the command line, or the program.
 const CLI::App& called_command(const CLI::App& program) {
   const CLI::App* command = &program;
   for (const CLI::App* each : program.get_subcommands()) command = each;
@@ -111,13 +110,13 @@ std::vector<std::string> option_names(const CLI::App& command) {
   return names;
 }
 
-/// "sheaf render": what comes before the options.
+/// The program and its subcommand, e.g. "sheaf render".
 std::string full_name(const CLI::App& command) {
   const CLI::App* parent = command.get_parent();
   return (parent != nullptr ? full_name(*parent) + " " : "") + command.get_name();
 }
 
-/// The message for an option in front of its command. Empty if no command has the option.
+/// Message for an option that precedes its subcommand. Empty if no subcommand has the option.
 std::string misplaced_option(const CLI::App& program, const std::string& option) {
   const CLI::App& called = called_command(program);
   std::vector<const CLI::App*> commands = program.get_subcommands({});
@@ -130,7 +129,7 @@ std::string misplaced_option(const CLI::App& program, const std::string& option)
   return {};
 }
 
-/// The message for unknown arguments: the first one and the most similar name.
+/// Message for unknown arguments, with the first one and the most similar name.
 std::string unknown_argument(const CLI::App& program) {
   const CLI::App& command = called_command(program);
   const auto name_of = [](const std::string& argument) { return argument.substr(0, argument.find('=')); };
@@ -154,9 +153,9 @@ std::string unknown_argument(const CLI::App& program) {
   return "unknown command '" + word + "'" + did_you_mean(word, commands) + " (" + known + ")";
 }
 
-/// The message for an invalid command line.
+/// Message for an invalid command line.
 std::string usage_message(const CLI::App& program, const CLI::ParseError& problem) {
-  // CLI11 reports an unknown command as a missing one.
+  // CLI11 reports an unknown subcommand as a missing one.
   const bool about_rest = dynamic_cast<const CLI::ExtrasError*>(&problem) != nullptr ||
                           dynamic_cast<const CLI::RequiredError*>(&problem) != nullptr;
   if (about_rest && !program.remaining(true).empty()) return unknown_argument(program);
@@ -171,7 +170,7 @@ std::string usage_message(const CLI::App& program, const CLI::ParseError& proble
   return message;
 }
 
-/// Options whose values are numbers: one, an optional one or a list.
+/// Whether an option's value is a number, an optional number or a list of numbers.
 template <class T> struct is_number : std::is_arithmetic<T> { static constexpr bool is_whole = std::is_integral_v<T>; };
 template <class T> struct is_number<std::optional<T>> : is_number<T> {};
 template <class T> struct is_number<std::vector<T>> : is_number<T> {};

@@ -21,13 +21,13 @@ constexpr const char* kSamplesPerPixel = "sheaf/samplesPerPixel";
 constexpr const char* kIsa = "sheaf/isa";
 constexpr std::uint32_t kMaxSamples = 1u << 24;
 
-/// Of one render these are the same in all parts.
+/// Attributes that all parts of a render share.
 constexpr std::array<std::pair<const char*, const char*>, 5> kSame = {{{"sheaf/version", "Sheaf's version"},
                                                                        {"sheaf/seed", "the seed"},
                                                                        {"sheaf/integrator", "the integrator"},
                                                                        {"sheaf/sampler", "the sampler"},
                                                                        {"sheaf/color", "the colour mode"}}};
-/// These are sums.
+/// Attributes that are summed over the parts.
 constexpr std::array<const char*, 2> kSums = {"sheaf/droppedRays", "sheaf/droppedSamples"};
 
 std::optional<SampleRange> samples_from_text(std::string_view text) {
@@ -51,7 +51,7 @@ std::vector<std::string> lines_of(std::string_view text) {
   return lines;
 }
 
-/// The first line of `a` that `b` has not; an empty string if there is none.
+/// The first line of `a` that is not in `b`; an empty string if there is none.
 std::string first_only_in(const std::vector<std::string>& a, const std::vector<std::string>& b) {
   for (const std::string& line : a)
     if (std::find(b.begin(), b.end(), line) == b.end()) return line;
@@ -75,7 +75,7 @@ SampleRange parse_samples(const std::string& text) {
 }
 
 std::string part_settings(const RenderSettings& settings) {
-  /// Files that are named one by one.
+  /// Maximum number of files listed individually.
   constexpr std::size_t kMaxFiles = 16;
   std::string options, files;
   std::size_t count = 0;
@@ -114,6 +114,7 @@ PartFile read_part_header(const std::filesystem::path& path) {
   file.metadata = read_exr_metadata(path);
   if (file.text(kSettings).empty())
     throw SceneError(where, "is no part of a picture: only those rendered with --samples or --crop say what of");
+  // Read the windows.
   const PixelRect& frame = header.frame;
   const PixelRect& window = header.window;
   const auto beyond = [](const PixelRect& rect) {
@@ -128,7 +129,7 @@ PartFile read_part_header(const std::filesystem::path& path) {
   file.frame_height = frame.height();
   file.part.name = path.string();
   file.part.pixels = {window.x0 - frame.x0, window.y0 - frame.y0, window.x1 - frame.x0, window.y1 - frame.y0};
-  // Of an interrupted part sheaf/samplesPerPixel says how many there are.
+  // For interrupted parts, sheaf/samplesPerPixel is the number taken, so the planned number overrides it.
   for (const char* const name : {kSamplesPerPixel, kSamplesPlannedAttribute})
     for (const ExrMetadata::Attribute& attribute : file.metadata.attributes)
       if (const int* count = std::get_if<int>(&attribute.value); count != nullptr && attribute.name == name)
@@ -145,6 +146,7 @@ PartFile read_part_header(const std::filesystem::path& path) {
     file.part.samples = *samples;
     file.some_samples = true;
   }
+  // Collect the channels.
   bool counts = false;
   for (const ExrHeader::Channel& channel : header.channels) {
     counts |= channel.name == "sampleCount";
@@ -181,7 +183,7 @@ void check_same_picture(const PartFile& first, const PartFile& other) {
 }
 
 ExrMetadata whole_metadata(const std::vector<PartFile>& parts) {
-  // A part of all samples has the types that the whole is to have.
+  // Parts with all samples have the pixel types of the merged image.
   const auto typed = std::find_if(parts.begin(), parts.end(), [](auto& part) { return !part.some_samples; });
   ExrMetadata whole = typed != parts.end() ? typed->metadata : parts.front().metadata;
   if (typed == parts.end()) whole.half_channels = half_channels(parts.front().channels);
@@ -192,9 +194,10 @@ ExrMetadata whole_metadata(const std::vector<PartFile>& parts) {
            name == kSamplesPlannedAttribute || name == "sheaf/denoiser" || name.starts_with("sheaf/ids/");
   });
   set(whole, kSamplesPerPixel, static_cast<int>(parts.front().samples_per_pixel));
+  // Combine the dates and instruction sets.
   std::vector<std::string> isas;
   for (const PartFile& part : parts) {
-    // As dates are written, later ones are larger.
+    // The date format sorts chronologically.
     if (part.metadata.capture_date && whole.capture_date)
       whole.capture_date = std::max(*whole.capture_date, *part.metadata.capture_date);
     const std::string isa = part.text(kIsa);
@@ -202,6 +205,7 @@ ExrMetadata whole_metadata(const std::vector<PartFile>& parts) {
   }
   std::sort(isas.begin(), isas.end());
   set(whole, kIsa, fmt::format("{}", fmt::join(isas, ", ")));
+  // Sum the counters.
   for (const char* const name : kSums) {
     std::uint64_t sum = 0;
     for (const PartFile& part : parts) {

@@ -16,11 +16,11 @@ namespace sheaf {
 
 namespace {
 
-/// Between two pictures lie at least this many seconds, and this many times what the first has cost.
+/// Minimum interval between previews, s, and as a multiple of the cost of the last preview.
 constexpr double kMinInterval = 1, kCostFactor = 50;
 constexpr double kTevSeconds = 5, kPageSeconds = 3;
 
-/// The colours and alpha alone, in the order of their names.
+/// The channels R, G, B and A of an image.
 std::shared_ptr<const Image> beauty_of(const Image& image) {
   const auto beauty = std::make_shared<Image>(image.width, image.height, std::vector<std::string>{});
   std::vector<std::size_t> sources;
@@ -104,7 +104,7 @@ void Preview::show(const RenderState& state) {
   if (tev_ && tev_->is_ready()) tev_->show(picture);
   const double now = Progress::steady_seconds();
   double cost = now - asked_;
-  // Made beside the render, on one of its processors.
+  // The page encodes in parallel to the render, on one of its processors.
   if (page_) cost += page_->encoding_seconds() / std::max(1u, std::thread::hardware_concurrency());
   next_ = now + std::max(kMinInterval, kCostFactor * cost);
   asked_ = 0;

@@ -1,4 +1,4 @@
-// What can be seen of a render while it runs: in the viewer tev, and as a page for browsers.
+// Live previews of a running render: in the image viewer tev, and as a web page.
 #pragma once
 
 #include "core/image.h"
@@ -16,43 +16,43 @@ class TevViewer;
 struct RenderOptions;
 struct RenderState;
 
-/// The options.
+/// Command-line options for previews.
 struct PreviewArguments {
-  std::string tev;    ///< HOST:PORT; empty: none
-  std::string serve;  ///< PORT or ADDRESS:PORT; empty: none
+  std::string tev;    ///< HOST:PORT; empty: disabled
+  std::string serve;  ///< PORT or ADDRESS:PORT; empty: disabled
 };
 
 void add_preview_options(Command& command, PreviewArguments& arguments);
 
-/// Shows one render, from its construction to its destruction, after which nothing is left open.
+/// Shows one render from construction to destruction, which closes all connections.
 ///
-/// Pictures are made while the render pauses, only for those who look, and so seldom that they take a fiftieth of the
-/// time at most. What the render computes stays the same to the bit.
+/// Preview images are made while the render pauses, and only for connected viewers. Slow previews are refreshed less
+/// often, so that they take at most 2% of the time. They do not change the bits of the render.
 class Preview {
  public:
-  /// Begins to listen and to look for the viewer, if there are to be any. `name`: of the picture. Throws Error: exit
-  /// code 2 for addresses that are none, 1 where it cannot listen and for hosts that are not known.
+  /// Starts the server and the search for the viewer, as requested. `name`: of the image. Throws Error: exit code 2 for
+  /// malformed addresses, 1 for unknown hosts and if it cannot listen.
   Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool quiet);
   ~Preview();
   Preview(const Preview&) = delete;
   Preview& operator=(const Preview&) = delete;
 
-  /// The render begins: adds what it needs to what `options` call already. They must not outlive it.
+  /// Begins the render. Wraps the callbacks of `options`, which must not outlive this object.
   void watch(RenderOptions& options);
-  /// The render has ended, and its files are being made.
+  /// Marks the end of rendering, before the outputs are written.
   void begin_writing();
-  /// Shows the finished picture. Gives those who look a moment to fetch it: at most 5 seconds a viewer, 3 seconds
-  /// browsers, and none where nobody looks. `state`: what to call it, "done" or "interrupted" ...
+  /// Shows the finished image. Waits for viewers to fetch it: at most 5 s for tev, 3 s for browsers, and not at all if
+  /// nobody is connected. `state`: "done", "interrupted" ...
   void finish(const std::string& state, const Image& picture, const RenderReport& report);
 
  private:
   bool is_due();
   void show(const RenderState& state);
 
-  std::unique_ptr<LivePage> page_;  ///< null: none is wanted
-  std::unique_ptr<TevViewer> tev_;  ///< likewise
-  std::atomic<double> next_{0};     ///< when the next picture may be made, seconds on the steady clock
-  std::atomic<double> asked_{0};    ///< when the render was asked to pause for it; 0: it was not
+  std::unique_ptr<LivePage> page_;  ///< null: disabled
+  std::unique_ptr<TevViewer> tev_;  ///< null: disabled
+  std::atomic<double> next_{0};     ///< earliest time of the next preview, s on the steady clock
+  std::atomic<double> asked_{0};    ///< time at which the render was asked to pause for a preview; 0: not asked
 };
 
 }  // namespace sheaf

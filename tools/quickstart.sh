@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# From a clean checkout on Debian 12 or 13 to a rendered picture. Can be run again.
+# Renders an image from a clean checkout on Debian 12 or 13. Can be rerun.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -1,4 +1,4 @@
-// How a scene file is read: what the subcommands that read one have in common.
+// Options for reading scene files, shared by several subcommands.
 #pragma once
 
 #include "scene/dialects/read_scene.h"
@@ -11,17 +11,17 @@ struct ReadArguments {
   std::vector<std::string> definitions;
   bool lenient = false;
   std::string nori_camera = "eth", up;
-  std::vector<float> view;  ///< empty, or azimuth and elevation
+  std::vector<float> view;  ///< empty, or azimuth and elevation, degrees
   std::optional<float> fov;
 };
 
-/// Adds -D, --lenient and what tells where a model is seen from.
+/// Adds -D, --lenient, --nori-camera and the camera options for models.
 void add_read_options(Command& command, ReadArguments& arguments);
 
-/// What they mean for a file. Throws Error (exit code 2) for what is malformed or means nothing for such a file.
+/// Converts the options for a file. Throws Error (exit code 2) for malformed or inapplicable options.
 ReadOptions read_options(const std::filesystem::path& file, const ReadArguments& arguments);
 
-/// Width and height of "WxH", in pixels. Throws Error (exit code 2).
+/// Parses "WxH" in pixels. Throws Error (exit code 2).
 std::pair<int, int> parse_size(const std::string& text);
 
 }  // namespace sheaf

@@ -12,7 +12,7 @@ namespace sheaf {
 
 namespace {
 
-/// What to read and what to write, and how finely.
+/// Adds options for inputs, outputs and image quality.
 void add_picture_options(Command& command, RenderArguments& arguments) {
   command.add_option("scene", arguments.scene, "Scene file").required();
   command.add_option("-o,--output", arguments.outputs,
@@ -56,7 +56,7 @@ void add_picture_options(Command& command, RenderArguments& arguments) {
       .in_range(1, kMaxSpectralBins);
 }
 
-/// Which layers there are besides the colours.
+/// Adds options for AOVs and other layers.
 void add_layer_options(Command& command, RenderArguments& arguments) {
   std::string names;
   for (const AovEntry& entry : kAovList) names += std::string(entry.name) + ", ";
@@ -69,7 +69,7 @@ void add_layer_options(Command& command, RenderArguments& arguments) {
                    "Store all layers with 32 bits, also those whose values are small enough for 16");
 }
 
-/// How light is followed.
+/// Adds options for light transport.
 void add_transport_options(Command& command, RenderArguments& arguments) {
   command.add_option("--integrator", arguments.integrator,
                      "What to compute, by the names that scene files use, e.g. path, direct, path_mats, path_ems, "
@@ -123,7 +123,7 @@ void add_transport_options(Command& command, RenderArguments& arguments) {
       .in_range(1, 1'000'000);
 }
 
-/// What part of the scene is rendered, and how the run goes.
+/// Adds options for the rendered part of the scene, and for the run.
 void add_run_options(Command& command, RenderArguments& arguments) {
   command
       .add_option("--crop", arguments.crop,

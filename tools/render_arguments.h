@@ -32,7 +32,7 @@ struct RenderArguments {
   ReadArguments read;
 };
 
-/// Adds the command with all of its options, but not what it is to do. `arguments` must live as long as the program.
+/// Adds the subcommand with all of its options, but without an action. `arguments` must live as long as `program`.
 Command add_render_options(Command& program, RenderArguments& arguments);
 
 }  // namespace sheaf

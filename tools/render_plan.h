@@ -1,4 +1,4 @@
-// What `sheaf render` would do with a scene and options, for commands that have it done elsewhere.
+// The plan of `sheaf render` for a scene and options, for commands that run it elsewhere.
 #pragma once
 
 #include "core/pixel_rect.h"
@@ -10,17 +10,17 @@
 namespace sheaf {
 
 struct RenderPlan {
-  std::vector<std::string> given;  ///< options that are given, without dashes
+  std::vector<std::string> given;  ///< names of the options given, without dashes
   IntegratorKind integrator = IntegratorKind::kPath;
-  PixelRect crop;                 ///< pixels that are rendered
+  PixelRect crop;                 ///< rendered pixels
   std::uint32_t samples = 0;      ///< per pixel
-  std::uint32_t gather_rays = 1;  ///< that each of them is made of
-  std::uint32_t sets = 1;         ///< into which they would be cut (RenderOptions::replicates)
-  bool sets_given = false;        ///< and these are asked for
+  std::uint32_t gather_rays = 1;  ///< rays that each sample consists of
+  std::uint32_t sets = 1;         ///< sets of samples (RenderOptions::replicates)
+  bool sets_given = false;        ///< whether the user requested the number of sets
 };
 
-/// Reads the scene and checks the options; `words` are those behind `sheaf render`. Throws Error as render does before
-/// it begins; a usage error of an option is printed as well.
+/// Reads the scene and checks the options, given as the words after `sheaf render`. Throws Error like `sheaf render`
+/// does before rendering. Also prints usage errors of options.
 RenderPlan plan_render(const std::vector<std::string>& words);
 
 }  // namespace sheaf

@@ -1,4 +1,4 @@
-// The program: subcommands, and what becomes of errors.
+// Main program: dispatches to subcommands and reports errors.
 #include "core/error.h"
 #include "core/simd.h"
 #include "tools/commands.h"
@@ -45,14 +45,14 @@ void listen_to_messages(std::function<void(std::string_view)> listener) {
 
 namespace {
 
-/// A file in place of each standard stream that is closed: the next file that is opened would take its number, and
-/// messages would be written into it. Writing to these fails.
+/// Opens /dev/null for each closed standard stream. Otherwise the next opened file would take its number, and messages
+/// would end up in that file. Writing to these descriptors fails.
 void fill_closed_streams() {
   for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream)
     if (fcntl(stream, F_GETFD) == -1) static_cast<void>(open("/dev/null", O_RDONLY));
 }
 
-/// The exit code, which is 4 where the standard output could not be written; says why.
+/// Flushes standard output. Returns the exit code; if writing failed and it was 0, prints the error and returns 4.
 int finish_output(int exit_code) {
   errno = 0;
   const bool written = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
@@ -97,7 +97,7 @@ int run(int argc, char** argv) {
 }  // namespace sheaf
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // files beyond the limit on their size are errors like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // exceeding the file size limit becomes a write error, like a full disk
   sheaf::fill_closed_streams();
   return sheaf::finish_output(sheaf::run(argc, argv));
 }

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# A Slurm cluster of this machine alone, on loopback, for trying out `sheaf farm`: munged, slurmctld and slurmd of the
-# Debian packages slurmctld, slurmd, slurm-client and munge, with all their state in one folder.
+# Runs a Slurm cluster on the loopback interface of this machine, for testing `sheaf farm`. Uses munged, slurmctld and
+# slurmd of the Debian packages slurmctld, slurmd, slurm-client and munge, with all their state in one folder.
 #
 #   tools/slurm.sh install          installs these packages
 #   tools/slurm.sh start FOLDER     starts the daemons; then: export SLURM_CONF=FOLDER/slurm.conf
-#   tools/slurm.sh stop FOLDER      cancels all jobs and ends the daemons
+#   tools/slurm.sh stop FOLDER      cancels all jobs and stops the daemons
 #
-# Exit code 77: the packages are not there, or nobody but root may start daemons that run jobs.
+# Exit code 77: the packages are missing, or the user is not root, whom the daemons require.
 set -euo pipefail
 PATH=$PATH:/usr/sbin:/sbin
 
@@ -16,7 +16,7 @@ free_port() {
   python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
 }
 
-# wait_for SECONDS WHAT COMMAND...: until the command succeeds
+# wait_for SECONDS WHAT COMMAND...: waits until the command succeeds
 wait_for() {
   local seconds=$1 what=$2
   shift 2
@@ -28,7 +28,7 @@ wait_for() {
   fail 1 "$what did not come up within $seconds seconds"
 }
 
-# end_daemon PID_FILE: ends the process that wrote it, by force if it does not end by itself
+# end_daemon PID_FILE: terminates the process of a pid file; kills it after 5 s
 end_daemon() {
   local pid
   [[ -s $1 ]] || return 0
@@ -90,8 +90,8 @@ CONF
   wait_for 10 munged test -S "$folder/munge.socket"
   slurmctld -c -f "$folder/slurm.conf"
   wait_for 20 slurmctld scontrol ping
-  # Nothing here uses control groups, but slurmd wants a plugin for them that can be loaded: which one depends on the
-  # version of Slurm, as 22.05 does not know 'disabled', and on what the machine has mounted.
+  # This cluster does not use control groups, but slurmd requires a loadable plugin for them. Which one loads depends on
+  # the version of Slurm (22.05 does not know 'disabled') and on the mounts of the machine.
   is_idle() { [[ $(sinfo -h -o %T) =~ ^(idle|mixed|allocated)$ ]]; }
   for plugin in cgroup/v1 disabled autodetect; do
     echo "CgroupPlugin=$plugin" >"$folder/cgroup.conf"

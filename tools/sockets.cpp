@@ -18,12 +18,12 @@ namespace sheaf {
 
 namespace {
 
-/// How often it is looked whether to stop, milliseconds.
+/// Interval at which waiting functions check whether to stop, ms.
 constexpr int kLookEvery = 50;
 
 std::string system_message(int number) { return std::strerror(number); }
 
-/// Waits until the socket can be written to. Not if `seconds` pass, or `stop` becomes true.
+/// Waits until the socket is writable. Returns false after `seconds`, or when `stop` becomes true.
 bool wait_until_writable(int descriptor, double seconds, const std::atomic<bool>& stop) {
   const double end = Progress::steady_seconds() + seconds;
   while (!stop && Progress::steady_seconds() < end) {
@@ -99,11 +99,11 @@ std::vector<Address> resolve(const Endpoint& endpoint, bool to_listen) {
 }
 
 Socket listen_at(const Endpoint& endpoint) {
-  constexpr int kWaiting = 16;  // connections that are not accepted yet
+  constexpr int kWaiting = 16;  // backlog of connections
   int number = 0;
   for (const Address& address : resolve(endpoint, true)) {
     Socket socket = open_socket(address, false);
-    const int on = 1;  // also where connections of a program that has ended are still being closed
+    const int on = 1;  // reuse the port while old connections of a terminated program are closing
     if (socket.is_open()) setsockopt(socket.descriptor(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     if (socket.is_open() && bind(socket.descriptor(), address.get(), address.size) == 0 &&
         listen(socket.descriptor(), kWaiting) == 0)

@@ -1,4 +1,4 @@
-// TCP sockets of the system: addresses as people write them, listening, connecting, sending without waiting for ever.
+// TCP sockets: parsing of addresses, listening, connecting, and sending with a timeout.
 #pragma once
 
 #include <sys/socket.h>
@@ -11,21 +11,21 @@
 
 namespace sheaf {
 
-/// A place in a network.
+/// A host and port.
 struct Endpoint {
   std::string host;  ///< a name or an address, IPv6 without brackets
-  int port = 0;      ///< 0: any that is free
+  int port = 0;      ///< 0: any free port
 
-  /// "host:port", IPv6 addresses in brackets.
+  /// "host:port", with IPv6 addresses in brackets.
   std::string text() const;
 };
 
-/// What the value of `option` says: "host:port", "[IPv6 address]:port", or the port alone where there is a
-/// `default_host`. Throws Error (exit code 2) for other texts, and for ports below `least_port` or above 65535.
+/// Parses the value of `option`: "host:port", "[IPv6 address]:port", or only the port if `default_host` is not empty.
+/// Throws Error (exit code 2) for malformed text, and for ports below `least_port` or above 65535.
 Endpoint parse_endpoint(const std::string& option, const std::string& text, const std::string& default_host,
                         int least_port);
 
-/// An open socket, or none; closed at the end of its life.
+/// Owner of a socket, possibly empty. The destructor closes it.
 class Socket {
  public:
   Socket() = default;
@@ -39,14 +39,14 @@ class Socket {
 
   bool is_open() const { return descriptor_ >= 0; }
   int descriptor() const { return descriptor_; }
-  /// Gives the socket away: somebody else closes it.
+  /// Releases ownership; the caller must close the socket.
   int release() { return std::exchange(descriptor_, -1); }
 
  private:
   int descriptor_ = -1;
 };
 
-/// An address that a name stands for.
+/// A resolved address.
 struct Address {
   sockaddr_storage storage;
   socklen_t size;
@@ -54,29 +54,29 @@ struct Address {
   const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&storage); }
 };
 
-/// All addresses that a name stands for, at least one; for listening there if `to_listen`. May take as long as the
-/// network's servers of names do. Throws Error (exit code 1) if there are none.
+/// All addresses of an endpoint, at least one; for listening if `to_listen`. May block for name servers. Throws Error
+/// (exit code 1) if there are none.
 std::vector<Address> resolve(const Endpoint& endpoint, bool to_listen);
 
-/// A socket that listens. Throws Error (exit code 1): the port is taken, the address is none of this machine's.
+/// Opens a listening socket. Throws Error (exit code 1), for example if the port is in use or the address is not local.
 Socket listen_at(const Endpoint& endpoint);
 
-/// The port at which a socket listens.
+/// Port of a listening socket.
 int listening_port(const Socket& socket);
 
-/// Whether a socket listens to this machine alone.
+/// Whether a socket listens on a loopback address only.
 bool listens_to_itself(const Socket& socket);
 
-/// Connects to the first of the addresses that answers within `seconds`. Without one, or when `stop` becomes true: no
-/// socket, and `why` says what went wrong.
+/// Connects to the first address that answers, waiting up to `seconds` for each. Returns an empty socket on failure or
+/// when `stop` becomes true; `why` receives the error.
 Socket connect_to(const std::vector<Address>& addresses, double seconds, const std::atomic<bool>& stop,
                   std::string& why);
 
-/// Sends all bytes. Returns whether they are on their way: not if the other side is gone or takes nothing for
-/// `seconds`, nor when `stop` becomes true.
+/// Sends all bytes. Returns false if the peer is gone, if it accepts nothing for `seconds`, or when `stop` becomes
+/// true.
 bool send_all(const Socket& socket, std::string_view bytes, double seconds, const std::atomic<bool>& stop);
 
-/// Whether the other side has ended the connection.
+/// Whether the peer has closed the connection.
 bool is_hung_up(const Socket& socket);
 
 }  // namespace sheaf

@@ -9,15 +9,15 @@ namespace sheaf {
 
 namespace {
 
-/// What a packet is for.
-enum class PacketType : std::uint8_t { kCreateImage = 4, kUpdateImage = 6 };  // the third version of updates
+/// Packet types of tev's protocol.
+enum class PacketType : std::uint8_t { kCreateImage = 4, kUpdateImage = 6 };  // third version of updates
 
 constexpr double kConnectSeconds = 2, kSendSeconds = 10;
 constexpr auto kTryEvery = std::chrono::seconds(2);
-/// Pixels are sent in pieces of about this many bytes, so that the viewer shows something early.
+/// Approximate size of the pieces that images are sent in, so that the viewer shows parts early.
 constexpr std::size_t kPieceBytes = std::size_t{4} << 20;
 
-/// A packet in the making.
+/// Builder for packets.
 class Packet {
  public:
   explicit Packet(PacketType type) : bytes_(4, '\0') { put_integer(static_cast<std::uint8_t>(type)); }
@@ -34,7 +34,7 @@ class Packet {
     else
       for (std::size_t i = 0; i < count; ++i) put_integer(std::bit_cast<std::uint32_t>(values[i]));
   }
-  /// The packet, with its length.
+  /// Returns the packet, with its length filled in.
   std::string finish() {
     for (std::size_t i = 0; i < 4; ++i) bytes_[i] = static_cast<char>(bytes_.size() >> (8 * i) & 0xff);
     return std::move(bytes_);
@@ -48,7 +48,7 @@ class Packet {
 
 std::string tev_create_packet(const std::string& name, const Image& image) {
   Packet packet(PacketType::kCreateImage);
-  packet.put_integer(std::uint8_t{1});  // bring it to the front
+  packet.put_integer(std::uint8_t{1});  // bring the image to the front
   packet.put_text(name);
   packet.put_integer(static_cast<std::int32_t>(image.frame_width));
   packet.put_integer(static_cast<std::int32_t>(image.frame_height));
@@ -61,13 +61,14 @@ std::string tev_update_packet(const std::string& name, const Image& image, int f
   const std::size_t channels = image.channels.size();
   const std::size_t row = static_cast<std::size_t>(image.width) * channels;
   Packet packet(PacketType::kUpdateImage);
-  packet.put_integer(std::uint8_t{0});  // leave the window as it is
+  packet.put_integer(std::uint8_t{0});  // do not bring it to the front
   packet.put_text(name);
   packet.put_integer(static_cast<std::int32_t>(channels));
   for (const std::string& channel : image.channels) packet.put_text(channel);
   for (const int number : {image.x0, image.y0 + first, image.width, last - first})
     packet.put_integer(static_cast<std::int32_t>(number));
-  for (std::size_t c = 0; c < channels; ++c) packet.put_integer(static_cast<std::int64_t>(c));  // where it begins
+  // Offsets of the channels, then their strides.
+  for (std::size_t c = 0; c < channels; ++c) packet.put_integer(static_cast<std::int64_t>(c));
   for (std::size_t c = 0; c < channels; ++c) packet.put_integer(static_cast<std::int64_t>(channels));
   packet.put_floats(image.data.data() + static_cast<std::size_t>(first) * row,
                     static_cast<std::size_t>(last - first) * row);
@@ -109,6 +110,7 @@ void TevViewer::run() {
   std::unique_lock lock(mutex_);
   while (!stop_) {
     if (!socket_.is_open()) {
+      // Try to connect.
       sending_ = true;
       lock.unlock();
       connect();
@@ -119,6 +121,7 @@ void TevViewer::run() {
       changed_.notify_all();
       if (!socket_.is_open()) changed_.wait_for(lock, kTryEvery, [this] { return stop_.load(); });
     } else if (waiting_) {
+      // Send the next image.
       const std::shared_ptr<const Image> picture = std::exchange(waiting_, nullptr);
       sending_ = true;
       lock.unlock();
@@ -127,7 +130,7 @@ void TevViewer::run() {
       lock.lock();
       sending_ = false;
       if (!sent) socket_ = Socket();
-      tried_ = sent;  // it may be back
+      tried_ = sent;  // the viewer may have restarted: finish() waits for another attempt
       if (!sent && !waiting_) waiting_ = picture;
       ready_ = sent && !waiting_;
       changed_.notify_all();

@@ -1,4 +1,4 @@
-// The picture in the viewer tev (https://github.com/Tom94/tev), sent by its TCP protocol while it is being rendered.
+// Client of the image viewer tev (https://github.com/Tom94/tev): sends the image during rendering by its TCP protocol.
 #pragma once
 
 #include "core/image.h"
@@ -13,32 +13,33 @@
 
 namespace sheaf {
 
-/// A packet that opens an empty picture of `image`'s frame with its channels, in place of one of the same name.
-/// Packets begin with their length in bytes, these four included; integers are little-endian, texts end with a zero.
+/// Packet that opens an empty image with the frame and the channels of `image`, replacing one of the same name. A
+/// packet begins with its length in bytes, including these four. Integers are little-endian, and strings end with a
+/// zero byte.
 std::string tev_create_packet(const std::string& name, const Image& image);
 
-/// A packet with the rows from `first` up to `last` of `image`, at its place in the frame, channels interleaved.
+/// Packet with rows [first, last) of `image` at their position in the frame, channels interleaved.
 std::string tev_update_packet(const std::string& name, const Image& image, int first, int last);
 
-/// Sends pictures to a viewer, on a thread of its own. A viewer that is not there is looked for every two seconds, also
-/// when it was there and is gone.
+/// Sends images to a viewer on a thread of its own. If there is no viewer, or it disappears, the thread tries to
+/// connect every 2 s.
 class TevViewer {
  public:
-  /// Told of what goes wrong, and when the viewer is found; by the thread.
+  /// Receives messages about connection and failure. Called on the thread.
   using Say = std::function<void(const std::string&)>;
 
-  /// `name`: of the picture. Throws Error (exit code 1) for a host that is not known.
+  /// `name`: of the image. Throws Error (exit code 1) for an unknown host.
   TevViewer(const Endpoint& endpoint, std::string name, Say say);
-  /// What is not sent yet, is not sent.
+  /// Discards images that are not sent yet.
   ~TevViewer();
   TevViewer(const TevViewer&) = delete;
   TevViewer& operator=(const TevViewer&) = delete;
 
-  /// Whether the viewer is there, and has taken what it was to show.
+  /// Whether the viewer is connected and has received all images.
   bool is_ready() const { return ready_.load(std::memory_order_relaxed); }
-  /// Shows a picture, the newest if there are several yet to be sent. Does not wait.
+  /// Queues an image; replaces one that is not sent yet. Does not block.
   void show(std::shared_ptr<const Image> picture);
-  /// Waits until everything is sent, at most this long; not for a viewer that is not there.
+  /// Waits until everything is sent, at most `seconds`. Does not wait if the viewer is not connected.
   void finish(double seconds);
 
  private:
@@ -52,13 +53,13 @@ class TevViewer {
   std::atomic<bool> stop_{false}, ready_{false};
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::shared_ptr<const Image> waiting_;  ///< to be sent; guarded by mutex_
+  std::shared_ptr<const Image> waiting_;  ///< to be sent next; guarded by mutex_
   bool sending_ = false;                  ///< guarded by mutex_
-  bool tried_ = false;                    ///< it was looked for at least once; guarded by mutex_
-  Socket socket_;                         ///< the thread's
-  bool created_ = false;                  ///< the viewer knows of the picture; the thread's
-  std::string told_;                      ///< the last that was said of a viewer that is not there; the thread's
-  std::thread thread_;                    ///< the last member: what it uses is there
+  bool tried_ = false;                    ///< tried to connect at least once; guarded by mutex_
+  Socket socket_;                         ///< used by the thread only
+  bool created_ = false;                  ///< the viewer has opened the image; used by the thread only
+  std::string told_;                      ///< the last connection error that was reported; used by the thread only
+  std::thread thread_;                    ///< last member: it uses the others
 };
 
 }  // namespace sheaf

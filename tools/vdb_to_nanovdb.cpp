@@ -1,5 +1,5 @@
-// vdb_to_nanovdb: makes a NanoVDB file of the fog volumes of an OpenVDB file. Built where OpenVDB is installed; nothing
-// else in Sheaf needs that.
+// vdb_to_nanovdb: converts the fog volumes of an OpenVDB file to NanoVDB. Built only if OpenVDB is installed; the rest
+// of Sheaf does not need it.
 #include "core/error.h"
 #include "scene/formats/nanovdb.h"
 
@@ -12,7 +12,7 @@ namespace sheaf {
 
 namespace {
 
-/// All voxels of a grid, tiles included.
+/// Copies all voxels of a grid, including tiles.
 template <class Grid> VoxelBlocks to_blocks(const Grid& grid) {
   constexpr int kChannels = std::is_same_v<typename Grid::ValueType, float> ? 1 : 3;
   const auto set = [](const typename Grid::ValueType& value, float* out) {
@@ -27,13 +27,13 @@ template <class Grid> VoxelBlocks to_blocks(const Grid& grid) {
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     const openvdb::Coord origin = leaf->origin();
     const std::span<float> values = blocks.add({origin.x() >> 3, origin.y() >> 3, origin.z() >> 3});
-    for (openvdb::Index i = 0; i < VoxelBlocks::kVoxels; ++i) {  // z fastest
+    for (openvdb::Index i = 0; i < VoxelBlocks::kVoxels; ++i) {  // OpenVDB's order has z fastest
       const openvdb::Index ours = (i & 7) << 6 | (i & 0x38) | i >> 6;
       set(leaf->getValue(i), values.data() + ours * kChannels);
     }
   }
   auto tile = grid.tree().cbeginValueAll();
-  tile.setMaxDepth(openvdb::FloatTree::DEPTH - 2);  // above the leaves
+  tile.setMaxDepth(openvdb::FloatTree::DEPTH - 2);  // skip the leaves
   for (; tile; ++tile) {
     std::array<float, 3> value{};
     set(*tile, value.data());
@@ -47,8 +47,8 @@ template <class Grid> VoxelBlocks to_blocks(const Grid& grid) {
 }
 
 Transform map_of(const openvdb::GridBase& grid) {
-  const auto map = grid.transform().baseMap()->getAffineMap();  // throws for frustums
-  const openvdb::Mat4d rows = map->getMat4();                   // acts on row vectors
+  const auto map = grid.transform().baseMap()->getAffineMap();  // throws for frustum transforms
+  const openvdb::Mat4d rows = map->getMat4();                   // for row vectors
   Matrix4 m;
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column)

@@ -1,4 +1,5 @@
-// Reading pictures and encoding PNG: the only file that includes OpenImageIO, and all of sheaf_pictures.so.
+// Reading of image files and encoding of PNG: the only file that includes OpenImageIO, and the source of
+// sheaf_pictures.so.
 #include "core/picture_library.h"
 
 #include <OpenImageIO/filesystem.h>
@@ -12,7 +13,7 @@ namespace sheaf {
 
 namespace {
 
-/// The bytes of a file, as the library reads them.
+/// A file in memory that the library can read.
 struct MemoryFile {
   explicit MemoryFile(std::vector<std::uint8_t> all) : bytes(std::move(all)), proxy(bytes.data(), bytes.size()) {}
 
@@ -56,7 +57,7 @@ class Reader final : public ImageReader {
   template <class Value> bool read_all(OIIO::TypeDesc type, Value* out) {
     const OIIO::ImageSpec& spec = input_->spec();
     if (spec.tile_width > 0) return input_->read_image(0, 0, 0, spec.nchannels, type, out);
-    // Several rows at once are read by way of 64 MB, or of a whole strip of a TIFF, of which the file may claim any
+    // Reading several rows at once takes a buffer of 64 MB, or of a whole TIFF strip, for which the file may claim any
     // height.
     const auto row = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels);
     for (int y = 0; y < spec.height; ++y, out += row)
@@ -64,7 +65,7 @@ class Reader final : public ImageReader {
     return true;
   }
 
-  std::unique_ptr<MemoryFile> file_;  ///< what input_ reads; null: a file on the disk
+  std::unique_ptr<MemoryFile> file_;  ///< the file that input_ reads; null: a file on the disk
   std::unique_ptr<OIIO::ImageInput> input_;
   PictureHeader header_;
 };
@@ -98,7 +99,7 @@ class Library final : public PictureLibrary {
         problem = input->geterror();
         return nullptr;
       }
-    } catch (const std::logic_error& error) {  // such as a container of less than no elements
+    } catch (const std::logic_error& error) {  // for example std::length_error for a negative size
       problem = error.what();
       return nullptr;
     }
@@ -118,7 +119,7 @@ class Library final : public PictureLibrary {
       return std::vector<unsigned char>();
     };
     if (!output) return fail(OIIO::geterror());
-    OIIO::Filesystem::IOVecOutput encoded;  // the library does not look whether a file is closed without errors
+    OIIO::Filesystem::IOVecOutput encoded;  // the library ignores errors while closing files
     if (!output->set_ioproxy(&encoded)) return fail("this build of OpenImageIO cannot write PNG files to memory");
     if (!output->open("picture.png", spec)) return fail(output->geterror());
     const bool written = output->write_image(OIIO::TypeDesc::UINT8, pixels.bytes);

@@ -1,4 +1,4 @@
-// The list of all BSDFs, phase functions among them: the types for the closures of scene/tables/material.h.
+// The list of all BSDFs and phase functions: the implementation of each closure kind in scene/tables/material.h.
 #pragma once
 
 #include "kernels/bsdf/coated.h"
@@ -41,7 +41,7 @@ template <template <class> class Bsdf> constexpr bool has_passage() {
   return requires(const Bsdf<Scalar>& bsdf) { bsdf.passage(1.0f); };
 }
 
-/// Whether a BSDF is what its closure promises.
+/// Whether a BSDF matches its ClosureEntry in for_each_closure(): parameters, number of words, thin dielectric or not.
 template <template <class> class Bsdf> consteval bool fits_its_closure() {
   bool fits = false;
   for_each_closure([&]<ClosureKind Kind, template <class> class P, class D>(ClosureEntry<Kind, P, D> closure) {
@@ -55,7 +55,7 @@ template <template <class> class Bsdf> consteval bool fits_its_closure() {
 template <template <class> class... Bsdfs> struct BsdfList {
   static_assert((fits_its_closure<Bsdfs>() && ...), "a BSDF and its entry in for_each_closure() differ");
 
-  /// Whether every kind has one, in order.
+  /// Whether every ClosureKind has a BSDF, and the list is in the order of the enumeration.
   static consteval bool is_complete() {
     int kind = 0;
     return ((static_cast<int>(Bsdfs<Scalar>::kKind) == kind++) && ...) && kind == kClosureKinds;
@@ -80,7 +80,7 @@ static_assert(AllBsdfs::is_complete(), "a closure has no BSDF, or they are not i
 /// Calls f(kind, BsdfTag<...>) for every BSDF and phase function.
 template <class F> SHEAF_INLINE void for_each_bsdf(F&& f) { AllBsdfs::for_each(f); }
 
-/// The BSDFs of the items [column, column + L::width).
+/// Loads the BSDFs of the items [column, column + L::width) of the wave's closure queue.
 template <class L, template <class> class Bsdf>
 SHEAF_INLINE Bsdf<L> load_bsdf(const SceneView& scene, const Wave& wave, int column) {
   float* const* words = wave.closures.columns().words;
@@ -88,7 +88,7 @@ SHEAF_INLINE Bsdf<L> load_bsdf(const SceneView& scene, const Wave& wave, int col
                                                           SHEAF_LAMBDA_INLINE { load(words[k] + column, word); });
 }
 
-/// Spectral mode: the spectrum `k` among the parameters of each lane's material, at the path's wavelengths.
+/// Spectral mode: evaluates spectrum `k` of each lane's material at the path's wavelengths.
 template <class L>
 SHEAF_INLINE Spectrum<L> closure_spectrum(const SceneView& scene, Uint<L> material, int k, const Spectrum<L>& lambda) {
   const Uint<L> row = material * Uint<L>(std::uint32_t{kMaxClosureSpectra}) + Uint<L>(static_cast<std::uint32_t>(k));

@@ -1,32 +1,33 @@
-// What every BSDF offers.
+// The interface that every BSDF and phase function implements.
 //
-// A BSDF is a template over the lane that holds its parameters (scene/tables/material.h) and has
+// A BSDF is a template over the lane policy that stores its parameters (scene/tables/material.h). It has
 //   kKind              its ClosureKind
-//   kIsSpecular        only delta distributions: neither evaluated nor lit by light sampling
-//   kIsAnisotropic     directions must come in a frame whose x axis is the surface's tangent; else any frame will do
-//   kDisperses         only if true need it be there: light that it lets through keeps the first wavelength alone,
-//                      unless the four indices, the member `eta`, are the same, as where a path has one wavelength
-//                      left; see loses_wavelengths()
-//   squared_index(wo)  only if it refracts and is not specular: that of the side across, relative to the side of wo
-//   tables             only if it reads some need it be there: the array that its words refer to
-//   adjoint_f_cos(wo, wi)  only if it isn't reciprocal: f times |cos(wi)| for a photon that comes from wo and leaves
-//                      along wi
-//   evaluate(wo, wi)   f times |cos(wi)| and the density with which sample() returns wi; delta lobes left out
-//   sample(wo, u)      a direction; u.x chooses the lobe, u.y and u.z the direction
-//   kNumbers           only if sample() makes no use of some of them need it be there: RandomNumbers of u
-// Directions are unit vectors in the shading frame, pointing away from the surface. Large ones have both functions in a
-// .cpp beside the header, compiled once for Wide and Scalar: every stage that goes over all BSDFs would hold a copy.
+//   kIsSpecular        it has delta lobes only: it is neither evaluated nor lit by light sampling
+//   kIsAnisotropic     the x axis of the shading frame must be the surface's tangent; otherwise any frame will do
+//   kDisperses         optional, true if defined: transmitted light keeps the first wavelength only, unless the four
+//                      indices in the member `eta` are equal (a path with one wavelength left); see loses_wavelengths()
+//   squared_index(wo)  refractive, non-specular BSDFs only: squared relative index of refraction, of the side opposite
+//                      to wo over the side of wo
+//   tables             only if the BSDF reads tables: the array that its parameter words refer to
+//   adjoint_f_cos(wo, wi)  non-reciprocal BSDFs only: f |cos(wi)| for a photon that comes from wo and leaves along wi
+//   evaluate(wo, wi)   f |cos(wi)| and the pdf with which sample() returns wi, both without delta lobes
+//   sample(wo, u)      samples a direction; u.x chooses the lobe, u.y and u.z the direction
+//   kNumbers           optional: the RandomNumbers of u that sample() uses; all three by default
+// Directions are unit vectors in the shading frame and point away from the surface. Large BSDFs define both functions
+// in a .cpp file next to the header, compiled once each for Wide and Scalar. Otherwise every stage that handles all
+// BSDFs would contain a copy.
 //
-// Which are panes and which are phase functions is told by the list in scene/tables/material.h. A pane also has
-//   passage(cos)       what of the light that arrives at this cosine to the normal goes straight on
+// scene/tables/material.h also lists which BSDFs are thin dielectrics and which are phase functions. A thin dielectric
+// also has
+//   passage(cos)       transmittance straight through, for light at this cosine to the normal
 //
-// A phase function scatters in a medium as a BSDF does on a surface. There is no normal: the frame's z axis is wo,
-// which is (0, 0, 1) for all of them, and wi lies near -wo where light goes on. f_cos is the phase function without a
-// cosine, the same in all four lanes and equal to the density with which sample() returns wi, so that a sample's weight
-// is 1 (the albedo belongs to the medium). Where it depends on directions in the world, as that of microflakes does,
-// the stage surface_inputs writes its parameters for each vertex, as those of the frame.
+// A phase function scatters in a medium as a BSDF does on a surface. There is no normal: the z axis of the frame is wo,
+// so wo is (0, 0, 1), and forward scattering has wi near -wo. f_cos is the phase function without a cosine. It is the
+// same in all four lanes and equals the pdf with which sample() returns wi, so the sample weight is 1. The albedo
+// belongs to the medium. If a phase function depends on world-space directions (microflakes), the stage surface_inputs
+// writes its parameters for each vertex, relative to the vertex frame.
 //
-// README.md tells how to add one.
+// CONTRIBUTING.md explains how to add a BSDF.
 #pragma once
 
 #include "core/sampler.h"
@@ -43,9 +44,10 @@ template <class L> SHEAF_INLINE Mask<L> is_same_in_all(const Spectrum<L>& s) {
   return (s.c1 == s.c0) & (s.c2 == s.c0) & (s.c3 == s.c0);
 }
 
-/// Where a BSDF that disperses keeps the first of four wavelengths alone, and lets it count for all: wi is across the
-/// surface, and the wavelengths have indices of their own, as those of a path that has only one left have not. Paths
-/// that meet there from both sides must count for all four once, not each.
+/// Whether a dispersive BSDF keeps only the first of four wavelengths, which then counts for all four. This is the case
+/// if wi lies across the surface from wo and the four indices differ (they are equal once the path has one wavelength
+/// left). Where a camera path and a light path connect at such a vertex, the factor of four must be applied once, not
+/// by both.
 template <class L, class Bsdf> SHEAF_INLINE Mask<L> loses_wavelengths(const Bsdf& bsdf, Vec3<L> wo, Vec3<L> wi) {
   if constexpr (kDisperses<Bsdf>)
     return (wo.z * wi.z < Float<L>(0.0f)) & !is_same_in_all<L>(bsdf.eta);
@@ -65,7 +67,8 @@ template <class Bsdf> inline constexpr bool kIsPhaseFunction = closure_info(Bsdf
 /// Whether a BSDF reads tables.
 template <class Bsdf> inline constexpr bool kHasTables = requires(Bsdf& bsdf) { bsdf.tables; };
 
-/// A BSDF whose parameters' word k is what load(k, word) puts into `word`. `tables`: SceneView::closure_tables.
+/// Builds a BSDF whose parameter word k is the value that load(k, word) stores in `word`. `tables`:
+/// SceneView::closure_tables.
 template <class Bsdf, class Load> SHEAF_INLINE Bsdf bsdf_of_words(const float* tables, Load&& load) {
   Bsdf bsdf;
   if constexpr (kHasTables<Bsdf>) bsdf.tables = tables;
@@ -78,24 +81,25 @@ template <class Bsdf, class Load> SHEAF_INLINE Bsdf bsdf_of_words(const float* t
   return bsdf;
 }
 
-/// A BSDF towards a given direction.
+/// Value of a BSDF for a pair of directions.
 template <class L> struct BsdfValue {
-  Spectrum<L> f_cos;                  ///< f times |cos(wi)|; zero where nothing is scattered
-  typename L::Float pdf_solid_angle;  ///< density of sample()
+  Spectrum<L> f_cos;                  ///< f |cos(wi)|; 0 if nothing is scattered
+  typename L::Float pdf_solid_angle;  ///< pdf of sample()
 };
 
-/// Light that goes straight on through a thin pane.
+/// Transmission of a thin dielectric straight through.
 template <class L> struct PanePassage {
-  Spectrum<L> share;              ///< of it passes
-  typename L::Float probability;  ///< with which sample() lets it pass
+  Spectrum<L> share;              ///< transmittance
+  typename L::Float probability;  ///< probability that sample() transmits
 };
 
 /// A direction sampled from a BSDF.
 template <class L> struct BsdfSample {
   Vec3<L> wi;
-  Spectrum<L> weight;                 ///< f times |cos(wi)| over the density; specular: the scattered share
-  typename L::Float pdf_solid_angle;  ///< density; 0: specular
-  typename L::Float eta_scale;        ///< 1, or the squared relative index of refraction that was entered
+  /// f |cos(wi)| / pdf; delta lobes: scattered fraction over the lobe's probability
+  Spectrum<L> weight;
+  typename L::Float pdf_solid_angle;  ///< 0 for delta lobes
+  typename L::Float eta_scale;        ///< 1, or the squared relative index of the medium entered
   typename L::Mask valid;             ///< false: absorbed
 };
 

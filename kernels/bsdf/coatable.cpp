@@ -1,4 +1,4 @@
-// What lies below coats, told apart by kind.
+// Dispatch to the BSDF below a coat, by its kind.
 #include "kernels/bsdf/coatable.h"
 
 #include <bit>
@@ -7,7 +7,7 @@ namespace sheaf {
 
 namespace {
 
-/// The closure of type Bsdf below a coat.
+/// Unpacks the BSDF of type Bsdf from the parameters of the coat.
 template <class L, template <class> class Bsdf> SHEAF_INLINE Bsdf<L> nested_bsdf(const CoatedParameters<L>& coat) {
   return bsdf_of_words<Bsdf<L>>(nullptr, [&coat](int k, Float<L>& word) SHEAF_LAMBDA_INLINE {
     const int at = coated_word<Bsdf>(k), number = at - 4 * kCoatableSpectra;
@@ -21,7 +21,7 @@ template <class L, template <class> class Bsdf> SHEAF_INLINE Bsdf<L> nested_bsdf
   });
 }
 
-/// Calls f.operator()<Bsdf>(bsdf, lanes) for each kind of closure below the coats of a register.
+/// Calls f.operator()<Bsdf>(bsdf, lanes) for each closure kind below the coats in the register.
 template <class L, class F> SHEAF_INLINE void for_each_nested(const CoatedParameters<L>& coat, F&& f) {
   alignas(kSimdAlignment) float kinds[L::width];
   store(kinds, coat.nested_kind);
@@ -29,7 +29,7 @@ template <class L, class F> SHEAF_INLINE void for_each_nested(const CoatedParame
   while (any(left)) {
     const float kind = kinds[std::countr_zero(mask_bits(left))];
     const auto same = left & (float_bits(coat.nested_kind) == Uint<L>(float_bits(kind)));
-    // Lanes behind a run's end may hold anything.
+    // Lanes beyond the end of a run may hold any value.
     if (kind >= 0.0f && kind < static_cast<float>(kClosureKinds))
       CoatableBsdfs::visit(static_cast<ClosureKind>(static_cast<int>(kind)),
                            [&]<template <class> class Bsdf>() { f(nested_bsdf<L, Bsdf>(coat), same); });

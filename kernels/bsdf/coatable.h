@@ -1,6 +1,6 @@
-// What lies below a coat: any closure that is opaque and no coat itself. Its kind is one of the coat's parameters, so
-// that all that is coated is one closure of its own, and nothing else pays for it; the kinds that share a register are
-// told apart in coatable.cpp.
+// The closures that a coat can cover: any opaque closure that is not itself a coat. The kind of the base is a parameter
+// of the coat, so all coated materials share one closure kind and uncoated ones have no overhead. coatable.cpp
+// dispatches over the kinds that occur in one register.
 #pragma once
 
 #include "kernels/bsdf/conductor.h"
@@ -20,11 +20,11 @@ namespace sheaf {
 namespace coat_detail {
 
 template <template <class> class... Bsdfs> struct CoatableList {
-  /// Calls f.operator()<Bsdf>() for the BSDF of that kind, if it is in the list.
+  /// Calls f.operator()<Bsdf>() for the BSDF of this kind, if the list contains it.
   template <class F> static SHEAF_INLINE void visit(ClosureKind kind, F&& f) {
     ((Bsdfs<Scalar>::kKind == kind ? f.template operator()<Bsdfs>() : void()), ...);
   }
-  /// Calls f.operator()<Bsdf>() for all.
+  /// Calls f.operator()<Bsdf>() for each BSDF.
   template <class F> static constexpr void for_each(F&& f) { (f.template operator()<Bsdfs>(), ...); }
   static constexpr bool holds(ClosureKind kind) { return ((Bsdfs<Scalar>::kKind == kind) || ...); }
   static_assert(!(kHasTables<Bsdfs<Scalar>> || ...), "a coat does not pass on the scene's tables");
@@ -36,7 +36,7 @@ template <template <class> class... Bsdfs> struct CoatableList {
 
 }  // namespace coat_detail
 
-/// All BSDFs that can be coated; those whose ClosureEntry says so.
+/// All BSDFs that can be coated; must agree with `is_coatable` of their ClosureEntry.
 using CoatableBsdfs =
     coat_detail::CoatableList<DiffuseBsdf, ConductorBsdf, PlasticBsdf, RoughConductorBeckmannBsdf,
                               RoughConductorGgxBsdf, RoughPlasticBeckmannBsdf, RoughPlasticGgxBsdf, PrincipledBsdf,
@@ -51,11 +51,11 @@ static_assert(
     }(),
     "what can be coated is in CoatableBsdfs and says so in for_each_closure()");
 
-/// evaluate() of what is coated, for directions within the coat. Compiled once for all that includes this file: so many
-/// BSDFs are much code, and the coats of a register are few.
+/// evaluate() of the base, for directions inside the coat. Compiled once for all users: the many BSDFs are a lot of
+/// code, and few coats occur in a register.
 template <class L> BsdfValue<L> evaluate_nested(const CoatedParameters<L>& coat, Vec3<L> wo, Vec3<L> wi) noexcept;
 
-/// sample() of what is coated, likewise.
+/// sample() of the base, for directions inside the coat. Compiled once, as evaluate_nested().
 template <class L>
 BsdfSample<L> sample_nested(const CoatedParameters<L>& coat, Vec3<L> wo, const Random4<L>& u) noexcept;
 

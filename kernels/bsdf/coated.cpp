@@ -1,4 +1,4 @@
-// Smooth coats, compiled once for all that ask for them.
+// CoatedBsdf, compiled once.
 #include "kernels/bsdf/coated.h"
 
 namespace sheaf {
@@ -6,7 +6,7 @@ namespace sheaf {
 template <class L> BsdfValue<L> BelowCoat<L>::evaluate(Vec3<L> wo, Vec3<L> wi) const {
   const Vec3<L> o = bent(wo, inverse_eta), i = bent(wi, inverse_eta);
   const BsdfValue<L> value = evaluate_nested<L>(coat, o, i);
-  // Of solid angles, and of cosines times solid angles, outside to inside: both cosines are in f_cos.
+  // Jacobian of solid angle, and of cosine times solid angle, from outside to inside; f_cos includes both cosines.
   const F compression = sqr(inverse_eta) * wi.z / max(i.z, F(1e-6f));
   return {value.f_cos * absorption(o.z, i.z) * compression, value.pdf_solid_angle * compression};
 }
@@ -30,6 +30,7 @@ template <class L> BsdfSample<L> CoatedBsdf<L>::sample(Vec3<L> wo, const Random4
   using F = Float<L>;
   const BelowCoat<L> below(*this);
   const F entering = coat_transmittance(wo.z), p_coat = below.coat_probability(wo, entering);
+  // Choose between the coat and the base.
   const auto at_coat = u.x < p_coat;
   BsdfSample<L> s = below.sample(wo, below.rest_of(u, p_coat));
   const auto is_mirror = at_coat | (s.pdf_solid_angle == F(0.0f));

@@ -1,7 +1,7 @@
 // A smooth dielectric coat over an opaque closure (Weidlich and Wilkie, "Arbitrarily Layered Micro-Facet Surfaces",
-// GRAPHITE 2007, section 4): light is mirrored at the coat, or enters it bent, is scattered by what is below, absorbed
-// along its two ways through the coat (Bouguer, Lambert and Beer), and leaves bent. What the coat sends back down again
-// is lost. With o, i the directions within and R the Fresnel term,
+// GRAPHITE 2007, section 4). The coat reflects light specularly, or refracts it inwards. Inside, the base scatters it,
+// the coat absorbs it along both path segments (Beer-Lambert law), and it is refracted out. Internal reflection at the
+// coat is lost. With o, i the directions inside the coat and R the Fresnel reflectance,
 //   f = (1 - R(wo)) (1 - R(wi)) exp(-sigma_a thickness (1 / cos o + 1 / cos i)) f_nested(o, i) / eta^2.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace sheaf {
 
-/// What smooth and rough coats share: the closure below, seen through the coat's boundary.
+/// The base as seen through the boundary of the coat; shared by smooth and rough coats.
 template <class L> struct BelowCoat {
   using F = typename L::Float;
   const CoatedParameters<L>& coat;
@@ -19,32 +19,34 @@ template <class L> struct BelowCoat {
 
   explicit SHEAF_INLINE BelowCoat(const CoatedParameters<L>& p) : coat(p), inverse_eta(F(1.0f) / p.coat_eta) {}
 
-  /// Bent into the coat, or with `inverse_eta` replaced by eta out of it; z is 0 where nothing gets through.
+  /// Refracts w with relative index `index`: 1 / eta into the coat, eta out of it. z is 0 at total internal reflection.
   static SHEAF_INLINE Vec3<L> bent(Vec3<L> w, F index) {
     const F x = w.x * index, y = w.y * index;
     return {x, y, safe_sqrt(F(1.0f) - fma(x, x, y * y))};
   }
 
-  /// Both ways through the coat, for the cosines within.
+  /// Transmittance along both segments inside the coat, given their cosines.
   SHEAF_INLINE Spectrum<L> absorption(F cos_o, F cos_i) const {
     const F path = coat.coat_thickness * (F(1.0f) / max(cos_o, F(1e-6f)) + F(1.0f) / max(cos_i, F(1e-6f)));
     const auto& s = coat.coat_absorption;
     return {exp(-s.c0 * path), exp(-s.c1 * path), exp(-s.c2 * path), exp(-s.c3 * path)};
   }
 
-  /// f cos and the density, without what the boundary sends back. Both directions above the surface.
+  /// f cos and pdf of the base, without the losses by reflection at the boundary. Both directions are above the
+  /// surface.
   BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const;
 
-  /// A direction outside; the density is not that of the direction, but 0 where it has none.
+  /// Samples the base; the direction is outside the coat. `pdf_solid_angle` is that inside the coat and serves only to
+  /// tell delta lobes (0) from others.
   BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const;
 
-  /// Probability of sampling the coat's own reflection, where it lets in `entering`.
+  /// Probability of sampling the coat's reflection, where the coat transmits the fraction `entering`.
   SHEAF_INLINE F coat_probability(Vec3<L> wo, F entering) const {
     const F cos_o = bent(wo, inverse_eta).z;
     return sheaf::coat_probability<L>(F(1.0f) - entering, coat.coat_specular, absorption(cos_o, cos_o));
   }
 
-  /// What is left of a number that has chosen what lies below with that probability.
+  /// Rescales u.x to [0, 1) after it has chosen the base, whose probability is 1 - `coat_probability`.
   static SHEAF_INLINE Random4<L> rest_of(Random4<L> u, F coat_probability) {
     u.x = clamp((u.x - coat_probability) / max(F(1.0f) - coat_probability, F(1e-20f)), F(0.0f), F(kOneMinusEpsilon));
     return u;

@@ -1,4 +1,4 @@
-// Specular reflection off a smooth conductor, with the exact Fresnel term per wavelength.
+// Specular reflection by a smooth conductor, with the exact Fresnel reflectance per wavelength.
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"

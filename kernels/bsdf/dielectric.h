@@ -1,5 +1,5 @@
-// Specular reflection and refraction at a smooth dielectric boundary. One of the two is chosen by the Fresnel term.
-// Radiance that enters a medium is scaled by the squared relative index (Veach 1997, section 5.2).
+// Specular reflection and refraction at a smooth dielectric boundary. The Fresnel reflectance is the probability of
+// reflection. Radiance that enters a medium is scaled by the squared relative index (Veach 1997, section 5.2).
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"

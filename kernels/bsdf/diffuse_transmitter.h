@@ -1,5 +1,5 @@
-// Diffuse transmission: f = transmittance / pi on the other side, whichever side light comes from. A thin sheet without
-// an inside: radiance is not scaled.
+// Diffuse transmission: f = transmittance / pi for directions on opposite sides of the surface. The surface is a thin
+// sheet without interior, so radiance is not scaled.
 #pragma once
 
 #include "core/warp.h"

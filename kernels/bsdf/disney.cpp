@@ -1,4 +1,4 @@
-// The Disney BRDF, compiled once for all that ask for it.
+// DisneyBsdf, compiled once.
 #include "kernels/bsdf/disney.h"
 
 namespace sheaf {

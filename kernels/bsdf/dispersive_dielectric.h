@@ -1,10 +1,11 @@
-// Dielectric boundaries whose index of refraction depends on the wavelength: spectral mode's DielectricBsdf and
-// ThinDielectricBsdf.
+// Smooth and thin dielectrics whose index of refraction depends on the wavelength: DielectricBsdf and
+// ThinDielectricBsdf of spectral mode.
 //
-// A refracted direction belongs to the first wavelength alone: the others end there, and the first, which by itself has
-// the density that each of the four has, counts for all (Wilkie et al., "Hero Wavelength Spectral Sampling", EGSR 2014;
-// Pharr et al. 2023, section 4.5.4). Where light is reflected, or passes a pane, directions are the same for all
-// wavelengths: they go on together, each with its own Fresnel term, and the lobe is chosen by the mean of the four.
+// A refracted direction is valid for the first wavelength only. The path drops the other three, and the first counts
+// for all four: alone it has the same pdf as each of the four (Wilkie et al., "Hero Wavelength Spectral Sampling", EGSR
+// 2014; Pharr et al. 2023, section 4.5.4). Reflection and transmission through a thin dielectric have the same
+// direction at all wavelengths. There the path keeps all of them, each with its own Fresnel reflectance, and the mean
+// of the four chooses the lobe.
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"
@@ -13,15 +14,16 @@
 
 namespace sheaf {
 
-/// Fresnel terms of four indices.
+/// Fresnel reflectances for four indices of refraction.
 template <class L> struct DispersiveFresnel {
   DielectricFresnel<L> first;  ///< at the first wavelength
   Spectrum<L> reflectance;
-  typename L::Float probability;  ///< of choosing reflection: the mean of the reflectances
-  typename L::Mask single;        ///< all four indices are the same, as where the path has one wavelength only
+  typename L::Float probability;  ///< of choosing reflection: mean of the reflectances
+  /// all four indices are equal, as on a path with one wavelength left
+  typename L::Mask single;
 };
 
-/// As fresnel_dielectric(), for an index per wavelength.
+/// As fresnel_dielectric(), with one index per wavelength.
 template <class L> SHEAF_INLINE DispersiveFresnel<L> fresnel_dispersive(Float<L> cos_incident, const Spectrum<L>& eta) {
   const auto at = [&](Float<L> index)
                       SHEAF_LAMBDA_INLINE { return fresnel_dielectric<L>(cos_incident, index).reflectance; };
@@ -33,7 +35,8 @@ template <class L> SHEAF_INLINE DispersiveFresnel<L> fresnel_dispersive(Float<L>
   return f;
 }
 
-/// What all wavelengths together let through, in the first: `through` of it is what that one lets through.
+/// Weight of refraction, given the weight `through` of the first wavelength. The first component counts for all four
+/// wavelengths and is 4 `through`; the others are 0. Lanes with `single` have `through` in all components.
 template <class L> SHEAF_INLINE Spectrum<L> first_for_all(Mask<L> single, Float<L> through) {
   using F = Float<L>;
   const F others = select(single, through, F(0.0f));
@@ -71,7 +74,7 @@ template <class L> struct DispersiveThinDielectricBsdf : DispersiveDielectricPar
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
 
-  /// See ThinDielectricBsdf.
+  /// See ThinDielectricBsdf::passage().
   SHEAF_INLINE PanePassage<L> passage(Float<L> cos_theta) const {
     using F = Float<L>;
     const Spectrum<L> once = fresnel_dispersive<L>(abs(cos_theta), this->eta).reflectance;

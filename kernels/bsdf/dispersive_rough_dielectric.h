@@ -1,6 +1,6 @@
-// A rough boundary between dielectrics whose index of refraction depends on the wavelength: spectral mode's
-// RoughDielectricModel. Refraction keeps the first wavelength alone, in evaluation as in sampling, so that light
-// sampling and BSDF sampling estimate the same integral; see dispersive_dielectric.h.
+// A rough dielectric boundary whose index of refraction depends on the wavelength: RoughDielectricModel of spectral
+// mode. Refraction keeps the first wavelength only, in both evaluation and sampling, so that light sampling and BSDF
+// sampling estimate the same integral; see dispersive_dielectric.h.
 #pragma once
 
 #include "kernels/bsdf/dispersive_dielectric.h"
@@ -8,7 +8,7 @@
 
 namespace sheaf {
 
-/// Distribution: GgxDistribution or BeckmannDistribution.
+/// `Distribution`: GgxDistribution or BeckmannDistribution.
 template <class L, template <class> class Distribution>
 struct DispersiveRoughDielectricModel : DispersiveRoughDielectricParameters<L> {
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true, kDisperses = true;
@@ -36,6 +36,7 @@ struct DispersiveRoughDielectricModel : DispersiveRoughDielectricParameters<L> {
     const F side = copysign(F(1.0f), wo.z);
     const Spectrum<L> ior = relative_indices(side);
     const Vec3<L> o{wo.x, wo.y, wo.z * side};
+    // Sample a visible normal, then reflection or refraction.
     const Vec3<L> m = facets().sample_visible(o, u.y, u.z);
     const F cos_o = min(dot(o, m), F(1.0f));
     const auto f = fresnel_dispersive<L>(cos_o, ior);
@@ -60,18 +61,18 @@ struct DispersiveRoughDielectricModel : DispersiveRoughDielectricParameters<L> {
  private:
   SHEAF_INLINE Distribution<L> facets() const { return {this->alpha_u, this->alpha_v}; }
 
-  /// Indices of the far side over those of the near side.
+  /// Indices of the far side relative to the near side.
   SHEAF_INLINE Spectrum<L> relative_indices(Float<L> side) const {
     const auto at = [&](Float<L> index) SHEAF_LAMBDA_INLINE { return rough_boundary_index<L>(index, side); };
     return {at(this->eta.c0), at(this->eta.c1), at(this->eta.c2), at(this->eta.c3)};
   }
 
-  /// Probability of the lobe.
+  /// Probability of the sampled lobe.
   static SHEAF_INLINE Float<L> choice(const DispersiveFresnel<L>& f, Mask<L> reflected) {
     return select(reflected, f.probability, Float<L>(1.0f) - f.probability);
   }
 
-  /// The share of light that facets turn, shadowing left out.
+  /// Fraction of light that the facets reflect or refract, without shadowing.
   SHEAF_INLINE Spectrum<L> scattered(const DispersiveFresnel<L>& f, Mask<L> reflected) const {
     using F = Float<L>;
     const F through = (F(1.0f) - f.first.reflectance) / (f.first.eta * f.first.eta);

@@ -1,19 +1,19 @@
-// Fresnel reflectance of unpolarised light at smooth boundaries.
+// Fresnel reflectance of smooth boundaries for unpolarised light.
 #pragma once
 
 #include "core/spectrum.h"
 
 namespace sheaf {
 
-/// What happens at a dielectric boundary.
+/// Reflection and refraction at a dielectric boundary.
 template <class L> struct DielectricFresnel {
   typename L::Float reflectance;      ///< in [0, 1]; 1 at total internal reflection
-  typename L::Float cos_transmitted;  ///< cosine of the refracted direction, with the opposite sign of cos_incident
-  typename L::Float eta;              ///< index of refraction of the far side over that of the near side
+  typename L::Float cos_transmitted;  ///< of the refracted direction; sign opposite to cos_incident
+  typename L::Float eta;              ///< index of refraction, far side over near side
 };
 
-/// `cos_incident`: cosine to the normal, positive outside; `eta`: inside over outside (Pharr et al. 2023, section
-/// 9.3.5).
+/// `cos_incident`: cosine to the normal, positive outside. `eta`: index of the inside over that of the outside (Pharr
+/// et al. 2023, section 9.3.5).
 template <class L> SHEAF_INLINE DielectricFresnel<L> fresnel_dielectric(Float<L> cos_incident, Float<L> eta) {
   using F = Float<L>;
   const auto outside = cos_incident >= F(0.0f);
@@ -24,13 +24,13 @@ template <class L> SHEAF_INLINE DielectricFresnel<L> fresnel_dielectric(Float<L>
   const F parallel = (relative * cos_i - cos_t) / (relative * cos_i + cos_t);
   const F perpendicular = (cos_i - relative * cos_t) / (cos_i + relative * cos_t);
   const F r = F(0.5f) * (parallel * parallel + perpendicular * perpendicular);
-  // Equal indices at grazing incidence are 0 / 0; nothing is reflected there.
+  // Equal indices at grazing incidence would be 0 / 0; a matched boundary reflects nothing.
   const F matched = select(relative == F(1.0f), F(0.0f), r);
   return {select(cos_t2 <= F(0.0f), F(1.0f), matched), select(outside, -cos_t, cos_t), relative};
 }
 
-/// Reflectance of a conductor with complex index eta + i k relative to the outside, for one wavelength; `cos_incident`
-/// in [0, 1] (Pharr et al. 2023, equation 9.5, with the complex square root written out).
+/// Reflectance of a conductor with complex index eta + i k relative to the outside, for one wavelength. `cos_incident`
+/// is in [0, 1] (Pharr et al. 2023, equation 9.5, with the complex square root written out).
 template <class F> SHEAF_INLINE F fresnel_conductor(F cos_incident, F eta, F k) {
   const F cos2 = cos_incident * cos_incident, sin2 = F(1.0f) - cos2;
   const F eta2 = eta * eta, k2 = k * k;
@@ -40,7 +40,7 @@ template <class F> SHEAF_INLINE F fresnel_conductor(F cos_incident, F eta, F k) 
   const F t1 = a2_plus_b2 + cos2, t2 = F(2.0f) * a * cos_incident;
   const F t3 = cos2 * a2_plus_b2 + sin2 * sin2, t4 = t2 * sin2;
   // (s + p) / 2, where s = (t1 - t2) / (t1 + t2) is the perpendicular part and p = s (t3 - t4) / (t3 + t4) the parallel
-  // one. eta = k = 0 at normal incidence would be 0 / 0.
+  // part. The lower bound avoids 0 / 0 for eta = k = 0 at normal incidence.
   return (t1 - t2) * t3 / max((t1 + t2) * (t3 + t4), F(1e-30f));
 }
 

@@ -1,4 +1,4 @@
-// Fibres of hair, compiled once for all that ask for them.
+// HairBsdf, compiled once.
 #include "kernels/bsdf/hair.h"
 
 namespace sheaf {
@@ -7,9 +7,11 @@ template <class L> BsdfValue<L> HairBsdf<L>::evaluate(Vec3<L> wo, Vec3<L> wi) co
   return evaluate(Lobes(*this, wo), wi);
 }
 
-// A photon that passes counts as at the point opposite on the fibre, so that h stays the camera's. The points that
-// light reaches, each moved so where the camera doesn't see it, are those that the camera sees, once each: off a lone
-// fibre photons bring what paths bring. Shadows of other fibres tell the two points apart.
+// A photon that passes through the fibre is treated as if it were at the opposite point of the fibre, so that h is that
+// of the camera's direction. Photons land on the lit points of the fibre, camera paths on the visible ones. Moving the
+// lit points that are not visible to the opposite side covers every visible point exactly once. On an isolated fibre,
+// photons therefore transport the same light as camera paths. Shadows of other fibres may differ between the two
+// points.
 template <class L> Spectrum<L> HairBsdf<L>::adjoint_f_cos(Vec3<L> wo, Vec3<L> wi) const {
   const Mask<L> passes = (wo.z > F(0.0f)) & (wi.z < F(0.0f));
   const auto side = [&](Vec3<L> w) SHEAF_LAMBDA_INLINE {
@@ -20,7 +22,7 @@ template <class L> Spectrum<L> HairBsdf<L>::adjoint_f_cos(Vec3<L> wo, Vec3<L> wi
 
 template <class L> BsdfSample<L> HairBsdf<L>::sample(Vec3<L> wo, const Random4<L>& u) const {
   const Lobes lobes(*this, wo);
-  // The lobe, and what of u.x that leaves.
+  // Select the lobe by u.x, and rescale the rest of u.x.
   F begin(0.0f), share = lobes.probability[0], variance = lobes.variance[0], middle = lobes.middle[0];
   Angles around = lobes.around[0];
   Mask<L> is_last(false);
@@ -38,7 +40,8 @@ template <class L> BsdfSample<L> HairBsdf<L>::sample(Vec3<L> wo, const Random4<L
   }
   const F rest = clamp((u.x - begin) / max(share, F(1e-30f)), F(0.0f), F(kOneMinusEpsilon));
 
-  // d'Eon, Marschner and Hanika, "Importance Sampling for Physically-Based Hair Fiber Models" (SIGGRAPH Asia 2013).
+  // Sample M_p and N_p (d'Eon, Marschner and Hanika, "Importance Sampling for Physically-Based Hair Fiber Models",
+  // SIGGRAPH Asia 2013).
   const F one(1.0f);
   const F drawn = fma(u.y, one - exp(F(-2.0f) / variance), exp(F(-2.0f) / variance));
   const F one_minus_cos = clamp(-variance * log(max(drawn, F(1e-37f))), F(0.0f), F(2.0f));
@@ -51,6 +54,7 @@ template <class L> BsdfSample<L> HairBsdf<L>::sample(Vec3<L> wo, const Random4<L
   const auto direction = sincos_2pi<L>(turn - floor(turn));
 
   BsdfSample<L> s;
+  // Evaluate all lobes.
   s.wi = {-(cos_theta * direction.sin), sin_theta, cos_theta * direction.cos};
   const BsdfValue<L> value = evaluate(lobes, s.wi);
   s.pdf_solid_angle = value.pdf_solid_angle;

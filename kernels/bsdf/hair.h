@@ -1,19 +1,21 @@
-// Light on fibres of hair: Chiang, Bitterli, Tappan and Burley, "A Practical and Controllable Hair and Fur Model for
+// Scattering by hair fibres: Chiang, Bitterli, Tappan and Burley, "A Practical and Controllable Hair and Fur Model for
 // Production Path Tracing" (EGSR 2016), after d'Eon et al., "An Energy-Conserving Hair Reflectance Model" (EGSR 2011)
-// and Marschner et al. 2003. In the frame y runs along the fibre and z is its normal; theta is the angle to the plane
-// across the fibre, gamma the one in that plane from the normal. Light that enters has left where it entered: a fibre
-// is thin against all around it, so that both sides of it are lit through its surface alone.
+// and Marschner et al. 2003. In the shading frame, y runs along the fibre and z is its normal. theta is the angle to
+// the plane perpendicular to the fibre; gamma is the azimuth in that plane, from the normal. Light leaves at the point
+// where it enters: the fibre is thin relative to its surroundings, so both of its sides are lit through its surface.
 //
 //   f |cos(wi)| = sum over p < 3 of A_p(wo) M_p(theta_o, theta_i) N_p(gamma_i - gamma_o)  +  A_3 M_3 / (2 pi)
 //
-// with p the paths inside: 0 reflected, 1 passing through, 2 reflected inside once; 3 stands for all longer ones.
-//   A  what remains of the light: Fresnel's terms and absorption along the ways inside (d'Eon, section 5); their sum
-//      is 1 where nothing is absorbed
-//   M  a lobe around -theta_o, turned by the tilt of the fibre's scales, of variance v (d'Eon, equation 7)
-//   N  a logistic lobe around the direction of a smooth fibre, cut off at half a turn (Chiang, section 4.1)
-// The offset of the ray from the fibre's middle, h in [-1, 1], is the sine of gamma_o. The model is not reciprocal: A
-// is that of wo alone. Nor are paths and photons that pass a fibre scattered at the same points: paths on the camera's
-// side, photons where they enter.
+// where p counts path segments inside the fibre: 0 is reflection (R), 1 transmission (TT), 2 one internal reflection
+// (TRT), and 3 stands for all longer paths.
+//   A  attenuation: Fresnel terms and absorption along the segments inside (d'Eon, section 5); the A_p sum to 1 without
+//      absorption
+//   M  longitudinal lobe of variance v around -theta_o, rotated by the tilt of the cuticle scales (d'Eon, equation 7)
+//   N  azimuthal lobe around the direction of a smooth fibre: a logistic distribution trimmed to [-pi, pi] (Chiang,
+//      section 4.1)
+// The offset of the ray from the fibre's axis, h in [-1, 1], is the sine of gamma_o. The model is not reciprocal: A
+// depends on wo alone. Where light passes through a fibre, camera paths scatter at the side that faces the camera,
+// photons at the side where they enter.
 #pragma once
 
 #include "core/distribution.h"
@@ -41,7 +43,7 @@ template <class L> struct FibreAngles {
     gamma = atan2(-w.x, select(cos_theta > F(0.0f), w.z, F(1.0f)));
   }
 
-  /// In the same plane, `angle` further from the plane across; given by its sine and cosine.
+  /// Rotated within the plane that contains the fibre: theta plus an angle, given by its sine and cosine.
   SHEAF_INLINE FibreAngles turned(typename L::Float sine, typename L::Float cosine) const {
     FibreAngles out = *this;
     out.sin_theta = sin_theta * cosine + cos_theta * sine;
@@ -50,7 +52,8 @@ template <class L> struct FibreAngles {
   }
 };
 
-/// The Bessel function I0(x) where x < kSmallBessel, else exp(-x) I0(x) (Abramowitz and Stegun 1964, 9.8.1 and 9.8.2).
+/// Modified Bessel function I0(x) for x < kSmallBessel, exp(-x) I0(x) otherwise (Abramowitz and Stegun 1964, 9.8.1 and
+/// 9.8.2).
 inline constexpr float kSmallBessel = 3.75f;
 template <class F> SHEAF_INLINE F scaled_bessel_i0(F x) {
   const F y = sqr(x * F(1 / kSmallBessel)), z = F(kSmallBessel) / max(x, F(kSmallBessel));
@@ -62,8 +65,8 @@ template <class F> SHEAF_INLINE F scaled_bessel_i0(F x) {
   return select(x < F(kSmallBessel), below, above / sqrt(max(x, F(kSmallBessel))));
 }
 
-/// M: density of theta_b, over its cosine, around -theta_a. Exact also where lobes are narrow: what stands in the
-/// exponent is 1 - cos(theta_a + theta_b).
+/// M: pdf of theta_b around -theta_a, divided by cos(theta_b). Accurate for narrow lobes, too: the exponent is formed
+/// from 1 - cos(theta_a + theta_b).
 template <class L>
 SHEAF_INLINE Float<L> longitudinal(const FibreAngles<L>& a, const FibreAngles<L>& b, Float<L> variance) {
   using F = Float<L>;
@@ -73,13 +76,13 @@ SHEAF_INLINE Float<L> longitudinal(const FibreAngles<L>& a, const FibreAngles<L>
   return exp(exponent) * scaled_bessel_i0(x) / (variance * (F(1.0f) - exp(F(-2.0f) / variance)));
 }
 
-/// N: the logistic distribution of scale s between -pi and pi.
+/// N: logistic distribution of scale s, trimmed to [-pi, pi].
 template <class F> struct TrimmedLogistic {
   F s, tail;  ///< tail: exp(-pi / s)
 
   explicit SHEAF_INLINE TrimmedLogistic(F scale) : s(scale), tail(exp(F(-kPi) / scale)) {}
 
-  /// At any angle.
+  /// `angle` may be any angle; it is wrapped to [-pi, pi].
   SHEAF_INLINE F density(F angle) const {
     const F turn = angle * F(0.5f * kInvPi);
     const F x = (turn - floor(turn + F(0.5f))) * F(2.0f * kPi);
@@ -94,7 +97,7 @@ template <class F> struct TrimmedLogistic {
   }
 };
 
-/// a^n for n > 0.
+/// a^N, N > 0.
 template <int N, class F> SHEAF_INLINE F whole_power(F a) {
   if constexpr (N == 1)
     return a;
@@ -114,21 +117,22 @@ template <class L> struct HairBsdf : HairParameters<L> {
 
   BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const;
 
-  /// On the other side of the fibre, for a photon that passes, so that as much light arrives as along paths.
+  /// For a photon that passes through, evaluates at the opposite side of the fibre, so that photons and camera paths
+  /// transport the same light.
   Spectrum<L> adjoint_f_cos(Vec3<L> wo, Vec3<L> wi) const;
 
   BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const;
 
  private:
-  static constexpr std::size_t kLobes = 4;  ///< the last is that of all further paths
+  static constexpr std::size_t kLobes = 4;  ///< the last one stands for all longer paths
 
-  /// What depends on the outgoing direction alone.
+  /// Everything that depends only on the outgoing direction.
   struct Lobes {
-    std::array<Spectrum<L>, kLobes> attenuation;  ///< A
-    std::array<F, kLobes> probability;            ///< of sampling; their sum is 1
-    std::array<F, kLobes> variance;               ///< v, of M
-    std::array<Angles, kLobes> around;            ///< theta_o as the tilt of the scales has it
-    std::array<F, kLobes - 1> middle;             ///< gamma_i of a smooth fibre
+    std::array<Spectrum<L>, kLobes> attenuation;  ///< A_p
+    std::array<F, kLobes> probability;            ///< of sampling each lobe; sum to 1
+    std::array<F, kLobes> variance;               ///< v of M_p
+    std::array<Angles, kLobes> around;            ///< theta_o rotated by the tilt of the scales
+    std::array<F, kLobes - 1> middle;             ///< gamma_i for a smooth fibre
     hair_detail::TrimmedLogistic<F> azimuth;
 
     SHEAF_INLINE Lobes(const HairBsdf& hair, Vec3<L> wo) : azimuth(hair.azimuthal_scale()) {
@@ -148,7 +152,7 @@ template <class L> struct HairBsdf : HairParameters<L> {
       middle = {-o.gamma, through - o.gamma, F(2.0f) * through - o.gamma};
     }
 
-    /// `f`: reflectance where light enters; `t`: what is left of it on the other side.
+    /// `f`: Fresnel reflectance where light enters; `t`: transmittance of one segment inside.
     SHEAF_INLINE void set_attenuation(const HairBsdf& hair, F f, Spectrum<L> t) {
       const F one(1.0f), enters = one - f;
       const Spectrum<L> turns = t * f;
@@ -182,7 +186,7 @@ template <class L> struct HairBsdf : HairParameters<L> {
     return value;
   }
 
-  /// What remains after a way of -`minus_length` radii.
+  /// Transmittance of a path of length -`minus_length`, in fibre radii.
   SHEAF_INLINE Spectrum<L> absorbed(F minus_length) const {
     Spectrum<L> sigma_a = this->absorption * this->scale + this->eumelanin_absorption * this->eumelanin +
                           this->pheomelanin_absorption * this->pheomelanin;
@@ -192,7 +196,7 @@ template <class L> struct HairBsdf : HairParameters<L> {
     return {exp(s.c0 * minus_length), exp(s.c1 * minus_length), exp(s.c2 * minus_length), exp(s.c3 * minus_length)};
   }
 
-  /// Of hair that looks like `absorption` where there is much of it (Chiang 2016, section 4.2, a fit).
+  /// Absorption of a fibre in hair whose multiple-scattering colour is `absorption` (a fit: Chiang 2016, section 4.2).
   SHEAF_INLINE Spectrum<L> absorption_of_reflectance() const {
     const F b = this->azimuthal_roughness;
     const F fit = polynomial(b, 5.969f, -0.215f, 2.532f, -10.73f, 5.574f, 0.245f);
@@ -201,8 +205,9 @@ template <class L> struct HairBsdf : HairParameters<L> {
     return {of(c.c0), of(c.c1), of(c.c2), of(c.c3)};
   }
 
-  /// v of the first lobe and s, by fits in which roughness from 0 to 1 looks even (Chiang 2016, equations 7 and 8).
-  /// Smoother than a hundredth is more than single precision resolves.
+  /// Variance v of the first lobe and scale s of the azimuthal lobes, by fits that make roughness in [0, 1]
+  /// perceptually uniform (Chiang 2016, equations 7 and 8). Roughness is at least 0.01, which single precision can
+  /// still resolve.
   SHEAF_INLINE F longitudinal_variance() const {
     const F b = max(this->longitudinal_roughness, F(kMinRoughness));
     return sqr(F(0.726f) * b + F(0.812f) * b * b + F(3.7f) * hair_detail::whole_power<20>(b));

@@ -1,9 +1,9 @@
-// A slab of a scattering medium, of which light is scattered once (Hanrahan and Krueger, "Reflection from Layered
-// Surfaces due to Subsurface Scattering", SIGGRAPH 1993, section 5.1), without boundaries: what they call T and the
-// refraction is left to a coat. With albedo W, phase function p, optical thickness t and cosines o and i,
-//   f cos = W p i / (i + o) (1 - exp(-t (1 / i + 1 / o)))         on the side that light comes from,
-//   f cos = W p i / (i - o) (exp(-t / i) - exp(-t / o))           on the other,
-// and the share exp(-t / o) passes as if there were nothing. What would be scattered again is lost.
+// Single scattering in a slab of a medium (Hanrahan and Krueger, "Reflection from Layered Surfaces due to Subsurface
+// Scattering", SIGGRAPH 1993, section 5.1), without its boundaries: a coat provides refraction and the terms T of the
+// paper. With albedo W, phase function p, optical thickness t and cosines o and i,
+//   f cos = W p i / (i + o) (1 - exp(-t (1 / i + 1 / o)))         for reflection,
+//   f cos = W p i / (i - o) (exp(-t / i) - exp(-t / o))           for transmission.
+// The fraction exp(-t / o) passes unscattered. Multiple scattering is lost.
 #pragma once
 
 #include "core/frame.h"
@@ -49,27 +49,29 @@ template <class L> struct HanrahanKruegerBsdf : HanrahanKruegerParameters<L> {
   SHEAF_INLINE Spectrum<L> extinction() const {
     return select<L>(is_by_albedo(), this->first, this->first + this->second);
   }
-  /// Of the slab, straight through.
+  /// Optical thickness along the normal.
   SHEAF_INLINE Spectrum<L> depth() const { return extinction() * this->thickness; }
 
   static SHEAF_INLINE Spectrum<L> attenuation(Spectrum<L> t, Float<L> path) {
     return {exp(-t.c0 * path), exp(-t.c1 * path), exp(-t.c2 * path), exp(-t.c3 * path)};
   }
 
-  /// That sample() lets light pass. The fourth lane may be no colour; it is left out, so the ends are too.
+  /// Probability that sample() lets light pass unscattered. It averages three lanes, because the fourth may not be a
+  /// colour; clamping keeps both choices possible.
   SHEAF_INLINE Float<L> passing_probability(Vec3<L> wo) const {
     using F = Float<L>;
     const Spectrum<L> a = attenuation(depth(), F(1.0f) / max(abs(wo.z), F(1e-6f)));
     return clamp((a.c0 + a.c1 + a.c2) * F(1.0f / 3.0f), F(0.01f), F(0.99f));
   }
 
-  /// f cos without the phase function.
+  /// f cos divided by the phase function.
   SHEAF_INLINE Spectrum<L> scattered(Vec3<L> wo, Vec3<L> wi) const {
     using F = Float<L>;
     const F o = max(abs(wo.z), F(1e-6f)), i = max(abs(wi.z), F(1e-6f)), inverse_o = F(1.0f) / o;
     const F inverse_i = F(1.0f) / i;
     const auto back = wo.z * wi.z > F(0.0f);
-    // Both are the mean of exp over the depth of the vertex: over paths that grow from `least` by `more`.
+    // In both cases the result is the mean of the transmittance over the depth of the vertex, where the path length
+    // grows from `least` by `more`, in units of the thickness.
     const F least = select(back, F(0.0f), min(inverse_o, inverse_i));
     const F more = select(back, inverse_o + inverse_i, abs(inverse_i - inverse_o));
     const Spectrum<L> sigma_s = select<L>(is_by_albedo(), this->first * this->second, this->first);

@@ -1,4 +1,4 @@
-// Measured BRDFs, compiled once for all that ask for them.
+// MeasuredBsdf and MeasuredSpectralBsdf, compiled once.
 #include "kernels/bsdf/measured.h"
 
 namespace sheaf {

@@ -1,12 +1,12 @@
-// A BRDF that was measured, in the parameterisation of Dupuy and Jakob, "An Adaptive Parameterization for Efficient
-// Material Acquisition and Rendering" (ACM Transactions on Graphics 37, 2018), section 4: for each incident direction,
-// half vectors are those of a microfacet model whose distribution of normals was fitted to the material. Values are
-// tabulated over the numbers from which the model samples its visible normals, and a second table over these numbers,
-// the luminance, makes samples follow the values themselves. With m the half vector, as a point of the unit square
-// (theta = pi x^2 / 2, phi = (2 y - 1) pi), D the distribution of normals, sigma its projected area and s the numbers,
+// A measured BRDF in the parameterisation of Dupuy and Jakob, "An Adaptive Parameterization for Efficient Material
+// Acquisition and Rendering" (ACM Transactions on Graphics 37, 2018), section 4. Half vectors are those of a microfacet
+// model whose distribution of normals was fitted to the material. The values are tabulated over the random numbers that
+// sample the visible normals of that model. A second table over these numbers, the luminance, makes samples follow the
+// values. With m the half vector as a point (x, y) of the unit square (theta = pi x^2 / 2, phi = (2 y - 1) pi), D the
+// distribution of normals, sigma the projected area and s the random numbers,
 //   f cos(wi) = values(s) D(m) / (4 sigma(wo)),  pdf = luminance(s) vndf(m) / (2 pi^2 x sin(theta) 4 wo.m).
-// The incident direction of the measurement is wo. The tables are read as they are, so that f is reciprocal only as far
-// as the measurement is.
+// wo is the incident direction of the measurement. The tables are used as measured, so f is only as reciprocal as the
+// measurement.
 #pragma once
 
 #include "core/warp.h"
@@ -19,7 +19,7 @@ namespace sheaf {
 
 namespace measured_detail {
 
-/// A direction by its angles, and these as numbers in [0, 1].
+/// Spherical angles of a direction, and their mapping to [0, 1].
 template <class L> struct Angles {
   Float<L> theta, phi;
 
@@ -33,7 +33,7 @@ template <class L> struct Angles {
   static SHEAF_INLINE Float<L> phi_to_unit(Float<L> phi) { return fma(phi, Float<L>(0.5f * kInvPi), Float<L>(0.5f)); }
 };
 
-/// The tables as the light in one direction sees them.
+/// The tables of a material, for one outgoing direction per lane.
 template <class L> class Table {
   using F = Float<L>;
   using U = Uint<L>;
@@ -43,8 +43,8 @@ template <class L> class Table {
       : tables_(tables), place_(find_table<L>(tables, word, TableTag::kMeasured)) {
     if (!any(place_.valid)) return;
     head_ = load_table_record<L, MeasuredHead>(tables, place_.first + U(1u));
-    // Azimuths of half or a quarter of the turn, from -pi on: the rest is turned or mirrored there. A zero gets a sign
-    // too, which tells -pi from pi.
+    // The measured azimuths may cover only a half or a quarter of a turn, starting at -pi. Rotate or mirror the
+    // directions into that range. A zero gets a sign too, which distinguishes -pi from pi.
     const auto symmetric = head_.reduction > F(1.5f);
     flip_y_ = select(symmetric, -copysign(F(1.0f), wo.y), F(1.0f));
     flip_x_ = select(head_.reduction > F(3.5f), -copysign(F(1.0f), wo.x), flip_y_);
@@ -53,7 +53,7 @@ template <class L> class Table {
     theta_ = angles.theta, phi_ = angles.phi;
   }
 
-  /// Whether there is a table at all.
+  /// Whether any lane has a table.
   SHEAF_INLINE bool any_valid() const { return any(place_.valid); }
   SHEAF_INLINE Vec3<L> flipped(Vec3<L> w) const { return {w.x * flip_x_, w.y * flip_y_, w.z}; }
   SHEAF_INLINE Vec3<L> wo() const { return wo_; }
@@ -72,12 +72,12 @@ template <class L> class Table {
     return {tables_, block(head_.luminance_block), to_uint(head_.sample_width), to_uint(head_.sample_height), mix};
   }
   SHEAF_INLINE U channels() const { return to_uint(head_.channels); }
-  /// Those of each channel, one after the other.
+  /// The values, one grid per channel, stored one after another.
   SHEAF_INLINE TableGrid<L> values(const SliceMix<L>& mix) const {
     const U width = to_uint(head_.sample_width), height = to_uint(head_.sample_height);
     return {tables_, block(head_.value_block), width * height * channels(), width, height, mix};
   }
-  /// By what the values are multiplied, for the half vector at (x, y) of the square.
+  /// Factor D(m) / (4 sigma(wo)) on the values, for the half vector at (x, y) of the unit square.
   SHEAF_INLINE F scale(F x, F y) const {
     if (!any(head_.jacobian > F(0.0f))) return F(1.0f);
     const F normals = plain(head_.ndf_block, head_.ndf_width, head_.ndf_height, x, y);
@@ -89,7 +89,7 @@ template <class L> class Table {
  private:
   SHEAF_INLINE U block(F number) const { return place_.first + (to_uint(number) << kTableBlockShift); }
 
-  /// A function of a direction alone.
+  /// Bilinear lookup in a table that does not depend on wo.
   SHEAF_INLINE F plain(F block_number, F width, F height, F x, F y) const {
     const U w = to_uint(width), begin = block(block_number);
     const F place_x = clamp(x, F(0.0f), F(1.0f)) * (width - F(1.0f));
@@ -108,13 +108,13 @@ template <class L> class Table {
   F flip_x_{}, flip_y_{}, theta_{}, phi_{};
 };
 
-/// 2 pi^2 x sin(theta) 4 wo.m: solid angles of light per area of the square of half vectors.
+/// 2 pi^2 x sin(theta) 4 wo.m: solid angle of wi per area of the unit square of half vectors.
 template <class L> SHEAF_INLINE Float<L> light_per_area(Float<L> x, Float<L> sin_theta, Float<L> cosine) {
   using F = Float<L>;
   return max(F(2.0f * kPi * kPi) * x * sin_theta, F(1e-6f)) * F(4.0f) * cosine;
 }
 
-/// f times the cosine, given `bsdf.colors()`, and the density.
+/// f cos and pdf; bsdf.colors() interpolates the values.
 template <class L, class Bsdf> SHEAF_INLINE BsdfValue<L> evaluate(const Bsdf& bsdf, Vec3<L> wo_in, Vec3<L> wi_in) {
   using F = Float<L>;
   const BsdfValue<L> black{Spectrum<L>(F(0.0f)), F(0.0f)};
@@ -122,12 +122,14 @@ template <class L, class Bsdf> SHEAF_INLINE BsdfValue<L> evaluate(const Bsdf& bs
   if (!any(above)) return black;
   const Table<L> table(bsdf.tables, bsdf.table, wo_in);
   if (!table.any_valid()) return black;
+  // Find the half vector as a point of the unit square.
   const Vec3<L> m = normalize(table.wo() + table.flipped(wi_in));
   const Angles<L> half(m);
   const F x = Angles<L>::theta_to_unit(half.theta);
   F y = Angles<L>::phi_to_unit(half.phi - select(table.head().isotropic > F(0.0f), table.phi(), F(0.0f)));
   y = y - floor(y);
   const SliceMix<L> mix = table.slices();
+  // Invert the sampling of visible normals.
   const auto s = table.vndf(mix).invert(x, y);
   const F pdf = s.pdf * table.luminance(mix).pdf(s.x, s.y) /
                 light_per_area<L>(x, sqrt(fma(m.x, m.x, m.y * m.y)), dot(table.wo(), m));
@@ -143,18 +145,21 @@ template <class L, class Bsdf> SHEAF_INLINE BsdfSample<L> sample(const Bsdf& bsd
   const Table<L> table(bsdf.tables, bsdf.table, wo_in);
   if (!table.any_valid()) return out;
   const SliceMix<L> mix = table.slices();
+  // Sample the luminance, then the visible normals.
   const auto s = table.luminance(mix).sample(u.y, u.z);
   const auto at = table.vndf(mix).sample(s.x, s.y);
   const F theta = F(0.5f * kPi) * at.x * at.x;
   const F sin_theta = sin(theta), cos_theta = cos(theta);
-  // phi = (2 y - 1) pi, besides what it is relative to.
+  // phi = (2 y - 1) pi, relative to the azimuth of wo if the material is isotropic.
   const auto turn = sincos_2pi<L>(at.y);
   Vec3<L> m{-turn.cos * sin_theta, -turn.sin * sin_theta, cos_theta};
+  // Rotate isotropic materials by the azimuth of wo.
   const F length_xy = sqrt(fma(table.wo().x, table.wo().x, table.wo().y * table.wo().y));
   const auto turned = (table.head().isotropic > F(0.0f)) & (length_xy > F(0.0f));
   const F c = select(turned, table.wo().x / select(turned, length_xy, F(1.0f)), F(1.0f));
   const F d = select(turned, table.wo().y / select(turned, length_xy, F(1.0f)), F(0.0f));
   m = {m.x * c - m.y * d, m.x * d + m.y * c, m.z};
+  // Reflect wo, and compute pdf and weight.
   const F cosine = dot(table.wo(), m);
   const Vec3<L> wi = m * (F(2.0f) * cosine) - table.wo();
   out.pdf_solid_angle = s.pdf * at.pdf / light_per_area<L>(at.x, sin_theta, max(cosine, F(1e-6f)));
@@ -184,7 +189,7 @@ template <class L> struct MeasuredBsdf : MeasuredParameters<L> {
   }
 };
 
-/// With values for many wavelengths, linear in between.
+/// With values at many wavelengths, interpolated linearly.
 template <class L> struct MeasuredSpectralBsdf : MeasuredSpectralParameters<L> {
   static constexpr auto kKind = ClosureKind::kMeasuredSpectral;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;

@@ -1,36 +1,37 @@
-// Microfacet distributions: how the facets of a rough surface are turned, which of them are seen, and how to pick one.
+// Microfacet distributions: distribution of normals, masking-shadowing, and sampling.
 //
-// Both have density(), Smith's masking-shadowing terms, and sampling of the facets that are visible from a direction
-// (Heitz and d'Eon, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals", EGSR
-// 2014). Directions are unit vectors in the shading frame; m is a facet's normal. Nothing divides by the cosine of a
-// direction: grazing ones are safe.
+// Both distributions have density(), Smith's masking-shadowing terms, and sampling of visible normals (Heitz and d'Eon,
+// "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals", EGSR 2014). Directions are
+// unit vectors in the shading frame; m is a microfacet normal. No function divides by the cosine of a direction, so
+// grazing directions are safe.
 #pragma once
 
 #include "core/warp.h"
 
 namespace sheaf {
 
-/// Roughness is clamped to this range: below it float precision ends, above it no surface has any meaning.
+/// Range to which roughness is clamped. Smaller values exceed single precision, larger ones are physically meaningless.
 inline constexpr float kMinAlpha = 1e-4f, kMaxAlpha = 1e3f;
 
-/// What the distributions share. Model has density(m), smith_g1_over_cos(v) and sample_visible(wo, u1, u2).
+/// Functions shared by the distributions. Model has density(m), smith_g1_over_cos(v) and sample_visible(wo, u1, u2).
 template <class L, class Model> struct MicrofacetDistribution {
   using F = typename L::Float;
-  F alpha_u, alpha_v;  ///< root mean square slope (times sqrt 2) along x and along y, within [kMinAlpha, kMaxAlpha]
+  /// roughness along x and along y, in [kMinAlpha, kMaxAlpha]: the root mean square slope times sqrt(2)
+  F alpha_u, alpha_v;
 
   SHEAF_INLINE MicrofacetDistribution(F u, F v)
       : alpha_u(clamp(u, F(kMinAlpha), F(kMaxAlpha))), alpha_v(clamp(v, F(kMinAlpha), F(kMaxAlpha))) {}
 
-  /// Share of the facets turned like m that are seen from v, on whichever side that is: 0 where v sees the wrong side
-  /// of m.
+  /// Smith's masking G1: fraction of the facets with normal m that are visible from v, on either side of the surface. 0
+  /// if the cosines of v to m and to the surface normal have different signs.
   SHEAF_INLINE F smith_g1(Vec3<L> v, Vec3<L> m) const { return smith_g1_over_cos(v, m) * abs(v.z); }
 
-  /// smith_g1 over |v.z|: finite at grazing directions.
+  /// smith_g1() / |v.z|; finite at grazing directions.
   SHEAF_INLINE F smith_g1_over_cos(Vec3<L> v, Vec3<L> m) const {
     return select(dot(v, m) * v.z > F(0.0f), model().smith_g1_over_cos(v), F(0.0f));
   }
 
-  /// 1 / G1 - 1, unbounded at grazing directions.
+  /// Lambda = 1 / G1 - 1; unbounded at grazing directions.
   SHEAF_INLINE F smith_lambda(Vec3<L> v) const {
     return F(1.0f) / max(model().smith_g1_over_cos(v) * abs(v.z), F(1e-30f)) - F(1.0f);
   }
@@ -38,41 +39,41 @@ template <class L, class Model> struct MicrofacetDistribution {
   /// Separable masking and shadowing: G1(wi) G1(wo).
   SHEAF_INLINE F smith_g(Vec3<L> wi, Vec3<L> wo, Vec3<L> m) const { return smith_g1(wi, m) * smith_g1(wo, m); }
 
-  /// Density per solid angle of m of sample_visible(), D(m) G1(wo) |wo.m| / wo.z, for wo.z > 0.
+  /// Solid-angle pdf of m for sample_visible(), D(m) G1(wo) |wo.m| / wo.z, for wo.z > 0.
   SHEAF_INLINE F pdf_visible(Vec3<L> wo, Vec3<L> m) const {
     return model().density(m) * smith_g1_over_cos(wo, m) * abs(dot(wo, m));
   }
 
  protected:
   SHEAF_INLINE const Model& model() const { return static_cast<const Model&>(*this); }
-  /// Length of the projection of v onto the surface, stretched by the roughness; squared.
+  /// Squared length of the projection of v onto the surface, scaled by the roughness.
   SHEAF_INLINE F projected_roughness2(Vec3<L> v) const { return sqr(alpha_u * v.x) + sqr(alpha_v * v.y); }
 };
 
-/// Trowbridge and Reitz 1975, called GGX by Walter et al. 2007.
+/// The distribution of Trowbridge and Reitz 1975, called GGX by Walter et al. 2007.
 template <class L> struct GgxDistribution : MicrofacetDistribution<L, GgxDistribution<L>> {
   using Base = MicrofacetDistribution<L, GgxDistribution<L>>;
   using F = typename L::Float;
   using Base::Base, Base::smith_g1_over_cos;
 
-  /// Facet area per surface area and solid angle around m, 0 below the surface (Walter et al. 2007, equation 33, with
-  /// two alphas).
+  /// D(m): facet area per surface area and solid angle around m; 0 below the surface (Walter et al. 2007, equation 33,
+  /// with two alphas).
   SHEAF_INLINE F density(Vec3<L> m) const {
     const F product = this->alpha_u * this->alpha_v;
     const F e2 = sqr(m.x * this->alpha_v) + sqr(m.y * this->alpha_u) + sqr(m.z * product);
     return select(m.z > F(0.0f), F(kInvPi) * product * product * product / (e2 * e2), F(0.0f));
   }
 
-  /// G1(v) / |v.z|, whatever the facet (Heitz 2014, equation 72).
+  /// G1(v) / |v.z|, independent of the facet (Heitz 2014, equation 72).
   SHEAF_INLINE F smith_g1_over_cos(Vec3<L> v) const {
     return F(2.0f) / (abs(v.z) + sqrt(v.z * v.z + this->projected_roughness2(v)));
   }
 
-  /// A facet normal visible from wo, wo.z > 0, for u1 and u2 in [0, 1) (Dupuy and Benyoub, "Sampling Visible GGX
+  /// Samples a normal visible from wo, wo.z > 0, for u1 and u2 in [0, 1) (Dupuy and Benyoub, "Sampling Visible GGX
   /// Normals with Spherical Caps", HPG 2023).
   SHEAF_INLINE Vec3<L> sample_visible(Vec3<L> wo, F u1, F u2) const {
     const Vec3<L> w = normalize<L>({wo.x * this->alpha_u, wo.y * this->alpha_v, wo.z});
-    const F depth = u2 * (F(1.0f) + w.z);  // of the point on the cap, below the sphere's top
+    const F depth = u2 * (F(1.0f) + w.z);  // of the point on the cap, below the top of the sphere
     const F r = safe_sqrt(depth * (F(2.0f) - depth));
     const auto angle = sincos_2pi<L>(u1);
     return normalize<L>(
@@ -80,7 +81,7 @@ template <class L> struct GgxDistribution : MicrofacetDistribution<L, GgxDistrib
   }
 };
 
-/// c0 + c1 x + c2 x^2 + ..., up to eight terms, as a short tree of pairs (Estrin 1960).
+/// Polynomial c0 + c1 x + c2 x^2 + ... of up to eight terms, evaluated by Estrin's scheme (1960).
 template <class F, class... C> SHEAF_INLINE F polynomial(F x, C... c) {
   static_assert(sizeof...(c) <= 8);
   const float terms[8] = {c...};
@@ -92,10 +93,10 @@ template <class F, class... C> SHEAF_INLINE F polynomial(F x, C... c) {
     return fma(x2 * x2, sizeof...(c) <= 6 ? pair(4) : fma(x2, pair(6), pair(4)), fma(x2, pair(2), pair(0)));
 }
 
-/// exp(-x) for x >= 0, relative error below 1e-7 (1 + x); about 1e-38 from 87 on and where x is not a number.
+/// exp(-x) for x >= 0, relative error below 1e-7 (1 + x). About 1e-38 for x >= 87 and for NaN.
 template <class F> SHEAF_INLINE F exp_minus(F x) {
   const F y = max(x * F(-1.44269504f), F(-125.0f));
-  const F shifted = y + F(12582912.0f);  // 1.5 2^23: the last bits are those of y rounded to an integer
+  const F shifted = y + F(12582912.0f);  // 1.5 2^23: the low bits hold y rounded to an integer
   const F f = y - (shifted - F(12582912.0f));
   const F fraction = polynomial(f, 1.00000007f, 0.69314697f, 0.24022119f, 0.05550713f, 0.00967556f, 0.00132765f);
   return bits_float(float_bits(fraction) + (float_bits(shifted) << 23));
@@ -111,14 +112,14 @@ template <class F> SHEAF_INLINE F log2_positive(F x) {
   return fma(t, slope, to_float(bits >> 23) - F(127.0f));
 }
 
-/// Beckmann and Spizzichino 1963: facets whose slopes are normally distributed.
+/// The distribution of Beckmann and Spizzichino 1963: normally distributed slopes.
 template <class L> struct BeckmannDistribution : MicrofacetDistribution<L, BeckmannDistribution<L>> {
   using Base = MicrofacetDistribution<L, BeckmannDistribution<L>>;
   using F = typename L::Float;
   using Base::Base, Base::smith_g1_over_cos;
 
-  /// Facet area per surface area and solid angle around m, 0 below the surface (Walter et al. 2007, equation 25, with
-  /// two alphas).
+  /// D(m): facet area per surface area and solid angle around m; 0 below the surface (Walter et al. 2007, equation 25,
+  /// with two alphas).
   SHEAF_INLINE F density(Vec3<L> m) const {
     const F product = this->alpha_u * this->alpha_v, z2 = max(m.z * m.z, F(1e-12f));
     const F inverse = F(1.0f) / (product * z2);
@@ -126,15 +127,16 @@ template <class L> struct BeckmannDistribution : MicrofacetDistribution<L, Beckm
     return select(m.z > F(0.0f), F(kInvPi) * exp_minus(slope2) * (product * inverse) * inverse, F(0.0f));
   }
 
-  /// G1(v) / |v.z|, whatever the facet (Walter et al. 2007, equation 26).
+  /// G1(v) / |v.z|, independent of the facet (Walter et al. 2007, equation 26).
   SHEAF_INLINE F smith_g1_over_cos(Vec3<L> v) const {
     const F inverse_s = F(1.0f) / stretched_sine(v);
     const Ratio g = shadowing(abs(v.z) * inverse_s);
     return g.over / g.under * inverse_s;
   }
 
-  /// A facet normal visible from wo, wo.z > 0, for u1 and u2 in [0, 1). Slopes are sampled in the frame in which wo is
-  /// in the xz plane and the roughness 1 (Heitz and d'Eon 2014): y normally, x by inverting its distribution.
+  /// Samples a normal visible from wo, wo.z > 0, for u1 and u2 in [0, 1). Slopes are sampled in the frame where wo lies
+  /// in the xz plane and the roughness is 1 (Heitz and d'Eon 2014): y from a normal distribution, x by inverting its
+  /// CDF.
   SHEAF_INLINE Vec3<L> sample_visible(Vec3<L> wo, F u1, F u2) const {
     const F s = stretched_sine(wo), inverse_s = F(1.0f) / s;
     const F cos_phi = select(s > F(kMinSine), wo.x * this->alpha_u * inverse_s, F(1.0f));
@@ -145,8 +147,8 @@ template <class L> struct BeckmannDistribution : MicrofacetDistribution<L, Beckm
   }
 
  private:
-  static constexpr float kMinSine = 1e-10f;  ///< below it directions count as normal to the surface
-  static constexpr float kMaxSlope = 4.2f;   ///< beyond lie 3e-9 of the facets
+  static constexpr float kMinSine = 1e-10f;  ///< smaller sines count as normal incidence
+  static constexpr float kMaxSlope = 4.2f;   ///< 3e-9 of the facets have larger slopes
   static constexpr float kSqrtPi = 1.77245385f;
   struct Ratio {
     F over, under;
@@ -154,8 +156,8 @@ template <class L> struct BeckmannDistribution : MicrofacetDistribution<L, Beckm
 
   SHEAF_INLINE F stretched_sine(Vec3<L> v) const { return max(sqrt(this->projected_roughness2(v)), F(kMinSine)); }
 
-  /// G1 over a, where a is the cosine over the stretched sine: 2 / (a + a erf(a) + exp(-a^2) / sqrt(pi)), to 6e-7. The
-  /// ratio of polynomials holds up to 3.2, from where on G1 is 1 to 2e-7.
+  /// G1 / a, where a is the cosine over the stretched sine: 2 / (a + a erf(a) + exp(-a^2) / sqrt(pi)), with an error of
+  /// 6e-7. The rational approximation holds up to 3.2; above, G1 is 1 to within 2e-7.
   static SHEAF_INLINE Ratio shadowing(F a) {
     const F t = min(a, F(3.2f));
     return {
@@ -163,26 +165,26 @@ template <class L> struct BeckmannDistribution : MicrofacetDistribution<L, Beckm
         select(a < F(3.2f), polynomial(t, 1.0f, 1.81287994f, 1.36056347f, 0.59474668f, 0.20084562f, 0.10607205f), a)};
   }
 
-  /// The x at which erf(x) is 2 u - 1, relative error below 2e-5; ends at u = 1.25e-8.
+  /// Solves erf(x) = 2 u - 1 with a relative error below 2e-5. u is clamped to at least 1.25e-8 (from either end).
   static SHEAF_INLINE F sample_slope(F u) {
     const F w = -log2_positive(max(u * (F(4.0f) - F(4.0f) * u), F(5e-8f)));
     return (F(2.0f) * u - F(1.0f)) * polynomial(w, 0.88623936f, 0.20839367f, 0.02584452f, 0.00182318f) /
            polynomial(w, 1.0f, 0.05370539f, 0.01320931f, 0.00013266f);
   }
 
-  /// A slope x with density in proportion to max(cot - x, 0) exp(-x^2): those seen from a direction whose cosine over
-  /// stretched sine is `cot`. The first guess takes the density over erf(x) for linear; from there two of Halley's
-  /// steps give the distribution to 1e-6, the density to 6e-4 at worst and 2e-5 as a rule.
+  /// Samples a slope x with density proportional to max(cot - x, 0) exp(-x^2), the slopes visible from a direction with
+  /// cosine over stretched sine `cot`. The initial guess assumes that the density over erf(x) is linear. Two Halley
+  /// steps then give the CDF to within 1e-6; the error of the density is at most 6e-4 and typically 2e-5.
   static SHEAF_INLINE F sample_visible_slope(F cot, F u) {
     const F one(1.0f), two(2.0f), half(0.5f), target_u = max(u, F(2.5e-8f)), end = min(cot, F(kMaxSlope));
-    // 1 + erf(end), never above it; the slope of the density; and 1 + erf(x) of the guess.
+    // `whole` is 1 + erf(end), never more; `tilt` the slope of the density; `b` 1 + erf(x) of the guess.
     const F whole = two - exp_minus(end * end) * polynomial(end, 1.0000612f, -1.01125963f, 0.61873312f, -0.21540324f,
                                                             0.03864413f, -0.00275649f);
     const F tilt = one + clamp(fma(cot, F(-0.1f), F(1.1f)), F(0.0f), one);
     const F b = whole * two * target_u / (tilt + safe_sqrt(tilt * tilt - F(4.0f) * (tilt - one) * target_u));
     const F w = fma(to_float(float_bits(max(b * (two - b), F(3e-8f)))), F(-1.1920929e-7f), F(126.957f));
     F x = (b - one) * polynomial(w, 0.87965424f, 0.18074398f, -0.00228547f);
-    // Everything is multiplied by the denominators of G1 and of erfc(|x|) exp(x^2).
+    // Both sides are multiplied by the denominators of G1 and of erfc(|x|) exp(x^2).
     const Ratio g = shadowing(cot);
     const F cumulative_scale = F(0.5f * kSqrtPi) * cot * g.over, target = F(kSqrtPi) * g.under * target_u;
     for (int step = 0; step < 2; ++step) {
@@ -200,14 +202,15 @@ template <class L> struct BeckmannDistribution : MicrofacetDistribution<L, Beckm
   }
 };
 
-/// Reflection by the facets that turn one direction into the other.
+/// Reflection by the microfacets that mirror wo into wi.
 template <class L> struct FacetReflection {
-  typename L::Float pdf_solid_angle;  ///< of wi when the facet is sampled: D(m) G1(wo) / (4 wo.z); 0: not reflected
-  typename L::Float shadowing;        ///< G1(wi); the BRDF times |cos(wi)| is pdf * shadowing * Fresnel reflectance
-  typename L::Float cos_facet;        ///< wo . m
+  typename L::Float pdf_solid_angle;  ///< of wi by visible normals: D(m) G1(wo) / (4 wo.z); 0: none
+  /// G1(wi); the BRDF times |cos(wi)| is pdf * shadowing * Fresnel reflectance
+  typename L::Float shadowing;
+  typename L::Float cos_facet;  ///< wo . m
 };
 
-/// Where wo and wi are both above the surface; elsewhere the density is 0.
+/// The pdf is 0 unless wo and wi are both above the surface.
 template <class L, template <class> class Distribution>
 SHEAF_INLINE FacetReflection<L> evaluate_reflection(const Distribution<L>& facets, Vec3<L> wo, Vec3<L> wi) {
   using F = Float<L>;
@@ -217,10 +220,10 @@ SHEAF_INLINE FacetReflection<L> evaluate_reflection(const Distribution<L>& facet
   return {select(valid, pdf, F(0.0f)), wi.z * facets.smith_g1_over_cos(wi), select(valid, dot(wo, m), F(1.0f))};
 }
 
-/// A direction reflected by a visible facet, and what evaluate_reflection() says of it.
+/// A direction sampled by reflection at a visible normal, with its evaluate_reflection() value.
 template <class L> struct FacetReflectionSample : FacetReflection<L> { Vec3<L> wi; };
 
-/// For u1 and u2 in [0, 1). The density is 0 where wo is not above the surface or the reflected direction isn't.
+/// Samples a reflected direction, for u1 and u2 in [0, 1). The pdf is 0 if wo or the direction is below the surface.
 template <class L, template <class> class Distribution>
 SHEAF_INLINE FacetReflectionSample<L> sample_reflection(const Distribution<L>& facets, Vec3<L> wo, Float<L> u1,
                                                         Float<L> u2) {

@@ -1,6 +1,6 @@
-// Nori's microfacet BRDF: a Lambertian base of reflectance kd plus ks = 1 - max(kd) of Beckmann facets with the Fresnel
-// term of a dielectric. Shadowing is the rational approximation of Walter et al. 2007 (after equation 27), as Nori's
-// documentation has it.
+// Nori's microfacet BRDF: a Lambertian base of reflectance kd plus a Beckmann lobe of weight ks = 1 - max(kd), with
+// dielectric Fresnel reflectance. Shadowing is the rational approximation of Walter et al. 2007 (after equation 27), as
+// Nori documents it.
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"
@@ -45,16 +45,16 @@ template <class L> struct NoriMicrofacetBsdf : NoriMicrofacetParameters<L> {
   }
 
  private:
-  /// ks, which is also the probability of sampling a facet.
+  /// ks; also the probability of sampling the Beckmann lobe.
   SHEAF_INLINE Float<L> facet_share() const {
     return clamp(Float<L>(1.0f) - max_component(this->kd), Float<L>(0.0f), Float<L>(1.0f));
   }
 
-  /// The approximate G1 over the cosine, finite at grazing directions.
+  /// The rational approximation of G1, divided by the cosine; finite at grazing directions.
   SHEAF_INLINE Float<L> shadowing_over_cos(Vec3<L> v) const {
     using F = Float<L>;
     const F z = abs(v.z), s = this->alpha * safe_sqrt(F(1.0f) - z * z);
-    // With b = z / s: (3.535 b + 2.181 b^2) / (1 + 2.276 b + 2.577 b^2) for b < 1.6, times s^2 / s^2.
+    // With b = z / s: (3.535 b + 2.181 b^2) / (1 + 2.276 b + 2.577 b^2) for b < 1.6, extended by s^2 / s^2.
     const F rational = fma(F(3.535f), s, F(2.181f) * z) / (s * s + z * fma(F(2.276f), s, F(2.577f) * z));
     return select(z < F(1.6f) * s, rational, F(1.0f) / z);
   }

@@ -1,4 +1,5 @@
-// Thin panes where passing them costs no depth: shadow rays pass them as paths do.
+// Transmittance of thin dielectrics, for shadow rays that pass straight through them. Used where passing a thin
+// dielectric costs no depth.
 #pragma once
 
 #include "kernels/bsdf/all.h"
@@ -7,7 +8,7 @@ namespace sheaf {
 
 namespace pane_detail {
 
-/// The BSDF of a material's row at a path's wavelengths.
+/// Loads the BSDF of material `row` at the wavelengths `lambda`.
 template <template <class> class Bsdf>
 Bsdf<Scalar> load_pane(const SceneView& scene, std::uint32_t row, const Spectrum4& lambda) {
   float words[kLeafCount<Bsdf>];
@@ -24,7 +25,8 @@ Bsdf<Scalar> load_pane(const SceneView& scene, std::uint32_t row, const Spectrum
 
 }  // namespace pane_detail
 
-/// What passes the pane of a material's row at this cosine to the normal. `lambda`: in spectral mode.
+/// Straight transmission of the thin dielectric with material `row`, at this cosine to the normal. `lambda`: the path's
+/// wavelengths in spectral mode.
 inline PanePassage<Scalar> pane_passage(const SceneView& scene, std::uint32_t row, float cos_theta,
                                         const Spectrum4& lambda) {
   PanePassage<Scalar> passage;

@@ -1,7 +1,7 @@
-// Phong's model, made to conserve energy (Lafortune and Willems, "Using the Modified Phong Reflectance Model for
-// Physically Based Rendering", 1994, equations 2 and 9):
-//   f = diffuse / pi + specular (n + 2) / (2 pi) cos^n a,  a: angle between wi and the mirror image of wo.
-// The lobe is sampled by (n + 1) / (2 pi) cos^n a; what falls below the surface is lost.
+// The energy-conserving Phong BRDF (Lafortune and Willems, "Using the Modified Phong Reflectance Model for Physically
+// Based Rendering", 1994, equations 2 and 9):
+//   f = diffuse / pi + specular (n + 2) / (2 pi) cos^n a,  a: angle between wi and the mirror direction of wo.
+// The lobe is sampled with the pdf (n + 1) / (2 pi) cos^n a. Samples below the surface are lost.
 #pragma once
 
 #include "core/frame.h"
@@ -11,7 +11,7 @@
 
 namespace sheaf {
 
-/// Probability of the specular lobe: lobes are chosen by their reflectances.
+/// Probability of sampling the specular lobe, by the reflectances of both lobes.
 template <class L> SHEAF_INLINE Float<L> lobe_probability(Spectrum<L> specular, Spectrum<L> diffuse) {
   using F = Float<L>;
   const F glossy = total(specular), all = glossy + total(diffuse);

@@ -1,6 +1,7 @@
-// A diffuse base under a smooth dielectric coat. Light is mirrored by the coat, or enters it, is scattered by the base
-// and leaves again; what the coat sends back inside meets the base anew, and the geometric series is summed up.
-// Pharr et al. 2023, section 14.3, describe such coats; the closed form is that of Mitsuba's "plastic".
+// A diffuse base under a smooth dielectric coat. The coat reflects light specularly, or transmits it to the base, which
+// scatters it back out. Light that the coat reflects back inside returns to the base; the geometric series of these
+// reflections has a closed form. Pharr et al. 2023, section 14.3, describe such coats; the closed form is that of
+// Mitsuba's "plastic".
 #pragma once
 
 #include "core/warp.h"
@@ -10,23 +11,23 @@
 
 namespace sheaf {
 
-/// Reflectance of a base whose light is let out through the coat, for unit transmittance either way: the albedo over
-/// 1 minus what one round trip returns (with the base's colour only if `nonlinear`), and over the squared index.
+/// Diffuse albedo of a base under a coat, without the coat's transmittance on entry and exit: albedo / (eta^2 (1 -
+/// internal_reflectance c)), where c is the albedo if `nonlinear` is 1, and 1 if it is 0.
 template <class L>
 SHEAF_INLINE Spectrum<L> coated_albedo(Spectrum<L> albedo, Float<L> internal_reflectance, Float<L> nonlinear,
                                        Float<L> eta) {
   using F = Float<L>;
   const F inverse_eta2 = F(1.0f) / (eta * eta);
   const auto one = [&](F a) SHEAF_LAMBDA_INLINE {
-    // The round trip of a perfect base in a coat that lets nothing out would be 0 / 0.
+    // A base of albedo 1 under a coat with total internal reflection would be 0 / 0.
     const F loss = F(1.0f) - internal_reflectance * lerp(nonlinear, F(1.0f), a);
     return a * inverse_eta2 / max(loss, F(1e-6f));
   };
   return {one(albedo.c0), one(albedo.c1), one(albedo.c2), one(albedo.c3)};
 }
 
-/// Probability of the specular lobe for a coat that reflects `share` of the light: lobes are chosen by what they
-/// scatter, judged by the brightest component.
+/// Probability of sampling the specular lobe of a coat with Fresnel reflectance `share`. Proportional to what each lobe
+/// scatters, by its largest component.
 template <class L> SHEAF_INLINE Float<L> coat_probability(Float<L> share, Spectrum<L> specular, Spectrum<L> diffuse) {
   using F = Float<L>;
   const F coat = share * max_component(specular), base = (F(1.0f) - share) * max_component(diffuse);
@@ -65,7 +66,7 @@ template <class L> struct PlasticBsdf : PlasticParameters<L> {
   SHEAF_INLINE Float<L> probability(Float<L> share) const {
     return coat_probability<L>(share, this->specular, this->diffuse);
   }
-  /// The diffuse lobe's albedo for light that comes from a direction with cosine `cos_i`; `share`: see coat_share().
+  /// Albedo of the diffuse lobe for incident light at cosine `cos_i`; `share`: coat_share(wo.z).
   SHEAF_INLINE Spectrum<L> base(Float<L> share, Float<L> cos_i) const {
     const Float<L> through = (Float<L>(1.0f) - share) * (Float<L>(1.0f) - coat_share(cos_i));
     return coated_albedo<L>(this->diffuse, this->internal_reflectance, this->nonlinear, this->eta) * through;

@@ -1,14 +1,14 @@
-// The principled BSDF of Burley 2015 in the form that Mitsuba 3 gave it: a diffuse base with retro-reflection and
-// sheen, a metal, a rough dielectric that refracts, and a clearcoat.
+// The principled BSDF of Burley 2015 as implemented by Mitsuba 3: a diffuse base with retro-reflection and sheen, a
+// metal, a rough dielectric that refracts, and a clearcoat.
 //
 //   f = (1 - metallic)(1 - spec_trans) diffuse + (1 - metallic) sheen + specular reflection
 //       + (1 - metallic) spec_trans refraction + clearcoat / 4 coat
-// Sheen goes with a diffuse base: where there is none (metallic or spec_trans 1), there is no sheen.
-// The inside (wo.z < 0) only reflects and refracts, and is black without spec_trans. The layers do not shade one
-// another, so that energy is not conserved in general: a white diffuse base with its specular lobe sends back up to 1.7
-// at grazing incidence, sheen adds up to 0.1 to any base and the clearcoat 0.03. Metals and refracting surfaces
-// without these two, and without spec_tint, stay below 1.
-// Where eta is 1, nothing is reflected specularly, not even by metals, as in Mitsuba.
+// Sheen needs a diffuse base: it vanishes if metallic or spec_trans is 1. Seen from inside (wo.z < 0), the surface only
+// reflects and refracts, and is black if spec_trans is 0. The layers do not shadow one another, so the BSDF does not
+// conserve energy in general. The albedo of a white diffuse base with its specular lobe reaches 1.7 at grazing
+// incidence; sheen adds up to 0.1 to any base and the clearcoat 0.03. Metals and refracting surfaces without sheen,
+// clearcoat and spec_tint stay below 1. If eta is 1, there is no specular reflection, not even by metals, as in
+// Mitsuba.
 #pragma once
 
 #include "kernels/bsdf/principled_lobes.h"
@@ -28,25 +28,27 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
   SHEAF_INLINE F squared_index(Vec3<L> wo) const { return sqr(select(wo.z > F(0.0f), this->eta, F(1.0f) / this->eta)); }
 
  private:
-  /// All that depends on the parameters and the outgoing direction alone. Everything below is seen from above: for
-  /// directions from within, space is inverted at the origin.
+  /// Everything that depends only on the parameters and the outgoing direction. The surface is always seen from above:
+  /// if wo lies inside, all directions are negated.
   struct View {
-    F side;              ///< -1: from within
-    Mask<L> front;       ///< not from within
+    F side;              ///< -1 if wo lies inside, else 1
+    Mask<L> front;       ///< wo lies outside
     Vec3<L> wo;          ///< z >= 0
     F eta, inverse_eta;  ///< index of the far side over that of the near side
-    F weight_o;          ///< Schlick's, of wo
+    F weight_o;          ///< Schlick weight of wo
     GgxDistribution<L> facets;
-    F span_o;                   ///< GgxTerms::span() of wo
-    F brdf, bsdf;               ///< shares of the diffuse base and of refraction
-    F sheen;                    ///< its share
-    Spectrum<L> hue;            ///< the base colour at a luminance of 1; only where a tint needs it
-    Spectrum<L> schlick_color;  ///< specular reflectance at normal incidence of what follows Schlick's approximation
-    F schlick_share;            ///< its share
-    F dielectric_share;         ///< of what follows Fresnel's equations
-    Spectrum<L> transmittance;  ///< square root of the base colour: light passes the surface twice
-    F max_transmittance;        ///< its largest component
-    Clearcoat<L> coat;          ///< only where p_coat > 0
+    F span_o;         ///< GgxTerms::span() of wo
+    F brdf, bsdf;     ///< weights of the diffuse base and of refraction
+    F sheen;          ///< weight of sheen
+    Spectrum<L> hue;  ///< base colour scaled to luminance 1; set only for tints
+    /// reflectance at normal incidence of the part that uses Schlick's approximation
+    Spectrum<L> schlick_color;
+    F schlick_share;     ///< weight of that part
+    F dielectric_share;  ///< weight of the part that uses the Fresnel equations
+    /// square root of the base colour, because light passes the surface twice
+    Spectrum<L> transmittance;
+    F max_transmittance;              ///< its largest component
+    Clearcoat<L> coat;                ///< only where p_coat > 0
     F p_diffuse, p_coat, p_specular;  ///< probabilities of sampling the lobes
 
     SHEAF_INLINE View(const PrincipledParameters<L>& p, Vec3<L> direction)
@@ -77,7 +79,7 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
       if (any(p_coat > zero)) coat = Clearcoat<L>(p.clearcoat_gloss);
     }
 
-    /// Probabilities in proportion to what each lobe scatters, roughly.
+    /// Sets the probabilities roughly in proportion to what each lobe scatters.
     SHEAF_INLINE void choose_probabilities(const PrincipledParameters<L>& p, F f0) {
       const F one(1.0f), zero(0.0f);
       const F fresnel = lerp(weight_o, f0, one);
@@ -92,18 +94,18 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
     }
   };
 
-  /// What happens at a facet whose normal has the cosine `cos_d` > 0 to wo.
+  /// Reflection and refraction at a facet whose normal has the cosine `cos_d` > 0 to wo.
   struct Facet {
     F cos_transmitted;      ///< of the refracted direction, positive; 0 at total internal reflection
-    F weight;               ///< Schlick's, at the angle on the thinner side
-    Spectrum<L> reflected;  ///< share of light
-    F transmitted;          ///< share of light, before it is coloured
-    F reflects, transmits;  ///< the largest components of both: sampling chooses in proportion
+    F weight;               ///< Schlick weight, by the angle on the less dense side
+    Spectrum<L> reflected;  ///< reflected fraction
+    F transmitted;          ///< transmitted fraction, before it is coloured
+    F reflects, transmits;  ///< their largest components; sampling is proportional to them
 
     SHEAF_INLINE Facet(const View& view, F cos_d) {
       const F one(1.0f), zero(0.0f), eta = view.eta;
       cos_transmitted = safe_sqrt(fma(fma(cos_d, cos_d, F(-1.0f)), sqr(view.inverse_eta), one));
-      // Fresnel's equations as in fresnel_dielectric(), over a common denominator.
+      // Fresnel equations as in fresnel_dielectric(), over a common denominator.
       const F s_difference = cos_d - eta * cos_transmitted, s_sum = cos_d + eta * cos_transmitted;
       const F p_difference = eta * cos_d - cos_transmitted, p_sum = eta * cos_d + cos_transmitted;
       const F fresnel =
@@ -118,12 +120,12 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
     }
   };
 
-  /// f |cos(wi)| and the density, for `wi` in the space of `view`.
+  /// f |cos(wi)| and pdf; `wi` has been multiplied by `view.side`.
   SHEAF_INLINE BsdfValue<L> evaluate(const View& view, Vec3<L> wi) const {
     const F one(1.0f), zero(0.0f);
     const Mask<L> above = wi.z > zero;
     const F cos_i = abs(wi.z);
-    // The half vector's length is the denominator of refraction's change of solid angle (Walter et al. 2007, eq. 17).
+    // The length of the half vector is the denominator of the Jacobian of refraction (Walter et al. 2007, eq. 17).
     const Vec3<L> sum = view.wo + wi * select(above, one, view.eta);
     const F inverse_length = one / sqrt(max(length_squared(sum), F(1e-20f)));
     const Vec3<L> h = sum * copysign(inverse_length, sum.z);
@@ -132,6 +134,7 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
         (cos_d > zero) & (view.wo.z > zero) & select(above, cos_di > zero, (cos_di < zero) & (wi.z < zero));
     const Facet facet(view, max(cos_d, zero));
 
+    // Add specular reflection or refraction.
     const F bend = select(possible, select(above, F(0.25f), cos_d * abs(cos_di) * sqr(inverse_length)), zero);
     const GgxTerms<L> facets(view.facets, h, view.span_o, GgxTerms<L>::span(view.facets, wi));
     BsdfValue<L> value;
@@ -140,13 +143,14 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
     const F chosen = select(above, facet.reflects, facet.transmits * sqr(view.eta)) /
                      max(facet.reflects + facet.transmits, F(1e-20f));
     value.pdf_solid_angle = view.p_specular * facets.density * bend * chosen;
+    // Add the diffuse base, sheen and the clearcoat.
     add_diffuse(value, view, above & view.front, cos_i, cos_d);
     if (any(view.p_coat > zero)) {
       const auto coat = view.coat.terms(view.wo, wi, h);
       const Mask<L> lit = possible & above & view.front;
       const F strength = F(0.25f) * this->clearcoat * view.coat.fresnel(facet.weight) * view.wo.z * sqr(cos_i);
       value.f_cos = value.f_cos + Spectrum<L>(select(lit, strength * coat.masked, zero));
-      // The sum's length is twice the cosine to the half vector.
+      // Jacobian of reflection 1 / (4 cos_d): the length of wo + wi is 2 cos_d.
       value.pdf_solid_angle += select(lit, view.p_coat * coat.density * F(0.5f) * h.z * inverse_length, zero);
     }
     return value;

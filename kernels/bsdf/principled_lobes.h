@@ -1,5 +1,5 @@
-// What the principled BSDFs and the Disney BRDF are made of: roughness as artists set it, tints, diffuse reflection
-// with its retro-reflection, and the clearcoat.
+// Building blocks of the principled BSDFs and the Disney BRDF: perceptual roughness, tints, diffuse reflection with
+// retro-reflection, and the clearcoat.
 //
 // Sources: Burley, "Physically Based Shading at Disney" (SIGGRAPH 2012 course notes) and "Extending the Disney BRDF to
 // a BSDF with Integrated Subsurface Scattering" (SIGGRAPH 2015 course notes).
@@ -10,7 +10,8 @@
 
 namespace sheaf {
 
-/// Facets of a surface whose `roughness` and `anisotropic` are perceptual, in [0, 1] (Burley 2012, section 5.4).
+/// Microfacet distribution for the perceptual parameters `roughness` and `anisotropic` in [0, 1] (Burley 2012, section
+/// 5.4).
 template <class L> SHEAF_INLINE GgxDistribution<L> burley_ggx(Float<L> roughness, Float<L> anisotropic) {
   using F = Float<L>;
   constexpr float kMinBurleyAlpha = 0.001f;
@@ -20,37 +21,37 @@ template <class L> SHEAF_INLINE GgxDistribution<L> burley_ggx(Float<L> roughness
   return {max(F(kMinBurleyAlpha), alpha / aspect), max(F(kMinBurleyAlpha), alpha * aspect)};
 }
 
-/// GgxDistribution::density() and smith_g1_over_cos() together, with a single division.
+/// GgxDistribution::density() and smith_g1_over_cos() combined, with a single division.
 template <class L> struct GgxTerms {
   using F = typename L::Float;
   F density;  ///< D(h) G1(wo) / wo.z
-  F masked;   ///< the same times G1(wi) / |wi.z|
+  F masked;   ///< density times G1(wi) / |wi.z|
 
-  /// |v.z| plus the length of v stretched by the roughness: twice the inverse of G1(v) / |v.z|.
+  /// v.z| plus the length of v scaled by the roughness: 2 |v.z| / G1(v).
   static SHEAF_INLINE F span(const GgxDistribution<L>& facets, Vec3<L> v) {
     return abs(v.z) + sqrt(v.z * v.z + sqr(facets.alpha_u * v.x) + sqr(facets.alpha_v * v.y));
   }
 
-  /// h.z >= 0; `span_o`: of wo, `span_i`: of wi.
+  /// Requires h.z >= 0; `span_o` and `span_i` are span() of wo and wi.
   SHEAF_INLINE GgxTerms(const GgxDistribution<L>& facets, Vec3<L> h, F span_o, F span_i) {
     const F product = facets.alpha_u * facets.alpha_v;
     const F e = sqr(h.x * facets.alpha_v) + sqr(h.y * facets.alpha_u) + sqr(h.z * product);
-    // Opposite directions have no half vector: e is 0, and what follows from it must stay finite.
+    // Opposite directions have no half vector: e is 0, and the result must stay finite.
     const F common = F(2.0f * kInvPi) * product * product * product / max(e * e * (span_o * span_i), F(1e-33f));
     density = common * span_i;
     masked = F(2.0f) * common;
   }
 };
 
-/// A direction around +z with the density cos(theta) / pi. Takes its azimuth from u1, as sample_visible() does, so that
-/// both share the work.
+/// Samples a direction around +z with pdf cos(theta) / pi. Like sample_visible(), it takes the azimuth from u1, so that
+/// the two share its sine and cosine.
 template <class L> SHEAF_INLINE Vec3<L> cosine_hemisphere_polar(Float<L> u1, Float<L> u2) {
   const auto angle = sincos_2pi<L>(u1);
   const Float<L> r = sqrt(u2);
   return {r * angle.cos, r * angle.sin, sqrt(Float<L>(1.0f) - u2)};
 }
 
-/// (1 - cos_theta)^5, the weight of white in Schlick's approximation of Fresnel reflectance (Schlick 1994).
+/// Weight of white in Schlick's approximation of Fresnel reflectance, (1 - cos_theta)^5 (Schlick 1994).
 template <class F> SHEAF_INLINE F schlick_weight(F cos_theta) {
   const F m = clamp(F(1.0f) - cos_theta, F(0.0f), F(1.0f)), m2 = m * m;
   return m2 * m2 * m;
@@ -59,19 +60,19 @@ template <class F> SHEAF_INLINE F schlick_weight(F cos_theta) {
 /// Reflectance at normal incidence of a dielectric whose relative index of refraction is `eta`.
 template <class F> SHEAF_INLINE F normal_reflectance(F eta) { return sqr((eta - F(1.0f)) / (eta + F(1.0f))); }
 
-/// Luminance of linear Rec.709, which the first three components are taken for, unless another is `known` (not 0).
+/// The luminance `known` unless it is 0. Otherwise that of the first three components as linear Rec.709.
 template <class L> SHEAF_INLINE Float<L> rec709_luminance(const Spectrum<L>& c, Float<L> known) {
   using F = Float<L>;
   return select(known > F(0.0f), known, fma(c.c0, F(0.212671f), fma(c.c1, F(0.715160f), c.c2 * F(0.072169f))));
 }
 
-/// The approximation of the same in the notes of 2012.
+/// As rec709_luminance(), with the approximate coefficients of Burley's 2012 notes.
 template <class L> SHEAF_INLINE Float<L> burley_luminance(const Spectrum<L>& c, Float<L> known) {
   using F = Float<L>;
   return select(known > F(0.0f), known, fma(c.c0, F(0.3f), fma(c.c1, F(0.6f), c.c2 * F(0.1f))));
 }
 
-/// `color` scaled to a luminance of 1, given its own; white for black.
+/// Scales `color` to luminance 1, given its luminance; white for black.
 template <class L> SHEAF_INLINE Spectrum<L> hue(const Spectrum<L>& color, Float<L> luminance) {
   using F = Float<L>;
   const Mask<L> lit = luminance > F(0.0f);
@@ -83,20 +84,20 @@ template <class L> SHEAF_INLINE Spectrum<L> lerp(Float<L> t, const Spectrum<L>& 
   return {lerp(t, a.c0, b.c0), lerp(t, a.c1, b.c1), lerp(t, a.c2, b.c2), lerp(t, a.c3, b.c3)};
 }
 
-/// What diffuse reflection is a function of: cosines of a pair of directions above the surface, their Schlick weights.
+/// Arguments of the diffuse lobe: cosines of a pair of directions above the surface, and their Schlick weights.
 template <class L> struct DiffuseAngles {
   using F = typename L::Float;
   F cos_o, weight_o;  ///< of the outgoing direction to the normal
   F cos_i, weight_i;  ///< of the incident direction to the normal
-  F retro;            ///< roughness times the squared cosine of either to the half vector
+  F retro;            ///< roughness times the squared cosine between wo and the half vector
 
-  /// pi f over the base colour: dark edges when smooth, bright ones when rough (Burley 2012, section 5.3).
+  /// pi f / base colour: dark edges at low roughness, bright ones at high roughness (Burley 2012, section 5.3).
   SHEAF_INLINE F diffuse() const {
     const F excess = F(2.0f) * retro - F(0.5f);
     return fma(excess, weight_o, F(1.0f)) * fma(excess, weight_i, F(1.0f));
   }
 
-  /// The same with an approximation of subsurface scattering after Hanrahan and Krueger 1993 in the share `flatness`.
+  /// Blends in an approximation of subsurface scattering (after Hanrahan and Krueger 1993) with weight `flatness`.
   SHEAF_INLINE F diffuse(F flatness) const {
     const F excess = retro - F(1.0f);
     const F both = fma(excess, weight_o, F(1.0f)) * fma(excess, weight_i, F(1.0f));
@@ -105,8 +106,8 @@ template <class L> struct DiffuseAngles {
   }
 };
 
-/// A second specular lobe on top: facets after Trowbridge and Reitz with exponent 1, which have long tails; an index of
-/// 1.5; Smith's term of its own (Burley 2012, section 5.4 and appendix B).
+/// The clearcoat, a second specular lobe on top: the generalised Trowbridge-Reitz distribution with exponent 1 (long
+/// tails), an index of refraction of 1.5, and a separate Smith term (Burley 2012, section 5.4 and appendix B).
 template <class L> struct Clearcoat {
   using F = typename L::Float;
   F alpha2{}, log_alpha2{};  ///< squared roughness, below 1, and its logarithm
@@ -115,10 +116,10 @@ template <class L> struct Clearcoat {
   /// `gloss` in [0, 1].
   SHEAF_INLINE explicit Clearcoat(F gloss) : alpha2(sqr(lerp(gloss, F(0.1f), F(0.001f)))), log_alpha2(log(alpha2)) {}
 
-  /// Reflectance, for Schlick's weight at the angle to the facet.
+  /// Reflectance, given the Schlick weight for the angle to the facet.
   static SHEAF_INLINE F fresnel(F weight) { return fma(F(0.96f), weight, F(0.04f)); }
 
-  /// A facet normal m with the density D(m) m.z per solid angle (appendix B, equation 5).
+  /// Samples a normal m with the solid-angle pdf D(m) m.z (appendix B, equation 5).
   SHEAF_INLINE Vec3<L> sample(F u1, F u2) const {
     const F sin2 = (exp(u2 * log_alpha2) - alpha2) / (F(1.0f) - alpha2);
     const F sin_theta = safe_sqrt(sin2);
@@ -126,7 +127,7 @@ template <class L> struct Clearcoat {
     return {sin_theta * angle.cos, sin_theta * angle.sin, safe_sqrt(F(1.0f) - sin2)};
   }
 
-  /// D of a half vector and Smith's terms, with a single division.
+  /// D of a half vector with Smith's terms, computed with a single division.
   struct Terms {
     F density;  ///< D(h) (appendix B, equation 4)
     F masked;   ///< D(h) G1(wo) G1(wi) / |wo.z wi.z|
@@ -139,7 +140,7 @@ template <class L> struct Clearcoat {
   }
 
  private:
-  /// As GgxTerms::span(), for alpha 0.25.
+  /// As GgxTerms::span(), for alpha = 0.25.
   static SHEAF_INLINE F span(Vec3<L> v) { return abs(v.z) + sqrt(fma(F(0.9375f), v.z * v.z, F(0.0625f))); }
 };
 

@@ -1,4 +1,4 @@
-// The principled BSDF for thin surfaces, compiled once for all that ask for it.
+// PrincipledThinBsdf, compiled once.
 #include "kernels/bsdf/principled_thin.h"
 
 namespace sheaf {
@@ -12,9 +12,11 @@ template <class L> BsdfSample<L> PrincipledThinBsdf<L>::sample(Vec3<L> wo, const
   const F side = side_of(wo);
   const Vec3<L> o = wo * side;
   const Probabilities p = probabilities(o.z);
+  // Choose the lobe.
   const Mask<L> specular = u.x < p.specular_reflect + p.specular_transmit;
   const Mask<L> reflects =
       select(specular, u.x < p.specular_reflect, u.x < p.specular_reflect + p.specular_transmit + p.diffuse_reflect);
+  // Sample the direction.
   const Vec3<L> m = facets(reflects).sample_visible(o, u.y, u.z);
   Vec3<L> wi = select<L>(specular, m * (F(2.0f) * dot(o, m)) - o, cosine_hemisphere_polar<L>(u.y, u.z));
   const Mask<L> above = wi.z > F(0.0f);

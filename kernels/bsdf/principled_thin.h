@@ -1,11 +1,11 @@
-// The principled BSDF for surfaces without an inside (Burley 2015, section 5), in the form that Mitsuba 3 gave it:
-// leaves, paper, panes. Both sides are alike, and light goes through without being bent.
+// The principled BSDF for thin surfaces (Burley 2015, section 5) as implemented by Mitsuba 3: leaves, paper, window
+// panes. Both sides are alike, and transmission does not bend light.
 //
 //   f = (1 - spec_trans) ((1 - d) (diffuse + sheen) + d base_color / pi)
 //       + spec_trans (specular reflection + base_color refraction)
-// with d = diff_trans / 2; the term of d lies on the far side, diffuse and sheen on the near side. Refraction is
-// reflection turned over to the other side; its facets are rougher or smoother with the index, as light passes two of
-// them. Sheen and spec_tint may take reflectance above 1.
+// where d = diff_trans / 2. The term with d transmits; diffuse and sheen reflect. Refraction is the reflection lobe
+// mirrored to the other side. Its roughness is scaled by the index of refraction, because light passes two interfaces.
+// Sheen and spec_tint may raise the albedo above 1.
 #pragma once
 
 #include "kernels/bsdf/fresnel.h"
@@ -24,24 +24,25 @@ template <class L> struct PrincipledThinBsdf : PrincipledThinParameters<L> {
   BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const;
 
  private:
-  /// Of sampling the lobes.
+  /// Probabilities of sampling the lobes.
   struct Probabilities {
     F specular_reflect, specular_transmit, diffuse_reflect, diffuse_transmit;
   };
 
   static SHEAF_INLINE F side_of(Vec3<L> wo) { return select(wo.z < F(0.0f), F(-1.0f), F(1.0f)); }
 
-  /// Of reflection or of transmission (Burley 2015, figure 15).
+  /// Microfacet distribution of reflection or of transmission (Burley 2015, figure 15).
   SHEAF_INLINE GgxDistribution<L> facets(Mask<L> reflects) const {
     const F scale = fma(F(0.65f), this->eta, F(-0.35f));
     return burley_ggx<L>(this->roughness * select(reflects, F(1.0f), scale), this->anisotropic);
   }
 
-  /// In proportion to what each lobe scatters, roughly, for an outgoing direction at `cos_o` to the normal.
+  /// Roughly in proportion to what each lobe scatters, for an outgoing direction at cosine `cos_o` to the normal.
   SHEAF_INLINE Probabilities probabilities(F cos_o) const {
     const F one(1.0f);
     const F fresnel = lerp(schlick_weight(cos_o), normal_reflectance(this->eta), one);
-    // Facets stand at other angles than the surface: neither reflection nor refraction is left to chance.
+    // Facets are tilted against the surface, so the true reflectance may differ: neither lobe gets a probability near
+    // 0.
     const F reflectance = fma(F(0.8f), fresnel, F(0.1f)), base = max_component(this->base_color);
     const F d = F(0.5f) * this->diff_trans, diffuse = one - this->spec_trans;
     const F sheen_share = F(0.1f) * this->sheen * (schlick_weight(cos_o) + F(0.02f));
@@ -53,7 +54,7 @@ template <class L> struct PrincipledThinBsdf : PrincipledThinParameters<L> {
             p.diffuse_transmit * scale};
   }
 
-  /// f |cos(wi)| and the density, for wo above the surface.
+  /// f |cos(wi)| and pdf, for wo above the surface.
   SHEAF_INLINE BsdfValue<L> evaluate_above(Vec3<L> wo, Vec3<L> wi, const Probabilities& p) const {
     const F one(1.0f), zero(0.0f);
     const Mask<L> reflects = wi.z > zero, lit = (wo.z > zero) & (reflects | (wi.z < zero));
@@ -97,7 +98,7 @@ template <class L> struct PrincipledThinBsdf : PrincipledThinParameters<L> {
       const Spectrum<L> f0 = hue(c, rec709_luminance(c, this->base_luminance)) * normal_reflectance(this->eta);
       reflected = lerp(this->spec_tint, reflected, lerp(weight, f0, Spectrum<L>(one)));
     }
-    // Refracted light must leave on the far side of the facet, too.
+    // Refracted light must also leave on the far side of the facet.
     const Mask<L> possible = lit & select(reflects, dot(wi, h) > zero, dot(wi, h) < zero);
     const GgxDistribution<L> distribution = facets(reflects);
     using Terms = GgxTerms<L>;

@@ -1,4 +1,4 @@
-// Rough coats, compiled once for all that ask for them.
+// Rough coats, compiled once.
 #include "kernels/bsdf/rough_coated.h"
 
 namespace sheaf {

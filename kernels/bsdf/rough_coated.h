@@ -1,6 +1,6 @@
-// A rough dielectric coat over an opaque closure: CoatedBsdf with microfacet reflection, and with the transmittance of
-// the rough coat, averaged over the refracted directions, in place of that of a smooth one (see rough_plastic.h).
-// Within the coat directions are those of a smooth one.
+// A rough dielectric coat over an opaque closure: CoatedBsdf with microfacet reflection. The coat's transmittance is
+// that of the rough interface, averaged over refracted directions (see rough_plastic.h). Directions inside the coat are
+// refracted as by a smooth coat.
 #pragma once
 
 #include "kernels/bsdf/coated.h"
@@ -8,7 +8,7 @@
 
 namespace sheaf {
 
-/// Distribution: GgxDistribution or BeckmannDistribution.
+/// `Distribution`: GgxDistribution or BeckmannDistribution.
 template <class L, template <class> class Distribution> struct RoughCoatedModel : RoughCoatedParameters<L> {
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
 

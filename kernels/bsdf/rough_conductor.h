@@ -1,5 +1,5 @@
-// Reflection off a rough metal: mirrors turned as a microfacet distribution says, with the exact Fresnel term per
-// wavelength (Cook and Torrance 1982; Walter et al. 2007, equation 20). Light that would hit a second facet is lost.
+// Reflection by a rough conductor: a microfacet BRDF with the exact Fresnel reflectance per wavelength (Cook and
+// Torrance 1982; Walter et al. 2007, equation 20). Multiple scattering between facets is lost.
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"
@@ -9,7 +9,7 @@
 
 namespace sheaf {
 
-/// Distribution: GgxDistribution or BeckmannDistribution.
+/// `Distribution`: GgxDistribution or BeckmannDistribution.
 template <class L, template <class> class Distribution> struct RoughConductorModel : RoughConductorParameters<L> {
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
   static constexpr unsigned kNumbers = kNumberY | kNumberZ;

@@ -1,8 +1,8 @@
-// A rough boundary between two dielectrics (Walter et al., "Microfacet Models for Refraction through Rough Surfaces",
-// EGSR 2007). A visible facet is sampled, and its Fresnel term chooses between reflection and refraction. Light that
-// would meet a second facet is lost. Radiance that enters a medium is scaled by the squared relative index.
+// A rough dielectric boundary (Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007).
+// Sampling picks a visible normal, then reflects or refracts with its Fresnel reflectance as the probability. Multiple
+// scattering between facets is lost. Radiance that enters a medium is scaled by the squared relative index.
 //
-// Seen from below, everything is mirrored at the surface, so that wo is above it and the relative index inverted.
+// If wo lies below the surface, both directions are mirrored at the surface and the relative index is inverted.
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"
@@ -12,18 +12,18 @@
 
 namespace sheaf {
 
-/// Refraction by facets is a density per solid angle only where the index changes: closer to 1 than this it is moved
-/// away. A matched boundary is better made of DielectricBsdf.
+/// Minimum of |eta - 1|: refraction by microfacets has no solid-angle pdf if the index does not change. Smaller steps
+/// are replaced by this one. DielectricBsdf suits a matched boundary better.
 inline constexpr float kMinIndexStep = 1e-3f;
 
-/// Index of the far side over that of the near side, for `eta`, inside over outside.
+/// Index of the far side over that of the near side. `eta`: inside over outside; `side`: sign of wo.z.
 template <class L> SHEAF_INLINE Float<L> rough_boundary_index(Float<L> eta, Float<L> side) {
   using F = Float<L>;
   const F ior = select(abs(eta - F(1.0f)) < F(kMinIndexStep), F(1.0f + kMinIndexStep), eta);
   return select(side > F(0.0f), ior, F(1.0f) / ior);
 }
 
-/// Density of visible facets times the Jacobian of reflection or of refraction (Walter et al., equations 14 and 17).
+/// Pdf of visible normals times the Jacobian of reflection or refraction (Walter et al., equations 14 and 17).
 template <class L, template <class> class Distribution>
 SHEAF_INLINE Float<L> rough_boundary_pdf(const Distribution<L>& facets, Vec3<L> o, Vec3<L> m, Float<L> cos_o,
                                          Float<L> cos_i, Float<L> ior, Mask<L> reflected) {
@@ -32,7 +32,7 @@ SHEAF_INLINE Float<L> rough_boundary_pdf(const Distribution<L>& facets, Vec3<L> 
   return facets.density(m) * facets.smith_g1_over_cos(o) * select(reflected, F(0.25f), refraction);
 }
 
-/// Distribution: GgxDistribution or BeckmannDistribution.
+/// `Distribution`: GgxDistribution or BeckmannDistribution.
 template <class L, template <class> class Distribution> struct RoughDielectricModel : RoughDielectricParameters<L> {
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
 
@@ -41,6 +41,7 @@ template <class L, template <class> class Distribution> struct RoughDielectricMo
     const F side = copysign(F(1.0f), wo.z), ior = relative_index(side);
     const Vec3<L> o{wo.x, wo.y, wo.z * side}, i{wi.x, wi.y, wi.z * side};
     const auto reflected = i.z > F(0.0f);
+    // Find the normal that reflects or refracts wo into wi.
     const Vec3<L> half = o + i * select(reflected, F(1.0f), ior);
     const Vec3<L> m = normalize(half * copysign(F(1.0f), half.z));
     const F cos_o = dot(o, m), cos_i = dot(i, m);
@@ -56,6 +57,7 @@ template <class L, template <class> class Distribution> struct RoughDielectricMo
     using F = Float<L>;
     const F side = copysign(F(1.0f), wo.z), ior = relative_index(side), inverse_ior = F(1.0f) / ior;
     const Vec3<L> o{wo.x, wo.y, wo.z * side};
+    // Sample a visible normal, then reflection or refraction.
     const Vec3<L> m = facets().sample_visible(o, u.y, u.z);
     const F cos_o = min(dot(o, m), F(1.0f));
     const auto fresnel = fresnel_dielectric<L>(cos_o, ior);

@@ -1,10 +1,9 @@
-// A surface of diffuse facets that hide, shadow and light one another (Oren and Nayar, "Generalization of Lambert's
-// Reflectance Model", SIGGRAPH 1994): equations 26 to 30 there, or with `fast` their short form, equation 31.
+// The rough diffuse BRDF of Oren and Nayar ("Generalization of Lambert's Reflectance Model", SIGGRAPH 1994): Lambertian
+// facets with masking, shadowing and interreflection, equations 26 to 30, or with `fast` the short form, equation 31.
 //
-// Their sigma is the standard deviation of the facets' slopes in radians; a Beckmann surface of roughness alpha has
-// slopes of alpha / sqrt 2 along each axis, which is taken for it. Where the fit falls below zero, it is zero. It is
-// not reciprocal where facets light one another alone; grazing directions send back more than arrives if rough and
-// white.
+// Their sigma is the standard deviation of the facets' slope angle in radians. It is set to alpha / sqrt(2), the
+// standard deviation of a Beckmann surface's slopes along each axis. Negative values of the fit are clamped to 0. Rough
+// white surfaces reflect more light than arrives at grazing angles.
 #pragma once
 
 #include "core/warp.h"
@@ -38,7 +37,7 @@ template <class L> struct RoughDiffuseBsdf : RoughDiffuseParameters<L> {
   }
 
  private:
-  /// What is reflected once and twice, as factors on a Lambertian surface's.
+  /// Single scattering and interreflection, as factors on a Lambertian BRDF.
   struct Shape {
     typename L::Float single, twice;
   };
@@ -58,7 +57,7 @@ template <class L> struct RoughDiffuseBsdf : RoughDiffuseParameters<L> {
     const F brief = c1 + F(0.45f) * share * max(cos_phi, zero) * sin_alpha * tan_beta;
     if (all(this->fast > F(0.5f))) return {brief, zero};
 
-    // Their angles alpha and beta over pi / 2.
+    // alpha and beta of the paper, over pi / 2.
     const F outer = acos(cos_alpha) * F(2.0f * kInvPi), inner = acos(min(cos_beta, one)) * F(2.0f * kInvPi);
     const F c2 = F(0.45f) * share * (sin_alpha - select(cos_phi < zero, inner * inner * inner, zero));
     const F c3 = F(0.125f) * share * sqr(outer * inner);

@@ -1,9 +1,8 @@
-// A diffuse base under a rough dielectric coat: PlasticBsdf with microfacet reflection, and with the transmittance of
-// the rough coat, averaged over the refracted directions, in place of that of a smooth one.
+// A diffuse base under a rough dielectric coat: PlasticBsdf with microfacet reflection. The coat's transmittance is
+// that of the rough interface, averaged over refracted directions.
 //
-// The transmittance T over the cosine is a polynomial: T = t1 + t2 y + ... + t7 y^6 with
-// y = (1 + t0) cos / (cos + t0), where t0 widens the part near grazing directions in which T rises.
-// scene/compile/plastic.cpp makes the fit.
+// The transmittance T is a polynomial fit: T = t1 + t2 y + ... + t7 y^6 with y = (1 + t0) cos / (cos + t0). t0 widens
+// the range near grazing directions in which T rises. scene/compile/plastic.cpp computes the fit.
 #pragma once
 
 #include "kernels/bsdf/microfacet.h"
@@ -11,7 +10,7 @@
 
 namespace sheaf {
 
-/// Share of the light from a direction with this cosine that a rough coat lets in, by the fit to it.
+/// Transmittance of a rough coat into the surface, for a direction at this cosine; evaluates the fit.
 template <class L>
 SHEAF_INLINE Float<L> fitted_transmittance(const Float<L> (&t)[kTransmittanceTerms], Float<L> cosine) {
   using F = Float<L>;
@@ -21,7 +20,7 @@ SHEAF_INLINE Float<L> fitted_transmittance(const Float<L> (&t)[kTransmittanceTer
   return clamp(sum, F(0.0f), F(1.0f));
 }
 
-/// Distribution: GgxDistribution or BeckmannDistribution.
+/// `Distribution`: GgxDistribution or BeckmannDistribution.
 template <class L, template <class> class Distribution> struct RoughPlasticModel : RoughPlasticParameters<L> {
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
 
@@ -56,7 +55,7 @@ template <class L, template <class> class Distribution> struct RoughPlasticModel
     return coat_probability<L>(Float<L>(1.0f) - entering, this->specular, this->diffuse);
   }
 
-  /// `entering`, `coat_probability`: coat_transmittance(wo.z) and the probability of sampling the coat's facets.
+  /// `entering`: coat_transmittance(wo.z); `coat_probability`: probability of sampling the specular lobe.
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi, Float<L> entering, Float<L> coat_probability) const {
     using F = Float<L>;
     const auto coat = evaluate_reflection(facets(), wo, wi);

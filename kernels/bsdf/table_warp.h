@@ -1,8 +1,9 @@
-// Functions over the unit square that are tabulated on a grid, bilinear in between, for several values of one or two
-// parameters (slices), and mixtures of such slices, linear in the parameters. As densities they are sampled exactly:
-// rows by their marginal, columns by what is left, each by inverting an integral that is quadratic within a cell. Since
-// all of that is linear in the values, a mixture's integrals are the mixture of the slices' integrals (Dupuy and Jakob,
-// "An Adaptive Parameterization for Efficient Material Acquisition and Rendering", 2018, section 4.2).
+// Functions on the unit square, tabulated on a grid and interpolated bilinearly. There is a grid (slice) for each value
+// of one or two parameters, and slices are mixed linearly in the parameters. Densities are sampled exactly: rows by
+// their marginal, then columns by their conditional density, each by inverting an integral that is quadratic within a
+// cell. All integrals are linear in the values, so the integrals of a mixture are the mixture of the slices' integrals
+// (Dupuy and Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering", 2018, section
+// 4.2).
 #pragma once
 
 #include "core/lanes.h"
@@ -10,7 +11,8 @@
 
 namespace sheaf {
 
-/// The largest i in [0, count - 2] for which `reached(i)` holds, 0 if there is none; what is reached comes first.
+/// The largest i in [0, count - 2] for which `reached(i)` holds, or 0. `reached` must be true up to some index and
+/// false above it.
 template <class L, class Reached> SHEAF_INLINE Uint<L> find_interval(Uint<L> count, Reached&& reached) {
   using U = Uint<L>;
   U low(0u), span = count - U(1u);
@@ -23,13 +25,13 @@ template <class L, class Reached> SHEAF_INLINE Uint<L> find_interval(Uint<L> cou
   return low;
 }
 
-/// Two neighbours and the place between them.
+/// Two neighbouring indices and the interpolation weight between them.
 template <class L> struct Neighbours {
   Uint<L> low, high;
   Float<L> t;
 };
 
-/// Where `x` lies among `count` increasing numbers from the float `first` on; what lies outside is at the end.
+/// Locates `x` among `count` increasing numbers that start at tables[first]. Values outside are clamped to the ends.
 template <class L>
 SHEAF_INLINE Neighbours<L> find_neighbours(const float* tables, Uint<L> first, Uint<L> count, Float<L> x) {
   using F = Float<L>;
@@ -41,13 +43,13 @@ SHEAF_INLINE Neighbours<L> find_neighbours(const float* tables, Uint<L> first, U
   return {low, high, select(apart, clamp((x - a) / select(apart, b - a, F(1.0f)), F(0.0f), F(1.0f)), F(0.0f))};
 }
 
-/// Up to four slices and their shares, which add up to 1.
+/// Up to four slices and their weights, which sum to 1.
 template <class L> struct SliceMix {
   Uint<L> slice[4];
   Float<L> share[4];
-  int count;  ///< how many have a share in any lane
+  int count;  ///< number of slices that have a weight in any lane
 
-  /// Those around a place in two parameters, the second one's being next to each other.
+  /// The slices around a point in two parameters; the inner parameter varies fastest.
   SHEAF_INLINE SliceMix(const Neighbours<L>& outer, const Neighbours<L>& inner, Uint<L> inner_count) {
     const Float<L> one(1.0f);
     slice[0] = outer.low * inner_count + inner.low, slice[1] = outer.low * inner_count + inner.high;
@@ -58,28 +60,28 @@ template <class L> struct SliceMix {
   }
 };
 
-/// A cell of a grid and the place in it.
+/// A grid cell and the position within it, in [0, 1]^2.
 template <class L> struct TableCell {
   Uint<L> corner;  ///< index of its first value
   Uint<L> row;
   Float<L> x, y;
 };
 
-/// Values on a grid of `width` times `height` points, x fastest: of a mixture of slices that are `stride` floats apart.
+/// Values on a grid of `width` times `height` points, x fastest, of a mixture of slices that are `stride` floats apart.
 template <class L> struct TableGrid {
   using F = typename L::Float;
   using U = typename L::Uint;
   const float* tables;
   U width, height;
   SliceMix<L> mix;
-  U first[4];  ///< of each slice
+  U first[4];  ///< index of each slice's first float
 
   SHEAF_INLINE TableGrid(const float* tables_in, U begin, U stride, U width_in, U height_in, const SliceMix<L>& mix_in)
       : tables(tables_in), width(width_in), height(height_in), mix(mix_in) {
     for (int k = 0; k < mix.count; ++k) first[k] = begin + mix.slice[k] * stride;
   }
 
-  /// Value `i` of the slices' floats.
+  /// Float `i` of the mixed slices.
   SHEAF_INLINE F at(U i) const {
     F sum = mix.share[0] * gather(tables, first[0] + i);
     for (int k = 1; k < mix.count; ++k) sum = fma(mix.share[k], gather(tables, first[k] + i), sum);
@@ -94,7 +96,7 @@ template <class L> struct TableGrid {
     return {row * width + column, row, place_x - to_float(column), place_y - to_float(row)};
   }
 
-  /// The value there, of the grid that begins `offset` floats into each slice.
+  /// Bilinear value in the cell, of the grid that begins `offset` floats into each slice.
   SHEAF_INLINE F interpolate(const TableCell<L>& c, U offset) const {
     const U corner = c.corner + offset;
     return lerp(c.y, lerp(c.x, at(corner), at(corner + U(1u))),
@@ -102,13 +104,13 @@ template <class L> struct TableGrid {
   }
 };
 
-/// A density over the unit square: behind the values of each slice stand their integrals along x up to each value, and
-/// the integral of all up to each row; the last of these is 1.
+/// A density on the unit square. Each slice stores its values, then the integral along x up to each value, then the
+/// integral of all up to each row; the last of these is 1.
 template <class L> struct TableWarp : TableGrid<L> {
   using F = typename L::Float;
   using U = typename L::Uint;
 
-  /// Floats of one slice.
+  /// Number of floats per slice.
   static SHEAF_INLINE U stride(U width, U height) { return width * height * U(2u) + height; }
 
   SHEAF_INLINE TableWarp(const float* tables_in, U begin, U width_in, U height_in, const SliceMix<L>& mix_in)
@@ -119,7 +121,7 @@ template <class L> struct TableWarp : TableGrid<L> {
     F pdf;  ///< per area of the square
   };
 
-  /// The point that the numbers u and v stand for.
+  /// Maps the random numbers u and v to a point with this density.
   SHEAF_INLINE Point sample(F u, F v) const {
     const U row =
         find_interval<L>(this->height, [&](U i) SHEAF_LAMBDA_INLINE { return this->at(marginal() + i) <= v; });
@@ -140,7 +142,7 @@ template <class L> struct TableWarp : TableGrid<L> {
             (to_float(row) + y) / to_float(this->height - U(1u)), lerp(x, a, b) * cells()};
   }
 
-  /// The numbers that sample() makes this point of, and its density.
+  /// Inverse of sample(): the random numbers that map to this point, and its density.
   SHEAF_INLINE Point invert(F x, F y) const {
     const TableCell<L> c = this->cell(x, y);
     const F a = lerp(c.y, this->at(c.corner), this->at(c.corner + this->width));
@@ -160,7 +162,7 @@ template <class L> struct TableWarp : TableGrid<L> {
   SHEAF_INLINE U marginal() const { return conditional() * U(2u); }
   SHEAF_INLINE F cells() const { return to_float(this->width - U(1u)) * to_float(this->height - U(1u)); }
 
-  /// Up to where in [0, 1] a density that goes from a to b has the integral `area`.
+  /// Position in [0, 1] at which the integral of a linear density from a to b reaches `area`.
   static SHEAF_INLINE F solve(F a, F b, F area) {
     const F twice = F(2.0f) * max(area, F(0.0f));
     const F root = sqrt(max(fma(a, a, twice * (b - a)), F(0.0f)));

@@ -1,5 +1,5 @@
-// A thin pane of a dielectric: specular reflection, and transmission straight through. Light that is reflected between
-// the two sides of the pane is summed up: 2 R / (1 + R) comes back in all (Stokes 1862), and none of it is displaced.
+// A thin dielectric: specular reflection, and transmission straight through. All internal reflections between its two
+// interfaces are summed: the reflectance is 2 R / (1 + R) (Stokes 1862). Light is not displaced.
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"
@@ -14,7 +14,7 @@ template <class L> struct ThinDielectricBsdf : DielectricParameters<L> {
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
 
-  /// `cos_theta`: of the angle to the normal, on either side.
+  /// `cos_theta`: cosine to the normal, on either side.
   SHEAF_INLINE PanePassage<L> passage(Float<L> cos_theta) const {
     using F = Float<L>;
     const F once = fresnel_dielectric<L>(abs(cos_theta), this->eta).reflectance;

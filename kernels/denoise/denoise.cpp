@@ -18,7 +18,7 @@ namespace sheaf {
 
 namespace {
 
-/// Differences that never matter, in units of the picture's mean.
+/// Negligible difference, relative to the image's mean.
 constexpr float kMinDifference = 1e-3f;
 
 constexpr const char* kColorNames[] = {"R", "G", "B"};
@@ -46,7 +46,7 @@ double mean_of(const Planes3& color) {
   return sum / (3.0 * color[0].width() * color[0].height());
 }
 
-/// ", features albedo N Z", for those that there are.
+/// Lists the available features, e.g. ", features albedo N Z".
 std::string describe_features(const Image& image) {
   std::string text;
   for (const auto& [name, channel] : {std::pair{"albedo", "albedo.R"}, {"N", "N.X"}, {"Z", "Z"}})
@@ -55,12 +55,14 @@ std::string describe_features(const Image& image) {
 }
 
 Planes3 denoise_nl_means(const Image& image, std::string& description) {
+  // Find the noisy color and its variance.
   Planes3 color = find_colors(image, ""), variance = find_colors(image, "variance.");
   if (variance[0].is_empty())
     throw Error(ExitCode::kUsage,
                 "the picture has no layers variance.R, variance.G and variance.B, without which noise cannot be told "
                 "from detail: render it with --replicates 4 (any number above 1)");
   combine(variance, variance, [](float v, float) { return std::max(v, 0.0f); });
+  // Recover both halves from the mean and one half, and remove fireflies.
   NlMeansInput input;
   input.width = image.width;
   input.height = image.height;
@@ -79,6 +81,7 @@ Planes3 denoise_nl_means(const Image& image, std::string& description) {
     remove_fireflies(color, variance, nullptr);
     input.half[0] = color;
   }
+  // Prepare the variance of one half, the noise correlation and the features.
   input.variance = smooth_variance(variance, dual ? input.half : nullptr);
   if (dual) combine(input.variance, input.variance, [](float v, float) { return 2 * v; });
   for (Plane& plane : input.variance) plane.extend();
@@ -87,12 +90,13 @@ Planes3 denoise_nl_means(const Image& image, std::string& description) {
       for (Plane& plane : half) plane.extend();
   if (dual) input.correlation = NoiseCorrelation(input.half[0], input.half[1], input.variance);
   input.features = find_features(image, input.correlation);
+  // Run all filters and combine the best ones per pixel.
   input.epsilon = sqr(kMinDifference * static_cast<float>(mean_of(color))) + 1e-20f;
   description = std::string("nlm: ") + (dual ? "two halves" : "one buffer") + describe_features(image);
   return select_filters(nl_means(input, NlMeansSettings{}), color, variance);
 }
 
-/// The picture with denoised.R/G/B, new ones or in place of those that it has.
+/// The image with denoised.R/G/B, added or replaced.
 Image with_denoised(const Image& image, const Planes3& denoised) {
   Image out = image;
   int index[3];

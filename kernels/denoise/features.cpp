@@ -11,23 +11,23 @@ namespace sheaf {
 
 namespace {
 
-/// Differences of features that count as one, in units of the larger of their noise, their change from pixel to pixel,
-/// and a least difference.
+/// Feature difference with distance 1, in units of the larger of the change from pixel to pixel and a minimum
+/// difference.
 constexpr float kFeatureK = 1.2f;
-/// Least squared differences: of colours and directions, and of depth over depth.
+/// Minimum squared differences: of colors and directions, and of depth relative to depth.
 constexpr float kMinSquare = 2e-3f, kMinDepthSquare = 1e-3f;
-/// How features are denoised before they are used.
+/// Filter settings for denoising the features.
 constexpr NlMeansSettings kPrefilter{5, 1.0f};
-/// Values beyond this are none.
+/// Values with a larger magnitude count as invalid.
 constexpr float kMax = 1e15f;
 
-/// The smaller change, to one side or the other: steps do not count.
+/// The smaller of the changes to both neighbors, which ignores discontinuities.
 float gentle_slope(float before, float here, float after) {
   const float a = here - before, b = after - here;
   return std::abs(a) < std::abs(b) ? a : b;
 }
 
-/// Changes to the right or downwards, extended.
+/// Change of a plane per step of (dx, dy), with an extended border.
 Plane slope_of(const Plane& plane, int dx, int dy) {
   Plane slope(plane.width(), plane.height());
   tbb::parallel_for(0, plane.height(), [&](int y) {
@@ -38,7 +38,7 @@ Plane slope_of(const Plane& plane, int dx, int dy) {
   return slope;
 }
 
-/// The variances of channels, without noise of their own; empty if the picture has none.
+/// Smoothed variances of channels; empty if the image has none.
 std::vector<Plane> find_variances(const Image& image, std::vector<std::string> names) {
   for (std::string& name : names) name.insert(0, "variance.");
   std::vector<Plane> planes = find_planes(image, names);
@@ -46,7 +46,7 @@ std::vector<Plane> find_variances(const Image& image, std::vector<std::string> n
   return planes;
 }
 
-/// Denoises a feature of three channels. What is left of its variance is taken to be none.
+/// Denoises a feature of three channels. Its residual variance is assumed to be zero.
 void prefilter(std::vector<Plane>& channels, std::vector<Plane> variances, const NoiseCorrelation& correlation) {
   NlMeansInput input;
   input.width = channels[0].width();
@@ -64,7 +64,7 @@ void prefilter(std::vector<Plane>& channels, std::vector<Plane> variances, const
   }
 }
 
-/// Colours or directions: they differ by more than their change from pixel to pixel.
+/// Feature of colors or directions. Its scale includes the local change from pixel to pixel.
 Feature make_feature(std::vector<Plane> channels) {
   Feature feature;
   const int width = channels[0].width(), height = channels[0].height();
@@ -84,8 +84,8 @@ Feature make_feature(std::vector<Plane> channels) {
   return feature;
 }
 
-/// Depth as its inverse, which is linear across the picture of a plane: only what lies off the plane through a pixel
-/// and its neighbours differs. Where nothing is hit the inverse is 0.
+/// Depth feature, stored as inverse depth, which is linear in image space across a plane in the scene. Therefore only
+/// deviations from the plane through a pixel and its neighbors count. Inverse depth is 0 where nothing is hit.
 Feature make_depth_feature(const Plane& depth) {
   const int width = depth.width(), height = depth.height();
   Plane inverse(width, height);

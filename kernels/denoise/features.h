@@ -1,4 +1,4 @@
-// Features: what surfaces look like without light, made ready to be compared.
+// Feature buffers (albedo, normal, depth) that guide the denoiser.
 #pragma once
 
 #include "core/image.h"
@@ -6,13 +6,13 @@
 
 namespace sheaf {
 
-/// The features that a picture has: albedo.R/G/B, N.X/Y/Z and Z, of which any may be missing. Those with a variance
-/// (variance.albedo.R and so on) are denoised first, each by non-local means of its own (Rousselle et al. 2013,
-/// section 5.1). `correlation` is that of the noise.
+/// Features of an image: albedo.R/G/B, N.X/Y/Z and Z, any of which may be missing. Features with a variance
+/// (variance.albedo.R and so on) are first denoised by separate non-local means (Rousselle et al. 2013, section 5.1).
+/// `correlation`: correlation of the noise.
 std::vector<Feature> find_features(const Image& image, const NoiseCorrelation& correlation);
 
-/// The channels of a picture of these names as planes, extended; values that are not finite are 0. Empty if one is
-/// missing.
+/// The named channels of an image as planes, with extended borders. Non-finite and huge values become 0. Returns an
+/// empty list if a channel is missing.
 std::vector<Plane> find_planes(const Image& image, const std::vector<std::string>& names);
 
 }  // namespace sheaf

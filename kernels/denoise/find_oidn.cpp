@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::string_view kLibrary = "libOpenImageDenoise.so";
 
-/// Folders of packages, below those that Python looks into.
+/// Library folders inside Python's package folders.
 constexpr const char* kPackages[] = {"pyoidn/oidn/lib", "oidn/lib.linux.x64", "oidn/lib", "oidn", "bpy/lib"};
 
-/// The numbers of a version behind the library's name; nothing for names that are no library's.
+/// Version numbers after the library's name; empty for names without a version.
 std::vector<int> version_of(std::string_view name) {
   name.remove_prefix(kLibrary.size());
   std::vector<int> version;
@@ -38,7 +38,7 @@ class Folders {
     const fs::path real = fs::canonical(folder, error);
     if (!error && std::find(found_.begin(), found_.end(), real) == found_.end()) found_.push_back(real);
   }
-  /// Those of packages of Python in an installation: `prefix`/lib/python3.11/site-packages.
+  /// Adds the package folders of a Python installation, e.g. `prefix`/lib/python3.11/site-packages.
   void add_python(const fs::path& prefix) {
     std::error_code error;
     std::vector<fs::path> versions;
@@ -55,7 +55,7 @@ class Folders {
   std::vector<fs::path> found_;
 };
 
-/// The folder of a program that PATH has, behind links; empty if it has none.
+/// Folder of a program found through PATH, with symbolic links resolved; empty if not found.
 fs::path program_folder(std::string_view path, const char* program) {
   while (!path.empty()) {
     const std::size_t end = std::min(path.find(':'), path.size());

@@ -1,4 +1,4 @@
-// Where the shared library of Open Image Denoise may be.
+// Search paths of the Open Image Denoise shared library.
 #pragma once
 
 #include <filesystem>
@@ -8,24 +8,23 @@
 
 namespace sheaf {
 
-/// The value of an environment variable; empty if it is not set.
+/// Returns the value of an environment variable; empty if it is not set.
 using Environment = std::function<std::string(const char* name)>;
 
-/// Folders that come before those of the dynamic linker, and behind them. Those that are not there are left out.
+/// Folders to search before and after those of the dynamic linker. Omits folders that do not exist.
 struct OidnFolders {
   std::vector<std::filesystem::path> before, behind;
 };
 
-/// Before: those beside the program at `program`. Behind: those of the packages of Python that bring the library (oidn,
-/// pyoidn, bpy), in the environment that is active (VIRTUAL_ENV, CONDA_PREFIX), the user's (HOME) and the system's; and
-/// that of the program `blender`, if PATH has it.
+/// Search folders for the executable `program`. Before: folders next to the executable. After: those of Python packages
+/// that ship the library (oidn, pyoidn, bpy), in the active environment (VIRTUAL_ENV, CONDA_PREFIX), the user's (HOME)
+/// and the system's; then the library folder of `blender`, if PATH contains it.
 OidnFolders oidn_folders(const std::filesystem::path& program, const Environment& environment);
 
-/// The files in a folder that are the library by their names, libOpenImageDenoise.so with or without a version: those
-/// of the highest version first.
+/// Library files in a folder: libOpenImageDenoise.so with or without a version suffix, by descending version.
 std::vector<std::filesystem::path> oidn_files(const std::filesystem::path& folder);
 
-/// What the dynamic linker is asked for, in order.
+/// Library names to try with the dynamic linker, in order.
 std::vector<std::string> oidn_names();
 
 }  // namespace sheaf

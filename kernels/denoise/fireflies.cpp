@@ -10,14 +10,14 @@ namespace sheaf {
 
 namespace {
 
-/// How many times as bright as its second brightest neighbour a firefly is at least.
+/// Minimum ratio of a firefly's luminance to that of its second brightest neighbor.
 constexpr float kExcess = 4.0f;
-/// Share of the excess that other samples must have seen for it to be believed.
+/// Share of the excess that the other samples must also show to confirm it.
 constexpr float kConfirmed = 0.4f;
-/// Variances of the mean that the square of a believed excess exceeds: three standard deviations.
+/// An excess is confirmed if its square exceeds the variance by this factor: three standard deviations.
 constexpr float kCertain = 9.0f;
 
-/// Of a pixel's neighbours, the luminance of the second brightest; 0 if there are fewer than two.
+/// Luminance of the second brightest neighbor; 0 if there are fewer than two.
 float second_brightest(const Plane& plane, int x, int y) {
   float most = 0, second = 0;
   for (int j = std::max(y - 1, 0); j <= std::min(y + 1, plane.height() - 1); ++j)
@@ -29,7 +29,7 @@ float second_brightest(const Plane& plane, int x, int y) {
   return second;
 }
 
-/// A pixel's neighbours, by luminance.
+/// A pixel's neighbors, sorted by luminance.
 struct Neighbours {
   struct Pixel {
     float luminance;
@@ -54,10 +54,12 @@ void remove_fireflies(Planes3& color, Planes3& variance, const Planes3* other) {
   const Plane& spread = variance_before[1];
   tbb::parallel_for(0, light.height(), [&](int y) {
     for (int x = 0; x < light.width(); ++x) {
+      // Find pixels that are much brighter than their second brightest neighbor.
       if (!(light.at(x, y) > kExcess * second_brightest(light, x, y))) continue;
       const Neighbours near(light, x, y);
       if (near.count < 2) continue;
       const Neighbours::Pixel& median = near.pixels[near.count / 2];
+      // Keep pixels whose excess is confirmed; replace the others by the median neighbor.
       const float excess = light.at(x, y) - median.luminance;
       const bool certain = other != nullptr ? other_light.at(x, y) - median.luminance > kConfirmed * excess
                                             : excess * excess > kCertain * spread.at(x, y);

@@ -1,14 +1,15 @@
-// Fireflies: single pixels far brighter than all around them, made by few samples.
+// Removal of fireflies: single pixels that few samples made far brighter than their neighborhood.
 #pragma once
 
 #include "kernels/denoise/plane.h"
 
 namespace sheaf {
 
-/// Gives pixels that are fireflies the colour and the variance of an ordinary neighbour. A mean that holds one would
-/// smear it into a blotch, since its variance excuses any difference. A pixel is one if its luminance is well above
-/// that of all but one of its eight neighbours, and its excess over their median is not certain: `other`, the mean of
-/// other samples, lacks most of it, or, where `other` is nullptr, its variance is large. Deterministic; uses threads.
+/// Replaces the color and variance of fireflies by those of the median neighbor. Otherwise the denoiser would smear a
+/// firefly into a blotch, because its large variance makes it similar to any pixel. A pixel is a firefly under two
+/// conditions. Its luminance is far above that of all but one of its eight neighbors. Its excess over their median is
+/// not confirmed: `other`, the mean of other samples, lacks most of it; if `other` is nullptr, the pixel's variance is
+/// large. Deterministic and multithreaded.
 void remove_fireflies(Planes3& color, Planes3& variance, const Planes3* other);
 
 }  // namespace sheaf

@@ -10,38 +10,39 @@ namespace sheaf {
 
 namespace {
 
-/// Pixels of a tile: what one offset reads and adds to fits the L2 cache.
+/// Tile size in pixels: the memory that one offset reads and updates fits the L2 cache.
 constexpr int kTileWidth = 128, kTileHeight = 24;
-/// Half the side of the larger patch.
+/// Radius of the larger patch.
 constexpr int kPatch = 3;
-/// Rows of sums that are kept: a power of two, not less than the larger patch.
+/// Number of rows of sums that are kept: a power of two, at least the side of the larger patch.
 constexpr int kRing = 8;
-/// Floats of a row of sums: in front of the first pixel as many as a cache line holds, and room for whole registers.
+/// Floats of a row of sums: one cache line before the first pixel, and padding for whole registers.
 constexpr int kRowStart = 16, kRowSize = kRowStart + kTileWidth + 48;
-/// Offsets along a row that are added up at once, so that sums are loaded and stored once for all of them.
+/// Adjacent offsets along a row that are accumulated together, so that sums are loaded and stored once per group.
 constexpr int kGroup = 7;
-/// Numbers that are summed per filter and half for a mean: the weighted colour, and the weights; and for a plane,
-/// fitted to the weighted pixels, besides: the weights' moments x, y, xx, xy, yy, and those x, y of each colour.
+/// Sums per filter and half. A mean needs the weighted color and the weights. A plane fit also needs the weights'
+/// moments x, y, xx, xy and yy, and the moments x and y of each color.
 constexpr int kMeanSums = 4, kPlaneSums = 15;
-/// The same of weights times the noise that a pixel shares with the one at the offset: the sum, and its moments x, y.
+/// Sums of weights times the noise correlation between a pixel and the one at the offset. A plane fit also needs their
+/// moments x and y.
 constexpr int kMeanShared = 1, kPlaneShared = 3;
-/// How much weight times squared distance speaks for no slope, so that few pixels don't tilt a plane.
+/// Ridge regularization of slopes, in weight times squared distance, so that few pixels do not tilt a plane.
 constexpr float kLevel = 3.0f;
-/// Factor on distances by patches where features decide.
+/// Factor on patch distances in the filter that relies on features.
 constexpr float kGently = 0.1f;
 
-/// Whether a filter fits planes. Where it is by colours or features alone that made no picture better.
+/// Whether a filter fits planes. Plane fits improve no image in filters that use colors or features alone.
 constexpr bool fits_plane(int filter) { return filter == kSmallPatch || filter == kLargePatch; }
 
-/// exp(-x) for 0 <= x, but exactly 0 from 16 on: (1 - x / 16)^16.
+/// Approximation of exp(-x) for x >= 0 that is exactly 0 for x >= 16: (1 - x / 16)^16.
 template <class F> SHEAF_INLINE F falloff(F x) {
   const F t = max(fma(x, F(-1.0f / 16), F(1.0f)), F(0.0f));
   const F t2 = t * t, t4 = t2 * t2, t8 = t4 * t4;
   return t8 * t8;
 }
 
-/// All offsets of the window over one tile: for each, the distances of pixels, their sums over patches, and what the
-/// weights add to the results.
+/// Filters one tile: for each offset of the window, computes the distances of pixels, sums them over patches and adds
+/// the weighted pixels to the results.
 template <class L, int kHalves> class TileFilter {
  public:
   using F = Float<L>;
@@ -72,16 +73,17 @@ template <class L, int kHalves> class TileFilter {
     const float* at(int x) const { return values + kRowStart + x; }
   };
 
-  /// What one offset keeps of the rows that it is at.
+  /// Rows of intermediate values of one offset.
   struct Offset {
-    SumRow small[kHalves][kRing], large[kHalves][kRing];  ///< rows of distances summed over 3 and 7 pixels
+    /// Ring buffers of rows of distances, summed over 3 and 7 pixels.
+    SumRow small[kHalves][kRing], large[kHalves][kRing];
     SumRow small_distance[kHalves], large_distance[kHalves], gentle;
-    SumRow feature, outside;  ///< distance by features; 0, or beyond all bounds where the other pixel is none
+    SumRow feature, outside;  ///< distance by features; 0, or 1e30 if the other pixel is outside the image
   };
 
-  /// Halves that a filter keeps apart.
+  /// Number of halves that a filter keeps apart.
   static constexpr int halves_of(int filter) { return filter == kMostlyFeatures ? 1 : kHalves; }
-  /// Where in a row the sums of a filter begin, or those of what is shared.
+  /// Index of the first sum of a filter and half within a row, for sums_ or shared_.
   static constexpr int first_sum(int filter, int half, int mean_sums, int plane_sums) {
     int first = 0;
     for (int f = 0; f < filter; ++f) first += halves_of(f) * (fits_plane(f) ? plane_sums : mean_sums);
@@ -100,7 +102,7 @@ template <class L, int kHalves> class TileFilter {
     return shared_.data() + static_cast<std::ptrdiff_t>(row) * kTileWidth;
   }
 
-  /// The offsets (dx, dy) ... (dx + count - 1, dy).
+  /// Adds the offsets (dx, dy) ... (dx + count - 1, dy).
   void add_offsets(int dx, int dy, int count) {
     for (int i = 0; i < count; ++i)
       for (int x = 0; x < kTileWidth; ++x) {
@@ -114,7 +116,7 @@ template <class L, int kHalves> class TileFilter {
     }
   }
 
-  /// The distances of a row of pixels, summed over 3 and 7 pixels of the row.
+  /// Computes the distances of a row of pixels, summed over 3 and 7 pixels of the row.
   void add_distance_row(Offset& offset, int y, int dx, int dy) {
     const std::ptrdiff_t start = tile_.x0 - kPatch;
     const float k2 = sqr(settings_.color_k);
@@ -135,6 +137,7 @@ template <class L, int kHalves> class TileFilter {
       for (int h = 0; h < kHalves; ++h) distance[h] = F(0.0f);
       for (int c = 0; c < 3; ++c) {
         const F a = load_at<L>(vp[c] + x), b = load_at<L>(vq[c] + x);
+        // Subtract the expected noise and divide by the variance (equation 3 of Rousselle et al. 2012).
         const F noise = (a + min(a, b)) * apart;
         const F unit = F(1.0f) / fma(F(k2), a + b, F(in_.epsilon));
         for (int h = 0; h < kHalves; ++h) {
@@ -155,7 +158,7 @@ template <class L, int kHalves> class TileFilter {
       store_at(large.at(x), load_at<L>(small.at(x - 2)) + load_at<L>(raw.at(x)) + load_at<L>(small.at(x + 2)));
   }
 
-  /// The mean distances of the patches around the pixels of a row.
+  /// Mean distances of the patches around the pixels of a row.
   template <int kRadius> void patch_distances(const SumRow (&rows)[kRing], int y, SumRow& out) const {
     constexpr int kSide = 2 * kRadius + 1;
     for (int x = 0; x < width(); x += L::width) {
@@ -165,7 +168,7 @@ template <class L, int kHalves> class TileFilter {
     }
   }
 
-  /// By how much features tell pixels apart, at least 0, and beyond all bounds where the other pixel is none.
+  /// Computes the maximum distance over all features; at least 0, and 1e30 if the other pixel is outside the image.
   void measure_features(Offset& offset, int y, int dx, int dy) {
     std::copy(offset.outside.at(0), offset.outside.at(kTileWidth), offset.feature.at(0));
     for (const Feature& feature : in_.features) {
@@ -202,7 +205,7 @@ template <class L, int kHalves> class TileFilter {
     }
   }
 
-  /// What the offsets add to a row of results.
+  /// Adds the contribution of the offsets to a row of results.
   void add_row(int y, int dx, int dy, int count) {
     for (int i = 0; i < count; ++i) {
       Offset& offset = offsets_[i];
@@ -213,7 +216,7 @@ template <class L, int kHalves> class TileFilter {
       }
     }
     for (int h = 0; h < kHalves; ++h) {
-      constexpr int kOther = kHalves - 1;  // each half is weighed by the other
+      constexpr int kOther = kHalves - 1;  // each half uses the other half's weights
       const int other = h ^ kOther;
       add_weighted<kSmallPatch>(y, other, dx, dy, count, [=](Offset& o) { return &o.small_distance[h]; });
       add_weighted<kLargePatch>(y, other, dx, dy, count, [=](Offset& o) { return &o.large_distance[h]; });
@@ -225,7 +228,7 @@ template <class L, int kHalves> class TileFilter {
     add_weighted<kMostlyFeatures>(y, 0, dx, dy, count, [](Offset& o) { return &o.gentle; });
   }
 
-  /// The mean of both halves' distances, for the filter that heeds them least.
+  /// Mean of both halves' distances, scaled down for the filter that relies on features.
   void measure_gently(Offset& offset) const {
     for (int x = 0; x < width(); x += L::width) {
       F sum(0.0f);
@@ -234,7 +237,7 @@ template <class L, int kHalves> class TileFilter {
     }
   }
 
-  /// What the offsets add to the sums of a filter, for one half; `distance` is called with each offset.
+  /// Adds the offsets to the sums of a filter for one half. `distance`: returns the row of distances of an offset.
   template <int kFilter, class Distance>
   SHEAF_INLINE void add_weighted(int y, int half, int dx, int dy, int count, Distance distance) {
     constexpr bool kPlane = fits_plane(kFilter);
@@ -252,8 +255,8 @@ template <class L, int kHalves> class TileFilter {
     const F offset_y(static_cast<float>(dy));
     float* const sums_row = sums(y, kFilter, half);
     for (int x = 0; x < width(); x += L::width) {
-      // Of this group alone: the weighted colour, the weights, and for planes their moments x and xx, and x of the
-      // colour.
+      // Sums of this group: the weighted color and the weights; for planes also the moments x and xx, and x of the
+      // color.
       F sum[kPlane ? 9 : 4];
       for (F& value : sum) value = F(0.0f);
       for (int i = 0; i < count; ++i) {
@@ -271,6 +274,7 @@ template <class L, int kHalves> class TileFilter {
           if constexpr (kPlane) sum[6 + c] = fma(weight_x, value, sum[6 + c]);
         }
       }
+      // Add them to the sums of the filter; all offsets of the group have the same y.
       const auto add = [&](int k, F value) {
         float* const at = sums_row + k * kTileWidth + x;
         store_at(at, value + load_at<L>(at));
@@ -294,7 +298,7 @@ template <class L, int kHalves> class TileFilter {
         add_shared<kFilter>(shared(y, kFilter, half), correlation, dx + i, dy, distances[i], limits[i]);
   }
 
-  /// What an offset adds to what pixels share with others.
+  /// Adds an offset to the sums of shared noise.
   template <int kFilter>
   void add_shared(float* sums_row, float correlation, int dx, int dy, const float* distances, const float* limits) {
     const float factors[] = {correlation, correlation * static_cast<float>(dx), correlation * static_cast<float>(dy)};
@@ -327,9 +331,10 @@ template <class L, int kHalves> class TileFilter {
     float color[3] = {}, self = 0;
   };
 
-  /// Adds the value at offset 0 of the mean, or of the plane of least weighted squares: what the weights' centre has,
-  /// and from there along the plane's slope. `across` is that step, measured in the weights' covariance. The step is
-  /// at most as large as the mean: planes through few pixels are steep.
+  /// Adds the value at offset 0 of the weighted mean, or of the plane that minimizes the weighted squared error. The
+  /// plane's value starts from the mean at the center of the weights and follows the slope back to the pixel. `across`
+  /// is that step, multiplied by the inverse covariance of the weights. The step is clamped to the magnitude of the
+  /// mean, because planes through few pixels are steep.
   void add_result(int y, int x, int filter, int half, Result& result) {
     const float *const sum = sums(y, filter, half) + x, *const own = shared(y, filter, half) + x;
     const auto at = [](const float* row, int k) { return row[k * kTileWidth]; };
@@ -358,8 +363,8 @@ template <class L, int kHalves> class TileFilter {
   const NlMeansSettings& settings_;
   const PixelRect tile_;
   const bool with_features_;
-  LargeTable<float> sums_;    ///< rows of the tile, each with all its sums one after the other
-  LargeTable<float> shared_;  ///< as sums_, of weights times the noise that pixels share
+  LargeTable<float> sums_;    ///< per row of the tile, all sums one after the other
+  LargeTable<float> shared_;  ///< like sums_, for weights times noise correlation
   Offset offsets_[kGroup];
 };
 

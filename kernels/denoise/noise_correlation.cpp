@@ -10,12 +10,12 @@ namespace sheaf {
 
 namespace {
 
-/// Noise beyond this many standard deviations counts as so much: rare bright samples do not decide for all.
+/// Clamp of the noise, in standard deviations, so that rare bright samples do not dominate.
 constexpr float kMaxDeviations = 3.0f;
-/// Correlations within this many standard deviations of their estimate from 0 are 0.
+/// Correlations within this many standard deviations of 0 are set to 0.
 constexpr double kSureDeviations = 3.0;
 
-/// The halves' difference in units of its standard deviation.
+/// Difference of the halves in units of its standard deviation.
 Plane normalized_noise(const Plane& half, const Plane& other, const Plane& variance) {
   Plane noise(half.width(), half.height());
   tbb::parallel_for(0, half.height(), [&](int y) {
@@ -28,8 +28,8 @@ Plane normalized_noise(const Plane& half, const Plane& other, const Plane& varia
   return noise;
 }
 
-/// Sum of the products of all pixels and those at an offset to the right and downwards; in rows, so that it is the same
-/// on any number of threads.
+/// Sum of the products of all pixels with those at the offset (dx, dy), dy >= 0. Sums are formed by rows, so the bits
+/// do not depend on the number of threads.
 double sum_of_products(const Plane& noise, int dx, int dy) {
   const int width = noise.width(), height = noise.height();
   std::vector<double> rows(static_cast<std::size_t>(std::max(height - dy, 0)));
@@ -56,8 +56,8 @@ NoiseCorrelation::NoiseCorrelation(const Planes3& half, const Planes3& other, co
     whole += sum_of_products(noise[c], 0, 0);
   }
   if (!(whole > 0)) return;
-  // Of n independent numbers the correlation of two sets has a standard deviation of 1 / sqrt(n). Colours are taken to
-  // be one.
+  // The correlation of two sets of n independent numbers has the standard deviation 1 / sqrt(n). The color channels are
+  // assumed to be fully correlated, so n is the number of pixels.
   const double pixels = static_cast<double>(noise[0].width()) * noise[0].height();
   const double least = kSureDeviations / std::sqrt(pixels);
   for (int dy = 0; dy <= kReach; ++dy)

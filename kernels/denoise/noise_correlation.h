@@ -1,4 +1,4 @@
-// How alike the noise of pixels near each other is.
+// Correlation of the noise of nearby pixels.
 #pragma once
 
 #include "kernels/denoise/plane.h"
@@ -9,22 +9,21 @@
 
 namespace sheaf {
 
-/// The correlation of the noise of two pixels, by the offset from one to the other: 1 at no offset. A picture whose
-/// samples count in every pixel under the reconstruction filter has that of the filter with itself; where each counts
-/// in one pixel it is 0 but for no offset.
+/// Correlation of the noise of two pixels by their offset; 1 at offset 0. If samples count in every pixel under the
+/// pixel filter, it is the filter's autocorrelation. If each sample counts in one pixel, it is 0 except at offset 0.
 class NoiseCorrelation {
  public:
-  /// Offsets of more columns or rows than this are taken to be uncorrelated.
+  /// Offsets with more columns or rows than this are assumed to be uncorrelated.
   static constexpr int kReach = 3;
 
-  /// Every pixel has noise of its own.
+  /// Uncorrelated noise.
   NoiseCorrelation() { values_[index(0, 0)] = 1; }
-  /// What two halves of the samples show: their difference is noise alone. `variance` is that of the mean of one half,
-  /// above 0 wherever halves differ. All are extended. What lies within three standard deviations of its estimate
-  /// from 0 is 0.
+  /// Estimates the correlation from the difference of two halves of the samples, which consists of noise alone.
+  /// `variance`: variance of the mean of one half, above 0 wherever the halves differ. All planes have extended
+  /// borders. Estimates within three standard deviations of 0 are set to 0.
   NoiseCorrelation(const Planes3& half, const Planes3& other, const Planes3& variance);
 
-  /// Between -1 and 1.
+  /// Correlation in [-1, 1].
   float operator()(int dx, int dy) const {
     return std::abs(dx) <= kReach && std::abs(dy) <= kReach ? values_[index(dx, dy)] : 0.0f;
   }

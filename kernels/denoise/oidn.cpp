@@ -1,4 +1,4 @@
-// The only file that knows the library's C interface, versions 1.4 to 2, of which it declares what it calls.
+// The only file that uses the library's C interface, versions 1.4 to 2. It declares the functions that it calls.
 #include "kernels/denoise/oidn.h"
 
 #include "core/error.h"
@@ -26,7 +26,7 @@ using Filter = FilterHandle*;
 /// Values of the library's enumerations.
 constexpr int kCpuDevice = 1, kFloat3 = 3;
 
-/// What is called of the library.
+/// Entry points of the library.
 struct Library {
   Device (*new_device)(int type);
   void (*commit_device)(Device);
@@ -54,7 +54,7 @@ std::string environment_variable(const char* name) {
   return value != nullptr ? value : "";
 }
 
-/// The library from the first place that has one that can be loaded. Throws Error, which says where it looked.
+/// Loads the library from the first location that works. Throws Error, which lists the searched locations.
 void* open_library() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
@@ -89,7 +89,7 @@ template <class Function> void find_function(void* handle, const char* name, con
   function = reinterpret_cast<Function>(symbol);
 }
 
-/// The library, loaded at the first call and kept. Throws Error.
+/// The library, loaded on the first call and kept. Throws Error.
 const Library& library() {
   static const Library loaded = [] {
     void* const handle = open_library();
@@ -109,7 +109,7 @@ const Library& library() {
   return loaded;
 }
 
-/// Three planes with their pixels one after the other.
+/// Interleaves three planes pixel by pixel.
 std::vector<float> interleave(const std::vector<Plane>& planes) {
   std::vector<float> values;
   for (int y = 0; y < planes[0].height(); ++y)
@@ -118,7 +118,7 @@ std::vector<float> interleave(const std::vector<Plane>& planes) {
   return values;
 }
 
-/// Runs the library's filter for path-traced pictures on linear colours of any brightness. Features may be empty.
+/// Runs the library's filter for path-traced HDR images in linear color. Features may be empty.
 void run_filter(int width, int height, std::vector<float>& color, std::vector<float>& albedo,
                 std::vector<float>& normal, std::vector<float>& output) {
   const Library& oidn = library();
@@ -127,10 +127,12 @@ void run_filter(int width, int height, std::vector<float>& color, std::vector<fl
     if (oidn.get_device_error(device, &message) != 0)
       throw Error(ExitCode::kRuntime, std::string("Open Image Denoise: ") + (message != nullptr ? message : "failed"));
   };
+  // Create the device.
   const std::unique_ptr<DeviceHandle, void (*)(Device)> device(oidn.new_device(kCpuDevice), oidn.release_device);
   if (!device) check(nullptr);
   oidn.commit_device(device.get());
   check(device.get());
+  // Set up the filter.
   const std::unique_ptr<FilterHandle, void (*)(Filter)> filter(oidn.new_filter(device.get(), "RT"),
                                                                oidn.release_filter);
   check(device.get());
@@ -143,6 +145,7 @@ void run_filter(int width, int height, std::vector<float>& color, std::vector<fl
   set_image("albedo", albedo);
   set_image("normal", normal);
   set_image("output", output);
+  // Run it.
   oidn.set_filter_bool(filter.get(), "hdr", true);
   oidn.commit_filter(filter.get());
   check(device.get());
@@ -160,7 +163,8 @@ Planes3 denoise_oidn(const Image& image, std::string& description) {
   std::vector<float> color_values = interleave(find_planes(image, {"R", "G", "B"})), output(color_values.size());
   std::vector<float> albedo_values, normal_values;
   if (!albedo.empty()) albedo_values = interleave(albedo);
-  if (!albedo.empty() && !normal.empty()) normal_values = interleave(normal);  // the library takes none without albedo
+  // the library requires albedo with normals
+  if (!albedo.empty() && !normal.empty()) normal_values = interleave(normal);
   run_filter(image.width, image.height, color_values, albedo_values, normal_values, output);
   description = std::string("oidn: ") + (albedo.empty()   ? "no features"
                                          : normal.empty() ? "features albedo"

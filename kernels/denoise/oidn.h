@@ -1,4 +1,4 @@
-// Open Image Denoise, Intel's library of neural filters, if this machine has it: it is looked for when it is asked for.
+// Denoising with Open Image Denoise, Intel's library of neural filters, which is loaded at run time on demand.
 #pragma once
 
 #include "core/image.h"
@@ -11,8 +11,8 @@ namespace sheaf {
 /// Throws Error (exit code 1) if the library cannot be loaded.
 void check_oidn();
 
-/// R, G and B denoised, with albedo.R/G/B and N.X/Y/Z where the picture has them; says in `description` with what.
-/// Throws Error (exit code 1).
+/// Denoises R, G and B, guided by albedo.R/G/B and N.X/Y/Z if the image has them. `description` receives the features
+/// that were used. Throws Error (exit code 1).
 Planes3 denoise_oidn(const Image& image, std::string& description);
 
 }  // namespace sheaf

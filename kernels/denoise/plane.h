@@ -1,4 +1,4 @@
-// One channel of a picture, with a border, for filters that look at a pixel's neighbours many at a time.
+// One channel of an image with a border, for filters that read the neighbors of many pixels at a time.
 #pragma once
 
 #include "core/lanes.h"
@@ -10,8 +10,8 @@
 
 namespace sheaf {
 
-/// Rows of floats, each of which begins with a cache line. Around them is a border of kBorderX columns and kBorderY
-/// rows, zeros until extend() is called, that may be read and written as the pixels may.
+/// Rows of floats whose first pixels are aligned to cache lines. A border of kBorderX columns and kBorderY rows
+/// surrounds the pixels. It is zero until extend() is called, and may be read and written like pixels.
 class Plane {
  public:
   static constexpr int kBorderX = 32, kBorderY = 16;
@@ -26,13 +26,13 @@ class Plane {
   int width() const { return width_; }
   int height() const { return height_; }
   bool is_empty() const { return values_.empty(); }
-  /// The first pixel of a row; -kBorderY <= y < height + kBorderY.
+  /// First pixel of a row; -kBorderY <= y < height + kBorderY.
   float* row(int y) { return values_.data() + offset(y); }
   const float* row(int y) const { return values_.data() + offset(y); }
   float& at(int x, int y) { return row(y)[x]; }
   float at(int x, int y) const { return row(y)[x]; }
 
-  /// Gives every place of the border, and of what rows have beyond it, the value of the nearest pixel.
+  /// Fills the border and the padding of rows with the value of the nearest pixel.
   void extend() {
     for (int y = 0; y < height_; ++y) {
       float* const r = row(y);
@@ -56,7 +56,7 @@ class Plane {
 /// Red, green and blue, or any other three.
 using Planes3 = std::array<Plane, 3>;
 
-/// L::width values from anywhere.
+/// Loads L::width values from an unaligned address.
 template <class L> SHEAF_INLINE Float<L> load_at(const float* p) {
   static_assert(std::is_trivially_copyable_v<Float<L>>);
   Float<L> value;

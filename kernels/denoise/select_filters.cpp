@@ -10,10 +10,10 @@ namespace sheaf {
 
 namespace {
 
-/// Half the side of the squares over which errors are smoothed, and after that the choice.
+/// Radii of the squares over which errors and then the selection are smoothed.
 constexpr int kErrorRadius = 2, kChoiceRadius = 4;
 
-/// Stein's estimate per pixel, relative to the pixel's brightness so that bright pixels do not decide for others.
+/// SURE per pixel, relative to the pixel's brightness so that bright pixels do not dominate their neighborhood.
 Plane estimate_error(const FilteredPlanes& filter, const Planes3& color, const Planes3& variance) {
   Plane error(color[0].width(), color[0].height());
   tbb::parallel_for(0, error.height(), [&](int y) {
@@ -40,12 +40,14 @@ Planes3 select_filters(std::vector<FilteredPlanes> filters, const Planes3& color
     shares.emplace_back(width, height);
   }
   for (int y = 0; y < height; ++y)
+    // Select the filter with the smallest error.
     for (int x = 0; x < width; ++x) {
       std::size_t best = 0;
       for (std::size_t i = 1; i < filters.size(); ++i)
         if (errors[i].at(x, y) < errors[best].at(x, y)) best = i;
       shares[best].at(x, y) = 1;
     }
+  // Smooth the selection and blend the results with it.
   for (Plane& share : shares) share = box_mean(share, kChoiceRadius);
   Planes3 out;
   for (std::size_t c = 0; c < 3; ++c) {

@@ -1,15 +1,15 @@
-// Means over squares of pixels, and of colours.
+// Box filter and luminance of planes.
 #pragma once
 
 #include "kernels/denoise/plane.h"
 
 namespace sheaf {
 
-/// The mean over the square of 2 * radius + 1 pixels around each pixel, of those that are in the picture. The result is
-/// extended.
+/// Mean over the square of 2 * radius + 1 pixels around each pixel, clipped to the image. The result has an extended
+/// border.
 Plane box_mean(const Plane& plane, int radius);
 
-/// The luminance of linear sRGB colours.
+/// Luminance of linear sRGB colors.
 Plane luminance_of(const Planes3& color);
 
 }  // namespace sheaf

@@ -10,14 +10,14 @@ namespace sheaf {
 
 namespace {
 
-/// Half the side of the squares.
+/// Radius of the squares.
 constexpr int kRadius = 1;
-/// Share of its own variance that a pixel has at least.
+/// Minimum result, as a share of a pixel's own variance.
 constexpr float kOwnShare = 0.3f;
-/// How many times as bright another thing is.
+/// Minimum brightness ratio of a pixel that shows another object.
 constexpr float kBrighter = 2.0f;
 
-/// The lesser and the greater luminance of both halves, per pixel.
+/// Minimum and maximum luminance of both halves, per pixel.
 struct LuminanceRange {
   Plane least, most;
 

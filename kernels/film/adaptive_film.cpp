@@ -11,19 +11,20 @@ namespace sheaf {
 
 namespace {
 
-/// Samples of a set, per pixel, below which no tile is content: fewer do not tell noise.
+/// Minimum samples per pixel of a set before a tile may converge: fewer samples estimate noise too poorly.
 constexpr std::uint32_t kMinSamples = 8;
 constexpr std::uint32_t kFirstSamples = 2;
-/// Up to here samples are doubled, from here on half as many more at most.
+/// Sets double up to this size. Larger sets grow by at most half.
 constexpr std::uint32_t kDoubledSamples = 16;
 
-/// How many samples of a set come next: sets are to have powers of two, which samplers spread best, and one and a half.
+/// Number of samples that a set takes next. Sets have sizes 2^n or 1.5 * 2^n, because samplers stratify powers of two
+/// best.
 std::uint32_t next_samples(std::uint32_t taken) {
   if (taken < kDoubledSamples) return std::max(kFirstSamples, taken);
   return std::bit_floor(taken / 2);
 }
 
-/// Pixels around one whose mean tells its value.
+/// Radius of the window whose mean serves as the pixel's value, pixels.
 constexpr int kValueReach = 2;
 
 std::size_t index_in(const PixelRect& rect, int x, int y) {
@@ -31,7 +32,7 @@ std::size_t index_in(const PixelRect& rect, int x, int y) {
          static_cast<std::size_t>(x - rect.x0);
 }
 
-/// f(x, y) for all pixels, row by row.
+/// Calls f(x, y) for all pixels, row by row.
 template <class F> void for_each_pixel(const PixelRect& rect, F&& f) {
   for (int y = rect.y0; y < rect.y1; ++y)
     for (int x = rect.x0; x < rect.x1; ++x) f(x, y);
@@ -63,13 +64,14 @@ bool AdaptiveFilm::begin_round() {
   if (!units_.empty()) ++rounds_;
   units_.clear();
   const std::uint32_t most = goal_.max_samples / kSets;
-  // The variance of the mean of two halves is half of that of one.
+  // The variance of one half's mean is twice the variance of the mean of both halves.
   const double wanted = 2 * goal_.noise * goal_.noise;
   const std::vector<double> noise[2] = {spread_noise(0), spread_noise(1)};
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     Tile& tile = tiles_[i];
     const std::uint32_t taken = tile.sets[0].samples;
     if (tile.is_content()) continue;
+    // Test both halves, and estimate the final number of samples: the variance is proportional to 1 / n.
     double expected = most;
     for (int half = 0; half < 2; ++half) {
       const bool is_known = wanted > 0 && taken >= kMinSamples;
@@ -79,6 +81,7 @@ bool AdaptiveFilm::begin_round() {
     const std::uint32_t next = tile.is_content() ? 0 : std::min(next_samples(taken), most - taken);
     expected_[i] = kSets * (tile.is_content() ? taken : std::max(expected, 1.0 * (taken + next)));
     if (tile.is_content()) continue;
+    // Create the units of the tile.
     for (std::uint8_t set = 0; set < kSets; ++set)
       units_.push_back({static_cast<std::uint32_t>(i), taken, next, set, 0});
   }
@@ -147,8 +150,8 @@ std::optional<double> AdaptiveFilm::noise_squared(const Tile& tile, int half, do
   for_each_pixel(pixels, [&](int x, int y) {
     const std::size_t i = 2 * index_in(pixels, x, y);
     if (!(a[i] > 0) || !(b[i] > 0)) return;
-    // The pixel's own mean would hide a bright sample that only one set has found, where both have found what is
-    // brighter than all around.
+    // Use the mean over a window as the level. The pixel's own mean would hide a bright sample that only one set has
+    // found; the minimum of both sets keeps pixels that are brighter than their neighborhood.
     double weight = 0, value = 0;
     const PixelRect around = PixelRect{x, y, x + 1, y + 1}.grown(kValueReach).intersection(pixels);
     for_each_pixel(around, [&](int u, int v) {
@@ -218,14 +221,14 @@ void AdaptiveFilm::assemble(Film& film) const {
   for (const Tile& tile : tiles_) add_variances(tile, film);
 }
 
-/// With m a pixel's mean, D_s = (S_s - m W_s) / n_s of a set of n_s samples: the mean of D_s is the same for all sets
-/// of a tile, though not zero where the pixel sees other tiles too. So the sum of D_s has the variance k / (k - 1) sum
-/// of (D_s - mean of D_s)^2, k the number of sets.
+/// Let m be a pixel's mean and D_s = (S_s - m W_s) / n_s for a set of n_s samples. The expectation of D_s is equal for
+/// all sets of a tile, but it is not zero if the pixel also receives samples of other tiles. Therefore the sum of the
+/// D_s has the variance k / (k - 1) * sum of (D_s - mean of D_s)^2 for k sets.
 void AdaptiveFilm::add_variances(const Tile& tile, Film& film) const {
   double sets = 0;
   for (const Set& set : tile.sets) sets += set.used > 0 ? 1 : 0;
   if (sets < 2) {
-    // Without a second set the variance is unknown, see Film::noise().
+    // With fewer than two sets the variance is unknown. Film::noise() recognizes the infinite weight square.
     for_each_pixel(tile.own, [&](int x, int y) {
       if (row_.variances == 0) return;
       film.sums_[film.pixel_index(x, y) * row_.film_size() + row_.film_squares_at()] =
@@ -248,7 +251,7 @@ void AdaptiveFilm::add_variances(const Tile& tile, Film& film) const {
         sum += d;
         squares += d * d;
       }
-      // The film's formula with nothing but a sum of squares.
+      // Store the variance as the sum of squares, with zero sums of W_u^2 and S_u W_u; Film then computes it from that.
       row[row_.film_squares_at() + 1 + 2 * k] += std::max(0.0, squares - sum * sum / sets) * sets / (sets - 1);
     }
   });

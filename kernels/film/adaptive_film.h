@@ -1,11 +1,12 @@
-// The film of a render that takes more samples where there is more noise. It cuts the frame into tiles, and round by
-// round says which of them need more. The samples of each are four sets that are independent of each other.
+// Film for adaptive sampling. It divides the frame into tiles and decides in rounds which tiles need more samples. Each
+// tile has four independent sets of samples.
 //
-// A mean whose number of samples hangs on these samples is biased: it ends too early where the bright ones have not
-// come yet. So two of the sets make half A, the other two half B; how far the sets of A lie apart says how many samples
-// of B are used, and the other way round (two buffers that judge each other go back to Rousselle, Knaus and Zwicker,
-// "Adaptive Rendering with Non-Local Means Filtering", SIGGRAPH Asia 2012). All sets count alike, whatever their
-// samples are. Where one half is content before the other both go on, and what is not needed of them is left out.
+// If the number of samples depends on the samples themselves, the mean is biased: a pixel stops too early while it has
+// missed its rare bright samples. Therefore two of the sets form half A and the other two half B. The difference
+// between the sets of A decides how many samples of B the image uses, and vice versa. Such cross-validated buffers go
+// back to Rousselle, Knaus and Zwicker, "Adaptive Rendering with Non-Local Means Filtering", SIGGRAPH Asia 2012. All
+// sets have equal weight, whatever their samples are. If one half converges before the other, both continue; the
+// samples that the image does not need are discarded.
 #pragma once
 
 #include "core/stats.h"
@@ -13,43 +14,45 @@
 
 namespace sheaf {
 
-/// When tiles have samples enough.
+/// Stopping criterion of tiles.
 struct AdaptiveGoal {
-  /// The standard error of a tile's pixels over their values, about as of Film::noise(). 0: none, all go on alike.
+  /// Target for the relative standard error of a tile's pixels, approximately as in Film::noise(). 0 disables the
+  /// target: all tiles take max_samples.
   double noise = 0;
   std::uint32_t max_samples = 4;  ///< per pixel, at least kSets
 };
 
-/// The next samples of a set.
+/// A work item: the next samples of one set of one tile.
 struct AdaptiveUnit {
   std::uint32_t tile = 0;
-  std::uint32_t first_sample = 0, samples = 0;  ///< of each pixel, counted in the set
-  std::uint8_t set = 0;                         ///< 0 and 1: of half A; 2 and 3: of half B
+  std::uint32_t first_sample = 0, samples = 0;  ///< of each pixel; index within the set
+  std::uint8_t set = 0;                         ///< 0 and 1 belong to half A, 2 and 3 to half B
   std::uint8_t done = 0;
 };
 
-/// Sums of all tiles and sets.
+/// Sample sums of all tiles and sets.
 class AdaptiveFilm {
  public:
   static constexpr std::uint8_t kSets = 4;
 
-  /// `film`: what is to become the picture, of the unit VarianceUnit::kReplicate. `tiles`: squares that hold all pixels
-  /// of which samples are taken. `reach`: how many pixels away samples count.
+  /// `film`: the film that assemble() fills later; its variance unit is VarianceUnit::kReplicate. `tiles`: squares that
+  /// cover all sampled pixels. `reach`: radius of the pixel filter's support, pixels.
   AdaptiveFilm(const Film& film, const std::vector<PixelRect>& tiles, int reach, AdaptiveGoal goal);
 
-  /// Makes the next round's units, unless some of this round are left to do. Whether there are any.
+  /// Starts the next round and creates its units, unless units of the current round are unfinished. Returns whether
+  /// there are units to render.
   bool begin_round();
   const std::vector<AdaptiveUnit>& units() const { return units_; }
-  /// Adds the samples of a unit, which is done then. Different units may be added by different threads at once.
+  /// Adds the samples of a unit and marks it as done. Different threads may add different units concurrently.
   void add(std::size_t unit, const FilmTile& samples);
-  /// Whether every tile has some samples in all sets.
+  /// Whether every set of every tile has samples.
   bool has_picture() const { return rounds_ > 0; }
-  /// About how many samples per pixel a tile will take, all sets together.
+  /// Estimated final number of samples per pixel of a tile, summed over all sets.
   double expected_samples(std::size_t tile) const { return expected_[tile]; }
-  /// How many it has taken.
+  /// Number of samples per pixel that a tile has taken so far, summed over all sets.
   std::uint64_t taken_samples(std::size_t tile) const;
 
-  /// Makes `film` the picture of what there is.
+  /// Writes the image of the samples so far into `film`.
   void assemble(Film& film) const;
   RenderReport::Adaptive summary() const;
 
@@ -58,21 +61,22 @@ class AdaptiveFilm {
   friend AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of);
 
   struct Set {
-    std::uint32_t samples = 0, used = 0;  ///< per pixel: taken, and used for the picture
-    std::vector<double> sums;             ///< per pixel within reach a row, of what is used
-    std::vector<std::uint64_t> counts;    ///< per pixel of the tile's own: samples that are used
-    std::vector<IdCoverage> coverage;     ///< per pixel within reach, where surfaces are told
-    /// Of each pixel whose noise counts, of all samples: the sums of weights and of luminance.
+    std::uint32_t samples = 0, used = 0;  ///< per pixel: taken, and used for the image
+    std::vector<double> sums;             ///< one row per pixel within reach, of the used samples
+    std::vector<std::uint64_t> counts;    ///< used samples of each of the tile's own pixels
+    std::vector<IdCoverage> coverage;     ///< per pixel within reach; only with surface ids
+    /// For each pixel of judged(): the sum of weights and the sum of luminance. Grows until the set's half has
+    /// converged.
     std::vector<double> luminance;
   };
   struct Tile {
-    PixelRect square;      ///< as given
-    PixelRect own, outer;  ///< inside the film's crop: its own pixels, those within reach
+    PixelRect square;      ///< as passed to the constructor
+    PixelRect own, outer;  ///< clipped to the crop window: own pixels; pixels within reach
     Set sets[kSets];
-    bool content[2] = {};  ///< by half: the other one needs no more samples
+    bool content[2] = {};  ///< [h]: half h has converged, so the image needs no more samples of the other half
 
     bool is_content() const { return content[0] && content[1]; }
-    /// The pixels whose noise counts: those within reach where the tile has none of its own.
+    /// Pixels whose noise decides: the own pixels, or those within reach if the tile has none of its own.
     const PixelRect& judged() const { return own.area() > 0 ? own : outer; }
   };
 
@@ -83,9 +87,11 @@ class AdaptiveFilm {
   static void add_luminance(const Tile& tile, Set& set, const FilmTile& samples);
   void add_variances(const Tile& tile, Film& film) const;
   double mean_luminance(int half) const;
-  /// Mean square of the noise of the mean of a half's samples in a tile; nothing where it has none.
+  /// Relative variance of the mean of one half, estimated from its two sets: the mean over a tile's pixels without the
+  /// worst 0.1%. Returns nothing if no pixel has samples in both sets.
   static std::optional<double> noise_squared(const Tile& tile, int half, double mean_luminance);
-  /// Those of all tiles, each no less than the mean of it and its neighbours: few samples hardly tell rare bright ones.
+  /// noise_squared() of all tiles. Each value is at least the mean over the tile and its eight neighbors, because few
+  /// samples often miss rare bright ones.
   std::vector<double> spread_noise(int half) const;
 
   FilmRow row_;
@@ -94,7 +100,7 @@ class AdaptiveFilm {
   int reach_ = 0;
   std::vector<Tile> tiles_;
   std::vector<AdaptiveUnit> units_;
-  std::uint32_t rounds_ = 0;  ///< that have ended
+  std::uint32_t rounds_ = 0;  ///< finished rounds
   std::vector<double> expected_;
 };
 

@@ -33,16 +33,16 @@ void insert_named(std::string_view name, AovSet& aovs) {
               "unknown layer '" + std::string(name) + "'" + did_you_mean(name, names) + " (known: " + list + ")");
 }
 
-/// Most bytes of a layer's name, so that channels and numbers behind it stay within OpenEXR's 255.
+/// Maximum bytes of a group's name, so that the layer's name plus number and channel stay within OpenEXR's 255.
 constexpr std::size_t kMaxLayerName = 200;
 
-/// The name of a group as a layer's: dots divide layers from their channels, and bytes below space end names in some
-/// programs.
+/// Turns a light group's name into a layer name. Dots separate layers from channels, and some programs end names at
+/// control characters, so "_" replaces both.
 std::string layer_name(std::string name) {
   for (char& c : name)
     if (c == '.' || static_cast<unsigned char>(c) < 32 || c == 127) c = '_';
   std::size_t length = std::min(name.size(), kMaxLayerName);
-  // Not through the bytes of one character.
+  // Do not cut a UTF-8 character in two.
   while (length < name.size() && length > 0 && (static_cast<unsigned char>(name[length]) & 0xc0u) == 0x80u) --length;
   name.resize(length);
   return "light_" + name;
@@ -53,7 +53,7 @@ std::string layer_name(std::string name) {
 std::vector<std::string> light_group_layers(const std::vector<std::string>& light_groups) {
   std::vector<std::string> layers;
   std::set<std::string> taken;
-  // Names that need no change keep theirs, whatever comes before them.
+  // Reserve the names that need no change first, independently of their order.
   for (const std::string& group : light_groups) layers.push_back(layer_name(group));
   std::vector<bool> done(layers.size());
   for (std::size_t i = 0; i < layers.size(); ++i)

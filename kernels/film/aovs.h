@@ -1,4 +1,4 @@
-// Further layers of the picture (AOVs), and the one list of them: the option, what films are made of, files and the
+// AOVs (arbitrary output variables) and their only list. The command-line option, the film layout, the files and the
 // table in docs/layers.md derive from it.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace sheaf {
 
-/// All further layers that can be asked for.
+/// All AOVs that a user can request.
 enum class Aov : std::uint32_t {
   kAlbedo,
   kNormal,
@@ -28,29 +28,29 @@ enum class Aov : std::uint32_t {
 };
 inline constexpr std::size_t kAovCount = static_cast<std::size_t>(Aov::kCount);
 
-/// Where a layer comes from.
+/// Origin of a layer.
 enum class AovSource : std::uint8_t {
-  kVertex,     ///< the first surface of each path from the camera: a mean over samples, as colours are
-  kSurfaceId,  ///< which surfaces those are: not a mean, see kernels/film/cryptomatte.h
-  kFilm,       ///< what the film knows of its samples
+  kVertex,     ///< first surface of each camera path; averaged over samples like colors
+  kSurfaceId,  ///< ids of those surfaces; not averaged, see kernels/film/cryptomatte.h
+  kFilm,       ///< statistics that the film keeps of its samples
 };
 
-/// How a channel is stored in a file.
+/// Storage type of a channel in a file.
 enum class PixelType : std::uint8_t { kHalf, kFloat };
 
-/// One of the layers.
+/// Properties of one AOV.
 struct AovEntry {
   Aov aov;
-  std::string_view name;  ///< as it is asked for
-  /// In the picture; empty ones are none. Of Cryptomatte the first of several.
+  std::string_view name;  ///< on the command line
+  /// Channel names in the image; unused ones are empty. For Cryptomatte, the first of several channels.
   std::array<std::string_view, 3> channels;
   AovSource source;
   PixelType type;
-  bool has_variance;  ///< with Aov::kVariance its channels have variances too
+  bool has_variance;  ///< with Aov::kVariance, its channels have variances too
 };
 
-/// The list, in the order of Aov. What is in [-1, 1] is stored with 16 bits; what may be large, or small as variances
-/// are, with 32.
+/// The list, in the order of Aov. Values in [-1, 1] are stored as 16-bit floats. Values that may be large, or small
+/// like variances, are stored as 32-bit floats.
 inline constexpr std::array<AovEntry, kAovCount> kAovList = {{
     {Aov::kAlbedo, "albedo", {"albedo.R", "albedo.G", "albedo.B"}, AovSource::kVertex, PixelType::kHalf, true},
     {Aov::kNormal, "normal", {"N.X", "N.Y", "N.Z"}, AovSource::kVertex, PixelType::kHalf, true},
@@ -89,7 +89,7 @@ static_assert(
     }(),
     "the list follows the enumeration");
 
-/// Layers that are asked for.
+/// A set of requested AOVs.
 class AovSet {
  public:
   constexpr AovSet() = default;
@@ -99,7 +99,7 @@ class AovSet {
   constexpr void insert(Aov aov) { bits_ |= 1u << static_cast<std::uint32_t>(aov); }
   constexpr bool contains(Aov aov) const { return (bits_ >> static_cast<std::uint32_t>(aov) & 1u) != 0; }
   constexpr bool operator==(const AovSet&) const = default;
-  /// Whether any comes from there.
+  /// Whether any AOV of the set has this source.
   constexpr bool contains(AovSource source) const {
     for (const AovEntry& entry : kAovList)
       if (entry.source == source && contains(entry.aov)) return true;
@@ -110,31 +110,31 @@ class AovSet {
   std::uint32_t bits_ = 0;
 };
 
-/// The layers of a list of names with commas between; "all": all of them. Throws Error (usage) for an unknown name.
+/// Parses a comma-separated list of names; "all" adds all AOVs. Throws Error (usage) for an unknown name.
 AovSet aovs_from_names(std::string_view names);
 
-/// The layers of groups of lights, each name once: "light_" + the group's name, without dots, and where that is taken
-/// with a number behind it. Names that need no change keep theirs.
+/// Unique layer names for light groups: "light_" + the group's name, with "_" for dots and control characters, at most
+/// 200 bytes of the name. Duplicates get the suffix "_2", "_3" and so on. Names that are valid already keep their name.
 std::vector<std::string> light_group_layers(const std::vector<std::string>& light_groups);
 
-/// R, G, B and A and the layers; then for each group of lights its light_group_layers(). `with_variances`: of R, G and
-/// B, and with Aov::kVariance of layers that can have some.
+/// The channels R, G, B and A, then the AOVs, then R, G and B of each light group's layer. `with_variances`: R, G and B
+/// get variances, and with Aov::kVariance also the AOVs that support them.
 FilmLayout film_layout(AovSet aovs, bool with_variances, const std::vector<std::string>& light_groups = {});
 
-/// Where a sample has the layers of AovSource::kVertex: for each its first channel, -1 where it is not there.
+/// Index of the first channel of each AOV of AovSource::kVertex in a sample; -1 if the AOV is absent.
 struct AovChannels {
   int albedo = -1, normal = -1, geometric_normal = -1, position = -1, depth = -1, uv = -1;
-  bool surfaces = false;  ///< samples have SurfaceSamples
+  bool surfaces = false;  ///< samples have a SurfaceSample
 
   AovChannels() = default;
   AovChannels(const FilmLayout& layout, AovSet aovs);
-  /// Whether there are any.
+  /// Whether samples carry any AOV.
   bool any() const {
     return surfaces || albedo >= 0 || normal >= 0 || geometric_normal >= 0 || position >= 0 || depth >= 0 || uv >= 0;
   }
 };
 
-/// Those of a picture's channels that a file is to store with 16 bits.
+/// The subset of an image's channels that files store as 16-bit floats.
 std::vector<std::string> half_channels(const std::vector<std::string>& channels);
 
 }  // namespace sheaf

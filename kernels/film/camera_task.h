@@ -1,5 +1,5 @@
-// What only passes that start at the camera need: which samples a worker takes, how far it has come, and where the
-// samples go.
+// Camera task: the camera samples that one worker takes, the position of the next sample, and the buffer of finished
+// samples.
 #pragma once
 
 #include "core/pixel_rect.h"
@@ -11,13 +11,13 @@
 
 namespace sheaf {
 
-/// The pixels that samples are taken of: those of the frame, and a border around it.
+/// The sampled pixels: those of the frame and a border around it.
 struct SampledFrame {
   int width = 1;   ///< of the frame
   int border = 0;  ///< pixels on each side
 
   int row_length() const { return width + 2 * border; }
-  /// The number of a pixel of the frame or its border.
+  /// Linear index of a pixel of the frame or its border.
   std::uint32_t pixel(int x, int y) const {
     return static_cast<std::uint32_t>((y + border) * row_length() + x + border);
   }
@@ -31,7 +31,7 @@ struct PixelSamples {
   std::uint32_t first_sample = 0, sample_count = 0;
 };
 
-/// The same samples of every pixel of a rectangle, row by row.
+/// The same sample range for every pixel of a rectangle, row by row.
 inline std::vector<PixelSamples> samples_of(const PixelRect& pixels, const SampledFrame& frame,
                                             std::uint32_t first_sample, std::uint32_t sample_count) {
   std::vector<PixelSamples> list;
@@ -40,19 +40,20 @@ inline std::vector<PixelSamples> samples_of(const PixelRect& pixels, const Sampl
   return list;
 }
 
-/// Camera samples that one worker takes in one go. The camera_rays stage is their source, accumulate their sink.
+/// Camera samples that one worker takes in one go. The source is the camera_rays stage, the sink is the accumulate
+/// stage.
 class CameraTask {
  public:
-  /// How far the source has come. Samples are numbered through the whole list, from 0.
+  /// Position of the next sample. Samples are numbered through the whole list, from 0.
   struct Cursor {
-    std::size_t entry = 0;     ///< of the list
-    std::uint32_t sample = 0;  ///< counted from the entry's first
-    int index = 0;             ///< of all samples
+    std::size_t entry = 0;     ///< in the list
+    std::uint32_t sample = 0;  ///< relative to the entry's first sample
+    int index = 0;             ///< among all samples
     int x = 0, y = 0;          ///< the entry's pixel in the frame
   };
 
-  /// Begins a list, which must outlive the work on it. `channels`: of a sample; `spectral_bins`: of the film; `aovs`:
-  /// where among the channels layers are that come from the first surface.
+  /// Begins a list of samples; the caller keeps the list alive until the task ends. `channels`: number of channels of a
+  /// sample. `spectral_bins`: those of the film. `aovs`: channel indices of the AOVs of the first surface.
   void begin(std::span<const PixelSamples> pixels, SampledFrame frame, int channels, int spectral_bins = 0,
              const AovChannels& aovs = {}) {
     pixels_ = pixels;
@@ -64,7 +65,7 @@ class CameraTask {
     cursor = {};
     enter();
     samples.resize(total_, channels, spectral_bins > 0, aovs.surfaces);
-    // Paths that meet no surface, or no light of a group, leave their layers as they are.
+    // Paths that hit no surface, or no light of a group, do not write these layers.
     if (channels > kBeautyChannels) samples.clear();
   }
 
@@ -72,10 +73,10 @@ class CameraTask {
   const SampledFrame& frame() const { return frame_; }
   int spectral_bins() const { return spectral_bins_; }
   const AovChannels& aovs() const { return aovs_; }
-  int total() const { return total_; }                ///< samples
-  int left() const { return total_ - cursor.index; }  ///< samples that were not started yet
+  int total() const { return total_; }                ///< number of samples
+  int left() const { return total_ - cursor.index; }  ///< samples not started yet
 
-  /// The pixel and the absolute index of the sample at the cursor. There must be one left.
+  /// Pixel and absolute sample index at the cursor. Requires left() > 0.
   std::uint32_t pixel() const { return pixels_[cursor.entry].pixel; }
   std::uint32_t sample() const { return pixels_[cursor.entry].first_sample + cursor.sample; }
   int x() const { return cursor.x; }

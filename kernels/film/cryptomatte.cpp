@@ -14,11 +14,11 @@ namespace sheaf {
 
 namespace {
 
-/// A kind of name: what of it there is in layers.
+/// Layers and scene tables of one kind of name.
 struct NameLayers {
   Aov number, cryptomatte;
   const char* layer;  ///< of Cryptomatte
-  const char* part;   ///< how the layers of add_part_ids() begin
+  const char* part;   ///< channel prefix of add_part_ids()
   const std::vector<std::string> SceneNames::*names;
   const std::vector<std::uint32_t> SceneNames::*of_shape;
 };
@@ -28,14 +28,14 @@ constexpr NameLayers kNameLayers[] = {{Aov::kObjectId, Aov::kCryptomatteObject, 
                                        &SceneNames::materials, &SceneNames::material_of_shape}};
 static_assert(std::size(kNameLayers) == kNameKinds);
 
-/// So many digits in base 16.
+/// The highest `digits` hexadecimal digits of a 32-bit value.
 std::string hexadecimal(std::uint32_t value, int digits) {
   std::string text;
   for (int shift = 28; shift > 28 - 4 * digits; shift -= 4) text += "0123456789abcdef"[value >> shift & 15u];
   return text;
 }
 
-/// A string of JSON.
+/// Quotes and escapes a string as JSON.
 std::string json_string(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -48,20 +48,20 @@ std::string json_string(std::string_view text) {
   return out + '"';
 }
 
-/// A name that covers part of a pixel.
+/// A name and its weight in a pixel.
 struct Covering {
   std::uint32_t index;  ///< of the name
   double weight;
 };
 
-/// What covers a pixel.
+/// The names that cover a pixel.
 struct PixelNames {
-  std::vector<Covering> ranked;  ///< those that cover most of it first
+  std::vector<Covering> ranked;  ///< by decreasing weight
   double total = 0;              ///< weight of all samples
-  double nothing = 0;            ///< weight of those on no surface
+  double nothing = 0;            ///< weight of samples that hit no surface
 };
 
-/// `index_of`: of the name of an entry that is something.
+/// `index_of`: maps an entry's shape to the index of its name.
 template <class IndexOf> PixelNames names_of(const IdCoverage& pixel, IndexOf&& index_of) {
   std::vector<IdCoverage::Entry> entries = pixel.entries();
   std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.shape < b.shape; });
@@ -74,7 +74,7 @@ template <class IndexOf> PixelNames names_of(const IdCoverage& pixel, IndexOf&& 
     else
       weights[index_of(entry.shape)] += entry.weight;
   }
-  // Negative lobes of filters may leave less than nothing.
+  // Negative filter lobes can leave negative weights.
   for (const auto& [index, weight] : weights)
     if (weight > 0.0 && names.total > 0.0) names.ranked.push_back({index, weight});
   std::stable_sort(names.ranked.begin(), names.ranked.end(),
@@ -82,13 +82,13 @@ template <class IndexOf> PixelNames names_of(const IdCoverage& pixel, IndexOf&& 
   return names;
 }
 
-/// The name that covers most of the pixel, counted from 1; 0: more of it is covered by none.
+/// 1-based index of the name that covers most of the pixel; 0 if the background covers more.
 float number_of(const PixelNames& names) {
   if (names.ranked.empty() || names.nothing > names.ranked[0].weight) return 0.0f;
   return static_cast<float>(names.ranked[0].index + 1);
 }
 
-/// The material of materials that share a name: the first of them.
+/// Maps each name to the first of equal names.
 std::vector<std::uint32_t> first_of_name(const std::vector<std::string>& names) {
   std::map<std::string_view, std::uint32_t> first;
   std::vector<std::uint32_t> out;
@@ -96,7 +96,7 @@ std::vector<std::uint32_t> first_of_name(const std::vector<std::string>& names) 
   return out;
 }
 
-/// The numbers of the names that rows of shapes have.
+/// Index of the name of each row of shapes.
 std::vector<std::uint32_t> names_of_shapes(const NameLayers& kind, const SceneNames& names) {
   const std::vector<std::uint32_t> first = first_of_name(names.*kind.names);
   std::vector<std::uint32_t> of_shape = names.*kind.of_shape;
@@ -131,12 +131,12 @@ void fill(const NameLayers& kind, const SceneNames& names, const Film& film, con
     }
 }
 
-/// The channels of one rank of Cryptomatte, those of its id and of its share.
+/// Cryptomatte channel i: even channels hold the ids and odd ones the coverage of rank i / 2.
 std::string rank_channel(const NameLayers& kind, int i) {
   return kind.layer + ("0" + std::to_string(i / 4)) + "." + "rgba"[i % 4];
 }
 
-/// The layers of add_part_ids(): weight on nothing, then for each rank a number, counted from 1, and a weight.
+/// Channels of add_part_ids(): the weight on nothing, then for each rank a 1-based index and a weight.
 std::vector<std::string> part_channels(const NameLayers& kind) {
   std::vector<std::string> channels{kind.part + std::string("nothing")};
   for (int i = 0; i < kPartRanks; ++i)
@@ -205,7 +205,7 @@ IdChannels::IdChannels(const Image& image, std::size_t kind) {
   number = image.find_channel(kAovList[static_cast<std::size_t>(layers.number)].channels[0]);
   for (int i = 0; i < 2 * kCryptomatteRanks; ++i)
     ranks[static_cast<std::size_t>(i)] = image.find_channel(rank_channel(layers, i));
-  // Some of them alone are none.
+  // An incomplete set of ranks counts as absent.
   if (std::find(ranks.begin(), ranks.end(), -1) != ranks.end()) ranks.fill(-1);
 }
 

@@ -18,14 +18,14 @@ namespace {
 /// Width of a bin, nm.
 double bin_width(int bins) { return static_cast<double>(kWavelengthMax - kWavelengthMin) / bins; }
 
-/// The channel of a bin: its centre with six decimals after a comma.
+/// Name of a bin's channel: its center in nm, with six decimals after a comma.
 std::string bin_channel(int bin, int bins) {
   std::string centre = std::to_string(static_cast<double>(kWavelengthMin) + (bin + 0.5) * bin_width(bins));
   std::replace(centre.begin(), centre.end(), '.', ',');
   return "S0." + centre + "nm";
 }
 
-/// Rows of pixels that one thread adds borders to at a time.
+/// Rows of pixels per parallel work item of adding borders.
 constexpr int kBand = 32;
 
 }  // namespace
@@ -116,12 +116,12 @@ void Film::end_first_half() {
   }
 }
 
-/// `out`: the picture's channels in their order.
+/// `out`: the image's channels, in order.
 void Film::write_pixel(std::size_t pixel, float* out) const {
   const double* const row = sums_.data() + pixel * row_.film_size();
   const double weight = row[FilmRow::kWeight];
   out[row_.channels + row_.variances] = static_cast<float>(counts_[pixel]);
-  // Negative lobes of a filter may leave nothing, where samples are few.
+  // With few samples, the negative lobes of a filter can leave no positive weight.
   if (!(weight > 0.0)) return;
   for (std::size_t c = 0; c < row_.channels; ++c) out[c] = static_cast<float>(row[FilmRow::kSums + c] / weight);
   const double* const squares = row + row_.film_squares_at();
@@ -205,6 +205,7 @@ void Film::add_part_layers(Image& image) const {
     float* const means = image.data.data() + pixel * image.channels.size();
     float* out = means + first;
     *out++ = static_cast<float>(weight);
+    // to_image() leaves these pixels zero.
     if (weight < 0.0) {
       for (std::size_t c = 0; c < row_.channels; ++c) means[c] = static_cast<float>(row[FilmRow::kSums + c] / weight);
       for (std::size_t bin = 0; bin < row_.bins; ++bin)
@@ -215,7 +216,7 @@ void Film::add_part_layers(Image& image) const {
     const double weight_squared = row_.variances > 0 ? *square++ : 0.0;
     if (row_.variances > 0) *out++ = static_cast<float>(weight_squared);
     for (const std::size_t c : row_.with_variance) {
-      // The mean as it is stored, so that sums of squares are found again from it whatever it was rounded to.
+      // Use the mean as stored in single precision, so that merging recovers the sums of squares despite the rounding.
       const auto mean = static_cast<double>(means[c]);
       const double scatter = square[0] - 2.0 * mean * square[1] + mean * mean * weight_squared;
       *out++ = static_cast<float>(std::clamp(scatter, 0.0, kLargestVariance));

@@ -1,4 +1,4 @@
-// The film: sums of samples per pixel, from which the picture and its variance are made.
+// The film: weighted sums of samples per pixel, from which the image and its variance are computed (PBR 5.4).
 #pragma once
 
 #include "core/image.h"
@@ -12,30 +12,31 @@ namespace sheaf {
 class BinaryInput;
 class BinaryOutput;
 
-/// Most bins: one for every nm from 360 to 830.
+/// Maximum number of spectral bins: one per nm from 360 to 830.
 inline constexpr int kMaxSpectralBins = 471;
 
-/// What the variance of a pixel is estimated from.
+/// The unit whose scatter estimates the variance of a pixel.
 enum class VarianceUnit : std::uint8_t {
-  kSample,     ///< the scatter of samples: right where these are independent of each other
-  kReplicate,  ///< that of replicates: sets of samples that are independent of each other, one after the other
+  kSample,     ///< samples; correct if they are independent of each other
+  kReplicate,  ///< replicates: consecutive, independent sets of samples
 };
 
-/// Pixel sums in double precision. A pixel's value is the mean of its samples by weight, sum of w v / sum of w; where
-/// samples count in their own pixel alone w is 1.
+/// Pixel sums in double precision. A pixel's value is the weighted mean of its samples, sum of w v / sum of w. If
+/// samples count in their own pixel alone, w is 1.
 ///
-/// With u for a unit, a sample or a replicate, W_u its sum of w, S_u its sum of w v, and m = sum of S_u / sum of W_u,
-/// the variance of m is, to the first order in 1 / n, the sum of (S_u - m W_u)^2 over the square of the sum of W_u
-/// (Cochran, "Sampling Techniques", 1977, chapter 6); divided by 1 - (sum of W_u^2) / (sum of
-/// W_u)^2, which makes it unbiased where all W_u are the same.
+/// Let u be a unit, that is a sample or a replicate, W_u its sum of w, S_u its sum of w v, and m = sum of S_u / sum of
+/// W_u. To first order in 1 / n, the variance of m is the sum of (S_u - m W_u)^2 over the square of the sum of W_u.
+/// See Cochran, "Sampling Techniques" (1977), chapter 6. Division by 1 - (sum of W_u^2) / (sum of W_u)^2 makes it
+/// unbiased if all W_u are equal.
 ///
-/// Tiles are added as they end, each pixel by the one tile that owns it; borders when all tiles of a pass have ended,
-/// in the order of tiles. So a pixel's bits depend on how the frame is cut into tiles and passes alone.
+/// Each finished tile is added at once, every pixel by the one tile that owns it. Borders are added when all tiles of a
+/// pass have finished, in the order of tiles. Therefore a pixel's bits depend only on how the frame is divided into
+/// tiles and passes.
 class Film {
  public:
   Film() = default;
-  /// `crop` must lie inside the frame. `spectral_bins`: of equal width from 360 to 830 nm, at most kMaxSpectralBins.
-  /// `has_surface_ids`: whether samples have SurfaceSamples.
+  /// `crop` must lie inside the frame. `spectral_bins`: number of bins of equal width from 360 to 830 nm, at most
+  /// kMaxSpectralBins. `has_surface_ids`: samples have SurfaceSamples.
   Film(int frame_width, int frame_height, PixelRect crop, FilmLayout layout = FilmLayout::beauty(),
        int spectral_bins = 0, VarianceUnit unit = VarianceUnit::kSample, bool has_surface_ids = false);
 
@@ -43,7 +44,7 @@ class Film {
   int height() const { return frame_height_; }
   const PixelRect& crop() const { return crop_; }
   const FilmLayout& layout() const { return layout_; }
-  /// Numbers per pixel of a tile.
+  /// Numbers per pixel of a tile's row.
   std::size_t tile_row_size() const { return row_.size(); }
   int spectral_bins() const { return static_cast<int>(row_.bins); }
   VarianceUnit variance_unit() const { return unit_; }
@@ -52,46 +53,55 @@ class Film {
   void begin(FilmTile& tile, const PixelRect& own, const FilterWeights* weights) const {
     tile.begin(row_, weights, own, crop_, has_surface_ids());
   }
-  /// Adds the tile's own pixels. Different tiles may be added by different threads at once.
+  /// Adds the tile's own pixels. Different threads may add different tiles concurrently.
   void add(const FilmTile& tile);
-  /// Adds what tiles bring to the pixels of others, in the order given. Uses threads.
+  /// Adds the contributions of tiles to the pixels of other tiles, in the given order. Multithreaded.
   void add(std::span<const FilmBorder> borders);
-  /// Ends a replicate: what was added since the last one, or since the beginning. Nothing where samples are the units.
+  /// Ends a replicate, which consists of everything added since the previous one ended. Does nothing if samples are the
+  /// units.
   void end_replicate();
 
-  /// Takes all samples out again.
+  /// Removes all samples.
   void clear();
 
-  /// Ends the first half of the samples, whose means the picture is to have besides.
+  /// Marks the end of the first half of the samples, whose means become layers of the image.
   void end_first_half();
 
-  /// How many samples were taken in the pixel (x, y) of the frame, inside the crop, and not dropped.
+  /// Number of samples taken in pixel (x, y) of the frame, without dropped ones. The pixel must lie inside the crop.
   std::uint64_t count(int x, int y) const { return counts_[pixel_index(x, y)]; }
-  /// The mean of count() over the crop.
+  /// Mean of count() over the crop window.
   double mean_samples() const;
 
   bool has_surface_ids() const { return !coverage_.empty(); }
-  /// What the weights of samples on surfaces add up to. Only where they are told.
+  /// Sums of sample weights by surface. Requires has_surface_ids().
   const IdCoverage& coverage(int x, int y) const { return coverage_[pixel_index(x, y)]; }
 
-  /// The picture over the crop, without the layers of AovSource::kSurfaceId: the mean of each channel, the variances of
-  /// these means (zero below two units, and in replicates that have not ended), sampleCount, and the means of the first
-  /// half of the samples (zero before that has ended). Pixels without samples are zero. A film with bins has the mean
-  /// spectral radiance over each of them besides, in channels as of Fichet, Pacanowski and Wilkie, "An OpenEXR Layout
-  /// for Spectral Images" (2021): the name of the bin around 550 nm is "S0.550,000000nm".
+  /// The image of the crop window, without the layers of AovSource::kSurfaceId. Its channels are, in this order:
+  ///   - the mean of each channel
+  ///   - the variances of these means: zero with fewer than two units, and for replicates that have not ended
+  ///   - sampleCount
+  ///   - the mean spectral radiance of each bin, if the film has bins. The channel names follow Fichet, Pacanowski and
+  ///     Wilkie, "An OpenEXR Layout for Spectral Images" (2021): the bin around 550 nm is "S0.550,000000nm".
+  ///   - the means of the first half of the samples, zero until end_first_half()
+  ///
+  /// Pixels without samples are zero.
   Image to_image() const;
 
-  /// Appends to this picture, of some of the samples, what joining it with those of the others needs (see merge.h): the
-  /// layers "part.weight", the sum W of weights; with variances "part.weightSquared", Q = sum of W_u^2, and with m for
-  /// the channel's mean as it is stored "part.scatter." + channel, sum of (S_u - m W_u)^2, and "part.cross." + channel,
-  /// sum of (S_u - m W_u) W_u; with a first half "part.halfWeight", its sum of weights. Here means are those of weights
-  /// below zero too, which negative lobes of a filter may leave where samples are few.
+  /// Appends the layers that merging needs (see merge.h) to this film's image, which holds part of the samples:
+  ///   - "part.weight", the sum W of weights
+  ///   - with variances: "part.weightSquared", Q = sum of W_u^2
+  ///   - with variances, and m for the channel's mean as stored: "part.scatter." + channel, the sum of
+  ///     (S_u - m W_u)^2, and "part.cross." + channel, the sum of (S_u - m W_u) W_u
+  ///   - with a first half: "part.halfWeight", its sum of weights
+  ///
+  /// The function also writes means if the sum of weights is negative, which the negative lobes of a filter can cause
+  /// with few samples.
   void add_part_layers(Image& image) const;
 
-  /// How noisy the picture is: the standard error of a pixel's luminance over its value, root of the mean square over
-  /// the pixels without the worst thousandth. Dark pixels count as if they had a tenth of the picture's mean. Nothing
-  /// where R, G and B have no variances, and where more than a thousandth of the pixels have fewer than two units to
-  /// estimate them from, as in a render that was interrupted early.
+  /// Relative noise of the image: the standard error of a pixel's luminance over its value, as the root mean square
+  /// over all pixels without the worst 0.1%. Dark pixels count as if they had a tenth of the image's mean. Returns
+  /// nothing if R, G and B have no variances. Also returns nothing if more than 0.1% of the pixels have fewer than two
+  /// units, as in a render that was interrupted early.
   std::optional<double> noise() const;
 
  private:
@@ -112,12 +122,12 @@ class Film {
   VarianceUnit unit_ = VarianceUnit::kSample;
   FilmRow row_;
   std::vector<std::uint64_t> counts_;  ///< per pixel
-  std::vector<double> sums_;           ///< per pixel a row; its second group is of the units that have ended
-  /// Of the replicate that has not ended, per pixel: the sum of weights and, for each channel with a variance, its sum.
+  std::vector<double> sums_;           ///< one row per pixel; the second group covers only the units that have ended
+  /// Current replicate, per pixel: the sum of weights and the sum of each channel with a variance.
   std::vector<double> open_;
-  /// Of the first half, per pixel: the sum of weights and, for each channel with FilmChannel::has_half, its sum.
+  /// First half, per pixel: the sum of weights and the sum of each channel with FilmChannel::has_half.
   std::vector<double> half_;
-  std::vector<IdCoverage> coverage_;  ///< per pixel, where surfaces are told
+  std::vector<IdCoverage> coverage_;  ///< per pixel; only with surface ids
 };
 
 }  // namespace sheaf

@@ -4,20 +4,20 @@ namespace sheaf {
 
 namespace {
 
-/// Most channels: far beyond any film, far below what would exhaust memory.
+/// Maximum number of channels: far more than any film has, far fewer than would exhaust memory.
 constexpr std::uint32_t kMaxChannels = 4096;
 
-/// Pixels around the frame that tiles may lie in, and that samples may reach: far beyond any filter.
+/// Maximum distance of tiles and filter support from the frame, pixels: far larger than any filter.
 constexpr int kMaxReach = 4096;
 
-/// Most pixels along a frame's side: as many as a frame may have in all.
+/// Maximum side of a frame, pixels: the limit for the pixels of a whole frame.
 constexpr int kMaxFrameSide = 1'000'000'000;
 
 void put_rect(BinaryOutput& out, const PixelRect& rect) {
   for (const int value : {rect.x0, rect.y0, rect.x1, rect.y1}) out.put(static_cast<std::int32_t>(value));
 }
 
-/// A rectangle inside `outer`.
+/// Reads a rectangle and checks that it lies inside `outer`.
 PixelRect get_rect(BinaryInput& in, const PixelRect& outer) {
   PixelRect rect;
   for (int* const value : {&rect.x0, &rect.y0, &rect.x1, &rect.y1}) *value = in.get<std::int32_t>();
@@ -93,7 +93,8 @@ Film get_film(BinaryInput& in) {
   if (bins < 0 || bins > kMaxSpectralBins || unit > static_cast<std::uint8_t>(VarianceUnit::kReplicate))
     in.fail("has bins or variances that cannot be: damaged");
   FilmLayout layout = get_layout(in);
-  // Every pixel has its count and its row at least: no memory is taken for pixels that the file cannot hold.
+  // Each pixel has at least its count and its row. Check this before allocating memory for pixels that the file cannot
+  // hold.
   const std::uint64_t least = (1 + FilmRow(layout, bins, false).film_size()) * sizeof(double);
   if (crop.area() > in.left() / least) in.fail("ends too early: cut off");
   Film film(width, height, crop, std::move(layout), bins, static_cast<VarianceUnit>(unit), has_surface_ids);

@@ -1,4 +1,5 @@
-// Films in files: all sums and counts as they are, so that what is read goes on as if it had never been written.
+// Serialization of films for checkpoints. All sums and counts are stored exactly, so a restored render continues to the
+// same bits.
 #pragma once
 
 #include "core/binary_file.h"
@@ -9,18 +10,18 @@
 namespace sheaf {
 
 void put_film(BinaryOutput& out, const Film& film);
-/// Throws Error (exit code 5) for what cannot be a film.
+/// Throws Error (exit code 5) for an invalid film.
 Film get_film(BinaryInput& in);
 
-/// What tiles bring to each other; `in`: to the film that they are of.
+/// Contributions of tiles to the pixels of other tiles. `film`: the film of these tiles.
 void put_borders(BinaryOutput& out, const std::vector<FilmBorder>& borders);
 std::vector<FilmBorder> get_borders(BinaryInput& in, const Film& film);
 
-/// The sums of tiles; `of`: the film that they become.
+/// Sums of an adaptive film. `of`: the film that they are assembled into.
 void put_adaptive(BinaryOutput& out, const AdaptiveFilm& film);
 AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of);
 
-/// The sums of splats; `film`: one of the same crop and filter.
+/// Sums of splats. `film`: a splat film with the same crop window and filter.
 void put_splats(BinaryOutput& out, const SplatFilm& film);
 void get_splats(BinaryInput& in, SplatFilm& film);
 

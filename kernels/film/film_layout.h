@@ -1,4 +1,4 @@
-// The channels of a film: which numbers a sample is made of, and which of them have a variance.
+// Film layout: the channels of a sample, and which of them have a variance.
 #pragma once
 
 #include <string>
@@ -7,18 +7,18 @@
 
 namespace sheaf {
 
-/// One channel of a film and of the samples that it is made from.
+/// One channel of a film and of its samples.
 struct FilmChannel {
-  std::string name;           ///< as in the picture, e.g. "R" or "albedo.G"; each once
-  bool has_variance = false;  ///< the picture has the variance of its mean too, in the channel "variance." + name
-  bool has_half = false;      ///< and the mean of the first half of the samples, in the channel "half." + name
+  std::string name;           ///< unique; as in the image, e.g. "R" or "albedo.G"
+  bool has_variance = false;  ///< the image also has the variance of the mean, as "variance." + name
+  bool has_half = false;      ///< the image also has the mean of the first half of the samples, as "half." + name
   bool operator==(const FilmChannel&) const = default;
 };
 
-/// The channels of a sample in their order.
+/// The channels of a sample, in order.
 class FilmLayout {
  public:
-  /// What every camera pass makes: R, G and B (linear Rec.709, premultiplied), with variances or not, and A (coverage).
+  /// The channels of every camera pass: R, G and B (linear Rec.709, premultiplied), and A (coverage, no variance).
   static FilmLayout beauty(bool with_variances = true);
 
   FilmLayout() = default;
@@ -26,11 +26,11 @@ class FilmLayout {
 
   const std::vector<FilmChannel>& channels() const { return channels_; }
   int size() const { return static_cast<int>(channels_.size()); }
-  /// How many channels have a variance.
+  /// Number of channels with a variance.
   int variance_count() const;
-  /// How many have the mean of the first half of the samples.
+  /// Number of channels with a mean of the first half of the samples.
   int half_count() const;
-  /// The channel's index, or -1 if there is none of this name.
+  /// Index of the channel, or -1 if it does not exist.
   int find(std::string_view name) const;
   bool operator==(const FilmLayout&) const = default;
 
@@ -38,7 +38,7 @@ class FilmLayout {
   std::vector<FilmChannel> channels_;
 };
 
-/// Where FilmLayout::beauty() has its channels.
+/// Channel indices of FilmLayout::beauty().
 enum BeautyChannel : int { kRed, kGreen, kBlue, kAlpha, kBeautyChannels };
 
 }  // namespace sheaf

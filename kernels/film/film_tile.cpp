@@ -10,14 +10,14 @@ namespace sheaf {
 
 namespace {
 
-/// Samples that are added at once, where that is possible.
+/// Maximum number of samples that add_together() adds at once.
 constexpr std::size_t kTogether = 16;
 
-/// The pixels along an axis that a sample reaches, of those in [begin, end), and its weights in all within reach.
+/// The pixels in [begin, end) within a sample's reach along one axis, and the weights of all pixels within reach.
 struct Span {
   int first = 0, count = 0;
-  int skipped = 0;  ///< how many pixels within reach come before the first
-  /// Not initialised: only length() of the filter are used.
+  int skipped = 0;  ///< pixels within reach before the first one
+  /// Not initialized: only the first length() weights of the filter are used.
   std::array<double, FilterWeights::kMaxPixels> weights;
 
   Span(const FilterWeights& filter, int at, float offset, int begin, int end)
@@ -32,18 +32,19 @@ struct Span {
 constexpr std::size_t kRegister = FilmRow::kRegister;
 static_assert(kRegister == FilterWeights::kRegister);
 
-/// One register of a row. Compilers that are left alone with loops over these numbers put pixels across registers.
+/// One register of a row. Without explicit vectors, compilers vectorize these loops across pixels instead of across
+/// numbers.
 using RowRegister [[gnu::vector_size(kRegister * sizeof(double))]] = double;
 
-/// One register of the terms of samples, with a row of weights along each axis.
+/// One register of the terms of several samples, with a row of weights along each axis.
 struct Weighed {
-  const double* terms;   ///< of the first sample; those of the next are `stride` further
-  const double* across;  ///< of the first sample; those of the next are kRegister further
-  const double* down;    ///< likewise
+  const double* terms;   ///< of the first sample; `stride` numbers between samples
+  const double* across;  ///< of the first sample; kRegister numbers between samples
+  const double* down;    ///< like across
   std::size_t stride, count;
 };
 
-/// Adds samples to kPixels pixels side by side, whose sums stay in registers meanwhile.
+/// Adds samples to kPixels adjacent pixels. Keeps the pixels' sums in registers.
 template <std::size_t kPixels> SHEAF_INLINE void add_to_pixels(const Weighed& samples, double* sums) {
   RowRegister sum[kPixels];
   for (std::size_t i = 0; i < kPixels; ++i) std::memcpy(&sum[i], sums + i * samples.stride, sizeof sum[i]);
@@ -59,9 +60,9 @@ template <std::size_t kPixels> SHEAF_INLINE void add_to_pixels(const Weighed& sa
   for (std::size_t i = 0; i < kPixels; ++i) std::memcpy(sums + i * samples.stride, &sum[i], sizeof sum[i]);
 }
 
-/// The same for any number of pixels.
+/// Adds samples to any number of adjacent pixels.
 void add_to_line(Weighed samples, double* sums, int pixels) {
-  constexpr int kMax = 5;  // what filters of radius 2 reach
+  constexpr int kMax = 5;  // width of filters of radius 2
   for (; pixels >= kMax; pixels -= kMax, samples.across += kMax, sums += kMax * samples.stride)
     add_to_pixels<kMax>(samples, sums);
   if (pixels == 4) return add_to_pixels<4>(samples, sums);
@@ -99,7 +100,7 @@ void FilmTile::take(const float* sample, double* terms) const {
 }
 
 void FilmTile::add_weighted(double* row, double weight) const {
-  // Rows and terms are different memory, which registers need to know.
+  // Rows and terms do not alias; the compiler needs this to keep values in registers.
   const auto add = [](double* __restrict sums, const double* __restrict terms, std::size_t count, double factor) {
     for (std::size_t k = 0; k < count; k += FilmRow::kRegister)
       for (std::size_t lane = k; lane < k + FilmRow::kRegister; ++lane) sums[lane] += factor * terms[lane];
@@ -128,9 +129,10 @@ void FilmTile::add_together(int x, int y, const SampleBuffer& samples, std::size
   const int reach = weights_->reach();
   const PixelRect reached = PixelRect{x - reach, y - reach, x + reach + 1, y + reach + 1}.intersection(outer_);
   if (reached.is_empty()) return;
-  // Not initialised, which would take as long as all else.
+  // Not initialized: that would take as long as the rest of the function.
   alignas(kSimdAlignment) double across[kTogether * kRegister], down[kTogether * kRegister];
   const std::size_t stride = row_.size();
+  // Collect the terms of the samples and their weights along both axes.
   std::size_t taken = 0;
   for (std::size_t k = first; k < first + count; ++k) {
     if (samples.is_dropped(k)) continue;
@@ -141,6 +143,7 @@ void FilmTile::add_together(int x, int y, const SampleBuffer& samples, std::size
     ++taken;
   }
   if (is_own(x, y)) counts_[index(x, y)] += static_cast<std::uint32_t>(taken);
+  // Add them to all pixels within reach, register by register.
   for (std::size_t part = 0; part < stride; part += kRegister)
     for (int to_y = reached.y0; to_y < reached.y1; ++to_y)
       add_to_line({terms_.data() + part, across + (reached.x0 - x + reach), down + (to_y - y + reach), stride, taken},

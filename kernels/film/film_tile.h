@@ -1,4 +1,4 @@
-// The sums of a tile's samples: over its own pixels, and over those around that its samples reach.
+// Sums of a tile's samples, over its own pixels and over the surrounding pixels within the filter's reach.
 #pragma once
 
 #include "core/large_table.h"
@@ -12,37 +12,38 @@
 
 namespace sheaf {
 
-/// What a tile adds to pixels of other tiles.
+/// Contributions of a tile to the pixels of other tiles.
 struct FilmBorder {
-  /// Pixels side by side; their rows of sums.
+  /// A rectangle of pixels and their rows of sums.
   struct Strip {
     PixelRect pixels;
     std::vector<double> sums;
-    std::vector<IdCoverage> coverage;  ///< of each pixel, where the film has it
+    std::vector<IdCoverage> coverage;  ///< per pixel; only with surface ids
   };
   std::vector<Strip> strips;  ///< disjoint
 };
 
-/// One for each worker. A pixel's sums depend on the tile's samples and on their order alone.
+/// Accumulator for one tile at a time; each worker has one. A pixel's sums depend only on the tile's samples and their
+/// order.
 class FilmTile {
  public:
-  /// Begins the tile `own`. Pixels outside `crop` are left out; the samples of the tile need not all lie inside.
-  /// `weights`: null where samples count in their own pixel alone. `has_surface_ids`: whether samples have
-  /// SurfaceSamples, which are summed up.
+  /// Begins the tile `own`. Pixels outside `crop` are ignored, although the tile's samples may lie there. `weights`:
+  /// null if samples count in their own pixel alone. `has_surface_ids`: samples have SurfaceSamples, whose coverage is
+  /// summed.
   void begin(const FilmRow& row, const FilterWeights* weights, const PixelRect& own, const PixelRect& crop,
              bool has_surface_ids = false);
 
-  /// Adds `count` samples of a buffer with the film's layout, from `first` on, which were taken in the tile's pixel
-  /// (x, y); nothing of those that were dropped.
+  /// Adds samples [first, first + count) of a buffer with the film's layout, which were taken in the tile's pixel (x,
+  /// y). Skips dropped samples.
   void add(int x, int y, const SampleBuffer& samples, std::size_t first, std::size_t count);
 
-  const PixelRect& own() const { return own_; }  ///< the tile's pixels inside the crop
-  /// The row of a pixel within reach, inside the crop.
+  const PixelRect& own() const { return own_; }  ///< the tile's pixels inside the crop window
+  /// Row of a pixel within reach, inside the crop window.
   const double* row(int x, int y) const { return sums_.data() + index(x, y) * row_.size(); }
-  /// Which surfaces cover a pixel within reach, inside the crop. Only where they are told.
+  /// Coverage of a pixel within reach, inside the crop window. Requires has_surface_ids().
   const IdCoverage& coverage(int x, int y) const { return coverage_[index(x, y)]; }
   bool has_surface_ids() const { return !coverage_.empty(); }
-  /// How many samples were taken in one of the own pixels, and not dropped.
+  /// Number of samples taken in one of the own pixels, without dropped ones.
   std::uint32_t count(int x, int y) const { return counts_[index(x, y)]; }
   /// The sums of all pixels that are not the tile's own.
   FilmBorder border() const;
@@ -52,7 +53,7 @@ class FilmTile {
     return static_cast<std::size_t>(y - outer_.y0) * static_cast<std::size_t>(outer_.width()) +
            static_cast<std::size_t>(x - outer_.x0);
   }
-  /// What the weights of a sample are multiplied by, and their squares: a row's first two groups.
+  /// Writes the factors of a sample's weights and squared weights: the first two groups of a row.
   void take(const float* sample, double* terms) const;
   void add_alone(int x, int y, const SampleBuffer& samples, std::size_t sample);
   void add_together(int x, int y, const SampleBuffer& samples, std::size_t first, std::size_t count);
@@ -63,10 +64,10 @@ class FilmTile {
   FilmRow row_;
   const FilterWeights* weights_ = nullptr;
   PixelRect own_, outer_;
-  LargeTable<double> sums_;  ///< aligned to registers, unless there are bins
+  LargeTable<double> sums_;  ///< aligned to registers unless the film has spectral bins
   std::vector<std::uint32_t> counts_;
-  std::vector<IdCoverage> coverage_;  ///< per pixel, where surfaces are told
-  LargeTable<double> terms_;          ///< of the samples that are added; see take()
+  std::vector<IdCoverage> coverage_;  ///< per pixel; only with surface ids
+  LargeTable<double> terms_;          ///< of the samples being added; see take()
 };
 
 }  // namespace sheaf

@@ -1,4 +1,4 @@
-// Which surfaces a pixel sees, and how much of it each of them covers.
+// Coverage of a pixel by surfaces, from which object and material id layers are computed.
 #pragma once
 
 #include <cstdint>
@@ -6,13 +6,13 @@
 
 namespace sheaf {
 
-/// The sum of the weights of a pixel's samples on each surface: few, most often one. Sums depend on the order in which
-/// weights are added, but not on what is added of other surfaces in between.
+/// Sum of the weights of a pixel's samples on each surface. There are few surfaces per pixel, usually one. Sums depend
+/// on the order in which weights are added, but not on the weights of other surfaces added in between.
 class IdCoverage {
  public:
   static constexpr std::uint32_t kNothing = 0xffffffffu;
   struct Entry {
-    std::uint32_t shape = kNothing;  ///< row of SceneView::shapes; or samples that met no surface
+    std::uint32_t shape = kNothing;  ///< row of SceneView::shapes; kNothing: samples that hit no surface
     double weight = 0;
   };
 
@@ -27,9 +27,9 @@ class IdCoverage {
   void add(const IdCoverage& other) {
     for (const Entry& entry : other.entries_) add(entry.shape, entry.weight);
   }
-  /// One of a surface that is not there yet.
+  /// Appends an entry; its surface must not be present yet.
   void append(const Entry& entry) { entries_.push_back(entry); }
-  /// In the order in which they were met first.
+  /// In order of first occurrence.
   const std::vector<Entry>& entries() const { return entries_; }
 
  private:

@@ -1,5 +1,5 @@
-// What only passes that start at the lights need: which photons a worker emits, how far it has come, and what they
-// have sent to the camera.
+// Light task: the photons that one worker emits, the index of the next photon, and the splats, photons and beams that
+// they create.
 #pragma once
 
 #include "kernels/film/splat.h"
@@ -13,14 +13,15 @@
 
 namespace sheaf {
 
-/// PathState::pixel of photons, to which the upper half of a photon's number is added; the lower half is their
-/// sample. No pixel of a film has such a number.
+/// PathState::pixel of photons is this value plus the upper half of the photon's number; PathState::sample is the lower
+/// half. No pixel of a film has such an index.
 inline constexpr std::uint32_t kPhotonPixel = 0x80000000u;
 
-/// Photons that one worker emits in one go. The photon_rays stage is their source, splat or store_photons their sink.
+/// Photons that one worker emits in one go. The source is the photon_rays stage, the sink is the splat or store_photons
+/// stage.
 class LightTask {
  public:
-  /// Begins the photons [first, first + count). Film positions outside of `bounds` don't count.
+  /// Begins light tracing of photons [first, first + count). Film positions outside `bounds` are ignored.
   void begin(std::uint64_t first, int count, const SplatFilter::Bounds& bounds) {
     first_ = first;
     total_ = count;
@@ -29,7 +30,7 @@ class LightTask {
     film_bounds = bounds;
     splats.clear();
   }
-  /// Begins photons [first, first + count) that are to be stored.
+  /// Begins photons [first, first + count) for a photon map of this kind.
   void begin(std::uint64_t first, int count, PhotonKind kind) {
     begin(first, count, SplatFilter::Bounds{});
     stores_ = true;
@@ -39,34 +40,35 @@ class LightTask {
     beams.clear();
   }
 
-  int total() const { return total_; }            ///< photons
-  int left() const { return total_ - emitted_; }  ///< photons that were not emitted yet
-  int emitted() const { return emitted_; }        ///< the next photon, counted from the task's first
-  std::uint64_t next() const { return first_ + static_cast<std::uint64_t>(emitted_); }  ///< the same of all photons
+  int total() const { return total_; }            ///< number of photons
+  int left() const { return total_ - emitted_; }  ///< photons not emitted yet
+  int emitted() const { return emitted_; }        ///< index of the next photon within the task
+  /// Index of the next photon among all photons.
+  std::uint64_t next() const { return first_ + static_cast<std::uint64_t>(emitted_); }
   void advance() {
     assert(left() > 0);
     ++emitted_;
   }
 
-  /// What was stored, in the order of photons and their vertices.
+  /// Stored photons, sorted by photon and vertex.
   std::vector<Photon> sorted_photons() const { return sorted(stored); }
   std::vector<PhotonBeam> sorted_beams() const { return sorted(beams); }
-  /// Puts the splats into the order of photons and their vertices, which does not depend on the wave's size.
+  /// Sorts the splats by photon and vertex, which makes their order independent of the wave's size.
   void sort_splats() {
     std::sort(splats.begin(), splats.end(), [](const Splat& a, const Splat& b) { return a.order < b.order; });
   }
 
-  SplatFilter::Bounds film_bounds{};  ///< film positions that count
+  SplatFilter::Bounds film_bounds{};  ///< accepted film positions
   std::vector<Splat> splats;
   std::vector<Photon> stored;
   std::vector<PhotonBeam> beams;
-  std::uint64_t arrived = 0;  ///< photons' vertices where one might have been stored, if only of another kind
+  std::uint64_t arrived = 0;  ///< photon vertices that could store a photon, possibly of another kind
 
-  /// Whether photons are stored, and not seen by the camera.
+  /// Whether photons are stored instead of connected to the camera.
   bool stores_photons() const { return stores_; }
-  /// Whether photons are stored where media scatter them.
+  /// Whether photons are stored at scattering events in media.
   bool stores_in_media() const { return stores_ && kind_ == PhotonKind::kVolume; }
-  /// Whether photons are to be stored that come to a surface with this history, RayFlags.
+  /// Whether a photon with this history (RayFlags) is stored when it hits a surface.
   bool stores(std::uint32_t flags) const {
     const std::uint32_t history = flags & (kRayDiffuse | kRaySpecular);
     switch (kind_) {
@@ -85,11 +87,11 @@ class LightTask {
     }
     return false;
   }
-  /// Whether photons end where they are scattered, but for what is specular.
+  /// Whether photons end at the first non-specular scattering event.
   bool ends_at_scattering() const { return stores_ && kind_ == PhotonKind::kCaustic; }
 
  private:
-  /// Each photon's are stored in their order: they only have to be counted.
+  /// Counting sort by photon: the items of each photon are already in order.
   template <class Item> std::vector<Item> sorted(const std::vector<Item>& items) const {
     std::vector<std::uint32_t> place(static_cast<std::size_t>(total_) + 1);
     for (const Item& item : items) ++place[(item.order >> kVertexBits) + 1];

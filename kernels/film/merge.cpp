@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kVariancePrefix = "variance.", kHalfPrefix = "half.", kCountChannel = "sampleCount";
 
-/// Where sums of a pixel's row stand that all channels share.
+/// Offsets of the sums in a pixel's row that all channels share.
 enum Shared : std::size_t { kWeight, kWeightSquared, kHalfWeight, kShared };
 
 bool have_common(const SampleRange& a, const SampleRange& b) { return a.first < b.end() && b.first < a.end(); }
@@ -23,7 +23,7 @@ bool is_id(std::string_view channel) {
          channel.starts_with("CryptoMaterial0");
 }
 
-/// The first of the samples [0, samples) that none of the ranges has, and how many follow it; nothing if there is none.
+/// First run of samples in [0, samples) that no range contains; nothing if there is no gap.
 std::optional<SampleRange> first_gap(std::vector<SampleRange> ranges, std::uint32_t samples) {
   std::sort(ranges.begin(), ranges.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::uint32_t at = 0;
@@ -62,7 +62,7 @@ std::optional<PartGap> find_gap(std::span<const PicturePart> parts, const PixelR
   std::uint64_t covered = 0;
   for (const PicturePart& part : parts) covered += part.pixels.intersection(whole).area() * part.samples.count;
   if (covered == whole.area() * samples) return std::nullopt;
-  // Between the edges of parts all pixels are alike.
+  // All pixels of a cell between the edges of parts have the same samples.
   std::set<int> across{whole.x0, whole.x1}, down{whole.y0, whole.y1};
   for (const PicturePart& part : parts) {
     const PixelRect pixels = part.pixels.intersection(whole);
@@ -194,6 +194,7 @@ void PictureMerger::add_sums(const PicturePart& part, const Image& image, const 
       const std::size_t pixel = pixel_index(x, y);
       double* const row = sums_.data() + pixel * row_size_;
       const double weight = value(weight_channel), squared = value(squared_channel), half = value(half_channel);
+      // Add the sums of weights and of all channels.
       summed_[pixel] = 1;
       row[kWeight] += weight;
       row[kWeightSquared] += squared;
@@ -220,6 +221,7 @@ void PictureMerger::add_sums(const PicturePart& part, const Image& image, const 
           }
         }
       }
+      // Add the weights of ids.
       for (std::size_t kind = 0; kind < kNameKinds; ++kind)
         if (!coverage_[kind].empty() && !names[kind].add(in, coverage_[kind][pixel]))
           throw SceneError({part.name, 0}, "has a number of an object or a material that cannot be");
@@ -234,7 +236,7 @@ void PictureMerger::finish_pixel(const double* row, float* out) const {
       case Rule::kCount:
         out[c] = static_cast<float>(*sum);
         break;
-      // Negative lobes of a filter may leave nothing, as in films.
+      // As in films, negative filter lobes can leave no positive weight.
       case Rule::kMean:
         out[c] = weight > 0.0 ? static_cast<float>(*sum / weight) : 0.0f;
         break;

@@ -1,9 +1,14 @@
-// Pictures of parts of a frame, or of some of its samples, joined to the picture of all.
+// Merging of images that hold parts of a frame, or part of its samples.
 //
-// Of a pixel that one part has whole the values are copied. Else means are joined by the sums of their weights, which
-// parts tell with all that the variance of the whole depends on (Film::add_part_layers()): with c for the sum of
-// (S_u - m W_u) W_u and s for that of (S_u - m W_u)^2, the sums over all units of S_u W_u and S_u^2 are those of
-// c + m Q and s + 2 m c + m^2 Q over the parts, m being the part's own mean. Names are joined by weight.
+// If one part holds all samples of a pixel, its values are copied. Otherwise means are averaged with their sums of
+// weights, and ids are merged by weight. For the variance, parts with their own mean m store additional layers, see
+// Film::add_part_layers():
+//   - Q = sum of W_u^2
+//   - c = sum of (S_u - m W_u) W_u
+//   - s = sum of (S_u - m W_u)^2
+//
+// Over all units, the sum of S_u W_u is the sum of c + m Q over the parts. The sum of S_u^2 is the sum of s + 2 m c +
+// m^2 Q.
 #pragma once
 
 #include "core/image.h"
@@ -19,60 +24,59 @@
 
 namespace sheaf {
 
-/// What a part is of.
+/// The pixels and samples that a part holds.
 struct PicturePart {
-  std::string name;     ///< of its file, for messages
+  std::string name;     ///< file name, for messages
   PixelRect pixels;     ///< inside the frame
-  SampleRange samples;  ///< that are taken in these pixels
+  SampleRange samples;  ///< taken in each of these pixels
 };
 
-/// Pixels that lack samples.
+/// Pixels with missing samples.
 struct PartGap {
   PixelRect pixels;
   SampleRange samples;
 };
 
-/// Throws SceneError, which names both, where two parts have a sample in common.
+/// Throws SceneError, naming both parts, if two parts share a sample.
 void check_overlaps(std::span<const PicturePart> parts);
 
-/// The first gap, if there is one: what parts that don't overlap leave of the pixels `whole` and their `samples`.
+/// First gap that non-overlapping parts leave in the pixels `whole` with `samples` samples each; nothing if complete.
 std::optional<PartGap> find_gap(std::span<const PicturePart> parts, const PixelRect& whole, std::uint32_t samples);
 
-/// The share of the samples of the pixels `whole` that parts have which don't overlap, 0 to 1.
+/// Share, 0 to 1, of all samples of the pixels `whole` that non-overlapping parts hold.
 double covered_share(std::span<const PicturePart> parts, const PixelRect& whole, std::uint32_t samples);
 
-/// Whether a channel is for joining alone, or cannot be joined: the whole picture does without it.
+/// Whether the merged image omits a channel, because it only serves merging or cannot be merged.
 bool is_left_out(std::string_view channel);
 
-/// What the pictures of some samples lack to be joined; an empty string if nothing: the layer's name.
+/// Name of the first layer that an image of part of the samples lacks for merging; empty if it lacks none.
 std::string missing_part_layer(const Image& part);
 
-/// Joins parts of one render, one after the other.
+/// Merges parts of one render, one after the other.
 class PictureMerger {
  public:
-  /// `whole`: pixels of the picture, which lies in a frame of frame_width x frame_height. `channels`: its channels.
-  /// `samples`: of a pixel. `ids`: for each kind of name, by number, Cryptomatte's ids; empty where they are not
-  /// needed.
+  /// `whole`: pixels of the merged image inside a frame of frame_width x frame_height. `channels`: its channels.
+  /// `samples`: samples per pixel. `ids`: for each kind of name, the Cryptomatte ids by index; empty if not needed.
   PictureMerger(int frame_width, int frame_height, const PixelRect& whole, const std::vector<std::string>& channels,
                 std::uint32_t samples, std::array<std::vector<float>, kNameKinds> ids);
 
-  /// Adds a part, which must not overlap others; what lies outside of the picture is left out. `image` has the channels
-  /// of the picture at least, and that of some samples all of Film::add_part_layers() and add_part_ids(). Throws
-  /// SceneError where it has not, or says what cannot be.
+  /// Adds a part, which must not overlap others. Ignores its pixels outside the merged image. `image` needs at least
+  /// the channels of the merged image. If it holds part of the samples, it also needs the layers of
+  /// Film::add_part_layers() and add_part_ids(). Throws SceneError if layers are missing or values are invalid.
   void add(const PicturePart& part, const Image& image);
 
-  /// The picture: zero where there are no parts. To be called once.
+  /// Returns the merged image; pixels without parts are zero. Call this once.
   Image finish();
-  /// Pixels of the finished picture whose variances are of a single unit, and say nothing.
+  /// Number of pixels of the finished image whose variance is unknown, because it comes from a single unit.
   std::size_t pixels_without_variance() const { return single_units_; }
 
  private:
-  /// How a channel of the picture comes about.
+  /// How to merge a channel.
   enum class Rule : std::uint8_t { kMean, kVariance, kHalf, kCount, kId };
   struct Channel {
     Rule rule = Rule::kMean;
-    std::size_t sum = 0;   ///< where its sums stand in a pixel's row: one, or of kVariance two, of squares and products
-    std::size_t mean = 0;  ///< of kVariance: the channel whose variance it is
+    std::size_t sum = 0;   ///< offset of its sums in a pixel's row: one, or for kVariance two (squares, products)
+    std::size_t mean = 0;  ///< for kVariance: index of the channel with the mean
   };
 
   void begin_sums();
@@ -87,10 +91,10 @@ class PictureMerger {
   std::array<std::vector<float>, kNameKinds> ids_;
   std::vector<Channel> channels_;
   std::size_t row_size_ = 0;
-  std::vector<double> sums_;  ///< per pixel a row; empty until they are needed
+  std::vector<double> sums_;  ///< one row per pixel; allocated on first use
   std::size_t single_units_ = 0;
-  std::vector<std::uint8_t> summed_;                          ///< per pixel: it is made of sums
-  std::array<std::vector<IdCoverage>, kNameKinds> coverage_;  ///< per pixel, by number of name
+  std::vector<std::uint8_t> summed_;                          ///< per pixel: computed from sums
+  std::array<std::vector<IdCoverage>, kNameKinds> coverage_;  ///< per pixel, by index of name
 };
 
 }  // namespace sheaf

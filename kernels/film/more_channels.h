@@ -1,4 +1,4 @@
-// Pictures that get further channels.
+// Adding channels to images.
 #pragma once
 
 #include "core/image.h"
@@ -7,7 +7,7 @@
 
 namespace sheaf {
 
-/// The picture with room for more channels behind those that it has, which are zero.
+/// Returns a copy of the image with more channels after its own; the new channels are zero.
 inline Image with_channels(const Image& image, const std::vector<std::string>& more) {
   std::vector<std::string> names = image.channels;
   names.insert(names.end(), more.begin(), more.end());

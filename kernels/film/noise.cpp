@@ -17,7 +17,7 @@ void PictureNoise::add(const float* value, const float* variance) {
   double of_value = 0, of_variance = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     of_value += kLuminance[c] * static_cast<double>(value[c]);
-    // As if the components' errors went together, which they do unless light is much coloured.
+    // Assume that the errors of the components are fully correlated, which holds unless the light is strongly colored.
     of_variance += kLuminance[c] * std::sqrt(static_cast<double>(variance[c]));
   }
   values_.push_back(of_value);

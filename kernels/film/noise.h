@@ -1,4 +1,4 @@
-// How noisy pixels are: the variance of their means, and that over their values.
+// Noise estimates: the variance of pixel means, absolute and relative to the pixel value.
 #pragma once
 
 #include "core/image.h"
@@ -10,51 +10,51 @@
 
 namespace sheaf {
 
-/// The variance of the mean m = sum of S_u / sum of W_u of units, as Film says: `weight`, `weight_squared`, `square`
-/// and `cross` are the sums of W_u, W_u^2, S_u^2 and S_u W_u. 0 for a single unit.
+/// Variance of the mean m = sum of S_u / sum of W_u over units, see Film. `weight`, `weight_squared`, `square` and
+/// `cross` are the sums of W_u, W_u^2, S_u^2 and S_u W_u. Returns 0 for a single unit.
 inline double variance_of_mean(double mean, double weight, double weight_squared, double square, double cross) {
   const double total = weight * weight, rest = 1.0 - weight_squared / total;
-  // A single unit leaves nothing but rounding.
+  // For a single unit only rounding errors remain.
   if (!(rest > 1e-9)) return 0.0;
   const double scatter = square - 2.0 * mean * cross + mean * mean * weight_squared;
   return (scatter > 0.0 ? scatter : 0.0) / (total * rest);
 }
 
-/// Whether there is but one unit, whose spread tells nothing.
+/// Whether a pixel has only one unit, so that its variance is unknown.
 inline bool is_single_unit(double weight, double weight_squared) {
   return weight > 0.0 && !(1.0 - weight_squared / (weight * weight) > 1e-9);
 }
 
-/// Whether so many of a picture's pixels are without a variance that its noise is unknown.
+/// Whether so many pixels lack a variance that the image's noise is unknown: more than 0.1%.
 inline bool is_noise_unknown(std::size_t unknown, std::size_t pixels) { return unknown > pixels / 1000; }
 
-/// Variances of very bright pixels stay finite in single precision.
+/// Upper bound that keeps the variances of very bright pixels finite in single precision.
 inline constexpr double kLargestVariance = std::numeric_limits<float>::max();
 
 inline constexpr double kLuminance[3] = {0.2126, 0.7152, 0.0722};  ///< of linear Rec.709
 
-/// Of R, G and B.
+/// Luminance of linear Rec.709.
 inline double luminance_of(const double* rgb) {
   return kLuminance[0] * rgb[0] + kLuminance[1] * rgb[1] + kLuminance[2] * rgb[2];
 }
 
-/// The variance of a pixel's value over its square. Dark pixels count as if they had a tenth of the picture's `mean`.
+/// Relative variance of a pixel. Dark pixels count as if they had a tenth of the image's `mean`.
 inline double relative_square(double value, double variance, double mean) {
   constexpr double kDark = 0.1;
   return variance / (value * value + kDark * mean * (kDark * mean) + 1e-30);
 }
 
-/// How noisy a picture is, from its layers, as Film::noise() says; nothing where R, G and B have no variances, or where
-/// more than a thousandth of the pixels have fewer than two samples.
+/// Noise of an image, computed from its layers as by Film::noise(). Returns nothing if R, G and B have no variances, or
+/// if more than 0.1% of the pixels have fewer than two samples.
 std::optional<double> picture_noise(const Image& image);
 
-/// The mean without the largest thousandth; 0 of nothing. Reorders `values`.
+/// Mean without the largest 0.1% of the values; 0 for an empty list. Reorders `values`.
 double mean_but_worst(std::vector<double>& values);
 
-/// Adds up Film::noise(), pixel by pixel.
+/// Computes Film::noise() pixel by pixel.
 class PictureNoise {
  public:
-  /// Both of R, G and B.
+  /// `value` and `variance`: R, G and B of one pixel.
   void add(const float* value, const float* variance);
   double noise();
 

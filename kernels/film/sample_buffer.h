@@ -1,4 +1,4 @@
-// Finished camera samples on their way to the film.
+// Buffer of finished camera samples, from which they are added to the film.
 #pragma once
 
 #include "kernels/film/id_coverage.h"
@@ -11,29 +11,29 @@
 
 namespace sheaf {
 
-/// What the wavelengths of a finished camera sample add to a film with spectral bins.
+/// Contributions of the wavelengths of a camera sample to a film with spectral bins.
 struct SpectralSample {
   std::uint16_t bin[4] = {};
-  float value[4] = {};  ///< spectral radiance over the density of the wavelength, the filter's weight included
+  float value[4] = {};  ///< spectral radiance over the pdf of the wavelength, times the filter's weight
 };
 
-/// Where a sample lies, pixels from the centre of its pixel.
+/// Position of a sample relative to the center of its pixel, pixels.
 struct SampleOffset {
   float x = 0, y = 0;
 };
 
-/// The first surface of a finished camera sample.
+/// First surface of a camera sample.
 struct SurfaceSample {
   std::uint32_t shape = IdCoverage::kNothing;  ///< row of SceneView::shapes
-  float weight = 1;                            ///< the filter's
+  float weight = 1;                            ///< the filter's weight
 };
 
-/// The samples of a task, each with all channels of the film's layout next to each other. Where a sample counts in its
-/// own pixel alone, the filter's weight is included.
+/// The samples of a task. The channels of a sample are contiguous and follow the film's layout. If samples count in
+/// their own pixel alone, the values include the filter's weight.
 class SampleBuffer {
  public:
-  /// Room for `samples` samples of `channels` channels, at least one; `spectral`: with SpectralSamples as well;
-  /// `surfaces`: with SurfaceSamples, of no surface yet.
+  /// Makes room for `samples` samples of `channels` channels (at least one). `spectral`: adds SpectralSamples.
+  /// `surfaces`: adds SurfaceSamples, initialized to no surface.
   void resize(int samples, int channels, bool spectral, bool surfaces = false) {
     channels_ = channels;
     values_.resize(static_cast<std::size_t>(samples) * static_cast<std::size_t>(channels));

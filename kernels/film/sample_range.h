@@ -1,11 +1,11 @@
-// Some of a pixel's samples.
+// A range of a pixel's samples.
 #pragma once
 
 #include <cstdint>
 
 namespace sheaf {
 
-/// Samples that follow each other, of the same plan for all pixels: [first, first + count).
+/// Consecutive samples [first, first + count) of the same sampling plan for all pixels.
 struct SampleRange {
   std::uint32_t first = 0, count = 0;
   std::uint32_t end() const { return first + count; }

@@ -13,17 +13,17 @@ namespace sheaf {
 
 namespace {
 
-/// Rows that one thread adds splats to at a time; each looks at all splats.
+/// Rows of pixels per parallel work item; each work item visits all splats.
 constexpr int kBand = 64;
 
 }  // namespace
 
 namespace {
 
-/// The integral of what FilterWeights::across() writes, over all offsets of a sample in its pixel. Its values are
-/// linear over each of the steps, which the midpoint rule integrates exactly, and end at the radius.
+/// Integrals of the values of FilterWeights::across() over all offsets of a sample in its pixel. The values are linear
+/// within each step and end at the radius, so the midpoint rule is exact.
 std::vector<double> filter_integrals(const FilterWeights& weights, double radius) {
-  constexpr int kSteps = 1024;  // a multiple of those of FilterWeights
+  constexpr int kSteps = 1024;  // a multiple of FilterWeights::kSteps
   std::vector<double> integrals(static_cast<std::size_t>(2 * weights.reach() + 1));
   std::array<double, FilterWeights::kMaxPixels> values;
   for (std::size_t k = 0; k < integrals.size(); ++k)
@@ -56,7 +56,7 @@ SplatFilter::Bounds SplatFilter::bounds(const PixelRect& crop) const {
 
 double SplatFilter::integral(int at, int sampled_begin, int sampled_end) const {
   if (!is_weighted_) return cumulative_.back();
-  // The sampled pixels q see the pixel `at` at a distance of at - q pixels.
+  // The offset from a sampled pixel q to the pixel `at` is at - q.
   const int reach = weights_.reach();
   const int first = std::clamp(at - (sampled_end - 1), -reach, reach + 1) + reach;
   const int last = std::clamp(at - sampled_begin, -reach - 1, reach) + reach;

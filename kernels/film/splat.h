@@ -1,4 +1,4 @@
-// Light that photons send to the camera, wherever on the film it lands; and the picture that it adds up to.
+// Splats: contributions of light tracing to arbitrary film positions, and the image that accumulates them (PBR 5.4).
 #pragma once
 
 #include "core/image.h"
@@ -14,42 +14,42 @@ namespace sheaf {
 class BinaryInput;
 class BinaryOutput;
 
-/// What one vertex of a photon sends to the camera.
+/// Contribution of one photon vertex to the camera.
 struct Splat {
-  float x = 0, y = 0;       ///< film position, pixels from the frame's upper left corner
-  float rgb[3] = {};        ///< linear Rec.709; over the number of all photons, its share of radiance times film area
-  std::uint64_t order = 0;  ///< photon of the task, and vertex of the photon
+  float x = 0, y = 0;       ///< film position, pixels from the upper left corner of the frame
+  float rgb[3] = {};        ///< linear Rec.709; divided by the number of photons: a share of radiance times film area
+  std::uint64_t order = 0;  ///< photon of the task in the upper bits, vertex of the photon in the lower 16
 };
 
-/// What a splat counts in the pixels around it: what camera samples would count there on average, so that pictures of
-/// both kinds have the same mean, also at the frame's edge.
+/// Weights of a splat in the pixels around it. They equal the average weights of camera samples. Therefore images
+/// of camera paths and of light tracing have the same expectation, even at the edge of the frame.
 ///
-/// FilterMode::kWeighted: camera samples lie on the sampled pixels alone, and a pixel is their mean by weight. So a
-/// splat beyond the sampled pixels counts nothing, and its weight elsewhere is the filter's value over the integral of
-/// the part of the filter that the sampled pixels hold. FilterMode::kImportance: over the whole integral, and splats
-/// count from wherever the filter reaches.
+/// FilterMode::kWeighted: camera samples lie on the sampled pixels alone, and a pixel is their weighted mean. A splat
+/// outside the sampled pixels has no effect. Elsewhere its weight is the filter's value over the integral of the filter
+/// across the sampled pixels. FilterMode::kImportance: the weight is the filter's value over its whole integral, and
+/// splats count from every position within the filter's support.
 class SplatFilter {
  public:
-  /// `sampled`: the pixels that camera samples are taken of, the frame and its border, whatever the crop. `turn`: of
-  /// cameras that see a whole turn, its width in pixels: what is so far apart is the same; else 0. Throws SceneError
-  /// for a filter that make_filter_table() refuses.
+  /// `sampled`: the pixels of camera samples, that is the frame and its border, regardless of the crop window. `turn`:
+  /// width of a full turn in pixels for cameras that see 360 degrees, where positions one turn apart are equal;
+  /// otherwise 0. Throws SceneError for a filter that make_filter_table() rejects.
   SplatFilter(const FilterDescription& filter, FilterMode mode, const PixelRect& sampled, float turn = 0);
 
   float turn() const { return turn_; }
-  /// How many turns away a film position may still count.
+  /// Maximum number of turns between a film position and the pixels that it can reach.
   int turns() const { return turn_ > 0 ? 1 + static_cast<int>(static_cast<float>(weights_.reach()) / turn_) : 0; }
 
-  /// A film position counts if it lies inside of these bounds, of which the crop is within reach.
+  /// Film positions that can reach the crop window.
   struct Bounds {
     float x0, y0, x1, y1;
   };
   Bounds bounds(const PixelRect& crop) const;
 
-  /// The pixels along one axis in which a splat counts, of those in [begin, end).
+  /// The pixels in [begin, end) along one axis that a splat reaches.
   struct Span {
     int first = 0, count = 0;
-    int skipped = 0;  ///< how many pixels within reach come before the first
-    /// Of all pixels within reach. Not initialised: only those of the filter's length are used.
+    int skipped = 0;  ///< pixels within reach before the first one
+    /// Weights of all pixels within reach. Not initialized: only the first length() of the filter are used.
     std::array<double, FilterWeights::kMaxPixels> weights;
 
     double weight(int i) const { return weights[static_cast<std::size_t>(skipped + i)]; }
@@ -59,29 +59,29 @@ class SplatFilter {
 
  private:
   Span span(float at, int begin, int end, int sampled_begin, int sampled_end) const;
-  /// The filter's integral over the sampled pixels, around the pixel `at` of one axis.
+  /// Integral of the filter over the sampled pixels along one axis, centered on pixel `at`.
   double integral(int at, int sampled_begin, int sampled_end) const;
 
   FilterWeights weights_;
   PixelRect sampled_;
   bool is_weighted_;
   float turn_;
-  /// Element i: the filter's integral over the first i pixels within reach.
+  /// Element i is the integral of the filter over the first i pixels within reach.
   std::vector<double> cumulative_;
 };
 
-/// An image made of splats: each counts in all pixels under the reconstruction filter, in double precision.
+/// Image of splats in double precision. Each splat contributes to all pixels under the pixel filter.
 class SplatFilm {
  public:
   SplatFilm() = default;
   /// `crop` must lie inside the frame.
   explicit SplatFilm(PixelRect crop);
 
-  /// Adds the splats of tasks, in their order. Uses threads; the sums' bits don't depend on how many.
+  /// Adds the splats of tasks in their order. Multithreaded; the bits do not depend on the number of threads.
   void add(std::span<const std::vector<Splat>> tasks, const SplatFilter& filter);
 
-  /// Adds the mean over `photons` photons to the channels R, G and B of a picture of the crop, and its variance, as if
-  /// all splats were independent of each other, to those of their variances.
+  /// Adds the mean over `photons` photons to the channels R, G and B of an image of the crop window. Adds its variance
+  /// to their variance channels, as if all splats were independent.
   void add_to(Image& image, std::uint64_t photons) const;
 
  private:

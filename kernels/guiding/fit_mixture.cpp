@@ -1,3 +1,4 @@
+// EM for mixtures of von Mises-Fisher lobes and a BSDF; see fit_mixture.h.
 #include "kernels/guiding/fit_mixture.h"
 
 #include "core/octahedral.h"
@@ -6,29 +7,29 @@ namespace sheaf {
 
 namespace {
 
-/// Rounds of expectation and maximisation per pass.
+/// EM iterations per training pass.
 constexpr int kRounds = 3;
-/// Share of the earlier passes' effective samples that counts on.
+/// Factor on the earlier passes' effective sample counts.
 constexpr float kMemory = 0.5f;
-/// No record counts more than this share of all.
+/// Maximum fraction of the total weight that one record may have.
 constexpr double kLargestPart = 0.01;
-/// Priors, in effective samples: of each lobe's share, of each lobe being even, and of the BSDF and the lobes having
-/// the same share.
+/// Priors, in effective samples: on the weight of each lobe, on each lobe being isotropic, and on equal weights of BSDF
+/// and lobes.
 constexpr float kSharePrior = 0.05f, kEvenPrior = 0.1f, kBsdfPrior = 4;
-/// Bounds of the BSDF's share: lobes may have missed light, and the BSDF may hardly ever find it.
+/// Bounds on the weight of the BSDF: the lobes may have missed light, and the BSDF may hardly ever find it.
 constexpr float kMinBsdf = 0.3f, kMaxBsdf = 0.95f;
-/// Concentration of the first lobes: that of even ones over half a sphere, about.
+/// Initial concentration of the lobes on a hemisphere: roughly that of evenly spread lobes.
 constexpr float kFirstKappa = 8;
 
-/// A register of records.
+/// Training samples, one per lane of a register.
 struct alignas(64) Samples {
   float x[kWidth] = {}, y[kWidth] = {}, z[kWidth] = {};
-  float weight[kWidth] = {};  ///< effective number
+  float weight[kWidth] = {};  ///< effective sample count
   float bsdf_pdf[kWidth] = {};
 };
 
-/// Factor on weights that makes them effective numbers: their sum is that of as many equal ones as would be as noisy
-/// (Kish 1965). `largest`: a weight may not be above.
+/// Factor that turns weights into effective sample counts: their sum becomes the number of equal weights with the same
+/// variance (Kish 1965). `largest`: output, the bound to which weights are clamped.
 float weight_scale(std::span<const GuideRecord> records, float& largest) {
   double sum = 0, squares = 0;
   for (const GuideRecord& r : records) sum += double{r.weight};
@@ -83,7 +84,7 @@ struct WideSums {
   }
 };
 
-/// Adds up how far the samples belong to each lobe, and to the BSDF.
+/// E step: sums the responsibilities of each lobe and of the BSDF.
 GuideSums expectation(const GuideMixture& mixture, const std::vector<Samples>& samples) {
   WideSums sums;
   WideFloat of_bsdf;
@@ -107,7 +108,7 @@ GuideSums expectation(const GuideMixture& mixture, const std::vector<Samples>& s
   return out;
 }
 
-/// `out` = `a` times `share` + `b`.
+/// Returns `share` * `a` + `b`.
 GuideSums weighted_sum(const GuideSums& a, float share, const GuideSums& b) {
   GuideSums out;
   for (int k = 0; k < kGuideLobes; ++k) {
@@ -120,7 +121,7 @@ GuideSums weighted_sum(const GuideSums& a, float share, const GuideSums& b) {
   return out;
 }
 
-/// Sets peaks and sums of shares.
+/// Sets peaks and cumulative weights from unnormalised weights.
 void set_shares(GuideMixture& mixture, const float (&shares)[kGuideLobes]) {
   double sum = 0, below = 0;
   for (const float s : shares) sum += double{s};
@@ -133,8 +134,8 @@ void set_shares(GuideMixture& mixture, const float (&shares)[kGuideLobes]) {
   mixture.below[kGuideLobes - 1] = 1;
 }
 
-/// The mixture that makes samples with these sums most likely. The concentration is that of Banerjee et al.,
-/// "Clustering on the Unit Hypersphere using von Mises-Fisher Distributions", 2005, equation 4.4.
+/// M step: the mixture of maximum likelihood for these sums. The concentration is that of Banerjee et al., "Clustering
+/// on the Unit Hypersphere using von Mises-Fisher Distributions", 2005, equation 4.4.
 void maximisation(const GuideSums& sums, GuideMixture& mixture) {
   float shares[kGuideLobes], lobes = 0;
   for (int k = 0; k < kGuideLobes; ++k) {
@@ -159,7 +160,7 @@ GuideMixture first_mixture(Vec3f axis) {
   GuideMixture out;
   float shares[kGuideLobes];
   for (int k = 0; k < kGuideLobes; ++k) {
-    // A spiral of even density (Vogel 1979).
+    // Evenly spaced directions on a spiral (Vogel 1979).
     const float u = (static_cast<float>(k) + 0.5f) / kGuideLobes, z = half ? 1 - u : 1 - 2 * u;
     const float turn = 0.61803398875f * static_cast<float>(k), r = std::sqrt(1 - z * z);
     const auto angle = sincos_2pi<Scalar>(turn - std::floor(turn));

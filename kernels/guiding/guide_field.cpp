@@ -1,3 +1,4 @@
+// Training of the guide: sorts records into cells, splits cells, and fits their mixtures.
 #include "kernels/guiding/guide_field.h"
 
 #include <tbb/blocked_range.h>
@@ -9,17 +10,17 @@ namespace sheaf {
 
 namespace {
 
-/// Share of the earlier passes' vertices that a mean remembers, and fewest vertices of a mean.
+/// Factor on the earlier passes' vertices in a mean, and minimum number of vertices for a mean.
 constexpr double kMeanMemory = 0.5, kFewestVertices = 16;
 
-/// The direction that surfaces of a side face.
+/// Normal of the surfaces of a side; 0 for media.
 Vec3f axis_of(std::uint32_t side) {
   const float sign = (side & 1u) != 0 ? -1.0f : 1.0f;
   if (side == kGuideMedia) return {0, 0, 0};
   return {side < 2 ? sign : 0.0f, side / 2 == 1 ? sign : 0.0f, side / 2 == 2 ? sign : 0.0f};
 }
 
-/// Bit of a code that tells the halves of a place at this depth apart.
+/// The bit of the Morton code that separates the halves of a cell at this depth.
 std::uint32_t half_bit(int depth) { return 1u << (kGuideBits - 1 - depth); }
 
 template <class F> void for_each_parallel(std::size_t count, std::size_t grain, F&& f) {
@@ -37,7 +38,7 @@ GuideView GuideField::view() const {
   return {mixtures_.data(), roots_.empty() ? nullptr : roots_.data(), children_.data(), means_.data(), low_, scale_};
 }
 
-/// The cube around all that was met by the first pass, and a place for each side.
+/// Fits the cube to all vertices of the first pass, and creates a cell per side.
 void GuideField::place_cube(const std::vector<std::vector<GuideRecord>>& tasks) {
   Vec3f low{kInfinity, kInfinity, kInfinity}, high = -low;
   for (const auto& task : tasks)
@@ -56,7 +57,7 @@ void GuideField::place_cube(const std::vector<std::vector<GuideRecord>>& tasks) 
   }
 }
 
-/// Lets the nodes of a place lead to it.
+/// Points the tree nodes of a cell to it.
 void GuideField::put(std::uint32_t place) {
   const Place& p = places_[place];
   const std::uint32_t leaf = kGuideLeaf | (place + 1);
@@ -67,8 +68,7 @@ void GuideField::put(std::uint32_t place) {
   std::fill_n(roots_.begin() + p.node, std::size_t{1} << (kGuideTopBits - p.depth), leaf);
 }
 
-/// Puts the records of all tasks into the order of places, and within each in their own. Returns where each place's
-/// stand.
+/// Sorts the records of all tasks by cell; within a cell they keep their order. Returns the range of each cell.
 std::vector<GuideField::Span> GuideField::sort_records(const std::vector<std::vector<GuideRecord>>& tasks) {
   if (places_.empty()) place_cube(tasks);
   const auto place_of = [](const GuideRecord& r) { return r.row() == 0 ? r.side() : r.row() - 1; };
@@ -76,6 +76,7 @@ std::vector<GuideField::Span> GuideField::sort_records(const std::vector<std::ve
   if (places_.empty()) return spans;
   for (const auto& task : tasks)
     for (const GuideRecord& r : task) ++spans[place_of(r)].end;
+  // Reserve the range of each cell.
   std::size_t begin = 0;
   for (Span& span : spans) {
     const std::size_t size = span.end;
@@ -88,12 +89,13 @@ std::vector<GuideField::Span> GuideField::sort_records(const std::vector<std::ve
   return spans;
 }
 
-/// Halves a place as long as more than `split_records` records lie in one of the halves.
+/// Splits a cell, then its first half, while it holds more than `split_records` records. Second halves are appended to
+/// `spans` and split by learn().
 void GuideField::split(std::size_t place, std::vector<Span>& spans, std::size_t split_records) {
   while (spans[place].end - spans[place].begin > split_records && places_[place].depth < kGuideBits) {
     const auto [begin, end] = spans[place];
     const std::uint32_t bit = half_bit(places_[place].depth);
-    // Both halves keep the order of their records.
+    // Partition the records; both halves keep their order.
     const GuideView guide = view();
     std::vector<GuideRecord> upper;
     std::size_t middle = begin;
@@ -105,10 +107,12 @@ void GuideField::split(std::size_t place, std::vector<Span>& spans, std::size_t 
     }
     std::copy(upper.begin(), upper.end(), records_.begin() + static_cast<std::ptrdiff_t>(middle));
 
+    // Share the statistics between the halves.
     halve(places_[place].sums);
     places_[place].found *= 0.5, places_[place].vertices *= 0.5;
     const int depth = ++places_[place].depth;
     Place other = places_[place];
+    // Create the nodes.
     if (depth > kGuideTopBits) {
       const auto pair = static_cast<std::uint32_t>(children_.size());
       if (depth == kGuideTopBits + 1)
@@ -143,7 +147,7 @@ void GuideField::fit(std::size_t place, const Span& span) {
 
 void GuideField::learn(const std::vector<std::vector<GuideRecord>>& tasks, std::size_t split_records) {
   std::vector<Span> spans = sort_records(tasks);
-  // Places that come in behind are halved in their turn.
+  // Newly created cells are appended, and are split in turn.
   for (std::size_t place = 0; place < spans.size(); ++place) split(place, spans, split_records);
   mixtures_.resize(places_.size() + 1);
   means_.assign(places_.size() + 1, -1.0f);

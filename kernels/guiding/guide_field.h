@@ -1,8 +1,8 @@
-// The guide: places, and for each the mixture of where light comes from. It learns from one training pass after the
-// other; the same records in the same order make the same guide, however many threads there are.
+// The guide: spatial cells, each with a mixture that models incident light. It learns from successive training passes.
+// The same records in the same order give the same guide, for any number of threads.
 //
-// A place is a leaf of the tree of its side (see GuideView), and is halved once a pass has told more of it than
-// `split_records`, so that places are the smaller the more is known of them, as in Mueller, Gross and Novak, "Practical
+// A cell (Place) is a leaf of the tree of its side; see GuideView. It is split if a pass yields more than
+// `split_records` records for it, so cells are smaller where more is known, as in Mueller, Gross and Novak, "Practical
 // Path Guiding for Efficient Light-Transport Simulation", 2017.
 #pragma once
 
@@ -17,24 +17,25 @@ class GuideField {
  public:
   GuideField();
 
-  /// Takes in what the tasks of a pass have told, in their order.
+  /// Trains the guide with the records of a pass's tasks, in the order of the tasks.
   void learn(const std::vector<std::vector<GuideRecord>>& tasks, std::size_t split_records);
 
-  /// Valid until the guide learns more, or is moved.
+  /// Valid until the next call of learn(), or until the guide is moved.
   GuideView view() const;
-  /// Of each row of the view's mixtures the mean of GuideRecord::found; -1: not known. Valid as the view is.
+  /// Mean of GuideRecord::found for each row of the view's mixtures; -1: unknown. Valid as long as the view.
   std::span<const float> means() const { return means_; }
-  /// Places of all sides.
+  /// Number of cells of all sides.
   std::size_t places() const { return places_.size(); }
 
  private:
-  /// A leaf.
+  /// A cell, which is a leaf of a tree.
   struct Place {
-    int depth;           ///< levels above it
-    std::uint32_t node;  ///< where its node stands: in the table, or if `depth` > kGuideTopBits in children_
+    int depth;  ///< number of levels above the leaf
+    /// index of its node: in the table, or if `depth` > kGuideTopBits in children_
+    std::uint32_t node;
     GuideSums sums;
     GuideMixture mixture;
-    double found, vertices;  ///< sum of GuideRecord::found over how many vertices
+    double found, vertices;  ///< sum of GuideRecord::found, and number of vertices
   };
   struct Span {
     std::size_t begin, end;
@@ -48,7 +49,7 @@ class GuideField {
 
   std::vector<GuideRecord> records_;
   std::vector<Place> places_;
-  std::vector<GuideMixture> mixtures_;  ///< of the places, from row 1 on
+  std::vector<GuideMixture> mixtures_;  ///< of the cells, from row 1 on
   std::vector<float> means_;
   std::vector<std::uint32_t> roots_, children_;
   Vec3f low_{};

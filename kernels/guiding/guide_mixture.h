@@ -1,9 +1,9 @@
-// Where light comes from at a place, as far as it is known: a mixture of von Mises-Fisher lobes (density proportional
-// to exp(kappa cos), Fisher 1953), with the share of directions that are left to the BSDF. Lobes stand across
-// registers, so that one path's density takes one or two evaluations of exp().
+// A mixture of von Mises-Fisher lobes (density proportional to exp(kappa cos), Fisher 1953) that models the incident
+// light in a guide cell, with the fraction of directions that the BSDF samples. The lobes are spread over the lanes of
+// a register, so the pdf of one path takes one or two evaluations of exp().
 //
-// Mixtures of such lobes as guides of paths: Herholz et al., "Product Importance Sampling for Light Transport Path
-// Guiding", 2016; Ruppert, Herholz and Lensch, "Robust Fitting of Parallax-Aware Mixtures for Path Guiding", 2020.
+// Path guiding with such mixtures: Herholz et al., "Product Importance Sampling for Light Transport Path Guiding",
+// 2016; Ruppert, Herholz and Lensch, "Robust Fitting of Parallax-Aware Mixtures for Path Guiding", 2020.
 #pragma once
 
 #include "core/frame.h"
@@ -15,25 +15,25 @@
 
 namespace sheaf {
 
-/// Lobes of a mixture: a whole number of registers.
+/// Number of lobes: a whole number of registers.
 inline constexpr int kGuideLobes = 16;
 static_assert(kGuideLobes % kWidth == 0);
 
 /// A mixture as kernels read it.
 struct alignas(64) GuideMixture {
-  float x[kGuideLobes] = {}, y[kGuideLobes] = {}, z[kGuideLobes] = {};  ///< middle of each lobe, unit length
+  float x[kGuideLobes] = {}, y[kGuideLobes] = {}, z[kGuideLobes] = {};  ///< mean direction of each lobe, unit length
   float kappa[kGuideLobes] = {};                                        ///< concentration, in [kMinKappa, kMaxKappa]
-  float peak[kGuideLobes] = {};   ///< density in the middle, per steradian, times the lobe's share
-  float below[kGuideLobes] = {};  ///< shares of this lobe and those before it
+  float peak[kGuideLobes] = {};   ///< pdf in the mean direction, 1/sr, times the lobe's weight
+  float below[kGuideLobes] = {};  ///< cumulative weights, including this lobe
   float bsdf_share = 1;  ///< probability by which directions are sampled from the BSDF and not from the lobes; above 0
 };
 
 inline constexpr float kMinKappa = 0.01f, kMaxKappa = 5000;
 
-/// The density of a lobe in its middle, per steradian.
+/// Pdf of a lobe in its mean direction, per steradian.
 inline float lobe_peak(float kappa) { return kappa * (0.5f * kInvPi) / -std::expm1(-2 * kappa); }
 
-/// What each lobe adds to the density in a direction, per steradian.
+/// Contribution of each lobe to the pdf in a direction, per steradian.
 SHEAF_INLINE void lobe_parts(const GuideMixture& m, Vec3f d, float (&parts)[kGuideLobes]) {
   for (int k = 0; k < kGuideLobes; k += kWidth) {
     WideFloat x, y, z, kappa, peak;
@@ -43,7 +43,7 @@ SHEAF_INLINE void lobe_parts(const GuideMixture& m, Vec3f d, float (&parts)[kGui
   }
 }
 
-/// The sums of rows of such parts, one for each lane.
+/// Sums of rows of such contributions, one row per lane.
 template <class L> SHEAF_INLINE Float<L> sum_parts(const float (*parts)[kGuideLobes]) {
   const float* rows[L::width];
   for (int lane = 0; lane < L::width; ++lane) rows[lane] = parts[lane];
@@ -56,7 +56,7 @@ template <class L> SHEAF_INLINE Float<L> sum_parts(const float (*parts)[kGuideLo
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-/// One of the lobes, chosen by its share; `u` in [0, 1), of which a fresh number is left over.
+/// Chooses a lobe by its weight, with `u` in [0, 1). Rescales `u` to a new uniform number.
 SHEAF_INLINE int choose_lobe(const GuideMixture& m, float& u) {
   int lobe = 0;
   for (int k = 0; k < kGuideLobes; k += kWidth) {
@@ -70,12 +70,12 @@ SHEAF_INLINE int choose_lobe(const GuideMixture& m, float& u) {
   return lobe;
 }
 
-/// A direction around `middle` with density proportional to exp(kappa cos), by u, v in [0, 1) (Jakob, "Numerically
+/// Samples a direction around `middle` with pdf proportional to exp(kappa cos), by u, v in [0, 1) (Jakob, "Numerically
 /// stable sampling of the von Mises-Fisher distribution on S2 (and other tricks)", 2012).
 template <class L> SHEAF_INLINE Vec3<L> sample_lobe(Vec3<L> middle, Float<L> kappa, Float<L> u, Float<L> v) {
   using F = Float<L>;
   const F ratio = log(u + (F(1.0f) - u) * exp(F(-2.0f) * kappa)) / kappa;
-  const F m = clamp(-ratio, F(0.0f), F(2.0f));  // one less the cosine
+  const F m = clamp(-ratio, F(0.0f), F(2.0f));  // 1 - cosine
   const F sine = safe_sqrt(m * (F(2.0f) - m));
   const auto turn = sincos_2pi<L>(v);
   return Frame<L>::from_normal(middle).to_world({sine * turn.cos, sine * turn.sin, F(1.0f) - m});

@@ -1,15 +1,16 @@
+// Converts recorded vertices to training samples for the guide.
 #include "kernels/guiding/guide_record.h"
 
 namespace sheaf {
 
 namespace {
 
-/// 0 where something is not a number, or the sum of rounding errors.
+/// Replaces NaN, values of 1e30 and more, and negative values that stem from rounding errors by 0.
 float usable(float weight) { return weight > 0 && weight < 1e30f ? weight : 0.0f; }
 
 }  // namespace
 
-/// Each path's are in order already.
+/// Counting sort by path; the vertices of each path are already in order.
 std::vector<TrainingSamples::Open> TrainingSamples::sorted() const {
   std::vector<std::uint32_t> begin(radiance_.size() + 1);
   for (const Open& open : open_) ++begin[open.vertex.path + 1];
@@ -22,7 +23,7 @@ std::vector<TrainingSamples::Open> TrainingSamples::sorted() const {
 std::vector<GuideRecord> TrainingSamples::records(const GuideView& guide, std::span<const float> means) const {
   const std::vector<Open> vertices = sorted();
   std::vector<GuideRecord> out(vertices.size());
-  float mean_ahead = -1;  // of the vertex behind
+  float mean_ahead = -1;  // of the next vertex
   for (std::size_t i = vertices.size(); i-- > 0;) {
     const auto& [v, before] = vertices[i];
     const float found = usable((radiance_[v.path] - before) * v.over_beta);

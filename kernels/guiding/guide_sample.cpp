@@ -1,3 +1,4 @@
+// Sampling and evaluation of the guide, compiled once for Wide and Scalar.
 #include "kernels/guiding/guide_sample.h"
 
 namespace sheaf {
@@ -14,7 +15,7 @@ GuideSample<L> sample_guide(const GuideView& guide, Uint<L> rows, int count, con
   for (int lane = 0; lane < L::width; ++lane) {
     const GuideMixture& m = guide.mixtures[lane < count ? row[lane] : 0];
     const float a = m.bsdf_share;
-    // Directions of the BSDF use the lower part of u, so that they are spread over its lobes as they would be alone.
+    // The BSDF uses the lower part of u, rescaled, so that its lobes are as well stratified as without guiding.
     rest[lane] = min(number[lane] / a, 0x1.fffffep-1f);
     kappa[lane] = 1, x[lane] = 0, y[lane] = 0, z[lane] = 1;
     if (number[lane] < a) continue;
@@ -23,6 +24,7 @@ GuideSample<L> sample_guide(const GuideView& guide, Uint<L> rows, int count, con
     const int k = choose_lobe(m, v);
     kappa[lane] = m.kappa[k], x[lane] = m.x[k], y[lane] = m.y[k], z[lane] = m.z[k];
   }
+  // Sample the lobes.
   GuideSample<L> out{};
   load(rest, out.bsdf_u);
   Uint<L> words;

@@ -1,33 +1,33 @@
-// The guide as kernels see it: mixtures, and the tree that tells which of them is for a place.
+// The guide as kernels read it: mixtures, and the trees that map a vertex to its mixture.
 //
-// Each of the sides that surfaces may face, and media, have a tree of their own over one cube. A tree halves the cube
-// along x, y and z in turn, so that the way down is the place's Morton code; its first kGuideTopBits levels are a
-// table.
+// There is one tree for each side that surfaces may face and one for media, all over the same cube. A tree halves the
+// cube along x, y and z in turn, so the path to a leaf is the Morton code of a point. The first kGuideTopBits levels
+// are a table.
 #pragma once
 
 #include "kernels/guiding/guide_mixture.h"
 
 namespace sheaf {
 
-/// Which tree: surfaces by the axis that their normal is nearest to, or media.
+/// Sides: surfaces by the axis closest to their normal, and media.
 inline constexpr std::uint32_t kGuideMedia = 6, kGuideSides = 7;
-/// Levels of a tree in all, and of its table.
+/// Number of levels of a tree, and of its table.
 inline constexpr int kGuideBits = 30, kGuideTopBits = 12;
-/// Bit of a node: it is a leaf, and the rest is its mixture's row.
+/// Bit of a node that is a leaf; the other bits are the row of its mixture.
 inline constexpr std::uint32_t kGuideLeaf = 0x80000000u;
 
-/// Row 0 of `mixtures` knows nothing: all is left to the BSDF.
+/// Row 0 of `mixtures` is untrained: the BSDF samples all directions.
 struct GuideView {
   const GuideMixture* mixtures = nullptr;
-  const std::uint32_t* roots = nullptr;     ///< of each side 2^kGuideTopBits nodes; null: nothing was learned
-  const std::uint32_t* children = nullptr;  ///< two nodes for each that is no leaf
-  /// Of each mixture the light that vertices of its places scatter on, per throughput; -1: not known.
+  const std::uint32_t* roots = nullptr;     ///< 2^kGuideTopBits nodes per side; null: untrained
+  const std::uint32_t* children = nullptr;  ///< two nodes for each inner node
+  /// Per mixture: mean light that vertices of its cell scatter, over their throughput; -1: unknown.
   const float* means = nullptr;
   Vec3f low{};      ///< corner of the cube
   float scale = 0;  ///< cells of the finest level per metre
 };
 
-/// The side of a surface whose normal, towards the viewer, is `n`.
+/// Side of a surface whose normal, on the viewer's side, is `n`.
 template <class L> SHEAF_INLINE Uint<L> guide_side(Vec3<L> n) {
   using F = Float<L>;
   using U = Uint<L>;
@@ -37,7 +37,7 @@ template <class L> SHEAF_INLINE Uint<L> guide_side(Vec3<L> n) {
   return select(x, U(0u), select(y, U(2u), U(4u))) + select(along < F(0.0f), U(1u), U(0u));
 }
 
-/// The lower 10 bits of `x`, two zeros between each.
+/// Inserts two zeros between each of the low 10 bits of `x`.
 template <class U> SHEAF_INLINE U spread_bits(U x) {
   x = (x | (x << 16)) & U(0x030000ffu);
   x = (x | (x << 8)) & U(0x0300f00fu);
@@ -45,7 +45,7 @@ template <class U> SHEAF_INLINE U spread_bits(U x) {
   return (x | (x << 2)) & U(0x09249249u);
 }
 
-/// The Morton code of a place, kGuideBits long.
+/// Morton code of a point, kGuideBits long.
 template <class L> SHEAF_INLINE Uint<L> guide_code(const GuideView& guide, Vec3<L> p) {
   using F = Float<L>;
   const auto cell = [&guide](F v, float low) SHEAF_LAMBDA_INLINE {
@@ -55,7 +55,7 @@ template <class L> SHEAF_INLINE Uint<L> guide_code(const GuideView& guide, Vec3<
   return (cell(p.x, guide.low.x) << 2) | (cell(p.y, guide.low.y) << 1) | cell(p.z, guide.low.z);
 }
 
-/// The row of the mixture for a place with this code.
+/// Row of the mixture for a side and a Morton code.
 template <class L> SHEAF_INLINE Uint<L> guide_row(const GuideView& guide, Uint<L> side, Uint<L> code) {
   using U = Uint<L>;
   if (guide.roots == nullptr) return U(0u);

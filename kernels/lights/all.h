@@ -1,4 +1,4 @@
-// The list of all kinds of light, from which sampling, densities and photons derive.
+// The list of all light kinds. Light sampling, its pdfs and photon emission are generated from it.
 #pragma once
 
 #include "kernels/lights/beam_light.h"
@@ -19,19 +19,19 @@
 
 namespace sheaf {
 
-/// Kinds of light, as types.
+/// A list of light kinds, as types.
 template <LightModel... Kinds> struct LightList {
   static constexpr int kCount = sizeof...(Kinds);
-  /// Whether they stand in the order of LightKind.
+  /// Whether the kinds are in the order of LightKind.
   static constexpr bool is_ordered() {
     std::uint32_t next = 0;
     return ((static_cast<std::uint32_t>(Kinds::kKind) == next++) && ...);
   }
-  /// Calls f(kind) for each, a value of its type.
+  /// Calls f(kind) for each kind, with a value of its type.
   template <class F> static SHEAF_INLINE void for_each(F&& f) { (f(Kinds{}), ...); }
 };
 
-/// All of them. Scenes whose lights are all of the first kind are the most common.
+/// All light kinds. Scenes whose lights are all of the first kind are the most common.
 using Lights = LightList<MeshLight, SphereLight, QuadricLight, PointLight, SpotLight<LightKind::kSpot>,
                          SpotLight<LightKind::kSmoothSpot>, GoniometricLight, ProjectorLight, BeamLight,
                          DirectionalLight, SunLight, ConstantLight, EnvmapLight, VolumeLight>;

@@ -1,4 +1,4 @@
-// What lights on shapes have in common: from a point on one to light that arrives, or to a photon that leaves.
+// Code shared by area lights: from a point on the light to a light sample or an emitted photon.
 #pragma once
 
 #include "core/frame.h"
@@ -13,7 +13,8 @@ template <class L> struct LightPoint {
   typename L::Float pdf_area;  ///< per area in world space
 };
 
-/// Turns a point on an area light into a sample: density from area to solid angle, and the sides on which it shines.
+/// Light sample for a point on an area light: converts its pdf from area to solid angle and handles one-sided and
+/// two-sided emission.
 template <class L>
 SHEAF_INLINE LightSample<L> sample_towards(Vec3<L> from, const LightPoint<L>& point, const LightRecord<L>& light) {
   using F = Float<L>;
@@ -32,16 +33,17 @@ SHEAF_INLINE LightSample<L> sample_towards(Vec3<L> from, const LightPoint<L>& po
   return s;
 }
 
-/// The density per solid angle of a point that has `pdf_area` per area.
+/// Solid-angle pdf of a point that is sampled with `pdf_area` per area.
 template <class L> SHEAF_INLINE Float<L> pdf_seen(Float<L> pdf_area, const LightHit<L>& hit) {
   using F = Float<L>;
   const F cos_light = abs(dot(hit.direction, hit.ng));
   return pdf_area * hit.t * hit.t / max(cos_light, F(1e-6f));
 }
 
-/// Along the cosine from a point on an area light (Jensen, "Realistic Image Synthesis Using Photon Mapping", 2001,
-/// section 5.2), so that all photons of a light without texture and stretching carry the same flux; on either side
-/// if it shines on both; or along the normal or against it, if the light emits there alone.
+/// Emits a photon from a point on an area light, with a cosine-distributed direction (Jensen, "Realistic Image
+/// Synthesis Using Photon Mapping", 2001, section 5.2). All photons of an untextured light without non-uniform scaling
+/// then carry the same flux. Two-sided lights emit from either side. Lights that emit along the normal only use that
+/// direction.
 template <class L>
 SHEAF_INLINE PhotonEmission<L> emit_from(const LightPoint<L>& at, const LightRecord<L>& light, const Random4<L>& b) {
   using F = Float<L>;

@@ -1,4 +1,4 @@
-// Lights: a ray of light, which photons alone can follow.
+// A light that emits along a single ray; only photons can transport it.
 #pragma once
 
 #include "kernels/lights/point_light.h"
@@ -9,7 +9,7 @@ struct BeamLight {
   static constexpr LightKind kKind = LightKind::kBeam;
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
-  /// No point but those on the ray sees it.
+  /// Never valid: only points on the ray receive light.
   template <class L, ColorMode Mode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>&) {

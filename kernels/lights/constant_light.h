@@ -1,4 +1,4 @@
-// Lights: environments that are the same in all directions.
+// An infinite area light of constant radiance.
 #pragma once
 
 #include "kernels/lights/infinite_light.h"

@@ -1,4 +1,4 @@
-// Lights: parallel light from infinitely far away.
+// A directional light: parallel light from infinitely far away.
 #pragma once
 
 #include "kernels/lights/infinite_light.h"

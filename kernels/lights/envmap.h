@@ -1,5 +1,5 @@
-// Environment maps: radiance by direction, and directions in proportion to it, generic in the lane.
-// scene/tables/envmap.h says how a map lies on the sphere.
+// Environment maps: radiance lookup by direction, and sampling of directions in proportion to it. Generic in the lane
+// policy. scene/tables/envmap.h defines the parameterisation.
 #pragma once
 
 #include "core/uplift.h"
@@ -8,33 +8,32 @@
 
 namespace sheaf {
 
-/// A map's radiance in a direction, and the density with which sample_envmap() finds it.
+/// Radiance of a map in a direction, and the pdf with which sample_envmap() returns that direction.
 template <class L> struct EnvmapValue {
   Spectrum<L> radiance;  ///< spectral mode: a factor on D65
   typename L::Float pdf_solid_angle;
 };
 
-/// A direction drawn from a map.
+/// A direction sampled from a map.
 template <class L> struct EnvmapSample {
   Vec3<L> direction;                  ///< world space, unit length
   Spectrum<L> radiance;               ///< spectral mode: a factor on D65
-  typename L::Float pdf_solid_angle;  ///< 0: there is no such direction
+  typename L::Float pdf_solid_angle;  ///< 0: invalid
 };
 
 namespace detail {
 
-/// A cell, by its column and its row.
+/// A cell by its column and row.
 template <class L> struct EnvmapCell { typename L::Uint column, row; };
 
-/// A place in a cell, from its first column to the next one and from its upper row to the lower one, in [0, 1].
+/// Position in a cell, in [0, 1]: x from its first column to the next, y from its upper row to the lower.
 template <class L> struct EnvmapPlace { typename L::Float x, y; };
 
-/// What a table says of a cell and of its four nodes: in order those on the left and those on the right, of which each
-/// time the upper one comes first.
+/// Table entries of a cell and its four nodes, in the order upper left, lower left, upper right, lower right.
 template <class L> struct EnvmapNodes {
-  typename L::Float radiance[4][3];  ///< as envmap_value() has it
+  typename L::Float radiance[4][3];  ///< as returned by envmap_value()
   typename L::Float brightness[4];   ///< see envmap_brightness()
-  typename L::Float density;         ///< of the cell, per unit of the square
+  typename L::Float density;         ///< of the cell, per unit area of the square
 };
 
 template <class L> SHEAF_INLINE EnvmapNodes<L> load_nodes(const EnvmapView& map, const EnvmapCell<L>& cell) {
@@ -62,12 +61,12 @@ template <class L> SHEAF_INLINE EnvmapNodes<L> load_nodes(const EnvmapView& map,
   return nodes;
 }
 
-/// Between four values, in the order of EnvmapNodes.
+/// Bilinear interpolation of four values in the order of EnvmapNodes.
 template <class L> SHEAF_INLINE Float<L> mix(const EnvmapPlace<L>& at, Float<L> a, Float<L> b, Float<L> c, Float<L> d) {
   return lerp(at.x, lerp(at.y, a, b), lerp(at.y, c, d));
 }
 
-/// Density over the unit square: the cell's, spread as brightness is.
+/// Density on the unit square: that of the cell, distributed in proportion to the interpolated brightness.
 template <class L> SHEAF_INLINE Float<L> density_at(const EnvmapNodes<L>& nodes, const EnvmapPlace<L>& at) {
   using F = Float<L>;
   const F* const b = nodes.brightness;
@@ -77,7 +76,7 @@ template <class L> SHEAF_INLINE Float<L> density_at(const EnvmapNodes<L>& nodes,
   return nodes.density * select(uneven, share, F(1.0f));
 }
 
-/// Radiance at a place. Spectral mode: at `lambda`.
+/// Radiance at a position in a cell. Spectral mode: at `lambda`.
 template <class L, ColorMode Mode>
 SHEAF_INLINE Spectrum<L> radiance_at(const EnvmapView& map, const EnvmapNodes<L>& nodes, const EnvmapCell<L>& cell,
                                      const EnvmapPlace<L>& at, const Spectrum<L>& lambda) {
@@ -109,14 +108,14 @@ SHEAF_INLINE Spectrum<L> radiance_at(const EnvmapView& map, const EnvmapNodes<L>
   return {out[0], out[1], out[2], F(0.0f)};
 }
 
-/// Density per solid angle of one over the unit square: the square's area element is 2 pi^2 sin theta.
+/// Converts a density on the unit square to solid angle: the area element of the square is 2 pi^2 sin theta.
 template <class F> SHEAF_INLINE F envmap_solid_angle_pdf(F density, F sin_theta) {
   const auto usable = sin_theta > F(0.0f);
   return select(usable, density * F(0.5f * kInvPi * kInvPi) / select(usable, sin_theta, F(1.0f)), F(0.0f));
 }
 
-/// x in [0, 1] with a density that goes from `a` to `b`, in proportion: the inverse of its CDF (Pharr et al., 4th ed.,
-/// A.4.1, without cancellation).
+/// Samples x in [0, 1] with a linear density proportional to `a` at 0 and `b` at 1, by inverting its CDF (Pharr et al.,
+/// 4th ed., A.4.1, without cancellation).
 template <class F> SHEAF_INLINE F sample_linear(F u, F a, F b) {
   const F root = sqrt(lerp(u, a * a, b * b));
   const F denominator = a + root;
@@ -126,7 +125,7 @@ template <class F> SHEAF_INLINE F sample_linear(F u, F a, F b) {
 
 }  // namespace detail
 
-/// The radiance that comes from `direction`, of unit length. Spectral mode: at `lambda`.
+/// Radiance from `direction` (unit length) and its pdf. Spectral mode: at `lambda`.
 template <class L, ColorMode Mode = ColorMode::kRgb>
 SHEAF_INLINE EnvmapValue<L> lookup_envmap(const EnvmapView& map, Vec3<L> direction, const Spectrum<L>& lambda = {}) {
   using F = Float<L>;
@@ -138,7 +137,7 @@ SHEAF_INLINE EnvmapValue<L> lookup_envmap(const EnvmapView& map, Vec3<L> directi
   const F sin_theta = sqrt(x * x + z * z);
   const F turn = atan2(x, -z) * F(0.5f * kInvPi);
   const F columns(static_cast<float>(map.width)), rows(static_cast<float>(map.height - 1));
-  // From 0 to W: the node before is one less, the node after this one.
+  // floor(across), in [0, W], is the right node of the cell. The left node is one less (W - 1 for 0).
   const F across = clamp((turn - floor(turn)) * columns + F(0.5f), F(0.5f), columns + F(0.5f));
   const F down = clamp(atan2(sin_theta, y) * F(kInvPi), F(0.0f), F(1.0f)) * rows;
   const U after = to_uint(across);
@@ -152,7 +151,7 @@ SHEAF_INLINE EnvmapValue<L> lookup_envmap(const EnvmapView& map, Vec3<L> directi
 
 namespace detail {
 
-/// Asks for the cache lines of rows[index], one for each lane; of the row behind it too if `next`.
+/// Prefetches rows[index] for each lane, and with `next` the row behind it.
 template <class L, class Row> SHEAF_INLINE void prefetch(const Row* rows, typename L::Uint index, bool next) {
 #if defined(__GNUC__)
   alignas(kSimdAlignment) std::uint32_t lanes[L::width];
@@ -166,14 +165,14 @@ template <class L, class Row> SHEAF_INLINE void prefetch(const Row* rows, typena
 
 }  // namespace detail
 
-/// A cell drawn from a map, in two steps, each of which reads what the one before it has told: who draws for many
-/// paths asks for what the next step reads, goes on with other paths, and comes back when it is there.
+/// State of sampling a cell in two steps. The memory that a step reads depends on the result of the step before.
+/// Callers that sample for many paths prefetch the next step's data and process other paths in the meantime.
 template <class L> struct EnvmapDraw {
   QuantileDraw<L> row, column;
-  typename L::Uint table;  ///< of the row's columns, into EnvmapView::quantiles
+  typename L::Uint table;  ///< of the row's columns, in EnvmapView::quantiles
 };
 
-/// The first step: a row by v in [0, 1), which chooses the polar angle.
+/// Step 1: samples a row by v in [0, 1), which determines the polar angle.
 template <class L> SHEAF_INLINE EnvmapDraw<L> draw_envmap_row(const EnvmapView& map, Float<L> v) {
   EnvmapDraw<L> drawn;
   drawn.row = draw_quantile<L>(map.quantiles, Uint<L>(0u), v);
@@ -181,24 +180,24 @@ template <class L> SHEAF_INLINE EnvmapDraw<L> draw_envmap_row(const EnvmapView& 
   return drawn;
 }
 
-/// The second: a column by u in [0, 1), which chooses the longitude.
+/// Step 2: samples a column by u in [0, 1), which determines the longitude.
 template <class L> SHEAF_INLINE void draw_envmap_column(const EnvmapView& map, Float<L> u, EnvmapDraw<L>& drawn) {
   drawn.column = draw_quantile<L>(map.quantiles, drawn.table, u);
 }
 
-/// Starts to fetch what draw_envmap_column() will read.
+/// Prefetches the data of draw_envmap_column().
 template <class L>
 SHEAF_INLINE void prefetch_envmap_column(const EnvmapView& map, Float<L> u, const EnvmapDraw<L>& drawn) {
   detail::prefetch<L>(map.quantiles, drawn.table + to_uint(u * Float<L>(static_cast<float>(kQuantiles))), false);
 }
 
-/// Starts to fetch the nodes that sample_envmap() will read.
+/// Prefetches the nodes that sample_envmap() reads.
 template <class L> SHEAF_INLINE void prefetch_envmap_nodes(const EnvmapView& map, const EnvmapDraw<L>& drawn) {
   detail::prefetch<L>(map.columns, drawn.row.index * Uint<L>(map.width + 1) + drawn.column.index, true);
 }
 
-/// A direction in the cell that was drawn by u and v, by what they have left: both are inverted, so that what is
-/// stratified stays so. Spectral mode: radiance at `lambda`.
+/// Samples a direction within a cell by the remainders of u and v. Both mappings are inversions, so stratification is
+/// preserved. Spectral mode: radiance at `lambda`.
 template <class L, ColorMode Mode = ColorMode::kRgb>
 SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, const EnvmapDraw<L>& drawn,
                                            const Spectrum<L>& lambda = {}) {
@@ -211,9 +210,11 @@ SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, const EnvmapDr
   const F of_column =
       nodes.density * F(1.0f / (static_cast<float>(map.width) * static_cast<float>(map.height - 1))) / of_row;
   detail::EnvmapPlace<L> at;
+  // Sample the position in the cell.
   at.y = detail::sample_linear(row.remapped(of_row), b[0] + b[2], b[1] + b[3]);
   at.x = detail::sample_linear(column.remapped(of_column), lerp(at.y, b[0], b[1]), lerp(at.y, b[2], b[3]));
 
+  // Convert to a direction in world space.
   const F across = (to_float(cell.column) + F(0.5f) + at.x) * F(1.0f / static_cast<float>(map.width));
   const F down = (to_float(cell.row) + at.y) * F(1.0f / static_cast<float>(map.height - 1));
   const auto longitude = sincos_2pi<L>(across - floor(across));
@@ -230,7 +231,7 @@ SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, const EnvmapDr
   return out;
 }
 
-/// The same by u and v themselves.
+/// Samples cell and direction by u and v.
 template <class L, ColorMode Mode = ColorMode::kRgb>
 SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, Float<L> u, Float<L> v,
                                            const Spectrum<L>& lambda = {}) {

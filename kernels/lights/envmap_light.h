@@ -1,4 +1,4 @@
-// Lights: environment maps, by their brightness.
+// Environment map lights, sampled in proportion to the map's brightness.
 #pragma once
 
 #include "kernels/lights/infinite_light.h"
@@ -31,7 +31,7 @@ struct EnvmapLight {
     return {lit<L, Mode>(found.radiance, emitted), found.pdf_solid_angle};
   }
 
-  /// By the map's brightness, and for a part of the photons uniformly (balance heuristic).
+  /// Samples directions from the map, and a fraction of the photons uniformly (balance heuristic).
   template <class L, ColorMode Mode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>&) {
@@ -45,11 +45,11 @@ struct EnvmapLight {
   }
 
  private:
-  /// The part of the photons that take any direction alike: the map's own density vanishes where
-  /// EnvmapDescription::mis_compensation takes it off.
+  /// Fraction of the photons with uniform directions. The map's own pdf is 0 where EnvmapDescription::mis_compensation
+  /// reduces it to 0.
   static constexpr float kUniformShare = 0.125f;
 
-  /// Spectral mode: a map is a factor on what its row emits.
+  /// Spectral mode: the map multiplies the emission of the light's row.
   template <class L, ColorMode Mode>
   static SHEAF_INLINE Spectrum<L> lit(const Spectrum<L>& found, const Spectrum<L>& emitted) {
     if constexpr (Mode == ColorMode::kSpectral) return found * emitted;

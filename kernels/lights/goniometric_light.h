@@ -1,4 +1,4 @@
-// Lights: points whose intensity a picture of all directions multiplies, see GoniometricLightDescription.
+// Point lights whose intensity is multiplied by an image of all directions; see GoniometricLightDescription.
 #pragma once
 
 #include "core/octahedral.h"
@@ -19,7 +19,7 @@ struct GoniometricLight {
     return s;
   }
 
-  /// Uniformly over all directions, weighed by the picture.
+  /// Uniform directions, weighted by the image.
   template <class L, ColorMode Mode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
@@ -30,7 +30,7 @@ struct GoniometricLight {
   }
 
  private:
-  /// The picture's last row is at v = 0, and its first is where the octahedron's y is smallest.
+  /// The last row of the image is at v = 0; the first is where y of the octahedral map is smallest.
   template <class L> static SHEAF_INLINE void look_up(Mask<L> m, Vec3<L> local, TextureQuery<L>& texture) {
     using F = Float<L>;
     using U = Uint<L>;

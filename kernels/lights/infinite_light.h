@@ -1,4 +1,4 @@
-// What lights that shine from outside of the scene have in common.
+// Code shared by lights at infinity.
 #pragma once
 
 #include "core/frame.h"
@@ -6,22 +6,22 @@
 
 namespace sheaf {
 
-/// Where infinite lights' photons start, in radii of the bounding sphere from its centre.
+/// Distance of the photons' start from the centre of the bounding sphere, in radii.
 inline constexpr float kDiskDistance = 1.05f;
 
-/// Where a shadow ray to such a light ends.
+/// End of a shadow ray to such a light.
 template <class L> SHEAF_INLINE Vec3<L> beyond_scene(const SceneView& scene, Vec3<L> from, Vec3<L> direction) {
   return from + direction * Float<L>(2.1f * scene.radius);
 }
 
-/// The radius, metres, of the sphere around SceneView::center that photons from outside must cover: a medium without an
-/// end of its own reaches a little beyond the scene.
+/// Radius, in metres, of the sphere around SceneView::center that photons from infinity must cover. An unbounded outer
+/// medium extends a little beyond the scene.
 inline float covered_radius(const SceneView& scene) {
   return scene.outer_medium != 0 && scene.medium_radius < kInfinity ? scene.medium_radius : scene.radius;
 }
 
-/// A photon through the disk across `direction` that covers that sphere (Pharr et al., 4th ed., section 12.5.2).
-/// `radiance` comes along it, or irradiance if the direction is the only one. By a.y and a.z.
+/// Emits a photon through the disk perpendicular to `direction` that covers that sphere (Pharr et al., 4th ed., section
+/// 12.5.2). `radiance` arrives along `direction`; for a delta light it is irradiance. Uses a.y and a.z.
 template <class L>
 SHEAF_INLINE PhotonEmission<L> emit_from_infinity(const SceneView& scene, Vec3<L> direction,
                                                   const Spectrum<L>& radiance, Float<L> pdf_direction,

@@ -1,5 +1,5 @@
-// Photons from lights of every kind: where they start, where they go and the power that each carries. For the photon
-// pass; estimators that gather at points sample lights by kernels/lights/light_sample.h instead.
+// Photon emission by lights of any kind: position, direction and flux. For the photon pass; camera paths sample lights
+// by kernels/lights/light_sample.h instead.
 #pragma once
 
 #include "kernels/lights/light_sample.h"
@@ -19,8 +19,8 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const PhotonEmission<L>& f
 
 }  // namespace light_emit_detail
 
-/// Emits a photon from each of the lights that choose_light_by_power() chose, with a position by a.y, a.z and a.w and a
-/// direction by b.x, b.y and b.z. Spectral mode: its flux at `lambda`, per nanometre.
+/// Emits a photon from each light chosen by choose_light_by_power(). a.y, a.z and a.w choose the position, b.x, b.y and
+/// b.z the direction. Spectral mode: flux at `lambda`, per nanometre.
 template <class L, ColorMode Mode = ColorMode::kRgb>
 PhotonEmission<L> emit_photon(const SceneView& scene, const LightChoice<L>& choice, const Random4<L>& a,
                               const Random4<L>& b, const Spectrum<L>& lambda = {}) {

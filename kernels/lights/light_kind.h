@@ -1,17 +1,16 @@
-// What a kind of light says of itself, and what it is asked: the common ground of the files of single kinds, of which
-// kernels/lights/all.h is the list.
+// The interface of a light kind, and its argument and result types. kernels/lights/all.h lists the kinds.
 //
-// A kind is a struct of static functions, all generic in the lane. It says which LightKind it is and how a path may
-// meet it without having sampled it, and defines
-//     sample    a direction towards the light and what arrives from there,
-//     emit      a photon that leaves it,
-// and, as paths may meet it,
+// A kind is a struct of static functions that are generic in the lane policy. It declares its LightKind and how a path
+// may hit it without light sampling (LightHitKind). It defines
+//     sample    sample a direction to the light, and the radiance that arrives from there,
+//     emit      emit a photon,
+// and depending on LightHitKind
 //     kNever    nothing,
-//     kSurface  pdf_solid_angle: the density with which sample() finds a point of it that a ray has hit,
-//     kEscape   arriving: what comes from a direction, with that density,
-//     kMedium   pdf_volume: that density at a point.
-// Lanes of a register may hold lights of several kinds: what is computed for the lanes of others is dropped, so it may
-// be anything, but must not read from rows that there are not.
+//     kSurface  pdf_solid_angle: the pdf with which sample() returns a point that a ray has hit,
+//     kEscape   arriving: the radiance from a direction, and that pdf,
+//     kMedium   pdf_volume: that pdf at a point.
+// The lanes of a register may hold lights of several kinds. A kind may compute anything in the lanes of other kinds,
+// since those results are discarded, but it must not read rows that do not exist.
 #pragma once
 
 #include "core/rng.h"
@@ -24,66 +23,67 @@
 
 namespace sheaf {
 
-/// How paths meet lights by sampling BSDFs and phase functions.
+/// How paths hit lights by sampling BSDFs and phase functions.
 enum class LightHitKind {
-  kNever,    ///< a single point or direction
+  kNever,    ///< not at all: the light is a single point or direction
   kSurface,  ///< by hitting a shape
   kEscape,   ///< by leaving the scene
-  kMedium,   ///< by passing a medium
+  kMedium,   ///< by passing through a medium
 };
 
-/// The rows lights[light], one for each lane.
+/// Loads the rows lights[light], one per lane.
 template <class L> SHEAF_INLINE LightRecord<L> load_lights(const SceneView& scene, typename L::Uint light) {
   return scene.light_count == 1 ? spread_row<L>(scene.lights[0]) : gather_rows<L>(scene.lights, light);
 }
 
-/// Lights that are asked, one for each lane.
+/// The lights to evaluate, one per lane.
 template <class L> struct LightQuery {
   const SceneView& scene;
   const LightRecord<L>& light;  ///< spectral mode: with its radiance at `lambda`
-  Mask<L> active;               ///< lanes whose light is of the kind that is asked
+  Mask<L> active;               ///< lanes whose light is of the kind being called
   const Spectrum<L>& lambda;    ///< spectral mode: wavelengths, nm
-  /// What u.y and u.z have drawn from the environment map, if that is known already, or null.
+  /// Cell that u.y and u.z have already sampled from the environment map, or null.
   const EnvmapDraw<L>* drawn = nullptr;
 };
 
 /// Light that arrives at a reference point from a sampled direction.
 template <class L> struct LightSample {
   Vec3<L> direction;     ///< from the reference point, unit length
-  Vec3<L> target;        ///< where the shadow ray ends: on the light, moved off its surface
+  Vec3<L> target;        ///< end of the shadow ray: on the light, offset from its surface
   Spectrum<L> radiance;  ///< incident radiance; point lights: intensity over squared distance
-  /// Where the light is a single direction, the probability: 1; in a volume, solid angle times length.
+  /// Pdf per solid angle. Delta lights: 1. Volume lights: per solid angle and length.
   typename L::Float pdf_solid_angle;
-  typename L::Mask delta;          ///< BSDF sampling cannot find this light; kinds leave it to who asks
-  typename L::Mask valid;          ///< false: nothing arrives
-  typename L::Uint target_medium;  ///< see TransmittanceItem::target_medium; kinds leave it to who asks
+  typename L::Mask delta;          ///< BSDF sampling cannot hit this light; set by the caller of the kind
+  typename L::Mask valid;          ///< false: no light arrives
+  typename L::Uint target_medium;  ///< see TransmittanceItem::target_medium; set by the caller of the kind
 };
 
-/// A point of an area light that a ray from a reference point has hit.
+/// A point on an area light that a ray has hit.
 template <class L> struct LightHit {
   Vec3<L> from, direction;  ///< the ray; unit length
   typename L::Float t;      ///< distance
-  Vec3<L> ng;               ///< geometric normal of the light there
+  Vec3<L> ng;               ///< geometric normal of the light at the hit point
 };
 
-/// A photon as it leaves a light. The mean of `flux` over all of them is the power of all lights, and the flux of those
-/// that cross a surface the power that arrives there.
+/// A photon emitted by a light. The mean of `flux` over all photons is the total power of the lights; the flux of the
+/// photons that cross a surface is the power that arrives there.
 template <class L> struct PhotonEmission {
-  Vec3<L> origin;     ///< world space; off the surface of an area light, and outside of the scene for infinite lights
-  Vec3<L> direction;  ///< in which the photon travels, unit length
-  Spectrum<L> flux;   ///< W; divided by both densities and by the probability of the light
-  /// Per area: on the light's surface, or on the disk that infinite lights shine through. Media: per volume. Lights at
-  /// a point: 1.
+  /// world space; offset from the surface of area lights, outside the scene for lights at infinity
+  Vec3<L> origin;
+  Vec3<L> direction;  ///< direction of travel, unit length
+  Spectrum<L> flux;   ///< W; divided by both pdfs and by the probability of the light
+  /// Per area: on the light's surface, or on the disk that lights at infinity shine through. Volume lights: per volume.
+  /// Lights at a point: 1.
   typename L::Float pdf_position;
-  typename L::Float pdf_direction;  ///< per solid angle; for a single direction 1
-  typename L::Mask valid;           ///< false: there is no photon
-  /// Photons of a medium: 1 + its row, as in ray flags. Where the first surface that such a photon meets says that it
-  /// comes from another medium, the point lay outside, and there is no photon. Other lights: kNone, as they don't know
-  /// what they are in.
+  typename L::Float pdf_direction;  ///< per solid angle; 1 for a single direction
+  typename L::Mask valid;           ///< false: no photon was emitted
+  /// Volume lights: 1 + the row of the medium, as in ray flags. If the first surface that the photon hits belongs to
+  /// another medium, its origin lay outside the medium and the photon is discarded. Other lights: kNone, because they
+  /// do not know the medium around them.
   typename L::Uint medium;
 };
 
-/// Fills the lanes of `m`.
+/// Copies `a` to the lanes of `m`.
 template <class L> SHEAF_INLINE void set_query(Mask<L> m, const TextureQuery<L>& a, TextureQuery<L>& into) {
   into.uv = {select(m, a.uv.x, into.uv.x), select(m, a.uv.y, into.uv.y)};
   into.shape = select(m, a.shape, into.shape);
@@ -123,7 +123,7 @@ concept FillsVolume = requires(const SceneView& scene, std::uint32_t light, Vec3
 
 }  // namespace light_kind_detail
 
-/// A kind that defines all that it must, and nothing that its way of being met has no use for.
+/// A valid light kind: it defines everything that its LightHitKind requires, and nothing else.
 template <class Kind>
 concept LightModel = light_kind_detail::Samples<Kind> &&
                          (Kind::kHitKind == LightHitKind::kSurface) == light_kind_detail::LiesOnSurface<Kind> &&

@@ -1,5 +1,5 @@
-// Light sampling: a point on a light, the radiance it sends to a reference point, and with which density it was chosen;
-// and the same density for a point that BSDF sampling found.
+// Light sampling: samples a point on a light, and returns the radiance that it sends to a reference point and the pdf.
+// Also returns that pdf for a point found by BSDF sampling.
 #pragma once
 
 #include "core/sampler.h"
@@ -9,20 +9,20 @@
 
 namespace sheaf {
 
-/// What lights' rows say, at the wavelengths `lambda`: spectral mode.
+/// Spectral mode: emission of the lights' rows at the wavelengths `lambda`.
 template <class L>
 SHEAF_INLINE Spectrum<L> light_spectra(const SceneView& scene, typename L::Uint light, const Spectrum<L>& lambda) {
   return evaluate<L>(scene.spectral.lights, light, scene.spectral.tables, lambda);
 }
 
-/// Colours of textures, as factors on light_spectra().
+/// Spectra of texture colours, as factors on light_spectra().
 template <class L>
 SHEAF_INLINE Spectrum<L> uplifted_light(const SceneView& scene, const Spectrum<L>& rgb, const Spectrum<L>& lambda) {
   return evaluate(uplift_unbounded<L>(*scene.spectral.uplift, {rgb.c0, rgb.c1, rgb.c2}), lambda);
 }
 
-/// What the lights' textures say, one after the other; 1 for lights without, and nothing below 0. Lanes of one register
-/// may hold lights of different textures. `lambda`: spectral mode.
+/// Values of the lights' textures, clamped to at least 0; 1 for lights without texture. Lanes of a register may have
+/// different textures. `lambda`: spectral mode.
 template <class L, ColorMode Mode = ColorMode::kRgb>
 Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> active, const TextureQuery<L>& query,
                            const Spectrum<L>& lambda = {}) {
@@ -45,7 +45,7 @@ Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> acti
 
 namespace light_detail {
 
-/// What `Kind` says, for the lanes of `active`.
+/// Samples a light of type `Kind` in the lanes of `active`.
 template <class L, ColorMode Mode, class Kind>
 SHEAF_INLINE LightSample<L> sample_kind(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                         Mask<L> active, const Random4<L>& u, const Spectrum<L>& lambda,
@@ -64,7 +64,7 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const LightSample<L>& a, L
   into.valid = select(m, a.valid, into.valid);
 }
 
-/// sample_given_light() of lights that aren't all meshes: called, not inlined, as all kinds together are much code.
+/// sample_given_light() if not all lights are meshes. Not inlined, because the code of all kinds is large.
 template <class L, ColorMode Mode>
 [[gnu::noinline]] LightSample<L> sample_mixed_lights(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                                      const Random4<L>& u, const Spectrum<L>& lambda,
@@ -80,8 +80,8 @@ template <class L, ColorMode Mode>
 
 }  // namespace light_detail
 
-/// Samples a direction towards given lights by u.y, u.z and u.w. Densities don't know how the lights were selected. In
-/// spectral mode light.radiance is light_spectra() at `lambda`. `drawn`: see LightQuery.
+/// Samples a direction towards given lights by u.y, u.z and u.w. The pdf does not include the choice of the light. In
+/// spectral mode light.radiance must be light_spectra() at `lambda`. `drawn`: see LightQuery.
 template <class L, ColorMode Mode = ColorMode::kRgb>
 SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                                const Random4<L>& u, const Spectrum<L>& lambda = {},
@@ -97,8 +97,8 @@ SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> f
   return s;
 }
 
-/// A direction from `from` towards lights that were chosen, and its density, the choice included. `lambda`: the
-/// wavelengths in spectral mode. `drawn`: see LightQuery.
+/// Samples a direction from `from` towards the chosen lights. The pdf includes the choice. `lambda`: wavelengths in
+/// spectral mode. `drawn`: see LightQuery.
 template <class L, ColorMode Mode = ColorMode::kRgb>
 SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, const LightChoice<L>& choice,
                                          const Random4<L>& u, const Spectrum<L>& lambda = {},
@@ -110,8 +110,8 @@ SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, c
   return s;
 }
 
-/// The density, without the choice, with which sample_given_light from `from` would have found the point at distance
-/// `t` in `direction` on an area light with geometric normal `ng` there.
+/// Pdf, without the choice of the light, with which sample_given_light() samples a point of an area light from `from`.
+/// The point lies at distance `t` in `direction` and has the geometric normal `ng`.
 template <class L>
 SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightRecord<L>& light, Mask<L> active,
                                             Vec3<L> from, Vec3<L> direction, Float<L> t, Vec3<L> ng) {
@@ -127,7 +127,7 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightR
   return pdf;
 }
 
-/// Whether paths that leave the scene may meet light number `index`.
+/// Whether light `index` is hit by paths that leave the scene.
 inline bool surrounds_scene(const SceneView& scene, std::uint32_t index) {
   bool surrounds = false;
   Lights::for_each([&]<class Kind>(Kind) {
@@ -136,8 +136,8 @@ inline bool surrounds_scene(const SceneView& scene, std::uint32_t index) {
   return surrounds;
 }
 
-/// What light number `index`, which must surround the scene, sends from `direction`, and the density without the choice
-/// with which sample_given_light would have found that. `lambda`: spectral mode.
+/// Radiance from `direction` of light `index`, which must surround the scene. Includes the pdf with which
+/// sample_given_light() samples that direction, without the choice of the light. `lambda`: spectral mode.
 template <class L, ColorMode Mode>
 SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, std::uint32_t index, Vec3<L> direction,
                                               const Spectrum<L>& lambda) {

@@ -1,4 +1,4 @@
-// Which light: one interface for surfaces, media and photons, whatever the selector.
+// Light selection: one interface for surfaces, media and photons, independent of LightSelector.
 #pragma once
 
 #include "core/distribution.h"
@@ -7,22 +7,23 @@
 
 namespace sheaf {
 
-/// A light and the probability with which it was chosen.
+/// A light and the probability of choosing it.
 template <class L> struct LightChoice {
   typename L::Uint light;         ///< row of SceneView::lights; 0 where the probability is 0
   typename L::Float probability;  ///< 0: no light can reach the point
 };
 
-/// Where light is wanted. `n` is the shading normal of a surface, and zero in media, where light counts from all sides.
+/// The point to be lit. `n` is the shading normal of a surface; it is zero in media, where light counts from all
+/// directions.
 template <class L> struct LightSampleContext { Vec3<L> p, n; };
 
-/// How many lights shine from outside of the scene: those behind SceneView::bounded_light_count.
+/// Number of lights at infinity; they follow the first SceneView::bounded_light_count lights.
 inline std::uint32_t infinite_light_count(const SceneView& scene) {
   return scene.light_count - scene.bounded_light_count;
 }
 
-/// LightSelector::kBvh: the probability with which one of the infinite lights is chosen, all of them alike. The tree
-/// counts as one more, as it knows nothing of them.
+/// LightSelector::kBvh: probability of choosing one of the lights at infinity, which are chosen uniformly. The light
+/// tree does not contain them and counts as one more light.
 inline float infinite_light_share(const SceneView& scene) {
   const std::uint32_t infinite = infinite_light_count(scene);
   return static_cast<float>(infinite) / static_cast<float>(infinite + (scene.bounded_light_count > 0 ? 1u : 0u));
@@ -47,6 +48,7 @@ SHEAF_INLINE void choose_by_bvh(const SceneView& scene, const LightSampleContext
     for (int i = 0; i < N; ++i) choices[i] = {far(u[i]), far_probability};
     return;
   }
+  // Descend the light tree.
   LightTreeWalk<L> walks[N];
   for (int i = 0; i < N; ++i) {
     const F number =
@@ -59,6 +61,7 @@ SHEAF_INLINE void choose_by_bvh(const SceneView& scene, const LightSampleContext
   for (int i = 0; i < N; ++i) {
     choices[i] = {near[i].light, near[i].probability};
     if (infinite == 0) continue;
+    // Choose a light at infinity by the lower part of u.
     const auto is_far = u[i] < F(share);
     choices[i] = {select(is_far, far(u[i]), near[i].light),
                   select(is_far, far_probability, near[i].probability * F(1.0f - share))};
@@ -80,20 +83,20 @@ SHEAF_INLINE Float<L> bvh_probability(const SceneView& scene, const LightSampleC
 
 }  // namespace light_select_detail
 
-/// Chooses a light by u in [0, 1) in proportion to its power, wherever light is wanted. The scene must have lights.
+/// Chooses a light by u in [0, 1) in proportion to its power, regardless of position. The scene must have lights.
 template <class L> SHEAF_INLINE LightChoice<L> choose_light_by_power(const SceneView& scene, typename L::Float u) {
   const auto entry = sample_alias<L>(scene.light_alias, Uint<L>(0u), Uint<L>(scene.light_count), u);
   return {entry.index, entry.pdf};
 }
 
-/// Whether the choice depends on the receiver.
+/// Whether the choice depends on the point to be lit.
 inline bool chooses_by_place(const SceneView& scene) {
   return scene.light_count > 1 && scene.light_selector == LightSelector::kBvh;
 }
 
-/// Chooses a light for each receiver by its u in [0, 1), as SceneView::light_selector says. The scene must have lights.
-/// Receivers may be anything unless chooses_by_place(). `tops`: what light_tree_top() says of them, if that is known
-/// already, or null; the choice is the same. Several choices at once cost less than one after the other.
+/// Chooses a light for each point by its u in [0, 1), with SceneView::light_selector. The scene must have lights. `at`
+/// is ignored unless chooses_by_place(). `tops`: light_tree_top() of the points if already known, or null; the choice
+/// is the same. Making several choices in one call is faster than one after the other.
 template <class L, int N>
 SHEAF_INLINE void choose_lights(const SceneView& scene, const LightSampleContext<L> (&at)[N],
                                 const typename L::Float (&u)[N], const LightTreeCut<L>* tops,
@@ -112,7 +115,7 @@ SHEAF_INLINE void choose_lights(const SceneView& scene, const LightSampleContext
   }
 }
 
-/// Chooses a light for one receiver.
+/// Chooses a light for one point.
 template <class L>
 SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightSampleContext<L>& at, typename L::Float u) {
   LightChoice<L> choice[1];
@@ -120,7 +123,7 @@ SHEAF_INLINE LightChoice<L> choose_light(const SceneView& scene, const LightSamp
   return choice[0];
 }
 
-/// The probability with which choose_light finds `light`.
+/// The probability with which choose_light() returns `light`.
 template <class L>
 SHEAF_INLINE Float<L> choice_probability(const SceneView& scene, const LightSampleContext<L>& at,
                                          typename L::Uint light) {

@@ -1,9 +1,10 @@
-// Picks a light at random from a light tree, in proportion to what its part of the tree may contribute at a point, and
-// tells the probability with which it would pick a given one.
+// Sampling of a light tree: chooses a light in proportion to the estimated contribution of its subtree at a point, and
+// computes the probability of choosing a given light.
 //
-// The measure of importance is that of Pharr et al., "Physically Based Rendering", 4th ed., section 12.6.3, after Conty
-// Estevez and Kulla (HPG 2018), equation 3: power, over squared distance, times the largest cosines that any light of
-// the node can have at either end, or somewhat larger ones that cost less to find.
+// The importance measure is that of Pharr et al., "Physically Based Rendering", 4th ed., section 12.6.3, after Conty
+// Estevez and Kulla (HPG 2018), equation 3: power over squared distance, times the maximum cosines at the light and at
+// the receiver over all lights of a node. Slightly larger bounds replace these cosines where they are cheaper to
+// compute.
 #pragma once
 
 #include "scene/tables/light_tree.h"
@@ -13,31 +14,32 @@
 
 namespace sheaf {
 
-/// A light drawn from a light tree.
+/// A light sampled from a light tree.
 template <class L> struct LightTreeSample {
   typename L::Uint light;         ///< its index; 0 unless valid
-  typename L::Float probability;  ///< that it is drawn; 0 unless valid
-  typename L::Float remapped;     ///< a fresh uniform number in [0, 1) from what is left of u
-  typename L::Mask valid;         ///< false: no light can shine here, or the tree is empty
+  typename L::Float probability;  ///< of sampling it; 0 unless valid
+  typename L::Float remapped;     ///< remainder of u, rescaled to a uniform number in [0, 1)
+  typename L::Mask valid;         ///< false: no light can reach the point, or the tree is empty
 };
 
 namespace light_tree_detail {
 
-/// The least cosine that a light in view is given at either end: what single precision takes for grazing may not be.
+/// Minimum cosine assumed at either end for a light that may be visible, since rounding may make an angle appear
+/// grazing.
 inline constexpr float kMinCosine = 1e-3f;
-/// Where several children may contribute, each is drawn with at least this probability. Uniform numbers of 24 bits can
-/// still choose it, and products over many levels do not underflow.
+/// Minimum probability of each child that may contribute, if several do. A uniform number with 24 bits can still select
+/// it, and products over many levels do not underflow.
 inline constexpr float kMinTurn = 0x1p-20f;
-/// How far a draw may go into what there is to draw from.
+/// Largest random number used for the selection.
 inline constexpr float kFarthest = 1.0f - 0x1p-22f;
-/// Squared distances are kept in this range, which keeps their products finite.
+/// Squared distances are clamped to this range, which keeps their products finite.
 inline constexpr float kNearSquared = 1e-18f, kFarSquared = 1e18f;
 
-/// Where light is wanted.
+/// The point to be lit.
 template <class L> struct Receiver {
   Vec3<L> p;
   Vec3<L> n;                ///< unit length, or zero
-  typename L::Float least;  ///< cosine that is added: 1 where there is no normal, else kMinCosine
+  typename L::Float least;  ///< added to the cosine: 1 without a normal, else kMinCosine
 };
 
 template <class L> SHEAF_INLINE Receiver<L> make_receiver(Vec3<L> p, Vec3<L> n, Mask<L> has_normal) {
@@ -46,13 +48,13 @@ template <class L> SHEAF_INLINE Receiver<L> make_receiver(Vec3<L> p, Vec3<L> n, 
   return {p, select(facing, n, Vec3<L>{zero, zero, zero}), select(facing, Float<L>(kMinCosine), Float<L>(1.0f))};
 }
 
-/// The power of two which brings a positive x to [1, 2). A division would take longer.
+/// The power of two that scales a positive x to [1, 2). Faster than a division.
 template <class L> SHEAF_INLINE Float<L> reciprocal_power_of_two(typename L::Float x) {
   using U = Uint<L>;
   return bits_float(U(0x7f000000u) - (float_bits(x) & U(0x7f800000u)));
 }
 
-/// A node in registers, as its words, whose middle is told from the receiver.
+/// A node in registers, as its words. The centre of its bounds is relative to the receiver.
 template <class L> struct NodeWords {
   typename L::Float words[LightNodeRow::kWordCount];
 
@@ -80,7 +82,7 @@ SHEAF_INLINE NodeWords<L> load_node(const LightTreeView& tree, typename L::Uint 
   return node;
 }
 
-/// The same node in all lanes.
+/// Loads the same node into all lanes.
 template <class L> SHEAF_INLINE NodeWords<L> broadcast(const LightNodeRow& row, const Receiver<L>& at) {
   NodeWords<L> node;
   for (int k = 0; k < LightNodeRow::kWordCount; ++k) node.words[k] = Float<L>(bits_float(row.words[k]));
@@ -88,37 +90,37 @@ template <class L> SHEAF_INLINE NodeWords<L> broadcast(const LightNodeRow& row, 
   return node;
 }
 
-/// 1 / sqrt(x) for positive x that is far from the ends of the range, with an error below 1.7e-5 of it; the same in all
-/// lanes. A guess g by the exponent times a polynomial in x g^2, the one with the least error in the worst place. A
-/// square root and a division would take longer, and so would two of Newton's steps.
+/// 1 / sqrt(x) for positive x away from the ends of the range, relative error below 1.7e-5. Gives the same bits in all
+/// lanes. An estimate g from the exponent is multiplied by a minimax polynomial in x g^2. A square root with a division
+/// takes longer, and so do two Newton steps.
 template <class L> SHEAF_INLINE Float<L> inverse_sqrt(typename L::Float x) {
   using F = Float<L>;
   const F guess = bits_float(Uint<L>(0x5f200000u) - (float_bits(x) >> 1)), r = x * guess * guess;
   return guess * fma(fma(F(0.6630861f), r, F(-1.76082021f)), r, F(2.10231116f));
 }
 
-/// What a child may contribute.
+/// Estimated contribution of a child.
 template <class L> struct Importance {
-  typename L::Float weight;  ///< 0 unless it shines
-  Mask<L> shines;            ///< whether it may contribute at all
+  typename L::Float weight;  ///< 0 unless `shines`
+  Mask<L> shines;            ///< the child may contribute
 };
 
-/// Bounds of cosines instead of the largest ones: for a sphere of radius r around a point at distance D, under an angle
-/// i, no direction to it has a larger cosine than cos i + r / D, as cos(i - b) <= cos i + sin b; and the same with the
-/// cone of normals at the other end, where the sine of the angle w from its axis is at most 1 - (cos w)^2 / 2.
-/// `child.center`: from the receiver.
+/// Uses bounds on the cosines instead of their maxima. For a sphere of radius r whose centre is at distance D and at
+/// the angle i, no direction to the sphere has a larger cosine than cos i + r / D, because cos(i - b) <= cos i + sin b.
+/// The same holds for the cone of normals at the light, where the sine of the angle w from its axis is at most
+/// 1 - (cos w)^2 / 2. `child.center` is relative to the receiver.
 template <class L> SHEAF_INLINE Importance<L> importance(const LightChild<L>& child, const Receiver<L>& at) {
   using F = Float<L>;
   const Vec3<L> d = child.center;
   const F squared = clamp(dot(d, d), F(kNearSquared), F(kFarSquared)), inverse = inverse_sqrt<L>(squared);
   const F one(1.0f), least(kMinCosine);
-  // At the light; two sides have two axes.
+  // Cosine at the light. Two-sided lights have two axes.
   const F cos_w = bits_float(float_bits(dot(child.tilt, d) * (inverse * F(1.0f / kLightFixedPoint))) & child.keep_sign);
   const F sin_w = fma(cos_w * F(-0.5f), cos_w, one);
   const F cos_light = fma(child.radius, inverse, fma(child.spread, sin_w, cos_w));
-  // At the receiver, on the side of its normal where the light is.
+  // Cosine at the receiver, on the side of its normal where the light is.
   const F cos_receiver = fma(abs(dot(at.n, d)) + child.radius, inverse, at.least);
-  // Distances count as the radius at least, of which the inverse need not be exact: 1 / r to a twentieth, up to 1e10.
+  // The distance counts as at least the radius. Its inverse is approximated to within 1/20, for radii up to 1e10.
   using U = Uint<L>;
   const F nearest = min(inverse, bits_float(U(0x7ef311c7u) - min(float_bits(child.radius), U(0x501502f9u))));
   const F weight = child.share * (nearest * nearest) * (clamp(cos_light, least, one) * min(cos_receiver, one));
@@ -126,7 +128,7 @@ template <class L> SHEAF_INLINE Importance<L> importance(const LightChild<L>& ch
   return {select(shines, weight, F(0.0f)), shines};
 }
 
-/// The ways on from a node, as weights of which only the ratio counts.
+/// Relative weights of the children of a node.
 template <class L> struct Turn {
   typename L::Float weights[kLightChildren];
 
@@ -145,14 +147,14 @@ template <class L> SHEAF_INLINE Turn<L> turn(const NodeWords<L>& node, const Rec
   return way;
 }
 
-/// values[child], which is below 4.
+/// values[child] for child < 4.
 template <class L> SHEAF_INLINE Float<L> pick(const typename L::Float* values, typename L::Uint child) {
   using U = Uint<L>;
   const auto is_odd = (child & U(1u)) != U(0u), is_upper = (child & U(2u)) != U(0u);
   return select(is_upper, select(is_odd, values[3], values[2]), select(is_odd, values[1], values[0]));
 }
 
-/// The place of a child of node `index`; see light_tree_child().
+/// Place of a child of node `index`: see light_tree_child().
 template <class L>
 SHEAF_INLINE Uint<L> place_of_child(const NodeWords<L>& node, typename L::Uint index, typename L::Uint child) {
   using U = Uint<L>;
@@ -161,8 +163,9 @@ SHEAF_INLINE Uint<L> place_of_child(const NodeWords<L>& node, typename L::Uint i
                 U(kLightLeaf) | (index << 2) | child);
 }
 
-/// Where a draw stands: `rest` / `whole` of the node's share of u lies before it, and `chosen` / `offered` is the
-/// probability of having come here. No division until the end: a walk waits for each of its steps.
+/// State of a descent. `rest` / `whole` is the remaining random number in [0, 1), and `chosen` / `offered` the
+/// probability of reaching the current node. Both stay fractions until the end, because a division would add latency to
+/// each step.
 template <class L> struct Descent {
   typename L::Float rest, whole, chosen, offered;
 
@@ -171,14 +174,14 @@ template <class L> struct Descent {
   }
   SHEAF_INLINE Mask<L> possible() const { return chosen > Float<L>(0.0f); }
 
-  /// Takes a turn; to which child.
+  /// Selects a child and returns its index; updates the `active` lanes.
   SHEAF_INLINE Uint<L> take(const Turn<L>& way, Mask<L> active) {
     using F = Float<L>;
     using U = Uint<L>;
     const auto& w = way.weights;
     const F sum = way.sum(), first = w[0], two = first + w[1], three = two + w[2];
     const F borders[3] = {whole * first, whole * two, whole * three};
-    // Before the end, whatever the rounding: so a child without weight is always passed over for a later one.
+    // Keep the number below the upper end despite rounding, so that children of weight 0 are never selected.
     const F here = min(rest, whole * F(kFarthest)) * sum;
     F border(0.0f), taken = first;
     U child(0u);
@@ -200,15 +203,15 @@ template <class L> struct Descent {
 
 }  // namespace light_tree_detail
 
-/// A draw that is on its way down a light tree; see end_light_walks().
+/// A descent through a light tree that is under way; see end_light_walks().
 template <class L> struct LightTreeWalk {
   light_tree_detail::Receiver<L> at;
   light_tree_detail::Descent<L> way;
-  typename L::Uint place;  ///< where it stands
+  typename L::Uint place;  ///< current place in the tree
 };
 
-/// Walks to the ends, all of them together: a walk waits for each of its steps, and meanwhile the others go on. The
-/// tree must have lights.
+/// Completes all descents, interleaved to hide their latency: each step depends on the one before. The tree must have
+/// lights.
 template <class L, int N>
 SHEAF_INLINE void end_light_walks(const LightTreeView& tree, LightTreeWalk<L> (&walks)[N],
                                   LightTreeSample<L> (&samples)[N]) {
@@ -225,6 +228,7 @@ SHEAF_INLINE void end_light_walks(const LightTreeView& tree, LightTreeWalk<L> (&
     for (int i = 1; i < N; ++i) all = all | active[i];
     return any(all);
   };
+  // Descend by one level at a time.
   while (goes_any_on()) {
     for (int i = 0; i < N; ++i) {
       LightTreeWalk<L>& walk = walks[i];
@@ -234,6 +238,7 @@ SHEAF_INLINE void end_light_walks(const LightTreeView& tree, LightTreeWalk<L> (&
       walk.place = select(active[i], place_of_child<L>(node, index, child), walk.place);
     }
   }
+  // Read the lights at the leaves.
   constexpr std::uint32_t kRowWords = sizeof(LightNodeRow) / sizeof(std::uint32_t);
   for (int i = 0; i < N; ++i) {
     const Descent<L>& way = walks[i].way;
@@ -245,16 +250,17 @@ SHEAF_INLINE void end_light_walks(const LightTreeView& tree, LightTreeWalk<L> (&
   }
 }
 
-/// Begins the draw of sample_light_tree().
+/// Begins the descent of sample_light_tree().
 template <class L>
 SHEAF_INLINE LightTreeWalk<L> begin_light_walk(Vec3<L> p, Vec3<L> n, Mask<L> has_normal, typename L::Float u) {
   using namespace light_tree_detail;
   return {make_receiver<L>(p, n, has_normal), Descent<L>::at_root(u), Uint<L>(0u)};
 }
 
-/// Draws a light for the point `p` by `u` in [0, 1). `n`: unit normal for shading; light on either side of it counts.
-/// A zero `n` or `has_normal` false stands for a point in a medium. Every light that can shine on `p` has a positive
-/// probability. u keeps about 24 - log2(1 / probability) random bits: lights much rarer than 2^-24 share them.
+/// Samples a light for the point `p` by `u` in [0, 1). `n`: unit shading normal; light on either side of it counts. A
+/// zero `n`, or `has_normal` false, stands for a point in a medium. Every light that can reach `p` has a positive
+/// probability. About 24 - log2(1 / probability) random bits of u remain. Lights far less likely than 2^-24 share the
+/// same values of u.
 template <class L>
 SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, Vec3<L> p, Vec3<L> n, Mask<L> has_normal,
                                                   typename L::Float u) {
@@ -265,17 +271,17 @@ SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, Vec
   return sample[0];
 }
 
-/// The upper turns for one receiver, which all its candidates have in common.
+/// The upper levels of the tree evaluated for one point, shared by all its candidates.
 template <class L> struct LightTreeCut {
-  /// For each upper node the probabilities that its child is one of the first one, two and three. kAlwaysFirst where
-  /// there is no node, as a leaf lies above it, and kNoTurn where none of its lights can contribute.
+  /// Cumulative probabilities of each upper node's first one, two and three children. kAlwaysFirst if there is no node,
+  /// because a leaf lies above it; kNoTurn if none of its lights can contribute.
   typename L::Float below[(kLightChildren - 1) * kLightTopTurns];
 
   static constexpr float kAlwaysFirst = 2, kNoTurn = -1;
   static constexpr auto fields(auto& s) { return std::tie(s.below); }
 };
 
-/// The upper turns at a point; see sample_light_tree(). The tree must have lights.
+/// Evaluates the upper levels of the tree for a point; see sample_light_tree(). The tree must have lights.
 template <class L>
 SHEAF_INLINE LightTreeCut<L> light_tree_top(const LightTreeView& tree, Vec3<L> p, Vec3<L> n, Mask<L> has_normal) {
   using namespace light_tree_detail;
@@ -300,7 +306,7 @@ SHEAF_INLINE LightTreeCut<L> light_tree_top(const LightTreeView& tree, Vec3<L> p
   return top;
 }
 
-/// The same as without `top`, to rounding, which was made of the same point.
+/// As begin_light_walk() without `top`, up to rounding. `top` must have been computed for the same point.
 template <class L>
 SHEAF_INLINE LightTreeWalk<L> begin_light_walk(const LightTreeView& tree, const LightTreeCut<L>& top, Vec3<L> p,
                                                Vec3<L> n, Mask<L> has_normal, typename L::Float u) {
@@ -329,8 +335,8 @@ SHEAF_INLINE LightTreeWalk<L> begin_light_walk(const LightTreeView& tree, const 
   return {make_receiver<L>(p, n, has_normal), way, place};
 }
 
-/// The probability with which sample_light_tree() draws `light` for the same point and normal; 0 in lanes that are not
-/// `active`, whose `light` may be anything.
+/// The probability with which sample_light_tree() chooses `light` for the same point and normal. 0 in lanes that are
+/// not `active`, where `light` may hold any value.
 template <class L>
 SHEAF_INLINE Float<L> light_tree_probability(const LightTreeView& tree, Vec3<L> p, Vec3<L> n, Mask<L> has_normal,
                                              typename L::Uint light, Mask<L> active) {

@@ -1,4 +1,4 @@
-// Lights: meshes of triangles that emit, uniformly by area.
+// Emissive triangle meshes, sampled uniformly by area.
 #pragma once
 
 #include "core/distribution.h"
@@ -27,7 +27,7 @@ struct MeshLight {
   }
 
  private:
-  /// By u.y, u.z and u.w.
+  /// Samples a point by u.y, u.z and u.w.
   template <class L>
   static SHEAF_INLINE LightPoint<L> point(const LightQuery<L>& lights, const Random4<L>& u, TextureQuery<L>& texture) {
     using F = Float<L>;

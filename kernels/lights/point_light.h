@@ -1,11 +1,11 @@
-// Lights: points that shine alike in all directions; and what all lights at a point have in common.
+// Isotropic point lights, and code shared by all lights at a point.
 #pragma once
 
 #include "kernels/lights/light_kind.h"
 
 namespace sheaf {
 
-/// Light from LightRecord::position, of intensity LightRecord::radiance.
+/// Light sample of a light at LightRecord::position with intensity LightRecord::radiance.
 template <class L> SHEAF_INLINE LightSample<L> sample_position(const LightRecord<L>& light, Vec3<L> from) {
   using F = Float<L>;
   const Vec3<L> d = light.position - from;
@@ -20,7 +20,7 @@ template <class L> SHEAF_INLINE LightSample<L> sample_position(const LightRecord
   return s;
 }
 
-/// A photon from there.
+/// A photon from that position.
 template <class L>
 SHEAF_INLINE PhotonEmission<L> emit_from_position(const LightRecord<L>& light, Vec3<L> direction,
                                                   Float<L> pdf_direction) {

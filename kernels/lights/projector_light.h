@@ -1,4 +1,4 @@
-// Lights: projectors, see ProjectorDescription.
+// Projector lights; see ProjectorDescription.
 #pragma once
 
 #include "kernels/lights/spot_light.h"
@@ -29,7 +29,7 @@ struct ProjectorLight {
     return s;
   }
 
-  /// Uniformly over the picture. Unless it is even, the intensity goes with 1 / cos^3, and so does the density of
+  /// Uniform over the image. Unless the light is even, its intensity is proportional to 1 / cos^3, as is the pdf of the
   /// directions.
   template <class L, ColorMode Mode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,

@@ -1,11 +1,12 @@
-// Lights: disks, cylinders, and spheres that are stretched or shine inwards, uniformly over the canonical shape.
+// Emissive disks and cylinders, and spheres that are stretched or emit inwards. Sampled uniformly over the canonical
+// shape.
 #pragma once
 
 #include "kernels/lights/area_light.h"
 
 namespace sheaf {
 
-/// Texture coordinates at the canonical shape's point `x`. Not inlined: textured quadrics are rare.
+/// Texture coordinates at the point `x` of the canonical shape. Not inlined, because textured quadrics are rare.
 template <class L>
 void set_quadric_query(Mask<L> m, const QuadricRecord<L>& q, const LightRecord<L>& light, Vec3<L> x,
                        TextureQuery<L>& texture) {
@@ -14,7 +15,7 @@ void set_quadric_query(Mask<L> m, const QuadricRecord<L>& q, const LightRecord<L
   set_query<L>(m, {y.uv, light.shape, Uint<L>(0u), F(0.0f), F(0.0f)}, texture);
 }
 
-/// Uniform over the canonical shape of a quadric, spheres included, by u.y and u.z.
+/// Samples a point uniformly on the canonical shape of a quadric, spheres included, by u.y and u.z.
 template <class L>
 SHEAF_INLINE LightPoint<L> point_on_quadric(const LightQuery<L>& lights, const Random4<L>& u,
                                             TextureQuery<L>& texture) {
@@ -35,7 +36,7 @@ SHEAF_INLINE LightPoint<L> point_on_quadric(const LightQuery<L>& lights, const R
   out.y.offset = max(out.y.offset, select(lights.active, light.least_offset(), F(0.0f)));
   const auto textured = lights.active & (light.texture != U(kNone));
   if (any(textured)) set_quadric_query<L>(textured, q, light, x, texture);
-  // The area element grows by |det| |M^-T n|.
+  // The transformation scales the area element by |det| |M^-T n|.
   const Vec3<L> n = {select(disk, F(0.0f), x.x), select(disk, F(0.0f), x.y),
                      select(disk, F(1.0f), select(cylinder, F(0.0f), x.z))};
   out.pdf_area = F(1.0f) / max(light.area * q.determinant * length(q.world_normal(n)), F(1e-37f));
@@ -55,7 +56,7 @@ struct QuadricLight {
   template <class L> static SHEAF_INLINE Float<L> pdf_solid_angle(const LightQuery<L>& lights, const LightHit<L>& hit) {
     using F = Float<L>;
     const auto q = gather_rows<L>(lights.scene.quadrics, select(lights.active, lights.light.quadric(), Uint<L>(0u)));
-    // |M^-T n| for the canonical unit normal n is 1 / |M^T ng|.
+    // M^-T n| for the canonical unit normal n equals 1 / |M^T ng|.
     const Vec3<L> ng = hit.ng;
     const auto* m = q.to_world;
     const Vec3<L> back{m[0] * ng.x + m[4] * ng.y + m[8] * ng.z, m[1] * ng.x + m[5] * ng.y + m[9] * ng.z,

@@ -1,12 +1,12 @@
-// Lights: spheres that shine outwards, by directions inside the cone under which one is seen (Pharr et al. 2023,
-// section 6.2.4).
+// Spheres that emit outwards, sampled uniformly in the cone of directions that they subtend (Pharr et al. 2023, section
+// 6.2.4).
 #pragma once
 
 #include "kernels/lights/quadric_light.h"
 
 namespace sheaf {
 
-/// 1 - cos of the half angle under which a sphere is seen, stable for small ones; 0 from inside.
+/// 1 - cos of the half angle that a sphere subtends, accurate for small angles; 0 inside the sphere.
 template <class F> SHEAF_INLINE F sphere_one_minus_cos(F radius, F distance_squared) {
   const F sin2 = min(radius * radius / max(distance_squared, F(1e-37f)), F(1.0f));
   return select(sin2 < F(1.0f), sin2 / (F(1.0f) + safe_sqrt(F(1.0f) - sin2)), F(0.0f));
@@ -31,7 +31,7 @@ struct SphereLight {
     const auto frame = Frame<L>::from_normal(to_center * (F(1.0f) / distance));
     const Vec3<L> local = square_to_cone<L>(u.y, u.z, one_minus_cos_max);
     s.direction = frame.to_world(local);
-    // Normal of the sphere where the direction meets it first.
+    // Normal at the first intersection of the direction with the sphere.
     const F sin2 = max(F(0.0f), F(1.0f) - local.z * local.z);
     const F along = distance * local.z - safe_sqrt(light.radius * light.radius - squared * sin2);
     const Vec3<L> normal = (s.direction * along - to_center) * (F(1.0f) / light.radius);
@@ -39,6 +39,7 @@ struct SphereLight {
     const F n_length = sqrt(max(dot(normal, normal), F(1e-12f)));
     const F offset = max(F(2.0f * kOffsetUlps) * extent, select(lights.active, light.least_offset(), F(0.0f)));
     s.target = light.position + normal * ((light.radius + offset) / n_length);
+    // Look up the texture coordinates.
     const auto textured = lights.active & (light.texture != U(kNone));
     if (any(textured)) {
       const auto q = gather_rows<L>(lights.scene.quadrics, select(textured, light.quadric(), U(0u)));

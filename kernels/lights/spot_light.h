@@ -1,4 +1,4 @@
-// Lights: spots of both kinds, see SpotLightDescription.
+// Spot lights with linear or smooth falloff; see SpotLightDescription.
 #pragma once
 
 #include "kernels/lights/point_light.h"
@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-/// The frames of lights that have one.
+/// Loads the local frames of lights that have one.
 template <class L> SHEAF_INLINE LightFrameRecord<L> load_frames(const LightQuery<L>& lights) {
   return gather_rows<L>(lights.scene.light_frames, select(lights.active, lights.light.frame(), Uint<L>(0u)));
 }
@@ -27,7 +27,7 @@ template <LightKind Kind> struct SpotLight {
     return s;
   }
 
-  /// Uniformly into the cone, weighed by the falloff.
+  /// Uniform directions in the cone, weighted by the falloff.
   template <class L, ColorMode Mode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
@@ -48,8 +48,7 @@ template <LightKind Kind> struct SpotLight {
   static_assert(Kind == LightKind::kSpot || Kind == LightKind::kSmoothSpot);
   static constexpr bool kLinear = Kind == LightKind::kSpot;
 
-  /// The part of its intensity, in [0, 1] and without its texture, that a spot sends along `local`, a vector in its
-  /// space.
+  /// Falloff in [0, 1], without texture, in the direction `local`, a vector in the light's space.
   template <class L>
   static SHEAF_INLINE Float<L> falloff(const LightQuery<L>& lights, const LightFrameRecord<L>& frame, Vec3<L> local,
                                        TextureQuery<L>& texture) {
@@ -57,7 +56,7 @@ template <LightKind Kind> struct SpotLight {
     using U = Uint<L>;
     F x;
     if constexpr (kLinear) {
-      // The angle by its tangent, which is exact also near the axis.
+      // Compute the angle from its tangent, which is accurate near the axis.
       x = frame.cutoff - atan2(sqrt(local.x * local.x + local.y * local.y), local.z);
     } else {
       x = local.z / max(sqrt(dot(local, local)), F(1e-37f)) - frame.cutoff;
@@ -80,8 +79,8 @@ template <LightKind Kind> struct SpotLight {
     return F(2.0f) * half * half;
   }
 
-  /// A density per solid angle in world space from `pdf`, per solid angle in the light's space, at the unit vector that
-  /// world_vector() made `along`: a linear map of determinant D multiplies solid angles by |D| / |along|^3.
+  /// Converts `pdf`, per solid angle in the light's space, to world space. `along` is the world_vector() of a unit
+  /// vector: a linear map of determinant D scales solid angles by |D| / |along|^3.
   template <class L>
   static SHEAF_INLINE Float<L> world_pdf(const LightFrameRecord<L>& frame, Vec3<L> along, Float<L> pdf) {
     const Float<L> l = length(along);

@@ -1,4 +1,4 @@
-// Lights: a disk infinitely far away, as bright everywhere, by directions inside its cone.
+// A disk of constant radiance at infinity, sampled uniformly in its cone of directions.
 #pragma once
 
 #include "kernels/lights/infinite_light.h"
@@ -21,7 +21,7 @@ struct SunLight {
     return s;
   }
 
-  /// 1 - cos of the angle between unit vectors is half the square of their distance: exact for small ones.
+  /// 1 - cos of the angle between unit vectors is half their squared distance; accurate for small angles.
   template <class L, ColorMode Mode>
   static SHEAF_INLINE EnvmapValue<L> arriving(const SceneView&, const LightRow& light, const Spectrum<L>& emitted,
                                               Vec3<L> direction, const Spectrum<L>&) {

@@ -1,8 +1,8 @@
-// Media as lights: points inside of them, chosen by what is emitted there.
+// Emissive media as lights: points are sampled in proportion to the emission.
 //
-// A volume light is a box with the sides of the world's axes, cut into cells; a cell is chosen by its share of the
-// emission, a point in it uniformly. Points that lie in the box but not in the medium bring nothing: the ray to or from
-// them finds out (kernels/stages/transmittance.cpp; PhotonEmission::medium).
+// A volume light is an axis-aligned box divided into cells. A cell is chosen in proportion to its emission, a point in
+// it uniformly. Points in the box that lie outside the medium contribute nothing; the ray to or from them detects this
+// (kernels/stages/transmittance.cpp; PhotonEmission::medium).
 #pragma once
 
 #include "core/distribution.h"
@@ -11,7 +11,7 @@
 
 namespace sheaf {
 
-/// The density, per cubic metre, of the point `p` of a volume light.
+/// Pdf, per cubic metre, of sampling the point `p` of a volume light.
 inline float volume_light_pdf(const SceneView& scene, std::uint32_t index, Vec3f p) {
   const LightRow& light = scene.lights[index];
   const VolumeCells cells = volume_cells(light);
@@ -32,18 +32,18 @@ inline float volume_light_pdf(const SceneView& scene, std::uint32_t index, Vec3f
 template <class L> struct VolumePoint {
   Vec3<L> p;
   typename L::Float pdf_volume;  ///< per cubic metre
-  Spectrum<L> emitted;           ///< sigma_a times the radiance that the medium tends to, W / (m^3 sr)
+  Spectrum<L> emitted;           ///< sigma_a times the emitted radiance, W / (m^3 sr)
   static constexpr auto fields(auto& s) { return std::tie(s.p, s.pdf_volume, s.emitted); }
 };
 
-/// By u.y, u.z and u.w. `lambda`: the path's wavelengths; not used in RGB mode.
+/// Samples a point by u.y, u.z and u.w. `lambda`: the path's wavelengths; unused in RGB mode.
 inline VolumePoint<Scalar> sample_volume_light(const SceneView& scene, std::uint32_t index, const Random4<Scalar>& u,
                                                const Spectrum4& lambda) {
   const LightRow& light = scene.lights[index];
   const VolumeCells cells = volume_cells(light);
   const Vec3f size = light.extent();
   const auto cell = sample_alias<Scalar>(scene.triangle_alias, light.first_triangle, light.triangle_count, u.w);
-  // What is left of u.w depends on the cell; for the third coordinate its bits are scrambled instead.
+  // The remainder of u.w depends on the cell, so the third coordinate uses a hash of its bits instead.
   std::uint32_t a = float_bits(u.w), b = float_bits(u.y), c = float_bits(u.z), d = index;
   hash4(a, b, c, d);
   const float depth = light.triangle_count == 1 ? u.w : unit_float(a ^ b);
@@ -53,6 +53,7 @@ inline VolumePoint<Scalar> sample_volume_light(const SceneView& scene, std::uint
            light.position.y + size.y * ((static_cast<float>(y) + u.z) / static_cast<float>(cells.y)),
            light.position.z + size.z * ((static_cast<float>(z) + depth) / static_cast<float>(cells.z))};
   out.pdf_volume = cell.pdf * static_cast<float>(light.triangle_count) / (size.x * size.y * size.z);
+  // Evaluate the emission.
   const MediumRow& medium = scene.media[light.medium()];
   const MediumSpectra spectra = medium_spectra(scene, medium, lambda);
   out.emitted = to_spectrum(medium_coefficients(scene, medium, spectra, out.p, lambda).sigma_a *
@@ -64,7 +65,7 @@ struct VolumeLight {
   static constexpr LightKind kKind = LightKind::kVolume;
   static constexpr LightHitKind kHitKind = LightHitKind::kMedium;
 
-  /// `radiance`: per metre.
+  /// `radiance` of the sample is per metre.
   template <class L, ColorMode Mode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>&) {
@@ -85,7 +86,7 @@ struct VolumeLight {
     return volume_light_pdf(scene, light, p);
   }
 
-  /// To all sides alike.
+  /// Isotropic directions.
   template <class L, ColorMode Mode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>&) {
@@ -102,7 +103,7 @@ struct VolumeLight {
   }
 
  private:
-  /// One lane after the other; all zero in those that are not asked.
+  /// Samples the active lanes one after the other; the others are 0.
   template <class L> static VolumePoint<L> points(const LightQuery<L>& lights, const Random4<L>& u) {
     constexpr int kWords = kLeafCount<VolumePoint>;
     alignas(kSimdAlignment) float number[3][L::width], wavelength[4][L::width], out[kWords][L::width] = {};

@@ -1,11 +1,11 @@
-// Tracking of many rays at a time through media whose extinction is that of the spectra times one grid's value
-// (kMediumSingleGrid): what happens to a ray then hangs on one number per place, the density, and on the extinction of
-// its hero lane; how often it met nothing, and the integrals of the bounds that it has passed, say all about the other
-// lanes (kernels/media/density_weights.h).
+// Vectorised delta and ratio tracking through media whose extinction is the product of their spectra and one grid
+// (kMediumSingleGrid). A ray's outcome then depends only on one number per point, the density, and on the extinction of
+// its hero lane. The number of null collisions and the integrals of the bounds along the ray suffice to weight the
+// other lanes (kernels/media/density_weights.h).
 //
-// Each lane of a register follows a ray of its own, which steps from leaf to leaf of the majorants or waits at a
-// collision to be looked up. Steps are taken until half of the lanes wait, lookups are for all that do, and lanes whose
-// rays have ended take the next ones: no ray waits for others to end.
+// Each lane of a register follows its own ray, which steps from leaf to leaf of the majorant grid or waits at a
+// collision for the density lookup. Steps continue until half of the lanes wait; a lookup serves all waiting lanes.
+// Lanes whose rays have ended take the next rays, so no ray waits for others to end.
 #pragma once
 
 #include "core/column_tile.h"
@@ -17,56 +17,56 @@
 
 namespace sheaf {
 
-/// What tracking looks for.
+/// The purpose of tracking.
 enum class DensityTracking {
-  kScattering,     ///< the first collision with the medium, by the majorant
-  kTransmittance,  ///< how much passes: the minorant's share is known, the rest is met by ratio tracking
+  kScattering,     ///< find the first real collision, with the majorant
+  kTransmittance,  ///< use the minorant's transmittance, and ratio tracking for the rest
 };
 
-/// A ray that has met this many tentative collisions goes no further, and brings nothing: a medium of such an optical
-/// thickness lets nothing pass, unless its majorants are far too large; and where they are so large that steps vanish
-/// against the distance in 32 bits, the ray would never arrive.
+/// A ray with this many tentative collisions is abandoned and contributes nothing. A medium of such an optical
+/// thickness is opaque, unless its majorants are far too large. If they are so large that steps vanish against the
+/// distance in 32 bits, the ray would never reach its end.
 inline constexpr std::uint32_t kMaxCollisions = 1u << 20;
 
-/// Minorants count up to this optical thickness, of the lane of the largest extinction, from the ray's start. Beyond it
-/// they are taken for zero: a ray that hardly any light passes meets enough collisions, then, to be given up at random.
-/// The place does not depend on the hero: with any hero a ray has the probabilities that r_l assumes for its lanes.
+/// Optical thickness from the start of the ray, in the lane of the largest extinction, up to which minorants are used.
+/// Beyond it the minorant is 0. Rays with little transmittance then have enough collisions for Russian roulette. The
+/// limit does not depend on the hero: whatever the hero, a ray has the pdfs that r_l assumes for its lanes.
 inline constexpr float kMaxControlDepth = 2.3f;
-/// A shadow ray's light that is less than kRouletteThreshold goes on with the probability kSurvival, and as much more
-/// weight.
+/// Russian roulette of shadow rays: below a transmittance of kRouletteThreshold, a ray survives with probability
+/// kSurvival and a weight of 1 / kSurvival.
 inline constexpr float kRouletteThreshold = 0.1f, kSurvival = 0.25f;
 
-/// A ray to be tracked.
+/// A ray to track.
 template <class L> struct DensityRay {
   Vec3<L> origin, direction;  ///< world space; unit length
   Float<L> length;            ///< metres
-  Float<L> extinction;        ///< of the hero lane where the density is 1
-  Float<L> largest;           ///< of all lanes' extinctions where the density is 1
-  Float<L> first;             ///< in [0, 1): how far its first collision is
-  MediumNumbers<L> numbers;   ///< all the rest
+  Float<L> extinction;        ///< extinction of the hero lane at density 1
+  Float<L> largest;           ///< maximum over all lanes of the extinction at density 1
+  Float<L> first;             ///< in [0, 1): random number for the distance to the first collision
+  MediumNumbers<L> numbers;   ///< random numbers for everything else
   static constexpr auto fields(auto& s) {
     return std::tie(s.origin, s.direction, s.length, s.extinction, s.largest, s.first, s.numbers);
   }
 };
 
-/// How a ray has ended.
+/// State or outcome of a ray.
 enum class DensityOutcome : std::uint32_t {
-  kWalking,    ///< not yet: on its way between collisions
-  kColliding,  ///< not yet: at one
+  kWalking,    ///< not ended: on the way to the next collision
+  kColliding,  ///< not ended: at a collision
   kIdle,
   kPassed,
   kScattered,
-  kAbsorbed,   ///< kTransmittance: nothing is left
+  kAbsorbed,   ///< kTransmittance: no light is left
   kAbandoned,  ///< see kMaxCollisions
 };
 
-/// What has become of a ray.
+/// Result of tracking a ray.
 template <class L> struct TrackResult {
-  Float<L> t;                     ///< metres, where it scatters
-  Float<L> majorants, minorants;  ///< integrals along the ray of what was taken for the bounds
+  Float<L> t;                     ///< distance in metres at which the ray scatters
+  Float<L> majorants, minorants;  ///< integrals along the ray of the bounds that were used
   Float<L> ratio;                 ///< see density_weights.h
-  Float<L> survival;              ///< one over the probability with which it was not given up
-  Uint<L> nulls;                  ///< collisions, less the one that scatters
+  Float<L> survival;              ///< product of 1 / kSurvival over Russian roulette
+  Uint<L> nulls;                  ///< number of collisions, without the one that scatters
   Uint<L> outcome;                ///< DensityOutcome
   static constexpr auto fields(auto& s) {
     return std::tie(s.t, s.majorants, s.minorants, s.ratio, s.survival, s.nulls, s.outcome);
@@ -79,7 +79,7 @@ struct DensityMedium {
   const BrickGridRow& density;
 };
 
-/// Rows that are tracked at a time.
+/// Maximum number of rays tracked per call.
 inline constexpr int kDensityRows = 256;
 using DensityRays = ColumnTile<DensityRay, kDensityRows>;
 using TrackResults = ColumnTile<TrackResult, kDensityRows>;
@@ -97,11 +97,11 @@ template <class L> struct DensityStart {
   }
 };
 
-/// A ray on its way.
+/// A ray being tracked.
 template <class L> struct DensityLane {
-  DensityStart<L> start;        ///< but that its walk, depth and outcome are those of now
-  TrackResult<L> end;           ///< but for t and the outcome
-  Float<L> majorant, minorant;  ///< where it collides
+  DensityStart<L> start;        ///< with the current walk, depth and outcome
+  TrackResult<L> end;           ///< running values; t and outcome are set at the end
+  Float<L> majorant, minorant;  ///< at the collision
   static constexpr auto fields(auto& s) { return std::tie(s.start, s.end, s.majorant, s.minorant); }
 };
 
@@ -112,13 +112,13 @@ template <class L> SHEAF_INLINE void set_where(Mask<L> m, DensityOutcome which, 
   outcome = select(m, Uint<L>(static_cast<std::uint32_t>(which)), outcome);
 }
 
-/// The natural logarithm of a positive normal number, the same bits in every lane: that of the mantissa m, between the
-/// roots of 1/2 and 2, is 2 artanh((m - 1) / (m + 1)), whose series is below float's resolution after five terms.
+/// Natural logarithm of a positive normal number, with the same bits in every lane. The logarithm of the mantissa m, in
+/// [sqrt(1/2), sqrt(2)], is 2 artanh((m - 1) / (m + 1)). Five terms of its series reach the resolution of float.
 template <class L> SHEAF_INLINE Float<L> natural_log(Float<L> x) {
   using F = Float<L>;
   using U = Uint<L>;
   constexpr std::uint32_t kRootOfHalf = 0x3f3504f3u;
-  const U bits = float_bits(x), exponent = (bits - U(kRootOfHalf)) >> 23;  // 512 too large below the root
+  const U bits = float_bits(x), exponent = (bits - U(kRootOfHalf)) >> 23;  // 512 too large for x below the root
   const F m = bits_float(bits - (exponent << 23));
   const F s = (m - F(1.0f)) / (m + F(1.0f)), s2 = s * s;
   const F series =
@@ -127,7 +127,7 @@ template <class L> SHEAF_INLINE Float<L> natural_log(Float<L> x) {
   return fma(e, F(0.693147180559945f), s * series);
 }
 
-/// From u in [0, 1).
+/// Exponentially distributed number from u in [0, 1).
 template <class L> SHEAF_INLINE Float<L> exponential(Float<L> u) { return -natural_log<L>(Float<L>(1.0f) - u); }
 
 template <class L>
@@ -144,30 +144,33 @@ SHEAF_INLINE DensityStart<L> start_density_ray(const DensityMedium& medium, cons
   return start;
 }
 
-/// Lets the walking lanes go on to the ends of their leaves, or to a collision before.
+/// Advances the walking lanes to the end of their leaf, or to a collision before it.
 template <class L, DensityTracking kWhat> SHEAF_INLINE void step(const DensityMedium& medium, DensityLane<L>& lane) {
   using F = Float<L>;
   LeafWalk<L>& walk = lane.start.walk;
   TrackResult<L>& sum = lane.end;
   const Mask<L> walking = is_at<L>(lane.start.outcome, DensityOutcome::kWalking);
+  // Look up the bounds, and find the end of the step.
   const MajorantLeaf<L> leaf = find_leaf<L>(medium.majorants, walk);
   const F s = lane.start.extinction, most_control = F(kMaxControlDepth) / lane.start.largest;
   const F majorant = leaf.majorant;
   const F minorant = select(sum.minorants < most_control, leaf.minorant, F(0.0f));
   const F leaf_end = min(leaf.t_end, walk.leave);
-  // Where the minorants are used up, the leaf is entered anew.
+  // At the limit of the minorants the step ends early; the next step enters the same leaf again.
   const F used_up = walk.t + (most_control - sum.minorants) / minorant;
   const Mask<L> is_used_up = (minorant > F(0.0f)) & (used_up < leaf_end);
   const F end = select(is_used_up, used_up, leaf_end);
   const F left = max(end - walk.t, F(0.0f));
   const F rate = kWhat == DensityTracking::kTransmittance ? s * (majorant - minorant) : s * majorant;
   const F over = rate * left;
+  // Step to the collision, or to the end.
   const Mask<L> collides = walking & (over > lane.start.depth), passes = walking & !collides;
   const F stretch = select(collides, lane.start.depth / rate, select(walking, left, F(0.0f)));
   sum.majorants = fma(majorant, stretch, sum.majorants);
   sum.minorants = select(passes & is_used_up, most_control, fma(minorant, stretch, sum.minorants));
   lane.start.depth = select(passes, lane.start.depth - over, lane.start.depth);
   walk.t = select(collides, walk.t + stretch, select(passes, max(walk.t, end), walk.t));
+  // Leave the leaf or the box.
   const Mask<L> leaves_box = passes & !is_used_up & !(leaf.t_end < walk.leave);
   const Mask<L> leaves_leaf = passes & !is_used_up & (leaf.t_end < walk.leave);
   walk.place = select<L>(leaves_leaf, place_behind<L>(medium.majorants, walk, leaf), walk.place);
@@ -177,17 +180,18 @@ template <class L, DensityTracking kWhat> SHEAF_INLINE void step(const DensityMe
   set_where<L>(leaves_box, DensityOutcome::kPassed, lane.start.outcome);
 }
 
-/// Decides what the colliding lanes have met.
+/// Decides whether the colliding lanes have real or null collisions.
 template <class L, DensityTracking kWhat> SHEAF_INLINE void collide(const DensityMedium& medium, DensityLane<L>& lane) {
   using F = Float<L>;
   using U = Uint<L>;
   const LeafWalk<L>& walk = lane.start.walk;
   TrackResult<L>& sum = lane.end;
   const Mask<L> colliding = is_at<L>(lane.start.outcome, DensityOutcome::kColliding);
+  // Look up the density.
   const Random4<L> u = lane.start.numbers.at(sum.nulls + U(1u));
   const Vec3<L> p{fma(walk.t, walk.direction.x, walk.origin.x), fma(walk.t, walk.direction.y, walk.origin.y),
                   fma(walk.t, walk.direction.z, walk.origin.z)};
-  // Bounds hold up to rounding: what is beyond them counts as them.
+  // The bounds hold up to rounding only: clamp the density to them.
   const F density = min(max(lookup_density<L>(medium.density, p), lane.minorant), lane.majorant);
   const F residual = lane.majorant - lane.minorant, null = lane.majorant - density;
   set_where<L>(colliding, DensityOutcome::kWalking, lane.start.outcome);
@@ -205,12 +209,13 @@ template <class L, DensityTracking kWhat> SHEAF_INLINE void collide(const Densit
     const Mask<L> is_closed = (is_little & (u.y >= F(kSurvival))) | (colliding & !(sum.ratio > F(0.0f)));
     set_where<L>(is_closed, DensityOutcome::kAbsorbed, lane.start.outcome);
   }
+  // Sample the distance to the next collision.
   sum.nulls = select(goes_on, sum.nulls + U(1u), sum.nulls);
   lane.start.depth = select(colliding, exponential<L>(u.x), lane.start.depth);
   set_where<L>(goes_on & !(sum.nulls < U(kMaxCollisions)), DensityOutcome::kAbandoned, lane.start.outcome);
 }
 
-/// Lanes in turn take rays, are followed, and give back how they have ended.
+/// Distributes rays to the lanes, tracks them, and stores their results.
 template <class L, DensityTracking kWhat> class DensityTracker {
  public:
   DensityTracker(const DensityMedium& medium, const DensityRays& rays, int count, TrackResults& ends)
@@ -243,10 +248,10 @@ template <class L, DensityTracking kWhat> class DensityTracker {
 
  private:
   static constexpr std::uint32_t kAll = static_cast<std::uint32_t>((std::uint64_t{1} << L::width) - 1);
-  /// Colliding lanes that are worth a lookup, and ended ones that are worth being filled again.
+  /// Number of colliding lanes that justify a lookup, and of ended lanes that justify a refill.
   static constexpr int kEnough = L::width > 1 ? L::width / 2 : 1, kEnoughEnded = L::width > 4 ? L::width / 4 : 1;
 
-  /// Gives the lanes of `ended` the next rays; false: none has any left.
+  /// Gives the next rays to the lanes of `ended`; false if all lanes are idle.
   bool take(std::uint32_t ended) {
     for (; ended != 0; ended &= ended - 1) {
       const int i = std::countr_zero(ended);
@@ -281,8 +286,8 @@ template <class L, DensityTracking kWhat> class DensityTracker {
 
 }  // namespace detail
 
-/// Tracks the first `count` rays; rows behind them, up to whole registers, must be set too. Each ray ends as it would
-/// alone.
+/// Tracks the first `count` rays. Rows after them, up to a whole register, must be set too. The result of a ray does
+/// not depend on the other rays.
 template <class L, DensityTracking kWhat>
 inline void track_densities(const DensityMedium& medium, const DensityRays& rays, int count, TrackResults& ends) {
   detail::DensityTracker<L, kWhat>(medium, rays, count, ends).run();

@@ -1,16 +1,17 @@
-// What tracking by densities means for a path: its throughput and its probabilities in all lanes.
+// Updates path throughput and rescaled pdfs in all lanes after density tracking.
 //
-// With s the lanes' extinction per density, h that of the hero, M and m the bounds, rho the density and A, D the
-// integrals of M and m along the ray, n collisions met nothing. Each of these brought the lanes' s (M - rho) over what
-// the hero's was sampled with, and each stretch its transmittance, so that with q = s / h all lanes have in common
+// Notation: s is the extinction of a lane at density 1 and h that of the hero; M and m are the majorant and the
+// minorant, rho the density; A and D are the integrals of M and m along the ray; n is the number of null collisions.
+// For each null collision, a lane's weight is s (M - rho) over the pdf of the hero, and for each segment its
+// transmittance. With q = s / h, the factor common to all cases is
 //     q^n exp((h - s) A)
-// and besides, TrackResult::ratio being the product R of what follows over the n collisions:
-//     paths, which were sampled with h (M - rho) exp(-h A): light sampling would have met them with s (M - m), so that
+// The other factors contain TrackResult::ratio, a product over the n null collisions whose factors are called R:
+//     paths are sampled with h (M - rho) exp(-h A). Light sampling would sample these collisions with s (M - m), so
 //         r_l has q^n exp((h - s) (A - D)) exp(h D) R,  R = (M - m) / (M - rho);
-//     shadow rays, sampled with h (M - m) exp(-h (A - D)): beta and r_u have in common
-//         q^n exp((h - s) A) exp(-h D) R,  R = (M - rho) / (M - m),  and r_l  q^n exp((h - s) (A - D)).
-// The minorant's share of a shadow ray is so that of residual ratio tracking (Novak, Selle and Jarosz 2014). With delta
-// tracking light sampling meets collisions as paths do.
+//     shadow rays are sampled with h (M - m) exp(-h (A - D)). Both beta and r_u have
+//         q^n exp((h - s) A) exp(-h D) R,  R = (M - rho) / (M - m),  and r_l has q^n exp((h - s) (A - D)).
+// The treatment of the minorant along shadow rays is residual ratio tracking (Novak, Selle and Jarosz 2014). With delta
+// tracking, light sampling treats collisions as paths do.
 #pragma once
 
 #include "core/sampler.h"
@@ -21,12 +22,12 @@
 
 namespace sheaf {
 
-/// Whether a ray is tracked by densities.
+/// Whether a ray uses density tracking.
 inline bool is_tracked_by_density(const MediumRay& ray, MediumEstimator estimator) {
   return ray.has(kMediumSingleGrid) && estimator != MediumEstimator::kMarching;
 }
 
-/// The lanes' factors over the hero's.
+/// Weights of the lanes relative to the hero, by path sampling and by light sampling.
 struct LaneOdds {
   Float4 by_path, by_light;
 };
@@ -40,7 +41,7 @@ inline LaneOdds lane_odds(const MediumRay& ray, const TrackResult<Scalar>& end) 
   return {power * exp(more * end.majorants), power * exp(more * (end.majorants - end.minorants))};
 }
 
-/// After kScattering: the path has passed, or been scattered at TrackResult::t.
+/// Applies the result of kScattering: the path has passed, or scatters at TrackResult::t.
 inline void weigh_scattering(const MediumRay& ray, const TrackResult<Scalar>& end, bool delta, PathWeights& path) {
   const LaneOdds odds = lane_odds(ray, end);
   const float hero = majorant_spectrum(ray, 1.0f)[ray.hero];
@@ -54,7 +55,7 @@ inline void weigh_scattering(const MediumRay& ray, const TrackResult<Scalar>& en
   path.r_u = path.r_u * ray.odds(c.sigma_t * (1.0f / hero));
 }
 
-/// After kTransmittance, or with `delta` kScattering: the light has passed.
+/// Applies the result of kTransmittance, or of kScattering with `delta`, to a shadow ray that has passed.
 inline void weigh_transmittance(const MediumRay& ray, const TrackResult<Scalar>& end, bool delta, PathWeights& path) {
   const LaneOdds odds = lane_odds(ray, end);
   const float passed = delta ? 1.0f : end.ratio * std::exp(-majorant_spectrum(ray, 1.0f)[ray.hero] * end.minorants);
@@ -63,8 +64,8 @@ inline void weigh_transmittance(const MediumRay& ray, const TrackResult<Scalar>&
   path.r_l = path.r_l * ray.odds(delta ? odds.by_path : odds.by_light);
 }
 
-/// Rays of several media that wait to be tracked. How far their first collisions are is spread over a pixel's samples
-/// by the sampler: a number of SampleBlock::kSelect, of which paths and shadow rays have one each.
+/// A queue of rays to track, in any media. The sampler stratifies the distances to the first collisions over a pixel's
+/// samples: paths and shadow rays each use one number of SampleBlock::kSelect.
 class DensityQueue {
  public:
   static constexpr int kCapacity = kDensityRows;
@@ -78,14 +79,14 @@ class DensityQueue {
   const MediumRay& ray(int i) const { return *rays_[static_cast<std::size_t>(i)]; }
   const TrackResult<Scalar>& end(int i) const { return ends_[static_cast<std::size_t>(i)]; }
 
-  /// `pixel`, `sample` and `dimension`: of the ray's random numbers.
+  /// `pixel`, `sample` and `dimension` identify the ray's random numbers.
   void add(const MediumRay& ray, std::uint32_t pixel, std::uint32_t sample, std::uint32_t dimension) {
     rays_[static_cast<std::size_t>(size_)].emplace(ray);
     numbers_[static_cast<std::size_t>(size_++)] = {pixel, sample, dimension,
                                                    MediumNumbers<Scalar>::key(sampler_.seed, use_)};
   }
 
-  /// Finds all end()s.
+  /// Tracks all rays and sets end().
   template <class L, DensityTracking kWhat> void track() {
     std::array<bool, kCapacity> is_tracked{};
     for (int i = 0; i < size_; ++i)
@@ -93,8 +94,9 @@ class DensityQueue {
   }
 
  private:
-  /// Those of the same medium as ray `first`, before which there are none left.
+  /// Tracks all rays in the medium of ray `first`; earlier rays are done already.
   template <class L, DensityTracking kWhat> void track_medium(int first, std::array<bool, kCapacity>& is_tracked) {
+    // Collect the rays.
     DensityRays rows;
     TrackResults ends;
     std::array<int, kCapacity> index;
@@ -111,6 +113,7 @@ class DensityQueue {
                                             max_component(extinction), 0.0f, numbers_[static_cast<std::size_t>(i)]});
     }
     for (int i = count; i % L::width != 0; ++i) rows.template store<Scalar>(i, {});
+    // Draw the numbers for the first collisions.
     const bool is_path = use_ == MediumStream::kPath;
     for (int i = 0; i < count; i += L::width) {
       DensityRay<L> row = rows.template load<L>(i);

@@ -1,4 +1,4 @@
-// Walking along a ray from leaf to leaf of a majorant grid.
+// Traversal of a majorant grid along a ray, leaf by leaf.
 #pragma once
 
 #include "core/vec.h"
@@ -6,46 +6,46 @@
 
 namespace sheaf {
 
-/// A piece of a ray and bounds on the volume along it.
+/// A segment of a ray with a bound on the volume.
 struct MajorantSegment {
-  float t0, t1;  ///< t0 < t1; in lengths of the ray's direction
-  float bound;   ///< of the volume's values; may be zero
+  float t0, t1;  ///< t0 < t1; in units of the direction's length
+  float bound;   ///< on the volume's values; may be 0
 };
 
-/// A ray's way through the box of a majorant grid, from leaf to leaf.
+/// Traversal of the box of a majorant grid by a ray.
 ///
-/// A place within the current leaf is kept along each axis; from it and the table of base cells follow the leaf, its
-/// size and the planes where the ray leaves it: nothing else is carried along, so that leaves may be of any size, and
-/// registers hold rays that are far apart. t of a plane is (plane - origin) / direction for each plane anew instead of
-/// a running sum, so that nothing drifts. Where a plane is crossed, the place along its axis is set to what is behind
-/// it, and along the others kept within the leaf that is left: so along no axis does the place ever go back, and each
-/// step crosses a plane. Whatever the ray, there is an end: no more steps than the grid's voxels along its three axes.
+/// The state is a point within the current leaf. The leaf, its size and its exit planes follow from this point and the
+/// table of base cells. Leaves can therefore have any size, and the rays in a register can be far apart. The t of a
+/// plane is always computed as (plane - origin) / direction, not as a running sum, so errors do not accumulate. When
+/// the ray crosses a plane, the point moves beyond it along that axis and is clamped to the old leaf along the others.
+/// The point never moves backwards along any axis, and each step crosses a plane. The number of steps is thus at most
+/// the number of voxels along the three axes, for any ray.
 template <class L> struct LeafWalk {
   using F = Float<L>;
-  Vec3<L> origin, direction, inverse;  ///< in voxels; components that are almost zero are zero
-  Vec3<L> place;                       ///< in the current leaf
-  F t, leave;                          ///< up to where the ray has come, and where it leaves the box
+  Vec3<L> origin, direction, inverse;  ///< in voxels; components close to 0 are set to 0
+  Vec3<L> place;                       ///< point in the current leaf
+  F t, leave;                          ///< current distance, and where the ray leaves the box
   static constexpr auto fields(auto& s) { return std::tie(s.origin, s.direction, s.inverse, s.place, s.t, s.leave); }
 };
 
-/// A leaf that a ray is in.
+/// The leaf that contains the current point.
 template <class L> struct MajorantLeaf {
-  Vec3<L> low;                  ///< its lowest corner
+  Vec3<L> low;                  ///< lowest corner
   Float<L> side;                ///< in voxels
-  Float<L> majorant, minorant;  ///< on the volume's values in it
-  Vec3<L> t_planes;             ///< where the ray reaches the planes in front of it
-  Float<L> t_end;               ///< where it leaves the leaf
+  Float<L> majorant, minorant;  ///< bounds on the volume's values in the leaf
+  Vec3<L> t_planes;             ///< distances to the exit planes
+  Float<L> t_end;               ///< distance at which the ray leaves the leaf
 };
 
 namespace detail {
 
-/// 2^n for each lane, n in [-126, 127].
+/// 2^n for each lane, n in [-126, 127] (as two's complement).
 template <class L> SHEAF_INLINE Float<L> power_of_two(Uint<L> n) { return bits_float((n + Uint<L>(127u)) << 23); }
 
 }  // namespace detail
 
-/// A walk at its start; for a ray in world space, of a direction of any length. t_min is finite. Where `hits` is false
-/// the ray misses the box, and the walk is over.
+/// Starts a traversal for a ray in world space with a direction of any length. t_min must be finite. If `hits` is
+/// false, the ray misses the box and there is nothing to traverse.
 template <class L>
 SHEAF_INLINE LeafWalk<L> start_leaf_walk(const MajorantGridRow& row, Vec3<L> origin, Vec3<L> direction, Float<L> t_min,
                                          Float<L> t_max, Mask<L>& hits) {
@@ -57,7 +57,7 @@ SHEAF_INLINE LeafWalk<L> start_leaf_walk(const MajorantGridRow& row, Vec3<L> ori
   const auto slab = [&](int axis, F& o_out, F& d_out, F& inverse_out) SHEAF_LAMBDA_INLINE {
     const F d = F(m[axis]) * direction.x + F(m[4 + axis]) * direction.y + F(m[8 + axis]) * direction.z;
     const F o = F(m[axis]) * origin.x + F(m[4 + axis]) * origin.y + F(m[8 + axis]) * origin.z + F(m[12 + axis]);
-    // So small a component moves nothing within the box, and its reciprocal might be infinite.
+    // Such a small component has no effect within the box, and its reciprocal may be infinite.
     const Mask<L> is_parallel = !(abs(d) > F(1e-30f));
     const F inverse = select(is_parallel, F(0.0f), F(1.0f) / select(is_parallel, F(1.0f), d));
     const F lo(row.box_min[axis]), hi(row.box_max[axis]);
@@ -85,7 +85,7 @@ SHEAF_INLINE LeafWalk<L> start_leaf_walk(const MajorantGridRow& row, Vec3<L> ori
   return walk;
 }
 
-/// The leaf that the walk is in.
+/// Looks up the leaf at the current point.
 template <class L> SHEAF_INLINE MajorantLeaf<L> find_leaf(const MajorantGridRow& row, const LeafWalk<L>& walk) {
   using F = Float<L>;
   using U = Uint<L>;
@@ -99,7 +99,7 @@ template <class L> SHEAF_INLINE MajorantLeaf<L> find_leaf(const MajorantGridRow&
   const F inverse_side = detail::power_of_two<L>(U(0u) - log2);
   const auto low_of = [&](F place) SHEAF_LAMBDA_INLINE { return floor(place * inverse_side) * leaf.side; };
   leaf.low = {low_of(walk.place.x), low_of(walk.place.y), low_of(walk.place.z)};
-  // Where the leaf is a part of its base cell: which one. Leaves wider than that begin before it.
+  // Locate the leaf within its base cell. A leaf larger than a base cell begins before it.
   const F per_side = max(F(static_cast<float>(1u << base_log2)) * inverse_side, F(1.0f));
   const U in_base((1u << base_log2) - 1u);
   const auto part_of = [&](U place) SHEAF_LAMBDA_INLINE { return floor(to_float(place & in_base) * inverse_side); };
@@ -108,7 +108,7 @@ template <class L> SHEAF_INLINE MajorantLeaf<L> find_leaf(const MajorantGridRow&
   const U bounds = gather(&row.bounds->bits, index);
   leaf.majorant = bits_float(bounds & U(0xffff0000u));
   leaf.minorant = bits_float(bounds << 16);
-  // A plane at 0 is no plane: the first leaves reach on to the box's face.
+  // 0 is not an exit plane: the first leaves extend to the face of the box.
   const auto plane_of = [&](F low, F o, F d, F inverse) SHEAF_LAMBDA_INLINE {
     const F plane = select(d > F(0.0f), low + leaf.side, low);
     return select((plane == F(0.0f)) | (d == F(0.0f)), F(kInfinity), (plane - o) * inverse);
@@ -120,13 +120,13 @@ template <class L> SHEAF_INLINE MajorantLeaf<L> find_leaf(const MajorantGridRow&
   return leaf;
 }
 
-/// The place where the walk goes on behind a leaf that ends before the box does.
+/// The point at which the traversal continues after a leaf that ends before the box does.
 template <class L>
 SHEAF_INLINE Vec3<L> place_behind(const MajorantGridRow& row, const LeafWalk<L>& walk, const MajorantLeaf<L>& leaf) {
   using F = Float<L>;
   const auto behind = [&](int axis, F t_plane, F low, F o, F d) SHEAF_LAMBDA_INLINE {
     const F across = select(d > F(0.0f), low + leaf.side, low - F(0.5f));
-    // Half a voxel before the upper corner is in the last voxel, and all of that in one leaf. Leaves may reach beyond
+    // Half a voxel before the upper corner lies in the last voxel, which belongs to one leaf. Leaves may extend beyond
     // the table.
     const F last = min(low + leaf.side, F(static_cast<float>(row.cells[axis] << row.base_log2))) - F(0.5f);
     const F along = min(max(fma(leaf.t_end, d, o), low), last);
@@ -137,14 +137,14 @@ SHEAF_INLINE Vec3<L> place_behind(const MajorantGridRow& row, const LeafWalk<L>&
           behind(2, leaf.t_planes.z, leaf.low.z, walk.origin.z, walk.direction.z)};
 }
 
-/// The segments of a ray, in order and without gaps: of what lies in the grid's box and, if MajorantGridRow::outside is
-/// not zero, of all the rest. To be used as
+/// Iterates over the segments of a ray, in order and without gaps. They cover the grid's box and, if
+/// MajorantGridRow::outside is not 0, the rest of the ray. Usage:
 ///
 ///   MajorantWalk walk(row, origin, direction, t_min, t_max);
 ///   for (MajorantSegment s; walk.next(s);) ...
 class MajorantWalk {
  public:
-  /// A ray in world space; the direction may have any length. t_max may be infinite, the rest is finite. There are no
+  /// A ray in world space with a direction of any length. t_max may be infinite; all else must be finite. There are no
   /// segments unless t_min < t_max.
   SHEAF_INLINE MajorantWalk(const MajorantGridRow& row, Vec3f origin, Vec3f direction, float t_min, float t_max)
       : row_(row), t_(t_min), t_max_(t_max) {
@@ -156,7 +156,7 @@ class MajorantWalk {
     }
   }
 
-  /// The next segment; false: there is none.
+  /// Returns the next segment; false at the end.
   SHEAF_INLINE bool next(MajorantSegment& segment) {
     if (!(t_ < t_max_)) return false;
     if (t_ < walk_.t || t_ >= walk_.leave) {
@@ -178,7 +178,8 @@ class MajorantWalk {
 
  private:
   const MajorantGridRow& row_;
-  LeafWalk<Scalar> walk_;  ///< its t remains where the ray enters the box; t_max: it misses it
+  /// its t stays at the entry into the box; t_max if the ray misses the box
+  LeafWalk<Scalar> walk_;
   float t_, t_max_;
 };
 

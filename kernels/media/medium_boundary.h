@@ -1,4 +1,4 @@
-// What medium a ray is in once it has crossed a surface.
+// The medium of a ray after it has crossed a surface.
 #pragma once
 
 #include "kernels/wave/path_state.h"
@@ -6,8 +6,8 @@
 
 namespace sheaf {
 
-/// `flags` (RayState::flags) with the medium that a ray in `direction` enters through a surface of geometric normal
-/// `ng`, both in world space; `boundary`: ShapeRow::boundary. Surfaces that are no boundary change nothing.
+/// Replaces the medium in `flags` (RayState::flags) by the one that a ray in `direction` enters through a surface with
+/// geometric normal `ng`, both in world space. `boundary`: ShapeRow::boundary; kNone leaves `flags` unchanged.
 template <class L>
 SHEAF_INLINE Uint<L> medium_behind(const SceneView& scene, Uint<L> boundary, Vec3<L> ng, Vec3<L> direction,
                                    Uint<L> flags) {

@@ -1,6 +1,6 @@
-// Ray marching: a medium as steps of equal length, each with the coefficients of one point in it, at a place in the
-// step that is random for each ray. Biased: the exponential of an optical depth that is only right in the mean lets too
-// much light pass. The error falls at least in proportion to the step.
+// Ray marching: steps of equal length, each with the coefficients at one random point in the step. The random offset is
+// the same for all steps of a ray. Biased: the optical depth is noisy, so the mean of its exponential overestimates the
+// transmittance. The error decreases at least in proportion to the step length.
 #pragma once
 
 #include "kernels/media/medium_tracking.h"
@@ -9,7 +9,7 @@ namespace sheaf {
 
 /// Calls step(begin, length, coefficients, point) for each step along the ray until it returns false.
 template <class Step> SHEAF_INLINE void for_each_step(const MediumRay& ray, float jitter, Step&& step) {
-  // A ray without an end is followed as far as this many steps.
+  // Maximum number of steps, for rays of infinite length.
   constexpr float kMaxSteps = 1e5f;
   const float size = max(ray.medium.step_size, 1e-7f);
   const float end = min(ray.length, size * kMaxSteps);
@@ -20,8 +20,8 @@ template <class Step> SHEAF_INLINE void for_each_step(const MediumRay& ray, floa
   }
 }
 
-/// As track_null_collisions(), by steps, with u in [0, 1) for the distance. What each step emits is given to
-/// emission.add_step(path, transmittance up to the step, coefficients, point, length).
+/// As track_null_collisions(), by ray marching, with u in [0, 1) for the distance. For emission it calls
+/// emission.add_step(path, transmittance up to the step, coefficients, point, length) at each step.
 template <class MediumEmission>
 inline float march(const MediumRay& ray, float u, MediumRandom& random, TrackingCounts& counts, PathWeights& path,
                    MediumEmission& emission) {
@@ -37,6 +37,7 @@ inline float march(const MediumRay& ray, float u, MediumRandom& random, Tracking
       depth = depth + sigma_t * length;
       return true;
     }
+    // Scatter within this step.
     const float step = (target - before) / sigma_t[ray.hero];
     depth = depth + sigma_t * step;
     const Float4 passed = exp(Float4() - depth);
@@ -63,7 +64,7 @@ inline float march(const MediumRay& ray, float u, MediumRandom& random, Tracking
   return ray.length;
 }
 
-/// Lets a shadow ray's light pass.
+/// Applies the transmittance along a shadow ray.
 inline void pass_by_marching(const MediumRay& ray, MediumRandom& random, TrackingCounts& counts, PathWeights& path) {
   Float4 depth;
   for_each_step(ray, random.next(), [&](float, float length, const MediumCoefficients& c, Vec3f) {

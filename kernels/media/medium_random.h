@@ -1,4 +1,4 @@
-// Random numbers for tracking, which needs any number of them: a counter-based stream per ray.
+// Random numbers for tracking, which needs an unbounded number: a counter-based stream per ray.
 #pragma once
 
 #include "core/rng.h"
@@ -7,7 +7,7 @@
 
 namespace sheaf {
 
-/// What a stream is for: streams of different uses are independent of each other and of core/sampler.h's blocks.
+/// Use of a stream. Streams of different uses are independent of each other and of the blocks of core/sampler.h.
 enum class MediumStream : std::uint32_t { kPath = 0x6d656469u, kShadow = 0x73686164u };
 
 /// Uniform numbers in [0, 1), a pure function of (seed, pixel, sample, dimension, use).
@@ -28,7 +28,7 @@ class MediumRandom {
   void refill() {
     std::uint32_t x = pixel_, y = sample_, z = dimension_, w = key_ + 0x9e3779b9u * counter_++;
     hash4(x, y, z, w);
-    // Once more, with what the low bits of one word have not reached.
+    // Second round: fold the high bits into the low ones, because one round does not propagate all bits.
     x ^= x >> 15, y ^= y >> 15, z ^= z >> 15, w ^= w >> 15;
     hash4(x, y, z, w);
     numbers_[0] = unit_float(x);
@@ -43,7 +43,7 @@ class MediumRandom {
   float numbers_[4];
 };
 
-/// Four words that stand for a stream of such numbers in each lane; another stream than MediumRandom's.
+/// Key of a stream of such numbers, one per lane. The numbers differ from those of MediumRandom.
 template <class L> struct MediumNumbers {
   Uint<L> x, y, z, w;
   static constexpr auto fields(auto& s) { return std::tie(s.x, s.y, s.z, s.w); }
@@ -58,7 +58,7 @@ template <class L> struct MediumNumbers {
     return seed ^ (seed >> 16) ^ static_cast<std::uint32_t>(use);
   }
 
-  /// The numbers with index `counter`.
+  /// The four numbers with index `counter`.
   SHEAF_INLINE Random4<L> at(Uint<L> counter) const {
     Uint<L> a = x ^ (x >> 15), b = y ^ (y >> 15), c = z ^ (z >> 15), d = w + Uint<L>(0x9e3779b9u) * counter;
     d = d ^ (d >> 15);

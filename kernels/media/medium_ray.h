@@ -1,4 +1,4 @@
-// A path's ray as tracking sees it.
+// Construction of a MediumRay from a path's ray.
 #pragma once
 
 #include "kernels/media/medium_tracking.h"
@@ -9,18 +9,19 @@
 
 namespace sheaf {
 
-/// The lane by whose extinction a path samples distances: the first wavelength in spectral mode, in RGB mode each of
-/// the three alike, by the path's number.
+/// The hero lane, whose extinction is used to sample distances. Spectral mode: the first wavelength. RGB mode: each of
+/// the three lanes with equal probability, chosen by the path's index.
 inline std::uint32_t hero_lane_flags(std::uint32_t lane) { return lane << kRayHeroShift; }
 inline int hero_lane(std::uint32_t flags) { return static_cast<int>((flags & kRayHeroMask) >> kRayHeroShift); }
 
-/// The wavelengths of a path; zeros in RGB mode.
+/// Wavelengths of a path; 0 in RGB mode.
 inline Spectrum4 lane_wavelengths(const SceneView& scene, const Wave& wave, Slot slot) {
   return scene.color == ColorMode::kSpectral ? path_wavelengths<Scalar>(wave, &slot) : Spectrum4{};
 }
 
-/// Where a ray that hits nothing leaves its medium: the distance to SceneView::medium_radius; 0 where it has left it.
-/// Paths and shadow rays that leave the scene both end there, so that light from outside is weakened alike.
+/// Distance at which a ray without a hit leaves an unbounded medium, at the radius SceneView::medium_radius; 0 if the
+/// ray is already outside. Paths and shadow rays that leave the scene both end there, so both attenuate light from
+/// outside alike.
 inline float medium_end(const SceneView& scene, Vec3f origin, Vec3f direction) {
   if (!(scene.medium_radius < kInfinity)) return kInfinity;
   const Vec3f from = origin - scene.center;
@@ -31,7 +32,7 @@ inline float medium_end(const SceneView& scene, Vec3f origin, Vec3f direction) {
   return max(b > 0.0f ? -c / (b + root) : root - b, 0.0f);
 }
 
-/// The stretch of `length` metres from `origin` in the medium that `flags` (RayState::flags) name.
+/// The segment of `length` metres from `origin` in the medium given by `flags` (RayState::flags).
 inline MediumRay make_medium_ray(const StageContext& context, std::uint32_t flags, const Spectrum4& lambda,
                                  Vec3f origin, Vec3f direction, float length) {
   const MediumRow& medium = context.scene.media[(flags >> kRayMediumShift) - 1u];
@@ -40,6 +41,7 @@ inline MediumRay make_medium_ray(const StageContext& context, std::uint32_t flag
   const MediumEstimator estimator = context.integrator.medium_estimator;
   const bool by_largest = (estimator == MediumEstimator::kDelta || estimator == MediumEstimator::kRatio) &&
                           (medium.flags & kMediumColored) == 0;
+  // Choose the hero lane.
   int hero = hero_lane(flags);
   if (by_largest) {
     const Float4 most =
@@ -50,7 +52,7 @@ inline MediumRay make_medium_ray(const StageContext& context, std::uint32_t flag
   return {context.scene, medium, spectra, lambda, origin, direction, min(length, kLongestStretch), hero, !by_largest};
 }
 
-/// lane_mean() in one register.
+/// lane_mean() of a register.
 inline float lane_mean(const SceneView& scene, Float4 r) { return lane_mean<Scalar>(scene.color, to_spectrum(r)); }
 
 }  // namespace sheaf

@@ -1,11 +1,11 @@
-// Tracking: where along a ray a path meets its medium, and how much of the light passes.
+// Tracking: samples the distance at which a path scatters in a medium, and estimates transmittance.
 //
-// Distances are sampled by the extinction of one lane of four, the hero; what the others would have made of the same
-// path is kept in r_u and r_l, and light that is found counts with the mean of those probabilities: no lane is picked
-// blindly (Miller, Georgiev and Jarosz 2019, "A Null-Scattering Path Integral Formulation of Light Transport", sections
-// 5.1 and 6; the rescaled form of Pharr et al. 2023, section 14.2.2). Where that is not wanted (MediumRay::weighted)
-// the hero is the lane of the largest extinction, and all lanes are taken to have its probabilities. Homogeneous media
-// are sampled in closed form and their transmittance is exact: there light sampling passes with probability one.
+// Distances are sampled by the extinction of one of four lanes, the hero. r_u and r_l keep the pdfs with which the
+// other lanes would have sampled the same path, and contributions are divided by the mean of these pdfs. This is the
+// spectral MIS of Miller, Georgiev and Jarosz 2019, "A Null-Scattering Path Integral Formulation of Light Transport",
+// sections 5.1 and 6, in the rescaled form of Pharr et al. 2023, section 14.2.2. If MediumRay::weighted is false, the
+// hero is the lane of the largest extinction, and all lanes use its pdfs. Homogeneous media are sampled in closed form
+// and have exact transmittance: light sampling passes through them with probability 1.
 #pragma once
 
 #include "core/stats.h"
@@ -14,11 +14,11 @@
 
 namespace sheaf {
 
-/// A path on its way: throughput and RescaledPdfs in registers.
+/// Throughput and RescaledPdfs of a path, in registers.
 struct PathWeights {
   Float4 beta, r_u, r_l;
 
-  /// Takes out a common factor, which means nothing, before lanes far apart overflow.
+  /// Divides by a common factor, which cancels in the estimate, before lanes of very different magnitude overflow.
   void rescale() {
     constexpr float kLarge = 1e6f;
     const float most = max_component(r_u);
@@ -30,19 +30,19 @@ struct PathWeights {
   }
 };
 
-/// Longer than any scene, short enough that products with coefficients stay finite.
+/// Longer than any scene, but short enough that products with coefficients stay finite.
 inline constexpr float kLongestStretch = 1e18f;
 
-/// A stretch of a ray within one medium.
+/// A segment of a ray within one medium.
 struct MediumRay {
   const SceneView& scene;
   const MediumRow& medium;
-  MediumSpectra spectra;    ///< along this ray, where the medium's extinction depends on the direction
+  MediumSpectra spectra;    ///< for this ray's direction, if extinction depends on it
   Spectrum4 lambda;         ///< the path's wavelengths
   Vec3f origin, direction;  ///< world space; unit length
   float length;             ///< metres, at most kLongestStretch
   int hero;                 ///< lane by which distances are sampled
-  bool weighted;            ///< the other lanes have probabilities of their own
+  bool weighted;            ///< the other lanes have their own pdfs
 
   Vec3f at(float t) const { return origin + direction * t; }
   bool has(std::uint32_t flag) const { return (medium.flags & flag) != 0; }
@@ -54,7 +54,7 @@ struct MediumRay {
     return {c.sigma_a * share, c.sigma_s * share, c.sigma_t * share};
   }
   Float4 emission(Vec3f p) const { return medium_emission(scene, medium, spectra, p, lambda); }
-  /// What the lanes' probabilities grow by where the throughput was divided by the hero's.
+  /// Factor on the pdfs of the lanes, given the factor `ratio` relative to the hero's pdf.
   Float4 odds(Float4 ratio) const { return weighted ? ratio : Float4(ratio[hero]); }
 };
 
@@ -63,11 +63,11 @@ using TrackingCounts = Stats::Collisions;
 /// Transmittance over a distance in metres.
 SHEAF_INLINE Float4 transmittance(Float4 sigma_t, float distance) { return exp(sigma_t * -distance); }
 
-/// A distance by the extinction `sigma` > 0 from u in [0, 1).
+/// Samples a distance for the extinction `sigma` > 0 by u in [0, 1).
 SHEAF_INLINE float exponential_distance(float sigma, float u) { return -std::log1p(-u) / sigma; }
 
-/// Samples whether and where the path scatters in a homogeneous medium by u in [0, 1). Returns the distance, or the
-/// ray's length where it passes.
+/// Samples the scattering distance in a homogeneous medium by u in [0, 1). Returns the distance, or the ray's length if
+/// the path passes.
 inline float track_homogeneous(const MediumRay& ray, float u, PathWeights& path) {
   const MediumCoefficients c = medium_coefficients(ray.medium, ray.spectra);
   const Float4 sigma_t = c.sigma_t;
@@ -77,6 +77,7 @@ inline float track_homogeneous(const MediumRay& ray, float u, PathWeights& path)
   }
   const float sigma = sigma_t[ray.hero];
   const float t = sigma > 0.0f ? exponential_distance(sigma, u) : kInfinity;
+  // Scatter in the medium.
   if (t < ray.length) {
     const Float4 passed = transmittance(sigma_t, t);
     const Float4 ratio = passed * (1.0f / (passed[ray.hero] * sigma));
@@ -93,13 +94,13 @@ inline float track_homogeneous(const MediumRay& ray, float u, PathWeights& path)
   return ray.length;
 }
 
-/// The majorant of all lanes where the grid's bound on what multiplies the medium's spectra is `bound`.
+/// Majorant of all lanes, given the grid's bound on the factor that scales the medium's spectra.
 SHEAF_INLINE Float4 majorant_spectrum(const MediumRay& ray, float bound) {
   const Float4 most = ray.has(kMediumAbsorptionScattering) ? ray.spectra.first + ray.spectra.second : ray.spectra.first;
   return most * bound;
 }
 
-/// The bound that a walk through the majorants has at a point.
+/// The majorant that a traversal of the grid finds at a point.
 inline float majorant_at(const MajorantGridRow& row, Vec3f p) {
   if (row.bounds == nullptr || !is_in_box(row, p)) return row.outside;
   bool hits;
@@ -107,28 +108,27 @@ inline float majorant_at(const MajorantGridRow& row, Vec3f p) {
   return find_leaf<Scalar>(row, walk).majorant;
 }
 
-/// Each lane's density per metre of what MediumEmission counts as a collision at `p`, without the transmittance up to
-/// there.
+/// Pdf per metre and lane of a collision at `p` as MediumEmission counts it, without the transmittance up to `p`.
 inline Float4 collision_density(const MediumRay& ray, Vec3f p) {
   if (ray.has(kMediumHomogeneous)) return ray.odds(medium_coefficients(ray.medium, ray.spectra).sigma_t);
   return ray.odds(majorant_spectrum(ray, majorant_at(ray.scene.majorant_grids[ray.medium.majorants], p)));
 }
 
-/// A tentative collision with a medium that is filled up to its majorant.
+/// A tentative collision with a medium that null particles fill up to its majorant.
 struct Collision {
   float t;           ///< metres from the ray's origin
-  Float4 sigma_maj;  ///< the majorant there, per metre; the hero's is positive
-  Float4 passed;     ///< transmittance of the majorant since the last collision, over the hero's
+  Float4 sigma_maj;  ///< majorant there, 1/m; positive in the hero lane
+  Float4 passed;     ///< majorant transmittance since the last collision, over that of the hero
 };
 
-/// Calls collide(Collision) at each tentative collision, nearest first, until it returns false. Returns the
-/// transmittance of the majorant from the last collision to the ray's end, over the hero's; zero after kMaxCollisions.
+/// Calls collide(Collision) at each tentative collision, nearest first, until it returns false. Returns the majorant
+/// transmittance from the last collision to the end of the ray, over that of the hero; 0 after kMaxCollisions.
 template <class Collide>
 SHEAF_INLINE Float4 for_each_collision(const MediumRay& ray, MediumRandom& random, TrackingCounts& counts,
                                        Collide&& collide) {
   const bool grey = ray.has(kMediumGrey);
   std::uint32_t collisions_left = kMaxCollisions;
-  // The optical depth of the hero lane that is left until the next collision.
+  // Remaining optical depth of the hero lane until the next collision.
   float depth = detail::exponential<Scalar>(random.next());
   MajorantWalk walk(ray.scene.majorant_grids[ray.medium.majorants], ray.origin, ray.direction, 0.0f, ray.length);
   MajorantSegment segment;
@@ -158,9 +158,9 @@ SHEAF_INLINE Float4 for_each_collision(const MediumRay& ray, MediumRandom& rando
   return passed;
 }
 
-/// Samples whether and where the path scatters in a heterogeneous medium. Absorption is a factor, not an event. `emit`
-/// is called with each tentative collision before anything else, and the path as it was before it. Returns the
-/// distance, or the ray's length where the path passes.
+/// Samples the scattering distance in a heterogeneous medium. Absorption is a factor, not an event. `emit` is called
+/// first at each tentative collision, with the path before the collision. Returns the distance, or the ray's length if
+/// the path passes.
 template <class Emit>
 inline float track_null_collisions(const MediumRay& ray, MediumRandom& random, bool delta, TrackingCounts& counts,
                                    PathWeights& path, Emit&& emit) {
@@ -169,9 +169,10 @@ inline float track_null_collisions(const MediumRay& ray, MediumRandom& random, b
     const Vec3f p = ray.at(at.t);
     emit(at, p, path);
     const MediumCoefficients c = ray.coefficients(p);
-    // Majorants hold up to rounding: more than them counts as them.
+    // The majorant holds up to rounding only: clamp to it.
     const Float4 sigma_t = min(c.sigma_t, at.sigma_maj);
     const float hero = sigma_t[ray.hero], majorant = at.sigma_maj[ray.hero];
+    // Real collision: scatter.
     if (random.next() * majorant < hero) {
       ++counts.real;
       const Float4 ratio = at.passed * (1.0f / hero);
@@ -180,6 +181,7 @@ inline float track_null_collisions(const MediumRay& ray, MediumRandom& random, b
       scattered_at = at.t;
       return false;
     }
+    // Null collision: continue.
     ++counts.null;
     const Float4 sigma_n = at.sigma_maj - sigma_t;
     const Float4 ratio = at.passed * (1.0f / max(majorant - hero, 1e-30f));
@@ -195,8 +197,8 @@ inline float track_null_collisions(const MediumRay& ray, MediumRandom& random, b
   return ray.length;
 }
 
-/// Lets a shadow ray's light pass a homogeneous medium. `from_within`: the light is a point of this medium, at the
-/// ray's end, so that a path has to collide there.
+/// Applies the transmittance of a homogeneous medium along a shadow ray. `from_within`: the light is a point of this
+/// medium at the end of the ray, so a path has to collide there.
 inline void pass_homogeneous(const MediumRay& ray, bool from_within, PathWeights& path) {
   const MediumCoefficients c = medium_coefficients(ray.medium, ray.spectra);
   const Float4 passed = transmittance(c.sigma_t, ray.length);
@@ -204,8 +206,8 @@ inline void pass_homogeneous(const MediumRay& ray, bool from_within, PathWeights
   if (ray.has(kMediumScatters) || from_within) path.r_u = path.r_u * ray.odds(passed);
 }
 
-/// Lets a shadow ray's light pass a heterogeneous medium: by ratio tracking, which no collision stops, or by delta
-/// tracking, which the first real one stops. Returns false where nothing is left.
+/// Estimates the transmittance of a heterogeneous medium along a shadow ray: by ratio tracking, or with `delta` by
+/// delta tracking, where the first real collision ends the ray. Returns false if no light is left.
 inline bool pass_null_collisions(const MediumRay& ray, MediumRandom& random, bool delta, TrackingCounts& counts,
                                  PathWeights& path) {
   bool open = true;
@@ -227,7 +229,7 @@ inline bool pass_null_collisions(const MediumRay& ray, MediumRandom& random, boo
     path.beta = path.beta * ratio * sigma_n;
     path.r_u = path.r_u * ray.odds(ratio * sigma_n);
     path.r_l = path.r_l * ray.odds(ratio * at.sigma_maj);
-    // Little light is worth little work: it goes on with a quarter of the probability and four times the weight.
+    // Russian roulette: small contributions survive with probability kSurvival.
     if (max_component(path.beta) < kRouletteThreshold * max_component(path.r_l)) {
       open = random.next() < kSurvival;
       path.beta = path.beta * (1.0f / kSurvival);

@@ -1,4 +1,4 @@
-// How much light a surface lets pass as if it were not there: null interfaces, masks, and blends of them.
+// Probability that a surface lets light pass unchanged: null interfaces, masks, and blends of them.
 #pragma once
 
 #include "scene/tables/shape.h"
@@ -14,15 +14,15 @@ inline std::uint32_t side_of(const SceneView& scene, std::uint32_t row, bool beh
 
 }  // namespace passing_detail
 
-/// Whether a material of the description, given as a row, may let light pass: composite ones and open panes may.
-/// `behind`: it is seen from behind the geometric normal.
+/// Whether a material of the description, given as a row, may let light pass unchanged: composites and thin dielectrics
+/// that cost no depth. `behind`: seen from the back of the geometric normal.
 inline bool may_pass(const SceneView& scene, std::uint32_t row, bool behind) {
   const MaterialRow& m = scene.materials[passing_detail::side_of(scene, row, behind)];
   return (m.flags & kComposite) != 0 || (scene.has_open_panes && closure_info(m.kind).is_thin_dielectric);
 }
 
-/// The probability, in [0, 1], with which the select_materials stage chooses a row for which `counts` is true;
-/// MaterialRow::kNothing is one of them.
+/// Probability, in [0, 1], with which the select_materials stage chooses a row for which `counts` is true.
+/// MaterialRow::kNothing is one of these rows.
 template <class F>
 float mixture_probability(const SceneView& scene, std::uint32_t row, bool behind, const TextureQuery<Scalar>& query,
                           F&& counts) {
@@ -40,7 +40,7 @@ float mixture_probability(const SceneView& scene, std::uint32_t row, bool behind
   return share;
 }
 
-/// The share of light, in [0, 1], that passes: the probability with which the select_materials stage lets a path pass.
+/// Fraction of light, in [0, 1], that passes: the probability with which the select_materials stage lets a path pass.
 inline float pass_through_probability(const SceneView& scene, std::uint32_t row, bool behind,
                                       const TextureQuery<Scalar>& query) {
   return mixture_probability(scene, row, behind, query,

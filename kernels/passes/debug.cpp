@@ -1,4 +1,4 @@
-// The debug pass: what the first surface is like, or how open it lies, seen past all that only light minds.
+// The debug pass: renders the first surface, or its visibility, without media and light transport.
 #include "kernels/passes/passes.h"
 #include "kernels/stages/stages.h"
 

@@ -1,6 +1,6 @@
-// The light pass: photons are its source, splats on the film its sink (Dutre, Lafortune and Willems 1993, "Monte Carlo
-// Light Tracing with Direct Computation of Pixel Intensities"). What the camera sees of lights themselves is not its to
-// find.
+// The light pass: traces photons and adds their splats to the film (Dutré, Lafortune and Willems 1993, "Monte Carlo
+// Light Tracing with Direct Computation of Pixel Intensities"). It does not find light that reaches the camera
+// unscattered; a camera pass adds that.
 #include "kernels/film/light_task.h"
 #include "kernels/passes/passes.h"
 #include "kernels/stages/stages.h"

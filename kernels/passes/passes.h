@@ -1,4 +1,4 @@
-// The passes: each a source of paths, the stages in order, and a sink.
+// The passes. Each connects a source of paths, a schedule of stages and a sink.
 #pragma once
 
 #include "kernels/wave/context.h"
@@ -6,28 +6,28 @@
 
 namespace sheaf {
 
-/// Runs the context's task to its end: of a camera task every sample is in its buffer afterwards, of a light task every
-/// photon has ended.
+/// Runs the task of the context to its end. Afterwards every sample of a camera task is in its buffer, and every photon
+/// of a light task has ended.
 using Pass = void (*)(const StageContext& context, Wave& wave);
 
-/// Light along paths from the camera.
+/// Path tracing from the camera.
 template <class L> void run_path_pass(const StageContext& context, Wave& wave);
 
-/// Light along paths from the lights.
+/// Light tracing from the lights to the camera.
 template <class L> void run_light_pass(const StageContext& context, Wave& wave);
 
-/// Photons along paths from the lights, to be stored.
+/// Tracing of photons that are stored in photon maps.
 template <class L> void run_photon_pass(const StageContext& context, Wave& wave);
 
-/// Pictures of the first surface, for debugging.
+/// Debug images of the first surface.
 template <class L> void run_debug_pass(const StageContext& context, Wave& wave);
 
-/// Seconds from a timestamp() to now.
+/// Seconds since a timestamp().
 inline double seconds_since(std::uint64_t start) {
   return static_cast<double>(timestamp() - start) * seconds_per_tick();
 }
 
-/// The pass from the camera that an integrator asks for.
+/// The pass from the camera for an integrator.
 template <class L> Pass camera_pass_of(IntegratorKind kind) {
   return transports_light(kind) ? run_path_pass<L> : run_debug_pass<L>;
 }

@@ -1,5 +1,5 @@
-// The path pass: camera samples are its source, the film's samples its sink. With photon maps, paths end where one of
-// them knows what comes then.
+// The path pass: traces paths from camera samples and stores their radiance as samples of the film. With photon maps,
+// paths end where a map provides the remaining radiance.
 #include "kernels/passes/passes.h"
 #include "kernels/stages/stages.h"
 
@@ -7,7 +7,7 @@ namespace sheaf {
 
 template <class L> void run_path_pass(const StageContext& context, Wave& wave) {
   for (;;) {
-    // Refill when half empty: fewer, fuller calls.
+    // Refill when half of the slots are free: fewer calls that fill more lanes.
     if (2 * wave.free.size() >= wave.capacity) camera_rays<L>(context, wave);
     if (wave.active.empty()) break;
     intersect<L>(context, wave);

@@ -1,4 +1,4 @@
-// The photon pass: photons are its source, what they leave on surfaces its sink.
+// The photon pass: traces photons and stores them at surfaces and in media.
 #include "kernels/film/light_task.h"
 #include "kernels/passes/passes.h"
 #include "kernels/stages/stages.h"

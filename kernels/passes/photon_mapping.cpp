@@ -1,3 +1,4 @@
+// Builds the photon maps of a render set by set, and shrinks their radii for progressive photon mapping.
 #include "kernels/passes/photon_mapping.h"
 
 #include "core/error.h"
@@ -11,15 +12,15 @@ namespace sheaf {
 
 namespace {
 
-/// Sets of wavelengths that the photons of a map are shared among.
+/// Number of wavelength sets among which the photons of a map are divided.
 constexpr std::uint32_t kWavelengthSets = 32;
-/// Photons emitted at most for each one to be stored; and besides, that small maps are not left empty, for all sets
-/// together or for each pass of progressive maps.
+/// Maximum of photons emitted per photon to be stored, plus a number that fills small maps too: kMoreEmitted for all
+/// sets together, or kMoreEmittedPerPass for each pass of progressive maps.
 constexpr std::uint64_t kMaxEmittedPerStored = 64, kMoreEmitted = 1 << 18, kMoreEmittedPerPass = 1 << 16;
-/// The radius of a progressive map's first pass, in pixels' shares of the scene's radius.
+/// Radius of the first pass of a progressive map, in units of PhotonMapping::pixel_.
 constexpr float kFirstRadius = 5;
 
-/// Van der Corput's sequence: any stretch of it from 0 on is spread evenly over [0, 1).
+/// Van der Corput sequence: each of its prefixes covers [0, 1) evenly.
 float radical_inverse(std::uint32_t i) {
   i = i << 16 | i >> 16;
   i = (i & 0x00ff00ffu) << 8 | (i & 0xff00ff00u) >> 8;
@@ -73,7 +74,7 @@ float PhotonMapping::radius_of(const PhotonMapDescription& map) const {
 }
 
 float PhotonMapping::beam_radius() const {
-  // The variance of a blur in one dimension goes with its radius.
+  // The variance of a one-dimensional blur is proportional to the inverse of its radius.
   return first_radius_of(settings_.volume) * static_cast<float>(shrunk_);
 }
 
@@ -131,7 +132,7 @@ void PhotonMapping::prepare(std::uint32_t sample, Workers& workers, PhotonTracin
     const float u = offset_ + radical_inverse(set);
     context.wavelength_sample = u < 1.0f ? u : u - 1.0f;
   }
-  // Knaus and Zwicker 2011, equation 10.
+  // Knaus and Zwicker 2011, equation 10
   for (; settings_.progressive && pass_ < sample; ++pass_)
     shrunk_ *= (pass_ + 1.0 + static_cast<double>(settings_.alpha)) / (pass_ + 2.0);
   if (made_.empty()) made_.resize(settings_.progressive ? 1 : sets_);

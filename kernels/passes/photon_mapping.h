@@ -1,10 +1,10 @@
-// The photon maps of a render: how many sets of them there are, when they are made, and which samples ask which.
+// The photon maps of a render: the number of sets of maps, when they are built, and which samples use them.
 //
-// One set serves all samples, but for two cases. Progressive photon mapping has a set for each sample per pixel, with
-// smaller and smaller radii, of which only one is kept at a time (Knaus and Zwicker, "Progressive Photon Mapping: A
-// Probabilistic Approach", 2011; Jarosz et al., "Progressive Photon Beams", 2011). And in spectral mode photons and
-// paths must agree on their wavelengths: all of a set and all of the samples that ask it have the same four, and sets
-// share the photons that were asked for.
+// Usually one set serves all samples. Progressive photon mapping has one set per sample per pixel, with shrinking
+// radii, and keeps only one at a time (Knaus and Zwicker, "Progressive Photon Mapping: A Probabilistic Approach", 2011;
+// Jarosz et al., "Progressive Photon Beams", 2011). In spectral mode photons and paths must agree on their wavelengths.
+// So each set of maps and the samples that use it share the same four wavelengths, and the requested photons are
+// divided among the sets.
 #pragma once
 
 #include "kernels/passes/trace_photons.h"
@@ -15,21 +15,22 @@
 
 namespace sheaf {
 
-/// Whether any medium scatters, so that there may be photons in it.
+/// Whether any medium scatters, so that media can store photons.
 bool has_phase_functions(const SceneView& scene);
 
 class PhotonMapping {
  public:
-  /// For a render of `samples` samples per pixel (camera samples times gather rays). `context`: of the camera pass;
-  /// `film_side`: pixels, the longer side of the frame. Throws Error (usage) where there are too many passes.
+  /// For a render of `samples` samples per pixel (camera samples times gather rays). `context`: of the camera pass.
+  /// `film_side`: longer side of the frame, pixels. Throws Error (usage) if there are too many passes.
   PhotonMapping(const StageContext& context, std::uint32_t samples, int film_side);
 
-  /// How many of the next `most` samples ask the same set.
+  /// How many of the next `most` samples use the same set.
   std::uint32_t samples_alike(std::uint32_t most) const { return sets_ == 1 ? most : 1u; }
-  /// Makes the maps that sample `sample` asks where they are not there yet, and tells `context` of them. They live as
-  /// long as this, or until they are made for another sample. Samples come in order, the first being any.
+  /// Builds the maps of sample `sample` if they do not exist yet, and sets `context.maps`. The maps remain valid until
+  /// they are built for another sample, at most as long as this object. The first sample may be any; the others follow
+  /// in order.
   void prepare(std::uint32_t sample, Workers& workers, PhotonTracing& tracing, StageContext& context);
-  /// Photons that are to be stored in all, for progress.
+  /// Total number of photons to be stored, for progress.
   std::uint64_t wanted() const {
     return sets_ * (count_of(settings_.global) + count_of(settings_.caustic) + count_of(settings_.volume));
   }
@@ -42,28 +43,30 @@ class PhotonMapping {
     bool is_made = false;
   };
 
-  /// Photons to be stored for one set.
+  /// Photons to store per set.
   std::uint64_t count_of(const PhotonMapDescription& map) const;
-  /// Photons to be emitted for one set, the same for all sets.
+  /// Photons to emit per set, the same for all sets.
   std::uint64_t emitted_for(const PhotonMapDescription& map, PhotonKind kind, Workers& workers, PhotonTracing& tracing,
                             const StageContext& context) const;
   float first_radius_of(const PhotonMapDescription& map) const;
   float radius_of(const PhotonMapDescription& map) const;
   float beam_radius() const;
-  /// Which photons the global map holds.
+  /// The photons that the global map holds.
   PhotonKind global_kind() const;
-  /// Fixes how many photons each map emits.
+  /// Determines how many photons each map emits.
   void plan(Workers& workers, PhotonTracing& tracing, const StageContext& context);
   void make(std::uint32_t index, Set& set, Workers& workers, PhotonTracing& tracing, const StageContext& context);
 
   PhotonMappingDescription settings_;
   std::uint64_t sets_ = 1;
-  float scene_radius_, pixel_;  ///< of the scene's bounding sphere; a pixel's share of it
-  float offset_ = -1;           ///< in [0, 1), of the numbers that wavelengths are made of; -1: RGB mode
-  std::uint32_t pass_ = 0;      ///< that radii are shrunk for
-  double shrunk_ = 1;           ///< square of the radius over what it was in the first pass; the radius of beams itself
+  /// Radius of the scene's bounding sphere, m, and this radius over the number of pixels of the frame's longer side.
+  float scene_radius_, pixel_;
+  float offset_ = -1;       ///< shift in [0, 1) of the numbers that give wavelengths; -1: RGB mode
+  std::uint32_t pass_ = 0;  ///< pass to which `shrunk_` belongs
+  /// Squared radius over that of the first pass; for beams, the radius over that of the first pass.
+  double shrunk_ = 1;
   bool is_planned_ = false;
-  std::uint64_t global_emitted_ = 0, caustic_emitted_ = 0, volume_emitted_ = 0;  ///< photons, for each set
+  std::uint64_t global_emitted_ = 0, caustic_emitted_ = 0, volume_emitted_ = 0;  ///< photons per set
   std::vector<Set> made_;
 };
 

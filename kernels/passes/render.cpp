@@ -1,3 +1,4 @@
+// The render loop: training, passes of camera samples or adaptive rounds, photons, and pauses for checkpoints.
 #include "kernels/passes/render.h"
 
 #include "core/error.h"
@@ -26,13 +27,13 @@ namespace sheaf {
 
 namespace {
 
-/// Samples per pixel and task of adaptive sampling.
+/// Samples per pixel that adaptive sampling takes in one task.
 constexpr std::uint32_t kUnitSamples = 16;
 
-/// Photons per task, and tasks whose splats are kept until they are added to the film.
+/// Photons per task, and tasks per round. The splats of a round are kept until it ends.
 constexpr int kTaskPhotons = 16384, kRoundTasks = 64;
 
-/// Adds a finished task's samples to its tile, every pixel's in order.
+/// Adds the samples of a finished task to its tile, in the order of each pixel's samples.
 void reduce(const CameraTask& task, FilmTile& tile) {
   std::size_t sample = 0;
   for (const PixelSamples& p : task.pixels()) {
@@ -48,18 +49,18 @@ void check_guiding(const IntegratorDescription& integrator) {
                                     integrator_name(integrator) + " is none");
 }
 
-/// The scene's own settings, and what its integrator makes of them.
+/// The context with the settings of the scene, adapted to options and integrator.
 StageContext context_of(const Scene& scene, const RenderOptions& options) {
   StageContext context(scene);
   if (options.guiding) check_guiding(context.integrator);
   context.guides = options.guiding;
-  // Hidden lights must let photons' rays to the camera pass.
+  // Shadow rays of photons to the camera must pass hidden lights.
   if (context.integrator.kind == IntegratorKind::kLightTracer && context.integrator.hide_emitters)
     context.scene.needs_transmittance = true;
   return context;
 }
 
-/// One render in progress.
+/// A render in progress.
 class Renderer {
  public:
   Renderer(const Scene& scene, const RenderOptions& options, SamplePlan plan)
@@ -110,7 +111,7 @@ class Renderer {
         if (pauses()) pause();
       }
       pause();
-      // A render that was stopped shows what there is.
+      // A render that was stopped returns the unfinished pass as well.
       if (!state_.adaptive) {
         state_.film.add(state_.borders);
         state_.film.end_replicate();
@@ -122,9 +123,9 @@ class Renderer {
  private:
   double frame_pixels() const { return static_cast<double>(state_.film.width()) * state_.film.height(); }
 
-  /// What photons there are to be, and where they are summed up.
+  /// Sets the number of photons, and allocates the film of their splats.
   void set_photons(const Scene& scene) {
-    // As many as a picture of the whole frame has samples, so that a crop has the same.
+    // One photon per sample of the whole frame, so that a crop gets the same photons.
     photons_ =
         static_cast<std::uint64_t>(state_.film.width()) * static_cast<std::uint64_t>(state_.film.height()) * plan_.spp;
     if (context_.integrator.max_depth == 1 || context_.scene.light_count == 0) photons_ = 0;
@@ -136,7 +137,7 @@ class Renderer {
     state_.splats.emplace(plan_.crop);
   }
 
-  /// Begins the sums of an adaptive render, if it is one.
+  /// Initializes adaptive sampling, if it is enabled.
   void set_adaptive() {
     if (!plan_.adapts) return;
     adaptive_tiles_ = make_tiles(plan_.wanted, kAdaptiveSide);
@@ -153,7 +154,7 @@ class Renderer {
     context_.guide = guide_.view();
   }
 
-  /// Takes up where another render has paused.
+  /// Resumes from the state of a paused render.
   void resume(RenderState& from) {
     const bool same = from.film.width() == state_.film.width() && from.film.height() == state_.film.height() &&
                       from.film.crop() == state_.film.crop() && from.film.layout() == state_.film.layout() &&
@@ -171,12 +172,12 @@ class Renderer {
       done_ += adaptive_tiles_[i].wanted.area() * state_.adaptive->taken_samples(i);
   }
 
-  /// Whether there are samples or photons to be taken yet.
+  /// Whether samples or photons remain to be taken.
   bool is_left() const {
     return state_.adaptive ? !adaptive_done_ : state_.first_sample < plan_.range.end() || state_.photons < photons_;
   }
 
-  /// Rounds until all tiles are content, or the time is up.
+  /// Takes rounds of samples until all tiles converge or the time limit is reached.
   void take_adaptive_samples() {
     AdaptiveFilm& film = *state_.adaptive;
     const auto is_late = [&] {
@@ -199,7 +200,7 @@ class Renderer {
     film.assemble(state_.film);
   }
 
-  /// The samples of a unit, of which the buffers hold a few per pixel at a time.
+  /// Takes the samples of a unit, at most kUnitSamples per pixel at a time.
   void take_unit(std::size_t index) {
     AdaptiveFilm& film = *state_.adaptive;
     const AdaptiveUnit& unit = film.units()[index];
@@ -212,7 +213,7 @@ class Renderer {
     film.add(index, worker.tile);
   }
 
-  /// How much there is to be done, as far as is known.
+  /// Estimates the total number of samples, for progress.
   void expect_adaptive() {
     double samples = 0;
     for (std::size_t i = 0; i < adaptive_tiles_.size(); ++i)
@@ -220,7 +221,7 @@ class Renderer {
     total_ = static_cast<std::uint64_t>(samples) + adaptive_before_;
   }
 
-  /// The next pass, or what is left of it.
+  /// Takes the next pass, or the rest of the pass that was resumed.
   void take_samples() {
     const std::uint32_t first = state_.first_sample;
     std::uint32_t count =
@@ -237,12 +238,12 @@ class Renderer {
     state_.first_sample = first + count;
   }
 
-  /// Whether the workers are to take no more tasks for now.
+  /// Whether workers must not start more tasks for now.
   bool pauses() {
     if (!pausing_ && options_.wants_pause && options_.wants_pause()) pausing_ = true;
     return pausing_;
   }
-  /// Tells what there is; all workers have ended their tasks.
+  /// Calls on_report and on_pause, after all workers have ended their tasks.
   void pause() {
     pausing_ = false;
     if (options_.on_report) {
@@ -256,7 +257,7 @@ class Renderer {
     options_.on_pause(state_);
     state_.dropped = before;
   }
-  /// In this render and those that it goes on from.
+  /// Dropped rays and samples of this render and of those that it resumes.
   Stats::Dropped dropped() const {
     Stats::Dropped all = state_.dropped;
     for (const Worker& worker : workers_) {
@@ -266,7 +267,7 @@ class Renderer {
     return all;
   }
 
-  /// Returns whether all tiles of the pass are done: not if the render was stopped.
+  /// Takes a pass. Returns false if the render was stopped before all tiles were done.
   bool run_pass(std::uint32_t first_sample, std::uint32_t sample_count) {
     const std::vector<Tile> tiles = make_tiles(plan_.wanted, tile_side(sample_count));
     begin_pass(tiles, sample_count);
@@ -292,7 +293,7 @@ class Renderer {
     return true;
   }
 
-  /// Nothing of the pass is done yet, or as much as the render goes on from, which is told as progress.
+  /// Starts a pass, or continues a resumed one and reports its finished tiles as progress.
   void begin_pass(const std::vector<Tile>& tiles, std::uint32_t sample_count) {
     const std::size_t borders = context_.scene.filter_weights != nullptr ? tiles.size() : 0;
     if (state_.tiles.empty()) {
@@ -309,7 +310,7 @@ class Renderer {
     report_done(samples);
   }
 
-  /// Where the light of groups goes from the worker's task.
+  /// Channels of the light groups in the samples of the worker's task.
   LightGroupSink group_sink(CameraTask& task) const {
     if (plan_.light_groups.empty()) return {};
     const auto channels = static_cast<std::size_t>(state_.film.layout().size());
@@ -324,7 +325,7 @@ class Renderer {
     if (options_.on_progress) options_.on_progress(done, total_);
   }
 
-  /// Takes samples of a tile, and adds its own pixels to the film. The tile that is returned is the worker's.
+  /// Takes samples of a tile, and adds its own pixels to the film. Returns the tile, which the worker owns.
   const FilmTile& run_task(const Tile& tile, std::uint32_t first_sample, std::uint32_t sample_count) {
     Worker& worker = workers_.local();
     state_.film.begin(worker.tile, tile.pixels, context_.scene.filter_weights);
@@ -347,7 +348,7 @@ class Renderer {
     StageContext context = context_;
     context.camera = &worker.camera;
     context.sampler = sampler;
-    // What photons cannot find is light that reaches the camera without having been scattered.
+    // Photons do not find light that reaches the camera unscattered, so the camera pass takes only that.
     if (context.integrator.kind == IntegratorKind::kLightTracer) context.integrator.max_depth = 1;
     camera_pass_of<Wide>(context.integrator.kind)(context, worker.wave);
     worker.wave.light_groups = {};
@@ -355,7 +356,7 @@ class Renderer {
     report_done(static_cast<std::uint64_t>(worker.camera.total()));
   }
 
-  /// The next tasks of photons, whose splats are added to the film when all of them have ended.
+  /// Takes the next round of photon tasks, and adds their splats to the film when all have ended.
   void run_photons() {
     const std::uint64_t left = photons_ - state_.photons;
     const std::uint64_t taken = std::min<std::uint64_t>(left, std::uint64_t{kTaskPhotons} * kRoundTasks);
@@ -375,7 +376,7 @@ class Renderer {
           }
         },
         tbb::simple_partitioner());
-    // A round that was cut short says nothing of how many photons there were.
+    // Discard an interrupted round: the number of its photons is not known.
     if (!whole) return;
     state_.splats->add(splats, *splat_filter_);
     state_.photons += taken;
@@ -394,7 +395,7 @@ class Renderer {
     report_done(static_cast<std::uint64_t>(count));
   }
 
-  /// What there is to be told, but for the picture's noise. Adds to `warnings`.
+  /// The report without the noise of the image. Adds to `warnings`.
   RenderReport make_report(std::vector<std::string>& warnings) {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
     RenderReport report;
@@ -448,18 +449,18 @@ class Renderer {
   RenderState state_;
   std::vector<std::uint16_t> group_of_light_;
   std::vector<Tile> adaptive_tiles_;
-  std::uint64_t adaptive_before_ = 0;  ///< samples and photons besides those of the picture
+  std::uint64_t adaptive_before_ = 0;  ///< training samples, photons and others besides the image's samples
   bool adaptive_done_ = false;
   std::optional<PhotonMapping> photon_mapping_;
   PhotonTracing photon_tracing_{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};
   GuideField guide_;
   std::vector<TrainingPass> training_passes_;
   GuideTraining guide_training_{[this] { return stopped(); }, [this](std::uint64_t more) { report_done(more); }};
-  std::uint64_t photons_ = 0;  ///< light tracing: to be emitted
+  std::uint64_t photons_ = 0;  ///< light tracing: number of photons to emit
   std::optional<SplatFilter> splat_filter_;
   std::atomic<bool> pausing_{false};
   std::chrono::steady_clock::time_point start_;
-  bool told_resumed_ = false;  ///< the tiles that were done already count as progress
+  bool told_resumed_ = false;  ///< finished tiles of the resumed pass were reported
   std::uint64_t total_ = 0;
   std::atomic<std::uint64_t> done_{0};
   Workers workers_{

@@ -1,3 +1,4 @@
+// Estimates the memory of a render from the sizes of its film, tiles, photon maps and waves.
 #include "kernels/passes/render_memory.h"
 
 #include "kernels/film/cryptomatte.h"
@@ -16,16 +17,16 @@ namespace sheaf {
 
 namespace {
 
-/// Bytes that IdCoverage takes for a pixel: itself, and a block of the heap for one surface or two.
+/// Bytes of IdCoverage per pixel: the object itself, and one heap block for one or two surfaces.
 constexpr double kCoverageBytes = sizeof(IdCoverage) + 48.0;
 
 double area_of(const PixelRect& rect) { return static_cast<double>(rect.width()) * static_cast<double>(rect.height()); }
 
-/// Numbers per pixel, and what there is of them.
+/// Layout and size of the film per pixel.
 struct FilmSize {
   FilmLayout layout;
   FilmRow row;
-  double pixels, numbers;  ///< numbers of 8 bytes per pixel
+  double pixels, numbers;  ///< `numbers`: of 8 bytes, per pixel
   double coverage;         ///< bytes per pixel
 };
 
@@ -40,23 +41,23 @@ FilmSize film_size(const SamplePlan& plan, const RenderOptions& options) {
   return {layout, row, area_of(plan.crop), numbers, coverage};
 }
 
-/// Of a square of `side` pixels that samples within `reach` of it count in: all pixels over its own.
+/// Area of a square of `side` pixels grown by `reach` on each side, over the area of the square.
 double spread_of(int side, int reach) { return std::pow(1 + 2.0 * reach / side, 2); }
 
-/// Per pixel, what the tiles of a pass bring to each other, which are all kept until it ends.
+/// Bytes per pixel of the borders that tiles add to each other. All of them are kept until the pass ends.
 double border_bytes(const FilmSize& film, const SamplePlan& plan) {
   if (plan.reach == 0) return 0;
   const int side = tile_side(std::min({kPassSamples, plan.range.count, plan.replicate_samples}));
   return (spread_of(side, plan.reach) - 1) * (8 * static_cast<double>(film.row.size()) + film.coverage);
 }
 
-/// Per pixel, the sums of adaptive sampling.
+/// Bytes per pixel of the sums of adaptive sampling.
 double adaptive_bytes(const FilmSize& film, const SamplePlan& plan) {
   const double sums = 8 * static_cast<double>(1 + film.row.channels + film.row.bins) + film.coverage;
   return AdaptiveFilm::kSets * (sums * spread_of(kAdaptiveSide, plan.reach) + 8 + 16);
 }
 
-/// Per pixel, the picture that is made of the film, and what it was before the last layers were added.
+/// Bytes per pixel of the final image, and of its copy from before the id layers were added.
 double picture_bytes(const FilmSize& film, const RenderOptions& options) {
   const double channels =
       film.layout.size() + static_cast<double>(film.row.variances + film.row.bins) + film.layout.half_count() + 1;
@@ -67,7 +68,7 @@ double picture_bytes(const FilmSize& film, const RenderOptions& options) {
   return 4 * (ids > 0 ? 2 * channels + ids : channels);
 }
 
-/// Photons as they come from the tasks of one map at a time, and those of all maps sorted into columns.
+/// Bytes of photons: as traced by the tasks of one map at a time, and of all maps sorted into columns.
 double photon_bytes(const StageContext& context) {
   if (context.integrator.kind != IntegratorKind::kPhotonMapper) return 0;
   const PhotonMappingDescription& photons = context.integrator.photons;
@@ -88,7 +89,7 @@ double photon_bytes(const StageContext& context) {
   return traced + sorted;
 }
 
-/// What each thread has: its wave, and the samples of its task with what they add up to.
+/// Bytes per thread: its wave, the samples of its task, and its tile.
 double worker_bytes(const FilmSize& film, const SamplePlan& plan, const WaveNeeds& needs, int wave_size) {
   const double sample = 4.0 * film.layout.size() + sizeof(SampleOffset) +
                         (film.row.bins > 0 ? sizeof(SpectralSample) : 0) +
@@ -121,7 +122,7 @@ std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& op
   const std::string parts = "Parts of it take less: --crop, and 'sheaf merge' joins them";
   std::vector<MemoryUse> uses{{"the film", film.pixels * (8 * film.numbers + film.coverage + (traces_light ? 48 : 0)),
                                parts + "; so do fewer layers"}};
-  // The picture is made when all tiles have ended, but what is as small as their borders stays with the heap.
+  // The image is created after all tiles, but the heap does not release blocks as small as the borders of tiles.
   const double edges = plan.adapts ? adaptive_bytes(film, plan) : border_bytes(film, plan);
   uses.push_back({plan.adapts ? "the sums of adaptive sampling" : "what tiles add to each other", film.pixels * edges,
                   parts + "; so do fewer layers"});

@@ -1,4 +1,4 @@
-// How much memory a render will take, before it takes any.
+// Estimates how much memory a render takes, before it allocates any.
 #pragma once
 
 #include "core/memory.h"
@@ -11,16 +11,15 @@ namespace sheaf {
 
 struct SamplePlan;
 
-/// Threads and paths in flight of a render with these options.
+/// Number of threads, and of paths in flight per worker, for these options.
 int threads_of(const RenderOptions& options);
 int wave_size_of(const RenderOptions& options, const WaveNeeds& needs);
 
-/// What a render takes besides the scene while most of it is there, part by part. What depends on what is found on the
-/// way, photons that are stored and surfaces behind a pixel, is estimated. Throws as render() does for options that
-/// cannot be.
+/// Peak memory of a render without the scene, part by part. Stored photons and surfaces behind a pixel are not known
+/// before rendering and are estimated. Throws as render() does for invalid options.
 std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options);
 
-/// The same where the plan of these options is made already.
+/// The same with the sample plan of these options.
 std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options, const SamplePlan& plan);
 
 }  // namespace sheaf

@@ -1,3 +1,4 @@
+// Collects the statistics of workers and words the warnings.
 #include "kernels/passes/render_report.h"
 
 #include "kernels/media/medium_tracking.h"

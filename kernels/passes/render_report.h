@@ -1,4 +1,4 @@
-// What a render tells of itself when it has ended.
+// Report of a finished render: statistics of its workers, and warnings.
 #pragma once
 
 #include "core/stats.h"
@@ -11,11 +11,11 @@ namespace sheaf {
 
 struct IntegratorDescription;
 
-/// What people call the integrator, e.g. "path_mats".
+/// Name of the integrator in scene files, e.g. "path_mats".
 std::string integrator_name(const IntegratorDescription& integrator);
 
-/// Adds what the workers have counted to the report, and warns of what went wrong. `dropped`: by all of them, and by
-/// the renders that this one goes on from. `frame`: of the samples.
+/// Adds the statistics of the workers to the report, and warnings about dropped samples and abandoned rays. `dropped`:
+/// by all workers, and by the renders that this one resumes. `frame`: of the samples.
 void add_workers(const Workers& workers, const SampledFrame& frame, const Stats::Dropped& dropped, RenderReport& report,
                  std::vector<std::string>& warnings);
 

@@ -1,3 +1,4 @@
+// Reads and writes checkpoints in the binary format of kernels/film/film_file.h.
 #include "kernels/passes/render_state.h"
 
 #include "kernels/film/film_file.h"
@@ -7,9 +8,9 @@ namespace sheaf {
 namespace {
 
 constexpr std::string_view kFirstLine = "sheaf checkpoint 2\n";
-/// Most settings: far beyond any command line.
+/// Maximum number of settings: far beyond any command line.
 constexpr std::uint32_t kMaxSettings = 100'000;
-/// Differences that a message names.
+/// Maximum number of differences that a message lists.
 constexpr std::size_t kMaxTold = 5;
 
 RenderSettings get_settings(BinaryInput& in) {

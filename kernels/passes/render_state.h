@@ -1,4 +1,4 @@
-// What a render is between two of its tasks, and how that is kept in a file: a checkpoint.
+// The state of a render between two tasks, and checkpoint files that store it.
 #pragma once
 
 #include "core/stats.h"
@@ -13,26 +13,26 @@
 
 namespace sheaf {
 
-/// All that a render goes on from. What else it works with it makes anew: photon maps, and what a guide has learned.
+/// Everything from which a render resumes. Photon maps and the guide are not stored but computed again.
 struct RenderState {
-  Film film;                             ///< without what the tiles of the pass at work bring to each other
-  std::uint32_t first_sample = 0;        ///< per pixel, of the pass at work; where there is none, of the next one
-  std::vector<std::uint8_t> tiles;       ///< of that pass: 1 for those that are done; empty: it has not begun
+  Film film;                             ///< without the borders of the tiles of the current pass
+  std::uint32_t first_sample = 0;        ///< per pixel, of the current pass, or of the next one between passes
+  std::vector<std::uint8_t> tiles;       ///< of the current pass: 1 for tiles that are done; empty: not begun
   std::vector<FilmBorder> borders;       ///< of these tiles
-  std::optional<AdaptiveFilm> adaptive;  ///< adaptive sampling: the sums of tiles, of which `film` is the picture
-  std::optional<SplatFilm> splats;       ///< light tracing: what photons have added
-  std::uint64_t photons = 0;             ///< that were emitted
-  Stats::Dropped dropped;                ///< up to the last time that the render was taken up
+  std::optional<AdaptiveFilm> adaptive;  ///< adaptive sampling: sums of tiles, from which `film` is assembled
+  std::optional<SplatFilm> splats;       ///< light tracing: contributions of photons
+  std::uint64_t photons = 0;             ///< number of photons emitted
+  Stats::Dropped dropped;                ///< up to the last time the render was resumed
 };
 
-/// What a render depends on, as names and values for people to read.
+/// Settings on which a render depends, as readable names and values.
 using RenderSettings = std::vector<std::pair<std::string, std::string>>;
 
-/// Writes a checkpoint; the file appears whole or not at all. Throws Error (exit code 4).
+/// Writes a checkpoint atomically. Throws Error (exit code 4).
 void write_checkpoint(const std::filesystem::path& file, const RenderSettings& settings, const RenderState& state);
 
-/// Reads one. Throws Error (exit code 5) for a file that cannot be read, is damaged or none of this version, and where
-/// it was made with other settings: the message says which.
+/// Reads a checkpoint. Throws Error (exit code 5) if the file cannot be read, is damaged, was written by another
+/// version of Sheaf, or belongs to other settings, which the message names.
 RenderState read_checkpoint(const std::filesystem::path& file, const RenderSettings& settings);
 
 }  // namespace sheaf

@@ -1,3 +1,4 @@
+// Validates the options of a render and derives its sample plan.
 #include "kernels/passes/sample_plan.h"
 
 #include "core/error.h"
@@ -10,10 +11,10 @@ namespace sheaf {
 
 namespace {
 
-/// Replicates where they cost nothing.
+/// Number of replicates where they cost nothing.
 constexpr std::uint32_t kFreeReplicates = 8;
 
-/// Most samples per pixel that gather rays may make.
+/// Maximum of samples per pixel times gather rays.
 constexpr std::uint32_t kMaxSamples = 1 << 24;
 [[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::kUsage, text); }
 
@@ -28,7 +29,7 @@ PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
   return crop;
 }
 
-/// Pixels of the frame and of the border around it are numbered.
+/// Checks that the pixels of the frame and of its border can be numbered by 31 bits.
 void check_frame(const FilmDescription& film, const SampledFrame& frame) {
   constexpr std::int64_t kMaxPixels = std::numeric_limits<std::int32_t>::max();
   if (std::int64_t{frame.row_length()} * (film.height + 2 * frame.border) <= kMaxPixels) return;
@@ -45,7 +46,7 @@ void check_spectral_bins(const Scene& scene, int bins) {
                 "spectral bins need spectral mode and an integrator that follows light from the camera");
 }
 
-/// Samples per pixel unless told otherwise.
+/// Samples per pixel if the options do not set them.
 std::uint32_t default_samples(const Scene& scene) {
   const IntegratorDescription& integrator = scene.integrator();
   const bool passes = integrator.kind == IntegratorKind::kPhotonMapper && integrator.photons.progressive;
@@ -53,7 +54,7 @@ std::uint32_t default_samples(const Scene& scene) {
   return scene.sampler().sample_count;
 }
 
-/// Layers that come from replicates.
+/// Whether layers that come from replicates are requested.
 bool wants_halves(const RenderOptions& options) {
   return options.aovs.contains(Aov::kVariance) || options.aovs.contains(Aov::kHalf);
 }
@@ -80,10 +81,10 @@ void check_adaptive(SamplerKind sampler, const IntegratorDescription& transport,
   if (spp < AdaptiveFilm::kSets) refuse("a noise target or a time limit needs four samples per pixel or more");
 }
 
-/// The groups of lights that have layers.
+/// Names of the light groups with layers.
 std::vector<std::string> group_lights(const SceneNames& names, const IntegratorDescription& transport) {
   std::vector<std::string> groups = names.lights;
-  // The light that photon maps hold is mixed.
+  // Photon maps mix the light of all groups.
   if (names.has_other_light || transport.kind == IntegratorKind::kPhotonMapper) groups.emplace_back("other");
   if (groups.size() > kMaxLightGroups)
     refuse("the scene has " + std::to_string(groups.size()) + " lights with names of their own, expected at most " +
@@ -92,7 +93,7 @@ std::vector<std::string> group_lights(const SceneNames& names, const IntegratorD
   return groups;
 }
 
-/// In how many sets the samples are taken.
+/// Plans replicates, halves and the unit of variances.
 void plan_sets(const RenderOptions& options, SamplerKind sampler, SamplePlan& plan) {
   std::uint32_t replicates =
       options.replicates > 0 ? static_cast<std::uint32_t>(options.replicates) : default_replicates(sampler, plan.spp);
@@ -105,7 +106,7 @@ void plan_sets(const RenderOptions& options, SamplerKind sampler, SamplePlan& pl
   plan.has_variances = by_samples || plan.adapts || plan.replicate_samples < plan.spp;
 }
 
-/// The samples that are taken, where some were asked for that can be taken alone.
+/// Converts the requested samples to samples of the plan. Throws if they cannot be taken alone.
 SampleRange plan_range(const SampleRange& asked, const SamplePlan& plan, const IntegratorDescription& transport) {
   const std::string name = std::to_string(asked.first) + ":" + std::to_string(asked.count);
   const std::uint32_t samples = plan.spp / plan.rays;
@@ -119,7 +120,7 @@ SampleRange plan_range(const SampleRange& asked, const SamplePlan& plan, const I
   const SampleRange range{asked.first * plan.rays, asked.count * plan.rays};
   const std::uint32_t set = plan.replicate_samples;
   const bool is_whole = range.first % set == 0 && (range.end() % set == 0 || range.end() == plan.spp);
-  if (is_whole || set == plan.spp) return range;  // one set may be cut anywhere
+  if (is_whole || set == plan.spp) return range;  // a single set may be split anywhere
   const std::string size = std::to_string(set);
   refuse("the samples " + name + " cut through one of the " + std::to_string((plan.spp + set - 1) / set) + " sets of " +
          size + " samples that tell the variance: they must begin and end at multiples of " + size +

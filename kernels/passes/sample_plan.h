@@ -1,5 +1,4 @@
-// What is decided before a render's first ray: which pixels and samples are taken, in which sets, and what the film is
-// made of.
+// The plan of a render before its first ray: pixels, samples per pixel, replicates, and the layout of the film.
 #pragma once
 
 #include "core/pixel_rect.h"
@@ -10,26 +9,27 @@
 
 namespace sheaf {
 
-/// See RenderOptions for what they mean.
+/// See RenderOptions for the meaning of the settings.
 struct SamplePlan {
-  PixelRect crop;    ///< pixels of the picture
-  PixelRect wanted;  ///< pixels that are sampled: the crop, and those around from which samples reach into it
-  int reach = 0;     ///< pixels
+  PixelRect crop;  ///< pixels of the image
+  /// Pixels that are sampled: the crop, and those around it whose samples reach into it.
+  PixelRect wanted;
+  int reach = 0;  ///< distance up to which samples contribute to other pixels, pixels
   SampledFrame frame;
-  std::uint32_t rays = 1;               ///< gather rays of each camera sample, which count as samples of their own
+  std::uint32_t rays = 1;               ///< gather rays per camera sample, each counted as a sample of its own
   std::uint32_t spp = 0;                ///< samples per pixel
   std::uint32_t replicate_samples = 0;  ///< per pixel, of each replicate
   std::uint32_t half_samples = 0;       ///< per pixel, of the first half
-  SampleRange range;                    ///< of `spp` samples, those that are taken
+  SampleRange range;                    ///< samples to be taken, of `spp`
   bool adapts = false;                  ///< adaptive sampling
   VarianceUnit unit = VarianceUnit::kReplicate;
   bool has_variances = false;
-  std::vector<std::string> light_groups;  ///< names of those that have layers
+  std::vector<std::string> light_groups;  ///< names of the groups with layers
 
   Film make_film(const Scene& scene, const RenderOptions& options) const;
 };
 
-/// `transport`: the scene's integrator. Throws Error (usage) for what cannot be rendered so.
+/// `transport`: the scene's integrator. Throws Error (usage) for options that the scene cannot be rendered with.
 SamplePlan make_sample_plan(const Scene& scene, const RenderOptions& options, const IntegratorDescription& transport);
 
 }  // namespace sheaf

@@ -1,4 +1,4 @@
-// How the frame is cut into tiles.
+// Division of the frame into tiles.
 #pragma once
 
 #include "core/pixel_rect.h"
@@ -8,26 +8,27 @@
 
 namespace sheaf {
 
-/// Camera samples per task: enough that refilling dwarfs draining, few enough that the buffer stays in the caches.
+/// Camera samples per task: many enough that the wave is full most of the time, few enough that their buffer stays in
+/// the caches.
 inline constexpr int kTaskSamples = 16384;
-/// Most samples per pixel and pass; passes are separated by a barrier, within one a tile has one owner.
+/// Maximum samples per pixel and pass. A barrier separates passes; within a pass each tile has one owner.
 inline constexpr std::uint32_t kPassSamples = 256;
 /// Side of the tiles of adaptive sampling, pixels.
 inline constexpr int kAdaptiveSide = 32;
 
-/// Side of the tiles of a pass of so many samples per pixel, pixels.
+/// Side of the tiles of a pass of `samples` samples per pixel, pixels.
 inline int tile_side(std::uint32_t samples) {
   int side = 8;
   while (side < 64 && 4 * side * side * static_cast<int>(samples) <= kTaskSamples) side *= 2;
   return side;
 }
 
-/// A square of pixels of the frame, and those of them whose samples are wanted.
+/// A square of pixels of the frame, and those of its pixels that are sampled.
 struct Tile {
   PixelRect pixels, wanted;
 };
 
-/// Squares of `side` pixels, counted from the frame's corner, that hold any of the `wanted` pixels, row by row.
+/// Squares of `side` pixels, aligned to the frame's corner, that contain `wanted` pixels; row by row.
 inline std::vector<Tile> make_tiles(const PixelRect& wanted, int side) {
   std::vector<Tile> tiles;
   const auto tile_begin = [side](int at) { return (at >= 0 ? at / side : -((side - 1 - at) / side)) * side; };

@@ -1,3 +1,4 @@
+// Runs photon passes in parallel tasks, and builds maps from the photons in the order of tasks.
 #include "kernels/passes/trace_photons.h"
 
 #include "kernels/passes/passes.h"
@@ -13,34 +14,33 @@ namespace sheaf {
 
 namespace {
 
-/// Photons per task, and tasks of the smaller maps.
+/// Range of photons per task, and the minimum number of tasks of small maps.
 constexpr std::uint64_t kMinTaskPhotons = 64, kMaxTaskPhotons = 16384, kMinTasks = 64;
-/// The pilot emits so many photons, then twice as many in all, and so on, until it has stored enough to know the rate
-/// within a few percent, or has emitted the most.
+/// The pilot emits kPilotPhotons, then doubles the total until it has stored kPilotStored photons, which gives the rate
+/// within a few percent, or has emitted kMaxPilotPhotons.
 constexpr std::uint64_t kPilotPhotons = 4096, kMaxPilotPhotons = 1 << 18, kPilotStored = 2048;
-/// Which map of a set photons of a kind are in.
+/// Index of the map of a set that holds photons of a kind.
 int map_of(PhotonKind kind) { return kind == PhotonKind::kCaustic ? 1 : kind == PhotonKind::kVolume ? 2 : 0; }
 
-/// The first of the numbers that photons of a map have, so that maps share no random numbers. The pilot's set is
-/// kMaxPhotonSets.
+/// Index of the first photon of a map, such that maps share no random numbers. The set of the pilot is kMaxPhotonSets.
 std::uint64_t first_photon(PhotonKind kind, std::uint32_t set) {
   constexpr int kMapBits = 37, kSetBits = 40;
   return std::uint64_t{set} << kSetBits | static_cast<std::uint64_t>(map_of(kind)) << kMapBits;
 }
 
-/// Longest piece into which beams are cut, over the radius of the scene's bounding sphere.
+/// Maximum length of the pieces into which beams are cut, relative to the radius of the scene's bounding sphere.
 constexpr float kPieceOfScene = 0.125f;
 
 constexpr const char* kMapNames[] = {"photon map", "caustics map", "volume photon map"};
 
-/// What one task has stored.
+/// Photons stored by one task.
 struct StoredPhotons {
   std::vector<Photon> photons;
   std::vector<PhotonBeam> beams;
-  std::uint64_t counted = 0;  ///< towards the number that is asked for
+  std::uint64_t counted = 0;  ///< photons that count towards the requested number
 };
 
-/// Photons [first, first + count) in tasks, each task's in order.
+/// Traces photons [first, first + count) in tasks. Returns the photons of each task in order.
 std::vector<StoredPhotons> trace_tasks(const StageContext& camera, Workers& workers, PhotonKind kind,
                                        std::uint64_t first, std::uint64_t count, PhotonTracing& tracing,
                                        std::uint64_t expected) {
@@ -73,14 +73,14 @@ std::vector<StoredPhotons> trace_tasks(const StageContext& camera, Workers& work
   return stored;
 }
 
-/// How many photons the pilot has emitted, and how many of them were stored.
+/// Numbers of photons that the pilot has emitted and stored.
 struct PilotCount {
   std::uint64_t emitted = 0, stored = 0;
 };
 
 PilotCount run_pilot(StageContext context, Workers& workers, PhotonKind kind, PhotonTracing& tracing) {
   PilotCount count;
-  // All wavelengths: the number must not depend on the set of maps that happens to be made first.
+  // All wavelengths: the result must not depend on which set of maps is built first.
   context.wavelength_sample = -1.0f;
   std::uint64_t next = kPilotPhotons;
   while (count.stored < kPilotStored && count.emitted < kMaxPilotPhotons && context.scene.light_count > 0 &&
@@ -94,7 +94,7 @@ PilotCount run_pilot(StageContext context, Workers& workers, PhotonKind kind, Ph
   return count;
 }
 
-/// Tasks' photons, and how many were emitted for them; at least 1.
+/// The photons of each task, and the number of photons emitted for them, at least 1.
 struct TracedPhotons {
   std::vector<std::vector<Photon>> tasks;
   std::vector<std::vector<PhotonBeam>> beams;

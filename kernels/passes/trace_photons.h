@@ -1,5 +1,6 @@
-// Photon maps from a scene. How many photons a map takes is fixed before it is made, by a pilot that has random numbers
-// of its own: emitting until enough are stored, and dividing by the number that were emitted, is biased by about 1 / n.
+// Traces photons and builds photon maps. The number of photons that a map emits is fixed in advance by a pilot with
+// random numbers of its own. Emitting until enough photons are stored, and dividing by the number emitted, would be
+// biased by about 1 / n.
 #pragma once
 
 #include "kernels/passes/worker.h"
@@ -12,45 +13,46 @@
 
 namespace sheaf {
 
-/// How tracing goes on and ends.
+/// Callbacks and results of photon tracing.
 struct PhotonTracing {
-  std::function<bool()> stopped;                 ///< true ends it
-  std::function<void(std::uint64_t)> on_stored;  ///< so many more of the photons that were asked for
-  std::vector<std::string> warnings = {};        ///< out: what went wrong, for the user
-  RenderReport::Photons report = {};             ///< out, sums over all maps
+  std::function<bool()> stopped;                 ///< true ends tracing
+  std::function<void(std::uint64_t)> on_stored;  ///< progress: more of the requested photons were stored
+  std::vector<std::string> warnings = {};        ///< out: for the user
+  RenderReport::Photons report = {};             ///< out: sums over all maps
 };
 
-/// A photon map to be made.
+/// A photon map to be built.
 struct PhotonRequest {
-  std::uint64_t emitted = 0;  ///< photons to be emitted; see photons_to_emit()
-  float radius = 0;           ///< metres, within which they are to be found
+  std::uint64_t emitted = 0;  ///< number of photons to emit; see photons_to_emit()
+  float radius = 0;           ///< lookup radius, m
   PhotonKind kind = PhotonKind::kAll;
-  std::uint32_t set = 0;       ///< maps of different sets share no random numbers; below kMaxPhotonSets
-  float beam_radius = 0;       ///< metres, of beams
-  std::uint64_t expected = 0;  ///< photons that are expected to be stored, for progress alone
+  std::uint32_t set = 0;       ///< index below kMaxPhotonSets; sets share no random numbers
+  float beam_radius = 0;       ///< radius of beams, m
+  std::uint64_t expected = 0;  ///< expected number of stored photons, for progress only
 };
 
-/// Most sets of maps.
+/// Maximum number of sets of maps.
 inline constexpr std::uint32_t kMaxPhotonSets = 1 << 22;
 
-/// Photons in media, in one way and the other; of each medium in one of them. See keeps_beams().
+/// Photons in media, as points and as beams. keeps_beams() selects one of both for each medium.
 struct VolumePhotonMaps {
   VolumePhotonMap points;
   PhotonBeamMap beams;
 };
 
-/// The number of photons to emit so that about `count` of a kind are stored, but at most `max_emitted`, with a warning;
-/// `count` where the pilot stores none. For the global map, photons of other kinds count too. Depends on the scene, the
-/// seed and the arguments alone, so that all sets of maps emit as many.
+/// Number of photons to emit so that about `count` photons of a kind are stored: at most `max_emitted`, or `count` if
+/// the pilot stores none, both with a warning. For the global map, photons of other kinds count too. Depends only on
+/// scene, seed and arguments, so that all sets of maps emit the same number.
 std::uint64_t photons_to_emit(const StageContext& context, Workers& workers, PhotonKind kind, std::uint64_t count,
                               std::uint64_t max_emitted, PhotonTracing& tracing);
 
-/// Emits photons and sorts what they store into a map, which depends on the scene, the seed and the request alone; it
-/// is incomplete where `stopped`. `context`: of a camera pass, with settings of photon mapping and of wavelengths.
+/// Emits photons and builds a map of those that are stored. The map depends only on scene, seed and request; it is
+/// incomplete if tracing was `stopped`. `context`: of a camera pass, with the settings of photon mapping and the
+/// wavelengths.
 PhotonMap trace_photons(const StageContext& context, Workers& workers, const PhotonRequest& request,
                         PhotonTracing& tracing);
 
-/// The same for PhotonKind::kVolume; beams count as points do.
+/// The same for PhotonKind::kVolume; beams count like points.
 VolumePhotonMaps trace_volume_photons(const StageContext& context, Workers& workers, const PhotonRequest& request,
                                       PhotonTracing& tracing);
 

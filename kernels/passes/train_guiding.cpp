@@ -1,3 +1,4 @@
+// Plans and runs the training passes of path guiding.
 #include "kernels/passes/train_guiding.h"
 
 #include "core/rng.h"
@@ -14,21 +15,21 @@ namespace sheaf {
 
 namespace {
 
-/// Share of a render's samples that training may add, and samples per pixel beyond which it has learned enough.
+/// Maximum share of training in the samples of a render, and the samples per pixel after which training has converged.
 constexpr double kTrainingShare = 0.125;
 constexpr std::uint32_t kMaxTraining = 16;
-/// Camera samples of the longest pass: their records stay in memory until the guide has learned.
+/// Camera samples of the longest pass. Their records stay in memory until the guide has learned from them.
 constexpr std::uint64_t kPassSamples = 1 << 20;
 /// Camera samples per task.
 constexpr int kTaskSamples = 4096;
-/// Records by which a place is halved: this many times the square root of a pass's number over that of the first.
+/// Cells with more records than this times the square root of the pass's sample count over that of the first are split.
 constexpr double kSplitRecords = 1000;
 
 int strided(int size, int stride) { return (size + stride - 1) / stride; }
 
-/// The pixels of a pass, row by row, cut into tasks.
+/// The pixels of a pass in the order of rows, divided into tasks.
 std::vector<std::vector<PixelSamples>> tasks_of(const SampledFrame& frame, int height, const TrainingPass& pass) {
-  // A part of a pass has other pixels than the part before it.
+  // Each pass uses other pixels than the one before.
   const auto stride = static_cast<std::uint32_t>(pass.stride);
   std::uint32_t x = pass.first_sample, y = stride, z = 0, w = 0;
   hash4(x, y, z, w);
@@ -48,14 +49,14 @@ std::vector<std::vector<PixelSamples>> tasks_of(const SampledFrame& frame, int h
   return tasks;
 }
 
-/// Random numbers that no sample of the picture has.
+/// A sampler that shares no random numbers with samples of the image.
 SamplerView training_sampler(const SamplerView& of_picture) {
   std::uint32_t x = of_picture.seed, y = 0x6775u, z = 0x6964u, w = 0x65u;
   hash4(x, y, z, w);
   return make_sampler(SamplerKind::kSobol, x, 1);
 }
 
-/// What all tasks of a pass have told, each task's in order.
+/// Runs a pass. Returns the records of each task in order.
 std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Workers& workers, int width, int height,
                                                const TrainingPass& pass, std::span<const float> means,
                                                const GuideTraining& training) {
@@ -87,7 +88,7 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
 std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples) {
   const double pixels = static_cast<double>(width) * height;
   const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / static_cast<double>(kPassSamples)))));
-  // Of one sample per pixel that takes part.
+  // Camera samples of a pass with one sample per participating pixel.
   const double unit = static_cast<double>(strided(width, stride)) * strided(height, stride);
   const double most = std::min(kTrainingShare * samples, static_cast<double>(kMaxTraining)) * pixels / unit;
   const auto longest = static_cast<std::uint32_t>(std::max(1.0, static_cast<double>(kPassSamples) / unit));
@@ -97,7 +98,7 @@ std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t s
     passes.push_back({first, count, stride});
     first += count;
     if (passes.size() > 1) count = std::min(2 * count, longest);
-    // What is left over would make a pass too short to be one of its own.
+    // Extend this pass if the remainder would be too short for a pass of its own.
     if (first + 2 * count > most && first + count <= most && most - first <= longest)
       count = static_cast<std::uint32_t>(most - first);
   }
@@ -131,7 +132,7 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
   }
   training.report.samples = training_samples(width, height, passes);
   training.report.places = field.places();
-  // Only samples of the picture count as such.
+  // Statistics count only samples of the image.
   for (Worker& worker : workers) worker.wave.stats.samples = 0;
   return field;
 }

@@ -1,4 +1,4 @@
-// What every thread of a render has for itself.
+// State that each thread of a render owns.
 #pragma once
 
 #include "kernels/film/camera_task.h"
@@ -11,7 +11,7 @@
 
 namespace sheaf {
 
-/// A wave, and the task that is being worked on with what its samples add up to. Constructed by its thread.
+/// A wave, the task in progress, and its results. Constructed by its thread.
 struct Worker {
   Worker(int wave_size, const WaveNeeds& needs, RayRecorder* recorder = nullptr) : wave(wave_size, needs) {
     wave.recorder = recorder;

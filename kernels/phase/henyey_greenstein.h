@@ -1,9 +1,9 @@
 // The phase function of Henyey and Greenstein ("Diffuse Radiation in the Galaxy", Astrophysical Journal 93, 1941):
-//   p(c) = (1 - g^2) / (4 pi (1 + g^2 - 2 g c)^(3/2)),  c: cosine of the angle by which light turns.
+//   p(c) = (1 - g^2) / (4 pi (1 + g^2 - 2 g c)^(3/2)),  c: cosine of the deflection angle.
 //
-// The peak of a strongly scattering medium is narrower than floats near 1 can tell, so cosines t to its direction are
-// handled as m = 1 - t: the root in p is (1 - |g|)^2 + 2 |g| m. Inverting the integral of p over m, without the
-// division by g that the usual form has,
+// In strongly forward- or backward-scattering media, the peak is narrower than floats near 1 can resolve. Cosines t to
+// the peak direction are therefore represented by m = 1 - t: the base of the power in p is (1 - |g|)^2 + 2 |g| m.
+// Inverting the CDF of m, without the division by g of the usual form, gives
 //   m = (1 - |g|)^2 v (1 + |g| + w) / w^2,  w = 1 + |g| - 2 |g| v,  v uniform in [0, 1],
 // which is 2 v for g = 0.
 #pragma once
@@ -37,7 +37,7 @@ template <class L> struct HenyeyGreensteinBsdf : HenyeyGreensteinParameters<L> {
     const F m = min(narrow * narrow * u.y * (F(1.0f) + a + w), F(2.0f));
     const F sine = sqrt(m * (F(2.0f) - m));
     const auto turn = sincos_2pi<L>(u.z);
-    const F root = narrow * (F(1.0f) + a);  // of what evaluate() calls squared
+    const F root = narrow * (F(1.0f) + a);  // of `squared` in evaluate()
     BsdfSample<L> s;
     s.wi = {sine * turn.cos, sine * turn.sin, copysign(F(1.0f), this->g) * (m - F(1.0f))};
     s.weight = Spectrum<L>(F(1.0f));

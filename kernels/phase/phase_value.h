@@ -1,4 +1,4 @@
-// The phase function of a medium, whatever it is made of.
+// Evaluation of a medium's phase function, which may be a mixture.
 #pragma once
 
 #include "kernels/bsdf/all.h"
@@ -6,8 +6,9 @@
 
 namespace sheaf {
 
-/// The phase function that material `row` is, per steradian: a simple one, or a mixture of two that may be mixtures.
-/// `wi`: from where light comes, in a frame whose z axis is where it goes.
+/// Value of the phase function of material `row`, per steradian. The material is a single phase function or a mixture
+/// of two, which may be mixtures themselves. `wi`: direction that light comes from, in a frame whose z axis is the
+/// direction it is scattered to.
 template <class L> Float<L> phase_value(const SceneView& scene, std::uint32_t row, Vec3<L> wi) {
   using F = Float<L>;
   const MaterialRow& material = scene.materials[row];

@@ -1,8 +1,8 @@
-// Rayleigh's phase function, for particles far smaller than the wavelength: p(c) = 3 / (16 pi) (1 + c^2), c the cosine
-// of the angle by which light turns (Chandrasekhar, "Radiative Transfer", 1960, section 1.2).
+// Rayleigh's phase function, for particles far smaller than the wavelength: p(c) = 3 / (16 pi) (1 + c^2), where c is
+// the cosine of the deflection angle (Chandrasekhar, "Radiative Transfer", 1960, section 1.2).
 //
-// Its integral is a cubic, c^3 + 3 c = 2 q with q = 4 u - 2, whose one real root is A - 1 / A, A^3 = q + sqrt(1 + q^2)
-// (Cardano); by symmetry q >= 0 is enough, where nothing cancels.
+// The CDF is a cubic polynomial: c^3 + 3 c = 2 q with q = 4 u - 2. Its only real root is A - 1 / A with A^3 = q +
+// sqrt(1 + q^2) (Cardano). By symmetry it is enough to solve for q >= 0, where nothing cancels.
 #pragma once
 
 #include "core/warp.h"
@@ -37,7 +37,7 @@ template <class L> struct RayleighBsdf : RayleighParameters<L> {
   }
 
  private:
-  /// The same for c and -c.
+  /// Symmetric in c.
   static SHEAF_INLINE Float<L> density(Float<L> c) {
     return Float<L>(3.0f / 16.0f * kInvPi) * fma(c, c, Float<L>(1.0f));
   }

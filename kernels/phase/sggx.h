@@ -1,12 +1,12 @@
-// The phase function of microflakes that mirror, whose normals follow the SGGX distribution (Heitz, Dupuy, Crassin and
-// Dachsbacher 2015, "The SGGX Microflake Distribution"): of a symmetric positive matrix S,
+// The phase function of specular microflakes with the SGGX distribution of normals (Heitz, Dupuy, Crassin and
+// Dachsbacher 2015, "The SGGX Microflake Distribution"). For a symmetric positive matrix S,
 //   D(h) = 1 / (pi sqrt(det S) (h^T S^-1 h)^2),  sigma(w) = sqrt(w^T S w),  p(wo, wi) = D(h) / (4 sigma(wo)),
-// h halfway between wo and wi. sigma, the flakes' projected area, is a factor on the medium's extinction (MediumRay).
+// where h is the half vector. sigma, the projected area of the flakes, scales the medium's extinction (MediumRay).
 //
-// Here z is wo, and S = M M^T with M upper triangular, whose lower right corner then is sigma(wo): h^T S^-1 h is the
-// square of M^-1 h, by substitution; and a normal that is seen from wo is M y over its length, y spread over the
-// hemisphere as its projection over the disk (section 4.2). Nothing is subtracted that is nearly the same, as by way of
-// the determinant of matrices of thin fibres.
+// In the local frame z is wo, and S = M M^T with M upper triangular, so the lower right element of M is sigma(wo). h^T
+// S^-1 h is the squared length of M^-1 h, found by substitution. A visible normal is M y, normalised, where y is
+// distributed over the hemisphere so that its projection onto the disk is uniform (section 4.2). Unlike the
+// determinant, this involves no cancellation for the matrices of thin fibres.
 #pragma once
 
 #include "core/frame.h"
@@ -23,7 +23,7 @@ template <class L> struct SggxBsdf : SggxParameters<L> {
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L> wi) const {
     using F = Float<L>;
     Vec3<L> h{wi.x, wi.y, F(1.0f) + wi.z};
-    // Straight on: the flakes that light grazes, whichever.
+    // Straight transmission: any flake at grazing incidence will do.
     const auto grazed = !(dot(h, h) > F(1e-12f));
     h = select<L>(grazed, {F(1.0f), F(0.0f), F(0.0f)}, h);
     const F c = h.z / this->zz, b = (h.y - this->yz * c) / this->yy, a = (h.x - this->xy * b - this->xz * c) / this->xx;
@@ -47,15 +47,15 @@ template <class L> struct SggxBsdf : SggxParameters<L> {
   }
 
  private:
-  /// Where h^T S^-1 h is 1 / `inverse`, h of unit length.
+  /// `inverse` is 1 / (h^T S^-1 h) for unit h.
   SHEAF_INLINE Float<L> density(Float<L> inverse) const {
     return Float<L>(0.25f * kInvPi) * inverse * inverse / (this->xx * this->yy * this->zz * this->zz);
   }
 };
 
-/// The parameters that stand for the matrix of xx, yy, zz, xy, xz, yz in world space, at a vertex whose frame is
-/// `frame`. The phase function does not depend on the matrix' size, which becomes 1. Flakes that are all but parallel
-/// to a line or a plane are spread a little, by 1/1000 of that.
+/// The local parameters for the world-space matrix (xx, yy, zz, xy, xz, yz) at a vertex with the frame `frame`. The
+/// phase function does not depend on the scale of the matrix, which is normalised to a trace of 1. Flakes that are
+/// almost perfectly aligned to a line or plane are spread by 1/1000 of that scale.
 template <class L> SHEAF_INLINE SggxParameters<L> sggx_parameters(const Float<L> (&s)[6], const Frame<L>& frame) {
   using F = Float<L>;
   const auto times = [&s](Vec3<L> v) SHEAF_LAMBDA_INLINE {

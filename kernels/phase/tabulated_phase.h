@@ -1,5 +1,5 @@
-// A phase function given by values over the cosine of the angle by which light turns, linear in between: a density over
-// the cosine times one over the azimuth. Its integral is quadratic between two values and is inverted exactly.
+// A tabulated phase function: a piecewise linear density of the cosine of the deflection angle, uniform in azimuth. Its
+// integral is quadratic between two values and is inverted exactly.
 #pragma once
 
 #include "core/warp.h"
@@ -39,7 +39,7 @@ template <class L> struct TabulatedPhaseBsdf : TabulatedPhaseParameters<L> {
     const F step = F(2.0f) / to_float(n - U(1u));
     const F twice = F(2.0f) * max(u.y - gather(tables, integrals + i), F(0.0f)) / step;
     const F t = clamp(twice / max(a + sqrt(max(fma(a, a, twice * (b - a)), F(0.0f))), F(1e-30f)), F(0.0f), F(1.0f));
-    // One less than the cosine, or one more, whichever is nearer: near the poles the sine needs all digits.
+    // 1 - cosine and 1 + cosine, each computed without cancellation: near the poles the sine needs all digits.
     const F from_back = (to_float(i) + t) * step, from_front = (to_float(n - U(1u) - i) - t) * step;
     const F sine = sqrt(max(from_back * from_front, F(0.0f)));
     const auto turn = sincos_2pi<L>(u.z);
@@ -50,7 +50,7 @@ template <class L> struct TabulatedPhaseBsdf : TabulatedPhaseParameters<L> {
   }
 
  private:
-  static constexpr std::uint32_t kValues = 1 + kLeafCount<PhaseHead>;  ///< behind the tag and the head
+  static constexpr std::uint32_t kValues = 1 + kLeafCount<PhaseHead>;  ///< after the tag and the head
 
   SHEAF_INLINE U count(const TablePlace<L>& place) const {
     return to_uint(load_table_record<L, PhaseHead>(tables, place.first + U(1u)).count);

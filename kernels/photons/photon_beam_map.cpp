@@ -1,3 +1,4 @@
+// Construction of photon beam maps.
 #include "kernels/photons/photon_beam_map.h"
 
 namespace sheaf {

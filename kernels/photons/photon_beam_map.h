@@ -1,4 +1,4 @@
-// Photons' flights through media, to be found along rays.
+// A map of photon beams, which are searched along rays.
 #pragma once
 
 #include "kernels/photons/photon_beam.h"
@@ -12,14 +12,14 @@ namespace sheaf {
 class PhotonBeamMap {
  public:
   PhotonBeamMap() = default;
-  /// Takes the beams of all tasks, in order; `emitted`: how many photons were emitted. `radius`: of the beams, metres,
-  /// positive. `piece`: see LineAccel.
+  /// Takes the beams of all tasks, in order. `emitted`: number of emitted photons; `radius`: of the beams, in metres,
+  /// positive; `piece`: see LineAccel.
   PhotonBeamMap(const std::vector<std::vector<PhotonBeam>>& tasks, std::uint64_t emitted, float radius, float piece,
                 PhotonKernel kernel);
 
-  /// A beam as rays find it.
+  /// Data of a beam that a ray has found.
   struct Record {
-    Spectrum4 power;      ///< at its start, W
+    Spectrum4 power;      ///< at the start, W
     Spectrum4 odds;       ///< see PhotonBeam
     std::uint32_t place;  ///< see photon_place()
   };

@@ -1,4 +1,4 @@
-// How photons count by their distance.
+// Kernels for density estimation with photons.
 #pragma once
 
 #include "core/simd.h"
@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-/// The kernel times pi r^2, by the squared distance over r^2 in [0, 1].
+/// 2D kernel times pi r^2, as a function of the squared distance over r^2 in [0, 1].
 template <class L> SHEAF_INLINE Float<L> photon_kernel(PhotonKernel kind, Float<L> squared) {
   using F = Float<L>;
   switch (kind) {
@@ -20,7 +20,7 @@ template <class L> SHEAF_INLINE Float<L> photon_kernel(PhotonKernel kind, Float<
   return F(1.0f);
 }
 
-/// The kernel across a beam times twice r, by the same.
+/// 1D kernel across a beam times 2 r, as a function of the squared distance over r^2 in [0, 1].
 template <class L> SHEAF_INLINE Float<L> beam_kernel(PhotonKernel kind, Float<L> squared) {
   using F = Float<L>;
   switch (kind) {

@@ -1,3 +1,4 @@
+// Construction of photon maps: sorts the photons into buckets and columns, in parallel.
 #include "kernels/photons/photon_map.h"
 
 #include <tbb/blocked_range.h>
@@ -37,12 +38,13 @@ PhotonMap::PhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitt
   };
   const std::vector<std::uint32_t> order = sort_into_buckets(photon_of);
 
-  // Columns begin at whole registers, and a register may be read beyond the last photon.
+  // Columns begin at register boundaries, and a register may be read past the last photon.
   constexpr std::size_t kLine = kSimdAlignment / sizeof(float);
   stride_ = (size_ / kLine + 2) * kLine;
   memory_.assign(columns() * stride_ + kLine, 0.0f);
   const auto misaligned = reinterpret_cast<std::uintptr_t>(memory_.data()) % kSimdAlignment;
   first_ = memory_.data() + (misaligned == 0 ? 0 : (kSimdAlignment - misaligned) / sizeof(float));
+  // Fill the columns.
   const float scale = 1.0f / static_cast<float>(emitted);
   in_parallel(size_, [&](std::size_t i) {
     const Photon& photon = photon_of(order[i]);
@@ -63,7 +65,7 @@ template <class F> std::vector<std::uint32_t> PhotonMap::sort_into_buckets(F&& p
   PhotonMapView grid;
   grid.inverse_cell = 0.5f / radius_;
   grid.bucket_mask = std::bit_ceil(static_cast<std::uint32_t>(size_ / 2 + 1)) - 1;
-  // Buckets above, places below: no two keys are the same, so that sorting has one result.
+  // The bucket is in the high bits and the index in the low ones. All keys differ, so the sorted order is unique.
   std::vector<std::uint64_t> keys(size_);
   in_parallel(size_, [&](std::size_t i) {
     const Vec3f p = photon_of(i).p * grid.inverse_cell;
@@ -72,13 +74,14 @@ template <class F> std::vector<std::uint32_t> PhotonMap::sort_into_buckets(F&& p
     keys[i] = std::uint64_t{bucket} << 32 | i;
   });
   tbb::parallel_sort(keys.begin(), keys.end());
+  // Find the beginning of each bucket.
   bucket_begin_.resize(std::size_t{grid.bucket_mask} + 2);
   std::size_t i = 0;
   for (std::size_t bucket = 0; bucket < bucket_begin_.size(); ++bucket) {
     while (i < size_ && (keys[i] >> 32) < bucket) ++i;
     bucket_begin_[bucket] = static_cast<std::uint32_t>(i);
   }
-  // Half the keys' size, while the columns are made.
+  // The order takes half the memory of the keys while the columns are filled.
   std::vector<std::uint32_t> order(size_);
   in_parallel(size_, [&](std::size_t k) { order[k] = static_cast<std::uint32_t>(keys[k]); });
   return order;
@@ -90,7 +93,7 @@ PhotonMapView PhotonMap::view() const {
   v.x = column(0), v.y = column(1), v.z = column(2);
   v.direction = reinterpret_cast<const std::uint32_t*>(column(3));
   v.surface = reinterpret_cast<const std::uint32_t*>(column(4));
-  // Where there is no fourth lane, no path asks for what is in it.
+  // Without a fourth lane, paths ignore its value.
   for (std::size_t k = 0; k < 4; ++k) v.power[k] = column(std::min(5 + k, columns() - 1));
   v.bucket_begin = bucket_begin_.data();
   v.bucket_mask = static_cast<std::uint32_t>(bucket_begin_.size() - 2);

@@ -1,16 +1,16 @@
-// Which photon map is asked where; what belongs to maps, and what to the path itself.
+// Selects the photon map for each vertex of a camera path, and the light that is left to the path itself.
 //
-// A path from the camera that meets its first vertex x on a surface that is not specular, all by E S* x:
-//     PhotonGathering::kAll       the global map at x holds all that x sends on, but for caustics where there is a
+// A camera path reaches its first non-specular surface vertex x by E S* x:
+//     PhotonGathering::kAll       the global map at x holds all light that x scatters, except caustics if there is a
 //                                 caustic map; the path ends there
-//     PhotonGathering::kIndirect  light is sampled at x, and one ray goes on from it to find lights by the other
-//                                 strategy; all else is the maps' at x: caustics the caustic map's, where there is one
-//     PhotonGathering::kFinal     light is sampled at x, and one ray goes on from it, that meets surfaces by S* y: the
-//                                 global map at y holds all that y sends on, and the path ends there. Light that such a
-//                                 ray meets by S+ is the caustic map's at x, where there is one
-// With a volume map, paths are not scattered in media: what media send along E S* x is that map's, and along the rays
-// of final gathering. Without it, vertices in media belong to no map: light is sampled there and the path goes on. For
-// kIndirect, the maps at x have all that the ray from there might meet but lights.
+//     PhotonGathering::kIndirect  light is sampled at x, and one ray continues from x to hit lights by BSDF sampling.
+//                                 All else comes from the maps at x: caustics from the caustic map, if there is one
+//     PhotonGathering::kFinal     light is sampled at x, and one ray continues from x, which reaches surfaces by S* y.
+//                                 The global map at y holds all light that y scatters, and the path ends there. Light
+//                                 that the ray hits by S+ comes from the caustic map at x, if there is one
+// With a volume map, paths do not scatter in media. The volume map then holds the light that media scatter along E S* x
+// and along the rays of final gathering. Without a volume map, no map covers vertices in media: light is sampled there
+// and the path continues. For kIndirect, the maps at x hold everything that the ray from x might hit except lights.
 #pragma once
 
 #include "kernels/photons/photon_beam_map.h"
@@ -21,21 +21,21 @@
 
 namespace sheaf {
 
-/// The maps of a pass.
+/// The photon maps of a pass.
 struct PhotonMaps {
   PhotonMapView global, caustic;
   PhotonGathering gathering = PhotonGathering::kAll;
-  const VolumePhotonMap* volume = nullptr;  ///< null: media scatter paths
-  const PhotonBeamMap* beams = nullptr;     ///< with `volume`: of the media of which keeps_beams() is true
+  const VolumePhotonMap* volume = nullptr;  ///< null: paths scatter in media
+  const PhotonBeamMap* beams = nullptr;     ///< with `volume`: beams in media with keeps_beams()
 
-  /// Whether a path ends at a vertex that is not specular, but for what is specular of it. `flags`: of the ray that met
+  /// Whether a path ends at a non-specular vertex, apart from the vertex's specular lobes. `flags`: of the ray that hit
   /// it.
   template <class L> SHEAF_INLINE Mask<L> ends_at(Uint<L> flags, bool in_medium) const {
     if (in_medium && gathering != PhotonGathering::kIndirect) return Mask<L>(false);
     const Uint<L> needed(gathering == PhotonGathering::kAll ? 0u : std::uint32_t{kRayDiffuse});
     return (flags & needed) == needed;
   }
-  /// The maps to be asked at a surface that is not specular; null or empty: none.
+  /// The maps to query at a non-specular surface; null or empty: none.
   struct Asked {
     const PhotonMapView *first, *second;
   };
@@ -52,26 +52,27 @@ struct PhotonMaps {
     }
     return {nullptr, nullptr};
   }
-  /// Whether what media scatter towards a ray is the volume map's, and not that of another map where the ray began.
+  /// Whether the volume map holds the light that media scatter towards a ray. Otherwise another map at the ray's origin
+  /// holds it.
   bool gathers_volume(std::uint32_t flags) const {
     return gathering != PhotonGathering::kIndirect || (flags & kRayDiffuse) == 0;
   }
-  /// Whether a map holds the light that reaches x by specular surfaces alone.
+  /// Whether a map holds the light that reaches x through specular surfaces only.
   bool hold_caustics() const {
     return gathering == PhotonGathering::kIndirect || (gathering == PhotonGathering::kFinal && !caustic.empty());
   }
 };
 
-/// Whether the light that a ray has met is a map's as a caustic: since a surface that is not specular it was scattered
-/// as by mirrors alone. `scatter_pdf`: see RadianceState.
+/// Whether a map already holds the light that a ray has hit, as a caustic: since the last non-specular surface, the
+/// path has scattered specularly only. `scatter_pdf`: see RadianceState.
 template <class L> SHEAF_INLINE Mask<L> is_caustic(const StageContext& context, Uint<L> flags, Float<L> scatter_pdf) {
   using U = Uint<L>;
   if (context.maps == nullptr || !context.maps->hold_caustics()) return Mask<L>(false);
   return ((flags & U(kRayDiffuse | kRayScatteredInMedium)) == U(kRayDiffuse)) & (scatter_pdf == Float<L>(0.0f));
 }
 
-/// RayFlags that tell a path's history, behind a vertex that was met with `before`. `specular`: it was scattered as by
-/// a mirror.
+/// RayFlags for the history of a path after a vertex. `before`: flags of the ray that hit the vertex; `specular`: lanes
+/// that scattered specularly.
 template <class L, bool InMedium>
 SHEAF_INLINE Uint<L> history_behind(const StageContext& context, Uint<L> before, Mask<L> specular) {
   using U = Uint<L>;

@@ -1,3 +1,4 @@
+// Construction of maps of photons in media.
 #include "kernels/photons/volume_photon_map.h"
 
 #include <tbb/blocked_range.h>
@@ -10,7 +11,7 @@ namespace sheaf {
 
 namespace {
 
-/// Spreads the lower ten bits, two zeros between each.
+/// Inserts two zeros between each of the low ten bits.
 std::uint32_t spread_bits(std::uint32_t x) {
   x = (x | x << 16) & 0x030000ffu;
   x = (x | x << 8) & 0x0300f00fu;
@@ -18,8 +19,8 @@ std::uint32_t spread_bits(std::uint32_t x) {
   return (x | x << 2) & 0x09249249u;
 }
 
-/// The places of all photons along a space-filling curve (Morton 1966) above, their numbers below: what is near in
-/// space then comes to be near in memory.
+/// Sorted keys: the Morton code of each photon (Morton 1966) in the high bits and its index in the low ones. Photons
+/// that are close in space become close in memory.
 std::vector<std::uint64_t> sorted_keys(const std::vector<Photon>& photons) {
   Vec3f low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
   for (const Photon& photon : photons) {

@@ -1,5 +1,5 @@
-// Photons in media, to be found along rays: each is a disc that faces the ray (Jarosz, Zwicker and Jensen, "The Beam
-// Radiance Estimate for Volumetric Photon Mapping", 2008).
+// A map of photons in media, which are searched along rays. Each photon is a disc that faces the ray (Jarosz, Zwicker
+// and Jensen, "The Beam Radiance Estimate for Volumetric Photon Mapping", 2008).
 #pragma once
 
 #include "kernels/photons/photon.h"
@@ -10,13 +10,13 @@
 
 namespace sheaf {
 
-/// A photon near a ray, with the transmittance from the ray's origin.
+/// A photon near a ray, with the transmittance from the origin of the ray.
 struct NearPhoton {
   NearPoint point;
   Spectrum4 transmittance;
 };
 
-/// Scratch of whoever gathers photons along rays.
+/// Scratch memory for lookups along rays.
 struct BeamScratch {
   std::vector<NearPoint> found;
   std::vector<NearPhoton> photons;
@@ -27,14 +27,14 @@ struct BeamScratch {
 class VolumePhotonMap {
  public:
   VolumePhotonMap() = default;
-  /// Takes the photons of all tasks, in order; `emitted`: how many were emitted. `radius`: of the discs, metres,
+  /// Takes the photons of all tasks, in order. `emitted`: number of emitted photons; `radius`: of the discs, in metres,
   /// positive.
   VolumePhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitted, float radius, PhotonKernel kernel);
 
-  /// A photon as rays find it.
+  /// Data of a photon that a ray has found.
   struct Record {
     Spectrum4 power;          ///< W
-    std::uint32_t direction;  ///< octahedral, towards where it came from
+    std::uint32_t direction;  ///< octahedral, towards the previous vertex
     std::uint32_t place;      ///< see photon_place()
   };
 

@@ -1,10 +1,10 @@
-// Stage: accumulate. Finished paths become samples of the task; the film takes those in order at the task's end
-// (kernels/passes/render.cpp).
+// Stage: accumulate. Moves the radiance of finished paths to the samples of the task. At the end of the task the film
+// adds them in order (kernels/passes/render.cpp).
 //
-// In spectral mode the sensor turns four radiances into linear Rec.709. A single sample is a colour out of the gamut as
-// a rule, and its negative components are as much needed as the others: what is dropped for being negative is judged
-// by the radiances, never by the colour. So pixels of spectral pictures may have negative components, by noise and
-// where the scene has colours that Rec.709 does not reach.
+// In spectral mode the sensor converts the four radiances of a path into linear Rec.709. The colour of a single sample
+// is usually out of gamut, and its negative components must be kept. So samples are dropped for negative radiances,
+// never for negative colours. Pixels of spectral images may have negative components, by noise and for colours outside
+// of Rec.709.
 #include "core/color.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
@@ -19,7 +19,7 @@ namespace sheaf {
 
 namespace {
 
-/// Puts each wavelength into its bin, for films that have bins.
+/// Assigns each wavelength to its spectral bin, for films that have bins.
 template <class L> void bin_tile(CameraTask& task, int count, const RadianceState<L>& r, const Wavelengths<L>& w) {
   const Spectrum<L> values[] = {w.lambda, w.pdf, r.radiance};
   alignas(kSimdAlignment) float words[3][4][L::width], weight[L::width];
@@ -41,7 +41,8 @@ template <class L> void bin_tile(CameraTask& task, int count, const RadianceStat
   }
 }
 
-/// What the film is to make of the radiances of `slots`: components of linear Rec.709 in RGB mode as in spectral mode.
+/// Converts the radiances of `slots` to linear Rec.709 in place. The fourth lane becomes -1 if a radiance is negative,
+/// otherwise 0.
 template <class L>
 SHEAF_INLINE void spectrum_to_rgb(const StageContext& context, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;

@@ -1,6 +1,6 @@
-// Stage: AOVs. What the first surface of each camera path is like goes into the task's samples, under the filter's
-// weight as radiance does. Nulls, masks that light passes and lights that are hidden are no surfaces, mirrors and glass
-// are. Paths that a medium scatters first, or that meet nothing, leave zeros.
+// Stage: AOVs. Writes the layers of the first surface of each camera path to the task's samples, weighted by the pixel
+// filter as radiance is. Mirrors and glass count as surfaces; null interfaces, masks that the ray passes and hidden
+// lights do not. Paths that a medium scatters first, and paths that hit nothing, leave zeros.
 #include "kernels/film/camera_task.h"
 #include "kernels/stages/stages.h"
 #include "kernels/stages/surface_albedo.h"
@@ -14,13 +14,13 @@ namespace sheaf {
 
 namespace {
 
-/// Lanes of a tile whose paths are at their first surface, and where their samples are.
+/// Lanes of a tile whose paths are at their first surface, with their samples.
 template <class L> struct SampleLanes {
   std::uint32_t lanes;
-  typename L::Float weight;  ///< the filter's
+  typename L::Float weight;  ///< of the pixel filter
   float* sample[L::width];
 
-  /// Puts values times the filter's weight into the channels from `first` on; values that are not finite become zero.
+  /// Writes values times the filter weight to the channels from `first` on. Non-finite values become 0.
   template <std::size_t N> SHEAF_INLINE void put_words(int first, const Float<L> (&values)[N]) const {
     for (std::size_t k = 0; k < N; ++k) {
       alignas(kSimdAlignment) float words[L::width];
@@ -37,7 +37,7 @@ template <class L> struct SampleLanes {
   }
 };
 
-/// Which surfaces the samples are on.
+/// Stores the shapes that the samples hit.
 template <class L>
 SHEAF_INLINE void put_surfaces(SampleBuffer& samples, std::uint32_t lanes, Uint<L> task_sample, Uint<L> shape) {
   alignas(kSimdAlignment) std::uint32_t index[L::width], shapes[L::width];
@@ -49,7 +49,7 @@ SHEAF_INLINE void put_surfaces(SampleBuffer& samples, std::uint32_t lanes, Uint<
   }
 }
 
-/// The samples of the lanes whose paths come straight from the camera.
+/// The lanes whose rays come straight from the camera, with their samples.
 template <class L>
 SHEAF_INLINE SampleLanes<L> first_surfaces(SampleBuffer& samples, const RadianceState<L>& radiance, Uint<L> flags,
                                            int count) {
@@ -65,7 +65,8 @@ SHEAF_INLINE SampleLanes<L> first_surfaces(SampleBuffer& samples, const Radiance
   return out;
 }
 
-/// Depth along the axis of the camera in whose columns the pixels lie; of cameras without one, the distance.
+/// Depth along the axis of the camera whose column of the film contains the pixel, m. Cameras without an axis:
+/// distance.
 template <class L>
 SHEAF_INLINE Float<L> depth_of(const SceneView& scene, const CameraTask& task, Uint<L> pixel, Vec3<L> p) {
   using F = Float<L>;
@@ -97,7 +98,7 @@ SHEAF_INLINE void put_uv(const SceneView& scene, const Wave& wave, const Slot* s
   out.put_words(channel, {y.uv.x, y.uv.y});
 }
 
-/// All layers but the albedo, whatever the BSDF. Returns where the albedo is to go.
+/// Writes all layers except the albedo, for any BSDF. Returns the lanes and samples for the albedo.
 template <class L>
 [[gnu::noinline]] SampleLanes<L> aov_tile(const StageContext& context, Wave& wave, const Slot* slots, int column,
                                           int count) {

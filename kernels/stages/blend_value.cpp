@@ -1,4 +1,4 @@
-// Parts of a blend are looked up, row by row, where the vertices of a register lie, and added up by their shares.
+// Evaluates the parts of blends one material row at a time for a whole register of vertices, and sums them by share.
 #include "kernels/stages/blend_value.h"
 
 #include "kernels/bsdf/all.h"
@@ -15,16 +15,16 @@ namespace sheaf {
 
 namespace {
 
-/// What all parts at a register of vertices share.
+/// Inputs that all parts at a register of vertices share.
 template <class L> struct BlendPoint {
   SurfacePoint<L> y;
-  Vec3<L> from;  ///< direction of the ray that came
+  Vec3<L> from;  ///< direction of the incoming ray
   Vec3<L> wi;
   TextureQuery<L> query;
   Spectrum<L> lambda;  ///< spectral mode
 };
 
-/// Where the spectra stand among the parameters of each kind.
+/// Offsets of the spectra among the parameters of each kind.
 const auto kSpectraOf = [] {
   std::array<ClosureSpectra, kClosureKinds> found{};
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
@@ -33,8 +33,8 @@ const auto kSpectraOf = [] {
   return found;
 }();
 
-/// What a part's closure is made of: the row's words, textures in their places. The same code for all kinds, as much of
-/// it is textures'.
+/// Computes the parameters of a part's closure from its material row and textures. All kinds share this code, as most
+/// of it is texture lookups.
 template <class L, ColorMode Mode>
 [[gnu::noinline]] void part_words(const SceneView& scene, std::uint32_t row, const BlendPoint<L>& at,
                                   Float<L> (&words)[kMaxClosureWords]) {
@@ -55,13 +55,13 @@ template <class L, ColorMode Mode>
   }
 }
 
-/// Directions as a part sees them, and what softens the edge of its shadow.
+/// Directions in the shading frame of a part, and its shadow terminator.
 template <class L> struct PartFrame {
   Vec3<L> wo, wi;
-  Float<L> softened;  ///< factor on its value
+  Float<L> softened;  ///< factor on the part's value
 };
 
-/// The normal turned as the part's flags and its map say.
+/// The shading frame of a part, with its normal flipped for two-sided materials and mapped.
 template <class L>
 [[gnu::noinline]] PartFrame<L> part_frame(const SceneView& scene, const MaterialRow& m, const BlendPoint<L>& at,
                                           Mask<L> lanes) {
@@ -85,7 +85,7 @@ template <class L>
   return {frame.to_local(-at.from), wi, softened};
 }
 
-/// Adds up the parts of one blend, all of `lanes` being on it and on the same side.
+/// Sums the parts of one blend. All of `lanes` are on this blend and on the same side of it.
 template <class L> struct BlendSum {
   using F = typename L::Float;
   const SceneView& scene;
@@ -93,7 +93,8 @@ template <class L> struct BlendSum {
   Mask<L> lanes;
   bool behind;
   BlendValue<L> sum{Spectrum<L>(F(0.0f)), F(0.0f), Spectrum<L>(F(0.0f)), F(0.0f), F(0.0f)};
-  F there = F(0.0f);  ///< share of all parts but nothing
+  /// Share of all parts except "nothing".
+  F there = F(0.0f);
 
   void add(std::uint32_t row, F share) {
     if (row == MaterialRow::kNothing || !any(lanes & (share > F(0.0f)))) return;
@@ -158,6 +159,7 @@ BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, con
   alignas(kSimdAlignment) std::uint32_t roots[L::width];
   store(roots, shape.material);
   with_color_mode(scene, [&]<ColorMode Mode>() { at.lambda = shading_wavelengths<L, Mode>(wave, slots); });
+  // Evaluate one blend at a time, for all lanes on the same side of it.
   while (any(lanes)) {
     const int first = std::countr_zero(mask_bits(lanes));
     const bool is_behind = (mask_bits(behind) >> first & 1u) != 0;

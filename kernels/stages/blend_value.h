@@ -1,11 +1,11 @@
-// All parts of a blend at once. The select_materials stage has chosen one of them, and where paths go is up to that
-// one; but light is sampled for all, and scattering counts as all together would have scattered, so that of the choice
-// no noise is left but where it leads.
+// Evaluates all parts of a blend together. The select_materials stage selects one part, which determines where the path
+// continues. Light sampling and scattering use the value of the whole blend, so that the selection adds noise by the
+// sampled direction alone.
 //
-// With shares s_j, values f_j and densities p_j of the parts, and f = sum s_j f_j, p = sum s_j p_j, light sampling is
-// that of a BSDF of value f and density p; and a direction sampled from part i, which was chosen with probability s_i,
-// has the weight f / p in place of f_i / p_i (Veach 1997, section 9.2.4: one-sample model, balance heuristic). Delta
-// lobes are no part of f and p. Shares are those among the parts that are there: nothing may be one of them.
+// Parts have shares s_j, values f_j and pdfs p_j; f = sum s_j f_j and p = sum s_j p_j. Light sampling uses a BSDF of
+// value f and pdf p. A direction sampled from part i, which was selected with probability s_i, has the weight f / p
+// instead of f_i / p_i (Veach 1997, section 9.2.4: one-sample model, balance heuristic). Delta lobes are not part of f
+// and p. Shares are relative to the parts that exist: a part that is "nothing" does not count.
 #pragma once
 
 #include "kernels/wave/context.h"
@@ -13,43 +13,44 @@
 
 namespace sheaf {
 
-/// The sum over the parts in a direction.
+/// Sum over the parts for one direction.
 template <class L> struct BlendValue {
-  Spectrum<L> f_cos;                  ///< f times |cos(wi)|, edges of shadows softened as maps say
+  /// f times |cos(wi)|, including the shadow terminators of normal maps.
+  Spectrum<L> f_cos;
   typename L::Float pdf_solid_angle;  ///< p
-  /// The same without the parts that disperse: where one of these is chosen, wavelengths are lost, so it counts alone.
+  /// The same without dispersive parts. Selecting one of those loses wavelengths, so it keeps its own weight.
   Spectrum<L> mixed_f_cos;
   typename L::Float mixed_pdf;
-  typename L::Float guided_share;  ///< of the parts that neither are specular nor disperse
+  typename L::Float guided_share;  ///< share of the parts that are neither specular nor dispersive
 };
 
-/// Whether the vertices of a kind may be on parts of blends.
+/// Whether vertices of a kind may be on parts of blends.
 inline bool has_parts(const SceneView& scene, ClosureKind kind) {
   return (scene.kind_flags[static_cast<std::size_t>(kind)] & kPart) != 0;
 }
 
-/// Which of the vertices at `slots` are on parts of blends.
+/// The vertices at `slots` that are on parts of blends.
 template <class L> SHEAF_INLINE Mask<L> on_part(const SceneView& scene, const Wave& wave, const Slot* slots) {
   using U = Uint<L>;
   const HitState<L> hit = wave.hits.gather<L>(slots);
   return (gather_member<L>(scene.materials, &MaterialRow::flags, hit.material) & U(kPart)) != U(0u);
 }
 
-/// Whether some of these parts have maps.
+/// Whether some of these parts have normal or bump maps.
 inline bool has_mapped_parts(const SceneView& scene, ClosureKind kind) {
   return has_parts(scene, kind) && (scene.kind_flags[static_cast<std::size_t>(kind)] & kMapped) != 0;
 }
 
-/// The normal by which lights are chosen, of kinds that have mapped parts: on blends it must not depend on the part
-/// that was chosen, as the weights of light and BSDF sampling would not add up. `ns`: the item's.
+/// The normal for light selection, for kinds with mapped parts. On blends it must not depend on the part that was
+/// selected: otherwise the MIS weights of light and BSDF sampling do not add up to 1. `ns`: VertexItem::ns.
 template <class L>
 SHEAF_INLINE Vec3<L> receiver_normal(const SceneView& scene, const Wave& wave, const Slot* slots, int column,
                                      Vec3<L> ns) {
   return select<L>(on_part<L>(scene, wave, slots), wave.textured.load<L>(column).ns_unmapped, ns);
 }
 
-/// The blends at the vertices of `lanes`, in direction `wi`, world space. Reads ray and hit state, so it must come
-/// before the next ray is written.
+/// Evaluates the blends at the vertices of `lanes` in direction `wi`, world space. Reads RayState and HitState, so it
+/// must be called before the next ray is written.
 template <class L>
 BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, const Slot* slots, Mask<L> lanes,
                               Vec3<L> wi) noexcept;

@@ -1,8 +1,8 @@
-// Stage: camera connections. Every vertex of a photon that is not specular sends light to the camera: a point on the
-// lens is sampled, and where the vertex is seen through it, a shadow ray goes there.
+// Stage: camera connections. Light tracing (Dutré, Lafortune and Willems 1993): samples a point on the lens for every
+// non-specular vertex of a photon, and pushes a shadow ray to it if the vertex is inside the film.
 //
-// A photon of flux Phi adds Phi f |cos| W to the integral of radiance over the film, W being CameraView::importance
-// (Veach 1997, section 8.2, with the film's pixels as the measure).
+// A photon of flux Phi adds Phi f |cos| W to the integral of radiance over the film. W is CameraView::importance (Veach
+// 1997, section 8.2, with the film's pixels as the measure).
 #include "core/sampler.h"
 #include "core/warp.h"
 #include "kernels/bsdf/all.h"
@@ -24,6 +24,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
   const auto item = wave.vertices.load<L>(column);
   const PathState<L> path = wave.paths.gather<L>(slots);
   const F flux = wave.radiance.gather<L>(slots).weight;
+  // Sample the lens and project the vertex onto the film
   Vec2<L> lens{F(0.0f), F(0.0f)};
   if (context.scene.camera.has_lens()) {
     const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kLight, {},
@@ -34,6 +35,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
   const SplatFilter::Bounds& film = context.photons->film_bounds;
   auto seen = view.valid & (view.film_x > F(film.x0)) & (view.film_x < F(film.x1)) & (view.film_y > F(film.y0)) &
               (view.film_y < F(film.y1)) & L::first(count);
+  // The camera sees hidden lights only through open panes, which the shadow ray may meet.
   Uint<L> shadow_flags(0u);
   if (!kIsPhaseFunction<Bsdf<L>> && context.integrator.hide_emitters) {
     const auto on_light = wave.hits.gather<L>(slots).light != Uint<L>(kNone);
@@ -45,6 +47,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
   if (!any(seen)) return;
   wave.raster_positions.store<L>(column, {view.film_x, view.film_y});
 
+  // Evaluate the adjoint BSDF
   const Vec3<L> towards = normalize(view.target - item.p);
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
@@ -59,6 +62,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
       f_cos = select<L>(matches_normal_choice<L>(t, item.ns, towards), f_cos, Spectrum<L>(F(0.0f)));
     }
   }
+  // Push the shadow ray
   const Spectrum<L> out = path.beta * f_cos * (flux * view.importance);
   push_shadow_ray<L>(context.scene, wave, slots, count, item,
                      {view.target, F(0.0f), Uint<L>(kNone), Uint<L>(kNone), shadow_flags},

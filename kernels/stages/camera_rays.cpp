@@ -1,4 +1,5 @@
-// Stage: camera rays. Positions in the pixel as the reconstruction filter wants them; see scene/tables/filter.h.
+// Stage: camera rays. Importance-samples positions in the pixel by the pixel filter (scene/tables/filter.h) and
+// generates camera rays.
 #include "core/sampler.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/stages/continue_ray.h"
@@ -9,11 +10,11 @@ namespace sheaf {
 
 namespace {
 
-/// Whether one of the cameras has a lens, as far as it is known.
+/// Whether a camera has a lens. Additional cameras are assumed to have one.
 bool has_lens(const SceneView& scene) { return scene.camera.has_lens() || scene.more_camera_count > 0; }
 
-/// A pinhole leaves a number of the camera's block free, which is spread together with the place in the pixel: then
-/// colour noise is low where the pixel's parts differ.
+/// Draws the wavelengths. Pinholes leave one number of the camera's block unused. It is stratified jointly with the
+/// position in the pixel, which lowers colour noise in pixels whose parts differ.
 template <class L>
 SHEAF_INLINE void start_wavelengths(const StageContext& context, Wave& wave, const Slot* slots, int count,
                                     const PathState<L>& path, const Random4<L>& camera) {
@@ -29,7 +30,7 @@ SHEAF_INLINE void start_wavelengths(const StageContext& context, Wave& wave, con
   for (int lane = 0; lane < count; ++lane) wave.wavelength_samples[slots[lane]] = u[lane];
 }
 
-/// The ray of the camera whose column of the film the position lies in.
+/// The ray of the camera whose column of the film contains the position.
 template <class L>
 SHEAF_INLINE CameraRay<L> camera_ray(const SceneView& scene, Float<L> x, Float<L> y, const Random4<L>& u) {
   using F = Float<L>;
@@ -50,7 +51,8 @@ SHEAF_INLINE CameraRay<L> camera_ray(const SceneView& scene, Float<L> x, Float<L
   return ray;
 }
 
-/// The state that only scenes with media or surfaces that let shadow rays pass have. Returns RayState::flags.
+/// Initializes the state for scenes with SceneView::needs_transmittance. Returns the medium and, in RGB mode, a random
+/// hero lane as bits of RayState::flags.
 template <class L>
 SHEAF_INLINE Uint<L> start_in_medium(const StageContext& context, Wave& wave, const Slot* slots, int count,
                                      const PathState<L>& path) {
@@ -63,7 +65,7 @@ SHEAF_INLINE Uint<L> start_in_medium(const StageContext& context, Wave& wave, co
   return medium | (min(to_uint(u * F(3.0f)), U(2u)) << kRayHeroShift);
 }
 
-/// Where samples lie in their pixels, for the film.
+/// Stores the offsets of samples from their pixels' centres, for the film.
 template <class L>
 SHEAF_INLINE void remember_offsets(CameraTask& task, Uint<L> sample, int count, Float<L> x, Float<L> y) {
   alignas(kSimdAlignment) std::uint32_t index[L::width];
@@ -74,7 +76,7 @@ SHEAF_INLINE void remember_offsets(CameraTask& task, Uint<L> sample, int count, 
   for (int lane = 0; lane < count; ++lane) task.samples.offset(index[lane]) = {xs[lane], ys[lane]};
 }
 
-/// The filter's weights, for the surfaces that samples will meet.
+/// Stores the filter weights of samples with the surfaces that they will hit.
 template <class L> SHEAF_INLINE void remember_weights(CameraTask& task, Uint<L> sample, int count, Float<L> weight) {
   alignas(kSimdAlignment) std::uint32_t index[L::width];
   alignas(kSimdAlignment) float weights[L::width];
@@ -93,6 +95,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   alignas(kSimdAlignment) std::uint32_t pixel[L::width], sample[L::width];
   RadianceState<L> radiance;
   radiance.task_sample = U(static_cast<std::uint32_t>(task.cursor.index)) + L::index();
+  // Take samples from the task; unused lanes repeat the last one
   for (int lane = 0; lane < L::width; ++lane) {
     const int last = std::min(lane, count - 1);
     pixel[lane] = lane < count ? task.pixel() : pixel[last];
@@ -107,12 +110,13 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   load(y, py);
   load(sample, path.sample);
   load(pixel, path.pixel);
-  // The fourth lane is no colour in RGB mode: it starts at 0 and stays there, whatever BSDFs do to it.
+  // In RGB mode the fourth lane is unused: it starts at 0 and stays 0, whatever BSDFs do.
   const F weight(context.scene.camera.weight);
   path.beta = {weight, weight, weight, context.scene.color == ColorMode::kSpectral ? weight : F(0.0f)};
   path.eta_scale = F(1.0f);
   path.depth_and_dimension = U(0u);
 
+  // Sample wavelengths and the position in the pixel
   const bool spreads_z = has_lens(context.scene) || context.scene.color == ColorMode::kSpectral;
   const auto u = draw<L>(context.sampler, path.pixel, path.sample, U(0u), SampleBlock::kCamera, {},
                          spreads_z ? kAllNumbers : kNumberX | kNumberY);
@@ -121,6 +125,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   remember_offsets<L>(task, radiance.task_sample, count, dx.position, dy.position);
   const F film_x = px + F(0.5f) + dx.position, film_y = py + F(0.5f) + dy.position;
   const CameraRay<L> from_camera = camera_ray<L>(context.scene, film_x, film_y, u);
+  // Generate the ray
   RayState<L> ray;
   ray.origin = from_camera.origin;
   ray.direction = from_camera.direction;

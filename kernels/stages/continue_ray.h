@@ -1,5 +1,5 @@
-// Going on behind a surface as if it were not there: null interfaces, masks and lights that are hidden; and what panes
-// and shadow rays share with them.
+// Continues rays behind surfaces that do not scatter them: null interfaces, masks and hidden lights. Thin dielectrics
+// and shadow rays share parts of this code.
 #pragma once
 
 #include "kernels/media/medium_boundary.h"
@@ -10,13 +10,13 @@
 
 namespace sheaf {
 
-/// A ray where it leaves a surface that it has crossed: its origin, and RayState::flags with the medium that it is in.
+/// A ray behind a surface that it has crossed: its origin, and RayState::flags with its new medium.
 template <class L> struct RayBehind {
   Vec3<L> origin;
   typename L::Uint flags;
 };
 
-/// Behind `surface`, whose ShapeRow::boundary is `boundary`, for a ray that keeps its direction.
+/// The ray behind `surface` in an unchanged direction. `boundary`: ShapeRow::boundary of the surface.
 template <class L>
 SHEAF_INLINE RayBehind<L> ray_behind(const SceneView& scene, const SurfacePoint<L>& surface, Uint<L> boundary,
                                      Vec3<L> direction, Uint<L> flags) {
@@ -24,12 +24,12 @@ SHEAF_INLINE RayBehind<L> ray_behind(const SceneView& scene, const SurfacePoint<
           medium_behind<L>(scene, boundary, surface.ng, direction, flags)};
 }
 
-/// Whether Wave::distance_since_vertex is kept.
+/// Whether Wave::distance_since_vertex is maintained.
 inline bool keeps_distance_since_vertex(const StageContext& context) {
   return context.scene.needs_transmittance || context.integrator.hide_emitters;
 }
 
-/// Words of Wave::distance_since_vertex.
+/// Gathers words of Wave::distance_since_vertex.
 template <class L> SHEAF_INLINE Float<L> gather_distance_since_vertex(const Wave& wave, const Slot* slots) {
   alignas(kSimdAlignment) float words[L::width];
   for (int lane = 0; lane < L::width; ++lane) words[lane] = wave.distance_since_vertex[slots[lane]];
@@ -38,7 +38,7 @@ template <class L> SHEAF_INLINE Float<L> gather_distance_since_vertex(const Wave
   return out;
 }
 
-/// The paths of `lanes` have come `distance` further since they were scattered.
+/// Adds `distance`, m, to the distance of the paths of `lanes` since their last vertex.
 template <class L>
 SHEAF_INLINE void add_distance_since_vertex(Wave& wave, const Slot* slots, std::uint32_t lanes, Float<L> distance) {
   alignas(kSimdAlignment) float more[L::width];
@@ -49,9 +49,9 @@ SHEAF_INLINE void add_distance_since_vertex(Wave& wave, const Slot* slots, std::
   }
 }
 
-/// Sends the paths of `passing` on behind the surface that their rays have hit at distance `t`: they become active, or
-/// finished where they have gone on too often. `ray`, `path`: the paths' states. The far end of the ray stays where it
-/// is, and what is drawn at random behind the surface is drawn anew.
+/// Continues the paths of `passing` behind the surface that their rays hit at distance `t`. They become active, or
+/// finished when their dimension reaches kLongestPath. `ray`, `path`: their states. The far end of the ray stays in
+/// place, and random numbers behind the surface are new ones.
 template <class L>
 SHEAF_INLINE void continue_rays(const SceneView& scene, Wave& wave, const Slot* slots, int count, Mask<L> passing,
                                 const SurfacePoint<L>& surface, Uint<L> boundary, Float<L> t, RayState<L> ray,
@@ -67,7 +67,7 @@ SHEAF_INLINE void continue_rays(const SceneView& scene, Wave& wave, const Slot* 
   wave.rays.scatter<L>(slots, count, ray);
   add_distance_since_vertex<L>(wave, slots, pass, t);
   std::uint32_t going = pass;
-  // Elsewhere nothing is drawn between one surface and the next.
+  // Other scenes draw no random numbers between one surface and the next.
   if (scene.needs_transmittance) {
     going &= mask_bits(path.dimension() < U(kLongestPath));
     path.depth_and_dimension = select(passing, path.depth_and_dimension + U(kOneDimension), path.depth_and_dimension);

@@ -1,6 +1,5 @@
-// Stage: debug view. Pictures of the first surface instead of its light: shading normals, each component as its
-// absolute value, or the distance from the camera; or shadow rays that tell whether something is near. Lights that are
-// hidden are no surfaces.
+// Stage: debug view. Renders the first surface without light transport: absolute components of its shading normal, its
+// distance from the camera, or its visibility by one shadow ray. Hidden lights do not count as surfaces.
 #include "core/frame.h"
 #include "core/warp.h"
 #include "kernels/stages/continue_ray.h"
@@ -32,7 +31,7 @@ template <class L> SHEAF_INLINE void view_tile(const StageContext& context, Wave
   wave.radiance.scatter<L>(slots, count, out);
 }
 
-/// A shadow ray in a direction that is uniform over the hemisphere around the shading normal.
+/// Pushes a shadow ray in a uniformly sampled direction of the hemisphere around the shading normal.
 template <class L>
 SHEAF_INLINE void look_around_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;
@@ -46,7 +45,7 @@ SHEAF_INLINE void look_around_tile(const StageContext& context, Wave& wave, cons
       surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t, hit.instance);
   const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kScatter);
   const Vec3<L> direction = Frame<L>::from_normal(y.ns).to_world(square_to_cone<L>(u.y, u.z, F(1.0f)));
-  // Nothing is further away than the scene's bounding sphere is wide.
+  // The length never needs to exceed the diameter of the scene's bounding sphere.
   const F length(min(context.integrator.visibility_length, 2.1f * scene.radius));
   VertexItem<L> item{};
   item.p = y.p, item.ng = y.ng, item.offset = y.offset;
@@ -88,7 +87,7 @@ template <class L> void debug_view(const StageContext& context, Wave& wave) noex
       mark_transparent(wave, wave.miss[i]);
     wave.finished.push(wave.miss[i]);
   }
-  // All rays come from the camera here: where lights are hidden at all, they stand on no other list.
+  // All rays come from the camera, so slots in `emitter` are in no other list if lights are hidden.
   if (context.integrator.hide_emitters) {
     wave.emitter.pad();
     for_tiles<L>(wave.emitter.size(),

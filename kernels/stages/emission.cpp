@@ -1,5 +1,5 @@
-// Stage: emission. Rays that left the scene meet the environment; rays that hit an area light collect its radiance.
-// Both are weighted by multiple importance sampling against what light_candidates would have done.
+// Stage: emission. Adds the radiance of the environment to rays that left the scene, and of area lights to rays that
+// hit them. Both have the MIS weight of BSDF sampling against next-event estimation (light_candidates).
 #include "kernels/lights/light_sample.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/photons/photon_maps.h"
@@ -15,7 +15,8 @@ namespace sheaf {
 
 namespace {
 
-/// Weight of light found by BSDF sampling with density `scatter_pdf` (0: specular or camera, counts in full).
+/// MIS weight of emission found by BSDF sampling. `scatter_pdf`: solid-angle pdf, 1/sr; 0 (delta lobe or camera ray)
+/// gives weight 1.
 template <class L>
 SHEAF_INLINE Float<L> emission_weight(const IntegratorDescription& settings, Float<L> scatter_pdf, Float<L> light_pdf) {
   using F = Float<L>;
@@ -26,15 +27,15 @@ SHEAF_INLINE Float<L> emission_weight(const IntegratorDescription& settings, Flo
   return select(specular, F(1.0f), mis_weight);
 }
 
-/// The vertex that a ray comes from, as light_candidates saw it, and what the ray has met since.
+/// The previous vertex as light_candidates saw it, and the pdfs of the path since then.
 template <class L> struct LightPath {
   LightSampleContext<L> receiver;
-  typename L::Float distance_since_vertex;  ///< from the vertex to the ray's origin
-  typename L::Float light_ratio;  ///< probability of light sampling to come this way over that of BSDF sampling
-  typename L::Float divisor;      ///< mean over the lanes of the path's probabilities
+  typename L::Float distance_since_vertex;  ///< from the vertex to the ray's origin, m
+  typename L::Float light_ratio;            ///< mean of r_l over mean of r_u
+  typename L::Float divisor;                ///< mean of r_u
 };
 
-/// Scenes with media or surfaces that let shadow rays pass: see RescaledPdfs.
+/// Reads RescaledPdfs in scenes with SceneView::needs_transmittance.
 template <class L>
 void follow_probabilities(const SceneView& scene, const Wave& wave, const Slot* slots, LightPath<L>& path) {
   const RescaledPdfs<L> r = wave.rescaled_pdfs.gather<L>(slots);
@@ -53,14 +54,14 @@ SHEAF_INLINE LightPath<L> light_path(const SceneView& scene, const Wave& wave, c
   return path;
 }
 
-/// Whether any light may be met by leaving the scene.
+/// Whether rays that leave the scene can find a light.
 bool has_surroundings(const SceneView& scene) {
   for (std::uint32_t light = scene.bounded_light_count; light < scene.light_count; ++light)
     if (surrounds_scene(scene, light)) return true;
   return false;
 }
 
-/// The environment and suns.
+/// Adds environment maps and suns.
 template <class L, ColorMode Mode>
 SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;
@@ -90,7 +91,7 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   }
 }
 
-/// `Textured`: some light may have a texture.
+/// Adds area lights. `Textured`: some light may have a texture.
 template <class L, ColorMode Mode, bool Textured>
 SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;

@@ -1,4 +1,4 @@
-// Stage: retire. Photons that have ended leave their slots to others.
+// Stage: free photons. Frees the slots of photons that have ended or left the scene.
 #include "kernels/stages/stages.h"
 #include "kernels/wave/stage_timer.h"
 

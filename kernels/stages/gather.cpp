@@ -1,13 +1,13 @@
-// Stage: gather. Photons around a vertex become the radiance that it sends along the path (Jensen, "Global Illumination
-// using Photon Maps", 1996, equation 8): L = sum of f Phi_i k(d_i), the kernel k over the disc of the radius.
+// Stage: gather. Estimates the radiance that a vertex reflects along the path from the photons around it (Jensen,
+// "Global Illumination using Photon Maps", 1996, equation 8): L = sum of f Phi_i k(d_i), with the kernel k over the
+// disc of the lookup radius. Vertices are processed one at a time, photons a register at a time. PhotonMaps selects the
+// maps for each vertex.
 //
-// Vertices are taken one by one, and photons a register at a time. Which map a vertex asks is for PhotonMaps to say.
-//
-// In spectral mode the path, the vertex and the photon may each have kept the first of four wavelengths alone, and let
-// it count for all four: together they count so once. A path of four wavelengths has the density that is the mean over
-// all of them; where the first alone goes on, only its own density is left, as it is by that one that the path's
-// flights were sampled. Photons' are by any of the four (see kernels/stages/photon_rays.cpp): their mean holds for
-// each.
+// In spectral mode the path, the vertex and the photon may each have lost three of four wavelengths, and compensate for
+// it by a factor of 4. Together they must apply it once. The pdf of a path with four wavelengths is the mean over its
+// lanes. If only the first wavelength continues, only its own pdf remains, because the path's distances were sampled by
+// it. The distances of photons are sampled by any of the four (kernels/stages/photon_rays.cpp), so their mean pdf holds
+// for each wavelength.
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
 #include "kernels/photons/photon_kernel.h"
@@ -27,10 +27,10 @@ namespace sheaf {
 
 namespace {
 
-/// Photons count where their surface is turned from the vertex's by less than the angle of this cosine.
+/// Minimum |cosine| between the normal at the vertex and the normal of a photon's surface.
 constexpr float kSameSide = 0.5f;
 
-/// One vertex, the same in all lanes.
+/// One vertex, broadcast to all lanes.
 template <class L, template <class> class Bsdf> struct GatheringVertex {
   VertexItem<L> item;
   Bsdf<L> bsdf;
@@ -38,9 +38,9 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
   bool mapped;
   Vec3<L> ns_unmapped;
   typename L::Float terminator;
-  typename L::Uint edges_left;  ///< most segments that a photon's path may have
-  bool single_wavelength;       ///< of the path from the camera one wavelength is left
-  float first_ratio;            ///< the path's density over that of its first wavelength alone
+  typename L::Uint edges_left;  ///< maximum number of segments of a photon's path
+  bool single_wavelength;       ///< the camera path has a single wavelength
+  float first_ratio;            ///< pdf of the camera path over that of its first wavelength alone
 
   static GatheringVertex load(const StageContext& context, const Wave& wave, Slot slot, int column, bool mapped) {
     using F = Float<L>;
@@ -69,7 +69,7 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
     return out;
   }
 
-  /// Which of the photons [i, i + L::width) count that lie within `lanes`, and their squared distances.
+  /// The photons [i, i + L::width) of `lanes` that count, with their squared distances. `within`: squared radius, m^2.
   struct Near {
     Mask<L> lanes;
     typename L::Float squared;
@@ -88,7 +88,7 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
     return {near, squared};
   }
 
-  /// The radiance times pi r^2 that photons [i, i + L::width) bring, lane by lane; `within`: r^2.
+  /// Radiance times pi r^2 due to the photons [i, i + L::width), per lane. `within`: r^2, m^2.
   SHEAF_INLINE Spectrum<L> gather(const PhotonMapView& map, std::uint32_t i, Mask<L> lanes, float within) const {
     using F = Float<L>;
     const Near near = near_photons(map, i, lanes, F(within));
@@ -100,7 +100,7 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
     load_column(map.power[0] + i, power.c0), load_column(map.power[1] + i, power.c1);
     load_column(map.power[2] + i, power.c2), load_column(map.power[3] + i, power.c3);
     const Vec3<L> local = frame.to_local(wi);
-    // A photon's flux has met the geometric surface, whatever the shading normal.
+    // The flux of a photon refers to the geometric surface, not to the shading normal.
     F factor = photon_kernel<L>(map.kernel, near.squared * F(1.0f / within)) / max(abs(dot(wi, item.ng)), F(1e-4f));
     if (mapped) factor = factor * shadow_terminator<L>(ns_unmapped, terminator, wi, local.z);
     if (kDisperses<Bsdf<L>> || single_wavelength || first_ratio != 1.0f) factor = factor * wavelengths(map, i, local);
@@ -108,7 +108,7 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
   }
 
  private:
-  /// The factor by which photons [i, i + L::width) count where path, vertex or photon have lost wavelengths.
+  /// Factor on photons [i, i + L::width) where path, vertex or photon have lost wavelengths.
   SHEAF_INLINE Float<L> wavelengths(const PhotonMapView& map, std::uint32_t i, Vec3<L> local) const {
     using F = Float<L>;
     Uint<L> surface;
@@ -131,7 +131,7 @@ template <class L> float sum_of_lanes(Float<L> value) {
   return sum;
 }
 
-/// Calls f(i, lanes) for each register's worth of photons i that may lie within the map's radius of `p`.
+/// Calls f(i, lanes) for each register of photons, from i on, that may lie within the map's radius of `p`.
 template <class L, class F> SHEAF_INLINE void for_photons_around(const PhotonMapView& map, Vec3f p, F&& f) {
   constexpr auto kLanes = static_cast<std::uint32_t>(L::width);
   std::uint32_t buckets[8];
@@ -145,13 +145,13 @@ template <class L, class F> SHEAF_INLINE void for_photons_around(const PhotonMap
   }
 }
 
-/// The square of the radius within which photons count: the map's, or less where more than lookup_size are in it. The
-/// last one, at the radius itself, is not counted: without it the density is found without bias (Loftsgaarden and
-/// Quesenberry, "A Nonparametric Estimate of a Multivariate Density Function", 1965).
+/// Squared lookup radius, m^2: that of the map, or less if it contains lookup_size photons or more. The photon that
+/// defines the radius does not count, which makes the density estimate unbiased (Loftsgaarden and Quesenberry, "A
+/// Nonparametric Estimate of a Multivariate Density Function", 1965).
 template <class L, class Vertex> float squared_lookup_radius(const PhotonMapView& map, Vec3f p, const Vertex& vertex) {
   float within = map.radius * map.radius;
   if (map.lookup_size == 0) return within;
-  float nearest[kMaxLookupSize];  // a heap, the farthest first
+  float nearest[kMaxLookupSize];  // heap, farthest first
   int count = 0;
   for_photons_around<L>(map, p, [&](std::uint32_t i, Mask<L> lanes) {
     const auto near = vertex.near_photons(map, i, lanes, Float<L>(within));

@@ -1,14 +1,15 @@
-// Light that a homogeneous medium scatters from photons' beams towards a ray (Jarosz, Nowrouzezahrai, Sadeghi and
-// Jensen 2011, "A Comprehensive Theory of Volumetric Radiance Estimation Using Photon Points and Beams", the beam-beam
-// estimate with a blur in one dimension, and beams that end where the photon is scattered):
-//     L = sum of T(t_i) sigma_s p Phi_i(s_i) k(d_i) / sin(theta_i),
-// beam i nearest to the ray at distance t_i along the ray and s_i along itself, d_i between them and theta_i the angle
-// of their directions; T the transmittance, p the phase function, k the kernel over [-radius, radius].
+// Radiance that a homogeneous medium scatters from photon beams towards a ray (Jarosz, Nowrouzezahrai, Sadeghi and
+// Jensen 2011, "A Comprehensive Theory of Volumetric Radiance Estimation Using Photon Points and Beams": the beam-beam
+// estimate with a one-dimensional blur, and beams that end where the photon is scattered):
+//     L = sum of T(t_i) sigma_s p Phi_i(s_i) k(d_i) / sin(theta_i)
+// Beam i is nearest to the ray at distance t_i along the ray and s_i along the beam. d_i is the distance between both
+// at these points, and theta_i the angle between their directions. T is the transmittance, p the phase function, and k
+// the kernel over [-radius, radius].
 //
-// That a beam comes as far as s has the probability T(s), which is then what is left of its power: Phi stays that of
-// the start. Where lanes differ in extinction, each could have been the one by which the flight was sampled: Phi(s) is
-// Phi T(s) over the mean over the lanes of odds T(s), as the path's own r_u would have it for a photon that is
-// scattered there. That is right for each lane on its own, so also for rays that have lost the others.
+// A beam reaches s with probability T(s), which already accounts for the loss of power, so Phi remains the power at the
+// start. If the lanes differ in extinction, any of them could have sampled the flight. Then Phi(s) is Phi T(s) over the
+// mean over the lanes of odds T(s), as r_u would be for a photon scattered at s. This holds for each lane alone, and so
+// also for rays that have lost the other wavelengths.
 #pragma once
 
 #include "core/wavelengths.h"
@@ -25,13 +26,13 @@ namespace sheaf {
 /// A ray from the camera that gathers beams.
 struct GatheringRay {
   MediumRay seen;            ///< in a homogeneous medium
-  Spectrum4 lambda;          ///< that photons have which did not lose theirs
-  bool single_wavelength;    ///< the ray has lost its own
+  Spectrum4 lambda;          ///< of photons that still have four wavelengths
+  bool single_wavelength;    ///< the ray has one wavelength left
   std::uint32_t medium;      ///< 1 + its row
-  std::uint32_t edges_left;  ///< segments that photons may have had
+  std::uint32_t edges_left;  ///< maximum number of segments of a photon's path
 };
 
-/// The beams near the ray that count, nearest to its origin first.
+/// Finds the beams near the ray that count, in the order of their distance from its origin.
 inline void find_beams(const PhotonBeamMap& map, const GatheringRay& ray, std::vector<NearLine>& found) {
   found.clear();
   if (ray.edges_left == 0 || !ray.seen.has(kMediumScatters)) return;
@@ -45,7 +46,7 @@ inline void find_beams(const PhotonBeamMap& map, const GatheringRay& ray, std::v
             [](const NearLine& a, const NearLine& b) { return a.t != b.t ? a.t < b.t : a.index < b.index; });
 }
 
-/// Phi(s) over Phi where lanes differ.
+/// Phi(s) over Phi, for lanes that differ in extinction.
 class FlightShares {
  public:
   FlightShares(const StageContext& context, std::uint32_t flags, const GatheringRay& ray)
@@ -53,7 +54,7 @@ class FlightShares {
         sigma_t_(medium_coefficients(flight_.medium, flight_.spectra).sigma_t) {}
 
   Float4 operator()(const PhotonBeamMap::Record& beam, float along) const {
-    // All lanes are at one wavelength.
+    // All lanes hold the same wavelength.
     if ((beam.place & kPhotonSingleWavelength) != 0) return Float4(1.0f);
     const Float4 passed = transmittance(sigma_t_, along);
     return passed * (1.0f / lane_mean(flight_.scene, Float4(beam.odds) * flight_.odds(passed)));
@@ -64,7 +65,7 @@ class FlightShares {
   Float4 sigma_t_;
 };
 
-/// The radiance that the beams bring. `flags`: RayState::flags of the ray.
+/// Radiance due to the beams. `flags`: RayState::flags of the ray.
 template <class L>
 Float4 gather_beams(const StageContext& context, const PhotonBeamMap& map, std::uint32_t flags, const GatheringRay& ray,
                     std::vector<NearLine>& found) {
@@ -88,13 +89,13 @@ Float4 gather_beams(const StageContext& context, const PhotonBeamMap& map, std::
     load(cosines, cosine);
     load(sines, sine);
     load(squares, squared);
-    // Phase functions know of directions but the angle.
+    // Phase functions depend on directions only by the angle.
     const F phase = phase_value<L>(context.scene, ray.seen.medium.phase, Vec3<L>{sine, F(0.0f), cosine});
     store(weights, phase * beam_kernel<L>(map.kernel(), squared) / sine);
     for (int i = 0; i < count; ++i) {
       const NearLine& line = found[first + static_cast<std::size_t>(i)];
       const PhotonBeamMap::Record& beam = map.beam(line.index);
-      // Both lost three wavelengths, and made up for them fourfold; once is enough.
+      // Ray and photon both compensate for lost wavelengths by a factor of 4, which must apply once.
       const bool both = ray.single_wavelength && (beam.place & kPhotonSingleWavelength) != 0;
       const Float4 power = alike ? Float4(beam.power) : Float4(beam.power) * shares(beam, line.along);
       sum = sum + power * transmittance(sigma_t, line.t) * (both ? 0.25f * weights[i] : weights[i]);

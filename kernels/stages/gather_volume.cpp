@@ -1,14 +1,12 @@
-// Stage: gather volume. With a map of photons in media, paths from the camera pass media without being scattered: what
-// media scatter towards a path along its whole ray is the photons' (Jarosz, Zwicker and Jensen 2008, "The Beam Radiance
-// Estimate for Volumetric Photon Mapping", equation 16):
-//     L = sum of T(t_i) p Phi_i k(d_i),
-// photon i at distance t_i along the ray and d_i across it, T the transmittance, p the phase function, k the kernel
-// over the disc of the radius. Photons were stored where they had been scattered, so that Phi holds the albedo.
+// Stage: gather volume. With a volume photon map, media do not scatter camera paths. Instead the photons estimate the
+// in-scattered radiance along the whole ray (Jarosz, Zwicker and Jensen 2008, "The Beam Radiance Estimate for
+// Volumetric Photon Mapping", equation 16):
+//     L = sum of T(t_i) p Phi_i k(d_i)
+// Photon i lies at distance t_i along the ray and d_i across it. T is the transmittance, p the phase function, and k
+// the kernel over the disc of the lookup radius. Photons are stored after scattering, so Phi includes the albedo.
 //
-// In homogeneous media they may be beams; see kernels/stages/gather_beams.h.
-//
-// Transmittance is exact in homogeneous media; in others one walk by ratio tracking serves all photons and what lies
-// behind the medium.
+// Homogeneous media may store beams instead (kernels/stages/gather_beams.h). Transmittance is exact in homogeneous
+// media. Other media take one walk of ratio tracking for all photons and for the light from behind the medium.
 #include "core/frame.h"
 #include "core/octahedral.h"
 #include "kernels/lights/light_weight.h"
@@ -25,7 +23,7 @@ namespace sheaf {
 
 namespace {
 
-/// The photons near the ray that count, nearest to its origin first.
+/// Finds the photons near the ray that count, in the order of their distance from its origin.
 void find_photons(const VolumePhotonMap& map, const MediumRay& ray, std::uint32_t medium, std::uint32_t edges_left,
                   BeamScratch& scratch) {
   if (edges_left == 0 || !ray.has(kMediumScatters)) return;
@@ -43,12 +41,12 @@ void find_photons(const VolumePhotonMap& map, const MediumRay& ray, std::uint32_
   for (const NearPoint& point : found) scratch.photons.push_back({point, {}});
 }
 
-/// Light that the medium itself sends along the ray, and how much of the light from behind it arrives.
+/// Emission of the medium along the ray, and transmittance of the whole ray.
 struct Passage {
   Float4 emitted, transmittance;
 };
 
-/// Finds the transmittance up to each photon.
+/// Passes a homogeneous medium; sets the transmittance of each photon.
 Passage pass_homogeneous_medium(const MediumRay& ray, std::vector<NearPhoton>& near) {
   const MediumCoefficients c = medium_coefficients(ray.medium, ray.spectra);
   const Float4 sigma_t = c.sigma_t;
@@ -57,14 +55,15 @@ Passage pass_homogeneous_medium(const MediumRay& ray, std::vector<NearPhoton>& n
   Float4 emitted;
   if (ray.has(kMediumEmits)) {
     const Float4 absorbed = (Float4(1.0f) - passed) / max(sigma_t, Float4(1e-30f));
-    // Where nothing is extinguished, nothing is emitted either.
+    // Without extinction there is no emission either.
     emitted = c.sigma_a * ray.spectra.emission * absorbed;
   }
   return {emitted, passed};
 }
 
-/// The same by ratio tracking against the largest majorant of all lanes (Novak, Selle and Jarosz, "Residual Ratio
-/// Tracking for Estimating Attenuation in Participating Media", 2014, section 3), which weighs each lane on its own.
+/// Passes a heterogeneous medium by ratio tracking against the largest majorant of all lanes, with a weight per lane
+/// (Novak, Selle and Jarosz, "Residual Ratio Tracking for Estimating Attenuation in Participating Media", 2014, section
+/// 3).
 Passage pass_heterogeneous_medium(MediumRay ray, MediumRandom& random, TrackingCounts& counts,
                                   std::vector<NearPhoton>& near) {
   const Float4 most = majorant_spectrum(ray, 1.0f);
@@ -91,7 +90,7 @@ Passage pass_heterogeneous_medium(MediumRay ray, MediumRandom& random, TrackingC
   return {emitted, passed};
 }
 
-/// Radiance that the photons bring.
+/// Radiance due to the photons.
 template <class L>
 Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const MediumRay& ray, bool single_wavelength,
                      const std::vector<NearPhoton>& near) {
@@ -115,7 +114,7 @@ Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const M
     for (int i = 0; i < count; ++i) {
       const NearPhoton& one = near[first + static_cast<std::size_t>(i)];
       const VolumePhotonMap::Record& photon = map.photon(one.point.index);
-      // Both lost three wavelengths, and made up for them fourfold; once is enough.
+      // Path and photon both compensate for lost wavelengths by a factor of 4, which must apply once.
       const bool both = single_wavelength && (photon.place & kPhotonSingleWavelength) != 0;
       sum = sum + Float4(photon.power) * Float4(one.transmittance) * (both ? 0.25f * weights[i] : weights[i]);
     }
@@ -123,13 +122,13 @@ Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const M
   return sum * (kInvPi / (map.radius() * map.radius()));
 }
 
-/// Whether the medium's own light along the path's ray is the path's to find.
+/// Whether the path adds the emission of the medium along its ray.
 bool finds_emission(const StageContext& context, std::uint32_t flags, float scatter_pdf) {
   if (scatter_pdf > 0.0f && context.integrator.strategy == LightStrategy::kLightOnly) return false;
   return !is_caustic<Scalar>(context, flags, scatter_pdf);
 }
 
-/// The wavelengths that photons of the path's set have which did not lose theirs; zeros in RGB mode.
+/// Wavelengths of photons of the same set that still have all four; zeros in RGB mode.
 Spectrum4 photon_wavelengths(const StageContext& context, const Wave& wave, Slot slot) {
   if (context.scene.color != ColorMode::kSpectral) return {};
   return sample_wavelengths<Scalar>(std::fabs(wave.wavelength_samples[slot])).lambda;

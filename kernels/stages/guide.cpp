@@ -1,5 +1,5 @@
-// Stage: guide. Finds the place of every vertex in the guide. Which side of a surface it is on is told by the geometric
-// normal, which all parts of a blend share.
+// Stage: guide. Looks up the guide cell of every vertex. The side of a surface is given by the geometric normal, which
+// all parts of a blend share.
 #include "kernels/stages/guided.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/stage_timer.h"
@@ -8,7 +8,7 @@ namespace sheaf {
 
 namespace {
 
-/// Not a template over the closure: one copy of the code serves all kinds.
+/// Not a template over the closure, so that all kinds share one copy of the code.
 template <class L> void guide_run(const StageContext& context, Wave& wave, const VertexRun& run, bool in_medium) {
   using U = Uint<L>;
   for_tiles<L>(run.count, [&](int i, int) {

@@ -1,12 +1,13 @@
-// Vertices that sample directions from the guide as well as from their BSDF.
+// Path guiding: vertices sample directions from the guide as well as from their BSDF.
 //
-// A direction has density p = a p_b + (1 - a) p_g, with p_b that of the BSDF, p_g that of the guide and a the share of
-// the former; and the weight f cos / p, whichever of the two it was sampled from (one-sample model with the balance
-// heuristic, Veach 1997, section 9.2.4). Light sampling is weighted against p. Delta lobes are out of the guide's
-// reach: where the BSDF has sampled one, its weight is divided by a. Closures that are nothing else, and those that
-// disperse, whose wavelengths part where they were sampled, are left alone.
+// A direction has pdf p = a p_b + (1 - a) p_g, with p_b that of the BSDF, p_g that of the guide, and a the probability
+// of sampling the BSDF. Its weight is f cos / p, whichever of both it was sampled from (one-sample model with the
+// balance heuristic, Veach 1997, section 9.2.4). The MIS weights of next-event estimation use p. The guide cannot
+// sample delta lobes: if the BSDF samples one, its weight is divided by a. Specular closures are not guided. Dispersive
+// closures are not guided either, as the sampled direction splits their wavelengths.
 //
-// On blends p_b is that of all parts that are guided and p_g counts with their share, as any of them may have asked it.
+// On blends p_b is the pdf of all guided parts, and p_g is weighted by their share, as any of them may have used the
+// guide.
 #pragma once
 
 #include "core/octahedral.h"
@@ -22,17 +23,17 @@
 
 namespace sheaf {
 
-/// Whether vertices of this closure may sample the guide.
+/// Whether vertices with this closure may sample the guide.
 template <class Bsdf> inline constexpr bool kIsGuided = !Bsdf::kIsSpecular && !kDisperses<Bsdf>;
 
-/// The guide towards a direction, for those of the vertices in the columns from `column` on that are set in `lanes`.
+/// The guide's value for a direction, at those vertices of the columns from `column` on that are set in `lanes`.
 template <class L>
 SHEAF_INLINE GuideValue<L> guide_value(const StageContext& context, const Wave& wave, int column, Mask<L> lanes,
                                        Vec3<L> direction) {
   return evaluate_guide<L>(context.guide, wave.guide_cells.load<L>(column).row, mask_bits(lanes), direction);
 }
 
-/// The density of a blend's guided parts, and of all of its parts.
+/// Pdf of the guided parts of a blend, and of all of its parts.
 template <class L> SHEAF_INLINE Float<L> guided_pdf(const GuideValue<L>& guide, const BlendValue<L>& blend) {
   return guide.mixed(blend.mixed_pdf, blend.guided_share);
 }
@@ -40,7 +41,7 @@ template <class L> SHEAF_INLINE Float<L> whole_pdf(const GuideValue<L>& guide, c
   return guided_pdf<L>(guide, blend) + (blend.pdf_solid_angle - blend.mixed_pdf);
 }
 
-/// Whether the BSDF refracts from one side to the other and changes the unit of radiance.
+/// BsdfSample::eta_scale of a direction: the squared index of refraction if it crosses the surface, otherwise 1.
 template <class L, template <class> class Bsdf>
 SHEAF_INLINE Float<L> eta_scale_of(const Bsdf<L>& bsdf, Vec3<L> wo, Vec3<L> wi) {
   using F = Float<L>;
@@ -50,25 +51,25 @@ SHEAF_INLINE Float<L> eta_scale_of(const Bsdf<L>& bsdf, Vec3<L> wo, Vec3<L> wi) 
     return F(1.0f);
 }
 
-/// GuidedSample::guided_pdf_ratio of a direction that was sampled with density `pdf`; bounded, as BSDFs may hardly ever
-/// sample some directions.
+/// GuidedSample::guided_pdf_ratio of a direction sampled with pdf `pdf`. At most 1e4, as the BSDF's own pdf may be
+/// close to 0.
 template <class L> SHEAF_INLINE Float<L> guided_pdf_ratio(Float<L> pdf, Float<L> bsdf_pdf) {
   using F = Float<L>;
   return min(pdf / max(bsdf_pdf, F(1e-10f)), F(1e4f));
 }
 
-/// A sampled direction, and the guide towards it.
+/// A sampled direction, and the guide's value for it.
 template <class L> struct GuidedSample {
-  BsdfSample<L> bsdf;  ///< as one of the BSDF and the guide together
+  BsdfSample<L> bsdf;  ///< of BSDF and guide combined
   Vec3<L> direction;   ///< world space
   GuideValue<L> guide;
-  typename L::Float bsdf_pdf;  ///< density had the BSDF alone been sampled; 0: delta lobe
-  /// Density over that of the BSDF alone. Roulette must not see it: throughput is low where many paths are sent, which
-  /// is where they are needed.
+  typename L::Float bsdf_pdf;  ///< pdf of BSDF sampling alone; 0: delta lobe
+  /// Pdf over that of the BSDF alone. Russian roulette multiplies the throughput by it: guiding lowers the throughput
+  /// of directions that it samples often, and these paths are the important ones.
   typename L::Float guided_pdf_ratio = typename L::Float(1.0f);
 };
 
-/// Samples a direction at the vertices in the columns from `column` on.
+/// Samples directions at the vertices in the columns from `column` on.
 template <class L, template <class> class Bsdf>
 [[gnu::noinline]] GuidedSample<L> sample_guided(const StageContext& context, const Wave& wave, int column, int count,
                                                 const Bsdf<L>& bsdf, const VertexItem<L>& item, Random4<L> u) {
@@ -93,7 +94,7 @@ template <class L, template <class> class Bsdf>
   }
   out.bsdf_pdf = s.pdf_solid_angle;
   const auto smooth = of_guide.taken | (s.valid & (s.pdf_solid_angle > F(0.0f)));
-  // A delta lobe's weight needs the share all the same.
+  // The weight of a delta lobe needs bsdf_share as well.
   out.guide = guide_value<L>(context, wave, column, s.valid & L::first(count), out.direction);
   const F pdf = out.guide.mixed(s.pdf_solid_angle);
   s.valid = s.valid & ((!smooth) | (pdf > F(0.0f)));
@@ -104,11 +105,11 @@ template <class L, template <class> class Bsdf>
   return out;
 }
 
-/// Roulette by what is expected (Vorba and Krivanek, "Adjoint-Driven Russian Roulette and Splitting in Light Transport
-/// Simulation", 2016; roulette alone). A vertex of throughput b at a place that scatters on the light M is expected to
-/// bring b M; paths that are expected to bring less than half of what they were at their first vertex are played for.
-/// Returns the probabilities of going on, `default_value` where there is nothing to compare. `sum`: the lanes of the
-/// throughput, added up.
+/// Russian roulette by expected contribution (Vorba and Krivanek, "Adjoint-Driven Russian Roulette and Splitting in
+/// Light Transport Simulation", 2016; without splitting). A vertex of throughput b in a cell that scatters the mean
+/// radiance M is expected to contribute b M. Roulette starts where this falls below half of the path's first such
+/// expectation. Returns survival probabilities, or `default_value` if the cell has no mean or the path no reference.
+/// `sum`: the lanes of the throughput added up.
 template <class L>
 Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
                            Uint<L> depth, Float<L> sum, Float<L> default_value) {
@@ -130,7 +131,7 @@ Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* 
   return select(known, clamp(ratio, F(kMin), most), default_value);
 }
 
-/// Writes down what the vertices of `lanes` have sampled. Comes before their throughput and probabilities change.
+/// Records the directions sampled at the vertices of `lanes`. Must be called before throughput and RescaledPdfs change.
 template <class L>
 void note_directions(const StageContext& context, const Wave& wave, const Slot* slots, int column, std::uint32_t lanes,
                      const VertexItem<L>& item, const PathState<L>& path, Vec3<L> direction, Float<L> bsdf_pdf) {

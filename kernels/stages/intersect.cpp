@@ -1,5 +1,4 @@
-// Stage: intersect. Packs active rays sixteen at a time, asks Embree for the nearest hits, and splits the paths by what
-// they met.
+// Stage: intersect. Traces active rays with Embree, sixteen at a time, and pushes the paths to queues by what they hit.
 #include "kernels/stages/route_hits.h"
 #include "kernels/stages/stages.h"
 #include "kernels/stages/trace_packets.h"
@@ -15,14 +14,14 @@ constexpr float kLargestCoordinate = 1e18f;
 
 template <class L> SHEAF_INLINE Mask<L> is_traceable(const RayState<L>& ray) {
   const Float<L> origin = max_component(abs(ray.origin)), squared = dot(ray.direction, ray.direction);
-  // NaN fails every comparison, but max() may lose it: the sum keeps it.
+  // NaN fails every comparison, but max() may discard a NaN; the sum keeps it.
   const Float<L> sum = ray.origin.x + ray.origin.y + ray.origin.z;
   return (origin <= Float<L>(kLargestCoordinate)) & is_finite(sum) & (squared > Float<L>(0.5f)) &
          (squared < Float<L>(2.0f));
 }
 
-/// Rays of slots[0 .. L::width) to lanes [at, at + L::width) of the packet; returns which are good. Others become a
-/// ray of no length.
+/// Copies the rays of slots[0 .. L::width) to lanes [at, at + L::width) of the packet. Returns the lanes that are
+/// traceable; the others become rays of length 0.
 template <class L>
 SHEAF_INLINE std::uint32_t pack(const Wave& wave, const Slot* slots, int count, RayPacket& packet, int at) {
   using F = typename L::Float;
@@ -45,7 +44,7 @@ SHEAF_INLINE std::uint32_t pack(const Wave& wave, const Slot* slots, int count, 
   return mask_bits(good & L::first(count));
 }
 
-/// Hits of lanes [at, at + L::width): state, and which lists the paths go to.
+/// Stores the hits of lanes [at, at + L::width) and pushes their slots to queues.
 template <class L>
 SHEAF_INLINE void unpack(const StageContext& context, Wave& wave, const Slot* slots, int count, const RayPacket& packet,
                          int at, std::uint32_t good) {
@@ -58,6 +57,7 @@ SHEAF_INLINE void unpack(const StageContext& context, Wave& wave, const Slot* sl
   load(packet.primitive + at, hit.primitive);
   load(packet.shape + at, hit.shape);
   load(packet.instance + at, hit.instance);
+  // Look up the material of the side that was hit, and the light
   const auto found = hit.shape != U(kNone);
   const ShapeRecord<L> shape = gather_rows<L>(context.scene.shapes, select(found, hit.shape, U(0u)));
 
@@ -79,6 +79,7 @@ SHEAF_INLINE void unpack(const StageContext& context, Wave& wave, const Slot* sl
   }
   wave.hits.scatter<L>(slots, count, hit);
 
+  // Push the slots to queues
   U flags;
   load(packet.id + at, flags);
   wave.finished.push(slots, ((1u << count) - 1u) & ~good);

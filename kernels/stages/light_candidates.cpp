@@ -1,5 +1,5 @@
-// Stage: light candidates. For every vertex that scatters diffusely enough, one light and a direction towards it; what
-// the surface makes of it is left to the resample stage.
+// Stage: light candidates. Samples one light and a point on it for every non-specular vertex. The resample stage
+// evaluates the BSDF.
 #include "kernels/bsdf/all.h"
 #include "kernels/lights/light_sample.h"
 #include "kernels/photons/photon_maps.h"
@@ -15,17 +15,18 @@ namespace sheaf {
 
 namespace {
 
-/// How many registers of vertices choose their lights together.
+/// Number of registers of vertices that select their lights together.
 constexpr int kTogether = 2;
 
-/// What a register of vertices needs for one candidate each.
+/// Inputs of a register of vertices for one candidate each.
 template <class L> struct CandidateTile {
   const Slot* slots;
   int column;
   Random4<L> u;
 };
 
-/// The lights of tiles side by side. A vertex' first candidate leaves the upper turns in the light tree to the others.
+/// Selects the lights of adjacent tiles. The first candidate of a vertex stores its cut of the light tree for the
+/// others.
 template <class L>
 SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const CandidateTile<L> (&tiles)[kTogether],
                              bool is_first, bool in_medium, bool mapped_parts, LightChoice<L> (&choices)[kTogether]) {
@@ -51,7 +52,7 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
   choose_lights<L>(context.scene, at, u, wave.needs.light_tops ? tops : nullptr, choices);
 }
 
-/// `in_medium`: the vertices scatter to all sides and have no normal. `drawn`: see LightQuery.
+/// `in_medium`: the vertices lie in media. `drawn`: see LightQuery.
 template <class L, ColorMode Mode>
 SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const CandidateTile<L>& tile,
                                  const LightChoice<L>& choice, bool in_medium, const EnvmapDraw<L>* drawn) {
@@ -66,7 +67,7 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
   if (context.maps != nullptr) {
     const auto ends = context.maps->ends_at<L>(wave.rays.gather<L>(tile.slots).flags, in_medium);
     out.pdf_solid_angle = select(ends, F(0.0f), out.pdf_solid_angle);
-    // With a volume map all of a ray finds what media emit.
+    // With a volume map, paths find the emission of media along their whole rays.
     if (context.maps->volume != nullptr && context.integrator.strategy == LightStrategy::kMis)
       out.pdf_solid_angle = select(light.target_medium == Uint<L>(kNone), out.pdf_solid_angle, F(0.0f));
   }
@@ -83,12 +84,12 @@ SHEAF_INLINE Random4<L> numbers_of(const StageContext& context, Wave& wave, cons
                  context.scene.light_count > 1 ? kAllNumbers : kAllNumbers & ~kNumberX);
 }
 
-/// Steps by which tiles become candidates, in groups of kTogether: while a group is at the last of them, those behind
-/// it in the run are at the others, so that nobody waits for what the step before has asked for.
+/// Pipeline steps from tiles to candidates, in groups of kTogether tiles. While one group is at the last step, the
+/// following ones are at earlier steps, so that no step waits for memory that the previous one has prefetched.
 enum CandidateStep { kCandidates, kColumns, kRows, kNumbers };
 
-/// Not a template over the closure: one copy of the code serves all kinds. `DrawsMap`: an environment map is most of
-/// the light; its rows and columns are drawn in steps of their own.
+/// Not a template over the closure, so that all kinds share one copy of the code. `DrawsMap`: the scene has an
+/// environment map and no bounded lights; the rows and columns of the map are sampled in separate steps.
 template <class L, bool DrawsMap>
 void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run, SampleSet set, bool in_medium,
                    bool mapped_parts) {
@@ -104,7 +105,7 @@ void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run
     for (int group = -kAhead; group < groups; ++group) {
       const int numbers = group + kAhead, rows = group + kRows, columns = group + kColumns;
       for (int i = 0; i < kTogether && has(numbers); ++i) {
-        // The last tile may be its own neighbour.
+        // With an odd number of tiles, the last group holds the last tile twice.
         const int begin = std::min(numbers * kTogether + i, tiles - 1) * L::width;
         ring[numbers % kRing][i] = {slots + begin, run.column_begin + begin,
                                     numbers_of<L>(context, wave, slots + begin, set)};

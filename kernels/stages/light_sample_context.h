@@ -1,5 +1,5 @@
-// A vertex as the choice of lights sees it: where it is made, and where the ray that left it finds a light. Both must
-// take the same choice for as probable, or else the weights of light and BSDF sampling do not add up to one.
+// A vertex as light selection sees it: where a light is sampled, and where a ray from the vertex hits a light. Both
+// must give the same selection probability; otherwise the MIS weights of light and BSDF sampling do not add up to 1.
 #pragma once
 
 #include "core/octahedral.h"
@@ -8,13 +8,13 @@
 
 namespace sheaf {
 
-/// A vertex on a surface with shading normal `ns`, which is rounded as the path will remember it: lights near the
-/// horizon see the difference (tests/kernels/test_light_choice.cpp).
+/// A surface vertex with shading normal `ns`, rounded as the path stores it. Otherwise selection probabilities of
+/// lights near the horizon would differ (tests/kernels/test_light_choice.cpp).
 template <class L> SHEAF_INLINE LightSampleContext<L> surface_receiver(Vec3<L> p, Vec3<L> ns) {
   return {p, decode_octahedral<L>(encode_octahedral<L>(ns))};
 }
 
-/// The vertex that `ray` has left. `normal`: RadianceState::normal; `distance_since_vertex`: see
+/// The vertex that `ray` started from. `normal`: RadianceState::normal. `distance_since_vertex`: see
 /// Wave::distance_since_vertex.
 template <class L>
 SHEAF_INLINE LightSampleContext<L> light_sample_context(const RayState<L>& ray, Uint<L> normal,

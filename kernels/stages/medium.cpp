@@ -1,9 +1,9 @@
-// Stage: medium. Paths whose rays lie in a medium scatter in it, or go on to what their rays hit; and collect what the
-// medium emits on the way. A path that scatters becomes a vertex whose closure is the phase function, and goes through
-// the same stages as surfaces. What photons leave on their way is noted here where beams are kept.
+// Stage: medium. Samples whether paths scatter in media or reach the surface hit, and adds the emission of media on the
+// way. A path that scatters becomes a vertex whose closure is the phase function, and passes the same stages as
+// surfaces. Photons store their beams here.
 //
-// Paths go separate ways here, so each has its four spectral lanes in one register; see
-// kernels/media/medium_tracking.h.
+// Paths diverge here, so each is processed alone, with its four spectral lanes in one register
+// (kernels/media/medium_tracking.h).
 #include "kernels/film/light_task.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/lights/volume_light.h"
@@ -31,11 +31,11 @@ struct MediumPath {
   float distance_since_vertex;  ///< see Wave::distance_since_vertex
 };
 
-/// Light that the medium emits towards the path.
+/// Emission of the medium towards the path, with its MIS weight.
 ///
-/// A point at distance t along the ray could as well have been sampled as a light: in volume, density p_V, which is
-/// p_V r^2 in solid angle times length. Against it stands the path's own density: that of its direction times that of
-/// a collision at t. Both count in the mean over the lanes, as everything else does.
+/// Light sampling could have sampled a point at distance t along the ray too. Its pdf is p_V by volume, which is p_V
+/// r^2 by solid angle and length. The pdf of the path is that of its direction times that of a collision at t. Both are
+/// means over the lanes.
 class MediumEmission {
  public:
   MediumEmission(const StageContext& context, const Wave& wave, const MediumPath& path, const MediumRay& ray)
@@ -43,7 +43,7 @@ class MediumEmission {
     const LightStrategy strategy = context.integrator.strategy;
     const bool free = path.scatter_pdf == 0.0f || ray.medium.light == kNone;
     contested_ = !free && strategy == LightStrategy::kMis;
-    // Photons don't gather light, and a map may hold it.
+    // Photons do not gather light, and a photon map may contain this emission.
     hidden_ = context.photons != nullptr || (!free && strategy == LightStrategy::kLightOnly) ||
               is_caustic<Scalar>(context, path.ray.flags, path.scatter_pdf);
     if (hidden_) contested_ = false;
@@ -54,12 +54,12 @@ class MediumEmission {
               static_cast<float>(context.integrator.candidates);
   }
 
-  /// Light sampling could have found what the path finds.
+  /// Whether light sampling could have found this emission.
   bool contested() const { return contested_; }
   Float4 radiance() const { return radiance_; }
 
-  /// Adds what is emitted at distance `t`, whose density is `pdf` in the hero lane: `passed` is the transmittance up to
-  /// there since `path`, `collision` the lanes' densities of a collision there without it; both over the hero's.
+  /// Adds the emission at distance `t`. `pdf`: pdf of t in the hero lane, 1/m. `passed`: transmittance since `path`;
+  /// both it and `pdf` may be over the hero's transmittance. `collision`: extinction, or its majorant, per lane, 1/m.
   void add(const PathWeights& path, float t, Vec3f p, Float4 passed, Float4 collision, float pdf) {
     if (hidden_) return;
     const Float4 found = path.beta * passed * ray_.coefficients(p).sigma_a * ray_.emission(p) * (1.0f / pdf);
@@ -68,8 +68,8 @@ class MediumEmission {
     radiance_ = radiance_ + found * (weight(path, t, p, passed, by_path, pdf) / by_path);
   }
 
-  /// Adds what a step of ray marching emits, which light sampling does not look for; `passed` is the transmittance up
-  /// to the step.
+  /// Adds the emission of one step of ray marching, for which light sampling does not compete. `passed`: transmittance
+  /// up to the step. `length`: of the step, m.
   void add_step(const PathWeights& path, Float4 passed, const MediumCoefficients& c, Vec3f p, float length) {
     if (hidden_) return;
     const Float4 sigma_t = c.sigma_t;
@@ -78,7 +78,7 @@ class MediumEmission {
     radiance_ = radiance_ + found * (1.0f / lane_mean(scene_, path.r_u));
   }
 
-  /// Adds what a homogeneous medium emits over the whole of the ray: exact, with no pdf_ratio.
+  /// Adds the emission of a homogeneous medium along the whole ray in closed form, without MIS.
   void add_line(const PathWeights& path) {
     if (hidden_) return;
     const MediumCoefficients c = medium_coefficients(ray_.medium, ray_.spectra);
@@ -91,7 +91,7 @@ class MediumEmission {
  private:
   float weight(const PathWeights& path, float t, Vec3f p, Float4 passed, float by_path, float pdf) const {
     if (!contested_) return 1.0f;
-    // Light sampling passes homogeneous media with probability one.
+    // Light sampling passes homogeneous media with probability 1.
     const Float4 on_the_way = ray_.has(kMediumHomogeneous) ? Float4(1.0f / pdf) : ray_.odds(passed * (1.0f / pdf));
     const float r = t + path_.distance_since_vertex;
     const float by_light =
@@ -103,11 +103,13 @@ class MediumEmission {
   const MediumPath& path_;
   const MediumRay& ray_;
   bool contested_ = false, hidden_ = false;
-  float choice_ = 0;  ///< of this light by light sampling, over the density of the path's direction
+  /// Pdf of sampling this light instead of the path's direction: selection probability times the number of candidates
+  /// over the pdf of the direction.
+  float choice_ = 0;
   Float4 radiance_;
 };
 
-/// Emission along a homogeneous ray: all of it where nothing else could have found it, else at one sampled point.
+/// Emission along a homogeneous ray: in closed form if light sampling does not compete, otherwise at one sampled point.
 void emit_homogeneous(const MediumRay& ray, MediumRandom& random, const PathWeights& weights,
                       MediumEmission& emission) {
   if (!emission.contested()) return emission.add_line(weights);
@@ -120,7 +122,7 @@ void emit_homogeneous(const MediumRay& ray, MediumRandom& random, const PathWeig
   emission.add(weights, t, ray.at(t), passed, sigma_t, sigma * passed[ray.hero]);
 }
 
-/// The distance at which the path scatters, or the ray's length.
+/// Returns the distance at which the path scatters, or the ray's length.
 float track(const StageContext& context, const MediumRay& ray, float u, MediumRandom& random, TrackingCounts& counts,
             PathWeights& weights, MediumEmission& emission) {
   const bool emits = ray.has(kMediumEmits);
@@ -152,18 +154,18 @@ void store_weights(Wave& wave, Slot slot, const PathWeights& weights) {
   wave.rescaled_pdfs.row(slot) = {to_spectrum(weights.r_u), to_spectrum(weights.r_l)};
 }
 
-/// The path becomes a vertex in the medium, at distance `t`.
+/// Turns the path into a vertex in the medium at distance `t`.
 void scatter_path(const StageContext& context, Wave& wave, MediumPath& path, const MediumRay& ray, float t) {
   path.hit.t = t;
   path.hit.material = ray.medium.phase;
   path.hit.light = kNone;
-  path.hit.shape = 0;  // one that there is: what chooses among phase functions looks at the surface
+  path.hit.shape = 0;  // any valid row: the selection among phase functions reads the surface
   path.hit.instance = kNone;
   wave.hits.set(path.slot, path.hit);
   route_vertices<Scalar>(context, wave, &path.slot, 1u, path.hit.material, path.ray.flags);
 }
 
-/// Notes the flight of a photon over `length` metres of the ray; `r_u`: of its start.
+/// Stores the flight of a photon along `length` metres of the ray as a beam. `r_u`: at its start.
 void store_beam(const StageContext& context, Wave& wave, const MediumPath& path, const MediumRay& ray,
                 const Spectrum4& r_u, float length) {
   const RadianceState<Scalar>& row = wave.radiance.row(path.slot);
@@ -186,7 +188,7 @@ void store_beam(const StageContext& context, Wave& wave, const MediumPath& path,
   if (!wave.first_dropped.any) wave.first_dropped = {true, path.state.pixel, path.state.sample};
 }
 
-/// Whether the path is a photon that leaves beams in the ray's medium, where something may still come of them.
+/// Whether the path is a photon that stores beams in the ray's medium, and whose light may still be scattered.
 bool leaves_beam(const StageContext& context, const MediumRay& ray, std::uint32_t flags) {
   return context.photons != nullptr && context.photons->stores_in_media() && (flags & kRayLast) == 0 &&
          ray.has(kMediumScatters) && keeps_beams(context.integrator.photons, ray.medium);
@@ -204,7 +206,7 @@ PathWeights load_weights(const Wave& wave, const MediumPath& path) {
   return {Float4(path.state.beta), Float4(r.r_u), Float4(r.r_l)};
 }
 
-/// Sends the path on, which has come as far as `t`.
+/// Continues a path that has reached distance `t`: scatters it, or routes it to the surface hit.
 void finish_path(const StageContext& context, Wave& wave, MediumPath& path, const MediumRay& ray, float t,
                  PathWeights& weights) {
   if (leaves_beam(context, ray, path.ray.flags))
@@ -221,7 +223,7 @@ void finish_path(const StageContext& context, Wave& wave, MediumPath& path, cons
                      {path.hit.shape != kNone, path.hit.light, path.hit.material, flags});
 }
 
-/// A path on its own.
+/// Tracks one path alone.
 void medium_path(const StageContext& context, Wave& wave, MediumPath& path, const MediumRay& ray, float u,
                  TrackingCounts& counts) {
   MediumRandom random(context.sampler.seed, path.state.pixel, path.state.sample, path.state.dimension(),
@@ -233,7 +235,7 @@ void medium_path(const StageContext& context, Wave& wave, MediumPath& path, cons
   finish_path(context, wave, path, ray, t, weights);
 }
 
-/// Paths that are tracked many at a time.
+/// Paths that are tracked several at a time, one per lane.
 class DensityPaths {
  public:
   DensityPaths(const StageContext& context, Wave& wave, TrackingCounts& counts)
@@ -245,7 +247,7 @@ class DensityPaths {
     if (queue_.is_full()) finish<L>();
   }
 
-  /// Sends all on.
+  /// Tracks and continues all queued paths.
   template <class L> void finish() {
     queue_.track<L, DensityTracking::kScattering>();
     const bool delta = context_.integrator.medium_estimator == MediumEstimator::kDelta;
@@ -292,6 +294,7 @@ template <class L> void medium(const StageContext& context, Wave& wave) noexcept
       if (is_tracked_by_density(ray, context.integrator.medium_estimator) && !ray.has(kMediumEmits)) {
         by_density.add<L>(path, ray);
       } else {
+        // Draw the numbers of the tile when its first path needs one
         if (!is_drawn) {
           const PathState<L> state = wave.paths.gather<L>(slots);
           store(u, draw<L>(context.sampler, state.pixel, state.sample, state.dimension(), SampleBlock::kSelect, {},

@@ -1,4 +1,5 @@
-// Normal and bump maps: how a texture turns the shading normal, and what keeps turned normals from looking wrong.
+// Normal and bump maps: how a texture perturbs the shading normal, and corrections of the artefacts of perturbed
+// normals.
 #pragma once
 
 #include "kernels/stages/shading_frame.h"
@@ -6,9 +7,9 @@
 
 namespace sheaf {
 
-/// The part of the light from `wi` that a turned normal lets through: nothing where the turned and the unturned normal
-/// disagree on the side (`cos_wi` is the cosine to the turned one), and a smooth fall-off where the turned normal faces
-/// the light and the surface hardly does. The fall-off is the shadowing of a microfacet surface of squared roughness
+/// Share of the light from `wi` that a mapped normal lets through. It is 0 where the mapped and the unmapped normal
+/// disagree on the side of `wi`; `cos_wi` is the cosine to the mapped one. It falls off smoothly where `wi` is near the
+/// horizon of the unmapped normal. The fall-off is the shadowing function of a microfacet surface of squared roughness
 /// `terminator` (Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator
 /// Problem").
 template <class L>
@@ -21,13 +22,13 @@ SHEAF_INLINE Float<L> shadow_terminator(Vec3<L> ns_unmapped, Float<L> terminator
   return select(cos_unmapped * cos_wi > F(0.0f), g, F(0.0f));
 }
 
-/// The squared roughness of shadow_terminator() for a normal turned by the angle of cosine `cos_turn`.
+/// Squared roughness for shadow_terminator(). `cos_turn`: cosine between the mapped and the unmapped normal.
 template <class F> SHEAF_INLINE F terminator_of(F cos_turn) {
   const F cos2 = max(min(cos_turn * cos_turn, F(1.0f)), F(1e-12f));
   return clamp(F(0.125f) * (F(1.0f) - cos2) / cos2, F(0.0f), F(1.0f));
 }
 
-/// What a map makes of a surface: the normal in the unturned shading frame.
+/// The normal of a normal map, in the unmapped shading frame, unnormalised.
 template <class L>
 SHEAF_INLINE Vec3<L> mapped_normal(const TextureView& textures, const NormalMapRow& map, const TextureQuery<L>& query) {
   using F = Float<L>;
@@ -36,8 +37,8 @@ SHEAF_INLINE Vec3<L> mapped_normal(const TextureView& textures, const NormalMapR
   return {F(2.0f) * rgb.c0 - F(1.0f), map.flags & NormalMapRow::kFlipGreen ? -y : y, F(2.0f) * rgb.c2 - F(1.0f)};
 }
 
-/// The normal of the surface displaced along its normal by the map's texture, in world space, unnormalised; the change
-/// of the unturned normal over the surface is left out (Blinn 1978).
+/// The normal of the surface displaced by a bump map, in world space, unnormalised. Ignores the change of the unmapped
+/// normal over the surface (Blinn 1978).
 template <class L>
 SHEAF_INLINE Vec3<L> bumped_normal(const TextureView& textures, const NormalMapRow& map, const TextureQuery<L>& query,
                                    Vec3<L> n, Vec3<L> dp_du, Vec3<L> dp_dv) {
@@ -48,8 +49,9 @@ SHEAF_INLINE Vec3<L> bumped_normal(const TextureView& textures, const NormalMapR
   return cross(along_u, along_v);
 }
 
-/// The normal, unit length, that a map makes of `base`, the shading normal turned towards the viewer; `handedness`: -1
-/// where it was turned. `base` itself where `lanes` says so or the map gives none. `usable`: where it gives one.
+/// The mapped shading normal, unit length. `base`: unmapped shading normal, facing the viewer for two-sided materials.
+/// `handedness`: -1 if it was flipped, otherwise 1. Sets `usable` to the lanes of `lanes` where the map gives a normal,
+/// and returns `base` in the others.
 template <class L>
 SHEAF_INLINE Vec3<L> turned_normal(const TextureView& textures, const NormalMapRow& map, const TextureQuery<L>& query,
                                    Vec3<L> base, Float<L> handedness, Vec3<L> dp_du, Vec3<L> dp_dv, Mask<L> lanes,
@@ -61,7 +63,7 @@ SHEAF_INLINE Vec3<L> turned_normal(const TextureView& textures, const NormalMapR
   const Vec3<L> bitangent = cross(base, s) * handedness;
   Vec3<L> n;
   if (map.flags & NormalMapRow::kBump) {
-    // The displaced surface seen from behind is the mirror image of its front, as for normals.
+    // Seen from behind, the displaced surface is the mirror image of its front, as normal maps are.
     const Vec3<L> outward = base * handedness;
     n = bumped_normal<L>(textures, map, query, outward, dp_du, dp_dv);
     n = n * copysign(F(1.0f), dot(n, outward));
@@ -75,12 +77,12 @@ SHEAF_INLINE Vec3<L> turned_normal(const TextureView& textures, const NormalMapR
   return select<L>(usable, n * (F(1.0f) / sqrt(select(usable, squared, F(1.0f)))), base);
 }
 
-/// The mirror image of a turned normal at the unturned one, which takes its place where it faces away from the viewer.
+/// Mirrors a mapped normal at the unmapped one, to replace it where it faces away from the viewer.
 template <class L> SHEAF_INLINE Vec3<L> mirrored_normal(Vec3<L> n, Vec3<L> unturned) {
   return unturned * (Float<L>(2.0f) * dot(unturned, n)) - n;
 }
 
-/// Whether a viewer in direction `wo` sees a turned normal from behind though he sees the unturned one from its front.
+/// Whether direction `wo` sees the mapped and the unmapped normal from different sides.
 template <class L> SHEAF_INLINE Mask<L> faces_away(Vec3<L> n, Vec3<L> unturned, Vec3<L> wo) {
   return dot(n, wo) * dot(unturned, wo) < Float<L>(0.0f);
 }

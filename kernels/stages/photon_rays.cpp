@@ -1,8 +1,8 @@
-// Stage: photon rays. Photons leave the lights, each light as often as its power asks for.
+// Stage: photon rays. Emits photons from the lights, which are selected in proportion to their power.
 //
-// A photon carries flux instead of radiance: its throughput starts with the brightest lane at one, as a camera path's
-// does, so that roulette means the same; RadianceState::weight is the flux in watts by which to multiply it. Its random
-// numbers are those of one long sequence of samples (kPhotonPixel).
+// Photons carry flux instead of radiance. As for camera paths, the maximum lane of their throughput starts at 1, so
+// that Russian roulette treats both alike. RadianceState::weight holds the flux of that lane, W. The random numbers are
+// those of one long sequence of samples (kPhotonPixel).
 #include "core/sampler.h"
 #include "kernels/film/light_task.h"
 #include "kernels/lights/light_emit.h"
@@ -16,10 +16,10 @@ namespace sheaf {
 
 namespace {
 
-/// Photons of the task with the numbers that they have among all.
+/// Photons of the task, with their indices among all photons.
 template <class L> struct PhotonNumbers {
   typename L::Uint in_task;
-  typename L::Uint low, high;  ///< halves of the number
+  typename L::Uint low, high;  ///< halves of the index
 };
 
 template <class L> PhotonNumbers<L> take_numbers(LightTask& task, int count) {
@@ -35,7 +35,7 @@ template <class L> PhotonNumbers<L> take_numbers(LightTask& task, int count) {
   return out;
 }
 
-/// Whose medium no surface ends: light from outside meets it where it ends.
+/// Moves light from infinity to where it enters the outer medium, if no surface bounds that medium.
 template <class L>
 SHEAF_INLINE Vec3<L> enter_outer_medium(const SceneView& scene, Vec3<L> origin, Vec3<L> direction,
                                         Mask<L> from_outside) {
@@ -58,7 +58,7 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
   path.pixel = U(kPhotonPixel) + numbers.high;
   path.sample = numbers.low;
   path.eta_scale = F(1.0f);
-  path.depth_and_dimension = U(kOneDimension);  // the light itself is the first
+  path.depth_and_dimension = U(kOneDimension);  // the light uses the first dimension
   const auto number = [&](SampleBlock block) {
     return draw<L>(context.sampler, path.pixel, path.sample, U(0u), block);
   };
@@ -70,6 +70,7 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
     store(words, context.wavelength_sample < 0.0f ? one : F(context.wavelength_sample));
     for (int lane = 0; lane < count; ++lane) wave.wavelength_samples[slots[lane]] = words[lane];
   }
+  // Select a light and emit the photon
   const LightChoice<L> choice = choose_light_by_power<L>(scene, a.x);
   PhotonEmission<L> photon = emit_photon<L, Mode>(scene, choice, a, b, shading_wavelengths<L, Mode>(wave, slots));
   if constexpr (Mode == ColorMode::kRgb) photon.flux.c3 = F(0.0f);
@@ -78,6 +79,7 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
   const F scale = select(good, brightest, F(1.0f));
   path.beta = photon.flux * (F(1.0f) / scale);
 
+  // Write the ray
   RayState<L> ray;
   ray.direction = photon.direction;
   ray.origin =
@@ -89,13 +91,13 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
   if (scene.needs_transmittance) {
     wave.rescaled_pdfs.scatter<L>(slots, count, {Spectrum<L>(F(1.0f)), Spectrum<L>(F(1.0f))});
     if (scene.color == ColorMode::kRgb) ray.flags = min(to_uint(one * F(3.0f)), U(2u)) << kRayHeroShift;
-    // Camera paths of the same four wavelengths sample their flights by the first. Photons that they meet must not do
-    // so too: the density of both would not be the product of what each has as the mean over the lanes.
+    // Camera paths with the same four wavelengths sample distances by the first. Stored photons must not use the first
+    // as well, or the pdf of both together would not be the product of their means over the lanes.
     else if (context.photons->stores_photons())
       ray.flags = min(to_uint(c.y * F(4.0f)), U(3u)) << kRayHeroShift;
     const U medium = start_medium<L>(scene, wave, ray.origin, ray.direction, good);
     ray.flags |= medium << kRayMediumShift;
-    // A point of a light that is a medium's box, but not in the medium.
+    // The point was sampled in the box of an emissive medium, but lies outside of the medium.
     good = good & ((photon.medium == U(kNone)) | (photon.medium == medium));
   }
   wave.rays.scatter<L>(slots, count, ray);

@@ -1,4 +1,4 @@
-// From a vertex to the shadow stages: rays towards lights, and towards the camera.
+// Pushes shadow rays from vertices to the queue of the shadow stages: rays to lights, and rays to the camera.
 #pragma once
 
 #include "kernels/media/medium_boundary.h"
@@ -7,15 +7,15 @@
 
 namespace sheaf {
 
-/// Further bits of TransmittanceItem::flags, in place of two that mean nothing to shadow rays: what a ray to the camera
-/// has met, where lights are hidden. Camera rays pass them until they meet an open pane, behind which they see them.
+/// Bits of TransmittanceItem::flags for rays to the camera if lights are hidden, in place of two bits that shadow rays
+/// do not use. Camera rays pass hidden lights until they meet an open pane; they see lights behind it.
 enum ShadowFlags : std::uint32_t {
-  kShadowFromHiddenLight = kRayFromCamera,  ///< starts on one, and has passed no pane since
+  kShadowFromHiddenLight = kRayFromCamera,  ///< starts on a hidden light and has passed no pane
   kShadowPassedHiddenLight = kRayLast,
 };
 inline constexpr std::uint32_t kShadowFlags = kShadowFromHiddenLight | kShadowPassedHiddenLight;
 
-/// Where a shadow ray goes; see TransmittanceItem.
+/// The end of a shadow ray; see TransmittanceItem.
 template <class L> struct ShadowEnd {
   Vec3<L> target;
   typename L::Float pdf_ratio;
@@ -23,8 +23,8 @@ template <class L> struct ShadowEnd {
   typename L::Uint flags = typename L::Uint(0u);  ///< ShadowFlags
 };
 
-/// What the transmittance stage wants to know, for the shadow rays that push_shadow_ray() keeps. `single`: where of
-/// four wavelengths the first alone goes this way; it counts by its own probabilities, of which the mean is made.
+/// Pushes the TransmittanceItem of those shadow rays that push_shadow_ray() keeps. `single`: lanes where only the first
+/// of four wavelengths continues, so that the mean pdf becomes the pdf of that wavelength.
 template <class L>
 void push_transmittance(const SceneView& scene, Wave& wave, const Slot* slots, const VertexItem<L>& item,
                         const ShadowItem<L>& shadow, const ShadowEnd<L>& end, bool in_medium, Mask<L> single,

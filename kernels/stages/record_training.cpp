@@ -1,5 +1,5 @@
-// Stage: learn. What finished paths have found goes to the log of the training pass; their vertices are there already,
-// by the scatter stage.
+// Stage: record training. Adds the radiance of finished paths to the training samples of the guide. The scatter stage
+// has already recorded their vertices.
 #include "kernels/guiding/guide_record.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/stage_timer.h"

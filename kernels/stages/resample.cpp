@@ -1,19 +1,19 @@
-// Stage: resample. Of M light candidates per vertex, one is kept and becomes a shadow ray: resampled importance
-// sampling (Talbot, Cline and Egbert 2005, "Importance Resampling for Global Illumination", equation 6), as a weighted
-// reservoir.
+// Stage: resample. Resampled importance sampling of light candidates with a weighted reservoir: one of M candidates per
+// vertex is kept and becomes a shadow ray (Talbot, Cline and Egbert 2005, "Importance Resampling for Global
+// Illumination", equation 6).
 //
-// With candidates x_i of density p and the target q(x), the kept candidate y and its weight estimate
+// With candidates x_i of pdf p and the target function q(x), the kept candidate y gives the estimate
 //     f(y) / q(y) * 1/M sum_i q(x_i) / p(x_i).
-// Multiple importance sampling splits the integrand f into parts w_l f, for light sampling, and w_b f, for BSDF
-// sampling with density b. Any functions of x alone that add up to one at every x keep the sum unbiased, whatever
-// technique then estimates each part: so the density of the kept candidate, which has no closed form, is not needed.
-// The weights here are the power heuristic of M p and b, as M candidates are worth up to M samples:
-//     w_l = (M p)^2 / ((M p)^2 + b^2),  w_b = 1 - w_l,
-// and q is the unshadowed part w_l f, its lanes added up. Lights that BSDF sampling cannot find have w_l = 1. For M = 1
-// the factor is exactly one: plain next-event estimation, bit by bit.
+// MIS splits the integrand f into w_l f for light sampling and w_b f for BSDF sampling with pdf b. Any weights that
+// depend on x alone and add up to 1 keep the sum unbiased, whatever technique estimates each part. So the pdf of the
+// kept candidate, which has no closed form, is not needed. The weights are the power heuristic of M p and b, since M
+// candidates are worth up to M samples:
+//     w_l = (M p)^2 / ((M p)^2 + b^2),  w_b = 1 - w_l.
+// q is the unoccluded part w_l f, lanes added up. Lights that BSDF sampling cannot find have w_l = 1. For M = 1 the
+// factor is exactly 1, which is plain next-event estimation, bit by bit.
 //
-// Where there are media or surfaces that let shadow rays pass, w_l depends on what the shadow ray meets as well: then q
-// is as above, but the transmittance stage gets f and applies w_l.
+// If shadow rays pass media or surfaces, w_l also depends on what they meet. Then q is unchanged, but the transmittance
+// stage receives f and applies w_l.
 #include "kernels/bsdf/all.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/stages/guided.h"
@@ -27,27 +27,27 @@ namespace sheaf {
 
 namespace {
 
-/// Which candidate is being weighed, of how many.
+/// Index of the candidate to be weighted, and the number of candidates.
 struct CandidateIndex {
   int index, count;
   bool is_last() const { return index == count - 1; }
 };
 
-/// A candidate as a vertex sees it.
+/// A candidate with its contribution at a vertex.
 template <class L> struct WeighedCandidate {
-  Spectrum<L> contribution;      ///< what it brings if unoccluded, over its density; 0 where it is of no use
-  typename L::Float mis_weight;  ///< w_l, which `contribution` holds already unless SceneView::needs_transmittance
+  Spectrum<L> contribution;      ///< unoccluded radiance over the pdf; 0: not usable
+  typename L::Float mis_weight;  ///< w_l if `contribution` does not include it yet, otherwise 1
   typename L::Float pdf_ratio;   ///< see TransmittanceItem
-  typename L::Mask single;       ///< of four wavelengths, the first alone goes to the light, and counts for all
+  typename L::Mask single;       ///< only the first of four wavelengths reaches the light, weighted by 4
 };
 
-/// What a blend sends where some part of it keeps the first of four wavelengths alone: that one of all parts, by which
-/// the path then counts. Returns where that is so.
+/// The value of a blend where one of its parts keeps only the first of four wavelengths: then the first wavelength of
+/// all parts represents the path. Returns the lanes where this is so.
 template <class L> SHEAF_INLINE Mask<L> keep_first_of_blend(const BlendValue<L>& blend, Spectrum<L>& f_cos) {
   using F = Float<L>;
   const Spectrum<L>&all = blend.f_cos, &mixed = blend.mixed_f_cos;
   const auto single = (all.c0 > mixed.c0) & (all.c1 == mixed.c1) & (all.c2 == mixed.c2) & (all.c3 == mixed.c3);
-  // What is lost counts fourfold already.
+  // The dispersive parts already include the factor of 4.
   f_cos = select<L>(single, {fma(F(3.0f), mixed.c0, all.c0), F(0.0f), F(0.0f), F(0.0f)}, f_cos);
   return single;
 }
@@ -57,6 +57,7 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
                                        int count, const VertexItem<L>& item, const LightCandidate<L>& light,
                                        Spectrum<L> beta, bool mapped, bool parts, int candidates) {
   using F = Float<L>;
+  // Evaluate the BSDF and the guide
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
   const Vec3<L> wi = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_local(light.direction);
   BsdfValue<L> value = bsdf.evaluate(item.wo, wi);
@@ -72,6 +73,7 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
     guide = guide_value<L>(context, wave, column, asked, light.direction);
   }
   if (context.guides && kIsGuided<Bsdf<L>>) value.pdf_solid_angle = guide.mixed(value.pdf_solid_angle);
+  // Replace the value by that of the whole blend
   if (parts) {
     const auto lanes = usable & on_part<L>(context.scene, wave, slots);
     if (any(lanes)) {
@@ -87,19 +89,20 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
       }
     }
   }
+  // Compute the MIS weight
   const F pdf = select(usable, light.pdf_solid_angle, F(1.0f));
   const auto no_contest = (light.delta > F(0.0f)) | Mask<L>(context.integrator.strategy == LightStrategy::kLightOnly);
   const F mis_weight = select(no_contest, F(1.0f), light_weight(pdf, value.pdf_solid_angle, candidates));
   const bool shared = !context.scene.needs_transmittance;
   const Spectrum<L> out = beta * value.f_cos * light.radiance * ((shared ? mis_weight : F(1.0f)) / pdf);
   const F pdf_ratio = select(no_contest, F(0.0f), value.pdf_solid_angle / (pdf * F(static_cast<float>(candidates))));
-  // Points in a medium compete with the path's own collisions, whose density is not known yet.
+  // A point in a medium competes with collisions of the path, whose pdf is not known yet.
   const auto in_volume = light.target_medium != Uint<L>(kNone);
   return {select<L>(usable & is_finite(total(out)), out, Spectrum<L>(F(0.0f))),
           select(shared | in_volume, F(1.0f), mis_weight), pdf_ratio, single};
 }
 
-/// Adds a candidate to the reservoir in `column`; returns what is kept.
+/// Adds a candidate to the reservoir in `column`; returns the new reservoir.
 template <class L>
 SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, int column, const PathState<L>& path,
                                        const LightCandidate<L>& light, const WeighedCandidate<L>& candidate,
@@ -124,7 +127,7 @@ SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, 
   r.sum = r.sum + weight;
   const F share = weight / max(r.sum, F(1e-37f));
   const auto taken = r.u < share;
-  // What is left of u is uniform again.
+  // The remainder of u is uniform again.
   const F rest = select(taken, r.u, r.u - share) / max(select(taken, share, F(1.0f) - share), F(1e-37f));
   r.u = clamp(rest, F(0.0f), F(kOneMinusEpsilon));
   r.target = select<L>(taken, light.target, r.target);

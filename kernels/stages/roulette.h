@@ -1,9 +1,8 @@
-// Russian roulette: which paths go on, and with how much more weight.
+// Russian roulette (PBR 2.2.4).
 //
-// A path from the camera is played for once its throughput has fallen below a half, so that those that go on have a
-// half at least: bringing each path back to 1, as is common, traces fewer rays but has so much more noise that the same
-// error takes longer (bench/README.md). Photons are brought back to 1, since estimates from a map are best where they
-// are alike.
+// Camera paths are terminated at random only when their throughput is below 0.5, and survivors have at least 0.5. The
+// usual value of 1 traces fewer rays, but increases noise so much that the same error takes longer (bench/README.md).
+// Survivors among photons have 1, since photon map estimates are best with photons of equal power.
 #pragma once
 
 #include "kernels/wave/context.h"
@@ -11,13 +10,13 @@
 
 namespace sheaf {
 
-/// Throughput, over that of the path's start, below which paths from the camera are played for.
+/// Throughput, relative to the start of the path, below which Russian roulette applies to camera paths.
 inline constexpr float kPlayedBelow = 0.5f;
-/// Roulette keeps at most this share, so that paths between perfect mirrors end.
+/// Maximum survival probability, so that paths between perfect mirrors end.
 inline constexpr float kLargestSurvival = 0.99f;
 
-/// The probability with which paths survive: from depth rr_depth on by their throughput over `divisor`, what eta_scale
-/// holds taken out.
+/// Survival probability by throughput over `divisor`, without the factor that eta_scale removes; 1 below depth
+/// rr_depth.
 template <class L>
 SHEAF_INLINE Float<L> survival_by_throughput(const StageContext& context, const PathState<L>& path, Float<L> divisor) {
   using F = Float<L>;
@@ -27,7 +26,7 @@ SHEAF_INLINE Float<L> survival_by_throughput(const StageContext& context, const 
   return select(exempt, F(1.0f), survival);
 }
 
-/// Returns who survives with these probabilities; they are weighted by the inverse.
+/// Applies Russian roulette. Returns the survivors, whose throughput is divided by `survival`.
 template <class L> SHEAF_INLINE Mask<L> roulette(PathState<L>& path, Float<L> survival, Float<L> u) {
   using F = Float<L>;
   const auto survives = u < survival;

@@ -1,17 +1,17 @@
-// Where paths go once it is known what their rays run into: the lists that later stages work on.
+// Routes paths to queues by what their rays hit.
 #pragma once
 
 #include "kernels/wave/wave.h"
 
 namespace sheaf {
 
-/// Rays of one tile at what they hit.
+/// What the rays of one tile hit.
 template <class L> struct RoutedHits {
-  typename L::Mask found;                   ///< false: the ray leaves the scene
+  typename L::Mask found;                   ///< false: the ray left the scene
   typename L::Uint light, material, flags;  ///< HitState::light and material, RayState::flags
 };
 
-/// Whether materials are thin panes.
+/// Whether materials are thin dielectrics.
 template <class L> SHEAF_INLINE Mask<L> is_thin_dielectric(const SceneView& scene, typename L::Uint material) {
   using U = typename L::Uint;
   const U kind = gather_member<L>(scene.materials, &MaterialRow::kind, material);
@@ -22,14 +22,14 @@ template <class L> SHEAF_INLINE Mask<L> is_thin_dielectric(const SceneView& scen
   return pane;
 }
 
-/// Pushes the slots of `lanes` to where what they hit is shaded: composite, surface, or finished where the path may not
-/// scatter any more. `material`: rows, valid in all lanes; `flags`: RayState::flags.
+/// Pushes the slots of `lanes` to the queue of their vertex's material: composite or surface, or finished if the path
+/// has reached max_depth. `material`: rows, valid in all lanes. `flags`: RayState::flags.
 template <class L>
 SHEAF_INLINE void route_vertices(const StageContext& context, Wave& wave, const Slot* slots, std::uint32_t lanes,
                                  Uint<L> material, Uint<L> flags) {
   using U = typename L::Uint;
   std::uint32_t last = mask_bits((flags & U(kRayLast)) != U(0u));
-  // Panes that cost no depth are left to the scatter stage.
+  // Thin dielectrics that cost no depth are left to the scatter stage.
   if (context.integrator.thin_dielectrics_are_free) last &= ~mask_bits(is_thin_dielectric<L>(context.scene, material));
   std::uint32_t composite = 0;
   if (context.scene.has_composites) {
@@ -42,7 +42,7 @@ SHEAF_INLINE void route_vertices(const StageContext& context, Wave& wave, const 
   wave.finished.push(slots, shaded & last);
 }
 
-/// Pushes the slots of the lanes `good` to miss and emitter, and as route_vertices() does.
+/// Pushes the slots of the lanes `good` to miss or emitter, and to the queues of route_vertices().
 template <class L>
 SHEAF_INLINE void route_hits(const StageContext& context, Wave& wave, const Slot* slots, std::uint32_t good,
                              const RoutedHits<L>& hit) {
@@ -50,7 +50,7 @@ SHEAF_INLINE void route_hits(const StageContext& context, Wave& wave, const Slot
   const std::uint32_t hits = mask_bits(hit.found) & good;
   const std::uint32_t lights = mask_bits(hit.light != U(kNone)) & good;
   const std::uint32_t from_camera = mask_bits((hit.flags & U(kRayFromCamera)) != U(0u));
-  // Hidden lights are left to the emission stage, which sends the ray on behind them.
+  // The emission stage continues rays behind hidden lights.
   const std::uint32_t hidden = context.integrator.hide_emitters ? lights & from_camera : 0u;
   wave.miss.push(slots, good & ~hits);
   wave.emitter.push(slots, lights);

@@ -1,4 +1,4 @@
-// Stage: scatter. Samples the BSDF or the guide, plays Russian roulette and writes the next ray.
+// Stage: scatter. Samples the BSDF or the guide, applies Russian roulette and spawns the continuation ray.
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
 #include "kernels/film/light_task.h"
@@ -17,7 +17,7 @@ namespace sheaf {
 
 namespace {
 
-/// What emission needs in order to weigh the light that the new ray finds.
+/// Stores the data that the emission stage needs for the MIS weight of light that the new ray finds.
 template <class L>
 SHEAF_INLINE void remember_scattering(Wave& wave, const Slot* slots, std::uint32_t lanes, Float<L> pdf_solid_angle,
                                       Vec3<L> ns) {
@@ -37,7 +37,7 @@ SHEAF_INLINE void remember_scattering(Wave& wave, const Slot* slots, std::uint32
   for (; lanes != 0; lanes &= lanes - 1) remember(std::countr_zero(lanes));
 }
 
-/// Paths that a dispersing surface let through have one wavelength left.
+/// Reduces paths that a dispersive surface has transmitted to a single wavelength.
 template <class L> SHEAF_INLINE void keep_first_wavelength(Wave& wave, const Slot* slots, std::uint32_t lanes) {
   for (; lanes != 0; lanes &= lanes - 1) {
     float& hero = wave.wavelength_samples[slots[std::countr_zero(lanes)]];
@@ -45,10 +45,11 @@ template <class L> SHEAF_INLINE void keep_first_wavelength(Wave& wave, const Slo
   }
 }
 
-/// Scenes with media or surfaces that let shadow rays pass: the medium of the new ray, and RescaledPdfs. Returns
-/// the mean of the latter, by which throughput is to be divided. `single`: where the first wavelength alone goes on. By
-/// that one flights were sampled so far, but those of photons that are stored by any of the four.
-/// `null_transmittance`: with which probability an open pane was passed, as shadow rays might have; 0: it was none.
+/// Updates the medium of the new ray and RescaledPdfs, in scenes with SceneView::needs_transmittance. Returns the mean
+/// of r_u, by which the throughput must be divided. `single`: only the first wavelength continues. Distances of the
+/// path were sampled by it so far, except those of stored photons, which any of the four may have sampled.
+/// `null_transmittance`: probability of passing an open pane, which shadow rays pass as well; 0: no open pane was
+/// passed.
 template <class L>
 Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots, int count, Vec3<L> ng, bool in_medium,
                       Mask<L> single, Float<L> null_transmittance, RayState<L>& ray) {
@@ -82,9 +83,9 @@ Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots
   return lane_mean<L>(scene.color, r.r_u);
 }
 
-/// Sampled directions of parts of blends count as the whole blend sends light there; see kernels/stages/blend_value.h.
-/// Returns where that is so. `Disperses`: what was sampled, which then counts alone. The sample's density
-/// had the BSDF alone been sampled becomes the blend's.
+/// Replaces the weight and pdf of directions sampled from a part of a blend by those of the whole blend
+/// (kernels/stages/blend_value.h), including the pdf without guiding. Returns the lanes whose weight is that of the
+/// blend. `Disperses`: the part is dispersive and keeps its own weight.
 template <class L, bool Disperses>
 SHEAF_INLINE Mask<L> weigh_as_blend(const StageContext& context, const Wave& wave, const Slot* slots, Mask<L> lanes,
                                     GuidedSample<L>& sample) {
@@ -112,6 +113,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
                                bool mapped, bool parts) {
   using F = Float<L>;
   using U = Uint<L>;
+  // Sample the BSDF or the guide
   const auto item = wave.vertices.load<L>(column);
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
   PathState<L> path = wave.paths.gather<L>(slots);
@@ -130,6 +132,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   BsdfSample<L>& s = sample.bsdf;
   const Vec3<L> direction = sample.direction;
 
+  // Weight the sample as the whole blend
   Mask<L> blended(false);
   if (parts && context.photons == nullptr)
     blended = weigh_as_blend<L, kDisperses<Bsdf<L>>>(context, wave, slots, L::first(count), sample);
@@ -142,6 +145,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
     if (context.photons != nullptr)
       s.weight = adjoint_f_cos<L>(bsdf, item.wo, s.wi) * (F(1.0f) / select(usable, s.pdf_solid_angle, F(1.0f)));
   }
+  // Update the throughput
   const F arrived = total(path.beta);
   path.beta = path.beta * s.weight;
   Mask<L> single(false);
@@ -165,6 +169,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
       path.beta = select<L>(matches_normal_choice<L>(t, item.ns, direction), path.beta, Spectrum<L>(F(0.0f)));
     }
   }
+  // Count depth; thin dielectrics may be free
   auto ended = Mask<L>(false);
   F null_transmittance(0.0f);
   path.depth_and_dimension = path.depth_and_dimension + U(kOneDepth + kOneDimension);
@@ -179,6 +184,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   }
   auto alive = s.valid & (!ended) & !is_black(path.beta) & (path.depth() < U(kLongestPath)) & L::first(count);
 
+  // Spawn the continuation ray
   RayState<L> ray;
   ray.direction = direction;
   ray.origin = offset_origin<L>(item.p, item.ng, item.offset, ray.direction);
@@ -187,7 +193,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   ray.flags = select(path.depth() + U(1u) < U(max_depth), U(0u), U(kRayLast));
   if (context.maps != nullptr || context.photons != nullptr) {
     const U before = wave.rays.gather<L>(slots).flags;
-    // Through open panes light is sampled as if they were not there.
+    // Light sampling passes open panes, so they do not count as specular here.
     const auto specular = (s.pdf_solid_angle == F(0.0f)) & (null_transmittance == F(0.0f));
     const auto passed = null_transmittance > F(0.0f);
     ray.flags |= select(passed, before & U(kRayHistory),
@@ -203,6 +209,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   if (context.scene.needs_transmittance)
     divisor = leave_vertex<L>(context, wave, slots, count, item.ng, kIsPhaseFunction<Bsdf<L>>, single,
                               null_transmittance, ray);
+  // Apply Russian roulette
   F survival = survival_by_throughput<L>(context, path, divisor);
   if (kIsGuided<Bsdf<L>> && context.guides)
     survival = expected_survival<L>(context, wave, slots, column, count, path.depth(), arrived / divisor, survival);

@@ -1,6 +1,6 @@
-// Stage: select materials. A mask is its material or nothing, a blend is one of two, each with the probability of its
-// share. What is chosen says where a path goes on; what the other parts add to it is for blend_value.h to say. Where
-// nothing is chosen the ray goes on.
+// Stage: select materials. Selects a mask's material or "nothing", and one of the two materials of a blend, in
+// proportion to their shares. The selected part determines where the path continues; kernels/stages/blend_value.h adds
+// the contribution of the other parts. If "nothing" is selected, the ray continues behind the surface.
 #include "core/sampler.h"
 #include "kernels/media/pass_through_probability.h"
 #include "kernels/stages/continue_ray.h"
@@ -13,7 +13,7 @@ namespace sheaf {
 
 namespace {
 
-/// The second choice's share for lanes of different materials, one material after the other.
+/// Share of the second choice for lanes of different materials, one material at a time.
 template <class L> Float<L> share_of(const SceneView& scene, Mask<L> lanes, Uint<L> row, const TextureQuery<L>& query) {
   using F = Float<L>;
   using U = Uint<L>;
@@ -32,14 +32,14 @@ template <class L> Float<L> share_of(const SceneView& scene, Mask<L> lanes, Uint
   return share;
 }
 
-/// What the first choices of a tile's paths were between.
+/// The first selection of a tile's paths.
 template <class L> struct FirstChoice {
   typename L::Uint row;     ///< the composite material
   typename L::Float share;  ///< of its second choice
 };
 
-/// The shares of light that pass where passing was one of a material's two choices, and the other is no choice itself:
-/// as pass_through_probability() has them, without looking textures up again.
+/// Pass-through probabilities of simple masks: one of the two choices is "nothing", and the other is not composite.
+/// Same values as pass_through_probability(), without another texture lookup.
 template <class L> struct KnownShares {
   typename L::Float share;
   typename L::Mask known;
@@ -66,8 +66,8 @@ SHEAF_INLINE KnownShares<L> shares_of_masks(const SceneView& scene, const FirstC
   return {select(second_passes, first.share, F(1.0f) - first.share), known};
 }
 
-/// Light sampling passes the surface with certainty, and the light is weakened; the paths of `lanes` have passed with
-/// the probability that is the weakening.
+/// Divides r_l of the paths of `lanes` by the pass-through probability. Paths pass the surface with that probability;
+/// light sampling passes with certainty and attenuates the light instead.
 template <class L>
 SHEAF_INLINE void note_passing(const SceneView& scene, Wave& wave, const Slot* slots, std::uint32_t lanes,
                                const TextureQuery<L>& query, Uint<L> material, Mask<L> behind,
@@ -113,12 +113,13 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
   const U nothing(MaterialRow::kNothing);
   auto open = L::first(count);
   FirstChoice<L> first{row, F(0.0f)};
+  // Select a part, level by level
   for (bool is_first = true;; is_first = false) {
     const U safe = select(open, row, U(0u));
     const U flags = gather_member<L>(context.scene.materials, &MaterialRow::flags, safe);
     open = open & ((flags & U(kComposite)) != U(0u));
     if (!any(open)) break;
-    // What is left of the random number after a choice is as good as new.
+    // The remainder of the random number is uniform again.
     const F share = clamp(share_of<L>(context.scene, open, safe, query), F(0.0f), F(1.0f));
     if (is_first) first.share = share;
     const auto second = u < share;
@@ -132,6 +133,7 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
     row = select(open & behind, back, row);
   }
 
+  // Route the paths, or continue their rays
   const auto passing = row == nothing;
   hit.material = row;
   wave.hits.scatter<L>(slots, count, hit);

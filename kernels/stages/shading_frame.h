@@ -1,4 +1,4 @@
-// The frame in which BSDFs see directions, made from what a surface item holds.
+// The shading frame of a vertex, in which BSDFs take their directions (PBR 9.1.1).
 #pragma once
 
 #include "core/frame.h"
@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-/// The x axis of a frame around `n`, along dp_du: cosine and sine of its angle to that of Frame::from_normal().
+/// The x axis of a frame, along dp_du: cosine and sine of its angle to the x axis of Frame::from_normal().
 template <class L> SHEAF_INLINE Vec2<L> tangent_of(const Frame<L>& frame, Vec3<L> dp_du) {
   using F = Float<L>;
   const F x = dot(frame.s, dp_du), y = dot(frame.t, dp_du);
@@ -16,7 +16,7 @@ template <class L> SHEAF_INLINE Vec2<L> tangent_of(const Frame<L>& frame, Vec3<L
   return {select(usable, x * scale, F(1.0f)), select(usable, y * scale, F(0.0f))};
 }
 
-/// The shading frame of an item: z along the shading normal; x along the tangent if `WithTangent`, else anywhere.
+/// Shading frame of a vertex: z along the shading normal; x along the tangent if `WithTangent`, otherwise arbitrary.
 template <class L, bool WithTangent> struct ShadingFrame {
   Frame<L> frame;
   Vec2<L> tangent;

@@ -1,4 +1,4 @@
-// What a texture puts in place of a closure's words.
+// Texture lookups for the parameters of closures.
 #pragma once
 
 #include "scene/tables/scene.h"
@@ -6,7 +6,8 @@
 
 namespace sheaf {
 
-/// A looked-up colour at the path's wavelengths, by the spectrum that its texture's values stand for.
+/// Upsamples a looked-up colour to the wavelengths `lambda`, nm (Jakob and Hanika 2019). `role`: reflectances stay in
+/// [0, 1], other spectra are unbounded.
 template <class L>
 SHEAF_INLINE Spectrum<L> uplifted(const SceneView& scene, TextureRole role, const Spectrum<L>& rgb,
                                   const Spectrum<L>& lambda) {
@@ -16,7 +17,8 @@ SHEAF_INLINE Spectrum<L> uplifted(const SceneView& scene, TextureRole role, cons
   return evaluate(reflectance ? uplift_reflectance<L>(table, color) : uplift_unbounded<L>(table, color), lambda);
 }
 
-/// binding.words values, from the first lane on; in spectral mode colours are taken to the wavelengths `lambda`.
+/// The `binding.words` values of a texture, in the first lanes of the result. Spectral mode: colours are upsampled to
+/// the wavelengths `lambda`, nm.
 template <class L, ColorMode Mode>
 SHEAF_INLINE Spectrum<L> shading_texture(const SceneView& scene, const TextureBinding& binding,
                                          const TextureQuery<L>& query, const Spectrum<L>& lambda) {

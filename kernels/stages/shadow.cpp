@@ -1,4 +1,5 @@
-// Stage: shadow. Asks Embree whether anything lies between a vertex and its sampled light, sixteen rays at a time.
+// Stage: shadow. Traces shadow rays between vertices and sampled lights with Embree, sixteen at a time, and adds the
+// unoccluded contributions.
 #include "kernels/stages/shadow_packet.h"
 #include "kernels/stages/stages.h"
 #include "kernels/stages/trace_packets.h"

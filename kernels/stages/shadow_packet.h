@@ -1,4 +1,4 @@
-// Shadow rays as Embree wants them: what the shadow and the transmittance stage share.
+// Shadow rays in the packet format of Embree, and their statistics; shared by the shadow and transmittance stages.
 #pragma once
 
 #include "core/float4.h"
@@ -6,11 +6,11 @@
 
 namespace sheaf {
 
-/// Shadow rays end this close to the light's point, which itself lies off the light's surface, so that rounding of the
-/// direction cannot carry them into it.
+/// Maximum t of shadow rays, slightly before the point on the light, which itself lies off the light's surface. So
+/// rounding errors of the direction cannot make the ray hit the light.
 inline constexpr float kShadowEnd = 1.0f - 4.0f * 5.9604645e-8f;
 
-/// Copies the shadow rays [i, i + L::width) to the packet's lanes from `at` on.
+/// Copies the shadow rays [i, i + L::width) to lanes of the packet, from `at` on.
 template <class L> SHEAF_INLINE void pack_shadow_rays(const Wave& wave, int i, RayPacket& packet, int at) {
   const ShadowItem<Columns>& c = wave.shadows.columns();
   const auto copy = [i, at](const float* from, float* to) SHEAF_LAMBDA_INLINE {
@@ -27,8 +27,8 @@ template <class L> SHEAF_INLINE void pack_shadow_rays(const Wave& wave, int i, R
   store(packet.t_far + at, Float<L>(kShadowEnd));
 }
 
-/// Counts what is spent on lights and what they bring. Numbers of rays to one light, one after the other, are kept at
-/// hand until another light's turn comes.
+/// Counts the shadow rays of each light and their contributions. The counts of consecutive rays to the same light are
+/// kept locally and added once.
 class LightTally {
  public:
   explicit LightTally(Stats& stats) : stats_(stats) {}
@@ -36,12 +36,12 @@ class LightTally {
   LightTally(const LightTally&) = delete;
   LightTally& operator=(const LightTally&) = delete;
 
-  /// A shadow ray is about to be traced.
+  /// Counts a shadow ray that will be traced.
   SHEAF_INLINE void spend(std::uint32_t light) {
     turn_to(light);
     ++counted_.rays;
   }
-  /// One has arrived.
+  /// Counts a shadow ray that is unoccluded.
   SHEAF_INLINE void arrive(std::uint32_t light, const Spectrum4& found) {
     turn_to(light);
     ++counted_.arrived;
@@ -65,7 +65,7 @@ class LightTally {
   LightStats counted_;
 };
 
-/// Counts the shadow rays that are about to be traced.
+/// Counts the shadow rays of the wave, before they are traced.
 inline void count_shadow_rays(Wave& wave) {
   wave.stats.rays.shadow += static_cast<std::uint64_t>(wave.shadow_count);
   LightTally tally(wave.stats);

@@ -1,4 +1,5 @@
-// Stage: sort. Surface hits by closure kind, then material, so that the stages that follow run one closure at a time.
+// Stage: sort surfaces. Sorts surface hits by closure kind, then by material, so that the following stages process one
+// closure at a time.
 #include "core/bucket_sort.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/stage_timer.h"
@@ -11,7 +12,7 @@ template <class L> void sort_surfaces(const StageContext& context, Wave& wave) n
   if (hits == 0) return;
   StageTimer timer(wave.stats, Stage::kSortSurfaces);
   timer.count(hits, 1);
-  // Pointers of our own: the compiler must assume that storing a byte may change any of the wave's.
+  // Local pointers: the compiler must assume that storing a byte may modify the pointers of the wave.
   const Slot* slots = wave.surface.data();
   const HitState<Scalar>* states = &wave.hits.row(0);
   const MaterialRow* materials = context.scene.materials;

@@ -1,5 +1,4 @@
-// Stage: splat. What photons' vertices have sent to the camera, once the shadow stages have let it pass, becomes splats
-// of the task.
+// Stage: splat. Turns the visible camera connections of photons' vertices into splats of the task.
 #include "core/color.h"
 #include "kernels/bsdf/all.h"
 #include "kernels/film/light_task.h"
@@ -13,7 +12,7 @@ namespace sheaf {
 
 namespace {
 
-/// Linear Rec.709 of a path's radiance; false where it is not to be used.
+/// Converts the radiance of a path to linear Rec.709. Returns false if a lane is negative or the colour is not finite.
 bool sense(const SceneView& scene, const Wave& wave, Slot slot, const Spectrum4& radiance, float (&rgb)[3]) {
   const float lowest = std::min(std::min(radiance.c0, radiance.c1), std::min(radiance.c2, radiance.c3));
   Vec3f color{radiance.c0, radiance.c1, radiance.c2};

@@ -1,4 +1,4 @@
-// The one list of stages, from which statistics, tests and benchmarks derive.
+// The list of all stages, from which statistics, tests and benchmarks are generated.
 #pragma once
 
 #include "kernels/film/camera_task.h"
@@ -10,36 +10,35 @@
 
 namespace sheaf {
 
-/// Which passes a stage belongs to, and under which condition.
+/// The passes that a stage belongs to, and its conditions.
 enum class StageUse {
-  kAlways,  ///< of all passes
-  kCamera,  ///< of passes that start at the camera
-  kLight,   ///< of passes that transport light
-  /// Of those with shadow rays, where light passes or doesn't: without SceneView::needs_transmittance; and of the debug
-  /// view that has them.
+  kAlways,  ///< all passes
+  kCamera,  ///< passes that start at the camera
+  kLight,   ///< passes that transport light
+  /// Passes with shadow rays, without SceneView::needs_transmittance; also the debug view of visibility.
   kBinary,
-  kTransmission,     ///< of those, with it
-  kPath,             ///< of the path pass
-  kAovs,             ///< of the path pass, where there are layers of first surfaces
-  kGuiding,          ///< of the path pass, where there is a guide
-  kLearning,         ///< of the path pass, where a guide learns
-  kGathering,        ///< of the path pass, where there are photon maps
-  kGatheringMedia,   ///< of the path pass, where there is a volume photon map
-  kScatteringMedia,  ///< of passes that transport light, but for that one
-  kPhotons,          ///< of the light pass and the photon pass
-  kSplats,           ///< of the light pass
-  kStoring,          ///< of the photon pass
-  kDebug,            ///< of debug views
+  kTransmission,     ///< passes with shadow rays, with SceneView::needs_transmittance
+  kPath,             ///< path pass
+  kAovs,             ///< path pass with AOVs
+  kGuiding,          ///< path pass with a guide
+  kLearning,         ///< path pass that trains a guide
+  kGathering,        ///< path pass with photon maps
+  kGatheringMedia,   ///< path pass with a volume photon map
+  kScatteringMedia,  ///< passes that transport light, without a volume photon map
+  kPhotons,          ///< light pass and photon pass
+  kSplats,           ///< light pass
+  kStoring,          ///< photon pass
+  kDebug,            ///< debug views
 };
 
-/// One stage, and what it does with queues.
+/// A stage, with the queues that it uses.
 struct StageEntry {
   Stage stage;
-  std::string_view name;  ///< as reports and benchmarks write it, e.g. "light_candidates"
-  QueueSet consumes;      ///< queues that it empties, or whose rows it reads
+  std::string_view name;  ///< name in reports and benchmarks, e.g. "light_candidates"
+  QueueSet consumes;      ///< queues that it empties or reads
   QueueSet produces;      ///< queues that it pushes to
   StageUse use;
-  void (*run)(const StageContext&, Wave&) noexcept;  ///< those that work on a candidate: on the first
+  void (*run)(const StageContext&, Wave&) noexcept;  ///< stages that take a candidate: for the first one
 };
 
 /// All stages, in the order of Stage.
@@ -129,11 +128,11 @@ static_assert(
     }(),
     "the list follows the enumeration");
 
-/// The stage's name in reports.
+/// The name of a stage in reports.
 inline std::string_view stage_name(Stage stage) { return kStages<Wide>[static_cast<std::size_t>(stage)].name; }
 
-/// Whether a stage has a part in the pass of a context that transports light (`light`) or in its debug view. That pass
-/// is the light pass or the photon pass where the context has photons, else the path pass.
+/// Whether a stage belongs to the pass of a context that transports light (`light`), or to its debug view. This is the
+/// light pass or the photon pass if the context has photons, otherwise the path pass.
 inline bool takes_part(const StageContext& context, StageUse use, bool light) {
   const bool photons = context.photons != nullptr;
   const bool stores = photons && context.integrator.kind != IntegratorKind::kLightTracer;

@@ -1,4 +1,4 @@
-// Which medium rays start in, where nobody has told them.
+// Finds the medium in which rays start, where it is not known from a previous vertex.
 #pragma once
 
 #include "kernels/stages/trace_packets.h"
@@ -9,11 +9,11 @@
 
 namespace sheaf {
 
-/// For the rays of `lanes`: 1 + the row of the medium around their origin, or 0. The first boundary that a ray meets
-/// knows what lies on its near side; if there is none, it is what surrounds the scene.
+/// 1 + row of the medium at the origin of the rays of `lanes`, or 0 for vacuum. The first boundary that a ray hits
+/// gives the medium on its near side. Rays that hit no boundary start in the outer medium.
 template <class L>
 Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L> direction, Mask<L> lanes) {
-  /// Rays that cross more surfaces than this have lost their way.
+  /// Rays that cross more surfaces are assumed to start in the outer medium.
   constexpr int kMaxCrossings = 1000;
   using U = Uint<L>;
   if (scene.boundaries == nullptr) return U(scene.outer_medium);

@@ -1,6 +1,6 @@
-// Stage: store photons. Wherever a photon meets a surface that is not specular, or is scattered in a medium, it may be
-// noted in the task; see kernels/photons/photon.h. Not where media keep their beams instead. Before textures, which
-// choose among normals and weigh photons by that choice.
+// Stage: store photons. Stores photons at non-specular surfaces, or where media scatter them, in the task
+// (kernels/photons/photon.h). Media that keep beams store no photons. Precedes the textures stage, which selects among
+// mapped normals and weights photons for it.
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
 #include "kernels/film/light_task.h"
@@ -22,8 +22,8 @@ bool is_specular(ClosureKind kind) {
   return specular;
 }
 
-/// The probability with which of the parts of a composite material one was chosen where photons are stored; 1 for
-/// others. What is looked up there has met the same choice, so the photon itself must not count by it.
+/// Probability of selecting, among the parts of a composite material, one where photons are stored; 1 for other
+/// materials. Vertices that look photons up are selected with the same probability, so photons are divided by it.
 float storing_share(const SceneView& scene, const HitState<Scalar>& hit, const RayState<Scalar>& ray) {
   if (!scene.has_composites) return 1.0f;
   const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.shapes, hit.shape);

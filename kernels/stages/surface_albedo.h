@@ -1,5 +1,5 @@
-// The albedo of a surface, for layers: how much of the light that leaves it towards the viewer it would scatter there
-// from an even surrounding.
+// Albedo of a surface for AOVs: the share of uniform illumination that it scatters towards the viewer
+// (directional-hemispherical reflectance and transmittance).
 #pragma once
 
 #include "core/color.h"
@@ -10,7 +10,7 @@
 
 namespace sheaf {
 
-/// Points of a rule for the integral over a BSDF's numbers: Hammersley's.
+/// Quadrature points in the space of a BSDF's random numbers: a Hammersley set.
 inline constexpr int kAlbedoPoints = 16;
 inline constexpr auto kAlbedoRule = [] {
   std::array<std::array<float, 3>, kAlbedoPoints> points{};
@@ -25,28 +25,27 @@ inline constexpr auto kAlbedoRule = [] {
   return points;
 }();
 
-/// The integral of f |cos| over all directions, reflected and refracted, by a rule of a few points that are the same
-/// everywhere: without noise, and exact for Lambertian surfaces, mirrors and smooth glass.
+/// The integral of f |cos| over all directions, reflected and transmitted. Uses the same few quadrature points
+/// everywhere, so it has no noise. Exact for Lambertian surfaces, mirrors and smooth glass.
 template <class L, class Bsdf> [[gnu::noinline]] Spectrum<L> directional_albedo(const Bsdf& bsdf, const Vec3<L>& wo) {
   using F = Float<L>;
   Spectrum<L> sum(F(0.0f));
 #pragma GCC unroll 1
   for (const std::array<float, 3>& point : kAlbedoRule) {
     const BsdfSample<L> s = bsdf.sample(wo, {F(point[0]), F(point[1]), F(point[2]), F(0.5f)});
-    // Refraction into a denser medium squeezes light together, which says nothing of how much there is.
+    // Removes the factor by which refraction scales radiance, which does not change the amount of light.
     sum = sum + select<L>(s.valid, s.weight * s.eta_scale, Spectrum<L>(F(0.0f)));
   }
   return sum * F(1.0f / kAlbedoPoints);
 }
 
-/// A linear map of colours, lane by lane.
+/// Applies a linear map of colours to each lane.
 template <class L> SHEAF_INLINE Vec3<L> map_color(Vec3f (*map)(Vec3f), const Vec3<L>& v) {
   return broadcast<L>(map({1, 0, 0})) * v.x + broadcast<L>(map({0, 1, 0})) * v.y + broadcast<L>(map({0, 0, 1})) * v.z;
 }
 
-/// The colour under D65 of a reflectance at four wavelengths, each component of XYZ as the mean of the reflectance
-/// weighted by its curve: grey is grey without noise. The mean over samples is off by little, since it is one of
-/// ratios.
+/// Colour under D65 of a reflectance at four wavelengths. Each component of XYZ is the mean of the reflectance weighted
+/// by its matching function, so grey has no noise. The mean over samples has a small bias, as it is a mean of ratios.
 template <class L>
 SHEAF_INLINE Vec3<L> reflectance_to_rgb(const SpectralView& spectral, const Wavelengths<L>& w,
                                         const Spectrum<L>& value) {

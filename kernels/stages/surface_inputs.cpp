@@ -1,5 +1,5 @@
-// Stage: surface inputs. From hits to what closures need: position, normals, the viewing direction in the shading
-// frame, and the closure's parameters.
+// Stage: surface inputs. Computes the inputs of closures from hits: position, normals, the viewing direction in the
+// shading frame, and the closure's parameters.
 #include "kernels/bsdf/all.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stages.h"
@@ -12,16 +12,16 @@ namespace sheaf {
 
 namespace {
 
-/// What differs between kinds of closure. Kept out of the templates: one copy of the code serves all kinds.
+/// Properties of a closure kind. Not template parameters, so that all kinds share one copy of the code.
 struct KindInputs {
-  int words;         ///< of the closure's parameters
-  bool anisotropic;  ///< the frame must follow the tangent
-  /// Some materials of the kind have textures or maps. All are worked out with what textures need then: who shares a
-  /// register must not matter, and the two ways differ in rounding.
+  int words;         ///< number of the closure's parameters
+  bool anisotropic;  ///< the shading frame follows the tangent
+  /// Some materials of the kind have textures or maps. Then all vertices of the kind get the inputs of textures: both
+  /// code paths round differently, and results must not depend on which vertices share a register.
   bool textured;
   bool in_medium;          ///< a phase function
-  bool flakes;             ///< one whose words the medium tells
-  ClosureSpectra spectra;  ///< among the parameters
+  bool flakes;             ///< a phase function with parameters from the medium (microflakes)
+  ClosureSpectra spectra;  ///< offsets among the parameters
 };
 
 /// Copies the closure's parameters from the material table.
@@ -35,7 +35,7 @@ SHEAF_INLINE void closure_words(const SceneView& scene, Wave& wave, Uint<L> mate
   }
 }
 
-/// Spectral mode: puts the material's spectra at the path's wavelengths in place of its colours.
+/// Spectral mode: replaces the material's colours by spectra at the path's wavelengths.
 template <class L>
 SHEAF_INLINE void closure_spectra_words(const SceneView& scene, Wave& wave, const Slot* slots, Uint<L> material,
                                         const ClosureSpectra& spectra, int column) {
@@ -51,7 +51,7 @@ SHEAF_INLINE void closure_spectra_words(const SceneView& scene, Wave& wave, cons
   }
 }
 
-/// `Textured`: with all that textures need to know.
+/// Computes a surface vertex. `Textured`: with the inputs of textures.
 template <class L, bool Textured>
 SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const RayState<L>& ray, const HitState<L>& hit,
                                Uint<L> flags, int column, bool with_tangent) {
@@ -76,7 +76,7 @@ SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const RayStat
   wave.vertices.store<L>(column, item);
 }
 
-/// A vertex in a medium: no surface, and its frame looks back along the ray.
+/// Computes a vertex in a medium. Its frame looks back along the ray.
 template <class L>
 SHEAF_INLINE void medium_item(Wave& wave, const RayState<L>& ray, const HitState<L>& hit, int column) {
   using F = Float<L>;
@@ -89,7 +89,7 @@ SHEAF_INLINE void medium_item(Wave& wave, const RayState<L>& ray, const HitState
   wave.vertices.store<L>(column, item);
 }
 
-/// Puts the microflakes of the paths' media in the closure's words.
+/// Writes the microflake parameters of the paths' media to the closure's columns.
 template <class L>
 [[gnu::noinline]] void flake_words(const SceneView& scene, Wave& wave, const RayState<L>& ray, int column) {
   using F = Float<L>;
@@ -100,7 +100,7 @@ template <class L>
   store(flags, ray.flags);
   for (int lane = 0; lane < L::width; ++lane) {
     const std::uint32_t medium = flags[lane] >> kRayMediumShift;
-    // What is behind the run's end may be anywhere.
+    // Lanes behind the end of the run may hold anything.
     if (medium == 0 || (scene.media[medium - 1].flags & kMediumFlakes) == 0) continue;
     const FlakeMatrix s =
         flake_matrix(scene, scene.media[medium - 1], {place[0][lane], place[1][lane], place[2][lane]});

@@ -1,5 +1,5 @@
-// Stage: textures. Runs of one material at a time: looked-up values take the place of closure words, and maps turn the
-// shading frame.
+// Stage: textures. Processes runs of one material: replaces closure parameters by texture values, and applies normal
+// and bump maps.
 #include "kernels/bsdf/all.h"
 #include "kernels/stages/adjoint.h"
 #include "kernels/stages/normal_map.h"
@@ -15,7 +15,7 @@ namespace sheaf {
 
 namespace {
 
-/// Lanes [first, last) of the tile at `column` whose slots are `slots`.
+/// Lanes [first, last) of the tile at `column`. `slots`: of the whole tile.
 template <class L> struct TextureTile {
   const Slot* slots;
   int column, first, last;
@@ -37,7 +37,7 @@ SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, const Slot* slots, con
   return {t.uv, hit.shape, hit.primitive, hit.u, hit.v, p};
 }
 
-/// Whether uv coordinates are all that the textures of a material's words ask for.
+/// Whether the textures of a material's parameters depend on uv coordinates alone.
 bool needs_only_uv(const SceneView& scene, const MaterialRow& material) {
   const auto is_flat = [&](const TextureBinding& binding) {
     const TextureKind kind = scene.textures.rows[binding.texture].kind;
@@ -68,8 +68,8 @@ void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& materi
   }
 }
 
-/// Chooses for photons between a turned normal and its mirror image; `may_choose`: where both may be seen. Returns
-/// whether it is the mirror image.
+/// Selects at random between a mapped normal and its mirror image for photons, and divides the throughput by the
+/// probability. `may_choose`: lanes where both may be visible. Returns the lanes with the mirror image.
 template <class L>
 Mask<L> choose_normal(const StageContext& context, Wave& wave, const TextureTile<L>& tile, Float<L> cos_turn,
                       Mask<L> may_choose, TexturedItem<L>& t) {
@@ -98,15 +98,18 @@ void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& ma
   const auto lanes = tile.lanes();
 
   const Vec3<L> base = item.ns;
+  // Evaluate the map
   Mask<L> usable(false);
   Vec3<L> n = turned_normal<L>(scene.textures, map, query, base, t.handedness, t.dp_du, t.dp_dv, lanes, usable);
 
   const Vec3<L> wo = ShadingFrame<L, WithTangent>(base, item.tangent).to_world(item.wo);
+  // Mirror normals that face away from the viewer
   if (map.flags & NormalMapRow::kFixInvalid) {
     const auto mirrored = context.photons == nullptr ? faces_away<L>(n, base, wo)
                                                      : choose_normal<L>(context, wave, tile, dot(n, base), usable, t);
     n = select<L>(mirrored, mirrored_normal<L>(n, base), n);
   }
+  // Update the shading frame
   item.ns = n;
   const Frame<L> turned = Frame<L>::from_normal(n);
   if constexpr (WithTangent) {
@@ -125,7 +128,7 @@ struct MaterialRun {
   int first = 0, last = 0;
 };
 
-/// Asks for the texels that the items will look up.
+/// Prefetches the texels of the items.
 template <class L>
 void prefetch_run(const SceneView& scene, const Wave& wave, const VertexRun& run, const MaterialRun& part) {
   const MaterialRow& material = *part.material;
@@ -151,7 +154,8 @@ void texture_run(const StageContext& context, Wave& wave, const VertexRun& run, 
   }
 }
 
-/// Texels are asked for a few registers before they are looked up: by then most have come from memory.
+/// Processes the vertices of a kind. Texels are prefetched a few registers before their lookup, so that most have
+/// arrived from memory by then. Returns the number of textured vertices.
 template <class L, bool WithTangent> int texture_kind(const StageContext& context, Wave& wave, const VertexRun& run) {
   constexpr int kTilesAhead = 4;
   const SceneView& scene = context.scene;

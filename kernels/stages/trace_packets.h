@@ -1,4 +1,4 @@
-// The loop around Embree that all stages share: sixteen rays at a time, recorded and timed.
+// The loop around Embree that all stages share: packets of sixteen rays, recorded for benchmarks and timed.
 #pragma once
 
 #include "kernels/wave/wave.h"
@@ -7,8 +7,8 @@
 
 namespace sheaf {
 
-/// Traces `rays` rays. pack(first, count, packet) fills the packet's lanes with the rays [first, first + count);
-/// take(first, count, packet) gets them back with what they hit.
+/// Traces `rays` rays. pack(first, count, packet) fills the lanes of the packet with the rays [first, first + count).
+/// take(first, count, packet) receives their hits.
 template <class Pack, class Take>
 SHEAF_INLINE void trace_packets(const SceneView& scene, Wave& wave, int rays, RayRecorder::Query query, Pack&& pack,
                                 Take&& take) {

@@ -1,7 +1,9 @@
-// Stage: transmittance. Shadow rays where surfaces may let light pass and media weaken it: nearest hits instead of any,
-// sixteen rays at a time, again and again for those that go on. What is unblocked is paid with its weight against BSDF
-// sampling, which depends on what the ray met (see kernels/stages/resample.cpp and RescaledPdfs):
-//     w_l = P_l^2 / (P_l^2 + P_b^2),  P_l, P_b = means over the lanes of r_l, r_u times `pdf_ratio`.
+// Stage: transmittance. Shadow rays in scenes where surfaces let light pass and media attenuate it. Traces the nearest
+// hits of all rays, sixteen rays at a time, and repeats this for rays that continue behind a surface. Contributions
+// that arrive get the MIS weight against BSDF sampling, which depends on what the ray met (see
+// kernels/stages/resample.cpp and RescaledPdfs):
+//     w_l = P_l^2 / (P_l^2 + P_b^2)
+// P_l is the mean over the lanes of r_l, and P_b that of r_u times `pdf_ratio`.
 #include "kernels/bsdf/pane.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/media/density_weights.h"
@@ -20,10 +22,10 @@ namespace sheaf {
 
 namespace {
 
-/// Rays that cross more surfaces than this are taken to be blocked.
+/// Rays that cross more surfaces count as blocked.
 constexpr int kMaxCrossings = 4096;
 
-/// One shadow ray on its way.
+/// A shadow ray between two surfaces.
 struct ShadowRay {
   ShadowItem<Scalar> item;
   TransmittanceItem<Scalar> state;
@@ -38,12 +40,12 @@ void store_ray(Wave& wave, int i, const ShadowRay& ray) {
   wave.transmittances.store<Scalar>(i, ray.state);
 }
 
-/// The dimension of a path's random numbers in a round: each stretch between surfaces has its own.
+/// The random-number dimension of a path in a round. Each segment between surfaces has its own.
 std::uint32_t dimension_of(const PathState<Scalar>& path, int round) {
   return path.dimension() | static_cast<std::uint32_t>(round) << 16;
 }
 
-/// The part `t` of the ray, in its medium; nothing where there is none. `to_end`: it is the last one.
+/// The segment of the ray up to `t` in its medium; empty in vacuum. `to_end`: it is the last segment.
 std::optional<MediumRay> stretch_of(const StageContext& context, const Wave& wave, const ShadowRay& ray, float t,
                                     bool to_end) {
   if (ray.state.flags >> kRayMediumShift == 0) return std::nullopt;
@@ -66,7 +68,7 @@ void apply(PathWeights& weights, ShadowRay& ray) {
   ray.state.r_l = to_spectrum(weights.r_l);
 }
 
-/// Lets the light pass a stretch on its own. Returns false where nothing is left.
+/// Attenuates the light by one segment of a medium. Returns false if nothing is left.
 bool pass_medium(const StageContext& context, Wave& wave, const MediumRay& stretch, bool to_end, int round,
                  ShadowRay& ray) {
   PathWeights weights{Float4(1.0f), Float4(1.0f), Float4(1.0f)};
@@ -85,14 +87,15 @@ bool pass_medium(const StageContext& context, Wave& wave, const MediumRay& stret
   return open;
 }
 
-/// Lets the light pass the surface that lane `at` of the packet has hit; the ray then begins behind it.
+/// Attenuates the light by the surface that lane `at` of the packet has hit, and moves the origin of the ray behind it.
+/// Returns false if the surface blocks the light.
 bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket& packet, int at, ShadowRay& ray) {
   const SceneView& scene = context.scene;
   const Vec3f d = ray.item.direction;
   const Vec3f normal{packet.normal_x[at], packet.normal_y[at], packet.normal_z[at]};
   const bool behind = dot(normal, d) > 0.0f;
   const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.shapes, packet.shape[at]);
-  // Photons' shadow rays go to the camera, which sees past hidden lights.
+  // Shadow rays of photons end at the camera, which does not see hidden lights.
   const bool hidden = context.photons != nullptr && context.integrator.hide_emitters && shape.light != kNone;
   if (hidden && (ray.state.flags & kShadowFromHiddenLight) != 0) return false;
   if (!hidden && !may_pass(scene, shape.material, behind)) return false;
@@ -101,13 +104,14 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   const auto y = surface_point<Scalar, true>(scene, shape, packet.primitive[at], u, v,
                                              ray.item.origin + d * packet.t_far[at], packet.instance[at]);
   PanePassage<Scalar> passage;
+  // Find the pass-through probability
   if (hidden) {
     passage = {Spectrum4(1.0f), 1.0f};
     ray.state.flags |= kShadowPassedHiddenLight;
   } else if ((scene.materials[shape.material].flags & kComposite) == 0) {
     const Spectrum4 lambda = lane_wavelengths(scene, wave, static_cast<Slot>(ray.item.slot));
     passage = pane_passage(scene, shape.material, dot(y.ns, d) / length(d), lambda);
-    // Behind a pane the camera sees lights, which then let nothing pass.
+    // Behind a pane the camera sees lights, so a light that the ray has passed before blocks it.
     if ((ray.state.flags & kShadowPassedHiddenLight) != 0) return false;
     ray.state.flags &= ~kShadowFromHiddenLight;
   } else {
@@ -117,7 +121,7 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   }
   if (!(passage.probability > 0.0f)) return false;
   ray.item.contribution = ray.item.contribution * passage.share;
-  // The path, by BSDF sampling, passes with that probability; light sampling with certainty.
+  // BSDF sampling passes the surface with this probability, light sampling with certainty.
   ray.state.r_u = ray.state.r_u * passage.probability;
   const RayBehind<Scalar> behind_it = ray_behind<Scalar>(scene, y, shape.boundary, d, ray.state.flags);
   ray.state.flags = behind_it.flags;
@@ -126,13 +130,13 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   return true;
 }
 
-/// Adds what has arrived to its path.
+/// Adds the contribution of a ray that has reached its end to its path, with its MIS weight.
 void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ray) {
   if ((ray.state.flags & kShadowFromHiddenLight) != 0) return;
   Float4 r_u(ray.state.r_u);
   const std::uint32_t end = ray.state.target_medium;
   if (end != kNone) {
-    // A point in a medium: the path would have to collide there.
+    // For a point in a medium, BSDF sampling must produce a collision there.
     if (ray.state.flags >> kRayMediumShift != end) return;
     const Spectrum4 lambda = lane_wavelengths(context.scene, wave, static_cast<Slot>(ray.item.slot));
     const Vec3f p = ray.item.origin + ray.item.direction;
@@ -145,19 +149,19 @@ void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ra
   add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light);
 }
 
-/// One round of rays: each to the next surface, or to its end. Those that go on stand at the front of the columns
-/// then. Stretches that are tracked many at a time wait for each other.
+/// One round: moves each ray to the next surface, or to its end. Rays that continue are compacted to the front of the
+/// columns. Segments that are tracked several at a time wait in a queue.
 template <class L> class Round {
  public:
   Round(const StageContext& context, Wave& wave, int round)
       : context_(context), wave_(wave), round_(round), queue_(context.sampler, MediumStream::kShadow) {}
 
-  /// Follows ray `i`, which lane `at` of the packet has traced.
+  /// Moves ray `i`, which was traced in lane `at` of the packet.
   void follow(const RayPacket& packet, int at, int i) {
     ShadowRay ray = load_ray(wave_, i);
     const bool to_end = packet.shape[at] == kNone;
     ShadowRay behind = ray;
-    // What the surface lets pass is known sooner than what the medium does.
+    // The surface is cheaper to evaluate than the medium, so it comes first.
     if (!to_end && !pass_surface(context_, wave_, packet, at, behind)) return;
     const auto stretch = stretch_of(context_, wave_, ray, to_end ? 1.0f : packet.t_far[at], to_end);
     int place = kAlone;
@@ -174,7 +178,7 @@ template <class L> class Round {
     if (waiting_count_ == DensityQueue::kCapacity) finish();
   }
 
-  /// Lets those that wait go on, in order: none is stored where another still waits.
+  /// Tracks the queued segments and continues the waiting rays in order, so that no ray is stored over a waiting one.
   void finish() {
     const bool delta = context_.integrator.medium_estimator == MediumEstimator::kDelta;
     if (delta)
@@ -194,19 +198,19 @@ template <class L> class Round {
     queue_.clear();
   }
 
-  /// Rays that go on.
+  /// Number of rays that continue.
   int going() const { return going_; }
 
  private:
   static constexpr int kAlone = -1;
 
   struct Waiting {
-    int ray;    ///< row where it is stored
-    int place;  ///< in the queue; kAlone: it has passed already
+    int ray;    ///< row of its ShadowItem
+    int place;  ///< in the queue; kAlone: already attenuated
     bool to_end;
   };
 
-  /// Lets the light pass the stretch at a place of the queue. Returns false where nothing is left.
+  /// Attenuates the light by the segment at a place of the queue. Returns false if nothing is left.
   bool pass_densities(int place, bool delta, ShadowRay& ray) {
     const TrackResult<Scalar>& end = queue_.end(place);
     const auto outcome = static_cast<DensityOutcome>(end.outcome);
@@ -227,7 +231,7 @@ template <class L> class Round {
   std::array<Waiting, DensityQueue::kCapacity> waiting_;
 };
 
-/// Follows all rays to the next surface, or to their ends; returns how many go on.
+/// Moves all rays to the next surface, or to their ends. Returns the number of rays that continue.
 template <class L> int follow(const StageContext& context, Wave& wave, int rays, int round) {
   Round<L> all(context, wave, round);
   trace_packets(

@@ -1,4 +1,4 @@
-// The one way by which radiance gets into paths: whoever wants to tell light of one kind from another looks here.
+// Adds radiance to paths. This is the only entry point for radiance; light groups hook in here.
 #pragma once
 
 #include "core/float4.h"
@@ -8,9 +8,8 @@
 
 namespace sheaf {
 
-/// Adds what one path has found, per spectral lane, to its radiance, and to its light's group where these are told
-/// apart. `light`: the row of the light that it comes from, or kNone. What else may matter of the path (its depth,
-/// where its ray came from) is to be found by its slot.
+/// Adds `found`, per spectral lane, to the radiance of one path, and to the group of its light if there are light
+/// groups. `light`: row of the light, or kNone. Other data of the path, such as its depth, is available by its slot.
 SHEAF_INLINE void add_radiance(Wave& wave, Slot slot, Float4 found, std::uint32_t light) {
   if (wave.light_groups.first != nullptr) [[unlikely]]
     add_to_light_group(wave, slot, found, light);
@@ -18,7 +17,7 @@ SHEAF_INLINE void add_radiance(Wave& wave, Slot slot, Float4 found, std::uint32_
   radiance = to_spectrum(Float4(radiance) + found);
 }
 
-/// The same for the lanes set in `lanes`.
+/// Same for the lanes set in `lanes`.
 template <class L>
 SHEAF_INLINE void add_radiance(Wave& wave, const Slot* slots, std::uint32_t lanes, const Spectrum<L>& found,
                                typename L::Uint light) {
@@ -35,7 +34,7 @@ SHEAF_INLINE void add_radiance(Wave& wave, const Slot* slots, std::uint32_t lane
   }
 }
 
-/// The path's sample covers nothing: its ray left the scene with nothing to be seen there.
+/// Sets the alpha of the path's sample to 0: its ray left the scene without hitting anything visible.
 SHEAF_INLINE void mark_transparent(Wave& wave, Slot slot) { wave.radiance.row(slot).task_sample |= kTransparent; }
 
 }  // namespace sheaf

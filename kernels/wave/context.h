@@ -1,4 +1,4 @@
-// What stages see besides their wave.
+// The context of a stage: all that it reads besides its wave.
 #pragma once
 
 #include "kernels/guiding/guide_view.h"
@@ -11,28 +11,30 @@ class TrainingSamples;
 class LightTask;
 struct PhotonMaps;
 
-/// The scene, how light is transported in it, and what the pass adds. One for each worker; stages don't change it, but
-/// for what its pointers lead to.
+/// The scene, the settings of the integrator, and the data of the pass. One per worker. Stages do not modify it, except
+/// through its pointers.
 struct StageContext {
   SceneView scene;
   IntegratorDescription integrator;  ///< settings of the integrator
   SamplerView sampler;
-  bool transports_light = true;      ///< false: a debug view, whose paths carry plain numbers and see no media
-  CameraTask* camera = nullptr;      ///< of passes that start at the camera: the samples to take, and where they go
-  const PhotonMaps* maps = nullptr;  ///< of passes from the camera that gather photons, else null
-  float wavelength_sample = -1;  ///< the number in [0, 1) that all paths' wavelengths are made of; -1: each has its own
-  LightTask* photons = nullptr;  ///< of passes that start at the lights, else null: the photons to emit
-  bool guides = false;           ///< of the path pass: directions are sampled from `guide` as well
+  /// False: a debug view, whose paths carry plain numbers and ignore media.
+  bool transports_light = true;
+  CameraTask* camera = nullptr;      ///< passes from the camera: the samples to take, and their results
+  const PhotonMaps* maps = nullptr;  ///< passes from the camera that gather photons; otherwise null
+  /// Number in [0, 1) from which the wavelengths of all paths are derived; -1: each path draws its own.
+  float wavelength_sample = -1;
+  LightTask* photons = nullptr;  ///< passes from the lights: the photons to emit; otherwise null
+  bool guides = false;           ///< path pass: directions are also sampled from `guide`
   GuideView guide;
-  TrainingSamples* training = nullptr;  ///< of passes from which the guide is to learn, else null: what they tell
+  TrainingSamples* training = nullptr;  ///< passes that record training samples of the guide; otherwise null
 
   StageContext() = default;
-  /// The scene's own settings.
+  /// With the settings of the scene.
   explicit StageContext(const Scene& of, CameraTask* task = nullptr)
       : scene(of.view()), integrator(of.integrator()), sampler(of.sampler_view()), camera(task) {}
 };
 
-/// Whether direct light is sampled at all.
+/// Whether next-event estimation is used.
 inline bool samples_lights(const StageContext& context) {
   return context.scene.light_count > 0 && context.integrator.strategy != LightStrategy::kBsdfOnly;
 }

@@ -1,4 +1,4 @@
-// The mean over the spectral lanes of a path's probabilities: what light that is found is divided by.
+// Mean of rescaled path pdfs over the spectral lanes, by which the contribution of a path is divided (PBR 14.2.1).
 #pragma once
 
 #include "core/spectrum.h"
@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-/// Of all four lanes in spectral mode, else of the three that are colours.
+/// Mean of all four lanes in spectral mode, or of the three colours in RGB mode.
 template <class L> SHEAF_INLINE Float<L> lane_mean(ColorMode color, const Spectrum<L>& r) {
   return color == ColorMode::kSpectral ? total(r) * Float<L>(0.25f) : (r.c0 + r.c1 + r.c2) * Float<L>(1.0f / 3.0f);
 }

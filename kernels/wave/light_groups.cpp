@@ -1,3 +1,4 @@
+// Adds radiance to the channels of its light group, converted to linear Rec.709 and weighted by the pixel filter.
 #include "kernels/wave/light_groups.h"
 
 #include "kernels/wave/path_wavelengths.h"

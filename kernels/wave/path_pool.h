@@ -1,5 +1,5 @@
-// The paths that one worker has in flight: what each of them carries, reached by slot, and the lists that say what is
-// to be done with it next. Knows nothing of cameras and films.
+// The paths that one worker has in flight: their state, addressed by slot, and the queues of slots that wait for a
+// stage. Independent of cameras and films.
 #pragma once
 
 #include "core/slot_list.h"
@@ -8,7 +8,7 @@
 
 namespace sheaf {
 
-/// What stages hand to each other: the lists of slots, and rows of columns.
+/// Queues between stages: lists of slots, and rows of columns.
 enum class Queue : std::uint32_t {
   kFree,
   kActive,
@@ -18,14 +18,14 @@ enum class Queue : std::uint32_t {
   kComposite,
   kSurface,
   kSorted,
-  kFinished,  // lists of PathPool
+  kFinished,  // up to here lists of PathPool
   kVertices,
   kCandidates,
-  kShadows,  // rows of ShadingColumns
+  kShadows,  // from kVertices on rows of ShadingColumns
 };
 inline constexpr int kSlotLists = static_cast<int>(Queue::kFinished) + 1;
 
-/// Queues as bits.
+/// A set of queues as bits.
 struct QueueSet {
   std::uint32_t bits = 0;
   template <class... Q>
@@ -33,37 +33,38 @@ struct QueueSet {
   constexpr bool contains(Queue queue) const { return (bits >> static_cast<std::uint32_t>(queue) & 1u) != 0; }
 };
 
-/// Paths and lists of their slots. A slot stands in exactly one of the lists between stages, and may stand in `emitter`
-/// besides.
+/// Path states and lists of their slots. Between stages each slot is in exactly one list, or in `emitter` and one more.
 struct PathPool {
   SlotTable<RayState> rays;
   SlotTable<HitState> hits;
   SlotTable<PathState> paths;
   SlotTable<RadianceState> radiance;
   SlotTable<RescaledPdfs> rescaled_pdfs;  ///< WaveNeeds::transparency
-  /// Spectral mode: what the wavelengths are made of, one word per slot; see kernels/wave/path_wavelengths.h.
+  /// Spectral mode: the number from which the wavelengths of a path are derived, one word per slot; see
+  /// kernels/wave/path_wavelengths.h.
   float* wavelength_samples = nullptr;
-  float* distance_since_vertex = nullptr;  ///< WaveNeeds::distance: from the last vertex to the ray's origin
-  /// WaveNeeds::guides: what the path's first guided vertex was expected to bring, lanes added up; 0: there was none.
+  /// WaveNeeds::distance: distance from the last vertex to the ray's origin, m.
+  float* distance_since_vertex = nullptr;
+  /// WaveNeeds::guides: expected contribution of the path's first guided vertex, lanes added up; 0: none yet.
   float* guide_references = nullptr;
 
-  // Named by Queue.
-  SlotList free;       ///< no path
-  SlotList active;     ///< ray to be traced
-  SlotList medium;     ///< ray is in a medium
-  SlotList miss;       ///< ray left the scene
-  SlotList emitter;    ///< ray hit something that emits
-  SlotList composite;  ///< ray hit a material that is a choice between others or nothing
-  SlotList surface;    ///< ray hit something that will be shaded
-  SlotList sorted;     ///< the same, in the order of the shading columns
-  SlotList finished;   ///< path has ended, radiance complete
+  // In the order of Queue.
+  SlotList free;       ///< unused slots
+  SlotList active;     ///< rays to be traced
+  SlotList medium;     ///< rays in a medium
+  SlotList miss;       ///< rays that left the scene
+  SlotList emitter;    ///< rays that hit a light
+  SlotList composite;  ///< rays that hit a composite material
+  SlotList surface;    ///< rays that hit a surface to be shaded
+  SlotList sorted;     ///< `surface` in the order of the shading columns
+  SlotList finished;   ///< terminated paths with their final radiance
 
   /// All lists, in the order of Queue.
   static constexpr SlotList PathPool::*kLists[] = {&PathPool::free,    &PathPool::active,  &PathPool::medium,
                                                    &PathPool::miss,    &PathPool::emitter, &PathPool::composite,
                                                    &PathPool::surface, &PathPool::sorted,  &PathPool::finished};
 
-  /// Calls f(group or column, whether it is needed) for all that is reached by slot.
+  /// Calls f(table or column, whether it is needed) for each state that is addressed by slot.
   template <class Pool, class F> static void for_each_state(Pool& pool, const WaveNeeds& needs, F&& f) {
     f(pool.rays, true);
     f(pool.hits, true);

@@ -1,9 +1,9 @@
 // The wavelengths of paths in spectral mode.
 //
-// Each path keeps the one number that its four wavelengths are made of. Where a path becomes one of a single wavelength
-// (refraction by a dispersing surface), the sign of that number is set: from then on all four lanes are at the first
-// wavelength, and the throughput of the others is 0 and stays so. Lanes that are all alike leave to BSDFs, which weigh
-// what they sample by the brightest lane, no reason to look at what is no longer there.
+// Each path stores the one number from which its four wavelengths are derived. A dispersive surface reduces a path to a
+// single wavelength and sets the sign bit of that number. From then on all four lanes hold the first wavelength, and
+// the throughput of the other three lanes is and stays 0. BSDFs choose what they sample by the brightest lane; with
+// equal wavelengths, the dead lanes cannot affect that choice.
 #pragma once
 
 #include "core/wavelengths.h"
@@ -11,10 +11,10 @@
 
 namespace sheaf {
 
-/// Bit of a word of Wave::wavelength_samples: one wavelength is left.
+/// Bit of a word of Wave::wavelength_samples: the path has a single wavelength.
 inline constexpr std::uint32_t kSingleWavelength = 0x80000000u;
 
-/// Words of Wave::wavelength_samples.
+/// Gathers words of Wave::wavelength_samples.
 template <class L> SHEAF_INLINE Float<L> gather_wavelength_samples(const Wave& wave, const Slot* slots) {
   alignas(kSimdAlignment) float words[L::width];
   for (int lane = 0; lane < L::width; ++lane) words[lane] = wave.wavelength_samples[slots[lane]];
@@ -23,13 +23,13 @@ template <class L> SHEAF_INLINE Float<L> gather_wavelength_samples(const Wave& w
   return out;
 }
 
-/// Whether one wavelength of the path is left.
+/// Whether the path has a single wavelength.
 inline bool has_single_wavelength(const StageContext& context, const Wave& wave, Slot slot) {
   return context.scene.color == ColorMode::kSpectral &&
          (float_bits(wave.wavelength_samples[slot]) & kSingleWavelength) != 0;
 }
 
-/// The wavelengths, nm in [360, 830], at which the paths are to be shaded now.
+/// Current wavelengths of the paths, nm in [360, 830].
 template <class L> SHEAF_INLINE Spectrum<L> path_wavelengths(const Wave& wave, const Slot* slots) {
   using U = Uint<L>;
   const Float<L> hero = gather_wavelength_samples<L>(wave, slots);
@@ -39,13 +39,13 @@ template <class L> SHEAF_INLINE Spectrum<L> path_wavelengths(const Wave& wave, c
   return lambda;
 }
 
-/// path_wavelengths() in spectral mode; in RGB mode nothing.
+/// path_wavelengths() in spectral mode; empty in RGB mode.
 template <class L, ColorMode Mode> SHEAF_INLINE Spectrum<L> shading_wavelengths(const Wave& wave, const Slot* slots) {
   if constexpr (Mode == ColorMode::kSpectral) return path_wavelengths<L>(wave, slots);
   return {};
 }
 
-/// Calls f.operator()<ColorMode>() for the scene's mode: the one branch of a stage on it.
+/// Calls f.operator()<ColorMode>() for the scene's mode, so that a stage branches on it only once.
 template <class F> SHEAF_INLINE void with_color_mode(const SceneView& scene, F&& f) {
   if (scene.color == ColorMode::kSpectral) {
     f.template operator()<ColorMode::kSpectral>();

@@ -1,4 +1,5 @@
-// Columns that the stages between a hit and the next ray work on, consumed in order.
+// Columns of vertices, light candidates and shadow rays, which the stages between a hit and the next ray process in
+// order.
 #pragma once
 
 #include "core/soa.h"
@@ -8,13 +9,13 @@
 
 namespace sheaf {
 
-/// Vertices of one closure kind: sorted[slot_begin .. slot_begin + count) stand in the columns from `column_begin` on,
-/// which is a multiple of kWidth.
+/// Vertices of one closure kind: the slots sorted[slot_begin .. slot_begin + count). Their rows start at
+/// `column_begin`, a multiple of kWidth.
 struct VertexRun {
   int slot_begin = 0, count = 0, column_begin = 0;
 };
 
-/// Vertices by closure kind and material, light candidates for them, and shadow rays.
+/// Vertices by closure kind and material, their light candidates, and shadow rays.
 struct ShadingColumns {
   std::uint8_t* sort_keys = nullptr;
   VertexRun runs[kClosureKinds];
@@ -28,12 +29,12 @@ struct ShadingColumns {
   Soa<GuideCell> guide_cells;            ///< WaveNeeds::guides
   Soa<ShadowItem> shadows;
   Soa<TransmittanceItem> transmittances;  ///< WaveNeeds::transparency
-  int shadow_count = 0;                   ///< rows of the last two
+  int shadow_count = 0;                   ///< rows of `shadows` and `transmittances`
 
-  /// Rows that stand where a vertex stands: every kind's run begins at a whole register.
+  /// Number of rows of columns with one row per vertex: the run of each kind starts at a register boundary.
   static constexpr int vertex_capacity(int paths) { return paths + kClosureKinds * kWidth; }
 
-  /// Calls f(columns, rows, how many of the columns are needed) for each.
+  /// Calls f(columns, number of rows, number of columns needed) for each.
   template <class Columns, class F> static void for_each(Columns& c, int paths, const WaveNeeds& needs, F&& f) {
     const int rows = vertex_capacity(paths);
     const auto all = [](bool needed, int columns) { return needed ? columns : 0; };

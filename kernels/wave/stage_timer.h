@@ -1,4 +1,4 @@
-// Book-keeping that every stage does once per wave.
+// Statistics that each stage records once per wave.
 #pragma once
 
 #include "core/simd.h"
@@ -6,12 +6,13 @@
 
 namespace sheaf {
 
-/// Counts one call of a stage and the time until it goes out of scope.
+/// Counts one call of a stage and measures the time until it goes out of scope.
 class StageTimer {
  public:
   StageTimer(Stats& stats, Stage stage) : stats_(stats[stage]), timer_(stats_.ticks) { ++stats_.calls; }
 
-  /// `items` were worked on `width` at a time: in scalar code (1), registers (kWidth) or packets of several registers.
+  /// Counts `items` that were processed `width` at a time: 1 in scalar code, kWidth in registers, more in packets of
+  /// several registers.
   void count(int items, int width) {
     const int batches = (items + width - 1) / width * (std::max(width, kWidth) / kWidth);
     stats_.items += static_cast<std::uint64_t>(items);

@@ -1,3 +1,4 @@
+// Allocates the queues of a wave in its arena, and derives its capacity from the size of the L2 cache.
 #include "kernels/wave/wave.h"
 
 #include "kernels/bsdf/all.h"
@@ -39,7 +40,7 @@ std::size_t wave_bytes(int paths, const WaveNeeds& needs) {
   return bytes;
 }
 
-/// Words of the longest closure among the scene's materials; closures are copied by four words.
+/// Words of the longest closure among the scene's materials, rounded up to 4, as closures are copied by four words.
 int longest_closure(const SceneView& scene) {
   int longest = 0;
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
@@ -61,7 +62,7 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   needs.textures = false;
   needs.candidates = context.integrator.kind != IntegratorKind::kLightTracer;
   needs.reservoirs = needs.candidates && context.integrator.candidates > 1;
-  // From here on sharing saves more than it takes to find all upper turns.
+  // From these numbers on, sharing the upper levels of the tree saves more time than computing the cuts takes.
   constexpr int kMinCandidates = 4;
   constexpr std::uint32_t kMinLights = 32;
   needs.light_tops = needs.candidates && context.integrator.candidates >= kMinCandidates &&

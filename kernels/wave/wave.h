@@ -1,4 +1,4 @@
-// A wave: the paths one worker has in flight, in memory that fits its L2 cache and that no other worker touches.
+// A wave: the paths that one worker has in flight, in memory that fits its L2 cache and that no other worker accesses.
 #pragma once
 
 #include "core/float4.h"
@@ -10,7 +10,7 @@
 
 namespace sheaf {
 
-/// Sees every packet just before it is traced; for benchmarks.
+/// Receives every ray packet just before it is traced; for benchmarks.
 class RayRecorder {
  public:
   enum class Query { kNearest, kAny };
@@ -18,16 +18,16 @@ class RayRecorder {
   virtual void record(const RayPacket& packet, int count, Query query) = 0;
 };
 
-/// All of a worker's queues. Constructed by the worker itself, so that its memory is local to it.
+/// All queues of a worker. The worker itself constructs it, so that its memory is local to the worker's NUMA node.
 struct Wave : PathPool, ShadingColumns {
-  /// `capacity`: paths in flight; at least 1. Columns that `needs` leaves out must not be touched.
+  /// `capacity`: maximum number of paths in flight, at least 1. Columns that `needs` leaves out must not be accessed.
   explicit Wave(int capacity, const WaveNeeds& needs = {});
   Wave(const Wave&) = delete;
   Wave& operator=(const Wave&) = delete;
 
   /// Bytes of all queues per path.
   static std::size_t bytes_per_path(const WaveNeeds& needs);
-  /// The capacity whose queues fill half of the L2 cache: a multiple of 64 in [256, 4096].
+  /// Capacity whose queues fill half of the L2 cache: a multiple of 64 in [256, 4096].
   static int default_capacity(const WaveNeeds& needs);
 
   int capacity;
@@ -35,7 +35,7 @@ struct Wave : PathPool, ShadingColumns {
   Arena arena;
 
   Stats stats;
-  /// First sample that was dropped, for the message.
+  /// First sample that was dropped, for the warning.
   struct Dropped {
     bool any = false;
     std::uint32_t pixel = 0, sample = 0;
@@ -45,7 +45,7 @@ struct Wave : PathPool, ShadingColumns {
   LightGroupSink light_groups;
 };
 
-/// add_radiance() for light groups alone.
+/// The part of add_radiance() that serves light groups.
 void add_to_light_group(Wave& wave, Slot slot, const Float4& found, std::uint32_t light) noexcept;
 
 }  // namespace sheaf

@@ -1,23 +1,23 @@
-// Which of a wave's columns a scene asks for: what is not needed takes no part of the cache.
+// The columns of a wave that a scene needs. Columns that are not needed are not allocated and take no cache.
 #pragma once
 
 #include "kernels/wave/context.h"
 
 namespace sheaf {
 
-/// Columns that not every scene needs; all of them unless told otherwise.
+/// Columns that not every scene needs. The default needs all of them.
 struct WaveNeeds {
   bool spectral = true;                  ///< wavelengths
-  bool transparency = true;              ///< what shadow rays need where they may pass media and surfaces
-  bool distance = true;                  ///< from the last vertex, where rays may go on behind a surface
-  bool textures = true;                  ///< what lookups and normal maps need to know of vertices
+  bool transparency = true;              ///< RescaledPdfs and TransmittanceItem
+  bool distance = true;                  ///< distance from the last vertex, for rays that continue behind a surface
+  bool textures = true;                  ///< inputs of textures and normal maps
   bool candidates = true;                ///< light candidates
   bool reservoirs = true;                ///< resampling of several light candidates
-  bool light_tops = true;                ///< upper turns in the light tree, which many candidates have in common
-  bool raster_positions = true;          ///< where photons are seen by the camera
-  std::uint32_t counted_lights = 0;      ///< whose shadow rays are counted apart
-  bool guides = true;                    ///< places of the guide
-  int closure_words = kMaxClosureWords;  ///< longest parameters of a closure
+  bool light_tops = true;                ///< cuts of the light tree, shared by the candidates of a vertex
+  bool raster_positions = true;          ///< film positions of photons' vertices
+  std::uint32_t counted_lights = 0;      ///< lights whose shadow rays are counted separately
+  bool guides = true;                    ///< guide cells
+  int closure_words = kMaxClosureWords;  ///< words of the longest closure
 
   static WaveNeeds of(const StageContext& context);
 };

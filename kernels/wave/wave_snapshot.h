@@ -1,4 +1,4 @@
-// Copies of what a wave holds, for tests and benchmarks that run a stage again and again from the same state.
+// Copies of the state of a wave, for tests and benchmarks that run a stage repeatedly from the same state.
 #pragma once
 
 #include "kernels/wave/wave.h"
@@ -17,7 +17,7 @@ class WaveSnapshot {
     std::copy(std::begin(wave.runs), std::end(wave.runs), runs_.begin());
   }
 
-  /// Puts a wave of the same capacity and needs into the state of the copied one.
+  /// Restores the copied state in a wave of the same capacity and needs.
   void restore(Wave& wave) const {
     assert(wave.arena.memory().size() == memory_.size());
     std::copy(memory_.begin(), memory_.end(), wave.arena.memory().begin());

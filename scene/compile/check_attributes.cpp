@@ -1,4 +1,4 @@
-// Whether meshes have the attributes that textures on them show.
+// Checks that meshes have the attributes that their textures use.
 #include "scene/compile/scene_compiler.h"
 
 #include <set>
@@ -7,14 +7,14 @@ namespace sheaf {
 
 namespace {
 
-/// Finds the mesh attributes among the textures of materials.
+/// Finds the mesh attributes in the textures of materials.
 class AttributeFinder {
  public:
   AttributeFinder(const std::vector<MaterialRow>& materials, const std::vector<TextureBinding>& bindings,
                   const std::vector<NormalMapRow>& maps, const std::vector<TextureRow>& textures)
       : materials_(materials), bindings_(bindings), maps_(maps), textures_(textures) {}
 
-  /// The rows of mesh attributes that a material shows, those of the materials that it combines included.
+  /// Texture rows of the mesh attributes that a material uses, including those of materials that it combines.
   std::set<std::uint32_t> of_material(std::uint32_t row) const {
     std::set<std::uint32_t> found, visited;
     add_material(row, visited, found);
@@ -61,7 +61,7 @@ void SceneCompiler::check_attributes() {
   if (out_->textures_.attribute_names.empty()) return;
   const AttributeFinder finder(out_->materials_, out_->bindings_, out_->normal_maps_, out_->textures_.rows);
   struct Use {
-    std::size_t with = 0, without = 0;  ///< shapes that have the attribute, and that don't
+    std::size_t with = 0, without = 0;  ///< shapes with and without the attribute
   };
   std::map<std::pair<std::uint32_t, std::uint32_t>, Use> uses;  // by material and texture
   std::map<std::uint32_t, std::set<std::uint32_t>> shown_by;

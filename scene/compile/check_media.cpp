@@ -1,4 +1,4 @@
-// Media whose coefficients are beyond 32-bit floats: each factor may be finite where the product is not.
+// Checks that the coefficients and emission of media are finite: the product of finite factors may overflow.
 #include "core/color.h"
 #include "scene/compile/compile_media.h"
 #include "scene/tables/medium_lookup.h"
@@ -14,13 +14,13 @@ bool is_finite(Float4 v) {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]) && std::isfinite(v[3]);
 }
 
-/// The largest of the factors that a grid brings. A spectrum may exceed the colour that it stands for.
+/// Maximum factor of a grid. A spectrum may exceed the colour that it represents.
 float largest_factor(std::span<const BrickGrid> grids, std::uint32_t grid) {
   if (grid == kNone) return 1.0f;
   return std::max(grids[grid].max_value(), 0.0f) * (grids[grid].channels > 1 ? 2.0f : 1.0f);
 }
 
-/// Throws unless all is finite at four wavelengths.
+/// Throws SceneError unless all products are finite at four wavelengths.
 void check_at(const SceneView& scene, std::uint32_t index, const Spectrum4& lambda, std::span<const BrickGrid> grids,
               float bound, const SourceLocation& where) {
   const MediumRow& medium = scene.media[index];

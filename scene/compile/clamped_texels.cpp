@@ -1,4 +1,4 @@
-// Pictures whose values no reflectance can have. Kernels clamp them, which changes the picture that was meant.
+// Warns about images with values that are invalid as reflectances. Kernels clamp these, which changes the result.
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/compile_textures.h"
 
@@ -13,9 +13,9 @@ namespace sheaf {
 
 namespace {
 
-/// What a picture holds beyond [0, 1].
+/// Values of an image outside [0, 1].
 struct Beyond {
-  std::size_t texels = 0;  ///< that have such a value
+  std::size_t texels = 0;  ///< number of texels with such a value
   float smallest = 0, largest = 0;
 
   void add(const Beyond& other) {
@@ -25,7 +25,7 @@ struct Beyond {
   }
 };
 
-/// Of tiles with texels of `Values` floats. Padding and fourth values are zero, which is within.
+/// Examines tiles with texels of `Values` floats. Padding and unused fourth values are zero and so in range.
 template <std::size_t Values> Beyond beyond_in(std::span<const TexelTile> tiles) {
   using Range = tbb::blocked_range<std::size_t>;
   const auto add = [&](const Range& range, Beyond sum) {
@@ -56,7 +56,7 @@ Beyond beyond_in(const BitmapRow& picture, const TexelTile* tiles) {
   return picture.format == TexelFormat::kFloat1 ? beyond_in<1>(own) : beyond_in<4>(own);
 }
 
-/// The rows of which a texture shows one here and the other there.
+/// The child textures that are used unchanged, each on a part of the surface.
 std::span<const std::uint32_t> shown_in_turn(const TextureRow& texture) {
   switch (texture.kind) {
     case TextureKind::kCheckerboard:
@@ -69,8 +69,8 @@ std::span<const std::uint32_t> shown_in_turn(const TextureRow& texture) {
   }
 }
 
-/// Marks the textures of which texels become reflectances as they are: those bound as such and what they show in turns.
-/// What is mixed is clamped once it is mixed, so nothing can be told of it here.
+/// Marks the textures whose texels are used directly as reflectances: those bound as reflectances, and their children
+/// that alternate. Mixes are clamped after mixing, so their children cannot be checked here.
 void mark(const CompiledTextures& textures, std::uint32_t row, std::vector<bool>& marked) {
   if (marked[row]) return;
   marked[row] = true;
@@ -96,7 +96,7 @@ std::string warning(const TextureDescription& texture, const BitmapRow& picture,
   return warning(texture, (file.empty() ? "" : file + ": ") + text);
 }
 
-/// The largest of the colours that a texture has of its own, beside other textures.
+/// Maximum of a texture's own constant colours, without other textures.
 float largest_color(const CompiledTextures& textures, const TextureRow& texture) {
   float largest = 0;
   for (const std::uint32_t child : shown_in_turn(texture))
@@ -114,7 +114,7 @@ std::vector<std::string> clamped_texel_warnings(const std::vector<TextureDescrip
   for (const TextureBinding& binding : bindings)
     if (binding.role == TextureRole::kReflectance) mark(textures, binding.texture, marked);
   std::vector<std::string> warnings;
-  std::map<std::uint32_t, Beyond> known;  // by the first tile: pictures are shared
+  std::map<std::uint32_t, Beyond> known;  // by first tile, because textures may share images
   for (std::size_t i = 0; i < descriptions.size(); ++i) {
     if (!marked[i]) continue;
     if (const float largest = largest_color(textures, textures.rows[i]); largest > 1)

@@ -15,8 +15,8 @@ namespace {
 
 float bits(TableTag tag) { return bits_float(static_cast<std::uint32_t>(tag)); }
 
-/// Grids as densities: each is divided by its integral, and its integrals along x and over rows follow. What is 0
-/// everywhere becomes 1 everywhere.
+/// Normalises grids to densities. Each slice is divided by its integral and followed by its cumulative integrals along
+/// x and over rows. A slice that is all 0 becomes all 1.
 std::vector<float> make_warps(const MeasuredBrdf::Grids& grids) {
   const std::size_t w = grids.width, h = grids.height, size = w * h, slices = grids.values.size() / size;
   std::vector<float> out(slices * (2 * size + h));
@@ -42,10 +42,10 @@ std::vector<float> make_warps(const MeasuredBrdf::Grids& grids) {
   return out;
 }
 
-/// Rec.709 under D65 at a wavelength, up to a factor.
+/// Rec.709 colour of D65 at a wavelength, up to a factor.
 Vec3f daylight_rgb(float lambda) { return xyz_to_rec709(cie_1931_xyz(lambda)) * cie_d65(lambda); }
 
-/// A measured BRDF's table, with the tag.
+/// Makes a measured BRDF's table, including the tag.
 std::vector<float> make_measured_table(const MeasuredBrdf& brdf) {
   MeasuredHead<Scalar> head;
   std::vector<float> table(1 + std::size_t{kLeafCount<MeasuredHead>});
@@ -85,7 +85,7 @@ std::vector<float> make_measured_table(const MeasuredBrdf& brdf) {
 }  // namespace
 
 void make_rgb(MeasuredBrdf& brdf) {
-  // Share of each channel in red, green and blue: the integral of the hat around its wavelength.
+  // Weight of each channel in red, green and blue: the integral of the hat function around its wavelength.
   const std::vector<float> places = places_of_wavelengths(brdf.wavelengths);
   std::vector<double> share[3], total(3, 0.0);
   for (auto& list : share) list.resize(brdf.channels);

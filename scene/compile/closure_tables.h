@@ -1,4 +1,4 @@
-// Tables of closures on their way into the scene.
+// Builds the closure tables of a scene.
 #pragma once
 
 #include "scene/formats/measured_file.h"
@@ -12,27 +12,27 @@
 
 namespace sheaf {
 
-/// Appends tables to what becomes SceneView::closure_tables. Each returns the word by which closures refer to it, and
-/// throws SceneError once all tables together are too large.
+/// Appends tables to the future SceneView::closure_tables. Each function returns the word by which closures refer to
+/// the table. It throws SceneError if all tables together are too large.
 class ClosureTables {
  public:
-  /// What a material needs to know about a measured BRDF's table.
+  /// Properties of a measured BRDF's table that its material needs.
   struct Measured {
     float table = 0;
     bool isotropic = true;
-    std::vector<float> wavelengths;  ///< of its channels; empty: red, green, blue
+    std::vector<float> wavelengths;  ///< wavelengths of its channels; empty: red, green, blue
   };
 
-  /// The tables of a file, which is read once. In RGB mode spectra become colours under D65. Throws SceneError.
+  /// Table of a file, which is read once. In RGB mode spectra are converted to colours under D65. Throws SceneError.
   const Measured& measured(const std::filesystem::path& file, bool spectral);
 
-  /// Tables that are there already.
+  /// Table of a BRDF that is already in memory.
   float measured(const MeasuredBrdf& brdf);
 
-  /// Values of a phase function as TabulatedPhaseDescription has them.
+  /// Table of a phase function from the values of TabulatedPhaseDescription.
   float phase(std::span<const float> values);
 
-  /// Leaves none behind.
+  /// Returns all tables and clears this object.
   std::vector<float> take() { return std::exchange(floats_, {}); }
 
  private:
@@ -42,11 +42,11 @@ class ClosureTables {
   std::map<std::string, Measured> known_;
 };
 
-/// Its values for many wavelengths as values for red, green and blue, none negative: linear Rec.709, a reflectance of 1
-/// at all wavelengths under D65 being (1, 1, 1). Beyond the wavelengths of the file its ends go on.
+/// Converts values at many wavelengths to linear Rec.709, clamped to 0. A reflectance of 1 at all wavelengths under D65
+/// becomes (1, 1, 1). Beyond the file's range, its first and last values are used.
 void make_rgb(MeasuredBrdf& brdf);
 
-/// Where the wavelengths 360, 361, ... 830 nm lie among a table's: their index, with a fraction in between.
+/// Fractional indices of the wavelengths 360, 361, ... 830 nm in a list of wavelengths.
 std::vector<float> places_of_wavelengths(const std::vector<float>& wavelengths);
 
 }  // namespace sheaf

@@ -1,4 +1,4 @@
-// The order in which a scene is compiled, its materials, its bounds, and what comes once all tables are there.
+// The steps of scene compilation in order, with cameras, materials, bounds and the final tables.
 #include "scene/compile/compile.h"
 
 #include "core/memory.h"
@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kFewerTriangles = "Fewer triangles take less, or instances in place of copies";
 
-/// Does a step of which it is told what it takes memory for, and how that would be less, where there is not enough.
+/// Runs a step. If memory runs out, throws an error that names the data and gives advice.
 template <class Step> void with_memory_for(const char* what, const char* advice, Step&& step) {
   try {
     step();
@@ -152,7 +152,7 @@ void SceneCompiler::set_bounds() {
   place_distant(out_->camera_, in_.camera, out_->center_, sphere);
   for (std::size_t i = 0; i < out_->more_cameras_.size(); ++i)
     place_distant(out_->more_cameras_[i], in_.more_cameras[i], out_->center_, sphere);
-  // Shadow rays to the environment end outside of everything, the cameras included.
+  // Shadow rays to the environment end outside of everything, including the cameras.
   out_->radius_ = std::max(out_->radius_, length(out_->camera_.origin - out_->center_));
   for (const Camera& camera : out_->more_cameras_)
     out_->radius_ = std::max(out_->radius_, length(camera.origin - out_->center_));
@@ -161,7 +161,7 @@ void SceneCompiler::set_bounds() {
 
 void SceneCompiler::finish_tables() {
   out_->counts_.shapes = out_->shapes_.size();
-  // Triangles are read four words wide, and absent tables are read at index zero by lanes that are switched off.
+  // Triangles are loaded four words at a time, and inactive lanes read row zero of empty tables.
   if (out_->vertices_.empty()) out_->vertices_.emplace_back();
   out_->vertices_.shrink_to_fit();
   out_->triangles_.insert(out_->triangles_.end(), 8, 0u);

@@ -1,4 +1,4 @@
-// Where media lie: on the sides of shapes, around what holds them, and around the camera.
+// Placement of media: on the sides of shapes, around the scene, and around the camera.
 #include "scene/compile/compile_media.h"
 #include "scene/compile/medium_probe.h"
 #include "scene/compile/scene_compiler.h"
@@ -76,8 +76,8 @@ void SceneCompiler::end_media() {
         kind == LightKind::kGoniometric || kind == LightKind::kProjector)
       out_->radius_ = std::max(out_->radius_, length(light.position - out_->center_));
   }
-  // A little more than what it must hold, so that rounding cuts no ray between two points of the scene short; and less
-  // than half as wide as shadow rays to lights outside are long.
+  // Slightly larger than necessary, so that rounding does not shorten rays between two points of the scene. Less than
+  // half the length of shadow rays to lights at infinity.
   out_->medium_radius_ = 1.01f * out_->radius_;
 }
 

@@ -1,4 +1,4 @@
-// Curves as rows of tables.
+// Compiles curves.
 #include "scene/compile/scene_compiler.h"
 
 #include <cmath>
@@ -7,19 +7,19 @@ namespace sheaf {
 
 namespace {
 
-/// Embree finds hits of tubes in single precision, by products of four lengths.
+/// Maximum coordinate: Embree intersects tubes in single precision, with products of four lengths.
 constexpr float kMaxCurveCoordinate = 1e9f;
-/// Its test of lines takes differences of products of four lengths for 0 where they are smaller than a constant.
+/// Embree's intersection of lines treats differences of products of four lengths as 0 below a constant.
 constexpr float kShortLine = 5e-3f;
 
-/// The least radius of the hull of a cubic B-spline's segment whose control points begin at `p`, by its Bezier form.
-/// Radii that shrink evenly to nothing have a negative one behind the end.
+/// Minimum radius of the convex hull of a cubic B-spline segment whose control points start at `p`, from its Bezier
+/// form. Radii that shrink linearly to zero have a negative control radius beyond the end.
 float least_radius(const Curves::Point* p) {
   const float a = p[0].radius, b = p[1].radius, c = p[2].radius, d = p[3].radius;
   return std::min({(a + 4 * b + c) / 6, (2 * b + c) / 3, (b + 2 * c) / 3, (b + 4 * c + d) / 6});
 }
 
-/// Throws SceneError for radii that are negative somewhere.
+/// Throws SceneError for negative radii.
 void check_radii(const Curves& curves, std::size_t begin, std::size_t end) {
   constexpr float kRounding = 1e-5f;
   for (std::size_t i = begin; i + curves.order() <= end; ++i) {
@@ -32,7 +32,7 @@ void check_radii(const Curves& curves, std::size_t begin, std::size_t end) {
   }
 }
 
-/// Throws SceneError for what curves cannot have.
+/// Throws SceneError for properties that curves do not support.
 void check_curves(const ShapeDescription& shape, const Curves& curves) {
   if (shape.radiance) throw SceneError("curves cannot emit light: expected no <emitter> in them");
   if (shape.interior || shape.exterior)
@@ -48,7 +48,7 @@ void check_curves(const ShapeDescription& shape, const Curves& curves) {
   }
 }
 
-/// Segments that can be intersected, by their first points.
+/// Segments that can be intersected, given by their first points.
 struct UsableSegments {
   std::vector<std::uint32_t> first;
   std::size_t left_out = 0, short_lines = 0;

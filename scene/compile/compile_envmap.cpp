@@ -24,17 +24,17 @@ constexpr double kPiDouble = 3.14159265358979323846;
 
 bool is_usable(float value) { return value >= 0.0f && std::isfinite(value); }
 
-/// Mean of sin theta over the hat function of row `j`: the share of the sphere that a node stands for. Positive at the
-/// poles, so that no node that is seen has a density of zero.
+/// Mean of sin theta over the hat function of row `j`, proportional to a node's solid angle. Positive at the poles, so
+/// no visible node has density zero.
 double mean_sine(std::uint32_t j, std::uint32_t height) {
   const double step = kPiDouble / (height - 1);
   if (j == 0 || j == height - 1) return 2.0 * (1.0 - std::sin(step) / step) / step;
-  // 1 - cos, without cancellation.
+  // 1 - cos(step), without cancellation.
   const double half = std::sin(0.5 * step);
   return std::sin(j * step) * 4.0 * half * half / (step * step);
 }
 
-/// The greatest power of two that is at most the picture's greatest value.
+/// The largest power of two not above the image's maximum.
 float unit_of(const EnvmapPicture& picture, float scale) {
   using Range = tbb::blocked_range<std::size_t>;
   const auto most_of = [&](const Range& range, float most) {
@@ -49,15 +49,15 @@ float unit_of(const EnvmapPicture& picture, float scale) {
   return most > 0 ? std::exp2(static_cast<float>(std::min(std::ilogb(most), 63))) : 1.0f;
 }
 
-/// A node's number: 0 to 2 for red, green and blue.
+/// A node's value in channel `c`: 0 to 2 for red, green and blue.
 float value_of(const Envmap& map, std::size_t row, std::size_t column, std::size_t c) {
   const bool last = row + 1 == map.height;
   const EnvmapColumn& at = map.columns[(last ? row - 1 : row) * (map.width + 1) + column];
   return envmap_value<Scalar>(at.radiance[last ? 3 + c : c]);
 }
 
-/// Radiance to the nodes; a picture of one row becomes two equal ones. Rows of the table come to be, and those of the
-/// picture go, a few at a time.
+/// Encodes radiance into nodes; an image of one row is duplicated. Works in blocks of rows, allocating the table and
+/// freeing the image as it goes.
 void fill_radiance(Envmap& map, EnvmapPicture& picture, float scale) {
   constexpr std::size_t kBlockBytes = std::size_t{32} << 20;
   map.unit = unit_of(picture, scale);
@@ -77,14 +77,14 @@ void fill_radiance(Envmap& map, EnvmapPicture& picture, float scale) {
           map.columns[j * row_length + i].radiance[k] = is_usable(value) ? envmap_code(value) : std::uint16_t{0};
         }
     });
-    // The next block begins with the row that this one ends with.
+    // The next block starts with the last row of this one.
     const std::size_t done = std::min<std::size_t>(end, picture.height - 1) * map.width * 3;
     release_pages(picture.rgb.data(), done * sizeof(float));
   }
   picture.rgb = {};
 }
 
-/// The mean radiance of all directions; of node values, since the integral of hat functions is exact.
+/// Mean radiance over all directions from the nodes' values, with the exact integrals of the hat functions.
 void set_mean(Envmap& map) {
   std::vector<std::array<double, 3>> rows(map.height);
   tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t j) {
@@ -105,8 +105,7 @@ void set_mean(Envmap& map) {
               static_cast<float>(sum[2] * scale)};
 }
 
-/// Adds what each cell of row `j` counts: the mean of its nodes' brightness times the part of the sphere that it
-/// covers.
+/// Adds the weight of each cell of row `j`: the mean brightness of its nodes times its solid angle.
 void add_weights(const Envmap& map, std::size_t j, std::span<double> weights) {
   const double step = kPiDouble / (map.height - 1);
   const double sine = std::sin((static_cast<double>(j) + 0.5) * step) * std::sin(0.5 * step);
@@ -123,8 +122,8 @@ void add_weights(const Envmap& map, std::size_t j, std::span<double> weights) {
   }
 }
 
-/// Makes the table of the columns at `table` for the rows [first, first + run) of cells, and their densities, where
-/// `of_row` is the probability of each row.
+/// Builds the column table at `table` for the rows [first, first + run) of cells, and the cells' densities. `of_row` is
+/// the probability of each row.
 void fill_columns(Envmap& map, std::size_t first, std::size_t run, double of_row, Quantile* table) {
   std::vector<double> weights(map.width);
   for (std::size_t j = first; j < first + run; ++j) add_weights(map, j, weights);
@@ -135,7 +134,7 @@ void fill_columns(Envmap& map, std::size_t first, std::size_t run, double of_row
       map.columns[j * (map.width + 1) + i].density = static_cast<float>(weights[i] * scale);
 }
 
-/// Makes the tables of sampling. False if the density is zero everywhere.
+/// Builds the sampling tables. Returns false if the density is zero everywhere.
 bool fill_density(Envmap& map) {
   const std::size_t rows = map.height - 1;
   std::vector<double> weights(rows);
@@ -148,7 +147,7 @@ bool fill_density(Envmap& map) {
   map.tables.resize(kQuantiles);
   if (!build_quantiles(weights, map.quantiles.data())) return false;
   map.rows.assign(weights.begin(), weights.end());
-  // Quantiles of one run of rows have a table of columns in common.
+  // Quantiles with the same run of rows share a table of columns.
   std::vector<Quantile> runs;
   for (std::size_t i = 0; i < kQuantiles; ++i) {
     const Quantile& q = map.quantiles[i];
@@ -166,7 +165,7 @@ bool fill_density(Envmap& map) {
 }  // namespace
 
 double node_solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t height) {
-  const double hat = row == 0 || row == height - 1 ? 0.5 : 1.0;  // cut in half by the pole
+  const double hat = row == 0 || row == height - 1 ? 0.5 : 1.0;  // halved at the poles
   return hat * mean_sine(row, height) * (kPiDouble / (height - 1)) * (2 * kPiDouble / width);
 }
 
@@ -230,7 +229,7 @@ EnvmapPicture read_envmap_picture(const std::filesystem::path& file, bool raw) {
   out.width = static_cast<std::uint32_t>(picture.width);
   out.height = static_cast<std::uint32_t>(picture.height);
   const std::size_t pixels = std::size_t{out.width} * out.height;
-  // Where pixels don't get longer, the picture's own memory holds them: what is written has been read.
+  // If pixels do not grow, reuse the image's memory: pixels are written only after they are read.
   const bool in_place = !bytes && stride >= 3;
   if (!in_place) out.rgb.resize(3 * pixels);
   std::vector<float>& to = in_place ? picture.floats : out.rgb;

@@ -1,4 +1,4 @@
-// From the picture of an environment map to its tables.
+// Builds the tables of an environment map from its image.
 #pragma once
 
 #include "core/error.h"
@@ -12,43 +12,41 @@
 
 namespace sheaf {
 
-/// A picture in linear Rec.709, three floats to a pixel, row by row from the top.
+/// An image in linear Rec.709, three floats per pixel, row by row from the top.
 struct EnvmapPicture {
   std::uint32_t width = 0, height = 0;
   std::vector<float> rgb;
 };
 
-/// Builds the tables. `mis_compensation` takes the mean brightness off the density, so that directions of less than it
-/// are not sampled at all and left to BSDF sampling (Karlik et al., "MIS Compensation", 2019). Values that are negative
-/// or not finite become 0. to_map is left at identity. Gives the picture's memory back while it goes along, so that it
-/// takes hardly more than the larger of the two. Throws SceneError for pictures of more than 2^28 pixels.
+/// Builds the tables. `mis_compensation` subtracts the mean brightness from the density, so that darker directions are
+/// not sampled and are left to BSDF sampling (Karlik et al., "MIS Compensation", 2019). Negative and non-finite values
+/// become 0. to_map is the identity. The image's memory is freed progressively, so peak memory is hardly more than the
+/// larger of the two. Throws SceneError for images of more than 2^28 pixels or with too long rows or columns.
 Envmap make_envmap(EnvmapPicture picture, float scale, bool mis_compensation);
 
-/// The solid angle that a node of row `row` stands for, in a map of `width` by `height` nodes.
+/// Solid angle of a node of row `row`, in a map of `width` by `height` nodes.
 double node_solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t height);
 
-/// Fills `spectra` from the nodes' colours through UpliftTable, for spectral mode. Runs in parallel.
+/// Fills `spectra` from the nodes' colours with UpliftTable, for spectral mode. Runs in parallel.
 void uplift_nodes(Envmap& map);
 
-/// Reads a picture: integers are decoded by the sRGB curve unless they are `raw`, grey stands for all channels, alpha
-/// is dropped. Throws SceneError if it is missing, broken, too large or has channels without a meaning.
+/// Reads an image. Integers are decoded by the sRGB curve unless `raw`; grey is used for all channels; alpha is
+/// dropped. Throws SceneError if the image is missing, broken, too large, or has unknown channels.
 EnvmapPicture read_envmap_picture(const std::filesystem::path& file, bool raw = false);
 
-/// The part of the transform that turns directions from world space to the map's. Throws SceneError at `where` if it
-/// stretches.
+/// Sets the rotation from world space to the map's space. Throws SceneError at `where` if the transform scales.
 void set_rotation(Envmap& map, const Transform& to_world, const SourceLocation& where);
 
-/// What an infinite value of an environment map counts as: the largest number of 16 bits, the brightest that most files
-/// can hold.
+/// Replacement of infinite values in environment maps: the largest 16-bit float, the maximum of most files.
 inline constexpr float kInfiniteTexel = 65504;
 
-/// Values that no radiance can have.
+/// Counts of invalid radiance values.
 struct UnusableValues {
-  std::size_t infinite = 0;  ///< count as kInfiniteTexel
-  std::size_t dark = 0;      ///< negative, or NaN: count as 0
+  std::size_t infinite = 0;  ///< replaced by kInfiniteTexel
+  std::size_t dark = 0;      ///< negative or NaN; replaced by 0
 };
 
-/// Replaces them, and returns how many there were.
+/// Replaces invalid values, and returns their counts.
 UnusableValues replace_unusable(EnvmapPicture& picture);
 
 }  // namespace sheaf

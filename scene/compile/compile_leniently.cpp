@@ -1,4 +1,4 @@
-// Compiling what can be compiled: broken files show only when they are read.
+// Compilation that drops or replaces broken elements: broken files are only detected when they are read.
 #include "scene/compile/compile.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ template <class Items> bool erase_at(Items& items, const std::string& message) {
   return true;
 }
 
-/// What others refer to by its index stays, as something that can be compiled.
+/// Replaces an element that others refer to by index.
 template <class Items, class Item> bool replace_at(Items& items, const std::string& message, Item&& by) {
   const auto found = find_at(items, message);
   if (found == items.end()) return false;
@@ -44,7 +44,8 @@ MediumDescription empty_medium() {
   return medium;
 }
 
-/// Takes what the message is about out of the description. Returns what becomes of it, or null if it is not known.
+/// Removes or replaces the element that caused the message. Returns a description of the action, or null if the element
+/// is not found.
 const char* remove_culprit(const std::string& message, Description& description) {
   if (replace_at(description.textures, message, grey_texture())) return "the texture is grey";
   if (erase_at(description.lights, message)) return "light left out";

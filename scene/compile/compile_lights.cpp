@@ -1,5 +1,4 @@
-// Lights as rows of tables: what shapes, media and the description's own lights emit, and the tables that choose among
-// them.
+// Compiles lights: area lights, volume lights and the description's own lights, and the tables for light selection.
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/lights/area_light.h"
 #include "scene/compile/lights/volume_light.h"
@@ -119,12 +118,12 @@ void SceneCompiler::select_lights() {
   out_->light_powers_ = light_powers(view);
   for (std::uint32_t i = 0; i < view.light_count; ++i) {
     const Vec3f power = out_->light_powers_[i];
-    // Much of what an environment sends through the bounding sphere meets nothing: at its full power it would take
-    // the samples of lights inside.
+    // Much of an environment's light passes the bounding sphere without hitting anything. With its full power it would
+    // take samples from lights inside.
     constexpr double kEnvironmentShare = 0.25;
     const double share = i == view.environment ? kEnvironmentShare : 1.0;
     const double mean = (double(power.x) + power.y + power.z) / 3.0 * share;
-    // Weights must be positive and finite however large the light.
+    // Weights must be positive and finite for lights of any power.
     weights.push_back(static_cast<float>(std::clamp(mean, 1e-30, 1e30)));
   }
   if (weights.empty()) return;

@@ -1,4 +1,4 @@
-// Flattening: whatever combines materials (two sides, masks, blends, maps) is taken apart into rows that refer to rows.
+// Flattens combinations of materials (two-sided, masks, blends, maps) into rows that refer to other rows.
 #include "scene/compile/compile_materials.h"
 
 #include "core/bucket_sort.h"
@@ -14,21 +14,21 @@ namespace sheaf {
 
 namespace {
 
-/// No more rows than this in all.
+/// Maximum total number of rows.
 constexpr std::size_t kMaxRows = std::size_t{1} << 24;
 
 constexpr std::uint32_t kNoMap = 0xffffffffu;
 
-/// What the materials around one impose on it.
+/// Properties that enclosing materials impose on a nested material.
 struct MaterialWrappers {
   bool two_sided = false;
   std::uint32_t map = kNoMap;                 ///< index of NormalMapRow
-  const MaterialDescription* coat = nullptr;  ///< with a CoatDescription
-  bool part = false;                          ///< of a blend
+  const MaterialDescription* coat = nullptr;  ///< material with a CoatDescription
+  bool part = false;                          ///< part of a blend
   int depth = 0;
 };
 
-/// Whether nothing reflects specularly (kernels/bsdf/principled.h), although there is metal.
+/// Whether a metallic material has no specular reflection (kernels/bsdf/principled.h).
 bool is_black_metal(const MaterialDescription& m) {
   const auto* principled = std::get_if<PrincipledDescription>(&m.model);
   const ScalarInput nothing = 0.0f;
@@ -39,20 +39,20 @@ constexpr const char* kBlackMetal =
     "the metallic part of this principled material is black: with 'specular' 0, an index of refraction of 1, nothing "
     "reflects specularly, as in Mitsuba (expected 'specular' above 0 or another 'eta')";
 
-/// Makes the rows in the order of the description; rows of nested materials come before the row that refers to them.
+/// Makes rows in the order of the description. Rows of nested materials precede the row that refers to them.
 class Flattener {
  public:
   Flattener(const std::vector<MaterialDescription>& materials, SpectrumSet* set)
       : context_{bindings, tables, set}, materials_(materials) {}
 
   std::vector<MaterialRow> rows;
-  std::vector<MaterialSpectra> spectra;  ///< of each row, in spectral mode
+  std::vector<MaterialSpectra> spectra;  ///< per row, in spectral mode
   std::vector<TextureBinding> bindings;
   std::vector<NormalMapRow> maps;
   ClosureTables tables;
   std::vector<std::string> warnings;
 
-  /// The row of a material within `around`.
+  /// The row of a material that is nested in `around`.
   std::uint32_t flatten(MaterialId id, MaterialWrappers around) {
     const MaterialDescription& m = materials_.at(static_cast<std::size_t>(id));
     if (around.depth > kMaxMaterialDepth)
@@ -95,7 +95,7 @@ class Flattener {
     return push(row, {});
   }
 
-  /// The row of a material that combines no others, or its row under a coat.
+  /// The row of a material that is not a combination, possibly under a coat.
   MaterialRow make(const MaterialDescription& m, const MaterialDescription* coat = nullptr) {
     try {
       const MaterialRow row = coat == nullptr ? make_material_row(m, context_)
@@ -109,7 +109,7 @@ class Flattener {
     } catch (const SceneError& error) { throw SceneError(m.where, error.what()); }
   }
 
-  /// Adds a row with the spectra of the one made last.
+  /// Adds a row with the spectra of the most recently made row.
   std::uint32_t push(MaterialRow row) { return push(row, context_.rows); }
   std::uint32_t push(MaterialRow row, const MaterialSpectra& spectra_of_row) {
     row.back = static_cast<std::uint32_t>(rows.size());
@@ -219,18 +219,18 @@ class Flattener {
 
   RowContext context_;
   const std::vector<MaterialDescription>& materials_;
-  std::set<const MaterialDescription*> clamped_, black_metals_;  ///< that have been warned of
+  std::set<const MaterialDescription*> clamped_, black_metals_;  ///< already reported in a warning
   std::map<std::tuple<std::size_t, bool, std::uint32_t, const MaterialDescription*, bool>, std::uint32_t> known_;
 };
 
-/// Rows are ordered by kind; composite ones, which are never shaded, come last.
+/// Sort key: rows are ordered by kind. Composite rows, which are never shaded, come last.
 int order_of(const MaterialRow& row) { return row.flags & kComposite ? kClosureKinds : static_cast<int>(row.kind); }
 
 void renumber(std::uint32_t& row, const std::vector<std::uint32_t>& position) {
   if (row != MaterialRow::kNothing) row = position[row];
 }
 
-/// Numbers the buckets: one per material if they are few, else one per kind.
+/// Assigns buckets: one per material if they are few, otherwise one per kind.
 void set_buckets(CompiledMaterials& out) {
   const auto shaded =
       std::find_if(out.rows.begin(), out.rows.end(), [](const MaterialRow& r) { return r.flags & kComposite; });

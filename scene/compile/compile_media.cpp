@@ -31,7 +31,7 @@ GridBox around(const PlacedMedium& medium) {
   return all;
 }
 
-/// The transform that stretches one box over another; directions in which either is flat keep their size.
+/// Transform that maps one box to the other. Axes along which either box is flat are not scaled.
 Transform stretch(const GridBox& from, const GridBox& to) {
   const Vec3f a = from.max - from.min, b = to.max - to.min;
   const auto factor = [](float x, float y) { return x > 0.0f && y > 0.0f ? y / x : 1.0f; };
@@ -39,7 +39,7 @@ Transform stretch(const GridBox& from, const GridBox& to) {
          Transform::translate(-from.min);
 }
 
-/// The tables as they grow, medium by medium.
+/// Builds the tables, medium by medium.
 class MediaCompiler {
  public:
   MediaCompiler(SpectrumSet* set, float step_size) : set_(set), step_size_(step_size) {}
@@ -70,7 +70,7 @@ class MediaCompiler {
     if (set_ != nullptr) out.spectra.insert(out.spectra.end(), std::begin(spectra), std::end(spectra));
   }
 
-  /// Once no more grids are added: their rows point into them.
+  /// Makes the grids' rows, which point into the grids. Call after all grids have been added.
   void finish() {
     if (set_ != nullptr)
       for (std::size_t i = 0; i < out.grids.size(); ++i)
@@ -95,15 +95,15 @@ class MediaCompiler {
 
  private:
   static constexpr std::size_t kConstant = static_cast<std::size_t>(-1);
-  /// Largest number of values that registers look up by index.
+  /// Maximum number of values for lookups with vector gathers.
   static constexpr std::size_t kMaxGathered = std::size_t{1} << 31;
 
-  /// Where a grid lies.
+  /// A grid's transform and origin.
   struct Placement {
     Transform to_world;
     const GridVolumeDescription* description;
     SourceLocation where;
-    bool matrices = false;  ///< no colours
+    bool matrices = false;  ///< SGGX matrices, not colours
   };
 
   void spectrum(const SpectrumDescription& s, SpectrumUse use, float factor, const SourceLocation& where,
@@ -119,7 +119,7 @@ class MediaCompiler {
     row.scale *= factor;
   }
 
-  /// A spectrum, or one everywhere and a grid, whose row is returned.
+  /// Sets a spectrum, or for a grid the constant 1. Returns the grid's row or kNone.
   std::uint32_t input(const VolumeInput& volume, SpectrumUse use, float factor, const GridBox& box,
                       const SourceLocation& where, float (&words)[4], SpectrumRow& row) {
     const auto* s = std::get_if<SpectrumDescription>(&volume);
@@ -127,8 +127,7 @@ class MediaCompiler {
     return s != nullptr ? kNone : grid(std::get<GridVolumeDescription>(volume), box, where, 0);
   }
 
-  /// Reads a grid; `channels`: how many it must have, 0 for any number. Grids of the same file, used alike, are read
-  /// once.
+  /// Reads a grid and returns its index. `channels`: the required number of channels, 0 for any.
   std::uint32_t grid(const GridVolumeDescription& description, const GridBox& box, const SourceLocation& where,
                      int channels) {
     BrickGrid loaded = load_volume(description, where);
@@ -150,7 +149,7 @@ class MediaCompiler {
       row.temperature_scale = m.temperature_scale;
       row.temperature_offset = m.temperature_offset;
       if (m.unit_blackbodies) row.flags |= kMediumUnitBlackbodies;
-      // Planck's law is absolute: the factor is the same at every wavelength.
+      // Planck's law is absolute, so the factor is the same at all wavelengths.
       spectrum(SpectrumDescription::constant(1), SpectrumUse::kRaw, m.emission_scale, m.where, row.emission,
                spectrum_row);
       row.flags |= kMediumEmits;
@@ -203,7 +202,7 @@ class MediaCompiler {
       row.flags |= kMediumGrey;
   }
 
-  /// Whether the extinction is that of the row's spectra times the grid `of`; see kMediumSingleGrid.
+  /// Whether the extinction is the row's spectra times the grid `of`; see kMediumSingleGrid.
   bool is_single_grid(const MediumRow& row, std::uint32_t of) const {
     if (of == kNone || row.flake_grids != kNone) return false;
     const BrickGrid& grid = out.grids[of];
@@ -214,7 +213,7 @@ class MediaCompiler {
            (!both || (of == row.density && row.second_grid == kNone));
   }
 
-  /// Of the largest component of the row's extinction, over one voxel of a grid.
+  /// Optical thickness of one voxel of a grid, for the largest component of the extinction.
   float voxel_thickness(const MediumRow& row, std::uint32_t of) const {
     const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
     float most = 0;
@@ -228,12 +227,12 @@ class MediaCompiler {
     return most * static_cast<float>(side);
   }
 
-  /// Bounds on the product of the grids that the extinction is made of.
+  /// Adds bounds on the product of the grids that determine the extinction.
   std::uint32_t add_majorants(const MediumRow& row, const SourceLocation& where) {
     const std::uint32_t of = row.density != kNone ? row.density : row.first_grid;
     MajorantGrid majorants;
     const auto bound = [&](std::uint32_t grid) {
-      // Spectra may exceed their colours' largest component by as much.
+      // Spectra may exceed the largest component of their colour by up to this factor.
       const bool uplifted = set_ != nullptr && out.grids[grid].channels > 1;
       return uplifted ? 2.0f : 1.0f;
     };
@@ -242,14 +241,14 @@ class MediaCompiler {
       if (of != row.first_grid && row.first_grid != kNone)
         factor *= bound(row.first_grid) * std::max(out.grids[row.first_grid].max_value(), 0.0f);
       std::vector<MajorantSource> sources{{&out.grids[of], factor}};
-      // Absorption and scattering of grids of their own: their sum is below the larger factor times the sum of what
-      // multiplies them.
+      // Separate grids of absorption and scattering: the sum is bounded by the larger factor times the sum of the
+      // spectra.
       if ((row.flags & kMediumAbsorptionScattering) != 0 && row.second_grid != kNone && of != row.density) {
         if (row.first_grid == kNone || out.grids[row.first_grid].cells != out.grids[row.second_grid].cells)
           throw SceneError(where, "absorption and scattering are not on grids of the same voxels");
         sources.push_back({&out.grids[row.second_grid], bound(row.second_grid)});
       }
-      // What glows is seen by collisions with the majorant: there are to be some.
+      // Emission is sampled at collisions with the majorant, so emitting media need majorants above zero.
       const bool emits = (row.flags & kMediumEmits) != 0, single = (row.flags & kMediumSingleGrid) != 0;
       majorants = make_majorant_grid(sources, placements_[of].description->filter,
                                      {voxel_thickness(row, of), single && !emits, !emits});
@@ -263,8 +262,8 @@ class MediaCompiler {
 
   SpectrumSet* set_;
   float step_size_;
-  std::vector<Placement> placements_;     ///< of each grid
-  std::vector<std::size_t> majorant_of_;  ///< the grid of each majorant grid
+  std::vector<Placement> placements_;     ///< per grid
+  std::vector<std::size_t> majorant_of_;  ///< grid of each majorant grid
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Grids of signed distances as rows of tables.
+// Compiles grids of signed distances.
 #include "scene/compile/scene_compiler.h"
 #include "scene/tables/sdf_grid.h"
 
@@ -8,7 +8,7 @@ namespace sheaf {
 
 namespace {
 
-/// Throws SceneError for what grids of distances cannot be or have.
+/// Throws SceneError for invalid grids and unsupported properties.
 void check_sdf_grid(const ShapeDescription& shape, const SdfGrid& grid) {
   if (shape.radiance) throw SceneError("a grid of distances cannot emit light: expected no <emitter> in it");
   std::size_t count = 1;
@@ -25,7 +25,7 @@ void check_sdf_grid(const ShapeDescription& shape, const SdfGrid& grid) {
     if (!std::isfinite(value)) throw SceneError("a grid of distances has values that are not finite");
 }
 
-/// From where cells are unit cubes to the world.
+/// Transform from the space in which cells are unit cubes to world space.
 Transform grid_to_world(const ShapeDescription& shape, const SdfGrid& grid) {
   const auto width = [&](std::size_t axis) { return 1.0f / static_cast<float>(grid.size[axis] - 1); };
   return shape.to_world * Transform::scale({width(0), width(1), width(2)});
@@ -36,7 +36,7 @@ Transform grid_to_world(const ShapeDescription& shape, const SdfGrid& grid) {
 void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, const SdfGrid& grid) {
   check_sdf_grid(shape, grid);
   Scene& out = *out_;
-  constexpr std::size_t kMax = std::size_t{1} << 30;  // lanes reach them by indices of either sign
+  constexpr std::size_t kMax = std::size_t{1} << 30;  // signed 32-bit indices address all values
   if (out.sdf_values_.size() + grid.values.size() > kMax)
     throw SceneError("more than " + std::to_string(kMax) + " values of grids of distances in all");
   const QuadricRow placement = make_quadric(ShapeKind::kSdfGrid, grid_to_world(shape, grid), shape.flip_normals);

@@ -1,4 +1,4 @@
-// Shapes, shape groups and instances as rows of tables.
+// Compiles shapes, shape groups and instances.
 #include "core/frame.h"
 #include "scene/compile/sample_height_field.h"
 #include "scene/compile/scene_compiler.h"
@@ -22,7 +22,7 @@ void append(std::vector<VertexRow>& rows, const Mesh& mesh) {
   }
 }
 
-/// The canonical shape's transform for a quadric of a description.
+/// A canonical quadric with its transform.
 struct Placement {
   ShapeKind kind;
   Transform to_world;
@@ -81,7 +81,7 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh m
   check_mesh(mesh, shape.where);
   if (face_normals) mesh.normals.clear();
   transform_mesh(mesh, shape.to_world);
-  // Of rectangles everybody knows that they are open.
+  // Rectangles are known to be open, so they get no warning.
   const bool should_close = shape.interior != shape.exterior && !std::holds_alternative<RectangleShape>(shape.geometry);
   const std::size_t open_edges = should_close ? count_open_edges(mesh) : 0;
   const std::size_t dropped = drop_degenerate_triangles(mesh);

@@ -1,4 +1,4 @@
-// Compiling textures: loading pictures once, checking what refers to what, and laying out mesh attributes.
+// Compiles textures: loads each image once, checks references, and lays out mesh attributes.
 #include "scene/compile/compile_textures.h"
 
 #include "core/color.h"
@@ -107,7 +107,7 @@ class TextureCompiler {
                      outer};
   }
 
-  /// The index of an attribute in the list of those that are read, where it is from now on.
+  /// Index of an attribute in the list of attributes in use, to which it is added if necessary.
   std::uint32_t name_index(const std::string& name) {
     std::vector<std::string>& names = out_.attribute_names;
     const auto found = std::find(names.begin(), names.end(), name);
@@ -127,7 +127,7 @@ class TextureCompiler {
     grids_of_.push_back(&texture);
   }
 
-  /// The row of a colour, which for constants is made here.
+  /// Row of a colour; makes a row for constants.
   std::uint32_t input(const SpectrumInput& value, const TextureDescription& texture) {
     if (const auto* id = std::get_if<TextureId>(&value)) {
       const auto index = static_cast<std::uint32_t>(*id);
@@ -142,8 +142,8 @@ class TextureCompiler {
     return static_cast<std::uint32_t>(out_.rows.size() - 1);
   }
 
-  /// The index in images_. Unchanged bytes are the same for all ways of reading them; raw floats and decoded ones
-  /// differ.
+  /// Index in images_. Byte images without a colour transform are shared between raw and decoded use; float images are
+  /// not.
   std::size_t image(const BitmapDescription& bitmap, const TextureDescription& texture) {
     if (bitmap.made) return made_image(bitmap, texture);
     std::error_code ignored;
@@ -160,14 +160,14 @@ class TextureCompiler {
     return index;
   }
 
-  /// The same for a picture in memory.
+  /// The same for an image in memory.
   std::size_t made_image(const BitmapDescription& bitmap, const TextureDescription& texture) {
     const auto [known, is_new] = index_of_made_.insert({{bitmap.made.get(), bitmap.change}, images_.size()});
     if (is_new) images_.push_back(tile_image(*bitmap.made, bitmap.change, texture.where));
     return known->second;
   }
 
-  /// How many checkerboards and mixes lie in each other here, inside of `outside` others.
+  /// Nesting depth of combined textures from here on; `outside` is the number of enclosing ones.
   int depth(std::size_t i, int outside = 0) {
     const std::vector<std::uint32_t> children = children_of(out_.rows[i]);
     if (children.empty()) return 0;
@@ -189,7 +189,7 @@ class TextureCompiler {
                  "more than " + std::to_string(kMaxTextureDepth) + " checkerboards and mixes in each other");
   }
 
-  /// Copies tiles and gives their memory back on the way, so that they are never there twice.
+  /// Copies tiles and frees their memory progressively, so that the tiles exist only once.
   static void move_tiles(std::vector<TexelTile>& from, TexelTile* to) {
     constexpr std::size_t kBlock = std::size_t{32} << 14;  // tiles, 32 MiB
     for (std::size_t begin = 0; begin < from.size(); begin += kBlock) {
@@ -200,7 +200,7 @@ class TextureCompiler {
     from = {};
   }
 
-  /// One table of all tiles; rows' first_tile, so far the picture's index, becomes the index of its first.
+  /// Joins all tiles in one table. Changes the rows' first_tile from the image's index to the index of its first tile.
   void join_images() {
     std::vector<std::size_t> first(images_.size());
     std::size_t count = 0;
@@ -219,7 +219,7 @@ class TextureCompiler {
         row.bitmap.first_tile = static_cast<std::uint32_t>(first[row.bitmap.first_tile]);
   }
 
-  /// Once no more grids are added: their rows point into them.
+  /// Makes the grids' rows, which point into the grids. Call after all grids have been added.
   void place_grids() {
     for (std::size_t i = 0; i < out_.grids.size(); ++i) {
       const GridVolumeDescription& from = std::get<VolumeTextureDescription>(grids_of_[i]->model).grid;
@@ -228,7 +228,7 @@ class TextureCompiler {
   }
 
   const std::vector<TextureDescription>& textures_;
-  std::vector<const TextureDescription*> grids_of_;  ///< of each grid
+  std::vector<const TextureDescription*> grids_of_;  ///< per grid
   std::vector<int> depths_;
   std::vector<TiledImage> images_;
   std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::ColorTransform>, std::size_t> index_of_;

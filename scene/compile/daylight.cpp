@@ -1,12 +1,12 @@
-// Daylight.
+// Daylight (Hosek and Wilkie 2012, 2013).
 //
 // Hosek and Wilkie 2012, equation 8: with the angle theta to the zenith and gamma to the sun, a channel's radiance is
-//   R (1 + A e^(B / (cos theta + 0.01))) (C + D e^(E gamma) + F cos^2 gamma + G chi(H, gamma) + I sqrt(cos theta)),
-//   chi(g, gamma) = (1 + cos^2 gamma) / (1 + g^2 - 2 g cos gamma)^(3/2),
-// where R and A to I are Bezier curves of degree 5 over the cube root of the sun's elevation (equation 11), linear in
-// turbidity and albedo. The tables have H last. Hosek and Wilkie 2013: the radiance of the sun's centre is a piecewise
-// cubic of its elevation, pieces being of equal length in its cube root, times a polynomial of the cosine at the sun's
-// surface for the darkening of its limb, of which the average over the disk is taken here.
+// R (1 + A e^(B / (cos theta + 0.01))) (C + D e^(E gamma) + F cos^2 gamma + G chi(H, gamma) + I sqrt(cos theta)),
+// chi(g, gamma) = (1 + cos^2 gamma) / (1 + g^2 - 2 g cos gamma)^(3/2).
+// R and A to I are quintic Bezier curves over the cube root of the sun's elevation (equation 11), linear in turbidity
+// and albedo. In the tables, H comes last. Hosek and Wilkie 2013: the radiance at the sun's centre is a piecewise cubic
+// of its elevation, with pieces of equal length in the cube root. It is multiplied by a polynomial of the cosine at the
+// sun's surface for limb darkening, whose average over the disk is used here.
 #include "scene/compile/daylight.h"
 
 #include "core/color.h"
@@ -29,10 +29,10 @@ namespace data = daylight_data;
 
 constexpr double kPiD = std::numbers::pi;
 constexpr double kFirstWavelength = 320, kWavelengthStep = 40;
-/// Skies that are averaged at most.
+/// Maximum number of skies that are averaged.
 constexpr std::size_t kMaxSkies = 256;
 
-/// Tables for the turbidity below, and how much the one above counts.
+/// Interpolation between tables of turbidity: index of the lower table, and weight of the upper one.
 struct TurbidityPlace {
   std::size_t below;
   double above;
@@ -41,13 +41,13 @@ struct TurbidityPlace {
     below = std::min(static_cast<std::size_t>(place), data::kTurbidities - 2);
     above = place - static_cast<double>(below);
   }
-  /// Between entry `i` of a turbidity's table of `size` and the same of the next.
+  /// Interpolates entry `i` of tables with `size` entries.
   double mix(std::span<const float> tables, std::size_t size, std::size_t i) const {
     return (1 - above) * double(tables[below * size + i]) + above * double(tables[(below + 1) * size + i]);
   }
 };
 
-/// The Bezier curve over control points, each of `size` entries, of which entry `i` is asked.
+/// Evaluates entry `i` of a Bezier curve whose control points have `size` entries.
 double bezier(std::span<const float> tables, const TurbidityPlace& turbidity, double albedo, double x, std::size_t size,
               std::size_t i) {
   constexpr double kBinomial[data::kControlPoints] = {1, 5, 10, 10, 5, 1};
@@ -62,7 +62,7 @@ double bezier(std::span<const float> tables, const TurbidityPlace& turbidity, do
   return sum;
 }
 
-/// The skies for some of the suns, those above the horizon, and one over the number of them all.
+/// Skies for up to kMaxSkies of the suns, without suns below the horizon, and one over the number of suns considered.
 struct Skies {
   struct Sky {
     Vec3f sun;
@@ -83,7 +83,7 @@ struct Skies {
     share = count > 0 ? 1.0 / static_cast<double>(count) : 0;
   }
 
-  /// From a unit vector at the cosine `cos_zenith` to the zenith.
+  /// Radiance from a unit direction, with cosine `cos_zenith` to the zenith.
   std::array<double, 3> radiance(Vec3f direction, double cos_zenith) const {
     std::array<double, 3> sum{};
     for (const Sky& sky : all) {
@@ -95,7 +95,7 @@ struct Skies {
   }
 };
 
-/// Adds the suns to the nodes around them.
+/// Adds each sun to the four nodes around it.
 void add_suns(const SkyDescription& sky, const Frame<Scalar>& frame, EnvmapPicture& picture) {
   const double half = std::sin(0.5 * double(SunDescription::kSunRadius) * (kPiD / 180));
   const double solid_angle = 4 * kPiD * half * half;
@@ -129,7 +129,7 @@ SkyModel::SkyModel(float turbidity, Vec3f albedo, double elevation) {
   const TurbidityPlace place(turbidity);
   const double x = std::cbrt(std::clamp(elevation / (0.5 * kPiD), 0.0, 1.0));
   const float albedos[3] = {albedo.x, albedo.y, albedo.z};
-  // The tables are integrals over the spectrum, which RGB mode divides by that of the y curve.
+  // The tables are integrals over the spectrum; RGB mode divides these by the integral of the y curve.
   constexpr double kUnits = 106.7502593994140625;
   for (std::size_t c = 0; c < 3; ++c) {
     const double ground = std::clamp(double(albedos[c]), 0.0, 1.0);

@@ -25,7 +25,7 @@ std::array<double, 2> extreme_eigenvalues(const std::array<float, 6>& matrix) {
   return {mean + 2 * spread * std::cos(angle + 2 * std::numbers::pi / 3), mean + 2 * spread * std::cos(angle)};
 }
 
-/// A grid of three of the channels.
+/// A grid with three of the channels, starting with `first`.
 BrickGrid take_channels(const DenseVolume& volume, std::size_t first, GridVolumeDescription::Wrap wrap) {
   std::vector<float> values;
   for (std::size_t at = first; at < volume.values.size(); at += kChannels)

@@ -1,21 +1,21 @@
-// Microflakes of a description: matrices that are none are found here.
+// Loads the SGGX matrices of microflakes (Heitz et al. 2015) and checks that they are valid.
 #pragma once
 
 #include "scene/tables/brick_grid.h"
 
 namespace sheaf {
 
-/// The largest projected area of the flakes whose matrix is xx, yy, zz, xy, xz, yz: the root of its largest eigenvalue.
-/// Throws SceneError unless the numbers are finite and no eigenvalue is negative, but for rounding.
+/// Maximum projected area of flakes with the matrix xx, yy, zz, xy, xz, yz: the square root of its largest eigenvalue.
+/// Throws SceneError if an entry is not finite or an eigenvalue is negative by more than rounding.
 float largest_flake_area(const std::array<float, 6>& matrix);
 
 /// A grid of matrices.
 struct FlakeGrids {
   BrickGrid diagonal, others;  ///< xx, yy, zz; xy, xz, yz
-  float most = 0;              ///< bounds the projected area: between voxels a matrix is a mean of theirs
+  float most = 0;              ///< upper bound on the projected area; interpolated matrices do not exceed it
 };
 
-/// Reads a .vol file of six channels. Throws SceneError at `where` for others, or if a voxel is no such matrix.
+/// Reads a .vol file of six channels. Throws SceneError at `where` for other files and for invalid matrices.
 FlakeGrids load_flakes(const GridVolumeDescription& description, const SourceLocation& where);
 
 }  // namespace sheaf

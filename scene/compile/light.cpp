@@ -19,7 +19,7 @@ bool holds_volume(std::span<const TextureRow> rows, std::uint32_t texture) {
   return holds_volume(rows, row.checkerboard.child[0]) || holds_volume(rows, row.checkerboard.child[1]);
 }
 
-/// Whether a texture, or a part of it, depends on the mesh that it is on.
+/// Whether a texture or one of its inputs depends on the mesh.
 bool depends_on_mesh(const TextureView& textures, std::uint32_t texture) {
   const TextureRow& row = textures.rows[texture];
   const auto any_of = [&](const std::uint32_t(&children)[2]) {
@@ -42,7 +42,7 @@ bool depends_on_mesh(const TextureView& textures, std::uint32_t texture) {
   return true;
 }
 
-/// Which lights share the integral in their power.
+/// Groups the lights that share an integral in their power.
 class IntegralGroups {
  public:
   explicit IntegralGroups(const SceneView& scene) {
@@ -64,7 +64,7 @@ class IntegralGroups {
 
   /// The first light of each group.
   const std::vector<std::uint32_t>& firsts() const { return firsts_; }
-  /// Lights and their groups.
+  /// Pairs of a light and its group.
   const std::vector<std::pair<std::uint32_t, std::size_t>>& members() const { return members_; }
 
  private:
@@ -120,7 +120,7 @@ Vec3f light_power(const SceneView& scene, std::uint32_t light) {
 }
 
 std::vector<Vec3f> light_powers(const SceneView& scene) {
-  // Points of all integrals together, and of each at least
+  // Total number of points for all integrals, and minimum number for each
   constexpr std::size_t kMaxPoints = 1 << 20, kMinPoints = 256;
   const IntegralGroups groups(scene);
   const std::size_t share = kMaxPoints / std::max<std::size_t>(groups.firsts().size(), 1);

@@ -19,8 +19,8 @@ LightBounds point_light_bounds(Vec3f position, float intensity) {
 LightBounds spot_light_bounds(Vec3f position, Vec3f axis, float cos_total, float intensity) {
   LightBounds out = point_light_bounds(position, intensity);
   out.axis = axis;
-  // As if it shone from the axis alone, and from a cone around it as far as the light reaches behind: the light does
-  // not fade with the angle, but where it ends is told exactly up to a right angle.
+  // Represent the light by a cone of normals, which is just the axis up to a right angle, and a cone of emission of at
+  // most a right angle. Intensity does not fall off with the angle, and the boundary is exact up to a right angle.
   const double angle = std::acos(std::clamp(double(cos_total), -1.0, 1.0)), right = 0.5 * double(kPi);
   out.cos_theta_o = static_cast<float>(std::cos(std::max(angle - right, 0.0)));
   out.cos_theta_e = static_cast<float>(std::cos(std::min(angle, right)));
@@ -34,7 +34,7 @@ LightBounds frame_light_bounds(const LightFrameRow& frame, Vec3f position, doubl
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j <= i; ++j)
       distortion = std::max(distortion, std::fabs(dot(rows[i], rows[j]) - (i == j ? size : 0)));
-  if (distortion > 1e-4f * size) cos_total = -1.0;  // a cone that is stretched may reach anywhere
+  if (distortion > 1e-4f * size) cos_total = -1.0;  // a distorted cone may reach in any direction
   const Vec3f axis = normalize(rows[2]);
   const double solid_angle = 2.0 * double(kPi) * std::max(1.0 - cos_total, 1e-6);
   return spot_light_bounds(position, axis, static_cast<float>(cos_total), static_cast<float>(power / solid_angle));

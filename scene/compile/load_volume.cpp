@@ -16,7 +16,7 @@ BrickGrid load_vol(const GridVolumeDescription& description) {
   return grid;
 }
 
-/// The volume with a voxel of zero around it, which is not part of its box.
+/// The volume padded with a voxel of zeros on all sides, which is not part of its box.
 BrickGrid with_zeros_around(const DenseVolume& volume) {
   std::array<int, 3> size;
   for (std::size_t axis = 0; axis < 3; ++axis) size[axis] = volume.size[axis] + 2;
@@ -45,8 +45,8 @@ BrickGrid load_made(const GridVolumeDescription& description) {
   return grid;
 }
 
-/// Tiles of a sparse file stand for any number of voxels, but bricks take memory for each 8^3: so much per byte of the
-/// file, on top of what any file may take, is far more than volumes need whose voxels are there.
+/// Memory limit for sparse files. Tiles of such a file may represent any number of voxels, but each brick takes memory.
+/// The limit per byte of the file, plus a constant, is far above the needs of volumes with explicit voxels.
 constexpr std::size_t kMaxPerByte = 512, kAlways = std::size_t{64} << 20;
 
 BrickGrid load_nanovdb(const GridVolumeDescription& description) {

@@ -1,4 +1,4 @@
-// Volumes from files of any kind.
+// Loads volumes of all formats.
 #pragma once
 
 #include "scene/compile/compile.h"
@@ -6,23 +6,22 @@
 
 namespace sheaf {
 
-/// Reads the file of a grid volume. Throws SceneError at `where` for what the readers of files throw
-/// (scene/formats/vol_file.h, scene/formats/nanovdb.h), and for volumes of too many bricks; of a .nvdb file, of more
-/// than 64 MiB and 512 times the bytes that the grid takes in it. The grid's `grid_to_local` leads to the space that
-/// GridVolumeDescription::format names; the description's filter is left to make_brick_grid_row() and
-/// make_majorant_grid().
+/// Reads a grid volume. Throws SceneError at `where` for errors of the readers (scene/formats/vol_file.h,
+/// scene/formats/nanovdb.h) and for too many bricks. A .nvdb grid may take at most 64 MiB plus 512 times its size in
+/// the file. `grid_to_local` maps to the space defined by GridVolumeDescription::format. The filter is applied by
+/// make_brick_grid_row() and make_majorant_grid().
 BrickGrid load_volume(const GridVolumeDescription& description, const SourceLocation& where);
 
-/// The row of a grid that load_volume() made of the description, in its place. Throws SceneError at `where` if the
-/// transform from the world is beyond 32-bit floats.
+/// Row of a grid loaded by load_volume(). Throws SceneError at `where` if the inverse transform is not finite in 32-bit
+/// floats.
 BrickGridRow place_grid(const BrickGrid& grid, const Transform& to_world, const GridVolumeDescription& description,
                         const SourceLocation& where);
 
-/// What people are told of such a grid.
+/// Describes a grid for reports.
 PlacedGrid describe_grid(const BrickGrid& grid, const Transform& to_world, const GridVolumeDescription& description,
                          const SourceLocation& where);
 
-/// What is outside of a dense grid.
+/// Border mode of a dense grid.
 GridBorder border_of(GridVolumeDescription::Wrap wrap);
 
 }  // namespace sheaf

@@ -25,7 +25,7 @@ Vec3f to_rgb(const SpectrumDescription& spectrum, TableToRgb table_to_rgb) {
   return {std::max(rgb.x, 0.0f), std::max(rgb.y, 0.0f), std::max(rgb.z, 0.0f)};
 }
 
-/// The largest number that the file gives; 0 for blackbodies, which are no reflectances.
+/// The maximum value given by the file; 0 for black bodies, which are not reflectances.
 float largest_value(const SpectrumDescription& spectrum) {
   using S = SpectrumDescription;
   if (const auto* c = std::get_if<S::Constant>(&spectrum.value)) return c->value;
@@ -34,7 +34,7 @@ float largest_value(const SpectrumDescription& spectrum) {
   return t != nullptr && !t->values.empty() ? *std::max_element(t->values.begin(), t->values.end()) : 0.0f;
 }
 
-/// Parameters on their way into a row: constants go to their place, textures become bindings of that place.
+/// Builds a row's parameters: constants are stored, textures become bindings of the parameter's words.
 template <template <class> class Parameters> struct MaterialRowBuilder {
   RowContext& context;
   Parameters<Scalar> p{};
@@ -60,7 +60,7 @@ template <template <class> class Parameters> struct MaterialRowBuilder {
     }
   }
 
-  /// Spectral mode: the luminance of `color`, which was set from `input`, as `role` says.
+  /// Spectral mode: sets the luminance of `color`, which was set from `input`, with the weights of `role`.
   void set_luminance(float& leaf, const Spectrum4& color, const SpectrumInput& input, TextureRole role) {
     if (context.set == nullptr) return;
     if (const auto* texture = std::get_if<TextureId>(&input)) return bind(leaf, *texture, 1, role);
@@ -68,7 +68,7 @@ template <template <class> class Parameters> struct MaterialRowBuilder {
                                                  : luminance({color.c0, color.c1, color.c2});
   }
 
-  /// The row of one of the parameters.
+  /// The spectrum of one of the parameters.
   SpectrumRow& row_of(const Spectrum4& spectrum) {
     constexpr ClosureSpectra kSpectra = closure_spectra<Parameters>();
     const auto* place =
@@ -105,7 +105,7 @@ void set_roughness(MaterialRowBuilder<Parameters>& m, const RoughnessDescription
   m.set(m.p.alpha_v, roughness.alpha_v);
 }
 
-/// Only a surface that is smoother in one direction than in the other needs its tangent.
+/// Only anisotropic surfaces need the tangent.
 MaterialRow with_tangent(MaterialRow row, const RoughnessDescription& roughness) {
   if (roughness.alpha_u != roughness.alpha_v) row.flags |= kNeedsUv;
   return row;
@@ -115,7 +115,7 @@ MaterialRow with_tangent(MaterialRow row, const ScalarInput& anisotropic) {
   return row;
 }
 
-/// Each of the parameters is what the file says.
+/// Makes the row of a DeclarativeBsdf, whose parameters map one to one.
 template <ClosureKind Kind, template <class> class Parameters, DeclarativeBsdf Model>
 MaterialRow make_plain_row(const Model& model, RowContext& context) {
   MaterialRowBuilder<Parameters> m{context};
@@ -144,7 +144,7 @@ void set_conductor(MaterialRowBuilder<Parameters>& m, const ConductorDescription
   const SpectrumInput none = SpectrumDescription::constant(0), mirror = SpectrumDescription::constant(1);
   m.set(m.p.eta, d.ior ? d.ior->eta : none, TextureRole::kUnbounded);
   m.set(m.p.k, d.ior ? d.ior->k : mirror, TextureRole::kUnbounded);
-  // The fourth lane is no colour in RGB mode; k = 1 keeps its Fresnel term a number.
+  // The fourth lane is unused in RGB mode. k = 1 keeps its Fresnel term finite.
   m.p.k.c3 = 1.0f;
   m.set(m.p.reflectance, d.specular_reflectance);
 }
@@ -163,7 +163,7 @@ MaterialRow make_row(const ConductorDescription& d, RowContext& context) {
       *d.roughness);
 }
 
-/// The index of the inside over that of the outside, by wavelength.
+/// Relative index of refraction (inside over outside) by wavelength.
 SpectrumRow relative_index(SpectrumSet& set, const DielectricDescription& d) {
   std::vector<float> samples(SpectrumTableView::kSamples);
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -255,7 +255,7 @@ MaterialRow make_row(const PrincipledDescription& d, RowContext& context) {
   m.set(m.p.flatness, d.flatness);
   m.set(m.p.clearcoat, d.clearcoat);
   m.set(m.p.clearcoat_gloss, d.clearcoat_gloss);
-  // A matched boundary would transmit without bending, which has no density.
+  // An index-matched boundary would transmit without refraction, a delta lobe without a pdf.
   constexpr float kMinTransmittingEta = 1.001f;
   const bool matched = d.eta == 1.0f && d.spec_trans != ScalarInput(0.0f);
   m.p.eta = matched ? kMinTransmittingEta : d.eta;
@@ -359,8 +359,7 @@ MaterialRow make_row(const MeasuredDescription& d, RowContext& context) {
   return with_flags(m.row(ClosureKind::kMeasured));
 }
 
-/// Absorption by melanin, per radius of a hair and unit of concentration, in linear Rec.709 (d'Eon et al. 2011, as
-/// given in Pharr et al. 2023, section 9.9).
+/// Absorption by melanin, per fibre radius and unit of concentration, in linear Rec.709 (d'Eon et al. 2011; PBR 9.9).
 const SpectrumDescription kEumelanin = SpectrumDescription::rgb(0.419f, 0.697f, 1.37f);
 const SpectrumDescription kPheomelanin = SpectrumDescription::rgb(0.187f, 0.4f, 1.05f);
 
@@ -386,11 +385,11 @@ MaterialRow make_row(const HairDescription& d, RowContext& context) {
   m.p.eta = d.int_ior / d.ext_ior;
   m.p.fourth = context.set != nullptr ? 1.0f : 0.0f;
   MaterialRow row = m.row(ClosureKind::kHair);
-  row.flags |= kNeedsUv;  // the fibre runs along the tangent
+  row.flags |= kNeedsUv;  // the fibre is along the tangent
   return row;
 }
 
-/// Moves the parameters of `nested`, the row made last, to their places behind a coat's own.
+/// Moves the parameters of `nested`, the most recent row, to their positions after the coat's own.
 template <template <class> class Parameters>
 void set_nested(MaterialRowBuilder<Parameters>& m, const MaterialRow& nested, const MaterialSpectra& spectra) {
   const std::uint32_t base = m.word_of(m.p.nested_spectra[0].c0);
@@ -429,7 +428,7 @@ MaterialRow coated_row(ClosureKind kind, const CoatDescription& d, const Materia
   return row;
 }
 
-/// Combinations of materials are no rows of their own; see compile_materials().
+/// Combinations of materials have no row of their own; see compile_materials().
 template <class T, class... Of>
 concept OneOf = (std::is_same_v<T, Of> || ...);
 template <OneOf<CoatDescription, NullDescription, TwoSidedDescription, MaskDescription, BlendDescription,

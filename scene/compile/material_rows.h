@@ -1,4 +1,4 @@
-// One material that is no combination of others, as a row.
+// Compiles a single material that is not a combination into a row.
 #pragma once
 
 #include "scene/compile/closure_tables.h"
@@ -7,21 +7,21 @@
 
 namespace sheaf {
 
-/// Where a row's other parts go.
+/// Destinations and shared state for making rows.
 struct RowContext {
   std::vector<TextureBinding>& bindings;  ///< appended to
-  ClosureTables& tables;                  ///< likewise
-  SpectrumSet* set = nullptr;             ///< spectral mode: what makes rows
-  MaterialSpectra rows = {};              ///< spectral mode: those of the row made last
-  float largest_reflectance = 0;          ///< of all constants set so far, before they are clamped
+  ClosureTables& tables;                  ///< appended to
+  SpectrumSet* set = nullptr;             ///< spectral mode: makes rows of spectra
+  MaterialSpectra rows = {};              ///< spectral mode: spectra of the most recent row
+  float largest_reflectance = 0;          ///< maximum of all constants so far, before clamping
   RoughCoats coats = {};
 };
 
-/// The row of a material that is neither composite nor two-sided nor mapped. `back`, `bucket` and the choices are left
-/// to the caller. Throws SceneError for spectra that are not finite.
+/// Makes the row of a material that is not composite, two-sided or mapped. The caller sets `back`, `bucket` and the
+/// choices. Throws SceneError for spectra that are not finite.
 MaterialRow make_material_row(const MaterialDescription& material, RowContext& context);
 
-/// The row of such a material under a coat. Throws SceneError also for materials that cannot be coated.
+/// Makes the row of such a material under a coat. Also throws SceneError for materials that cannot be coated.
 MaterialRow make_coated_row(const CoatDescription& coat, const MaterialDescription& nested, RowContext& context);
 
 }  // namespace sheaf

@@ -11,17 +11,17 @@ namespace sheaf {
 
 namespace {
 
-/// Rays that cross more surfaces than this have lost their way.
+/// Maximum number of surfaces that a probe ray crosses.
 constexpr int kMaxCrossings = 1000;
 
-/// One ray that looks around.
+/// One probe ray.
 struct Probe {
   Vec3f origin, direction;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> entered;  ///< shapes, with their instances, that it is in
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> entered;  ///< crossings into each shape and instance
   std::optional<std::uint32_t> found;
 };
 
-/// What lane `i` has hit: an answer, or the probe goes on behind it.
+/// Processes the hit of lane `i`: sets the result, or continues the probe behind the surface.
 void cross(const SceneView& scene, const RayPacket& packet, int i, std::uint32_t ignored, Probe& probe) {
   const std::uint32_t index = packet.shape[i];
   const ShapeRow& shape = scene.shapes[index];
@@ -40,7 +40,7 @@ void cross(const SceneView& scene, const RayPacket& packet, int i, std::uint32_t
   }
 }
 
-/// Directions spread over the sphere, in none of which a scene is likely to be regular.
+/// Well-distributed directions on the sphere, unlikely to be aligned with the scene.
 Vec3f spread_direction(int i) {
   const float golden = 0.61803398875f * static_cast<float>(i) + 0.137f;
   return square_to_sphere<Scalar>((static_cast<float>(i) + 0.43f) / kPacketWidth, golden - std::floor(golden));

@@ -13,10 +13,10 @@ namespace sheaf {
 
 namespace {
 
-/// Directions along each side of a node's surroundings that are looked up.
+/// Lookups along each side of a node's neighbourhood.
 constexpr std::uint32_t kLookups = 4;
 
-/// The direction at (u, v) of a map by longitude and latitude; see scene/tables/envmap.h.
+/// Direction at (u, v) of a latitude-longitude map; see scene/tables/envmap.h.
 Vec3f direction_of(double u, double v) {
   const double phi = 2 * std::acos(-1.0) * u, theta = std::acos(-1.0) * v;
   return {static_cast<float>(std::sin(theta) * std::sin(phi)), static_cast<float>(std::cos(theta)),
@@ -25,7 +25,7 @@ Vec3f direction_of(double u, double v) {
 
 bool counts(float value) { return value >= 0.0f && std::isfinite(value); }
 
-/// The mean of the texels around node (i, j).
+/// Mean of the texels around node (i, j).
 Vec3f mean_around(const EnvmapPicture& square, std::uint32_t i, std::uint32_t j, std::uint32_t width,
                   std::uint32_t height) {
   Vec3f sum{0, 0, 0};
@@ -44,7 +44,7 @@ Vec3f mean_around(const EnvmapPicture& square, std::uint32_t i, std::uint32_t j,
   return sum * (1.0f / (kLookups * kLookups));
 }
 
-/// The mean over all directions of a channel of the square map.
+/// Mean of a channel of the square map over all directions.
 double mean_of(const EnvmapPicture& square, std::size_t channel) {
   double sum = 0;
   for (std::size_t k = channel; k < square.rgb.size(); k += 3)
@@ -52,7 +52,7 @@ double mean_of(const EnvmapPicture& square, std::size_t channel) {
   return sum * 3 / static_cast<double>(square.rgb.size());
 }
 
-/// Scales a map so that make_envmap() finds the means of `square` in it.
+/// Scales a map so that make_envmap() computes the same means as for `square`.
 void keep_means(EnvmapPicture& map, const EnvmapPicture& square) {
   const Vec3f found = make_envmap(map, 1, false).mean;
   const std::array<float, 3> means{found.x, found.y, found.z};

@@ -1,4 +1,4 @@
-// Quadrature over the facets of a coat, in double precision.
+// Numerical integration over the microfacets of a coat, in double precision.
 #include "scene/compile/plastic.h"
 
 #include "core/fresnel.h"
@@ -36,7 +36,7 @@ template <int n> std::array<Node, n> gauss_legendre() {
   return nodes;
 }
 
-/// Light from one direction, shared out by single scattering at the coat.
+/// Fractions of the light from one direction that the coat's single scattering reflects and transmits.
 struct Shares {
   double reflected = 0, transmitted = 0;
 };
@@ -46,13 +46,13 @@ class Coat {
   Coat(RoughnessDescription::Distribution distribution, double alpha, double eta)
       : beckmann_(distribution == RoughnessDescription::Distribution::kBeckmann), alpha_(alpha), eta_(eta) {}
 
-  /// For light whose direction has cosine `cosine` > 0 and which meets the relative index `eta`.
+  /// For light with cosine `cosine` > 0 that meets the relative index `eta`.
   Shares shares(double cosine, double eta) const {
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
     return beckmann_ ? beckmann_shares(cosine, sine, eta) : ggx_shares(cosine, sine, eta);
   }
 
-  /// The average of shares().reflected over diffuse light from within. The integral is cut at the critical angle, where
+  /// Average of shares().reflected over diffuse light from inside. The integral is split at the critical angle, where
   /// the reflectance of a nearly smooth coat has a kink.
   double internal_reflectance() const {
     const double critical = eta_ > 1 ? std::sqrt(1 - 1 / (eta_ * eta_)) : 0.5;
@@ -79,7 +79,7 @@ class Coat {
     return 2 * a / (a * (1 + std::erf(a)) + std::exp(-a * a) / std::sqrt(std::numbers::pi));
   }
 
-  /// What a facet with normal (x, y, z) adds to the shares.
+  /// Adds the contribution of a facet with normal (x, y, z).
   void add(Shares& shares, double weight, double x, double y, double z, double cosine, double sine, double eta) const {
     const double length = std::sqrt(x * x + y * y + z * z), c = (x * sine + z * cosine) / length, mz = z / length;
     if (!(c > 0)) return;
@@ -90,7 +90,7 @@ class Coat {
     if (refracted > 0) shares.transmitted += weight * (1 - fresnel) * shadowing(std::min(refracted, 1.0));
   }
 
-  /// Facets by the mapping of Dupuy and Benyoub 2023, over half of the azimuths.
+  /// Samples visible facets with the mapping of Dupuy and Benyoub 2023, over half of the azimuths.
   Shares ggx_shares(double cosine, double sine, double eta) const {
     struct Azimuth {
       double cosine, sine, weight;
@@ -114,10 +114,10 @@ class Coat {
     return shares;
   }
 
-  /// Facets by their slopes, weighted by their visibility; over half of the slopes across.
+  /// Integrates over slopes, weighted by their visibility, over half of the slopes across.
   Shares beckmann_shares(double cosine, double sine, double eta) const {
     static const auto along = gauss_legendre<kAlong>();
-    static const auto across = [] {  // slopes, with their weight under the Gaussian
+    static const auto across = [] {  // slopes with their Gaussian weight
       auto nodes = gauss_legendre<kAcross>();
       for (Node& u : nodes) u = {kMaxSlope * u.x, u.weight * std::exp(-kMaxSlope * u.x * kMaxSlope * u.x)};
       return nodes;
@@ -144,7 +144,7 @@ class Coat {
 constexpr std::size_t kSamples = RoughCoatSamples::kCosines;
 constexpr std::size_t kTransmittanceCoefficients = kTransmittanceTerms - 1;
 
-/// The cosines of the samples, which crowd at grazing directions.
+/// Cosines of the samples, denser at grazing directions.
 const std::array<double, kSamples>& sample_cosines() {
   static const auto cosines = [] {
     std::array<double, kSamples> all;
@@ -155,13 +155,13 @@ const std::array<double, kSamples>& sample_cosines() {
   return cosines;
 }
 
-/// Fits polynomials in (1 + width) cosine / (cosine + width) to the samples in the least-squares sense. All samples
-/// have the same cosines, so that the coefficients are a matrix times the values.
+/// Least-squares fit of polynomials in (1 + width) cosine / (cosine + width) to the samples. The cosines are always the
+/// same, so the coefficients are a constant matrix times the values.
 class PolynomialFit {
  public:
   explicit PolynomialFit(double width) : width_(width) {
     constexpr std::size_t n = kTransmittanceCoefficients;
-    double matrix[n][n + kSamples] = {};  // the normal equations; on their right side those of each sample
+    double matrix[n][n + kSamples] = {};  // normal equations, with the right-hand side of each sample
     for (std::size_t s = 0; s < kSamples; ++s) {
       x_[s] = (1 + width) * sample_cosines()[s] / (sample_cosines()[s] + width);
       for (std::size_t i = 0; i < n; ++i) {
@@ -188,7 +188,7 @@ class PolynomialFit {
       for (std::size_t s = 0; s < kSamples; ++s) out[i] += solution_[i][s] * values[s];
     return out;
   }
-  /// The largest deviation from the samples.
+  /// Maximum deviation from the samples.
   double error(const Coefficients& coefficients, const std::array<double, kSamples>& values) const {
     double error = 0;
     for (std::size_t s = 0; s < kSamples; ++s) {
@@ -205,7 +205,7 @@ class PolynomialFit {
   double solution_[kTransmittanceCoefficients][kSamples];
 };
 
-/// Every width of the grazing part that is worth a try; the best wins.
+/// Tries several widths of the grazing part and keeps the best fit.
 std::array<float, kTransmittanceTerms> fit_transmittance(const std::array<double, kSamples>& values) {
   static const std::array fits{PolynomialFit(0.04), PolynomialFit(0.06), PolynomialFit(0.09),
                                PolynomialFit(0.13), PolynomialFit(0.2),  PolynomialFit(0.3),
@@ -240,7 +240,7 @@ double clamped_alpha(double alpha) { return std::clamp(alpha, 1e-4, 1e3); }
 }  // namespace
 
 float smooth_coat_internal_reflectance(double eta) {
-  // What comes in under a cosine and what gets out are the same up to eta^2, and the former has no kink for eta >= 1.
+  // The transmittance from outside and from inside agree up to eta^2, and the former has no kink for eta >= 1.
   double sum = 0;
   const double outside = eta >= 1 ? eta : 1 / eta;
   static const auto nodes = gauss_legendre<64>();
@@ -260,7 +260,7 @@ RoughCoat RoughCoats::coat(RoughnessDescription::Distribution distribution, doub
   if (family.exact.size() < kMaxExact)
     return family.exact.emplace(alpha, rough_coat(distribution, alpha, eta)).first->second;
 
-  // Lagrange interpolation of the samples over the logarithm of alpha
+  // Lagrange interpolation of the samples over log alpha
   constexpr int kNodes = 6;
   constexpr double kNodesPerOctave = 4;
   const double place = kNodesPerOctave * std::log2(alpha);

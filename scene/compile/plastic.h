@@ -1,5 +1,5 @@
-// What the coat of a plastic does to light on average: numbers that depend on the index and the roughness alone and are
-// computed once per material.
+// Average reflectance and transmittance of the coats of plastics. They depend only on the index of refraction and the
+// roughness, and are computed once per material.
 #pragma once
 
 #include "scene/description/description.h"
@@ -10,29 +10,30 @@
 
 namespace sheaf {
 
-/// Share of diffuse light from within that a smooth coat of relative index `eta` (inside over outside) sends back.
+/// Internal diffuse reflectance of a smooth coat with relative index `eta` (inside over outside).
 float smooth_coat_internal_reflectance(double eta);
 
-/// A rough coat, lit from a direction or diffusely from within.
+/// A rough coat, lit from a direction outside or diffusely from inside.
 struct RoughCoat {
-  float internal_reflectance = 0;  ///< as of a smooth coat; light that would meet a second facet is lost
-  std::array<float, kTransmittanceTerms> transmittance{};  ///< over the cosine; see kernels/bsdf/rough_plastic.h
+  /// Internal diffuse reflectance, as for a smooth coat; light that would hit a second facet is lost.
+  float internal_reflectance = 0;
+  std::array<float, kTransmittanceTerms> transmittance{};  ///< function of the cosine; see kernels/bsdf/rough_plastic.h
 };
 
-/// By numerical integration over visible facets; takes about a millisecond. `alpha` and `eta` > 0. The fit of the
-/// transmittance is within 3e-3 (tested), mostly 1e-3, for alpha in [1e-4, 1] and eta in [1.05, 2.5].
+/// Computed by numerical integration over visible facets, in about 1 ms. `alpha` and `eta` > 0. The transmittance fit
+/// is within 3e-3 (tested), mostly 1e-3, for alpha in [1e-4, 1] and eta in [1.05, 2.5].
 RoughCoat rough_coat(RoughnessDescription::Distribution distribution, double alpha, double eta);
 
-/// What a rough coat is fitted to.
+/// Samples to which a rough coat is fitted.
 struct RoughCoatSamples {
   static constexpr std::size_t kCosines = 28;
   double internal_reflectance = 0;
-  std::array<double, kCosines> transmitted{};  ///< of light from outside, at cosines of its direction
+  std::array<double, kCosines> transmitted{};  ///< transmittance from outside, at sample cosines
 };
 
-/// The coats of a scene. The first kMaxExact roughnesses of each distribution and index are those of rough_coat();
-/// others are interpolated between roughnesses a quarter of an octave apart, which they share: within 2e-3 (tested), as
-/// far as quadrature itself is off.
+/// The coats of a scene. For each distribution and index, the first kMaxExact roughnesses are computed by rough_coat().
+/// Further ones are interpolated between shared nodes 1/4 octave apart: within 2e-3 (tested), comparable to the error
+/// of the quadrature.
 class RoughCoats {
  public:
   RoughCoat coat(RoughnessDescription::Distribution distribution, double alpha, double eta);
@@ -42,7 +43,7 @@ class RoughCoats {
  private:
   struct Family {
     std::map<double, RoughCoat> exact;      ///< by alpha
-    std::map<int, RoughCoatSamples> nodes;  ///< by quarters of octaves of alpha
+    std::map<int, RoughCoatSamples> nodes;  ///< by alpha in quarter octaves
   };
   std::map<std::pair<RoughnessDescription::Distribution, double>, Family> families_;
 };

@@ -11,7 +11,7 @@ namespace sheaf {
 
 namespace {
 
-/// Whether the texture asks for more than uv.
+/// Whether the texture depends on more than uv.
 bool needs_a_shape(const CompiledTextures& textures, std::uint32_t row) {
   const TextureRow& texture = textures.rows.at(row);
   if (texture.kind == TextureKind::kMeshAttribute || texture.kind == TextureKind::kWireframe) return true;

@@ -1,13 +1,12 @@
-// Height fields from textures that are looked up.
+// Height fields sampled from textures.
 #pragma once
 
 #include "scene/tables/texture.h"
 
 namespace sheaf {
 
-/// The mesh of a height field, with its heights from the texture. Throws SceneError where the texture has no values
-/// without a shape (mesh attributes, wireframes), values that are not finite, or where there are too few or too many
-/// places.
+/// Makes the mesh of a height field with heights from its texture. Throws SceneError if the texture needs a shape (mesh
+/// attributes, wireframes), has non-finite values, or if there are too few or too many samples.
 Mesh sample_height_field(const HeightFieldShape& field, const CompiledTextures& textures);
 
 }  // namespace sheaf

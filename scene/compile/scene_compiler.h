@@ -1,4 +1,4 @@
-// What turns a description into a scene, for the files scene/compile*.cpp alone: each defines the members of a subject.
+// The compiler from a description to a scene, for scene/compile/compile*.cpp only. Each file defines some members.
 #pragma once
 
 #include "scene/compile/compile.h"
@@ -18,33 +18,33 @@ namespace sheaf {
 template <class... F> struct Overloaded : F... { using F::operator()...; };
 template <class... F> Overloaded(F...) -> Overloaded<F...>;
 
-/// Lets the box [lower, upper] hold another.
+/// Extends the box [lower, upper] to contain another box.
 inline void grow_box(Vec3f& lower, Vec3f& upper, Vec3f to_lower, Vec3f to_upper) {
   lower = {std::min(lower.x, to_lower.x), std::min(lower.y, to_lower.y), std::min(lower.z, to_lower.z)};
   upper = {std::max(upper.x, to_upper.x), std::max(upper.y, to_upper.y), std::max(upper.z, to_upper.z)};
 }
 
-/// Whether squares of the coordinates of a box, and of its size, stay finite.
+/// Whether the squares of a box's coordinates and of its size are finite.
 inline bool is_traceable(Vec3f lower, Vec3f upper) {
   constexpr float kLargest = 1e18f;
   return is_finite(upper - lower) && max_component(abs(upper)) <= kLargest && max_component(abs(lower)) <= kLargest;
 }
 
-/// Fills a Scene, table by table. Every step may throw SceneError.
+/// Fills a Scene, table by table. All steps may throw SceneError.
 class SceneCompiler {
  public:
-  /// Both must outlive the compiler.
+  /// Both arguments must outlive the compiler.
   SceneCompiler(const Description& description, const CompileOptions& options)
       : in_(description), options_(options), out_(std::make_unique<Scene>()), naming_(out_->names_) {}
 
-  /// Takes all steps in their order. To be called once.
+  /// Runs all steps in order. Call once.
   std::unique_ptr<Scene> run();
 
  private:
-  /// Vertices that kernels can address: byte-free word indices must fit 32 bits.
+  /// Maximum number of 32-bit words in a table, so that kernels can address them by 32-bit indices.
   static constexpr std::size_t kMaxWords = std::numeric_limits<std::uint32_t>::max() - 64;
 
-  /// A shape that emits.
+  /// A shape that emits light.
   struct Emitter {
     std::uint32_t shape;
     AreaEmission emission;
@@ -52,44 +52,44 @@ class SceneCompiler {
     std::string name;  ///< may be empty
   };
 
-  /// What a group holds, for its instances.
+  /// The content of a group, for its instances.
   struct GroupContents {
     ShapeRange range;
-    std::uint32_t index;  ///< among the groups that are not empty
+    std::uint32_t index;  ///< index among the groups that are not empty
     std::size_t triangles;
     Vec3f lower, upper;  ///< bounds in the group's space
     std::vector<Emitter> emitters;
   };
 
   // compile.cpp
-  /// What makes rows of spectra; null in RGB mode.
+  /// Makes rows of spectra; null in RGB mode.
   SpectrumSet* spectra() { return spectra_ ? &*spectra_ : nullptr; }
   void add_cameras();
   void add_materials();
   bool panes_can_be_open() const;
-  /// Once all shapes and instances are there.
+  /// Call after all shapes and instances have been added.
   void set_bounds();
   void finish_tables();
-  /// What memory is taken by, once all tables are there.
+  /// Memory use; call after all tables are complete.
   CompileReport report() const;
   void warn(const ShapeDescription& shape, const std::string& message);
 
   // compile_shapes.cpp
   void add_shape(const ShapeDescription& shape);
-  /// The order of the steps is explained in scene/formats/mesh.h.
-  /// `is_split`: as MeshFile has it.
+  /// The order of the steps is explained in scene/formats/mesh.h. `is_split`: see MeshFile.
   void add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh, bool face_normals, bool is_split = false);
   void add_quadric(ShapeRow row, const ShapeDescription& shape, const QuadricRow& quadric);
-  /// Adds the row of a shape within `box`. If it emits, a light, which for shapes of groups waits for the instances.
+  /// Adds the row of a shape with bounding box `box`, and its light if it emits. In groups, the instances add the
+  /// lights.
   void push_shape(ShapeRow row, const ShapeDescription& shape, const GridBox& box);
   GroupContents add_group(const ShapeGroup& group);
-  /// With the lights of each. `groups`: those of the description, in their order.
+  /// Includes the lights of each instance. `groups`: those of the description, in order.
   void add_instances(const std::vector<GroupContents>& groups);
-  /// Lets the bounds hold the box [lower, upper].
+  /// Extends the scene's bounds to contain the box [lower, upper].
   void grow(Vec3f lower, Vec3f upper);
 
   // check_attributes.cpp
-  /// Throws where a texture shows an attribute that no mesh with its material has; once all shapes are there.
+  /// Throws if a texture uses an attribute that no mesh with its material has. Call after all shapes have been added.
   void check_attributes();
 
   // compile_curves.cpp
@@ -100,32 +100,32 @@ class SceneCompiler {
 
   // compile_lights.cpp
   LightContext light_context();
-  /// Those that are somewhere join the area lights, the others come last.
+  /// Bounded lights follow the area lights; lights at infinity come last.
   void add_lights();
-  /// Media that glow become lights, where lights are sampled and the estimator can weigh them.
+  /// Makes lights of emitting media if lights are sampled and the estimator supports it.
   void add_volume_lights();
   void add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance);
-  /// Adds a light unless it is black. Throws where it stands for a second environment.
+  /// Adds a light unless it is black. Throws for a second environment light.
   void push_light(CompiledLight light, const LightDescription& from);
   /// `name`: may be empty.
   void add_light_row(const LightRow& row, const SpectrumRow& spectrum, const SourceLocation& where,
                      const std::string& name);
-  /// What a shape emits, or nothing if that is black.
+  /// Emission of a shape; empty if it is black.
   std::optional<AreaEmission> emission_of(const ShapeDescription& shape);
-  /// The tables that choose lights, once textures can be looked up.
+  /// Builds the tables for light selection. Textures must be available.
   void select_lights();
 
   // compile_boundaries.cpp
-  /// The medium on a side of a shape as BoundaryRow has it.
+  /// The medium on a side of a shape, encoded as in BoundaryRow.
   std::uint32_t hold(std::optional<MediumId> medium, const ShapeDescription& shape, const GridBox& box);
   void add_media();
-  /// Where what shines from outside enters the media that no surface ends; once the lights are there.
+  /// Sets the radius at which unbounded media end for lights at infinity. Call after the lights have been added.
   void end_media();
-  /// What only looking around can tell: media around shapes and around the camera.
+  /// Finds the media around shapes and around the camera by probe rays.
   void probe_media();
-  /// The same for scenes with boundaries; `default_value`: the medium where there is nothing around.
+  /// The same for scenes with boundaries. `default_value`: the medium outside of all shapes.
   void probe_boundaries(std::uint32_t default_value);
-  /// The medium that the camera's rays start in; a warning where they start in several.
+  /// Finds the medium in which the camera's rays start. Warns if there are several.
   void probe_camera();
 
   const Description& in_;
@@ -135,18 +135,19 @@ class SceneCompiler {
   std::vector<std::uint32_t> row_of_material_;
   std::uint32_t default_material_ = 0;
   std::optional<SpectrumSet> spectra_;        ///< in spectral mode
-  std::optional<AttributeTable> attributes_;  ///< once textures are known
-  std::set<std::string> known_attributes_;    ///< that meshes have, whether or not a texture shows them
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> emission_textures_;  ///< shapes, and what they emit
+  std::optional<AttributeTable> attributes_;  ///< set after the textures
+  std::set<std::string> known_attributes_;    ///< of all meshes, used by textures or not
+  /// shapes with textured emission, and its texture
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> emission_textures_;
   std::vector<std::uint32_t> vertex_counts_;
-  std::vector<std::uint32_t> row_of_phase_;         ///< the last: isotropic
-  std::vector<std::vector<GridBox>> medium_boxes_;  ///< around the shapes that hold each medium
-  std::vector<PlacedGrid> places_of_grids_;         ///< of the grids of media
-  std::vector<std::uint32_t> surrounded_shapes_;    ///< whose exterior is yet to be found
+  std::vector<std::uint32_t> row_of_phase_;         ///< the last one is isotropic
+  std::vector<std::vector<GridBox>> medium_boxes_;  ///< bounding boxes of the shapes that contain each medium
+  std::vector<PlacedGrid> places_of_grids_;         ///< grids of media
+  std::vector<std::uint32_t> surrounded_shapes_;    ///< shapes whose exterior medium must be found
   std::uint32_t ungrouped_shapes_ = 0;
   std::vector<ShapeRange> group_ranges_;
-  std::vector<Emitter>* group_emitters_ = nullptr;  ///< of the group whose shapes are being added
-  std::string group_name_;                          ///< its name; may be empty
+  std::vector<Emitter>* group_emitters_ = nullptr;  ///< emitters of the group whose shapes are being added
+  std::string group_name_;                          ///< name of that group; may be empty
   Vec3f lower_{kInfinity, kInfinity, kInfinity}, upper_{-kInfinity, -kInfinity, -kInfinity};
 };
 

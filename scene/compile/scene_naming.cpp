@@ -6,7 +6,7 @@ namespace sheaf {
 
 namespace {
 
-/// What shapes without a name are called by.
+/// Base of the names of unnamed shapes.
 std::string kind_of(const ShapeDescription& shape) {
   return std::visit(Overloaded{
                         [](const MeshFileShape& mesh) { return mesh.file.stem().string(); },
@@ -23,7 +23,7 @@ std::string kind_of(const ShapeDescription& shape) {
                     shape.geometry);
 }
 
-/// The same of lights.
+/// Base of the names of unnamed lights.
 const char* kind_of(LightKind kind) {
   switch (kind) {
     case LightKind::kMesh:
@@ -79,7 +79,7 @@ void SceneNaming::add_shape(const ShapeDescription& shape, const std::string& gr
 }
 
 void SceneNaming::add_light(LightKind kind, const std::string& name) {
-  // A light that is called "point" is not one with those that have no name.
+  // Distinguishes a light named "point" from unnamed point lights.
   const std::string key = name.empty() ? std::string(1, '\0') + kind_of(kind) : name;
   const auto [known, added] = lights_.try_emplace(key, static_cast<std::uint32_t>(names_.lights.size()));
   if (added) names_.lights.push_back(name.empty() ? kind_of(kind) : name);

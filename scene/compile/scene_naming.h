@@ -1,4 +1,4 @@
-// Fills SceneNames.
+// Builds the SceneNames of a scene.
 #pragma once
 
 #include "scene/description/description.h"
@@ -13,11 +13,11 @@ class SceneNaming {
  public:
   explicit SceneNaming(SceneNames& names) : names_(names) {}
 
-  /// Names for all materials of a description.
+  /// Names all materials of a description.
   void add_materials(const std::vector<MaterialDescription>& materials);
-  /// The next row of shapes. `group`: the name of the group that it is in; may be empty.
+  /// Names the next row of shapes. `group`: name of its group; may be empty.
   void add_shape(const ShapeDescription& shape, const std::string& group);
-  /// The next row of lights, of this kind; `name` may be empty.
+  /// Names the next row of lights, of this kind; `name` may be empty.
   void add_light(LightKind kind, const std::string& name);
 
  private:

@@ -1,4 +1,4 @@
-// Compiles spectra.
+// Compiles spectra into rows and tables.
 #include "scene/compile/spectra.h"
 
 #include "core/color.h"
@@ -48,7 +48,7 @@ SpectrumRow color_row(Vec3f rgb, SpectrumUse use) {
     case SpectrumUse::kIlluminant:
       return coloured(fit_unbounded(rgb), kDaylightTable);
     case SpectrumUse::kUnbounded: {
-      // Colours that a reflectance may have get its smoother spectrum, as in Mitsuba.
+      // Colours in the range of reflectances get the smoother reflectance spectrum, as in Mitsuba.
       const bool bounded = std::min({rgb.x, rgb.y, rgb.z}) >= 0.0f && std::max({rgb.x, rgb.y, rgb.z}) <= 1.0f;
       return coloured(bounded ? fit_reflectance(rgb) : fit_unbounded(rgb));
     }
@@ -70,8 +70,8 @@ std::vector<float> sample_blackbody(const SpectrumDescription::Blackbody& body) 
   return samples;
 }
 
-/// Integral over the part of a table in [a, b] of table(x) * hat(x), the hat being 1 at `centre` and 0 at 1 nm from it.
-/// [a, b] lies to one side of the centre, so the product is quadratic in each segment: Simpson's rule is exact.
+/// Integral over [a, b] of table(x) * hat(x), with a hat function that is 1 at `centre` and 0 at a distance of 1 nm.
+/// [a, b] lies on one side of the centre, so the product is quadratic in each segment and Simpson's rule is exact.
 double integrate_under_hat(const SpectrumDescription::Table& table, double a, double b, double centre) {
   const std::vector<float>& x = table.wavelengths;
   const auto before = [](double v, float entry) { return v < static_cast<double>(entry); };

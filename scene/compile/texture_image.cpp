@@ -1,4 +1,4 @@
-// From a picture's channels, rows from the top, to tiles of texels, rows from the bottom.
+// Converts an image, with rows from the top, to tiles of texels, with rows from the bottom.
 #include "scene/compile/texture_image.h"
 
 #include "core/color.h"
@@ -14,7 +14,7 @@ namespace sheaf {
 
 namespace {
 
-/// Calls f(texel's index in tiled order, pixel's index) for every pixel, which count from the upper left.
+/// Calls f(texel index in tiled order, pixel index) for every pixel; pixels count from the upper left.
 template <class F> void for_each_texel(const TiledImage& image, F&& f) {
   const int shift = tile_shift(image.format);
   const std::size_t mask = (std::size_t{1} << shift) - 1, width = image.width, height = image.height;
@@ -25,7 +25,7 @@ template <class F> void for_each_texel(const TiledImage& image, F&& f) {
   }
 }
 
-/// Copies `values` of the picture, of which `channels` count, into texels of one value or four.
+/// Copies the selected `channels` of the image's `values` into texels of one or four values.
 template <class T>
 void fill_tiles(TiledImage& image, const std::vector<T>& values, std::size_t stride,
                 const std::vector<std::size_t>& channels) {
@@ -38,7 +38,7 @@ void fill_tiles(TiledImage& image, const std::vector<T>& values, std::size_t str
   });
 }
 
-/// Checks the channels that count, and decodes them if they are encoded.
+/// Checks that the selected channels are finite, and decodes them if `decode`.
 void prepare_floats(Picture& picture, const std::vector<std::size_t>& channels, bool decode,
                     const SourceLocation& where) {
   const std::size_t stride = picture.channels.size(), width = static_cast<std::size_t>(picture.width);
@@ -55,7 +55,7 @@ void prepare_floats(Picture& picture, const std::vector<std::size_t>& channels, 
   }
 }
 
-/// Makes floats of all values, decoded unless `raw`, and changes them.
+/// Converts all values to floats, decoded unless `raw`, and applies the colour transform.
 void change_values(Picture& picture, bool raw, const BitmapDescription::ColorTransform& change) {
   const bool decode = !raw && (picture.integers || !picture.bytes.empty());
   if (picture.floats.empty())

@@ -1,28 +1,28 @@
-// Reading one picture for use as a texture: which channels count, what their numbers mean, and their order in memory.
+// Reads an image for use as a texture: selects channels, decodes values, and arranges them in tiles.
 #pragma once
 
 #include "scene/tables/texture.h"
 
 namespace sheaf {
 
-/// A picture cut into tiles.
+/// An image divided into tiles.
 struct TiledImage {
   std::uint32_t width = 0, height = 0;  ///< texels
   std::uint32_t tiles_per_row = 0;
-  TexelFormat format = TexelFormat::kByte1;  ///< of bytes kByte1 or kByte4, whatever they mean
+  TexelFormat format = TexelFormat::kByte1;  ///< bytes are kByte1 or kByte4, decoded or not
   std::vector<TexelTile> tiles;
 };
 
-/// Reads a picture: grey (with or without alpha) becomes one channel, colours four, of which the last is zero; alpha is
-/// dropped and nothing is multiplied by it. 8-bit data stays as it is, so that `raw` makes no difference; integers of
-/// 16 bits and more become floats, which unless `raw` are decoded by the sRGB curve. Floats mean linear values, which
-/// unless `raw` are converted to Rec.709 where the file says that they are colours of another space. With a
-/// `change` all data become floats, decoded unless `raw`, and changed. Throws SceneError if the picture is missing,
-/// broken or too large, has channels without a meaning, or values that are not finite.
+/// Reads an image. Grey (with or without alpha) becomes one channel, and colours become four, the last of which is
+/// zero. Alpha is dropped and not multiplied in. 8-bit data stays unchanged, with or without `raw`. Integers of 16 bits
+/// or more become floats, decoded by the sRGB curve unless `raw`. Floats are linear; unless `raw`, they are converted
+/// to Rec.709 if the file declares another colour space. With a `change`, all data becomes floats, decoded unless
+/// `raw`, and transformed. Throws SceneError if the image is missing, broken or too large, or has unknown channels or
+/// non-finite values.
 TiledImage load_tiled_image(const std::filesystem::path& file, bool raw,
                             const BitmapDescription::ColorTransform& change = {});
 
-/// The same of a picture in memory, of linear values.
+/// The same for an image in memory with linear values.
 TiledImage tile_image(const Image& made, const BitmapDescription::ColorTransform& change, const SourceLocation& where);
 
 }  // namespace sheaf

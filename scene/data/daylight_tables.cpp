@@ -1,7 +1,7 @@
 // Coefficients of the sky of Hosek and Wilkie ("An Analytic Model for Full Spectral Sky-Dome Radiance", ACM Trans.
 // Graph. 31(4), 2012; the version for linear Rec.709) and of its sun ("Adding a Solar-Radiance Function to the
-// Hosek-Wilkie Skylight Model", IEEE CG&A 33(3), 2013), as the authors publish them, but rounded and in another order.
-// They stand under this licence:
+// Hosek-Wilkie Skylight Model", IEEE CG&A 33(3), 2013), as published by the authors, but rounded and reordered. Their
+// licence:
 //
 // Copyright (c) 2012 - 2013, Lukas Hosek and Alexander Wilkie
 // All rights reserved.
@@ -36,7 +36,7 @@ namespace {
 
 // clang-format off
 
-/// A to I of the sky for each turbidity, albedo, control point and channel.
+/// Parameters A to I of the sky's distribution for each turbidity, albedo, control point and channel.
 constexpr float kSkyShape[] = {
     -1.099459f, -.1335146f, -4.083223f, 5.919603f, -.1104166f, 1.600158f, -1.326538e-6f, 4.917807f, .5127716f,
     -1.14053f, -.1982747f, -7.51273f, 8.403899f, -.05699038f, .9015907f, .03392161f, 4.772522f, .5111184f, -1.372629f,
@@ -369,7 +369,7 @@ constexpr float kSkyShape[] = {
     -.002904518f, -2.092829f, -.5119668f, .4174861f, .9687435f, .6588427f, -.9621043f, -.1991406f, .6531287f, 3.925839f,
     -3.596904f, .6317332f, .1531334f, 1.457846f, .6966285f};
 
-/// What multiplies it.
+/// Factor of the distribution for each turbidity, albedo, control point and channel.
 constexpr float kSkyRadiance[] = {
     1.962684f, 1.59033f, .9926518f, 1.159831f, 1.355401f, 1.999494f, 4.450588f, 1.151412f, -4.136109f, 5.079633f,
     13.59116f, 18.5627f, 4.437388f, 5.857714f, 13.51028f, 4.324573f, 8.090833f, 13.90238f, 2.029623f, 1.711696f,
@@ -408,7 +408,7 @@ constexpr float kSkyRadiance[] = {
     16.81753f, 17.79469f, .9501691f, .8976323f, .7754116f, 2.664579f, 1.726948f, .7709245f, -5.545167f, -1.29612f,
     2.200201f, 12.81159f, 1.183675f, -7.487661f, 51.54768f, 55.03215f, 54.36622f, 25.74284f, 26.43066f, 28.93432f};
 
-/// The sun's centre: for each turbidity, piece and wavelength a cubic of the elevation.
+/// Radiance of the sun's centre: for each turbidity, piece and wavelength a cubic polynomial of the elevation.
 constexpr float kSunRadiance[] = {
     .0f, .0f, .0f, .0f, .0f, .0f, .0f, .0f, .0228881f, -434.084f, -1.62943e7f, 1.11713e12f, 2.03937f, 1061.52f,
     7.68226e6f, -6.43916e11f, 37.9604f, 12939.1f, 3.63563e8f, -2.5474e13f, 215.6f, 9159.65f, 425701.0f, 3.44126e12f,
@@ -2154,7 +2154,7 @@ constexpr float kSunRadiance[] = {
     -15842.6f, 14196.8f, 538.369f, -11.9807f, -17033.0f, 13718.2f, 476.719f, -9.90885f, -15087.0f, 13137.0f, 425.547f,
     -48.3265f, -12885.1f};
 
-/// For each wavelength a polynomial of degree 5 of the cosine at the sun's surface.
+/// Limb darkening: for each wavelength a polynomial of degree 5 of the cosine at the sun's surface.
 constexpr float kLimbDarkening[] = {
     .087657f, .767174f, .658123f, -1.02953f, .703297f, -.186735f, .122953f, 1.01278f, .238687f, -1.12208f, 1.17087f,
     -.424947f, .123511f, 1.08444f, -.405598f, .370629f, -.240567f, .0674778f, .158489f, 1.23346f, -.875754f, .857812f,

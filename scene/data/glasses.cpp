@@ -1,5 +1,5 @@
-// The dispersion formulas. The coefficients of published measurements are taken from the database of M. N. Polyanskiy,
-// refractiveindex.info, which is in the public domain (CC0), unless stated otherwise.
+// Dispersion formulas. Unless stated otherwise, the coefficients of published measurements are from the database of M.
+// N. Polyanskiy, refractiveindex.info, which is in the public domain (CC0).
 #include "scene/data/glasses.h"
 
 #include "core/color.h"
@@ -24,15 +24,15 @@ constexpr Dispersion kFk51a{
 /// Schott N-LASF9, lanthanum flint. As above.
 constexpr Dispersion kLasf9{
     Form::kSellmeier, 1, {{{2.00029547f, 0.0121426017f}, {0.298926886f, 0.0538736236f}, {1.80691843f, 156.530829f}}}};
-/// Schott SF5 and SF10, flints with lead. As above.
+/// Schott SF5 and SF10, lead flints. As above.
 constexpr Dispersion kSf5{
     Form::kSellmeier, 1, {{{1.52481889f, 0.011254756f}, {0.187085527f, 0.0588995392f}, {1.42729015f, 129.141675f}}}};
 constexpr Dispersion kSf10{
     Form::kSellmeier, 1, {{{1.62153902f, 0.0122241457f}, {0.256287842f, 0.0595736775f}, {1.64447552f, 147.468793f}}}};
-/// Schott SF11, a dense flint with lead. As above.
+/// Schott SF11, a dense lead flint. As above.
 constexpr Dispersion kSf11{
     Form::kSellmeier, 1, {{{1.73848403f, 0.0136068604f}, {0.311168974f, 0.0615960463f}, {1.17490871f, 121.922711f}}}};
-/// Schott N-SF11, its successor without lead. As above.
+/// Schott N-SF11, its lead-free successor. As above.
 constexpr Dispersion kNSf11{
     Form::kSellmeier, 1, {{{1.73759695f, 0.013188707f}, {0.313747346f, 0.0623068142f}, {1.89878101f, 155.23629f}}}};
 /// Fused silica. I. H. Malitson, "Interspecimen comparison of the refractive index of fused silica", J. Opt. Soc.
@@ -70,7 +70,7 @@ constexpr Dispersion kWater{Form::kSellmeier,
                               {0.1726177391f, 0.01821153936f},
                               {0.02086189578f, 0.02620722293f},
                               {0.1130748688f, 10.69792721f}}}};
-/// Ice at -7 degrees Celsius. Fitted by us, within 8e-5, to the table from 350 to 830 nm of S. G. Warren and R. E.
+/// Ice at -7 degrees Celsius. Fitted for Sheaf, within 8e-5, to the table from 350 to 830 nm of S. G. Warren and R. E.
 /// Brandt, "Optical constants of ice from the ultraviolet to the microwave: a revised compilation", J. Geophys. Res.
 /// 113, 2008.
 constexpr Dispersion kIce{Form::kSellmeier, 1, {{{0.70041228f, 0.0091f}, {0.11160444f, 10.0f}}}};

@@ -10,9 +10,9 @@ namespace sheaf {
 
 namespace {
 
-/// Components of daylight every 10 nm from 360 to 830 nm. Source: D. B. Judd, D. L. MacAdam and G. Wyszecki, "Spectral
-/// Distribution of Typical Daylight as a Function of Correlated Color Temperature", J. Opt. Soc. Am. 54, 1964, table 3,
-/// which the CIE adopted. In between they are linear by definition.
+/// Components of daylight every 10 nm from 360 to 830 nm, linear in between by definition. Source: D. B. Judd, D. L.
+/// MacAdam and G. Wyszecki, "Spectral Distribution of Typical Daylight as a Function of Correlated Color Temperature",
+/// J. Opt. Soc. Am. 54, 1964, table 3, adopted by the CIE.
 constexpr double kDaylight0[] = {61.5,  68.8,  63.4,  65.8,  94.8,  104.8, 105.9, 96.8,  113.9, 125.6, 125.5, 121.3,
                                  121.3, 113.5, 113.1, 110.8, 106.5, 108.8, 105.3, 104.4, 100.0, 96.0,  95.1,  89.1,
                                  90.5,  90.3,  88.4,  84.0,  85.1,  81.9,  82.6,  84.9,  81.3,  71.9,  74.3,  76.4,
@@ -31,8 +31,8 @@ static_assert(std::size(kDaylight0) == kDaylightSize && std::size(kDaylight1) ==
 
 double three_decimals(double a) { return std::round(a * 1000) / 1000; }
 
-/// Illuminant D of a nominal temperature of 4000 to 25000 K, at a wavelength in nm. Nominal temperatures date from
-/// c2 = 1.4380e-2 m K; the factors of the components are rounded as the standard asks.
+/// Illuminant D of a nominal temperature from 4000 to 25000 K, at a wavelength in nm. Nominal temperatures refer to c2
+/// = 1.4380e-2 m K. The standard requires rounding the factors of the components.
 double daylight(double nominal_temperature, double wavelength) {
   const double t = nominal_temperature * 1.4388 / 1.4380;
   const double x = t <= 7000 ? -4.6070e9 / (t * t * t) + 2.9678e6 / (t * t) + 0.09911e3 / t + 0.244063
@@ -48,7 +48,7 @@ double daylight(double nominal_temperature, double wavelength) {
   return (1 - u) * at(i) + u * at(i + 1);
 }
 
-/// Illuminant A: a black body at 2848 K where c2 is 1.435e-2 m K, which is 2856 K by today's constant.
+/// Illuminant A: a blackbody at 2848 K with c2 = 1.435e-2 m K, which is 2856 K with today's constant.
 double incandescent(double wavelength) {
   const auto bose = [](double w) { return std::expm1(1.435e7 / (2848.0 * w)); };
   return 100.0 * std::pow(560.0 / wavelength, 5) * bose(560.0) / bose(wavelength);

@@ -1,4 +1,4 @@
-// Measured scattering of materials, by name.
+// Measured scattering media by name.
 #pragma once
 
 #include "core/vec.h"
@@ -9,17 +9,17 @@
 
 namespace sheaf {
 
-/// Reduced scattering and absorption, per millimetre, linear Rec.709, and the index of refraction.
+/// Reduced scattering coefficient and absorption coefficient, 1/mm, linear Rec.709, and the index of refraction.
 struct MeasuredMedium {
   const char* name;
   Vec3f sigma_s, sigma_a;
   float eta = 1.3f;
 };
 
-/// The material of this name, in any case of letters, or null.
+/// Returns the medium of this name, ignoring case, or null.
 const MeasuredMedium* find_measured_medium(std::string_view name);
 
-/// All names, in order of the alphabet.
+/// Returns all names in alphabetical order.
 std::vector<std::string> measured_medium_names();
 
 }  // namespace sheaf

@@ -1,6 +1,6 @@
-// Optical constants of metals from publications, at the wavelengths at which they were published: those that Palik's
-// handbook (palik.cpp) does not have or others measured. Those of Johnson and Christy and of Querry are taken from the
-// database of M. N. Polyanskiy, refractiveindex.info, which is in the public domain (CC0).
+// Published optical constants of metals, at the wavelengths of publication: metals that Palik's handbook (palik.cpp)
+// lacks or that others measured. The tables of Johnson and Christy and of Querry are from the database of M. N.
+// Polyanskiy, refractiveindex.info, which is in the public domain (CC0).
 #include "scene/data/metals.h"
 
 #include "scene/data/palik.h"

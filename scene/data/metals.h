@@ -1,4 +1,4 @@
-// Metals that a scene may name instead of giving their complex index of refraction.
+// Named metals with their complex index of refraction.
 #pragma once
 
 #include <span>
@@ -14,12 +14,12 @@ struct MetalSample {
   float eta, k;
 };
 
-/// The samples of a metal, or of another absorbing solid ("Au", "SiC"), in order of wavelength, from 360 nm or less to
-/// 830 nm or more; empty for an unknown name. A name ending in "_palik", as Mitsuba has for some, means the same metal.
-/// The sources stand with the tables.
+/// Returns the samples of a metal or another absorbing solid ("Au", "SiC") in order of wavelength; empty for an unknown
+/// name. They range from 360 nm or less to 830 nm or more. The suffix "_palik", which Mitsuba has for some names,
+/// denotes the same metal, except that "Cu_palik" has fewer samples. The sources are listed at the tables.
 std::span<const MetalSample> find_metal(std::string_view name);
 
-/// All names that find_metal() knows, without the endings.
+/// Returns all names that find_metal() knows, without optional suffixes.
 std::vector<std::string> metal_names();
 
 }  // namespace sheaf

@@ -1,4 +1,4 @@
-// The table of dielectrics by name.
+// Table of named dielectrics.
 #include "scene/data/named_ior.h"
 
 namespace sheaf {
@@ -9,7 +9,7 @@ struct NamedIor {
   const char* name;
   float ior;
 };
-/// The set and values that Mitsuba documents.
+/// Names and values as documented by Mitsuba.
 constexpr NamedIor kNamedIors[] = {
     {"vacuum", 1.0f},      {"helium", 1.000036f},        {"hydrogen", 1.000132f},
     {"air", 1.000277f},    {"carbon dioxide", 1.00045f}, {"water", 1.333f},

@@ -1,4 +1,4 @@
-// Dielectrics that a scene may name instead of giving their index of refraction.
+// Named dielectrics with their index of refraction.
 #pragma once
 
 #include <optional>
@@ -8,10 +8,10 @@
 
 namespace sheaf {
 
-/// Index of refraction of a dielectric at 589 nm ("bk7", "water"), or nothing for an unknown name.
+/// Returns the index of refraction of a dielectric at 589 nm ("bk7", "water"), or nullopt for an unknown name.
 std::optional<float> find_ior(std::string_view name);
 
-/// All names that find_ior() knows.
+/// Returns all names that find_ior() knows.
 std::vector<std::string> ior_names();
 
 }  // namespace sheaf

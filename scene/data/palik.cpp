@@ -1,7 +1,7 @@
-// Optical constants of metals and of other absorbing solids. From: E. D. Palik (ed.), "Handbook of Optical Constants of
-// Solids" (Academic Press, volumes I to III, 1985-1998), as the tables of that work are distributed by Windt's IMD and
-// luxpop.com, where Mitsuba and pbrt have theirs from. Smooth tables are thinned out to about one value per 20 nm.
-// Where a table ends in the visible, its last value goes on; values that are missing there (AlAs) are left out.
+// Optical constants of metals and other absorbing solids from E. D. Palik (ed.), "Handbook of Optical Constants of
+// Solids" (Academic Press, volumes I to III, 1985-1998). The tables are those distributed by Windt's IMD and
+// luxpop.com, which Mitsuba and pbrt use, too. Smooth tables are thinned to about one value per 20 nm. A table that
+// ends in the visible is extended by its last value. Missing values (AlAs) are omitted.
 #include "scene/data/palik.h"
 
 namespace sheaf {

@@ -1,3 +1,4 @@
+// Basis spectra for linear spectral upsampling, after Mallett and Yuksel 2019.
 #include "scene/data/rgb_basis.h"
 
 #include <cstddef>

@@ -8,7 +8,7 @@
 
 namespace sheaf {
 
-/// A dispersion formula in its published form; wavelengths enter it in micrometres.
+/// A dispersion formula in its published form, with wavelengths w in micrometres.
 struct Dispersion {
   enum class Form {
     kSellmeier,     ///< n^2 = constant + sum of b w^2 / (w^2 - c)
@@ -21,11 +21,11 @@ struct Dispersion {
 
   Form form = Form::kSellmeier;
   float constant = 1;
-  std::array<Term, 7> terms{};  ///< those that are not needed have b = 0
+  std::array<Term, 7> terms{};  ///< unused terms have b = 0
 };
 
-/// Index of refraction at `lambda` nm. Relative to air or, where a source says so, to vacuum: a factor of 1.00027 at
-/// most. Where a measurement ends before 360 nm or 830 nm, its formula is continued.
+/// Index of refraction at `lambda` nm, relative to air or, for some sources, to vacuum (at most a factor of 1.00027).
+/// The formula is extrapolated where the measurement does not cover 360 to 830 nm.
 template <class L> SHEAF_INLINE Float<L> ior(const Dispersion& d, typename L::Float lambda) {
   using F = typename L::Float;
   const F w2 = sqr(lambda * F(1e-3f));

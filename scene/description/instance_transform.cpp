@@ -9,7 +9,7 @@ namespace sheaf {
 
 namespace {
 
-/// The linear part as a transform with inverse in double precision; nothing if it is singular.
+/// Inverse of the linear part, in double precision; empty if it is singular.
 std::optional<Matrix4> inverse_of(const std::array<float, 12>& to_world) {
   Matrix4 matrix, inverse;
   for (std::size_t i = 0; i < 3; ++i)
@@ -31,7 +31,7 @@ bool is_usable_instance(const std::array<float, 12>& to_world) {
   if (!inverse || determinant_of(to_world) == 0.0) return false;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
-      // Written so that NaN fails.
+      // These comparisons fail for NaN.
       if (!(std::fabs(to_world[4 * i + j]) <= kLargestInstanceScale)) return false;
       if (!(std::fabs(inverse->m[i][j]) <= kLargestInstanceScale)) return false;
     }

@@ -1,12 +1,13 @@
-// Which transforms instances may have.
+// Limits on the transforms of instances.
 #pragma once
 
 #include <array>
 
 namespace sheaf {
 
-/// Whether single precision can take rays through the transform (rows of a 3x4 matrix) and back: no entry of its
-/// linear part nor of the inverse of that is beyond kLargestInstanceScale, and the translation is finite.
+/// Whether single precision suffices to transform rays to the instance and back. `to_world` holds the rows of a 3x4
+/// matrix. No entry of its linear part, or of the inverse of that, may exceed kLargestInstanceScale; the translation is
+/// finite.
 bool is_usable_instance(const std::array<float, 12>& to_world);
 inline constexpr double kLargestInstanceScale = 1e9;
 

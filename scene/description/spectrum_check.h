@@ -1,4 +1,4 @@
-// Which spectra are legal, and for what.
+// Validation of spectra by their use.
 #pragma once
 
 #include "scene/description/description.h"
@@ -7,18 +7,18 @@
 
 namespace sheaf {
 
-/// What a spectrum is used for; decides which values are legal.
+/// The use of a spectrum; determines which values are valid.
 enum class SpectrumRole {
   kReflectance,  ///< within [0, 1]
   kEmission,     ///< not negative
   kIor,          ///< not negative
 };
 
-/// Throws SceneError unless the table has two entries or more, as many values as wavelengths, and its wavelengths
-/// increase strictly and are positive.
+/// Throws SceneError unless the table has at least two entries and as many values as wavelengths, and its wavelengths
+/// are positive and strictly increasing.
 void check_table(const SpectrumDescription::Table& table, const SourceLocation& where);
 
-/// Throws SceneError if a value is not legal for the role.
+/// Throws SceneError if a value is invalid for the role.
 void check_role(const SpectrumDescription& spectrum, SpectrumRole role, const SourceLocation& where,
                 std::string_view what);
 

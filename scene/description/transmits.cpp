@@ -1,4 +1,4 @@
-// Which materials let light through.
+// Whether materials transmit light, including nested materials.
 #include "scene/description/description.h"
 
 namespace sheaf {

@@ -1,4 +1,4 @@
-// Volumes as files hold them: all voxels of a box, or blocks of them.
+// Volumes as stored in files: dense, or in sparse blocks of voxels.
 #pragma once
 
 #include "core/transform.h"
@@ -10,28 +10,30 @@
 
 namespace sheaf {
 
-/// Largest number of voxels in a row: beyond, floats leave less than 1/128 of a voxel to positions.
+/// Maximum number of voxels along an axis. Beyond it, floats resolve positions no finer than 1/128 of a voxel.
 inline constexpr int kMaxGridSide = 1 << 16;
 
-/// Voxels in blocks of 8^3. All else is background.
+/// Sparse voxels in blocks of 8^3. All other voxels have the background value.
 class VoxelBlocks {
  public:
-  static constexpr int kSide = 8;                        ///< of a block, in voxels
-  static constexpr int kVoxels = kSide * kSide * kSide;  ///< of a block
+  static constexpr int kSide = 8;                        ///< edge of a block, in voxels
+  static constexpr int kVoxels = kSide * kSide * kSide;  ///< voxels per block
   struct Block {
-    std::array<int, 3> position;  ///< of the first voxel, over 8
-    int edge;                     ///< 1; constant ones may stand for a cube of so many blocks along each side
+    std::array<int, 3> position;  ///< position of the first voxel / 8
+    int edge;                     ///< 1; constant blocks may represent a cube of edge^3 blocks
     bool is_constant;
-    std::size_t first_value;  ///< into values(): kVoxels times channels floats, x fastest; constant: of one voxel
+    /// Index into values(): kVoxels * channels floats, x fastest; constant blocks: one voxel.
+    std::size_t first_value;
   };
 
   /// `channels` 1 or 3.
   explicit VoxelBlocks(int channels, std::array<float, 3> background = {})
       : channels_(channels), background_(background) {}
 
-  /// Adds a block of background, which may not be there yet. The values may be changed until the next call.
+  /// Adds a block filled with background, at a position not yet used. The returned values may be written until the next
+  /// call.
   std::span<float> add(std::array<int, 3> position);
-  /// Adds a cube of blocks of one value, `channels` floats. None of them may be there yet.
+  /// Adds a cube of blocks of constant value (`channels` floats). None of them may exist yet.
   void add_constant(std::array<int, 3> position, std::span<const float> value, int edge = 1);
 
   int channels() const { return channels_; }
@@ -46,20 +48,20 @@ class VoxelBlocks {
   std::vector<float> values_;
 };
 
-/// What a sparse file holds.
+/// Content of a sparse volume file.
 struct SparseVolume {
   VoxelBlocks voxels{1};
-  Transform grid_to_local;       ///< from index space, where voxel (i, j, k) is at the point (i, j, k)
-  std::size_t stored_bytes = 0;  ///< that the grid takes in its file
+  Transform grid_to_local;       ///< from index space, where voxel (i, j, k) lies at the point (i, j, k)
+  std::size_t stored_bytes = 0;  ///< size of the grid in its file
 };
 
-/// What a dense file holds.
+/// Content of a dense volume file.
 struct DenseVolume {
   int channels = 1;           ///< 1, 3 or 6
   std::array<int, 3> size{};  ///< voxels along each axis
-  std::vector<float> values;  ///< x fastest, channels next to each other
-  Transform grid_to_local;    ///< as SparseVolume's
-  /// Outermost voxels are interpolated towards zero, and half a voxel beyond them the volume ends.
+  std::vector<float> values;  ///< x fastest, channels interleaved
+  Transform grid_to_local;    ///< as in SparseVolume
+  /// The outermost voxels are interpolated towards zero, and the volume ends half a voxel beyond them.
   bool ends_at_zero = false;
 };
 

@@ -1,3 +1,4 @@
+// Automatic camera placement: bounding boxes of shapes, and a camera that frames them.
 #include "scene/dialects/auto_camera.h"
 
 #include "scene/formats/mesh.h"
@@ -12,7 +13,7 @@ namespace sheaf {
 
 namespace {
 
-/// A box that grows.
+/// An axis-aligned bounding box.
 struct Box {
   Vec3f lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
 
@@ -21,7 +22,7 @@ struct Box {
     lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
     upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
   }
-  /// Takes in the corners of a box in the space of the transform.
+  /// Extends the box by the transformed corners of another box.
   void grow(const Transform& to_world, Vec3f low, Vec3f high) {
     for (int i = 0; i < 8; ++i)
       grow(to_world.point({i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}));
@@ -29,7 +30,7 @@ struct Box {
   bool empty() const { return !(lower.x <= upper.x); }
 };
 
-/// Reads the file of a shape into memory, with the steps that scene/formats/mesh.h lists.
+/// Loads the mesh file of a shape into memory, with the processing steps that scene/formats/mesh.h lists.
 void load(ShapeDescription& shape, const MeshFileShape& from, Description& description) {
   MeshFile file = read_mesh(from);
   for (const std::string& w : file.warnings) description.notes.push_back(from.file.string() + ": " + w);
@@ -96,7 +97,8 @@ Box read_box(std::vector<ShapeDescription>& shapes, Description& description, bo
   return box;
 }
 
-/// From the box towards the eye; the axes of azimuth 0 and 90 degrees follow the axis that points up, as in x, y, z.
+/// Returns the unit vector from the box to the camera. Azimuths 0 and 90 degrees are +y and +z for the up axis x, +z
+/// and +x for y, -y and +x for z.
 Vec3f towards_eye(const ModelView& view) {
   const auto radians = [](float degrees) { return degrees * std::numbers::pi_v<float> / 180; };
   const float c = std::cos(radians(view.elevation)), s = std::sin(radians(view.elevation));

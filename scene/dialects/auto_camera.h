@@ -1,4 +1,4 @@
-// Where to look at a scene from that does not say it: a camera that sees all of it.
+// Automatic camera placement: a camera that sees all shapes of a scene.
 #pragma once
 
 #include "scene/dialects/dialects.h"
@@ -8,19 +8,19 @@
 
 namespace sheaf {
 
-/// Bounds of all shapes but the infinite, in world space; [0, 0] for a scene without shapes. Mesh files are read for
-/// it, and stay in memory: their shapes hold them from then on. Leniently, shapes whose files cannot be read are left
-/// out; otherwise throws SceneError.
+/// Returns the world-space bounds of all shapes except infinite ones; [0, 0] for a scene without shapes. Loads mesh
+/// files; the shapes keep the loaded meshes. If `lenient`, drops shapes whose files cannot be read; otherwise throws
+/// SceneError.
 std::array<Vec3f, 2> read_bounds(Description& description, bool lenient);
 
-/// The direction that points up, of unit length.
+/// The unit vector that points up.
 Vec3f up_vector(const ModelView& view);
 
-/// Puts the camera where it sees the box, from the side that `view` says.
+/// Places the camera such that it sees the whole box from the direction of `view`.
 void frame_box(const std::array<Vec3f, 2>& box, const ModelView& view, Description& description);
 
-/// For a scene without a camera: throws SceneError at `root` that `what` is missing or, if the context is lenient, has
-/// the scene framed once it is read.
+/// Handles a scene without a camera. Throws SceneError at `root`, saying that `what` is missing; if the context is
+/// lenient, requests automatic camera placement after reading.
 void stand_in_camera(const XmlElement& root, const char* what, ReadContext& context);
 
 }  // namespace sheaf

@@ -1,4 +1,4 @@
-// Shape groups and instances, which both dialects write alike.
+// Shape groups and instances, shared by the Nori and Mitsuba dialects.
 #include "scene/description/instance_transform.h"
 #include "scene/dialects/dialects.h"
 
@@ -8,7 +8,7 @@ namespace {
 
 bool is_group(const std::string& type) { return type == "shapegroup" || type == "ref"; }
 
-/// Reads a group, once for each element.
+/// Returns the index of a group. Reads each element once.
 std::uint32_t group_of(const XmlElement& element, ReadContext& context, const ShapeReader& read_shape) {
   if (const auto known = context.groups.find(&element); known != context.groups.end()) return known->second;
   Properties p(element, context);
@@ -29,7 +29,7 @@ std::uint32_t group_of(const XmlElement& element, ReadContext& context, const Sh
   return index;
 }
 
-/// The group that the string `ref` names, as some renderers of Nori's dialect have it, or null.
+/// Returns the group that the string `ref` names, a syntax of some Nori forks; null without `ref`.
 const XmlElement* find_named_group(Properties& p) {
   const std::optional<std::string> name = p.find_string("ref");
   if (!name) return nullptr;

@@ -1,3 +1,4 @@
+// Table of integrator names, including those of other renderers with the same expected image.
 #include "scene/dialects/integrator_name.h"
 
 #include "scene/dialects/known_names.h"
@@ -11,7 +12,7 @@ namespace sheaf {
 
 namespace {
 
-/// Candidates per vertex of the integrators named after resampling.
+/// Light samples per vertex for the `_ris` integrators.
 constexpr int kResampledCandidates = 8;
 
 constexpr auto kPath = IntegratorKind::kPath;
@@ -60,7 +61,7 @@ constexpr NamedIntegrator kIntegrators[] = {
     {"sppm", kMaps, kMis, false, 1, false, true},
 };
 
-/// Integrators that other renderers have, which compute what `path` does in another way.
+/// Integrators of other renderers whose expected image is that of `path`.
 constexpr const char* kLikePath[] = {
     "adaptive",
     "bdpt",

@@ -1,4 +1,4 @@
-// What error messages tell of names that are known.
+// Lists of known names for error messages.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-/// " (known: a, b, c)".
+/// Formats a list of names as " (known: a, b, c)".
 inline std::string known_names(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? " (known: " : ", ") + name;

@@ -1,3 +1,4 @@
+// Table of light selector names.
 #include "scene/dialects/light_selector_name.h"
 
 #include "scene/dialects/known_names.h"

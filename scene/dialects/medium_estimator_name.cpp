@@ -1,3 +1,4 @@
+// Table of medium estimator names.
 #include "scene/dialects/medium_estimator_name.h"
 
 #include "scene/dialects/known_names.h"

@@ -1,4 +1,4 @@
-// The Mitsuba dialect (0.6, 2, 3): what stands at the top level of a scene.
+// The Mitsuba dialect (0.6, 2, 3): top-level elements of a scene.
 #include "scene/dialects/mitsuba.h"
 
 #include "scene/dialects/auto_camera.h"
@@ -13,7 +13,7 @@ bool is_before_version_2(const XmlElement& root) {
   return version != nullptr && (version->starts_with("0.") || version->starts_with("1."));
 }
 
-/// An object that only has a meaning inside another one may stand at the top level for others to refer to.
+/// Rejects a top-level object that needs a parent unless another object refers to it.
 void expect_referenced(const XmlElement& element, const char* place, const ReadContext& context) {
   if (!context.scene.is_referenced(element))
     throw SceneError(element.where,
@@ -36,7 +36,7 @@ bool is_spectrum(const XmlElement& e) {
 
 namespace {
 
-/// What is read once everything else is.
+/// Elements that are read after all others.
 struct Last {
   const XmlElement* sensor = nullptr;
   const XmlElement* integrator = nullptr;
@@ -91,10 +91,12 @@ void read_mitsuba(ReadContext& context) {
   Last last;
   for (const XmlElement& child : root.children)
     read_or_leave_out(child, context, [&] { read_child(child, reader, last); });
+  // Warn about unused sensors
   const std::size_t used = last.sensor != nullptr || reader.shape_sensors.empty() ? 0 : 1;
   for (std::size_t i = used; i < reader.shape_sensors.size(); ++i)
     context.note(reader.shape_sensors[i].element->where,
                  "a scene is rendered through its first sensor; this one is left out");
+  // Read the camera, then the integrator
   if (last.sensor != nullptr) {
     read_or_as(*last.sensor, context, "perspective", [&] { mitsuba::read_sensor(*last.sensor, reader); });
   } else if (!reader.shape_sensors.empty()) {

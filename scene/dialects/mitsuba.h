@@ -1,4 +1,4 @@
-// Inside the Mitsuba dialect: what its readers call of each other.
+// Internal declarations of the Mitsuba dialect: reader state and the functions that its files share.
 #pragma once
 
 #include "scene/data/measured_media.h"
@@ -10,54 +10,56 @@
 
 namespace sheaf::mitsuba {
 
-/// A sensor on a shape, of that transform, of the sort of `shape_type`.
+/// A sensor attached to a shape, with the type and transform of that shape.
 struct ShapeSensor {
   const XmlElement* element;
   std::string shape_type;
   Transform to_world;
 };
 
-/// The medium behind a boundary with subsurface scattering, and the boundary's indices of refraction.
+/// The medium inside a boundary with subsurface scattering, and the boundary's indices of refraction.
 struct Subsurface {
   MediumId medium{};
   float int_ior = 1, ext_ior = 1;
 };
 
-/// A Mitsuba scene while it is read.
+/// State while a Mitsuba scene is read.
 struct Reader {
   ReadContext& context;
   bool before_version_2 = false;
-  std::map<const XmlElement*, MaterialId> materials = {};    ///< read so far
-  std::map<const XmlElement*, Subsurface> subsurfaces = {};  ///< read so far
-  std::vector<ShapeSensor> shape_sensors = {};               ///< read so far
-  std::optional<MaterialId> null = std::nullopt;             ///< a boundary that is not noticed, once one was read
-  std::optional<MaterialId> black = std::nullopt;  ///< the material of light sources that name none, once one was read
+  std::map<const XmlElement*, MaterialId> materials = {};    ///< read so far, by element
+  std::map<const XmlElement*, Subsurface> subsurfaces = {};  ///< read so far, by element
+  std::vector<ShapeSensor> shape_sensors = {};               ///< in file order
+  std::optional<MaterialId> null = std::nullopt;             ///< material of null interfaces, after first use
+  /// black material of light sources without a BSDF, after first use
+  std::optional<MaterialId> black = std::nullopt;
 };
 
-/// The material of a <bsdf>; each element is read once, however often it is referred to.
+/// Returns the material of a <bsdf>. Reads each element once.
 MaterialId material_of(const XmlElement& bsdf, Reader& reader);
-/// The medium of a <medium>; each element is read once, however often it is referred to.
+/// Returns the medium of a <medium>. Reads each element once.
 MediumId medium_of(const XmlElement& element, Reader& reader);
-/// The preset that `material` names, skin1 by default (Mitsuba 0.6). Throws SceneError for unknown names.
+/// Returns the preset named by `material`, by default skin1 (Mitsuba 0.6). Throws SceneError for unknown names.
 const MeasuredMedium& read_measured_medium(Properties& p);
-/// Coefficients of Mitsuba 0.6: given one by one, or those of the preset. Throws SceneError if both are there.
+/// Reads the coefficients of a Mitsuba 0.6 medium: explicit values, or those of the preset. Throws SceneError if both
+/// are present.
 void read_measured_coefficients(Properties& p, const VolumeDialect& dialect, MediumDescription& medium);
-/// <subsurface type="dipole"> of Mitsuba 0.6: turns the shape into a dielectric around a scattering medium, as rough as
-/// its bsdf. Throws SceneError.
+/// Reads <subsurface type="dipole"> of Mitsuba 0.6. Turns the shape into a dielectric around a scattering medium, with
+/// the roughness of its BSDF. Throws SceneError.
 void read_subsurface(const XmlElement& element, Reader& reader, ShapeDescription& shape);
-/// A TextureReader.
+/// Implements TextureReader.
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context);
 /// Appends a shape with its material, area light and media.
 void read_shape(const XmlElement& element, Reader& reader);
-/// Appends a light that is not on a shape.
+/// Appends a light that is not attached to a shape.
 void read_emitter(const XmlElement& element, Reader& reader);
-/// The field of view: fov and fov_axis, or focal_length.
+/// Reads the field of view: `fov` and `fov_axis`, or `focal_length`.
 void read_fov(Properties& p, CameraDescription& camera);
-/// Camera, film and sampler.
+/// Reads camera, film and sampler.
 void read_sensor(const XmlElement& element, Reader& reader);
-/// The same of a sensor on a shape.
+/// Reads camera, film and sampler of a sensor attached to a shape.
 void read_shape_sensor(const ShapeSensor& sensor, Reader& reader);
-/// The integrator, through the wrappers moment and aov.
+/// Reads the integrator, and unwraps `moment`, `aov` and other wrappers.
 void read_integrator(const XmlElement& element, Reader& reader);
 
 }  // namespace sheaf::mitsuba

@@ -1,4 +1,4 @@
-// Materials that Mitsuba had before version 2: rough diffuse ones, Ward's, single-scattering slabs and coats.
+// Materials of Mitsuba before version 2: rough diffuse, Ward, Hanrahan-Krueger and coating.
 #include "scene/data/measured_media.h"
 #include "scene/dialects/read_bsdf.h"
 #include "scene/dialects/read_phase.h"
@@ -17,7 +17,7 @@ SpectrumInput read_reflectance(Properties& p, const char* name, SpectrumInput de
   return p.spectrum_input(name, std::move(default_value), SpectrumRole::kReflectance);
 }
 
-/// In linear Rec.709, or for a table three times its largest value.
+/// Maximum of a spectrum per channel in linear Rec.709. For a table, returns its maximum value in all three channels.
 Vec3f brightest(const SpectrumDescription& spectrum) {
   using S = SpectrumDescription;
   if (const auto* constant = std::get_if<S::Constant>(&spectrum.value))
@@ -39,7 +39,7 @@ WardDescription::Variant read_variant(Properties& p) {
                            did_you_mean(name, {"ward", "ward-duer", "balanced"}));
 }
 
-/// The coefficients of a measured medium.
+/// Sets the coefficients of the measured medium that `material` names, by default skin1.
 void read_material(Properties& p, HanrahanKruegerDescription& slab) {
   const std::string name = p.find_string("material").value_or("skin1");
   const MeasuredMedium* found = find_measured_medium(name);
@@ -51,7 +51,7 @@ void read_material(Properties& p, HanrahanKruegerDescription& slab) {
   slab.by_albedo = false;
 }
 
-/// The mean cosine of the nested phase function; 0 without one.
+/// Returns the mean cosine of the nested phase function, or 0 without one.
 float read_mean_cosine(Properties& p) {
   const std::optional<PhaseId> id = find_phase(p);
   if (!id) return 0;

@@ -13,7 +13,7 @@ MaterialId read_bsdf(const XmlElement& bsdf, Reader& reader) {
                             reader.before_version_2};
   MaterialDescription material;
   if (p.type() == "mirror") {
-    material.model = ConductorDescription{};  // as Nori calls it
+    material.model = ConductorDescription{};  // name of the Nori dialect
   } else if (p.type() == "diffuse" && p.has("albedo")) {
     material.model = DiffuseDescription{p.spectrum_input("albedo", {}, SpectrumRole::kReflectance)};
   } else if (!read_shared_bsdf(p, dialect, material)) {

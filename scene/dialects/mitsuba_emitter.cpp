@@ -92,7 +92,7 @@ void read_emitter(const XmlElement& element, Reader& reader) {
   }
   if (p.type() == "constant") p.ignore({"to_world"});
   p.ignore({"sampling_weight"});
-  p.objects("medium");  // that it is in: found from the shapes around
+  p.objects("medium");  // enclosing medium; found from the surrounding shapes
   p.reject_unused();
   if (const std::string* id = element.find_attribute("id"))
     for (LightDescription& each : lights) each.id = *id;

@@ -1,4 +1,4 @@
-// The Mitsuba dialect: integrators. Those that compute the same picture in another way are mapped to ours with a note.
+// The Mitsuba dialect: integrators. Integrators with the same expected image are mapped to Sheaf's, with a note.
 #include "scene/dialects/integrator_name.h"
 #include "scene/dialects/light_selector_name.h"
 #include "scene/dialects/medium_estimator_name.h"
@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMaxDepth = 1'000'000;
 
-/// Where paths end unless told: these integrators take derivatives too, which are dear.
+/// Default maximum depth. The `prb` integrators limit it because they compute derivatives, which is expensive.
 int usual_depth(const std::string& type) { return type.starts_with("prb") ? 6 : -1; }
 
 void read_photon_maps(Properties& p, IntegratorDescription& integrator) {
@@ -40,19 +40,19 @@ void read_path_like(Properties& p, const NamedIntegrator& named, IntegratorDescr
   if (integrator.kind == IntegratorKind::kPhotonMapper) read_photon_maps(p, integrator);
   if (p.type() == "ptracer") p.ignore({"granularity", "brute_force", "samples_per_pass"});
   if (p.type() == "volpathmis") p.ignore({"use_spectral_mis"});
-  // Of renderers derived from Mitsuba: which of several ways to the same picture, and when to save it on the way.
+  // Forks of Mitsuba use `version` to select among equivalent estimators, and the others for intermediate output.
   if (p.type().starts_with("volpath")) p.ignore({"version"});
   if (integrator.photons.progressive) p.ignore({"k_nn", "step_snapshot", "dual_buffer", "granularity"});
 }
 
-/// Another renderer's way to the same expectation: its own properties mean nothing here.
+/// Reads an integrator with the same expected image; ignores its own properties.
 void read_stand_in(Properties& p, const NamedIntegrator& named, IntegratorDescription& integrator) {
   read_path_like(p, named, integrator);
   p.ignore_all();
   p.context().note(p.where(), stand_in_note(p.type()));
 }
 
-/// Direct light. Several samples per strategy have the expectation of one; none switches the strategy off.
+/// Reads `direct`. Several samples per strategy have the same expectation as one; 0 samples disable a strategy.
 void read_direct(Properties& p, IntegratorDescription& integrator) {
   constexpr int kMax = 1'000'000;
   integrator.max_depth = 2;
@@ -70,7 +70,7 @@ void read_direct(Properties& p, IntegratorDescription& integrator) {
   p.ignore({"strict_normals", "samples_per_pass", "block_size", "timeout"});
 }
 
-/// What is computed is what a nested integrator computes.
+/// Whether the integrator only wraps a nested one.
 bool is_wrapper(const std::string& type) {
   return type == "moment" || type == "aov" || type == "stokes" || type == "adaptive" || type == "irrcache" ||
          type == "multichannel";

@@ -40,7 +40,7 @@ void read_homogeneous(Properties& p, const VolumeDialect& dialect, bool before_v
   expect_homogeneous(p, medium);
 }
 
-/// Mitsuba before 2: `density` is the extinction, and `method` says how it is sampled.
+/// Mitsuba before 2: `density` is the extinction coefficient, and `method` selects the distance sampling.
 void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
   ExtinctionAlbedoDescription pair;
   const auto density = find_volume_input(p, "density", SpectrumRole::kIor, dialect);
@@ -65,8 +65,8 @@ void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumD
   read_medium_rest(p, dialect, medium);
 }
 
-/// Mitsuba from version 2 on: the medium ends at the box along the world's axes around the volume of its extinction,
-/// which for a constant, a number too, is the one around its unit cube.
+/// Mitsuba 2 and later: the medium ends at the axis-aligned bounding box of its `sigma_t` volume. For a constant or a
+/// number, this is the box around the transformed unit cube.
 void end_at_bounds(Properties& p, MediumDescription& medium) {
   if (const auto* pair = std::get_if<ExtinctionAlbedoDescription>(&medium.coefficients))
     medium.density = find_volume_bounds(p, "sigma_t", pair->sigma_t);
@@ -82,7 +82,7 @@ MediumId medium_of(const XmlElement& element, Reader& reader) {
   if (p.type() == "homogeneous") {
     read_homogeneous(p, dialect, reader.before_version_2, medium);
   } else if (p.type() == "heterogeneous") {
-    // Some renderers read files of the old version with the coefficients of the new one.
+    // Some forks read files of the old version with the coefficients of the new one.
     const bool extinction = p.named_object("volume", "sigma_t") != nullptr;
     if (reader.before_version_2 && !extinction) {
       read_old_heterogeneous(p, dialect, medium);

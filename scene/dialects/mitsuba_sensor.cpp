@@ -13,7 +13,7 @@ namespace sheaf::mitsuba {
 
 namespace {
 
-constexpr float kFilmDiagonal = 43.266615f;  // 36 mm x 24 mm
+constexpr float kFilmDiagonal = 43.266615f;  // diagonal of 36 mm x 24 mm, in mm
 
 FilterDescription read_filter(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
@@ -60,7 +60,7 @@ void read_crop(Properties& p, FilmDescription& film) {
   film.crop = PixelRect{x0, y0, x0 + width, y0 + height};
 }
 
-/// The size of the frame; Nori's scenes give it to the camera.
+/// Reads the frame size in pixels. Nori scenes specify it in the camera.
 void read_frame(Properties& p, FilmDescription& film) {
   film.width = p.integer("width", film.width, 1, 1'000'000'000);
   film.height = p.integer("height", film.height, 1, 1'000'000'000);
@@ -101,7 +101,7 @@ void read_sampler(const XmlElement& element, ReadContext& context) {
   p.reject_unused();
 }
 
-/// Millimetres out of "50mm" or "50".
+/// Parses a length in millimetres, "50mm" or "50".
 float parse_focal_length(Properties& p, std::string text) {
   if (text.ends_with("mm")) text.resize(text.size() - 2);
   const float length = parse_float(text, p.where(), "property 'focal_length'");
@@ -109,14 +109,14 @@ float parse_focal_length(Properties& p, std::string text) {
   return length;
 }
 
-/// `kc`: two numbers in a string.
+/// Reads the distortion coefficients `kc`: a string of two numbers.
 std::array<float, 2> read_distortion(Properties& p) {
   const std::vector<float> kc = parse_floats(p.find_string("kc").value_or("0, 0"), p.where(), "kc");
   if (kc.size() != 2) p.fail_at("kc", "holds " + std::to_string(kc.size()) + " numbers, expected two");
   return {kc[0], kc[1]};
 }
 
-/// Parallel rays, with a lens if it is `telecentric`: lengths in world space.
+/// Reads an orthographic camera, or a `telecentric` one with a thin lens. Lens lengths are in world space.
 void read_orthographic(Properties& p, CameraDescription& camera) {
   camera.projection = CameraDescription::Projection::kOrthographic;
   const float focus = p.number("focus_distance", camera.far_clip, kPositive);
@@ -126,7 +126,7 @@ void read_orthographic(Properties& p, CameraDescription& camera) {
   camera.focus_distance = focus / length(camera.to_world.vector({0, 0, 1}));
 }
 
-/// The transform that takes the origin to `origin` and +z to `direction`.
+/// Returns a transform that maps the origin to `origin` and +z to `direction`.
 Transform aim(Vec3f origin, Vec3f direction) {
   const Vec3f up = std::fabs(direction.y) < 0.9f * length(direction) ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0};
   return Transform::look_at(origin, origin + normalize(direction), up);
@@ -148,7 +148,7 @@ void read_radiance_meter(Properties& p, CameraDescription& camera) {
   if (origin) camera.to_world = aim(p.vec3("origin", {0, 0, 0}), read_sensor_direction(p));
 }
 
-/// The shape that a distant sensor looks at.
+/// Reads the target shape of a distant sensor.
 CameraDescription::TargetArea read_target(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   if (p.type() != "rectangle" && p.type() != "disk")
@@ -206,7 +206,7 @@ constexpr std::initializer_list<const char*> kCameras = {"distant",           "o
 
 bool is_camera(const std::string& type) { return std::find(kCameras.begin(), kCameras.end(), type) != kCameras.end(); }
 
-/// Sensors that make no picture measure with a box filter.
+/// Replaces the pixel filter of sensors that do not form an image by a box filter, and checks their film size.
 void check_meter(Properties& p, const CameraDescription& camera) {
   using Projection = CameraDescription::Projection;
   FilmDescription& film = p.context().description.film;
@@ -218,7 +218,7 @@ void check_meter(Properties& p, const CameraDescription& camera) {
   film.filter = FilterDescription{};
 }
 
-/// The film, the sampler and the medium of a sensor whose camera is read.
+/// Reads film, sampler and medium of a sensor after its camera.
 void read_sensor_rest(Properties& p, Reader& reader, CameraDescription& camera) {
   reader.context.description.film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
   read_frame(p, reader.context.description.film);
@@ -230,7 +230,7 @@ void read_sensor_rest(Properties& p, Reader& reader, CameraDescription& camera) 
   check_meter(p, camera);
 }
 
-/// The sensors of a batch, side by side. Their own films and samplers mean nothing.
+/// Reads the cameras of a batch, which render side by side. Ignores their own films and samplers.
 void read_batch(Properties& p, Reader& reader) {
   Description& description = reader.context.description;
   std::vector<CameraDescription> cameras;

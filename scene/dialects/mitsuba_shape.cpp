@@ -8,7 +8,7 @@ namespace sheaf::mitsuba {
 
 namespace {
 
-/// What light sources without a bsdf are made of: they reflect nothing.
+/// Black material of light sources without a BSDF.
 MaterialId black_material(Reader& reader) {
   if (!reader.black) {
     MaterialDescription material;
@@ -18,13 +18,13 @@ MaterialId black_material(Reader& reader) {
   return *reader.black;
 }
 
-/// A boundary that light does not notice.
+/// Material of a null interface.
 MaterialId null_material(Reader& reader) {
   if (!reader.null) reader.null = add_material(reader.context, {NullDescription{}, true, true, {}, {}});
   return *reader.null;
 }
 
-/// `merge`: its shapes, one by one. Their number makes no difference here.
+/// Reads the shapes of a `merge` one by one, because merging does not change the image.
 bool read_merged(const XmlElement& element, Reader& reader) {
   const std::string* type = element.find_attribute("type");
   if (type == nullptr || *type != "merge") return false;
@@ -35,7 +35,7 @@ bool read_merged(const XmlElement& element, Reader& reader) {
   return true;
 }
 
-/// Where unit spheres go of a shape that is many of them; empty for all others.
+/// Returns the transforms of the unit spheres of an ellipsoids shape; empty for other shapes.
 std::vector<Transform> read_many_ellipsoids(Properties& p) {
   if (p.type() != "ellipsoids" && p.type() != "ellipsoidsmesh") return {};
   if (p.type() == "ellipsoidsmesh" && p.find_string("shell"))
@@ -58,6 +58,7 @@ void read_shape(const XmlElement& element, Reader& reader) {
   ShapeDescription shape;
   shape.where = element.where;
   if (const std::string* id = element.find_attribute("id")) shape.id = *id;
+  // Read the geometry
   const std::vector<Transform> ellipsoids = read_many_ellipsoids(p);
   if (!ellipsoids.empty()) {
     shape.geometry = SphereShape{};
@@ -68,6 +69,7 @@ void read_shape(const XmlElement& element, Reader& reader) {
   }
   shape.to_world = p.transform("to_world");
   shape.flip_normals = p.boolean("flip_normals", false);
+  // Read material, emitter and sensor
   if (const XmlElement* bsdf = p.object("bsdf")) shape.material = material_of(*bsdf, reader);
   if (const XmlElement* emitter = p.object("emitter"))
     read_area_emitter(*emitter, reader.context, shape,
@@ -76,6 +78,7 @@ void read_shape(const XmlElement& element, Reader& reader) {
     const Transform turned = shape.flip_normals ? Transform::scale({-1, 1, -1}) : Transform();
     reader.shape_sensors.push_back({sensor, p.type(), shape.to_world * turned});
   }
+  // Read the media
   read_media(p, reader, shape);
   if (const XmlElement* subsurface = p.object("subsurface")) {
     if (shape.interior) p.fail("has an interior medium and a <subsurface>, expected one or the other");
@@ -85,10 +88,11 @@ void read_shape(const XmlElement& element, Reader& reader) {
   if (reader.before_version_2 && !shape.material && (shape.interior || shape.exterior))
     shape.material = null_material(reader);
   p.ignore({"silhouette_sampling_weight"});
-  // Which shapes specular manifold sampling (Zeltner et al. 2020) makes caustics with: hints, no light.
+  // Hints for specular manifold sampling (Zeltner et al. 2020), which do not affect the image.
   p.ignore({"caustic_caster_single", "caustic_caster_multi", "caustic_bouncer", "caustic_receiver"});
   p.reject_unused();
   std::vector<ShapeDescription>& shapes = reader.context.description.shapes;
+  // Add the shape, or one sphere per ellipsoid
   if (ellipsoids.empty()) {
     shapes.push_back(std::move(shape));
     return;

@@ -1,6 +1,5 @@
-// The Mitsuba dialect: subsurface scattering of Mitsuba 0.6. The diffusion approximation of the dipole (Jensen et al.
-// 2001, "A Practical Model for Subsurface Light Transport") is replaced by what it approximates: a random walk in the
-// medium.
+// The Mitsuba dialect: subsurface scattering of Mitsuba 0.6. A random walk in the medium replaces the dipole's
+// diffusion approximation (Jensen et al. 2001, "A Practical Model for Subsurface Light Transport").
 #include "scene/dialects/mitsuba.h"
 #include "scene/dialects/read_bsdf.h"
 #include "scene/dialects/read_medium.h"
@@ -10,7 +9,7 @@ namespace sheaf::mitsuba {
 
 namespace {
 
-/// The roughness of a material's dielectric boundary or coat; none for smooth and for all other materials.
+/// Returns the roughness of a material's dielectric boundary or coat; nullopt for smooth and other materials.
 std::optional<RoughnessDescription> boundary_roughness(const Description& description, MaterialId material) {
   const auto& model = description.materials[static_cast<std::size_t>(material)].model;
   if (const auto* sides = std::get_if<TwoSidedDescription>(&model))
@@ -21,7 +20,7 @@ std::optional<RoughnessDescription> boundary_roughness(const Description& descri
   return std::nullopt;
 }
 
-/// `intIOR` and `extIOR`; without either the index of the preset, against a vacuum.
+/// Reads `intIOR` and `extIOR`. If both are absent, uses the preset's index of refraction against a vacuum.
 void read_indices(Properties& p, Subsurface& subsurface) {
   const bool given = p.has("int_ior") || p.has("ext_ior");
   subsurface.int_ior = given ? read_ior(p, "int_ior", 1.5046f) : read_measured_medium(p).eta;

@@ -10,7 +10,7 @@ namespace sheaf::mitsuba {
 
 namespace {
 
-/// A volume on a surface: a colour, or a grid that is looked up where in the world the surface is.
+/// Reads a volume evaluated on surfaces: a colour, or a grid looked up at the world-space position.
 SpectrumInput read_volume_texture(Properties& p) {
   constexpr float kOtherwise = 0.75f;
   const VolumeInput volume = find_volume_input(p, "volume", SpectrumRole::kIor, {})
@@ -25,7 +25,7 @@ SpectrumInput read_volume_texture(Properties& p) {
   return std::get<SpectrumDescription>(volume);
 }
 
-/// The texture, or a copy of it, with its values multiplied.
+/// Returns a copy of the texture with its values scaled by `by`.
 SpectrumInput scaled_input(Properties& p, const SpectrumInput& input, float by, int depth = 0) {
   if (const auto* constant = std::get_if<SpectrumDescription>(&input)) return scaled(*constant, by);
   constexpr int kMaxNesting = 8;
@@ -49,7 +49,7 @@ SpectrumInput scaled_input(Properties& p, const SpectrumInput& input, float by, 
   return static_cast<TextureId>(textures.size() - 1);
 }
 
-/// A texture times a number.
+/// Reads a texture scaled by a constant factor.
 SpectrumInput read_scaled(Properties& p) {
   const float by = p.number("scale", 1, kNotNegative);
   const XmlElement* nested = p.any_texture_or_color();

@@ -1,4 +1,4 @@
-// The colour mode of the renderer whose scene format a file has.
+// The colour mode of the renderer that a scene file was written for.
 #pragma once
 
 #include "core/spectrum.h"
@@ -7,10 +7,10 @@
 
 namespace sheaf {
 
-/// Whether the file's name is that of a scene of pbrt: it ends in ".pbrt" or ".pbrt.gz".
+/// Whether the file is a pbrt scene: its name ends in ".pbrt" or ".pbrt.gz".
 bool is_pbrt_scene(const std::filesystem::path& file);
 
-/// Spectral for scenes of pbrt, which knows no other mode; RGB for all others.
+/// Returns spectral mode for pbrt scenes, because pbrt-v4 is always spectral; RGB mode for all others.
 ColorMode native_color(const std::filesystem::path& file);
 
 }  // namespace sheaf

@@ -1,4 +1,5 @@
-// The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator, rfilter; camelCase names; no references.
+// The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator and rfilter. Names are camelCase; there are no
+// references.
 #include "scene/dialects/nori.h"
 
 #include "scene/description/filter_check.h"
@@ -15,7 +16,7 @@ namespace sheaf {
 
 namespace {
 
-/// A radius other than the one that the filter's other parameters imply is left out, and said so.
+/// Adds a note if the given radius differs from the radius implied by the filter's other parameters.
 void check_radius(Properties& p, const FilterDescription& filter) {
   const float radius = p.number("radius", filter.radius, kPositive);
   if (radius != filter.radius)
@@ -51,13 +52,13 @@ FilterDescription read_nori_filter(const XmlElement& element, ReadContext& conte
   return filter;
 }
 
-/// The one of two names that the property goes by.
+/// Reads a property that has two alternative names.
 std::optional<float> find_either(Properties& p, const char* name, const char* other, NumberRange range) {
   if (p.has(name) && p.has(other)) p.fail("has both '" + std::string(name) + "' and '" + other + "', expected one");
   return p.has(name) ? p.find_number(name, range) : p.find_number(other, range);
 }
 
-/// A thin lens, under the names that renderers of this dialect give to it.
+/// Reads a thin lens; forks of Nori use several names for its properties.
 void read_lens(Properties& p, CameraDescription& camera) {
   const auto radius = find_either(p, "apertureRadius", "lensRadius", kNotNegative);
   const auto distance = find_either(p, "focusDistance", "focalDistance", kPositive);
@@ -74,7 +75,7 @@ void read_camera(const XmlElement& element, ReadContext& context) {
   CameraDescription& camera = context.description.camera;
   FilmDescription& film = context.description.film;
   camera.where = element.where;
-  // ETH's camera space has x to the right of the picture, upstream's to the left; see docs/scene-format.md.
+  // Nori's camera space has +x to the right in ETH's version, to the left upstream; see docs/scene-format.md.
   camera.to_world = p.transform("toWorld");
   if (context.mirrors_nori_camera) camera.to_world = camera.to_world * Transform::scale({-1, 1, 1});
   if (p.type() == "orthographic") {
@@ -122,7 +123,7 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
     read_light_sampling(p, integrator);
     read_medium_estimation(p, integrator);
     if (named->kind == IntegratorKind::kPhotonMapper) read_photon_mapping(p, integrator.photons);
-    p.ignore({"inmedium"});  // whether the camera is in a medium: found from the shapes around it
+    p.ignore({"inmedium"});  // whether the camera is in a medium; found from the surrounding shapes
   }
   if (same_expectation(p.type()) != nullptr) {
     p.ignore_all();
@@ -131,7 +132,7 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
   p.reject_unused();
 }
 
-/// A flat shape with a corner at `origin` and sides `u` and `v`; its normal is along u x v.
+/// Reads a parallelogram with a corner at `origin` and sides `u` and `v`; its normal is along u x v.
 Transform read_parallelogram(Properties& p) {
   const Vec3f origin = p.vec3("origin", {0, 0, 0}), u = p.vec3("u", {1, 0, 0}), v = p.vec3("v", {0, 1, 0});
   const Vec3f n = cross(u, v);
@@ -146,7 +147,7 @@ Transform read_parallelogram(Properties& p) {
   return Transform(m);
 }
 
-/// The material of a mesh and what it holds. Without a material, a medium has a boundary that light does not notice.
+/// Reads material and interior medium of a mesh. A medium without a material gets a null interface.
 void read_inside(Properties& p, ShapeDescription& shape) {
   ReadContext& context = p.context();
   std::optional<SpectrumDescription> absorption;
@@ -186,7 +187,7 @@ void read_mesh(const XmlElement& element, ReadContext& context) {
   context.description.shapes.push_back(std::move(shape));
 }
 
-/// What is read once everything else is.
+/// Elements that are read after all others.
 struct Last {
   const XmlElement* camera = nullptr;
   const XmlElement* sampler = nullptr;

@@ -1,4 +1,4 @@
-// Inside the Nori dialect: what its readers call of each other.
+// Internal declarations of the Nori dialect: functions that its files share.
 #pragma once
 
 #include "scene/dialects/dialects.h"
@@ -6,19 +6,20 @@
 
 namespace sheaf::nori {
 
-/// Appends the material of a <bsdf>. `absorption`: set to what is inside of a boundary with `sigmaA`, per metre.
+/// Appends the material of a <bsdf>. Sets `absorption` to the interior absorption coefficient (1/m) of a BSDF with
+/// `sigmaA`.
 MaterialId read_bsdf(const XmlElement& element, ReadContext& context, std::optional<SpectrumDescription>& absorption);
-/// Appends a medium; `in_shape`: a shape holds it, not the whole scene.
+/// Appends a medium. `in_shape`: the medium fills a shape, not the whole scene.
 MediumId read_medium(const XmlElement& element, ReadContext& context, bool in_shape);
-/// Appends a medium that only absorbs, as a material says.
+/// Appends the purely absorbing medium of a material with `sigmaA`.
 MediumId add_absorption(const XmlElement& bsdf, SpectrumDescription sigma_a, ReadContext& context);
-/// An integrator of the course's first exercises, which looks at shapes and not at their materials and lights: `ao`
-/// (ambient occlusion), `av` (average visibility) and `simple` (one point light). Returns false for others. To be
-/// called last: what the scene holds becomes white, lit by what the exercise says.
+/// Reads an integrator of the course's first exercises, which ignores materials and lights: `ao` (ambient occlusion),
+/// `av` (average visibility) or `simple` (one point light). Returns false for others. Call it last, because it makes
+/// all shapes white and replaces the lights.
 bool read_exercise(Properties& p);
-/// Appends a light that is not on a mesh.
+/// Appends a light that is not attached to a mesh.
 void read_emitter(const XmlElement& element, ReadContext& context);
-/// A TextureReader.
+/// Implements TextureReader.
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context);
 
 }  // namespace sheaf::nori

@@ -1,4 +1,4 @@
-// The Nori dialect: materials of its own; all others are those of Mitsuba.
+// The Nori dialect: its own materials; all others are shared with Mitsuba.
 #include "scene/dialects/nori.h"
 #include "scene/dialects/read_bsdf.h"
 #include "scene/dialects/read_texture.h"
@@ -10,12 +10,12 @@ namespace sheaf::nori {
 
 namespace {
 
-/// A parameter in [0, 1], replaced if the file gives it.
+/// Reads a parameter in [0, 1] into `value`, if present.
 void read_share(Properties& p, const char* name, ScalarInput& value) {
   value = p.scalar_input(name, value, kUnitInterval);
 }
 
-/// The first of the names under which the property is there, else the first.
+/// Returns the first of the alternative names that is present, or the first name.
 const char* first_of(Properties& p, std::initializer_list<const char*> names) {
   for (const char* name : names)
     if (p.has(name)) return name;
@@ -24,7 +24,7 @@ const char* first_of(Properties& p, std::initializer_list<const char*> names) {
 
 DiffuseDescription read_diffuse(Properties& p) {
   const DiffuseDescription default_value;
-  p.ignore({"use_cosine"});  // how it is sampled
+  p.ignore({"use_cosine"});  // selects the sampling strategy
   return {
       p.spectrum_input(first_of(p, {"albedo", "reflectance"}), default_value.reflectance, SpectrumRole::kReflectance)};
 }
@@ -55,7 +55,7 @@ DisneyDescription read_disney(Properties& p) {
   return result;
 }
 
-/// `sigmaA` of boundaries with an inside (Beer's law).
+/// Reads `sigmaA`, the interior absorption coefficient of a boundary (Beer-Lambert law).
 void read_absorption(Properties& p, std::optional<SpectrumDescription>& absorption) {
   if (p.type() != "dielectric" && p.type() != "roughdielectric" && p.type() != "null") return;
   const auto sigma_a = p.find_spectrum("sigmaA", SpectrumRole::kIor);
@@ -64,7 +64,7 @@ void read_absorption(Properties& p, std::optional<SpectrumDescription>& absorpti
   absorption = *sigma_a;
 }
 
-/// The material under the normal map that it says itself, or as it is.
+/// Wraps `nested` in a normal map if the material has a `normal` texture.
 MaterialId with_normal_map(Properties& p, MaterialId nested) {
   if (!p.is_texture("normal")) return nested;
   const std::optional<SpectrumInput> map = p.find_spectrum_input("normal", SpectrumRole::kIor);

@@ -23,7 +23,7 @@ PointLightDescription read_point_light(Properties& p) {
   return light;
 }
 
-/// A space at `position` with +z along `direction`.
+/// Returns a coordinate system with its origin at `position` and +z along `direction`.
 Transform aim(Vec3f position, Vec3f direction) {
   const Frame<Scalar> frame = Frame<Scalar>::from_normal(normalize(direction));
   Matrix4 m;
@@ -36,7 +36,7 @@ Transform aim(Vec3f position, Vec3f direction) {
   return Transform(m);
 }
 
-/// `toWorld`, or `position` with `direction` or the point `lookAt`; along +z without these.
+/// Reads `toWorld`, or `position` with `direction` or the target `lookAt`. The default direction is +z.
 Transform read_placement(Properties& p) {
   const bool position = p.has("position"), direction = p.has("direction"), look_at = p.has("lookAt");
   if (p.has("toWorld")) {
@@ -53,7 +53,8 @@ Transform read_placement(Properties& p) {
   return aim(origin, towards);
 }
 
-/// By which a spot's intensity is multiplied for its power: of its cone, where that is halfway down to nothing.
+/// Solid angle (sr) that converts a spot light's intensity to its power. The cosine of its cone is the mean of the
+/// cosines at the start and the end of the falloff.
 float solid_angle(const SpotLightDescription& light) {
   const auto cosine = [](float degrees) { return std::cos(degrees * std::numbers::pi_v<float> / 180); };
   return 2 * std::numbers::pi_v<float> * (1 - 0.5f * (cosine(light.beam_width) + cosine(light.cutoff_angle)));
@@ -69,7 +70,7 @@ SpotLightDescription read_spot_light(Properties& p) {
   light.cutoff_angle = p.number("totalWidth", 30, {0, 180, true});
   constexpr float kUsualEdge = 5;
   const float usual = std::max(light.cutoff_angle - kUsualEdge, 0.0f);
-  // Where the falloff would start outside of the cone, there is none.
+  // A falloff that starts outside the cone has no effect.
   light.beam_width = std::min(p.number("falloffStart", usual, kNotNegative), light.cutoff_angle);
   if (intensity) light.intensity = *intensity;
   if (power) light.intensity = scaled(*power, 1.0f / solid_angle(light));
@@ -87,7 +88,7 @@ DirectionalLightDescription read_directional_light(Properties& p) {
   return light;
 }
 
-/// An environment whose radiance is a texture: a colour everywhere, or a picture.
+/// Reads an environment map with a texture for radiance: a constant colour or an image.
 void read_textured_envmap(Properties& p, const XmlElement& texture, LightDescription& light) {
   const SpectrumInput radiance = texture_of(texture, p.context());
   if (const auto* constant = std::get_if<SpectrumDescription>(&radiance)) {

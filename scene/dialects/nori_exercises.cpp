@@ -1,4 +1,4 @@
-// The Nori dialect: integrators of the course's first exercises, as white scenes in a light of their own, or in none.
+// The Nori dialect: integrators of the course's first exercises, rendered as white scenes with their own light or none.
 #include "scene/dialects/nori.h"
 #include "scene/dialects/visibility_integrators.h"
 
@@ -8,7 +8,7 @@ namespace sheaf::nori {
 
 namespace {
 
-/// `energy` (W) from `position` in all directions.
+/// Reads `simple`: an isotropic point light of power `energy` (W) at `position`.
 void make_simple(Properties& p, Description& description) {
   PointLightDescription light;
   light.position = p.vec3("position", {0, 0, 0});

@@ -6,7 +6,7 @@ namespace sheaf::nori {
 
 namespace {
 
-/// `density` as a number, which multiplies the coefficients, or as a volume.
+/// Reads `density`: a number that scales the coefficients, or a volume.
 void read_density(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
   const auto density = find_volume_input(p, "density", SpectrumRole::kIor, dialect);
   if (!density) return;
@@ -17,7 +17,7 @@ void read_density(Properties& p, const VolumeDialect& dialect, MediumDescription
   }
 }
 
-/// `method`: how distances are sampled.
+/// Reads `method`, the distance sampling method.
 void read_method(Properties& p) {
   const std::optional<std::string> method = p.find_string("method");
   if (!method) return;
@@ -32,7 +32,7 @@ void read_method(Properties& p) {
     p.fail_at("method", "is " + in_quotes(*method) + ", expected march, delta or ratio");
 }
 
-/// Whether something of the medium is on a grid that says how much of it there is.
+/// Whether a grid defines the density or extinction of the medium.
 bool has_grid(const MediumDescription& medium) {
   const auto* pair = std::get_if<ExtinctionAlbedoDescription>(&medium.coefficients);
   return medium.density || (pair != nullptr && std::holds_alternative<GridVolumeDescription>(pair->sigma_t));

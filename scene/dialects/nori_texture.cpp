@@ -1,4 +1,4 @@
-// The Nori dialect: textures of its own; all others are those of Mitsuba, with pictures the right way up.
+// The Nori dialect: its own textures; all others are shared with Mitsuba, with the image origin at the lower left.
 #include "scene/dialects/nori.h"
 #include "scene/dialects/read_spectrum.h"
 #include "scene/dialects/read_texture.h"
@@ -9,7 +9,7 @@ namespace sheaf::nori {
 
 namespace {
 
-/// `scale`, the size of what is repeated in units of uv, and `delta`, where it begins.
+/// Reads `scale`, the size of a repeated unit in uv, and `delta`, its uv offset.
 std::array<float, 6> read_placement(Properties& p, float repeated) {
   const Vec2f scale = p.find_vec2("scale").value_or(Vec2f{1, 1}), delta = p.find_vec2("delta").value_or(Vec2f{0, 0});
   if (scale.x == 0 || scale.y == 0) p.fail_at("scale", "is zero along an axis");
@@ -17,7 +17,8 @@ std::array<float, 6> read_placement(Properties& p, float repeated) {
   return {u, 0, -delta.x * u, 0, v, -delta.y * v};
 }
 
-/// A checkerboard of two values: value1 (0) in the square at `delta`, value2 (1) beside it; `scale` is a square's size.
+/// Reads a checkerboard: value1 (default 0) in the square at `delta`, value2 (default 1) beside it. `scale` is the size
+/// of a square.
 void read_checkerboard(Properties& p, TextureDescription& texture) {
   const SpectrumDescription black = SpectrumDescription::constant(0), white = SpectrumDescription::constant(1);
   texture.model = CheckerboardDescription{p.spectrum_input("value1", black, SpectrumRole::kIor),
@@ -25,12 +26,13 @@ void read_checkerboard(Properties& p, TextureDescription& texture) {
   texture.to_uv = read_placement(p, 2);
 }
 
-/// A picture, under the names that renderers of this dialect give to it.
+/// Whether the type is one of the names that forks of Nori use for a bitmap.
 bool is_picture(const std::string& type) {
   return type == "image" || type == "imagetexture" || type == "png_texture" || type == "normaltexture";
 }
 
-/// `eulerAngles`: pictures are not turned here. `sphericalTexture`: spheres have spherical coordinates anyway.
+/// Rejects a nonzero `eulerAngles`, because images are not rotated. Ignores `sphericalTexture`, because spheres always
+/// have spherical texture coordinates.
 void read_turn(Properties& p) {
   if (p.vec3("eulerAngles", {0, 0, 0}) != Vec3f{0, 0, 0}) p.fail_at("eulerAngles", "is not zero, expected no turn");
   p.ignore({"sphericalTexture"});
@@ -38,7 +40,7 @@ void read_turn(Properties& p) {
 
 SpectrumInput read_constant(Properties& p) {
   SpectrumInput value = p.spectrum_input("value", SpectrumDescription::constant(0), SpectrumRole::kIor);
-  p.ignore({"filename", "eulerAngles", "sphericalTexture"});  // of the picture that it is in place of
+  p.ignore({"filename", "eulerAngles", "sphericalTexture"});  // properties of the image that the constant replaces
   p.reject_unused();
   return value;
 }

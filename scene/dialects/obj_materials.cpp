@@ -1,4 +1,4 @@
-// Mapping the fields of MTL materials, and cutting the meshes of OBJ files by material.
+// Conversion of MTL materials, and splitting of OBJ meshes by material.
 #include "scene/dialects/obj_materials.h"
 
 #include "scene/formats/mesh.h"
@@ -24,10 +24,10 @@ float largest(const std::optional<Vec3f>& color) { return color ? std::max({colo
 
 SpectrumDescription spectrum(Vec3f rgb) { return SpectrumDescription::rgb(rgb.x, rgb.y, rgb.z); }
 
-/// The principal index of refraction of a material, or `default_value` where the file gives none that can be meant.
+/// Returns the index of refraction, or `default_value` if the file has none above 1.
 float ior_or(const MtlMaterial& m, float default_value) { return m.ior && *m.ior > 1.0f ? *m.ior : default_value; }
 
-/// Builds the descriptions of one material from the inside out.
+/// Builds the descriptions of one material, innermost first.
 class MaterialBuilder {
  public:
   MaterialBuilder(const MtlMaterial& m, bool flip_tex_coords, Description& out)
@@ -98,7 +98,7 @@ class MaterialBuilder {
     return m_.roughness || m_.metallic || m_.sheen || m_.clearcoat || m_.anisotropy || m_.map_roughness ||
            m_.map_metallic || m_.map_sheen;
   }
-  /// Whether Ks is more than `factor` times Kd.
+  /// Whether the maximum channel of Ks exceeds `factor` times that of Kd.
   bool specular_exceeds(float factor) const {
     if (m_.map_diffuse) return false;
     const float specular = m_.map_specular ? std::max(largest(m_.specular), 1.0f) : largest(m_.specular);
@@ -106,7 +106,7 @@ class MaterialBuilder {
   }
 
   RoughnessDescription phong_roughness() const {
-    constexpr float kExponent = 20;  // where the file has none
+    constexpr float kExponent = 20;  // if the file has no Ns
     const float exponent = std::max(m_.shininess.value_or(kExponent), 0.0f);
     const float alpha = std::max(std::sqrt(2.0f / (exponent + 2.0f)), kSmallestAlpha);
     return {RoughnessDescription::Distribution::kBeckmann, alpha, alpha};
@@ -166,7 +166,8 @@ class MaterialBuilder {
   Description& out_;
 };
 
-/// Whether an OBJ file may use materials: a quick look. Files that cannot be read may not: who reads them says why.
+/// Quick test whether an OBJ file may use materials. False for unreadable files; reading the mesh later reports the
+/// error.
 bool may_use_materials(const std::filesystem::path& file) {
   try {
     const std::string bytes = read_mesh_text(file, "OBJ file");
@@ -174,12 +175,12 @@ bool may_use_materials(const std::filesystem::path& file) {
   } catch (const SceneError&) { return false; }
 }
 
-/// Materials of the libraries of OBJ files, each read and added once.
+/// Materials of MTL libraries. Each is read and added once.
 class MaterialLibraries {
  public:
   MaterialLibraries(Description& description, bool lenient) : description_(description), lenient_(lenient) {}
 
-  /// The libraries that exist, in the order of the file. Notes the missing ones; sets `complete` if all exist.
+  /// Returns the existing libraries in file order. Adds notes for missing ones; sets `complete` if all exist.
   std::vector<const MtlLibrary*> find(const std::vector<ObjLibrary>& named, bool& complete) {
     std::vector<const MtlLibrary*> found;
     complete = true;
@@ -210,7 +211,7 @@ class MaterialLibraries {
   void note(const SourceLocation& where, const std::string& message) {
     description_.notes.push_back(SceneError(where, message).what());
   }
-  /// Throws unless lenient, when a diffuse material stands in.
+  /// Throws, or if lenient, reports that a diffuse material is substituted.
   void fail(const SourceLocation& where, const std::string& message) {
     const SceneError error(where, message);
     if (!lenient_) throw error;
@@ -226,7 +227,7 @@ class MaterialLibraries {
     return file;
   }
 
-  /// Words, or texts in quotation marks.
+  /// Splits a line into words or quoted strings.
   static std::vector<std::string> split(const std::string& names) {
     std::vector<std::string> words;
     for (std::size_t at = names.find_first_not_of(" \t"); at != names.npos;) {
@@ -264,7 +265,7 @@ const MtlMaterial* find_material(const std::vector<const MtlLibrary*>& libraries
   return nullptr;
 }
 
-/// For each name that faces use its material, or null.
+/// Returns the material of each name that faces use, or null.
 std::vector<const MtlMaterial*> find_materials(const ObjFile& obj, const std::string& file,
                                                MaterialLibraries& libraries) {
   bool complete = false;
@@ -289,8 +290,8 @@ std::vector<const MtlMaterial*> find_materials(const ObjFile& obj, const std::st
   return found;
 }
 
-/// The steps that scene/formats/mesh.h lists, up to the normals of vertices, on the uncut mesh: so no cut shows.
-/// Returns how many triangles are left out.
+/// Applies the processing steps that scene/formats/mesh.h lists, up to vertex normals. Works on the uncut mesh, so that
+/// splitting leaves no seams. Returns the number of dropped triangles.
 std::size_t place(ObjFile& obj, const ShapeDescription& shape, bool smooth_normals, bool creased) {
   Mesh& mesh = obj.file.mesh;
   check_mesh(mesh, shape.where);
@@ -314,7 +315,7 @@ std::size_t place(ObjFile& obj, const ShapeDescription& shape, bool smooth_norma
   return before - usable.size();
 }
 
-/// The shapes that `shape` becomes; empty if it stays as it is.
+/// Splits `shape` by material. Returns nothing if the shape stays as it is.
 std::vector<ShapeDescription> cut(const ShapeDescription& shape, MaterialLibraries& libraries, bool creased) {
   const auto& geometry = std::get<MeshFileShape>(shape.geometry);
   ObjFile obj = read_obj_with_materials(geometry.file, geometry.flip_tex_coords, geometry.bad_faces);
@@ -328,6 +329,7 @@ std::vector<ShapeDescription> cut(const ShapeDescription& shape, MaterialLibrari
     libraries.note(shape.where, std::to_string(dropped) + " degenerate or non-finite triangles left out");
   }
   const Mesh& mesh = obj.file.mesh;
+  // Collect the triangles of each material
   std::vector<std::vector<std::uint32_t>> triangles(materials.size());
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) triangles[obj.material_of[i]].push_back(i);
   for (std::size_t i = 0; i < materials.size(); ++i) {
@@ -356,7 +358,7 @@ void expand(std::vector<ShapeDescription>& shapes, MaterialLibraries& libraries,
       try {
         parts = cut(shape, libraries, creased);
       } catch (const SceneError& error) {
-        // A bare model has no line in a scene file; the error names the model.
+        // A model without a scene file has no line; the error already names the file.
         const SceneError placed = shape.where.line > 0 ? SceneError(shape.where, error.what()) : error;
         if (left_out == nullptr) throw placed;
         left_out->push_back(std::string(placed.what()) + " (shape left out)");

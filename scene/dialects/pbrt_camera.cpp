@@ -11,10 +11,10 @@ namespace sheaf::pbrt {
 
 namespace {
 
-/// What the picture shows of the plane on which the shorter side of a square picture would span [-1, 1].
+/// pbrt's screen window: the visible part of the screen plane, where the shorter side of a square image spans [-1, 1].
 struct ScreenWindow {
   double x0, x1, y0, y1;
-  bool standard;  ///< what it is unless told
+  bool standard;  ///< not set by the file
 };
 
 ScreenWindow read_window(Parameters& p, const FilmDescription& film) {
@@ -31,7 +31,7 @@ ScreenWindow read_window(Parameters& p, const FilmDescription& film) {
   return {-wide, wide, -high, high, !told};
 }
 
-/// Shifts the picture's middle, and stretches the camera's space where pixels are not square.
+/// Sets the principal point. Returns the scale of camera space that non-square pixels need.
 Transform frame_window(Parameters& p, const ScreenWindow& window, const FilmDescription& film,
                        CameraDescription& camera) {
   const double width = window.x1 - window.x0, height = window.y1 - window.y0;
@@ -69,14 +69,15 @@ void read_orthographic(Parameters& p, CameraDescription& camera, const Transform
   camera.to_world = to_world * Transform::scale({half, half, 1}) * frame_window(p, window, film, camera);
 }
 
-/// All directions, +y upwards.
+/// Reads a camera with a full spherical view, +y up.
 void read_spherical(Parameters& p, CameraDescription& camera, const Transform& world_from_camera) {
   camera.projection = CameraDescription::Projection::kSpherical;
   const std::string mapping = p.string("mapping", "equalarea");
   if (mapping != "equalarea" && mapping != "equirectangular")
     p.fail_at("mapping", "is '" + mapping + "', expected equalarea or equirectangular");
   camera.equal_area = mapping == "equalarea";
-  // Equal areas: y and z change places. Else the middle of the picture is -x, and a quarter of a turn later -z follows.
+  // The equal-area mapping exchanges y and z. The equirectangular mapping has -x in the image centre, and -z a quarter
+  // turn later.
   Matrix4 axes;
   if (camera.equal_area)
     axes.m[1] = {0, 0, 1, 0}, axes.m[2] = {0, 1, 0, 0};
@@ -89,7 +90,7 @@ void read_spherical(Parameters& p, CameraDescription& camera, const Transform& w
 PixelRect read_crop_window(Parameters& p, const FilmDescription& film, std::vector<float> c) {
   if (c.size() != 4) p.fail_at("cropwindow", "must be four numbers: x0, x1, y0, y1");
   const auto pixel = [](float share, int size) {
-    // In single precision, as pbrt does.
+    // Single precision, as in pbrt.
     const float edge = std::ceil(std::clamp(share, 0.0f, 1.0f) * static_cast<float>(size));
     return std::min(saturate<int>(static_cast<double>(edge)), size);
   };
@@ -174,7 +175,7 @@ void read_camera(Reader& reader, Entity entity, const Transform& world_from_came
   CameraDescription& camera = reader.description.camera;
   camera.where = entity.where;
   camera.medium = medium_of(reader, outside, entity.where);
-  // +x is to the right there and to the left here.
+  // pbrt's camera space has +x to the right, Sheaf's to the left.
   const Transform to_world = world_from_camera * Transform::scale({-1, 1, 1});
   p.ignore({"shutteropen", "shutterclose"});
   if (entity.type == "perspective") {

@@ -1,12 +1,13 @@
-// The pbrt dialect: the energy that layered materials lose in pbrt's random walk (Pharr et al. 2023, section 14.3), as
-// an albedo of the base for which our closed form of a clear coat reflects as much.
+// The pbrt dialect: energy loss of layered materials in pbrt's random walk (Pharr et al. 2023, section 14.3), expressed
+// as the base albedo with which Sheaf's closed-form clear coat reflects the same energy.
 //
-// pbrt fills the layer with an absorbing medium of extinction 1 unless the material has an 'albedo', so that light
-// loses a share on each way through, and ends each walk after `maxdepth` interfaces. With the transmittance t of one
-// way, the share m that the coat sends back to the base, absorption included, and K reflections off a base of albedo a,
+// pbrt fills the layer with an absorbing medium of extinction 1 unless the material has an 'albedo', so light is
+// absorbed on each way through the layer. It ends each walk after `maxdepth` interfaces. Let t be the one-way
+// transmittance, m the fraction that the coat returns to the base, including absorption, and K the number of
+// reflections off a base of albedo a. Then
 //   X = t^2 a (1 + a m + ... + (a m)^(K - 1))
-// leaves the base for unit transmittance of the coat. Our closed form has X = b / (1 - b r), where r is m without
-// absorption: the base becomes b = X / (1 + X r).
+// leaves the base for unit transmittance of the coat. Sheaf's closed form is X = b / (1 - b r), where r is m without
+// absorption. The base albedo becomes b = X / (1 + X r).
 #include "scene/dialects/pbrt_coat.h"
 
 #include "core/fresnel.h"
@@ -18,7 +19,7 @@ namespace sheaf::pbrt {
 
 namespace {
 
-/// Diffuse light from the base, shared out by the coat; with and without absorption on the way.
+/// Fractions of diffuse light from the base that the coat returns and transmits, with and without absorption.
 struct Shares {
   double returned = 0, returned_absorbed = 0, leaving = 0, leaving_absorbed = 0;
 
@@ -32,7 +33,7 @@ struct Shares {
   }
 };
 
-/// The middle of stratum `i` of `count` in [0, 1].
+/// Centre of stratum `i` of `count` in [0, 1].
 double middle(int i, int count) { return (i + 0.5) / count; }
 
 Shares smooth_shares(double eta, double thickness) {
@@ -47,9 +48,10 @@ Shares smooth_shares(double eta, double thickness) {
   return shares;
 }
 
-/// Single scattering at visible facets of GGX (sampled as by Dupuy and Benyoub 2023).
+/// Single scattering by visible GGX microfacets, sampled as by Dupuy and Benyoub 2023.
 Shares rough_shares(double alpha, double eta, double thickness) {
-  constexpr int kDirections = 128, kDepths = 8, kAzimuths = 8;  // the critical angle is a kink over directions
+  // Many directions resolve the kink at the critical angle.
+  constexpr int kDirections = 128, kDepths = 8, kAzimuths = 8;
   constexpr double kWeight = 1.0 / (kDirections * kDepths * kAzimuths);
   const auto shadowing = [&](double cosine) {
     return 2 * cosine / (cosine + std::sqrt(cosine * cosine + alpha * alpha * (1 - cosine * cosine)));
@@ -61,7 +63,7 @@ Shares rough_shares(double alpha, double eta, double thickness) {
     for (int j = 0; j < kDepths; ++j)
       for (int k = 0; k < kAzimuths; ++k) {
         const double depth = middle(j, kDepths) * (1 + wz), r = std::sqrt(depth * (2 - depth));
-        const double angle = 3.14159265358979 * middle(k, kAzimuths);  // the other half is its mirror image
+        const double angle = 3.14159265358979 * middle(k, kAzimuths);  // the other half is symmetric
         const double x = alpha * (r * std::cos(angle) + wx), y = alpha * r * std::sin(angle), z = 1 - depth + wz;
         const double length = std::sqrt(x * x + y * y + z * z), c = (x * sine + z * cosine) / length, mz = z / length;
         if (!(c > 0)) continue;

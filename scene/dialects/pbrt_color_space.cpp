@@ -1,4 +1,4 @@
-// The pbrt dialect: colours in other spaces than Rec.709.
+// The pbrt dialect: colours in colour spaces other than Rec.709.
 #include "core/color_space.h"
 #include "scene/dialects/pbrt.h"
 
@@ -20,7 +20,7 @@ constexpr RgbSpace kSpaces[] = {{"srgb", kRec709Space},
                                 {"rec2020", {{0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}, kD65}},
                                 {"aces2065-1", {{0.7347, 0.2653}, {0, 1}, {0.0001, -0.0770}, {0.32168, 0.33767}}}};
 
-/// What is white in `from` becomes white in `to`, as eyes adapt (Lam 1985, the Bradford transform).
+/// Chromatic adaptation matrix in XYZ from white `from` to white `to` (Lam 1985, the Bradford transform).
 Matrix3 adaptation(const Chromaticity& from, const Chromaticity& to) {
   const Matrix3 bradford{{{0.8951, 0.2664, -0.1614}, {-0.7502, 1.7135, 0.0367}, {0.0389, -0.0685, 1.0296}}};
   const std::array<double, 3> a = bradford * xyz_of(from), b = bradford * xyz_of(to);
@@ -47,7 +47,7 @@ Vec3f to_rec709(Parameters& p, Vec3f rgb, Use use) {
   if (use != Use::kLight) matrix = adaptation(space.chromaticities.white, kRec709Space.white) * matrix;
   const std::array<double, 3> v =
       inverse(rgb_to_xyz(kRec709Space)) * (matrix * std::array<double, 3>{double{rgb.x}, double{rgb.y}, double{rgb.z}});
-  // White need not come out as 1 to the last bit.
+  // Tolerance, because white may deviate from 1 by rounding.
   constexpr double kRounding = 1e-6;
   const double most = use == Use::kReflectance ? 1 : std::numeric_limits<double>::max();
   Vec3f out;

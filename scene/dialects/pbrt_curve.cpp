@@ -1,5 +1,5 @@
-// The pbrt dialect: curves. Whatever their type they become round tubes of their width along uniform cubic B-splines,
-// of which every segment of a curve of degree 2 or 3 is a piece.
+// The pbrt dialect: curves. Curves of all types become round tubes along uniform cubic B-splines, because these
+// represent every segment of degree 2 or 3 exactly.
 #include "scene/dialects/pbrt.h"
 
 #include <algorithm>
@@ -12,16 +12,16 @@ namespace {
 
 using Segment = std::array<Vec3f, 4>;
 
-/// The control points of a cubic Bezier curve, as those of the B-spline segment that is the same curve.
+/// Converts the control points of a cubic Bezier curve to those of the identical B-spline segment.
 Segment bspline_of(const Segment& b) {
   return {b[0] * 6.0f - b[1] * 7.0f + b[2] * 2.0f, b[1] * 2.0f - b[2], b[2] * 2.0f - b[1],
           b[1] * 2.0f - b[2] * 7.0f + b[3] * 6.0f};
 }
 
-/// A quadratic Bezier curve as a cubic one.
+/// Raises a quadratic Bezier curve to degree 3.
 Segment elevated(Vec3f a, Vec3f b, Vec3f c) { return {a, (a + b * 2.0f) * (1.0f / 3), (b * 2.0f + c) * (1.0f / 3), c}; }
 
-/// How the control points of a curve are meant.
+/// Interpretation of a curve's control points.
 struct Form {
   bool is_bspline;
   std::size_t degree, segments;
@@ -42,7 +42,7 @@ Form read_form(Parameters& p, std::size_t points) {
   return form;
 }
 
-/// Segment `i` as a cubic B-spline's.
+/// Returns segment `i` as a cubic B-spline segment.
 Segment segment_of(const Form& form, const std::vector<Vec3f>& points, std::size_t i) {
   const Vec3f* at = points.data() + (form.is_bspline ? i : i * form.degree);
   if (form.degree == 3) {
@@ -53,7 +53,7 @@ Segment segment_of(const Form& form, const std::vector<Vec3f>& points, std::size
                                     : elevated(at[0], at[1], at[2]));
 }
 
-/// By what the current transform multiplies widths: its mean, where it stretches.
+/// Returns the factor by which the current transform scales widths: the geometric mean over the three axes.
 float width_scale(Parameters& p, const Transform& to_world) {
   const float lengths[] = {length(to_world.vector({1, 0, 0})), length(to_world.vector({0, 1, 0})),
                            length(to_world.vector({0, 0, 1}))};
@@ -89,11 +89,11 @@ Curves read_curve(Parameters& p, const Transform& to_world) {
   Curves curves;
   for (std::size_t i = 0; i < form.segments; ++i) {
     const Segment segment = segment_of(form, points, i);
-    // The segments of a cubic B-spline share three points each.
+    // Consecutive segments of a cubic B-spline share three points.
     const bool shares = i > 0 && form.is_bspline && form.degree == 3;
     if (!shares) curves.starts.push_back(static_cast<std::uint32_t>(curves.points.size()));
     for (std::size_t k = shares ? 3 : 0; k < 4; ++k) {
-      // A B-spline through radii that grow evenly: before the start and behind the end, too.
+      // Radii that interpolate linearly under the B-spline basis, extrapolated beyond both ends.
       const float along = (static_cast<float>(i) + static_cast<float>(k) - 1.0f) / static_cast<float>(form.segments);
       curves.points.push_back({segment[k], first + along * (last - first)});
     }

@@ -1,4 +1,4 @@
-// The pbrt dialect: what each directive does, but for those of transforms.
+// The pbrt dialect: handlers of all directives except transforms.
 #include "scene/description/instance_transform.h"
 #include "scene/dialects/pbrt_scene.h"
 
@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMaxSaved = 10'000;
 
-/// Takes the parameter "type" out of the list.
+/// Removes the parameter "type" from the list and returns its value.
 std::string take_type(Entity& entity, const std::string& directive) {
   for (const Parameter& parameter : entity.parameters)
     if (parameter.name == "type" && parameter.type == "string" && parameter.strings.size() == 1) {
@@ -222,12 +222,14 @@ void SceneBuilder::world_begin(Tokens&) {
     const auto found = options_.find(directive);
     return found != options_.end() ? std::move(found->second) : Entity{standard, {}, where_};
   };
+  // Determine the exposure time
   Entity camera = option("Camera", "perspective");
   double shutter[2] = {0, 1};
   for (const Parameter& parameter : camera.parameters)
     if (parameter.numbers.size() == 1 && (parameter.name == "shutteropen" || parameter.name == "shutterclose"))
       shutter[parameter.name == "shutterclose" ? 1 : 0] = parameter.numbers[0];
   if (!(shutter[0] < shutter[1])) throw SceneError(camera.where, "Camera: the shutter closes before it opens");
+  // Read the rendering options, then reset the transform
   read_film(reader_, option("Film", "rgb"), static_cast<float>(shutter[1] - shutter[0]));
   read_filter(reader_, option("PixelFilter", "gaussian"));
   pbrt::read_camera(reader_, std::move(camera), world_from_camera_, camera_medium_);

@@ -1,4 +1,4 @@
-// The pbrt dialect: integrators and samplers, of which ours with the same expectation take the place.
+// The pbrt dialect: integrators and samplers, replaced by Sheaf's with the same expected image.
 #include "scene/dialects/dialects.h"
 #include "scene/dialects/integrator_name.h"
 #include "scene/dialects/light_selector_name.h"
@@ -13,11 +13,11 @@ namespace sheaf::pbrt {
 
 namespace {
 
-/// An integrator of pbrt and ours.
+/// An integrator of pbrt and its replacement.
 struct Counterpart {
   const char* name;
   const char* ours;
-  bool alike;  ///< ours has the same expectation, but works in another way
+  bool alike;  ///< same expected image by another algorithm
 };
 constexpr Counterpart kIntegrators[] = {
     {"volpath", "path", false}, {"path", "path", false},         {"simplevolpath", "path", false},
@@ -35,7 +35,7 @@ void read_progressive(Parameters& p, PhotonMappingDescription& photons) {
   p.ignore({"seed"});
 }
 
-/// Ambient occlusion, under pbrt's name and ours, and average visibility: the scene is made white once it is read.
+/// Reads ambient occlusion, under pbrt's name or Sheaf's, or average visibility. The scene is made white after reading.
 void read_visibility(Parameters& p, const std::string& type, Reader& reader) {
   const float length = p.number(type == "av" ? "length" : "maxdistance", kInfinity, kPositive);
   if (type != "av" && std::isfinite(length))
@@ -44,7 +44,7 @@ void read_visibility(Parameters& p, const std::string& type, Reader& reader) {
   reader.visibility = {type, length};
 }
 
-/// The integrator of this name in pbrt or in the other dialects. Throws SceneError for an unknown one.
+/// Finds an integrator by its name in pbrt or in the other dialects. Throws SceneError for an unknown name.
 Counterpart find_counterpart(Parameters& p, const Entity& entity) {
   const std::string& type = entity.type;
   for (const Counterpart& c : kIntegrators)
@@ -71,7 +71,7 @@ void read_integrator(Reader& reader, Entity entity) {
   }
   IntegratorDescription& integrator = reader.description.integrator;
   const Counterpart found = find_counterpart(p, entity);
-  // There 0 is emission only, here 1 is.
+  // In pbrt depth 0 is emission only, here depth 1.
   integrator.max_depth = p.integer("maxdepth", 5, 0, kMaxDepth) + 1;
   apply(*find_integrator(found.ours), integrator);
   if (integrator.kind == IntegratorKind::kPhotonMapper && integrator.photons.progressive)

@@ -1,5 +1,5 @@
-// The pbrt dialect: lights. Spectra of light are scaled to a luminance of 1, so that 1 on the film is what a light of
-// L = 1 looks like; the film's exposure is multiplied in here.
+// The pbrt dialect: lights. Light spectra are scaled to unit luminance, so a light of L = 1 has the film value 1. The
+// film's exposure is multiplied into the lights.
 #include "core/octahedral.h"
 #include "scene/dialects/pbrt.h"
 
@@ -14,10 +14,10 @@ SpectrumDescription read_emission(Parameters& p, const char* name) {
   return find_spectrum(p, name, Use::kLight).value_or(SpectrumDescription::constant(1));
 }
 
-/// scale, times the exposure.
+/// Returns `scale` times the exposure.
 float read_scale(Parameters& p) { return p.number("scale", 1, kNotNegative) * p.reader().exposure; }
 
-/// A direction, as the axis from `from` to `to`.
+/// Returns a coordinate system with its origin at `from` and +z towards `to`.
 Transform along_axis(Parameters& p) {
   const Vec3f from = p.vec3("from", {0, 0, 0}), to = p.vec3("to", {0, 0, 1});
   if (from == to) p.fail("has 'from' and 'to' at the same place, expected a direction");
@@ -71,7 +71,7 @@ decltype(LightDescription::model) read_infinite(Parameters& p) {
   light.file = p.file("filename");
   light.scale = scale;
   if (lit) {
-    // What arrives on a plane that faces +z of the light's space.
+    // Irradiance on a plane that faces +z in light space.
     const double mean = mean_luminance(
         read_linear_picture(light.file, false, p.where()),
         [](const double*, double x, double y) {
@@ -87,7 +87,7 @@ decltype(LightDescription::model) read_infinite(Parameters& p) {
   return light;
 }
 
-/// A picture whose texels are not interpolated, as such lights see it; `upright`: its first row is at v = 1.
+/// Adds an image texture without interpolation, as pbrt's image lights use it. `upright`: the first row is at v = 1.
 TextureId add_light_picture(Parameters& p, const std::filesystem::path& file, bool upright) {
   BitmapDescription picture;
   picture.file = file;
@@ -100,7 +100,7 @@ TextureId add_light_picture(Parameters& p, const std::filesystem::path& file, bo
   return append(p.reader(), std::move(texture));
 }
 
-/// The cube of the cosine at a place of a picture that has the half width about[0] and the half height about[1].
+/// Cubed cosine of the direction through an image position; about[0] and about[1] are half width and half height.
 double cosine_cubed(const double* about, double x, double y) {
   const double across = (2 * x - 1) * about[0], up = (2 * y - 1) * about[1];
   return std::pow(1 + across * across + up * up, -1.5);
@@ -112,7 +112,7 @@ ProjectorDescription read_projection(Parameters& p) {
   light.fov = p.number("fov", 90, {0, 180, true});
   light.fov_axis = CameraDescription::FovAxis::kSmaller;
   light.scale = read_scale(p);
-  // The picture's first column is at -x there and at +x here.
+  // The first image column is at -x in pbrt and at +x here.
   light.to_world = p.reader().attributes.transform * Transform::scale({-1, 1, 1});
   const std::filesystem::path file = p.file("filename");
   light.irradiance = add_light_picture(p, file, false);
@@ -127,7 +127,7 @@ ProjectorDescription read_projection(Parameters& p) {
   return light;
 }
 
-/// Grey: pbrt takes the mean of red, green and blue.
+/// Converts an image to grey as pbrt does, by the mean of red, green and blue.
 std::shared_ptr<const Image> grey_picture(const Image& picture) {
   auto grey = std::make_shared<Image>(picture.width, picture.height, std::vector<std::string>{"Y"});
   for (std::size_t i = 0; i < picture.pixel_count(); ++i)
@@ -154,7 +154,7 @@ decltype(LightDescription::model) read_goniometric(Parameters& p) {
   light.picture = add_light_picture(p, {}, true);
   auto& bitmap = std::get<BitmapDescription>(p.reader().description.textures.back().model);
   bitmap.made = picture;
-  // There y and z change places before the octahedron is folded.
+  // pbrt exchanges y and z before the octahedral mapping.
   Matrix4 swap;
   swap.m[1] = {0, 0, 1, 0}, swap.m[2] = {0, 1, 0, 0};
   light.to_world = p.reader().attributes.transform * Transform(swap);

@@ -1,4 +1,4 @@
-// The pbrt dialect: materials. Those that reflect are the same on both sides, as pbrt has them.
+// The pbrt dialect: materials. As in pbrt, reflecting materials are two-sided.
 #include "core/color.h"
 #include "scene/dialects/pbrt.h"
 
@@ -13,9 +13,10 @@ namespace {
 using Model = decltype(MaterialDescription::model);
 
 constexpr float kMinAlpha = 1e-4f;
-constexpr float kSmoothAlpha = 1e-3f;  // below it pbrt's surfaces are smooth
+constexpr float kSmoothAlpha = 1e-3f;  // pbrt treats lower values as smooth
 
-/// `parameter` or, where it is missing, `default_value`: its slope by pbrt's rule.
+/// Reads the roughness `parameter`, or the parameter `default_value` if it is missing, as a GGX alpha. `remap`: applies
+/// pbrt's remapping, the square root.
 ScalarInput read_alpha(Parameters& p, const char* parameter, const char* default_value, bool remap) {
   std::optional<ScalarInput> roughness = find_scalar_input(p, parameter);
   if (!roughness) roughness = find_scalar_input(p, default_value);
@@ -27,7 +28,7 @@ ScalarInput read_alpha(Parameters& p, const char* parameter, const char* default
   return *roughness;
 }
 
-/// Roughness of microfacets by GGX; `prefix` is "interface." or "conductor." in layers.
+/// Reads a GGX roughness. `prefix` is "interface." or "conductor." in layered materials.
 std::optional<RoughnessDescription> read_roughness(Parameters& p, const std::string& prefix, bool remap) {
   const std::string u = prefix + "uroughness", v = prefix + "vroughness", both = prefix + "roughness";
   RoughnessDescription roughness;
@@ -48,7 +49,8 @@ Model diffuse(Parameters& p) {
       find_spectrum_input(p, "reflectance", Use::kReflectance).value_or(SpectrumDescription::constant(0.5f))};
 }
 
-/// A metal that reflects `r` at right angles, by pbrt's rule: eta = 1, k = 2 sqrt(r / (1 - r)).
+/// Returns the complex index of refraction for reflectance r at normal incidence, by pbrt's rule:
+/// eta = 1, k = 2 sqrt(r / (1 - r)).
 ConductorDescription::Ior metal_of(const SpectrumDescription& reflectance) {
   const auto k_of = [](float r) {
     const float bounded = std::clamp(r, 0.0f, 0.9999f);
@@ -64,7 +66,7 @@ ConductorDescription::Ior metal_of(const SpectrumDescription& reflectance) {
   return {S::constant(1), k};
 }
 
-/// eta and k, or reflectance; relative to a dielectric of index `around`.
+/// Reads eta and k, or reflectance. eta and k become relative to a dielectric of index `around`.
 ConductorDescription conductor(Parameters& p, const std::string& prefix, float around) {
   const std::string eta_name = prefix + "eta",
                     k_name = prefix == "conductor." && !p.has("conductor.k") ? "k" : prefix + "k";
@@ -98,7 +100,7 @@ struct Layer {
   int max_depth;
 };
 
-/// A layer holds nothing that scatters.
+/// Reads the layer parameters; scattering in the layer is unsupported.
 Layer read_clear_layer(Parameters& p) {
   const auto albedo = find_spectrum_input(p, "albedo", Use::kReflectance);
   const SpectrumDescription* constant = albedo ? std::get_if<SpectrumDescription>(&*albedo) : nullptr;
@@ -141,8 +143,8 @@ Model coated_diffuse(Parameters& p, bool remap) {
   return plastic;
 }
 
-/// A mirror as rough as the coat, seen with the probability by which the coat reflects at right angles, and else the
-/// metal as it is inside of the coat.
+/// Reads a coated conductor as a blend. A mirror with the coat's roughness has the weight of the coat's reflectance at
+/// normal incidence. The metal inside the coat has the remaining weight.
 Model coated_conductor(Parameters& p, bool remap, const SourceLocation& where) {
   const float eta = read_index(p, "interface.eta", 1.5f).value;
   ConductorDescription metal = conductor(p, "conductor.", eta), coat;
@@ -151,8 +153,8 @@ Model coated_conductor(Parameters& p, bool remap, const SourceLocation& where) {
   const Layer layer = read_clear_layer(p);
   p.reader().note(where, p.title() + " is shown as a blend of the metal and of what the coat reflects at right angles");
   const float at_right_angles = (eta - 1) * (eta - 1) / ((eta + 1) * (eta + 1));
-  // The metal is seen through the coat twice and through the absorbing layer, here under 45 degrees; what the coat
-  // sends back to it, a metal that reflects 0.8 reflects again.
+  // Light passes the coat twice and the absorbing layer twice, here for incidence at 45 degrees. A metal of reflectance
+  // 0.8 reflects again the light that the coat returns to it.
   constexpr float kTypicalReflectance = 0.8f;
   const float cosine = std::sqrt(1 - 0.5f / std::max(eta * eta, 0.5f));
   const float through = std::exp(-2 * layer.thickness / std::max(cosine, 0.1f));
@@ -173,7 +175,7 @@ Model dielectric(Parameters& p, bool thin, bool remap) {
   return glass;
 }
 
-/// A number in [0, 1] or a texture.
+/// Reads a number in [0, 1] or a texture.
 ScalarInput hair_roughness(Parameters& p, const char* name, ScalarInput default_value) {
   const ScalarInput roughness = find_scalar_input(p, name).value_or(default_value);
   if (const float* number = std::get_if<float>(&roughness); number != nullptr && !(*number >= 0 && *number <= 1))
@@ -230,7 +232,7 @@ Model mix(Parameters& p) {
   return blend;
 }
 
-/// The largest component that a constant has, or nothing for textures.
+/// Returns the maximum component of a constant; nullopt for textures.
 std::optional<float> largest(const SpectrumInput& input) {
   const auto* spectrum = std::get_if<SpectrumDescription>(&input);
   if (spectrum == nullptr) return std::nullopt;
@@ -242,7 +244,7 @@ std::optional<float> largest(const SpectrumInput& input) {
   return std::nullopt;
 }
 
-/// Lambertian reflection and transmission side by side: a blend of both, each brighter by as much as it is chosen less.
+/// Lambertian reflection and transmission as a blend. Each is scaled by the inverse of its selection probability.
 Model diffuse_transmission(Parameters& p, const SourceLocation& where) {
   Reader& reader = p.reader();
   const SpectrumDescription quarter = SpectrumDescription::constant(0.25f);
@@ -263,14 +265,14 @@ Model diffuse_transmission(Parameters& p, const SourceLocation& where) {
   return BlendDescription{share, {both, through}};
 }
 
-/// displacement and normalmap around a material.
+/// Wraps a material in its `displacement` or `normalmap`.
 MaterialId mapped(Parameters& p, MaterialId nested, const SourceLocation& where) {
   const std::optional<ScalarInput> displacement = find_scalar_input(p, "displacement");
   if (p.has("normalmap")) {
     if (displacement) p.fail("has both 'displacement' and 'normalmap', expected one");
     BitmapDescription picture;
     picture.file = p.file("normalmap");
-    // Linear in PNG files alone: see read_encoding() of textures.
+    // Only PNG files are linear; see read_encoding() of textures.
     picture.raw = is_png(picture.file);
     if (!picture.raw && may_hold_integers(picture.file))
       p.reader().note(where, p.title() + ": pbrt takes normal maps other than PNG, OpenEXR and PFM files for sRGB");
@@ -317,7 +319,7 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
     both_sides = false;
     model = dielectric(p, type == "thindielectric", remap);
   } else if (type == "mix") {
-    both_sides = false;  // they are already
+    both_sides = false;  // the nested materials already are
     model = mix(p);
   } else if (type == "diffusetransmission") {
     both_sides = false;

@@ -11,7 +11,7 @@ SpectrumDescription read_coefficient(Parameters& p, const char* name, SpectrumDe
   return find_spectrum(p, name, Use::kUnbounded).value_or(std::move(default_value));
 }
 
-/// g, as a phase function.
+/// Reads `g` as a Henyey-Greenstein phase function; nullopt for isotropic scattering.
 std::optional<PhaseId> read_phase(Parameters& p) {
   const float g = p.number("g", 0, {-1, 1, true});
   if (g == 0.0f) return std::nullopt;
@@ -69,7 +69,7 @@ AbsorptionScatteringDescription read_coefficients(Parameters& p) {
   return {rgb(found->sigma_a), rgb(found->sigma_s)};
 }
 
-// pbrt's black bodies have a largest value of 1 at every temperature.
+// pbrt normalises blackbody spectra to a maximum of 1 at every temperature.
 void set_temperature(Parameters& p, MediumDescription& medium, GridVolumeDescription temperature, float scale) {
   medium.temperature = std::move(temperature);
   medium.unit_blackbodies = true;

@@ -1,4 +1,4 @@
-// The pbrt dialect: media on grids that the scene file lists, and clouds of noise.
+// The pbrt dialect: media on grids in the scene file, and procedural clouds.
 #include "core/saturate.h"
 #include "scene/description/voxels.h"
 #include "scene/dialects/pbrt.h"
@@ -13,7 +13,7 @@ namespace sheaf::pbrt {
 
 namespace {
 
-/// nx, ny, nz, p0, p1: a box of voxels without values.
+/// Reads the resolution nx, ny, nz of a voxel box without values.
 DenseVolume read_box(Parameters& p) {
   DenseVolume box;
   const char* const names[3] = {"nx", "ny", "nz"};
@@ -21,7 +21,7 @@ DenseVolume read_box(Parameters& p) {
   return box;
 }
 
-/// The voxels fill the box from p0 to p1.
+/// Maps the voxels to the box from p0 to p1.
 void place_box(Parameters& p, DenseVolume& box) {
   const Vec3f a = p.vec3("p0", {0, 0, 0}), b = p.vec3("p1", {1, 1, 1});
   const Vec3f low{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}, size = abs(b - a);
@@ -32,7 +32,7 @@ void place_box(Parameters& p, DenseVolume& box) {
                       Transform::translate({0.5f, 0.5f, 0.5f});
 }
 
-/// A grid in the medium's space, of values x fastest.
+/// Returns an in-memory grid in medium space. `values` has x fastest.
 GridVolumeDescription made_grid(Parameters& p, DenseVolume box, int channels, std::vector<float> values) {
   box.channels = channels;
   box.values = std::move(values);
@@ -43,7 +43,7 @@ GridVolumeDescription made_grid(Parameters& p, DenseVolume box, int channels, st
   return grid;
 }
 
-/// The grid that a parameter lists, one or three numbers per voxel, none of them negative; nothing if it is missing.
+/// Reads the grid of a parameter: 1 or 3 non-negative numbers per voxel. Returns nullopt if the parameter is missing.
 std::optional<GridVolumeDescription> find_grid(Parameters& p, const char* name, const DenseVolume& box, int channels,
                                                Use use = Use::kUnbounded) {
   const Parameter* list = p.find(name);
@@ -95,7 +95,7 @@ void read_rgb_grid(Parameters& p, MediumDescription& medium) {
   std::optional<GridVolumeDescription> absorption = find_grid(p, "sigma_a", box, 3);
   std::optional<GridVolumeDescription> scattering = find_grid(p, "sigma_s", box, 3);
   if (!absorption && !scattering) p.fail("needs 'sigma_a' or 'sigma_s', an rgb for each voxel");
-  // What is missing is 1.
+  // A missing coefficient is 1.
   const auto ones = [&] {
     std::size_t count = 3;
     for (const int side : box.size) count *= static_cast<std::size_t>(side);

@@ -1,4 +1,4 @@
-// The pbrt dialect: meshes in the scene file, and surfaces cut into triangles.
+// The pbrt dialect: meshes in the scene file, and tessellation of curved surfaces.
 #include "scene/dialects/pbrt.h"
 #include "scene/formats/loop_subdivision.h"
 
@@ -10,7 +10,7 @@ namespace sheaf::pbrt {
 
 namespace {
 
-/// Squares along each side of a bilinear patch that is not flat.
+/// Quads along each side of a non-planar bilinear patch.
 constexpr int kPatchSteps = 16;
 
 std::vector<Vec3f> read_vectors(Parameters& p, const char* name) {
@@ -28,7 +28,7 @@ std::vector<Vec2f> read_coordinates(Parameters& p) {
   return coordinates;
 }
 
-/// Indices of `corners` vertices for each face; the vertices in order if there are as many as one face has.
+/// Reads the indices of `corners` vertices per face. Without indices, one face uses the vertices in order.
 std::vector<std::uint32_t> read_indices(Parameters& p, std::size_t vertices, std::size_t corners) {
   const Parameter* list = p.find("indices");
   std::vector<std::uint32_t> indices;
@@ -49,7 +49,7 @@ std::vector<std::uint32_t> read_indices(Parameters& p, std::size_t vertices, std
   return indices;
 }
 
-/// P, N, uv and what is not used of a mesh.
+/// Reads P, N and uv of a mesh; ignores unused parameters.
 Mesh read_vertices(Parameters& p) {
   Mesh mesh;
   mesh.positions = read_vectors(p, "P");
@@ -64,7 +64,7 @@ Mesh read_vertices(Parameters& p) {
   return mesh;
 }
 
-/// Gives each triangle vertices of its own with pbrt's texture coordinates.
+/// Unshares the vertices and gives each triangle pbrt's default texture coordinates.
 Mesh with_coordinates(const Mesh& mesh) {
   constexpr Vec2f kCorners[] = {{0, 0}, {1, 0}, {1, 1}};
   Mesh out;
@@ -90,7 +90,7 @@ Vec3f bilinear_normal(const float* p, float u, float v) {
   return cross(along, across);
 }
 
-/// Adds a triangle unless it is a line, as those at poles are.
+/// Adds a triangle unless it is degenerate, as at poles.
 void add_triangle(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   const Vec3f ab = mesh.positions[b] - mesh.positions[a], ac = mesh.positions[c] - mesh.positions[a], bc = ac - ab;
   const Vec3f normal = cross(ab, ac);
@@ -141,7 +141,7 @@ Mesh read_subdivision(Parameters& p, bool textured) {
 Mesh read_bilinear_mesh(Parameters& p) {
   const Mesh corners = read_vertices(p);
   const bool own_normals = !corners.normals.empty();
-  p.ignore({"emissionfilename"});  // by which light is sampled
+  p.ignore({"emissionfilename"});  // affects light sampling only
   const std::vector<std::uint32_t> indices = read_indices(p, corners.positions.size(), 4);
   Mesh mesh;
   bool flat = true;
@@ -151,7 +151,7 @@ Mesh read_bilinear_mesh(Parameters& p) {
       const Vec3f corner = corners.positions[indices[i + k]];
       patch.shape[3 * k] = corner.x, patch.shape[3 * k + 1] = corner.y, patch.shape[3 * k + 2] = corner.z;
     }
-    // Triangles are exact where opposite sides are the same vector.
+    // Two triangles are exact for parallelograms.
     const Vec3f off = bilinear(patch.shape, 1, 1) - bilinear(patch.shape, 0, 1) - bilinear(patch.shape, 1, 0) +
                       bilinear(patch.shape, 0, 0);
     const Vec3f size = bilinear(patch.shape, 1, 1) - bilinear(patch.shape, 0, 0);

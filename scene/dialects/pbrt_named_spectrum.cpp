@@ -1,4 +1,4 @@
-// The pbrt dialect: spectra by name or in files, and their luminance.
+// The pbrt dialect: spectra by name or from files, and their luminance.
 #include "core/color.h"
 #include "scene/data/illuminants.h"
 #include "scene/data/metals.h"
@@ -12,7 +12,7 @@ namespace sheaf::pbrt {
 
 namespace {
 
-/// "metal-Au-eta", "metal-Au-k": nothing for other names.
+/// Returns "metal-Au-eta", "metal-Au-k" etc.; nullopt for other names.
 std::optional<SpectrumDescription> find_metal_spectrum(const std::string& name) {
   const bool eta = name.ends_with("-eta"), k = name.ends_with("-k");
   if (!name.starts_with("metal-") || (!eta && !k)) return std::nullopt;
@@ -27,7 +27,7 @@ std::optional<SpectrumDescription> find_metal_spectrum(const std::string& name) 
   return SpectrumDescription{std::move(table)};
 }
 
-/// "stdillum-D65"; emission is relative to D65, so that this is 1.
+/// Returns "stdillum-D65" etc. Emission is relative to D65, so D65 is the constant 1.
 std::optional<SpectrumDescription> find_illuminant_spectrum(const std::string& name) {
   if (!name.starts_with("stdillum-")) return std::nullopt;
   std::string short_name = name.substr(std::string_view("stdillum-").size());
@@ -45,7 +45,7 @@ std::string known_names() {
   return list + "or a file";
 }
 
-/// Wavelengths and values in turn, with comments after #.
+/// Reads alternating wavelengths and values, with comments after #.
 SpectrumDescription read_spectrum_file(const std::filesystem::path& file) {
   Tokens tokens(read_mesh_text(file, "spectrum file"), file.string());
   SpectrumDescription::Table table;
@@ -58,7 +58,7 @@ SpectrumDescription read_spectrum_file(const std::filesystem::path& file) {
   return {std::move(table)};
 }
 
-/// Y of the spectrum, a power of 1 at every wavelength having 1.
+/// Returns the luminance Y, normalised to 1 for the equal-energy spectrum.
 double luminance_of(const SpectrumDescription& spectrum) {
   using S = SpectrumDescription;
   const auto* table = std::get_if<S::Table>(&spectrum.value);

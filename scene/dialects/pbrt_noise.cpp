@@ -1,3 +1,4 @@
+// Perlin noise ("Improving Noise", SIGGRAPH 2002) and the density of pbrt's cloud medium.
 #include "scene/dialects/pbrt_noise.h"
 
 #include <algorithm>
@@ -26,7 +27,7 @@ constexpr std::uint8_t kPermutation[256] = {
 
 std::uint8_t permuted(int i) { return kPermutation[static_cast<unsigned>(i) & 255u]; }
 
-/// The product of what leads from a corner of the lattice to the point and of the corner's gradient.
+/// Dot product of a lattice corner's gradient and the vector from the corner to the point.
 double slope(int cell_x, int cell_y, int cell_z, double x, double y, double z) {
   const unsigned hash = permuted(permuted(permuted(cell_x) + cell_y) + cell_z) & 15u;
   const double u = hash < 8 || hash == 12 || hash == 13 ? x : y;
@@ -36,7 +37,7 @@ double slope(int cell_x, int cell_y, int cell_z, double x, double y, double z) {
 
 double fade(double t) { return t * t * t * (t * (6 * t - 15) + 10); }
 
-/// Differences of the noise over this length stand for its slopes.
+/// step size for finite differences of the noise
 constexpr double kSlopeStep = 0.01;
 
 }  // namespace
@@ -62,6 +63,7 @@ double noise(double x, double y, double z) {
 }
 
 double cloud_density(const CloudShape& cloud, double x, double y, double z) {
+  // Displace the point by the gradient of finer noise
   double p[3] = {cloud.frequency * x, cloud.frequency * y, cloud.frequency * z};
   if (cloud.wispiness > 0) {
     double shift = 0.05 * cloud.wispiness, scale = 10;
@@ -72,6 +74,7 @@ double cloud_density(const CloudShape& cloud, double x, double y, double z) {
       p[2] += shift * (noise(q[0], q[1], q[2] + kSlopeStep) - here) / kSlopeStep;
     }
   }
+  // Sum octaves, and thin the cloud with y
   double sum = 0, share = 0.5, scale = 1;
   for (int octave = 0; octave < 5; ++octave, share *= 0.5, scale *= 1.99)
     sum += share * noise(scale * p[0], scale * p[1], scale * p[2]);

@@ -1,4 +1,4 @@
-// The pbrt dialect: noise of which procedural media and textures are made.
+// The pbrt dialect: noise for procedural media and textures.
 #pragma once
 
 #include "core/vec.h"
@@ -6,12 +6,12 @@
 namespace sheaf::pbrt {
 
 /// Perlin's gradient noise, "Improving Noise" (SIGGRAPH 2002), with his permutation and pbrt's gradients (Pharr, Jakob
-/// and Humphreys, "Physically Based Rendering", 3rd edition, section 10.6): 0 where all coordinates are whole, about
-/// within [-1, 1].
+/// and Humphreys, "Physically Based Rendering", 3rd edition, section 10.6). It is 0 at integer coordinates and within
+/// about [-1, 1].
 double noise(double x, double y, double z);
 
-/// The density of pbrt's cloud at a point of the medium's space, in [0, 1]: octaves of noise, looked up where finer
-/// noise has moved the point to, and thinner with y.
+/// Density of pbrt's "cloud" medium at a point in medium space, in [0, 1]: octaves of noise at a point displaced by
+/// finer noise, decreasing with y.
 struct CloudShape {
   double density = 1, wispiness = 1, frequency = 5;
 };

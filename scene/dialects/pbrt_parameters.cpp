@@ -1,3 +1,4 @@
+// Parsing of pbrt parameters and typed access to them.
 #include "scene/dialects/pbrt_parameters.h"
 
 #include "scene/dialects/pbrt.h"
@@ -9,7 +10,7 @@ namespace sheaf::pbrt {
 
 namespace {
 
-/// What values of a type are, and how many belong together.
+/// Value type of a parameter and its number of components.
 struct Type {
   const char* name;
   enum class Values { kNumbers, kWholeNumbers, kTruth, kStrings, kEither } values;
@@ -57,7 +58,7 @@ void read_value(Tokens& tokens, const Type& type, Parameter& parameter) {
   tokens.advance();
 }
 
-/// "type name" cut in two.
+/// Splits "type name".
 Parameter declaration(const Token& token, const SourceLocation& where) {
   constexpr const char* kSpace = " \t";
   const std::string_view text = token.text;

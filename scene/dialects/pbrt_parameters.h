@@ -1,5 +1,5 @@
-// Parameters of pbrt scene files, "type name" value, and typed access to them. It records which names the code asks
-// for, so that whatever is left over can be reported.
+// Parameters of pbrt scene files ("type name" value) with typed access. Records which names are requested, so that
+// unused ones can be reported.
 #pragma once
 
 #include "core/vec.h"
@@ -13,57 +13,56 @@ namespace sheaf::pbrt {
 
 struct Reader;
 
-/// One parameter as the file has it.
+/// One parameter as written in the file.
 struct Parameter {
   std::string type, name;
   SourceLocation where;
-  std::vector<double> numbers;       ///< also truth values, as 0 and 1
-  std::vector<std::string> strings;  ///< also names of textures
-  bool optional = false;             ///< a default for whatever wants it: nobody need ask for it
+  std::vector<double> numbers;       ///< also booleans, as 0 and 1
+  std::vector<std::string> strings;  ///< also texture names
+  bool optional = false;             ///< default from the directive Attribute; may stay unused
   bool used = false;
 };
 
-/// Reads parameters up to the next directive. Throws SceneError for unknown types, values of another type and
-/// parameters given twice.
+/// Reads parameters up to the next directive. Throws SceneError for unknown types, values of another type and duplicate
+/// parameters.
 std::vector<Parameter> read_parameters(Tokens& tokens);
 
-/// The parameters of one object. All functions throw SceneError for values of the wrong type, in the wrong number or
-/// out of range.
+/// The parameters of one object. All functions throw SceneError for values of the wrong type, count or range.
 class Parameters {
  public:
-  /// `title` names the object in messages: "Shape 'sphere'". Of parameters of one name the first counts.
+  /// `title` names the object in messages: "Shape 'sphere'". The first of several parameters with the same name counts.
   Parameters(Reader& reader, std::string title, SourceLocation where, std::vector<Parameter> list);
 
   Reader& reader() const { return reader_; }
   const SourceLocation& where() const { return where_; }
   const std::string& title() const { return title_; }
 
-  /// The parameter of this name, which counts as used, or null.
+  /// Returns the parameter of this name and marks it as used; null if absent.
   const Parameter* find(const char* name);
   bool has(const char* name);
   std::optional<float> find_number(const char* name, NumberRange range = kAnyNumber);
   float number(const char* name, float default_value, NumberRange range = kAnyNumber);
-  /// Also a float of integral value.
+  /// Also accepts a float with an integral value.
   int integer(const char* name, int default_value, int low, int high);
   bool boolean(const char* name, bool default_value);
   std::optional<std::string> find_string(const char* name);
   std::string string(const char* name, const std::string& default_value);
   Vec3f vec3(const char* name, Vec3f default_value);
-  /// All numbers of a parameter, a multiple of `stride` of them; empty if it is absent.
+  /// Returns all numbers of a parameter; their count is a multiple of `stride`. Empty if the parameter is absent.
   std::vector<float> numbers(const char* name, std::size_t stride);
-  /// The file that a string names, found and regular. Throws SceneError if it or the parameter is missing.
+  /// Returns the regular file that a string names. Throws SceneError if the file or the parameter is missing.
   std::filesystem::path file(const char* name);
 
-  /// Parameters that mean nothing here: any value is accepted.
+  /// Accepts parameters that have no effect, with any value.
   void ignore(std::initializer_list<const char*> names);
-  /// Throws SceneError for what nobody asked for; notes it instead if the reader is lenient.
+  /// Throws SceneError for unused parameters; reports them instead if the reader is lenient.
   void reject_unused();
 
-  /// Throws SceneError at the object.
+  /// Throws SceneError located at the object.
   [[noreturn]] void fail(const std::string& message) const;
-  /// Throws SceneError at the parameter, or at the object if it is absent.
+  /// Throws SceneError located at the parameter, or at the object if the parameter is absent.
   [[noreturn]] void fail_at(const char* name, const std::string& message) const;
-  /// Throws SceneError that `what` is not supported; if the reader is lenient, notes it and what is done instead.
+  /// Throws SceneError that `what` is not supported; if the reader is lenient, reports it and the replacement.
   void unsupported(const std::string& what, const std::string& instead) const;
 
  private:

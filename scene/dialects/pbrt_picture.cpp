@@ -1,4 +1,4 @@
-// The pbrt dialect: what must be known of pictures before they are used.
+// The pbrt dialect: inspection and conversion of image files.
 #include "core/color.h"
 #include "core/picture_channels.h"
 #include "scene/dialects/pbrt.h"
@@ -11,7 +11,7 @@ namespace sheaf::pbrt {
 
 namespace {
 
-/// Whether the file's extension ends with `end`, in lower case, as pbrt compares it.
+/// Whether the file extension ends with `end`, ignoring case as pbrt does.
 bool has_extension(const std::filesystem::path& file, std::string_view end) {
   std::string extension = file.extension().string();
   for (char& c : extension) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
@@ -31,7 +31,7 @@ std::shared_ptr<const Image> base_picture(const BitmapDescription& picture, cons
   try {
     *out = picture.made ? *picture.made : read_linear_picture(picture.file, picture.raw, {});
   } catch (const SceneError&) { return nullptr; }
-  // Albedos are looked up in a table, finer than what 8 bits tell apart.
+  // A table with 1024 steps replaces the evaluation per value; it is finer than 8-bit quantisation.
   constexpr int kSteps = 1024;
   std::array<float, kSteps + 2> table;
   for (int i = 0; i < kSteps + 2; ++i) table[static_cast<std::size_t>(i)] = base.albedo(static_cast<float>(i) / kSteps);

@@ -1,4 +1,4 @@
-// The pbrt dialect: files, the list of directives, and what is done once all is read.
+// The pbrt dialect: files, the table of directives, and final processing.
 #include "scene/dialects/pbrt_scene.h"
 
 #include "scene/description/instance_transform.h"

@@ -1,4 +1,4 @@
-// What the directives of a pbrt scene do.
+// Directives of pbrt scene files and their effects on the description.
 #pragma once
 
 #include "scene/dialects/pbrt.h"
@@ -12,12 +12,12 @@ class SceneBuilder {
  public:
   SceneBuilder(Description& description, bool lenient);
 
-  /// Reads the scene file, and finishes the description. Throws SceneError.
+  /// Reads the scene file and finishes the description. Throws SceneError.
   void read(const std::filesystem::path& file);
 
  private:
   using Handler = void (SceneBuilder::*)(Tokens&);
-  /// Where a directive may stand.
+  /// Where a directive is allowed.
   enum class Place { kAnywhere, kOptions, kWorld };
   struct Directive {
     const char* name;
@@ -25,7 +25,7 @@ class SceneBuilder {
     Place place;
   };
   struct Saved {
-    const char* by;  ///< the directive that saved them
+    const char* by;  ///< directive that saved the attributes
     SourceLocation where;
     Attributes attributes;
   };
@@ -88,13 +88,13 @@ class SceneBuilder {
   void translate(Tokens& tokens);
 
   Reader reader_;
-  SourceLocation where_;  ///< of the directive that is read
+  SourceLocation where_;  ///< of the current directive
   std::vector<Saved> saved_;
   std::vector<std::filesystem::path> open_;  ///< files being read
   int included_ = 0;
   bool in_world_ = false, noted_motion_ = false;
   std::map<std::string, Transform, std::less<>> coordinate_systems_;
-  std::map<std::string, Entity, std::less<>> options_;  ///< camera, film ... by directive
+  std::map<std::string, Entity, std::less<>> options_;  ///< camera, film etc., by directive
   Transform world_from_camera_;
   std::string camera_medium_;
 };

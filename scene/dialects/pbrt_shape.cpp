@@ -1,5 +1,5 @@
-// The pbrt dialect: shapes. Spheres, cylinders and disks stay exact where our tables have them; pieces of them, and
-// those whose texture coordinates differ from ours, are cut into triangles.
+// The pbrt dialect: shapes. Full spheres, cylinders and disks stay analytic. Partial ones, and textured disks, are
+// tessellated because their texture coordinates differ.
 #include "scene/dialects/pbrt.h"
 #include "scene/formats/mesh_io.h"
 #include "scene/formats/ply_header.h"
@@ -12,15 +12,15 @@ namespace sheaf::pbrt {
 
 namespace {
 
-constexpr int kSteps = 128;  ///< around a whole circle
+constexpr int kSteps = 128;  ///< segments of a full circle
 
-/// The angle of a patch of revolution: u of phimax, which is shape[0], in radians.
+/// Point on a circle at parameter u; s[0] is phimax in radians.
 Vec3f around(const float* s, float u, float radius, float z) {
   const float phi = u * s[0];
   return {radius * std::cos(phi), radius * std::sin(phi), z};
 }
 
-// Spheres: phimax, radius, the polar angles at v = 0 and 1.
+// Spheres: phimax, radius, polar angles at v = 0 and v = 1.
 float polar_angle(const float* s, float v) { return s[2] + v * (s[3] - s[2]); }
 Vec3f sphere_normal(const float* s, float u, float v) {
   return around(s, u, std::sin(polar_angle(s, v)), std::cos(polar_angle(s, v)));
@@ -45,12 +45,12 @@ Mesh mesh_of(const Patch& patch) {
   return mesh;
 }
 
-/// What is read of a shape besides the description: the area in its own space, for the power of lights; 0: not known.
+/// Properties of a shape beyond its description.
 struct Geometry {
   float area = 0;
-  bool has_normals = false;  ///< which decide which side is the front, whether or not the transform mirrors
+  bool has_normals = false;  ///< normals determine the front side, even if the transform mirrors
   bool is_mesh = false;
-  std::size_t lights = 1;  ///< that pbrt makes of it if it shines: one of each triangle or patch of a mesh
+  std::size_t lights = 1;  ///< number of lights that pbrt creates: one per triangle or patch
 };
 
 Geometry read_sphere(Parameters& p, ShapeDescription& shape, bool textured) {
@@ -61,7 +61,7 @@ Geometry read_sphere(Parameters& p, ShapeDescription& shape, bool textured) {
   const float area = radians(phimax) * radius * (high - low);
   if (phimax == 360.0f && low == -radius && high == radius) {
     shape.geometry = SphereShape{{0, 0, 0}, radius};
-    // v runs upwards here and downwards there.
+    // v runs upwards here and downwards in pbrt
     if (textured) shape.to_world = shape.to_world * Transform::scale({1, 1, -1});
     return {area};
   }
@@ -103,7 +103,7 @@ Geometry read_disk(Parameters& p, ShapeDescription& shape, bool textured) {
   return {area, true, true};
 }
 
-/// What a PLY file's header says of it.
+/// Reads face count and presence of normals from a PLY header.
 Geometry ply_geometry(const std::filesystem::path& file) {
   const std::string bytes = read_mesh_text(file, "PLY file");
   Geometry geometry{0, false, true};
@@ -161,7 +161,7 @@ Geometry read_geometry(Parameters& p, const std::string& type, ShapeDescription&
   throw SceneError(p.where(), "unknown shape '" + type + "'" + did_you_mean(type, known));
 }
 
-/// The material, where there is something of it.
+/// Applies the `alpha` mask to the material.
 MaterialId masked(Parameters& p, MaterialId nested) {
   std::optional<ScalarInput> alpha = find_scalar_input(p, "alpha");
   float* number = alpha ? std::get_if<float>(&*alpha) : nullptr;
@@ -182,7 +182,7 @@ void add_emission(Parameters& p, ShapeDescription& shape, const Geometry& geomet
   shape.radiance = light->radiance;
   shape.emits_on_both_sides = light->two_sided;
   if (!light->power) return;
-  // Of what is no mesh pbrt takes the area before its transform.
+  // For shapes other than meshes, pbrt uses the area before the transform.
   if (geometry.area > 0.0f)
     shape.radiance =
         scaled_input(reader, light->radiance, *light->power / (kPi * geometry.area * (light->two_sided ? 2 : 1)));
@@ -190,7 +190,7 @@ void add_emission(Parameters& p, ShapeDescription& shape, const Geometry& geomet
     shape.power = *light->power * static_cast<float>(geometry.lights);
 }
 
-/// The media on its sides, where they differ: else light does not notice.
+/// Sets the media on both sides if they differ; otherwise the surface is no medium boundary.
 void add_media(Parameters& p, ShapeDescription& shape) {
   const Attributes& a = p.reader().attributes;
   if (a.inside == a.outside && !a.material.interior) return;
@@ -223,7 +223,7 @@ void read_shape(Reader& reader, Entity entity) {
   add_media(p, shape);
   p.reject_unused();
   auto& shapes = reader.object != nullptr ? reader.object->group.shapes : reader.description.shapes;
-  // Hair comes as one shape for each; textures would see the difference.
+  // Merge the hairs of a hairstyle into one shape. Textured curves stay separate, because merging changes v.
   if (is_curve && !textured && append_curve(shapes, shape)) return;
   shapes.push_back(std::move(shape));
 }

@@ -1,4 +1,4 @@
-// The pbrt dialect: colours, spectra, and parameters that may be textures.
+// The pbrt dialect: colours, spectra, and parameters that accept textures.
 #include "core/color.h"
 #include "scene/data/glasses.h"
 #include "scene/description/spectrum_check.h"
@@ -10,7 +10,7 @@ namespace sheaf::pbrt {
 
 namespace {
 
-/// The index at the wavelength for which glasses are catalogued, the d line of helium.
+/// Wavelength (nm) of catalogued glass indices: the helium d line.
 constexpr float kCatalogueWavelength = 587.56f;
 
 SpectrumDescription rgb_spectrum(Parameters& p, const char* name, const Parameter& parameter, Use use) {
@@ -20,7 +20,7 @@ SpectrumDescription rgb_spectrum(Parameters& p, const char* name, const Paramete
   return {SpectrumDescription::Rgb{to_rec709(p, rgb, use)}};
 }
 
-/// Wavelengths and values in turn; beyond the first and the last those go on.
+/// Reads alternating wavelengths and values, extended as constant beyond both ends.
 SpectrumDescription table_spectrum(Parameters& p, const char* name, const Parameter& parameter) {
   const std::vector<double>& n = parameter.numbers;
   if (n.empty() || n.size() % 2 != 0)
@@ -38,9 +38,9 @@ SpectrumDescription table_spectrum(Parameters& p, const char* name, const Parame
   return {std::move(table)};
 }
 
-/// pbrt's black bodies have a largest value of 1.
+/// Reads a blackbody, normalised to a maximum of 1 as in pbrt.
 SpectrumDescription blackbody_spectrum(Parameters& p, const char* name, const Parameter& parameter) {
-  constexpr double kWien = 2.8977721e6;  // nm K: the wavelength of the largest value times the temperature
+  constexpr double kWien = 2.8977721e6;  // Wien's displacement constant, nm K
   if (parameter.numbers.size() != 1 || !(parameter.numbers[0] > 0))
     p.fail_at(name, "must be one temperature in kelvin, above 0");
   const double temperature = parameter.numbers[0];
@@ -70,7 +70,7 @@ std::string list_of(const std::vector<std::string>& names) {
   return list.empty() ? "none" : list;
 }
 
-/// The texture that a parameter names.
+/// Returns the texture that a parameter names.
 template <class Input, class Other>
 const Input& texture_of(Parameters& p, const char* name, const Parameter& parameter, const char* kind,
                         const std::map<std::string, Input, std::less<>>& known, const Other& others) {

@@ -1,5 +1,4 @@
-// The pbrt dialect: material "subsurface". Where pbrt has a profile of how light leaves around the point at which it
-// enters, our light walks through the medium that the profile stands for.
+// The pbrt dialect: material "subsurface". A random walk in the scattering medium replaces pbrt's tabulated BSSRDF.
 #include "scene/data/measured_media.h"
 #include "scene/dialects/pbrt.h"
 
@@ -12,7 +11,7 @@ namespace {
 
 constexpr float kShortestPath = 1e-9f;
 
-/// `spectrum` with f applied to its values.
+/// Applies f to the values of a spectrum.
 template <class F> SpectrumDescription mapped_values(SpectrumDescription spectrum, F&& f) {
   using S = SpectrumDescription;
   if (auto* grey = std::get_if<S::Constant>(&spectrum.value)) grey->value = f(grey->value);
@@ -23,7 +22,7 @@ template <class F> SpectrumDescription mapped_values(SpectrumDescription spectru
   return spectrum;
 }
 
-/// A constant; textures are unsupported.
+/// Reads a constant spectrum; textures are unsupported.
 std::optional<SpectrumDescription> find_constant(Parameters& p, const char* name, Use use) {
   const std::optional<SpectrumInput> input = find_spectrum_input(p, name, use);
   if (!input) return std::nullopt;
@@ -32,14 +31,14 @@ std::optional<SpectrumDescription> find_constant(Parameters& p, const char* name
   return SpectrumDescription::constant(0.5f);
 }
 
-/// Share of diffuse light that a boundary of index `eta` sends back inside (Egan and Hilgeman 1973, a fit).
+/// Internal diffuse reflectance of a boundary with relative index `eta` (a fit by Egan and Hilgeman 1973).
 float internal_reflectance(float eta) {
   return eta > 1 ? std::clamp(-1.4399f / (eta * eta) + 0.7099f / eta + 0.6681f + 0.0636f * eta, 0.0f, 1.0f) : 0.0f;
 }
 
-/// The albedo of a thick medium that sends back the share `reflectance` of what enters it (Kulla and Conty, "Revisiting
-/// Physically Based Shading at Imageworks", SIGGRAPH 2017 course, after van de Hulst), `internal` of what arrives at
-/// its boundary from within being reflected there.
+/// Returns the single-scattering albedo of a thick medium with diffuse reflectance `reflectance` (Kulla and Conty,
+/// "Revisiting Physically Based Shading at Imageworks", SIGGRAPH 2017 course, after van de Hulst). `internal`: the
+/// fraction of light from within that the boundary reflects.
 float albedo_of(float reflectance, float internal, float g) {
   const float r = std::clamp(reflectance, 0.0f, 0.9999f), a = r / (1 - internal + r * internal);
   const float s = 4.09712f + 4.20863f * a - std::sqrt(9.59217f + 41.6808f * a + 17.7126f * a * a);
@@ -64,7 +63,7 @@ void set_by_reflectance(Parameters& p, MediumDescription& medium, const Spectrum
   medium.coefficients =
       ExtinctionAlbedoDescription{mapped_values(mfp, [](float length) { return 1 / std::max(length, kShortestPath); }),
                                   mapped_values(reflectance, [&](float r) { return albedo_of(r, internal, g); })};
-  medium.scale = 1 / medium.scale;  // it scales the path
+  medium.scale = 1 / medium.scale;  // `scale` multiplies the mean free path
 }
 
 }  // namespace

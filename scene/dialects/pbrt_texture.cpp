@@ -1,4 +1,5 @@
-// The pbrt dialect: textures. What is constant is worked out here; the rest becomes pictures and checkerboards.
+// The pbrt dialect: textures. Constant expressions are evaluated here; all others become bitmaps, checkerboards and
+// mixes.
 #include "scene/dialects/pbrt.h"
 #include "scene/dialects/pbrt_noise.h"
 
@@ -20,7 +21,7 @@ TextureDescription& texture_at(Reader& reader, TextureId id) {
 
 const SpectrumDescription* constant_of(const SpectrumInput& input) { return std::get_if<SpectrumDescription>(&input); }
 
-/// Numbers among textures of colours.
+/// Conversions between scalar and colour textures.
 SpectrumInput as_spectrum(const ScalarInput& input) {
   if (const float* value = std::get_if<float>(&input)) return SpectrumDescription::constant(*value);
   return std::get<TextureId>(input);
@@ -33,7 +34,7 @@ ScalarInput as_scalar(const SpectrumInput& input) {
   return value != nullptr ? value->value : 0.0f;
 }
 
-/// A texture of one kind among the parameters of another.
+/// Reads the inputs of a texture as colours or as numbers.
 struct Source {
   Parameters& p;
   bool colours;
@@ -46,7 +47,7 @@ struct Source {
   }
 };
 
-/// uscale, vscale, udelta, vdelta.
+/// Reads uscale, vscale, udelta and vdelta.
 std::array<float, 6> read_mapping(Parameters& p) {
   const std::string mapping = p.string("mapping", "uv");
   if (mapping != "uv") {
@@ -57,8 +58,8 @@ std::array<float, 6> read_mapping(Parameters& p) {
   return {p.number("uscale", 1), 0, p.number("udelta", 0), 0, p.number("vscale", 1), p.number("vdelta", 0)};
 }
 
-/// How the values of a picture are encoded: "sRGB", "linear" or "gamma" and an exponent. pbrt lets files choose for PNG
-/// alone; what its other readers of integers load is sRGB.
+/// Reads the encoding of an image: "sRGB", "linear" or "gamma" with an exponent. pbrt honours it for PNG only; its
+/// other integer formats are always sRGB.
 void read_encoding(Parameters& p, BitmapDescription& picture) {
   const bool png = is_png(picture.file);
   const std::string encoding = p.string("encoding", "sRGB");
@@ -73,7 +74,7 @@ void read_encoding(Parameters& p, BitmapDescription& picture) {
     p.fail_at("encoding", "is '" + encoding + "', expected sRGB, linear, or gamma and an exponent");
   if (!png) return;
   if (picture.change.invert) return p.unsupported("'invert' of a picture of another encoding", "sRGB is taken");
-  // The factor is taken into the power.
+  // Apply the scale before the power.
   picture.raw = true;
   picture.change.exponent = gamma;
   picture.change.scale = std::pow(picture.change.scale, 1 / gamma);
@@ -112,7 +113,7 @@ SpectrumInput read_checkerboard(Parameters& p, const Source& source) {
   TextureDescription texture;
   texture.model = std::move(board);
   texture.to_uv = read_mapping(p);
-  for (float& entry : texture.to_uv) entry *= 0.5f;  // our squares are half as large
+  for (float& entry : texture.to_uv) entry *= 0.5f;  // Sheaf's squares are half as large
   texture.where = p.where();
   return append(p.reader(), std::move(texture));
 }
@@ -132,7 +133,7 @@ SpectrumInput read_scale(Parameters& p, const Source& source) {
   if (const float* number = std::get_if<float>(&scale)) {
     product = scaled_input(p.reader(), texture, *number);
   } else if (const SpectrumDescription* constant = constant_of(texture)) {
-    // A grey times a texture of numbers.
+    // A grey constant times a scalar texture.
     if (const auto* grey = std::get_if<SpectrumDescription::Constant>(&constant->value))
       product = scaled_input(p.reader(), as_spectrum(scale), grey->value);
     const auto* rgb = std::get_if<SpectrumDescription::Rgb>(&constant->value);
@@ -142,7 +143,7 @@ SpectrumInput read_scale(Parameters& p, const Source& source) {
   return product ? *product : add_mix(p, SpectrumDescription::constant(0), texture, scale);
 }
 
-/// (1 - t) a + t b of constants.
+/// Returns (1 - t) a + t b of constants; nullopt for spectra that are not colours or greys.
 std::optional<SpectrumDescription> mixed(const SpectrumDescription& a, const SpectrumDescription& b, float t) {
   using S = SpectrumDescription;
   const auto rgb_of = [](const S& s) -> std::optional<Vec3f> {
@@ -169,7 +170,7 @@ SpectrumInput read_mix(Parameters& p, const Source& source) {
   return add_mix(p, first, second, amount);
 }
 
-/// 0 at the left or lower border of the unit square and 1 at the other, all along the texture's u or v.
+/// Adds a texture that rises from 0 to 1 across the unit square along the mapped u, or v if `upwards`.
 TextureId add_ramp(Parameters& p, const std::array<float, 6>& mapping, bool upwards) {
   auto ends = std::make_shared<Image>(2, 1, std::vector<std::string>{"Y"});
   ends->data = {0, 1};
@@ -192,10 +193,10 @@ SpectrumInput read_bilerp(Parameters& p, const Source& source) {
   return add_mix(p, add_mix(p, v00, v10, across), add_mix(p, v01, v11, across), up);
 }
 
-/// Where pbrt's dots are, as a picture: in about half of the cells around places of whole coordinates a disk, moved by
-/// noise within its cell. The noise repeats itself after 256 cells.
+/// Returns pbrt's "dots" as an image: about half of the unit cells around integer coordinates contain a disk, displaced
+/// by noise within its cell. The pattern repeats after 256 cells.
 std::shared_ptr<const Image> dots_picture() {
-  constexpr int kCells = 256, kTexels = 8, kSide = kCells * kTexels;  // kTexels: along a cell
+  constexpr int kCells = 256, kTexels = 8, kSide = kCells * kTexels;  // kTexels: texels per cell side
   constexpr double kRadius = 0.35, kFarthest = 0.5 - kRadius;
   auto picture = std::make_shared<Image>(kSide, kSide, std::vector<std::string>{"Y"});
   for (int j = 0; j < kCells; ++j)
@@ -225,7 +226,7 @@ SpectrumInput read_dots(Parameters& p, const Source& source) {
   return add_mix(p, outside, inside, append(p.reader(), std::move(texture)));
 }
 
-/// Textures that have no counterpart, and the mean or the main part of what they show.
+/// Reads an unsupported texture as its mean or its main component.
 std::optional<SpectrumInput> read_stand_in(Parameters& p, const std::string& type, const Source& source) {
   SpectrumInput stand_in = SpectrumDescription::constant(0.5f);
   if (type == "directionmix") {
@@ -256,8 +257,8 @@ SpectrumInput read_model(Parameters& p, const std::string& type, const Source& s
   throw SceneError(p.where(), "unknown texture class '" + type + "'" + did_you_mean(type, known));
 }
 
-/// The input with its constants and pictures changed, wherever they stand in checkerboards and mixes; nothing if there
-/// is something else, or `change_picture` returns false.
+/// Returns a copy of the input with its constants and images modified, also inside checkerboards and mixes. Returns
+/// nullopt for other textures, or if `change_picture` returns false.
 template <class ChangeConstant, class ChangePicture>
 std::optional<SpectrumInput> changed_input(Reader& reader, const SpectrumInput& input,
                                            const ChangeConstant& change_constant, const ChangePicture& change_picture,

@@ -1,3 +1,4 @@
+// Tokenizer of pbrt scene files.
 #include "scene/dialects/pbrt_tokens.h"
 
 #include <charconv>
@@ -11,7 +12,7 @@ bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; 
 
 bool ends_word(char c) { return is_space(c) || c == '"' || c == '[' || c == ']' || c == '#'; }
 
-/// What a backslash and this character stand for, or 0.
+/// Returns the character of an escape sequence, or 0.
 char unescaped(char c) {
   switch (c) {
     case 'b':
@@ -105,7 +106,7 @@ double number_of(const Token& token, const SourceLocation& where, std::string_vi
   double value = 0;
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool whole = problem == std::errc() && end == text.data() + text.size();
-  // What is too small for a double counts as 0.
+  // Numbers below the range of double become 0.
   if (problem == std::errc::result_out_of_range && end == text.data() + text.size() && text.find("e-") != text.npos)
     return 0;
   if (token.kind != Token::Kind::kWord || !whole || !std::isfinite(value))

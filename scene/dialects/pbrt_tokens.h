@@ -1,4 +1,4 @@
-// The words of pbrt scene files.
+// Tokens of pbrt scene files.
 #pragma once
 
 #include "core/error.h"
@@ -8,28 +8,28 @@
 
 namespace sheaf::pbrt {
 
-/// A piece of a scene file.
+/// A token of a scene file.
 struct Token {
   enum class Kind {
-    kEnd,     ///< of the file
-    kWord,    ///< a directive, a number, true or false
-    kString,  ///< what stands between double quotes, escapes resolved
+    kEnd,     ///< end of file
+    kWord,    ///< directive, number, true or false
+    kString,  ///< text between double quotes, with escapes resolved
     kOpen,    ///< [
     kClose    ///< ]
   } kind = Kind::kEnd;
   std::string_view text;  ///< valid until the next token
-  int line = 1;           ///< on which it begins
+  int line = 1;           ///< where it begins
 };
 
-/// A text cut into tokens, one at a time. Comments go from # to the end of the line.
+/// Splits a text into tokens, one at a time. Comments start at # and end with the line.
 class Tokens {
  public:
-  /// `file` is for messages. Throws SceneError as advance() does.
+  /// `file` is used in messages. Throws SceneError as advance() does.
   Tokens(std::string text, std::string file);
 
   const Token& current() const { return token_; }
   SourceLocation where() const { return {file_, token_.line}; }
-  /// Goes on to the next token. Throws SceneError for a string that does not end on its line, and unknown escapes.
+  /// Advances to the next token. Throws SceneError for a string that does not end on its line, and for unknown escapes.
   void advance();
 
  private:
@@ -42,10 +42,11 @@ class Tokens {
   Token token_;
 };
 
-/// The token as messages show it: in quotes, its beginning if it is long.
+/// Returns the token for messages: quoted, and truncated if long.
 std::string shown(const Token& token);
 
-/// The number that a word is. Throws SceneError, naming what is `expected`, if it is none, not finite or no word.
+/// Parses a word as a number. Throws SceneError, naming what was `expected`, if it is not a word or not a finite
+/// number.
 double number_of(const Token& token, const SourceLocation& where, std::string_view expected);
 
 }  // namespace sheaf::pbrt

@@ -1,4 +1,4 @@
-// The pbrt dialect: directives that change the current transform.
+// The pbrt dialect: directives that modify the current transformation matrix.
 #include "scene/dialects/pbrt_scene.h"
 
 #include <array>
@@ -7,7 +7,7 @@ namespace sheaf::pbrt {
 
 namespace {
 
-/// So many numbers, with or without brackets.
+/// Reads N numbers, with or without brackets.
 template <std::size_t N> std::array<double, N> read_numbers(Tokens& tokens, const char* expected) {
   std::array<double, N> numbers;
   const bool brackets = tokens.current().kind == Token::Kind::kOpen;
@@ -25,7 +25,7 @@ template <std::size_t N> std::array<double, N> read_numbers(Tokens& tokens, cons
 
 Vec3f vec3(const double* n) { return {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])}; }
 
-/// Sixteen numbers, column by column.
+/// Reads 16 numbers in column-major order.
 Matrix4 read_matrix(Tokens& tokens) {
   const auto numbers = read_numbers<16>(tokens, "16 numbers of a matrix");
   Matrix4 matrix;
@@ -36,7 +36,7 @@ Matrix4 read_matrix(Tokens& tokens) {
   return matrix;
 }
 
-/// What `make` gives; where it cannot, that is told with the place.
+/// Returns make(); adds the location to its errors.
 template <class Make> Transform transform_at(const SourceLocation& where, Make make) {
   try {
     return make();

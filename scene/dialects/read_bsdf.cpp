@@ -1,4 +1,5 @@
-// Materials that both dialects spell alike: the choice of plugin, diffuse, metals, dielectrics and plastics.
+// Materials shared by the Nori and Mitsuba dialects: choice of the plugin, diffuse materials, metals, dielectrics and
+// plastics.
 #include "scene/dialects/read_bsdf.h"
 
 #include "scene/data/glasses.h"
@@ -21,7 +22,7 @@ SpectrumInput read_reflectance(Properties& p, const char* name, SpectrumInput de
   return p.spectrum_input(name, std::move(default_value), SpectrumRole::kReflectance);
 }
 
-/// `spectrum` divided by a number.
+/// Returns `spectrum` divided by a number.
 SpectrumDescription divided(SpectrumDescription spectrum, float by) {
   using S = SpectrumDescription;
   if (auto* constant = std::get_if<S::Constant>(&spectrum.value)) constant->value /= by;
@@ -56,7 +57,7 @@ ConductorDescription::Ior named_metal(Properties& p, const std::string& name) {
   return {SpectrumDescription{std::move(eta)}, SpectrumDescription{std::move(k)}};
 }
 
-/// The metal relative to the dielectric around it.
+/// Returns an index of refraction relative to the surrounding dielectric.
 SpectrumInput relative(Properties& p, SpectrumInput ior, float ext_eta) {
   if (auto* spectrum = std::get_if<SpectrumDescription>(&ior)) return divided(std::move(*spectrum), ext_eta);
   if (p.has("ext_eta")) p.fail_at("ext_eta", "is given beside a texture of 'eta' or 'k', which it cannot divide");
@@ -83,7 +84,7 @@ ConductorDescription read_conductor(Properties& p, bool before_version_2) {
   return result;
 }
 
-/// The index at the wavelength for which glasses are catalogued, the d line of helium.
+/// Index of refraction at the helium d line, at which glasses are catalogued.
 float catalogue_ior(const Dispersion& dispersion) { return ior<Scalar>(dispersion, 587.56f); }
 
 /// n = A + B / w^2 + C / w^4 with w in micrometres (Cauchy 1830).
@@ -109,8 +110,8 @@ Dispersion read_sellmeier(Properties& p, const char* name) {
   return result;
 }
 
-/// The index of one side of a boundary, `side` being "int" or "ext", and how it depends on the wavelength.
-/// `names_disperse`: whether the names of find_ior() do; nothing: all but these.
+/// Reads the index of refraction of one side of a boundary and its dispersion; `side` is "int" or "ext".
+/// `names_disperse`: whether named materials are dispersive; nullopt: all except those of find_ior().
 void read_side(Properties& p, const std::string& side, std::optional<bool> names_disperse, float& index,
                std::optional<Dispersion>& dispersion) {
   const std::string plain = side + "_ior", cauchy = side + "_cauchy", sellmeier = side + "_sellmeier";
@@ -162,7 +163,7 @@ PlasticDescription read_plastic(Properties& p) {
   return result;
 }
 
-/// Absorption by melanin unless it is given itself.
+/// Reads hair; melanin determines the absorption unless `sigma_a` is present.
 HairDescription read_hair(Properties& p) {
   HairDescription result;
   if (auto sigma_a = p.find_spectrum_input("sigma_a", SpectrumRole::kIor)) {
@@ -203,7 +204,7 @@ template <DeclarativeBsdf Model> Model read_plain(Properties& p) {
   return model;
 }
 
-/// Calls f(Model{}) for every plain model of a material.
+/// Calls f(Model{}) for every declarative material model.
 template <class F, class... Models> void for_each_plain_model(const std::variant<Models...>&, F&& f) {
   const auto visit = [&]<class Model>(Model model) {
     if constexpr (DeclarativeBsdf<Model>) f(std::move(model));
@@ -211,7 +212,7 @@ template <class F, class... Models> void for_each_plain_model(const std::variant
   (visit(Models{}), ...);
 }
 
-/// Reads the plain model whose plugin this is; false if there is none.
+/// Reads the declarative model of this plugin; returns false if there is no such model.
 bool read_plain_model(Properties& p, MaterialDescription& material) {
   bool found = false;
   for_each_plain_model(material.model, [&]<class Model>(const Model&) {
@@ -256,7 +257,7 @@ RoughnessDescription read_roughness(Properties& p) {
   if (distribution == "ggx") {
     result.distribution = RoughnessDescription::Distribution::kGgx;
   } else if (distribution == "phong" || distribution == "as") {
-    // Their exponents are 2 / alpha^2 - 2, with which they are all but Beckmann's (Walter et al. 2007, section 5.2).
+    // Their exponents are 2 / alpha^2 - 2, which makes them nearly Beckmann (Walter et al. 2007, section 5.2).
     p.context().note(p.where(),
                      "distribution '" + distribution + "' is rendered with 'beckmann', which is nearly the same");
   } else if (distribution != "beckmann") {

@@ -1,3 +1,4 @@
+// Camera and sampler properties shared by the Nori and Mitsuba dialects.
 #include "scene/dialects/read_camera.h"
 
 #include "scene/dialects/sampler_name.h"

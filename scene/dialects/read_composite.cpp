@@ -1,4 +1,4 @@
-// Materials that both dialects spell alike and that hold others: two-sided, masks, blends, bump and normal maps.
+// Composite materials shared by the Nori and Mitsuba dialects: two-sided, masks, blends, bump and normal maps.
 #include "scene/dialects/dialects.h"
 #include "scene/dialects/read_bsdf.h"
 #include "scene/dialects/read_texture.h"
@@ -12,14 +12,14 @@ namespace sheaf {
 namespace {
 
 constexpr std::size_t kMaxMixture = 256;
-/// Weights that are meant to add up to 1 may be rounded.
+/// Tolerance for rounded weights that should sum to 1.
 constexpr float kMaxWeight = 1.0001f;
 
 const MaterialDescription& material_at(MaterialId id, const Properties& p) {
   return p.context().description.materials[static_cast<std::size_t>(id)];
 }
 
-/// A side of a two-sided material: the side of the child that its normal shows.
+/// Returns the material of one side of a two-sided material: the nested material, or its front if that is two-sided.
 MaterialId front_of(MaterialId id, const Properties& p) {
   const MaterialDescription& child = material_at(id, p);
   if (transmits(p.context().description.materials, id))
@@ -57,7 +57,7 @@ struct WeightedMaterial {
 
 BlendDescription halves(Properties& p, std::span<const WeightedMaterial> parts);
 
-/// Two materials or more are blended in halves: chains of them would be nested too deep.
+/// Combines materials into a balanced tree of blends, because a chain would nest too deeply.
 WeightedMaterial combined(Properties& p, std::span<const WeightedMaterial> parts) {
   float sum = 0;
   for (const WeightedMaterial& part : parts) sum += part.weight;
@@ -75,7 +75,8 @@ BlendDescription halves(Properties& p, std::span<const WeightedMaterial> parts) 
   return {sum > 0 ? second.weight / sum : 0.5f, {first.material, second.material}};
 }
 
-/// The displacement of a bump map. Before version 2 of Mitsuba, a texture of type `scale` around it holds its factor.
+/// Reads the displacement of a bump map. In Mitsuba before version 2, an enclosing texture of type `scale` holds its
+/// factor.
 BumpMapDescription read_displacement(const XmlElement& texture, ReadContext& context) {
   const std::string* type = texture.find_attribute("type");
   if (type == nullptr || *type != "scale") return {read_map(texture, context), 1, {}};
@@ -122,6 +123,7 @@ BlendDescription read_mixture(Properties& p, const BsdfDialect& dialect) {
   if (!(sum > 0.0f) || !std::isfinite(sum))
     p.fail_at("weights", "add up to " + std::to_string(sum) + ", expected more than 0");
   const bool conserves = p.boolean("ensure_energy_conservation", true);
+  // Normalise the weights, or fill up with black
   if (sum > kMaxWeight) {
     if (!conserves) p.fail_at("weights", "add up to more than 1, which is not supported");
     p.context().note(p.where(), "its weights add up to " + std::to_string(sum) + " and are scaled down to 1");

@@ -1,3 +1,4 @@
+// Sun and sky emitters of the Mitsuba dialect: positions and size of the sun, and parameters of the sky.
 #include "scene/dialects/read_daylight.h"
 
 #include "scene/dialects/sun_position.h"
@@ -9,16 +10,16 @@ namespace sheaf::mitsuba {
 
 namespace {
 
-/// Places of the sun for those that move across the sky, and columns of the map that these become.
+/// Number of sun positions for a moving sun, and columns of the resulting sky map.
 constexpr int kSunPlaces = 8192, kTimedResolution = 256;
 
-/// What turns directions of the emitter's space to the world's.
+/// Transforms directions from the emitter's space to world space.
 class DaylightSpace {
  public:
   DaylightSpace(Properties& p, bool y_is_up) : to_world_(p.transform("to_world")), y_is_up_(y_is_up) {}
 
   Vec3f up() const { return world(y_is_up_ ? Vec3f{0, 1, 0} : Vec3f{0, 0, 1}); }
-  /// From parts to the east, to the north and upwards.
+  /// Converts components to the east, to the north and upwards.
   Vec3f direction(const std::array<double, 3>& v) const {
     const auto east = static_cast<float>(v[0]), north = static_cast<float>(v[1]), up = static_cast<float>(v[2]);
     return world(y_is_up_ ? Vec3f{east, up, -north} : Vec3f{-north, -east, up});
@@ -51,7 +52,7 @@ SunTime read_time(Properties& p) {
   return time;
 }
 
-/// `sun_direction`, in world space, or where the sun stands at the place and time.
+/// Reads `sun_direction` (world space), or computes the position of the sun from place and time.
 Vec3f read_sun(Properties& p, const DaylightSpace& space) {
   if (!p.has("sun_direction")) return space.direction(sun_position(read_time(p)));
   for (const char* other : {"year", "month", "day", "hour", "minute", "second", "latitude", "longitude", "timezone"})
@@ -62,7 +63,7 @@ Vec3f read_sun(Properties& p, const DaylightSpace& space) {
   return direction * (1.0f / length);
 }
 
-/// Where the sun stands at times spread over the days from one date to another and over the hours of each of them.
+/// Returns sun positions at times that spread over the days of a date range and over the hours of each day.
 std::vector<Vec3f> read_suns(Properties& p, const DaylightSpace& space) {
   SunTime begin, end;
   read_place(p, begin);
@@ -89,7 +90,7 @@ std::vector<Vec3f> read_suns(Properties& p, const DaylightSpace& space) {
   return suns;
 }
 
-/// Half the angle under which the sun is seen, degrees.
+/// Reads the angular radius of the sun, degrees.
 float read_radius(Properties& p) {
   if (p.has("sun_aperture") && p.has("sun_radius_scale"))
     p.fail_at("sun_aperture", "is given beside 'sunRadiusScale', expected one or the other");

@@ -1,4 +1,4 @@
-// The sun and the sky of the Mitsuba dialect.
+// Sun and sky emitters of the Mitsuba dialect.
 #pragma once
 
 #include "scene/xml/properties.h"
@@ -11,8 +11,8 @@ bool is_daylight(const std::string& type);
 /// sky, sun, sunsky and timed_sunsky.
 const std::vector<std::string>& daylight_names();
 
-/// The lights that such an emitter consists of. `y_is_up`: its space is that of releases before 2, where +y is up, +x
-/// east and -z north; later +z is up, +x south and +y west. The caller finishes `p`. Throws SceneError.
+/// Returns the lights of a sun and sky emitter. `y_is_up`: coordinates of releases before 2 (+y up, +x east, -z north);
+/// otherwise +z is up, +x south and +y west. The caller finishes `p`. Throws SceneError.
 std::vector<LightDescription> read_daylight(Properties& p, bool y_is_up);
 
 }  // namespace sheaf::mitsuba

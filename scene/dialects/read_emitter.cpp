@@ -1,3 +1,4 @@
+// Emitters shared by the Nori and Mitsuba dialects: constant light, environment maps and area lights.
 #include "scene/dialects/read_emitter.h"
 
 #include "scene/dialects/read_texture.h"
@@ -6,12 +7,13 @@ namespace sheaf {
 
 namespace {
 
-/// `radiance` (1).
+/// Reads `radiance` (default 1).
 ConstantLightDescription read_constant(Properties& p) {
   return {p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission)};
 }
 
-/// `filename`, `scale` (1), `to_world`, `mis_compensation` (true), `gamma` of Mitsuba 0.6, whose `cache` is ignored.
+/// Reads `filename`, `scale` (default 1), `to_world`, `mis_compensation` (default true) and `gamma` of Mitsuba 0.6.
+/// Ignores its `cache`.
 EnvmapDescription read_envmap(Properties& p) {
   EnvmapDescription map;
   map.file = p.file("filename");
@@ -46,7 +48,7 @@ void read_area_emitter(const XmlElement& element, ReadContext& context, ShapeDes
   Properties p(element, context);
   if (const std::string* id = element.find_attribute("id")) shape.emitter_id = *id;
   shape.emits_along_normal = p.type() == "directionalarea";
-  // Some name it after the shape that it is on.
+  // Some files name the emitter after its shape.
   const bool is_area = p.type() == "area" || p.type().ends_with("_emitter");
   if (!is_area && !shape.emits_along_normal) p.fail_plugin({"area", "directionalarea"});
   shape.radiance = p.spectrum_input("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);

@@ -1,4 +1,4 @@
-// Shapes that both dialects spell alike: mesh files, quadrics, curves, height fields, grids of distances.
+// Shapes shared by the Nori and Mitsuba dialects: mesh files, quadrics, curves, height fields, signed distance grids.
 #include "scene/dialects/read_geometry.h"
 
 #include "scene/formats/curve_file.h"
@@ -44,7 +44,7 @@ CylinderShape read_cylinder(Properties& p) {
 Curves read_hair_curves(Properties& p) {
   HairReading reading;
   reading.radius = p.number("radius", reading.radius, kPositive);
-  // Radii grow as lengths along z do.
+  // The transform scales radii by its length along z.
   reading.radius *= length(p.transform("to_world").vector({0, 0, 1}));
   reading.angle_threshold = p.number("angle_threshold", reading.angle_threshold, {0, 90, false});
   reading.reduction = p.number("reduction", reading.reduction, kUnitInterval);
@@ -52,7 +52,7 @@ Curves read_hair_curves(Properties& p) {
   return read_hair_file(p.file("filename"), reading);
 }
 
-/// What a height field of a texture is: a mesh if that is a picture, else places at which it is looked up.
+/// Reads a height field: a mesh if the heights are an image, else a grid of points at which the texture is evaluated.
 void read_height_field_shape(Properties& p, ShapeDescription& shape) {
   const bool smooth = p.boolean("shading_normals", true);
   const float scale = p.number("scale", 1);

@@ -1,3 +1,4 @@
+// Participating media shared by the Nori and Mitsuba dialects: coefficients, emission and phase function.
 #include "scene/dialects/read_medium.h"
 
 #include "scene/dialects/read_phase.h"
@@ -8,7 +9,7 @@ namespace {
 
 bool is_grid(const VolumeInput& input) { return std::holds_alternative<GridVolumeDescription>(input); }
 
-/// A black body's temperature, on a grid or, as an emission, everywhere the same.
+/// Reads a blackbody temperature (K): a grid, or a constant, which becomes a constant emission.
 void read_temperature(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
   const auto temperature = find_volume_input(p, "temperature", SpectrumRole::kIor, dialect);
   if (!temperature) return;

@@ -1,3 +1,4 @@
+// Scenes around a single model: its materials, a floor, a sky and a camera.
 #include "scene/dialects/read_model.h"
 
 #include "core/frame.h"
@@ -14,10 +15,10 @@ namespace sheaf {
 
 namespace {
 
-/// How much wider than the model the floor is, so that its end is at the horizon.
+/// Ratio of floor size to model size; the floor's edge is near the horizon.
 constexpr float kFloor = 200;
 
-/// A disk under the box, across `up`.
+/// Returns a disk below the box, perpendicular to `up`.
 ShapeDescription make_floor(const std::array<Vec3f, 2>& box, Vec3f up, MaterialId material) {
   const Vec3f center = box[0] * 0.5f + box[1] * 0.5f;
   const Vec3f half = box[1] * 0.5f - box[0] * 0.5f;
@@ -53,7 +54,7 @@ MaterialId add_diffuse(Description& description, Vec3f reflectance) {
   return add_two_sided(description, {SpectrumDescription{SpectrumDescription::Rgb{reflectance}}});
 }
 
-/// A sky that is the same everywhere, and a sun over the viewer's left shoulder.
+/// Adds a constant sky and a sun over the viewer's left shoulder.
 void add_sky(Description& description, const ModelView& view, const std::array<Vec3f, 2>& box) {
   constexpr Vec3f kSky{0.52f, 0.58f, 0.68f}, kSun{1.9f, 1.75f, 1.5f};
   description.lights.push_back({ConstantLightDescription{{SpectrumDescription::Rgb{kSky}}}, {}});
@@ -70,7 +71,7 @@ void add_sky(Description& description, const ModelView& view, const std::array<V
   description.lights.push_back({std::move(sun), {}});
 }
 
-/// A diffuse material that shows a texture on both sides.
+/// Adds a two-sided diffuse material with a texture.
 MaterialId add_textured(Description& description, TextureDescription texture, const std::filesystem::path& file) {
   texture.where = {file.string(), 0};
   description.textures.push_back(std::move(texture));
@@ -78,7 +79,7 @@ MaterialId add_textured(Description& description, TextureDescription texture, co
   return add_two_sided(description, DiffuseDescription{id});
 }
 
-/// The material that a model's picture or its colours make, if it has any.
+/// Returns the material of a model's texture image or colours, if it has any.
 std::optional<MaterialId> color_material(const MeshFile& model, const std::filesystem::path& file,
                                          Description& description) {
   TextureDescription texture;
@@ -105,7 +106,7 @@ std::optional<MaterialId> color_material(const MeshFile& model, const std::files
   return std::nullopt;
 }
 
-/// Reads the file of a shape into memory, with creases where it has no normals, and gives it its colours.
+/// Loads the mesh file of a shape into memory, computes creased normals if it has none, and applies its colours.
 void load_model(ShapeDescription& shape, const MeshFileShape& from, Description& description) {
   MeshFile model = read_mesh(from);
   Mesh& mesh = model.mesh;
@@ -138,7 +139,7 @@ Description read_model(const std::filesystem::path& file, MeshFileShape::Format 
   description.file = file;
   description.files = {file};
   ShapeDescription shape;
-  // Pictures stand upright: v counts upwards.
+  // Flip v of OBJ and PLY files; textures of MTL materials undo the flip.
   MeshFileShape mesh{file, format, format != MeshFileShape::Format::kSerialized};
   if (lenient) mesh.bad_faces = MeshFileShape::BadFaces::kDrop;
   shape.geometry = std::move(mesh);
@@ -146,11 +147,13 @@ Description read_model(const std::filesystem::path& file, MeshFileShape::Format 
   description.shapes.push_back(std::move(shape));
   expand_obj_materials(description, lenient, true);
   if (description.shapes.empty()) throw SceneError(description.stand_ins.back());
+  // Load the model and place the camera
   for (ShapeDescription& part : description.shapes)
     if (const auto* from = std::get_if<MeshFileShape>(&part.geometry))
       load_model(part, MeshFileShape(*from), description);
   const std::array<Vec3f, 2> box = read_bounds(description, lenient);
   frame_box(box, view, description);
+  // Add floor, light and default materials
   const MaterialId grey = add_diffuse(description, {0.6f, 0.6f, 0.6f});
   for (ShapeDescription& part : description.shapes)
     if (!part.material) part.material = grey;

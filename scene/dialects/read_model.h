@@ -1,17 +1,17 @@
-// A model without a scene: on a floor under a sky, seen by a camera that frames it.
+// Scenes around a single model file: a floor, a sky and a camera that frames the model.
 #pragma once
 
 #include "scene/dialects/read_scene.h"
 
 namespace sheaf {
 
-/// The format of a model by its file's extension (.obj, .ply, .serialized, in any case), or nothing for other files.
+/// Returns the model format by file extension (.obj, .ply, .serialized, in any case); nullopt for other files.
 std::optional<MeshFileShape::Format> model_format(const std::filesystem::path& file);
 
-/// A scene around a model, with the materials of its MTL files if it is an OBJ file, or with the picture that a PLY
-/// file names (scene/formats/ply_header.h), or with the colours of its vertices or faces; models without are grey.
-/// Where it has no normals, they are those of compute_creased_normals(). Throws SceneError.
-/// `lenient`: faces with vertices that the file lacks, and materials that cannot be read, are warnings.
+/// Builds a scene around a model. Materials come from the MTL files of an OBJ file, the texture that a PLY file names
+/// (scene/formats/ply_header.h), or vertex or face colours; otherwise the model is grey. Missing normals are computed
+/// with compute_creased_normals(). Throws SceneError. `lenient`: unreadable materials and faces that refer to missing
+/// vertices become warnings.
 Description read_model(const std::filesystem::path& file, MeshFileShape::Format format, const ModelView& view,
                        bool lenient);
 

@@ -1,3 +1,4 @@
+// Phase functions shared by the Nori and Mitsuba dialects, including blends and mixtures.
 #include "scene/dialects/read_phase.h"
 
 #include "scene/dialects/read_bsdf.h"
@@ -37,7 +38,7 @@ SggxDescription read_sggx(Properties& p) {
   return {read_matrix_volume(*matrix, p.context(), {})};
 }
 
-/// Phases [first, last) with their weights, as blends of two halves.
+/// Combines the phase functions [first, last) with their weights into a balanced tree of blends.
 PhaseId add_mixture(Properties& p, const std::vector<PhaseId>& nested, const std::vector<float>& weights,
                     std::size_t first, std::size_t last) {
   if (last - first == 1) return nested[first];
@@ -56,7 +57,7 @@ PhaseId add_mixture(Properties& p, const std::vector<PhaseId>& nested, const std
   return static_cast<PhaseId>(phases.size() - 1);
 }
 
-/// Any number of phase functions with `weights` that add up to one.
+/// Reads any number of phase functions with `weights` that sum to 1.
 PhaseId read_mixture(Properties& p) {
   const auto text = p.find_string("weights");
   if (!text) p.fail("needs the string 'weights'");

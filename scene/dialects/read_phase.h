@@ -1,15 +1,15 @@
-// Phase functions, which both dialects spell alike.
+// Phase functions, shared by the Nori and Mitsuba dialects.
 #pragma once
 
 #include "scene/xml/properties.h"
 
 namespace sheaf {
 
-/// Appends the phase function of a <phase>, nested ones first: isotropic, hg (`g`), rayleigh, tabphase
+/// Appends the phase function of a <phase>, nested ones first. Types: isotropic, hg (`g`), rayleigh, tabphase
 /// (`values`), blendphase or blend (`weight`). Throws SceneError.
 PhaseId read_phase(const XmlElement& element, ReadContext& context);
 
-/// The one phase function of a medium, as <phase> or <phasefunction>; nothing if it has none.
+/// Returns the phase function of a medium, given as <phase> or <phasefunction>; nullopt if it has none.
 std::optional<PhaseId> find_phase(Properties& p);
 
 }  // namespace sheaf

@@ -1,3 +1,4 @@
+// Photon map settings of the Nori and Mitsuba dialects.
 #include "scene/dialects/read_photon_mapping.h"
 
 #include <algorithm>
@@ -6,7 +7,7 @@ namespace sheaf {
 
 namespace {
 
-/// The names of one map's properties: in Nori's course, then in Mitsuba 0.6.
+/// Property names of one photon map: Nori's course, then Mitsuba 0.6.
 struct MapNames {
   const char *count, *also_count, *radius, *lookup_radius, *relative_radius;
 };
@@ -19,7 +20,7 @@ void read_map(Properties& p, const MapNames& names, PhotonMapDescription& map) {
     if (p.has(name)) map.relative_radius = p.number(name, 0, kPositive);
 }
 
-/// Rays of final gathering ask for it, whatever else is said but that it is not wanted.
+/// Reads the gathering mode. A positive number of gather rays enables final gathering unless `final_gather` is false.
 void read_gathering(Properties& p, PhotonMappingDescription& mapping) {
   constexpr int kMaxRays = 65536;
   const bool direct = p.boolean("sample_direct", mapping.gathering != PhotonGathering::kAll);
@@ -66,7 +67,7 @@ void read_photon_mapping(Properties& p, PhotonMappingDescription& mapping) {
            mapping.volume);
   mapping.medium_photons = read_medium_photons(p);
   read_gathering(p, mapping);
-  // Where photons bring all light, a dialect's usual number of caustic photons means nothing.
+  // If the global map carries all light, the dialect's default number of caustic photons does not apply.
   if (mapping.gathering == PhotonGathering::kAll && !counts_caustics) mapping.caustic.count = 0;
   mapping.kernel = read_kernel(p);
   for (const char* name : {"lookup_size", "global_lookup_size"})

@@ -1,4 +1,4 @@
-// Materials that polarise light, as what they do to light that is not polarised.
+// Polarizing materials, reduced to their effect on unpolarised light.
 #include "scene/dialects/dialects.h"
 #include "scene/dialects/read_bsdf.h"
 
@@ -6,7 +6,7 @@ namespace sheaf {
 
 namespace {
 
-/// A surface that lets `passing` of the light go straight on and absorbs the rest.
+/// A surface that transmits the fraction `passing` of the light without deflection and absorbs the rest.
 MaskDescription straight_through(Properties& p, float passing) {
   MaterialDescription black;
   black.model = DiffuseDescription{SpectrumDescription::constant(0)};
@@ -14,7 +14,7 @@ MaskDescription straight_through(Properties& p, float passing) {
   return {1 - passing, add_material(p.context(), std::move(black))};
 }
 
-/// `transmittance` (1), a number.
+/// Reads `transmittance` (default 1), a number.
 float read_transmittance(Properties& p) {
   const ScalarInput transmittance = p.scalar_input("transmittance", 1.0f, kUnitInterval);
   if (const float* number = std::get_if<float>(&transmittance)) return *number;
@@ -24,7 +24,7 @@ float read_transmittance(Properties& p) {
 }  // namespace
 
 MaskDescription read_polarizer(Properties& p) {
-  // Half of what is not polarised has the direction that passes.
+  // A polarizer passes half of unpolarised light.
   const float passing = p.type() == "retarder" ? 1.0f : 0.5f;
   p.ignore({"theta", "polarizing", "left_handed", "delta"});
   return straight_through(p, passing * read_transmittance(p));

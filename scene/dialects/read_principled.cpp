@@ -1,4 +1,4 @@
-// Materials that both dialects spell alike: Mitsuba's principled and principledthin.
+// Materials shared by the Nori and Mitsuba dialects: Mitsuba's principled and principledthin.
 #include "scene/dialects/read_bsdf.h"
 
 #include <cmath>
@@ -7,7 +7,7 @@ namespace sheaf {
 
 namespace {
 
-/// A parameter in [0, 1], replaced if the file gives it.
+/// Reads a parameter in [0, 1] into `value`, if present.
 void read_share(Properties& p, const char* name, ScalarInput& value) {
   value = p.scalar_input(name, value, kUnitInterval);
 }

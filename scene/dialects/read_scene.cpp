@@ -1,4 +1,4 @@
-// Chooses the dialect of a scene file: pbrt's by its name, those in XML by their content.
+// Selection of the scene dialect: pbrt by file name, XML dialects by content.
 #include "scene/dialects/read_scene.h"
 
 #include "core/file_format.h"
@@ -16,7 +16,7 @@ namespace sheaf {
 
 namespace {
 
-/// Nori's scenes have a camera and no version. Of others that lack both of what tells, meshes are Nori's.
+/// Whether an XML scene is in the Nori dialect: no <sensor> and no version, but a <camera> or a <mesh>.
 bool is_nori(const XmlElement& root) {
   const auto has = [&](const char* name) {
     return std::any_of(root.children.begin(), root.children.end(), [&](const XmlElement& e) { return e.name == name; });
@@ -25,7 +25,7 @@ bool is_nori(const XmlElement& root) {
   return has("camera") || has("mesh");
 }
 
-/// What Mitsuba called other names before its version 0.3.
+/// Renames elements and plugins from before Mitsuba 0.3.
 void rename_old_plugins(ExpandedScene& scene) {
   struct Name {
     const char *element, *old, *now;
@@ -41,7 +41,7 @@ void rename_old_plugins(ExpandedScene& scene) {
   for (const Name& name : kNames) scene.rename_plugin(name.element, name.old, name.now);
 }
 
-/// A scene without any light would be black.
+/// Adds a white sky to a scene without lights, which would render black.
 void light_what_is_dark(Description& description) {
   const auto emits = [](const ShapeDescription& shape) { return shape.radiance.has_value(); };
   bool lit = !description.lights.empty() || std::any_of(description.shapes.begin(), description.shapes.end(), emits);
@@ -77,7 +77,7 @@ void check_frame(int width, int height, const SourceLocation& where) {
 
 namespace {
 
-/// What to do with a file of this use, after a semicolon.
+/// Advice on converting a file of this kind, starting with a semicolon.
 std::string conversion(FileUse use) {
   switch (use) {
     case FileUse::kModel:
@@ -97,11 +97,11 @@ std::string conversion(FileUse use) {
   return "";
 }
 
-/// Throws SceneError for files of formats that are no scene's and no model's.
+/// Throws SceneError for files that are neither scenes nor models.
 void check_format(const std::filesystem::path& file) {
   const FileFormat format = file_format(file);
   if (format.use == FileUse::kUnknown || (format.use == FileUse::kArchive && is_pbrt_scene(file))) return;
-  // Of empty files whose names say what they are to be, readers know better what is missing.
+  // For empty files with a known extension, the readers report better errors.
   const bool is_named = file.extension() == ".xml" || is_pbrt_scene(file) || model_format(file);
   if (format.use == FileUse::kEmpty && is_named) return;
   throw SceneError({file.string(), 0}, "is " + format.name +
@@ -110,7 +110,7 @@ void check_format(const std::filesystem::path& file) {
                                            conversion(format.use));
 }
 
-/// Lets meshes of files do without faces whose vertices the files lack.
+/// Makes file meshes drop faces that refer to missing vertices.
 void drop_bad_faces(Description& description) {
   const auto drop = [](std::vector<ShapeDescription>& shapes) {
     for (ShapeDescription& shape : shapes)
@@ -132,6 +132,7 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
     if (options.lenient) drop_bad_faces(description);
     return description;
   }
+  // Expand the XML file and detect its dialect
   ExpandedScene scene(file, options.defines, options.lenient);
   const XmlElement& root = scene.root();
   if (root.name != "scene") throw SceneError(root.where, "root element is <" + root.name + ">, expected <scene>");
@@ -144,6 +145,7 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
   } else {
     rename_old_plugins(scene);
   }
+  // Read the elements
   ReadContext context{scene, description, options.lenient};
   context.mirrors_nori_camera = options.nori_camera == NoriCamera::kEth;
   context.readers.spectrum = read_property_spectrum;
@@ -153,6 +155,7 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
   } else {
     read_mitsuba(context);
   }
+  // Complete the description
   description.files = scene.files();
   if (options.lenient) drop_bad_faces(description);
   expand_obj_materials(description, options.lenient);
@@ -165,8 +168,7 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
 
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options) {
   Description description = read_format(file, options);
-  // Early roulette was found to pay among surfaces. In media that take much light at every vertex it makes rare samples
-  // that are worth many.
+  // Early Russian roulette pays off for surfaces. In absorbing media it causes rare samples of high weight.
   std::optional<int>& rr_depth = description.integrator.rr_depth;
   if (!description.media.empty() && !rr_depth) rr_depth = kOtherRouletteDepth;
   return description;

@@ -1,4 +1,4 @@
-// Reads spectra and colours.
+// Reading of spectra and colours.
 #include "scene/dialects/read_spectrum.h"
 
 #include "scene/data/illuminants.h"
@@ -10,7 +10,7 @@ namespace sheaf {
 
 namespace {
 
-/// One of the illuminants that have names, of Y = `scale`.
+/// Reads a named illuminant with luminance `scale`.
 SpectrumDescription read_illuminant(Properties& p) {
   const std::optional<std::string> name = p.find_string("name");
   if (!name) p.fail("needs the string 'name'");
@@ -25,7 +25,7 @@ SpectrumDescription read_illuminant(Properties& p) {
   return {std::move(*table)};
 }
 
-/// `value`: a number, or three as they are.
+/// Reads `value`: a number, or three numbers without colour conversion.
 SpectrumDescription read_raw_constant(Properties& p) {
   if (!p.has("value")) p.fail("needs the property 'value'");
   const auto is_vector = [](const XmlElement& child) {
@@ -38,7 +38,7 @@ SpectrumDescription read_raw_constant(Properties& p) {
   return *p.find_spectrum("value", SpectrumRole::kIor);
 }
 
-/// A spectrum given as a plugin: <spectrum type="...">.
+/// Reads a spectrum plugin, <spectrum type="...">.
 SpectrumDescription read_spectrum_plugin(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   auto list = [&](const char* name) {

@@ -1,4 +1,4 @@
-// Textures that both dialects spell alike.
+// Textures shared by the Nori and Mitsuba dialects.
 #include "scene/dialects/read_texture.h"
 
 #include "scene/dialects/read_spectrum.h"
@@ -8,11 +8,11 @@ namespace sheaf {
 namespace {
 
 struct Choice {
-  std::string name;   ///< of the property
-  std::string value;  ///< as the file has it
+  std::string name;   ///< name of the property
+  std::string value;  ///< value in the file
 };
 
-/// The one string property that is there under one of the names.
+/// Returns the string property that is present under one of the names. Throws SceneError for several.
 std::optional<Choice> find_choice(Properties& p, std::initializer_list<const char*> names) {
   std::optional<Choice> found;
   for (const char* name : names) {
@@ -44,7 +44,7 @@ BitmapDescription::Wrap read_wrap(Properties& p, std::initializer_list<const cha
   p.fail_at(wrap->name.c_str(), "is " + in_quotes(wrap->value) + ", expected repeat, mirror or clamp");
 }
 
-/// Whether integers are linear values: `raw`, or the gamma of Mitsuba before 2.
+/// Whether integers are linear values: `raw`, or `gamma` of Mitsuba before 2.
 bool read_raw(Properties& p) {
   const bool raw = p.boolean("raw", false);
   if (!p.has("gamma")) return raw;
@@ -58,7 +58,7 @@ std::array<float, 6> from_transform(const Transform& transform) {
   return {entry(0, 0), entry(0, 1), entry(0, 3), entry(1, 0), entry(1, 1), entry(1, 3)};
 }
 
-/// `to_uv`, or the scales and offsets of Mitsuba before 2.
+/// Reads `to_uv`, or the scales and offsets of Mitsuba before 2.
 std::array<float, 6> read_to_uv(Properties& p) {
   const bool given = p.has("to_uv");
   const std::array<float, 6> to_uv = from_transform(p.transform("to_uv"));

@@ -1,39 +1,39 @@
-// Textures that both dialects spell alike: pictures, checkerboards, mesh attributes.
+// Textures shared by the Nori and Mitsuba dialects: bitmaps, checkerboards, mesh attributes.
 #pragma once
 
 #include "scene/xml/properties.h"
 
 namespace sheaf {
 
-/// Where (0, 0) of the uv plane lies in a picture.
+/// Corner of an image at uv = (0, 0).
 enum class PictureOrigin { kUpperLeft, kLowerLeft };
 
-/// Reads a plugin into `texture`, with its properties from `p`, which the caller finishes. False if the plugin is none
-/// of shared_texture_names(). Throws SceneError.
+/// Reads a plugin into `texture`. Its properties come from `p`, which the caller finishes. Returns false unless the
+/// plugin is one of shared_texture_names(). Throws SceneError.
 bool read_shared_texture(Properties& p, PictureOrigin origin, TextureDescription& texture);
 
-/// The plugins that read_shared_texture() knows, in order of the alphabet.
+/// Plugins that read_shared_texture() supports, in alphabetical order.
 const std::vector<std::string>& shared_texture_names();
 
-/// What was read from an element before, or null.
+/// Returns the texture read earlier from this element, or null.
 const SpectrumInput* find_read_texture(const XmlElement& element, const ReadContext& context);
-/// Appends a texture with the place and id of its element, which is then read.
+/// Appends a texture with the location and id of its element, and records that the element is read.
 TextureId add_texture(Properties& p, TextureDescription texture);
 
-/// The texture that stands for `texture` where a number is wanted: itself, but in the scenes of Mitsuba 2 and 3 a
-/// checkerboard with its two values exchanged, as those renderers look numbers up.
+/// Returns the texture that replaces `texture` for scalar parameters. It is the same, except that Mitsuba 2 and 3
+/// exchange the two values of a checkerboard in scalar lookups.
 TextureId scalar_texture(TextureId texture, ReadContext& context);
 
-/// The texture of an input; for a constant, a new texture that shows it everywhere.
+/// Returns the texture of an input; for a constant, appends a constant texture.
 TextureId texture_showing(const SpectrumInput& input, const SourceLocation& where, ReadContext& context);
 
-/// Whether `gamma` of Mitsuba 0.6 takes the integers of an image file as linear values (1), not as sRGB (-1, 0 and,
+/// Whether `gamma` of Mitsuba 0.6 treats the integers of an image file as linear values (1), not as sRGB (-1, 0 and,
 /// with a note, 2.2). Throws SceneError for other values.
 bool read_linear_gamma(Properties& p);
 
-/// The file, filter and wrapping of a picture.
+/// Reads file, filter and wrap mode of a bitmap.
 BitmapDescription read_bitmap(Properties& p);
-/// Turns a map of uv into one to a picture whose v axis points down.
+/// Converts a uv transform to one for an image whose v axis points down.
 std::array<float, 6> flipped(const std::array<float, 6>& to_uv);
 
 }  // namespace sheaf

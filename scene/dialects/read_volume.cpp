@@ -1,3 +1,4 @@
+// Volumes shared by the Nori and Mitsuba dialects: constants, grids in files, and their bounds.
 #include "scene/dialects/read_volume.h"
 
 #include "scene/description/voxels.h"
@@ -22,7 +23,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// The first bytes of a file; fewer if it is shorter.
+/// Returns the first 8 bytes of a file, or fewer if it is shorter.
 std::string first_bytes(const std::filesystem::path& file) {
   std::array<char, 8> bytes{};
   std::ifstream stream(file, std::ios::binary);
@@ -72,7 +73,7 @@ void read_placement(Properties& p, const VolumeDialect& dialect, Grid& grid) {
     p.fail_at("fitToShape", "is true in a medium of the whole scene, which no shape holds");
 }
 
-/// Whether a volume plugin is a constant, under the names that it has had.
+/// Whether a volume plugin is a constant, under any of its names.
 bool is_constant(const std::string& type) { return type == "constvolume" || type == "constantvolume"; }
 
 VolumeInput read_volume(const XmlElement& element, ReadContext& context, SpectrumRole role,
@@ -102,14 +103,14 @@ VolumeInput read_volume(const XmlElement& element, ReadContext& context, Spectru
   return volume;
 }
 
-/// The `to_world` of a constant volume, maybe in caches.
+/// Returns the `to_world` of a constant volume, which may be nested in caches.
 Transform place_of_constant(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   const XmlElement* cached = p.object("volume");
   return cached != nullptr ? place_of_constant(*cached, context) : p.transform("to_world");
 }
 
-/// Whether axes stay axes, up to rounding, in any order.
+/// Whether the transform maps axes to axes, in any order, up to rounding.
 bool keeps_axes(const Transform& t) {
   const auto& m = t.matrix().m;
   for (std::size_t column = 0; column < 3; ++column) {
@@ -126,7 +127,7 @@ bool keeps_axes(const Transform& t) {
 }  // namespace
 
 Grid world_box(const Transform& to_world) {
-  // Along each axis the box reaches from the image of the cube's centre as far as the axes' images together.
+  // The extent along each world axis is the sum of the absolute values of a matrix row.
   const auto& m = to_world.matrix().m;
   DenseVolume voxel;
   voxel.size = {1, 1, 1};

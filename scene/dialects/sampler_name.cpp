@@ -1,3 +1,4 @@
+// Table of sampler names, including those that a similar sampler replaces.
 #include "scene/dialects/sampler_name.h"
 
 #include "core/error.h"
@@ -7,7 +8,7 @@ namespace sheaf {
 
 namespace {
 
-/// The first name of a kind is its own.
+/// The first entry of a kind is its own name.
 constexpr NamedSampler kSamplers[] = {
     {"independent", SamplerKind::kIndependent, false},
     {"stratified", SamplerKind::kStratified, false},

@@ -1,4 +1,4 @@
-// The names of samplers, in all dialects and on the command line.
+// Names of samplers, shared by all dialects and the command line.
 #pragma once
 
 #include "core/sampler.h"
@@ -9,38 +9,37 @@
 
 namespace sheaf {
 
-/// What a name stands for.
+/// A name and its sampler kind.
 struct NamedSampler {
   const char* name;
   SamplerKind kind;
-  bool alike;  ///< another sampler of the same purpose stands in for the one of this name
+  bool alike;  ///< a similar sampler of Sheaf replaces the named one
 };
 
-/// The sampler of this name, or null.
+/// Returns the sampler of this name, or null.
 const NamedSampler* find_sampler(std::string_view name);
 
-/// All names.
+/// Returns all sampler names.
 std::vector<std::string> sampler_names();
 
-/// The name of a kind.
+/// Returns the name of a kind.
 const char* sampler_name(SamplerKind kind);
 
-/// The kind that `name` stands for: independent, stratified, multijitter, sobol, zsobol, and the other samplers of
-/// Mitsuba and pbrt, for which sobol stands in. Throws Error (usage) for an unknown name, with the nearest known one
-/// and all others.
+/// Returns the kind of `name`: independent, stratified, multijitter, sobol, zsobol, or sobol in place of other samplers
+/// of Mitsuba and pbrt. Throws Error (usage) for an unknown name; the message lists the nearest name and all names.
 SamplerKind sampler_from_name(std::string_view name);
 
-/// What to tell the user if another sampler stands in for the one of this name; else empty.
+/// Returns a note for the user if another sampler replaces the named one; else empty.
 std::string stand_in_sampler_note(std::string_view name);
 
-/// The kind with which to render a scene whose file names `named`, unless the user asks for it. Exporters write
-/// `independent` because readers have it as default, not because somebody wants its noise: it becomes sobol.
+/// Returns the sampler kind to render with for a scene file that names `named`, unless the user overrides it. Sobol
+/// replaces `independent`, because exporters write `independent` only as the default.
 SamplerKind rendered_sampler(SamplerKind named);
 
-/// What to tell the user if that is another kind; empty if it is not.
+/// Returns a note for the user if rendered_sampler() changes the kind; else empty.
 std::string rendered_sampler_note(SamplerKind named);
 
-/// What to tell the user if `sample_count` samples per pixel become more with this sampler; empty if they do not.
+/// Returns a note for the user if this sampler rounds `sample_count` samples per pixel up; else empty.
 std::string rounding_note(SamplerKind kind, std::uint32_t sample_count);
 
 }  // namespace sheaf

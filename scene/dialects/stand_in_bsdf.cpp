@@ -1,3 +1,4 @@
+// Selection of the supported material that is most similar to an unsupported one.
 #include "scene/dialects/stand_in_bsdf.h"
 
 #include "scene/dialects/read_bsdf.h"
@@ -18,7 +19,7 @@ bool has_any(Properties& p, std::initializer_list<const char*> names) {
   return std::any_of(names.begin(), names.end(), [&](const char* name) { return p.has(name); });
 }
 
-/// Part of a plugin's name, and the known plugins that it means, smooth and rough.
+/// Part of a plugin name, and the known plugins it suggests, smooth and rough.
 struct NamePart {
   const char* part;
   const char* smooth;
@@ -42,7 +43,7 @@ constexpr NamePart kNameParts[] = {
     {"invisible", "null", "null"},
 };
 
-/// The known plugin that is most like an unknown one, or an empty string.
+/// Returns the known plugin that is most similar to an unknown one, or an empty string.
 std::string nearest_plugin(Properties& p) {
   const std::string name = lower_case(p.type());
   const bool rough = name.find("rough") != std::string::npos || has_any(p, {"alpha", "alpha_u", "roughness"});
@@ -55,7 +56,7 @@ std::string nearest_plugin(Properties& p) {
   return {};
 }
 
-/// A diffuse material in the object's first colour that can be read, else in the default's.
+/// Adds a diffuse material with the object's first readable colour, or the default colour.
 MaterialId add_diffuse(const XmlElement& bsdf, ReadContext& context) {
   MaterialDescription material;
   read_what_can_be(bsdf, context, [&] {
@@ -69,7 +70,7 @@ MaterialId add_diffuse(const XmlElement& bsdf, ReadContext& context) {
   return add_material(context, std::move(material));
 }
 
-/// The first material that the object holds, or null.
+/// Returns the first nested material, or null.
 const XmlElement* held_material(const XmlElement& bsdf, ReadContext& context) {
   const XmlElement* held = nullptr;
   read_what_can_be(bsdf, context, [&] {
@@ -88,6 +89,7 @@ MaterialId read_bsdf_leniently(const XmlElement& bsdf, ReadContext& context,
   const auto error = read_what_can_be(bsdf, context, [&] { id = read(bsdf); });
   if (!error) return id;
   const auto say = [&](const std::string& what) { context.description.stand_ins.push_back(*error + what); };
+  // Try the nested material, then a similar plugin, then a diffuse surface
   if (const XmlElement* held = held_material(bsdf, context)) {
     say(" (the material that it holds stands in)");
     return read_bsdf_leniently(*held, context, read);

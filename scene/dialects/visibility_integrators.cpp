@@ -1,3 +1,4 @@
+// Ambient occlusion and average visibility, rendered in scenes of white surfaces.
 #include "scene/dialects/visibility_integrators.h"
 
 #include <utility>
@@ -22,7 +23,7 @@ void make_white(Description& description, bool two_sided) {
     return shape.material &&
            std::holds_alternative<NullDescription>(before[static_cast<std::size_t>(*shape.material)].model);
   };
-  // Boundaries hold nothing any more.
+  // Null interfaces have no media any more.
   std::erase_if(description.shapes, is_boundary);
   const auto clear = [&](std::vector<ShapeDescription>& shapes) {
     for (ShapeDescription& shape : shapes) {
@@ -53,7 +54,7 @@ void apply_visibility_integrator(std::string_view name, float length, bool two_s
     integrator.visibility_length = length;
     return;
   }
-  // A white surface under a sky of radiance 1 that the camera does not see.
+  // A white surface under a sky of radiance 1 that is hidden from the camera.
   description.lights.push_back({ConstantLightDescription{}, {}});
   integrator.strategy = LightStrategy::kBsdfOnly;
   integrator.hide_emitters = true;

@@ -1,4 +1,4 @@
-// Integrators that look at shapes alone, whatever their materials and lights: ambient occlusion and average visibility.
+// Integrators that depend on shapes alone, not on materials and lights: ambient occlusion and average visibility.
 #pragma once
 
 #include "scene/description/description.h"
@@ -7,16 +7,16 @@
 
 namespace sheaf {
 
-/// Whether the name is of such an integrator: ao, its name in pbrt, ambientocclusion, or av.
+/// Whether the name is one of these: ao, ambientocclusion (the name in pbrt), or av.
 bool is_visibility_integrator(std::string_view name);
 
-/// All shapes become white and diffuse, emit nothing and hold nothing; no light is left. Boundaries that light does not
-/// notice are left out, but for those in groups. `two_sided`: also surfaces seen from behind are white.
+/// Makes all shapes white, diffuse and non-emissive, removes media and all lights. Removes null interfaces, except
+/// those in groups. `two_sided`: back sides are white, too.
 void make_white(Description& description, bool two_sided);
 
-/// Makes the scene one whose image is what the integrator computes. ao: each point's share of the sky, by the cosine,
-/// 0 where the camera sees nothing. av: the share of the directions around each point's normal, all alike, in which
-/// nothing is nearer than `length` metres, 1 where the camera sees nothing. To be called once the scene is read.
+/// Modifies the scene such that its image is what the integrator computes. ao: cosine-weighted visibility of the sky at
+/// each point, 0 where the camera ray misses. av: fraction of the hemisphere around the normal, uniformly weighted,
+/// without an occluder closer than `length` (m), 1 where the camera ray misses. Call it after the scene is read.
 void apply_visibility_integrator(std::string_view name, float length, bool two_sided, Description& description);
 
 }  // namespace sheaf

@@ -1,3 +1,4 @@
+// Parser of Mitsuba 3's curve files.
 #include "scene/formats/curve_file.h"
 
 #include "scene/formats/mesh_io.h"
@@ -7,7 +8,7 @@ namespace sheaf {
 
 namespace {
 
-/// Throws unless the curve that ends before the line has enough points.
+/// Throws unless the curve that ends before this line has enough points.
 void end_curve(const Curves& curves, const NumberLines& lines) {
   const std::size_t count = curves.points.size() - curves.starts.back();
   if (count < curves.order())

@@ -1,3 +1,4 @@
+// Ellipsoids in PLY files, converted to transforms of the unit sphere.
 #include "scene/formats/ellipsoids.h"
 
 #include "scene/formats/mesh_io.h"
@@ -9,13 +10,13 @@ namespace {
 
 constexpr std::array<const char*, 10> kColumns = {"x",       "y",     "z",     "scale_0", "scale_1",
                                                   "scale_2", "rot_0", "rot_1", "rot_2",   "rot_3"};
-/// Half axes, before they are scaled, are at least as long (Mitsuba 3).
+/// Minimum semi-axis before scaling (as in Mitsuba 3).
 constexpr double kShortestAxis = 1e-6;
 constexpr int kUnwanted = -1;
 
 using Row = std::array<double, kColumns.size()>;
 
-/// Which of kColumns each property is.
+/// Returns for each property its index in kColumns, or kUnwanted.
 std::vector<int> columns_of(const PlyElement& element, const std::string& file) {
   std::vector<int> columns(element.properties.size(), kUnwanted);
   for (std::size_t c = 0; c < kColumns.size(); ++c) {
@@ -29,7 +30,8 @@ std::vector<int> columns_of(const PlyElement& element, const std::string& file) 
   return columns;
 }
 
-/// The unit quaternion (w, x, y, z) as a rotation, times half axes, and the centre.
+/// Returns the transform of the unit sphere: semi-axes, rotation by the quaternion (w, x, y, z), which is normalised,
+/// and centre.
 Transform placement(const Row& row, double scale) {
   double q[4], squared = 0;
   for (std::size_t i = 0; i < 4; ++i) squared += row[6 + i] * row[6 + i];
@@ -47,7 +49,7 @@ Transform placement(const Row& row, double scale) {
   return Transform(m);
 }
 
-/// Whether the row is an ellipsoid that single precision can hold.
+/// Whether single precision can represent the ellipsoid.
 bool is_usable(const Row& row) {
   constexpr double kLargest = 1e12, kLargestLogarithm = 27;
   for (std::size_t i = 0; i < 3; ++i)

@@ -1,4 +1,4 @@
-// Files of ellipsoids.
+// Ellipsoid files in PLY format, as for 3D Gaussian splatting (Kerbl et al. 2023).
 #pragma once
 
 #include "core/transform.h"
@@ -8,11 +8,11 @@
 
 namespace sheaf {
 
-/// Reads a PLY file, ASCII or binary, whose first element has for each ellipsoid its centre x, y, z, the logarithms of
-/// its half axes scale_0 to scale_2, and a quaternion rot_0 (the real part) to rot_3 that turns it (Kerbl et al. 2023);
-/// of what else there is nothing is read. Returns what takes the unit sphere to each, half axes times `scale`. Throws
-/// SceneError for a file that is missing, truncated or malformed, that lacks one of these, or for values that are not
-/// finite or too large.
+/// Reads a PLY file, ASCII or binary. Its first element holds one ellipsoid per row: centre x, y, z, logarithms of the
+/// semi-axes scale_0 to scale_2, and a rotation quaternion rot_0 (real part) to rot_3 (Kerbl et al. 2023). Other
+/// properties are ignored. Returns the transforms of the unit sphere to the ellipsoids, with semi-axes multiplied by
+/// `scale`. Throws SceneError for a missing, truncated or malformed file, for missing properties, and for values that
+/// are not finite or too large.
 std::vector<Transform> read_ellipsoids(const std::filesystem::path& file, float scale);
 
 }  // namespace sheaf

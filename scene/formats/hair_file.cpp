@@ -1,3 +1,4 @@
+// Parser of Mitsuba 0.6's hair files, text and binary.
 #include "scene/formats/hair_file.h"
 
 #include "scene/formats/mesh_io.h"
@@ -10,7 +11,7 @@ namespace sheaf {
 
 namespace {
 
-/// Takes points hair by hair, and leaves out those that change little.
+/// Builds linear curves hair by hair; drops points where the direction changes little.
 class HairBuilder {
  public:
   explicit HairBuilder(const HairReading& reading)
@@ -18,7 +19,7 @@ class HairBuilder {
     curves_.basis = Curves::Basis::kLinear;
   }
 
-  /// The next point begins a hair.
+  /// Starts a new hair at the next point.
   void begin() {
     end();
     left_out_ = u01_of_hair(hairs_++) < reading_.reduction;
@@ -40,9 +41,9 @@ class HairBuilder {
   }
 
  private:
-  /// A number in [0, 1) for each hair.
+  /// Returns a hash of the hair's index in [0, 1).
   static float u01_of_hair(std::uint32_t hair) {
-    std::uint32_t bits = hair * 0x9e3779b9u + 0x7f4a7c15u;  // Weyl's sequence, and the mixing of MurmurHash3
+    std::uint32_t bits = hair * 0x9e3779b9u + 0x7f4a7c15u;  // Weyl sequence, mixed as in MurmurHash3
     bits = (bits ^ bits >> 16) * 0x85ebca6bu;
     bits = (bits ^ bits >> 13) * 0xc2b2ae35u;
     return static_cast<float>((bits ^ bits >> 16) >> 8) * 0x1p-24f;
@@ -58,7 +59,7 @@ class HairBuilder {
   }
 
   const HairReading reading_;
-  const float straight_;  ///< cosine of the angle
+  const float straight_;  ///< cosine of the angle threshold
   std::vector<Vec3f> points_;
   std::uint32_t hairs_ = 0;
   bool left_out_ = false;

@@ -1,21 +1,22 @@
-// Hair of Mitsuba before version 2.
+// Hair files of Mitsuba before version 2.
 #pragma once
 
 #include "scene/description/description.h"
 
 namespace sheaf {
 
-/// How much of a file of hair is read.
+/// Options for reading a hair file.
 struct HairReading {
   float radius = 0.025f;
-  float angle_threshold = 1;  ///< degrees; points at which a hair turns by less are left out
-  float reduction = 0;        ///< in [0, 1): the share of hairs that is left out; the others are wider for it
+  float angle_threshold = 1;  ///< degrees; points with smaller direction changes are dropped
+  float reduction = 0;        ///< in [0, 1): fraction of hairs to drop; the others widen to compensate
 };
 
-/// Reads hairs as lines: text with a point "x y z" per line and empty lines, or those that begin with #, between hairs;
-/// or the letters BINARY_HAIR, a 32-bit number of points, and their coordinates as 32-bit floats, all in little endian,
-/// with an infinity before the first point of each hair (manual of Mitsuba 0.6, "Hair intersection shape"). Hairs of a
-/// single point are not seen. Throws SceneError for a file that is missing, truncated or malformed, or without a hair.
+/// Reads hairs as linear curves (manual of Mitsuba 0.6, "Hair intersection shape"). Text files have a point "x y z" per
+/// line, and empty lines or lines that start with # between hairs. Binary files have the letters BINARY_HAIR, a 32-bit
+/// number of points, and their coordinates as 32-bit floats, all little endian. An infinity precedes the first point of
+/// each hair. Hairs with a single point are invisible. Throws SceneError for a missing, truncated or malformed file,
+/// and for a file without hairs.
 Curves read_hair_file(const std::filesystem::path& file, const HairReading& reading);
 
 }  // namespace sheaf

@@ -1,3 +1,4 @@
+// Tessellation of height fields, and heights from images.
 #include "scene/formats/height_field.h"
 
 #include "core/color.h"
@@ -36,7 +37,7 @@ Heights read_heights(const std::filesystem::path& file, float scale, bool raw) {
   return out;
 }
 
-/// The sum of the normals of the cells around each vertex, by the slopes of their edges there.
+/// Returns vertex normals: means of the normals of the adjacent cells, by the slopes of their edges at the vertex.
 std::vector<Vec3f> smooth_normals(const Heights& z) {
   std::vector<Vec3f> normals(z.z.size());
   const float across = 0.5f * static_cast<float>(z.width - 1), along = 0.5f * static_cast<float>(z.height - 1);

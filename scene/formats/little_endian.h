@@ -1,4 +1,4 @@
-// Numbers in binary files.
+// Little-endian numbers in binary files.
 #pragma once
 
 #include <concepts>
@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-/// Of sizeof(T) bytes, the lowest first.
+/// Returns the number in sizeof(T) bytes, least significant byte first.
 template <std::unsigned_integral T> T little_endian(const char* bytes) {
   T value = 0;
   for (std::size_t i = sizeof(T); i-- > 0;) value = static_cast<T>(value << 8 | static_cast<unsigned char>(bytes[i]));

@@ -1,3 +1,4 @@
+// Loop subdivision with limit positions and normals (Loop 1987; Warren 1995; Hoppe et al. 1994).
 #include "scene/formats/loop_subdivision.h"
 
 #include <algorithm>
@@ -24,7 +25,7 @@ constexpr std::uint32_t kNobody = 0xffffffffu;
 
 std::uint64_t directed(std::uint32_t from, std::uint32_t to) { return std::uint64_t{from} << 32 | to; }
 
-/// What is next to what.
+/// Adjacency of a triangle mesh.
 class Neighbours {
  public:
   Neighbours(const std::vector<Triangle>& triangles, std::size_t vertices)
@@ -43,13 +44,13 @@ class Neighbours {
       }
   }
 
-  /// The vertex on the left of an edge, if there is a triangle.
+  /// Returns the vertex to the left of a directed edge, or kNobody without a triangle there.
   std::uint32_t left(std::uint32_t a, std::uint32_t b) const {
     const auto found = across_.find(directed(a, b));
     return found != across_.end() ? found->second : kNobody;
   }
 
-  /// The neighbours of a vertex against the clock; on the boundary from one end to the other.
+  /// One-ring of a vertex in counter-clockwise order; on the boundary, from one end to the other.
   struct Ring {
     std::vector<std::uint32_t> vertices;
     bool closed = true;
@@ -58,7 +59,7 @@ class Neighbours {
     Ring out;
     const std::uint32_t start = first_[vertex];
     if (start == kNobody) return out;
-    // Back to where the boundary begins.
+    // Walk back to the start of the boundary.
     std::uint32_t begin = start;
     for (;;) {
       const std::uint32_t before = left(begin, vertex);
@@ -83,15 +84,16 @@ class Neighbours {
   }
 
  private:
-  std::unordered_map<std::uint64_t, std::uint32_t> across_;  ///< of each directed edge the vertex on its left
-  std::vector<std::uint32_t> first_;                         ///< a neighbour of each vertex
-  std::vector<std::size_t> corners_;                         ///< triangles at each vertex
+  std::unordered_map<std::uint64_t, std::uint32_t> across_;  ///< by directed edge: the vertex to its left
+  std::vector<std::uint32_t> first_;                         ///< one neighbour of each vertex
+  std::vector<std::size_t> corners_;                         ///< number of triangles at each vertex
 };
 
-/// What neighbours count for when a vertex of valence k is moved (Warren 1995).
+/// Weight of each neighbour in the vertex rule for valence k (Warren 1995).
 double share_of(std::size_t k) { return k == 3 ? 3.0 / 16 : 3.0 / (8 * static_cast<double>(k)); }
 
-/// The vertex where each of its neighbours, on the boundary those along it, counts for `inner` or `boundary`.
+/// Applies a vertex rule: each neighbour has the weight `inner`; on the boundary, each boundary neighbour has
+/// `boundary`.
 Point moved(const std::vector<Point>& points, std::uint32_t vertex, const Neighbours::Ring& ring, double inner,
             double boundary) {
   if (ring.vertices.empty()) return points[vertex];
@@ -106,10 +108,12 @@ Point moved(const std::vector<Point>& points, std::uint32_t vertex, const Neighb
 void refine(std::vector<Point>& points, std::vector<Triangle>& triangles) {
   const Neighbours neighbours(triangles, points.size());
   std::vector<Point> out(points.size());
+  // Move the old vertices
   for (std::uint32_t v = 0; v < points.size(); ++v) {
     const Neighbours::Ring ring = neighbours.ring(v);
     out[v] = moved(points, v, ring, share_of(ring.vertices.size()), 1.0 / 8);
   }
+  // Add a vertex per edge
   std::unordered_map<std::uint64_t, std::uint32_t> middles;
   const auto middle = [&](std::uint32_t a, std::uint32_t b) {
     const auto [found, is_new] =
@@ -121,6 +125,7 @@ void refine(std::vector<Point>& points, std::vector<Triangle>& triangles) {
                                                       : ends * 0.375 + (points[left] + points[right]) * 0.125);
     return found->second;
   };
+  // Split each triangle into four
   std::vector<Triangle> finer;
   finer.reserve(4 * triangles.size());
   for (const auto& [a, b, c] : triangles) {
@@ -131,7 +136,7 @@ void refine(std::vector<Point>& points, std::vector<Triangle>& triangles) {
   triangles = std::move(finer);
 }
 
-/// Across the boundary, up to a factor (Hoppe et al. 1994, appendix A).
+/// Returns the tangent across the boundary, up to a factor (Hoppe et al. 1994, appendix A).
 Point across_boundary(const std::vector<Point>& points, std::uint32_t vertex, const std::vector<std::uint32_t>& ring) {
   const auto at = [&](std::size_t j) { return points[ring[j]]; };
   const std::size_t k = ring.size();
@@ -145,7 +150,7 @@ Point across_boundary(const std::vector<Point>& points, std::uint32_t vertex, co
   return sum;
 }
 
-/// The limit surface's normal at a vertex; zero where it has none.
+/// Returns the normal of the limit surface at a vertex, not normalised; zero if undefined.
 Point limit_normal(const std::vector<Point>& points, std::uint32_t vertex, const Neighbours::Ring& ring) {
   const std::vector<std::uint32_t>& around = ring.vertices;
   const std::size_t k = around.size();
@@ -177,6 +182,7 @@ Mesh subdivide(const Mesh& control, int levels) {
   if (triangles.size() > kMaxSubdivided >> (2 * levels))
     throw SceneError("the surface would have more than " + std::to_string(kMaxSubdivided) + " triangles");
   for (int level = 0; level < levels; ++level) refine(points, triangles);
+  // Project the vertices to the limit surface
   const Neighbours neighbours(triangles, points.size());
   Mesh out;
   for (std::uint32_t v = 0; v < points.size(); ++v) {

@@ -1,3 +1,4 @@
+// Reader of measured BRDFs from tensor files.
 #include "scene/formats/measured_file.h"
 
 #include "scene/formats/tensor_file.h"
@@ -10,7 +11,7 @@ namespace sheaf {
 
 namespace {
 
-/// Most points along one side of a grid, and entries of a list: what floats count exactly many times over.
+/// Maximum grid side and list length; single precision represents such counts exactly.
 constexpr std::uint64_t kMaxSide = 1u << 16;
 
 class MeasuredReader {
@@ -46,7 +47,7 @@ class MeasuredReader {
     return std::to_string(g.height) + " x " + std::to_string(g.width);
   }
 
-  /// Increasing numbers.
+  /// Reads a list of increasing numbers.
   std::vector<float> list(const char* name) const {
     const std::uint64_t size = file_.shape(name, 1)[0];
     if (size > kMaxSide)
@@ -67,7 +68,7 @@ class MeasuredReader {
                  std::to_string(brdf.phi.back()) + ", expected a whole turn, a half or a quarter of it, in radians");
   }
 
-  /// Grids in the last two dimensions, behind those of `outer`.
+  /// Reads grids in the last two dimensions; the leading dimensions must equal `outer`.
   MeasuredBrdf::Grids grids(const char* name, const TensorFile::Shape& outer) const {
     const TensorFile::Shape& shape = file_.shape(name, outer.size() + 2);
     if (!std::equal(outer.begin(), outer.end(), shape.begin()))

@@ -1,5 +1,5 @@
-// Helpers on triangle meshes. Areas, angles and normals are computed in double precision, where no product of three
-// finite single-precision lengths overflows or vanishes.
+// Triangle mesh functions. Areas, angles and normals are computed in double precision, where products of three finite
+// single-precision lengths neither overflow nor vanish.
 #include "scene/formats/mesh.h"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ double dot(Double3 a, Double3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 double length(Double3 a) { return std::sqrt(dot(a, a)); }
 Double3 cross(Double3 a, Double3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 
-/// The unit vector, or zero for one that has no direction.
+/// Normalises a vector; returns zero for a vector without a direction.
 Double3 direction(Double3 a) {
   const double l = length(a);
   return l > 0 && std::isfinite(l) ? a * (1 / l) : Double3{};
@@ -35,13 +35,13 @@ Double3 direction(Double3 a) {
 Vec3f to_float(Double3 a) { return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)}; }
 bool is_zero(Vec3f a) { return a.x == 0 && a.y == 0 && a.z == 0; }
 
-/// The geometric normal times twice the area.
+/// Returns the geometric normal, with twice the area as length.
 Double3 area_normal(const Mesh& mesh, const Triangle& t) {
   const Double3 a(mesh.positions[t[0]]);
   return cross(Double3(mesh.positions[t[1]]) - a, Double3(mesh.positions[t[2]]) - a);
 }
 
-/// The angle at the first of three points, in radians; 0 if two coincide.
+/// Returns the angle at the first of three points, radians; 0 if two coincide.
 double angle_at(Vec3f p, Vec3f a, Vec3f b) {
   const Double3 u = Double3(a) - Double3(p), v = Double3(b) - Double3(p);
   const double angle = std::atan2(length(cross(u, v)), dot(u, v));
@@ -64,7 +64,7 @@ void fill_zero_normals(Mesh& mesh) {
   }
   for (std::uint32_t i = 0; i < mesh.normals.size(); ++i) {
     if (!is_missing(i)) continue;
-    constexpr double kCancelled = 1e-9;  // triangles back to back
+    constexpr double kCancelled = 1e-9;  // for triangles back to back
     mesh.normals[i] = to_float(length(sums[i]) > kCancelled ? direction(sums[i]) : spares[i]);
     if (is_missing(i)) mesh.normals[i] = {0, 0, 1};
   }
@@ -81,7 +81,7 @@ void orient_by_normals(Mesh& mesh) {
 
 bool is_degenerate(const Mesh& mesh, const Triangle& t) {
   constexpr double kSmallestDoubleArea = 1e-37;
-  constexpr double kSmallestRatio = 0x1p-22;  // of twice the area to the longest edge squared
+  constexpr double kSmallestRatio = 0x1p-22;  // twice the area over the squared longest edge
   for (const std::uint32_t vertex : t) {
     if (vertex >= mesh.positions.size()) return true;
     const Vec3f p = mesh.positions[vertex];
@@ -98,7 +98,7 @@ bool is_degenerate(const Mesh& mesh, const Triangle& t) {
   return double_area < kSmallestDoubleArea || double_area < kSmallestRatio * longest_squared;
 }
 
-/// The rows of `values` that `sources` names, in that order; a row has `width` values.
+/// Returns the rows of `values` with the indices `sources`; a row has `width` values.
 template <class T>
 std::vector<T> select_rows(const std::vector<T>& values, const std::vector<std::uint32_t>& sources,
                            std::size_t width = 1) {
@@ -114,7 +114,7 @@ std::vector<T> select_rows(const std::vector<T>& values, const std::vector<std::
 
 bool is_per_vertex(const Mesh::Attribute& attribute) { return attribute.name.starts_with("vertex_"); }
 
-/// Adds a square face around `centre`, spanned by half edges along u and v. Its front is on the side of `normal`.
+/// Adds a square around `centre` with half edges u and v. Its front faces `normal`.
 void append_square(Mesh& mesh, Vec3f centre, Vec3f normal, Vec3f u, Vec3f v) {
   constexpr std::array<Vec2f, 4> kCorners{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());

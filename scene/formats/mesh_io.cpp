@@ -1,4 +1,4 @@
-// What the readers of mesh files share.
+// Functions shared by the readers of mesh files.
 #include "scene/formats/mesh_io.h"
 
 #include "core/byte_order_mark.h"
@@ -12,7 +12,7 @@ namespace sheaf {
 
 namespace {
 
-/// The content of a gzip file.
+/// Decompresses a gzip file.
 std::string inflated(std::string_view bytes, const SourceLocation& where, std::string_view what) {
   constexpr std::size_t kPiece = std::size_t{1} << 20, kMax = std::size_t{1} << 32;
   if (!bytes.starts_with("\x1f\x8b")) throw SceneError(where, std::string(what) + " is no gzip file, as its name says");

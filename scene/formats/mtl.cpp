@@ -1,5 +1,5 @@
-// MTL files are lines of a keyword and its arguments. tinyobjloader's reader of them takes malformed numbers for 0,
-// knows no lines, and cannot tell what a file leaves out from what it sets: so the lines are read here.
+// MTL files consist of lines with a keyword and arguments. This parser replaces tinyobjloader's, which reads malformed
+// numbers as 0, has no line numbers, and does not distinguish missing properties from default values.
 #include "scene/formats/mtl.h"
 
 #include "scene/formats/mesh_io.h"
@@ -16,7 +16,7 @@ namespace sheaf {
 
 namespace {
 
-/// Takes the first word off `text`, which then begins with the next.
+/// Removes the first word from `text` and returns it.
 std::string_view take_word(std::string_view& text) {
   const std::size_t end = std::min(text.find_first_of(" \t"), text.size());
   const std::string_view word = text.substr(0, end);
@@ -65,9 +65,9 @@ constexpr std::array<Keyword<Texture>, 10> kTextures{{{"map_Kd", &MtlMaterial::m
                                                       {"map_bump", &MtlMaterial::bump},
                                                       {"bump", &MtlMaterial::bump},
                                                       {"norm", &MtlMaterial::normal}}};
-/// Keywords that mean nothing to a path tracer, or that every exporter writes.
+/// Keywords that do not matter to a path tracer, or that every exporter writes.
 constexpr std::array<std::string_view, 5> kSilent{"Ka", "map_Ka", "sharpness", "map_aat", "anisor"};
-/// Keywords that are known and not supported.
+/// Keywords that are known but not supported.
 constexpr std::array<std::string_view, 8> kUnsupported{"map_Ke",   "map_Ns", "disp", "map_disp",
                                                        "map_Disp", "decal",  "refl", "map_refl"};
 
@@ -153,7 +153,7 @@ class MtlReader {
     fail("expected a number after '" + std::string(keyword) + "', found " + quoted(word));
   }
 
-  /// One number stands for all three.
+  /// A single number stands for all three channels.
   void read_color(std::string_view keyword, std::string_view arguments, std::optional<Vec3f>& color) {
     if (arguments.starts_with("spectral") || arguments.starts_with("xyz")) {
       note("'" + std::string(keyword) + "' by 'spectral' or 'xyz' is not supported: ignored");
@@ -166,8 +166,8 @@ class MtlReader {
     color->z = take_number(keyword, arguments);
   }
 
-  /// Options stand in front of the picture's name or behind it. The name may have quotation marks around it, and blanks
-  /// in it: without quotation marks it goes as far as a file is found, or to the first option behind it.
+  /// Options may precede or follow the image name. The name may be quoted, and may contain blanks. An unquoted name
+  /// extends to the end of the line if such a file exists, else to the first option or comment.
   void read_texture(std::string_view keyword, std::string_view arguments, std::optional<MtlTexture>& slot) {
     MtlTexture texture;
     texture.where = where_;
@@ -181,7 +181,7 @@ class MtlReader {
     slot = std::move(texture);
   }
 
-  /// Whether the text begins with a minus and a letter: names may begin with a minus alone or a number.
+  /// Whether the text starts with a minus and a letter. Names may start with a minus alone or a minus and a digit.
   static bool is_option(std::string_view text) {
     return text.size() > 1 && text[0] == '-' &&
            ((text[1] >= 'a' && text[1] <= 'z') || (text[1] >= 'A' && text[1] <= 'Z'));
@@ -199,7 +199,7 @@ class MtlReader {
     std::error_code failure;
     if (!std::filesystem::exists(find_picture(arguments), failure))
       for (std::size_t blank = arguments.find_first_of(" \t"); blank != arguments.npos;) {
-        const std::size_t word = arguments.find_first_not_of(" \t", blank);  // there is one: the text is trimmed
+        const std::size_t word = arguments.find_first_not_of(" \t", blank);  // exists, because the text is trimmed
         const std::size_t next = std::min(arguments.find_first_of(" \t", word), arguments.size());
         if (arguments[word] == '#' || is_known_option(arguments.substr(word, next - word))) {
           end = blank;
@@ -212,7 +212,7 @@ class MtlReader {
     return name;
   }
 
-  /// `behind`: the picture's name is in front of it.
+  /// `behind`: the option follows the image name.
   void read_option(std::string_view keyword, std::string_view& arguments, MtlTexture& texture, bool behind) {
     const std::string_view option = take_word(arguments);
     if (option == "-s") {
@@ -238,8 +238,8 @@ class MtlReader {
     }
   }
 
-  /// One to three numbers, of which two count; those that are missing are as in `default_value`. `last`: nothing has to
-  /// follow, else the last word is the picture's name.
+  /// Reads one to three numbers and returns the first two; missing ones come from `default_value`. Unless `last`, the
+  /// final word is the image name, not a number.
   Vec2f take_numbers(std::string_view keyword, std::string_view& arguments, Vec2f default_value, bool last) const {
     Vec2f taken{take_number(keyword, arguments), default_value.y};
     for (int i = 1; i < 3; ++i) {
@@ -252,7 +252,7 @@ class MtlReader {
     return taken;
   }
 
-  /// Files named by another computer's folders are sought beside the library too.
+  /// Returns the path of an image. Also searches next to the library, because paths may come from another computer.
   std::filesystem::path find_picture(std::string_view name) const {
     std::string portable(name);
     std::replace(portable.begin(), portable.end(), '\\', '/');
@@ -263,7 +263,7 @@ class MtlReader {
     return std::filesystem::exists(beside, failure) ? beside : file;
   }
 
-  /// Once for each keyword or option.
+  /// Adds a note, once per keyword or option.
   void note_unused(std::string_view keyword) {
     if (!noted_.insert(std::string(keyword.substr(0, 64))).second) return;
     const bool is_known =
@@ -286,7 +286,7 @@ class MtlReader {
   SourceLocation where_;
   MtlLibrary library_;
   std::set<std::string> noted_;
-  bool has_dissolve_ = false;  ///< 'd' wins against 'Tr'
+  bool has_dissolve_ = false;  ///< 'd' takes precedence over 'Tr'
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
-// A file is a sequence of segments. Each is a magic number, a version, the number of grids and their codec, then for
-// each grid a description of 176 bytes and its name, then the grids. A grid is one piece of memory with offsets in it:
-// a header, the tree's header, and nodes of four levels. None of these offsets is trusted.
+// File layout: a sequence of segments. Each has a magic number, a version, the number of grids and their codec, then
+// for each grid a description of 176 bytes and its name, then the grids. A grid is one block of memory with internal
+// offsets: a header, the tree's header, and nodes of four levels. All offsets are validated.
 #define NANOVDB_USE_ZIP
 #include "scene/formats/nanovdb.h"
 
@@ -24,20 +24,20 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "grids are read as they lie in memory");
 
-/// Reads a T, which need not be aligned.
+/// Reads a T without alignment requirements.
 template <class T> T value_at(const char* bytes) {
   T value;
   std::memcpy(&value, bytes, sizeof(T));
   return value;
 }
 
-/// A name from a file for a message.
+/// Truncates a name from a file for a message.
 std::string shown(const std::string& name) {
   constexpr std::size_t kLongest = 60;
   return name.size() <= kLongest ? name : name.substr(0, kLongest) + "...";
 }
 
-/// Where a grid lies in its file.
+/// Location of a grid in its file.
 struct GridEntry {
   std::string name;
   std::uint16_t codec = 0;
@@ -45,7 +45,7 @@ struct GridEntry {
   std::string_view stored;
 };
 
-/// The segments of a file.
+/// Directory of the grids in all segments of a file.
 class Directory {
  public:
   Directory(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {
@@ -78,7 +78,7 @@ class Directory {
 
   [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_}, message); }
 
-  static bool is_magic(const char* bytes) {  // "NanoVDB0", and since version 11 "NanoVDB2"
+  static bool is_magic(const char* bytes) {  // "NanoVDB0", or since version 11 "NanoVDB2"
     return std::memcmp(bytes, "NanoVDB", 7) == 0 && (bytes[7] == '0' || bytes[7] == '2');
   }
 
@@ -130,7 +130,7 @@ class Directory {
   std::vector<GridEntry> entries_;
 };
 
-/// A grid's memory.
+/// The decompressed memory of a grid.
 class GridMemory {
  public:
   GridMemory(const GridEntry& entry, const std::string& file) : entry_(entry), file_(file) {
@@ -161,7 +161,8 @@ class GridMemory {
     char bytes[32];
   };
 
-  /// Throws if the claimed size can't be what `most` bytes of memory hold.
+  /// Allocates the grid's memory. Throws if the claimed size exceeds `most`, the maximum that the stored data can
+  /// produce.
   void allocate(std::uint64_t most) {
     if (entry_.size > most) {
       fail("is said to take " + std::to_string(entry_.size) + " bytes of memory, more than the file's size allows");
@@ -220,13 +221,13 @@ class GridMemory {
 
 constexpr int kRootTileSide = 4096;
 
-/// Walks down the tree of a grid whose nodes are made for BuildT.
+/// Reads the tree of a grid with build type BuildT.
 template <class BuildT> class TreeReader {
  public:
   explicit TreeReader(const GridMemory& memory) : memory_(memory) {}
 
   VoxelBlocks read() {
-    // The tree's header begins with the offsets of the first leaf, lower, upper and root node.
+    // The tree's header starts with the offsets of the first leaf, lower, upper and root node.
     if (memory_.size() < kTree + 64) fail();
     const std::uint64_t position = kTree + value_at<std::uint64_t>(memory_.data() + kTree + 24);
     const Root& root = *node<Root>(position);
@@ -235,6 +236,7 @@ template <class BuildT> class TreeReader {
     set(root.mBackground, background.data());
     check_finite(background);
     VoxelBlocks blocks(kChannels, background);
+    // Read the root's tiles and children
     for (std::uint32_t i = 0; i < root.mTableSize; ++i) {
       const auto& tile = *root.tile(i);
       const auto origin = tile.origin();
@@ -263,7 +265,7 @@ template <class BuildT> class TreeReader {
 
   [[noreturn]] void fail() const { memory_.fail("the tree of its voxels is corrupt"); }
 
-  /// The node at a place in memory. Throws if it can't be there.
+  /// Returns the node at an offset in memory. Throws for invalid offsets.
   template <class Node> const Node* node(std::uint64_t position) const {
     if (position % 32 != 0 || position < kTree + 64 || position >= memory_.size() ||
         memory_.size() - position < sizeof(Node)) {
@@ -292,7 +294,8 @@ template <class BuildT> class TreeReader {
     if (floats != blocks.background()) blocks.add_constant(at, std::span(floats).first(kChannels), edge);
   }
 
-  /// Nodes can be shared only by a tree that lies: more of them than memory can hold would go on for ages.
+  /// Limits the number of nodes to what fits into memory, because corrupt trees may share nodes and would take very
+  /// long.
   void count_node(std::uint64_t size, std::uint64_t& counter) const {
     if (++counter > memory_.size() / size) fail();
   }
@@ -321,7 +324,7 @@ template <class BuildT> class TreeReader {
   void read_leaf(VoxelBlocks& blocks, const std::array<int, 3>& at, std::uint64_t position) {
     count_node(sizeof(Leaf), leaves_);
     const Leaf& leaf = *node<Leaf>(position);
-    if constexpr (std::is_same_v<BuildT, nanovdb::FpN>) {  // its values lie behind it
+    if constexpr (std::is_same_v<BuildT, nanovdb::FpN>) {  // FpN values follow the leaf
       constexpr int kMaxLog = 4;
       const int log = leaf.mFlags >> 5;
       if (log > kMaxLog || memory_.size() - position - sizeof(Leaf) < std::uint64_t{64} << log) fail();
@@ -400,6 +403,7 @@ template <class ValueT, class BuildT> nanovdb::GridHandle<> build(const NanoVdbG
                     : voxels.channels() == 1 ? nanovdb::GridClass::FogVolume
                                              : nanovdb::GridClass::Unknown;
   const ValueT background = to_value(voxels.background().data());
+  // Set the voxels
   nanovdb::GridBuilder<ValueT, BuildT> builder(background, kind);
   auto accessor = builder.getAccessor();
   for (const VoxelBlocks::Block& block : voxels.blocks()) {
@@ -416,9 +420,10 @@ template <class ValueT, class BuildT> nanovdb::GridHandle<> build(const NanoVdbG
                               value);
         }
   }
+  // Set the transform
   nanovdb::Map map{};
   const auto &m = grid.index_to_world.matrix().m, &inverse = grid.index_to_world.inverse_matrix().m;
-  double columns[3][3], inverse_columns[3][3], translation[3];  // as Map::set() wants them
+  double columns[3][3], inverse_columns[3][3], translation[3];  // layout expected by Map::set()
   for (std::size_t row = 0; row < 3; ++row) {
     translation[row] = m[row][3];
     for (std::size_t column = 0; column < 3; ++column) {

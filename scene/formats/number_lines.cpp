@@ -1,3 +1,4 @@
+// Iteration over lines of numbers.
 #include "scene/formats/number_lines.h"
 #include "scene/formats/text.h"
 

@@ -1,4 +1,4 @@
-// Text files of numbers, some on each line.
+// Text files with numbers on each line.
 #pragma once
 
 #include "core/error.h"
@@ -9,18 +9,18 @@
 
 namespace sheaf {
 
-/// Hands out the lines of a text, which end in LF, CR LF or CR.
+/// Iterates over the lines of a text, which end in LF, CR LF or CR.
 class NumberLines {
  public:
   /// Both arguments must outlive the object.
   NumberLines(std::string_view text, const std::string& file) : rest_(text), file_(file) {}
 
-  /// Goes on to the next line; false at the end.
+  /// Advances to the next line; returns false at the end.
   bool next();
-  /// The line, without blanks around it.
+  /// The current line without surrounding blanks.
   std::string_view line() const { return line_; }
-  /// Reads as many numbers as the line must hold. Throws SceneError if there are more or fewer, if one is malformed or
-  /// not finite. `what`: what they are, for the message.
+  /// Reads the numbers of the line into `numbers`. Throws SceneError if their count differs, or if one is malformed or
+  /// not finite. `what` names them in the message.
   void read(std::span<float> numbers, const char* what) const;
   [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_, number_}, message); }
 

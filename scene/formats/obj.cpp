@@ -1,4 +1,5 @@
-// Wavefront OBJ files: tinyobjloader reads the lines that ObjLines hands it; here the corners of faces become vertices.
+// Wavefront OBJ files: tinyobjloader parses the lines that ObjLines supplies; this file merges face corners into
+// vertices.
 #include "scene/formats/obj.h"
 
 #include "scene/formats/polygon.h"
@@ -15,10 +16,10 @@ namespace sheaf {
 
 namespace {
 
-constexpr int kNone = -1;        ///< a corner has no such attribute
-constexpr int kOutOfRange = -2;  ///< the file says an index that it has nothing for
+constexpr int kNone = -1;        ///< attribute absent
+constexpr int kOutOfRange = -2;  ///< index without a value in the file
 
-/// One corner of a face: indices from 0 into the file's lists, or kNone.
+/// One corner of a face: 0-based indices into the file's lists, or kNone.
 struct Corner {
   int position, uv, normal;
   bool operator==(const Corner&) const = default;
@@ -35,15 +36,15 @@ struct CornerHash {
   }
 };
 
-/// One of the file's lists of attributes, and the highest index that faces use.
+/// One of the file's attribute lists, and the maximum index that faces use.
 template <class T> struct AttributeList {
   const char* name;
   std::vector<T> values;
   int highest = kNone;
   int line_of_highest = 0;
 
-  /// The index from 0 for one as the file gives it: from 1, or negative from the end; 0 for none. Those from before
-  /// the first are errors, or kOutOfRange.
+  /// Converts an index of the file, 1-based or negative from the end, to a 0-based one; 0 becomes kNone. Indices before
+  /// the first value are errors, or become kOutOfRange.
   int resolve(int index, const ObjLines& lines, BadFaces bad_faces) {
     if (index == 0) return kNone;
     const auto count = static_cast<int>(values.size());
@@ -59,16 +60,16 @@ template <class T> struct AttributeList {
     }
     return resolved;
   }
-  /// A face may come before what it refers to: so this is asked at the end.
+  /// Checks the maximum index after reading, because faces may precede the values that they use.
   void check_highest(const std::string& file, BadFaces bad_faces) {
     if (highest < static_cast<int>(values.size())) return;
     if (bad_faces == BadFaces::kError) throw SceneError({file, line_of_highest}, out_of_range(highest + 1));
     if (first_bad.empty()) first_bad = at_line(line_of_highest, highest + 1);
   }
-  /// Whether there is a value of this index.
+  /// Whether a value with this index exists.
   bool has(int index) const { return index >= 0 && index < static_cast<int>(values.size()); }
 
-  std::string first_bad = {};  ///< what is wrong with an index that is out of range, for the user
+  std::string first_bad = {};  ///< error message for the first index out of range
 
  private:
   std::string out_of_range(int index) const {
@@ -78,7 +79,7 @@ template <class T> struct AttributeList {
   std::string at_line(int line, int index) const { return "line " + std::to_string(line) + ": " + out_of_range(index); }
 };
 
-/// What the lines of the file say.
+/// The parsed content of the file.
 struct ObjContent {
   ObjContent(const ObjLines& from, BadFaces on_bad_faces) : lines(from), bad_faces(on_bad_faces) {}
 
@@ -87,16 +88,16 @@ struct ObjContent {
   AttributeList<Vec3f> positions{"vertex", {}};
   AttributeList<Vec2f> uvs{"texture coordinate", {}};
   AttributeList<Vec3f> normals{"normal", {}};
-  std::vector<Corner> corners;                ///< of all faces, one after the other
-  std::vector<std::size_t> face_ends;         ///< where in `corners` each face ends
-  std::size_t short_faces = 0;                ///< with fewer than three corners, left out
-  std::vector<std::string> materials;         ///< names, in the order of first use
-  std::vector<int> material_lines;            ///< of the 'usemtl' of each
+  std::vector<Corner> corners;                ///< of all faces in sequence
+  std::vector<std::size_t> face_ends;         ///< end of each face in `corners`
+  std::size_t short_faces = 0;                ///< number of dropped faces with fewer than three corners
+  std::vector<std::string> materials;         ///< names in order of first use
+  std::vector<int> material_lines;            ///< line of the 'usemtl' of each
   std::vector<std::uint32_t> face_materials;  ///< per face: index into `materials`
   std::vector<std::uint32_t> face_smoothing;  ///< per face: smoothing group
-  std::string material;                       ///< of the faces that follow
-  int material_line = 0;                      ///< where the file says so
-  std::optional<std::uint32_t> material_id;   ///< its index, once a face has used it
+  std::string material;                       ///< current material
+  int material_line = 0;                      ///< line of its 'usemtl'
+  std::optional<std::uint32_t> material_id;   ///< its index after first use by a face
 
   std::uint32_t id_of_material() {
     const auto next = static_cast<std::uint32_t>(materials.size());
@@ -183,7 +184,7 @@ class VertexMerger {
     vertices_.reserve(content.positions.values.size());
   }
 
-  /// kMissingVertex: the file has no such position.
+  /// Returns kMissingVertex if the file has no such position.
   std::uint32_t vertex(const Corner& corner) {
     if (!content_.positions.has(corner.position)) return kMissingVertex;
     const auto next = static_cast<std::uint32_t>(mesh_.positions.size());

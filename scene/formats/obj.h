@@ -1,4 +1,4 @@
-// Wavefront OBJ files with what they say about materials.
+// Wavefront OBJ files with their material assignments.
 #pragma once
 
 #include "scene/formats/mesh_io.h"
@@ -8,18 +8,20 @@
 
 namespace sheaf {
 
-/// An OBJ file as one mesh, and the materials of its triangles.
+/// An OBJ file as one mesh, with the materials of its triangles.
 struct ObjFile {
   MeshFile file;
-  std::vector<std::string> materials;      ///< names, in the order of first use; empty: the faces before any 'usemtl'
-  std::vector<int> material_lines;         ///< where a face uses each first: the line of 'usemtl'; 0 before any
+  /// Names in order of first use; the empty name is that of faces before any 'usemtl'.
+  std::vector<std::string> materials;
+  /// Line of the 'usemtl' with which a face first uses each material; 0 without 'usemtl'.
+  std::vector<int> material_lines;
   std::vector<std::uint32_t> material_of;  ///< per triangle: index into `materials`
-  /// Per triangle: smoothing group, 0 if it is flat; empty if the file says nothing of groups.
+  /// Per triangle: smoothing group, 0 if flat; empty if the file has no groups.
   std::vector<std::uint32_t> smoothing_of;
   std::vector<ObjLibrary> libraries;
 };
 
-/// As read_obj() in scene/formats/mesh_io.h, which throws the same errors.
+/// read_obj() with materials; throws the same errors (scene/formats/mesh_io.h).
 ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex_coords,
                                 BadFaces bad_faces = BadFaces::kError);
 

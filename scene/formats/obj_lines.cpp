@@ -1,4 +1,4 @@
-// The grammar of the OBJ lines that matter.
+// Grammar of the relevant OBJ lines.
 #include "scene/formats/obj_lines.h"
 #include "scene/formats/text.h"
 
@@ -13,7 +13,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 const char* skip_digits(const char* p, const char* end) { return std::find_if_not(p, end, is_digit); }
 
-/// Whether all of `token` is a decimal number that tinyobjloader reads as such.
+/// Whether the whole token is a decimal number that tinyobjloader parses correctly.
 bool is_number(std::string_view token) {
   constexpr std::ptrdiff_t kMaxExponentDigits = 4;
   const char *p = token.data(), *const end = p + token.size();
@@ -35,7 +35,7 @@ bool is_number(std::string_view token) {
   return exponent_digits > 0 && exponent_digits <= kMaxExponentDigits && skip_digits(p, end) == end;
 }
 
-/// Whether `token` is NaN or infinity as C libraries print them ("-nan", "inf", "1.#QNAN").
+/// Whether the token is NaN or infinity as printed by C libraries ("-nan", "inf", "1.#QNAN").
 bool is_non_finite(std::string_view token) {
   if (!token.empty() && (token[0] == '+' || token[0] == '-')) token.remove_prefix(1);
   std::string lower(token.substr(0, 9));
@@ -44,14 +44,14 @@ bool is_non_finite(std::string_view token) {
          lower.starts_with("1.#");
 }
 
-/// Whether all of `token` is an index of at most nine digits other than zero.
+/// Whether the whole token is a nonzero index of at most 9 digits.
 bool is_index(std::string_view token) {
   if (!token.empty() && (token[0] == '-' || token[0] == '+')) token.remove_prefix(1);
   return !token.empty() && token.size() <= 9 && std::all_of(token.begin(), token.end(), is_digit) &&
          token.find_first_not_of('0') != std::string_view::npos;
 }
 
-/// The next token from p on, which moves behind it; blanks out a comment. Empty at the end of the line.
+/// Returns the next token and advances p past it; blanks out comments. Empty at the end of the line.
 std::string_view next_token(char*& p, char* end) {
   p = std::find_if_not(p, end, is_blank);
   if (p != end && *p == '#') {
@@ -63,7 +63,7 @@ std::string_view next_token(char*& p, char* end) {
   return {begin, static_cast<std::size_t>(p - begin)};
 }
 
-/// Whether all of `token` is a corner of a face, without slashes at its end.
+/// Whether the whole token is a face corner without trailing slashes.
 bool is_corner(std::string_view token) {
   const std::size_t slash = std::min(token.find('/'), token.size());
   const std::size_t second = std::min(token.find('/', slash + 1), token.size());

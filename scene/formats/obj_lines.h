@@ -1,4 +1,4 @@
-// The lines of an OBJ file, checked before tinyobjloader reads them.
+// Validation of the lines of an OBJ file before tinyobjloader parses them.
 #pragma once
 
 #include "core/error.h"
@@ -11,44 +11,44 @@
 
 namespace sheaf {
 
-/// A line 'mtllib' of an OBJ file.
+/// An 'mtllib' line of an OBJ file.
 struct ObjLibrary {
-  std::string names;  ///< what stands behind the keyword: a file, or several with blanks between them
+  std::string names;  ///< text after the keyword: a file, or several separated by blanks
   SourceLocation where;
 };
 
-/// Hands out the lines of an OBJ text that matter to a mesh ('v', 'vn', 'vt', 'f' and 'usemtl'), one at a time: while
-/// the reader works on a line, the buffer knows its number. Joins continued lines, removes comments, and throws
-/// SceneError where a number or an index is malformed: tinyobjloader would read it as 0.
+/// Stream buffer that supplies only the relevant lines of an OBJ text: 'v', 'vn', 'vt', 'f' and 'usemtl'. It supplies
+/// one line at a time, so that the line number is known while the parser works on it. Joins continued lines and removes
+/// comments. Throws SceneError for malformed numbers and indices, which tinyobjloader would read as 0.
 class ObjLines : public std::streambuf {
  public:
-  /// `text` is changed on the way and must end in a line feed. Both arguments must outlive the buffer.
+  /// Modifies `text`, which must end in a line feed. Both arguments must outlive the buffer.
   ObjLines(std::string& text, const std::string& file) : text_(text.data()), end_(text_ + text.size()), file_(file) {}
 
-  /// The line handed out last.
+  /// Location of the line supplied last.
   SourceLocation where() const { return {file_, line_}; }
-  /// Whether that line has a NaN or an infinity among the numbers that count.
+  /// Whether that line has a NaN or an infinity among its relevant numbers.
   bool line_is_non_finite() const { return non_finite_; }
-  /// The smoothing group of the faces that follow: 0 is flat, as 's off' says, and as it is before the first 's'.
+  /// Smoothing group of the faces that follow: 0 (flat) after 's off' and before the first 's'.
   std::uint32_t smoothing_group() const { return smoothing_group_; }
-  /// Whether there was a line 's' so far.
+  /// Whether an 's' line was found so far.
   bool has_smoothing_groups() const { return has_smoothing_groups_; }
-  /// The lines 'mtllib' so far.
+  /// The 'mtllib' lines found so far.
   const std::vector<ObjLibrary>& libraries() const { return libraries_; }
 
  protected:
   int_type underflow() override;
 
  private:
-  /// Where the line that begins at text_ ends; moves text_ behind it. Lines end in LF, CR LF or CR.
+  /// Returns the end of the line that starts at text_; moves text_ past it. Lines end in LF, CR LF or CR.
   char* end_of_line();
-  /// Whether the line matters.
+  /// Validates a line; returns whether it is relevant.
   bool check(char* p, char* end);
-  /// Throws unless `least` numbers or more follow; of these the first `most` count.
+  /// Throws unless at least `least` numbers follow. Only the first `most` are relevant.
   void check_numbers(char* p, char* end, int least, int most, const char* what);
-  /// Corners are v, v/vt, v//vn or v/vt/vn. Slashes with nothing behind them ("1//") are blanked out.
+  /// Validates corners v, v/vt, v//vn or v/vt/vn. Blanks out trailing slashes ("1//").
   void check_face(char* p, char* end);
-  /// Behind 's': a number, 'on' or 'off'.
+  /// Reads the argument of 's': a number, 'on' or 'off'.
   void read_smoothing_group(char* p, char* end);
 
   char* text_;

@@ -1,4 +1,4 @@
-// The bodies of PLY files: the rows of elements 'vertex', 'face' and 'tristrips', in ASCII or binary.
+// Bodies of PLY files: rows of the elements 'vertex', 'face' and 'tristrips', in ASCII or binary.
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"
 #include "scene/formats/ply_attributes.h"
@@ -15,22 +15,24 @@ namespace sheaf {
 
 namespace {
 
-/// What faces may refer to.
+/// Valid range of vertex indices, and handling of others.
 struct PlyVertices {
   std::uint64_t count;
   BadFaces bad_faces;
 };
 
-/// What the body says. Faces may come before the vertices, so polygons are kept for later.
+/// The parsed body. Faces may precede the vertices, so polygons are triangulated at the end.
 struct PlyContent {
   Mesh mesh;
   PolygonList polygons;
-  std::vector<Vec2f> corner_uvs;  ///< of each of the polygons' corners, perhaps not of the last ones; may be empty
-  std::vector<Mesh::Attribute> polygon_attributes;  ///< values for each polygon, perhaps not for the last ones
+  /// Per polygon corner; trailing corners may be missing; may be empty.
+  std::vector<Vec2f> corner_uvs;
+  /// Values per polygon; trailing polygons may be missing.
+  std::vector<Mesh::Attribute> polygon_attributes;
   std::vector<std::string> warnings;
 };
 
-/// What this reader takes from a vertex, in this order.
+/// Vertex properties that the reader uses, in this order.
 enum Slot { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kSlots };
 constexpr int kUnwanted = -1;
 
@@ -59,11 +61,11 @@ int slot_of(const PlyProperty& property) {
   return found == kMeanings.end() ? kUnwanted : found->slot;
 }
 
-/// The values of an element's attributes, gathered row by row.
+/// Collects the values of an element's attributes row by row.
 class AttributeRows {
  public:
-  /// The attributes begin with `rows_before` rows of zeros. A warning names the properties that are neither attributes
-  /// nor `is_known`, by their indices.
+  /// The attributes start with `rows_before` rows of zeros. Adds a warning that lists the properties that are neither
+  /// attributes nor satisfy `is_known(index)`.
   template <class IsKnown>
   AttributeRows(const PlyElement& element, std::size_t rows_before, std::vector<std::string>& warnings,
                 IsKnown is_known)
@@ -93,7 +95,7 @@ class AttributeRows {
     }
   }
 
-  /// Adds the current row to the attributes.
+  /// Appends the current row to the attributes.
   void push_row() {
     auto value = row_.begin();
     for (Mesh::Attribute& attribute : attributes_) {
@@ -106,13 +108,14 @@ class AttributeRows {
 
  private:
   const PlyElement& element_;
-  std::vector<int> columns_;  ///< per property: its place in row_, or kUnwanted
+  std::vector<int> columns_;  ///< per property: its column in row_, or kUnwanted
   std::vector<float> row_;
   std::vector<Mesh::Attribute> attributes_;
 };
 
 template <class Source>
 void read_vertices(Source& source, const PlyElement& element, Mesh& mesh, std::vector<std::string>& warnings) {
+  // Determine which properties are present
   std::vector<int> slots;
   std::array<bool, kSlots> has{};
   for (const PlyProperty& property : element.properties) {
@@ -125,6 +128,7 @@ void read_vertices(Source& source, const PlyElement& element, Mesh& mesh, std::v
   if (has_normals) mesh.normals.reserve(element.count);
   if (has_uvs) mesh.uvs.reserve(element.count);
   AttributeRows attributes(element, 0, warnings, [&](std::size_t k) { return slots[k] != kUnwanted; });
+  // Read the rows
   std::array<float, kSlots> values{};
   for (std::uint64_t row = 0; row < element.count; ++row) {
     source.enter_row(row);
@@ -145,7 +149,7 @@ void read_vertices(Source& source, const PlyElement& element, Mesh& mesh, std::v
   mesh.attributes = attributes.take();
 }
 
-/// The vertex of a corner that is appended to `polygons`; kMissingVertex, or an error, if there is none.
+/// Validates the vertex index of a corner of `polygons`. An invalid one is an error or becomes kMissingVertex.
 template <class Source>
 std::uint32_t check_index(const Source& source, double index, const PlyVertices& vertices, PolygonList& polygons) {
   if (index >= 0 && index < static_cast<double>(vertices.count) && index == std::floor(index)) {
@@ -162,7 +166,8 @@ std::uint32_t check_index(const Source& source, double index, const PlyVertices&
   return kMissingVertex;
 }
 
-/// A strip of triangles, each sharing an edge with the one before and turning the other way; -1 begins a new strip.
+/// Reads a triangle strip: triangles share an edge with their predecessor and alternate in orientation; -1 starts a new
+/// strip.
 template <class Source>
 void read_strip(Source& source, const PlyProperty& list, const PlyVertices& vertices, PolygonList& polygons) {
   std::vector<std::uint32_t> strip;
@@ -182,7 +187,7 @@ void read_strip(Source& source, const PlyProperty& list, const PlyVertices& vert
   }
 }
 
-/// Returns whether the polygon has enough corners to be kept.
+/// Reads a polygon; returns whether it has enough corners to be kept.
 template <class Source>
 bool read_polygon(Source& source, const PlyProperty& list, const PlyVertices& vertices, PolygonList& polygons) {
   const std::uint64_t length = list_length(source, list);
@@ -199,7 +204,7 @@ bool read_polygon(Source& source, const PlyProperty& list, const PlyVertices& ve
   return true;
 }
 
-/// The place of the list of corners among the properties of a face.
+/// Returns the index of the list of corners among the properties of a face.
 template <class Source> std::size_t find_corner_list(const Source& source, const PlyElement& element) {
   const auto list = std::find_if(element.properties.begin(), element.properties.end(), [](const PlyProperty& p) {
     return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
@@ -208,8 +213,8 @@ template <class Source> std::size_t find_corner_list(const Source& source, const
   return static_cast<std::size_t>(list - element.properties.begin());
 }
 
-/// The index of the list of texture coordinates at a face's corners, u and v in turn; the number of properties if the
-/// element has no such list.
+/// Returns the index of the list of texture coordinates of a face's corners, alternating u and v; the number of
+/// properties if there is no such list.
 std::size_t find_corner_uvs(const PlyElement& element) {
   const auto list = std::find_if(element.properties.begin(), element.properties.end(), [](const PlyProperty& p) {
     return p.count_type && (p.name == "texcoord" || p.name == "texcoords" || p.name == "texture_coordinates");
@@ -237,7 +242,7 @@ void read_strips(Source& source, const PlyElement& element, const PlyVertices& v
   }
 }
 
-/// Reads the texture coordinates at a face's corners into `uvs`; those that are not finite are 0.
+/// Reads the texture coordinates of a face's corners into `uvs`; non-finite ones become 0.
 template <class Source> void read_corner_uvs(Source& source, const PlyProperty& list, std::vector<Vec2f>& uvs) {
   const std::uint64_t length = list_length(source, list);
   if (length % 2 != 0)
@@ -283,8 +288,8 @@ void read_faces(Source& source, const PlyElement& element, const PlyVertices& ve
   content.polygon_attributes = attributes.take();
 }
 
-/// Gives the vertices the texture coordinates of their corners. A vertex whose corners differ is there several times:
-/// copies follow behind the other vertices.
+/// Assigns corner texture coordinates to vertices. A vertex whose corners differ is duplicated; the copies follow the
+/// original vertices.
 void split_by_corner_uvs(PlyContent& content) {
   Mesh& mesh = content.mesh;
   const std::size_t count = mesh.positions.size();
@@ -350,7 +355,7 @@ std::uint64_t count_vertices(const PlyHeader& header, const std::string& file) {
   throw SceneError({file}, "the PLY file has no element 'vertex'");
 }
 
-/// An attribute of polygons as one of the triangles that they were cut into.
+/// Converts a polygon attribute to one of the triangles.
 Mesh::Attribute spread(const Mesh::Attribute& polygons, const std::vector<std::uint32_t>& polygon_of) {
   Mesh::Attribute triangles{polygons.name, polygons.channels, {}};
   triangles.values.reserve(polygon_of.size() * static_cast<std::size_t>(polygons.channels));

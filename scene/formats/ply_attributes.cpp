@@ -1,4 +1,4 @@
-// Grouping a PLY element's properties by their names.
+// Grouping of a PLY element's properties into attributes by name.
 #include "scene/formats/ply_attributes.h"
 
 #include <algorithm>
@@ -11,11 +11,11 @@ namespace sheaf {
 
 namespace {
 
-/// Endings of the channels of one attribute.
+/// Suffixes of the channels of one attribute.
 constexpr std::array<std::string_view, 4> kEndings{"xyzw", "rgba", "0123", "1234"};
 constexpr std::string_view kColorEndings = kEndings[1];
 
-/// The property of a name, unless it is a list.
+/// Returns the scalar property of this name, or nullopt.
 std::optional<std::size_t> find_number(const PlyElement& element, std::string_view name) {
   const auto& all = element.properties;
   const auto found =
@@ -24,7 +24,7 @@ std::optional<std::size_t> find_number(const PlyElement& element, std::string_vi
   return static_cast<std::size_t>(found - all.begin());
 }
 
-/// "foo" and 'x' for "foo_x".
+/// "foo_x" split into "foo" and 'x'.
 struct SplitName {
   std::string_view prefix;
   char ending;
@@ -58,7 +58,7 @@ class AttributeFinder {
     }
   }
 
-  /// The attribute that begins at property `begin`, if one does; returns where to go on.
+  /// Adds the attribute that starts at property `begin`, if any; returns the index of the next property to examine.
   std::size_t find_group(std::size_t begin) {
     const auto first = split_name(element_.properties[begin]);
     if (!first) return begin + 1;
@@ -99,7 +99,7 @@ class AttributeFinder {
   std::vector<PlyAttribute> attributes_;
 };
 
-/// The largest value of an integer type, or 0 for the others.
+/// Returns the maximum of an integer type, or 0 for other types.
 double largest_of(PlyType type) {
   switch (type) {
     case PlyType::kInt8:
@@ -140,7 +140,7 @@ std::string unknown_properties_warning(const PlyElement& element, const std::vec
 float ply_attribute_value(PlyType type, double value) {
   const double largest = largest_of(type);
   if (largest > 0) {
-    const double encoded = value / largest;  // the sRGB curve, IEC 61966-2-1
+    const double encoded = value / largest;  // sRGB, IEC 61966-2-1
     value = encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
   }
   const auto rounded = static_cast<float>(value);

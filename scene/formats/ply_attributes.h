@@ -1,4 +1,4 @@
-// Which properties of a PLY element are mesh attributes, named as Mitsuba names them.
+// Mesh attributes among the properties of a PLY element, named as in Mitsuba.
 #pragma once
 
 #include "scene/formats/ply_header.h"
@@ -8,26 +8,27 @@
 
 namespace sheaf {
 
-/// An attribute and the properties that it is made of.
+/// An attribute and its properties.
 struct PlyAttribute {
-  std::string name;                     ///< begins with "vertex_" or "face_"
-  std::vector<std::size_t> properties;  ///< one per channel: indices into PlyElement::properties; 1 or 3
+  std::string name;  ///< starts with "vertex_" or "face_"
+  /// One per channel, 1 or 3: indices into PlyElement::properties.
+  std::vector<std::size_t> properties;
 };
 
-/// The attributes among the properties of `element`, which are called "vertex_..." or "face_..." after it. Properties
-/// `r g b` or `red green blue` are the attribute `color`. Neighbours with a common prefix and the endings _x _y _z,
-/// _r _g _b, _0 _1 _2 or _1 _2 _3 are one attribute of three channels, one with the first of these endings alone is an
-/// attribute of one channel. It has the prefix for its name, followed by "_color" for _r _g _b. Adds a warning for each
-/// attribute with another number of channels, or with the name of an earlier one: they are left out, and their
-/// properties added to `left_out`.
+/// Finds the attributes among the properties of `element`. Their names start with "vertex_" or "face_", by the element.
+/// Properties `r g b` or `red green blue` become the attribute `color`. Adjacent properties with a common prefix and
+/// the suffixes _x _y _z, _r _g _b, _0 _1 _2 or _1 _2 _3 become one attribute of three channels. The first of these
+/// suffixes alone makes an attribute of one channel. The name is the prefix, followed by "_color" for _r _g _b.
+/// Attributes with another number of channels or a duplicate name are dropped with a warning, and their properties
+/// appended to `left_out`.
 std::vector<PlyAttribute> find_ply_attributes(const PlyElement& element, std::vector<std::string>& warnings,
                                               std::vector<std::size_t>& left_out);
 
-/// A warning that names the properties with these indices, which are not understood; empty without indices.
+/// Returns a warning that lists these unknown properties by name; empty without indices.
 std::string unknown_properties_warning(const PlyElement& element, const std::vector<std::size_t>& properties);
 
-/// The value of an attribute's property as the renderer uses it: integers are fractions of the largest of their type,
-/// decoded by the sRGB curve; what is not finite is 0.
+/// Converts a property value to an attribute value. Integers become fractions of their type's maximum, decoded from
+/// sRGB. Values that are not finite become 0.
 float ply_attribute_value(PlyType type, double value);
 
 }  // namespace sheaf

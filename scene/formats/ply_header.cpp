@@ -1,4 +1,4 @@
-// PLY headers are lines of words: format, comment, obj_info, element, property, end_header.
+// PLY headers consist of lines that start with format, comment, obj_info, element, property or end_header.
 #include "scene/formats/ply_header.h"
 
 #include <algorithm>
@@ -82,7 +82,7 @@ class HeaderParser {
  private:
   [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_, line_}, message); }
 
-  /// The first line, which also shows how lines end: LF, CR LF or CR.
+  /// Reads the first line, and detects the line ending: LF, CR LF or CR.
   void read_magic() {
     constexpr std::string_view kMagic = "ply";
     line_ = 1;
@@ -159,7 +159,7 @@ class HeaderParser {
     fail("unknown PLY type " + quote(name) + did_you_mean(name, names));
   }
 
-  /// The fewest bytes that a row takes: all lists empty, one digit and one blank per number in ASCII.
+  /// Returns the minimum size of a row in bytes: empty lists; in ASCII, one digit and one blank per number.
   std::uint64_t smallest_row(const PlyElement& element) const {
     std::uint64_t size = 0;
     for (const PlyProperty& p : element.properties) {
@@ -169,7 +169,7 @@ class HeaderParser {
   }
 
   void check_counts() const {
-    const std::uint64_t available = bytes_.size() - position_ + 1;  // the last blank may be missing
+    const std::uint64_t available = bytes_.size() - position_ + 1;  // the final blank may be missing
     for (const PlyElement& element : header_.elements) {
       const std::uint64_t row = smallest_row(element);
       if (row == 0 || element.count <= available / row) continue;

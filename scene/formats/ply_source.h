@@ -1,4 +1,4 @@
-// Numbers of PLY bodies, one after the other, in ASCII or binary; for the readers of PLY files alone.
+// Sequential number sources for PLY bodies, ASCII and binary. Internal to the readers of PLY files.
 #pragma once
 
 #include "scene/formats/ply_header.h"
@@ -13,7 +13,7 @@
 
 namespace sheaf {
 
-/// A place in the body, and where that is for messages.
+/// Position in the body, with its location for messages.
 class Cursor {
  public:
   Cursor(const std::string& bytes, const PlyHeader& header, const std::string& file)
@@ -68,7 +68,7 @@ class BinarySource : public Cursor {
     }
   }
 
-  /// Throws if `count` numbers can't follow.
+  /// Throws if the file cannot hold `count` more numbers.
   void require(PlyType type, std::uint64_t count) const {
     if (count > bytes_left() / ply_type_size(type)) fail("the file is truncated");
   }
@@ -91,7 +91,7 @@ class BinarySource : public Cursor {
   bool swaps_;
 };
 
-/// Numbers of an ASCII body, between blanks and line ends.
+/// Numbers of an ASCII body, separated by blanks and line ends.
 class AsciiSource : public Cursor {
  public:
   AsciiSource(const std::string& bytes, const PlyHeader& header, const std::string& file)
@@ -145,7 +145,7 @@ class AsciiSource : public Cursor {
   int header_lines_;
 };
 
-/// The length of a list, whose numbers follow.
+/// Reads the length of a list; its numbers follow.
 template <class Source> std::uint64_t list_length(Source& source, const PlyProperty& list) {
   const double length = source.number(*list.count_type);
   if (!(length >= 0 && length < 1e18 && length == std::floor(length))) {
@@ -160,7 +160,7 @@ template <class Source> void skip_property(Source& source, const PlyProperty& pr
   source.skip(property.type, property.count_type ? list_length(source, property) : 1);
 }
 
-/// Calls read(source) with the body of a file, as its encoding wants it.
+/// Calls read(source) with a source for the body's encoding.
 template <class Read>
 void with_ply_source(const std::string& bytes, const PlyHeader& header, const std::string& file, Read&& read) {
   if (header.encoding == PlyHeader::Encoding::kAscii) {

@@ -1,4 +1,4 @@
-// Ear clipping in double precision, in the plane of the polygon's dominant axes.
+// Triangulation by ear clipping in double precision, on the coordinate plane of the polygon's largest projection.
 #include "scene/formats/polygon.h"
 
 #include <algorithm>
@@ -12,10 +12,11 @@ struct Point {
   double x, y;
 };
 
-/// Twice the signed area of the triangle a b c: positive if it turns left.
+/// Returns twice the signed area of the triangle a b c, positive if counter-clockwise.
 double turn(Point a, Point b, Point c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
-/// The polygon on the coordinate plane where it is largest, counter-clockwise. Empty if it has no finite area.
+/// Projects the polygon to the coordinate plane where its area is largest, in counter-clockwise order. Empty if it has
+/// no finite area.
 std::vector<Point> project(std::span<const Vec3f> corners) {
   const Vec3f origin = corners[0];
   const auto coordinates = [&](std::size_t i) {
@@ -41,7 +42,7 @@ std::vector<Point> project(std::span<const Vec3f> corners) {
   return points;
 }
 
-/// Whether no corner turns right and the outline goes around once: then its x coordinate turns back only twice.
+/// Whether no corner turns right and the outline winds around once, in which case its x coordinate reverses only twice.
 bool is_convex(const std::vector<Point>& p) {
   const std::size_t n = p.size();
   int reversals = 0;
@@ -63,7 +64,7 @@ void append_fan(std::span<const std::uint32_t> corners, std::vector<PolygonTrian
   for (std::size_t i = 2; i < corners.size(); ++i) out.push_back({corners[0], corners[i - 1], corners[i]});
 }
 
-/// The outline that is left to cut: a ring of corners linked both ways.
+/// The remaining outline: a doubly linked ring of corners.
 class Ring {
  public:
   explicit Ring(const std::vector<Point>& points) : points_(points), next_(points.size()), previous_(points.size()) {
@@ -78,7 +79,8 @@ class Ring {
   std::uint32_t previous(std::uint32_t i) const { return previous_[i]; }
   double turn_at(std::uint32_t i) const { return turn(points_[previous_[i]], points_[i], points_[next_[i]]); }
 
-  /// Whether the triangle at corner i holds no other corner of the ring. Adds the corners looked at to `work`.
+  /// Whether the triangle at corner i contains no other corner of the ring. Adds the number of visited corners to
+  /// `work`.
   bool is_empty_at(std::uint32_t i, std::size_t& work) const {
     const Point a = points_[previous_[i]], b = points_[i], c = points_[next_[i]];
     for (std::uint32_t k = next_[next_[i]]; k != previous_[i]; k = next_[k]) {
@@ -102,7 +104,7 @@ class Ring {
 };
 
 bool clip_ears(const std::vector<Point>& points, std::vector<PolygonTriangle>& out) {
-  constexpr std::size_t kMaxWork = 100'000'000;  // corner tests: about 0.2 s, for outlines made to be slow
+  constexpr std::size_t kMaxWork = 100'000'000;  // corner tests, about 0.2 s; a limit for adversarial outlines
   Ring ring(points);
   std::size_t left = points.size(), since_last_ear = 0, work = 0;
   std::uint32_t i = 0;

@@ -1,5 +1,5 @@
-// Layout of a file, all numbers little endian: meshes one after the other, then the offset of each mesh and their
-// number. A mesh is a magic number, a version and a zlib stream of flags, name, counts and arrays.
+// File layout, all numbers little endian: the meshes in sequence, then the offset of each mesh and their number. A mesh
+// is a magic number, a version and a zlib stream of flags, name, counts and arrays.
 #include "scene/formats/serialized.h"
 
 #include "core/inflate.h"
@@ -18,7 +18,7 @@ namespace sheaf {
 namespace {
 
 constexpr std::uint16_t kSerializedMagic = 0x041c;
-constexpr std::uint16_t kVersion3 = 3;  ///< no name; the dictionary has offsets of 32 bits
+constexpr std::uint16_t kVersion3 = 3;  ///< no name; 32-bit offsets in the directory
 constexpr std::uint16_t kVersion4 = 4;
 
 enum Flag : std::uint32_t {
@@ -31,12 +31,12 @@ enum Flag : std::uint32_t {
 
 std::string plural(std::uint64_t count, const char* what) { return std::to_string(count) + " " + what; }
 
-/// Where the meshes of a file lie.
+/// Directory of the meshes in a file.
 class Directory {
  public:
   Directory(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
 
-  /// The mesh of an index, from its header to the end of the file.
+  /// Returns the data of a mesh from its header to the directory; mesh 0 extends to the end of the file.
   std::string_view find(int index) const {
     const std::uint16_t version = check_header(0);
     if (index == 0) return bytes_;
@@ -82,7 +82,7 @@ class Directory {
   const std::string& file_;
 };
 
-/// The deflated part of a mesh.
+/// The decompressed data of a mesh.
 class MeshStream {
  public:
   MeshStream(std::string_view deflated, const std::string& file) : inflater_(deflated), file_(file) {}
@@ -108,7 +108,7 @@ class MeshStream {
     fail("the mesh claims " + plural(count, what) + ", more than the file's size allows: truncated?");
   }
 
-  /// `count` values in the file's precision.
+  /// Reads `count` values in the file's precision.
   std::vector<float> floats(std::uint64_t count, bool is_double) {
     std::vector<float> values(count);
     std::array<char, 8192> raw;
@@ -181,6 +181,7 @@ MeshFile read_stream(MeshStream& stream, std::uint16_t version, BadFaces bad_fac
   stream.require(vertices, floats * (is_double ? 8 : 4), "vertices");
   stream.require(triangles, 12, "triangles");
   if (triangles == 0) stream.fail("the mesh holds no triangles");
+  // Read the vertex arrays
   mesh.positions = to_vectors(stream.floats(vertices * 3, is_double));
   if ((flags & kFileHasNormals) != 0) {
     mesh.normals = to_vectors(stream.floats(vertices * 3, is_double));

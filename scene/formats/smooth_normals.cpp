@@ -1,3 +1,4 @@
+// Vertex normals from smoothing groups or a crease angle, by disjoint sets of triangle corners.
 #include "scene/formats/smooth_normals.h"
 
 #include "scene/formats/mesh.h"
@@ -31,7 +32,7 @@ Direction unit(const Direction& a) {
   return length > 0 && std::isfinite(length) ? a * (1 / length) : Direction{};
 }
 
-/// Disjoint sets of corners, three to each triangle.
+/// Disjoint-set forest of triangle corners.
 class CornerSets {
  public:
   explicit CornerSets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
@@ -42,14 +43,14 @@ class CornerSets {
   }
   void join(std::uint32_t a, std::uint32_t b) {
     a = find(a), b = find(b);
-    parents_[std::max(a, b)] = std::min(a, b);  // the first corner stands for the set
+    parents_[std::max(a, b)] = std::min(a, b);  // the first corner represents the set
   }
 
  private:
   std::vector<std::uint32_t> parents_;
 };
 
-/// Joins the corners at one place that belong to one group.
+/// Joins corners at the same position that belong to the same smoothing group.
 void join_groups(const Mesh& mesh, const std::vector<std::uint32_t>& places, std::span<const std::uint32_t> groups,
                  CornerSets& sets) {
   std::unordered_map<std::uint64_t, std::uint32_t> first;
@@ -63,11 +64,11 @@ void join_groups(const Mesh& mesh, const std::vector<std::uint32_t>& places, std
   }
 }
 
-/// Joins corners across the edges of two triangles, but for creases.
+/// Joins corners across edges that two triangles share, except creases.
 void join_across_edges(const Mesh& mesh, const std::vector<std::uint32_t>& places,
                        const std::vector<Direction>& normals, CornerSets& sets) {
   struct Edge {
-    std::uint64_t ends;  ///< places, the lower one first
+    std::uint64_t ends;  ///< position indices, the lower one first
     std::uint32_t corner;
   };
   std::vector<Edge> edges;
@@ -95,8 +96,9 @@ void join_across_edges(const Mesh& mesh, const std::vector<std::uint32_t>& place
   }
 }
 
-/// Lets each vertex have the normal of its corners' set; splits those whose corners are of several sets.
+/// Assigns each vertex the normal of its corners' set; splits vertices whose corners belong to several sets.
 void apply(Mesh& mesh, CornerSets& sets, const std::vector<Direction>& normals) {
+  // Sum the angle-weighted normals of each set
   std::vector<Direction> sums(3 * mesh.triangles.size());
   for (std::uint32_t corner = 0; corner < sums.size(); ++corner) {
     const Triangle& t = mesh.triangles[corner / 3];
@@ -108,6 +110,7 @@ void apply(Mesh& mesh, CornerSets& sets, const std::vector<Direction>& normals) 
     Direction& sum = sums[sets.find(corner)];
     if (std::isfinite(angle)) sum = sum + normals[corner / 3] * angle;
   }
+  // Assign normals and split vertices
   constexpr std::uint32_t kUnused = 0xffffffffu;
   std::vector<std::uint32_t> first_set(mesh.positions.size(), kUnused), sources;
   std::vector<Vec3f> copied;
@@ -117,7 +120,7 @@ void apply(Mesh& mesh, CornerSets& sets, const std::vector<Direction>& normals) 
   for (std::uint32_t corner = 0; corner < sums.size(); ++corner) {
     std::uint32_t& vertex = mesh.triangles[corner / 3][corner % 3];
     const std::uint32_t set = sets.find(corner);
-    constexpr double kCancelled = 1e-9;  // triangles back to back
+    constexpr double kCancelled = 1e-9;  // for triangles back to back
     const bool cancelled = !(dot(sums[set], sums[set]) > kCancelled * kCancelled);
     const Direction normal = cancelled ? normals[corner / 3] : unit(sums[set]);
     const Vec3f rounded{static_cast<float>(normal.x), static_cast<float>(normal.y), static_cast<float>(normal.z)};

@@ -1,4 +1,4 @@
-// Normals for models that have none: smooth within smoothing groups, or between edges that are sharp.
+// Vertex normals for meshes without normals, by smoothing groups or crease angle.
 #pragma once
 
 #include "scene/description/description.h"
@@ -7,16 +7,16 @@
 
 namespace sheaf {
 
-/// Where the normals of two neighbouring triangles differ by more, in degrees, the edge between them is a crease.
+/// Edges are creases if the normals of their triangles differ by more, in degrees.
 inline constexpr float kCreaseAngle = 50;
 
-/// Gives every vertex a normal: the mean of the normals of the triangles that are smooth there, weighted by their
-/// angles. Vertices at one place count as one, and vertices with several normals are split. `groups`: of each triangle
-/// the smoothing group, those of one group being smooth where they meet; 0 is flat. Without groups, triangles are
-/// smooth across edges that no other triangle shares and that are no creases.
+/// Computes vertex normals as angle-weighted means of the triangle normals that are smooth there. Vertices at the same
+/// position count as one; vertices with several normals are split. `groups`: smoothing group of each triangle;
+/// triangles of the same group are smooth where they meet, and 0 is flat. Without groups, triangles are smooth across
+/// edges that exactly two triangles share and that are not creases.
 void compute_creased_normals(Mesh& mesh, std::span<const std::uint32_t> groups);
 
-/// Smooth normals that are the same in all vertices at one place.
+/// Computes smooth normals that are equal for all vertices at the same position.
 void compute_welded_normals(Mesh& mesh);
 
 }  // namespace sheaf

@@ -1,3 +1,4 @@
+// Parser of tensor files.
 #include "scene/formats/tensor_file.h"
 
 #include "scene/formats/little_endian.h"
@@ -29,7 +30,7 @@ std::string to_string(const TensorFile::Shape& shape) {
   return text.empty() ? "a single number" : text;
 }
 
-/// Takes a file's header apart.
+/// Parser of the file header.
 class TensorFile::Reader {
  public:
   explicit Reader(TensorFile& file) : file_(file) {}

@@ -1,4 +1,4 @@
-// Tensor files: named arrays of numbers of any dimension, in which the RGL material database keeps its measurements.
+// Tensor files: named multidimensional arrays of numbers, the format of the RGL material database.
 #pragma once
 
 #include "core/error.h"
@@ -12,30 +12,35 @@
 
 namespace sheaf {
 
-/// "tensor_file" and a zero byte, two bytes for the version 1.0, then in little endian a uint32 for the number of
-/// fields and for each: uint16 length and characters of its name, uint16 number of dimensions, a byte for the type (1
-/// to 8: unsigned and signed integers of 1, 2, 4 and 8 bytes in turn; 9 to 11: floats of 2, 4 and 8 bytes), uint64 for
-/// where in the file its numbers begin, and a uint64 for each dimension, the slowest first.
+/// Reader of tensor files. A file starts with "tensor_file" and a zero byte, two bytes for the version 1.0, and a
+/// little-endian uint32 number of fields. Each field consists of:
+///   - uint16 length and characters of its name,
+///   - uint16 number of dimensions,
+///   - a byte for the type (1 to 8: alternating unsigned and signed integers of 1, 2, 4 and 8 bytes; 9 to 11: floats of
+///     2, 4 and 8 bytes),
+///   - uint64 file offset of its numbers,
+///   - a uint64 per dimension, the slowest first.
 class TensorFile {
  public:
   enum class Type : std::uint8_t { kUint8 = 1, kFloat32 = 10 };
-  /// Dimensions of a field; no more than kMaxDimensions.
+  /// Dimensions of a field; at most kMaxDimensions.
   using Shape = std::vector<std::uint64_t>;
   static constexpr std::size_t kMaxDimensions = 16, kMaxFields = 1024;
 
-  /// Throws SceneError for files that are missing, truncated or no tensor files, and for fields that lie outside.
+  /// Throws SceneError for files that are missing, truncated or not tensor files, and for fields that reach beyond the
+  /// file.
   explicit TensorFile(const std::filesystem::path& file);
 
   bool has(const std::string& name) const { return fields_.contains(name); }
-  /// The dimensions of a field, of which there must be `dimensions`. Throws SceneError for others, and where there is
-  /// no such field.
+  /// Returns the shape of a field with `dimensions` dimensions. Throws SceneError for another number of dimensions and
+  /// for an unknown field.
   const Shape& shape(const std::string& name, std::size_t dimensions) const;
-  /// The numbers of a field of 32-bit floats, which must be finite. Throws SceneError.
+  /// Returns the numbers of a float32 field, all finite. Throws SceneError.
   std::vector<float> floats(const std::string& name) const;
-  /// The bytes of a field of bytes. Throws SceneError.
+  /// Returns the bytes of a uint8 field. Throws SceneError.
   std::span<const char> bytes(const std::string& name) const;
 
-  /// Throws SceneError at the file.
+  /// Throws SceneError located at the file.
   [[noreturn]] void fail(const std::string& message) const { throw SceneError({name_}, message); }
 
  private:
@@ -53,7 +58,7 @@ class TensorFile {
   std::map<std::string, Field> fields_;
 };
 
-/// "2 x 3 x 4".
+/// Formats a shape as "2 x 3 x 4".
 std::string to_string(const TensorFile::Shape& shape);
 
 }  // namespace sheaf

@@ -1,3 +1,4 @@
+// Parser of Mitsuba's ".vol" grid volumes.
 #include "scene/formats/vol_file.h"
 
 #include "scene/formats/little_endian.h"
@@ -20,7 +21,7 @@ constexpr std::size_t kHeaderSize = 48;
 std::int32_t int_at(const char* bytes) { return static_cast<std::int32_t>(little_endian<std::uint32_t>(bytes)); }
 float float_at(const char* bytes) { return std::bit_cast<float>(little_endian<std::uint32_t>(bytes)); }
 
-/// IEEE 754 binary16.
+/// Converts IEEE 754 binary16.
 float half_to_float(std::uint16_t half) {
   const int exponent = half >> 10 & 31, fraction = half & 1023;
   const float sign = (half & 0x8000u) != 0 ? -1.0f : 1.0f;
@@ -29,7 +30,7 @@ float half_to_float(std::uint16_t half) {
   return sign * std::ldexp(static_cast<float>(fraction + 1024), exponent - 25);
 }
 
-/// What a file's header says.
+/// Contents of the file header.
 struct VolHeader {
   std::int32_t encoding = 0, channels = 0;
   std::array<int, 3> size{};
@@ -81,7 +82,7 @@ class VolReader {
     return result;
   }
 
-  /// From index space to the unit cube or the file's box.
+  /// Returns the transform from index space to the unit cube or the file's bounding box.
   Transform grid_to_local(const VolHeader& h, bool use_grid_bbox) const {
     Matrix4 m;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -104,7 +105,7 @@ class VolReader {
          std::to_string(voxel / x / y) + ") is not finite");
   }
 
-  /// Throws unless the file is as long as its header says.
+  /// Throws unless the file size matches its header.
   void check_size(const VolHeader& h) const {
     const std::string size =
         std::to_string(h.size[0]) + " x " + std::to_string(h.size[1]) + " x " + std::to_string(h.size[2]) + " voxels";

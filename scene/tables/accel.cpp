@@ -25,7 +25,7 @@
 
 namespace sheaf {
 
-// RayPacket is Embree's RTCRayHit16 with room behind it for what newer versions append.
+// RayPacket has the layout of Embree's RTCRayHit16, with room at the end for fields that newer versions append.
 static_assert(offsetof(RTCRayHit16, ray.tfar) == offsetof(RayPacket, t_far));
 static_assert(offsetof(RTCRayHit16, hit.Ng_x) == offsetof(RayPacket, normal_x));
 static_assert(offsetof(RTCRayHit16, hit.geomID) == offsetof(RayPacket, shape));
@@ -55,7 +55,7 @@ struct EmbreeScene {
     if (scene) rtcReleaseScene(scene);
     if (device) rtcReleaseDevice(device);
   }
-  // These throw Error.
+  // Both throw Error.
   void start(bool watertight);
   void check() const;
 };
@@ -63,18 +63,18 @@ struct EmbreeScene {
 }  // namespace
 
 struct Accel::Impl : EmbreeScene {
-  const InstanceRow* instances = nullptr;  ///< null: there are none
-  std::uint32_t first_instance = 0;        ///< geometry id of the first
-  std::deque<SdfGridView> sdf_grids;       ///< Embree has pointers to them
+  const InstanceRow* instances = nullptr;  ///< null: no instances
+  std::uint32_t first_instance = 0;        ///< geometry id of the first instance
+  std::deque<SdfGridView> sdf_grids;       ///< Embree holds pointers to these
 };
 
 namespace {
 
-/// How many threads Embree believes to build with. Its builders split work by this number, and with it the order of
-/// triangles in a leaf, which decides ties between equal distances: a constant makes all builds equal.
+/// Number of threads that Embree assumes for builds. Its builders split work by this number, which affects the order of
+/// triangles in leaves and so ties between equal distances. A constant makes all builds identical.
 constexpr int kBuildConcurrency = 8;
 
-/// Embree's valid masks for 0 .. kPacketWidth rays.
+/// Embree's valid masks for 0 to kPacketWidth rays.
 struct ValidMasks {
   alignas(64) int masks[kPacketWidth + 1][kPacketWidth];
   constexpr ValidMasks() : masks{} {
@@ -99,7 +99,7 @@ void sdf_bounds_callback(const RTCBoundsFunctionArguments* args) {
   write_bounds(args, sdf_cell_bounds(*static_cast<const SdfGridView*>(args->geometryUserPtr), args->primID));
 }
 
-/// What rays are tested against, one primitive at a time.
+/// Intersection functions of user geometries, for one primitive at a time.
 struct QuadricSurface {
   static std::optional<QuadricHit> intersect(const void* quadric, std::uint32_t /*primitive*/, Vec3f origin,
                                              Vec3f direction, float t_near, float t_far) {
@@ -113,7 +113,7 @@ struct SdfSurface {
   }
 };
 
-/// The ray `i` of `n`, against the surface.
+/// Intersects ray `i` of `n` with the surface.
 template <class Surface>
 std::optional<QuadricHit> intersect_one(const void* surface, std::uint32_t primitive, RTCRayN* rays, unsigned n,
                                         unsigned i) {
@@ -165,7 +165,7 @@ RTCGeometry make_quadric_geometry(RTCDevice device, const QuadricRow& row) {
   return geometry;
 }
 
-/// A primitive for each cell with some of the surface. `grid` must stay where it is.
+/// One primitive per cell that contains the surface. `grid` must not move.
 RTCGeometry make_sdf_geometry(RTCDevice device, const SdfGridView& grid, std::uint32_t cell_count) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, cell_count);
@@ -176,7 +176,7 @@ RTCGeometry make_sdf_geometry(RTCDevice device, const SdfGridView& grid, std::ui
   return geometry;
 }
 
-/// Curves are seen from outside alone: of rays that leave them, rounding would let some meet them from inside.
+/// Culls back faces of curves: rays that leave a curve could otherwise hit it from inside due to rounding.
 void cull_inside(const RTCFilterFunctionNArguments* args) {
   for (unsigned i = 0; i < args->N; ++i) {
     const Vec3f direction{RTCRayN_dir_x(args->ray, args->N, i), RTCRayN_dir_y(args->ray, args->N, i),
@@ -198,7 +198,7 @@ RTCGeometry make_curves(RTCDevice device, const AccelInput& in, const ShapeRow& 
   rtcSetGeometryIntersectFilterFunction(geometry, cull_inside);
   rtcSetGeometryOccludedFilterFunction(geometry, cull_inside);
   if (!linear) return geometry;
-  // Embree joins segments without a surface in between where it knows that they are neighbours.
+  // With these flags, Embree joins neighbouring segments without a surface in between.
   auto* flags = static_cast<std::uint8_t*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FLAGS, 0, RTC_FORMAT_UCHAR, 1, shape.triangle_count));
   const std::uint32_t* first = in.curve_segments + shape.first_triangle;
@@ -211,7 +211,7 @@ RTCGeometry make_curves(RTCDevice device, const AccelInput& in, const ShapeRow& 
   return geometry;
 }
 
-/// Geometry of shape `i`; of grids the views join `grids`.
+/// Geometry of shape `i`. Views of SDF grids are appended to `grids`.
 RTCGeometry make_shape(RTCDevice device, const AccelInput& in, std::uint32_t i, std::deque<SdfGridView>& grids) {
   const ShapeRow& shape = in.shapes[i];
   switch (static_cast<ShapeKind>(shape.kind)) {
@@ -228,7 +228,7 @@ RTCGeometry make_shape(RTCDevice device, const AccelInput& in, std::uint32_t i, 
   }
 }
 
-/// Builds a scene in the same way whatever machine it is on.
+/// Builds the same structure on every machine.
 void commit_alike(RTCScene scene) {
   const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, kBuildConcurrency);
   tbb::task_arena arena(kBuildConcurrency);
@@ -241,8 +241,8 @@ RTCScene make_scene(RTCDevice device, bool watertight) {
   return scene;
 }
 
-/// Throws Error (exit code 1) where a limit of address space leaves too little for the stacks and heaps of Embree's
-/// threads, which else wait for each other for ever.
+/// Throws Error (exit code 1) if an address-space limit leaves too little for the stacks and heaps of Embree's threads.
+/// These would otherwise deadlock.
 void check_addresses() {
   constexpr double kEmbreeAddresses = 160e6;
   if (available_addresses() >= kEmbreeAddresses) return;
@@ -270,7 +270,7 @@ void attach(RTCScene scene, RTCGeometry geometry, std::uint32_t id) {
   rtcReleaseGeometry(geometry);
 }
 
-/// Attaches shapes [first, first + count) with ids that count from 0: Embree's tables grow with the largest id.
+/// Attaches the shapes of `range` with ids from 0: the size of Embree's tables depends on the largest id.
 void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, ShapeRange range,
                    std::deque<SdfGridView>& grids) {
   if (is_worth_splitting(in, range)) rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
@@ -282,7 +282,7 @@ void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, Shape
   }
 }
 
-/// Attaches all instances, with ids from `first_id` on.
+/// Attaches all instances, with ids from `first_id`.
 void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, std::uint32_t first_id,
                       std::deque<SdfGridView>& grids) {
   std::vector<RTCScene> groups;
@@ -298,10 +298,10 @@ void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, st
     rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, row.to_world);
     attach(scene, geometry, first_id + i);
   }
-  for (RTCScene group : groups) rtcReleaseScene(group);  // their instances keep them
+  for (RTCScene group : groups) rtcReleaseScene(group);  // the instances hold references
 }
 
-/// Embree tells shapes of a group by their place in it, and normals in the group's space.
+/// Converts group-relative shape ids to scene ids, and normals from the group's space to world space.
 void resolve_instances(RayPacket& packet, int count, const InstanceRow* instances, std::uint32_t first_instance) {
   using L = Wide;
   for (int at = 0; at < count; at += L::width) {
@@ -388,7 +388,7 @@ using QueryContext = RTCRayQueryContext;
 using QueryContext = RTCIntersectContext;
 #endif
 
-/// A query along one ray. Embree hands the context to the filter.
+/// A query along one ray. Embree passes the context to the filter.
 struct NearQuery {
   QueryContext context;
   Vec3f origin, direction;
@@ -399,9 +399,9 @@ struct PointQuery : NearQuery {
   std::vector<NearPoint>* found;
 };
 
-/// Lets the filter of the scene's geometry see what lies nearer to the ray than `radius`.
+/// Runs the filter of the scene's geometry for everything closer to the ray than `radius`.
 void look_along(RTCScene scene, NearQuery& query, float radius) {
-  // Embree takes what is nearer than twice a point's or curve's radius for the surface that the ray began on.
+  // Embree ignores hits closer than twice the radius of a point or curve, to avoid self-intersection.
   const float ahead = 2.1f * radius, margin = 0.01f * radius;
   const Vec3f start = query.origin - query.direction * ahead;
   RTCRay ray{};
@@ -421,7 +421,7 @@ void look_along(RTCScene scene, NearQuery& query, float radius) {
 #endif
 }
 
-/// Notes each point, if it is near by our own measure, and lets the ray go on.
+/// Records each point that passes our own distance test, and continues the ray.
 void collect_point(const RTCFilterFunctionNArguments* args) {
   const auto* query = static_cast<const PointQuery*>(reinterpret_cast<const NearQuery*>(args->context));
   for (unsigned i = 0; i < args->N; ++i) {
@@ -470,7 +470,7 @@ std::size_t PointAccel::bytes() const {
 
 namespace {
 
-/// A line as the filter sees it.
+/// A line as stored for the filter.
 struct LineRow {
   Vec3f start;
   float length;
@@ -486,18 +486,18 @@ struct LinePiece {
 struct LineAccel::Impl : EmbreeScene {
   std::vector<LineRow> lines;
   std::vector<LinePiece> pieces;
-  std::vector<AccelPoint> ends;       ///< of pieces, those of a line one after the other
-  std::vector<std::uint32_t> begins;  ///< where a piece's ends stand
+  std::vector<AccelPoint> ends;       ///< ends of pieces, consecutive for each line
+  std::vector<std::uint32_t> begins;  ///< index of each piece's first end
   float radius = 0;
 };
 
 namespace {
 
-/// Pieces of a line at most.
+/// Maximum number of pieces per line.
 constexpr float kMaxPieces = 64;
-/// Embree's curves are so much wider, for its rounding.
+/// Factor by which Embree's curves are wider, to allow for its rounding.
 constexpr float kWider = 1.02f;
-/// Square of the sine below which directions are parallel.
+/// Squared sine below which directions count as parallel.
 constexpr float kParallel = 1e-8f;
 
 struct LineQuery : NearQuery {
@@ -507,7 +507,8 @@ struct LineQuery : NearQuery {
   std::vector<NearLine>* found;
 };
 
-/// Notes a line at the one of its pieces on which it is nearest to the ray, by the whole line's geometry.
+/// Records a line once: only for the piece that contains the point nearest to the ray, by the geometry of the whole
+/// line.
 void collect_line(const RTCFilterFunctionNArguments* args) {
   const auto* query = static_cast<const LineQuery*>(reinterpret_cast<const NearQuery*>(args->context));
   for (unsigned i = 0; i < args->N; ++i) {

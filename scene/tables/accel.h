@@ -1,5 +1,4 @@
-// Embree's acceleration structures: of the scene, and of points and lines near rays. accel.cpp is the only file that
-// includes Embree.
+// Embree's acceleration structures for the scene, and for points and lines near rays. Only accel.cpp includes Embree.
 #pragma once
 
 #include "scene/tables/shape_rows.h"
@@ -14,26 +13,26 @@ namespace sheaf {
 /// Rays per call.
 inline constexpr int kPacketWidth = 16;
 
-/// Sixteen rays with room for their hits, laid out as Embree wants them. Rays must be finite; directions need not be
-/// normalised, distances are in units of their length.
+/// Sixteen rays and their hits, in Embree's layout. Rays must be finite. Directions need not be normalised; distances
+/// are in units of their length.
 struct alignas(64) RayPacket {
   float origin_x[kPacketWidth], origin_y[kPacketWidth], origin_z[kPacketWidth];
   float t_near[kPacketWidth];
   float direction_x[kPacketWidth], direction_y[kPacketWidth], direction_z[kPacketWidth];
   float time[kPacketWidth];
-  float t_far[kPacketWidth];  ///< in: farthest distance; out: distance of the hit, or -infinity from occluded()
+  float t_far[kPacketWidth];  ///< in: maximum distance; out: distance of the hit, or -infinity from occluded()
   std::uint32_t mask[kPacketWidth];
-  std::uint32_t id[kPacketWidth];  ///< the caller's, left alone
+  std::uint32_t id[kPacketWidth];  ///< for the caller; unchanged
   std::uint32_t flags[kPacketWidth];
   float normal_x[kPacketWidth], normal_y[kPacketWidth], normal_z[kPacketWidth];  ///< geometric, any length
-  float u[kPacketWidth], v[kPacketWidth];  ///< barycentric coordinates of the second and third vertex; of curves
-                                           ///< u alone, along the segment
-  std::uint32_t primitive[kPacketWidth];   ///< triangle, segment or cell of the shape
-  std::uint32_t shape[kPacketWidth];       ///< kNone: no hit. intersect() wants it to be kNone on entry
-  std::uint32_t instance[kPacketWidth];    ///< row of the instance that was hit; kNone: the shape is in no group
+  /// Barycentric coordinates of the second and third vertex. Curves use only u, along the segment.
+  float u[kPacketWidth], v[kPacketWidth];
+  std::uint32_t primitive[kPacketWidth];  ///< triangle, segment or cell of the shape
+  std::uint32_t shape[kPacketWidth];      ///< kNone: no hit; must be kNone on entry to intersect()
+  std::uint32_t instance[kPacketWidth];   ///< row of the instance that was hit; kNone: not an instanced shape
   std::uint32_t instance_primitive[kPacketWidth];
 
-  /// Fills what does not change from packet to packet.
+  /// Initialises the fields that are the same for all packets.
   RayPacket();
 };
 
@@ -42,10 +41,10 @@ struct ShapeRange {
   std::uint32_t first_shape, shape_count;
 };
 
-/// The geometry tables that Embree is to index; they must outlive the Accel.
+/// The geometry tables that Embree indexes. They must outlive the Accel.
 struct AccelInput {
   const ShapeRow* shapes;
-  std::uint32_t shape_count;  ///< those that are in no group; the groups' shapes follow them
+  std::uint32_t shape_count;  ///< shapes outside of groups; the groups' shapes follow
   const VertexRow* vertices;
   const std::uint32_t* triangles;
   const QuadricRow* quadrics;
@@ -54,16 +53,16 @@ struct AccelInput {
   const SdfGridRow* sdf_grids;
   const float* sdf_values;
   const std::uint32_t* sdf_cells;
-  const std::uint32_t* vertex_counts;  ///< per shape; of curves their points
+  const std::uint32_t* vertex_counts;  ///< per shape; curves: number of points
   bool watertight;                     ///< see CompileOptions::watertight
-  const ShapeRange* groups;            ///< none of them empty
+  const ShapeRange* groups;            ///< none empty
   std::uint32_t group_count;
   const InstanceRow* instances;
   std::uint32_t instance_count;
 };
 
-/// A built acceleration structure. Const and safe to query from many threads. Results are the same bits whoever shares
-/// the packet and however many threads built it.
+/// A built acceleration structure. Const and safe to query from many threads. Results are bit-identical regardless of
+/// the other rays in the packet and of the number of threads that built it.
 class Accel {
  public:
   explicit Accel(const AccelInput& input);
@@ -73,7 +72,7 @@ class Accel {
 
   /// Nearest hits of the first `count` rays.
   void intersect(RayPacket& packet, int count) const noexcept;
-  /// Whether anything lies before t_far, for the first `count` rays: t_far becomes -infinity.
+  /// Whether anything lies before t_far, for the first `count` rays; sets t_far to -infinity if so.
   void occluded(RayPacket& packet, int count) const noexcept;
   /// Memory that Embree holds, in bytes.
   std::size_t bytes() const;
@@ -86,7 +85,7 @@ class Accel {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A point and how far from it rays are still near.
+/// A point with the maximum distance at which rays find it.
 struct alignas(16) AccelPoint {
   float x, y, z, radius;  ///< metres
 };
@@ -94,23 +93,23 @@ struct alignas(16) AccelPoint {
 /// A point near a ray.
 struct NearPoint {
   float t;              ///< along the ray, metres
-  float squared;        ///< distance across it over the point's radius, squared; below 1
+  float squared;        ///< squared ratio of the distance from the ray to the point's radius; below 1
   std::uint32_t index;  ///< of the point
 };
 
-/// Points, to be found near rays. Const and safe to query from many threads.
+/// Finds points near rays. Const and safe to query from many threads.
 class PointAccel {
  public:
   /// Empty.
   PointAccel();
-  /// Throws Error (runtime) where memory does not suffice.
+  /// Throws Error (runtime) if out of memory.
   explicit PointAccel(std::vector<AccelPoint> points);
   ~PointAccel();
   PointAccel(PointAccel&&) noexcept;
   PointAccel& operator=(PointAccel&&) noexcept;
 
-  /// Appends the points that lie nearer to the ray than their radius, measured across it, and along it between 0 and
-  /// `length`; in no order. `direction`: unit length.
+  /// Appends the points whose distance from the ray is below their radius, at ray parameters between 0 and `length`, in
+  /// unspecified order. `direction` has unit length.
   void near_ray(Vec3f origin, Vec3f direction, float length, std::vector<NearPoint>& found) const noexcept;
   const std::vector<AccelPoint>& points() const { return points_; }
   /// Memory that Embree holds, in bytes.
@@ -123,39 +122,39 @@ class PointAccel {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A stretch of a line.
+/// A line segment.
 struct AccelLine {
   Vec3f start, direction;  ///< unit length
   float length;            ///< metres
 };
 
-/// A line near a ray: where they are nearest to each other.
+/// A line near a ray, at their points of closest approach.
 struct NearLine {
   float t;              ///< along the ray, metres
   float along;          ///< along the line from its start, metres
-  float squared;        ///< distance between them over the radius, squared; below 1
-  float cosine, sine;   ///< of the angle between their directions, the sine positive
+  float squared;        ///< squared ratio of their distance to the radius; below 1
+  float cosine, sine;   ///< of the angle between their directions; the sine is positive
   std::uint32_t index;  ///< of the line
 };
 
-/// Lines, to be found near rays. Const and safe to query from many threads.
+/// Finds line segments near rays. Const and safe to query from many threads.
 class LineAccel {
  public:
   /// Empty.
   LineAccel();
-  /// `radius`: how far from lines rays are still near, metres. Lines longer than `piece`, metres, are cut for Embree,
-  /// whose boxes around long ones hold much else. Throws Error (runtime) where memory does not suffice.
+  /// `radius`: maximum distance from a ray, metres. Lines longer than `piece`, metres, are split for Embree, because
+  /// bounding boxes of long lines are mostly empty. Throws Error (runtime) if out of memory.
   LineAccel(const std::vector<AccelLine>& lines, float radius, float piece);
   ~LineAccel();
   LineAccel(LineAccel&&) noexcept;
   LineAccel& operator=(LineAccel&&) noexcept;
 
-  /// Appends the lines that come nearer to the ray than the radius where both are nearest to each other: on the ray
-  /// between 0 and `length`, on the line between its ends. In no order, each once; not those that are as good as
-  /// parallel to the ray. `direction`: unit length.
+  /// Appends the lines whose distance from the ray is below the radius at the points of closest approach. That point
+  /// lies between 0 and `length` on the ray, and between the ends on the line. Each line is appended once, in
+  /// unspecified order; nearly parallel lines are skipped. `direction` has unit length.
   void near_ray(Vec3f origin, Vec3f direction, float length, std::vector<NearLine>& found) const noexcept;
   std::size_t size() const { return size_; }
-  /// All memory, in bytes.
+  /// Total memory, in bytes.
   std::size_t bytes() const;
 
  private:

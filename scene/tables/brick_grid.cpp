@@ -1,4 +1,4 @@
-// Building grids of bricks, from dense arrays and from blocks, and making the kernels' rows.
+// Builds brick grids from dense arrays and from blocks of voxels, and their rows for kernels.
 #include "scene/tables/brick_grid.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ std::string text_of(const std::array<int, 3>& size) {
   return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]);
 }
 
-/// Bytes as people read them.
+/// Size in MB for messages.
 std::string megabytes(std::size_t bytes) { return std::to_string((bytes + 999'999) / 1'000'000) + " MB"; }
 
 [[noreturn]] void fail_memory(const BrickGrid& grid, std::size_t bytes, std::size_t most_bytes) {
@@ -30,7 +30,7 @@ std::string megabytes(std::size_t bytes) { return std::to_string((bytes + 999'99
                    " for a file of its size; are there stray tiles, or voxels far from the others?");
 }
 
-/// Lays out the table of bricks for `cells`; all entries are yet to be set.
+/// Sets the size of the table of bricks for `cells`; all entries are 0.
 void set_size(BrickGrid& grid, const std::array<int, 3>& cells, std::size_t most_bytes) {
   std::size_t count = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -47,7 +47,7 @@ void set_size(BrickGrid& grid, const std::array<int, 3>& cells, std::size_t most
   grid.entries.assign(count, 0);
 }
 
-/// Stores bricks, those of one value once for each.
+/// Stores bricks. Constant bricks are shared: one per value.
 class BrickStore {
  public:
   /// Throws SceneError as soon as the grid takes more than `most_bytes`.
@@ -61,12 +61,12 @@ class BrickStore {
     grid.maximum = -grid.minimum;
   }
 
-  /// The voxel of a place in the brick to be stored next.
+  /// The voxel at (x, y, z) of the next brick to be stored.
   float* voxel(int x, int y, int z) {
     return scratch_.data() + static_cast<std::size_t>((z * kBrickStride + y) * kBrickStride + x) * voxel_;
   }
 
-  /// Stores what voxel() was used to set.
+  /// Stores the brick whose voxels were set through voxel().
   std::uint32_t store() {
     bool is_constant = true;
     for (std::size_t i = voxel_; i < scratch_.size() && is_constant; ++i)
@@ -114,7 +114,7 @@ template <class F> void for_each_brick(BrickGrid& grid, F&& f) {
       for (b[0] = 0; b[0] < grid.bricks[0]; ++b[0]) f(b, grid.entries[entry++]);
 }
 
-/// Bounds of `count` corners' images.
+/// Bounding box of the transformed corners of the box [lo, hi].
 GridBox image_of(const Transform& transform, const std::array<double, 3>& lo, const std::array<double, 3>& hi) {
   const auto& m = transform.matrix().m;
   GridBox box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
@@ -132,7 +132,7 @@ GridBox image_of(const Transform& transform, const std::array<double, 3>& lo, co
   return box;
 }
 
-/// How far beyond the outermost voxels' values their influence goes.
+/// Distance in voxels by which the outermost values extend beyond their positions.
 double margin_of(const BrickGrid& grid, Filter filter) {
   return grid.border == GridBorder::kBackground && filter == Filter::kTrilinear ? 1.0 : 0.5;
 }
@@ -147,7 +147,7 @@ GridBox box_with_margin(const BrickGrid& grid, double margin) {
   return image_of(grid.grid_to_local, lo, hi);
 }
 
-/// Blocks by their place, and what surrounds them.
+/// Maps positions to blocks, with the background in between.
 class BlockTable {
  public:
   explicit BlockTable(const VoxelBlocks& blocks) : blocks_(blocks), channels_(blocks.channels()) { find_bounds(); }
@@ -156,7 +156,7 @@ class BlockTable {
   const std::array<int, 3>& voxel_min() const { return voxel_min_; }
   const std::array<int, 3>& voxel_max() const { return voxel_max_; }
 
-  /// Makes the grid's entries, once its layout is known, the numbers of the blocks whose place they are.
+  /// Sets each entry of the grid to the index of the block at its position. The grid's layout must be set.
   void index(BrickGrid& grid) {
     first_ = {floor_div8(grid.first[0]), floor_div8(grid.first[1]), floor_div8(grid.first[2])};
     size_ = grid.bricks;
@@ -164,7 +164,7 @@ class BlockTable {
     std::fill(table_.begin(), table_.end(), kNoBlock);
     for (std::size_t i = 0; i < blocks_.blocks().size(); ++i) {
       const VoxelBlocks::Block& b = blocks_.blocks()[i];
-      std::array<int, 3> begin{}, end{};  // what is background may lie outside
+      std::array<int, 3> begin{}, end{};  // blocks of background may lie outside
       for (std::size_t axis = 0; axis < 3; ++axis) {
         begin[axis] = std::max(b.position[axis] - first_[axis], 0);
         end[axis] = std::min(b.position[axis] - first_[axis] + b.edge, size_[axis]);
@@ -179,8 +179,8 @@ class BlockTable {
     }
   }
 
-  /// Puts the voxels of a brick into the store. Bricks must come in the order of their entries, each of which may be
-  /// set once its brick is stored: no brick takes voxels from blocks at places before its own.
+  /// Stores the voxels of a brick. Bricks must come in the order of their entries. An entry may be overwritten once its
+  /// brick is stored: no brick reads voxels of blocks before its own position.
   std::uint32_t store_brick(const std::array<int, 3>& b, BrickStore& store) const {
     std::array<const VoxelBlocks::Block*, 8> corner{};
     for (unsigned c = 0; c < 8; ++c)
@@ -199,13 +199,13 @@ class BlockTable {
   }
 
   const VoxelBlocks::Block* block(const std::array<int, 3>& at) const {
-    // The grid ends with the last voxel that is not background.
+    // The grid ends with the last non-background voxel.
     if (at[0] >= size_[0] || at[1] >= size_[1] || at[2] >= size_[2]) return nullptr;
     const std::uint32_t entry = table_[offset(at)];
     return entry == kNoBlock ? nullptr : &blocks_.blocks()[entry];
   }
 
-  /// The value of blocks that are all constant and alike; null: they are not.
+  /// The common value of constant, equal blocks; null if they differ.
   const float* common_value(const std::array<const VoxelBlocks::Block*, 8>& blocks) const {
     const float* common = nullptr;
     for (const VoxelBlocks::Block* const b : blocks) {
@@ -217,7 +217,8 @@ class BlockTable {
     return common;
   }
 
-  /// Copies from the block that holds corner `c` of a brick: bit by bit, 0: eight voxels from 0 on, 1: the voxel at 8.
+  /// Copies the part of a brick that the block at corner `c` holds. Bit `axis` of c: 0 for voxels 0 to 7, 1 for voxel
+  /// 8.
   void copy(const VoxelBlocks::Block* block, unsigned c, BrickStore& store) const {
     const auto begin = [&](unsigned axis) { return (c >> axis & 1u) != 0 ? kBrickSide : 0; };
     const auto end = [&](unsigned axis) { return (c >> axis & 1u) != 0 ? kBrickStride : kBrickSide; };
@@ -310,7 +311,7 @@ BrickGrid make_sparse_grid(const VoxelBlocks& blocks, std::size_t most_bytes) {
   grid.voxel_max = table.voxel_max();
   std::array<int, 3> cells{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // The cell below the first voxel has its upper corner there; bricks keep to the blocks.
+    // The cell below the first voxel has its upper corner at that voxel. Bricks are aligned to blocks.
     const int first = floor_div8(grid.voxel_min[axis] - 1), last = floor_div8(grid.voxel_max[axis]);
     grid.first[axis] = first * kBrickSide;
     cells[axis] = static_cast<int>(

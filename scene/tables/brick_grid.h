@@ -1,8 +1,8 @@
-// Volumes in memory: a sparse grid of one or three floats per voxel, in bricks of 8^3 that share what is constant.
+// Sparse volume grids with one or three floats per voxel, stored as bricks of 8^3 cells that share constant data.
 //
-// Voxel (i, j, k) of index space has its value at the point (i, j, k). A brick stands for the 8^3 cells between voxels
-// whose lowest corners it holds, and so stores 9^3 voxels: a trilinear lookup reads one entry of the table of bricks
-// and one brick. Bricks of one value are stored once for each value.
+// Voxel (i, j, k) of index space has its value at the point (i, j, k). A brick covers the 8^3 cells whose lowest
+// corners are its voxels, and so stores 9^3 voxels. A trilinear lookup reads one entry of the brick table and one
+// brick. Constant bricks are stored once per value.
 #pragma once
 
 #include "core/transform.h"
@@ -17,32 +17,33 @@
 
 namespace sheaf {
 
-/// What is outside of a grid.
+/// Values outside of a grid.
 enum class GridBorder : std::uint32_t {
-  kBackground,  ///< one value, towards which the outermost voxels are interpolated
-  kClamp,       ///< the nearest place of the grid
-  kRepeat,      ///< the grid again
-  kMirror,      ///< the grid and its mirror image in turn
+  kBackground,  ///< a constant, towards which the outermost voxels are interpolated
+  kClamp,       ///< the nearest value on the boundary
+  kRepeat,      ///< periodic repetition
+  kMirror,      ///< repetition with every second copy mirrored
 };
 
-/// Edge of a brick, in cells.
+/// Edge of a brick in cells.
 inline constexpr int kBrickSide = VoxelBlocks::kSide;
-/// Edge of a brick, in voxels.
+/// Edge of a brick in voxels.
 inline constexpr int kBrickStride = kBrickSide + 1;
-/// Voxels of a brick, x fastest.
+/// Voxels per brick, x fastest.
 inline constexpr int kBrickVoxels = kBrickStride * kBrickStride * kBrickStride;
-/// Floats of a voxel in a brick of three channels; the fourth is zero.
+/// Floats per voxel in bricks of three channels; the fourth is zero.
 inline constexpr int kColorVoxel = 4;
 
-/// What kernels read of a grid: two cache lines. Pointers lead into a BrickGrid, which must outlive the row.
+/// A grid's row for kernels: two cache lines. Pointers refer to a BrickGrid, which must outlive the row.
 struct alignas(64) BrickGridRow {
-  /// Columns of the 3x4 matrix from world space to the grid, four floats each, the last of which is zero. For lookups
-  /// of the nearest voxel half a voxel is added, so that voxel i is all of [i, i + 1).
+  /// Columns of the 3x4 matrix from world space to grid space, four floats each with a zero last. For nearest lookups,
+  /// half a voxel is added, so that voxel i covers [i, i + 1).
   float world_to_grid[16] = {};
-  const std::uint32_t* entries = nullptr;    ///< brick of each 8^3 cells, x fastest
-  const float* values = nullptr;             ///< bricks of kBrickVoxels voxels of one float or kColorVoxel floats
-  std::uint32_t cells[3] = {};               ///< lookups stay in [0, cells); without kBackground the number of voxels
-  std::uint32_t stride_y = 0, stride_z = 0;  ///< of `entries`
+  const std::uint32_t* entries = nullptr;  ///< index of the brick for each 8^3 cells, x fastest
+  const float* values = nullptr;           ///< bricks of kBrickVoxels voxels, each one float or kColorVoxel floats
+  /// Lookups are limited to [0, cells). Without kBackground this is the number of voxels.
+  std::uint32_t cells[3] = {};
+  std::uint32_t stride_y = 0, stride_z = 0;  ///< strides of `entries`
   std::uint32_t channels = 1;                ///< 1 or 3
   GridBorder border = GridBorder::kBackground;
   bool nearest = false;  ///< the nearest voxel's value; else trilinear
@@ -50,12 +51,12 @@ struct alignas(64) BrickGridRow {
 };
 static_assert(sizeof(BrickGridRow) == 128);
 
-/// What kernels see of all grids.
+/// All grids of a scene, for kernels.
 struct BrickGridView {
   const BrickGridRow* rows = nullptr;
 };
 
-/// A box with sides along the axes. Empty if a minimum exceeds its maximum.
+/// An axis-aligned box. Empty if a minimum exceeds its maximum.
 struct GridBox {
   Vec3f min{}, max{};
 };
@@ -64,53 +65,55 @@ struct GridBox {
 struct BrickGrid {
   int channels = 1;  ///< 1 or 3
   GridBorder border = GridBorder::kBackground;
-  std::array<float, 3> background{};         ///< as many as channels; only for kBackground
-  std::array<int, 3> first{};                ///< voxel where the first brick begins
-  std::array<int, 3> voxel_min{};            ///< the first voxel that is not just background
-  std::array<int, 3> voxel_max{-1, -1, -1};  ///< the last such voxel
+  std::array<float, 3> background{};         ///< `channels` values; only for kBackground
+  std::array<int, 3> first{};                ///< voxel at which the first brick begins
+  std::array<int, 3> voxel_min{};            ///< first voxel that differs from the background
+  std::array<int, 3> voxel_max{-1, -1, -1};  ///< last voxel that differs from the background
   std::array<int, 3> cells{};                ///< BrickGridRow::cells
   std::array<int, 3> bricks{};               ///< size of the table of bricks
   std::vector<std::uint32_t> entries;
   std::vector<float> values;
   /// From index space to the space that GridVolumeDescription::to_world maps to world space.
   Transform grid_to_local;
-  float minimum = 0, maximum = 0;  ///< of all channels; including the background, if that is what surrounds the grid
+  /// Over all channels; includes the background if that surrounds the grid.
+  float minimum = 0, maximum = 0;
 
-  /// Whether there is nothing but background.
+  /// Whether the grid is all background.
   bool is_empty() const { return voxel_max[0] < voxel_min[0]; }
-  /// An upper bound on all interpolated values of all channels.
+  /// Upper bound on the interpolated values of all channels.
   float max_value() const { return maximum; }
-  /// A lower bound on the same.
+  /// Lower bound on the interpolated values of all channels.
   float min_value() const { return minimum; }
-  /// Memory held.
+  /// Memory in bytes.
   std::size_t bytes() const { return entries.capacity() * sizeof(std::uint32_t) + values.capacity() * sizeof(float); }
   /// Floats per brick.
   std::size_t brick_size() const { return std::size_t{kBrickVoxels} * (channels == 1 ? 1 : kColorVoxel); }
-  /// Bounds in local space of the cubes of side 1 around the voxels; Mitsuba's .vol: the unit cube or the file's box.
-  /// Empty for a grid that is.
+  /// Bounding box in local space of the unit cubes around the voxels. For Mitsuba's .vol files this is the unit cube or
+  /// the file's box. Empty for an empty grid.
   GridBox voxel_box() const;
-  /// Bounds in local space of all places with another value than the background; without background voxel_box().
+  /// Bounding box in local space of all points whose value differs from the background; without background,
+  /// voxel_box().
   GridBox local_box(GridVolumeDescription::Filter filter = GridVolumeDescription::Filter::kTrilinear) const;
 };
 
-/// Largest number of bricks, stored or not.
+/// Maximum number of entries of the brick table.
 inline constexpr std::size_t kMaxBricks = std::size_t{1} << 27;
 
-/// A grid of all voxels of (0, 0, 0) to size - (1, 1, 1); `values` are x fastest, channels (1 or 3) next to each other.
-/// Throws SceneError for a size that is not from 1 to kMaxGridSide, for too many bricks, or if the number of values
-/// does not fit. `border` is not kBackground.
+/// Builds a grid from the voxels (0, 0, 0) to size - (1, 1, 1). `values` are x fastest, with interleaved channels (1 or
+/// 3). Throws SceneError for a size outside [1, kMaxGridSide], for too many bricks, or for a wrong number of values.
+/// `border` must not be kBackground.
 BrickGrid make_dense_grid(int channels, std::array<int, 3> size, std::span<const float> values, GridBorder border);
 
-/// A grid with kBackground outside. Throws SceneError if blocks lie too far from each other for kMaxGridSide or
-/// kMaxBricks, if one is there twice, if a coordinate of a voxel exceeds 2^30, or if it would take more than
-/// `most_bytes` of memory: a few constant blocks may span a volume whose table of bricks is beyond all measure.
+/// Builds a grid with kBackground outside. Throws SceneError if the extent exceeds kMaxGridSide or kMaxBricks, for
+/// duplicate blocks, for voxel coordinates beyond 2^30, or if the grid would take more than `most_bytes` of memory. The
+/// last check matters because a few constant blocks can span a volume with a huge brick table.
 BrickGrid make_sparse_grid(const VoxelBlocks& blocks, std::size_t most_bytes = static_cast<std::size_t>(-1));
 
-/// The kernels' row of a grid, which must outlive it. Throws SceneError if the transform is singular.
+/// Makes the kernels' row of a grid, which must outlive it. Throws SceneError if the transform is singular.
 BrickGridRow make_brick_grid_row(const BrickGrid& grid, const Transform& local_to_world,
                                  GridVolumeDescription::Filter filter);
 
-/// Bounds in the space that BrickGridRow::world_to_grid leads to of all that local_box() bounds.
+/// local_box() in the target space of BrickGridRow::world_to_grid.
 GridBox row_box(const BrickGrid& grid, GridVolumeDescription::Filter filter);
 
 }  // namespace sheaf

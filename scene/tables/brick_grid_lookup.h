@@ -1,4 +1,4 @@
-// Lookups in grids of bricks, one place at a time.
+// Lookups in brick grids, for single points and for many points at a time.
 #pragma once
 
 #include "scene/tables/brick_grid.h"
@@ -18,7 +18,7 @@ SHEAF_INLINE NativeFloat4 load_float4(const float* p) {
   std::memcpy(&v, p, sizeof(v));
   return v;
 }
-/// Two floats from each place. As halves of a register of doubles: put together in memory, they would be waited for.
+/// Loads two floats from each address. Assembled as doubles in a register, which avoids a store-forwarding stall.
 SHEAF_INLINE NativeFloat4 load_pairs(const float* low, const float* high) {
   typedef double Double2 __attribute__((vector_size(16)));
   double first, second;
@@ -28,14 +28,14 @@ SHEAF_INLINE NativeFloat4 load_pairs(const float* low, const float* high) {
 }
 SHEAF_INLINE NativeFloat4 lerp4(float t, NativeFloat4 a, NativeFloat4 b) { return (b - a) * t + a; }
 
-/// A cell of a grid, and where in it a place lies.
+/// A cell of a grid and a position inside it.
 struct GridCell {
-  const float* voxel;  ///< its lowest corner
-  float tx, ty, tz;    ///< from 0 to 1
+  const float* voxel;  ///< voxel at the lowest corner
+  float tx, ty, tz;    ///< position in the cell, in [0, 1]
 };
 
-/// Brings a coordinate into [0, cells); for the lookup of voxels' centres to [0, cells - 1], which is as good. NaN
-/// becomes 0.
+/// Wraps a coordinate into [0, cells) according to the border mode. Trilinear lookups that clamp or mirror use [0,
+/// cells - 1], which gives the same values. NaN becomes 0.
 SHEAF_INLINE float wrap_grid_coordinate(GridBorder border, bool nearest, float x, std::uint32_t cells) {
   const float n = static_cast<float>(cells), last = n - 1.0f;
   if (border == GridBorder::kRepeat) {
@@ -51,7 +51,7 @@ SHEAF_INLINE float wrap_grid_coordinate(GridBorder border, bool nearest, float x
   return x > 0.0f ? (x < last ? x : last) : 0.0f;
 }
 
-/// Towards zero; NaN and what is too large become a number that is at least 2^31 if taken without sign.
+/// Truncates towards zero. NaN and out-of-range values become a number that is at least 2^31 when read as unsigned.
 SHEAF_INLINE std::int32_t truncate(float x) {
 #if defined(__SSE__)
   return _mm_cvttss_si32(_mm_set_ss(x));
@@ -60,7 +60,7 @@ SHEAF_INLINE std::int32_t truncate(float x) {
 #endif
 }
 
-/// False: the place lies outside, where there is background.
+/// Finds the cell at world-space point `p`. Returns false outside the grid, where the background applies.
 SHEAF_INLINE bool find_grid_cell(const BrickGridRow& row, Vec3f p, int floats_per_voxel, GridCell& cell) {
   const NativeFloat4 g = load_float4(row.world_to_grid) * p.x +
                          (load_float4(row.world_to_grid + 4) * p.y +
@@ -88,8 +88,8 @@ SHEAF_INLINE bool find_grid_cell(const BrickGridRow& row, Vec3f p, int floats_pe
 
 }  // namespace detail
 
-/// The value at a place in world space; of a grid of three channels the first. Coordinates may be anything: no lookup
-/// leaves the table, and NaN is outside of the grid, or at its beginning if there is no background.
+/// Value at a world-space point; the first channel of a three-channel grid. Any coordinates are safe. NaN counts as
+/// outside, or as the start of the grid if there is no background.
 SHEAF_INLINE float lookup_grid(const BrickGridRow& row, Vec3f p) {
   using namespace detail;
   if (row.channels != 1) [[unlikely]] {
@@ -112,9 +112,9 @@ SHEAF_INLINE float lookup_grid(const BrickGridRow& row, Vec3f p) {
   return lerp(cell.tx, low, high);
 }
 
-/// The value of a grid of one channel, with background or clamped, of fewer than 2^31 values, at a place in the space
-/// that BrickGridRow::world_to_grid leads to; of the nearest place that is still in the grid, if it lies outside. For
-/// many places at a time.
+/// Value of a single-channel grid at many grid-space points (the target space of BrickGridRow::world_to_grid). The grid
+/// is clamped or has a background, and fewer than 2^31 values. Points outside are moved to the nearest point of the
+/// grid.
 template <class L> SHEAF_INLINE Float<L> lookup_density(const BrickGridRow& row, Vec3<L> p) {
   using F = Float<L>;
   using U = Uint<L>;
@@ -137,7 +137,7 @@ template <class L> SHEAF_INLINE Float<L> lookup_density(const BrickGridRow& row,
   return lerp(tz, lerp(ty, along_x(0), along_x(kY)), lerp(ty, along_x(kZ), along_x(kZ + kY)));
 }
 
-/// The same for three channels; grey for a grid of one.
+/// As lookup_grid(), with three channels; grey for single-channel grids.
 SHEAF_INLINE Vec3f lookup_grid_color(const BrickGridRow& row, Vec3f p) {
   using namespace detail;
   if (row.channels == 1) {
@@ -157,7 +157,7 @@ SHEAF_INLINE Vec3f lookup_grid_color(const BrickGridRow& row, Vec3f p) {
   return {value[0], value[1], value[2]};
 }
 
-/// As above, of the grid with index `grid`.
+/// As above, for the grid with index `grid`.
 SHEAF_INLINE float lookup_grid(const BrickGridView& view, std::uint32_t grid, Vec3f p) {
   return lookup_grid(view.rows[grid], p);
 }

@@ -6,7 +6,7 @@ namespace sheaf {
 
 namespace {
 
-/// Half the surface of a box.
+/// Half the surface area of a box.
 double half_surface(Vec3f lower, Vec3f upper) {
   const double x = double(upper.x) - lower.x, y = double(upper.y) - lower.y, z = double(upper.z) - lower.z;
   return x * y + y * z + z * x;
@@ -29,7 +29,7 @@ double wasted_boxes(const AccelInput& in, ShapeRange shapes) {
       const Vec3f a = vertex(0), b = vertex(1), c = vertex(2);
       const Vec3f from = lower_of(a, lower_of(b, c)), to = upper_of(a, upper_of(b, c));
       boxes += half_surface(from, to);
-      // Both of its sides, halved like the boxes.
+      // Both sides of the triangle, halved like the boxes.
       triangles += 0.5 * double(length(cross(b - a, c - a)));
       lower = lower_of(lower, from);
       upper = upper_of(upper, to);
@@ -40,7 +40,7 @@ double wasted_boxes(const AccelInput& in, ShapeRange shapes) {
 }
 
 bool is_worth_splitting(const AccelInput& in, ShapeRange shapes) {
-  // Of two interiors, the one with 9.5 gained a tenth of the time inside Embree, the one with 1.7 nothing.
+  // Measured on two interiors: at 9.5 splits saved 10% of the time in Embree, at 1.7 nothing.
   constexpr double kMuchWaste = 4;
   return wasted_boxes(in, shapes) > kMuchWaste;
 }

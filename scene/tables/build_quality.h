@@ -1,19 +1,18 @@
-// How carefully an acceleration structure is worth being built.
+// Decides whether an acceleration structure is built with spatial splits.
 #pragma once
 
 #include "scene/tables/accel.h"
 
 namespace sheaf {
 
-/// How many bounding boxes of triangles a random line through the shapes' common box meets without need: expected
-/// number of boxes that it crosses less that of triangles. A line crosses convex things in proportion to their surface
-/// (Cauchy; see Goldsmith and Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", 1987). Large for
-/// triangles that are long, large and not along the axes, whose boxes enclose many smaller ones. Shapes that are no
-/// meshes don't count.
+/// Expected number of triangle bounding boxes that a random line through the shapes' common box crosses needlessly:
+/// boxes crossed minus triangles crossed. A line crosses convex objects in proportion to their surface area (Cauchy;
+/// see Goldsmith and Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", 1987). The number is large for
+/// long, large triangles that are not axis-aligned, whose boxes enclose many smaller ones. Only meshes count.
 double wasted_boxes(const AccelInput& in, ShapeRange shapes);
 
 /// Whether spatial splits (Stich, Friedrich and Dietrich, "Spatial Splits in Bounding Volume Hierarchies", 2009) are
-/// worth two to three times the time to build. `shapes`: of one structure.
+/// worth two to three times the build time. `shapes` are those of one structure.
 bool is_worth_splitting(const AccelInput& in, ShapeRange shapes);
 
 }  // namespace sheaf

@@ -21,7 +21,8 @@ void check(const CameraDescription& d) {
     throw SceneError(d.where, "focus distance must be positive, found " + std::to_string(d.focus_distance));
 }
 
-/// The direction in world space of a step in camera space; throws SceneError if it has no length.
+/// Direction in world space of a vector in camera space, normalised. Throws SceneError if its length is zero or not
+/// finite.
 Vec3f unit_vector(const CameraDescription& d, Vec3f v) {
   const Vec3f world = d.to_world.vector(v);
   const float length = sheaf::length(world);
@@ -29,7 +30,7 @@ Vec3f unit_vector(const CameraDescription& d, Vec3f v) {
   return world * (1.0f / length);
 }
 
-/// The axes of the camera's space, of unit length. Throws SceneError if they are not at right angles.
+/// Sets the unit axes of camera space. Throws SceneError if they are not orthogonal.
 void set_axes(Camera& camera, const CameraDescription& d) {
   camera.lens_x = unit_vector(d, {1, 0, 0});
   camera.lens_y = unit_vector(d, {0, 1, 0});
@@ -40,7 +41,7 @@ void set_axes(Camera& camera, const CameraDescription& d) {
   if (mixed > 1e-4f) throw SceneError(d.where, "a spherical camera is skewed by its transform, expected a rotation");
 }
 
-/// Throws SceneError if the distortion does not grow all over the film, of which `radius` is the largest tangent shown.
+/// Throws SceneError if the distortion is not monotonic on the film. `radius` is the largest tangent shown.
 void check_distortion(const CameraDescription& d, double radius) {
   const double k1 = d.distortion[0], k2 = d.distortion[1];
   constexpr int kSteps = 4096;
@@ -52,7 +53,7 @@ void check_distortion(const CameraDescription& d, double radius) {
   }
 }
 
-/// Cameras that measure along a ray, or many of them: no picture.
+/// Sensors that measure along one or more rays and form no image.
 Camera make_meter(const CameraDescription& d, int width, int height) {
   using Projection = CameraDescription::Projection;
   Camera camera;
@@ -87,7 +88,8 @@ Camera make_spherical(const CameraDescription& d, int width, int height) {
   return camera;
 }
 
-/// The vector whose product with a point, seen from the origin, is the point's z: across the film, and 1 with `corner`.
+/// The vector whose dot product with a point relative to the origin is the point's z: normal to the film, with dot
+/// product 1 with `corner`.
 Vec3f z_axis_of(const Camera& camera) {
   const Vec3f across = cross(camera.origin_dx + camera.dx, camera.origin_dy + camera.dy);
   return across * (1.0f / dot(across, camera.corner));

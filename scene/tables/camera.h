@@ -1,4 +1,4 @@
-// Cameras: from a position on the film and one on the lens to a ray.
+// Camera models: map positions on film and lens to rays, and points to film positions.
 #pragma once
 
 #include "core/octahedral.h"
@@ -8,60 +8,61 @@
 
 namespace sheaf {
 
-/// A ray of a camera.
+/// A camera ray.
 template <class L> struct CameraRay {
   Vec3<L> origin;           ///< world space, on the near plane
   Vec3<L> direction;        ///< normalised
   typename L::Float t_max;  ///< distance to the far plane
 };
 
-/// Where a point is seen, and how much a camera makes of the light that it sends there.
+/// The projection of a point to the film, with the camera's importance.
 template <class L> struct CameraView {
   typename L::Float film_x, film_y;  ///< film position, pixels
-  Vec3<L> target;                    ///< where the ray from the camera to the point starts: on the near plane
-  /// Film area, square pixels, per area at the point across the ray: a surface that sends the radiance L adds
-  /// L |cos| dA times this to the integral of radiance over the film.
+  Vec3<L> target;                    ///< start of the ray from the camera to the point, on the near plane
+  /// Film area in square pixels per surface area perpendicular to the ray. A surface element dA with radiance L adds L
+  /// |cos| dA times this to the integral of radiance over the film.
   typename L::Float importance;
-  typename L::Mask valid;  ///< false: the point lies behind the camera or not between the clip planes
+  typename L::Mask valid;  ///< false: the point lies behind the camera or outside the clip planes
 };
 
-/// How directions depend on the positions on film and lens.
+/// How directions depend on the film and lens positions.
 enum class CameraRays {
   kAffine,      ///< affine in both
-  kDistorted,   ///< affine in the film position once Camera::undistorted() has moved it
-  kSpherical,   ///< by longitude and latitude
-  kEqualArea,   ///< all directions by equal areas of the octahedron
-  kHemisphere,  ///< along the cosine around `corner`, by the position on the lens
+  kDistorted,   ///< affine in the film position after Camera::undistorted()
+  kSpherical,   ///< latitude-longitude panorama
+  kEqualArea,   ///< equal-area octahedral panorama (Clarberg 2008)
+  kHemisphere,  ///< cosine-distributed around `corner`, from the lens position
 };
 
-/// Any camera, prepared for rays: origins and, but for CameraRays, directions are affine in the positions on film and
-/// lens. What a kind of camera has no use for is zero. World space; film positions are in pixels, y downwards, (0, 0)
-/// the upper left corner of the frame.
+/// A camera of any kind, prepared for rays. Origins are affine in the film and lens positions; directions are too,
+/// except as CameraRays says. Members that a kind does not use are zero. World space; film positions are in pixels, y
+/// downwards, with (0, 0) at the upper left corner of the frame.
 struct Camera {
-  Vec3f origin{};                    ///< where rays through the film's corner and the lens's centre pass z = 0
-  Vec3f origin_dx{}, origin_dy{};    ///< its change with the film position: orthographic cameras
-  Vec3f corner{};                    ///< step from z = 0 to z = 1 on the ray through the film's corner
-  Vec3f dx{}, dy{};                  ///< its change with the film position: perspective cameras
-  Vec3f lens_x{}, lens_y{};          ///< the lens's radii
-  Vec3f z_axis{};                    ///< z of a point is its product with what lies between `origin` and the point
-  float inverse_focus_distance = 0;  ///< of the plane, across z, in which the picture is sharp
-  float near_clip = 0, clip_range = kInfinity;  ///< z of the near plane, and from there to the far plane
+  Vec3f origin{};                    ///< point at z = 0 of the ray through the film's corner and the lens centre
+  Vec3f origin_dx{}, origin_dy{};    ///< derivative by film position; orthographic cameras
+  Vec3f corner{};                    ///< vector from z = 0 to z = 1 on the ray through the film's corner
+  Vec3f dx{}, dy{};                  ///< derivative by film position; perspective cameras
+  Vec3f lens_x{}, lens_y{};          ///< semi-axes of the lens
+  Vec3f z_axis{};                    ///< dot product with a point relative to `origin` gives its z
+  float inverse_focus_distance = 0;  ///< reciprocal z of the focal plane
+  float near_clip = 0, clip_range = kInfinity;  ///< z of the near plane, and distance in z to the far plane
   CameraRays rays = CameraRays::kAffine;
-  /// kDistorted: step from z = 0 to z = 1 along the axis. kSpherical: the direction at the middle of the film, of unit
-  /// length, as are lens_x, at a quarter of a turn from there, and lens_y, upwards. kEqualArea: the same, where forward
-  /// is the map's +z, lens_x its +x and lens_y its +y.
+  /// kDistorted: vector from z = 0 to z = 1 along the axis. kSpherical: unit direction at the middle of the film;
+  /// lens_x is the unit direction a quarter turn from it, lens_y points up. kEqualArea: forward, lens_x and lens_y are
+  /// the map's +z, +x and +y.
   Vec3f forward{};
-  float distortion[2] = {};          ///< see CameraDescription
-  Vec2f film_corner{}, film_step{};  ///< kDistorted: x and y at z = 1 of the film's corner, and per pixel. kSpherical:
-                                     ///< turns and half turns per pixel; kEqualArea: parts of the square
-  float weight = 1;                  ///< what is measured, per radiance
-  bool sees_points = true;           ///< whether view() works: a point is seen at a place on the film
+  float distortion[2] = {};  ///< see CameraDescription
+  /// kDistorted: x and y at z = 1 of the film's corner, and their change per pixel. kSpherical: full turns and half
+  /// turns per pixel. kEqualArea: fractions of the square per pixel.
+  Vec2f film_corner{}, film_step{};
+  float weight = 1;         ///< factor from radiance to the measured quantity
+  bool sees_points = true;  ///< whether view() works: points project to film positions
 
   bool is_panorama() const { return rays == CameraRays::kSpherical || rays == CameraRays::kEqualArea; }
   /// Whether rays depend on the lens position.
   bool has_lens() const { return !is_panorama() && !(lens_x == Vec3f{0, 0, 0} && lens_y == Vec3f{0, 0, 0}); }
 
-  /// The ray through the film position (x, y) and the position (u, v) on the lens, a point of the unit disk.
+  /// The ray through the film position (x, y) and the lens position (u, v), a point of the unit disk.
   template <class L>
   SHEAF_INLINE CameraRay<L> ray(typename L::Float x, typename L::Float y, typename L::Float u,
                                 typename L::Float v) const {
@@ -77,9 +78,9 @@ struct Camera {
     return {start + step * F(near_clip), step * (F(1.0f) / length), length * F(clip_range)};
   }
 
-  /// Which ray through the position (u, v) on the lens, as in ray(), meets the point `p`. At the depth z, the film is
-  /// spread over a parallelogram whose sides grow with z, one for each pixel's step in x and in y: p's place on it is
-  /// the film position, and its area per pixel what the importance is made of.
+  /// Projects the point `p` through the lens position (u, v), as in ray(). At depth z, the film projects to a
+  /// parallelogram whose sides grow with z, one for each pixel step in x and y. The position of p on it gives the film
+  /// position; its area per pixel gives the importance.
   template <class L> SHEAF_INLINE CameraView<L> view(Vec3<L> p, typename L::Float u, typename L::Float v) const {
     using F = typename L::Float;
     if (is_panorama()) return turned_view<L>(p);
@@ -100,15 +101,16 @@ struct Camera {
         broadcast<L>(origin) + broadcast<L>(origin_dx) * out.film_x + broadcast<L>(origin_dy) * out.film_y + lens;
     const Vec3<L> step = axis + broadcast<L>(dx) * out.film_x + broadcast<L>(dy) * out.film_y;
     out.target = start + step * F(near_clip);
-    // One over the cosine between the ray and the film's normal is the step's length, in units of its length along it.
+    // One over the cosine between the ray and the film's normal is the step's length over its component along the
+    // normal.
     out.importance = length(step) * length(broadcast<L>(z_axis)) / select(out.valid, area, F(1.0f));
     if (rays == CameraRays::kDistorted) distort<L>(out);
     return out;
   }
 
  private:
-  /// The tangent at the film position over that at which it is seen: CameraDescription::distortion inverted by Newton's
-  /// method.
+  /// Ratio of the undistorted to the distorted tangent at a film position: inverts CameraDescription::distortion by
+  /// Newton's method.
   template <class L> SHEAF_INLINE Float<L> undistorted(Float<L> x, Float<L> y) const {
     using F = Float<L>;
     const F px = fma(F(film_step.x), x, F(film_corner.x)), py = fma(F(film_step.y), y, F(film_corner.y));
@@ -122,7 +124,7 @@ struct Camera {
     return r / shown;
   }
 
-  /// Moves what is seen without distortion. The film's area is stretched by the radial and the tangential scale.
+  /// Applies the distortion to a view. The film area scales by the radial and the tangential factor.
   template <class L> SHEAF_INLINE void distort(CameraView<L>& view) const {
     using F = Float<L>;
     const F px = fma(F(film_step.x), view.film_x, F(film_corner.x));
@@ -157,7 +159,7 @@ struct Camera {
     return {start + direction * F(near_clip), direction, F(clip_range)};
   }
 
-  /// The film's area per solid angle is W H / (2 pi^2 sin theta), or of equal areas W H / (4 pi).
+  /// The film area per solid angle is W H / (2 pi^2 sin theta), or W H / (4 pi) for the equal-area map.
   template <class L> SHEAF_INLINE CameraView<L> turned_view(Vec3<L> p) const {
     using F = Float<L>;
     const Vec3<L> from = p - broadcast<L>(origin);
@@ -188,15 +190,16 @@ struct Camera {
   }
 };
 
-/// Prepares a camera for a frame of width x height pixels. Throws SceneError for a field of view outside (0, 180), clip
-/// distances out of order, a negative aperture, a focus distance that is not positive, a distortion that shows two
-/// directions at one place, and a transform that stretches what measures angles.
+/// Prepares a camera for a frame of width x height pixels. Throws SceneError for a field of view outside (0, 180),
+/// unordered clip distances, a negative aperture, a focus distance that is not positive, a distortion that is not
+/// monotonic on the film, and a panorama whose transform is not a rotation.
 Camera make_camera(const CameraDescription& description, int width, int height);
 
-/// Places a camera that looks from outside the scene, whose shapes lie in a sphere. Others stay where they are.
+/// Places a kDistant camera outside the scene, whose shapes lie in the given sphere. Other cameras are unchanged.
 void place_distant(Camera& camera, const CameraDescription& description, Vec3f center, float radius);
 
-/// tan of half the horizontal field of view, for `fov` degrees along the axis. Throws SceneError at `where` outside of
+/// Tangent of half the horizontal field of view, for `fov` degrees along `axis`. Throws SceneError at `where` outside
+/// (0, 180).
 /// (0, 180).
 double half_width_of(float fov, CameraDescription::FovAxis axis, double width, double height,
                      const SourceLocation& where);

@@ -1,8 +1,8 @@
-// Tables of closures that need more than their words: one array of floats for all, whose parts words refer to.
+// Tables for closures whose data exceeds their parameter words: one array of floats, referenced from parameter words.
 //
-// A table begins at a multiple of kTableBlock floats, with a tag; the number of that block stands in a word, where it
-// is exact and takes part in no arithmetic. Lanes behind a run's end hold whatever words were there before, so a table
-// is told from what is none by its tag, which is no finite number, as all that stands in tables is.
+// A table starts at a multiple of kTableBlock floats, with a tag. A parameter word holds the block number as a float,
+// exactly and without arithmetic on it. Lanes past the end of a run hold stale words. The tag identifies valid tables:
+// it is a NaN, and all other data in tables is finite.
 #pragma once
 
 #include "core/record_table.h"
@@ -11,24 +11,24 @@
 
 namespace sheaf {
 
-/// Tables begin at multiples of so many floats.
+/// Tables start at multiples of 2^kTableBlockShift floats.
 inline constexpr int kTableBlockShift = 6;
 inline constexpr std::uint32_t kTableBlock = 1u << kTableBlockShift;
-/// The first block is not part of any table; its first float is the number of all blocks.
+/// Block 0 belongs to no table; its first float is the total number of blocks.
 inline constexpr std::uint32_t kFirstTable = 1;
-/// Most blocks: a float tells their numbers apart, and floats are reached by 32-bit indices.
+/// Maximum number of blocks: floats represent their numbers exactly, and 32-bit indices address all floats.
 inline constexpr std::uint32_t kMaxTableBlocks = 1u << 24;
 
-/// First words of tables, as bits: none is a finite number.
+/// First words of tables, as bits; none is a finite float.
 enum class TableTag : std::uint32_t { kMeasured = 0x7fc01001u, kPhase = 0x7fc01002u };
 
-/// Where a lane's table begins.
+/// The start of each lane's table.
 template <class L> struct TablePlace {
   typename L::Uint first;  ///< into SceneView::closure_tables
-  typename L::Mask valid;  ///< false: there is no such table, nor one in any other lane
+  typename L::Mask valid;  ///< false: neither this lane nor any other refers to such a table
 };
 
-/// The beginnings of the tables that a word refers to; lanes that refer to none get that of one that does.
+/// Finds the tables that a word refers to. Lanes without a valid table get that of another lane, if any has one.
 template <class L> SHEAF_INLINE TablePlace<L> find_table(const float* tables, Float<L> word, TableTag tag) {
   using F = Float<L>;
   using U = Uint<L>;
@@ -43,7 +43,7 @@ template <class L> SHEAF_INLINE TablePlace<L> find_table(const float* tables, Fl
   return {select(valid, first, U(all_first[std::countr_zero(lanes)])), typename L::Mask(true)};
 }
 
-/// The record at the floats [first, first + kLeafCount).
+/// Gathers a record from the floats [first, first + kLeafCount).
 template <class L, template <class> class Record>
 SHEAF_INLINE Record<L> load_table_record(const float* tables, Uint<L> first) {
   Record<L> record;
@@ -56,15 +56,15 @@ SHEAF_INLINE Record<L> load_table_record(const float* tables, Uint<L> first) {
   return record;
 }
 
-/// What a measured BRDF's table begins with, behind its tag. Blocks are counted from the table's own.
+/// Header of a measured BRDF's table, after the tag. Block numbers are relative to the table's start.
 template <class L> struct MeasuredHead {
-  typename L::Float phi_count, theta_count;  ///< incident directions
+  typename L::Float phi_count, theta_count;  ///< number of incident directions
   typename L::Float isotropic;               ///< 1: azimuths are relative to the incident one
-  typename L::Float reduction;  ///< 2, 4: azimuths span such a part of the turn, the rest follows by symmetry
-  typename L::Float jacobian;   ///< 1: the values are to be multiplied by ndf / (4 sigma)
+  typename L::Float reduction;  ///< 2, 4: azimuths span 1/2 or 1/4 of the circle; the rest follows by symmetry
+  typename L::Float jacobian;   ///< 1: multiply values by ndf / (4 sigma)
   typename L::Float ndf_width, ndf_height, sigma_width, sigma_height;  ///< each at least 2
   typename L::Float vndf_width, vndf_height, sample_width, sample_height;
-  typename L::Float channels;  ///< 3, or one for each wavelength
+  typename L::Float channels;  ///< 3, or one per wavelength
   typename L::Float phi_block, theta_block, ndf_block, sigma_block, vndf_block, luminance_block, value_block;
   static constexpr auto fields(auto& s) {
     return std::tie(s.phi_count, s.theta_count, s.isotropic, s.reduction, s.jacobian, s.ndf_width, s.ndf_height,
@@ -74,8 +74,8 @@ template <class L> struct MeasuredHead {
   }
 };
 
-/// The same of a phase function: behind it the density over the cosine at `count` places, per unit of the cosine, and
-/// its integral up to each.
+/// Header of a phase function's table. It is followed by the pdf over the cosine at `count` points, per unit of the
+/// cosine, and by its cdf at these points.
 template <class L> struct PhaseHead {
   typename L::Float count;  ///< at least 2
   static constexpr auto fields(auto& s) { return std::tie(s.count); }

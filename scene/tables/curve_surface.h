@@ -1,4 +1,4 @@
-// The surface of round curves at hits, generic in the lane.
+// Surface interaction of round curves, generic in the lane policy.
 #pragma once
 
 #include "scene/tables/surface.h"
@@ -7,15 +7,15 @@ namespace sheaf {
 
 namespace detail {
 
-/// The middle of a tube at a parameter of one segment.
+/// The axis of a tube at a parameter of one segment.
 template <class L> struct CurveAxis {
   Vec3<L> p, dp;                ///< position and its derivative by the parameter
-  typename L::Float r, dr;      ///< radius and its derivative
-  Vec3<L> ddp;                  ///< second derivative; 0 along lines
+  typename L::Float r, dr;      ///< radius and its derivative by the parameter
+  Vec3<L> ddp;                  ///< second derivative of the position; 0 for lines
   typename L::Float t, extent;  ///< the parameter; the largest coordinate of the segment
 };
 
-/// `a` over its length where it has one, else `default_value`.
+/// Normalises `a`; `default_value` if its length is zero.
 template <class L> SHEAF_INLINE Vec3<L> normalize_or(Vec3<L> a, Vec3<L> default_value) {
   using F = typename L::Float;
   const F m = max_component(abs(a));
@@ -24,13 +24,13 @@ template <class L> SHEAF_INLINE Vec3<L> normalize_or(Vec3<L> a, Vec3<L> default_
                    default_value);
 }
 
-/// On a line where the sphere around it touches the cone at `hit`: there (hit - p(t)) . dp = -r(t) dr.
+/// Axis of a line segment at the t whose sphere touches the cone at `hit`: (hit - p(t)) . dp = -r(t) dr.
 template <class L> SHEAF_INLINE CurveAxis<L> linear_axis(const CurvePointRecord<L>* q, Vec3<L> hit) {
   using F = typename L::Float;
   CurveAxis<L> out;
   out.dp = q[1].position - q[0].position;
   out.dr = q[1].radius - q[0].radius;
-  const F slant = dot(out.dp, out.dp) - out.dr * out.dr;  // not positive: one sphere holds the other
+  const F slant = dot(out.dp, out.dp) - out.dr * out.dr;  // not positive: one end's sphere contains the other
   const F along = dot(hit - q[0].position, out.dp) + q[0].radius * out.dr;
   const F larger = select(out.dr > F(0.0f), F(1.0f), F(0.0f));
   const auto cone = slant > F(0.0f);
@@ -41,7 +41,7 @@ template <class L> SHEAF_INLINE CurveAxis<L> linear_axis(const CurvePointRecord<
   return out;
 }
 
-/// On a uniform cubic B-spline.
+/// Axis of a uniform cubic B-spline at t.
 template <class L> SHEAF_INLINE CurveAxis<L> bspline_axis(const CurvePointRecord<L>* q, typename L::Float t) {
   using F = typename L::Float;
   const F s = F(1.0f) - t, sixth(1.0f / 6.0f), half(0.5f);
@@ -64,7 +64,7 @@ template <class L> SHEAF_INLINE CurveAxis<L> bspline_axis(const CurvePointRecord
   return out;
 }
 
-/// The axis of the segment that was hit.
+/// Axis of the segment that was hit.
 template <class L>
 SHEAF_INLINE CurveAxis<L> curve_axis(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
                                      typename L::Uint primitive, typename L::Float u, Vec3<L> hit) {
@@ -95,7 +95,8 @@ SHEAF_INLINE CurveAxis<L> curve_axis(const SceneView& scene, const ShapeRecord<L
   return out;
 }
 
-/// Two directions across `axis`, from which angles count: sin along the one that is nearest to +z, or +y.
+/// Two directions perpendicular to `axis` for measuring angles. `sine` is as close as possible to +z, or to +y if the
+/// axis is along z.
 template <class L> SHEAF_INLINE void curve_frame(Vec3<L> axis, Vec3<L>& cosine, Vec3<L>& sine) {
   using F = typename L::Float;
   const Vec3<L> z{F(0.0f), F(0.0f), F(1.0f)}, y{F(0.0f), F(1.0f), F(0.0f)};
@@ -106,11 +107,11 @@ template <class L> SHEAF_INLINE void curve_frame(Vec3<L> axis, Vec3<L>& cosine, 
 
 }  // namespace detail
 
-/// How far from a curve rays start that leave it, in radii: Embree finds its hits of splines by iteration.
+/// Offset of rays that leave a curve, in radii: Embree finds hits on splines by iteration.
 inline constexpr float kCurveOffset = 1e-3f;
 
-/// Surface of curves at a hit: `u` along the segment, `hit` near it. Along splines a circle of the radius is swept, at
-/// right angles to them; along lines a sphere. Not inlined: curves are rare.
+/// Surface point of a curve at a hit, with `u` along the segment and `hit` near it. Splines sweep a circle
+/// perpendicular to the axis; lines sweep a sphere. Not inlined: curves are rare.
 template <class L, bool WithUv>
 [[gnu::noinline]] SurfacePoint<L> curve_point(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
                                               Uint<L> primitive, Float<L> u, Vec3<L> hit) {
@@ -123,7 +124,7 @@ template <class L, bool WithUv>
   const auto frame = Frame<L>::from_normal(tangent);
   const Vec3<L> from = hit - axis.p;
   const Vec3<L> away = detail::normalize_or<L>(from - tangent * select(spline, dot(from, tangent), F(0.0f)), frame.s);
-  // Along a spline p + r away moves by `along`; across it the normal is the part of `away` at right angles to that.
+  // The derivative of p + r away along a spline is `along`. The normal is the part of `away` perpendicular to it.
   const F speed = length(axis.dp), bend = max(speed * speed - axis.r * dot(away, axis.ddp), speed * speed * F(1e-3f));
   const Vec3<L> slanted = away * bend - axis.dp * axis.dr;
   SurfacePoint<L> out;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
 
-/// The cubic filters of Mitchell and Netravali, "Reconstruction Filters in Computer Graphics" (1988), equation 8.
+/// Cubic filters (Mitchell and Netravali, "Reconstruction Filters in Computer Graphics", 1988, equation 8).
 double cubic(double x, double b, double c) {
   const double x2 = x * x, x3 = x2 * x;
   if (x < 1) return ((12 - 9 * b - 6 * c) * x3 + (-18 + 12 * b + 6 * c) * x2 + (6 - 2 * b)) / 6;
@@ -95,7 +95,7 @@ FilterTable make_filter_table(const FilterDescription& filter) {
     const double t = width > 0 ? std::clamp((target - cumulative[step]) / width, 0.0, 1.0) : 0.0;
     table.edges[bin] = static_cast<float>(position(step + t));
     const double up_to = signed_cumulative[step] + t * (signed_cumulative[step + 1] - signed_cumulative[step]);
-    // Where f changes sign inside a bin, the weight is the mean of both signs.
+    // If f changes sign inside a bin, the weight is the mean of both signs.
     if (bin > 0) table.weight[bin - 1] = static_cast<float>((up_to - previous) * FilterTable::kBins / integral);
     previous = up_to;
   }
@@ -115,7 +115,7 @@ FilterWeights::FilterWeights(const FilterDescription& filter) {
   length_ = (2 * reach_ + kRegister) / kRegister * kRegister;
   for (int step = 0; step <= kSteps; ++step)
     for (int k = 0; k < length_; ++k) {
-      // As far as the radius: where values jump to zero, those before are not to be mixed with it.
+      // Clamp to the radius: values just before a jump to zero must not be interpolated with zero.
       const double x = std::fabs(k - reach_ + 0.5 - static_cast<double>(step) / kSteps);
       values_.push_back(static_cast<float>(evaluate_filter(filter, std::min(x, radius)) / middle));
     }

@@ -1,7 +1,7 @@
-// Pixel reconstruction filters, used in one of two ways (FilterMode). Weighted: samples lie evenly in their pixel, and
-// count in every pixel whose filter reaches them, by its value there over the sum of these values. By importance
-// (Ernst, Stamminger and Greiner, "Filter Importance Sampling", 2006): every sample belongs to one pixel, is placed
-// with density |f|, and weighs the sign of f.
+// Pixel filters, applied in one of two ways (FilterMode). Weighted: samples are uniform in their pixel and count in
+// every pixel whose filter covers them, weighted by the filter's value over the sum of these values. Filter importance
+// sampling (Ernst, Stamminger and Greiner, "Filter Importance Sampling", 2006): each sample belongs to one pixel, is
+// placed with density |f|, and is weighted by the sign of f.
 #pragma once
 
 #include "core/vec.h"
@@ -17,13 +17,13 @@ namespace sheaf {
 
 /// The filter's value at distance `x` from the pixel's centre along one axis; zero beyond its radius. Not normalised.
 double evaluate_filter(const FilterDescription& filter, double x);
-/// Half of the filter's width in pixels.
+/// The filter's radius in pixels.
 double filter_radius(const FilterDescription& filter);
 
-/// The inverse cumulative distribution of |f| along one axis, as bins of equal probability; boxes need none.
+/// Inverse cdf of |f| along one axis, as bins of equal probability; not needed for boxes.
 struct FilterTable {
   static constexpr int kBins = 2048;
-  float box_radius = 0;                  ///< of a box filter, otherwise 0
+  float box_radius = 0;                  ///< radius of a box filter, otherwise 0
   std::array<float, kBins + 1> edges{};  ///< offsets from the pixel's centre, ascending
   std::array<float, kBins> weight{};     ///< per axis: (mean sign of f in the bin) (integral of |f|) / (integral of f)
 
@@ -44,27 +44,27 @@ struct FilterTable {
 /// Throws SceneError if a size is not positive and finite.
 FilterTable make_filter_table(const FilterDescription& filter);
 
-/// Where the samples of a pixel lie that weigh in every pixel within reach: evenly in the pixel, or in the middle of it
-/// if the filter is narrower. Throws like make_filter_table().
+/// Sample placement in a pixel for FilterMode::kWeighted: uniform in the pixel, or in its middle part if the filter is
+/// narrower. Throws like make_filter_table().
 FilterTable make_placement_table(const FilterDescription& filter);
 
-/// A filter's values along one axis, for samples that weigh in every pixel within reach.
+/// A filter's values along one axis, for FilterMode::kWeighted.
 class FilterWeights {
  public:
-  /// Most numbers that across() writes: those of the largest radius of make_filter_table(), 64.
+  /// Maximum length of the output of across(), for the maximum radius 64 of make_filter_table().
   static constexpr int kMaxPixels = 136;
 
   FilterWeights() = default;
   /// Throws like make_filter_table().
   explicit FilterWeights(const FilterDescription& filter);
 
-  /// How many pixels further, along each axis, a sample may still count than in its own.
+  /// Number of pixels on each side of a sample's own in which it may count, along each axis.
   int reach() const { return reach_; }
-  /// How many numbers across() writes: at least 2 reach() + 1, a multiple of kRegister.
+  /// Length of the output of across(): at least 2 reach() + 1, a multiple of kRegister.
   int length() const { return length_; }
-  /// What a sample at `offset`, in [-1/2, 1/2], from its pixel's centre counts in the pixel k - reach() further, for
-  /// each `out`[k], k in [0, length()); 0 where the pixel's centre is farther away than the filter's radius. Linear
-  /// between kSteps values per pixel. The filter's value in the middle is 1.
+  /// Sets `out`[k], for k in [0, length()), to the weight in pixel k - reach(), relative to the sample's own. `offset`
+  /// in [-1/2, 1/2] is the sample's offset from its pixel's centre. The weight is 0 beyond the filter's radius, and
+  /// linear between kSteps values per pixel. The filter's value at its centre is scaled to 1.
   void across(float offset, double* out) const {
     const float place = std::clamp(offset + 0.5f, 0.0f, 1.0f) * kSteps;
     const int step = std::min(static_cast<int>(place), kSteps - 1);
@@ -88,7 +88,7 @@ class FilterWeights {
   using Floats [[gnu::vector_size(kRegister * sizeof(float))]] = float;
   using Doubles [[gnu::vector_size(kRegister * sizeof(double))]] = double;
 
-  /// kSteps + 1 rows of `length_` numbers: row i is that of the offset i / kSteps - 1/2.
+  /// kSteps + 1 rows of `length_` numbers; row i is for the offset i / kSteps - 1/2.
   std::vector<float> values_;
   float radius_ = 0;
   int reach_ = 0, length_ = 0;

@@ -1,4 +1,4 @@
-// Rows of instances, from their transforms.
+// Rows and bounds of instances.
 #include "scene/tables/instance.h"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Instances of shape groups: their rows, and their transforms, generic in the lane.
+// Instances of shape groups: their rows, bounds and transforms. Transforms are generic in the lane policy.
 #pragma once
 
 #include "core/vec.h"
@@ -7,18 +7,18 @@
 
 namespace sheaf {
 
-/// The row for an instance of a group. Throws SceneError if the transform is not usable; see is_usable_instance().
+/// Makes the row for an instance of a group. Throws SceneError if the transform is unusable; see is_usable_instance().
 InstanceRow make_instance(const std::array<float, 12>& to_world, std::uint32_t first_shape, std::uint32_t group);
 
 struct InstanceBounds {
   Vec3f lower, upper;
 };
 
-/// World-space bounds of what lies in [lower, upper] of the group's space.
+/// World-space bounds of the box [lower, upper] of the group's space.
 InstanceBounds instance_bounds(const InstanceRow& row, Vec3f lower, Vec3f upper);
 
-/// An instance's transform M with the cofactors of its linear part. The inverse is kept nowhere: the rows of cofactors
-/// over the determinant are the columns of it.
+/// An instance's transform M with the cofactors of its linear part. The inverse is not stored: its columns are the rows
+/// of cofactors over the determinant.
 template <class L> struct InstancePlacement {
   Vec3<L> rows[3];  ///< of the linear part of M
   Vec3<L> translation;
@@ -34,7 +34,7 @@ template <class L> struct InstancePlacement {
 
   SHEAF_INLINE Vec3<L> vector(Vec3<L> v) const { return {dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)}; }
   SHEAF_INLINE Vec3<L> point(Vec3<L> p) const { return vector(p) + translation; }
-  /// By the inverse transpose, times |det M|; not normalised.
+  /// Transforms by the inverse transpose, times |det M|; not normalised.
   SHEAF_INLINE Vec3<L> normal(Vec3<L> n) const {
     const Vec3<L> turned{dot(cofactors[0], n), dot(cofactors[1], n), dot(cofactors[2], n)};
     return turned * copysign(typename L::Float(1.0f), determinant);
@@ -43,12 +43,12 @@ template <class L> struct InstancePlacement {
     const Vec3<L> d = p - translation;
     return (cofactors[0] * d.x + cofactors[1] * d.y + cofactors[2] * d.z) / determinant;
   }
-  /// point() with the absolute value of every term.
+  /// point() with the absolute values of all terms.
   SHEAF_INLINE Vec3<L> absolute_point(Vec3<L> p) const {
     const Vec3<L> q = abs(p);
     return Vec3<L>{dot(abs(rows[0]), q), dot(abs(rows[1]), q), dot(abs(rows[2]), q)} + abs(translation);
   }
-  /// The inverse times |det M|, applied to a vector without negative components, with the absolute value of every term.
+  /// The inverse times |det M| with the absolute values of all terms, applied to a vector without negative components.
   SHEAF_INLINE Vec3<L> absolute_cofactors(Vec3<L> v) const {
     const Vec3<L> r[3] = {abs(rows[0]), abs(rows[1]), abs(rows[2])};
     return absolute_cross(r[1], r[2]) * v.x + absolute_cross(r[2], r[0]) * v.y + absolute_cross(r[0], r[1]) * v.z;

@@ -1,4 +1,4 @@
-// Lights as records of tables: what every light has, and what the kinds of it have besides. Kernels gather them by
+// Light records: the data common to all lights, and the data of single kinds. Kernels gather them with
 // core/record_table.h.
 #pragma once
 
@@ -10,35 +10,35 @@
 
 namespace sheaf {
 
-/// How a volume light's box is cut: numbers of cells along the axes, each in [1, 1023].
+/// Resolution of a volume light's box: cells along the axes, each in [1, 1023].
 struct VolumeCells {
   std::uint32_t x = 1, y = 1, z = 1;
 };
 
-/// One light. Those that shine from outside of the scene stand behind the others. Sixteen words; some mean one thing
-/// for one kind and another for the next: the functions tell which.
+/// One light. Lights at infinity follow all others. Sixteen words; the meaning of some depends on the kind and is given
+/// by the accessors.
 template <class L> struct LightRecord {
   using F = typename L::Float;
   using U = typename L::Uint;
 
   U kind{};            ///< LightKind; see is()
   U shape = U(kNone);  ///< area lights; kVolume: see medium()
-  /// kMesh: of triangle_alias, light_triangles; kVolume: of triangle_alias, cells. kSphere, kQuadric: see quadric().
+  /// kMesh: into triangle_alias and light_triangles. kVolume: into triangle_alias, cells. kSphere, kQuadric: see
+  /// quadric().
   U first_triangle{};
   U triangle_count{};
-  /// Radiance (W / (m^2 sr)); kPoint, spots, kGoniometric, kProjector: intensity
-  /// (W / sr); kDirectional: irradiance (W / m^2); kBeam:
-  /// power (W). Where there is a texture, what it is multiplied by. kEnvmap: the mean over all directions. kVolume:
-  /// what it emits in all, W / sr.
+  /// Radiance (W / (m^2 sr)). kPoint, spots, kGoniometric, kProjector: intensity (W / sr). kDirectional: irradiance (W
+  /// / m^2). kBeam: power (W). kEnvmap: mean over all directions. kVolume: total emitted intensity, W / sr. A texture
+  /// is multiplied by this.
   Spectrum<L> radiance;
-  /// kPoint, spots, kGoniometric, kProjector, kBeam, kSphere (centre), kVolume (least corner): metres; kDirectional,
-  /// kSun: unit vector to the light.
+  /// kPoint, spots, kGoniometric, kProjector, kBeam, kSphere (centre), kVolume (minimum corner): position, metres.
+  /// kDirectional, kSun: unit vector towards the light.
   Vec3<L> position;
-  F area{};    ///< area lights: of the world-space surface; kQuadric: of the canonical shape; kVolume: see extent();
-               ///< kBeam: see beam()
-  F radius{};  ///< kSphere; kSun: 1 less the cosine of the angle between its centre and its rim
-  F depth{};   ///< area lights: see set_sides()
-  U texture = U(kNone);  ///< into SceneView::textures; kNone: the same everywhere
+  /// Area lights: area in world space; kQuadric: area of the canonical shape; kVolume: see extent(); kBeam: see beam().
+  F area{};
+  F radius{};            ///< kSphere: radius; kSun: 1 - cosine of its angular radius
+  F depth{};             ///< area lights: see set_sides()
+  U texture = U(kNone);  ///< into SceneView::textures; kNone: no texture
   U detail{};            ///< see frame(), first_uv(), least_offset() and cells()
 
   static constexpr auto fields(auto& s) {
@@ -55,9 +55,9 @@ template <class L> struct LightRecord {
   SHEAF_INLINE Vec3<L> extent() const { return {area, radius, depth}; }
   /// kBeam: where the light travels, unit length.
   SHEAF_INLINE Vec3<L> beam() const { return extent(); }
-  /// Area lights: whether they emit along their normal alone, radiance being radiant exitance (W / m^2).
+  /// Area lights: whether they emit only along their normal. Radiance is then radiant exitance (W / m^2).
   SHEAF_INLINE typename L::Mask is_along_normal() const { return depth > F(0.0f); }
-  /// Area lights: whether they shine against their normals as well.
+  /// Area lights: whether they also emit on the side opposite to the normal.
   SHEAF_INLINE typename L::Mask is_two_sided() const { return (depth < F(0.0f)) | (depth > F(1.0f)); }
   void set_sides(bool along_normal, bool two_sided) {
     depth = along_normal ? (two_sided ? 2.0f : 1.0f) : (two_sided ? -1.0f : 0.0f);
@@ -65,9 +65,9 @@ template <class L> struct LightRecord {
   void set_extent(Vec3<L> size) { area = size.x, radius = size.y, depth = size.z; }
   /// Spots, kGoniometric, kProjector: into SceneView::light_frames.
   SHEAF_INLINE U frame() const { return detail; }
-  /// kMesh with a texture: into SceneView::light_uvs, the first triangle's.
+  /// kMesh with a texture: index of the first triangle in SceneView::light_uvs.
   SHEAF_INLINE U first_uv() const { return detail; }
-  /// kSphere, kQuadric: the distance by which their points are moved off the surface at least.
+  /// kSphere, kQuadric: minimum distance by which points are moved off the surface.
   SHEAF_INLINE F least_offset() const { return bits_float(detail); }
 };
 
@@ -75,16 +75,16 @@ template <class L> struct LightRecord {
 using LightRow = LightRecord<Scalar>;
 static_assert(sizeof(LightRow) == 64);
 
-/// kVolume: how LightRecord::detail holds the cells.
+/// kVolume: encoding of the cells in LightRecord::detail.
 inline VolumeCells volume_cells(const LightRow& light) {
   return {light.detail & 0x3ffu, light.detail >> 10 & 0x3ffu, light.detail >> 20};
 }
 inline std::uint32_t volume_cells_word(const VolumeCells& cells) { return cells.x | cells.y << 10 | cells.z << 20; }
 
-/// What only lights with a direction have: a linear map to the light's space, where it looks along +z, and what the
-/// kind needs besides. One cache line.
+/// Additional data of lights with an orientation: an affine map to the light's space, where it looks along +z, and
+/// parameters of the kind. One cache line.
 template <class L> struct alignas(row_alignment<L>(64)) LightFrameRecord {
-  Vec3<L> row_x;  ///< row of the 3x4 matrix, without its last number
+  Vec3<L> row_x;  ///< row of the 3x4 matrix without its last element
   typename L::Float offset_x{};
   Vec3<L> row_y;
   typename L::Float offset_y{};
@@ -103,18 +103,18 @@ template <class L> struct alignas(row_alignment<L>(64)) LightFrameRecord {
                     s.unused);
   }
 
-  /// kProjector: the reciprocals of the picture's width and height at z = 1.
+  /// kProjector: reciprocals of the image's width and height at z = 1.
   SHEAF_INLINE Vec2<L> picture_scale() const { return {cutoff, slope}; }
   void set_picture_scale(Vec2<L> scale) { cutoff = scale.x, slope = scale.y; }
   /// kProjector: see ProjectorDescription::is_even.
   SHEAF_INLINE typename L::Mask is_even() const { return cot_cutoff > typename L::Float(0.0f); }
-  /// A point of the world in the light's space.
+  /// Transforms a point from world space to the light's space.
   SHEAF_INLINE Vec3<L> local_point(Vec3<L> p) const {
     return {row_x.x * p.x + row_x.y * p.y + row_x.z * p.z + offset_x,
             row_y.x * p.x + row_y.y * p.y + row_y.z * p.z + offset_y,
             row_z.x * p.x + row_z.y * p.y + row_z.z * p.z + offset_z};
   }
-  /// A vector of the light's space in the world.
+  /// Transforms a vector from the light's space to world space.
   SHEAF_INLINE Vec3<L> world_vector(Vec3<L> v) const {
     const Vec3<L> across = cross(row_y, row_z);
     const Vec3<L> adjugate = across * v.x + cross(row_z, row_x) * v.y + cross(row_x, row_y) * v.z;
@@ -127,13 +127,13 @@ template <class L> struct alignas(row_alignment<L>(64)) LightFrameRecord {
 using LightFrameRow = LightFrameRecord<Scalar>;
 static_assert(sizeof(LightFrameRow) == 64);
 
-/// Texture coordinates of a triangle of a light, at its vertices.
+/// Texture coordinates of the three vertices of a light's triangle.
 template <class L> struct LightUvRecord {
   Vec2<L> a, b, c;
   Vec2<L> unused;
   static constexpr auto fields(auto& s) { return std::tie(s.a, s.b, s.c, s.unused); }
 
-  /// Where vertex `a` counts for `w0`, `b` for `w1` and `c` for `w2`.
+  /// Interpolates with the barycentric weights `w0`, `w1` and `w2` of the vertices.
   SHEAF_INLINE Vec2<L> at(typename L::Float w0, typename L::Float w1, typename L::Float w2) const {
     return {w0 * a.x + w1 * b.x + w2 * c.x, w0 * a.y + w1 * b.y + w2 * c.y};
   }
@@ -143,14 +143,14 @@ template <class L> struct LightUvRecord {
 using LightUvRow = LightUvRecord<Scalar>;
 static_assert(sizeof(LightUvRow) == 32);
 
-/// One triangle of an area light, with all that sampling a point on it needs. Sixteen words: one cache line instead of
-/// a walk over indices and vertices.
+/// One triangle of an area light, with all data for sampling a point on it. Sixteen words: one cache line replaces
+/// indirect accesses to indices and vertices.
 template <class L> struct LightTriangleRecord {
   Vec3<L> p;                   ///< first vertex; world space
-  typename L::Float offset{};  ///< see SurfacePoint::offset; the largest on the triangle
-  Vec3<L> edge1;               ///< second vertex less the first
+  typename L::Float offset{};  ///< see SurfacePoint::offset; maximum over the triangle
+  Vec3<L> edge1;               ///< second vertex - first vertex
   typename L::Float unused1{};
-  Vec3<L> edge2;  ///< third vertex less the first
+  Vec3<L> edge2;  ///< third vertex - first vertex
   typename L::Float unused2{};
   Vec3<L> normal;  ///< geometric, unit length
   typename L::Float unused3{};

@@ -1,4 +1,4 @@
-// Bounds of some lights, in double precision: what a light tree is built of.
+// Bounds of a set of lights in double precision, used to build light trees.
 #pragma once
 
 #include "scene/tables/light_cone.h"
@@ -8,15 +8,15 @@
 
 namespace sheaf {
 
-/// Without lights: a box inside out.
+/// Default: no lights, with an empty box.
 struct LightCluster {
   static constexpr double kLargest = std::numeric_limits<double>::max();
 
   Vec3d lower{kLargest, kLargest, kLargest}, upper{-kLargest, -kLargest, -kLargest};
-  DirectionCone cone;                 ///< of normals
+  DirectionCone cone;                 ///< cone of normals
   double cos_theta_e = 1, power = 0;  ///< see LightBounds
-  std::uint32_t count = 0;            ///< of lights
-  bool two_sided = false;             ///< one of them at least
+  std::uint32_t count = 0;            ///< number of lights
+  bool two_sided = false;             ///< at least one light is two-sided
 
   void add(const LightCluster& other);
 };

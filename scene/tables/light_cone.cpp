@@ -12,8 +12,8 @@ namespace {
 
 double dot3(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// Whether `b`, whose axis is at an angle of cosine `cos_between`, lies within `a`. No trigonometry: most joins of a
-/// large tree end here.
+/// Whether cone `b` lies inside `a`. `cos_between` is the cosine between their axes. No trigonometry: most joins of a
+/// large tree return from here.
 bool contains(const DirectionCone& a, const DirectionCone& b, double cos_between) {
   if (a.theta >= std::numbers::pi) return true;
   if (a.theta < b.theta) return false;
@@ -43,7 +43,7 @@ DirectionCone join(const DirectionCone& a, const DirectionCone& b) {
   if (theta >= std::numbers::pi || (cos_between < 0.0 && sin_between < kNearlyOpposite))
     return {a.axis, std::numbers::pi};
   if (sin_between < kNearlyOpposite) return {a.axis, std::max(a.theta, b.theta + between)};
-  // The axis turns from a towards b, until the cone touches both on their far sides.
+  // Rotate the axis from a towards b until the cone touches both on their far sides.
   const double turn = theta - a.theta;
   const double of_a = std::sin(between - turn) / sin_between, of_b = std::sin(turn) / sin_between;
   Vec3d axis;

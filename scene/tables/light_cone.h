@@ -1,4 +1,4 @@
-// Cones of directions around the normals of lights, in double precision: what building a light tree joins.
+// Cones of directions around the normals of lights, in double precision, for building light trees.
 #pragma once
 
 #include <array>
@@ -19,11 +19,12 @@ struct DirectionCone {
   static DirectionCone from_cosine(const Vec3d& axis, double cosine);
 };
 
-/// A cone around two, the narrowest but for opposite axes (Conty Estevez and Kulla 2018, algorithm 1).
+/// Bounding cone of two cones. It is the narrowest, except for opposite axes (Conty Estevez and Kulla 2018, algorithm
+/// 1).
 DirectionCone join(const DirectionCone& a, const DirectionCone& b);
 
-/// The measure of the directions that lights of a cone of normals shine to, each up to `theta_e` from its normal and in
-/// proportion to the cosine (Conty Estevez and Kulla 2018, equation 1).
+/// Orientation measure: the directions into which lights with normals in the cone emit, each within `theta_e` of its
+/// normal and weighted by the cosine (Conty Estevez and Kulla 2018, equation 1).
 double cone_measure(const DirectionCone& cone, double theta_e);
 
 }  // namespace sheaf

@@ -16,7 +16,7 @@ using Row = LightNodeRow;
 
 constexpr std::uint32_t kHalf = 0xffffu;
 
-/// One of the halves of a row's words: those of even children are the lower ones, and are to be written first.
+/// One half of a row's words. Even children use the lower halves, which must be written first.
 struct Half {
   std::uint32_t& word;
   bool is_upper;
@@ -25,15 +25,15 @@ struct Half {
       : word(row.words[static_cast<std::size_t>(first) + child / 2]), is_upper(child % 2 != 0) {}
 
   void set(std::uint32_t bits) const { word = is_upper ? (word & kHalf) | bits << 16 : bits; }
-  /// What kernels read if the half is `bits`, of a bfloat16 number.
+  /// The number that kernels read if the half is `bits`, a bfloat16.
   float value(std::uint32_t bits) const { return std::bit_cast<float>(bits << 16 | (is_upper ? word & kHalf : 0u)); }
 };
 
-/// Writes the number next to a finite one, which it returns.
+/// Writes the bfloat16 nearest to a finite number, and returns it.
 double set_nearest(const Half& half, double x) {
   const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(std::clamp(x, -3e38, 3e38))) >> 16;
   std::uint32_t best = bits;
-  // Rounded towards zero: the half may be too small by one, or what the lower half adds may be too much.
+  // `bits` is rounded towards zero: it may be too small by one, or too large with the digits of the lower half.
   for (const std::uint32_t other : {bits + 1, bits - 1}) {
     if ((other ^ bits) >> 15 != 0 || !std::isfinite(half.value(other))) continue;
     if (std::fabs(double(half.value(other)) - x) < std::fabs(double(half.value(best)) - x)) best = other;
@@ -42,8 +42,7 @@ double set_nearest(const Half& half, double x) {
   return double(half.value(best));
 }
 
-/// The bits of the smallest number that is not below `x`, which is not negative. No denormal one, which would be slow
-/// to multiply.
+/// Bits of the smallest bfloat16 not below `x` >= 0. Avoids denormal numbers, which are slow to multiply.
 std::uint32_t bits_above(const Half& half, double x) {
   if (half.is_upper) x = std::max(x, double(std::numeric_limits<float>::min()));
   std::uint32_t bits = std::bit_cast<std::uint32_t>(static_cast<float>(x)) >> 16;
@@ -51,7 +50,8 @@ std::uint32_t bits_above(const Half& half, double x) {
   return bits;
 }
 
-/// A number in [-1, 1], to a multiple of 2^-15. The upper half of a word takes over what the lower adds to it.
+/// Writes a number in [-1, 1] as a multiple of 2^-15. The upper half compensates for the digits that the lower half
+/// adds.
 void set_fixed_point(Row& row, int word, std::size_t child, double x) {
   const Half half(row, word, child);
   const double lower = half.is_upper ? half.word / 65536.0 : 0.0;
@@ -65,7 +65,7 @@ Vec3d center_of(const LightCluster& cluster) {
   return center;
 }
 
-/// In the middle of the children's centres.
+/// Midpoint of the bounds of the children's centres.
 Vec3d middle_of(const LightCluster (&children)[kLightChildren]) {
   Vec3d low{LightCluster::kLargest, LightCluster::kLargest, LightCluster::kLargest}, middle{};
   Vec3d high{-low[0], -low[1], -low[2]};
@@ -81,7 +81,7 @@ Vec3d middle_of(const LightCluster (&children)[kLightChildren]) {
   return middle;
 }
 
-/// Of a sphere around a cluster, whose centre is near the cluster's own.
+/// Radius of a sphere around a cluster, with a centre close to the cluster's own.
 double radius_around(const LightCluster& cluster, const Vec3d& center) {
   double squared = 0;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -92,7 +92,7 @@ double radius_around(const LightCluster& cluster, const Vec3d& center) {
   return std::min(std::sqrt(squared) * kOutwards, 3e38);
 }
 
-/// See LightChild; kernels find cosines from tilts of 16 bits.
+/// See LightChild. Kernels compute cosines from 16-bit tilts, so an error bound is added.
 double reach_of(const LightCluster& cluster) {
   constexpr double kCosineError = 1e-4;
   return 1.0 - std::cos(std::acos(cluster.cos_theta_e) + kLightConeSlack) + kCosineError;

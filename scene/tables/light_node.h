@@ -1,8 +1,7 @@
-// A node of a light tree with its four children, packed: choosing a light reads one row for each turn on its way down.
+// A packed light tree node with its four children. Choosing a light reads one row per level of the tree.
 //
-// Where and in which directions a child's lights shine is rounded outwards: a light that can shine on a point is never
-// lost. Sampling and the probability of what was sampled read the same numbers, so that rounding costs no more than a
-// choice that is a little less good.
+// Bounds of a child's position and directions are rounded outwards, so no light that can illuminate a point is ever
+// missed. Sampling and pdf evaluation read the same numbers, so rounding only makes the choice slightly less accurate.
 #pragma once
 
 #include "core/simd.h"
@@ -16,59 +15,59 @@ struct LightCluster;
 
 inline constexpr int kLightChildren = 4;
 
-/// A node's link: so many bits of an index, and a number of children above.
+/// Bits for the index in a node's link; the number of child nodes is stored above them.
 inline constexpr int kLightNodeBits = 28;
 inline constexpr std::uint32_t kLightNodeIndex = (1u << kLightNodeBits) - 1;
 
-/// What kernels know of one child.
+/// One child as seen by kernels.
 template <class L> struct LightChild {
-  Vec3<L> center;              ///< of the sphere around the child's box; relative to what the node's middle is
-  typename L::Float radius;    ///< of that sphere; contains all lights of the child whatever the rounding
-  Vec3<L> tilt;                ///< axis of the cone of normals times minus cos_theta_o, times kLightFixedPoint
-  typename L::Float spread;    ///< sine of the half angle of that cone, 1 if it is more than pi / 2; NaN without power
-  typename L::Float reach;     ///< 1 - cos_theta_e, see LightBounds; wider by kLightConeSlack
-  typename L::Float share;     ///< power over the node's; >= kMinLightShare
-  typename L::Uint keep_sign;  ///< all bits but, where some light has two sides, the uppermost
+  Vec3<L> center;  ///< centre of the bounding sphere of the child's box, in the coordinates of the node's middle
+  typename L::Float radius;    ///< radius of that sphere; contains all lights of the child in spite of rounding
+  Vec3<L> tilt;                ///< axis of the cone of normals times -cos_theta_o, times kLightFixedPoint
+  typename L::Float spread;    ///< sine of the half angle of that cone, 1 beyond pi / 2; NaN if the power is 0
+  typename L::Float reach;     ///< 1 - cos_theta_e, see LightBounds; widened by kLightConeSlack
+  typename L::Float share;     ///< power over that of the node; >= kMinLightShare
+  typename L::Uint keep_sign;  ///< all bits set; without the sign bit if a light is two-sided
 };
 
-/// The factor of numbers in [-1, 1] that are kept as half words.
+/// Factor of the fixed-point numbers in [-1, 1].
 inline constexpr float kLightFixedPoint = 0x1p31f;
-/// By how much cones of emission are widened, in radians: more than single precision errs in the cosines of
-/// kernels/lights/light_tree.h, where these graze.
+/// Widening of the cones of emission, in radians. Exceeds the single-precision errors of the cosines in
+/// kernels/lights/light_tree.h at grazing angles.
 inline constexpr double kLightConeSlack = 2e-3;
-/// The smallest share of a light that has any power: far above what would underflow.
+/// Minimum share of a light with power > 0; far above underflow.
 inline constexpr float kMinLightShare = 1e-9f;
 
-/// A row of the table of nodes. Most words are two halves, for children 0 and 1, or, in the word after the last one for
-/// these, for 2 and 3; the even child's is the lower half. Halves are bfloat16 numbers, or fixed-point numbers. The
-/// upper half is to be read with the lower one as more of its digits.
+/// A row of the table of nodes. Most words hold two halves: for children 0 and 1, or, in the following words, for
+/// children 2 and 3. The even child uses the lower half. Halves are bfloat16 or fixed-point numbers. The upper half is
+/// read with the lower half as additional digits.
 struct alignas(64) LightNodeRow {
   enum Word {
-    kMiddle = 0,            ///< x, y, z of a place in the middle of the children; single precision
+    kMiddle = 0,            ///< x, y, z of a point in the middle of the children; single precision
     kOffset = kMiddle + 3,  ///< x, y, z from there to the children's centres; bfloat16
     kTilt = kOffset + 6,    ///< x, y, z; fixed-point
     kRadius = kTilt + 6,    ///< bfloat16
-    kSpread = kRadius + 2,  ///< bfloat16; its sign is set unless some light has two sides
+    kSpread = kRadius + 2,  ///< bfloat16; the sign is set unless a light is two-sided
     kShare = kSpread + 2,   ///< bfloat16
     kReach = kShare + 2,    ///< bfloat16
-    kLink = kReach + 2,     ///< kLightNodeIndex bits: the child 0 that is a node; above: how many are
+    kLink = kReach + 2,     ///< kLightNodeBits bits: index of the first child node; above: number of child nodes
     kWordCount
   };
   std::uint32_t words[kWordCount] = {};
-  std::uint32_t lights[kLightChildren] = {};  ///< of children that are leaves; 0 where there is no light
+  std::uint32_t lights[kLightChildren] = {};  ///< light indices of children that are leaves; 0 if empty
   std::uint32_t unused[4] = {};
 
-  /// Children that are nodes come first, and lie side by side.
+  /// Number of children that are nodes. They come first and are consecutive in the table.
   std::uint32_t node_count() const { return words[kLink] >> kLightNodeBits; }
 };
 static_assert(sizeof(LightNodeRow) == 128 && LightNodeRow::kWordCount % 4 == 0);
 
-/// Packs four children, of which the last ones may be without lights. `first_node`: the index of the first child that
-/// is a node, of `node_count`. `lights`: see LightNodeRow.
+/// Packs four children; trailing ones may be empty. `first_node` is the index of the first of `node_count` child nodes.
+/// `lights`: see LightNodeRow.
 LightNodeRow pack_light_node(const LightCluster (&children)[kLightChildren], std::uint32_t first_node,
                              std::uint32_t node_count, const std::uint32_t (&lights)[kLightChildren]);
 
-/// Child `k` of a node in registers, as its words.
+/// Unpacks child `k` of a node from the node's words in registers.
 template <class L, int k> SHEAF_INLINE LightChild<L> unpack_light_child(const typename L::Float* words) {
   using F = Float<L>;
   using U = Uint<L>;

@@ -18,8 +18,8 @@ namespace {
 constexpr int kBuckets = 12;
 constexpr double kLargest = LightCluster::kLargest;
 
-/// What a cluster costs in expectation: power x area x solid angle (Conty Estevez and Kulla 2018, section 4.4). The
-/// square of the diagonal joins the area with a small weight, which tells clusters along a line apart.
+/// Cost of a cluster: power x area x orientation measure (Conty Estevez and Kulla 2018, section 4.4). The squared
+/// diagonal adds to the area with a small weight, to distinguish clusters along a line.
 double cluster_cost(const LightCluster& cluster) {
   constexpr double kDiagonalWeight = 1e-3, kMinPower = 1e-30;
   if (cluster.count == 0) return 0;
@@ -52,20 +52,20 @@ LightCluster make_cluster(const LightBounds& light) {
   return cluster;
 }
 
-/// A plane across one axis; lights of bucket <= `bucket` go to the first child.
+/// A split plane perpendicular to one axis. Lights in buckets <= `bucket` go to the first child.
 struct Split {
   std::size_t axis = 0;
   int bucket = 0;
   double cost = kLargest;
 };
 
-/// Lights next to each other in an order.
+/// A range of consecutive lights in the order.
 struct LightRange {
   std::size_t begin = 0, end = 0;
   std::size_t size() const { return end - begin; }
 };
 
-/// Divides ranges of `order_` from the root down; bounds come back up.
+/// Builds the tree top-down by dividing ranges of `order_`, and returns bounds bottom-up.
 class TreeBuilder {
  public:
   explicit TreeBuilder(std::span<const LightBounds> lights) {
@@ -96,7 +96,7 @@ class TreeBuilder {
     return 0.5 * (clusters_[light].lower[axis] + clusters_[light].upper[axis]);
   }
 
-  /// Makes node `index` at `level` of some lights. Their bounds, joined.
+  /// Builds node `index` at `level` from a range of lights. Returns their joined bounds.
   LightCluster build_node(std::uint32_t index, const LightRange& lights, int level, std::uint32_t trail) {
     const std::vector<LightRange> ranges = divide(lights, level);
     const auto first_node = static_cast<std::uint32_t>(tree_.nodes.size());
@@ -121,10 +121,9 @@ class TreeBuilder {
     return whole;
   }
 
-  /// Divides lights of a node at `level` into those of four children, or into single ones; the ranges of more than one
-  /// come first.
+  /// Divides the lights of a node at `level` into up to four ranges. Ranges of more than one light come first.
   std::vector<LightRange> divide(const LightRange& lights, int level) {
-    // Quartering from here on still reaches single lights in time; one more uneven division might not leave that room.
+    // Splitting into equal quarters from here still fits the maximum depth. One more uneven split might not.
     const int quarterings = (std::bit_width(lights.size() - 1) + 1) / 2;
     const bool may_be_uneven = level + quarterings < kMaxLightTreeDepth;
     std::vector<LightRange> ranges{lights};
@@ -141,8 +140,8 @@ class TreeBuilder {
     return ranges;
   }
 
-  /// Puts the lights of the first child before those of the second, both in order of their index. Where the second
-  /// begins.
+  /// Moves the lights of the first child before those of the second, each ordered by index. Returns the start of the
+  /// second.
   std::size_t split(std::size_t begin, std::size_t end, bool may_be_uneven) {
     Vec3d low{kLargest, kLargest, kLargest}, high{-kLargest, -kLargest, -kLargest};
     for (std::size_t i = begin; i < end; ++i)
@@ -165,8 +164,7 @@ class TreeBuilder {
     return std::clamp(static_cast<int>((c - base) * scale), 0, kBuckets - 1);
   }
 
-  /// The cheapest of the planes between buckets (Conty Estevez and Kulla 2018, equation 2). None if all lights have one
-  /// place.
+  /// The cheapest split between buckets (Conty Estevez and Kulla 2018, equation 2). Empty if all centroids coincide.
   std::optional<Split> best_split(std::size_t begin, std::size_t end, const Vec3d& low, const Vec3d& high) const {
     const double longest = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
     Split best;
@@ -193,7 +191,7 @@ class TreeBuilder {
     return best;
   }
 
-  /// At the median along the longest axis, ties by index.
+  /// Splits at the median along the longest axis; ties are resolved by index.
   std::size_t split_in_halves(std::size_t begin, std::size_t end, const Vec3d& low, const Vec3d& high) {
     std::size_t axis = 0;
     for (std::size_t c = 1; c < 3; ++c)
@@ -210,7 +208,7 @@ class TreeBuilder {
     return partition(begin, end, [&](std::uint32_t light) { return less(light, median); });
   }
 
-  /// A stable partition of [begin, end) of the order.
+  /// Stable partition of [begin, end) of the order.
   template <class Predicate> std::size_t partition(std::size_t begin, std::size_t end, Predicate&& goes_first) {
     std::size_t first = begin, second = begin;
     for (std::size_t i = begin; i < end; ++i) {

@@ -8,18 +8,18 @@ namespace {
 
 using Filter = GridVolumeDescription::Filter;
 
-/// Lookups add up to eight products by weights that were rounded.
+/// Widening for the rounding of lookups, which sum up to eight products with rounded weights.
 constexpr float kRounding = 1.0f + 4e-6f;
-/// A lookup and the collision that asks for it, in steps from leaf to leaf.
+/// Cost of a collision with its lookup, in steps between leaves.
 constexpr float kLookupCost = 4.0f;
 constexpr int kBrickLog2 = 3;
 static_assert(1 << kBrickLog2 == kBrickSide);
-/// A base cell is cut into at most this many leaves along each side.
+/// Log2 of the maximum number of leaves along each side of a base cell.
 constexpr int kMaxCut = 3;
-/// Leaves are at most so many base cells wide.
+/// Log2 of the maximum side of a leaf in base cells.
 constexpr int kMaxBaseCellsLog2 = 4;
 
-/// The smallest and the largest of some values.
+/// Minimum and maximum of some values.
 struct Range {
   float low = kInfinity, high = -kInfinity;
 
@@ -44,7 +44,7 @@ std::size_t at(const std::array<int, 3>& size, int x, int y, int z) {
          static_cast<std::size_t>(x);
 }
 
-/// Ranges of cubes of 2^log2 voxels in a base cell, x fastest.
+/// Ranges of the cubes of side 2^log2 voxels in a base cell, x fastest.
 struct Level {
   int log2 = 0, side = 0;  ///< side: cubes along an edge of the base cell
   std::vector<Range> ranges;
@@ -52,7 +52,7 @@ struct Level {
   Range& range(int x, int y, int z) { return ranges[static_cast<std::size_t>((z * side + y) * side + x)]; }
 };
 
-/// The range of each brick of a grid.
+/// Ranges of all bricks of a grid.
 std::vector<Range> brick_ranges(const MajorantSource& source) {
   const BrickGrid& grid = *source.grid;
   const std::size_t size = grid.brick_size(), voxel = grid.channels == 1 ? 1 : kColorVoxel;
@@ -64,7 +64,7 @@ std::vector<Range> brick_ranges(const MajorantSource& source) {
   return ranges;
 }
 
-/// The ranges of grids in cubes of a base cell, from the finest to the base cell itself.
+/// Ranges of the grids' values in the cubes of a base cell, from the finest cubes to the base cell itself.
 class BaseCellRanges {
  public:
   BaseCellRanges(std::span<const MajorantSource> sources, Filter filter, int base_log2, int most_cut)
@@ -79,10 +79,10 @@ class BaseCellRanges {
     }
   }
 
-  /// From the finest to the base cell itself; those from the one on with which fill() was called are there.
+  /// From the finest level to the base cell itself. Valid from the level on with which fill() was called.
   std::span<const Level> levels() const { return levels_; }
 
-  /// Looks at another base cell. Returns its range.
+  /// Selects a base cell and returns its range.
   Range look(const std::array<int, 3>& cell) {
     const int bricks = 1 << (base_log2_ - kBrickLog2);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -92,7 +92,7 @@ class BaseCellRanges {
     return range_of_bricks(wraps());
   }
 
-  /// Finds the ranges of that base cell's cubes, of those of levels()[level] and larger ones.
+  /// Computes the ranges of the selected base cell's cubes, from levels()[level] to the coarsest.
   void fill(std::size_t level) {
     Level& finest = levels_[level];
     std::fill(finest.ranges.begin(), finest.ranges.end(), Range());
@@ -101,7 +101,7 @@ class BaseCellRanges {
         for (int y = first_[1]; y < last_[1]; ++y)
           for (int x = first_[0]; x < last_[0]; ++x) add_brick(i, {x, y, z}, finest);
     add_repeated(finest);
-    // Beyond the last brick there is no place in the box.
+    // Cubes beyond the last brick are outside the box.
     for (Range& range : finest.ranges)
       if (range.high < range.low) range = {0.0f, 0.0f};
     for (std::size_t i = level + 1; i < levels_.size(); ++i) halve(levels_[i - 1], levels_[i]);
@@ -112,7 +112,7 @@ class BaseCellRanges {
     return sources_[source].grid->entries[at(layout_.bricks, x, y, z)];
   }
 
-  /// Bit `axis` is set where half a voxel below the base cell's first voxel a repeated grid goes on with its last one.
+  /// Bit `axis` is set if a repeated grid interpolates with its last voxel before the base cell's first voxel.
   unsigned wraps() const {
     unsigned bits = 0;
     for (unsigned axis = 0; axis < 3; ++axis)
@@ -120,7 +120,7 @@ class BaseCellRanges {
     return bits;
   }
 
-  /// Of the base cell's bricks, and of those that follow from them along the axes of `wrapped`.
+  /// Range of the base cell's bricks, and of the bricks that wrap around along the axes of `wrapped`.
   Range range_of_bricks(unsigned wrapped) const {
     Range range;
     const auto each = [&](std::size_t axis, auto&& f) {
@@ -153,7 +153,7 @@ class BaseCellRanges {
         for (int x = 0; x < from.side; ++x) to.range(x >> 1, y >> 1, z >> 1).add(from.ranges[i++]);
   }
 
-  /// Adds a brick's voxels to the cubes in whose interpolation they take part.
+  /// Adds a brick's voxels to the cubes whose interpolation reads them.
   void add_brick(std::size_t source, const std::array<int, 3>& b, Level& finest) const {
     const std::size_t index = brick(source, b[0], b[1], b[2]);
     const Range& whole = brick_ranges_[source][index];
@@ -170,7 +170,7 @@ class BaseCellRanges {
         }
   }
 
-  /// Of a brick's voxels that lookups in the `side`^3 cells from `first` on take part of.
+  /// Range of the brick's voxels that lookups in the `side`^3 cells from `first` read.
   Range cube_range(const MajorantSource& source, std::size_t brick, const std::array<int, 3>& first, int side) const {
     const BrickGrid& grid = *source.grid;
     const float* const values = &grid.values[brick * grid.brick_size()];
@@ -188,20 +188,20 @@ class BaseCellRanges {
 
   std::span<const MajorantSource> sources_;
   const BrickGrid& layout_;
-  int voxels_beyond_;  ///< behind a cell that are interpolated in it
+  int voxels_beyond_;  ///< voxels beyond a cell that interpolation in it reads
   int base_log2_;
-  std::vector<std::vector<Range>> brick_ranges_;  ///< of each source
+  std::vector<std::vector<Range>> brick_ranges_;  ///< per source
   std::vector<Level> levels_;
   std::array<int, 3> first_{}, last_{};  ///< bricks of the base cell
 };
 
-/// Chooses leaves.
+/// Chooses leaves by cost.
 class Builder {
  public:
   Builder(std::span<const MajorantSource> sources, Filter filter, MajorantNeeds needs, int most_cut, MajorantGrid& out)
       : needs_(needs), ranges_(sources, filter, out.base_log2, is_uniform() || !needs.cuts ? 0 : most_cut), out_(out) {
     out.entries.assign(at(out.cells, 0, 0, out.cells[2]), 0);
-    out.bounds.assign(1, {});  // those of nothing
+    out.bounds.assign(1, {});  // bounds of empty leaves
   }
 
   void run() {
@@ -213,7 +213,7 @@ class Builder {
   }
 
  private:
-  /// A cube whose leaves have been chosen; cost and volume over its whole volume.
+  /// A cube whose leaves have been chosen; cost and volume are relative to that of the whole cube.
   struct Node {
     Range range;
     double cost = 0, volume = 0;
@@ -221,7 +221,7 @@ class Builder {
 
   bool is_uniform() const { return !(needs_.thickness > 0.0f); }
 
-  /// Of 2^log2 base cells along each side, as far as there are.
+  /// Adds a cube with 2^log2 base cells per side, clipped to the grid.
   Node add_cube(const std::array<int, 3>& first, int log2) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       if (first[axis] >= out_.cells[axis]) return {};
@@ -267,8 +267,8 @@ class Builder {
     return {range, cost, 1.0};
   }
 
-  /// The finest level that may be worth it: half the side doubles what steps cost, and saves no more than all of what
-  /// the bounds' difference does.
+  /// The finest level that may pay off: halving the side doubles the cost of steps, and saves at most the whole cost of
+  /// the bounds' difference.
   std::size_t first_level(const Range& range) const {
     const auto levels = ranges_.levels();
     const double most = leaf_cost(range, 30);
@@ -277,14 +277,14 @@ class Builder {
     return first;
   }
 
-  /// Per volume.
+  /// Cost of a leaf per volume.
   double leaf_cost(const Range& range, int log2) const {
     const MajorantBounds b = bounds_of(range, needs_.minorants);
     return 1.5 / static_cast<double>(1 << log2) +
            static_cast<double>(kLookupCost * needs_.thickness) * static_cast<double>(b.majorant() - b.minorant());
   }
 
-  /// Makes one leaf of a cube of base cells.
+  /// Makes a cube of base cells one leaf.
   void set_leaf(const std::array<int, 3>& first, int log2, const Range& range) {
     const MajorantBounds b = bounds_of(range, needs_.minorants);
     std::size_t index = 0;

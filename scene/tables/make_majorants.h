@@ -1,4 +1,4 @@
-// Making majorant grids: which leaves there are to be.
+// Builds majorant grids and chooses their leaves.
 #pragma once
 
 #include "scene/tables/majorant_grid.h"
@@ -7,44 +7,44 @@
 
 namespace sheaf {
 
-/// A grid that is bounded, times a factor that is not negative.
+/// A grid to be bounded, times a factor >= 0.
 struct MajorantSource {
   const BrickGrid* grid;
   float factor = 1;
 };
 
-/// What is asked of bounds.
+/// Requirements on the bounds.
 struct MajorantNeeds {
-  /// Optical thickness of a voxel per unit of the volume: how often a ray meets what is not there where a bound is one
-  /// too large, for each voxel that it passes. 0: one leaf to each base cell.
+  /// Optical thickness of a voxel per unit of the volume: the expected number of null collisions per voxel if a
+  /// majorant is too large by 1. 0: one leaf per base cell.
   float thickness = 0;
-  bool minorants = true;  ///< else they are 0
-  bool cuts = true;       ///< else no leaf is smaller than a base cell
-  /// Most base cells along a side; a power of two.
+  bool minorants = true;  ///< false: minorants are 0
+  bool cuts = true;       ///< false: no leaf is smaller than a base cell
+  /// Maximum number of base cells along an axis; a power of two.
   int max_side = 128;
 };
 
-/// Bounds on all channels of grids, for one way of looking them up: the largest and the smallest of all. The grids have
-/// as many voxels in the same places.
+/// Builds majorants and minorants over all channels of one or more grids, for one interpolation filter. The grids must
+/// have the same layout of voxels.
 ///
-/// Leaves are chosen by what they cost a ray: a step for each leaf that it enters, and a lookup for each collision that
-/// the difference of the bounds makes it meet. Both go with its length, so that a leaf of side s and volume V costs in
-/// proportion to
-///     V (3 / (2 s) + kLookupCost thickness (majorant - minorant)),
-/// 2 s / 3 being the mean length of chords of a cube; from the smallest leaves up, eight become one where that costs
-/// less. The smallest have a side of an eighth of a base cell, of one voxel in grids of up to a thousand voxels along
-/// each side; of more, where bounds would take more than half of the memory that the grid takes.
+/// Leaves are chosen by their expected cost for a ray: one step per leaf entered, and one lookup per collision due to
+/// the difference of the bounds. Both are proportional to the length of the ray in the leaf. A leaf of side s and
+/// volume V costs in proportion to
+/// V (3 / (2 s) + kLookupCost thickness (majorant - minorant)),
+/// with the mean chord length 2 s / 3 of a cube. Bottom-up, eight leaves are merged into one if that costs less. The
+/// smallest leaves have 1/8 of the side of a base cell, which is one voxel in grids of up to about 1000 voxels per
+/// axis. They are larger if bounds would take more than half of the memory of the grids.
 ///
-/// Bounds are a little wider than need be, for the rounding of lookups. A place less than a rounding error from a
-/// leaf's face may belong to the neighbour, so kernels must get along with values beyond the bounds there.
+/// Bounds are widened slightly for the rounding of lookups. A point within a rounding error of a leaf's face may belong
+/// to the neighbour, so kernels must tolerate values beyond the bounds there.
 ///
-/// The box is where the grid has other values than its background, which is 0 outside; grids that are clamped, repeated
-/// or mirrored have the box of their voxels, and `outside` bounds what goes on around it.
+/// The box encloses the values that differ from the background, which is 0 outside. For clamped, repeated or mirrored
+/// grids it encloses the voxels, and `outside` bounds the values around it.
 MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridVolumeDescription::Filter filter,
                                 MajorantNeeds needs = {});
 MajorantGrid make_majorant_grid(const BrickGrid& grid, GridVolumeDescription::Filter filter, MajorantNeeds needs = {});
 
-/// The kernels' row; both grids as given to make_majorant_grid(). The result must not outlive `majorant`. Throws
+/// Makes the kernels' row; both grids as given to make_majorant_grid(). The result must not outlive `majorant`. Throws
 /// SceneError if the transform is singular.
 MajorantGridRow make_majorant_grid_row(const MajorantGrid& majorant, const BrickGrid& grid,
                                        const Transform& local_to_world, GridVolumeDescription::Filter filter);

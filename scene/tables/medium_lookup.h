@@ -1,4 +1,4 @@
-// What a medium is made of at a point, at a path's wavelengths.
+// Coefficients and emission of media at a point, at a path's wavelengths.
 #pragma once
 
 #include "core/float4.h"
@@ -10,12 +10,12 @@
 
 namespace sheaf {
 
-/// The spectra of a medium's row at a path's wavelengths, before grids multiply them.
+/// The spectra of a medium's row at a path's wavelengths, without grids.
 struct MediumSpectra {
   Float4 first, second, emission;  ///< see MediumRow
 };
 
-/// `lambda`: the path's wavelengths, nm; not used in RGB mode.
+/// `lambda`: the path's wavelengths, nm; ignored in RGB mode.
 inline MediumSpectra medium_spectra(const SceneView& scene, const MediumRow& medium, const Spectrum4& lambda) {
   if (scene.color == ColorMode::kRgb)
     return {Float4::load(medium.first), Float4::load(medium.second), Float4::load(medium.emission)};
@@ -26,7 +26,7 @@ inline MediumSpectra medium_spectra(const SceneView& scene, const MediumRow& med
   return {at(0), at(1), (medium.flags & kMediumEmits) != 0 ? at(2) : Float4()};
 }
 
-/// Absorption, scattering and extinction per metre.
+/// Absorption, scattering and extinction coefficients, 1/m.
 struct MediumCoefficients {
   Float4 sigma_a, sigma_s, sigma_t;
 };
@@ -36,12 +36,12 @@ SHEAF_INLINE MediumCoefficients medium_coefficients(const MediumRow& medium, Flo
   return {max(first - first * second, Float4()), first * second, first};
 }
 
-/// Of a homogeneous medium.
+/// Coefficients of a homogeneous medium.
 SHEAF_INLINE MediumCoefficients medium_coefficients(const MediumRow& medium, const MediumSpectra& spectra) {
   return medium_coefficients(medium, spectra.first, spectra.second);
 }
 
-/// A grid's value at a point as a factor for each lane.
+/// Value of a grid at a point, as a factor for each lane.
 inline Float4 grid_factor(const SceneView& scene, std::uint32_t grid, Vec3f p, const Spectrum4& lambda) {
   if (scene.grids.rows[grid].channels == 1) return Float4(max(lookup_grid(scene.grids, grid, p), 0.0f));
   if (scene.color == ColorMode::kSpectral) return lookup_grid_spectrum(scene.grids.rows[grid], p, lambda);
@@ -49,7 +49,7 @@ inline Float4 grid_factor(const SceneView& scene, std::uint32_t grid, Vec3f p, c
   return Float4(Spectrum4{max(rgb.x, 0.0f), max(rgb.y, 0.0f), max(rgb.z, 0.0f), 0.0f});
 }
 
-/// Whether `p` is in the box of the grid that a medium's extinction is made of.
+/// Whether `p` lies in the box of the medium's extinction grid.
 inline bool is_in_box(const MajorantGridRow& row, Vec3f p) {
   for (int axis = 0; axis < 3; ++axis) {
     const float* m = row.world_to_grid + axis;
@@ -59,7 +59,7 @@ inline bool is_in_box(const MajorantGridRow& row, Vec3f p) {
   return true;
 }
 
-/// Of any medium, at point `p` in world space; flakes left out.
+/// Coefficients of any medium at world-space point `p`, without microflakes.
 inline MediumCoefficients medium_coefficients(const SceneView& scene, const MediumRow& medium,
                                               const MediumSpectra& spectra, Vec3f p, const Spectrum4& lambda) {
   if ((medium.flags & kMediumBoxed) != 0 && !is_in_box(scene.majorant_grids[medium.majorants], p)) return {};
@@ -67,7 +67,7 @@ inline MediumCoefficients medium_coefficients(const SceneView& scene, const Medi
   const bool by_albedo = (medium.flags & kMediumAbsorptionScattering) == 0;
   if (medium.first_grid != kNone) first = first * grid_factor(scene, medium.first_grid, p, lambda);
   if (medium.second_grid != kNone) second = second * grid_factor(scene, medium.second_grid, p, lambda);
-  // In spectral mode a saturated colour may be the spectrum of an albedo that exceeds 1 at some wavelengths.
+  // In spectral mode, the spectrum of a saturated colour may exceed 1 at some wavelengths, also as an albedo.
   if (by_albedo && scene.color == ColorMode::kRgb) second = min(second, Float4(1.0f));
   if (medium.density != kNone) {
     const float density = max(lookup_grid(scene.grids, medium.density, p), 0.0f);
@@ -77,7 +77,7 @@ inline MediumCoefficients medium_coefficients(const SceneView& scene, const Medi
   return medium_coefficients(medium, first, second);
 }
 
-/// Of a medium of kMediumSingleGrid at point `p`, over the value of its grid there.
+/// Coefficients of a kMediumSingleGrid medium at point `p`, divided by the value of its grid there.
 inline MediumCoefficients coefficients_per_density(const SceneView& scene, const MediumRow& medium,
                                                    const MediumSpectra& spectra, Vec3f p, const Spectrum4& lambda) {
   Float4 second = spectra.second;
@@ -87,11 +87,11 @@ inline MediumCoefficients coefficients_per_density(const SceneView& scene, const
   return medium_coefficients(medium, spectra.first, second);
 }
 
-/// The matrix of a medium's microflakes at a point, as MediumRow::flakes.
+/// The SGGX matrix of a medium at a point, as MediumRow::flakes.
 struct FlakeMatrix {
   float entries[6];
 
-  /// The flakes' projected area in the direction `w`, over that of as many flakes that face it.
+  /// Projected area of the flakes in the direction `w`, relative to that of as many flakes that face it.
   float projected_area(Vec3f w) const {
     const auto& s = entries;
     const float diagonal = s[0] * w.x * w.x + s[1] * w.y * w.y + s[2] * w.z * w.z;
@@ -111,32 +111,32 @@ inline FlakeMatrix flake_matrix(const SceneView& scene, const MediumRow& medium,
   return {{a.x, a.y, a.z, b.x, b.y, b.z}};
 }
 
-/// A factor on the spectra of a medium with microflakes, so that they are those of its extinction along `direction`, or
-/// where the flakes are not the same everywhere a bound on that.
+/// Scales the spectra of a medium with microflakes to its extinction along `direction`, or to an upper bound if the
+/// flakes vary in space.
 inline void weigh_by_flakes(const MediumRow& medium, Vec3f direction, MediumSpectra& spectra) {
   const float area = medium.flake_grids == kNone ? flake_matrix(medium).projected_area(direction) : medium.most_flakes;
   spectra.first = spectra.first * area;
   if ((medium.flags & kMediumAbsorptionScattering) != 0) spectra.second = spectra.second * area;
 }
 
-/// What is left to do at point `p`: a factor in [0, 1].
+/// Ratio of the extinction at point `p` to the bound of weigh_by_flakes(), in [0, 1].
 inline float flake_share(const SceneView& scene, const MediumRow& medium, Vec3f p, Vec3f direction) {
   if (medium.flake_grids == kNone) return 1.0f;
   const float area = flake_matrix(scene, medium, p).projected_area(direction);
   return area < medium.most_flakes ? area / medium.most_flakes : 1.0f;
 }
 
-/// Kelvin: what is colder does not glow for the eye.
+/// Kelvin. Colder bodies do not emit visible light.
 inline constexpr float kColdestGlow = 100;
 
-/// What a black body of a temperature in kelvin emits, in the lanes; see BlackbodyTable.
+/// Emission of a black body at a temperature in kelvin, for all lanes; see BlackbodyTable.
 inline Float4 blackbody_emission(const SceneView& scene, float temperature, const Spectrum4& lambda) {
   if (!(temperature > 0.0f)) return Float4();
   if (scene.color == ColorMode::kRgb) {
     const Vec3f rgb = scene.blackbodies->at(temperature);
     return Float4(Spectrum4{rgb.x, rgb.y, rgb.z, 0.0f});
   }
-  // Planck's law in W / (m^2 sr nm) of nanometres and kelvin: 2 h c^2 and h c / k.
+  // Constants of Planck's law for W / (m^2 sr nm), nanometres and kelvin: 2 h c^2 and h c / k.
   constexpr float kFirst = 1.191042972e20f, kSecond = 1.438776877e7f;
   const Float4 l(lambda);
   const Float4 exponent = min(Float4(kSecond / temperature) / l, Float4(80.0f));
@@ -144,15 +144,15 @@ inline Float4 blackbody_emission(const SceneView& scene, float temperature, cons
   return Float4(kFirst) / (l2 * l2 * l) / (exp(exponent) - Float4(1.0f));
 }
 
-/// One over the largest value of Planck's law over all wavelengths, which grows with the fifth power of the temperature
-/// (Wien's law of displacement).
+/// Reciprocal of the maximum of Planck's law over all wavelengths, by Wien's displacement law. The maximum grows with
+/// the fifth power of the temperature.
 inline float inverse_peak(float temperature) {
   constexpr float kRoot = 4.96511423f, kFirst = 1.191042972e20f, kSecond = 1.438776877e7f;  // x = 5 (1 - exp(-x))
   const float l = kSecond / (kRoot * temperature);
   return (std::exp(kRoot) - 1.0f) * (l * l / kFirst) * (l * l) * l;
 }
 
-/// The radiance that the medium tends to where it is thick, at point `p` in world space.
+/// Radiance of an optically thick volume of the medium at world-space point `p`.
 inline Float4 medium_emission(const SceneView& scene, const MediumRow& medium, const MediumSpectra& spectra, Vec3f p,
                               const Spectrum4& lambda) {
   Float4 emission = spectra.emission;

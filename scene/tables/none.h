@@ -1,11 +1,11 @@
-// The word that stands for "no such row".
+// The index that refers to no row.
 #pragma once
 
 #include <cstdint>
 
 namespace sheaf {
 
-/// "No such row" in any table.
+/// Index that refers to nothing, in any table.
 inline constexpr std::uint32_t kNone = 0xffffffffu;
 
 }  // namespace sheaf

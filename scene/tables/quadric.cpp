@@ -11,7 +11,7 @@ using Vec3d = std::array<double, 3>;
 
 double dot_product(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// Rows of a 3x4 matrix times (v, w).
+/// Multiplies a 3x4 matrix, given by rows, with (v, w).
 Vec3d apply(const float* m, const Vec3d& v, double w) {
   Vec3d r;
   for (std::size_t i = 0; i < 3; ++i)
@@ -19,7 +19,7 @@ Vec3d apply(const float* m, const Vec3d& v, double w) {
   return r;
 }
 
-/// Normals by the inverse transpose of the linear part.
+/// Transforms a normal by the inverse transpose of the linear part.
 Vec3d apply_normal(const float* to_object, const Vec3d& n) {
   Vec3d r;
   for (std::size_t i = 0; i < 3; ++i) r[i] = to_object[i] * n[0] + to_object[4 + i] * n[1] + to_object[8 + i] * n[2];
@@ -27,7 +27,7 @@ Vec3d apply_normal(const float* to_object, const Vec3d& n) {
 }
 
 /// Roots t0 <= t1 of |o + t d|^2 = 1 over the first `n` coordinates; false if there are none. The discriminant is
-/// taken from the closest point to the axis or centre, which keeps it exact for far origins.
+/// computed from the point closest to the axis or centre, which stays accurate for distant origins.
 bool unit_roots(const Vec3d& o, const Vec3d& d, std::size_t n, double& t0, double& t1) {
   double a = 0, b = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -50,8 +50,8 @@ bool unit_roots(const Vec3d& o, const Vec3d& d, std::size_t n, double& t0, doubl
   return true;
 }
 
-/// The squares of the semi-axes, ascending, of the image of the unit circle under the matrix of columns u, v; a zero
-/// first.
+/// Squared semi-axes, ascending, of the image of the unit circle under the matrix with columns u and v, after a leading
+/// 0.
 Vec3d squared_axes(const Vec3d& u, const Vec3d& v) {
   const double mean = 0.5 * (dot_product(u, u) + dot_product(v, v)),
                half = 0.5 * (dot_product(u, u) - dot_product(v, v));
@@ -60,8 +60,8 @@ Vec3d squared_axes(const Vec3d& u, const Vec3d& v) {
   return {0.0, dot_product(across, across) / larger, larger};
 }
 
-/// The squares of the semi-axes of the image of the unit sphere under the matrix of these columns, by one-sided Jacobi
-/// rotations (Hestenes 1958): they keep the smallest ones accurate.
+/// Squared semi-axes of the image of the unit sphere under the matrix with these columns. One-sided Jacobi rotations
+/// (Hestenes 1958) compute small axes accurately.
 Vec3d squared_axes(const Vec3d (&of)[3]) {
   Vec3d columns[3] = {of[0], of[1], of[2]};
   constexpr int kMaxSweeps = 30;
@@ -87,18 +87,19 @@ Vec3d squared_axes(const Vec3d (&of)[3]) {
           dot_product(columns[2], columns[2])};
 }
 
-/// Carlson's symmetric elliptic integral of the second kind, R_G(x, y, z): the mean of the square root of
-/// x n_x^2 + y n_y^2 + z n_z^2 over directions n. None negative, at most one zero. By R_F and R_D, which duplication
-/// makes (Carlson, "Numerical Computation of Real or Complex Elliptic Integrals", 1995).
+/// Carlson's symmetric elliptic integral of the second kind, R_G(x, y, z): the mean of the square root of x n_x^2 + y
+/// n_y^2 + z n_z^2 over directions n. No argument may be negative; at most one may be zero. Computed from R_F and R_D
+/// by the duplication theorem (Carlson, "Numerical Computation of Real or Complex Elliptic Integrals", 1995).
 double carlson_rg(double x, double y, double z) {
-  // With the middle one as z no term is negative (NIST Digital Library of Mathematical Functions, equation 19.21.10).
+  // With the middle argument as z, no term is negative (NIST Digital Library of Mathematical Functions, equation
+  // 19.21.10).
   if (x > y) std::swap(x, y);
   if (y > z) std::swap(y, z);
   if (x > y) std::swap(x, y);
   std::swap(y, z);
   const double first = std::sqrt(x * y / z), outer = (x - z) * (y - z) / 3;
   const double middle = z;
-  // Arguments within 1e-3 of their mean leave a relative error below 1e-17 behind the fifth-order terms.
+  // With arguments within 1e-3 of their mean, the fifth-order series has a relative error below 1e-17.
   double sum = 0, factor = 1;
   double mean = 0;
   for (;;) {
@@ -209,15 +210,15 @@ float canonical_area(ShapeKind kind) {
 
 float quadric_area(const QuadricRow& row) {
   if (row.uniform_scale > 0.0f) return canonical_area(row.kind) * sqr(row.uniform_scale);
-  // The area element of the canonical shape at the normal n scales by |C n|, with C = |det| M^-T.
+  // The area element of the canonical shape with normal n scales by |C n|, with C = |det| M^-T.
   Vec3d columns[3];
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) columns[i][j] = double{row.determinant} * double{row.to_object[4 * i + j]};
   if (row.kind == ShapeKind::kDisk)
     return static_cast<float>(double(kPi) * std::sqrt(dot_product(columns[2], columns[2])));
   const Vec3d squares = row.kind == ShapeKind::kSphere ? squared_axes(columns) : squared_axes(columns[0], columns[1]);
-  // An ellipsoid of semi-axes a, b, c has the area 4 pi R_G(a^2 b^2, a^2 c^2, b^2 c^2), an ellipse of a, b the
-  // perimeter 8 R_G(0, a^2, b^2) (NIST Digital Library of Mathematical Functions, equations 19.33.1 and 19.30.5).
+  // An ellipsoid with semi-axes a, b, c has the area 4 pi R_G(a^2 b^2, a^2 c^2, b^2 c^2). An ellipse with semi-axes a,
+  // b has the perimeter 8 R_G(0, a^2, b^2) (NIST Digital Library of Mathematical Functions, 19.33.1 and 19.30.5).
   const double factor = row.kind == ShapeKind::kSphere ? 4 * double(kPi) : 8.0;
   return static_cast<float>(factor * carlson_rg(squares[0], squares[1], squares[2]));
 }

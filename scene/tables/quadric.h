@@ -1,4 +1,4 @@
-// Spheres, disks and cylinders as affine images of canonical ones: exact intersection, in double precision.
+// Spheres, disks and cylinders as affine images of canonical shapes, with ray intersection in double precision.
 #pragma once
 
 #include "scene/tables/scene.h"
@@ -7,7 +7,7 @@
 
 namespace sheaf {
 
-/// The row for a canonical shape under `to_world`. Throws SceneError if the transform is not affine.
+/// Makes the row for a canonical shape under `to_world`. Throws SceneError if the transform is not affine.
 QuadricRow make_quadric(ShapeKind kind, const Transform& to_world, bool flip_normals);
 
 struct QuadricBounds {
@@ -17,20 +17,20 @@ struct QuadricBounds {
 /// World-space bounds, rounded outwards.
 QuadricBounds quadric_bounds(const QuadricRow& row);
 
-/// Where a ray meets a quadric.
+/// Intersection of a ray with a quadric.
 struct QuadricHit {
   float t;
-  Vec3f normal;  ///< world space, outwards unless flipped, any length
+  Vec3f normal;  ///< world space; outwards unless flipped; any length
 };
 
-/// The nearest intersection with t in (t_near, t_far).
+/// Nearest intersection with t in (t_near, t_far).
 std::optional<QuadricHit> intersect_quadric(const QuadricRow& row, Vec3f origin, Vec3f direction, float t_near,
                                             float t_far) noexcept;
 
 /// Area of the canonical shape: 4 pi, pi or 2 pi.
 float canonical_area(ShapeKind kind);
 
-/// Area in world space, in closed form under any affine map.
+/// Area in world space, in closed form for any affine transform.
 float quadric_area(const QuadricRow& row);
 
 }  // namespace sheaf

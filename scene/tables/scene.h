@@ -1,4 +1,4 @@
-// The compiled scene: flat, immutable tables that kernels read by index, and the view of them that kernels get.
+// The compiled scene: flat, immutable tables that kernels access by index, and the kernels' view of them.
 #pragma once
 
 #include "core/distribution.h"
@@ -25,114 +25,116 @@
 
 namespace sheaf {
 
-/// What kernels read in spectral mode in place of the colours in other tables.
+/// Spectra that replace the colours of other tables in spectral mode.
 struct SpectralView {
   SpectrumTableView tables;
-  /// Of each material the spectra among its closure's parameters, in their order: kMaxClosureSpectra rows.
+  /// Spectra of each material's closure parameters, in order: kMaxClosureSpectra rows per material.
   const SpectrumRow* materials = nullptr;
-  /// Of each light what LightRecord::radiance is. A texture's or a map's colours are uplifted and multiplied by it.
+  /// Spectrum of each light in place of LightRecord::radiance. Colours of textures and maps are upsampled and
+  /// multiplied by it.
   const SpectrumRow* lights = nullptr;
   const SpectrumRow* media = nullptr;  ///< see MediumRow
   const UpliftTable* uplift = nullptr;
   const SensorCurves* sensor = nullptr;
 };
 
-/// What kernels see of a scene: pointers into its tables, and small settings by value.
+/// The scene for kernels: pointers to its tables, and small settings by value.
 struct SceneView {
   const ShapeRow* shapes = nullptr;
   const VertexRow* vertices = nullptr;
   const std::uint32_t* triangles = nullptr;  ///< three per triangle, relative to the shape's first vertex
   const QuadricRow* quadrics = nullptr;
   const CurvePointRow* curve_points = nullptr;
-  const std::uint32_t* curve_segments = nullptr;  ///< first of the segment's points, relative to the shape's first
+  const std::uint32_t* curve_segments = nullptr;  ///< first point of each segment, relative to the shape's first point
   const SdfGridRow* sdf_grids = nullptr;
   const float* sdf_values = nullptr;
   const std::uint32_t* sdf_cells = nullptr;
-  const InstanceRow* instances = nullptr;  ///< null: there are none
+  const InstanceRow* instances = nullptr;  ///< null: no instances
   const MaterialRow* materials = nullptr;
   const TextureBinding* bindings = nullptr;
   const NormalMapRow* normal_maps = nullptr;
-  const float* closure_tables = nullptr;  ///< see scene/tables/closure_tables.h; null: there are none
+  const float* closure_tables = nullptr;  ///< see scene/tables/closure_tables.h; null: no tables
   TextureView textures;
   const MediumRow* media = nullptr;
   const BoundaryRow* boundaries = nullptr;
-  BrickGridView grids;  ///< of the media
+  BrickGridView grids;  ///< grids of media
   const MajorantGridRow* majorant_grids = nullptr;
-  const BlackbodyTable* blackbodies = nullptr;  ///< RGB mode, where a medium has a temperature
-  bool needs_transmittance = false;             ///< whether shadow rays may pass a surface, or there are media
-  /// Whether shadow rays pass thin panes: where passing costs no depth, and no pane has a texture or is part of a
-  /// composite material.
+  const BlackbodyTable* blackbodies = nullptr;  ///< RGB mode, if a medium has a temperature
+  bool needs_transmittance = false;             ///< whether shadow rays may pass through surfaces or media
+  /// Whether shadow rays pass through thin dielectrics. This requires that passing costs no depth, and that no thin
+  /// dielectric has a texture or is part of a composite material.
   bool has_open_panes = false;
-  std::uint32_t camera_medium = 0;  ///< 0: none, else 1 + the row of what the camera is in
-  std::uint32_t outer_medium = 0;   ///< the same of what surrounds the scene
+  std::uint32_t camera_medium = 0;  ///< medium that contains the camera: 0 for vacuum, else 1 + row
+  std::uint32_t outer_medium = 0;   ///< medium that surrounds the scene, likewise
   const LightRow* lights = nullptr;
-  const AliasEntry* light_alias = nullptr;  ///< by power
-  LightTreeView light_tree;                 ///< over the lights below bounded_light_count
+  const AliasEntry* light_alias = nullptr;  ///< selection by power
+  LightTreeView light_tree;                 ///< over the lights with indices below bounded_light_count
   std::uint32_t bounded_light_count = 0;
   const AliasEntry* triangle_alias = nullptr;
   const LightTriangleRow* light_triangles = nullptr;
   const LightFrameRow* light_frames = nullptr;
   const LightUvRow* light_uvs = nullptr;
-  const Vec3f* light_powers = nullptr;  ///< of every light, W in R, G and B; see light_power()
-  EnvmapView envmap;                    ///< if the environment is one
+  const Vec3f* light_powers = nullptr;  ///< power of each light, W in R, G and B; see light_power()
+  EnvmapView envmap;                    ///< if the environment is an environment map
   bool has_textured_lights = false;     ///< whether any area light has a texture
   std::uint32_t shape_count = 0, material_count = 0, light_count = 0;
   std::uint32_t bucket_count = 1;
   std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
   std::uint32_t kind_flags[kClosureKinds] = {};        ///< MaterialFlags of all materials of a kind
-  bool has_composites = false;                         ///< whether any material is a choice between others
-  std::uint32_t environment = kNone;                   ///< light row of the environment, kConstant or kEnvmap
-  Vec3f center{};                                      ///< of the bounding sphere
+  bool has_composites = false;                         ///< whether any material is a composite
+  std::uint32_t environment = kNone;                   ///< row of the environment light, kConstant or kEnvmap
+  Vec3f center{};                                      ///< centre of the bounding sphere
   float radius = 0;
-  /// Media that no surface ends do so at this distance from `center`; infinite where no light shines from outside.
+  /// Radius around `center` at which unbounded media end; infinite if no light is at infinity.
   float medium_radius = kInfinity;
-  Camera camera;                         ///< the first
-  const Camera* more_cameras = nullptr;  ///< those that see the columns of the film behind the first's
+  Camera camera;                         ///< the first camera
+  const Camera* more_cameras = nullptr;  ///< cameras of the film's further columns
   std::uint32_t more_camera_count = 0;
-  float column_width = 0;                         ///< of the film of each camera, pixels, where there are several
-  const FilterTable* filter = nullptr;            ///< where the samples of a pixel lie
-  const FilterWeights* filter_weights = nullptr;  ///< of samples in all pixels; null: they count in their own alone
+  float column_width = 0;               ///< pixels per camera's column of the film, if there are several
+  const FilterTable* filter = nullptr;  ///< placement of samples in a pixel
+  /// weights of samples in neighbouring pixels; null: samples count only in their own pixel
+  const FilterWeights* filter_weights = nullptr;
   LightSelector light_selector = LightSelector::kBvh;
   const Accel* accel = nullptr;
   ColorMode color = ColorMode::kRgb;
   SpectralView spectral;  ///< only in spectral mode
 };
 
-/// Sizes, for people.
+/// Sizes for reports.
 struct SceneInfo {
-  std::size_t groups = 0, instances = 0, instanced_triangles = 0;  ///< the last: instances times triangles of each
+  std::size_t groups = 0, instances = 0, instanced_triangles = 0;  ///< the last: sum over instances of their triangles
   std::size_t shapes = 0, triangles = 0, quadrics = 0, curve_segments = 0, vertices = 0, materials = 0, lights = 0;
-  std::size_t sdf_cells = 0;  ///< of grids of distances, those that hold some of the surface
+  std::size_t sdf_cells = 0;  ///< SDF grids: cells that contain the surface
   Vec3f bounds_min{}, bounds_max{};
   std::size_t table_bytes = 0, accel_bytes = 0;
 };
 
-/// Lights that statistics tell apart: the first ones. Nobody reads of more, and their counters are to stay in the
-/// caches.
+/// Number of lights, from the first, with separate statistics. More would be of little use, and their counters should
+/// fit in the caches.
 inline constexpr std::uint32_t kMaxReportedLights = 1024;
 
-/// Owns the tables. Neither copied nor moved: Embree points into them.
+/// Owns the tables. Not copyable or movable: Embree holds pointers to them.
 class Scene {
  public:
   Scene() = default;
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
-  /// The kernels' view; valid as long as the scene.
+  /// The kernels' view; valid during the scene's lifetime.
   SceneView view() const;
   SceneInfo info() const;
   const FilmDescription& film() const { return film_; }
   const SamplerDescription& sampler() const { return sampler_; }
-  /// The sampler that the scene asks for, with its own seed and number of samples.
+  /// The sampler that the scene specifies, with its seed and number of samples.
   SamplerView sampler_view() const {
     return make_sampler(sampler_.kind, sampler_.seed, sampler_.sample_count, static_cast<std::uint32_t>(film_.width));
   }
   const IntegratorDescription& integrator() const { return integrator_; }
-  /// Where the scene speaks of its lights, by row; only of the first kMaxReportedLights.
+  /// Locations of the lights in scene files, by row; only for the first kMaxReportedLights.
   const std::vector<SourceLocation>& light_source_locations() const { return light_places_; }
-  /// What files call the scene's parts.
+  /// Names from files.
   const SceneNames& names() const { return names_; }
-  /// Remarks on what was repaired or left out.
+  /// Remarks on repaired or dropped elements.
   const std::vector<std::string>& warnings() const { return warnings_; }
   ColorMode color() const { return color_; }
 

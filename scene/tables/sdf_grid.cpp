@@ -18,7 +18,7 @@ Vec3d apply(const float* m, Vec3f v, double w) {
   return r;
 }
 
-/// The least corner of a cell: its place along each axis.
+/// Index of a cell's minimum corner along each axis.
 std::array<std::uint32_t, 3> corner_of(const SdfGridView& view, std::uint32_t cell) {
   const std::uint32_t* words = view.cells + 2 * std::size_t{cell};
   return {words[0] & 0xffffu, words[0] >> 16, words[1]};
@@ -27,7 +27,7 @@ Vec3d to_double(const std::array<std::uint32_t, 3>& corner) {
   return {double(corner[0]), double(corner[1]), double(corner[2])};
 }
 
-/// The values at a cell's corners, x + 2 y + 4 z.
+/// Values at a cell's corners, in the order x + 2 y + 4 z.
 struct Corners {
   double v[8];
 
@@ -39,8 +39,8 @@ struct Corners {
 
   static double mix(double a, double b, double t) { return (1 - t) * a + t * b; }
 
-  /// At a place in [0, 1]^3. Where a coordinate is 0 or 1 the values on the other side don't count, not even by
-  /// rounding.
+  /// Trilinear interpolation at a point in [0, 1]^3. If a coordinate is 0 or 1, the values on the other side have no
+  /// influence, not even by rounding.
   double at(const Vec3d& x) const {
     double y[4];
     for (std::size_t i = 0; i < 4; ++i) y[i] = mix(v[2 * i], v[2 * i + 1], x[0]);
@@ -58,11 +58,11 @@ struct Corners {
   }
 };
 
-/// A cubic polynomial of the ray's parameter, counted from where the ray enters the cell.
+/// A cubic polynomial in the ray parameter, relative to the point where the ray enters the cell.
 struct Cubic {
   double c[4] = {};
 
-  /// Of the trilinear function along o + s d: each corner's value times a product of three linear functions.
+  /// The trilinear function along o + s d: each corner's value times a product of three linear functions.
   Cubic(const Corners& corners, const Vec3d& o, const Vec3d& d) {
     for (std::size_t i = 0; i < 8; ++i) {
       double product[4] = {corners.v[i], 0, 0, 0};
@@ -79,7 +79,7 @@ struct Cubic {
   double at(double s) const { return ((c[3] * s + c[2]) * s + c[1]) * s + c[0]; }
   double slope(double s) const { return (3 * c[3] * s + 2 * c[2]) * s + c[1]; }
 
-  /// Where it turns, within (0, end), in order.
+  /// Extrema within (0, end), in order.
   int turns(double end, double* s) const {
     const double a = 3 * c[3], b = c[2], discriminant = b * b - a * c[1];
     if (!(discriminant > 0)) return 0;
@@ -92,8 +92,8 @@ struct Cubic {
     return count;
   }
 
-  /// The root between `a` and `b`, where it has the values `fa` and `fb` of different signs and does not turn: Newton's
-  /// method, kept within by bisection.
+  /// Root between `a` and `b`, where the values `fa` and `fb` have different signs and no extremum lies in between.
+  /// Newton's method, safeguarded by bisection.
   double root(double a, double b, double fa, double fb) const {
     double s = a + (b - a) * (fa / (fa - fb));
     for (int i = 0; i < 60; ++i) {
@@ -110,12 +110,12 @@ struct Cubic {
   }
 };
 
-/// The part of a ray that lies in a cell: by which axis it comes in and leaves, -1 where it begins or ends inside.
+/// The interval of a ray inside a cell, with the axes of the entry and exit faces; -1 if the ray starts or ends inside.
 struct Passage {
   double begin, end;
   int in = -1, out = -1;
 
-  /// `o`, `d`: in units of the grid. The planes between cells are met at the same parameters in both.
+  /// `o`, `d`: in units of the grid. Neighbouring cells compute identical parameters for their common face.
   Passage(const Vec3d& o, const Vec3d& d, const Vec3d& corner, double t_near, double t_far)
       : begin(t_near), end(t_far) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -131,7 +131,7 @@ struct Passage {
   }
 };
 
-/// The place of the ray in the cell; on the plane across `axis` exactly.
+/// Position of the ray in the cell; exactly on the face perpendicular to `axis`.
 Vec3d place(const Vec3d& o, const Vec3d& d, const Vec3d& corner, double t, int axis, bool upper) {
   Vec3d x;
   for (std::size_t i = 0; i < 3; ++i) x[i] = std::clamp(o[i] + t * d[i] - corner[i], 0.0, 1.0);
@@ -154,7 +154,7 @@ bool holds_surface(const SdfGridRow& grid, const float* values, std::uint32_t x,
 
 QuadricBounds sdf_cell_bounds(const SdfGridView& view, std::uint32_t cell) {
   const Vec3d corner = to_double(corner_of(view, cell));
-  constexpr double kMargin = 1.0 / 256;  // of a cell
+  constexpr double kMargin = 1.0 / 256;  // in cells
   float lower[3], upper[3];
   for (std::size_t i = 0; i < 3; ++i) {
     const float* m = view.placement->to_world + 4 * i;

@@ -1,4 +1,4 @@
-// The surface of grids of signed distances at hits, generic in the lane.
+// Surface interaction of signed distance grids, generic in the lane policy.
 #pragma once
 
 #include "scene/tables/surface.h"
@@ -9,13 +9,13 @@ namespace detail {
 
 /// The cell that was hit.
 template <class L> struct SdfCell {
-  typename L::Float value[8];  ///< at its corners, x + 2 y + 4 z
-  typename L::Uint corner[3];  ///< its least one: the place in the grid
-  typename L::Uint first;      ///< the same, into SceneView::sdf_values
-  typename L::Uint step[3];    ///< there: to the next value along each axis; 0 in lanes that are switched off
+  typename L::Float value[8];  ///< values at the corners, in the order x + 2 y + 4 z
+  typename L::Uint corner[3];  ///< index of its minimum corner along each axis
+  typename L::Uint first;      ///< index of that corner in SceneView::sdf_values
+  typename L::Uint step[3];    ///< stride in sdf_values along each axis; 0 in inactive lanes
 };
 
-/// Between four values: (0, 0), (1, 0), (0, 1), (1, 1).
+/// Bilinear interpolation of the values at (0, 0), (1, 0), (0, 1) and (1, 1).
 template <class F> SHEAF_INLINE F mix4(F a, F b, F c, F d, F s, F t) { return lerp(t, lerp(s, a, b), lerp(s, c, d)); }
 
 /// The trilinear function in a cell, and its gradient.
@@ -52,8 +52,8 @@ SHEAF_INLINE SdfCell<L> sdf_cell(const SceneView& scene, const SdfGridRecord<L>&
   return cell;
 }
 
-/// Along one axis: how fast the function changes in the cell and in its neighbour on the side where the point lies,
-/// both across the point, and how much the cell counts.
+/// Slopes along one axis at the point: in the cell, and in its neighbour on the point's side; with the weight of the
+/// cell.
 template <class L> struct AxisSlopes { typename L::Float own, other, own_share; };
 
 template <class L>
@@ -69,7 +69,7 @@ SHEAF_INLINE AxisSlopes<L> axis_slopes(const SceneView& scene, const SdfCell<L>&
   const auto upper = x[axis] >= F(0.5f);
   const auto there =
       select(upper, cell.corner[axis] + U(2u), cell.corner[axis]) - select(upper, zero, one) < size[axis];
-  // Where there is no neighbour the cell's own values are read.
+  // Without a neighbour, the cell's own values are read.
   const U beyond =
       cell.first + select(upper, cell.step[axis] + cell.step[axis], zero) - select(upper, zero, cell.step[axis]);
   const U from = select(there, beyond, cell.first);
@@ -81,9 +81,9 @@ SHEAF_INLINE AxisSlopes<L> axis_slopes(const SceneView& scene, const SdfCell<L>&
   return {(high - low) * scale, select(upper, outer - high, low - outer) * scale, select(there, share, F(1.0f))};
 }
 
-/// The normal of Hansson-Soederlund, Evans and Akenine-Moeller 2022, which has no breaks between cells: of the eight
-/// cells around the nearest point of the grid the normals, interpolated between the cells' middles. In the space in
-/// which the grid is the unit cube, not normalised.
+/// The continuous normal of Hansson-Soederlund, Evans and Akenine-Moeller 2022. It interpolates the normals of the
+/// eight cells around the nearest grid point between the centres of these cells. In the space in which the grid is the
+/// unit cube; not normalised.
 template <class L>
 SHEAF_INLINE Vec3<L> smooth_sdf_normal(const SceneView& scene, const SdfGridRecord<L>& grid, const SdfCell<L>& cell,
                                        Vec3<L> x) {
@@ -108,8 +108,8 @@ SHEAF_INLINE Vec3<L> smooth_sdf_normal(const SceneView& scene, const SdfGridReco
 
 }  // namespace detail
 
-/// Surface of a grid of signed distances at a hit: the point of the surface that is nearest to `hit`, as good as exact.
-/// Without uv: they are 0, and the tangents are some. Not inlined: such grids are rare.
+/// Surface point of a signed distance grid near `hit`, found by two Newton steps along the gradient. uv are 0 and the
+/// tangents arbitrary. Not inlined: such grids are rare.
 template <class L, bool WithUv>
 [[gnu::noinline]] SurfacePoint<L> sdf_point(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
                                             Uint<L> primitive, Vec3<L> hit) {
@@ -152,7 +152,7 @@ template <class L, bool WithUv>
     width = max(width, abs(m[0]) + abs(m[1]) + abs(m[2]));
   }
   for (const F& value : cell.value) largest = max(largest, abs(value));
-  // Rounding errors of the position, and of the value that was made 0.
+  // Rounding errors of the position and of the value at the root.
   const F in_value = min(largest / max(length(slope), F(1e-30f)), F(1e3f) * width);
   out.offset = F(kOffsetUlps) * (extent + width + in_value);
   if constexpr (WithUv) {

@@ -1,4 +1,4 @@
-// From a hit to the surface there: position, normals, uv and tangent, for all kinds of shape, generic in the lane.
+// Surface interaction at hits: position, normals, uv and tangents of all kinds of shapes, generic in the lane policy.
 #pragma once
 
 #include "core/warp.h"
@@ -27,7 +27,7 @@ SHEAF_INLINE void triangle_uv(const ShapeRecord<L>& shape, const Vec2<L>* t, typ
   out.dp_dv = select<L>(usable, (edge2 * du1 - edge1 * du2) * inverse, frame.t);
 }
 
-/// Surface of a triangle mesh at barycentric (u, v).
+/// Surface point of a triangle mesh at barycentric coordinates (u, v).
 template <class L, bool WithUv>
 SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
                                             typename L::Uint primitive, typename L::Float u, typename L::Float v) {
@@ -62,7 +62,7 @@ SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeR
   return out;
 }
 
-/// The quadric at the canonical shape's point `x`.
+/// Surface point of a quadric at the point `x` of the canonical shape.
 template <class L, bool WithUv>
 SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricRecord<L>& q, typename L::Uint kind, Vec3<L> x) {
   using F = typename L::Float;
@@ -102,7 +102,7 @@ SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricRecord<L>& q, typename
   return out;
 }
 
-/// Surface of a quadric nearest to the world-space point `hit`.
+/// Surface point of a quadric nearest to the world-space point `hit`.
 template <class L, bool WithUv>
 SHEAF_INLINE SurfacePoint<L> quadric_point(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
                                            Vec3<L> hit) {
@@ -118,7 +118,7 @@ SHEAF_INLINE SurfacePoint<L> quadric_point(const SceneView& scene, const ShapeRe
   return quadric_surface<L, WithUv>(q, shape.kind, x);
 }
 
-/// From a group's space to world space, lanes of `instanced` only.
+/// Transforms surface points from a group's space to world space, only in lanes of `instanced`.
 template <class L, bool WithUv>
 SHEAF_INLINE void place_instance(const InstancePlacement<L>& placed, Mask<L> instanced, SurfacePoint<L>& y) {
   using F = typename L::Float;
@@ -126,8 +126,8 @@ SHEAF_INLINE void place_instance(const InstancePlacement<L>& placed, Mask<L> ins
   const F largest = max(max_component(abs(normal)), F(1e-37f));
   const Vec3<L> scaled = normal * (F(1.0f) / largest);
   const F scaled_length = sqrt(dot(scaled, scaled));
-  // Embree takes rays to the group's space, where rounding errors along the normal are those of the surface there and
-  // those of the transform: bounded by the inverse's terms, taken absolutely, times those of the point.
+  // Embree transforms rays to the group's space. Errors along the normal there are those of the surface point and those
+  // of the transform. The latter are bounded by the absolute terms of the inverse times those of the point.
   const Vec3<L> bound = placed.absolute_point(y.p);
   const F error =
       y.offset * abs(placed.determinant) + F(kOffsetUlps) * dot(abs(y.ng), placed.absolute_cofactors(bound));
@@ -141,8 +141,8 @@ SHEAF_INLINE void place_instance(const InstancePlacement<L>& placed, Mask<L> ins
   }
 }
 
-/// The surface at hits of shapes that aren't all triangles, in the space in which they were compiled: world space, or a
-/// group's.
+/// Surface points for a mix of kinds of shapes, in the space in which they were compiled: world space or a group's
+/// space.
 template <class L, bool WithUv>
 [[gnu::noinline]] SurfacePoint<L> mixed_point(const SceneView& scene, const ShapeRecord<L>& shape, Uint<L> primitive,
                                               Float<L> u, Float<L> v, Vec3<L> hit_point) {
@@ -163,8 +163,8 @@ template <class L, bool WithUv>
   return select<L, WithUv>(mesh, triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v), out);
 }
 
-/// The surface at hits: `hit_point` is origin + t * direction, (u, v) Embree's barycentric coordinates, `instance` the
-/// instance that was hit, kNone for shapes that are not in a group.
+/// Surface points at hits. `hit_point` is origin + t * direction, (u, v) are Embree's barycentric coordinates, and
+/// `instance` is the instance that was hit, or kNone for shapes outside of groups.
 template <class L, bool WithUv = false>
 SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeRecord<L>& shape, Uint<L> primitive,
                                            Float<L> u, Float<L> v, Vec3<L> hit_point, Uint<L> instance) {
@@ -186,7 +186,7 @@ SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeRe
   return out;
 }
 
-/// Where a ray towards `direction` starts so that it leaves the surface.
+/// Origin of a ray towards `direction`, offset to leave the surface.
 template <class L>
 SHEAF_INLINE Vec3<L> offset_origin(Vec3<L> p, Vec3<L> ng, typename L::Float offset, Vec3<L> direction) {
   return p + ng * copysign(offset, dot(ng, direction));

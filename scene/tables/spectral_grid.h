@@ -1,7 +1,7 @@
-// Grids of colours in spectral mode: each voxel is a spectrum, a shape and a scale.
+// Colour grids in spectral mode: each voxel is a spectrum, stored as a shape and a scale.
 //
-// Between voxels shapes and scales are mixed separately, then multiplied: so Mitsuba 3 defines such grids in its
-// spectral variants. Halfway between a bright and a dark colour this is not the spectrum of the colour halfway.
+// Shapes and scales are interpolated separately and then multiplied, as in Mitsuba 3's spectral variants. Halfway
+// between a bright and a dark colour, this differs from the spectrum of the interpolated colour.
 #pragma once
 
 #include "core/float4.h"
@@ -10,21 +10,21 @@
 
 namespace sheaf {
 
-/// A colour without upper limit as the coefficients of a shape, whose largest component is kUpliftUnbounded, and a
-/// scale: what takes the place of the colour in a grid.
+/// An unbounded colour as the sigmoid coefficients of a shape, whose largest component is kUpliftUnbounded, and a
+/// scale. Replaces the colour in a voxel.
 struct VoxelSpectrum {
   float c0, c1, c2, scale;
 };
 
 inline VoxelSpectrum voxel_spectrum(const UpliftTable& table, Vec3f rgb) {
   rgb = {max(rgb.x, 0.0f), max(rgb.y, 0.0f), max(rgb.z, 0.0f)};
-  // The shape of greys is 1/2 at every wavelength.
+  // The shape of greys is 1/2 at all wavelengths.
   if (rgb.x == rgb.y && rgb.y == rgb.z) return {0, 0, 0, rgb.x / kUpliftUnbounded};
   const ScaledSigmoid<Scalar> s = uplift_unbounded<Scalar>(table, rgb);
   return {s.shape.c0, s.shape.c1, s.shape.c2, s.scale};
 }
 
-/// Replaces the colours of a grid of three channels.
+/// Replaces the colours of a three-channel grid by spectra.
 inline void uplift_grid(BrickGrid& grid) {
   const UpliftTable& table = UpliftTable::get();
   for (std::size_t i = 0; i + kColorVoxel <= grid.values.size(); i += kColorVoxel) {
@@ -36,7 +36,7 @@ inline void uplift_grid(BrickGrid& grid) {
 
 namespace detail {
 
-/// sigmoid() of core/sigmoid_polynomial.h at the wavelengths that `t` stands for.
+/// sigmoid() of core/sigmoid_polynomial.h at the normalised wavelengths `t`.
 SHEAF_INLINE Float4 shape_at(const float* voxel, Float4 t) {
   const Float4 x = (Float4(voxel[0]) * t + Float4(voxel[1])) * t + Float4(voxel[2]);
   return Float4(0.5f) + Float4(0.5f) * x / sqrt(x * x + Float4(1.0f));
@@ -44,7 +44,7 @@ SHEAF_INLINE Float4 shape_at(const float* voxel, Float4 t) {
 
 }  // namespace detail
 
-/// The value of a grid that uplift_grid() has changed, at a place in world space and at four wavelengths in nm.
+/// Value of a grid after uplift_grid(), at a world-space point and four wavelengths in nm.
 inline Float4 lookup_grid_spectrum(const BrickGridRow& row, Vec3f p, const Spectrum4& lambda) {
   using namespace detail;
   const Float4 t = (Float4(lambda) - Float4(kSigmoidCentre)) * (1.0f / kSigmoidHalfRange);

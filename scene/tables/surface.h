@@ -1,4 +1,4 @@
-// What hits of shapes become, whatever their kind: a point of a surface.
+// A surface point, common to hits on all kinds of shapes.
 #pragma once
 
 #include "core/frame.h"
@@ -8,14 +8,14 @@ namespace sheaf {
 
 /// The surface at a hit, in world space.
 template <class L> struct SurfacePoint {
-  Vec3<L> p;                 ///< on the surface, more exact than origin + t * direction
+  Vec3<L> p;                 ///< on the surface, more accurate than origin + t * direction
   Vec3<L> ng;                ///< geometric normal, unit length
   Vec3<L> ns;                ///< interpolated normal, unit length
-  typename L::Float offset;  ///< how far along +-ng a ray must start so that it cannot hit the same surface
+  typename L::Float offset;  ///< distance along +-ng at which a ray must start to avoid hitting the same surface again
   Vec2<L> uv;                ///< only with WithUv
-  /// Derivatives of the position by u and v, only with WithUv. Never zero: where one vanishes (poles, the centre of a
-  /// disk) it has the right direction and is tiny; where a triangle's uv are missing or degenerate the two are some
-  /// orthonormal tangents.
+  /// Derivatives of the position by u and v, only with WithUv. Never zero. If one vanishes (poles, the centre of a
+  /// disk), it has the right direction and a tiny length. If a triangle's uv are missing or degenerate, they are
+  /// arbitrary orthonormal tangents.
   Vec3<L> dp_du, dp_dv;
 };
 
@@ -25,11 +25,11 @@ template <class L> SHEAF_INLINE Vec3<L> normalize_any(Vec3<L> a) {
   return normalize(a * (Float<L>(1.0f) / max(m, Float<L>(1e-37f))));
 }
 
-/// Rounding errors in the position and in Embree's arithmetic are below this many units in the last place of the
-/// coordinates involved (tests/kernels/test_ray_offset.cpp holds it against shapes from 1e-3 to 1e5 units).
+/// Rounding errors of positions and of Embree's arithmetic are below this many units in the last place of the
+/// coordinates involved. tests/kernels/test_ray_offset.cpp verifies this for shapes from 1e-3 to 1e5 units.
 inline constexpr float kOffsetUlps = 8.0f * 5.9604645e-8f;
 
-/// Lane by lane `a` or `b`.
+/// Selects `a` or `b` per lane.
 template <class L, bool WithUv>
 SHEAF_INLINE SurfacePoint<L> select(Mask<L> m, const SurfacePoint<L>& a, const SurfacePoint<L>& b) {
   SurfacePoint<L> out;

@@ -14,13 +14,13 @@ template <class F> SHEAF_INLINE F texture_luminance(const F* rgb) {
 
 namespace detail {
 
-/// Two neighbouring texels along one axis, and how far the place lies from the first (0) to the second (1).
+/// Two neighbouring texels along one axis, and the interpolation weight of the second.
 template <class L> struct TexelPair {
   typename L::Uint first, second;
   typename L::Float t;
 };
 
-/// Brings a coordinate to [0, 1) to repeat it, to [0, 2) to mirror it, and clamps it to [0, 1] otherwise.
+/// Maps a coordinate to [0, 1) if repeated or to [0, 2) if mirrored; otherwise clamps it to [0, 1].
 template <class F> SHEAF_INLINE F wrap_coordinate(BitmapDescription::Wrap wrap, F u) {
   if (wrap == BitmapDescription::Wrap::kClamp) return select(u > F(0.0f), min(u, F(1.0f)), F(0.0f));
   const bool mirror = wrap == BitmapDescription::Wrap::kMirror;
@@ -30,28 +30,28 @@ template <class F> SHEAF_INLINE F wrap_coordinate(BitmapDescription::Wrap wrap, 
   return mirror ? inside + inside : inside;
 }
 
-/// The texel in [0, size) that stands for whole number i >= 0, below 2 size if mirrored, else up to size.
+/// The texel in [0, size) for an integer coordinate i >= 0, below 2 size if mirrored and up to size otherwise.
 template <class U> SHEAF_INLINE U wrap_texel(BitmapDescription::Wrap wrap, U i, U size) {
   const U last = size - U(1u);
   if (wrap == BitmapDescription::Wrap::kMirror) i = select(i < size, i, size + last - i);
   return min(i, last);
 }
 
-/// The texel that `u` lies in.
+/// The texel that contains `u`.
 template <class L>
 SHEAF_INLINE typename L::Uint nearest_texel(BitmapDescription::Wrap wrap, typename L::Float u, std::uint32_t size) {
   const auto x = wrap_coordinate(wrap, u) * typename L::Float(static_cast<float>(size));
   return wrap_texel(wrap, to_uint(x), typename L::Uint(size));
 }
 
-/// The texels whose centres lie on either side of `u`.
+/// The texels with the nearest centres on both sides of `u`.
 template <class L>
 SHEAF_INLINE TexelPair<L> texel_pair(BitmapDescription::Wrap wrap, typename L::Float u, std::uint32_t size) {
   using F = typename L::Float;
   using U = typename L::Uint;
   const F x = fma(wrap_coordinate(wrap, u), F(static_cast<float>(size)), F(0.5f));
   const F above = floor(x);
-  const U second = to_uint(above), one(1u), n(size);  // from 0 to size, or to 2 size
+  const U second = to_uint(above), one(1u), n(size);  // from 0 to size, or to 2 size if mirrored
   const F t = x - above;
   if (wrap == BitmapDescription::Wrap::kRepeat) {
     const U first = min(second - one, n - one);
@@ -62,7 +62,7 @@ SHEAF_INLINE TexelPair<L> texel_pair(BitmapDescription::Wrap wrap, typename L::F
   return {wrap_texel(wrap, first, n), wrap_texel(wrap, select(second == n + n, zero, second), n), t};
 }
 
-/// Parts of a texel's index that the column and the row contribute.
+/// Contributions of the column and the row to a texel's index.
 template <TexelFormat Format, class U> SHEAF_INLINE U column_index(U x) {
   constexpr int kShift = tile_shift(Format);
   return ((x >> kShift) << (2 * kShift)) + (x & U((1u << kShift) - 1));
@@ -72,7 +72,7 @@ template <TexelFormat Format, class U> SHEAF_INLINE U row_index(U y, std::uint32
   return (((y >> kShift) * U(tiles_per_row)) << (2 * kShift)) + ((y & U((1u << kShift) - 1)) << kShift);
 }
 
-/// The linear value of a byte.
+/// Converts a byte to its linear value.
 template <TexelFormat Format, class U> SHEAF_INLINE auto decode_byte(U byte) {
   const auto value = to_float(byte);
   if constexpr (Format == TexelFormat::kSrgbByte1 || Format == TexelFormat::kSrgbByte4)
@@ -81,7 +81,7 @@ template <TexelFormat Format, class U> SHEAF_INLINE auto decode_byte(U byte) {
     return value * decltype(value)(1.0f / 255.0f);
 }
 
-/// A texel as it is stored.
+/// A texel in its storage format.
 template <class L, TexelFormat Format> struct StoredTexel {
   static constexpr bool kBytes = holds_bytes(Format);
   std::conditional_t<kBytes, typename L::Uint, typename L::Float> value[kBytes ? 1 : texel_channels(Format)];
@@ -125,7 +125,7 @@ template <TexelFormat Format, class F> SHEAF_INLINE void for_each_channel(F&& f)
   }
 }
 
-/// The four texels around a place: lower left, lower right, upper left, upper right.
+/// The four texels around a point: lower left, lower right, upper left, upper right.
 template <class L, TexelFormat Format> struct Patch {
   StoredTexel<L, Format> corner[4];
   typename L::Float tx, ty;
@@ -146,7 +146,7 @@ SHEAF_INLINE Patch<L, Format> load_patch(const TextureView& view, const BitmapRo
           y.t};
 }
 
-/// A picture's value, in one or three channels.
+/// Value of an image, in one or three channels.
 template <class L, TexelFormat Format>
 SHEAF_INLINE void lookup_bitmap(const TextureView& view, const BitmapRow& bitmap, Vec2<L> uv, typename L::Float* out) {
   if (bitmap.filter == BitmapDescription::Filter::kNearest) {
@@ -164,7 +164,7 @@ SHEAF_INLINE void lookup_bitmap(const TextureView& view, const BitmapRow& bitmap
   });
 }
 
-/// A picture's slopes along its axes, per texel; of colours those of the luminance.
+/// Derivatives of an image along its axes, per texel; of the luminance for colours.
 template <class L, TexelFormat Format>
 SHEAF_INLINE Vec2<L> bitmap_slopes(const TextureView& view, const BitmapRow& bitmap, Vec2<L> uv) {
   const auto patch = load_patch<L, Format>(view, bitmap, uv);
@@ -181,7 +181,7 @@ SHEAF_INLINE Vec2<L> bitmap_slopes(const TextureView& view, const BitmapRow& bit
           lerp(patch.tx, corner[2] - corner[0], corner[3] - corner[1])};
 }
 
-/// Asks for the tiles of two opposite corners of the patch, which are nearly always all that it touches.
+/// Prefetches the tiles of two opposite corners of the patch, which nearly always cover it.
 template <class L, TexelFormat Format>
 SHEAF_INLINE void prefetch_patch(const TextureView& view, const BitmapRow& bitmap, Vec2<L> uv) {
   const TexelPair<L> x = texel_pair<L>(bitmap.wrap_u, uv.x, bitmap.width);
@@ -222,7 +222,7 @@ template <class L> SHEAF_INLINE Vec2<L> texture_uv(const TextureRow& row, Vec2<L
   return {fma(F(m[0]), uv.x, fma(F(m[1]), uv.y, F(m[2]))), fma(F(m[3]), uv.x, fma(F(m[4]), uv.y, F(m[5])))};
 }
 
-/// Whether the first child is seen: of a checkerboard where floor(2u) + floor(2v) is even, of a grid off its lines.
+/// Whether the first child shows: on a checkerboard where floor(2u) + floor(2v) is even, on a grid off its lines.
 template <class L> SHEAF_INLINE Mask<L> first_square(const TextureRow& row, Vec2<L> uv) {
   using F = typename L::Float;
   if (row.kind == TextureKind::kGrid) {
@@ -234,7 +234,8 @@ template <class L> SHEAF_INLINE Mask<L> first_square(const TextureRow& row, Vec2
   return select(right, upper, !upper);
 }
 
-/// A mesh attribute in three channels, times the row's scale; `coloured` where it has three. Zero where it is missing.
+/// A mesh attribute in three channels, times the row's scale. `coloured` if it has three channels. Zero if the shape
+/// lacks it.
 template <class L> struct AttributeValue {
   typename L::Float rgb[3];
   typename L::Mask coloured;
@@ -272,7 +273,7 @@ SHEAF_INLINE AttributeValue<L> lookup_attribute(const TextureView& view, const M
 
 /// A volume in three channels, times the row's scale.
 template <class L> struct VolumeValue { typename L::Float rgb[3]; };
-/// Not a part of who looks up: one copy of the code, where few scenes ask for it.
+/// Not inlined, to have one copy of the code: few scenes use it.
 template <class L>
 [[gnu::noinline]] VolumeValue<L> lookup_volume(const TextureView& view, const VolumeTextureRow& row, Vec3<L> p) {
   alignas(kSimdAlignment) float at[3][L::width];
@@ -287,7 +288,7 @@ template <class L>
   return out;
 }
 
-/// The share of a wireframe's first child, 1 on shapes without triangles.
+/// Weight of a wireframe's first child; 1 on shapes without triangles.
 template <class L>
 SHEAF_INLINE typename L::Float wireframe_share(const TextureView& view, const WireframeRow& row,
                                                const TextureQuery<L>& query) {

@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The first line of a text file, as far as messages go; empty if it cannot be read.
+/// The first line of a text file, at most 200 bytes; empty if it cannot be read.
 std::string first_line(const fs::path& file) {
   constexpr std::size_t kLongest = 200;
   std::error_code error;
@@ -19,11 +19,11 @@ std::string first_line(const fs::path& file) {
   std::string line(kLongest, '\0');
   stream.read(line.data(), static_cast<std::streamsize>(line.size()));
   line.resize(static_cast<std::size_t>(stream.gcount()));
-  if (line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);  // UTF-8's byte order mark
+  if (line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);  // UTF-8 byte order mark
   return line.substr(0, line.find_first_of("\r\n"));
 }
 
-/// What the text file beside one of the folders that `name` leads through says.
+/// First line of a text file next to one of the folders in the path `name`, formatted for the message; empty if none.
 std::string origin_of(const fs::path& base, const std::string& name) {
   for (fs::path way = fs::path(name).parent_path(); way.has_filename(); way = way.parent_path()) {
     const fs::path file = base / (way.string() + ".txt");

@@ -1,4 +1,4 @@
-// What is said of files that are not there.
+// Error messages for missing files.
 #pragma once
 
 #include <filesystem>
@@ -7,9 +7,9 @@
 
 namespace sheaf {
 
-/// The message for a file that a scene names as `name` and that lies in none of `folders`. Beside a folder on the way
-/// to it there may be a text file of that folder's name with ".txt": its first line says where the folder's files come
-/// from, and is part of the message. So "generated.txt" may say what makes "generated/knot.ply".
+/// The message for a file `name` that is in none of `folders`. A text file next to a folder of the path, with the
+/// folder's name plus ".txt", may say where the folder's files come from. Its first line is appended to the message.
+/// For example, "generated.txt" explains how to make "generated/knot.ply".
 std::string missing_file(const std::string& name, const std::vector<std::filesystem::path>& folders);
 
 }  // namespace sheaf

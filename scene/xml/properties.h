@@ -1,5 +1,5 @@
-// Typed access to what one object of a scene file says. It records which names the code asks for, so that the code is
-// itself the list of known names and whatever is left over can be reported.
+// Typed access to the properties of an object of a scene file. It records the names that the code queries. So the code
+// itself is the list of known names, and unused properties can be reported.
 #pragma once
 
 #include "scene/xml/spectrum_text.h"
@@ -15,12 +15,12 @@ namespace sheaf {
 
 struct ReadContext;
 
-/// An error about one element of the file. The scene without that element may be readable: see read_what_can_be().
+/// An error about one element of the file. The scene may be readable without that element: see read_what_can_be().
 class ElementError : public SceneError {
  public:
   ElementError(const XmlElement& element, const std::string& message)
       : SceneError(element.where, message), element_(&element) {}
-  /// The same message, about this element.
+  /// The message of `cause`, about this element.
   ElementError(const XmlElement& element, const SceneError& cause) : SceneError(cause.what()), element_(&element) {}
   const XmlElement& element() const { return *element_; }
 
@@ -28,48 +28,49 @@ class ElementError : public SceneError {
   const XmlElement* element_;
 };
 
-/// Reads a <texture> element: appends a texture, or gives a spectrum if it is the same everywhere. An element is read
-/// once, however often it is referred to. Throws SceneError.
+/// Reads a <texture> element: appends a texture, or returns a spectrum if the texture is constant. Each element is read
+/// only once. Throws SceneError.
 using TextureReader = SpectrumInput (*)(const XmlElement& element, ReadContext& context);
 
-/// What properties leave to the readers of whole elements.
+/// Functions of the dialect that read whole elements.
 struct ElementReaders {
   SpectrumDescription (*spectrum)(const XmlElement& element, SpectrumRole role, ReadContext& context) = nullptr;
-  TextureReader texture = nullptr;  ///< the dialect's
-  /// The texture that stands for another where a number is wanted.
+  TextureReader texture = nullptr;  ///< of the dialect
+  /// The texture to use in place of `texture` for a scalar parameter.
   TextureId (*scalar_texture)(TextureId texture, ReadContext& context) = nullptr;
 };
 
-/// What all readers of one scene share.
+/// State that is shared by all readers of a scene.
 struct ReadContext {
   const ExpandedScene& scene;
   Description& description;
-  bool lenient = false;  ///< what cannot be read is left out or replaced
+  bool lenient = false;  ///< drop or replace what cannot be read
   ElementReaders readers = {};
   bool exchanges_checkerboards = false;                      ///< see scalar_texture()
-  std::map<const XmlElement*, SpectrumInput> textures = {};  ///< read so far
-  std::map<TextureId, TextureId> scalar_textures = {};       ///< made so far
-  std::set<const XmlElement*> open = {};             ///< objects being read, to find references that go in circles
-  std::map<const XmlElement*, MediumId> media = {};  ///< read so far
-  std::map<const XmlElement*, std::uint32_t> groups = {};  ///< shape groups read so far, into Description::groups
-  bool mirrors_nori_camera = true;                         ///< as ETH's course has it; see docs/scene-format.md
-  bool frames_scene = false;                               ///< the camera is yet to be put where it sees the scene
-  bool in_group = false;                                   ///< the shapes of a group are being read
-  std::set<const XmlElement*> left_out = {};               ///< elements that are read as if they were not there
-  std::map<const XmlElement*, std::string> types = {};     ///< plugins that objects are read as, in place of their own
+  std::map<const XmlElement*, SpectrumInput> textures = {};  ///< already read
+  std::map<TextureId, TextureId> scalar_textures = {};       ///< already made
+  std::set<const XmlElement*> open = {};                     ///< objects being read, to detect circular references
+  std::map<const XmlElement*, MediumId> media = {};          ///< already read
+  /// shape groups already read: index into Description::groups
+  std::map<const XmlElement*, std::uint32_t> groups = {};
+  bool mirrors_nori_camera = true;                      ///< convention of ETH's course; see docs/scene-format.md
+  bool frames_scene = false;                            ///< an automatic camera must be placed
+  bool in_group = false;                                ///< shapes of a group are being read
+  std::set<const XmlElement*> left_out = {};            ///< elements that are ignored
+  std::map<const XmlElement*, std::string> types = {};  ///< plugins that replace the types of objects
 
-  /// Adds a remark for the user, once.
+  /// Adds a remark for the user, without duplicates.
   void note(const SourceLocation& where, const std::string& message);
-  /// Says that something is read as something else, or not at all.
+  /// Reports that something was replaced or dropped.
   void stand_in(const SourceLocation& where, const std::string& message);
-  /// For the error that is being handled: throws it again unless the context is lenient. Otherwise leaves the element
-  /// out that it is about, and returns true; but false if that is `around`, or known already.
+  /// Call in a handler of `error`. Rethrows unless the context is lenient. Otherwise drops the element that caused the
+  /// error, and returns true. Returns false if that element is `around` or was dropped before.
   bool leave_out(const SceneError& error, const XmlElement& around);
 };
 
-/// Calls read(), which reads `element`. If the context is lenient and read() fails, that is done again without the
-/// property or the nested object that is at fault, until it works; then what was left out is known to the context.
-/// Returns the error that remains if the element as a whole cannot be read. Throws SceneError if not lenient.
+/// Calls read(), which reads `element`. In a lenient context, repeats failed calls without the property or nested
+/// object that caused the error, until read() succeeds. The context records what was dropped. Returns the remaining
+/// error if the element as a whole cannot be read. Throws SceneError if not lenient.
 template <class Read>
 std::optional<std::string> read_what_can_be(const XmlElement& element, ReadContext& context, Read&& read) {
   for (;;) {
@@ -82,7 +83,7 @@ std::optional<std::string> read_what_can_be(const XmlElement& element, ReadConte
   }
 }
 
-/// The same, but what cannot be read as what it is is read as `plugin`, with those of its properties that this has.
+/// As read_what_can_be(). An element that cannot be read is read as `plugin`, with the properties that this has.
 template <class Read>
 void read_or_as(const XmlElement& element, ReadContext& context, const char* plugin, Read&& read) {
   const auto error = read_what_can_be(element, context, read);
@@ -93,31 +94,31 @@ void read_or_as(const XmlElement& element, ReadContext& context, const char* plu
                                           (done ? " ('" + std::string(plugin) + "' stands in)" : " (left out)"));
 }
 
-/// The same for what the scene can do without: then says that the element as a whole is left out.
+/// As read_what_can_be(), for optional elements: reports an element that cannot be read as left out.
 template <class Read> void read_or_leave_out(const XmlElement& element, ReadContext& context, Read&& read) {
   if (const auto error = read_what_can_be(element, context, read))
     context.description.stand_ins.push_back(*error + " (" + element.name + " left out)");
 }
 
-/// Legal values of a number.
+/// Valid range of a number.
 struct NumberRange {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
-  bool open = false;  ///< the ends themselves are illegal
+  bool open = false;  ///< excludes the ends
 };
 inline constexpr NumberRange kAnyNumber{};
 inline constexpr NumberRange kPositive{0, std::numeric_limits<double>::infinity(), true};
 inline constexpr NumberRange kNotNegative{0, std::numeric_limits<double>::infinity(), false};
 inline constexpr NumberRange kUnitInterval{0, 1, false};
 
-/// The same for all spellings of a name: `maxDepth`, `max_depth` and `maxdepth` are one.
+/// Normalises the spelling of a name: `maxDepth`, `max_depth` and `maxdepth` are equal.
 std::string spelling_key(std::string_view name);
 
-/// The properties and nested objects of one XML element. Names match as spelling_key() says. All functions
-/// throw SceneError for a property of the wrong type or out of its range.
+/// The properties and nested objects of one XML element. Names are compared by spelling_key(). All functions throw
+/// SceneError for a property of the wrong type or out of its range.
 class Properties {
  public:
-  /// Follows <ref>s. Throws SceneError for unknown elements, nameless or repeated properties, missing ids and an
+  /// Resolves <ref>s. Throws SceneError for unknown elements, unnamed or repeated properties, missing ids, and an
   /// object that refers to itself.
   Properties(const XmlElement& object, ReadContext& context);
   ~Properties();
@@ -129,17 +130,17 @@ class Properties {
   const SourceLocation& where() const { return object_.where; }
   ReadContext& context() const { return context_; }
 
-  /// Whether the property is there. Counts as asking for its name, not as using it.
+  /// Whether the property exists. Marks its name as known, but not the property as used.
   bool has(const char* name);
   std::optional<float> find_number(const char* name, NumberRange range = kAnyNumber);
   float number(const char* name, float default_value, NumberRange range = kAnyNumber);
-  /// Also a <float> of integral value.
+  /// Also accepts a <float> of integral value.
   int integer(const char* name, int default_value, int low, int high);
   bool boolean(const char* name, bool default_value);
   std::optional<std::string> find_string(const char* name);
-  /// Whether the property is there as a string, not as another type.
+  /// Whether the property exists and is a string.
   bool is_string(const char* name);
-  /// Whether the property is there as a texture.
+  /// Whether the property exists and is a texture.
   bool is_texture(const char* name);
   /// Two numbers, or one for both.
   std::optional<Vec2f> find_vec2(const char* name);
@@ -149,43 +150,42 @@ class Properties {
   Transform transform(const char* name);
   std::optional<SpectrumDescription> find_spectrum(const char* name, SpectrumRole role);
   SpectrumDescription spectrum(const char* name, SpectrumDescription default_value, SpectrumRole role);
-  /// A colour or a texture. Values of pictures are not checked against the role here.
+  /// A colour or a texture. Values of images are not checked against the role here.
   std::optional<SpectrumInput> find_spectrum_input(const char* name, SpectrumRole role);
   SpectrumInput spectrum_input(const char* name, SpectrumInput default_value, SpectrumRole role);
-  /// A number or a texture; the luminance of a colour. Values of textures are not checked against the range.
+  /// A scalar or a texture; the luminance of a colour. Values of textures are not checked against the range.
   std::optional<ScalarInput> find_scalar_input(const char* name, NumberRange range);
   ScalarInput scalar_input(const char* name, ScalarInput default_value, NumberRange range);
   /// The name of the first property that is a colour or a texture, or null.
   const char* first_color() const;
-  /// The one <texture> of an object that nobody has asked for, under whatever name or without one, or null. Throws
-  /// SceneError if there are several.
+  /// The only unused <texture> of an object, with any name or none, or null. Throws SceneError if there are several.
   const XmlElement* any_texture();
-  /// The same, or else the one colour.
+  /// any_texture(), or if null the only unused colour.
   const XmlElement* any_texture_or_color();
-  /// The file that a string property names, found and regular. Throws SceneError if it or the property is missing.
+  /// The file named by a string property, resolved to a regular file. Throws SceneError if the file or the property is
+  /// missing.
   std::filesystem::path file(const char* name);
-  /// Nested objects of a kind ("bsdf"), in file order.
+  /// Nested objects of a kind (such as "bsdf"), in file order.
   std::vector<const XmlElement*> objects(const char* kind);
   /// The nested object of a kind, or null. Throws SceneError if there are several.
   const XmlElement* object(const char* kind);
-  /// The nested object of a kind that goes by this name here ("interior"), or null. Throws SceneError if there are
-  /// several.
+  /// The nested object of a kind with this name (such as "interior"), or null. Throws SceneError if there are several.
   const XmlElement* named_object(const char* kind, const char* name);
 
-  /// Properties that are documented and mean nothing here: any value is accepted.
+  /// Accepts any value of documented properties that have no effect.
   void ignore(std::initializer_list<const char*> names);
-  /// The same for all properties whose names begin with `prefix`; returns whether there are any.
+  /// Ignores all properties with the given prefix; returns whether there are any.
   bool ignore_prefixed(const char* prefix);
-  /// Whatever is left, of an object whose parameters mean nothing here.
+  /// Ignores all remaining properties and objects.
   void ignore_all();
-  /// Throws SceneError for what nobody asked for; unknown properties are notes instead if the context is lenient.
+  /// Throws SceneError for unused properties and objects; in lenient contexts unknown properties are only reported.
   void reject_unused();
 
-  /// Throws SceneError at the object, its kind and plugin named first.
+  /// Throws SceneError at the object; the message starts with its kind and plugin.
   [[noreturn]] void fail(const std::string& message) const;
   /// Throws SceneError at the property, or at the object if it is absent.
   [[noreturn]] void fail_at(const char* name, const std::string& message);
-  /// Throws SceneError that the object's plugin is not one of `known`.
+  /// Throws SceneError: the object's plugin is not one of `known`.
   [[noreturn]] void fail_plugin(const std::vector<std::string>& known) const;
 
  private:
@@ -194,14 +194,14 @@ class Properties {
     std::string key;            ///< spelling_key() of the name; empty for objects
     std::string name;           ///< as in the file
     const XmlElement* written;  ///< the child itself
-    const XmlElement* target;   ///< what it is or refers to
+    const XmlElement* target;   ///< the child itself, or the target of its <ref>
     bool used = false;
   };
 
   void add(const XmlElement& child);
-  /// Throws unless the element has no other attributes than these; lenient contexts leave them out.
+  /// Throws if the element has other attributes; in lenient contexts they are ignored with a report.
   void expect_attributes(const XmlElement& element, std::initializer_list<const char*> allowed) const;
-  /// Calls parse(): its errors are about the property.
+  /// Calls parse() and attributes its errors to the property.
   template <class Parse> static auto parsed(const Entry& entry, Parse&& parse) {
     try {
       return parse();
@@ -211,7 +211,7 @@ class Properties {
   }
   Entry* find(const char* name);
   Entry* use(const char* name);
-  /// The text of attribute `value` of a property of one of the types.
+  /// The text of attribute `value` of a property that must have one of the types.
   const std::string* value(const char* name, std::initializer_list<const char*> types);
   [[noreturn]] void fail_type(const Entry& entry, const char* expected) const;
   std::string title() const;
@@ -220,9 +220,9 @@ class Properties {
   ReadContext& context_;
   std::string type_;
   std::vector<Entry> entries_;
-  std::vector<std::string> asked_;                                 ///< property names, as the code spells them
-  std::vector<std::string> asked_kinds_;                           ///< kinds of nested objects
-  std::map<std::string, std::vector<std::string>> asked_objects_;  ///< names of nested objects, by kind
+  std::vector<std::string> asked_;                                 ///< queried property names, as spelled in the code
+  std::vector<std::string> asked_kinds_;                           ///< queried kinds of nested objects
+  std::map<std::string, std::vector<std::string>> asked_objects_;  ///< queried names of nested objects, by kind
 };
 
 }  // namespace sheaf

@@ -1,4 +1,4 @@
-// Parsing of spectra and colours.
+// Parses spectra and colours.
 #include "scene/xml/spectrum_text.h"
 
 #include "core/byte_order_mark.h"

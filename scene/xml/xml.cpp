@@ -1,4 +1,4 @@
-// Wraps pugixml: parsing, byte offsets to line numbers, and limits on what a hostile file may hold.
+// Wraps pugixml: parsing, conversion of byte offsets to line numbers, and limits against hostile files.
 #include "scene/xml/xml.h"
 
 #include "core/byte_order_mark.h"
@@ -32,7 +32,7 @@ std::string read_text(const std::filesystem::path& file) {
   return text;
 }
 
-/// Byte offsets to line numbers.
+/// Converts byte offsets to line numbers.
 class LineIndex {
  public:
   explicit LineIndex(std::string_view text) {
@@ -60,7 +60,7 @@ struct Converter {
 
   SourceLocation where(const pugi::xml_node& node) const { return {file, lines.line(node.offset_debug())}; }
 
-  /// Throws, or makes a note of what is read all the same.
+  /// Throws, or in lenient mode records a problem that does not stop reading.
   void fail(const SourceLocation& place, const std::string& message, const char* instead) const {
     const SceneError error(place, message);
     if (left_out == nullptr) throw error;
@@ -76,7 +76,7 @@ struct Converter {
     fail(place, "unexpected text " + in_quotes(word) + " inside <" + node.parent().name() + ">", "left out");
   }
 
-  /// Takes the children of `node` out of pugixml's tree, so that a large scene is not held twice.
+  /// Removes the children of `node` from pugixml's tree while converting, so that a large scene is not in memory twice.
   XmlElement convert(pugi::xml_node node, int depth) const {
     XmlElement element;
     element.name = node.name();

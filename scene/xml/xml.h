@@ -1,4 +1,4 @@
-// The XML tree of a scene file, with the line of every element. The only reader of XML syntax in the project.
+// The XML tree of a scene file, with the line of every element. All XML parsing goes through this file.
 #pragma once
 
 #include "core/error.h"
@@ -15,7 +15,7 @@ struct XmlAttribute {
   std::string name, value;
 };
 
-/// One element. Comments, processing instructions and white space are gone; other text inside elements is an error.
+/// One element, without comments, processing instructions and white space. Other text inside elements is an error.
 struct XmlElement {
   std::string name;
   std::vector<XmlAttribute> attributes;  ///< in file order, names unique
@@ -31,12 +31,12 @@ struct XmlElement {
 };
 
 /// Reads a file into a tree of at most 100 levels. Entities of a DTD are not expanded. Throws SceneError if the file
-/// cannot be read, is not well-formed UTF-8 XML, or holds anything but one root element. `left_out`, if not null: text
-/// inside elements is left out and of an attribute that is given twice the last counts, and what was found is appended
-/// here; otherwise these are errors.
+/// cannot be read, is not well-formed UTF-8 XML, or does not have exactly one root element. If `left_out` is not null,
+/// text inside elements is ignored and the last of duplicate attributes is used; messages about these are appended to
+/// it. Otherwise both are errors.
 XmlElement read_xml(const std::filesystem::path& file, std::vector<std::string>* left_out = nullptr);
 
-/// `text` in single quotes for a message: shortened if long, control characters replaced.
+/// `text` in single quotes for a message: shortened if long, with control characters replaced.
 std::string in_quotes(std::string_view text);
 
 }  // namespace sheaf

@@ -1,4 +1,4 @@
-// Expansion of a scene file: includes, parameters, search paths, ids.
+// Expansion of a scene file: includes, parameters, search paths, and ids.
 #include "scene/xml/xml_expand.h"
 
 #include "scene/xml/missing_file.h"
@@ -17,18 +17,18 @@ constexpr int kMaxIncludeDepth = 15;
 constexpr int kMaxIncludes = 10'000;
 constexpr std::size_t kMaxElements = 20'000'000;
 constexpr std::size_t kMaxParameterLength = std::size_t{1} << 20;
-constexpr std::size_t kMaxSubstituted = std::size_t{1} << 28;  ///< bytes written in place of parameters, in all
+constexpr std::size_t kMaxSubstituted = std::size_t{1} << 28;  ///< total size of all parameter substitutions, bytes
 
 bool is_name_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
 
-/// Whether an element stands for something else than itself.
+/// Whether an element is a directive that is replaced by its meaning.
 bool is_directive(const XmlElement& element) {
   return element.name == "default" || element.name == "path" || element.name == "alias" || element.name == "include";
 }
 
-/// `base / name` if that is something on disk, also with backslashes read as slashes.
+/// `base / name` if that exists, otherwise with backslashes replaced by slashes; empty if neither exists.
 fs::path existing(const fs::path& base, const std::string& name) {
   std::error_code error;
   if (fs::path candidate = base / name; fs::exists(candidate, error)) return candidate;
@@ -58,11 +58,11 @@ fs::path find_existing(const std::string& name, const std::vector<fs::path>& sea
 struct ExpandedScene::Expansion {
   ExpandedScene& scene;
   std::map<std::string, std::string> parameters;
-  std::set<std::string> read;  ///< names that the scene mentions, as a default or as $name
+  std::set<std::string> read;  ///< names used by the scene, in <default> or as $name
   int includes = 0;
   std::size_t elements = 0, substituted = 0;
 
-  /// The longest parameter name that `text` begins with.
+  /// The longest parameter name that is a prefix of `text`.
   const std::pair<const std::string, std::string>* longest_parameter(std::string_view text) const {
     for (std::size_t length = text.size(); length > 0; --length)
       if (auto it = parameters.find(std::string(text.substr(0, length))); it != parameters.end()) return &*it;
@@ -146,14 +146,14 @@ struct ExpandedScene::Expansion {
     std::move(children.begin(), children.end(), std::back_inserter(out));
   }
 
-  /// Calls look(), which looks for a file; see ExpandedScene::fail() for what becomes of its errors.
+  /// Calls look(), which searches a file. Its errors are handled by ExpandedScene::fail().
   template <class Look> void leave_out_if_missing(Look&& look) {
     try {
       look();
     } catch (const SceneError& error) { scene.fail(error); }
   }
 
-  /// Replaces the children of an element by what they mean.
+  /// Expands the children of an element in place.
   void expand(std::vector<XmlElement>& children, int include_depth) {
     const bool in_place = std::none_of(children.begin(), children.end(), is_directive);
     std::vector<XmlElement> out;
@@ -260,7 +260,7 @@ fs::path ExpandedScene::find_file(const std::string& name, const SourceLocation&
   fs::path found = find_existing(name, search_, where);
   std::error_code error;
   if (!fs::is_regular_file(found, error)) throw SceneError(where, in_quotes(found.string()) + " is not a regular file");
-  // Many instances may name one file, mostly one after another.
+  // Many instances may name the same file, mostly consecutively.
   found = found.lexically_normal();
   if (files_.back() != found) files_.push_back(found);
   return found;

@@ -1,5 +1,5 @@
-// What the words <include>, <default>, <path>, <alias>, <ref> and $name mean: a scene file becomes one tree of plain
-// objects and properties, whichever dialect they are written in.
+// Resolves the elements <include>, <default>, <path>, <alias> and <ref>, and $name parameters. The result is one tree
+// of plain objects and properties, for any dialect.
 #pragma once
 
 #include "scene/xml/xml.h"
@@ -12,35 +12,35 @@
 
 namespace sheaf {
 
-/// A scene file with its includes spliced in and every `$name` replaced. Pointers into `root` stay valid as long as
-/// the object lives, and when it is moved.
+/// A scene file with its includes inserted and every `$name` replaced. Pointers into `root` remain valid for the
+/// object's lifetime, also when it is moved.
 class ExpandedScene {
  public:
-  /// Reads `file`. Each define is a name and its value; it overrides the <default> of that name. Throws SceneError:
+  /// Reads `file`. Each define is a name and its value; it overrides the <default> of that name. Throws SceneError for
   /// XML errors, an include or path that is not found, includes nested deeper than 15 or more than 10,000 of them, an
-  /// undefined `$name`, a define that the scene never reads, an id given twice. `lenient`: what can be left out is left
-  /// out; see left_out().
+  /// undefined `$name`, a define that the scene does not use, and a duplicate id. `lenient`: drops what can be dropped;
+  /// see left_out().
   ExpandedScene(const std::filesystem::path& file, const std::vector<std::pair<std::string, std::string>>& defines,
                 bool lenient = false);
 
   const XmlElement& root() const { return root_; }
-  /// What was left out or replaced because it could not be read: messages with file and line.
+  /// Messages, with file and line, about what was dropped or replaced because it could not be read.
   const std::vector<std::string>& left_out() const { return left_out_; }
-  /// Gives all elements of a name another one: two names for one thing.
+  /// Renames all elements with a name; for synonyms.
   void rename(std::string_view name, std::string_view other) { rename(root_, name, other); }
-  /// Gives all objects of an element's name and a plugin's another plugin: two names for one thing.
+  /// Replaces a plugin of all objects with this element name; for synonyms.
   void rename_plugin(std::string_view element, std::string_view plugin, std::string_view other) {
     rename_plugin(root_, element, plugin, other);
   }
-  /// The element that `<ref id="...">` at `where` means. Throws SceneError if there is none.
+  /// The element to which `<ref id="...">` at `where` refers. Throws SceneError if there is none.
   const XmlElement& find(const std::string& id, const SourceLocation& where) const;
-  /// Whether some <ref> means this element.
+  /// Whether a <ref> refers to this element.
   bool is_referenced(const XmlElement& element) const { return referenced_.count(&element) != 0; }
-  /// A file that an element at `where` names: absolute, or below a declared path (the last declared first), below the
-  /// folder of the scene file, or below the folder of the file that names it. Throws SceneError if it is not there or
-  /// not a regular file.
+  /// Finds the file `name`, used by an element at `where`. It is absolute, or relative to a declared path (the last
+  /// declared first), to the folder of the scene file, or to the folder of the file that names it. Throws SceneError if
+  /// it does not exist or is not a regular file.
   std::filesystem::path find_file(const std::string& name, const SourceLocation& where) const;
-  /// The scene file, its includes, and what else find_file() has found so far.
+  /// The scene file, its includes, and all other files found by find_file() so far.
   const std::vector<std::filesystem::path>& files() const { return files_; }
 
  private:
@@ -50,14 +50,14 @@ class ExpandedScene {
   void index(const XmlElement& element);
   void apply_aliases();
   void mark_references(const XmlElement& element);
-  /// Throws the error, or makes a note of it if it is not to stop the reading.
+  /// Throws the error, or records it in lenient mode.
   void fail(const SceneError& error, const char* instead = "left out");
 
   XmlElement root_;
   bool lenient_ = false;
   std::vector<std::string> left_out_;
   std::vector<std::filesystem::path> search_;         ///< in order of search
-  mutable std::vector<std::filesystem::path> files_;  ///< see files(): a record, no part of what the scene means
+  mutable std::vector<std::filesystem::path> files_;  ///< see files(); a record that does not affect the scene
   std::unordered_map<std::string, const XmlElement*> ids_;
   std::unordered_set<const XmlElement*> referenced_;
   std::vector<XmlElement> aliases_;

@@ -1,4 +1,4 @@
-// Parsing of numbers, vectors and transforms.
+// Parses numbers, vectors and transforms.
 #include "scene/xml/xml_values.h"
 
 #include <charconv>
@@ -23,7 +23,7 @@ std::string_view trimmed(std::string_view text) {
 
 std::string shown(const XmlElement& element) { return "<" + element.name + ">"; }
 
-/// The axis of a rotation in either dialect's spelling.
+/// Rotation axis in the syntax of either dialect.
 Vec3f rotation_axis(const XmlElement& element) {
   if (const std::string* axis = element.find_attribute("axis")) {
     element.expect_attributes({"axis", "angle"});
@@ -35,8 +35,8 @@ Vec3f rotation_axis(const XmlElement& element) {
   return parse_vec3_element(axis, 0);
 }
 
-/// A vector across `forward`, for a lookat that leaves its up direction open: the first tangent of Duff et al. 2017,
-/// "Building an Orthonormal Basis, Revisited", as Mitsuba chooses.
+/// A default up direction for a lookat without one: the first tangent of Duff et al. 2017, "Building an Orthonormal
+/// Basis, Revisited", as in Mitsuba. Perpendicular to `forward`.
 Vec3f any_up(Vec3f forward) {
   const Vec3f n = normalize(forward);
   const float sign = std::copysign(1.0f, n.z);
@@ -178,7 +178,7 @@ Transform parse_transform(const XmlElement& element) {
     try {
       result = parse_step(step) * result;
     } catch (const SceneError& error) {
-      // Transform knows the fault but not the place.
+      // Errors of Transform lack the location.
       const std::string message = error.what();
       if (message.starts_with(step.where.file + ":")) throw;
       throw SceneError(step.where, message);

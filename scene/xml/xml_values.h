@@ -1,4 +1,4 @@
-// Values as scene files write them: numbers, vectors, transforms. Each function throws SceneError with the place and
+// Parses values of scene files: numbers, vectors and transforms. Each function throws SceneError with the location and
 // the text found.
 #pragma once
 
@@ -11,25 +11,25 @@
 
 namespace sheaf {
 
-/// Splits at commas and white space; empty parts vanish.
+/// Splits at commas and white space; drops empty parts.
 std::vector<std::string_view> split_list(std::string_view text);
 
 /// A finite number that fits a float. `what` names the value in messages ("float 'fov'").
 float parse_float(std::string_view text, const SourceLocation& where, std::string_view what);
 /// An integer, or a float of integral value ("64.0", "1e6") of at most 2^53.
 std::int64_t parse_integer(std::string_view text, const SourceLocation& where, std::string_view what);
-/// true or false, in any case of letters.
+/// "true" or "false", case-insensitive.
 bool parse_boolean(std::string_view text, const SourceLocation& where, std::string_view what);
 /// A list of finite numbers.
 std::vector<float> parse_floats(std::string_view text, const SourceLocation& where, std::string_view what);
-/// Three numbers of a list, or one number for all three.
+/// Three numbers, or one number for all three.
 Vec3f parse_vec3(std::string_view text, const SourceLocation& where, std::string_view what);
 
-/// The vector that an element gives as value="x, y, z" or as x="..." y="..." z="..." with `missing` for absent ones.
+/// The vector that an element gives as value="x, y, z" or as x="..." y="..." z="...", with `missing` for absent ones.
 Vec3f parse_vec3_element(const XmlElement& element, float missing);
 
-/// The children of a <transform> in document order, each applied after the ones before it: translate, scale, rotate,
-/// lookat, matrix (16 or 9 numbers, row by row).
+/// The children of a <transform>, each applied after the previous ones: translate, scale, rotate, lookat, matrix (16 or
+/// 9 numbers, row by row).
 Transform parse_transform(const XmlElement& element);
 
 }  // namespace sheaf

@@ -1,4 +1,4 @@
-// The arena: alignment, order, zeros.
+// The arena: alignment, order of allocations, zero initialisation.
 #include "core/arena.h"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// The stable counting sort: order, conservation, empty buckets.
+// Stable counting sort: order, conservation of items, empty buckets.
 #include "core/bucket_sort.h"
 
 #include "core/rng.h"
@@ -15,14 +15,14 @@ namespace {
 
 using KeyOf = std::function<int(int)>;
 
-/// Sorts `count` slots by key_of and compares with std::stable_sort; nothing around the result may change.
+/// Sorts `count` slots by key_of and compares with std::stable_sort. Memory around the result must not change.
 bool sorts_stably(int count, int buckets, const KeyOf& key_of) {
   const auto n = static_cast<std::size_t>(count);
   std::vector<Slot> slots(n), sorted(n + 2, Slot{0xabcd});
   std::vector<std::uint8_t> keys(n);
   std::vector<std::pair<int, Slot>> expected(n);
   for (std::size_t i = 0; i < n; ++i) {
-    slots[i] = static_cast<Slot>((i * 7919 + 13) & 0xffff);  // distinct, in no order
+    slots[i] = static_cast<Slot>((i * 7919 + 13) & 0xffff);  // distinct and shuffled
     keys[i] = static_cast<std::uint8_t>(key_of(static_cast<int>(i)));
     expected[i] = {keys[i], slots[i]};
   }

@@ -1,4 +1,4 @@
-// Colour: the CIE tables' integrals, the transfer curve, and the meaning of tabulated spectra.
+// Colour: integrals of the CIE tables, the sRGB transfer curve, and the interpretation of tabulated spectra.
 #include "core/color.h"
 
 #include "core/error.h"
@@ -77,8 +77,8 @@ TEST_CASE("Rec.709 and XYZ are inverses and agree with the chromaticities") {
   CHECK(luminance({1, 1, 1}) == doctest::Approx(1).epsilon(1e-6));
 }
 
-// The expected numbers below are what Mitsuba 3.9.1 (variant scalar_rgb) makes of the same lists. It normalises
-// reflectances so that the perfect reflector comes out at 0.9989, hence the looser tolerance there.
+// The expected numbers below are the results of Mitsuba 3.9.1 (variant scalar_rgb) for the same tables. Mitsuba
+// normalises reflectances such that the perfect reflector has 0.9989, hence the larger tolerance there.
 TEST_CASE("an emission list is weighed by equal energy") {
   check_close(emission_table_to_rgb(kList, std::vector<float>{0, 8, 15.6f, 18.4f}), {20.7108f, 10.8546f, 2.77115f},
               5e-4);
@@ -119,16 +119,16 @@ TEST_CASE("colours outside the gamut have no negative components") {
 }
 
 TEST_CASE("Planck's law and the colour of black bodies") {
-  // Wien: the peak is at 2897.77 um K / T.
+  // Wien's displacement law: the peak is at 2897.77 um K / T.
   const double peak = 2.897771955e6 / 5000;
   CHECK(blackbody_radiance(peak, 5000) > blackbody_radiance(peak - 2, 5000));
   CHECK(blackbody_radiance(peak, 5000) > blackbody_radiance(peak + 2, 5000));
-  // sigma T^4 / pi in W / (m^2 sr).
+  // Stefan-Boltzmann law: sigma T^4 / pi in W / (m^2 sr).
   double total = 0;
   for (int wavelength = 1; wavelength < 100000; ++wavelength) total += blackbody_radiance(wavelength, 5000);
   CHECK(total == doctest::Approx(5.670374e-8 * 5000.0 * 5000 * 5000 * 5000 / 3.14159265).epsilon(1e-3));
   CHECK(blackbody_radiance(500, 0) == 0);
-  // Mitsuba 3.9.1 in its spectral mode, a Monte Carlo mean good to about half a percent.
+  // Mitsuba 3.9.1 in spectral mode; a Monte Carlo mean with an error of about 0.5 %.
   check_close(blackbody_to_rgb(5000, 1), {15290, 12095, 9569}, 1e-2);
   check_close(blackbody_to_rgb(2856, 2), {1000.55f, 447.37f, 126.15f}, 1e-2);
 }

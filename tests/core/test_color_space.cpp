@@ -1,4 +1,4 @@
-// RGB spaces by their chromaticities, against published matrices and against Mitsuba 3.
+// RGB colour spaces from chromaticities, against published matrices and against Mitsuba 3.
 #include "core/color_space.h"
 
 #include <doctest/doctest.h>
@@ -31,7 +31,7 @@ TEST_CASE("color space: Rec.2020 to Rec.709 is the matrix of ITU-R BT.2087") {
 }
 
 TEST_CASE("color space: white keeps its chromaticity, as in Mitsuba 3, whose figures these are") {
-  constexpr double kXyz = 1e-3;  // Mitsuba's matrix from XYZ has fewer digits
+  constexpr double kXyz = 1e-3;  // Mitsuba's XYZ matrix has fewer digits
   check_color(kRec2020, {0.2f, 0.5f, 0.3f}, {0.01642274, 0.53903484, 0.28169933});
   check_color(kAces, {0.2f, 0.5f, 0.3f}, {-0.16560157, 0.59936446, 0.24660677});
   check_color(kAces, {1, 1, 1}, {1.0471032, 0.9945427, 0.9153183});

@@ -1,5 +1,5 @@
-// That products and sums are rounded one by one, as written. Compiled with the optimisations at which compilers fuse
-// them, see cmake/SheafTests.cmake; tells nothing on machines without fused multiply-adds.
+// Checks that products and sums are rounded separately, without contraction to fused multiply-adds. Compiled with the
+// optimisation level at which compilers contract, see cmake/SheafTests.cmake. The test is void on machines without FMA.
 #include "tests/support/lanes_testing.h"
 
 #include <doctest/doctest.h>
@@ -15,7 +15,7 @@ template <class F> [[gnu::noinline]] F called_difference(F a, F b, F c) { return
 // The square of kRoot is kSquare + 2^-24, which rounds to kSquare.
 constexpr float kRoot = 1.0f + 0x1p-12f, kSquare = 1.0f + 0x1p-11f;
 
-/// A value that the compiler doesn't know.
+/// A value that the compiler cannot know at compile time.
 float opaque(float value) {
   volatile float hidden = value;
   return hidden;

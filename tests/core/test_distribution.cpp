@@ -1,4 +1,4 @@
-// Alias tables and piecewise-constant distributions: right probabilities, ends of the range, hostile weights.
+// Alias tables and piecewise-constant distributions: probabilities, ends of the range, and invalid weights.
 #include "core/distribution.h"
 
 #include "core/error.h"
@@ -15,7 +15,7 @@ namespace {
 
 using Weights = std::vector<float>;
 
-/// Positive weights over five decades, with a run of zeros, and zeros at both ends.
+/// Positive weights over five decades, with a run of zeros and zeros at both ends.
 Weights uneven_weights(std::uint32_t count) {
   Weights weights;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -28,7 +28,7 @@ Weights uneven_weights(std::uint32_t count) {
 
 double sum_of(const Weights& weights) { return std::accumulate(weights.begin(), weights.end(), 0.0); }
 
-/// Random numbers with the ends of the range.
+/// Random numbers, including both ends of the range.
 float number(std::uint32_t i) { return i == 0 ? 0.0f : i == 1 ? kOneMinusEpsilon : random4<Scalar>(2, i, 0, 0).x; }
 
 const Weights kBadWeights[] = {
@@ -170,7 +170,7 @@ TEST_CASE("Distribution1D: the pdf is in proportion to the values, integrates to
     const double steps = static_cast<double>(d.pdf<Scalar>(static_cast<float>(x))) / d.size() * 0x1p24;
     sum += steps;
     wrong += std::fabs(steps - std::round(steps)) > 1e-6 * steps || (steps > 0.0) != (values[i] > 0.0f);
-    wrong += std::fabs(steps - expected * 0x1p24) > 2.0 + positive * expected;  // rounding, and the step of each
+    wrong += std::fabs(steps - expected * 0x1p24) > 2.0 + positive * expected;  // rounding, and one step per entry
   }
   CHECK(sum == doctest::Approx(0x1p24).epsilon(1e-6));
   CHECK(wrong == 0);
@@ -233,7 +233,7 @@ TEST_CASE("Distribution1D and 2D: registers agree with single lanes") {
 TEST_CASE("Distribution2D: samples follow the values, u chooses the column and v the row") {
   constexpr int kWide = 12, kHigh = 8;
   Weights values = uneven_weights(kWide * kHigh);
-  for (int x = 0; x < kWide; ++x) values[static_cast<std::size_t>(3 * kWide + x)] = 0.0f;  // a whole row
+  for (int x = 0; x < kWide; ++x) values[static_cast<std::size_t>(3 * kWide + x)] = 0.0f;  // a row of zeros
   const Distribution2D d(values, kWide, kHigh);
   CHECK(d.integral() == doctest::Approx(sum_of(values) / (kWide * kHigh)));
   int wrong = 0;

@@ -1,4 +1,4 @@
-// Messages for the user: places, exit codes, nearest names.
+// User messages: source locations, exit codes, nearest names.
 #include "core/error.h"
 
 #include <doctest/doctest.h>
@@ -37,7 +37,7 @@ TEST_CASE("error: the nearest name is the one with the fewest edits") {
   CHECK(nearest_name("aera", names) == "area");
   CHECK(nearest_name("DIFFUSE", names) == "diffuse");
   CHECK(nearest_name("--ara", {"--area", "--are-you"}) == "--area");
-  // Nothing resembles it, but it is how one begins.
+  // No name is similar, but one starts with it.
   CHECK(nearest_name("conduc", names) == "conductor");
 }
 

@@ -1,4 +1,4 @@
-// EXR files: round trips with crops, types and metadata; determinism; damaged files.
+// EXR files: round trips with crop windows, types and metadata; determinism; damaged files.
 #include "core/exr.h"
 
 #include "core/error.h"
@@ -23,7 +23,7 @@ Image make_noise(int width, int height, std::vector<std::string> channels) {
   return image;
 }
 
-/// Whether every channel of `a` is in `b` with the same values, up to `tolerance` relative.
+/// Whether every channel of `a` exists in `b` with the same values, up to the relative error `tolerance`.
 bool same_values(const Image& a, const Image& b, float tolerance = 0) {
   if (a.width != b.width || a.height != b.height || a.channels.size() != b.channels.size()) return false;
   for (std::size_t c = 0; c < a.channels.size(); ++c) {

@@ -1,4 +1,4 @@
-// OpenEXR files as pictures: channels, parts, windows and colour spaces.
+// Reading of OpenEXR files as images: channels, parts, windows and colour spaces.
 #include "core/exr_picture.h"
 
 #include "core/error.h"
@@ -29,7 +29,7 @@ std::string error_in(const std::vector<ExrTestPart>& parts) {
   return {};
 }
 
-/// Whether the first pixel has these colours.
+/// Checks the channels of the first pixel.
 void check_pixel(const Picture& picture, const std::vector<float>& expected) {
   REQUIRE(picture.channels.size() == expected.size());
   for (std::size_t c = 0; c < expected.size(); ++c)

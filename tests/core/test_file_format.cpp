@@ -1,4 +1,4 @@
-// What files are by their beginning and by their name.
+// Detection of file formats by content and by file name.
 #include "core/file_format.h"
 #include "tests/support/capture.h"
 #include "tests/support/temporary_folder.h"
@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::string_literals;
 
-/// A binary STL file of one triangle.
+/// A binary STL file with one triangle.
 std::string binary_stl() {
   std::string bytes(80, ' ');
   bytes += "\x01\0\0\0"s;
@@ -79,7 +79,7 @@ TEST_CASE("file format: by the extension where the bytes say nothing, but not fo
     write_bytes(folder / name, "\xef\xbb\xbf <scene/>");
     CHECK(file_format(folder / name).use == FileUse::kUnknown);
   }
-  // Archives in which another format is packed.
+  // Archives that contain another format.
   write_bytes(folder / "b.usdz", "PK\x03\x04");
   CHECK(file_format(folder / "b.usdz").name == "a USD scene");
   for (const char* const name : {"c.xml", "c.pbrt", "c.obj", "c.ply", "c.serialized", "c"}) {

@@ -1,4 +1,4 @@
-// Frames: orthonormal and right-handed around every normal.
+// Frames: orthonormal and right-handed for every normal.
 #include "core/frame.h"
 
 #include "core/rng.h"

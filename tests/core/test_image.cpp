@@ -1,4 +1,4 @@
-// Images in memory, PNG out and back, and files that appear whole or not at all.
+// Images in memory, reading and writing of PNG and other formats, and atomic file output.
 #include "core/image.h"
 
 #include "core/color.h"
@@ -120,18 +120,18 @@ TEST_CASE("a PNG whose chunks claim more than the file has is refused before the
   std::string bytes = read_bytes(folder / "whole.png");
   const std::size_t end = bytes.find("IEND") - 4;
   const std::string text("\0\0\0\5tEXta\0b c\0\0\0\0", 17);
-  bytes.insert(end, text);  // its check sum is wrong, which does no harm: it can be done without
+  bytes.insert(end, text);  // the chunk's checksum is wrong, but the chunk is optional
   write_bytes(folder / "text.png", bytes);
   CHECK(read_image(folder / "text.png").width == 256);
   bytes[end] = 0x6c;
   write_bytes(folder / "much.png", bytes);
   const auto ends_early = doctest::Contains("ends too early");
   CHECK_THROWS_WITH_AS((void)checked_picture_format(folder / "much.png"), ends_early, SceneError);
-  bytes.replace(end, 4, std::string("\0\0\0\x12", 4));  // one byte more than there is
+  bytes.replace(end, 4, std::string("\0\0\0\x12", 4));  // one byte more than the chunk has
   write_bytes(folder / "more.png", bytes);
   CHECK_THROWS_WITH_AS((void)checked_picture_format(folder / "more.png"), ends_early, SceneError);
   bytes = read_bytes(folder / "whole.png") + std::string("\x7f\0\0\0tEXt", 8) + std::string(8, 'x');
-  write_bytes(folder / "after.png", bytes);  // what follows the end is nothing to a reader
+  write_bytes(folder / "after.png", bytes);  // readers ignore data after the end
   CHECK(read_image(folder / "after.png").width == 256);
 }
 
@@ -144,7 +144,7 @@ TEST_CASE("a BMP of a size that the file cannot hold is refused before the libra
   const auto refused = [&](std::size_t at, std::string_view number) {
     std::string changed = bytes;
     changed.replace(at, number.size(), number);
-    changed[28] = 8;  // bits of a pixel, packed
+    changed[28] = 8;  // 8 bits per pixel, run-length encoded
     changed[30] = 1;
     write_bytes(folder / "changed.bmp", changed);
     CHECK_THROWS_AS((void)checked_picture_format(folder / "changed.bmp"), SceneError);
@@ -155,7 +155,7 @@ TEST_CASE("a BMP of a size that the file cannot hold is refused before the libra
   refused(22, "\1\0\1\0"sv);
   refused(22, "\xff\xff\xfe\xff"sv);
   std::string upright = bytes;
-  upright.replace(22, 4, "\xec\xff\xff\xff"sv);  // -20 rows: the first one is the uppermost
+  upright.replace(22, 4, "\xec\xff\xff\xff"sv);  // -20 rows: top row first
   write_bytes(folder / "upright.bmp", upright);
   const Image image = read_image(folder / "a.bmp"), turned = read_image(folder / "upright.bmp");
   CHECK(turned.height == 20);
@@ -187,7 +187,7 @@ TEST_CASE("pictures are known by how they begin, TGA by its name, and others are
   CHECK_THROWS_AS(read_image(folder / "tga.png"), SceneError);
   write_bytes(folder / "A.TGA", read_bytes(folder / "a.tga"));
   CHECK(read_image(folder / "A.TGA").data == read_image(folder / "a.tga").data);
-  // For this one OpenImageIO would overrun a buffer of 2 GB.
+  // For this file OpenImageIO would overrun a buffer of 2 GB.
   write_bytes(folder / "large.gif", std::string("GIF89a\x40\x9c\x40\x9c\xf0\0\0", 13) + std::string(64, ','));
   CHECK_THROWS_WITH_AS(read_image(folder / "large.gif"), doctest::Contains("expected a file of OpenEXR, PNG"),
                        SceneError);
@@ -199,7 +199,7 @@ TEST_CASE("a TIFF with strips far higher than the image is read without memory f
   for (int i = 0; i < 18; ++i) values.push_back(1000 * i);
   write_tiff(folder / "a.tif", 3, 2, 3, 16, values);
   std::string bytes = read_bytes(folder / "a.tif");
-  const std::size_t rows = bytes.find(std::string("\x16\x01\x04\0\x01\0\0\0", 8)) + 8;  // tag 278, one number
+  const std::size_t rows = bytes.find(std::string("\x16\x01\x04\0\x01\0\0\0", 8)) + 8;  // tag 278, one value
   bytes.replace(rows, 4, std::string("\x10\0\0\0", 4));
   write_bytes(folder / "high.tif", bytes);
   CHECK(read_image(folder / "high.tif").data == read_image(folder / "a.tif").data);
@@ -208,7 +208,7 @@ TEST_CASE("a TIFF with strips far higher than the image is read without memory f
   CHECK(read_image(folder / "higher.tif").data == read_image(folder / "a.tif").data);
   CHECK(read_picture(folder / "higher.tif").floats == read_picture(folder / "a.tif").floats);
   const std::size_t compression = bytes.find(std::string("\x03\x01\x03\0\x01\0\0\0", 8)) + 8;
-  bytes[compression] = 8;  // deflated, which it is not
+  bytes[compression] = 8;  // declared as deflate although it is not
   write_bytes(folder / "far.tif", bytes);
   CHECK_THROWS_WITH_AS(read_image(folder / "far.tif"), doctest::Contains("cannot read the image"), SceneError);
 }
@@ -236,7 +236,7 @@ TEST_CASE("a message about an image has one line, however many rows fail") {
   const TemporaryFolder folder;
   write_bmp(folder / "a.bmp", 1, 200, std::vector<int>(600, 7));
   std::string bytes = read_bytes(folder / "a.bmp");
-  bytes.replace(10, 4, std::string("\x36\0\0\xdf", 4));  // where pixels begin
+  bytes.replace(10, 4, std::string("\x36\0\0\xdf", 4));  // offset of the pixels
   write_bytes(folder / "far.bmp", bytes.substr(0, 60));
   try {
     (void)read_image(folder / "far.bmp");

@@ -1,4 +1,4 @@
-// Comparison figures on images whose noise is known.
+// Error metrics of images with known noise.
 #include "core/image_compare.h"
 
 #include "core/error.h"
@@ -17,7 +17,7 @@ namespace {
 constexpr int kSize = 128;
 constexpr float kNoise = 0.04f;
 
-/// Values around `mean` times a gradient, with normal noise of standard deviation kNoise.
+/// Values around `mean` times a gradient, with Gaussian noise of standard deviation kNoise.
 Image make_noisy(float mean, unsigned seed) {
   Image image(kSize, kSize, {"R", "G", "B"});
   std::mt19937 generator(seed);
@@ -62,7 +62,7 @@ TEST_CASE("pure noise passes the Z-test at its level") {
   const ZTest& test = *result.z_test;
   const double n = 3.0 * kSize * kSize;
   CHECK(static_cast<double>(test.tests) == n);
-  // Rejections are binomial with probability 0.01; 3.3 standard deviations are the level 1e-3, two-sided.
+  // Rejections are binomial with probability 0.01. 3.3 standard deviations are a significance level of 1e-3, two-sided.
   const double deviation = std::sqrt(0.01 * 0.99 / n);
   CHECK(std::abs(test.accepted_share() - 0.99) < 3.3 * deviation);
   CHECK(std::abs(test.mean_z_squared - 1) < 3.3 * std::sqrt(2 / n));
@@ -81,7 +81,7 @@ TEST_CASE("a bias of two percent fails the Z-test") {
 
 TEST_CASE("variances that are too small fail the Z-test") {
   CompareOptions options;
-  options.variance_a = constant_image(kNoise * kNoise);  // the second image counts as free of noise
+  options.variance_a = constant_image(kNoise * kNoise);  // treats the second image as noise-free
   const ImageComparison result = compare_images(make_noisy(1, 1), make_noisy(1, 2), options);
   CHECK(result.z_test->accepted_share() < 0.95);
   CHECK(result.z_test->mean_z_squared == doctest::Approx(2).epsilon(0.05));

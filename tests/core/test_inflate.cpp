@@ -1,4 +1,4 @@
-// Inflating zlib streams: piece by piece, truncated, corrupt, and the bound on what may come.
+// Inflating zlib streams: in pieces, truncated, corrupt, and with the limit on the output size.
 #include "core/error.h"
 #include "core/inflate.h"
 #include "tests/support/deflate.h"

@@ -1,4 +1,4 @@
-// Which memory is moved to large pages: what is large, private, in use, and not there yet.
+// Selection of the memory that moves to large pages: large, private, in use, and not on large pages yet.
 #include "core/large_pages.h"
 
 #include <doctest/doctest.h>
@@ -10,7 +10,7 @@ namespace sheaf::test_large_pages {
 
 namespace {
 
-/// An entry of /proc/self/smaps, with only the lines that matter and one that does not.
+/// An entry of /proc/self/smaps with the relevant lines and one irrelevant line.
 std::string entry(const std::string& first_line, int resident, int large) {
   return first_line + "\nSize:                  8 kB\nRss:                 " + std::to_string(resident) +
          " kB\nAnonHugePages:         " + std::to_string(large) + " kB\nVmFlags: rd wr mr mw me ac sd\n";
@@ -42,7 +42,7 @@ TEST_CASE("large pages: other memory stays where it is") {
   CHECK(ranges(entry(place + "rw-s 00000000 00:00 0 ", kSixteenMegabytes, 0)).empty());
   CHECK(ranges(entry(place + "rw-p 00000000 fe:00 99    /usr/lib/libm.so", kSixteenMegabytes, 0)).empty());
   CHECK(ranges(entry(place + "rw-p 00000000 00:00 0    [stack]", kSixteenMegabytes, 0)).empty());
-  // Hardly used, as stacks of threads are; on large pages already; too small.
+  // Mostly unused, like stacks of threads; already on large pages; too small.
   CHECK(ranges(entry(place + "rw-p 00000000 00:00 0 ", 4000, 0)).empty());
   CHECK(ranges(entry(place + "rw-p 00000000 00:00 0 ", kSixteenMegabytes, kSixteenMegabytes)).empty());
   CHECK(ranges(entry("7f0000100000-7f0000400000 rw-p 00000000 00:00 0 ", 3 << 10, 0)).empty());

@@ -1,4 +1,4 @@
-// How much memory there is, and what is said where it does not do.
+// Available memory, and the error messages for renders that exceed it.
 #include "core/memory.h"
 
 #include <doctest/doctest.h>
@@ -28,7 +28,7 @@ TEST_CASE("memory: sizes as people read them") {
   CHECK(format_bytes(12.34e9) == "12.3 GB");
 }
 
-// Address sanitizers need room of their own.
+// Address sanitizers reserve address space of their own.
 #ifndef __SANITIZE_ADDRESS__
 TEST_CASE("memory: what there is, is less with a limit of addresses") {
   const double before = available_memory();
@@ -38,7 +38,7 @@ TEST_CASE("memory: what there is, is less with a limit of addresses") {
   CHECK(resident_memory() < 1e12);
   rlimit old{};
   getrlimit(RLIMIT_AS, &old);
-  const rlimit low{rlim_t{1} << 20, old.rlim_max};  // less than the program has
+  const rlimit low{rlim_t{1} << 20, old.rlim_max};  // less than the program uses
   setrlimit(RLIMIT_AS, &low);
   const double none = available_memory();
   setrlimit(RLIMIT_AS, &old);
@@ -56,7 +56,7 @@ TEST_CASE("memory: what is more than there is, is told with what it is for and w
       message_of("a picture", {{"the film", 2e15, "Crop"}, {"rays", 3e15, "Threads"}, {"dust", 1000, "Sweep"}});
   CHECK(two.find("it takes 5000000.0 GB (2000000.0 GB for the film, 3000000.0 GB for rays), and ") != two.npos);
   CHECK(two.ends_with(". Threads"));
-  // Each fits, but not both.
+  // Each fits alone, but not both together.
   const double half = 0.7 * available_memory();
   CHECK(message_of("one", {{"film", half, ""}}).empty());
   CHECK_FALSE(message_of("two", {{"film", half, ""}, {"map", half, ""}}).empty());

@@ -1,4 +1,4 @@
-// Unit vectors in 32 bits.
+// Octahedral encoding of unit vectors in 32 bits.
 #include "core/octahedral.h"
 
 #include "tests/support/records_testing.h"

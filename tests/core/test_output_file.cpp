@@ -1,4 +1,4 @@
-// Files that appear whole or not at all, on disks that are full and by names of all kinds.
+// Atomic output files, on full disks and with unusual names.
 #include "core/output_file.h"
 
 #include "core/error.h"
@@ -23,7 +23,7 @@ namespace sheaf::test_output_file {
 
 namespace {
 
-/// While it lives, files of this process end at so many bytes, as on a disk that is full.
+/// Limits the size of files of this process during its lifetime, to simulate a full disk.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -50,7 +50,7 @@ Image noise_image(int side) {
   return image;
 }
 
-/// The message of the error with exit code 4 that comes of writing with a limit on files; empty: there is none.
+/// The message of the error with exit code 4 when writing under a file size limit; empty if writing succeeds.
 std::string error_when_full(rlim_t bytes, const std::function<void()>& write) {
   const FileSizeLimit limit(bytes);
   try {
@@ -63,7 +63,7 @@ std::string error_when_full(rlim_t bytes, const std::function<void()>& write) {
 
 TEST_CASE("output file: what does not fit on the disk is an error, and what was there before stays") {
   const TemporaryFolder folder;
-  // Files that end in the library's buffers, and files that overflow them.
+  // Files that fit into the library's buffers, and files that overflow them.
   for (const int side : {16, 24, 100}) {
     CAPTURE(side);
     const Image image = noise_image(side);
@@ -119,16 +119,16 @@ TEST_CASE("what killed writers have left is removed, and nothing else") {
     std::filesystem::last_write_time(folder / name,
                                      std::filesystem::file_time_type::clock::now() - std::chrono::seconds(seconds));
   };
-  // A process that ended: this one's child.
+  // The id of a terminated process: this one's child.
   const pid_t child = fork();
   if (child == 0) _exit(0);
   waitpid(child, nullptr, 0);
   const std::string gone = std::to_string(child), own = std::to_string(getpid());
   const std::string left = ".out.exr." + gone + ".0.tmp";
   const std::vector<std::string> kept = {".out.exr." + gone + ".1.tmp",  // locked, see below
-                                         ".out.exr." + gone + ".2.tmp",  // young
-                                         ".out.exr." + own + ".77.tmp",  // its process runs
-                                         ".out.png." + gone + ".0.tmp",  // of another file
+                                         ".out.exr." + gone + ".2.tmp",  // recent
+                                         ".out.exr." + own + ".77.tmp",  // its process is running
+                                         ".out.png." + gone + ".0.tmp",  // of another output file
                                          ".out.exr." + gone + ".tmp",   ".out.exr." + gone + ".x.tmp",
                                          ".out.exr.-1.0.tmp",           ".out.exr.0.0.tmp",
                                          "out.exr." + gone + ".0.tmp",  ".out.exr." + gone + ".0.tmp.bak"};

@@ -1,5 +1,4 @@
-// Radiance and TIFF files whose rows do not begin in the upper left, whose colours are CIE XYZ, or that leave out how
-// many bits a sample has.
+// Radiance HDR and TIFF files whose first pixel is not top left, whose colours are CIE XYZ, or that omit BitsPerSample.
 #include "core/error.h"
 #include "core/image.h"
 #include "core/picture_corrections.h"
@@ -17,11 +16,11 @@ using test::contains;
 
 namespace {
 
-/// 3 x 2 pixels, row by row from the upper left.
+/// 3 x 2 pixels in rows, top left first.
 constexpr int kWidth = 3, kHeight = 2;
 const std::vector<int> kUpright{1, 2, 3, 4, 5, 6};
 
-/// The pixels in the order in which a file has them: `first` and `second` are the axes of its resolution string.
+/// The pixels in the order of a file. `first` and `second` are the axes of its resolution string.
 std::vector<int> stored(const std::string& first, const std::string& second) {
   const auto places = [](const std::string& axis) {
     std::vector<int> all;
@@ -59,11 +58,11 @@ void check_upright(const std::filesystem::path& file, const std::function<float(
   }
 }
 
-/// Orientations of TIFF as the axes of a resolution string.
+/// TIFF orientations as axes of a resolution string.
 const std::vector<std::pair<std::string, std::string>> kOrders{{"-Y", "+X"}, {"-Y", "-X"}, {"+Y", "-X"}, {"+Y", "+X"},
                                                                {"+X", "-Y"}, {"-X", "-Y"}, {"-X", "+Y"}, {"+X", "+Y"}};
 
-/// A big-endian or little-endian TIFF of one strip.
+/// A big-endian or little-endian TIFF with one strip.
 class TiffBytes {
  public:
   explicit TiffBytes(bool big_endian) : big_endian_(big_endian) {
@@ -73,7 +72,7 @@ class TiffBytes {
   void number(std::uint32_t value, int count) {
     for (int i = 0; i < count; ++i) bytes_ += static_cast<char>(value >> 8 * (big_endian_ ? count - 1 - i : i) & 0xffu);
   }
-  /// The strip lies at 8, the directory behind it.
+  /// The strip is at offset 8, the directory follows it.
   std::string finish(std::string strip, std::vector<TiffEntry> entries) {
     if (strip.size() % 2 != 0) strip += '\0';
     number(8 + static_cast<std::uint32_t>(strip.size()), 4);
@@ -95,7 +94,7 @@ class TiffBytes {
   std::string bytes_;
 };
 
-/// Entries of a bilevel picture of 12 x 2 pixels in `strip_bytes`, without BitsPerSample and SamplesPerPixel.
+/// Directory entries of a bilevel image of 12 x 2 pixels in `strip_bytes`, without BitsPerSample and SamplesPerPixel.
 std::vector<TiffEntry> bilevel(std::uint32_t photometric, std::uint32_t compression, std::uint32_t strip_bytes) {
   return {{256, 4, 1, 12}, {257, 4, 1, 2}, {259, 3, 1, compression}, {262, 3, 1, photometric},
           {273, 4, 1, 8},  {278, 4, 1, 2}, {279, 4, 1, strip_bytes}};
@@ -177,7 +176,7 @@ TEST_CASE("picture orientation: of several channels, pixels stay together") {
 
 TEST_CASE("pictures: bilevel TIFF without BitsPerSample has one bit, whichever of them is white") {
   const TemporaryFolder folder;
-  // 12 pixels in a row: 1 1 1 1 0 0 0 0 1 0 1 0 and 0 0 0 0 0 0 0 1 1 1 1 1.
+  // Two rows of 12 pixels: 1 1 1 1 0 0 0 0 1 0 1 0 and 0 0 0 0 0 0 0 1 1 1 1 1.
   const std::string rows("\xf0\xa0\x01\xf0", 4);
   const std::string packed("\x01\xf0\xa0\x01\x01\xf0", 6);  // PackBits: two bytes follow
   const std::vector<int> set{1, 1, 1, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1};

@@ -1,4 +1,4 @@
-// Progress: what is shown and when, with a clock of the test's own.
+// Progress output: its text and its timing, with a simulated clock.
 #include "core/progress.h"
 #include "tests/support/contains.h"
 

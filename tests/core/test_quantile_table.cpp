@@ -1,5 +1,5 @@
-// Tables of quantiles: entries are drawn as often as they say, none of weight is out of reach, what is stratified stays
-// so, and little variance is lost to the rounding of probabilities.
+// Quantile tables: sampling probabilities are right, every entry of positive weight is reachable, stratification is
+// preserved, and rounding of the probabilities adds little variance.
 #include "core/quantile_table.h"
 
 #include "core/large_table.h"
@@ -27,7 +27,7 @@ Weights weights_of(std::uint32_t count, const std::function<double(std::uint32_t
   return w;
 }
 
-/// Even ones, a peak, gaps, decades, steps, more entries than quantiles, and few.
+/// Equal weights, a peak, gaps, several decades, steps, more entries than quantiles, and few entries.
 std::vector<Weights> all_weights() {
   return {{3},
           {1, 0},
@@ -42,7 +42,7 @@ std::vector<Weights> all_weights() {
           weights_of(60000, [](std::uint32_t i) { return i % 9000 == 8500 ? 1.0 : 0.0; })};
 }
 
-/// A table, and the probabilities of its entries.
+/// A table and the probabilities of its entries.
 struct Table {
   std::vector<Quantile> rows = std::vector<Quantile>(kQuantiles);
   Weights probabilities;
@@ -56,7 +56,7 @@ struct Table {
   }
 };
 
-/// Sum of w^2 / probability over the squared sum of w: 1 if entries are drawn in proportion.
+/// Sum of w^2 / probability over the squared sum of w; 1 if the probabilities are proportional to the weights.
 double second_moment(const Weights& weights, const Weights& probabilities) {
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   double moment = 0;
@@ -90,7 +90,7 @@ TEST_CASE("quantile table: entries are drawn as often as they say") {
   const std::vector<Weights> cases = all_weights();
   for (const Weights& weights : cases) {
     const Table table(weights);
-    // All numbers of 20 bits, of which an entry of a run gets a whole number.
+    // All 20-bit numbers; each entry of a run receives a whole number of them.
     constexpr std::uint32_t kNumbers = 1u << 20;
     std::vector<double> found(weights.size());
     double worst = 0;
@@ -117,10 +117,10 @@ TEST_CASE("quantile table: numbers that are stratified stay so") {
     }
     CHECK(wrong == 0);
     CHECK(table.draw(0x1.fffffep-1f).index < weights.size());
-    // Each sixteenth of the entries is found as often as another, but for rounding.
+    // Each sixteenth of the entries is chosen equally often, up to rounding.
     for (const double count : cells) CHECK(std::fabs(count - 4096) < 1100);
   }
-  // The parts of an entry lie one behind the other.
+  // The subintervals of an entry are contiguous.
   const Table one(Weights{1});
   for (std::uint32_t k = 0; k < 1000; ++k)
     CHECK(one.remapped(one.draw(static_cast<float>(k) / 1000)) == doctest::Approx(k / 1000.0).epsilon(1e-5));

@@ -1,4 +1,4 @@
-// Tables of records, read by index.
+// Tables of records with lookup by index.
 #include "core/record_table.h"
 #include "core/vec.h"
 

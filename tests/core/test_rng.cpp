@@ -1,4 +1,4 @@
-// Random numbers: uniform, independent between neighbouring counters, the same in every lane.
+// Random numbers: uniform, independent for neighbouring counters, and the same in every lane.
 #include "core/rng.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/lanes_testing.h"
@@ -20,7 +20,7 @@ std::array<float, 4> numbers(std::uint32_t seed, std::uint32_t pixel, std::uint3
   return {r.x, r.y, r.z, r.w};
 }
 
-/// The four counters of a random number.
+/// The four counters that determine a random number.
 struct Counter {
   std::uint32_t seed, pixel, sample, block;
 };
@@ -28,7 +28,7 @@ std::array<float, 4> numbers(Counter c) { return numbers(c.seed, c.pixel, c.samp
 
 constexpr int kPairs = 1 << 18, kCells = 32;
 
-/// p-value of pairs of numbers over kCells x kCells cells.
+/// p-value of a chi-square test for pairs of numbers on kCells x kCells cells.
 double p_value_of_pairs(const std::function<std::array<float, 2>(std::uint32_t)>& pair) {
   std::vector<double> counts(kCells * kCells);
   for (std::uint32_t i = 0; i < kPairs; ++i) {
@@ -44,13 +44,13 @@ Counter at(std::uint32_t seed, std::uint32_t pixel, std::uint32_t sample, std::u
 
 using Neighbours = std::pair<Counter, Counter>;
 
-/// A name for the i-th pair of neighbouring counters.
+/// A named family of neighbouring counters.
 struct Walk {
   std::string name;
   std::function<Neighbours(std::uint32_t)> pair;
 };
 
-/// The second counter is the first with one of its members changed.
+/// A family in which the second counter is the first with one member changed.
 template <class F>
 Walk walk(const char* name, std::uint32_t Counter::*member, F&& change, Counter (*first)(std::uint32_t)) {
   return {name, [=](std::uint32_t i) {
@@ -143,11 +143,11 @@ TEST_CASE("rng: the four numbers of one call are independent of each other") {
 }
 
 TEST_CASE("rng: a flip of any input bit flips every output bit with probability one half") {
-  // The strict avalanche criterion, for all bits of seeds and pixels and the 24 lower ones of samples and blocks.
+  // The strict avalanche criterion, for all bits of seeds and pixels and the lower 24 bits of samples and blocks.
   constexpr std::uint32_t kTrials = 4096;
   constexpr int kBits[4] = {32, 32, 24, 24};
   constexpr int kTests = (32 + 32 + 24 + 24) * 4 * 24;
-  int most = 0;  // distance of a count of flips from the expected one
+  int most = 0;  // maximum deviation of a flip count from its expectation
   for (std::size_t input = 0; input < 4; ++input)
     for (int bit = 0; bit < kBits[input]; ++bit) {
       int flips[4][24] = {};
@@ -195,7 +195,7 @@ TEST_CASE("rng: registers hold the numbers of their lanes, bit by bit") {
 }
 
 TEST_CASE("rng: hash4 maps different counters to different words") {
-  // hash4 is a bijection of 128 bits; a shortened fingerprint of its output still separates 2^18 counters.
+  // hash4 is a bijection on 128 bits; even half of its output separates 2^18 counters.
   std::unordered_set<std::uint64_t> seen;
   for (std::uint32_t i = 0; i < 1u << 18; ++i) {
     std::uint32_t x = i % 64, y = i / 64 % 64, z = i / 4096 % 8, w = i / 32768;

@@ -1,5 +1,5 @@
-// Samplers: uniform, independent where they should be, and estimates of integrals that are right and as good as
-// claimed.
+// Samplers: uniformity, independence where it is required, and unbiased estimates of integrals with the expected
+// convergence.
 #include "core/sampler.h"
 
 #include "tests/support/chi_square.h"
@@ -22,7 +22,8 @@ using Numbers = std::array<float, 4>;
 constexpr SamplerKind kKinds[] = {SamplerKind::kIndependent, SamplerKind::kStratified, SamplerKind::kMultijitter,
                                   SamplerKind::kSobol, SamplerKind::kZSobol};
 constexpr int kKindCount = static_cast<int>(std::size(kKinds));
-/// Pixels fill a square as far as they can: kZSobol promises nothing of lines of pixels.
+/// Frame width that makes pixels fill a square as well as possible, because kZSobol guarantees nothing for lines of
+/// pixels.
 constexpr U kFrameWidth = 128;
 
 SamplerView sampler_of(SamplerKind kind, U seed, U sample_count) {
@@ -37,7 +38,7 @@ Numbers numbers(const SamplerView& sampler, U pixel, U sample, U dimension = 0,
   return {r.x, r.y, r.z, r.w};
 }
 
-/// p-value of one pair of numbers per pixel over cells x cells cells.
+/// p-value of a chi-square test for one pair of numbers per pixel on cells x cells cells.
 double p_value_of_pairs(int cells, U pixels, const std::function<std::array<float, 2>(U)>& pair) {
   std::vector<double> counts(static_cast<std::size_t>(cells * cells));
   for (U pixel = 0; pixel < pixels; ++pixel) {
@@ -48,7 +49,7 @@ double p_value_of_pairs(int cells, U pixels, const std::function<std::array<floa
   return chi_square_uniform(counts).p_value;
 }
 
-/// Estimates of an integral over a block, one per pixel, from `samples` samples each.
+/// Estimates of an integral over a block, one for each pixel, from `samples` samples each.
 MeanVariance estimates(const SamplerView& sampler, U samples, U pixels, SampleBlock block,
                        const std::function<double(const Numbers&)>& f) {
   MeanVariance result;
@@ -114,7 +115,7 @@ TEST_CASE("sampler: the four numbers of a sample are independent of each other o
 }
 
 TEST_CASE("sampler: which place in its sequence a sample has tells nothing of how that is scrambled") {
-  // Pairs and triples of numbers of one sample in 8 cells each, over pixels.
+  // Pairs and triples of numbers of one sample, with 8 cells per dimension, over pixels.
   constexpr U kSamples = 16, kPixels = 30'000;
   const SamplerView sampler = make_sampler(SamplerKind::kSobol, 1, kSamples);
   for (U sample = 0; sample < kSamples; ++sample) {
@@ -161,9 +162,9 @@ TEST_CASE("sampler: blocks, events, pixels, seeds and sets are independent of ea
 }
 
 TEST_CASE("sampler: within a pixel, samples of two blocks are paired at random") {
-  // The mean of (a - 1/2)(b - 1/2) over the samples of a pixel, a and b from different blocks: mean zero, and a
-  // variance of 1/144 per sample. Pairs of consecutive Sobol samples lie on different sides of the centre in every
-  // dimension, which makes it up to twice as large; unshuffled they would reach 64 times as much, or nearly nothing.
+  // The mean of (a - 1/2)(b - 1/2) over the samples of a pixel, with a and b from different blocks, has mean 0 and a
+  // variance of 1/144 per sample. Consecutive Sobol samples lie on opposite sides of the centre in every dimension,
+  // which increases the variance up to a factor of 2. Without shuffling the factor would be 64 or almost 0.
   constexpr U kPixels = 3000, kSamples = 64;
   for (const SamplerKind kind : kKinds)
     for (std::size_t a = 0; a < 4; ++a)
@@ -212,7 +213,7 @@ TEST_CASE("sampler: better spread samples give better estimates") {
 }
 
 TEST_CASE("sampler: samples that choose the same part are spread well over directions") {
-  // The part that is chosen with this probability alone scatters, and that as a smooth function of the direction.
+  // Only the component that is chosen with this probability scatters, as a smooth function of the direction.
   constexpr float kShare = 0.3f;
   const auto variance = [&](SamplerKind kind, SampleBlock choice) {
     const SamplerView sampler = sampler_of(kind, 1, 64);
@@ -251,7 +252,7 @@ TEST_CASE("sampler: neighbouring pixels share a Sobol sequence, each square of p
   const SamplerView sampler = make_sampler(SamplerKind::kZSobol, 1, 4, 100);
   for (const SampleBlock block : kBlocks)
     for (const U side : {1u, 2u, 4u, 8u})
-      for (const U first : {0u, 4u, 12u}) {  // sample 4 and those after it are more than were asked for
+      for (const U first : {0u, 4u, 12u}) {  // sample 4 and later ones exceed the sample count
         const std::size_t d = block == SampleBlock::kCamera ? 0 : 1;
         const U cells = 2 * side;
         std::vector<int> hits(cells * cells);
@@ -285,7 +286,7 @@ TEST_CASE("sampler: with one sequence for all pixels, means over squares of pixe
 }
 
 TEST_CASE("sampler: at each pixel of a shared sequence numbers are uniform over seeds, and differ between pixels") {
-  // With 2^20 samples per pixel a sequence is long enough for 64 x 64 pixels.
+  // With 2^20 samples per pixel a sequence suffices for 64 x 64 pixels.
   for (const U sample_count : {4u, 1u << 20})
     for (const U other : {1u, 64u, 64u * 1000u}) {
       const auto at = [&](U seed, U pixel) {
@@ -311,7 +312,8 @@ TEST_CASE("sampler: sets of one Sobol sample continue the sequence") {
 TEST_CASE("sampler: each replicate of a Sobol sequence is one, and they are independent") {
   const SamplerView sampler = make_sampler(SamplerKind::kSobol, 1, 8);
   const auto& integrand = integrands()[0].f;
-  // The means of a pixel over several replicates: their variance is that over one, divided by their number.
+  // Means of a pixel over several replicates. Their variance must be that of one replicate over the number of
+  // replicates.
   MeanVariance of_one, of_all;
   constexpr U kReplicates = 4, kSamples = 8;
   for (U pixel = 0; pixel < 4000; ++pixel) {
@@ -331,7 +333,7 @@ TEST_CASE("sampler: each replicate of a Sobol sequence is one, and they are inde
     }
     of_all.add(sum);
   }
-  CHECK(of_all.variance() * kReplicates > 0.85 * of_one.variance());  // standard deviation 0.03
+  CHECK(of_all.variance() * kReplicates > 0.85 * of_one.variance());  // the standard deviation of the ratio is 0.03
   CHECK(of_all.variance() * kReplicates < 1.15 * of_one.variance());
 }
 
@@ -418,7 +420,7 @@ TEST_CASE("sampler: numbers are the same whichever others are wanted") {
       for (unsigned wanted = 1; wanted < kAllNumbers; ++wanted)
         for (U i = 0; i < 50; ++i) {
           const SamplerView sampler = sampler_of(kind, i, 16);
-          // More than 65536 samples go all the way through the sequence.
+          // Sample indices above 65536 use the whole sequence.
           const U pixel = 977 * i, sample = i * i * 131, dimension = i % 5;
           const SampleSet set{i % 3, 3};
           const auto one = draw<Scalar>(sampler, pixel, sample, dimension, block, set, wanted);

@@ -1,4 +1,4 @@
-// Numbers from outside as integers.
+// Saturating conversion of external numbers to integers.
 #include "core/saturate.h"
 
 #include <doctest/doctest.h>

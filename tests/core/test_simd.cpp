@@ -1,4 +1,4 @@
-// Every function of the SIMD layer: its wide version lane by lane against its scalar twin.
+// The SIMD layer: every function in wide registers against its scalar version, lane by lane.
 #include "tests/support/lanes_testing.h"
 
 #include <doctest/doctest.h>
@@ -9,7 +9,7 @@ namespace sheaf::test_simd {
 
 namespace {
 
-/// Values in [low, high], evenly spread, with zeros of both signs where they belong; a multiple of kWidth of them.
+/// Evenly spaced values in [low, high], with zeros of both signs if they are inside; the count is a multiple of kWidth.
 std::vector<float> sweep(float low, float high, int count = 64 * kWidth) {
   std::vector<float> values;
   for (int i = 0; i < count; ++i)
@@ -18,7 +18,7 @@ std::vector<float> sweep(float low, float high, int count = 64 * kWidth) {
   return values;
 }
 
-/// Largest difference between f in registers and f one by one, over all values.
+/// Maximum difference between the wide and the scalar f over all values.
 template <class F> double worst_unary(F&& f, const std::vector<float>& values) {
   double worst = 0;
   for (std::size_t i = 0; i + kWidth <= values.size(); i += kWidth) {
@@ -28,7 +28,7 @@ template <class F> double worst_unary(F&& f, const std::vector<float>& values) {
   return worst;
 }
 
-/// The same for two arguments, over all pairs of values; the second goes through them in another order.
+/// The same for two arguments, over all pairs of values; the lanes of the second argument are rotated through `bs`.
 template <class F> double worst_binary(F&& f, const std::vector<float>& as, const std::vector<float>& bs) {
   double worst = 0;
   for (std::size_t j = 0; j < bs.size(); ++j)
@@ -210,7 +210,7 @@ TEST_CASE("simd: loads, stores, gathers and masks of lanes") {
 }
 
 TEST_CASE("simd: load_rows4 and store_rows4 are inverses and leave other rows alone") {
-  constexpr int kRows = 3 * kWidth, kStride = 5;  // an odd stride: no alignment to rely on
+  constexpr int kRows = 3 * kWidth, kStride = 5;  // an odd stride, to exclude any alignment
   std::vector<float> rows(kRows * kStride);
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<float>(i);
   const auto row_of = [](int lane) { return (lane * 7 + 2) % kRows; };

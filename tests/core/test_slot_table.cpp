@@ -1,4 +1,4 @@
-// Rows reached by slot: round trips through registers, partial tiles and untouched neighbours.
+// Slot tables: round trips through registers, partial tiles and unchanged neighbours.
 #include "core/slot_table.h"
 
 #include "core/rng.h"
@@ -27,7 +27,7 @@ template <class L> struct Whole {
   static constexpr auto fields(auto& s) { return std::tie(s.first, s.second); }
 };
 
-/// A value for every word of every row; the eighth word of each half is an integer, with the bits of a signalling NaN.
+/// A value for every word of every row. The eighth word of each half is an integer with the bits of a signalling NaN.
 std::uint32_t word_of(int row, int word) {
   const auto value = static_cast<std::uint32_t>(row * 16 + word);
   return word % 8 == 7 ? 0x7f800001u + value : float_bits(static_cast<float>(value));
@@ -47,7 +47,7 @@ template <template <class> class Record> void fill(SlotTable<Record>& groups, in
     }
 }
 
-/// Whether row `row` holds what fill() put into row `source`.
+/// Whether row `row` holds the values that fill() stored in row `source`.
 template <template <class> class Record> bool holds(const SlotTable<Record>& groups, int row, int source) {
   for (int word = 0; word < SlotTable<Record>::kWords; ++word) {
     const std::uint32_t expected = word_of(source, word);
@@ -56,7 +56,7 @@ template <template <class> class Record> bool holds(const SlotTable<Record>& gro
   return true;
 }
 
-/// Slots 0 .. rows - 1 in an order of no pattern.
+/// Slots 0 .. rows - 1, shuffled.
 std::vector<Slot> shuffled(int rows) {
   std::vector<Slot> slots(static_cast<std::size_t>(rows));
   std::iota(slots.begin(), slots.end(), Slot{0});

@@ -1,4 +1,4 @@
-// Records as columns: round trips, tails, compaction and the padding that tiles rely on.
+// SoA columns of records: round trips, partial tiles, compaction and the padding that tiles need.
 #include "core/soa.h"
 
 #include "core/spectrum.h"
@@ -14,7 +14,7 @@ namespace sheaf::test_soa {
 
 namespace {
 
-/// Nested records and both leaf types; nine leaves.
+/// A record with nested records and both leaf types; nine leaves.
 template <class L> struct Item {
   Vec3<L> position;
   typename L::Uint id;
@@ -108,7 +108,7 @@ TEST_CASE("soa: columns are aligned and an odd number of cache lines apart") {
     CHECK(stride / kSimdAlignment % 2 == 1);
     CHECK(stride >= static_cast<std::size_t>(size + kWidth) * sizeof(float));
     CHECK(begin(columns.weight) - begin(columns.position.x) == 8 * stride);
-    // Nine columns begin in nine different cache sets of a 64-set cache.
+    // Nine columns start in nine different sets of a cache with 64 sets.
     std::set<std::uintptr_t> sets;
     for (std::uintptr_t k = 0; k < 9; ++k) sets.insert((begin(columns.position.x) + k * stride) / 64 % 64);
     CHECK(sets.size() == 9);

@@ -1,4 +1,4 @@
-// The Sobol sequence against its direction numbers, its scrambling and its shuffling.
+// The Sobol sequence: direction numbers, scrambling and shuffling.
 #include "core/sobol.h"
 
 #include "tests/support/chi_square.h"
@@ -24,8 +24,8 @@ Point sobol_point(U index) {
   return p;
 }
 
-/// The recurrence of Sobol 1967 for a primitive polynomial of `degree` with inner coefficients `a`, from the initial
-/// numbers m; fractions of 2^32.
+/// Direction numbers by the recurrence of Sobol 1967, for a primitive polynomial of `degree` with inner coefficients
+/// `a` and the initial numbers m; in units of 2^-32.
 std::array<U, 32> direction_numbers(int degree, U a, const std::vector<U>& m) {
   std::array<U, 32> v{};
   for (int j = 0; j < 32; ++j) {
@@ -64,7 +64,7 @@ TEST_CASE("sobol: points are those of the direction numbers of Joe and Kuo") {
   for (U n = 0; n < 200'000; ++n) {
     const U index = n < 100'000 ? n : mixed(n) >> (n % 32);
     const Point p = sobol_point(index);
-    wrong += p[0] != index;  // van der Corput: the index, bit-reversed
+    wrong += p[0] != index;  // van der Corput sequence: the bit-reversed index
     wrong += reverse_bits(p[1]) != combined(pascal, index);
     wrong += reverse_bits(p[2]) != combined(third, index);
     wrong += reverse_bits(p[3]) != combined(fourth, index);
@@ -101,7 +101,7 @@ TEST_CASE("sobol: scrambling is nested: equal lower bits stay equal, different o
 }
 
 TEST_CASE("sobol: scrambling flips every bit about half of the time, whatever the bits below it") {
-  // Bits 0 to 9, for each of the patterns below: as many binomial counts as there are nodes in the tree.
+  // Bits 0 to 9 under each of the patterns below them: one binomial count for each node of the tree.
   constexpr int kBits = 10, kSeeds = 4096;
   double most = 0;
   for (int bit = 0; bit < kBits; ++bit)
@@ -131,8 +131,8 @@ TEST_CASE("sobol: shuffling permutes each aligned run of 2^k indices and keeps l
 }
 
 TEST_CASE("sobol: every shuffle of the first indices that keeps leading zeros is equally probable") {
-  // Of eight indices, 2, 4 and 6 move freely: which of 2 and 3 comes first, and the order of 4 to 7 with their halves
-  // together: 2 * 8 shuffles.
+  // Among eight indices, 2, 4 and 6 choose freely: the order of 2 and 3, and the order of 4 to 7 with each half kept
+  // together. That gives 2 * 8 shuffles.
   std::vector<double> counts(16);
   for (U key = 0; key < 1u << 16; ++key) {
     std::array<U, 8> order{};

@@ -1,4 +1,4 @@
-// The sensor: the mean over all wavelengths of what paths bring is the colour that RGB mode has.
+// The sensor in spectral mode: the mean over all wavelengths equals the colour of RGB mode.
 #include "core/spectral_sensor.h"
 
 #include "core/rng.h"
@@ -17,12 +17,12 @@ namespace sheaf::test_spectral_sensor {
 
 namespace {
 
-/// Mean and its standard error per channel of independent estimates.
+/// Mean and standard error per channel over independent estimates.
 struct Estimate {
   double mean[3] = {}, error[3] = {};
 };
 
-/// Runs the sensor on `samples` paths whose radiance is radiance(wavelengths) -> Spectrum4.
+/// Converts `samples` paths with radiance(wavelengths) -> Spectrum4 to RGB.
 template <class F> Estimate measure(F&& radiance, int samples, std::uint32_t seed) {
   double sum[3] = {}, squares[3] = {};
   for (int i = 0; i < samples; ++i) {
@@ -70,7 +70,7 @@ TEST_CASE("sensor: uplifted colours under D65 are seen as themselves") {
         kSamples, ++seed);
     check_mean(e, rgb * white, 15);
   }
-  // The tables' D65 and the matrix's white differ in the fourth decimal.
+  // The tabulated D65 and the white of the matrix differ in the fourth decimal.
   CHECK(largest_difference(white, {1, 1, 1}) < 1e-3f);
 }
 
@@ -88,7 +88,7 @@ TEST_CASE("sensor: white stays white under D65 and E") {
   for (const auto& [name, x, y] : {std::tuple{"d65", 0.3127, 0.3290}, {"e", 1.0 / 3, 1.0 / 3}}) {
     const SpectrumRow row = set.row({find_illuminant(name).value()}, SpectrumUse::kIlluminant);
     double sum[3] = {};
-    constexpr int kSteps = 4096;  // evenly spaced: the mean without noise
+    constexpr int kSteps = 4096;  // evenly spaced, which gives the mean without noise
     for (int i = 0; i < kSteps; ++i) {
       const auto w = sample_wavelengths<Scalar>((static_cast<float>(i) + 0.5f) / kSteps);
       const Spectrum4 radiance = evaluate<Scalar>(&row, 0, set.view(), w.lambda);
@@ -104,7 +104,7 @@ TEST_CASE("sensor: white stays white under D65 and E") {
 }
 
 TEST_CASE("sensor: paths that the first wavelength alone can make count four times") {
-  // Each wavelength reaches the light by a path of its own, as behind a prism, so that only the first one's is found.
+  // Each wavelength reaches the light on a different path, as behind a prism, so that only the first one contributes.
   const auto e =
       measure([](const Wavelengths<Scalar>&) { return Spectrum4(1, 0, 0, 0) * hero_balance(Spectrum4(1, 0, 0, 0)); },
               kSamples, 9);

@@ -1,4 +1,4 @@
-// Four-lane spectra and vectors: their arithmetic, in registers and one by one.
+// Four-lane spectra and vectors: arithmetic in registers against scalar code.
 #include "core/spectrum.h"
 
 #include "tests/support/lanes_testing.h"

@@ -1,4 +1,4 @@
-// The statistical functions that the other tests judge by, against values with closed forms and from tables.
+// The statistical functions of the test support, against closed forms and published tables.
 #include "tests/support/chi_square.h"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// Counters: sums, ratios, and the report in both printed forms.
+// Counters: sums, ratios, and the report as text and as JSON.
 #include "core/stats.h"
 
 #include "core/simd.h"

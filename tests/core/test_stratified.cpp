@@ -23,7 +23,7 @@ U key_of(U i) {
 
 constexpr SampleGrid kGrids[] = {{1, 1}, {2, 1}, {2, 2}, {3, 2}, {4, 3}, {8, 8}, {7, 5}, {16, 12}};
 
-/// Which of grid.columns by grid.rows cells.
+/// The index of the cell of (x, y) among grid.columns x grid.rows cells.
 U cell_of(SampleGrid grid, float x, float y) {
   return to_uint(y * static_cast<float>(grid.rows)) * grid.columns + to_uint(x * static_cast<float>(grid.columns));
 }

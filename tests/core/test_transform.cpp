@@ -21,7 +21,7 @@ void check_near(Vec3f a, Vec3f b, double tolerance = 1e-5) {
   CHECK(length(a - b) <= tolerance * std::max(1.0f, length(b)));
 }
 
-/// Rotation, uneven scale, mirroring, translation.
+/// Rotation, non-uniform scaling, mirroring, translation, shear.
 std::vector<Transform> transforms() {
   const Transform t = Transform::translate({1, -2, 3}), s = Transform::scale({2, 0.5f, 4}),
                   r = Transform::rotate({1, 2, 3}, 77);

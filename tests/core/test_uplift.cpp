@@ -1,4 +1,4 @@
-// Spectra from colours: there and back, and what must hold for greys, borders and bad input.
+// Spectral upsampling: round trips from colours, greys, the boundary of the gamut and invalid input.
 #include "core/uplift.h"
 
 #include "core/rng.h"
@@ -24,7 +24,7 @@ Vec3f color_of(const ScaledSigmoid<Scalar>& s) {
   return reflectance_to_rgb([&](float wavelength) { return s.scale * evaluate(s.shape, wavelength); });
 }
 
-/// Colours of a 32^3 grid in the sRGB encoding.
+/// Calls f for the colours of a 32^3 grid in sRGB encoding, with every `step`-th value per axis.
 template <class F> void for_each_color(int step, F&& f) {
   constexpr int kSteps = 32;
   for (int r = 0; r < kSteps; r += step)
@@ -121,7 +121,7 @@ TEST_CASE("uplift: greys are exactly constant") {
       const Spectrum4 v = evaluate(s, lambda);
       CHECK((v.c0 == large && v.c1 == large && v.c2 == large && v.c3 == large));
     }
-    // As coloured ones: a shape of the brightness that stands for all of them.
+    // Like coloured values: a shape of fixed brightness and a scale.
     const auto unbounded = uplift_unbounded<Scalar>(UpliftTable::get(), Vec3f{large, large, large});
     CHECK(evaluate(unbounded.shape, 500.0f) == kUpliftUnbounded);
     CHECK(unbounded.scale == 2 * large);

@@ -1,4 +1,4 @@
-// Every warp against its own density, and in registers against one by one.
+// Warps: samples against their pdfs, and SIMD lanes against scalar code.
 #include "core/warp.h"
 
 #include "core/distribution.h"
@@ -17,7 +17,7 @@ template <class F> auto direction(F&& warp) {
   return [warp](Random4<Scalar> u) { return std::optional<Vec3f>(warp(u.x, u.y)); };
 }
 
-/// Numbers in [0, 1) with those at which warps change branches or touch their ends.
+/// Numbers in [0, 1), including those at which warps change branches or reach their ends.
 std::vector<float> test_numbers() {
   std::vector<float> values = {0.0f,     kOneMinusEpsilon, 0.5f,   0.25f,       0.75f,
                                0x1p-24f, 0.125f,           0.875f, 0.49999997f, 0.50000006f};
@@ -25,7 +25,7 @@ std::vector<float> test_numbers() {
   return values;
 }
 
-/// Calls f for both members of all pairs of fields.
+/// Calls f for corresponding members of all fields.
 template <class A, class B, class F> void zip_fields(const A& a, const B& b, F&& f) {
   const auto ta = A::fields(a);
   const auto tb = B::fields(b);
@@ -33,7 +33,7 @@ template <class A, class B, class F> void zip_fields(const A& a, const B& b, F&&
   (std::make_index_sequence<std::tuple_size_v<decltype(ta)>>{});
 }
 
-/// Largest difference over all fields, lanes and pairs of numbers between warp(Wide, u, v) and warp(Scalar, u, v).
+/// Maximum difference between warp(Wide, u, v) and warp(Scalar, u, v) over all fields, lanes and pairs of numbers.
 template <class Warp> double worst_lane(Warp&& warp) {
   const auto values = test_numbers();
   double worst = 0;
@@ -85,7 +85,7 @@ TEST_CASE("warp: registers agree with single lanes") {
   CHECK(worst_lane([]<class L>(L, auto u, auto v) { return square_to_disk<L>(u, v); }) < 1e-6);
   CHECK(worst_lane([]<class L>(L, auto u, auto v) { return square_to_sphere<L>(u, v); }) < 1e-6);
   CHECK(worst_lane([]<class L>(L, auto u, auto v) { return square_to_triangle<L>(u, v); }) < 1e-6);
-  // Near the horizon z is the root of a difference of nearly equal numbers: its square is what can be compared.
+  // Near the horizon z is the square root of a difference of nearly equal numbers, so the test compares its square.
   CHECK(worst_lane([]<class L>(L, auto u, auto v) {
           Vec3<L> w = square_to_cosine_hemisphere<L>(u, v);
           w.z = w.z * w.z;

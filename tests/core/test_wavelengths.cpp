@@ -1,4 +1,4 @@
-// Hero wavelengths: their density, their rotation, and the balance over them.
+// Hero wavelength sampling: the pdf, the rotation of the wavelengths, and the balance heuristic over them.
 #include "core/wavelengths.h"
 
 #include "core/color.h"
@@ -24,7 +24,7 @@ std::array<float, 4> values(const Spectrum4& s) { return {s.c0, s.c1, s.c2, s.c3
 /// The sensor's response to light of one wavelength.
 Vec3f response(double lambda) { return xyz_to_rec709(cie_1931_xyz(static_cast<float>(lambda))); }
 
-/// The probability of wavelengths below `lambda`, by the quantiles.
+/// The cumulative distribution function at `lambda`, from the quantiles.
 double cumulative(double lambda) {
   constexpr int kCells = WavelengthQuantiles::kCells;
   for (int i = 0; i < 4 * kCells; ++i) {
@@ -75,14 +75,14 @@ TEST_CASE("wavelengths: range, density and rotation for every number") {
     for (std::size_t k = 0; k < 4; ++k) {
       CHECK(lambda[k] >= 360.0f);
       CHECK(lambda[k] <= 830.0f);
-      // The density is the cumulative function's slope, which is a step function.
+      // The pdf is the slope of the CDF, a step function.
       const double at = static_cast<double>(lambda[k]), below = std::max(360.0, at - 1e-3),
                    above = std::min(830.0, at + 1e-3);
       const double slopes[2] = {(cumulative(at) - cumulative(below)) / std::max(at - below, 1e-9),
                                 (cumulative(above) - cumulative(at)) / std::max(above - at, 1e-9)};
       const double p = static_cast<double>(pdf[k]);
       CHECK((std::abs(slopes[0] / p - 1) < 1e-3 || std::abs(slopes[1] / p - 1) < 1e-3));
-      // The cumulative function takes each back to its number.
+      // The CDF maps each wavelength back to its random number.
       const double turned = std::fmod(static_cast<double>(u) + 0.25 * static_cast<double>(k), 1.0);
       CHECK(std::abs(cumulative(static_cast<double>(lambda[k])) - turned) < 2e-6);
     }
@@ -102,7 +102,7 @@ TEST_CASE("wavelengths: registers agree with single numbers") {
 }
 
 TEST_CASE("wavelengths: white light is a quiet estimate") {
-  // The sum over red, green and blue of variance over squared mean, in daylight and in equal energy.
+  // The sum over red, green and blue of variance over squared mean, in daylight and in equal-energy light.
   for (const bool in_daylight : {true, false}) {
     double mean[3] = {}, squares[3] = {}, alone[3] = {};
     constexpr int kSteps = 8192;
@@ -131,7 +131,7 @@ TEST_CASE("wavelengths: white light is a quiet estimate") {
 TEST_CASE("wavelengths: the balance over the four counts each path once") {
   CHECK(hero_balance(Spectrum4(1.0f)) == 1.0f);
   CHECK(hero_balance(Spectrum4(1, 0, 0, 0)) == 4.0f);
-  // Two strategies with unequal densities p and q that both reach f: p f/mean + q f/mean weighs f by 1 on average.
+  // Two strategies with different pdfs p and q that both sample f: p f / mean + q f / mean has an average weight of 1.
   const float p = 0.3f, q = 0.9f;
   const float by_first = hero_balance(Spectrum4(1, q / p, 1, q / p)) / p;
   const float by_second = hero_balance(Spectrum4(1, p / q, 1, p / q)) / q;

@@ -1,4 +1,4 @@
-// Lights of every kind in small scenes, and where what they send is compared.
+// Lights of every kind in small scenes, with receivers on which their emission is compared.
 #pragma once
 
 #include "core/exr.h"
@@ -21,13 +21,13 @@ struct Receiver {
   float radius;
 };
 
-/// Lights, and where what they send is compared.
+/// A scene with lights, and the receivers on which their emission is compared.
 struct Case {
   std::string name;
   Description scene;
   Receiver receivers[2];
-  double power_error = 1e-4;  ///< of light_power(), in proportion: quadrature of areas, cones and textures
-  bool convex = false;        ///< a lone area light whose photons meet nothing
+  double power_error = 1e-4;  ///< relative error of light_power(): quadrature over areas, cones and textures
+  bool convex = false;        ///< a single convex area light, whose photons hit nothing
   std::uint32_t photons = 150000;
 };
 
@@ -40,11 +40,11 @@ inline TextureId add_board(Description& d, Vec3f first, Vec3f second) {
 }
 
 inline const Transform kTilt = Transform::translate({0.3f, -0.2f, 3}) * Transform::rotate({1, 2, 0.5f}, 155);
-/// For lights around kTilt, one in front and one far aside.
+/// For lights around kTilt: one receiver in front and one far to the side.
 inline const Receiver kBelow{{0, 0, 0.2f}, normalize(Vec3f{0.1f, -0.3f, 1}), 1.5f};
 inline const Receiver kAside{{2.5f, -1, 1}, normalize(Vec3f{-1, 0.2f, 0.3f}), 1.5f};
 
-/// Triangles of very unequal areas in different planes.
+/// Triangles of very different areas in different planes.
 inline Mesh uneven_mesh() {
   Mesh mesh;
   mesh.positions = {{-1, -1, 0}, {1, -1, 0.2f}, {-1, 1, 0.1f}, {1.5f, 1.2f, -0.6f}, {1.6f, 1.0f, -0.6f}};
@@ -73,7 +73,7 @@ inline Case textured(Case c) {
   return c;
 }
 
-/// Spheres, rectangles, cylinders and a textured disk in a group that is placed stretched, and mirrored.
+/// Spheres, rectangles, cylinders and a textured disk in a group, with a stretched and a mirrored instance.
 inline Case instanced_case() {
   Case c{"instances", empty_scene(4, 4), {kBelow, kAside}, 1e-2};
   ShapeGroup group;
@@ -123,7 +123,7 @@ inline std::vector<Case> area_cases() {
 
 template <class Model> Case placed_case(const std::string& name, Model model, double power_error = 1e-4) {
   Case c{name, empty_scene(4, 4), {kBelow, kAside}, power_error};
-  add_sphere(c.scene, {0.2f, 0.3f, 0.5f}, 3);  // a bounding sphere that holds the receivers
+  add_sphere(c.scene, {0.2f, 0.3f, 0.5f}, 3);  // a bounding sphere that contains the receivers
   c.scene.lights.push_back({std::move(model), {"scene.xml", 9}});
   return c;
 }
@@ -148,7 +148,7 @@ inline std::vector<Case> spot_cases() {
                              placed_case("wide spot", spot_of(kLinear, kTilt, 180, 30)),
                              placed_case("smooth spot", spot_of(kSmooth, kTilt, 50, 20)),
                              placed_case("wide smooth spot", spot_of(kSmooth, kTilt, 140, 20)),
-                             // Of the power of one that is stretched light_power() knows nothing.
+                             // light_power() does not support stretched spot lights.
                              placed_case("stretched spot", spot_of(kLinear, stretched, 50, 30), 1)};
   const Vec3f axis = kTilt.vector({0, 0, -1});
   cases[1].receivers[0] = {kTilt.point({0, 0, 2}), normalize(axis + Vec3f{0.5f, 0, 0}), 0.1f};
@@ -187,7 +187,7 @@ inline SunDescription sun_of(float radius) {
   return sun;
 }
 
-/// A picture of all directions, unlike along all axes.
+/// A goniometric light whose image differs along all axes.
 inline Case goniometric_case() {
   GoniometricLightDescription light;
   light.to_world = kTilt * Transform::scale({-2, 2, 2});
@@ -202,7 +202,7 @@ inline Case goniometric_case() {
   return c;
 }
 
-/// Area lights that shine on both sides, of which the second receiver looks at the back.
+/// Two-sided area lights; the second receiver faces their back.
 inline std::vector<Case> two_sided_cases() {
   const Receiver behind{{0.6f, -0.4f, 6}, normalize(Vec3f{0.1f, -0.3f, -1}), 1.5f};
   std::vector<Case> cases = {area_case("two-sided rectangle", RectangleShape{}, kTilt),
@@ -215,7 +215,7 @@ inline std::vector<Case> two_sided_cases() {
   return cases;
 }
 
-/// Lights that are not on a shape. Environment maps need their file while the scene is compiled.
+/// Lights that are not shapes. Environment maps read their file when the scene is compiled.
 inline std::vector<Case> placed_cases(const TemporaryFolder& folder) {
   const auto color = rgb({3, 1, 2});
   std::vector<Case> cases = {placed_case("point", PointLightDescription{{0.3f, -0.2f, 3}, color}),
@@ -226,7 +226,7 @@ inline std::vector<Case> placed_cases(const TemporaryFolder& folder) {
                              placed_case("envmap", envmap_of(folder, false), 1e-3),
                              placed_case("compensated envmap", envmap_of(folder, true), 1e-3)};
   for (std::size_t k = 2; k < 7; ++k) cases[k].photons = 500000;
-  cases[6].photons = 2000000;  // few of them carry much
+  cases[6].photons = 2000000;  // few photons carry much flux
   Case c = placed_case("textured projector", projector_of(), 1e-2);
   std::get<ProjectorDescription>(c.scene.lights[0].model).irradiance = add_board(c.scene, {6, 1, 0}, {2, 3, 1});
   cases.push_back(c);
@@ -241,7 +241,7 @@ inline std::vector<Case> placed_cases(const TemporaryFolder& folder) {
   return cases;
 }
 
-/// A medium that glows, all over the cubes that `places` make of [-1, 1]^3: it fills their boxes.
+/// An emissive medium that fills the cubes to which `places` transform [-1, 1]^3, and so their bounding boxes.
 inline Case medium_case(const std::string& name, MediumDescription medium, const std::vector<Transform>& places) {
   Case c{name, empty_scene(4, 4), {kBelow, kAside}, 1e-4};
   medium.emission = VolumeInput(rgb({1, 2, 0.5f}));
@@ -252,7 +252,7 @@ inline Case medium_case(const std::string& name, MediumDescription medium, const
 
 inline const Transform kBox = Transform::translate({0.3f, -0.2f, 3}) * Transform::scale({0.5f, 1, 0.8f});
 
-/// Extinction that grows along all axes of kBox.
+/// A medium whose extinction increases along all axes of kBox.
 inline MediumDescription uneven_fog(const TemporaryFolder& folder) {
   MediumDescription medium = fog(2, 0.25f);
   const auto density = [](Vec3f p, int) { return 0.1f + p.x + 3 * p.y * p.z; };

@@ -1,4 +1,4 @@
-// The BSDFs: sampling against densities, energy, reciprocity, and the laws of mirrors and refraction.
+// BSDFs: sampling against pdfs, energy, reciprocity, and the laws of reflection and refraction.
 #include "kernels/bsdf/all.h"
 
 #include "tests/support/bsdf_testing.h"
@@ -23,7 +23,7 @@ DielectricBsdf<Scalar> dielectric(float eta, float reflectance = 1, float transm
   return make_bsdf<DielectricBsdf>(DielectricParameters<Scalar>{eta, Spectrum4(reflectance), Spectrum4(transmittance)});
 }
 
-/// Numbers that make a dielectric reflect (0) or, if it can, transmit (just below 1).
+/// Random numbers for which a dielectric reflects (0) or, if it can, transmits (just below 1).
 constexpr Random4<Scalar> kReflect{0, 0, 0, 0}, kTransmit{0.9999999f, 0, 0, 0};
 
 constexpr int kSamplingTests = 5;  // outgoing directions from which a diffuse surface scatters
@@ -131,7 +131,7 @@ TEST_CASE("bsdf: dielectrics reflect as often as Fresnel says and keep all power
         CHECK(s.weight.c2 == doctest::Approx(scale).epsilon(1e-5));
       }
       const double share = fresnel_dielectric<Scalar>(wo.z, eta).reflectance;
-      // Binomial, 10 cases of each index.
+      // Binomial counts; 10 cases for each index.
       const double threshold = student_t_threshold(significance_of_each(20), kDraws - 1);
       CHECK(std::fabs(reflected - kDraws * share) <= threshold * std::sqrt(kDraws * share * (1 - share)) + 1);
       CHECK(is_black(dielectric(eta).evaluate(wo, {0, 0, 1}).f_cos));

@@ -1,4 +1,4 @@
-// Coats over other closures: sampling, energy, and against plastics and closed forms.
+// Coats over other closures: sampling, energy, and comparisons with plastics and closed forms.
 #include "kernels/bsdf/rough_coated.h"
 #include "scene/compile/plastic.h"
 
@@ -55,7 +55,7 @@ ConductorBsdf<Scalar> mirror(float reflectance) {
   return bsdf;
 }
 
-/// Samples of delta lobes count as absorbed.
+/// A coated BSDF without its delta lobes: their samples count as absorbed.
 struct WithoutMirror : CoatedBsdf<Scalar> {
   BsdfSample<Scalar> sample(Vec3f wo, const Random4<Scalar>& u) const {
     auto s = CoatedBsdf<Scalar>::sample(wo, u);
@@ -94,7 +94,7 @@ TEST_CASE("coats: reciprocity and energy") {
     check_white_furnace(rough_coated(diffuse(1), eta, 0, 0.3f), false);
     check_white_furnace(rough_coated(mirror(1), eta, 0, 0.3f), false);
   }
-  // Without a boundary and without absorption a coat is not there.
+  // A coat without a boundary and without absorption has no effect.
   check_white_furnace(coated(diffuse(1), 1, 0), true);
 }
 
@@ -112,7 +112,7 @@ TEST_CASE("coats: over a diffuse base they are plastics without what the coat se
 }
 
 TEST_CASE("coats: values by hand") {
-  // Both directions at 30 degrees: within, the cosine is sqrt(1 - 1/9).
+  // Both directions are at 30 degrees. Inside the coat the cosine is sqrt(1 - 1/9).
   const double cosine = std::sqrt(0.75), within = std::sqrt(1 - 0.25 / 2.25), eta = 1.5;
   const double s = (cosine - eta * within) / (cosine + eta * within),
                p = (within - eta * cosine) / (within + eta * cosine);
@@ -120,7 +120,7 @@ TEST_CASE("coats: values by hand") {
   const Vec3f wo = direction_of(cosine, 0), wi = direction_of(cosine, 1);
   CHECK(coated(diffuse(0.6f), 1.5f, 0.4f).evaluate(wo, wi).f_cos.c0 ==
         doctest::Approx((1 - r) * (1 - r) * dim * 0.6 / kPiD * cosine / (eta * eta)).epsilon(1e-4));
-  // A mirror under a coat sends back two images, both delta.
+  // A mirror under a coat has two delta reflections.
   MeanVariance energy;
   for (std::uint32_t i = 0; i < 20000; ++i) {
     const auto one = coated(mirror(0.8f), 1.5f, 0.4f).sample(wo, lane_random(73, i, 0));

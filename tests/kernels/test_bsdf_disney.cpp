@@ -1,4 +1,4 @@
-// The Disney BRDF: values against its formulas, sampling, energy, reciprocity, and registers.
+// The Disney BRDF: comparison with its published formulas, sampling, energy, reciprocity, and SIMD lanes.
 #include "kernels/bsdf/disney.h"
 
 #include "tests/support/bsdf_testing.h"
@@ -15,7 +15,7 @@ DisneyBsdf<Scalar> disney(const Parameters& p) {
   return bsdf;
 }
 
-/// Names: base colour, metallic, subsurface, specular, specular_tint, roughness, anisotropic, sheen, sheen_tint,
+/// Members: base colour, metallic, subsurface, specular, specular_tint, roughness, anisotropic, sheen, sheen_tint,
 /// clearcoat, clearcoat_gloss.
 const Parameters kDefault{{0.5f, 0.5f, 0.5f, 0}, 0, 0, 0.5f, 0, 0.5f, 0, 0, 0.5f, 0, 1};
 const Parameters kMetal{{1, 0.8f, 0.4f, 0}, 1, 0, 0.5f, 0, 0.4f, 0.9f, 0, 0, 0, 0};
@@ -27,7 +27,7 @@ const Parameters kMaterials[] = {kDefault, kMetal, kSkin, kRough, kCoat, kEveryt
 
 constexpr int kSamplingTests = 5 * 6, kPeakTests = 2;
 
-/// The published formulas in double precision, term by term, for one colour. `lum`: .3 R + .6 G + .1 B.
+/// The published formulas in double precision, term by term, for one colour channel `base`. `lum`: .3 R + .6 G + .1 B.
 double reference(const Parameters& p, double base, double lum, Vec3f v, Vec3f l) {
   const double pi = 3.14159265358979323846;
   const auto mix = [](double a, double b, double t) { return a + t * (b - a); };

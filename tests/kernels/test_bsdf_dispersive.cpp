@@ -1,5 +1,5 @@
-// Dielectrics whose index depends on the wavelength: with equal indices they are the ordinary ones; energy, sampling
-// and Snell's law at each wavelength otherwise.
+// Dispersive dielectrics. With equal indices they match ordinary dielectrics; otherwise tests cover energy, sampling
+// and Snell's law at each wavelength.
 #include "kernels/bsdf/dielectric.h"
 #include "kernels/bsdf/dispersive_dielectric.h"
 #include "kernels/bsdf/dispersive_rough_dielectric.h"
@@ -29,14 +29,14 @@ template <template <class> class Bsdf> Bsdf<Scalar> rough(const Spectrum4& eta, 
   return bsdf;
 }
 
-/// The four with another one first.
+/// The four values rotated by `by`, which makes another one the first.
 Spectrum4 rotated(const Spectrum4& s, int by) {
   const float v[4] = {s.c0, s.c1, s.c2, s.c3};
   const auto at = [&](int k) { return v[(k + by) % 4]; };
   return {at(0), at(1), at(2), at(3)};
 }
 
-/// Mean over samples and over which wavelength is first of the power that is scattered, all wavelengths together.
+/// Mean scattered power of all wavelengths together, over samples and over the choice of the first wavelength.
 template <class Make> MeanVariance scattered_power(Make&& make, Vec3f wo) {
   MeanVariance power;
   for (std::uint32_t i = 0; i < 20000; ++i) {
@@ -46,7 +46,7 @@ template <class Make> MeanVariance scattered_power(Make&& make, Vec3f wo) {
   return power;
 }
 
-/// Reflection and refraction of one wavelength after the other, as if each were alone.
+/// Mean scattered power with each wavelength on its own.
 template <class Make> MeanVariance separate_power(Make&& make, Vec3f wo) {
   MeanVariance power;
   for (std::uint32_t i = 0; i < 20000; ++i) {

@@ -1,4 +1,4 @@
-// Hair: its parts by their closed forms, its energy, and what it does beside the test of all BSDFs.
+// The hair BSDF: its terms against closed forms, its energy, and properties beyond the tests of all BSDFs.
 #include "kernels/bsdf/hair.h"
 
 #include "kernels/stages/adjoint.h"
@@ -63,7 +63,7 @@ TEST_CASE("hair: longitudinal lobes integrate to one and have their mean where a
       };
       CHECK(integral(-kHalfTurn / 2, kHalfTurn / 2, 4000, density) == doctest::Approx(1).epsilon(1e-4));
     }
-  // The mean of a von Mises-Fisher distribution across -theta: coth(1 / v) - v.
+  // The mean of sin(theta) under a von Mises-Fisher distribution around -theta: coth(1 / v) - v times sin(-theta).
   const double v = 0.3, theta = 0.6;
   const double sine = integral(-kHalfTurn / 2, kHalfTurn / 2, 4000, [&](double t) {
     return double(hair_detail::longitudinal<Scalar>(at(theta), at(t), float(v))) * std::cos(t) * std::sin(t);
@@ -101,7 +101,7 @@ TEST_CASE("hair: fibres that absorb nothing scatter all light") {
       CAPTURE(tilt);
       const Hair bsdf = hair(roughness, 0.5f * roughness + 0.2f, 0, tilt);
       check_white_furnace(bsdf, true);
-      // The density and the value are the same then, up to rounding: no lobe is favoured.
+      // The value then equals the pdf up to rounding, because all lobes are sampled with their exact weights.
       for (std::uint32_t i = 0; i < 100; ++i) {
         const Vec3f wo = random_direction(31, i);
         const auto [f, pdf] = bsdf.evaluate(wo, random_direction(32, i));
@@ -111,7 +111,7 @@ TEST_CASE("hair: fibres that absorb nothing scatter all light") {
 }
 
 TEST_CASE("hair: what a fibre absorbs is the light that is not scattered") {
-  // Through the middle of a fibre: Fresnel's reflectance at right angles, and ways of one diameter each.
+  // Through the centre of a fibre: Fresnel reflectance at normal incidence, and segments of one diameter each.
   const double f = std::pow((1.55 - 1) / (1.55 + 1), 2);
   for (const float sigma_a : {0.2f, 1.0f}) {
     const double t = std::exp(-2.0 * double(sigma_a)), albedo = f + (1 - f) * (1 - f) * t / (1 - t * f);
@@ -121,7 +121,8 @@ TEST_CASE("hair: what a fibre absorbs is the light that is not scattered") {
 }
 
 TEST_CASE("hair: smooth fibres send light where a cylinder of glass does") {
-  // Through the middle on to the other side, at the mirrored inclination; off the middle reflected at the normal.
+  // Transmission through the centre continues at the mirrored inclination. Reflection off the centre mirrors at the
+  // normal.
   const Hair bsdf = hair(0.03f, 0.03f, 0, 0);
   const auto value = [&](Vec3f wo, Vec3f wi) { return bsdf.evaluate(wo, normalize(wi)).f_cos.c1; };
   const Vec3f wo = normalize(Vec3f{0, 0.4f, 1}), through{0, -0.4f, -1};
@@ -130,7 +131,7 @@ TEST_CASE("hair: smooth fibres send light where a cylinder of glass does") {
   CHECK(value(wo, through) > 4 * value(wo, {0, 0.0f, -1}));
   const Vec3f slanted = normalize(Vec3f{0.8f, 0, 0.6f});
   CHECK(value(slanted, {-0.8f, 0, 0.6f}) > 4 * value(slanted, {-0.6f, 0, 0.8f}));
-  // Refraction, Snell's law: what enters at gamma leaves turned by pi + 2 (gamma_t - gamma).
+  // Refraction by Snell's law: light that enters at gamma exits rotated by pi + 2 (gamma_t - gamma).
   const double gamma = std::atan2(-0.8, 0.6), refracted = std::asin(std::sin(gamma) / 1.55);
   const double leaving = gamma + kHalfTurn + 2 * (refracted - gamma);
   const Vec3f out{-std::sin(float(leaving)), 0, std::cos(float(leaving))};
@@ -174,7 +175,7 @@ TEST_CASE("hair: values are Mitsuba's") {
         {0.05331841f, 0.03372313f, 0.0199863f});
   check(dyed, {-0.385407418f, -0.899510086f, 0.205773488f}, {0.151130691f, 0.987936616f, 0.0337756984f},
         {4.78274536f, 4.76909113f, 4.75919294f});
-  // From behind the normal, which no ray sees of a curve.
+  // From behind the normal, a direction that does not occur for rays that hit a curve.
   check(dyed, {0.965376496f, -0.0973185003f, -0.242027655f}, {0.498614341f, -0.79011929f, 0.356504202f},
         {0.03982041f, 0.02980448f, 0.01249758f});
 }
@@ -186,7 +187,7 @@ TEST_CASE("hair: photons bring what paths find, though the model is not reciproc
   const Vec3f camera = normalize(Vec3f{0.7f, 0.2f, 0.5f}), light = normalize(Vec3f{-0.2f, -0.5f, 0.9f});
   CHECK(std::fabs(f(camera, light) / f(light, camera) - 1) > 0.02f);
   CHECK(photon(light, camera) == doctest::Approx(f(camera, light)).epsilon(1e-5));
-  // Behind the fibre: the photon is where the normal is the other way round from where the camera looks.
+  // Behind the fibre: the normal at the photon is opposite to the one that the camera sees.
   const auto turned = [](Vec3f w) { return Vec3f{-w.x, w.y, -w.z}; };
   CHECK(photon(light, turned(camera)) == doctest::Approx(f(camera, turned(light))).epsilon(1e-5));
 }

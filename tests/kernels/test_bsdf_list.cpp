@@ -1,4 +1,4 @@
-// What every BSDF of the list is put to without being named: those of its own are in test_bsdf*.cpp and test_phase.cpp.
+// Tests that apply to every BSDF in the list. Tests of individual BSDFs are in test_bsdf*.cpp and test_phase.cpp.
 #include "tests/support/any_bsdf.h"
 #include "tests/support/bsdf_testing.h"
 
@@ -9,10 +9,10 @@ namespace sheaf::test_bsdf_list {
 
 namespace {
 
-constexpr std::uint32_t kVariants = 1;  ///< of the parameters of each BSDF
+constexpr std::uint32_t kVariants = 1;  ///< parameter sets per BSDF
 constexpr int kTests = 10 * kVariants * kClosureKinds;
 
-/// What has a density: samples of delta lobes count as absorbed.
+/// A BSDF without its delta lobes: their samples count as absorbed.
 template <class Bsdf> struct WithoutDeltas {
   Bsdf bsdf;
 
@@ -41,7 +41,7 @@ TEST_SUITE_BEGIN("slow");
 TEST_CASE("all bsdfs: samples follow their density and weigh what evaluation says") {
   for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
     if constexpr (!Bsdf::kIsSpecular) {
-      // Those with tables have edges everywhere, but shallow ones; and next to the normal their densities are steep.
+      // Tabulated BSDFs have edges everywhere, but shallow ones. Near the normal their pdfs are steep.
       constexpr bool kTables = kHasTables<Bsdf>;
       check_bsdf_sampling_with_edges(WithoutDeltas<Bsdf>{bsdf}, kTests, kTables ? 2 : 6);
       check_bsdf_weights(WithoutDeltas<Bsdf>{bsdf}, kTables ? 1e-2 : 2e-3);
@@ -101,7 +101,7 @@ TEST_CASE("all bsdfs: panes let pass what their samples let pass") {
         const double p = double(passage.probability), sigma = std::sqrt(p * (1 - p) / kDraws);
         const double threshold = student_t_threshold(significance_of_each(kTests), kDraws - 1);
         CHECK(std::fabs(passed / kDraws - p) <= threshold * sigma + 1.0 / kDraws);
-        // Every passage weighs the same.
+        // Every ray that passes has the same weight.
         CHECK(light / std::max(passed, 1.0) * p == doctest::Approx(double(passage.share.c1)).epsilon(1e-4));
       }
   });

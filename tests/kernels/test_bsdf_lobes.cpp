@@ -1,5 +1,5 @@
-// Phong's, Ward's and Oren and Nayar's models, diffuse transmission and slabs that scatter once, against their
-// published forms in double precision.
+// The Phong, Ward and Oren-Nayar models, diffuse transmission and single-scattering slabs against their published
+// formulas in double precision.
 #include "kernels/bsdf/diffuse_transmitter.h"
 #include "kernels/bsdf/hanrahan_krueger.h"
 #include "kernels/bsdf/phong.h"
@@ -52,14 +52,14 @@ HanrahanKruegerBsdf<Scalar> slab(float sigma_s, float sigma_a, float thickness, 
   return bsdf;
 }
 
-/// Alike at all wavelengths.
+/// A slab with the same coefficients at all wavelengths.
 HanrahanKruegerBsdf<Scalar> grey_slab(float sigma_s, float thickness, float g) {
   HanrahanKruegerBsdf<Scalar> bsdf = slab(sigma_s, 0, thickness, g);
   bsdf.first = Spectrum4(sigma_s);
   return bsdf;
 }
 
-/// The part with a density: what passes a slab straight on counts as absorbed.
+/// A slab without its delta lobe: unscattered light counts as absorbed.
 struct Scattering : HanrahanKruegerBsdf<Scalar> {
   BsdfSample<Scalar> sample(Vec3f wo, const Random4<Scalar>& u) const {
     auto s = HanrahanKruegerBsdf<Scalar>::sample(wo, u);
@@ -68,7 +68,7 @@ struct Scattering : HanrahanKruegerBsdf<Scalar> {
   }
 };
 
-/// f over reflectance / pi, after Oren and Nayar's equations, in degrees of no precision but that of doubles.
+/// f over reflectance / pi by the equations of Oren and Nayar, in double precision.
 double oren_nayar(double theta_o, double theta_i, double phi, double alpha, double rho, bool fast) {
   const double s2 = 0.5 * alpha * alpha, a = std::max(theta_o, theta_i), b = std::min(theta_o, theta_i);
   const double c1 = 1 - 0.5 * s2 / (s2 + 0.33);
@@ -81,7 +81,7 @@ double oren_nayar(double theta_o, double theta_i, double phi, double alpha, doub
   return once + 0.17 * rho * s2 / (s2 + 0.13) * (1 - std::cos(phi) * std::pow(2 * b / kPiD, 2));
 }
 
-/// f cos of a slab by the midpoint rule over the depth of the one vertex.
+/// f times cosine of a slab, by the midpoint rule over the depth of the single scattering vertex.
 double slab_by_depth(double sigma_s, double sigma_t, double thickness, double g, Vec3f wo, Vec3f wi) {
   const double o = std::fabs(double(wo.z)), i = std::fabs(double(wi.z)), turn = -double(dot(wo, wi));
   const double phase = (1 - g * g) / (4 * kPiD * std::pow(1 + g * g - 2 * g * turn, 1.5));
@@ -113,12 +113,13 @@ TEST_CASE("phong: sampling, weights, reciprocity, energy") {
 
 TEST_CASE("phong: values by hand") {
   const Vec3f wo{0.6f, 0, 0.8f}, wi{0, 0.6f, 0.8f};
-  // The mirror image of wo is (-0.6, 0, 0.8): the cosine to wi is 0.64.
+  // The mirror direction of wo is (-0.6, 0, 0.8); its cosine with wi is 0.64.
   const double lobe = 12 / (2 * kPiD) * std::pow(0.64, 10);
   CHECK(phong(10, 0.3f, 0.6f).evaluate(wo, wi).f_cos.c0 ==
         doctest::Approx(0.8 * (0.3 / kPiD + 0.6 * lobe)).epsilon(1e-5));
   CHECK(is_black(phong(10, 0.3f, 0.6f).evaluate(wo, {0, 0.6f, -0.8f}).f_cos));
-  // Straight down the whole lobe is above the surface: the white lobe alone loses (n + 2) / (n + 1) times the cosine.
+  // At normal incidence the whole lobe is above the surface. Its normalisation (n + 2) / (2 pi) cancels the cosine, so
+  // a white lobe loses nothing.
   CHECK(sampled_albedo(phong(10, 0, 1), {0, 0, 1}) == doctest::Approx(1).epsilon(0.01));
 }
 
@@ -146,7 +147,7 @@ TEST_CASE("ward: the balanced variant makes no light, and all agree straight dow
 
 TEST_CASE("ward: values by hand") {
   const Vec3f wo{0.6f, 0, 0.8f}, wi{0, 0.6f, 0.8f};
-  // The half vector is (0.6, 0.6, 1.6), unnormalised.
+  // The unnormalised half vector is (0.6, 0.6, 1.6).
   const double t2 = (std::pow(0.6 / 0.3, 2) + std::pow(0.6 / 0.2, 2)) / (1.6 * 1.6);
   const double e = std::exp(-t2) / (kPiD * 0.3 * 0.2), base = 0.2 / kPiD;
   const auto value = [&](Variant v) { return double(ward(v, 0.3f, 0.2f, 0.2f, 0.6f).evaluate(wo, wi).f_cos.c0) / 0.8; };
@@ -183,7 +184,7 @@ TEST_CASE("rough diffuse: sampling and weights, and a smooth one is Lambertian")
     check_white_furnace(rough_diffuse(0, 1, fast), true);
   }
   check_bsdf_reciprocity(rough_diffuse(0.5f, 0.8f, true));
-  // Slopes of 0.35: what facets hide from one another is hardly more than what they light.
+  // Slopes of 0.35: masking hardly exceeds interreflection between the facets.
   CHECK(sampled_albedo(rough_diffuse(0.5f, 1, false), {0, 0, 1}) == doctest::Approx(0.94).epsilon(0.05));
 }
 
@@ -209,7 +210,7 @@ TEST_CASE("hanrahan krueger: sampling, weights, reciprocity, energy") {
     check_bsdf_reciprocity(part);
     check_bsdf_finite(slab(2, 0.5f, 0.4f, g));
     check_white_furnace(grey_slab(2, 0.4f, g), false);
-    // So thin that nothing is scattered twice: what is not scattered passes.
+    // The slab is so thin that multiple scattering is negligible: light that is not scattered passes.
     CHECK(sampled_albedo(grey_slab(1e-3f, 0.1f, g), {0, 0.6f, 0.8f}) == doctest::Approx(1).epsilon(0.01));
   }
 }
@@ -230,7 +231,7 @@ TEST_CASE("hanrahan krueger: the integral over the depth of the vertex") {
     if (s.pdf_solid_angle == 0) CHECK(length(s.wi + wo) < 1e-6f);
   }
   CHECK(passed.p_value(std::exp(-2.5 * 0.4 / 0.8)) > significance_of_each(kSamplingTests));
-  // By extinction and albedo it is the same.
+  // Parametrised by extinction and albedo, the result is the same.
   HanrahanKruegerBsdf<Scalar> other = slab(2, 0.5f, 0.4f, 0.3f);
   other.first = {2.5f, 1.5f, 4.5f, 0};
   other.second = {0.8f, 1 / 1.5f, 4 / 4.5f, 0};

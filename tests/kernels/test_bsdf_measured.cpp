@@ -1,5 +1,5 @@
-// The measured BRDF: tables of facets against the facets themselves, against Mitsuba 3 that reads the same tables, and
-// what becomes of spectra and colours.
+// The measured BRDF: tables of GGX facets against the facets themselves and against Mitsuba 3 with the same tables; and
+// the conversion of spectra and colours.
 #include "core/color.h"
 #include "kernels/bsdf/all.h"
 #include "scene/data/rgb_basis.h"
@@ -10,7 +10,7 @@ namespace sheaf::test_bsdf_measured {
 
 namespace {
 
-/// A BSDF with the tables that it reads.
+/// A BSDF with its tables.
 struct Measured {
   std::vector<float> floats;
   MeasuredBsdf<Scalar> bsdf;
@@ -24,13 +24,13 @@ struct Measured {
   }
 };
 
-/// Tables as fine as those of the database.
+/// Tables as fine as those of the RGL material database.
 TabulatedFacets fine_facets() { return {.alpha_u = 0.4, .alpha_v = 0.4, .side = 64, .sample_side = 32}; }
 TabulatedFacets fine_anisotropic_facets() {
   return {.alpha_u = 0.5, .alpha_v = 0.3, .phi = azimuths(5, 4), .side = 48, .sample_side = 32};
 }
 
-/// Values for incident directions that are in the tables, against the BRDF that these were made of.
+/// Compares values for incident directions in the tables with the BRDF that the tables were made from.
 void check_against_facets(const TabulatedFacets& facets, const Measured& measured, float phi_o, double tolerance) {
   double worst = 0;
   for (const float theta_o : {0.0f, 0.6f, 1.2f})
@@ -47,8 +47,8 @@ void check_against_facets(const TabulatedFacets& facets, const Measured& measure
   CHECK(worst < tolerance);
 }
 
-/// f times the cosine in four channels and the density, between the first pairs of random directions: what Mitsuba 3.9
-/// makes of files of the facets below.
+/// f times the cosine in four channels, and the pdf, for the first pairs of random directions. Computed by Mitsuba 3.9
+/// from files of the facets below.
 using Reference = float[5];
 constexpr Reference kIsotropic[] = {{0.00451647f, 0.00719043f, 0.00986438f, 0.0f, 0.0177186f},
                                     {0.00998406f, 0.0173819f, 0.0247798f, 0.0f, 0.0446527f},

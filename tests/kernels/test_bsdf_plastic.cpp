@@ -1,4 +1,4 @@
-// Plastics: a diffuse base under a smooth or a rough coat, and the numbers computed once per coat.
+// Plastics: a diffuse base under a smooth or rough coat, and the constants that are computed once per coat.
 #include "kernels/bsdf/plastic.h"
 #include "kernels/bsdf/rough_plastic.h"
 #include "scene/compile/plastic.h"
@@ -38,7 +38,7 @@ Bsdf<Scalar> rough_plastic(float eta, float alpha, float diffuse, float specular
   return bsdf;
 }
 
-/// The part of a plastic that has a density: samples of the coat's mirror count as absorbed.
+/// A plastic without its delta lobe: specular samples count as absorbed.
 struct DiffusePart : PlasticBsdf<Scalar> {
   BsdfSample<Scalar> sample(Vec3f wo, const Random4<Scalar>& u) const {
     auto s = PlasticBsdf<Scalar>::sample(wo, u);
@@ -66,7 +66,7 @@ template <template <class> class Bsdf> void check_rough() {
   CHECK_FALSE(bsdf.sample({0, 0.6f, -0.8f}, {0.5f, 0.5f, 0.5f, 0}).valid);
 }
 
-/// The transmittance through rough facets by sampling them.
+/// Transmittance of a rough interface by sampling its facets.
 template <template <class> class Facets> MeanVariance transmittance_by_sampling(float cosine, float alpha, float eta) {
   const Facets<Scalar> facets(alpha, alpha);
   const Vec3f wo = direction_of(cosine, 0.3);
@@ -97,7 +97,7 @@ TEST_SUITE_BEGIN("slow");
 TEST_CASE("plastic: the diffuse part follows its density, the coat is a mirror") {
   for (const float nonlinear : {0.0f, 1.0f}) {
     DiffusePart part;
-    // So that the base is often chosen.
+    // A weak specular reflectance, so that the base is chosen often.
     static_cast<PlasticBsdf<Scalar>&>(part) = plastic(1.5f, 0.6f, 0.01f, nonlinear);
     check_bsdf_sampling(part, kSamplingTests);
     check_bsdf_weights(part);
@@ -139,13 +139,13 @@ TEST_CASE("plastic: internal reflectance of smooth coats") {
   CHECK(smooth_coat_internal_reflectance(1.5) == doctest::Approx(0.59636).epsilon(2e-4));
   CHECK(smooth_coat_internal_reflectance(1.0) == doctest::Approx(0).epsilon(1e-6));
   for (const double eta : {0.7, 1.2, 1.5, 2.5}) {
-    double sum = 0;  // midpoints, from within
+    double sum = 0;  // midpoint rule, from inside
     for (int i = 0; i < 20000; ++i) {
       const double c = (i + 0.5) / 20000;
       sum += 2 * c * fresnel_dielectric<Scalar>(static_cast<float>(c), static_cast<float>(1 / eta)).reflectance / 20000;
     }
     CHECK(smooth_coat_internal_reflectance(eta) == doctest::Approx(sum).epsilon(3e-4));
-    // A rough coat that is nearly smooth is no different.
+    // A nearly smooth rough coat gives the same result.
     CHECK(rough_coat(Distribution::kBeckmann, 1e-4, eta).internal_reflectance == doctest::Approx(sum).epsilon(2e-3));
     CHECK(rough_coat(Distribution::kGgx, 1e-4, eta).internal_reflectance == doctest::Approx(sum).epsilon(2e-3));
   }
@@ -215,7 +215,7 @@ TEST_CASE("plastic: the coats of a scene with many roughnesses are those of each
       CAPTURE(static_cast<int>(distribution));
       CAPTURE(eta);
       RoughCoats coats;
-      // More than are kept as they are, so that the last ones are interpolated.
+      // Requests more than kMaxExact coats, so that the last ones are interpolated.
       for (std::size_t i = 0; i < RoughCoats::kMaxExact; ++i) coats.coat(distribution, 0.1 + 0.001 * double(i), eta);
       for (const double alpha : {1e-5, 1.3e-3, 0.0123, 0.0517, 0.2, 0.347, 0.71, 1.0, 1.9, 2e3}) {
         CAPTURE(alpha);

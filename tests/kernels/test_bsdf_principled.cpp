@@ -1,4 +1,4 @@
-// The principled BSDFs: their values against Mitsuba's, sampling, energy, reciprocity, and registers.
+// The principled BSDFs: comparison with Mitsuba, sampling, energy, reciprocity, and SIMD lanes.
 #include "kernels/bsdf/principled.h"
 #include "kernels/bsdf/principled_thin.h"
 
@@ -22,7 +22,7 @@ PrincipledThinBsdf<Scalar> thin(const Thin& p) {
   return bsdf;
 }
 
-/// f |cos(wi)| as Mitsuba 3.9.1 (scalar_rgb) evaluates its own plugins.
+/// f |cos(wi)| as computed by Mitsuba 3.9.1 (scalar_rgb).
 template <class Parameters> struct Reference {
   Parameters parameters;
   Vec3f wo, wi;
@@ -243,15 +243,15 @@ const Reference<Thin> kThinReferences[] = {
      {0.02460195, 0.02308331, 0.001518639, 0}},
 };
 
-/// The largest difference in any of the colours, in proportion to the brightest.
+/// Maximum difference over the channels, relative to the brightest channel.
 double reference_difference(const Spectrum4& f, const Spectrum4& expected) {
   const double scale = max_component(expected);
   return std::max({std::fabs(f.c0 - expected.c0), std::fabs(f.c1 - expected.c1), std::fabs(f.c2 - expected.c2)}) /
          scale;
 }
 
-/// Names: base colour, roughness, anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat,
-/// clearcoat_gloss, eta.
+/// Members: base colour, roughness, anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness,
+/// clearcoat, clearcoat_gloss, eta.
 const Principled kDefault{{0.5f, 0.5f, 0.5f, 0}, 0.5f, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1.5f};
 const Principled kMetal{{1, 1, 1, 0}, 0.4f, 0.8f, 1, 0, 0, 0, 0, 0, 0, 0, 1.5f};
 const Principled kGlass{{1, 1, 1, 0}, 0.6f, 0.5f, 0, 1, 0, 0, 0, 0, 0, 0, 1.5f};
@@ -264,7 +264,7 @@ const Principled kMax{{1, 1, 1, 0}, 1, 1, 0, 1, 1, 1, 1, 1, 1, 0, 2};
 const Principled kSmooth{{0.8f, 0.8f, 0.8f, 0}, 0, 0, 0, 0.5f, 0, 0, 0, 0, 1, 1, 1.5f};
 const Principled kMaterials[] = {kDefault, kMetal, kGlass, kBubble, kCoated, kLacquer, kCloth, kEverything, kMax};
 
-/// Names: base colour, roughness, anisotropic, spec_trans, eta, spec_tint, sheen, sheen_tint, flatness, diff_trans.
+/// Members: base colour, roughness, anisotropic, spec_trans, eta, spec_tint, sheen, sheen_tint, flatness, diff_trans.
 const Thin kPaper{{0.8f, 0.7f, 0.6f, 0}, 0.8f, 0, 0, 1.5f, 0, 0.5f, 0.5f, 0.5f, 1.2f};
 const Thin kPane{{1, 1, 1, 0}, 0.5f, 0.4f, 1, 1.5f, 0, 0, 0, 0, 0};
 const Thin kLeaf{{0.2f, 0.8f, 0.1f, 0}, 0.6f, 0.2f, 0.5f, 1.3f, 0.5f, 1, 1, 1, 2};
@@ -274,8 +274,8 @@ const Thin kThinMaterials[] = {kPaper, kPane, kLeaf, kThinOnes};
 constexpr int kDirections = 10;  // of outgoing_directions()
 constexpr int kSamplingTests = kDirections * 13, kPeakTests = 8;
 
-/// f is symmetric but for the squared index of the side from which it is looked at: radiance is scaled on its way.
-/// Values near zero are those of facets seen edge-on, whose cosines floats know less well.
+/// Checks that f is symmetric up to the squared index of refraction on the side of wo, which scales radiance. Values
+/// near zero come from facets seen edge-on, whose cosines have large rounding errors.
 template <class Bsdf> void check_reciprocity(const Bsdf& bsdf, double eta, bool transmits = true) {
   double worst = 0;
   const auto f = [&](Vec3f wo, Vec3f wi) {

@@ -1,4 +1,4 @@
-// Rough conductors and dielectrics, the thin pane, and Nori's microfacet.
+// Rough conductors and dielectrics, the thin dielectric, and Nori's microfacet BRDF.
 #include "kernels/bsdf/nori_microfacet.h"
 #include "kernels/bsdf/rough_conductor.h"
 #include "kernels/bsdf/rough_dielectric.h"
@@ -52,7 +52,7 @@ template <template <class> class Bsdf> void check_metal() {
   for (std::uint32_t i = 0; i < 100; ++i) {
     const auto s = mirror.sample(wo, lane_random(41, i, 0));
     CHECK(s.valid);
-    CHECK(s.weight.c0 == doctest::Approx(1).epsilon(1e-3));  // next to no masking
+    CHECK(s.weight.c0 == doctest::Approx(1).epsilon(1e-3));  // hardly any masking
     CHECK(s.wi.z == doctest::Approx(wo.z).epsilon(0.1));
   }
 }
@@ -77,7 +77,7 @@ template <template <class> class Bsdf> void check_glass() {
     }
 }
 
-/// In the limit of small roughness a sample is one of DielectricBsdf's.
+/// For small roughness the samples converge to those of DielectricBsdf.
 template <template <class> class Bsdf> void check_smooth_limit() {
   for (const float cosine : {0.9f, 0.3f, -0.9f, -0.5f})
     for (const float u : {0.0f, 0.999999f}) {
@@ -155,7 +155,7 @@ TEST_CASE("nori microfacet: sampling, weights, reciprocity, energy") {
     check_white_furnace(nori(kd, alpha), false);
     check_bsdf_finite(nori(kd, alpha));
   }
-  // Straight down on facets that all face up: kd / pi + ks F / (4 pi alpha^2).
+  // Normal incidence on facets that all face up: kd / pi + ks F / (4 pi alpha^2).
   const double expected = 0.5 / 3.14159265358979 + 0.5 * 0.04 / (4 * 3.14159265358979 * 0.01);
   CHECK(nori(0.5f, 0.1f).evaluate({0, 0, 1}, {0, 0, 1}).f_cos.c0 == doctest::Approx(expected).epsilon(1e-5));
   CHECK(is_black(nori(0.5f, 0.1f).evaluate({0, 0, -1}, {0, 0, 1}).f_cos));
@@ -169,7 +169,7 @@ TEST_CASE("nori microfacet: shadowing of a mirror reflection, by Walter's approx
       const double g1 = b < 1.6 ? (3.535 * b + 2.181 * b * b) / (1 + 2.276 * b + 2.577 * b * b) : 1;
       const Vec3f wo{static_cast<float>(std::sin(theta)), 0, static_cast<float>(cosine)};
       const double fresnel = static_cast<double>(fresnel_dielectric<Scalar>(wo.z, 1.5f).reflectance);
-      // Facets that all face up have the density 1 / (pi alpha^2).
+      // The distribution at its peak is 1 / (pi alpha^2).
       const double expected = fresnel * g1 * g1 / (4 * kPi * alpha * alpha * cosine);
       const float found = nori(0, static_cast<float>(alpha)).evaluate(wo, {-wo.x, 0, wo.z}).f_cos.c0;
       CAPTURE(theta);
@@ -184,7 +184,7 @@ TEST_CASE("rough bsdfs: registers equal single values") {
   check_bsdf_lanes<RoughConductorGgxBsdf>([&](int l) { return metal<RoughConductorGgxBsdf>(alpha(l), 0.5f); });
   check_bsdf_lanes<RoughConductorBeckmannBsdf>(
       [&](int l) { return metal<RoughConductorBeckmannBsdf>(alpha(l), 0.5f); });
-  // Halves of nearly opposite directions are all rounding: no index close to one.
+  // No index close to 1: half vectors of nearly opposite directions consist of rounding errors.
   const auto eta = [&](int lane) {
     return share(lane, 1) < 0.5f ? 0.45f + share(lane, 1) * 0.9f : 0.6f + share(lane, 1);
   };

@@ -1,5 +1,5 @@
-// Tracking by densities: distances and transmittances against exact ones, one ray and many at a time, and what becomes
-// of paths in lanes of their own.
+// Density tracking: distances and transmittance against exact values, scalar against SIMD code, and the path weights
+// per wavelength.
 #include "kernels/media/density_weights.h"
 
 #include "scene/tables/make_majorants.h"
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kLevel = 1e-4;
 
-/// A medium in a grid of noise with some holes.
+/// A medium from a noise grid with some empty regions.
 struct Noise {
   BrickGrid grid;
   MajorantGrid majorants;
@@ -36,7 +36,7 @@ struct Noise {
   Noise(const Noise&) = delete;
   Noise& operator=(const Noise&) = delete;
 
-  /// The integral of the density along a ray from its origin to i / kSteps of `length`.
+  /// Optical depth at density 1 along a ray, from its origin to i / kSteps of `length`, by the midpoint rule.
   static constexpr int kSteps = 20000;
   std::vector<double> depths(Vec3f o, Vec3f d, float length) const {
     std::vector<double> found(1, 0.0);
@@ -50,10 +50,10 @@ struct Noise {
   }
 };
 
-/// A number for DensityRay::first, independent of the ray's others.
+/// A number for DensityRay::first that is independent of the ray's other random numbers.
 float first_of(const MediumNumbers<Scalar>& n) { return MediumNumbers<Scalar>::start(n.x, n.y, n.z, n.w).at(0).x; }
 
-/// The same ray again and again, with numbers of its own each time.
+/// Tracks the same ray `rays` times with different random numbers.
 template <class L, DensityTracking kWhat>
 std::vector<TrackResult<Scalar>> track(const Noise& medium, Vec3f o, Vec3f d, float length, float extinction,
                                        int rays) {
@@ -116,7 +116,7 @@ TEST_CASE("density tracking: distances have the right distribution, and the weig
   const Vec3f o{1, 1, 3}, d = normalize(Vec3f{3, 20, 4});
   const float extinction = 0.12f;
   const auto ends = track<Wide, DensityTracking::kScattering>(medium, o, d, 40, extinction, 8000);
-  // As quantiles: 1 - T(t) is uniform below 1 - T(end).
+  // Compare quantiles: 1 - T(t) is uniform below 1 - T(end).
   const std::vector<double> depths = medium.depths(o, d, 40);
   const double total = depths.back();
   std::vector<double> counts(20);
@@ -126,7 +126,7 @@ TEST_CASE("density tracking: distances have the right distribution, and the weig
         has_passed(end) ? 1.0 : -std::expm1(-0.12 * depths[static_cast<std::size_t>(end.t / 40 * Noise::kSteps)]);
     const double place = has_passed(end) ? 19 : u / -std::expm1(-0.12 * total) * 19;
     counts[static_cast<std::size_t>(std::min(place, has_passed(end) ? 19.0 : 18.0))] += 1;
-    // What shadow rays would have met, over the probability of what was met: 1 in the mean over those that pass.
+    // The pdf ratio of light sampling and path sampling. Its mean is 1 over the rays that pass.
     light.add(has_passed(end) ? double{end.ratio} * std::exp(0.12 * double{end.minorants}) : 0.0);
   }
   const double n = 8000, passing = std::exp(-0.12 * total);
@@ -136,7 +136,7 @@ TEST_CASE("density tracking: distances have the right distribution, and the weig
     chi += (counts[i] - expected) * (counts[i] - expected) / expected;
   }
   CAPTURE(chi);
-  CHECK(chi < 50.8);  // chi-square of 19 degrees of freedom at 1e-4
+  CHECK(chi < 50.8);  // chi-square quantile for 19 degrees of freedom at 1e-4
   CAPTURE(light.mean());
   CHECK(student_t_p_value((light.mean() - 1) / std::sqrt(light.variance() / n), n) >= kLevel);
 }
@@ -170,7 +170,7 @@ TEST_CASE("density tracking: weights and densities of lanes with extinctions of 
           weigh_scattering(ray, end, delta, scattered);
           for (int lane = 0; lane < 4; ++lane) {
             CAPTURE(lane);
-            // The lane that the densities are of: their own, or the hero's for all.
+            // The lane whose coefficients enter the pdfs: each its own, or the hero wavelength's for all.
             const auto l = static_cast<std::size_t>(lane), d = weighted ? l : static_cast<std::size_t>(hero);
             const auto by_path = [&](double sigma) {
               return std::pow(sigma / h, nulls) * std::exp((h - sigma) * majorants);
@@ -225,7 +225,7 @@ TEST_CASE("density tracking: a ray ends as it would alone, and registers do what
       same += a.outcome == b.outcome && a.nulls == b.nulls && std::fabs(a.t - b.t) < 1e-3f &&
               std::fabs(a.ratio - b.ratio) < 1e-3f * std::fabs(b.ratio) + 1e-6f;
     }
-    // Logarithms and exponentials round differently, which may change what is met.
+    // Logarithms and exponentials round differently, which may change the sampled collisions.
     CHECK(same > kDensityRows * 97 / 100);
     CHECK(outcomes[static_cast<int>(DensityOutcome::kPassed)] > 40);
     return outcomes[static_cast<int>(DensityOutcome::kScattered)] +
@@ -237,7 +237,7 @@ TEST_CASE("density tracking: a ray ends as it would alone, and registers do what
 
 TEST_CASE("density tracking: rays whose steps vanish against the distance are given up") {
   Noise medium(0.0f, false, 0.5f);
-  // The bounds' alone is as dense as that.
+  // The majorant is this dense although the medium is empty.
   for (MajorantBounds& bounds : medium.majorants.bounds) bounds = MajorantBounds::around(0.0f, 1e30f);
   for (const TrackResult<Scalar>& end :
        {track<Wide, DensityTracking::kScattering>(medium, {-2, 3, 5}, {1, 0, 0}, 9, 1, 1)[0],

@@ -1,4 +1,4 @@
-// The film of named channels: means, variances and counts; and films as files.
+// The film of named channels: means, variances and sample counts; and conversion to images.
 #include "core/error.h"
 #include "kernels/film/cryptomatte.h"
 #include "kernels/film/film.h"
@@ -17,7 +17,7 @@ namespace {
 
 const FilmLayout kLayout({{"R", true}, {"depth", false}, {"albedo.G", true}});
 
-/// Adds the samples of one pixel to a film whose samples count in their own pixel alone.
+/// Adds the samples of one pixel to a film with a box filter of one pixel.
 void add_samples(Film& film, int x, int y, const SampleBuffer& samples, std::size_t count) {
   FilmTile tile;
   film.begin(tile, {x, y, x + 1, y + 1}, nullptr);
@@ -25,7 +25,7 @@ void add_samples(Film& film, int x, int y, const SampleBuffer& samples, std::siz
   film.add(tile);
 }
 
-/// A film of 3 x 2 pixels out of a larger frame, with samples that differ from pixel to pixel; one pixel has none.
+/// A film of 3 x 2 pixels inside a larger frame. Samples differ between pixels; one pixel has none.
 Film some_film(int spectral_bins = 0, VarianceUnit unit = VarianceUnit::kSample) {
   Film film(7, 5, {2, 1, 5, 3}, kLayout, spectral_bins, unit);
   SampleBuffer samples;
@@ -43,7 +43,7 @@ Film some_film(int spectral_bins = 0, VarianceUnit unit = VarianceUnit::kSample)
   return film;
 }
 
-/// One sample.
+/// A buffer with one sample.
 SampleBuffer some_samples(int spectral_bins) {
   SampleBuffer samples;
   samples.resize(1, kLayout.size(), spectral_bins > 0);
@@ -98,7 +98,7 @@ TEST_CASE("a film's noise is unknown where more than a thousandth of its pixels 
   const FilmLayout layout = FilmLayout::beauty();
   SampleBuffer samples;
   samples.resize(2, layout.size(), false);
-  // Of 2000 pixels `single` have one sample each, and `empty` none.
+  // A film of 2000 pixels, of which `single` have one sample and `empty` have none.
   const auto noise_of_film = [&](int single, int empty, VarianceUnit unit) {
     Film film(100, 20, {0, 0, 100, 20}, layout, 0, unit);
     for (int set = 0; set < 2; ++set) {
@@ -112,7 +112,7 @@ TEST_CASE("a film's noise is unknown where more than a thousandth of its pixels 
     return film.noise();
   };
   for (const VarianceUnit unit : {VarianceUnit::kSample, VarianceUnit::kReplicate}) {
-    // The standard error of the mean of 1 and 1.2 is 0.1; dark pixels count as if they had a tenth of the mean.
+    // The standard error of the mean of 1 and 1.2 is 0.1. Relative errors of dark pixels use a tenth of the image mean.
     const double expected = 0.1 / std::sqrt(1.1 * 1.1 + 0.11 * 0.11);
     CHECK(noise_of_film(0, 0, unit).value_or(-1) == doctest::Approx(expected).epsilon(1e-4));
     CHECK(noise_of_film(1, 1, unit).value_or(-1) == doctest::Approx(expected).epsilon(0.01));
@@ -177,7 +177,7 @@ TEST_CASE("surfaces cover pixels by the weights of their samples, and halves and
   SampleBuffer samples;
   samples.resize(1, film.layout().size(), false, true);
   std::vector<FilmBorder> borders;
-  // One sample in the middle of each pixel: surface 0 to the left, 1 to the right, nothing at the far right.
+  // One sample in the centre of each pixel: surface 0 on the left, 1 on the right, nothing at the far right.
   for (const int x0 : {0, 8}) {
     FilmTile tile;
     film.begin(tile, {x0, 0, x0 + 8, 8}, &weights);
@@ -209,7 +209,7 @@ TEST_CASE("surfaces cover pixels by the weights of their samples, and halves and
   CHECK(image.at(15, 4, number) == 0);
   CHECK(image.at(3, 4, id + 1) == doctest::Approx(1));
   CHECK(image.at(3, 4, id) == bits_float(cryptomatte_id("left")));
-  // On both sides of the edge the neighbour has the same share.
+  // On both sides of the edge, the neighbour has the same coverage.
   CHECK(image.at(7, 4, id) == bits_float(cryptomatte_id("left")));
   CHECK(image.at(8, 4, id) == bits_float(cryptomatte_id("right")));
   CHECK(image.at(7, 4, id + 2) == bits_float(cryptomatte_id("right")));

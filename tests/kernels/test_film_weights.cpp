@@ -1,4 +1,5 @@
-// Samples that count in every pixel under the filter: sums by tiles with borders against sums over all samples.
+// Samples that contribute to every pixel under the filter: films that are summed by tiles with borders, against direct
+// sums over all samples.
 #include "core/rng.h"
 #include "kernels/film/film.h"
 #include "tests/support/capture.h"
@@ -25,7 +26,7 @@ FilterDescription filter_of(Kind kind, float radius = 0.5f) {
   return filter;
 }
 
-/// A sample of a pixel: where it lies, and what it brings in two channels, of which the first has a variance.
+/// A sample of a pixel: its position and its values in two channels. The first channel has a variance.
 struct Drawn {
   SampleOffset offset;
   float values[2];
@@ -38,8 +39,8 @@ Drawn draw_sample(int x, int y, std::uint32_t sample) {
 
 const FilmLayout kLayout({{"R", true}, {"G", false}});
 
-/// All samples of all replicates, a replicate after the other, by squares of `side` pixels. `bins`: spectral ones, 3 or
-/// none; pixels without are added in another way.
+/// Adds all samples of all replicates, one replicate after the other, in square tiles of `side` pixels. `bins`: number
+/// of spectral bins, 3 or 0; without bins the pixels are added by another function.
 Film film_by_tiles(const FilterWeights& weights, const PixelRect& crop, int side, VarianceUnit unit, int bins = 3) {
   Film film(kFrameWidth, kFrameHeight, crop, kLayout, bins, unit);
   const PixelRect wanted = crop.grown(weights.reach()).intersection({0, 0, kFrameWidth, kFrameHeight});
@@ -71,14 +72,14 @@ Film film_by_tiles(const FilterWeights& weights, const PixelRect& crop, int side
   return film;
 }
 
-/// What a pixel is to be, by the definition in film.h.
+/// Expected values of a pixel by the definition in film.h.
 struct Expected {
   double means[2], variance;
 };
 
 Expected expected_at(const FilterDescription& filter, int px, int py, VarianceUnit unit) {
   const double middle = evaluate_filter(filter, 0);
-  std::vector<std::array<double, 3>> units;  // sum of weights, and of both channels
+  std::vector<std::array<double, 3>> units;  // sum of weights, and weighted sums of both channels
   for (std::uint32_t sample = 0; sample < kReplicates * kPerReplicate; ++sample) {
     if (unit == VarianceUnit::kReplicate && sample % kPerReplicate == 0) units.push_back({});
     for (int y = 0; y < kFrameHeight; ++y)
@@ -123,7 +124,7 @@ TEST_CASE("weighted film: means and variances are those of all samples under the
         CHECK(image.at(x, y, 1) == doctest::Approx(expected.means[1]).epsilon(1e-4));
         CHECK(image.at(x, y, 2) == doctest::Approx(expected.variance).epsilon(1e-3));
         CHECK(image.at(x, y, 3) == kReplicates * kPerReplicate);
-        // The second bin has 0.5 + 0.25 of every sample, and a width of 470 / 3 nm.
+        // The second bin receives 0.5 + 0.25 from every sample; its width is 470 / 3 nm.
         if (bins > 0) CHECK(image.at(x, y, 5) == doctest::Approx(0.75 / (470.0 / 3)).epsilon(1e-5));
       }
     }
@@ -155,7 +156,7 @@ TEST_CASE("weighted film: tiles narrower than the filter's reach") {
 
 TEST_CASE("weighted film: dropped samples count nowhere") {
   const FilterWeights weights(filter_of(Kind::kGaussian));
-  // With replicates, samples of a pixel are added several at a time.
+  // With replicates, several samples of a pixel are added at once.
   for (const VarianceUnit unit : {VarianceUnit::kSample, VarianceUnit::kReplicate}) {
     Film film(3, 1, {0, 0, 3, 1}, kLayout, 0, unit);
     FilmTile tile;
@@ -177,7 +178,7 @@ TEST_CASE("weighted film: dropped samples count nowhere") {
     const Image image = film.to_image();
     CHECK(film.count(0, 0) == 33);
     CHECK(film.count(1, 0) == 0);
-    CHECK(image.at(1, 0, 0) == doctest::Approx(4));  // by the neighbour's samples
+    CHECK(image.at(1, 0, 0) == doctest::Approx(4));  // from the neighbour's samples
     CHECK(image.at(2, 0, 0) == doctest::Approx(4));
     CHECK(image.at(0, 0, 1) == doctest::Approx(1.0 / 33));
   }

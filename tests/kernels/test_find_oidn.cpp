@@ -1,4 +1,4 @@
-// Where the library of Open Image Denoise is looked for.
+// Search paths for the Open Image Denoise library.
 #include "kernels/denoise/find_oidn.h"
 #include "tests/support/temporary_folder.h"
 
@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Makes a file and the folders that lead to it.
+/// Creates a file and its parent folders.
 void touch(const fs::path& file) {
   fs::create_directories(file.parent_path());
   write_bytes(file, "x");
@@ -74,7 +74,7 @@ TEST_CASE("oidn: beside the program, where pip puts it, and with Blender") {
     CAPTURE(each);
     CHECK(contains(folders.behind, folder / each));
   }
-  // Without anything set there is nothing of these.
+  // With no environment variables set, only system folders remain.
   const OidnFolders bare = oidn_folders("", [](const char*) { return std::string(); });
   CHECK(bare.before.empty());
   for (const fs::path& each : bare.behind) CHECK(each.string().starts_with("/usr"));

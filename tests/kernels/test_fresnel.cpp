@@ -1,4 +1,4 @@
-// Fresnel reflectances against closed forms and against complex arithmetic in double precision.
+// Fresnel reflectance against closed forms and against complex arithmetic in double precision.
 #include "kernels/bsdf/fresnel.h"
 
 #include "tests/support/records_testing.h"
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kIndices[] = {1.0003, 1.1, 1.33, 1.5, 2.4, 1 / 1.33, 1 / 1.5, 1 / 2.4};
 
-/// Fresnel's own sine and tangent laws; `relative`: index of the far over that of the near side.
+/// Fresnel's sine and tangent laws; `relative`: index of the far side over that of the near side.
 double dielectric_reflectance(double cos_i, double relative) {
   const double angle_i = std::acos(cos_i), sin_t = std::sin(angle_i) / relative;
   if (sin_t >= 1) return 1;
@@ -26,7 +26,7 @@ double dielectric_reflectance(double cos_i, double relative) {
   return 0.5 * (s * s + p * p);
 }
 
-/// The amplitudes of both polarisations in complex arithmetic.
+/// Reflectance from the complex amplitudes of both polarisations.
 double conductor_reflectance(double cos_i, double eta, double k) {
   using Complex = std::complex<double>;
   const Complex index(eta, k), index2 = index * index;
@@ -51,7 +51,7 @@ TEST_CASE("fresnel: dielectrics follow the sine and tangent laws from both sides
     for (const float c : cosines())
       for (const float cos_i : {c, -c}) {
         const double relative = cos_i < 0 ? 1 / eta : eta;
-        // Near the critical angle the reflectance rises without bound in its slope.
+        // Near the critical angle the slope of the reflectance is unbounded.
         if (c == 0.0f || std::fabs((1 - double(c) * c) / (relative * relative) - 1) < 1e-3) continue;
         const float found = fresnel_dielectric<Scalar>(cos_i, static_cast<float>(eta)).reflectance;
         worst = std::max(worst, std::fabs(found - dielectric_reflectance(c, relative)));
@@ -65,7 +65,7 @@ TEST_CASE("fresnel: dielectrics at normal, Brewster's and grazing incidence") {
     const double normal = std::pow((eta - 1) / (eta + 1), 2);
     CHECK(fresnel_dielectric<Scalar>(1.0f, e).reflectance == doctest::Approx(normal).epsilon(1e-4));
     CHECK(fresnel_dielectric<Scalar>(-1.0f, e).reflectance == doctest::Approx(normal).epsilon(1e-4));
-    // tan = eta: nothing of the parallel component is reflected.
+    // Brewster's angle, tan = eta: the parallel component is not reflected.
     const double s = (1 - eta * eta) / (1 + eta * eta);
     const float brewster = static_cast<float>(std::cos(std::atan(eta)));
     CHECK(fresnel_dielectric<Scalar>(brewster, e).reflectance == doctest::Approx(0.5 * s * s).epsilon(1e-3));
@@ -109,7 +109,7 @@ TEST_CASE("fresnel: matched indices reflect nothing and bend nothing") {
     if (c == 0.0f) continue;
     const auto f = fresnel_dielectric<Scalar>(c, 1.0f);
     CHECK(f.cos_transmitted == doctest::Approx(-c).epsilon(1e-3));
-    if (c < 1e-3f) continue;  // 1 - cos^2 is 1 in single precision
+    if (c < 1e-3f) continue;  // 1 - cos^2 rounds to 1 in single precision
     CHECK(f.reflectance == 0.0f);
     CHECK(fresnel_dielectric<Scalar>(-c, 1.0f).reflectance == 0.0f);
   }
@@ -149,7 +149,7 @@ TEST_CASE("fresnel: registers equal single values") {
       const auto one = fresnel_dielectric<Scalar>(cos_i[lane], eta[lane]);
       worst = std::max({worst, difference(wide.reflectance[lane], one.reflectance), difference(wide.eta[lane], one.eta),
                         difference(metal[lane], fresnel_conductor(u.x[lane], eta[lane], u.z[lane] * 5.0f))});
-      // Near the critical angle the root magnifies the last place.
+      // Near the critical angle the square root magnifies rounding errors.
       if (std::fabs(one.cos_transmitted) > 1e-2f)
         worst = std::max(worst, difference(wide.cos_transmitted[lane], one.cos_transmitted));
     }

@@ -1,4 +1,4 @@
-// The guide: what its mixtures sample against their densities, what they learn, and which of them is for which place.
+// Path guiding: samples of the mixtures against their pdfs, fitting of the mixtures, and the lookup of guide cells.
 #include "core/octahedral.h"
 #include "kernels/guiding/guide_field.h"
 #include "kernels/guiding/guide_sample.h"
@@ -15,7 +15,7 @@ namespace sheaf::test_guide_field {
 
 namespace {
 
-constexpr int kTests = 8;  // that share the significance level
+constexpr int kTests = 8;  // tests that share the significance level
 
 /// Uniform in [0, 1).
 float uniform(std::mt19937& random) { return unit_float(static_cast<std::uint32_t>(random())); }
@@ -25,7 +25,7 @@ Vec3f uniform_direction(std::mt19937& random) {
   return square_to_sphere<Scalar>(u, v);
 }
 
-/// Directions that the integrand `of`, per steradian, was sampled in evenly over the sphere; so is the BSDF.
+/// Training records with uniformly sampled directions; `of` is the integrand per steradian. The BSDF is uniform too.
 template <class F> std::vector<GuideRecord> records_of(int count, F&& of, Vec3f p = {0, 0, 0}) {
   std::mt19937 random(3);
   std::vector<GuideRecord> records;
@@ -37,7 +37,7 @@ template <class F> std::vector<GuideRecord> records_of(int count, F&& of, Vec3f 
   return records;
 }
 
-/// A lobe of exponent `kappa` around `middle`, its peak at 1.
+/// An unnormalised von Mises-Fisher lobe of concentration `kappa` around `middle`, with peak value 1.
 float lobe(Vec3f d, Vec3f middle, float kappa) { return std::exp(kappa * (dot(d, middle) - 1)); }
 
 const Vec3f kFirst = normalize(Vec3f{1, 2, 2}), kSecond = normalize(Vec3f{-2, 1, 1});
@@ -56,7 +56,7 @@ GuideView view_of(const GuideMixture& mixture) {
   return view;
 }
 
-/// A direction of the guide alone, or none where the BSDF was to be sampled.
+/// A direction sampled from the guide alone; empty if the BSDF is to be sampled.
 std::optional<Vec3f> guided(const GuideView& view, const Random4<Scalar>& u) {
   const auto s = sample_guide<Scalar>(view, 0u, 1, u);
   return s.taken ? std::optional(s.direction) : std::nullopt;
@@ -84,7 +84,7 @@ TEST_CASE("guiding: directions are distributed as their density says, which inte
 TEST_CASE("guiding: lobes from nearly even to the narrowest integrate to one") {
   for (const float kappa : {kMinKappa, 1.0f, 100.0f, kMaxKappa}) {
     CAPTURE(kappa);
-    // In steps of the cosine's logarithm: the density depends on the angle to the middle alone.
+    // The pdf depends only on the angle to the mean direction; its integral is in closed form.
     const double peak = double{lobe_peak(kappa)}, k = double{kappa};
     CHECK(2 * 3.141592653589793 * peak * -std::expm1(-2 * k) / k == doctest::Approx(1).epsilon(1e-5));
     const Vec3f d = sample_lobe<Scalar>(kFirst, kappa, 0.5f, 0.3f);
@@ -125,7 +125,7 @@ TEST_CASE("guiding: registers do what single paths do, and lanes do not see each
 TEST_CASE("guiding: a mixture comes near to what it is told of") {
   const GuideMixture mixture = two_lobes();
   const GuideView view = view_of(mixture);
-  // Shares of the lobes in the integrand, by their integrals: 2 pi (1 - exp(-2 kappa)) / kappa.
+  // Weights of the lobes in the integrand, by their integrals: 2 pi (1 - exp(-2 kappa)) / kappa.
   const double first = 1.0 / 60, second = 0.5 / 15, a = double{mixture.bsdf_share};
   const auto density = [&](Vec3f d) {
     const auto v = evaluate_guide<Scalar>(view, 0u, 1u, d);
@@ -135,9 +135,9 @@ TEST_CASE("guiding: a mixture comes near to what it is told of") {
   CHECK(density(kFirst) == doctest::Approx(1 / (turn * (first + second))).epsilon(0.25));
   CHECK(density(kSecond) == doctest::Approx(0.5 / (turn * (first + second))).epsilon(0.25));
   CHECK(density(-kFirst) < 0.05);
-  CHECK(a < 0.35);  // the BSDF, which is even, explains nothing
+  CHECK(a < 0.35);  // the BSDF is uniform and explains nothing
 
-  // Nothing to be learned: what the BSDF samples is as good as can be.
+  // There is nothing to learn: BSDF sampling is already optimal.
   GuideMixture even = first_mixture({0, 0, 0});
   GuideSums sums;
   const auto records = records_of(20000, [](Vec3f) { return 1.0f; });
@@ -192,13 +192,13 @@ TEST_CASE("guiding: places are the smaller the more is told of them, and the sam
     const auto row = [&view](std::uint32_t side, Vec3f p) {
       return guide_row<Scalar>(view, side, guide_code<Scalar>(view, p));
     };
-    // Where half of the records are, places are small.
+    // Cells are small where half of the records are.
     CHECK(row(4, {0.001f, 0.2f, 0.2f}) != row(4, {0.001f, 0.8f, 0.2f}));
     CHECK(row(4, {1, 0.5f, 0.5f}) != row(kGuideMedia, {1, 0.5f, 0.5f}));
     CHECK(row(4, {7, 0.5f, 0.5f}) != row(4, {1, 0.5f, 0.5f}));
-    // Anywhere, and what is no place at all, there is some row.
+    // Every position, even an invalid one, has a valid row.
     for (const float x : {-1e9f, 1e9f, -kInfinity, std::nanf("")}) CHECK(row(3, {x, 0, 0}) <= field.places());
-    // Registers find the same rows.
+    // SIMD lookups find the same rows.
     for (int round = 0; round < 20; ++round) {
       const auto numbers = [&](float scale) { return wide_floats([&](int) { return scale * uniform(random); }); };
       const Vec3<Wide> p{numbers(8), numbers(1), numbers(1)};
@@ -206,7 +206,7 @@ TEST_CASE("guiding: places are the smaller the more is told of them, and the sam
       const WideUint rows = guide_row<Wide>(view, side, guide_code<Wide>(view, p));
       for (int lane = 0; lane < kWidth; ++lane) CHECK(rows[lane] == row(side[lane], {p.x[lane], p.y[lane], p.z[lane]}));
     }
-    // Light is looked for where it was told to come from.
+    // The pdf is high in the directions of the training records.
     const auto density = [&](Vec3f p, Vec3f to) {
       return evaluate_guide<Scalar>(view, row(4, p), 1u, normalize(to - p)).pdf_solid_angle;
     };
@@ -238,7 +238,8 @@ TEST_CASE("guiding: a log tells paths in order, with what they have found from e
     CHECK(records[i].weight == found[i]);
     CHECK(records[i].p.x == paths[i]);
   }
-  // With a mean of 3 for what vertices find: light found at the next vertex, and the mean times what is left of it.
+  // With a mean of 3 per vertex, a record holds the light found at the next vertex plus the mean times the remaining
+  // weight.
   const float means[] = {3.0f};
   const auto smooth = log.records(view_of(mixture), means);
   const float weights[] = {0.75f, 0, 0.5f + 0.5f * 3, 0 + 0.5f * 3, 4};

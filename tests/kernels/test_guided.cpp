@@ -1,5 +1,5 @@
-// Vertices that sample the guide as well as their BSDF: the one-sample mixture against densities and weights worked out
-// by hand, and against the BSDF alone.
+// Vertices that sample both the guide and their BSDF: the one-sample MIS mixture against pdfs and weights calculated by
+// hand, and against BSDF sampling alone.
 #include "kernels/stages/guided.h"
 
 #include "scene/compile/compile.h"
@@ -18,7 +18,7 @@ namespace sheaf::test_guided {
 namespace {
 
 constexpr double kPiD = std::numbers::pi;
-/// All comparisons of means of this file together fail with probability kSignificance if guiding is sound.
+/// All comparisons of means in this file together fail with probability kSignificance if guiding is correct.
 const double kLevel = significance_of_each(5 * 2 * 5);
 
 struct Lobe {
@@ -45,7 +45,7 @@ GuideMixture mixture_of(float bsdf_share) {
   return mixture;
 }
 
-/// The density of the guide's directions, per steradian (Fisher 1953).
+/// The guide's pdf per steradian (Fisher 1953).
 double guide_pdf(Vec3f direction) {
   double sum = 0;
   for (const Lobe& lobe : kLobes) {
@@ -56,8 +56,8 @@ double guide_pdf(Vec3f direction) {
   return sum;
 }
 
-/// Means over sampled directions: of the weights of those that have a density, also times coordinates of the direction;
-/// and of the weights of delta lobes.
+/// Means over sampled directions: of the weights with a pdf, plain and times each coordinate of the direction; and of
+/// the weights of delta lobes.
 struct Means {
   std::array<MeanVariance, 4> smooth;
   MeanVariance delta;
@@ -136,7 +136,7 @@ TEST_CASE("guided vertices: the density is that of BSDF and guide together, and 
   diffuse.reflectance = Spectrum4(0.8f);
   check_mixture<DiffuseBsdf>(diffuse, false);
 
-  // A mirror above a diffuse base
+  // A specular coat over a diffuse base.
   PlasticBsdf<Scalar> plastic;
   plastic.eta = 1.9f;
   plastic.diffuse = plastic.specular = Spectrum4(0.8f);
@@ -169,12 +169,12 @@ TEST_CASE("guided vertices: the density is that of BSDF and guide together, and 
 }
 
 TEST_CASE("guided vertices: of blends, parts that disperse count with their own density, the guide with the others") {
-  // Shares: 0.5 diffuse, 0.2 mirror, 0.3 dispersive rough glass.
+  // Mixture weights: 0.5 diffuse, 0.2 mirror, 0.3 dispersive rough glass.
   constexpr double kDiffusePdf = 0.21, kGlassPdf = 1.3, kGuidePdf = 2.2, kBsdfShare = 0.3;
   const BlendValue<Scalar> blend{Spectrum4(0.4f), static_cast<float>(0.5 * kDiffusePdf + 0.3 * kGlassPdf),
                                  Spectrum4(0.1f), static_cast<float>(0.5 * kDiffusePdf), 0.5f};
   const GuideValue<Scalar> guide{static_cast<float>(kBsdfShare), static_cast<float>(kGuidePdf)};
-  // The diffuse part asks the guide, the glass never does.
+  // The diffuse part is guided, the dispersive glass is not.
   const double mixed = 0.5 * (kBsdfShare * kDiffusePdf + (1 - kBsdfShare) * kGuidePdf);
   CHECK(double{guided_pdf<Scalar>(guide, blend)} == doctest::Approx(mixed));
   CHECK(double{whole_pdf<Scalar>(guide, blend)} == doctest::Approx(mixed + 0.3 * kGlassPdf));
@@ -191,7 +191,7 @@ TEST_CASE("guide: what is noted of a direction is divided by the path's throughp
   TrainingSamples log;
   log.begin(4);
   context.training = &log;
-  const std::array<Spectrum4, 2> densities = {Spectrum4(1.0f), Spectrum4{1, 2, 6, 0}};  // means of 1 and 3
+  const std::array<Spectrum4, 2> densities = {Spectrum4(1.0f), Spectrum4{1, 2, 6, 0}};  // means 1 and 3
   for (const Spectrum4& r_u : densities) {
     const Slot slot = test.add({0, 0, 0}, {0, 0, 1});
     test.wave.rescaled_pdfs.row(slot) = {r_u, r_u};

@@ -1,5 +1,5 @@
-// The choice of a light as light sampling makes it against what paths that find the light take for its probability:
-// they know the vertex by their ray's origin and a rounded normal.
+// Light selection probabilities: those that light sampling uses, against those for paths that hit the light by BSDF
+// sampling. The latter know the vertex only by their ray's origin and a rounded normal.
 #include "kernels/stages/light_sample_context.h"
 #include "scene/compile/compile.h"
 #include "scene/tables/shape.h"
@@ -25,7 +25,7 @@ class Vertices {
   std::normal_distribution<float> normal_;
 };
 
-/// Lamps of all sizes and strengths, flat ones and balls, in a room of ten metres.
+/// Lights of all sizes and radiances, rectangles and spheres, in a room of 10 m.
 Description lamps(int count) {
   Description d = empty_scene(4, 4);
   Vertices v;
@@ -43,7 +43,7 @@ Description lamps(int count) {
   return d;
 }
 
-/// Whether a lamp sends anything to `p`: flat ones have a back.
+/// Whether a light emits towards `p`; rectangles are one-sided.
 bool shines(const SceneView& scene, std::uint32_t light, Vec3f p) {
   const LightRow& row = scene.lights[light];
   if (static_cast<LightKind>(row.kind) != LightKind::kMesh) return true;
@@ -73,7 +73,7 @@ TEST_CASE("choice of lights: the weights of light and BSDF sampling add up to on
         const double a = choice_probability<Scalar>(view, sampled, light);
         const double b = choice_probability<Scalar>(view, found, light);
         REQUIRE(a + b > 0);
-        // The most that the two power heuristics can miss, over all densities of BSDF sampling.
+        // Maximum error of the sum of the two power heuristics, over all pdfs of BSDF sampling.
         const double miss = std::fabs(a - b) / (a + b);
         worst = std::max(worst, miss);
         sum += miss;
@@ -83,7 +83,7 @@ TEST_CASE("choice of lights: the weights of light and BSDF sampling add up to on
     }
     MESSAGE(count << " lights: the weights miss one by " << worst << " at worst, " << sum / pairs
                   << " on average, more than 1e-4 in " << 100.0 * above / pairs << " % of the cases");
-    // What is left are places that all but touch a lamp, where the ray's origin, moved off the surface, matters.
+    // The rest are points that almost touch a light, where the offset of the ray's origin matters.
     CHECK(sum / pairs < 5e-6);
     CHECK(above < pairs / 1000);
     CHECK(worst < 0.02);

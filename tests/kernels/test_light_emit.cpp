@@ -1,5 +1,5 @@
-// Photons from lights of every kind: their mean is the light's power, what lands on a disk is what light sampling says
-// of it, they leave surfaces along the cosine and directions follow their density.
+// Photon emission for every kind of light. The mean flux is the light's power; the irradiance of a disk matches light
+// sampling; photons leave surfaces with a cosine distribution; and directions follow their pdf.
 #include "kernels/lights/light_emit.h"
 
 #include "scene/compile/compile.h"
@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kPiD = std::numbers::pi;
 
-/// Spectral mode: the wavelengths of all photons, nm.
+/// Wavelengths of all photons in spectral mode, nm.
 const Spectrum4 kLambda{450, 520, 580, 640};
 
 PhotonEmission<Scalar> photon(const SceneView& scene, std::uint32_t i) {
@@ -49,7 +49,7 @@ double power_of(const SceneView& scene) {
   return sum;
 }
 
-/// Student's t-test of the mean flux against the power of all lights, which is known but for `error`.
+/// Student's t-test of the mean flux against the total power of all lights, which has the relative error `error`.
 void check_power(const SceneView& scene, std::uint32_t photons, double error, double significance) {
   MeanVariance flux;
   for (std::uint32_t i = 0; i < photons; ++i) {
@@ -63,7 +63,7 @@ void check_power(const SceneView& scene, std::uint32_t photons, double error, do
   CHECK(flux.variance() < 100 * power * power);
 }
 
-/// What a photon brings to a disk, W / m^2.
+/// Irradiance of a disk by one photon, W / m^2.
 double deposit(const PhotonEmission<Scalar>& e, const Receiver& at) {
   const float cosine = -dot(e.direction, at.normal);
   if (!e.valid || !(cosine > 0.0f)) return 0;
@@ -72,7 +72,7 @@ double deposit(const PhotonEmission<Scalar>& e, const Receiver& at) {
   return hits ? weighed(e.flux) / (kPiD * at.radius * at.radius) : 0;
 }
 
-/// Irradiance by light sampling, at some place of a disk.
+/// Estimates the irradiance at a random point of a disk by light sampling.
 double sampled_irradiance(const SceneView& scene, const Receiver& at, std::uint32_t i) {
   const auto v = random4<Scalar>(62, i, 0, 0);
   const Vec2f on_disk = square_to_disk<Scalar>(v.x, v.y);
@@ -81,7 +81,7 @@ double sampled_irradiance(const SceneView& scene, const Receiver& at, std::uint3
   return s.valid ? weighed(s.radiance) * std::max(dot(s.direction, at.normal), 0.0f) / s.pdf_solid_angle : 0;
 }
 
-/// Student's t-test of the difference of the two. Nothing hides anything from anything else.
+/// Student's t-test of the difference of the two estimates, in a scene without occlusion.
 void check_irradiance(const SceneView& scene, const SceneView& reference, const Receiver& at, std::uint32_t photons,
                       double significance) {
   MeanVariance difference, sampled;
@@ -93,11 +93,11 @@ void check_irradiance(const SceneView& scene, const SceneView& reference, const 
   CAPTURE(difference.mean());
   CAPTURE(sampled.mean());
   CHECK(difference.p_value(0) > significance);
-  // An error of 8 % would be seen.
+  // The test detects an error of 8 %.
   CHECK(std::sqrt(difference.variance() / photons) < 0.08 / 4 * sampled.mean());
 }
 
-/// Light sampling leaves what compensation takes off an environment map to BSDF sampling: not so the reference.
+/// With MIS compensation, light sampling leaves part of an environment map to BSDF sampling. The reference disables it.
 Description without_compensation(Description d) {
   for (LightDescription& light : d.lights)
     if (auto* map = std::get_if<EnvmapDescription>(&light.model)) map->mis_compensation = false;
@@ -115,7 +115,7 @@ void check_cases(const std::vector<Case>& cases) {
   }
 }
 
-/// A surface light's photons start just above it, on its bright side, along the cosine.
+/// Checks that photons of an area light start just above the surface, on its emitting side, with a cosine distribution.
 void check_surface(const Case& c, double significance) {
   const auto scene = compile_scene(c.scene);
   const SceneView view = scene->view();
@@ -147,14 +147,14 @@ void check_surface(const Case& c, double significance) {
   }
   for (double& e : expected) e = double(valid - lost) / (kRings * kSectors);
   CHECK(valid > 0.999 * kDraws);
-  CHECK(lost < 0.003 * valid);  // over a rim
+  CHECK(lost < 0.003 * valid);  // past the rim
   CHECK(far < 0.003 * valid);
   CHECK(blocked == 0);
   CHECK(worst_cosine < 2e-3);
   CHECK(chi_square(observed, expected).p_value > significance);
 }
 
-/// Directions of a lone light against `pdf`, and the density that comes with each.
+/// Tests the directions of a single light against `pdf`, and the pdf that each photon returns.
 void check_directions(const Description& d, const std::function<double(Vec3f)>& pdf, double z_min,
                       double significance) {
   const auto scene = compile_scene(d);
@@ -204,7 +204,7 @@ TEST_CASE("light emission: so do lights that are not on a shape, environments, a
   const TemporaryFolder folder;
   std::vector<Case> cases = placed_cases(folder);
   cases.push_back(mixed_case(folder));
-  cases.back().power_error = 1;  // a stretched spot is among them
+  cases.back().power_error = 1;  // includes a stretched spot light
   check_cases(cases);
 }
 
@@ -232,7 +232,7 @@ TEST_CASE("light emission: photons start in a medium as their density says, whic
     const auto along = [](double v) { return std::clamp(static_cast<int>(v * kSide), 0, kSide - 1); };
     return static_cast<std::size_t>((along(z) * kSide + along(y)) * kSide + along(x));
   };
-  // Not all cells lie in one block: many points for each.
+  // Cells may overlap several blocks, so each cell is integrated with many points.
   const int n = kSide * kFine;
   for (int i = 0; i < n * n * n; ++i) {
     const double x = (i % n + 0.5) / n, y = (i / n % n + 0.5) / n, z = (i / n / n + 0.5) / n;
@@ -246,7 +246,7 @@ TEST_CASE("light emission: photons start in a medium as their density says, whic
     CHECK(e.medium == 1);
     const Vec3f at = e.origin - corner;
     observed[block(at.x / size.x, at.y / size.y, at.z / size.z)] += 1;
-    // Points in cells, not on their sides.
+    // Points inside cells, not on their faces.
     const double pdf = volume_light_pdf(view, 0, e.origin);
     if (std::fabs(pdf / double(e.pdf_position) - 1) > 1e-5) worst += 1;
   }
@@ -378,7 +378,7 @@ TEST_CASE("light emission: surfaces that emit along their normals on both sides 
     }
     // Binomial, within five standard deviations.
     CHECK(front / kPhotons == doctest::Approx(0.5).epsilon(2 * 5 * 0.5 / std::sqrt(kPhotons)));
-    // As the surface of a lamp of a told power.
+    // As the surface of a lamp with a given power.
     shape.power = 7.0f;
     if (!std::holds_alternative<TextureId>(*shape.radiance))
       CHECK(power_of(compile_scene(c.scene)->view()) == doctest::Approx(7 * (1 + 4 + 1.5)).epsilon(1e-4));
@@ -399,7 +399,7 @@ TEST_CASE("light emission: lights are chosen by power, whatever the selector") {
     CHECK(choice.probability == doctest::Approx(expected[choice.light] / kDraws));
   }
   CHECK(chi_square(observed, expected).p_value > kSignificance);
-  // So that photons of lone points all carry the same.
+  // Photons of single point lights therefore all have the same flux.
   for (std::uint32_t i = 0; i < 100; ++i) CHECK(photon(scene->view(), i).flux.c0 == doctest::Approx(4 * kPiD * 30));
   CHECK_FALSE(emit_photon<Scalar>(scene->view(), {0, 0}, {}, {}).valid);
 }
@@ -423,7 +423,7 @@ TEST_CASE("light emission: registers equal single values, lights mixed") {
       CAPTURE(light_of(lane));
       ++total;
       const double flux = weighed(one.flux), change = std::fabs(weighed(lane_record(wide.flux, lane)) - flux);
-      // Checkerboards and edges of cones: rounding decides.
+      // On checkerboards and at edges of cones, rounding decides.
       if (lane_of(wide.valid, lane) != one.valid || change > 1e-3 * flux) {
         ++other;
         continue;

@@ -1,5 +1,5 @@
-// Light sampling, for every kind of light: directions against the density that BSDF sampling is weighted with, targets,
-// selection, and registers against single values.
+// Light sampling for every kind of light: directions against the pdf that MIS uses for BSDF sampling, target points,
+// light selection, and SIMD lanes against scalar code.
 #include "tests/support/light_testing.h"
 
 #include "kernels/lights/light_weight.h"
@@ -26,7 +26,7 @@ constexpr int kTests = 18;  // chi-square tests of directions in this file
 
 const Transform kTilt = Transform::translate({0.3f, -0.2f, 3}) * Transform::rotate({1, 2, 0.5f}, 155);
 
-/// Triangles of very unequal areas in different planes.
+/// Triangles of very different areas in different planes.
 Mesh uneven_mesh() {
   Mesh mesh;
   mesh.positions = {{-1, -1, 0}, {1, -1, 0.2f}, {-1, 1, 0.1f}, {1.5f, 1.2f, -0.6f}, {1.6f, 1.0f, -0.6f}};
@@ -34,7 +34,7 @@ Mesh uneven_mesh() {
   return mesh;
 }
 
-/// A lone light of radiance 1.
+/// A single light of radiance 1.
 template <class Geometry>
 std::unique_ptr<Scene> lone_light(Geometry geometry, const Transform& to_world, bool flip = false) {
   Description d = empty_scene(4, 4);
@@ -43,10 +43,10 @@ std::unique_ptr<Scene> lone_light(Geometry geometry, const Transform& to_world, 
   return compile_scene(d);
 }
 
-/// The first emitting surface that a ray meets beyond `t_near`.
+/// The first emissive surface on a ray beyond `t_near`.
 struct Meeting {
   bool found = false;
-  float t = 0, pdf = 0;  ///< the density is 0 on the side that does not emit
+  float t = 0, pdf = 0;  ///< pdf is 0 on the side that does not emit
 };
 Meeting meet(const SceneView& scene, Vec3f from, Vec3f direction, float t_near) {
   const auto hit = trace_ray(scene, from, direction, t_near);
@@ -60,7 +60,7 @@ Meeting meet(const SceneView& scene, Vec3f from, Vec3f direction, float t_near) 
           lit ? choice * light_pdf_solid_angle<Scalar>(scene, light, true, from, direction, hit->t, y.ng) : 0};
 }
 
-/// Density of sample_light() in a direction: the sum over all surfaces that emit along it.
+/// Pdf of sample_light() in a direction: the sum over all emissive surfaces along it.
 double pdf_along(const SceneView& scene, Vec3f from, Vec3f direction) {
   double sum = 0;
   float t = 0;
@@ -78,15 +78,15 @@ std::optional<Vec3f> sampled_direction(const SceneView& scene, Vec3f from, const
   return s.valid ? std::optional<Vec3f>(s.direction) : std::nullopt;
 }
 
-/// A chart of directions: a plane window around an axis, or azimuth by z.
+/// A parametrisation of directions: a plane window around an axis, or azimuth by z.
 struct Chart {
   CellGrid grid;
   std::function<Vec3f(double, double)> direction;
   std::function<std::array<double, 2>(Vec3f)> position;
-  std::function<double(double, double)> solid_angle;  ///< per unit of the chart
+  std::function<double(double, double)> solid_angle;  ///< per unit area of the chart
 };
 
-/// `half`: tangent of the window's half angle. The window's edges are set askew to those of lights.
+/// `half`: tangent of the window's half angle. The window is rotated relative to the edges of the lights.
 Chart window(Vec3f axis, double half) {
   Frame<Scalar> frame = Frame<Scalar>::from_normal(normalize(axis));
   const Vec3f s = frame.s * std::cos(0.4f) + frame.t * std::sin(0.4f);
@@ -117,7 +117,7 @@ Chart whole_sphere() {
           [](double, double) { return 1.0; }};
 }
 
-/// Ten times the median density: beyond it lie the silhouettes of curved lights, where the density has no bound.
+/// Ten times the median pdf. Larger values occur at the silhouettes of curved lights, where the pdf is unbounded.
 double density_limit(const SceneView& scene, Vec3f from) {
   std::vector<double> densities;
   for (std::uint32_t i = 0; i < 1001; ++i) {
@@ -128,11 +128,12 @@ double density_limit(const SceneView& scene, Vec3f from) {
   return 10 * densities[densities.size() / 2];
 }
 
-/// Whether a light can be sampled from everywhere where it is, or partly in vain.
+/// Whether every sample of a light is valid, or only a part of them.
 enum class Use { kWhole, kPart };
 
-/// Chi-square of sampled directions against pdf_along(), by stratified integration over the cells of a chart: the
-/// density is discontinuous. Draws of no use, outside of the chart or beyond density_limit() are one cell more.
+/// Chi-square test of sampled directions against pdf_along(). The pdf is discontinuous, so the cells of a chart are
+/// integrated with stratified points. Samples that are invalid, outside of the chart or beyond density_limit() share
+/// one extra cell.
 void check_directions(const SceneView& scene, Vec3f from, const Chart& chart, Use use) {
   constexpr int kDraws = 50000, kStrata = 32;
   const CellGrid& grid = chart.grid;
@@ -166,7 +167,7 @@ void check_directions(const SceneView& scene, Vec3f from, const Chart& chart, Us
         expected[cell] += pdf * chart.solid_angle(x, y) * grid.cell_width() * grid.cell_height() / (kStrata * kStrata);
     }
     integral += expected[cell];
-    // No cell is left without any expectation: strata may miss the tip of a light.
+    // A lower bound for expected counts, because strata may miss the tip of a light.
     expected[cell] = std::max(expected[cell] * kDraws, 1e-3);
   }
   expected[cells] = use == Use::kPart ? (1 - integral) * kDraws : 1e-3;
@@ -175,8 +176,8 @@ void check_directions(const SceneView& scene, Vec3f from, const Chart& chart, Us
   if (use == Use::kPart) CHECK(integral < 0.999);
 }
 
-/// Every sample's density is that of the surface along its direction, its target lies just off that surface, and
-/// nothing of a convex light stands in the way.
+/// Checks that every sample's pdf is that of the surface along its direction, that its target is just off that surface,
+/// and that a convex light does not block its own samples.
 void check_samples(const SceneView& scene, Vec3f from) {
   constexpr float kShadowEnd = 1 - 4 * 5.9604645e-8f;
   const double limit = density_limit(scene, from);
@@ -291,7 +292,7 @@ TEST_CASE("light sampling: a flipped sphere from within, at its centre and near 
     check_directions(scene->view(), from, whole_sphere(), Use::kWhole);
     check_samples(scene->view(), from);
   }
-  // From outside, its far wall alone sends light: as much as is seen through the near one.
+  // Seen from outside, only its far wall emits towards the viewer, through the near wall.
   check_directions(scene->view(), {1, 0, -5}, window({0, 0, 1}, 0.5), Use::kPart);
 }
 
@@ -333,7 +334,7 @@ TEST_CASE("light sampling: a sun, large or small, and what is seen of it") {
     const double rim = std::cos(double(radius) * 3.14159265358979 / 180), pdf = 0.5 * kInvPi / (1 - rim);
     const auto sample = [&](Random4<Scalar> u) { return sampled_direction(view, {1, 0, 0}, u); };
     const auto density = [&](Vec3f) { return pdf; };
-    // Of small ones the cosines are too coarse for cells.
+    // For small radii, rounding of the cosines is too coarse for cells.
     if (radius > 1) CHECK(chi_square_sphere(sample, density, rim).p_value > significance_of_each(kTests));
     MeanVariance spread;
     for (std::uint32_t i = 0; i < 5000; ++i)
@@ -381,7 +382,7 @@ TEST_CASE("light sampling: one-sided lights send nothing backwards") {
 
 namespace {
 
-/// One light of every kind, each with a radiance of its own.
+/// One light of every kind, each with its own radiance.
 Description many_lights() {
   Description d = empty_scene(4, 4);
   emit(add_rectangle(d, kTilt), 1);
@@ -418,7 +419,7 @@ TEST_CASE("light sampling: lights are selected in proportion to their power") {
   for (std::size_t i = 0; i < 8; ++i) expected[i] = kDraws * pdf(i);
   for (std::uint32_t i = 0; i < kDraws; ++i) {
     const auto s = sample_any_light<Scalar>(view, {0, 0, 0}, lane_random(48, i, 0));
-    // The point light sends its intensity over a squared distance of 3.
+    // The point light's radiance is its intensity over a squared distance of 3.
     const float value = s.delta ? s.radiance.c0 * 3 : s.radiance.c0;
     observed[static_cast<std::size_t>(std::lround(value)) - 1] += 1;
   }
@@ -437,7 +438,7 @@ TEST_CASE("light sampling: registers equal single values, lights mixed") {
     for (int lane = 0; lane < kWidth; ++lane) {
       const auto one = sample_any_light<Scalar>(view, lane_record(from, lane), lane_random(50, i, lane));
       CHECK(lane_of(wide.delta, lane) == one.delta);
-      // Surfaces seen edge on may fall to either side.
+      // Surfaces seen edge-on may count as hit or missed.
       if (one.pdf_solid_angle > 1e3f) continue;
       CHECK(lane_of(wide.valid, lane) == one.valid);
       delta += one.delta;

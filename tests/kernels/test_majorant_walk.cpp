@@ -1,4 +1,5 @@
-// Majorant grids: that bounds bound, and that the walk's segments tile the ray with the bounds of the right cells.
+// Majorant grids: bounds are conservative, and the segments of the walk tile the ray with the bounds of the right
+// cells.
 #include "kernels/media/majorant_walk.h"
 
 #include "scene/tables/make_majorants.h"
@@ -51,7 +52,7 @@ std::vector<MajorantSegment> segments_of(const MajorantGridRow& row, Vec3f o, Ve
   return found;
 }
 
-/// A grid of 4 x 3 x 2 cells, all different, in the box of those cells but for `inset` at each side.
+/// A grid of 4 x 3 x 2 different cells. The box is that of the cells, reduced by `inset` on each side.
 struct SmallGrid {
   std::vector<float> bounds;
   std::vector<std::uint32_t> entries;
@@ -78,7 +79,7 @@ struct SmallGrid {
   SmallGrid(const SmallGrid&) = delete;
   SmallGrid& operator=(const SmallGrid&) = delete;
 
-  /// The bound at a place, or `outside`.
+  /// The bound at a point; `outside` beyond the box.
   float at(const double (&p)[3]) const {
     int cell[3];
     for (int axis = 0; axis < 3; ++axis) {
@@ -90,7 +91,7 @@ struct SmallGrid {
   }
 };
 
-/// Whether a place lies next to a plane between cells or a face of the box.
+/// Whether a point is near a plane between cells or a face of the box.
 bool is_near_plane(const SmallGrid& grid, const double (&p)[3], double distance) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const double plane : {std::round(p[axis]), static_cast<double>(grid.row.box_min[axis]),
@@ -100,7 +101,7 @@ bool is_near_plane(const SmallGrid& grid, const double (&p)[3], double distance)
   return false;
 }
 
-/// Compares the segments with the bounds at many places along the ray.
+/// Compares the segments with the bounds at many points along the ray.
 void check_walk(const SmallGrid& grid, Vec3f o, Vec3f d, float t_min, float t_max) {
   const auto segments = segments_of(grid.row, o, d, t_min, t_max);
   INFO("ray from ", o.x, " ", o.y, " ", o.z, " towards ", d.x, " ", d.y, " ", d.z);
@@ -134,7 +135,7 @@ Vec3f random_point(std::uint32_t i, std::uint32_t stream, float lo, float hi) {
           lo + (hi - lo) * noise(i, stream + 2)};
 }
 
-/// Where a leaf reaches along an axis within the box.
+/// Extent of a leaf along one axis, within the box.
 struct Reach {
   float lo, hi;
 };
@@ -144,7 +145,7 @@ Reach reach_of(const Bounded& b, int axis, float low, float side) {
   return {low == 0.0f ? b.row.box_min[axis] : low, low + side >= end ? b.row.box_max[axis] : low + side};
 }
 
-/// Looks at random places of the leaf around a voxel; returns how many are beyond its bounds.
+/// Samples random points of the leaf around a voxel; returns how many values exceed its bounds.
 int beyond_bounds(const Bounded& b, std::array<int, 3> voxel, int places, std::uint32_t& number) {
   LeafWalk<Scalar> walk{};
   walk.place = {static_cast<float>(voxel[0]), static_cast<float>(voxel[1]), static_cast<float>(voxel[2])};
@@ -197,7 +198,7 @@ TEST_CASE("majorant grid: bounds hold everywhere in their leaves, of all sizes")
 }
 
 TEST_CASE("majorant grid: leaves are as small as the volume's detail is worth it") {
-  // The same everywhere on one side, waves of some ten voxels on the other.
+  // One half is constant, the other has waves of about ten voxels.
   std::vector<float> values(64 * 64 * 64);
   for (std::size_t i = 0; i < values.size(); ++i)
     values[i] = i % 64 < 32 ? 1.0f : 0.5f + 0.5f * std::sin(0.6f * static_cast<float>(i % 64));
@@ -211,7 +212,7 @@ TEST_CASE("majorant grid: leaves are as small as the volume's detail is worth it
   CHECK(side_at(thick, 4) == 2);
   const MajorantGrid thicker = make_majorant_grid(grid, GridFilter::kTrilinear, {2.0f});
   CHECK(side_at(thicker, 4) == 1);
-  // Where single voxels would take too much memory, they are not there.
+  // Leaves of single voxels are omitted if they would take too much memory.
   const MajorantGrid thickest = make_majorant_grid(grid, GridFilter::kTrilinear, {100.0f});
   CHECK(thick.bytes() < thickest.bytes());
   CHECK(2 * thickest.bytes() <= grid.bytes());
@@ -237,7 +238,7 @@ TEST_CASE("majorant walk: random rays through leaves of all sizes, and what boun
           for (int step = 0; step < 4; ++step) {
             const float u = 0.05f + 0.3f * static_cast<float>(step);
             const float t = s.t0 + (s.t1 - s.t0) * u;
-            // Places within a rounding error of a face may be in the neighbour.
+            // Points within a rounding error of a face may be in the neighbour.
             if (s.t1 - s.t0 < 0.01f) continue;
             above += max_component(lookup_grid_color(b.lookup, o + d * t)) > s.bound;
           }
@@ -250,7 +251,7 @@ TEST_CASE("majorant walk: random rays through leaves of all sizes, and what boun
 }
 
 TEST_CASE("majorant walk: leaves that reach beyond the table lead no ray out of it") {
-  // Three bricks along each side: the last leaves of two bricks are half outside.
+  // Three bricks along each axis, so the last leaves of two bricks are half outside.
   const std::vector<float> values(24 * 24 * 24, 0.5f);
   BrickGrid grid = make_dense_grid(1, {24, 24, 24}, values, GridBorder::kClamp);
   MajorantGrid majorant = make_majorant_grid(grid, GridFilter::kNearest, {0.1f});
@@ -259,7 +260,7 @@ TEST_CASE("majorant walk: leaves that reach beyond the table lead no ray out of 
   const Vec3f corner = {row.box_max[0], row.box_max[1], row.box_max[2]};
   int outside = 0, steps = 0;
   for (std::uint32_t i = 0; i < 20000; ++i) {
-    // To edges where a leaf ends just before the box does.
+    // Aim at edges where a leaf ends just before the box does.
     const Vec3f o = random_point(i, 70, -30, 10), target{corner.x, 16, 20 * noise(i, 73)};
     bool hits;
     auto walk = start_leaf_walk<Scalar>(row, o, normalize(target - o), 0, 1e6f, hits);
@@ -307,7 +308,7 @@ TEST_CASE("majorant grid: a repeated grid's first cell knows its last voxel") {
   const auto bounds_at = [](const MajorantGrid& m, std::size_t cell) { return m.bounds[m.entries[cell] >> 5]; };
   CHECK(bounds_at(majorant, 0).majorant() >= 5.0f);
   CHECK(bounds_at(majorant, 1).majorant() == 0.0f);
-  // Cut into smaller leaves, those at the beginning know it, not those behind them.
+  // After subdivision, only the leaves at the beginning have the large bound.
   const MajorantGrid fine = make_majorant_grid(grid, GridFilter::kTrilinear, {10.0f});
   CHECK(bounds_at(fine, 0).majorant() >= 5.0f);
   REQUIRE((fine.entries[0] & 31u) < 3);

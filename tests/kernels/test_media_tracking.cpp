@@ -1,4 +1,5 @@
-// Which medium a ray is in: boundaries, nested and neighbouring media, media in glass, and cameras within.
+// Tracking of the medium that a ray is in: boundaries, nested and adjacent media, media in glass, and cameras inside of
+// media.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/media_testing.h"
@@ -22,7 +23,7 @@ Description picture() {
   return d;
 }
 
-/// Red of the picture's pixels has this mean.
+/// Tests the mean of the red channel.
 void check_mean(const Description& d, double expected) {
   const Image image = render(*compile_scene(d), {}).film.to_image();
   MeanVariance m;
@@ -33,7 +34,7 @@ void check_mean(const Description& d, double expected) {
   CHECK(m.p_value(std::fabs(distance) <= allowed ? m.mean() : expected + std::copysign(allowed, distance)) >= kLevel);
 }
 
-/// Looks along +x from `x`, with a wall of radiance 1 at x = 10.
+/// A camera at `x` that looks along +x at a wall of radiance 1 at x = 10.
 Description view_from(float x) {
   Description d = picture();
   look_at(d, {x, 0, 0}, {x + 1, 0, 0}, {0, 1, 0}, 0.01f);
@@ -103,13 +104,13 @@ TEST_CASE("media tracking: glass with a medium inside, and glass within a medium
   d.integrator.max_depth = 200;
   d.integrator.rr_depth = 1000;
   const double sigma = 0.4, eta = 1.5, r = (eta - 1) * (eta - 1) / ((eta + 1) * (eta + 1)), t = std::exp(-sigma);
-  // The wall is behind the pane, nothing before it: of what enters, this much arrives, all reflections added up.
+  // The wall is behind the slab. Transmittance of the slab with all inter-reflections:
   const double pane = (1 - r) * (1 - r) * t / (1 - r * r * t * t);
   ShapeDescription& glass = cube(d, 4, 5);
   glass.material = add_glass(d, static_cast<float>(eta));
   glass.interior = absorbing(d, static_cast<float>(sigma));
   check_mean(d, pane);
-  // In a haze that reaches from the camera to the wall: through it once more.
+  // With haze from the camera to the wall there is an additional absorption.
   const MediumId haze = absorbing(d, 0.1f);
   d.camera.medium = haze;
   d.shapes.back().exterior = haze;
@@ -129,7 +130,7 @@ TEST_CASE("media tracking: shadow rays pass masks in proportion to their opacity
   fill(d, add_sphere(d, {0, 0, 1.5f}, 1), smoke);
   const double open = 0.5 / 3.14159265358979 * 16 / 16;
   check_mean(d, open * 0.7 * std::exp(-1.0));
-  // The same by paths and lights that both find.
+  // The same with a light that both BSDF sampling and light sampling find.
   d.lights.clear();
   add_area_light_sphere(d, {0, 0, 5}, 0.5f, 16);
   d.sampler.sample_count = 1024;
@@ -156,7 +157,8 @@ TEST_CASE("media tracking: rays whose steps vanish against the distance are give
   d.sampler.sample_count = 1;
   d.integrator.max_depth = 2;
   MediumDescription smoke = fog(1, 0.5f);
-  // From x = 0.75 on there is nothing, but the majorant is that of the whole: it knows one of two factors by place.
+  // The medium is empty beyond x = 0.75, but the majorant covers the whole: it bounds only one of the two factors per
+  // cell.
   const Transform to_world = Transform::translate({-0.9f, -0.5f, -0.5f});
   std::get<ExtinctionAlbedoDescription>(smoke.coefficients).sigma_t =
       vol(write_vol(folder / "a.vol", 2, 1, [](Vec3f p, int) { return p.x < 0.5f ? 1.0f : 0.0f; }), to_world);
@@ -170,12 +172,12 @@ TEST_CASE("media tracking: rays whose steps vanish against the distance are give
     CHECK(result.warnings[0].find("rays were given up in a medium") != std::string::npos);
     return result.film.to_image().at(0, 0, 0);
   };
-  // What the camera looks at.
+  // Light along camera rays.
   look_at(d, {0, 0, -5}, {0, 0, 0}, {0, 1, 0}, 0.01f);
   add_area_light_rectangle(d, Transform::translate({0, 0, 5}) * Transform::rotate({0, 1, 0}, 180), 1);
   d.integrator.strategy = LightStrategy::kBsdfOnly;
   CHECK(rendered() == 0.0f);
-  // What lights a floor.
+  // Light along shadow rays to a floor.
   d.integrator.strategy = LightStrategy::kMis;
   d.shapes.pop_back();
   add_rectangle(d, Transform::translate({0, 0, 5}) * Transform::rotate({0, 1, 0}, 180), add_diffuse(d, 0.5f));

@@ -1,4 +1,4 @@
-// Pictures of parts, of tiles and of some of the samples, joined to the picture of all.
+// Images of parts, split by tiles or by samples, merged into the image of the whole render.
 #include "kernels/film/merge.h"
 
 #include "core/error.h"
@@ -22,7 +22,7 @@ constexpr int kShapes = 5;
 const FilmLayout kLayout({{"R", true, true}, {"G", true}, {"B", true}, {"N.X", false}});
 const AovSet kAovs{Aov::kObjectId, Aov::kCryptomatteObject, Aov::kMaterialId};
 
-/// Five shapes, of four objects and two materials.
+/// Five shapes with four object names and three material names.
 SceneNames some_names() {
   SceneNames names;
   names.objects = {"wall", "ball", "lamp", "floor"};
@@ -32,8 +32,7 @@ SceneNames some_names() {
   return names;
 }
 
-/// The picture of `samples`, which are whole sets, in `crop`, as a render makes it; `part`: with all that joining
-/// needs.
+/// The image of `samples`, a range of whole sample sets, in `crop`. `part`: includes all channels that merging needs.
 Image picture_of(const FilterWeights* weights, const PixelRect& crop, const SampleRange& samples, bool part) {
   const int reach = weights != nullptr ? weights->reach() : 0;
   const PixelRect wanted = crop.grown(reach).intersection({0, 0, kFrameWidth, kFrameHeight});
@@ -76,7 +75,7 @@ std::array<std::vector<float>, kNameKinds> some_ids() {
   return {*ids_from_attribute(attributes[0].second), {}};
 }
 
-/// Parts joined; those of all samples are without what joining needs.
+/// Merges parts. The result has no channels for further merging.
 Image joined(const FilterWeights* weights, const std::vector<PicturePart>& parts) {
   const PixelRect frame{0, 0, kFrameWidth, kFrameHeight};
   const std::vector<std::string> channels = picture_of(weights, {0, 0, 1, 1}, {0, kPerSet}, false).channels;
@@ -88,7 +87,7 @@ Image joined(const FilterWeights* weights, const std::vector<PicturePart>& parts
   return merger.finish();
 }
 
-/// Whether all values are the same, give or take rounding of the parts' numbers to floats.
+/// Checks that all values are equal up to rounding of the parts' values to floats.
 void check_near(const Image& found, const Image& expected) {
   REQUIRE(found.channels == expected.channels);
   for (std::size_t c = 0; c < found.channels.size(); ++c) {
@@ -103,7 +102,7 @@ void check_near(const Image& found, const Image& expected) {
       for (int x = 0; x < kFrameWidth; ++x) {
         const double a = found.at(x, y, i), b = expected.at(x, y, i);
         same = same && found.at(x, y, i) == expected.at(x, y, i);
-        // Values of both signs may be small where the parts' are not; that of G is always the same.
+        // Sums of values with both signs may cancel; G is constant.
         worst = std::max(worst, std::fabs(a - b) / (std::fabs(b) + 0.02 * largest + 1e-6));
       }
     CAPTURE(name);
@@ -135,7 +134,7 @@ TEST_CASE("merge: ranges of samples give the whole, whatever the filter, and til
     check_near(
         joined(weights, {{"a", frame, {0, 2}}, {"b", frame, {2, 2}}, {"c", frame, {4, 2}}, {"d", frame, {6, 6}}}),
         whole);
-    // Sets one by one: parts that tell no variance themselves.
+    // Single sets: parts that have no variance of their own.
     std::vector<PicturePart> sets;
     for (std::uint32_t set = kSets; set > 0; --set) sets.push_back({"set", frame, {(set - 1) * kPerSet, kPerSet}});
     check_near(joined(weights, sets), whole);
@@ -204,7 +203,7 @@ TEST_CASE("merge: parts that lack layers or say what cannot be are refused") {
     damaged.at(3, 2, number) = wrong;
     CHECK_THROWS_AS(merger().add(of, damaged), SceneError);
   }
-  // A number beyond those that headers have ids for.
+  // A number without an id in the header.
   Image damaged = part;
   damaged.at(3, 2, number) = 5;
   PictureMerger last = merger();

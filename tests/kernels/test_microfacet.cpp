@@ -1,5 +1,5 @@
-// The microfacet distributions: normalisation, Smith's terms, sampling of visible facets, and the edges of their
-// ranges.
+// Microfacet distributions: normalisation, Smith's masking functions, sampling of visible normals, and limits of the
+// parameters.
 #include "kernels/bsdf/microfacet.h"
 
 #include "tests/support/bsdf_testing.h"
@@ -15,8 +15,7 @@ constexpr Roughness kRoughnesses[] = {{0.01f, 0.01f}, {0.05f, 0.01f}, {0.1f, 0.1
 constexpr float kCosines[] = {1.0f, 0.8f, 0.4f, 0.1f, 0.02f, 0.001f};
 constexpr int kSamplingTests = 2 * 5 * 6;
 
-/// A facet normal from slopes over the roughness, each squeezed into (-1, 1) by x / (1 + |x|), with the area per solid
-/// angle of that plane.
+/// A facet normal in a chart of slopes over roughness. Each is squeezed into (-1, 1) by x / (1 + |x|).
 struct PlaneFacet {
   Vec3f m;
   double solid_angle_per_area;
@@ -56,7 +55,7 @@ template <template <class> class Distribution> void check_normalisation() {
     CHECK(integrate_facets(alpha, [&](Vec3f m) { return double(facets.density(m)) * m.z; }) ==
           doctest::Approx(1).epsilon(2e-4));
     for (const float cosine : {0.8f, 0.1f}) {
-      // The visible facets cover what is seen of the surface (Heitz 2014, equation 14).
+      // The visible facets cover the projected area (Heitz 2014, equation 14).
       const Vec3f v = direction_of(cosine, 0.4);
       const double seen = integrate_facets(alpha, [&](Vec3f m) {
         return double(facets.density(m)) * facets.smith_g1(v, m) * std::max(0.0f, dot(v, m));
@@ -74,7 +73,7 @@ template <template <class> class Distribution> void check_visible_sampling() {
       CAPTURE(cosine);
       const Distribution<Scalar> facets(alpha.u, alpha.v);
       const Vec3f wo = direction_of(cosine, 0.7 + 2 * cosine);
-      // Facets edge on may be sampled by rounding; they reflect nothing.
+      // Rounding may sample facets edge-on; they reflect nothing.
       const auto sample = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
         const Vec3f m = facets.sample_visible(wo, u.y, u.z);
         if (!(facets.pdf_visible(wo, m) > 0)) return std::nullopt;
@@ -82,7 +81,7 @@ template <template <class> class Distribution> void check_visible_sampling() {
       };
       const auto density = [&](double x, double y) {
         const PlaneFacet facet = facet_at(x, y, alpha);
-        // The integration may miss the one corner of a cell that is visible: no cell is quite empty.
+        // The quadrature may miss the only visible corner of a cell, so no cell is empty.
         return facets.pdf_visible(wo, facet.m) * facet.solid_angle_per_area + 1e-8;
       };
       const ChiSquare result = chi_square_plane(sample, density, CellGrid{-1, 1, -1, 1, 15, 15}, 200000);

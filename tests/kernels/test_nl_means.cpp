@@ -1,4 +1,4 @@
-// Denoising: non-local means against their definition, fireflies, features, and what becomes of a picture's channels.
+// Denoising: non-local means against their definition, fireflies, features, and the channels of the result.
 #include "core/error.h"
 #include "core/rng.h"
 #include "kernels/denoise/denoise.h"
@@ -20,20 +20,20 @@ namespace sheaf::test_nl_means {
 
 namespace {
 
-/// A number of mean 0 and variance 1.
+/// A normally distributed number of mean 0 and variance 1.
 float normal_number(std::uint32_t pixel, std::uint32_t what) {
   const auto u = random4<Scalar>(7, pixel, what, 0);
   return std::sqrt(-2 * std::log(u.x + 1e-9f)) * std::cos(2 * kPi * u.y);
 }
 
-/// What a noisy picture is of: a slope, and a step at the middle column that normals know of.
+/// The noise-free image: a slope, and a step at the middle column that the normals show.
 float true_value(int x, int y, int width) {
   return 0.5f + 0.004f * static_cast<float>(y) + (x < width / 2 ? 0.f : 0.1f);
 }
 
 constexpr float kNoise = 0.1f;  // standard deviation of the mean of all samples
 
-/// A picture with noise of known variance, with halves and normals or without.
+/// An image with noise of known variance, with or without half buffers and normals.
 Image noisy_picture(int width, int height, bool halves, bool normals) {
   std::vector<std::string> names = {"R", "G", "B", "variance.R", "variance.G", "variance.B", "other"};
   if (halves) names.insert(names.end(), {"half.R", "half.G", "half.B"});
@@ -56,7 +56,7 @@ Image noisy_picture(int width, int height, bool halves, bool normals) {
   return image;
 }
 
-/// Mean squared error of `prefix`R, G and B, over columns [x0, x1).
+/// Mean squared error of the channels `prefix`R, G and B over columns [x0, x1).
 double squared_error(const Image& image, const std::string& prefix, int x0, int x1) {
   double sum = 0;
   for (const char* color : {"R", "G", "B"}) {
@@ -68,7 +68,7 @@ double squared_error(const Image& image, const std::string& prefix, int x0, int 
   return sum / (3.0 * image.height * (x1 - x0));
 }
 
-/// An input of noise around 1, with a feature that changes at a column.
+/// An input of noise around 1, with a feature that has a step at one column.
 NlMeansInput noisy_input(int width, int height, int halves) {
   NlMeansInput input;
   input.width = width;
@@ -93,9 +93,9 @@ NlMeansInput noisy_input(int width, int height, int halves) {
   return input;
 }
 
-/// Noise of variance 1 that a pixel shares with its neighbours: white noise weighed 1 2 1 in rows, of two rows, the
-/// lower one from a column further to the right. Its correlation is 2 / 3 to the next pixel of the row and 1 / 6 to the
-/// one behind, and half of that from the pixel to the right of the one below.
+/// Noise of variance 1 that is correlated between pixels. It is white noise filtered by 1 2 1 along rows and summed
+/// over two rows, the lower one shifted to the right. Its correlation is 2 / 3 with the next pixel of the row and 1 / 6
+/// with the one after that. It is half of that around the pixel to the lower right.
 Plane correlated_noise(int width, int height, std::uint32_t what) {
   const double weights[] = {1 / std::sqrt(12.0), 2 / std::sqrt(12.0), 1 / std::sqrt(12.0)};
   Plane plane(width, height);
@@ -109,7 +109,7 @@ Plane correlated_noise(int width, int height, std::uint32_t what) {
   return plane;
 }
 
-/// What two halves with such noise show.
+/// The noise correlation that is estimated from two halves with such noise.
 NoiseCorrelation find_correlation(int width, int height) {
   Planes3 half[2], variance;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -126,8 +126,8 @@ struct Pair {
   int px, py, qx, qy;
 };
 
-/// The distance of two pixels by patches of a half, by the definition, in double precision. Patches beyond the picture
-/// repeat its border.
+/// The patch distance of two pixels in one half by the definition, in double precision. Patches beyond the image repeat
+/// its border.
 double patch_distance(const NlMeansInput& in, int half, float color_k, const Pair& pair, int radius) {
   const auto [px, py, qx, qy] = pair;
   double sum = 0;
@@ -143,7 +143,7 @@ double patch_distance(const NlMeansInput& in, int half, float color_k, const Pai
   return sum / (3 * side * side);
 }
 
-/// The weight that a filter gives q for p, where the given half is weighed.
+/// The filter weight of q for p when the given half is averaged.
 double pair_weight(const NlMeansInput& in, NlMeansFilter filter, int half, const Pair& pair) {
   const double f = in.features[0].channels[0].at(pair.px, pair.py) - in.features[0].channels[0].at(pair.qx, pair.qy);
   const double feature = f * f * in.features[0].scale.at(pair.px, pair.py);
@@ -156,13 +156,13 @@ double pair_weight(const NlMeansInput& in, NlMeansFilter filter, int half, const
   return std::pow(std::max(1 - most / 16, 0.0), 16);
 }
 
-/// What one half gives a pixel, and the pixel's share in it.
+/// Filtered value of a pixel in one half, and the correlation of its noise with that of the pixel itself.
 struct Expected {
   double value, self;
 };
 
-/// By the definition: the mean, or the plane of least weighted squares (with slopes held back by 3 pixels squared), as
-/// numbers that each pixel's value is multiplied by.
+/// By the definition: the weighted mean, or the weighted least-squares plane, whose slopes are regularised by 3 pixels
+/// squared.
 Expected expected_result(const NlMeansInput& in, NlMeansFilter filter, int half, int px, int py) {
   struct Pixel {
     double dx, dy, weight, value, correlation;
@@ -170,12 +170,12 @@ Expected expected_result(const NlMeansInput& in, NlMeansFilter filter, int half,
   std::vector<Pixel> pixels;
   for (int qy = std::max(py - 4, 0); qy <= std::min(py + 4, in.height - 1); ++qy)
     for (int qx = std::max(px - 4, 0); qx <= std::min(px + 4, in.width - 1); ++qx) {
-      if (sqr(qx - px) + sqr(qy - py) > 4 * 5) continue;  // a disc
+      if (sqr(qx - px) + sqr(qy - py) > 4 * 5) continue;  // a disk
       pixels.push_back({static_cast<double>(qx - px), static_cast<double>(qy - py),
                         pair_weight(in, filter, half, {px, py, qx, qy}), in.half[half][1].at(qx, qy),
                         in.correlation(qx - px, qy - py)});
     }
-  // Gauss's elimination of the normal equations of 1, x and y; their right sides are the first column of the unit
+  // Gauss elimination of the normal equations for 1, x and y. The right side is the first column of the identity
   // matrix.
   double m[3][4] = {{0, 0, 0, 1}, {0, 3, 0, 0}, {0, 0, 3, 0}};
   for (const Pixel& q : pixels) {
@@ -247,7 +247,7 @@ TEST_CASE("what noise pixels share is found from halves, and nothing where they 
 }
 
 TEST_CASE("planes keep slopes that means would level") {
-  // A picture of a slope without noise, seen through variances that make all pixels alike.
+  // A noise-free slope with variances so large that all pixels look alike.
   NlMeansInput input = noisy_input(40, 30, 2);
   for (Planes3& half : input.half)
     for (Plane& plane : half) {
@@ -259,7 +259,7 @@ TEST_CASE("planes keep slopes that means would level") {
     for (int y = 0; y < 30; ++y) std::fill_n(plane.row(y), 40, 1e6f);
     plane.extend();
   }
-  input.features[0].scale = Plane(40, 30);  // they tell nothing apart
+  input.features[0].scale = Plane(40, 30);  // the features do not distinguish pixels
   const std::vector<FilteredPlanes> filtered = nl_means(input, NlMeansSettings{4, 0.5f});
   for (const auto& [x, y] : {std::pair{20, 15}, {0, 15}, {39, 0}, {20, 29}})
     for (const NlMeansFilter filter : {kSmallPatch, kLargePatch})
@@ -301,7 +301,7 @@ TEST_CASE("a lamp's noise is no measure of that of the pixels around it, but a f
       }
     variance[c].at(4, 4) = variance[c].at(15, 4) = 9;
     halves[0][c].at(4, 4) = halves[1][c].at(4, 4) = 10;  // a lamp
-    halves[0][c].at(15, 4) = 10;                         // in one half alone
+    halves[0][c].at(15, 4) = 10;                         // in one half only
   }
   const Planes3 smooth = smooth_variance(variance, halves);
   CHECK(smooth[1].at(3, 4) == doctest::Approx(0.01));
@@ -324,7 +324,7 @@ TEST_CASE("non-local means have the same bits in registers as one pixel at a tim
 }
 
 TEST_CASE("features: what slants down the picture is treated as what slants across it") {
-  // The inverse of depth is linear; so are colours and directions here.
+  // Inverse depth is linear on a plane; colours and normals are linear here too.
   constexpr int kSide = 24;
   const auto features_of = [&](float across, float down) {
     Image image(kSide, kSide, {"albedo.R", "albedo.G", "albedo.B", "N.X", "N.Y", "N.Z", "Z"});
@@ -346,7 +346,7 @@ TEST_CASE("features: what slants down the picture is treated as what slants acro
       for (std::size_t i = 0; i < 3; ++i)
         CHECK(features[i].scale.at(x, y) == doctest::Approx(turned[i].scale.at(y, x)).epsilon(1e-3));
     }
-  // Change from pixel to pixel counts in both directions: three channels of 3 (across, down).
+  // Variation between pixels counts in both directions: three channels of 3 (across, down).
   CHECK(features[0].scale.at(5, 5) ==
         doctest::Approx(1 / (1.2 * 1.2 * 27 * double{across * across + down * down})).epsilon(1e-3));
 }
@@ -357,7 +357,7 @@ TEST_CASE("a floor that slants down the picture is denoised as well as one that 
     Image image(kSide, kSide, {"R", "G", "B", "variance.R", "variance.G", "variance.B", "Z"});
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
-        // The same noise, turned.
+        // The same noise, transposed.
         const auto pixel = static_cast<std::uint32_t>(down ? x * kSide + y : y * kSide + x);
         for (int c = 0; c < 3; ++c) {
           image.at(x, y, c) = 1 + 0.2f * normal_number(pixel, static_cast<std::uint32_t>(c));
@@ -374,7 +374,7 @@ TEST_CASE("a floor that slants down the picture is denoised as well as one that 
   };
   const double across = error_of(false), down = error_of(true);
   CHECK(down == doctest::Approx(across).epsilon(0.02));
-  // Of pixels on one plane depth tells nothing apart.
+  // Depth does not separate pixels on one plane.
   CHECK(down < sqr(0.2) / 50);
 }
 
@@ -423,7 +423,7 @@ TEST_CASE("fireflies neither survive nor leave blotches; what other samples have
   const Image image = denoise(spiked, Denoiser::kNlMeans).image, expected = denoise(quiet, Denoiser::kNlMeans).image;
   for (int c = 0; c < 3; ++c) {
     const int out = image.find_channel(std::string("denoised.") + "RGB"[c]);
-    for (int y = 8; y < 26; ++y)  // out of reach of the other
+    for (int y = 8; y < 26; ++y)  // out of reach of the other spike
       for (int x = 8; x < 24; ++x) CHECK(std::abs(image.at(x, y, out) - expected.at(x, y, out)) < 0.1f);
     CHECK(image.at(35, 30, out) == doctest::Approx(50).epsilon(0.02));
   }
@@ -444,7 +444,7 @@ TEST_CASE("without halves a firefly is known by its variance") {
     variance[c].at(6, 6) = 1;
   }
   remove_fireflies(color, variance, nullptr);
-  // The median of its neighbours takes its place.
+  // The median of its neighbours replaces it.
   CHECK(color[0].at(2, 2) == color[0].at(3, 2));
   CHECK(variance[0].at(2, 2) == variance[0].at(3, 2));
   CHECK(color[0].at(6, 6) == 100);
@@ -462,9 +462,9 @@ TEST_CASE("of several filters the one of least error is taken") {
         const float truth = x < kSize / 2 ? 1.f : 2.f;
         color[c].at(x, y) = truth + kNoise * normal_number(static_cast<std::uint32_t>(y * kSize + x), 20);
         variance[c].at(x, y) = sqr(kNoise);
-        filters[0].color[c].at(x, y) = color[c].at(x, y);  // does nothing
+        filters[0].color[c].at(x, y) = color[c].at(x, y);  // the identity
         filters[0].self_weight.at(x, y) = 1;
-        filters[1].color[c].at(x, y) = 1;  // right on the left, wrong on the right
+        filters[1].color[c].at(x, y) = 1;  // correct on the left, wrong on the right
       }
   }
   const Planes3 mixed = select_filters(filters, color, variance);

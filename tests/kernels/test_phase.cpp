@@ -1,4 +1,4 @@
-// The phase functions: sampling against densities over the whole sphere, their integrals and their mean cosines.
+// Phase functions: sampling against pdfs over the whole sphere, their integrals and their mean cosines.
 #include "kernels/bsdf/all.h"
 #include "kernels/phase/phase_value.h"
 #include "scene/compile/compile_materials.h"
@@ -11,7 +11,7 @@ namespace sheaf::test_phase {
 namespace {
 
 constexpr float kMeanCosines[] = {-0.99f, -0.8f, -0.3f, 0.0f, 1e-4f, 0.3f, 0.8f, 0.99f};
-constexpr int kTests = 2 * static_cast<int>(std::size(kMeanCosines)) + 7;  // that share the significance level
+constexpr int kTests = 2 * static_cast<int>(std::size(kMeanCosines)) + 7;  // tests that share the significance level
 constexpr Vec3f kWo{0, 0, 1};
 
 HenyeyGreensteinBsdf<Scalar> henyey_greenstein(float g) {
@@ -35,10 +35,10 @@ struct Table {
   }
 };
 
-/// Samples against the density, by azimuth and the logarithm of 1 - |cosine| on the side of `pole` (-1 or 1), so that
-/// peaks of any width are seen; by azimuth and z over the other half.
+/// Tests samples against the pdf. The grid is azimuth by the logarithm of 1 - |cosine| on the side of `pole` (-1 or 1),
+/// which resolves peaks of any width, and azimuth by z on the other side.
 template <class Phase> void check_phase_sampling(const Phase& phase, double pole) {
-  constexpr double kTurn = 6.283185307179586, kLowest = -24;  // e^-24: below what floats tell apart
+  constexpr double kTurn = 6.283185307179586, kLowest = -24;  // e^-24 is below the resolution of floats
   const auto azimuth_of = [](Vec3f w) { return std::atan2(double(w.y), double(w.x)) + (w.y < 0 ? kTurn : 0.0); };
   const auto sample = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
     const Vec3f w = phase.sample(kWo, u).wi;
@@ -46,7 +46,7 @@ template <class Phase> void check_phase_sampling(const Phase& phase, double pole
     if (!(t > 0)) return std::array<double, 2>{azimuth_of(w), -t};
     return std::array<double, 2>{azimuth_of(w), std::max(std::log(sine * sine / (1 + t)), kLowest)};
   };
-  // Rows below 0 are logarithms, the others cosines on the far side.
+  // Rows below 0 are logarithms, the others are cosines on the far side.
   const auto density = [&](double azimuth, double y) {
     const double m = y < 0 ? std::exp(y) : 1 + y, sine = std::sqrt(m * (2 - m));
     const Vec3f w{static_cast<float>(sine * std::cos(azimuth)), static_cast<float>(sine * std::sin(azimuth)),
@@ -59,7 +59,7 @@ template <class Phase> void check_phase_sampling(const Phase& phase, double pole
   CHECK(result.p_value > significance_of_each(kTests));
 }
 
-/// Samples have the density and the direction that evaluate() gives for them, and weight 1.
+/// Samples have the pdf that evaluate() returns for their direction, and weight 1.
 template <class Phase> void check_phase_weights(const Phase& phase) {
   double worst = 0;
   for (std::uint32_t i = 0; i < 2000; ++i) {
@@ -75,15 +75,15 @@ template <class Phase> void check_phase_weights(const Phase& phase) {
   CHECK(worst < 2e-5);
 }
 
-/// The mean cosine of the angle by which samples turn.
+/// The mean cosine of the scattering angle.
 template <class Phase> MeanVariance mean_cosine(const Phase& phase) {
   MeanVariance cosine;
   for (std::uint32_t i = 0; i < 100000; ++i) cosine.add(-double(phase.sample(kWo, lane_random(19, i, 0)).wi.z));
   return cosine;
 }
 
-/// The integral of f(c) over the sphere, c the cosine by which light turns, by Simpson's rule in log(1 - c) on the side
-/// of the peak and in c on the other.
+/// The integral of f(c) c^power over the sphere, where c is the cosine of the scattering angle. Uses Simpson's rule in
+/// log(1 - c) on the side of the peak and in c on the other side.
 template <class Phase> double integral_over_sphere(const Phase& phase, double pole, double power) {
   constexpr int kSteps = 4000;
   constexpr double kLow = -30, kHigh = 0.6931471805599453;  // log(2)
@@ -134,7 +134,7 @@ TEST_CASE("phase: known values") {
   const double isotropic = 1 / (4 * 3.14159265358979);
   CHECK(henyey_greenstein(0).evaluate(kWo, {0.6f, 0, 0.8f}).pdf_solid_angle == doctest::Approx(isotropic));
   CHECK(henyey_greenstein(1e-7f).evaluate(kWo, {0.6f, 0, -0.8f}).pdf_solid_angle == doctest::Approx(isotropic));
-  // Straight on and straight back: (1 + g) / (1 - g)^2 and (1 - g) / (1 + g)^2.
+  // Forward and backward: (1 + g) / (1 - g)^2 and (1 - g) / (1 + g)^2.
   CHECK(henyey_greenstein(0.5f).evaluate(kWo, {0, 0, -1}).pdf_solid_angle == doctest::Approx(6 * isotropic));
   CHECK(henyey_greenstein(0.5f).evaluate(kWo, {0, 0, 1}).pdf_solid_angle == doctest::Approx(isotropic * 0.5 / 2.25));
   CHECK(henyey_greenstein(-0.5f).evaluate(kWo, {0, 0, 1}).pdf_solid_angle == doctest::Approx(6 * isotropic));
@@ -177,7 +177,8 @@ TEST_CASE("phase: tables are sampled exactly, whatever their values") {
 }
 
 TEST_CASE("phase: a table begins with light that goes back and ends with light that goes on") {
-  // Made with Mitsuba 3: tabphase of the values 0.5, 1, 4, for cosines of -1, -0.5, ... 1 to where light came from.
+  // Computed by Mitsuba 3: tabphase with the values 0.5, 1, 4, for cosines of -1, -0.5, ... 1 with the incident
+  // direction.
   constexpr double kExpected[] = {0.195883, 0.122427, 0.0489708, 0.0367281, 0.0244854};
   const Table table({0.5f, 1, 4});
   for (std::size_t i = 0; i < std::size(kExpected); ++i) {

@@ -1,4 +1,4 @@
-// Microflakes: the projected area and the distribution against each other, samples against densities, reciprocity.
+// SGGX microflakes: projected area against the distribution of normals, samples against pdfs, and reciprocity.
 #include "kernels/bsdf/all.h"
 #include "scene/tables/medium_lookup.h"
 
@@ -13,7 +13,7 @@ namespace {
 
 using Matrix = std::array<float, 6>;  ///< xx, yy, zz, xy, xz, yz
 
-/// Flakes whose projected area along each of three orthogonal axes is given, the axes turned obliquely.
+/// A matrix with the given projected areas along three orthogonal, oblique axes.
 Matrix oblique(double along_x, double along_y, double along_z) {
   const Frame<Scalar> axes = Frame<Scalar>::from_normal(normalize(Vec3f{0.3f, -0.5f, 0.7f}));
   Matrix m{};
@@ -43,7 +43,7 @@ double projected_area(const Matrix& m, Vec3f w) {
   return s.projected_area(w);
 }
 
-/// The distribution of normals as the paper has it (its equation 11 ff.), by determinant and cofactors.
+/// The distribution of normals by equation 11 ff. of the paper, with determinant and cofactors.
 double distribution(const Matrix& m, Vec3f h) {
   const double xx = m[0], yy = m[1], zz = m[2], xy = m[3], xz = m[4], yz = m[5], x = h.x, y = h.y, z = h.z;
   const double determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);

@@ -1,4 +1,4 @@
-// Beams of photons in media: lines that are found near a ray, and what the gather_volume stage makes of them.
+// Photon beams in media: the search for lines near a ray, and their contribution in the gather_volume stage.
 #include "core/octahedral.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/wave/wave_snapshot.h"
@@ -24,7 +24,7 @@ using Double3 = std::array<double, 3>;
 Double3 to_double(Vec3f a) { return {static_cast<double>(a.x), static_cast<double>(a.y), static_cast<double>(a.z)}; }
 double product(const Double3& a, const Double3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// Where a line and a ray are nearest to each other, from the two conditions that what joins them is across both.
+/// Closest approach of a line and a ray, from the condition that the connecting segment is perpendicular to both.
 struct Nearest {
   double t, along, distance, cosine, sine;
 };
@@ -52,7 +52,7 @@ class Randoms {
   std::uniform_real_distribution<float> u_{-1, 1};
 };
 
-/// A box from z = 2 to z = 10 and 4 wide and high, filled with `medium`; the camera stands outside.
+/// A box 4 wide and high from z = 2 to z = 10, filled with `medium`; the camera is outside.
 Description filled_box(const MediumDescription& medium) {
   Description d = empty_scene(16, 16);
   d.integrator.kind = IntegratorKind::kPhotonMapper;
@@ -84,7 +84,7 @@ Double3 colors(const Spectrum4& s) {
   return {static_cast<double>(s.c0), static_cast<double>(s.c1), static_cast<double>(s.c2)};
 }
 
-/// The kernel over [-r, r] at distance `away` r, times r.
+/// The kernel on [-r, r] at distance `away` * r, times r.
 double kernel_across(PhotonKernel kernel, double away) {
   switch (kernel) {
     case PhotonKernel::kDisc:
@@ -126,7 +126,7 @@ TEST_CASE("lines near rays: those that are, each once, and the same however they
       const Nearest n = nearest(origin, direction, lines[k]);
       const double radius = static_cast<double>(kRadius), far = static_cast<double>(length),
                    end = static_cast<double>(lines[k].length);
-      // Not on the border of what counts.
+      // Skip lines at the limit of the search range.
       if (std::min({std::fabs(n.t), std::fabs(n.t - far), std::fabs(n.along), std::fabs(n.along - end),
                     std::fabs(n.distance - radius)}) < 1e-5 / n.sine)
         continue;
@@ -145,7 +145,7 @@ TEST_CASE("lines near rays: those that are, each once, and the same however they
   CHECK(in_all > 1000);
   std::vector<NearLine> none;
   LineAccel().near_ray({0, 0, 0}, {0, 0, 1}, 1, none);
-  // Parallel lines have no place at which they are nearest.
+  // Parallel lines have no unique closest point.
   LineAccel({{{0.01f, 0, 0}, {0, 0, 1}, 1}}, kRadius, 1).near_ray({0, 0, 0}, {0, 0, 1}, 1, none);
   CHECK(none.empty());
 }
@@ -200,10 +200,10 @@ TEST_CASE("gather volume: registers do what single beams do; the sum is that ove
             n.distance >= kRadius || (max_depth > 0 && edges > max_depth - 1) || beam.place >> 8 != 1)
           continue;
         const double gg = static_cast<double>(g);
-        // Light flies on with the beam, but backwards along the ray.
+        // Light continues along the beam; the ray is traced backwards.
         const double phase = (1 - gg * gg) / (4 * kExactPi * std::pow(1 + gg * gg + 2 * gg * n.cosine, 1.5));
         const Double3 power = colors(beam.power), odds = colors(beam.odds);
-        // The probability that the beam comes as far: as each lane would sample it, or as the largest does.
+        // Probability that the beam reaches this distance, with each lane's extinction or with the maximum one.
         double comes = 0;
         for (std::size_t c = 0; c < 3; ++c)
           comes += odds[c] / 3 * std::exp(-n.along * (estimator == MediumEstimator::kRatio ? sigma[1] : sigma[c]));
@@ -216,7 +216,7 @@ TEST_CASE("gather volume: registers do what single beams do; the sum is that ove
                     by_scalar = colors(scalar.wave.radiance.row(slot).radiance),
                     left = colors(wide.wave.paths.get(slot).beta);
       for (std::size_t c = 0; c < 3; ++c) {
-        // Ratios: for small numbers Approx has a tolerance that is not relative.
+        // Compare ratios, because Approx's tolerance is not relative for small numbers.
         CHECK(by_wide[c] / sum[c] == doctest::Approx(1).epsilon(3e-3));
         CHECK(by_scalar[c] / sum[c] == doctest::Approx(1).epsilon(3e-3));
         CHECK(left[c] == doctest::Approx(std::exp(-sigma[c] * 7.5)).epsilon(1e-4));
@@ -259,7 +259,7 @@ TEST_CASE("gather volume: beams in homogeneous media, points in grids and where 
   };
   const double phase = 1 / (4 * kExactPi), by_beam = std::exp(-0.3 * 5) * 0.24 * phase;
   const double by_point = std::exp(-0.3 * 6) * phase / (kExactPi * 0.25);
-  // One ray passes the beam alone, the other the photon too.
+  // One ray passes only the beam, the other passes the photon too.
   constexpr float kBeamAlone = 0.8f, kBoth = 0.1f;
   for (const float y : {kBeamAlone, kBoth}) {
     CHECK(found(even, MediumPhotons::kBeams, y) / by_beam == doctest::Approx(1).epsilon(1e-4));

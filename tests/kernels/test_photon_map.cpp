@@ -1,4 +1,4 @@
-// Photon maps: what is found around a point, that threads don't matter, and registers against single photons.
+// Photon maps: the search around a point, independence of the number of threads, and SIMD lanes against single photons.
 #include "kernels/photons/photon_map.h"
 
 #include "core/octahedral.h"
@@ -94,7 +94,7 @@ TEST_CASE("gather: registers do what single photons do, and the sum is that over
   Description d = mixed_scene();
   d.integrator.kind = IntegratorKind::kPhotonMapper;
   d.integrator.max_depth = 4;
-  // A floor whose shading normals are not its geometric ones.
+  // A floor whose shading normals differ from its geometric normal.
   Mesh tilted;
   tilted.positions = {{-3, -1.4f, 2}, {3, -1.4f, 2}, {3, -1.4f, 6}, {-3, -1.4f, 6}};
   tilted.normals.assign(4, normalize(Vec3f{0.4f, 1, 0.1f}));
@@ -128,7 +128,7 @@ TEST_CASE("gather: registers do what single photons do, and the sum is that over
       lit += a.c0 > 0 ? 1 : 0;
     }
     CHECK(lit >= 20);
-    // A diffuse vertex by hand.
+    // A diffuse vertex, calculated by hand.
     const VertexRun& run = wide.wave.runs[static_cast<int>(ClosureKind::kDiffuse)];
     REQUIRE(run.count > 0);
     for (int i = 0; i < run.count; ++i) {

@@ -1,4 +1,5 @@
-// Rays that start on a surface do not meet that surface again, at any scale, and none slips through a closed one.
+// Ray offsets: rays that start on a surface do not hit it again, at any scale, and no ray leaks out of a closed
+// surface.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "scene/tables/shape.h"
@@ -16,7 +17,7 @@ namespace {
 
 constexpr float kScales[] = {1e-3f, 1e-2f, 1, 1e2f, 1e3f, 1e5f};
 
-/// A convex polyhedron around the origin: a ball of latitude and longitude, faceted, radius 1.
+/// A convex polyhedron around the origin: a faceted sphere of radius 1 by latitude and longitude.
 Mesh faceted_ball() {
   constexpr std::uint32_t kRings = 9, kSegments = 13;
   Mesh mesh;
@@ -40,7 +41,7 @@ Mesh faceted_ball() {
   return mesh;
 }
 
-/// Two flat or convex surfaces of each kind; none can be met again by a ray that leaves to its outer side.
+/// Flat or convex shapes. A ray that leaves to the outer side never hits the shape again.
 enum class Kind { kSphere, kDisk, kCylinder, kRectangle, kCube, kMesh, kTriangle, kCount };
 constexpr const char* kKindNames[] = {"sphere", "disk", "cylinder", "rectangle", "cube", "mesh", "triangle"};
 
@@ -105,15 +106,15 @@ RayPacket one_ray(Vec3f origin, Vec3f direction) {
   return packet;
 }
 
-/// What became of rays from the surface.
+/// Statistics of the rays from the surface.
 struct Tally {
   int starts = 0;      ///< points on the surface
-  int self_hits = 0;   ///< rays to the outer side that met something
-  int early_hits = 0;  ///< rays through the surface that met it at once
+  int self_hits = 0;   ///< rays to the outer side that hit something
+  int early_hits = 0;  ///< rays through the surface that hit it again at once
 };
 
-/// Shoots at the shape from around `center`, at distances of some and of many radii, and from every hit shoots on: to
-/// the side the ray came from, half of the rays at a grazing angle, and to the other side.
+/// Shoots rays at the shape from around `center`, from a few and from many radii away. From every hit, shoots rays to
+/// the incident side, half of them at grazing angles, and to the other side.
 Tally shoot(const SceneView& scene, Vec3f center, float radius, int rays) {
   Random random(11);
   Tally tally;
@@ -128,7 +129,7 @@ Tally shoot(const SceneView& scene, Vec3f center, float radius, int rays) {
     const auto shape = gather_rows<Scalar>(scene.shapes, hit.shape[0]);
     const auto y = surface_point<Scalar>(scene, shape, hit.primitive[0], hit.u[0], hit.v[0],
                                          origin + direction * hit.t_far[0], kNone);
-    // Only the outer sides of closed shapes; an open cylinder's inner side sees itself.
+    // Only outer sides of closed shapes; the inside of an open cylinder sees itself.
     const Vec3f outer = dot(y.ng, direction) < 0 ? y.ng : -y.ng;
     if (shape.kind == static_cast<std::uint32_t>(ShapeKind::kCylinder) && dot(y.ng, direction) > 0) continue;
     ++tally.starts;
@@ -152,7 +153,7 @@ Tally shoot(const SceneView& scene, Vec3f center, float radius, int rays) {
   return tally;
 }
 
-/// A closed room around the camera: `scale` units in radius, `away` from the origin along the diagonal.
+/// A closed room around the camera with a radius of `scale` units, `away` from the origin along the diagonal.
 Description closed_room(bool box, float scale, float away) {
   Description d = empty_scene(32, 32);
   d.sampler.sample_count = 32;
@@ -173,7 +174,7 @@ Description closed_room(bool box, float scale, float away) {
 constexpr std::uint64_t kPaths = 32 * 32 * 32;
 constexpr int kDepth = 6;
 
-/// Paths of a closed room that ended before their time: leaked, absorbed from behind, or dropped.
+/// Number of paths in a closed room that end early: leaked, absorbed by a back side, or dropped.
 std::uint64_t lost_paths(Description d) {
   d.integrator.max_depth = kDepth;
   d.integrator.rr_depth = kDepth;
@@ -242,7 +243,7 @@ TEST_CASE("no path is lost in a closed room of any size") {
 }
 
 TEST_CASE("hardly a path is lost in a closed room far from the origin") {
-  // A path may slip out where it meets an edge within rounding: a share of about the offset over the room's size.
+  // A path may leak where it hits an edge within rounding: the probability is about the offset over the room's size.
   for (const bool box : {false, true})
     for (const float away : {10.0f, 1000.0f}) {
       CAPTURE(box);

@@ -1,4 +1,4 @@
-// Records of tables: what lies in memory is what fields() says, in its order.
+// Records of tables: the memory layout matches the order of fields().
 #include "kernels/wave/path_state.h"
 #include "scene/tables/scene.h"
 
@@ -10,7 +10,7 @@ namespace sheaf::test_records {
 
 namespace {
 
-/// Whether leaf k of a record is its word k: as gather_rows() and SlotTable take for granted.
+/// Whether leaf k of a record is its word k, as gather_rows() and SlotTable assume.
 template <template <class> class Record> bool fields_in_order() {
   Record<Scalar> row{};
   const auto* next = reinterpret_cast<const unsigned char*>(&row);

@@ -1,4 +1,5 @@
-// Resampling of light candidates: the mean stays what it is for any number of candidates, and the spread shrinks.
+// Resampled importance sampling of lights: the mean is independent of the number of candidates, and the variance
+// decreases.
 #include "core/rng.h"
 #include "kernels/lights/light_weight.h"
 #include "tests/support/stages_testing.h"
@@ -17,7 +18,7 @@ const Vec3f kLights[] = {{0, 0, -1}, {3, 1, 0}, {-2, 2, 1.5f}, {0.5f, -0.2f, 1.2
 
 float intensity(int light) { return 1.0f + 3.0f * static_cast<float>(light % 3); }
 
-/// A square at z = 2 that looks towards -z, under point lights, one of them behind it.
+/// A square at z = 2 that faces -z, under point lights, one of them behind it.
 Description lit_square(int candidates, LightSelector selector) {
   Description d = empty_scene(8, 8);
   add_rectangle(d, Transform::translate({0, 0, 2}) * Transform::rotate({0, 1, 0}, 180),
@@ -29,7 +30,7 @@ Description lit_square(int candidates, LightSelector selector) {
   return d;
 }
 
-/// Unshadowed light that the middle of the square reflects.
+/// Reflected radiance at the centre of the square, without shadows.
 double expected_radiance() {
   double sum = 0;
   for (int i = 0; i < static_cast<int>(std::size(kLights)); ++i) {
@@ -40,7 +41,7 @@ double expected_radiance() {
   return sum;
 }
 
-/// What shadow rays carry, for kPaths paths that hit the middle of the square.
+/// The contribution of shadow rays over kPaths paths that hit the centre of the square.
 template <class L> MeanVariance sampled_radiance(const Description& d) {
   const auto scene = compile_scene(d);
   TestWave test(kPaths);
@@ -100,8 +101,8 @@ TEST_CASE("resample: a light alone is found by every candidate") {
   CHECK(radiance.variance() < 1e-10 * alone * alone);
 }
 
-// In one dimension: light sampling draws M candidates of density p(x) = 2x and keeps one, BSDF sampling draws one of
-// density b(x) = 1.
+// A model in one dimension: light sampling draws M candidates of pdf p(x) = 2x and keeps one; BSDF sampling draws one
+// of pdf b(x) = 1.
 namespace {
 
 constexpr int kCandidates = 8;
@@ -109,10 +110,10 @@ double integrand(double x) { return 1 + std::sin(9 * x) + 4 * x * x * x; }
 constexpr double kIntegral = 1 + (1 + 0.91113026188467694) / 9 + 1;  // cos 9 = -0.911...
 double p_of(double x) { return 2 * x; }
 
-/// Which density stands for light sampling in the weights.
+/// The pdf that represents light sampling in the MIS weights.
 enum class Density { kCandidate, kAllCandidates, kKept };
 
-/// The weight of light sampling at x, for a kept candidate of effective density `kept`.
+/// The MIS weight of light sampling at x; `kept`: effective pdf of the kept candidate.
 double light_share(Density density, double x, double kept) {
   const double a = density == Density::kKept ? kept : p_of(x) * (density == Density::kAllCandidates ? kCandidates : 1);
   return power_heuristic(a, 1.0);
@@ -120,7 +121,7 @@ double light_share(Density density, double x, double kept) {
 
 /// One estimate from both techniques.
 double estimate(Density density, std::uint32_t i) {
-  // The target leaves the weight out where it depends on which candidate is kept.
+  // The target omits the MIS weight if that weight depends on the kept candidate.
   const auto target = [&](double x) {
     return integrand(x) * (density == Density::kKept ? 1 : light_share(density, x, 0));
   };

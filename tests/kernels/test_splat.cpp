@@ -1,4 +1,4 @@
-// What splats count in pixels: what camera samples at the same places count there, at the frame's edge as well.
+// Splats: their weights in pixels match those of camera samples at the same positions, also at the edge of the frame.
 #include "kernels/film/splat.h"
 
 #include "kernels/film/film.h"
@@ -15,7 +15,7 @@ namespace {
 using Kind = FilterDescription::Kind;
 
 constexpr PixelRect kFrame{0, 0, 7, 5};
-/// Samples along each side of a pixel.
+/// Samples along each axis of a pixel.
 constexpr int kSide = 16;
 
 FilterDescription filter_of(Kind kind, float radius = 0.5f, float stddev = 0.5f) {
@@ -26,13 +26,13 @@ FilterDescription filter_of(Kind kind, float radius = 0.5f, float stddev = 0.5f)
   return filter;
 }
 
-/// Filters whose edges meet those of samples: narrow, wide, of negative lobes.
+/// Filters whose edges coincide with sample positions: narrow, wide, and with negative lobes.
 const std::vector<FilterDescription> kFilters = {
     filter_of(Kind::kBox),      filter_of(Kind::kBox, 0.25f), filter_of(Kind::kBox, 1.75f),
     filter_of(Kind::kTent, 1),  filter_of(Kind::kGaussian),   filter_of(Kind::kGaussian, 0, 2),
     filter_of(Kind::kMitchell), filter_of(Kind::kCatmullRom), filter_of(Kind::kLanczos)};
 
-/// An image whose parts differ, at a place on the film.
+/// A non-uniform image, by raster position.
 float value_at(float x, float y) { return 1.5f + std::sin(1.3f * x) + 0.4f * y * std::cos(0.9f * x); }
 
 struct Sample {
@@ -40,7 +40,7 @@ struct Sample {
   float value;
 };
 
-/// Samples on a grid in the middle part of a pixel, as wide as `width`.
+/// Samples on a grid of size `width` in the centre of a pixel.
 std::vector<Sample> samples_of(int x, int y, double width) {
   std::vector<Sample> samples;
   const auto offset = [&](int i) { return static_cast<float>(width * ((i + 0.5) / kSide - 0.5)); };
@@ -52,7 +52,7 @@ std::vector<Sample> samples_of(int x, int y, double width) {
   return samples;
 }
 
-/// As camera samples of the sampled pixels.
+/// The image from camera samples of the sampled pixels.
 Image by_film(const FilterDescription& filter, const PixelRect& sampled, const PixelRect& crop) {
   const FilterWeights weights(filter);
   Film film(kFrame.width(), kFrame.height(), crop, FilmLayout({{"R"}, {"G"}, {"B"}, {"A"}}));
@@ -73,7 +73,7 @@ Image by_film(const FilterDescription& filter, const PixelRect& sampled, const P
   return film.to_image();
 }
 
-/// As splats of the same light, which falls on the film far beyond the sampled pixels.
+/// The image from splats of the same light, which covers the film far beyond the sampled pixels.
 Image by_splats(const FilterDescription& filter, FilterMode mode, const PixelRect& sampled, const PixelRect& crop) {
   const SplatFilter weights(filter, mode, sampled);
   const SplatFilter::Bounds bounds = weights.bounds(crop);
@@ -92,7 +92,7 @@ Image by_splats(const FilterDescription& filter, FilterMode mode, const PixelRec
   SplatFilm film(crop);
   film.add(splats, weights);
   Image image(crop.width(), crop.height(), {"R", "G", "B"});
-  film.add_to(image, kSide * kSide);  // per pixel of area
+  film.add_to(image, kSide * kSide);  // samples per pixel area
   return image;
 }
 
@@ -134,7 +134,7 @@ TEST_CASE("splats: by importance, they count under the whole filter, as if the f
 }
 
 TEST_CASE("splats: an even image is even up to the corners, exactly") {
-  // Weights are linear over 1/256 of a pixel, so that such a grid is exact.
+  // Weights are piecewise linear over 1/256 of a pixel, so this grid is exact.
   constexpr int kFine = 256;
   for (const FilterDescription& filter : {filter_of(Kind::kTent, 1.37f), filter_of(Kind::kGaussian, 0, 0.31f),
                                           filter_of(Kind::kMitchell), filter_of(Kind::kLanczos)})

@@ -1,5 +1,5 @@
-// The stages at the ends of a path: camera rays, intersection, debugging pictures and the sample buffer; and all
-// stages in registers against one path at a time.
+// The stages at both ends of a path: camera rays, intersection, debug images and the sample buffer; and all stages in
+// SIMD lanes against one path at a time.
 #include "kernels/guiding/guide_record.h"
 #include "kernels/passes/passes.h"
 #include "kernels/photons/photon_maps.h"
@@ -52,7 +52,7 @@ TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within
         CHECK(ray.flags == kRayFromCamera);
         CHECK(ray.t_max == kInfinity);
         CHECK(ray.origin == view.camera.origin);
-        // The direction passes through the pixel: between those of its edges.
+        // The direction passes through the pixel.
         const Vec3f normal = normalize(cross(view.camera.dx, view.camera.dy));
         const Vec3f on_film =
             ray.direction * (dot(view.camera.corner, normal) / dot(ray.direction, normal)) - view.camera.corner;
@@ -96,7 +96,7 @@ TEST_CASE_TEMPLATE("camera rays: partial tiles leave other slots alone, and a cr
 
 namespace {
 
-/// A diffuse square at z = 2, a light square at z = 4 beside it, an unbounded view otherwise.
+/// A diffuse square at z = 2 and an emissive square at z = 4 beside it, in an otherwise empty scene.
 std::unique_ptr<Scene> two_squares(bool hide_emitters = false) {
   Description d = empty_scene(8, 8);
   d.integrator.hide_emitters = hide_emitters;
@@ -212,7 +212,7 @@ TEST_CASE_TEMPLATE("intersect: hidden lights are left to emission", L, SHEAF_STA
   CHECK(is_black(wave.radiance.get(hidden).radiance));
   CHECK(wave.radiance.get(seen).radiance.c0 == doctest::Approx(2));
   check_conservation(wave);
-  // Behind it there is nothing: the sample covers nothing.
+  // There is nothing behind it, so the sample is transparent.
   intersect<L>(test.context(*scene), wave);
   emission<L>(test.context(*scene), wave);
   CHECK(wave.finished.size() == 2);

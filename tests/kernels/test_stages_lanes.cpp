@@ -1,5 +1,5 @@
-// Every stage of the passes that transport light in registers against the same stage one path at a time, from the same
-// wave.
+// Runs every stage of the light transport passes in SIMD lanes and one path at a time, from the same wave, and compares
+// the results.
 #include "kernels/guiding/fit_mixture.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/wave_snapshot.h"
@@ -11,7 +11,7 @@ namespace sheaf::test_stages_lanes {
 
 namespace {
 
-/// Largest difference between what two waves hold.
+/// Maximum difference between the contents of two waves.
 double wave_difference(const Wave& a, const Wave& b) {
   bool same_lists = a.shadow_count == b.shadow_count;
   for (const SlotList PathPool::*list : PathPool::kLists) {
@@ -100,7 +100,7 @@ TEST_CASE("stages: registers do what single paths do, stage by stage, in both co
         if (!guided) CHECK(wide.task.samples.surface(sample).shape == scalar.task.samples.surface(sample).shape);
       }
       CHECK(worst_layer < 2e-4);
-      // Wavelengths come from logarithms, which registers round in their own way.
+      // Wavelengths depend on logarithms, which SIMD code rounds differently.
       CHECK(worst < (color == ColorMode::kSpectral ? 1e-5 : 1e-6));
       const auto done = static_cast<int>(wide.wave.stats.samples);
       CHECK(wide.wave.stats.rays.camera ==

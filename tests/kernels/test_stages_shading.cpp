@@ -12,8 +12,8 @@ namespace sheaf::test_stages_shading {
 
 namespace {
 
-/// Squares at z = 2 that look towards -z, at x = 0, 3, 6 ...: grey, mirror, glass, light grey, and one that shows its
-/// back, which is brighter than its front. A point light of intensity 10 at (0, 0, -1).
+/// Squares at z = 2 that face -z, at x = 0, 3, 6 ...: grey, mirror, glass, light grey, and a turned one that shows its
+/// back, which is brighter than its front. A point light of intensity 10 is at (0, 0, -1).
 constexpr int kSquares = 5;
 enum Square { kGrey, kMirror, kGlass, kLightGrey, kTurned };
 
@@ -30,7 +30,7 @@ Description squares(bool with_light = true) {
   return d;
 }
 
-/// A wave whose paths, `square_of(i)` each, have hit their square at a slant, sorted and with inputs worked out.
+/// A wave whose path i has hit square `square_of(i)` at an angle, after sorting and the evaluation of surface inputs.
 template <class L> class ShadedWave : public TestWave {
  public:
   template <class F> ShadedWave(const Scene& scene, int paths, F&& square_of) : TestWave(paths) {
@@ -138,7 +138,7 @@ TEST_CASE_TEMPLATE("surface inputs: places, frames and parameters of every hit",
   }
 }
 
-/// What the path pass does between surface inputs and shadow rays.
+/// The stages of the path pass between surface inputs and shadow rays.
 template <class L> void sample_lights(const StageContext& context, Wave& wave) {
   for (int candidate = 0; candidate < context.integrator.candidates; ++candidate) {
     light_candidates<L>(context, wave, candidate);
@@ -196,7 +196,7 @@ TEST_CASE_TEMPLATE("light candidates: strategies weigh samples as they should", 
   REQUIRE(alone.size() == 37);
   REQUIRE(mis.size() == 37);
   for (std::size_t i = 0; i < 37; ++i) {
-    // The light is 2 by 2, parallel to the surface; both see each other at the same angle.
+    // The light is 2 by 2 and parallel to the surface, so that both cosines are equal.
     const double squared = length_squared(alone[i].direction), cos_theta = -alone[i].direction.z / std::sqrt(squared);
     const double pdf_light = 0.25 * squared / cos_theta, pdf_bsdf = cos_theta / 3.14159265358979;
     CHECK(alone[i].contribution.c0 ==
@@ -234,7 +234,7 @@ TEST_CASE_TEMPLATE("shadow: what is not blocked is paid to its own path", L, SHE
       wave.radiance.set(slot, r);
       wave.surface.push(slot);
       slots.push_back(slot);
-      // Through the square, past it, and up to just before it.
+      // Through the square, past it, and ending just before it.
       const Vec3f origin{i % 3 == 1 ? 3.0f : 0.1f, 0.1f, 0}, direction{0, 0, i % 3 == 2 ? 0.99f : 4.0f};
       wave.shadows.template store<Scalar>(i, {origin, direction, {0.5f, 0.25f, static_cast<float>(i), 0}, slot, 0});
     }
@@ -335,7 +335,7 @@ TEST_CASE_TEMPLATE("scatter: the ray that reaches max_depth is the last", L, SHE
         test.wave.paths.set(slot, path);
       }
       scatter<L>(test.context(*scene), test.wave);
-      // The next ray ends a path of depth + 2 edges, the one from the camera included.
+      // The next ray ends a path of depth + 2 edges, including the one from the camera.
       const bool last = max_depth >= 0 && static_cast<int>(depth) + 2 >= max_depth;
       for (const Slot slot : test.wave.active.span()) CHECK(test.wave.rays.get(slot).flags == (last ? kRayLast : 0u));
     }
@@ -365,8 +365,8 @@ TEST_CASE_TEMPLATE("scatter: roulette ends paths by their throughput and pays th
     }
     scatter<L>(is_photon ? test.photon_context(*scene, kPaths) : test.context(*scene), wave);
     check_conservation(wave);
-    // Depth counts the vertex that is left: at 2 the path is at depth 3 and plays, for what it has of a half; photons
-    // of a whole.
+    // Depth counts the current vertex: at 2 the path has depth 3 and undergoes Russian roulette. Its survival
+    // probability is relative to a throughput of one half; that of photons to 1.
     const double survival = depth < 2 ? 1 : std::min(0.75 * beta * 0.5 / (is_photon ? 1 : 0.5), 0.99);
     const double error = std::sqrt(kPaths * survival * (1 - survival));
     CHECK(std::fabs(wave.active.size() - kPaths * survival) <=
@@ -381,7 +381,7 @@ TEST_CASE_TEMPLATE("scatter: roulette ends paths by their throughput and pays th
 
 namespace {
 
-/// Emission's weight for light found with density `scatter_pdf` where light sampling has `light_pdf`.
+/// The MIS weight of emission that is hit with pdf `scatter_pdf` where light sampling has pdf `light_pdf`.
 double emission_weight(LightStrategy strategy, double scatter_pdf, double light_pdf) {
   if (scatter_pdf == 0 || strategy == LightStrategy::kBsdfOnly) return 1;
   if (strategy == LightStrategy::kLightOnly) return 0;

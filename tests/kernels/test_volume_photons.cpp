@@ -1,4 +1,4 @@
-// Photons in media: what is found near a ray, and what the gather_volume stage makes of it.
+// Photons in media: the search near a ray, and their contribution in the gather_volume stage.
 #include "kernels/photons/volume_photon_map.h"
 
 #include "core/octahedral.h"
@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kExactPi = 3.14159265358979;
 
-/// A box from z = 2 to z = 10 and 4 wide and high, filled with `medium`, before a floor; the camera stands outside.
+/// A box 4 wide and high from z = 2 to z = 10, filled with `medium`, in front of a floor; the camera is outside.
 Description filled_box(const MediumDescription& medium) {
   Description d = empty_scene(16, 16);
   d.integrator.kind = IntegratorKind::kPhotonMapper;
@@ -68,7 +68,7 @@ TEST_CASE("points near rays: those that are, and each once") {
       const float t = dot(from, direction);
       const Vec3f across = from - direction * t;
       const float away = std::sqrt(dot(across, across));
-      // Not on the border of what counts.
+      // Skip photons at the limit of the search range.
       if (std::min({std::fabs(t), std::fabs(t - length), std::fabs(away - points[k].radius)}) < 1e-5f) continue;
       CHECK(indices.count(k) == (t > 0 && t < length && away < points[k].radius ? 1 : 0));
     }
@@ -125,7 +125,7 @@ TEST_CASE("gather volume: registers do what single photons do; the sum is that o
         const double k = kernel == PhotonKernel::kDisc   ? 1
                          : kernel == PhotonKernel::kCone ? 3 * (1 - away)
                                                          : 2 * (1 - away * away);
-        // Light goes on towards the camera, along -z; it came from `from`.
+        // Light continues to the camera along -z; it arrives from direction `from`.
         const Vec3f from = decode_octahedral<Scalar>(photon.direction);
         const double cosine = static_cast<double>(from.z), gg = static_cast<double>(g);
         const double phase = (1 - gg * gg) / (4 * kExactPi * std::pow(1 + gg * gg - 2 * gg * cosine, 1.5));
@@ -148,7 +148,7 @@ TEST_CASE("gather volume: registers do what single photons do; the sum is that o
 
 TEST_CASE("gather volume: in a grid, transmittance is right in the mean, up to each photon and beyond") {
   const TemporaryFolder folder;
-  // Density rises along z from 0 to 1 in 32 steps.
+  // Density increases along z from 0 to 1 in 32 voxels.
   const auto file = write_vol(folder.path() / "ramp.vol", 32, 1, [](Vec3f p, int) { return p.z; });
   MediumDescription medium = fog(0.3f, 0.8f);
   medium.density = vol(file, Transform::translate({-2, -2, 2}) * Transform::scale({4, 4, 8}));
@@ -175,7 +175,7 @@ TEST_CASE("gather volume: in a grid, transmittance is right in the mean, up to e
       left.add(static_cast<double>(test.wave.paths.get(slot).beta.c0));
     }
   }
-  // The integral of the density, linear in between and constant in the outer half voxels.
+  // The integral of the density, which is linear between voxel centres and constant in the outer half voxels.
   const auto depth = [](double z) {  // z in [0, 1] of the box
     const double half = 0.5 / 32;
     double sum = 0;

@@ -1,6 +1,6 @@
-// Spectral mode, where a path from the camera, a vertex and a photon meet of which each may have kept one wavelength
-// alone: a wavelength that stands for all four does so once. What photons must say of their wavelengths for that, and
-// by which lane they sample their flights.
+// Spectral mode: connections of a camera path, a vertex and a photon, each of which may have kept only one wavelength.
+// The factor 4 of the remaining wavelength must count once. Also tests the wavelength flags of photons, and the lane
+// that samples their flight distances.
 #include "core/octahedral.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/wave/path_wavelengths.h"
@@ -21,7 +21,7 @@ namespace {
 
 constexpr CompileOptions kSpectral{.color = ColorMode::kSpectral};
 
-/// Densities of a path that the lanes would have sampled differently.
+/// Rescaled path pdfs that differ between lanes.
 const Spectrum4 kUnequal{2, 1, 0.5f, 3.5f};
 constexpr double kUnequalMean = 1.75, kUnequalFirst = 2;
 
@@ -29,7 +29,7 @@ void keep_one_wavelength(Wave& wave, Slot slot) {
   wave.wavelength_samples[slot] = bits_float(float_bits(wave.wavelength_samples[slot]) | kSingleWavelength);
 }
 
-/// A sheet of rough flint beside a grey wall, both at z = 4 before the camera, and a medium out of sight.
+/// A sheet of rough flint glass beside a grey wall, both at z = 4 in front of the camera, and a medium out of sight.
 Description sheet_and_wall() {
   Description d = empty_scene(16, 16);
   d.integrator.kind = IntegratorKind::kPhotonMapper;
@@ -43,7 +43,7 @@ Description sheet_and_wall() {
   return d;
 }
 
-/// Photons around the sheet and the wall that come from behind them, or from the camera's side.
+/// Photons around the sheet and the wall that arrive from behind them, or from the camera's side.
 std::vector<Photon> photons_at_sheet(bool from_behind, bool single_wavelength) {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> u(-1, 1);
@@ -63,7 +63,7 @@ struct Gathered {
   Spectrum4 radiance;
 };
 
-/// What the gather stage finds at each path's vertex, always in the same order.
+/// Results of the gather stage at each path's vertex, in a fixed order.
 template <class L>
 std::vector<Gathered> gather_at_sheet(const Scene& scene, const PhotonMap& map, bool single_path, Spectrum4 r_u) {
   const PhotonMaps maps{map.view(), {}, PhotonGathering::kAll};
@@ -106,7 +106,7 @@ TEST_CASE("gather: of path, vertex and photon, those that keep one wavelength co
     for (const bool single_path : {false, true})
       for (const bool single_photon : {false, true})
         for (const bool unequal : {false, true}) {
-          if (single_path && unequal) continue;  // the densities of the other lanes have ended with them
+          if (single_path && unequal) continue;  // the pdfs of the other lanes are no longer used
           CAPTURE(from_behind);
           CAPTURE(single_path);
           CAPTURE(single_photon);
@@ -122,7 +122,7 @@ TEST_CASE("gather: of path, vertex and photon, those that keep one wavelength co
             ++checked[disperses ? 0 : 1];
             const bool single_vertex = disperses && from_behind && !single_path;
             double factor = (single_path || single_vertex) && single_photon ? 0.25 : 1;
-            // The base has four times the first wavelength where the vertex keeps it alone.
+            // If the vertex keeps only the first wavelength, the base value already has the factor 4.
             if (disperses && from_behind && single_path) factor *= 0.25;
             if (unequal) factor /= single_vertex || single_photon ? kUnequalFirst : kUnequalMean;
             const auto expected = lanes(base[i].radiance), wide = lanes(by_wide[i].radiance),
@@ -137,7 +137,7 @@ TEST_CASE("gather: of path, vertex and photon, those that keep one wavelength co
             }
           }
         }
-    // Only the sheet lets light through.
+    // Only the sheet transmits light.
     CHECK(checked[0] > 80);
     CHECK((from_behind ? checked[1] == 0 : checked[1] > 80));
   }
@@ -145,7 +145,7 @@ TEST_CASE("gather: of path, vertex and photon, those that keep one wavelength co
 
 namespace {
 
-/// Fog of several colours from z = 2 to z = 10, whose albedo is 0.8 at all wavelengths.
+/// Coloured fog from z = 2 to z = 10 with albedo 0.8 at all wavelengths.
 Description colored_box(MediumPhotons kept) {
   Description d = empty_scene(16, 16);
   d.integrator.kind = IntegratorKind::kPhotonMapper;
@@ -165,7 +165,7 @@ struct InMedium {
   std::array<double, 4> radiance, sigma_t;
 };
 
-/// What a ray from (0, 0, 2) along z finds of one photon, a point at z = 6 and a beam from (0, -1, 7) upwards.
+/// The contribution of one photon to a ray from (0, 0, 2) along z: a point at z = 6 and a beam from (0, -1, 7) upwards.
 template <class L> InMedium gather_in_medium(MediumPhotons kept, bool single_ray, bool single_photon) {
   const auto scene = compile_scene(colored_box(kept), kSpectral);
   Photon photon;
@@ -208,9 +208,9 @@ TEST_CASE_TEMPLATE("gather volume: of ray and photon, those that keep one wavele
       const double once = single_ray && single_photon ? 0.25 : 1;
       const auto points = gather_in_medium<L>(MediumPhotons::kPoints, single_ray, single_photon).radiance;
       const auto beams = gather_in_medium<L>(MediumPhotons::kBeams, single_ray, single_photon).radiance;
-      double comes = 0;  // that the beam comes as far as the ray, by any of its lanes
+      double comes = 0;  // probability that the beam reaches the ray, averaged over the sampling lanes
       for (std::size_t c = 0; c < 4; ++c) comes += 0.25 * kOdds[c] * std::exp(-sigma[c]);
-      // The other lanes of rays and photons of one wavelength are empty.
+      // For rays and photons of one wavelength the other lanes are empty.
       for (std::size_t c = 0; c < (single_ray || single_photon ? 1 : 4); ++c) {
         CAPTURE(c);
         const double power = static_cast<double>(c + 1);
@@ -290,7 +290,7 @@ TEST_CASE_TEMPLATE("shadow rays through what disperses keep the density of the f
       StageContext context = photons ? test.photon_context(*scene, 200) : test.context(*scene);
       Wave& wave = test.wave;
       for (int i = 0; i < 200; ++i) {
-        // Onto the sheet and the wall, every other one from behind.
+        // Towards the sheet and the wall, every other ray from behind.
         const bool behind = i % 2 == 1;
         const float x = -1.9f + 0.019f * static_cast<float>(i);
         const Slot slot = test.add_active({x, 0.3f, behind ? 6.0f : 2.0f}, {0, 0, behind ? -1.0f : 1.0f});
@@ -312,7 +312,7 @@ TEST_CASE_TEMPLATE("shadow rays through what disperses keep the density of the f
         const ShadowItem<Scalar> ray = wave.shadows.template load<Scalar>(i);
         const Spectrum4 r_u = wave.transmittances.template load<Scalar>(i).r_u;
         const Vec3f along = wave.rays.get(static_cast<Slot>(ray.slot)).direction;
-        // Only the sheet lets light through.
+        // Only the sheet transmits light.
         const bool single = !single_path && along.z * ray.direction.z > 0;
         const Spectrum4 before = single_path ? Spectrum4(2.0f) : kUnequal;
         const Spectrum4 expected = single ? Spectrum4{4 * before.c0, 0, 0, 0} : before;

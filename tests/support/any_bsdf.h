@@ -1,4 +1,4 @@
-// Parameters for whatever BSDF, for tests and benchmarks that go over the list of all.
+// Random parameters for any BSDF, for tests and benchmarks that iterate over the list of all BSDFs.
 #pragma once
 
 #include "core/rng.h"
@@ -10,7 +10,7 @@
 
 namespace sheaf {
 
-/// Puts a closure below a coat.
+/// Stores `nested` as the closure below a coat.
 template <template <class> class Nested> void set_nested(CoatedParameters<Scalar>& coat, Nested<Scalar> nested) {
   coat.nested_kind = static_cast<float>(Nested<Scalar>::kKind);
   int k = 0;
@@ -22,7 +22,7 @@ template <template <class> class Nested> void set_nested(CoatedParameters<Scalar
   std::apply([&](const auto&... leaf) { (set(leaf), ...); }, leaves(nested));
 }
 
-/// The `i`-th of many: parameters in [0.05, 0.95], indices of refraction and what must be computed put right.
+/// The `i`-th random parameter set: values in [0.05, 0.95], a valid index of refraction, and valid table references.
 template <template <class> class Bsdf> Bsdf<Scalar> any_bsdf(std::uint32_t i) {
   const auto number = [i](std::uint32_t k, std::uint32_t stream) {
     return random4<Scalar>(stream, i * 64 + k, 0, 0).x;
@@ -45,7 +45,7 @@ template <template <class> class Bsdf> Bsdf<Scalar> any_bsdf(std::uint32_t i) {
     bsdf.table = any_tables().measured[i % 3];
   if constexpr (std::is_base_of_v<CoatedParameters<Scalar>, Bsdf<Scalar>>) {
     bsdf.coat_eta = eta;
-    // A rough metal comes first: it has a lobe, a density, and all of its spectra.
+    // The first choice is a rough metal: it has a lobe, a pdf and all of its spectra.
     int left = static_cast<int>((i + 1) % 4);
     CoatableBsdfs::for_each([&]<template <class> class Nested>() {
       if (left-- == 0) set_nested(bsdf, any_bsdf<Nested>(i));

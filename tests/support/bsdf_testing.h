@@ -1,4 +1,5 @@
-// What every BSDF is put to: chi-square of its samples, energy, reciprocity, and registers against single values.
+// Tests for every BSDF: chi-square of the samples, energy conservation, reciprocity, and SIMD lanes against scalar
+// code.
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"
@@ -32,8 +33,8 @@ template <class Bsdf> bool scatters(const Bsdf& bsdf, Vec3f wo) {
   return false;
 }
 
-/// Samples of a BSDF that is not specular, from every direction of outgoing_directions(), follow its pdf, which
-/// integrates to the share of draws that produce a direction. `tests`: how many tests share the significance level.
+/// Chi-square test of a BSDF with a pdf, from every direction of outgoing_directions(). The pdf integrates to the
+/// probability of a valid sample. `tests`: number of tests that share the significance level.
 template <class Bsdf> void check_bsdf_sampling(const Bsdf& bsdf, int tests) {
   for (const Vec3f wo : outgoing_directions()) {
     CAPTURE(wo.z);
@@ -56,9 +57,9 @@ template <class Bsdf> void check_bsdf_sampling(const Bsdf& bsdf, int tests) {
   }
 }
 
-/// As check_bsdf_sampling(), for densities with edges: lobes cut off by the horizon, by their facets or at the critical
-/// angle. Where no node of the integration fell on the corner of a lobe, a cell expects next to nothing, not nothing.
-/// Slivers along the horizon are integrated apart. `depth`: how often cells may be cut in four.
+/// Like check_bsdf_sampling(), for discontinuous pdfs: lobes that are clipped by the horizon, by their facets or at the
+/// critical angle. Expected counts have a small lower bound, because quadrature nodes may miss the corner of a lobe.
+/// Strips along the horizon are integrated separately. `depth`: maximum number of subdivisions of a cell.
 template <class Bsdf> void check_bsdf_sampling_with_edges(const Bsdf& bsdf, int tests, int depth = 6) {
   constexpr int kSamples = 100000;
   constexpr double kNextToNothing = 1e-4;
@@ -92,8 +93,9 @@ template <class Bsdf> void check_bsdf_sampling_with_edges(const Bsdf& bsdf, int 
   }
 }
 
-/// Samples of a lobe too narrow for a grid over the sphere, for one outgoing direction: within the square of
-/// 2 `half_width` in the plane that touches the sphere at `center`. The pdf may integrate to less than 1 there.
+/// Chi-square test of a lobe that is too narrow for a grid over the sphere, for one outgoing direction. The domain is a
+/// square of side 2 `half_width` in the plane that touches the sphere at `center`. The pdf may integrate to less than 1
+/// there.
 template <class Bsdf>
 void check_bsdf_peak_sampling(const Bsdf& bsdf, Vec3f wo, Vec3f center, double half_width, int tests) {
   CAPTURE(wo.z);
@@ -117,8 +119,8 @@ void check_bsdf_peak_sampling(const Bsdf& bsdf, Vec3f wo, Vec3f center, double h
   CHECK(result.p_value > significance_of_each(tests));
 }
 
-/// A sample's density and weight are those that evaluate() gives for its direction. `tolerance`: relative; more where
-/// directions determine the facet badly.
+/// Compares the pdf and the weight of samples with evaluate(). `tolerance`: relative error; larger where the directions
+/// determine the half vector badly.
 template <class Bsdf> void check_bsdf_weights(const Bsdf& bsdf, double tolerance = 1e-4) {
   double worst_pdf = 0, worst_weight = 0;
   for (const Vec3f wo : outgoing_directions())
@@ -136,8 +138,8 @@ template <class Bsdf> void check_bsdf_weights(const Bsdf& bsdf, double tolerance
   CHECK(worst_weight < tolerance);
 }
 
-/// evaluate(wo, wi) / |cos(wi)| is symmetric for reflection and, over the squared index, for transmission, where
-/// `eta` is inside over outside.
+/// Checks that evaluate(wo, wi) / |cos(wi)| is symmetric, after division by the squared index for transmission. `eta`:
+/// index inside over index outside.
 template <class Bsdf> void check_bsdf_reciprocity(const Bsdf& bsdf, double eta = 1) {
   for (std::uint32_t i = 0; i < 2000; ++i) {
     const Vec3f wo = random_direction(13, i), wi = random_direction(14, i);
@@ -150,8 +152,8 @@ template <class Bsdf> void check_bsdf_reciprocity(const Bsdf& bsdf, double eta =
   }
 }
 
-/// The mean of the samples' weights is the share of light that is scattered: at most 1 in every component. For
-/// `lossless` it must be 1 wherever anything is scattered. Transmitted radiance is taken back to power by eta_scale.
+/// White furnace test: the mean sample weight is the albedo and must be at most 1 in every component. With `lossless`
+/// it must equal 1 for every direction that scatters. eta_scale converts transmitted radiance back to power.
 template <class Bsdf> void check_white_furnace(const Bsdf& bsdf, bool lossless) {
   for (const Vec3f wo : outgoing_directions()) {
     CAPTURE(wo.z);
@@ -167,7 +169,7 @@ template <class Bsdf> void check_white_furnace(const Bsdf& bsdf, bool lossless) 
   }
 }
 
-/// Share of the light from wo that is scattered, in the brightest colour.
+/// Directional albedo for `wo` in the brightest component.
 template <class Bsdf> double sampled_albedo(const Bsdf& bsdf, Vec3f wo) {
   MeanVariance energy;
   for (std::uint32_t i = 0; i < 20000; ++i) {
@@ -177,14 +179,14 @@ template <class Bsdf> double sampled_albedo(const Bsdf& bsdf, Vec3f wo) {
   return energy.mean();
 }
 
-/// The largest of them over outgoing_directions().
+/// Maximum albedo over outgoing_directions().
 template <class Bsdf> double largest_albedo(const Bsdf& bsdf) {
   double largest = 0;
   for (const Vec3f wo : outgoing_directions()) largest = std::max(largest, sampled_albedo(bsdf, wo));
   return largest;
 }
 
-/// Values stay finite where directions are grazing, equal, opposite or mirrored, in all the space around them.
+/// Checks that values stay finite for grazing, equal, opposite and mirrored directions on the whole sphere.
 template <class Bsdf> void check_bsdf_finite(const Bsdf& bsdf) {
   const auto sound = [](float x) { return is_finite(x) && x >= 0.0f; };
   std::vector<Vec3f> directions = outgoing_directions();
@@ -204,7 +206,7 @@ template <class Bsdf> void check_bsdf_finite(const Bsdf& bsdf) {
   }
 }
 
-/// Registers of kWidth different materials give what each gives alone. make(lane) -> Bsdf<Scalar>.
+/// Checks that registers of kWidth different materials match the scalar BSDFs. make(lane) -> Bsdf<Scalar>.
 template <template <class> class Bsdf, class Make> void check_bsdf_lanes(Make&& make) {
   Bsdf<Wide> wide = wide_record<Bsdf>([&](int lane) { return make(lane); });
   if constexpr (kHasTables<Bsdf<Wide>>) wide.tables = make(0).tables;

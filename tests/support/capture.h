@@ -1,4 +1,5 @@
-// doctest's CAPTURE for structured bindings, which lambdas, and so CAPTURE, cannot take before Clang 16.
+// doctest's CAPTURE for structured bindings. CAPTURE uses a lambda, which cannot capture structured bindings before
+// Clang 16.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -8,7 +9,7 @@
 
 namespace sheaf {
 
-/// A value as messages show it: characters as text, enumerations as numbers.
+/// A value as messages print it: strings as text, enumerations as numbers.
 template <class T> auto shown(const T& value) {
   if constexpr (std::is_convertible_v<T, const char*>)
     return std::string(value);
@@ -20,7 +21,7 @@ template <class T> auto shown(const T& value) {
 
 }  // namespace sheaf
 
-/// Tells the value of the structured binding `name` with each failure until the end of the scope.
+/// Reports the value of the structured binding `name` with each failure until the end of the scope.
 #define CAPTURE_BINDING(name)                        \
   const auto captured_##name = ::sheaf::shown(name); \
   INFO(#name " := ", captured_##name)

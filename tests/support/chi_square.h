@@ -1,4 +1,4 @@
-// The chi-square test that every sampler is put to: are its samples distributed as its own pdf claims?
+// Chi-square tests that compare the samples of a sampler with its own pdf.
 #pragma once
 
 #include "core/rng.h"
@@ -18,13 +18,13 @@ namespace sheaf {
 /// Outcome of a chi-square test.
 struct ChiSquare {
   double statistic = 0;
-  int degrees = 0;      ///< of freedom
+  int degrees = 0;      ///< degrees of freedom
   double p_value = 1;   ///< probability of a statistic at least this large if the expectation were true
-  double integral = 1;  ///< of the pdf over the domain, where one was integrated
+  double integral = 1;  ///< integral of the pdf over the domain, if one was computed
 };
 
-/// Tests observed counts against expected ones, both over the same cells. Cells that expect fewer than 5 are pooled,
-/// smallest first. A count where nothing is expected fails outright (p_value 0).
+/// Tests observed counts against expected counts over the same cells. Cells that expect fewer than 5 are pooled,
+/// smallest first. A count in a cell that expects 0 fails outright (p_value 0).
 inline ChiSquare chi_square(std::span<const double> observed, std::span<const double> expected) {
   constexpr double kPoolBelow = 5.0;
   std::vector<std::size_t> order(expected.size());
@@ -50,7 +50,7 @@ inline ChiSquare chi_square(std::span<const double> observed, std::span<const do
   return result;
 }
 
-/// Tests counts over cells that are all equally probable.
+/// Tests counts over cells of equal probability.
 inline ChiSquare chi_square_uniform(std::span<const double> observed) {
   const double total = std::accumulate(observed.begin(), observed.end(), 0.0);
   return chi_square(observed, std::vector<double>(observed.size(), total / static_cast<double>(observed.size())));
@@ -65,7 +65,8 @@ struct CellGrid {
 };
 
 namespace detail {
-/// Integral of f over a box: nine Gauss points, against the sum of its quarters where these differ.
+/// Integral of f over a box by adaptive 3 x 3 Gauss quadrature; subdivides while the four quarters disagree with the
+/// whole.
 template <class F> double integrate(F&& f, double x0, double x1, double y0, double y1, int depth, double tolerance) {
   static constexpr double kNodes[3] = {-0.7745966692414834, 0.0, 0.7745966692414834};
   static constexpr double kWeights[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
@@ -87,10 +88,10 @@ template <class F> double integrate(F&& f, double x0, double x1, double y0, doub
 }
 }  // namespace detail
 
-/// Draws `samples` points and tests their counts against the integrals of the density.
-/// sample(Random4<Scalar>) -> std::optional<std::array<double, 2>>, empty for a draw that produced nothing;
-/// density(x, y) -> double, per unit of the grid's area. What is missing to an integral of 1 is the probability of an
-/// empty draw or one outside of the grid.
+/// Draws `samples` points and tests their counts against the integrals of the pdf.
+/// sample(Random4<Scalar>) -> std::optional<std::array<double, 2>>, empty for an invalid sample;
+/// density(x, y) -> double, per unit area of the grid. If it integrates to less than 1, the rest is the probability of
+/// a sample that is invalid or outside of the grid.
 template <class Sample, class Density>
 ChiSquare chi_square_plane(Sample&& sample, Density&& density, const CellGrid& grid, int samples = 200000,
                            std::uint32_t seed = 1) {
@@ -115,16 +116,17 @@ ChiSquare chi_square_plane(Sample&& sample, Density&& density, const CellGrid& g
     expected[cell] = mass * samples;
   }
   constexpr double kIntegralError = 1e-4;  // of the numerical integration
-  constexpr double kNext = 1e-9;           // to nothing: empty draws within that error join the pool of rare cells
+  constexpr double kNext = 1e-9;           // samples outside of the grid within that error join the pool of rare cells
   expected[cells] = (integral < 1.0 - kIntegralError ? 1.0 - integral : kNext) * samples;
   ChiSquare result = chi_square(observed, expected);
   result.integral = integral;
   return result;
 }
 
-/// The same for directions. sample(Random4<Scalar>) -> std::optional<Vec3f>, unit length; pdf(Vec3f) -> per solid
-/// angle. The grid is azimuth by z, so that equal areas are equal solid angles; [z_min, z_max] narrows it to the part
-/// of the sphere in which the samples lie.
+/// The same for directions.
+/// sample(Random4<Scalar>) -> std::optional<Vec3f>, unit length; pdf(Vec3f) -> per solid angle. The grid is azimuth by
+/// z, so that equal areas are equal solid angles; [z_min, z_max] restricts it to the part of the sphere that contains
+/// the samples.
 template <class Sample, class Pdf>
 ChiSquare chi_square_sphere(Sample&& sample, Pdf&& pdf, double z_min = -1.0, double z_max = 1.0, int samples = 200000,
                             std::uint32_t seed = 1) {

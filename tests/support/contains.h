@@ -1,4 +1,4 @@
-// Whether a message says something.
+// Substring test for messages.
 #pragma once
 
 #include <string_view>

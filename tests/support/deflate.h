@@ -1,4 +1,4 @@
-// Making zlib and gzip streams for tests of what reads them.
+// Writes zlib and gzip streams, for tests of their readers.
 #pragma once
 
 #include <zlib.h>
@@ -7,7 +7,7 @@
 
 namespace sheaf::test {
 
-/// `bytes` as one zlib stream; level 0 stores them as they are.
+/// `bytes` as one zlib stream; level 0 stores them uncompressed.
 inline std::string deflated(const std::string& bytes, int level = 9) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::string stream(size, '\0');

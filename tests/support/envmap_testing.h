@@ -1,4 +1,4 @@
-// Pictures of environments for tests.
+// Environment map images for tests.
 #pragma once
 
 #include "core/exr.h"
@@ -10,7 +10,7 @@
 
 namespace sheaf::test {
 
-/// What `f` says of each pixel (x, y).
+/// An image with the value f(x, y) at each pixel.
 inline EnvmapPicture picture_of(std::uint32_t width, std::uint32_t height,
                                 const std::function<Vec3f(std::uint32_t, std::uint32_t)>& f) {
   EnvmapPicture p{width, height, std::vector<float>(3 * std::size_t{width} * height)};
@@ -23,7 +23,7 @@ inline EnvmapPicture picture_of(std::uint32_t width, std::uint32_t height,
   return p;
 }
 
-/// Uneven, with dark parts and a bright one.
+/// A non-uniform image with a black region and one bright pixel.
 inline EnvmapPicture uneven_picture() {
   return picture_of(11, 7, [](std::uint32_t x, std::uint32_t y) {
     if (x >= 3 && x <= 6 && y >= 2 && y <= 4) return Vec3f{0, 0, 0};
@@ -32,7 +32,7 @@ inline EnvmapPicture uneven_picture() {
   });
 }
 
-/// As an OpenEXR file.
+/// Writes the image as an OpenEXR file.
 inline void write_map(const std::filesystem::path& file, const EnvmapPicture& picture) {
   Image image(static_cast<int>(picture.width), static_cast<int>(picture.height), {"R", "G", "B"});
   image.data = picture.rgb;

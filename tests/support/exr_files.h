@@ -1,5 +1,5 @@
-// OpenEXR files written byte by byte, after the Academy Software Foundation's "OpenEXR File Layout": with windows,
-// chromaticities, channels and parts that write_exr() does not write.
+// Writes OpenEXR files byte by byte, after the Academy Software Foundation's "OpenEXR File Layout", with data windows,
+// chromaticities, channels and parts that write_exr() does not support.
 #pragma once
 
 #include "tests/support/picture_files.h"
@@ -13,13 +13,13 @@
 
 namespace sheaf {
 
-/// A part of scan lines of 32-bit floats, not compressed.
+/// An uncompressed scan-line part of 32-bit floats.
 struct ExrTestPart {
-  std::string name;                                  ///< for files of several parts
-  std::map<std::string, std::vector<float>> values;  ///< of each channel, over the data window from its upper left on
-  std::array<int, 4> window{};                       ///< data window: x and y of its first and of its last pixel
+  std::string name;                                  ///< for multi-part files
+  std::map<std::string, std::vector<float>> values;  ///< per channel, over the data window, top left first
+  std::array<int, 4> window{};                       ///< data window: x and y of its first and last pixel
   std::array<int, 4> frame{};                        ///< display window
-  std::vector<float> chromaticities;                 ///< x and y of red, green, blue, white; none if empty
+  std::vector<float> chromaticities;                 ///< x and y of red, green, blue, white; may be empty
 };
 
 namespace exr_files {
@@ -65,7 +65,7 @@ inline std::string header_of(const ExrTestPart& part, bool multi_part) {
 
 }  // namespace exr_files
 
-/// Writes a file of one part or of several.
+/// Writes a single-part or multi-part file.
 inline void write_exr_parts(const std::filesystem::path& path, const std::vector<ExrTestPart>& parts) {
   using namespace exr_files;
   const bool multi_part = parts.size() > 1;
@@ -96,7 +96,7 @@ inline void write_exr_parts(const std::filesystem::path& path, const std::vector
   write_bytes(path, file + offsets + chunks);
 }
 
-/// A part of `width` x `height` pixels that are all alike: of each channel one value.
+/// A part of `width` x `height` pixels with one constant value per channel.
 inline ExrTestPart exr_part(int width, int height, const std::map<std::string, float>& values,
                             std::vector<float> chromaticities = {}, const std::string& name = {}) {
   ExrTestPart part;

@@ -1,11 +1,11 @@
-// Rays that gather photons of a medium, for tests of the stages that do.
+// Sets up rays for tests of the stages that gather photons in media.
 #pragma once
 
 #include "tests/support/stages_testing.h"
 
 namespace sheaf {
 
-/// Adds a ray along z that ends at z = 10, whose path has come to its medium.
+/// Adds a ray along +z that ends at z = 10 and whose path is in a medium.
 inline Slot add_ray_in_medium(TestWave& test, Vec3f origin) {
   Wave& wave = test.wave;
   const Slot slot = test.add(origin, {0, 0, 1}, 1u << kRayMediumShift);

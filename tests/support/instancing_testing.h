@@ -1,4 +1,4 @@
-// Instances of shape groups, built in memory: transforms to place them by, and shapes of every kind.
+// Instances of shape groups, built in memory: placement transforms and shapes of every kind.
 #pragma once
 
 #include "tests/support/tiny_scenes.h"
@@ -8,7 +8,7 @@
 
 namespace sheaf {
 
-/// Pulls each axis along another.
+/// Shears each axis along another.
 inline Transform shear() {
   Matrix4 m;
   m.m[0][1] = 0.7;
@@ -21,7 +21,7 @@ struct NamedTransform {
   std::string name;
   Transform to_world;
 };
-/// One transform of each sort.
+/// One transform of each class.
 inline const NamedTransform kPlacements[] = {
     {"identity", Transform()},
     {"moved", Transform::translate({2, -1, 5}) * Transform::rotate({1, 2, 3}, 70)},
@@ -44,8 +44,9 @@ inline Mesh smooth_mesh() {
   return mesh;
 }
 
-/// Every kind of shape, at different places around the origin, with `materials` in turn. All have normals that lead
-/// their triangles: the side of others follows the order of their vertices, which copies under a mirror keep.
+/// Every kind of shape, at different positions around the origin, with `materials` in turn. All meshes have vertex
+/// normals, which decide the side of their triangles. Without them the vertex order decides, which mirrored copies
+/// keep.
 inline std::vector<ShapeDescription> every_kind(const std::vector<MaterialId>& materials) {
   const auto at = [](float x, float y, float z) {
     return Transform::translate({x, y, z}) * Transform::rotate({1, 2, -1}, 35) * Transform::scale({0.9f, 0.6f, 0.8f});
@@ -64,7 +65,7 @@ inline std::vector<ShapeDescription> every_kind(const std::vector<MaterialId>& m
   return all.shapes;
 }
 
-/// Places the group of that index.
+/// Adds an instance of the group with this index.
 inline void add_instance(Description& d, std::uint32_t group, const Transform& to_world) {
   InstanceDescription instance;
   instance.group = group;
@@ -72,13 +73,13 @@ inline void add_instance(Description& d, std::uint32_t group, const Transform& t
   d.instances.push_back(instance);
 }
 
-/// Returns the group's index.
+/// Adds a group and returns its index.
 inline std::uint32_t add_group(Description& d, std::vector<ShapeDescription> shapes) {
   d.groups.push_back({std::move(shapes), {}, {}});
   return static_cast<std::uint32_t>(d.groups.size() - 1);
 }
 
-/// What an instance of a group of `shapes` would show, as shapes of their own.
+/// Adds `shapes` transformed by `to_world`, which look like an instance of their group.
 inline void add_copies(Description& d, const std::vector<ShapeDescription>& shapes, const Transform& to_world) {
   for (ShapeDescription shape : shapes) {
     shape.to_world = to_world * shape.to_world;

@@ -1,4 +1,4 @@
-// Filling registers lane by lane, and comparing them with what the scalar code says.
+// Fills registers lane by lane and compares them with the results of scalar code.
 #pragma once
 
 #include "core/lanes.h"
@@ -25,9 +25,9 @@ template <class F> WideMask wide_mask(F&& f) {
 }
 inline bool lane_of(WideMask m, int lane) { return (mask_bits(m) >> lane & 1u) != 0; }
 
-/// Same bits, or both not a number.
+/// Whether both have the same bits or are both NaN.
 inline bool same(float a, float b) { return float_bits(a) == float_bits(b) || (a != a && b != b); }
-/// Difference in proportion to the larger of |b| and 1; infinite if just one is not a number.
+/// |a - b| relative to max(|b|, 1); infinite if exactly one of them is NaN.
 inline double difference(float a, float b) {
   if (same(a, b) || a == b) return 0.0;
   const double d = std::fabs(static_cast<double>(a) - b) / std::max(1.0, std::fabs(static_cast<double>(b)));

@@ -1,4 +1,4 @@
-// Connections within this machine, for tests of what programs do in networks.
+// Loopback connections for tests of network code.
 #pragma once
 
 #include <arpa/inet.h>
@@ -13,7 +13,7 @@
 
 namespace sheaf {
 
-/// An open socket of a test; what it waits for comes within ten seconds or not at all.
+/// An open socket of a test; receiving times out after 10 s.
 class LoopbackSocket {
  public:
   explicit LoopbackSocket(int descriptor) : descriptor_(descriptor) {
@@ -28,7 +28,7 @@ class LoopbackSocket {
 
   bool is_open() const { return descriptor_ >= 0; }
 
-  /// Connects to a port; not open if nobody listens there.
+  /// Connects to a port. The socket is not open if nobody listens there.
   static LoopbackSocket connect_to(int port) {
     const int descriptor = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const sockaddr_in address = loopback(port);
@@ -38,7 +38,7 @@ class LoopbackSocket {
     return LoopbackSocket(-1);
   }
 
-  /// Listens at a port that is free.
+  /// Listens on a free port.
   static LoopbackSocket listen() {
     const int descriptor = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const sockaddr_in address = loopback(0);
@@ -69,7 +69,7 @@ class LoopbackSocket {
     return true;
   }
 
-  /// All that comes until the other side ends the connection, or keeps silent.
+  /// All bytes until the peer closes the connection or the timeout passes.
   std::string receive() const {
     std::string bytes;
     char piece[65536];

@@ -1,4 +1,5 @@
-// Tables of a BRDF that is known, as if it had been measured: GGX facets by the definitions of Dupuy and Jakob 2018.
+// Tables of an analytic BRDF in the format of measured BRDFs: GGX facets, tabulated by the definitions of Dupuy and
+// Jakob 2018.
 #pragma once
 
 #include "core/vec.h"
@@ -14,8 +15,8 @@
 
 namespace sheaf {
 
-/// GGX facets with Smith's uncorrelated masking, each a mirror of the reflectance base + slope cos^2 of its angle, in
-/// each channel another base.
+/// GGX facets with Smith's uncorrelated masking. Each facet is a mirror of reflectance base + slope * cos^2 of the
+/// incident angle; the base differs between channels.
 struct TabulatedFacets {
   double alpha_u = 0.4, alpha_v = 0.4;
   std::vector<float> phi = {0}, theta = {0.0f, 0.3f, 0.6f, 0.9f, 1.2f, 1.5f};
@@ -35,7 +36,7 @@ struct TabulatedFacets {
   double reflectance(std::size_t channel, double cosine) const {
     return 0.2 + 0.6 * double(channel + 1) / double(channels) - 0.15 * cosine * cosine;
   }
-  /// The BRDF times the cosine to `wi`.
+  /// BRDF times the cosine of `wi`.
   double f_cos(std::size_t channel, Vec3f wo, Vec3f wi) const {
     if (wo.z <= 0 || wi.z <= 0) return 0;
     const Vec3f m = normalize(wo + wi);
@@ -52,7 +53,7 @@ inline Vec3f direction_at(double theta, double phi) {
 
 namespace detail {
 
-/// f(direction) where the elevation is pi x^2 / 2 and the azimuth (2 y - 1) pi.
+/// Tabulates f(direction) on a grid with elevation pi x^2 / 2 and azimuth (2 y - 1) pi.
 template <class F> MeasuredBrdf::Grids directional_grid(std::size_t side, F&& f) {
   MeasuredBrdf::Grids out{side, side, {}};
   for (std::size_t y = 0; y < side; ++y)
@@ -80,7 +81,7 @@ inline MeasuredBrdf TabulatedFacets::tabulate() const {
         return ndf(m) * std::max(double(dot(wo, m)), 0.0) * u * std::sqrt(double(m.x * m.x + m.y * m.y));
       });
       out.vndf.values.insert(out.vndf.values.end(), slice.values.begin(), slice.values.end());
-      // Where the numbers lead: by a table of this slice alone.
+      // Sampled directions, by a table of this slice alone.
       MeasuredBrdf alone = out;
       alone.phi = alone.theta = {0}, alone.channels = 1, alone.vndf = slice;
       alone.luminance.values = alone.values.values = std::vector<float>(size, 1.0f);
@@ -115,7 +116,7 @@ inline MeasuredBrdf TabulatedFacets::tabulate() const {
   return out;
 }
 
-/// A field of a tensor file: its name, the number of its type, its dimensions and its bytes.
+/// A field of a tensor file: its name, type number, dimensions and bytes.
 struct TensorField {
   std::string name;
   std::uint8_t type = 10;
@@ -129,7 +130,7 @@ inline TensorField tensor_field(std::string name, std::vector<std::uint64_t> sha
   return {std::move(name), 10, std::move(shape), std::move(bytes)};
 }
 
-/// A tensor file's bytes, on a little-endian machine.
+/// The bytes of a tensor file, on a little-endian machine.
 inline std::string tensor_bytes(const std::vector<TensorField>& fields) {
   std::string out("tensor_file\0\1\0", 14);
   const auto put = [&out]<class T>(T number) { out.append(reinterpret_cast<const char*>(&number), sizeof(T)); };
@@ -149,7 +150,7 @@ inline std::string tensor_bytes(const std::vector<TensorField>& fields) {
   return out;
 }
 
-/// The fields of a measured BRDF's file.
+/// The fields of a measured BRDF file.
 inline std::vector<TensorField> measured_fields(const MeasuredBrdf& b) {
   const std::uint64_t p = b.phi.size(), t = b.theta.size();
   std::vector<TensorField> fields = {
@@ -167,14 +168,14 @@ inline std::vector<TensorField> measured_fields(const MeasuredBrdf& b) {
   return fields;
 }
 
-/// Azimuths of a whole turn, a half or a quarter of it, as files have them.
+/// Azimuths over the whole circle, a half or a quarter of it, as in measured BRDF files.
 inline std::vector<float> azimuths(int count, int reduction) {
   std::vector<float> out;
   for (int i = 0; i < count; ++i) out.push_back(static_cast<float>(-kPi + 2 * kPi / reduction * i / (count - 1)));
   return out;
 }
 
-/// Tables for whatever closure that needs some, and the words that refer to them.
+/// Tables for any closure that needs some, and the words that refer to them.
 struct AnyTables {
   std::vector<float> floats;
   std::array<float, 3> measured;
@@ -184,7 +185,7 @@ inline const AnyTables& any_tables() {
   static const AnyTables instance = [] {
     AnyTables out;
     ClosureTables tables;
-    // Few and wide cells: a density with many edges takes long to integrate.
+    // Few and wide cells, because pdfs with many edges take long to integrate.
     const std::vector<float> few = {0.0f, 0.75f, 1.5f};
     const auto facets = [&](double alpha_v, const std::vector<float>& phi) {
       return TabulatedFacets{.alpha_u = 0.7, .alpha_v = alpha_v, .phi = phi, .theta = few, .side = 6, .sample_side = 3}

@@ -1,4 +1,4 @@
-// Media for tests: scenes built in memory, and grids in files of their own.
+// Media for tests: scenes built in memory, and grid files.
 #pragma once
 
 #include "tests/support/tiny_scenes.h"
@@ -14,7 +14,7 @@ inline MediumId add_medium(Description& d, MediumDescription medium) {
   return static_cast<MediumId>(d.media.size() - 1);
 }
 
-/// A homogeneous medium of grey extinction per metre and albedo.
+/// A homogeneous medium of grey extinction `sigma_t`, 1/m, and single-scattering albedo `albedo`.
 inline MediumDescription fog(float sigma_t, float albedo) {
   MediumDescription m;
   m.coefficients =
@@ -27,14 +27,15 @@ inline PhaseId add_phase(Description& d, float g) {
   return static_cast<PhaseId>(d.phases.size() - 1);
 }
 
-/// Puts a medium behind a shape's surface, which itself is not noticed.
+/// Fills a shape with a medium and makes its surface a null interface.
 inline ShapeDescription& fill(Description& d, ShapeDescription& shape, MediumId medium) {
   shape.material = add_material(d, NullDescription{});
   shape.interior = medium;
   return shape;
 }
 
-/// Writes a Mitsuba grid of `n`^3 voxels with `channels` values each, by the voxels' centres in the unit cube.
+/// Writes a Mitsuba grid of `n`^3 voxels with `channels` values each. `value` receives the voxel centre in the unit
+/// cube and the channel.
 inline std::filesystem::path write_vol(const std::filesystem::path& file, int n, int channels,
                                        const std::function<float(Vec3f, int)>& value) {
   std::ofstream out(file, std::ios::binary);
@@ -52,7 +53,7 @@ inline std::filesystem::path write_vol(const std::filesystem::path& file, int n,
   return file;
 }
 
-/// A grid volume of a .vol file, by default over the unit cube.
+/// A grid volume from a .vol file, by default over the unit cube.
 inline GridVolumeDescription vol(const std::filesystem::path& file, const Transform& to_world = {}) {
   GridVolumeDescription grid;
   grid.file = file;

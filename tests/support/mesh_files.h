@@ -1,4 +1,4 @@
-// What the tests of mesh files share: files that vanish, and sums over meshes.
+// Helpers for tests of mesh files: temporary files, and sums over meshes.
 #pragma once
 
 #include "core/error.h"
@@ -15,7 +15,7 @@
 
 namespace sheaf::test {
 
-/// A file with the given content in a folder of its own, removed with it.
+/// A file with the given content in a folder of its own, which is removed with it.
 class TemporaryFile {
  public:
   TemporaryFile(const std::string& name, const std::string& content) : path_(folder_ / name) {
@@ -28,7 +28,7 @@ class TemporaryFile {
   std::filesystem::path path_;
 };
 
-/// The message of the SceneError that `call` throws; empty if it throws none.
+/// The message of the SceneError that `call` throws; empty if it does not throw.
 template <std::invocable Call> std::string error_of(Call&& call) {
   try {
     call();
@@ -36,13 +36,13 @@ template <std::invocable Call> std::string error_of(Call&& call) {
   return {};
 }
 
-/// (b - a) x (c - a) of a triangle.
+/// Unnormalised normal (b - a) x (c - a) of a triangle, twice its area in length.
 inline Vec3f area_normal(const Mesh& mesh, std::size_t triangle) {
   const auto& t = mesh.triangles[triangle];
   return cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);
 }
 
-/// The sum of all triangles' areas.
+/// Total area of all triangles.
 inline double total_area(const Mesh& mesh) {
   double sum = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -52,7 +52,7 @@ inline double total_area(const Mesh& mesh) {
   return sum;
 }
 
-/// Bit for bit, but for NaNs.
+/// Whether all values are equal; NaNs never are.
 inline bool are_equal(const Mesh& a, const Mesh& b) {
   const auto same = [](Vec2f p, Vec2f q) { return p.x == q.x && p.y == q.y; };
   return a.positions == b.positions && a.normals == b.normals && a.triangles == b.triangles &&

@@ -1,4 +1,4 @@
-// Pictures joined from parts against those of one run.
+// Compares images that are merged from parts with the image of a single render.
 #pragma once
 
 #include "core/image.h"
@@ -11,7 +11,7 @@
 
 namespace sheaf {
 
-/// Whether two pictures are the same give or take rounding.
+/// Checks that two images are equal up to rounding.
 inline void check_near(const Image& found, const Image& expected) {
   REQUIRE(found.channels == expected.channels);
   REQUIRE(found.data.size() == expected.data.size());

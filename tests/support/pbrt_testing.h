@@ -1,4 +1,4 @@
-// Small scenes of pbrt's format.
+// Small scenes in pbrt's format.
 #pragma once
 
 #include "tests/support/picture_files.h"
@@ -6,7 +6,8 @@
 
 namespace sheaf::test {
 
-/// Reads `world` behind WorldBegin, which stands in line 2 behind `options`; `prepare` may put files into the folder.
+/// Reads a scene with `options` before WorldBegin and `world` after it. With empty options, WorldBegin is line 2.
+/// `prepare` may add files to the folder.
 template <class Prepare>
 Description read_pbrt_world(const std::string& world, const std::string& options, Prepare prepare) {
   const TemporaryFolder folder;
@@ -17,7 +18,7 @@ inline Description read_pbrt_world(const std::string& world, const std::string& 
   return read_pbrt_world(world, options, [](const TemporaryFolder&) {});
 }
 
-/// The message for what stands in lines from 3 on; empty if there is none.
+/// The error message for a scene whose world block starts in line 3; empty if reading succeeds.
 inline std::string error_of_pbrt_world(const std::string& world, const std::string& options = "") {
   const TemporaryFolder folder;
   return error_of(write_below(folder, "scene.pbrt", options + "\nWorldBegin\n" + world + "\n"));

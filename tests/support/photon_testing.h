@@ -1,5 +1,5 @@
-// For tests of photon mapping: a room, and means of pictures held against the path tracer's, which photon maps share
-// but for the blur of the radius.
+// Support for tests of photon mapping: a room, and mean values to compare with the path tracer. Photon maps have the
+// same expectation except for the blur by the radius.
 #pragma once
 
 #include "kernels/passes/render.h"
@@ -15,13 +15,13 @@
 
 namespace sheaf {
 
-/// All comparisons of a file together fail with probability kSignificance if every estimator is sound.
+/// All comparisons of a test file together fail with probability kSignificance if every estimator is correct.
 inline const double kPhotonLevel = significance_of_each(100);
 
-/// Of pictures of the room: photons scatter more than what so few pixels see of them.
+/// Side of the room's images in pixels. Photon noise depends little on the number of pixels.
 inline constexpr int kRoomSide = 16;
 
-/// A room with a light below its ceiling, a ball of glass or of something diffuse on its floor, and a camera inside.
+/// A room with a light below its ceiling, a glass or diffuse ball on its floor, and a camera inside.
 inline Description room(bool glass, std::uint32_t samples) {
   Description d = empty_scene(kRoomSide, kRoomSide);
   d.sampler.sample_count = samples;
@@ -40,7 +40,7 @@ inline Description room(bool glass, std::uint32_t samples) {
   return d;
 }
 
-/// The mean of a picture.
+/// The mean of an image.
 struct Mean {
   double value, variance;  ///< of the mean
 };
@@ -59,7 +59,7 @@ inline Mean mean_of(const Description& d, int repeats = 8) {
   return {mean.mean(), mean.variance() / repeats};
 }
 
-/// Means of the channels of pictures in spectral mode.
+/// Channel means of images in spectral mode.
 inline std::array<MeanVariance, 3> spectral_mean_of(const Description& d) {
   const auto scene = compile_scene(d, {.color = ColorMode::kSpectral});
   std::array<MeanVariance, 3> mean;

@@ -1,4 +1,4 @@
-// Small picture files in several formats, written byte by byte, so that tests know exactly what they hold.
+// Writes small image files in several formats byte by byte, so that tests know their exact content.
 #pragma once
 
 #include "tests/support/temporary_folder.h"
@@ -8,12 +8,12 @@
 
 namespace sheaf {
 
-/// Appends a number's lowest bytes, lowest first.
+/// Appends the lowest bytes of a number in little-endian order.
 inline void append_little(std::string& out, std::uint32_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) out += static_cast<char>(value >> (8 * i) & 0xffu);
 }
 
-/// PGM (one channel) or PPM (three) of `values` from the upper left on, interleaved; 16 bits if `max_value` is above
+/// Writes PGM (one channel) or PPM (three channels). `values` are interleaved, top left first; 16 bits if `max_value` >
 /// 255.
 inline void write_pnm(const std::filesystem::path& path, int width, int height, int channels, int max_value,
                       const std::vector<int>& values) {
@@ -26,7 +26,7 @@ inline void write_pnm(const std::filesystem::path& path, int width, int height, 
   write_bytes(path, bytes);
 }
 
-/// Uncompressed TGA, 24 or 32 bits; `values` as R, G, B (and A) from the upper left on.
+/// Writes uncompressed TGA of 24 or 32 bits; `values` are R, G, B (and A), top left first.
 inline void write_tga(const std::filesystem::path& path, int width, int height, int channels,
                       const std::vector<int>& values) {
   std::string bytes{0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0};
@@ -42,7 +42,7 @@ inline void write_tga(const std::filesystem::path& path, int width, int height, 
   write_bytes(path, bytes);
 }
 
-/// BMP of 24 bits; `values` as R, G, B from the upper left on.
+/// Writes a 24-bit BMP; `values` are R, G, B, top left first.
 inline void write_bmp(const std::filesystem::path& path, int width, int height, const std::vector<int>& values) {
   const int row_bytes = (3 * width + 3) / 4 * 4;
   std::string bytes = "BM";
@@ -62,7 +62,7 @@ inline void write_bmp(const std::filesystem::path& path, int width, int height, 
   write_bytes(path, bytes);
 }
 
-/// Radiance HDR, flat; `values` are whole numbers below 256 as R, G, B from the upper left on.
+/// Writes an uncompressed Radiance HDR file; `values` are integers below 256 as R, G, B, top left first.
 inline void write_hdr(const std::filesystem::path& path, int width, int height, const std::vector<int>& values) {
   std::string bytes =
       "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(height) + " +X " + std::to_string(width) + "\n";
@@ -73,12 +73,12 @@ inline void write_hdr(const std::filesystem::path& path, int width, int height, 
   write_bytes(path, bytes);
 }
 
-/// One number or, with a place in the file for `value`, several of them in a TIFF's directory.
+/// An entry of a TIFF directory: one number, or the file offset `value` of several.
 struct TiffEntry {
   std::uint32_t tag, type, count, value;  ///< type 3: 16 bits, 4: 32 bits
 };
 
-/// Appends the directory of a TIFF of which `bytes` is what comes before.
+/// Appends a TIFF directory. `bytes` is the file before it.
 inline void append_tiff_directory(std::string& bytes, const std::vector<TiffEntry>& entries) {
   append_little(bytes, static_cast<std::uint32_t>(entries.size()), 2);
   for (const auto& [tag, type, count, value] : entries) {
@@ -90,7 +90,7 @@ inline void append_tiff_directory(std::string& bytes, const std::vector<TiffEntr
   append_little(bytes, 0, 4);
 }
 
-/// TIFF with one strip of 8- or 16-bit grey or RGB samples from the upper left on.
+/// Writes a TIFF with one strip of 8- or 16-bit grey or RGB samples, top left first.
 inline void write_tiff(const std::filesystem::path& path, int width, int height, int channels, int bits,
                        const std::vector<int>& values) {
   std::string data;
@@ -116,8 +116,8 @@ inline void write_tiff(const std::filesystem::path& path, int width, int height,
   write_bytes(path, bytes);
 }
 
-/// TIFF of 8-bit grey with one tile of 16 x 16 pixels, `values` of which, at most 16 in a row, are the image: from its
-/// upper left on. `claimed_width` and `claimed_height` are what the file says of the tile.
+/// Writes an 8-bit grey TIFF with one tile of 16 x 16 pixels. The image of `values`, at most 16 pixels wide, is in the
+/// tile's top left corner. `claimed_width` and `claimed_height` are the tile size in the file's directory.
 inline void write_tiled_tiff(const std::filesystem::path& path, int width, int height, const std::vector<int>& values,
                              std::uint32_t claimed_width = 16, std::uint32_t claimed_height = 16) {
   constexpr std::uint32_t kTileBytes = 256;
@@ -143,8 +143,8 @@ inline void write_tiled_tiff(const std::filesystem::path& path, int width, int h
   write_bytes(path, bytes);
 }
 
-/// Baseline JPEG of 8 x 8 pixels of one grey. Every quantisation step is 1, so that the block's only coefficient, eight
-/// times the difference from 128, is exact; it is 2^9 .. 2^10 - 1 here, one code for the category and ten bits.
+/// Writes a baseline JPEG of 8 x 8 pixels of one grey. Every quantisation step is 1, so that the only coefficient, 8
+/// times the difference from 128, is exact. It must be in [2^9, 2^10 - 1]: one code for the category and 10 bits.
 inline void write_jpeg(const std::filesystem::path& path, int grey) {
   std::string bytes{'\xff', '\xd8', '\xff', '\xdb', 0, 67, 0};
   bytes.append(64, 1);
@@ -156,7 +156,7 @@ inline void write_jpeg(const std::filesystem::path& path, int grey) {
   }
   for (const int b : {0xff, 0xda, 0, 8, 1, 1, 0x00, 0, 63, 0}) bytes += static_cast<char>(b);
   const auto coefficient = static_cast<std::uint32_t>(8 * (grey - 128));
-  const std::uint32_t bits = coefficient << 5 | 0xfu;  // 0, ten bits, 0, then ones to the end of the second byte
+  const std::uint32_t bits = coefficient << 5 | 0xfu;  // 0, ten bits, 0, then ones up to the end of the byte
   bytes += static_cast<char>(bits >> 8 & 0x7fu);
   bytes += static_cast<char>(bits & 0xffu);
   bytes += "\xff\xd9";

@@ -1,4 +1,4 @@
-// The command line, run as a user runs it.
+// Runs the command-line program in a shell, as a user does.
 #pragma once
 
 #include "tests/support/contains.h"
@@ -10,13 +10,13 @@
 
 namespace sheaf {
 
-/// What became of a run: its exit code, -1 if a signal ended it, and what it wrote to both streams.
+/// Result of a run: exit code, or -1 if a signal ended it, and the contents of both output streams.
 struct Outcome {
   int code = -1;
   std::string out, err;
 };
 
-/// Runs the program with these arguments (words for the shell) in the folder, after `before`, other commands.
+/// Runs the program in `folder` with `arguments` (shell words), after the shell commands in `before`.
 inline Outcome run(const TemporaryFolder& folder, const std::string& arguments, const std::string& before = "") {
   const std::string streams = " >'" + (folder / "out.txt").string() + "' 2>'" + (folder / "err.txt").string() + "'";
   const std::string command = "cd '" + folder.path().string() + "' && " + before + "'" SHEAF_EXECUTABLE "' " +

@@ -1,4 +1,4 @@
-// Whole records between registers and rows: filling a Record<Wide> lane by lane, and reading a lane back.
+// Converts whole records between registers and rows: fills a Record<Wide> lane by lane, and extracts a lane.
 #pragma once
 
 #include "core/rng.h"
@@ -10,7 +10,7 @@
 
 namespace sheaf {
 
-/// A register tile whose lane k holds f(k), a Record<Scalar>.
+/// A register tile whose lane k holds the Record<Scalar> f(k).
 template <template <class> class Record, class F> Record<Wide> wide_record(F&& f) {
   alignas(kSimdAlignment) std::uint32_t words[kLeafCount<Record>][kWidth];
   for (int lane = 0; lane < kWidth; ++lane) {
@@ -40,7 +40,7 @@ template <template <class> class Record> Record<Scalar> lane_record(const Record
   return out;
 }
 
-/// Four numbers in [0, 1) for every lane: those of samples first, first + 1, ...
+/// Four random numbers in [0, 1) per lane, for samples first, first + 1, ...
 inline Random4<Wide> wide_random(std::uint32_t seed, std::uint32_t first) {
   return random4<Wide>(seed, first + lane_index(), WideUint(0u), WideUint(0u));
 }
@@ -48,7 +48,7 @@ inline Random4<Scalar> lane_random(std::uint32_t seed, std::uint32_t first, int 
   return random4<Scalar>(seed, first + static_cast<std::uint32_t>(lane), 0, 0);
 }
 
-/// Largest difference between any leaves of two rows, see difference().
+/// Maximum difference() over all leaves of two rows.
 template <template <class> class Record> double record_difference(const Record<Scalar>& a, const Record<Scalar>& b) {
   double worst = 0;
   zip_leaves(a, b, [&](const auto& x, const auto& y) {

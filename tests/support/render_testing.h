@@ -1,4 +1,5 @@
-// Whole renders in which every pixel has the same expectation, so that Student's t-test on the pixels judges the mean.
+// Whole renders in which every pixel has the same expected value, so that Student's t-test over the pixels tests the
+// mean.
 #pragma once
 
 #include "kernels/passes/render.h"
@@ -14,7 +15,7 @@
 
 namespace sheaf {
 
-/// How direct light may be estimated, by the names of the integrators.
+/// Strategies for direct lighting, named after the integrators.
 struct NamedStrategy {
   LightStrategy strategy;
   const char* name;
@@ -22,7 +23,7 @@ struct NamedStrategy {
 inline constexpr NamedStrategy kLightStrategies[] = {
     {LightStrategy::kMis, "path"}, {LightStrategy::kBsdfOnly, "path_mats"}, {LightStrategy::kLightOnly, "path_ems"}};
 
-/// A picture of 32 x 32 pixels whose samples are independent.
+/// An image of 32 x 32 pixels with independent samples.
 inline Description picture_of_one_point(int samples) {
   Description d = empty_scene(32, 32);
   d.sampler.kind = SamplerKind::kIndependent;
@@ -31,12 +32,12 @@ inline Description picture_of_one_point(int samples) {
   return d;
 }
 
-/// Looks at one point: over the picture the direction changes by a ten-thousandth.
+/// Points the camera at one point: directions vary by 1e-4 over the image.
 inline void look_at_point(Description& d, Vec3f from, Vec3f at, Vec3f up = {0, 0, 1}) {
   look_at(d, from, at, up, 0.01f);
 }
 
-/// Red, green and blue of a picture's pixels.
+/// Red, green and blue means over the pixels of an image.
 using PixelMeans = std::array<MeanVariance, 3>;
 
 inline PixelMeans pixel_means(const Description& d, ColorMode color = ColorMode::kRgb) {
@@ -50,7 +51,7 @@ inline PixelMeans pixel_means(const Description& d, ColorMode color = ColorMode:
   return means;
 }
 
-/// Whether a mean may be `expected`, give or take `allowed`: rounding, which no number of samples averages out.
+/// Tests whether a mean may equal `expected`. `allowed`: rounding error that more samples do not reduce.
 inline void check_mean(const MeanVariance& found, double expected, double level, double allowed) {
   const double distance = found.mean() - expected;
   INFO("mean " << found.mean() << ", expected " << expected << ", deviation of a value "
@@ -58,7 +59,7 @@ inline void check_mean(const MeanVariance& found, double expected, double level,
   if (std::fabs(distance) > allowed) CHECK(found.p_value(expected + std::copysign(allowed, distance)) >= level);
 }
 
-/// Whether two pictures of `pixels` pixels may have the same mean.
+/// Tests whether two images of `pixels` pixels may have the same mean.
 inline void check_same_mean(const MeanVariance& a, const MeanVariance& b, double level, int pixels = 32 * 32) {
   const double error = std::sqrt((a.variance() + b.variance()) / pixels);
   INFO("means " << a.mean() << " and " << b.mean() << ", standard error of the difference " << error);
@@ -66,7 +67,7 @@ inline void check_same_mean(const MeanVariance& a, const MeanVariance& b, double
   CHECK(student_t_p_value((a.mean() - b.mean()) / error, 2 * pixels - 2) >= level);
 }
 
-/// Whether all strategies may have the same mean, whatever it is.
+/// Tests whether all strategies may have the same mean.
 inline void check_strategies_agree(Description d, double level, ColorMode color = ColorMode::kRgb) {
   PixelMeans means[3];
   for (int i = 0; i < 3; ++i) {

@@ -1,4 +1,4 @@
-// For tests of scene reading: temporary scene files, the message that a scene causes, and a Description as text.
+// Helpers for tests of scene readers: temporary scene files, error messages of scenes, and a Description as text.
 #pragma once
 
 #include "scene/dialects/read_scene.h"
@@ -11,7 +11,7 @@
 
 namespace sheaf::test {
 
-/// Writes a file below a folder, with the folders it needs; returns its path.
+/// Writes a file into a folder, creates its subfolders, and returns its path.
 inline std::filesystem::path write_below(const TemporaryFolder& folder, const std::string& name,
                                          const std::string& text) {
   const std::filesystem::path file = folder / name;
@@ -20,14 +20,14 @@ inline std::filesystem::path write_below(const TemporaryFolder& folder, const st
   return file;
 }
 
-/// Reads `text` as scene.xml in a folder that also holds files of the kinds that scenes name (which are never opened).
+/// Reads `text` as scene.xml in a folder that also has dummy mesh and image files, which are never opened.
 inline Description read_text(const std::string& text, const ReadOptions& options = {}) {
   const TemporaryFolder folder;
   for (const char* name : {"mesh.obj", "mesh.ply", "mesh.serialized", "image.png"}) write_below(folder, name, "");
   return read_scene(write_below(folder, "scene.xml", text), options);
 }
 
-/// The message of the SceneError that reading `file` throws, folder names removed; empty if it throws none.
+/// The message of the SceneError that reading `file` throws, without folder names; empty if it does not throw.
 inline std::string error_of(const std::filesystem::path& file, const ReadOptions& options = {}) {
   try {
     read_scene(file, options);
@@ -47,7 +47,7 @@ inline std::string error_of_text(const std::string& text, const ReadOptions& opt
   return error_of(write_below(folder, "scene.xml", text), options);
 }
 
-/// A Mitsuba scene: the sensor stands in line 2, the integrator in line 3, `inside` begins in line 4.
+/// A Mitsuba scene with the sensor in line 2, the integrator in line 3, and `inside` from line 4.
 inline std::string mitsuba_scene(const std::string& inside, const std::string& sensor = "<sensor type='perspective'/>",
                                  const std::string& integrator = "<integrator type='path'/>",
                                  const std::string& version = "3.0.0") {
@@ -102,7 +102,7 @@ inline std::string dump(MaterialId id) { return std::to_string(static_cast<unsig
 inline std::string dump(TextureId id) { return std::to_string(static_cast<unsigned>(id)); }
 inline std::string dump(const std::optional<RoughnessDescription>& r);
 
-/// All arguments, separated by spaces.
+/// All arguments as text, separated by spaces.
 template <class... T> std::string dump_all(const T&... values) {
   std::ostringstream out;
   out << std::hexfloat;
@@ -280,7 +280,7 @@ inline std::string dump(const LightDescription& light) {
   return out.str();
 }
 
-/// Everything that a Description says about the picture, bit for bit; no places, ids, notes.
+/// Everything in a Description that affects the image, bit for bit; without source locations, ids and notes.
 inline std::string dump(const Description& d) {
   std::ostringstream out;
   const CameraDescription& c = d.camera;

@@ -1,4 +1,4 @@
-// Integrals over wavelength that the tests of spectral code compare with, made apart from that code.
+// Integrals over wavelength for comparison with the spectral code, computed independently of it.
 #pragma once
 
 #include "core/color.h"
@@ -7,8 +7,8 @@
 
 namespace sheaf {
 
-/// Calls f(wavelength in nm, weight in nm) for Simpson's rule in intervals of 1 nm over the CIE tables' range: all
-/// kinks of the tables lie between two intervals.
+/// Calls f(wavelength in nm, weight in nm) for the nodes of Simpson's rule in intervals of 1 nm over the range of the
+/// CIE tables. All kinks of the tables are interval ends.
 template <class F> void for_each_wavelength(F&& f) {
   constexpr int kIntervals = 940;
   for (int i = 0; i <= kIntervals; ++i) {
@@ -17,7 +17,7 @@ template <class F> void for_each_wavelength(F&& f) {
   }
 }
 
-/// XYZ of a spectral power distribution, power(wavelength), in units in which one everywhere has Y = 1.
+/// XYZ of a spectral power distribution, power(wavelength), scaled so that a constant 1 has Y = 1.
 template <class F> std::array<double, 3> power_to_xyz(F&& power) {
   std::array<double, 3> sum{};
   double y = 0;
@@ -32,13 +32,13 @@ template <class F> std::array<double, 3> power_to_xyz(F&& power) {
   return {sum[0] / y, sum[1] / y, sum[2] / y};
 }
 
-/// Rec.709 of the same.
+/// Linear Rec.709 of a spectral power distribution, see power_to_xyz().
 template <class F> Vec3f power_to_rgb(F&& power) {
   const auto [x, y, z] = power_to_xyz(power);
   return xyz_to_rec709({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
 }
 
-/// Colour of a reflectance under D65, white at (1, 1, 1).
+/// Rec.709 colour of a reflectance under D65; white is (1, 1, 1).
 template <class F> Vec3f reflectance_to_rgb(F&& reflectance) {
   static const Vec3f white = power_to_rgb([](float wavelength) { return cie_d65(wavelength); });
   const Vec3f rgb = power_to_rgb([&](float wavelength) { return reflectance(wavelength) * cie_d65(wavelength); });

@@ -1,6 +1,5 @@
-// Lanes that the tests of stages run them with: registers, and one path at a time (Single), which they are compared
-// with. Sanitizers are left to registers, which is what renders: there Single is the same once more, and not compiled
-// twice.
+// Lane policies for tests of stages: registers, and one path at a time (Single) as the reference. Sanitizer builds run
+// registers only, because renders use nothing else. There Single is Wide, which saves compiling every stage twice.
 #pragma once
 
 #include "core/simd.h"

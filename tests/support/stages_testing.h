@@ -1,4 +1,4 @@
-// Waves for tests of stages: paths set up by hand in scattered slots, with neighbours that must stay as they are.
+// Waves for tests of stages: hand-made paths in scattered slots, next to slots that must stay unchanged.
 #pragma once
 
 #include "kernels/film/camera_task.h"
@@ -22,8 +22,8 @@ namespace sheaf {
 /// Path counts with partial, whole and several tiles.
 inline const std::vector<int> kTailSizes = {1, kWidth - 1, kWidth, kWidth + 1, 2 * kWidth + 3, 37};
 
-/// A wave with room for `paths` paths and some spare slots. Slots come in no particular order, and every row is filled
-/// with a pattern, so that a stage that writes to a slot it was not given is found out.
+/// A wave with room for `paths` paths and some spare slots. Slots are shuffled, and every row is filled with a pattern,
+/// which reveals writes to slots that a stage was not given.
 class TestWave {
  public:
   explicit TestWave(int paths, int spare = 5) : wave(paths + spare) {
@@ -35,7 +35,7 @@ class TestWave {
     begin({0, 0, paths, 1}, 0, 1, paths);
   }
 
-  /// Begins a task of samples of all pixels of a rectangle, with further layers.
+  /// Begins a task with samples of all pixels of a rectangle and the given AOVs.
   void begin(const PixelRect& rectangle, std::uint32_t first_sample, std::uint32_t sample_count, int frame_width,
              AovSet aovs = {}) {
     pixels_ = samples_of(rectangle, {frame_width}, first_sample, sample_count);
@@ -43,9 +43,9 @@ class TestWave {
     task.begin(pixels_, {frame_width}, layout.size(), 0, AovChannels(layout, aovs));
   }
 
-  /// What stages get to see of a scene besides the wave.
+  /// The context of a stage for this scene and task.
   StageContext context(const Scene& scene) { return StageContext(scene, &task); }
-  /// The same for the light pass, with `count` photons to emit.
+  /// The context of a stage of the light pass that emits `count` photons.
   StageContext photon_context(const Scene& scene, int count) {
     const SplatFilter filter({}, FilterMode::kImportance, {});
     photons.begin(7, count, filter.bounds({0, 0, scene.film().width, scene.film().height}));
@@ -54,8 +54,8 @@ class TestWave {
     return context;
   }
 
-  /// Takes a free slot for a path whose pixel and sample buffer index are the number of paths added before. Its ray
-  /// starts at `origin`; the caller puts the slot on a list.
+  /// Allocates a slot for a path. Its pixel and its sample buffer index are the number of paths added before. Its ray
+  /// starts at `origin`. The caller pushes the slot onto a list.
   Slot add(Vec3f origin, Vec3f direction, std::uint32_t flags = 0) {
     const Slot slot = wave.free.pop();
     const auto index = static_cast<std::uint32_t>(added_++);
@@ -67,7 +67,7 @@ class TestWave {
     wave.radiance.set(slot, radiance);
     return slot;
   }
-  /// The same, with a ray to be traced.
+  /// Adds a path whose ray is to be traced.
   Slot add_active(Vec3f origin, Vec3f direction, std::uint32_t flags = 0) {
     const Slot slot = add(origin, direction, flags);
     wave.active.push(slot);
@@ -103,7 +103,7 @@ class TestWave {
   int added_ = 0;
 };
 
-/// Every slot stands on exactly one list, and may stand on `emitter` besides.
+/// Checks that every slot is on exactly one list; it may also be on `emitter`.
 inline void check_conservation(const Wave& wave) {
   std::vector<int> seen(static_cast<std::size_t>(wave.capacity));
   for (const SlotList PathPool::*list : PathPool::kLists)
@@ -144,7 +144,7 @@ inline Description mixed_scene(int width = 16, int height = 16) {
   return d;
 }
 
-/// To be added to mixed_scene(): what makes light pass surfaces, and media; and a texture.
+/// Adds surfaces that transmit light, media and a texture to mixed_scene().
 inline void add_media_and_masks(Description& d) {
   const MaterialId inside = add_diffuse(d, 0.6f);
   add_rectangle(d,

@@ -1,4 +1,4 @@
-// Significance levels for statistical tests: the regularised gamma and beta functions and what follows from them.
+// Significance tests: the regularised gamma and beta functions and the distributions that follow from them.
 #pragma once
 
 #include <cmath>
@@ -7,11 +7,12 @@
 
 namespace sheaf {
 
-/// Probability with which a sound sampler would fail one statistical test case. Seeds are fixed, so a test that passes
-/// keeps passing until the code under it changes.
+/// Probability that a correct sampler fails one statistical test case. Seeds are fixed, so a test that passes keeps
+/// passing until the tested code changes.
 inline constexpr double kSignificance = 1e-3;
 
-/// The level of each of `tests` independent tests that together fail with probability `significance` (Sidak 1967).
+/// Significance level of each of `tests` independent tests that together fail with probability `significance` (Sidak
+/// 1967).
 inline double significance_of_each(int tests, double significance = kSignificance) {
   return -std::expm1(std::log1p(-significance) / tests);
 }
@@ -39,8 +40,8 @@ template <class Term> double continued_fraction(double b0, Term&& term) {
 }
 }  // namespace detail
 
-/// Upper regularised incomplete gamma function Q(a, x), a > 0, x >= 0: the power series of P = 1 - Q left of the mean,
-/// the continued fraction of Q right of it (DLMF 8.11.4 and 8.9.2).
+/// Upper regularised incomplete gamma function Q(a, x), a > 0, x >= 0. Uses the power series of P = 1 - Q for x < a +
+/// 1, otherwise the continued fraction of Q (DLMF 8.11.4 and 8.9.2).
 inline double gamma_q(double a, double x) {
   if (!(x > 0.0)) return 1.0;
   const double front = std::exp(a * std::log(x) - x - std::lgamma(a));
@@ -70,15 +71,15 @@ inline double beta_i(double a, double b, double x) {
          });
 }
 
-/// Probability that a chi-square variable with `degrees` of freedom exceeds `statistic`.
+/// Probability that a chi-square variable with `degrees` degrees of freedom exceeds `statistic`.
 inline double chi_square_p_value(double statistic, double degrees) { return gamma_q(0.5 * degrees, 0.5 * statistic); }
 
-/// Probability that the absolute value of a Student-t variable with `degrees` of freedom exceeds |t|.
+/// Probability that the absolute value of a Student-t variable with `degrees` degrees of freedom exceeds |t|.
 inline double student_t_p_value(double t, double degrees) {
   return beta_i(0.5 * degrees, 0.5, degrees / (degrees + t * t));
 }
 
-/// The |t| that is exceeded with probability `significance` (two-sided), by bisection.
+/// The threshold that |t| exceeds with probability `significance` (two-sided), by bisection.
 inline double student_t_threshold(double significance, double degrees) {
   double low = 0.0, high = 1.0;
   while (student_t_p_value(high, degrees) > significance && high < 1e12) high *= 2.0;
@@ -89,7 +90,7 @@ inline double student_t_threshold(double significance, double degrees) {
   return high;
 }
 
-/// Mean and spread of a stream of values (Welford 1962).
+/// Running mean and variance of a stream of values (Welford 1962).
 class MeanVariance {
  public:
   void add(double x) {
@@ -99,10 +100,10 @@ class MeanVariance {
     squares_ += delta * (x - mean_);
   }
   double mean() const { return mean_; }
-  /// Unbiased variance of one value; 0 for fewer than two.
+  /// Unbiased variance of a value; 0 for fewer than two values.
   double variance() const { return count_ > 1 ? squares_ / static_cast<double>(count_ - 1) : 0.0; }
-  /// Probability of a mean at least this far from `expected` if that were the true one (Student's t-test, two-sided).
-  /// Values without any spread give 1 or 0.
+  /// Probability of a mean at least this far from `expected` if `expected` were the true mean (Student's t-test,
+  /// two-sided). Constant values give 1 or 0.
   double p_value(double expected) const {
     const double distance = mean_ - expected, error = std::sqrt(variance() / static_cast<double>(count_));
     if (!(error > 0.0)) return distance == 0.0 ? 1.0 : 0.0;

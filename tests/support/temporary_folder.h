@@ -1,4 +1,4 @@
-// A folder for the files of one test, removed with everything in it at the end.
+// A temporary folder for the files of one test; the destructor removes it with its content.
 #pragma once
 
 #include <unistd.h>
@@ -12,7 +12,7 @@
 
 namespace sheaf {
 
-/// Unique per object, under the system's folder for temporary files.
+/// Unique per object, under the system's temporary folder.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -30,7 +30,7 @@ class TemporaryFolder {
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  /// How many files and folders lie in it.
+  /// Number of files and folders in it.
   std::size_t entry_count() const {
     return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
   }
@@ -39,7 +39,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// A file's bytes; empty if it cannot be read.
+/// The bytes of a file; empty if it cannot be read.
 inline std::string read_bytes(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};

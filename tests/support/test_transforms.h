@@ -1,4 +1,4 @@
-// Transforms that shapes are tested under.
+// Transforms for tests of shapes.
 #pragma once
 
 #include "core/transform.h"
@@ -7,7 +7,7 @@
 
 namespace sheaf {
 
-/// Similarities, stretches, shears and a mirror.
+/// Similarities, non-uniform scalings, shears and a mirror.
 inline std::vector<Transform> test_transforms() {
   Matrix4 shear;
   shear.m[0][1] = 0.7;

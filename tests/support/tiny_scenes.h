@@ -1,4 +1,4 @@
-// Scenes of a few shapes, built in memory: what tests of kernels and estimators render.
+// Scenes of a few shapes, built in memory, for tests of kernels and estimators.
 #pragma once
 
 #include "scene/description/description.h"
@@ -7,7 +7,7 @@
 
 namespace sheaf {
 
-/// Nothing but a camera at the origin that looks along +z with +y up (field of view 90 degrees across x), a box
+/// An empty scene with a camera at the origin that looks along +z with +y up (field of view 90 degrees across x), a box
 /// filter, one sample per pixel and unlimited depth.
 Description empty_scene(int width, int height);
 
@@ -20,16 +20,16 @@ MaterialId add_diffuse(Description& d, float reflectance);
 
 MaterialId add_diffuse_rgb(Description& d, float r, float g, float b);
 
-/// A perfect mirror on the side of the normal.
+/// A perfect mirror that reflects on the side of the normal.
 MaterialId add_mirror(Description& d, float reflectance = 1);
 
-/// A smooth dielectric of index `int_ior` in a surrounding of index `ext_ior`.
+/// A smooth dielectric with index `int_ior` inside and `ext_ior` outside.
 MaterialId add_glass(Description& d, float int_ior = 1.5f, float ext_ior = 1);
 
 /// The same material on both sides.
 MaterialId add_two_sided(Description& d, MaterialId side);
 
-/// Adds a shape and returns it for further changes; the reference holds until the next shape.
+/// Adds a shape and returns it for further changes. The reference is valid until the next shape is added.
 ShapeDescription& add_shape(Description& d, const decltype(ShapeDescription::geometry)& geometry,
                             const Transform& to_world, std::optional<MaterialId> material = {});
 
@@ -41,7 +41,7 @@ ShapeDescription& add_rectangle(Description& d, const Transform& to_world, std::
 /// Turns a shape into an area light of constant radiance, emitting on the side of its normals.
 ShapeDescription& emit(ShapeDescription& shape, float radiance);
 
-/// A rectangle, placed as by add_rectangle, that emits on the side of its normal and reflects nothing.
+/// A rectangle, placed as by add_rectangle(), that emits on the side of its normal and reflects nothing.
 ShapeDescription& add_area_light_rectangle(Description& d, const Transform& to_world, float radiance);
 
 /// A sphere that emits outwards and reflects nothing.

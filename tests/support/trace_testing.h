@@ -1,4 +1,4 @@
-// Tracing one ray at a time through a compiled scene.
+// Traces single rays through a compiled scene.
 #pragma once
 
 #include "scene/tables/shape.h"
@@ -7,7 +7,7 @@
 
 namespace sheaf {
 
-/// What a ray hit.
+/// The intersection of a ray with the scene.
 struct TracedHit {
   float t, u, v;
   std::uint32_t primitive, shape, instance;

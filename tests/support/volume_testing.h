@@ -1,4 +1,4 @@
-// What the tests of volumes share: grids of noise, kept twice, as bricks and as a plain array.
+// Helpers for tests of volumes: noise grids, stored both as bricks and as a plain array.
 #pragma once
 
 #include "core/rng.h"
@@ -18,7 +18,7 @@ using GridFilter = GridVolumeDescription::Filter;
 /// Uniform in [0, 1).
 inline float noise(std::uint32_t i, std::uint32_t stream) { return random4<Scalar>(stream, i, 0, 0).x; }
 
-/// A rotation, a shear and a shift, of determinant -8 or so.
+/// A rotation, a shear and a translation with a determinant of about -8.
 inline Transform skewed_transform() {
   Matrix4 shear;
   shear.m[0][1] = 0.3;
@@ -26,13 +26,13 @@ inline Transform skewed_transform() {
          Transform::scale({2, -1.5f, 2.5f});
 }
 
-/// Voxels in a plain array, looked up naively in double precision.
+/// Voxels in a plain array with a naive lookup in double precision.
 struct DenseReference {
   int channels = 1;
   std::array<int, 3> first{}, size{};
   GridBorder border = GridBorder::kBackground;
   std::array<float, 3> background{};
-  std::vector<float> values;  ///< x fastest, channels next to each other
+  std::vector<float> values;  ///< x fastest, channels interleaved
 
   static int wrap(GridBorder border, long long i, int n) {
     if (border == GridBorder::kClamp) return static_cast<int>(std::clamp(i, 0LL, n - 1LL));
@@ -51,7 +51,7 @@ struct DenseReference {
     return static_cast<double>(values[static_cast<std::size_t>(i * channels + c)]);
   }
 
-  /// At a place in index space.
+  /// Value of channel `c` at a point in index space.
   double lookup(const std::array<double, 3>& p, int c, GridFilter filter) const {
     long long i[3];
     double t[3];
@@ -71,13 +71,13 @@ struct DenseReference {
   }
 };
 
-/// A grid and what it should be.
+/// A grid and its reference.
 struct TestGrid {
   BrickGrid grid;
   DenseReference reference;
 };
 
-/// Noise in [-1, 2] on every voxel.
+/// Noise in [-1, 2] in every voxel.
 inline TestGrid make_test_grid(int channels, std::array<int, 3> size, GridBorder border) {
   TestGrid result;
   DenseReference& r = result.reference;
@@ -90,7 +90,8 @@ inline TestGrid make_test_grid(int channels, std::array<int, 3> size, GridBorder
   return result;
 }
 
-/// Noise on a part of the voxels of `blocks`, given by position; the others are background.
+/// Noise in some voxels of the blocks at `positions`, every third of which is constant; all other voxels are
+/// background.
 inline TestGrid make_sparse_test_grid(int channels, const std::vector<std::array<int, 3>>& positions,
                                       std::array<float, 3> background = {}) {
   TestGrid result;
@@ -134,7 +135,7 @@ inline TestGrid make_sparse_test_grid(int channels, const std::vector<std::array
   return result;
 }
 
-/// The reference's place for a point in world space.
+/// The point of the reference's index space for a point in world space.
 inline std::array<double, 3> to_index_space(const BrickGrid& grid, const Transform& local_to_world, Vec3f p) {
   const auto m = (local_to_world * grid.grid_to_local).inverse_matrix().m;
   std::array<double, 3> q{};

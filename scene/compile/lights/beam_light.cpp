@@ -1,4 +1,4 @@
-// Rays of light: row, power and bounds.
+// Beams of light along a ray: row, power and bounds.
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/light.h"
 
@@ -13,7 +13,7 @@ struct BeamRows {
 
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light); }
 
-  /// It reaches no point that looks for light.
+  /// Zero power: next-event estimation never reaches a beam.
   static LightBounds bounds(const SceneView&, const LightRow& light, double) {
     return spot_light_bounds(light.position, light.beam(), 1, 0);
   }

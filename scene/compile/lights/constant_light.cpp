@@ -1,4 +1,4 @@
-// Constant environments: row and power.
+// Constant environment lights: row and power.
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/light.h"
 

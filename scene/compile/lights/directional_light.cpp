@@ -1,4 +1,4 @@
-// Parallel lights: row and power.
+// Directional lights: row and power.
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/light.h"
 

@@ -1,4 +1,4 @@
-// Environment maps as lights: row and power. The tables of a map are made by compile_envmap.cpp.
+// Environment map lights: row and power. compile_envmap.cpp builds the tables of the map.
 #include "scene/compile/compile_envmap.h"
 #include "scene/compile/daylight.h"
 #include "scene/compile/light.h"
@@ -23,15 +23,15 @@ struct EnvmapRows {
   }
 };
 
-/// Whether it is left to BSDF sampling to find what is dark. Only where it looks for all that light sampling finds:
-/// what is not sampled would be lost otherwise, and photons have no second way.
+/// Whether MIS compensation may leave dark directions to BSDF sampling. Requires that BSDF sampling reaches all light
+/// that light sampling finds; otherwise the unsampled light would be lost. Photons have no second strategy.
 bool can_compensate(const Description& description) {
   const IntegratorDescription& integrator = description.integrator;
   return integrator.kind == IntegratorKind::kPath && integrator.strategy == LightStrategy::kMis &&
          !integrator.ends_at_diffuse;
 }
 
-/// Makes a map that is turned already the scene's. Nothing if it is black, with a warning of `what`.
+/// Installs a map, already rotated, as the scene's environment. If it is black, warns about `what` and returns nothing.
 std::optional<CompiledLight> place_map(Envmap map, LightContext& context, const std::string& what,
                                        const SourceLocation& where) {
   if (!(max_component(map.mean) > 0.0f)) {

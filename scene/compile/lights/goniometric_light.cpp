@@ -1,4 +1,4 @@
-// Points that shine by a picture of all directions: row, power and bounds.
+// Goniometric lights, point lights with an image of all directions: row, power and bounds.
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/light.h"
 #include "scene/compile/lights/light_rotation.h"
@@ -13,12 +13,12 @@ struct GoniometricRows {
 
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light) * (4 * kPi); }
 
-  /// As of one that shines alike in all directions.
+  /// As for a point light of constant intensity.
   static LightBounds bounds(const SceneView&, const LightRow& light, double power) {
     return point_light_bounds(light.position, static_cast<float>(power * (0.25 * double(kInvPi))));
   }
 
-  /// The picture's mean over all directions, to which its parts of equal area count alike.
+  /// Mean of the image over all directions; the map is equal-area, so all texels have the same weight.
   static Vec3f integral(const SceneView& scene, const LightRow& light, int points) {
     TextureMean mean(scene, light.texture);
     for (int k = 0; k < points; ++k) mean.add({spread_point(k), 0, 0, 0, 0}, 1.0);

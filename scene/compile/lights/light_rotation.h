@@ -1,4 +1,4 @@
-// Transforms of lights that must not stretch.
+// Transforms of lights that must not distort.
 #pragma once
 
 #include "core/error.h"
@@ -9,8 +9,8 @@
 
 namespace sheaf {
 
-/// The rotation of a transform that scales all lengths alike, world to local, row by row. Throws SceneError at `where`,
-/// naming `what`, if it stretches.
+/// The rotation of a transform with uniform scale, from world to local space, row by row. Throws SceneError at `where`,
+/// naming `what`, if the transform distorts.
 std::array<double, 9> rotation_of(const Transform& to_world, const char* what, const SourceLocation& where);
 
 /// The frame of a light at `origin` with that rotation.

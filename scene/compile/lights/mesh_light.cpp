@@ -1,4 +1,4 @@
-// Lights on meshes: rows, power and bounds.
+// Mesh lights: rows, power and bounds.
 #include "core/distribution.h"
 #include "core/warp.h"
 #include "scene/compile/lights/area_light.h"
@@ -18,7 +18,7 @@ struct TriangleWithArea {
   double area = 0;
 };
 
-/// The triangle with corners `p`, in world space; `side` is -1 to turn its normal.
+/// The triangle with the given corners in world space; `side` = -1 flips its normal.
 TriangleWithArea make_triangle(const double (&p)[3][3], double side) {
   double normal[3], squared = 0;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -94,7 +94,8 @@ Vec3d cross3(const Vec3d& a, const Vec3d& b) {
   return out;
 }
 
-/// The directions in which peaks are looked for: the axes, the diagonals of a cube, and one of the caller's.
+/// Finds the maximum projected area over a set of directions: the axes, the diagonals of a cube, and one given
+/// direction.
 class PeakSearch {
  public:
   explicit PeakSearch(const Vec3d& favourite) {
@@ -106,14 +107,14 @@ class PeakSearch {
     for (int corner = 0; corner < 8; ++corner, ++n)
       for (std::size_t c = 0; c < 3; ++c) directions_[n][c] = (corner >> c & 1) != 0 ? diagonal : -diagonal;
   }
-  /// A surface of that area vector (its normal times its area), seen from its front only.
+  /// Adds a one-sided surface with the given area vector (its normal times its area).
   void add(const Vec3d& area_vector) {
     for (std::size_t i = 0; i < kDirections; ++i) {
       const Vec3d& d = directions_[i];
       areas_[i] += std::max(0.0, d[0] * area_vector[0] + d[1] * area_vector[1] + d[2] * area_vector[2]);
     }
   }
-  /// The largest projected area found.
+  /// The maximum projected area found.
   double projected_area() const { return *std::max_element(areas_.begin(), areas_.end()); }
 
  private:
@@ -137,7 +138,7 @@ struct MeshRows {
     return out;
   }
 
-  /// The mean of the texture.
+  /// Mean of the texture.
   static Vec3f integral(const SceneView& scene, const LightRow& light, int mean_points) {
     TextureMean mean(scene, light.texture);
     int next = 0;
@@ -154,7 +155,7 @@ struct MeshRows {
     return mean.value();
   }
 
-  /// The triangles' uv and shares of the area; of large meshes nothing, which would take longer to compare.
+  /// The uv of the triangles and their fractions of the area. Large meshes do not share: comparing them takes longer.
   static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key) {
     constexpr std::uint32_t kMaxTriangles = 64;
     if (light.texture == kNone) return IntegralSharing::kOne;
@@ -207,7 +208,7 @@ LightBounds mesh_light_bounds(std::span<const LightTriangleRow> triangles, float
     Vec3d area_vector = cross3(edge1, edge2);
     const double twice = std::hypot(area_vector[0], area_vector[1], area_vector[2]);
     if (!(twice > 0.0) || !std::isfinite(twice)) continue;
-    // Mirrored instances shine against their winding.
+    // Mirrored instances emit on the side opposite to their winding.
     const double along = area_vector[0] * facing[0] + area_vector[1] * facing[1] + area_vector[2] * facing[2];
     if (along < 0.0)
       for (double& component : area_vector) component = -component;
@@ -216,7 +217,7 @@ LightBounds mesh_light_bounds(std::span<const LightTriangleRow> triangles, float
       normal[c] = area_vector[c] / twice;
       area_vector[c] *= 0.5;
       const double p = first[c], q = p + edge1[c], r = p + edge2[c];
-      // Vertices are sums of rounded numbers here and in the kernels.
+      // Vertices are sums of rounded numbers, here and in kernels.
       const double slack = 1e-6 * (std::fabs(p) + std::fabs(edge1[c]) + std::fabs(edge2[c]));
       const double low = std::min({p, q, r}) - slack, high = std::max({p, q, r}) + slack;
       lower[c] = empty ? low : std::min(lower[c], low);

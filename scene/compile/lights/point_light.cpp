@@ -1,4 +1,4 @@
-// Lights of all directions: row, power and bounds.
+// Point lights: row, power and bounds.
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/light.h"
 

@@ -22,8 +22,8 @@ struct ProjectorRows {
     return frame_light_bounds(frame, light.position, 1.0 / std::sqrt(1.0 + tangent * tangent), power);
   }
 
-  /// The integral of the intensity over all directions for LightRecord::radiance of 1: that of the picture over its
-  /// rectangle at distance 1, times the cube of the cosine if it is even.
+  /// Integral of the intensity over all directions for LightRecord::radiance 1: the integral of the image over its
+  /// rectangle at distance 1, times the cube of the cosine if is_even().
   static Vec3f integral(const SceneView& scene, const LightRow& light, int points) {
     const Vec2f scale = scene.light_frames[light.frame()].picture_scale();
     const float area = 1.0f / (scale.x * scale.y);
@@ -50,7 +50,7 @@ struct ProjectorRows {
   }
 };
 
-/// Width over height of the picture.
+/// Aspect ratio of the image, width over height.
 double aspect_of(const LightToPlace<ProjectorDescription>& l) {
   const auto* id = std::get_if<TextureId>(&l.light.irradiance);
   if (id == nullptr) return 1;

@@ -12,7 +12,7 @@ namespace sheaf {
 
 namespace {
 
-/// The largest offset at points of a quadric of an instance.
+/// Upper estimate of the ray offset on an instance's quadric, from sample points.
 float quadric_offset(const QuadricRow& own, const InstanceRow& instance) {
   float largest = 0;
   constexpr int kPoints = 64;
@@ -27,7 +27,7 @@ float quadric_offset(const QuadricRow& own, const InstanceRow& instance) {
   return 1.5f * largest;
 }
 
-/// A quadric of an instance, in world space.
+/// The quadric of an instance in world space.
 QuadricRow place_quadric(const QuadricRow& own, const InstanceRow& instance) {
   Matrix4 inner, outer;
   for (std::size_t i = 0; i < 12; ++i) {
@@ -37,7 +37,7 @@ QuadricRow place_quadric(const QuadricRow& own, const InstanceRow& instance) {
   return make_quadric(own.kind, Transform(outer * inner), own.normal_sign < 0.0f);
 }
 
-/// Both of kSphere and kQuadric.
+/// For kSphere and kQuadric.
 struct QuadricRows {
   static constexpr LightDomain kDomain = LightDomain::kBounded;
 
@@ -53,7 +53,7 @@ struct QuadricRows {
     return out;
   }
 
-  /// The mean of the texture.
+  /// Mean of the texture.
   static Vec3f integral(const SceneView& scene, const LightRow& light, int points) {
     const QuadricRow& row = scene.quadrics[light.quadric()];
     TextureMean mean(scene, light.texture);
@@ -75,8 +75,8 @@ struct QuadricRows {
     return mean.value();
   }
 
-  /// The shape and, unless it is similar to the canonical one, the scalar products of its inverse's rows, by which
-  /// normals are stretched.
+  /// The kind of shape and, unless it is similar to the canonical one, the scalar products of the rows of its inverse,
+  /// which determine the scaling of area elements.
   static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key) {
     if (light.texture == kNone) return IntegralSharing::kOne;
     const QuadricRow& row = scene.quadrics[light.quadric()];
@@ -108,7 +108,7 @@ void complete_quadric_light(AreaLight& light, const ShapeRow& shape, const Shape
     q = place_quadric(q, *instance);
     light.quadric = q;
   }
-  // Light leaves a flipped sphere inwards, where the cone of directions that see it says nothing.
+  // A flipped sphere emits inwards, where sampling the cone of visible directions does not apply.
   const bool outwards = q.normal_sign > 0.0f && !row.is_two_sided();
   const bool cone = q.kind == ShapeKind::kSphere && q.uniform_scale > 0.0f && outwards;
   row.kind = static_cast<std::uint32_t>(cone ? LightKind::kSphere : LightKind::kQuadric);
@@ -124,7 +124,7 @@ LightBounds quadric_light_bounds(const QuadricRow& row, float radiance) {
   out.upper = box.upper;
   const double area = quadric_area(row);
   if (row.kind == ShapeKind::kDisk) {
-    // The inverse transpose turns (0, 0, 1) into the third row of the inverse.
+    // The inverse transpose maps (0, 0, 1) to the third row of the inverse.
     const double n[3] = {row.to_object[8], row.to_object[9], row.to_object[10]};
     const double scale = row.normal_sign / std::hypot(n[0], n[1], n[2]);
     out.axis = {static_cast<float>(n[0] * scale), static_cast<float>(n[1] * scale), static_cast<float>(n[2] * scale)};
@@ -132,7 +132,7 @@ LightBounds quadric_light_bounds(const QuadricRow& row, float radiance) {
     out.power = peak_power(radiance * area);
     return out;
   }
-  // From the side, a sphere shows a quarter of its area and a cylinder 1 / pi.
+  // Seen from the side, the projected area of a sphere is 1/4 of its area, that of a cylinder 1 / pi.
   out.power = peak_power(radiance * area * (row.kind == ShapeKind::kSphere ? 0.25 : double(kInvPi)));
   return out;
 }

@@ -1,4 +1,4 @@
-// Spots of both kinds: rows, power and bounds.
+// Spot lights with both falloffs: rows, power and bounds.
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/light.h"
 #include "scene/compile/lights/texture_mean.h"
@@ -24,7 +24,7 @@ LightFrameRow frame_row(const Transform& to_world) {
   return row;
 }
 
-/// Linear, or a smooth step.
+/// Spot lights with linear falloff, or with a smooth step.
 template <bool Linear> struct SpotRows {
   static constexpr LightDomain kDomain = LightDomain::kBounded;
 
@@ -36,13 +36,13 @@ template <bool Linear> struct SpotRows {
     return frame_light_bounds(frame, light.position, cos_total, power);
   }
 
-  /// Integral of the intensity over directions for an intensity of 1.
+  /// Integral of the intensity over all directions for intensity 1.
   static Vec3f integral(const SceneView& scene, const LightRow& light, int points) {
     const LightFrameRow& frame = scene.light_frames[light.frame()];
     const double cutoff = Linear ? frame.cutoff : std::acos(std::clamp(double(frame.cutoff), -1.0, 1.0));
     TextureMean mean(scene, light.texture);
     double sum = 0;
-    // Without a texture rings are cheap.
+    // Rings are cheap without a texture.
     const int rings = light.texture == kNone ? kMeanPoints / 8 : points / 8;
     for (int i = 0; i < rings; ++i) {
       const double theta = (i + 0.5) / rings * cutoff;
@@ -68,7 +68,7 @@ template <bool Linear> struct SpotRows {
   }
 
  private:
-  /// Share of the intensity that is kept at an angle from the axis.
+  /// Relative intensity at an angle from the axis.
   static double falloff(const LightFrameRow& frame, double theta) {
     if (Linear) return std::clamp((frame.cutoff - theta) * frame.slope, 0.0, 1.0);
     const double t = std::clamp((std::cos(theta) - frame.cutoff) * frame.slope, 0.0, 1.0);
@@ -100,7 +100,7 @@ std::optional<CompiledLight> place_light(const LightToPlace<SpotLightDescription
   check_angles(spot, l.where);
   const bool smooth = spot.falloff == SpotLightDescription::Falloff::kSmooth;
   LightFrameRow frame = frame_row(spot.to_world);
-  // A step of no width is one of very little.
+  // Avoids division by zero for a step of zero width.
   constexpr double kMinWidth = 1e-7;
   const double outer = smooth ? std::cos(cutoff) : cutoff;
   const double width = smooth ? std::cos(beam) - std::cos(cutoff) : cutoff - beam;

@@ -1,4 +1,4 @@
-// Suns: row and power. A sun without extent is a parallel light.
+// Suns: row and power. A sun of radius 0 becomes a directional light.
 #include "scene/compile/daylight.h"
 #include "scene/compile/light.h"
 
@@ -17,7 +17,7 @@ struct SunRows {
   }
 };
 
-/// 1 less the cosine of an angle in degrees.
+/// 1 - cos of an angle in degrees, without cancellation.
 double one_minus_cos(double degrees) {
   const double half = std::sin(0.5 * degrees * (double(kPi) / 180));
   return 2 * half * half;
@@ -35,7 +35,7 @@ std::optional<CompiledLight> place_light(const LightToPlace<SunDescription>& l) 
     return std::nullopt;
   }
   const bool disk = sun.radius > 0.0f;
-  // The same irradiance, whatever the radius.
+  // The irradiance does not depend on the radius.
   const double own = one_minus_cos(double(SunDescription::kSunRadius)), seen = one_minus_cos(double(sun.radius));
   const double scale = double(sun.scale) * (disk ? own / seen : 2 * double(kPi) * own);
   SpectrumDescription::Table spectrum = sun_spectrum(sun.turbidity, std::asin(std::min(height, 1.0)));

@@ -1,4 +1,4 @@
-// The mean of a light's texture, for its power.
+// Mean of a light's texture, for its power.
 #pragma once
 
 #include "scene/tables/texture_lookup.h"
@@ -8,7 +8,7 @@
 
 namespace sheaf {
 
-/// Over how many points textures are averaged.
+/// Default number of points for means of textures.
 inline constexpr int kMeanPoints = 4096;
 
 /// Point i of an additive recurrence over the unit square (Roberts, "The Unreasonable Effectiveness of Quasirandom
@@ -19,10 +19,10 @@ inline Vec2f spread_point(int i) {
   return {static_cast<float>(x - std::floor(x)), static_cast<float>(y - std::floor(y))};
 }
 
-/// A part of one as far as means depend on it: without what rounding has made of equal ones.
+/// Rounds a fraction of one, so that values that differ only by rounding errors become equal keys.
 inline std::uint32_t rounded_share(float share) { return static_cast<std::uint32_t>(std::lround(share * 0x1p16f)); }
 
-/// A weighed mean of texture values, as lights see them: not below 0.
+/// Weighted mean of texture values, clamped to 0 as lights do.
 class TextureMean {
  public:
   TextureMean(const SceneView& scene, std::uint32_t texture) : scene_(scene), texture_(texture) {}

@@ -1,4 +1,4 @@
-// Media as lights: rows, power and bounds.
+// Volume lights, emitting media: rows, power and bounds.
 #include "scene/compile/lights/volume_light.h"
 
 #include "scene/tables/medium_lookup.h"
@@ -10,12 +10,12 @@ namespace sheaf {
 
 namespace {
 
-/// Cells along the longest side of a volume light's box.
+/// Maximum number of cells along the longest side of a volume light's box.
 constexpr int kCells = 32;
-/// Points looked at in each cell, along each axis.
+/// Sample points per cell along each axis.
 constexpr int kPoints = 2;
 
-/// In spectral mode, wavelengths (nm) in place of red, green and blue.
+/// Wavelengths (nm) in spectral mode, in place of red, green and blue.
 const Spectrum4 kSeen{600, 550, 450, 500};
 
 bool overlap(const GridBox& a, const GridBox& b) {
@@ -23,14 +23,14 @@ bool overlap(const GridBox& a, const GridBox& b) {
          b.min.z <= a.max.z;
 }
 
-/// What is emitted at a point, W / (m^3 sr).
+/// Emission at a point, W / (m^3 sr).
 Vec3f emitted_at(const SceneView& scene, const MediumRow& medium, const MediumSpectra& spectra, Vec3f p) {
   const Float4 emitted =
       medium_coefficients(scene, medium, spectra, p, kSeen).sigma_a * medium_emission(scene, medium, spectra, p, kSeen);
   return {emitted[0], emitted[1], emitted[2]};
 }
 
-/// A box cut into cells of about the same size along all axes.
+/// A box divided into cells of about the same size along all axes.
 struct Cells {
   GridBox box;
   int count[3];
@@ -58,7 +58,7 @@ struct Cells {
 struct VolumeRows {
   static constexpr LightDomain kDomain = LightDomain::kBounded;
 
-  /// Of all that the box holds, of which the medium may fill a part only.
+  /// Power of the whole box, of which the medium may fill only a part.
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light) * (4 * kPi); }
 
   static LightBounds bounds(const SceneView&, const LightRow& light, double power) {

@@ -1,18 +1,18 @@
-// Media that emit as lights.
+// Emitting media as lights.
 #pragma once
 
 #include "scene/compile/light.h"
 
 namespace sheaf {
 
-/// A medium as a light: what chooses points in it (kernels/lights/volume_light.h).
+/// A medium as a light, with the data for sampling points in it (kernels/lights/volume_light.h).
 struct MediumLight {
   LightRow row;
-  std::vector<AliasEntry> alias;  ///< over its cells
+  std::vector<AliasEntry> alias;  ///< over the cells
 };
 
-/// The light that the medium of row `medium` is; nothing if it does not emit. `boxes`: around
-/// the shapes that hold it. The alias table is to stand at `first_cell`.
+/// Makes the light of the medium in row `medium`; empty if it does not emit. `boxes`: bounding boxes of the shapes that
+/// contain it. The alias table will start at `first_cell`.
 std::optional<MediumLight> make_volume_light(const SceneView& scene, std::uint32_t medium,
                                              std::span<const GridBox> boxes, std::uint32_t first_cell);
 
