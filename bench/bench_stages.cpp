@@ -27,7 +27,10 @@ namespace {
 StageContext context_of(const Scene& scene, CameraTask* camera, LightTask* photons) {
   StageContext context(scene, camera);
   context.photons = photons;
-  if (photons != nullptr) context.integrator.kind = IntegratorKind::kLightTracer;
+  if (photons != nullptr) {
+    context.integrator.kind = IntegratorKind::kLightTracer;
+    context.pass = PassKind::kLight;
+  }
   return context;
 }
 
@@ -53,9 +56,8 @@ class WarmWave {
   void advance(Stage end) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(end); ++i) {
       const StageEntry& stage = kStages<Wide>[i];
-      const bool is_source = stage.stage == Stage::kCameraRays || stage.stage == Stage::kPhotonRays;
-      const bool waits = is_source && !refilling();
-      if (!waits && takes_part(context_, stage.use, true)) stage.run(context_, wave_);
+      const bool waits = stage.is_source() && !refilling();
+      if (!waits && takes_part(context_, stage.use)) stage.run(context_, wave_);
     }
   }
 
@@ -89,7 +91,7 @@ const Scene& load_scene(const char* file) {
 void run_stage(benchmark::State& state, const char* file, const StageEntry& stage) try {
   const FlushDenormals flush;
   WarmWave warm(load_scene(file), stage.use == StageUse::kPhotons);
-  if (!takes_part(warm.context(), stage.use, true)) return state.SkipWithError("the scene has no use for this stage");
+  if (!takes_part(warm.context(), stage.use)) return state.SkipWithError("the scene has no use for this stage");
   warm.advance(stage.stage);
   Wave& wave = warm.wave();
   const WaveSnapshot snapshot(wave);

@@ -53,7 +53,7 @@ double stamps(const Stats& stats) {
 /// One way to run the kernels, and its measurements.
 struct Contender {
   const char* lane;
-  Pass run;
+  void (*run)(const StageContext&, Wave&);
   int wave_size;
   std::vector<double> total, trace, stamps;  ///< nanoseconds per ray, one value per round
 };
@@ -83,10 +83,10 @@ std::vector<LaneCost> measure_null_hypothesis(const Scene& scene, int runs) {
   const auto tiles = choose_tiles(scene.film());
   const double stamp_cost = timestamp_cost();
   const int full = Wave::default_capacity(WaveNeeds::of(StageContext(scene)));
-  Contender contenders[] = {{"scalar", run_path_pass<Scalar>, 1, {}, {}, {}},
-                            {"wide", run_path_pass<Wide>, 1, {}, {}, {}},
-                            {"scalar", run_path_pass<Scalar>, full, {}, {}, {}},
-                            {"wide", run_path_pass<Wide>, full, {}, {}, {}}};
+  Contender contenders[] = {{"scalar", run_pass<Scalar>, 1, {}, {}, {}},
+                            {"wide", run_pass<Wide>, 1, {}, {}, {}},
+                            {"scalar", run_pass<Scalar>, full, {}, {}, {}},
+                            {"wide", run_pass<Wide>, full, {}, {}, {}}};
   for (int round = 0; round < runs; ++round)
     for (Contender& contender : contenders) run_round(scene, tiles, stamp_cost, contender);
   std::vector<LaneCost> costs;

@@ -59,9 +59,10 @@ std::vector<StoredPhotons> trace_tasks(const StageContext& camera, Workers& work
           StageContext context = camera;
           context.camera = nullptr;
           context.maps = nullptr;
+          context.pass = PassKind::kPhoton;
           context.photons = &worker.photons;
           context.sampler = without_frame(context.sampler);
-          run_photon_pass<Wide>(context, worker.wave);
+          run_pass<Wide>(context, worker.wave);
           stored[i].photons = worker.photons.sorted_photons();
           stored[i].beams = worker.photons.sorted_beams();
           stored[i].counted =

@@ -74,7 +74,7 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
           StageContext of_task = context;
           of_task.camera = &worker.camera;
           of_task.training = &worker.guide;
-          run_path_pass<Wide>(of_task, worker.wave);
+          run_pass<Wide>(of_task, worker.wave);
           told[i] = worker.guide.records(context.guide, means);
           training.on_samples(static_cast<std::uint64_t>(worker.camera.total()));
         }

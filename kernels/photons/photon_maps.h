@@ -67,7 +67,7 @@ struct PhotonMaps {
 /// path has scattered specularly only. `scatter_pdf`: see RadianceState.
 template <class L> SHEAF_INLINE Mask<L> is_caustic(const StageContext& context, Uint<L> flags, Float<L> scatter_pdf) {
   using U = Uint<L>;
-  if (context.maps == nullptr || !context.maps->hold_caustics()) return Mask<L>(false);
+  if (!context.gathers_photons() || !context.maps->hold_caustics()) return Mask<L>(false);
   return ((flags & U(kRayDiffuse | kRayScatteredInMedium)) == U(kRayDiffuse)) & (scatter_pdf == Float<L>(0.0f));
 }
 
@@ -77,7 +77,7 @@ template <class L, bool InMedium>
 SHEAF_INLINE Uint<L> history_behind(const StageContext& context, Uint<L> before, Mask<L> specular) {
   using U = Uint<L>;
   const U kept = before & U(kRayHistory);
-  if (context.photons != nullptr)
+  if (context.starts_at_lights())
     return kept | (InMedium ? U(kRayDiffuse) : select(specular, U(kRaySpecular), U(kRayDiffuse)));
   if (InMedium) return kept | U(kRayScatteredInMedium);
   return select(specular, kept, U(kRayDiffuse));

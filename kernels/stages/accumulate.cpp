@@ -69,7 +69,7 @@ template <class L> void accumulate(const StageContext& context, Wave& wave) noex
   if (paths == 0) return;
   StageTimer timer(wave.stats, Stage::kAccumulate);
   timer.count(paths, 1);
-  if (context.scene.color == ColorMode::kSpectral && context.transports_light) {
+  if (context.scene.color == ColorMode::kSpectral && context.transports_light()) {
     wave.finished.pad();
     for_tiles<L>(paths, [&](int i, int count) { spectrum_to_rgb<L>(context, wave, wave.finished.data() + i, count); });
   }

@@ -140,7 +140,6 @@ template <class L>
 }  // namespace
 
 template <class L> void aovs(const StageContext& context, Wave& wave) noexcept {
-  if (context.camera == nullptr || !context.camera->aovs().any()) return;
   StageTimer timer(wave.stats, Stage::kAovs);
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!kIsPhaseFunction<Bsdf<L>>) {

@@ -81,7 +81,6 @@ void connect_run(const StageContext& context, Wave& wave, const VertexRun& run) 
 }  // namespace
 
 template <class L> void camera_connections(const StageContext& context, Wave& wave) noexcept {
-  if (context.photons == nullptr) return;
   StageTimer timer(wave.stats, Stage::kCameraConnections);
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!Bsdf<L>::kIsSpecular) {

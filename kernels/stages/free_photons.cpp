@@ -4,8 +4,7 @@
 
 namespace sheaf {
 
-template <class L> void free_photons(const StageContext& context, Wave& wave) noexcept {
-  if (context.photons == nullptr) return;
+template <class L> void free_photons(const StageContext&, Wave& wave) noexcept {
   const int photons = wave.miss.size() + wave.finished.size();
   StageTimer timer(wave.stats, Stage::kFreePhotons);
   timer.count(photons, 1);

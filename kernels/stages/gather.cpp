@@ -203,7 +203,6 @@ void gather_run(const StageContext& context, Wave& wave, const VertexRun& run) {
 }  // namespace
 
 template <class L> void gather(const StageContext& context, Wave& wave) noexcept {
-  if (context.maps == nullptr) return;
   StageTimer timer(wave.stats, Stage::kGather);
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!Bsdf<L>::kIsSpecular && !kIsPhaseFunction<Bsdf<L>>) {

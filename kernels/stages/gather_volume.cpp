@@ -175,7 +175,6 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
 }  // namespace
 
 template <class L> void gather_volume(const StageContext& context, Wave& wave) noexcept {
-  if (context.maps == nullptr || context.maps->volume == nullptr) return;
   const int paths = wave.medium.size();
   if (paths == 0) return;
   StageTimer timer(wave.stats, Stage::kGatherVolume);

@@ -26,7 +26,6 @@ template <class L> void guide_run(const StageContext& context, Wave& wave, const
 }  // namespace
 
 template <class L> void guide(const StageContext& context, Wave& wave) noexcept {
-  if (!context.guides) return;
   StageTimer timer(wave.stats, Stage::kGuide);
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if (!kIsGuided<Bsdf<L>> && !has_parts(context.scene, kind)) return;

@@ -84,7 +84,7 @@ SHEAF_INLINE void unpack(const StageContext& context, Wave& wave, const Slot* sl
   load(packet.id + at, flags);
   wave.finished.push(slots, ((1u << count) - 1u) & ~good);
   std::uint32_t in_vacuum = good;
-  if (context.scene.needs_transmittance && context.transports_light) {
+  if (context.scene.needs_transmittance && context.transports_light()) {
     in_vacuum = good & mask_bits((flags >> kRayMediumShift) == U(0u));
     wave.medium.push(slots, good & ~in_vacuum);
   }

@@ -64,7 +64,7 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
   out.target = light.target;
   out.radiance = light.radiance;
   out.pdf_solid_angle = select(light.valid & (choice.probability > F(0.0f)), light.pdf_solid_angle, F(0.0f));
-  if (context.maps != nullptr) {
+  if (context.gathers_photons()) {
     const auto ends = context.maps->ends_at<L>(wave.rays.gather<L>(tile.slots).flags, in_medium);
     out.pdf_solid_angle = select(ends, F(0.0f), out.pdf_solid_angle);
     // With a volume map, paths find the emission of media along their whole rays.

@@ -44,7 +44,7 @@ class MediumEmission {
     const bool free = path.scatter_pdf == 0.0f || ray.medium.light == kNone;
     contested_ = !free && strategy == LightStrategy::kMis;
     // Photons do not gather light, and a photon map may contain this emission.
-    hidden_ = context.photons != nullptr || (!free && strategy == LightStrategy::kLightOnly) ||
+    hidden_ = context.starts_at_lights() || (!free && strategy == LightStrategy::kLightOnly) ||
               is_caustic<Scalar>(context, path.ray.flags, path.scatter_pdf);
     if (hidden_) contested_ = false;
     if (!contested_) return;
@@ -190,7 +190,7 @@ void store_beam(const StageContext& context, Wave& wave, const MediumPath& path,
 
 /// Whether the path is a photon that stores beams in the ray's medium, and whose light may still be scattered.
 bool leaves_beam(const StageContext& context, const MediumRay& ray, std::uint32_t flags) {
-  return context.photons != nullptr && context.photons->stores_in_media() && (flags & kRayLast) == 0 &&
+  return context.starts_at_lights() && context.photons->stores_in_media() && (flags & kRayLast) == 0 &&
          ray.has(kMediumScatters) && keeps_beams(context.integrator.photons, ray.medium);
 }
 

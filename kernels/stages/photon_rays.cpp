@@ -109,7 +109,7 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
 }  // namespace
 
 template <class L> void photon_rays(const StageContext& context, Wave& wave) noexcept {
-  if (context.photons == nullptr || context.scene.light_count == 0) return;
+  if (context.scene.light_count == 0) return;
   const int starting = std::min(wave.free.size(), context.photons->left());
   if (starting <= 0) return;
   StageTimer timer(wave.stats, Stage::kPhotonRays);

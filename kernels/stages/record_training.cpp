@@ -7,7 +7,6 @@
 namespace sheaf {
 
 template <class L> void record_training(const StageContext& context, Wave& wave) noexcept {
-  if (context.training == nullptr) return;
   StageTimer timer(wave.stats, Stage::kRecordTraining);
   timer.count(wave.finished.size(), 1);
   for (const Slot slot : wave.finished.span()) {

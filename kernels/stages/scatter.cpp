@@ -72,7 +72,7 @@ Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots
   }
   ray.flags |= flags;
   RescaledPdfs<L> r = wave.rescaled_pdfs.gather<L>(slots);
-  const bool by_any = context.photons != nullptr && context.photons->stores_photons();
+  const bool by_any = context.starts_at_lights() && context.photons->stores_photons();
   r.r_u = select<L>(single, Spectrum<L>(by_any ? lane_mean<L>(scene.color, r.r_u) : r.r_u.c0), r.r_u);
   r.r_l = select<L>(passed, r.r_l * (F(1.0f) / select(passed, null_transmittance, F(1.0f))), r.r_u);
   wave.rescaled_pdfs.scatter<L>(slots, count, r);
@@ -134,15 +134,15 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
 
   // Weight the sample as the whole blend
   Mask<L> blended(false);
-  if (parts && context.photons == nullptr)
+  if (parts && !context.starts_at_lights())
     blended = weigh_as_blend<L, kDisperses<Bsdf<L>>>(context, wave, slots, L::first(count), sample);
-  if (kIsGuided<Bsdf<L>> && context.training != nullptr)
+  if (kIsGuided<Bsdf<L>> && context.trains_guide())
     note_directions<L>(context, wave, slots, column,
                        mask_bits(s.valid & (s.pdf_solid_angle > F(0.0f)) & L::first(count)), item, path, direction,
                        sample.bsdf_pdf);
   if constexpr (NotReciprocal<Bsdf<L>, Vec3<L>>) {
     const Mask<L> usable = s.valid & (s.pdf_solid_angle > F(0.0f));
-    if (context.photons != nullptr)
+    if (context.starts_at_lights())
       s.weight = adjoint_f_cos<L>(bsdf, item.wo, s.wi) * (F(1.0f) / select(usable, s.pdf_solid_angle, F(1.0f)));
   }
   // Update the throughput
@@ -153,7 +153,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
     single = loses_wavelengths<L>(bsdf, item.wo, s.wi) & L::first(count);
     keep_first_wavelength<L>(wave, slots, mask_bits(single));
   }
-  if (context.photons == nullptr) {
+  if (!context.starts_at_lights()) {
     if (mapped) {
       const TexturedItem<L> t = wave.textured.load<L>(column);
       const F terminator = shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);
@@ -191,16 +191,16 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   ray.t_max = F(kInfinity);
   const auto max_depth = static_cast<std::uint32_t>(context.integrator.max_depth);  // -1: larger than any depth
   ray.flags = select(path.depth() + U(1u) < U(max_depth), U(0u), U(kRayLast));
-  if (context.maps != nullptr || context.photons != nullptr) {
+  if (context.gathers_photons() || context.starts_at_lights()) {
     const U before = wave.rays.gather<L>(slots).flags;
     // Light sampling passes open panes, so they do not count as specular here.
     const auto specular = (s.pdf_solid_angle == F(0.0f)) & (null_transmittance == F(0.0f));
     const auto passed = null_transmittance > F(0.0f);
     ray.flags |= select(passed, before & U(kRayHistory),
                         history_behind<L, kIsPhaseFunction<Bsdf<L>>>(context, before, specular));
-    if (context.maps != nullptr)
+    if (context.gathers_photons())
       alive = alive & ((s.pdf_solid_angle == F(0.0f)) | !context.maps->ends_at<L>(before, kIsPhaseFunction<Bsdf<L>>));
-    if (context.photons != nullptr && context.photons->ends_at_scattering())
+    if (context.starts_at_lights() && context.photons->ends_at_scattering())
       alive = alive & (s.pdf_solid_angle == F(0.0f));
   }
   if (context.integrator.ends_at_diffuse)

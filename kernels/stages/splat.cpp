@@ -43,7 +43,6 @@ void splat_path(const StageContext& context, Wave& wave, Slot slot, int column) 
 }  // namespace
 
 template <class L> void splat(const StageContext& context, Wave& wave) noexcept {
-  if (context.photons == nullptr) return;
   StageTimer timer(wave.stats, Stage::kSplat);
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!Bsdf<L>::kIsSpecular) {

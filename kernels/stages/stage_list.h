@@ -1,4 +1,5 @@
-// The list of all stages, from which statistics, tests and benchmarks are generated.
+// The schedule: the one list of stages, in the order in which passes run them. Passes, statistics, tests and benchmarks
+// derive from it.
 #pragma once
 
 #include "kernels/film/camera_task.h"
@@ -38,7 +39,12 @@ struct StageEntry {
   QueueSet consumes;      ///< queues that it empties or reads
   QueueSet produces;      ///< queues that it pushes to
   StageUse use;
-  void (*run)(const StageContext&, Wave&) noexcept;  ///< stages that take a candidate: for the first one
+  void (*run)(const StageContext&, Wave&) noexcept;  ///< stages that process one light candidate: the first
+  /// Stages that run once for each light candidate: for the candidate of that index. Null for others.
+  void (*run_candidate)(const StageContext&, Wave&, int candidate) noexcept = nullptr;
+
+  /// Whether the stage starts paths. It runs when enough slots are free.
+  constexpr bool is_source() const { return stage == Stage::kCameraRays || stage == Stage::kPhotonRays; }
 };
 
 /// All stages, in the order of Stage.
@@ -93,13 +99,15 @@ inline constexpr auto kStages = [] {
        {Q::kVertices},
        {Q::kCandidates},
        U::kPath,
-       [](const StageContext& context, Wave& wave) noexcept { light_candidates<L>(context, wave, 0); }},
+       [](const StageContext& context, Wave& wave) noexcept { light_candidates<L>(context, wave, 0); },
+       light_candidates<L>},
       {S::kResample,
        "resample",
        {Q::kVertices, Q::kCandidates},
        {Q::kShadows},
        U::kPath,
-       [](const StageContext& context, Wave& wave) noexcept { resample<L>(context, wave, 0); }},
+       [](const StageContext& context, Wave& wave) noexcept { resample<L>(context, wave, 0); },
+       resample<L>},
       {S::kCameraConnections,
        "camera_connections",
        {Q::kSorted, Q::kVertices},
@@ -131,46 +139,45 @@ static_assert(
 /// The name of a stage in reports.
 inline std::string_view stage_name(Stage stage) { return kStages<Wide>[static_cast<std::size_t>(stage)].name; }
 
-/// Whether a stage belongs to the pass of a context that transports light (`light`), or to its debug view. This is the
-/// light pass or the photon pass if the context has photons, otherwise the path pass.
-inline bool takes_part(const StageContext& context, StageUse use, bool light) {
-  const bool photons = context.photons != nullptr;
-  const bool stores = photons && context.integrator.kind != IntegratorKind::kLightTracer;
-  const bool volume = context.maps != nullptr && context.maps->volume != nullptr;
+/// Whether a stage takes part in the context's pass.
+inline bool takes_part(const StageContext& context, StageUse use) {
+  const PassKind pass = context.pass;
+  const bool gathers_volume = context.gathers_photons() && context.maps->volume != nullptr;
+  const bool has_shadow_rays = pass == PassKind::kPath || pass == PassKind::kLight;
   switch (use) {
     case StageUse::kAlways:
       return true;
     case StageUse::kCamera:
-      return !photons;
+      return !context.starts_at_lights();
     case StageUse::kLight:
-      return light;
+      return context.transports_light();
     case StageUse::kPath:
-      return light && !photons;
+      return pass == PassKind::kPath;
     case StageUse::kAovs:
-      return light && context.camera != nullptr && context.camera->aovs().any();
+      return pass == PassKind::kPath && context.camera->aovs().any();
     case StageUse::kGuiding:
-      return light && context.guides;
+      return pass == PassKind::kPath && context.guides;
     case StageUse::kLearning:
-      return light && context.training != nullptr;
+      return pass == PassKind::kPath && context.trains_guide();
     case StageUse::kGathering:
-      return light && context.maps != nullptr;
+      return pass == PassKind::kPath && context.gathers_photons();
     case StageUse::kGatheringMedia:
-      return light && volume;
+      return pass == PassKind::kPath && gathers_volume;
     case StageUse::kScatteringMedia:
-      return light && !volume;
+      return context.transports_light() && !(pass == PassKind::kPath && gathers_volume);
     case StageUse::kPhotons:
-      return photons;
+      return context.starts_at_lights();
     case StageUse::kSplats:
-      return photons && !stores;
+      return pass == PassKind::kLight;
     case StageUse::kStoring:
-      return stores;
+      return pass == PassKind::kPhoton;
     case StageUse::kBinary:
-      return light ? !stores && !context.scene.needs_transmittance
-                   : context.integrator.kind == IntegratorKind::kVisibility;
+      return has_shadow_rays ? !context.scene.needs_transmittance
+                             : context.integrator.kind == IntegratorKind::kVisibility;
     case StageUse::kTransmission:
-      return light && !stores && context.scene.needs_transmittance;
+      return has_shadow_rays && context.scene.needs_transmittance;
     case StageUse::kDebug:
-      return !light;
+      return pass == PassKind::kDebug;
   }
   return false;
 }

@@ -68,7 +68,6 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
 }  // namespace
 
 template <class L> void store_photons(const StageContext& context, Wave& wave) noexcept {
-  if (context.photons == nullptr) return;
   StageTimer timer(wave.stats, Stage::kStorePhotons);
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!Bsdf<L>::kIsSpecular) {

@@ -105,8 +105,8 @@ void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& ma
   const Vec3<L> wo = ShadingFrame<L, WithTangent>(base, item.tangent).to_world(item.wo);
   // Mirror normals that face away from the viewer
   if (map.flags & NormalMapRow::kFixInvalid) {
-    const auto mirrored = context.photons == nullptr ? faces_away<L>(n, base, wo)
-                                                     : choose_normal<L>(context, wave, tile, dot(n, base), usable, t);
+    const auto mirrored = !context.starts_at_lights() ? faces_away<L>(n, base, wo)
+                                                      : choose_normal<L>(context, wave, tile, dot(n, base), usable, t);
     n = select<L>(mirrored, mirrored_normal<L>(n, base), n);
   }
   // Update the shading frame

@@ -96,7 +96,7 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   const bool behind = dot(normal, d) > 0.0f;
   const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.shapes, packet.shape[at]);
   // Shadow rays of photons end at the camera, which does not see hidden lights.
-  const bool hidden = context.photons != nullptr && context.integrator.hide_emitters && shape.light != kNone;
+  const bool hidden = context.starts_at_lights() && context.integrator.hide_emitters && shape.light != kNone;
   if (hidden && (ray.state.flags & kShadowFromHiddenLight) != 0) return false;
   if (!hidden && !may_pass(scene, shape.material, behind)) return false;
   const Vec3f target = ray.item.origin + d;

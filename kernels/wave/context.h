@@ -11,14 +11,21 @@ class TrainingSamples;
 class LightTask;
 struct PhotonMaps;
 
+/// What a pass transports, from where.
+enum class PassKind {
+  kPath,    ///< radiance along paths from the camera to the film
+  kLight,   ///< importance along paths from the lights, whose vertices are connected to the camera
+  kPhoton,  ///< photons from the lights, which are stored
+  kDebug,   ///< plain values of the first surface, such as normals; no media
+};
+
 /// The scene, the settings of the integrator, and the data of the pass. One per worker. Stages do not modify it, except
 /// through its pointers.
 struct StageContext {
   SceneView scene;
   IntegratorDescription integrator;  ///< settings of the integrator
   SamplerView sampler;
-  /// False: a debug view, whose paths carry plain numbers and ignore media.
-  bool transports_light = true;
+  PassKind pass = PassKind::kPath;
   CameraTask* camera = nullptr;      ///< passes from the camera: the samples to take, and their results
   const PhotonMaps* maps = nullptr;  ///< passes from the camera that gather photons; otherwise null
   /// Number in [0, 1) from which the wavelengths of all paths are derived; -1: each path draws its own.
@@ -31,7 +38,18 @@ struct StageContext {
   StageContext() = default;
   /// With the settings of the scene.
   explicit StageContext(const Scene& of, CameraTask* task = nullptr)
-      : scene(of.view()), integrator(of.integrator()), sampler(of.sampler_view()), camera(task) {}
+      : scene(of.view()),
+        integrator(of.integrator()),
+        sampler(of.sampler_view()),
+        pass(sheaf::transports_light(of.integrator().kind) ? PassKind::kPath : PassKind::kDebug),
+        camera(task) {}
+
+  bool transports_light() const { return pass != PassKind::kDebug; }
+  bool starts_at_lights() const { return pass == PassKind::kLight || pass == PassKind::kPhoton; }
+  /// Whether paths from the camera look photons up.
+  bool gathers_photons() const { return maps != nullptr; }
+  /// Whether paths record training samples for the guide.
+  bool trains_guide() const { return training != nullptr; }
 };
 
 /// Whether next-event estimation is used.

@@ -249,7 +249,9 @@ TEST_CASE_TEMPLATE("stages: empty queues are no work", L, SHEAF_STAGE_LANES) {
   while (test.task.left() > 0) test.task.advance();
   for (const StageEntry& stage : kStages<L>) {
     CAPTURE(stage.name);
-    stage.run(test.context(*scene), wave);
+    const StageContext context = test.context(*scene);
+    if (!takes_part(context, stage.use)) continue;
+    stage.run(context, wave);
     check_conservation(wave);
     CHECK(wave.free.size() == wave.capacity);
     CHECK(wave.stats[stage.stage].items == 0);
@@ -287,7 +289,6 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
                           {},
                           with_volume ? PhotonGathering::kIndirect : PhotonGathering::kAll,
                           with_volume ? &volume : nullptr};
-    const bool light = transports_light(kind);
     d.integrator.kind = kind;
     const auto scene = compile_scene(d);
     TestWave test(70);
@@ -304,7 +305,7 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
     std::set<Stage> worked;
     for (int step = 0; step < 20; ++step)
       for (const StageEntry& stage : kStages<L>) {
-        if (!takes_part(context, stage.use, light)) continue;
+        if (!takes_part(context, stage.use)) continue;
         CAPTURE(stage.name);
         std::vector<std::vector<Slot>> before;
         for (const SlotList PathPool::*list : PathPool::kLists)
@@ -331,7 +332,7 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
       }
     for (const StageEntry& stage : kStages<L>) {
       CAPTURE(stage.name);
-      CHECK(worked.contains(stage.stage) == takes_part(context, stage.use, light));
+      CHECK(worked.contains(stage.stage) == takes_part(context, stage.use));
     }
   }
 }
@@ -430,7 +431,7 @@ TEST_CASE_TEMPLATE("stages: a recorder sees every ray", L, SHEAF_STAGE_LANES) {
   TestWave test(100);
   test.begin({0, 0, 16, 16}, 0, 1, 16);
   test.wave.recorder = &counter;
-  run_path_pass<L>(test.context(*scene), test.wave);
+  run_pass<L>(test.context(*scene), test.wave);
   const auto& rays = test.wave.stats.rays;
   CHECK(rays.camera == 256);
   CHECK(static_cast<std::uint64_t>(counter.nearest) == rays.camera + rays.scatter);
@@ -447,7 +448,7 @@ TEST_CASE_TEMPLATE("stages: the samples of a task do not depend on the size of t
   for (const int capacity : {1, 7, 64, 1000}) {
     TestWave test(capacity, 0);
     test.begin({0, 0, 16, 16}, 0, 2, 16);
-    run_path_pass<L>(test.context(*scene), test.wave);
+    run_pass<L>(test.context(*scene), test.wave);
     CHECK(test.wave.stats.samples == 512);
     results.emplace_back(test.task.samples[0], test.task.samples[512]);
     CHECK(std::memcmp(results.front().data(), results.back().data(), 512 * kBeautyChannels * sizeof(float)) == 0);

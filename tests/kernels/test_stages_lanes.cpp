@@ -80,7 +80,7 @@ TEST_CASE("stages: registers do what single paths do, stage by stage, in both co
       }
       for (int bounce = 0; bounce < 12; ++bounce)
         for (std::size_t i = 0; i < kStageCount; ++i) {
-          if (!takes_part(wide_context, kStages<Wide>[i].use, true)) continue;
+          if (!takes_part(wide_context, kStages<Wide>[i].use)) continue;
           CAPTURE(kStages<Wide>[i].name);
           CAPTURE(bounce);
           WaveSnapshot(wide.wave).restore(scalar.wave);
@@ -125,7 +125,7 @@ TEST_CASE("stages: registers do what single photons do, stage by stage, in both 
       const StageContext scalar_context = scalar.photon_context(*scene, 700);
       for (int bounce = 0; bounce < 12; ++bounce)
         for (std::size_t i = 0; i < kStageCount; ++i) {
-          if (!takes_part(wide_context, kStages<Wide>[i].use, true)) continue;
+          if (!takes_part(wide_context, kStages<Wide>[i].use)) continue;
           CAPTURE(kStages<Wide>[i].name);
           CAPTURE(bounce);
           WaveSnapshot(wide.wave).restore(scalar.wave);

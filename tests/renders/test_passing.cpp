@@ -129,7 +129,7 @@ TEST_CASE_TEMPLATE("passing: views for debugging lose no paths behind hidden lig
   const auto scene = compile_scene(d);
   TestWave test(16);
   test.begin({0, 0, 16, 16}, 0, 1, 16);
-  camera_pass_of<L>(d.integrator.kind)(test.context(*scene), test.wave);
+  run_pass<L>(test.context(*scene), test.wave);
   CHECK(test.wave.stats.samples == 256);
   CHECK(test.wave.free.size() == test.wave.capacity);
 }

@@ -178,8 +178,9 @@ TEST_CASE("photon beams: in a wide medium power times length is the light's powe
     context.sampler.seed = seed;
     Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
     workers.local().photons.begin(0, 3000, PhotonKind::kVolume);
+    context.pass = PassKind::kPhoton;
     context.photons = &workers.local().photons;
-    run_photon_pass<Wide>(context, workers.local().wave);
+    run_pass<Wide>(context, workers.local().wave);
     CHECK(context.photons->stored.empty());
     std::array<double, 3> sum{};
     for (const PhotonBeam& beam : context.photons->beams) {

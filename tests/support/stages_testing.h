@@ -50,6 +50,8 @@ class TestWave {
     const SplatFilter filter({}, FilterMode::kImportance, {});
     photons.begin(7, count, filter.bounds({0, 0, scene.film().width, scene.film().height}));
     StageContext context(scene);
+    const bool stores = context.integrator.kind != IntegratorKind::kLightTracer;
+    context.pass = stores ? PassKind::kPhoton : PassKind::kLight;
     context.photons = &photons;
     return context;
   }

@@ -160,7 +160,7 @@ TEST_CASE("breaches of the layers are found") {
   CHECK(find_breaches({{"scene/tables/scene.h", "kernels/wave/wave.h"}}).size() == 1);
   CHECK(find_breaches({{"kernels/stages/shadow.cpp", "tools/render.h"}}).size() == 1);
   CHECK(find_breaches({{"kernels/stages/shadow.cpp", "tests/helpers.h"}}).size() == 1);
-  CHECK(find_breaches({{"kernels/passes/path.cpp", "../wave.h"}}).size() == 1);
+  CHECK(find_breaches({{"kernels/passes/run_pass.cpp", "../wave.h"}}).size() == 1);
 }
 
 TEST_CASE("breaches of the folders of scene/ are found") {
