@@ -350,7 +350,7 @@ class Renderer {
     context.sampler = sampler;
     // Photons do not find light that reaches the camera unscattered, so the camera pass takes only that.
     if (context.integrator.kind == IntegratorKind::kLightTracer) context.integrator.max_depth = 1;
-    run_pass<Wide>(context, worker.wave);
+    sheaf::run_pass<Wide>(context, worker.wave);
     worker.wave.light_groups = {};
     reduce(worker.camera, worker.tile);
     report_done(static_cast<std::uint64_t>(worker.camera.total()));
@@ -390,7 +390,7 @@ class Renderer {
     context.pass = PassKind::kLight;
     context.photons = &worker.photons;
     context.sampler = without_frame(context.sampler);
-    run_pass<Wide>(context, worker.wave);
+    sheaf::run_pass<Wide>(context, worker.wave);
     worker.photons.sort_splats();
     splats = worker.photons.splats;
     report_done(static_cast<std::uint64_t>(count));

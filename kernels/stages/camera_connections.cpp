@@ -1,4 +1,4 @@
-// Stage: camera connections. Light tracing (Dutré, Lafortune and Willems 1993): samples a point on the lens for every
+// Stage: camera connections. Light tracing (Dutre, Lafortune and Willems 1993): samples a point on the lens for every
 // non-specular vertex of a photon, and pushes a shadow ray to it if the vertex is inside the film.
 //
 // A photon of flux Phi adds Phi f |cos| W to the integral of radiance over the film. W is CameraView::importance (Veach
