@@ -12,8 +12,8 @@ namespace {
 constexpr int kSide = 32;
 constexpr std::uint32_t kSamples = 16;
 
-void add_samples(benchmark::State& state, FilterDescription::Kind kind, VarianceUnit unit) {
-  FilterDescription description;
+void add_samples(benchmark::State& state, PixelFilter::Kind kind, VarianceUnit unit) {
+  PixelFilter description;
   description.kind = kind;
   const FilterWeights weights(description);
   const Film film(kSide, kSide, {0, 0, kSide, kSide}, FilmLayout::beauty(), 0, unit);
@@ -26,7 +26,7 @@ void add_samples(benchmark::State& state, FilterDescription::Kind kind, Variance
   }
   FilmTile tile;
   for (auto _ : state) {
-    film.begin(tile, {0, 0, kSide, kSide}, kind == FilterDescription::Kind::kBox ? nullptr : &weights);
+    film.begin(tile, {0, 0, kSide, kSide}, kind == PixelFilter::Kind::kBox ? nullptr : &weights);
     std::size_t sample = 0;
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x, sample += kSamples) tile.add(x, y, samples, sample, kSamples);
@@ -36,7 +36,7 @@ void add_samples(benchmark::State& state, FilterDescription::Kind kind, Variance
                                                   benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-using Kind = FilterDescription::Kind;
+using Kind = PixelFilter::Kind;
 BENCHMARK_CAPTURE(add_samples, own_pixel, Kind::kBox, VarianceUnit::kSample);
 BENCHMARK_CAPTURE(add_samples, own_pixel_replicates, Kind::kBox, VarianceUnit::kReplicate);
 BENCHMARK_CAPTURE(add_samples, gaussian, Kind::kGaussian, VarianceUnit::kSample);

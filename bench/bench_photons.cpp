@@ -42,7 +42,7 @@ class GatheringWave {
   GatheringWave(const Scene& scene, const PhotonMaps& maps, Stage end)
       : context_(scene, &task_), wave_(Wave::default_capacity(WaveNeeds::of(context_)), WaveNeeds::of(context_)) {
     context_.maps = &maps;
-    const FilmDescription& film = scene.film();
+    const FilmSettings& film = scene.film();
     const int side = 16;
     pixels_ = samples_of({film.width / 2 - side, film.height / 4, film.width / 2 + side, film.height / 4 * 3},
                          {film.width}, 0, 4);

@@ -41,7 +41,7 @@ class WarmWave {
   WarmWave(const Scene& scene, bool photons)
       : context_(context_of(scene, &task_, photons ? &photons_ : nullptr)),
         wave_(Wave::default_capacity(WaveNeeds::of(context_)), WaveNeeds::of(context_)) {
-    const FilmDescription& film = scene.film();
+    const FilmSettings& film = scene.film();
     bounds_ = {-0.5f, -0.5f, static_cast<float>(film.width) + 0.5f, static_cast<float>(film.height) + 0.5f};
     const int x = std::max(0, (film.width - kSide) / 2), y = std::max(0, (film.height - kSide) / 2);
     pixels_ =

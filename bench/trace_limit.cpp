@@ -7,8 +7,8 @@
 #include "kernels/passes/render.h"
 #include "kernels/stages/stages.h"
 #include "scene/compile/compile.h"
+#include "scene/dialects/common/sampler_name.h"
 #include "scene/dialects/read_scene.h"
-#include "scene/dialects/sampler_name.h"
 #include "tools/options.h"
 
 #include <fmt/format.h>

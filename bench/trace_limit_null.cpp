@@ -17,7 +17,7 @@ constexpr int kTileSide = 64, kTileSpp = 4;
 /// Maximum number of tiles that are rendered, evenly spaced in the frame.
 constexpr std::size_t kMaxTiles = 32;
 
-std::vector<std::vector<PixelSamples>> choose_tiles(const FilmDescription& film) {
+std::vector<std::vector<PixelSamples>> choose_tiles(const FilmSettings& film) {
   std::vector<PixelRect> all;
   for (int y = 0; y < film.height; y += kTileSide)
     for (int x = 0; x < film.width; x += kTileSide) {

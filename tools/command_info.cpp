@@ -5,9 +5,9 @@
 #include "core/stats.h"
 #include "kernels/passes/render_memory.h"
 #include "scene/compile/compile.h"
-#include "scene/dialects/native_color.h"
+#include "scene/dialects/common/native_color.h"
+#include "scene/dialects/common/sampler_name.h"
 #include "scene/dialects/read_scene.h"
-#include "scene/dialects/sampler_name.h"
 #include "tools/commands.h"
 #include "tools/interrupted_image.h"
 #include "tools/picture_files.h"
@@ -28,7 +28,7 @@ struct InfoArguments {
   ReadArguments read;
 };
 
-std::string describe_photon_mapping(const PhotonMappingDescription& photons) {
+std::string describe_photon_mapping(const PhotonMappingSettings& photons) {
   std::string text = fmt::format("{}, {} photons", photons.progressive ? "sppm" : "photonmapper", photons.global.count);
   if (photons.progressive) text += " a pass";
   if (photons.gathering == PhotonGathering::kIndirect) text += ", direct light sampled";
@@ -41,7 +41,7 @@ std::string describe_photon_mapping(const PhotonMappingDescription& photons) {
   return text;
 }
 
-std::string describe_integrator(const IntegratorDescription& integrator) {
+std::string describe_integrator(const IntegratorSettings& integrator) {
   if (integrator.kind == IntegratorKind::kNormals) return "normals";
   if (integrator.kind == IntegratorKind::kDepth) return "depth";
   if (integrator.kind == IntegratorKind::kVisibility)
@@ -105,7 +105,7 @@ std::string describe_peaks(const Scene& scene) {
 
 std::string describe(const Description& description, const Scene& scene, const CompileReport& report) {
   const SceneInfo info = scene.info();
-  const FilmDescription& film = description.film;
+  const FilmSettings& film = description.film;
   std::string text;
   const auto out = std::back_inserter(text);
   const auto megabytes = [](std::size_t bytes) { return static_cast<double>(bytes) * 1e-6; };
@@ -114,7 +114,7 @@ std::string describe(const Description& description, const Scene& scene, const C
   if (film.crop) {
     fmt::format_to(out, ", crop {},{},{},{}", film.crop->x0, film.crop->y0, film.crop->x1, film.crop->y1);
   }
-  const SamplerDescription& sampler = description.sampler;
+  const SamplerSettings& sampler = description.sampler;
   const SamplerKind rendered = rendered_sampler(sampler.kind);
   fmt::format_to(out, "\nsampler     {}{}, {} samples per pixel, seed {}\n", sampler_name(rendered),
                  rendered == sampler.kind ? "" : fmt::format(" for {}", sampler_name(sampler.kind)),

@@ -9,12 +9,12 @@
 #include "kernels/film/cryptomatte.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
-#include "scene/dialects/integrator_name.h"
-#include "scene/dialects/light_selector_name.h"
-#include "scene/dialects/medium_estimator_name.h"
-#include "scene/dialects/native_color.h"
+#include "scene/dialects/common/integrator_name.h"
+#include "scene/dialects/common/light_selector_name.h"
+#include "scene/dialects/common/medium_estimator_name.h"
+#include "scene/dialects/common/native_color.h"
+#include "scene/dialects/common/sampler_name.h"
 #include "scene/dialects/read_scene.h"
-#include "scene/dialects/sampler_name.h"
 #include "scene/xml/xml.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
@@ -74,7 +74,7 @@ void check_sources(const std::vector<NamedFile>& outputs, const std::vector<fs::
 
 void apply_integrator(const RenderArguments& arguments, Description& scene) {
   if (!arguments.integrator.empty()) apply_integrator_name(arguments.integrator, scene);
-  IntegratorDescription& integrator = scene.integrator;
+  IntegratorSettings& integrator = scene.integrator;
   if (arguments.spp) integrator.photons.max_passes = 0;
   if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
   if (arguments.rr_depth) integrator.rr_depth = *arguments.rr_depth;
@@ -92,7 +92,7 @@ bool is_adaptive(const RenderArguments& arguments) { return arguments.noise_targ
 
 /// Sets the sampler and the samples per pixel. Adds a note if they differ from the scene's.
 void apply_sampler(const RenderArguments& arguments, Description& scene) {
-  SamplerDescription& sampler = scene.sampler;
+  SamplerSettings& sampler = scene.sampler;
   const auto note = [&](std::string text) {
     if (!text.empty()) scene.notes.push_back(std::move(text));
   };
@@ -110,9 +110,9 @@ void apply_sampler(const RenderArguments& arguments, Description& scene) {
 
 /// Sets the size of the frame. The scene's crop window keeps its relative position. Throws Error (exit code 2) if the
 /// frame is too large.
-void apply_size(const RenderArguments& arguments, FilmDescription& film) {
+void apply_size(const RenderArguments& arguments, FilmSettings& film) {
   if (arguments.size.empty() && !arguments.scale) return;
-  const FilmDescription before = film;
+  const FilmSettings before = film;
   if (!arguments.size.empty()) std::tie(film.width, film.height) = parse_size(arguments.size);
   const double scale = arguments.scale.value_or(1.0);
   if (std::max(film.width, film.height) * scale > kMaxFrameSide)
@@ -134,7 +134,7 @@ void apply_size(const RenderArguments& arguments, FilmDescription& film) {
 }
 
 /// The rectangle to render. Throws Error (exit code 2) if the given one does not lie inside the frame.
-PixelRect choose_crop(const RenderArguments& arguments, const FilmDescription& film) {
+PixelRect choose_crop(const RenderArguments& arguments, const FilmSettings& film) {
   if (arguments.crop.empty()) return film.crop.value_or(PixelRect{0, 0, film.width, film.height});
   const PixelRect crop{arguments.crop[0], arguments.crop[1], arguments.crop[2], arguments.crop[3]};
   if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.x0 >= crop.x1 ||
@@ -148,7 +148,7 @@ PixelRect choose_crop(const RenderArguments& arguments, const FilmDescription& f
 
 /// Number of sets of samples: as requested. By default several if non-local means need variances and the sampler's
 /// samples are not independent. Throws Error (exit code 2) if there would be a single set.
-int choose_replicates(const RenderArguments& arguments, const SamplerDescription& sampler) {
+int choose_replicates(const RenderArguments& arguments, const SamplerSettings& sampler) {
   if (arguments.denoiser != "nlm") return arguments.replicates;
   if (sampler.sample_count < 2 || arguments.replicates == 1)
     throw Error(ExitCode::kUsage, "--denoise nlm needs at least two samples per pixel, and --replicates above 1");
@@ -289,7 +289,7 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, boo
   return result;
 }
 
-RenderOptions render_options(const RenderArguments& arguments, const SamplerDescription& sampler, AovSet aovs,
+RenderOptions render_options(const RenderArguments& arguments, const SamplerSettings& sampler, AovSet aovs,
                              const PixelRect& crop) {
   RenderOptions options;
   options.seed = arguments.seed;
@@ -451,7 +451,7 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
   // Fill in the plan.
   plan.integrator = scene.integrator.kind;
   plan.crop = choose_crop(arguments, scene.film);
-  const PhotonMappingDescription& photons = scene.integrator.photons;
+  const PhotonMappingSettings& photons = scene.integrator.photons;
   const bool maps = plan.integrator == IntegratorKind::kPhotonMapper;
   plan.samples = maps && photons.progressive && photons.max_passes > 0
                      ? rounded_sample_count(scene.sampler.kind, static_cast<std::uint32_t>(photons.max_passes))

@@ -1,10 +1,10 @@
 #include "tools/render_arguments.h"
 
 #include "kernels/film/aovs.h"
-#include "scene/dialects/integrator_name.h"
-#include "scene/dialects/light_selector_name.h"
-#include "scene/dialects/medium_estimator_name.h"
-#include "scene/dialects/sampler_name.h"
+#include "scene/dialects/common/integrator_name.h"
+#include "scene/dialects/common/light_selector_name.h"
+#include "scene/dialects/common/medium_estimator_name.h"
+#include "scene/dialects/common/sampler_name.h"
 
 #include <limits>
 

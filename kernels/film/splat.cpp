@@ -40,7 +40,7 @@ std::vector<double> filter_integrals(const FilterWeights& weights, double radius
 
 }  // namespace
 
-SplatFilter::SplatFilter(const FilterDescription& filter, FilterMode mode, const PixelRect& sampled, float turn)
+SplatFilter::SplatFilter(const PixelFilter& filter, FilterMode mode, const PixelRect& sampled, float turn)
     : weights_(filter), sampled_(sampled), is_weighted_(mode == FilterMode::kWeighted), turn_(turn), cumulative_{0.0} {
   for (const double integral : filter_integrals(weights_, filter_radius(filter)))
     cumulative_.push_back(cumulative_.back() + integral);

@@ -33,7 +33,7 @@ class SplatFilter {
   /// `sampled`: the pixels of camera samples, that is the frame and its border, regardless of the crop window. `turn`:
   /// width of a full turn in pixels for cameras that see 360 degrees, where positions one turn apart are equal;
   /// otherwise 0. Throws SceneError for a filter that make_filter_table() rejects.
-  SplatFilter(const FilterDescription& filter, FilterMode mode, const PixelRect& sampled, float turn = 0);
+  SplatFilter(const PixelFilter& filter, FilterMode mode, const PixelRect& sampled, float turn = 0);
 
   float turn() const { return turn_; }
   /// Maximum number of turns between a film position and the pixels that it can reach.

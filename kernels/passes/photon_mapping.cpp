@@ -59,17 +59,17 @@ PhotonMapping::PhotonMapping(const StageContext& context, std::uint32_t samples,
   offset_ = static_cast<float>(x >> 8) * 0x1p-24f;
 }
 
-std::uint64_t PhotonMapping::count_of(const PhotonMapDescription& map) const {
+std::uint64_t PhotonMapping::count_of(const PhotonMapSettings& map) const {
   return settings_.progressive ? map.count : (map.count + sets_ - 1) / sets_;
 }
 
-float PhotonMapping::first_radius_of(const PhotonMapDescription& map) const {
+float PhotonMapping::first_radius_of(const PhotonMapSettings& map) const {
   return map.radius > 0.0f            ? map.radius
          : map.relative_radius > 0.0f ? map.relative_radius * scene_radius_
                                       : kFirstRadius * pixel_;
 }
 
-float PhotonMapping::radius_of(const PhotonMapDescription& map) const {
+float PhotonMapping::radius_of(const PhotonMapSettings& map) const {
   return first_radius_of(map) * static_cast<float>(std::sqrt(shrunk_));
 }
 
@@ -78,7 +78,7 @@ float PhotonMapping::beam_radius() const {
   return first_radius_of(settings_.volume) * static_cast<float>(shrunk_);
 }
 
-std::uint64_t PhotonMapping::emitted_for(const PhotonMapDescription& map, PhotonKind kind, Workers& workers,
+std::uint64_t PhotonMapping::emitted_for(const PhotonMapSettings& map, PhotonKind kind, Workers& workers,
                                          PhotonTracing& tracing, const StageContext& context) const {
   const std::uint64_t more = settings_.progressive ? kMoreEmittedPerPass : kMoreEmitted / sets_;
   return photons_to_emit(context, workers, kind, count_of(map), kMaxEmittedPerStored * count_of(map) + more, tracing);
@@ -100,7 +100,7 @@ PhotonKind PhotonMapping::global_kind() const {
 void PhotonMapping::plan(Workers& workers, PhotonTracing& tracing, const StageContext& context) {
   if (is_planned_) return;
   is_planned_ = true;
-  const auto emitted = [&](const PhotonMapDescription& map, PhotonKind kind) {
+  const auto emitted = [&](const PhotonMapSettings& map, PhotonKind kind) {
     return emitted_for(map, kind, workers, tracing, context);
   };
   global_emitted_ = emitted(settings_.global, global_kind());
@@ -110,7 +110,7 @@ void PhotonMapping::plan(Workers& workers, PhotonTracing& tracing, const StageCo
 
 void PhotonMapping::make(std::uint32_t index, Set& set, Workers& workers, PhotonTracing& tracing,
                          const StageContext& context) {
-  const auto trace = [&](const PhotonMapDescription& map, std::uint64_t emitted, PhotonKind kind) {
+  const auto trace = [&](const PhotonMapSettings& map, std::uint64_t emitted, PhotonKind kind) {
     return trace_photons(context, workers, {emitted, radius_of(map), kind, index, 0, count_of(map)}, tracing);
   };
   plan(workers, tracing, context);

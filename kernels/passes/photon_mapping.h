@@ -44,12 +44,12 @@ class PhotonMapping {
   };
 
   /// Photons to store per set.
-  std::uint64_t count_of(const PhotonMapDescription& map) const;
+  std::uint64_t count_of(const PhotonMapSettings& map) const;
   /// Photons to emit per set, the same for all sets.
-  std::uint64_t emitted_for(const PhotonMapDescription& map, PhotonKind kind, Workers& workers, PhotonTracing& tracing,
+  std::uint64_t emitted_for(const PhotonMapSettings& map, PhotonKind kind, Workers& workers, PhotonTracing& tracing,
                             const StageContext& context) const;
-  float first_radius_of(const PhotonMapDescription& map) const;
-  float radius_of(const PhotonMapDescription& map) const;
+  float first_radius_of(const PhotonMapSettings& map) const;
+  float radius_of(const PhotonMapSettings& map) const;
   float beam_radius() const;
   /// The photons that the global map holds.
   PhotonKind global_kind() const;
@@ -57,7 +57,7 @@ class PhotonMapping {
   void plan(Workers& workers, PhotonTracing& tracing, const StageContext& context);
   void make(std::uint32_t index, Set& set, Workers& workers, PhotonTracing& tracing, const StageContext& context);
 
-  PhotonMappingDescription settings_;
+  PhotonMappingSettings settings_;
   std::uint64_t sets_ = 1;
   /// Radius of the scene's bounding sphere, m, and this radius over the number of pixels of the frame's longer side.
   float scene_radius_, pixel_;

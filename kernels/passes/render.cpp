@@ -43,7 +43,7 @@ void reduce(const CameraTask& task, FilmTile& tile) {
   }
 }
 
-void check_guiding(const IntegratorDescription& integrator) {
+void check_guiding(const IntegratorSettings& integrator) {
   if (integrator.kind == IntegratorKind::kPath && !integrator.ends_at_diffuse) return;
   throw Error(ExitCode::kUsage, "guiding needs an integrator that follows paths from the camera, such as path; " +
                                     integrator_name(integrator) + " is none");

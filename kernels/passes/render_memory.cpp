@@ -71,10 +71,10 @@ double picture_bytes(const FilmSize& film, const RenderOptions& options) {
 /// Bytes of photons: as traced by the tasks of one map at a time, and of all maps sorted into columns.
 double photon_bytes(const StageContext& context) {
   if (context.integrator.kind != IntegratorKind::kPhotonMapper) return 0;
-  const PhotonMappingDescription& photons = context.integrator.photons;
+  const PhotonMappingSettings& photons = context.integrator.photons;
   constexpr double kSorted = 9 * sizeof(float);
   double traced = 0, sorted = 0;
-  const auto add = [&](const PhotonMapDescription& map, double of_traced, double of_sorted) {
+  const auto add = [&](const PhotonMapSettings& map, double of_traced, double of_sorted) {
     traced = std::max(traced, of_traced * static_cast<double>(map.count));
     sorted += of_sorted * static_cast<double>(map.count);
   };

@@ -19,7 +19,7 @@ std::string dropped_message(const Stats::Dropped& dropped, const Wave::Dropped& 
 
 }  // namespace
 
-std::string integrator_name(const IntegratorDescription& integrator) {
+std::string integrator_name(const IntegratorSettings& integrator) {
   if (integrator.kind == IntegratorKind::kNormals) return "normals";
   if (integrator.kind == IntegratorKind::kDepth) return "depth";
   if (integrator.kind == IntegratorKind::kVisibility) return "av";

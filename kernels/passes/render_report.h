@@ -9,10 +9,10 @@
 
 namespace sheaf {
 
-struct IntegratorDescription;
+struct IntegratorSettings;
 
 /// Name of the integrator in scene files, e.g. "path_mats".
-std::string integrator_name(const IntegratorDescription& integrator);
+std::string integrator_name(const IntegratorSettings& integrator);
 
 /// Adds the statistics of the workers to the report, and warnings about dropped samples and abandoned rays. `dropped`:
 /// by all workers, and by the renders that this one resumes. `frame`: of the samples.

@@ -19,7 +19,7 @@ constexpr std::uint32_t kMaxSamples = 1 << 24;
 [[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::kUsage, text); }
 
 PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
-  const FilmDescription& film = scene.film();
+  const FilmSettings& film = scene.film();
   const PixelRect whole{0, 0, film.width, film.height};
   const PixelRect crop = options.crop ? *options.crop : film.crop ? *film.crop : whole;
   if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.width() <= 0 ||
@@ -30,7 +30,7 @@ PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
 }
 
 /// Checks that the pixels of the frame and of its border can be numbered by 31 bits.
-void check_frame(const FilmDescription& film, const SampledFrame& frame) {
+void check_frame(const FilmSettings& film, const SampledFrame& frame) {
   constexpr std::int64_t kMaxPixels = std::numeric_limits<std::int32_t>::max();
   if (std::int64_t{frame.row_length()} * (film.height + 2 * frame.border) <= kMaxPixels) return;
   refuse("a frame of " + std::to_string(film.width) + " x " + std::to_string(film.height) +
@@ -48,7 +48,7 @@ void check_spectral_bins(const Scene& scene, int bins) {
 
 /// Samples per pixel if the options do not set them.
 std::uint32_t default_samples(const Scene& scene) {
-  const IntegratorDescription& integrator = scene.integrator();
+  const IntegratorSettings& integrator = scene.integrator();
   const bool passes = integrator.kind == IntegratorKind::kPhotonMapper && integrator.photons.progressive;
   if (passes && integrator.photons.max_passes > 0) return static_cast<std::uint32_t>(integrator.photons.max_passes);
   return scene.sampler().sample_count;
@@ -59,7 +59,7 @@ bool wants_halves(const RenderOptions& options) {
   return options.aovs.contains(Aov::kVariance) || options.aovs.contains(Aov::kHalf);
 }
 
-void check_layers(const RenderOptions& options, const IntegratorDescription& transport, std::uint32_t spp) {
+void check_layers(const RenderOptions& options, const IntegratorSettings& transport, std::uint32_t spp) {
   const bool of_surfaces = options.aovs.contains(AovSource::kVertex) || options.aovs.contains(AovSource::kSurfaceId);
   const bool follows_paths = transport.kind == IntegratorKind::kPath || transport.kind == IntegratorKind::kPhotonMapper;
   if ((options.light_groups || of_surfaces) && !follows_paths)
@@ -72,7 +72,7 @@ void check_layers(const RenderOptions& options, const IntegratorDescription& tra
   if (wants_halves(options) && spp < 2) refuse("the layers variance and half need two samples per pixel or more");
 }
 
-void check_adaptive(SamplerKind sampler, const IntegratorDescription& transport, std::uint32_t spp) {
+void check_adaptive(SamplerKind sampler, const IntegratorSettings& transport, std::uint32_t spp) {
   if (sampler != SamplerKind::kSobol && sampler != SamplerKind::kIndependent)
     refuse("a noise target or a time limit needs a sampler that may be ended anywhere: sobol or independent");
   if (transport.kind != IntegratorKind::kPath)
@@ -82,7 +82,7 @@ void check_adaptive(SamplerKind sampler, const IntegratorDescription& transport,
 }
 
 /// Names of the light groups with layers.
-std::vector<std::string> group_lights(const SceneNames& names, const IntegratorDescription& transport) {
+std::vector<std::string> group_lights(const SceneNames& names, const IntegratorSettings& transport) {
   std::vector<std::string> groups = names.lights;
   // Photon maps mix the light of all groups.
   if (names.has_other_light || transport.kind == IntegratorKind::kPhotonMapper) groups.emplace_back("other");
@@ -107,7 +107,7 @@ void plan_sets(const RenderOptions& options, SamplerKind sampler, SamplePlan& pl
 }
 
 /// Converts the requested samples to samples of the plan. Throws if they cannot be taken alone.
-SampleRange plan_range(const SampleRange& asked, const SamplePlan& plan, const IntegratorDescription& transport) {
+SampleRange plan_range(const SampleRange& asked, const SamplePlan& plan, const IntegratorSettings& transport) {
   const std::string name = std::to_string(asked.first) + ":" + std::to_string(asked.count);
   const std::uint32_t samples = plan.spp / plan.rays;
   if (asked.count == 0 || asked.first >= samples || asked.count > samples - asked.first)
@@ -135,7 +135,7 @@ std::uint32_t default_replicates(SamplerKind kind, std::uint64_t samples) {
   return samples < 128 ? 2 : samples < 512 ? 4 : 8;
 }
 
-SamplePlan make_sample_plan(const Scene& scene, const RenderOptions& options, const IntegratorDescription& transport) {
+SamplePlan make_sample_plan(const Scene& scene, const RenderOptions& options, const IntegratorSettings& transport) {
   SamplePlan plan;
   const SamplerKind sampler = scene.sampler().kind;
   plan.spp = rounded_sample_count(sampler, options.samples_per_pixel.value_or(default_samples(scene)));
@@ -151,7 +151,7 @@ SamplePlan make_sample_plan(const Scene& scene, const RenderOptions& options, co
   plan.adapts = options.noise_target > 0 || options.time_limit > 0;
   if (plan.adapts) check_adaptive(sampler, transport, plan.spp);
 
-  const FilmDescription& film = scene.film();
+  const FilmSettings& film = scene.film();
   const FilterWeights* const weights = scene.view().filter_weights;
   plan.reach = weights != nullptr ? weights->reach() : 0;
   plan.frame = {film.width, film.sample_border ? plan.reach : 0};

@@ -30,6 +30,6 @@ struct SamplePlan {
 };
 
 /// `transport`: the scene's integrator. Throws Error (usage) for options that the scene cannot be rendered with.
-SamplePlan make_sample_plan(const Scene& scene, const RenderOptions& options, const IntegratorDescription& transport);
+SamplePlan make_sample_plan(const Scene& scene, const RenderOptions& options, const IntegratorSettings& transport);
 
 }  // namespace sheaf

@@ -145,7 +145,7 @@ PhotonMap trace_photons(const StageContext& context, Workers& workers, const Pho
                         PhotonTracing& tracing) {
   TracedPhotons traced = trace(context, workers, request, tracing);
   const std::uint64_t start = timestamp();
-  const PhotonMappingDescription& settings = context.integrator.photons;
+  const PhotonMappingSettings& settings = context.integrator.photons;
   PhotonMap map(std::move(traced.tasks), traced.emitted, request.radius, settings.kernel, settings.lookup_size,
                 context.scene.color == ColorMode::kSpectral);
   tracing.report.index_seconds += seconds_since(start);

@@ -26,7 +26,7 @@ struct PhotonBeam {
 inline constexpr float kLongestBeam = 1e12f;
 
 /// Whether photons in a medium are stored as beams instead of points.
-inline bool keeps_beams(const PhotonMappingDescription& settings, const MediumRow& medium) {
+inline bool keeps_beams(const PhotonMappingSettings& settings, const MediumRow& medium) {
   return settings.uses_beams() && (medium.flags & kMediumHomogeneous) != 0;
 }
 

@@ -27,7 +27,7 @@ struct PhotonMapView {
   std::uint32_t bucket_mask = 0;
   float radius = 0, inverse_cell = 0;  ///< metres; 1 / metres
   PhotonKernel kernel = PhotonKernel::kDisc;
-  int lookup_size = 0;  ///< see PhotonMappingDescription
+  int lookup_size = 0;  ///< see PhotonMappingSettings
 
   bool empty() const { return x == nullptr; }
 

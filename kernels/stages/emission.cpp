@@ -18,7 +18,7 @@ namespace {
 /// MIS weight of emission found by BSDF sampling. `scatter_pdf`: solid-angle pdf, 1/sr; 0 (delta lobe or camera ray)
 /// gives weight 1.
 template <class L>
-SHEAF_INLINE Float<L> emission_weight(const IntegratorDescription& settings, Float<L> scatter_pdf, Float<L> light_pdf) {
+SHEAF_INLINE Float<L> emission_weight(const IntegratorSettings& settings, Float<L> scatter_pdf, Float<L> light_pdf) {
   using F = Float<L>;
   const auto specular = scatter_pdf == F(0.0f);
   if (settings.strategy == LightStrategy::kBsdfOnly) return F(1.0f);

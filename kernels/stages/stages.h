@@ -48,7 +48,7 @@ template <class L> void aovs(const StageContext& context, Wave& wave) noexcept;
 /// Looks up the guide cell of each vertex, for light sampling and scattering. Reads RayState.
 template <class L> void guide(const StageContext& context, Wave& wave) noexcept;
 
-/// Samples one light per vertex. `candidate`: index of the sample, less than IntegratorDescription::candidates. Reads
+/// Samples one light per vertex. `candidate`: index of the sample, less than IntegratorSettings::candidates. Reads
 /// PathState.
 template <class L> void light_candidates(const StageContext& context, Wave& wave, int candidate) noexcept;
 

@@ -23,7 +23,7 @@ enum class PassKind {
 /// through its pointers.
 struct StageContext {
   SceneView scene;
-  IntegratorDescription integrator;  ///< settings of the integrator
+  IntegratorSettings integrator;  ///< settings of the integrator
   SamplerView sampler;
   PassKind pass = PassKind::kPath;
   CameraTask* camera = nullptr;      ///< passes from the camera: the samples to take, and their results

@@ -2,8 +2,8 @@
 #include "scene/dialects/read_model.h"
 
 #include "core/frame.h"
-#include "scene/dialects/auto_camera.h"
-#include "scene/dialects/obj_materials.h"
+#include "scene/dialects/common/auto_camera.h"
+#include "scene/dialects/common/obj_materials.h"
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"
 #include "scene/formats/smooth_normals.h"
@@ -161,7 +161,7 @@ Description read_model(const std::filesystem::path& file, MeshFileShape::Format 
   add_sky(description, view, box);
   description.film.width = 800;
   description.film.height = 600;
-  description.film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
+  description.film.filter = {PixelFilter::Kind::kGaussian, 2.0f, 0.5f};
   description.sampler.sample_count = 64;
   return description;
 }

@@ -2,13 +2,13 @@
 #include "scene/dialects/read_scene.h"
 
 #include "core/file_format.h"
-#include "scene/dialects/auto_camera.h"
+#include "scene/dialects/common/auto_camera.h"
+#include "scene/dialects/common/native_color.h"
+#include "scene/dialects/common/obj_materials.h"
+#include "scene/dialects/common/read_spectrum.h"
+#include "scene/dialects/common/read_texture.h"
 #include "scene/dialects/dialects.h"
-#include "scene/dialects/native_color.h"
-#include "scene/dialects/obj_materials.h"
 #include "scene/dialects/read_model.h"
-#include "scene/dialects/read_spectrum.h"
-#include "scene/dialects/read_texture.h"
 
 #include <algorithm>
 

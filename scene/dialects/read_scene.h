@@ -32,7 +32,7 @@ struct ReadOptions {
 /// Reads a scene file. Files named .pbrt or .pbrt.gz are pbrt-v4. XML files are Nori (`camera`, no version) or Mitsuba
 /// 0.6 to 3 (`sensor`, `version`), chosen by content. Models (.obj, .ply, .serialized) are placed on a floor under a
 /// sky. Mesh files are located but not loaded, except for models and for OBJ files whose materials are used
-/// (scene/dialects/obj_materials.h). Throws SceneError.
+/// (scene/dialects/common/obj_materials.h). Throws SceneError.
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options = {});
 
 }  // namespace sheaf

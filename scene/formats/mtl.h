@@ -1,5 +1,5 @@
-// Material libraries (MTL) of Wavefront OBJ files, as written in the file. See scene/dialects/obj_materials.h for their
-// conversion.
+// Material libraries (MTL) of Wavefront OBJ files, as written in the file. See scene/dialects/common/obj_materials.h
+// for their conversion.
 #pragma once
 
 #include "core/error.h"

@@ -19,7 +19,7 @@ double cubic(double x, double b, double c) {
   return 0;
 }
 
-double checked_radius(const FilterDescription& filter) {
+double checked_radius(const PixelFilter& filter) {
   const double radius = filter_radius(filter);
   check_filter_radius(radius, {});
   return radius;
@@ -29,8 +29,8 @@ double sinc(double x) { return x < 1e-5 ? 1.0 : std::sin(kPiD * x) / (kPiD * x);
 
 }  // namespace
 
-double filter_radius(const FilterDescription& f) {
-  using Kind = FilterDescription::Kind;
+double filter_radius(const PixelFilter& f) {
+  using Kind = PixelFilter::Kind;
   switch (f.kind) {
     case Kind::kBox:
     case Kind::kTent:
@@ -46,11 +46,11 @@ double filter_radius(const FilterDescription& f) {
   return f.radius;
 }
 
-double evaluate_filter(const FilterDescription& f, double x) {
+double evaluate_filter(const PixelFilter& f, double x) {
   x = std::fabs(x);
   const double radius = filter_radius(f);
   if (x > radius) return 0;
-  using Kind = FilterDescription::Kind;
+  using Kind = PixelFilter::Kind;
   switch (f.kind) {
     case Kind::kBox:
       return 1;
@@ -70,10 +70,10 @@ double evaluate_filter(const FilterDescription& f, double x) {
   return 0;
 }
 
-FilterTable make_filter_table(const FilterDescription& filter) {
+FilterTable make_filter_table(const PixelFilter& filter) {
   const double radius = checked_radius(filter);
   FilterTable table;
-  if (filter.kind == FilterDescription::Kind::kBox) {
+  if (filter.kind == PixelFilter::Kind::kBox) {
     table.box_radius = static_cast<float>(radius);
     return table;
   }
@@ -102,13 +102,13 @@ FilterTable make_filter_table(const FilterDescription& filter) {
   return table;
 }
 
-FilterTable make_placement_table(const FilterDescription& filter) {
-  FilterDescription box;
+FilterTable make_placement_table(const PixelFilter& filter) {
+  PixelFilter box;
   box.radius = static_cast<float>(std::min(checked_radius(filter), 0.5));
   return make_filter_table(box);
 }
 
-FilterWeights::FilterWeights(const FilterDescription& filter) {
+FilterWeights::FilterWeights(const PixelFilter& filter) {
   const double radius = checked_radius(filter), middle = evaluate_filter(filter, 0);
   radius_ = static_cast<float>(radius);
   reach_ = std::max(0, static_cast<int>(std::ceil(radius - 0.5)));

@@ -16,9 +16,9 @@
 namespace sheaf {
 
 /// The filter's value at distance `x` from the pixel's centre along one axis; zero beyond its radius. Not normalised.
-double evaluate_filter(const FilterDescription& filter, double x);
+double evaluate_filter(const PixelFilter& filter, double x);
 /// The filter's radius in pixels.
-double filter_radius(const FilterDescription& filter);
+double filter_radius(const PixelFilter& filter);
 
 /// Inverse cdf of |f| along one axis, as bins of equal probability; not needed for boxes.
 struct FilterTable {
@@ -42,11 +42,11 @@ struct FilterTable {
 };
 
 /// Throws SceneError if a size is not positive and finite.
-FilterTable make_filter_table(const FilterDescription& filter);
+FilterTable make_filter_table(const PixelFilter& filter);
 
 /// Sample placement in a pixel for FilterMode::kWeighted: uniform in the pixel, or in its middle part if the filter is
 /// narrower. Throws like make_filter_table().
-FilterTable make_placement_table(const FilterDescription& filter);
+FilterTable make_placement_table(const PixelFilter& filter);
 
 /// A filter's values along one axis, for FilterMode::kWeighted.
 class FilterWeights {
@@ -56,7 +56,7 @@ class FilterWeights {
 
   FilterWeights() = default;
   /// Throws like make_filter_table().
-  explicit FilterWeights(const FilterDescription& filter);
+  explicit FilterWeights(const PixelFilter& filter);
 
   /// Number of pixels on each side of a sample's own in which it may count, along each axis.
   int reach() const { return reach_; }

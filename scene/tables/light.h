@@ -5,7 +5,7 @@
 #include "core/record_table.h"
 #include "core/spectrum.h"
 #include "core/vec.h"
-#include "scene/description/description.h"
+#include "scene/tables/light_kind.h"
 #include "scene/tables/none.h"
 
 namespace sheaf {

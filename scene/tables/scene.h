@@ -123,13 +123,13 @@ class Scene {
   /// The kernels' view; valid during the scene's lifetime.
   SceneView view() const;
   SceneInfo info() const;
-  const FilmDescription& film() const { return film_; }
-  const SamplerDescription& sampler() const { return sampler_; }
+  const FilmSettings& film() const { return film_; }
+  const SamplerSettings& sampler() const { return sampler_; }
   /// The sampler that the scene specifies, with its seed and number of samples.
   SamplerView sampler_view() const {
     return make_sampler(sampler_.kind, sampler_.seed, sampler_.sample_count, static_cast<std::uint32_t>(film_.width));
   }
-  const IntegratorDescription& integrator() const { return integrator_; }
+  const IntegratorSettings& integrator() const { return integrator_; }
   /// Locations of the lights in scene files, by row; only for the first kMaxReportedLights.
   const std::vector<SourceLocation>& light_source_locations() const { return light_places_; }
   /// Names from files.
@@ -191,9 +191,9 @@ class Scene {
   std::vector<Camera> more_cameras_;
   FilterTable filter_;
   std::optional<FilterWeights> filter_weights_;
-  FilmDescription film_;
-  SamplerDescription sampler_;
-  IntegratorDescription integrator_;
+  FilmSettings film_;
+  SamplerSettings sampler_;
+  IntegratorSettings integrator_;
   std::vector<std::string> warnings_;
   std::unique_ptr<Accel> accel_;
   ColorMode color_ = ColorMode::kRgb;

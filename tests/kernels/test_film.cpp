@@ -169,8 +169,8 @@ TEST_CASE("a film that was written and read goes on as if it had not been") {
 
 TEST_CASE("surfaces cover pixels by the weights of their samples, and halves and they survive in files") {
   const TemporaryFolder folder;
-  FilterDescription gaussian;
-  gaussian.kind = FilterDescription::Kind::kGaussian;
+  PixelFilter gaussian;
+  gaussian.kind = PixelFilter::Kind::kGaussian;
   const FilterWeights weights(gaussian);
   const AovSet aovs{Aov::kHalf, Aov::kObjectId, Aov::kCryptomatteObject};
   Film film(16, 8, {0, 0, 16, 8}, film_layout(aovs, false), 0, VarianceUnit::kReplicate, true);

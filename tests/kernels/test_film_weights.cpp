@@ -14,13 +14,13 @@ namespace sheaf::test_film_weights {
 
 namespace {
 
-using Kind = FilterDescription::Kind;
+using Kind = PixelFilter::Kind;
 
 constexpr int kFrameWidth = 23, kFrameHeight = 17;
 constexpr std::uint32_t kReplicates = 3, kPerReplicate = 2;
 
-FilterDescription filter_of(Kind kind, float radius = 0.5f) {
-  FilterDescription filter;
+PixelFilter filter_of(Kind kind, float radius = 0.5f) {
+  PixelFilter filter;
   filter.kind = kind;
   filter.radius = radius;
   return filter;
@@ -77,7 +77,7 @@ struct Expected {
   double means[2], variance;
 };
 
-Expected expected_at(const FilterDescription& filter, int px, int py, VarianceUnit unit) {
+Expected expected_at(const PixelFilter& filter, int px, int py, VarianceUnit unit) {
   const double middle = evaluate_filter(filter, 0);
   std::vector<std::array<double, 3>> units;  // sum of weights, and weighted sums of both channels
   for (std::uint32_t sample = 0; sample < kReplicates * kPerReplicate; ++sample) {
@@ -107,10 +107,9 @@ Expected expected_at(const FilterDescription& filter, int px, int py, VarianceUn
 }  // namespace
 
 TEST_CASE("weighted film: means and variances are those of all samples under the filter") {
-  const FilterDescription filters[] = {filter_of(Kind::kBox),      filter_of(Kind::kBox, 0.8f),
-                                       filter_of(Kind::kTent, 1),  filter_of(Kind::kGaussian),
-                                       filter_of(Kind::kMitchell), filter_of(Kind::kLanczos)};
-  for (const FilterDescription& filter : filters) {
+  const PixelFilter filters[] = {filter_of(Kind::kBox),      filter_of(Kind::kBox, 0.8f), filter_of(Kind::kTent, 1),
+                                 filter_of(Kind::kGaussian), filter_of(Kind::kMitchell),  filter_of(Kind::kLanczos)};
+  for (const PixelFilter& filter : filters) {
     CAPTURE(static_cast<int>(filter.kind));
     const FilterWeights weights(filter);
     for (const auto& [unit, bins] :
@@ -146,7 +145,7 @@ TEST_CASE("weighted film: a crop has the bits of the whole, whatever tiles it cu
 }
 
 TEST_CASE("weighted film: tiles narrower than the filter's reach") {
-  const FilterDescription filter = filter_of(Kind::kLanczos);
+  const PixelFilter filter = filter_of(Kind::kLanczos);
   const Image small =
       film_by_tiles(FilterWeights(filter), {0, 0, kFrameWidth, kFrameHeight}, 2, VarianceUnit::kReplicate).to_image();
   for (const auto& [x, y] : {std::pair{0, 0}, {7, 7}, {12, 9}})

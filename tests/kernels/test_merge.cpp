@@ -122,9 +122,9 @@ PixelRect frame_part(int x0, int y0, int x1, int y1) { return {x0, y0, x1, y1}; 
 }  // namespace
 
 TEST_CASE("merge: ranges of samples give the whole, whatever the filter, and tiles its very values") {
-  FilterDescription mitchell, gaussian;
-  mitchell.kind = FilterDescription::Kind::kMitchell;
-  gaussian.kind = FilterDescription::Kind::kGaussian;
+  PixelFilter mitchell, gaussian;
+  mitchell.kind = PixelFilter::Kind::kMitchell;
+  gaussian.kind = PixelFilter::Kind::kGaussian;
   const FilterWeights of_mitchell(mitchell), of_gaussian(gaussian);
   const PixelRect frame = frame_part(0, 0, kFrameWidth, kFrameHeight), left_part = frame_part(0, 0, 8, kFrameHeight),
                   right_part = frame_part(8, 0, kFrameWidth, kFrameHeight);

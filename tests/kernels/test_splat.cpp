@@ -12,14 +12,14 @@ namespace sheaf::test_splat {
 
 namespace {
 
-using Kind = FilterDescription::Kind;
+using Kind = PixelFilter::Kind;
 
 constexpr PixelRect kFrame{0, 0, 7, 5};
 /// Samples along each axis of a pixel.
 constexpr int kSide = 16;
 
-FilterDescription filter_of(Kind kind, float radius = 0.5f, float stddev = 0.5f) {
-  FilterDescription filter;
+PixelFilter filter_of(Kind kind, float radius = 0.5f, float stddev = 0.5f) {
+  PixelFilter filter;
   filter.kind = kind;
   filter.radius = radius;
   filter.stddev = stddev;
@@ -27,7 +27,7 @@ FilterDescription filter_of(Kind kind, float radius = 0.5f, float stddev = 0.5f)
 }
 
 /// Filters whose edges coincide with sample positions: narrow, wide, and with negative lobes.
-const std::vector<FilterDescription> kFilters = {
+const std::vector<PixelFilter> kFilters = {
     filter_of(Kind::kBox),      filter_of(Kind::kBox, 0.25f), filter_of(Kind::kBox, 1.75f),
     filter_of(Kind::kTent, 1),  filter_of(Kind::kGaussian),   filter_of(Kind::kGaussian, 0, 2),
     filter_of(Kind::kMitchell), filter_of(Kind::kCatmullRom), filter_of(Kind::kLanczos)};
@@ -53,7 +53,7 @@ std::vector<Sample> samples_of(int x, int y, double width) {
 }
 
 /// The image from camera samples of the sampled pixels.
-Image by_film(const FilterDescription& filter, const PixelRect& sampled, const PixelRect& crop) {
+Image by_film(const PixelFilter& filter, const PixelRect& sampled, const PixelRect& crop) {
   const FilterWeights weights(filter);
   Film film(kFrame.width(), kFrame.height(), crop, FilmLayout({{"R"}, {"G"}, {"B"}, {"A"}}));
   FilmTile tile;
@@ -74,7 +74,7 @@ Image by_film(const FilterDescription& filter, const PixelRect& sampled, const P
 }
 
 /// The image from splats of the same light, which covers the film far beyond the sampled pixels.
-Image by_splats(const FilterDescription& filter, FilterMode mode, const PixelRect& sampled, const PixelRect& crop) {
+Image by_splats(const PixelFilter& filter, FilterMode mode, const PixelRect& sampled, const PixelRect& crop) {
   const SplatFilter weights(filter, mode, sampled);
   const SplatFilter::Bounds bounds = weights.bounds(crop);
   const PixelRect lit = kFrame.grown(10);
@@ -111,7 +111,7 @@ void check_same(const Image& a, const Image& b, double allowed) {
 
 TEST_CASE(
     "splats: weighed by the part of the filter that the sampled pixels hold, they make the image of camera samples") {
-  for (const FilterDescription& filter : kFilters)
+  for (const PixelFilter& filter : kFilters)
     for (const bool border : {false, true})
       for (const PixelRect crop : {kFrame, PixelRect{0, 1, 3, 5}}) {
         CAPTURE(static_cast<int>(filter.kind));
@@ -125,7 +125,7 @@ TEST_CASE(
 }
 
 TEST_CASE("splats: by importance, they count under the whole filter, as if the frame had no edge") {
-  for (const FilterDescription& filter : kFilters) {
+  for (const PixelFilter& filter : kFilters) {
     CAPTURE(static_cast<int>(filter.kind));
     CAPTURE(filter.stddev);
     const PixelRect wide = kFrame.grown(FilterWeights(filter).reach());
@@ -136,8 +136,8 @@ TEST_CASE("splats: by importance, they count under the whole filter, as if the f
 TEST_CASE("splats: an even image is even up to the corners, exactly") {
   // Weights are piecewise linear over 1/256 of a pixel, so this grid is exact.
   constexpr int kFine = 256;
-  for (const FilterDescription& filter : {filter_of(Kind::kTent, 1.37f), filter_of(Kind::kGaussian, 0, 0.31f),
-                                          filter_of(Kind::kMitchell), filter_of(Kind::kLanczos)})
+  for (const PixelFilter& filter : {filter_of(Kind::kTent, 1.37f), filter_of(Kind::kGaussian, 0, 0.31f),
+                                    filter_of(Kind::kMitchell), filter_of(Kind::kLanczos)})
     for (const PixelRect sampled : {kFrame, kFrame.grown(2), PixelRect{0, 0, 1, 1}}) {
       const SplatFilter weights(filter, FilterMode::kWeighted, sampled);
       std::vector<double> sums(static_cast<std::size_t>(kFrame.width()));

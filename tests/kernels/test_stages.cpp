@@ -73,7 +73,7 @@ TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within
 TEST_CASE_TEMPLATE("camera rays: partial tiles leave other slots alone, and a crop changes no ray", L,
                    SHEAF_STAGE_LANES) {
   Description d = empty_scene(64, 64);
-  d.film.filter.kind = FilterDescription::Kind::kLanczos;
+  d.film.filter.kind = PixelFilter::Kind::kLanczos;
   d.integrator.max_depth = 1;
   const auto scene = compile_scene(d);
   TestWave whole(64 * 64);

@@ -62,7 +62,7 @@ bool same_bits(const Image& a, const Image& b) {
 TEST_CASE("adaptive sampling: pictures are right on average, however few pixels judge when to end" *
           doctest::test_suite("slow")) {
   // Sixteen pixels, whose light comes in rare bright samples: a tile that ended by its own noise would be too dark.
-  for (const auto filter : {FilterDescription::Kind::kBox, FilterDescription::Kind::kGaussian}) {
+  for (const auto filter : {PixelFilter::Kind::kBox, PixelFilter::Kind::kGaussian}) {
     CAPTURE(static_cast<int>(filter));
     Description d = lamp_scene(4, 4, true);
     d.film.filter.kind = filter;
@@ -90,7 +90,7 @@ TEST_CASE("adaptive sampling: pictures are right on average, however few pixels 
 
 TEST_CASE("adaptive sampling: where no tile ends early, the picture is that of four replicates") {
   Description d = lamp_scene(70, 50, false);
-  d.film.filter.kind = FilterDescription::Kind::kMitchell;
+  d.film.filter.kind = PixelFilter::Kind::kMitchell;
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
     CAPTURE(static_cast<int>(color));
     const auto scene = compile_scene(d, {false, color});
@@ -124,7 +124,7 @@ TEST_CASE("adaptive sampling: variances are those of the means over many seeds, 
           doctest::test_suite("slow")) {
   constexpr int kSide = 40, kSeeds = 60;
   Description d = lamp_scene(kSide, kSide, false);
-  d.film.filter.kind = FilterDescription::Kind::kGaussian;
+  d.film.filter.kind = PixelFilter::Kind::kGaussian;
   d.integrator.max_depth = 2;
   const auto scene = compile_scene(d);
   std::vector<MeanVariance> values(kSide * kSide), told(kSide * kSide);
@@ -161,7 +161,7 @@ TEST_CASE("adaptive sampling: tiles end at the noise asked for, or at the most s
   constexpr int kColumns = 96, kRows = 64;
   Description d = lamp_scene(kColumns, kRows, false);
   d.integrator.max_depth = 2;
-  d.film.filter.kind = FilterDescription::Kind::kGaussian;
+  d.film.filter.kind = PixelFilter::Kind::kGaussian;
   const auto scene = compile_scene(d);
   RenderOptions options;
   options.samples_per_pixel = 1 << 12;
@@ -195,7 +195,7 @@ TEST_CASE("adaptive sampling: the same bits for any number of threads and wave s
   const TemporaryFolder folder;
   const auto file = folder / "render.checkpoint";
   Description d = lamp_scene(70, 50, false);
-  d.film.filter.kind = FilterDescription::Kind::kGaussian;
+  d.film.filter.kind = PixelFilter::Kind::kGaussian;
   const auto scene = compile_scene(d);
   RenderOptions options = adaptive_options(0.015, 256);
   options.aovs = {Aov::kNormal, Aov::kHalf, Aov::kObjectId};

@@ -74,7 +74,7 @@ TEST_CASE("layers: a wall at a known place, in both colour modes and both ways o
         CAPTURE(static_cast<int>(mode));
         Description d = wall(coloured);
         d.film.filter_mode = mode;
-        if (wide) d.film.filter.kind = FilterDescription::Kind::kGaussian;
+        if (wide) d.film.filter.kind = PixelFilter::Kind::kGaussian;
         const Image image = picture(d, with(kSurfaces, 64), color);
         for (const auto& [x, y] : {std::pair{0, 0}, {3, 5}, {7, 7}}) {
           // Weights of the samples of importance are not all one: neither are their means exact.

@@ -70,8 +70,7 @@ TEST_CASE("cryptomatte: hashes and ids of names are the published ones") {
 
 TEST_CASE("cryptomatte: coverage adds up to what objects cover, with any filter") {
   for (const FilterMode mode : {FilterMode::kWeighted, FilterMode::kImportance})
-    for (const auto kind :
-         {FilterDescription::Kind::kBox, FilterDescription::Kind::kGaussian, FilterDescription::Kind::kMitchell}) {
+    for (const auto kind : {PixelFilter::Kind::kBox, PixelFilter::Kind::kGaussian, PixelFilter::Kind::kMitchell}) {
       Description d = scene_of_two();
       d.film.filter.kind = kind;
       d.film.filter_mode = mode;
@@ -104,8 +103,7 @@ TEST_CASE("cryptomatte: coverage adds up to what objects cover, with any filter"
 
 TEST_CASE("cryptomatte: samples placed by a filter with negative lobes count against what they see") {
   // A wall that covers all to one side of an edge; of a pixel it covers the filter's integral up to there.
-  for (const auto kind :
-       {FilterDescription::Kind::kLanczos, FilterDescription::Kind::kCatmullRom, FilterDescription::Kind::kMitchell}) {
+  for (const auto kind : {PixelFilter::Kind::kLanczos, PixelFilter::Kind::kCatmullRom, PixelFilter::Kind::kMitchell}) {
     CAPTURE(static_cast<int>(kind));
     Description d = empty_scene(9, 1);
     d.film.filter.kind = kind;
@@ -169,7 +167,7 @@ TEST_CASE("layers of all kinds: the same bits for all threads, wave sizes and cr
   d.sampler.sample_count = 8;
   for (const auto& [mode, color] :
        {std::pair{FilterMode::kWeighted, ColorMode::kRgb}, {FilterMode::kImportance, ColorMode::kSpectral}}) {
-    d.film.filter.kind = FilterDescription::Kind::kMitchell;
+    d.film.filter.kind = PixelFilter::Kind::kMitchell;
     d.film.filter_mode = mode;
     CompileOptions compile;
     compile.color = color;

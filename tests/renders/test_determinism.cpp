@@ -25,7 +25,7 @@ Description room(int width, int height) {
   Description d = empty_scene(width, height);
   look_at(d, {0.1f, 0.2f, -3.5f}, {0, 0, 0}, {0, 1, 0}, 50);
   d.sampler.sample_count = 6;
-  d.film.filter.kind = FilterDescription::Kind::kGaussian;
+  d.film.filter.kind = PixelFilter::Kind::kGaussian;
   const MaterialId white = add_diffuse(d, 0.7f), red = add_diffuse_rgb(d, 0.6f, 0.1f, 0.05f);
   const MaterialId both = add_material(d, TwoSidedDescription{white, red});
   for (const Vec3f axis : {Vec3f{1, 0, 0}, Vec3f{-1, 0, 0}, Vec3f{0, 1, 0}, Vec3f{0, -1, 0}})

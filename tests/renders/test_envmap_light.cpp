@@ -206,11 +206,11 @@ TEST_CASE("environment map: compensation is for integrators in which something e
     change(d.integrator);
     return compile_scene(d)->view().envmap.offset > 0;
   };
-  CHECK(is_compensated([](IntegratorDescription&) {}));
-  CHECK(!is_compensated([](IntegratorDescription& i) { i.strategy = LightStrategy::kLightOnly; }));
-  CHECK(!is_compensated([](IntegratorDescription& i) { i.kind = IntegratorKind::kLightTracer; }));
-  CHECK(!is_compensated([](IntegratorDescription& i) { i.kind = IntegratorKind::kPhotonMapper; }));
-  CHECK(!is_compensated([](IntegratorDescription& i) { i.ends_at_diffuse = true; }));
+  CHECK(is_compensated([](IntegratorSettings&) {}));
+  CHECK(!is_compensated([](IntegratorSettings& i) { i.strategy = LightStrategy::kLightOnly; }));
+  CHECK(!is_compensated([](IntegratorSettings& i) { i.kind = IntegratorKind::kLightTracer; }));
+  CHECK(!is_compensated([](IntegratorSettings& i) { i.kind = IntegratorKind::kPhotonMapper; }));
+  CHECK(!is_compensated([](IntegratorSettings& i) { i.ends_at_diffuse = true; }));
 }
 
 }  // namespace sheaf::test_envmap_light

@@ -430,13 +430,13 @@ TEST_CASE("hidden lights") {
 
 namespace {
 
-using FilterKind = FilterDescription::Kind;
+using FilterKind = PixelFilter::Kind;
 
-std::vector<FilterDescription> all_filters() {
-  std::vector<FilterDescription> filters;
+std::vector<PixelFilter> all_filters() {
+  std::vector<PixelFilter> filters;
   for (FilterKind kind : {FilterKind::kBox, FilterKind::kTent, FilterKind::kGaussian, FilterKind::kMitchell,
                           FilterKind::kCatmullRom, FilterKind::kLanczos}) {
-    FilterDescription filter;
+    PixelFilter filter;
     filter.kind = kind;
     if (kind == FilterKind::kTent) filter.radius = 1;
     filters.push_back(filter);
@@ -445,7 +445,7 @@ std::vector<FilterDescription> all_filters() {
 }
 
 /// Share of the filter's integral left of `x`.
-double filter_share(const FilterDescription& filter, double x) {
+double filter_share(const PixelFilter& filter, double x) {
   const double radius = filter_radius(filter);
   constexpr int kSteps = 100000;
   double left = 0, all = 0;
@@ -460,7 +460,7 @@ double filter_share(const FilterDescription& filter, double x) {
 }  // namespace
 
 TEST_CASE("a constant picture stays constant under every filter") {
-  for (const FilterDescription& filter : all_filters()) {
+  for (const PixelFilter& filter : all_filters()) {
     CAPTURE(static_cast<int>(filter.kind));
     Description d = picture();
     d.film.filter = filter;
@@ -474,7 +474,7 @@ TEST_CASE("a constant picture stays constant under every filter") {
 
 TEST_CASE("a straight edge shows the integral of every filter") {
   constexpr double kEdge = 32.3;  // pixels from the left, beside a seam between tiles
-  for (const FilterDescription& filter : all_filters()) {
+  for (const PixelFilter& filter : all_filters()) {
     CAPTURE(static_cast<int>(filter.kind));
     Description d = empty_scene(64, 32);
     d.sampler.sample_count = 128;

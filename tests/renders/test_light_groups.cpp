@@ -15,7 +15,7 @@ namespace {
 Description lit_scene() {
   Description d = empty_scene(12, 10);
   look_at(d, {0, 1.2f, -3}, {0, 0.4f, 0}, {0, 1, 0}, 50);
-  d.film.filter.kind = FilterDescription::Kind::kGaussian;
+  d.film.filter.kind = PixelFilter::Kind::kGaussian;
   d.sampler.sample_count = 8;
   add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}),
                 add_diffuse_rgb(d, 0.8f, 0.5f, 0.3f));

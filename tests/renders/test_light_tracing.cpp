@@ -98,7 +98,7 @@ Description room(std::uint32_t samples = 25) {
   Description d = empty_scene(kSide, kSide);
   d.sampler.kind = SamplerKind::kIndependent;
   d.sampler.sample_count = samples;
-  d.film.filter = {FilterDescription::Kind::kGaussian, 2.0f, 0.5f};
+  d.film.filter = {PixelFilter::Kind::kGaussian, 2.0f, 0.5f};
   look_at(d, {0, -4, 2.5f}, {0, 0, 0.6f}, {0, 0, 1}, 40);
   d.integrator.max_depth = 6;
   const MaterialId floor = add_material(d, DiffuseDescription{add_board(d, {0.7f, 0.5f, 0.3f}, {0.3f, 0.5f, 0.8f})});
@@ -428,8 +428,8 @@ TEST_CASE("light tracing: lenses, cameras without perspective, clip planes, dept
       {"two reflections", [](Description& d) { d.integrator.max_depth = 3; }},
       {"roulette", [](Description& d) { d.integrator.max_depth = -1, d.integrator.rr_depth = 1; }},
       {"box", [](Description& d) { d.film.filter = {}; }},
-      {"Mitchell", [](Description& d) { d.film.filter.kind = FilterDescription::Kind::kMitchell; }},
-      {"Lanczos", [](Description& d) { d.film.filter.kind = FilterDescription::Kind::kLanczos; }},
+      {"Mitchell", [](Description& d) { d.film.filter.kind = PixelFilter::Kind::kMitchell; }},
+      {"Lanczos", [](Description& d) { d.film.filter.kind = PixelFilter::Kind::kLanczos; }},
       {"hidden lights before and behind",
        [](Description& d) {
          d.integrator.hide_emitters = true;
@@ -565,12 +565,12 @@ TEST_CASE("light tracing: hidden lights and what they reflect do not show, unles
 }
 
 TEST_CASE("light tracing: pixels at the frame's edge, also where geometry ends in them") {
-  using Kind = FilterDescription::Kind;
-  FilterDescription wide;
+  using Kind = PixelFilter::Kind;
+  PixelFilter wide;
   wide.kind = Kind::kGaussian;
-  FilterDescription mitchell, lanczos, box;
+  PixelFilter mitchell, lanczos, box;
   mitchell.kind = Kind::kMitchell, lanczos.kind = Kind::kLanczos, box.radius = 1.3f;
-  for (const FilterDescription& filter : {wide, mitchell, lanczos, box})
+  for (const PixelFilter& filter : {wide, mitchell, lanczos, box})
     for (const FilterMode mode : {FilterMode::kWeighted, FilterMode::kImportance})
       for (const bool border : {false, true}) {
         CAPTURE(static_cast<int>(filter.kind));
@@ -629,7 +629,7 @@ TEST_CASE("light tracing: at the sides of a panorama, filters reach around it") 
       CAPTURE(border);
       Description d = empty_scene(12, 6);
       d.sampler.sample_count = 256;
-      d.film.filter.kind = FilterDescription::Kind::kGaussian;
+      d.film.filter.kind = PixelFilter::Kind::kGaussian;
       d.film.filter_mode = mode;
       d.film.sample_border = border;
       d.integrator.max_depth = 2;

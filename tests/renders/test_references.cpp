@@ -82,7 +82,7 @@ Estimate render_batches(const fs::path& file, int batches, int batch_samples, in
   Description description = read_scene(file);
   // Where the references' roulette starts that their scenes don't speak of: samples of other variance could not be
   // judged by that of theirs.
-  IntegratorDescription& integrator = description.integrator;
+  IntegratorSettings& integrator = description.integrator;
   if (!integrator.rr_depth) integrator.rr_depth = kOtherRouletteDepth;
   const auto scene = compile_scene(description, {false, color});
   std::vector<Image> images;

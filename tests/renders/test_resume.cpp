@@ -19,7 +19,7 @@ Description small_box(int samples, int width = 70, int height = 50) {
   look_at(d, {0, 0.3f, -3}, {0, 0, 0}, {0, 1, 0}, 50);
   d.sampler.sample_count = static_cast<std::uint32_t>(samples);
   d.sampler.kind = SamplerKind::kSobol;
-  d.film.filter.kind = FilterDescription::Kind::kGaussian;
+  d.film.filter.kind = PixelFilter::Kind::kGaussian;
   const MaterialId white = add_diffuse(d, 0.7f);
   add_rectangle(d, Transform::translate({0, -1, 0}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({3, 3, 1}),
                 white);

@@ -59,12 +59,12 @@ MeanVariance differences(const Scene& scene, std::uint32_t samples, int channel,
 
 TEST_CASE("variance channels: what few samples tell is the spread of their mean over many seeds") {
   constexpr int kTests = 3 * 3;
-  FilterDescription with_lobes;
-  with_lobes.kind = FilterDescription::Kind::kMitchell;
+  PixelFilter with_lobes;
+  with_lobes.kind = PixelFilter::Kind::kMitchell;
   struct Variant {
     const char* name;
     ColorMode color;
-    FilterDescription filter;
+    PixelFilter filter;
     std::uint32_t samples[3];
   };
   const Variant variants[] = {{"rgb", ColorMode::kRgb, {}, {2, 3, 4}},
@@ -91,11 +91,11 @@ TEST_CASE("variance channels: replicates tell the spread of any sampler's mean, 
   struct Variant {
     const char* name;
     SamplerKind sampler;
-    FilterDescription::Kind filter;
+    PixelFilter::Kind filter;
     std::uint32_t samples;
     int replicates;
   };
-  using Kind = FilterDescription::Kind;
+  using Kind = PixelFilter::Kind;
   const Variant variants[] = {{"sobol, box", SamplerKind::kSobol, Kind::kBox, 16, 2},
                               {"sobol, gaussian", SamplerKind::kSobol, Kind::kGaussian, 16, 4},
                               {"sobol, mitchell", SamplerKind::kSobol, Kind::kMitchell, 15, 4},

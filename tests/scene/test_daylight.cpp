@@ -4,7 +4,7 @@
 
 #include "kernels/lights/light_sample.h"
 #include "scene/compile/compile.h"
-#include "scene/dialects/sun_position.h"
+#include "scene/dialects/common/sun_position.h"
 #include "tests/support/scene_files.h"
 #include "tests/support/tiny_scenes.h"
 

@@ -16,19 +16,19 @@ namespace sheaf::test_filter {
 
 namespace {
 
-using Kind = FilterDescription::Kind;
+using Kind = PixelFilter::Kind;
 
-FilterDescription filter(Kind kind) {
-  FilterDescription f;
+PixelFilter filter(Kind kind) {
+  PixelFilter f;
   f.kind = kind;
   return f;
 }
 
 /// Every kind, the parametric ones with more than one setting.
-std::vector<FilterDescription> all_filters() {
-  std::vector<FilterDescription> out = {filter(Kind::kBox),      filter(Kind::kTent),       filter(Kind::kGaussian),
-                                        filter(Kind::kMitchell), filter(Kind::kCatmullRom), filter(Kind::kLanczos)};
-  FilterDescription f = filter(Kind::kTent);
+std::vector<PixelFilter> all_filters() {
+  std::vector<PixelFilter> out = {filter(Kind::kBox),      filter(Kind::kTent),       filter(Kind::kGaussian),
+                                  filter(Kind::kMitchell), filter(Kind::kCatmullRom), filter(Kind::kLanczos)};
+  PixelFilter f = filter(Kind::kTent);
   f.radius = 2.5f;
   out.push_back(f);
   f = filter(Kind::kGaussian);
@@ -45,7 +45,7 @@ std::vector<FilterDescription> all_filters() {
 }
 
 /// Midpoint rule over the filter's support.
-double integral(const FilterDescription& f, const std::function<double(double)>& g) {
+double integral(const PixelFilter& f, const std::function<double(double)>& g) {
   constexpr int kSteps = 20000;
   const double radius = filter_radius(f), step = 2 * radius / kSteps;
   double sum = 0;
@@ -80,7 +80,7 @@ TEST_CASE("filter: values at telling places") {
 }
 
 TEST_CASE("filter: cubic filters of unit spacing sum to one") {
-  for (const FilterDescription& f : all_filters()) {
+  for (const PixelFilter& f : all_filters()) {
     if (f.kind != Kind::kMitchell && f.kind != Kind::kCatmullRom) continue;
     for (const double x : {0.0, 0.13, 0.5, 0.87}) {
       double sum = 0;
@@ -91,7 +91,7 @@ TEST_CASE("filter: cubic filters of unit spacing sum to one") {
 }
 
 TEST_CASE("filter: all are even and end at their radius") {
-  for (const FilterDescription& f : all_filters()) {
+  for (const PixelFilter& f : all_filters()) {
     const double radius = filter_radius(f);
     for (int i = 0; i <= 50; ++i) {
       const double x = radius * i / 50;
@@ -102,7 +102,7 @@ TEST_CASE("filter: all are even and end at their radius") {
 }
 
 TEST_CASE("filter: weights of samples in other pixels are the filter's values, as far as it reaches") {
-  for (const FilterDescription& f : all_filters()) {
+  for (const PixelFilter& f : all_filters()) {
     CAPTURE(static_cast<int>(f.kind));
     const FilterWeights weights(f);
     const double radius = filter_radius(f);
@@ -130,7 +130,7 @@ TEST_CASE("filter: weights of samples in other pixels are the filter's values, a
 }
 
 TEST_CASE("filter: samples that weigh in several pixels lie evenly in theirs") {
-  for (const FilterDescription& f : all_filters()) {
+  for (const PixelFilter& f : all_filters()) {
     const FilterTable table = make_placement_table(f);
     const double side = std::min(0.5, filter_radius(f));
     for (int i = 0; i < 100; ++i) {
@@ -144,7 +144,7 @@ TEST_CASE("filter: samples that weigh in several pixels lie evenly in theirs") {
 
 TEST_CASE("filter: weighted samples have the filter's moments, negative lobes included") {
   constexpr int kDraws = 1 << 18;
-  for (const FilterDescription& f : all_filters()) {
+  for (const PixelFilter& f : all_filters()) {
     CAPTURE(static_cast<int>(f.kind));
     const FilterTable table = make_filter_table(f);
     const double radius = filter_radius(f), mass = integral(f, [&](double x) { return evaluate_filter(f, x); });
@@ -172,8 +172,8 @@ TEST_CASE("filter: weighted samples have the filter's moments, negative lobes in
 }
 
 TEST_CASE("filter: samples lie with the density of the filter's absolute value") {
-  const std::vector<FilterDescription> filters = all_filters();
-  for (const FilterDescription& f : filters) {
+  const std::vector<PixelFilter> filters = all_filters();
+  for (const PixelFilter& f : filters) {
     CAPTURE(static_cast<int>(f.kind));
     const FilterTable table = make_filter_table(f);
     const double radius = filter_radius(f);
@@ -192,7 +192,7 @@ TEST_CASE("filter: samples lie with the density of the filter's absolute value")
 }
 
 TEST_CASE("filter: weights have the sign of the filter where the sample lies") {
-  for (const FilterDescription& f : all_filters()) {
+  for (const PixelFilter& f : all_filters()) {
     const FilterTable table = make_filter_table(f);
     int wrong = 0;
     for (std::uint32_t i = 0; i < 100000; ++i) {
@@ -204,7 +204,7 @@ TEST_CASE("filter: weights have the sign of the filter where the sample lies") {
 }
 
 TEST_CASE("filter: offsets rise with the number and fill the support from end to end") {
-  for (const FilterDescription& f : all_filters()) {
+  for (const PixelFilter& f : all_filters()) {
     const FilterTable table = make_filter_table(f);
     const float radius = static_cast<float>(filter_radius(f));
     const auto position = [&](float u) { return table.sample<Scalar>(u).position; };
@@ -225,7 +225,7 @@ TEST_CASE("filter: offsets rise with the number and fill the support from end to
 }
 
 TEST_CASE("filter: registers equal single values") {
-  for (const FilterDescription& f : all_filters()) {
+  for (const PixelFilter& f : all_filters()) {
     const FilterTable table = make_filter_table(f);
     double worst = 0;
     for (std::uint32_t i = 0; i < 4096; i += kWidth) {
@@ -245,7 +245,7 @@ TEST_CASE("filter: registers equal single values") {
 TEST_CASE("filter: sizes that are not positive and finite are refused") {
   for (const float size : {0.0f, -1.0f, 65.0f, kInfinity, std::numeric_limits<float>::quiet_NaN()}) {
     CAPTURE(size);
-    FilterDescription f = filter(Kind::kBox);
+    PixelFilter f = filter(Kind::kBox);
     f.radius = size;
     CHECK_THROWS_AS(make_filter_table(f), SceneError);
     f = filter(Kind::kGaussian);

@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 
 #include "scene/description/voxels.h"
-#include "scene/dialects/integrator_name.h"
-#include "scene/dialects/medium_estimator_name.h"
+#include "scene/dialects/common/integrator_name.h"
+#include "scene/dialects/common/medium_estimator_name.h"
 #include "tests/support/scene_files.h"
 
 #include <cstdint>
@@ -420,7 +420,7 @@ TEST_CASE("media: integrators that name them, and how they are estimated") {
     const auto nori = read_volumes(nori_scene("", integrator("vol_path_mis", name))).integrator;
     const auto mitsuba =
         read_volumes(mitsuba_scene("", "<sensor type='perspective'/>", integrator("volpathmis", name))).integrator;
-    for (const IntegratorDescription& read : {nori, mitsuba}) {
+    for (const IntegratorSettings& read : {nori, mitsuba}) {
       CHECK(medium_estimator_name(read.medium_estimator) == name);
       CHECK(read.step_size == 0.25f);
     }

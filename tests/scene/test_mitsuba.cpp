@@ -42,7 +42,7 @@ TEST_CASE("Mitsuba: defaults") {
   CHECK(d.film.width == 768);
   CHECK(d.film.height == 576);
   CHECK_FALSE(d.film.crop.has_value());
-  CHECK(d.film.filter.kind == FilterDescription::Kind::kGaussian);
+  CHECK(d.film.filter.kind == PixelFilter::Kind::kGaussian);
   CHECK(d.film.filter.radius == 2);
   CHECK(d.sampler.sample_count == 4);
   CHECK(d.sampler.kind == SamplerKind::kSobol);
@@ -122,7 +122,7 @@ TEST_CASE("Mitsuba: film and filters") {
   check_crop("crop_width", {0, 0, 10, 50});
   check_crop("crop_height", {0, 0, 100, 10});
   CHECK_FALSE(with_film("").film.crop.has_value());
-  using Kind = FilterDescription::Kind;
+  using Kind = PixelFilter::Kind;
   struct Case {
     const char* text;
     Kind kind;
@@ -141,7 +141,7 @@ TEST_CASE("Mitsuba: film and filters") {
   };
   for (const Case& c : cases) {
     CAPTURE(std::string(c.text));
-    const FilterDescription filter = with_film(c.text).film.filter;
+    const PixelFilter filter = with_film(c.text).film.filter;
     CHECK(filter.kind == c.kind);
     CHECK(filter.radius == c.radius);
   }
@@ -235,7 +235,7 @@ TEST_CASE("Mitsuba: integrators") {
   CHECK(mapper.integrator.photons.lookup_size == 120);
   CHECK(with_integrator("<integrator type='photonmapper'><boolean name='sampleDirect' value='false'/></integrator>")
             .integrator.photons.caustic.count == 0);
-  const PhotonMappingDescription volumetric =
+  const PhotonMappingSettings volumetric =
       with_integrator(
           "<integrator type='volumetricphotonmapper'><integer name='photonCount' value='1000'/><float "
           "name='photonRadius' value='0.25'/></integrator>")
@@ -247,7 +247,7 @@ TEST_CASE("Mitsuba: integrators") {
         std::string("<integrator type='") + name +
         "'><integer name='photonCount' value='77'/><float name='initialRadius' value='0.25'/><float name='alpha' "
         "value='0.5'/><integer name='maxPasses' value='12'/></integrator>");
-    const PhotonMappingDescription& photons = progressive.integrator.photons;
+    const PhotonMappingSettings& photons = progressive.integrator.photons;
     CHECK(progressive.notes.empty());
     CHECK(photons.progressive);
     CHECK(photons.uses_beams());
@@ -356,7 +356,7 @@ TEST_CASE("Mitsuba: references to every kind of object") {
       "<sensor type='perspective'><ref id='f'/><ref id='s'/></sensor>",
       "<integrator type='moment'><ref id='i'/></integrator>"));
   CHECK(d.film.width == 9);
-  CHECK(d.film.filter.kind == FilterDescription::Kind::kBox);
+  CHECK(d.film.filter.kind == PixelFilter::Kind::kBox);
   CHECK(d.sampler.sample_count == 9);
   CHECK(d.integrator.max_depth == 2);
   CHECK(dump(d.shapes.at(0).radiance.value()) == "rgb 0x1p+0 0x1p+1 0x1p+2");

@@ -1,5 +1,5 @@
 // MTL files: every keyword and every way to get it wrong, what materials become, and how OBJ meshes are cut by them.
-#include "scene/dialects/obj_materials.h"
+#include "scene/dialects/common/obj_materials.h"
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"
 #include "scene/formats/mtl.h"

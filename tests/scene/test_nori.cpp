@@ -29,7 +29,7 @@ TEST_CASE("Nori: defaults") {
   CHECK(d.film.height == 720);
   CHECK(d.camera.fov == 30);
   CHECK(d.camera.fov_axis == CameraDescription::FovAxis::kX);
-  CHECK(d.film.filter.kind == FilterDescription::Kind::kGaussian);
+  CHECK(d.film.filter.kind == PixelFilter::Kind::kGaussian);
   CHECK(d.film.filter.radius == 2);
   CHECK(d.film.filter.stddev == 0.5f);
   CHECK(d.sampler.sample_count == 1);
@@ -70,7 +70,7 @@ TEST_CASE("Nori: camera, filters and sampler") {
   CHECK(d.film.width == 40);
   CHECK(d.film.height == 30);
   CHECK(d.camera.fov == 50);
-  CHECK(d.film.filter.kind == FilterDescription::Kind::kMitchell);
+  CHECK(d.film.filter.kind == PixelFilter::Kind::kMitchell);
   CHECK(d.notes.empty());
   CHECK(d.film.filter.b == 0.2f);
   CHECK(d.film.filter.c == 0.4f);
@@ -157,14 +157,14 @@ TEST_CASE("Nori: photon mapping") {
     return read_text(scene_with("", kCamera, "<integrator type='photonmapper'>" + properties + "</integrator>"))
         .integrator;
   };
-  const IntegratorDescription plain = read("");
+  const IntegratorSettings plain = read("");
   CHECK(plain.kind == IntegratorKind::kPhotonMapper);
   CHECK(plain.photons.global.count == 1'000'000);
   CHECK(plain.photons.global.radius == 0);
   CHECK(plain.photons.gathering == PhotonGathering::kAll);
   CHECK(!plain.photons.progressive);
   CHECK(!plain.photons.uses_beams());
-  const PhotonMappingDescription p =
+  const PhotonMappingSettings p =
       read(
           "<integer name='photonCount' value='5000'/><float name='photonRadius' value='0.25'/>"
           "<boolean name='finalGather' value='true'/><integer name='numGatherRays' value='16'/>"

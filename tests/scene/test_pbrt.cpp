@@ -3,7 +3,7 @@
 
 #include "core/color.h"
 #include "scene/compile/compile.h"
-#include "scene/dialects/pbrt.h"
+#include "scene/dialects/pbrt/reader.h"
 #include "scene/tables/shape.h"
 #include "tests/support/capture.h"
 #include "tests/support/deflate.h"
@@ -124,7 +124,7 @@ TEST_SUITE("pbrt") {
     CHECK(d.camera.fov == 50);
     CHECK(d.camera.fov_axis == CameraDescription::FovAxis::kSmaller);
     CHECK(d.film.width == 1280);
-    CHECK(d.film.filter.kind == FilterDescription::Kind::kGaussian);
+    CHECK(d.film.filter.kind == PixelFilter::Kind::kGaussian);
     CHECK(d.sampler.sample_count == 16);
     CHECK(d.sampler.kind == SamplerKind::kZSobol);
     CHECK(d.integrator.max_depth == 6);

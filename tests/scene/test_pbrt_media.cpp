@@ -1,7 +1,7 @@
 // Media of pbrt's format on grids, looked up where voxels and formulas say what they are.
 #include "core/color.h"
 #include "scene/compile/compile.h"
-#include "scene/dialects/pbrt_noise.h"
+#include "scene/dialects/pbrt/noise.h"
 #include "scene/formats/nanovdb.h"
 #include "scene/tables/majorant_grid.h"
 #include "scene/tables/medium_lookup.h"

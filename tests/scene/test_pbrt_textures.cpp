@@ -2,7 +2,7 @@
 #include "core/exr.h"
 #include "core/image.h"
 #include "scene/compile/compile_textures.h"
-#include "scene/dialects/pbrt_noise.h"
+#include "scene/dialects/pbrt/noise.h"
 #include "scene/tables/texture_lookup.h"
 #include "tests/support/pbrt_testing.h"
 

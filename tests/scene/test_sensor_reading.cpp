@@ -96,7 +96,7 @@ TEST_CASE("sensors: meters") {
   CHECK(aimed.near_clip == 0);
   const Description usual = with_sensor("radiancemeter", kPixel);
   CHECK(near(usual.camera.to_world.vector({0, 0, 1}), {0, 0, 1}));
-  CHECK(usual.film.filter.kind == FilterDescription::Kind::kBox);
+  CHECK(usual.film.filter.kind == PixelFilter::Kind::kBox);
   CHECK(contains(sensor_error("radiancemeter", "<point name='origin' value='1,2,3'/>" + kPixel), "expected both"));
   CHECK(contains(sensor_error("radiancemeter", ""), "768 x 576 pixels, expected one pixel"));
 

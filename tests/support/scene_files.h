@@ -291,7 +291,7 @@ inline std::string dump(const Description& d) {
   out << "film " << d.film.width << 'x' << d.film.height;
   if (d.film.crop)
     out << " crop " << d.film.crop->x0 << ',' << d.film.crop->y0 << ',' << d.film.crop->x1 << ',' << d.film.crop->y1;
-  const FilterDescription& f = d.film.filter;
+  const PixelFilter& f = d.film.filter;
   out << "\nfilter " << static_cast<int>(f.kind) << ' ' << f.radius << ' ' << f.stddev << ' ' << f.b << ' ' << f.c
       << ' ' << f.lobes << '\n';
   out << "sampler " << static_cast<int>(d.sampler.kind) << ' ' << d.sampler.sample_count << ' ' << d.sampler.seed

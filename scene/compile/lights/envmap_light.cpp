@@ -26,7 +26,7 @@ struct EnvmapRows {
 /// Whether MIS compensation may leave dark directions to BSDF sampling. Requires that BSDF sampling reaches all light
 /// that light sampling finds; otherwise the unsampled light would be lost. Photons have no second strategy.
 bool can_compensate(const Description& description) {
-  const IntegratorDescription& integrator = description.integrator;
+  const IntegratorSettings& integrator = description.integrator;
   return integrator.kind == IntegratorKind::kPath && integrator.strategy == LightStrategy::kMis &&
          !integrator.ends_at_diffuse;
 }

@@ -1,0 +1,38 @@
+// Values on a regular grid, for media and volume textures.
+#pragma once
+
+#include "core/transform.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace sheaf {
+
+struct DenseVolume;
+
+/// Values on a regular grid in a file or in memory, interpolated in between.
+struct GridVolumeDescription {
+  enum class Format {
+    /// Mitsuba's format: dense, one or three channels. Fills the unit cube, or with `use_grid_bbox` the file's box.
+    kVol,
+    kNanoVdb,   ///< sparse; placed by the map in the file; zero outside
+    kInMemory,  ///< `made`; placed by DenseVolume::grid_to_local
+  };
+  enum class Filter { kTrilinear, kNearest };
+  /// kVol: values outside the grid.
+  enum class Wrap { kClamp, kRepeat, kMirror };
+  std::filesystem::path file;  ///< resolved path
+  Format format = Format::kVol;
+  std::string grid;    ///< kNanoVdb: name of the grid; empty: the first in the file
+  Transform to_world;  ///< from the space that `format` defines
+  bool use_grid_bbox = false;
+  /// Stretch the grid over the bounding box of the shapes that contain the medium; ignores to_world.
+  bool fit_to_shape = false;
+  Filter filter = Filter::kTrilinear;
+  Wrap wrap = Wrap::kClamp;
+  bool raw = false;                              ///< three channels are data, not colours
+  std::shared_ptr<const DenseVolume> made = {};  ///< kInMemory
+};
+
+}  // namespace sheaf

@@ -1,0 +1,43 @@
+// Camera and sampler properties shared by the Nori and Mitsuba dialects.
+#include "scene/dialects/common/read_camera.h"
+
+#include "scene/dialects/common/sampler_name.h"
+
+namespace sheaf {
+
+void read_clip(Properties& p, CameraDescription& camera, float near_clip) {
+  camera.near_clip = p.number("near_clip", near_clip, kPositive);
+  camera.far_clip = p.number("far_clip", 10'000, kPositive);
+  if (camera.near_clip < camera.far_clip) return;
+  p.fail_at(p.has("far_clip") ? "far_clip" : "near_clip", "puts the far plane, at " + std::to_string(camera.far_clip) +
+                                                              ", not behind the near one, at " +
+                                                              std::to_string(camera.near_clip));
+}
+
+void read_shutter(Properties& p) {
+  const bool is_given = p.has("shutter_open") || p.has("shutter_close");
+  const float open = p.number("shutter_open", 0), close = p.number("shutter_close", 0);
+  if (is_given && open != close)
+    p.context().note(p.where(), "'shutter_open' and 'shutter_close' are not used: there is no motion blur");
+}
+
+CameraDescription::FovAxis read_fov_axis(Properties& p) {
+  using Axis = CameraDescription::FovAxis;
+  const std::string axis = p.find_string("fov_axis").value_or("x");
+  if (axis == "x") return Axis::kX;
+  if (axis == "y") return Axis::kY;
+  if (axis == "diagonal") return Axis::kDiagonal;
+  if (axis == "smaller") return Axis::kSmaller;
+  if (axis == "larger") return Axis::kLarger;
+  p.fail_at("fov_axis", "is " + in_quotes(axis) + ", expected x, y, diagonal, smaller or larger" +
+                            did_you_mean(axis, {"x", "y", "diagonal", "smaller", "larger"}));
+}
+
+SamplerKind read_sampler_kind(Properties& p) {
+  const NamedSampler* named = find_sampler(p.type());
+  if (named == nullptr) p.fail_plugin(sampler_names());
+  if (const std::string note = stand_in_sampler_note(p.type()); !note.empty()) p.context().note(p.where(), note);
+  return named->kind;
+}
+
+}  // namespace sheaf

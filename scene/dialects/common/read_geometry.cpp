@@ -1,0 +1,137 @@
+// Shapes shared by the Nori and Mitsuba dialects: mesh files, quadrics, curves, height fields, signed distance grids.
+#include "scene/dialects/common/read_geometry.h"
+
+#include "scene/formats/curve_file.h"
+#include "scene/formats/hair_file.h"
+#include "scene/formats/height_field.h"
+#include "scene/formats/vol_file.h"
+
+#include <limits>
+
+namespace sheaf {
+
+namespace {
+
+MeshFileShape read_mesh_file(Properties& p, bool flips_obj, ShapeDescription& shape) {
+  MeshFileShape mesh;
+  using Format = MeshFileShape::Format;
+  mesh.format = p.type() == "ply" ? Format::kPly : p.type() == "serialized" ? Format::kSerialized : Format::kObj;
+  mesh.file = p.file("filename");
+  shape.face_normals = p.boolean("face_normals", false);
+  mesh.smooth_normals = flips_obj;
+  if (mesh.format == Format::kSerialized) {
+    mesh.flip_tex_coords = false;
+    mesh.shape_index = p.integer("shape_index", 0, 0, std::numeric_limits<int>::max());
+  } else {
+    mesh.flip_tex_coords = p.boolean("flip_tex_coords", flips_obj && mesh.format == Format::kObj);
+  }
+  if (p.find_number("max_smooth_angle"))
+    p.context().note(p.where(), "'max_smooth_angle' is not used: normals are as 'face_normals' and the file say");
+  p.ignore({"collapse"});
+  if (mesh.format == Format::kPly) p.ignore({"srgb"});
+  return mesh;
+}
+
+CylinderShape read_cylinder(Properties& p) {
+  CylinderShape cylinder;
+  cylinder.p0 = p.vec3("p0", cylinder.p0);
+  cylinder.p1 = p.vec3("p1", cylinder.p1);
+  cylinder.radius = p.number("radius", 1, kPositive);
+  if (cylinder.p0 == cylinder.p1) p.fail("has no length: p0 and p1 coincide");
+  return cylinder;
+}
+
+Curves read_hair_curves(Properties& p) {
+  HairReading reading;
+  reading.radius = p.number("radius", reading.radius, kPositive);
+  // The transform scales radii by its length along z.
+  reading.radius *= length(p.transform("to_world").vector({0, 0, 1}));
+  reading.angle_threshold = p.number("angle_threshold", reading.angle_threshold, {0, 90, false});
+  reading.reduction = p.number("reduction", reading.reduction, kUnitInterval);
+  if (reading.reduction == 1) p.fail_at("reduction", "is 1, expected less: nothing would be left");
+  return read_hair_file(p.file("filename"), reading);
+}
+
+/// Reads a height field: a mesh if the heights are an image, else a grid of points at which the texture is evaluated.
+void read_height_field_shape(Properties& p, ShapeDescription& shape) {
+  const bool smooth = p.boolean("shading_normals", true);
+  const float scale = p.number("scale", 1);
+  constexpr int kPlaces = 256;
+  const int width = p.integer("width", kPlaces, 2, kMaxGridSide),
+            height = p.integer("height", kPlaces, 2, kMaxGridSide);
+  shape.face_normals = !smooth;
+  const XmlElement* nested = p.any_texture();
+  if (nested == nullptr) {
+    shape.geometry = read_height_field(p.file("filename"), scale, smooth, false);
+    return;
+  }
+  if (p.has("filename")) p.fail_at("filename", "is given beside a texture, expected one or the other");
+  const SpectrumInput input = p.context().readers.texture(*nested, p.context());
+  const auto* id = std::get_if<TextureId>(&input);
+  const BitmapDescription* bitmap =
+      id == nullptr
+          ? nullptr
+          : std::get_if<BitmapDescription>(&p.context().description.textures.at(static_cast<std::size_t>(*id)).model);
+  if (bitmap == nullptr) {
+    shape.geometry = HeightFieldShape{input, width, height, scale, smooth};
+    return;
+  }
+  if (bitmap->change.invert || bitmap->change.exponent != 1.0f)
+    throw ElementError(*nested, "the texture of a height field must not be inverted or raised to a power");
+  shape.geometry = read_height_field(bitmap->file, scale * bitmap->change.scale, smooth, bitmap->raw);
+}
+
+SdfGrid read_sdf_grid(Properties& p) {
+  const std::filesystem::path file = p.file("filename");
+  DenseVolume volume = read_vol(file, false);
+  if (volume.channels != 1) throw SceneError({file.string()}, "a grid of colours, expected one channel of distances");
+  SdfGrid grid{volume.size, std::move(volume.values)};
+  for (const int side : grid.size)
+    if (side < 2) throw SceneError({file.string()}, "a grid of distances needs two points along each axis at least");
+  const std::string normals = p.find_string("normals").value_or("smooth");
+  if (normals != "smooth" && normals != "analytic")
+    p.fail_at("normals", "is " + in_quotes(normals) + ", expected smooth or analytic");
+  grid.smooth_normals = normals == "smooth";
+  return grid;
+}
+
+}  // namespace
+
+const std::vector<std::string>& shared_shape_names() {
+  static const std::vector<std::string> kNames = {"bsplinecurve", "cube",        "cylinder", "disk", "hair",
+                                                  "heightfield",  "linearcurve", "obj",      "ply",  "rectangle",
+                                                  "sdfgrid",      "serialized",  "sphere"};
+  return kNames;
+}
+
+bool read_shared_geometry(Properties& p, bool flips_obj, ShapeDescription& shape) {
+  const std::string& type = p.type();
+  if (type == "obj" || type == "ply" || type == "serialized") {
+    shape.geometry = read_mesh_file(p, flips_obj, shape);
+  } else if (type == "sphere") {
+    const Vec3f center = p.vec3("center", {0, 0, 0});
+    shape.geometry = SphereShape{center, p.number("radius", 1, kPositive)};
+  } else if (type == "rectangle") {
+    shape.geometry = RectangleShape{};
+  } else if (type == "cube") {
+    shape.geometry = CubeShape{};
+  } else if (type == "disk") {
+    shape.geometry = DiskShape{};
+  } else if (type == "cylinder") {
+    shape.geometry = read_cylinder(p);
+  } else if (type == "bsplinecurve" || type == "linearcurve") {
+    const auto basis = type == "linearcurve" ? Curves::Basis::kLinear : Curves::Basis::kBspline;
+    shape.geometry = read_curve_file(p.file("filename"), basis);
+  } else if (type == "hair") {
+    shape.geometry = read_hair_curves(p);
+  } else if (type == "heightfield") {
+    read_height_field_shape(p, shape);
+  } else if (type == "sdfgrid") {
+    shape.geometry = read_sdf_grid(p);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace sheaf

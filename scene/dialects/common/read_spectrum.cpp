@@ -1,0 +1,147 @@
+// Reading of spectra and colours.
+#include "scene/dialects/common/read_spectrum.h"
+
+#include "scene/data/illuminants.h"
+#include "scene/xml/xml_values.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+/// Reads a named illuminant with luminance `scale`.
+SpectrumDescription read_illuminant(Properties& p) {
+  const std::optional<std::string> name = p.find_string("name");
+  if (!name) p.fail("needs the string 'name'");
+  std::optional<SpectrumDescription::Table> table = find_illuminant(*name);
+  if (!table) {
+    std::string list;
+    for (const std::string& known : illuminant_names()) list += (list.empty() ? "" : ", ") + known;
+    p.fail_at("name", "is '" + *name + "', expected one of " + list);
+  }
+  const float scale = p.number("scale", 1, kNotNegative);
+  for (float& value : table->values) value *= scale;
+  return {std::move(*table)};
+}
+
+/// Reads `value`: a number, or three numbers without colour conversion.
+SpectrumDescription read_raw_constant(Properties& p) {
+  if (!p.has("value")) p.fail("needs the property 'value'");
+  const auto is_vector = [](const XmlElement& child) {
+    return child.find_attribute("name") != nullptr && child.attribute("name") == "value" &&
+           (child.name == "vector" || child.name == "point");
+  };
+  const std::vector<XmlElement>& children = p.element().children;
+  if (std::any_of(children.begin(), children.end(), is_vector))
+    return {SpectrumDescription::Rgb{*p.find_vec3("value")}};
+  return *p.find_spectrum("value", SpectrumRole::kIor);
+}
+
+/// Reads a spectrum plugin, <spectrum type="...">.
+SpectrumDescription read_spectrum_plugin(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  auto list = [&](const char* name) {
+    const std::optional<std::string> text = p.find_string(name);
+    if (!text) p.fail("needs the string '" + std::string(name) + "'");
+    return parse_floats(*text, p.where(), name);
+  };
+  SpectrumDescription result;
+  if (p.type() == "uniform") {
+    result = SpectrumDescription::constant(p.number("value", 1));
+    p.ignore({"wavelength_min", "wavelength_max"});
+  } else if (p.type() == "d65") {
+    result = SpectrumDescription::constant(p.number("scale", 1, kNotNegative));
+  } else if (p.type() == "rawconstant") {
+    result = read_raw_constant(p);
+  } else if (p.type() == "srgb") {
+    const std::optional<SpectrumDescription> color = p.find_spectrum("color", SpectrumRole::kIor);
+    if (!color) p.fail("needs the property 'color'");
+    result = *color;
+  } else if (p.type() == "blackbody") {
+    const std::optional<float> temperature = p.find_number("temperature", kPositive);
+    if (!temperature) p.fail("needs the float 'temperature' (kelvin)");
+    result.value = SpectrumDescription::Blackbody{*temperature, p.number("scale", 1, kNotNegative)};
+    p.ignore({"wavelength_min", "wavelength_max"});
+  } else if (p.type() == "illuminant") {
+    result = read_illuminant(p);
+  } else if (p.type() == "irregular") {
+    result.value = SpectrumDescription::Table{list("wavelengths"), list("values")};
+  } else if (p.type() == "regular") {
+    SpectrumDescription::Table table{{}, list("values")};
+    const float low = p.number("wavelength_min", 360, kPositive), high = p.number("wavelength_max", 830, kPositive);
+    const std::size_t n = table.values.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const float t = n > 1 ? static_cast<float>(i) / static_cast<float>(n - 1) : 0.0f;
+      table.wavelengths.push_back((1 - t) * low + t * high);
+    }
+    result.value = std::move(table);
+  } else {
+    p.fail_plugin(spectrum_plugins());
+  }
+  p.reject_unused();
+  if (const auto* table = std::get_if<SpectrumDescription::Table>(&result.value)) check_table(*table, element.where);
+  return result;
+}
+
+SpectrumDescription read_blackbody(const XmlElement& element) {
+  element.expect_attributes({"name", "id", "temperature", "scale"});
+  std::string_view kelvin = element.attribute("temperature");
+  if (!kelvin.empty() && (kelvin.back() == 'K' || kelvin.back() == 'k')) kelvin.remove_suffix(1);
+  SpectrumDescription::Blackbody result;
+  result.temperature = parse_float(kelvin, element.where, "temperature");
+  if (const std::string* scale = element.find_attribute("scale"))
+    result.scale = parse_float(*scale, element.where, "scale");
+  if (!(result.temperature > 0)) throw SceneError(element.where, "the temperature of <blackbody> must be positive");
+  if (!(result.scale >= 0)) throw SceneError(element.where, "the scale of <blackbody> must not be negative");
+  return {result};
+}
+
+}  // namespace
+
+SpectrumDescription scaled(SpectrumDescription spectrum, float by) {
+  using S = SpectrumDescription;
+  if (auto* constant = std::get_if<S::Constant>(&spectrum.value)) constant->value *= by;
+  if (auto* rgb = std::get_if<S::Rgb>(&spectrum.value)) rgb->value = rgb->value * by;
+  if (auto* body = std::get_if<S::Blackbody>(&spectrum.value)) body->scale *= by;
+  if (auto* table = std::get_if<S::Table>(&spectrum.value))
+    for (float& value : table->values) value *= by;
+  return spectrum;
+}
+
+const std::vector<std::string>& spectrum_plugins() {
+  static const std::vector<std::string> kNames = {"blackbody",   "d65",     "illuminant", "irregular",
+                                                  "rawconstant", "regular", "srgb",       "uniform"};
+  return kNames;
+}
+
+SpectrumDescription read_spectrum(const XmlElement& element, ReadContext& context) {
+  if (element.name == "blackbody") return read_blackbody(element);
+  const bool may_be_plugin = element.name == "spectrum" || element.name == "texture";
+  if (may_be_plugin && element.find_attribute("type") != nullptr) return read_spectrum_plugin(element, context);
+  element.expect_attributes({"name", "id", "value", element.name == "spectrum" ? "filename" : "value"});
+  const std::string* file = element.find_attribute("filename");
+  if (file != nullptr) {
+    if (element.find_attribute("value") != nullptr)
+      throw SceneError(element.where, "<spectrum> has both 'value' and 'filename'");
+    return {read_spd(context.scene.find_file(*file, element.where))};
+  }
+  const std::string& text = element.attribute("value");
+  if (element.name == "spectrum") return parse_spectrum_text(text, element.where);
+  if (element.name == "rgb" || element.name == "color")
+    return {SpectrumDescription::Rgb{parse_rgb(text, element.where)}};
+  if (element.name == "srgb") return {SpectrumDescription::Rgb{parse_srgb(text, element.where)}};
+  return SpectrumDescription::constant(parse_float(text, element.where, element.name));
+}
+
+SpectrumDescription read_property_spectrum(const XmlElement& element, SpectrumRole role, ReadContext& context) {
+  SpectrumDescription spectrum = read_spectrum(element, context);
+  if (role != SpectrumRole::kEmission || element.name != "spectrum") return spectrum;
+  const auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value);
+  const std::string* type = element.find_attribute("type");
+  if (constant != nullptr && (type == nullptr || *type == "uniform"))
+    spectrum.value = SpectrumDescription::Table{{360, 830}, {constant->value, constant->value}};
+  return spectrum;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,223 @@
+// Volumes shared by the Nori and Mitsuba dialects: constants, grids in files, and their bounds.
+#include "scene/dialects/common/read_volume.h"
+
+#include "scene/description/voxels.h"
+#include "scene/formats/vol_file.h"
+#include "scene/xml/xml_values.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <fstream>
+
+namespace sheaf {
+
+namespace {
+
+using Grid = GridVolumeDescription;
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// Returns the first 8 bytes of a file, or fewer if it is shorter.
+std::string first_bytes(const std::filesystem::path& file) {
+  std::array<char, 8> bytes{};
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(bytes.data(), bytes.size());
+  return {bytes.data(), static_cast<std::size_t>(stream.gcount())};
+}
+
+Grid::Format format_of(Properties& p, const std::filesystem::path& file) {
+  const std::string extension = lower(file.extension().string());
+  if (extension == ".vol") return Grid::Format::kVol;
+  if (extension == ".nvdb") return Grid::Format::kNanoVdb;
+  const std::string head = first_bytes(file);
+  if (head.starts_with("VOL")) return Grid::Format::kVol;
+  if (head.starts_with("NanoVDB")) return Grid::Format::kNanoVdb;
+  if (extension == ".vdb" || head.starts_with(" BDV"))
+    p.fail_at("filename", "is " + in_quotes(file.filename().string()) +
+                              ", a file of OpenVDB, expected .nvdb or .vol: its tool nanovdb_convert makes an .nvdb");
+  p.fail_at("filename", "is " + in_quotes(file.filename().string()) +
+                            ", which is neither a .vol nor a .nvdb file by its name or its first bytes");
+}
+
+Grid::Filter read_grid_filter(Properties& p) {
+  const std::string filter = p.find_string("filter_type").value_or("trilinear");
+  if (filter == "trilinear") return Grid::Filter::kTrilinear;
+  if (filter == "nearest") return Grid::Filter::kNearest;
+  p.fail_at("filter_type", "is " + in_quotes(filter) + ", expected trilinear or nearest" +
+                               did_you_mean(filter, {"trilinear", "nearest"}));
+}
+
+Grid::Wrap read_wrap(Properties& p) {
+  const std::string wrap = p.find_string("wrap_mode").value_or("clamp");
+  if (wrap == "clamp") return Grid::Wrap::kClamp;
+  if (wrap == "repeat") return Grid::Wrap::kRepeat;
+  if (wrap == "mirror") return Grid::Wrap::kMirror;
+  p.fail_at("wrap_mode", "is " + in_quotes(wrap) + ", expected clamp, repeat or mirror" +
+                             did_you_mean(wrap, {"clamp", "repeat", "mirror"}));
+}
+
+void read_placement(Properties& p, const VolumeDialect& dialect, Grid& grid) {
+  const bool placed = p.has("to_world");
+  grid.to_world = p.transform("to_world");
+  grid.use_grid_bbox = p.boolean("use_grid_bbox", dialect.bbox_of_file);
+  if (!dialect.fits_shapes) return;
+  grid.fit_to_shape = p.boolean("fitToShape", dialect.in_shape && !placed);
+  if (grid.fit_to_shape && placed) p.fail_at("fitToShape", "is true beside 'toWorld', expected one or the other");
+  if (grid.fit_to_shape && !dialect.in_shape)
+    p.fail_at("fitToShape", "is true in a medium of the whole scene, which no shape holds");
+}
+
+/// Whether a volume plugin is a constant, under any of its names.
+bool is_constant(const std::string& type) { return type == "constvolume" || type == "constantvolume"; }
+
+VolumeInput read_volume(const XmlElement& element, ReadContext& context, SpectrumRole role,
+                        const VolumeDialect& dialect) {
+  Properties p(element, context);
+  VolumeInput volume;
+  if (is_constant(p.type())) {
+    const auto value = p.find_spectrum("value", role);
+    if (!value) p.fail("has no 'value'");
+    volume = *value;
+    p.ignore({"to_world"});
+  } else if (p.type() == "gridvolume") {
+    volume = read_grid(p, dialect);
+  } else if (p.type() == "vol") {
+    volume = read_grid(p, dialect, Grid::Format::kVol);
+  } else if (p.type() == "nanovdb") {
+    volume = read_grid(p, dialect, Grid::Format::kNanoVdb);
+  } else if (p.type() == "volcache") {
+    p.ignore({"block_size", "voxel_width", "memory_limit", "step_size_multiplier"});
+    const XmlElement* cached = p.object("volume");
+    if (cached == nullptr) p.fail("holds no <volume>");
+    volume = read_volume(*cached, context, role, dialect);
+  } else {
+    p.fail_plugin({"constvolume", "gridvolume", "nanovdb", "vol", "volcache"});
+  }
+  p.reject_unused();
+  return volume;
+}
+
+/// Returns the `to_world` of a constant volume, which may be nested in caches.
+Transform place_of_constant(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  const XmlElement* cached = p.object("volume");
+  return cached != nullptr ? place_of_constant(*cached, context) : p.transform("to_world");
+}
+
+/// Whether the transform maps axes to axes, in any order, up to rounding.
+bool keeps_axes(const Transform& t) {
+  const auto& m = t.matrix().m;
+  for (std::size_t column = 0; column < 3; ++column) {
+    double largest = 0, sum = 0;
+    for (std::size_t row = 0; row < 3; ++row) {
+      largest = std::max(largest, std::fabs(m[row][column]));
+      sum += std::fabs(m[row][column]);
+    }
+    if (sum - largest > 1e-6 * largest) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Grid world_box(const Transform& to_world) {
+  // The extent along each world axis is the sum of the absolute values of a matrix row.
+  const auto& m = to_world.matrix().m;
+  DenseVolume voxel;
+  voxel.size = {1, 1, 1};
+  voxel.values = {1};
+  Matrix4 box;
+  for (std::size_t row = 0; row < 3; ++row) {
+    box.m[row][row] = std::fabs(m[row][0]) + std::fabs(m[row][1]) + std::fabs(m[row][2]);
+    box.m[row][3] = m[row][3] + 0.5 * (m[row][0] + m[row][1] + m[row][2]);
+  }
+  voxel.grid_to_local = Transform(box);
+  Grid grid;
+  grid.format = Grid::Format::kInMemory;
+  grid.made = std::make_shared<const DenseVolume>(std::move(voxel));
+  return grid;
+}
+
+std::optional<Grid> find_volume_bounds(Properties& p, const char* name, const VolumeInput& volume) {
+  const auto* grid = std::get_if<Grid>(&volume);
+  if (grid == nullptr) {
+    const XmlElement* nested = p.named_object("volume", name);
+    return world_box(nested != nullptr ? place_of_constant(*nested, p.context()) : Transform());
+  }
+  if (grid->format != Grid::Format::kVol || keeps_axes(grid->to_world)) return std::nullopt;
+  Transform to_world = grid->to_world;
+  if (grid->use_grid_bbox) to_world = to_world * vol_box(grid->file);
+  return world_box(to_world);
+}
+
+GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std::optional<Grid::Format> format) {
+  Grid grid;
+  grid.file = p.file("filename");
+  grid.format = format_of(p, grid.file);
+  if (format && *format != grid.format)
+    p.fail_at("filename", "is " + in_quotes(grid.file.filename().string()) + ", expected a " +
+                              (*format == Grid::Format::kVol ? ".vol" : ".nvdb") + " file");
+  grid.grid = p.find_string("grid_name").value_or("");
+  if (!grid.grid.empty() && grid.format == Grid::Format::kVol)
+    p.fail_at("grid_name", "is given for a .vol file, whose one grid has no name");
+  read_placement(p, dialect, grid);
+  grid.filter = read_grid_filter(p);
+  grid.wrap = read_wrap(p);
+  grid.raw = p.boolean("raw", false);
+  p.ignore({"accel", "send_data"});
+  return grid;
+}
+
+std::optional<VolumeInput> find_volume_input(Properties& p, const char* name, SpectrumRole role,
+                                             const VolumeDialect& dialect) {
+  const XmlElement* nested = p.named_object("volume", name);
+  if (nested != nullptr && p.has(name))
+    p.fail_at(name, "is given beside a <volume> of this name, expected one or the other");
+  if (nested != nullptr) return read_volume(*nested, p.context(), role, dialect);
+  if (const auto spectrum = p.find_spectrum(name, role)) return *spectrum;
+  return std::nullopt;
+}
+
+std::optional<SpectrumDescription> find_constant_volume(Properties& p, const char* name, SpectrumRole role,
+                                                        const VolumeDialect& dialect) {
+  const std::optional<VolumeInput> input = find_volume_input(p, name, role, dialect);
+  if (!input) return std::nullopt;
+  if (const auto* spectrum = std::get_if<SpectrumDescription>(&*input)) return *spectrum;
+  p.fail("has a grid for '" + std::string(name) + "', expected the same value everywhere");
+}
+
+std::variant<std::array<float, 6>, Grid> read_matrix_volume(const XmlElement& element, ReadContext& context,
+                                                            const VolumeDialect& dialect) {
+  Properties p(element, context);
+  std::variant<std::array<float, 6>, Grid> volume;
+  if (is_constant(p.type())) {
+    const auto text = p.find_string("value");
+    if (!text) p.fail("needs the string 'value': six numbers, xx yy zz xy xz yz");
+    const std::vector<float> numbers = parse_floats(*text, p.where(), "value");
+    std::array<float, 6> matrix;
+    if (numbers.size() != matrix.size())
+      p.fail_at("value", "holds " + std::to_string(numbers.size()) + " numbers, expected six: xx yy zz xy xz yz");
+    std::copy(numbers.begin(), numbers.end(), matrix.begin());
+    volume = matrix;
+    p.ignore({"to_world"});
+  } else if (p.type() == "gridvolume" || p.type() == "vol") {
+    volume = read_grid(p, dialect, Grid::Format::kVol);
+  } else {
+    p.fail_plugin({"constvolume", "gridvolume", "vol"});
+  }
+  p.reject_unused();
+  return volume;
+}
+
+float number_of(Properties& p, const char* name, const SpectrumDescription& spectrum) {
+  if (const auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value)) return constant->value;
+  p.fail("has a colour for '" + std::string(name) + "', expected a number");
+}
+
+}  // namespace sheaf

@@ -1,0 +1,127 @@
+// The Mitsuba dialect: integrators. Integrators with the same expected image are mapped to Sheaf's, with a note.
+#include "scene/dialects/common/integrator_name.h"
+#include "scene/dialects/common/light_selector_name.h"
+#include "scene/dialects/common/medium_estimator_name.h"
+#include "scene/dialects/common/read_photon_mapping.h"
+#include "scene/dialects/common/visibility_integrators.h"
+#include "scene/dialects/mitsuba/reader.h"
+
+namespace sheaf::mitsuba {
+
+namespace {
+
+constexpr int kMaxDepth = 1'000'000;
+
+/// Default maximum depth. The `prb` integrators limit it because they compute derivatives, which is expensive.
+int usual_depth(const std::string& type) { return type.starts_with("prb") ? 6 : -1; }
+
+void read_photon_maps(Properties& p, IntegratorSettings& integrator) {
+  PhotonMappingSettings& photons = integrator.photons;
+  if (!photons.progressive) {
+    photons.global = {250'000, 0, 0.05f};
+    photons.caustic = {250'000, 0, 0.0125f};
+    photons.volume.count = 250'000;
+    photons.gathering = PhotonGathering::kIndirect;
+    photons.lookup_size = 120;
+  }
+  read_photon_mapping(p, photons);
+  p.ignore({"direct_samples", "glossy_samples", "granularity", "cache_photons", "auto_cancel_gathering",
+            "gather_locally", "max_specular_depth", "caustic_lookup_size", "volume_lookup_size"});
+}
+
+void read_path_like(Properties& p, const NamedIntegrator& named, IntegratorSettings& integrator) {
+  integrator.max_depth = p.integer("max_depth", usual_depth(p.type()), -1, kMaxDepth);
+  if (p.has("rr_depth")) integrator.rr_depth = p.integer("rr_depth", 0, 1, kMaxDepth);
+  integrator.hide_emitters = p.boolean("hide_emitters", false);
+  apply(named, integrator);
+  read_light_sampling(p, integrator);
+  read_medium_estimation(p, integrator);
+  p.ignore({"strict_normals", "samples_per_pass", "block_size", "timeout"});
+  if (integrator.kind == IntegratorKind::kPhotonMapper) read_photon_maps(p, integrator);
+  if (p.type() == "ptracer") p.ignore({"granularity", "brute_force", "samples_per_pass"});
+  if (p.type() == "volpathmis") p.ignore({"use_spectral_mis"});
+  // Forks of Mitsuba use `version` to select among equivalent estimators, and the others for intermediate output.
+  if (p.type().starts_with("volpath")) p.ignore({"version"});
+  if (integrator.photons.progressive) p.ignore({"k_nn", "step_snapshot", "dual_buffer", "granularity"});
+}
+
+/// Reads an integrator with the same expected image; ignores its own properties.
+void read_stand_in(Properties& p, const NamedIntegrator& named, IntegratorSettings& integrator) {
+  read_path_like(p, named, integrator);
+  p.ignore_all();
+  p.context().note(p.where(), stand_in_note(p.type()));
+}
+
+/// Reads `direct`. Several samples per strategy have the same expectation as one; 0 samples disable a strategy.
+void read_direct(Properties& p, IntegratorSettings& integrator) {
+  constexpr int kMax = 1'000'000;
+  integrator.max_depth = 2;
+  integrator.hide_emitters = p.boolean("hide_emitters", false);
+  const int shading = p.integer("shading_samples", 1, 1, kMax);
+  const int lights = p.integer("emitter_samples", shading, 0, kMax);
+  const int bsdfs = p.integer("bsdf_samples", shading, 0, kMax);
+  if (lights + bsdfs == 0) p.fail("has neither emitter_samples nor bsdf_samples");
+  if (bsdfs == 0) integrator.strategy = LightStrategy::kLightOnly;
+  if (lights == 0) integrator.strategy = LightStrategy::kBsdfOnly;
+  read_light_sampling(p, integrator);
+  read_medium_estimation(p, integrator);
+  if (std::max(lights, bsdfs) > 1)
+    p.context().note(p.where(), "direct light is sampled once per path; raise sample_count for less noise");
+  p.ignore({"strict_normals", "samples_per_pass", "block_size", "timeout"});
+}
+
+/// Whether the integrator only wraps a nested one.
+bool is_wrapper(const std::string& type) {
+  return type == "moment" || type == "aov" || type == "stokes" || type == "adaptive" || type == "irrcache" ||
+         type == "multichannel";
+}
+
+void read_wrapper(Properties& p, Reader& reader) {
+  if (p.type() == "aov" && p.find_string("aovs"))
+    p.context().note(p.where(), "the layers of 'aovs' are not written by the integrator");
+  if (p.type() == "stokes") p.context().note(p.where(), "light is rendered without its polarisation");
+  const std::vector<const XmlElement*> nested = p.objects("integrator");
+  if (nested.empty()) p.fail("holds no nested <integrator>, expected one");
+  if (nested.size() > 1 && p.type() != "multichannel")
+    p.fail("holds " + std::to_string(nested.size()) + " nested <integrator>, expected one");
+  p.ignore_all();
+  read_integrator(*nested[0], reader);
+}
+
+void read_plugin(const XmlElement& element, Reader& reader) {
+  Properties p(element, reader.context);
+  IntegratorSettings& integrator = reader.context.description.integrator;
+  if (is_wrapper(p.type())) return read_wrapper(p, reader);
+  if (is_visibility_integrator(p.type())) {
+    const float length = p.number("length", kInfinity, kPositive);
+    p.ignore({"samples_per_pass", "block_size", "timeout"});
+    p.reject_unused();
+    return apply_visibility_integrator(p.type(), length, true, reader.context.description);
+  }
+  const NamedIntegrator* named = find_integrator(p.type());
+  if (named == nullptr) {
+    std::vector<std::string> known = integrator_names();
+    known.insert(known.end(), {"aov", "moment", "multichannel", "stokes"});
+    p.fail_plugin(known);
+  }
+  if (same_expectation(p.type()) != nullptr) {
+    read_stand_in(p, *named, integrator);
+  } else if (p.type() == "direct") {
+    read_direct(p, integrator);
+  } else if (!transports_light(named->kind)) {
+    integrator.kind = named->kind;
+    p.ignore({"samples_per_pass", "block_size", "timeout"});
+  } else {
+    read_path_like(p, *named, integrator);
+    if (named->direct) integrator.max_depth = 2;
+  }
+  p.reject_unused();
+}
+
+}  // namespace
+
+void read_integrator(const XmlElement& element, Reader& reader) {
+  read_or_as(element, reader.context, "path", [&] { read_plugin(element, reader); });
+}
+
+}  // namespace sheaf::mitsuba

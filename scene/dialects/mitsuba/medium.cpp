@@ -1,0 +1,102 @@
+// The Mitsuba dialect: participating media.
+#include "scene/data/measured_media.h"
+#include "scene/dialects/common/read_medium.h"
+#include "scene/dialects/mitsuba/reader.h"
+
+namespace sheaf::mitsuba {
+
+const MeasuredMedium& read_measured_medium(Properties& p) {
+  const std::string name = p.find_string("material").value_or("skin1");
+  const MeasuredMedium* found = find_measured_medium(name);
+  if (found == nullptr) {
+    std::string list;
+    for (const std::string& known : measured_medium_names()) list += (list.empty() ? "" : ", ") + known;
+    p.fail_at("material", "is " + in_quotes(name) + ", expected the name of a measured medium" +
+                              did_you_mean(name, measured_medium_names()) + " (known: " + list +
+                              "); others can be given by 'sigma_s' and 'sigma_a'");
+  }
+  return *found;
+}
+
+void read_measured_coefficients(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
+  if (read_coefficients(p, dialect, medium)) {
+    if (p.has("material")) p.fail_at("material", "is given beside coefficients, expected one or the other");
+    return;
+  }
+  const MeasuredMedium& measured = read_measured_medium(p);
+  const auto rgb = [](Vec3f v) { return SpectrumDescription{SpectrumDescription::Rgb{v}}; };
+  medium.coefficients = AbsorptionScatteringDescription{rgb(measured.sigma_a), rgb(measured.sigma_s)};
+}
+
+namespace {
+
+void read_homogeneous(Properties& p, const VolumeDialect& dialect, bool before_version_2, MediumDescription& medium) {
+  if (before_version_2) {
+    read_measured_coefficients(p, dialect, medium);
+  } else {
+    read_coefficients(p, dialect, medium);
+  }
+  read_medium_rest(p, dialect, medium);
+  expect_homogeneous(p, medium);
+}
+
+/// Mitsuba before 2: `density` is the extinction coefficient, and `method` selects the distance sampling.
+void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
+  ExtinctionAlbedoDescription pair;
+  const auto density = find_volume_input(p, "density", SpectrumRole::kIor, dialect);
+  if (!density) p.fail("needs a <volume> of the name 'density'");
+  pair.sigma_t = *density;
+  if (const auto albedo = find_volume_input(p, "albedo", SpectrumRole::kReflectance, dialect)) pair.albedo = *albedo;
+  medium.coefficients = std::move(pair);
+  if (p.named_object("volume", "orientation") != nullptr)
+    p.fail(
+        "has a <volume> of the name 'orientation', which is not supported: the directions of fibres are expected in "
+        "the matrices of the phase function 'sggx'");
+  const std::string method = p.find_string("method").value_or("woodcock");
+  IntegratorSettings& integrator = p.context().description.integrator;
+  if (method == "simpson") {
+    integrator.medium_estimator = MediumEstimator::kMarching;
+    integrator.step_size = p.number("step_size", integrator.step_size, kPositive);
+  } else if (method != "woodcock") {
+    p.fail_at("method", "is " + in_quotes(method) + ", expected woodcock or simpson" +
+                            did_you_mean(method, {"woodcock", "simpson"}));
+  }
+  p.ignore({"step_size"});
+  read_medium_rest(p, dialect, medium);
+}
+
+/// Mitsuba 2 and later: the medium ends at the axis-aligned bounding box of its `sigma_t` volume. For a constant or a
+/// number, this is the box around the transformed unit cube.
+void end_at_bounds(Properties& p, MediumDescription& medium) {
+  if (const auto* pair = std::get_if<ExtinctionAlbedoDescription>(&medium.coefficients))
+    medium.density = find_volume_bounds(p, "sigma_t", pair->sigma_t);
+}
+
+}  // namespace
+
+MediumId medium_of(const XmlElement& element, Reader& reader) {
+  if (const auto known = find_read_medium(element, reader.context)) return *known;
+  Properties p(element, reader.context);
+  const VolumeDialect dialect{.bbox_of_file = reader.before_version_2};
+  MediumDescription medium;
+  if (p.type() == "homogeneous") {
+    read_homogeneous(p, dialect, reader.before_version_2, medium);
+  } else if (p.type() == "heterogeneous") {
+    // Some forks read files of the old version with the coefficients of the new one.
+    const bool extinction = p.named_object("volume", "sigma_t") != nullptr;
+    if (reader.before_version_2 && !extinction) {
+      read_old_heterogeneous(p, dialect, medium);
+    } else {
+      read_coefficients(p, dialect, medium);
+      if (!reader.before_version_2) end_at_bounds(p, medium);
+      read_medium_rest(p, dialect, medium);
+    }
+  } else {
+    p.fail_plugin({"heterogeneous", "homogeneous"});
+  }
+  p.ignore({"has_spectral_extinction", "sample_emitters", "majorant_grid", "majorant_factor",
+            "majorant_resolution_factor", "accel"});
+  return add_medium(p, std::move(medium));
+}
+
+}  // namespace sheaf::mitsuba

@@ -1,0 +1,116 @@
+// The Mitsuba dialect (0.6, 2, 3): top-level elements of a scene.
+#include "scene/dialects/mitsuba/reader.h"
+
+#include "scene/dialects/common/auto_camera.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Whether the version attribute names a release before 2.0.
+bool is_before_version_2(const XmlElement& root) {
+  const std::string* version = root.find_attribute("version");
+  return version != nullptr && (version->starts_with("0.") || version->starts_with("1."));
+}
+
+/// Rejects a top-level object that needs a parent unless another object refers to it.
+void expect_referenced(const XmlElement& element, const char* place, const ReadContext& context) {
+  if (!context.scene.is_referenced(element))
+    throw SceneError(element.where,
+                     "<" + element.name + "> at the top level, which nothing refers to; it belongs " + place);
+}
+
+[[noreturn]] void fail_unknown(const XmlElement& element) {
+  const std::vector<std::string> known = {
+      "sensor", "shape",   "bsdf",    "texture", "emitter", "integrator", "film",  "sampler", "rfilter",   "spectrum",
+      "rgb",    "default", "include", "path",    "alias",   "medium",     "phase", "volume",  "subsurface"};
+  throw SceneError(element.where,
+                   "unknown element <" + element.name + "> in a Mitsuba scene" + did_you_mean(element.name, known));
+}
+
+bool is_spectrum(const XmlElement& e) {
+  return e.name == "spectrum" || e.name == "rgb" || e.name == "srgb" || e.name == "blackbody";
+}
+
+}  // namespace
+
+namespace {
+
+/// Elements that are read after all others.
+struct Last {
+  const XmlElement* sensor = nullptr;
+  const XmlElement* integrator = nullptr;
+};
+
+void read_child(const XmlElement& child, mitsuba::Reader& reader, Last& last) {
+  ReadContext& context = reader.context;
+  const std::string& kind = child.name;
+  if (kind == "shape") {
+    mitsuba::read_shape(child, reader);
+  } else if (kind == "bsdf") {
+    mitsuba::material_of(child, reader);
+  } else if (kind == "medium") {
+    mitsuba::medium_of(child, reader);
+  } else if (kind == "texture") {
+    if (!context.scene.is_referenced(child)) mitsuba::texture_of(child, context);
+  } else if (kind == "emitter") {
+    mitsuba::read_emitter(child, reader);
+  } else if (kind == "sensor") {
+    if (last.sensor != nullptr)
+      context.note(child.where, "a scene is rendered through its first sensor; this one is left out");
+    else
+      last.sensor = &child;
+  } else if (kind == "integrator") {
+    if (context.scene.is_referenced(child)) return;
+    if (last.integrator != nullptr) throw SceneError(child.where, "a second <integrator>, expected one");
+    last.integrator = &child;
+  } else if (kind == "film" || kind == "sampler") {
+    expect_referenced(child, "inside a <sensor>", context);
+  } else if (kind == "rfilter") {
+    expect_referenced(child, "inside a <film>", context);
+  } else if (is_spectrum(child)) {
+    expect_referenced(child, "inside an object", context);
+  } else if (kind == "phase" || kind == "volume") {
+    expect_referenced(child, "inside a <medium>", context);
+  } else if (kind == "subsurface") {
+    expect_referenced(child, "inside a <shape>", context);
+  } else if (kind == "ref") {
+    throw SceneError(child.where, "<ref> at the top level: the object it refers to is in the scene already");
+  } else {
+    fail_unknown(child);
+  }
+}
+
+}  // namespace
+
+void read_mitsuba(ReadContext& context) {
+  const XmlElement& root = context.scene.root();
+  context.readers.texture = mitsuba::texture_of;
+  mitsuba::Reader reader{context, is_before_version_2(root)};
+  context.exchanges_checkerboards = !is_before_version_2(root);
+  Last last;
+  for (const XmlElement& child : root.children)
+    read_or_leave_out(child, context, [&] { read_child(child, reader, last); });
+  // Warn about unused sensors
+  const std::size_t used = last.sensor != nullptr || reader.shape_sensors.empty() ? 0 : 1;
+  for (std::size_t i = used; i < reader.shape_sensors.size(); ++i)
+    context.note(reader.shape_sensors[i].element->where,
+                 "a scene is rendered through its first sensor; this one is left out");
+  // Read the camera, then the integrator
+  if (last.sensor != nullptr) {
+    read_or_as(*last.sensor, context, "perspective", [&] { mitsuba::read_sensor(*last.sensor, reader); });
+  } else if (!reader.shape_sensors.empty()) {
+    const XmlElement& sensor = *reader.shape_sensors[0].element;
+    read_or_as(sensor, context, "irradiancemeter",
+               [&] { mitsuba::read_shape_sensor(reader.shape_sensors[0], reader); });
+  } else {
+    stand_in_camera(root, "<sensor>", context);
+  }
+  if (last.integrator != nullptr) {
+    mitsuba::read_integrator(*last.integrator, reader);
+  } else {
+    context.note(root.where, "the scene has no <integrator>; rendering with 'path'");
+  }
+}
+
+}  // namespace sheaf

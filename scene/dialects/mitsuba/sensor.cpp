@@ -1,0 +1,307 @@
+// The Mitsuba dialect: sensor, film, pixel filter, sampler.
+#include "scene/description/filter_check.h"
+#include "scene/dialects/common/read_camera.h"
+#include "scene/dialects/mitsuba/reader.h"
+
+#include "scene/xml/xml_values.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace sheaf::mitsuba {
+
+namespace {
+
+constexpr float kFilmDiagonal = 43.266615f;  // diagonal of 36 mm x 24 mm, in mm
+
+PixelFilter read_filter(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  using Kind = PixelFilter::Kind;
+  PixelFilter filter;
+  if (p.type() == "box") {
+    filter = {Kind::kBox, p.number("radius", 0.5f, kPositive)};
+  } else if (p.type() == "tent") {
+    filter = {Kind::kTent, p.number("radius", 1, kPositive)};
+  } else if (p.type() == "gaussian") {
+    const float stddev = p.number("stddev", 0.5f, kPositive);
+    filter = {Kind::kGaussian, 4 * stddev, stddev};
+  } else if (p.type() == "mitchell") {
+    filter.kind = Kind::kMitchell;
+    filter.radius = 2;
+    filter.b = p.number("B", 1.0f / 3);
+    filter.c = p.number("C", 1.0f / 3);
+  } else if (p.type() == "catmullrom") {
+    filter.kind = Kind::kCatmullRom;
+    filter.radius = 2;
+  } else if (p.type() == "lanczos") {
+    filter.kind = Kind::kLanczos;
+    filter.lobes = static_cast<float>(p.integer("lobes", 3, 1, 64));
+    filter.radius = filter.lobes;
+  } else {
+    p.fail_plugin({"box", "catmullrom", "gaussian", "lanczos", "mitchell", "tent"});
+  }
+  p.reject_unused();
+  check_filter_radius(static_cast<double>(filter.radius), p.where());
+  return filter;
+}
+
+void read_crop(Properties& p, FilmSettings& film) {
+  constexpr int kLargest = 1'000'000'000;
+  const bool cropped = p.has("crop_offset_x") || p.has("crop_offset_y") || p.has("crop_width") || p.has("crop_height");
+  const int x0 = p.integer("crop_offset_x", 0, 0, kLargest), y0 = p.integer("crop_offset_y", 0, 0, kLargest);
+  const int width = p.integer("crop_width", film.width - x0, 1, kLargest);
+  const int height = p.integer("crop_height", film.height - y0, 1, kLargest);
+  if (!cropped) return;
+  if (width < 1 || height < 1 || x0 > film.width - width || y0 > film.height - height)
+    p.fail("crop window (offset " + std::to_string(x0) + ", " + std::to_string(y0) + ", size " + std::to_string(width) +
+           " x " + std::to_string(height) + ") reaches beyond the film of " + std::to_string(film.width) + " x " +
+           std::to_string(film.height) + " pixels");
+  film.crop = PixelRect{x0, y0, x0 + width, y0 + height};
+}
+
+/// Reads the frame size in pixels. Nori scenes specify it in the camera.
+void read_frame(Properties& p, FilmSettings& film) {
+  film.width = p.integer("width", film.width, 1, 1'000'000'000);
+  film.height = p.integer("height", film.height, 1, 1'000'000'000);
+  check_frame(film.width, film.height, p.where());
+}
+
+void read_film(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  if (p.type() == "specfilm") {
+    context.note(p.where(), "the film is rendered as an 'hdrfilm': its bands are not told apart (see --spectral-bins)");
+    for (const XmlElement& child : element.children)
+      if (child.name == "spectrum") p.ignore({std::string(child.attribute("name")).c_str()});
+  } else if (p.type() != "hdrfilm" && p.type() != "ldrfilm" && p.type() != "mfilm" && p.type() != "tiledhdrfilm") {
+    p.fail_plugin({"hdrfilm", "ldrfilm", "mfilm", "specfilm", "tiledhdrfilm"});
+  }
+  FilmSettings& film = context.description.film;
+  read_frame(p, film);
+  read_crop(p, film);
+  film.sample_border = p.boolean("sample_border", false);
+  if (const XmlElement* filter = p.object("rfilter"))
+    read_or_as(*filter, context, "gaussian", [&] { film.filter = read_filter(*filter, context); });
+  if (p.ignore_prefixed("label[")) context.note(p.where(), "labels are not drawn on the image");
+  if (p.ignore_prefixed("metadata[")) context.note(p.where(), "'metadata' is not written to the image");
+  if (p.find_string("channel_names"))
+    context.note(p.where(), "'channelNames' is ignored: the image has the layers that --aov asks for");
+  p.ignore({"file_format", "pixel_format", "component_format", "banner", "high_quality_edges", "compensate", "gamma",
+            "exposure", "key", "burn", "tonemap_method", "attach_log", "digits", "variable", "fprec"});
+  p.reject_unused();
+}
+
+void read_sampler(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  SamplerSettings& sampler = context.description.sampler;
+  sampler.kind = read_sampler_kind(p);
+  sampler.sample_count = static_cast<std::uint32_t>(p.integer("sample_count", 4, 1, kMaxSampleCount));
+  sampler.seed = static_cast<std::uint32_t>(p.integer("seed", 0, 0, std::numeric_limits<int>::max()));
+  if (sampler.kind != SamplerKind::kIndependent) p.ignore({"dimension", "scramble", "jitter", "strength"});
+  p.reject_unused();
+}
+
+/// Parses a length in millimetres, "50mm" or "50".
+float parse_focal_length(Properties& p, std::string text) {
+  if (text.ends_with("mm")) text.resize(text.size() - 2);
+  const float length = parse_float(text, p.where(), "property 'focal_length'");
+  if (!(length > 0)) p.fail_at("focal_length", "is " + in_quotes(text) + ", expected a positive length");
+  return length;
+}
+
+/// Reads the distortion coefficients `kc`: a string of two numbers.
+std::array<float, 2> read_distortion(Properties& p) {
+  const std::vector<float> kc = parse_floats(p.find_string("kc").value_or("0, 0"), p.where(), "kc");
+  if (kc.size() != 2) p.fail_at("kc", "holds " + std::to_string(kc.size()) + " numbers, expected two");
+  return {kc[0], kc[1]};
+}
+
+/// Reads an orthographic camera, or a `telecentric` one with a thin lens. Lens lengths are in world space.
+void read_orthographic(Properties& p, CameraDescription& camera) {
+  camera.projection = CameraDescription::Projection::kOrthographic;
+  const float focus = p.number("focus_distance", camera.far_clip, kPositive);
+  if (p.type() == "orthographic") return;
+  const float radius = p.number("aperture_radius", 0, kNotNegative);
+  camera.aperture_radius = radius / length(camera.to_world.vector({1, 0, 0}));
+  camera.focus_distance = focus / length(camera.to_world.vector({0, 0, 1}));
+}
+
+/// Returns a transform that maps the origin to `origin` and +z to `direction`.
+Transform aim(Vec3f origin, Vec3f direction) {
+  const Vec3f up = std::fabs(direction.y) < 0.9f * length(direction) ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0};
+  return Transform::look_at(origin, origin + normalize(direction), up);
+}
+
+Vec3f read_sensor_direction(Properties& p) {
+  const Vec3f direction = *p.find_vec3("direction");
+  const float length = sheaf::length(direction);
+  if (!(length > 0.0f) || !std::isfinite(length)) p.fail_at("direction", "has no length");
+  return direction;
+}
+
+void read_radiance_meter(Properties& p, CameraDescription& camera) {
+  camera.projection = CameraDescription::Projection::kRadianceMeter;
+  camera.near_clip = 0;
+  const bool origin = p.has("origin"), direction = p.has("direction");
+  if (p.has("to_world")) return p.ignore({"origin", "direction"});
+  if (origin != direction) p.fail_at(origin ? "origin" : "direction", "is given without the other: expected both");
+  if (origin) camera.to_world = aim(p.vec3("origin", {0, 0, 0}), read_sensor_direction(p));
+}
+
+/// Reads the target shape of a distant sensor.
+CameraDescription::TargetArea read_target(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  if (p.type() != "rectangle" && p.type() != "disk")
+    p.fail("is the target of a sensor, expected a 'rectangle' or a 'disk'");
+  CameraDescription::TargetArea target{p.transform("to_world"), p.type() == "disk"};
+  p.ignore({"flip_normals"});
+  p.objects("bsdf");
+  p.reject_unused();
+  return target;
+}
+
+void read_distant(Properties& p, CameraDescription& camera) {
+  camera.projection = CameraDescription::Projection::kDistant;
+  camera.near_clip = 0;
+  const bool placed = p.has("to_world");
+  if (p.has("direction")) {
+    if (placed) p.fail_at("direction", "is given beside 'to_world', expected one or the other");
+    camera.to_world = aim({0, 0, 0}, read_sensor_direction(p));
+  }
+  if (const XmlElement* shape = p.object("shape")) {
+    camera.target = read_target(*shape, p.context());
+  } else if (const auto point = p.find_vec3("target")) {
+    camera.target = *point;
+  }
+}
+
+void read_camera(Properties& p, CameraDescription& camera) {
+  camera.to_world = p.transform("to_world");
+  read_shutter(p);
+  if (p.type() == "radiancemeter") return read_radiance_meter(p, camera);
+  if (p.type() == "distant") return read_distant(p, camera);
+  if (p.type() == "spherical") {
+    camera.projection = CameraDescription::Projection::kSpherical;
+    return;
+  }
+  read_clip(p, camera, 0.01f);
+  if (p.type() == "orthographic" || p.type() == "telecentric") return read_orthographic(p, camera);
+  read_fov(p, camera);
+  if (p.type() == "thinlens") {
+    const std::optional<float> radius = p.find_number("aperture_radius", kNotNegative);
+    if (!radius) p.fail("has no 'aperture_radius'");
+    camera.aperture_radius = *radius;
+    camera.focus_distance = p.number("focus_distance", camera.far_clip, kPositive);
+    return;
+  }
+  if (p.type() == "perspective_rdist") camera.distortion = read_distortion(p);
+  camera.principal_point_x = p.number("principal_point_offset_x", 0);
+  camera.principal_point_y = p.number("principal_point_offset_y", 0);
+  p.ignore({"focus_distance", "aperture_radius"});
+}
+
+constexpr std::initializer_list<const char*> kCameras = {"distant",           "orthographic",  "perspective",
+                                                         "perspective_rdist", "radiancemeter", "spherical",
+                                                         "telecentric",       "thinlens"};
+
+bool is_camera(const std::string& type) { return std::find(kCameras.begin(), kCameras.end(), type) != kCameras.end(); }
+
+/// Replaces the pixel filter of sensors that do not form an image by a box filter, and checks their film size.
+void check_meter(Properties& p, const CameraDescription& camera) {
+  using Projection = CameraDescription::Projection;
+  FilmSettings& film = p.context().description.film;
+  const bool single = camera.projection == Projection::kRadianceMeter || camera.projection == Projection::kDistant;
+  if (!single && camera.projection != Projection::kIrradianceMeter) return;
+  if (single && (film.width != 1 || film.height != 1))
+    p.fail("has a film of " + std::to_string(film.width) + " x " + std::to_string(film.height) +
+           " pixels, expected one pixel");
+  film.filter = PixelFilter{};
+}
+
+/// Reads film, sampler and medium of a sensor after its camera.
+void read_sensor_rest(Properties& p, Reader& reader, CameraDescription& camera) {
+  reader.context.description.film.filter = {PixelFilter::Kind::kGaussian, 2.0f, 0.5f};
+  read_frame(p, reader.context.description.film);
+  if (const XmlElement* film = p.object("film"))
+    read_or_as(*film, reader.context, "hdrfilm", [&] { read_film(*film, reader.context); });
+  if (const XmlElement* sampler = p.object("sampler"))
+    read_or_as(*sampler, reader.context, "sobol", [&] { read_sampler(*sampler, reader.context); });
+  if (const XmlElement* medium = p.object("medium")) camera.medium = medium_of(*medium, reader);
+  check_meter(p, camera);
+}
+
+/// Reads the cameras of a batch, which render side by side. Ignores their own films and samplers.
+void read_batch(Properties& p, Reader& reader) {
+  Description& description = reader.context.description;
+  std::vector<CameraDescription> cameras;
+  for (const XmlElement* element : p.objects("sensor")) {
+    Properties child(*element, reader.context);
+    if (!is_camera(child.type()) || child.type() == "radiancemeter" || child.type() == "distant")
+      child.fail("is part of a batch, expected a camera that makes a picture");
+    cameras.emplace_back().where = element->where;
+    read_camera(child, cameras.back());
+    child.objects("film"), child.objects("sampler");
+    child.reject_unused();
+  }
+  if (cameras.empty()) p.fail("holds no <sensor>, expected one at least");
+  read_shutter(p);
+  description.camera = cameras.front();
+  description.more_cameras.assign(cameras.begin() + 1, cameras.end());
+}
+
+}  // namespace
+
+void read_fov(Properties& p, CameraDescription& camera) {
+  camera.fov_axis = read_fov_axis(p);
+  const std::optional<float> fov = p.find_number("fov", {0, 180, true});
+  std::optional<float> focal_length;
+  if (p.is_string("focal_length")) {
+    focal_length = parse_focal_length(p, *p.find_string("focal_length"));
+  } else {
+    focal_length = p.find_number("focal_length", kPositive);
+  }
+  if (fov && focal_length) p.fail("has both 'fov' and 'focal_length', expected one");
+  if (fov) {
+    camera.fov = *fov;
+    return;
+  }
+  camera.fov = 2 * std::atan(kFilmDiagonal / 2 / focal_length.value_or(50)) * 180 / std::numbers::pi_v<float>;
+  camera.fov_axis = CameraDescription::FovAxis::kDiagonal;
+}
+
+void read_sensor(const XmlElement& element, Reader& reader) {
+  Properties p(element, reader.context);
+  CameraDescription& camera = reader.context.description.camera;
+  if (p.type() == "batch") {
+    read_batch(p, reader);
+  } else if (p.type() == "irradiancemeter") {
+    p.fail("must be nested in a <shape>");
+  } else if (is_camera(p.type())) {
+    read_camera(p, camera);
+  } else {
+    std::vector<std::string> known(kCameras.begin(), kCameras.end());
+    known.insert(known.end(), {"batch", "irradiancemeter"});
+    std::sort(known.begin(), known.end());
+    p.fail_plugin(known);
+  }
+  camera.where = element.where;
+  read_sensor_rest(p, reader, camera);
+  p.reject_unused();
+}
+
+void read_shape_sensor(const ShapeSensor& sensor, Reader& reader) {
+  Properties p(*sensor.element, reader.context);
+  if (p.type() != "irradiancemeter") p.fail_plugin({"irradiancemeter"});
+  if (sensor.shape_type != "rectangle")
+    p.fail("is in a " + in_quotes(sensor.shape_type) +
+           ", expected a 'rectangle': irradiance is measured on these alone");
+  CameraDescription& camera = reader.context.description.camera;
+  camera.where = sensor.element->where;
+  camera.projection = CameraDescription::Projection::kIrradianceMeter;
+  camera.to_world = sensor.to_world;
+  read_shutter(p);
+  read_sensor_rest(p, reader, camera);
+  p.reject_unused();
+}
+
+}  // namespace sheaf::mitsuba

@@ -1,0 +1,107 @@
+// The Mitsuba dialect: shapes.
+#include "scene/dialects/common/read_emitter.h"
+#include "scene/dialects/common/read_geometry.h"
+#include "scene/dialects/mitsuba/reader.h"
+#include "scene/formats/ellipsoids.h"
+
+namespace sheaf::mitsuba {
+
+namespace {
+
+/// Black material of light sources without a BSDF.
+MaterialId black_material(Reader& reader) {
+  if (!reader.black) {
+    MaterialDescription material;
+    material.model = DiffuseDescription{SpectrumDescription::constant(0)};
+    reader.black = add_material(reader.context, std::move(material));
+  }
+  return *reader.black;
+}
+
+/// Material of a null interface.
+MaterialId null_material(Reader& reader) {
+  if (!reader.null) reader.null = add_material(reader.context, {NullDescription{}, true, true, {}, {}});
+  return *reader.null;
+}
+
+/// Reads the shapes of a `merge` one by one, because merging does not change the image.
+bool read_merged(const XmlElement& element, Reader& reader) {
+  const std::string* type = element.find_attribute("type");
+  if (type == nullptr || *type != "merge") return false;
+  Properties p(element, reader.context);
+  const std::vector<const XmlElement*> shapes = p.objects("shape");
+  p.reject_unused();
+  for (const XmlElement* shape : shapes) read_or_leave_out(*shape, reader.context, [&] { read_shape(*shape, reader); });
+  return true;
+}
+
+/// Returns the transforms of the unit spheres of an ellipsoids shape; empty for other shapes.
+std::vector<Transform> read_many_ellipsoids(Properties& p) {
+  if (p.type() != "ellipsoids" && p.type() != "ellipsoidsmesh") return {};
+  if (p.type() == "ellipsoidsmesh" && p.find_string("shell"))
+    p.context().note(p.where(), "'shell' is not used: ellipsoids are exact");
+  const float extent = p.number("extent", 3, kPositive);
+  return read_ellipsoids(p.file("filename"), extent * p.number("scale_factor", 1, kPositive));
+}
+
+void read_media(Properties& p, Reader& reader, ShapeDescription& shape) {
+  if (const XmlElement* medium = p.named_object("medium", "interior")) shape.interior = medium_of(*medium, reader);
+  if (const XmlElement* medium = p.named_object("medium", "exterior")) shape.exterior = medium_of(*medium, reader);
+}
+
+}  // namespace
+
+void read_shape(const XmlElement& element, Reader& reader) {
+  if (read_instancing(element, reader.context, [&](const XmlElement& e) { read_shape(e, reader); })) return;
+  if (read_merged(element, reader)) return;
+  Properties p(element, reader.context);
+  ShapeDescription shape;
+  shape.where = element.where;
+  if (const std::string* id = element.find_attribute("id")) shape.id = *id;
+  // Read the geometry
+  const std::vector<Transform> ellipsoids = read_many_ellipsoids(p);
+  if (!ellipsoids.empty()) {
+    shape.geometry = SphereShape{};
+  } else if (!read_shared_geometry(p, true, shape)) {
+    std::vector<std::string> known = shared_shape_names();
+    known.insert(known.end(), {"ellipsoids", "ellipsoidsmesh", "merge"});
+    p.fail_plugin(known);
+  }
+  shape.to_world = p.transform("to_world");
+  shape.flip_normals = p.boolean("flip_normals", false);
+  // Read material, emitter and sensor
+  if (const XmlElement* bsdf = p.object("bsdf")) shape.material = material_of(*bsdf, reader);
+  if (const XmlElement* emitter = p.object("emitter"))
+    read_area_emitter(*emitter, reader.context, shape,
+                      {"sampling_weight", "caustic_emitter_single", "caustic_emitter_multi"});
+  if (const XmlElement* sensor = p.object("sensor")) {
+    const Transform turned = shape.flip_normals ? Transform::scale({-1, 1, -1}) : Transform();
+    reader.shape_sensors.push_back({sensor, p.type(), shape.to_world * turned});
+  }
+  // Read the media
+  read_media(p, reader, shape);
+  if (const XmlElement* subsurface = p.object("subsurface")) {
+    if (shape.interior) p.fail("has an interior medium and a <subsurface>, expected one or the other");
+    read_subsurface(*subsurface, reader, shape);
+  }
+  if (shape.radiance && !shape.material) shape.material = black_material(reader);
+  if (reader.before_version_2 && !shape.material && (shape.interior || shape.exterior))
+    shape.material = null_material(reader);
+  p.ignore({"silhouette_sampling_weight"});
+  // Hints for specular manifold sampling (Zeltner et al. 2020), which do not affect the image.
+  p.ignore({"caustic_caster_single", "caustic_caster_multi", "caustic_bouncer", "caustic_receiver"});
+  p.reject_unused();
+  std::vector<ShapeDescription>& shapes = reader.context.description.shapes;
+  // Add the shape, or one sphere per ellipsoid
+  if (ellipsoids.empty()) {
+    shapes.push_back(std::move(shape));
+    return;
+  }
+  const Transform to_world = shape.to_world;
+  for (const Transform& placement : ellipsoids) {
+    shape.to_world = to_world * placement;
+    shapes.push_back(shape);
+  }
+}
+
+}  // namespace sheaf::mitsuba

@@ -1,0 +1,84 @@
+// The Mitsuba dialect: textures.
+#include "scene/dialects/common/read_spectrum.h"
+#include "scene/dialects/common/read_texture.h"
+#include "scene/dialects/common/read_volume.h"
+#include "scene/dialects/mitsuba/reader.h"
+
+#include <algorithm>
+
+namespace sheaf::mitsuba {
+
+namespace {
+
+/// Reads a volume evaluated on surfaces: a colour, or a grid looked up at the world-space position.
+SpectrumInput read_volume_texture(Properties& p) {
+  constexpr float kOtherwise = 0.75f;
+  const VolumeInput volume = find_volume_input(p, "volume", SpectrumRole::kIor, {})
+                                 .value_or(VolumeInput(SpectrumDescription::constant(kOtherwise)));
+  const auto* grid = std::get_if<GridVolumeDescription>(&volume);
+  if (grid != nullptr) {
+    TextureDescription texture;
+    texture.model = VolumeTextureDescription{*grid};
+    return add_texture(p, std::move(texture));
+  }
+  p.reject_unused();
+  return std::get<SpectrumDescription>(volume);
+}
+
+/// Returns a copy of the texture with its values scaled by `by`.
+SpectrumInput scaled_input(Properties& p, const SpectrumInput& input, float by, int depth = 0) {
+  if (const auto* constant = std::get_if<SpectrumDescription>(&input)) return scaled(*constant, by);
+  constexpr int kMaxNesting = 8;
+  if (depth > kMaxNesting) p.fail("holds textures that are nested too deep");
+  std::vector<TextureDescription>& textures = p.context().description.textures;
+  TextureDescription copy = textures.at(static_cast<std::size_t>(std::get<TextureId>(input)));
+  const auto scale_colors = [&](auto& model) {
+    model.color0 = scaled_input(p, model.color0, by, depth + 1);
+    model.color1 = scaled_input(p, model.color1, by, depth + 1);
+  };
+  if (auto* bitmap = std::get_if<BitmapDescription>(&copy.model)) bitmap->change.scale *= by;
+  if (auto* board = std::get_if<CheckerboardDescription>(&copy.model)) scale_colors(*board);
+  if (auto* grid = std::get_if<GridTextureDescription>(&copy.model)) scale_colors(*grid);
+  if (auto* frame = std::get_if<WireframeDescription>(&copy.model)) {
+    frame->interior = scaled_input(p, frame->interior, by, depth + 1);
+    frame->edge = scaled_input(p, frame->edge, by, depth + 1);
+  }
+  if (auto* attribute = std::get_if<MeshAttributeDescription>(&copy.model)) attribute->scale *= by;
+  if (auto* volume = std::get_if<VolumeTextureDescription>(&copy.model)) volume->scale *= by;
+  textures.push_back(std::move(copy));
+  return static_cast<TextureId>(textures.size() - 1);
+}
+
+/// Reads a texture scaled by a constant factor.
+SpectrumInput read_scaled(Properties& p) {
+  const float by = p.number("scale", 1, kNotNegative);
+  const XmlElement* nested = p.any_texture_or_color();
+  if (nested == nullptr) p.fail("needs a nested <texture>");
+  const SpectrumInput result = scaled_input(p, texture_of(*nested, p.context()), by);
+  p.reject_unused();
+  p.context().textures.emplace(&p.element(), result);
+  return result;
+}
+
+}  // namespace
+
+SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
+  if (const SpectrumInput* known = find_read_texture(element, context)) return *known;
+  if (element.name != "texture") return read_spectrum(element, context);
+  const std::vector<std::string>& plain = spectrum_plugins();
+  if (std::find(plain.begin(), plain.end(), element.attribute("type")) != plain.end())
+    return read_spectrum(element, context);
+  Properties p(element, context);
+  if (p.type() == "volume") return read_volume_texture(p);
+  if (p.type() == "scale") return read_scaled(p);
+  TextureDescription texture;
+  if (!read_shared_texture(p, PictureOrigin::kUpperLeft, texture)) {
+    std::vector<std::string> known = shared_texture_names();
+    known.insert(known.end(), plain.begin(), plain.end());
+    known.insert(known.end(), {"scale", "volume"});
+    p.fail_plugin(known);
+  }
+  return add_texture(p, std::move(texture));
+}
+
+}  // namespace sheaf::mitsuba

@@ -1,0 +1,136 @@
+// The Nori dialect: emitters.
+#include "scene/dialects/common/read_emitter.h"
+#include "scene/dialects/nori/reader.h"
+
+#include "core/frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace sheaf::nori {
+
+namespace {
+
+PointLightDescription read_point_light(Properties& p) {
+  PointLightDescription light;
+  light.position = p.vec3("position", {0, 0, 0});
+  const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
+  const auto power = p.find_spectrum("power", SpectrumRole::kEmission);
+  if (intensity && power) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
+  if (intensity) light.intensity = *intensity;
+  if (power) light.intensity = scaled(*power, 1.0f / (4.0f * std::numbers::pi_v<float>));
+  return light;
+}
+
+/// Returns a coordinate system with its origin at `position` and +z along `direction`.
+Transform aim(Vec3f position, Vec3f direction) {
+  const Frame<Scalar> frame = Frame<Scalar>::from_normal(normalize(direction));
+  Matrix4 m;
+  const Vec3f columns[4] = {frame.s, frame.t, frame.n, position};
+  for (std::size_t j = 0; j < 4; ++j) {
+    m.m[0][j] = columns[j].x;
+    m.m[1][j] = columns[j].y;
+    m.m[2][j] = columns[j].z;
+  }
+  return Transform(m);
+}
+
+/// Reads `toWorld`, or `position` with `direction` or the target `lookAt`. The default direction is +z.
+Transform read_placement(Properties& p) {
+  const bool position = p.has("position"), direction = p.has("direction"), look_at = p.has("lookAt");
+  if (p.has("toWorld")) {
+    for (const char* other : {"position", "direction", "lookAt"})
+      if (p.has(other)) p.fail("has both 'toWorld' and '" + std::string(other) + "', expected one");
+    return p.transform("toWorld");
+  }
+  if (direction && look_at) p.fail("has both 'direction' and 'lookAt', expected one");
+  if (!position && !direction && !look_at) return Transform();
+  const Vec3f origin = p.vec3("position", {0, 0, 0});
+  Vec3f towards = p.vec3("direction", {0, 0, 1});
+  if (look_at) towards = p.vec3("lookAt", {0, 0, 0}) - origin;
+  check_direction(p, look_at ? "lookAt" : "direction", towards);
+  return aim(origin, towards);
+}
+
+/// Solid angle (sr) that converts a spot light's intensity to its power. The cosine of its cone is the mean of the
+/// cosines at the start and the end of the falloff.
+float solid_angle(const SpotLightDescription& light) {
+  const auto cosine = [](float degrees) { return std::cos(degrees * std::numbers::pi_v<float> / 180); };
+  return 2 * std::numbers::pi_v<float> * (1 - 0.5f * (cosine(light.beam_width) + cosine(light.cutoff_angle)));
+}
+
+SpotLightDescription read_spot_light(Properties& p) {
+  SpotLightDescription light;
+  light.falloff = SpotLightDescription::Falloff::kSmooth;
+  light.to_world = read_placement(p);
+  const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
+  const auto power = p.find_spectrum("power", SpectrumRole::kEmission);
+  if (intensity && power) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
+  light.cutoff_angle = p.number("totalWidth", 30, {0, 180, true});
+  constexpr float kUsualEdge = 5;
+  const float usual = std::max(light.cutoff_angle - kUsualEdge, 0.0f);
+  // A falloff that starts outside the cone has no effect.
+  light.beam_width = std::min(p.number("falloffStart", usual, kNotNegative), light.cutoff_angle);
+  if (intensity) light.intensity = *intensity;
+  if (power) light.intensity = scaled(*power, 1.0f / solid_angle(light));
+  return light;
+}
+
+DirectionalLightDescription read_directional_light(Properties& p) {
+  DirectionalLightDescription light;
+  light.direction = read_direction(p, "toWorld");
+  const auto irradiance = p.find_spectrum("irradiance", SpectrumRole::kEmission);
+  const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
+  if (irradiance && intensity) p.fail("has both 'irradiance' and 'intensity', which mean the same here; expected one");
+  if (irradiance) light.irradiance = *irradiance;
+  if (intensity) light.irradiance = *intensity;
+  return light;
+}
+
+/// Reads an environment map with a texture for radiance: a constant colour or an image.
+void read_textured_envmap(Properties& p, const XmlElement& texture, LightDescription& light) {
+  const SpectrumInput radiance = texture_of(texture, p.context());
+  if (const auto* constant = std::get_if<SpectrumDescription>(&radiance)) {
+    light.model = ConstantLightDescription{*constant};
+    return;
+  }
+  const auto index = static_cast<std::size_t>(std::get<TextureId>(radiance));
+  const auto* bitmap = std::get_if<BitmapDescription>(&p.context().description.textures[index].model);
+  if (bitmap == nullptr) p.fail("holds a texture that is no picture, expected a picture or a colour");
+  EnvmapDescription map;
+  map.file = bitmap->file;
+  map.to_world = p.transform("toWorld");
+  map.scale = p.number("scale", 1, kNotNegative);
+  map.mis_compensation = true;
+  light.model = std::move(map);
+}
+
+}  // namespace
+
+void read_emitter(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  LightDescription light;
+  light.where = element.where;
+  if (const std::string* id = element.find_attribute("id")) light.id = *id;
+  if (p.type() == "point") {
+    light.model = read_point_light(p);
+  } else if (p.type() == "spot") {
+    light.model = read_spot_light(p);
+  } else if (p.type() == "directional") {
+    light.model = read_directional_light(p);
+  } else if (p.type() == "area") {
+    p.fail("must be nested in a <mesh>");
+  } else if (const XmlElement* texture = p.type() == "envmap" ? p.any_texture() : nullptr) {
+    read_textured_envmap(p, *texture, light);
+  } else if (!read_shared_emitter(p, light)) {
+    std::vector<std::string> known = shared_emitter_names();
+    known.insert(known.end(), {"area", "directional", "point", "spot"});
+    std::sort(known.begin(), known.end());
+    p.fail_plugin(known);
+  }
+  p.reject_unused();
+  context.description.lights.push_back(std::move(light));
+}
+
+}  // namespace sheaf::nori

@@ -1,0 +1,37 @@
+// The Nori dialect: integrators of the course's first exercises, rendered as white scenes with their own light or none.
+#include "scene/dialects/common/visibility_integrators.h"
+#include "scene/dialects/nori/reader.h"
+
+#include <numbers>
+
+namespace sheaf::nori {
+
+namespace {
+
+/// Reads `simple`: an isotropic point light of power `energy` (W) at `position`.
+void make_simple(Properties& p, Description& description) {
+  PointLightDescription light;
+  light.position = p.vec3("position", {0, 0, 0});
+  light.intensity = scaled(p.spectrum("energy", SpectrumDescription::constant(1), SpectrumRole::kEmission),
+                           1.0f / (4.0f * std::numbers::pi_v<float>));
+  make_white(description, false);
+  description.lights.push_back({std::move(light), p.where()});
+}
+
+}  // namespace
+
+bool read_exercise(Properties& p) {
+  Description& description = p.context().description;
+  if (is_visibility_integrator(p.type())) {
+    const auto length = p.find_number("length", kPositive);
+    if (p.type() == "av" && !length) p.fail("needs the number 'length'");
+    apply_visibility_integrator(p.type(), length.value_or(kInfinity), false, description);
+  } else if (p.type() == "simple") {
+    make_simple(p, description);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace sheaf::nori

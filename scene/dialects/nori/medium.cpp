@@ -1,0 +1,71 @@
+// The Nori dialect: participating media.
+#include "scene/dialects/common/read_medium.h"
+#include "scene/dialects/nori/reader.h"
+
+namespace sheaf::nori {
+
+namespace {
+
+/// Reads `density`: a number that scales the coefficients, or a volume.
+void read_density(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
+  const auto density = find_volume_input(p, "density", SpectrumRole::kIor, dialect);
+  if (!density) return;
+  if (const auto* grid = std::get_if<GridVolumeDescription>(&*density)) {
+    medium.density = *grid;
+  } else {
+    medium.scale = number_of(p, "density", std::get<SpectrumDescription>(*density));
+  }
+}
+
+/// Reads `method`, the distance sampling method.
+void read_method(Properties& p) {
+  const std::optional<std::string> method = p.find_string("method");
+  if (!method) return;
+  MediumEstimator& estimator = p.context().description.integrator.medium_estimator;
+  if (*method == "march" || *method == "raymarch")
+    estimator = MediumEstimator::kMarching;
+  else if (*method == "delta" || *method == "woodcock")
+    estimator = MediumEstimator::kDelta;
+  else if (*method == "ratio")
+    estimator = MediumEstimator::kRatio;
+  else
+    p.fail_at("method", "is " + in_quotes(*method) + ", expected march, delta or ratio");
+}
+
+/// Whether a grid defines the density or extinction of the medium.
+bool has_grid(const MediumDescription& medium) {
+  const auto* pair = std::get_if<ExtinctionAlbedoDescription>(&medium.coefficients);
+  return medium.density || (pair != nullptr && std::holds_alternative<GridVolumeDescription>(pair->sigma_t));
+}
+
+}  // namespace
+
+MediumId read_medium(const XmlElement& element, ReadContext& context, bool in_shape) {
+  if (const auto known = find_read_medium(element, context)) return *known;
+  Properties p(element, context);
+  const VolumeDialect dialect{.fits_shapes = true, .in_shape = in_shape};
+  const bool homogeneous = p.type() == "homogeneous" || p.type() == "homog";
+  if (!homogeneous && p.type() != "heterogeneous") p.fail_plugin({"heterogeneous", "homog", "homogeneous"});
+  MediumDescription medium;
+  read_coefficients(p, dialect, medium);
+  read_density(p, dialect, medium);
+  if (!homogeneous && p.has("filename")) {
+    if (medium.density) p.fail_at("filename", "is given beside a <volume> of the name 'density', expected one");
+    medium.density = read_grid(p, dialect);
+  }
+  read_medium_rest(p, dialect, medium);
+  read_method(p);
+  if (homogeneous) expect_homogeneous(p, medium);
+  if (!homogeneous && !has_grid(medium)) p.fail("needs a <volume> of the name 'density', or 'filename'");
+  return add_medium(p, std::move(medium));
+}
+
+MediumId add_absorption(const XmlElement& bsdf, SpectrumDescription sigma_a, ReadContext& context) {
+  MediumDescription medium;
+  medium.coefficients = AbsorptionScatteringDescription{std::move(sigma_a), SpectrumDescription::constant(0)};
+  medium.where = bsdf.where;
+  context.description.media.push_back(std::move(medium));
+  return static_cast<MediumId>(context.description.media.size() - 1);
+}
+
+}  // namespace sheaf::nori

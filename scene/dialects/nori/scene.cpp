@@ -1,0 +1,249 @@
+// The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator and rfilter. Names are camelCase; there are no
+// references.
+#include "scene/dialects/nori/reader.h"
+
+#include "scene/description/filter_check.h"
+#include "scene/dialects/common/auto_camera.h"
+#include "scene/dialects/common/integrator_name.h"
+#include "scene/dialects/common/light_selector_name.h"
+#include "scene/dialects/common/medium_estimator_name.h"
+#include "scene/dialects/common/read_camera.h"
+#include "scene/dialects/common/read_emitter.h"
+#include "scene/dialects/common/read_geometry.h"
+#include "scene/dialects/common/read_photon_mapping.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Adds a note if the given radius differs from the radius implied by the filter's other parameters.
+void check_radius(Properties& p, const PixelFilter& filter) {
+  const float radius = p.number("radius", filter.radius, kPositive);
+  if (radius != filter.radius)
+    p.context().note(p.where(), "rfilter '" + p.type() + "' has the radius " + std::to_string(filter.radius) +
+                                    " pixels; the given radius is not used");
+}
+
+PixelFilter read_nori_filter(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  PixelFilter filter;
+  if (p.type() == "box") {
+    filter.kind = PixelFilter::Kind::kBox;
+    filter.radius = 0.5f;
+  } else if (p.type() == "tent") {
+    filter.kind = PixelFilter::Kind::kTent;
+    filter.radius = 1;
+  } else if (p.type() == "gaussian") {
+    filter.kind = PixelFilter::Kind::kGaussian;
+    filter.stddev = p.number("stddev", 0.5f, kPositive);
+    filter.radius = 4 * filter.stddev;
+    check_radius(p, filter);
+  } else if (p.type() == "mitchell") {
+    filter.kind = PixelFilter::Kind::kMitchell;
+    filter.radius = 2;
+    check_radius(p, filter);
+    filter.b = p.number("B", 1.0f / 3);
+    filter.c = p.number("C", 1.0f / 3);
+  } else {
+    p.fail_plugin({"box", "gaussian", "mitchell", "tent"});
+  }
+  p.reject_unused();
+  check_filter_radius(static_cast<double>(filter.radius), p.where());
+  return filter;
+}
+
+/// Reads a property that has two alternative names.
+std::optional<float> find_either(Properties& p, const char* name, const char* other, NumberRange range) {
+  if (p.has(name) && p.has(other)) p.fail("has both '" + std::string(name) + "' and '" + other + "', expected one");
+  return p.has(name) ? p.find_number(name, range) : p.find_number(other, range);
+}
+
+/// Reads a thin lens; forks of Nori use several names for its properties.
+void read_lens(Properties& p, CameraDescription& camera) {
+  const auto radius = find_either(p, "apertureRadius", "lensRadius", kNotNegative);
+  const auto distance = find_either(p, "focusDistance", "focalDistance", kPositive);
+  if (p.type() == "thinlens" && !radius) p.fail("has no 'apertureRadius'");
+  camera.aperture_radius = radius.value_or(0.0f);
+  if (camera.aperture_radius > 0 && !distance) p.fail("has a lens but no 'focusDistance'");
+  camera.focus_distance = distance.value_or(kInfinity);
+}
+
+void read_camera(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  if (p.type() != "perspective" && p.type() != "thinlens" && p.type() != "orthographic")
+    p.fail_plugin({"orthographic", "perspective", "thinlens"});
+  CameraDescription& camera = context.description.camera;
+  FilmSettings& film = context.description.film;
+  camera.where = element.where;
+  // Nori's camera space has +x to the right in ETH's version, to the left upstream; see docs/scene-format.md.
+  camera.to_world = p.transform("toWorld");
+  if (context.mirrors_nori_camera) camera.to_world = camera.to_world * Transform::scale({-1, 1, 1});
+  if (p.type() == "orthographic") {
+    camera.projection = CameraDescription::Projection::kOrthographic;
+  } else {
+    camera.fov = p.number("fov", 30, {0, 180, true});
+    camera.fov_axis = read_fov_axis(p);
+    read_lens(p, camera);
+  }
+  read_clip(p, camera, 1e-4f);
+  film.width = p.integer("width", 1280, 1, 1'000'000'000);
+  film.height = p.integer("height", 720, 1, 1'000'000'000);
+  check_frame(film.width, film.height, element.where);
+  film.filter = {PixelFilter::Kind::kGaussian, 2.0f, 0.5f};
+  if (const XmlElement* filter = p.object("rfilter"))
+    read_or_as(*filter, context, "gaussian", [&] { film.filter = read_nori_filter(*filter, context); });
+  p.reject_unused();
+}
+
+void read_sampler(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  SamplerSettings& sampler = context.description.sampler;
+  sampler.kind = read_sampler_kind(p);
+  sampler.sample_count = static_cast<std::uint32_t>(p.integer("sampleCount", 1, 1, kMaxSampleCount));
+  p.reject_unused();
+}
+
+void read_integrator(const XmlElement& element, ReadContext& context) {
+  Properties p(element, context);
+  if (nori::read_exercise(p)) return p.reject_unused();
+  const NamedIntegrator* named = find_integrator(p.type());
+  if (named == nullptr) {
+    std::vector<std::string> known = integrator_names();
+    known.emplace_back("simple");
+    p.fail_plugin(known);
+  }
+  IntegratorSettings& integrator = context.description.integrator;
+  apply(*named, integrator);
+  if (transports_light(named->kind)) {
+    if (!named->direct) {
+      integrator.max_depth = p.integer("maxDepth", -1, -1, 1'000'000);
+      if (p.has("rrDepth")) integrator.rr_depth = p.integer("rrDepth", 0, 1, 1'000'000);
+    }
+    integrator.hide_emitters = p.boolean("hideEmitters", false);
+    read_light_sampling(p, integrator);
+    read_medium_estimation(p, integrator);
+    if (named->kind == IntegratorKind::kPhotonMapper) read_photon_mapping(p, integrator.photons);
+    p.ignore({"inmedium"});  // whether the camera is in a medium; found from the surrounding shapes
+  }
+  if (same_expectation(p.type()) != nullptr) {
+    p.ignore_all();
+    context.note(element.where, stand_in_note(p.type()));
+  }
+  p.reject_unused();
+}
+
+/// Reads a parallelogram with a corner at `origin` and sides `u` and `v`; its normal is along u x v.
+Transform read_parallelogram(Properties& p) {
+  const Vec3f origin = p.vec3("origin", {0, 0, 0}), u = p.vec3("u", {1, 0, 0}), v = p.vec3("v", {0, 1, 0});
+  const Vec3f n = cross(u, v);
+  if (!(length_squared(n) > 0.0f)) p.fail("has no area: u and v are parallel");
+  const Vec3f columns[4] = {u * 0.5f, v * 0.5f, normalize(n), origin + u * 0.5f + v * 0.5f};
+  Matrix4 m;
+  for (std::size_t j = 0; j < 4; ++j) {
+    m.m[0][j] = columns[j].x;
+    m.m[1][j] = columns[j].y;
+    m.m[2][j] = columns[j].z;
+  }
+  return Transform(m);
+}
+
+/// Reads material and interior medium of a mesh. A medium without a material gets a null interface.
+void read_inside(Properties& p, ShapeDescription& shape) {
+  ReadContext& context = p.context();
+  std::optional<SpectrumDescription> absorption;
+  const XmlElement* bsdf = p.object("bsdf");
+  const XmlElement* medium = p.object("medium");
+  if (bsdf != nullptr) shape.material = nori::read_bsdf(*bsdf, context, absorption);
+  if (absorption && medium != nullptr) p.fail("holds a <medium> and a bsdf with 'sigmaA', expected one or the other");
+  if (medium != nullptr) shape.interior = nori::read_medium(*medium, context, true);
+  if (absorption) shape.interior = nori::add_absorption(*bsdf, *absorption, context);
+  shape.exterior_is_surrounding = shape.interior.has_value();
+  if (medium == nullptr || bsdf != nullptr) return;
+  MaterialDescription boundary;
+  boundary.model = NullDescription{};
+  boundary.where = p.where();
+  shape.material = add_material(context, std::move(boundary));
+}
+
+void read_mesh(const XmlElement& element, ReadContext& context) {
+  if (read_instancing(element, context, [&](const XmlElement& e) { read_mesh(e, context); })) return;
+  Properties p(element, context);
+  ShapeDescription shape;
+  shape.where = element.where;
+  if (const std::string* id = element.find_attribute("id")) shape.id = *id;
+  if (p.type() == "parallelogram") {
+    shape.geometry = RectangleShape{};
+    shape.to_world = read_parallelogram(p);
+  } else if (!read_shared_geometry(p, false, shape)) {
+    std::vector<std::string> known = shared_shape_names();
+    known.emplace_back("parallelogram");
+    p.fail_plugin(known);
+  }
+  shape.to_world = p.transform("toWorld") * shape.to_world;
+  p.ignore({"name"});
+  read_inside(p, shape);
+  if (const XmlElement* emitter = p.object("emitter")) read_area_emitter(*emitter, context, shape);
+  p.reject_unused();
+  context.description.shapes.push_back(std::move(shape));
+}
+
+/// Elements that are read after all others.
+struct Last {
+  const XmlElement* camera = nullptr;
+  const XmlElement* sampler = nullptr;
+  const XmlElement* integrator = nullptr;
+};
+
+void keep(const XmlElement*& slot, const XmlElement& element) {
+  if (slot != nullptr) throw SceneError(element.where, "a second <" + element.name + ">, expected one");
+  slot = &element;
+}
+
+void read_child(const XmlElement& child, ReadContext& context, Last& last) {
+  if (child.name == "camera") {
+    keep(last.camera, child);
+  } else if (child.name == "sampler") {
+    keep(last.sampler, child);
+  } else if (child.name == "integrator") {
+    keep(last.integrator, child);
+  } else if (child.name == "mesh") {
+    read_mesh(child, context);
+  } else if (child.name == "medium") {
+    if (context.description.camera.medium) throw SceneError(child.where, "a second <medium>, expected one");
+    context.description.camera.medium = nori::read_medium(child, context, false);
+  } else if (child.name == "emitter") {
+    nori::read_emitter(child, context);
+  } else if (child.name == "denoiser") {
+    context.note(child.where, "the picture is not denoised");
+  } else {
+    throw SceneError(child.where, "unknown element <" + child.name + "> in a Nori scene" +
+                                      did_you_mean(child.name, {"camera", "sampler", "integrator", "mesh", "emitter",
+                                                                "medium", "denoiser"}));
+  }
+}
+
+}  // namespace
+
+void read_nori(ReadContext& context) {
+  context.readers.texture = nori::texture_of;
+  const XmlElement& root = context.scene.root();
+  Last last;
+  for (const XmlElement& child : root.children)
+    read_or_leave_out(child, context, [&] { read_child(child, context, last); });
+  if (last.camera != nullptr) {
+    read_or_as(*last.camera, context, "perspective", [&] { read_camera(*last.camera, context); });
+  } else {
+    stand_in_camera(root, "<camera>", context);
+  }
+  if (last.integrator != nullptr) {
+    read_or_as(*last.integrator, context, "path", [&] { read_integrator(*last.integrator, context); });
+  } else {
+    if (!context.lenient) throw SceneError(root.where, "the scene has no <integrator>");
+    context.stand_in(root.where, "the scene has no <integrator> ('path' stands in)");
+  }
+  context.description.sampler.sample_count = 1;
+  if (last.sampler != nullptr)
+    read_or_as(*last.sampler, context, "independent", [&] { read_sampler(*last.sampler, context); });
+}
+
+}  // namespace sheaf

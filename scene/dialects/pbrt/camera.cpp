@@ -1,0 +1,198 @@
+// The pbrt dialect: camera, film, pixel filter.
+#include "core/saturate.h"
+#include "scene/description/filter_check.h"
+#include "scene/dialects/dialects.h"
+#include "scene/dialects/pbrt/reader.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf::pbrt {
+
+namespace {
+
+/// pbrt's screen window: the visible part of the screen plane, where the shorter side of a square image spans [-1, 1].
+struct ScreenWindow {
+  double x0, x1, y0, y1;
+  bool standard;  ///< not set by the file
+};
+
+ScreenWindow read_window(Parameters& p, const FilmSettings& film) {
+  const double own = static_cast<double>(film.width) / film.height;
+  const double aspect = double{p.number("frameaspectratio", static_cast<float>(own), kPositive)};
+  const bool told = p.has("screenwindow") || p.has("frameaspectratio");
+  const std::vector<float> window = p.numbers("screenwindow", 4);
+  if (!window.empty()) {
+    if (window.size() != 4 || !(window[0] < window[1]) || !(window[2] < window[3]))
+      p.fail_at("screenwindow", "must be four numbers: left, right, bottom, top");
+    return {double{window[0]}, double{window[1]}, double{window[2]}, double{window[3]}, false};
+  }
+  const double wide = std::max(told ? aspect : own, 1.0), high = std::max(1 / (told ? aspect : own), 1.0);
+  return {-wide, wide, -high, high, !told};
+}
+
+/// Sets the principal point. Returns the scale of camera space that non-square pixels need.
+Transform frame_window(Parameters& p, const ScreenWindow& window, const FilmSettings& film, CameraDescription& camera) {
+  const double width = window.x1 - window.x0, height = window.y1 - window.y0;
+  camera.principal_point_x = static_cast<float>(0.5 + window.x0 / width);
+  camera.principal_point_y = static_cast<float>(-0.5 - window.y0 / height);
+  const double stretch = height / width * film.width / film.height;
+  if (std::fabs(stretch - 1) < 1e-6) return {};
+  if (camera.aperture_radius > 0.0f)
+    p.unsupported("a lens together with pixels that are not square", "it is an ellipse");
+  return Transform::scale({1, static_cast<float>(stretch), 1});
+}
+
+void read_perspective(Parameters& p, CameraDescription& camera, const Transform& to_world) {
+  const FilmSettings& film = p.reader().description.film;
+  const ScreenWindow window = read_window(p, film);
+  camera.fov = p.number("fov", 90, {0, 180, true});
+  camera.fov_axis = CameraDescription::FovAxis::kSmaller;
+  const float radius = p.number("lensradius", 0, kNotNegative), distance = p.number("focaldistance", 1e6f, kPositive);
+  if (radius > 0.0f) camera.aperture_radius = radius, camera.focus_distance = distance;
+  camera.to_world = to_world;
+  if (window.standard) return;
+  const double half = std::tan(double{camera.fov} * 3.14159265358979323846 / 360) * (window.x1 - window.x0) / 2;
+  camera.fov = static_cast<float>(std::atan(half) * 360 / 3.14159265358979323846);
+  camera.fov_axis = CameraDescription::FovAxis::kX;
+  camera.to_world = to_world * frame_window(p, window, film, camera);
+}
+
+void read_orthographic(Parameters& p, CameraDescription& camera, const Transform& to_world) {
+  const FilmSettings& film = p.reader().description.film;
+  const ScreenWindow window = read_window(p, film);
+  camera.projection = CameraDescription::Projection::kOrthographic;
+  const float radius = p.number("lensradius", 0, kNotNegative), distance = p.number("focaldistance", 1e6f, kPositive);
+  const auto half = static_cast<float>((window.x1 - window.x0) / 2);
+  if (radius > 0.0f) camera.aperture_radius = radius / half, camera.focus_distance = distance;
+  camera.to_world = to_world * Transform::scale({half, half, 1}) * frame_window(p, window, film, camera);
+}
+
+/// Reads a camera with a full spherical view, +y up.
+void read_spherical(Parameters& p, CameraDescription& camera, const Transform& world_from_camera) {
+  camera.projection = CameraDescription::Projection::kSpherical;
+  const std::string mapping = p.string("mapping", "equalarea");
+  if (mapping != "equalarea" && mapping != "equirectangular")
+    p.fail_at("mapping", "is '" + mapping + "', expected equalarea or equirectangular");
+  camera.equal_area = mapping == "equalarea";
+  // The equal-area mapping exchanges y and z. The equirectangular mapping has -x in the image centre, and -z a quarter
+  // turn later.
+  Matrix4 axes;
+  if (camera.equal_area)
+    axes.m[1] = {0, 0, 1, 0}, axes.m[2] = {0, 1, 0, 0};
+  else
+    axes.m[0] = {0, 0, -1, 0}, axes.m[2] = {1, 0, 0, 0};
+  camera.to_world = world_from_camera * Transform(axes);
+  p.ignore({"frameaspectratio", "screenwindow", "lensradius", "focaldistance"});
+}
+
+PixelRect read_crop_window(Parameters& p, const FilmSettings& film, std::vector<float> c) {
+  if (c.size() != 4) p.fail_at("cropwindow", "must be four numbers: x0, x1, y0, y1");
+  const auto pixel = [](float share, int size) {
+    // Single precision, as in pbrt.
+    const float edge = std::ceil(std::clamp(share, 0.0f, 1.0f) * static_cast<float>(size));
+    return std::min(saturate<int>(static_cast<double>(edge)), size);
+  };
+  return {pixel(std::min(c[0], c[1]), film.width), pixel(std::min(c[2], c[3]), film.height),
+          pixel(std::max(c[0], c[1]), film.width), pixel(std::max(c[2], c[3]), film.height)};
+}
+
+void read_crop(Parameters& p, FilmSettings& film) {
+  const std::vector<float> bounds = p.numbers("pixelbounds", 4), window = p.numbers("cropwindow", 4);
+  if (bounds.empty() && window.empty()) return;
+  PixelRect crop{0, 0, film.width, film.height};
+  if (!window.empty()) {
+    crop = read_crop_window(p, film, window);
+  } else {
+    const auto bounded = [](float v, int size) { return std::clamp(saturate<int>(static_cast<double>(v)), 0, size); };
+    crop = {bounded(bounds[0], film.width), bounded(bounds[2], film.height), bounded(bounds[1], film.width),
+            bounded(bounds[3], film.height)};
+  }
+  if (crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
+    p.fail_at(window.empty() ? "pixelbounds" : "cropwindow", "leaves no pixel of the film");
+  film.crop = crop;
+}
+
+}  // namespace
+
+void read_film(Reader& reader, Entity entity, float shutter) {
+  Parameters p(reader, "Film '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  if (entity.type != "rgb" && entity.type != "gbuffer" && entity.type != "spectral")
+    throw SceneError(entity.where, "unknown film '" + entity.type + "', expected rgb, gbuffer or spectral");
+  FilmSettings& film = reader.description.film;
+  film.width = p.integer("xresolution", 1280, 1, 1'000'000'000);
+  film.height = p.integer("yresolution", 720, 1, 1'000'000'000);
+  check_frame(film.width, film.height, entity.where);
+  read_crop(p, film);
+  const std::string sensor = p.string("sensor", "cie1931");
+  if (sensor != "cie1931")
+    p.unsupported("the sensor '" + sensor + "', expected cie1931", "cie1931 is taken, whose colours differ");
+  if (p.number("whitebalance", 0, kNotNegative) != 0.0f) p.unsupported("'whitebalance'", "there is none");
+  if (p.has("maxcomponentvalue")) {
+    reader.note(entity.where, p.title() + ": 'maxcomponentvalue' is not used: samples are not clamped");
+    p.ignore({"maxcomponentvalue"});
+  }
+  reader.exposure = shutter * p.number("iso", 100, kPositive) / 100;
+  p.ignore({"filename", "savefp16", "diagonal", "coordinatesystem", "lambdamin", "lambdamax", "nbuckets"});
+  p.reject_unused();
+}
+
+void read_filter(Reader& reader, Entity entity) {
+  using Kind = PixelFilter::Kind;
+  Parameters p(reader, "PixelFilter '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  const std::string& type = entity.type;
+  const float standard = type == "box" ? 0.5f : type == "gaussian" ? 1.5f : type == "sinc" ? 4.0f : 2.0f;
+  const float radius = p.number("xradius", standard, kPositive);
+  if (p.number("yradius", standard, kPositive) != radius)
+    p.unsupported("a filter of different 'xradius' and 'yradius'", "'xradius' is taken for both");
+  reader.description.film.sample_border = true;
+  PixelFilter& filter = reader.description.film.filter;
+  if (type == "box") {
+    filter = {Kind::kBox, radius};
+  } else if (type == "triangle") {
+    filter = {Kind::kTent, radius};
+  } else if (type == "gaussian") {
+    const float sigma = p.number("sigma", 0.5f, kPositive);
+    filter = {Kind::kGaussian, 4 * sigma, sigma};
+  } else if (type == "mitchell") {
+    if (radius != 2.0f) p.unsupported("a radius other than 2", "2 is taken");
+    filter = {Kind::kMitchell, 2, 0.5f, p.number("B", 1.0f / 3), p.number("C", 1.0f / 3)};
+  } else if (type == "sinc") {
+    filter.kind = Kind::kLanczos;
+    filter.lobes = std::clamp(std::round(p.number("tau", 3, kPositive)), 1.0f, 64.0f);
+    filter.radius = filter.lobes;
+  } else {
+    const std::vector<std::string> known = {"box", "gaussian", "mitchell", "sinc", "triangle"};
+    throw SceneError(entity.where, "unknown filter '" + type + "'" + did_you_mean(type, known));
+  }
+  p.reject_unused();
+  check_filter_radius(static_cast<double>(filter.radius), entity.where);
+}
+
+void read_camera(Reader& reader, Entity entity, const Transform& world_from_camera, const std::string& outside) {
+  Parameters p(reader, "Camera '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  CameraDescription& camera = reader.description.camera;
+  camera.where = entity.where;
+  camera.medium = medium_of(reader, outside, entity.where);
+  // pbrt's camera space has +x to the right, Sheaf's to the left.
+  const Transform to_world = world_from_camera * Transform::scale({-1, 1, 1});
+  p.ignore({"shutteropen", "shutterclose"});
+  if (entity.type == "perspective") {
+    read_perspective(p, camera, to_world);
+  } else if (entity.type == "orthographic") {
+    read_orthographic(p, camera, to_world);
+  } else if (entity.type == "spherical") {
+    read_spherical(p, camera, world_from_camera);
+  } else if (entity.type == "realistic") {
+    p.unsupported("cameras of this kind", "a perspective one is taken");
+    p.ignore({"lensfile", "aperturediameter", "focusdistance", "aperture"});
+    read_perspective(p, camera, to_world);
+    camera.fov = 40;
+  } else {
+    const std::vector<std::string> known = {"orthographic", "perspective", "realistic", "spherical"};
+    throw SceneError(entity.where, "unknown camera '" + entity.type + "'" + did_you_mean(entity.type, known));
+  }
+  p.reject_unused();
+}
+
+}  // namespace sheaf::pbrt

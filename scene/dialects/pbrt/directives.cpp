@@ -1,0 +1,243 @@
+// The pbrt dialect: handlers of all directives except transforms.
+#include "scene/description/instance_transform.h"
+#include "scene/dialects/pbrt/scene.h"
+
+#include <algorithm>
+
+namespace sheaf::pbrt {
+
+namespace {
+
+constexpr std::size_t kMaxSaved = 10'000;
+
+/// Removes the parameter "type" from the list and returns its value.
+std::string take_type(Entity& entity, const std::string& directive) {
+  for (const Parameter& parameter : entity.parameters)
+    if (parameter.name == "type" && parameter.type == "string" && parameter.strings.size() == 1) {
+      const std::string type = parameter.strings[0];
+      std::erase_if(entity.parameters, [](const Parameter& p) { return p.name == "type"; });
+      return type;
+    }
+  throw SceneError(entity.where, directive + " needs the string 'type'");
+}
+
+}  // namespace
+
+std::string SceneBuilder::read_string(Tokens& tokens, const char* what) {
+  if (tokens.current().kind != Token::Kind::kString)
+    throw SceneError(tokens.where(), "found " + shown(tokens.current()) + ", expected " + what + " in double quotes");
+  std::string text(tokens.current().text);
+  tokens.advance();
+  return text;
+}
+
+Entity SceneBuilder::read_entity(Tokens& tokens, const char* target) {
+  Entity entity{read_string(tokens, "a name"), read_parameters(tokens), where_};
+  const auto found = reader_.attributes.defaults.find(target);
+  if (found != reader_.attributes.defaults.end())
+    entity.parameters.insert(entity.parameters.end(), found->second->begin(), found->second->end());
+  return entity;
+}
+
+void SceneBuilder::save(const char* by) {
+  if (saved_.size() >= kMaxSaved)
+    throw SceneError(where_, "attributes are saved more than " + std::to_string(kMaxSaved) + " deep");
+  saved_.push_back({by, where_, reader_.attributes});
+}
+
+Attributes SceneBuilder::restore(const char* by) {
+  if (saved_.empty() || std::string_view(saved_.back().by) != by)
+    throw SceneError(where_, std::string("an end without ") + by + " before" +
+                                 (saved_.empty() ? "" : ", expected the end of " + std::string(saved_.back().by)));
+  Attributes attributes = std::move(saved_.back().attributes);
+  saved_.pop_back();
+  return attributes;
+}
+
+void SceneBuilder::accelerator(Tokens& tokens) { read_entity(tokens, "accelerator"); }
+
+void SceneBuilder::area_light_source(Tokens& tokens) {
+  reader_.attributes.area_light = read_area_light(reader_, read_entity(tokens, "light"));
+}
+
+void SceneBuilder::attribute(Tokens& tokens) {
+  const std::string target = read_string(tokens, "what the attributes are for");
+  const std::vector<std::string> known = {"light", "material", "medium", "shape", "texture"};
+  if (std::find(known.begin(), known.end(), target) == known.end())
+    throw SceneError(where_, "Attribute '" + target + "', expected light, material, medium, shape or texture" +
+                                 did_you_mean(target, known));
+  std::vector<Parameter> list = read_parameters(tokens);
+  for (Parameter& parameter : list) parameter.optional = true;
+  auto& before = reader_.attributes.defaults[target];
+  if (before)
+    for (const Parameter& old : *before)
+      if (std::none_of(list.begin(), list.end(), [&](const Parameter& p) { return p.name == old.name; }))
+        list.push_back(old);
+  before = std::make_shared<const std::vector<Parameter>>(std::move(list));
+}
+
+void SceneBuilder::attribute_begin(Tokens&) { save("AttributeBegin"); }
+void SceneBuilder::attribute_end(Tokens&) { reader_.attributes = restore("AttributeBegin"); }
+
+void SceneBuilder::camera(Tokens& tokens) {
+  options_["Camera"] = read_entity(tokens, "camera");
+  world_from_camera_ = reader_.attributes.transform.inverse();
+  coordinate_systems_["camera"] = world_from_camera_;
+  camera_medium_ = reader_.attributes.outside;
+}
+
+void SceneBuilder::color_space(Tokens& tokens) {
+  const std::string name = read_string(tokens, "a colour space");
+  const std::vector<std::string>& known = color_space_names();
+  const auto found = std::find(known.begin(), known.end(), name);
+  if (found == known.end()) {
+    std::string list;
+    for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
+    throw SceneError(where_,
+                     "unknown colour space '" + name + "'" + did_you_mean(name, known) + " (known: " + list + ")");
+  }
+  reader_.attributes.color_space = static_cast<std::size_t>(found - known.begin());
+}
+
+void SceneBuilder::film(Tokens& tokens) { options_["Film"] = read_entity(tokens, "film"); }
+
+void SceneBuilder::import(Tokens& tokens) {
+  save("Import");
+  include(tokens);
+  reader_.attributes = restore("Import");
+}
+
+void SceneBuilder::include(Tokens& tokens) {
+  const std::string name = read_string(tokens, "a file name");
+  const SourceLocation where = where_;
+  read_file(reader_.find_file(name, where), where);
+  where_ = where;
+}
+
+void SceneBuilder::integrator(Tokens& tokens) { options_["Integrator"] = read_entity(tokens, "integrator"); }
+void SceneBuilder::light_source(Tokens& tokens) { read_light(reader_, read_entity(tokens, "light")); }
+
+void SceneBuilder::make_named_material(Tokens& tokens) {
+  Entity entity = read_entity(tokens, "material");
+  const std::string name = entity.type;
+  if (reader_.materials.contains(name)) throw SceneError(where_, "a second material '" + name + "'");
+  entity.type = take_type(entity, "MakeNamedMaterial");
+  reader_.materials[name] = make_material(reader_, name, std::move(entity));
+}
+
+void SceneBuilder::make_named_medium(Tokens& tokens) {
+  Entity entity = read_entity(tokens, "medium");
+  const std::string name = entity.type;
+  entity.type = take_type(entity, "MakeNamedMedium");
+  read_medium(reader_, name, std::move(entity));
+}
+
+void SceneBuilder::material(Tokens& tokens) {
+  reader_.attributes.material = make_material(reader_, "", read_entity(tokens, "material"));
+}
+
+void SceneBuilder::medium_interface(Tokens& tokens) {
+  const std::string inside = read_string(tokens, "a medium");
+  const bool two = tokens.current().kind == Token::Kind::kString;
+  reader_.attributes.inside = inside;
+  reader_.attributes.outside = two ? read_string(tokens, "a medium") : inside;
+}
+
+void SceneBuilder::named_material(Tokens& tokens) {
+  const std::string name = read_string(tokens, "a material");
+  const auto found = reader_.materials.find(name);
+  if (found == reader_.materials.end()) {
+    std::vector<std::string> known;
+    for (const auto& entry : reader_.materials) known.push_back(entry.first);
+    throw SceneError(where_, "the material '" + name + "' is not defined so far" + did_you_mean(name, known));
+  }
+  reader_.attributes.material = found->second;
+}
+
+void SceneBuilder::object_begin(Tokens& tokens) {
+  const std::string name = read_string(tokens, "a name");
+  if (reader_.object != nullptr) throw SceneError(where_, "ObjectBegin inside of another object");
+  Object& object = reader_.objects[name];
+  if (object.defined) throw SceneError(where_, "a second object '" + name + "'");
+  object.defined = true;
+  object.where = object.group.where = where_;
+  save("ObjectBegin");
+  reader_.object = &object;
+}
+
+void SceneBuilder::object_end(Tokens&) {
+  reader_.attributes = restore("ObjectBegin");
+  reader_.object = nullptr;
+}
+
+void SceneBuilder::object_instance(Tokens& tokens) {
+  const std::string name = read_string(tokens, "an object");
+  if (reader_.object != nullptr) throw SceneError(where_, "ObjectInstance inside of an object");
+  Object& object = reader_.objects[name];
+  if (object.where.file.empty()) object.where = where_;
+  std::array<float, 12> place;
+  for (std::size_t i = 0; i < 12; ++i)
+    place[i] = static_cast<float>(reader_.attributes.transform.matrix().m[i / 4][i % 4]);
+  if (!is_usable_instance(place)) throw SceneError(where_, "the transform of the instance is too large or flattens it");
+  object.places.push_back(place);
+}
+
+void SceneBuilder::option(Tokens& tokens) {
+  constexpr std::string_view kKnown[] = {"disablepixeljitter",
+                                         "disabletexturefiltering",
+                                         "disablewavelengthjitter",
+                                         "displacementedgescale",
+                                         "forcediffuse",
+                                         "msereferenceimage",
+                                         "msereferenceout",
+                                         "pixelstats",
+                                         "rendercoordsys",
+                                         "seed",
+                                         "wavefront"};
+  for (const Parameter& parameter : read_parameters(tokens)) {
+    if (std::find(std::begin(kKnown), std::end(kKnown), parameter.name) == std::end(kKnown))
+      throw SceneError(parameter.where, "unknown option '" + parameter.name + "'" +
+                                            did_you_mean(parameter.name, {std::begin(kKnown), std::end(kKnown)}));
+    if (parameter.name == "seed" && parameter.numbers.size() == 1 && parameter.numbers[0] >= 0 &&
+        parameter.numbers[0] < 4294967296.0)
+      reader_.description.sampler.seed = static_cast<std::uint32_t>(parameter.numbers[0]);
+    else if (parameter.name == "forcediffuse" || parameter.name == "disablepixeljitter")
+      reader_.note(parameter.where, "the option '" + parameter.name + "' is not used");
+  }
+}
+
+void SceneBuilder::pixel_filter(Tokens& tokens) { options_["PixelFilter"] = read_entity(tokens, "filter"); }
+void SceneBuilder::sampler(Tokens& tokens) { options_["Sampler"] = read_entity(tokens, "sampler"); }
+
+void SceneBuilder::shape(Tokens& tokens) { read_shape(reader_, read_entity(tokens, "shape")); }
+
+void SceneBuilder::texture(Tokens& tokens) {
+  const std::string name = read_string(tokens, "a name"), kind = read_string(tokens, "float or spectrum");
+  read_texture(reader_, name, kind, read_entity(tokens, "texture"));
+}
+
+void SceneBuilder::world_begin(Tokens&) {
+  in_world_ = true;
+  const auto option = [&](const char* directive, const char* standard) {
+    const auto found = options_.find(directive);
+    return found != options_.end() ? std::move(found->second) : Entity{standard, {}, where_};
+  };
+  // Determine the exposure time
+  Entity camera = option("Camera", "perspective");
+  double shutter[2] = {0, 1};
+  for (const Parameter& parameter : camera.parameters)
+    if (parameter.numbers.size() == 1 && (parameter.name == "shutteropen" || parameter.name == "shutterclose"))
+      shutter[parameter.name == "shutterclose" ? 1 : 0] = parameter.numbers[0];
+  if (!(shutter[0] < shutter[1])) throw SceneError(camera.where, "Camera: the shutter closes before it opens");
+  // Read the rendering options, then reset the transform
+  read_film(reader_, option("Film", "rgb"), static_cast<float>(shutter[1] - shutter[0]));
+  read_filter(reader_, option("PixelFilter", "gaussian"));
+  pbrt::read_camera(reader_, std::move(camera), world_from_camera_, camera_medium_);
+  read_sampler(reader_, option("Sampler", "zsobol"));
+  read_integrator(reader_, option("Integrator", "volpath"));
+  reader_.attributes.transform = {};
+  reader_.attributes.start_is_active = true;
+  coordinate_systems_["world"] = {};
+}
+
+}  // namespace sheaf::pbrt

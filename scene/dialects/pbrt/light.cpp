@@ -1,0 +1,219 @@
+// The pbrt dialect: lights. Light spectra are scaled to unit luminance, so a light of L = 1 has the film value 1. The
+// film's exposure is multiplied into the lights.
+#include "core/octahedral.h"
+#include "scene/dialects/pbrt/reader.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf::pbrt {
+
+namespace {
+
+SpectrumDescription read_emission(Parameters& p, const char* name) {
+  return find_spectrum(p, name, Use::kLight).value_or(SpectrumDescription::constant(1));
+}
+
+/// Returns `scale` times the exposure.
+float read_scale(Parameters& p) { return p.number("scale", 1, kNotNegative) * p.reader().exposure; }
+
+/// Returns a coordinate system with its origin at `from` and +z towards `to`.
+Transform along_axis(Parameters& p) {
+  const Vec3f from = p.vec3("from", {0, 0, 0}), to = p.vec3("to", {0, 0, 1});
+  if (from == to) p.fail("has 'from' and 'to' at the same place, expected a direction");
+  const Vec3f axis = to - from;
+  const bool upright = std::fabs(axis.y) > std::fabs(axis.x) + std::fabs(axis.z);
+  return p.reader().attributes.transform * Transform::look_at(from, to, upright ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0});
+}
+
+PointLightDescription read_point(Parameters& p) {
+  const SpectrumDescription intensity = read_emission(p, "I");
+  float scale = read_scale(p);
+  if (const auto power = p.find_number("power"); power && *power > 0.0f) scale *= *power / (4 * kPi);
+  return {p.reader().attributes.transform.point(p.vec3("from", {0, 0, 0})), scaled(intensity, scale)};
+}
+
+SpotLightDescription read_spot(Parameters& p) {
+  SpotLightDescription light;
+  light.falloff = SpotLightDescription::Falloff::kSmooth;
+  light.cutoff_angle = p.number("coneangle", 30, {0, 180, true});
+  light.beam_width = light.cutoff_angle - p.number("conedeltaangle", 5, {0, double{light.cutoff_angle}, false});
+  light.to_world = along_axis(p);
+  const SpectrumDescription intensity = read_emission(p, "I");
+  float scale = read_scale(p);
+  if (const auto power = p.find_number("power"); power && *power > 0.0f) {
+    const float start = std::cos(light.beam_width * kPi / 180), end = std::cos(light.cutoff_angle * kPi / 180);
+    scale *= *power / (2 * kPi * ((1 - start) + (start - end) / 2));
+  }
+  light.intensity = scaled(intensity, scale);
+  return light;
+}
+
+DirectionalLightDescription read_distant(Parameters& p) {
+  const Transform axis = along_axis(p);
+  float scale = read_scale(p);
+  if (const auto illuminance = p.find_number("illuminance"); illuminance && *illuminance > 0.0f) scale *= *illuminance;
+  return {axis.vector({0, 0, 1}), scaled(read_emission(p, "L"), scale)};
+}
+
+decltype(LightDescription::model) read_infinite(Parameters& p) {
+  if (!p.numbers("portal", 3).empty())
+    p.reader().note(p.where(), p.title() + ": 'portal' only helps to find the light, and is not used");
+  float scale = read_scale(p);
+  const auto illuminance = p.find_number("illuminance");
+  const bool lit = illuminance && *illuminance > 0.0f;
+  if (!p.has("filename")) {
+    if (lit) scale *= *illuminance / kPi;
+    return ConstantLightDescription{scaled(read_emission(p, "L"), scale)};
+  }
+  if (p.has("L")) p.fail("has both 'L' and 'filename', expected one");
+  EnvmapDescription light;
+  light.file = p.file("filename");
+  light.scale = scale;
+  if (lit) {
+    // Irradiance on a plane that faces +z in light space.
+    const double mean = mean_luminance(
+        read_linear_picture(light.file, false, p.where()),
+        [](const double*, double x, double y) {
+          return std::max(0.0, double{equal_area_direction<Scalar>(static_cast<float>(x), static_cast<float>(y)).z});
+        },
+        nullptr);
+    if (!(mean > 0)) p.fail_at("illuminance", "cannot be that of a picture that is black towards +z");
+    light.scale *= *illuminance / (4 * kPi * static_cast<float>(mean));
+  }
+  light.to_world = p.reader().attributes.transform;
+  light.layout = EnvmapDescription::Layout::kOctahedral;
+  light.mis_compensation = true;
+  return light;
+}
+
+/// Adds an image texture without interpolation, as pbrt's image lights use it. `upright`: the first row is at v = 1.
+TextureId add_light_picture(Parameters& p, const std::filesystem::path& file, bool upright) {
+  BitmapDescription picture;
+  picture.file = file;
+  picture.filter = BitmapDescription::Filter::kNearest;
+  picture.wrap_u = picture.wrap_v = BitmapDescription::Wrap::kClamp;
+  TextureDescription texture;
+  texture.model = std::move(picture);
+  texture.where = p.where();
+  if (!upright) texture.to_uv = {1, 0, 0, 0, -1, 1};
+  return append(p.reader(), std::move(texture));
+}
+
+/// Cubed cosine of the direction through an image position; about[0] and about[1] are half width and half height.
+double cosine_cubed(const double* about, double x, double y) {
+  const double across = (2 * x - 1) * about[0], up = (2 * y - 1) * about[1];
+  return std::pow(1 + across * across + up * up, -1.5);
+}
+
+ProjectorDescription read_projection(Parameters& p) {
+  ProjectorDescription light;
+  light.is_even = true;
+  light.fov = p.number("fov", 90, {0, 180, true});
+  light.fov_axis = CameraDescription::FovAxis::kSmaller;
+  light.scale = read_scale(p);
+  // The first image column is at -x in pbrt and at +x here.
+  light.to_world = p.reader().attributes.transform * Transform::scale({-1, 1, 1});
+  const std::filesystem::path file = p.file("filename");
+  light.irradiance = add_light_picture(p, file, false);
+  const auto power = p.find_number("power");
+  if (!power || !(*power > 0.0f)) return light;
+  const Image picture = read_linear_picture(file, false, p.where());
+  const double half = std::tan(double{light.fov} * double{kPi} / 360), aspect = double(picture.width) / picture.height;
+  const double about[] = {half * std::max(aspect, 1.0), half * std::max(1 / aspect, 1.0)};
+  const double mean = mean_luminance(picture, cosine_cubed, about);
+  if (!(mean > 0)) p.fail_at("power", "cannot be that of a black picture");
+  light.scale *= static_cast<float>(double{*power} / (4 * about[0] * about[1] * mean));
+  return light;
+}
+
+/// Converts an image to grey as pbrt does, by the mean of red, green and blue.
+std::shared_ptr<const Image> grey_picture(const Image& picture) {
+  auto grey = std::make_shared<Image>(picture.width, picture.height, std::vector<std::string>{"Y"});
+  for (std::size_t i = 0; i < picture.pixel_count(); ++i)
+    grey->data[i] = (picture.data[3 * i] + picture.data[3 * i + 1] + picture.data[3 * i + 2]) / 3;
+  return grey;
+}
+
+decltype(LightDescription::model) read_goniometric(Parameters& p) {
+  if (!p.has("filename")) return read_point(p);
+  GoniometricLightDescription light;
+  const std::filesystem::path file = p.file("filename");
+  const std::shared_ptr<const Image> picture = grey_picture(read_linear_picture(file, false, p.where()));
+  if (picture->width != picture->height)
+    p.fail_at("filename", "is a picture of " + std::to_string(picture->width) + " x " +
+                              std::to_string(picture->height) + " pixels, expected a square one of equal areas");
+  float scale = read_scale(p);
+  if (const auto power = p.find_number("power"); power && *power > 0.0f) {
+    double sum = 0;
+    for (const float value : picture->data) sum += double{value};
+    if (!(sum > 0)) p.fail_at("power", "cannot be that of a black picture");
+    scale *= *power / (4 * kPi * static_cast<float>(sum / static_cast<double>(picture->data.size())));
+  }
+  light.intensity = scaled(read_emission(p, "I"), scale);
+  light.picture = add_light_picture(p, {}, true);
+  auto& bitmap = std::get<BitmapDescription>(p.reader().description.textures.back().model);
+  bitmap.made = picture;
+  // pbrt exchanges y and z before the octahedral mapping.
+  Matrix4 swap;
+  swap.m[1] = {0, 0, 1, 0}, swap.m[2] = {0, 1, 0, 0};
+  light.to_world = p.reader().attributes.transform * Transform(swap);
+  return light;
+}
+
+}  // namespace
+
+void read_light(Reader& reader, Entity entity) {
+  Parameters p(reader, "LightSource '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  LightDescription light;
+  light.where = entity.where;
+  if (entity.type == "point") {
+    light.model = read_point(p);
+  } else if (entity.type == "spot") {
+    light.model = read_spot(p);
+  } else if (entity.type == "distant") {
+    light.model = read_distant(p);
+  } else if (entity.type == "infinite") {
+    light.model = read_infinite(p);
+  } else if (entity.type == "goniometric") {
+    light.model = read_goniometric(p);
+  } else if (entity.type == "projection") {
+    light.model = read_projection(p);
+  } else {
+    const std::vector<std::string> known = {"distant", "goniometric", "infinite", "point", "projection", "spot"};
+    throw SceneError(entity.where, "unknown light '" + entity.type + "'" + did_you_mean(entity.type, known));
+  }
+  p.reject_unused();
+  reader.description.lights.push_back(std::move(light));
+}
+
+AreaLight read_area_light(Reader& reader, Entity entity) {
+  Parameters p(reader, "AreaLightSource '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  if (entity.type != "diffuse" && entity.type != "area")
+    throw SceneError(entity.where, "unknown area light '" + entity.type + "'" + did_you_mean(entity.type, {"diffuse"}));
+  AreaLight light;
+  light.where = entity.where;
+  const float scale = read_scale(p);
+  const auto power = p.find_number("power");
+  if (power && *power > 0.0f) light.power = *power;
+  if (p.has("filename")) {
+    if (p.has("L")) p.fail("has both 'L' and 'filename', expected one");
+    BitmapDescription picture;
+    picture.file = p.file("filename");
+    picture.wrap_u = picture.wrap_v = BitmapDescription::Wrap::kClamp;
+    picture.change.scale = scale;
+    if (light.power) {
+      const double mean = mean_luminance(read_linear_picture(picture.file, false, entity.where));
+      if (!(mean > 0)) p.fail_at("power", "cannot be that of a black picture");
+      picture.change.scale *= static_cast<float>(1 / mean);
+    }
+    light.radiance = add_picture(reader, std::move(picture), entity.where);
+  } else {
+    light.radiance = scaled(read_emission(p, "L"), scale);
+  }
+  light.two_sided = p.boolean("twosided", false);
+  p.reject_unused();
+  return light;
+}
+
+}  // namespace sheaf::pbrt

@@ -1,0 +1,113 @@
+// The pbrt dialect: inspection and conversion of image files.
+#include "core/color.h"
+#include "core/picture_channels.h"
+#include "scene/dialects/pbrt/reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace sheaf::pbrt {
+
+namespace {
+
+/// Whether the file extension ends with `end`, ignoring case as pbrt does.
+bool has_extension(const std::filesystem::path& file, std::string_view end) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  return extension.ends_with(end);
+}
+
+}  // namespace
+
+bool is_png(const std::filesystem::path& file) { return has_extension(file, "png"); }
+
+bool may_hold_integers(const std::filesystem::path& file) {
+  return !has_extension(file, "exr") && !has_extension(file, "pfm") && !has_extension(file, "hdr");
+}
+
+std::shared_ptr<const Image> base_picture(const BitmapDescription& picture, const LayeredBase& base) {
+  auto out = std::make_shared<Image>();
+  try {
+    *out = picture.made ? *picture.made : read_linear_picture(picture.file, picture.raw, {});
+  } catch (const SceneError&) { return nullptr; }
+  // A table with 1024 steps replaces the evaluation per value; it is finer than 8-bit quantisation.
+  constexpr int kSteps = 1024;
+  std::array<float, kSteps + 2> table;
+  for (int i = 0; i < kSteps + 2; ++i) table[static_cast<std::size_t>(i)] = base.albedo(static_cast<float>(i) / kSteps);
+  const BitmapDescription::ColorTransform& change = picture.change;
+  for (float& value : out->data) {
+    value *= change.scale;
+    if (change.invert) value = 1 - value;
+    value = std::clamp(value, 0.0f, 1.0f);
+    if (change.exponent != 1.0f) value = std::pow(value, change.exponent);
+    const float at = value * kSteps;
+    const auto cell = static_cast<std::size_t>(at);
+    value = std::lerp(table[cell], table[cell + 1], at - static_cast<float>(cell));
+  }
+  return out;
+}
+
+std::shared_ptr<const Image> number_picture(const BitmapDescription& picture) {
+  Picture pixels;
+  try {
+    pixels = read_picture(picture.file);
+  } catch (const SceneError&) { return nullptr; }
+  const auto channel = [&](const char* name) {
+    return std::find(pixels.channels.begin(), pixels.channels.end(), name) - pixels.channels.begin();
+  };
+  const auto count = static_cast<std::ptrdiff_t>(pixels.channels.size());
+  const std::ptrdiff_t r = channel("R"), g = channel("G"), b = channel("B"), a = channel("A");
+  if (r == count || g == count || b == count) return nullptr;
+  const bool decode = !picture.raw && (pixels.integers || !pixels.bytes.empty());
+  const auto stored = [&](std::size_t pixel, std::ptrdiff_t c) {
+    const std::size_t at = pixel * pixels.channels.size() + static_cast<std::size_t>(c);
+    return pixels.bytes.empty() ? pixels.floats[at] : static_cast<float>(pixels.bytes[at]) / 255;
+  };
+  const auto linear = [&](std::size_t pixel, std::ptrdiff_t c) {
+    return decode ? srgb_to_linear(stored(pixel, c)) : stored(pixel, c);
+  };
+  auto out = std::make_shared<Image>(pixels.width, pixels.height, std::vector<std::string>{"Y"});
+  const bool has_alpha = a < count && (is_png(picture.file) || has_extension(picture.file, "exr"));
+  bool uses_alpha = false;
+  for (std::size_t i = 0; has_alpha && !uses_alpha && i < out->pixel_count(); ++i) uses_alpha = stored(i, a) != 1;
+  for (std::size_t i = 0; i < out->pixel_count(); ++i)
+    out->data[i] = uses_alpha ? linear(i, a) : (linear(i, r) + linear(i, g) + linear(i, b)) / 3;
+  return out;
+}
+
+Image read_linear_picture(const std::filesystem::path& file, bool raw, const SourceLocation& where) {
+  try {
+    const Picture picture = read_picture(file);
+    Image out(picture.width, picture.height, {"R", "G", "B"});
+    const bool decode = !raw && (picture.integers || !picture.bytes.empty());
+    const std::size_t stride = picture.channels.size();
+    const std::vector<std::size_t> channels = find_color_channels(picture.channels, {file.string(), 0}).channels;
+    for (std::size_t pixel = 0; pixel < out.pixel_count(); ++pixel)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t at = pixel * stride + channels[std::min(c, channels.size() - 1)];
+        const float value = picture.bytes.empty() ? picture.floats[at] : static_cast<float>(picture.bytes[at]) / 255;
+        if (!std::isfinite(value)) throw SceneError({file.string(), 0}, "a pixel is not a finite number");
+        out.data[3 * pixel + c] = decode ? srgb_to_linear(value) : value;
+      }
+    return out;
+  } catch (const SceneError& error) { throw SceneError(where, error.what()); }
+}
+
+double mean_luminance(const Image& picture, double (*weight)(const double* about, double x, double y),
+                      const double* about) {
+  double sum = 0;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const Vec3f rgb{picture.at(x, y, 0), picture.at(x, y, 1), picture.at(x, y, 2)};
+      sum += double{luminance(rgb)} * weight(about, (x + 0.5) / picture.width, (y + 0.5) / picture.height);
+    }
+  return sum / static_cast<double>(picture.pixel_count());
+}
+
+double mean_luminance(const Image& picture) {
+  return mean_luminance(
+      picture, [](const double*, double, double) { return 1.0; }, nullptr);
+}
+
+}  // namespace sheaf::pbrt

@@ -1,0 +1,177 @@
+// The pbrt dialect: files, the table of directives, and final processing.
+#include "scene/dialects/pbrt/scene.h"
+
+#include "scene/description/instance_transform.h"
+#include "scene/dialects/common/visibility_integrators.h"
+#include "scene/dialects/dialects.h"
+#include "scene/formats/mesh_io.h"
+#include "scene/xml/missing_file.h"
+
+#include <algorithm>
+
+namespace sheaf::pbrt {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxIncludeDepth = 32;
+constexpr int kMaxIncludes = 10'000;
+
+}  // namespace
+
+void Reader::note(const SourceLocation& where, const std::string& message) {
+  description.notes.push_back(where.file + ":" + std::to_string(where.line) + ": " + message);
+}
+
+void Reader::note_once(const SourceLocation& where, const std::string& message) {
+  if (noted.insert(message).second) note(where, message);
+}
+
+void Reader::stand_in(const SourceLocation& where, const std::string& message) {
+  description.stand_ins.push_back(SceneError(where, message).what());
+}
+
+void Reader::unsupported(const SourceLocation& where, const std::string& what, const std::string& instead) {
+  const std::string message = what + ": not supported";
+  if (!lenient) throw SceneError(where, message);
+  stand_in(where, message + " (" + instead + ")");
+}
+
+fs::path Reader::find_file(const std::string& name, const SourceLocation& where) {
+  if (name.empty()) throw SceneError(where, "empty file name");
+  std::error_code error;
+  const fs::path own = fs::path(where.file).parent_path();
+  for (const fs::path& base : {folder, own}) {
+    const fs::path candidate = base / name;
+    if (!fs::exists(candidate, error)) continue;
+    if (!fs::is_regular_file(candidate, error))
+      throw SceneError(where, "'" + candidate.string() + "' is not a file that can be read");
+    std::vector<fs::path>& files = description.files;
+    if (std::find(files.begin(), files.end(), candidate) == files.end()) files.push_back(candidate);
+    return candidate;
+  }
+  throw SceneError(where, missing_file(name, {folder}));
+}
+
+SceneBuilder::SceneBuilder(Description& description, bool lenient) : reader_{description, lenient, {}, {}} {}
+
+std::span<const SceneBuilder::Directive> SceneBuilder::directives() {
+  using B = SceneBuilder;
+  constexpr Place kAnywhere = Place::kAnywhere, kOptions = Place::kOptions, kWorld = Place::kWorld;
+  static constexpr Directive kDirectives[] = {{"Accelerator", &B::accelerator, kOptions},
+                                              {"ActiveTransform", &B::active_transform, kAnywhere},
+                                              {"AreaLightSource", &B::area_light_source, kWorld},
+                                              {"Attribute", &B::attribute, kAnywhere},
+                                              {"AttributeBegin", &B::attribute_begin, kWorld},
+                                              {"AttributeEnd", &B::attribute_end, kWorld},
+                                              {"Camera", &B::camera, kOptions},
+                                              {"ColorSpace", &B::color_space, kAnywhere},
+                                              {"ConcatTransform", &B::concat_transform, kAnywhere},
+                                              {"CoordSysTransform", &B::coord_sys_transform, kAnywhere},
+                                              {"CoordinateSystem", &B::coordinate_system, kAnywhere},
+                                              {"Film", &B::film, kOptions},
+                                              {"Identity", &B::identity, kAnywhere},
+                                              {"Import", &B::import, kWorld},
+                                              {"Include", &B::include, kAnywhere},
+                                              {"Integrator", &B::integrator, kOptions},
+                                              {"LightSource", &B::light_source, kWorld},
+                                              {"LookAt", &B::look_at, kAnywhere},
+                                              {"MakeNamedMaterial", &B::make_named_material, kWorld},
+                                              {"MakeNamedMedium", &B::make_named_medium, kAnywhere},
+                                              {"Material", &B::material, kWorld},
+                                              {"MediumInterface", &B::medium_interface, kAnywhere},
+                                              {"NamedMaterial", &B::named_material, kWorld},
+                                              {"ObjectBegin", &B::object_begin, kWorld},
+                                              {"ObjectEnd", &B::object_end, kWorld},
+                                              {"ObjectInstance", &B::object_instance, kWorld},
+                                              {"Option", &B::option, kOptions},
+                                              {"PixelFilter", &B::pixel_filter, kOptions},
+                                              {"ReverseOrientation", &B::reverse_orientation, kWorld},
+                                              {"Rotate", &B::rotate, kAnywhere},
+                                              {"Sampler", &B::sampler, kOptions},
+                                              {"Scale", &B::scale, kAnywhere},
+                                              {"Shape", &B::shape, kWorld},
+                                              {"Texture", &B::texture, kWorld},
+                                              {"Transform", &B::transform, kAnywhere},
+                                              {"TransformBegin", &B::transform_begin, kWorld},
+                                              {"TransformEnd", &B::transform_end, kWorld},
+                                              {"TransformTimes", &B::transform_times, kAnywhere},
+                                              {"Translate", &B::translate, kAnywhere},
+                                              {"WorldBegin", &B::world_begin, kOptions}};
+  return kDirectives;
+}
+
+const SceneBuilder::Directive& SceneBuilder::directive(const Token& token, const SourceLocation& where) {
+  std::vector<std::string> known;
+  if (token.kind == Token::Kind::kWord)
+    for (const Directive& candidate : directives()) {
+      if (token.text == candidate.name) return candidate;
+      known.emplace_back(candidate.name);
+    }
+  if (token.text == "WorldEnd")
+    throw SceneError(where, "WorldEnd is of pbrt-v3, expected a scene of pbrt-v4, into which pbrt --upgrade makes it");
+  throw SceneError(where, "found " + shown(token) + ", expected a directive" +
+                              did_you_mean(std::string(token.text.substr(0, 40)), known));
+}
+
+void SceneBuilder::read_directive(Tokens& tokens) {
+  where_ = tokens.where();
+  const Directive& found = directive(tokens.current(), where_);
+  if (found.place == Place::kWorld && !in_world_)
+    throw SceneError(where_, std::string(found.name) + " before WorldBegin, expected it behind");
+  if (found.place == Place::kOptions && in_world_)
+    throw SceneError(where_, std::string(found.name) + " behind WorldBegin, expected it before");
+  tokens.advance();
+  (this->*found.handler)(tokens);
+}
+
+void SceneBuilder::read_file(const fs::path& file, const SourceLocation& where) {
+  std::error_code error;
+  for (const fs::path& open : open_)
+    if (open == file || fs::equivalent(open, file, error))
+      throw SceneError(where, "'" + file.string() + "' includes itself");
+  if (open_.size() > kMaxIncludeDepth)
+    throw SceneError(where, "files include each other more than " + std::to_string(kMaxIncludeDepth) + " deep");
+  if (++included_ > kMaxIncludes)
+    throw SceneError(where, "more than " + std::to_string(kMaxIncludes) + " files are included");
+  open_.push_back(file);
+  Tokens tokens(read_mesh_text(file, "scene file"), file.string());
+  while (tokens.current().kind != Token::Kind::kEnd) read_directive(tokens);
+  open_.pop_back();
+}
+
+void SceneBuilder::read(const fs::path& file) {
+  reader_.folder = file.parent_path();
+  reader_.description.files.push_back(file);
+  read_file(file, {file.string(), 0});
+  if (!saved_.empty())
+    throw SceneError(saved_.back().where, std::string(saved_.back().by) + " is not ended before the file is");
+  if (!in_world_) throw SceneError({file.string(), 0}, "the scene has no WorldBegin");
+  finish();
+}
+
+void SceneBuilder::finish() {
+  Description& description = reader_.description;
+  for (auto& [name, object] : reader_.objects) {
+    if (!object.defined) throw SceneError(object.where, "the object '" + name + "' is not defined");
+    if (object.places.empty()) continue;
+    const auto group = static_cast<std::uint32_t>(description.groups.size());
+    object.group.id = name;
+    description.groups.push_back(std::move(object.group));
+    for (const auto& place : object.places) description.instances.push_back({place, group});
+  }
+  for (MediumDescription& medium : description.media) medium.emission_scale *= reader_.exposure;
+  if (reader_.visibility)
+    apply_visibility_integrator(reader_.visibility->name, reader_.visibility->length, true, description);
+}
+
+}  // namespace sheaf::pbrt
+
+namespace sheaf {
+
+void read_pbrt(const std::filesystem::path& file, Description& description, bool lenient) {
+  pbrt::SceneBuilder(description, lenient).read(file);
+}
+
+}  // namespace sheaf

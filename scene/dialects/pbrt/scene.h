@@ -1,0 +1,102 @@
+// Directives of pbrt scene files and their effects on the description.
+#pragma once
+
+#include "scene/dialects/pbrt/reader.h"
+
+#include <span>
+
+namespace sheaf::pbrt {
+
+/// Reads a scene, directive by directive.
+class SceneBuilder {
+ public:
+  SceneBuilder(Description& description, bool lenient);
+
+  /// Reads the scene file and finishes the description. Throws SceneError.
+  void read(const std::filesystem::path& file);
+
+ private:
+  using Handler = void (SceneBuilder::*)(Tokens&);
+  /// Where a directive is allowed.
+  enum class Place { kAnywhere, kOptions, kWorld };
+  struct Directive {
+    const char* name;
+    Handler handler;
+    Place place;
+  };
+  struct Saved {
+    const char* by;  ///< directive that saved the attributes
+    SourceLocation where;
+    Attributes attributes;
+  };
+
+  static std::span<const Directive> directives();
+  static const Directive& directive(const Token& token, const SourceLocation& where);
+  void read_file(const std::filesystem::path& file, const SourceLocation& where);
+  void read_directive(Tokens& tokens);
+  void finish();
+
+  // pbrt_directives.cpp
+  std::string read_string(Tokens& tokens, const char* what);
+  Entity read_entity(Tokens& tokens, const char* target);
+  void save(const char* by);
+  Attributes restore(const char* by);
+
+  void accelerator(Tokens& tokens);
+  void area_light_source(Tokens& tokens);
+  void attribute(Tokens& tokens);
+  void attribute_begin(Tokens& tokens);
+  void attribute_end(Tokens& tokens);
+  void camera(Tokens& tokens);
+  void color_space(Tokens& tokens);
+  void film(Tokens& tokens);
+  void import(Tokens& tokens);
+  void include(Tokens& tokens);
+  void integrator(Tokens& tokens);
+  void light_source(Tokens& tokens);
+  void make_named_material(Tokens& tokens);
+  void make_named_medium(Tokens& tokens);
+  void material(Tokens& tokens);
+  void medium_interface(Tokens& tokens);
+  void named_material(Tokens& tokens);
+  void object_begin(Tokens& tokens);
+  void object_end(Tokens& tokens);
+  void object_instance(Tokens& tokens);
+  void option(Tokens& tokens);
+  void pixel_filter(Tokens& tokens);
+  void sampler(Tokens& tokens);
+  void shape(Tokens& tokens);
+  void texture(Tokens& tokens);
+  void world_begin(Tokens& tokens);
+
+  // pbrt_transforms.cpp
+  void apply_transform(const Transform& transform);
+
+  void active_transform(Tokens& tokens);
+  void concat_transform(Tokens& tokens);
+  void coord_sys_transform(Tokens& tokens);
+  void coordinate_system(Tokens& tokens);
+  void identity(Tokens& tokens);
+  void look_at(Tokens& tokens);
+  void reverse_orientation(Tokens& tokens);
+  void rotate(Tokens& tokens);
+  void scale(Tokens& tokens);
+  void transform(Tokens& tokens);
+  void transform_begin(Tokens& tokens);
+  void transform_end(Tokens& tokens);
+  void transform_times(Tokens& tokens);
+  void translate(Tokens& tokens);
+
+  Reader reader_;
+  SourceLocation where_;  ///< of the current directive
+  std::vector<Saved> saved_;
+  std::vector<std::filesystem::path> open_;  ///< files being read
+  int included_ = 0;
+  bool in_world_ = false, noted_motion_ = false;
+  std::map<std::string, Transform, std::less<>> coordinate_systems_;
+  std::map<std::string, Entity, std::less<>> options_;  ///< camera, film etc., by directive
+  Transform world_from_camera_;
+  std::string camera_medium_;
+};
+
+}  // namespace sheaf::pbrt

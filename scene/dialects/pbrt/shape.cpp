@@ -1,0 +1,231 @@
+// The pbrt dialect: shapes. Full spheres, cylinders and disks stay analytic. Partial ones, and textured disks, are
+// tessellated because their texture coordinates differ.
+#include "scene/dialects/pbrt/reader.h"
+#include "scene/formats/mesh_io.h"
+#include "scene/formats/ply_header.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace sheaf::pbrt {
+
+namespace {
+
+constexpr int kSteps = 128;  ///< segments of a full circle
+
+/// Point on a circle at parameter u; s[0] is phimax in radians.
+Vec3f around(const float* s, float u, float radius, float z) {
+  const float phi = u * s[0];
+  return {radius * std::cos(phi), radius * std::sin(phi), z};
+}
+
+// Spheres: phimax, radius, polar angles at v = 0 and v = 1.
+float polar_angle(const float* s, float v) { return s[2] + v * (s[3] - s[2]); }
+Vec3f sphere_normal(const float* s, float u, float v) {
+  return around(s, u, std::sin(polar_angle(s, v)), std::cos(polar_angle(s, v)));
+}
+Vec3f sphere_point(const float* s, float u, float v) { return sphere_normal(s, u, v) * s[1]; }
+
+// Cylinders: phimax, radius, zmin, zmax.
+Vec3f cylinder_point(const float* s, float u, float v) { return around(s, u, s[1], s[2] + v * (s[3] - s[2])); }
+Vec3f cylinder_normal(const float* s, float u, float) { return around(s, u, 1, 0); }
+
+// Disks: phimax, radius, height, inner radius.
+Vec3f disk_point(const float* s, float u, float v) { return around(s, u, s[1] + v * (s[3] - s[1]), s[2]); }
+Vec3f disk_normal(const float*, float, float) { return {0, 0, 1}; }
+
+float read_phimax(Parameters& p) { return p.number("phimax", 360, {0, 360, false}); }
+float radians(float degrees) { return degrees * kPi / 180; }
+int steps_of(float phimax) { return std::max(4, static_cast<int>(std::ceil(kSteps * phimax / 360))); }
+
+Mesh mesh_of(const Patch& patch) {
+  Mesh mesh;
+  append(mesh, patch);
+  return mesh;
+}
+
+/// Properties of a shape beyond its description.
+struct Geometry {
+  float area = 0;
+  bool has_normals = false;  ///< normals determine the front side, even if the transform mirrors
+  bool is_mesh = false;
+  std::size_t lights = 1;  ///< number of lights that pbrt creates: one per triangle or patch
+};
+
+Geometry read_sphere(Parameters& p, ShapeDescription& shape, bool textured) {
+  const float radius = p.number("radius", 1, kPositive), phimax = read_phimax(p);
+  const float a = std::clamp(p.number("zmin", -radius), -radius, radius);
+  const float b = std::clamp(p.number("zmax", radius), -radius, radius);
+  const float low = std::min(a, b), high = std::max(a, b);
+  const float area = radians(phimax) * radius * (high - low);
+  if (phimax == 360.0f && low == -radius && high == radius) {
+    shape.geometry = SphereShape{{0, 0, 0}, radius};
+    // v runs upwards here and downwards in pbrt
+    if (textured) shape.to_world = shape.to_world * Transform::scale({1, 1, -1});
+    return {area};
+  }
+  const int steps = steps_of(phimax);
+  shape.geometry = mesh_of({sphere_point,
+                            sphere_normal,
+                            {radians(phimax), radius, std::acos(low / radius), std::acos(high / radius)},
+                            steps,
+                            kSteps / 2});
+  return {area, true, true};
+}
+
+Geometry read_cylinder(Parameters& p, ShapeDescription& shape) {
+  const float radius = p.number("radius", 1, kPositive), phimax = read_phimax(p);
+  const float a = p.number("zmin", -1), b = p.number("zmax", 1);
+  const float low = std::min(a, b), high = std::max(a, b);
+  if (low == high) p.fail("has no height: 'zmin' and 'zmax' are the same");
+  const float area = radians(phimax) * radius * (high - low);
+  if (phimax == 360.0f) {
+    shape.geometry = CylinderShape{{0, 0, low}, {0, 0, high}, radius};
+    return {area};
+  }
+  shape.geometry =
+      mesh_of({cylinder_point, cylinder_normal, {radians(phimax), radius, low, high}, steps_of(phimax), 1});
+  return {area, true, true};
+}
+
+Geometry read_disk(Parameters& p, ShapeDescription& shape, bool textured) {
+  const float radius = p.number("radius", 1, kPositive), phimax = read_phimax(p), height = p.number("height", 0);
+  const float inner = p.number("innerradius", 0, {0, double{radius}, false});
+  const float area = radians(phimax) * 0.5f * (radius * radius - inner * inner);
+  if (phimax == 360.0f && inner == 0.0f && !textured) {
+    shape.geometry = DiskShape{};
+    if (height != 0.0f) shape.to_world = shape.to_world * Transform::translate({0, 0, height});
+    if (radius != 1.0f) shape.to_world = shape.to_world * Transform::scale({radius, radius, 1});
+    return {area};
+  }
+  shape.geometry = mesh_of({disk_point, disk_normal, {radians(phimax), radius, height, inner}, steps_of(phimax), 1});
+  return {area, true, true};
+}
+
+/// Reads face count and presence of normals from a PLY header.
+Geometry ply_geometry(const std::filesystem::path& file) {
+  const std::string bytes = read_mesh_text(file, "PLY file");
+  Geometry geometry{0, false, true};
+  for (const PlyElement& element : parse_ply_header(bytes, file.string()).elements) {
+    if (element.name == "face") geometry.lights = element.count;
+    for (const PlyProperty& property : element.properties)
+      if (element.name == "vertex" && property.name == "nx") geometry.has_normals = true;
+  }
+  return geometry;
+}
+
+Geometry read_ply_shape(Parameters& p, ShapeDescription& shape) {
+  MeshFileShape mesh;
+  mesh.file = p.file("filename");
+  mesh.format = MeshFileShape::Format::kPly;
+  mesh.flip_tex_coords = false;
+  mesh.smooth_normals = false;
+  if (p.has("displacement")) {
+    p.unsupported("displacement of its vertices", "there is none");
+    p.ignore({"displacement"});
+  }
+  p.ignore({"edgelength"});
+  Geometry geometry{0, false, true};
+  if (shape.to_world.swaps_handedness() || p.reader().attributes.area_light) geometry = ply_geometry(mesh.file);
+  shape.geometry = std::move(mesh);
+  return geometry;
+}
+
+Geometry read_geometry(Parameters& p, const std::string& type, ShapeDescription& shape, bool textured) {
+  if (type == "sphere") return read_sphere(p, shape, textured);
+  if (type == "cylinder") return read_cylinder(p, shape);
+  if (type == "disk") return read_disk(p, shape, textured);
+  if (type == "plymesh") return read_ply_shape(p, shape);
+  if (type == "loopsubdiv") {
+    Mesh mesh = read_subdivision(p, textured);
+    const Geometry geometry{0, true, true, mesh.triangles.size()};
+    shape.geometry = std::move(mesh);
+    return geometry;
+  }
+  if (type == "trianglemesh" || type == "bilinearmesh") {
+    Mesh mesh = type == "trianglemesh" ? read_triangle_mesh(p, textured) : read_bilinear_mesh(p);
+    const Parameter* indices = p.find("indices");
+    const std::size_t corners = type == "trianglemesh" ? 3 : 4;
+    const Geometry geometry{0, !mesh.normals.empty(), true, indices == nullptr ? 1 : indices->numbers.size() / corners};
+    shape.geometry = std::move(mesh);
+    return geometry;
+  }
+  if (type == "curve") {
+    shape.geometry = read_curve(p, shape.to_world);
+    shape.to_world = Transform();
+    return Geometry{0, true, false};
+  }
+  const std::vector<std::string> known = {"bilinearmesh", "curve",   "cylinder", "disk",
+                                          "loopsubdiv",   "plymesh", "sphere",   "trianglemesh"};
+  throw SceneError(p.where(), "unknown shape '" + type + "'" + did_you_mean(type, known));
+}
+
+/// Applies the `alpha` mask to the material.
+MaterialId masked(Parameters& p, MaterialId nested) {
+  std::optional<ScalarInput> alpha = find_scalar_input(p, "alpha");
+  float* number = alpha ? std::get_if<float>(&*alpha) : nullptr;
+  if (!alpha || (number != nullptr && *number >= 1.0f)) return nested;
+  if (number != nullptr) *number = std::max(*number, 0.0f);
+  return add(p.reader(), MaskDescription{*alpha, nested}, p.where());
+}
+
+void add_emission(Parameters& p, ShapeDescription& shape, const Geometry& geometry) {
+  Reader& reader = p.reader();
+  const std::optional<AreaLight>& light = reader.attributes.area_light;
+  if (!light) return;
+  if (reader.object != nullptr)
+    return reader.note(p.where(), p.title() + " is part of an object, whose shapes do not shine in pbrt");
+  if (reader.attributes.material.is_interface)
+    return reader.note(p.where(), p.title() + " has the material 'interface', and so does not shine");
+  if (std::holds_alternative<Curves>(shape.geometry)) return p.unsupported("light of curves", "they do not shine");
+  shape.radiance = light->radiance;
+  shape.emits_on_both_sides = light->two_sided;
+  if (!light->power) return;
+  // For shapes other than meshes, pbrt uses the area before the transform.
+  if (geometry.area > 0.0f)
+    shape.radiance =
+        scaled_input(reader, light->radiance, *light->power / (kPi * geometry.area * (light->two_sided ? 2 : 1)));
+  else
+    shape.power = *light->power * static_cast<float>(geometry.lights);
+}
+
+/// Sets the media on both sides if they differ; otherwise the surface is no medium boundary.
+void add_media(Parameters& p, ShapeDescription& shape) {
+  const Attributes& a = p.reader().attributes;
+  if (a.inside == a.outside && !a.material.interior) return;
+  if (std::holds_alternative<Curves>(shape.geometry)) return p.unsupported("media inside of curves", "there are none");
+  shape.interior = a.material.interior ? a.material.interior : medium_of(p.reader(), a.inside, p.where());
+  shape.exterior = medium_of(p.reader(), a.outside, p.where());
+}
+
+}  // namespace
+
+void read_shape(Reader& reader, Entity entity) {
+  Parameters p(reader, "Shape '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  ShapeDescription shape;
+  shape.where = entity.where;
+  shape.to_world = reader.attributes.transform;
+  if (!reader.attributes.material.id) {
+    if (!reader.standard_material) reader.standard_material = make_material(reader, "", {"diffuse", {}, entity.where});
+    reader.attributes.material = *reader.standard_material;
+  }
+  reader.used_texture = reader.attributes.material.textured;
+  shape.material = masked(p, *reader.attributes.material.id);
+  const bool lit_by_picture =
+      reader.attributes.area_light && std::holds_alternative<TextureId>(reader.attributes.area_light->radiance);
+  const bool textured = reader.used_texture || lit_by_picture;
+  const Geometry geometry = read_geometry(p, entity.type, shape, textured);
+  const bool mirrored = geometry.is_mesh && !geometry.has_normals && reader.attributes.transform.swaps_handedness();
+  const bool is_curve = std::holds_alternative<Curves>(shape.geometry);
+  shape.flip_normals = !is_curve && reader.attributes.reverse_orientation != mirrored;
+  add_emission(p, shape, geometry);
+  add_media(p, shape);
+  p.reject_unused();
+  auto& shapes = reader.object != nullptr ? reader.object->group.shapes : reader.description.shapes;
+  // Merge the hairs of a hairstyle into one shape. Textured curves stay separate, because merging changes v.
+  if (is_curve && !textured && append_curve(shapes, shape)) return;
+  shapes.push_back(std::move(shape));
+}
+
+}  // namespace sheaf::pbrt

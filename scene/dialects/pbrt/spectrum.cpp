@@ -1,0 +1,144 @@
+// The pbrt dialect: colours, spectra, and parameters that accept textures.
+#include "core/color.h"
+#include "scene/data/glasses.h"
+#include "scene/description/spectrum_check.h"
+#include "scene/dialects/pbrt/reader.h"
+
+#include <algorithm>
+
+namespace sheaf::pbrt {
+
+namespace {
+
+/// Wavelength (nm) of catalogued glass indices: the helium d line.
+constexpr float kCatalogueWavelength = 587.56f;
+
+SpectrumDescription rgb_spectrum(Parameters& p, const char* name, const Parameter& parameter, Use use) {
+  const std::vector<double>& n = parameter.numbers;
+  if (n.size() != 3) p.fail_at(name, "has " + std::to_string(n.size()) + " numbers, expected red, green and blue");
+  const Vec3f rgb{static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
+  return {SpectrumDescription::Rgb{to_rec709(p, rgb, use)}};
+}
+
+/// Reads alternating wavelengths and values, extended as constant beyond both ends.
+SpectrumDescription table_spectrum(Parameters& p, const char* name, const Parameter& parameter) {
+  const std::vector<double>& n = parameter.numbers;
+  if (n.empty() || n.size() % 2 != 0)
+    p.fail_at(name, "has " + std::to_string(n.size()) + " numbers, expected wavelengths and values in turn");
+  SpectrumDescription::Table table;
+  const auto add = [&](double wavelength, double value) {
+    table.wavelengths.push_back(static_cast<float>(wavelength));
+    table.values.push_back(static_cast<float>(value));
+  };
+  constexpr double kFirst = double{kWavelengthMin} - 1, kLast = double{kWavelengthMax} + 1;
+  if (n[0] > kFirst) add(kFirst, n[1]);
+  for (std::size_t i = 0; i < n.size(); i += 2) add(n[i], n[i + 1]);
+  if (n[n.size() - 2] < kLast) add(kLast, n.back());
+  check_table(table, parameter.where);
+  return {std::move(table)};
+}
+
+/// Reads a blackbody, normalised to a maximum of 1 as in pbrt.
+SpectrumDescription blackbody_spectrum(Parameters& p, const char* name, const Parameter& parameter) {
+  constexpr double kWien = 2.8977721e6;  // Wien's displacement constant, nm K
+  if (parameter.numbers.size() != 1 || !(parameter.numbers[0] > 0))
+    p.fail_at(name, "must be one temperature in kelvin, above 0");
+  const double temperature = parameter.numbers[0];
+  const double largest = blackbody_radiance(kWien / temperature, temperature);
+  if (!(largest > 0)) p.fail_at(name, "is too cold a black body");
+  return {SpectrumDescription::Blackbody{static_cast<float>(temperature), static_cast<float>(1 / largest)}};
+}
+
+SpectrumDescription read_spectrum(Parameters& p, const char* name, const Parameter& parameter, Use use) {
+  const std::string& type = parameter.type;
+  if (type == "rgb") return rgb_spectrum(p, name, parameter, use);
+  if (type == "spectrum" && parameter.strings.size() == 1) return named_spectrum(p, name, parameter.strings[0], use);
+  SpectrumDescription spectrum;
+  if (type == "spectrum" && parameter.strings.empty()) {
+    spectrum = table_spectrum(p, name, parameter);
+  } else if (type == "blackbody") {
+    spectrum = blackbody_spectrum(p, name, parameter);
+  } else {
+    p.fail_at(name, "is of the type " + type + ", expected rgb, spectrum or blackbody");
+  }
+  return use == Use::kLight ? with_unit_luminance(std::move(spectrum), p) : spectrum;
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list.empty() ? "none" : list;
+}
+
+/// Returns the texture that a parameter names.
+template <class Input, class Other>
+const Input& texture_of(Parameters& p, const char* name, const Parameter& parameter, const char* kind,
+                        const std::map<std::string, Input, std::less<>>& known, const Other& others) {
+  if (parameter.strings.size() != 1) p.fail_at(name, "must name one texture");
+  const std::string& texture = parameter.strings[0];
+  const auto found = known.find(texture);
+  if (found == known.end()) {
+    std::vector<std::string> names;
+    for (const auto& entry : known) names.push_back(entry.first);
+    const bool other = others.find(texture) != others.end();
+    p.fail_at(name, "is the texture '" + texture + "', " +
+                        (other ? "which is of the other kind, expected one of the kind " + std::string(kind)
+                               : "which is not defined so far" + did_you_mean(texture, names) + " (known of the kind " +
+                                     kind + ": " + list_of(names) + ")"));
+  }
+  p.reader().used_texture = true;
+  return found->second;
+}
+
+}  // namespace
+
+std::optional<SpectrumDescription> find_spectrum(Parameters& p, const char* name, Use use) {
+  const Parameter* parameter = p.find(name);
+  if (parameter == nullptr) return std::nullopt;
+  SpectrumDescription spectrum = read_spectrum(p, name, *parameter, use);
+  const SpectrumRole role = use == Use::kReflectance ? SpectrumRole::kReflectance : SpectrumRole::kEmission;
+  check_role(spectrum, role, parameter->where, p.title() + ": '" + name + "'");
+  return spectrum;
+}
+
+std::optional<SpectrumInput> find_spectrum_input(Parameters& p, const char* name, Use use) {
+  const Parameter* parameter = p.find(name);
+  if (parameter == nullptr) return std::nullopt;
+  if (parameter->type == "texture")
+    return texture_of(p, name, *parameter, "spectrum", p.reader().spectrum_textures, p.reader().float_textures);
+  if (parameter->type == "float") return SpectrumDescription::constant(p.number(name, 0, kNotNegative));
+  return find_spectrum(p, name, use);
+}
+
+std::optional<ScalarInput> find_scalar_input(Parameters& p, const char* name) {
+  const Parameter* parameter = p.find(name);
+  if (parameter == nullptr) return std::nullopt;
+  if (parameter->type == "texture")
+    return texture_of(p, name, *parameter, "float", p.reader().float_textures, p.reader().spectrum_textures);
+  return p.number(name, 0);
+}
+
+Index read_index(Parameters& p, const char* name, float default_value) {
+  const Parameter* parameter = p.find(name);
+  if (parameter == nullptr) return {default_value, std::nullopt};
+  if (parameter->type == "float") return {p.number(name, default_value, kPositive), std::nullopt};
+  if (parameter->type == "spectrum" && parameter->strings.size() == 1) {
+    std::string glass = parameter->strings[0];
+    for (char& c : glass) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    if (glass.starts_with("glass-")) glass.erase(0, 6);
+    // pbrt's names of Schott's SF5, SF10 and SF11.
+    if (glass == "f5" || glass == "f10" || glass == "f11") glass.insert(0, 1, 's');
+    if (const Dispersion* found = find_dispersion(glass)) return {ior<Scalar>(*found, kCatalogueWavelength), *found};
+    p.unsupported("'" + std::string(name) + "' is '" + parameter->strings[0] +
+                      "', of which no formula is known (known: " + list_of(dispersion_names()) + ")",
+                  "an index of " + std::to_string(default_value) + " is taken");
+    return {default_value, std::nullopt};
+  }
+  if (parameter->type == "spectrum" && parameter->numbers.size() >= 2) {
+    p.unsupported("'" + std::string(name) + "' is a table of indices by wavelength", "the first of them is taken");
+    return {static_cast<float>(parameter->numbers[1]), std::nullopt};
+  }
+  p.fail_at(name, "is of the type " + parameter->type + ", expected a float or the name of a glass");
+}
+
+}  // namespace sheaf::pbrt

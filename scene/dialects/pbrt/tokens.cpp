@@ -1,0 +1,117 @@
+// Tokenizer of pbrt scene files.
+#include "scene/dialects/pbrt/tokens.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace sheaf::pbrt {
+
+namespace {
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+bool ends_word(char c) { return is_space(c) || c == '"' || c == '[' || c == ']' || c == '#'; }
+
+/// Returns the character of an escape sequence, or 0.
+char unescaped(char c) {
+  switch (c) {
+    case 'b':
+      return '\b';
+    case 'f':
+      return '\f';
+    case 'n':
+      return '\n';
+    case 'r':
+      return '\r';
+    case 't':
+      return '\t';
+    case '\\':
+    case '\'':
+    case '"':
+      return c;
+    default:
+      return 0;
+  }
+}
+
+}  // namespace
+
+Tokens::Tokens(std::string text, std::string file) : text_(std::move(text)), file_(std::move(file)) { advance(); }
+
+void Tokens::skip_space() {
+  bool comment = false;
+  for (; at_ < text_.size(); ++at_) {
+    const char c = text_[at_];
+    if (c == '\n') {
+      ++line_;
+      comment = false;
+    } else if (c == '#') {
+      comment = true;
+    } else if (!comment && !is_space(c)) {
+      return;
+    }
+  }
+}
+
+void Tokens::read_string() {
+  string_.clear();
+  for (++at_; at_ < text_.size() && text_[at_] != '\n'; ++at_) {
+    if (text_[at_] == '"') {
+      ++at_;
+      token_.text = string_;
+      return;
+    }
+    if (text_[at_] == '\\') {
+      const char c = at_ + 1 < text_.size() ? unescaped(text_[at_ + 1]) : char{0};
+      if (c == 0)
+        throw SceneError(where(), "a backslash in a string, expected one of \\\\ \\\" \\' \\n \\t \\r \\b \\f");
+      string_ += c;
+      ++at_;
+    } else {
+      string_ += text_[at_];
+    }
+  }
+  throw SceneError(where(), "a string that begins here does not end on its line, expected a closing '\"'");
+}
+
+void Tokens::advance() {
+  skip_space();
+  token_ = {Token::Kind::kEnd, {}, line_};
+  if (at_ == text_.size()) return;
+  const char c = text_[at_];
+  if (c == '"') {
+    token_.kind = Token::Kind::kString;
+    read_string();
+    return;
+  }
+  const std::size_t begin = at_++;
+  token_.kind = c == '[' ? Token::Kind::kOpen : c == ']' ? Token::Kind::kClose : Token::Kind::kWord;
+  if (token_.kind == Token::Kind::kWord)
+    while (at_ < text_.size() && !ends_word(text_[at_])) ++at_;
+  token_.text = std::string_view(text_).substr(begin, at_ - begin);
+}
+
+std::string shown(const Token& token) {
+  constexpr std::size_t kLongest = 40;
+  if (token.kind == Token::Kind::kEnd) return "the end of the file";
+  std::string text(token.text.substr(0, kLongest));
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+  return "'" + text + (token.text.size() > kLongest ? "...'" : "'");
+}
+
+double number_of(const Token& token, const SourceLocation& where, std::string_view expected) {
+  std::string_view text = token.text;
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = problem == std::errc() && end == text.data() + text.size();
+  // Numbers below the range of double become 0.
+  if (problem == std::errc::result_out_of_range && end == text.data() + text.size() && text.find("e-") != text.npos)
+    return 0;
+  if (token.kind != Token::Kind::kWord || !whole || !std::isfinite(value))
+    throw SceneError(where, "found " + shown(token) + ", expected " + std::string(expected));
+  return value;
+}
+
+}  // namespace sheaf::pbrt

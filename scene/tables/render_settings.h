@@ -1,0 +1,95 @@
+// Settings of film, sampler and integrator, as scene files give them and as kernels read them.
+#pragma once
+
+#include "core/pixel_rect.h"
+#include "core/sampler.h"
+#include "core/transform.h"
+#include "scene/tables/photon_settings.h"
+
+#include <cstdint>
+#include <optional>
+
+namespace sheaf {
+
+/// A pixel reconstruction filter; sizes in pixels.
+struct PixelFilter {
+  enum class Kind { kBox, kTent, kGaussian, kMitchell, kCatmullRom, kLanczos } kind = Kind::kBox;
+  float radius = 0.5f;               ///< box, tent; other filters derive it from the parameters below
+  float stddev = 0.5f;               ///< Gaussian; truncated at 4 standard deviations
+  float b = 1.0f / 3, c = 1.0f / 3;  ///< mitchell; radius 2
+  float lobes = 3;                   ///< lanczos; equals the radius
+};
+
+/// How the pixel filter is applied; see scene/tables/filter.h.
+enum class FilterMode {
+  kWeighted,    ///< each sample counts in every pixel whose filter covers it
+  kImportance,  ///< filter importance sampling: each sample counts in one pixel
+};
+
+struct FilmSettings {
+  int width = 768, height = 576;
+  std::optional<PixelRect> crop;
+  PixelFilter filter;
+  FilterMode filter_mode = FilterMode::kWeighted;
+  /// kWeighted: also take samples around the frame, within the filter's radius. Otherwise pixels at the border use only
+  /// the part of the filter inside the frame. kImportance always covers the whole filter.
+  bool sample_border = false;
+};
+
+struct SamplerSettings {
+  SamplerKind kind = SamplerKind::kSobol;
+  std::uint32_t sample_count = 4;  ///< per pixel
+  std::uint32_t seed = 0;
+};
+
+/// The quantity computed at each pixel. Radiance along paths from the camera, along paths from the lights, or along
+/// both with photon maps in between; or normals, depth or ambient visibility of the first surface.
+enum class IntegratorKind { kPath, kLightTracer, kPhotonMapper, kNormals, kDepth, kVisibility };
+/// Whether an integrator computes radiance.
+constexpr bool transports_light(IntegratorKind kind) {
+  return kind == IntegratorKind::kPath || kind == IntegratorKind::kLightTracer || kind == IntegratorKind::kPhotonMapper;
+}
+/// How direct light is estimated: by sampling lights, by sampling BSDFs, or both combined by MIS.
+enum class LightStrategy { kMis, kBsdfOnly, kLightOnly };
+/// How a light is selected for sampling.
+enum class LightSelector {
+  kUniform,  ///< with equal probability
+  kPower,    ///< by power
+  kBvh,      ///< by a bound on the contribution to the point, with a light tree (Conty Estevez and Kulla 2018)
+};
+/// How distances in media and transmittance are estimated.
+enum class MediumEstimator {
+  kNullMis,   ///< null-scattering path integral with MIS over wavelengths (Miller et al. 2019)
+  kDelta,     ///< delta tracking for both, with one wavelength's extinction
+  kRatio,     ///< delta tracking for distances, ratio tracking for transmittance, with one wavelength's extinction
+  kMarching,  ///< ray marching in equal steps for both; biased
+};
+/// Maximum number of light candidates per vertex.
+inline constexpr int kMaxCandidates = 1024;
+
+/// Default depths at which Russian roulette starts; see bench/README.md.
+inline constexpr int kPathRouletteDepth = 2, kOtherRouletteDepth = 5;
+
+struct IntegratorSettings {
+  IntegratorKind kind = IntegratorKind::kPath;
+  LightStrategy strategy = LightStrategy::kMis;
+  int max_depth = -1;           ///< -1 unlimited, 1 emission only, 2 direct light, ...
+  std::optional<int> rr_depth;  ///< overrides the default of roulette_depth()
+  LightSelector light_selector = LightSelector::kBvh;
+  int candidates = 1;            ///< light candidates per vertex, of which RIS keeps one; in [1, kMaxCandidates]
+  bool hide_emitters = false;    ///< lights are invisible to camera rays (alpha 0)
+  bool ends_at_diffuse = false;  ///< paths continue only at mirrors and smooth glass (Whitted 1980)
+  /// Transmission through thin dielectrics does not cost depth (Mitsuba's volpath)
+  bool thin_dielectrics_are_free = false;
+  MediumEstimator medium_estimator = MediumEstimator::kNullMis;
+  float step_size = 0;                  ///< kMarching: metres; 0: 1/100 of the diagonal of the medium's bounding box
+  float visibility_length = kInfinity;  ///< kVisibility: metres within which surfaces occlude
+  PhotonMappingSettings photons;        ///< for kPhotonMapper
+
+  /// Depth from which Russian roulette applies.
+  int roulette_depth() const {
+    return rr_depth.value_or(kind == IntegratorKind::kPath ? kPathRouletteDepth : kOtherRouletteDepth);
+  }
+};
+
+}  // namespace sheaf
