@@ -5,7 +5,7 @@
 
 namespace sheaf::test_arena {
 
-TEST_CASE("arena: blocks are aligned, in order, apart and zero") {
+TEST_CASE("arena: blocks are aligned and ordered and do not overlap and start as zeros") {
   Arena arena(1000);
   CHECK(arena.size() == 1024);
   CHECK(arena.used() == 0);
@@ -22,7 +22,7 @@ TEST_CASE("arena: blocks are aligned, in order, apart and zero") {
   CHECK(rest + 1024 - 3 * kSimdAlignment == bytes + 1024);
 }
 
-TEST_CASE("arena: taking nothing costs nothing, moving keeps the block") {
+TEST_CASE("arena: empty blocks take no memory and moving an arena keeps its block") {
   Arena arena(64);
   CHECK(arena.take<float>(0) != nullptr);
   CHECK(arena.used() == 0);

@@ -41,7 +41,7 @@ bool sorts_stably(int count, int buckets, const KeyOf& key_of) {
 
 }  // namespace
 
-TEST_CASE("bucket sort: stable and complete at every size and number of buckets") {
+TEST_CASE("bucket sort: the order is stable and complete for every size and number of buckets") {
   for (const int count : {0, 1, 2, kWidth - 1, kWidth, kWidth + 1, 255, 1024, 4096, 65535})
     for (const int buckets : {1, 2, 7, 64, kMaxBuckets}) {
       CAPTURE(count);

@@ -30,21 +30,21 @@ Vec3f sum_of_curves(bool under_d65) {
 
 }  // namespace
 
-TEST_CASE("D65 under the 2-degree observer has the published chromaticity") {
+TEST_CASE("D65 has its published chromaticity for the 2-degree observer") {
   const Vec3f xyz = sum_of_curves(true);
   const float sum = xyz.x + xyz.y + xyz.z;
   CHECK(std::abs(xyz.x / sum - 0.3127f) < 1e-4f);
   CHECK(std::abs(xyz.y / sum - 0.3290f) < 1e-4f);
 }
 
-TEST_CASE("the colour matching functions have equal areas, those of the published 5 nm tables") {
+TEST_CASE("the colour matching functions have equal areas that match the published 5 nm tables") {
   const Vec3f xyz = sum_of_curves(false);
   CHECK(xyz.x == doctest::Approx(21.3714).epsilon(2e-4));
   CHECK(xyz.y == doctest::Approx(21.3711).epsilon(2e-4));
   CHECK(xyz.z == doctest::Approx(21.3715).epsilon(5e-4));
 }
 
-TEST_CASE("curves interpolate and vanish outside their range") {
+TEST_CASE("tabulated curves interpolate linearly and vanish outside their range") {
   CHECK(cie_1931_xyz(555).y == 1.0f);
   CHECK(cie_1931_xyz(557.5f).y == doctest::Approx(0.9975));
   CHECK(cie_d65(560) == 100.0f);
@@ -53,7 +53,7 @@ TEST_CASE("curves interpolate and vanish outside their range") {
   CHECK(cie_d65(std::numeric_limits<float>::quiet_NaN()) == 0.0f);
 }
 
-TEST_CASE("the sRGB curve at its known points, and back") {
+TEST_CASE("the sRGB transfer function has its known values and is inverted exactly") {
   CHECK(linear_to_srgb(0) == 0.0f);
   CHECK(linear_to_srgb(1) == doctest::Approx(1));
   CHECK(linear_to_srgb(0.0031308f) == doctest::Approx(0.04045).epsilon(1e-4));
@@ -64,7 +64,7 @@ TEST_CASE("the sRGB curve at its known points, and back") {
   }
 }
 
-TEST_CASE("Rec.709 and XYZ are inverses and agree with the chromaticities") {
+TEST_CASE("conversions between Rec.709 and XYZ are inverses and agree with the chromaticities") {
   const Vec3f rgb{0.2f, 0.7f, 0.4f};
   check_close(xyz_to_rec709(rec709_to_xyz(rgb)), rgb, 1e-5);
   const std::array<Vec3f, 4> colors{Vec3f{1, 0, 0}, Vec3f{0, 1, 0}, Vec3f{0, 0, 1}, Vec3f{1, 1, 1}};
@@ -79,7 +79,7 @@ TEST_CASE("Rec.709 and XYZ are inverses and agree with the chromaticities") {
 
 // The expected numbers below are the results of Mitsuba 3.9.1 (variant scalar_rgb) for the same tables. Mitsuba
 // normalises reflectances such that the perfect reflector has 0.9989, hence the larger tolerance there.
-TEST_CASE("an emission list is weighed by equal energy") {
+TEST_CASE("an emission spectrum is integrated under equal energy") {
   check_close(emission_table_to_rgb(kList, std::vector<float>{0, 8, 15.6f, 18.4f}), {20.7108f, 10.8546f, 2.77115f},
               5e-4);
   check_close(emission_table_to_rgb(kList, std::vector<float>{0.1f, 0.2f, 0.3f, 0.4f}),
@@ -88,7 +88,7 @@ TEST_CASE("an emission list is weighed by equal energy") {
               {3.61438f, 2.84487f, 2.72675f}, 5e-4);
 }
 
-TEST_CASE("a reflectance list is weighed by D65 and clamped") {
+TEST_CASE("a reflectance spectrum is integrated under D65 and clamped") {
   check_close(reflectance_table_to_rgb(kList, std::vector<float>{0, 0.3f, 0.6f, 0.7f}),
               {0.68179f, 0.431973f, 0.122893f}, 2e-3);
   CHECK(reflectance_table_to_rgb(kList, std::vector<float>{0, 8, 15.6f, 18.4f}) == Vec3f{1, 1, 1});
@@ -96,12 +96,12 @@ TEST_CASE("a reflectance list is weighed by D65 and clamped") {
               {0.25f, 0.25f, 0.25f}, 1e-6);
 }
 
-TEST_CASE("an unbounded list is weighed by D65 and not clamped") {
+TEST_CASE("an unbounded spectrum is integrated under D65 and not clamped") {
   check_close(unbounded_table_to_rgb(kList, std::vector<float>{0, 8, 15.6f, 18.4f}), {17.7147f, 11.3544f, 3.30451f},
               2e-3);
 }
 
-TEST_CASE("integration does not depend on how a piecewise linear spectrum is cut up") {
+TEST_CASE("the integral of a piecewise linear spectrum does not depend on its subdivision") {
   std::vector<float> wavelengths, values;
   for (int i = 0; i <= 997; ++i) {
     wavelengths.push_back(400 + static_cast<float>(i) * 300.0f / 997.0f);
@@ -111,14 +111,14 @@ TEST_CASE("integration does not depend on how a piecewise linear spectrum is cut
               emission_table_to_rgb(std::vector<float>{400, 700}, std::vector<float>{1, 4}), 1e-5);
 }
 
-TEST_CASE("colours outside the gamut have no negative components") {
+TEST_CASE("colours outside the gamut are clamped to non-negative components") {
   const Vec3f green = emission_table_to_rgb(std::vector<float>{500, 510}, std::vector<float>{1, 1});
   CHECK(green.x == 0.0f);
   CHECK(green.y > 0.0f);
   CHECK(emission_table_to_rgb({}, {}) == Vec3f{0, 0, 0});
 }
 
-TEST_CASE("Planck's law and the colour of black bodies") {
+TEST_CASE("black bodies follow Planck's law and have the published colours") {
   // Wien's displacement law: the peak is at 2897.77 um K / T.
   const double peak = 2.897771955e6 / 5000;
   CHECK(blackbody_radiance(peak, 5000) > blackbody_radiance(peak - 2, 5000));
@@ -133,7 +133,7 @@ TEST_CASE("Planck's law and the colour of black bodies") {
   check_close(blackbody_to_rgb(2856, 2), {1000.55f, 447.37f, 126.15f}, 1e-2);
 }
 
-TEST_CASE("malformed tables are refused") {
+TEST_CASE("malformed spectrum tables are rejected") {
   CHECK_THROWS_AS(emission_table_to_rgb(kList, std::vector<float>{1, 2}), SceneError);
   CHECK_THROWS_AS(emission_table_to_rgb(std::vector<float>{500, 500}, std::vector<float>{1, 2}), SceneError);
   CHECK_THROWS_AS(reflectance_table_to_rgb(std::vector<float>{500, std::numeric_limits<float>::quiet_NaN()},

@@ -30,7 +30,7 @@ TEST_CASE("color space: Rec.2020 to Rec.709 is the matrix of ITU-R BT.2087") {
     for (std::size_t j = 0; j < 3; ++j) CHECK((*found)[i][j] == doctest::Approx(expected[i][j]).scale(1).epsilon(1e-4));
 }
 
-TEST_CASE("color space: white keeps its chromaticity, as in Mitsuba 3, whose figures these are") {
+TEST_CASE("color space: white keeps its chromaticity and the figures of Mitsuba 3 are matched") {
   constexpr double kXyz = 1e-3;  // Mitsuba's XYZ matrix has fewer digits
   check_color(kRec2020, {0.2f, 0.5f, 0.3f}, {0.01642274, 0.53903484, 0.28169933});
   check_color(kAces, {0.2f, 0.5f, 0.3f}, {-0.16560157, 0.59936446, 0.24660677});
@@ -40,7 +40,7 @@ TEST_CASE("color space: white keeps its chromaticity, as in Mitsuba 3, whose fig
   check_color(kXyzSpace, {1, 1, 1}, {1.2047939, 0.948291, 0.90891606}, kXyz);
 }
 
-TEST_CASE("color space: Rec.709 stays as it is, to the bit, also where a file rounds its chromaticities") {
+TEST_CASE("color space: Rec.709 is unchanged to the bit even with rounded chromaticities") {
   RgbChromaticities rounded = kRec709Space;
   rounded.white = {0.31271, 0.32902};
   for (const RgbChromaticities& space : {kRec709Space, rounded}) {
@@ -50,14 +50,14 @@ TEST_CASE("color space: Rec.709 stays as it is, to the bit, also where a file ro
   }
 }
 
-TEST_CASE("color space: pixels that are not finite stay, their neighbours are converted") {
+TEST_CASE("color space: non-finite pixels are unchanged and their neighbours are converted") {
   std::array<float, 6> colors{std::numeric_limits<float>::infinity(), 2, 3, 1, 1, 1};
   REQUIRE(convert_to_rec709(colors, kXyzSpace));
   CHECK(colors[1] == 2.0f);
   CHECK(colors[3] == doctest::Approx(1.2049759));
 }
 
-TEST_CASE("color space: collinear primaries, white without luminance and NaN are rejected") {
+TEST_CASE("color space: collinear primaries and white without luminance and NaN are rejected") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const RgbChromaticities wrong[] = {{{0, 0}, {0, 0}, {0, 0}, {0.3, 0.3}},
                                      {{0.1, 0.1}, {0.2, 0.2}, {0.4, 0.4}, {0.3, 0.3}},

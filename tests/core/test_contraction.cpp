@@ -23,14 +23,14 @@ float opaque(float value) {
 
 }  // namespace
 
-TEST_CASE("a product is rounded before it is added to, inlined or not") {
+TEST_CASE("a product is rounded before an addition in inlined and in called functions") {
   const float a = opaque(kRoot), c = opaque(-kSquare);
   CHECK(inlined(a, a, c) == 0.0f);
   CHECK(called(a, a, c) == 0.0f);
   CHECK(called_difference(a, a, -c) == 0.0f);
 }
 
-TEST_CASE("the same in registers") {
+TEST_CASE("a product is rounded before an addition in SIMD registers") {
   const auto a = wide_floats([](int) { return opaque(kRoot); }), c = wide_floats([](int) { return opaque(-kSquare); });
   const auto in_place = inlined(a, a, c), by_call = called(a, a, c), difference = called_difference(a, a, -c);
   for (int lane = 0; lane < kWidth; ++lane) {
@@ -41,7 +41,7 @@ TEST_CASE("the same in registers") {
 }
 
 #ifdef __FMA__
-TEST_CASE("fma() is rounded once") {
+TEST_CASE("a fused multiply-add rounds once") {
   const float a = opaque(kRoot), c = opaque(-kSquare);
   CHECK(fma(a, a, c) == 0x1p-24f);
   const auto wide = wide_floats([a](int) { return a; });

@@ -40,7 +40,7 @@ AliasSample<Scalar> sample_all(const std::vector<AliasEntry>& table, float u) {
 
 }  // namespace
 
-TEST_CASE("alias table: rows add up to the normalised weights") {
+TEST_CASE("alias table: the rows add up to the normalised weights") {
   for (const std::uint32_t count : {3u, 17u, 1000u, 65536u}) {
     const Weights weights = uneven_weights(std::max(count, 4u));
     const auto table = build_alias_table(weights);
@@ -62,7 +62,7 @@ TEST_CASE("alias table: rows add up to the normalised weights") {
   }
 }
 
-TEST_CASE("alias table: samples follow the weights, and the remapped number is uniform for each") {
+TEST_CASE("alias table: samples follow the weights and the remapped number is uniform for each entry") {
   const Weights weights = uneven_weights(40);
   const auto table = build_alias_table(weights);
   constexpr int kSamples = 400000;
@@ -81,7 +81,7 @@ TEST_CASE("alias table: samples follow the weights, and the remapped number is u
   CHECK(chi_square(observed, expected).p_value > kSignificance);
 }
 
-TEST_CASE("alias table: zero weights are never drawn and the pdf is that of the entry") {
+TEST_CASE("alias table: entries of weight zero are never drawn and each pdf is that of its entry") {
   for (const Weights& weights : {Weights{0, 1}, Weights{1, 0}, Weights{0, 0, 5, 0}, Weights{1, 0, 1e-30f, 0, 1e30f},
                                  Weights{3}, Weights{0.1f, 0.1f, 0.1f, 0.1f, 0.1f, 0.1f, 0.0f}, uneven_weights(3000)}) {
     const auto table = build_alias_table(weights);
@@ -96,7 +96,7 @@ TEST_CASE("alias table: zero weights are never drawn and the pdf is that of the 
   }
 }
 
-TEST_CASE("alias table: every lane draws from its own part of a table") {
+TEST_CASE("alias table: every lane can draw from its own range of a table") {
   const Weights first = uneven_weights(9), second = {1.0f}, third = uneven_weights(300);
   std::vector<AliasEntry> joined;
   std::vector<std::uint32_t> offsets, counts;
@@ -125,7 +125,7 @@ TEST_CASE("alias table: every lane draws from its own part of a table") {
   CHECK(worst < 1e-6);
 }
 
-TEST_CASE("distributions: unusable weights are refused") {
+TEST_CASE("distributions: unusable weights are rejected") {
   for (const Weights& bad : kBadWeights) {
     CHECK_THROWS_AS(build_alias_table(bad), SceneError);
     CHECK_THROWS_AS(Distribution1D{bad}, SceneError);
@@ -139,7 +139,7 @@ TEST_CASE("distributions: unusable weights are refused") {
   CHECK_NOTHROW(Distribution2D(six, 2, 3));
 }
 
-TEST_CASE("Distribution1D: samples follow the values and report their own density") {
+TEST_CASE("Distribution1D: samples follow the values and report their own pdf") {
   for (const std::uint32_t count : {4u, 37u, 64u}) {
     const Weights values = uneven_weights(count);
     const Distribution1D d(values);
@@ -158,7 +158,7 @@ TEST_CASE("Distribution1D: samples follow the values and report their own densit
   }
 }
 
-TEST_CASE("Distribution1D: the pdf is in proportion to the values, integrates to one and moves in whole steps") {
+TEST_CASE("Distribution1D: the pdf is proportional to the values and integrates to one and advances in whole steps") {
   const Weights values = uneven_weights(1000);
   const Distribution1D d(values);
   const auto positive =
@@ -178,7 +178,7 @@ TEST_CASE("Distribution1D: the pdf is in proportion to the values, integrates to
   CHECK(d.pdf<Scalar>(-0.5f) == d.pdf<Scalar>(0.0f));
 }
 
-TEST_CASE("Distribution1D: monotonic, inside of its cells, and no positive value out of reach") {
+TEST_CASE("Distribution1D: samples are monotonic and stay in their cells and reach every positive value") {
   const Distribution1D tiny(Weights{1e-30f, 0.0f, 1.0f, 0.0f, 1e-30f});
   CHECK(tiny.sample<Scalar>(0.0f).index == 0);
   CHECK(tiny.sample<Scalar>(0x1p-24f).index == 2);
@@ -205,7 +205,7 @@ TEST_CASE("Distribution1D: monotonic, inside of its cells, and no positive value
   }
 }
 
-TEST_CASE("Distribution1D and 2D: registers agree with single lanes") {
+TEST_CASE("Distribution1D and Distribution2D: SIMD results equal scalar ones") {
   const Distribution1D line(uneven_weights(77));
   const Distribution2D plane(uneven_weights(19 * 23), 19, 23);
   int wrong = 0;
@@ -230,7 +230,7 @@ TEST_CASE("Distribution1D and 2D: registers agree with single lanes") {
   CHECK(worst < 1e-6);
 }
 
-TEST_CASE("Distribution2D: samples follow the values, u chooses the column and v the row") {
+TEST_CASE("Distribution2D: samples follow the values with u for the column and v for the row") {
   constexpr int kWide = 12, kHigh = 8;
   Weights values = uneven_weights(kWide * kHigh);
   for (int x = 0; x < kWide; ++x) values[static_cast<std::size_t>(3 * kWide + x)] = 0.0f;  // a row of zeros

@@ -5,14 +5,14 @@
 
 namespace sheaf::test_error {
 
-TEST_CASE("error: messages begin with their place") {
+TEST_CASE("error: messages begin with their file and line") {
   CHECK(std::string(Error(ExitCode::kUsage, "no input").what()) == "no input");
   CHECK(std::string(SceneError({"a.xml", 12}, "bad").what()) == "a.xml:12: bad");
   CHECK(std::string(SceneError({"a.xml", 0}, "bad").what()) == "a.xml: bad");
   CHECK(std::string(SceneError({"", 7}, "bad").what()) == "bad");
 }
 
-TEST_CASE("error: exit codes are those of the command line's contract") {
+TEST_CASE("error: exit codes match the documented ones") {
   CHECK(SceneError("x").code() == ExitCode::kScene);
   CHECK(Error(ExitCode::kOutput, "x").code() == ExitCode::kOutput);
   CHECK(static_cast<int>(ExitCode::kDone) == 0);
@@ -25,7 +25,7 @@ TEST_CASE("error: exit codes are those of the command line's contract") {
   CHECK(static_cast<int>(ExitCode::kTerminated) == 143);
 }
 
-TEST_CASE("error: the nearest name is the one with the fewest edits") {
+TEST_CASE("error: the suggested name is the one with the fewest edits") {
   const std::vector<std::string> names = {"diffuse", "dielectric", "conductor", "roughconductor", "twosided", "area"};
   CHECK(nearest_name("difuse", names) == "diffuse");
   CHECK(nearest_name("difusse", names) == "diffuse");
@@ -41,7 +41,7 @@ TEST_CASE("error: the nearest name is the one with the fewest edits") {
   CHECK(nearest_name("conduc", names) == "conductor");
 }
 
-TEST_CASE("error: nothing is suggested for what resembles nothing") {
+TEST_CASE("error: nothing is suggested for dissimilar names") {
   const std::vector<std::string> names = {"diffuse", "area"};
   CHECK(nearest_name("xyzzyplugh", names).empty());
   CHECK(nearest_name("diffuse", {}).empty());

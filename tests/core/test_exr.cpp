@@ -70,7 +70,7 @@ TEST_CASE("an EXR round trip keeps every float and the window in the frame") {
   CHECK(folder.entry_count() == 1);
 }
 
-TEST_CASE("windows may begin left of and above the frame") {
+TEST_CASE("windows may begin to the left of the frame and above it") {
   const TemporaryFolder folder;
   Image image = make_noise(8, 8, {"R", "G", "B"});
   image.x0 = -3;
@@ -82,7 +82,7 @@ TEST_CASE("windows may begin left of and above the frame") {
   CHECK(same_values(image, back));
 }
 
-TEST_CASE("half channels lose precision, float channels beside them do not") {
+TEST_CASE("half channels lose precision and float channels beside them do not") {
   const TemporaryFolder folder;
   const Image image = make_noise(33, 17, {"N.X", "R"});
   ExrMetadata metadata;
@@ -94,7 +94,7 @@ TEST_CASE("half channels lose precision, float channels beside them do not") {
   CHECK(back.at(5, 5, back.find_channel("R")) == image.at(5, 5, 1));
 }
 
-TEST_CASE("metadata is written and read") {
+TEST_CASE("metadata survives a round trip") {
   const TemporaryFolder folder;
   ExrMetadata metadata;
   metadata.software = "Sheaf";
@@ -118,7 +118,7 @@ TEST_CASE("metadata is written and read") {
   CHECK(bytes.find("capDate") == std::string::npos);
 }
 
-TEST_CASE("the same image gives the same bytes, whatever the order of its channels") {
+TEST_CASE("the bytes do not depend on the order of the channels") {
   const TemporaryFolder folder;
   const Image image = make_noise(300, 40, {"R", "G"});
   Image swapped(300, 40, {"G", "R"});
@@ -136,7 +136,7 @@ TEST_CASE("the same image gives the same bytes, whatever the order of its channe
   CHECK(read_bytes(folder / "a.exr") == read_bytes(folder / "c.exr"));
 }
 
-TEST_CASE("an EXR cut off anywhere is an error") {
+TEST_CASE("a truncated EXR is an error at any length") {
   const TemporaryFolder folder;
   write_exr(folder / "whole.exr", make_noise(64, 64, {"R", "G", "B"}));
   const std::string bytes = read_bytes(folder / "whole.exr");
@@ -148,7 +148,7 @@ TEST_CASE("an EXR cut off anywhere is an error") {
   }
 }
 
-TEST_CASE("an EXR with damaged bytes is read or refused, but never crashes") {
+TEST_CASE("a damaged EXR is read or rejected and never crashes") {
   const TemporaryFolder folder;
   write_exr(folder / "whole.exr", make_noise(32, 32, {"R", "G", "B"}));
   const std::string bytes = read_bytes(folder / "whole.exr");
@@ -166,7 +166,7 @@ TEST_CASE("an EXR with damaged bytes is read or refused, but never crashes") {
   CHECK(refused > 50);
 }
 
-TEST_CASE("a header that claims a huge image is refused without taking the memory") {
+TEST_CASE("a header that claims a huge image is rejected without allocating it") {
   const TemporaryFolder folder;
   write_exr(folder / "small.exr", make_noise(4, 4, {"R"}));
   const std::string bytes = read_bytes(folder / "small.exr");
@@ -179,7 +179,7 @@ TEST_CASE("a header that claims a huge image is refused without taking the memor
   }
 }
 
-TEST_CASE("a header with an attribute of a size that cannot be is refused before the library reads it") {
+TEST_CASE("a header with an impossible attribute size is rejected before the library reads it") {
   const TemporaryFolder folder;
   ExrMetadata metadata;
   metadata.software = "test";
@@ -211,7 +211,7 @@ TEST_CASE("a header with an attribute of a size that cannot be is refused before
   error_with("compression\0compression\0"s, "\x05"s);
 }
 
-TEST_CASE("what cannot be an EXR is refused with the file's name") {
+TEST_CASE("files that are not EXR are rejected with their name") {
   const TemporaryFolder folder;
   write_bytes(folder / "text.exr", "<scene/>");
   CHECK_FALSE(is_exr(folder / "text.exr"));

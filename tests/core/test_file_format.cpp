@@ -22,7 +22,7 @@ std::string binary_stl() {
 
 }  // namespace
 
-TEST_CASE("file format: by the first bytes, whatever the name is") {
+TEST_CASE("file format: the first bytes decide whatever the file name") {
   const TemporaryFolder folder;
   struct Case {
     std::string bytes;
@@ -60,7 +60,7 @@ TEST_CASE("file format: by the first bytes, whatever the name is") {
     }
 }
 
-TEST_CASE("file format: by the extension where the bytes say nothing, but not for what may be a scene") {
+TEST_CASE("file format: the extension decides for undecided bytes that cannot be a scene") {
   const TemporaryFolder folder;
   for (const auto& [name, expected] : {std::pair{"a.GLB", "a glTF model"},
                                        {"a.usdz", "a USD scene"},

@@ -44,7 +44,7 @@ TEST_CASE("frame: orthonormal and right-handed around any normal") {
   CHECK(worst < 1e-6);
 }
 
-TEST_CASE("frame: to_local and to_world are inverses, z lies along the normal") {
+TEST_CASE("frame: to_local and to_world are inverses and z lies along the normal") {
   double worst = 0;
   const Vec3f v{0.3f, -1.2f, 2.0f};
   for (const Vec3f& n : normals()) {
@@ -56,7 +56,7 @@ TEST_CASE("frame: to_local and to_world are inverses, z lies along the normal") 
   CHECK(worst < 3e-6);
 }
 
-TEST_CASE("frame: registers agree with single lanes") {
+TEST_CASE("frame: SIMD results equal scalar ones") {
   const auto all = normals();
   double worst = 0;
   for (std::size_t i = 0; i + kWidth <= all.size(); i += kWidth) {

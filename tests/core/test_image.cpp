@@ -36,7 +36,7 @@ int byte_at(const Image& image, int x, int y, int c) {
 
 }  // namespace
 
-TEST_CASE("an image starts black, with channels found by name") {
+TEST_CASE("an image starts black and finds channels by name") {
   const Image image(3, 2, {"A", "variance.R"});
   CHECK(image.data.size() == 12);
   CHECK(image.find_channel("variance.R") == 1);
@@ -45,7 +45,7 @@ TEST_CASE("an image starts black, with channels found by name") {
   CHECK(image.at(2, 1, 1) == 0.0f);
 }
 
-TEST_CASE("a PNG holds the sRGB bytes of linear values") {
+TEST_CASE("a PNG stores the sRGB encoding of linear values") {
   const TemporaryFolder folder;
   write_png(folder / "ramp.png", make_ramp());
   const Image back = read_image(folder / "ramp.png");
@@ -62,7 +62,7 @@ TEST_CASE("a PNG holds the sRGB bytes of linear values") {
   CHECK(folder.entry_count() == 1);
 }
 
-TEST_CASE("a PNG clamps, rounds to nearest and turns NaN into black") {
+TEST_CASE("a PNG clamps and rounds to nearest and stores NaN as black") {
   const TemporaryFolder folder;
   Image image(6, 1, {"Y"});
   const float half_step = srgb_to_linear(100.499f / 255.0f), next_half = srgb_to_linear(100.501f / 255.0f);
@@ -75,7 +75,7 @@ TEST_CASE("a PNG clamps, rounds to nearest and turns NaN into black") {
   for (int x = 0; x < 6; ++x) CHECK(byte_at(back, x, 0, 0) == expected[x]);
 }
 
-TEST_CASE("a PNG keeps alpha only where it matters, with straight colours") {
+TEST_CASE("a PNG stores alpha only where pixels are transparent and stores unpremultiplied colours") {
   const TemporaryFolder folder;
   Image image(2, 1, {"R", "G", "B", "A"});
   image.data = {0.5f, 0.25f, 0, 1, 0.1f, 0.1f, 0.1f, 1};
@@ -100,7 +100,7 @@ TEST_CASE("the same image gives the same PNG bytes") {
   CHECK(read_bytes(folder / "a.png") == read_bytes(folder / "b.png"));
 }
 
-TEST_CASE("a truncated or damaged PNG is an error, not a crash") {
+TEST_CASE("a truncated or damaged PNG is an error and not a crash") {
   const TemporaryFolder folder;
   write_png(folder / "whole.png", make_ramp());
   const std::string bytes = read_bytes(folder / "whole.png");
@@ -114,7 +114,7 @@ TEST_CASE("a truncated or damaged PNG is an error, not a crash") {
   CHECK_THROWS_AS(read_image(folder.path()), SceneError);
 }
 
-TEST_CASE("a PNG whose chunks claim more than the file has is refused before the library takes memory for them") {
+TEST_CASE("a PNG whose chunks claim more than the file holds is rejected before the library allocates") {
   const TemporaryFolder folder;
   write_png(folder / "whole.png", make_ramp());
   std::string bytes = read_bytes(folder / "whole.png");
@@ -135,7 +135,7 @@ TEST_CASE("a PNG whose chunks claim more than the file has is refused before the
   CHECK(read_image(folder / "after.png").width == 256);
 }
 
-TEST_CASE("a BMP of a size that the file cannot hold is refused before the library takes memory for it") {
+TEST_CASE("a BMP of a size that the file cannot hold is rejected before the library allocates") {
   const TemporaryFolder folder;
   std::vector<int> values(600);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<int>(i % 256);
@@ -162,7 +162,7 @@ TEST_CASE("a BMP of a size that the file cannot hold is refused before the libra
   CHECK(turned.at(3, 4, 1) == image.at(3, 15, 1));
 }
 
-TEST_CASE("pictures are known by how they begin, TGA by its name, and others are refused") {
+TEST_CASE("image formats are detected by content and TGA by its name") {
   const TemporaryFolder folder;
   const std::vector<int> rgb = {0, 1, 2, 50, 51, 52, 100, 101, 102, 150, 151, 152, 200, 201, 202, 250, 251, 252};
   write_png(folder / "a.png", make_ramp());
@@ -193,7 +193,7 @@ TEST_CASE("pictures are known by how they begin, TGA by its name, and others are
                        SceneError);
 }
 
-TEST_CASE("a TIFF with strips far higher than the image is read without memory for one") {
+TEST_CASE("a TIFF with strips far higher than the image is read without memory for a whole strip") {
   const TemporaryFolder folder;
   std::vector<int> values;
   for (int i = 0; i < 18; ++i) values.push_back(1000 * i);
@@ -213,7 +213,7 @@ TEST_CASE("a TIFF with strips far higher than the image is read without memory f
   CHECK_THROWS_WITH_AS(read_image(folder / "far.tif"), doctest::Contains("cannot read the image"), SceneError);
 }
 
-TEST_CASE("a TIFF with tiles far larger than the image is refused before the library takes memory for them") {
+TEST_CASE("a TIFF with tiles far larger than the image is rejected before the library allocates") {
   const TemporaryFolder folder;
   const std::vector<int> values = {0, 51, 102, 153, 204, 255};
   write_tiled_tiff(folder / "tiled.tif", 3, 2, values);
@@ -232,7 +232,7 @@ TEST_CASE("a TIFF with tiles far larger than the image is refused before the lib
   }
 }
 
-TEST_CASE("a message about an image has one line, however many rows fail") {
+TEST_CASE("a message about an image has one line however many rows fail") {
   const TemporaryFolder folder;
   write_bmp(folder / "a.bmp", 1, 200, std::vector<int>(600, 7));
   std::string bytes = read_bytes(folder / "a.bmp");
@@ -249,7 +249,7 @@ TEST_CASE("a message about an image has one line, however many rows fail") {
   }
 }
 
-TEST_CASE("sizes that a file cannot hold are refused before memory is taken") {
+TEST_CASE("sizes that a file cannot hold are rejected before memory is allocated") {
   CHECK_THROWS_AS(check_image_size("x", 60000, 60000, 4, 1000), SceneError);
   CHECK_THROWS_AS(check_image_size("x", 70000, 1, 1, 1 << 30), SceneError);
   CHECK_THROWS_AS(check_image_size("x", 0, 5, 1, 1000), SceneError);
@@ -258,7 +258,7 @@ TEST_CASE("sizes that a file cannot hold are refused before memory is taken") {
   CHECK_NOTHROW(check_image_size("x", 4096, 4096, 4, 1 << 20));
 }
 
-TEST_CASE("writing to places that cannot be written to fails with the output code") {
+TEST_CASE("writing to an unwritable path fails with the exit code for outputs") {
   const TemporaryFolder folder;
   const auto code_of = [](const std::filesystem::path& path) {
     try {

@@ -46,7 +46,7 @@ CompareOptions known_variances() {
 
 }  // namespace
 
-TEST_CASE("figures of a constant difference") {
+TEST_CASE("a constant difference has the expected error figures") {
   const ImageComparison result = compare_images(constant_image(3), constant_image(2));
   CHECK(result.mse == doctest::Approx(1));
   CHECK(result.relative_mse == doctest::Approx(1 / 4.01));
@@ -79,7 +79,7 @@ TEST_CASE("a bias of two percent fails the Z-test") {
   CHECK(std::abs(result.mean_ratio - 1.02) < 1e-3);
 }
 
-TEST_CASE("variances that are too small fail the Z-test") {
+TEST_CASE("underestimated variances fail the Z-test") {
   CompareOptions options;
   options.variance_a = constant_image(kNoise * kNoise);  // treats the second image as noise-free
   const ImageComparison result = compare_images(make_noisy(1, 1), make_noisy(1, 2), options);
@@ -97,7 +97,7 @@ TEST_CASE("values without variance must be equal") {
   CHECK(test.accepted == test.tests - 1);
 }
 
-TEST_CASE("NaN and infinity are counted and left out") {
+TEST_CASE("NaN and infinity are counted and excluded") {
   Image a = constant_image(1);
   a.at(0, 0, 0) = std::numeric_limits<float>::quiet_NaN();
   a.at(1, 0, 2) = std::numeric_limits<float>::infinity();
@@ -106,7 +106,7 @@ TEST_CASE("NaN and infinity are counted and left out") {
   CHECK(result.mse == 0);
 }
 
-TEST_CASE("a crop is compared with the same part of the whole") {
+TEST_CASE("a crop is compared with the same region of the whole image") {
   const Image whole = make_noisy(1, 5);
   Image crop(20, 10, {"R", "G", "B"});
   crop.x0 = 30;
@@ -133,7 +133,7 @@ TEST_CASE("images that cannot be compared are usage errors") {
   CHECK_THROWS_AS(compare_images(constant_image(1), constant_image(1), options), Error);
 }
 
-TEST_CASE("variance layers become an image") {
+TEST_CASE("variance layers are read as an image") {
   Image image(2, 1, {"R", "variance.B", "variance.G", "variance.R"});
   CHECK_FALSE(variance_layers(Image(2, 1, {"R", "variance.R"})));
   image.at(1, 0, 3) = 5;

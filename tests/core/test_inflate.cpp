@@ -30,7 +30,7 @@ std::string inflated(std::string_view stream, std::size_t most) {
 
 }  // namespace
 
-TEST_CASE("inflate: what was deflated comes back, in pieces of every size, and nothing behind it") {
+TEST_CASE("inflate: deflated data are restored in pieces of every size and later bytes are left alone") {
   const std::string text = random_text(20000, 7), stream = deflated(text) + "something else";
   CHECK(inflated(stream, text.size() + 100) == text);
   for (const std::size_t piece : {1u, 7u, 4096u, 19999u}) {
@@ -54,7 +54,7 @@ TEST_CASE("inflate: the bound holds for the most compressible input") {
   CHECK(inflated(stream, zeros.size()) == zeros);
 }
 
-TEST_CASE("inflate: truncated streams end early, corrupt ones throw") {
+TEST_CASE("inflate: truncated streams end early and corrupt ones throw") {
   const std::string text = random_text(5000, 26), stream = deflated(text);
   for (std::size_t size = 0; size < stream.size() - 5; size += 97) {
     const std::string found = inflated(stream.substr(0, size), text.size());

@@ -25,7 +25,7 @@ constexpr int kSixteenMegabytes = 16 << 10;
 
 }  // namespace
 
-TEST_CASE("large pages: whole pages of memory without a file are found") {
+TEST_CASE("large pages: whole pages of anonymous memory are found") {
   const auto found = ranges(entry("7f0000100000-7f0001100000 rw-p 00000000 00:00 0 ", kSixteenMegabytes, 0) +
                             entry("564e7a400000-564e7b400000 rw-p 00000000 00:00 0    [heap]", kSixteenMegabytes, 0));
   REQUIRE(found.size() == 2);
@@ -35,7 +35,7 @@ TEST_CASE("large pages: whole pages of memory without a file are found") {
   CHECK(found[1].end == 0x564e7b400000);
 }
 
-TEST_CASE("large pages: other memory stays where it is") {
+TEST_CASE("large pages: other memory is left alone") {
   const std::string place = "7f0000000000-7f0001000000 ";
   CHECK(ranges(entry(place + "rw-p 00000000 00:00 0 ", kSixteenMegabytes, 0)).size() == 1);
   CHECK(ranges(entry(place + "r-xp 00000000 00:00 0 ", kSixteenMegabytes, 0)).empty());

@@ -21,7 +21,7 @@ std::string message_of(const std::string& task, const std::vector<MemoryUse>& us
 
 }  // namespace
 
-TEST_CASE("memory: sizes as people read them") {
+TEST_CASE("memory: sizes are printed in readable units") {
   CHECK(format_bytes(0) == "0 MB");
   CHECK(format_bytes(45.06e6) == "45.1 MB");
   CHECK(format_bytes(1e8) == "0.10 GB");
@@ -30,7 +30,7 @@ TEST_CASE("memory: sizes as people read them") {
 
 // Address sanitizers reserve address space of their own.
 #ifndef __SANITIZE_ADDRESS__
-TEST_CASE("memory: what there is, is less with a limit of addresses") {
+TEST_CASE("memory: an address space limit reduces the available memory") {
   const double before = available_memory();
   CHECK(before > 1e6);
   CHECK(before < 1e15);
@@ -46,7 +46,7 @@ TEST_CASE("memory: what there is, is less with a limit of addresses") {
 }
 #endif
 
-TEST_CASE("memory: what is more than there is, is told with what it is for and what helps") {
+TEST_CASE("memory: exceeding the available memory is an error that names the purpose and a remedy") {
   CHECK(message_of("nothing", {}).empty());
   CHECK(message_of("a bit", {{"the film", 1000, "Help"}}).empty());
   const std::string one = message_of("a map", {{"its tables", 5e15, "A smaller map takes less"}, {"dust", 0, ""}});

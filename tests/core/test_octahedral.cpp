@@ -7,7 +7,7 @@
 
 namespace sheaf::test_octahedral {
 
-TEST_CASE("octahedral: a vector comes back to within 1e-4, axes exactly, registers as single values") {
+TEST_CASE("octahedral: vectors are restored to within 1e-4 and axes exactly and SIMD results equal scalar ones") {
   double worst = 0;
   for (std::uint32_t i = 0; i < 100 * kWidth; i += kWidth) {
     const auto wide =
@@ -27,7 +27,7 @@ TEST_CASE("octahedral: a vector comes back to within 1e-4, axes exactly, registe
     CHECK(record_difference<Vec3>(decode_octahedral<Scalar>(encode_octahedral<Scalar>(axis)), axis) == 0.0);
 }
 
-TEST_CASE("octahedral: any bits are a unit vector") {
+TEST_CASE("octahedral: any bit pattern decodes to a unit vector") {
   for (const std::uint32_t bits : {0u, 0xffffffffu, 0x80008000u, 0xffff0000u, 0x12345678u})
     CHECK(length(decode_octahedral<Scalar>(bits)) == doctest::Approx(1.0f));
 }

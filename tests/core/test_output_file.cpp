@@ -61,7 +61,7 @@ std::string error_when_full(rlim_t bytes, const std::function<void()>& write) {
 
 }  // namespace
 
-TEST_CASE("output file: what does not fit on the disk is an error, and what was there before stays") {
+TEST_CASE("output file: a full disk is an error and the previous file is kept") {
   const TemporaryFolder folder;
   // Files that fit into the library's buffers, and files that overflow them.
   for (const int side : {16, 24, 100}) {
@@ -91,7 +91,7 @@ TEST_CASE("output file: what does not fit on the disk is an error, and what was 
   CHECK(folder.entry_count() == 3);
 }
 
-TEST_CASE("output file: names that mean the same file") {
+TEST_CASE("output file: different names of the same file are recognised") {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "real");
   std::filesystem::create_directory_symlink(folder / "real", folder / "alias");
@@ -111,7 +111,7 @@ TEST_CASE("output file: names that mean the same file") {
   CHECK_FALSE(is_same_file(folder / "real", folder / "real/there"));
 }
 
-TEST_CASE("what killed writers have left is removed, and nothing else") {
+TEST_CASE("output file: leftovers of killed writers are removed and other files are not") {
   const TemporaryFolder folder;
   const std::filesystem::path target = folder / "out.exr";
   const auto aged = [&](const std::string& name, int seconds) {
@@ -150,7 +150,7 @@ TEST_CASE("what killed writers have left is removed, and nothing else") {
   CHECK_FALSE(std::filesystem::exists(folder / kept[0]));
 }
 
-TEST_CASE("a file that is being written is locked, until it is there") {
+TEST_CASE("output file: a file is locked while it is written") {
   const TemporaryFolder folder;
   const auto is_locked = [](const std::filesystem::path& path) {
     const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);

@@ -27,7 +27,7 @@ struct Recorder {
 
 }  // namespace
 
-TEST_CASE("durations") {
+TEST_CASE("durations are printed in readable units") {
   CHECK(format_duration(0) == "0:00");
   CHECK(format_duration(59.6) == "1:00");
   CHECK(format_duration(3725) == "1:02:05");
@@ -36,7 +36,7 @@ TEST_CASE("durations") {
   CHECK(format_duration(1e300) == "?:??");
 }
 
-TEST_CASE("a bar shows percentage, times and speed, at most ten times a second") {
+TEST_CASE("a progress bar shows percentage and times and speed at most ten times a second") {
   Recorder recorder;
   Progress progress(Progress::Mode::kBar, 8'000'000, recorder.write(), recorder.clock());
   recorder.now += 2;
@@ -57,7 +57,7 @@ TEST_CASE("a bar shows percentage, times and speed, at most ten times a second")
   CHECK(recorder.texts.size() == 2);
 }
 
-TEST_CASE("a bar is shorter than the terminal is wide, and says the share while there is room") {
+TEST_CASE("a progress bar fits the width of the terminal and keeps the percentage longest") {
   for (int columns = 1; columns <= 120; ++columns)
     for (const bool complete : {false, true}) {
       CAPTURE(columns);
@@ -91,7 +91,7 @@ TEST_CASE("100 % is not shown before the end") {
   CHECK_FALSE(contains(recorder.texts.back(), "left"));
 }
 
-TEST_CASE("an interrupted computation says so and keeps its percentage") {
+TEST_CASE("an interrupted computation is reported and keeps its percentage") {
   Recorder recorder;
   Progress progress(Progress::Mode::kLines, 1000, recorder.write(), recorder.clock());
   recorder.now += 1;
@@ -105,7 +105,7 @@ TEST_CASE("an interrupted computation says so and keeps its percentage") {
   CHECK(recorder.texts.size() == 1);
 }
 
-TEST_CASE("log lines come every ten seconds") {
+TEST_CASE("log lines are printed every ten seconds") {
   Recorder recorder;
   Progress progress(Progress::Mode::kLines, 1000, recorder.write(), recorder.clock());
   for (std::uint64_t second = 1; second <= 60; ++second) {
@@ -125,7 +125,7 @@ TEST_CASE("nothing is shown when quiet") {
   CHECK(recorder.texts.empty());
 }
 
-TEST_CASE("no work at all is no division by zero") {
+TEST_CASE("an empty task does not divide by zero") {
   Recorder recorder;
   Progress progress(Progress::Mode::kBar, 0, recorder.write(), recorder.clock());
   progress.update(0, 0);
@@ -134,7 +134,7 @@ TEST_CASE("no work at all is no division by zero") {
   CHECK(contains(recorder.texts.back(), "100 %"));
 }
 
-TEST_CASE("updates from many threads, out of order, count the most that was done") {
+TEST_CASE("the largest of many unordered updates from threads counts") {
   Recorder recorder;
   Progress progress(Progress::Mode::kBar, 1000, recorder.write(), [] { return 0.0; });
   std::vector<std::thread> threads;

@@ -67,7 +67,7 @@ double second_moment(const Weights& weights, const Weights& probabilities) {
 
 }  // namespace
 
-TEST_CASE("quantile table: probabilities add up to one and are positive where weights are") {
+TEST_CASE("quantile table: probabilities add up to one and are positive wherever weights are") {
   for (const Weights& weights : all_weights()) {
     const Table table(weights);
     double sum = 0;
@@ -86,7 +86,7 @@ TEST_CASE("quantile table: probabilities add up to one and are positive where we
   CHECK(!build_quantiles(none, unused));
 }
 
-TEST_CASE("quantile table: entries are drawn as often as they say") {
+TEST_CASE("quantile table: entries are drawn with their probability") {
   const std::vector<Weights> cases = all_weights();
   for (const Weights& weights : cases) {
     const Table table(weights);
@@ -102,7 +102,7 @@ TEST_CASE("quantile table: entries are drawn as often as they say") {
   }
 }
 
-TEST_CASE("quantile table: numbers that are stratified stay so") {
+TEST_CASE("quantile table: stratified numbers stay stratified") {
   for (const Weights& weights : all_weights()) {
     const Table table(weights);
     double last = 0;
@@ -126,7 +126,7 @@ TEST_CASE("quantile table: numbers that are stratified stay so") {
     CHECK(one.remapped(one.draw(static_cast<float>(k) / 1000)) == doctest::Approx(k / 1000.0).epsilon(1e-5));
 }
 
-TEST_CASE("quantile table: registers do as single values") {
+TEST_CASE("quantile table: SIMD results equal scalar ones") {
   for (const Weights& weights : all_weights()) {
     const Table table(weights);
     for (std::uint32_t i = 0; i < 200; ++i) {
@@ -142,7 +142,7 @@ TEST_CASE("quantile table: registers do as single values") {
   }
 }
 
-TEST_CASE("quantile table: rounding costs little variance") {
+TEST_CASE("quantile table: rounding adds little variance") {
   const std::vector<Weights> cases = all_weights();
   CHECK(second_moment(cases[3], Table(cases[3]).probabilities) < 1.02);
   CHECK(second_moment(cases[4], Table(cases[4]).probabilities) < 1.01);
@@ -151,7 +151,7 @@ TEST_CASE("quantile table: rounding costs little variance") {
   CHECK(second_moment(even, Table(even).probabilities) < 1.04);
 }
 
-TEST_CASE("large table: begins with a cache line, whatever its size, and keeps what it holds") {
+TEST_CASE("large table: a table of any size begins at a cache line and keeps its contents") {
   LargeTable<std::uint32_t> table;
   for (std::uint32_t i = 0; i < 3000000; ++i) table.push_back(i * 2654435761u);
   const LargeTable<std::uint32_t> copy = table;

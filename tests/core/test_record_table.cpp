@@ -69,12 +69,12 @@ template <class L> void check_gathers() {
 
 }  // namespace
 
-TEST_CASE("rows and members of a table arrive in the lanes that ask for them") {
+TEST_CASE("rows and members of a record table are gathered into the lanes that ask for them") {
   check_gathers<Scalar>();
   check_gathers<Wide>();
 }
 
-TEST_CASE("triples of a table arrive in the lanes that ask for them") {
+TEST_CASE("triples of a record table are gathered into the lanes that ask for them") {
   std::vector<std::uint32_t> table;
   for (std::uint32_t i = 0; i < 3 * 50 + 1; ++i) table.push_back(7 * i);
   alignas(kSimdAlignment) std::uint32_t rows[kWidth];

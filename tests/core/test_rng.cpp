@@ -99,7 +99,7 @@ const std::vector<Walk>& walks() {
 
 }  // namespace
 
-TEST_CASE("rng: each of the four numbers is uniform, along every counter") {
+TEST_CASE("rng: each of the four numbers is uniform along every counter") {
   const auto tests = static_cast<int>(walks().size()) * 4;
   for (const Walk& w : walks())
     for (std::size_t output = 0; output < 4; ++output) {
@@ -169,7 +169,7 @@ TEST_CASE("rng: a flip of any input bit flips every output bit with probability 
   CHECK(std::erfc(sigmas / std::sqrt(2.0)) > significance_of_each(kTests));
 }
 
-TEST_CASE("rng: numbers lie in [0, 1) and use all of 24 bits") {
+TEST_CASE("rng: numbers are at least 0 and less than 1 and use all 24 bits") {
   CHECK(unit_float(0u) == 0.0f);
   CHECK(unit_float(0xffffffffu) == 0x1.fffffep-1f);
   CHECK(unit_float(0x80000000u) == 0.5f);
@@ -179,7 +179,7 @@ TEST_CASE("rng: numbers lie in [0, 1) and use all of 24 bits") {
     CHECK(unit_float(WideUint(bits))[kWidth - 1] == unit_float(bits));
 }
 
-TEST_CASE("rng: registers hold the numbers of their lanes, bit by bit") {
+TEST_CASE("rng: SIMD numbers equal scalar ones to the bit") {
   int wrong = 0;
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const auto pixel = [i](int lane) { return i * 977u + static_cast<std::uint32_t>(lane); };

@@ -81,7 +81,7 @@ const std::vector<Integrand>& integrands() {
 
 }  // namespace
 
-TEST_CASE("sampler: each number is uniform over pixels, for every sample") {
+TEST_CASE("sampler: each number is uniform over pixels for every sample") {
   constexpr U kSamples[] = {0, 1, 2, 5, 15, 16, 1000};
   constexpr int kTests = kKindCount * 7 * 4;
   for (const SamplerKind kind : kKinds)
@@ -99,7 +99,7 @@ TEST_CASE("sampler: each number is uniform over pixels, for every sample") {
     }
 }
 
-TEST_CASE("sampler: the four numbers of a sample are independent of each other over pixels") {
+TEST_CASE("sampler: the four numbers of a sample are independent over pixels") {
   constexpr int kTests = kKindCount * 3 * 6;
   for (const SamplerKind kind : kKinds)
     for (const U sample : {0u, 1u, 11u})
@@ -114,7 +114,7 @@ TEST_CASE("sampler: the four numbers of a sample are independent of each other o
         }
 }
 
-TEST_CASE("sampler: which place in its sequence a sample has tells nothing of how that is scrambled") {
+TEST_CASE("sampler: the position of a sample in its sequence is independent of the scrambling") {
   // Pairs and triples of numbers of one sample, with 8 cells per dimension, over pixels.
   constexpr U kSamples = 16, kPixels = 30'000;
   const SamplerView sampler = make_sampler(SamplerKind::kSobol, 1, kSamples);
@@ -135,7 +135,7 @@ TEST_CASE("sampler: which place in its sequence a sample has tells nothing of ho
   }
 }
 
-TEST_CASE("sampler: blocks, events, pixels, seeds and sets are independent of each other") {
+TEST_CASE("sampler: blocks and dimensions and pixels and seeds and sets are independent of each other") {
   constexpr int kTests = kKindCount * 2 * 5 * 4;
   for (const SamplerKind kind : kKinds)
     for (const U sample : {0u, 7u})
@@ -161,7 +161,7 @@ TEST_CASE("sampler: blocks, events, pixels, seeds and sets are independent of ea
       }
 }
 
-TEST_CASE("sampler: within a pixel, samples of two blocks are paired at random") {
+TEST_CASE("sampler: samples of two blocks are paired at random within a pixel") {
   // The mean of (a - 1/2)(b - 1/2) over the samples of a pixel, with a and b from different blocks, has mean 0 and a
   // variance of 1/144 per sample. Consecutive Sobol samples lie on opposite sides of the centre in every dimension,
   // which increases the variance up to a factor of 2. Without shuffling the factor would be 64 or almost 0.
@@ -185,7 +185,7 @@ TEST_CASE("sampler: within a pixel, samples of two blocks are paired at random")
       }
 }
 
-TEST_CASE("sampler: estimates of integrals have the right mean") {
+TEST_CASE("sampler: estimates of integrals are unbiased") {
   constexpr int kTests = kKindCount * 5 * 3;
   for (const SamplerKind kind : kKinds)
     for (const Integrand& integrand : integrands())
@@ -198,7 +198,7 @@ TEST_CASE("sampler: estimates of integrals have the right mean") {
       }
 }
 
-TEST_CASE("sampler: better spread samples give better estimates") {
+TEST_CASE("sampler: better stratified samples reduce the error") {
   const auto variance = [](SamplerKind kind, const Integrand& integrand) {
     return estimates(sampler_of(kind, 1, 64), 64, 400, SampleBlock::kScatter, integrand.f).variance();
   };
@@ -212,7 +212,7 @@ TEST_CASE("sampler: better spread samples give better estimates") {
   }
 }
 
-TEST_CASE("sampler: samples that choose the same part are spread well over directions") {
+TEST_CASE("sampler: samples that choose the same lobe are well stratified over directions") {
   // Only the component that is chosen with this probability scatters, as a smooth function of the direction.
   constexpr float kShare = 0.3f;
   const auto variance = [&](SamplerKind kind, SampleBlock choice) {
@@ -233,7 +233,7 @@ TEST_CASE("sampler: samples that choose the same part are spread well over direc
     CHECK(variance(kind, SampleBlock::kSelect) < 0.35 * variance(kind, SampleBlock::kResample));
 }
 
-TEST_CASE("sampler: Sobol fills the best plane of each block, at every power of two") {
+TEST_CASE("sampler: Sobol points fill the best plane of each block at every power of two") {
   const SamplerView sampler = make_sampler(SamplerKind::kSobol, 1, 4);
   for (const SampleBlock block : kBlocks)
     for (const int k : {2, 4, 6, 8}) {
@@ -248,7 +248,7 @@ TEST_CASE("sampler: Sobol fills the best plane of each block, at every power of 
     }
 }
 
-TEST_CASE("sampler: neighbouring pixels share a Sobol sequence, each square of pixels a part of it") {
+TEST_CASE("sampler: neighbouring pixels share a Sobol sequence and each square of pixels gets a range of it") {
   const SamplerView sampler = make_sampler(SamplerKind::kZSobol, 1, 4, 100);
   for (const SampleBlock block : kBlocks)
     for (const U side : {1u, 2u, 4u, 8u})
@@ -267,7 +267,7 @@ TEST_CASE("sampler: neighbouring pixels share a Sobol sequence, each square of p
       }
 }
 
-TEST_CASE("sampler: with one sequence for all pixels, means over squares of pixels are better") {
+TEST_CASE("sampler: one sequence for all pixels reduces the error of means over squares of pixels") {
   const auto variance = [](SamplerKind kind) {
     const auto& f = integrands()[0].f;
     MeanVariance means;
@@ -285,7 +285,7 @@ TEST_CASE("sampler: with one sequence for all pixels, means over squares of pixe
   CHECK(variance(SamplerKind::kZSobol) < 0.35 * variance(SamplerKind::kSobol));
 }
 
-TEST_CASE("sampler: at each pixel of a shared sequence numbers are uniform over seeds, and differ between pixels") {
+TEST_CASE("sampler: numbers of a shared sequence are uniform over seeds at each pixel and differ between pixels") {
   // With 2^20 samples per pixel a sequence suffices for 64 x 64 pixels.
   for (const U sample_count : {4u, 1u << 20})
     for (const U other : {1u, 64u, 64u * 1000u}) {
@@ -301,7 +301,7 @@ TEST_CASE("sampler: at each pixel of a shared sequence numbers are uniform over 
     }
 }
 
-TEST_CASE("sampler: sets of one Sobol sample continue the sequence") {
+TEST_CASE("sampler: the sets of one Sobol sample continue the sequence") {
   const SamplerView sampler = make_sampler(SamplerKind::kSobol, 1, 4);
   for (U sample = 0; sample < 4; ++sample)
     for (U m = 0; m < 8; ++m)
@@ -309,7 +309,7 @@ TEST_CASE("sampler: sets of one Sobol sample continue the sequence") {
             numbers(sampler, 3, sample * 8 + m, 1, SampleBlock::kLight));
 }
 
-TEST_CASE("sampler: each replicate of a Sobol sequence is one, and they are independent") {
+TEST_CASE("sampler: each replicate of a Sobol sequence is a Sobol sequence and replicates are independent") {
   const SamplerView sampler = make_sampler(SamplerKind::kSobol, 1, 8);
   const auto& integrand = integrands()[0].f;
   // Means of a pixel over several replicates. Their variance must be that of one replicate over the number of
@@ -337,14 +337,14 @@ TEST_CASE("sampler: each replicate of a Sobol sequence is one, and they are inde
   CHECK(of_all.variance() * kReplicates < 1.15 * of_one.variance());
 }
 
-TEST_CASE("sampler: numbers depend on the sample's index alone, not on how many were asked for") {
+TEST_CASE("sampler: numbers depend on the sample index and not on the sample count") {
   for (U sample = 0; sample < 300; ++sample) {
     const auto few = make_sampler(SamplerKind::kSobol, 1, 4), many = make_sampler(SamplerKind::kSobol, 1, 1u << 24);
     CHECK(numbers(few, 8, sample) == numbers(many, 8, sample));
   }
 }
 
-TEST_CASE("sampler: samples beyond the grid fill it again, in another order") {
+TEST_CASE("sampler: samples beyond the grid fill it again in another order") {
   for (const SamplerKind kind : {SamplerKind::kStratified, SamplerKind::kMultijitter}) {
     const SamplerView sampler = make_sampler(kind, 1, 12);
     REQUIRE(sampler.grid.size() == 12);
@@ -359,7 +359,7 @@ TEST_CASE("sampler: samples beyond the grid fill it again, in another order") {
   }
 }
 
-TEST_CASE("sampler: samples beyond the shared sequence come from another one") {
+TEST_CASE("sampler: samples beyond the shared sequence use another sequence") {
   const double level = significance_of_each(4);
   for (std::size_t d = 0; d < 4; ++d)
     CHECK(p_value_of_pairs(16, 20'000, [&](U seed) {
@@ -368,7 +368,7 @@ TEST_CASE("sampler: samples beyond the shared sequence come from another one") {
           }) > level);
 }
 
-TEST_CASE("sampler: sample counts are rounded up to grids that are nearly square") {
+TEST_CASE("sampler: sample counts are rounded up to nearly square grids") {
   for (const SamplerKind kind : {SamplerKind::kStratified, SamplerKind::kMultijitter}) {
     for (U n = 1; n < 3000; ++n) {
       const U rounded = rounded_sample_count(kind, n);
@@ -391,7 +391,7 @@ TEST_CASE("sampler: sample counts are rounded up to grids that are nearly square
   CHECK(rounded_sample_count(SamplerKind::kIndependent, 11) == 11);
 }
 
-TEST_CASE("sampler: registers hold the numbers of their lanes, bit by bit, all in [0, 1)") {
+TEST_CASE("sampler: SIMD numbers equal scalar ones to the bit and are at least 0 and less than 1") {
   int wrong = 0;
   for (const SamplerKind kind : kKinds)
     for (const SampleBlock block : kBlocks)
@@ -413,7 +413,7 @@ TEST_CASE("sampler: registers hold the numbers of their lanes, bit by bit, all i
   CHECK(wrong == 0);
 }
 
-TEST_CASE("sampler: numbers are the same whichever others are wanted") {
+TEST_CASE("sampler: each number is independent of which others are requested") {
   int wrong = 0;
   for (const SamplerKind kind : kKinds)
     for (const SampleBlock block : kBlocks)
@@ -434,7 +434,7 @@ TEST_CASE("sampler: numbers are the same whichever others are wanted") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("sampler: blocks and events never share numbers") {
+TEST_CASE("sampler: blocks and dimensions never share numbers") {
   for (const SamplerKind kind : kKinds) {
     std::unordered_set<std::uint64_t> seen;
     for (U dimension = 0; dimension < 100; ++dimension)

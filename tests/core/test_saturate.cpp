@@ -9,7 +9,7 @@
 
 namespace sheaf::test_saturate {
 
-TEST_CASE("saturate: in range without the fraction, beyond it the nearest end, 0 for what is no number") {
+TEST_CASE("saturate: values are truncated and clamped to the range and NaN becomes 0") {
   CHECK(saturate<int>(12.9) == 12);
   CHECK(saturate<int>(-12.9) == -12);
   CHECK(saturate<int>(2147483647.0) == 2147483647);

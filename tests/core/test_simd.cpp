@@ -52,7 +52,7 @@ std::vector<float> specials() {
 
 }  // namespace
 
-TEST_CASE("simd: arithmetic has the same bits in registers and one by one") {
+TEST_CASE("simd: arithmetic gives the same bits in registers as for single values") {
   const auto v = specials();
   CHECK(worst_binary([](auto a, auto b) { return a + b; }, v, v) == 0);
   CHECK(worst_binary([](auto a, auto b) { return a - b; }, v, v) == 0);
@@ -86,7 +86,7 @@ TEST_CASE("simd: transcendental functions agree with the standard library") {
         2e-6);
 }
 
-TEST_CASE("simd: comparisons, masks and selection") {
+TEST_CASE("simd: comparisons and masks and selection agree with scalar code") {
   const auto v = specials();
   int wrong = 0;
   for (std::size_t j = 0; j < v.size(); ++j)
@@ -131,7 +131,7 @@ TEST_CASE("simd: comparisons, masks and selection") {
   CHECK((any(true) && all(true) && !any(false) && !all(false)));
 }
 
-TEST_CASE("simd: integers wrap, shift and compare without sign") {
+TEST_CASE("simd: integers wrap and shift and compare as unsigned") {
   const std::vector<std::uint32_t> values = {0u,          1u,          2u,       3u,          0x7fffffffu, 0x80000000u,
                                              0x80000001u, 0xffffffffu, 1664525u, 0xdeadbeefu, 65536u,      16777216u};
   int wrong = 0;
@@ -159,7 +159,7 @@ TEST_CASE("simd: integers wrap, shift and compare without sign") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("simd: conversions") {
+TEST_CASE("simd: conversions agree with scalar code") {
   for (const float x : specials()) {
     CHECK(float_bits(WideFloat(x))[kWidth - 1] == float_bits(x));
     CHECK(same(bits_float(float_bits(WideFloat(x)))[0], x));
@@ -175,7 +175,7 @@ TEST_CASE("simd: conversions") {
   }
 }
 
-TEST_CASE("simd: loads, stores, gathers and masks of lanes") {
+TEST_CASE("simd: loads and stores and gathers and lane masks agree with scalar code") {
   alignas(kSimdAlignment) float floats[4 * kWidth], back[kWidth];
   alignas(kSimdAlignment) std::uint32_t uints[4 * kWidth], uints_back[kWidth];
   for (int i = 0; i < 4 * kWidth; ++i)
@@ -244,7 +244,7 @@ TEST_CASE("simd: load_rows4 and store_rows4 are inverses and leave other rows al
   CHECK((one[0] == 9.0f && one[3] == 6.0f));
 }
 
-TEST_CASE("simd: compress_store for every mask") {
+TEST_CASE("simd: compress_store keeps the selected lanes for every mask") {
   const WideFloat a = wide_floats([](int lane) { return 10.0f + static_cast<float>(lane); });
   const WideUint b = wide_uints([](int lane) { return 0xff800000u + static_cast<std::uint32_t>(lane); });
   int wrong = 0;
@@ -273,7 +273,7 @@ TEST_CASE("simd: compress_store for every mask") {
 }
 
 #if defined(__SSE__)
-TEST_CASE("simd: FlushDenormals turns tiny operands and results into zero while it lives") {
+TEST_CASE("simd: FlushDenormals flushes tiny operands and results to zero during its lifetime") {
   volatile float tiny = 1e-30f, denormal = bits_float(1u);
   {
     const FlushDenormals flush;
@@ -286,7 +286,7 @@ TEST_CASE("simd: FlushDenormals turns tiny operands and results into zero while 
 }
 #endif
 
-TEST_CASE("lanes: small helpers agree") {
+TEST_CASE("lanes: small helpers agree between the lane policies") {
   const auto v = sweep(-3.0f, 3.0f);
   CHECK(worst_unary([](auto a) { return sqr(a); }, v) == 0);
   CHECK(worst_unary([](auto a) { return safe_sqrt(a); }, v) == 0);

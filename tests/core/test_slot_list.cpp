@@ -79,7 +79,7 @@ TEST_CASE_FIXTURE(Fixture, "slot list: swap exchanges contents") {
   CHECK(contents(other) == std::vector<Slot>{1});
 }
 
-TEST_CASE("for_tiles: covers every item once, with a partial tile at the end") {
+TEST_CASE("for_tiles: every item is covered once and the last tile is partial") {
   for (const int items : {0, 1, kWidth - 1, kWidth, kWidth + 1, 10 * kWidth + 3}) {
     int next = 0, calls = 0;
     for_tiles<Wide>(items, [&](int begin, int count) {

@@ -119,17 +119,17 @@ template <template <class> class Record> void scatter_touches_only_its_rows() {
 
 }  // namespace
 
-TEST_CASE("groups: gather turns rows of 8 and of 16 words into registers") {
+TEST_CASE("slot table: gather transposes rows of 8 and 16 words into registers") {
   gather_matches_rows<Half>();
   gather_matches_rows<Whole>();
 }
 
-TEST_CASE("groups: scatter writes the rows of its first lanes, and nothing else") {
+TEST_CASE("slot table: scatter writes the rows of its active lanes only") {
   scatter_touches_only_its_rows<Half>();
   scatter_touches_only_its_rows<Whole>();
 }
 
-TEST_CASE("groups: rows are aligned to their size") {
+TEST_CASE("slot table: rows are aligned to their size") {
   Arena arena(SlotTable<Whole>::bytes(3) + SlotTable<Half>::bytes(3));
   SlotTable<Whole> whole;
   SlotTable<Half> half;
@@ -139,7 +139,7 @@ TEST_CASE("groups: rows are aligned to their size") {
   CHECK(reinterpret_cast<std::uintptr_t>(&half.row(1)) % 32 == 0);
 }
 
-TEST_CASE("groups: get and set of one row") {
+TEST_CASE("slot table: get and set access one row") {
   constexpr int kRows = 4;
   Arena arena(SlotTable<Half>::bytes(kRows));
   SlotTable<Half> groups;
@@ -159,7 +159,7 @@ TEST_CASE("groups: get and set of one row") {
   CHECK(holds(groups, 2, 2));
 }
 
-TEST_CASE("groups: members of a row where it lies") {
+TEST_CASE("slot table: members of a row can be accessed in place") {
   constexpr int kRows = 4;
   Arena arena(SlotTable<Whole>::bytes(kRows));
   SlotTable<Whole> groups;
@@ -177,7 +177,7 @@ TEST_CASE("groups: members of a row where it lies") {
   CHECK(holds(groups, 3, 3));
 }
 
-TEST_CASE("groups: a padded list of any length gathers and scatters every row once") {
+TEST_CASE("slot table: a padded list of any length gathers and scatters every row once") {
   constexpr int kRows = 2 * kWidth + 3;
   for (const int count : {0, 1, kWidth - 1, kWidth, kWidth + 1, kRows}) {
     CAPTURE(count);

@@ -63,7 +63,7 @@ constexpr int kSizes[] = {1, kWidth - 1, kWidth, kWidth + 1, 3 * kWidth, 1000, 1
 
 }  // namespace
 
-TEST_CASE("soa: leaves are counted through nesting, in order") {
+TEST_CASE("soa: leaves of nested records are counted in order") {
   CHECK(kLeafCount<Item> == 9);
   CHECK(kLeafCount<Vec2> == 2);
   Item<Scalar> a = item(3);
@@ -73,7 +73,7 @@ TEST_CASE("soa: leaves are counted through nesting, in order") {
   CHECK(&std::get<8>(flat) == &a.weight);
 }
 
-TEST_CASE("soa: what is stored by rows is loaded by rows and by tiles, and the other way round") {
+TEST_CASE("soa: rows and tiles store and load the same data") {
   for (const int size : kSizes) {
     CAPTURE(size);
     Arena arena(2 * Soa<Item>::bytes(size));
@@ -115,7 +115,7 @@ TEST_CASE("soa: columns are aligned and an odd number of cache lines apart") {
   }
 }
 
-TEST_CASE("soa: a tile written at the end of a column leaves the next column alone") {
+TEST_CASE("soa: a tile written at the end of a column leaves the next column unchanged") {
   const int size = kWidth + 1;
   Arena arena(Soa<Item>::bytes(size));
   Soa<Item> items = filled(arena, size);
@@ -124,7 +124,7 @@ TEST_CASE("soa: a tile written at the end of a column leaves the next column alo
   CHECK(equal(items.load<Scalar>(kWidth), item(100)));
 }
 
-TEST_CASE("soa: compress keeps the chosen rows, in order, for every mask") {
+TEST_CASE("soa: compress keeps the selected rows in order for every mask") {
   const int size = 4 * kWidth;
   Arena arena(2 * Soa<Item>::bytes(size));
   Soa<Item> target = filled(arena, size), one_by_one;
@@ -149,7 +149,7 @@ TEST_CASE("soa: compress keeps the chosen rows, in order, for every mask") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("soa: a compaction loop over any number of rows keeps exactly the chosen ones") {
+TEST_CASE("soa: a compaction loop over any number of rows keeps exactly the selected ones") {
   for (const int size : kSizes) {
     CAPTURE(size);
     Arena arena(2 * Soa<Item>::bytes(size));

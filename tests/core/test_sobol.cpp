@@ -57,7 +57,7 @@ U mixed(U i) {
 
 }  // namespace
 
-TEST_CASE("sobol: points are those of the direction numbers of Joe and Kuo") {
+TEST_CASE("sobol: points match the direction numbers of Joe and Kuo") {
   const auto pascal = direction_numbers(1, 0, {1}), third = direction_numbers(2, 1, {1, 3}),
              fourth = direction_numbers(3, 1, {1, 3, 1}), fifth = direction_numbers(3, 2, {1, 1, 1});
   int wrong = 0;
@@ -73,7 +73,7 @@ TEST_CASE("sobol: points are those of the direction numbers of Joe and Kuo") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("sobol: registers hold the points of their lanes, small and large indices side by side") {
+TEST_CASE("sobol: SIMD points equal scalar ones for small and large indices") {
   int wrong = 0;
   for (U n = 0; n < 4096; ++n) {
     const auto index = [n](int lane) { return mixed(n) >> (n + static_cast<U>(lane) * 5) % 32; };
@@ -86,7 +86,7 @@ TEST_CASE("sobol: registers hold the points of their lanes, small and large indi
   CHECK(wrong == 0);
 }
 
-TEST_CASE("sobol: scrambling is nested: equal lower bits stay equal, different ones different") {
+TEST_CASE("sobol: scrambling is nested and keeps common low bits equal") {
   int wrong = 0;
   for (U n = 0; n < 20'000; ++n) {
     const U seed = mixed(3 * n), a = mixed(3 * n + 1);
@@ -100,7 +100,7 @@ TEST_CASE("sobol: scrambling is nested: equal lower bits stay equal, different o
   CHECK(wrong == 0);
 }
 
-TEST_CASE("sobol: scrambling flips every bit about half of the time, whatever the bits below it") {
+TEST_CASE("sobol: scrambling flips each bit with probability one half independently of the lower bits") {
   // Bits 0 to 9 under each of the patterns below them: one binomial count for each node of the tree.
   constexpr int kBits = 10, kSeeds = 4096;
   double most = 0;
@@ -143,7 +143,7 @@ TEST_CASE("sobol: every shuffle of the first indices that keeps leading zeros is
   CHECK(chi_square_uniform(counts).p_value > kSignificance);
 }
 
-TEST_CASE("sobol: the first 2^k samples fill every elementary interval, in every pixel and block") {
+TEST_CASE("sobol: the first 2^k samples fill every elementary interval in every pixel and block") {
   int wrong = 0;
   for (U pixel = 0; pixel < 40; ++pixel)
     for (int k = 0; k <= 12; k += pixel < 4 ? 1 : 3) {

@@ -54,7 +54,7 @@ void check_mean(const Estimate& e, Vec3f expected, int tests) {
 
 }  // namespace
 
-TEST_CASE("sensor: uplifted colours under D65 are seen as themselves") {
+TEST_CASE("sensor: upsampled colours under D65 are restored") {
   SpectrumSet set;
   const SpectrumRow light = set.row(SpectrumDescription::constant(1), SpectrumUse::kIlluminant);
   const Vec3f white = power_to_rgb([&](float l) { return evaluate<Scalar>(&light, 0, set.view(), Spectrum4(l)).c0; });
@@ -74,7 +74,7 @@ TEST_CASE("sensor: uplifted colours under D65 are seen as themselves") {
   CHECK(largest_difference(white, {1, 1, 1}) < 1e-3f);
 }
 
-TEST_CASE("sensor: tabulated emission has RGB mode's colour") {
+TEST_CASE("sensor: tabulated emission has its colour in RGB mode") {
   SpectrumSet set;
   const std::vector<float> wavelengths{380, 450, 560, 640, 780}, values{1, 4, 3, 6, 1};
   const SpectrumRow row = set.row({SpectrumDescription::Table{wavelengths, values}}, SpectrumUse::kIlluminant);
@@ -83,7 +83,7 @@ TEST_CASE("sensor: tabulated emission has RGB mode's colour") {
              emission_table_to_rgb(wavelengths, values), 3);
 }
 
-TEST_CASE("sensor: white stays white under D65 and E") {
+TEST_CASE("sensor: white stays white under D65 and under equal energy") {
   SpectrumSet set;
   for (const auto& [name, x, y] : {std::tuple{"d65", 0.3127, 0.3290}, {"e", 1.0 / 3, 1.0 / 3}}) {
     const SpectrumRow row = set.row({find_illuminant(name).value()}, SpectrumUse::kIlluminant);
@@ -103,7 +103,7 @@ TEST_CASE("sensor: white stays white under D65 and E") {
   }
 }
 
-TEST_CASE("sensor: paths that the first wavelength alone can make count four times") {
+TEST_CASE("sensor: paths that only the hero wavelength can generate count four times") {
   // Each wavelength reaches the light on a different path, as behind a prism, so that only the first one contributes.
   const auto e =
       measure([](const Wavelengths<Scalar>&) { return Spectrum4(1, 0, 0, 0) * hero_balance(Spectrum4(1, 0, 0, 0)); },
@@ -111,7 +111,7 @@ TEST_CASE("sensor: paths that the first wavelength alone can make count four tim
   check_mean(e, power_to_rgb([](float) { return 1.0f; }), 3);
 }
 
-TEST_CASE("sensor: registers agree with single paths") {
+TEST_CASE("sensor: SIMD results equal scalar ones") {
   const WideFloat u = wide_floats([](int lane) { return (static_cast<float>(lane) + 0.3f) / kWidth; });
   const auto wide = sample_wavelengths<Wide>(u);
   const Spectrum<Wide> radiance(WideFloat(1), WideFloat(2), WideFloat(0), WideFloat(5));

@@ -36,7 +36,7 @@ double difference_at(const Vec3<Wide>& a, const Vec3f& b, int lane) {
 }
 }  // namespace
 
-TEST_CASE("spectrum: arithmetic by component") {
+TEST_CASE("spectrum: arithmetic is componentwise") {
   const Spectrum4 a{1, 2, 3, 4}, b{5, 6, 7, -8};
   const Spectrum4 sum = a + b, product = a * b, scaled = a * 0.5f, chosen = select<Scalar>(true, a, b);
   CHECK((sum.c0 == 6 && sum.c1 == 8 && sum.c2 == 10 && sum.c3 == -4));
@@ -52,7 +52,7 @@ TEST_CASE("spectrum: arithmetic by component") {
   CHECK(Spectrum4(3.0f).c2 == 3.0f);
 }
 
-TEST_CASE("spectrum: registers agree with single lanes") {
+TEST_CASE("spectrum: SIMD results equal scalar ones") {
   const Spectrum<Wide> a = wide_spectra(0), b = wide_spectra(5);
   const WideFloat s = wide_floats([](int lane) { return 0.25f * static_cast<float>(lane); });
   const WideMask odd = wide_mask([](int lane) { return lane % 2 == 1; });
@@ -67,7 +67,7 @@ TEST_CASE("spectrum: registers agree with single lanes") {
   }
 }
 
-TEST_CASE("vec: products, lengths and their identities") {
+TEST_CASE("vec: products and lengths satisfy their identities") {
   const Vec3f a{1, 2, 3}, b{-4, 0.5f, 2};
   CHECK(dot(a, b) == 3);
   CHECK(cross(a, b) == Vec3f{2.5f, -14, 8.5f});
@@ -89,7 +89,7 @@ TEST_CASE("vec: products, lengths and their identities") {
   CHECK_FALSE(is_finite(Vec3f{1, 0, std::numeric_limits<float>::quiet_NaN()}));
 }
 
-TEST_CASE("vec: registers agree with single lanes") {
+TEST_CASE("vec: SIMD results equal scalar ones") {
   const Vec3<Wide> a = wide_vectors(0), b = wide_vectors(3), c = broadcast<Wide>({1, -2, 3});
   for (int lane = 0; lane < kWidth; ++lane) {
     const Vec3f x = vector(lane), y = vector(lane + 3);

@@ -37,7 +37,7 @@ TEST_CASE("chi-square and Student-t levels agree with printed tables") {
   CHECK(1.0 - std::pow(1.0 - each, 20) == doctest::Approx(0.05));
 }
 
-TEST_CASE("MeanVariance and its t-test") {
+TEST_CASE("MeanVariance and its t-test agree with direct computation") {
   MeanVariance values;
   for (const double x : {4.0, 7.0, 13.0, 16.0}) values.add(x);
   CHECK(values.mean() == doctest::Approx(10.0));
@@ -51,7 +51,7 @@ TEST_CASE("MeanVariance and its t-test") {
   CHECK(constant.p_value(2.1) == 0.0);
 }
 
-TEST_CASE("chi_square pools small cells and refuses the impossible") {
+TEST_CASE("chi_square pools small cells and rejects samples where the pdf is zero") {
   const double expected[] = {2.0, 2.0, 2.0, 100.0, 100.0}, good[] = {1.0, 3.0, 2.0, 95.0, 105.0};
   const ChiSquare fit = chi_square(good, expected);
   CHECK(fit.degrees == 2);
@@ -62,7 +62,7 @@ TEST_CASE("chi_square pools small cells and refuses the impossible") {
   CHECK(chi_square(impossible, impossible_expected).p_value == 0.0);
 }
 
-TEST_CASE("chi_square_plane tells a wrong density and a wrong mass from the right ones") {
+TEST_CASE("chi_square_plane rejects a wrong density and a wrong total probability") {
   const CellGrid unit{0.0, 1.0, 0.0, 1.0};
   const auto uniform = [](Random4<Scalar> u) { return std::optional(std::array<double, 2>{u.x, u.y}); };
   const auto squared = [](Random4<Scalar> u) {

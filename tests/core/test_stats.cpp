@@ -29,7 +29,7 @@ Stats make_stats(std::uint64_t factor) {
 
 }  // namespace
 
-TEST_CASE("stats of workers add up in every field") {
+TEST_CASE("statistics of workers add up in every field") {
   Stats sum = make_stats(1);
   sum += make_stats(10);
   const Stats expected = make_stats(11);
@@ -47,7 +47,7 @@ TEST_CASE("stats of workers add up in every field") {
   CHECK(sum.dropped.samples == 77);
 }
 
-TEST_CASE("ratios, also of nothing") {
+TEST_CASE("ratios are defined for empty statistics") {
   const Stats stats = make_stats(1);
   CHECK(stats[Stage{1}].lane_fill() == doctest::Approx(0.5));
   CHECK(stats[Stage{1}].ns_per_item() == doctest::Approx(10 * seconds_per_tick() * 1e9));
@@ -70,7 +70,7 @@ TEST_CASE("ticks measure time") {
   CHECK(seconds < limit * 1.01);
 }
 
-TEST_CASE("memory that is no file's is told apart") {
+TEST_CASE("anonymous memory is reported apart from mapped files") {
   constexpr std::size_t kBytes = std::size_t{200} << 20;
   const std::uint64_t before = peak_private_bytes();
   if (before == 0) return;
@@ -83,7 +83,7 @@ TEST_CASE("memory that is no file's is told apart") {
   CHECK(peak_private_bytes() <= peak_rss_bytes());
 }
 
-TEST_CASE("a report as JSON and as a table") {
+TEST_CASE("a report is written as JSON and as a table") {
   RenderReport report;
   report.scene = "folder/\"quoted\"\xff.xml";  // not valid UTF-8
   report.integrator = "path";
@@ -111,7 +111,7 @@ TEST_CASE("a report as JSON and as a table") {
   CHECK(contains(table, "dropped: 6 rays, 7 samples"));
 }
 
-TEST_CASE("a report tells which lights cost most, and what they bring") {
+TEST_CASE("a report lists the most expensive lights and their contributions") {
   RenderReport report;
   report.render_seconds = 10;
   report.spp = 64;
@@ -136,7 +136,7 @@ TEST_CASE("a report tells which lights cost most, and what they bring") {
   CHECK_FALSE(contains(table, "noise"));
 }
 
-TEST_CASE("a report says how long a picture of less noise would take") {
+TEST_CASE("a report estimates the render time for less noise") {
   RenderReport report;
   report.render_seconds = 10;
   report.spp = 64;

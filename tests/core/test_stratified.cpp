@@ -30,7 +30,7 @@ U cell_of(SampleGrid grid, float x, float y) {
 
 }  // namespace
 
-TEST_CASE("stratified: permutations are permutations, of any number of things") {
+TEST_CASE("stratified: permutations of any length visit every element once") {
   for (const U count : {1u, 2u, 3u, 4u, 5u, 7u, 8u, 9u, 12u, 31u, 64u, 100u, 1000u})
     for (U key = 0; key < 20; ++key) {
       std::vector<int> seen(count);
@@ -39,7 +39,7 @@ TEST_CASE("stratified: permutations are permutations, of any number of things") 
     }
 }
 
-TEST_CASE("stratified: pairs of elements go to all pairs of places alike") {
+TEST_CASE("stratified: pairs of elements are mapped to all pairs of positions with equal probability") {
   constexpr U kCounts[] = {2, 3, 4, 5, 6, 8, 12};
   for (const U count : kCounts) {
     CAPTURE(count);
@@ -55,7 +55,7 @@ TEST_CASE("stratified: pairs of elements go to all pairs of places alike") {
   }
 }
 
-TEST_CASE("stratified: division has the quotient and the remainder of integers") {
+TEST_CASE("stratified: division has the quotient and remainder of integers") {
   int wrong = 0;
   for (const U b : {1u, 2u, 3u, 7u, 64u, 1000u, 65537u, 1u << 24})
     for (U n = 0; n < 20'000; ++n) {
@@ -68,7 +68,7 @@ TEST_CASE("stratified: division has the quotient and the remainder of integers")
   CHECK(wrong == 0);
 }
 
-TEST_CASE("stratified: one sample in each cell of either plane, in every round") {
+TEST_CASE("stratified: each cell of either plane gets one sample in every round") {
   for (const SampleGrid grid : kGrids)
     for (const bool correlated : {false, true})
       for (U round = 0; round < 3; ++round)
@@ -84,7 +84,7 @@ TEST_CASE("stratified: one sample in each cell of either plane, in every round")
         }
 }
 
-TEST_CASE("stratified: multi-jittered samples lie in different columns and rows too") {
+TEST_CASE("stratified: multi-jittered samples also lie in different columns and rows") {
   for (const SampleGrid grid : kGrids)
     for (U pixel = 0; pixel < 50; ++pixel) {
       const U n = grid.size();
@@ -99,7 +99,7 @@ TEST_CASE("stratified: multi-jittered samples lie in different columns and rows 
     }
 }
 
-TEST_CASE("stratified: registers hold the numbers of their lanes, bit by bit") {
+TEST_CASE("stratified: SIMD numbers equal scalar ones to the bit") {
   int wrong = 0;
   for (const SampleGrid grid : kGrids)
     for (const bool correlated : {false, true})

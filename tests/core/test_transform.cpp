@@ -43,7 +43,7 @@ std::vector<Transform> transforms() {
 
 }  // namespace
 
-TEST_CASE("transform: an inverse undoes it, for points and vectors") {
+TEST_CASE("transform: the inverse restores points and vectors") {
   const Vec3f p{0.3f, -1.7f, 2.2f};
   for (const Transform& t : transforms()) {
     check_near(t.inverse().point(t.point(p)), p);
@@ -65,7 +65,7 @@ TEST_CASE("transform: composition applies the right one first and composes inver
     }
 }
 
-TEST_CASE("transform: elementary ones do what their names say") {
+TEST_CASE("transform: elementary transforms have the expected effect on points") {
   CHECK(Transform::translate({1, 2, 3}).point({1, 1, 1}) == Vec3f{2, 3, 4});
   CHECK(Transform::translate({1, 2, 3}).vector({1, 1, 1}) == Vec3f{1, 1, 1});
   CHECK(Transform::scale({1, 2, 3}).point({1, 1, 1}) == Vec3f{1, 2, 3});
@@ -86,7 +86,7 @@ TEST_CASE("transform: normals stay perpendicular to surfaces") {
   }
 }
 
-TEST_CASE("transform: handedness") {
+TEST_CASE("transform: mirroring transforms are recognised by their determinant") {
   CHECK_FALSE(Transform().swaps_handedness());
   CHECK_FALSE(Transform::rotate({3, 1, 2}, 200).swaps_handedness());
   CHECK_FALSE(Transform::look_at({1, 2, 3}, {0, 0, 0}, {0, 1, 0}).swaps_handedness());
@@ -102,7 +102,7 @@ TEST_CASE("transform: a projective matrix divides points by w") {
   CHECK(Transform(m).point({2, 4, 2}) == Vec3f{1, 2, 0.5f});
 }
 
-TEST_CASE("transform: look_at looks from the origin to the target, upright, with x to the left") {
+TEST_CASE("transform: look_at faces the target upright with x to the left") {
   const Transform t = Transform::look_at({1, 2, 3}, {1, 2, 10}, {0, 1, 0});
   check_near(t.point({0, 0, 0}), {1, 2, 3});
   check_near(t.vector({0, 0, 1}), {0, 0, 1});
@@ -117,7 +117,7 @@ TEST_CASE("transform: look_at looks from the origin to the target, upright, with
   check_near(left, cross(up, dir));
 }
 
-TEST_CASE("transform: look_at works at every scale and refuses what spans no frame") {
+TEST_CASE("transform: look_at works at every scale and rejects degenerate directions") {
   for (const float scale : {1e-30f, 1e-10f, 1.0f, 1e10f, 1e30f}) {
     CAPTURE(scale);
     const Transform t = Transform::look_at({scale, 0, 0}, {scale, 0, -scale}, {0, scale, 0});
@@ -131,7 +131,7 @@ TEST_CASE("transform: look_at works at every scale and refuses what spans no fra
   CHECK_THROWS_AS(Transform::look_at({0, 0, 0}, {0, kInfinity, 0}, {0, 0, 1}), SceneError);
 }
 
-TEST_CASE("transform: what cannot be inverted is refused") {
+TEST_CASE("transform: singular matrices are rejected") {
   CHECK_THROWS_AS(Transform::scale({1, 0, 1}), SceneError);
   CHECK_THROWS_AS(Transform::scale({1, kNaN, 1}), SceneError);
   CHECK_THROWS_AS(Transform::scale({1, kInfinity, 1}), SceneError);
@@ -152,7 +152,7 @@ TEST_CASE("transform: what cannot be inverted is refused") {
   CHECK_FALSE(invert(dependent, out));
 }
 
-TEST_CASE("transform: inversion pivots") {
+TEST_CASE("transform: inversion uses pivoting") {
   Matrix4 swapped;
   swapped.m = {{{0, 1, 0, 5}, {1, 0, 0, 6}, {0, 0, 0, 1}, {0, 0, 1, 0}}};
   Matrix4 inverse;

@@ -40,7 +40,7 @@ Vec3f random_color(std::uint32_t i) {
 
 }  // namespace
 
-TEST_CASE("sigmoid: limits, symmetry, inverse") {
+TEST_CASE("sigmoid: limits and symmetry and inverse hold") {
   CHECK(sigmoid(0.0f) == 0.5f);
   CHECK(sigmoid(kInfinity) == 1.0f);
   CHECK(sigmoid(-kInfinity) == 0.0f);
@@ -55,7 +55,7 @@ TEST_CASE("sigmoid: limits, symmetry, inverse") {
   CHECK(sigmoid(inverse_sigmoid(0.0f)) == 0.0f);
 }
 
-TEST_CASE("uplift: colours come back from the table's spectra") {
+TEST_CASE("uplift: spectra from the table restore their colours") {
   float worst = 0;
   Vec3f worst_at;
   for_each_color(1, [&](Vec3f rgb) {
@@ -66,7 +66,7 @@ TEST_CASE("uplift: colours come back from the table's spectra") {
   CHECK(worst < 0.005f);
 }
 
-TEST_CASE("uplift: colours come back from spectra fitted one by one") {
+TEST_CASE("uplift: individually fitted spectra restore their colours") {
   float worst = 0;
   const auto check = [&](Vec3f rgb) {
     worst = std::max(worst, largest_difference(color_of(fit_reflectance(rgb)), rgb));
@@ -78,7 +78,7 @@ TEST_CASE("uplift: colours come back from spectra fitted one by one") {
   CHECK(worst < 2e-4f);
 }
 
-TEST_CASE("uplift: the spectra are those of other programs that use these sigmoids") {
+TEST_CASE("uplift: the spectra match those of other implementations of the sigmoid model") {
   // Mitsuba 3.9.1 (variant scalar_spectral) at 400, 500, 560 and 700 nm. Its white is 0.1 % off.
   const std::pair<Vec3f, std::array<double, 4>> cases[] = {
       {{0.8f, 0.1f, 0.2f}, {0.733398, 0.0947943, 0.155087, 0.988831}},
@@ -92,7 +92,7 @@ TEST_CASE("uplift: the spectra are those of other programs that use these sigmoi
     }
 }
 
-TEST_CASE("uplift: colours off the grid, in proportion to their brightness") {
+TEST_CASE("uplift: the error between grid points is proportional to the brightness") {
   float worst = 0, worst_unbounded = 0;
   for (std::uint32_t i = 0; i < 3000; ++i) {
     const Vec3f rgb = random_color(i) * (i % 2 == 0 ? 1.0f : 0.02f);
@@ -107,7 +107,7 @@ TEST_CASE("uplift: colours off the grid, in proportion to their brightness") {
   CHECK(worst_unbounded < 0.005f);
 }
 
-TEST_CASE("uplift: greys are exactly constant") {
+TEST_CASE("uplift: greys have exactly constant spectra") {
   const Spectrum4 lambda(360, 480.5f, 617.25f, 830);
   for (const float grey : {0.0f, 1e-6f, 0.1f, 0.25f, 0.5f, 0.73f, 1.0f}) {
     for (const auto& s : {uplift_reflectance<Scalar>(UpliftTable::get(), Vec3f{grey, grey, grey}),
@@ -128,7 +128,7 @@ TEST_CASE("uplift: greys are exactly constant") {
   }
 }
 
-TEST_CASE("uplift: reflectances stay between 0 and 1, whatever the input") {
+TEST_CASE("uplift: reflectances stay between 0 and 1 for any input") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   std::vector<Vec3f> colors{{1, 1, 1},           {1, 0, 0},          {0, 1, 1},          {0, 0, 0},
                             {2, 3, -1},          {kNan, 0.5f, 0.2f}, {kNan, kNan, kNan}, {kInfinity, 1, 0},
@@ -148,7 +148,7 @@ TEST_CASE("uplift: reflectances stay between 0 and 1, whatever the input") {
   CHECK(dark.scale * evaluate(dark.shape, 500.0f) == 0.0f);
 }
 
-TEST_CASE("uplift: the table does not depend on threads, nor on who asks for it") {
+TEST_CASE("uplift: the table does not depend on the number of threads or on the caller") {
   const UpliftTable& table = UpliftTable::get();
   tbb::task_arena(1).execute([&] { CHECK(UpliftTable().nodes == table.nodes); });
   std::atomic<int> equal{0};
@@ -166,7 +166,7 @@ TEST_CASE("uplift: an unbounded colour's spectrum is proportional to it") {
   CHECK(largest_difference(color_of(fit_unbounded(rgb)), rgb) < 1e-3f);
 }
 
-TEST_CASE("uplift: registers agree with single colours") {
+TEST_CASE("uplift: SIMD results equal scalar ones") {
   for (std::uint32_t i = 0; i < 64; ++i) {
     const auto color = [&](int lane) { return random_color(i * 16 + static_cast<std::uint32_t>(lane)); };
     const Vec3<Wide> rgb{wide_floats([&](int lane) { return color(lane).x; }),

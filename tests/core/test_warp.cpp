@@ -52,7 +52,7 @@ constexpr int kTests = 8;  // chi-square tests in this file
 
 }  // namespace
 
-TEST_CASE("warp: sincos_2pi stays within its error over a dense sweep") {
+TEST_CASE("warp: sincos_2pi stays within its error bound over a dense sweep") {
   double worst = 0, norm = 0;
   for (std::uint32_t i = 0; i <= 1u << 22; ++i) {
     const float u = static_cast<float>(i) * 0x1p-22f;
@@ -68,7 +68,7 @@ TEST_CASE("warp: sincos_2pi stays within its error over a dense sweep") {
   CHECK(last.sin <= 0.0f);
 }
 
-TEST_CASE("warp: sincos_2pi in registers") {
+TEST_CASE("warp: sincos_2pi gives the same bits in registers") {
   double worst = 0;
   for (std::uint32_t i = 0; i + kWidth <= 1u << 18; i += kWidth) {
     const auto u = [i](int lane) { return static_cast<float>(i + static_cast<std::uint32_t>(lane)) * 0x1p-18f; };
@@ -81,7 +81,7 @@ TEST_CASE("warp: sincos_2pi in registers") {
   CHECK(worst < 3e-7);
 }
 
-TEST_CASE("warp: registers agree with single lanes") {
+TEST_CASE("warp: SIMD results equal scalar ones") {
   CHECK(worst_lane([]<class L>(L, auto u, auto v) { return square_to_disk<L>(u, v); }) < 1e-6);
   CHECK(worst_lane([]<class L>(L, auto u, auto v) { return square_to_sphere<L>(u, v); }) < 1e-6);
   CHECK(worst_lane([]<class L>(L, auto u, auto v) { return square_to_triangle<L>(u, v); }) < 1e-6);
@@ -98,7 +98,7 @@ TEST_CASE("warp: registers agree with single lanes") {
     CHECK(cosine_hemisphere_pdf_solid_angle(cosines)[lane] == cosine_hemisphere_pdf_solid_angle(cosines[lane]));
 }
 
-TEST_CASE("warp: results are finite, normalised and inside of their domain, at the ends too") {
+TEST_CASE("warp: results are finite and normalised and inside their domain up to its ends") {
   double worst_norm = 0;
   int outside = 0;
   for (const float u : test_numbers())
@@ -131,7 +131,7 @@ TEST_CASE("warp: square_to_disk is uniform over the disk") {
         significance_of_each(kTests));
 }
 
-TEST_CASE("warp: square_to_cosine_hemisphere follows the cosine") {
+TEST_CASE("warp: square_to_cosine_hemisphere has a pdf proportional to the cosine") {
   const auto pdf = [](Vec3f w) { return static_cast<double>(cosine_hemisphere_pdf_solid_angle(w.z)); };
   const ChiSquare test = chi_square_sphere(
       direction([](float u, float v) { return square_to_cosine_hemisphere<Scalar>(u, v); }), pdf, -1.0, 1.0);
@@ -146,7 +146,7 @@ TEST_CASE("warp: square_to_sphere is uniform") {
   CHECK(test.p_value > significance_of_each(kTests));
 }
 
-TEST_CASE("warp: square_to_cone is uniform in its cone, however wide") {
+TEST_CASE("warp: square_to_cone is uniform for every opening angle") {
   for (const float width : {1e-3f, 0.3f, 1.0f, 2.0f}) {
     CAPTURE(width);
     const auto warp = [width](float u, float v) { return square_to_cone<Scalar>(u, v, width); };
@@ -157,7 +157,7 @@ TEST_CASE("warp: square_to_cone is uniform in its cone, however wide") {
   }
 }
 
-TEST_CASE("warp: a cone of 1e-8 keeps its width") {
+TEST_CASE("warp: a cone whose 1 - cos is 1e-8 keeps its width") {
   const float width = 1e-8f;
   MeanVariance sin_squared;
   for (std::uint32_t i = 0; i < 10000; ++i) {

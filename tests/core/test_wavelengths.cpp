@@ -37,7 +37,7 @@ double cumulative(double lambda) {
 
 }  // namespace
 
-TEST_CASE("wavelengths: each of the four is distributed as the density says") {
+TEST_CASE("wavelengths: each of the four follows the pdf") {
   constexpr int kSamples = 200000;
   std::vector<double> observed[4], expected(kBins);
   for (auto& counts : observed) counts.resize(kBins);
@@ -56,7 +56,7 @@ TEST_CASE("wavelengths: each of the four is distributed as the density says") {
   for (const auto& counts : observed) CHECK(chi_square(counts, expected).p_value > significance_of_each(4));
 }
 
-TEST_CASE("wavelengths: quantiles rise from one end of the range to the other") {
+TEST_CASE("wavelengths: quantiles increase from one end of the range to the other") {
   constexpr int kCells = WavelengthQuantiles::kCells;
   CHECK(kWavelengthQuantiles.nodes[0][0] == 360.0f);
   CHECK(kWavelengthQuantiles.nodes[kCells][3] == 830.0f);
@@ -66,7 +66,7 @@ TEST_CASE("wavelengths: quantiles rise from one end of the range to the other") 
   }
 }
 
-TEST_CASE("wavelengths: range, density and rotation for every number") {
+TEST_CASE("wavelengths: range and pdf and rotation are right for every random number") {
   for (int i = 0; i <= 4096; ++i) {
     const float u = std::min(static_cast<float>(i) / 4096.0f, 0.99999994f);
     CAPTURE(u);
@@ -89,7 +89,7 @@ TEST_CASE("wavelengths: range, density and rotation for every number") {
   }
 }
 
-TEST_CASE("wavelengths: registers agree with single numbers") {
+TEST_CASE("wavelengths: SIMD results equal scalar ones") {
   const WideFloat u = wide_floats([](int lane) { return (static_cast<float>(lane) + 0.5f) / kWidth; });
   const Wavelengths<Wide> wide = sample_wavelengths<Wide>(u);
   for (int lane = 0; lane < kWidth; ++lane) {
@@ -101,7 +101,7 @@ TEST_CASE("wavelengths: registers agree with single numbers") {
   }
 }
 
-TEST_CASE("wavelengths: white light is a quiet estimate") {
+TEST_CASE("wavelengths: white light is estimated with little variance") {
   // The sum over red, green and blue of variance over squared mean, in daylight and in equal-energy light.
   for (const bool in_daylight : {true, false}) {
     double mean[3] = {}, squares[3] = {}, alone[3] = {};
@@ -128,7 +128,7 @@ TEST_CASE("wavelengths: white light is a quiet estimate") {
   }
 }
 
-TEST_CASE("wavelengths: the balance over the four counts each path once") {
+TEST_CASE("wavelengths: the balance heuristic over the four counts each path once") {
   CHECK(hero_balance(Spectrum4(1.0f)) == 1.0f);
   CHECK(hero_balance(Spectrum4(1, 0, 0, 0)) == 4.0f);
   // Two strategies with different pdfs p and q that both sample f: p f / mean + q f / mean has an average weight of 1.
