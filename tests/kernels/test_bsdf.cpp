@@ -30,12 +30,12 @@ constexpr int kSamplingTests = 5;  // outgoing directions from which a diffuse s
 
 }  // namespace
 
-TEST_CASE("bsdf: diffuse samples follow their density") {
+TEST_CASE("bsdf: diffuse samples follow their pdf") {
   check_bsdf_sampling(diffuse(0.8f, 0.4f, 0.1f), kSamplingTests);
   check_bsdf_weights(diffuse(0.8f, 0.4f, 0.1f));
 }
 
-TEST_CASE("bsdf: diffuse reflection is reciprocal, loses nothing of its own and is one-sided") {
+TEST_CASE("bsdf: diffuse reflection is reciprocal and one-sided and conserves energy") {
   check_bsdf_reciprocity(diffuse(0.8f, 0.4f, 0.1f));
   check_white_furnace(diffuse(1, 1, 1), true);
   const auto f = diffuse(0.8f, 0.4f, 0.1f).evaluate({0.6f, 0, 0.8f}, {0, 0.8f, 0.6f}).f_cos;
@@ -51,7 +51,7 @@ TEST_CASE("bsdf: diffuse reflection is reciprocal, loses nothing of its own and 
   CHECK(diffuse(1, 1, 1).evaluate({0, 0, 1}, {0.6f, 0, -0.8f}).pdf_solid_angle == 0.0f);
 }
 
-TEST_CASE("bsdf: conductors mirror with Fresnel's share, on the outside alone") {
+TEST_CASE("bsdf: conductors reflect by the Fresnel equations on the outside only") {
   for (const Vec3f wo : outgoing_directions()) {
     const auto s = conductor(0.2f, 3.0f, 0.5f).sample(wo, kReflect);
     CHECK(s.valid == (wo.z > 0));
@@ -67,7 +67,7 @@ TEST_CASE("bsdf: conductors mirror with Fresnel's share, on the outside alone") 
   check_white_furnace(conductor(0, 1), true);
 }
 
-TEST_CASE("bsdf: every wavelength of a conductor has its own index") {
+TEST_CASE("bsdf: each wavelength of a conductor has its own index of refraction") {
   const ConductorParameters<Scalar> parameters{{0.2f, 1.0f, 1.5f, 0}, {3.0f, 2.0f, 1.0f, 1}, {1, 0.5f, 0.25f, 0}};
   const auto s = make_bsdf<ConductorBsdf>(parameters).sample({0.6f, 0, 0.8f}, kReflect);
   CHECK(s.weight.c0 == doctest::Approx(fresnel_conductor(0.8f, 0.2f, 3.0f)));
@@ -95,7 +95,7 @@ TEST_CASE("bsdf: dielectrics refract by Snell's law in the plane of incidence") 
     }
 }
 
-TEST_CASE("bsdf: light refracted into glass and out again has its direction and radiance back") {
+TEST_CASE("bsdf: light refracted into glass and out again regains its direction and radiance") {
   for (const float eta : {1.5f, 1 / 1.5f}) {
     const Vec3f wo = direction_of(0.9, 1.1);
     const auto in = dielectric(eta).sample(wo, kTransmit);
@@ -106,7 +106,7 @@ TEST_CASE("bsdf: light refracted into glass and out again has its direction and 
   }
 }
 
-TEST_CASE("bsdf: beyond the critical angle everything is reflected") {
+TEST_CASE("bsdf: light beyond the critical angle is totally reflected") {
   const float critical = std::sqrt(1 - 1 / (1.5f * 1.5f));
   for (const float cos_theta : {critical * 0.999f, 0.5f * critical, 0.01f, 1e-4f}) {
     const Vec3f wo = direction_of(-cos_theta, 0.3);
@@ -119,7 +119,7 @@ TEST_CASE("bsdf: beyond the critical angle everything is reflected") {
   CHECK(dielectric(1.5f).sample(direction_of(-critical * 1.001, 0.3), kTransmit).wi.z > 0.0f);
 }
 
-TEST_CASE("bsdf: dielectrics reflect as often as Fresnel says and keep all power") {
+TEST_CASE("bsdf: dielectrics choose reflection by the Fresnel reflectance and conserve energy") {
   constexpr int kDraws = 20000;
   for (const float eta : {1.5f, 1 / 1.5f})
     for (const Vec3f wo : outgoing_directions()) {
@@ -142,7 +142,7 @@ TEST_CASE("bsdf: dielectrics reflect as often as Fresnel says and keep all power
   check_white_furnace(dielectric(1.0f), true);
 }
 
-TEST_CASE("bsdf: registers equal single values") {
+TEST_CASE("bsdf: SIMD results equal scalar ones") {
   const auto share = [](int lane, int k) { return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4); };
   check_bsdf_lanes<DiffuseBsdf>([&](int lane) { return diffuse(share(lane, 0), share(lane, 1), share(lane, 2)); });
   check_bsdf_lanes<ConductorBsdf>(

@@ -68,7 +68,7 @@ struct WithoutMirror : CoatedBsdf<Scalar> {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("coats: sampling and weights over every closure") {
+TEST_CASE("coats: samples of every closure have consistent pdfs and weights") {
   CoatableBsdfs::for_each([]<template <class> class Nested>() {
     CAPTURE(closure_info(Nested<Scalar>::kKind).name);
     const auto nested = any_bsdf<Nested>(3);
@@ -79,12 +79,12 @@ TEST_CASE("coats: sampling and weights over every closure") {
   });
 }
 
-TEST_CASE("coats: samples follow their density, over an anisotropic lobe") {
+TEST_CASE("coats: samples over an anisotropic lobe follow their pdf") {
   check_bsdf_sampling_with_edges(rough_coated(any_bsdf<WardBsdf>(2), 1.4f, 0.1f, 0.3f), kSamplingTests);
   check_bsdf_weights(rough_coated(any_bsdf<WardBsdf>(2), 1.4f, 0.1f, 0.3f), 2e-3);
 }
 
-TEST_CASE("coats: reciprocity and energy") {
+TEST_CASE("coats: coated closures are reciprocal and do not gain energy") {
   check_bsdf_reciprocity(coated(diffuse(0.7f), 1.5f, 0.4f));
   check_bsdf_reciprocity(rough_coated(diffuse(0.7f), 1.5f, 0.4f, 0.3f));
   for (const float eta : {1.1f, 1.5f, 2.4f}) {
@@ -98,7 +98,7 @@ TEST_CASE("coats: reciprocity and energy") {
   check_white_furnace(coated(diffuse(1), 1, 0), true);
 }
 
-TEST_CASE("coats: over a diffuse base they are plastics without what the coat sends back down") {
+TEST_CASE("coats: a coated diffuse closure is a plastic without internal reflection") {
   PlasticBsdf<Scalar> plastic;
   plastic.eta = 1.5f;
   plastic.diffuse = {0.6f, 0.3f, 0.12f, 0};
@@ -111,7 +111,7 @@ TEST_CASE("coats: over a diffuse base they are plastics without what the coat se
   }
 }
 
-TEST_CASE("coats: values by hand") {
+TEST_CASE("coats: values match computations by hand") {
   // Both directions are at 30 degrees. Inside the coat the cosine is sqrt(1 - 1/9).
   const double cosine = std::sqrt(0.75), within = std::sqrt(1 - 0.25 / 2.25), eta = 1.5;
   const double s = (cosine - eta * within) / (cosine + eta * within),
@@ -133,7 +133,7 @@ TEST_CASE("coats: values by hand") {
   CHECK(std::fabs(energy.mean() - expected) < 1e-4 + 5 * std::sqrt(energy.variance() / 20000));
 }
 
-TEST_CASE("coats: a rough coat that is nearly smooth differs little from a smooth one") {
+TEST_CASE("coats: a nearly smooth rough coat approximates a smooth one") {
   const auto smooth = coated(diffuse(0.6f), 1.5f, 0.4f);
   const auto rough = rough_coated(diffuse(0.6f), 1.5f, 0.4f, 1e-4f);
   for (std::uint32_t i = 0; i < 200; ++i) {
@@ -142,7 +142,7 @@ TEST_CASE("coats: a rough coat that is nearly smooth differs little from a smoot
   }
 }
 
-TEST_CASE("coats: registers of different closures equal single values") {
+TEST_CASE("coats: SIMD results of mixed closures equal scalar ones") {
   check_bsdf_lanes<CoatedBsdf>([](int lane) {
     CoatedBsdf<Scalar> out;
     int left = lane % 13;

@@ -74,7 +74,7 @@ TEST_CASE("disney: values equal the published formulas") {
     }
 }
 
-TEST_CASE("disney: samples follow their density") {
+TEST_CASE("disney: samples follow their pdf") {
   for (const Parameters& p : kMaterials) {
     CAPTURE(&p - kMaterials);
     check_bsdf_sampling_with_edges(disney(p), kSamplingTests);
@@ -82,7 +82,7 @@ TEST_CASE("disney: samples follow their density") {
   }
 }
 
-TEST_CASE("disney: samples of a perfectly smooth surface follow their density") {
+TEST_CASE("disney: samples of a perfectly smooth surface follow their pdf") {
   const auto smooth = disney({{0.8f, 0.8f, 0.8f, 0}, 0.5f, 0, 1, 0, 0, 0, 0, 0, 1, 1});
   check_bsdf_weights(smooth);
   check_bsdf_peak_sampling(smooth, {0.6f, 0, 0.8f}, {-0.6f, 0, 0.8f}, 0.015, kPeakTests);
@@ -100,7 +100,7 @@ TEST_CASE("disney: reflection is reciprocal and one-sided") {
   }
 }
 
-TEST_CASE("disney: metals never gain energy, smooth ones lose none") {
+TEST_CASE("disney: metals do not gain energy and smooth ones lose none") {
   for (const float roughness : {0.0f, 0.3f, 1.0f})
     for (const float anisotropic : {0.0f, 1.0f})
       check_white_furnace(disney({{1, 1, 1, 0}, 1, 0, 0, 0, roughness, anisotropic, 0, 0, 0, 0}), false);
@@ -110,7 +110,7 @@ TEST_CASE("disney: metals never gain energy, smooth ones lose none") {
   CHECK(energy.mean() == doctest::Approx(1).epsilon(1e-4));
 }
 
-TEST_CASE("disney: layers on a white base add up to more than 1, within bounds") {
+TEST_CASE("disney: the albedo of layers on a white base exceeds 1 within bounds only") {
   for (const float roughness : {0.0f, 0.5f, 1.0f})
     for (const float subsurface : {0.0f, 1.0f}) {
       Parameters base{{1, 1, 1, 0}, 0, subsurface, 0.5f, 0, roughness, 0, 0, 0, 0, 0}, sheen = base, coat = base;
@@ -127,12 +127,12 @@ TEST_CASE("disney: layers on a white base add up to more than 1, within bounds")
     }
 }
 
-TEST_CASE("disney: values are finite whatever the directions") {
+TEST_CASE("disney: values are finite for all directions") {
   for (const Parameters& p : kMaterials) check_bsdf_finite(disney(p));
   check_bsdf_finite(disney({{0, 0, 0, 0}, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1}));
 }
 
-TEST_CASE("disney: registers equal single values") {
+TEST_CASE("disney: SIMD results equal scalar ones") {
   const auto share = [](int lane, int k) { return static_cast<float>((lane * 5 + k * 3) % 8) / 7.0f; };
   check_bsdf_lanes<DisneyBsdf>([&](int lane) {
     return disney({{share(lane, 0), share(lane, 1), share(lane, 2), 0},

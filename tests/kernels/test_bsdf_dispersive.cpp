@@ -61,7 +61,7 @@ template <class Make> MeanVariance separate_power(Make&& make, Vec3f wo) {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("dispersion: with one index the smooth boundary is the ordinary one") {
+TEST_CASE("dispersion: a smooth boundary with equal indices is an ordinary dielectric") {
   const auto bsdf = smooth<DispersiveDielectricBsdf>(Spectrum4(1.6f), 0.75f, 0.5f);
   DielectricBsdf<Scalar> plain;
   plain.eta = 1.6f;
@@ -78,7 +78,7 @@ TEST_CASE("dispersion: with one index the smooth boundary is the ordinary one") 
     }
 }
 
-TEST_CASE("dispersion: refraction follows the first index and carries four times its share, reflection all four") {
+TEST_CASE("dispersion: refraction keeps the hero wavelength with weight four and reflection keeps all four") {
   const auto bsdf = smooth<DispersiveDielectricBsdf>(kIndices);
   const Vec3f wo = direction_of(0.6, 1);
   const auto through = bsdf.sample(wo, {0.9999f, 0, 0, 0}), back = bsdf.sample(wo, {0, 0, 0, 0});
@@ -94,7 +94,7 @@ TEST_CASE("dispersion: refraction follows the first index and carries four times
   CHECK(back.weight.c3 * fresnel.probability == doctest::Approx(fresnel_dielectric<Scalar>(wo.z, 1.7f).reflectance));
 }
 
-TEST_CASE("dispersion: no power is lost or won, smooth, thin and rough, from both sides") {
+TEST_CASE("dispersion: smooth and thin and rough boundaries conserve energy from both sides") {
   for (const Vec3f wo : outgoing_directions()) {
     CAPTURE(wo.z);
     const auto check = [&](auto&& make, double expected) {
@@ -113,7 +113,7 @@ TEST_CASE("dispersion: no power is lost or won, smooth, thin and rough, from bot
   }
 }
 
-TEST_CASE("dispersion: samples of rough boundaries follow their density and weigh what evaluation says") {
+TEST_CASE("dispersion: samples of rough boundaries have consistent pdfs and weights") {
   for (const float alpha : {0.3f, 1.0f}) {
     const auto ggx = rough<DispersiveRoughDielectricGgxBsdf>(kIndices, alpha, 0.75f, 0.5f);
     const auto beckmann = rough<DispersiveRoughDielectricBeckmannBsdf>(kIndices, alpha, 0.75f, 0.5f);
@@ -126,7 +126,7 @@ TEST_CASE("dispersion: samples of rough boundaries follow their density and weig
   }
 }
 
-TEST_CASE("dispersion: registers give what single values give") {
+TEST_CASE("dispersion: SIMD results equal scalar ones") {
   const auto eta_of = [](int lane) {
     return lane % 3 == 0 ? Spectrum4(1.5f) : Spectrum4{1.3f + 0.02f * static_cast<float>(lane), 1.4f, 1.5f, 1.6f};
   };

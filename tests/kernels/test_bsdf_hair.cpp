@@ -42,7 +42,7 @@ constexpr double kHalfTurn = 3.141592653589793;
 
 }  // namespace
 
-TEST_CASE("hair: the Bessel function has its tabulated values") {
+TEST_CASE("hair: the Bessel function matches tabulated values") {
   // Abramowitz and Stegun 1964, table 9.8: exp(-x) I0(x).
   const std::pair<float, double> table[] = {{0.0f, 1.0},          {0.5f, 0.6450352706}, {1.0f, 0.4657596077},
                                             {2.0f, 0.3085083225}, {3.0f, 0.2430003542}, {5.0f, 0.1835408126},
@@ -53,7 +53,7 @@ TEST_CASE("hair: the Bessel function has its tabulated values") {
   }
 }
 
-TEST_CASE("hair: longitudinal lobes integrate to one and have their mean where a fibre mirrors") {
+TEST_CASE("hair: longitudinal lobes integrate to one and are centred on the specular cone") {
   for (const float v : {2e-4f, 0.01f, 0.3f, 2.0f, 80.0f})
     for (const double theta : {0.0, 0.6, -1.2, 1.5}) {
       CAPTURE(v);
@@ -71,7 +71,7 @@ TEST_CASE("hair: longitudinal lobes integrate to one and have their mean where a
   CHECK(sine == doctest::Approx(-(1 / std::tanh(1 / v) - v) * std::sin(theta)).epsilon(1e-4));
 }
 
-TEST_CASE("hair: azimuthal lobes integrate to one, are periodic, and are sampled by their inverse") {
+TEST_CASE("hair: azimuthal lobes integrate to one and are periodic and are sampled by inversion") {
   for (const float s : {0.002f, 0.05f, 0.6f, 4.0f}) {
     CAPTURE(s);
     const hair_detail::TrimmedLogistic<float> lobe(s);
@@ -86,7 +86,7 @@ TEST_CASE("hair: azimuthal lobes integrate to one, are periodic, and are sampled
   }
 }
 
-TEST_CASE("hair: samples follow their density for rough and for smooth fibres") {
+TEST_CASE("hair: samples follow their pdf for rough and smooth fibres") {
   for (const auto& [longitudinal, azimuthal] : {std::pair{0.9f, 0.6f}, {0.3f, 0.3f}}) {
     CAPTURE_BINDING(longitudinal);
     check_bsdf_sampling(hair(longitudinal, azimuthal, 0.4f), kTests);
@@ -94,7 +94,7 @@ TEST_CASE("hair: samples follow their density for rough and for smooth fibres") 
   }
 }
 
-TEST_CASE("hair: fibres that absorb nothing scatter all light") {
+TEST_CASE("hair: fibres without absorption scatter all light") {
   for (const float roughness : {0.05f, 0.1f, 0.3f, 0.6f, 1.0f})
     for (const float tilt : {0.0f, 0.035f, 0.2f}) {
       CAPTURE(roughness);
@@ -110,7 +110,7 @@ TEST_CASE("hair: fibres that absorb nothing scatter all light") {
     }
 }
 
-TEST_CASE("hair: what a fibre absorbs is the light that is not scattered") {
+TEST_CASE("hair: absorbed and scattered light add up to the incident light") {
   // Through the centre of a fibre: Fresnel reflectance at normal incidence, and segments of one diameter each.
   const double f = std::pow((1.55 - 1) / (1.55 + 1), 2);
   for (const float sigma_a : {0.2f, 1.0f}) {
@@ -120,7 +120,7 @@ TEST_CASE("hair: what a fibre absorbs is the light that is not scattered") {
   }
 }
 
-TEST_CASE("hair: smooth fibres send light where a cylinder of glass does") {
+TEST_CASE("hair: smooth fibres scatter as a glass cylinder does") {
   // Transmission through the centre continues at the mirrored inclination. Reflection off the centre mirrors at the
   // normal.
   const Hair bsdf = hair(0.03f, 0.03f, 0, 0);
@@ -139,7 +139,7 @@ TEST_CASE("hair: smooth fibres send light where a cylinder of glass does") {
   CHECK(value(slanted, out) > 4 * value(slanted, {-out.x, 0, out.z}));
 }
 
-TEST_CASE("hair: scales turn the reflection by twice their angle, and what passes by once the other way") {
+TEST_CASE("hair: tilted scales shift reflection by twice their angle and transmission by once in reverse") {
   const Vec3f wo{0, 0, 1};
   const auto brightest = [&](float side) {
     float best = 0, where = 0;
@@ -153,7 +153,7 @@ TEST_CASE("hair: scales turn the reflection by twice their angle, and what passe
   CHECK(brightest(-1) == doctest::Approx(-0.1).epsilon(0.1));
 }
 
-TEST_CASE("hair: values are Mitsuba's") {
+TEST_CASE("hair: values match Mitsuba") {
   // Mitsuba 3.9.1, scalar_rgb. Its Bessel function is up to 0.5 % too small above 12.
   Hair brown = hair(0.3f, 0.3f, 0, 2 * kPi / 180);
   brown.eta = 1.55f / 1.000277f;
@@ -180,7 +180,7 @@ TEST_CASE("hair: values are Mitsuba's") {
         {0.03982041f, 0.02980448f, 0.01249758f});
 }
 
-TEST_CASE("hair: photons bring what paths find, though the model is not reciprocal") {
+TEST_CASE("hair: photons agree with paths although the model is not reciprocal") {
   const Hair bsdf = hair(0.4f, 0.4f, 0.5f);
   const auto f = [&](Vec3f wo, Vec3f wi) { return bsdf.evaluate(wo, wi).f_cos.c0 / std::fabs(wi.z); };
   const auto photon = [&](Vec3f wo, Vec3f wi) { return adjoint_f_cos<Scalar>(bsdf, wo, wi).c0 / std::fabs(wi.z); };
@@ -192,7 +192,7 @@ TEST_CASE("hair: photons bring what paths find, though the model is not reciproc
   CHECK(photon(light, turned(camera)) == doctest::Approx(f(camera, turned(light))).epsilon(1e-5));
 }
 
-TEST_CASE("hair: absorption follows from the colour of much hair") {
+TEST_CASE("hair: absorption follows from the colour of dense hair") {
   Hair bsdf = hair(0.3f, 0.3f, 0);
   const Vec3f wo = normalize(Vec3f{0.1f, 0.2f, 0.9f}), wi = normalize(Vec3f{0.1f, -0.3f, -0.9f});
   // Chiang et al. 2016: at azimuthal roughness 0.3 the logarithm is divided by 5.969 - 0.215 0.3 + 2.532 0.3^2 - ...

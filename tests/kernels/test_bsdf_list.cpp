@@ -38,7 +38,7 @@ template <class F> void for_each_variant(F&& f) {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("all bsdfs: samples follow their density and weigh what evaluation says") {
+TEST_CASE("all bsdfs: samples have consistent pdfs and weights") {
   for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
     if constexpr (!Bsdf::kIsSpecular) {
       // Tabulated BSDFs have edges everywhere, but shallow ones. Near the normal their pdfs are steep.
@@ -49,11 +49,11 @@ TEST_CASE("all bsdfs: samples follow their density and weigh what evaluation say
   });
 }
 
-TEST_CASE("all bsdfs: values are finite whatever the directions") {
+TEST_CASE("all bsdfs: values are finite for all directions") {
   for_each_variant([](const auto& bsdf) { check_bsdf_finite(bsdf); });
 }
 
-TEST_CASE("all bsdfs: samples depend on no numbers but those that are said") {
+TEST_CASE("all bsdfs: samples use the declared random numbers only") {
   for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
     constexpr unsigned kUsed = numbers_of<Bsdf>();
     int wrong = 0;
@@ -72,7 +72,7 @@ TEST_CASE("all bsdfs: samples depend on no numbers but those that are said") {
   });
 }
 
-TEST_CASE("all bsdfs: specular ones have no density") {
+TEST_CASE("all bsdfs: specular BSDFs have no pdf") {
   for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
     if constexpr (Bsdf::kIsSpecular)
       for (std::uint32_t i = 0; i < 100; ++i) {
@@ -84,7 +84,7 @@ TEST_CASE("all bsdfs: specular ones have no density") {
   });
 }
 
-TEST_CASE("all bsdfs: panes let pass what their samples let pass") {
+TEST_CASE("all bsdfs: the pass-through of thin dielectrics agrees with their samples") {
   for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
     if constexpr (closure_info(Bsdf::kKind).is_thin_dielectric)
       for (const Vec3f wo : outgoing_directions()) {
@@ -107,14 +107,14 @@ TEST_CASE("all bsdfs: panes let pass what their samples let pass") {
   });
 }
 
-TEST_CASE("all bsdfs: registers equal single values") {
+TEST_CASE("all bsdfs: SIMD results equal scalar ones") {
   for_each_bsdf([]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     CAPTURE(closure_info(kind).name);
     check_bsdf_lanes<Bsdf>([](int lane) { return any_bsdf<Bsdf>(static_cast<std::uint32_t>(lane)); });
   });
 }
 
-TEST_CASE("all bsdfs: kinds have names of their own") {
+TEST_CASE("all bsdfs: each kind has a distinct name") {
   std::set<std::string_view> names;
   for (const ClosureInfo& info : kClosureInfos) names.insert(info.name);
   CHECK(names.size() == kClosureInfos.size());

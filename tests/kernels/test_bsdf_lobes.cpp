@@ -98,7 +98,7 @@ double slab_by_depth(double sigma_s, double sigma_t, double thickness, double g,
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("phong: sampling, weights, reciprocity, energy") {
+TEST_CASE("phong: samples have consistent pdfs and weights and values are reciprocal and conserve energy") {
   for (const float exponent : {0.0f, 8.0f, 300.0f}) {
     CAPTURE(exponent);
     const auto bsdf = phong(exponent, 0.3f, 0.6f);
@@ -111,7 +111,7 @@ TEST_CASE("phong: sampling, weights, reciprocity, energy") {
                            kSamplingTests);
 }
 
-TEST_CASE("phong: values by hand") {
+TEST_CASE("phong: values match computations by hand") {
   const Vec3f wo{0.6f, 0, 0.8f}, wi{0, 0.6f, 0.8f};
   // The mirror direction of wo is (-0.6, 0, 0.8); its cosine with wi is 0.64.
   const double lobe = 12 / (2 * kPiD) * std::pow(0.64, 10);
@@ -123,7 +123,7 @@ TEST_CASE("phong: values by hand") {
   CHECK(sampled_albedo(phong(10, 0, 1), {0, 0, 1}) == doctest::Approx(1).epsilon(0.01));
 }
 
-TEST_CASE("ward: sampling, weights, reciprocity") {
+TEST_CASE("ward: samples have consistent pdfs and weights and values are reciprocal") {
   for (const Variant variant : {Variant::kWard, Variant::kDuer, Variant::kBalanced})
     for (const auto& [u, v] : {std::pair{0.2f, 0.2f}, std::pair{0.5f, 0.15f}}) {
       const auto bsdf = ward(variant, u, v, 0.2f, 0.6f);
@@ -134,7 +134,7 @@ TEST_CASE("ward: sampling, weights, reciprocity") {
   check_bsdf_sampling_with_edges(ward(Variant::kBalanced, 0.6f, 0.3f, 0.2f, 0.6f), kSamplingTests);
 }
 
-TEST_CASE("ward: the balanced variant makes no light, and all agree straight down") {
+TEST_CASE("ward: the balanced variant does not gain energy and all variants agree at normal incidence") {
   for (const float alpha : {0.05f, 0.2f, 0.5f}) {
     CAPTURE(alpha);
     check_white_furnace(ward(Variant::kBalanced, alpha, alpha, 0, 1), false);
@@ -145,7 +145,7 @@ TEST_CASE("ward: the balanced variant makes no light, and all agree straight dow
           doctest::Approx(1 / (4 * kPiD * 0.03)).epsilon(1e-5));
 }
 
-TEST_CASE("ward: values by hand") {
+TEST_CASE("ward: values match computations by hand") {
   const Vec3f wo{0.6f, 0, 0.8f}, wi{0, 0.6f, 0.8f};
   // The unnormalised half vector is (0.6, 0.6, 1.6).
   const double t2 = (std::pow(0.6 / 0.3, 2) + std::pow(0.6 / 0.2, 2)) / (1.6 * 1.6);
@@ -156,7 +156,7 @@ TEST_CASE("ward: values by hand") {
   CHECK(value(Variant::kBalanced) == doctest::Approx(base + 0.6 * e * 3.28 / std::pow(1.6, 4)).epsilon(1e-5));
 }
 
-TEST_CASE("rough diffuse: Oren and Nayar's formulas") {
+TEST_CASE("rough diffuse: values match the formulas of Oren and Nayar") {
   for (const bool fast : {false, true})
     for (const float alpha : {0.0f, 0.2f, 0.9f}) {
       const auto bsdf = rough_diffuse(alpha, 0.6f, fast);
@@ -176,7 +176,7 @@ TEST_CASE("rough diffuse: Oren and Nayar's formulas") {
     }
 }
 
-TEST_CASE("rough diffuse: sampling and weights, and a smooth one is Lambertian") {
+TEST_CASE("rough diffuse: samples have consistent weights and a smooth surface is Lambertian") {
   check_bsdf_sampling(rough_diffuse(0.4f, 0.6f, false), kSamplingTests);
   for (const bool fast : {false, true}) {
     check_bsdf_weights(rough_diffuse(0.4f, 0.6f, fast));
@@ -188,7 +188,7 @@ TEST_CASE("rough diffuse: sampling and weights, and a smooth one is Lambertian")
   CHECK(sampled_albedo(rough_diffuse(0.5f, 1, false), {0, 0, 1}) == doctest::Approx(0.94).epsilon(0.05));
 }
 
-TEST_CASE("diffuse transmission: sampling, weights, energy, from both sides") {
+TEST_CASE("diffuse transmission: samples have consistent weights and conserve energy from both sides") {
   DiffuseTransmitterBsdf<Scalar> bsdf;
   bsdf.transmittance = {1, 0.5f, 0.2f, 0};
   check_bsdf_sampling(bsdf, kSamplingTests);
@@ -200,7 +200,7 @@ TEST_CASE("diffuse transmission: sampling, weights, energy, from both sides") {
   CHECK(is_black(bsdf.evaluate({0, 0.6f, 0.8f}, {0.8f, 0, 0.6f}).f_cos));
 }
 
-TEST_CASE("hanrahan krueger: sampling, weights, reciprocity, energy") {
+TEST_CASE("hanrahan krueger: samples have consistent weights and values are reciprocal and conserve energy") {
   for (const float g : {0.0f, 0.7f}) {
     CAPTURE(g);
     Scattering part;
@@ -215,7 +215,7 @@ TEST_CASE("hanrahan krueger: sampling, weights, reciprocity, energy") {
   }
 }
 
-TEST_CASE("hanrahan krueger: the integral over the depth of the vertex") {
+TEST_CASE("hanrahan krueger: values equal the integral over the depth of the scattering vertex") {
   for (std::uint32_t i = 0; i < 100; ++i) {
     const Vec3f wo = random_direction(63, i), wi = random_direction(64, i);
     if (std::fabs(wo.z) < 0.05f || std::fabs(wi.z) < 0.05f) continue;

@@ -82,12 +82,12 @@ template <class Bsdf, std::size_t N> void check_against_references(const Bsdf& b
 
 }  // namespace
 
-TEST_CASE("measured: tables of facets scatter as the facets do") {
+TEST_CASE("measured: tables of a microfacet model scatter as the model does") {
   const Measured measured(fine_facets().tabulate());
   for (const float phi : {-2.0f, 0.0f, 0.7f}) check_against_facets(fine_facets(), measured, phi, 0.02);
 }
 
-TEST_CASE("measured: Mitsuba sees the same in the same tables") {
+TEST_CASE("measured: values match Mitsuba for the same tables") {
   check_against_references(Measured(TabulatedFacets{}.tabulate()).bsdf, kIsotropic);
   const TabulatedFacets half_turn{.alpha_u = 0.5, .alpha_v = 0.3, .phi = azimuths(5, 2)};
   check_against_references(Measured(half_turn.tabulate()).bsdf, kAnisotropic);
@@ -101,7 +101,7 @@ TEST_CASE("measured: Mitsuba sees the same in the same tables") {
   check_against_references(bsdf, kSpectral);
 }
 
-TEST_CASE("measured: of isotropic materials the azimuth alone does not count") {
+TEST_CASE("measured: isotropic materials depend on the difference of azimuths only") {
   const Measured measured(fine_facets().tabulate());
   for (std::uint32_t i = 0; i < 200; ++i) {
     const Vec3f wo = random_direction(3, i), wi = random_direction(4, i);
@@ -113,7 +113,7 @@ TEST_CASE("measured: of isotropic materials the azimuth alone does not count") {
   }
 }
 
-TEST_CASE("measured: azimuths of a part of the turn stand for the others by symmetry") {
+TEST_CASE("measured: a partial range of azimuths is extended by symmetry") {
   for (const int reduction : {1, 2, 4}) {
     CAPTURE(reduction);
     TabulatedFacets facets = fine_anisotropic_facets();
@@ -124,7 +124,7 @@ TEST_CASE("measured: azimuths of a part of the turn stand for the others by symm
   }
 }
 
-TEST_CASE("measured: samples follow their density, weigh what evaluation says, and bring no energy") {
+TEST_CASE("measured: samples have consistent pdfs and weights and do not gain energy") {
   for (const TabulatedFacets& facets : {fine_facets(), fine_anisotropic_facets()}) {
     const Measured measured(facets.tabulate());
     check_bsdf_weights(measured.bsdf, 2e-3);
@@ -132,7 +132,7 @@ TEST_CASE("measured: samples follow their density, weigh what evaluation says, a
   }
 }
 
-TEST_CASE("measured: spectra are linear between wavelengths") {
+TEST_CASE("measured: spectra are interpolated linearly between wavelengths") {
   const TabulatedFacets facets{.side = 16, .sample_side = 12, .channels = 5};
   const MeasuredBrdf brdf = facets.tabulate();
   const std::vector<float> places = places_of_wavelengths(brdf.wavelengths);
@@ -156,7 +156,7 @@ TEST_CASE("measured: spectra are linear between wavelengths") {
   CHECK(f.c2 == doctest::Approx(0.75f * f.c1 + 0.25f * bsdf.evaluate(wo, wi).f_cos.c0));
 }
 
-TEST_CASE("measured: spectra become the colours that they have under daylight") {
+TEST_CASE("measured: spectra become their colours under daylight") {
   MeasuredBrdf brdf = TabulatedFacets{.theta = {0, 1}, .side = 8, .sample_side = 4, .channels = 48}.tabulate();
   const std::size_t size = 16, texel = 5;
   std::vector<float> spectrum;
@@ -177,7 +177,7 @@ TEST_CASE("measured: spectra become the colours that they have under daylight") 
   for (std::size_t c = 0; c < 3; ++c) CHECK(values[texel + 1 + c * size] == doctest::Approx(0.7).epsilon(1e-5));
 }
 
-TEST_CASE("measured: the spectra of red, green and blue have these colours and add up to one") {
+TEST_CASE("measured: the basis spectra for red and green and blue have these colours and add up to one") {
   std::vector<float> wavelengths, sum(471);
   for (int i = 0; i < 471; ++i) wavelengths.push_back(360.0f + static_cast<float>(i));
   for (int c = 0; c < 3; ++c) {
@@ -192,7 +192,7 @@ TEST_CASE("measured: the spectra of red, green and blue have these colours and a
   for (const float s : sum) CHECK(s == doctest::Approx(1).epsilon(1e-6));
 }
 
-TEST_CASE("measured: words that refer to no table scatter nothing, and other lanes are not disturbed") {
+TEST_CASE("measured: a missing table scatters nothing and does not affect other lanes") {
   const Measured measured(TabulatedFacets{}.tabulate());
   MeasuredBsdf<Scalar> bsdf = measured.bsdf;
   const Vec3f wo = direction_at(0.4, 1), wi = direction_at(0.9, 2);

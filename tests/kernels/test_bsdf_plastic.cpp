@@ -94,7 +94,7 @@ double polynomial_transmittance(const RoughCoat& coat, double cosine) {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("plastic: the diffuse part follows its density, the coat is a mirror") {
+TEST_CASE("plastic: the diffuse lobe follows its pdf and the coat is a mirror") {
   for (const float nonlinear : {0.0f, 1.0f}) {
     DiffusePart part;
     // A weak specular reflectance, so that the base is chosen often.
@@ -118,12 +118,12 @@ TEST_CASE("plastic: the diffuse part follows its density, the coat is a mirror")
   }
 }
 
-TEST_CASE("plastic: a white base under a white coat sends everything back") {
+TEST_CASE("plastic: a white base under a lossless coat reflects all light") {
   for (const float eta : {1.05f, 1.5f, 2.5f})
     for (const float nonlinear : {0.0f, 1.0f}) check_white_furnace(plastic(eta, 1, 1, nonlinear), true);
 }
 
-TEST_CASE("plastic: values by hand, straight down") {
+TEST_CASE("plastic: values at normal incidence match computations by hand") {
   const double f = 0.04, inside = smooth_coat_internal_reflectance(1.5), through = (1 - f) * (1 - f) / (1.5 * 1.5);
   const double pi = 3.14159265358979;
   CHECK(plastic(1.5f, 0.6f).evaluate({0, 0, 1}, {0, 0, 1}).f_cos.c0 ==
@@ -134,7 +134,7 @@ TEST_CASE("plastic: values by hand, straight down") {
   CHECK(plastic(1.5f, 0, 0).sample({0, 0, 1}, {0.3f, 0.5f, 0.5f, 0}).weight.c0 == 0.0f);
 }
 
-TEST_CASE("plastic: internal reflectance of smooth coats") {
+TEST_CASE("plastic: the internal reflectance of smooth coats matches its integral") {
   // Walsh's closed form as tabulated by Egan and Hilgeman (1973), for 1.5: 0.5963.
   CHECK(smooth_coat_internal_reflectance(1.5) == doctest::Approx(0.59636).epsilon(2e-4));
   CHECK(smooth_coat_internal_reflectance(1.0) == doctest::Approx(0).epsilon(1e-6));
@@ -151,7 +151,7 @@ TEST_CASE("plastic: internal reflectance of smooth coats") {
   }
 }
 
-TEST_CASE("rough plastic: the fitted transmittance is that of sampled facets") {
+TEST_CASE("rough plastic: the fitted transmittance matches sampled microfacets") {
   for (const float eta : {1.05f, 1.5f, 2.5f})
     for (const float alpha : {1e-4f, 0.01f, 0.1f, 0.4f, 1.0f}) {
       const RoughCoat beckmann = rough_coat(Distribution::kBeckmann, alpha, eta),
@@ -176,12 +176,12 @@ TEST_CASE("rough plastic: the fitted transmittance is that of sampled facets") {
         for (const float t : rough_coat(d, alpha, eta).transmittance) CHECK(is_finite(t));
 }
 
-TEST_CASE("rough plastic: sampling, weights, reciprocity, energy") {
+TEST_CASE("rough plastic: samples have consistent weights and values are reciprocal and conserve energy") {
   check_rough<RoughPlasticGgxBsdf>();
   check_rough<RoughPlasticBeckmannBsdf>();
 }
 
-TEST_CASE("rough plastic: tends to the smooth one") {
+TEST_CASE("rough plastic: vanishing roughness gives the smooth plastic") {
   const auto smooth = plastic(1.5f, 0.6f, 0.0f);
   const auto rough = rough_plastic<RoughPlasticBeckmannBsdf>(1.5f, 1e-4f, 0.6f, 0.0f);
   for (std::uint32_t i = 0; i < 200; ++i) {
@@ -190,7 +190,7 @@ TEST_CASE("rough plastic: tends to the smooth one") {
   }
 }
 
-TEST_CASE("plastics: registers equal single values") {
+TEST_CASE("plastics: SIMD results equal scalar ones") {
   const auto share = [](int lane, int k) { return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4); };
   check_bsdf_lanes<PlasticBsdf>(
       [&](int l) { return plastic(1.1f + share(l, 0), share(l, 1), share(l, 2), l % 2 ? 1.0f : 0.0f); });
@@ -209,7 +209,7 @@ TEST_CASE("plastics: registers equal single values") {
 
 TEST_SUITE_END();
 
-TEST_CASE("plastic: the coats of a scene with many roughnesses are those of each alone") {
+TEST_CASE("plastic: interpolated coats of scenes with many roughnesses match individual ones") {
   for (const Distribution distribution : {Distribution::kBeckmann, Distribution::kGgx})
     for (const float eta : {1.5f}) {
       CAPTURE(static_cast<int>(distribution));

@@ -297,7 +297,7 @@ template <class Bsdf> void check_reciprocity(const Bsdf& bsdf, double eta, bool 
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("principled: values equal Mitsuba's") {
+TEST_CASE("principled: values match Mitsuba") {
   for (const auto& [parameters, wo, wi, expected] : kPrincipledReferences) {
     const float first = expected.c0;
     CAPTURE(first);
@@ -306,7 +306,7 @@ TEST_CASE("principled: values equal Mitsuba's") {
   }
 }
 
-TEST_CASE("principled thin: values equal Mitsuba's") {
+TEST_CASE("principled thin: values match Mitsuba") {
   for (const auto& [parameters, wo, wi, expected] : kThinReferences) {
     const float first = expected.c0;
     CAPTURE(first);
@@ -315,7 +315,7 @@ TEST_CASE("principled thin: values equal Mitsuba's") {
   }
 }
 
-TEST_CASE("principled: samples follow their density") {
+TEST_CASE("principled: samples follow their pdf") {
   for (const Principled& p : kMaterials) {
     CAPTURE(&p - kMaterials);
     check_bsdf_sampling_with_edges(principled(p), kSamplingTests);
@@ -323,7 +323,7 @@ TEST_CASE("principled: samples follow their density") {
   }
 }
 
-TEST_CASE("principled thin: samples follow their density") {
+TEST_CASE("principled thin: samples follow their pdf") {
   for (const Thin& p : kThinMaterials) {
     CAPTURE(&p - kThinMaterials);
     check_bsdf_sampling_with_edges(thin(p), kSamplingTests);
@@ -331,7 +331,7 @@ TEST_CASE("principled thin: samples follow their density") {
   }
 }
 
-TEST_CASE("principled: samples of a perfectly smooth surface follow their density") {
+TEST_CASE("principled: samples of a perfectly smooth surface follow their pdf") {
   const auto both = principled(kSmooth);
   check_bsdf_weights(both);
   const Vec3f above{0.6f, 0, 0.8f}, below{0.3f, 0.4f, -0.8660254f};
@@ -352,19 +352,19 @@ TEST_CASE("principled: samples of a perfectly smooth surface follow their densit
   check_bsdf_peak_sampling(pane, above, {-0.6f, 0, -0.8f}, 0.01, kPeakTests);
 }
 
-TEST_CASE("principled: scattering is reciprocal, through the surface up to the squared index") {
+TEST_CASE("principled: scattering is reciprocal up to the squared index of refraction") {
   for (const Principled& p : {kDefault, kMetal, kGlass, kBubble, kCoated, kCloth, kEverything}) {
     CAPTURE(p.metallic);
     check_reciprocity(principled(p), p.eta);
   }
 }
 
-TEST_CASE("principled thin: scattering is reciprocal but for specular transmission") {
+TEST_CASE("principled thin: scattering is reciprocal except for specular transmission") {
   check_reciprocity(thin(kPaper), 1);
   for (const Thin& p : kThinMaterials) check_reciprocity(thin(p), 1, false);
 }
 
-TEST_CASE("principled: metals and glass never gain energy") {
+TEST_CASE("principled: metals and glass do not gain energy") {
   for (const float roughness : {0.0f, 0.3f, 1.0f})
     for (const float anisotropic : {0.0f, 1.0f}) {
       Principled metal = kMetal, glass = kGlass, bubble = kBubble;
@@ -381,7 +381,7 @@ TEST_CASE("principled: metals and glass never gain energy") {
   CHECK(sampled_albedo(principled({{1, 1, 1, 0}, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1.5f}), {0.6f, 0, -0.8f}) > 0.999);
 }
 
-TEST_CASE("principled: layers on a white base add up to more than 1, within bounds") {
+TEST_CASE("principled: the albedo of layers on a white base exceeds 1 within bounds only") {
   const Vec3f above{0, 0, 1};
   for (const float roughness : {0.0f, 0.5f, 1.0f})
     for (const float flatness : {0.0f, 1.0f}) {
@@ -400,7 +400,7 @@ TEST_CASE("principled: layers on a white base add up to more than 1, within boun
     }
 }
 
-TEST_CASE("principled: what is absent has no effect") {
+TEST_CASE("principled: lobes of weight zero have no effect") {
   const Vec3f below{0.6f, 0, -0.8f};
   for (const Principled& p : {kDefault, kMetal, kCoated, kCloth}) {
     CHECK(is_black(principled(p).evaluate(below, {0, 0.6f, -0.8f}).f_cos));
@@ -418,14 +418,14 @@ TEST_CASE("principled: what is absent has no effect") {
   CHECK(f.c0 == f.c1);
 }
 
-TEST_CASE("principled: values are finite whatever the directions") {
+TEST_CASE("principled: values are finite for all directions") {
   for (const Principled& p : kMaterials) check_bsdf_finite(principled(p));
   for (const Thin& p : kThinMaterials) check_bsdf_finite(thin(p));
   check_bsdf_finite(principled(kSmooth));
   check_bsdf_finite(principled({{0, 0, 0, 0}, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}));
 }
 
-TEST_CASE("principled: registers equal single values") {
+TEST_CASE("principled: SIMD results equal scalar ones") {
   const auto share = [](int lane, int k) { return static_cast<float>((lane * 5 + k * 3) % 8) / 7.0f; };
   check_bsdf_lanes<PrincipledBsdf>([&](int lane) {
     const float roughness = 0.2f + 0.8f * share(lane, 3);

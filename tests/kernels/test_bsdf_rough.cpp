@@ -97,29 +97,29 @@ template <template <class> class Bsdf> void check_smooth_limit() {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("rough conductor: sampling, weights, reciprocity, energy") {
+TEST_CASE("rough conductor: samples have consistent weights and values are reciprocal and conserve energy") {
   check_metal<RoughConductorGgxBsdf>();
   check_metal<RoughConductorBeckmannBsdf>();
 }
 
-TEST_CASE("rough conductor: one-sided") {
+TEST_CASE("rough conductor: the inside scatters nothing") {
   const auto bsdf = metal<RoughConductorGgxBsdf>(0.3f, 0.3f);
   CHECK(is_black(bsdf.evaluate({0, 0.6f, -0.8f}, {0, 0, -1}).f_cos));
   CHECK(is_black(bsdf.evaluate({0, 0.6f, 0.8f}, {0, 0, -1}).f_cos));
   CHECK_FALSE(bsdf.sample({0, 0.6f, -0.8f}, {0.5f, 0.5f, 0.5f, 0}).valid);
 }
 
-TEST_CASE("rough dielectric: sampling, weights, reciprocity, energy, from both sides") {
+TEST_CASE("rough dielectric: samples have consistent weights and values are reciprocal from both sides") {
   check_glass<RoughDielectricGgxBsdf>();
   check_glass<RoughDielectricBeckmannBsdf>();
 }
 
-TEST_CASE("rough dielectric: tends to the smooth one") {
+TEST_CASE("rough dielectric: vanishing roughness gives the smooth dielectric") {
   check_smooth_limit<RoughDielectricGgxBsdf>();
   check_smooth_limit<RoughDielectricBeckmannBsdf>();
 }
 
-TEST_CASE("thin dielectric: what is not mirrored goes straight on, and all orders of reflection count") {
+TEST_CASE("thin dielectric: light that is not reflected passes straight and all orders of reflection count") {
   for (const Vec3f wo : outgoing_directions()) {
     const double once = fresnel_dielectric<Scalar>(std::fabs(wo.z), 1.5f).reflectance;
     int reflected = 0;
@@ -145,7 +145,7 @@ TEST_CASE("thin dielectric: what is not mirrored goes straight on, and all order
   CHECK(is_black(pane(1.5f).evaluate({0, 0, 1}, {0, 0, -1}).f_cos));
 }
 
-TEST_CASE("nori microfacet: sampling, weights, reciprocity, energy") {
+TEST_CASE("nori microfacet: samples have consistent weights and values are reciprocal and conserve energy") {
   for (const auto& [kd, alpha] :
        {std::pair{0.5f, 0.15f}, std::pair{0.2f, 0.6f}, std::pair{0.0f, 0.3f}, std::pair{1.0f, 0.3f}}) {
     CAPTURE_BINDING(kd);
@@ -161,7 +161,7 @@ TEST_CASE("nori microfacet: sampling, weights, reciprocity, energy") {
   CHECK(is_black(nori(0.5f, 0.1f).evaluate({0, 0, -1}, {0, 0, 1}).f_cos));
 }
 
-TEST_CASE("nori microfacet: shadowing of a mirror reflection, by Walter's approximation") {
+TEST_CASE("nori microfacet: shadowing follows the approximation of Walter et al.") {
   constexpr double kPi = 3.14159265358979;
   for (const double theta : {0.3, 0.9, 1.05, 1.3, 1.5})
     for (const double alpha : {0.4, 0.6}) {
@@ -178,7 +178,7 @@ TEST_CASE("nori microfacet: shadowing of a mirror reflection, by Walter's approx
     }
 }
 
-TEST_CASE("rough bsdfs: registers equal single values") {
+TEST_CASE("rough bsdfs: SIMD results equal scalar ones") {
   const auto share = [](int lane, int k) { return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4); };
   const auto alpha = [&](int lane) { return 0.15f + 0.8f * share(lane, 1); };
   check_bsdf_lanes<RoughConductorGgxBsdf>([&](int l) { return metal<RoughConductorGgxBsdf>(alpha(l), 0.5f); });

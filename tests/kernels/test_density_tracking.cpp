@@ -78,7 +78,7 @@ bool has_passed(const TrackResult<Scalar>& end) {
 
 }  // namespace
 
-TEST_CASE("density tracking: transmittance by both ways, with and without minorants, in leaves of all sizes") {
+TEST_CASE("density tracking: transmittance is unbiased with and without minorants for all leaf sizes") {
   const Vec3f o{-2, 3, 5}, d = normalize(Vec3f{24, 17, 12});
   for (const float thickness : {0.0f, 0.3f, 10.0f})
     for (const float least : {0.0f, 0.6f})
@@ -111,7 +111,7 @@ TEST_CASE("density tracking: transmittance by both ways, with and without minora
       }
 }
 
-TEST_CASE("density tracking: distances have the right distribution, and the weights of light sampling the mean 1") {
+TEST_CASE("density tracking: distances follow the closed form and weights of light sampling have mean 1") {
   const Noise medium(0.3f, true, 0.5f);
   const Vec3f o{1, 1, 3}, d = normalize(Vec3f{3, 20, 4});
   const float extinction = 0.12f;
@@ -141,7 +141,7 @@ TEST_CASE("density tracking: distances have the right distribution, and the weig
   CHECK(student_t_p_value((light.mean() - 1) / std::sqrt(light.variance() / n), n) >= kLevel);
 }
 
-TEST_CASE("density tracking: weights and densities of lanes with extinctions of their own, by hand") {
+TEST_CASE("density tracking: weights and pdfs of lanes with unequal extinction match computations by hand") {
   const SceneView scene{};
   MediumRow medium;
   medium.flags = kMediumSingleGrid | kMediumScatters;
@@ -194,7 +194,7 @@ TEST_CASE("density tracking: weights and densities of lanes with extinctions of 
         }
 }
 
-TEST_CASE("density tracking: a ray ends as it would alone, and registers do what single rays do") {
+TEST_CASE("density tracking: results do not depend on neighbouring rays and SIMD results equal scalar ones") {
   const Noise medium(0.3f, true, 0.2f);
   auto rows = std::make_unique<DensityRays>();
   auto one = std::make_unique<DensityRays>();
@@ -235,7 +235,7 @@ TEST_CASE("density tracking: a ray ends as it would alone, and registers do what
   CHECK(compare.operator()<DensityTracking::kTransmittance>() > 5);
 }
 
-TEST_CASE("density tracking: rays whose steps vanish against the distance are given up") {
+TEST_CASE("density tracking: rays whose steps vanish in rounding are terminated") {
   Noise medium(0.0f, false, 0.5f);
   // The majorant is this dense although the medium is empty.
   for (MajorantBounds& bounds : medium.majorants.bounds) bounds = MajorantBounds::around(0.0f, 1e30f);

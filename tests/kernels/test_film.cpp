@@ -74,7 +74,7 @@ bool same_pictures(const Image& a, const Image& b) {
 
 }  // namespace
 
-TEST_CASE("a film's channels: means, variances of the mean where they are asked for, and counts") {
+TEST_CASE("a film holds means and sample counts and optionally variances of the mean") {
   const Film film = some_film();
   CHECK(film.layout().find("depth") == 1);
   CHECK(film.layout().find("G") == -1);
@@ -94,7 +94,7 @@ TEST_CASE("a film's channels: means, variances of the mean where they are asked 
   for (int c = 0; c < 6; ++c) CHECK(image.at(2, 1, c) == 0);
 }
 
-TEST_CASE("a film's noise is unknown where more than a thousandth of its pixels have no two units to tell it from") {
+TEST_CASE("a film's noise is unknown if more than 0.1 % of its pixels have fewer than two variance units") {
   const FilmLayout layout = FilmLayout::beauty();
   SampleBuffer samples;
   samples.resize(2, layout.size(), false);
@@ -128,7 +128,7 @@ TEST_CASE("a film's noise is unknown where more than a thousandth of its pixels 
   CHECK(film.mean_samples() == 1.5);
 }
 
-TEST_CASE("dropped samples don't count") {
+TEST_CASE("dropped samples are not counted") {
   Film film(1, 1, {0, 0, 1, 1}, kLayout);
   SampleBuffer samples;
   samples.resize(3, kLayout.size(), false);
@@ -141,7 +141,7 @@ TEST_CASE("dropped samples don't count") {
   CHECK(film.to_image().at(0, 0, 0) == 2);
 }
 
-TEST_CASE("a film that was written and read goes on as if it had not been") {
+TEST_CASE("a film restored from a file continues to the same result") {
   const TemporaryFolder folder;
   for (const auto& [bins, unit] : {std::pair{0, VarianceUnit::kSample},
                                    {5, VarianceUnit::kSample},
@@ -167,7 +167,7 @@ TEST_CASE("a film that was written and read goes on as if it had not been") {
   }
 }
 
-TEST_CASE("surfaces cover pixels by the weights of their samples, and halves and they survive in files") {
+TEST_CASE("Cryptomatte coverage follows sample weights and survives a round trip with the half buffers") {
   const TemporaryFolder folder;
   PixelFilter gaussian;
   gaussian.kind = PixelFilter::Kind::kGaussian;
@@ -220,7 +220,7 @@ TEST_CASE("surfaces cover pixels by the weights of their samples, and halves and
   CHECK(image.at(13, 4, id + 3) == 0);
 }
 
-TEST_CASE("films that are cut off, damaged or something else are refused, with exit code 5") {
+TEST_CASE("truncated and damaged and foreign film files are rejected with exit code 5") {
   const TemporaryFolder folder;
   const auto file = folder / "a.film";
   write_film(file, some_film(3));
@@ -246,7 +246,7 @@ TEST_CASE("films that are cut off, damaged or something else are refused, with e
   CHECK_THROWS_AS(read_film(folder / "absent.film"), Error);
 }
 
-TEST_CASE("films without channels are read with the sums of their tiles, frames that cannot be are refused") {
+TEST_CASE("films without channels keep their adaptive tile sums and impossible frames are rejected") {
   const TemporaryFolder folder;
   const auto file = folder / "a.film";
   constexpr std::string_view kLine = "a film and its tiles\n";

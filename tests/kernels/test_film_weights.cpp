@@ -130,7 +130,7 @@ TEST_CASE("weighted film: means and variances are those of all samples under the
   }
 }
 
-TEST_CASE("weighted film: a crop has the bits of the whole, whatever tiles it cuts") {
+TEST_CASE("weighted film: a crop has the bits of the whole frame wherever it cuts tiles") {
   const FilterWeights weights(filter_of(Kind::kLanczos));
   CHECK(weights.reach() == 3);
   const Image whole = film_by_tiles(weights, {0, 0, kFrameWidth, kFrameHeight}, 8, VarianceUnit::kReplicate).to_image();
@@ -144,7 +144,7 @@ TEST_CASE("weighted film: a crop has the bits of the whole, whatever tiles it cu
   }
 }
 
-TEST_CASE("weighted film: tiles narrower than the filter's reach") {
+TEST_CASE("weighted film: tiles may be narrower than the filter radius") {
   const PixelFilter filter = filter_of(Kind::kLanczos);
   const Image small =
       film_by_tiles(FilterWeights(filter), {0, 0, kFrameWidth, kFrameHeight}, 2, VarianceUnit::kReplicate).to_image();
@@ -153,7 +153,7 @@ TEST_CASE("weighted film: tiles narrower than the filter's reach") {
           doctest::Approx(expected_at(filter, x, y, VarianceUnit::kReplicate).means[0]).epsilon(1e-4));
 }
 
-TEST_CASE("weighted film: dropped samples count nowhere") {
+TEST_CASE("weighted film: dropped samples have no weight in any pixel") {
   const FilterWeights weights(filter_of(Kind::kGaussian));
   // With replicates, several samples of a pixel are added at once.
   for (const VarianceUnit unit : {VarianceUnit::kSample, VarianceUnit::kReplicate}) {

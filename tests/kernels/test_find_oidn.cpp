@@ -25,7 +25,7 @@ bool contains(const std::vector<fs::path>& folders, const fs::path& folder) {
 
 }  // namespace
 
-TEST_CASE("oidn: files of a folder, the highest version first") {
+TEST_CASE("oidn: library files of a folder are sorted with the highest version first") {
   const TemporaryFolder folder;
   for (const char* const name :
        {"libOpenImageDenoise.so", "libOpenImageDenoise.so.1.4.3", "libOpenImageDenoise.so.2.10.0",
@@ -43,7 +43,7 @@ TEST_CASE("oidn: files of a folder, the highest version first") {
     CHECK(std::find(linked.begin(), linked.end(), name) != linked.end());
 }
 
-TEST_CASE("oidn: beside the program, where pip puts it, and with Blender") {
+TEST_CASE("oidn: the library is found beside the program and in pip and Blender installations") {
   const TemporaryFolder folder;
   const std::string library = "libOpenImageDenoise.so.2";
   const std::string packages = "lib/python3.11/site-packages/";

@@ -45,7 +45,7 @@ std::vector<float> cosines() {
 
 }  // namespace
 
-TEST_CASE("fresnel: dielectrics follow the sine and tangent laws from both sides") {
+TEST_CASE("fresnel: dielectrics match the sine and tangent laws from both sides") {
   double worst = 0;
   for (const double eta : kIndices)
     for (const float c : cosines())
@@ -59,7 +59,7 @@ TEST_CASE("fresnel: dielectrics follow the sine and tangent laws from both sides
   CHECK(worst < 2e-5);
 }
 
-TEST_CASE("fresnel: dielectrics at normal, Brewster's and grazing incidence") {
+TEST_CASE("fresnel: dielectrics have their known reflectance at normal and Brewster and grazing incidence") {
   for (const double eta : kIndices) {
     const float e = static_cast<float>(eta);
     const double normal = std::pow((eta - 1) / (eta + 1), 2);
@@ -74,7 +74,7 @@ TEST_CASE("fresnel: dielectrics at normal, Brewster's and grazing incidence") {
   }
 }
 
-TEST_CASE("fresnel: refracted cosines obey Snell's law and lie on the other side") {
+TEST_CASE("fresnel: refracted cosines obey Snell's law and have the opposite sign") {
   for (const double eta : kIndices)
     for (const float c : cosines())
       for (const float cos_i : {c, -c}) {
@@ -92,7 +92,7 @@ TEST_CASE("fresnel: refracted cosines obey Snell's law and lie on the other side
       }
 }
 
-TEST_CASE("fresnel: a dielectric reflects alike along a path and its reverse") {
+TEST_CASE("fresnel: the reflectance of a dielectric is the same along the reversed path") {
   for (const double eta : kIndices)
     for (const float c : cosines()) {
       const auto there = fresnel_dielectric<Scalar>(c, static_cast<float>(eta));
@@ -104,7 +104,7 @@ TEST_CASE("fresnel: a dielectric reflects alike along a path and its reverse") {
     }
 }
 
-TEST_CASE("fresnel: matched indices reflect nothing and bend nothing") {
+TEST_CASE("fresnel: matched indices reflect nothing and do not refract") {
   for (const float c : cosines()) {
     if (c == 0.0f) continue;
     const auto f = fresnel_dielectric<Scalar>(c, 1.0f);
@@ -115,7 +115,7 @@ TEST_CASE("fresnel: matched indices reflect nothing and bend nothing") {
   }
 }
 
-TEST_CASE("fresnel: conductors follow complex arithmetic") {
+TEST_CASE("fresnel: conductors match the formula in complex arithmetic") {
   double worst = 0;
   for (const double eta : {0.05, 0.2, 1.0, 1.5, 3.0})
     for (const double k : {0.1, 1.0, 3.5, 7.0})
@@ -128,7 +128,7 @@ TEST_CASE("fresnel: conductors follow complex arithmetic") {
   CHECK(worst < 1e-5);
 }
 
-TEST_CASE("fresnel: conductors at normal and grazing incidence, without absorption, and as perfect mirrors") {
+TEST_CASE("fresnel: conductors have their known reflectance in limiting cases") {
   CHECK(fresnel_conductor(1.0f, 0.2f, 3.0f) == doctest::Approx((0.64 + 9) / (1.44 + 9)).epsilon(1e-6));
   CHECK(fresnel_conductor(0.0f, 0.2f, 3.0f) == doctest::Approx(1).epsilon(1e-6));
   for (const float c : cosines()) {
@@ -138,7 +138,7 @@ TEST_CASE("fresnel: conductors at normal and grazing incidence, without absorpti
   }
 }
 
-TEST_CASE("fresnel: registers equal single values") {
+TEST_CASE("fresnel: SIMD results equal scalar ones") {
   double worst = 0;
   for (std::uint32_t i = 0; i < 4000; i += kWidth) {
     const auto u = wide_random(5, i);

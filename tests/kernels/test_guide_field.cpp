@@ -75,13 +75,13 @@ void check_sampling(const GuideMixture& mixture) {
 
 }  // namespace
 
-TEST_CASE("guiding: directions are distributed as their density says, which integrates to one") {
+TEST_CASE("guiding: directions follow their pdf and the pdf integrates to one") {
   check_sampling(first_mixture({0, 0, 0}));
   check_sampling(first_mixture({0, -1, 0}));
   check_sampling(two_lobes());
 }
 
-TEST_CASE("guiding: lobes from nearly even to the narrowest integrate to one") {
+TEST_CASE("guiding: lobes of every concentration integrate to one") {
   for (const float kappa : {kMinKappa, 1.0f, 100.0f, kMaxKappa}) {
     CAPTURE(kappa);
     // The pdf depends only on the angle to the mean direction; its integral is in closed form.
@@ -95,7 +95,7 @@ TEST_CASE("guiding: lobes from nearly even to the narrowest integrate to one") {
   }
 }
 
-TEST_CASE("guiding: registers do what single paths do, and lanes do not see each other") {
+TEST_CASE("guiding: SIMD results equal scalar ones and lanes are independent") {
   std::mt19937 random(5);
   const std::vector<GuideMixture> mixtures = {GuideMixture(), two_lobes(), first_mixture({1, 0, 0})};
   GuideView view;
@@ -122,7 +122,7 @@ TEST_CASE("guiding: registers do what single paths do, and lanes do not see each
   }
 }
 
-TEST_CASE("guiding: a mixture comes near to what it is told of") {
+TEST_CASE("guiding: a fitted mixture approximates the distribution of its training samples") {
   const GuideMixture mixture = two_lobes();
   const GuideView view = view_of(mixture);
   // Weights of the lobes in the integrand, by their integrals: 2 pi (1 - exp(-2 kappa)) / kappa.
@@ -149,7 +149,7 @@ TEST_CASE("guiding: a mixture comes near to what it is told of") {
           doctest::Approx(double{kUniformSpherePdf}).epsilon(0.3));
 }
 
-TEST_CASE("guiding: records without light are no harm") {
+TEST_CASE("guiding: training samples without radiance leave the mixture valid") {
   GuideMixture mixture = first_mixture({0, 0, 1});
   GuideSums sums;
   const auto records = records_of(100, [](Vec3f) { return 0.0f; });
@@ -159,7 +159,7 @@ TEST_CASE("guiding: records without light are no harm") {
   CHECK(v.bsdf_share > 0);
 }
 
-TEST_CASE("guiding: places are the smaller the more is told of them, and the same for any number of threads") {
+TEST_CASE("guiding: cells shrink with the number of training samples and do not depend on threads") {
   std::mt19937 random(8);
   std::vector<std::vector<GuideRecord>> tasks(7);
   for (std::size_t task = 0; task < tasks.size(); ++task)
@@ -215,7 +215,7 @@ TEST_CASE("guiding: places are the smaller the more is told of them, and the sam
   }
 }
 
-TEST_CASE("guiding: a log tells paths in order, with what they have found from each vertex on") {
+TEST_CASE("guiding: training samples list paths in order with the radiance found beyond each vertex") {
   const auto vertex = [](std::uint32_t path, float over_beta) {
     return GuideVertex{{static_cast<float>(path), over_beta, 0}, 0, over_beta, 1, 4, path};
   };

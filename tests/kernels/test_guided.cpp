@@ -131,7 +131,7 @@ template <template <class> class Bsdf> void check_mixture(const Bsdf<Scalar>& bs
 
 }  // namespace
 
-TEST_CASE("guided vertices: the density is that of BSDF and guide together, and weights keep every lobe's mean") {
+TEST_CASE("guided vertices: the pdf combines BSDF and guide and the weights keep the mean of every lobe") {
   DiffuseBsdf<Scalar> diffuse;
   diffuse.reflectance = Spectrum4(0.8f);
   check_mixture<DiffuseBsdf>(diffuse, false);
@@ -168,7 +168,7 @@ TEST_CASE("guided vertices: the density is that of BSDF and guide together, and 
   check_mixture<RoughConductorGgxBsdf>(metal, false);
 }
 
-TEST_CASE("guided vertices: of blends, parts that disperse count with their own density, the guide with the others") {
+TEST_CASE("guided vertices: dispersive parts of blends keep their own pdf and the others are guided") {
   // Mixture weights: 0.5 diffuse, 0.2 mirror, 0.3 dispersive rough glass.
   constexpr double kDiffusePdf = 0.21, kGlassPdf = 1.3, kGuidePdf = 2.2, kBsdfShare = 0.3;
   const BlendValue<Scalar> blend{Spectrum4(0.4f), static_cast<float>(0.5 * kDiffusePdf + 0.3 * kGlassPdf),
@@ -182,7 +182,7 @@ TEST_CASE("guided vertices: of blends, parts that disperse count with their own 
   CHECK(whole_pdf<Scalar>(none, blend) == doctest::Approx(blend.pdf_solid_angle));
 }
 
-TEST_CASE("guide: what is noted of a direction is divided by the path's throughput over its density") {
+TEST_CASE("guide: recorded radiance is divided by the throughput over the pdf of the path") {
   Description d = mixed_scene();
   fill(d, add_sphere(d, {0, 0, -9}, 1), add_medium(d, fog(1, 0.5f)));
   const auto scene = compile_scene(d);

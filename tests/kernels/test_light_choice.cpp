@@ -53,7 +53,7 @@ bool shines(const SceneView& scene, std::uint32_t light, Vec3f p) {
 
 }  // namespace
 
-TEST_CASE("choice of lights: the weights of light and BSDF sampling add up to one") {
+TEST_CASE("choice of lights: the MIS weights of light and BSDF sampling add up to one") {
   for (const int count : {3, 40}) {
     const auto scene = compile_scene(lamps(count));
     const SceneView view = scene->view();

@@ -175,11 +175,11 @@ void check_directions(const Description& d, const std::function<double(Vec3f)>& 
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("light emission: area lights send their power, and to every place what light sampling says") {
+TEST_CASE("light emission: photons of area lights carry the power and agree with light sampling") {
   check_cases(area_cases());
 }
 
-TEST_CASE("light emission: lights that shine on both sides, and of a power that is told") {
+TEST_CASE("light emission: photons of two-sided lights and of lights with given power carry the power") {
   check_cases(two_sided_cases());
   for (Case c : two_sided_cases()) {
     CAPTURE(c.name);
@@ -200,7 +200,7 @@ TEST_CASE("light emission: lights that shine on both sides, and of a power that 
   }
 }
 
-TEST_CASE("light emission: so do lights that are not on a shape, environments, and all of them together") {
+TEST_CASE("light emission: photons of delta lights and environments and all lights together agree with light sampling") {
   const TemporaryFolder folder;
   std::vector<Case> cases = placed_cases(folder);
   cases.push_back(mixed_case(folder));
@@ -208,7 +208,7 @@ TEST_CASE("light emission: so do lights that are not on a shape, environments, a
   check_cases(cases);
 }
 
-TEST_CASE("light emission: so do media that glow, whose power is 4 pi times what is emitted in all") {
+TEST_CASE("light emission: photons of emissive media carry 4 pi times the integrated emission") {
   const TemporaryFolder folder;
   std::vector<Case> cases = medium_cases(folder);
   cases.back().power_error = 5e-3;
@@ -220,7 +220,7 @@ TEST_CASE("light emission: so do media that glow, whose power is 4 pi times what
   CHECK(power.z == doctest::Approx(expected / 2));
 }
 
-TEST_CASE("light emission: photons start in a medium as their density says, which is that of light sampling") {
+TEST_CASE("light emission: photons start in a medium with the pdf of light sampling") {
   const TemporaryFolder folder;
   const auto scene = compile_scene(medium_case("", uneven_fog(folder), {kBox}).scene);
   const SceneView view = scene->view();
@@ -254,7 +254,7 @@ TEST_CASE("light emission: photons start in a medium as their density says, whic
   CHECK(worst < 1e-3 * kDraws);
 }
 
-TEST_CASE("light emission: in spectral mode photons bring what light sampling says at their wavelengths") {
+TEST_CASE("light emission: photons in spectral mode agree with light sampling at their wavelengths") {
   const TemporaryFolder folder;
   std::vector<Case> cases = {textured(area_case("cube", CubeShape{}, kTilt)), mixed_case(folder)};
   for (Case& c : placed_cases(folder))
@@ -271,7 +271,7 @@ TEST_CASE("light emission: in spectral mode photons bring what light sampling sa
   }
 }
 
-TEST_CASE("light emission: photons start off the surface and leave along the cosine") {
+TEST_CASE("light emission: photons start on the surface and leave with a cosine distribution") {
   const auto cases = area_cases();
   for (const Case& c : cases) {
     CAPTURE(c.name);
@@ -279,7 +279,7 @@ TEST_CASE("light emission: photons start off the surface and leave along the cos
   }
 }
 
-TEST_CASE("light emission: directions are distributed as their density says") {
+TEST_CASE("light emission: directions follow their pdf") {
   const TemporaryFolder folder;
   constexpr double kDegree = kPiD / 180;
   const double significance = significance_of_each(9);
@@ -319,7 +319,7 @@ TEST_CASE("light emission: directions are distributed as their density says") {
   CHECK(chi_square_plane(on_picture, density, {-half, half, -half, half, 12, 12}, 20000).p_value > significance);
 }
 
-TEST_CASE("light emission: rays of light, and surfaces that emit along their normals") {
+TEST_CASE("light emission: beams and surfaces with normal emission emit parallel photons") {
   const BeamDescription beam{kTilt * Transform::scale({1, 1, 2}), rgb({1, 2, 0.5f})};
   const auto ray = compile_scene(placed_case("", beam).scene);
   const auto e = photon(ray->view(), 7);
@@ -352,7 +352,7 @@ TEST_CASE("light emission: rays of light, and surfaces that emit along their nor
   }
 }
 
-TEST_CASE("light emission: surfaces that emit along their normals on both sides send twice the power, half each way") {
+TEST_CASE("light emission: two-sided surfaces with normal emission emit twice the power and half to each side") {
   for (Case c : area_cases()) {
     if (c.scene.shapes.empty()) continue;
     CAPTURE(c.name);
@@ -385,7 +385,7 @@ TEST_CASE("light emission: surfaces that emit along their normals on both sides 
   }
 }
 
-TEST_CASE("light emission: lights are chosen by power, whatever the selector") {
+TEST_CASE("light emission: lights are chosen by power for every light selector") {
   Description d = empty_scene(4, 4);
   d.integrator.light_selector = LightSelector::kUniform;
   for (int i = 1; i <= 4; ++i) add_point_light(d, {0, 0, static_cast<float>(i)}, static_cast<float>(i * i));
@@ -404,7 +404,7 @@ TEST_CASE("light emission: lights are chosen by power, whatever the selector") {
   CHECK_FALSE(emit_photon<Scalar>(scene->view(), {0, 0}, {}, {}).valid);
 }
 
-TEST_CASE("light emission: registers equal single values, lights mixed") {
+TEST_CASE("light emission: SIMD results of mixed lights equal scalar ones") {
   const TemporaryFolder folder;
   const auto scene = compile_scene(mixed_case(folder).scene);
   const SceneView view = scene->view();

@@ -206,25 +206,25 @@ void check_samples(const SceneView& scene, Vec3f from) {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("light sampling: rectangles") {
+TEST_CASE("light sampling: rectangles agree with quadrature") {
   const auto scene = lone_light(RectangleShape{}, kTilt * Transform::scale({1, 0.5f, 1}));
   check_directions(scene->view(), {0, 0, 0}, window({0.1f, 0, 1}, 0.6), Use::kWhole);
   check_samples(scene->view(), {0, 0, 0});
 }
 
-TEST_CASE("light sampling: meshes of unequal triangles") {
+TEST_CASE("light sampling: meshes of unequal triangles agree with quadrature") {
   const auto scene = lone_light(uneven_mesh(), Transform::translate({0, 0, 3}) * Transform::rotate({0, 1, 0}, 160));
   check_directions(scene->view(), {0.2f, -0.1f, 0}, window({0, 0, 1}, 0.8), Use::kWhole);
   check_samples(scene->view(), {0.2f, -0.1f, 0});
 }
 
-TEST_CASE("light sampling: a cube sends light from the faces that are seen") {
+TEST_CASE("light sampling: a cube is sampled on its visible faces") {
   const auto scene = lone_light(CubeShape{}, Transform::translate({0, 0, 4}) * Transform::rotate({1, 1, 0}, 35));
   check_directions(scene->view(), {0, 0, 0}, window({0, 0, 1}, 0.75), Use::kPart);
   check_samples(scene->view(), {0, 0, 0});
 }
 
-TEST_CASE("light sampling: a goniometric light shines towards -y as the first row of its picture says") {
+TEST_CASE("light sampling: a goniometric light follows its image with the first row towards -y") {
   Description d = empty_scene(4, 4);
   auto picture = std::make_shared<Image>(8, 8, std::vector<std::string>{"Y"});
   for (int y = 0; y < 8; ++y)
@@ -246,7 +246,7 @@ TEST_CASE("light sampling: a goniometric light shines towards -y as the first ro
   }
 }
 
-TEST_CASE("light sampling: disks, round and elliptic") {
+TEST_CASE("light sampling: circular and elliptic disks agree with quadrature") {
   for (const Vec3f scale : {Vec3f{1, 1, 1}, Vec3f{1, 0.4f, 1}}) {
     const auto scene = lone_light(DiskShape{}, kTilt * Transform::scale(scale));
     check_directions(scene->view(), {0, 0, 0}, window({0.1f, 0, 1}, 0.5), Use::kWhole);
@@ -254,7 +254,7 @@ TEST_CASE("light sampling: disks, round and elliptic") {
   }
 }
 
-TEST_CASE("light sampling: cylinders from outside") {
+TEST_CASE("light sampling: cylinders seen from outside agree with quadrature") {
   for (const Vec3f scale : {Vec3f{1, 1, 1}, Vec3f{1, 0.4f, 1}}) {
     const auto scene =
         lone_light(CylinderShape{{0, -0.5f, 0}, {0, 0.7f, 0}, 0.5f},
@@ -264,13 +264,13 @@ TEST_CASE("light sampling: cylinders from outside") {
   }
 }
 
-TEST_CASE("light sampling: a flipped cylinder from within") {
+TEST_CASE("light sampling: a flipped cylinder seen from inside agrees with quadrature") {
   const auto scene = lone_light(CylinderShape{{0, 0, -1}, {0, 0, 1.5f}, 1}, Transform::rotate({1, 0, 0}, 30), true);
   check_directions(scene->view(), {0.3f, 0.1f, 0.2f}, whole_sphere(), Use::kWhole);
   check_samples(scene->view(), {0.3f, 0.1f, 0.2f});
 }
 
-TEST_CASE("light sampling: spheres from afar, from near and from touching distance") {
+TEST_CASE("light sampling: spheres at all distances agree with quadrature") {
   const auto scene = lone_light(SphereShape{{0, 0, 3}, 1}, Transform());
   CHECK(scene->view().lights[0].is(LightKind::kSphere));
   check_directions(scene->view(), {0, 0, -1e3f}, window({0, 0, 1}, 1.2e-3), Use::kWhole);
@@ -280,13 +280,13 @@ TEST_CASE("light sampling: spheres from afar, from near and from touching distan
     check_samples(scene->view(), from);
 }
 
-TEST_CASE("light sampling: from within a sphere that emits outwards nothing arrives") {
+TEST_CASE("light sampling: a sphere that emits outwards sends nothing to its inside") {
   const auto scene = lone_light(SphereShape{{0, 0, 3}, 1}, Transform());
   for (std::uint32_t i = 0; i < 100; ++i)
     CHECK_FALSE(sample_any_light<Scalar>(scene->view(), {0.1f, 0, 3}, lane_random(44, i, 0)).valid);
 }
 
-TEST_CASE("light sampling: a flipped sphere from within, at its centre and near its wall") {
+TEST_CASE("light sampling: a flipped sphere seen from its centre and near its surface agrees with quadrature") {
   const auto scene = lone_light(SphereShape{{1, 0, 0}, 2}, Transform(), true);
   for (const Vec3f from : {Vec3f{1, 0, 0}, Vec3f{-0.6f, 0.4f, 0.1f}}) {
     check_directions(scene->view(), from, whole_sphere(), Use::kWhole);
@@ -296,7 +296,7 @@ TEST_CASE("light sampling: a flipped sphere from within, at its centre and near 
   check_directions(scene->view(), {1, 0, -5}, window({0, 0, 1}, 0.5), Use::kPart);
 }
 
-TEST_CASE("light sampling: ellipsoids") {
+TEST_CASE("light sampling: ellipsoids agree with quadrature") {
   const auto scene = lone_light(SphereShape{}, Transform::translate({0, 0, 4}) * Transform::rotate({1, 1, 1}, 50) *
                                                    Transform::scale({0.4f, 1, 1.6f}));
   CHECK(scene->view().lights[0].is(LightKind::kQuadric));
@@ -304,7 +304,7 @@ TEST_CASE("light sampling: ellipsoids") {
   check_samples(scene->view(), {0, 0, 0});
 }
 
-TEST_CASE("light sampling: the environment") {
+TEST_CASE("light sampling: the environment agrees with its pdf") {
   Description d = empty_scene(4, 4);
   add_sphere(d, {1, 2, 3}, 2);
   add_constant_light(d, 3);
@@ -321,7 +321,7 @@ TEST_CASE("light sampling: the environment") {
   }
 }
 
-TEST_CASE("light sampling: a sun, large or small, and what is seen of it") {
+TEST_CASE("light sampling: a sun of any size agrees with its visible disk") {
   for (const float radius : {0.2679f, 30.0f}) {
     Description d = empty_scene(4, 4);
     add_sphere(d, {1, 2, 3}, 2);
@@ -357,7 +357,7 @@ TEST_CASE("light sampling: a sun, large or small, and what is seen of it") {
   }
 }
 
-TEST_CASE("light sampling: points send intensity over squared distance from where they are") {
+TEST_CASE("light sampling: a point light has intensity over squared distance") {
   Description d = empty_scene(4, 4);
   add_point_light(d, {1, 2, 3}, 8);
   const auto scene = compile_scene(d);
@@ -371,7 +371,7 @@ TEST_CASE("light sampling: points send intensity over squared distance from wher
   CHECK_FALSE(sample_any_light<Scalar>(scene->view(), {1, 2, 3}, lane_random(46, 0, 0)).valid);
 }
 
-TEST_CASE("light sampling: one-sided lights send nothing backwards") {
+TEST_CASE("light sampling: one-sided lights emit nothing backwards") {
   const auto scene = lone_light(RectangleShape{}, Transform::translate({0, 0, 3}));
   for (std::uint32_t i = 0; i < 100; ++i) {
     CHECK_FALSE(sample_any_light<Scalar>(scene->view(), {0, 0, 0}, lane_random(47, i, 0)).valid);
@@ -426,7 +426,7 @@ TEST_CASE("light sampling: lights are selected in proportion to their power") {
   CHECK(chi_square(observed, expected).p_value > kSignificance);
 }
 
-TEST_CASE("light sampling: registers equal single values, lights mixed") {
+TEST_CASE("light sampling: SIMD samples of mixed lights equal scalar ones") {
   const auto scene = compile_scene(many_lights());
   const SceneView view = scene->view();
   double worst = 0;
@@ -456,7 +456,7 @@ TEST_CASE("light sampling: registers equal single values, lights mixed") {
   CHECK(worst < 2e-5);
 }
 
-TEST_CASE("light sampling: densities in registers equal single ones, lights mixed") {
+TEST_CASE("light sampling: SIMD pdfs of mixed lights equal scalar ones") {
   const auto scene = compile_scene(many_lights());
   const SceneView view = scene->view();
   const auto light_of = [&](std::uint32_t i, int lane) { return (i / kWidth + static_cast<std::uint32_t>(lane)) % 6; };
@@ -479,7 +479,7 @@ TEST_CASE("light sampling: densities in registers equal single ones, lights mixe
   CHECK(worst < 1e-4);
 }
 
-TEST_CASE("light sampling: the power heuristic") {
+TEST_CASE("light sampling: the power heuristic squares the pdfs") {
   CHECK(power_heuristic(1.0f, 0.0f) == 1.0f);
   CHECK(power_heuristic(2.0f, 2.0f) == 0.5f);
   CHECK(power_heuristic(1.0f, 3.0f) == doctest::Approx(0.1));

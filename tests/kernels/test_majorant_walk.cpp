@@ -172,7 +172,7 @@ int beyond_bounds(const Bounded& b, std::array<int, 3> voxel, int places, std::u
 
 }  // namespace
 
-TEST_CASE("majorant grid: bounds hold everywhere in their leaves, of all sizes") {
+TEST_CASE("majorant grid: bounds hold everywhere in leaves of all sizes") {
   std::vector<int> sides(16);
   for (const TestGrid& grid : test_grids())
     for (const GridFilter filter : kFilters)
@@ -197,7 +197,7 @@ TEST_CASE("majorant grid: bounds hold everywhere in their leaves, of all sizes")
   }
 }
 
-TEST_CASE("majorant grid: leaves are as small as the volume's detail is worth it") {
+TEST_CASE("majorant grid: the leaf size follows the detail of the volume") {
   // One half is constant, the other has waves of about ten voxels.
   std::vector<float> values(64 * 64 * 64);
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -218,7 +218,7 @@ TEST_CASE("majorant grid: leaves are as small as the volume's detail is worth it
   CHECK(2 * thickest.bytes() <= grid.bytes());
 }
 
-TEST_CASE("majorant walk: random rays through leaves of all sizes, and what bounds them") {
+TEST_CASE("majorant walk: random rays visit the leaves of all sizes with valid bounds") {
   int segments_seen = 0;
   for (const TestGrid& grid : test_grids())
     for (const float thickness : {0.02f, 0.3f, 10.0f}) {
@@ -250,7 +250,7 @@ TEST_CASE("majorant walk: random rays through leaves of all sizes, and what boun
   CHECK(segments_seen > 5000);
 }
 
-TEST_CASE("majorant walk: leaves that reach beyond the table lead no ray out of it") {
+TEST_CASE("majorant walk: leaves beyond the table do not lead a ray out of it") {
   // Three bricks along each axis, so the last leaves of two bricks are half outside.
   const std::vector<float> values(24 * 24 * 24, 0.5f);
   BrickGrid grid = make_dense_grid(1, {24, 24, 24}, values, GridBorder::kClamp);
@@ -275,7 +275,7 @@ TEST_CASE("majorant walk: leaves that reach beyond the table lead no ray out of 
   CHECK(steps > 1000);
 }
 
-TEST_CASE("majorant grid: nothing outside of the box, or not more than the outside's bound") {
+TEST_CASE("majorant grid: the bound outside the box is zero or that of the boundary value") {
   for (const TestGrid& grid : test_grids())
     for (const GridFilter filter : kFilters) {
       const Bounded b = bounded(grid, filter, {}, skewed_transform());
@@ -299,7 +299,7 @@ TEST_CASE("majorant grid: nothing outside of the box, or not more than the outsi
     }
 }
 
-TEST_CASE("majorant grid: a repeated grid's first cell knows its last voxel") {
+TEST_CASE("majorant grid: the first cell of a repeated grid includes its last voxel") {
   std::vector<float> values(25, 0.0f);
   values[24] = 10;
   const BrickGrid grid = make_dense_grid(1, {25, 1, 1}, values, GridBorder::kRepeat);
@@ -315,7 +315,7 @@ TEST_CASE("majorant grid: a repeated grid's first cell knows its last voxel") {
   CHECK(fine.bounds[(fine.entries[0] >> 5) + 1].majorant() == 0.0f);
 }
 
-TEST_CASE("majorant grid: empty volumes and negative values") {
+TEST_CASE("majorant grid: empty volumes and negative values are bounded by zero") {
   const BrickGrid empty = make_sparse_grid(VoxelBlocks(1));
   const MajorantGrid none = make_majorant_grid(empty, GridFilter::kTrilinear);
   CHECK(none.max_value() == 0.0f);
@@ -326,7 +326,7 @@ TEST_CASE("majorant grid: empty volumes and negative values") {
   CHECK(make_majorant_grid(negative, GridFilter::kTrilinear).max_value() == 0.0f);
 }
 
-TEST_CASE("majorant walk: random rays against marching") {
+TEST_CASE("majorant walk: random rays agree with ray marching") {
   for (const float inset : {0.0f, 0.25f})
     for (const float outside : {0.0f, 99.0f}) {
       const SmallGrid grid(inset, outside);
@@ -339,7 +339,7 @@ TEST_CASE("majorant walk: random rays against marching") {
     }
 }
 
-TEST_CASE("majorant walk: rays along the axes, along diagonals and in faces") {
+TEST_CASE("majorant walk: rays along axes and diagonals and in faces agree with ray marching") {
   for (const float outside : {0.0f, 99.0f}) {
     const SmallGrid grid(0, outside);
     const float starts[] = {-1, 0, 0.5f, 1, 1.5f, 2, 3, 4, 5};
@@ -375,7 +375,7 @@ TEST_CASE("majorant walk: rays along the axes, along diagonals and in faces") {
   CHECK(along[3].t1 == 2.5f);
 }
 
-TEST_CASE("majorant walk: lengths of zero, infinite ends, directions of zero and no number") {
+TEST_CASE("majorant walk: zero lengths and infinite ends and zero or NaN directions are handled") {
   const SmallGrid grid, clamped(0, 99);
   const Vec3f inside{0.5f, 0.5f, 0.5f};
   CHECK(segments_of(grid.row, inside, {1, 0, 0}, 1, 1).empty());
@@ -404,7 +404,7 @@ TEST_CASE("majorant walk: lengths of zero, infinite ends, directions of zero and
   CHECK(segments_of(grid.row, inside, {kNan, 1, 1}, 0, 3).size() < 10);
 }
 
-TEST_CASE("majorant walk: from far away, nearly parallel, and short") {
+TEST_CASE("majorant walk: distant and nearly parallel and short rays are handled") {
   const SmallGrid grid;
   for (std::uint32_t i = 0; i < 2000; ++i) {
     const Vec3f target = random_point(i, 50, 0.2f, 1.8f), from = random_point(i, 53, -1, 1);
@@ -433,7 +433,7 @@ TEST_CASE("majorant walk: from far away, nearly parallel, and short") {
   }
 }
 
-TEST_CASE("majorant walk: no ray goes on for ever") {
+TEST_CASE("majorant walk: every walk ends") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const float extremes[] = {0, 1.5f, -1e-40f, 1e-30f, 1e18f, -3e38f, kInfinity, -kInfinity, kNan};
   std::size_t most = 0;

@@ -52,7 +52,7 @@ ShapeDescription& cube(Description& d, float from, float to) {
 
 }  // namespace
 
-TEST_CASE("media tracking: nested media whose outer one is named, or found") {
+TEST_CASE("media tracking: nested media are found with and without a named exterior") {
   for (const bool named : {true, false})
     for (const float from : {-3.0f, -1.5f, 0.0f}) {
       CAPTURE(named);
@@ -68,7 +68,7 @@ TEST_CASE("media tracking: nested media whose outer one is named, or found") {
     }
 }
 
-TEST_CASE("media tracking: the camera is in several media, and the innermost counts") {
+TEST_CASE("media tracking: the innermost medium around the camera counts") {
   Description d = view_from(0);
   const MediumId a = absorbing(d, 0.1f), b = absorbing(d, 0.5f), c = absorbing(d, 2);
   for (const auto& [radius, medium] : {std::pair{3.0f, a}, std::pair{2.0f, b}, std::pair{1.0f, c}})
@@ -76,7 +76,7 @@ TEST_CASE("media tracking: the camera is in several media, and the innermost cou
   check_mean(d, std::exp(-0.1 - 0.5 - 2));
 }
 
-TEST_CASE("media tracking: a medium everywhere, and holes of others in it") {
+TEST_CASE("media tracking: a global medium with objects of other media is tracked") {
   Description d = view_from(0);
   const MediumId haze = absorbing(d, 0.05f), dense = absorbing(d, 1);
   d.camera.medium = haze;
@@ -84,7 +84,7 @@ TEST_CASE("media tracking: a medium everywhere, and holes of others in it") {
   check_mean(d, std::exp(-0.05 * 9 - 1));
 }
 
-TEST_CASE("media tracking: side by side") {
+TEST_CASE("media tracking: adjacent media are tracked") {
   Description d = view_from(0);
   const MediumId a = absorbing(d, 0.3f), b = absorbing(d, 0.6f);
   fill(d, cube(d, 2, 3), a);
@@ -92,14 +92,14 @@ TEST_CASE("media tracking: side by side") {
   check_mean(d, std::exp(-0.3 - 1.2));
 }
 
-TEST_CASE("media tracking: an object in a medium ends what lies before it") {
+TEST_CASE("media tracking: an opaque object inside a medium ends the free flight") {
   Description d = view_from(0);
   fill(d, cube(d, 2, 8), absorbing(d, 0.2f));
   add_area_light_rectangle(d, Transform::translate({5, 0, 0}) * Transform::rotate({0, 1, 0}, -90), 7);
   check_mean(d, 7 * std::exp(-0.6));
 }
 
-TEST_CASE("media tracking: glass with a medium inside, and glass within a medium") {
+TEST_CASE("media tracking: glass filled with a medium and glass inside a medium are tracked") {
   Description d = view_from(0);
   d.integrator.max_depth = 200;
   d.integrator.rr_depth = 1000;
@@ -117,7 +117,7 @@ TEST_CASE("media tracking: glass with a medium inside, and glass within a medium
   check_mean(d, pane * std::exp(-0.9));
 }
 
-TEST_CASE("media tracking: shadow rays pass masks in proportion to their opacity, and media behind them") {
+TEST_CASE("media tracking: shadow rays pass masks by their opacity and cross the media behind") {
   Description d = picture();
   d.integrator.max_depth = 2;
   look_at(d, {3, 0, 0.5f}, {0, 0, 0}, {0, 0, 1}, 0.01f);
@@ -151,7 +151,7 @@ TEST_CASE("media tracking: shadow rays pass masks in proportion to their opacity
   }
 }
 
-TEST_CASE("media tracking: rays whose steps vanish against the distance are given up") {
+TEST_CASE("media tracking: rays whose steps vanish in rounding are terminated") {
   const TemporaryFolder folder;
   Description d = empty_scene(1, 1);
   d.sampler.sample_count = 1;
@@ -186,7 +186,7 @@ TEST_CASE("media tracking: rays whose steps vanish against the distance are give
   CHECK(rendered() == 0.0f);
 }
 
-TEST_CASE("media tracking: coefficients beyond the range of floats are errors at the medium's place") {
+TEST_CASE("media tracking: coefficients beyond the float range are errors with file and line") {
   const TemporaryFolder folder;
   const GridVolumeDescription large = vol(write_vol(folder / "large.vol", 2, 1, [](Vec3f, int) { return 3e38f; })),
                               one = vol(write_vol(folder / "one.vol", 2, 1, [](Vec3f, int) { return 1.0f; })),

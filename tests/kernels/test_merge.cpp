@@ -121,7 +121,7 @@ PixelRect frame_part(int x0, int y0, int x1, int y1) { return {x0, y0, x1, y1}; 
 
 }  // namespace
 
-TEST_CASE("merge: ranges of samples give the whole, whatever the filter, and tiles its very values") {
+TEST_CASE("merge: merged sample ranges approximate the whole for every filter and merged tiles equal it") {
   PixelFilter mitchell, gaussian;
   mitchell.kind = PixelFilter::Kind::kMitchell;
   gaussian.kind = PixelFilter::Kind::kGaussian;
@@ -147,7 +147,7 @@ TEST_CASE("merge: ranges of samples give the whole, whatever the filter, and til
   }
 }
 
-TEST_CASE("merge: parts that overlap are refused, and gaps are found") {
+TEST_CASE("merge: overlapping parts are rejected and gaps are found") {
   const PixelRect frame = frame_part(0, 0, 10, 10), top = frame_part(0, 0, 10, 4), bottom = frame_part(0, 4, 10, 10);
   const auto throws = [](std::vector<PicturePart> parts) { CHECK_THROWS_AS(check_overlaps(parts), SceneError); };
   throws({{"a", frame, {0, 8}}, {"b", frame, {7, 1}}});
@@ -175,7 +175,7 @@ TEST_CASE("merge: parts that overlap are refused, and gaps are found") {
   CHECK(end->samples == SampleRange{8, 1});
 }
 
-TEST_CASE("merge: parts that lack layers or say what cannot be are refused") {
+TEST_CASE("merge: parts with missing layers or impossible headers are rejected") {
   const PixelRect frame = frame_part(0, 0, kFrameWidth, kFrameHeight);
   const Image whole = picture_of(nullptr, frame, {0, kSamples}, false);
   const Image part = picture_of(nullptr, frame, {0, 6}, true);

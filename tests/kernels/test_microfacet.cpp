@@ -143,27 +143,27 @@ template <template <class> class Distribution> void check_lanes() {
 
 }  // namespace
 
-TEST_CASE("microfacet: densities cover the surface once, and visible facets what is seen of it") {
+TEST_CASE("microfacet: normal distributions integrate to the surface and visible ones to its projection") {
   check_normalisation<GgxDistribution>();
   check_normalisation<BeckmannDistribution>();
 }
 
-TEST_CASE("microfacet: visible facets are sampled with their density, from normal to grazing directions") {
+TEST_CASE("microfacet: visible normals follow their pdf from normal to grazing directions") {
   check_visible_sampling<GgxDistribution>();
   check_visible_sampling<BeckmannDistribution>();
 }
 
-TEST_CASE("microfacet: nothing is undefined at the edges") {
+TEST_CASE("microfacet: values are finite at the limits of directions and roughness") {
   check_edges<GgxDistribution>();
   check_edges<BeckmannDistribution>();
 }
 
-TEST_CASE("microfacet: registers equal single values") {
+TEST_CASE("microfacet: SIMD results equal scalar ones") {
   check_lanes<GgxDistribution>();
   check_lanes<BeckmannDistribution>();
 }
 
-TEST_CASE("microfacet: the short exponential, logarithm and shadowing are close to the exact ones") {
+TEST_CASE("microfacet: the approximate exponential and logarithm and shadowing are close to the exact ones") {
   for (int i = 0; i <= 4000; ++i) {
     const double x = i * 0.02;
     CHECK(exp_minus(static_cast<float>(x)) == doctest::Approx(std::exp(-x)).epsilon(1e-7 * (2 + x)));

@@ -201,7 +201,7 @@ Expected expected_result(const NlMeansInput& in, NlMeansFilter filter, int half,
 
 }  // namespace
 
-TEST_CASE("non-local means are what their definition says, each half weighed by the other") {
+TEST_CASE("NL-means matches its definition with each half weighted by the other") {
   const NlMeansSettings settings{4, 0.5f};
   for (const bool correlated : {false, true})
     for (const int halves : {1, 2}) {
@@ -226,7 +226,7 @@ TEST_CASE("non-local means are what their definition says, each half weighed by 
     }
 }
 
-TEST_CASE("what noise pixels share is found from halves, and nothing where they share none") {
+TEST_CASE("the noise correlation of pixels is measured from the half buffers and is zero for independent noise") {
   const NoiseCorrelation found = find_correlation(200, 150);
   const auto in_row = [](int dx) {
     return dx == 0 ? 1 : std::abs(dx) == 1 ? 2 / 3.0 : std::abs(dx) == 2 ? 1 / 6.0 : 0;
@@ -246,7 +246,7 @@ TEST_CASE("what noise pixels share is found from halves, and nothing where they 
   CHECK(none(-1, 1) == 0);
 }
 
-TEST_CASE("planes keep slopes that means would level") {
+TEST_CASE("local planes preserve slopes that means would flatten") {
   // A noise-free slope with variances so large that all pixels look alike.
   NlMeansInput input = noisy_input(40, 30, 2);
   for (Planes3& half : input.half)
@@ -268,7 +268,7 @@ TEST_CASE("planes keep slopes that means would level") {
   CHECK(filtered[kColorOnly].color[0].at(0, 15) > 31);
 }
 
-TEST_CASE("planes through few pixels neither take all light away nor double it twice") {
+TEST_CASE("local planes of few pixels neither remove all light nor amplify it") {
   NlMeansInput input = noisy_input(40, 30, 2);
   for (Planes3& half : input.half)
     for (Plane& plane : half) {
@@ -290,7 +290,7 @@ TEST_CASE("planes through few pixels neither take all light away nor double it t
   }
 }
 
-TEST_CASE("a lamp's noise is no measure of that of the pixels around it, but a firefly's is") {
+TEST_CASE("the variance of a lamp does not affect its surroundings but that of a firefly does") {
   Planes3 variance, halves[2];
   for (std::size_t c = 0; c < 3; ++c) {
     variance[c] = halves[0][c] = halves[1][c] = Plane(20, 9);
@@ -311,7 +311,7 @@ TEST_CASE("a lamp's noise is no measure of that of the pixels around it, but a f
   CHECK(smooth_variance(variance, nullptr)[1].at(3, 4) == doctest::Approx((9 + 8 * 0.01) / 9));
 }
 
-TEST_CASE("non-local means have the same bits in registers as one pixel at a time") {
+TEST_CASE("NL-means has the same bits in registers as one pixel at a time") {
   const NlMeansInput input = noisy_input(37, 19, 2);
   const NlMeansSettings settings{3, 0.45f};
   std::vector<FilteredPlanes> wide = make_filtered_planes(input), scalar = make_filtered_planes(input);
@@ -323,7 +323,7 @@ TEST_CASE("non-local means have the same bits in registers as one pixel at a tim
         CHECK(std::memcmp(wide[filter].color[c].row(y), scalar[filter].color[c].row(y), 37 * sizeof(float)) == 0);
 }
 
-TEST_CASE("features: what slants down the picture is treated as what slants across it") {
+TEST_CASE("features: vertical slopes are treated like horizontal ones") {
   // Inverse depth is linear on a plane; colours and normals are linear here too.
   constexpr int kSide = 24;
   const auto features_of = [&](float across, float down) {
@@ -351,7 +351,7 @@ TEST_CASE("features: what slants down the picture is treated as what slants acro
         doctest::Approx(1 / (1.2 * 1.2 * 27 * double{across * across + down * down})).epsilon(1e-3));
 }
 
-TEST_CASE("a floor that slants down the picture is denoised as well as one that slants across it") {
+TEST_CASE("a vertical depth gradient is denoised as well as a horizontal one") {
   constexpr int kSide = 48;
   const auto error_of = [&](bool down) {
     Image image(kSide, kSide, {"R", "G", "B", "variance.R", "variance.G", "variance.B", "Z"});
@@ -378,7 +378,7 @@ TEST_CASE("a floor that slants down the picture is denoised as well as one that 
   CHECK(down < sqr(0.2) / 50);
 }
 
-TEST_CASE("a denoised picture is nearer to the truth, with halves and features more so, and no darker") {
+TEST_CASE("denoising reduces the error and features reduce it further and the mean is preserved") {
   constexpr int kColumns = 96, kRows = 64;
   double before = 0, errors[2][2];
   for (const bool halves : {false, true})
@@ -401,7 +401,7 @@ TEST_CASE("a denoised picture is nearer to the truth, with halves and features m
   CHECK(errors[1][1] < before / 20);
 }
 
-TEST_CASE("a step lower than the noise stays sharp where normals tell it") {
+TEST_CASE("an edge below the noise level stays sharp where normals show it") {
   constexpr int kColumns = 96, kRows = 48;
   const Image with = denoise(noisy_picture(kColumns, kRows, true, true), Denoiser::kNlMeans).image;
   const Image without = denoise(noisy_picture(kColumns, kRows, true, false), Denoiser::kNlMeans).image;
@@ -410,7 +410,7 @@ TEST_CASE("a step lower than the noise stays sharp where normals tell it") {
   CHECK(sharp < sqr(kNoise) / 10);
 }
 
-TEST_CASE("fireflies neither survive nor leave blotches; what other samples have seen too stays") {
+TEST_CASE("fireflies leave no blotches and features present in both halves survive") {
   constexpr int kSize = 48;
   const Image quiet = noisy_picture(kSize, kSize, true, false);
   Image spiked = quiet;
@@ -429,7 +429,7 @@ TEST_CASE("fireflies neither survive nor leave blotches; what other samples have
   }
 }
 
-TEST_CASE("without halves a firefly is known by its variance") {
+TEST_CASE("a firefly is detected by its variance without half buffers") {
   Planes3 color, variance;
   for (std::size_t c = 0; c < 3; ++c) {
     color[c] = Plane(9, 9);
@@ -450,7 +450,7 @@ TEST_CASE("without halves a firefly is known by its variance") {
   CHECK(color[0].at(6, 6) == 100);
 }
 
-TEST_CASE("of several filters the one of least error is taken") {
+TEST_CASE("the filter of least estimated error is selected") {
   constexpr int kSize = 40;
   Planes3 color, variance;
   std::vector<FilteredPlanes> filters(2);
@@ -474,7 +474,7 @@ TEST_CASE("of several filters the one of least error is taken") {
   }
 }
 
-TEST_CASE("denoising has the same bits on any number of threads, and leaves all other channels as they are") {
+TEST_CASE("denoising has the same bits on any number of threads and leaves other channels unchanged") {
   const Image noisy = noisy_picture(150, 50, true, true);
   const DenoiseResult one = denoise(noisy, Denoiser::kNlMeans, 1), seven = denoise(noisy, Denoiser::kNlMeans, 7);
   CHECK(one.image.data.size() == seven.image.data.size());
@@ -493,7 +493,7 @@ TEST_CASE("denoising has the same bits on any number of threads, and leaves all 
   CHECK(shown.at(5, 5, 1) == one.image.at(5, 5, one.image.find_channel("denoised.G")));
 }
 
-TEST_CASE("values that are not finite, pictures of one pixel, and missing variances") {
+TEST_CASE("denoising handles non-finite values and single pixels and missing variances") {
   Image noisy = noisy_picture(40, 20, true, true);
   noisy.at(10, 10, 0) = std::numeric_limits<float>::infinity();
   noisy.at(11, 10, 4) = std::numeric_limits<float>::quiet_NaN();

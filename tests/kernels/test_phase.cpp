@@ -101,7 +101,7 @@ double pole_of(float g) { return g < 0 ? 1 : -1; }
 
 }  // namespace
 
-TEST_CASE("phase: samples follow their density on the whole sphere") {
+TEST_CASE("phase: samples follow their pdf on the whole sphere") {
   for (const float g : kMeanCosines) {
     CAPTURE(g);
     check_phase_sampling(henyey_greenstein(g), pole_of(g));
@@ -111,7 +111,7 @@ TEST_CASE("phase: samples follow their density on the whole sphere") {
   check_phase_weights(rayleigh());
 }
 
-TEST_CASE("phase: they integrate to one, and their first moment is the mean cosine") {
+TEST_CASE("phase: values integrate to one and their first moment is the mean cosine") {
   for (const float g : kMeanCosines) {
     CAPTURE(g);
     CHECK(integral_over_sphere(henyey_greenstein(g), pole_of(g), 0) == doctest::Approx(1).epsilon(1e-5));
@@ -122,7 +122,7 @@ TEST_CASE("phase: they integrate to one, and their first moment is the mean cosi
   CHECK(integral_over_sphere(rayleigh(), -1, 2) == doctest::Approx(0.4).epsilon(1e-5));
 }
 
-TEST_CASE("phase: the mean cosine of samples is g, positive where light goes on") {
+TEST_CASE("phase: the mean cosine of samples is g and positive for forward scattering") {
   for (const float g : kMeanCosines) {
     CAPTURE(g);
     CHECK(mean_cosine(henyey_greenstein(g)).p_value(g) > significance_of_each(kTests));
@@ -130,7 +130,7 @@ TEST_CASE("phase: the mean cosine of samples is g, positive where light goes on"
   CHECK(mean_cosine(rayleigh()).p_value(0) > significance_of_each(kTests));
 }
 
-TEST_CASE("phase: known values") {
+TEST_CASE("phase: values match the closed forms") {
   const double isotropic = 1 / (4 * 3.14159265358979);
   CHECK(henyey_greenstein(0).evaluate(kWo, {0.6f, 0, 0.8f}).pdf_solid_angle == doctest::Approx(isotropic));
   CHECK(henyey_greenstein(1e-7f).evaluate(kWo, {0.6f, 0, -0.8f}).pdf_solid_angle == doctest::Approx(isotropic));
@@ -142,7 +142,7 @@ TEST_CASE("phase: known values") {
   CHECK(rayleigh().evaluate(kWo, {1, 0, 0}).pdf_solid_angle == doctest::Approx(0.75 * isotropic));
 }
 
-TEST_CASE("phase: the ends of the random numbers and of g give finite directions of unit length") {
+TEST_CASE("phase: extreme random numbers and extreme g give finite directions of unit length") {
   for (const float g : {-0.9999999f, -0.99f, 0.0f, 0.99f, 0.9999999f})
     for (const float u : {0.0f, 0.5f, 0.99999994f}) {
       CAPTURE(g);
@@ -154,14 +154,14 @@ TEST_CASE("phase: the ends of the random numbers and of g give finite directions
     }
 }
 
-TEST_CASE("phase: registers equal single values") {
+TEST_CASE("phase: SIMD results equal scalar ones") {
   check_bsdf_lanes<HenyeyGreensteinBsdf>([](int lane) {
     return henyey_greenstein(-0.95f + 1.9f * static_cast<float>(lane) / static_cast<float>(kWidth));
   });
   check_bsdf_lanes<RayleighBsdf>([](int) { return rayleigh(); });
 }
 
-TEST_CASE("phase: tables are sampled exactly, whatever their values") {
+TEST_CASE("phase: tabulated phase functions are sampled exactly") {
   for (const std::vector<float>& values : {std::vector<float>{1, 2}, {0, 1, 0}, {3, 0, 0, 0, 5}, {1, 1, 1, 1}}) {
     CAPTURE(values.size());
     const Table table(values);
@@ -176,7 +176,7 @@ TEST_CASE("phase: tables are sampled exactly, whatever their values") {
   }
 }
 
-TEST_CASE("phase: a table begins with light that goes back and ends with light that goes on") {
+TEST_CASE("phase: tables begin with backward and end with forward scattering") {
   // Computed by Mitsuba 3: tabphase with the values 0.5, 1, 4, for cosines of -1, -0.5, ... 1 with the incident
   // direction.
   constexpr double kExpected[] = {0.195883, 0.122427, 0.0489708, 0.0367281, 0.0244854};
@@ -188,7 +188,7 @@ TEST_CASE("phase: a table begins with light that goes back and ends with light t
   }
 }
 
-TEST_CASE("phase: the table of another phase function is that phase function") {
+TEST_CASE("phase: a tabulated phase function matches the function it was made from") {
   const auto expected = henyey_greenstein(0.6f);
   std::vector<float> values;
   for (int i = 0; i <= 1000; ++i) {
@@ -204,7 +204,7 @@ TEST_CASE("phase: the table of another phase function is that phase function") {
   CHECK(mean_cosine(table.phase).p_value(0.6) > significance_of_each(kTests));
 }
 
-TEST_CASE("phase: mixtures of tables are the sums of their parts") {
+TEST_CASE("phase: mixtures of tables are the weighted sums of their parts") {
   const std::vector<PhaseDescription> phases = {
       {TabulatedPhaseDescription{{0.5f, 1, 4}}, {}},
       {TabulatedPhaseDescription{{3, 0, 1, 2}}, {}},
@@ -225,7 +225,7 @@ TEST_CASE("phase: mixtures of tables are the sums of their parts") {
   }
 }
 
-TEST_CASE("phase: the phase functions are the only BSDFs that say they are") {
+TEST_CASE("phase: exactly the phase functions among the closures are marked as such") {
   int phases = 0;
   for_each_bsdf(
       [&]<template <class> class Bsdf>(ClosureKind, BsdfTag<Bsdf>) { phases += kIsPhaseFunction<Bsdf<Wide>>; });

@@ -56,7 +56,7 @@ const Vec3f kViews[] = {{0, 0, 1}, normalize(Vec3f{0.8f, -0.1f, -0.5f}), normali
 
 }  // namespace
 
-TEST_CASE("sggx: the projected area is the root of w S w, and what the distribution of normals makes of it") {
+TEST_CASE("sggx: the projected area matches its closed form and the integral over normals") {
   CHECK(projected_area({4, 9, 16, 0, 0, 0}, {0, 1, 0}) == doctest::Approx(3));
   CHECK(projected_area({1, 1, 0.25f, 0, 0, 0.5f}, {0, 0.6f, 0.8f}) == doctest::Approx(std::sqrt(0.36 + 0.16 + 0.48)));
   for (const Matrix& m : kShapes)
@@ -70,7 +70,7 @@ TEST_CASE("sggx: the projected area is the root of w S w, and what the distribut
     }
 }
 
-TEST_CASE("sggx: values are those of the matrix in world space, and reciprocal once weighed by the projected area") {
+TEST_CASE("sggx: values follow the matrix in world space and are reciprocal weighted by projected area") {
   for (const Matrix& m : kShapes)
     for (std::uint32_t i = 0; i < 200; ++i) {
       const Vec3f wo = random_direction(31, i), wi = random_direction(32, i);
@@ -83,7 +83,7 @@ TEST_CASE("sggx: values are those of the matrix in world space, and reciprocal o
     }
 }
 
-TEST_CASE("sggx: samples follow their density, which integrates to one, from everywhere") {
+TEST_CASE("sggx: samples follow their pdf and the pdf integrates to one from every direction") {
   for (const Matrix& m : kShapes)
     for (const Vec3f wo : kViews) {
       const SggxBsdf<Scalar> phase = flakes(m, Frame<Scalar>::from_normal(wo));
@@ -104,7 +104,7 @@ TEST_CASE("sggx: samples follow their density, which integrates to one, from eve
     }
 }
 
-TEST_CASE("sggx: the identity scatters alike to all sides; flakes without thickness and none at all stay finite") {
+TEST_CASE("sggx: the identity scatters isotropically and degenerate matrices stay finite") {
   for (const Vec3f wi : {Vec3f{0, 0, 1}, Vec3f{0, 0, -1}, Vec3f{0.6f, 0, -0.8f}})
     CHECK(flakes({5, 5, 5, 0, 0, 0}, Frame<Scalar>::from_normal({0, 0, 1})).evaluate({0, 0, 1}, wi).pdf_solid_angle ==
           doctest::Approx(0.0795774715));
@@ -116,7 +116,7 @@ TEST_CASE("sggx: the identity scatters alike to all sides; flakes without thickn
     }
 }
 
-TEST_CASE("sggx: registers equal single values") {
+TEST_CASE("sggx: SIMD results equal scalar ones") {
   check_bsdf_lanes<SggxBsdf>([](int lane) {
     return flakes(kShapes[static_cast<std::size_t>(lane) % std::size(kShapes)],
                   Frame<Scalar>::from_normal(random_direction(5, static_cast<std::uint32_t>(lane))));

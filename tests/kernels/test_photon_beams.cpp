@@ -99,7 +99,7 @@ double kernel_across(PhotonKernel kernel, double away) {
 
 }  // namespace
 
-TEST_CASE("lines near rays: those that are, each once, and the same however they are cut") {
+TEST_CASE("line query: every beam near a ray is found once however beams are split") {
   Randoms u(1);
   std::vector<AccelLine> lines;
   for (int i = 0; i < 1500; ++i) lines.push_back({u.vector(), u.direction(), i % 10 == 0 ? 0.01f : 1.5f * (1 + u())});
@@ -150,7 +150,7 @@ TEST_CASE("lines near rays: those that are, each once, and the same however they
   CHECK(none.empty());
 }
 
-TEST_CASE("gather volume: registers do what single beams do; the sum is that over all beams, by hand") {
+TEST_CASE("gather volume: SIMD beam results equal scalar ones and the sum over all beams") {
   struct Case {
     std::array<float, 3> extinction;
     float g;
@@ -225,7 +225,7 @@ TEST_CASE("gather volume: registers do what single beams do; the sum is that ove
   }
 }
 
-TEST_CASE("gather volume: beams in homogeneous media, points in grids and where beams are not wanted") {
+TEST_CASE("gather volume: homogeneous media use beams where enabled and grids use points") {
   const TemporaryFolder folder;
   const auto file = write_vol(folder.path() / "even.vol", 4, 1, [](Vec3f, int) { return 1.0f; });
   MediumDescription even = fog(0.3f, 0.8f), grid = even;

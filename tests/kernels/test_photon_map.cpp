@@ -46,7 +46,7 @@ bool same_columns(const PhotonMapView& a, const PhotonMapView& b, std::size_t si
 
 }  // namespace
 
-TEST_CASE("photon map: around any point all photons within the radius are found, and each once") {
+TEST_CASE("photon map: every photon within the radius of a point is found once") {
   for (const float radius : {0.1f, 0.3f, 5.0f}) {
     CAPTURE(radius);
     const auto tasks = random_photons(7, 301, 1.5f);
@@ -74,7 +74,7 @@ TEST_CASE("photon map: around any point all photons within the radius are found,
   }
 }
 
-TEST_CASE("photon map: powers are shared among all photons that were emitted; columns don't depend on threads") {
+TEST_CASE("photon map: powers are divided by the number of emitted photons and columns do not depend on threads") {
   const auto tasks = random_photons(20, 5000, 3);
   const PhotonMap map(tasks, 400'000, 0.1f, PhotonKernel::kDisc);
   double expected = 0, found = 0;
@@ -90,7 +90,7 @@ TEST_CASE("photon map: powers are shared among all photons that were emitted; co
   CHECK(PhotonMap({}, 1, 1, PhotonKernel::kDisc).view().empty());
 }
 
-TEST_CASE("gather: registers do what single photons do, and the sum is that over all photons") {
+TEST_CASE("gather: SIMD results equal scalar ones and the sum over all photons") {
   Description d = mixed_scene();
   d.integrator.kind = IntegratorKind::kPhotonMapper;
   d.integrator.max_depth = 4;

@@ -196,7 +196,7 @@ MeanVariance pixel_statistics(const Description& d) {
 
 }  // namespace
 
-TEST_CASE("a ray that leaves a convex shape does not meet it again") {
+TEST_CASE("a ray that leaves a convex shape does not hit it again") {
   for (int kind = 0; kind < static_cast<int>(Kind::kCount); ++kind)
     for (const float scale : kScales)
       for (const float away : {0.0f, 10.0f, 1000.0f}) {
@@ -233,7 +233,7 @@ TEST_CASE("the offset is small against the shape") {
   }
 }
 
-TEST_CASE("no path is lost in a closed room of any size") {
+TEST_CASE("no path escapes from a closed room of any size") {
   for (const bool box : {false, true})
     for (const float scale : kScales) {
       CAPTURE(box);
@@ -242,7 +242,7 @@ TEST_CASE("no path is lost in a closed room of any size") {
     }
 }
 
-TEST_CASE("hardly a path is lost in a closed room far from the origin") {
+TEST_CASE("few paths escape from a closed room far from the origin") {
   // A path may leak where it hits an edge within rounding: the probability is about the offset over the room's size.
   for (const bool box : {false, true})
     for (const float away : {10.0f, 1000.0f}) {
@@ -254,7 +254,7 @@ TEST_CASE("hardly a path is lost in a closed room far from the origin") {
     }
 }
 
-TEST_CASE("no light from outside gets into a closed room" * doctest::test_suite("slow")) {
+TEST_CASE("no light from outside enters a closed room" * doctest::test_suite("slow")) {
   for (const bool box : {false, true})
     for (const float scale : {1e-3f, 1.0f, 1e5f})
       for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
@@ -269,7 +269,7 @@ TEST_CASE("no light from outside gets into a closed room" * doctest::test_suite(
       }
 }
 
-TEST_CASE("a glowing closed room is equally bright at every scale" * doctest::test_suite("slow")) {
+TEST_CASE("a closed emissive room has equal radiance at every scale" * doctest::test_suite("slow")) {
   const double level = significance_of_each(2 * 6 * 2);
   for (const bool box : {false, true})
     for (const float scale : kScales)
@@ -287,7 +287,7 @@ TEST_CASE("a glowing closed room is equally bright at every scale" * doctest::te
       }
 }
 
-TEST_CASE("a sphere in an environment reflects light once at every scale and place") {
+TEST_CASE("a sphere in an environment reflects light once at every scale and position") {
   for (const float scale : kScales)
     for (const float away : {0.0f, 1000.0f}) {
       CAPTURE(scale);

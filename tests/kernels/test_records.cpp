@@ -25,7 +25,7 @@ template <template <class> class Record> bool fields_in_order() {
 
 }  // namespace
 
-TEST_CASE("records: fields stand in the order of their members") {
+TEST_CASE("records: fields are ordered like their members") {
   CHECK(fields_in_order<ShapeRecord>());
   CHECK(fields_in_order<VertexRecord>());
   CHECK(fields_in_order<QuadricRecord>());
@@ -38,7 +38,7 @@ TEST_CASE("records: fields stand in the order of their members") {
   CHECK(fields_in_order<RescaledPdfs>());
 }
 
-TEST_CASE("records: quadrics arrive in the lanes that ask for them") {
+TEST_CASE("records: quadrics are gathered into the lanes that ask for them") {
   std::vector<QuadricRow> table;
   for (std::uint32_t i = 0; i < 40; ++i) {
     QuadricRow row{};

@@ -68,7 +68,7 @@ template <class L> MeanVariance sampled_radiance(const Description& d) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("resample: the same mean for any number of candidates, with less and less spread", L,
+TEST_CASE_TEMPLATE("resample: the mean does not depend on the number of candidates and the variance decreases", L,
                    SHEAF_STAGE_LANES) {
   constexpr int kTests = 3 * 4 * 2;
   for (const LightSelector selector : {LightSelector::kUniform, LightSelector::kPower, LightSelector::kBvh}) {
@@ -84,14 +84,14 @@ TEST_CASE_TEMPLATE("resample: the same mean for any number of candidates, with l
   }
 }
 
-TEST_CASE("resample: without any light in reach nothing is kept") {
+TEST_CASE("resample: no candidate is kept if no light is visible") {
   Description d = lit_square(8, LightSelector::kUniform);
   d.lights.clear();
   add_point_light(d, {0, 0, 5}, 1);
   CHECK(sampled_radiance<Wide>(d).mean() == 0.0);
 }
 
-TEST_CASE("resample: a light alone is found by every candidate") {
+TEST_CASE("resample: a single light is chosen by every candidate") {
   Description d = lit_square(1, LightSelector::kUniform);
   d.lights.resize(1);
   const double alone = sampled_radiance<Wide>(d).mean();
@@ -141,7 +141,7 @@ double estimate(Density density, std::uint32_t i) {
 
 }  // namespace
 
-TEST_CASE("resample: weights of one or of all candidates are unbiased, those of the kept one are not") {
+TEST_CASE("resample: weights by candidate pdfs are unbiased and weights by the kept pdf are not") {
   MeanVariance one, all, kept;
   for (std::uint32_t i = 0; i < 200000; ++i) {
     one.add(estimate(Density::kCandidate, i));

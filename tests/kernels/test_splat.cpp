@@ -110,7 +110,7 @@ void check_same(const Image& a, const Image& b, double allowed) {
 }  // namespace
 
 TEST_CASE(
-    "splats: weighed by the part of the filter that the sampled pixels hold, they make the image of camera samples") {
+    "splats: filter weights normalised by the sampled pixels reproduce the image of camera samples") {
   for (const PixelFilter& filter : kFilters)
     for (const bool border : {false, true})
       for (const PixelRect crop : {kFrame, PixelRect{0, 1, 3, 5}}) {
@@ -124,7 +124,7 @@ TEST_CASE(
       }
 }
 
-TEST_CASE("splats: by importance, they count under the whole filter, as if the frame had no edge") {
+TEST_CASE("splats: weights by importance use the whole filter beyond the edge of the frame") {
   for (const PixelFilter& filter : kFilters) {
     CAPTURE(static_cast<int>(filter.kind));
     CAPTURE(filter.stddev);
@@ -133,7 +133,7 @@ TEST_CASE("splats: by importance, they count under the whole filter, as if the f
   }
 }
 
-TEST_CASE("splats: an even image is even up to the corners, exactly") {
+TEST_CASE("splats: a constant image is exactly constant up to its corners") {
   // Weights are piecewise linear over 1/256 of a pixel, so this grid is exact.
   constexpr int kFine = 256;
   for (const PixelFilter& filter : {filter_of(Kind::kTent, 1.37f), filter_of(Kind::kGaussian, 0, 0.31f),

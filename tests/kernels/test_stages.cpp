@@ -14,7 +14,7 @@
 
 namespace sheaf::test_stages {
 
-TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within its pixel", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("camera rays: every sample of the task starts once in order and inside its pixel", L, SHEAF_STAGE_LANES) {
   Description d = empty_scene(40, 30);
   look_at(d, {1, 2, 3}, {-1, 0, 4});
   const auto scene = compile_scene(d);
@@ -70,7 +70,7 @@ TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within
   }
 }
 
-TEST_CASE_TEMPLATE("camera rays: partial tiles leave other slots alone, and a crop changes no ray", L,
+TEST_CASE_TEMPLATE("camera rays: partial tiles leave other slots unchanged and a crop changes no ray", L,
                    SHEAF_STAGE_LANES) {
   Description d = empty_scene(64, 64);
   d.film.filter.kind = PixelFilter::Kind::kLanczos;
@@ -110,7 +110,7 @@ const Vec3f kForward{0, 0, 1};
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("intersect: paths go where their rays lead", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("intersect: paths are pushed to the queue that matches their hit", L, SHEAF_STAGE_LANES) {
   const auto scene = two_squares();
   for (const int paths : kTailSizes) {
     TestWave test(paths);
@@ -160,7 +160,7 @@ TEST_CASE_TEMPLATE("intersect: each side of a surface has its own material", L, 
   CHECK(behind.words[0] == 0.7f);
 }
 
-TEST_CASE_TEMPLATE("intersect: rays that are not finite are dropped, counted and reported, their neighbours traced", L,
+TEST_CASE_TEMPLATE("intersect: non-finite rays are dropped and counted and reported while their neighbours are traced", L,
                    SHEAF_STAGE_LANES) {
   const auto scene = two_squares();
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -220,7 +220,7 @@ TEST_CASE_TEMPLATE("intersect: hidden lights are left to emission", L, SHEAF_STA
   CHECK((wave.radiance.get(seen).task_sample & kTransparent) == 0);
 }
 
-TEST_CASE_TEMPLATE("camera rays: a list of pixels with samples of their own each", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("camera rays: a list of pixels can have individual sample ranges", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(empty_scene(10, 10));
   const std::vector<PixelSamples> pixels = {{0, 3, 0}, {57, 2, 5}, {3, 0, 1}, {98, 7, 0}, {12, 1, 40}, {99, 0, 0}};
   TestWave test(20);
@@ -242,7 +242,7 @@ TEST_CASE_TEMPLATE("camera rays: a list of pixels with samples of their own each
   CHECK(started == expected);
 }
 
-TEST_CASE_TEMPLATE("stages: empty queues are no work", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("stages: empty queues do no work", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(mixed_scene());
   TestWave test(9);
   Wave& wave = test.wave;
@@ -260,7 +260,7 @@ TEST_CASE_TEMPLATE("stages: empty queues are no work", L, SHEAF_STAGE_LANES) {
   CHECK(wave.shadow_count == 0);
 }
 
-TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists that it consumes are empty after it",
+TEST_CASE_TEMPLATE("stages: only declared queues change and consumed queues are empty afterwards",
                    L, SHEAF_STAGE_LANES) {
   Description d = mixed_scene();
   add_media_and_masks(d);
@@ -337,7 +337,7 @@ TEST_CASE_TEMPLATE("stages: only the queues that a stage names change, and lists
   }
 }
 
-TEST_CASE_TEMPLATE("debug view: normals and depth of the first surface", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("debug view: normals and depth of the first surface are shown", L, SHEAF_STAGE_LANES) {
   Description d = empty_scene(4, 4);
   add_sphere(d, {0, 0, 5}, 2);
   for (const IntegratorKind kind : {IntegratorKind::kNormals, IntegratorKind::kDepth}) {
@@ -367,7 +367,7 @@ TEST_CASE_TEMPLATE("debug view: normals and depth of the first surface", L, SHEA
   }
 }
 
-TEST_CASE_TEMPLATE("accumulate: finished paths reach their own samples, weighted", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("accumulate: finished paths add their weighted radiance to their own samples", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(empty_scene(4, 4));
   for (const int paths : kTailSizes) {
     TestWave test(paths);
@@ -396,7 +396,7 @@ TEST_CASE_TEMPLATE("accumulate: finished paths reach their own samples, weighted
   }
 }
 
-TEST_CASE_TEMPLATE("accumulate: samples that are not finite or negative are dropped and reported", L,
+TEST_CASE_TEMPLATE("accumulate: non-finite and negative samples are dropped and reported", L,
                    SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(empty_scene(4, 4));
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -420,7 +420,7 @@ TEST_CASE_TEMPLATE("accumulate: samples that are not finite or negative are drop
   CHECK(wave.free.size() == wave.capacity);
 }
 
-TEST_CASE_TEMPLATE("stages: a recorder sees every ray", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("stages: a ray recorder sees every ray", L, SHEAF_STAGE_LANES) {
   struct Counter : RayRecorder {
     int nearest = 0, any = 0;
     void record(const RayPacket&, int count, Query query) override {

@@ -49,7 +49,7 @@ double wave_difference(const Wave& a, const Wave& b) {
 
 }  // namespace
 
-TEST_CASE("stages: registers do what single paths do, stage by stage, in both colour modes") {
+TEST_CASE("stages: SIMD path stages equal scalar ones in both colour modes") {
   Description d = mixed_scene();
   d.integrator.rr_depth = 2;
   DielectricDescription glass;
@@ -110,7 +110,7 @@ TEST_CASE("stages: registers do what single paths do, stage by stage, in both co
   }
 }
 
-TEST_CASE("stages: registers do what single photons do, stage by stage, in both colour modes") {
+TEST_CASE("stages: SIMD photon stages equal scalar ones in both colour modes") {
   Description d = mixed_scene();
   d.integrator.rr_depth = 2;
   d.integrator.kind = IntegratorKind::kLightTracer;

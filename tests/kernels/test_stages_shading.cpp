@@ -68,7 +68,7 @@ template <class F> void for_each_item(const Wave& wave, F&& f) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("sort: hits lie in runs by kind, then material, in their old order", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("sort: hits are sorted by kind and material and the sort is stable", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(squares());
   for (const int paths : kTailSizes) {
     ShadedWave<L> test(*scene, paths, mixed);
@@ -98,7 +98,7 @@ TEST_CASE_TEMPLATE("sort: hits lie in runs by kind, then material, in their old 
   }
 }
 
-TEST_CASE_TEMPLATE("sort: runs of kinds that nothing hit are empty", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("sort: ranges of kinds without hits are empty", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(squares());
   for (const int square : {kGrey, kMirror, kGlass})
     for (const int paths : kTailSizes) {
@@ -108,7 +108,7 @@ TEST_CASE_TEMPLATE("sort: runs of kinds that nothing hit are empty", L, SHEAF_ST
     }
 }
 
-TEST_CASE_TEMPLATE("surface inputs: places, frames and parameters of every hit", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("surface inputs: positions and frames and parameters are set for every hit", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(squares());
   for (const int paths : kTailSizes) {
     ShadedWave<L> test(*scene, paths, mixed);
@@ -146,7 +146,7 @@ template <class L> void sample_lights(const StageContext& context, Wave& wave) {
   }
 }
 
-TEST_CASE_TEMPLATE("light candidates: a point light in closed form, none for specular surfaces", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("light candidates: a point light matches its closed form and specular surfaces get none", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(squares());
   const Vec3f light{0, 0, -1};
   for (const int paths : kTailSizes) {
@@ -180,7 +180,7 @@ TEST_CASE_TEMPLATE("light candidates: a point light in closed form, none for spe
   }
 }
 
-TEST_CASE_TEMPLATE("light candidates: strategies weigh samples as they should", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("light candidates: each sampling strategy applies its MIS weight", L, SHEAF_STAGE_LANES) {
   Description d = squares(false);
   emit(add_rectangle(d, Transform::translate({1, 0, -1})), 4);
   std::vector<ShadowItem<Scalar>> alone, mis;
@@ -206,7 +206,7 @@ TEST_CASE_TEMPLATE("light candidates: strategies weigh samples as they should", 
   }
 }
 
-TEST_CASE_TEMPLATE("light candidates: no shadow rays without light, from behind, or for black surfaces", L,
+TEST_CASE_TEMPLATE("light candidates: unlit and backfacing and black surfaces get no shadow rays", L,
                    SHEAF_STAGE_LANES) {
   Description dark = squares(false), behind = squares(false), black = squares();
   add_point_light(behind, {0, 0, 5}, 10);
@@ -219,7 +219,7 @@ TEST_CASE_TEMPLATE("light candidates: no shadow rays without light, from behind,
   }
 }
 
-TEST_CASE_TEMPLATE("shadow: what is not blocked is paid to its own path", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("shadow: unoccluded contributions are added to their own paths", L, SHEAF_STAGE_LANES) {
   Description d = empty_scene(4, 4);
   add_rectangle(d, Transform::translate({0, 0, 1}));
   const auto scene = compile_scene(d);
@@ -256,7 +256,7 @@ TEST_CASE_TEMPLATE("shadow: what is not blocked is paid to its own path", L, SHE
   }
 }
 
-TEST_CASE_TEMPLATE("scatter: every path goes on by its own closure", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("scatter: every path continues by its own closure", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(squares());
   for (const int paths : kTailSizes) {
     ShadedWave<L> test(*scene, paths, mixed);
@@ -301,7 +301,7 @@ TEST_CASE_TEMPLATE("scatter: every path goes on by its own closure", L, SHEAF_ST
   }
 }
 
-TEST_CASE_TEMPLATE("scatter: absorbed paths and those of the greatest length end", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("scatter: absorbed paths and paths of maximum depth end", L, SHEAF_STAGE_LANES) {
   Description d = squares();
   d.materials[0].model = DiffuseDescription{SpectrumDescription::constant(0)};
   d.shapes[kMirror].to_world = Transform::translate({3, 0, 2});  // shows its back, which is black
@@ -341,7 +341,7 @@ TEST_CASE_TEMPLATE("scatter: the ray that reaches max_depth is the last", L, SHE
     }
 }
 
-TEST_CASE_TEMPLATE("scatter: roulette ends paths by their throughput and pays those that go on", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("scatter: Russian roulette follows the throughput and reweights survivors", L, SHEAF_STAGE_LANES) {
   Description d = squares();
   d.integrator.rr_depth = 3;
   const auto scene = compile_scene(d);
@@ -392,7 +392,7 @@ constexpr LightStrategy kStrategies[] = {LightStrategy::kMis, LightStrategy::kBs
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("emission: the environment, weighted against light sampling", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("emission: the environment is weighted against light sampling", L, SHEAF_STAGE_LANES) {
   for (const LightStrategy strategy : kStrategies)
     for (const bool hide : {false, true}) {
       Description d = empty_scene(4, 4);
@@ -432,7 +432,7 @@ TEST_CASE_TEMPLATE("emission: the environment, weighted against light sampling",
     }
 }
 
-TEST_CASE_TEMPLATE("emission: area lights shine from their front, weighted against light sampling", L,
+TEST_CASE_TEMPLATE("emission: area lights emit from their front and are weighted against light sampling", L,
                    SHEAF_STAGE_LANES) {
   for (const LightStrategy strategy : kStrategies) {
     Description d = empty_scene(4, 4);

@@ -49,7 +49,7 @@ std::vector<Photon> random_photons(int count, std::uint32_t medium) {
 
 }  // namespace
 
-TEST_CASE("points near rays: those that are, and each once") {
+TEST_CASE("point query: every point near a ray is found once") {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> u(-1, 1);
   std::vector<AccelPoint> points;
@@ -87,7 +87,7 @@ TEST_CASE("points near rays: those that are, and each once") {
   CHECK(none.empty());
 }
 
-TEST_CASE("gather volume: registers do what single photons do; the sum is that over all photons, by hand") {
+TEST_CASE("gather volume: SIMD photon results equal scalar ones and the sum over all photons") {
   MediumDescription medium;
   medium.coefficients = ExtinctionAlbedoDescription{SpectrumDescription::rgb(0.1f, 0.2f, 0.05f),
                                                     SpectrumDescription::rgb(0.8f, 0.6f, 0.9f)};
@@ -146,7 +146,7 @@ TEST_CASE("gather volume: registers do what single photons do; the sum is that o
   }
 }
 
-TEST_CASE("gather volume: in a grid, transmittance is right in the mean, up to each photon and beyond") {
+TEST_CASE("gather volume: transmittance in a grid is unbiased up to each photon and beyond") {
   const TemporaryFolder folder;
   // Density increases along z from 0 to 1 in 32 voxels.
   const auto file = write_vol(folder.path() / "ramp.vol", 32, 1, [](Vec3f p, int) { return p.z; });

@@ -96,7 +96,7 @@ std::array<double, 4> lanes(const Spectrum4& s) {
 
 }  // namespace
 
-TEST_CASE("gather: of path, vertex and photon, those that keep one wavelength count for the other three once") {
+TEST_CASE("gather: single-wavelength paths and vertices and photons count once for the other three wavelengths") {
   const auto scene = compile_scene(sheet_and_wall(), kSpectral);
   for (const bool from_behind : {false, true}) {
     const PhotonMap whole({photons_at_sheet(from_behind, false)}, 1000, 0.3f, PhotonKernel::kDisc);
@@ -196,7 +196,7 @@ template <class L> InMedium gather_in_medium(MediumPhotons kept, bool single_ray
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("gather volume: of ray and photon, those that keep one wavelength count for all four once", L,
+TEST_CASE_TEMPLATE("gather volume: single-wavelength rays and photons count once for all four wavelengths", L,
                    SHEAF_STAGE_LANES) {
   constexpr double kPi = 3.14159265358979, kPhase = 1 / (4 * kPi);
   const std::array<double, 4> sigma = gather_in_medium<L>(MediumPhotons::kPoints, false, false).sigma_t;
@@ -223,7 +223,7 @@ TEST_CASE_TEMPLATE("gather volume: of ray and photon, those that keep one wavele
     }
 }
 
-TEST_CASE_TEMPLATE("photons in media say whether one wavelength is left, as points and as beams", L,
+TEST_CASE_TEMPLATE("photons in media record whether one wavelength is left as points and as beams", L,
                    SHEAF_STAGE_LANES) {
   for (const MediumPhotons kept : {MediumPhotons::kPoints, MediumPhotons::kBeams}) {
     const auto scene = compile_scene(colored_box(kept), kSpectral);
@@ -255,7 +255,7 @@ TEST_CASE_TEMPLATE("photons in media say whether one wavelength is left, as poin
   }
 }
 
-TEST_CASE_TEMPLATE("photons on surfaces say whether one wavelength is left", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("photons on surfaces record whether one wavelength is left", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(sheet_and_wall(), kSpectral);
   TestWave test(60, 0);
   StageContext context = test.photon_context(*scene, 60);
@@ -276,7 +276,7 @@ TEST_CASE_TEMPLATE("photons on surfaces say whether one wavelength is left", L, 
     CHECK(((photon.surface & kPhotonSingleWavelength) != 0) == ((photon.order >> kVertexBits) % 3 == 0));
 }
 
-TEST_CASE_TEMPLATE("shadow rays through what disperses keep the density of the first wavelength alone", L,
+TEST_CASE_TEMPLATE("shadow rays through dispersive surfaces keep the pdf of the hero wavelength", L,
                    SHEAF_STAGE_LANES) {
   for (const bool photons : {false, true})
     for (const bool single_path : {false, true}) {
@@ -324,7 +324,7 @@ TEST_CASE_TEMPLATE("shadow rays through what disperses keep the density of the f
     }
 }
 
-TEST_CASE_TEMPLATE("scatter: where one wavelength goes on, its density does; of stored photons the mean of all", L,
+TEST_CASE_TEMPLATE("scatter: single-wavelength paths use its pdf and stored photons the mean of all", L,
                    SHEAF_STAGE_LANES) {
   enum class Who { kPath, kTracedPhoton, kStoredPhoton };
   for (const Who who : {Who::kPath, Who::kTracedPhoton, Who::kStoredPhoton}) {
@@ -360,7 +360,7 @@ TEST_CASE_TEMPLATE("scatter: where one wavelength goes on, its density does; of 
   }
 }
 
-TEST_CASE_TEMPLATE("photon rays: stored photons sample their flights by any lane, others by the first", L,
+TEST_CASE_TEMPLATE("photon rays: stored photons sample distances by any wavelength and others by the hero wavelength", L,
                    SHEAF_STAGE_LANES) {
   const auto lanes_of = [](ColorMode color, bool stored) {
     const auto scene = compile_scene(colored_box(MediumPhotons::kPoints), {.color = color});
