@@ -82,7 +82,7 @@ template <class Bsdf, std::size_t N> void check_against_references(const Bsdf& b
 
 }  // namespace
 
-TEST_CASE("measured: tables of a microfacet model scatter as the model does") {
+TEST_CASE("measured: tables computed from a microfacet model scatter as the model does") {
   const Measured measured(fine_facets().tabulate());
   for (const float phi : {-2.0f, 0.0f, 0.7f}) check_against_facets(fine_facets(), measured, phi, 0.02);
 }

@@ -200,7 +200,7 @@ TEST_CASE("light emission: photons of two-sided lights and of lights with given 
   }
 }
 
-TEST_CASE("light emission: photons of delta lights and environments and all lights together agree with light sampling") {
+TEST_CASE("light emission: photons of delta lights and environments and mixed lights agree with light sampling") {
   const TemporaryFolder folder;
   std::vector<Case> cases = placed_cases(folder);
   cases.push_back(mixed_case(folder));
@@ -271,7 +271,7 @@ TEST_CASE("light emission: photons in spectral mode agree with light sampling at
   }
 }
 
-TEST_CASE("light emission: photons start on the surface and leave with a cosine distribution") {
+TEST_CASE("light emission: photons start just off the surface and leave with a cosine distribution") {
   const auto cases = area_cases();
   for (const Case& c : cases) {
     CAPTURE(c.name);

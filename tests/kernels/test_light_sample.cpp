@@ -206,13 +206,13 @@ void check_samples(const SceneView& scene, Vec3f from) {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("light sampling: rectangles agree with quadrature") {
+TEST_CASE("light sampling: samples of rectangles follow their pdf") {
   const auto scene = lone_light(RectangleShape{}, kTilt * Transform::scale({1, 0.5f, 1}));
   check_directions(scene->view(), {0, 0, 0}, window({0.1f, 0, 1}, 0.6), Use::kWhole);
   check_samples(scene->view(), {0, 0, 0});
 }
 
-TEST_CASE("light sampling: meshes of unequal triangles agree with quadrature") {
+TEST_CASE("light sampling: samples of meshes with unequal triangles follow their pdf") {
   const auto scene = lone_light(uneven_mesh(), Transform::translate({0, 0, 3}) * Transform::rotate({0, 1, 0}, 160));
   check_directions(scene->view(), {0.2f, -0.1f, 0}, window({0, 0, 1}, 0.8), Use::kWhole);
   check_samples(scene->view(), {0.2f, -0.1f, 0});
@@ -254,7 +254,7 @@ TEST_CASE("light sampling: circular and elliptic disks agree with quadrature") {
   }
 }
 
-TEST_CASE("light sampling: cylinders seen from outside agree with quadrature") {
+TEST_CASE("light sampling: samples of cylinders seen from outside follow their pdf") {
   for (const Vec3f scale : {Vec3f{1, 1, 1}, Vec3f{1, 0.4f, 1}}) {
     const auto scene =
         lone_light(CylinderShape{{0, -0.5f, 0}, {0, 0.7f, 0}, 0.5f},
@@ -264,13 +264,13 @@ TEST_CASE("light sampling: cylinders seen from outside agree with quadrature") {
   }
 }
 
-TEST_CASE("light sampling: a flipped cylinder seen from inside agrees with quadrature") {
+TEST_CASE("light sampling: samples of a flipped cylinder seen from inside follow their pdf") {
   const auto scene = lone_light(CylinderShape{{0, 0, -1}, {0, 0, 1.5f}, 1}, Transform::rotate({1, 0, 0}, 30), true);
   check_directions(scene->view(), {0.3f, 0.1f, 0.2f}, whole_sphere(), Use::kWhole);
   check_samples(scene->view(), {0.3f, 0.1f, 0.2f});
 }
 
-TEST_CASE("light sampling: spheres at all distances agree with quadrature") {
+TEST_CASE("light sampling: samples of spheres at all distances follow their pdf") {
   const auto scene = lone_light(SphereShape{{0, 0, 3}, 1}, Transform());
   CHECK(scene->view().lights[0].is(LightKind::kSphere));
   check_directions(scene->view(), {0, 0, -1e3f}, window({0, 0, 1}, 1.2e-3), Use::kWhole);
@@ -286,7 +286,7 @@ TEST_CASE("light sampling: a sphere that emits outwards sends nothing to its ins
     CHECK_FALSE(sample_any_light<Scalar>(scene->view(), {0.1f, 0, 3}, lane_random(44, i, 0)).valid);
 }
 
-TEST_CASE("light sampling: a flipped sphere seen from its centre and near its surface agrees with quadrature") {
+TEST_CASE("light sampling: samples of a flipped sphere seen from its centre and near its surface follow their pdf") {
   const auto scene = lone_light(SphereShape{{1, 0, 0}, 2}, Transform(), true);
   for (const Vec3f from : {Vec3f{1, 0, 0}, Vec3f{-0.6f, 0.4f, 0.1f}}) {
     check_directions(scene->view(), from, whole_sphere(), Use::kWhole);
@@ -296,7 +296,7 @@ TEST_CASE("light sampling: a flipped sphere seen from its centre and near its su
   check_directions(scene->view(), {1, 0, -5}, window({0, 0, 1}, 0.5), Use::kPart);
 }
 
-TEST_CASE("light sampling: ellipsoids agree with quadrature") {
+TEST_CASE("light sampling: samples of ellipsoids follow their pdf") {
   const auto scene = lone_light(SphereShape{}, Transform::translate({0, 0, 4}) * Transform::rotate({1, 1, 1}, 50) *
                                                    Transform::scale({0.4f, 1, 1.6f}));
   CHECK(scene->view().lights[0].is(LightKind::kQuadric));
@@ -304,7 +304,7 @@ TEST_CASE("light sampling: ellipsoids agree with quadrature") {
   check_samples(scene->view(), {0, 0, 0});
 }
 
-TEST_CASE("light sampling: the environment agrees with its pdf") {
+TEST_CASE("light sampling: samples of a constant environment are uniform") {
   Description d = empty_scene(4, 4);
   add_sphere(d, {1, 2, 3}, 2);
   add_constant_light(d, 3);
@@ -321,7 +321,7 @@ TEST_CASE("light sampling: the environment agrees with its pdf") {
   }
 }
 
-TEST_CASE("light sampling: a sun of any size agrees with its visible disk") {
+TEST_CASE("light sampling: samples of a sun of any size are uniform over its disk") {
   for (const float radius : {0.2679f, 30.0f}) {
     Description d = empty_scene(4, 4);
     add_sphere(d, {1, 2, 3}, 2);

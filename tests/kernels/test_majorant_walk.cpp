@@ -275,7 +275,7 @@ TEST_CASE("majorant walk: leaves beyond the table do not lead a ray out of it") 
   CHECK(steps > 1000);
 }
 
-TEST_CASE("majorant grid: the bound outside the box is zero or that of the boundary value") {
+TEST_CASE("majorant grid: the bound outside the box is zero for sparse grids and the maximum for others") {
   for (const TestGrid& grid : test_grids())
     for (const GridFilter filter : kFilters) {
       const Bounded b = bounded(grid, filter, {}, skewed_transform());

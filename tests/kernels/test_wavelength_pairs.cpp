@@ -96,7 +96,7 @@ std::array<double, 4> lanes(const Spectrum4& s) {
 
 }  // namespace
 
-TEST_CASE("gather: single-wavelength paths and vertices and photons count once for the other three wavelengths") {
+TEST_CASE("gather: the factor four of single wavelengths is applied once over path and vertex and photon") {
   const auto scene = compile_scene(sheet_and_wall(), kSpectral);
   for (const bool from_behind : {false, true}) {
     const PhotonMap whole({photons_at_sheet(from_behind, false)}, 1000, 0.3f, PhotonKernel::kDisc);
@@ -196,7 +196,7 @@ template <class L> InMedium gather_in_medium(MediumPhotons kept, bool single_ray
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("gather volume: single-wavelength rays and photons count once for all four wavelengths", L,
+TEST_CASE_TEMPLATE("gather volume: the factor four of single wavelengths is applied once over ray and photon", L,
                    SHEAF_STAGE_LANES) {
   constexpr double kPi = 3.14159265358979, kPhase = 1 / (4 * kPi);
   const std::array<double, 4> sigma = gather_in_medium<L>(MediumPhotons::kPoints, false, false).sigma_t;
@@ -324,7 +324,7 @@ TEST_CASE_TEMPLATE("shadow rays through dispersive surfaces keep the pdf of the 
     }
 }
 
-TEST_CASE_TEMPLATE("scatter: single-wavelength paths use its pdf and stored photons the mean of all", L,
+TEST_CASE_TEMPLATE("scatter: dispersed paths keep the pdf of their wavelength and stored photons the mean of all", L,
                    SHEAF_STAGE_LANES) {
   enum class Who { kPath, kTracedPhoton, kStoredPhoton };
   for (const Who who : {Who::kPath, Who::kTracedPhoton, Who::kStoredPhoton}) {
