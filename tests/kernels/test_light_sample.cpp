@@ -246,7 +246,7 @@ TEST_CASE("light sampling: a goniometric light follows its image with the first 
   }
 }
 
-TEST_CASE("light sampling: circular and elliptic disks agree with quadrature") {
+TEST_CASE("light sampling: samples of circular and elliptic disks follow their pdf") {
   for (const Vec3f scale : {Vec3f{1, 1, 1}, Vec3f{1, 0.4f, 1}}) {
     const auto scene = lone_light(DiskShape{}, kTilt * Transform::scale(scale));
     check_directions(scene->view(), {0, 0, 0}, window({0.1f, 0, 1}, 0.5), Use::kWhole);
