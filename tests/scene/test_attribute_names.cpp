@@ -51,7 +51,7 @@ Outcome compile(const std::string& inside, bool lenient = false) {
 
 }  // namespace
 
-TEST_CASE("attribute names: one that no mesh with the material has is an error with its place and the nearest name") {
+TEST_CASE("attribute names: a name that no mesh with the material has is an error with line and nearest name") {
   const Outcome outcome =
       compile(mesh("ply", "\n" + diffuse(attribute("vertex_colour", "reflectance", " id='paint'"))));
   CHECK(contains(outcome.error,
@@ -60,7 +60,7 @@ TEST_CASE("attribute names: one that no mesh with the material has is an error w
   CHECK(compile(mesh("ply", diffuse(attribute("vertex_color")))).error.empty());
 }
 
-TEST_CASE("attribute names: another mesh having it does not help, nor do shapes that are no meshes") {
+TEST_CASE("attribute names: attributes of other meshes do not count and shapes that are not meshes have none") {
   const std::string paint = diffuse(attribute("vertex_color"));
   const std::string good = mesh("ply", paint);
   for (const std::string& bad : {mesh("obj", paint), "<shape type='sphere'>" + paint + "</shape>"}) {
@@ -70,7 +70,7 @@ TEST_CASE("attribute names: another mesh having it does not help, nor do shapes 
   CHECK(contains(compile(mesh("obj", paint)).error, "(no mesh of the scene has any)"));
 }
 
-TEST_CASE("attribute names: they are found in every slot, and in what materials and textures combine") {
+TEST_CASE("attribute names: attributes are checked in every slot and in nested materials and textures") {
   const std::string wrong = attribute("face_x");
   const std::string board =
       "<texture type='checkerboard' name='reflectance'>" + attribute("face_x", "color1") + "</texture>";
@@ -96,7 +96,7 @@ TEST_CASE("attribute names: they are found in every slot, and in what materials 
                  "has the attribute 'face_x'"));
 }
 
-TEST_CASE("attribute names: a material of several meshes, some of which have it, is a warning") {
+TEST_CASE("attribute names: an attribute that only some meshes of a material have is a warning") {
   const std::string shared = "<bsdf type='diffuse' id='m'>" + attribute("vertex_color") + "</bsdf>";
   const Outcome outcome = compile(shared + mesh("ply", "<ref id='m'/>") + mesh("obj", "<ref id='m'/>"));
   CHECK(outcome.error.empty());
@@ -104,12 +104,12 @@ TEST_CASE("attribute names: a material of several meshes, some of which have it,
   CHECK(contains(outcome.warnings[0], "1 of 2 shapes with this material lack the attribute 'vertex_color'"));
 }
 
-TEST_CASE("attribute names: materials that no shape has are not looked at, and wireframes need none") {
+TEST_CASE("attribute names: unused materials are not checked and wireframes need no attributes") {
   CHECK(compile("<bsdf type='diffuse' id='m'>" + attribute("vertex_x") + "</bsdf>" + mesh("ply", "")).error.empty());
   CHECK(compile(mesh("obj", diffuse("<texture type='wireframe' name='reflectance'/>"))).error.empty());
 }
 
-TEST_CASE("attribute names: leniently the texture is grey") {
+TEST_CASE("attribute names: in lenient mode the texture becomes grey") {
   const Outcome outcome = compile(mesh("ply", diffuse(attribute("vertex_x"))), true);
   CHECK(outcome.error.empty());
   REQUIRE(outcome.warnings.size() == 1);

@@ -42,7 +42,7 @@ void check_lookups(const TestGrid& t, GridFilter filter, float beyond, std::uint
 
 }  // namespace
 
-TEST_CASE("brick grid: dense grids of all sizes, borders and filters") {
+TEST_CASE("brick grid: dense grids of all sizes match a direct lookup with all borders and filters") {
   const std::array<int, 3> sizes[] = {{1, 1, 1}, {2, 3, 1}, {7, 8, 9}, {8, 8, 8}, {16, 17, 15}, {1, 40, 2}};
   for (const auto& size : sizes)
     for (const GridBorder border : kBorders)
@@ -52,7 +52,7 @@ TEST_CASE("brick grid: dense grids of all sizes, borders and filters") {
       }
 }
 
-TEST_CASE("brick grid: sparse grids with blocks anywhere") {
+TEST_CASE("brick grid: sparse grids with scattered blocks match a direct lookup") {
   for (const int channels : {1, 3}) {
     for (const GridFilter filter : kFilters) {
       check_lookups(make_sparse_test_grid(channels, {{0, 0, 0}}), filter, 3, 5000);
@@ -65,7 +65,7 @@ TEST_CASE("brick grid: sparse grids with blocks anywhere") {
   }
 }
 
-TEST_CASE("brick grid: what is constant is stored once") {
+TEST_CASE("brick grid: constant bricks are stored once") {
   VoxelBlocks blocks(1);
   const float one = 1, two = 2;
   for (int x = 0; x < 20; ++x)
@@ -86,7 +86,7 @@ TEST_CASE("brick grid: what is constant is stored once") {
   CHECK(dense.values.size() == dense.brick_size());
 }
 
-TEST_CASE("brick grid: boxes in local space") {
+TEST_CASE("brick grid: grids have the right bounds in local space") {
   TestGrid t = make_sparse_test_grid(1, {{1, 2, 3}});
   t.grid.grid_to_local = Transform::scale({0.5f, 0.5f, -0.5f});
   const auto& lo = t.grid.voxel_min;
@@ -97,7 +97,7 @@ TEST_CASE("brick grid: boxes in local space") {
   CHECK(t.grid.local_box(GridFilter::kNearest).max.y == 0.5f * (static_cast<float>(hi[1]) + 0.5f));
 }
 
-TEST_CASE("brick grid: empty ones are background everywhere") {
+TEST_CASE("brick grid: empty grids have the background value everywhere") {
   VoxelBlocks blocks(3, {1, 2, 3});
   blocks.add({4, 4, 4});
   for (const BrickGrid& grid : {make_sparse_grid(VoxelBlocks(3, {1, 2, 3})), make_sparse_grid(blocks)}) {
@@ -112,7 +112,7 @@ TEST_CASE("brick grid: empty ones are background everywhere") {
   }
 }
 
-TEST_CASE("brick grid: no coordinate leads out of the table") {
+TEST_CASE("brick grid: no coordinate leads outside the table") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const float extremes[] = {0,     -0.0f, 1e-40f, -1e-40f, 7.5f,   8,         -1,         0.49999997f, 16.0f,
                             15.5f, 1e9f,  -1e9f,  3e38f,   -3e38f, kInfinity, -kInfinity, kNan};
@@ -129,7 +129,7 @@ TEST_CASE("brick grid: no coordinate leads out of the table") {
   }
 }
 
-TEST_CASE("brick grid: sizes that cannot be are errors") {
+TEST_CASE("brick grid: impossible sizes are errors") {
   const std::vector<float> none;
   CHECK_THROWS_AS(make_dense_grid(1, {0, 1, 1}, none, GridBorder::kClamp), SceneError);
   CHECK_THROWS_AS(make_dense_grid(1, {-5, 1, 1}, none, GridBorder::kClamp), SceneError);

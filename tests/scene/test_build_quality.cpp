@@ -38,7 +38,7 @@ struct Triangles {
 }  // namespace
 
 TEST_CASE(
-    "wasted boxes: none around flat triangles along the axes but the other half, many around long slanting ones") {
+    "box waste: half of a box of axis-aligned flat triangles is wasted and more of slanted ones") {
   // Two halves of a square: its box counts twice, both halves together once.
   Triangles square;
   square.add({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
@@ -55,7 +55,7 @@ TEST_CASE(
   CHECK(Triangles{}.waste() == 0);
 }
 
-TEST_CASE("wasted boxes: a fine mesh is not worth splitting, needles across it are") {
+TEST_CASE("box waste: a fine mesh is not worth spatial splits but long needles across it are") {
   Triangles mesh;
   constexpr int kSide = 40;
   const auto point = [](int i, int k) {

@@ -78,7 +78,7 @@ std::string wide(const std::string& text, std::size_t bytes, bool big_endian) {
 
 }  // namespace
 
-TEST_CASE("byte order mark: every text file reads the same with that of UTF-8") {
+TEST_CASE("byte order mark: a UTF-8 mark does not change any text format") {
   const TemporaryFolder folder;
   for (const TextKind& kind : kinds()) {
     CAPTURE(kind.name);
@@ -88,7 +88,7 @@ TEST_CASE("byte order mark: every text file reads the same with that of UTF-8") 
   }
 }
 
-TEST_CASE("byte order mark: text in UTF-16 and UTF-32 is an error that says so, with file and line") {
+TEST_CASE("byte order mark: UTF-16 and UTF-32 are errors with file and line") {
   const TemporaryFolder folder;
   for (const TextKind& kind : kinds())
     for (const std::size_t bytes : {std::size_t{2}, std::size_t{4}})
@@ -105,7 +105,7 @@ TEST_CASE("byte order mark: text in UTF-16 and UTF-32 is an error that says so, 
       }
 }
 
-TEST_CASE("byte order mark: included files, material libraries and named spectra may have one") {
+TEST_CASE("byte order mark: included files and material libraries and named spectra may begin with one") {
   const TemporaryFolder folder;
   write_below(folder, "part.xml", kMark + "<scene version='3.0.0'><shape type='sphere'/></scene>");
   CHECK(scene_of(write_below(folder, "scene.xml", mitsuba_scene("<include filename='part.xml'/>"))) == "1 768");

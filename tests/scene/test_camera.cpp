@@ -48,7 +48,7 @@ void check_vector(Vec3f found, Vec3f expected) {
 
 }  // namespace
 
-TEST_CASE("camera: the field of view spans the axis it is given for") {
+TEST_CASE("camera: the field of view applies to the given axis") {
   for (const float fov : {20.0f, 60.0f, 120.0f}) {
     CHECK(fields_of_view(camera_with(fov, Axis::kX), 300, 200).x == doctest::Approx(fov).epsilon(1e-4));
     CHECK(fields_of_view(camera_with(fov, Axis::kY), 300, 200).y == doctest::Approx(fov).epsilon(1e-4));
@@ -60,7 +60,7 @@ TEST_CASE("camera: the field of view spans the axis it is given for") {
   }
 }
 
-TEST_CASE("camera: pixels are square whatever the axis") {
+TEST_CASE("camera: pixels are square for every axis of the field of view") {
   for (const Axis axis : {Axis::kX, Axis::kY, Axis::kDiagonal, Axis::kSmaller, Axis::kLarger})
     for (const int height : {100, 200, 400}) {
       const Camera camera = make_camera(camera_with(50, axis), 200, height);
@@ -80,7 +80,7 @@ TEST_CASE("camera: camera space looks along +z with +y up and +x to the left") {
   check_vector(direction(camera, 100, 100), normalize(Vec3f{0, -0.5f, 1}));
 }
 
-TEST_CASE("camera: a moved camera looks at its target with its up direction up") {
+TEST_CASE("camera: a moved camera faces its target with the given up vector") {
   const Vec3f origin{1, 2, 3}, target{-2, 5, 4}, up{0, 0, 1};
   CameraDescription d = camera_with(40, Axis::kX);
   d.to_world = Transform::look_at(origin, target, up);
@@ -94,7 +94,7 @@ TEST_CASE("camera: a moved camera looks at its target with its up direction up")
   CHECK(dot(right, normalize(cross(forward, up))) == doctest::Approx(length(right)).epsilon(1e-5));
 }
 
-TEST_CASE("camera: scaling a camera widens no picture and leaves directions of unit length") {
+TEST_CASE("camera: scaling a camera keeps its field of view and gives unit directions") {
   CameraDescription d = camera_with(70, Axis::kX);
   d.to_world = Transform::translate({1, 0, 0}) * Transform::scale({5, 5, 5});
   const Camera scaled = make_camera(d, 32, 16), plain = make_camera(camera_with(70, Axis::kX), 32, 16);
@@ -106,12 +106,12 @@ TEST_CASE("camera: scaling a camera widens no picture and leaves directions of u
   check_vector(direction(make_camera(d, 32, 16), 3, 5), direction(plain, 29, 5));
 }
 
-TEST_CASE("camera: fields of view outside of (0, 180) are refused") {
+TEST_CASE("camera: fields of view that are not between 0 and 180 degrees are rejected") {
   for (const float fov : {0.0f, -10.0f, 180.0f, 400.0f, std::numeric_limits<float>::quiet_NaN(), kInfinity})
     CHECK_THROWS_AS(make_camera(camera_with(fov, Axis::kX), 10, 10), SceneError);
 }
 
-TEST_CASE("camera: principal points shift the picture, by parts of its size to the left and upwards") {
+TEST_CASE("camera: principal points shift the image by fractions of its size to the left and upwards") {
   CameraDescription d = camera_with(40, Axis::kX);
   d.principal_point_x = 0.1f;
   d.principal_point_y = -0.2f;
@@ -120,7 +120,7 @@ TEST_CASE("camera: principal points shift the picture, by parts of its size to t
   check_vector(direction(shifted, 80, 70), {0, 0, 1});
 }
 
-TEST_CASE("camera: rays begin on the near plane and end on the far one") {
+TEST_CASE("camera: rays start at the near plane and end at the far plane") {
   for (const bool orthographic : {false, true}) {
     CameraDescription d = camera_with(70, Axis::kX);
     if (orthographic) d.projection = CameraDescription::Projection::kOrthographic;
@@ -141,7 +141,7 @@ TEST_CASE("camera: rays begin on the near plane and end on the far one") {
   }
 }
 
-TEST_CASE("camera: clip planes move with the camera's scale") {
+TEST_CASE("camera: clip planes scale with the camera") {
   CameraDescription d = camera_with(70, Axis::kX);
   d.near_clip = 1;
   d.far_clip = 3;
@@ -174,7 +174,7 @@ TEST_CASE("camera: a lens is sharp in its focal plane and blurs by similar trian
     }
 }
 
-TEST_CASE("camera: orthographic rays are parallel and span [-1, 1] across the width") {
+TEST_CASE("camera: orthographic rays are parallel and span -1 to 1 across the width") {
   CameraDescription d;
   d.projection = CameraDescription::Projection::kOrthographic;
   d.fov = 0;  // means nothing here
@@ -190,7 +190,7 @@ TEST_CASE("camera: orthographic rays are parallel and span [-1, 1] across the wi
   check_vector(moved.direction, {1, 0, 0});
 }
 
-TEST_CASE("camera: rays that other renderers of the dialect shoot") {
+TEST_CASE("camera: rays match Mitsuba 3") {
   // Origin, direction and length as Mitsuba 3 gives them for films of 200 x 100 pixels at (25 %, 80 %).
   struct Case {
     CameraDescription camera;
@@ -225,7 +225,7 @@ TEST_CASE("camera: rays that other renderers of the dialect shoot") {
   }
 }
 
-TEST_CASE("camera: clip distances, apertures and focus distances that make no sense are refused") {
+TEST_CASE("camera: invalid clip distances and apertures and focus distances are rejected") {
   const auto make = [](auto&& change) {
     CameraDescription d;
     change(d);
@@ -242,7 +242,7 @@ TEST_CASE("camera: clip distances, apertures and focus distances that make no se
   CHECK_THROWS_AS(make([](CameraDescription& d) { d.focus_distance = kNan; }), SceneError);
 }
 
-TEST_CASE("camera: a sphere of directions by longitude and latitude, and where points are seen on it") {
+TEST_CASE("camera: spherical cameras map longitude and latitude to pixels and points back") {
   CameraDescription d;
   d.projection = CameraDescription::Projection::kSpherical;
   d.to_world = Transform::translate({1, 2, 3}) * Transform::scale({2, 2, 2});
@@ -268,7 +268,7 @@ TEST_CASE("camera: a sphere of directions by longitude and latitude, and where p
   CHECK_THROWS_AS(make_camera(d, 200, 100), SceneError);
 }
 
-TEST_CASE("camera: radial distortion moves what is seen, and a point is seen where its ray passes") {
+TEST_CASE("camera: radial distortion moves image points and is inverted for points in the scene") {
   CameraDescription d = camera_with(80, Axis::kX);
   d.to_world = Transform::look_at({3, -1, 2}, {0, 1, 0}, {0, 1, 0}) * Transform::scale({2, 2, 2});
   d.principal_point_x = 0.1f;
@@ -303,7 +303,7 @@ TEST_CASE("camera: radial distortion moves what is seen, and a point is seen whe
   CHECK_THROWS_AS(make_camera(d, 200, 150), SceneError);
 }
 
-TEST_CASE("camera: sensors that make no picture") {
+TEST_CASE("camera: radiance and distant and irradiance meters sample the expected rays") {
   using Projection = CameraDescription::Projection;
   CameraDescription d;
   d.to_world = Transform::look_at({1, 2, 3}, {1, 2, 7}, {0, 1, 0});
@@ -346,7 +346,7 @@ TEST_CASE("camera: sensors that make no picture") {
   }
 }
 
-TEST_CASE("camera: parallel rays with a lens are sharp in the plane in focus") {
+TEST_CASE("camera: orthographic cameras with a lens are sharp in the focal plane") {
   CameraDescription d;
   d.projection = CameraDescription::Projection::kOrthographic;
   d.aperture_radius = 0.25f;
@@ -358,7 +358,7 @@ TEST_CASE("camera: parallel rays with a lens are sharp in the plane in focus") {
   CHECK(length(ray.origin + ray.direction * (4 / ray.direction.z) - Vec3f{0.5f, 0, 4}) < 1e-5f);
 }
 
-TEST_CASE("camera: registers equal single values") {
+TEST_CASE("camera: SIMD results equal scalar ones") {
   CameraDescription d = camera_with(70, Axis::kDiagonal);
   d.to_world = Transform::look_at({3, -1, 2}, {0, 1, 0}, {0, 1, 0});
   d.aperture_radius = 0.3f;

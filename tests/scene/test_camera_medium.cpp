@@ -35,7 +35,7 @@ void check(const Description& d, std::uint32_t medium, bool warns) {
 
 }  // namespace
 
-TEST_CASE("camera medium: a pinhole's, at the near plane") {
+TEST_CASE("camera medium: the medium of a pinhole camera is found at the near plane") {
   check(beside_gas({0, 0, 0}, 1), 1, false);
   check(beside_gas({0, 0, 3}, 1), 0, false);
   Description d = beside_gas({0, 0, 3}, 1);
@@ -47,7 +47,7 @@ TEST_CASE("camera medium: a pinhole's, at the near plane") {
   check(d, 1, true);
 }
 
-TEST_CASE("camera medium: that of the middle of an orthographic camera's film") {
+TEST_CASE("camera medium: the medium of an orthographic camera is found at the centre of its film") {
   Description d = beside_gas({0, 0, 0}, 2);
   d.camera.projection = CameraDescription::Projection::kOrthographic;
   check(d, 1, false);
@@ -67,7 +67,7 @@ TEST_CASE("camera medium: that of the middle of an orthographic camera's film") 
       0, true);
 }
 
-TEST_CASE("camera medium: a lens across a boundary is told") {
+TEST_CASE("camera medium: a lens across a boundary gives a warning") {
   Description d = beside_gas({0, 0, -1}, 1.05f);
   d.camera.focus_distance = 5;
   d.camera.aperture_radius = 0.02f;
@@ -79,7 +79,7 @@ TEST_CASE("camera medium: a lens across a boundary is told") {
   check(d, 1, false);
 }
 
-TEST_CASE("boundaries of media: meshes that are open are told") {
+TEST_CASE("boundaries of media: open meshes give a warning") {
   const auto warns = [](const Mesh& mesh, bool bounds) {
     Description d = empty_scene(4, 4);
     ShapeDescription& shape = add_shape(d, mesh, Transform::translate({0, 0, 5}));

@@ -65,7 +65,7 @@ std::array<double, 4> de_boor(const std::vector<Curves::Point>& points, std::siz
 
 }  // namespace
 
-TEST_CASE("curve files: lines of four numbers, empty lines between curves") {
+TEST_CASE("curve files: points are lines of four numbers and empty lines separate curves") {
   const Curves two = read_curves("0 0 0 0.1\r\n1 +2 3e0 .2\r\n\r\n\r\n 4 5 6 0\n7\t8 9 1\n10 11 12 2");
   CHECK(two.starts == std::vector<std::uint32_t>{0, 2});
   REQUIRE(two.points.size() == 5);
@@ -75,7 +75,7 @@ TEST_CASE("curve files: lines of four numbers, empty lines between curves") {
   CHECK(read_curves("0 0 0 1\n0 0 1 1\n0 0 2 1\n0 0 3 1\n\n", Curves::Basis::kBspline).points.size() == 4);
 }
 
-TEST_CASE("curve files: what is malformed is named with its line") {
+TEST_CASE("curve files: malformed files are errors with a line number") {
   const auto error = [](const std::string& text, Curves::Basis basis = Curves::Basis::kLinear) {
     return error_of([&] { read_curves(text, basis); });
   };
@@ -93,7 +93,7 @@ TEST_CASE("curve files: what is malformed is named with its line") {
       contains(error_of([] { read_curve_file("/nowhere/curve.txt", Curves::Basis::kLinear); }), "/nowhere/curve.txt"));
 }
 
-TEST_CASE("hair files: text and binary say the same") {
+TEST_CASE("hair files: text and binary files give the same curves") {
   const Curves text = read_hairs("# two hairs\n0 0 0\n0 0 1\n1 0 1\n\n5 5 5\n# between\n2 0 0\n2 1 0\n");
   CHECK(text.starts == std::vector<std::uint32_t>{0, 3});
   REQUIRE(text.points.size() == 5);
@@ -108,7 +108,7 @@ TEST_CASE("hair files: text and binary say the same") {
   for (std::size_t i = 0; i < 5; ++i) CHECK(binary.points[i].position == text.points[i].position);
 }
 
-TEST_CASE("hair files: points that change little are left out, and a share of the hairs") {
+TEST_CASE("hair files: nearly straight points and a fraction of the hairs are removed") {
   const std::string bent = "0 0 0\n0 0 1\n0 0.01 2\n0 0.01 2\n0 0.03 3\n1 0.03 3\n";
   CHECK(read_hairs(bent).points.size() == 3);
   HairReading all;
@@ -123,7 +123,7 @@ TEST_CASE("hair files: points that change little are left out, and a share of th
   CHECK(few.points[0].radius == doctest::Approx(0.1f));
 }
 
-TEST_CASE("hair files: truncated, malformed and lying ones are errors") {
+TEST_CASE("hair files: truncated and malformed and inconsistent files are errors") {
   const auto error = [](const std::string& bytes) { return error_of([&] { read_hairs(bytes); }); };
   CHECK(contains(error("0 0 0\n0 0\n"), "wig.hair:2: expected 3 finite numbers (x y z), found '0 0'"));
   CHECK(contains(error(""), "no hair"));
@@ -139,7 +139,7 @@ TEST_CASE("hair files: truncated, malformed and lying ones are errors") {
   CHECK(contains(error("BINARY_HAIR" + word(1) + point(0, std::nanf(""), 0)), "point 1 is not finite"));
 }
 
-TEST_CASE("curves: straight ones are cylinders") {
+TEST_CASE("curves: straight curves are cylinders") {
   const Transform place = Transform::translate({0.5f, -0.25f, 2}) * Transform::rotate({2, -1, 2}, 40);
   const float r = 0.3f;
   const auto straight = [&](Curves::Basis basis, int from, int to) {
@@ -175,7 +175,7 @@ TEST_CASE("curves: straight ones are cylinders") {
   CHECK(compared > 1000);
 }
 
-TEST_CASE("curves: hits are on the swept circles, and tangents fit the normal") {
+TEST_CASE("curves: hits lie on the swept circles and tangents are perpendicular to normals") {
   const std::vector<Curves::Point> points = {{{0, 0, 0}, 0.1f},       {{0.5f, 0.2f, 1}, 0.15f}, {{1, -0.3f, 2}, 0.3f},
                                              {{0.8f, 0.5f, 3}, 0.1f}, {{0, 1, 3.5f}, 0.2f},     {{-0.5f, 0, 4}, 0.05f}};
   const auto scene = lone(one_curve(Curves::Basis::kBspline, points));
@@ -207,7 +207,7 @@ TEST_CASE("curves: hits are on the swept circles, and tangents fit the normal") 
 }
 
 // Mitsuba 3.9 (scalar_rgb), ray_intersect() of rays along +-x on the two curves below: p, n and uv.
-TEST_CASE("curves: points, normals and uv are Mitsuba's") {
+TEST_CASE("curves: positions and normals and uv match Mitsuba") {
   const std::string text =
       "0 0 0 0.1\n0 0 1 0.1\n0.3 0 2 0.2\n0 0 3 0.2\n1 0 4 .1\n\n2 0 0 .1\n2 0 1 .1\n2 0 2 .1\n2 0 3 .1\n";
   struct Expected {
@@ -270,7 +270,7 @@ TEST_CASE("curves: points, normals and uv are Mitsuba's") {
   }
 }
 
-TEST_CASE("curves: rays that leave convex ones don't meet them again") {
+TEST_CASE("curves: rays that leave convex curves do not hit them again") {
   for (const auto basis : {Curves::Basis::kLinear, Curves::Basis::kBspline})
     for (const float scale : {1e-2f, 1.0f, 10.0f})
       for (const float radius : {0.3f, 0.01f}) {
@@ -303,7 +303,7 @@ TEST_CASE("curves: rays that leave convex ones don't meet them again") {
       }
 }
 
-TEST_CASE("curves: instances of them, beside meshes and quadrics, are where they ought to be") {
+TEST_CASE("curves: instances beside meshes and quadrics are placed correctly") {
   const Curves curves = one_curve(
       Curves::Basis::kBspline,
       {{{0, 0, -2}, 0.2f}, {{0.2f, 0, -1}, 0.3f}, {{0, 0.3f, 0}, 0.2f}, {{0, 0, 1}, 0.4f}, {{0, 0, 2}, 0.2f}});
@@ -343,7 +343,7 @@ TEST_CASE("curves: instances of them, beside meshes and quadrics, are where they
   CHECK(on_curve > 200);
 }
 
-TEST_CASE("curves: radii may shrink evenly to nothing") {
+TEST_CASE("curves: radii may decrease linearly to zero") {
   // A cone from radius 0.2 at z = 0 to its tip at z = 1: the control point behind the tip has a negative radius.
   const auto cone = lone(one_curve(Curves::Basis::kBspline,
                                    {{{0, 0, -1}, 0.4f}, {{0, 0, 0}, 0.2f}, {{0, 0, 1}, 0.0f}, {{0, 0, 2}, -0.2f}}),
@@ -357,7 +357,7 @@ TEST_CASE("curves: radii may shrink evenly to nothing") {
   }
 }
 
-TEST_CASE("curves: what they cannot be is an error") {
+TEST_CASE("curves: unsupported and malformed curves are errors") {
   const Curves good = one_curve(Curves::Basis::kLinear, {{{0, 0, 0}, 1}, {{0, 0, 1}, 1}});
   const auto error = [](const Curves& curves, auto&& change) {
     Description d = empty_scene(4, 4);
@@ -382,7 +382,7 @@ TEST_CASE("curves: what they cannot be is an error") {
   CHECK(contains(error(bad, keep), "radius"));
 }
 
-TEST_CASE("curves: segments without a surface are left out") {
+TEST_CASE("curves: segments without a surface are dropped") {
   Curves curves = one_curve(Curves::Basis::kLinear,
                             {{{0, 0, 0}, 0.1f}, {{0, 0, 0}, 0.1f}, {{0, 0, 1}, 0.1f}, {{1e30f, 0, 1}, 0.1f}});
   const auto scene = lone(curves);

@@ -68,7 +68,7 @@ Vec3f sun_irradiance(const SceneView& scene) {
 
 }  // namespace
 
-TEST_CASE("daylight: the sky's radiance") {
+TEST_CASE("daylight: the radiance of the sky matches reference values") {
   struct Case {
     float turbidity;
     Vec3f albedo, sun, direction;
@@ -86,7 +86,7 @@ TEST_CASE("daylight: the sky's radiance") {
   }
 }
 
-TEST_CASE("daylight: the sun's colour and spectrum") {
+TEST_CASE("daylight: the colour and spectrum of the sun match reference values") {
   struct Case {
     float turbidity;
     double elevation;
@@ -114,7 +114,7 @@ TEST_CASE("daylight: the sun's colour and spectrum") {
   }
 }
 
-TEST_CASE("daylight: where the sun stands") {
+TEST_CASE("daylight: the position of the sun follows from date and place") {
   const auto near = [](const SunTime& time, std::array<double, 3> expected) {
     const auto found = sun_position(time);
     double squared = 0;
@@ -140,7 +140,7 @@ TEST_CASE("daylight: where the sun stands") {
   CHECK(days_since_2000({2004, 3, 1, 18, 0, 0, 0, 0, 0}) == doctest::Approx(1521.25));
 }
 
-TEST_CASE("daylight: the map that the sky becomes") {
+TEST_CASE("daylight: the environment map of the sky has the radiance and irradiance of the model") {
   SkyDescription sky = sky_with({0.5f, 0.6f, 0.3f});
   const Vec3f up = sky.up = normalize(Vec3f{0.1f, 1, -0.2f});
   const auto scene = lone(sky);
@@ -177,7 +177,7 @@ TEST_CASE("daylight: the map that the sky becomes") {
   CHECK(irradiance(lone(sky)->view(), -up).y > 0.1 * sum[1]);
 }
 
-TEST_CASE("daylight: the sun's irradiance depends neither on its size nor on how it is spread") {
+TEST_CASE("daylight: the irradiance of the sun does not depend on its size or representation") {
   SunDescription sun;
   sun.direction = normalize(Vec3f{0.5f, 0.8f, 0.2f});
   const auto plain = lone(sun);
@@ -201,7 +201,7 @@ TEST_CASE("daylight: the sun's irradiance depends neither on its size nor on how
   check_near(numbers(found), {1.5 * expected.x, 1.5 * expected.y, 1.5 * expected.z}, 0.02);
 }
 
-TEST_CASE("daylight: a sun between columns and rows of the map stays where it is, and as bright") {
+TEST_CASE("daylight: a sun between texels of the map keeps its position and power") {
   const Vec3f front{0, 0, 1};
   SkyDescription sky;
   sky.scale = 0;
@@ -256,7 +256,7 @@ TEST_CASE("daylight: a stretched sky moves the sun of its map away from the zeni
   CHECK(down / flux == doctest::Approx(1.5 * (0.5 - kElevation / kPiD) * (picture.height - 1)).epsilon(1e-4));
 }
 
-TEST_CASE("daylight: skies of several suns are averaged, and without the sun there is none") {
+TEST_CASE("daylight: skies of several suns are averaged and the night sky is black") {
   SkyDescription first = sky_with({1, 1, 0}), second = sky_with({-0.2f, 0.3f, 0.5f}), both = first;
   for (SkyDescription* sky : {&first, &second, &both}) sky->resolution = 64;
   both.suns = {first.suns[0], second.suns[0], {0, -1, 0}, first.suns[0]};

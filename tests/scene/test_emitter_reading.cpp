@@ -36,7 +36,7 @@ bool near(Vec3f a, Vec3f b) { return length(a - b) < 1e-5f; }
 
 }  // namespace
 
-TEST_CASE("emitters: gamma and cache of environment maps of Mitsuba 0.6") {
+TEST_CASE("emitters: environment maps of Mitsuba 0.6 may have gamma and cache") {
   const auto envmap = [](const std::string& inside) {
     return read_text(mitsuba_scene("<emitter type='envmap'>" + kPicture + inside + "</emitter>"));
   };
@@ -53,7 +53,7 @@ TEST_CASE("emitters: gamma and cache of environment maps of Mitsuba 0.6") {
   CHECK(contains(mitsuba_error("envmap", kPicture + "<float name='gamma' value='3'/>"), "expected 1 (linear) or -1"));
 }
 
-TEST_CASE("emitters of Mitsuba: spot") {
+TEST_CASE("emitters of Mitsuba: spot lights have the documented defaults and parameters") {
   const auto plain = std::get<SpotLightDescription>(mitsuba_light("spot").model);
   CHECK(plain.falloff == SpotLightDescription::Falloff::kLinear);
   CHECK(plain.cutoff_angle == 20);
@@ -85,7 +85,7 @@ TEST_CASE("emitters of Mitsuba: spot") {
   CHECK(mitsuba_error("spot", "<rgb name='texture' value='1,1,1'/>").empty());
 }
 
-TEST_CASE("emitters of Mitsuba: directional") {
+TEST_CASE("emitters of Mitsuba: directional lights have the documented defaults and parameters") {
   const auto by_direction = std::get<DirectionalLightDescription>(
       mitsuba_light("directional", "<vector name='direction' x='1' y='0' z='-1'/><rgb name='irradiance' value='3'/>")
           .model);
@@ -101,7 +101,7 @@ TEST_CASE("emitters of Mitsuba: directional") {
   CHECK(contains(mitsuba_error("direktional"), "did you mean 'directional'"));
 }
 
-TEST_CASE("emitters of Mitsuba: projector and environment map") {
+TEST_CASE("emitters of Mitsuba: projectors and environment maps have the documented parameters") {
   const auto projector = std::get<ProjectorDescription>(
       mitsuba_light("projector", "<texture name='irradiance' type='bitmap'>" + kPicture +
                                      "</texture>"
@@ -130,7 +130,7 @@ TEST_CASE("emitters of Mitsuba: projector and environment map") {
   CHECK(contains(mitsuba_error("envmap", kPicture + "<float name='scal' value='2'/>"), "did you mean 'scale'"));
 }
 
-TEST_CASE("emitters of Mitsuba: daylight") {
+TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and parameters") {
   const auto lights_of = [](const std::string& type, const std::string& inside, const std::string& version) {
     return read_text(mitsuba_scene("<emitter type='" + type + "'>" + inside + "</emitter>",
                                    "<sensor type='perspective'/>", "<integrator type='path'/>", version))
@@ -196,7 +196,7 @@ TEST_CASE("emitters of Mitsuba: daylight") {
   CHECK(contains(mitsuba_error("sunsky", "<float name='turbidty' value='3'/>"), "did you mean 'turbidity'"));
 }
 
-TEST_CASE("emitters of Mitsuba: what photons alone can tell") {
+TEST_CASE("emitters of Mitsuba: collimated beams and directional area lights are read") {
   const auto beam = std::get<BeamDescription>(mitsuba_light("collimated",
                                                             "<transform name='toWorld'><translate x='3'/></transform>"
                                                             "<rgb name='power' value='1,2,3'/>")
@@ -212,7 +212,7 @@ TEST_CASE("emitters of Mitsuba: what photons alone can tell") {
   CHECK(contains(mitsuba_error("directionalarea"), "must be nested in a <shape>"));
 }
 
-TEST_CASE("emitters on shapes take textures, in shape groups as well") {
+TEST_CASE("emitters on shapes may be textured even in shape groups") {
   const std::string area =
       "<emitter type='area'><texture name='radiance' type='bitmap'>" + kPicture + "</texture></emitter>";
   const Description d = read_text(mitsuba_scene("<shape type='shapegroup' id='g'><shape type='sphere'>" + area +
@@ -228,7 +228,7 @@ TEST_CASE("emitters on shapes take textures, in shape groups as well") {
   CHECK(std::holds_alternative<TextureId>(nori.shapes.at(0).radiance.value()));
 }
 
-TEST_CASE("emitters of Nori: spot") {
+TEST_CASE("emitters of Nori: spot lights have the documented defaults and parameters") {
   const auto plain = std::get<SpotLightDescription>(nori_light("spot").model);
   CHECK(plain.falloff == SpotLightDescription::Falloff::kSmooth);
   CHECK(plain.cutoff_angle == 30);
@@ -257,7 +257,7 @@ TEST_CASE("emitters of Nori: spot") {
   CHECK(contains(nori_error("spot", "<float name='totalWidt' value='31'/>"), "did you mean 'totalWidth'"));
 }
 
-TEST_CASE("emitters of Nori: directional and environment map") {
+TEST_CASE("emitters of Nori: directional lights and environment maps have the documented parameters") {
   const auto by_irradiance = std::get<DirectionalLightDescription>(
       nori_light("directional", "<vector name='direction' value='0,-1,1'/><color name='irradiance' value='1,2,3'/>")
           .model);

@@ -70,7 +70,7 @@ double integral_of(const Envmap& map) {
 
 }  // namespace
 
-TEST_CASE("environment map: nodes lie where the definition says") {
+TEST_CASE("environment map: texel centres lie at their documented directions") {
   const EnvmapPicture picture = uneven_picture();
   const Envmap map = make_envmap(picture, 2, false);
   for (std::uint32_t j = 0; j < 7; ++j)
@@ -89,11 +89,11 @@ TEST_CASE("environment map: nodes lie where the definition says") {
   CHECK(seam.c0 == doctest::Approx(expected).epsilon(1e-4));
 }
 
-TEST_CASE("environment map: directions are distributed as their density says" * doctest::test_suite("slow")) {
-  SUBCASE("as it lies") {
+TEST_CASE("environment map: directions follow their pdf" * doctest::test_suite("slow")) {
+  SUBCASE("untransformed") {
     CHECK(check_sampling(make_envmap(uneven_picture(), 1, false)).p_value > significance_of_each(kTests));
   }
-  SUBCASE("turned and mirrored") {
+  SUBCASE("rotated and mirrored") {
     const ChiSquare result = check_sampling(turned(make_envmap(uneven_picture(), 1, false)));
     CHECK(result.p_value > significance_of_each(kTests));
     CHECK(result.integral == doctest::Approx(1).epsilon(2e-3));
@@ -104,7 +104,7 @@ TEST_CASE("environment map: directions are distributed as their density says" * 
     CHECK(lookup_envmap<Scalar>(map.view(), direction_of(0.05, 0.4)).pdf_solid_angle == 0);
     CHECK(lookup_envmap<Scalar>(map.view(), direction_of(0.05, 0.4)).radiance.c1 > 0);
   }
-  SUBCASE("of more rows and columns than quantiles") {
+  SUBCASE("more rows and columns than quantiles") {
     const ChiSquare result = check_sampling(make_envmap(large_picture(), 1, false));
     CHECK(result.p_value > significance_of_each(kTests));
   }
@@ -125,7 +125,7 @@ TEST_CASE("environment map: directions are distributed as their density says" * 
   }
 }
 
-TEST_CASE("environment map: the density integrates to one and is positive wherever light comes from") {
+TEST_CASE("environment map: the pdf integrates to one and is positive wherever there is radiance") {
   for (const bool bright_pole : {false, true}) {
     EnvmapPicture picture = uneven_picture();
     if (bright_pole) {
@@ -142,7 +142,7 @@ TEST_CASE("environment map: the density integrates to one and is positive wherev
   }
 }
 
-TEST_CASE("environment map: radiance is rounded to eleven bits, over a range of 2^62") {
+TEST_CASE("environment map: radiance is rounded to 11 bits over a range of 2^62") {
   for (const float value : {1.0f, 1.999f, 0.3f, 1e-3f, 7.7e-12f, 2.5e-19f, 0x1.ffffp-3f}) {
     const float back = envmap_value<Scalar>(envmap_code(value)) * 0x1p64f;
     CHECK(std::fabs(double(back) / value - 1) <= 0x1p-11);
@@ -166,7 +166,7 @@ TEST_CASE("environment map: radiance is rounded to eleven bits, over a range of 
                   SceneError);
 }
 
-TEST_CASE("environment map: the quantiles' rounding costs little variance") {
+TEST_CASE("environment map: rounding of the quantiles adds little variance") {
   const Envmap map = make_envmap(large_picture(), 1, false);
   MeanVariance ratio;
   for (std::uint32_t i = 0; i < 100000; ++i) {
@@ -177,7 +177,7 @@ TEST_CASE("environment map: the quantiles' rounding costs little variance") {
   CHECK(ratio.variance() < 0.12 * ratio.mean() * ratio.mean());
 }
 
-TEST_CASE("environment map: a sample is what a lookup in its direction says") {
+TEST_CASE("environment map: the radiance of a sample equals the lookup in its direction") {
   const Envmap map = turned(make_envmap(uneven_picture(), 1, false));
   double worst = 0;
   for (std::uint32_t i = 0; i < 5000; ++i) {
@@ -191,7 +191,7 @@ TEST_CASE("environment map: a sample is what a lookup in its direction says") {
   CHECK(worst < 2e-3);
 }
 
-TEST_CASE("environment map: registers do as single values") {
+TEST_CASE("environment map: SIMD results equal scalar ones") {
   const Envmap map = turned(make_envmap(uneven_picture(), 1, false));
   for (std::uint32_t i = 0; i < 500; ++i) {
     const auto one = [i](int lane) { return random4<Scalar>(5, i, static_cast<std::uint32_t>(lane), 0); };
@@ -245,7 +245,7 @@ Envmap two_colors(Vec3f a, Vec3f b) {
 
 }  // namespace
 
-TEST_CASE("environment map: spectral mode, a map of one colour is that colour's spectrum") {
+TEST_CASE("environment map: a map of one colour has the spectrum of that colour") {
   for (const Vec3f rgb : {Vec3f{0.8f, 0.3f, 0.1f}, Vec3f{20, 40, 30}, Vec3f{0.5f, 0.5f, 0.5f}}) {
     const Envmap map =
         uplifted(make_envmap(picture_of(19, 3, [&](std::uint32_t, std::uint32_t) { return rgb; }), 2, false));
@@ -257,7 +257,7 @@ TEST_CASE("environment map: spectral mode, a map of one colour is that colour's 
   }
 }
 
-TEST_CASE("environment map: spectral mode, shapes are mixed, and scales are mixed") {
+TEST_CASE("environment map: spectra are interpolated by mixing their shapes and scales") {
   const Vec3f red{4, 1, 1}, blue{0.2f, 0.5f, 9};
   struct Case {
     Vec3f a, b;
@@ -289,7 +289,7 @@ TEST_CASE("environment map: spectral mode, shapes are mixed, and scales are mixe
   CHECK(half.radiance.c3 < 0.97f * evaluate(fit_unbounded({2.5f, 1, 1}), kSomeWavelengths).c3);
 }
 
-TEST_CASE("environment map: spectral mode, a sample is what a lookup in its direction says, in registers too") {
+TEST_CASE("environment map: the spectrum of a sample equals the lookup in its direction and in registers") {
   const Envmap map = uplifted(turned(make_envmap(uneven_picture(), 1, false)));
   const Spectrum<Wide> lambda(430, 510, 590, 670);
   for (std::uint32_t i = 0; i < 1000; ++i) {
@@ -313,7 +313,7 @@ TEST_CASE("environment map: spectral mode, a sample is what a lookup in its dire
   }
 }
 
-TEST_CASE("environment map: only spectral mode has spectra, and counts them") {
+TEST_CASE("environment map: only spectral mode stores spectra and includes them in its memory") {
   const TemporaryFolder folder;
   write_hdr(folder / "plain.hdr", 2, 2, {1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3});
   Description d = empty_scene(4, 4);
@@ -326,7 +326,7 @@ TEST_CASE("environment map: only spectral mode has spectra, and counts them") {
   CHECK(map.bytes() - before == 11 * 7 * 16);
 }
 
-TEST_CASE("environment map: sampling keeps strata apart") {
+TEST_CASE("environment map: sampling is monotonic and preserves stratification") {
   const Envmap map = make_envmap(uneven_picture(), 1, false);
   float before = -1;
   for (int i = 0; i < 4096; ++i) {
@@ -338,7 +338,7 @@ TEST_CASE("environment map: sampling keeps strata apart") {
   }
 }
 
-TEST_CASE("environment map: the mean is that of all directions") {
+TEST_CASE("environment map: the mean is the average over all directions") {
   const Envmap map = make_envmap(uneven_picture(), 3, false);
   double sum = 0;
   constexpr std::uint32_t kSide = 600;
@@ -350,7 +350,7 @@ TEST_CASE("environment map: the mean is that of all directions") {
   CHECK(sum / (kSide * kSide) == doctest::Approx(map.mean.y).epsilon(2e-3));
 }
 
-TEST_CASE("environment map: pictures in files, usable or not") {
+TEST_CASE("environment map: image files are checked and invalid ones are reported") {
   const TemporaryFolder folder;
   const auto scene_with = [&](const char* name) {
     Description d = empty_scene(4, 4);
@@ -407,7 +407,7 @@ TEST_CASE("environment map: pictures in files, usable or not") {
   CHECK_THROWS_AS(compile_scene(stretched), SceneError);
 }
 
-TEST_CASE("environment map: a small sun costs far fewer samples than by chance") {
+TEST_CASE("environment map: sampling a small sun has 1/1000 of the variance of uniform sampling") {
   const auto picture = picture_of(128, 64, [](std::uint32_t x, std::uint32_t y) {
     return x == 40 && y == 20 ? Vec3f{1e4f, 1e4f, 1e4f} : Vec3f{1, 1, 1};
   });

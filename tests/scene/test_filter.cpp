@@ -58,7 +58,7 @@ double integral(const PixelFilter& f, const std::function<double(double)>& g) {
 
 }  // namespace
 
-TEST_CASE("filter: values at telling places") {
+TEST_CASE("filter: values match the closed forms at selected points") {
   CHECK(evaluate_filter(filter(Kind::kBox), 0.49) == 1.0);
   CHECK(evaluate_filter(filter(Kind::kBox), 0.51) == 0.0);
   CHECK(evaluate_filter(filter(Kind::kTent), 0.25) == doctest::Approx(0.5));
@@ -90,7 +90,7 @@ TEST_CASE("filter: cubic filters of unit spacing sum to one") {
   }
 }
 
-TEST_CASE("filter: all are even and end at their radius") {
+TEST_CASE("filter: all filters are even and vanish at their radius") {
   for (const PixelFilter& f : all_filters()) {
     const double radius = filter_radius(f);
     for (int i = 0; i <= 50; ++i) {
@@ -101,7 +101,7 @@ TEST_CASE("filter: all are even and end at their radius") {
   }
 }
 
-TEST_CASE("filter: weights of samples in other pixels are the filter's values, as far as it reaches") {
+TEST_CASE("filter: weights in other pixels equal the filter within its radius") {
   for (const PixelFilter& f : all_filters()) {
     CAPTURE(static_cast<int>(f.kind));
     const FilterWeights weights(f);
@@ -129,7 +129,7 @@ TEST_CASE("filter: weights of samples in other pixels are the filter's values, a
   CHECK(FilterWeights(filter(Kind::kGaussian)).reach() == 2);
 }
 
-TEST_CASE("filter: samples that weigh in several pixels lie evenly in theirs") {
+TEST_CASE("filter: samples that are weighted in several pixels are uniform in their own") {
   for (const PixelFilter& f : all_filters()) {
     const FilterTable table = make_placement_table(f);
     const double side = std::min(0.5, filter_radius(f));
@@ -142,7 +142,7 @@ TEST_CASE("filter: samples that weigh in several pixels lie evenly in theirs") {
   }
 }
 
-TEST_CASE("filter: weighted samples have the filter's moments, negative lobes included") {
+TEST_CASE("filter: weighted samples have the moments of the filter with negative lobes included") {
   constexpr int kDraws = 1 << 18;
   for (const PixelFilter& f : all_filters()) {
     CAPTURE(static_cast<int>(f.kind));
@@ -171,7 +171,7 @@ TEST_CASE("filter: weighted samples have the filter's moments, negative lobes in
   }
 }
 
-TEST_CASE("filter: samples lie with the density of the filter's absolute value") {
+TEST_CASE("filter: samples are distributed by the absolute value of the filter") {
   const std::vector<PixelFilter> filters = all_filters();
   for (const PixelFilter& f : filters) {
     CAPTURE(static_cast<int>(f.kind));
@@ -191,7 +191,7 @@ TEST_CASE("filter: samples lie with the density of the filter's absolute value")
   }
 }
 
-TEST_CASE("filter: weights have the sign of the filter where the sample lies") {
+TEST_CASE("filter: weights have the sign of the filter at the sample") {
   for (const PixelFilter& f : all_filters()) {
     const FilterTable table = make_filter_table(f);
     int wrong = 0;
@@ -203,7 +203,7 @@ TEST_CASE("filter: weights have the sign of the filter where the sample lies") {
   }
 }
 
-TEST_CASE("filter: offsets rise with the number and fill the support from end to end") {
+TEST_CASE("filter: offsets increase with the random number and cover the support") {
   for (const PixelFilter& f : all_filters()) {
     const FilterTable table = make_filter_table(f);
     const float radius = static_cast<float>(filter_radius(f));
@@ -224,7 +224,7 @@ TEST_CASE("filter: offsets rise with the number and fill the support from end to
   }
 }
 
-TEST_CASE("filter: registers equal single values") {
+TEST_CASE("filter: SIMD results equal scalar ones") {
   for (const PixelFilter& f : all_filters()) {
     const FilterTable table = make_filter_table(f);
     double worst = 0;
@@ -242,7 +242,7 @@ TEST_CASE("filter: registers equal single values") {
   }
 }
 
-TEST_CASE("filter: sizes that are not positive and finite are refused") {
+TEST_CASE("filter: sizes that are not positive and finite are rejected") {
   for (const float size : {0.0f, -1.0f, 65.0f, kInfinity, std::numeric_limits<float>::quiet_NaN()}) {
     CAPTURE(size);
     PixelFilter f = filter(Kind::kBox);

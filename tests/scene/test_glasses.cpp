@@ -24,7 +24,7 @@ double abbe_number(const char* name) { return (index(name, kLineD) - 1) / (index
 
 }  // namespace
 
-TEST_CASE("glasses: published indices and Abbe numbers") {
+TEST_CASE("glasses: indices and Abbe numbers match the published ones") {
   struct Case {
     const char* name;
     double n_d, n_tolerance, abbe, abbe_tolerance;
@@ -49,7 +49,7 @@ TEST_CASE("glasses: published indices and Abbe numbers") {
   }
 }
 
-TEST_CASE("glasses: the fit for ice is within 1e-4 of the table that it was made for") {
+TEST_CASE("glasses: the fit for ice is within 1e-4 of its table") {
   // Warren and Brandt 2008.
   for (const auto& [lambda, n] : {std::pair{390.0f, 1.3203},
                                   {450.0f, 1.3157},
@@ -61,7 +61,7 @@ TEST_CASE("glasses: the fit for ice is within 1e-4 of the table that it was made
     CHECK(std::abs(index("water ice", lambda) - n) < 1e-4);
 }
 
-TEST_CASE("glasses: fused silica where Malitson tabulates it") {
+TEST_CASE("glasses: fused silica matches the table of Malitson") {
   // Malitson 1965, table I: computed values at spectral lines.
   for (const auto& [lambda, n] : {std::pair{404.656f, 1.469618},
                                   {435.835f, 1.466693},
@@ -71,7 +71,7 @@ TEST_CASE("glasses: fused silica where Malitson tabulates it") {
     CHECK(index("fused silica", lambda) == doctest::Approx(n).epsilon(2e-6));
 }
 
-TEST_CASE("glasses: all fall with wavelength, and are near the constants of the same name") {
+TEST_CASE("glasses: indices decrease with wavelength and are close to the constants of the same name") {
   for (const std::string& name : dispersion_names()) {
     CAPTURE(name);
     for (float lambda = 361; lambda <= 830; lambda += 1) {
@@ -85,7 +85,7 @@ TEST_CASE("glasses: all fall with wavelength, and are near the constants of the 
   CHECK(find_dispersion("") == nullptr);
 }
 
-TEST_CASE("glasses: rows and registers agree with the formulas") {
+TEST_CASE("glasses: compiled rows match the formulas and SIMD results equal scalar ones") {
   SpectrumSet set;
   std::vector<SpectrumRow> rows;
   for (const std::string& name : dispersion_names()) rows.push_back(dispersion_row(set, *find_dispersion(name)));

@@ -17,7 +17,7 @@ const std::string kPlacedInstance =
 
 }  // namespace
 
-TEST_CASE("instancing: Mitsuba scenes, group first or last") {
+TEST_CASE("instancing: Mitsuba scenes may define a group before or after its instances") {
   for (const std::string& text :
        {kGroup + kPlacedInstance + kPlacedInstance, kPlacedInstance + kPlacedInstance + kGroup}) {
     const Description d = test::read_text(test::mitsuba_scene(text + "<shape type='cube'/>"));
@@ -39,7 +39,7 @@ TEST_CASE("instancing: Mitsuba scenes, group first or last") {
   CHECK(nested.shapes.empty());
 }
 
-TEST_CASE("instancing: Nori scenes") {
+TEST_CASE("instancing: Nori scenes are read") {
   const Description d = test::read_text(
       "<scene><camera type='perspective'/><integrator type='normals'/>"
       "<mesh type='shapegroup' id='g'><mesh type='sphere'><bsdf type='mirror'/></mesh></mesh>"
@@ -53,7 +53,7 @@ TEST_CASE("instancing: Nori scenes") {
   CHECK(d.instances[0].to_world == std::array<float, 12>{1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3});
 }
 
-TEST_CASE("instancing: errors name the line") {
+TEST_CASE("instancing: errors include the line") {
   const auto message = [](const std::string& inside) { return test::error_of_text(test::mitsuba_scene(inside)); };
   const std::string group = "<shape type='shapegroup' id='g'><shape type='sphere'/></shape>\n";
   const std::string tests[][2] = {

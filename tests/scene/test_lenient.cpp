@@ -38,7 +38,7 @@ std::string sphere_of(const std::string& bsdf) { return mitsuba_scene("<shape ty
 
 }  // namespace
 
-TEST_CASE("lenient: a scene without faults is read as ever, and says nothing") {
+TEST_CASE("lenient: a valid scene is read without warnings") {
   const std::string text = mitsuba_scene("<shape type='cube'><bsdf type='diffuse'/></shape><emitter type='constant'/>");
   const Description d = read_text(text, leniently());
   CHECK(d.stand_ins.empty());
@@ -46,7 +46,7 @@ TEST_CASE("lenient: a scene without faults is read as ever, and says nothing") {
   CHECK(d.lights.size() == 1);
 }
 
-TEST_CASE("lenient: properties are left out one by one, and the rest of the object stays") {
+TEST_CASE("lenient: invalid properties are dropped one by one and the object is kept") {
   const Description d =
       read_broken(sphere_of("<bsdf type='roughplastic'><float name='alpha' value='x'/><float "
                             "name='gloss' value='1'/><float name='int_ior' value='1.7'/></bsdf>"
@@ -61,7 +61,7 @@ TEST_CASE("lenient: properties are left out one by one, and the rest of the obje
   CHECK(says(d, "expected a positive number (left out)"));
 }
 
-TEST_CASE("lenient: of what is given twice the last counts") {
+TEST_CASE("lenient: the last of duplicate properties counts") {
   const Description d = read_broken(
       mitsuba_scene("<shape type='sphere'><float name='radius' value='2'/><float name='radius' value='3'/></shape>"));
   CHECK(std::get<SphereShape>(d.shapes.at(0).geometry).radius == 3);
@@ -73,7 +73,7 @@ TEST_CASE("lenient: of what is given twice the last counts") {
   CHECK(says(e, "unexpected text 'text' inside <shape> (left out)"));
 }
 
-TEST_CASE("lenient: the nearest material stands in") {
+TEST_CASE("lenient: unknown materials are replaced by the most similar ones") {
   const auto model = [](const std::string& bsdf) { return material_of(read_broken(sphere_of(bsdf)), 0).model; };
   CHECK(
       std::get<DielectricDescription>(model("<bsdf type='glass'><float name='int_ior' value='1.7'/></bsdf>")).int_ior ==
@@ -94,7 +94,7 @@ TEST_CASE("lenient: the nearest material stands in") {
       model("<bsdf type='weathered'><rgb name='dirt' value='1 0 0'/><bsdf type='plastic'/></bsdf>")));
 }
 
-TEST_CASE("lenient: what the scene can do without is left out") {
+TEST_CASE("lenient: unreadable optional elements are dropped") {
   const Description d = read_broken(mitsuba_scene(R"(
     <shape type='obj'><string name='filename' value='gone.obj'/></shape>
     <shape type='torus'/>
@@ -119,7 +119,7 @@ TEST_CASE("lenient: what the scene can do without is left out") {
   }
 }
 
-TEST_CASE("lenient: cameras, films, samplers and integrators have stand-ins") {
+TEST_CASE("lenient: unknown cameras and films and samplers and integrators are replaced") {
   const Description d = read_broken(mitsuba_scene(
       "<shape type='cube'/>",
       "<sensor type='fisheye'><float name='fov' value='70'/><film type='polaroid'><integer name='width' value='32'/>"
@@ -136,7 +136,7 @@ TEST_CASE("lenient: cameras, films, samplers and integrators have stand-ins") {
     CHECK(says(d, what));
 }
 
-TEST_CASE("lenient: a scene without a camera is seen from where all of it is in the picture") {
+TEST_CASE("lenient: a scene without a camera gets one that shows all of it") {
   const Description d = read_broken(
       "<scene version='3.0.0'><shape type='sphere'><point name='center' value='10 20 30'/>"
       "<float name='radius' value='2'/></shape><emitter type='constant'/></scene>");
@@ -148,14 +148,14 @@ TEST_CASE("lenient: a scene without a camera is seen from where all of it is in 
   CHECK(length(to_center) < 40);
 }
 
-TEST_CASE("lenient: references that go in circles end") {
+TEST_CASE("lenient: cyclic references are cut") {
   const Description d = read_broken(
       mitsuba_scene("<bsdf type='twosided' id='a'><ref id='b'/></bsdf><bsdf type='twosided' id='b'><ref id='a'/></bsdf>"
                     "<shape type='sphere'><ref id='a'/></shape>"));
   CHECK(d.shapes.size() == 1);
 }
 
-TEST_CASE("lenient: files that show themselves broken when they are read") {
+TEST_CASE("lenient: files that turn out to be malformed are dropped") {
   const TemporaryFolder folder;
   write_below(folder, "bad.obj", "v 0 0 0\nf 1 2 3\n");
   write_below(folder, "bad.png", "no picture");
@@ -175,7 +175,7 @@ TEST_CASE("lenient: files that show themselves broken when they are read") {
   CHECK(d.stand_ins.size() == 3);
 }
 
-TEST_CASE("lenient: Nori") {
+TEST_CASE("lenient: Nori scenes are read leniently") {
   const Description d = read_broken(R"(<scene><camera type='fisheye'><float name='fov' value='50'/></camera>
     <integrator type='magic'/><sampler type='dice'/><wizard/>
     <mesh type='sphere'><bsdf type='velvet'><color name='albedo' value='1,0,0'/></bsdf>

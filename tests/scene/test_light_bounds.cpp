@@ -63,7 +63,7 @@ Tally tally(Geometry geometry, const Transform& to_world, bool flip, bool both_s
 
 }  // namespace
 
-TEST_CASE("light bounds: light of every kind of shape arrives only where the tree expects it") {
+TEST_CASE("light bounds: every kind of shape emits only within its bounds") {
   for (const bool flip : {false, true}) {
     const Tally tallies[] = {tally(roof(), kTilt, flip),
                              tally(SphereShape{}, kTilt, flip),
@@ -83,7 +83,7 @@ TEST_CASE("light bounds: light of every kind of shape arrives only where the tre
   }
 }
 
-TEST_CASE("light bounds: lights on both sides arrive from both, and the tree expects them there") {
+TEST_CASE("light bounds: two-sided lights emit to both sides and are bounded so") {
   const Tally tallies[] = {tally(roof(), kTilt, false, true),
                            tally(RectangleShape{}, kTilt, false, true),
                            tally(RectangleShape{}, kTilt, true, true),
@@ -97,7 +97,7 @@ TEST_CASE("light bounds: lights on both sides arrive from both, and the tree exp
   }
 }
 
-TEST_CASE("light bounds: power is pi times the intensity of the brightest direction") {
+TEST_CASE("light bounds: the power is pi times the intensity in the brightest direction") {
   LightTriangleRow row{};
   row.edge1.x = 2;
   row.edge2.y = 3;
@@ -121,7 +121,7 @@ TEST_CASE("light bounds: power is pi times the intensity of the brightest direct
   CHECK(spot_light_bounds({1, 2, 3}, {0, 0, 1}, 0.5f, 7).power == doctest::Approx(kPi * 7));
 }
 
-TEST_CASE("light bounds: a spot is chosen inside of its cone alone") {
+TEST_CASE("light bounds: a spot light is chosen inside its cone only") {
   for (const float cos_total : {0.999f, 0.7f, 0.0f, -0.5f}) {
     const Vec3f axis = normalize(Vec3f{1, 2, -1});
     const LightBounds spot = spot_light_bounds({3, 2, 1}, axis, cos_total, 2);
@@ -146,7 +146,7 @@ TEST_CASE("light bounds: a spot is chosen inside of its cone alone") {
   }
 }
 
-TEST_CASE("light bounds: awkward lights") {
+TEST_CASE("light bounds: empty and degenerate meshes have valid bounds") {
   const LightBounds empty = mesh_light_bounds({}, 1);
   CHECK(empty.power > 0);
   LightTriangleRow sliver{};

@@ -158,7 +158,7 @@ bool can_shine(const LightBounds& light, std::uint32_t i, Vec3f p) {
 
 }  // namespace
 
-TEST_CASE("light tree: every light has its leaf, and the same lights give the same tree") {
+TEST_CASE("light tree: every light has a leaf and equal lights give equal trees") {
   for (const std::uint32_t count : {1u, 2u, 3u, 17u, 1000u}) {
     const Lights lights = mixed_lights(count);
     const LightTree tree = checked_tree(lights), again = build_light_tree(lights);
@@ -168,7 +168,7 @@ TEST_CASE("light tree: every light has its leaf, and the same lights give the sa
   }
 }
 
-TEST_CASE("light tree: probabilities add up to one or, where no light shines, to zero") {
+TEST_CASE("light tree: probabilities add up to one or to zero where no light is visible") {
   for (const std::uint32_t count : {1u, 2u, 5u, 64u, 1000u}) {
     const LightTree tree = build_light_tree(mixed_lights(count));
     for (std::uint32_t i = 0; i < 20; ++i) {
@@ -192,7 +192,7 @@ TEST_CASE("light tree: probabilities add up to one or, where no light shines, to
     CHECK(std::fabs(sum_of_probabilities(tree, place(16, i, 8), direction(17, i)) - 1) < 1e-5);
 }
 
-TEST_CASE("light tree: lights are drawn as often as their probability says") {
+TEST_CASE("light tree: lights are drawn with their probability") {
   constexpr int kCases = 12, kDraws = 200000;
   double worst = 1;
   for (std::uint32_t c = 0; c < kCases; ++c) {
@@ -218,7 +218,7 @@ TEST_CASE("light tree: lights are drawn as often as their probability says") {
   CHECK(worst > significance_of_each(kCases));
 }
 
-TEST_CASE("light tree: what is left of the random number is uniform") {
+TEST_CASE("light tree: the remapped random number is uniform") {
   const LightTree tree = build_light_tree(mixed_lights(20));
   std::vector<double> cells(32);
   for (std::uint32_t k = 0; k < 100000; ++k) {
@@ -228,7 +228,7 @@ TEST_CASE("light tree: what is left of the random number is uniform") {
   CHECK(chi_square_uniform(cells).p_value > kSignificance);
 }
 
-TEST_CASE("light tree: registers agree with single values") {
+TEST_CASE("light tree: SIMD results equal scalar ones") {
   const Lights lights = mixed_lights(777);
   const LightTree tree = build_light_tree(lights);
   int wrong = 0, other = 0, total = 0;
@@ -275,7 +275,7 @@ std::array<LightTreeSample<L>, 2> ends(const LightTree& tree, LightTreeWalk<L> a
   return {samples[0], samples[1]};
 }
 
-TEST_CASE("light tree: candidates that share the upper turns, and walk together, draw what others draw") {
+TEST_CASE("light tree: candidates that share the upper levels of a traversal draw the same lights") {
   for (const std::uint32_t count : {1u, 2u, 3u, 9u, 30u, 1000u}) {
     const LightTree tree = build_light_tree(mixed_lights(count, count));
     int wrong = 0, other = 0, valid = 0;
@@ -323,7 +323,7 @@ TEST_CASE("light tree: candidates that share the upper turns, and walk together,
   }
 }
 
-TEST_CASE("light tree: a light that shines on a point is never out of reach") {
+TEST_CASE("light tree: a light that illuminates a point has a positive probability") {
   for (const std::uint32_t count : {1u, 2u, 30u, 300u}) {
     const Lights lights = mixed_lights(count, 50 + count);
     const LightTree tree = build_light_tree(lights);
@@ -342,7 +342,7 @@ TEST_CASE("light tree: a light that shines on a point is never out of reach") {
   }
 }
 
-TEST_CASE("light tree: grazing light keeps its probability") {
+TEST_CASE("light tree: lights at grazing angles have a positive probability") {
   Lights lights;
   for (std::uint32_t i = 0; i < 100; ++i) {
     LightBounds flat = point_at({i * 0.1f, 0, 1e4f});
@@ -361,7 +361,7 @@ TEST_CASE("light tree: grazing light keeps its probability") {
   }
 }
 
-TEST_CASE("light tree: one light of two sides among others of one shines behind them all") {
+TEST_CASE("light tree: a single two-sided light is found behind one-sided ones") {
   Lights lights;
   for (std::uint32_t i = 0; i < 16; ++i) {
     LightBounds flat = point_at({static_cast<float>(i), 0, 0});
@@ -373,7 +373,7 @@ TEST_CASE("light tree: one light of two sides among others of one shines behind 
   for (std::uint32_t i = 0; i < 16; ++i) CHECK(probability(tree, {3, 2, -40}, {}, i) == (i == 5 ? 1.0 : 0.0));
 }
 
-TEST_CASE("light tree: far away, lights are chosen by power over squared distance") {
+TEST_CASE("light tree: distant lights are chosen by power over squared distance") {
   // Small groups of lights, far from each other and from the point, which lies in the middle.
   Lights lights;
   std::vector<double> ideal;
@@ -416,7 +416,7 @@ TEST_CASE("light tree: far away, lights are chosen by power over squared distanc
   CHECK(mean < 3.0);
 }
 
-TEST_CASE("light tree: two lights share by the cosines at either end, their distances and powers") {
+TEST_CASE("light tree: two lights are chosen by their cosines and distances and powers") {
   // Powers and places are rounded to 8 bits.
   const auto near = [](double x) { return doctest::Approx(x).epsilon(3e-3); };
   // At one distance, 60 and 0 degrees from the normal; then with that normal turned round, or none.
@@ -466,34 +466,34 @@ TEST_CASE("light tree: two lights share by the cosines at either end, their dist
   CHECK(probability(balls, {}, {0, 0, 1}, 0) == near(0.7 / 1.7));
 }
 
-TEST_CASE("light tree: awkward lights") {
-  SUBCASE("none") {
+TEST_CASE("light tree: degenerate sets of lights give valid trees") {
+  SUBCASE("no lights") {
     const LightTree tree = checked_tree({});
     const auto choice = draw_light(tree, {}, {0, 0, 1}, 0.5f);
     CHECK(!choice.valid);
     CHECK(choice.probability == 0);
     CHECK(light_tree_probability<Scalar>(tree.view(), {}, {}, true, 0, true) == 0);
   }
-  SUBCASE("one") {
+  SUBCASE("one light") {
     const LightTree tree = checked_tree({point_at({1, 2, 3}, 5)});
     CHECK(draw_light(tree, {}, {0, 0, 1}, 0.999f).probability == 1);
     CHECK(probability(tree, {1, 2, 3}, {0, 0, 1}, 0) == 1);
   }
-  SUBCASE("thousands in one place") {
+  SUBCASE("thousands at one position") {
     const LightTree tree = checked_tree(Lights(5000, point_at({1, 2, 3})));
     CHECK(tree.depth == 7);
     CHECK(std::fabs(probability(tree, {}, {}, 4999) * 5000 - 1) < 0.7);
     CHECK(std::fabs(sum_of_probabilities(tree, {}, {}) - 1) < 1e-4);
     CHECK(std::fabs(sum_of_probabilities(tree, {1, 2, 3}, {}) - 1) < 1e-4);
   }
-  SUBCASE("each twice as far as the last") {
+  SUBCASE("distances that double") {
     Lights lights;
     for (int i = 0; i < 120; ++i) lights.push_back(point_at({std::ldexp(1.0f, i - 60), 0, 0}));
     const LightTree tree = checked_tree(lights);
     CHECK(tree.depth > kMaxLightTreeDepth - 2);
     CHECK(std::fabs(sum_of_probabilities(tree, {1, 1, 0}, {}) - 1) < 1e-4);
   }
-  SUBCASE("no power") {
+  SUBCASE("lights without power") {
     Lights lights = mixed_lights(40);
     for (std::size_t i = 0; i < lights.size(); i += 2) lights[i].power = i % 4 == 0 ? 0.0f : -kInfinity;
     const LightTree some = checked_tree(lights);
@@ -503,7 +503,7 @@ TEST_CASE("light tree: awkward lights") {
     CHECK(sum_of_probabilities(none, {}, {}) == 0);
     CHECK(!draw_light(none, {}, {}, 0.3f).valid);
   }
-  SUBCASE("extremes of power and place") {
+  SUBCASE("extreme powers and positions") {
     Lights lights;
     for (int i = 0; i < 60; ++i)
       lights.push_back(point_at(direction(71, static_cast<std::uint32_t>(i)) * (i % 2 == 0 ? 1e37f : 1e-37f),
@@ -516,7 +516,7 @@ TEST_CASE("light tree: awkward lights") {
       CHECK((choice.valid == (choice.probability > 0)));
     }
   }
-  SUBCASE("not a number") {
+  SUBCASE("NaN") {
     for (int field = 0; field < 3; ++field) {
       Lights lights = mixed_lights(3);
       const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -98,7 +98,7 @@ double agreed(Description d, int channel = 0) {
 
 }  // namespace
 
-TEST_CASE("lights: a spot falls off linearly in the angle") {
+TEST_CASE("lights: a linear spot light falls off linearly in the angle") {
   SpotLightDescription spot;
   spot.to_world = Transform::translate({1, 2, 3}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({2, 2, 2});
   spot.intensity = SpectrumDescription::constant(8);
@@ -119,7 +119,7 @@ TEST_CASE("lights: a spot falls off linearly in the angle") {
   CHECK(at(150) == 0);
 }
 
-TEST_CASE("lights: a smooth spot is half way in the middle of the cosines") {
+TEST_CASE("lights: a smooth spot light has half its intensity at the mean of the cosines") {
   SpotLightDescription spot;
   spot.falloff = SpotLightDescription::Falloff::kSmooth;
   spot.cutoff_angle = 60;
@@ -138,7 +138,7 @@ TEST_CASE("lights: a smooth spot is half way in the middle of the cosines") {
   CHECK(at(quarter) == doctest::Approx(0.15625));
 }
 
-TEST_CASE("lights: the flux of spots and projectors is their power") {
+TEST_CASE("lights: the power of spot lights and projectors is their integrated flux") {
   SUBCASE("linear") {
     SpotLightDescription spot;
     spot.intensity = SpectrumDescription::constant(3);
@@ -188,7 +188,7 @@ TEST_CASE("lights: the flux of spots and projectors is their power") {
   }
 }
 
-TEST_CASE("lights: parallel light") {
+TEST_CASE("lights: a directional light has the closed-form irradiance") {
   Description d = floor_scene();
   DirectionalLightDescription light;
   light.direction = {0, 3, -4};
@@ -205,7 +205,7 @@ TEST_CASE("lights: parallel light") {
   CHECK(rendered(d).mean == 0);
 }
 
-TEST_CASE("lights: a sun and the sky, by every strategy") {
+TEST_CASE("lights: all strategies agree on sun and sky") {
   Description d = floor_scene();
   SunDescription sun;
   sun.up = {0, 0, 1};
@@ -226,7 +226,7 @@ TEST_CASE("lights: a sun and the sky, by every strategy") {
   agreed(d, 1);
 }
 
-TEST_CASE("lights: pictures on lights of every shape, by every strategy" * doctest::test_suite("slow")) {
+TEST_CASE("lights: all strategies agree on textured lights of every shape" * doctest::test_suite("slow")) {
   Description d = floor_scene();
   const TextureId board = add_board(d, {6, 1, 1}, {2, 3, 1}), other = add_board(d, {1, 5, 1}, {9, 2, 1});
   const Transform down = Transform::translate({0.3f, 0.2f, 1.5f}) * Transform::rotate({1, 0, 0}, 180);
@@ -258,7 +258,7 @@ TEST_CASE("lights: pictures on lights of every shape, by every strategy" * docte
   CHECK(agreed(d, 1) > 0);
 }
 
-TEST_CASE("lights: a picture's mean counts") {
+TEST_CASE("lights: a textured light has the mean of its texture") {
   Description d = floor_scene(), plain = floor_scene();
   const Transform above = Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180);
   // Symmetric under a turn by 90 degrees but for which squares are which: the point below sees the mean of the two.
@@ -271,7 +271,7 @@ TEST_CASE("lights: a picture's mean counts") {
   CHECK(other->view().light_powers[0].x == doctest::Approx(4 * kPiD * 4).epsilon(1e-5));
 }
 
-TEST_CASE("lights: a mesh's attribute shines") {
+TEST_CASE("lights: a mesh attribute can be the radiance of a light") {
   Description d = floor_scene();
   d.textures.push_back({MeshAttributeDescription{"face_color", 2}, {1, 0, 0, 0, 1, 0}, "", {}});
   Mesh mesh;
@@ -338,7 +338,7 @@ Description repeated_scene() {
 
 }  // namespace
 
-TEST_CASE("lights: instances emit as their shapes would in their place") {
+TEST_CASE("lights: instances emit like shapes in their place") {
   const auto instanced = compile_scene(instanced_scene()), repeated = compile_scene(repeated_scene());
   const SceneView a = instanced->view(), b = repeated->view();
   REQUIRE(a.light_count == 13);
@@ -359,7 +359,7 @@ TEST_CASE("lights: instances emit as their shapes would in their place") {
   }
 }
 
-TEST_CASE("lights: instances, by every strategy") {
+TEST_CASE("lights: all strategies agree on emissive instances") {
   const Description d = instanced_scene(), e = repeated_scene();
   const double mean = agreed(d);
   const Result other = rendered(e);
@@ -382,7 +382,7 @@ TEST_CASE("lights: instances, by every strategy") {
   }
 }
 
-TEST_CASE("lights: no shadow ray to a light of an instance ends in the light itself") {
+TEST_CASE("lights: no shadow ray to an emissive instance is blocked by that instance") {
   const auto scene = compile_scene(instanced_scene());
   const SceneView view = scene->view();
   int valid = 0, blocked = 0;
@@ -410,7 +410,7 @@ TEST_CASE("lights: no shadow ray to a light of an instance ends in the light its
   CHECK(blocked == 0);
 }
 
-TEST_CASE("lights: registers do as single values, whatever lights they hold") {
+TEST_CASE("lights: SIMD results of mixed lights equal scalar ones") {
   Description d = instanced_scene();
   const TextureId one = add_board(d, {1, 2, 3}, {4, 5, 6}), two = add_board(d, {7, 1, 2}, {3, 4, 5});
   add_rectangle(d, kPlaces[0] * Transform::translate({2, 0, 0})).radiance = one;
@@ -466,7 +466,7 @@ TEST_CASE("lights: registers do as single values, whatever lights they hold") {
   }
 }
 
-TEST_CASE("lights: what cannot be is said where it stands") {
+TEST_CASE("lights: unsupported lights are errors with file and line") {
   const auto message = [](auto model) -> std::string {
     try {
       lone(model);
@@ -516,7 +516,7 @@ double compile_seconds(const Description& d) {
 // Not under sanitizers, which slow some code down far more than other code.
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("lights: nothing is integrated for each of thousands of lights and materials") {
+TEST_CASE("lights: thousands of lights and materials are compiled without an integration for each") {
   const auto many = [](auto&& add) {
     Description d = empty_scene(4, 4);
     for (int i = 0; i < kMany; ++i) add(d, i);
@@ -577,7 +577,7 @@ TEST_CASE("lights: nothing is integrated for each of thousands of lights and mat
 
 TEST_SUITE_END();
 
-TEST_CASE("lights: powers of lights that share a texture's mean are those of each alone") {
+TEST_CASE("lights: lights that share the mean of a texture have the same power as separate ones") {
   Description d = empty_scene(4, 4);
   const TextureId board = add_board(d, {8, 1, 0.5f}, {1, 3, 2});
   const Transform maps[] = {Transform(), Transform::rotate({1, 2, 3}, 40) * Transform::scale({2, 2, 2}),

@@ -46,7 +46,7 @@ float distance(Vec3f a, Vec3f b) { return length(a - b); }
 
 }  // namespace
 
-TEST_CASE("subdivision: limits do not depend on the level") {
+TEST_CASE("subdivision: the limit surface does not depend on the level") {
   for (const Mesh& control :
        {icosahedron(), lattice(3, [](float x, float y) { return 0.3f * x * y - 0.1f * y * y; })}) {
     const Mesh at[] = {subdivide(control, 0), subdivide(control, 1), subdivide(control, 3)};
@@ -60,7 +60,7 @@ TEST_CASE("subdivision: limits do not depend on the level") {
   }
 }
 
-TEST_CASE("subdivision: an icosahedron's limit is as symmetric as it is") {
+TEST_CASE("subdivision: the limit of an icosahedron keeps its symmetry") {
   const Mesh sphere = subdivide(icosahedron(), 3);
   // The valence is 5, its neighbours' mean the axis times 1 / sqrt(5): with Warren's weights this is what remains.
   const double share = 1 / (5 + 3 / (8 * (3.0 / 40))), radius = std::hypot(1.0, (1 + std::sqrt(5.0)) / 2);
@@ -75,7 +75,7 @@ TEST_CASE("subdivision: an icosahedron's limit is as symmetric as it is") {
   CHECK(worst > 0.99);
 }
 
-TEST_CASE("subdivision: planes stay planes, and regular parts are box splines") {
+TEST_CASE("subdivision: planes stay planes and regular meshes give box splines") {
   const auto plane = [](float x, float y) { return 0.25f * x - 0.5f * y; };
   const Mesh flat = subdivide(lattice(4, plane), 2);
   const Vec3f normal = normalize(Vec3f{-0.25f, 0.5f, 1});
@@ -107,7 +107,7 @@ TEST_CASE("subdivision: the boundary is the cubic B-spline of its control points
   CHECK(found == 17);
 }
 
-TEST_CASE("subdivision: what is no surface is told") {
+TEST_CASE("subdivision: inconsistent meshes and excessive levels are errors") {
   const auto message = [](std::vector<std::array<std::uint32_t, 3>> triangles) -> std::string {
     Mesh mesh = icosahedron();
     mesh.triangles = std::move(triangles);

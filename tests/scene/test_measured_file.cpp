@@ -48,7 +48,7 @@ std::string error_with(const std::function<void(Fields&)>& change, std::size_t c
 
 }  // namespace
 
-TEST_CASE("measured files: what stands in them is read") {
+TEST_CASE("measured files: all fields are read") {
   const TemporaryFolder folder;
   for (const std::size_t channels : {std::size_t{3}, std::size_t{5}}) {
     MeasuredBrdf expected = small_brdf(channels);
@@ -70,7 +70,7 @@ TEST_CASE("measured files: what stands in them is read") {
   }
 }
 
-TEST_CASE("measured files: of spectra and colours those are taken that are asked for") {
+TEST_CASE("measured files: either spectra or colours are read as requested") {
   const TemporaryFolder folder;
   Fields fields = measured_fields(small_brdf(5));
   fields.push_back(field(fields, "spectra"));
@@ -82,7 +82,7 @@ TEST_CASE("measured files: of spectra and colours those are taken that are asked
   CHECK(read_measured(folder / "a.bsdf", false).wavelengths.empty());
 }
 
-TEST_CASE("measured files: what is wrong gets a message") {
+TEST_CASE("measured files: malformed files are errors with a message") {
   const auto without = [](const char* name) {
     return error_with([&](Fields& f) { std::erase_if(f, [&](const TensorField& g) { return g.name == name; }); });
   };
@@ -125,7 +125,7 @@ TEST_CASE("measured files: what is wrong gets a message") {
         "field 'phi_i' goes from -1.000000 to 1.000000, expected a whole turn, a half or a quarter of it, in radians");
 }
 
-TEST_CASE("measured files: every truncated or damaged file is an error or a material, never a crash") {
+TEST_CASE("measured files: every truncated or damaged file is an error or a material and never a crash") {
   const std::string bytes = tensor_bytes(measured_fields(small_brdf()));
   CHECK(error_of_bytes(bytes) == "");
   CHECK(test::contains(error_of_bytes("tensor"), "expected a tensor file"));
@@ -142,7 +142,7 @@ TEST_CASE("measured files: every truncated or damaged file is an error or a mate
     }
 }
 
-TEST_CASE("measured files: scenes have a table for each file, and say where a broken one is meant") {
+TEST_CASE("measured files: equal files share a table and errors name the line of the scene") {
   const TemporaryFolder folder;
   write_bytes(folder / "a.bsdf", tensor_bytes(measured_fields(small_brdf())));
   write_bytes(folder / "b.bsdf", "tensor");

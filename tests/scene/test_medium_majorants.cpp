@@ -51,7 +51,7 @@ std::pair<float, float> largest_and_bound(const Scene& scene) {
 
 }  // namespace
 
-TEST_CASE("media: in spectral mode bounds hold at every wavelength, where spectra exceed their colours") {
+TEST_CASE("media: majorants hold at every wavelength where spectra exceed their colours") {
   const TemporaryFolder folder;
   for (const Vec3f rgb : {Vec3f{1, 0, 0}, Vec3f{0, 1, 0}, Vec3f{0, 0, 1}, Vec3f{0.9f, 0.02f, 0.8f}}) {
     CAPTURE(rgb.x);
@@ -76,7 +76,7 @@ TEST_CASE("media: in spectral mode bounds hold at every wavelength, where spectr
   }
 }
 
-TEST_CASE("media: in spectral mode colours whose spectra are beyond 32 bits are errors, of extinction and emission") {
+TEST_CASE("media: colours whose spectra exceed the float range are errors for extinction and emission") {
   const TemporaryFolder folder;
   const auto large = saturated(folder, "large.vol", {0, 0, 1}, 2.5e38f);
   MediumDescription extinction, emission = fog(1, 0.5f);

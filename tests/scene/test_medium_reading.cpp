@@ -84,7 +84,7 @@ std::string rgb(float r, float g, float b) { return text_of(SpectrumDescription:
 
 }  // namespace
 
-TEST_CASE("media: Mitsuba's homogeneous medium, by defaults and in full") {
+TEST_CASE("media: homogeneous media of Mitsuba have the documented defaults and parameters") {
   const Description plain = read_volumes(mitsuba_scene(medium("homogeneous", "")));
   CHECK(dump(coefficients<Pair>(only_medium(plain)).sigma_t) == constant(1));
   CHECK(dump(coefficients<Pair>(only_medium(plain)).albedo) == constant(0.75f));
@@ -108,7 +108,7 @@ TEST_CASE("media: Mitsuba's homogeneous medium, by defaults and in full") {
   CHECK(std::get<HenyeyGreensteinDescription>(full.phases[0].model).g == -0.5f);
 }
 
-TEST_CASE("media: heterogeneous ones have grids, placed and filtered as told") {
+TEST_CASE("media: heterogeneous media have grids with transforms and filters") {
   const std::string grid = file("a.vol") +
                            "<transform name='to_world'><translate x='2'/></transform><boolean name='raw' value='true'/>"
                            "<string name='filter_type' value='nearest'/><string name='wrap_mode' value='mirror'/>"
@@ -133,7 +133,7 @@ TEST_CASE("media: heterogeneous ones have grids, placed and filtered as told") {
   CHECK(emission.wrap == Grid::Wrap::kClamp);
 }
 
-TEST_CASE("media: Mitsuba's heterogeneous ones end at the box along the axes around the volume of their extinction") {
+TEST_CASE("media: heterogeneous media of Mitsuba end at the axis-aligned box of their extinction volume") {
   const auto box_of = [](const Description& d) {
     REQUIRE(only_medium(d).density);
     const Grid& grid = *only_medium(d).density;
@@ -188,7 +188,7 @@ TEST_CASE("media: Mitsuba's heterogeneous ones end at the box along the axes aro
                   .density);
 }
 
-TEST_CASE("media: the format of a grid follows from its name, else from its first bytes") {
+TEST_CASE("media: the grid format follows from the file name or the first bytes") {
   const auto format = [](const std::string& name) {
     const Description d =
         read_volumes(mitsuba_scene(medium("heterogeneous", volume("sigma_t", "gridvolume", file(name)))));
@@ -199,7 +199,7 @@ TEST_CASE("media: the format of a grid follows from its name, else from its firs
   CHECK(format("nanovdb.dat") == Grid::Format::kNanoVdb);
 }
 
-TEST_CASE("media: phase functions of every kind") {
+TEST_CASE("media: phase functions of every kind are read") {
   const Description d = read_volumes(
       mitsuba_scene(medium("homogeneous",
                            "<phase type='blendphase'><float name='weight' value='0.25'/><phase type='rayleigh'/>"
@@ -220,7 +220,7 @@ TEST_CASE("media: phase functions of every kind") {
   CHECK(std::get<HenyeyGreensteinDescription>(at(inner.nested[1]).model).g == 0.8f);
 }
 
-TEST_CASE("media: microflakes, the same everywhere or on a grid") {
+TEST_CASE("media: microflakes may be constant or a grid") {
   const auto flakes = [](const std::string& inside) -> SggxDescription {
     const Description d =
         read_volumes(mitsuba_scene(medium("homogeneous", "<phase type='sggx'>" + inside + "</phase>")));
@@ -234,7 +234,7 @@ TEST_CASE("media: microflakes, the same everywhere or on a grid") {
   CHECK(std::get<Grid>(grid.matrix).to_world.point({1, 0, 0}) == Vec3f{3, 0, 0});
 }
 
-TEST_CASE("media: grids may be textures of surfaces, by themselves and scaled") {
+TEST_CASE("media: grids may be textures of surfaces and may be scaled") {
   const std::string grid = "<texture type='volume' name='",
                     of = "'>" + volume("volume", "gridvolume", file("a.vol")) + "</texture>";
   const Description d = read_volumes(
@@ -249,7 +249,7 @@ TEST_CASE("media: grids may be textures of surfaces, by themselves and scaled") 
   CHECK(std::get<VolumeTextureDescription>(d.textures[2].model).scale == 0.5f);
 }
 
-TEST_CASE("media: mixtures of phase functions are blends of halves, and constant volumes may be placed") {
+TEST_CASE("media: mixtures of phase functions become nested blends and constant volumes may have transforms") {
   const Description d = read_text(mitsuba_scene(
       "<medium type='homogeneous'><phase type='mixturephase'><string name='weights' value='0.2, 0.3, 0.5'/>"
       "<phase type='rayleigh'/><phase type='isotropic'/><phase type='hg'/></phase>"
@@ -277,7 +277,7 @@ TEST_CASE("media: mixtures of phase functions are blends of halves, and constant
   CHECK(error("3, 1").empty());
 }
 
-TEST_CASE("media: Mitsuba's shapes and sensors refer to media, each of which is read once") {
+TEST_CASE("media: shapes and sensors of Mitsuba refer to media and each medium is read once") {
   const Description d = read_volumes(mitsuba_scene(
       "<shape type='sphere'><ref id='fog' name='interior'/></shape>"
       "<medium type='homogeneous' id='fog'/>"
@@ -299,7 +299,7 @@ TEST_CASE("media: Mitsuba's shapes and sensors refer to media, each of which is 
   CHECK(d.camera.medium == MediumId{0});
 }
 
-TEST_CASE("media: Mitsuba before 2 names coefficients otherwise, has measured materials and boxes in its grids") {
+TEST_CASE("media: Mitsuba 0.6 has other coefficient names and measured materials and boxes in grids") {
   const Description coeffs = read_volumes(
       old_scene(medium("homogeneous", "<rgb name='sigmaS' value='1, 2, 3'/><spectrum name='sigmaA' value='0.5'/>")));
   CHECK(text_of(coefficients<Coefficients>(only_medium(coeffs)).sigma_s) == rgb(1, 2, 3));
@@ -328,7 +328,7 @@ TEST_CASE("media: Mitsuba before 2 names coefficients otherwise, has measured ma
   CHECK(simpson.integrator.step_size == 0.5f);
 }
 
-TEST_CASE("media: in Nori a mesh holds its medium, with what is around it outside") {
+TEST_CASE("media: a mesh of Nori contains its medium and its exterior is the surrounding medium") {
   for (const char* names : {"sigmaA sigmaS", "sigma_a sigma_s"}) {
     const std::string text = names, a = text.substr(0, 7 - (text[5] == 'A')), s = text.substr(text.find(' ') + 1);
     const Description d = read_volumes(
@@ -352,7 +352,7 @@ TEST_CASE("media: in Nori a mesh holds its medium, with what is around it outsid
   CHECK_FALSE(read_volumes(nori_mesh("")).shapes[0].exterior_is_surrounding);
 }
 
-TEST_CASE("media: Nori's grids fill the shape unless they are placed") {
+TEST_CASE("media: grids of Nori fill the shape unless they have a transform") {
   const auto density = [](const std::string& inside) {
     const Description d = read_volumes(nori_mesh(medium("heterogeneous", inside + "<phase type='hg'/>")));
     REQUIRE(only_medium(d).density);
@@ -366,7 +366,7 @@ TEST_CASE("media: Nori's grids fill the shape unless they are placed") {
   CHECK_FALSE(density(file("a.vol") + "<boolean name='fitToShape' value='false'/>").fit_to_shape);
 }
 
-TEST_CASE("media: what glows, by colour or temperature") {
+TEST_CASE("media: emission is given by colour or temperature") {
   const Description fire = read_volumes(nori_mesh(medium(
       "heterogeneous", file("a.nvdb") +
                            volume("temperature", "nanovdb", file("a.nvdb") + "<string name='gridname' value='heat'/>") +
@@ -383,7 +383,7 @@ TEST_CASE("media: what glows, by colour or temperature") {
       read_volumes(nori_mesh(medium("homogeneous", "<float name='temperature' value='0'/>"))).media[0].emission);
 }
 
-TEST_CASE("media: Nori's scene may lie in a medium, and its glass may absorb") {
+TEST_CASE("media: a scene of Nori may have a global medium and its glass may absorb") {
   const Description fog = read_volumes(nori_scene(medium("homogeneous", "<color name='sigmaT' value='0.1'/>")));
   CHECK(fog.camera.medium == MediumId{0});
   const Description placed = read_volumes(nori_scene(medium("heterogeneous", file("a.vol"))));
@@ -399,7 +399,7 @@ TEST_CASE("media: Nori's scene may lie in a medium, and its glass may absorb") {
   }
 }
 
-TEST_CASE("media: integrators that name them, and how they are estimated") {
+TEST_CASE("media: volumetric integrator names select strategy and estimator") {
   for (const char* name : {"vol_path", "vol_path_mis", "path_mis_vol", "path_vol_mis", "medium_path", "medium_path_mis",
                            "volpath_mis", "volpath", "volpathmis", "volpath_simple"}) {
     CAPTURE(name);
@@ -437,7 +437,7 @@ TEST_CASE("media: integrators that name them, and how they are estimated") {
       "expected a positive number"));
 }
 
-TEST_CASE("media: errors of Mitsuba's dialect") {
+TEST_CASE("media: errors in Mitsuba scenes have line and nearest name") {
   const auto homogeneous = [](const std::string& inside) { return mitsuba_scene(medium("homogeneous", inside)); };
   const auto tabphase = [](const std::string& inside) {
     return mitsuba_scene(medium("homogeneous", "<phase type='tabphase'>" + inside + "</phase>"));
@@ -537,7 +537,7 @@ TEST_CASE("media: errors of Mitsuba's dialect") {
   }
 }
 
-TEST_CASE("media: errors of Nori's dialect") {
+TEST_CASE("media: errors in Nori scenes have line and nearest name") {
   struct Case {
     std::string text;
     const char* expected;
@@ -578,7 +578,7 @@ TEST_CASE("media: errors of Nori's dialect") {
   }
 }
 
-TEST_CASE("media: before Mitsuba 2 a boundary without a material is not noticed, but a light that is one is black") {
+TEST_CASE("media: a boundary of Mitsuba 0.6 without a BSDF is a null interface and black on a light") {
   const auto model = [](const std::string& inside) {
     const Description d = read_text(
         mitsuba_scene("<shape type='sphere'><medium name='interior' type='homogeneous'/>" + inside + "</shape>",

@@ -49,7 +49,7 @@ Mesh sphere() {
 
 }  // namespace
 
-TEST_CASE("mesh: the rectangle") {
+TEST_CASE("mesh: the rectangle has its corners and uvs and normal") {
   const Mesh mesh = rectangle_mesh();
   check_mesh(mesh, {});
   CHECK(mesh.triangles.size() == 2);
@@ -63,7 +63,7 @@ TEST_CASE("mesh: the rectangle") {
   for (std::size_t i = 0; i < 2; ++i) CHECK(area_normal(mesh, i).z > 0);
 }
 
-TEST_CASE("mesh: the cube is closed, faces outwards and has its uvs where Mitsuba has them") {
+TEST_CASE("mesh: the cube is closed and faces outwards and has the uvs of Mitsuba") {
   const Mesh mesh = cube_mesh();
   check_mesh(mesh, {});
   CHECK(mesh.positions.size() == 24);
@@ -115,7 +115,7 @@ TEST_CASE("mesh: normals stay perpendicular to the surface under any transform")
   }
 }
 
-TEST_CASE("mesh: the front follows the vertex normals through mirrors and wrong windings") {
+TEST_CASE("mesh: the front follows the vertex normals under mirroring and for wrong windings") {
   for (const Vec3f factors : {Vec3f{1, 1, 1}, Vec3f{-1, 1, 1}, Vec3f{1, 1, -3}, Vec3f{-2, -1, -1}, Vec3f{-1, 2, -1}}) {
     for (const bool wound_wrongly : {false, true}) {
       Mesh mesh = sphere();
@@ -132,7 +132,7 @@ TEST_CASE("mesh: the front follows the vertex normals through mirrors and wrong 
   }
 }
 
-TEST_CASE("mesh: without normals the winding stays, and mirrors turn the front around") {
+TEST_CASE("mesh: without vertex normals the front follows the winding and mirroring flips it") {
   Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   transform_mesh(mesh, Transform::scale({-1, 1, 1}));
   CHECK(area_normal(mesh, 0).z == -1.0f);
@@ -142,7 +142,7 @@ TEST_CASE("mesh: without normals the winding stays, and mirrors turn the front a
   CHECK(area_normal(mesh, 0).z == 1.0f);
 }
 
-TEST_CASE("mesh: flipping turns triangles and normals around, twice changes nothing") {
+TEST_CASE("mesh: flipping reverses triangles and normals and flipping twice changes nothing") {
   Mesh mesh = cube_mesh();
   flip_mesh(mesh);
   for (std::size_t i = 0; i < 12; ++i) CHECK(dot(area_normal(mesh, i), mesh.positions[mesh.triangles[i][0]]) < 0);
@@ -166,7 +166,7 @@ TEST_CASE("mesh: smooth normals are weighted by angle") {
   }
 }
 
-TEST_CASE("mesh: smooth normals where there is no mean") {
+TEST_CASE("mesh: smooth normals are unit vectors where the mean is undefined") {
   Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   mesh.triangles.push_back({0, 2, 1});
   mesh.positions.push_back({5, 5, 5});
@@ -178,7 +178,7 @@ TEST_CASE("mesh: smooth normals where there is no mean") {
   CHECK(std::abs(mesh.normals[0].z) == 1.0f);
 }
 
-TEST_CASE("mesh: missing normals are filled in with smooth ones") {
+TEST_CASE("mesh: missing normals are replaced by smooth ones") {
   Mesh mesh = folded_square();
   mesh.normals = {{0, 0, 0}, {0, 0, 3}, {kNan, 0, 0}, {0, kInfinity, 1}};
   transform_mesh(mesh, Transform());
@@ -187,7 +187,7 @@ TEST_CASE("mesh: missing normals are filled in with smooth ones") {
   check_near(mesh.normals[3], {0.40824828f, -0.40824828f, 0.81649655f});
 }
 
-TEST_CASE("mesh: degenerate triangles are dropped, however they came to be") {
+TEST_CASE("mesh: degenerate triangles are dropped") {
   Mesh mesh;
   mesh.positions = {{0, 0, 0},    {1, 0, 0},         {0, 1, 0},     {2, 0, 0},
                     {kNan, 0, 0}, {0, kInfinity, 0}, {0, 0, 1e13f}, {1, 1, 0}};
@@ -204,7 +204,7 @@ TEST_CASE("mesh: degenerate triangles are dropped, however they came to be") {
   CHECK(drop_degenerate_triangles(mesh) == 0);
 }
 
-TEST_CASE("mesh: size alone makes no triangle degenerate within single precision") {
+TEST_CASE("mesh: no size within single precision makes a triangle degenerate") {
   for (const float scale : {1e-17f, 1e-9f, 1e-3f, 1.0f, 1e5f, 1e9f, 1e12f}) {
     Mesh mesh = triangle({0, 0, 0}, {scale, 0, 0}, {0, scale, 0});
     CHECK_MESSAGE(drop_degenerate_triangles(mesh) == 0, scale);
@@ -220,7 +220,7 @@ TEST_CASE("mesh: size alone makes no triangle degenerate within single precision
   CHECK(drop_degenerate_triangles(hair) == 1);
 }
 
-TEST_CASE("mesh: a mesh scaled by 1e30 goes through every step") {
+TEST_CASE("mesh: a mesh scaled by 1e30 passes every step") {
   Mesh mesh = cube_mesh();
   transform_mesh(mesh, Transform::scale({1e30f, 1e30f, 1e30f}));
   for (const Vec3f n : mesh.normals) CHECK(length(n) == doctest::Approx(1.0));
@@ -229,7 +229,7 @@ TEST_CASE("mesh: a mesh scaled by 1e30 goes through every step") {
   CHECK(mesh.normals.empty());
 }
 
-TEST_CASE("mesh: inconsistent meshes are refused") {
+TEST_CASE("mesh: inconsistent meshes are rejected") {
   Mesh mesh = rectangle_mesh();
   mesh.triangles[1][2] = 4;
   CHECK(contains(error_of([&] { check_mesh(mesh, {"scene.xml", 7}); }), "scene.xml:7: a triangle refers to vertex 4"));
@@ -270,7 +270,7 @@ TEST_CASE("mesh: attributes stay with their vertices and triangles") {
   CHECK(contains(error_of([&] { check_mesh(mesh, {}); }), "'vertex_place' has 12 values, expected 1 for each of 4"));
 }
 
-TEST_CASE("mesh: open edges are counted, whatever vertices are split") {
+TEST_CASE("mesh: open edges are counted regardless of split vertices") {
   CHECK(count_open_edges(cube_mesh()) == 0);  // each face has vertices of its own
   CHECK(count_open_edges(rectangle_mesh()) == 4);
   Mesh lidless = cube_mesh();
@@ -287,7 +287,7 @@ TEST_CASE("mesh: open edges are counted, whatever vertices are split") {
   CHECK(count_open_edges(Mesh{}) == 0);
 }
 
-TEST_CASE("mesh: some triangles alone") {
+TEST_CASE("mesh: a subset of triangles can be extracted") {
   const Mesh cube = cube_mesh();
   const Mesh part = extract_triangles(cube, {7, 2});
   check_mesh(part, {});

@@ -28,7 +28,7 @@ double reflectance_at(const char* name, float wavelength) {
 
 }  // namespace
 
-TEST_CASE("metals: tables are in order, positive and cover the visible range") {
+TEST_CASE("metals: tables are ordered and positive and cover the visible range") {
   for (const std::string& name : metal_names()) {
     CAPTURE(name);
     const auto samples = find_metal(name);
@@ -50,7 +50,7 @@ TEST_CASE("metals: tables are in order, positive and cover the visible range") {
   }
 }
 
-TEST_CASE("metals: names") {
+TEST_CASE("metals: all names of Mitsuba and pbrt are known") {
   for (const char* name : {"Ag", "Al", "Au", "Cr", "Cu", "Fe", "Hg", "Ir", "Ni", "Pt", "Ti", "TiN", "V", "W"})
     CHECK_FALSE(find_metal(name).empty());
   // All that Mitsuba has, and pbrt.
@@ -75,7 +75,7 @@ TEST_CASE("metals: names") {
   CHECK(find_metal("au").empty());
 }
 
-TEST_CASE("metals: values of the handbook") {
+TEST_CASE("metals: values match the handbook") {
   // Palik 1985 and 1991, and Querry 1985 for brass.
   struct Case {
     const char* name;
@@ -100,7 +100,7 @@ TEST_CASE("metals: values of the handbook") {
   }
 }
 
-TEST_CASE("metals: reflectance of clean surfaces at normal incidence") {
+TEST_CASE("metals: reflectance at normal incidence matches clean surfaces") {
   // The spread of published measurements.
   struct Case {
     const char* name;
@@ -124,7 +124,7 @@ TEST_CASE("metals: reflectance of clean surfaces at normal incidence") {
   CHECK(std::abs(reflectance_at("Al", 650) - reflectance_at("Al", 450)) < 0.02);
 }
 
-TEST_CASE("metals: in RGB mode a Mitsuba scene has Mitsuba's eta and k") {
+TEST_CASE("metals: eta and k of a Mitsuba scene match Mitsuba in RGB mode") {
   struct Case {
     const char* name;
     Vec3f eta, k;  // of Mitsuba 3.9.1, scalar_rgb
@@ -148,7 +148,7 @@ TEST_CASE("metals: in RGB mode a Mitsuba scene has Mitsuba's eta and k") {
   }
 }
 
-TEST_CASE("dielectrics by name") {
+TEST_CASE("dielectrics are found by name") {
   CHECK(find_ior("vacuum") == 1.0f);
   CHECK(find_ior("air") == 1.000277f);
   CHECK(find_ior("water") == 1.333f);

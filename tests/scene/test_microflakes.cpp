@@ -25,7 +25,7 @@ Description flakes_in_sphere(SggxDescription flakes) {
 
 }  // namespace
 
-TEST_CASE("microflakes: the largest area is the root of the largest eigenvalue, and none is negative") {
+TEST_CASE("microflakes: the largest area is the root of the largest eigenvalue and negative ones are clamped") {
   CHECK(largest_flake_area({4, 9, 1, 0, 0, 0}) == doctest::Approx(3));
   CHECK(largest_flake_area({2, 2, 2, 0, 0, 0}) == doctest::Approx(std::sqrt(2.0)));
   // Eigenvalues 3 and 1 in the plane of x and z, and 0.
@@ -38,7 +38,7 @@ TEST_CASE("microflakes: the largest area is the root of the largest eigenvalue, 
                        doctest::Contains("not finite"), SceneError);
 }
 
-TEST_CASE("microflakes: a grid of six channels is looked up as matrices, mixed between voxels") {
+TEST_CASE("microflakes: a grid of six channels is interpolated as matrices") {
   const TemporaryFolder folder;
   const auto file = write_vol(folder / "s.vol", 4, 6, [](Vec3f p, int c) {
     return c == 0 ? 1 + p.x : c < 3 ? 1.0f : c == 3 ? 0.5f * p.y : c == 4 ? -0.25f : 0.125f;
@@ -56,7 +56,7 @@ TEST_CASE("microflakes: a grid of six channels is looked up as matrices, mixed b
         doctest::Approx(std::sqrt(1.6f) / medium.most_flakes));
 }
 
-TEST_CASE("microflakes: what such media cannot be") {
+TEST_CASE("microflakes: invalid grids and emissive media are errors") {
   const TemporaryFolder folder;
   const auto grey = write_vol(folder / "grey.vol", 2, 1, [](Vec3f, int) { return 1.0f; });
   const auto bent =

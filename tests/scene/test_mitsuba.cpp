@@ -37,7 +37,7 @@ std::string radiance_of(const std::string& property) {
 
 }  // namespace
 
-TEST_CASE("Mitsuba: defaults") {
+TEST_CASE("Mitsuba: a minimal scene has the documented defaults") {
   const Description d = read_text(mitsuba_scene("<shape type='rectangle'/>"));
   CHECK(d.film.width == 768);
   CHECK(d.film.height == 576);
@@ -58,7 +58,7 @@ TEST_CASE("Mitsuba: defaults") {
   CHECK(d.notes.empty());
 }
 
-TEST_CASE("Mitsuba: sensor") {
+TEST_CASE("Mitsuba: perspective sensors have the documented parameters") {
   using Axis = CameraDescription::FovAxis;
   const Description d = with_sensor(
       "<float name='fov' value='40'/><string name='fovAxis' value='smaller'/><float name='nearClip' value='1'/>"
@@ -91,7 +91,7 @@ TEST_CASE("Mitsuba: sensor") {
   CHECK(contains(two.notes[0], "scene.xml:4: "));
 }
 
-TEST_CASE("Mitsuba: film and filters") {
+TEST_CASE("Mitsuba: films and filters have the documented parameters") {
   const Description d = with_film(
       "<integer name='width' value='100'/><integer name='height' value='50'/><integer name='crop_offset_x' value='10'/>"
       "<integer name='cropOffsetY' value='5'/><integer name='crop_width' value='20'/><integer name='crop_height' "
@@ -150,7 +150,7 @@ TEST_CASE("Mitsuba: film and filters") {
           768);
 }
 
-TEST_CASE("Mitsuba: samplers") {
+TEST_CASE("Mitsuba: samplers are mapped to those of Sheaf") {
   const std::string properties = "<integer name='sampleCount' value='16'/><integer name='seed' value='7'/></sampler>";
   for (const auto& [name, kind] : {std::pair{"independent", SamplerKind::kIndependent},
                                    {"stratified", SamplerKind::kStratified},
@@ -173,7 +173,7 @@ TEST_CASE("Mitsuba: samplers") {
   }
 }
 
-TEST_CASE("Mitsuba: sensors with a lens and without perspective") {
+TEST_CASE("Mitsuba: thin-lens and orthographic sensors are read") {
   const auto sensor = [](const std::string& type, const std::string& inside) {
     return read_text(mitsuba_scene("", "<sensor type='" + type + "'>" + inside + "</sensor>"));
   };
@@ -191,7 +191,7 @@ TEST_CASE("Mitsuba: sensors with a lens and without perspective") {
   CHECK(parallel.camera.far_clip == 10'000);
 }
 
-TEST_CASE("Mitsuba: roulette starts later in scenes with media") {
+TEST_CASE("Mitsuba: Russian roulette starts later in scenes with media") {
   const std::string ball = "<shape type='sphere'><medium name='interior' type='homogeneous'/>";
   for (const bool media : {false, true})
     for (const bool said : {false, true}) {
@@ -203,7 +203,7 @@ TEST_CASE("Mitsuba: roulette starts later in scenes with media") {
     }
 }
 
-TEST_CASE("Mitsuba: integrators") {
+TEST_CASE("Mitsuba: integrators have the documented parameters") {
   const Description d = with_integrator(
       "<integrator type='moment'><integrator type='aov'><string name='aovs' value='d:depth'/><integrator type='path'>"
       "<integer name='maxDepth' value='7'/><integer name='rr_depth' value='3'/><boolean name='strictNormals' "
@@ -280,7 +280,7 @@ TEST_CASE("Mitsuba: integrators") {
   CHECK(none.notes.size() == 1);
 }
 
-TEST_CASE("Mitsuba: shapes") {
+TEST_CASE("Mitsuba: shapes have the documented parameters") {
   const ShapeDescription obj = shape_of(
       "<shape type='obj'><string name='filename' value='mesh.obj'/><boolean name='faceNormals' value='true'/>"
       "<boolean name='flip_normals' value='true'/><boolean name='collapse' value='true'/></shape>");
@@ -306,7 +306,7 @@ TEST_CASE("Mitsuba: shapes") {
   CHECK(std::get<CylinderShape>(cylinder.geometry).radius == 0.5f);
 }
 
-TEST_CASE("Mitsuba: materials") {
+TEST_CASE("Mitsuba: materials are read and nested") {
   auto materials = [](const std::string& text) {
     std::string all;
     for (const MaterialDescription& m : read_text(mitsuba_scene(text)).materials) all += dump(m) + "\n";
@@ -338,7 +338,7 @@ TEST_CASE("Mitsuba: materials") {
   }
 }
 
-TEST_CASE("Mitsuba: one material for all that refer to it") {
+TEST_CASE("Mitsuba: references to a material share it") {
   const Description d = read_text(
       mitsuba_scene("<shape type='sphere'><ref id='b'/></shape><bsdf type='diffuse' id='a'/><bsdf type='conductor' "
                     "id='b'/><shape type='cube'><ref name='bsdf' id='b'/></shape>"));
@@ -347,7 +347,7 @@ TEST_CASE("Mitsuba: one material for all that refer to it") {
   CHECK(d.shapes.at(0).material == d.shapes.at(1).material);
 }
 
-TEST_CASE("Mitsuba: references to every kind of object") {
+TEST_CASE("Mitsuba: every kind of object can be referred to") {
   const Description d = read_text(mitsuba_scene(
       "<film type='hdrfilm' id='f'><integer name='width' value='9'/><ref id='r'/></film><rfilter type='box' "
       "id='r'/><sampler type='independent' id='s'><integer name='sample_count' value='9'/></sampler>"
@@ -362,7 +362,7 @@ TEST_CASE("Mitsuba: references to every kind of object") {
   CHECK(dump(d.shapes.at(0).radiance.value()) == "rgb 0x1p+0 0x1p+1 0x1p+2");
 }
 
-TEST_CASE("Mitsuba: emitters") {
+TEST_CASE("Mitsuba: emitters have the documented parameters") {
   const Description d = read_text(mitsuba_scene(
       "<emitter type='point'><point name='position' x='1' y='2' z='3'/><rgb name='intensity' value='300'/></emitter>"
       "<emitter type='point'><transform name='toWorld'><translate x='4'/></transform><float name='samplingWeight' "
@@ -374,7 +374,7 @@ TEST_CASE("Mitsuba: emitters") {
   CHECK(radiance_of("") == "constant 0x1p+0");
 }
 
-TEST_CASE("Mitsuba: spectra in every spelling") {
+TEST_CASE("Mitsuba: spectra are read in every notation") {
   CHECK(reflectance_of("<rgb name='reflectance' value='0.25'/>") == "rgb 0x1p-2 0x1p-2 0x1p-2");
   CHECK(reflectance_of("<rgb name='reflectance' value='0.25 0.5, 1'/>") == "rgb 0x1p-2 0x1p-1 0x1p+0");
   CHECK(reflectance_of("<rgb name='reflectance' value='#ff0000'/>") == "rgb 0x1p+0 0x0p+0 0x0p+0");
@@ -411,7 +411,7 @@ TEST_CASE("Mitsuba: spectra in every spelling") {
         doctest::Approx(0.21404));
 }
 
-TEST_CASE("Mitsuba: spectra from files") {
+TEST_CASE("Mitsuba: spectra are read from files") {
   const TemporaryFolder folder;
   const auto scene =
       write_below(folder, "scene.xml",
@@ -430,7 +430,7 @@ TEST_CASE("Mitsuba: spectra from files") {
   CHECK(contains(message("400 2\n500 2\n"), "scene.xml:4: property 'reflectance' of bsdf 'diffuse' contains 2"));
 }
 
-TEST_CASE("Mitsuba: transforms") {
+TEST_CASE("Mitsuba: transforms are composed in document order") {
   auto transformed = [](const std::string& steps, Vec3f p) {
     return shape_of("<shape type='sphere'><transform name='to_world'>" + steps + "</transform></shape>")
         .to_world.point(p);
@@ -463,7 +463,7 @@ TEST_CASE("Mitsuba: transforms") {
   }
 }
 
-TEST_CASE("the same scene in both dialects gives the same Description") {
+TEST_CASE("the same scene in both dialects gives the same description") {
   const std::string nori = R"(<scene>
     <integrator type="path_mis"/>
     <sampler type="independent"><integer name="sampleCount" value="32"/></sampler>
@@ -509,7 +509,7 @@ TEST_CASE("the same scene in both dialects gives the same Description") {
   CHECK(dump(read_text(nori)) != dump(read_text(mitsuba_scene(""))));
 }
 
-TEST_CASE("Mitsuba: names of its first versions") {
+TEST_CASE("Mitsuba: names of version 0.6 are read") {
   const Description d = read_text(
       "<scene version='0.2.0'><camera type='perspective'><film type='exrfilm'><integer name='width' value='9'/></film>"
       "</camera><integrator type='path'/><luminaire type='point'/>"

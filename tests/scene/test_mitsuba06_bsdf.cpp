@@ -57,7 +57,7 @@ std::string grey_bsdf(const std::string& value) {
 
 }  // namespace
 
-TEST_CASE("old materials: defaults and all parameters, in both spellings") {
+TEST_CASE("old materials: defaults and parameters are read in both notations") {
   CHECK(material("phong") == dump_all("phong", grey(0.5f), grey(0.2f), 30.0f));
   CHECK(material("roughdiffuse") == dump_all("roughdiffuse", grey(0.5f), 0.2f, false));
   CHECK(material("ward") == dump_all("ward", 2, grey(0.5f), grey(0.2f), 0.1f, 0.1f));
@@ -76,7 +76,7 @@ TEST_CASE("old materials: defaults and all parameters, in both spellings") {
         dump_all("roughdiffuse", grey(0.5f), 0.6f, true));
 }
 
-TEST_CASE("old materials: lobes that reflect too much are scaled down, with a note") {
+TEST_CASE("old materials: lobes that reflect too much are scaled down with a note") {
   const std::string much = color("diffuse_reflectance", "0.5, 0.9, 0") + color("specular_reflectance", "0.5, 0.6, 0");
   const Description scaled = read_new(bsdf("phong", much));
   const auto& phong = std::get<PhongDescription>(scaled.materials.back().model);
@@ -92,7 +92,7 @@ TEST_CASE("old materials: lobes that reflect too much are scaled down, with a no
   CHECK(as_is.notes.empty());
 }
 
-TEST_CASE("old materials: slabs that scatter once") {
+TEST_CASE("old materials: single-scattering slabs are read") {
   CHECK(material("hk", number("thickness", "0.5") + color("sigmaS", "1, 2, 3") + color("sigmaA", "0, 1, 0")) ==
         dump_all("hk", SpectrumInput(SpectrumDescription::rgb(1, 2, 3)),
                  SpectrumInput(SpectrumDescription::rgb(0, 1, 0)), false, 0.5f, 0.0f));
@@ -106,7 +106,7 @@ TEST_CASE("old materials: slabs that scatter once") {
   CHECK(error(bsdf("hk", "<phase type='rayleigh'/>")).find("isotropic or hg") != std::string::npos);
 }
 
-TEST_CASE("old materials: coats") {
+TEST_CASE("old materials: coats are read") {
   CHECK(material("coating", bsdf("diffuse")) == dump_all("coating", 1.5046f, 1.000277f, 1.0f, grey(0), grey(1),
                                                          std::optional<RoughnessDescription>(), MaterialId{0}));
   const std::string all = number("intIOR", "1.7") + word("extIOR", "water") + number("thickness", "2") +
@@ -125,7 +125,7 @@ TEST_CASE("old materials: coats") {
   refused(bsdf("ward", word("variant", "blinn")), "expected ward, ward-duer or balanced");
 }
 
-TEST_CASE("compile materials: what lies below a coat, with its textures") {
+TEST_CASE("compile materials: the material under a coat is found with its textures") {
   Description d;
   ConductorDescription metal;
   metal.ior = {SpectrumDescription::constant(0.2f), TextureId{5}};
@@ -158,7 +158,7 @@ TEST_CASE("compile materials: what lies below a coat, with its textures") {
   CHECK(bound(2).word == 2);
 }
 
-TEST_CASE("compile materials: coats go into blends and around sides") {
+TEST_CASE("compile materials: coats apply to blends and to both sides") {
   const Description d = read_old(
       bsdf("twosided",
            bsdf("coating", bsdf("blendbsdf", number("weight", "0.25") + bsdf("diffuse") + bsdf("roughconductor")))));
@@ -173,7 +173,7 @@ TEST_CASE("compile materials: coats go into blends and around sides") {
                        doctest::Contains("a coat cannot hold another one"), SceneError);
 }
 
-TEST_CASE("mixtures: shares are the weights, and what they leave is black") {
+TEST_CASE("mixtures: weights become shares and the remainder is black") {
   const std::string three = grey_bsdf("0.1") + grey_bsdf("0.2") + grey_bsdf("0.3");
   const auto of = [&](const std::string& weights, const std::string& inside) {
     return shares(read_old(bsdf("mixturebsdf", word("weights", weights) + inside)));

@@ -52,7 +52,7 @@ std::array<float, 2> apply(const std::array<float, 6>& m, float u, float v) {
 
 }  // namespace
 
-TEST_CASE("Mitsuba materials: defaults") {
+TEST_CASE("Mitsuba materials: defaults match the documentation") {
   const std::string one = " constant 0x1p+0", half = " constant 0x1p-1";
   const std::string glass = dump_all(1.5046f, 1.000277f) + one + one;
   const std::string rough = dump_all(" beckmann", 0.1f, 0.1f);
@@ -77,7 +77,7 @@ TEST_CASE("Mitsuba materials: defaults") {
   CHECK(material("normalmap", bsdf("diffuse") + picture) == "normalmap 0 0 0");
 }
 
-TEST_CASE("Mitsuba materials: names of its own table disperse where asked to, others unless asked not to") {
+TEST_CASE("Mitsuba materials: dispersion is off for names of Mitsuba and on for other names by default") {
   const auto disperses = [](const std::string& inside) {
     return model_of<DielectricDescription>("dielectric", inside).int_dispersion.has_value();
   };
@@ -102,7 +102,7 @@ TEST_CASE("Mitsuba materials: names of its own table disperse where asked to, ot
   CHECK_FALSE(nori(word("intIOR", "bk7") + off));
 }
 
-TEST_CASE("Mitsuba materials: every number, colour and switch in both styles of names") {
+TEST_CASE("Mitsuba materials: every number and colour and switch is read in both naming styles") {
   for (const bool camel : {false, true}) {
     CAPTURE(camel);
     auto name = [&](const char* snake, const char* other) { return camel ? other : snake; };
@@ -161,7 +161,7 @@ TEST_CASE("Mitsuba materials: specular of principled becomes an index of refract
   }
 }
 
-TEST_CASE("Mitsuba materials: a metal of principled that Mitsuba's rule for specular 0 makes black has a warning") {
+TEST_CASE("Mitsuba materials: a principled metal that specular 0 turns black gives a warning") {
   const auto warnings = [](const std::string& inside) {
     return compile_scene(read_text(mitsuba_scene("<shape type='sphere'>" + bsdf("principled", inside) + "</shape>" +
                                                  "<shape type='disk'>" + bsdf("principled", "") + "</shape>")))
@@ -181,7 +181,7 @@ TEST_CASE("Mitsuba materials: a metal of principled that Mitsuba's rule for spec
   CHECK(warnings(metal + none + number("spec_trans", "0.5")).empty());
 }
 
-TEST_CASE("Mitsuba materials: hair by its pigments or by what it absorbs") {
+TEST_CASE("Mitsuba materials: hair is defined by pigments or by absorption") {
   const std::string rest = number("longitudinal_roughness", "0.1") + number("azimuthal_roughness", "0.2") +
                            number("scale_tilt", "3") + number("int_ior", "1.4") + number("ext_ior", "1.1");
   const std::string expected = dump_all(0.1f, 0.2f, 3.0f, 1.4f, 1.1f);
@@ -203,7 +203,7 @@ TEST_CASE("Mitsuba materials: hair by its pigments or by what it absorbs") {
   CHECK(contains(error(bsdf("twosided", bsdf("hair"))), "transmits light"));
 }
 
-TEST_CASE("compile materials: hair has what its colour is made of, and needs its tangent") {
+TEST_CASE("compile materials: hair gets its absorption and needs its tangent") {
   const auto parameters = [](const HairDescription& hair) {
     Description d;
     d.materials.push_back({hair, true, true, "", {}});
@@ -235,13 +235,13 @@ TEST_CASE("compile materials: hair has what its colour is made of, and needs its
   CHECK(parameters(hair).by_reflectance == 1.0f);
 }
 
-TEST_CASE("Mitsuba materials: roughness") {
+TEST_CASE("Mitsuba materials: a roughness of zero becomes 1e-4") {
   const auto rough = *model_of<ConductorDescription>("roughconductor", number("alpha", "0")).roughness;
   CHECK(std::get<float>(rough.alpha_u) == 1e-4f);
   CHECK(std::get<float>(rough.alpha_v) == 1e-4f);
 }
 
-TEST_CASE("Mitsuba materials: textures for every parameter that can have one") {
+TEST_CASE("Mitsuba materials: every parameter that may be textured is") {
   const std::string attribute = " type='mesh_attribute'><string name='name' value='vertex_x'/></texture>";
   struct Case {
     const char* type;
@@ -284,7 +284,7 @@ TEST_CASE("Mitsuba materials: textures for every parameter that can have one") {
         "conductor constant 0x1p+0 beckmann texture 0 texture 0");
 }
 
-TEST_CASE("Mitsuba materials: checkerboards change places where they are numbers, but not in scenes of version 0.6") {
+TEST_CASE("Mitsuba materials: checkerboards of numbers are swapped except in version 0.6") {
   const std::string text = mitsuba_scene(
       "<bsdf type='mask'><texture name='opacity' type='checkerboard' id='squares'>"
       "<float name='color0' value='0.25'/><texture name='color1' type='checkerboard'/></texture>"
@@ -306,7 +306,7 @@ TEST_CASE("Mitsuba materials: checkerboards change places where they are numbers
   }
 }
 
-TEST_CASE("Mitsuba materials: metals by name") {
+TEST_CASE("Mitsuba materials: metals are found by name") {
   const auto gold = model_of<ConductorDescription>("conductor", word("material", "Au"));
   REQUIRE(gold.ior);
   const auto& eta = std::get<SpectrumDescription::Table>(std::get<SpectrumDescription>(gold.ior->eta).value);
@@ -333,7 +333,7 @@ TEST_CASE("Mitsuba materials: metals by name") {
   CHECK(dump(given) == "constant 0x1p+1");
 }
 
-TEST_CASE("Mitsuba materials: two-sided") {
+TEST_CASE("Mitsuba materials: two-sided materials may have one or two children") {
   auto sides = [](const std::string& inside) { return material("twosided", inside); };
   CHECK(sides(bsdf("diffuse") + bsdf("plastic")) == "twosided 0 1");
   CHECK(sides(bsdf("principled")) == "twosided 0 0");
@@ -361,7 +361,7 @@ TEST_CASE("Mitsuba materials: two-sided") {
   }
 }
 
-TEST_CASE("Mitsuba materials: bump and normal maps") {
+TEST_CASE("Mitsuba materials: bump and normal maps are read") {
   const std::string picture = "<texture type='bitmap' NAME>" + word("filename", "image.png") + "</texture>";
   auto named = [&](const std::string& name) {
     std::string text = picture;
@@ -390,7 +390,7 @@ TEST_CASE("Mitsuba materials: bump and normal maps") {
   CHECK(dump(referred.materials.back()) == "bumpmap 0 0x1p+1 0");
 }
 
-TEST_CASE("Mitsuba textures: pictures") {
+TEST_CASE("Mitsuba textures: bitmaps have the documented parameters") {
   // v of a picture points down: (u, v) goes to (u, 1 - v).
   const std::string upright = " to_uv " + dump_all(1.0f, 0.0f, 0.0f, -0.0f, -1.0f, 1.0f);
   CHECK(texture("") == "bitmap image.png 0 0 0 0" + upright);
@@ -420,7 +420,7 @@ TEST_CASE("Mitsuba textures: pictures") {
 
 // Where points of the uv plane lie in the picture, found with Mitsuba 3.9 and a picture of four colours: its row 0 is
 // at v = 0, and to_uv is applied to uv as it stands.
-TEST_CASE("Mitsuba textures: transforms of uv") {
+TEST_CASE("Mitsuba textures: uv transforms are applied") {
   auto to_uv = [](const std::string& inside, const char* type = "bitmap") {
     const std::string file = std::string(type) == "bitmap" ? word("filename", "image.png") : "";
     return read_text(mitsuba_scene(bsdf("diffuse", std::string("<texture name='reflectance' type='") + type + "'>" +
@@ -449,7 +449,7 @@ TEST_CASE("Mitsuba textures: transforms of uv") {
   CHECK(near(apply(to_uv(number("vscale", "4"), "checkerboard"), 0.1f, 0.1f), 0.1f, 0.4f));
 }
 
-TEST_CASE("Mitsuba textures: checkerboards, mesh attributes and spectra") {
+TEST_CASE("Mitsuba textures: checkerboards and mesh attributes and spectra are read") {
   const std::string as_is = " to_uv " + dump_all(1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f);
   CHECK(texture("", "checkerboard") == dump_all("checkerboard constant", 0.4f, "constant", 0.2f) + as_is);
   CHECK(texture("<rgb name='color0' value='0,0.5,1'/>" + number("color1", "0.5"), "checkerboard") ==
@@ -465,7 +465,7 @@ TEST_CASE("Mitsuba textures: checkerboards, mesh attributes and spectra") {
         "diffuse rgb 0x0p+0 0x0p+0 0x1p+0");
 }
 
-TEST_CASE("Mitsuba textures: one texture for all that refer to it") {
+TEST_CASE("Mitsuba textures: references to a texture share it") {
   const Description d = read_text(mitsuba_scene(
       "<bsdf type='diffuse'><ref name='reflectance' id='t'/></bsdf><texture type='mesh_attribute' id='t'>" +
       word("name", "vertex_x") +
@@ -479,7 +479,7 @@ TEST_CASE("Mitsuba textures: one texture for all that refer to it") {
   CHECK(contains(dump(d.materials.at(1)), "principled texture 0 texture 0 "));
 }
 
-TEST_CASE("Mitsuba materials and textures: errors name line, fault and the nearest name") {
+TEST_CASE("Mitsuba materials and textures: errors have line and fault and nearest name") {
   const std::string two = bsdf("diffuse") + bsdf("diffuse"), board = "<texture type='checkerboard'/>";
   auto bitmap = [](const std::string& inside) {
     return "<bsdf type='diffuse'><texture type='bitmap' name='reflectance'>" + word("filename", "image.png") + "\n" +
@@ -573,7 +573,7 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
   CHECK_MESSAGE(contains(old, "is given beside a texture of 'eta' or 'k'"), old);
 }
 
-TEST_CASE("Mitsuba materials: polarisers let half of the light pass, and say so") {
+TEST_CASE("Mitsuba materials: polarisers transmit half of the light with a note") {
   const auto opacity = [](const std::string& plugin, const std::string& inside = "") {
     const Description d = read_text(mitsuba_scene("<bsdf type='" + plugin + "'>" + inside + "</bsdf>"));
     CHECK(d.notes.size() == 1);

@@ -7,7 +7,7 @@ namespace sheaf::test_mitsuba_errors {
 
 using namespace test;
 
-TEST_CASE("Mitsuba: errors name line, fault and the nearest name") {
+TEST_CASE("Mitsuba: errors have line and fault and nearest name") {
   auto sensor = [](const std::string& inside) {
     return mitsuba_scene("", "<sensor type='perspective'>" + inside + "</sensor>");
   };

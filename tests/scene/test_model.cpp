@@ -26,7 +26,7 @@ Description read_model_text(const ReadOptions& options = {}) {
 
 }  // namespace
 
-TEST_CASE("model: it stands on a floor, has its materials, and is lit") {
+TEST_CASE("model: a model stands on a floor and has its materials and is lit") {
   const Description d = read_model_text();
   REQUIRE(d.shapes.size() == 3);  // two materials and the floor
   for (const ShapeDescription& shape : d.shapes) CHECK(shape.material.has_value());
@@ -38,7 +38,7 @@ TEST_CASE("model: it stands on a floor, has its materials, and is lit") {
   CHECK(compile_scene(d)->info().triangles == 4);
 }
 
-TEST_CASE("model: all of it is in the picture, from wherever it is seen") {
+TEST_CASE("model: the whole model is in the image from every direction") {
   for (const auto up : {ModelView::Up::kX, ModelView::Up::kY, ModelView::Up::kZ})
     for (const float elevation : {-90.0f, 0.0f, 20.0f, 90.0f})
       for (const float azimuth : {0.0f, 100.0f}) {
@@ -59,13 +59,13 @@ TEST_CASE("model: all of it is in the picture, from wherever it is seen") {
       }
 }
 
-TEST_CASE("model: a broken file is an error with its line") {
+TEST_CASE("model: a malformed file is an error with its line") {
   const TemporaryFolder folder;
   const std::string message = error_of(write_below(folder, "model.obj", "v 0 0 0\nf 1 2 3\n"));
   CHECK(contains(message, "model.obj"));
 }
 
-TEST_CASE("model: leniently, faces with vertices that the file lacks are left out, other indices ignored") {
+TEST_CASE("model: in lenient mode faces with missing vertices are dropped and other invalid indices ignored") {
   const TemporaryFolder folder;
   ReadOptions leniently;
   leniently.lenient = true;
@@ -153,7 +153,7 @@ const TextureDescription* texture_of(const Description& d) {
 
 }  // namespace
 
-TEST_CASE("model: a cube has flat faces, whether its file says 's off' or nothing; in a group it is smooth") {
+TEST_CASE("model: a cube has flat faces without smoothing groups and is smooth in one group") {
   const float corner = 1 / std::sqrt(3.0f);
   CHECK(smallest_cosine_of("a.obj", kCube + "s off\n" + kCubeFaces) == doctest::Approx(1));
   CHECK(smallest_cosine_of("a.obj", kCube + "s 0\n" + kCubeFaces) == doctest::Approx(1));
@@ -173,12 +173,12 @@ TEST_CASE("model: a cube has flat faces, whether its file says 's off' or nothin
   CHECK(smallest_cosine_of("a.ply", ply) == doctest::Approx(1));
 }
 
-TEST_CASE("model: normals of the file stay") {
+TEST_CASE("model: normals of the file are kept") {
   const std::string normals = "vn -1 -1 -1\nvn 1 1 1\n", faces = "f 1//1 2//2 4//2 3//1\ns off\nf 1//1 5//2 6//2\n";
   CHECK(smallest_cosine_of("a.obj", kCube + normals + faces) < 0.6f);
 }
 
-TEST_CASE("model: colours of vertices and faces of PLY files are shown") {
+TEST_CASE("model: colours of vertices and faces of PLY files are used") {
   const std::string floats = "property float red\nproperty float green\nproperty float blue\n";
   const std::string bytes = "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
   const TemporaryFolder folder;
@@ -198,7 +198,7 @@ TEST_CASE("model: colours of vertices and faces of PLY files are shown") {
   CHECK(texture_of(read_scene(write_below(folder, "a.ply", square_ply("", "", "")))) == nullptr);
 }
 
-TEST_CASE("model: the picture that a PLY file names is shown upright, if it is there") {
+TEST_CASE("model: the texture named by a PLY file is used if it exists") {
   const TemporaryFolder folder;
   const std::string uv = "property float u\nproperty float v\n", comment = "comment TextureFile skin.png\n";
   const auto file = write_below(folder, "a.ply", square_ply(comment, uv, "0.25 0.25"));

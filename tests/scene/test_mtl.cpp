@@ -100,7 +100,7 @@ const std::string kRedAndBlue = "newmtl red\nKd 0.5 0.25 0.125\nnewmtl blue\nKd 
 
 }  // namespace
 
-TEST_CASE("mtl: what a file says, and what it leaves out") {
+TEST_CASE("mtl: given parameters are read and missing ones have defaults") {
   const MtlLibrary library = read(
       "# comment\r\n\tnewmtl  red paint \r\nKd .5 +0.25 1e-1 # why\nKs 0.5\n Ns 100\n"
       "Ni\t1.5\nd 0.25\nTr 0.5\nillum 7\nTf 1 .5 0\nKe 2 0 0\nnewmtl empty\rnewmtl pbr\n"
@@ -132,7 +132,7 @@ TEST_CASE("mtl: what a file says, and what it leaves out") {
   CHECK(pbr.anisotropy == 0.6f);
 }
 
-TEST_CASE("mtl: pictures, their options and their folders") {
+TEST_CASE("mtl: textures have options and are found in their folders") {
   const MtlMaterial m =
       one("map_Kd a picture.png\nmap_Ks -s 2 3 4 -o 0.5 -clamp on sub\\dir\\b.png\nmap_d -s 2 c.png\n"
           "map_Bump -bm 0.5 -mm 0 1 -imfchan l d.png\nnorm -o 1 2 3 4.png\nmap_Pr -s 1 1 5\n");
@@ -157,7 +157,7 @@ TEST_CASE("mtl: pictures, their options and their folders") {
   CHECK(read_mtl(folder / "lib.mtl").materials[0].map_diffuse->file == folder / "x.png");
 }
 
-TEST_CASE("mtl: what is malformed is an error with a line") {
+TEST_CASE("mtl: malformed lines are errors with a line number") {
   for (const std::string number : {"", "x", "1,5", "nan", "inf", "1e99", "0.5f", "--1"}) {
     CHECK_MESSAGE(contains(error_in("newmtl m\n\nKd " + number), "lib.mtl:3: expected a number after 'Kd'"), number);
     CHECK(contains(error_in("newmtl m\nNs " + number + "\n"), "lib.mtl:2: expected a number after 'Ns'"));
@@ -173,7 +173,7 @@ TEST_CASE("mtl: what is malformed is an error with a line") {
   CHECK(contains(error_of([] { read_mtl("/nowhere/at/all.mtl"); }), "not found"));
 }
 
-TEST_CASE("mtl: what is not supported is noted once") {
+TEST_CASE("mtl: unsupported statements are noted once") {
   const MtlLibrary library = read(
       "newmtl m\nmap_Kdd x.png\nrefl x.png\nrefl y.png\nKd xyz 1 1 1\n"
       "map_Kd -mm 0 1 x.png\n");
@@ -185,7 +185,7 @@ TEST_CASE("mtl: what is not supported is noted once") {
   CHECK_FALSE(library.materials[0].diffuse);
 }
 
-TEST_CASE("mtl: random edits are a library or an error") {
+TEST_CASE("mtl: random edits give a library or an error") {
   const std::string valid = "newmtl m\nKd 1 0.5 0\nNs 10\nmap_Kd -s 1 2 -clamp on a.png\nillum 2\nTr 0.5\n# x\n";
   constexpr std::string_view kBytes = "0123456789 -.eKdNsmap_\r\n#\t\\\0";
   std::mt19937 random(5);
@@ -197,7 +197,7 @@ TEST_CASE("mtl: random edits are a library or an error") {
   for (std::size_t size = 0; size < valid.size(); ++size) error_in(valid.substr(0, size));
 }
 
-TEST_CASE("mtl: diffuse materials") {
+TEST_CASE("mtl: diffuse materials are read") {
   const Mapped plain = map("Kd 0.5 0.25 0.125\nillum 1\nKs 1 1 1");
   REQUIRE(plain.layers.size() == 2);
   CHECK(rgb(plain.base<DiffuseDescription>().reflectance) == Vec3f{0.5f, 0.25f, 0.125f});
@@ -212,7 +212,7 @@ TEST_CASE("mtl: diffuse materials") {
   CHECK(mapped.description.textures[0].where.line == 3);
 }
 
-TEST_CASE("mtl: uv of pictures, with and without the flip of the mesh's") {
+TEST_CASE("mtl: textures are flipped with the uv of the mesh") {
   for (const bool flip : {true, false}) {
     const Mapped m = map("map_Kd -s 2 3 -o 0.25 0.5 a.png\n", flip);
     const std::array<float, 6>& to = m.texture(TextureId{0}).to_uv;
@@ -222,7 +222,7 @@ TEST_CASE("mtl: uv of pictures, with and without the flip of the mesh's") {
   }
 }
 
-TEST_CASE("mtl: plastics, metals and mirrors") {
+TEST_CASE("mtl: plastics and metals and mirrors are recognised") {
   const Mapped coated = map("Kd 0.5 0.5 0.5\nKs 0.25 0.25 0.25\nNs 30\nNi 1.7\n");
   const auto& plastic = coated.base<PlasticDescription>();
   CHECK(rgb(plastic.diffuse_reflectance) == Vec3f{0.5f, 0.5f, 0.5f});
@@ -244,7 +244,7 @@ TEST_CASE("mtl: plastics, metals and mirrors") {
   CHECK(std::get<float>(map("Ks 1 1 1\nNs -5").base<PlasticDescription>().roughness->alpha_u) == 1.0f);
 }
 
-TEST_CASE("mtl: glass") {
+TEST_CASE("mtl: glass is recognised") {
   for (const std::string illum : {"4", "6", "7", "9"}) {
     const Mapped glass = map("Kd 0 0 0\nKs 1 1 1\nd 0.5\nNi 1.25\nTf 1 0.5 1\nillum " + illum);
     REQUIRE(glass.layers.size() == 1);
@@ -261,7 +261,7 @@ TEST_CASE("mtl: glass") {
   CHECK_NOTHROW(map("Ni 1.5\nillum 4\nmap_d a.png").base<DiffuseDescription>());
 }
 
-TEST_CASE("mtl: principled materials, and numbers beyond their ranges") {
+TEST_CASE("mtl: principled materials are read and values out of range are clamped") {
   const Mapped m = map("Kd 1 0 0\nPr 0.25\nPm 2\nPs -1\nPc 0.5\nPcr 0.25\naniso 0.75\nNi 1.25\nKs 1 1 1\n");
   const auto& p = m.base<PrincipledDescription>();
   CHECK(rgb(p.base_color) == Vec3f{1, 0, 0});
@@ -280,7 +280,7 @@ TEST_CASE("mtl: principled materials, and numbers beyond their ranges") {
   CHECK(mapped.bitmap(q.sheen).file.filename() == "d.png");
 }
 
-TEST_CASE("mtl: masks and maps of the normal lie around the material, in Mitsuba's order") {
+TEST_CASE("mtl: masks and bump maps wrap the material in the order of Mitsuba") {
   const Mapped half = map("d 0.25\nmap_Bump -bm 3 a.png");
   REQUIRE(half.layers.size() == 4);
   CHECK(std::get<float>(half.layer<MaskDescription>(0).opacity) == 0.25f);
@@ -296,7 +296,7 @@ TEST_CASE("mtl: masks and maps of the normal lie around the material, in Mitsuba
   CHECK(std::get<float>(map("d -1").layer<MaskDescription>(0).opacity) == 0.0f);
 }
 
-TEST_CASE("obj materials: one shape for each material, with the shape's flags and radiance") {
+TEST_CASE("obj materials: each material becomes a shape with the flags and radiance of the original") {
   ObjScene scene(tent("red", "blue") + "usemtl red\nf 1 2 4\n", kRedAndBlue + "newmtl unused\nmap_Kd nowhere.png\n");
   scene.shape().flip_normals = true;
   scene.shape().to_world = Transform::translate({0, 0, 5});
@@ -318,7 +318,7 @@ TEST_CASE("obj materials: one shape for each material, with the shape's flags an
   }
 }
 
-TEST_CASE("obj materials: normals are those of the uncut mesh") {
+TEST_CASE("obj materials: normals are those of the undivided mesh") {
   for (const bool face_normals : {false, true}) {
     for (const bool smooth : {false, true}) {
       ObjScene scene(tent("red", "blue") + "f 1 1 2\n", kRedAndBlue);
@@ -358,7 +358,7 @@ TEST_CASE("obj materials: emission becomes an area light unless the shape emits 
   for (const ShapeDescription& part : lamp.description.shapes) CHECK(rgb(part.radiance.value()) == Vec3f{7, 7, 7});
 }
 
-TEST_CASE("obj materials: shapes in groups are cut too") {
+TEST_CASE("obj materials: shapes in groups are divided") {
   ObjScene scene(tent("red", "blue"), "newmtl red\nKe 3 2 1\nnewmtl blue\n");
   scene.description.groups.resize(1);
   scene.description.groups[0].shapes = std::move(scene.description.shapes);
@@ -371,7 +371,7 @@ TEST_CASE("obj materials: shapes in groups are cut too") {
   CHECK_FALSE(shapes[1].radiance);
 }
 
-TEST_CASE("obj materials: shapes that stay as they are") {
+TEST_CASE("obj materials: shapes with a BSDF of their own or without usable materials are not divided") {
   const auto check_uncut = [](ObjScene& scene) {
     expand_obj_materials(scene.description);
     CHECK(scene.description.shapes.size() == 1);
@@ -396,7 +396,7 @@ TEST_CASE("obj materials: shapes that stay as they are") {
   CHECK(missing.has_note("mesh.obj:1: material library 'lib.mtl' not found"));
 }
 
-TEST_CASE("obj materials: faces without a material, several libraries, names with blanks") {
+TEST_CASE("obj materials: faces may lack a material and libraries may be several and names may contain spaces") {
   ObjScene scene("mtllib no.mtl lib.mtl\nmtllib my own lib.mtl\n" + tent("red", "steel", "") + "usemtl lost\nf 1 2 5\n",
                  kRedAndBlue);
   write_bytes(scene.folder / "my own lib.mtl", "newmtl steel\nPm 1\nnewmtl red\nKd 0 0 0\n");
@@ -410,7 +410,7 @@ TEST_CASE("obj materials: faces without a material, several libraries, names wit
   CHECK(scene.has_note("material 'lost'"));
 }
 
-TEST_CASE("obj materials: a material that no library has is an error with file and line, leniently diffuse") {
+TEST_CASE("obj materials: a missing material is an error with file and line and diffuse in lenient mode") {
   const std::string obj = tent("red", "blu");
   ObjScene scene(obj, kRedAndBlue);
   const std::string message = error_of([&] { expand_obj_materials(scene.description); });
@@ -424,7 +424,7 @@ TEST_CASE("obj materials: a material that no library has is an error with file a
   CHECK(contains(lenient.description.stand_ins[0], "(a diffuse surface stands in)"));
 }
 
-TEST_CASE("obj materials: names in quotation marks") {
+TEST_CASE("obj materials: names may be quoted") {
   ObjScene scene("mtllib \"my lib.mtl\" lib.mtl\n" + tent("\"red paint\"", "blue", ""), kRedAndBlue);
   write_bytes(scene.folder / "my lib.mtl", "newmtl \"red paint\"\nKd 1 0 0\n");
   expand_obj_materials(scene.description);
@@ -435,7 +435,7 @@ TEST_CASE("obj materials: names in quotation marks") {
   CHECK(d.materials.at(static_cast<std::size_t>(*d.shapes[1].material)).id == "blue");
 }
 
-TEST_CASE("mtl: options behind the name of a picture, and names in quotation marks or with blanks") {
+TEST_CASE("mtl: options may follow a file name and names may be quoted or contain spaces") {
   const TemporaryFolder folder;
   for (const char* name : {"a.png", "my picture.png", "wood -s 2.png", "2.png"}) write_bytes(folder / name, "");
   const auto texture = [&](const std::string& arguments) {
@@ -484,7 +484,7 @@ TEST_CASE("obj materials: shapes of the same file share materials") {
   CHECK(shapes[0].material != shapes[1].material);
 }
 
-TEST_CASE("obj materials: errors name the scene, the file and the line") {
+TEST_CASE("obj materials: errors have scene and file and line") {
   ObjScene bad_library(tent("red", "blue"), "newmtl red\nKd x\n");
   std::string message = error_of([&] { expand_obj_materials(bad_library.description); });
   CHECK(contains(message, "scene.xml:7: "));

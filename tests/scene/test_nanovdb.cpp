@@ -77,7 +77,7 @@ float largest_difference(BrickGrid a, BrickGrid b) {
 
 }  // namespace
 
-TEST_CASE("nanovdb: floats and vectors are read as they were written, whatever the compression") {
+TEST_CASE("nanovdb: floats and vectors are read exactly with every compression") {
   std::vector<NanoVdbCodec> codecs{NanoVdbCodec::kUncompressed, NanoVdbCodec::kZip};
   if (has_nanovdb_blosc()) codecs.push_back(NanoVdbCodec::kBlosc);
   for (const int channels : {1, 3})
@@ -96,7 +96,7 @@ TEST_CASE("nanovdb: floats and vectors are read as they were written, whatever t
     }
 }
 
-TEST_CASE("nanovdb: quantised values are as near as their bits allow") {
+TEST_CASE("nanovdb: quantised values are accurate to their bits") {
   const BrickGrid expected = make_sparse_grid(noise_blocks());
   const std::pair<Values, float> kinds[] = {
       {Values::kFp4, 0.5f / 15}, {Values::kFp8, 0.5f / 255}, {Values::kFp16, 0.5f / 65535}, {Values::kFpN, 0.01f}};
@@ -109,7 +109,7 @@ TEST_CASE("nanovdb: quantised values are as near as their bits allow") {
   }
 }
 
-TEST_CASE("nanovdb: grids by name, through load_volume() and otherwise") {
+TEST_CASE("nanovdb: grids are found by name and unknown names suggest the nearest") {
   const std::string bytes = Written{}.bytes();
   CHECK(read(bytes, "heat").grid_to_local.point({1, 2, 3}) == Vec3f{1, 2, 3});
   CHECK(contains(error_in(bytes, "densty"),
@@ -125,13 +125,13 @@ TEST_CASE("nanovdb: grids by name, through load_volume() and otherwise") {
   CHECK(contains(error_of([] { read_nanovdb("/nowhere/at/all.nvdb", ""); }), "not found"));
 }
 
-TEST_CASE("nanovdb: empty grids") {
+TEST_CASE("nanovdb: empty grids are read") {
   Written w;
   w.blocks = VoxelBlocks(1);
   CHECK(read(w.bytes()).is_empty());
 }
 
-TEST_CASE("nanovdb: what is no fog volume of floats") {
+TEST_CASE("nanovdb: grids that are not fog volumes are errors") {
   Written w;
   w.is_level_set = true;
   CHECK(contains(error_in(w.bytes()), "cloud.nvdb: grid 'density': is a level set, where a fog volume is expected"));
@@ -144,7 +144,7 @@ TEST_CASE("nanovdb: what is no fog volume of floats") {
   CHECK(contains(error_in(bytes), "found type 150994948"));
 }
 
-TEST_CASE("nanovdb: files that are something else") {
+TEST_CASE("nanovdb: files of other formats are errors") {
   CHECK(contains(error_in(""), "begins with the letters NanoVDB0"));
   CHECK(contains(error_in("PLY and more"), "begins with the letters NanoVDB0"));
   const std::string vdb = std::string("\x20\x42\x44\x56\0\0\0\0\xe0\0\0\0", 12) + "more";
@@ -159,7 +159,7 @@ TEST_CASE("nanovdb: files that are something else") {
   CHECK(contains(error_in(Written{}.bytes() + "appended, no segment"), "expected a segment of grids at byte"));
 }
 
-TEST_CASE("nanovdb: sizes that the file does not have are errors, not allocations") {
+TEST_CASE("nanovdb: sizes that the file cannot hold are errors and not allocations") {
   for (const NanoVdbCodec codec : {NanoVdbCodec::kUncompressed, NanoVdbCodec::kZip}) {
     Written w;
     w.codec = codec;
@@ -214,7 +214,7 @@ TEST_CASE("nanovdb: random edits give a grid or an error") {
   }
 }
 
-TEST_CASE("nanovdb: trees that point elsewhere") {
+TEST_CASE("nanovdb: trees with wild offsets are errors") {
   const std::string valid = Written{}.bytes();
   const std::size_t grid = valid.find("NanoVDB0", 8), tree = grid + 672;
   std::uint64_t root = 0;
@@ -268,7 +268,7 @@ std::string tile_file(const std::vector<std::array<std::uint32_t, 3>>& tiles) {
 
 }  // namespace
 
-TEST_CASE("nanovdb: tiles are one value for all their voxels") {
+TEST_CASE("nanovdb: tiles have one value for all their voxels") {
   const BrickGrid grid = read(tile_file({{1, 0, 0}, {2, 0, 0}, {0, 3, 1}}));
   CHECK(grid.voxel_min == std::array<int, 3>{0, 0, 0});
   CHECK(grid.voxel_max == std::array<int, 3>{383, 511, 255});
@@ -280,7 +280,7 @@ TEST_CASE("nanovdb: tiles are one value for all their voxels") {
   CHECK(lookup_grid(row, {383.5f, 64, 64}) == 0.5f);
 }
 
-TEST_CASE("nanovdb: stray tiles in a small file don't take memory by the gigabyte") {
+TEST_CASE("nanovdb: scattered tiles in a small file do not take gigabytes of memory") {
   const std::string bytes = tile_file({{30, 30, 30}, {0, 30, 0}, {30, 0, 30}});
   REQUIRE(bytes.size() < 5000);
   const std::string error = error_in(bytes);

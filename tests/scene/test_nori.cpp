@@ -23,7 +23,7 @@ std::string scene_with(const std::string& inside, const std::string& camera = kC
 
 }  // namespace
 
-TEST_CASE("Nori: defaults") {
+TEST_CASE("Nori: a minimal scene has the documented defaults") {
   const Description d = read_text(scene_with("<mesh type='obj'><string name='filename' value='mesh.obj'/></mesh>"));
   CHECK(d.film.width == 1280);
   CHECK(d.film.height == 720);
@@ -57,7 +57,7 @@ TEST_CASE("Nori: integers may be written as floats of integral value") {
   CHECK(d.integrator.rr_depth == 3);
 }
 
-TEST_CASE("Nori: camera, filters and sampler") {
+TEST_CASE("Nori: cameras and filters and samplers have the documented parameters") {
   auto camera = [](const std::string& inside) {
     return read_text(scene_with("", "<camera type='perspective'>" + inside + "</camera>"));
   };
@@ -102,7 +102,7 @@ TEST_CASE("Nori: camera, filters and sampler") {
   CHECK(contains(sampler("halton").notes[0], "sampler 'halton' is rendered with 'sobol'"));
 }
 
-TEST_CASE("Nori: lenses and parallel rays") {
+TEST_CASE("Nori: thin-lens and orthographic cameras are read") {
   const auto camera = [](const std::string& type, const std::string& inside) {
     return read_text(scene_with("", "<camera type='" + type + "'>" + inside + "</camera>")).camera;
   };
@@ -119,7 +119,7 @@ TEST_CASE("Nori: lenses and parallel rays") {
   CHECK(camera("orthographic", "").projection == CameraDescription::Projection::kOrthographic);
 }
 
-TEST_CASE("Nori: integrators") {
+TEST_CASE("Nori: integrators are mapped to those of Sheaf") {
   struct Case {
     const char* name;
     IntegratorKind kind;
@@ -152,7 +152,7 @@ TEST_CASE("Nori: integrators") {
   }
 }
 
-TEST_CASE("Nori: photon mapping") {
+TEST_CASE("Nori: photon mapping has the documented parameters") {
   const auto read = [](const std::string& properties) {
     return read_text(scene_with("", kCamera, "<integrator type='photonmapper'>" + properties + "</integrator>"))
         .integrator;
@@ -206,7 +206,7 @@ TEST_CASE("Nori: photon mapping") {
   }
 }
 
-TEST_CASE("Nori: materials") {
+TEST_CASE("Nori: materials are read and nested") {
   auto material = [](const std::string& bsdf) {
     return dump(read_text(scene_with("<mesh type='sphere'>" + bsdf + "</mesh>")).materials.at(0));
   };
@@ -226,7 +226,7 @@ TEST_CASE("Nori: materials") {
   CHECK(static_cast<unsigned>(*d.shapes.at(1).material) == 1);
 }
 
-TEST_CASE("Nori: emitters") {
+TEST_CASE("Nori: emitters have the documented parameters") {
   auto light = [](const std::string& inside, const char* type = "point") {
     return read_text(scene_with(std::string("<emitter type='") + type + "'>" + inside + "</emitter>")).lights.at(0);
   };
@@ -259,7 +259,7 @@ TEST_CASE("Nori: transforms apply in document order") {
   CHECK(rotated.y == doctest::Approx(1));
 }
 
-TEST_CASE("Nori: spheres") {
+TEST_CASE("Nori: spheres have the documented parameters") {
   const Description d = read_text(
       scene_with("<mesh type='sphere'><point name='center' value='1,2,3'/><float name='radius' value='0.5'/></mesh>"));
   const auto& sphere = std::get<SphereShape>(d.shapes.at(0).geometry);
@@ -267,7 +267,7 @@ TEST_CASE("Nori: spheres") {
   CHECK(sphere.radius == 0.5f);
 }
 
-TEST_CASE("Nori: errors name line, fault and the nearest name") {
+TEST_CASE("Nori: errors have line and fault and nearest name") {
   struct Case {
     std::string text;
     const char* expected;
@@ -336,7 +336,7 @@ TEST_CASE("Nori: errors name line, fault and the nearest name") {
   }
 }
 
-TEST_CASE("Nori: shapes may be called so, and stand beside a camera without a version") {
+TEST_CASE("Nori: shapes may be called shape and appear beside a camera without a version") {
   const Description d = read_text(scene_with("<shape type='sphere'><bsdf type='mirror'/></shape><shape type='cube'/>"));
   CHECK(d.shapes.size() == 2);
   CHECK(d.camera.fov == 30);
@@ -359,7 +359,7 @@ TEST_CASE("Nori: a parallelogram has a corner at its origin") {
                  "u and v are parallel"));
 }
 
-TEST_CASE("Nori: the camera of upstream mirrors that of ETH") {
+TEST_CASE("Nori: the upstream camera mirrors that of ETH") {
   const std::string text = scene_with("");
   ReadOptions upstream;
   upstream.nori_camera = NoriCamera::kUpstream;
@@ -368,7 +368,7 @@ TEST_CASE("Nori: the camera of upstream mirrors that of ETH") {
   CHECK(eth == Vec3f{-other.x, other.y, other.z});
 }
 
-TEST_CASE("Nori: exercises are white scenes in a light of their own") {
+TEST_CASE("Nori: exercise integrators make the scene white and light it by a constant environment") {
   const std::string inside =
       "<mesh type='sphere'><bsdf type='mirror'/><emitter type='area'/></mesh>"
       "<emitter type='point'/>";
@@ -399,7 +399,7 @@ TEST_CASE("Nori: exercises are white scenes in a light of their own") {
   CHECK(rgb.value.x == doctest::Approx(1 / std::numbers::pi));
 }
 
-TEST_CASE("Nori: groups that are called ref, and instances that name them") {
+TEST_CASE("Nori: instances refer to groups of type ref by name") {
   const Description d = read_text(
       scene_with("<mesh type='ref' name='ball'><mesh type='sphere'/></mesh><mesh type='instance'>"
                  "<string name='ref' value='ball'/><transform name='toWorld'><scale value='2'/></transform></mesh>"));
@@ -411,7 +411,7 @@ TEST_CASE("Nori: groups that are called ref, and instances that name them") {
                  "'bowl', which names no group"));
 }
 
-TEST_CASE("Nori: spellings of the course's projects") {
+TEST_CASE("Nori: names used by course projects are read") {
   const Description d = read_text(scene_with(
       "<mesh type='sphere'><bsdf type='diffuse'><boolean name='use_cosine' value='true'/>"
       "<color name='albedo' value='.1 .2 .3'/></bsdf></mesh>"
@@ -439,7 +439,7 @@ TEST_CASE("Nori: spellings of the course's projects") {
   CHECK(intensity.value.x == doctest::Approx(8 / std::numbers::pi));
 }
 
-TEST_CASE("Nori: the power of a spot counts its falloff") {
+TEST_CASE("Nori: the power of a spot light includes its falloff") {
   const Description d =
       read_text(scene_with("<emitter type='spot'><color name='power' value='8'/><float name='falloffStart' value='20'/>"
                            "<float name='totalWidth' value='70'/></emitter>"));

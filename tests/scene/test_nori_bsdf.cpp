@@ -46,7 +46,7 @@ int square(const TextureDescription& t, float u, float v) {
 
 }  // namespace
 
-TEST_CASE("Nori materials: defaults") {
+TEST_CASE("Nori materials: defaults match the documentation") {
   CHECK(material("diffuse") == "diffuse constant 0x1p-1");
   CHECK(material("mirror") == "conductor constant 0x1p+0");
   CHECK(material("dielectric") ==
@@ -56,7 +56,7 @@ TEST_CASE("Nori materials: defaults") {
         dump_all("disney constant 0x1p-1", 0.0f, 0.0f, 0.5f, 0.0f, 0.5f, 0.0f, 0.0f, 0.5f, 0.0f, 1.0f));
 }
 
-TEST_CASE("Nori materials: every parameter in both styles of names") {
+TEST_CASE("Nori materials: every parameter is read in both naming styles") {
   for (const bool camel : {true, false}) {
     CAPTURE(camel);
     auto name = [&](const char* snake, const char* other) { return camel ? other : snake; };
@@ -77,7 +77,7 @@ TEST_CASE("Nori materials: every parameter in both styles of names") {
   CHECK(material("diffuse", "<color name='albedo' value='0,0.5,1'/>") == "diffuse rgb 0x0p+0 0x1p-1 0x1p+0");
 }
 
-TEST_CASE("Nori materials: those of Mitsuba with names in camelCase") {
+TEST_CASE("Nori materials: materials of Mitsuba are read with names in camelCase") {
   CHECK(material("roughconductor", word("material", "Au") + number("alphaU", "0.5") + number("alphaV", "0.25")) !=
         material("roughconductor"));
   CHECK(material("thindielectric", word("intIOR", "water")) ==
@@ -92,7 +92,7 @@ TEST_CASE("Nori materials: those of Mitsuba with names in camelCase") {
                                   "</texture>") == "normalmap 0 1 0");
 }
 
-TEST_CASE("Nori materials: textures for every parameter that can have one") {
+TEST_CASE("Nori materials: every parameter that may be textured is") {
   for (const auto& [type, parameters] :
        {std::pair{"diffuse", "albedo"},
         {"microfacet", "kd alpha"},
@@ -111,7 +111,7 @@ TEST_CASE("Nori materials: textures for every parameter that can have one") {
   }
 }
 
-TEST_CASE("Nori textures: checkerboards") {
+TEST_CASE("Nori textures: checkerboards have the documented parameters") {
   const TextureDescription plain = texture_of("checkerboard_color");
   CHECK(dump(plain).starts_with("checkerboard constant 0x0p+0 constant 0x1p+0"));
   CHECK(square(plain, 0.5f, 0.5f) == 0);
@@ -136,7 +136,7 @@ TEST_CASE("Nori textures: checkerboards") {
   CHECK(square(texture_of("checkerboard_float", number("scale", "0.1")), 0.15f, 0.05f) == 1);
 }
 
-TEST_CASE("Nori textures: constants") {
+TEST_CASE("Nori textures: constants are read") {
   CHECK(material("diffuse",
                  "<texture name='albedo' type='constant_color'><color name='value' value='0,0.5,1'/>"
                  "</texture>") == "diffuse rgb 0x0p+0 0x1p-1 0x1p+0");
@@ -145,7 +145,7 @@ TEST_CASE("Nori textures: constants") {
       dump_all("microfacet", 1.5046f, 1.000277f, 0.5f, "constant 0x1p-1"));
 }
 
-TEST_CASE("Nori textures: pictures stand upright") {
+TEST_CASE("Nori textures: images are upright") {
   const std::string file = word("filename", "image.png");
   const std::string as_is = " to_uv " + dump_all(1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f);
   CHECK(dump(texture_of("bitmap", file)) == "bitmap image.png 0 0 0 0" + as_is);
@@ -162,7 +162,7 @@ TEST_CASE("Nori textures: pictures stand upright") {
   CHECK(dump(texture_of("mesh_attribute", word("name", "vertex_color"))).starts_with("mesh_attribute vertex_color"));
 }
 
-TEST_CASE("Nori materials and textures: errors name line, fault and the nearest name") {
+TEST_CASE("Nori materials and textures: errors have line and fault and nearest name") {
   struct Case {
     std::string text;
     const char* expected;

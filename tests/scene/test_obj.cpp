@@ -60,7 +60,7 @@ void check_covers(const std::vector<Vec2f>& outline) {
 
 }  // namespace
 
-TEST_CASE("obj: a triangle without attributes") {
+TEST_CASE("obj: a triangle without attributes is read") {
   const Mesh mesh = read("v 0 0 0\nv 1 0 0\nv 0 2 0.5\nf 1 2 3\n").mesh;
   REQUIRE(mesh.triangles.size() == 1);
   CHECK(mesh.triangles[0] == std::array<std::uint32_t, 3>{0, 1, 2});
@@ -69,7 +69,7 @@ TEST_CASE("obj: a triangle without attributes") {
   CHECK(mesh.uvs.empty());
 }
 
-TEST_CASE("obj: the four kinds of corners and negative indices say the same") {
+TEST_CASE("obj: the four kinds of corners and negative indices give the same mesh") {
   const std::string attributes = with_square("vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\n");
   const Mesh full = read(attributes + "f 1/1/1 2/2/1 3/3/1\n").mesh;
   CHECK(full.normals == std::vector<Vec3f>(3, {0, 0, 1}));
@@ -86,7 +86,7 @@ TEST_CASE("obj: the four kinds of corners and negative indices say the same") {
   CHECK(are_equal(read(attributes + "f 1 2 3\n").mesh, read(attributes + "f 1// 2/ 3//\n").mesh));
 }
 
-TEST_CASE("obj: negative indices count from the line they stand on") {
+TEST_CASE("obj: negative indices are relative to their line") {
   const Mesh mesh = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf -3 -2 -1\n").mesh;
   REQUIRE(mesh.triangles.size() == 2);
   CHECK(mesh.positions[mesh.triangles[1][0]] == Vec3f{5, 0, 0});
@@ -96,7 +96,7 @@ TEST_CASE("obj: faces may come before their vertices") {
   CHECK(read("f 1 2 3\n" + std::string(kSquare)).mesh.positions[1] == Vec3f{1, 0, 0});
 }
 
-TEST_CASE("obj: corners that agree in all indices share a vertex, others don't") {
+TEST_CASE("obj: corners with equal indices share a vertex and others do not") {
   const std::string text = with_square("vn 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\nf 1//1 3//1 4//1\nf 1//2 2//2 4//1\n");
   const Mesh mesh = read(text).mesh;
   CHECK(mesh.positions.size() == 6);  // four with the first normal, two more with the second
@@ -105,7 +105,7 @@ TEST_CASE("obj: corners that agree in all indices share a vertex, others don't")
   CHECK(mesh.triangles[2][2] == mesh.triangles[1][2]);
 }
 
-TEST_CASE("obj: corners without an attribute that others have") {
+TEST_CASE("obj: corners may lack attributes that others have") {
   const Mesh mesh = read(with_square("vt 0.2 0.3\nvn 0 1 0\nf 1/1/1 2 3\n"), true).mesh;
   REQUIRE(mesh.uvs.size() == 3);
   CHECK(mesh.uvs[0].y == doctest::Approx(0.7));
@@ -114,14 +114,14 @@ TEST_CASE("obj: corners without an attribute that others have") {
   CHECK(mesh.normals == std::vector<Vec3f>{{0, 1, 0}, {0, 0, 0}, {0, 0, 0}});
 }
 
-TEST_CASE("obj: texture coordinates are flipped on demand and may have one or three components") {
+TEST_CASE("obj: texture coordinates are flipped on request and may have one or three components") {
   const std::string text = with_square("vt 0.25\nvt 0.5 0.75 0\nf 1/1 2/2 3/2\n");
   CHECK(read(text, false).mesh.uvs[1].y == 0.75f);
   CHECK(read(text, true).mesh.uvs[1].y == 0.25f);
   CHECK(read(text, true).mesh.uvs[0].x == 0.25f);
 }
 
-TEST_CASE("obj: objects, groups, materials, lines and points beside the faces") {
+TEST_CASE("obj: objects and groups and lines and points are accepted beside faces") {
   const Mesh mesh =
       read("# comment\nmtllib nowhere.mtl\no first\n" +
            with_square(
@@ -131,7 +131,7 @@ TEST_CASE("obj: objects, groups, materials, lines and points beside the faces") 
   CHECK(mesh.positions.size() == 4);
 }
 
-TEST_CASE("obj: line ends, blanks, continued lines, no line end at the end of the file") {
+TEST_CASE("obj: all line ends and blanks and continued lines are accepted") {
   const Mesh expected = read(with_square("f 1 2 3 4\n")).mesh;
   for (const std::string_view line_end : {"\r\n", "\r", "\n\n", " \t \n"}) {
     std::string text;
@@ -143,13 +143,13 @@ TEST_CASE("obj: line ends, blanks, continued lines, no line end at the end of th
   CHECK(are_equal(read("# C:\\models\\\n" + with_square("f 1 2 3 4")).mesh, expected));
 }
 
-TEST_CASE("obj: numbers in every notation, vertex colours, homogeneous coordinates") {
+TEST_CASE("obj: numbers in every notation and vertex colours and homogeneous coordinates are read") {
   const Mesh mesh = read("v -1.5e2 +.25 5. 0.1 0.2 0.3\nv 1E-3 -0 0 1.0\nv 0 1 0\nf 1 2 3\n").mesh;
   CHECK(mesh.positions[0] == Vec3f{-150, 0.25f, 5});
   CHECK(mesh.positions[1].x == doctest::Approx(1e-3f));
 }
 
-TEST_CASE("obj: convex polygons") {
+TEST_CASE("obj: convex polygons are triangulated") {
   check_covers({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
   std::vector<Vec2f> circle;
   for (int i = 0; i < 300; ++i) circle.push_back({std::cos(0.0209f * float(i)), std::sin(0.0209f * float(i))});
@@ -157,7 +157,7 @@ TEST_CASE("obj: convex polygons") {
   CHECK(read(polygon_file(circle)).mesh.triangles.size() == 298);
 }
 
-TEST_CASE("obj: concave polygons, both ways round and from every first corner") {
+TEST_CASE("obj: concave polygons are triangulated for both windings and every first corner") {
   const std::vector<std::vector<Vec2f>> outlines = {
       {{-0.1f, 0}, {0, 9}, {0.1f, 0}, {0, 10}},                          // its shorter diagonal lies outside
       {{0, 0}, {4, 0}, {4, 4}, {3, 4}, {3, 1}, {1, 1}, {1, 4}, {0, 4}},  // U
@@ -176,7 +176,7 @@ TEST_CASE("obj: concave polygons, both ways round and from every first corner") 
   }
 }
 
-TEST_CASE("obj: a comb of many teeth is cut exactly") {
+TEST_CASE("obj: a comb-shaped polygon is triangulated exactly") {
   std::vector<Vec2f> comb;
   for (int i = 0; i < 500; ++i) { comb.push_back({float(i), i % 2 == 0 ? 1.0f : 8.0f}); }
   comb.push_back({499, 0});
@@ -184,7 +184,7 @@ TEST_CASE("obj: a comb of many teeth is cut exactly") {
   check_covers(comb);
 }
 
-TEST_CASE("obj: polygons that cannot be cut properly get a warning, degenerate ones none") {
+TEST_CASE("obj: polygons that cannot be triangulated give a warning and degenerate ones do not") {
   std::mt19937 random(3);
   int roughly_cut = 0;
   for (int round = 0; round < 50; ++round) {
@@ -215,7 +215,7 @@ TEST_CASE("obj: NaN and infinite coordinates are kept") {
   CHECK(is_finite(read("v 0 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").mesh.positions[0]));
 }
 
-TEST_CASE("obj: malformed numbers are errors with a line") {
+TEST_CASE("obj: malformed numbers are errors with a line number") {
   for (const std::string_view number :
        {"abc", "1,5", "1e", "--1", ".", "1.0f", "0x10", "1e99999", "nano", "\x01", "1\\2"}) {
     const std::string message = error_in("# first\nv 0 0 0\nv 0 " + std::string(number) + " 0\nf 1 1 1\n");
@@ -229,7 +229,7 @@ TEST_CASE("obj: malformed numbers are errors with a line") {
   CHECK(contains(error_in(std::string("v 0 0 0\nv 1 0\0 0\n", 16)), ":2: "));
 }
 
-TEST_CASE("obj: malformed and impossible indices are errors with a line") {
+TEST_CASE("obj: malformed and impossible indices are errors with a line number") {
   for (const std::string_view corner :
        {"0", "x", "1/x", "1//x", "1/2/3/4", "/1", "//1", "1.5", "99999999999", "1/0/1"}) {
     const std::string message = error_in(with_square("f 1 2 " + std::string(corner) + "\n"));
@@ -242,7 +242,7 @@ TEST_CASE("obj: malformed and impossible indices are errors with a line") {
   CHECK(contains(error_in(with_square("\\\nf 1 2 \\\n3\nf 1 2 999999999")), ":8: a face refers to vertex 999999999"));
 }
 
-TEST_CASE("obj: files without a mesh") {
+TEST_CASE("obj: files without a mesh are errors") {
   CHECK(contains(error_of([] { read_obj("/nowhere/at/all.obj", true); }), "not found"));
   CHECK(contains(error_in(""), "empty file"));
   CHECK(contains(error_in("\n"), "holds no faces"));
@@ -252,7 +252,7 @@ TEST_CASE("obj: files without a mesh") {
   CHECK(contains(error_of([&] { read_obj(file.path().parent_path(), true); }), "not a regular file"));
 }
 
-TEST_CASE("obj: every truncation of a file is a mesh or an error") {
+TEST_CASE("obj: every truncated file gives a mesh or an error") {
   const std::string text = with_square("vt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1 \\\n4/1/1\nf -1 -2 -3\n");
   int meshes = 0;
   for (std::size_t size = 0; size <= text.size(); ++size) {
@@ -280,7 +280,7 @@ TEST_CASE("obj: random bytes and random edits never crash") {
   }
 }
 
-TEST_CASE("obj: materials of the triangles, and libraries") {
+TEST_CASE("obj: materials of triangles and libraries are recorded") {
   const TemporaryFile file("mesh.obj", with_square("mtllib  a.mtl b.mtl \nf 1 2 3\nusemtl  red paint \nf 1 2 3 4\n"
                                                    "usemtl blue\nf 1 2\nusemtl green\nf 1 2 3\nusemtl red paint\n"
                                                    "f 2 3 4\nmtllib c.mtl\nusemtl nothing\n"));
@@ -294,7 +294,7 @@ TEST_CASE("obj: materials of the triangles, and libraries") {
   CHECK(are_equal(obj.file.mesh, read_obj(file.path(), false).mesh));
 }
 
-TEST_CASE("obj: smoothing groups of triangles, flat before the first, and none in files that say nothing of them") {
+TEST_CASE("obj: smoothing groups are recorded and triangles before the first are flat") {
   const auto groups = [](const std::string& text) {
     const TemporaryFile file("mesh.obj", with_square(text));
     return read_obj_with_materials(file.path(), false).smoothing_of;

@@ -39,7 +39,7 @@ EnvmapPicture square_map(std::uint32_t size) {
 }  // namespace
 
 TEST_SUITE("square environment maps") {
-  TEST_CASE("Directions and places belong together") {
+  TEST_CASE("square maps: directions and positions are inverses") {
     for (float y = 0.01f; y < 1; y += 0.07f)
       for (float x = 0.013f; x < 1; x += 0.06f) {
         const Vec3f direction = direction_at(x, y);
@@ -53,7 +53,7 @@ TEST_SUITE("square environment maps") {
     CHECK(equal_area_octahedral<Scalar>({0, 1, 0}).y == 1);
   }
 
-  TEST_CASE("A map by longitude and latitude has the same radiance from the same directions") {
+  TEST_CASE("square maps: a latitude-longitude map has the same radiance in all directions") {
     const EnvmapPicture map = lat_long_of_octahedral(square_map(64), "sky.exr");
     REQUIRE(map.height == 64);
     REQUIRE(map.width == 128);
@@ -71,7 +71,7 @@ TEST_SUITE("square environment maps") {
     CHECK(worst < 0.08);
   }
 
-  TEST_CASE("A single bright texel keeps its power") {
+  TEST_CASE("square maps: a single bright texel keeps its power") {
     EnvmapPicture square{32, 32, std::vector<float>(3 * 32 * 32, 0.0f)};
     for (std::size_t c = 0; c < 3; ++c) square.rgb[3 * (5 * 32 + 20) + c] = 1024;
     const Vec3f mean = make_envmap(lat_long_of_octahedral(square, "sun.exr"), 1, false).mean;
@@ -79,7 +79,7 @@ TEST_SUITE("square environment maps") {
     CHECK(mean.z == doctest::Approx(1).epsilon(1e-4));
   }
 
-  TEST_CASE("Maps that are not square are refused") {
+  TEST_CASE("square maps: images that are not square are rejected") {
     CHECK_THROWS_AS(lat_long_of_octahedral({4, 2, std::vector<float>(24, 1.0f)}, "sky.exr"), SceneError);
   }
 }

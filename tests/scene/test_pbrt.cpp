@@ -83,7 +83,7 @@ LightSource "point" "rgb I" [ 1 2 3 ]
 }  // namespace
 
 TEST_SUITE("pbrt") {
-  TEST_CASE("Tokens") {
+  TEST_CASE("pbrt: tokens are split as in pbrt") {
     Tokens tokens("Shape \"a b\\\"c\\\\\" # no \"token\" []\n[1 -2.5e1]true\"x\"", "f");
     using Kind = Token::Kind;
     const std::pair<Kind, std::string> expected[] = {
@@ -110,14 +110,14 @@ TEST_SUITE("pbrt") {
       CHECK_THROWS_AS(number(text), SceneError);
   }
 
-  TEST_CASE("Values with and without brackets are the same") {
+  TEST_CASE("pbrt: values with and without brackets are equal") {
     const Description a = read_world("Shape \"sphere\" \"float radius\" 2 \"float alpha\" 1");
     const Description b = read_world("Shape \"sphere\" \"float radius\" [ 2 ] \"float alpha\" [1]");
     CHECK(dump(a) == dump(b));
     CHECK(std::get<SphereShape>(a.shapes[0].geometry).radius == 2);
   }
 
-  TEST_CASE("A camera is pbrt's, whose x is to the right") {
+  TEST_CASE("pbrt: the x axis of a camera points to the right") {
     const Description d = read_world("", false, "LookAt 0 0 0  0 0 1  0 1 0 Camera \"perspective\" \"float fov\" 50");
     CHECK(d.camera.to_world.vector({1, 0, 0}).x == -1);
     CHECK(d.camera.to_world.vector({0, 0, 1}).z == 1);
@@ -130,7 +130,7 @@ TEST_SUITE("pbrt") {
     CHECK(d.integrator.max_depth == 6);
   }
 
-  TEST_CASE("Integers may be written as floats of integral value") {
+  TEST_CASE("pbrt: integers may be written as floats of integral value") {
     const Description d = read_world("Shape \"sphere\"", false,
                                      "Integrator \"path\" \"float maxdepth\" 7\nSampler \"sobol\" "
                                      "\"integer pixelsamples\" 16.0");
@@ -140,7 +140,7 @@ TEST_SUITE("pbrt") {
                    "'maxdepth' is 7.500000, expected a whole number"));
   }
 
-  TEST_CASE("Crop windows between pixels are rounded up at both ends") {
+  TEST_CASE("pbrt: crop windows between pixels are rounded up at both ends") {
     const auto crop = [](const std::string& parameter) {
       const Description d = read_world(
           "Shape \"sphere\"", false, "Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 7 " + parameter);
@@ -153,7 +153,7 @@ TEST_SUITE("pbrt") {
     CHECK(crop("\"integer pixelbounds\" [ 2 5 1 99 ]") == std::array{2, 5, 1, 7});
   }
 
-  TEST_CASE("Whole spheres with a texture have pbrt's coordinates, v from the lower end up, and their outside") {
+  TEST_CASE("pbrt: textured spheres have v from the lower end up and face outwards") {
     const Description d = read_world(R"(Texture "t" "spectrum" "checkerboard"
 Material "diffuse" "texture reflectance" "t" Translate 1 2 3 Shape "sphere" "float radius" 2)");
     const auto scene = compile_scene(d);
@@ -168,7 +168,7 @@ Material "diffuse" "texture reflectance" "t" Translate 1 2 3 Shape "sphere" "flo
       }
   }
 
-  TEST_CASE("Samplers are pbrt's, or others of their purpose") {
+  TEST_CASE("pbrt: samplers are read or replaced by similar ones") {
     const auto kind = [](const std::string& name) {
       return read_world("", false, "Sampler \"" + name + "\"").sampler.kind;
     };
@@ -178,7 +178,7 @@ Material "diffuse" "texture reflectance" "t" Translate 1 2 3 Shape "sphere" "flo
     for (const char* name : {"halton", "paddedsobol", "pmj02bn", "sobol"}) CHECK(kind(name) == SamplerKind::kSobol);
   }
 
-  TEST_CASE("Attributes, transforms and objects are saved and restored") {
+  TEST_CASE("pbrt: attributes and transforms and objects are saved and restored") {
     const Description d = read_world(R"(
 AttributeBegin Translate 1 0 0 Scale 2 2 2 ReverseOrientation Shape "sphere" AttributeEnd
 Shape "sphere"
@@ -203,7 +203,7 @@ ObjectBegin "unused" Shape "sphere" ObjectEnd)");
     CHECK(d.files.size() == 2);
   }
 
-  TEST_CASE("A light of L = 1 has a radiance of 1, spectra have a luminance of 1, and the film's exposure counts") {
+  TEST_CASE("pbrt: a light of L 1 has radiance 1 and spectra luminance 1 and the exposure of the film counts") {
     const auto light = [](const std::string& parameters, const std::string& options = "") {
       const Description d = read_world("LightSource \"infinite\" " + parameters, false, options);
       return std::get<ConstantLightDescription>(d.lights.at(0).model).radiance;
@@ -223,7 +223,7 @@ ObjectBegin "unused" Shape "sphere" ObjectEnd)");
     CHECK(rgb.x > rgb.z);
   }
 
-  TEST_CASE("Lights") {
+  TEST_CASE("pbrt: lights have the documented parameters") {
     const Description d = read_world(R"(Translate 0 0 1
 LightSource "point" "point3 from" [ 1 0 0 ] "float power" 12.566370614
 LightSource "spot" "point3 to" [ 0 -1 0 ] "float coneangle" 40 "float conedeltaangle" 10 "rgb I" [ 1 1 2 ]
@@ -253,7 +253,7 @@ Shape "disk")");
     CHECK(std::get<BitmapDescription>(areas.textures[static_cast<std::size_t>(texture)].model).change.scale == 3);
   }
 
-  TEST_CASE("Roughness is remapped unless the file says otherwise") {
+  TEST_CASE("pbrt: roughness is remapped unless the file disables it") {
     const auto alpha = [](const std::string& parameters) {
       const Description d = read_world("Material \"conductor\" " + parameters + "\nShape \"sphere\"");
       const ConductorDescription* metal = only_material<ConductorDescription>(d);
@@ -269,7 +269,7 @@ Shape "disk")");
     CHECK(std::get<float>(two->alpha_v) == Approx(0.3));
   }
 
-  TEST_CASE("Materials") {
+  TEST_CASE("pbrt: materials have the documented parameters") {
     const Description glass = read_world("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"\nShape \"sphere\"");
     CHECK(only_material<DielectricDescription>(glass)->int_ior == Approx(1.5168).epsilon(1e-4));
     CHECK(only_material<DielectricDescription>(glass)->int_dispersion);
@@ -303,7 +303,7 @@ Shape "sphere")");
     CHECK(std::get<BitmapDescription>(mapped.textures[static_cast<std::size_t>(id)].model).change.exponent == 0.5f);
   }
 
-  TEST_CASE("Textures of constants are worked out") {
+  TEST_CASE("pbrt: textures of constants are evaluated") {
     const auto reflectance = [](const std::string& textures) {
       const Description d =
           read_world(textures + "\nMaterial \"diffuse\" \"texture reflectance\" \"x\"\nShape \"sphere\"");
@@ -316,7 +316,7 @@ Shape "sphere")");
     CHECK(reflectance("Texture \"x\" \"spectrum\" \"constant\" \"rgb value\" [0.1 0.2 0.3]").z == 0.3f);
   }
 
-  TEST_CASE("Media lie inside and outside of shapes; without a difference light does not notice") {
+  TEST_CASE("pbrt: media lie inside and outside shapes and equal media need no boundary") {
     const Description d =
         read_world(R"(MakeNamedMedium "fog" "string type" "homogeneous" "string preset" "Skin1" "float g" 0.5
 MediumInterface "fog" "" Shape "sphere"
@@ -334,7 +334,7 @@ MediumInterface "" "fog" Material "interface" Shape "sphere")",
     CHECK(std::get<HenyeyGreensteinDescription>(d.phases[0].model).g == 0.5f);
   }
 
-  TEST_CASE("Shapes") {
+  TEST_CASE("pbrt: shapes have the documented parameters") {
     const Description d = read_world(R"(Shape "sphere" "float phimax" 90
 Shape "disk" "float innerradius" 0.5
 Shape "bilinearmesh" "point3 P" [ 0 0 0  1 0 0  0 1 0  1 1 1 ]
@@ -359,7 +359,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK(!d.shapes[5].flip_normals);
   }
 
-  TEST_CASE("Curves are tubes along B-splines that are the same curves") {
+  TEST_CASE("pbrt: curves become B-spline tubes of the same shape") {
     const auto curves = [](const std::string& parameters) {
       return std::get<Curves>(read_world("Shape \"curve\" " + parameters).shapes.at(0).geometry);
     };
@@ -406,7 +406,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK(length(at(smooth, 4, 0.5f).position - Vec3f{2, 0, 0}) < 1e-5f);
   }
 
-  TEST_CASE("Curves of one material become one shape, where nothing can tell") {
+  TEST_CASE("pbrt: curves with the same material and attributes become one shape") {
     const std::string curve =
         "Shape \"curve\" \"point3 P\" [ 0 0 0  1 2 0  3 0 1  4 4 4 ] \"string type\" \"cylinder\"\n";
     const Description d =
@@ -434,7 +434,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK(contains(error_of_world("AreaLightSource \"diffuse\"\n" + flat), "light of curves: not supported"));
   }
 
-  TEST_CASE("Hair by pigments, by absorption, by its colour") {
+  TEST_CASE("pbrt: hair is defined by pigments or absorption or colour") {
     const auto hair = [](const std::string& parameters) {
       return *only_material<HairDescription>(read_world("Material \"hair\" " + parameters + " Shape \"sphere\""));
     };
@@ -464,7 +464,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK(contains(error_of_world("Material \"hair\" \"float beta_m\" 2"), "from 0 to 1"));
   }
 
-  TEST_CASE("Subsurface scattering is a medium behind glass") {
+  TEST_CASE("pbrt: subsurface scattering becomes a medium behind glass") {
     const auto medium = [](const std::string& parameters) {
       const Description d = read_world("Material \"subsurface\" " + parameters + " Shape \"sphere\"");
       CHECK(only_material<DielectricDescription>(d) != nullptr);
@@ -497,7 +497,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK(contains(error_of_world("Material \"subsurface\" \"string name\" \"Skim1\""), "did you mean"));
   }
 
-  TEST_CASE("What is wrong is told with its line") {
+  TEST_CASE("pbrt: errors have a line number") {
     const auto check = [](const std::string& world, const std::string& message) {
       CAPTURE(world);
       CHECK(error_of_world(world) == message);
@@ -536,7 +536,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK_THROWS_AS(read_scene(write_below(folder, "scene.pbrt", "WorldBegin\n"), defines), Error);
   }
 
-  TEST_CASE("Diffuse transmission is a blend of two materials that keeps the light of both") {
+  TEST_CASE("pbrt: diffuse transmission becomes a blend of two materials that conserves both albedos") {
     const Description d = read_world(
         "Material \"diffusetransmission\" \"rgb reflectance\" [ 0.1 0.2 0.3 ] "
         "\"rgb transmittance\" [ 0.6 0.4 0.2 ] \"float scale\" 0.5 Shape \"sphere\"");
@@ -552,7 +552,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK(length(t - Vec3f{0.3f, 0.2f, 0.1f}) < 1e-6f);
   }
 
-  TEST_CASE("Measured materials have files, and both sides") {
+  TEST_CASE("pbrt: measured materials are two-sided and read from files") {
     CHECK(contains(error_of_world("Material \"measured\""),
                    "scene.pbrt:3: Material 'measured' needs the string 'filename'"));
     CHECK(contains(error_of_world("Material \"measured\" \"string filename\" \"x.bsdf\""), "file 'x.bsdf' not found"));
@@ -565,7 +565,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
           "image.png");
   }
 
-  TEST_CASE("What has no counterpart is an error, or a stand-in with a note") {
+  TEST_CASE("pbrt: unsupported features are errors or replacements with a note") {
     for (const std::string world :
          {"Texture \"t\" \"spectrum\" \"marble\"", "Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 3",
           "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"spherical\"",
@@ -580,7 +580,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     }
   }
 
-  TEST_CASE("Every truncated scene is an error or a scene, never a crash") {
+  TEST_CASE("pbrt: every truncated scene is an error or a scene and never a crash") {
     const TemporaryFolder folder;
     CHECK(error_of(write_below(folder, "scene.pbrt", kDiffuseScene)) == "");
     int errors = 0;
@@ -595,7 +595,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
       }
   }
 
-  TEST_CASE("Files may be compressed") {
+  TEST_CASE("pbrt: files may be compressed") {
     const TemporaryFolder folder;
     write_below(folder, "part.pbrt.gz", gzipped("Shape \"sphere\" \"float radius\" 3\n"));
     const std::string scene = gzipped("WorldBegin\nInclude \"part.pbrt.gz\"\n");
@@ -607,7 +607,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     }
   }
 
-  TEST_CASE("Attributes nest and files include each other only so deep") {
+  TEST_CASE("pbrt: the depth of nested attributes and includes is limited") {
     std::string deep;
     for (int i = 0; i < 20'000; ++i) deep += "AttributeBegin\n";
     CHECK(contains(error_of_world(deep), "attributes are saved more than 10000 deep"));

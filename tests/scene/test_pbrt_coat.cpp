@@ -70,7 +70,7 @@ double closed_form(double b, double eta) {
 
 }  // namespace
 
-TEST_CASE("pbrt coats: the base reflects what pbrt's random walk lets out") {
+TEST_CASE("pbrt coats: the base reflects as in the random walk of pbrt") {
   for (const double eta : {1.5, 1.2})
     for (const double albedo : {0.2, 0.8, 1.0})
       for (const Layer& layer : {Layer{0.01, 10}, {0.1, 10}, {0.0, 3}}) {
@@ -90,7 +90,7 @@ TEST_CASE("pbrt coats: the base reflects what pbrt's random walk lets out") {
   CHECK(pbrt::LayeredBase(0, 1.5, 0.01, 0).albedo(0.5f) == 0);
 }
 
-TEST_CASE("pbrt coats: rough coats send back as much to the base as the tables of our rough plastics say") {
+TEST_CASE("pbrt coats: internal reflection of rough coats matches the tables of rough plastics") {
   // Without absorption, with one reflection off a base of albedo 1: b = 1 / (1 + r).
   for (const double alpha : {0.1, 0.3, 0.6}) {
     CAPTURE(alpha);
@@ -100,7 +100,7 @@ TEST_CASE("pbrt coats: rough coats send back as much to the base as the tables o
   }
 }
 
-TEST_CASE("pbrt coats: constants, colours and textures of the base lose the same") {
+TEST_CASE("pbrt coats: constants and colours and textures of the base are darkened equally") {
   const pbrt::LayeredBase base(0, 1.5, 0.01, 10);
   const auto reflectance = [](const std::string& world) {
     const TemporaryFolder folder;

@@ -40,7 +40,7 @@ const std::string kSquare = " \"point3 P\" [ 0 0 0  2 0 0  2 3 0  0 3 0 ] \"inte
 
 }  // namespace
 
-TEST_CASE("pbrt lights: the power of area lights is what the file says, of each triangle and patch of meshes") {
+TEST_CASE("pbrt lights: the power of an area light is the given one for each triangle and patch") {
   const std::string patch = "Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0  2 0 0  0 3 0  2 3 0.5 ]";
   for (const std::string sides : {"", " \"bool twosided\" true"}) {
     CAPTURE(sides);
@@ -58,7 +58,7 @@ TEST_CASE("pbrt lights: the power of area lights is what the file says, of each 
   CHECK(power_of(picture + "Shape \"disk\"") == Approx(60).epsilon(0.1));
 }
 
-TEST_CASE("pbrt lights: the power of a spot counts its falloff") {
+TEST_CASE("pbrt lights: the power of a spot light includes its falloff") {
   for (const std::string cone : {"\"float coneangle\" 60 \"float conedeltaangle\" 40", "",
                                  "\"float coneangle\" 90 \"float conedeltaangle\" 90"}) {
     CAPTURE(cone);
@@ -78,7 +78,7 @@ TEST_CASE("pbrt lights: the power of a spot counts its falloff") {
   }
 }
 
-TEST_CASE("pbrt lights: a projection spreads its picture evenly over directions, and keeps its power") {
+TEST_CASE("pbrt lights: a projection is uniform over directions and keeps its power") {
   const Description d = read(
       "LightSource \"projection\" \"string filename\" \"grey.ppm\" \"float fov\" 60 "
       "\"float scale\" 2");
@@ -92,7 +92,7 @@ TEST_CASE("pbrt lights: a projection spreads its picture evenly over directions,
   CHECK(contains(error_of_pbrt_world("LightSource \"projection\""), "scene.pbrt:3: LightSource 'projection' needs"));
 }
 
-TEST_CASE("pbrt lights: a goniometric light is a point light times the grey of its picture") {
+TEST_CASE("pbrt lights: a goniometric light is a point light times the luminance of its image") {
   const Description d = read("LightSource \"goniometric\" \"string filename\" \"colours.ppm\" \"rgb I\" [ 1 2 3 ]");
   const auto& light = std::get<GoniometricLightDescription>(d.lights.at(0).model);
   const auto& bitmap = std::get<BitmapDescription>(d.textures.at(static_cast<std::size_t>(light.picture)).model);
@@ -106,12 +106,12 @@ TEST_CASE("pbrt lights: a goniometric light is a point light times the grey of i
   CHECK_THROWS_AS(read("LightSource \"goniometric\" \"string filename\" \"grey.ppm\""), SceneError);
 }
 
-TEST_CASE("pbrt lights: the illuminance of a picture is what arrives on a plane towards +z") {
+TEST_CASE("pbrt lights: the illuminance of an image is the irradiance on a plane towards +z") {
   const Description d = read("LightSource \"infinite\" \"string filename\" \"white.ppm\" \"float illuminance\" 5");
   CHECK(std::get<EnvmapDescription>(d.lights.at(0).model).scale == Approx(5 / 3.14159265).epsilon(0.01));
 }
 
-TEST_CASE("pbrt colours: other spaces keep white, and what Rec.709 has not is clamped") {
+TEST_CASE("pbrt colours: other colour spaces keep white and colours outside Rec.709 are clamped") {
   const auto reflectance = [](const std::string& space, const std::string& rgb, std::size_t* notes = nullptr) {
     const Description d = read_pbrt_world("ColorSpace \"" + space + "\" Material \"diffuse\" \"rgb reflectance\" [ " +
                                           rgb + " ]\nShape \"sphere\"");
@@ -147,7 +147,7 @@ TEST_CASE("pbrt colours: other spaces keep white, and what Rec.709 has not is cl
   CHECK(std::get<SpectrumDescription::Rgb>(intensity.value).value.x == 0.1f);
 }
 
-TEST_CASE("pbrt cameras: panoramas look where pbrt's do, with +y upwards") {
+TEST_CASE("pbrt cameras: spherical cameras face the direction of pbrt with +y upwards") {
   const Description areas = read_pbrt_world("", "Camera \"spherical\"");
   CHECK(areas.camera.equal_area);
   CHECK(areas.camera.to_world.vector({0, 0, 1}).y == 1);

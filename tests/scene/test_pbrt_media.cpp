@@ -62,7 +62,7 @@ double unit_blackbody_luminance(double temperature) {
 
 }  // namespace
 
-TEST_CASE("pbrt media: a uniform grid is interpolated between the middles of voxels, and towards nothing at its box") {
+TEST_CASE("pbrt media: a uniform grid is interpolated between voxel centres and fades to zero at its box") {
   Filled fog(
       "\"uniformgrid\" \"integer nx\" 2 \"float density\" [ 1 3 ] \"point3 p0\" [ 0 0 0 ] \"point3 p1\" [ 4 1 1 ] "
       "\"rgb sigma_a\" [ 1 2 3 ] \"rgb sigma_s\" [ 0.5 0.5 0.5 ] \"float scale\" 2 \"rgb Le\" [ 1 1 1 ] "
@@ -82,7 +82,7 @@ TEST_CASE("pbrt media: a uniform grid is interpolated between the middles of vox
   CHECK(fog.emission.x == Approx(2));
 }
 
-TEST_CASE("pbrt media: colours of absorption and scattering by voxel, and what bounds their sum") {
+TEST_CASE("pbrt media: absorption and scattering may vary by voxel and colour and their sum is bounded") {
   Filled fog(
       "\"rgbgrid\" \"integer nx\" 2 \"integer ny\" 1 \"rgb sigma_a\" [ 1 2 3  3 0 1 ] "
       "\"rgb sigma_s\" [ 0 4 8  2 6 0 ] \"float scale\" 0.5 \"rgb Le\" [ 0 1 0  0 1 0 ] \"float Lescale\" 0.01");
@@ -106,7 +106,7 @@ TEST_CASE("pbrt media: colours of absorption and scattering by voxel, and what b
   CHECK(length(absorbing.sigma_s - Vec3f{1, 1, 1}) < 1e-5f);
 }
 
-TEST_CASE("pbrt media: colours by voxel end at their box, towards which they fall to nothing") {
+TEST_CASE("pbrt media: coloured grids fade to zero at their box") {
   Filled grid(
       "\"rgbgrid\" \"integer nx\" 2 \"point3 p0\" [ 1 0 0 ] \"point3 p1\" [ 5 1 1 ] \"rgb sigma_a\" [ 1 2 3  4 4 4 ] "
       "\"rgb sigma_s\" [ 2 0 4  8 8 8 ] \"rgb Le\" [ 1 1 1  2 2 2 ]");
@@ -128,7 +128,7 @@ TEST_CASE("pbrt media: colours by voxel end at their box, towards which they fal
   }
 }
 
-TEST_CASE("pbrt media: Lescale and the exposure multiply what homogeneous media emit") {
+TEST_CASE("pbrt media: Lescale and the exposure multiply the emission of homogeneous media") {
   const auto emission = [](const std::string& parameters) {
     Filled glow("\"homogeneous\" \"rgb sigma_a\" [ 2 2 2 ] " + parameters);
     glow.look({0, 0, 0});
@@ -140,7 +140,7 @@ TEST_CASE("pbrt media: Lescale and the exposure multiply what homogeneous media 
   CHECK(double{luminance(emission("\"blackbody Le\" 4000 \"float Lescale\" 3"))} == Approx(3).epsilon(2e-3));
 }
 
-TEST_CASE("pbrt media: fire is as bright as its temperature says, whose black body has a largest value of 1") {
+TEST_CASE("pbrt media: the emission of fire is a black body with maximum 1 at its temperature") {
   for (const std::string medium :
        {"\"nanovdb\" \"string filename\" \"fire.nvdb\" \"float LeScale\" 0.5 \"float temperaturescale\" 2 "
         "\"float temperatureoffset\" 250",
@@ -182,7 +182,7 @@ TEST_CASE("pbrt media: clouds are noise in the space of the medium") {
   CHECK(cloud.sigma_s.x == 0);
 }
 
-TEST_CASE("pbrt media: clouds by a second implementation of pbrt's formula") {
+TEST_CASE("pbrt media: clouds match an independent implementation of the formula of pbrt") {
   struct Case {
     pbrt::CloudShape cloud;
     double x, y, z, density;
@@ -194,7 +194,7 @@ TEST_CASE("pbrt media: clouds by a second implementation of pbrt's formula") {
     CHECK(pbrt::cloud_density(c.cloud, c.x, c.y, c.z) == Approx(c.density).epsilon(1e-9));
 }
 
-TEST_CASE("pbrt media: noise is 0 where coordinates are whole, repeats itself and is not flat") {
+TEST_CASE("pbrt media: noise is 0 at integers and periodic and not constant") {
   double sum = 0, squares = 0;
   for (int i = 0; i < 1000; ++i) {
     CHECK(pbrt::noise(i, 3 * i % 7, -i) == 0);
@@ -210,7 +210,7 @@ TEST_CASE("pbrt media: noise is 0 where coordinates are whole, repeats itself an
   CHECK(std::fabs(std::fabs(slope) - std::round(std::fabs(slope))) < 1e-5);
 }
 
-TEST_CASE("pbrt media: what is wrong with grids is told") {
+TEST_CASE("pbrt media: invalid grids are errors") {
   const auto check = [](const std::string& medium, const std::string& part) {
     const std::string message = error_of_pbrt_world("MakeNamedMedium \"m\" \"string type\" " + medium);
     CAPTURE(message);

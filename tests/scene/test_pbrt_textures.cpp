@@ -50,7 +50,7 @@ struct Seen {
 
 }  // namespace
 
-TEST_CASE("pbrt textures: a mix follows three textures, each with its own mapping") {
+TEST_CASE("pbrt textures: a mix combines three textures with individual mappings") {
   const Seen seen(R"(
 Texture "weight" "float" "imagemap" "string filename" "picture.ppm" "string filter" "point" "string encoding" "linear"
 Texture "board" "spectrum" "checkerboard" "rgb tex1" [ 1 0 0 ] "rgb tex2" [ 0 1 0 ] "float vscale" 2 "float uscale" 2
@@ -64,7 +64,7 @@ Texture "x" "spectrum" "mix" "texture tex1" "p" "rgb tex2" [ 1 0.5 0 ] "float am
   CHECK(length(quarter.at(0.75f, 0.5f) - Vec3f{1, 0.875f, 0.75f}) < 1e-6f);
 }
 
-TEST_CASE("pbrt textures: products of textures, and of what no picture can be changed by") {
+TEST_CASE("pbrt textures: textures are multiplied and inverted images are scaled") {
   const Seen seen(R"(
 Texture "a" "float" "imagemap" "string filename" "picture.ppm" "string filter" "point"
 Texture "b" "spectrum" "bilerp" "rgb v00" [ 1 0 0 ] "rgb v10" [ 1 0 0 ] "rgb v01" [ 0 0 2 ] "rgb v11" [ 0 0 2 ]
@@ -77,7 +77,7 @@ Texture "x" "spectrum" "scale" "texture tex" "p" "float scale" 0.5)");
   CHECK(inverted.at(0.75f, 0.5f).x == 0.5f);
 }
 
-TEST_CASE("pbrt textures: bilerp is exact in its square") {
+TEST_CASE("pbrt textures: bilerp is exact in the unit square") {
   const Seen seen(R"(Texture "x" "spectrum" "bilerp" "rgb v00" [ 0.1 0 0 ] "rgb v10" [ 0.5 0 0 ] "rgb v01" [ 0 1 0 ]
   "rgb v11" [ 0 0 0.5 ] "float uscale" 0.5 "float udelta" 0.25)");
   for (int i = 0; i <= 10; ++i)
@@ -88,7 +88,7 @@ TEST_CASE("pbrt textures: bilerp is exact in its square") {
     }
 }
 
-TEST_CASE("pbrt textures: dots lie where noise says") {
+TEST_CASE("pbrt textures: dots are placed by noise") {
   const Seen seen(R"(Texture "x" "spectrum" "dots" "rgb inside" [ 1 1 1 ] "rgb outside" [ 0 0 0 ]
   "float uscale" 40 "float vscale" 30)");
   int wrong = 0, inside = 0, counted = 0;
@@ -111,7 +111,7 @@ TEST_CASE("pbrt textures: dots lie where noise says") {
   CHECK(inside > counted / 50);
 }
 
-TEST_CASE("pbrt textures: powers of encoded values") {
+TEST_CASE("pbrt textures: gamma encodings are decoded") {
   const Seen seen(R"(Texture "x" "spectrum" "imagemap" "string filename" "white.png" "string encoding" "gamma 2"
   "float scale" 0.25)");
   CHECK(seen.at(0.25f, 0.5f).x == Approx(0.25));
@@ -120,7 +120,7 @@ TEST_CASE("pbrt textures: powers of encoded values") {
                  "expected sRGB, linear, or gamma and an exponent"));
 }
 
-TEST_CASE("pbrt textures: integers are sRGB, and PNG files alone may be told otherwise") {
+TEST_CASE("pbrt textures: integer images are sRGB and only PNG files may have another encoding") {
   const TemporaryFolder folder;
   const std::vector<int> grey(8 * 8 * 3, 128);
   write_tga(folder / "p.tga", 8, 8, 3, grey);
@@ -178,7 +178,7 @@ TEST_CASE("pbrt textures: integers are sRGB, and PNG files alone may be told oth
     }
 }
 
-TEST_CASE("pbrt textures: numbers are the alpha of a picture or the mean of its colours") {
+TEST_CASE("pbrt textures: scalar textures use alpha or the mean of the colours") {
   const TemporaryFolder folder;
   Image picture(1, 1, {"R", "G", "B", "A"});
   const auto seen = [&](const std::string& file, float alpha) {
@@ -201,7 +201,7 @@ TEST_CASE("pbrt textures: numbers are the alpha of a picture or the mean of its 
   CHECK(seen("c.tga", 0.25f) == Approx(1 / 3.0));
 }
 
-TEST_CASE("pbrt textures: normal maps are linear in PNG files, and sRGB in others, with a note") {
+TEST_CASE("pbrt textures: normal maps are linear in PNG files and sRGB in others with a note") {
   for (const bool png : {true, false}) {
     const TemporaryFolder folder;
     Image flat(1, 1, {"R", "G", "B"});

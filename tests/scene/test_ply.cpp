@@ -97,7 +97,7 @@ const std::string kTriangleBody = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 
 }  // namespace
 
-TEST_CASE("ply: all encodings give the same mesh, and it is the right one") {
+TEST_CASE("ply: all encodings give the same correct mesh") {
   const MeshFile ascii = read(rich_file(Body::Encoding::kAscii));
   REQUIRE(ascii.warnings.size() == 3);
   CHECK(contains(ascii.warnings[0], "element 'junk' not understood: left out"));
@@ -114,7 +114,7 @@ TEST_CASE("ply: all encodings give the same mesh, and it is the right one") {
   for (const Body::Encoding encoding : kEncodings) CHECK(are_equal(read(rich_file(encoding)).mesh, mesh));
 }
 
-TEST_CASE("ply: every number type as coordinate and as index") {
+TEST_CASE("ply: every number type can be coordinate and index") {
   const auto check = [](const std::string& type, auto zero) {
     using T = decltype(zero);
     for (const Body::Encoding encoding : kEncodings) {
@@ -140,7 +140,7 @@ TEST_CASE("ply: every number type as coordinate and as index") {
   check("float64", double{});
 }
 
-TEST_CASE("ply: faces in front of vertices") {
+TEST_CASE("ply: faces may precede vertices") {
   const Mesh mesh = read(header("element face 1\nproperty list uchar int vertex_index\nelement vertex 3\n"
                                 "property float x\nproperty float y\nproperty float z\n") +
                          "3 2 1 0\n0 0 0\n1 0 0\n0 1 0\n")
@@ -148,7 +148,7 @@ TEST_CASE("ply: faces in front of vertices") {
   CHECK(mesh.triangles[0] == std::array<std::uint32_t, 3>{2, 1, 0});
 }
 
-TEST_CASE("ply: names of texture coordinates, and flipping them") {
+TEST_CASE("ply: texture coordinates have several names and are flipped on request") {
   for (const std::string_view names : {"uv", "st"}) {
     for (const std::string prefix : {"", "texture_"}) {
       std::string columns;
@@ -166,7 +166,7 @@ TEST_CASE("ply: names of texture coordinates, and flipping them") {
   }
 }
 
-TEST_CASE("ply: half a normal is none, one that is not finite is missing") {
+TEST_CASE("ply: incomplete normals are ignored and non-finite ones are missing") {
   const std::string position = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
   const std::string face = "element face 1\nproperty list uchar int vertex_indices\n";
   CHECK(read(header(position + "property float nx\nproperty float nz\n" + face) +
@@ -178,7 +178,7 @@ TEST_CASE("ply: half a normal is none, one that is not finite is missing") {
   CHECK(mesh.normals[1] == Vec3f{0, 0, 0});
 }
 
-TEST_CASE("ply: line ends of the header") {
+TEST_CASE("ply: all line ends of the header are accepted") {
   const Mesh expected = read(header(kTriangle) + kTriangleBody).mesh;
   for (const std::string line_end : {"\r\n", "\r"}) {
     std::string text;
@@ -194,7 +194,7 @@ TEST_CASE("ply: line ends of the header") {
   }
 }
 
-TEST_CASE("ply: concave polygons keep their area, short ones are left out") {
+TEST_CASE("ply: concave polygons keep their area and those of fewer than three corners are dropped") {
   const MeshFile file = read(header("element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
                                     "element face 3\nproperty list uchar int vertex_indices\n") +
                              "-1 0 0\n0 9 0\n1 0 0\n0 10 0\n4 0 1 2 3\n2 0 1\n0\n");
@@ -204,7 +204,7 @@ TEST_CASE("ply: concave polygons keep their area, short ones are left out") {
   CHECK(contains(file.warnings[0], "2 faces"));
 }
 
-TEST_CASE("ply: triangle strips turn every other triangle") {
+TEST_CASE("ply: triangle strips reverse every other triangle") {
   const Mesh mesh = read(header("element vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
                                 "element tristrips 1\nproperty list int int vertex_indices\n") +
                          "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n10 0 1 2 3 4 -1 0 1 2 -1\n")
@@ -213,7 +213,7 @@ TEST_CASE("ply: triangle strips turn every other triangle") {
   for (std::size_t i = 0; i < 4; ++i) CHECK(area_normal(mesh, i).z == 1.0f);
 }
 
-TEST_CASE("ply: numbers beyond the finite are kept") {
+TEST_CASE("ply: infinite numbers are kept") {
   const Mesh mesh = read(header(kTriangle) + "nan inf -inf\n1e400 -1e400 1e-400\n+0.5 1e39 0\n3 0 1 2\n").mesh;
   CHECK(std::isnan(mesh.positions[0].x));
   CHECK(mesh.positions[0].z == -INFINITY);
@@ -223,7 +223,7 @@ TEST_CASE("ply: numbers beyond the finite are kept") {
   CHECK(mesh.positions[2].x == 0.5f);
 }
 
-TEST_CASE("ply: headers that are wrong") {
+TEST_CASE("ply: malformed headers are errors") {
   const auto in_header = [](const std::string& elements) { return error_in(header(elements) + kTriangleBody); };
   CHECK(contains(error_of([] { read_ply("/nowhere/at/all.ply"); }), "not found"));
   CHECK(contains(error_in(""), "begins with 'ply'"));
@@ -250,7 +250,7 @@ TEST_CASE("ply: headers that are wrong") {
                  "no list 'vertex_indices'"));
 }
 
-TEST_CASE("ply: counts that the file cannot hold are errors, not allocations") {
+TEST_CASE("ply: counts that the file cannot hold are errors and not allocations") {
   for (const std::string count : {"1000000000000000000", "18446744073709551615", "4000000000", "400"}) {
     for (const std::string format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
       const std::string claims = "element vertex " + count +
@@ -276,7 +276,7 @@ TEST_CASE("ply: counts that the file cannot hold are errors, not allocations") {
   CHECK(contains(error_in(header(list, "binary_big_endian") + body.text()), "truncated"));
 }
 
-TEST_CASE("ply: bodies that are wrong say where") {
+TEST_CASE("ply: malformed bodies are errors with their position") {
   CHECK(contains(error_in(header(kTriangle) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
                  "mesh.ply:13: row 0 of element 'face' (1 rows): expected the index of one of 3 vertices, found 3"));
   CHECK(contains(error_in(header(kTriangle) + "0 0 0\n1 0 0\n0 1 0\n3 0 -1 2\n"), "found -1"));
@@ -288,7 +288,7 @@ TEST_CASE("ply: bodies that are wrong say where") {
   CHECK(contains(error_in(header(kTriangle) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 "), "truncated"));
 }
 
-TEST_CASE("ply: every truncation and random edits are a mesh or an error") {
+TEST_CASE("ply: truncated and randomly edited files give a mesh or an error") {
   std::mt19937 random(11);
   for (const Body::Encoding encoding : kEncodings) {
     const std::string valid = rich_file(encoding);
@@ -334,7 +334,7 @@ std::string columns(const std::string& type, const std::string& names) {
 
 }  // namespace
 
-TEST_CASE("ply: names of attributes") {
+TEST_CASE("ply: attributes are named after their properties") {
   const auto names = [](const std::string& first, const std::string& second, const std::string& third) {
     const MeshFile file = with_attributes(columns("float", first + " " + second + " " + third),
                                           std::tuple(0.25f, 0.5f, 0.75f), "", std::tuple());
@@ -361,7 +361,7 @@ TEST_CASE("ply: names of attributes") {
   CHECK(names("_x", "x_", "a_xy") == "");
 }
 
-TEST_CASE("ply: attributes of vertices and faces in every encoding") {
+TEST_CASE("ply: attributes of vertices and faces are read in every encoding") {
   for (const Body::Encoding encoding : kEncodings) {
     const MeshFile file = with_attributes(
         columns("float", "b g") + columns("double", "r temperature_0") + "property list uchar int tags\n",
@@ -380,7 +380,7 @@ TEST_CASE("ply: attributes of vertices and faces in every encoding") {
   }
 }
 
-TEST_CASE("ply: integers are sRGB fractions of the largest, what is not finite is zero") {
+TEST_CASE("ply: integer attributes are sRGB fractions of their maximum and non-finite ones are zero") {
   const auto first = [](const std::string& type, auto value) {
     const MeshFile file = with_attributes(columns(type, "r g b"), std::tuple(value, value, value), "", std::tuple());
     return double(file.mesh.attributes.at(0).values.at(0));
@@ -395,7 +395,7 @@ TEST_CASE("ply: integers are sRGB fractions of the largest, what is not finite i
   CHECK(first("double", 1e300) == 0.0);
 }
 
-TEST_CASE("ply: attributes that cannot be used are left out with a warning") {
+TEST_CASE("ply: unusable attributes are dropped with a warning") {
   const MeshFile two = with_attributes(columns("float", "a_x a_y"), std::tuple(1.0f, 2.0f), "", std::tuple());
   CHECK(two.mesh.attributes.empty());
   REQUIRE(two.warnings.size() == 1);
@@ -408,7 +408,7 @@ TEST_CASE("ply: attributes that cannot be used are left out with a warning") {
   CHECK(contains(twice.warnings[0], "'vertex_a' appears twice"));
 }
 
-TEST_CASE("ply: attributes of polygons go to their triangles") {
+TEST_CASE("ply: attributes of polygons are copied to their triangles") {
   const std::string points = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
   const std::string faces = "property list uchar int vertex_indices\nproperty float id_0\n";
   const std::string square = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
@@ -426,7 +426,7 @@ TEST_CASE("ply: attributes of polygons go to their triangles") {
   }
 }
 
-TEST_CASE("ply: properties that mean nothing are named in one warning for each element, a few of many") {
+TEST_CASE("ply: unknown properties are listed in one warning for each element") {
   CHECK(read(header(kTriangle) + kTriangleBody).warnings.empty());
   std::string elements = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n", row = "0 0 0";
   for (int i = 0; i < 100; ++i) {
@@ -467,7 +467,7 @@ std::vector<float> corner_uvs(const Mesh& mesh, std::size_t triangle) {
 
 }  // namespace
 
-TEST_CASE("ply: texture coordinates of corners, shared where they agree and split where not") {
+TEST_CASE("ply: vertices are shared where texture coordinates of corners agree and split elsewhere") {
   const MeshFile same = read(square("6 0 0 1 0 1 1", "6 0 0 1 1 0 1"));
   CHECK(same.mesh.positions.size() == 4);
   CHECK(corner_uvs(same.mesh, 0) == std::vector<float>{0, 0, 1, 0, 1, 1});
@@ -482,7 +482,7 @@ TEST_CASE("ply: texture coordinates of corners, shared where they agree and spli
   CHECK(seam.mesh.positions[seam.mesh.triangles[1][1]] == Vec3f{1, 1, 0});
 }
 
-TEST_CASE("ply: texture coordinates of corners win over those of vertices, but where no face has any") {
+TEST_CASE("ply: texture coordinates of corners override those of vertices unless no face has any") {
   CHECK(corner_uvs(read(square("6 0 0 1 0 1 1", "0", " 7 7")).mesh, 1) == std::vector<float>(6, 0));
   CHECK(corner_uvs(read(square("6 0 0 1 0 1 1", "0", " 7 7")).mesh, 0) == std::vector<float>{0, 0, 1, 0, 1, 1});
   const MeshFile none = read(square("0", "0", " 7 7"));
@@ -492,7 +492,7 @@ TEST_CASE("ply: texture coordinates of corners win over those of vertices, but w
 }
 
 TEST_CASE(
-    "ply: corners' texture coordinates in binary, in front of the corners, of quads, with attributes and strips") {
+    "ply: texture coordinates of corners are read in binary and before the indices and with attributes and strips") {
   for (const Body::Encoding encoding : kEncodings) {
     Body body(encoding);
     for (const float c : {0.f, 0.f, 0.f, 10.f, 1.f, 0.f, 0.f, 11.f, 1.f, 1.f, 0.f, 12.f, 0.f, 1.f, 0.f, 13.f})
@@ -527,7 +527,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("ply: lists of texture coordinates of another length are errors, NaN counts as 0") {
+TEST_CASE("ply: lists of texture coordinates of the wrong length are errors and NaN counts as 0") {
   CHECK(contains(
       error_in(square("6 0 0 1 0 1 1", "4 0 0 1 1")),
       "mesh.ply:16: row 1 of element 'face' (2 rows): list 'texcoord' has 4 numbers, expected two for each of 3 "
@@ -537,7 +537,7 @@ TEST_CASE("ply: lists of texture coordinates of another length are errors, NaN c
   CHECK(corner_uvs(read(square("6 0 0 nan 0 1 inf", "0")).mesh, 0) == std::vector<float>{0, 0, 0, 0, 0, 0});
 }
 
-TEST_CASE("ply: the comment TextureFile names a picture, blanks included") {
+TEST_CASE("ply: the comment TextureFile names a texture and may contain spaces") {
   const auto texture = [](const std::string& comment) {
     return read(header(comment + kTriangle) + kTriangleBody).texture;
   };

@@ -75,7 +75,7 @@ Vec3f canonical_point(ShapeKind kind, std::uint32_t i) {
 
 }  // namespace
 
-TEST_CASE("quadric: intersections are those that a search along the ray finds") {
+TEST_CASE("quadric: intersections match a search along the ray") {
   constexpr float kFar = 60;
   for (const ShapeKind kind : kKinds)
     for (const Transform& to_world : test_transforms()) {
@@ -102,7 +102,7 @@ TEST_CASE("quadric: intersections are those that a search along the ray finds") 
     }
 }
 
-TEST_CASE("quadric: normals are perpendicular to the surface, outwards unless flipped") {
+TEST_CASE("quadric: normals are perpendicular to the surface and face outwards unless flipped") {
   for (const ShapeKind kind : kKinds)
     for (const Transform& to_world : test_transforms())
       for (const bool flip : {false, true}) {
@@ -140,7 +140,7 @@ TEST_CASE("quadric: hits lie strictly within the given interval") {
   CHECK(intersect_quadric(row, origin, {0, 0, 0.5f}, 0, kInfinity)->t == 4.0f);
 }
 
-TEST_CASE("quadric: rays within the plane or along the axis pass") {
+TEST_CASE("quadric: rays in the plane of a disk or along the axis of a cylinder miss") {
   const QuadricRow disk = make_quadric(ShapeKind::kDisk, Transform(), false);
   CHECK_FALSE(intersect_quadric(disk, {-3, 0, 0}, {1, 0, 0}, 0, kInfinity).has_value());
   CHECK_FALSE(intersect_quadric(disk, {0, 1.01f, 1}, {0, 0, -1}, 0, kInfinity).has_value());
@@ -151,7 +151,7 @@ TEST_CASE("quadric: rays within the plane or along the axis pass") {
         doctest::Approx(std::hypot(1, 1 / 0.6)).epsilon(1e-5));
 }
 
-TEST_CASE("quadric: a small sphere far away is hit where it is") {
+TEST_CASE("quadric: a small distant sphere is hit at its position") {
   for (const float distance : {1e2f, 1e4f, 1e6f}) {
     const QuadricRow row = make_quadric(ShapeKind::kSphere, Transform(), false);
     const auto hit = intersect_quadric(row, {0.5f, 0, -distance}, {0, 0, 1}, 0, kInfinity);
@@ -161,7 +161,7 @@ TEST_CASE("quadric: a small sphere far away is hit where it is") {
   }
 }
 
-TEST_CASE("quadric: bounds hold the shape and not much more") {
+TEST_CASE("quadric: bounds contain the shape tightly") {
   for (const ShapeKind kind : kKinds)
     for (const Transform& to_world : test_transforms()) {
       const QuadricBounds bounds = quadric_bounds(make_quadric(kind, to_world, false));
@@ -183,7 +183,7 @@ TEST_CASE("quadric: bounds hold the shape and not much more") {
     }
 }
 
-TEST_CASE("quadric: areas of balls, spheroids, disks and cylinders") {
+TEST_CASE("quadric: areas of spheres and spheroids and disks and cylinders match their closed forms") {
   constexpr double kPiD = 3.14159265358979323846;
   const Transform turn = Transform::rotate({1, 2, 3}, 40);
   const auto area = [&](ShapeKind kind, Vec3f scale) {
@@ -204,7 +204,7 @@ TEST_CASE("quadric: areas of balls, spheroids, disks and cylinders") {
   CHECK(area(ShapeKind::kCylinder, {2, 1, 3}) == doctest::Approx(3 * 4 * 2 * std::comp_ellint_2(e)).epsilon(1e-4));
 }
 
-TEST_CASE("quadric: areas under any affine map are those of fine meshes, of flat and of long ones too") {
+TEST_CASE("quadric: areas under affine maps match fine meshes even for extreme proportions") {
   constexpr double kPiD = 3.14159265358979323846;
   Matrix4 shear;
   shear.m[0][1] = 0.8, shear.m[1][2] = -1.3, shear.m[2][0] = 0.4;
@@ -238,7 +238,7 @@ TEST_CASE("quadric: areas under any affine map are those of fine meshes, of flat
     }
 }
 
-TEST_CASE("quadric: rows know similarities from other transforms") {
+TEST_CASE("quadric: similarity transforms are recognised and projective ones are rejected") {
   const Transform turn = Transform::translate({1, 2, 3}) * Transform::rotate({1, 2, 3}, 40);
   CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({3, 3, 3}), false).uniform_scale ==
         doctest::Approx(3));

@@ -62,7 +62,7 @@ std::string sphere_of(const std::string& bsdf) { return "<shape type='sphere'>" 
 
 }  // namespace
 
-TEST_CASE("messages: filters of absurd sizes are errors at their line") {
+TEST_CASE("messages: filters of excessive size are errors with their line") {
   const TemporaryFolder folder;
   const auto mitsuba = [](const std::string& version, const std::string& filter) {
     return "<scene version='" + version + "'>\n<sensor type='perspective'><film type='hdrfilm'>\n<rfilter " + filter +
@@ -96,7 +96,7 @@ TEST_CASE("messages: filters of absurd sizes are errors at their line") {
         "scene.pbrt:3: the reconstruction filter has a radius of 68" + most);
 }
 
-TEST_CASE("messages: grids whose place cannot be told are errors at their line") {
+TEST_CASE("messages: grids with singular transforms are errors with their line") {
   const TemporaryFolder folder;
   write_below(folder, "grid.vol", vol_bytes());
   write_below(folder, "thin.vol", vol_bytes({0, 0, 0, 1e-44f, 1, 1}));
@@ -137,7 +137,7 @@ TEST_CASE("messages: grids whose place cannot be told are errors at their line")
   CHECK(compile_error(folder, "scene.pbrt", pbrt("Scale 1 1e-40 1")) == "scene.pbrt:5: " + is_not);
 }
 
-TEST_CASE("messages: environment maps that cannot be read are errors at their line, which name the file") {
+TEST_CASE("messages: unreadable environment maps are errors with line and file name") {
   const TemporaryFolder folder;
   write_below(folder, "empty.exr", "");
   write_below(folder, "empty.hdr", "");
@@ -169,7 +169,7 @@ TEST_CASE("messages: environment maps that cannot be read are errors at their li
   }
 }
 
-TEST_CASE("messages: a missing file is told with what makes it, where a text beside its folder says so") {
+TEST_CASE("messages: a missing file is an error that names the script which generates it") {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& file) {
     return compile_error(folder, "scene.xml",
@@ -198,7 +198,7 @@ TEST_CASE("messages: a missing file is told with what makes it, where a text bes
   CHECK(error("folder/knot.ply").ends_with("'"));
 }
 
-TEST_CASE("messages: texels that no reflectance can have are counted, once for each texture") {
+TEST_CASE("messages: texels outside the range of reflectance are counted once for each texture") {
   const TemporaryFolder folder;
   write_exr(folder / "beyond.exr", beyond_one());
   Image grey(5, 5, {"Y"});

@@ -106,7 +106,7 @@ std::optional<double> search(const SdfGrid& grid, const Transform& to_world, Vec
 
 }  // namespace
 
-TEST_CASE("sdf grid: hits are those that a search along the ray finds") {
+TEST_CASE("sdf grid: hits match a search along the ray") {
   const SdfGrid grid = noise_grid({6, 5, 4});
   for (const Transform& to_world : test_transforms()) {
     const auto scene = lone(grid, to_world);
@@ -141,7 +141,7 @@ TEST_CASE("sdf grid: hits are those that a search along the ray finds") {
   }
 }
 
-TEST_CASE("sdf grid: planes are exact, also through the points of the grid") {
+TEST_CASE("sdf grid: planes are exact even through grid points") {
   const Vec3f axes[] = {normalize(Vec3f{1, 0.5f, -0.3f}), {1, 0, 0}, {0, 0, 1}};
   for (const Vec3f a : axes)
     for (const double offset : {0.5, 0.25, 0.47}) {  // the points of 5 lie at quarters
@@ -175,7 +175,7 @@ TEST_CASE("sdf grid: planes are exact, also through the points of the grid") {
     }
 }
 
-TEST_CASE("sdf grid: a ball has its silhouette, positions and normals") {
+TEST_CASE("sdf grid: a sphere has its silhouette and positions and normals") {
   constexpr double kRadius = 0.4;
   for (const bool smooth : {false, true}) {
     const auto scene = lone(sampled({64, 64, 64}, ball(kRadius), smooth));
@@ -201,7 +201,7 @@ TEST_CASE("sdf grid: a ball has its silhouette, positions and normals") {
   }
 }
 
-TEST_CASE("sdf grid: positions and normals are those of Mitsuba") {
+TEST_CASE("sdf grid: positions and normals match Mitsuba") {
   constexpr int kSide = 20;
   const auto make = [](bool smooth) {
     return sampled(
@@ -242,7 +242,7 @@ TEST_CASE("sdf grid: positions and normals are those of Mitsuba") {
   }
 }
 
-TEST_CASE("sdf grid: shading normals are smooth from cell to cell, or not") {
+TEST_CASE("sdf grid: shading normals are optionally smooth across cells") {
   const Field field = [](double x, double y, double z) { return std::sin(3 * x) + y * y + 0.8 * z - 1.2; };
   for (const bool smooth : {false, true}) {
     const auto scene = lone(sampled({9, 7, 8}, field, smooth), Transform::scale({2, 1, 1.5f}));
@@ -266,7 +266,7 @@ TEST_CASE("sdf grid: shading normals are smooth from cell to cell, or not") {
   }
 }
 
-TEST_CASE("sdf grid: rays go in and out in turn, wherever it lies and however large it is") {
+TEST_CASE("sdf grid: rays enter and leave alternately at every position and scale") {
   const SdfGrid grid = noise_grid({8, 7, 9});
   for (const float size : {1e-3f, 1.0f, 1e4f})
     for (const float away : {0.0f, 20.0f}) {
@@ -301,7 +301,7 @@ TEST_CASE("sdf grid: rays go in and out in turn, wherever it lies and however la
     }
 }
 
-TEST_CASE("sdf grid: flipped normals, lanes together, instances, and beside other shapes") {
+TEST_CASE("sdf grid: flipped normals and SIMD packets and instances and mixed scenes work") {
   const SdfGrid grid = sampled({12, 10, 9}, ball(0.35));
   const auto fill = [&](std::vector<ShapeDescription>& shapes) {
     Description all;
@@ -374,7 +374,7 @@ TEST_CASE("sdf grid: flipped normals, lanes together, instances, and beside othe
   CHECK(worst < 1e-5);
 }
 
-TEST_CASE("sdf grid: what it cannot be is an error, and without a surface it is left out") {
+TEST_CASE("sdf grid: unsupported grids are errors and grids without a surface are dropped") {
   const SdfGrid good = sampled({3, 3, 3}, ball(0.3));
   const auto error = [](const SdfGrid& grid, auto&& change) {
     Description d = empty_scene(4, 4);

@@ -26,7 +26,7 @@ bool near(Vec3f a, Vec3f b) { return length(a - b) < 1e-5f; }
 
 }  // namespace
 
-TEST_CASE("sensors: spherical, distorted and telecentric cameras") {
+TEST_CASE("sensors: spherical and distorted and telecentric cameras are read") {
   CHECK(with_sensor("spherical", "").camera.projection == Projection::kSpherical);
   CHECK(contains(sensor_error("spherical", "<float name='fov' value='30'/>"), "'fov'"));
   const CameraDescription distorted =
@@ -64,7 +64,7 @@ TEST_CASE("sensors: spherical, distorted and telecentric cameras") {
   CHECK(far.focus_distance == doctest::Approx(50.0 / 5));
 }
 
-TEST_CASE("sensors: films of Mitsuba 0.6 may have labels, metadata and names of channels") {
+TEST_CASE("sensors: films of Mitsuba 0.6 may have labels and metadata and channel names") {
   const auto film = [](const std::string& inside) {
     return with_sensor("perspective", "<film type='hdrfilm'>" + inside + "</film>", "0.6.0").notes;
   };
@@ -84,7 +84,7 @@ TEST_CASE("sensors: films of Mitsuba 0.6 may have labels, metadata and names of 
                  "unknown property 'labels'"));
 }
 
-TEST_CASE("sensors: meters") {
+TEST_CASE("sensors: meters are read") {
   const CameraDescription aimed = with_sensor("radiancemeter",
                                               "<point name='origin' value='1,2,3'/>"
                                               "<vector name='direction' value='0,4,3'/>" +
@@ -141,7 +141,7 @@ TEST_CASE("sensors: meters") {
   CHECK(contains(error_of_text(mitsuba_scene("", "")), "no <sensor>"));
 }
 
-TEST_CASE("sensors: batches share a film, and films for spectra are films") {
+TEST_CASE("sensors: batches share a film and specfilm is read as a film") {
   const std::string one = "<sensor type='perspective'><float name='fov' value='20'/></sensor>",
                     other = "<sensor type='spherical'><film type='hdrfilm'/></sensor>",
                     film = "<film type='hdrfilm'><integer name='width' value='64'/></film>";

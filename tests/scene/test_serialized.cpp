@@ -68,7 +68,7 @@ std::string error_in(const std::string& bytes, int index = 0) {
 
 }  // namespace
 
-TEST_CASE("serialized: every combination of version, precision and arrays") {
+TEST_CASE("serialized: every combination of version and precision and arrays is read") {
   for (const std::uint16_t version : {std::uint16_t{3}, std::uint16_t{4}}) {
     for (const std::uint32_t precision : {0x1000u, 0x2000u, 0u}) {
       for (std::uint32_t arrays = 0; arrays < 16; ++arrays) {
@@ -94,7 +94,7 @@ TEST_CASE("serialized: every combination of version, precision and arrays") {
   }
 }
 
-TEST_CASE("serialized: the mesh of an index") {
+TEST_CASE("serialized: meshes are selected by index") {
   for (const std::uint16_t version : {std::uint16_t{3}, std::uint16_t{4}}) {
     std::vector<Written> meshes(5);
     for (std::size_t i = 0; i < meshes.size(); ++i) {
@@ -110,7 +110,7 @@ TEST_CASE("serialized: the mesh of an index") {
   CHECK(read(Written{}.bytes()).mesh.triangles.size() == 2);  // without a dictionary
 }
 
-TEST_CASE("serialized: through read_mesh(), as a shape names it") {
+TEST_CASE("serialized: shapes read their mesh by file name and index") {
   const TemporaryFile file("mesh.serialized", file_of({{}, {0, 4, 0x041c, 4, 2, {0, 1, 2, 0, 2, 3}, 7}}));
   MeshFileShape shape;
   shape.file = file.path();
@@ -119,7 +119,7 @@ TEST_CASE("serialized: through read_mesh(), as a shape names it") {
   CHECK(read_mesh(shape).mesh.positions[1].x == 7.0f);
 }
 
-TEST_CASE("serialized: headers and dictionaries that are wrong") {
+TEST_CASE("serialized: malformed headers and dictionaries are errors") {
   CHECK(contains(error_of([] { read_serialized("/nowhere/at/all.serialized", 0); }), "not found"));
   CHECK(contains(error_in(""), "begins with the bytes 1c 04"));
   CHECK(contains(error_in("ply\nformat"), "begins with the bytes 1c 04"));
@@ -140,7 +140,7 @@ TEST_CASE("serialized: headers and dictionaries that are wrong") {
   CHECK(contains(error_in(raw(std::uint16_t{0x041c}) + raw(std::uint16_t{4}) + raw(2u), 1), "truncated"));
 }
 
-TEST_CASE("serialized: counts that the file cannot hold are errors, not allocations") {
+TEST_CASE("serialized: counts that the file cannot hold are errors and not allocations") {
   for (const std::uint64_t count : {std::uint64_t{100'000'000}, std::uint64_t{0xffffffff}, std::uint64_t{1} << 32,
                                     std::numeric_limits<std::uint64_t>::max()}) {
     Written many;
@@ -173,7 +173,7 @@ TEST_CASE("serialized: counts that the file cannot hold are errors, not allocati
   CHECK(contains(error_in(raw(std::uint16_t{0x041c}) + raw(std::uint16_t{4}) + deflated(endless)), "does not end"));
 }
 
-TEST_CASE("serialized: every truncation is an error, random edits a mesh or an error") {
+TEST_CASE("serialized: truncated files are errors and randomly edited ones give a mesh or an error") {
   const std::string valid = Written{0x200b}.bytes();
   for (std::size_t size = 0; size + 5 < valid.size(); ++size) CHECK_FALSE(error_in(valid.substr(0, size)).empty());
   std::mt19937 random(17);

@@ -77,7 +77,7 @@ void check_convention(Geometry geometry, const Transform& to_world, const Expect
 
 }  // namespace
 
-TEST_CASE("shape: positions, normals, uv and tangents are those of Mitsuba") {
+TEST_CASE("shape: positions and normals and uv and tangents match Mitsuba") {
   const Transform stretched = kPlace * Transform::scale({2, 1.5f, 1});
   const CylinderShape cylinder{{0.2f, -1, 0.3f}, {-0.3f, 1.5f, 0.1f}, 0.8f};
   const Expected at_cylinder{{0.322458f, -0.06695f, 1.44917f},
@@ -149,7 +149,7 @@ void check_quadric(ShapeKind kind, const Scene& scene, const Transform& to_world
 
 }  // namespace
 
-TEST_CASE("shape: quadrics at random hits") {
+TEST_CASE("shape: surfaces of quadrics are consistent at random hits") {
   for (const Transform& to_world : {kPlace, kStretch})
     for (const bool flip : {false, true}) {
       check_quadric(ShapeKind::kSphere, *lone_shape(SphereShape{}, to_world, flip), to_world, flip);
@@ -158,7 +158,7 @@ TEST_CASE("shape: quadrics at random hits") {
     }
 }
 
-TEST_CASE("shape: quadrics have tangents at their poles, axes and centres") {
+TEST_CASE("shape: quadrics have tangents at poles and axes and centres") {
   const auto sphere = lone_shape(SphereShape{}, Transform());
   const auto disk = lone_shape(DiskShape{}, Transform());
   for (const Scene* scene : {sphere.get(), disk.get()}) {
@@ -175,7 +175,7 @@ TEST_CASE("shape: quadrics have tangents at their poles, axes and centres") {
   }
 }
 
-TEST_CASE("shape: meshes interpolate positions, normals and uv, and their tangent follows u") {
+TEST_CASE("shape: meshes interpolate positions and normals and uv and tangents follow u") {
   const auto scene = lone_shape(smooth_mesh(), kStretch);
   const SceneView view = scene->view();
   const Mesh mesh = smooth_mesh();
@@ -217,7 +217,7 @@ TEST_CASE("shape: meshes interpolate positions, normals and uv, and their tangen
   CHECK(hits > 100);
 }
 
-TEST_CASE("shape: meshes without normals are faceted, without uv have barycentric ones") {
+TEST_CASE("shape: meshes without normals are faceted and without uv use barycentric coordinates") {
   Mesh mesh = smooth_mesh();
   mesh.normals.clear();
   mesh.uvs.clear();
@@ -232,7 +232,7 @@ TEST_CASE("shape: meshes without normals are faceted, without uv have barycentri
   CHECK(std::fabs(dot(y.dp_du, y.ng)) < 1e-6f);
 }
 
-TEST_CASE("shape: opposing vertex normals and degenerate uv leave a usable frame") {
+TEST_CASE("shape: opposing vertex normals and degenerate uv give a valid frame") {
   Mesh mesh = smooth_mesh();
   mesh.normals = {{1, 0, 0.001f}, {-1, 0, 0.001f}, {1, 0, 0.001f}, {-1, 0, 0.001f}};
   mesh.uvs.assign(4, {0.5f, 0.5f});
@@ -248,7 +248,7 @@ TEST_CASE("shape: opposing vertex normals and degenerate uv leave a usable frame
   }
 }
 
-TEST_CASE("shape: registers equal single values, kinds mixed") {
+TEST_CASE("shape: SIMD results of mixed kinds equal scalar ones") {
   Description d = empty_scene(4, 4);
   add_shape(d, SphereShape{}, kStretch);
   add_shape(d, DiskShape{}, kPlace);
@@ -297,7 +297,7 @@ ChiSquare target_uv_test(const Scene& scene, const std::function<double(double, 
 
 }  // namespace
 
-TEST_CASE("shape: light sampling covers quadrics evenly by area") {
+TEST_CASE("shape: light sampling of quadrics is uniform by area") {
   const double each = significance_of_each(3);
   const Transform stretch = Transform::translate({1, 2, 3}) * Transform::scale({2, 0.5f, 1.5f});
   CHECK(target_uv_test(*lone_shape(DiskShape{}, stretch), [](double r, double) { return 2 * r; }).p_value > each);
@@ -307,7 +307,7 @@ TEST_CASE("shape: light sampling covers quadrics evenly by area") {
   CHECK(target_uv_test(*lone_shape(SphereShape{}, stretch), polar).p_value > each);
 }
 
-TEST_CASE("shape: light sampling covers meshes evenly by area") {
+TEST_CASE("shape: light sampling of meshes is uniform by area") {
   Mesh mesh;  // a unit square in the plane z = 0, cut unevenly
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.9f, 0.05f, 0}};
   mesh.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};

@@ -42,7 +42,7 @@ std::string shape(const std::string& type, const std::string& file, const std::s
 
 }  // namespace
 
-TEST_CASE("Mitsuba: curves and hair") {
+TEST_CASE("Mitsuba: curves and hair are read") {
   const Files files;
   const Description d = files.read(shape("bsplinecurve", "curves.txt") + shape("linearcurve", "curves.txt") +
                                    shape("hair", "wig.hair",
@@ -61,7 +61,7 @@ TEST_CASE("Mitsuba: curves and hair") {
   CHECK(contains(files.error(shape("bsplinecurve", "curves.txt", "<float name='radius' value='1'/>")), "radius"));
 }
 
-TEST_CASE("Mitsuba: height fields are meshes with a vertex per pixel") {
+TEST_CASE("Mitsuba: height fields are meshes with a vertex for each pixel") {
   const Files files;
   const std::string raw =
       "<texture type='bitmap'><string name='filename' value='hills.pgm'/>"
@@ -96,7 +96,7 @@ TEST_CASE("Mitsuba: height fields are meshes with a vertex per pixel") {
   CHECK(contains(files.error(shape("heightfield", "wig.hair")), "wig.hair"));
 }
 
-TEST_CASE("Mitsuba: height fields of textures that are no pictures are looked up at so many places") {
+TEST_CASE("Mitsuba: height fields of procedural textures are sampled at the given resolution") {
   const Files files;
   const auto field = [](const std::string& texture, const std::string& more = "") {
     return "<shape type='heightfield'><float name='scale' value='2'/><integer name='width' value='4'/>"
@@ -151,7 +151,7 @@ TEST_CASE("Mitsuba: height fields of textures that are no pictures are looked up
   CHECK(contains(files.error(field(board, "<integer name='width' value='1'/>")), "width"));
 }
 
-TEST_CASE("Mitsuba: grids of signed distances and wireframes") {
+TEST_CASE("Mitsuba: signed distance grids and wireframes are read") {
   const Files files;
   const auto vol = [](std::int32_t channels) {
     std::string bytes = "VOL\3";
@@ -190,7 +190,7 @@ TEST_CASE("Mitsuba: grids of signed distances and wireframes") {
   CHECK(std::get<SpectrumDescription::Constant>(std::get<SpectrumDescription>(frame.edge).value).value == 0.1f);
 }
 
-TEST_CASE("Mitsuba: merged shapes are shapes, in groups too") {
+TEST_CASE("Mitsuba: merged shapes are expanded even in groups") {
   const Files files;
   const std::string two = "<shape type='merge'><shape type='sphere'/><shape type='cube'/></shape>";
   const Description d = files.read("<shape type='disk'/>" + two);
@@ -212,7 +212,7 @@ TEST_CASE("Mitsuba: merged shapes are shapes, in groups too") {
   CHECK(rest.stand_ins.size() >= 1);
 }
 
-TEST_CASE("Mitsuba: ellipsoids are spheres with transforms") {
+TEST_CASE("Mitsuba: ellipsoids are transformed spheres") {
   const Files files;
   const std::string header =
       "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
@@ -250,7 +250,7 @@ TEST_CASE("Mitsuba: ellipsoids are spheres with transforms") {
   CHECK(contains(files.error("<shape type='ellipsoids'/>"), "filename"));
 }
 
-TEST_CASE("Mitsuba: textures of version 0.6") {
+TEST_CASE("Mitsuba: textures of version 0.6 are read") {
   const Files files;
   const Description d = files.read(
       "<bsdf type='diffuse' id='a'><texture name='reflectance' type='gridtexture'><rgb name='color1' value='1 0 0'/>"

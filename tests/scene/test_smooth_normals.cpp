@@ -60,7 +60,7 @@ void check_lengths(const Mesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("smooth normals: a cube has flat faces, with and without groups; in one group it is smooth") {
+TEST_CASE("smooth normals: a cube has flat faces unless it is one smoothing group") {
   for (const bool off : {false, true}) {
     Mesh cube = shared_cube();
     const std::vector<std::uint32_t> groups(off ? 12 : 0, 0);
@@ -78,7 +78,7 @@ TEST_CASE("smooth normals: a cube has flat faces, with and without groups; in on
     CHECK(dot(smooth.normals[i], normalize(smooth.positions[i])) == doctest::Approx(1));
 }
 
-TEST_CASE("smooth normals: groups are smooth within, and part at their common edges") {
+TEST_CASE("smooth normals: smoothing groups are smooth inside and creased at common edges") {
   // Four sides of a prism: the first three are one group, the last is another.
   Mesh mesh = prism(8);
   std::vector<std::uint32_t> groups(16, 1);
@@ -90,7 +90,7 @@ TEST_CASE("smooth normals: groups are smooth within, and part at their common ed
   CHECK(smallest_cosine(mesh) == doctest::Approx(inside).epsilon(1e-3));
 }
 
-TEST_CASE("smooth normals: without groups edges are smooth up to the crease angle") {
+TEST_CASE("smooth normals: edges without groups are smooth below the crease angle") {
   for (const int sides : {8, 12, 40}) {  // 45 degrees and less
     Mesh mesh = prism(sides);
     compute_creased_normals(mesh, {});
@@ -106,7 +106,7 @@ TEST_CASE("smooth normals: without groups edges are smooth up to the crease angl
   }
 }
 
-TEST_CASE("smooth normals: vertices at one place count as one, and keep what else they have") {
+TEST_CASE("smooth normals: coincident vertices count as one and keep their attributes") {
   Mesh mesh = prism(40);
   const Mesh whole = mesh;
   mesh.uvs.resize(mesh.positions.size());
@@ -132,7 +132,7 @@ TEST_CASE("smooth normals: vertices at one place count as one, and keep what els
   CHECK(length(split.normals[0] - split.normals[80]) > 1e-3f);
 }
 
-TEST_CASE("smooth normals: attributes of split vertices are split with them") {
+TEST_CASE("smooth normals: attributes of split vertices are duplicated") {
   Mesh cube = shared_cube();
   Mesh::Attribute color{"vertex_color", 3, {}}, face{"face_id", 1, {}};
   for (int i = 0; i < 24; ++i) color.values.push_back(static_cast<float>(i));
@@ -150,7 +150,7 @@ TEST_CASE("smooth normals: attributes of split vertices are split with them") {
     }
 }
 
-TEST_CASE("smooth normals: edges of three triangles, triangles back to back and many at one vertex") {
+TEST_CASE("smooth normals: edges of three triangles and opposite triangles and large fans are handled") {
   Mesh fins;
   fins.positions = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 0.1f, 0}, {-1, -0.1f, 0}};
   fins.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {1, 0, 2}};

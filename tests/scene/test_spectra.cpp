@@ -48,7 +48,7 @@ void check_close(Vec3f found, Vec3f expected, double relative) {
 
 }  // namespace
 
-TEST_CASE("spectrum rows: constants and greys are flat, emitters have the spectrum of D65") {
+TEST_CASE("spectrum rows: constants and greys are flat and emitters have the spectrum of D65") {
   SpectrumSet set;
   for (const SpectrumUse use : kUses)
     for (const auto& grey : {SpectrumDescription::constant(0.37f), SpectrumDescription::rgb(0.37f, 0.37f, 0.37f)}) {
@@ -65,7 +65,7 @@ TEST_CASE("spectrum rows: constants and greys are flat, emitters have the spectr
   check_close(emission_color(set, light), {3, 3, 3}, 1e-3);
 }
 
-TEST_CASE("spectrum rows: colours of every use are those of RGB mode") {
+TEST_CASE("spectrum rows: colours of every use match RGB mode") {
   SpectrumSet set;
   for (const Vec3f rgb : {Vec3f{0.8f, 0.1f, 0.2f}, {0.05f, 0.3f, 0.9f}, {0.9f, 0.85f, 0.1f}, {0.01f, 0.02f, 0.015f}}) {
     const auto description = SpectrumDescription::rgb(rgb.x, rgb.y, rgb.z);
@@ -82,7 +82,7 @@ TEST_CASE("spectrum rows: colours of every use are those of RGB mode") {
   }
 }
 
-TEST_CASE("spectrum rows: tables keep their values, and their colours agree with RGB mode") {
+TEST_CASE("spectrum rows: tables keep their values and their colours match RGB mode") {
   SpectrumSet set;
   const std::vector<float> wavelengths{400, 500, 600, 700}, values{0, 0.3f, 0.6f, 0.7f}, strong{0, 8, 15.6f, 18.4f};
   const auto row = set.row(table(wavelengths, values), SpectrumUse::kReflectance);
@@ -100,7 +100,7 @@ TEST_CASE("spectrum rows: tables keep their values, and their colours agree with
   CHECK(set.row(table({300, 900}, {2, 2}), SpectrumUse::kUnbounded).is_flat());
 }
 
-TEST_CASE("spectrum rows: resampling keeps the power of lines and steps, wherever they lie") {
+TEST_CASE("spectrum rows: resampling keeps the power of lines and steps at any wavelength") {
   SpectrumSet set;
   for (const float centre : {500.0f, 546.07f, 611.5f, 435.83f}) {
     // A line of width 0.02 nm and power 1, which point samples would miss or overrate.
@@ -121,7 +121,7 @@ TEST_CASE("spectrum rows: resampling keeps the power of lines and steps, whereve
   CHECK(integral(set, step) == doctest::Approx(170.5).epsilon(1e-5));
 }
 
-TEST_CASE("spectrum rows: black bodies are absolute") {
+TEST_CASE("spectrum rows: black bodies have absolute radiance") {
   SpectrumSet set;
   const auto row = set.row({SpectrumDescription::Blackbody{2856, 2}}, SpectrumUse::kIlluminant);
   for (const float lambda : {360.0f, 500.5f, 830.0f})
@@ -129,7 +129,7 @@ TEST_CASE("spectrum rows: black bodies are absolute") {
   check_close(emission_color(set, row), blackbody_to_rgb(2856, 2), 1e-4);
 }
 
-TEST_CASE("spectrum rows: equal tables are stored once, bad ones refused") {
+TEST_CASE("spectrum rows: equal tables are stored once and invalid ones are rejected") {
   SpectrumSet set;
   const auto a = set.row(table({400, 700}, {1, 0}), SpectrumUse::kUnbounded);
   const std::size_t size = set.samples().size();
@@ -151,7 +151,7 @@ TEST_CASE("spectrum rows: equal tables are stored once, bad ones refused") {
   CHECK(at(set, set.row(table({1e30f, 2e30f}, {1, 1}), SpectrumUse::kIlluminant), 500) == 0.0f);
 }
 
-TEST_CASE("spectrum rows: registers of different kinds agree with single rows") {
+TEST_CASE("spectrum rows: SIMD results of mixed kinds equal scalar ones") {
   SpectrumSet set;
   std::vector<SpectrumRow> rows{set.row(SpectrumDescription::constant(0.5f), SpectrumUse::kReflectance),
                                 set.row(SpectrumDescription::rgb(0.9f, 0.2f, 0.1f), SpectrumUse::kReflectance),
@@ -173,7 +173,7 @@ TEST_CASE("spectrum rows: registers of different kinds agree with single rows") 
   }
 }
 
-TEST_CASE("illuminants: published chromaticities and unit luminance") {
+TEST_CASE("illuminants: chromaticities match the published ones and luminance is 1") {
   struct Case {
     const char* name;
     double x, y;  // CIE 15:2018, tables 3 and 11.1

@@ -47,7 +47,7 @@ TEST_CASE("subsurface: a preset gives the medium and the index of refraction") {
   CHECK(boundary(read_text(sphere(dipole("<string name='material' value='marble'/>")))).int_ior == 1.5f);
 }
 
-TEST_CASE("subsurface: coefficients, scale, indices and g replace those of the preset") {
+TEST_CASE("subsurface: explicit parameters override the preset") {
   const Description d = read_text(sphere(dipole(
       "<rgb name='sigmaA' value='1,2,3'/><rgb name='sigmaS' value='4,5,6'/><float name='scale' value='10'/>"
       "<string name='intIOR' value='water'/><float name='g' value='0.5'/><integer name='irrSamples' value='64'/>")));
@@ -62,7 +62,7 @@ TEST_CASE("subsurface: coefficients, scale, indices and g replace those of the p
   CHECK(boundary(read_text(sphere(dipole("<float name='extIOR' value='1.2'/>")))).int_ior == 1.5046f);
 }
 
-TEST_CASE("subsurface: the boundary is as rough as the bsdf that it replaces") {
+TEST_CASE("subsurface: the boundary has the roughness of the BSDF that it replaces") {
   const std::string rough = "<bsdf type='roughplastic'><float name='alpha' value='0.25'/></bsdf>";
   const std::string both_sides = "<bsdf type='twosided'>" + rough + "</bsdf>";
   for (const std::string& bsdf : {rough, both_sides}) {
@@ -73,7 +73,7 @@ TEST_CASE("subsurface: the boundary is as rough as the bsdf that it replaces") {
   CHECK_FALSE(boundary(read_text(sphere("<bsdf type='plastic'/>" + dipole("")))).roughness.has_value());
 }
 
-TEST_CASE("subsurface: shapes share what they refer to") {
+TEST_CASE("subsurface: shapes share a common definition") {
   const std::string reference = "<shape type='sphere'><ref id='skin'/></shape>";
   const Description d = read_text(old_scene("<subsurface type='dipole' id='skin'/>" + reference + reference));
   CHECK(d.media.size() == 1);
@@ -82,7 +82,7 @@ TEST_CASE("subsurface: shapes share what they refer to") {
   CHECK(boundary(d, 1).int_ior == 1.3f);
 }
 
-TEST_CASE("subsurface: errors") {
+TEST_CASE("subsurface: errors have line and nearest name") {
   CHECK(contains(error_of_text(sphere("<subsurface type='dipol'/>")),
                  "unknown subsurface plugin 'dipol', did you mean 'dipole'?"));
   CHECK(contains(error_of_text(old_scene("<subsurface type='dipole'/>")), "it belongs inside a <shape>"));

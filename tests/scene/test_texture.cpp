@@ -83,7 +83,7 @@ std::string compile_error(const std::vector<TextureDescription>& textures) {
 
 }  // namespace
 
-TEST_CASE("texture: 8-bit pictures stay bytes, in tiles from the lower left") {
+TEST_CASE("texture: 8-bit images are stored as bytes in tiles from the lower left") {
   const TemporaryFolder folder;
   for (const auto& [width, height] : {std::pair{1, 1}, {4, 4}, {9, 6}, {8, 17}, {30, 3}, {257, 2}}) {
     CAPTURE_BINDING(width);
@@ -103,7 +103,7 @@ TEST_CASE("texture: 8-bit pictures stay bytes, in tiles from the lower left") {
   }
 }
 
-TEST_CASE("texture: pictures of every format") {
+TEST_CASE("texture: images of every format are read") {
   const TemporaryFolder folder;
   const std::vector<int> color = ramp(9 * 6 * 3), wide = ramp(9 * 6 * 3, 1237, 65536);
   write_bmp(folder / "a.bmp", 9, 6, color);
@@ -137,7 +137,7 @@ TEST_CASE("texture: pictures of every format") {
   }
 }
 
-TEST_CASE("texture: OpenEXR is linear, with channels by name") {
+TEST_CASE("texture: OpenEXR images are linear and have named channels") {
   const TemporaryFolder folder;
   Image image(5, 3, {"A", "B", "G", "R"});
   for (int y = 0; y < 3; ++y)
@@ -164,7 +164,7 @@ TEST_CASE("texture: OpenEXR is linear, with channels by name") {
   CHECK(stored(tiled, 1, 0) == 0.0);
 }
 
-TEST_CASE("texture: alpha is dropped and nothing is multiplied by it") {
+TEST_CASE("texture: alpha is dropped without unpremultiplying") {
   const TemporaryFolder folder;
   std::vector<int> rgba, rgb;
   for (int i = 0; i < 12; ++i) {
@@ -193,7 +193,7 @@ TEST_CASE("texture: alpha is dropped and nothing is multiplied by it") {
   CHECK(stored(two, 1, 0) == std::lround(255 * linear_to_srgb(0.5f)));
 }
 
-TEST_CASE("texture: rows say what their descriptions say") {
+TEST_CASE("texture: compiled rows match their descriptions") {
   const TemporaryFolder folder;
   write_pnm(folder / "a.ppm", 9, 5, 3, 255, ramp(135));
   TextureDescription texture = bitmap(folder / "a.ppm");
@@ -246,7 +246,7 @@ TEST_CASE("texture: a file is loaded once for each way of reading it") {
   }
 }
 
-TEST_CASE("texture: what cannot be read is an error that names the scene's line") {
+TEST_CASE("texture: unreadable files are errors with the line of the scene") {
   const TemporaryFolder folder;
   const std::string missing = compile_error({bitmap(folder / "none.png")});
   CHECK(contains(missing, "scene.xml:12: "));
@@ -277,7 +277,7 @@ TEST_CASE("texture: what cannot be read is an error that names the scene's line"
   }
 }
 
-TEST_CASE("texture: sizes that are zero or beyond what the file can hold are refused") {
+TEST_CASE("texture: sizes of zero and sizes that the file cannot hold are rejected") {
   const TemporaryFolder folder;
   for (const char* header :
        {"P6 0 4 255\n", "P6 4 0 255\n", "P6 60000 60000 255\n", "P5 65536 65536 255\n", "P6 4000000000 4 255\n"}) {
@@ -301,7 +301,7 @@ TEST_CASE("texture: pixels and transforms must be finite") {
   CHECK(contains(compile_error({texture}), "scene.xml:7: texture: the transform"));
 }
 
-TEST_CASE("texture: checkerboards may lie in each other, but not in themselves, and not too deep") {
+TEST_CASE("texture: checkerboards may be nested to a limited depth but not contain themselves") {
   const auto white = SpectrumDescription::constant(1);
   std::vector<TextureDescription> chain;
   for (std::uint32_t i = 1; i < kMaxTextureDepth; ++i) chain.push_back(board(TextureId{i}, white));
@@ -325,7 +325,7 @@ TEST_CASE("texture: checkerboards may lie in each other, but not in themselves, 
   CHECK(contains(compile_error(longest), "more than 8 checkerboards"));
 }
 
-TEST_CASE("texture: the attribute table holds what textures read, of every shape") {
+TEST_CASE("texture: the attribute table holds all attributes that textures read") {
   TextureDescription color, weight;
   color.model = MeshAttributeDescription{"vertex_color", 2};
   weight.model = MeshAttributeDescription{"face_weight", 1};
@@ -354,7 +354,7 @@ TEST_CASE("texture: the attribute table holds what textures read, of every shape
   CHECK(table.values().size() == 9 + 2 + 3);
 }
 
-TEST_CASE("texture: attributes that make no sense are errors at the shape's place") {
+TEST_CASE("texture: invalid attributes are errors with the line of the shape") {
   AttributeTable table({"vertex_a"});
   const SourceLocation where{"scene.xml", 33};
   const auto error = [&](const Mesh::Attribute& attribute) {

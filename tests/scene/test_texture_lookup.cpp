@@ -206,7 +206,7 @@ Errors measure(const TextureDescription& texture, const TestPicture& p, const Te
 
 }  // namespace
 
-TEST_CASE("texture lookup: the sRGB curve of bytes") {
+TEST_CASE("texture lookup: bytes are decoded by the sRGB transfer function") {
   float last = -1;
   for (int i = 0; i < 256; ++i) {
     const double v = i / 255.0, exact = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
@@ -221,7 +221,7 @@ TEST_CASE("texture lookup: the sRGB curve of bytes") {
   CHECK(last == 1.0f);
 }
 
-TEST_CASE("texture lookup: bytes are gathered from any place") {
+TEST_CASE("texture lookup: bytes are gathered from any address") {
   std::vector<std::uint8_t> bytes(103);
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(37 * i + 1);
   const WideUint got =
@@ -229,7 +229,7 @@ TEST_CASE("texture lookup: bytes are gathered from any place") {
   for (int k = 0; k < kWidth; ++k) CHECK(got[k] == bytes[static_cast<std::size_t>(99 - 5 * k)]);
 }
 
-TEST_CASE("texture lookup: every format, wrap and filter agrees with the reference") {
+TEST_CASE("texture lookup: every format and wrap mode and filter matches the reference") {
   const TemporaryFolder folder;
   for (const auto& [channels, bits, raw] : {std::tuple{1, 8, false},
                                             {1, 8, true},
@@ -265,7 +265,7 @@ TEST_CASE("texture lookup: every format, wrap and filter agrees with the referen
     }
 }
 
-TEST_CASE("texture lookup: the transform and the slopes go by the surface's uv") {
+TEST_CASE("texture lookup: the uv transform applies to values and slopes") {
   const TemporaryFolder folder;
   const TestPicture p = make_picture(folder, 12, 5, 3, 8, true);
   for (const Filter filter : {Filter::kBilinear, Filter::kNearest}) {
@@ -279,7 +279,7 @@ TEST_CASE("texture lookup: the transform and the slopes go by the surface's uv")
   }
 }
 
-TEST_CASE("texture lookup: (0, 0) is the lower left corner, and texels have their centres at halves") {
+TEST_CASE("texture lookup: the origin is the lower left corner and texel centres are at halves") {
   const TemporaryFolder folder;
   write_pnm(folder / "a.pgm", 3, 2, 1, 255, {10, 20, 30, 40, 50, 60});
   TestPicture p;
@@ -299,7 +299,7 @@ TEST_CASE("texture lookup: (0, 0) is the lower left corner, and texels have thei
   }
 }
 
-TEST_CASE("texture lookup: coordinates may be anything") {
+TEST_CASE("texture lookup: any coordinates are valid") {
   const TemporaryFolder folder;
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kStrange[] = {kNan,   kInfinity,   -kInfinity, 1e30f,       -1e30f,        3.4e38f,       -3.4e38f,
@@ -337,7 +337,7 @@ TEST_CASE("texture lookup: coordinates may be anything") {
     }
 }
 
-TEST_CASE("texture lookup: grids have lines where u or v is whole") {
+TEST_CASE("texture lookup: grid lines are at integral u and v") {
   TextureDescription grid;
   grid.model = GridTextureDescription{SpectrumDescription::constant(0.25f), SpectrumDescription::rgb(1, 2, 3), 0.1f};
   grid.to_uv = {2, 0, 0, 0, 1, 0.5f};
@@ -355,7 +355,7 @@ TEST_CASE("texture lookup: grids have lines where u or v is whole") {
   CHECK_THROWS_AS(compile_textures({grid}), SceneError);
 }
 
-TEST_CASE("texture lookup: checkerboards show their children in turn, each by its own transform") {
+TEST_CASE("texture lookup: checkerboards alternate between children with individual transforms") {
   const TemporaryFolder folder;
   const TestPicture p = make_picture(folder, 16, 8, 3, 8, false);
   TextureDescription outer, inner;
@@ -385,7 +385,7 @@ TEST_CASE("texture lookup: checkerboards show their children in turn, each by it
   CHECK((strange == 0.25f || strange == 2.0f));
 }
 
-TEST_CASE("texture lookup: mesh attributes of vertices and faces") {
+TEST_CASE("texture lookup: mesh attributes of vertices and faces are interpolated") {
   TextureDescription descriptions[4];
   const char* names[] = {"vertex_color", "vertex_weight", "face_color", "face_missing"};
   for (int i = 0; i < 4; ++i) descriptions[i].model = MeshAttributeDescription{names[i], i == 0 ? 2.0f : 1.0f};
@@ -431,7 +431,7 @@ TEST_CASE("texture lookup: mesh attributes of vertices and faces") {
       }));
 }
 
-TEST_CASE("texture lookup: volumes are looked up where in the world the surface is") {
+TEST_CASE("texture lookup: volumes are evaluated at the position in world space") {
   const TemporaryFolder folder;
   const auto colors = write_vol(folder / "rgb.vol", 8, 3, [](Vec3f p, int c) {
     return c == 0 ? p.x : c == 1 ? p.y : p.z;
@@ -465,7 +465,7 @@ TEST_CASE("texture lookup: volumes are looked up where in the world the surface 
     }));
 }
 
-TEST_CASE("texture lookup: neither lights nor bumps are made of volumes") {
+TEST_CASE("texture lookup: volumes as light or bump textures are rejected") {
   const TemporaryFolder folder;
   const auto numbers = write_vol(folder / "grey.vol", 2, 1, [](Vec3f, int) { return 0.5f; });
   Description d = empty_scene(1, 1);
@@ -487,7 +487,7 @@ TEST_CASE("texture lookup: neither lights nor bumps are made of volumes") {
   CHECK_THROWS_WITH_AS(compile_scene(d), doctest::Contains("expected a picture"), SceneError);
 }
 
-TEST_CASE("texture lookup: wireframes along the edges of triangles") {
+TEST_CASE("texture lookup: wireframes follow the edges of triangles") {
   TextureDescription fixed, relative;
   fixed.model =
       WireframeDescription{SpectrumDescription::rgb(1, 0.5f, 0), SpectrumDescription::constant(0), 0.4f, 0.5f};
@@ -534,7 +534,7 @@ TEST_CASE("texture lookup: wireframes along the edges of triangles") {
     }));
 }
 
-TEST_CASE("texture lookup: bindings make numbers, reflectances and unbounded colours") {
+TEST_CASE("texture lookup: bindings give numbers or reflectances or unbounded colours") {
   TextureDescription board;
   board.model = CheckerboardDescription{SpectrumDescription::rgb(3, 0.5f, -1), SpectrumDescription::rgb(3, 0.5f, -1)};
   const CompiledTextures compiled = compile_textures({board});

@@ -61,7 +61,7 @@ float at(const BrickGrid& grid, Vec3f p) {
 
 }  // namespace
 
-TEST_CASE("vol: values lie at the centres of the unit cube's cells, x fastest") {
+TEST_CASE("vol: values are at cell centres of the unit cube with x fastest") {
   const BrickGrid grid = read(Written{}.bytes());
   CHECK(grid.channels == 1);
   CHECK(grid.max_value() == 23.0f);
@@ -79,7 +79,7 @@ TEST_CASE("vol: values lie at the centres of the unit cube's cells, x fastest") 
   CHECK(at(grid, {0.25f, 0.5f / 3, 0.25f}) == doctest::Approx(0.5f));
 }
 
-TEST_CASE("vol: the file's box, encodings and channels") {
+TEST_CASE("vol: the box and encodings and channels of the file are read") {
   const BrickGrid boxed = read(Written{}.bytes(), true);
   CHECK(boxed.voxel_box().min == Vec3f{-1, -2, -3});
   CHECK(boxed.voxel_box().max == Vec3f{1, 2, 3});
@@ -97,7 +97,7 @@ TEST_CASE("vol: the file's box, encodings and channels") {
   CHECK(lookup_grid_color(row, {0.9f, 0.9f, 0.9f}) == Vec3f{69, 70, 71});
 }
 
-TEST_CASE("vol: halves of every kind") {
+TEST_CASE("vol: half floats of every kind are read") {
   const std::uint16_t halves[] = {0, 0x8000, 0x3c00, 0xbc00, 1, 0x03ff, 0x7bff, 0x3555};
   const float expected[] = {0, -0.0f, 1, -1, 5.9604645e-8f, 6.0975552e-5f, 65504, 0.33325195f};
   Written w;
@@ -110,7 +110,7 @@ TEST_CASE("vol: halves of every kind") {
   }
 }
 
-TEST_CASE("vol: through load_volume(), as a scene names it") {
+TEST_CASE("vol: scenes read a volume by file name") {
   const TemporaryFile file("smoke.vol", Written{}.bytes());
   GridVolumeDescription description;
   description.file = file.path();
@@ -123,7 +123,7 @@ TEST_CASE("vol: through load_volume(), as a scene names it") {
   CHECK(error.starts_with("scene.xml:7: /nowhere/at/all.vol: grid volume not found"));
 }
 
-TEST_CASE("vol: headers that are wrong") {
+TEST_CASE("vol: malformed headers are errors") {
   CHECK(contains(error_in(""), "smoke.vol: expected a grid volume, which begins with the letters VOL"));
   CHECK(contains(error_in("VO"), "begins with the letters VOL"));
   CHECK(contains(error_in(std::string(100, 'x')), "begins with the letters VOL"));
@@ -145,7 +145,7 @@ TEST_CASE("vol: headers that are wrong") {
   CHECK(contains(error_in(w.bytes(), true), "not finite"));
 }
 
-TEST_CASE("vol: sizes that the file does not have, and values that are none") {
+TEST_CASE("vol: sizes that the file cannot hold and non-finite values are errors") {
   for (const std::int32_t side : {0, -1, std::numeric_limits<std::int32_t>::min(), 1 << 17}) {
     Written w;
     w.y = side;

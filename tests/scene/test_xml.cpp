@@ -19,7 +19,7 @@ std::string scene_with(const std::string& inside) {
 
 }  // namespace
 
-TEST_CASE("XML: malformed files name the line") {
+TEST_CASE("XML: malformed files are errors with a line number") {
   struct Case {
     const char* text;
     const char* expected;
@@ -44,14 +44,14 @@ TEST_CASE("XML: malformed files name the line") {
   }
 }
 
-TEST_CASE("XML: entities of a DTD stay unexpanded") {
+TEST_CASE("XML: entities of a DTD are not expanded") {
   const std::string text =
       "<!DOCTYPE scene [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;\">]>\n<scene version=\"&b;\"/>";
   const TemporaryFolder folder;
   CHECK(read_xml(write_below(folder, "entities.xml", text)).attribute("version") == "&b;");
 }
 
-TEST_CASE("XML: hostile files end in a message") {
+TEST_CASE("XML: hostile files are errors") {
   SUBCASE("truncated anywhere") {
     const std::string whole = scene_with("<shape type=\"sphere\"><float name=\"radius\" value=\"2\"/></shape>");
     REQUIRE(error_of_text(whole).empty());
@@ -60,13 +60,13 @@ TEST_CASE("XML: hostile files end in a message") {
       CHECK(contains(error_of_text(whole.substr(0, length)), "scene.xml:"));
     }
   }
-  SUBCASE("100,000 levels") {
+  SUBCASE("100 000 levels") {
     std::string text;
     for (int i = 0; i < 100'000; ++i) text += "<scene>";
     for (int i = 0; i < 100'000; ++i) text += "</scene>";
     CHECK(contains(error_of_text(text), "nested deeper than 100 levels"));
   }
-  SUBCASE("100,000 levels, never closed") {
+  SUBCASE("unclosed levels") {
     std::string text;
     for (int i = 0; i < 100'000; ++i) text += "<scene>";
     CHECK(contains(error_of_text(text), "not well-formed"));
@@ -86,7 +86,7 @@ TEST_CASE("XML: hostile files end in a message") {
     CHECK(contains(as_file, "not found"));
     CHECK(as_file.size() < 1000);
   }
-  SUBCASE("bytes that are no text") {
+  SUBCASE("bytes that are not text") {
     std::string bytes = scene_with("<shape type=\"sphere\"/>");
     for (std::size_t i = 0; i < bytes.size(); ++i) {
       for (char replacement : {'\0', '\xff', '<', '"', '$'}) {
@@ -105,7 +105,7 @@ TEST_CASE("XML: hostile files end in a message") {
   }
 }
 
-TEST_CASE("XML: files that cannot be read") {
+TEST_CASE("XML: unreadable files are errors") {
   const TemporaryFolder folder;
   CHECK(contains(error_of(folder / "absent.xml"), "absent.xml: file not found"));
   CHECK(contains(error_of(folder.path()), "not a regular file"));
@@ -136,7 +136,7 @@ TEST_CASE("expansion: parameters") {
   CHECK(contains(error_of_text(scene_with("<default nam=\"a\" value=\"\"/>")), "has no attribute 'nam'"));
 }
 
-TEST_CASE("expansion: parameters that double their length are stopped") {
+TEST_CASE("expansion: exponentially growing parameters are stopped") {
   std::string text = "<default name=\"p0\" value=\"xxxxxxxxxxxxxxxx\"/>";
   for (int i = 1; i < 40; ++i)
     text += "<default name=\"p" + std::to_string(i) + "\" value=\"$p" + std::to_string(i - 1) + " $p" +
@@ -146,7 +146,7 @@ TEST_CASE("expansion: parameters that double their length are stopped") {
 
 TEST_CASE("expansion: includes") {
   const TemporaryFolder folder;
-  SUBCASE("splice in place, searched from the scene file, the declared paths and the including file") {
+  SUBCASE("included elements replace the include and files are searched in three places") {
     write_below(folder, "parts/light.xml",
                 "<scene version='3.0.0'><default name='radius' value='3'/><include filename='light2.xml'/>"
                 "<include filename='parts/light3.xml'/></scene>");
@@ -161,7 +161,7 @@ TEST_CASE("expansion: includes") {
     REQUIRE(d.shapes.size() == 1);
     CHECK(std::get<SphereShape>(d.shapes[0].geometry).radius == 3);
   }
-  SUBCASE("the path declared last is searched first, the folder of the scene file after all paths") {
+  SUBCASE("the path declared last is searched first and the folder of the scene file after all paths") {
     for (const char* name : {"part.xml", "a/part.xml", "b/part.xml"})
       write_below(folder, name, std::string("<scene><bsdf type='diffuse' id='") + name + "'/></scene>");
     const Description d = read_scene(write_below(
@@ -177,7 +177,7 @@ TEST_CASE("expansion: includes") {
     const auto file = write_below(folder, "scene.xml", scene_with("<include filename='scene.xml'/>"));
     CHECK(contains(error_of(file), "scene.xml:3: includes are nested deeper than 15 levels"));
   }
-  SUBCASE("many includes of many includes") {
+  SUBCASE("many includes in many includes") {
     std::string inside;
     for (int i = 0; i < 30; ++i) inside += "<include filename='empty.xml'/>";
     std::string next = "empty.xml";
@@ -191,7 +191,7 @@ TEST_CASE("expansion: includes") {
     const auto file = write_below(folder, "scene.xml", scene_with("<include filename='" + next + "'/>"));
     CHECK(contains(error_of(file), "more than 10000 includes"));
   }
-  SUBCASE("missing") {
+  SUBCASE("a missing file") {
     const auto file = write_below(folder, "scene.xml", scene_with("<include filename='gone.xml'/>"));
     CHECK(contains(error_of(file), "scene.xml:3: file 'gone.xml' not found in "));
     const auto other = write_below(folder, "scene.xml", scene_with("<path value='gone'/>"));
@@ -199,7 +199,7 @@ TEST_CASE("expansion: includes") {
   }
 }
 
-TEST_CASE("expansion: ids, references and aliases") {
+TEST_CASE("expansion: ids and references and aliases are resolved") {
   auto shapes = [](const std::string& inside) { return read_text(scene_with(inside)).shapes; };
   CHECK(shapes("<shape type='sphere'><ref id='b'/></shape><bsdf type='diffuse' id='a'/><alias id='a' as='b'/>")
             .at(0)
@@ -235,7 +235,7 @@ TEST_CASE("expansion: a long chain of references does not exhaust the stack") {
   CHECK(contains(error_of_text(scene_with(text)), "refer to each other too deeply"));
 }
 
-TEST_CASE("values: numbers") {
+TEST_CASE("values: numbers and booleans and vectors are parsed") {
   const SourceLocation where{"f", 1};
   CHECK(parse_float(" +1.5e3 ", where, "x") == 1500.0f);
   CHECK(parse_float("-.5", where, "x") == -0.5f);
